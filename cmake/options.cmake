@@ -1,0 +1,13 @@
+# Compiler settings every target of this project shares: link feltwire_options.
+add_library(feltwire_options INTERFACE)
+target_compile_options(feltwire_options INTERFACE
+  -Wall -Wextra -Wpedantic -Werror -Wshadow -Wconversion -Wno-sign-conversion
+  # Determinism: the same inputs give the same bits, so no contraction into fused multiply-adds.
+  -ffp-contract=off)
+target_include_directories(feltwire_options INTERFACE ${PROJECT_SOURCE_DIR} ${PROJECT_BINARY_DIR}/generated)
+if(FELTWIRE_SANITIZE)
+  target_compile_options(feltwire_options INTERFACE
+    -fsanitize=${FELTWIRE_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
+  target_link_options(feltwire_options INTERFACE -fsanitize=${FELTWIRE_SANITIZE})
+  target_compile_definitions(feltwire_options INTERFACE FELTWIRE_SANITIZED)
+endif()

@@ -1,0 +1,14 @@
+#pragma once
+
+namespace feltwire {
+
+/// How a surface feels. Per contact: F_n = stiffness * depth along the outward normal n.
+struct Material {
+  double stiffness = 1000.0;      // [N/m], > 0; also of the tangential stick spring
+  double damping = 0.0;           // [N s/m], >= 0, along n; never makes a contact pull
+  double static_friction = 0.0;   // mu_s, >= dynamic_friction
+  double dynamic_friction = 0.0;  // mu_d, >= 0
+  double viscous_friction = 0.0;  // [N s/m], >= 0, against the tangential velocity
+};
+
+}  // namespace feltwire

@@ -1,0 +1,54 @@
+#pragma once
+// Analytic solids in their own frame, and where a point inside them is pushed out.
+
+#include <cstdint>
+#include <variant>
+
+#include "core/types.hpp"
+
+namespace feltwire {
+
+/// The half space z <= 0 is solid.
+struct Plane {};
+/// Centred on the origin.
+struct Sphere {
+  double radius = 0.0;  // [m], > 0
+};
+/// Centred, along the axes.
+struct Box {
+  Vec3 half_extents = Vec3::Zero();  // [m], each > 0
+};
+/// Around the z axis, from -half_length to +half_length, with half spheres beyond.
+struct Capsule {
+  double radius = 0.0;       // [m], > 0
+  double half_length = 0.0;  // [m], >= 0
+};
+/// Around the z axis, from -half_length to +half_length, flat ends.
+struct Cylinder {
+  double radius = 0.0;       // [m], > 0
+  double half_length = 0.0;  // [m], > 0
+};
+using Shape = std::variant<Plane, Sphere, Box, Capsule, Cylinder>;
+
+/// Which side of the surface is free to move in.
+enum class Side : std::uint8_t { outside, inside };
+
+/// Where the (frictionless) proxy stands on the surface, object frame.
+struct SurfacePoint {
+  Vec3 point = Vec3::Zero();   // [m] on the surface
+  Vec3 normal = Vec3::UnitZ(); // unit, towards the free side
+  double depth = 0.0;          // [m] |position - point|, 0 when free
+};
+
+/// What the proxy must remember of one shape between samples, so that it does not jump through a thin solid.
+struct FeatureMemory {
+  std::uint8_t feature = 0;        // 0: not in contact; else 1 + index of the face the proxy stands on
+  Vec3 normal = Vec3::UnitZ();     // last normal: what is used where the geometry leaves it undefined (a centre, an axis)
+};
+
+/// The proxy of a point [m, object frame] against a shape felt from `side`. Contact is local (Zilles & Salisbury's
+/// god-object): a proxy stays on the face it entered by, until the point leaves the solid, however thin that is.
+/// Free points give depth 0 and clear the memory.
+SurfacePoint surface_point(const Shape& shape, Side side, const Vec3& position, FeatureMemory& memory) noexcept;
+
+}  // namespace feltwire

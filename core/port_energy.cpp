@@ -1,0 +1,39 @@
+#include "core/port_energy.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace feltwire {
+namespace {
+// Relative to all energy exchanged. Sums of 1e8 samples stay well below it.
+constexpr double kRounding = 1e-9;
+}  // namespace
+
+PortEnergy::PortEnergy(double damping, double rotational_damping, double period)
+    : damping_(damping), rotational_damping_(rotational_damping), period_(period) {}
+
+void PortEnergy::step(const Command& held, const Vec3& displacement, const Vec3& rotation,
+                      double hold_time) noexcept {
+  if (!held.finite() || !displacement.allFinite() || !rotation.allFinite()) {
+    ++refused_;
+    return;
+  }
+  const double elastic = held.elastic.dot(displacement);
+  const double frictional = held.frictional.dot(displacement);
+  const double torque = held.torque.dot(rotation);
+  const double hold = hold_time > period_ ? hold_time : period_;
+  const double burned =
+      (damping_ * displacement.squaredNorm() + rotational_damping_ * rotation.squaredNorm()) / hold;
+
+  delivered_.elastic += elastic;
+  delivered_.frictional += frictional;
+  delivered_.torque += torque;
+  burned_ += burned;
+  exchanged_ += std::abs(elastic) + std::abs(frictional) + std::abs(torque) + burned;
+
+  const double margin = burned_ - delivered_.total();
+  least_margin_ = std::min(least_margin_, margin);
+  if (margin < -kRounding * exchanged_) ++violations_;
+}
+
+}  // namespace feltwire

@@ -1,0 +1,46 @@
+#pragma once
+// A JSON file read against a FlatBuffers schema, with errors that name the file, the line and the field.
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+
+namespace feltwire {
+
+/// A file that cannot be used: what() reads "file:line: field: what is wrong; remedy".
+class FileError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// The file's whole text; throws FileError when it cannot be read.
+std::string read_text(const std::filesystem::path& file);
+
+class JsonDocument {
+ public:
+  /// Parses `json` against `schema` (the text of a .fbs file with a root_type). Syntax errors, unknown, repeated,
+  /// missing and mistyped fields throw FileError with the line. `file` is what errors call it.
+  JsonDocument(std::string_view json, std::string file, const char* schema);
+  ~JsonDocument();
+  JsonDocument(const JsonDocument&) = delete;
+  JsonDocument& operator=(const JsonDocument&) = delete;
+
+  /// The verified FlatBuffer; lives as long as this.
+  const std::uint8_t* buffer() const;
+
+  /// The line (from 1) on which the value at a path like "objects[2].sphere.radius" begins; where the path is not in
+  /// the text (a defaulted field), the line of the nearest parent that is.
+  int line_of(std::string_view path) const;
+
+  /// Throws FileError "file:line: path: message".
+  [[noreturn]] void fail(std::string_view path, std::string_view message) const;
+
+ private:
+  struct Parsed;
+  std::unique_ptr<Parsed> parsed_;
+};
+
+}  // namespace feltwire

@@ -1,0 +1,50 @@
+#pragma once
+// A virtual environment: objects, and the force they answer a tool with.
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/contact/contact.hpp"
+#include "core/scene/json_document.hpp"
+
+namespace feltwire {
+
+/// What the objects of a scene need from whoever hosts it; what none needs is neither allocated, stepped nor sent.
+struct Requirements {
+  bool friction = false;  // a stick point per object and tool
+  bool velocity = false;  // damping or viscous friction: a velocity estimate per tool
+};
+
+/// What one tool remembers of a scene between samples: one entry an object, allocated once.
+using TouchMemory = std::vector<ContactMemory>;
+
+class Scene {
+ public:
+  Scene(std::string name, std::vector<Object> objects);
+
+  const std::string& name() const { return name_; }
+  const std::vector<Object>& objects() const { return objects_; }
+  const Requirements& requirements() const { return requirements_; }
+
+  /// A memory for one tool; allocates.
+  TouchMemory memory() const { return TouchMemory(objects_.size()); }
+
+  /// The sum of what all objects answer the tool with. `memory` must come from this scene. A tool that is not finite
+  /// gives zero and leaves the memory as it was. Never allocates.
+  Command touch(const Tool& tool, TouchMemory& memory) const noexcept;
+
+ private:
+  std::string name_;
+  std::vector<Object> objects_;
+  Requirements requirements_;
+};
+
+/// Reads a scene file (JSON against core/scene/scene.fbs). Throws FileError.
+Scene load_scene(const std::filesystem::path& file);
+
+/// The same from text; `file` is only what errors call it.
+Scene parse_scene(std::string_view json, const std::string& file);
+
+}  // namespace feltwire

@@ -1,0 +1,16 @@
+#include "core/types.hpp"
+
+#include <cmath>
+
+namespace feltwire {
+
+Vec3 rotation_between(const Quaternion& from, const Quaternion& to) {
+  // to * conj(from) is |to||from| times the unit rotation: the angle only needs the ratio of its parts.
+  const Quaternion difference = to * from.conjugate();
+  const double sine = difference.vec().norm();
+  if (!(sine > 0.0) || !std::isfinite(sine) || !std::isfinite(difference.w())) return Vec3::Zero();
+  const double angle = 2.0 * std::atan2(sine, std::abs(difference.w()));
+  return (difference.w() < 0.0 ? -angle : angle) / sine * difference.vec();
+}
+
+}  // namespace feltwire

@@ -1,0 +1,59 @@
+#pragma once
+// The control messages (TCP) as values, and their frames.
+
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "core/device_spec.hpp"
+#include "protocol/datagram.hpp"
+#include "protocol/session_parameters.hpp"
+
+namespace feltwire::control {
+
+inline constexpr std::size_t kMaxFrame = 64 * 1024;  // [bytes] body of a frame
+
+struct JoinRequest {
+  std::string client;
+  std::string scene;
+  DeviceSpec device;
+  SessionParameters parameters;
+};
+struct JoinAccepted {
+  std::uint64_t session = 0;
+  std::uint16_t udp_port = 0;
+  SessionParameters parameters;  // in force
+  double silence_timeout = 0.0;  // [s]
+  bool friction = false, rotation = false;
+};
+struct LeaveRequest { std::uint64_t session = 0; };
+struct Left { std::uint64_t session = 0; };
+struct ListScenes {};
+struct SceneEntry {
+  std::string name;
+  std::uint16_t udp_port = 0;
+  std::uint32_t objects = 0, sessions = 0;
+};
+struct SceneList { std::vector<SceneEntry> scenes; };
+struct SetParameters { std::uint64_t session = 0; SessionParameters parameters; };
+struct ParametersSet { std::uint64_t session = 0; SessionParameters parameters; };
+enum class RefusalCode : std::uint8_t {
+  malformed, unknown_scene, unknown_session, bad_device, bad_parameters, full, shutting_down
+};
+struct Refused {
+  RefusalCode code = RefusalCode::malformed;
+  std::string reason;  // for people
+};
+
+using Message = std::variant<JoinRequest, JoinAccepted, LeaveRequest, Left, ListScenes, SceneList, SetParameters,
+                             ParametersSet, Refused>;
+
+/// A whole frame: u32 length (little-endian, without itself), then the FlatBuffer.
+std::vector<std::uint8_t> encode(const Message& message);
+
+/// The body of a frame (without its length), verified. nullopt when it is no valid message.
+/// Numbers are not judged here: validate() does that.
+std::optional<Message> decode(Bytes body);
+
+}  // namespace feltwire::control
