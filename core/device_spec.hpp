@@ -12,21 +12,22 @@ namespace feltwire {
 /// Limits and physics of one device. Every built-in number carries its source in device_spec.cpp.
 struct DeviceSpec {
   std::string name;
-  int translation_dof = 3;            // 2 (x, y) or 3 (x, y, z), sensed and actuated
-  int rotation_sensed = 0;            // 0 or 3
-  int rotation_actuated = 0;          // 0 or 3; never more than sensed
-  double damping = 0.0;               // b [N s/m], the device's own physical damping
-  double rotational_damping = 0.0;    // b_r [N m s/rad]
-  double apparent_mass = 0.0;         // [kg] at the tool
-  double coulomb_friction = 0.0;      // [N] at the tool
-  double position_resolution = 0.0;   // [m] encoder quantum at the tool
-  double max_force = 0.0;             // [N] peak
-  double continuous_force = 0.0;      // [N]
-  double max_torque = 0.0;            // [N m] peak, 0 when torque is not actuated
-  Vec3 workspace = Vec3::Zero();      // [m] full extent along x, y, z
+  int translation_dof = 3;           // 2 (x, y) or 3 (x, y, z), sensed and actuated
+  int rotation_sensed = 0;           // 0 or 3
+  int rotation_actuated = 0;         // 0 or 3; never more than sensed
+  double damping = 0.0;              // b [N s/m], the device's own physical damping
+  double rotational_damping = 0.0;   // b_r [N m s/rad]
+  double apparent_mass = 0.0;        // [kg] at the tool
+  double coulomb_friction = 0.0;     // [N] at the tool
+  double position_resolution = 0.0;  // [m] encoder quantum at the tool
+  double max_force = 0.0;            // [N] peak
+  double continuous_force = 0.0;     // [N]
+  double max_torque = 0.0;           // [N m] peak, 0 when torque is not actuated
+  Vec3 workspace = Vec3::Zero();     // [m] full extent along x, y, z
 };
 
-/// Throws std::invalid_argument naming the field and the remedy when a number is not finite, negative or contradictory.
+/// Throws std::invalid_argument naming the field and the remedy when a number is not finite,
+/// negative or contradictory.
 void validate(const DeviceSpec& spec);
 
 /// The built-in devices, in a fixed order.

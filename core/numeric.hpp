@@ -1,5 +1,6 @@
 #pragma once
-// Vector lengths that neither overflow nor underflow, at the price of a plain norm where the numbers are plain.
+// Vector lengths that neither overflow nor underflow, at the price of a plain norm where the
+// numbers are plain.
 
 #include <cmath>
 
@@ -7,29 +8,34 @@
 
 namespace feltwire {
 
-/// |v|, right for every finite v up to the largest double.
+/// |v|, right for every finite v up to the largest double; not finite when v is not.
 inline double length(const Vec3& v) noexcept {
   const double squared = v.squaredNorm();
   // Between these the sum of squares has neither overflowed nor lost digits to denormals.
-  if (squared > 1e-280 && squared < 1e280) [[likely]] return std::sqrt(squared);
+  if (squared > 1e-280 && squared < 1e280) [[likely]]
+    return std::sqrt(squared);
   const double largest = v.cwiseAbs().maxCoeff();
-  if (!(largest > 0.0) || !std::isfinite(largest)) return largest;
+  if (!(largest > 0.0) || !v.allFinite()) return std::abs(v.sum());
   int exponent;
   std::frexp(largest, &exponent);
-  return std::ldexp(Vec3(std::ldexp(v.x(), -exponent), std::ldexp(v.y(), -exponent),
-                         std::ldexp(v.z(), -exponent)).norm(), exponent);
+  return std::ldexp(
+      Vec3(std::ldexp(v.x(), -exponent), std::ldexp(v.y(), -exponent), std::ldexp(v.z(), -exponent))
+          .norm(),
+      exponent);
 }
 
-/// v / |v|; zero for zero.
+/// v / |v|; zero for zero and for what is not finite.
 inline Vec3 direction(const Vec3& v) noexcept {
   const double squared = v.squaredNorm();
-  if (squared > 1e-280 && squared < 1e280) [[likely]] return v / std::sqrt(squared);
+  if (squared > 1e-280 && squared < 1e280) [[likely]]
+    return v / std::sqrt(squared);
   const double largest = v.cwiseAbs().maxCoeff();
-  if (!(largest > 0.0) || !std::isfinite(largest)) return Vec3::Zero();
+  if (!(largest > 0.0) || !v.allFinite()) return Vec3::Zero();
   int exponent;
   std::frexp(largest, &exponent);
   return Vec3(std::ldexp(v.x(), -exponent), std::ldexp(v.y(), -exponent),
-              std::ldexp(v.z(), -exponent)).normalized();
+              std::ldexp(v.z(), -exponent))
+      .normalized();
 }
 
 /// The part of v along the unit vector u.

@@ -14,22 +14,24 @@ PortEnergy::PortEnergy(double damping, double rotational_damping, double period)
 
 void PortEnergy::step(const Command& held, const Vec3& displacement, const Vec3& rotation,
                       double hold_time) noexcept {
-  if (!held.finite() || !displacement.allFinite() || !rotation.allFinite()) {
-    ++refused_;
-    return;
-  }
   const double elastic = held.elastic.dot(displacement);
   const double frictional = held.frictional.dot(displacement);
   const double torque = held.torque.dot(rotation);
   const double hold = hold_time > period_ ? hold_time : period_;
   const double burned =
       (damping_ * displacement.squaredNorm() + rotational_damping_ * rotation.squaredNorm()) / hold;
+  // One sum tells of anything not finite among the inputs, and of products that overflowed.
+  const double exchange = std::abs(elastic) + std::abs(frictional) + std::abs(torque) + burned;
+  if (!std::isfinite(exchange) || !std::isfinite(hold_time)) {
+    ++refused_;
+    return;
+  }
 
   delivered_.elastic += elastic;
   delivered_.frictional += frictional;
   delivered_.torque += torque;
   burned_ += burned;
-  exchanged_ += std::abs(elastic) + std::abs(frictional) + std::abs(torque) + burned;
+  exchanged_ += exchange;
 
   const double margin = burned_ - delivered_.total();
   least_margin_ = std::min(least_margin_, margin);

@@ -1,5 +1,6 @@
 #pragma once
-// The observer of what really crosses a haptic port. It bounds nothing; it is how every claim of passivity is checked.
+// The observer of what really crosses a haptic port. It bounds nothing; it is how every claim of
+// passivity is checked.
 
 #include <cstdint>
 
@@ -15,22 +16,26 @@ struct ChannelEnergy {
   double total() const { return elastic + frictional + torque; }
 };
 
-/// Accounts, sample by sample, the energy that held forces delivered to the hand, f(n-1) . dx(n), against what the
-/// device's own damping b burned at least, (b/h) |dx|^2 over a hold of h. A port whose bound holds never delivers more
-/// than that, whatever the hand does: delivered <= burned. A sample after which this is broken, beyond rounding, is a
-/// violation.
+/// Accounts, sample by sample, the energy that held forces delivered to the hand, f(n-1) . dx(n),
+/// against what the device's own damping b burned at least, (b/h) |dx|^2 over a hold of h. A port
+/// whose bound holds never delivers more than that, whatever the hand does: delivered <= burned. A
+/// sample after which this is broken, beyond rounding, is a violation.
 class PortEnergy {
  public:
   /// damping [N s/m], rotational_damping [N m s/rad], period T [s] (shorter holds count as T).
   PortEnergy(double damping, double rotational_damping, double period);
 
-  /// The device moved by `displacement` [m], `rotation` [rad] over `hold_time` [s] while `held` acted on the hand.
-  /// Anything not finite is left out and counted in `refused`.
-  void step(const Command& held, const Vec3& displacement, const Vec3& rotation, double hold_time) noexcept;
+  /// The device moved by `displacement` [m], `rotation` [rad] over `hold_time` [s] while `held`
+  /// acted on the hand. A sample with anything not finite, products included, is left out and
+  /// counted in `refused`.
+  void step(const Command& held, const Vec3& displacement, const Vec3& rotation,
+            double hold_time) noexcept;
 
   const ChannelEnergy& delivered() const { return delivered_; }  // to the hand so far
-  double burned() const { return burned_; }                      // [J] by the device's damping, at least
-  double least_margin() const { return least_margin_; }          // [J] minimum over time of burned - delivered
+  double burned() const { return burned_; }  // [J] by the device's damping, at least
+  double least_margin() const {
+    return least_margin_;
+  }  // [J] minimum over time of burned - delivered
   std::uint64_t violations() const { return violations_; }
   std::uint64_t refused() const { return refused_; }
 

@@ -5,7 +5,8 @@
 namespace feltwire {
 
 Vec3 rotation_between(const Quaternion& from, const Quaternion& to) {
-  // to * conj(from) is |to||from| times the unit rotation: the angle only needs the ratio of its parts.
+  // to * conj(from) is |to||from| times the unit rotation: the angle only needs the ratio of its
+  // parts.
   const Quaternion difference = to * from.conjugate();
   const double sine = difference.vec().norm();
   if (!(sine > 0.0) || !std::isfinite(sine) || !std::isfinite(difference.w())) return Vec3::Zero();

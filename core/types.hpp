@@ -1,5 +1,6 @@
 #pragma once
-// The values that travel through feltwire. SI units; vectors are in the world frame unless a name says otherwise.
+// The values that travel through feltwire. SI units; vectors are in the world frame unless a name
+// says otherwise.
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
@@ -11,8 +12,9 @@ using Quaternion = Eigen::Quaterniond;
 
 /// Pose of a tool or an object in the world frame.
 struct Pose {
-  Vec3 position = Vec3::Zero();                         // [m]
-  Quaternion orientation = Quaternion::Identity();      // unit; rotates the own frame into the world frame
+  Vec3 position = Vec3::Zero();  // [m]
+  Quaternion orientation =
+      Quaternion::Identity();  // unit; rotates the own frame into the world frame
 };
 
 /// What acts on the hand, kept in the parts that the energy bound needs apart.
@@ -38,8 +40,8 @@ struct Tool {
 };
 
 /// Rotation vector of `to * from^-1` in the world frame [rad], the short way round (norm <= pi).
-/// Neither quaternion has to be quite unit; q and -q are the same orientation. Anything not finite, and a quaternion
-/// of norm zero, gives zero.
+/// Neither quaternion has to be quite unit; q and -q are the same orientation. Anything not finite,
+/// and a quaternion of norm zero, gives zero.
 Vec3 rotation_between(const Quaternion& from, const Quaternion& to);
 
 }  // namespace feltwire

@@ -1,5 +1,5 @@
 #pragma once
-// Law (C) of one channel of the contact-frame bound.
+// Law (C) of one channel of the contact-frame bound, and what happens when nature broke it.
 
 #include <algorithm>
 #include <cmath>
@@ -14,36 +14,57 @@ struct ChannelLaw {
   double period = 1e-3;  // [s]
 };
 
-/// Energy E that a channel delivered beyond its budget during an overlong hold, kept as the force sqrt(4 b E / T) [N]
-/// whose storage S it is, so that no square can overflow. Repaid from the budget before any force.
+/// sqrt(a^2 - b^2) for a >= b >= 0 without overflow or cancellation.
+inline double root_difference(double a, double b) noexcept {
+  return b > 0.0 ? std::sqrt(a - b) * std::sqrt(a + b) : a;
+}
+
+/// Energy E that a port delivered beyond its budget: a hold that lasted longer than T, or a force
+/// held that was never allowed. Kept as the force sqrt(4 b E / T) [N] whose storage it is, so that
+/// no square can overflow.
 struct Debt {
   double force = 0.0;  // [N]
+
+  void add(double more) noexcept { force = std::hypot(force, more); }
+
+  /// Repays from what a channel would be allowed; returns what that leaves to the channel. No force
+  /// before all is repaid.
+  double repay(double allowed) noexcept {
+    if (allowed < force) {
+      force = root_difference(force, allowed);
+      return 0.0;
+    }
+    const double left = root_difference(allowed, force);
+    force = 0.0;
+    return left;
+  }
 };
 
-/// sqrt(a^2 - b^2) for a >= b >= 0 without overflow or cancellation.
-inline double root_difference(double a, double b) noexcept { return std::sqrt(a - b) * std::sqrt(a + b); }
-
-/// The largest magnitude that the channel may hold next.
+/// The largest magnitude that a channel may hold next, debts apart.
 ///
-/// (C) in energies, times 4 b / T, for a force held h >= T while the channel moved dx_ch (paper's sign F = -f):
-///   |F(n)|^2 <= |F(n-1) + c dx_ch|^2 + 2 c F(n-1).dx_foreign - c^2 |dx_ch|^2 (1 - T/h) - debt^2
-/// The damping credit is (b/h) |dx_ch|^2, what the device really burned in the real time. `dx_foreign` is motion that
-/// belongs to the other channel's damping but that the held force did work on all the same.
+/// (C) in energies, times 4 b / T, for a force held h >= T while the channel moved dx_ch (paper's
+/// sign F = -f):
+///   |F(n)|^2 <= |F(n-1) + c dx_ch|^2 - c^2 |dx_ch|^2 (1 - T/h)
+/// The damping credit is (b/h) |dx_ch|^2, what the device really burned at least in the real time.
+/// Only for h > T can this be negative; then it is a debt.
 ///
-/// Arguments: `moved` = |F(n-1) + c dx_ch| [N]; `foreign` = 2 c F(n-1).dx_foreign [N^2]; `travel` = c |dx_ch| [N];
-/// `hold_time` >= T [s]. A negative budget becomes debt and allows nothing.
-inline double allowed_magnitude(double moved, double foreign, double travel, double hold_time, const ChannelLaw& law,
-                                Debt& debt) noexcept {
-  double owed = debt.force;
-  if (hold_time > law.period) owed = std::hypot(owed, travel * std::sqrt(1.0 - law.period / hold_time));
-  if (foreign < 0.0) owed = std::hypot(owed, std::sqrt(-foreign));
-  if (foreign > 0.0) moved = std::hypot(moved, std::sqrt(foreign));
-  if (moved >= owed) [[likely]] {
-    debt.force = 0.0;
-    return owed > 0.0 ? root_difference(moved, owed) : moved;
-  }
-  debt.force = root_difference(owed, moved);
+/// Arguments: `moved` = |F(n-1) + c dx_ch| [N]; `travel` = c |dx_ch| [N]; `hold_time` >= T [s].
+inline double allowed_magnitude(double moved, double travel, double hold_time,
+                                const ChannelLaw& law, Debt& debt) noexcept {
+  if (!(hold_time > law.period)) [[likely]]
+    return moved;
+  const double unburned = travel * std::sqrt(1.0 - law.period / hold_time);
+  if (moved >= unburned) return root_difference(moved, unburned);
+  debt.add(root_difference(unburned, moved));
   return 0.0;
+}
+
+/// What a force that was held has beyond what was allowed: the storage that it takes the place of
+/// is smaller than its own.
+inline double excess(double held, double allowed) noexcept {
+  // Splitting a held force into its channels again rounds by some ulps; that is no excess.
+  constexpr double kRounding = 1e-15;
+  return held > allowed * (1.0 + kRounding) ? root_difference(held, allowed) : 0.0;
 }
 
 }  // namespace feltwire

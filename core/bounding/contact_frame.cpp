@@ -3,6 +3,8 @@
 namespace feltwire {
 namespace {
 
+constexpr double kRounding = 1e-14;
+
 double factor(double allowed, double wanted) { return wanted > allowed ? allowed / wanted : 1.0; }
 
 }  // namespace
@@ -10,27 +12,41 @@ double factor(double allowed, double wanted) { return wanted > allowed ? allowed
 Command ContactFrameBound::step(const BoundingStep& s) noexcept {
   const double c = translation_.c;
 
-  // The command in its channels: e u and friction orthogonal to u. What friction has along u (contact damping) counts
-  // as elastic, and a contact never pulls: e >= 0.
+  // The command in its channels: e u and friction orthogonal to u. What friction has along u
+  // (contact damping) counts as elastic, and a contact never pulls: e >= 0.
   const Vec3 u = direction(s.command.elastic);
   const double along_normal = s.command.frictional.dot(u);
   const double elastic = std::max(0.0, length(s.command.elastic) + along_normal);
-  const Vec3 frictional = s.command.frictional - along_normal * u;
+  Vec3 frictional = s.command.frictional - along_normal * u;
+  // What the subtraction leaves by rounding is no friction; bounded, it could take the elastic
+  // force with it.
+  if (length(frictional) <= kRounding * length(s.command.frictional)) frictional.setZero();
   const double friction = length(frictional);
 
-  // How the device moved in the frame that was held: dx = dx_el + dx_fr. When no elastic force was held the split is
-  // free, so it is made in the new frame.
-  const Vec3& u_p = elastic_ > 0.0 ? normal_ : u;
+  // The frame u_p that was held. When no elastic force was held the frame is free: the new one is
+  // taken, and the held force is split in it. |F|^2 is the sum of both parts' squares in every
+  // frame, so no storage is made or lost.
+  const bool framed = elastic_ > 0.0;
+  const Vec3 u_p = framed ? normal_ : u;
+  const double held_elastic = framed ? elastic_ : frictional_.dot(u_p);
+  const Vec3 held_friction = framed ? frictional_ : Vec3(frictional_ - held_elastic * u_p);
+
+  // How the device moved in it: dx = dx_el + dx_fr.
   const double dx_el = s.displacement.dot(u_p);
   const Vec3 dx_fr = s.displacement - dx_el * u_p;
 
   // (C), channel by channel; f = -F turns the sum into a difference.
-  const double allowed_elastic = allowed_magnitude(std::abs(elastic_ - c * dx_el), 0.0, c * std::abs(dx_el),
-                                                   s.hold_time, translation_, elastic_debt_);
-  // The held friction is orthogonal to u_p but when the frame is new: then it worked along u_p too.
-  const double foreign = -2.0 * c * frictional_.dot(u_p) * dx_el;
-  const double allowed_friction = allowed_magnitude(length(frictional_ - c * dx_fr), foreign, c * length(dx_fr),
-                                                    s.hold_time, translation_, frictional_debt_);
+  Debt debt = force_debt_;
+  debt.add(force_excess_);
+  double allowed_elastic = allowed_magnitude(std::abs(held_elastic - c * dx_el),
+                                             c * std::abs(dx_el), s.hold_time, translation_, debt);
+  double allowed_friction = allowed_magnitude(length(held_friction - c * dx_fr), c * length(dx_fr),
+                                              s.hold_time, translation_, debt);
+  allowed_friction =
+      debt.repay(allowed_friction);  // friction first: the normal force is missed more
+  allowed_elastic = debt.repay(allowed_elastic);
+  force_debt_ = debt;
+  allowed_force_ = std::hypot(allowed_elastic, allowed_friction);
 
   double elastic_scale = factor(allowed_elastic, elastic);
   const double friction_scale = std::min(elastic_scale, factor(allowed_friction, friction));
@@ -40,9 +56,11 @@ Command ContactFrameBound::step(const BoundingStep& s) noexcept {
   rendered.elastic = elastic_scale * elastic * u;
   rendered.frictional = friction_scale * frictional;
   if (torque_) {
-    const double allowed = allowed_magnitude(length(held_torque_ - rotation_.c * s.rotation), 0.0,
-                                             rotation_.c * length(s.rotation), s.hold_time, rotation_, torque_debt_);
-    rendered.torque = factor(allowed, length(s.command.torque)) * s.command.torque;
+    torque_debt_.add(torque_excess_);
+    allowed_torque_ = torque_debt_.repay(
+        allowed_magnitude(length(held_torque_ - rotation_.c * s.rotation),
+                          rotation_.c * length(s.rotation), s.hold_time, rotation_, torque_debt_));
+    rendered.torque = factor(allowed_torque_, length(s.command.torque)) * s.command.torque;
   }
   return rendered;
 }
@@ -58,6 +76,8 @@ void ContactFrameBound::set_held(const Command& held) noexcept {
     normal_ = -normal_;
   }
   held_torque_ = held.torque;
+  force_excess_ = excess(std::hypot(elastic_, length(frictional_)), allowed_force_);
+  torque_excess_ = excess(length(held_torque_), allowed_torque_);
 }
 
 }  // namespace feltwire

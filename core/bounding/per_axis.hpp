@@ -31,7 +31,8 @@ struct ForceInterval {
 inline ForceInterval eba_interval(double dx, double held, EbaConstants c) noexcept {
   const double a = c.c2 * dx;
   const double h = std::hypot(a, held);
-  // The side where a and h would cancel uses (h + a)(h - a) = held^2, divided in an order that cannot overflow.
+  // The side where a and h would cancel uses (h + a)(h - a) = held^2, divided in an order that
+  // cannot overflow.
   double hi = a >= 0.0 ? a + h : std::abs(held) * (std::abs(held) / (h - a));
   double lo = a <= 0.0 ? a - h : -std::abs(held) * (std::abs(held) / (h + a));
   if (dx > 0.0) hi = std::min(hi, held + c.c1 * dx);
@@ -42,7 +43,7 @@ inline ForceInterval eba_interval(double dx, double held, EbaConstants c) noexce
 /// One axis: the command clamped into what the bounding laws allow (paper's sign).
 inline double eba_axis(double command, double dx, double held, EbaConstants c) noexcept {
   const ForceInterval allowed = eba_interval(dx, held, c);
-  // min before max: should rounding cross the two, the smaller magnitude of change wins.
+  // c2 <= c1 keeps lo <= hi; should rounding cross the two by an ulp, either is right to rounding.
   return std::max(allowed.lo, std::min(allowed.hi, command));
 }
 
@@ -54,9 +55,9 @@ inline Vec3 eba_axes(const Vec3& command, const Vec3& displacement, const Vec3& 
   return rendered;
 }
 
-/// mode `per_axis`: every axis of the fixed global frame is passive by itself (Eq. 2); the paper's Fig. 3 and Fig. 5.
-/// Known weakness: on a curved surface the force moves energy between the axes without creating any; this law forbids
-/// that, and the rendered direction bends.
+/// mode `per_axis`: every axis of the fixed global frame is passive by itself (Eq. 2); the paper's
+/// Fig. 3 and Fig. 5. Known weakness: on a curved surface the force moves energy between the axes
+/// without creating any; this law forbids that, and the rendered direction bends.
 struct PerAxisBound {
   EbaConstants translation, rotation;
   bool torque = false;

@@ -35,20 +35,23 @@ enum class Side : std::uint8_t { outside, inside };
 
 /// Where the (frictionless) proxy stands on the surface, object frame.
 struct SurfacePoint {
-  Vec3 point = Vec3::Zero();   // [m] on the surface
-  Vec3 normal = Vec3::UnitZ(); // unit, towards the free side
-  double depth = 0.0;          // [m] |position - point|, 0 when free
+  Vec3 point = Vec3::Zero();    // [m] on the surface
+  Vec3 normal = Vec3::UnitZ();  // unit, towards the free side
+  double depth = 0.0;           // [m] |position - point|, 0 when free
 };
 
-/// What the proxy must remember of one shape between samples, so that it does not jump through a thin solid.
+/// What the proxy must remember of one shape between samples, so that it does not jump through a
+/// thin solid.
 struct FeatureMemory {
-  std::uint8_t feature = 0;        // 0: not in contact; else 1 + index of the face the proxy stands on
-  Vec3 normal = Vec3::UnitZ();     // last normal: what is used where the geometry leaves it undefined (a centre, an axis)
+  std::uint8_t feature = 0;     // 0: not in contact; else 1 + index of the face the proxy stands on
+  Vec3 normal = Vec3::UnitZ();  // last normal: what is used where the geometry leaves it undefined
+                                // (a centre, an axis)
 };
 
-/// The proxy of a point [m, object frame] against a shape felt from `side`. Contact is local (Zilles & Salisbury's
-/// god-object): a proxy stays on the face it entered by, until the point leaves the solid, however thin that is.
-/// Free points give depth 0 and clear the memory.
-SurfacePoint surface_point(const Shape& shape, Side side, const Vec3& position, FeatureMemory& memory) noexcept;
+/// The proxy of a point [m, object frame] against a shape felt from `side`. Contact is local
+/// (Zilles & Salisbury's god-object): a proxy stays on the face it entered by, until the point
+/// leaves the solid, however thin that is. Free points give depth 0 and clear the memory.
+SurfacePoint surface_point(const Shape& shape, Side side, const Vec3& position,
+                           FeatureMemory& memory) noexcept;
 
 }  // namespace feltwire

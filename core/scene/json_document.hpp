@@ -1,5 +1,6 @@
 #pragma once
-// A JSON file read against a FlatBuffers schema, with errors that name the file, the line and the field.
+// A JSON file read against a FlatBuffers schema, with errors that name the file, the line and the
+// field.
 
 #include <cstdint>
 #include <filesystem>
@@ -21,18 +22,19 @@ std::string read_text(const std::filesystem::path& file);
 
 class JsonDocument {
  public:
-  /// Parses `json` against `schema` (the text of a .fbs file with a root_type). Syntax errors, unknown, repeated,
-  /// missing and mistyped fields throw FileError with the line. `file` is what errors call it.
+  /// Parses `json` against `schema` (the text of a .fbs file with a root_type). Syntax errors,
+  /// unknown, repeated, missing and mistyped fields throw FileError with the line. `file` is what
+  /// errors call it.
   JsonDocument(std::string_view json, std::string file, const char* schema);
   ~JsonDocument();
   JsonDocument(const JsonDocument&) = delete;
   JsonDocument& operator=(const JsonDocument&) = delete;
 
-  /// The verified FlatBuffer; lives as long as this.
+  /// The FlatBuffer, built here from checked text; lives as long as this.
   const std::uint8_t* buffer() const;
 
-  /// The line (from 1) on which the value at a path like "objects[2].sphere.radius" begins; where the path is not in
-  /// the text (a defaulted field), the line of the nearest parent that is.
+  /// The line (from 1) on which the value at a path like "objects[2].sphere.radius" begins; where
+  /// the path is not in the text (a defaulted field), the line of the nearest parent that is.
   int line_of(std::string_view path) const;
 
   /// Throws FileError "file:line: path: message".

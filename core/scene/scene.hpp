@@ -11,7 +11,8 @@
 
 namespace feltwire {
 
-/// What the objects of a scene need from whoever hosts it; what none needs is neither allocated, stepped nor sent.
+/// What the objects of a scene need from whoever hosts it; what none needs is neither allocated,
+/// stepped nor sent.
 struct Requirements {
   bool friction = false;  // a stick point per object and tool
   bool velocity = false;  // damping or viscous friction: a velocity estimate per tool
@@ -31,8 +32,8 @@ class Scene {
   /// A memory for one tool; allocates.
   TouchMemory memory() const { return TouchMemory(objects_.size()); }
 
-  /// The sum of what all objects answer the tool with. `memory` must come from this scene. A tool that is not finite
-  /// gives zero and leaves the memory as it was. Never allocates.
+  /// The sum of what all objects answer the tool with. `memory` must come from this scene. A tool
+  /// that is not finite gives zero and leaves the memory as it was. Never allocates.
   Command touch(const Tool& tool, TouchMemory& memory) const noexcept;
 
  private:

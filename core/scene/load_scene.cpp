@@ -1,0 +1,139 @@
+#include <utility>
+
+#include "core/scene/rules.hpp"
+#include "core/scene/scene.hpp"
+#include "core/scene/scene_generated.h"
+#include "core/scene/scene_text.hpp"
+
+namespace feltwire {
+namespace {
+
+struct NamedMaterial {
+  std::string name;
+  Material material;
+};
+
+std::string element(const char* list, std::size_t index) {
+  return std::string(list) + "[" + std::to_string(index) + "]";
+}
+
+/// Fails where a rule is broken; `path` is what the rule's field is relative to.
+void require(const JsonDocument& document, const std::string& path,
+             const std::optional<Broken>& broken) {
+  if (broken)
+    document.fail(path.empty() ? broken->field : path + "." + broken->field, broken->message);
+}
+
+/// Names of one list: good, and each only once.
+template <class List>
+void require_new_name(const JsonDocument& document, const char* list, const List& earlier,
+                      const std::string& name) {
+  const std::string path = element(list, earlier.size());
+  require(document, path, broken_name(name));
+  for (std::size_t i = 0; i < earlier.size(); ++i)
+    if (earlier[i].name == name)
+      document.fail(path + ".name",
+                    "'" + name + "' is the name of " + element(list, i) + " too; rename one");
+}
+
+Vec3 vector(const scene_file::Vector& v) { return {v.x(), v.y(), v.z()}; }
+
+std::vector<NamedMaterial> read_materials(const JsonDocument& document,
+                                          const scene_file::Scene& scene) {
+  std::vector<NamedMaterial> materials;
+  for (const scene_file::Material* m : *scene.materials()) {
+    require_new_name(document, "materials", materials, m->name()->str());
+    const Material material{.stiffness = m->stiffness(),
+                            .damping = m->damping(),
+                            .static_friction = m->static_friction(),
+                            .dynamic_friction = m->dynamic_friction(),
+                            .viscous_friction = m->viscous_friction()};
+    require(document, element("materials", materials.size()), broken_rule(material));
+    materials.push_back({m->name()->str(), material});
+  }
+  return materials;
+}
+
+const Material& find_material(const JsonDocument& document, const std::string& path,
+                              const std::vector<NamedMaterial>& materials,
+                              const std::string& name) {
+  if (const auto broken = broken_name(name)) document.fail(path + ".material", broken->message);
+  std::string known;
+  for (const NamedMaterial& m : materials) {
+    if (m.name == name) return m.material;
+    known += (known.empty() ? "" : ", ") + m.name;
+  }
+  document.fail(path + ".material",
+                "there is no material '" + name + "'; " +
+                    (known.empty() ? "add it to materials" : "those of this scene are: " + known));
+}
+
+Shape read_shape(const JsonDocument& document, const std::string& path,
+                 const scene_file::Object& object) {
+  constexpr const char* kChoices = "plane, sphere, box, capsule, cylinder";
+  Shape shape;
+  std::string kind;
+  const auto take = [&](const char* name, const Shape& given) {
+    if (!kind.empty())
+      document.fail(path + "." + name,
+                    "is a second shape beside " + kind + "; keep exactly one of " + kChoices);
+    kind = name;
+    shape = given;
+  };
+  if (object.plane()) take("plane", Plane{});
+  if (const auto* s = object.sphere()) take("sphere", Sphere{s->radius()});
+  if (const auto* b = object.box()) {
+    if (!b->size()) document.fail(path + ".box.size", "is missing; give [x, y, z] in metres");
+    take("box", Box{0.5 * vector(*b->size())});
+  }
+  if (const auto* c = object.capsule()) take("capsule", Capsule{c->radius(), 0.5 * c->length()});
+  if (const auto* c = object.cylinder()) take("cylinder", Cylinder{c->radius(), 0.5 * c->length()});
+  if (kind.empty())
+    document.fail(path, std::string("has no shape; give exactly one of ") + kChoices);
+  require(document, path + "." + kind, broken_rule(shape));
+  return shape;
+}
+
+Pose read_pose(const JsonDocument& document, const std::string& path,
+               const scene_file::Object& object) {
+  Pose pose;
+  if (const auto* p = object.position()) pose.position = vector(*p);
+  if (const auto* q = object.orientation())
+    pose.orientation = Quaternion(q->w(), q->x(), q->y(), q->z());
+  require(document, path, broken_rule(pose));
+  return pose;
+}
+
+Side side(scene_file::Side given) {
+  return given == scene_file::Side::inside ? Side::inside : Side::outside;
+}
+
+}  // namespace
+
+Scene parse_scene(std::string_view json, const std::string& file) {
+  const JsonDocument document(json, file, embedded::scene);
+  const scene_file::Scene& scene = *scene_file::GetScene(document.buffer());
+  require(document, "", broken_name(scene.name()->str()));
+  const std::vector<NamedMaterial> materials = read_materials(document, scene);
+
+  std::vector<Object> objects;
+  for (const scene_file::Object* o : *scene.objects()) {
+    const std::string path = element("objects", objects.size());
+    require_new_name(document, "objects", objects, o->name()->str());
+    Object object;
+    object.name = o->name()->str();
+    object.shape = read_shape(document, path, *o);
+    object.felt_from = side(o->felt_from());
+    object.pose = read_pose(document, path, *o);
+    object.material = find_material(document, path, materials, o->material()->str());
+    objects.push_back(std::move(object));
+  }
+  if (objects.empty()) document.fail("objects", "there is none to touch; add at least one");
+  return Scene(scene.name()->str(), std::move(objects));
+}
+
+Scene load_scene(const std::filesystem::path& file) {
+  return parse_scene(read_text(file), file.string());
+}
+
+}  // namespace feltwire

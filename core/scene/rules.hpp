@@ -1,0 +1,34 @@
+#pragma once
+// What a scene may hold: one set of rules for scenes from files and scenes from code.
+
+#include <optional>
+#include <string>
+
+#include "core/contact/contact.hpp"
+
+namespace feltwire {
+
+/// A value that breaks a rule: the field as the scene file names it, what is wrong, and the remedy.
+struct Broken {
+  std::string field;
+  std::string message;
+};
+
+inline constexpr double kMaxLength = 1e6;     // [m] sizes and coordinates
+inline constexpr double kMaxStiffness = 1e9;  // [N/m]
+inline constexpr double kMaxDamping = 1e6;    // [N s/m], viscous friction too
+inline constexpr double kMaxFrictionCoefficient = 100.0;
+inline constexpr std::size_t kMaxNameLength = 100;  // [bytes]
+
+/// The first rule that is broken, if any. Fields are relative ("radius", "position.x").
+std::optional<Broken> broken_rule(const Shape& shape);
+std::optional<Broken> broken_rule(const Material& material);
+/// An orientation need not be unit, but it must have a direction.
+std::optional<Broken> broken_rule(const Pose& pose);
+/// Names of scenes, objects, materials.
+std::optional<Broken> broken_name(const std::string& name);
+
+/// A number as people write it: the shortest text that reads back as the same double.
+std::string number_text(double value);
+
+}  // namespace feltwire

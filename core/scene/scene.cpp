@@ -1,0 +1,163 @@
+#include "core/scene/scene.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <set>
+#include <stdexcept>
+#include <utility>
+
+#include "core/scene/rules.hpp"
+
+namespace feltwire {
+namespace {
+
+using Found = std::optional<Broken>;
+
+/// `least` in words, with the unit in its brackets.
+Found out_of_range(const char* field, double value, const std::string& least, double most,
+                   const std::string& unit) {
+  if (std::isnan(value)) return Broken{field, "is not given; give a number " + least + unit};
+  if (value > most)
+    return Broken{field, "must be at most " + number_text(most) + unit + ", is " +
+                             number_text(value) + "; check the unit"};
+  return Broken{
+      field, "must be " + least + unit + ", is " + number_text(value) + "; give a larger number"};
+}
+
+/// 0 < value <= most
+Found positive(const char* field, double value, double most, const char* unit) {
+  if (value > 0.0 && value <= most) return std::nullopt;
+  return out_of_range(field, value, "above zero", most, unit);
+}
+
+/// 0 <= value <= most
+Found not_negative(const char* field, double value, double most, const char* unit) {
+  if (value >= 0.0 && value <= most) return std::nullopt;
+  return out_of_range(field, value, "at least zero", most, unit);
+}
+
+Found first(std::initializer_list<Found> found) {
+  for (const Found& f : found)
+    if (f) return f;
+  return std::nullopt;
+}
+
+struct ShapeRules {
+  Found operator()(const Plane&) const { return std::nullopt; }
+  Found operator()(const Sphere& s) const {
+    return positive("radius", s.radius, kMaxLength, " [m]");
+  }
+  Found operator()(const Box& b) const {
+    return first({positive("size.x", 2.0 * b.half_extents.x(), kMaxLength, " [m]"),
+                  positive("size.y", 2.0 * b.half_extents.y(), kMaxLength, " [m]"),
+                  positive("size.z", 2.0 * b.half_extents.z(), kMaxLength, " [m]")});
+  }
+  Found operator()(const Capsule& c) const {
+    return first({positive("radius", c.radius, kMaxLength, " [m]"),
+                  not_negative("length", 2.0 * c.half_length, kMaxLength, " [m]")});
+  }
+  Found operator()(const Cylinder& c) const {
+    return first({positive("radius", c.radius, kMaxLength, " [m]"),
+                  positive("length", 2.0 * c.half_length, kMaxLength, " [m]")});
+  }
+};
+
+Found coordinate(const char* field, double value) {
+  if (std::abs(value) <= kMaxLength) return std::nullopt;
+  return Broken{field, "must lie within " + number_text(kMaxLength) + " m of the origin, is " +
+                           number_text(value) + "; give metres"};
+}
+
+[[noreturn]] void refuse(const std::string& whose, const Broken& broken) {
+  throw std::invalid_argument(whose + ": " + broken.field + ": " + broken.message);
+}
+
+Requirements required_by(const std::vector<Object>& objects) {
+  Requirements r;
+  for (const Object& o : objects) {
+    r.friction |= o.material.static_friction > 0.0;
+    r.velocity |= o.material.damping > 0.0 || o.material.viscous_friction > 0.0;
+  }
+  return r;
+}
+
+}  // namespace
+
+std::string number_text(double value) {
+  char text[32];
+  const auto end = std::to_chars(text, text + sizeof text, value).ptr;
+  return {text, end};
+}
+
+Found broken_rule(const Shape& shape) { return std::visit(ShapeRules{}, shape); }
+
+Found broken_rule(const Material& m) {
+  if (auto broken =
+          first({positive("stiffness", m.stiffness, kMaxStiffness, " [N/m]"),
+                 not_negative("damping", m.damping, kMaxDamping, " [N s/m]"),
+                 not_negative("static_friction", m.static_friction, kMaxFrictionCoefficient, ""),
+                 not_negative("dynamic_friction", m.dynamic_friction, kMaxFrictionCoefficient, ""),
+                 not_negative("viscous_friction", m.viscous_friction, kMaxDamping, " [N s/m]")}))
+    return broken;
+  if (m.dynamic_friction <= m.static_friction) return std::nullopt;
+  return Broken{"dynamic_friction",
+                "must not exceed static_friction = " + number_text(m.static_friction) + ", is " +
+                    number_text(m.dynamic_friction) + "; lower it or raise the other"};
+}
+
+Found broken_rule(const Pose& pose) {
+  if (auto broken = first({coordinate("position.x", pose.position.x()),
+                           coordinate("position.y", pose.position.y()),
+                           coordinate("position.z", pose.position.z())}))
+    return broken;
+  const double largest = pose.orientation.coeffs().cwiseAbs().maxCoeff();
+  if (pose.orientation.coeffs().allFinite() && largest > 0.0) return std::nullopt;
+  return Broken{"orientation",
+                "is no rotation: all of [w, x, y, z] are zero or one is not finite; "
+                "leave it out or give a quaternion"};
+}
+
+Found broken_name(const std::string& name) {
+  const auto is_control = [](unsigned char c) { return c < 0x20 || c == 0x7F; };
+  if (std::any_of(name.begin(), name.end(), is_control))
+    return Broken{"name", "holds a line break or another control character; remove it"};
+  if (!name.empty() && name.size() <= kMaxNameLength) return std::nullopt;
+  return Broken{"name", "must be 1 to " + std::to_string(kMaxNameLength) + " bytes long, is " +
+                            std::to_string(name.size()) + "; choose a short name"};
+}
+
+Scene::Scene(std::string name, std::vector<Object> objects)
+    : name_(std::move(name)), objects_(std::move(objects)) {
+  if (auto broken = broken_name(name_)) refuse("scene", *broken);
+  if (objects_.empty()) refuse("scene", {"objects", "there is none to touch; add at least one"});
+  std::set<std::string> names;
+  for (Object& object : objects_) {
+    const std::string whose = "object '" + object.name + "'";
+    if (auto broken = broken_name(object.name)) refuse(whose, *broken);
+    if (!names.insert(object.name).second)
+      refuse(whose, {"name", "stands twice in the scene; rename one"});
+    if (auto broken = broken_rule(object.shape)) refuse(whose, *broken);
+    if (auto broken = broken_rule(object.material)) refuse(whose, *broken);
+    if (auto broken = broken_rule(object.pose)) refuse(whose, *broken);
+    auto& coefficients = object.pose.orientation.coeffs();
+    coefficients /= coefficients.cwiseAbs().maxCoeff();  // no square over- or underflows after this
+    coefficients.normalize();
+  }
+  requirements_ = required_by(objects_);
+}
+
+Command Scene::touch(const Tool& tool, TouchMemory& memory) const noexcept {
+  if (!tool.position.allFinite() || !tool.velocity.allFinite() || memory.size() != objects_.size())
+      [[unlikely]]
+    return {};
+  Command sum;
+  for (std::size_t i = 0; i < objects_.size(); ++i) {
+    const Command part = feltwire::touch(objects_[i], tool, memory[i]);
+    sum.elastic += part.elastic;
+    sum.frictional += part.frictional;
+  }
+  return sum.finite() ? sum : Command{};
+}
+
+}  // namespace feltwire

@@ -1,0 +1,248 @@
+#include "core/contact/shapes.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+namespace feltwire {
+namespace {
+
+// Exact signed distances, written without a look at shapes.cpp: negative inside.
+double distance_to(const Plane&, const Vec3& p) { return p.z(); }
+double distance_to(const Sphere& s, const Vec3& p) { return p.norm() - s.radius; }
+double distance_to(const Box& b, const Vec3& p) {
+  const Vec3 d = p.cwiseAbs() - b.half_extents;
+  return d.cwiseMax(0.0).norm() + std::min(d.maxCoeff(), 0.0);
+}
+double distance_to(const Capsule& c, const Vec3& p) {
+  const Vec3 d(p.x(), p.y(), p.z() - std::clamp(p.z(), -c.half_length, c.half_length));
+  return d.norm() - c.radius;
+}
+double distance_to(const Cylinder& c, const Vec3& p) {
+  const double side = std::hypot(p.x(), p.y()) - c.radius;
+  const double end = std::abs(p.z()) - c.half_length;
+  return std::hypot(std::max(side, 0.0), std::max(end, 0.0)) + std::min(std::max(side, end), 0.0);
+}
+double distance_to(const Shape& shape, const Vec3& p) {
+  return std::visit([&](const auto& s) { return distance_to(s, p); }, shape);
+}
+
+const std::vector<Shape> kShapes = {Plane{},           Sphere{0.5},       Box{Vec3(0.5, 0.3, 0.1)},
+                                    Capsule{0.3, 0.4}, Capsule{0.4, 0.0}, Cylinder{0.4, 0.2},
+                                    Cylinder{0.1, 0.6}};
+
+Vec3 random_point(std::mt19937& random, double reach) {
+  std::uniform_real_distribution<double> along(-reach, reach);
+  return {along(random), along(random), along(random)};
+}
+
+SurfacePoint fresh(const Shape& shape, Side side, const Vec3& p) {
+  FeatureMemory memory;
+  return surface_point(shape, side, p, memory);
+}
+
+Shape scaled(const Shape& shape, double by) {
+  struct {
+    double by;
+    Shape operator()(const Plane& p) { return p; }
+    Shape operator()(const Sphere& s) { return Sphere{by * s.radius}; }
+    Shape operator()(const Box& b) { return Box{by * b.half_extents}; }
+    Shape operator()(const Capsule& c) { return Capsule{by * c.radius, by * c.half_length}; }
+    Shape operator()(const Cylinder& c) { return Cylinder{by * c.radius, by * c.half_length}; }
+  } scale{by};
+  return std::visit(scale, shape);
+}
+
+TEST(Shapes, FirstContactIsTheNearestSurfacePointFromEitherSide) {
+  std::mt19937 random(1);
+  for (const Shape& shape : kShapes) {
+    for (const Side side : {Side::outside, Side::inside}) {
+      const double sign = side == Side::outside ? 1.0 : -1.0;
+      int touched = 0;
+      for (int i = 0; i < 5000; ++i) {
+        const Vec3 p = random_point(random, 0.8);
+        const double distance = sign * distance_to(shape, p);
+        const SurfacePoint s = fresh(shape, side, p);
+        if (distance >= 0.0) {
+          EXPECT_EQ(s.depth, 0.0);
+          continue;
+        }
+        ++touched;
+        EXPECT_NEAR(s.depth, -distance, 1e-15);
+        EXPECT_NEAR((s.point - p).norm(), s.depth, 1e-15);
+        EXPECT_NEAR(distance_to(shape, s.point), 0.0, 1e-15);
+        EXPECT_NEAR(s.normal.norm(), 1.0, 1e-15);
+        EXPECT_NEAR((p + s.depth * s.normal - s.point).norm(), 0.0, 1e-15);
+        // A little further along the normal is free.
+        EXPECT_GT(sign * distance_to(shape, s.point + 1e-6 * s.normal), 0.0);
+      }
+      EXPECT_GT(touched, 20) << "shape " << shape.index();
+    }
+  }
+}
+
+TEST(Shapes, HaveNoBuiltInLength) {
+  std::mt19937 random(2);
+  for (const double by : {std::ldexp(1.0, -40), std::ldexp(1.0, 40), std::ldexp(1.0, -600)}) {
+    for (const Shape& shape : kShapes) {
+      for (const Side side : {Side::outside, Side::inside}) {
+        for (int i = 0; i < 500; ++i) {
+          const Vec3 p = random_point(random, 0.8);
+          const SurfacePoint plain = fresh(shape, side, p);
+          const SurfacePoint s = fresh(scaled(shape, by), side, by * p);
+          EXPECT_NEAR(s.depth / by, plain.depth, 1e-15);
+          EXPECT_NEAR((s.point / by - plain.point).norm(), 0.0, 1e-15);
+          EXPECT_NEAR((s.normal - plain.normal).norm(), 0.0, 1e-14);
+        }
+      }
+    }
+  }
+}
+
+TEST(Shapes, AFreePointClearsTheMemory) {
+  for (const Shape& shape : kShapes) {
+    FeatureMemory memory{.feature = 1, .normal = Vec3::UnitY()};
+    EXPECT_EQ(surface_point(shape, Side::outside, Vec3(0, 0, 10), memory).depth, 0.0);
+    EXPECT_EQ(memory.feature, 0);
+    EXPECT_EQ(memory.normal, Vec3::UnitZ());
+  }
+}
+
+TEST(Shapes, NotANumberIsFree) {
+  const double nan = std::nan("");
+  for (const Shape& shape : kShapes)
+    for (const Side side : {Side::outside, Side::inside})
+      for (const Vec3& p : {Vec3(nan, nan, nan), Vec3(0.01, 0.01, nan)})
+        EXPECT_EQ(fresh(shape, side, p).depth, 0.0) << shape.index();
+}
+
+TEST(Shapes, PlaneFeltFromInsideIsThePlaneTurnedOver) {
+  const SurfacePoint s = fresh(Plane{}, Side::inside, Vec3(1, 2, 0.25));
+  EXPECT_EQ(s.normal, -Vec3::UnitZ());
+  EXPECT_EQ(s.depth, 0.25);
+  EXPECT_EQ(s.point, Vec3(1, 2, 0));
+}
+
+TEST(Shapes, CentreOfASphereKeepsTheLastNormal) {
+  FeatureMemory memory;
+  surface_point(Sphere{1.0}, Side::outside, Vec3(0.5, 0, 0), memory);
+  const SurfacePoint s = surface_point(Sphere{1.0}, Side::outside, Vec3::Zero(), memory);
+  EXPECT_EQ(s.normal, Vec3::UnitX());
+  EXPECT_EQ(s.depth, 1.0);
+  // Entered there: any direction is right, but it must be one.
+  EXPECT_DOUBLE_EQ(fresh(Sphere{1.0}, Side::outside, Vec3::Zero()).normal.norm(), 1.0);
+}
+
+TEST(Shapes, CapsuleAxisPushesAcross) {
+  const Capsule capsule{0.5, 1.0};
+  FeatureMemory memory;
+  surface_point(capsule, Side::outside, Vec3(0, 0.25, 0.3), memory);
+  const SurfacePoint s = surface_point(capsule, Side::outside, Vec3(0, 0, 0.3), memory);
+  EXPECT_EQ(s.normal, Vec3::UnitY());
+  EXPECT_EQ(s.point, Vec3(0, 0.5, 0.3));
+  // Entered exactly there, and entered through the end and along the axis.
+  EXPECT_EQ(fresh(capsule, Side::outside, Vec3::Zero()).normal.z(), 0.0);
+  EXPECT_EQ(fresh(capsule, Side::outside, Vec3(0, 0, 1.0)).normal, Vec3::UnitZ());
+  memory = {.feature = 1, .normal = Vec3::UnitZ()};
+  EXPECT_EQ(surface_point(capsule, Side::outside, Vec3(0, 0, 0.9), memory).depth, 0.5);
+}
+
+TEST(Shapes, CapsuleWithoutLengthIsASphere) {
+  std::mt19937 random(3);
+  for (const Side side : {Side::outside, Side::inside}) {
+    for (int i = 0; i < 1000; ++i) {
+      const Vec3 p = random_point(random, 0.8);
+      const SurfacePoint capsule = fresh(Capsule{0.5, 0.0}, side, p);
+      const SurfacePoint sphere = fresh(Sphere{0.5}, side, p);
+      EXPECT_EQ(capsule.depth, sphere.depth);
+      EXPECT_EQ(capsule.normal, sphere.normal);
+    }
+  }
+}
+
+TEST(Shapes, ThinBoxDoesNotPopThrough) {
+  const Box sheet{Vec3(1.0, 1.0, 0.001)};
+  FeatureMemory memory;
+  // In from above by steps of 0.1 mm, to a hair before the lower face: always pushed up.
+  for (double z = 0.0009; z > -0.001; z -= 0.0001) {
+    const SurfacePoint s = surface_point(sheet, Side::outside, Vec3(0.2, 0.3, z), memory);
+    EXPECT_EQ(s.normal, Vec3::UnitZ());
+    EXPECT_EQ(s.point, Vec3(0.2, 0.3, 0.001));
+    EXPECT_DOUBLE_EQ(s.depth, 0.001 - z);
+  }
+  // Out through the bottom it is free, and back in from there it is the lower face.
+  EXPECT_EQ(surface_point(sheet, Side::outside, Vec3(0.2, 0.3, -0.0011), memory).depth, 0.0);
+  EXPECT_EQ(surface_point(sheet, Side::outside, Vec3(0.2, 0.3, -0.0009), memory).normal,
+            -Vec3::UnitZ());
+}
+
+TEST(Shapes, BoxKeepsItsFaceUntilLeftOverTheEdge) {
+  const Box box{Vec3(1, 1, 1)};
+  FeatureMemory memory;
+  const auto at = [&](double x, double z) {
+    return surface_point(box, Side::outside, Vec3(x, 0, z), memory);
+  };
+  EXPECT_EQ(at(0.0, 0.9).normal, Vec3::UnitZ());
+  EXPECT_EQ(at(0.99, 0.9).normal, Vec3::UnitZ());  // +x is nearer by now
+  EXPECT_EQ(at(1.01, 0.9).depth, 0.0);             // over the edge
+  const SurfacePoint again = at(0.99, 0.9);        // and in again through the other face
+  EXPECT_EQ(again.normal, Vec3::UnitX());
+  EXPECT_NEAR(again.depth, 0.01, 1e-15);
+}
+
+TEST(Shapes, BoxTakesTheNearestFaceWhenEnteredFast) {
+  const Box box{Vec3(1, 2, 3)};
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const double sign : {1.0, -1.0}) {
+      Vec3 p = Vec3::Zero();
+      p[axis] = sign * (box.half_extents[axis] - 0.5);
+      const SurfacePoint s = fresh(box, Side::outside, p);
+      EXPECT_EQ(s.normal, Vec3(sign * Vec3::Unit(axis)));
+      EXPECT_EQ(s.depth, 0.5);
+    }
+  }
+}
+
+TEST(Shapes, RoomHoldsTheProxyOnEdgeAndCorner) {
+  const Box room{Vec3(1, 1, 1)};
+  const SurfacePoint edge = fresh(room, Side::inside, Vec3(1.3, -1.4, 0.5));
+  EXPECT_EQ(edge.point, Vec3(1, -1, 0.5));
+  EXPECT_NEAR(edge.depth, 0.5, 1e-15);
+  EXPECT_NEAR((edge.normal - Vec3(-0.6, 0.8, 0.0)).norm(), 0.0, 1e-15);
+  const SurfacePoint corner = fresh(room, Side::inside, Vec3(-3, 3, -2));
+  EXPECT_EQ(corner.point, Vec3(-1, 1, -1));
+  EXPECT_DOUBLE_EQ(corner.depth, 3.0);
+  EXPECT_NEAR((corner.normal - Vec3(2, -2, 1) / 3.0).norm(), 0.0, 1e-15);
+}
+
+TEST(Shapes, CylinderKeepsCapAndSide) {
+  const Cylinder disc{1.0, 0.001};  // a thin disc, entered from the top
+  FeatureMemory memory;
+  EXPECT_EQ(surface_point(disc, Side::outside, Vec3(0.5, 0, 0.0009), memory).normal, Vec3::UnitZ());
+  EXPECT_EQ(surface_point(disc, Side::outside, Vec3(0.5, 0, -0.0009), memory).normal,
+            Vec3::UnitZ());
+  EXPECT_EQ(surface_point(disc, Side::outside, Vec3(0.5, 0, -0.0011), memory).depth, 0.0);
+  EXPECT_EQ(surface_point(disc, Side::outside, Vec3(0.5, 0, -0.0009), memory).normal,
+            -Vec3::UnitZ());
+
+  const Cylinder rod{0.01, 1.0};  // a thin rod, entered from the side and pressed to its axis
+  memory = {};
+  EXPECT_EQ(surface_point(rod, Side::outside, Vec3(0, -0.009, 0.2), memory).normal, -Vec3::UnitY());
+  const SurfacePoint axis = surface_point(rod, Side::outside, Vec3(0, 0, 0.2), memory);
+  EXPECT_EQ(axis.normal, -Vec3::UnitY());
+  EXPECT_EQ(axis.point, Vec3(0, -0.01, 0.2));
+  EXPECT_EQ(surface_point(rod, Side::outside, Vec3(0, -0.001, 0.9995), memory).normal,
+            -Vec3::UnitY());  // near the end by now, still on the side
+  EXPECT_EQ(fresh(rod, Side::outside, Vec3::Zero()).normal.z(), 0.0);
+}
+
+TEST(Shapes, CanFeltFromInsideHoldsTheProxyInItsRim) {
+  const SurfacePoint s = fresh(Cylinder{1.0, 2.0}, Side::inside, Vec3(0, 4, -6));
+  EXPECT_EQ(s.point, Vec3(0, 1, -2));
+  EXPECT_DOUBLE_EQ(s.depth, 5.0);
+  EXPECT_NEAR((s.normal - Vec3(0, -0.6, 0.8)).norm(), 0.0, 1e-15);
+}
+
+}  // namespace
+}  // namespace feltwire

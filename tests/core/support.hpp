@@ -1,0 +1,60 @@
+#pragma once
+// What the tests of the core share: seeded random values over many decades, and hands that mean
+// harm.
+
+#include <cmath>
+#include <random>
+
+#include "core/bounding/bounding.hpp"
+#include "core/port_energy.hpp"
+
+namespace feltwire::test {
+
+class Random {
+ public:
+  explicit Random(std::uint64_t seed) : engine_(seed) {}
+
+  double uniform(double lo, double hi) { return lo + (hi - lo) * unit(); }
+  bool chance(double probability) { return unit() < probability; }
+  /// Magnitude spread evenly over the decades 10^lo .. 10^hi, either sign.
+  double decades(double lo, double hi) {
+    return (chance(0.5) ? 1.0 : -1.0) * std::pow(10.0, uniform(lo, hi));
+  }
+  Vec3 direction() {
+    Vec3 v;
+    do {
+      for (double& x : v) x = uniform(-1.0, 1.0);
+    } while (v.norm() < 0.1 || v.norm() > 1.0);
+    return v.normalized();
+  }
+  Vec3 vector(double lo, double hi) { return decades(lo, hi) * direction(); }
+
+ private:
+  // Not std::uniform_real_distribution: its bits differ between standard libraries.
+  double unit() { return static_cast<double>(engine_() >> 11) * 0x1p-53; }
+  std::mt19937_64 engine_;
+};
+
+/// A command as no scene would give it: every channel over six decades, now and then without
+/// contact or without one of its parts, friction anywhere between orthogonal and along the normal.
+inline Command random_command(Random& random) {
+  Command c;
+  if (random.chance(0.1)) return c;
+  if (random.chance(0.8)) c.elastic = random.vector(-3.0, 3.0);
+  if (random.chance(0.8)) c.frictional = random.vector(-3.0, 3.0);
+  if (random.chance(0.8)) c.torque = random.vector(-5.0, 1.0);
+  return c;
+}
+
+/// The displacement that takes most energy from a port while `f` is held for `time`: it minimises
+/// F.dx + (b/time) |dx|^2.
+inline Vec3 greediest(const Vec3& f, double time, double damping) {
+  return f * (time / (2.0 * damping));
+}
+
+/// angle between two vectors [rad], exact for small angles too.
+inline double angle(const Vec3& a, const Vec3& b) {
+  return std::atan2(a.cross(b).norm(), a.dot(b));
+}
+
+}  // namespace feltwire::test
