@@ -1,6 +1,7 @@
 #pragma once
 // Datagrams to bytes and back. Decoding verifies the FlatBuffer before it reads it.
 
+#include <array>
 #include <memory>
 
 #include "protocol/datagram.hpp"
@@ -25,9 +26,13 @@ class Encoder {
   std::unique_ptr<Builder> builder_;
 };
 
-/// The payload that guard() found behind the header. On anything but DropReason::none `out` is unspecified.
+/// The payload that guard() found behind the header. On anything but DropReason::none `out` is
+/// unspecified.
 DropReason decode(Bytes payload, SampleBatch& out) noexcept;
 DropReason decode(Bytes payload, Reply& out) noexcept;
 DropReason decode(Bytes payload, GoodbyeReason& out) noexcept;
+
+/// The checks of PROTOCOL.md that a batch must pass whoever made it: count, order, not_finite.
+DropReason check(const SampleBatch& batch) noexcept;
 
 }  // namespace feltwire

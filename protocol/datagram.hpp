@@ -17,6 +17,8 @@ using Bytes = std::span<const std::uint8_t>;
 
 inline constexpr std::size_t kMaxDatagram = 1200;  // [bytes] header and payload
 inline constexpr int kMaxRedundancy = 8;           // k: earlier samples repeated
+inline constexpr double kMaxPosition = 1e3;        // [m] on each axis; beyond it no hand is
+inline constexpr double kUnitTolerance = 1e-3;     // of a quaternion's squared norm
 
 enum class DatagramKind : std::uint8_t { samples = 1, reply = 2, goodbye = 3 };
 enum class GoodbyeReason : std::uint8_t { leaving, shutting_down, evicted };
@@ -30,47 +32,48 @@ struct Header {
 
 /// One servo sample of a device. Forces on the hand, world frame.
 struct Sample {
-  std::uint64_t index = 0;          // counted by the client from 1
-  Nanoseconds client_time{0};       // client's monotonic clock when the device was read
-  Pose pose;                        // orientation stays identity for devices that do not sense it
-  Command held;                     // what the device is given from this sample to the next (float32 on the wire)
+  std::uint64_t index = 0;     // counted by the client from 1
+  Nanoseconds client_time{0};  // client's monotonic clock when the device was read
+  Pose pose;                   // orientation stays identity for devices that do not sense it
+  Command held;  // what the device is given from this sample to the next (float32 on the wire)
 };
 
 /// The newest sample first, then up to k earlier ones.
 struct SampleBatch {
   std::array<Sample, kMaxRedundancy + 1> samples;
   int count = 0;
-  bool rotation = false;            // orientation and torque travel too
+  bool rotation = false;  // orientation and torque travel too
   std::span<const Sample> view() const { return {samples.data(), static_cast<std::size_t>(count)}; }
 };
 
 struct Reply {
-  std::uint64_t sample_index = 0;   // the newest sample that the command was computed from
-  Nanoseconds client_time{0};       // that sample's, returned
+  std::uint64_t sample_index = 0;  // the newest sample that the command was computed from
+  Nanoseconds client_time{0};      // that sample's, returned
   Nanoseconds server_receive_time{0}, server_send_time{0};  // server's monotonic clock
   Command command;
-  bool rotation = false;            // torque travels too
-  ChannelEnergy delivered;          // [J] at the real port so far, from the held forces the client reported
-  double ratio = 1.0;               // |rendered| / |commanded|, float32 on the wire
+  bool rotation = false;    // torque travels too
+  ChannelEnergy delivered;  // [J] at the real port so far, from the held forces the client reported
+  double ratio = 1.0;       // |rendered| / |commanded|, float32 on the wire
   bool active = false, saturated = false, refused = false, gap = false;
   std::uint64_t violations = 0;
 };
 
-/// Why a datagram was dropped; each has a counter. The order is the order of the checks in PROTOCOL.md.
+/// Why a datagram was dropped; each has a counter. The order is the order of the checks in
+/// PROTOCOL.md.
 enum class DropReason : std::uint8_t {
-  none,             // not dropped
-  size,             // shorter than the header or longer than kMaxDatagram
-  magic,            // not a feltwire datagram
-  version,          // another protocol version
-  kind,             // unknown kind, or one that this side does not receive
-  reserved,         // reserved bytes not zero
-  session,          // no such session here
-  packet_number,    // zero, or seen before, or too old to tell
-  malformed,        // the payload is not the FlatBuffer it should be
-  count,            // no sample, too many, or rotations that do not match
-  order,            // sample indices not strictly falling
-  not_finite,       // NaN, infinity, or a quaternion that is none
-  stale,            // nothing in it is newer than what was already taken
+  none,           // not dropped
+  size,           // shorter than the header or longer than kMaxDatagram
+  magic,          // not a feltwire datagram
+  version,        // another protocol version
+  kind,           // unknown kind, or one that this side does not receive
+  reserved,       // reserved bytes not zero
+  session,        // no such session here
+  packet_number,  // zero, or seen before, or too old to tell
+  malformed,      // the payload is not the FlatBuffer it should be
+  count,          // no sample, too many, or rotations that do not match
+  order,          // sample indices not strictly falling
+  not_finite,     // NaN, infinity, or a quaternion that is none
+  stale,          // nothing in it is newer than what was already taken
   count_of_reasons
 };
 inline constexpr std::size_t kDropReasons = static_cast<std::size_t>(DropReason::count_of_reasons);

@@ -5,6 +5,8 @@
 namespace feltwire {
 
 inline constexpr std::size_t kHeaderSize = 24;  // [bytes]
+inline constexpr std::array<std::uint8_t, 2> kMagic = {'F', 'W'};
+inline constexpr std::uint8_t kProtocolVersion = 1;
 
 struct Guarded {
   DropReason drop = DropReason::none;
@@ -12,8 +14,11 @@ struct Guarded {
   Bytes payload;  // into the datagram
 };
 
-/// Size and header, in the order of PROTOCOL.md; touches nothing behind the header. `expected` are the kinds this side
-/// receives, as bits 1 << kind.
+/// Size and header, in the order of PROTOCOL.md; touches nothing behind the header. `expected` are
+/// the kinds this side receives, as bits 1 << kind.
 Guarded guard(Bytes datagram, unsigned expected_kinds) noexcept;
+
+/// Writes the header into the first kHeaderSize bytes of `datagram`, which must be that long.
+void write_header(std::span<std::uint8_t> datagram, const Header& header) noexcept;
 
 }  // namespace feltwire

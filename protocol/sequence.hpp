@@ -5,7 +5,8 @@
 
 namespace feltwire {
 
-/// Which packet numbers were seen: a window behind the highest, so that each is taken once and reordering is no loss.
+/// Which packet numbers were seen: a window behind the highest, so that each is taken once and
+/// reordering is no loss.
 class PacketWindow {
  public:
   static constexpr std::uint64_t kWidth = 1024;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string_view>
@@ -12,18 +13,25 @@ namespace feltwire {
 enum class BoundingSide : std::uint8_t { server, client, both };
 inline constexpr std::array<std::string_view, 3> kBoundingSideNames = {"server", "client", "both"};
 
-/// What a client asks for and the server grants; all can be changed while the session runs but servo_period.
+/// What a client asks for and the server grants; all can be changed while the session runs but
+/// servo_period.
 struct SessionParameters {
   BoundingMode mode = BoundingMode::contact_frame;
   Projection projection = Projection::joint;
   BoundingSide side = BoundingSide::both;
-  double servo_period = 1e-3;     // T [s], 1e-5 to 0.1
-  int redundancy = 3;             // k, 0 to kMaxRedundancy
-  double operator_damping = 0.0;  // [N s/m] a known minimum of the operator's own, credited to the bound, 0 to 100
-  double velocity_cutoff = 0.0;   // [Hz] of the server's velocity estimate, 0: none
-  double hold_time = 0.1;         // [s] a command older than half of it fades, at all of it it is zero; T to 1
-  std::optional<double> c1, c2;   // [N/m] the paper's modes; default b/T
+  double servo_period = 1e-3;  // T [s], 1e-5 to 0.1
+  int redundancy = 3;          // k, 0 to kMaxRedundancy
+  double operator_damping =
+      0.0;  // [N s/m] a known minimum of the operator's own, credited to the bound, 0 to 100
+  double velocity_cutoff = 0.0;  // [Hz] of the server's velocity estimate, 0: none
+  double hold_time =
+      0.1;  // [s] a command older than half of it fades, at all of it it is zero; T to 1
+  std::optional<double> c1, c2;  // [N/m] the paper's modes; default b/T
 };
+
+std::string_view name(BoundingSide side);
+/// Throws std::invalid_argument naming the choices when there is no such side.
+BoundingSide bounding_side(std::string_view name);
 
 /// Throws std::invalid_argument naming the field, the range and the remedy.
 void validate(const SessionParameters& parameters);

@@ -1,0 +1,217 @@
+#include "protocol/codec.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+#include "flatbuffers/flatbuffers.h"
+#include "protocol/guard.hpp"
+#include "protocol/schema/datagram_generated.h"
+
+namespace feltwire {
+namespace {
+
+// A datagram is one table and its vectors; whatever claims more is not ours.
+constexpr flatbuffers::uoffset_t kMaxDepth = 4, kMaxTables = 4;
+constexpr std::size_t kSmallestBuffer = 8;  // [bytes] a root offset and an empty table
+
+constexpr std::uint32_t kFlagActive = 1u << 0, kFlagSaturated = 1u << 1, kFlagRefused = 1u << 2,
+                        kFlagGap = 1u << 3;
+
+wire::Vec3d wire_double(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
+wire::Vec3f wire_float(const Vec3& v) {
+  return {static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z())};
+}
+wire::Quatd wire_quaternion(const Quaternion& q) { return {q.w(), q.x(), q.y(), q.z()}; }
+
+Vec3 value(const wire::Vec3d& v) { return {v.x(), v.y(), v.z()}; }
+Vec3 value(const wire::Vec3f& v) { return {v.x(), v.y(), v.z()}; }
+Quaternion value(const wire::Quatd& q) { return {q.w(), q.x(), q.y(), q.z()}; }
+
+/// A payload that can be read in place: FlatBuffers reads eight bytes at a time.
+class Aligned {
+ public:
+  explicit Aligned(Bytes payload) noexcept : data_(payload.data()), size_(payload.size()) {
+    if (size_ > copy_.size()) {
+      size_ = 0;
+    } else if (reinterpret_cast<std::uintptr_t>(data_) % alignof(std::uint64_t) != 0) {
+      std::memcpy(copy_.data(), data_, size_);
+      data_ = copy_.data();
+    }
+  }
+  Aligned(const Aligned&) = delete;
+  Aligned& operator=(const Aligned&) = delete;
+
+  /// The verified root, or null. The size is checked first: the verifier asserts on absurd sizes.
+  template <class Table>
+  const Table* root() const noexcept {
+    if (size_ < kSmallestBuffer) return nullptr;
+    flatbuffers::Verifier verifier(data_, size_, kMaxDepth, kMaxTables);
+    if (!verifier.VerifyBuffer<Table>(nullptr)) return nullptr;
+    return flatbuffers::GetRoot<Table>(data_);
+  }
+
+ private:
+  const std::uint8_t* data_;
+  std::size_t size_;
+  alignas(std::uint64_t) std::array<std::uint8_t, kMaxDatagram> copy_;  // written when needed
+};
+
+bool plausible(const Sample& sample, bool rotation) {
+  if (!sample.held.finite()) return false;
+  // Written so that NaN fails.
+  if (!(sample.pose.position.cwiseAbs().maxCoeff() <= kMaxPosition) ||
+      !sample.pose.position.allFinite())
+    return false;
+  return !rotation || std::abs(sample.pose.orientation.squaredNorm() - 1.0) <= kUnitTolerance;
+}
+
+}  // namespace
+
+struct Encoder::Builder {
+  flatbuffers::FlatBufferBuilder payload{kMaxDatagram};
+  alignas(std::uint64_t) std::array<std::uint8_t, kMaxDatagram> datagram{};
+
+  template <class Table>
+  Bytes finish(const Header& header, flatbuffers::Offset<Table> root) {
+    payload.Finish(root);
+    // The largest payload is pinned by a test well below the limit.
+    const std::size_t size = std::min<std::size_t>(payload.GetSize(), kMaxDatagram - kHeaderSize);
+    write_header(datagram, header);
+    std::memcpy(datagram.data() + kHeaderSize, payload.GetBufferPointer(), size);
+    payload.Clear();  // keeps its buffer
+    return {datagram.data(), kHeaderSize + size};
+  }
+};
+
+Encoder::Encoder() : builder_(std::make_unique<Builder>()) {}
+Encoder::~Encoder() = default;
+Encoder::Encoder(Encoder&&) noexcept = default;
+Encoder& Encoder::operator=(Encoder&&) noexcept = default;
+
+Bytes Encoder::samples(std::uint64_t session, std::uint64_t packet_number,
+                       const SampleBatch& batch) {
+  const auto count = static_cast<std::size_t>(std::clamp(batch.count, 0, kMaxRedundancy + 1));
+  std::array<wire::Sample, kMaxRedundancy + 1> samples;
+  std::array<wire::Rotation, kMaxRedundancy + 1> rotations;
+  for (std::size_t i = 0; i < count; ++i) {
+    const Sample& s = batch.samples[i];
+    samples[i] = {s.index, s.client_time.count(), wire_double(s.pose.position),
+                  wire_float(s.held.elastic), wire_float(s.held.frictional)};
+    rotations[i] = {wire_quaternion(s.pose.orientation), wire_float(s.held.torque)};
+  }
+  auto& builder = builder_->payload;
+  const auto wire_samples = builder.CreateVectorOfStructs(samples.data(), count);
+  const auto wire_rotations =
+      batch.rotation ? builder.CreateVectorOfStructs(rotations.data(), count)
+                     : flatbuffers::Offset<flatbuffers::Vector<const wire::Rotation*>>{};
+  return builder_->finish({DatagramKind::samples, session, packet_number},
+                          wire::CreateSamples(builder, wire_samples, wire_rotations));
+}
+
+Bytes Encoder::reply(std::uint64_t session, std::uint64_t packet_number, const Reply& reply) {
+  const wire::Vec3d elastic = wire_double(reply.command.elastic);
+  const wire::Vec3d frictional = wire_double(reply.command.frictional);
+  const wire::Vec3d torque = wire_double(reply.command.torque);
+  const std::uint32_t flags = (reply.active ? kFlagActive : 0) |
+                              (reply.saturated ? kFlagSaturated : 0) |
+                              (reply.refused ? kFlagRefused : 0) | (reply.gap ? kFlagGap : 0);
+  const wire::BoundingReport report(reply.delivered.elastic, reply.delivered.frictional,
+                                    reply.delivered.torque, static_cast<float>(reply.ratio), flags,
+                                    reply.violations);
+  auto& builder = builder_->payload;
+  return builder_->finish(
+      {DatagramKind::reply, session, packet_number},
+      wire::CreateReply(builder, reply.sample_index, reply.client_time.count(),
+                        reply.server_receive_time.count(), reply.server_send_time.count(), &elastic,
+                        &frictional, reply.rotation ? &torque : nullptr, &report));
+}
+
+Bytes Encoder::goodbye(std::uint64_t session, std::uint64_t packet_number, GoodbyeReason reason) {
+  return builder_->finish(
+      {DatagramKind::goodbye, session, packet_number},
+      wire::CreateGoodbye(builder_->payload, static_cast<wire::GoodbyeReason>(reason)));
+}
+
+DropReason decode(Bytes payload, SampleBatch& out) noexcept {
+  const Aligned bytes(payload);
+  const auto* root = bytes.root<wire::Samples>();
+  if (root == nullptr) return DropReason::malformed;
+
+  const auto& samples = *root->samples();
+  const auto* rotations = root->rotations();
+  if (samples.size() == 0 || samples.size() > out.samples.size()) return DropReason::count;
+  if (rotations != nullptr && rotations->size() != samples.size()) return DropReason::count;
+
+  out.count = static_cast<int>(samples.size());
+  out.rotation = rotations != nullptr;
+  for (flatbuffers::uoffset_t i = 0; i < samples.size(); ++i) {
+    const wire::Sample& from = *samples.Get(i);
+    Sample& to = out.samples[i];
+    to.index = from.index();
+    to.client_time = Nanoseconds(from.client_time());
+    to.pose.position = value(from.position());
+    to.held.elastic = value(from.held_elastic());
+    to.held.frictional = value(from.held_frictional());
+    if (rotations != nullptr) {
+      to.pose.orientation = value(rotations->Get(i)->orientation());
+      to.held.torque = value(rotations->Get(i)->held_torque());
+    } else {
+      to.pose.orientation = Quaternion::Identity();
+      to.held.torque.setZero();
+    }
+  }
+  return check(out);
+}
+
+DropReason check(const SampleBatch& batch) noexcept {
+  if (batch.count < 1 || batch.count > kMaxRedundancy + 1) return DropReason::count;
+  const auto samples = batch.view();
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    if (samples[i].index == 0) return DropReason::order;
+    if (i > 0 && samples[i].index >= samples[i - 1].index) return DropReason::order;
+  }
+  for (const Sample& sample : samples)
+    if (!plausible(sample, batch.rotation)) return DropReason::not_finite;
+  return DropReason::none;
+}
+
+DropReason decode(Bytes payload, Reply& out) noexcept {
+  const Aligned bytes(payload);
+  const auto* root = bytes.root<wire::Reply>();
+  if (root == nullptr) return DropReason::malformed;
+
+  const wire::BoundingReport& report = *root->report();
+  out.sample_index = root->sample_index();
+  out.client_time = Nanoseconds(root->client_time());
+  out.server_receive_time = Nanoseconds(root->server_receive_time());
+  out.server_send_time = Nanoseconds(root->server_send_time());
+  out.command.elastic = value(*root->elastic());
+  out.command.frictional = value(*root->frictional());
+  out.rotation = root->torque() != nullptr;
+  out.command.torque = out.rotation ? value(*root->torque()) : Vec3::Zero();
+  out.delivered = {report.delivered_elastic(), report.delivered_frictional(),
+                   report.delivered_torque()};
+  out.ratio = report.ratio();
+  out.active = (report.flags() & kFlagActive) != 0;
+  out.saturated = (report.flags() & kFlagSaturated) != 0;
+  out.refused = (report.flags() & kFlagRefused) != 0;
+  out.gap = (report.flags() & kFlagGap) != 0;
+  out.violations = report.violations();
+
+  if (out.sample_index == 0) return DropReason::order;
+  if (!out.command.finite() || !std::isfinite(out.ratio) || !std::isfinite(out.delivered.elastic) ||
+      !std::isfinite(out.delivered.frictional) || !std::isfinite(out.delivered.torque))
+    return DropReason::not_finite;
+  return DropReason::none;
+}
+
+DropReason decode(Bytes payload, GoodbyeReason& out) noexcept {
+  const Aligned bytes(payload);
+  const auto* root = bytes.root<wire::Goodbye>();
+  if (root == nullptr || root->reason() > wire::GoodbyeReason::MAX) return DropReason::malformed;
+  out = static_cast<GoodbyeReason>(root->reason());
+  return DropReason::none;
+}
+
+}  // namespace feltwire

@@ -1,0 +1,248 @@
+#include "protocol/control.hpp"
+
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+#include "flatbuffers/flatbuffers.h"
+#include "protocol/little_endian.hpp"
+#include "protocol/schema/control_generated.h"
+
+namespace feltwire::control {
+namespace {
+
+using flatbuffers::FlatBufferBuilder;
+using flatbuffers::Offset;
+
+constexpr flatbuffers::uoffset_t kMaxDepth = 8;
+// Tables of one message. Each entry of a list may point at the same bytes, so this also limits what
+// a hostile frame can make grow.
+constexpr flatbuffers::uoffset_t kMaxTables = kMaxScenes + 8;
+constexpr std::size_t kSmallestBuffer = 8;  // [bytes] a root offset and an empty table
+
+constexpr double kNotGiven = std::numeric_limits<double>::quiet_NaN();
+
+// The values' enums are the wire's: same order, checked when read.
+template <class Wire, class Enum>
+Wire wire_enum(Enum value) {
+  return static_cast<Wire>(value);
+}
+
+/// False when there is no such enumerator.
+template <class Enum, class Wire>
+bool read_enum(Wire wire, Enum& out) {
+  if (wire > Wire::MAX) return false;
+  out = static_cast<Enum>(wire);
+  return true;
+}
+
+bool read_name(const flatbuffers::String* text, std::string& out) {
+  if (text->size() > kMaxName) return false;
+  out.assign(text->c_str(), text->size());
+  return true;
+}
+
+Offset<wire::DeviceSpec> build(FlatBufferBuilder& builder, const DeviceSpec& d) {
+  const wire::Extent workspace(d.workspace.x(), d.workspace.y(), d.workspace.z());
+  return wire::CreateDeviceSpecDirect(
+      builder, d.name.c_str(), static_cast<std::uint8_t>(d.translation_dof),
+      static_cast<std::uint8_t>(d.rotation_sensed), static_cast<std::uint8_t>(d.rotation_actuated),
+      d.damping, d.rotational_damping, d.apparent_mass, d.coulomb_friction, d.position_resolution,
+      d.max_force, d.continuous_force, d.max_torque, &workspace);
+}
+
+Offset<wire::SessionParameters> build(FlatBufferBuilder& builder, const SessionParameters& p) {
+  return wire::CreateSessionParameters(
+      builder, wire_enum<wire::BoundingMode>(p.mode), wire_enum<wire::Projection>(p.projection),
+      wire_enum<wire::BoundingSide>(p.side), p.servo_period,
+      static_cast<std::uint8_t>(p.redundancy), p.operator_damping, p.velocity_cutoff, p.hold_time,
+      p.c1.value_or(kNotGiven), p.c2.value_or(kNotGiven));
+}
+
+/// The union's member of each message.
+struct BodyBuilder {
+  FlatBufferBuilder& builder;
+
+  Offset<wire::JoinRequest> operator()(const JoinRequest& m) {
+    const auto device = build(builder, m.device);
+    const auto parameters = build(builder, m.parameters);
+    return wire::CreateJoinRequestDirect(builder, m.client.c_str(), m.scene.c_str(), device,
+                                         parameters);
+  }
+  Offset<wire::JoinAccepted> operator()(const JoinAccepted& m) {
+    return wire::CreateJoinAccepted(builder, m.session, m.udp_port, build(builder, m.parameters),
+                                    m.silence_timeout, m.friction, m.rotation);
+  }
+  Offset<wire::LeaveRequest> operator()(const LeaveRequest& m) {
+    return wire::CreateLeaveRequest(builder, m.session);
+  }
+  Offset<wire::Left> operator()(const Left& m) { return wire::CreateLeft(builder, m.session); }
+  Offset<wire::ListScenes> operator()(const ListScenes&) { return wire::CreateListScenes(builder); }
+  Offset<wire::SceneList> operator()(const SceneList& m) {
+    std::vector<Offset<wire::SceneEntry>> entries;
+    for (const SceneEntry& scene : m.scenes)
+      entries.push_back(wire::CreateSceneEntryDirect(builder, scene.name.c_str(), scene.udp_port,
+                                                     scene.objects, scene.sessions));
+    return wire::CreateSceneList(builder, builder.CreateVector(entries));
+  }
+  Offset<wire::SetParameters> operator()(const SetParameters& m) {
+    return wire::CreateSetParameters(builder, m.session, build(builder, m.parameters));
+  }
+  Offset<wire::ParametersSet> operator()(const ParametersSet& m) {
+    return wire::CreateParametersSet(builder, m.session, build(builder, m.parameters));
+  }
+  Offset<wire::Refused> operator()(const Refused& m) {
+    return wire::CreateRefusedDirect(builder, wire_enum<wire::RefusalCode>(m.code),
+                                     m.reason.c_str());
+  }
+};
+
+/// The union counts from 1 in the order of Message.
+wire::Body body_type(const Message& message) {
+  return static_cast<wire::Body>(message.index() + 1);
+}
+
+bool read(const wire::DeviceSpec& from, DeviceSpec& to) {
+  to.translation_dof = from.translation_dof();
+  to.rotation_sensed = from.rotation_sensed();
+  to.rotation_actuated = from.rotation_actuated();
+  to.damping = from.damping();
+  to.rotational_damping = from.rotational_damping();
+  to.apparent_mass = from.apparent_mass();
+  to.coulomb_friction = from.coulomb_friction();
+  to.position_resolution = from.position_resolution();
+  to.max_force = from.max_force();
+  to.continuous_force = from.continuous_force();
+  to.max_torque = from.max_torque();
+  if (const auto* extent = from.workspace())
+    to.workspace = Vec3(extent->x(), extent->y(), extent->z());
+  return read_name(from.name(), to.name);
+}
+
+bool read(const wire::SessionParameters& from, SessionParameters& to) {
+  to.servo_period = from.servo_period();
+  to.redundancy = from.redundancy();
+  to.operator_damping = from.operator_damping();
+  to.velocity_cutoff = from.velocity_cutoff();
+  to.hold_time = from.hold_time();
+  if (!std::isnan(from.c1())) to.c1 = from.c1();
+  if (!std::isnan(from.c2())) to.c2 = from.c2();
+  return read_enum(from.mode(), to.mode) && read_enum(from.projection(), to.projection) &&
+         read_enum(from.side(), to.side);
+}
+
+bool read(const wire::JoinRequest& from, JoinRequest& to) {
+  return read_name(from.client(), to.client) && read_name(from.scene(), to.scene) &&
+         read(*from.device(), to.device) && read(*from.parameters(), to.parameters);
+}
+bool read(const wire::JoinAccepted& from, JoinAccepted& to) {
+  to.session = from.session();
+  to.udp_port = from.udp_port();
+  to.silence_timeout = from.silence_timeout();
+  to.friction = from.friction();
+  to.rotation = from.rotation();
+  return read(*from.parameters(), to.parameters);
+}
+bool read(const wire::LeaveRequest& from, LeaveRequest& to) {
+  to.session = from.session();
+  return true;
+}
+bool read(const wire::Left& from, Left& to) {
+  to.session = from.session();
+  return true;
+}
+bool read(const wire::ListScenes&, ListScenes&) { return true; }
+bool read(const wire::SceneList& from, SceneList& to) {
+  for (const wire::SceneEntry* entry : *from.scenes()) {
+    SceneEntry scene{{}, entry->udp_port(), entry->objects(), entry->sessions()};
+    if (!read_name(entry->name(), scene.name)) return false;
+    to.scenes.push_back(std::move(scene));
+  }
+  return true;
+}
+bool read(const wire::SetParameters& from, SetParameters& to) {
+  to.session = from.session();
+  return read(*from.parameters(), to.parameters);
+}
+bool read(const wire::ParametersSet& from, ParametersSet& to) {
+  to.session = from.session();
+  return read(*from.parameters(), to.parameters);
+}
+bool read(const wire::Refused& from, Refused& to) {
+  to.reason.assign(from.reason()->c_str(), from.reason()->size());
+  return read_enum(from.code(), to.code);
+}
+
+template <class Value, class Table>
+std::optional<Message> message(const Table& table) {
+  Value value;
+  if (!read(table, value)) return std::nullopt;
+  return Message(std::move(value));
+}
+
+}  // namespace
+
+std::vector<std::uint8_t> encode(const Message& message) {
+  FlatBufferBuilder builder;
+  const Offset<void> body =
+      std::visit([&](const auto& m) { return BodyBuilder{builder}(m).Union(); }, message);
+  builder.Finish(wire::CreateControlMessage(builder, body_type(message), body));
+  if (builder.GetSize() > kMaxFrame)
+    throw std::length_error("a control message of " + std::to_string(builder.GetSize()) +
+                            " bytes is longer than a frame may be (" + std::to_string(kMaxFrame) +
+                            "); shorten its names");
+  std::vector<std::uint8_t> frame(kFrameLengthSize + builder.GetSize());
+  put_little_endian(frame.data(), static_cast<std::uint32_t>(builder.GetSize()));
+  std::copy_n(builder.GetBufferPointer(), builder.GetSize(), frame.data() + kFrameLengthSize);
+  return frame;
+}
+
+std::uint32_t frame_length(std::span<const std::uint8_t, kFrameLengthSize> bytes) noexcept {
+  return get_little_endian<std::uint32_t>(bytes.data());
+}
+
+std::optional<Message> decode(Bytes body) {
+  if (body.size() < kSmallestBuffer || body.size() > kMaxFrame) return std::nullopt;
+  // FlatBuffers reads eight bytes at a time; a body need not come aligned.
+  std::vector<std::uint8_t> aligned;
+  if (reinterpret_cast<std::uintptr_t>(body.data()) % alignof(std::uint64_t) != 0) {
+    aligned.assign(body.begin(), body.end());
+    body = aligned;
+  }
+  flatbuffers::Verifier verifier(body.data(), body.size(), kMaxDepth, kMaxTables);
+  if (!wire::VerifyControlMessageBuffer(verifier)) return std::nullopt;
+  const wire::ControlMessage* root = wire::GetControlMessage(body.data());
+  switch (root->body_type()) {
+    case wire::Body::JoinRequest:
+      return message<JoinRequest>(*root->body_as_JoinRequest());
+    case wire::Body::JoinAccepted:
+      return message<JoinAccepted>(*root->body_as_JoinAccepted());
+    case wire::Body::LeaveRequest:
+      return message<LeaveRequest>(*root->body_as_LeaveRequest());
+    case wire::Body::Left:
+      return message<Left>(*root->body_as_Left());
+    case wire::Body::ListScenes:
+      return message<ListScenes>(*root->body_as_ListScenes());
+    case wire::Body::SceneList:
+      return message<SceneList>(*root->body_as_SceneList());
+    case wire::Body::SetParameters:
+      return message<SetParameters>(*root->body_as_SetParameters());
+    case wire::Body::ParametersSet:
+      return message<ParametersSet>(*root->body_as_ParametersSet());
+    case wire::Body::Refused:
+      return message<Refused>(*root->body_as_Refused());
+    case wire::Body::NONE:
+      break;
+  }
+  return std::nullopt;
+}
+
+const char* name(RefusalCode code) {
+  static constexpr std::array<const char*, 7> names = {
+      "malformed",      "unknown_scene", "unknown_session", "bad_device",
+      "bad_parameters", "full",          "shutting_down"};
+  const auto i = static_cast<std::size_t>(code);
+  return i < names.size() ? names[i] : "unknown";
+}
+
+}  // namespace feltwire::control

@@ -1,0 +1,93 @@
+#include "protocol/session_parameters.hpp"
+
+#include <cmath>
+#include <cstdio>
+#include <stdexcept>
+#include <string>
+
+#include "protocol/datagram.hpp"
+
+namespace feltwire {
+namespace {
+
+constexpr double kShortestPeriod = 1e-5, kLongestPeriod = 0.1;  // [s]
+constexpr double kLargestOperatorDamping = 100.0;               // [N s/m]
+constexpr double kLargestCutoff = 1e5;  // [Hz] half the rate of the shortest period and more
+constexpr double kLongestHold = 1.0;    // [s]
+constexpr double kStiffest = 1e9;       // [N/m]
+
+std::string text(double number) {
+  std::string digits = std::to_string(number);
+  if (std::abs(number) < 1e-3 || std::abs(number) > 1e6) {
+    char buffer[32];
+    std::snprintf(buffer, sizeof buffer, "%g", number);
+    digits = buffer;
+  }
+  return digits;
+}
+
+/// Also false for NaN.
+void within(const char* field, double value, double low, double high, const char* unit,
+            const char* remedy) {
+  if (value >= low && value <= high) return;
+  throw std::invalid_argument(std::string(field) + " = " + text(value) + " is not within " +
+                              text(low) + " to " + text(high) + " " + unit + "; " + remedy);
+}
+
+void known(const char* field, std::size_t value, std::size_t choices) {
+  if (value >= choices)
+    throw std::invalid_argument(std::string(field) + " = " + std::to_string(value) +
+                                " is none of the " + std::to_string(choices) +
+                                " there are; take one by its name");
+}
+
+}  // namespace
+
+void validate(const SessionParameters& p) {
+  known("mode", static_cast<std::size_t>(p.mode), kBoundingModeNames.size());
+  known("projection", static_cast<std::size_t>(p.projection), kProjectionNames.size());
+  known("side", static_cast<std::size_t>(p.side), kBoundingSideNames.size());
+  within("servo_period", p.servo_period, kShortestPeriod, kLongestPeriod, "s",
+         "1e-3 is a haptic servo's usual period");
+  within("redundancy", p.redundancy, 0, kMaxRedundancy, "samples", "3 bridges two lost packets");
+  within("operator_damping", p.operator_damping, 0.0, kLargestOperatorDamping, "N s/m",
+         "0 credits nothing and is always safe");
+  within("velocity_cutoff", p.velocity_cutoff, 0.0, kLargestCutoff, "Hz", "0 filters nothing");
+  within("hold_time", p.hold_time, p.servo_period, kLongestHold, "s",
+         "it must last at least one servo period");
+  if (p.c1) within("c1", *p.c1, 0.0, kStiffest, "N/m", "leave it out for b/T");
+  if (p.c2) within("c2", *p.c2, 0.0, kStiffest, "N/m", "leave it out for c1");
+  if (p.c1 && p.c2 && *p.c2 > *p.c1)
+    throw std::invalid_argument("c2 = " + text(*p.c2) + " is above c1 = " + text(*p.c1) +
+                                " N/m: the bounding laws would contradict each other; lower c2 or "
+                                "raise c1");
+}
+
+BoundingConfig bounding_config(const SessionParameters& p, const DeviceSpec& device) {
+  BoundingConfig config;
+  config.mode = p.mode;
+  config.projection = p.projection;
+  config.period = p.servo_period;
+  config.damping = device.damping + p.operator_damping;
+  config.rotational_damping = device.rotational_damping;
+  config.c1 = p.c1;
+  config.c2 = p.c2;
+  config.max_force = device.max_force;
+  config.max_torque = device.max_torque;
+  config.rotation = device.rotation_actuated > 0;
+  return config;
+}
+
+std::string_view name(BoundingSide side) {
+  const auto i = static_cast<std::size_t>(side);
+  return i < kBoundingSideNames.size() ? kBoundingSideNames[i] : "unknown";
+}
+
+BoundingSide bounding_side(std::string_view given) {
+  for (std::size_t i = 0; i < kBoundingSideNames.size(); ++i)
+    if (kBoundingSideNames[i] == given) return static_cast<BoundingSide>(i);
+  throw std::invalid_argument("unknown bounding side '" + std::string(given) +
+                              "'; choose one of: server client both");
+}
+
+}  // namespace feltwire

@@ -1,0 +1,373 @@
+#include "protocol/codec.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <vector>
+
+#include "flatbuffers/flatbuffers.h"
+#include "protocol/schema/datagram_generated.h"
+#include "tests/protocol/allocation_counter.hpp"
+#include "tests/protocol/make.hpp"
+
+namespace feltwire {
+namespace {
+
+using test::payload;
+using test::Random;
+using test::random_batch;
+
+void expect_same(const Sample& a, const Sample& b) {
+  EXPECT_EQ(a.index, b.index);
+  EXPECT_EQ(a.client_time, b.client_time);
+  EXPECT_EQ(a.pose.position, b.pose.position);
+  EXPECT_EQ(a.pose.orientation.coeffs(), b.pose.orientation.coeffs());
+  EXPECT_EQ(a.held.elastic, b.held.elastic);
+  EXPECT_EQ(a.held.frictional, b.held.frictional);
+  EXPECT_EQ(a.held.torque, b.held.torque);
+}
+
+Reply random_reply(Random& random) {
+  Reply reply;
+  reply.sample_index = 1 + random() / 2;
+  reply.client_time = Nanoseconds(static_cast<std::int64_t>(random()));
+  reply.server_receive_time = Nanoseconds(static_cast<std::int64_t>(random()));
+  reply.server_send_time = Nanoseconds(static_cast<std::int64_t>(random()));
+  reply.command = {test::vector(random, 20), test::vector(random, 5), Vec3::Zero()};
+  reply.rotation = random() % 2 == 0;
+  if (reply.rotation) reply.command.torque = test::vector(random, 1);
+  reply.delivered = {test::uniform(random, -1, 1), test::uniform(random, -1, 1),
+                     test::uniform(random, -1, 1)};
+  reply.ratio = static_cast<float>(test::uniform(random, 0, 1));
+  const auto flags = random();
+  reply.active = flags & 1;
+  reply.saturated = flags & 2;
+  reply.refused = flags & 4;
+  reply.gap = flags & 8;
+  reply.violations = random();
+  return reply;
+}
+
+TEST(Codec, SamplesRoundTrip) {
+  Random random(1);
+  Encoder encoder;
+  for (int round = 0; round < 2000; ++round) {
+    const int count = 1 + static_cast<int>(random() % 9);
+    const SampleBatch sent = random_batch(random, 100 + random() % 1000, count, random() % 2 == 0);
+    const Bytes datagram = encoder.samples(42, 7, sent);
+    ASSERT_LE(datagram.size(), kMaxDatagram);
+    const Guarded guarded = guard(datagram, test::kAllKinds);
+    ASSERT_EQ(guarded.drop, DropReason::none);
+    EXPECT_EQ(guarded.header.kind, DatagramKind::samples);
+    EXPECT_EQ(guarded.header.session, 42u);
+    EXPECT_EQ(guarded.header.packet_number, 7u);
+    SampleBatch received;
+    ASSERT_EQ(decode(guarded.payload, received), DropReason::none);
+    ASSERT_EQ(received.count, sent.count);
+    EXPECT_EQ(received.rotation, sent.rotation);
+    for (int i = 0; i < count; ++i)
+      expect_same(received.samples[static_cast<std::size_t>(i)],
+                  sent.samples[static_cast<std::size_t>(i)]);
+  }
+}
+
+/// A batch that is decoded into keeps nothing of what it held before.
+TEST(Codec, SamplesWithoutRotationsAreUpright) {
+  Random random(2);
+  Encoder encoder;
+  SampleBatch received = random_batch(random, 50, 9, true);
+  ASSERT_EQ(decode(payload(encoder.samples(1, 1, random_batch(random, 9, 3, false))), received),
+            DropReason::none);
+  EXPECT_FALSE(received.rotation);
+  EXPECT_EQ(received.count, 3);
+  for (const Sample& sample : received.view()) {
+    EXPECT_EQ(sample.pose.orientation.coeffs(), Quaternion::Identity().coeffs());
+    EXPECT_EQ(sample.held.torque, Vec3::Zero());
+  }
+}
+
+TEST(Codec, ReplyRoundTrip) {
+  Random random(3);
+  Encoder encoder;
+  for (int round = 0; round < 2000; ++round) {
+    const Reply sent = random_reply(random);
+    const Bytes datagram = encoder.reply(9, 8, sent);
+    EXPECT_LE(datagram.size(), 256u);
+    Reply received = random_reply(random);
+    ASSERT_EQ(decode(payload(datagram), received), DropReason::none);
+    EXPECT_EQ(received.sample_index, sent.sample_index);
+    EXPECT_EQ(received.client_time, sent.client_time);
+    EXPECT_EQ(received.server_receive_time, sent.server_receive_time);
+    EXPECT_EQ(received.server_send_time, sent.server_send_time);
+    EXPECT_EQ(received.command.elastic, sent.command.elastic);
+    EXPECT_EQ(received.command.frictional, sent.command.frictional);
+    EXPECT_EQ(received.command.torque, sent.command.torque);
+    EXPECT_EQ(received.rotation, sent.rotation);
+    EXPECT_EQ(received.delivered.elastic, sent.delivered.elastic);
+    EXPECT_EQ(received.delivered.frictional, sent.delivered.frictional);
+    EXPECT_EQ(received.delivered.torque, sent.delivered.torque);
+    EXPECT_EQ(received.ratio, sent.ratio);
+    EXPECT_EQ(received.active, sent.active);
+    EXPECT_EQ(received.saturated, sent.saturated);
+    EXPECT_EQ(received.refused, sent.refused);
+    EXPECT_EQ(received.gap, sent.gap);
+    EXPECT_EQ(received.violations, sent.violations);
+  }
+}
+
+TEST(Codec, GoodbyeRoundTrip) {
+  Encoder encoder;
+  for (const auto reason :
+       {GoodbyeReason::leaving, GoodbyeReason::shutting_down, GoodbyeReason::evicted}) {
+    GoodbyeReason received = GoodbyeReason::leaving;
+    EXPECT_EQ(decode(payload(encoder.goodbye(1, 1, reason)), received), DropReason::none);
+    EXPECT_EQ(received, reason);
+  }
+}
+
+TEST(Codec, SizesKeepTheirPromises) {
+  Random random(4);
+  Encoder encoder;
+  EXPECT_LE(encoder.samples(~0ull, ~0ull, random_batch(random, 9, 1, true)).size(), 256u);
+  EXPECT_LE(encoder.samples(~0ull, ~0ull, random_batch(random, 9, 9, true)).size(), kMaxDatagram);
+}
+
+TEST(Codec, PayloadMayLieAnywhere) {
+  Random random(5);
+  Encoder encoder;
+  const SampleBatch sent = random_batch(random, 77, 4, true);
+  const Bytes datagram = encoder.samples(1, 1, sent);
+  for (std::size_t shift = 0; shift < 8; ++shift) {
+    std::vector<std::uint8_t> moved(shift, 0);
+    const Bytes bytes = payload(datagram);
+    moved.insert(moved.end(), bytes.begin(), bytes.end());
+    SampleBatch received;
+    ASSERT_EQ(decode(Bytes(moved).subspan(shift), received), DropReason::none);
+    expect_same(received.samples[3], sent.samples[3]);
+  }
+}
+
+// What the codec itself refuses, each provoked alone.
+
+DropReason verdict(const SampleBatch& batch) {
+  Encoder encoder;
+  SampleBatch out;
+  return decode(payload(encoder.samples(1, 1, batch)), out);
+}
+
+TEST(CodecDrops, Count) {
+  Random random(6);
+  EXPECT_EQ(verdict(random_batch(random, 9, 0, false)), DropReason::count);
+
+  // Ten samples, or fewer rotations than samples: the encoder cannot say it, so by hand.
+  for (const auto& [samples, rotations] : {std::pair{10u, 0u}, {3u, 2u}, {1u, 9u}}) {
+    flatbuffers::FlatBufferBuilder builder;
+    std::vector<wire::Sample> s;
+    for (unsigned i = 0; i < samples; ++i)
+      s.emplace_back(100 - i, 0, wire::Vec3d(0, 0, 0), wire::Vec3f(0, 0, 0), wire::Vec3f(0, 0, 0));
+    const std::vector<wire::Rotation> r(
+        rotations, wire::Rotation(wire::Quatd(1, 0, 0, 0), wire::Vec3f(0, 0, 0)));
+    const auto sv = builder.CreateVectorOfStructs(s);
+    const auto rv = builder.CreateVectorOfStructs(r);
+    builder.Finish(rotations == 0 ? wire::CreateSamples(builder, sv)
+                                  : wire::CreateSamples(builder, sv, rv));
+    SampleBatch out;
+    EXPECT_EQ(decode({builder.GetBufferPointer(), builder.GetSize()}, out), DropReason::count);
+  }
+}
+
+TEST(CodecDrops, Order) {
+  Random random(7);
+  SampleBatch batch = random_batch(random, 9, 3, false);
+  batch.samples[1].index = 9;
+  EXPECT_EQ(verdict(batch), DropReason::order);
+  batch.samples[1].index = 10;
+  EXPECT_EQ(verdict(batch), DropReason::order);
+  EXPECT_EQ(verdict(random_batch(random, 0, 1, false)), DropReason::order);
+}
+
+TEST(CodecDrops, NotFinite) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const double inf = std::numeric_limits<double>::infinity();
+  const std::vector<std::function<void(Sample&)>> spoils = {
+      [=](Sample& s) { s.pose.position.x() = nan; },
+      [=](Sample& s) { s.pose.position.y() = nan; },
+      [=](Sample& s) { s.pose.position.z() = -inf; },
+      [](Sample& s) { s.pose.position.y() = 1000.1; },
+      [=](Sample& s) { s.held.elastic.x() = nan; },
+      [=](Sample& s) { s.held.frictional.z() = inf; },
+      [](Sample& s) { s.held.elastic.y() = 1e39; },  // infinite as float32
+      [=](Sample& s) { s.held.torque.y() = nan; },
+      [=](Sample& s) { s.pose.orientation.w() = nan; },
+      [](Sample& s) { s.pose.orientation.coeffs() *= 1.01; },
+      [](Sample& s) { s.pose.orientation.coeffs().setZero(); },
+  };
+  Random random(8);
+  for (std::size_t which = 0; which < spoils.size(); ++which) {
+    for (std::size_t at = 0; at < 3; ++at) {
+      SampleBatch batch = random_batch(random, 9, 3, true);
+      ASSERT_EQ(verdict(batch), DropReason::none);
+      spoils[which](batch.samples[at]);
+      EXPECT_EQ(verdict(batch), DropReason::not_finite) << "spoil " << which << " at " << at;
+    }
+  }
+}
+
+TEST(CodecDrops, ReplyThatIsNone) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  Encoder encoder;
+  Reply out;
+  Reply reply;
+  EXPECT_EQ(decode(payload(encoder.reply(1, 1, reply)), out), DropReason::order);  // index 0
+  reply.sample_index = 1;
+  EXPECT_EQ(decode(payload(encoder.reply(1, 1, reply)), out), DropReason::none);
+  for (double* number : {&reply.command.elastic.x(), &reply.command.frictional.y(), &reply.ratio,
+                         &reply.delivered.torque, &reply.delivered.elastic}) {
+    const double before = *number;
+    *number = nan;
+    EXPECT_EQ(decode(payload(encoder.reply(1, 1, reply)), out), DropReason::not_finite);
+    *number = before;
+  }
+  reply.rotation = true;
+  reply.command.torque.z() = nan;
+  EXPECT_EQ(decode(payload(encoder.reply(1, 1, reply)), out), DropReason::not_finite);
+}
+
+TEST(CodecDrops, OneKindIsNotAnother) {
+  Random random(9);
+  Encoder encoder;
+  SampleBatch batch;
+  Reply reply;
+  GoodbyeReason reason;
+  EXPECT_EQ(decode(payload(encoder.goodbye(1, 1, GoodbyeReason::evicted)), batch),
+            DropReason::malformed);
+  EXPECT_EQ(decode(payload(encoder.samples(1, 1, random_batch(random, 5, 2, false))), reply),
+            DropReason::malformed);
+  flatbuffers::FlatBufferBuilder builder;
+  builder.Finish(wire::CreateGoodbye(builder, static_cast<wire::GoodbyeReason>(3)));
+  EXPECT_EQ(decode({builder.GetBufferPointer(), builder.GetSize()}, reason), DropReason::malformed);
+}
+
+TEST(CodecDrops, EverySizeThatIsNone) {
+  SampleBatch batch;
+  Reply reply;
+  GoodbyeReason reason;
+  for (std::size_t size : {0u, 1u, 7u, 8u, 100u, 1200u, 1201u, 70000u}) {
+    for (const std::uint8_t fill : {std::uint8_t{0x00}, std::uint8_t{0xff}, std::uint8_t{0x04}}) {
+      const std::vector<std::uint8_t> bytes(size, fill);
+      EXPECT_EQ(decode(Bytes(bytes), batch), DropReason::malformed);
+      EXPECT_EQ(decode(Bytes(bytes), reply), DropReason::malformed);
+      if (fill != 0 && size != 0) {
+        EXPECT_EQ(decode(Bytes(bytes), reason), DropReason::malformed);
+      }
+    }
+  }
+}
+
+/// Whatever bytes come: no crash, no allocation, and what is let through is usable.
+void expect_harmless(Bytes datagram) {
+  const std::size_t before = test::allocations();
+  const Guarded guarded = guard(datagram, test::kAllKinds);
+  SampleBatch batch;
+  Reply reply;
+  GoodbyeReason reason = GoodbyeReason::leaving;
+  DropReason samples = guarded.drop, replied = guarded.drop, goodbye = guarded.drop;
+  if (guarded.drop == DropReason::none) {
+    samples = decode(guarded.payload, batch);
+    replied = decode(guarded.payload, reply);
+    goodbye = decode(guarded.payload, reason);
+  }
+  ASSERT_EQ(test::allocations(), before);
+  if (samples == DropReason::none) {
+    ASSERT_GE(batch.count, 1);
+    ASSERT_LE(batch.count, kMaxRedundancy + 1);
+    for (const Sample& sample : batch.view()) {
+      ASSERT_TRUE(sample.pose.position.allFinite());
+      ASSERT_TRUE(sample.held.finite());
+    }
+  }
+  if (replied == DropReason::none) {
+    ASSERT_TRUE(reply.command.finite());
+  }
+  if (goodbye == DropReason::none) {
+    ASSERT_LE(static_cast<int>(reason), 2);
+  }
+}
+
+TEST(CodecFuzz, RandomBytes) {
+  Random random(10);
+  std::vector<std::uint8_t> bytes;
+  for (int round = 0; round < 20'000; ++round) {
+    bytes.resize(random() % 1300);
+    for (auto& byte : bytes) byte = static_cast<std::uint8_t>(random());
+    if (bytes.size() >= kHeaderSize && round % 2 == 0)
+      write_header(bytes, {DatagramKind::samples, random(), random()});
+    if (bytes.size() >= kHeaderSize + 4 && round % 4 == 0)  // a root offset that may be one
+      bytes[kHeaderSize + 1] = bytes[kHeaderSize + 2] = bytes[kHeaderSize + 3] = 0;
+    expect_harmless(bytes);
+  }
+}
+
+TEST(CodecFuzz, TruncationsAndBitFlipsOfValidDatagrams) {
+  Random random(11);
+  Encoder encoder;
+  for (int round = 0; round < 60; ++round) {
+    Bytes valid;
+    if (round % 3 == 0)
+      valid = encoder.reply(1, 1, random_reply(random));
+    else if (round % 3 == 1)
+      valid = encoder.samples(1, 1, random_batch(random, 99, 1 + round % 9, round % 2 == 0));
+    else
+      valid = encoder.goodbye(1, 1, GoodbyeReason::leaving);
+    std::vector<std::uint8_t> bytes(valid.begin(), valid.end());
+    for (std::size_t size = 0; size <= bytes.size(); ++size)
+      expect_harmless(
+          std::vector<std::uint8_t>(bytes.begin(), bytes.begin() + static_cast<long>(size)));
+    for (std::size_t bit = 0; bit < 8 * bytes.size(); ++bit) {
+      bytes[bit / 8] ^= static_cast<std::uint8_t>(1u << bit % 8);
+      expect_harmless(bytes);
+      bytes[bit / 8] ^= static_cast<std::uint8_t>(1u << bit % 8);
+    }
+    for (int flips = 0; flips < 200; ++flips) {
+      std::vector<std::uint8_t> spoiled = bytes;
+      for (int i = 0; i < 8; ++i)
+        spoiled[random() % spoiled.size()] = static_cast<std::uint8_t>(random());
+      expect_harmless(spoiled);
+    }
+  }
+}
+
+TEST(CodecAllocation, NoneAfterTheFirstOfEachKind) {
+#ifdef FELTWIRE_SANITIZED
+  GTEST_SKIP() << "sanitizers own the allocator";
+#endif
+  Random random(12);
+  Encoder encoder;
+  SampleBatch batch = random_batch(random, 20'000, 9, true);
+  Reply reply = random_reply(random);
+  SampleBatch batch_out;
+  Reply reply_out;
+  encoder.samples(1, 1, batch);
+  encoder.reply(1, 1, reply);
+  encoder.goodbye(1, 1, GoodbyeReason::leaving);
+
+  const std::size_t before = test::allocations();
+  DropReason worst = DropReason::none;
+  for (std::uint64_t i = 1; i <= 10'000; ++i) {
+    batch.count = 1 + static_cast<int>(i % 9);
+    worst = std::max(worst, decode(payload(encoder.samples(1, i, batch)), batch_out));
+    worst = std::max(worst, decode(payload(encoder.reply(1, i, reply)), reply_out));
+    encoder.goodbye(1, i, GoodbyeReason::leaving);
+  }
+  EXPECT_EQ(test::allocations(), before);
+  EXPECT_EQ(worst, DropReason::none);
+
+  const std::size_t counting = test::allocations();
+  ::operator delete(::operator new(1));  // the counter counts
+  EXPECT_EQ(test::allocations(), counting + 1);
+}
+
+}  // namespace
+}  // namespace feltwire

@@ -1,0 +1,206 @@
+#include "protocol/control.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "flatbuffers/flatbuffers.h"
+#include "protocol/schema/control_generated.h"
+
+namespace feltwire::control {
+namespace {
+
+Bytes body(const std::vector<std::uint8_t>& frame) {
+  return Bytes(frame).subspan(kFrameLengthSize);
+}
+
+template <class Value>
+Value round_trip(const Value& value) {
+  const auto frame = encode(value);
+  EXPECT_EQ(
+      frame_length(std::span<const std::uint8_t, kFrameLengthSize>(frame.data(), kFrameLengthSize)),
+      body(frame).size());
+  const auto message = decode(body(frame));
+  EXPECT_TRUE(message.has_value());
+  return std::get<Value>(message.value());
+}
+
+SessionParameters unusual_parameters() {
+  SessionParameters p;
+  p.mode = BoundingMode::per_axis_projected;
+  p.projection = Projection::cone;
+  p.side = BoundingSide::client;
+  p.servo_period = 2.5e-4;
+  p.redundancy = 7;
+  p.operator_damping = 0.25;
+  p.velocity_cutoff = 120;
+  p.hold_time = 0.05;
+  p.c1 = 900;
+  p.c2 = 450;
+  return p;
+}
+
+void expect_same(const SessionParameters& a, const SessionParameters& b) {
+  EXPECT_EQ(a.mode, b.mode);
+  EXPECT_EQ(a.projection, b.projection);
+  EXPECT_EQ(a.side, b.side);
+  EXPECT_EQ(a.servo_period, b.servo_period);
+  EXPECT_EQ(a.redundancy, b.redundancy);
+  EXPECT_EQ(a.operator_damping, b.operator_damping);
+  EXPECT_EQ(a.velocity_cutoff, b.velocity_cutoff);
+  EXPECT_EQ(a.hold_time, b.hold_time);
+  EXPECT_EQ(a.c1, b.c1);
+  EXPECT_EQ(a.c2, b.c2);
+}
+
+JoinRequest request() {
+  JoinRequest r{"someone", "room", {}, unusual_parameters()};
+  r.device.name = "omega.7";
+  r.device.translation_dof = 2;
+  r.device.rotation_sensed = 3;
+  r.device.rotation_actuated = 3;
+  r.device.damping = 0.1;
+  r.device.rotational_damping = 0.2;
+  r.device.apparent_mass = 0.3;
+  r.device.coulomb_friction = 0.4;
+  r.device.position_resolution = 0.5;
+  r.device.max_force = 0.6;
+  r.device.continuous_force = 0.7;
+  r.device.max_torque = 0.8;
+  r.device.workspace = {0.9, 1.0, 1.1};
+  return r;
+}
+
+TEST(Control, JoinRequestRoundTrip) {
+  const JoinRequest sent = request();
+  const JoinRequest got = round_trip(sent);
+  EXPECT_EQ(got.client, sent.client);
+  EXPECT_EQ(got.scene, sent.scene);
+  expect_same(got.parameters, sent.parameters);
+  EXPECT_EQ(got.device.name, sent.device.name);
+  EXPECT_EQ(got.device.translation_dof, 2);
+  EXPECT_EQ(got.device.rotation_sensed, 3);
+  EXPECT_EQ(got.device.rotation_actuated, 3);
+  EXPECT_EQ(got.device.damping, 0.1);
+  EXPECT_EQ(got.device.rotational_damping, 0.2);
+  EXPECT_EQ(got.device.apparent_mass, 0.3);
+  EXPECT_EQ(got.device.coulomb_friction, 0.4);
+  EXPECT_EQ(got.device.position_resolution, 0.5);
+  EXPECT_EQ(got.device.max_force, 0.6);
+  EXPECT_EQ(got.device.continuous_force, 0.7);
+  EXPECT_EQ(got.device.max_torque, 0.8);
+  EXPECT_EQ(got.device.workspace, Vec3(0.9, 1.0, 1.1));
+}
+
+TEST(Control, OtherMessagesRoundTrip) {
+  JoinAccepted accepted;
+  accepted.session = 0xfedcba9876543210u;
+  accepted.udp_port = 65535;
+  accepted.parameters = SessionParameters{};
+  accepted.silence_timeout = 2.5;
+  accepted.friction = true;
+  const JoinAccepted joined = round_trip(accepted);
+  EXPECT_EQ(joined.session, accepted.session);
+  EXPECT_EQ(joined.udp_port, 65535);
+  EXPECT_EQ(joined.silence_timeout, 2.5);
+  EXPECT_TRUE(joined.friction);
+  EXPECT_FALSE(joined.rotation);
+  expect_same(joined.parameters, SessionParameters{});  // c1, c2 stay not given
+
+  EXPECT_EQ(round_trip(LeaveRequest{3}).session, 3u);
+  EXPECT_EQ(round_trip(Left{4}).session, 4u);
+  round_trip(ListScenes{});
+  const SceneList list = round_trip(SceneList{{{"a", 1, 2, 3}, {"b", 4, 5, 6}}});
+  ASSERT_EQ(list.scenes.size(), 2u);
+  EXPECT_EQ(list.scenes[1].name, "b");
+  EXPECT_EQ(list.scenes[1].udp_port, 4);
+  EXPECT_EQ(list.scenes[1].objects, 5u);
+  EXPECT_EQ(list.scenes[1].sessions, 6u);
+  EXPECT_TRUE(round_trip(SceneList{}).scenes.empty());
+  const SetParameters set = round_trip(SetParameters{5, unusual_parameters()});
+  EXPECT_EQ(set.session, 5u);
+  expect_same(set.parameters, unusual_parameters());
+  const ParametersSet was_set = round_trip(ParametersSet{6, unusual_parameters()});
+  EXPECT_EQ(was_set.session, 6u);
+  expect_same(was_set.parameters, unusual_parameters());
+  for (int code = 0; code <= static_cast<int>(RefusalCode::shutting_down); ++code) {
+    const Refused refused = round_trip(Refused{static_cast<RefusalCode>(code), "because"});
+    EXPECT_EQ(static_cast<int>(refused.code), code);
+    EXPECT_EQ(refused.reason, "because");
+    EXPECT_STRNE(name(refused.code), "unknown");
+  }
+}
+
+TEST(Control, FrameLengthIsLittleEndian) {
+  const std::array<std::uint8_t, 4> bytes = {0x04, 0x03, 0x02, 0x01};
+  EXPECT_EQ(frame_length(bytes), 0x01020304u);
+  const auto frame = encode(ListScenes{});
+  EXPECT_EQ(frame[0], frame.size() - 4);
+  EXPECT_EQ(frame[3], 0);
+}
+
+TEST(Control, LimitsOfNamesAndFrames) {
+  JoinRequest r = request();
+  r.client = std::string(kMaxName, 'x');
+  EXPECT_TRUE(decode(body(encode(r))));
+  r.client += 'x';
+  EXPECT_FALSE(decode(body(encode(r))));
+  EXPECT_THROW(encode(Refused{RefusalCode::malformed, std::string(kMaxFrame, 'x')}),
+               std::length_error);
+  const std::vector<std::uint8_t> large(kMaxFrame + 1);
+  EXPECT_FALSE(decode(large));
+  SceneList most;
+  for (std::size_t i = 0; i < kMaxScenes; ++i)
+    most.scenes.push_back({std::string(kMaxName, 'x'), 1, 1, 1});
+  EXPECT_EQ(round_trip(most).scenes.size(), kMaxScenes);
+}
+
+TEST(Control, ChoicesThatAreNoneAreRefused) {
+  SessionParameters p;
+  for (const int which : {0, 1, 2}) {
+    p = {};
+    if (which == 0) p.mode = static_cast<BoundingMode>(5);
+    if (which == 1) p.projection = static_cast<Projection>(2);
+    if (which == 2) p.side = static_cast<BoundingSide>(3);
+    EXPECT_FALSE(decode(body(encode(SetParameters{1, p})))) << which;
+  }
+  EXPECT_FALSE(decode(body(encode(Refused{static_cast<RefusalCode>(7), "x"}))));
+}
+
+/// A list may point at one entry ever so often: a small frame that would grow without end.
+TEST(Control, ListThatMultipliesOneEntry) {
+  flatbuffers::FlatBufferBuilder builder;
+  const auto entry = wire::CreateSceneEntryDirect(builder, "again", 1, 1, 1);
+  const std::vector<flatbuffers::Offset<wire::SceneEntry>> entries(10'000, entry);
+  const auto list = wire::CreateSceneList(builder, builder.CreateVector(entries));
+  builder.Finish(wire::CreateControlMessage(builder, wire::Body::SceneList, list.Union()));
+  ASSERT_LT(builder.GetSize(), kMaxFrame);
+  EXPECT_FALSE(decode({builder.GetBufferPointer(), builder.GetSize()}));
+}
+
+TEST(ControlFuzz, TruncationsAndFlipsAreHarmless) {
+  std::mt19937_64 random(1);
+  const std::vector<Message> messages = {request(), SceneList{{{"a", 1, 2, 3}, {"b", 4, 5, 6}}},
+                                         SetParameters{5, unusual_parameters()},
+                                         Refused{RefusalCode::full, "no"}, JoinAccepted{}};
+  int valid = 0;
+  for (const Message& message : messages) {
+    const auto frame = encode(message);
+    const std::vector<std::uint8_t> bytes(body(frame).begin(), body(frame).end());
+    for (std::size_t size = 0; size < bytes.size(); ++size)
+      valid +=
+          decode(std::vector<std::uint8_t>(bytes.begin(), bytes.begin() + static_cast<long>(size)))
+              .has_value();
+    for (int round = 0; round < 5000; ++round) {
+      auto spoiled = bytes;
+      for (std::size_t flips = 1 + random() % 6; flips > 0; --flips)
+        spoiled[random() % spoiled.size()] = static_cast<std::uint8_t>(random());
+      valid += decode(spoiled).has_value();
+    }
+  }
+  EXPECT_GT(valid, 0);  // some flips only change numbers: those are still messages
+}
+
+}  // namespace
+}  // namespace feltwire::control

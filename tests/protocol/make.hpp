@@ -1,0 +1,53 @@
+#pragma once
+// Datagrams for tests.
+
+#include <random>
+
+#include "protocol/codec.hpp"
+#include "protocol/guard.hpp"
+
+namespace feltwire::test {
+
+using Random = std::mt19937_64;
+
+inline double uniform(Random& random, double low, double high) {
+  return std::uniform_real_distribution<double>(low, high)(random);
+}
+inline Vec3 vector(Random& random, double size) {
+  return {uniform(random, -size, size), uniform(random, -size, size), uniform(random, -size, size)};
+}
+/// Numbers that survive their float32 on the wire.
+inline Vec3 float_vector(Random& random, double size) {
+  // Drawn as floats: GCC 12 at -O3 loses the rounding of double -> float -> double on a lane.
+  std::uniform_real_distribution<float> number(static_cast<float>(-size), static_cast<float>(size));
+  const float x = number(random), y = number(random), z = number(random);
+  return {x, y, z};
+}
+
+/// A batch with the newest index `newest` and `count` samples, all numbers random.
+inline SampleBatch random_batch(Random& random, std::uint64_t newest, int count, bool rotation) {
+  SampleBatch batch;
+  batch.count = count;
+  batch.rotation = rotation;
+  for (int i = 0; i < count; ++i) {
+    Sample& s = batch.samples[static_cast<std::size_t>(i)];
+    s.index = newest - static_cast<std::uint64_t>(i);
+    s.client_time = Nanoseconds(static_cast<std::int64_t>(random() >> 2));
+    s.pose.position = vector(random, 0.5);
+    s.held = {float_vector(random, 10), float_vector(random, 3), Vec3::Zero()};
+    if (rotation) {
+      s.pose.orientation = Quaternion(uniform(random, -1, 1), uniform(random, -1, 1),
+                                      uniform(random, -1, 1), uniform(random, 0.1, 1))
+                               .normalized();
+      s.held.torque = float_vector(random, 0.5);
+    }
+  }
+  return batch;
+}
+
+inline constexpr unsigned kAllKinds = 0b1110;
+
+/// The payload of a datagram that guard() lets through.
+inline Bytes payload(Bytes datagram) { return guard(datagram, kAllKinds).payload; }
+
+}  // namespace feltwire::test

@@ -1,0 +1,101 @@
+#include "protocol/session_parameters.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <stdexcept>
+
+namespace feltwire {
+namespace {
+
+using testing::HasSubstr;
+
+struct Wrong {
+  const char* field;
+  std::function<void(SessionParameters&)> spoil;
+};
+
+TEST(SessionParameters, DefaultsAndLimitsAreGood) {
+  EXPECT_NO_THROW(validate(SessionParameters{}));
+  SessionParameters p;
+  p.servo_period = 1e-5;
+  p.redundancy = 8;
+  p.operator_damping = 100;
+  p.hold_time = 1e-5;
+  p.c1 = 500;
+  p.c2 = 500;
+  EXPECT_NO_THROW(validate(p));
+  p.servo_period = 0.1;
+  p.hold_time = 1.0;
+  p.redundancy = 0;
+  EXPECT_NO_THROW(validate(p));
+}
+
+TEST(SessionParameters, EachFaultNamesItsField) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const double inf = std::numeric_limits<double>::infinity();
+  const std::vector<Wrong> wrongs = {
+      {"servo_period", [](auto& p) { p.servo_period = 0.9e-5; }},
+      {"servo_period", [](auto& p) { p.servo_period = 0.11; }},
+      {"servo_period", [=](auto& p) { p.servo_period = nan; }},
+      {"redundancy", [](auto& p) { p.redundancy = -1; }},
+      {"redundancy", [](auto& p) { p.redundancy = 9; }},
+      {"operator_damping", [](auto& p) { p.operator_damping = -1e-9; }},
+      {"operator_damping", [](auto& p) { p.operator_damping = 101; }},
+      {"velocity_cutoff", [=](auto& p) { p.velocity_cutoff = inf; }},
+      {"velocity_cutoff", [](auto& p) { p.velocity_cutoff = -1; }},
+      {"hold_time", [](auto& p) { p.hold_time = 0.9e-3; }},
+      {"hold_time", [](auto& p) { p.hold_time = 1.1; }},
+      {"c1", [=](auto& p) { p.c1 = inf; }},
+      {"c2", [](auto& p) { p.c2 = -1; }},
+      {"c2", [](auto& p) { p.c1 = 1, p.c2 = 2; }},
+      {"mode", [](auto& p) { p.mode = static_cast<BoundingMode>(5); }},
+      {"side", [](auto& p) { p.side = static_cast<BoundingSide>(3); }},
+  };
+  for (const Wrong& wrong : wrongs) {
+    SessionParameters p;
+    wrong.spoil(p);
+    try {
+      validate(p);
+      ADD_FAILURE() << wrong.field << " was let through";
+    } catch (const std::invalid_argument& error) {
+      EXPECT_THAT(error.what(), testing::StartsWith(wrong.field));
+    }
+  }
+}
+
+TEST(SessionParameters, BoundCreditsTheOperator) {
+  DeviceSpec device;
+  device.damping = 0.5;
+  device.rotational_damping = 0.01;
+  device.max_force = 12;
+  device.max_torque = 0.3;
+  device.rotation_actuated = 3;
+  SessionParameters p;
+  p.mode = BoundingMode::per_axis;
+  p.servo_period = 2e-3;
+  p.operator_damping = 1.5;
+  p.c1 = 700;
+  const BoundingConfig bound = bounding_config(p, device);
+  EXPECT_EQ(bound.mode, BoundingMode::per_axis);
+  EXPECT_EQ(bound.period, 2e-3);
+  EXPECT_EQ(bound.damping, 2.0);
+  EXPECT_EQ(bound.rotational_damping, 0.01);
+  EXPECT_EQ(bound.c1, 700);
+  EXPECT_FALSE(bound.c2);
+  EXPECT_EQ(bound.max_force, 12);
+  EXPECT_EQ(bound.max_torque, 0.3);
+  EXPECT_TRUE(bound.rotation);
+}
+
+TEST(SessionParameters, SidesHaveNames) {
+  for (const auto side : {BoundingSide::server, BoundingSide::client, BoundingSide::both})
+    EXPECT_EQ(bounding_side(name(side)), side);
+  EXPECT_THROW(bounding_side("neither"), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace feltwire
