@@ -1,0 +1,104 @@
+#include "server/config.hpp"
+
+#include <algorithm>
+#include <array>
+#include <asio/ip/address.hpp>
+#include <functional>
+#include <optional>
+#include <stdexcept>
+
+#include "core/scene/json_document.hpp"
+#include "protocol/control.hpp"
+#include "server/server_config_generated.h"
+#include "server/server_config_text.hpp"
+
+namespace feltwire {
+namespace {
+
+constexpr int kLastPort = 65535;
+constexpr double kShortestSilence = 0.1, kLongestSilence = 3600.0;  // [s]
+constexpr int kMostSessions = 4096;
+constexpr std::array<const char*, 6> kLogLevels = {"trace",   "debug", "info",
+                                                   "warning", "error", "off"};
+
+/// What is wrong with a field, as the file and the command line both say it.
+struct Complaint {
+  const char* field;   // in the file
+  const char* option;  // on the command line
+  std::string message;
+};
+
+std::string choices() {
+  std::string text;
+  for (const char* level : kLogLevels) text += std::string(text.empty() ? "" : ", ") + level;
+  return text;
+}
+
+std::optional<Complaint> complaint(const ServerConfig& c) {
+  const int scenes = static_cast<int>(c.scenes.size());
+  if (scenes > static_cast<int>(control::kMaxScenes))
+    return Complaint{"scenes", "--scene",
+                     std::to_string(scenes) + " scenes are too many; one server has at most " +
+                         std::to_string(control::kMaxScenes)};
+  std::error_code bad_address;
+  asio::ip::make_address(c.address, bad_address);
+  if (bad_address)
+    return Complaint{"address", "--address",
+                     "'" + c.address +
+                         "' is no IP address; 127.0.0.1 serves this machine, 0.0.0.0 "
+                         "every network"};
+  // Each scene has a port of its own behind the control port.
+  if (c.port < 0 || c.port + (c.port == 0 ? 0 : scenes) > kLastPort)
+    return Complaint{"port", "--port",
+                     std::to_string(c.port) + " is not within 1 to " +
+                         std::to_string(kLastPort - scenes) + " (" + std::to_string(scenes) +
+                         " scene ports follow it), nor 0 for ports chosen by the system"};
+  if (!(c.silence_timeout >= kShortestSilence && c.silence_timeout <= kLongestSilence))
+    return Complaint{"silence_timeout", "--silence-timeout",
+                     std::to_string(c.silence_timeout) + " s is not within 0.1 to 3600 s"};
+  if (c.max_sessions_per_scene < 1 || c.max_sessions_per_scene > kMostSessions)
+    return Complaint{"max_sessions_per_scene", "max_sessions_per_scene",
+                     std::to_string(c.max_sessions_per_scene) + " is not within 1 to " +
+                         std::to_string(kMostSessions)};
+  if (std::find(kLogLevels.begin(), kLogLevels.end(), c.log_level) == kLogLevels.end())
+    return Complaint{"log_level", "--log-level", "'" + c.log_level + "' is none of " + choices()};
+  return std::nullopt;
+}
+
+}  // namespace
+
+ServerConfig load_config(const std::filesystem::path& file) {
+  return parse_config(read_text(file), file);
+}
+
+ServerConfig parse_config(std::string_view json, const std::filesystem::path& file) {
+  const JsonDocument document(json, file.string(), embedded::server_config);
+  const auto* root = flatbuffers::GetRoot<config_file::Server>(document.buffer());
+  ServerConfig config;
+  if (root->scenes() != nullptr) {
+    flatbuffers::uoffset_t i = 0;
+    for (const auto* scene : *root->scenes()) {
+      if (scene->size() == 0)
+        document.fail("scenes[" + std::to_string(i) + "]", "is empty; name a scene file");
+      config.scenes.push_back(file.parent_path() / scene->str());
+      ++i;
+    }
+  }
+  if (root->address() != nullptr) config.address = root->address()->str();
+  config.port = root->port();
+  config.silence_timeout = root->silence_timeout();
+  config.max_sessions_per_scene = root->max_sessions_per_scene();
+  if (root->log_level() != nullptr) config.log_level = root->log_level()->str();
+  if (const auto wrong = complaint(config)) document.fail(wrong->field, wrong->message);
+  return config;
+}
+
+void validate(const ServerConfig& config) {
+  if (config.scenes.empty())
+    throw std::invalid_argument(
+        "no scene to serve; name one with --scene FILE or in the configuration file");
+  if (const auto wrong = complaint(config))
+    throw std::invalid_argument(std::string(wrong->option) + ": " + wrong->message);
+}
+
+}  // namespace feltwire

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace feltwire {
+
+struct ServerConfig {
+  std::vector<std::filesystem::path> scenes;  // at least one
+  std::string address = "127.0.0.1";  // nobody is authenticated yet: other machines on request only
+  int port = 7400;                    // control (tcp); 0: every port chosen by the system
+  double silence_timeout = 2.0;       // [s]
+  int max_sessions_per_scene = 64;
+  std::string log_level = "info";
+};
+
+/// Reads a configuration file (JSON against server_config.fbs); what it leaves out keeps its
+/// default. Throws FileError "file:line: field: what is wrong".
+ServerConfig load_config(const std::filesystem::path& file);
+
+/// The same from text; scene paths are taken relative to the folder of `file`.
+ServerConfig parse_config(std::string_view json, const std::filesystem::path& file);
+
+/// Throws std::invalid_argument naming the option, its range and the remedy.
+void validate(const ServerConfig& config);
+
+}  // namespace feltwire

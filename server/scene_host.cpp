@@ -1,0 +1,178 @@
+#include "server/scene_host.hpp"
+
+#include <asio/post.hpp>
+#include <cerrno>
+#include <chrono>
+#include <stdexcept>
+
+#include "server/listen_error.hpp"
+
+namespace feltwire {
+namespace {
+
+constexpr std::size_t kBatch = 64;  // datagrams of one system call
+// One byte more than a datagram may have, so that a longer one is seen to be longer.
+constexpr std::size_t kReceiveSize = kMaxDatagram + 1;
+constexpr int kSocketBuffer =
+    1 << 20;  // [bytes] a burst of some 5000 samples waits rather than is lost
+
+Nanoseconds monotonic_now() {
+  return std::chrono::duration_cast<Nanoseconds>(
+      std::chrono::steady_clock::now().time_since_epoch());
+}
+
+}  // namespace
+
+/// Wired once; an exchange only changes lengths.
+struct SceneHost::Batch {
+  std::array<std::array<std::uint8_t, kReceiveSize>, kBatch> received;
+  std::array<std::array<std::uint8_t, kMaxDatagram>, kBatch> sent;
+  std::array<Peer, kBatch> peers;
+  std::array<iovec, kBatch> received_parts{}, sent_parts{};
+  std::array<mmsghdr, kBatch> incoming{}, outgoing{};
+
+  Batch() {
+    for (std::size_t i = 0; i < kBatch; ++i) {
+      received_parts[i] = {received[i].data(), kReceiveSize};
+      sent_parts[i] = {sent[i].data(), 0};
+      incoming[i].msg_hdr.msg_iov = &received_parts[i];
+      incoming[i].msg_hdr.msg_iovlen = 1;
+      incoming[i].msg_hdr.msg_name = &peers[i].address;
+      outgoing[i].msg_hdr.msg_iov = &sent_parts[i];
+      outgoing[i].msg_hdr.msg_iovlen = 1;
+    }
+  }
+
+  /// The kernel writes lengths over what it was told.
+  void rearm() noexcept {
+    for (auto& message : incoming) message.msg_hdr.msg_namelen = sizeof(sockaddr_storage);
+  }
+
+  void put(std::size_t at, Bytes datagram, Peer& to) noexcept {
+    std::copy(datagram.begin(), datagram.end(), sent[at].begin());
+    sent_parts[at].iov_len = datagram.size();
+    outgoing[at].msg_hdr.msg_name = &to.address;
+    outgoing[at].msg_hdr.msg_namelen = to.length;
+  }
+};
+
+SceneHost::SceneHost(Scene scene, const SceneHostOptions& options)
+    : scene_(std::move(scene)),
+      silence_timeout_(options.silence_timeout),
+      sessions_(scene_, options.silence_timeout, options.max_sessions),
+      batch_(std::make_unique<Batch>()) {
+  const asio::ip::udp::endpoint endpoint(options.address, options.port);
+  try {
+    socket_.open(endpoint.protocol());
+    socket_.bind(endpoint);
+    socket_.set_option(asio::socket_base::receive_buffer_size(kSocketBuffer));
+    socket_.non_blocking(true);
+    port_ = socket_.local_endpoint().port();
+  } catch (const std::system_error& error) {
+    throw listen_error("udp", options.address, options.port, error.code());
+  }
+}
+
+SceneHost::~SceneHost() { stop(); }
+
+void SceneHost::start() {
+  await_datagrams();
+  await_silence();
+  thread_ = std::thread([this] { io_.run(); });
+}
+
+void SceneHost::stop() {
+  if (!thread_.joinable()) return;
+  asio::post(io_, [this] {
+    closing_ = true;
+    say(sessions_.shut_down());
+    publish();
+    io_.stop();
+  });
+  thread_.join();
+}
+
+void SceneHost::ask(control::Message request, std::uint64_t id, asio::io_context& back,
+                    Completion completion) {
+  asio::post(io_, [this, request = std::move(request), id, &back,
+                   completion = std::move(completion)]() mutable {
+    control::Message answer = control::Refused{control::RefusalCode::shutting_down,
+                                               "the server is shutting down; join another"};
+    if (!closing_) answer = sessions_.answer(request, id, monotonic_now());
+    publish();
+    asio::post(back, [completion = std::move(completion), answer = std::move(answer)]() mutable {
+      completion(std::move(answer));
+    });
+  });
+}
+
+void SceneHost::await_datagrams() {
+  socket_.async_wait(asio::ip::udp::socket::wait_read, [this](const std::error_code& error) {
+    if (error == asio::error::operation_aborted) return;
+    exchange();
+    await_datagrams();
+  });
+}
+
+/// Takes up to a batch of datagrams and answers them in one go. What is still waiting wakes the
+/// socket again, after what others posted meanwhile.
+void SceneHost::exchange() {
+  Batch& batch = *batch_;
+  batch.rearm();
+  const int received =
+      ::recvmmsg(socket_.native_handle(), batch.incoming.data(), kBatch, MSG_DONTWAIT, nullptr);
+  if (received <= 0) return;
+  const Nanoseconds now = monotonic_now();
+  std::size_t answers = 0;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(received); ++i) {
+    Peer& peer = batch.peers[i];
+    peer.length = batch.incoming[i].msg_hdr.msg_namelen;
+    const Bytes datagram{batch.received[i].data(), batch.incoming[i].msg_len};
+    const Bytes answer = sessions_.receive(datagram, peer, now);
+    if (!answer.empty()) batch.put(answers++, answer, peer);
+  }
+  send(answers);
+  publish();  // a goodbye may have been among them
+}
+
+void SceneHost::send(std::size_t count) noexcept {
+  for (std::size_t done = 0; done < count;) {
+    const int sent = ::sendmmsg(socket_.native_handle(), batch_->outgoing.data() + done,
+                                static_cast<unsigned>(count - done), MSG_DONTWAIT);
+    if (sent > 0) {
+      done += static_cast<std::size_t>(sent);
+    } else if (errno == EAGAIN || errno == EWOULDBLOCK || errno == ENOBUFS) {
+      // No room: the replies are lost like any datagram may be. The next samples are newer anyway.
+      unsent_ += count - done;
+      return;
+    } else if (errno != EINTR) {
+      ++unsent_;  // this one cannot be sent (no route, say); the others can
+      ++done;
+    }
+  }
+}
+
+void SceneHost::await_silence() {
+  silence_timer_.expires_after(
+      std::max<Nanoseconds>(silence_timeout_ / 4, std::chrono::milliseconds(10)));
+  silence_timer_.async_wait([this](const std::error_code& error) {
+    if (error) return;
+    say(sessions_.expire(monotonic_now()));
+    publish();
+    await_silence();
+  });
+}
+
+void SceneHost::say(const std::vector<SceneSessions::Farewell>& farewells) noexcept {
+  for (const auto& farewell : farewells) {
+    if (farewell.to.length == 0) continue;  // never sent a sample: nobody knows where it is
+    const auto sent = ::sendto(
+        socket_.native_handle(), farewell.datagram.data(), farewell.datagram.size(), MSG_DONTWAIT,
+        reinterpret_cast<const sockaddr*>(&farewell.to.address), farewell.to.length);
+    if (sent < 0) ++unsent_;
+  }
+}
+
+SceneSummary SceneHost::summary() const { return {scene_.name(), sessions_.counters(), unsent_}; }
+
+}  // namespace feltwire

@@ -1,0 +1,83 @@
+#pragma once
+// One scene, one thread, one UDP port: nothing here is shared, so nothing is locked.
+
+#include <array>
+#include <asio/io_context.hpp>
+#include <asio/ip/udp.hpp>
+#include <asio/steady_timer.hpp>
+#include <atomic>
+#include <functional>
+#include <thread>
+
+#include "server/scene_sessions.hpp"
+
+namespace feltwire {
+
+struct SceneHostOptions {
+  asio::ip::address address;  // to listen on
+  std::uint16_t port = 0;     // 0: the operating system chooses
+  Nanoseconds silence_timeout{};
+  std::size_t max_sessions = 64;
+};
+
+/// What a scene's host did, for the summary.
+struct SceneSummary {
+  std::string scene;
+  SceneCounters counters;
+  std::uint64_t unsent = 0;  // replies that the operating system did not take
+};
+
+class SceneHost {
+ public:
+  /// Binds the port. Throws std::runtime_error in one line when it cannot.
+  SceneHost(Scene scene, const SceneHostOptions& options);
+  ~SceneHost();
+  SceneHost(const SceneHost&) = delete;
+  SceneHost& operator=(const SceneHost&) = delete;
+
+  /// Starts the thread. Call once.
+  void start();
+  /// Says goodbye to every client and joins the thread. May be called again.
+  void stop();
+
+  const Scene& scene() const { return scene_; }
+  std::uint16_t port() const { return port_; }
+  /// Sessions at this moment, from any thread.
+  std::uint32_t sessions() const { return published_sessions_.load(std::memory_order_relaxed); }
+
+  using Completion = std::function<void(control::Message)>;
+  /// Has the scene's thread answer (see SceneSessions::answer) and posts the answer to `back`,
+  /// which must outlive this host's thread. From any thread.
+  void ask(control::Message request, std::uint64_t id, asio::io_context& back,
+           Completion completion);
+
+  /// Only while the thread does not run.
+  SceneSummary summary() const;
+
+ private:
+  void await_datagrams();
+  void exchange();
+  void send(std::size_t count) noexcept;
+  void await_silence();
+  void publish() {
+    published_sessions_.store(static_cast<std::uint32_t>(sessions_.size()),
+                              std::memory_order_relaxed);
+  }
+  void say(const std::vector<SceneSessions::Farewell>& farewells) noexcept;
+  struct Batch;
+
+  Scene scene_;
+  Nanoseconds silence_timeout_;
+  SceneSessions sessions_;
+  asio::io_context io_{1};
+  asio::ip::udp::socket socket_{io_};
+  asio::steady_timer silence_timer_{io_};
+  std::unique_ptr<Batch> batch_;  // buffers of one exchange
+  std::uint16_t port_ = 0;
+  std::uint64_t unsent_ = 0;
+  bool closing_ = false;  // the scene's thread only
+  std::atomic<std::uint32_t> published_sessions_{0};
+  std::thread thread_;
+};
+
+}  // namespace feltwire

@@ -1,0 +1,48 @@
+#pragma once
+// The whole server as a value: programs and tests start it alike.
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/scene/scene.hpp"
+#include "server/config.hpp"
+#include "server/scene_host.hpp"
+
+namespace feltwire {
+
+class Server {
+ public:
+  /// Loads the scenes of the configuration, binds every port and starts the threads.
+  /// Throws FileError, std::invalid_argument or std::runtime_error, each one clear line.
+  explicit Server(const ServerConfig& config);
+  /// The same with scenes at hand; the configuration's own are not read.
+  Server(const ServerConfig& config, std::vector<Scene> scenes);
+  /// Stops.
+  ~Server();
+  Server(Server&&) noexcept;
+  Server& operator=(Server&&) noexcept;
+
+  std::uint16_t control_port() const;
+
+  struct ScenePort {
+    std::string scene;
+    std::uint16_t udp_port = 0;
+  };
+  std::vector<ScenePort> scenes() const;
+
+  /// Ends connections, says goodbye to every client and joins all threads. May be called again.
+  void stop();
+
+  /// One entry a scene. Precondition: stopped.
+  std::vector<SceneSummary> summary() const;
+
+ private:
+  struct Parts;
+  std::unique_ptr<Parts> parts_;
+};
+
+/// A summary as people read it.
+std::string text(const std::vector<SceneSummary>& summary);
+
+}  // namespace feltwire

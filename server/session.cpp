@@ -1,0 +1,167 @@
+#include "server/session.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+
+#include "core/numeric.hpp"
+
+namespace feltwire {
+namespace {
+
+const control::JoinRequest& checked(const control::JoinRequest& request) {
+  validate(request.device);
+  validate(request.parameters);
+  return request;
+}
+
+PortEnergy observer(const BoundingConfig& bound) {
+  return PortEnergy(bound.damping, bound.rotational_damping, bound.period);
+}
+
+/// Whether a bound may go on with its memory under the other parameters.
+bool same_bound(const SessionParameters& a, const SessionParameters& b) {
+  return a.mode == b.mode && a.projection == b.projection && a.side == b.side &&
+         a.operator_damping == b.operator_damping && a.c1 == b.c1 && a.c2 == b.c2;
+}
+
+/// [s] between two times of a clock that may be hostile: the difference of any two wraps round.
+double seconds_between(Nanoseconds earlier, Nanoseconds later) {
+  const auto difference =
+      static_cast<std::uint64_t>(later.count()) - static_cast<std::uint64_t>(earlier.count());
+  return 1e-9 * static_cast<double>(static_cast<std::int64_t>(difference));
+}
+
+/// |rendered| / |commanded|, 1 when nothing was commanded.
+double force_ratio(const Command& rendered, const Command& commanded) {
+  const double wanted = length(commanded.force());
+  return wanted > 0.0 ? length(rendered.force()) / wanted : 1.0;
+}
+
+ChannelEnergy operator+(const ChannelEnergy& a, const ChannelEnergy& b) {
+  return {a.elastic + b.elastic, a.frictional + b.frictional, a.torque + b.torque};
+}
+
+}  // namespace
+
+/// From the last sample taken to a newer one.
+struct Session::Movement {
+  Vec3 displacement = Vec3::Zero();  // [m]
+  Vec3 rotation = Vec3::Zero();      // [rad]
+  std::uint64_t missed = 0;          // samples between them that never came
+  double nominal_time = 0.0;         // [s] servo periods between them
+  double elapsed = 0.0;              // [s] by the client's clock
+};
+
+Session::Session(const control::JoinRequest& request, const Scene& scene)
+    : client_(checked(request).client),
+      device_(request.device),
+      parameters_(request.parameters),
+      scene_(&scene),
+      contacts_(scene.memory()),
+      bounding_(bounding_config(parameters_, device_)),
+      velocity_(parameters_.velocity_cutoff),
+      observer_(observer(bounding_.config())) {}
+
+Taken Session::take(const SampleBatch& batch, Nanoseconds now) noexcept {
+  Taken taken;
+  taken.drop = check(batch);
+  if (taken.drop != DropReason::none) return taken;
+  if (batch.samples[0].index <= last_.index) {
+    ++counters_.duplicates;
+    taken.drop = DropReason::stale;
+    return taken;
+  }
+
+  // The newest comes first on the wire; the earlier ones close gaps and are else known already.
+  for (int i = batch.count - 1; i >= 0; --i) {
+    const Sample& sample = batch.samples[static_cast<std::size_t>(i)];
+    if (sample.index > last_.index) step(sample, batch.rotation, taken.reply);
+  }
+  Reply& reply = taken.reply;
+  reply.sample_index = last_.index;
+  reply.client_time = last_.client_time;
+  reply.server_receive_time = reply.server_send_time = now;
+  reply.rotation = device_.rotation_actuated > 0;
+  reply.delivered = delivered();
+  reply.violations = violations();
+  ++counters_.replies;
+  return taken;
+}
+
+Session::Movement Session::movement_to(const Sample& sample, bool rotation) const noexcept {
+  Movement movement;
+  const double period = parameters_.servo_period;
+  movement.nominal_time = movement.elapsed = period;
+  if (last_.index == 0) return movement;
+
+  movement.displacement = sample.pose.position - last_.pose.position;
+  // A rotation is known only where both samples carry an orientation.
+  if (rotation && last_rotation_)
+    movement.rotation = rotation_between(last_.pose.orientation, sample.pose.orientation);
+  movement.missed = sample.index - last_.index - 1;
+  movement.nominal_time = static_cast<double>(sample.index - last_.index) * period;
+  // A clock that stands still or runs back is not believed.
+  const double elapsed = seconds_between(last_.client_time, sample.client_time);
+  movement.elapsed = elapsed > 0.0 ? elapsed : movement.nominal_time;
+  return movement;
+}
+
+void Session::step(const Sample& sample, bool rotation, Reply& reply) noexcept {
+  const Movement movement = movement_to(sample, rotation);
+  if (movement.missed > 0) {
+    ++counters_.gaps;
+    counters_.missed += movement.missed;
+    reply.gap = true;
+  }
+
+  // The real port: what the client held since the last sample it told of. Before the first nothing
+  // was held.
+  observer_.step(last_.held, movement.displacement, movement.rotation, movement.elapsed);
+
+  // The virtual port, in servo periods. A hold that really lasted longer earns the damping credit
+  // of its real time, never the nominal one.
+  const double hold_time = std::max(movement.nominal_time, movement.elapsed);
+  Tool tool{sample.pose.position, Vec3::Zero()};
+  if (scene_->requirements().velocity)
+    tool.velocity = velocity_.update(movement.displacement, hold_time);
+
+  const Command command = actuated(device_, scene_->touch(tool, contacts_));
+  reply.command = command;
+  reply.active = reply.saturated = reply.refused = false;
+  reply.ratio = 1.0;
+  if (parameters_.side != BoundingSide::client) {
+    const Bounded bounded = bounding_.step({.displacement = movement.displacement,
+                                            .rotation = movement.rotation,
+                                            .hold_time = hold_time,
+                                            .command = command});
+    reply.command = bounded.rendered;
+    reply.active = bounded.active;
+    reply.saturated = bounded.saturated;
+    reply.refused = bounded.refused;
+    reply.ratio = force_ratio(bounded.rendered, command);
+  }
+  last_ = sample;
+  last_rotation_ = rotation;
+  ++counters_.samples;
+}
+
+void Session::set_parameters(const SessionParameters& parameters) {
+  validate(parameters);
+  if (parameters.servo_period != parameters_.servo_period)
+    throw std::invalid_argument(
+        "servo_period cannot change while a session runs; leave and join again");
+
+  if (!same_bound(parameters, parameters_)) {
+    bounding_ = Bounding(bounding_config(parameters, device_));
+    delivered_before_ = delivered();
+    violations_before_ = violations();
+    observer_ = observer(bounding_.config());
+  }
+  if (parameters.velocity_cutoff != parameters_.velocity_cutoff)
+    velocity_ = VelocityEstimate(parameters.velocity_cutoff);
+  parameters_ = parameters;
+}
+
+ChannelEnergy Session::delivered() const { return delivered_before_ + observer_.delivered(); }
+
+}  // namespace feltwire

@@ -1,0 +1,82 @@
+#pragma once
+// One device in one scene: from its samples to the commands that answer them. No socket, no clock.
+
+#include "core/bounding/bounding.hpp"
+#include "core/port_energy.hpp"
+#include "core/scene/scene.hpp"
+#include "core/velocity.hpp"
+#include "protocol/codec.hpp"
+#include "protocol/control.hpp"
+#include "protocol/datagram.hpp"
+
+namespace feltwire {
+
+struct SessionCounters {
+  std::uint64_t samples = 0;     // taken, each once
+  std::uint64_t replies = 0;     // computed
+  std::uint64_t gaps = 0;        // places where samples were missing for good
+  std::uint64_t missed = 0;      // samples that never came
+  std::uint64_t duplicates = 0;  // datagrams that brought nothing new
+};
+
+/// What a batch came to: `reply` holds when `drop` is none.
+struct Taken {
+  DropReason drop = DropReason::none;
+  Reply reply;
+};
+
+class Session {
+ public:
+  /// The scene must outlive the session. Throws std::invalid_argument naming the field, the value
+  /// and the remedy when the device, the parameters or both together are not possible.
+  Session(const control::JoinRequest& request, const Scene& scene);
+
+  /// Takes the samples that are new, oldest first, and answers the newest. `now` [ns] is the
+  /// server's monotonic clock and only travels into the reply: what is computed depends on the
+  /// samples alone. A batch that is dropped leaves everything as it was, a held contact included.
+  /// Precondition: none; check() is made here again. Never allocates.
+  Taken take(const SampleBatch& batch, Nanoseconds now) noexcept;
+
+  /// Counts a datagram of this session whose packet number had been seen.
+  void count_duplicate() noexcept { ++counters_.duplicates; }
+
+  /// Puts other parameters in force from the next sample on. Where the bound changes (mode,
+  /// projection, side, damping credit, constants) it starts anew from zero held force: the command
+  /// drops to what the new bound allows from there and grows again as the hand presses on. Zero is
+  /// admissible in every mode, so the change itself can give the hand no energy.
+  /// Throws std::invalid_argument and changes nothing when they are not possible or the servo
+  /// period differs.
+  void set_parameters(const SessionParameters& parameters);
+
+  const SessionParameters& parameters() const { return parameters_; }
+  const DeviceSpec& device() const { return device_; }
+  const std::string& client() const { return client_; }
+  const SessionCounters& counters() const { return counters_; }
+
+  /// At the real port, from the held forces that the client reported.
+  ChannelEnergy delivered() const;
+  std::uint64_t violations() const { return violations_before_ + observer_.violations(); }
+
+ private:
+  struct Movement;
+  Movement movement_to(const Sample& sample, bool rotation) const noexcept;
+  void step(const Sample& sample, bool rotation, Reply& reply) noexcept;
+
+  std::string client_;
+  DeviceSpec device_;
+  SessionParameters parameters_;
+  const Scene* scene_;
+  TouchMemory contacts_;
+  Bounding bounding_;
+  VelocityEstimate velocity_;
+  PortEnergy observer_;
+  // What observers counted that had another damping.
+  ChannelEnergy delivered_before_;
+  std::uint64_t violations_before_ = 0;
+
+  Sample last_;                 // index 0: none taken yet
+  bool last_rotation_ = false;  // it carried an orientation
+  SessionCounters counters_;
+};
+
+}  // namespace feltwire

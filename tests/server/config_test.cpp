@@ -1,0 +1,94 @@
+#include "server/config.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <stdexcept>
+
+#include "core/scene/json_document.hpp"
+
+namespace feltwire {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::StartsWith;
+
+TEST(Config, EveryFieldIsRead) {
+  const ServerConfig config = parse_config(R"({
+    "scenes": ["a.json", "/abs/b.json"],
+    "address": "0.0.0.0", "port": 9000, "silence_timeout": 1.5,
+    "max_sessions_per_scene": 3, "log_level": "debug"
+  })",
+                                           "/etc/feltwire/server.json");
+  ASSERT_EQ(config.scenes.size(), 2u);
+  EXPECT_EQ(config.scenes[0], "/etc/feltwire/a.json");
+  EXPECT_EQ(config.scenes[1], "/abs/b.json");
+  EXPECT_EQ(config.address, "0.0.0.0");
+  EXPECT_EQ(config.port, 9000);
+  EXPECT_EQ(config.silence_timeout, 1.5);
+  EXPECT_EQ(config.max_sessions_per_scene, 3);
+  EXPECT_EQ(config.log_level, "debug");
+  EXPECT_NO_THROW(validate(config));
+}
+
+TEST(Config, WhatIsLeftOutKeepsItsDefault) {
+  const ServerConfig read = parse_config("{}", "x.json"), made;
+  EXPECT_TRUE(read.scenes.empty());
+  EXPECT_EQ(read.address, made.address);
+  EXPECT_EQ(read.port, made.port);
+  EXPECT_EQ(read.silence_timeout, made.silence_timeout);
+  EXPECT_EQ(read.max_sessions_per_scene, made.max_sessions_per_scene);
+  EXPECT_EQ(read.log_level, made.log_level);
+}
+
+TEST(Config, FaultsNameFileLineAndField) {
+  const std::vector<std::pair<const char*, const char*>> faults = {
+      {"{\n\"port\": 70000}", "port"},
+      {"{\n\"port\": -1}", "port"},
+      {"{\n\"silence_timeout\": 0}", "silence_timeout"},
+      {"{\n\"max_sessions_per_scene\": 0}", "max_sessions_per_scene"},
+      {"{\n\"log_level\": \"loud\"}", "log_level"},
+      {"{\n\"address\": \"localhost:80\"}", "address"},
+      {"{\n\"scenes\": [\"\"]}", "scenes"},
+      {"{\n\"prot\": 7400}", "prot"},
+      {"{\n\"port\": \"many\"}", "port"},
+      {"{\n\"port\": }", ""},
+  };
+  for (const auto& [json, field] : faults) {
+    try {
+      parse_config(json, "some.json");
+      ADD_FAILURE() << json;
+    } catch (const FileError& error) {
+      EXPECT_THAT(error.what(), AllOf(StartsWith("some.json:2:"), HasSubstr(field))) << json;
+    }
+  }
+  EXPECT_THROW(load_config("/nonexistent/feltwire.json"), FileError);
+}
+
+TEST(Config, OptionsAreNamedAsOnTheCommandLine) {
+  const std::vector<std::pair<const char*, std::function<void(ServerConfig&)>>> faults = {
+      {"--scene", [](auto& c) { c.scenes.clear(); }},
+      {"--scene", [](auto& c) { c.scenes.resize(257, "x"); }},
+      {"--port", [](auto& c) { c.port = 65535; }},  // no port is left for the scene
+      {"--address", [](auto& c) { c.address = "nowhere"; }},
+      {"--silence-timeout", [](auto& c) { c.silence_timeout = 1e9; }},
+      {"--log-level", [](auto& c) { c.log_level = ""; }},
+  };
+  for (const auto& [option, spoil] : faults) {
+    ServerConfig config;
+    config.scenes = {"a.json"};
+    ASSERT_NO_THROW(validate(config));
+    spoil(config);
+    try {
+      validate(config);
+      ADD_FAILURE() << option;
+    } catch (const std::invalid_argument& error) {
+      EXPECT_THAT(error.what(), HasSubstr(option));
+    }
+  }
+}
+
+}  // namespace
+}  // namespace feltwire

@@ -1,0 +1,310 @@
+// A whole server in process, real sockets on ports that the system chooses.
+
+#include <arpa/inet.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <poll.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <cstring>
+#include <optional>
+#include <stdexcept>
+
+#include "server/server.hpp"
+#include "tests/server/make.hpp"
+
+namespace feltwire {
+namespace {
+
+constexpr int kPatience =
+    20'000;  // [ms] how long a test waits before it gives up; never waited out
+
+/// A plain blocking socket to the server.
+class RawSocket {
+ public:
+  RawSocket(int type, std::uint16_t port) : file_(::socket(AF_INET, type, 0)) {
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_port = htons(port);
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    if (::connect(file_, reinterpret_cast<sockaddr*>(&address), sizeof address) != 0)
+      throw std::runtime_error("cannot connect");
+  }
+  ~RawSocket() { ::close(file_); }
+  RawSocket(const RawSocket&) = delete;
+  RawSocket& operator=(const RawSocket&) = delete;
+
+  void send(Bytes bytes) { ::send(file_, bytes.data(), bytes.size(), MSG_NOSIGNAL); }
+
+  /// What comes next, up to `most` bytes; empty when the other side closed or nothing came.
+  std::vector<std::uint8_t> receive(std::size_t most = 2048) {
+    pollfd waiting{file_, POLLIN, 0};
+    if (::poll(&waiting, 1, kPatience) != 1) return {};
+    std::vector<std::uint8_t> bytes(most);
+    const auto size = ::recv(file_, bytes.data(), most, 0);
+    bytes.resize(size > 0 ? static_cast<std::size_t>(size) : 0);
+    return bytes;
+  }
+
+ private:
+  int file_;
+};
+
+/// The control connection of a client.
+class ControlClient {
+ public:
+  explicit ControlClient(std::uint16_t port) : socket_(SOCK_STREAM, port) {}
+
+  void send(const control::Message& message) { socket_.send(control::encode(message)); }
+  void send_raw(Bytes bytes) { socket_.send(bytes); }
+
+  std::optional<control::Message> receive() {
+    const auto length = exactly(control::kFrameLengthSize);
+    if (length.empty()) return std::nullopt;
+    const auto body = exactly(control::frame_length(
+        std::span<const std::uint8_t, control::kFrameLengthSize>(length.data(), 4)));
+    return control::decode(body);
+  }
+  template <class Answer>
+  Answer ask(const control::Message& message) {
+    send(message);
+    const auto answer = receive();
+    if (!answer || !std::holds_alternative<Answer>(*answer))
+      throw std::runtime_error("another answer than expected");
+    return std::get<Answer>(*answer);
+  }
+  bool closed() { return socket_.receive().empty(); }
+
+ private:
+  std::vector<std::uint8_t> exactly(std::size_t size) {
+    std::vector<std::uint8_t> bytes;
+    while (bytes.size() < size) {
+      const auto more = socket_.receive(size - bytes.size());
+      if (more.empty()) return {};
+      bytes.insert(bytes.end(), more.begin(), more.end());
+    }
+    return bytes;
+  }
+  RawSocket socket_;
+};
+
+/// The UDP side of a client.
+struct DatagramClient {
+  control::JoinAccepted joined;
+  RawSocket socket;
+  Encoder encoder;
+  std::uint64_t packet = 0;
+
+  explicit DatagramClient(const control::JoinAccepted& accepted)
+      : joined(accepted), socket(SOCK_DGRAM, accepted.udp_port) {}
+
+  Reply exchange(const SampleBatch& batch) {
+    socket.send(encoder.samples(joined.session, ++packet, batch));
+    const auto bytes = socket.receive();
+    const Guarded guarded = guard(bytes, test::kAllKinds);
+    Reply reply;
+    if (guarded.drop != DropReason::none || guarded.header.kind != DatagramKind::reply ||
+        guarded.header.session != joined.session ||
+        decode(guarded.payload, reply) != DropReason::none)
+      throw std::runtime_error("no reply");
+    return reply;
+  }
+  GoodbyeReason await_goodbye() {
+    const auto bytes = socket.receive();
+    const Guarded guarded = guard(bytes, test::kAllKinds);
+    GoodbyeReason reason = GoodbyeReason::leaving;
+    if (guarded.drop != DropReason::none || guarded.header.kind != DatagramKind::goodbye ||
+        decode(guarded.payload, reason) != DropReason::none)
+      throw std::runtime_error("no goodbye");
+    return reason;
+  }
+};
+
+ServerConfig any_port() {
+  ServerConfig config;
+  config.port = 0;
+  config.log_level = "off";
+  return config;
+}
+
+std::vector<Scene> two_scenes() {
+  return {test::room(), Scene("ball", {test::room().objects()[1]})};
+}
+
+TEST(Loopback, TwoClientsShareAScene) {
+  Server server(any_port(), two_scenes());
+  ControlClient control(server.control_port());
+  DatagramClient a(control.ask<control::JoinAccepted>(test::join_request()));
+  DatagramClient b(control.ask<control::JoinAccepted>(test::join_request()));
+  EXPECT_NE(a.joined.session, b.joined.session);
+  EXPECT_EQ(a.joined.udp_port, server.scenes()[0].udp_port);
+  EXPECT_EQ(a.joined.silence_timeout, 2.0);
+  EXPECT_TRUE(a.joined.friction);
+
+  // Each is answered as a session of its own would be.
+  const Scene scene = test::room();
+  Session alone(test::join_request(), scene);
+  for (std::uint64_t n = 1; n <= 300; ++n) {
+    const Reply felt = a.exchange(test::hand_batch(n, 3));
+    const Reply expected = alone.take(test::hand_batch(n, 3), Nanoseconds(0)).reply;
+    ASSERT_EQ(felt.sample_index, n);
+    ASSERT_EQ(felt.command.elastic, expected.command.elastic);
+    ASSERT_EQ(felt.command.frictional, expected.command.frictional);
+    ASSERT_GT(felt.server_receive_time.count(), 0);
+    ASSERT_EQ(b.exchange(test::hand_batch(1000 + n)).sample_index, 1000 + n);
+  }
+  const auto list = control.ask<control::SceneList>(control::ListScenes{});
+  ASSERT_EQ(list.scenes.size(), 2u);
+  EXPECT_EQ(list.scenes[0].name, "room");
+  EXPECT_EQ(list.scenes[0].udp_port, a.joined.udp_port);
+  EXPECT_EQ(list.scenes[0].objects, 2u);
+  EXPECT_EQ(list.scenes[0].sessions, 2u);
+  EXPECT_EQ(list.scenes[1].sessions, 0u);
+
+  EXPECT_EQ(control.ask<control::Left>(control::LeaveRequest{b.joined.session}).session,
+            b.joined.session);
+  EXPECT_EQ(control.ask<control::SceneList>(control::ListScenes{}).scenes[0].sessions, 1u);
+
+  server.stop();
+  EXPECT_EQ(a.await_goodbye(), GoodbyeReason::shutting_down);
+  const auto summary = server.summary();
+  EXPECT_EQ(summary[0].counters.sessions_served, 2u);
+  EXPECT_EQ(summary[0].counters.samples.samples, 600u);
+  EXPECT_EQ(summary[0].counters.samples.replies, 600u);
+  EXPECT_EQ(summary[0].unsent, 0u);
+  EXPECT_THAT(text(summary), testing::HasSubstr("scene room: sessions 2"));
+}
+
+/// More than a batch at once, each answered; the order of the answers is that of the samples.
+TEST(Loopback, BurstIsDrained) {
+  Server server(any_port(), two_scenes());
+  ControlClient control(server.control_port());
+  DatagramClient client(control.ask<control::JoinAccepted>(test::join_request()));
+  constexpr std::uint64_t kBurst = 200;
+  for (std::uint64_t n = 1; n <= kBurst; ++n)
+    client.socket.send(client.encoder.samples(client.joined.session, n, test::hand_batch(n)));
+  for (std::uint64_t n = 1; n <= kBurst; ++n) {
+    const auto bytes = client.socket.receive();
+    Reply reply;
+    ASSERT_EQ(decode(test::payload(bytes), reply), DropReason::none);
+    ASSERT_EQ(reply.sample_index, n);
+  }
+}
+
+TEST(Loopback, RepliesFollowAClientThatMoves) {
+  Server server(any_port(), two_scenes());
+  ControlClient control(server.control_port());
+  const auto joined = control.ask<control::JoinAccepted>(test::join_request());
+  DatagramClient before(joined), after(joined);
+  EXPECT_EQ(before.exchange(test::hand_batch(1)).sample_index, 1u);
+  after.packet = before.packet;
+  EXPECT_EQ(after.exchange(test::hand_batch(2)).sample_index, 2u);
+}
+
+TEST(Loopback, SilenceEndsWithAGoodbye) {
+  ServerConfig config = any_port();
+  config.silence_timeout = 0.1;
+  Server server(config, two_scenes());
+  ControlClient control(server.control_port());
+  DatagramClient client(control.ask<control::JoinAccepted>(test::join_request()));
+  client.exchange(test::hand_batch(1));
+  EXPECT_EQ(client.await_goodbye(), GoodbyeReason::evicted);
+}
+
+TEST(Loopback, RefusalsSayWhy) {
+  using control::Refused, control::RefusalCode;
+  ServerConfig config = any_port();
+  config.max_sessions_per_scene = 1;
+  Server server(config, two_scenes());
+  ControlClient control(server.control_port());
+  auto request = test::join_request();
+  request.scene = "nowhere";
+  const auto unknown = control.ask<Refused>(request);
+  EXPECT_EQ(unknown.code, RefusalCode::unknown_scene);
+  EXPECT_THAT(unknown.reason, testing::HasSubstr("nowhere"));
+  request = test::join_request();
+  request.device.max_force = -1;
+  EXPECT_EQ(control.ask<Refused>(request).code, RefusalCode::bad_device);
+  EXPECT_EQ(control.ask<Refused>(control::LeaveRequest{77}).code, RefusalCode::unknown_session);
+  EXPECT_EQ(control.ask<Refused>(control::LeaveRequest{0x1ff}).code, RefusalCode::unknown_session);
+  control.ask<control::JoinAccepted>(test::join_request());
+  EXPECT_EQ(control.ask<Refused>(test::join_request()).code, RefusalCode::full);
+}
+
+TEST(Loopback, ParametersChangeWhileRunning) {
+  Server server(any_port(), two_scenes());
+  ControlClient control(server.control_port());
+  DatagramClient client(control.ask<control::JoinAccepted>(test::join_request()));
+  client.exchange(test::hand_batch(1));
+  SampleBatch pressed = test::hand_batch(2);
+  pressed.samples[0].pose.position = {-0.1, 0, -0.01};
+  SessionParameters parameters;
+  parameters.side = BoundingSide::client;
+  const auto set = control.ask<control::ParametersSet>(
+      control::SetParameters{client.joined.session, parameters});
+  EXPECT_EQ(set.parameters.side, BoundingSide::client);
+  EXPECT_NEAR(client.exchange(pressed).command.elastic.z(), 20.0, 1e-9);  // raw
+}
+
+TEST(Loopback, HostileFramesAreRefusedAndClosed) {
+  Server server(any_port(), two_scenes());
+  const std::vector<std::vector<std::uint8_t>> frames = {
+      {0xff, 0xff, 0xff, 0xff},           // four gigabytes to come
+      {0x00, 0x00, 0x00, 0x00},           // nothing to come
+      {0x01, 0x00, 0x01, 0x00, 1, 2, 3},  // one byte over the limit
+      {0x08, 0, 0, 0, 1, 2, 3, 4, 5, 6, 7, 8},
+      control::encode(control::Left{1}),  // an answer
+  };
+  for (const auto& frame : frames) {
+    ControlClient client(server.control_port());
+    client.send_raw(frame);
+    const auto answer = client.receive();
+    ASSERT_TRUE(answer.has_value());
+    EXPECT_EQ(std::get<control::Refused>(*answer).code, control::RefusalCode::malformed);
+    EXPECT_TRUE(client.closed());
+  }
+  ControlClient good(server.control_port());
+  EXPECT_EQ(good.ask<control::SceneList>(control::ListScenes{}).scenes.size(), 2u);
+}
+
+TEST(Loopback, RequestsMayComeInPieces) {
+  Server server(any_port(), two_scenes());
+  ControlClient client(server.control_port());
+  for (const std::uint8_t byte : control::encode(control::ListScenes{}))
+    client.send_raw({&byte, 1});
+  ASSERT_TRUE(client.receive().has_value());
+}
+
+TEST(Loopback, StopEndsConnections) {
+  Server server(any_port(), two_scenes());
+  ControlClient idle(server.control_port());
+  idle.ask<control::SceneList>(control::ListScenes{});
+  server.stop();
+  server.stop();  // again does nothing
+  EXPECT_TRUE(idle.closed());
+}
+
+TEST(Loopback, PortInUseIsOneClearLine) {
+  Server server(any_port(), two_scenes());
+  ServerConfig config = any_port();
+  config.port = server.control_port();
+  try {
+    Server second(config, two_scenes());
+    FAIL();
+  } catch (const std::runtime_error& error) {
+    EXPECT_THAT(error.what(), testing::HasSubstr(std::to_string(server.control_port())));
+    EXPECT_THAT(error.what(), testing::HasSubstr("--port"));
+    EXPECT_THAT(error.what(), testing::Not(testing::HasSubstr("\n")));
+  }
+}
+
+TEST(Loopback, ScenesOfOneNameAreRefused) {
+  std::vector<Scene> twins;
+  twins.push_back(test::room());
+  twins.push_back(test::room());
+  EXPECT_THROW(Server(any_port(), std::move(twins)), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace feltwire

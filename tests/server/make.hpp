@@ -1,0 +1,70 @@
+#pragma once
+// A scene, a device and a hand for server tests.
+
+#include <cmath>
+
+#include "core/scene/scene.hpp"
+#include "protocol/control.hpp"
+#include "tests/protocol/make.hpp"
+
+namespace feltwire::test {
+
+/// A stiff floor with friction and a damped one beside it, in a sphere that holds the hand in.
+inline Scene room(double damping = 2.0) {
+  Object floor;
+  floor.name = "floor";
+  floor.shape = Plane{};
+  floor.material = {.stiffness = 2000.0,
+                    .damping = damping,
+                    .static_friction = 0.6,
+                    .dynamic_friction = 0.4,
+                    .viscous_friction = 1.0};
+  Object ball;
+  ball.name = "ball";
+  ball.shape = Sphere{0.02};
+  ball.pose.position = {0.05, 0, 0.01};
+  ball.material = {.stiffness = 1500.0};
+  return Scene("room", {floor, ball});
+}
+
+inline DeviceSpec device() {
+  DeviceSpec spec;
+  spec.name = "test arm";
+  spec.damping = 0.5;
+  spec.apparent_mass = 0.05;
+  spec.position_resolution = 1e-5;
+  spec.max_force = 20.0;
+  spec.continuous_force = 5.0;
+  spec.workspace = {0.3, 0.3, 0.3};
+  return spec;
+}
+
+inline control::JoinRequest join_request(const SessionParameters& parameters = {}) {
+  return {"tester", "room", device(), parameters};
+}
+
+/// A hand that dips into the floor while it slides, with what the client would say of sample
+/// `index`.
+inline Sample hand(std::uint64_t index, double period = 1e-3) {
+  const double t = static_cast<double>(index) * period;
+  Sample sample;
+  sample.index = index;
+  sample.client_time = Nanoseconds(static_cast<std::int64_t>(index) * 1'000'000);
+  sample.pose.position = {0.04 * std::sin(3 * t), 0.03 * std::sin(5 * t + 1),
+                          0.002 * std::sin(11 * t)};
+  sample.held.elastic = Vec3(0, 0, 0.5);
+  return sample;
+}
+
+/// The datagram's samples: `newest` and up to `redundancy` earlier ones.
+inline SampleBatch hand_batch(std::uint64_t newest, int redundancy = 0) {
+  SampleBatch batch;
+  while (batch.count <= redundancy && newest - static_cast<std::uint64_t>(batch.count) > 0) {
+    batch.samples[static_cast<std::size_t>(batch.count)] =
+        hand(newest - static_cast<std::uint64_t>(batch.count));
+    ++batch.count;
+  }
+  return batch;
+}
+
+}  // namespace feltwire::test

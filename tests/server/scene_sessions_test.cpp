@@ -1,0 +1,270 @@
+#include "server/scene_sessions.hpp"
+
+#include <gtest/gtest.h>
+#include <netinet/in.h>
+
+#include <limits>
+
+#include "tests/protocol/allocation_counter.hpp"
+#include "tests/server/make.hpp"
+
+namespace feltwire {
+namespace {
+
+using namespace std::chrono_literals;
+using test::hand_batch;
+using test::join_request;
+
+constexpr std::uint64_t kId = 0x1234567800ull;
+
+class SceneSessionsTest : public testing::Test {
+ protected:
+  Scene scene = test::room();
+  SceneSessions sessions{scene, 2s, 2};
+  Encoder client;
+  Peer peer{.address = {}, .length = sizeof(sockaddr_in)};
+  std::uint64_t packet = 0;
+
+  void join(std::uint64_t id, Nanoseconds now = 0s) {
+    const auto answer = sessions.answer(join_request(), id, now);
+    ASSERT_TRUE(std::holds_alternative<control::JoinAccepted>(answer));
+    EXPECT_EQ(std::get<control::JoinAccepted>(answer).session, id);
+  }
+  Bytes send(const SampleBatch& batch, std::uint64_t id = kId, Nanoseconds now = 0s) {
+    return sessions.receive(client.samples(id, ++packet, batch), peer, now);
+  }
+  std::uint64_t drops(DropReason reason) {
+    return sessions.counters().drops[static_cast<std::size_t>(reason)];
+  }
+  control::RefusalCode refusal(const control::Message& request, std::uint64_t id = 99 << 8) {
+    return std::get<control::Refused>(sessions.answer(request, id, 0s)).code;
+  }
+};
+
+TEST_F(SceneSessionsTest, SampleIsAnswered) {
+  join(kId);
+  const Bytes answer = send(hand_batch(3));
+  const Guarded guarded = guard(answer, test::kAllKinds);
+  ASSERT_EQ(guarded.drop, DropReason::none);
+  EXPECT_EQ(guarded.header.kind, DatagramKind::reply);
+  EXPECT_EQ(guarded.header.session, kId);
+  EXPECT_EQ(guarded.header.packet_number, 1u);
+  Reply reply;
+  ASSERT_EQ(decode(guarded.payload, reply), DropReason::none);
+  EXPECT_EQ(reply.sample_index, 3u);
+}
+
+/// One datagram with every fault at once, mended in the documented order: each fault is counted
+/// once, and only the last is answered.
+TEST_F(SceneSessionsTest, FaultsAreCountedInTheOrderOfTheProtocol) {
+  join(kId);
+  send(hand_batch(5));  // packet 1, so that 1 is a number seen before
+
+  std::vector<std::uint8_t> bytes(kMaxDatagram + 1, 0xff);
+  const auto expect = [&](DropReason reason) {
+    const std::uint64_t before = drops(reason);
+    EXPECT_TRUE(sessions.receive(bytes, peer, 0s).empty());
+    EXPECT_EQ(drops(reason), before + 1) << name(reason);
+  };
+  expect(DropReason::size);
+  bytes.resize(200);
+  expect(DropReason::magic);
+  bytes[0] = 'F', bytes[1] = 'W';
+  expect(DropReason::version);
+  bytes[2] = 1;
+  expect(DropReason::kind);
+  bytes[3] = 2;  // replies are not received here
+  expect(DropReason::kind);
+  bytes[3] = 1;
+  expect(DropReason::reserved);
+  for (std::size_t i = 4; i < 8; ++i) bytes[i] = 0;
+  expect(DropReason::session);
+  write_header(bytes, {DatagramKind::samples, kId, 1});
+  expect(DropReason::packet_number);
+  write_header(bytes, {DatagramKind::samples, kId, 0});
+  expect(DropReason::packet_number);
+  write_header(bytes, {DatagramKind::samples, kId, 2});
+  expect(DropReason::malformed);
+
+  // Behind a good envelope: each batch has all later faults too.
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  SampleBatch batch = hand_batch(5, 2);
+  batch.samples[1].index = 9;
+  batch.samples[2].pose.position.x() = nan;
+  const auto expect_batch = [&](DropReason reason) {
+    const Bytes sent = client.samples(kId, 10 + ++packet, batch);
+    bytes.assign(sent.begin(), sent.end());
+    expect(reason);
+  };
+  batch.count = 0;
+  expect_batch(DropReason::count);
+  batch.count = 3;
+  expect_batch(DropReason::order);
+  batch.samples[1].index = 4;
+  expect_batch(DropReason::not_finite);
+  batch.samples[2].pose.position.x() = 0;
+  expect_batch(DropReason::stale);
+  batch = hand_batch(6, 2);
+  EXPECT_FALSE(sessions.receive(client.samples(kId, 100, batch), peer, 0s).empty());
+
+  std::uint64_t dropped = 0;
+  const SceneCounters counters = sessions.counters();
+  for (const std::uint64_t count : counters.drops) dropped += count;
+  EXPECT_EQ(counters.datagrams, dropped + 2);
+  EXPECT_EQ(counters.samples.replies, 2u);
+}
+
+TEST_F(SceneSessionsTest, ReorderedPacketsAreTakenOnce) {
+  join(kId);
+  EXPECT_FALSE(sessions.receive(client.samples(kId, 5, hand_batch(5)), peer, 0s).empty());
+  EXPECT_TRUE(sessions.receive(client.samples(kId, 4, hand_batch(4)), peer, 0s).empty());
+  EXPECT_EQ(drops(DropReason::stale), 1u);
+  EXPECT_TRUE(sessions.receive(client.samples(kId, 5, hand_batch(9)), peer, 0s).empty());
+  EXPECT_EQ(drops(DropReason::packet_number), 1u);
+  EXPECT_EQ(sessions.counters().samples.duplicates, 2u);
+}
+
+TEST_F(SceneSessionsTest, SilenceEndsASession) {
+  join(kId, 10s);
+  join(kId + 256, 10s);
+  send(hand_batch(1), kId, 11s);
+  EXPECT_TRUE(sessions.expire(11s).empty());
+  auto farewells = sessions.expire(12s);  // the second never said anything since it joined
+  ASSERT_EQ(farewells.size(), 1u);
+  EXPECT_EQ(farewells[0].to.length, 0u);
+  EXPECT_EQ(sessions.size(), 1u);
+  // What is dropped is no sign of life.
+  send(hand_batch(1), kId, 12900ms);
+  EXPECT_TRUE(sessions.expire(12999ms).empty());
+  farewells = sessions.expire(13s);
+  ASSERT_EQ(farewells.size(), 1u);
+  EXPECT_EQ(farewells[0].to.length, sizeof(sockaddr_in));
+  GoodbyeReason reason = GoodbyeReason::leaving;
+  ASSERT_EQ(decode(test::payload(farewells[0].datagram), reason), DropReason::none);
+  EXPECT_EQ(reason, GoodbyeReason::evicted);
+  EXPECT_EQ(sessions.size(), 0u);
+  EXPECT_EQ(sessions.counters().silent, 2u);
+  EXPECT_EQ(sessions.counters().samples.samples, 1u);  // what ended sessions did still counts
+  send(hand_batch(2), kId, 13s);
+  EXPECT_EQ(drops(DropReason::session), 1u);
+}
+
+TEST_F(SceneSessionsTest, GoodbyeEndsASession) {
+  join(kId);
+  send(hand_batch(1));
+  EXPECT_TRUE(
+      sessions.receive(client.goodbye(kId, ++packet, GoodbyeReason::leaving), peer, 0s).empty());
+  EXPECT_EQ(sessions.size(), 0u);
+  EXPECT_EQ(sessions.counters().left, 1u);
+  join(kId + 256);  // there is room again
+  join(kId + 512);
+}
+
+TEST_F(SceneSessionsTest, ShutDownTellsEveryone) {
+  join(kId);
+  join(kId + 256);
+  send(hand_batch(1));
+  const auto farewells = sessions.shut_down();
+  ASSERT_EQ(farewells.size(), 2u);
+  GoodbyeReason reason = GoodbyeReason::leaving;
+  ASSERT_EQ(decode(test::payload(farewells[0].datagram), reason), DropReason::none);
+  EXPECT_EQ(reason, GoodbyeReason::shutting_down);
+  EXPECT_EQ(sessions.size(), 0u);
+}
+
+TEST_F(SceneSessionsTest, RequestsThatCannotBeAreRefused) {
+  using control::RefusalCode;
+  auto request = join_request();
+  request.device.max_force = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_EQ(refusal(request), RefusalCode::bad_device);
+  request = join_request();
+  request.parameters.redundancy = 20;
+  EXPECT_EQ(refusal(request), RefusalCode::bad_parameters);
+  request = join_request();
+  request.parameters.c2 = 1e8;  // above this device's b/T: only both together show it
+  EXPECT_EQ(refusal(request), RefusalCode::bad_parameters);
+  EXPECT_EQ(sessions.size(), 0u);
+
+  EXPECT_EQ(refusal(control::LeaveRequest{kId}), RefusalCode::unknown_session);
+  EXPECT_EQ(refusal(control::SetParameters{kId, {}}), RefusalCode::unknown_session);
+  EXPECT_EQ(refusal(control::Left{kId}), RefusalCode::malformed);
+  join(kId);
+  SessionParameters slower;
+  slower.servo_period = 2e-3;
+  EXPECT_EQ(refusal(control::SetParameters{kId, slower}), RefusalCode::bad_parameters);
+  EXPECT_EQ(refusal(join_request(), kId), RefusalCode::full);  // the id is taken
+  join(kId + 256);
+  EXPECT_EQ(refusal(join_request()), RefusalCode::full);
+}
+
+TEST_F(SceneSessionsTest, ParametersChangeAndSessionsLeave) {
+  join(kId);
+  SessionParameters parameters;
+  parameters.side = BoundingSide::client;
+  const auto set = sessions.answer(control::SetParameters{kId, parameters}, 0, 0s);
+  EXPECT_EQ(std::get<control::ParametersSet>(set).parameters.side, BoundingSide::client);
+  EXPECT_EQ(sessions.find(kId)->parameters().side, BoundingSide::client);
+  const auto left = sessions.answer(control::LeaveRequest{kId}, 0, 0s);
+  EXPECT_EQ(std::get<control::Left>(left).session, kId);
+  EXPECT_EQ(sessions.find(kId), nullptr);
+}
+
+TEST_F(SceneSessionsTest, ClientsDoNotFeelEachOther) {
+  join(kId);
+  join(kId + 256);
+  SceneSessions alone(scene, 2s, 2);
+  ASSERT_TRUE(std::holds_alternative<control::JoinAccepted>(alone.answer(join_request(), kId, 0s)));
+  test::Random random(1);
+  Encoder second;
+  for (std::uint64_t n = 1; n <= 500; ++n) {
+    const Bytes sent = client.samples(kId, n, hand_batch(n, 2));
+    const Bytes together = sessions.receive(sent, peer, 0s);
+    const std::vector<std::uint8_t> copy(together.begin(), together.end());
+    const Bytes apart = alone.receive(sent, peer, 0s);
+    ASSERT_TRUE(std::equal(copy.begin(), copy.end(), apart.begin(), apart.end()));
+    SampleBatch other = hand_batch(n);
+    other.samples[0].pose.position = test::vector(random, 0.05);
+    sessions.receive(second.samples(kId + 256, n, other), peer, 0s);
+  }
+}
+
+/// Everything hostile at once does not end, stop or change the session beside it.
+TEST_F(SceneSessionsTest, FuzzedDatagramsAreOnlyCounted) {
+  join(kId);
+  join(kId + 256);
+  test::Random random(2);
+  Encoder hostile;
+  for (std::uint64_t n = 1; n <= 3000; ++n) {
+    const Bytes valid = hostile.samples(kId + 256, n, test::random_batch(random, n + 9, 3, n % 2));
+    std::vector<std::uint8_t> bytes(valid.begin(), valid.end());
+    for (int flips = 0; flips < 3; ++flips)
+      bytes[16 + random() % (bytes.size() - 16)] = static_cast<std::uint8_t>(random());
+    sessions.receive(bytes, peer, 0s);
+    ASSERT_FALSE(send(hand_batch(n, 1)).empty());
+  }
+  const SceneCounters counters = sessions.counters();
+  std::uint64_t dropped = 0;
+  for (const std::uint64_t count : counters.drops) dropped += count;
+  EXPECT_EQ(counters.datagrams, dropped + counters.samples.replies);
+  EXPECT_GT(dropped, 1000u);
+}
+
+TEST_F(SceneSessionsTest, DatagramsDoNotAllocate) {
+#ifdef FELTWIRE_SANITIZED
+  GTEST_SKIP() << "sanitizers own the allocator";
+#endif
+  join(kId);
+  send(hand_batch(1));
+  const std::size_t before = test::allocations();
+  for (std::uint64_t n = 2; n <= 10'000; ++n) {
+    const Bytes sent = client.samples(kId, n, hand_batch(n, 3));
+    sessions.receive(sent, peer, 0s);
+    sessions.receive(sent, peer, 0s);                                       // seen before
+    sessions.receive(sent.first(sent.size() - n % sent.size()), peer, 0s);  // cut
+  }
+  EXPECT_EQ(test::allocations(), before);
+  EXPECT_EQ(sessions.counters().samples.replies, 10'000u);
+}
+
+}  // namespace
+}  // namespace feltwire
