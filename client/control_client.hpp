@@ -1,0 +1,54 @@
+#pragma once
+// Setting a session up: the control messages over TCP, and where its datagrams go.
+
+#include <netinet/in.h>
+#include <sys/socket.h>
+
+#include <chrono>
+#include <cstdint>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "protocol/control.hpp"
+
+namespace feltwire {
+
+/// What kept a session from being set up; what() is one line for people.
+class SessionError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+struct Endpoint {
+  std::string host;  // a name, an IPv4 or an IPv6 address
+  std::uint16_t port = 0;
+};
+
+/// Reads HOST:PORT or [IPV6]:PORT. Throws std::invalid_argument.
+Endpoint parse_endpoint(std::string_view text);
+std::string to_string(const Endpoint& endpoint);
+
+/// An address as the sockets take it.
+struct Address {
+  sockaddr_storage storage{};
+  socklen_t size = 0;
+};
+
+struct Joined {
+  control::JoinAccepted accepted;
+  Address datagrams;  // the scene's UDP port at the host that answered
+};
+
+/// Asks the server for a session and waits at most `timeout` for each of connecting and answering.
+/// Blocks; throws SessionError: the host is not known or not reachable, the server refuses (with
+/// its reason), or its answer makes no sense.
+Joined join(const Endpoint& server, const control::JoinRequest& request,
+            std::chrono::milliseconds timeout);
+
+/// The scenes that the server has. Likewise.
+std::vector<control::SceneEntry> list_scenes(const Endpoint& server,
+                                             std::chrono::milliseconds timeout);
+
+}  // namespace feltwire

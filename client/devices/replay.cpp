@@ -1,0 +1,90 @@
+#include "client/devices/replay.hpp"
+
+#include <array>
+#include <cerrno>
+#include <cmath>
+#include <cstring>
+#include <fstream>
+#include <string>
+#include <utility>
+
+#include "client/csv.hpp"
+
+namespace feltwire {
+namespace {
+
+constexpr double kNotUnit =
+    0.01;  // a quaternion's norm may be off by so much; printed digits are not more than that
+
+}  // namespace
+
+Recording read_recording(std::istream& in, const std::string& file) {
+  CsvReader reader(in, file, {"t", "x", "y", "z"}, {"qw", "qx", "qy", "qz"});
+  Recording recording;
+  recording.rotation = reader.has("qw");
+  for (const char* column : {"qw", "qx", "qy", "qz"}) {
+    if (reader.has(column) != recording.rotation)
+      reader.fail(reader.has(column) ? "qw" : column,
+                  "it is missing while others of qw,qx,qy,qz are there; give all four or none");
+  }
+  std::array<double, 8> row{0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0};
+  while (reader.next(row)) {
+    const auto& [t, x, y, z, qw, qx, qy, qz] = row;
+    if (!recording.poses.empty() && !(t > recording.poses.back().time))
+      reader.fail("t", "time must rise from row to row; sort the rows and drop repeated ones");
+    Quaternion orientation(qw, qx, qy, qz);
+    if (!(std::abs(orientation.norm() - 1.0) < kNotUnit))
+      reader.fail("qw", "qw,qx,qy,qz have length " + std::to_string(orientation.norm()) +
+                            ", not 1; normalize the quaternion");
+    orientation.normalize();
+    recording.poses.push_back({t, {Vec3(x, y, z), orientation}});
+  }
+  if (recording.poses.empty())
+    reader.fail("", "there are no rows below the header; record something");
+  return recording;
+}
+
+Pose pose_at(const Recording& recording, double time, std::size_t& cursor) noexcept {
+  const auto& poses = recording.poses;
+  if (!(time > poses.front().time)) return poses.front().pose;
+  if (time >= poses.back().time) return poses.back().pose;
+  if (poses[cursor].time > time) cursor = 0;
+  while (poses[cursor + 1].time <= time) ++cursor;
+
+  const RecordedPose& before = poses[cursor];
+  const RecordedPose& after = poses[cursor + 1];
+  const double share = (time - before.time) / (after.time - before.time);
+  Pose pose;
+  pose.position = before.pose.position + share * (after.pose.position - before.pose.position);
+  pose.orientation = before.pose.orientation.slerp(share, after.pose.orientation);
+  return pose;
+}
+
+ReplayDevice::ReplayDevice(Recording recording, const DeviceSpec& spec)
+    : recording_(std::move(recording)), spec_(spec) {
+  spec_.rotation_sensed = recording_.rotation ? 3 : 0;
+  if (!recording_.rotation) {
+    spec_.rotation_actuated = 0;
+    spec_.max_torque = 0.0;
+  }
+}
+
+DeviceReading ReplayDevice::read(Nanoseconds now) noexcept {
+  if (!started_) start_ = now;
+  started_ = true;
+  const double time =
+      recording_.poses.front().time + std::chrono::duration<double>(now - start_).count();
+  return {.pose = pose_at(recording_, time, cursor_),
+          .ended = time >= recording_.poses.back().time};
+}
+
+std::unique_ptr<Device> make_replay_device(const std::filesystem::path& file,
+                                           const DeviceSpec& spec) {
+  std::ifstream in(file);
+  if (!in)
+    throw CsvError(file.string() + ": cannot be opened: " + std::strerror(errno) +
+                   "; check the path behind 'replay:'");
+  return std::make_unique<ReplayDevice>(read_recording(in, file.string()), spec);
+}
+
+}  // namespace feltwire

@@ -1,0 +1,57 @@
+#pragma once
+// A recorded movement as a device: it moves as it did then, whatever it is given.
+
+#include <filesystem>
+#include <istream>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "client/device.hpp"
+
+namespace feltwire {
+
+struct RecordedPose {
+  double time = 0.0;  // [s]
+  Pose pose;
+};
+
+struct Recording {
+  std::vector<RecordedPose> poses;  // at least one, times strictly rising
+  bool rotation = false;            // the orientations were recorded
+};
+
+/// Reads CSV with the columns t,x,y,z [s, m] and optionally qw,qx,qy,qz (all four or none) at any,
+/// also irregular, rate. Throws CsvError naming file, line, column and remedy; `file` is only what
+/// errors call it.
+Recording read_recording(std::istream& in, const std::string& file);
+
+/// Position linear, orientation by slerp between the recorded poses around `time` [s]; before the
+/// first and after the last these themselves. `cursor` remembers where the last call was, so that
+/// rising times cost nothing.
+Pose pose_at(const Recording& recording, double time, std::size_t& cursor) noexcept;
+
+class ReplayDevice final : public Device {
+ public:
+  /// Behaves as `spec` says, but senses rotation exactly when the recording does.
+  ReplayDevice(Recording recording, const DeviceSpec& spec);
+
+  const DeviceSpec& spec() const override { return spec_; }
+  /// The first call is the first recorded instant; `ended` from the last recorded instant on.
+  DeviceReading read(Nanoseconds now) noexcept override;
+  /// Holds everything: nobody is there to feel it.
+  Command write(const Command& on_hand) noexcept override { return on_hand; }
+
+ private:
+  Recording recording_;
+  DeviceSpec spec_;
+  bool started_ = false;
+  Nanoseconds start_{0};
+  std::size_t cursor_ = 0;
+};
+
+/// From a file; throws CsvError.
+std::unique_ptr<Device> make_replay_device(const std::filesystem::path& file,
+                                           const DeviceSpec& spec);
+
+}  // namespace feltwire

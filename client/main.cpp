@@ -1,0 +1,211 @@
+// feltwire-client: one hand in one scene.
+
+#include <poll.h>
+#include <sys/signalfd.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <cstdio>
+#include <exception>
+#include <future>
+#include <memory>
+#include <system_error>
+#include <thread>
+
+#include "client/devices/replay.hpp"
+#include "client/options.hpp"
+#include "client/report.hpp"
+#include "client/status_line.hpp"
+
+namespace feltwire {
+namespace {
+
+constexpr std::chrono::milliseconds kControlTimeout{3000};
+constexpr int kHousekeeping = 50;             // [ms] between looks at the rings
+constexpr std::size_t kRecordRoom = 1 << 14;  // rows: more than a second at 10 kHz
+
+/// SIGINT and SIGTERM as a descriptor; blocked in all threads that are started from now on.
+class Signals {
+ public:
+  Signals() {
+    sigset_t set;
+    sigemptyset(&set);
+    sigaddset(&set, SIGINT);
+    sigaddset(&set, SIGTERM);
+    pthread_sigmask(SIG_BLOCK, &set, nullptr);
+    descriptor_ = ::signalfd(-1, &set, SFD_NONBLOCK | SFD_CLOEXEC);
+    if (descriptor_ < 0)
+      throw std::system_error(errno, std::generic_category(), "cannot watch signals");
+  }
+  ~Signals() { ::close(descriptor_); }
+  Signals(const Signals&) = delete;
+  Signals& operator=(const Signals&) = delete;
+  int descriptor() const { return descriptor_; }
+
+ private:
+  int descriptor_ = -1;
+};
+
+std::unique_ptr<Device> make_device(const ClientOptions& options) {
+  if (const auto* replay = std::get_if<ReplayFile>(&options.device))
+    return make_replay_device(replay->path, options.spec);
+  return std::make_unique<SimulatedDevice>(SimulatedHandOptions{
+      .spec = options.spec, .hand = {}, .task = std::get<HandTask>(options.device)});
+}
+
+int list(const Endpoint& server) {
+  std::printf("%-24s %8s %8s %8s\n", "scene", "port", "objects", "clients");
+  for (const control::SceneEntry& scene : list_scenes(server, kControlTimeout))
+    std::printf("%-24s %8u %8u %8u\n", scene.name.c_str(), unsigned{scene.udp_port}, scene.objects,
+                scene.sessions);
+  return 0;
+}
+
+/// Writes rows until writing fails, which is said once; the run goes on.
+class Recorder {
+ public:
+  explicit Recorder(const std::filesystem::path& path) : file_(path), rows_(kRecordRoom) {}
+  Ring<TickRecord>& rows() { return rows_; }
+  void write() {
+    if (failed_) return;
+    try {
+      file_.write(rows_);
+    } catch (const std::runtime_error& error) {
+      failed_ = true;
+      std::fprintf(stderr, "feltwire-client: %s\n", error.what());
+    }
+  }
+  bool failed() const { return failed_; }
+
+ private:
+  RecordingFile file_;
+  Ring<TickRecord> rows_;
+  bool failed_ = false;
+};
+
+/// What the main thread does while the servo thread runs.
+void look_after(const Signals& signals, Event& stop, const Event& finished,
+                Ring<LiveStatus>& statuses, Recorder* recorder) {
+  StatusLine line;
+  std::array<pollfd, 2> waiting{
+      {{signals.descriptor(), POLLIN, 0}, {finished.descriptor(), POLLIN, 0}}};
+  bool running = true;
+  while (running) {
+    ::poll(waiting.data(), waiting.size(), kHousekeeping);
+    signalfd_siginfo signal;
+    while (::read(signals.descriptor(), &signal, sizeof signal) ==
+           static_cast<ssize_t>(sizeof signal))
+      stop.set();
+    running = (waiting[1].revents & POLLIN) == 0;
+    LiveStatus status;
+    bool fresh = false;
+    while (statuses.pop(status)) fresh = true;
+    if (fresh) line.show(status);
+    if (recorder != nullptr) recorder->write();
+  }
+  line.end();
+}
+
+void warn_without_real_time(const RealTime& granted) {
+  if (granted.scheduler && granted.memory_locked) return;
+  std::fprintf(stderr,
+               "feltwire-client: warning: %s not permitted, so the servo may be late now and then; "
+               "allow it with CAP_SYS_NICE and CAP_IPC_LOCK or in limits.conf (rtprio, memlock)\n",
+               granted.scheduler       ? "locking memory is"
+               : granted.memory_locked ? "real-time scheduling is"
+                                       : "real-time scheduling and locking memory are");
+}
+
+/// What is left to say of a run; the exit code.
+int conclude(const ClientOptions& options, const Servo& servo, const LoopResult& result) {
+  const ServoStatistics& s = servo.statistics();
+  std::printf(
+      "%.1f s, %llu samples, %llu lost, round trip p50 %.0f us p99 %.0f us, largest force %.2f N, "
+      "bound violations %llu%s%s\n",
+      result.duration, static_cast<unsigned long long>(s.samples),
+      static_cast<unsigned long long>(s.samples - std::min(s.samples, s.answered)),
+      1e-3 * s.round_trip.quantile(0.5), 1e-3 * s.round_trip.quantile(0.99), s.max_force,
+      static_cast<unsigned long long>(servo.port().violations()),
+      options.report ? ", report in " : "", options.report ? options.report->c_str() : "");
+  switch (result.end) {
+    case EndReason::server_goodbye:
+      std::fprintf(stderr, "feltwire-client: the server ended the session%s\n",
+                   result.goodbye == GoodbyeReason::shutting_down ? ": it is shutting down" : "");
+      return 1;
+    case EndReason::server_silent:
+      std::fprintf(stderr, "feltwire-client: the server has fallen silent; is it still running?\n");
+      return 1;
+    case EndReason::failed:
+      std::fprintf(stderr, "feltwire-client: the servo loop broke off: the system gave no timer\n");
+      return 1;
+    default:
+      return 0;
+  }
+}
+
+int run(const ClientOptions& options) {
+  if (options.list) return list(options.server);
+  // Whatever can go wrong on this side does so before the server is bothered.
+  if (options.report) check_writable(*options.report);
+  if (options.record) check_writable(*options.record);
+  const std::unique_ptr<Device> device = make_device(options);
+  const Signals signals;
+
+  const Joined joined =
+      join(options.server, {options.name, options.scene, device->spec(), options.parameters},
+           kControlTimeout);
+  Transport transport(joined.datagrams, joined.accepted.session,
+                      joined.accepted.parameters.redundancy, device->spec().rotation_sensed > 0);
+  // From here on the server knows of us: whatever fails, it is told.
+  try {
+    Servo servo(device->spec(), joined.accepted.parameters, options.servo);
+    std::unique_ptr<Recorder> recorder;
+    if (options.record) recorder = std::make_unique<Recorder>(*options.record);
+
+    const LoopOptions loop{
+        .duration = Nanoseconds(std::llround(options.duration * 1e9)),
+        .silence_timeout = Nanoseconds(std::llround(joined.accepted.silence_timeout * 1e9))};
+    constexpr std::size_t kStatusRoom = 16;
+    Ring<LiveStatus> statuses(kStatusRoom);
+    const LoopOutputs outputs{.status = &statuses,
+                              .record = recorder ? &recorder->rows() : nullptr};
+    Event stop, finished;
+    const auto result = std::make_unique<LoopResult>();
+    std::promise<RealTime> granted;
+    std::thread thread([&] {
+      granted.set_value(request_real_time());
+      run_servo_loop(*device, servo, transport, loop, stop, outputs, *result);
+      finished.set();
+    });
+    const RealTime real_time = granted.get_future().get();
+    warn_without_real_time(real_time);
+    look_after(signals, stop, finished, statuses, recorder.get());
+    thread.join();
+
+    if (options.report)
+      write_whole(*options.report,
+                  report_json({options.name, options.scene, to_string(options.server),
+                               options.device_kind, real_time},
+                              servo, transport.statistics(), *result));
+    const int code = conclude(options, servo, *result);
+    return recorder && recorder->failed() ? 1 : code;
+  } catch (...) {
+    transport.goodbye();
+    throw;
+  }
+}
+
+}  // namespace
+}  // namespace feltwire
+
+int main(int argc, char** argv) {
+  std::signal(SIGPIPE, SIG_IGN);  // a closed terminal does not end a hand's session halfway
+  try {
+    const auto parsed = feltwire::parse_options(argc, argv);
+    if (const int* code = std::get_if<int>(&parsed)) return *code;
+    return feltwire::run(std::get<feltwire::ClientOptions>(parsed));
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "feltwire-client: %s\n", error.what());
+    return 1;
+  }
+}

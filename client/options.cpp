@@ -1,0 +1,179 @@
+#include "client/options.hpp"
+
+#include <CLI/CLI.hpp>
+#include <array>
+#include <cmath>
+#include <string_view>
+
+namespace feltwire {
+namespace {
+
+constexpr int kUsageError = 2;
+constexpr double kLongestDuration = 1e7;  // [s] some four months
+
+template <class Names>
+std::string choices(const Names& names) {
+  std::string text;
+  for (const auto& n : names) text += (text.empty() ? "" : "|") + std::string(n);
+  return text;
+}
+
+std::string device_names() {
+  std::string text;
+  for (const DeviceSpec& spec : builtin_devices()) text += (text.empty() ? "" : "|") + spec.name;
+  return text;
+}
+
+/// The command line as it is written, before its words are understood.
+struct Words {
+  std::string connect, scene, device = "simulated", spec = "simulated";
+  std::string mode = std::string(kBoundingModeNames.back()), projection = "joint", side = "both",
+              path = "press";
+  double rate = 1000.0;
+  std::array<double, 3> center{0.0, 0.0, 0.0}, normal{0.0, 0.0, 1.0};
+  std::string report, record;
+};
+
+Vec3 vector(const std::array<double, 3>& v) { return {v[0], v[1], v[2]}; }
+
+void require(bool good, const char* message) {
+  if (!good) throw std::invalid_argument(message);
+}
+
+/// Throws std::invalid_argument.
+void understand(const Words& words, HandTask task, ClientOptions& options) {
+  options.server = parse_endpoint(words.connect);
+  if (options.list) return;
+  require(!words.scene.empty(), "--scene is required; --list shows the scenes there are");
+  options.scene = words.scene;
+  require(options.duration >= 0.0 && options.duration <= kLongestDuration,
+          "--duration must be from 0 to 1e7 s; 0 runs until it is stopped");
+
+  options.parameters.mode = bounding_mode(words.mode);
+  options.parameters.projection = projection(words.projection);
+  options.parameters.side = bounding_side(words.side);
+  require(std::isfinite(words.rate) && words.rate > 0.0, "--rate must be above 0 Hz");
+  options.parameters.servo_period = 1.0 / words.rate;
+  validate(options.parameters);
+  validate(options.servo, options.parameters);
+
+  options.spec = builtin_device(words.spec);
+  options.device_kind = words.device;
+  constexpr std::string_view kReplay = "replay:";
+  if (words.device == "simulated") {
+    task.path = hand_path(words.path);
+    task.center = vector(words.center);
+    task.normal = vector(words.normal);
+    if (std::abs(task.normal.x()) > 0.9 * task.normal.norm()) task.along = Vec3::UnitY();
+    options.device = task;
+  } else if (words.device.starts_with(kReplay) && words.device.size() > kReplay.size()) {
+    options.device = ReplayFile{words.device.substr(kReplay.size())};
+  } else {
+    throw std::invalid_argument("unknown device '" + words.device +
+                                "'; use simulated or replay:FILE.csv");
+  }
+  if (!words.report.empty()) options.report = words.report;
+  if (!words.record.empty()) options.record = words.record;
+}
+
+}  // namespace
+
+std::variant<ClientOptions, int> parse_options(int argc, char** argv) {
+  ClientOptions options;
+  SessionParameters& parameters = options.parameters;
+  HandTask task;
+  Words words;
+
+  CLI::App app{
+      "feltwire-client: a haptic device, simulated or replayed, in a scene of a feltwire server."};
+  app.failure_message([](const CLI::App*, const CLI::Error& error) {
+    return "feltwire-client: " + std::string(error.what()) + "; see --help\n";
+  });
+  app.add_option("--connect", words.connect,
+                 "HOST:PORT of the server's control port; IPv6 as [::1]:PORT")
+      ->required();
+  app.add_flag("--list", options.list, "List the server's scenes and end");
+  app.add_option("--scene", words.scene, "Name of the scene to join");
+  app.add_option("--device", words.device,
+                 "simulated, or replay:FILE.csv (columns t,x,y,z and optionally qw,qx,qy,qz)")
+      ->capture_default_str();
+  app.add_option("--duration", options.duration,
+                 "[s] how long; 0 runs until stopped or the recording is over")
+      ->capture_default_str();
+  app.add_option("--report", words.report,
+                 "FILE.json that gets the run's numbers (docs/devices.md)");
+  app.add_option("--record", words.record, "FILE.csv that gets every tick");
+  app.add_option("--name", options.name, "What the server calls this client")
+      ->capture_default_str();
+
+  const auto session = "Session";
+  app.add_option("--spec", words.spec, "The device's specification: " + device_names())
+      ->capture_default_str()
+      ->group(session);
+  app.add_option("--mode", words.mode, "Energy bound: " + choices(kBoundingModeNames))
+      ->capture_default_str()
+      ->group(session);
+  app.add_option("--projection", words.projection, "Of contact_frame: " + choices(kProjectionNames))
+      ->capture_default_str()
+      ->group(session);
+  app.add_option("--bounding", words.side, "Where the bound runs: " + choices(kBoundingSideNames))
+      ->capture_default_str()
+      ->group(session);
+  app.add_option("--rate", words.rate, "[Hz] of the servo loop")
+      ->capture_default_str()
+      ->group(session);
+  app.add_option("--redundancy", parameters.redundancy, "Earlier samples repeated in each datagram")
+      ->capture_default_str()
+      ->group(session);
+  app.add_option("--operator-damping", parameters.operator_damping,
+                 "[N s/m] that the operator's hand is known to add, credited to the bound")
+      ->capture_default_str()
+      ->group(session);
+  app.add_option("--hold-time", parameters.hold_time,
+                 "[s] a command older than half of it fades, at all of it it is zero")
+      ->capture_default_str()
+      ->group(session);
+  app.add_option("--slew", options.servo.slew,
+                 "[N/s] limit on how fast the force may rise; none when not given")
+      ->group(session);
+
+  const auto hand = "Simulated hand";
+  app.add_option("--path", words.path, "What it does: " + choices(kHandPathNames))
+      ->capture_default_str()
+      ->group(hand);
+  app.add_option("--center", words.center,
+                 "X,Y,Z [m] the surface point (orbit: centre of the circle)")
+      ->delimiter(',')
+      ->capture_default_str()
+      ->group(hand);
+  app.add_option("--normal", words.normal, "X,Y,Z outward normal of the surface there")
+      ->delimiter(',')
+      ->capture_default_str()
+      ->group(hand);
+  app.add_option("--radius", task.radius, "[m] amplitude along the surface")
+      ->capture_default_str()
+      ->group(hand);
+  app.add_option("--frequency", task.frequency, "[Hz] of the movement")
+      ->capture_default_str()
+      ->group(hand);
+  app.add_option("--depth", task.depth, "[m] how far below the surface it means to be")
+      ->capture_default_str()
+      ->group(hand);
+  app.add_option("--tremor", task.tremor, "[m] RMS an axis, 8 to 12 Hz")
+      ->capture_default_str()
+      ->group(hand);
+  app.add_option("--seed", task.seed, "Of the tremor")->capture_default_str()->group(hand);
+
+  try {
+    app.parse(argc, argv);
+    understand(words, task, options);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : kUsageError;
+  } catch (const std::invalid_argument& error) {
+    std::cerr << "feltwire-client: " << error.what() << "\n";
+    return kUsageError;
+  }
+  return options;
+}
+
+}  // namespace feltwire

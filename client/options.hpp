@@ -1,0 +1,37 @@
+#pragma once
+// The command line of feltwire-client.
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <variant>
+
+#include "client/control_client.hpp"
+#include "client/servo.hpp"
+#include "sim/simulated_device.hpp"
+
+namespace feltwire {
+
+struct ReplayFile {
+  std::filesystem::path path;
+};
+
+struct ClientOptions {
+  Endpoint server;
+  bool list = false;  // list the scenes, nothing else
+  std::string name = "feltwire-client";
+  std::string scene;
+  std::string device_kind;                    // as given
+  std::variant<HandTask, ReplayFile> device;  // simulated hand, or a recording
+  DeviceSpec spec;
+  SessionParameters parameters;
+  ServoOptions servo;
+  double duration = 0.0;  // [s] 0: until stopped
+  std::optional<std::filesystem::path> report, record;
+};
+
+/// Reads the command line. When there is nothing to run (--help, or an error, which has been
+/// printed as one line) the exit code is returned instead.
+std::variant<ClientOptions, int> parse_options(int argc, char** argv);
+
+}  // namespace feltwire

@@ -1,0 +1,257 @@
+#include "client/report.hpp"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
+#include <cstring>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <stdexcept>
+#include <system_error>
+
+namespace feltwire {
+namespace {
+
+using Json = nlohmann::ordered_json;
+namespace fs = std::filesystem;
+
+constexpr double kMicroseconds = 1e-3;  // of nanoseconds
+constexpr double kDegrees = 1e-6;       // of microdegrees
+
+Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+Json number(const std::optional<double>& value) { return value ? number(*value) : Json(nullptr); }
+
+/// Null where nothing was recorded: a zero would be a claim.
+Json quantile(const Histogram& h, double q, double scale) {
+  return h.count() > 0 ? number(scale * h.quantile(q)) : Json(nullptr);
+}
+Json max_of(const Histogram& h, double scale) {
+  return h.count() > 0 ? number(scale * static_cast<double>(h.max())) : Json(nullptr);
+}
+Json mean_of(const Histogram& h, double scale) {
+  return h.count() > 0 ? number(scale * h.mean()) : Json(nullptr);
+}
+
+Json times(const Histogram& h) {
+  return {{"p50", quantile(h, 0.5, kMicroseconds)},
+          {"p99", quantile(h, 0.99, kMicroseconds)},
+          {"p999", quantile(h, 0.999, kMicroseconds)},
+          {"max", max_of(h, kMicroseconds)}};
+}
+
+Json energy(const ChannelEnergy& e) {
+  return {{"elastic", number(e.elastic)},
+          {"frictional", number(e.frictional)},
+          {"torque", number(e.torque)}};
+}
+
+Json device(const std::string& kind, const DeviceSpec& spec) {
+  return {{"kind", kind},
+          {"spec", spec.name},
+          {"translation_dof", spec.translation_dof},
+          {"rotation_sensed", spec.rotation_sensed},
+          {"rotation_actuated", spec.rotation_actuated},
+          {"damping", number(spec.damping)},
+          {"max_force_n", number(spec.max_force)}};
+}
+
+Json parameters(const SessionParameters& p) {
+  return {{"mode", name(p.mode)},
+          {"projection", name(p.projection)},
+          {"side", kBoundingSideNames[static_cast<std::size_t>(p.side)]},
+          {"servo_period_s", number(p.servo_period)},
+          {"redundancy", p.redundancy},
+          {"operator_damping", number(p.operator_damping)},
+          {"velocity_cutoff_hz", number(p.velocity_cutoff)},
+          {"hold_time_s", number(p.hold_time)},
+          {"c1", number(p.c1)},
+          {"c2", number(p.c2)}};
+}
+
+Json dropped(const TransportStatistics& transport, const ServoStatistics& servo) {
+  Json reasons = Json::object();
+  for (std::size_t i = 1; i < kDropReasons; ++i) {
+    const auto reason = static_cast<DropReason>(i);
+    // Only the servo can tell that a reply brings nothing new.
+    const std::uint64_t more = reason == DropReason::stale ? servo.replies_stale : 0;
+    reasons[name(reason)] = transport.dropped[i] + more;
+  }
+  return reasons;
+}
+
+Json server(const Servo& servo) {
+  if (!servo.has_reply()) return nullptr;
+  const Reply& reply = servo.newest_reply();
+  return {{"sample_index", reply.sample_index},
+          {"energy_delivered_j", energy(reply.delivered)},
+          {"bound_violations", reply.violations},
+          {"ratio", number(reply.ratio)},
+          {"bound_active", reply.active},
+          {"saturated", reply.saturated},
+          {"refused", reply.refused},
+          {"gap", reply.gap}};
+}
+
+const char* name_of(GoodbyeReason reason) {
+  switch (reason) {
+    case GoodbyeReason::leaving:
+      return "leaving";
+    case GoodbyeReason::shutting_down:
+      return "shutting_down";
+    case GoodbyeReason::evicted:
+      return "evicted";
+  }
+  return "unknown";
+}
+
+[[noreturn]] void fail(const fs::path& file, const std::string& reason) {
+  throw std::runtime_error("cannot write " + file.string() + ": " + reason +
+                           "; choose another path");
+}
+
+/// Where a report comes to stand before it is renamed: the same folder, so that the rename is one
+/// step.
+fs::path beside(const fs::path& file) {
+  std::string name(1, '.');
+  name += file.filename().string() + "." + std::to_string(::getpid()) + ".part";
+  return file.parent_path() / name;
+}
+
+/// Not regular, yet there: a pipe, a terminal. Renaming would replace it.
+bool is_special(const fs::path& file) {
+  std::error_code error;
+  const fs::file_status status = fs::status(file, error);
+  if (fs::is_directory(status)) fail(file, "it is a directory");
+  return fs::exists(status) && !fs::is_regular_file(status);
+}
+
+int open_for_writing(const fs::path& file, const fs::path& meant, int flags) {
+  constexpr int kForAll = 0644;
+  const int descriptor = ::open(file.c_str(), O_WRONLY | O_CLOEXEC | flags, kForAll);
+  if (descriptor < 0) fail(meant, std::strerror(errno));
+  return descriptor;
+}
+
+void put(int descriptor, std::string_view text, const fs::path& meant) {
+  while (!text.empty()) {
+    const ssize_t written = ::write(descriptor, text.data(), text.size());
+    if (written < 0 && errno == EINTR) continue;
+    if (written < 0) fail(meant, std::strerror(errno));
+    text.remove_prefix(static_cast<std::size_t>(written));
+  }
+}
+
+/// Closes, and takes the file away unless it was kept.
+class Part {
+ public:
+  explicit Part(const fs::path& meant)
+      : meant_(meant),
+        path_(beside(meant)),
+        descriptor_(open_for_writing(path_, meant, O_CREAT | O_TRUNC)) {}
+  ~Part() {
+    ::close(descriptor_);
+    std::error_code ignored;
+    if (!kept_) fs::remove(path_, ignored);
+  }
+  Part(const Part&) = delete;
+  Part& operator=(const Part&) = delete;
+
+  void keep(std::string_view text) {
+    put(descriptor_, text, meant_);
+    if (::fsync(descriptor_) != 0) fail(meant_, std::strerror(errno));
+    std::error_code error;
+    fs::rename(path_, meant_, error);
+    if (error) fail(meant_, error.message());
+    kept_ = true;
+  }
+
+ private:
+  fs::path meant_, path_;
+  int descriptor_;
+  bool kept_ = false;
+};
+
+/// Behind a link stands the file that is meant.
+fs::path resolved(const fs::path& file) {
+  std::error_code error;
+  fs::path target = fs::weakly_canonical(file, error);
+  return error ? file : target;
+}
+
+}  // namespace
+
+std::string report_json(const RunDescription& run, const Servo& servo,
+                        const TransportStatistics& transport, const LoopResult& loop) {
+  const ServoStatistics& s = servo.statistics();
+  const PortEnergy& port = servo.port();
+  Json report = {
+      {"client", run.client},
+      {"scene", run.scene},
+      {"server", run.server},
+      {"device", device(run.device_kind, servo.spec())},
+      {"duration_s", number(loop.duration)},
+      {"end", name(loop.end)},
+      {"samples", s.samples},
+      {"answered", s.answered},
+      {"lost", s.samples - std::min(s.samples, s.answered)},
+      {"late", s.late},
+      {"round_trip_us", times(s.round_trip)},
+      {"energy_delivered_j", energy(port.delivered())},
+      {"energy_burned_j", number(port.burned())},
+      {"least_energy_margin_j", number(port.least_margin())},
+      {"bound_violations", port.violations()},
+      {"max_force_n", number(s.max_force)},
+      {"direction_error_deg",
+       {{"mean", mean_of(s.direction_error, kDegrees)},
+        {"p99", quantile(s.direction_error, 0.99, kDegrees)},
+        {"max", max_of(s.direction_error, kDegrees)}}},
+      {"servo_wakeup_late_us", times(loop.wakeup_late)},
+      {"overruns", loop.overruns},
+      {"missed_deadlines", loop.missed_deadlines},
+      {"faded_samples", s.faded},
+      {"bound_active_samples", s.bound_active},
+      {"saturated_samples", s.saturated},
+      {"slewed_samples", s.slewed},
+      {"refused_samples", s.refused},
+      {"device_faults", s.device_faults},
+      {"replies_refused", s.replies_refused},
+      {"records_dropped", loop.records_dropped},
+      {"datagrams",
+       {{"sent", transport.sent},
+        {"send_failed", transport.send_failed},
+        {"received", transport.received}}},
+      {"dropped", dropped(transport, s)},
+      {"real_time",
+       {{"scheduler", run.real_time.scheduler}, {"memory_locked", run.real_time.memory_locked}}},
+      {"parameters", parameters(servo.parameters())},
+      {"server_last_reply", server(servo)},
+  };
+  if (loop.end == EndReason::server_goodbye) report["goodbye_reason"] = name_of(loop.goodbye);
+  // A name may be any bytes; the report stays JSON.
+  return report.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+void check_writable(const fs::path& file) {
+  if (is_special(file)) {
+    ::close(open_for_writing(file, file, O_NONBLOCK));
+  } else {
+    const Part probe(resolved(file));
+  }
+}
+
+void write_whole(const fs::path& file, std::string_view text) {
+  if (!is_special(file)) return Part(resolved(file)).keep(text);
+  const int descriptor = open_for_writing(file, file, 0);
+  try {
+    put(descriptor, text, file);
+  } catch (...) {
+    ::close(descriptor);
+    throw;
+  }
+  ::close(descriptor);
+}
+
+}  // namespace feltwire

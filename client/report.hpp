@@ -1,0 +1,34 @@
+#pragma once
+// The report of a run: JSON, every key with unit and meaning in docs/devices.md.
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+#include "client/servo.hpp"
+#include "client/servo_loop.hpp"
+#include "client/transport.hpp"
+
+namespace feltwire {
+
+/// What a report says besides the counted numbers.
+struct RunDescription {
+  std::string client, scene, server;
+  std::string device_kind;  // as given to --device
+  RealTime real_time;
+};
+
+/// The report's text. Every number in it is finite; what there is no number for is null.
+std::string report_json(const RunDescription& run, const Servo& servo,
+                        const TransportStatistics& transport, const LoopResult& loop);
+
+/// Throws std::runtime_error naming the file and the reason when write_whole() could not write it
+/// now. Leaves nothing.
+void check_writable(const std::filesystem::path& file);
+
+/// Writes beside the file and renames, so that whoever looks sees the old text or the new one,
+/// never a part. What is there but no regular file (a pipe, /dev/stdout) is written to directly.
+/// Throws std::runtime_error.
+void write_whole(const std::filesystem::path& file, std::string_view text);
+
+}  // namespace feltwire

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <atomic>
+#include <bit>
+#include <cstddef>
+#include <vector>
+
+namespace feltwire {
+
+/// A queue from one thread to one other, without locks: the writer never waits, what finds no room
+/// is refused. T must copy without throwing. All memory is taken at construction.
+template <class T>
+class Ring {
+ public:
+  /// Room for at least `capacity` values.
+  explicit Ring(std::size_t capacity) : values_(std::bit_ceil(capacity)) {}
+
+  /// Writer only. False when full.
+  bool push(const T& value) noexcept {
+    const std::size_t written = written_.load(std::memory_order_relaxed);
+    if (written - read_.load(std::memory_order_acquire) == values_.size()) return false;
+    values_[written & (values_.size() - 1)] = value;
+    written_.store(written + 1, std::memory_order_release);
+    return true;
+  }
+
+  /// Reader only. False when empty.
+  bool pop(T& value) noexcept {
+    const std::size_t read = read_.load(std::memory_order_relaxed);
+    if (written_.load(std::memory_order_acquire) == read) return false;
+    value = values_[read & (values_.size() - 1)];
+    read_.store(read + 1, std::memory_order_release);
+    return true;
+  }
+
+ private:
+  // A cache line each, so that the two threads do not take each other's.
+  static constexpr std::size_t kLine = 64;
+  std::vector<T> values_;
+  alignas(kLine) std::atomic<std::size_t> written_{0};
+  alignas(kLine) std::atomic<std::size_t> read_{0};
+};
+
+}  // namespace feltwire

@@ -1,0 +1,138 @@
+#pragma once
+// What happens at one servo tick: where the device is goes in, what it holds until the next tick
+// comes out. No socket, no clock, no thread: time is an argument, so that every property can be
+// tested and replayed.
+
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include "client/device.hpp"
+#include "client/histogram.hpp"
+#include "core/bounding/bounding.hpp"
+#include "core/port_energy.hpp"
+#include "protocol/datagram.hpp"
+#include "protocol/session_parameters.hpp"
+
+namespace feltwire {
+
+struct ServoOptions {
+  /// [N/s], > 0: how fast the magnitude of the force may rise. Falling is never limited: only
+  /// reductions are admissible behind the bound.
+  double slew = std::numeric_limits<double>::infinity();
+};
+
+/// Throws std::invalid_argument naming the parameter and the remedy when these do not go together.
+void validate(const ServoOptions& options, const SessionParameters& parameters);
+
+/// Plain numbers of one run. Times in [ns], angles in [1e-6 deg] (whole numbers for the
+/// histograms).
+struct ServoStatistics {
+  std::uint64_t samples = 0;          // made by hold()
+  std::uint64_t answered = 0;         // of these, replies that came, each sample once
+  std::uint64_t late = 0;             // of the answered, after more than kLate
+  std::uint64_t replies_stale = 0;    // not newer than the reply in use: ignored
+  std::uint64_t replies_refused = 0;  // answering no sample that was made, or not finite
+  std::uint64_t faded = 0;            // ticks at which an old command was faded, wholly or in part
+  std::uint64_t device_faults = 0;    // readings or held forces that were faulty or not finite
+  std::uint64_t bound_active = 0;     // ticks at which the bound changed the command
+  std::uint64_t saturated = 0;        // ticks at which the device's limits did
+  std::uint64_t refused = 0;          // ticks at which the bound met an absurd command or movement
+  std::uint64_t slewed = 0;           // ticks at which the slew limit did
+  double max_force = 0.0;             // [N] held
+  Histogram round_trip;               // [ns] from the sample's reading to the reply's arrival
+  Histogram direction_error;          // [1e-6 deg] force held against the command it came from
+};
+
+/// The client's half of the haptic loop. A tick is render(), the device's write(), hold(); replies
+/// are given to it whenever they arrive. Neither allocates, throws or reads a clock.
+class Servo {
+ public:
+  static constexpr Nanoseconds kLate = std::chrono::milliseconds(1);
+
+  /// Throws std::invalid_argument naming the parameter and the remedy.
+  Servo(const DeviceSpec& spec, const SessionParameters& parameters,
+        const ServoOptions& options = {});
+
+  /// A reply that arrived at `arrival`. The one to the newest sample is used; true when this is it.
+  bool take(const Reply& reply, Nanoseconds arrival) noexcept;
+
+  /// What to write to the device now. The newest command counts in full until it is hold_time / 2
+  /// old, falls linearly to nothing at hold_time, and is then bounded (docs/bounding.md). A reading
+  /// that is faulty or not finite, a command that is not finite, and everything after release()
+  /// give no force.
+  Command render(const DeviceReading& reading, Nanoseconds now) noexcept;
+
+  /// Says what the device's write() returned, which is all that is accounted, and returns the
+  /// sample to send; null until the first good reading. It stays valid until the next call.
+  const Sample* hold(const Command& held) noexcept;
+
+  /// One whole tick.
+  const Sample* tick(Device& device, Nanoseconds now) noexcept {
+    return hold(device.write(render(device.read(now), now)));
+  }
+
+  /// From the next tick on the hand is given nothing.
+  void release() noexcept { released_ = true; }
+  /// The device said that it has ended; it has been given nothing since.
+  bool device_ended() const { return device_ended_; }
+
+  const DeviceSpec& spec() const { return spec_; }
+  const SessionParameters& parameters() const { return parameters_; }
+  const ServoStatistics& statistics() const { return statistics_; }
+  const PortEnergy& port() const { return port_; }
+
+  const Sample& sample() const { return sample_; }  // the last one made
+  const Command& command() const {
+    return newest_.command;
+  }                                              // of the environment, before fade and bound
+  const Command& held() const { return held_; }  // on the hand since the last tick
+  const Reply& newest_reply() const { return newest_; }
+  bool has_reply() const { return newest_.sample_index > 0; }
+  /// [s] since the newest reply came, at the last tick.
+  double command_age() const { return command_age_; }
+
+ private:
+  struct Movement {
+    Vec3 displacement = Vec3::Zero(), rotation = Vec3::Zero();
+  };
+  /// What is remembered of a sample until its reply comes.
+  struct Sent {
+    std::uint64_t index = 0;
+    Nanoseconds time{0};
+    bool answered = false;
+  };
+
+  Movement moved_to(const DeviceReading& reading) noexcept;
+  double fade_factor() const noexcept;
+  void limit_rise(Command& command, double hold_time) noexcept;
+  void observe_direction(const Command& held) noexcept;
+  void count_answer(std::uint64_t index, Nanoseconds arrival) noexcept;
+
+  DeviceSpec spec_;
+  SessionParameters parameters_;
+  ServoOptions options_;
+  Bounding bounding_;
+  PortEnergy port_;
+  bool torque_;
+  double period_;  // T [s]
+
+  Reply newest_;
+  Nanoseconds newest_arrival_{0};
+  double command_age_ = 0.0;
+
+  Nanoseconds last_tick_{0};
+  bool ticked_ = false;          // last_tick_ counts
+  bool position_known_ = false;  // sample_.pose was read at the last tick
+  bool posed_ = false;           // some reading was good
+  bool released_ = false, device_ended_ = false;
+  Command wanted_;  // the device's part of the command that this tick's force comes from
+  Command held_;    // on the hand since the last tick
+  Sample sample_;
+
+  std::vector<Sent> sent_;
+  ServoStatistics statistics_;
+};
+
+}  // namespace feltwire

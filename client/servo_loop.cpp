@@ -1,0 +1,270 @@
+#include "client/servo_loop.hpp"
+
+#include <poll.h>
+#include <pthread.h>
+#include <sched.h>
+#include <sys/eventfd.h>
+#include <sys/mman.h>
+#include <sys/prctl.h>
+#include <sys/timerfd.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cmath>
+#include <ctime>
+#include <system_error>
+
+#include "core/numeric.hpp"
+
+namespace feltwire {
+namespace {
+
+constexpr Nanoseconds kStatusPeriod = std::chrono::milliseconds(250);
+constexpr Nanoseconds kFarewell =
+    std::chrono::milliseconds(100);  // for replies that are on their way
+constexpr int kRepliesAtOnce =
+    64;  // then the deadline is looked at again, whatever the network brings
+
+/// Read once a wake-up; everything else is told the time.
+Nanoseconds monotonic_now() noexcept {
+  timespec time;
+  clock_gettime(CLOCK_MONOTONIC, &time);
+  return std::chrono::seconds(time.tv_sec) + Nanoseconds(time.tv_nsec);
+}
+
+timespec to_timespec(Nanoseconds time) noexcept {
+  const auto whole = std::chrono::duration_cast<std::chrono::seconds>(time);
+  return {.tv_sec = static_cast<time_t>(whole.count()),
+          .tv_nsec = static_cast<long>((time - whole).count())};
+}
+
+/// Deadlines start + n T, n = 1, 2, ...
+class Deadlines {
+ public:
+  Deadlines(Nanoseconds start, Nanoseconds period) noexcept
+      : descriptor_(timerfd_create(CLOCK_MONOTONIC, TFD_NONBLOCK | TFD_CLOEXEC)),
+        latest_(start),
+        period_(period) {
+    const itimerspec times{.it_interval = to_timespec(period),
+                           .it_value = to_timespec(start + period)};
+    timerfd_settime(descriptor_, TFD_TIMER_ABSTIME, &times, nullptr);
+  }
+  ~Deadlines() {
+    if (descriptor_ >= 0) ::close(descriptor_);
+  }
+  Deadlines(const Deadlines&) = delete;
+  Deadlines& operator=(const Deadlines&) = delete;
+
+  int descriptor() const { return descriptor_; }
+  /// How many deadlines have passed since the last call; latest() is the last of them.
+  std::uint64_t passed() noexcept {
+    std::uint64_t count = 0;
+    if (::read(descriptor_, &count, sizeof count) != static_cast<ssize_t>(sizeof count)) return 0;
+    latest_ += static_cast<std::int64_t>(count) * period_;
+    return count;
+  }
+  Nanoseconds latest() const { return latest_; }
+
+ private:
+  int descriptor_;
+  Nanoseconds latest_, period_;
+};
+
+class Loop {
+ public:
+  Loop(Device& device, Servo& servo, Transport& transport, const LoopOptions& options,
+       const Event& stop, const LoopOutputs& outputs, LoopResult& result) noexcept
+      : device_(device),
+        servo_(servo),
+        transport_(transport),
+        options_(options),
+        outputs_(outputs),
+        result_(result),
+        start_(monotonic_now()),
+        deadlines_(start_, Nanoseconds(std::llround(servo.parameters().servo_period * 1e9))),
+        waiting_{{{deadlines_.descriptor(), POLLIN, 0},
+                  {transport.descriptor(), POLLIN, 0},
+                  {stop.descriptor(), POLLIN, 0}}},
+        last_heard_(start_),
+        next_status_(start_) {}
+
+  void run() noexcept {
+    if (deadlines_.descriptor() < 0) return;
+    for (bool running = true; running;) {
+      if (::poll(waiting_.data(), waiting_.size(), -1) < 0) {
+        if (errno == EINTR) continue;
+        break;
+      }
+      const Nanoseconds now = monotonic_now();
+      running = step(now);
+    }
+    release(monotonic_now());
+  }
+
+ private:
+  /// What one wake-up brought. False when the loop is over.
+  bool step(Nanoseconds now) noexcept {
+    if (waiting_[1].revents != 0) {
+      take_replies(now);
+      if (server_left_) return end(EndReason::server_goodbye);
+    }
+    if (waiting_[2].revents != 0) return end(EndReason::requested);
+    if (waiting_[0].revents == 0) return true;
+
+    const std::uint64_t passed = deadlines_.passed();
+    if (passed == 0) return true;
+    if (passed > 1) {
+      ++result_.overruns;
+      result_.missed_deadlines += passed - 1;
+    }
+    result_.wakeup_late.record((now - deadlines_.latest()).count());
+    tick(now);
+    if (servo_.device_ended()) return end(EndReason::device_ended);
+    if (options_.duration.count() > 0 && now - first_tick_ >= options_.duration)
+      return end(EndReason::duration);
+    if (options_.silence_timeout.count() > 0 && now - last_heard_ > options_.silence_timeout)
+      return end(EndReason::server_silent);
+    return true;
+  }
+
+  bool end(EndReason reason) noexcept {
+    result_.end = reason;
+    return false;
+  }
+
+  void tick(Nanoseconds now) noexcept {
+    if (!ticked_) first_tick_ = now;
+    ticked_ = true;
+    if (const Sample* sample = servo_.tick(device_, now)) transport_.send(*sample);
+    result_.duration = seconds(now - first_tick_);
+    record(now);
+    if (now >= next_status_) report_status(now);
+  }
+
+  void take_replies(Nanoseconds now) noexcept {
+    for (int i = 0; i < kRepliesAtOnce; ++i) {
+      const Transport::Arrival arrival = transport_.receive(reply_, result_.goodbye);
+      if (arrival == Transport::Arrival::nothing) return;
+      last_heard_ = now;
+      if (arrival == Transport::Arrival::goodbye) {
+        server_left_ = true;
+        return;
+      }
+      servo_.take(reply_, now);
+    }
+  }
+
+  /// The hand is let go; then the replies that are on their way are counted, and the server is
+  /// told.
+  void release(Nanoseconds now) noexcept {
+    servo_.release();
+    tick(now);
+    const Nanoseconds latest = now + kFarewell;
+    const ServoStatistics& counted = servo_.statistics();
+    while (!server_left_ && counted.answered < counted.samples && now < latest) {
+      const timespec wait = to_timespec(latest - now);
+      if (::ppoll(&waiting_[1], 1, &wait, nullptr) < 0 && errno != EINTR) break;
+      now = monotonic_now();
+      take_replies(now);
+    }
+    transport_.goodbye();
+    report_status(now);
+  }
+
+  void record(Nanoseconds now) noexcept {
+    if (outputs_.record == nullptr) return;
+    const TickRecord row{.time = seconds(now - first_tick_),
+                         .position = servo_.sample().pose.position,
+                         .elastic = servo_.command().elastic,
+                         .frictional = servo_.command().frictional,
+                         .held = servo_.held().force(),
+                         .age = servo_.has_reply() ? servo_.command_age() : -1.0};
+    if (!outputs_.record->push(row)) ++result_.records_dropped;
+  }
+
+  void report_status(Nanoseconds now) noexcept {
+    next_status_ = now + kStatusPeriod;
+    if (outputs_.status == nullptr) return;
+    const ServoStatistics& s = servo_.statistics();
+    const std::uint64_t newest = servo_.newest_reply().sample_index;
+    outputs_.status->push(
+        {.time = seconds(now - first_tick_),
+         .samples = s.samples,
+         .lost = newest - std::min(newest, s.answered),
+         .round_trip_p50 = s.round_trip.quantile(0.5),
+         .round_trip_p99 = s.round_trip.quantile(0.99),
+         .force = length(servo_.held().force()),
+         .energy = servo_.port().delivered().total(),
+         .answered_lately =
+             servo_.has_reply() && servo_.command_age() < 0.5 * servo_.parameters().hold_time});
+  }
+
+  static double seconds(Nanoseconds time) noexcept {
+    return std::chrono::duration<double>(time).count();
+  }
+
+  Device& device_;
+  Servo& servo_;
+  Transport& transport_;
+  const LoopOptions& options_;
+  const LoopOutputs& outputs_;
+  LoopResult& result_;
+  Nanoseconds start_;
+  Deadlines deadlines_;
+  std::array<pollfd, 3> waiting_;  // deadline, replies, stop
+  Reply reply_;
+  bool ticked_ = false, server_left_ = false;
+  Nanoseconds first_tick_{0}, last_heard_, next_status_;
+};
+
+}  // namespace
+
+Event::Event() : descriptor_(eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)) {
+  if (descriptor_ < 0)
+    throw std::system_error(errno, std::generic_category(), "cannot make an event");
+}
+Event::~Event() { ::close(descriptor_); }
+void Event::set() noexcept {
+  const std::uint64_t one = 1;
+  [[maybe_unused]] const ssize_t written =
+      ::write(descriptor_, &one, sizeof one);  // fails only when set already
+}
+
+std::string_view name(EndReason reason) {
+  switch (reason) {
+    case EndReason::duration:
+      return "duration";
+    case EndReason::device_ended:
+      return "device_ended";
+    case EndReason::requested:
+      return "requested";
+    case EndReason::server_goodbye:
+      return "server_goodbye";
+    case EndReason::server_silent:
+      return "server_silent";
+    case EndReason::failed:
+      break;
+  }
+  return "failed";
+}
+
+RealTime request_real_time() noexcept {
+  RealTime granted;
+  constexpr int kPriority =
+      80;  // above what else runs, below the kernel's own interrupt threads (docs of PREEMPT_RT)
+  const sched_param parameters{.sched_priority = kPriority};
+  granted.scheduler = pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameters) == 0;
+  // Not MCL_FUTURE: under a limit it would make later allocations of other threads fail.
+  granted.memory_locked = mlockall(MCL_CURRENT) == 0;
+  prctl(PR_SET_TIMERSLACK, 1UL);  // [ns]; 50 us else
+  return granted;
+}
+
+void run_servo_loop(Device& device, Servo& servo, Transport& transport, const LoopOptions& options,
+                    const Event& stop, const LoopOutputs& outputs, LoopResult& result) noexcept {
+  Loop(device, servo, transport, options, stop, outputs, result).run();
+}
+
+}  // namespace feltwire

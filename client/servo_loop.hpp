@@ -1,0 +1,88 @@
+#pragma once
+// The thread that closes the loop: waits for deadlines and replies, and hands them to the servo.
+
+#include <cstdint>
+#include <string_view>
+
+#include "client/recording.hpp"
+#include "client/ring.hpp"
+#include "client/servo.hpp"
+#include "client/transport.hpp"
+
+namespace feltwire {
+
+/// A flag to wait on. Both calls are safe in any thread and in a signal handler.
+class Event {
+ public:
+  /// Throws std::system_error when the system has no more descriptors.
+  Event();
+  ~Event();
+  Event(const Event&) = delete;
+  Event& operator=(const Event&) = delete;
+  void set() noexcept;
+  /// Readable once set, for ever.
+  int descriptor() const { return descriptor_; }
+
+ private:
+  int descriptor_ = -1;
+};
+
+enum class EndReason : std::uint8_t {
+  duration,        // the time asked for is over
+  device_ended,    // the recording is over
+  requested,       // stop was set
+  server_goodbye,  // the server ended the session
+  server_silent,   // nothing came for the session's silence timeout
+  failed           // a system call that cannot fail did
+};
+std::string_view name(EndReason reason);
+
+struct LoopOptions {
+  Nanoseconds duration{0};         // 0: no limit
+  Nanoseconds silence_timeout{0};  // 0: no limit
+};
+
+/// What the thread says while it runs, a few times a second.
+struct LiveStatus {
+  double time = 0.0;  // [s] since the first tick
+  std::uint64_t samples = 0;
+  std::uint64_t lost = 0;                             // up to the newest answered one, for now
+  double round_trip_p50 = 0.0, round_trip_p99 = 0.0;  // [ns]
+  double force = 0.0;                                 // [N] held now
+  double energy = 0.0;                                // [J] delivered to the hand so far
+  bool answered_lately = false;                       // the command in use is not fading
+};
+
+/// Where the thread puts what others may want; null: nowhere. Full rings lose what comes, and count
+/// it.
+struct LoopOutputs {
+  Ring<LiveStatus>* status = nullptr;
+  Ring<TickRecord>* record = nullptr;
+};
+
+struct LoopResult {
+  EndReason end = EndReason::failed;
+  GoodbyeReason goodbye = GoodbyeReason::leaving;  // of server_goodbye
+  double duration = 0.0;                           // [s] from the first tick to the last
+  std::uint64_t overruns = 0;                      // ticks that came a whole period late or more
+  std::uint64_t missed_deadlines = 0;              // that these passed over
+  std::uint64_t records_dropped = 0;               // rows that found the ring full
+  Histogram wakeup_late;                           // [ns] each tick behind its deadline
+};
+
+/// What the system grants to the calling thread: each refused without harm but jitter.
+struct RealTime {
+  bool scheduler = false;      // SCHED_FIFO
+  bool memory_locked = false;  // what is mapped now stays in memory
+};
+RealTime request_real_time() noexcept;
+
+/// Runs the loop in the calling thread until one of the EndReasons. Deadlines are absolute, start +
+/// n T: one that is missed by a period or more is passed over, never made up for by a burst.
+/// Replies are taken when they come; the command is applied at the tick. At the end the hand is
+/// given nothing, the replies on their way are waited for (at most 100 ms), and the server is told
+/// goodbye.
+void run_servo_loop(Device& device, Servo& servo, Transport& transport, const LoopOptions& options,
+                    const Event& stop, const LoopOutputs& outputs, LoopResult& result) noexcept;
+
+}  // namespace feltwire

@@ -1,0 +1,148 @@
+#include "client/control_client.hpp"
+
+#include <gmock/gmock.h>
+
+#include "tests/client/peer.hpp"
+#include "tests/client/temporary_folder.hpp"
+
+namespace feltwire {
+namespace {
+
+using std::chrono::milliseconds;
+using ::testing::AllOf;
+using testing::ControlPeer;
+using testing::error_of;
+using ::testing::HasSubstr;
+
+constexpr milliseconds kPatience{10'000};
+
+control::JoinRequest request() {
+  return {
+      .client = "tester", .scene = "wall", .device = builtin_device("simulated"), .parameters = {}};
+}
+std::string refusal(const Endpoint& server, milliseconds timeout = kPatience) {
+  return error_of<SessionError>([&] { join(server, request(), timeout); });
+}
+std::vector<std::uint8_t> framed(std::vector<std::uint8_t> body) {
+  body.insert(body.begin(), {static_cast<std::uint8_t>(body.size()), 0, 0, 0});
+  return body;
+}
+
+TEST(Endpoint, ReadsNamesAndBothKindsOfAddresses) {
+  EXPECT_EQ(parse_endpoint("localhost:7400").host, "localhost");
+  EXPECT_EQ(parse_endpoint("localhost:7400").port, 7400);
+  EXPECT_EQ(parse_endpoint("[::1]:80").host, "::1");
+  EXPECT_EQ(to_string(parse_endpoint("[fe80::2]:80")), "[fe80::2]:80");
+  EXPECT_EQ(to_string(parse_endpoint("10.0.0.1:65535")), "10.0.0.1:65535");
+}
+
+TEST(Endpoint, SaysWhatIsWrong) {
+  const auto complaint = [](const char* text) {
+    return error_of<std::invalid_argument>([&] { parse_endpoint(text); });
+  };
+  for (const char* text : {"localhost", "localhost:", "localhost:0", "localhost:65536",
+                           "localhost:-1", "localhost:80x", ":80", "::1:80", "[]:80", ""})
+    EXPECT_THAT(complaint(text),
+                AllOf(HasSubstr("'" + std::string(text) + "'"), HasSubstr("write HOST:PORT")));
+}
+
+TEST(Join, AsksForWhatWasWantedAndFindsTheScenePort) {
+  control::JoinAccepted accepted;
+  accepted.session = 77;
+  accepted.udp_port = 4321;
+  accepted.silence_timeout = 2.0;
+  accepted.parameters.redundancy = 5;
+  ControlPeer peer(control::encode(accepted));
+
+  control::JoinRequest wanted = request();
+  wanted.parameters.mode = BoundingMode::per_axis;
+  const Joined joined = join(peer.endpoint(), wanted, kPatience);
+  EXPECT_EQ(joined.accepted.session, 77u);
+  EXPECT_EQ(joined.accepted.parameters.redundancy, 5);
+  sockaddr_in address;
+  std::memcpy(&address, &joined.datagrams.storage, sizeof address);
+  EXPECT_EQ(address.sin_family, AF_INET);
+  EXPECT_EQ(ntohs(address.sin_port), 4321);
+  EXPECT_EQ(ntohl(address.sin_addr.s_addr), INADDR_LOOPBACK);
+
+  const auto& asked = peer.request();
+  ASSERT_TRUE(asked.has_value());
+  const auto* join_request = std::get_if<control::JoinRequest>(&*asked);
+  ASSERT_NE(join_request, nullptr);
+  EXPECT_EQ(join_request->client, "tester");
+  EXPECT_EQ(join_request->scene, "wall");
+  EXPECT_EQ(join_request->device.damping, wanted.device.damping);
+  EXPECT_EQ(join_request->parameters.mode, BoundingMode::per_axis);
+}
+
+TEST(Join, ARefusalBringsTheServersReason) {
+  ControlPeer peer(control::encode(control::Refused{control::RefusalCode::unknown_scene,
+                                                    "there is no scene 'wall'; there are: room"}));
+  EXPECT_THAT(refusal(peer.endpoint()),
+              AllOf(HasSubstr("127.0.0.1:"),
+                    HasSubstr("refused: there is no scene 'wall'; there are: room")));
+}
+
+TEST(Join, AnswersThatMakeNoSenseAreRefused) {
+  control::JoinAccepted portless;
+  portless.session = 1;
+  portless.silence_timeout = 1.0;
+  control::JoinAccepted impossible = portless;
+  impossible.udp_port = 1;
+  impossible.parameters.hold_time = -1.0;
+
+  struct Case {
+    std::vector<std::uint8_t> answer;
+    const char* said;
+  };
+  const std::vector<Case> cases = {
+      {{}, "no answer"},                              // closed without a word
+      {{8, 0, 0, 0, 1, 2}, "no answer"},              // broken off
+      {{0, 0, 0, 0}, "no feltwire message"},          // empty
+      {{255, 255, 255, 255}, "no feltwire message"},  // absurdly long
+      {framed({1, 2, 3, 4, 5, 6, 7, 8}), "no feltwire message"},
+      {{'H', 'T', 'T', 'P', '/', '1', '.', '1'}, "no feltwire message"},
+      {control::encode(control::SceneList{}), "no feltwire message"},  // another question's answer
+      {control::encode(portless), "no feltwire message"},
+      {control::encode(impossible), "granted parameters that cannot be: hold_time"},
+  };
+  for (const Case& c : cases) {
+    ControlPeer peer(c.answer);
+    EXPECT_THAT(refusal(peer.endpoint()), HasSubstr(c.said));
+  }
+}
+
+TEST(Join, AnUnreachableServerIsSaid) {
+  std::uint16_t free_port;
+  {
+    const testing::LocalSocket closed_again(SOCK_STREAM);
+    free_port = closed_again.port();
+  }
+  EXPECT_THAT(refusal({"127.0.0.1", free_port}),
+              AllOf(HasSubstr("cannot connect to 127.0.0.1:"), HasSubstr("refused"),
+                    HasSubstr("is feltwire-server running")));
+  EXPECT_THAT(refusal({"no-such-host.invalid", 1}),
+              HasSubstr("cannot find host 'no-such-host.invalid'"));
+}
+
+TEST(Join, AServerThatNeverAnswersTimesOut) {
+  // Bound and listening, but nobody accepts: the connection stands, the answer never comes.
+  const testing::LocalSocket deaf(SOCK_STREAM);
+  ::listen(deaf.descriptor(), 1);
+  EXPECT_THAT(refusal({"127.0.0.1", deaf.port()}, milliseconds(20)), HasSubstr("within 20 ms"));
+}
+
+TEST(ListScenes, GivesThemInOrder) {
+  control::SceneList list;
+  list.scenes = {{"wall", 7401, 1, 0}, {"room", 7402, 9, 2}};
+  ControlPeer peer(control::encode(list));
+  const auto scenes = list_scenes(peer.endpoint(), kPatience);
+  ASSERT_EQ(scenes.size(), 2u);
+  EXPECT_EQ(scenes[0].name, "wall");
+  EXPECT_EQ(scenes[1].objects, 9u);
+  EXPECT_EQ(scenes[1].sessions, 2u);
+  EXPECT_TRUE(std::holds_alternative<control::ListScenes>(*peer.request()));
+}
+
+}  // namespace
+}  // namespace feltwire

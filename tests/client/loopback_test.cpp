@@ -1,0 +1,161 @@
+// A whole server and two clients in one process, over real sockets of this machine.
+
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <sstream>
+#include <thread>
+
+#include "client/devices/replay.hpp"
+#include "client/servo_loop.hpp"
+#include "server/server.hpp"
+
+namespace feltwire {
+namespace {
+
+constexpr std::chrono::milliseconds kPatience{10'000};
+
+Scene floor_scene() {
+  Object plane;
+  plane.name = "floor";
+  plane.shape = Plane{};
+  plane.material = {.stiffness = 500.0, .static_friction = 0.4, .dynamic_friction = 0.3};
+  return Scene("floor", {plane});
+}
+
+ServerConfig any_ports() {
+  ServerConfig config;
+  config.port = 0;
+  config.log_level = "off";
+  return config;
+}
+
+/// Comes down, slides along below the surface, and goes up again, in 0.4 s.
+const char* const kStroke =
+    "t,x,y,z\n0,0,0,0.005\n0.1,0,0,-0.004\n0.3,0.02,0,-0.004\n0.4,0.02,0,0.005\n";
+
+/// One client with a device that replays rows.
+struct Client {
+  ReplayDevice device;
+  Joined joined;
+  Transport transport;
+  Servo servo;
+  Event stop;
+  std::unique_ptr<LoopResult> result = std::make_unique<LoopResult>();
+  Ring<TickRecord> records{1 << 14};
+  std::thread thread;
+
+  Client(const Endpoint& server, const char* rows, const SessionParameters& parameters,
+         const std::string& scene)
+      : device(recording(rows), builtin_device("simulated")),
+        joined(join(server, {"tester", scene, device.spec(), parameters}, kPatience)),
+        transport(joined.datagrams, joined.accepted.session, joined.accepted.parameters.redundancy,
+                  false),
+        servo(device.spec(), joined.accepted.parameters) {}
+  ~Client() { finish(); }
+
+  void start() {
+    thread = std::thread([this] {
+      LoopOptions options;
+      options.silence_timeout = kPatience;
+      run_servo_loop(device, servo, transport, options, stop, {.record = &records}, *result);
+    });
+  }
+  void finish() {
+    if (thread.joinable()) thread.join();
+  }
+  static Recording recording(const char* rows) {
+    std::istringstream in(rows);
+    return read_recording(in, "rows");
+  }
+};
+
+class Loopback : public ::testing::Test {
+ protected:
+  Loopback() {
+    std::vector<Scene> scenes;
+    scenes.push_back(floor_scene());
+    server = std::make_unique<Server>(any_ports(), std::move(scenes));
+    endpoint = {"127.0.0.1", server->control_port()};
+  }
+  std::unique_ptr<Server> server;
+  Endpoint endpoint;
+};
+
+TEST_F(Loopback, ListsItsScene) {
+  const auto scenes = list_scenes(endpoint, kPatience);
+  ASSERT_EQ(scenes.size(), 1u);
+  EXPECT_EQ(scenes[0].name, "floor");
+  EXPECT_EQ(scenes[0].objects, 1u);
+}
+
+TEST_F(Loopback, AnUnknownSceneIsRefusedByName) {
+  try {
+    Client lost(endpoint, kStroke, {}, "cellar");
+    FAIL() << "joined a scene that is not there";
+  } catch (const SessionError& error) {
+    EXPECT_NE(std::string(error.what()).find("cellar"), std::string::npos) << error.what();
+  }
+}
+
+TEST_F(Loopback, TwoHandsFeelTheFloorAtOnce) {
+  Client bounded(endpoint, kStroke, {}, "floor");
+  SessionParameters bare;
+  bare.mode = BoundingMode::none;
+  Client unbounded(endpoint, kStroke, bare, "floor");
+  EXPECT_NE(bounded.joined.accepted.session, unbounded.joined.accepted.session);
+  bounded.start();
+  unbounded.start();
+  bounded.finish();
+  unbounded.finish();
+
+  for (Client* client : {&bounded, &unbounded}) {
+    const ServoStatistics& s = client->servo.statistics();
+    EXPECT_EQ(client->result->end, EndReason::device_ended);
+    EXPECT_GT(s.answered, 0u);
+    EXPECT_LE(s.answered, s.samples);
+    EXPECT_EQ(s.replies_refused, 0u);
+    EXPECT_EQ(client->transport.statistics().dropped, TransportStatistics{}.dropped);
+    // What was commanded is the plane's: along z, at most k times the depth, friction inside its
+    // cone.
+    TickRecord row;
+    double pressed = 0.0;
+    while (client->records.pop(row)) {
+      EXPECT_GE(row.elastic.z(), 0.0);
+      EXPECT_LE(row.elastic.z(), 500.0 * 0.004 + 1e-9);
+      EXPECT_EQ(row.elastic.head<2>().norm(), 0.0);
+      EXPECT_LE(row.frictional.norm(), 0.4 * row.elastic.z() + 1e-9);
+      pressed = std::max(pressed, row.elastic.z());
+    }
+    EXPECT_GT(pressed, 0.0);
+    EXPECT_EQ(client->servo.held().force(), Vec3::Zero());
+  }
+  EXPECT_EQ(bounded.servo.port().violations(), 0u);
+
+  server->stop();
+  const auto summary = server->summary();
+  ASSERT_EQ(summary.size(), 1u);
+  EXPECT_EQ(summary[0].counters.sessions_served, 2u);
+  EXPECT_EQ(summary[0].counters.left, 2u);  // by goodbye, not by silence
+  EXPECT_EQ(summary[0].counters.silent, 0u);
+}
+
+TEST_F(Loopback, AServerThatStopsSaysGoodbye) {
+  const char* const endless = "t,x,y,z\n0,0,0,-0.001\n1000,0,0,-0.001\n";
+  Client client(endpoint, endless, {}, "floor");
+  client.start();
+  // Stop the server only once it has answered something: the first record with a command's age
+  // shows it.
+  TickRecord row;
+  while (row.age < 0.0) {
+    if (!client.records.pop(row)) std::this_thread::yield();
+  }
+  server->stop();
+  client.finish();
+  EXPECT_EQ(client.result->end, EndReason::server_goodbye);
+  EXPECT_EQ(client.result->goodbye, GoodbyeReason::shutting_down);
+  EXPECT_EQ(client.servo.held().force(), Vec3::Zero());
+}
+
+}  // namespace
+}  // namespace feltwire

@@ -1,0 +1,166 @@
+#pragma once
+// The other end of a client's sockets, small enough to be looked through: one scene's UDP port, one
+// control port.
+
+#include <arpa/inet.h>
+#include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <sys/time.h>
+#include <unistd.h>
+
+#include <cstring>
+#include <optional>
+#include <stdexcept>
+#include <thread>
+#include <vector>
+
+#include "client/control_client.hpp"
+#include "protocol/codec.hpp"
+#include "protocol/guard.hpp"
+
+namespace feltwire::testing {
+
+/// A socket on a port of 127.0.0.1 that the system chose. Receiving gives up after ten seconds, so
+/// that a broken client fails a test instead of hanging it.
+class LocalSocket {
+ public:
+  explicit LocalSocket(int type) : descriptor_(::socket(AF_INET, type | SOCK_CLOEXEC, 0)) {
+    sockaddr_in any{};
+    any.sin_family = AF_INET;
+    any.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    socklen_t size = sizeof any;
+    if (descriptor_ < 0 || ::bind(descriptor_, reinterpret_cast<sockaddr*>(&any), size) != 0 ||
+        ::getsockname(descriptor_, reinterpret_cast<sockaddr*>(&any), &size) != 0)
+      throw std::runtime_error("no local socket");
+    std::memcpy(&address_.storage, &any, sizeof any);
+    address_.size = sizeof any;
+    port_ = ntohs(any.sin_port);
+    limit(descriptor_);
+  }
+  ~LocalSocket() { ::close(descriptor_); }
+  LocalSocket(const LocalSocket&) = delete;
+  LocalSocket& operator=(const LocalSocket&) = delete;
+
+  static void limit(int descriptor) {
+    const timeval ten_seconds{.tv_sec = 10, .tv_usec = 0};
+    ::setsockopt(descriptor, SOL_SOCKET, SO_RCVTIMEO, &ten_seconds, sizeof ten_seconds);
+  }
+  int descriptor() const { return descriptor_; }
+  std::uint16_t port() const { return port_; }
+  const Address& address() const { return address_; }
+
+ private:
+  int descriptor_;
+  std::uint16_t port_ = 0;
+  Address address_;
+};
+
+/// A scene's port: takes what a client sends and answers what the test says.
+class ScenePeer {
+ public:
+  static constexpr std::uint64_t kSession = 0xfe17;
+
+  const Address& address() const { return socket_.address(); }
+
+  /// The next datagram, whatever it is; empty when none came.
+  std::vector<std::uint8_t> receive_bytes() {
+    std::vector<std::uint8_t> bytes(2 * kMaxDatagram);
+    client_.size = sizeof client_.storage;
+    const ssize_t size = ::recvfrom(socket_.descriptor(), bytes.data(), bytes.size(), 0,
+                                    reinterpret_cast<sockaddr*>(&client_.storage), &client_.size);
+    bytes.resize(size > 0 ? static_cast<std::size_t>(size) : 0);
+    return bytes;
+  }
+
+  struct Received {
+    DatagramKind kind = DatagramKind::reply;  // none that a client sends
+    Header header;
+    SampleBatch batch;
+    GoodbyeReason reason = GoodbyeReason::evicted;
+  };
+  /// The next datagram, decoded as the server does.
+  Received receive() {
+    const std::vector<std::uint8_t> bytes = receive_bytes();
+    const Guarded guarded = guard(bytes, 0b1010);
+    Received received;
+    EXPECT_EQ(guarded.drop, DropReason::none);
+    if (guarded.drop != DropReason::none) return received;
+    received.kind = guarded.header.kind;
+    received.header = guarded.header;
+    const DropReason drop = received.kind == DatagramKind::samples
+                                ? decode(guarded.payload, received.batch)
+                                : decode(guarded.payload, received.reason);
+    EXPECT_EQ(drop, DropReason::none);
+    return received;
+  }
+
+  void send_bytes(Bytes bytes) {
+    EXPECT_EQ(::sendto(socket_.descriptor(), bytes.data(), bytes.size(), 0,
+                       reinterpret_cast<const sockaddr*>(&client_.storage), client_.size),
+              static_cast<ssize_t>(bytes.size()));
+  }
+  void send(const Reply& reply) { send_bytes(encoder_.reply(kSession, ++packet_number_, reply)); }
+  void send(GoodbyeReason reason) {
+    send_bytes(encoder_.goodbye(kSession, ++packet_number_, reason));
+  }
+  /// Any command to the newest sample of a batch.
+  static Reply reply_to(const Sample& sample, const Command& command = {}) {
+    Reply reply;
+    reply.sample_index = sample.index;
+    reply.client_time = sample.client_time;
+    reply.command = command;
+    return reply;
+  }
+  Encoder& encoder() { return encoder_; }
+
+ private:
+  LocalSocket socket_{SOCK_DGRAM};
+  Address client_;
+  Encoder encoder_;
+  std::uint64_t packet_number_ = 0;
+};
+
+/// A control port that answers the first request with given bytes (none: it closes without a word).
+class ControlPeer {
+ public:
+  explicit ControlPeer(std::vector<std::uint8_t> answer) {
+    ::listen(socket_.descriptor(), 1);
+    thread_ = std::thread([this, answer = std::move(answer)] {
+      const int connection = ::accept(socket_.descriptor(), nullptr, nullptr);
+      if (connection < 0) return;
+      LocalSocket::limit(connection);
+      std::array<std::uint8_t, 4> prefix{};
+      if (::recv(connection, prefix.data(), 4, MSG_WAITALL) == 4) {
+        std::uint32_t size;
+        std::memcpy(&size, prefix.data(), 4);
+        std::vector<std::uint8_t> body(std::min<std::size_t>(size, control::kMaxFrame));
+        if (::recv(connection, body.data(), body.size(), MSG_WAITALL) ==
+            static_cast<ssize_t>(body.size()))
+          request_ = control::decode(body);
+        ::send(connection, answer.data(), answer.size(), MSG_NOSIGNAL);
+      }
+      ::close(connection);
+    });
+  }
+  ~ControlPeer() {
+    ::shutdown(socket_.descriptor(), SHUT_RDWR);
+    if (thread_.joinable()) thread_.join();
+  }
+  ControlPeer(const ControlPeer&) = delete;
+  ControlPeer& operator=(const ControlPeer&) = delete;
+
+  Endpoint endpoint() const { return {"127.0.0.1", socket_.port()}; }
+  /// What the client asked.
+  const std::optional<control::Message>& request() {
+    thread_.join();
+    return request_;
+  }
+
+ private:
+  LocalSocket socket_{SOCK_STREAM};
+  std::optional<control::Message> request_;
+  std::thread thread_;
+};
+
+}  // namespace feltwire::testing

@@ -1,0 +1,203 @@
+#include "client/servo_loop.hpp"
+
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <memory>
+#include <thread>
+
+#include "tests/client/peer.hpp"
+
+namespace feltwire {
+namespace {
+
+using testing::ScenePeer;
+
+/// Stands still, remembers what it is given, and ends after so many readings.
+class StillDevice final : public Device {
+ public:
+  explicit StillDevice(std::uint64_t readings) : readings_left_(readings) {}
+  const DeviceSpec& spec() const override { return spec_; }
+  DeviceReading read(Nanoseconds) noexcept override {
+    if (readings_left_ > 0) --readings_left_;
+    return {.pose = {}, .ended = readings_left_ == 0};
+  }
+  Command write(const Command& on_hand) noexcept override {
+    largest = std::max(largest, on_hand.force().norm());
+    return last = on_hand;
+  }
+  double largest = 0.0;
+  Command last;
+
+ private:
+  DeviceSpec spec_ = builtin_device("simulated");
+  std::uint64_t readings_left_;
+};
+
+/// A loop in a thread of its own, with a peer that the test speaks for.
+struct LoopRun {
+  ScenePeer peer;
+  Transport transport{peer.address(), ScenePeer::kSession, 0, false};
+  StillDevice device;
+  Servo servo;
+  Ring<TickRecord> records{1 << 16};
+  Ring<LiveStatus> statuses{1 << 10};
+  std::unique_ptr<LoopResult> result = std::make_unique<LoopResult>();
+  Event stop;
+  LoopOptions options;
+  LoopOutputs outputs{.status = &statuses, .record = &records};
+  std::thread thread;
+
+  explicit LoopRun(const LoopOptions& limits,
+                   std::uint64_t readings = std::numeric_limits<std::uint64_t>::max())
+      : device(readings), servo(device.spec(), unbounded()), options(limits) {
+    thread = std::thread(
+        [this] { run_servo_loop(device, servo, transport, options, stop, outputs, *result); });
+  }
+  ~LoopRun() {
+    stop.set();
+    if (thread.joinable()) thread.join();
+  }
+  static SessionParameters unbounded() {
+    SessionParameters p;
+    p.mode = BoundingMode::none;
+    p.servo_period = 2e-3;
+    return p;
+  }
+  /// Answers every sample until the client says goodbye; gives what it said before that.
+  Sample answer_until_goodbye(const std::function<void(const Sample&)>& answer) {
+    Sample last;
+    while (true) {
+      const auto received = peer.receive();
+      if (received.kind != DatagramKind::samples) {
+        EXPECT_EQ(received.kind, DatagramKind::goodbye);
+        return last;
+      }
+      last = received.batch.samples[0];
+      answer(last);
+    }
+  }
+  void push_back(const Sample& sample) {
+    peer.send(ScenePeer::reply_to(sample, {.elastic = Vec3(0, 0, 3)}));
+  }
+};
+
+TEST(ServoLoop, EndsWithItsDurationAndLetsTheHandGo) {
+  LoopRun run({.duration = std::chrono::milliseconds(60)});
+  const Sample last = run.answer_until_goodbye([&](const Sample& s) { run.push_back(s); });
+  run.thread.join();
+  EXPECT_EQ(run.result->end, EndReason::duration);
+  EXPECT_GE(run.result->duration, 0.06);
+  EXPECT_EQ(run.device.largest, 3.0);
+  EXPECT_EQ(run.device.last.force(), Vec3::Zero());
+  EXPECT_EQ(last.held.force(), Vec3::Zero());
+  const ServoStatistics& s = run.servo.statistics();
+  EXPECT_EQ(last.index, s.samples);
+  EXPECT_EQ(s.answered, s.samples);  // the last reply was waited for
+  EXPECT_EQ(s.samples,
+            run.result->wakeup_late.count() + 1);  // one tick a deadline met, and the release
+  EXPECT_EQ(run.transport.statistics().sent, s.samples + 3);
+
+  std::uint64_t rows = 0;
+  TickRecord row, before;
+  while (run.records.pop(row)) {
+    if (rows++ > 0) {
+      EXPECT_GT(row.time, before.time);
+    }
+    before = row;
+  }
+  EXPECT_EQ(rows, s.samples);
+  LiveStatus status;
+  ASSERT_TRUE(run.statuses.pop(status));
+}
+
+TEST(ServoLoop, EndsWithItsDevice) {
+  LoopRun run({}, 5);
+  run.answer_until_goodbye([&](const Sample& s) { run.push_back(s); });
+  run.thread.join();
+  EXPECT_EQ(run.result->end, EndReason::device_ended);
+  EXPECT_EQ(run.servo.statistics().samples, 6u);
+  EXPECT_EQ(run.device.last.force(), Vec3::Zero());
+}
+
+TEST(ServoLoop, EndsWhenAsked) {
+  LoopRun run({});
+  int answered = 0;
+  run.answer_until_goodbye([&](const Sample& s) {
+    run.push_back(s);
+    if (++answered == 3) run.stop.set();
+  });
+  run.thread.join();
+  EXPECT_EQ(run.result->end, EndReason::requested);
+  EXPECT_EQ(run.device.last.force(), Vec3::Zero());
+}
+
+TEST(ServoLoop, EndsWithTheServersGoodbye) {
+  LoopRun run({});
+  int answered = 0;
+  run.answer_until_goodbye([&](const Sample& s) {
+    run.push_back(s);
+    if (++answered == 3) run.peer.send(GoodbyeReason::shutting_down);
+  });
+  run.thread.join();
+  EXPECT_EQ(run.result->end, EndReason::server_goodbye);
+  EXPECT_EQ(run.result->goodbye, GoodbyeReason::shutting_down);
+  EXPECT_EQ(run.device.last.force(), Vec3::Zero());
+}
+
+TEST(ServoLoop, EndsWhenTheServerFallsSilent) {
+  LoopRun run({.silence_timeout = std::chrono::milliseconds(40)});
+  int answered = 0;
+  run.answer_until_goodbye([&](const Sample& s) {
+    if (++answered <= 3) run.push_back(s);
+  });
+  run.thread.join();
+  EXPECT_EQ(run.result->end, EndReason::server_silent);
+  EXPECT_GT(run.servo.statistics().samples, run.servo.statistics().answered);
+}
+
+TEST(ServoLoop, AHeldUpLoopPassesOverDeadlinesInsteadOfCatchingUp) {
+  // One reading takes twenty periods; the loop must not make them up.
+  class SlowOnce final : public Device {
+   public:
+    const DeviceSpec& spec() const override { return spec_; }
+    DeviceReading read(Nanoseconds) noexcept override {
+      if (++readings_ == 3) {
+        const auto until = std::chrono::steady_clock::now() + std::chrono::milliseconds(20);
+        while (std::chrono::steady_clock::now() < until) {
+        }
+      }
+      return {.pose = {}, .ended = readings_ == 6};
+    }
+    Command write(const Command& on_hand) noexcept override { return on_hand; }
+
+   private:
+    DeviceSpec spec_ = builtin_device("simulated");
+    int readings_ = 0;
+  } device;
+  const ScenePeer peer;
+  Transport transport(peer.address(), ScenePeer::kSession, 0, false);
+  Servo servo(device.spec(), {});
+  const Event stop;
+  const auto result = std::make_unique<LoopResult>();
+  run_servo_loop(device, servo, transport, {}, stop, {}, *result);
+  EXPECT_EQ(result->end, EndReason::device_ended);
+  EXPECT_EQ(servo.statistics().samples, 7u);  // six readings and the release, however late
+  EXPECT_GE(result->overruns, 1u);
+  EXPECT_GE(result->missed_deadlines, 18u);
+}
+
+TEST(ServoLoop, RecordsThatFindNoRoomAreCounted) {
+  const ScenePeer peer;
+  Transport transport(peer.address(), ScenePeer::kSession, 0, false);
+  StillDevice device(10);
+  Servo servo(device.spec(), {});
+  const Event stop;
+  const auto result = std::make_unique<LoopResult>();
+  Ring<TickRecord> records(4);
+  run_servo_loop(device, servo, transport, {}, stop, {.record = &records}, *result);
+  EXPECT_EQ(result->records_dropped, servo.statistics().samples - 4);
+}
+
+}  // namespace
+}  // namespace feltwire

@@ -1,0 +1,413 @@
+#include "client/servo.hpp"
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <deque>
+#include <limits>
+#include <random>
+
+#include "core/numeric.hpp"
+#include "tests/client/temporary_folder.hpp"
+
+namespace feltwire {
+namespace {
+
+using testing::error_of;
+using ::testing::HasSubstr;
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr Nanoseconds kPeriod = std::chrono::milliseconds(1);
+
+Nanoseconds seconds(double s) { return Nanoseconds(std::llround(s * 1e9)); }
+
+SessionParameters parameters(BoundingMode mode, BoundingSide side = BoundingSide::client) {
+  SessionParameters p;
+  p.mode = mode;
+  p.side = side;
+  return p;
+}
+
+Reply reply(std::uint64_t index, const Command& command) {
+  Reply r;
+  r.sample_index = index;
+  r.command = command;
+  return r;
+}
+Command elastic(double x, double y, double z) { return {.elastic = Vec3(x, y, z)}; }
+DeviceReading at(double x, double y, double z) { return {.pose = {.position = Vec3(x, y, z)}}; }
+
+/// A servo with a device that holds what it is given, ticked every period.
+struct Bench {
+  DeviceSpec spec = builtin_device("simulated");
+  Servo servo;
+  Nanoseconds now = seconds(100.0);
+
+  explicit Bench(const SessionParameters& p, const ServoOptions& options = {})
+      : servo(spec, p, options) {}
+
+  Command tick(const DeviceReading& reading = {}, Nanoseconds after = kPeriod) {
+    now += after;
+    const Command given = servo.render(reading, now);
+    servo.hold(given);
+    return given;
+  }
+};
+
+TEST(Servo, SamplesAreCountedFromOneAndCarryWhatIsHeld) {
+  Bench bench(parameters(BoundingMode::none));
+  bench.now += kPeriod;
+  const Command given = bench.servo.render(at(1, 2, 3), bench.now);
+  EXPECT_EQ(given.force(), Vec3::Zero());
+  const Sample* sample = bench.servo.hold(given);
+  ASSERT_NE(sample, nullptr);
+  EXPECT_EQ(sample->index, 1u);
+  EXPECT_EQ(sample->client_time, bench.now);
+  EXPECT_EQ(sample->pose.position, Vec3(1, 2, 3));
+
+  bench.servo.take(reply(1, elastic(0, 0, 4)), bench.now);
+  bench.now += kPeriod;
+  bench.servo.render(at(1, 2, 3), bench.now);
+  sample = bench.servo.hold(elastic(0, 0, 3));  // the device gave less than it was asked
+  EXPECT_EQ(sample->index, 2u);
+  EXPECT_EQ(sample->held.elastic, Vec3(0, 0, 3));
+  EXPECT_EQ(bench.servo.statistics().max_force, 3.0);
+  EXPECT_EQ(bench.servo.statistics().samples, 2u);
+}
+
+TEST(Servo, CommandsFadeLinearlyFromHalfTheHoldTimeOn) {
+  SessionParameters p = parameters(BoundingMode::none);
+  p.hold_time = 0.1;
+  for (const auto& [age, factor] : std::vector<std::pair<double, double>>{{0.0, 1.0},
+                                                                          {0.03, 1.0},
+                                                                          {0.05, 1.0},
+                                                                          {0.06, 0.8},
+                                                                          {0.075, 0.5},
+                                                                          {0.095, 0.1},
+                                                                          {0.1, 0.0},
+                                                                          {3.0, 0.0}}) {
+    Bench bench(p);
+    bench.tick();
+    bench.servo.take(reply(1, {.elastic = Vec3(0, 0, 2), .frictional = Vec3(1, 0, 0)}), bench.now);
+    const Command given = bench.tick({}, seconds(age));
+    EXPECT_NEAR(given.elastic.z(), 2.0 * factor, 1e-9) << age;
+    EXPECT_NEAR(given.frictional.x(), 1.0 * factor, 1e-9) << age;
+    EXPECT_EQ(bench.servo.statistics().faded, factor < 1.0 ? 1u : 0u) << age;
+    EXPECT_NEAR(bench.servo.command_age(), age, 1e-12);
+  }
+}
+
+TEST(Servo, OnlyAFreshReplyMakesACommandYoungAgain) {
+  SessionParameters p = parameters(BoundingMode::none);
+  Bench bench(p);
+  bench.tick();
+  bench.tick();
+  EXPECT_TRUE(bench.servo.take(reply(2, elastic(0, 0, 2)), bench.now));
+  const Nanoseconds arrived = bench.now;
+  bench.tick({}, seconds(0.075));
+  EXPECT_FALSE(bench.servo.take(reply(1, elastic(9, 9, 9)), bench.now));  // older
+  EXPECT_FALSE(bench.servo.take(reply(2, elastic(9, 9, 9)), bench.now));  // the same again
+  const Command given = bench.tick({}, Nanoseconds(0));
+  EXPECT_EQ(bench.now - arrived, seconds(0.075));
+  EXPECT_TRUE(given.elastic.isApprox(Vec3(0, 0, 1)));
+  EXPECT_EQ(bench.servo.statistics().replies_stale, 2u);
+  EXPECT_TRUE(bench.servo.take(reply(3, elastic(0, 3, 0)), bench.now));
+  EXPECT_TRUE(bench.tick().elastic.isApprox(Vec3(0, 3, 0)));
+}
+
+TEST(Servo, AnswersToSamplesNeverMadeAreRefused) {
+  Bench bench(parameters(BoundingMode::none));
+  EXPECT_FALSE(bench.servo.take(reply(1, elastic(0, 0, 5)), bench.now));
+  bench.tick();
+  EXPECT_FALSE(bench.servo.take(reply(0, elastic(0, 0, 5)), bench.now));
+  EXPECT_FALSE(bench.servo.take(reply(2, elastic(0, 0, 5)), bench.now));
+  EXPECT_FALSE(bench.servo.take(reply(std::numeric_limits<std::uint64_t>::max(), elastic(0, 0, 5)),
+                                bench.now));
+  EXPECT_EQ(bench.servo.statistics().replies_refused, 4u);
+  EXPECT_EQ(bench.servo.statistics().answered, 0u);
+  EXPECT_EQ(bench.tick().force(), Vec3::Zero());
+  // And none of them locks the true one out.
+  EXPECT_TRUE(bench.servo.take(reply(1, elastic(0, 0, 1)), bench.now));
+  EXPECT_EQ(bench.tick().force(), Vec3(0, 0, 1));
+}
+
+TEST(Servo, NotFiniteOrAbsurdRepliesGiveNoForce) {
+  for (const double bad : {kNan, kInfinity, -kInfinity, 1e300}) {
+    for (const BoundingSide side : {BoundingSide::client, BoundingSide::server}) {
+      for (const BoundingMode mode :
+           {BoundingMode::none, BoundingMode::contact_frame, BoundingMode::per_axis}) {
+        Bench bench(parameters(mode, side));
+        bench.tick();
+        bench.servo.take(reply(1, {.elastic = Vec3(0, 0, 1), .frictional = Vec3(bad, 0, 0)}),
+                         bench.now);
+        EXPECT_EQ(bench.tick(at(0, 0, -0.01)).force(), Vec3::Zero()) << bad;
+        EXPECT_EQ(bench.tick(at(0, 0, -0.02)).force(), Vec3::Zero()) << bad;
+        EXPECT_EQ(bench.servo.statistics().replies_refused, std::isfinite(bad) ? 0u : 1u) << bad;
+      }
+    }
+  }
+}
+
+TEST(Servo, FaultyReadingsGiveNoForceAndTheLastGoodPose) {
+  const Quaternion no_rotation(0, 0, 0, 0), nan_rotation(kNan, 0, 0, 0);
+  const std::vector<DeviceReading> faulty = {
+      {.pose = {.position = Vec3(0, 0, 0)}, .ok = false},
+      at(kNan, 0, 0),
+      at(0, kInfinity, 0),
+      {.pose = {.position = Vec3::Zero(), .orientation = no_rotation}},
+      {.pose = {.position = Vec3::Zero(), .orientation = nan_rotation}},
+  };
+  for (const DeviceReading& reading : faulty) {
+    Bench bench(parameters(BoundingMode::none));
+    bench.tick(at(1, 2, 3));
+    bench.servo.take(reply(1, elastic(0, 0, 2)), bench.now);
+    EXPECT_EQ(bench.tick(at(1, 2, 3)).force(), Vec3(0, 0, 2));
+    EXPECT_EQ(bench.tick(reading).force(), Vec3::Zero());
+    EXPECT_EQ(bench.servo.sample().pose.position, Vec3(1, 2, 3));
+    EXPECT_EQ(bench.servo.statistics().device_faults, 1u);
+    // Recovered elsewhere: the jump did no work that could be known, so none is accounted.
+    const double before = bench.servo.port().delivered().total();
+    bench.tick(at(9, 9, 9));
+    EXPECT_EQ(bench.servo.port().delivered().total(), before);
+    EXPECT_EQ(bench.servo.sample().pose.position, Vec3(9, 9, 9));
+  }
+}
+
+TEST(Servo, AJumpAcrossAFaultEarnsNoForce) {
+  Bench bench(parameters(BoundingMode::contact_frame));
+  bench.tick(at(0, 0, 0));
+  bench.servo.take(reply(1, elastic(0, 0, 50)), bench.now);
+  bench.tick({.pose = {}, .ok = false});
+  EXPECT_EQ(bench.tick(at(0, 0, -0.05)).force(), Vec3::Zero());  // would allow c * 50 mm = 50 N
+  EXPECT_GT(bench.tick(at(0, 0, -0.051)).force().z(), 0.0);
+}
+
+TEST(Servo, SaysNothingBeforeTheFirstGoodReading) {
+  Bench bench(parameters(BoundingMode::none));
+  bench.servo.render({.pose = {}, .ok = false}, bench.now);
+  EXPECT_EQ(bench.servo.hold({}), nullptr);
+  bench.servo.render(at(1, 0, 0), bench.now + kPeriod);
+  const Sample* sample = bench.servo.hold({});
+  ASSERT_NE(sample, nullptr);
+  EXPECT_EQ(sample->index, 1u);
+}
+
+TEST(Servo, WhatADeviceCannotSayItHoldsIsAFault) {
+  Bench bench(parameters(BoundingMode::contact_frame));
+  bench.tick(at(0, 0, 0));
+  bench.servo.render(at(0, 0, 0), bench.now += kPeriod);
+  const Sample* sample = bench.servo.hold(elastic(kNan, 0, 0));
+  EXPECT_EQ(sample->held.force(), Vec3::Zero());
+  EXPECT_EQ(bench.servo.statistics().device_faults, 1u);
+}
+
+TEST(Servo, WhatTheDeviceReallyHeldIsWhatTheBoundBuildsOn) {
+  for (const double share : {1.0, 0.25, 0.0}) {
+    Bench bench(parameters(BoundingMode::contact_frame));
+    bench.tick(at(0, 0, 0));
+    bench.servo.take(reply(1, elastic(0, 0, 2)), bench.now);
+    const Command given = bench.servo.render(at(0, 0, -1e-3), bench.now += kPeriod);
+    ASSERT_GT(given.force().z(), 0.0);
+    bench.servo.hold(share * given);
+    // At rest the law allows exactly what was held.
+    EXPECT_NEAR(bench.tick(at(0, 0, -1e-3)).force().z(), share * given.force().z(), 1e-12);
+  }
+}
+
+TEST(Servo, ReleaseAndTheDevicesEndGiveNoForce) {
+  Bench released(parameters(BoundingMode::none));
+  released.tick();
+  released.servo.take(reply(1, elastic(0, 0, 2)), released.now);
+  EXPECT_EQ(released.tick().force(), Vec3(0, 0, 2));
+  released.servo.release();
+  EXPECT_EQ(released.tick().force(), Vec3::Zero());
+
+  Bench ended(parameters(BoundingMode::none));
+  ended.tick();
+  ended.servo.take(reply(1, elastic(0, 0, 2)), ended.now);
+  EXPECT_FALSE(ended.servo.device_ended());
+  EXPECT_EQ(ended.tick({.pose = {}, .ended = true}).force(), Vec3::Zero());
+  EXPECT_TRUE(ended.servo.device_ended());
+}
+
+TEST(Servo, ASpringAtTheLimitIsRenderedUndiminished) {
+  // k = c = 2 b / T: pressed and let go again along the same normal.
+  Bench bench(parameters(BoundingMode::contact_frame));
+  constexpr double kStiffness = 1000.0;
+  double z = 0.0;
+  bench.tick(at(0, 0, z));
+  for (int i = 1; i < 40; ++i) {
+    z = -1e-3 * std::sin(i * 3.14159265 / 40.0);
+    bench.servo.take(reply(bench.servo.sample().index, elastic(0, 0, -kStiffness * z)), bench.now);
+    EXPECT_NEAR(bench.tick(at(0, 0, z)).force().z(), -kStiffness * z, 1e-9);
+  }
+  EXPECT_EQ(bench.servo.statistics().bound_active, 0u);
+  EXPECT_EQ(bench.servo.port().violations(), 0u);
+}
+
+TEST(Servo, OnTheServersSideOnlyTheSafetyClampsStay) {
+  Bench bench(parameters(BoundingMode::contact_frame, BoundingSide::server));
+  bench.tick();
+  bench.servo.take(reply(1, elastic(0, 0, 7)), bench.now);
+  EXPECT_EQ(bench.tick().force(), Vec3(0, 0, 7));  // a client's bound would allow nothing at rest
+  bench.servo.take(reply(2, elastic(300, 0, 400)), bench.now);
+  EXPECT_TRUE(bench.tick().force().isApprox(bench.spec.max_force * Vec3(0.6, 0, 0.8)));
+  EXPECT_EQ(bench.servo.statistics().saturated, 1u);
+}
+
+TEST(Servo, WhatTheDeviceDoesNotActuateIsNotGiven) {
+  Bench bench(parameters(BoundingMode::none));
+  Servo flat(builtin_device("impulse_engine_2000"), parameters(BoundingMode::none));
+  flat.render({}, bench.now);
+  flat.hold({});
+  flat.take(reply(1, {.elastic = Vec3(1, 0, 5), .torque = Vec3(1, 1, 1)}), bench.now);
+  const Command given = flat.render({}, bench.now + kPeriod);
+  EXPECT_EQ(given.force(), Vec3(1, 0, 0));
+  EXPECT_EQ(given.torque, Vec3::Zero());
+  flat.hold(given);
+  EXPECT_EQ(flat.statistics().direction_error.max(), 0u);  // that is no error of direction
+}
+
+TEST(Servo, SlewLimitsTheRiseOnly) {
+  Bench bench(parameters(BoundingMode::none), {.slew = 500.0});  // half a newton a tick
+  bench.tick();
+  bench.servo.take(reply(1, elastic(0, 3, 4)), bench.now);
+  for (const double expected : {0.5, 1.0, 1.5})
+    EXPECT_NEAR(bench.tick().force().norm(), expected, 1e-12);
+  EXPECT_TRUE(direction(bench.servo.held().force()).isApprox(Vec3(0, 0.6, 0.8)));
+  bench.servo.take(reply(4, elastic(0, 0, 0.1)), bench.now);
+  EXPECT_NEAR(bench.tick().force().norm(), 0.1, 1e-12);
+  EXPECT_EQ(bench.servo.statistics().slewed, 3u);
+}
+
+TEST(Servo, SlewGoesWithModesThatAllowEveryReduction) {
+  const DeviceSpec& spec = builtin_device("simulated");
+  EXPECT_THAT(error_of<std::invalid_argument>(
+                  [&] { Servo(spec, parameters(BoundingMode::per_axis), {.slew = 1.0}); }),
+              HasSubstr("per_axis"));
+  EXPECT_THROW(Servo(spec, parameters(BoundingMode::none), {.slew = 0.0}), std::invalid_argument);
+  EXPECT_THROW(Servo(spec, parameters(BoundingMode::none), {.slew = kNan}), std::invalid_argument);
+  EXPECT_NO_THROW(Servo(spec, parameters(BoundingMode::contact_frame), {.slew = 1.0}));
+}
+
+TEST(Servo, CountsEachAnswerOnceAndMeasuresFromTheSample) {
+  Bench bench(parameters(BoundingMode::none));
+  for (int i = 0; i < 4; ++i) bench.tick();
+  const Nanoseconds last = bench.now;
+  bench.servo.take(reply(4, {}), last + std::chrono::microseconds(200));
+  bench.servo.take(reply(2, {}),
+                   last + std::chrono::microseconds(300));  // 2.3 ms: late, but an answer
+  bench.servo.take(reply(2, {}), last + std::chrono::microseconds(400));
+  bench.servo.take(reply(4, {}), last + std::chrono::microseconds(400));
+  const ServoStatistics& s = bench.servo.statistics();
+  EXPECT_EQ(s.answered, 2u);
+  EXPECT_EQ(s.late, 1u);
+  EXPECT_EQ(s.round_trip.count(), 2u);
+  EXPECT_EQ(s.round_trip.max(), 2'300'000u);
+  EXPECT_NEAR(s.round_trip.quantile(0.5), 200'000.0, 200'000.0 / 256.0);
+}
+
+TEST(Servo, DirectionErrorIsTheAngleToTheCommand) {
+  Bench bench(parameters(BoundingMode::none));
+  bench.tick();
+  bench.servo.take(reply(1, elastic(0, 0, 2)), bench.now);
+  bench.servo.render({}, bench.now += kPeriod);
+  bench.servo.hold(elastic(1, 0, 1));  // a device that pulls aside by 45 degrees
+  bench.servo.render({}, bench.now += kPeriod);
+  bench.servo.hold(elastic(0, 0, 1e-7));  // too small to have a direction
+  const Histogram& h = bench.servo.statistics().direction_error;
+  EXPECT_EQ(h.count(), 1u);
+  EXPECT_NEAR(h.mean(), 45e6, 1.0);
+}
+
+TEST(Servo, EnergyIsThatOfTheHeldForceOverTheMovement) {
+  Bench bench(parameters(BoundingMode::none));
+  bench.tick(at(0, 0, 0));
+  bench.servo.take(reply(1, {.elastic = Vec3(0, 0, 2), .frictional = Vec3(-1, 0, 0)}), bench.now);
+  bench.tick(at(0, 0, 0));
+  bench.tick(at(0.01, 0, 0.03));
+  const ChannelEnergy& e = bench.servo.port().delivered();
+  EXPECT_NEAR(e.elastic, 0.06, 1e-15);
+  EXPECT_NEAR(e.frictional, -0.01, 1e-15);
+}
+
+/// A hand that always moves so as to extract the most (dx = f h / 2b), now and then elsewhere, with
+/// a device that holds less than asked, fails and recovers; replies with random commands over six
+/// decades, late, lost, reordered, repeated.
+std::uint64_t violations_against_an_adversary(const SessionParameters& p, std::uint64_t seed,
+                                              int ticks) {
+  std::mt19937_64 random(seed);
+  std::uniform_real_distribution<double> unit(0.0, 1.0);
+  const auto chance = [&](double share) { return unit(random) < share; };
+  const auto vector = [&](double least, double most) {
+    std::normal_distribution<double> normal;
+    const Vec3 v(normal(random), normal(random), normal(random));
+    return Vec3(std::pow(10.0, least + (most - least) * unit(random)) * direction(v));
+  };
+  DeviceSpec spec = builtin_device("simulated");
+  Servo servo(spec, p);
+  std::deque<std::pair<Nanoseconds, Reply>> under_way;
+  Nanoseconds now = seconds(5.0);
+  Vec3 position = Vec3::Zero();
+  Command command;
+  for (int i = 0; i < ticks; ++i) {
+    const double hold = 1e-3 * (0.5 + 0.5 * unit(random));
+    now += seconds(hold);
+    position +=
+        chance(0.1) ? vector(-7, -2) : Vec3(hold / (2.0 * spec.damping) * servo.held().force());
+    std::erase_if(under_way, [&](const auto& entry) {
+      if (entry.first > now) return false;
+      servo.take(entry.second, entry.first);
+      return !chance(0.05);  // some come twice
+    });
+    DeviceReading reading{.pose = {.position = position}, .ok = !chance(0.002)};
+    Command given = servo.render(reading, now);
+    if (chance(0.02)) given = unit(random) * given;
+    const Sample* sample = servo.hold(given);
+    if (sample == nullptr || chance(0.05)) continue;
+    if (chance(0.1)) command = {.elastic = vector(-3, 3), .frictional = vector(-3, 3)};
+    under_way.emplace_back(now + seconds(0.05 * unit(random)), reply(sample->index, command));
+  }
+  EXPECT_GT(servo.statistics().answered, 0u);
+  EXPECT_GT(servo.statistics().max_force, 0.1);  // else nothing was tried
+  return servo.port().violations();
+}
+
+TEST(Servo, NoNetworkNoHandAndNoFaultGetsEnergyOutOfTheContactFrame) {
+  for (const Projection projection : {Projection::joint, Projection::cone}) {
+    SessionParameters p = parameters(BoundingMode::contact_frame);
+    p.projection = projection;
+    for (std::uint64_t seed = 1; seed <= 40; ++seed)
+      EXPECT_EQ(violations_against_an_adversary(p, seed, 4000), 0u) << seed;
+  }
+}
+
+TEST(Servo, WithoutABoundTheSameAdversaryGetsIt) {
+  EXPECT_GT(violations_against_an_adversary(parameters(BoundingMode::none), 1, 4000), 0u);
+  EXPECT_GT(violations_against_an_adversary(
+                parameters(BoundingMode::contact_frame, BoundingSide::server), 1, 4000),
+            0u);
+}
+
+TEST(Servo, TheSameInputsGiveTheSameBits) {
+  const auto run = [] {
+    Bench bench(parameters(BoundingMode::contact_frame));
+    std::mt19937_64 random(3);
+    std::uniform_real_distribution<double> spread(-1e-3, 1e-3);
+    Vec3 sum = Vec3::Zero();
+    for (int i = 0; i < 2000; ++i) {
+      sum += bench.tick(at(spread(random), spread(random), spread(random))).force();
+      bench.servo.take(
+          reply(bench.servo.sample().index, elastic(spread(random), 1e3 * spread(random), 1.0)),
+          bench.now);
+    }
+    return sum;
+  };
+  const Vec3 first = run();
+  EXPECT_EQ(first, run());
+  EXPECT_GT(first.norm(), 0.0);
+}
+
+}  // namespace
+}  // namespace feltwire

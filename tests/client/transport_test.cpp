@@ -1,0 +1,178 @@
+#include "client/transport.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tests/client/peer.hpp"
+
+namespace feltwire {
+namespace {
+
+using testing::ScenePeer;
+using Arrival = Transport::Arrival;
+
+Sample sample(std::uint64_t index) {
+  Sample s;
+  s.index = index;
+  s.client_time = Nanoseconds(static_cast<std::int64_t>(index) * 1'000'000);
+  s.pose.position = Vec3(static_cast<double>(index), 0.5, -0.25);
+  s.held.elastic = Vec3(0, 0, 1.5);
+  return s;
+}
+
+struct Link {
+  ScenePeer peer;
+  Transport transport;
+  Reply reply;
+  GoodbyeReason reason = GoodbyeReason::leaving;
+
+  explicit Link(int redundancy = 3, bool rotation = false)
+      : transport(peer.address(), ScenePeer::kSession, redundancy, rotation) {
+    transport.send(sample(1));  // the peer must know whom to answer
+    peer.receive();
+  }
+  Arrival receive() { return transport.receive(reply, reason); }
+  std::uint64_t dropped(DropReason why) const {
+    return transport.statistics().dropped[static_cast<std::size_t>(why)];
+  }
+};
+
+TEST(Transport, EachSampleTravelsWithTheOnesBefore) {
+  for (const int k : {0, 3, kMaxRedundancy}) {
+    Link link(k);
+    for (std::uint64_t i = 2; i <= 12; ++i) {
+      link.transport.send(sample(i));
+      const auto received = link.peer.receive();
+      ASSERT_EQ(received.kind, DatagramKind::samples);
+      EXPECT_EQ(received.header.session, ScenePeer::kSession);
+      EXPECT_EQ(received.header.packet_number, i);
+      const auto expected = std::min<std::uint64_t>(static_cast<std::uint64_t>(k) + 1, i);
+      ASSERT_EQ(static_cast<std::uint64_t>(received.batch.count), expected);
+      for (std::uint64_t j = 0; j < expected; ++j) {
+        const Sample& s = received.batch.samples[j];
+        EXPECT_EQ(s.index, i - j);
+        EXPECT_EQ(s.client_time, sample(i - j).client_time);
+        EXPECT_EQ(s.pose.position, sample(i - j).pose.position);
+        EXPECT_EQ(s.held.elastic, sample(i - j).held.elastic);
+      }
+    }
+  }
+}
+
+TEST(Transport, OrientationTravelsWhereItIsSensed) {
+  Link link(2, true);
+  Sample turned = sample(2);
+  turned.pose.orientation = Quaternion(Eigen::AngleAxisd(0.3, Vec3::UnitX()));
+  link.transport.send(turned);
+  const auto received = link.peer.receive();
+  EXPECT_TRUE(received.batch.rotation);
+  EXPECT_TRUE(received.batch.samples[0].pose.orientation.isApprox(turned.pose.orientation, 1e-12));
+}
+
+TEST(Transport, TakesRepliesAndGoodbyes) {
+  Link link;
+  EXPECT_EQ(link.receive(), Arrival::nothing);
+  link.peer.send(ScenePeer::reply_to(sample(1), {.elastic = Vec3(0, 0, 2.5)}));
+  link.peer.send(GoodbyeReason::shutting_down);
+  EXPECT_EQ(link.receive(), Arrival::reply);
+  EXPECT_EQ(link.reply.sample_index, 1u);
+  EXPECT_EQ(link.reply.command.elastic, Vec3(0, 0, 2.5));
+  EXPECT_EQ(link.receive(), Arrival::goodbye);
+  EXPECT_EQ(link.reason, GoodbyeReason::shutting_down);
+  EXPECT_EQ(link.receive(), Arrival::nothing);
+  EXPECT_EQ(link.transport.statistics().received, 2u);
+}
+
+TEST(Transport, BadDatagramsAreCountedAndWhatFollowsIsTaken) {
+  Link link;
+  Encoder& encoder = link.peer.encoder();
+  const Reply good = ScenePeer::reply_to(sample(1));
+  const auto bytes = [](Bytes b) { return std::vector<std::uint8_t>(b.begin(), b.end()); };
+
+  link.peer.send_bytes(std::vector<std::uint8_t>{1, 2, 3});
+  link.peer.send_bytes(std::vector<std::uint8_t>(kMaxDatagram + 1));
+  auto garbage = bytes(encoder.reply(ScenePeer::kSession, 900, good));
+  garbage[0] ^= 0xff;
+  link.peer.send_bytes(garbage);
+  link.peer.send_bytes(bytes(encoder.reply(ScenePeer::kSession + 1, 901, good)));
+  SampleBatch batch;
+  batch.count = 1;
+  batch.samples[0] = sample(1);
+  link.peer.send_bytes(
+      bytes(encoder.samples(ScenePeer::kSession, 902, batch)));  // no kind for a client
+  auto cut = bytes(encoder.reply(ScenePeer::kSession, 903, good));
+  cut.resize(cut.size() - 30);
+  link.peer.send_bytes(cut);
+  Reply nan = good;
+  nan.command.elastic.x() = std::nan("");
+  link.peer.send_bytes(bytes(encoder.reply(ScenePeer::kSession, 904, nan)));
+  const auto twice = bytes(encoder.reply(ScenePeer::kSession, 905, good));
+  link.peer.send_bytes(twice);
+  link.peer.send_bytes(twice);
+
+  EXPECT_EQ(link.receive(), Arrival::reply);
+  EXPECT_EQ(link.receive(), Arrival::nothing);
+  EXPECT_EQ(link.dropped(DropReason::size), 2u);
+  EXPECT_EQ(link.dropped(DropReason::magic), 1u);
+  EXPECT_EQ(link.dropped(DropReason::session), 1u);
+  EXPECT_EQ(link.dropped(DropReason::kind), 1u);
+  EXPECT_EQ(link.dropped(DropReason::malformed), 1u);
+  EXPECT_EQ(link.dropped(DropReason::not_finite), 1u);
+  EXPECT_EQ(link.dropped(DropReason::packet_number), 1u);
+  EXPECT_EQ(link.transport.statistics().received, 9u);
+}
+
+TEST(Transport, ForeignSendersAreNotHeard) {
+  Link link;
+  testing::LocalSocket stranger(SOCK_DGRAM);
+  sockaddr_storage client{};
+  socklen_t size = sizeof client;
+  ASSERT_EQ(::getsockname(link.transport.descriptor(), reinterpret_cast<sockaddr*>(&client), &size),
+            0);
+  Encoder encoder;
+  const Bytes forged = encoder.goodbye(ScenePeer::kSession, 1, GoodbyeReason::evicted);
+  ASSERT_GT(::sendto(stranger.descriptor(), forged.data(), forged.size(), 0,
+                     reinterpret_cast<sockaddr*>(&client), size),
+            0);
+  EXPECT_EQ(link.receive(), Arrival::nothing);
+  EXPECT_EQ(link.transport.statistics().received, 0u);
+}
+
+TEST(Transport, AFloodIsTakenInPortions) {
+  Link link;
+  for (int i = 0; i < Transport::kBurst + 10; ++i)
+    link.peer.send_bytes(std::vector<std::uint8_t>{0});
+  link.peer.send(ScenePeer::reply_to(sample(1)));
+  EXPECT_EQ(link.receive(), Arrival::nothing);
+  EXPECT_EQ(link.dropped(DropReason::size), static_cast<std::uint64_t>(Transport::kBurst));
+  EXPECT_EQ(link.receive(), Arrival::reply);
+}
+
+TEST(Transport, GoodbyeIsSaidThreeTimes) {
+  Link link;
+  link.transport.goodbye();
+  for (std::uint64_t i = 0; i < 3; ++i) {
+    const auto received = link.peer.receive();
+    EXPECT_EQ(received.kind, DatagramKind::goodbye);
+    EXPECT_EQ(received.reason, GoodbyeReason::leaving);
+    EXPECT_EQ(received.header.packet_number, 2 + i);
+  }
+}
+
+TEST(Transport, AClosedPortIsCountedNotFatal) {
+  Address gone;
+  {
+    const ScenePeer peer;
+    gone = peer.address();
+  }
+  Transport transport(gone, 1, 0, false);
+  transport.send(sample(1));
+  transport.send(sample(2));
+  Reply reply;
+  GoodbyeReason reason;
+  EXPECT_EQ(transport.receive(reply, reason), Arrival::nothing);
+  const TransportStatistics& s = transport.statistics();
+  EXPECT_EQ(s.sent + s.send_failed, 2u);
+}
+
+}  // namespace
+}  // namespace feltwire
