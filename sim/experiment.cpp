@@ -1,0 +1,50 @@
+#include "sim/experiment.hpp"
+
+#include <cmath>
+#include <stdexcept>
+
+#include "core/velocity.hpp"
+
+namespace feltwire {
+
+std::vector<ExperimentSample> run_experiment(const Scene& scene, const ExperimentSetup& setup) {
+  const double period = setup.bounding.period;
+  Bounding bounding(setup.bounding);
+  if (!(setup.duration > period) || !std::isfinite(setup.duration))
+    throw std::invalid_argument("the duration must be finite and longer than one period [s]");
+
+  SimulatedDevice device(setup.hand);
+  VelocityEstimate velocity(setup.velocity_cutoff);
+  TouchMemory memory = scene.memory();
+  const auto count = static_cast<std::size_t>(std::floor(setup.duration / period + 0.5)) + 1;
+  std::vector<ExperimentSample> samples;
+  samples.reserve(count);
+
+  Vec3 last_position = device.read(Nanoseconds{0}).pose.position;
+  Command held;
+  for (std::size_t n = 0; n < count; ++n) {
+    ExperimentSample s;
+    s.time = static_cast<double>(n) * period;
+    const Vec3 measured = device.read(Nanoseconds(std::llround(s.time * 1e9))).pose.position;
+    s.position = device.true_position();
+    s.displacement = measured - last_position;
+    s.held = held.force();
+    last_position = measured;
+
+    const Tool tool{measured, velocity.update(s.displacement, period)};
+    s.commanded = actuated(device.spec(), scene.touch(tool, memory));
+    s.rendered = bounding
+                     .step({.displacement = s.displacement,
+                            .rotation = Vec3::Zero(),
+                            .hold_time = period,
+                            .command = s.commanded})
+                     .rendered;
+    held = device.write(s.rendered);
+    bounding.set_held(held);
+    s.rendered = held;
+    samples.push_back(s);
+  }
+  return samples;
+}
+
+}  // namespace feltwire

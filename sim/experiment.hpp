@@ -1,0 +1,33 @@
+#pragma once
+// One simulated hand in one scene behind one bounding method, in process and deterministic.
+
+#include <vector>
+
+#include "core/bounding/bounding.hpp"
+#include "core/scene/scene.hpp"
+#include "sim/simulated_device.hpp"
+
+namespace feltwire {
+
+struct ExperimentSetup {
+  SimulatedHandOptions hand;
+  BoundingConfig bounding;
+  double duration = 8.0;  // [s]
+  double velocity_cutoff =
+      0.0;  // [Hz] of the velocity that damping and viscous friction see; 0: none
+};
+
+/// One servo sample. Forces on the hand.
+struct ExperimentSample {
+  double time = 0.0;                 // [s]
+  Vec3 position = Vec3::Zero();      // [m] true
+  Vec3 displacement = Vec3::Zero();  // [m] as the encoders say
+  Command commanded, rendered;       // f_e(n), f_d(n)
+  Vec3 held = Vec3::Zero();          // [N] f_d(n-1), what acted during the displacement
+};
+
+/// Reads the device every T, asks the scene, bounds, writes; one sample each, from time 0 to
+/// `duration`. Throws std::invalid_argument for a setup that cannot be run.
+std::vector<ExperimentSample> run_experiment(const Scene& scene, const ExperimentSetup& setup);
+
+}  // namespace feltwire

@@ -1,0 +1,23 @@
+#pragma once
+// The lab's two filters: CSV in, CSV out, for people and scripts.
+
+#include <iosfwd>
+
+#include "core/bounding/bounding.hpp"
+#include "core/scene/scene.hpp"
+
+namespace feltwire {
+
+/// `feltwire-lab bound`. In: dx,dy,dz [m], ex,ey,ez [N] elastic and fx,fy,fz [N] frictional
+/// command, on the hand. Out: rx,ry,rz [N] rendered, energy [J] delivered to the hand so far (sum
+/// of f(n-1).dx(n)), active (0/1). Numbers that are not finite are read, and render zero. Returns
+/// how many rows were so refused. Throws CsvError for anything that is no number.
+std::size_t filter_bound(std::istream& in, std::ostream& out, const BoundingConfig& config);
+
+/// `feltwire-lab touch`. In: t [s], x,y,z [m]. Out: ex,ey,ez,fx,fy,fz [N], what the scene answers
+/// there, on the hand. The rows are one movement: friction, contact and velocity (the difference of
+/// two rows) have memory. Returns how many rows were not finite (zero force). Throws CsvError for
+/// anything that is no number and for times that do not grow.
+std::size_t filter_touch(std::istream& in, std::ostream& out, const Scene& scene);
+
+}  // namespace feltwire

@@ -1,0 +1,100 @@
+#include "sim/hand_path.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <stdexcept>
+#include <string>
+
+namespace feltwire {
+namespace {
+
+constexpr double kTurn = 2.0 * std::numbers::pi;
+
+/// splitmix64 (Steele, Lea, Flood 2014): the same numbers on every machine, which std's
+/// distributions do not promise.
+double uniform(std::uint64_t& state) {
+  std::uint64_t z = (state += 0x9E3779B97F4A7C15ULL);
+  z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9ULL;
+  z = (z ^ (z >> 27)) * 0x94D049BB133111EBULL;
+  return static_cast<double>((z ^ (z >> 31)) >> 11) * 0x1.0p-53;
+}
+
+double smoothstep(double s) {
+  s = std::clamp(s, 0.0, 1.0);
+  return s * s * (3.0 - 2.0 * s);
+}
+
+}  // namespace
+
+HandPath hand_path(std::string_view given) {
+  for (std::size_t i = 0; i < kHandPathNames.size(); ++i)
+    if (kHandPathNames[i] == given) return static_cast<HandPath>(i);
+  std::string message = "unknown path '" + std::string(given) + "'; choose one of:";
+  for (const auto& n : kHandPathNames) message += " " + std::string(n);
+  throw std::invalid_argument(message);
+}
+
+IntendedMotion::IntendedMotion(const HandTask& task) : task_(task) {
+  const bool finite = task.center.allFinite() && task.normal.allFinite() &&
+                      task.along.allFinite() && std::isfinite(task.radius) &&
+                      std::isfinite(task.frequency) && std::isfinite(task.depth) &&
+                      std::isfinite(task.clearance) && std::isfinite(task.tremor);
+  if (!finite) throw std::invalid_argument("the hand's task has a number that is not finite");
+  if (!(task.lead_in > 0.0))
+    throw std::invalid_argument("the hand's lead-in must be above zero [s]");
+  task_.normal.normalize();
+  task_.along -= task_.along.dot(task_.normal) * task_.normal;
+  if (!(task_.normal.norm() > 0.5) || !(task_.along.norm() > 1e-9))
+    throw std::invalid_argument("the hand's normal and along must not be zero or parallel");
+  task_.along.normalize();
+  across_ = task_.normal.cross(task_.along);
+
+  std::uint64_t state = task.seed;
+  for (auto& axis : tremor_)
+    for (auto& tone : axis) tone = {8.0 + 4.0 * uniform(state), kTurn * uniform(state)};
+}
+
+Vec3 IntendedMotion::position(double t) const noexcept {
+  const double angle = kTurn * task_.frequency * t;
+  const double outside = task_.clearance * (1.0 - smoothstep(t / task_.lead_in));
+  const double in = smoothstep(t / task_.lead_in);
+  Vec3 p = task_.center;
+  switch (task_.path) {
+    case HandPath::press:
+      p += (outside - in * task_.depth) * task_.normal;
+      break;
+    case HandPath::slide:
+      p += (outside - in * task_.depth) * task_.normal +
+           task_.radius * std::sin(angle) * task_.along;
+      break;
+    case HandPath::orbit: {
+      // On a flat surface the hand comes in along the normal; about a ball (depth 0) from outside
+      // the circle.
+      const double radius = task_.radius + (task_.depth == 0.0 ? outside : 0.0);
+      const double height = task_.depth == 0.0 ? 0.0 : outside - in * task_.depth;
+      p += radius * (std::cos(angle) * task_.along + std::sin(angle) * across_) +
+           height * task_.normal;
+      break;
+    }
+    case HandPath::figure_eight:
+      p += (outside - in * task_.depth) * task_.normal +
+           task_.radius * (std::sin(angle) * task_.along + 0.5 * std::sin(2.0 * angle) * across_);
+      break;
+    case HandPath::taps: {
+      const double half = 0.5 * (task_.clearance + task_.depth);
+      p += (task_.clearance - half + half * std::cos(angle)) * task_.normal;
+      break;
+    }
+  }
+  if (task_.tremor > 0.0) {
+    // Three equal tones of amplitude a have RMS a sqrt(3/2).
+    const double amplitude = task_.tremor * std::sqrt(2.0 / kTones);
+    for (int i = 0; i < 3; ++i)
+      for (const Tone& tone : tremor_[static_cast<std::size_t>(i)])
+        p[i] += amplitude * std::sin(kTurn * tone.frequency * t + tone.phase);
+  }
+  return p;
+}
+
+}  // namespace feltwire

@@ -1,0 +1,59 @@
+#pragma once
+// Where a simulated person means to move the hand.
+
+#include <array>
+#include <cstdint>
+#include <string_view>
+
+#include "core/types.hpp"
+
+namespace feltwire {
+
+enum class HandPath { press, slide, orbit, figure_eight, taps };
+inline constexpr std::array<std::string_view, 5> kHandPathNames = {"press", "slide", "orbit",
+                                                                   "figure-eight", "taps"};
+/// Throws std::invalid_argument naming the choices.
+HandPath hand_path(std::string_view name);
+
+/// A task of a hand at a surface. It begins `clearance` outside and comes in smoothly within
+/// `lead_in`.
+struct HandTask {
+  HandPath path = HandPath::press;
+  Vec3 center = Vec3::Zero();   // [m] a point of the surface; for orbit the centre of the circle
+  Vec3 normal = Vec3::UnitZ();  // outward normal of the surface there
+  Vec3 along = Vec3::UnitX();   // first direction of movement, made orthogonal to the normal
+  double radius = 0.03;         // [m] amplitude of slide and figure-eight, radius of orbit
+  double frequency = 0.5;       // [Hz]
+  double depth = 0.01;          // [m] how far below the surface the hand means to be
+  double clearance = 0.01;      // [m]
+  double lead_in = 0.5;         // [s]
+  double tremor = 0.0;          // [m] RMS an axis, 8 to 12 Hz
+  std::uint64_t seed = 1;       // of the tremor
+};
+
+/// press         to `depth`, and stay
+/// slide         press, and move along by radius * sin
+/// orbit         a circle of `radius` in the plane of along and normal x along, pressed `depth`
+/// below it orbit about a ball: give the circle radius (ball radius - depth) and depth 0
+/// figure_eight  press, and a 1:2 Lissajous figure in the surface
+/// taps          in and out along the normal, from +clearance to -depth
+class IntendedMotion {
+ public:
+  /// Throws std::invalid_argument when a number is not finite, or normal and along are parallel or
+  /// zero.
+  explicit IntendedMotion(const HandTask& task);
+  /// The intended position [m] at time t >= 0 [s]. No state: the same t gives the same point.
+  Vec3 position(double t) const noexcept;
+
+ private:
+  struct Tone {
+    double frequency, phase;  // [Hz], [rad]
+  };
+  static constexpr int kTones = 3;  // a tremor axis: a few lines between 8 and 12 Hz
+
+  HandTask task_;
+  Vec3 across_;
+  std::array<std::array<Tone, kTones>, 3> tremor_;
+};
+
+}  // namespace feltwire

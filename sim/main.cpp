@@ -1,0 +1,128 @@
+// feltwire-lab: experiments and filters.
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <iostream>
+#include <memory>
+
+#include "sim/figures.hpp"
+#include "sim/filters.hpp"
+#include "sim/report_table.hpp"
+
+namespace {
+
+using namespace feltwire;
+
+void report_refused(std::size_t rows) {
+  if (rows > 0)
+    std::cerr << "feltwire-lab: " << rows
+              << " row(s) were not finite or absurd and gave zero force\n";
+}
+
+void add_figures(CLI::App& app) {
+  auto out = std::make_shared<std::string>("figures");
+  CLI::App* command = app.add_subcommand("figures", "Reproduce the paper's Figures 2, 3, 5 and 6");
+  command->footer(
+      "Writes figures.json, one CSV a run (t [s], x,y,z [m], ex..ez and fx..fz commanded elastic "
+      "and frictional,\n"
+      "rx..rz rendered [N on the hand], energy_x..z flow-in [J]) and PNG pictures with the gnuplot "
+      "scripts that drew\n"
+      "them. In process and deterministic: the same build writes the same numbers.");
+  command->add_option("--out", *out, "Folder to write to; made when missing")
+      ->capture_default_str();
+  command->callback([out] {
+    const auto runs = write_figures(*out);
+    std::cout << figures_table(runs) << "\nPictures, data and figures.json are in "
+              << std::filesystem::absolute(*out).lexically_normal().string() << '\n';
+  });
+}
+
+void add_bound(CLI::App& app) {
+  struct Options {
+    std::string mode = "contact_frame", projection = "joint";
+    BoundingConfig config;
+    double c1 = 0.0, c2 = 0.0;
+  };
+  auto o = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand(
+      "bound", "Filter: run a bounding method over rows of movement and command");
+  command->footer(
+      "stdin   CSV with a header; columns in any order, others are ignored:\n"
+      "          dx,dy,dz  displacement since the last row [m]\n"
+      "          ex,ey,ez  elastic command [N, on the hand]\n"
+      "          fx,fy,fz  frictional command [N, on the hand]\n"
+      "stdout  CSV: rx,ry,rz  rendered force [N, on the hand]\n"
+      "             energy    delivered to the hand so far [J], sum of f(n-1).dx(n)\n"
+      "             active    1 where the bound changed the command\n"
+      "A row with nan or inf renders zero. Example:\n"
+      "  printf 'dx,dy,dz,ex,ey,ez,fx,fy,fz\\n0,-1e-4,0,0,4,0,0,0,0\\n' | feltwire-lab bound "
+      "--period 0.001 --damping 0.5");
+  command
+      ->add_option("--mode", o->mode,
+                   "none, total_energy, per_axis, per_axis_projected or contact_frame")
+      ->capture_default_str();
+  command->add_option("--period", o->config.period, "T: time that one force is held [s]")
+      ->required();
+  command->add_option("--damping", o->config.damping, "b: the device's own damping [N s/m]")
+      ->required();
+  CLI::Option* c1 =
+      command->add_option("--c1", o->c1, "The paper's c1 [N/m]; default b/T (paper's modes only)");
+  CLI::Option* c2 = command->add_option(
+      "--c2", o->c2, "The paper's c2 [N/m]; at most c1, default c1 (paper's modes only)");
+  command->add_option("--max-force", o->config.max_force,
+                      "Saturation after the bound [N]; default none");
+  command->add_option("--projection", o->projection, "joint or cone (contact_frame only)")
+      ->capture_default_str();
+  command->callback([o, c1, c2] {
+    o->config.mode = bounding_mode(o->mode);
+    o->config.projection = projection(o->projection);
+    if (*c1) o->config.c1 = o->c1;
+    if (*c2) o->config.c2 = o->c2;
+    report_refused(filter_bound(std::cin, std::cout, o->config));
+  });
+}
+
+void add_touch(CLI::App& app) {
+  auto scene = std::make_shared<std::string>();
+  CLI::App* command =
+      app.add_subcommand("touch", "Filter: what a scene answers at each position of a movement");
+  command->footer(
+      "stdin   CSV with a header; columns in any order, others are ignored: t [s], x,y,z [m]\n"
+      "stdout  CSV: ex,ey,ez elastic and fx,fy,fz frictional force [N, on the hand]\n"
+      "The rows are one movement: friction and velocity (difference of two rows) remember. "
+      "Example:\n"
+      "  printf 't,x,y,z\\n0,0,0,0.001\\n0.001,0,0,-0.001\\n' | feltwire-lab touch --scene "
+      "scenes/plane.json");
+  command->add_option("--scene", *scene, "Scene file (docs/scenes.md)")->required();
+  command->callback(
+      [scene] { report_refused(filter_touch(std::cin, std::cout, load_scene(*scene))); });
+}
+
+void add_summary(CLI::App& app) {
+  auto files = std::make_shared<std::vector<std::filesystem::path>>();
+  CLI::App* command = app.add_subcommand("summary", "Show the reports of clients side by side");
+  command->add_option("REPORT", *files, "JSON reports that feltwire-client wrote")->required();
+  command->callback([files] { std::cout << report_table(*files); });
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  std::ios::sync_with_stdio(false);
+  std::cin.tie(nullptr);
+  CLI::App app{"feltwire-lab: experiments on the energy bound, and filters", "feltwire-lab"};
+  app.require_subcommand(1);
+  add_figures(app);
+  add_bound(app);
+  add_touch(app);
+  add_summary(app);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& e) {
+    return app.exit(e) == 0 ? 0 : 2;
+  } catch (const std::exception& e) {
+    std::cerr << "feltwire-lab: " << e.what() << '\n';
+    return 1;
+  }
+  return 0;
+}

@@ -1,0 +1,46 @@
+#pragma once
+// What the paper's figures are judged by, as numbers.
+
+#include <span>
+#include <vector>
+
+#include "core/bounding/per_axis.hpp"
+#include "sim/experiment.hpp"
+
+namespace feltwire {
+
+struct Spread {
+  double mean = 0.0, p99 = 0.0, max = 0.0;
+};
+/// Mean, 99th percentile (nearest rank) and maximum; zeros when there is no value.
+Spread spread(std::vector<double> values);
+
+/// RMS [unit of the values] of what is faster than a centred moving average of `window` samples
+/// (odd), over the second half of the run; the ends that the window does not cover are left out.
+double highpass_rms(std::span<const double> values, int window = 51);
+
+struct ExperimentMetrics {
+  Vec3 highpass_rms = Vec3::Zero();  // [m] of the true position, axis by axis
+  // Flow-in as the bounding laws and Eq. (1), (2) pair it: sum of F_i(k) dx_i(k), force with the
+  // motion before it.
+  Vec3 min_energy = Vec3::Zero();  // [J] least value over time, axis by axis
+  double total_energy = 0.0;       // [J] at the end, over all axes
+  // Flow-in as the port really exchanged it under the zero-order hold: sum of F_i(k-1) dx_i(k). The
+  // two differ by what the hold creates: paired the first way a sampled spring is always positive,
+  // however it buzzes (docs/figures.md).
+  Vec3 min_port_energy = Vec3::Zero();  // [J]
+  double port_energy = 0.0;             // [J] at the end, over all axes
+  double min_port_margin =
+      0.0;  // [J] least (burned by the device - delivered to the hand) under the real hold
+  Spread direction_error;    // [rad] between rendered and commanded force, where there are both
+  double force_ratio = 0.0;  // mean |F_d| / |F_e| where a force is commanded
+  double outside_bounds_share =
+      0.0;  // of the commanded samples: rendered force outside its per-axis interval
+};
+
+/// `constants` are those of the per-axis interval, `damping` [N s/m] and `period` [s] those of the
+/// real port.
+ExperimentMetrics measure(std::span<const ExperimentSample> samples, EbaConstants constants,
+                          double damping, double period);
+
+}  // namespace feltwire

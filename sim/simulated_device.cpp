@@ -1,0 +1,84 @@
+#include "sim/simulated_device.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+namespace feltwire {
+namespace {
+
+constexpr double kLongestStep = 20e-6;  // [s]
+
+}  // namespace
+
+SimulatedDevice::SimulatedDevice(const SimulatedHandOptions& options)
+    : options_(options), motion_(options.task) {
+  validate(options_.spec);
+  const auto usable = [](double v) { return std::isfinite(v) && v >= 0.0; };
+  const Hand& hand = options_.hand;
+  if (!usable(hand.mass) || !usable(hand.damping) || !usable(hand.stiffness))
+    throw std::invalid_argument(
+        "the hand's mass, damping and stiffness must be finite and not negative");
+  if (!(options_.spec.apparent_mass + hand.mass > 0.0))
+    throw std::invalid_argument("device and hand together must have a mass above zero [kg]");
+  intended_ = position_ = motion_.position(0.0);
+  if (options_.spec.translation_dof == 2) intended_.z() = position_.z() = 0.0;
+}
+
+DeviceReading SimulatedDevice::read(Nanoseconds now) noexcept {
+  if (!started_) {
+    started_ = true;
+    start_ = now;
+  }
+  integrate(std::chrono::duration<double>(now - start_).count());
+  DeviceReading reading;
+  const double quantum = options_.spec.position_resolution;
+  for (int i = 0; i < 3; ++i)
+    reading.pose.position[i] =
+        quantum > 0.0 ? std::round(position_[i] / quantum) * quantum : position_[i];
+  return reading;
+}
+
+Command SimulatedDevice::write(const Command& on_hand) noexcept {
+  Command held = actuated(options_.spec, on_hand);
+  if (!held.finite()) held = {};  // an amplifier that gets nonsense gives nothing
+  const double magnitude = held.force().norm();
+  const double limit = options_.spec.max_force;
+  if (limit > 0.0 && magnitude > limit) {
+    held.elastic *= limit / magnitude;
+    held.frictional *= limit / magnitude;
+  }
+  force_ = held.force();
+  return held;
+}
+
+void SimulatedDevice::integrate(double until) noexcept {
+  const double span = until - time_;
+  if (!(span > 0.0)) return;
+  const int steps = std::max(1, static_cast<int>(std::ceil(span / kLongestStep)));
+  const double h = span / steps;
+
+  // Within one reading the intended motion is straight: it has nothing above some 12 Hz.
+  Vec3 target = motion_.position(until);
+  if (options_.spec.translation_dof == 2) target.z() = 0.0;
+  const Vec3 intended_velocity = (target - intended_) / span;
+
+  const Hand& hand = options_.hand;
+  const double mass = options_.spec.apparent_mass + hand.mass;
+  const double damping = hand.damping + options_.spec.damping;
+  const double friction_impulse =
+      options_.spec.coulomb_friction * h / mass;  // [m/s] at most, a step
+  for (int i = 0; i < steps; ++i) {
+    intended_ += h * intended_velocity;
+    const Vec3 pull =
+        hand.stiffness * (intended_ - position_) + hand.damping * intended_velocity + force_;
+    velocity_ = (velocity_ + h / mass * pull) / (1.0 + h / mass * damping);
+    for (double& v : velocity_)
+      v = std::abs(v) > friction_impulse ? v - std::copysign(friction_impulse, v) : 0.0;
+    position_ += h * velocity_;
+  }
+  intended_ = target;
+  time_ = until;
+}
+
+}  // namespace feltwire
