@@ -1,7 +1,7 @@
-# Writes the text of SCHEMA as a C++ string constant: feltwire::schema_text::NAME.
-file(READ ${SCHEMA} text)
+# Writes the text of SOURCE as a C++ string constant: feltwire::embedded::NAME.
+file(READ ${SOURCE} text)
 file(WRITE ${OUT} "#pragma once
-namespace feltwire::schema_text {
-inline constexpr const char* ${NAME} = R\"__fbs__(${text})__fbs__\";
-}  // namespace feltwire::schema_text
+namespace feltwire::embedded {
+inline constexpr const char* ${NAME} = R\"__text__(${text})__text__\";
+}  // namespace feltwire::embedded
 ")

@@ -1,9 +1,29 @@
-# feltwire_schema(TARGET file.fbs ...)
-# Generates FILE_generated.h (flatc, with the object verifier) and FILE_fbs.hpp (the schema's own text, which the
-# JSON parser needs at run time) under generated/<folder>/ and makes TARGET depend on them. Paths are relative to the
-# calling folder; include them as "<folder>/<file>_generated.h".
+# Generated headers, under generated/<folder of the source>/ in the build tree.
 find_program(FELTWIRE_FLATC flatc REQUIRED)
 
+# feltwire_embed(TARGET file ...): FILE_text.hpp with the file's text as feltwire::embedded::FILE.
+# Files are absolute paths inside the project; include them as "<folder>/<file>_text.hpp".
+function(feltwire_embed target)
+  set(outputs)
+  foreach(source IN LISTS ARGN)
+    file(RELATIVE_PATH relative ${PROJECT_SOURCE_DIR} ${source})
+    get_filename_component(name ${relative} NAME_WE)
+    get_filename_component(folder ${relative} DIRECTORY)
+    set(out ${PROJECT_BINARY_DIR}/generated/${folder}/${name}_text.hpp)
+    file(MAKE_DIRECTORY ${PROJECT_BINARY_DIR}/generated/${folder})
+    add_custom_command(
+      OUTPUT ${out}
+      COMMAND ${CMAKE_COMMAND} -DSOURCE=${source} -DNAME=${name} -DOUT=${out}
+              -P ${PROJECT_SOURCE_DIR}/cmake/embed_text.cmake
+      DEPENDS ${source} ${PROJECT_SOURCE_DIR}/cmake/embed_text.cmake VERBATIM)
+    list(APPEND outputs ${out})
+  endforeach()
+  add_custom_target(${target}_embedded DEPENDS ${outputs})
+  add_dependencies(${target} ${target}_embedded)
+endfunction()
+
+# feltwire_schema(TARGET file.fbs ...): FILE_generated.h (flatc). Paths relative to the calling folder; include them as
+# "<folder>/<file>_generated.h".
 function(feltwire_schema target)
   file(RELATIVE_PATH folder ${PROJECT_SOURCE_DIR} ${CMAKE_CURRENT_SOURCE_DIR})
   set(outputs)
@@ -17,12 +37,7 @@ function(feltwire_schema target)
       OUTPUT ${out_dir}/${name}_generated.h
       COMMAND ${FELTWIRE_FLATC} --cpp --cpp-std c++17 --scoped-enums --warnings-as-errors -o ${out_dir} ${source}
       DEPENDS ${source} VERBATIM)
-    add_custom_command(
-      OUTPUT ${out_dir}/${name}_fbs.hpp
-      COMMAND ${CMAKE_COMMAND} -DSCHEMA=${source} -DNAME=${name} -DOUT=${out_dir}/${name}_fbs.hpp
-              -P ${PROJECT_SOURCE_DIR}/cmake/embed_schema.cmake
-      DEPENDS ${source} ${PROJECT_SOURCE_DIR}/cmake/embed_schema.cmake VERBATIM)
-    list(APPEND outputs ${out_dir}/${name}_generated.h ${out_dir}/${name}_fbs.hpp)
+    list(APPEND outputs ${out_dir}/${name}_generated.h)
   endforeach()
   add_custom_target(${target}_schema DEPENDS ${outputs})
   add_dependencies(${target} ${target}_schema)
