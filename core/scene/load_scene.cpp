@@ -104,6 +104,16 @@ Pose read_pose(const JsonDocument& document, const std::string& path,
   return pose;
 }
 
+Start read_start(const JsonDocument& document, const scene_file::Scene& scene) {
+  Start start;
+  if (const auto* s = scene.start()) {
+    if (const auto* p = s->position()) start.position = vector(*p);
+    if (const auto* n = s->normal()) start.normal = vector(*n);
+    require(document, "start", broken_rule(start));
+  }
+  return start;
+}
+
 Side side(scene_file::Side given) {
   return given == scene_file::Side::inside ? Side::inside : Side::outside;
 }
@@ -129,7 +139,7 @@ Scene parse_scene(std::string_view json, const std::string& file) {
     objects.push_back(std::move(object));
   }
   if (objects.empty()) document.fail("objects", "there is none to touch; add at least one");
-  return Scene(scene.name()->str(), std::move(objects));
+  return Scene(scene.name()->str(), std::move(objects), read_start(document, scene));
 }
 
 Scene load_scene(const std::filesystem::path& file) {

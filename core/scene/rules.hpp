@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "core/contact/contact.hpp"
+#include "core/scene/scene.hpp"
 
 namespace feltwire {
 
@@ -25,6 +25,8 @@ std::optional<Broken> broken_rule(const Shape& shape);
 std::optional<Broken> broken_rule(const Material& material);
 /// An orientation need not be unit, but it must have a direction.
 std::optional<Broken> broken_rule(const Pose& pose);
+/// The normal need not be unit, but it must have a direction.
+std::optional<Broken> broken_rule(const Start& start);
 /// Names of scenes, objects, materials.
 std::optional<Broken> broken_name(const std::string& name);
 

@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "core/numeric.hpp"
 #include "core/scene/rules.hpp"
 
 namespace feltwire {
@@ -69,6 +70,11 @@ Found coordinate(const char* field, double value) {
                            number_text(value) + "; give metres"};
 }
 
+Found coordinates(const Vec3& position) {
+  return first({coordinate("position.x", position.x()), coordinate("position.y", position.y()),
+                coordinate("position.z", position.z())});
+}
+
 [[noreturn]] void refuse(const std::string& whose, const Broken& broken) {
   throw std::invalid_argument(whose + ": " + broken.field + ": " + broken.message);
 }
@@ -107,15 +113,19 @@ Found broken_rule(const Material& m) {
 }
 
 Found broken_rule(const Pose& pose) {
-  if (auto broken = first({coordinate("position.x", pose.position.x()),
-                           coordinate("position.y", pose.position.y()),
-                           coordinate("position.z", pose.position.z())}))
-    return broken;
+  if (auto broken = coordinates(pose.position)) return broken;
   const double largest = pose.orientation.coeffs().cwiseAbs().maxCoeff();
   if (pose.orientation.coeffs().allFinite() && largest > 0.0) return std::nullopt;
   return Broken{"orientation",
                 "is no rotation: all of [w, x, y, z] are zero or one is not finite; "
                 "leave it out or give a quaternion"};
+}
+
+Found broken_rule(const Start& start) {
+  if (auto broken = coordinates(start.position)) return broken;
+  if (start.normal.allFinite() && length(start.normal) > 0.0) return std::nullopt;
+  return Broken{"normal",
+                "has no direction: all of [x, y, z] are zero; leave it out or give a normal"};
 }
 
 Found broken_name(const std::string& name) {
@@ -127,9 +137,11 @@ Found broken_name(const std::string& name) {
                             std::to_string(name.size()) + "; choose a short name"};
 }
 
-Scene::Scene(std::string name, std::vector<Object> objects)
-    : name_(std::move(name)), objects_(std::move(objects)) {
+Scene::Scene(std::string name, std::vector<Object> objects, Start start)
+    : name_(std::move(name)), objects_(std::move(objects)), start_(start) {
   if (auto broken = broken_name(name_)) refuse("scene", *broken);
+  if (auto broken = broken_rule(start_)) refuse("start", *broken);
+  start_.normal = direction(start_.normal);
   if (objects_.empty()) refuse("scene", {"objects", "there is none to touch; add at least one"});
   std::set<std::string> names;
   for (Object& object : objects_) {

@@ -21,13 +21,22 @@ struct Requirements {
 /// What one tool remembers of a scene between samples: one entry an object, allocated once.
 using TouchMemory = std::vector<ContactMemory>;
 
+/// Where a hand that knows nothing of the scene does well to begin: a point on a surface, world
+/// frame, and the unit normal there towards the free side.
+struct Start {
+  Vec3 position = Vec3::Zero();  // [m]
+  Vec3 normal = Vec3::UnitZ();
+};
+
 class Scene {
  public:
-  Scene(std::string name, std::vector<Object> objects);
+  /// Throws std::invalid_argument naming the object, the field and the remedy.
+  Scene(std::string name, std::vector<Object> objects, Start start = {});
 
   const std::string& name() const { return name_; }
   const std::vector<Object>& objects() const { return objects_; }
   const Requirements& requirements() const { return requirements_; }
+  const Start& start() const { return start_; }
 
   /// A memory for one tool; allocates.
   TouchMemory memory() const { return TouchMemory(objects_.size()); }
@@ -40,6 +49,7 @@ class Scene {
   std::string name_;
   std::vector<Object> objects_;
   Requirements requirements_;
+  Start start_;
 };
 
 /// Reads a scene file (JSON against core/scene/scene.fbs). Throws FileError.

@@ -90,6 +90,26 @@ TEST(LoadScene, ReadsEveryField) {
   EXPECT_EQ(m.viscous_friction, 2.5);
 }
 
+TEST(LoadScene, StartIsWhereAHandBegins) {
+  const auto with_start = [](const std::string& start) {
+    return R"({"name": "s", )" + start + R"(
+      "materials": [{"name": "m", "stiffness": 1}],
+      "objects": [{"name": "p", "plane": {}, "material": "m"}]})";
+  };
+  EXPECT_EQ(parse_scene(with_start(""), "s.json").start().position, Vec3::Zero());
+  EXPECT_EQ(parse_scene(with_start(""), "s.json").start().normal, Vec3::UnitZ());
+  const Start start =
+      parse_scene(with_start(R"("start": {"position": [1, 2, 3], "normal": [0, -4, 0]},)"),
+                  "s.json")
+          .start();
+  EXPECT_EQ(start.position, Vec3(1, 2, 3));
+  EXPECT_EQ(start.normal, Vec3(0, -1, 0));
+  EXPECT_THAT(error_of(with_start("\n\"start\": {\n\"normal\": [0, 0, 0]},")),
+              testing::StartsWith("s.json:3: start.normal: has no direction"));
+  EXPECT_THAT(error_of(with_start("\n\"start\": {\n\"position\": [0, 2e6, 0]},")),
+              testing::StartsWith("s.json:3: start.position.y: must lie within"));
+}
+
 TEST(LoadScene, EveryMistakeIsNamedWithLineAndField) {
   ASSERT_EQ(error_of(text_with(0, "")), "no error");
   struct Mistake {
