@@ -46,11 +46,23 @@ class Signals {
   int descriptor_ = -1;
 };
 
+std::unique_ptr<Device> make_hand(const ClientOptions& options, const HandTask& task) {
+  return std::make_unique<SimulatedDevice>(
+      SimulatedHandOptions{.spec = options.spec, .hand = {}, .task = task});
+}
+
 std::unique_ptr<Device> make_device(const ClientOptions& options) {
   if (const auto* replay = std::get_if<ReplayFile>(&options.device))
     return make_replay_device(replay->path, options.spec);
-  return std::make_unique<SimulatedDevice>(SimulatedHandOptions{
-      .spec = options.spec, .hand = {}, .task = std::get<HandTask>(options.device)});
+  return make_hand(options, std::get<HandTask>(options.device));
+}
+
+/// The same hand, begun where the scene says, unless the command line says it.
+std::unique_ptr<Device> make_hand_at_start(const ClientOptions& options, HandTask task,
+                                           const control::JoinAccepted& accepted) {
+  if (!options.center_given) task.center = accepted.start_position;
+  if (!options.normal_given) set_normal(task, accepted.start_normal);
+  return make_hand(options, task);
 }
 
 int list(const Endpoint& server) {
@@ -148,7 +160,7 @@ int run(const ClientOptions& options) {
   // Whatever can go wrong on this side does so before the server is bothered.
   if (options.report) check_writable(*options.report);
   if (options.record) check_writable(*options.record);
-  const std::unique_ptr<Device> device = make_device(options);
+  std::unique_ptr<Device> device = make_device(options);
   const Signals signals;
 
   const Joined joined =
@@ -158,6 +170,8 @@ int run(const ClientOptions& options) {
                       joined.accepted.parameters.redundancy, device->spec().rotation_sensed > 0);
   // From here on the server knows of us: whatever fails, it is told.
   try {
+    if (const auto* task = std::get_if<HandTask>(&options.device))
+      device = make_hand_at_start(options, *task, joined.accepted);
     Servo servo(device->spec(), joined.accepted.parameters, options.servo);
     std::unique_ptr<Recorder> recorder;
     if (options.record) recorder = std::make_unique<Recorder>(*options.record);

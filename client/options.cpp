@@ -27,10 +27,11 @@ std::string device_names() {
 /// The command line as it is written, before its words are understood.
 struct Words {
   std::string connect, scene, device = "simulated", spec = "simulated";
-  std::string mode = std::string(kBoundingModeNames.back()), projection = "joint", side = "both",
+  std::string mode = std::string(kBoundingModeNames.back()),
+              projection = std::string(name(SessionParameters{}.projection)), side = "both",
               path = "press";
   double rate = 1000.0;
-  std::array<double, 3> center{0.0, 0.0, 0.0}, normal{0.0, 0.0, 1.0};
+  std::optional<std::array<double, 3>> center, normal;
   std::string report, record;
 };
 
@@ -62,9 +63,10 @@ void understand(const Words& words, HandTask task, ClientOptions& options) {
   constexpr std::string_view kReplay = "replay:";
   if (words.device == "simulated") {
     task.path = hand_path(words.path);
-    task.center = vector(words.center);
-    task.normal = vector(words.normal);
-    if (std::abs(task.normal.x()) > 0.9 * task.normal.norm()) task.along = Vec3::UnitY();
+    if (words.center) task.center = vector(*words.center);
+    if (words.normal) set_normal(task, vector(*words.normal));
+    options.center_given = words.center.has_value();
+    options.normal_given = words.normal.has_value();
     options.device = task;
   } else if (words.device.starts_with(kReplay) && words.device.size() > kReplay.size()) {
     options.device = ReplayFile{words.device.substr(kReplay.size())};
@@ -141,14 +143,16 @@ std::variant<ClientOptions, int> parse_options(int argc, char** argv) {
   app.add_option("--path", words.path, "What it does: " + choices(kHandPathNames))
       ->capture_default_str()
       ->group(hand);
-  app.add_option("--center", words.center,
-                 "X,Y,Z [m] the surface point (orbit: centre of the circle)")
+  app.add_option(
+         "--center", words.center,
+         "X,Y,Z [m] the surface point (orbit: centre of the circle); default: where the scene "
+         "says, else the origin")
       ->delimiter(',')
-      ->capture_default_str()
       ->group(hand);
-  app.add_option("--normal", words.normal, "X,Y,Z outward normal of the surface there")
+  app.add_option(
+         "--normal", words.normal,
+         "X,Y,Z outward normal of the surface there; default: as the scene says, else 0,0,1")
       ->delimiter(',')
-      ->capture_default_str()
       ->group(hand);
   app.add_option("--radius", task.radius, "[m] amplitude along the surface")
       ->capture_default_str()

@@ -21,8 +21,9 @@ struct ClientOptions {
   bool list = false;  // list the scenes, nothing else
   std::string name = "feltwire-client";
   std::string scene;
-  std::string device_kind;                    // as given
-  std::variant<HandTask, ReplayFile> device;  // simulated hand, or a recording
+  std::string device_kind;                          // as given
+  std::variant<HandTask, ReplayFile> device;        // simulated hand, or a recording
+  bool center_given = false, normal_given = false;  // else they are the scene's to say
   DeviceSpec spec;
   SessionParameters parameters;
   ServoOptions servo;

@@ -8,7 +8,9 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_L
   # False alarms on std::string concatenation (GCC bug 105651, mended in 13).
   target_compile_options(feltwire_options INTERFACE -Wno-restrict)
 endif()
-target_include_directories(feltwire_options INTERFACE ${PROJECT_SOURCE_DIR} ${PROJECT_BINARY_DIR}/generated)
+target_include_directories(feltwire_options INTERFACE ${PROJECT_SOURCE_DIR})
+# What flatc wrote is not ours to warn about.
+target_include_directories(feltwire_options SYSTEM INTERFACE ${PROJECT_BINARY_DIR}/generated)
 if(FELTWIRE_SANITIZE)
   target_compile_options(feltwire_options INTERFACE
     -fsanitize=${FELTWIRE_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)

@@ -4,13 +4,12 @@
 #include <cmath>
 
 namespace feltwire {
-namespace {
-// Relative to all energy exchanged. Sums of 1e8 samples stay well below it.
-constexpr double kRounding = 1e-9;
-}  // namespace
 
-PortEnergy::PortEnergy(double damping, double rotational_damping, double period)
-    : damping_(damping), rotational_damping_(rotational_damping), period_(period) {}
+PortEnergy::PortEnergy(double damping, double rotational_damping, double period, double rounding)
+    : damping_(damping),
+      rotational_damping_(rotational_damping),
+      period_(period),
+      rounding_(rounding) {}
 
 void PortEnergy::step(const Command& held, const Vec3& displacement, const Vec3& rotation,
                       double hold_time) noexcept {
@@ -35,7 +34,7 @@ void PortEnergy::step(const Command& held, const Vec3& displacement, const Vec3&
 
   const double margin = burned_ - delivered_.total();
   least_margin_ = std::min(least_margin_, margin);
-  if (margin < -kRounding * exchanged_) ++violations_;
+  if (margin < -rounding_ * exchanged_) ++violations_;
 }
 
 }  // namespace feltwire

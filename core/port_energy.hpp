@@ -23,7 +23,9 @@ struct ChannelEnergy {
 class PortEnergy {
  public:
   /// damping [N s/m], rotational_damping [N m s/rad], period T [s] (shorter holds count as T).
-  PortEnergy(double damping, double rotational_damping, double period);
+  /// `rounding`: what a violation has to exceed, relative to all energy exchanged; sums of 1e8
+  /// samples in double stay well below the default.
+  PortEnergy(double damping, double rotational_damping, double period, double rounding = 1e-9);
 
   /// The device moved by `displacement` [m], `rotation` [rad] over `hold_time` [s] while `held`
   /// acted on the hand. A sample with anything not finite, products included, is left out and
@@ -33,14 +35,13 @@ class PortEnergy {
 
   const ChannelEnergy& delivered() const { return delivered_; }  // to the hand so far
   double burned() const { return burned_; }  // [J] by the device's damping, at least
-  double least_margin() const {
-    return least_margin_;
-  }  // [J] minimum over time of burned - delivered
+  /// [J] minimum over time of burned - delivered
+  double least_margin() const { return least_margin_; }
   std::uint64_t violations() const { return violations_; }
   std::uint64_t refused() const { return refused_; }
 
  private:
-  double damping_, rotational_damping_, period_;
+  double damping_, rotational_damping_, period_, rounding_;
   ChannelEnergy delivered_;
   double burned_ = 0.0;
   double exchanged_ = 0.0;  // [J] sum of magnitudes: the scale that rounding is measured against

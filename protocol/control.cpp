@@ -42,8 +42,11 @@ bool read_name(const flatbuffers::String* text, std::string& out) {
   return true;
 }
 
+wire::Vector vector(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
+Vec3 vector(const wire::Vector& v) { return {v.x(), v.y(), v.z()}; }
+
 Offset<wire::DeviceSpec> build(FlatBufferBuilder& builder, const DeviceSpec& d) {
-  const wire::Extent workspace(d.workspace.x(), d.workspace.y(), d.workspace.z());
+  const wire::Vector workspace = vector(d.workspace);
   return wire::CreateDeviceSpecDirect(
       builder, d.name.c_str(), static_cast<std::uint8_t>(d.translation_dof),
       static_cast<std::uint8_t>(d.rotation_sensed), static_cast<std::uint8_t>(d.rotation_actuated),
@@ -70,8 +73,9 @@ struct BodyBuilder {
                                          parameters);
   }
   Offset<wire::JoinAccepted> operator()(const JoinAccepted& m) {
+    const wire::Vector position = vector(m.start_position), normal = vector(m.start_normal);
     return wire::CreateJoinAccepted(builder, m.session, m.udp_port, build(builder, m.parameters),
-                                    m.silence_timeout, m.friction, m.rotation);
+                                    m.silence_timeout, m.friction, m.rotation, &position, &normal);
   }
   Offset<wire::LeaveRequest> operator()(const LeaveRequest& m) {
     return wire::CreateLeaveRequest(builder, m.session);
@@ -114,8 +118,7 @@ bool read(const wire::DeviceSpec& from, DeviceSpec& to) {
   to.max_force = from.max_force();
   to.continuous_force = from.continuous_force();
   to.max_torque = from.max_torque();
-  if (const auto* extent = from.workspace())
-    to.workspace = Vec3(extent->x(), extent->y(), extent->z());
+  if (const auto* extent = from.workspace()) to.workspace = vector(*extent);
   return read_name(from.name(), to.name);
 }
 
@@ -141,6 +144,8 @@ bool read(const wire::JoinAccepted& from, JoinAccepted& to) {
   to.silence_timeout = from.silence_timeout();
   to.friction = from.friction();
   to.rotation = from.rotation();
+  if (const auto* p = from.start_position()) to.start_position = vector(*p);
+  if (const auto* n = from.start_normal()) to.start_normal = vector(*n);
   return read(*from.parameters(), to.parameters);
 }
 bool read(const wire::LeaveRequest& from, LeaveRequest& to) {

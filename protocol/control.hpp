@@ -31,6 +31,8 @@ struct JoinAccepted {
   SessionParameters parameters;  // in force
   double silence_timeout = 0.0;  // [s]
   bool friction = false, rotation = false;
+  Vec3 start_position = Vec3::Zero();  // [m] where a hand that knows nothing of the scene begins
+  Vec3 start_normal = Vec3::UnitZ();   // unit, of the surface there
 };
 struct LeaveRequest {
   std::uint64_t session = 0;

@@ -105,6 +105,8 @@ control::Message SceneSessions::join(const control::JoinRequest& request, std::u
   accepted.parameters = request.parameters;
   accepted.silence_timeout = std::chrono::duration<double>(silence_timeout_).count();
   accepted.friction = scene_.requirements().friction;
+  accepted.start_position = scene_.start().position;
+  accepted.start_normal = scene_.start().normal;
   return accepted;
 }
 

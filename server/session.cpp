@@ -15,7 +15,9 @@ const control::JoinRequest& checked(const control::JoinRequest& request) {
 }
 
 PortEnergy observer(const BoundingConfig& bound) {
-  return PortEnergy(bound.damping, bound.rotational_damping, bound.period);
+  // The held forces come as float32: half an ulp of theirs is 6e-8.
+  constexpr double kWireRounding = 1e-6;
+  return PortEnergy(bound.damping, bound.rotational_damping, bound.period, kWireRounding);
 }
 
 /// Whether a bound may go on with its memory under the other parameters.

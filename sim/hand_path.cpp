@@ -35,6 +35,12 @@ HandPath hand_path(std::string_view given) {
   throw std::invalid_argument(message);
 }
 
+void set_normal(HandTask& task, const Vec3& normal) {
+  task.normal = normal;
+  // Along x where the surface has it, else along y.
+  task.along = std::abs(normal.x()) > 0.9 * normal.norm() ? Vec3::UnitY() : Vec3::UnitX();
+}
+
 IntendedMotion::IntendedMotion(const HandTask& task) : task_(task) {
   const bool finite = task.center.allFinite() && task.normal.allFinite() &&
                       task.along.allFinite() && std::isfinite(task.radius) &&

@@ -31,6 +31,9 @@ struct HandTask {
   std::uint64_t seed = 1;       // of the tremor
 };
 
+/// Turns the task to a surface with another outward normal, and `along` into that surface.
+void set_normal(HandTask& task, const Vec3& normal);
+
 /// press         to `depth`, and stay
 /// slide         press, and move along by radius * sin
 /// orbit         a circle of `radius` in the plane of along and normal x along, pressed `depth`

@@ -100,12 +100,16 @@ TEST(Control, OtherMessagesRoundTrip) {
   accepted.parameters = SessionParameters{};
   accepted.silence_timeout = 2.5;
   accepted.friction = true;
+  accepted.start_position = {1.0, 2.0, 3.0};
+  accepted.start_normal = {0.0, -1.0, 0.0};
   const JoinAccepted joined = round_trip(accepted);
   EXPECT_EQ(joined.session, accepted.session);
   EXPECT_EQ(joined.udp_port, 65535);
   EXPECT_EQ(joined.silence_timeout, 2.5);
   EXPECT_TRUE(joined.friction);
   EXPECT_FALSE(joined.rotation);
+  EXPECT_EQ(joined.start_position, accepted.start_position);
+  EXPECT_EQ(joined.start_normal, accepted.start_normal);
   expect_same(joined.parameters, SessionParameters{});  // c1, c2 stay not given
 
   EXPECT_EQ(round_trip(LeaveRequest{3}).session, 3u);
