@@ -14,10 +14,10 @@
 
 namespace feltwire::control {
 
-inline constexpr std::size_t kMaxFrame = 64 * 1024;  // [bytes] body of a frame
-inline constexpr std::size_t kFrameLengthSize = 4;   // [bytes] the u32 before it
-inline constexpr std::size_t kMaxName = 128;         // [bytes] of a client, scene or device name
-inline constexpr std::size_t kMaxScenes = 256;       // of one server
+inline constexpr std::size_t kMaxFrame = std::size_t{64} * 1024;  // [bytes] body of a frame
+inline constexpr std::size_t kFrameLengthSize = 4;                // [bytes] the u32 before it
+inline constexpr std::size_t kMaxName = 128;    // [bytes] of a client, scene or device name
+inline constexpr std::size_t kMaxScenes = 256;  // of one server
 
 struct JoinRequest {
   std::string client;

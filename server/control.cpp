@@ -89,7 +89,7 @@ class ControlEndpoint::Connection : public std::enable_shared_from_this<Connecti
     write(control::Refused{control::RefusalCode::malformed, std::move(reason)});
   }
 
-  void write(control::Message answer) {
+  void write(const control::Message& answer) {
     frame_ = control::encode(answer);
     asio::async_write(socket_, asio::buffer(frame_),
                       [self = shared_from_this()](const std::error_code& error, std::size_t) {

@@ -16,7 +16,7 @@ namespace {
 using json::Node;
 using Kind = Node::Kind;
 
-constexpr std::size_t kMaxFile = 16 * 1024 * 1024;  // [bytes]
+constexpr std::size_t kMaxFile = std::size_t{16} << 20;  // [bytes]
 
 std::string describe(const Node& node) {
   switch (node.kind) {

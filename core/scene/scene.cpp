@@ -137,7 +137,7 @@ Found broken_name(const std::string& name) {
                             std::to_string(name.size()) + "; choose a short name"};
 }
 
-Scene::Scene(std::string name, std::vector<Object> objects, Start start)
+Scene::Scene(std::string name, std::vector<Object> objects, const Start& start)
     : name_(std::move(name)), objects_(std::move(objects)), start_(start) {
   if (auto broken = broken_name(name_)) refuse("scene", *broken);
   if (auto broken = broken_rule(start_)) refuse("start", *broken);

@@ -31,7 +31,7 @@ struct Start {
 class Scene {
  public:
   /// Throws std::invalid_argument naming the object, the field and the remedy.
-  Scene(std::string name, std::vector<Object> objects, Start start = {});
+  Scene(std::string name, std::vector<Object> objects, const Start& start = {});
 
   const std::string& name() const { return name_; }
   const std::vector<Object>& objects() const { return objects_; }
