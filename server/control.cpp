@@ -76,12 +76,13 @@ class ControlEndpoint::Connection : public std::enable_shared_from_this<Connecti
   void handle() {
     std::optional<control::Message> request = control::decode(body_);
     if (!request) return refuse_malformed("the frame holds no control message of this version");
-    endpoint_.handler_(std::move(*request), [self = shared_from_this()](control::Message answer) {
-      if (self->closed_) return;
-      if (const auto* refused = std::get_if<control::Refused>(&answer))
-        self->ends_after_answer_ = refused->code == control::RefusalCode::malformed;
-      self->write(std::move(answer));
-    });
+    endpoint_.handler_(
+        std::move(*request), [self = shared_from_this()](const control::Message& answer) {
+          if (self->closed_) return;
+          if (const auto* refused = std::get_if<control::Refused>(&answer))
+            self->ends_after_answer_ = refused->code == control::RefusalCode::malformed;
+          self->write(answer);
+        });
   }
 
   void refuse_malformed(std::string reason) {

@@ -14,8 +14,10 @@ constexpr double kAbsurdMovement = 1e6;     // [m], [rad]
 constexpr double kAbsurdHold = 1e6;         // [s]
 constexpr double kAbsurdStiffness = 1e100;  // [N/m], [N m/rad]
 
-template <class Names>
-[[noreturn]] void unknown(std::string_view what, std::string_view given, const Names& names) {
+template <class Choice, class Names>
+Choice named(std::string_view what, std::string_view given, const Names& names) {
+  for (std::size_t i = 0; i < names.size(); ++i)
+    if (names[i] == given) return static_cast<Choice>(i);
   std::string message =
       "unknown " + std::string(what) + " '" + std::string(given) + "'; choose one of:";
   for (const auto& n : names) message.append(" ").append(n);
@@ -78,17 +80,15 @@ std::string_view name(BoundingMode mode) {
 }
 std::string_view name(Projection p) { return kProjectionNames[static_cast<std::size_t>(p)]; }
 
-BoundingMode bounding_mode(std::string_view given) {
-  for (std::size_t i = 0; i < kBoundingModeNames.size(); ++i)
-    if (kBoundingModeNames[i] == given) return static_cast<BoundingMode>(i);
-  unknown("bounding mode", given, kBoundingModeNames);
-}
+std::string_view name(Storage s) { return kStorageNames[static_cast<std::size_t>(s)]; }
 
-Projection projection(std::string_view given) {
-  for (std::size_t i = 0; i < kProjectionNames.size(); ++i)
-    if (kProjectionNames[i] == given) return static_cast<Projection>(i);
-  unknown("projection", given, kProjectionNames);
+BoundingMode bounding_mode(std::string_view given) {
+  return named<BoundingMode>("bounding mode", given, kBoundingModeNames);
 }
+Projection projection(std::string_view given) {
+  return named<Projection>("projection", given, kProjectionNames);
+}
+Storage storage(std::string_view given) { return named<Storage>("storage", given, kStorageNames); }
 
 Bounding::Bounding(const BoundingConfig& config) : config_(config) {
   check(config);
@@ -113,7 +113,7 @@ Bounding::Bounding(const BoundingConfig& config) : config_(config) {
     case BoundingMode::contact_frame:
       method_ = ContactFrameBound({2.0 * config.damping / config.period, config.period},
                                   {2.0 * config.rotational_damping / config.period, config.period},
-                                  config.projection, config.rotation);
+                                  config.projection, config.storage, config.rotation);
       break;
   }
 }

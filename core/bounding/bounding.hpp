@@ -25,16 +25,20 @@ enum class BoundingMode { none, total_energy, per_axis, per_axis_projected, cont
 inline constexpr std::array<std::string_view, 5> kBoundingModeNames = {
     "none", "total_energy", "per_axis", "per_axis_projected", "contact_frame"};
 inline constexpr std::array<std::string_view, 2> kProjectionNames = {"joint", "cone"};
+inline constexpr std::array<std::string_view, 2> kStorageNames = {"minimal", "elastic"};
 
 std::string_view name(BoundingMode mode);
 std::string_view name(Projection projection);
-/// Throw std::invalid_argument naming the choices when there is no such mode / projection.
+std::string_view name(Storage storage);
+/// Throw std::invalid_argument naming the choices when there is no such mode, projection, storage.
 BoundingMode bounding_mode(std::string_view name);
 Projection projection(std::string_view name);
+Storage storage(std::string_view name);
 
 struct BoundingConfig {
   BoundingMode mode = BoundingMode::contact_frame;
   Projection projection = Projection::joint;  // contact_frame only
+  Storage storage = Storage::minimal;         // contact_frame only
   double period = 1e-3;  // T [s], > 0: the longest time that one force is meant to be held
   double damping = 0.0;  // b [N s/m], >= 0: the device's own, plus any operator credit
   double rotational_damping = 0.0;  // b_r [N m s/rad], >= 0

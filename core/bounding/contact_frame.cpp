@@ -38,7 +38,7 @@ Command ContactFrameBound::step(const BoundingStep& s) noexcept {
   // (C), channel by channel; f = -F turns the sum into a difference.
   Debt debt = force_debt_;
   debt.add(force_excess_);
-  double allowed_elastic = allowed_magnitude(std::abs(held_elastic - c * dx_el),
+  double allowed_elastic = allowed_magnitude(std::hypot(held_elastic - c * dx_el, spare_),
                                              c * std::abs(dx_el), s.hold_time, translation_, debt);
   double allowed_friction = allowed_magnitude(length(held_friction - c * dx_fr), c * length(dx_fr),
                                               s.hold_time, translation_, debt);
@@ -52,8 +52,15 @@ Command ContactFrameBound::step(const BoundingStep& s) noexcept {
   const double friction_scale = std::min(elastic_scale, factor(allowed_friction, friction));
   if (projection_ == Projection::joint) elastic_scale = friction_scale;
 
+  last_ = {.stored = std::hypot(elastic_, spare_),
+           .spring = spring_,
+           .pressed = -c * dx_el,
+           .allowed = allowed_elastic,
+           .rendered = elastic_scale * elastic,
+           .rendered_spring = elastic_scale * length(s.command.elastic)};
+
   Command rendered;
-  rendered.elastic = elastic_scale * elastic * u;
+  rendered.elastic = last_.rendered * u;
   rendered.frictional = friction_scale * frictional;
   if (torque_) {
     torque_debt_.add(torque_excess_);
@@ -63,6 +70,19 @@ Command ContactFrameBound::step(const BoundingStep& s) noexcept {
     rendered.torque = factor(allowed_torque_, length(s.command.torque)) * s.command.torque;
   }
   return rendered;
+}
+
+/// 2 c E(n) = 2 c E(n-1) + c (F(n-1) + F(n)) dx, F the spring's part; never more than the port took
+/// in (`allowed`) nor than is left beside the friction's storage; never less than S(F(n)).
+void ContactFrameBound::store(double held_friction) noexcept {
+  const double spring_share = last_.rendered > 0.0 ? std::min(1.0, elastic_ / last_.rendered) : 0.0;
+  spring_ = spring_share * last_.rendered_spring;
+  spare_ = 0.0;
+  if (!(elastic_ > 0.0) || held_friction >= allowed_force_) return;  // no contact, nothing kept
+  const double work = last_.stored * last_.stored + (last_.spring + spring_) * last_.pressed;
+  const double most = std::min(last_.allowed, root_difference(allowed_force_, held_friction));
+  const double stored = std::min(std::sqrt(std::max(0.0, work)), most);
+  if (stored > elastic_) spare_ = root_difference(stored, elastic_);
 }
 
 void ContactFrameBound::set_held(const Command& held) noexcept {
@@ -76,6 +96,7 @@ void ContactFrameBound::set_held(const Command& held) noexcept {
     normal_ = -normal_;
   }
   held_torque_ = held.torque;
+  if (storage_ == Storage::elastic) store(length(frictional_));
   force_excess_ = excess(std::hypot(elastic_, length(frictional_)), allowed_force_);
   torque_excess_ = excess(length(held_torque_), allowed_torque_);
 }

@@ -12,6 +12,13 @@ enum class Projection {
           // lost to friction
 };
 
+/// What the elastic channel keeps of the energy that the hand pressed into it.
+enum class Storage {
+  minimal,  // S(F) of the force held, the least that is safe: a spring softer than c fades on
+            // release
+  elastic   // and what a spring would hold beyond it: every spring up to c comes back whole
+};
+
 /// mode `contact_frame`, the default: direction and passivity together (docs/bounding.md,
 /// "contact_frame").
 ///
@@ -24,25 +31,50 @@ enum class Projection {
 /// It is an upper bound on magnitudes only, so saturation, slew limits, fades and dropping to zero
 /// are all admissible: any held force that is no longer than the one allowed keeps the port
 /// passive. What nature adds (a hold longer than T, a held force longer than the allowed one) is a
-/// debt: no force until the device's damping has repaid it. Known weakness: a bound of one sample
-/// has no memory of energy spent, so a force once lost comes back only as the hand presses on.
+/// debt: no force until the device's damping has repaid it.
+///
+/// With Storage::elastic the elastic channel keeps, beside S(F), a spare E: the work of the spring,
+/// sum 1/2 (F(n-1) + F(n)) dx_el(n), as far as the port really took it in. The left side of (C) may
+/// then draw on it. Dissipation (the device's, the contact's, friction's) never enters, and a lost
+/// contact empties it, so nothing is gathered that a later oscillation could spend.
+/// Known weakness: a force once lost comes back only as the hand presses on.
 class ContactFrameBound {
  public:
-  ContactFrameBound(ChannelLaw translation, ChannelLaw rotation, Projection projection, bool torque)
-      : translation_(translation), rotation_(rotation), projection_(projection), torque_(torque) {}
+  ContactFrameBound(ChannelLaw translation, ChannelLaw rotation, Projection projection,
+                    Storage storage, bool torque)
+      : translation_(translation),
+        rotation_(rotation),
+        projection_(projection),
+        storage_(storage),
+        torque_(torque) {}
 
   Command step(const BoundingStep& s) noexcept;
   void set_held(const Command& held) noexcept;
   bool in_debt() const noexcept { return force_debt_.force > 0.0 || torque_debt_.force > 0.0; }
 
  private:
+  /// The last step as far as set_held() needs it to know what is stored from now on.
+  struct ElasticStep {
+    double stored = 0.0;           // [N] sqrt(2 c E) before the step
+    double spring = 0.0;           // [N] the held force without contact damping, before the step
+    double pressed = 0.0;          // [N] c times the way into the surface during the step
+    double allowed = 0.0;          // [N]
+    double rendered = 0.0;         // [N]
+    double rendered_spring = 0.0;  // [N] without contact damping
+  };
+  void store(double held_friction) noexcept;
+
   ChannelLaw translation_, rotation_;
   Projection projection_;
+  Storage storage_;
   bool torque_;
 
   Vec3 normal_ =
       Vec3::Zero();       // u_p, the elastic direction held; zero when no elastic force was held
   double elastic_ = 0.0;  // [N] held along normal_, >= 0
+  double spare_ = 0.0;    // [N] stored beyond S(elastic_): sqrt(2 c E - elastic_^2)
+  double spring_ = 0.0;   // [N] of elastic_ without contact damping
+  ElasticStep last_;
   Vec3 frictional_ = Vec3::Zero();   // [N] held
   Vec3 held_torque_ = Vec3::Zero();  // [N m]
   double allowed_force_ = 0.0,

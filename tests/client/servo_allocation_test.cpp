@@ -3,37 +3,14 @@
 
 #include <gtest/gtest.h>
 
-#include <cstdlib>
-#include <new>
+#include <memory>
 #include <sstream>
 
 #include "client/devices/replay.hpp"
 #include "client/servo.hpp"
 #include "client/transport.hpp"
 #include "tests/client/peer.hpp"
-
-#ifndef FELTWIRE_SANITIZED
-namespace {
-thread_local bool counting = false;
-thread_local std::size_t allocations = 0;
-}  // namespace
-
-void* operator new(std::size_t size) {
-  if (counting) ++allocations;
-  if (void* memory = std::malloc(size > 0 ? size : 1)) return memory;
-  throw std::bad_alloc();
-}
-void* operator new(std::size_t size, std::align_val_t alignment) {
-  if (counting) ++allocations;
-  const auto step = static_cast<std::size_t>(alignment);
-  if (void* memory = std::aligned_alloc(step, (size + step - 1) / step * step)) return memory;
-  throw std::bad_alloc();
-}
-void operator delete(void* memory) noexcept { std::free(memory); }
-void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
-void operator delete(void* memory, std::align_val_t) noexcept { std::free(memory); }
-void operator delete(void* memory, std::size_t, std::align_val_t) noexcept { std::free(memory); }
-#endif
+#include "tests/support/allocation_counter.hpp"
 
 namespace feltwire {
 namespace {
@@ -59,25 +36,23 @@ TEST(Servo, TenThousandTicksOverASocketAllocateNothing) {
     reply.command.elastic = Vec3(0, 0, 1e-4 * static_cast<double>(i));
     if (i > 1) peer.send_bytes(encoder.reply(testing::ScenePeer::kSession, i, reply));
 
-    counting = true;
+    const std::size_t before = test::allocations();
     GoodbyeReason reason;
     while (transport.receive(reply, reason) == Transport::Arrival::reply) {
       servo.take(reply, now);
       ++replies;
     }
     transport.send(*servo.tick(device, now));
-    counting = false;
-    counted += std::exchange(allocations, 0);
+    counted += test::allocations() - before;
     peer.receive_bytes();
   }
   EXPECT_EQ(counted, 0u);
   EXPECT_EQ(replies, 9'999u);
   EXPECT_GT(servo.statistics().max_force, 0.0);
 
-  counting = true;
+  const std::size_t before = test::allocations();
   const std::unique_ptr<int> proof(new int(1));  // the counter counts
-  counting = false;
-  EXPECT_EQ(std::exchange(allocations, 0), 1u);
+  EXPECT_EQ(test::allocations() - before, 1u);
 #endif
 }
 

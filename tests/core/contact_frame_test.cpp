@@ -1,269 +1,16 @@
-// Law (C) of the contact-frame bound, and hands that try to break it.
+// Law (C) of the contact-frame bound, channel by channel, and its closed forms.
 
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <functional>
 #include <numbers>
 
-#include "tests/core/support.hpp"
+#include "tests/core/contact_frame_fixture.hpp"
 
 namespace feltwire {
 namespace {
 
-using test::angle;
-using test::greediest;
-using test::Random;
-using test::random_command;
-
-constexpr double kPeriod = 1e-3;                       // [s]
-constexpr double kDamping = 0.5;                       // [N s/m]
-constexpr double kRotationalDamping = 2e-4;            // [N m s/rad]
-constexpr double kColgate = 2.0 * kDamping / kPeriod;  // [N/m]
-
-BoundingConfig config(Projection projection = Projection::joint) {
-  return {.mode = BoundingMode::contact_frame,
-          .projection = projection,
-          .period = kPeriod,
-          .damping = kDamping,
-          .rotational_damping = kRotationalDamping,
-          .c1 = {},
-          .c2 = {},
-          .c1_rotation = {},
-          .c2_rotation = {},
-          .rotation = true};
-}
-
-/// How a hand, given what acts on it, moves until the next sample; the shares are of the greediest
-/// movement.
-struct Movement {
-  Vec3 displacement, rotation;
-};
-using Hand = std::function<Movement(Random&, const Command& held, double hold_time)>;
-
-/// Takes all that one sample can give; exactly, or with a perturbation, or by another's share.
-Movement greedy(Random& random, const Command& held, double time, double exact = 0.5) {
-  Movement m{greediest(held.force(), time, kDamping),
-             greediest(held.torque, time, kRotationalDamping)};
-  if (!random.chance(exact)) {
-    m.displacement = m.displacement * random.uniform(0.0, 3.0) + random.vector(-9.0, -3.0);
-    m.rotation = m.rotation * random.uniform(0.0, 3.0) + random.vector(-9.0, -3.0);
-  }
-  return m;
-}
-
-/// Pumps: presses against the force to fill the store, then takes it all back.
-Movement alternating(Random& random, const Command& held, double time) {
-  if (random.chance(0.5)) return greedy(random, held, time, 1.0);
-  const double pressing = -random.uniform(0.0, 4.0);
-  return {pressing * greediest(held.force(), time, kDamping) + random.vector(-7.0, -3.0),
-          pressing * greediest(held.torque, time, kRotationalDamping) + random.vector(-7.0, -3.0)};
-}
-
-/// Takes from one channel only, moving along or across the normal that is held.
-Movement one_channel(Random& random, const Command& held, double time) {
-  const Vec3 normal = direction(held.elastic);
-  const Vec3 all = greediest(held.force(), time, kDamping);
-  Movement m{random.chance(0.5) ? along(all, normal) : Vec3(all - along(all, normal)),
-             Vec3::Zero()};
-  m.displacement += random.vector(-9.0, -3.0);
-  return m;
-}
-
-/// Moves as it likes.
-Movement restless(Random& random, const Command&, double) {
-  return {random.vector(-8.0, -2.0), random.vector(-8.0, -1.0)};
-}
-
-struct Outcome {
-  PortEnergy observer{kDamping, kRotationalDamping, kPeriod};
-  double worst = -1.0;    // greatest (delivered - burned) / exchanged
-  double rendered = 0.0;  // [N] sum of magnitudes: a bound that renders nothing proves nothing
-};
-
-/// Commands that nothing binds, and a hand that knows what is held: `reduce` is what the device
-/// makes of a command.
-Outcome attack(const BoundingConfig& bound, const Hand& hand, std::uint64_t seed, int steps,
-               const std::function<Command(Random&, const Command&)>& reduce = {}) {
-  Random random(seed);
-  Bounding bounding(bound);
-  Outcome outcome;
-  Command held;
-  double exchanged = 0.0;
-  for (int n = 0; n < steps; ++n) {
-    const double hold_time = kPeriod * random.uniform(0.2, 1.0);
-    Movement moved = hand(random, held, kPeriod);
-    if (random.chance(0.02)) moved = {Vec3::Zero(), Vec3::Zero()};
-    outcome.observer.step(held, moved.displacement, moved.rotation, hold_time);
-    exchanged += std::abs(held.force().dot(moved.displacement)) +
-                 std::abs(held.torque.dot(moved.rotation)) +
-                 kDamping / kPeriod * moved.displacement.squaredNorm() +
-                 kRotationalDamping / kPeriod * moved.rotation.squaredNorm();
-    if (exchanged > 0.0) {
-      const double excess = outcome.observer.delivered().total() - outcome.observer.burned();
-      outcome.worst = std::max(outcome.worst, excess / exchanged);
-    }
-    held = bounding.step({moved.displacement, moved.rotation, hold_time, random_command(random)})
-               .rendered;
-    if (reduce) {
-      held = reduce(random, held);
-      bounding.set_held(held);
-    }
-    outcome.rendered += held.force().norm() + held.torque.norm();
-  }
-  return outcome;
-}
-
-struct Attack {
-  const char* name;
-  Hand hand;
-};
-const Attack kAttacks[] = {
-    {"greedy", [](Random& r, const Command& h, double t) { return greedy(r, h, t); }},
-    {"nearly always exact",
-     [](Random& r, const Command& h, double t) { return greedy(r, h, t, 0.95); }},
-    {"alternating", alternating},
-    {"one channel", one_channel},
-    {"restless", restless},
-};
-
-TEST(ContactFrame, NoHandTakesMoreThanTheDeviceBurned) {
-  for (const Attack& a : kAttacks) {
-    double worst = -1.0, rendered = 0.0;
-    for (std::uint64_t seed = 0; seed < 200; ++seed) {
-      const Outcome o =
-          attack(config(seed % 2 ? Projection::joint : Projection::cone), a.hand, seed, 4000);
-      worst = std::max(worst, o.worst);
-      rendered += o.rendered;
-      EXPECT_EQ(o.observer.violations(), 0u) << a.name << " seed " << seed;
-    }
-    EXPECT_LE(worst, 1e-12) << a.name;
-    EXPECT_GT(rendered, 1.0) << a.name;
-  }
-}
-
-// The same hands must win where the bound credits damping that the device does not have; else the
-// test above is blind.
-TEST(ContactFrame, TheSameHandWinsAgainstFivePercentTooMuchDamping) {
-  BoundingConfig boasting = config();
-  boasting.damping = 1.05 * kDamping;
-  boasting.rotational_damping = 1.05 * kRotationalDamping;
-  double worst = -1.0;
-  std::uint64_t violations = 0;
-  for (std::uint64_t seed = 0; seed < 10; ++seed) {
-    const Outcome o = attack(boasting, kAttacks[0].hand, seed, 4000);
-    worst = std::max(worst, o.worst);
-    violations += o.observer.violations();
-  }
-  EXPECT_GT(worst, 1e-3);
-  EXPECT_GT(violations, 0u);
-}
-
-TEST(ContactFrame, WhateverTheDeviceMakesSmallerStaysPassive) {
-  const std::function<Command(Random&, const Command&)> reductions[] = {
-      [](Random& r, const Command& c) { return r.uniform(0.0, 1.0) * c; },  // fade, saturation
-      [](Random& r, const Command& c) {  // each part by itself, or dropped
-        return Command{r.uniform(0.0, 1.0) * c.elastic, (r.chance(0.5) ? 0.0 : 1.0) * c.frictional,
-                       r.uniform(-1.0, 1.0) * c.torque};
-      },
-      [](Random& r, const Command& c) {  // bent into any direction, and reported in any parts
-        const Vec3 force = c.force().norm() * r.direction();
-        const Vec3 elastic = force.norm() * r.uniform(0.0, 3.0) * r.direction();
-        return Command{elastic, force - elastic, c.torque.norm() * r.direction()};
-      },
-  };
-  for (const auto& reduce : reductions)
-    for (const Attack& a : kAttacks) {
-      double worst = -1.0;
-      for (std::uint64_t seed = 0; seed < 20; ++seed)
-        worst = std::max(worst, attack(config(), a.hand, seed, 4000, reduce).worst);
-      EXPECT_LE(worst, 1e-12) << a.name;
-    }
-}
-
-TEST(ContactFrame, SaturationStaysPassive) {
-  BoundingConfig saturating = config();
-  saturating.max_force = 0.3;
-  saturating.max_torque = 1e-3;
-  for (const Attack& a : kAttacks)
-    for (std::uint64_t seed = 0; seed < 10; ++seed)
-      EXPECT_LE(attack(saturating, a.hand, seed, 4000).worst, 1e-12) << a.name;
-}
-
-/// The ledger of a port, kept apart from the code: what the device burned less what the hand got,
-/// in true values.
-struct Ledger {
-  double damping;
-  double balance = 0.0;    // [J] burned - delivered
-  double exchanged = 0.0;  // [J]
-  void account(const Vec3& force, const Vec3& displacement, double hold_time) {
-    const double burned = damping * displacement.squaredNorm() / std::max(hold_time, kPeriod);
-    balance += burned - force.dot(displacement);
-    exchanged += burned + std::abs(force.dot(displacement));
-  }
-  /// Everything that the hand can take during the next sample, had it lasted T.
-  double at_stake(const Vec3& force) const {
-    return force.squaredNorm() * kPeriod / (4.0 * damping);
-  }
-};
-
-// Faults overdraw; nobody can hinder that. What must hold all the same: a force is rendered only
-// when the ledger pays for the worst that the hand can do with it.
-struct Faults {
-  double longest_hold = 1.0;    // [T]
-  double skipped_writes = 0.0;  // probability that the device goes on holding the force before
-  double lost_movements = 0.0;  // probability that the bound is told NaN
-};
-void no_force_on_credit(const Faults& faults) {
-  int in_debt = 0, rendered = 0;
-  for (std::uint64_t seed = 0; seed < 60; ++seed) {
-    Random random(seed);
-    Bounding bounding(config(seed % 2 ? Projection::joint : Projection::cone));
-    Ledger force{kDamping}, torque{kRotationalDamping};
-    Command held;
-    for (int n = 0; n < 4000; ++n) {
-      const double hold_time =
-          random.chance(0.1) ? kPeriod * random.uniform(1.0, faults.longest_hold) : kPeriod;
-      Movement moved = kAttacks[seed % std::size(kAttacks)].hand(random, held, hold_time);
-      if (random.chance(0.5)) moved = restless(random, held, hold_time);  // repays
-      force.account(held.force(), moved.displacement, hold_time);
-      torque.account(held.torque, moved.rotation, hold_time);
-      BoundingStep told{moved.displacement, moved.rotation, hold_time, random_command(random)};
-      if (random.chance(faults.lost_movements)) told.displacement.x() = std::nan("");
-      if (random.chance(faults.lost_movements)) told.rotation.y() = std::nan("");
-      const Bounded out = bounding.step(told);
-      in_debt += out.in_debt;
-      rendered += out.rendered.force().norm() > 0.0;
-      if (out.rendered.force().norm() > 0.0) {
-        ASSERT_GE(force.balance - force.at_stake(out.rendered.force()), -1e-12 * force.exchanged)
-            << "seed " << seed << " step " << n;
-      }
-      if (out.rendered.torque.norm() > 0.0) {
-        ASSERT_GE(torque.balance - torque.at_stake(out.rendered.torque), -1e-12 * torque.exchanged)
-            << "seed " << seed << " step " << n;
-      }
-      if (random.chance(faults.skipped_writes))
-        bounding.set_held(held);
-      else
-        held = out.rendered;
-    }
-  }
-  EXPECT_GT(in_debt, 0);
-  EXPECT_GT(rendered, 1000);
-}
-
-TEST(ContactFrame, OverlongHoldsAreRepaidBeforeAnyForce) {
-  no_force_on_credit({.longest_hold = 5.0});
-}
-TEST(ContactFrame, SkippedWritesAreRepaidBeforeAnyForce) {
-  no_force_on_credit({.skipped_writes = 0.2});
-}
-TEST(ContactFrame, AMovementNotKnownCountsAsTheWorst) {
-  no_force_on_credit({.longest_hold = 5.0, .lost_movements = 0.1});
-}
-TEST(ContactFrame, AllFaultsTogether) {
-  no_force_on_credit({.longest_hold = 5.0, .skipped_writes = 0.2, .lost_movements = 0.05});
-}
+using namespace test;
 
 /// One step of a bound that has just rendered `held`, from rest.
 Bounded next(const BoundingConfig& c, const Command& held, const BoundingStep& step) {
@@ -302,7 +49,7 @@ TEST(ContactFrame, LawHoldsOnEachChannelOverSixDecades) {
     s.command = random_command(random);
     if (random.chance(0.3))
       s.command.elastic = random.vector(-3.0, 3.0).norm() * (random.chance(0.5) ? -normal : normal);
-    const Bounded out = next(config(projection), held, s);
+    const Bounded out = next(contact_frame(projection), held, s);
 
     const double credit = kPeriod / std::max(s.hold_time, kPeriod);
     const double dx_el = s.displacement.dot(normal);
@@ -344,7 +91,7 @@ TEST(ContactFrame, LawHoldsOnEachChannelOverSixDecades) {
 
 TEST(ContactFrame, JointKeepsTheDirectionExactly) {
   Random random(8);
-  Bounding bounding(config(Projection::joint));
+  Bounding bounding(contact_frame(Projection::joint));
   int cut = 0;
   for (int n = 0; n < 100000; ++n) {
     BoundingStep s{random.vector(-6.0, -2.0), random.vector(-4.0, 0.0), kPeriod,
@@ -366,7 +113,7 @@ TEST(ContactFrame, JointKeepsTheDirectionExactly) {
 
 TEST(ContactFrame, ConeKeepsTheNormalForceAndFrictionInItsCone) {
   Random random(9);
-  Bounding joint(config(Projection::joint)), cone(config(Projection::cone));
+  Bounding joint(contact_frame(Projection::joint)), cone(contact_frame(Projection::cone));
   int more_normal_force = 0;
   for (int n = 0; n < 100000; ++n) {
     const double mu = random.uniform(0.0, 2.0);
@@ -390,7 +137,7 @@ TEST(ContactFrame, ConeKeepsTheNormalForceAndFrictionInItsCone) {
 }
 
 TEST(ContactFrame, ContactDampingCountsAsElasticAndNeverPulls) {
-  Bounding bounding(config());
+  Bounding bounding(contact_frame());
   BoundingStep s;
   s.displacement = Vec3(-0.1, -0.1, 0);
   s.command = {Vec3(0, 3, 0), Vec3(1, -1, 0), Vec3::Zero()};
@@ -409,7 +156,7 @@ TEST(ContactFrame, ContactDampingCountsAsElasticAndNeverPulls) {
 TEST(ContactFrame, RoundingIsNoFriction) {
   Random random(10);
   for (int n = 0; n < 10000; ++n) {
-    Bounding bounding(config(Projection::joint));
+    Bounding bounding(contact_frame(Projection::joint));
     const Vec3 normal = random.direction();
     const BoundingStep s{
         -0.1 * normal, Vec3::Zero(), kPeriod, {3.0 * normal, -0.7 * normal, Vec3::Zero()}};
@@ -418,7 +165,7 @@ TEST(ContactFrame, RoundingIsNoFriction) {
 }
 
 TEST(ContactFrame, ContactLostDropsTheForceAtOnce) {
-  Bounding bounding(config());
+  Bounding bounding(contact_frame());
   BoundingStep s;
   s.displacement = Vec3(0, -0.01, 0);
   s.command.elastic = Vec3(0, 5, 0);
@@ -431,7 +178,7 @@ TEST(ContactFrame, ContactLostDropsTheForceAtOnce) {
 /// A hand that presses `depth` deep into a spring and, when `release`, out again; least |rendered|
 /// / |commanded|.
 double least_ratio(double stiffness, bool release) {
-  Bounding bounding(config());
+  Bounding bounding(contact_frame());
   const Vec3 up = Vec3(1, 2, 2) / 3.0;
   const int steps = 2000;
   double before = 0.0, least = 1.0;
@@ -472,7 +219,7 @@ int samples_to_repay(Bounding& bounding, BoundingStep free) {
 }
 
 TEST(ContactFrame, ADebtIsRepaidByTheDampingExactly) {
-  Bounding bounding(config());
+  Bounding bounding(contact_frame());
   BoundingStep s;
   const Vec3 up(0, 1, 0);
   s.displacement = -0.001 * up;
@@ -508,7 +255,7 @@ TEST(ContactFrame, AMovementNotKnownOverALongHoldOwesTheWorst) {
       return rotation ? BoundingStep{none, movement, hold_time, {none, none, held}}
                       : BoundingStep{movement, none, hold_time, {held, none, none}};
     };
-    Bounding bounding(config());
+    Bounding bounding(contact_frame());
     EXPECT_FALSE(bounding.step(step(press, kPeriod)).active);
     EXPECT_TRUE(bounding.step(step(unknown, 10 * kPeriod)).in_debt);
     const double debt = 9.0 * held.squaredNorm() * kPeriod / (4.0 * b);
@@ -525,14 +272,14 @@ TEST(ContactFrame, AMovementNotKnownOverALongHoldOwesTheWorst) {
 
 TEST(ContactFrame, HoldsShorterThanThePeriodEarnNoMoreThanThePeriod) {
   for (const double share : {0.0, 0.1, 0.5, 1.0}) {
-    Bounding bounding(config());
+    Bounding bounding(contact_frame());
     BoundingStep s;
     s.displacement = Vec3(0, -1e-3, 0);
     s.hold_time = share * kPeriod;
     s.command.elastic = Vec3(0, 100, 0);
     EXPECT_DOUBLE_EQ(bounding.step(s).rendered.elastic.y(), kColgate * 1e-3);
   }
-  Bounding bounding(config());
+  Bounding bounding(contact_frame());
   BoundingStep s;
   s.displacement = Vec3(0, -1e-3, 0);
   s.hold_time = 4.0 * kPeriod;  // a quarter of the damping: half the force
@@ -544,7 +291,7 @@ TEST(ContactFrame, HoldsShorterThanThePeriodEarnNoMoreThanThePeriod) {
 // split in the new frame, or the elastic channel starts with damping that the friction has already
 // spent.
 TEST(ContactFrame, FrictionHeldWithoutContactIsSplitInTheNewFrame) {
-  Bounding bounding(config());
+  Bounding bounding(contact_frame());
   BoundingStep s;
   s.displacement = Vec3(-1e-3, 0, 0);
   s.command.frictional = Vec3(1, 0, 0);

@@ -9,7 +9,7 @@
 
 #include "flatbuffers/flatbuffers.h"
 #include "protocol/schema/datagram_generated.h"
-#include "tests/protocol/allocation_counter.hpp"
+#include "tests/support/allocation_counter.hpp"
 #include "tests/protocol/make.hpp"
 
 namespace feltwire {

@@ -5,7 +5,7 @@
 
 #include <limits>
 
-#include "tests/protocol/allocation_counter.hpp"
+#include "tests/support/allocation_counter.hpp"
 #include "tests/server/make.hpp"
 
 namespace feltwire {

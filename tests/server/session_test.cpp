@@ -6,7 +6,7 @@
 #include <limits>
 #include <stdexcept>
 
-#include "tests/protocol/allocation_counter.hpp"
+#include "tests/support/allocation_counter.hpp"
 #include "tests/server/make.hpp"
 
 namespace feltwire {
