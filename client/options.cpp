@@ -28,8 +28,8 @@ std::string device_names() {
 struct Words {
   std::string connect, scene, device = "simulated", spec = "simulated";
   std::string mode = std::string(kBoundingModeNames.back()),
-              projection = std::string(name(SessionParameters{}.projection)), side = "both",
-              path = "press";
+              projection = std::string(name(SessionParameters{}.projection)), storage = "minimal",
+              side = "both", path = "press";
   double rate = 1000.0;
   std::optional<std::array<double, 3>> center, normal;
   std::string report, record;
@@ -52,6 +52,7 @@ void understand(const Words& words, HandTask task, ClientOptions& options) {
 
   options.parameters.mode = bounding_mode(words.mode);
   options.parameters.projection = projection(words.projection);
+  options.parameters.storage = storage(words.storage);
   options.parameters.side = bounding_side(words.side);
   require(std::isfinite(words.rate) && words.rate > 0.0, "--rate must be above 0 Hz");
   options.parameters.servo_period = 1.0 / words.rate;
@@ -116,6 +117,9 @@ std::variant<ClientOptions, int> parse_options(int argc, char** argv) {
       ->capture_default_str()
       ->group(session);
   app.add_option("--projection", words.projection, "Of contact_frame: " + choices(kProjectionNames))
+      ->capture_default_str()
+      ->group(session);
+  app.add_option("--storage", words.storage, "Of contact_frame: " + choices(kStorageNames))
       ->capture_default_str()
       ->group(session);
   app.add_option("--bounding", words.side, "Where the bound runs: " + choices(kBoundingSideNames))

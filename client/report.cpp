@@ -61,6 +61,7 @@ Json device(const std::string& kind, const DeviceSpec& spec) {
 Json parameters(const SessionParameters& p) {
   return {{"mode", name(p.mode)},
           {"projection", name(p.projection)},
+          {"storage", name(p.storage)},
           {"side", kBoundingSideNames[static_cast<std::size_t>(p.side)]},
           {"servo_period_s", number(p.servo_period)},
           {"redundancy", p.redundancy},

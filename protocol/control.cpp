@@ -57,7 +57,7 @@ Offset<wire::DeviceSpec> build(FlatBufferBuilder& builder, const DeviceSpec& d) 
 Offset<wire::SessionParameters> build(FlatBufferBuilder& builder, const SessionParameters& p) {
   return wire::CreateSessionParameters(
       builder, wire_enum<wire::BoundingMode>(p.mode), wire_enum<wire::Projection>(p.projection),
-      wire_enum<wire::BoundingSide>(p.side), p.servo_period,
+      wire_enum<wire::Storage>(p.storage), wire_enum<wire::BoundingSide>(p.side), p.servo_period,
       static_cast<std::uint8_t>(p.redundancy), p.operator_damping, p.velocity_cutoff, p.hold_time,
       p.c1.value_or(kNotGiven), p.c2.value_or(kNotGiven));
 }
@@ -131,7 +131,7 @@ bool read(const wire::SessionParameters& from, SessionParameters& to) {
   if (!std::isnan(from.c1())) to.c1 = from.c1();
   if (!std::isnan(from.c2())) to.c2 = from.c2();
   return read_enum(from.mode(), to.mode) && read_enum(from.projection(), to.projection) &&
-         read_enum(from.side(), to.side);
+         read_enum(from.storage(), to.storage) && read_enum(from.side(), to.side);
 }
 
 bool read(const wire::JoinRequest& from, JoinRequest& to) {

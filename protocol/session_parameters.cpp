@@ -46,6 +46,7 @@ void known(const char* field, std::size_t value, std::size_t choices) {
 void validate(const SessionParameters& p) {
   known("mode", static_cast<std::size_t>(p.mode), kBoundingModeNames.size());
   known("projection", static_cast<std::size_t>(p.projection), kProjectionNames.size());
+  known("storage", static_cast<std::size_t>(p.storage), kStorageNames.size());
   known("side", static_cast<std::size_t>(p.side), kBoundingSideNames.size());
   within("servo_period", p.servo_period, kShortestPeriod, kLongestPeriod, "s",
          "1e-3 is a haptic servo's usual period");
@@ -67,6 +68,7 @@ BoundingConfig bounding_config(const SessionParameters& p, const DeviceSpec& dev
   BoundingConfig config;
   config.mode = p.mode;
   config.projection = p.projection;
+  config.storage = p.storage;
   config.period = p.servo_period;
   config.damping = device.damping + p.operator_damping;
   config.rotational_damping = device.rotational_damping;

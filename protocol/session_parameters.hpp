@@ -18,6 +18,7 @@ inline constexpr std::array<std::string_view, 3> kBoundingSideNames = {"server",
 struct SessionParameters {
   BoundingMode mode = BoundingMode::contact_frame;
   Projection projection = Projection::cone;  // measured: docs/bounding.md, "joint or cone"
+  Storage storage = Storage::minimal;        // measured: the same page, "minimal or elastic"
   BoundingSide side = BoundingSide::both;
   double servo_period = 1e-3;  // T [s], 1e-5 to 0.1
   int redundancy = 3;          // k, 0 to kMaxRedundancy

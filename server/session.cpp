@@ -22,8 +22,9 @@ PortEnergy observer(const BoundingConfig& bound) {
 
 /// Whether a bound may go on with its memory under the other parameters.
 bool same_bound(const SessionParameters& a, const SessionParameters& b) {
-  return a.mode == b.mode && a.projection == b.projection && a.side == b.side &&
-         a.operator_damping == b.operator_damping && a.c1 == b.c1 && a.c2 == b.c2;
+  return a.mode == b.mode && a.projection == b.projection && a.storage == b.storage &&
+         a.side == b.side && a.operator_damping == b.operator_damping && a.c1 == b.c1 &&
+         a.c2 == b.c2;
 }
 
 /// [s] between two times of a clock that may be hostile: the difference of any two wraps round.

@@ -13,6 +13,8 @@ std::vector<ExperimentSample> run_experiment(const Scene& scene, const Experimen
   if (!(setup.duration > period) || !std::isfinite(setup.duration))
     throw std::invalid_argument("the duration must be finite and longer than one period [s]");
 
+  if (setup.delay < 0) throw std::invalid_argument("the delay must not be negative [T]");
+
   SimulatedDevice device(setup.hand);
   VelocityEstimate velocity(setup.velocity_cutoff);
   TouchMemory memory = scene.memory();
@@ -20,6 +22,8 @@ std::vector<ExperimentSample> run_experiment(const Scene& scene, const Experimen
   std::vector<ExperimentSample> samples;
   samples.reserve(count);
 
+  // Commands under way: the one asked for now is answered `delay` samples later.
+  std::vector<Command> under_way(static_cast<std::size_t>(setup.delay) + 1);
   Vec3 last_position = device.read(Nanoseconds{0}).pose.position;
   Command held;
   for (std::size_t n = 0; n < count; ++n) {
@@ -32,7 +36,8 @@ std::vector<ExperimentSample> run_experiment(const Scene& scene, const Experimen
     last_position = measured;
 
     const Tool tool{measured, velocity.update(s.displacement, period)};
-    s.commanded = actuated(device.spec(), scene.touch(tool, memory));
+    under_way[n % under_way.size()] = actuated(device.spec(), scene.touch(tool, memory));
+    s.commanded = under_way[(n + 1) % under_way.size()];
     s.rendered = bounding
                      .step({.displacement = s.displacement,
                             .rotation = Vec3::Zero(),

@@ -12,6 +12,7 @@ namespace feltwire {
 struct ExperimentSetup {
   SimulatedHandOptions hand;
   BoundingConfig bounding;
+  int delay = 0;          // [T] a round trip: age of the position that a command was computed from
   double duration = 8.0;  // [s]
   double velocity_cutoff =
       0.0;  // [Hz] of the velocity that damping and viscous friction see; 0: none

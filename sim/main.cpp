@@ -5,6 +5,7 @@
 #include <iostream>
 #include <memory>
 
+#include "sim/choices.hpp"
 #include "sim/figures.hpp"
 #include "sim/filters.hpp"
 #include "sim/report_table.hpp"
@@ -37,9 +38,16 @@ void add_figures(CLI::App& app) {
   });
 }
 
+void add_choices(CLI::App& app) {
+  CLI::App* command = app.add_subcommand(
+      "choices", "Measure what the contact frame leaves open: projection, storage");
+  command->footer("Joint or cone, minimal or elastic: the tables of docs/bounding.md.");
+  command->callback([] { std::cout << choices_tables(); });
+}
+
 void add_bound(CLI::App& app) {
   struct Options {
-    std::string mode = "contact_frame", projection = "joint";
+    std::string mode = "contact_frame", projection = "joint", storage = "minimal";
     BoundingConfig config;
     double c1 = 0.0, c2 = 0.0;
   };
@@ -73,9 +81,12 @@ void add_bound(CLI::App& app) {
                       "Saturation after the bound [N]; default none");
   command->add_option("--projection", o->projection, "joint or cone (contact_frame only)")
       ->capture_default_str();
+  command->add_option("--storage", o->storage, "minimal or elastic (contact_frame only)")
+      ->capture_default_str();
   command->callback([o, c1, c2] {
     o->config.mode = bounding_mode(o->mode);
     o->config.projection = projection(o->projection);
+    o->config.storage = storage(o->storage);
     if (*c1) o->config.c1 = o->c1;
     if (*c2) o->config.c2 = o->c2;
     report_refused(filter_bound(std::cin, std::cout, o->config));
@@ -113,6 +124,7 @@ int main(int argc, char** argv) {
   CLI::App app{"feltwire-lab: experiments on the energy bound, and filters", "feltwire-lab"};
   app.require_subcommand(1);
   add_figures(app);
+  add_choices(app);
   add_bound(app);
   add_touch(app);
   add_summary(app);

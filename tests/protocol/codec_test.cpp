@@ -9,8 +9,8 @@
 
 #include "flatbuffers/flatbuffers.h"
 #include "protocol/schema/datagram_generated.h"
-#include "tests/support/allocation_counter.hpp"
 #include "tests/protocol/make.hpp"
+#include "tests/support/allocation_counter.hpp"
 
 namespace feltwire {
 namespace {

@@ -29,7 +29,8 @@ Value round_trip(const Value& value) {
 SessionParameters unusual_parameters() {
   SessionParameters p;
   p.mode = BoundingMode::per_axis_projected;
-  p.projection = Projection::cone;
+  p.projection = Projection::joint;
+  p.storage = Storage::elastic;
   p.side = BoundingSide::client;
   p.servo_period = 2.5e-4;
   p.redundancy = 7;
@@ -44,6 +45,7 @@ SessionParameters unusual_parameters() {
 void expect_same(const SessionParameters& a, const SessionParameters& b) {
   EXPECT_EQ(a.mode, b.mode);
   EXPECT_EQ(a.projection, b.projection);
+  EXPECT_EQ(a.storage, b.storage);
   EXPECT_EQ(a.side, b.side);
   EXPECT_EQ(a.servo_period, b.servo_period);
   EXPECT_EQ(a.redundancy, b.redundancy);

@@ -5,8 +5,8 @@
 
 #include <limits>
 
-#include "tests/support/allocation_counter.hpp"
 #include "tests/server/make.hpp"
+#include "tests/support/allocation_counter.hpp"
 
 namespace feltwire {
 namespace {

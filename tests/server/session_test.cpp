@@ -6,8 +6,8 @@
 #include <limits>
 #include <stdexcept>
 
-#include "tests/support/allocation_counter.hpp"
 #include "tests/server/make.hpp"
+#include "tests/support/allocation_counter.hpp"
 
 namespace feltwire {
 namespace {

@@ -1,0 +1,149 @@
+#include "sim/choices.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+
+#include "sim/figures.hpp"
+
+namespace feltwire {
+namespace {
+
+/// A plane with outward normal +y, as the paper's wall.
+Scene plane(double stiffness, double friction) {
+  Object object;
+  object.name = "plane";
+  object.shape = Plane{};
+  object.pose.orientation = Quaternion::FromTwoVectors(Vec3::UnitZ(), Vec3::UnitY());
+  object.material = {.stiffness = stiffness,
+                     .damping = 0.0,
+                     .static_friction = friction,
+                     .dynamic_friction = 0.8 * friction,
+                     .viscous_friction = 0.0};
+  return Scene("plane", {object});
+}
+
+Scene sphere(double stiffness) {
+  Object object;
+  object.name = "sphere";
+  object.shape = Sphere{0.09};
+  object.material.stiffness = stiffness;
+  return Scene("sphere", {object});
+}
+
+struct Method {
+  const char* name;
+  BoundingMode mode;
+  Projection projection;
+  Storage storage;
+};
+constexpr Method kNone{"none", BoundingMode::none, Projection::joint, Storage::minimal};
+constexpr Method kJoint{"joint", BoundingMode::contact_frame, Projection::joint, Storage::minimal};
+constexpr Method kCone{"cone", BoundingMode::contact_frame, Projection::cone, Storage::minimal};
+constexpr Method kElastic{"elastic", BoundingMode::contact_frame, Projection::cone,
+                          Storage::elastic};
+
+ExperimentSetup setup_of(const char* experiment, const Method& method, double damping) {
+  ExperimentSetup setup = figure_setup(experiment, method.mode, damping, method.projection);
+  setup.bounding.storage = method.storage;
+  return setup;
+}
+
+template <class... Values>
+void line(std::string& text, const char* format, Values... values) {
+  std::array<char, 160> buffer;
+  std::snprintf(buffer.data(), buffer.size(), format, values...);
+  text += buffer.data();
+}
+
+constexpr double kSettled = 3.0;  // [s] from here on the hand has come in
+
+double mean_normal_force(const std::vector<ExperimentSample>& samples) {
+  double sum = 0.0;
+  int count = 0;
+  for (const ExperimentSample& s : samples) {
+    if (s.time < kSettled) continue;
+    sum += s.rendered.force().y();
+    ++count;
+  }
+  return sum / count;
+}
+
+/// Rendered over commanded normal force, while the hand moves out (`sign` > 0) or in (< 0).
+double share(const std::vector<ExperimentSample>& samples, double sign) {
+  double rendered = 0.0, commanded = 0.0;
+  for (const ExperimentSample& s : samples) {
+    if (s.displacement.y() * sign <= 0.0) continue;
+    rendered += s.rendered.force().y();
+    commanded += s.commanded.force().y();
+  }
+  return commanded > 0.0 ? rendered / commanded : 0.0;
+}
+
+void projections(std::string& text) {
+  text +=
+      "Joint or cone: a hand that presses 10 mm deep slides by +-30 mm at 0.5 Hz over dry "
+      "friction.\n\n"
+      "stiffness  friction  b                normal     direction error\n"
+      "[N/m]                [N s/m]  method  force [N]  mean / p99 [deg]\n";
+  for (const double stiffness : {500.0, 1000.0, 3000.0})
+    for (const double friction : {0.3, 0.6})
+      for (const double damping : {0.5, 2.0})
+        for (const Method& method : {kNone, kJoint, kCone}) {
+          const auto samples =
+              run_experiment(plane(stiffness, friction), setup_of("wall", method, damping));
+          const ExperimentMetrics m = measure(samples, {}, damping, 1e-3);
+          constexpr double kDegrees = 57.29577951308232;
+          line(text, "%9.0f  %8.1f  %7.1f  %-6s  %9.2f  %5.2f / %5.2f\n", stiffness, friction,
+               damping, method.name, mean_normal_force(samples), m.direction_error.mean * kDegrees,
+               m.direction_error.p99 * kDegrees);
+        }
+}
+
+void storages(std::string& text) {
+  text +=
+      "\nMinimal or elastic: a hand taps 10 mm deep at 0.5 Hz, b = 0.5 N s/m (c = 1000 N/m), with "
+      "the\ncommand a round trip old. Rendered over commanded force.\n\n"
+      "stiffness  round trip    minimal           elastic\n"
+      "[N/m]      [ms]          press / release   press / release\n";
+  for (const double stiffness : {100.0, 350.0, 1000.0, 4000.0})
+    for (const int delay : {0, 10, 50}) {
+      line(text, "%9.0f  %10d", stiffness, delay);
+      for (const Method& method : {kCone, kElastic}) {
+        ExperimentSetup setup = setup_of("wall", method, 0.5);
+        setup.hand.task.path = HandPath::taps;
+        setup.delay = delay;
+        const auto samples = run_experiment(plane(stiffness, 0.0), setup);
+        line(text, "     %5.2f / %5.2f", share(samples, -1.0), share(samples, 1.0));
+      }
+      text += '\n';
+    }
+  text +=
+      "\nThe same, gliding round a sphere of 90 mm and 1 kN/m, b = 0.5 N s/m: high-pass RMS of "
+      "the\n"
+      "position [um], and mean rendered over commanded force.\n\n"
+      "round trip [ms]   none           minimal        elastic\n";
+  for (const int delay : {0, 10, 50, 100}) {
+    line(text, "%15d", delay);
+    for (const Method& method : {kNone, kCone, kElastic}) {
+      ExperimentSetup setup = setup_of("sphere", method, 0.5);
+      setup.delay = delay;
+      const ExperimentMetrics m =
+          measure(run_experiment(sphere(1000.0), setup), {}, 0.5, setup.bounding.period);
+      line(text, "   %6.1f, %4.2f", 1e6 * std::max(m.highpass_rms.x(), m.highpass_rms.y()),
+           m.force_ratio);
+    }
+    text += '\n';
+  }
+}
+
+}  // namespace
+
+std::string choices_tables() {
+  std::string text;
+  projections(text);
+  storages(text);
+  return text;
+}
+
+}  // namespace feltwire

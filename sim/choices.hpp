@@ -1,0 +1,15 @@
+#pragma once
+// The two choices that the contact frame leaves open, measured: docs/bounding.md quotes this.
+
+#include <string>
+
+namespace feltwire {
+
+/// `feltwire-lab choices`: tables for people.
+///   joint or cone      sliding to and fro over dry friction: what is left of the normal force
+///   minimal or elastic tapping on springs: what comes back of them on release, and gliding round a
+///                      sphere with delay: how still the hand stays
+/// In process and deterministic.
+std::string choices_tables();
+
+}  // namespace feltwire
