@@ -17,6 +17,7 @@ namespace {
 /// The shortest text that reads back to the same double.
 void append(std::string& line, double value) {
   std::array<char, 32> text;
+  value += 0.0;  // people read -0 as a sign
   const auto end = std::to_chars(text.data(), text.data() + text.size(), value).ptr;
   if (!line.empty()) line += ',';
   line.append(text.data(), end);
@@ -38,9 +39,9 @@ void emit(std::istream& in, std::ostream& out, std::string& line) {
 }  // namespace
 
 std::size_t filter_bound(std::istream& in, std::ostream& out, const BoundingConfig& config) {
+  Bounding bounding(config);
   CsvReader reader(in, "stdin", {"dx", "dy", "dz", "ex", "ey", "ez", "fx", "fy", "fz"}, {},
                    CsvReader::NotFinite::accept);
-  Bounding bounding(config);
   PortEnergy port(config.damping, 0.0, config.period);
   out << "rx,ry,rz,energy,active\n";
   std::array<double, 9> row{};

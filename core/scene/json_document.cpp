@@ -159,20 +159,17 @@ std::string read_text(const std::filesystem::path& file) {
   const std::string name = file.string();
   std::error_code ignored;
   if (std::filesystem::is_directory(file, ignored))
-    throw FileError(json::error_text(name, 1, "", "is a directory; name a file in it"));
+    throw FileError(name + ": is a directory; name a file in it");
   std::ifstream in(file, std::ios::binary);
-  if (!in)
-    throw FileError(json::error_text(name, 1, "",
-                                     "cannot be opened; check the path and your right to read it"));
+  if (!in) throw FileError(name + ": cannot be opened; check the path and your right to read it");
   std::string text;
   char block[65536];
   while (in.read(block, sizeof block) || in.gcount() > 0) {
     text.append(block, static_cast<std::size_t>(in.gcount()));
     if (text.size() > kMaxFile)
-      throw FileError(
-          json::error_text(name, 1, "", "is larger than 16 MiB; is it the right file?"));
+      throw FileError(name + ": is larger than 16 MiB; is it the right file?");
   }
-  if (in.bad()) throw FileError(json::error_text(name, 1, "", "could not be read to its end"));
+  if (in.bad()) throw FileError(name + ": could not be read to its end");
   return text;
 }
 

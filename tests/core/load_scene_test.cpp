@@ -227,7 +227,7 @@ TEST(LoadScene, FilesThatCannotBeRead) {
     load_scene(kScenes + "no_such.json");
   } catch (const FileError& error) {
     EXPECT_EQ(error.what(), kScenes +
-                                "no_such.json:1: document: cannot be opened; check the path "
+                                "no_such.json: cannot be opened; check the path "
                                 "and your right to read it");
   }
 }
