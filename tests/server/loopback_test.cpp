@@ -141,6 +141,8 @@ TEST(Loopback, TwoClientsShareAScene) {
   EXPECT_EQ(a.joined.udp_port, server.scenes()[0].udp_port);
   EXPECT_EQ(a.joined.silence_timeout, 2.0);
   EXPECT_TRUE(a.joined.friction);
+  EXPECT_EQ(a.joined.start_position, Vec3(0.01, 0, 0));
+  EXPECT_EQ(a.joined.start_normal, Vec3(0, 0, 1));
 
   // Each is answered as a session of its own would be.
   const Scene scene = test::room();

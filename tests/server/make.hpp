@@ -24,7 +24,7 @@ inline Scene room(double damping = 2.0) {
   ball.shape = Sphere{0.02};
   ball.pose.position = {0.05, 0, 0.01};
   ball.material = {.stiffness = 1500.0};
-  return Scene("room", {floor, ball});
+  return Scene("room", {floor, ball}, {.position = {0.01, 0, 0}, .normal = {0, 0, 2}});
 }
 
 inline DeviceSpec device() {

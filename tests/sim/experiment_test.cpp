@@ -1,0 +1,82 @@
+#include "sim/experiment.hpp"
+
+#include <gmock/gmock.h>
+
+#include <algorithm>
+
+#include "sim/choices.hpp"
+#include "sim/figures.hpp"
+
+namespace feltwire {
+namespace {
+
+Scene plane(double stiffness, double friction) {
+  const std::string k = std::to_string(stiffness), mu = std::to_string(friction);
+  return parse_scene(R"({"name": "plane",
+    "materials": [{"name": "m", "stiffness": )" +
+                         k + R"(, "static_friction": )" + mu + R"(, "dynamic_friction": )" + mu +
+                         R"(}],
+    "objects": [{"name": "o", "plane": {}, "material": "m",
+                 "orientation": [0.7071067811865476, -0.7071067811865476, 0, 0]}]})",
+                     "plane.json");
+}
+
+double mean_normal_force(const Scene& scene, BoundingMode mode, Projection projection) {
+  double sum = 0.0;
+  int count = 0;
+  for (const ExperimentSample& s :
+       run_experiment(scene, figure_setup("wall", mode, 2.0, projection))) {
+    if (s.time < 3.0) continue;
+    sum += s.rendered.force().y();
+    ++count;
+  }
+  return sum / count;
+}
+
+TEST(Experiment, ACommandIsAsOldAsTheDelay) {
+  constexpr double kStiffness = 1000.0;
+  for (const int delay : {0, 1, 37}) {
+    ExperimentSetup setup = figure_setup("wall", BoundingMode::contact_frame, 0.5);
+    setup.delay = delay;
+    const auto samples = run_experiment(plane(kStiffness, 0.0), setup);
+    std::vector<double> y;  // as measured; the hand begins 10 mm above, on a whole quantum
+    double measured = std::round(0.01 / 23e-6) * 23e-6;
+    for (const ExperimentSample& s : samples) y.push_back(measured += s.displacement.y());
+    double largest = 0.0;
+    for (std::size_t n = 0; n < samples.size(); ++n) {
+      const auto d = static_cast<std::size_t>(delay);
+      const double wanted = n < d ? 0.0 : kStiffness * std::max(0.0, -y[n - d]);
+      ASSERT_NEAR(samples[n].commanded.force().y(), wanted, 1e-6) << delay << " at " << n;
+      largest = std::max(largest, wanted);
+    }
+    EXPECT_GT(largest, 1.0);
+  }
+}
+
+TEST(Experiment, RefusesWhatCannotBeRun) {
+  ExperimentSetup setup = figure_setup("wall", BoundingMode::none, 0.5);
+  setup.delay = -1;
+  EXPECT_THROW(run_experiment(plane(1000.0, 0.0), setup), std::invalid_argument);
+  setup.delay = 0;
+  setup.duration = 0.0;
+  EXPECT_THROW(run_experiment(plane(1000.0, 0.0), setup), std::invalid_argument);
+}
+
+// Why sessions use cone (docs/bounding.md, "Measured").
+TEST(Experiment, JointLosesTheNormalForceToDryFrictionConeDoesNot) {
+  const Scene scene = plane(1000.0, 0.3);
+  const double whole = mean_normal_force(scene, BoundingMode::none, Projection::joint);
+  EXPECT_GT(mean_normal_force(scene, BoundingMode::contact_frame, Projection::cone), 0.95 * whole);
+  EXPECT_LT(mean_normal_force(scene, BoundingMode::contact_frame, Projection::joint), 0.2 * whole);
+}
+
+TEST(Choices, TablesHaveEveryRow) {
+  const std::string text = choices_tables();
+  EXPECT_THAT(text, testing::ContainsRegex("500 +0\\.3 +0\\.5 +joint"));
+  EXPECT_THAT(text, testing::ContainsRegex("4000 +50 +0\\.[0-9]+ / +0\\.[0-9]+"));
+  EXPECT_THAT(text, testing::ContainsRegex("\n +100 +[0-9.]+, [0-9.]+ +[0-9.]+, [0-9.]+"));
+  EXPECT_THAT(text, testing::Not(testing::HasSubstr("nan")));
+}
+
+}  // namespace
+}  // namespace feltwire
