@@ -24,6 +24,14 @@ inline double length(const Vec3& v) noexcept {
       exponent);
 }
 
+/// sqrt(a^2 + b^2), right for every finite a and b.
+inline double hypotenuse(double a, double b) noexcept {
+  const double squared = a * a + b * b;
+  if (squared > 1e-280 && squared < 1e280) [[likely]]
+    return std::sqrt(squared);
+  return std::hypot(a, b);
+}
+
 /// v / |v|; zero for zero and for what is not finite.
 inline Vec3 direction(const Vec3& v) noexcept {
   const double squared = v.squaredNorm();

@@ -58,7 +58,10 @@ void check(const BoundingConfig& c) {
   require(c.max_torque >= 0.0, "max torque must not be negative [N m]");
 }
 
-bool sane(const Vec3& v, double limit) { return v.cwiseAbs().maxCoeff() <= limit && v.allFinite(); }
+/// False for NaN too: it compares with nothing.
+bool sane(const Vec3& v, double limit) {
+  return std::abs(v.x()) <= limit && std::abs(v.y()) <= limit && std::abs(v.z()) <= limit;
+}
 
 /// The factor that brings `magnitude` under `limit`.
 double limit_factor(double magnitude, double limit) {
@@ -71,7 +74,10 @@ Vec3 worst_movement(const Vec3& held, double hold_time, double damping) {
   return damping > 0.0 ? Vec3(held * (hold_time / (2.0 * damping))) : Vec3::Zero();
 }
 
-bool differs(const Vec3& a, const Vec3& b) { return length(a - b) > 1e-12 * length(b); }
+/// Beyond rounding. Sane vectors: no square overflows.
+bool differs(const Vec3& a, const Vec3& b) {
+  return (a - b).squaredNorm() > 1e-24 * b.squaredNorm();
+}
 
 }  // namespace
 

@@ -25,7 +25,7 @@ inline double root_difference(double a, double b) noexcept {
 struct Debt {
   double force = 0.0;  // [N]
 
-  void add(double more) noexcept { force = std::hypot(force, more); }
+  void add(double more) noexcept { force = hypotenuse(force, more); }
 
   /// Repays from what a channel would be allowed; returns what that leaves to the channel. No force
   /// before all is repaid.

@@ -38,7 +38,7 @@ Command ContactFrameBound::step(const BoundingStep& s) noexcept {
   // (C), channel by channel; f = -F turns the sum into a difference.
   Debt debt = force_debt_;
   debt.add(force_excess_);
-  double allowed_elastic = allowed_magnitude(std::hypot(held_elastic - c * dx_el, spare_),
+  double allowed_elastic = allowed_magnitude(hypotenuse(held_elastic - c * dx_el, spare_),
                                              c * std::abs(dx_el), s.hold_time, translation_, debt);
   double allowed_friction = allowed_magnitude(length(held_friction - c * dx_fr), c * length(dx_fr),
                                               s.hold_time, translation_, debt);
@@ -46,13 +46,13 @@ Command ContactFrameBound::step(const BoundingStep& s) noexcept {
       debt.repay(allowed_friction);  // friction first: the normal force is missed more
   allowed_elastic = debt.repay(allowed_elastic);
   force_debt_ = debt;
-  allowed_force_ = std::hypot(allowed_elastic, allowed_friction);
+  allowed_force_ = hypotenuse(allowed_elastic, allowed_friction);
 
   double elastic_scale = factor(allowed_elastic, elastic);
   const double friction_scale = std::min(elastic_scale, factor(allowed_friction, friction));
   if (projection_ == Projection::joint) elastic_scale = friction_scale;
 
-  last_ = {.stored = std::hypot(elastic_, spare_),
+  last_ = {.stored = hypotenuse(elastic_, spare_),
            .spring = spring_,
            .pressed = -c * dx_el,
            .allowed = allowed_elastic,
@@ -97,7 +97,7 @@ void ContactFrameBound::set_held(const Command& held) noexcept {
   }
   held_torque_ = held.torque;
   if (storage_ == Storage::elastic) store(length(frictional_));
-  force_excess_ = excess(std::hypot(elastic_, length(frictional_)), allowed_force_);
+  force_excess_ = excess(hypotenuse(elastic_, length(frictional_)), allowed_force_);
   torque_excess_ = excess(length(held_torque_), allowed_torque_);
 }
 

@@ -30,7 +30,7 @@ struct ForceInterval {
 /// It is F(n) dx(n) >= (F(n)^2 - F(n-1)^2) / (2 c2) and (F(n) - F(n-1)) dx(n) <= c1 dx(n)^2.
 inline ForceInterval eba_interval(double dx, double held, EbaConstants c) noexcept {
   const double a = c.c2 * dx;
-  const double h = std::hypot(a, held);
+  const double h = hypotenuse(a, held);
   // The side where a and h would cancel uses (h + a)(h - a) = held^2, divided in an order that
   // cannot overflow.
   double hi = a >= 0.0 ? a + h : std::abs(held) * (std::abs(held) / (h - a));

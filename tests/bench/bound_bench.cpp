@@ -1,0 +1,68 @@
+// bound/METHOD/DOF: one step of a bounding method on a hand that slides over a stiff wall.
+
+#include <benchmark/benchmark.h>
+
+#include <array>
+#include <cmath>
+#include <string>
+
+#include "core/bounding/bounding.hpp"
+
+namespace feltwire {
+namespace {
+
+constexpr std::size_t kSteps = 1024;  // a power of two: a lap of the recorded hand
+
+/// Movements and commands as a session has them, made before the clock runs.
+std::array<BoundingStep, kSteps> recorded_hand(int dof) {
+  std::array<BoundingStep, kSteps> steps;
+  for (std::size_t n = 0; n < kSteps; ++n) {
+    const double t = 2.0 * M_PI * static_cast<double>(n) / kSteps;
+    BoundingStep& s = steps[n];
+    s.hold_time = 1e-3;
+    s.displacement = {9e-5 * std::cos(t), 4e-5 * std::sin(7.0 * t), 0.0};
+    s.command.elastic = {0.0, 3.0 + 2.0 * std::sin(3.0 * t), 0.0};
+    s.command.frictional = {-0.9 * std::cos(t), 0.05 * std::sin(7.0 * t), 0.0};
+    if (dof == 2) continue;
+    s.displacement.z() = 3e-5 * std::sin(2.0 * t);
+    s.command.frictional.z() = -0.3 * std::sin(2.0 * t);
+    if (dof == 3) continue;
+    s.rotation = {1e-4 * std::sin(t), 2e-4 * std::cos(2.0 * t), 1e-4 * std::sin(5.0 * t)};
+    s.command.torque = {0.02 * std::sin(t), 0.03, -0.01 * std::cos(t)};
+  }
+  return steps;
+}
+
+void step(benchmark::State& state, BoundingConfig config, int dof) {
+  config.damping = 0.5;
+  config.rotational_damping = 1e-3;
+  config.rotation = dof == 6;
+  config.max_force = 8.9;
+  config.max_torque = 0.5;
+  const auto steps = recorded_hand(dof);
+  Bounding bounding(config);
+  std::size_t n = 0;
+  for (auto _ : state) {
+    benchmark::DoNotOptimize(bounding.step(steps[n]));
+    n = (n + 1) % kSteps;
+  }
+}
+
+[[maybe_unused]] const bool registered = [] {
+  for (const std::string_view method : kBoundingModeNames)
+    for (const int dof : {2, 3, 6}) {
+      BoundingConfig config;
+      config.mode = bounding_mode(method);
+      config.projection = Projection::cone;
+      const std::string name = "bound/" + std::string(method) + "/" + std::to_string(dof);
+      benchmark::RegisterBenchmark(name.c_str(), step, config, dof);
+      if (config.mode != BoundingMode::contact_frame) continue;
+      config.storage = Storage::elastic;
+      const std::string elastic = "bound/contact_frame_elastic/" + std::to_string(dof);
+      benchmark::RegisterBenchmark(elastic.c_str(), step, config, dof);
+    }
+  return true;
+}();
+
+}  // namespace
+}  // namespace feltwire
