@@ -32,9 +32,9 @@ std::string wall_script(int figure, const std::string& run, const std::string& t
          "set ylabel 'x position [mm]'\nplot " +
          csv +
          "($2*1e3) with lines ls 1\n"
-         "set ylabel 'y position [mm]'\nplot " +
+         "set ylabel 'y position [mm]'\nset yrange [-4:1]\nplot " +
          csv +
-         "($3*1e3) with lines ls 1\n"
+         "($3*1e3) with lines ls 1\nset yrange [*:*]\n"
          "set key top right opaque\n"
          "set ylabel 'x force on the hand [N]'\nplot " +
          csv + "($5+$8) with lines ls 3 title 'commanded', " + csv +

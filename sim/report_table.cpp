@@ -25,8 +25,8 @@ constexpr std::array kRows = {
     Row{"servo woke up late, median [us]", "/servo_wakeup_late_us/p50", "%.0f"},
     Row{"largest force on the hand [N]", "/max_force_n", "%.2f"},
     Row{"force off its commanded direction, mean [deg]", "/direction_error_deg/mean", "%.3f"},
-    Row{"energy given to the hand by contact [J]", "/energy_delivered_j/elastic", "%.4f"},
-    Row{"energy given to the hand by friction [J]", "/energy_delivered_j/frictional", "%.4f"},
+    Row{"energy to the hand by contact [J] *", "/energy_delivered_j/elastic", "%.4f"},
+    Row{"energy to the hand by friction [J] *", "/energy_delivered_j/frictional", "%.4f"},
     Row{"times the energy bound was broken", "/bound_violations", "%.0f"},
 };
 
@@ -66,7 +66,7 @@ std::string report_table(const std::vector<std::filesystem::path>& reports) {
     }
     table += '\n';
   }
-  return table;
+  return table + "* negative: the hand gave more than it got\n";
 }
 
 }  // namespace feltwire
