@@ -21,3 +21,7 @@ if(FELTWIRE_SANITIZE)
     target_compile_options(feltwire_options INTERFACE -Wno-tsan)
   endif()
 endif()
+
+# One set for everything that includes Asio. It takes aligned_alloc only in files where a standard header came before it,
+# and then memory of the one kind is given back as the other: nowhere, then.
+set(FELTWIRE_ASIO_DEFINITIONS ASIO_STANDALONE ASIO_NO_DEPRECATED ASIO_DISABLE_STD_ALIGNED_ALLOC)
