@@ -93,7 +93,6 @@ void projections(std::string& text) {
           const auto samples =
               run_experiment(plane(stiffness, friction), setup_of("wall", method, damping));
           const ExperimentMetrics m = measure(samples, {}, damping, 1e-3);
-          constexpr double kDegrees = 57.29577951308232;
           line(text, "%9.0f  %8.1f  %7.1f  %-6s  %9.2f  %5.2f / %5.2f\n", stiffness, friction,
                damping, method.name, mean_normal_force(samples), m.direction_error.mean * kDegrees,
                m.direction_error.p99 * kDegrees);

@@ -5,7 +5,6 @@
 #include <cstdio>
 #include <fstream>
 #include <nlohmann/json.hpp>
-#include <numbers>
 #include <stdexcept>
 
 #include "scenes/paper_sphere_text.hpp"
@@ -54,7 +53,6 @@ void write_samples(const std::filesystem::path& file,
 }
 
 nlohmann::ordered_json entry(int figure, const FigureRun& run) {
-  constexpr double kDegrees = 180.0 / std::numbers::pi;
   const ExperimentMetrics& m = run.metrics;
   const auto axes = [](const Vec3& v, double unit) {
     return nlohmann::ordered_json::array({v.x() * unit, v.y() * unit, v.z() * unit});
@@ -109,13 +107,12 @@ ExperimentSetup figure_setup(const std::string& experiment, BoundingMode mode, d
   return setup;
 }
 
-FigureRun run_figure(const std::string& experiment, BoundingMode mode, double damping,
-                     Projection projection) {
+FigureRun run_figure(const std::string& experiment, BoundingMode mode, double damping) {
   const Scene scene = experiment == "wall"
                           ? parse_scene(embedded::paper_wall, "paper_wall.json")
                           : parse_scene(embedded::paper_sphere, "paper_sphere.json");
-  const ExperimentSetup setup = figure_setup(experiment, mode, damping, projection);
-  FigureRun run{experiment, mode, projection, damping, run_experiment(scene, setup), {}};
+  const ExperimentSetup setup = figure_setup(experiment, mode, damping);
+  FigureRun run{experiment, mode, damping, run_experiment(scene, setup), {}};
   const double c = damping / setup.bounding.period;
   run.metrics = measure(run.samples, {c, c}, damping, setup.bounding.period);
   return run;
@@ -171,8 +168,8 @@ std::string figures_table(const std::vector<FigureRun>& runs) {
     std::snprintf(line.data(), line.size(),
                   "%-10s  %6.1f  %-18s %8.2f  %9.2f  %9.2f  %9.0f %%  %11.4f\n",
                   run.experiment.c_str(), run.damping, std::string(name(run.mode)).c_str(),
-                  oscillation * 1e6, m.direction_error.mean * 180.0 / std::numbers::pi,
-                  m.force_ratio, 100.0 * m.outside_bounds_share, m.min_port_energy.minCoeff());
+                  oscillation * 1e6, m.direction_error.mean * kDegrees, m.force_ratio,
+                  100.0 * m.outside_bounds_share, m.min_port_energy.minCoeff());
     table += line.data();
   }
   return table;

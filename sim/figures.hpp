@@ -13,7 +13,6 @@ namespace feltwire {
 struct FigureRun {
   std::string experiment;  // "wall" or "sphere"
   BoundingMode mode = BoundingMode::none;
-  Projection projection = Projection::joint;
   double damping = 0.0;  // b [N s/m] of the device
   std::vector<ExperimentSample> samples;
   ExperimentMetrics metrics;
@@ -24,8 +23,7 @@ struct FigureRun {
 /// 90 mm, 5 kN/m, glided round in the x-y plane.
 ExperimentSetup figure_setup(const std::string& experiment, BoundingMode mode, double damping,
                              Projection projection = Projection::joint);
-FigureRun run_figure(const std::string& experiment, BoundingMode mode, double damping,
-                     Projection projection = Projection::joint);
+FigureRun run_figure(const std::string& experiment, BoundingMode mode, double damping);
 
 /// Runs every mode at every damping and writes figures.json, a CSV a run and the pictures to
 /// `directory` (created). Throws std::runtime_error when something cannot be written or drawn.

@@ -1,6 +1,7 @@
 #pragma once
 // What the paper's figures are judged by, as numbers.
 
+#include <numbers>
 #include <span>
 #include <vector>
 
@@ -8,6 +9,8 @@
 #include "sim/experiment.hpp"
 
 namespace feltwire {
+
+inline constexpr double kDegrees = 180.0 / std::numbers::pi;  // in a radian
 
 struct Spread {
   double mean = 0.0, p99 = 0.0, max = 0.0;

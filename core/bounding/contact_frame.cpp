@@ -15,8 +15,9 @@ Command ContactFrameBound::step(const BoundingStep& s) noexcept {
   // The command in its channels: e u and friction orthogonal to u. What friction has along u
   // (contact damping) counts as elastic, and a contact never pulls: e >= 0.
   const Vec3 u = direction(s.command.elastic);
+  const double spring = length(s.command.elastic);
   const double along_normal = s.command.frictional.dot(u);
-  const double elastic = std::max(0.0, length(s.command.elastic) + along_normal);
+  const double elastic = std::max(0.0, spring + along_normal);
   Vec3 frictional = s.command.frictional - along_normal * u;
   // What the subtraction leaves by rounding is no friction; bounded, it could take the elastic
   // force with it.
@@ -57,7 +58,7 @@ Command ContactFrameBound::step(const BoundingStep& s) noexcept {
            .pressed = -c * dx_el,
            .allowed = allowed_elastic,
            .rendered = elastic_scale * elastic,
-           .rendered_spring = elastic_scale * length(s.command.elastic)};
+           .rendered_spring = elastic_scale * spring};
 
   Command rendered;
   rendered.elastic = last_.rendered * u;

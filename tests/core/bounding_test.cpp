@@ -16,27 +16,18 @@
 namespace feltwire {
 namespace {
 
+using test::config;
 using test::Random;
 using test::random_command;
 using testing::HasSubstr;
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kPeriod = 1e-3;
+constexpr double kPeriod = test::kModePeriod;
 
 constexpr BoundingMode kModes[] = {BoundingMode::none, BoundingMode::total_energy,
                                    BoundingMode::per_axis, BoundingMode::per_axis_projected,
                                    BoundingMode::contact_frame};
-
-BoundingConfig config(BoundingMode mode, double damping = 0.5) {
-  BoundingConfig c;
-  c.mode = mode;
-  c.period = kPeriod;
-  c.damping = damping;
-  c.rotational_damping = 1e-3;
-  c.rotation = true;
-  return c;
-}
 
 std::string reason(const BoundingConfig& c) {
   try {

@@ -12,21 +12,12 @@ namespace feltwire {
 namespace {
 
 using test::angle;
+using test::config;
 using test::Random;
 using test::random_command;
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr double kPeriod = 1e-3;
-
-BoundingConfig config(BoundingMode mode, double damping = 0.5) {
-  BoundingConfig c;
-  c.mode = mode;
-  c.period = kPeriod;
-  c.damping = damping;
-  c.rotational_damping = 1e-3;
-  c.rotation = true;
-  return c;
-}
+constexpr double kPeriod = test::kModePeriod;
 
 double square(double x) { return x * x; }
 

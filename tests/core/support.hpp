@@ -35,6 +35,19 @@ class Random {
   std::mt19937_64 engine_;
 };
 
+inline constexpr double kModePeriod = 1e-3;  // [s]
+
+/// A bound of a mode with both damped, rotation rendered.
+inline BoundingConfig config(BoundingMode mode, double damping = 0.5) {
+  BoundingConfig c;
+  c.mode = mode;
+  c.period = kModePeriod;
+  c.damping = damping;
+  c.rotational_damping = 1e-3;
+  c.rotation = true;
+  return c;
+}
+
 /// A command as no scene would give it: every channel over six decades, now and then without
 /// contact or without one of its parts, friction anywhere between orthogonal and along the normal.
 inline Command random_command(Random& random) {
