@@ -27,9 +27,9 @@ std::string device_names() {
 /// The command line as it is written, before its words are understood.
 struct Words {
   std::string connect, scene, device = "simulated", spec = "simulated";
-  std::string mode = std::string(kBoundingModeNames.back()),
+  std::string mode = std::string(name(SessionParameters{}.mode)),
               projection = std::string(name(SessionParameters{}.projection)), storage = "minimal",
-              side = "both", path = "press";
+              reference = "zero", side, path = "press";
   double rate = 1000.0;
   std::optional<std::array<double, 3>> center, normal;
   std::string report, record;
@@ -53,7 +53,11 @@ void understand(const Words& words, HandTask task, ClientOptions& options) {
   options.parameters.mode = bounding_mode(words.mode);
   options.parameters.projection = projection(words.projection);
   options.parameters.storage = storage(words.storage);
-  options.parameters.side = bounding_side(words.side);
+  options.parameters.reference = passivity_reference(words.reference);
+  if (!words.side.empty())
+    options.parameters.side = bounding_side(words.side);
+  else if (moves_probe(options.parameters.mode))
+    options.parameters.side = BoundingSide::server;
   require(std::isfinite(words.rate) && words.rate > 0.0, "--rate must be above 0 Hz");
   options.parameters.servo_period = 1.0 / words.rate;
   validate(options.parameters);
@@ -122,8 +126,23 @@ std::variant<ClientOptions, int> parse_options(int argc, char** argv) {
   app.add_option("--storage", words.storage, "Of contact_frame: " + choices(kStorageNames))
       ->capture_default_str()
       ->group(session);
-  app.add_option("--bounding", words.side, "Where the bound runs: " + choices(kBoundingSideNames))
+  app.add_option("--reference", words.reference,
+                 "Of passivity_control*: " + choices(kPassivityReferenceNames))
       ->capture_default_str()
+      ->group(session);
+  app.add_option("--coupling-stiffness", parameters.coupling_stiffness,
+                 "[N/m] of virtual_coupling; the stiffest that is passive when not given")
+      ->group(session);
+  app.add_option("--coupling-damping", parameters.coupling_damping,
+                 "[N s/m] of virtual_coupling; all that is allowed when not given")
+      ->group(session);
+  app.add_option("--tool-mass", parameters.tool_mass, "[kg] of virtual_coupling's tool")
+      ->capture_default_str()
+      ->group(session);
+  app.add_option("--bounding", words.side,
+                 "Where the bound runs: " + choices(kBoundingSideNames) +
+                     "; both when not given (virtual_coupling and passivity_control_parallel: "
+                     "server)")
       ->group(session);
   app.add_option("--rate", words.rate, "[Hz] of the servo loop")
       ->capture_default_str()

@@ -48,13 +48,22 @@ Json energy(const ChannelEnergy& e) {
           {"torque", number(e.torque)}};
 }
 
+/// A number, or the matrix by rows.
+Json damping(const Damping& b) {
+  if (b.isotropic()) return number(b.least());
+  Json rows = Json::array();
+  for (int i = 0; i < 3; ++i)
+    rows.push_back({number(b.matrix()(i, 0)), number(b.matrix()(i, 1)), number(b.matrix()(i, 2))});
+  return rows;
+}
+
 Json device(const std::string& kind, const DeviceSpec& spec) {
   return {{"kind", kind},
           {"spec", spec.name},
           {"translation_dof", spec.translation_dof},
           {"rotation_sensed", spec.rotation_sensed},
           {"rotation_actuated", spec.rotation_actuated},
-          {"damping", number(spec.damping)},
+          {"damping", damping(spec.damping)},
           {"max_force_n", number(spec.max_force)}};
 }
 
@@ -69,7 +78,11 @@ Json parameters(const SessionParameters& p) {
           {"velocity_cutoff_hz", number(p.velocity_cutoff)},
           {"hold_time_s", number(p.hold_time)},
           {"c1", number(p.c1)},
-          {"c2", number(p.c2)}};
+          {"c2", number(p.c2)},
+          {"reference", name(p.reference)},
+          {"coupling_stiffness_n_per_m", number(p.coupling_stiffness)},
+          {"coupling_damping_n_s_per_m", number(p.coupling_damping)},
+          {"tool_mass_kg", number(p.tool_mass)}};
 }
 
 Json dropped(const TransportStatistics& transport, const ServoStatistics& servo) {

@@ -28,7 +28,7 @@ BoundingConfig bound_of(const SessionParameters& parameters, const DeviceSpec& s
 }
 
 PortEnergy observer_of(const BoundingConfig& config) {
-  return {config.damping, config.rotation ? config.rotational_damping : 0.0, config.period};
+  return {config.damping, config.rotation ? config.rotational_damping : Damping(), config.period};
 }
 
 bool good(const DeviceReading& reading) {

@@ -112,6 +112,15 @@ void check_range(const DeviceSpec& spec, const char* field, double value, double
              std::to_string(value) + "; check the unit");
 }
 
+void check_damping(const DeviceSpec& spec, const char* field, const Damping& damping, double most,
+                   const char* unit) {
+  const Mat3& m = damping.matrix();
+  for (int i = 0; i < 9; ++i)
+    check_range(spec, field, i % 4 == 0 ? m(i / 3, i % 3) : std::abs(m(i / 3, i % 3)), most, unit);
+  const std::string who = "device '" + spec.name.substr(0, kMaxName) + "': " + field + ":";
+  validate(damping, who.c_str());
+}
+
 }  // namespace
 
 void validate(const DeviceSpec& spec) {
@@ -131,9 +140,9 @@ void validate(const DeviceSpec& spec) {
            "is more than rotation_sensed: a torque that is not measured cannot be bounded; "
            "set rotation_actuated to 0");
 
-  check_range(spec, "damping", spec.damping, kMaxDamping, "N s/m");
-  check_range(spec, "rotational_damping", spec.rotational_damping, kMaxRotationalDamping,
-              "N m s/rad");
+  check_damping(spec, "damping", spec.damping, kMaxDamping, "N s/m");
+  check_damping(spec, "rotational_damping", spec.rotational_damping, kMaxRotationalDamping,
+                "N m s/rad");
   check_range(spec, "apparent_mass", spec.apparent_mass, kMaxMass, "kg");
   check_range(spec, "coulomb_friction", spec.coulomb_friction, kMaxForce, "N");
   check_range(spec, "position_resolution", spec.position_resolution, kMaxResolution, "m");

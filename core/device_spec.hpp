@@ -5,6 +5,7 @@
 #include <string>
 #include <string_view>
 
+#include "core/damping.hpp"
 #include "core/types.hpp"
 
 namespace feltwire {
@@ -15,8 +16,8 @@ struct DeviceSpec {
   int translation_dof = 3;           // 2 (x, y) or 3 (x, y, z), sensed and actuated
   int rotation_sensed = 0;           // 0 or 3
   int rotation_actuated = 0;         // 0 or 3; never more than sensed
-  double damping = 0.0;              // b [N s/m], the device's own physical damping
-  double rotational_damping = 0.0;   // b_r [N m s/rad]
+  Damping damping;                   // B [N s/m], the device's own physical damping
+  Damping rotational_damping;        // B_r [N m s/rad]
   double apparent_mass = 0.0;        // [kg] at the tool
   double coulomb_friction = 0.0;     // [N] at the tool
   double position_resolution = 0.0;  // [m] encoder quantum at the tool

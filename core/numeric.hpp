@@ -3,50 +3,94 @@
 // numbers are plain.
 
 #include <cmath>
+#include <limits>
 
 #include "core/types.hpp"
 
 namespace feltwire {
 
-/// |v|, right for every finite v up to the largest double; not finite when v is not.
-inline double length(const Vec3& v) noexcept {
-  const double squared = v.squaredNorm();
-  // Between these the sum of squares has neither overflowed nor lost digits to denormals.
-  if (squared > 1e-280 && squared < 1e280) [[likely]]
+/// Between these a sum of squares has neither overflowed nor lost digits to denormals.
+template <class Real>
+inline constexpr Real kLeastSquare =
+    std::numeric_limits<Real>::min() / std::numeric_limits<Real>::epsilon();
+template <class Real>
+inline constexpr Real kLargestSquare =
+    std::numeric_limits<Real>::max() * std::numeric_limits<Real>::epsilon();
+
+template <class Real>
+inline bool is_plain_square(Real squared) noexcept {
+  return squared > kLeastSquare<Real> && squared < kLargestSquare<Real>;
+}
+
+/// v as components below one times 2^exponent, for what is too large or too small to be squared;
+/// zero for zero and for what is not finite.
+template <class Real>
+struct Scaled {
+  Vector3<Real> v = Vector3<Real>::Zero();
+  int exponent = 0;
+};
+template <class Real>
+Scaled<Real> scaled(const Vector3<Real>& v) noexcept {
+  const Real largest = v.cwiseAbs().maxCoeff();
+  if (!(largest > 0) || !v.allFinite()) return {};
+  const int e = std::ilogb(largest) + 1;
+  return {{std::ldexp(v.x(), -e), std::ldexp(v.y(), -e), std::ldexp(v.z(), -e)}, e};
+}
+
+/// |v|, right for every finite v up to the largest number; not finite when v is not.
+template <class Derived>
+inline typename Derived::Scalar length(const Eigen::MatrixBase<Derived>& expression) noexcept {
+  using Real = typename Derived::Scalar;
+  const Vector3<Real> v = expression;
+  const Real squared = v.squaredNorm();
+  if (is_plain_square(squared)) [[likely]]
     return std::sqrt(squared);
-  const double largest = v.cwiseAbs().maxCoeff();
-  if (!(largest > 0.0) || !v.allFinite()) return std::abs(v.sum());
-  int exponent;
-  std::frexp(largest, &exponent);
-  return std::ldexp(
-      Vec3(std::ldexp(v.x(), -exponent), std::ldexp(v.y(), -exponent), std::ldexp(v.z(), -exponent))
-          .norm(),
-      exponent);
+  if (!v.allFinite()) return std::abs(v.sum());
+  const Scaled<Real> s = scaled(v);
+  return std::ldexp(s.v.norm(), s.exponent);
 }
 
 /// sqrt(a^2 + b^2), right for every finite a and b.
-inline double hypotenuse(double a, double b) noexcept {
-  const double squared = a * a + b * b;
-  if (squared > 1e-280 && squared < 1e280) [[likely]]
+template <class Real>
+inline Real hypotenuse(Real a, Real b) noexcept {
+  const Real squared = a * a + b * b;
+  if (is_plain_square(squared)) [[likely]]
     return std::sqrt(squared);
   return std::hypot(a, b);
 }
 
+/// v as length and unit vector; both zero for zero and for what is not finite.
+template <class Real>
+struct Polar {
+  Real length = 0;
+  Vector3<Real> direction = Vector3<Real>::Zero();
+};
+template <class Real>
+inline Polar<Real> polar(const Vector3<Real>& v) noexcept {
+  const Real squared = v.squaredNorm();
+  if (is_plain_square(squared)) [[likely]] {
+    const Real norm = std::sqrt(squared);
+    return {norm, v * (1 / norm)};
+  }
+  const Scaled<Real> s = scaled(v);
+  const Real norm = s.v.norm();
+  if (!(norm > 0)) return {};
+  return {std::ldexp(norm, s.exponent), s.v / norm};
+}
+
 /// v / |v|; zero for zero and for what is not finite.
-inline Vec3 direction(const Vec3& v) noexcept {
-  const double squared = v.squaredNorm();
-  if (squared > 1e-280 && squared < 1e280) [[likely]]
-    return v / std::sqrt(squared);
-  const double largest = v.cwiseAbs().maxCoeff();
-  if (!(largest > 0.0) || !v.allFinite()) return Vec3::Zero();
-  int exponent;
-  std::frexp(largest, &exponent);
-  return Vec3(std::ldexp(v.x(), -exponent), std::ldexp(v.y(), -exponent),
-              std::ldexp(v.z(), -exponent))
-      .normalized();
+template <class Derived>
+inline Vector3<typename Derived::Scalar> direction(
+    const Eigen::MatrixBase<Derived>& expression) noexcept {
+  const Vector3<typename Derived::Scalar> v = expression;
+  return polar(v).direction;
 }
 
 /// The part of v along the unit vector u.
-inline Vec3 along(const Vec3& v, const Vec3& u) noexcept { return v.dot(u) * u; }
+template <class Derived>
+inline Vector3<typename Derived::Scalar> along(
+    const Eigen::MatrixBase<Derived>& v, const Vector3<typename Derived::Scalar>& u) noexcept {
+  return v.dot(u) * u;
+}
 
 }  // namespace feltwire

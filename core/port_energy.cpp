@@ -5,7 +5,8 @@
 
 namespace feltwire {
 
-PortEnergy::PortEnergy(double damping, double rotational_damping, double period, double rounding)
+PortEnergy::PortEnergy(const Damping& damping, const Damping& rotational_damping, double period,
+                       double rounding)
     : damping_(damping),
       rotational_damping_(rotational_damping),
       period_(period),
@@ -18,7 +19,7 @@ void PortEnergy::step(const Command& held, const Vec3& displacement, const Vec3&
   const double torque = held.torque.dot(rotation);
   const double hold = hold_time > period_ ? hold_time : period_;
   const double burned =
-      (damping_ * displacement.squaredNorm() + rotational_damping_ * rotation.squaredNorm()) / hold;
+      (damping_.quadratic(displacement) + rotational_damping_.quadratic(rotation)) / hold;
   // One sum tells of anything not finite among the inputs, and of products that overflowed.
   const double exchange = std::abs(elastic) + std::abs(frictional) + std::abs(torque) + burned;
   if (!std::isfinite(exchange) || !std::isfinite(hold_time)) {

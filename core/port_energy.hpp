@@ -4,6 +4,7 @@
 
 #include <cstdint>
 
+#include "core/damping.hpp"
 #include "core/types.hpp"
 
 namespace feltwire {
@@ -17,7 +18,7 @@ struct ChannelEnergy {
 };
 
 /// Accounts, sample by sample, the energy that held forces delivered to the hand, f(n-1) . dx(n),
-/// against what the device's own damping b burned at least, (b/h) |dx|^2 over a hold of h. A port
+/// against what the device's own damping B burned at least, dx' B dx / h over a hold of h. A port
 /// whose bound holds never delivers more than that, whatever the hand does: delivered <= burned. A
 /// sample after which this is broken, beyond rounding, is a violation.
 class PortEnergy {
@@ -25,7 +26,8 @@ class PortEnergy {
   /// damping [N s/m], rotational_damping [N m s/rad], period T [s] (shorter holds count as T).
   /// `rounding`: what a violation has to exceed, relative to all energy exchanged; sums of 1e8
   /// samples in double stay well below the default.
-  PortEnergy(double damping, double rotational_damping, double period, double rounding = 1e-9);
+  PortEnergy(const Damping& damping, const Damping& rotational_damping, double period,
+             double rounding = 1e-9);
 
   /// The device moved by `displacement` [m], `rotation` [rad] over `hold_time` [s] while `held`
   /// acted on the hand. A sample with anything not finite, products included, is left out and
@@ -41,7 +43,8 @@ class PortEnergy {
   std::uint64_t refused() const { return refused_; }
 
  private:
-  double damping_, rotational_damping_, period_, rounding_;
+  Damping damping_, rotational_damping_;
+  double period_, rounding_;
   ChannelEnergy delivered_;
   double burned_ = 0.0;
   double exchanged_ = 0.0;  // [J] sum of magnitudes: the scale that rounding is measured against

@@ -7,7 +7,12 @@
 
 namespace feltwire {
 
-using Vec3 = Eigen::Vector3d;
+template <class Real>
+using Vector3 = Eigen::Matrix<Real, 3, 1>;
+template <class Real>
+using Matrix3 = Eigen::Matrix<Real, 3, 3>;
+using Vec3 = Vector3<double>;
+using Mat3 = Matrix3<double>;
 using Quaternion = Eigen::Quaterniond;
 
 /// Pose of a tool or an object in the world frame.
@@ -18,20 +23,30 @@ struct Pose {
 };
 
 /// What acts on the hand, kept in the parts that the energy bound needs apart.
-/// Sign: f, the force that the environment puts ON THE HAND (bounding.md); the paper's F is -f.
-struct Command {
-  Vec3 elastic = Vec3::Zero();     // [N] resultant of the penalty / proxy forces
-  Vec3 frictional = Vec3::Zero();  // [N] everything else: friction, contact damping, viscosity
-  Vec3 torque = Vec3::Zero();      // [N m]
+/// Sign: f, the force that the environment puts ON THE HAND (docs/bounding.md); the paper's F is
+/// -f.
+template <class Real>
+struct BasicCommand {
+  Vector3<Real> elastic = Vector3<Real>::Zero();  // [N] resultant of the penalty / proxy forces
+  Vector3<Real> frictional =
+      Vector3<Real>::Zero();  // [N] everything else: friction, contact damping, viscosity
+  Vector3<Real> torque = Vector3<Real>::Zero();  // [N m]
 
-  Vec3 force() const { return elastic + frictional; }  // [N]
+  Vector3<Real> force() const { return elastic + frictional; }  // [N]
   bool finite() const {
     return elastic.allFinite() && frictional.allFinite() && torque.allFinite();
   }
-  friend Command operator*(double scale, const Command& c) {
+  template <class Other>
+  BasicCommand<Other> cast() const {
+    return {elastic.template cast<Other>(), frictional.template cast<Other>(),
+            torque.template cast<Other>()};
+  }
+  friend BasicCommand operator*(Real scale, const BasicCommand& c) {
     return {scale * c.elastic, scale * c.frictional, scale * c.torque};
   }
+  friend bool operator==(const BasicCommand&, const BasicCommand&) = default;
 };
+using Command = BasicCommand<double>;
 
 /// The state of the tool point that contact is computed from.
 struct Tool {

@@ -45,13 +45,43 @@ bool read_name(const flatbuffers::String* text, std::string& out) {
 wire::Vector vector(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
 Vec3 vector(const wire::Vector& v) { return {v.x(), v.y(), v.z()}; }
 
+/// Nothing for an isotropic damping, 3 numbers along the axes, 6 for a matrix.
+Offset<flatbuffers::Vector<double>> tensor(FlatBufferBuilder& builder, const Damping& damping) {
+  if (damping.isotropic()) return 0;
+  const Mat3& m = damping.matrix();
+  std::vector<double> entries{m(0, 0), m(1, 1), m(2, 2)};
+  if (damping.kind() == Damping::Kind::matrix)
+    entries.insert(entries.end(), {m(0, 1), m(0, 2), m(1, 2)});
+  return builder.CreateVector(entries);
+}
+
+bool read(double isotropic, const flatbuffers::Vector<double>* entries, Damping& to) {
+  constexpr flatbuffers::uoffset_t kAxes = 3, kMatrix = 6;
+  if (entries == nullptr) {
+    to = isotropic;
+  } else if (entries->size() == kAxes) {
+    to = Vec3((*entries)[0], (*entries)[1], (*entries)[2]);
+  } else if (entries->size() == kMatrix) {
+    const auto& e = *entries;
+    to = Mat3{{e[0], e[3], e[4]}, {e[3], e[1], e[5]}, {e[4], e[5], e[2]}};
+  } else {
+    return false;
+  }
+  return true;
+}
+
 Offset<wire::DeviceSpec> build(FlatBufferBuilder& builder, const DeviceSpec& d) {
   const wire::Vector workspace = vector(d.workspace);
-  return wire::CreateDeviceSpecDirect(
-      builder, d.name.c_str(), static_cast<std::uint8_t>(d.translation_dof),
-      static_cast<std::uint8_t>(d.rotation_sensed), static_cast<std::uint8_t>(d.rotation_actuated),
-      d.damping, d.rotational_damping, d.apparent_mass, d.coulomb_friction, d.position_resolution,
-      d.max_force, d.continuous_force, d.max_torque, &workspace);
+  const auto damping = tensor(builder, d.damping);
+  const auto rotational_damping = tensor(builder, d.rotational_damping);
+  const auto name = builder.CreateString(d.name);
+  // Who knows no tensor counts on the direction that is damped least.
+  return wire::CreateDeviceSpec(builder, name, static_cast<std::uint8_t>(d.translation_dof),
+                                static_cast<std::uint8_t>(d.rotation_sensed),
+                                static_cast<std::uint8_t>(d.rotation_actuated), d.damping.least(),
+                                d.rotational_damping.least(), d.apparent_mass, d.coulomb_friction,
+                                d.position_resolution, d.max_force, d.continuous_force,
+                                d.max_torque, &workspace, damping, rotational_damping);
 }
 
 Offset<wire::SessionParameters> build(FlatBufferBuilder& builder, const SessionParameters& p) {
@@ -59,7 +89,9 @@ Offset<wire::SessionParameters> build(FlatBufferBuilder& builder, const SessionP
       builder, wire_enum<wire::BoundingMode>(p.mode), wire_enum<wire::Projection>(p.projection),
       wire_enum<wire::Storage>(p.storage), wire_enum<wire::BoundingSide>(p.side), p.servo_period,
       static_cast<std::uint8_t>(p.redundancy), p.operator_damping, p.velocity_cutoff, p.hold_time,
-      p.c1.value_or(kNotGiven), p.c2.value_or(kNotGiven));
+      p.c1.value_or(kNotGiven), p.c2.value_or(kNotGiven),
+      wire_enum<wire::PassivityReference>(p.reference), p.coupling_stiffness.value_or(kNotGiven),
+      p.coupling_damping.value_or(kNotGiven), p.tool_mass);
 }
 
 /// The union's member of each message.
@@ -110,8 +142,6 @@ bool read(const wire::DeviceSpec& from, DeviceSpec& to) {
   to.translation_dof = from.translation_dof();
   to.rotation_sensed = from.rotation_sensed();
   to.rotation_actuated = from.rotation_actuated();
-  to.damping = from.damping();
-  to.rotational_damping = from.rotational_damping();
   to.apparent_mass = from.apparent_mass();
   to.coulomb_friction = from.coulomb_friction();
   to.position_resolution = from.position_resolution();
@@ -119,7 +149,9 @@ bool read(const wire::DeviceSpec& from, DeviceSpec& to) {
   to.continuous_force = from.continuous_force();
   to.max_torque = from.max_torque();
   if (const auto* extent = from.workspace()) to.workspace = vector(*extent);
-  return read_name(from.name(), to.name);
+  return read_name(from.name(), to.name) &&
+         read(from.damping(), from.damping_tensor(), to.damping) &&
+         read(from.rotational_damping(), from.rotational_damping_tensor(), to.rotational_damping);
 }
 
 bool read(const wire::SessionParameters& from, SessionParameters& to) {
@@ -130,8 +162,12 @@ bool read(const wire::SessionParameters& from, SessionParameters& to) {
   to.hold_time = from.hold_time();
   if (!std::isnan(from.c1())) to.c1 = from.c1();
   if (!std::isnan(from.c2())) to.c2 = from.c2();
-  return read_enum(from.mode(), to.mode) && read_enum(from.projection(), to.projection) &&
-         read_enum(from.storage(), to.storage) && read_enum(from.side(), to.side);
+  if (!std::isnan(from.coupling_stiffness())) to.coupling_stiffness = from.coupling_stiffness();
+  if (!std::isnan(from.coupling_damping())) to.coupling_damping = from.coupling_damping();
+  to.tool_mass = from.tool_mass();
+  return read_enum(from.reference(), to.reference) && read_enum(from.mode(), to.mode) &&
+         read_enum(from.projection(), to.projection) && read_enum(from.storage(), to.storage) &&
+         read_enum(from.side(), to.side);
 }
 
 bool read(const wire::JoinRequest& from, JoinRequest& to) {

@@ -15,6 +15,8 @@ constexpr double kLargestOperatorDamping = 100.0;               // [N s/m]
 constexpr double kLargestCutoff = 1e5;  // [Hz] half the rate of the shortest period and more
 constexpr double kLongestHold = 1.0;    // [s]
 constexpr double kStiffest = 1e9;       // [N/m]
+constexpr double kLargestCouplingDamping = 1e6;              // [N s/m]
+constexpr double kLightestTool = 1e-6, kHeaviestTool = 1e3;  // [kg]
 
 std::string text(double number) {
   std::string digits = std::to_string(number);
@@ -47,6 +49,7 @@ void validate(const SessionParameters& p) {
   known("mode", static_cast<std::size_t>(p.mode), kBoundingModeNames.size());
   known("projection", static_cast<std::size_t>(p.projection), kProjectionNames.size());
   known("storage", static_cast<std::size_t>(p.storage), kStorageNames.size());
+  known("reference", static_cast<std::size_t>(p.reference), kPassivityReferenceNames.size());
   known("side", static_cast<std::size_t>(p.side), kBoundingSideNames.size());
   within("servo_period", p.servo_period, kShortestPeriod, kLongestPeriod, "s",
          "1e-3 is a haptic servo's usual period");
@@ -62,6 +65,17 @@ void validate(const SessionParameters& p) {
     throw std::invalid_argument("c2 = " + text(*p.c2) + " is above c1 = " + text(*p.c1) +
                                 " N/m: the bounding laws would contradict each other; lower c2 or "
                                 "raise c1");
+  if (p.coupling_stiffness)
+    within("coupling_stiffness", *p.coupling_stiffness, 0.0, kStiffest, "N/m",
+           "leave it out for b/T");
+  if (p.coupling_damping)
+    within("coupling_damping", *p.coupling_damping, 0.0, kLargestCouplingDamping, "N s/m",
+           "leave it out for b - k T / 2");
+  within("tool_mass", p.tool_mass, kLightestTool, kHeaviestTool, "kg", "0.05 is a light tool");
+  if (moves_probe(p.mode) && p.side != BoundingSide::server)
+    throw std::invalid_argument("the mode " + std::string(name(p.mode)) +
+                                " asks the scene at its own tool, which only the server can: "
+                                "use the side server");
 }
 
 BoundingConfig bounding_config(const SessionParameters& p, const DeviceSpec& device) {
@@ -70,13 +84,16 @@ BoundingConfig bounding_config(const SessionParameters& p, const DeviceSpec& dev
   config.projection = p.projection;
   config.storage = p.storage;
   config.period = p.servo_period;
-  config.damping = device.damping + p.operator_damping;
+  config.damping = device.damping;
+  config.damping += p.operator_damping;
   config.rotational_damping = device.rotational_damping;
   config.c1 = p.c1;
   config.c2 = p.c2;
   config.max_force = device.max_force;
   config.max_torque = device.max_torque;
   config.rotation = device.rotation_actuated > 0;
+  config.reference = p.reference;
+  config.coupling = {p.coupling_stiffness, p.coupling_damping, p.tool_mass};
   return config;
 }
 

@@ -27,14 +27,21 @@ struct SessionParameters {
   double velocity_cutoff = 0.0;  // [Hz] of the server's velocity estimate, 0: none
   double hold_time =
       0.1;  // [s] a command older than half of it fades, at all of it it is zero; T to 1
-  std::optional<double> c1, c2;  // [N/m] the paper's modes; default b/T
+  std::optional<double> c1, c2;                             // [N/m] the paper's modes; default b/T
+  PassivityReference reference = PassivityReference::zero;  // passivity_control*
+  // virtual_coupling: [N/m] and [N s/m], by default the stiffest that is passive; [kg] of the tool
+  std::optional<double> coupling_stiffness, coupling_damping;
+  double tool_mass = 0.05;
+
+  friend bool operator==(const SessionParameters&, const SessionParameters&) = default;
 };
 
 std::string_view name(BoundingSide side);
 /// Throws std::invalid_argument naming the choices when there is no such side.
 BoundingSide bounding_side(std::string_view name);
 
-/// Throws std::invalid_argument naming the field, the range and the remedy.
+/// Throws std::invalid_argument naming the field, the range and the remedy. Methods that ask the
+/// scene elsewhere than at the device (moves_probe) run on the server only.
 void validate(const SessionParameters& parameters);
 
 /// The bound that a session of this device runs with, on either side.

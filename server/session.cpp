@@ -20,11 +20,13 @@ PortEnergy observer(const BoundingConfig& bound) {
   return PortEnergy(bound.damping, bound.rotational_damping, bound.period, kWireRounding);
 }
 
-/// Whether a bound may go on with its memory under the other parameters.
-bool same_bound(const SessionParameters& a, const SessionParameters& b) {
-  return a.mode == b.mode && a.projection == b.projection && a.storage == b.storage &&
-         a.side == b.side && a.operator_damping == b.operator_damping && a.c1 == b.c1 &&
-         a.c2 == b.c2;
+/// Whether a bound may go on with its memory under the other parameters: they differ in nothing
+/// that it was made from.
+bool same_bound(const SessionParameters& a, SessionParameters b) {
+  b.redundancy = a.redundancy;
+  b.velocity_cutoff = a.velocity_cutoff;
+  b.hold_time = a.hold_time;
+  return a == b;
 }
 
 /// [s] between two times of a clock that may be hostile: the difference of any two wraps round.
@@ -125,8 +127,14 @@ void Session::step(const Sample& sample, bool rotation, Reply& reply) noexcept {
   // of its real time, never the nominal one.
   const double hold_time = std::max(movement.nominal_time, movement.elapsed);
   Tool tool{sample.pose.position, Vec3::Zero()};
-  if (scene_->requirements().velocity)
-    tool.velocity = velocity_.update(movement.displacement, hold_time);
+  Vec3 tool_moved = movement.displacement;
+  if (parameters_.side != BoundingSide::client) {
+    const Vec3 offset = bounding_.probe(movement.displacement, movement.rotation).offset;
+    tool.position += offset;
+    tool_moved += offset - probe_offset_;
+    probe_offset_ = offset;
+  }
+  if (scene_->requirements().velocity) tool.velocity = velocity_.update(tool_moved, hold_time);
 
   const Command command = actuated(device_, scene_->touch(tool, contacts_));
   reply.command = command;
@@ -156,6 +164,7 @@ void Session::set_parameters(const SessionParameters& parameters) {
 
   if (!same_bound(parameters, parameters_)) {
     bounding_ = Bounding(bounding_config(parameters, device_));
+    probe_offset_.setZero();
     delivered_before_ = delivered();
     violations_before_ = violations();
     observer_ = observer(bounding_.config());

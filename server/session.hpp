@@ -68,6 +68,7 @@ class Session {
   const Scene* scene_;
   TouchMemory contacts_;
   Bounding bounding_;
+  Vec3 probe_offset_ = Vec3::Zero();  // [m] of where the scene was asked last, from the device
   VelocityEstimate velocity_;
   PortEnergy observer_;
   // What observers counted that had another damping.

@@ -25,6 +25,7 @@ std::vector<ExperimentSample> run_experiment(const Scene& scene, const Experimen
   // Commands under way: the one asked for now is answered `delay` samples later.
   std::vector<Command> under_way(static_cast<std::size_t>(setup.delay) + 1);
   Vec3 last_position = device.read(Nanoseconds{0}).pose.position;
+  Vec3 last_offset = Vec3::Zero();
   Command held;
   for (std::size_t n = 0; n < count; ++n) {
     ExperimentSample s;
@@ -35,7 +36,10 @@ std::vector<ExperimentSample> run_experiment(const Scene& scene, const Experimen
     s.held = held.force();
     last_position = measured;
 
-    const Tool tool{measured, velocity.update(s.displacement, period)};
+    const Vec3 offset = bounding.probe(s.displacement, Vec3::Zero()).offset;
+    const Tool tool{measured + offset,
+                    velocity.update(s.displacement + offset - last_offset, period)};
+    last_offset = offset;
     under_way[n % under_way.size()] = actuated(device.spec(), scene.touch(tool, memory));
     s.commanded = under_way[(n + 1) % under_way.size()];
     s.rendered = bounding

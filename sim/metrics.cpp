@@ -50,7 +50,7 @@ double highpass_rms(std::span<const double> values, int window) {
 }
 
 ExperimentMetrics measure(std::span<const ExperimentSample> samples, EbaConstants constants,
-                          double damping, double period) {
+                          const Damping& damping, double period) {
   ExperimentMetrics m;
   PortEnergy port(damping, 0.0, period);
   Vec3 energy = Vec3::Zero(), port_energy = Vec3::Zero();

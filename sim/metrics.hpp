@@ -44,6 +44,6 @@ struct ExperimentMetrics {
 /// `constants` are those of the per-axis interval, `damping` [N s/m] and `period` [s] those of the
 /// real port.
 ExperimentMetrics measure(std::span<const ExperimentSample> samples, EbaConstants constants,
-                          double damping, double period);
+                          const Damping& damping, double period);
 
 }  // namespace feltwire

@@ -65,14 +65,18 @@ void SimulatedDevice::integrate(double until) noexcept {
 
   const Hand& hand = options_.hand;
   const double mass = options_.spec.apparent_mass + hand.mass;
-  const double damping = hand.damping + options_.spec.damping;
+  Damping damping = options_.spec.damping;
+  damping += hand.damping;
+  const double scale = 1.0 / (1.0 + h / mass * damping.least());
+  const Mat3 solve = (Mat3::Identity() + h / mass * damping.matrix()).inverse();
   const double friction_impulse =
       options_.spec.coulomb_friction * h / mass;  // [m/s] at most, a step
   for (int i = 0; i < steps; ++i) {
     intended_ += h * intended_velocity;
     const Vec3 pull =
         hand.stiffness * (intended_ - position_) + hand.damping * intended_velocity + force_;
-    velocity_ = (velocity_ + h / mass * pull) / (1.0 + h / mass * damping);
+    const Vec3 driven = velocity_ + h / mass * pull;
+    velocity_ = damping.isotropic() ? Vec3(scale * driven) : Vec3(solve * driven);
     for (double& v : velocity_)
       v = std::abs(v) > friction_impulse ? v - std::copysign(friction_impulse, v) : 0.0;
     position_ += h * velocity_;

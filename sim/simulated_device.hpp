@@ -23,7 +23,7 @@ struct SimulatedHandOptions {
   HandTask task;
 };
 
-/// m x'' = k (x_i - x) + b_h (x_i' - x') - b x' - f_c sign(x') + f, with m of device and hand
+/// m x'' = k (x_i - x) + b_h (x_i' - x') - B x' - f_c sign(x') + f, with m of device and hand
 /// together, x_i the intended position and f the force last written, scaled down to the device's
 /// maximum. Coulomb friction acts axis by axis, as in a device whose axes have a transmission each.
 /// Semi-implicit Euler in steps of at most 20 us, damping implicit, Coulomb friction exact (it

@@ -1,6 +1,8 @@
 #include "core/bounding/bounding.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <stdexcept>
 #include <string>
 
@@ -28,8 +30,8 @@ void require(bool good, const std::string& message) {
   if (!good) throw std::invalid_argument(message);
 }
 
-EbaConstants constants(double damping, double period, std::optional<double> c1,
-                       std::optional<double> c2, const std::string& suffix) {
+EbaConstants axis_constants(double damping, double period, std::optional<double> c1,
+                            std::optional<double> c2, const std::string& suffix) {
   EbaConstants c;
   c.c1 = c1.value_or(damping / period);
   c.c2 = c2.value_or(c.c1);
@@ -44,39 +46,86 @@ EbaConstants constants(double damping, double period, std::optional<double> c1,
   return c;
 }
 
+template <class Real>
+EbaAxes<Real> constants(const Damping& damping, double period, std::optional<double> c1,
+                        std::optional<double> c2, const std::string& suffix) {
+  const Vec3 b = damping.per_axis();
+  EbaAxes<Real> axes;
+  for (int i = 0; i < 3; ++i) {
+    const EbaConstants c = axis_constants(b[i], period, c1, c2, suffix);
+    axes.axis[static_cast<std::size_t>(i)] = {static_cast<Real>(c.c1), static_cast<Real>(c.c2)};
+  }
+  return axes;
+}
+
+std::string number(double value) {
+  std::array<char, 32> text;
+  std::snprintf(text.data(), text.size(), "%g", value);
+  return text.data();
+}
+
+template <class Real>
+Coupling<Real> coupling(const CouplingConfig& c, double b, double period,
+                        const std::string& suffix) {
+  const double stiffness = c.stiffness.value_or(b / period);
+  require(stiffness >= 0.0 && stiffness <= kAbsurdStiffness,
+          "coupling stiffness" + suffix + " must be finite and not negative");
+  const double damping = c.damping.value_or(std::max(0.0, b - 0.5 * stiffness * period));
+  require(damping >= 0.0 && std::isfinite(damping),
+          "coupling damping" + suffix + " must be finite and not negative");
+  require(c.mass > 0.0 && std::isfinite(c.mass),
+          "the tool's mass" + suffix + " must be finite and above zero");
+  // Colgate's condition, with room for the rounding of its own default.
+  const double needed = 0.5 * stiffness * period + damping;
+  require(needed <= b * (1.0 + 1e-12),
+          "the virtual coupling" + suffix + " is not passive: k T / 2 + b_c = " + number(needed) +
+              " is above the device's damping " + number(b) +
+              "; lower its stiffness or its damping, or raise the servo rate");
+  return {static_cast<Real>(stiffness), static_cast<Real>(damping), static_cast<Real>(c.mass)};
+}
+
 void check(const BoundingConfig& c) {
   require(std::isfinite(c.period) && c.period > 0.0, "period must be finite and above zero [s]");
-  require(std::isfinite(c.damping) && c.damping >= 0.0,
-          "damping must be finite and not negative [N s/m]");
-  require(std::isfinite(c.rotational_damping) && c.rotational_damping >= 0.0,
-          "rotational damping must be finite and not negative [N m s/rad]");
-  require(2.0 * c.damping / c.period <= kAbsurdStiffness,
+  validate(c.damping, "damping");
+  validate(c.rotational_damping, "rotational damping");
+  require(2.0 * c.damping.matrix().cwiseAbs().maxCoeff() / c.period <= kAbsurdStiffness,
           "damping over period is absurd; the period is too short for this damping");
-  require(2.0 * c.rotational_damping / c.period <= kAbsurdStiffness,
+  require(2.0 * c.rotational_damping.matrix().cwiseAbs().maxCoeff() / c.period <= kAbsurdStiffness,
           "rotational damping over period is absurd; the period is too short for this damping");
+  if (c.mode == BoundingMode::contact_frame || c.mode == BoundingMode::energy_tank) {
+    const std::string remedy = std::string(" must be above zero along every axis for the mode ") +
+                               std::string(name(c.mode)) +
+                               "; give an axis that hardly has any a small one";
+    require(Metric<double>::usable(c.damping), "damping" + remedy);
+    require(!c.rotation || Metric<double>::usable(c.rotational_damping),
+            "rotational damping" + remedy);
+  }
   require(c.max_force > 0.0, "max force must be above zero [N]");
   require(c.max_torque >= 0.0, "max torque must not be negative [N m]");
 }
 
 /// False for NaN too: it compares with nothing.
-bool sane(const Vec3& v, double limit) {
+template <class Real>
+bool sane(const Vector3<Real>& v, double limit) {
   return std::abs(v.x()) <= limit && std::abs(v.y()) <= limit && std::abs(v.z()) <= limit;
 }
-
-/// The factor that brings `magnitude` under `limit`.
-double limit_factor(double magnitude, double limit) {
-  return magnitude > limit ? limit / magnitude : 1.0;
-}
-
-/// The movement that takes most from a port over `hold_time` while f is held: dx = f h / (2 b)
-/// minimises F.dx + (b/h) |dx|^2.
-Vec3 worst_movement(const Vec3& held, double hold_time, double damping) {
-  return damping > 0.0 ? Vec3(held * (hold_time / (2.0 * damping))) : Vec3::Zero();
+template <class Real>
+bool sane(const BasicCommand<Real>& c) {
+  return sane(c.elastic, kAbsurdForce) && sane(c.frictional, kAbsurdForce) &&
+         sane(c.torque, kAbsurdForce);
 }
 
 /// Beyond rounding. Sane vectors: no square overflows.
-bool differs(const Vec3& a, const Vec3& b) {
-  return (a - b).squaredNorm() > 1e-24 * b.squaredNorm();
+template <class Real>
+bool differs(const Vector3<Real>& a, const Vector3<Real>& b) {
+  constexpr Real kRounding = 256 * std::numeric_limits<Real>::epsilon();
+  return (a - b).squaredNorm() > kRounding * kRounding * b.squaredNorm();
+}
+
+/// Squares are enough to see that nothing is to be done. Returns the factor.
+template <class Real>
+Real limit_factor(const Vector3<Real>& v, Real limit) {
+  return v.squaredNorm() <= limit * limit ? Real(1) : reduction(limit, length(v));
 }
 
 }  // namespace
@@ -88,6 +137,10 @@ std::string_view name(Projection p) { return kProjectionNames[static_cast<std::s
 
 std::string_view name(Storage s) { return kStorageNames[static_cast<std::size_t>(s)]; }
 
+std::string_view name(PassivityReference r) {
+  return kPassivityReferenceNames[static_cast<std::size_t>(r)];
+}
+
 BoundingMode bounding_mode(std::string_view given) {
   return named<BoundingMode>("bounding mode", given, kBoundingModeNames);
 }
@@ -95,87 +148,142 @@ Projection projection(std::string_view given) {
   return named<Projection>("projection", given, kProjectionNames);
 }
 Storage storage(std::string_view given) { return named<Storage>("storage", given, kStorageNames); }
+PassivityReference passivity_reference(std::string_view given) {
+  return named<PassivityReference>("passivity reference", given, kPassivityReferenceNames);
+}
 
-Bounding::Bounding(const BoundingConfig& config) : config_(config) {
-  check(config);
-  const PerAxisBound axes{
-      .translation = constants(config.damping, config.period, config.c1, config.c2, ""),
-      .rotation = constants(config.rotational_damping, config.period, config.c1_rotation,
-                            config.c2_rotation, " (rotation)"),
+bool moves_probe(BoundingMode mode) {
+  return mode == BoundingMode::virtual_coupling || mode == BoundingMode::passivity_control_parallel;
+}
+
+template <class Real>
+BasicBounding<Real>::BasicBounding(const BoundingConfig& config)
+    : config_((check(config), config)),
+      period_(static_cast<Real>(config.period)),
+      max_force_(static_cast<Real>(config.max_force)),
+      max_torque_(static_cast<Real>(config.max_torque)),
+      rotation_(config.rotation),
+      translation_damping_(config.damping),
+      rotational_damping_(config.rotational_damping) {
+  const PerAxisBound<Real> axes{
+      .translation = constants<Real>(config.damping, config.period, config.c1, config.c2, ""),
+      .rotation = constants<Real>(config.rotational_damping, config.period, config.c1_rotation,
+                                  config.c2_rotation, " (rotation)"),
       .torque = config.rotation};
   switch (config.mode) {
     case BoundingMode::none:
-      method_ = NoBound{};
+      method_ = NoBound<Real>{};
       break;
     case BoundingMode::total_energy:
-      method_ = TotalEnergyBound{.per_axis = axes, .last = {}};
+      method_ = TotalEnergyBound<Real>{.axes = axes};
       break;
     case BoundingMode::per_axis:
       method_ = axes;
       break;
     case BoundingMode::per_axis_projected:
-      method_ = ProjectedBound{axes};
+      method_ = ProjectedBound<Real>{axes};
       break;
     case BoundingMode::contact_frame:
-      method_ = ContactFrameBound({2.0 * config.damping / config.period, config.period},
-                                  {2.0 * config.rotational_damping / config.period, config.period},
-                                  config.projection, config.storage, config.rotation);
+      method_ = ContactFrameBound<Real>(translation_damping_, rotational_damping_, period_,
+                                        config.projection, config.storage, config.rotation);
+      break;
+    case BoundingMode::virtual_coupling:
+      method_ = VirtualCoupling<Real>(
+          coupling<Real>(config.coupling, config.damping.least(), config.period, ""),
+          coupling<Real>(config.coupling_rotation, config.rotational_damping.least(), config.period,
+                         " (rotation)"),
+          config.rotation);
+      break;
+    case BoundingMode::passivity_control:
+      method_ = PassivityControl<Real>(config.reference, config.rotation);
+      break;
+    case BoundingMode::passivity_control_parallel:
+      method_ = PassivityControlParallel<Real>(config.reference, config.rotation);
+      break;
+    case BoundingMode::passivity_control_directional:
+      method_ = PassivityControlDirectional<Real>(config.reference, config.rotation);
+      break;
+    case BoundingMode::energy_tank:
+      method_ = EnergyTankBound<Real>(translation_damping_, rotational_damping_, period_,
+                                      config.rotation);
       break;
   }
 }
 
-Bounded Bounding::step(const BoundingStep& given) noexcept {
-  Bounded result;
-  BoundingStep s = given;
-  if (!config_.rotation) s.command.torque = s.rotation = Vec3::Zero();
-
-  const bool command_sane = sane(s.command.elastic, kAbsurdForce) &&
-                            sane(s.command.frictional, kAbsurdForce) &&
-                            sane(s.command.torque, kAbsurdForce);
+/// The step with everything in it usable: what was not is replaced by the worst that it can have
+/// been.
+template <class Real>
+BasicBoundingStep<Real> BasicBounding<Real>::checked(const Step& given,
+                                                     bool& refused) const noexcept {
+  Step s = given;
+  if (!rotation_) s.command.torque = s.rotation = Vector3<Real>::Zero();
   const bool displacement_sane = sane(s.displacement, kAbsurdMovement);
   const bool rotation_sane = sane(s.rotation, kAbsurdMovement);
   const bool hold_sane = std::abs(s.hold_time) <= kAbsurdHold;
   // A hold shorter than T earns no more credit than T.
-  if (!hold_sane || s.hold_time < config_.period) s.hold_time = config_.period;
-  if (!command_sane || !displacement_sane || !rotation_sane || !hold_sane) [[unlikely]] {
-    result.refused = true;
-    s.command = {};
-    if (!displacement_sane)
-      s.displacement = worst_movement(held_.force(), s.hold_time, config_.damping);
-    if (!rotation_sane)
-      s.rotation = worst_movement(held_.torque, s.hold_time, config_.rotational_damping);
-  }
+  if (!hold_sane || s.hold_time < period_) s.hold_time = period_;
+  refused = !sane(s.command) || !displacement_sane || !rotation_sane || !hold_sane;
+  if (!refused) [[likely]]
+    return s;
+  s.command = {};
+  if (!displacement_sane)
+    s.displacement = translation_damping_.worst_movement(held_.force(), s.hold_time);
+  if (!rotation_sane) s.rotation = rotational_damping_.worst_movement(held_.torque, s.hold_time);
+  return s;
+}
 
+template <class Real>
+bool BasicBounding<Real>::saturate(BasicCommand<Real>& rendered) const noexcept {
+  const Real force_factor = limit_factor<Real>(rendered.force(), max_force_);
+  const Real torque_factor = rotation_ ? limit_factor(rendered.torque, max_torque_) : Real(1);
+  if (force_factor == 1 && torque_factor == 1) return false;
+  rendered.elastic *= force_factor;
+  rendered.frictional *= force_factor;
+  rendered.torque *= torque_factor;
+  return true;
+}
+
+template <class Real>
+BasicBounded<Real> BasicBounding<Real>::step(const Step& given) noexcept {
+  BasicBounded<Real> result;
+  const Step s = checked(given, result.refused);
   result.rendered = std::visit([&](auto& method) { return method.step(s); }, method_);
   // The paper's laws would hold on to a part of the last force; zero is passive too, for the stored
   // energy pays for the worst that the hand did.
   if (result.refused) [[unlikely]]
     result.rendered = {};
   result.active = config_.mode != BoundingMode::none &&
-                  (differs(result.rendered.force(), s.command.force()) ||
-                   (config_.rotation && differs(result.rendered.torque, s.command.torque)));
-
-  const double force_factor = limit_factor(length(result.rendered.force()), config_.max_force);
-  const double torque_factor =
-      config_.rotation ? limit_factor(length(result.rendered.torque), config_.max_torque) : 1.0;
-  if (force_factor < 1.0 || torque_factor < 1.0) {
-    result.saturated = true;
-    result.rendered.elastic *= force_factor;
-    result.rendered.frictional *= force_factor;
-    result.rendered.torque *= torque_factor;
-  }
-  if (const auto* method = std::get_if<ContactFrameBound>(&method_))
-    result.in_debt = method->in_debt();
-  set_held(result.rendered);
+                  (differs<Real>(result.rendered.force(), s.command.force()) ||
+                   (rotation_ && differs(result.rendered.torque, s.command.torque)));
+  result.saturated = saturate(result.rendered);
+  if (const auto* frame = std::get_if<ContactFrameBound<Real>>(&method_))
+    result.in_debt = frame->in_debt();
+  else if (const auto* tank = std::get_if<EnergyTankBound<Real>>(&method_))
+    result.in_debt = tank->in_debt();
+  held_ = result.rendered;
+  if (result.refused || result.saturated)
+    std::visit([&](auto& method) { method.set_held(held_); }, method_);
   return result;
 }
 
-void Bounding::set_held(const Command& held) noexcept {
-  if (!sane(held.elastic, kAbsurdForce) || !sane(held.frictional, kAbsurdForce) ||
-      !sane(held.torque, kAbsurdForce))
-    return;
+template <class Real>
+void BasicBounding<Real>::set_held(const BasicCommand<Real>& held) noexcept {
+  if (held == held_ || !sane(held)) return;
   held_ = held;
   std::visit([&](auto& method) { method.set_held(held); }, method_);
 }
+
+template <class Real>
+BasicProbe<Real> BasicBounding<Real>::probe(const Vector3<Real>& displacement,
+                                            const Vector3<Real>& rotation) const noexcept {
+  if (const auto* coupling = std::get_if<VirtualCoupling<Real>>(&method_))
+    return coupling->probe(displacement, rotation);
+  if (const auto* parallel = std::get_if<PassivityControlParallel<Real>>(&method_))
+    return parallel->probe();
+  return {};
+}
+
+template class BasicBounding<double>;
+template class BasicBounding<float>;
 
 }  // namespace feltwire

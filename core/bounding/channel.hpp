@@ -3,39 +3,45 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "core/numeric.hpp"
 
 namespace feltwire {
 
 /// c = 2 b / T [N/m], and T itself for holds that last longer.
+template <class Real>
 struct ChannelLaw {
-  double c = 0.0;
-  double period = 1e-3;  // [s]
+  Real c = 0;
+  Real period = Real(1e-3);  // [s]
 };
 
 /// sqrt(a^2 - b^2) for a >= b >= 0 without overflow or cancellation.
-inline double root_difference(double a, double b) noexcept {
-  return b > 0.0 ? std::sqrt(a - b) * std::sqrt(a + b) : a;
+template <class Real>
+inline Real root_difference(Real a, Real b) noexcept {
+  return b > 0 ? std::sqrt(a - b) * std::sqrt(a + b) : a;
 }
 
 /// Energy E that a port delivered beyond its budget: a hold that lasted longer than T, or a force
 /// held that was never allowed. Kept as the force sqrt(4 b E / T) [N] whose storage it is, so that
 /// no square can overflow.
+template <class Real>
 struct Debt {
-  double force = 0.0;  // [N]
+  Real force = 0;  // [N]
 
-  void add(double more) noexcept { force = hypotenuse(force, more); }
+  void add(Real more) noexcept {
+    if (more > 0) force = hypotenuse(force, more);
+  }
 
   /// Repays from what a channel would be allowed; returns what that leaves to the channel. No force
   /// before all is repaid.
-  double repay(double allowed) noexcept {
+  Real repay(Real allowed) noexcept {
     if (allowed < force) {
       force = root_difference(force, allowed);
-      return 0.0;
+      return 0;
     }
-    const double left = root_difference(allowed, force);
-    force = 0.0;
+    const Real left = root_difference(allowed, force);
+    force = 0;
     return left;
   }
 };
@@ -48,23 +54,25 @@ struct Debt {
 /// The damping credit is (b/h) |dx_ch|^2, what the device really burned at least in the real time.
 /// Only for h > T can this be negative; then it is a debt.
 ///
-/// Arguments: `moved` = |F(n-1) + c dx_ch| [N]; `travel` = c |dx_ch| [N]; `hold_time` >= T [s].
-inline double allowed_magnitude(double moved, double travel, double hold_time,
-                                const ChannelLaw& law, Debt& debt) noexcept {
+/// Arguments: `moved` = |F(n-1) + c dx_ch| [N]; `distance` gives |dx_ch| [m]; `hold_time` >= T [s].
+template <class Real, class Distance>
+inline Real allowed_magnitude(Real moved, const Distance& distance, Real hold_time,
+                              const ChannelLaw<Real>& law, Debt<Real>& debt) noexcept {
   if (!(hold_time > law.period)) [[likely]]
     return moved;
-  const double unburned = travel * std::sqrt(1.0 - law.period / hold_time);
+  const Real unburned = law.c * distance() * std::sqrt(1 - law.period / hold_time);
   if (moved >= unburned) return root_difference(moved, unburned);
   debt.add(root_difference(unburned, moved));
-  return 0.0;
+  return 0;
 }
 
 /// What a force that was held has beyond what was allowed: the storage that it takes the place of
 /// is smaller than its own.
-inline double excess(double held, double allowed) noexcept {
+template <class Real>
+inline Real excess(Real held, Real allowed) noexcept {
   // Splitting a held force into its channels again rounds by some ulps; that is no excess.
-  constexpr double kRounding = 1e-15;
-  return held > allowed * (1.0 + kRounding) ? root_difference(held, allowed) : 0.0;
+  constexpr Real kRounding = 5 * std::numeric_limits<Real>::epsilon();
+  return held > allowed * (1 + kRounding) ? root_difference(held, allowed) : Real(0);
 }
 
 }  // namespace feltwire

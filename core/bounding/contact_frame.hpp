@@ -1,7 +1,8 @@
 #pragma once
 
 #include "core/bounding/channel.hpp"
-#include "core/bounding/step.hpp"
+#include "core/bounding/frame.hpp"
+#include "core/bounding/metric.hpp"
 
 namespace feltwire {
 
@@ -38,50 +39,61 @@ enum class Storage {
 /// then draw on it. Dissipation (the device's, the contact's, friction's) never enters, and a lost
 /// contact empties it, so nothing is gathered that a later oscillation could spend.
 /// Known weakness: a force once lost comes back only as the hand presses on.
+template <class Real>
 class ContactFrameBound {
  public:
-  ContactFrameBound(ChannelLaw translation, ChannelLaw rotation, Projection projection,
-                    Storage storage, bool torque)
+  /// `translation` and `rotation` hold the damping, `period` is T [s].
+  ContactFrameBound(const Metric<Real>& translation, const Metric<Real>& rotation, Real period,
+                    Projection projection, Storage storage, bool torque)
       : translation_(translation),
         rotation_(rotation),
+        force_law_{2 * translation.damping() / period, period},
+        torque_law_{2 * rotation.damping() / period, period},
         projection_(projection),
         storage_(storage),
         torque_(torque) {}
 
-  Command step(const BoundingStep& s) noexcept;
-  void set_held(const Command& held) noexcept;
-  bool in_debt() const noexcept { return force_debt_.force > 0.0 || torque_debt_.force > 0.0; }
+  BasicCommand<Real> step(const BasicBoundingStep<Real>& s) noexcept;
+  void set_held(const BasicCommand<Real>& held) noexcept;
+  bool in_debt() const noexcept { return force_debt_.force > 0 || torque_debt_.force > 0; }
 
  private:
   /// The last step as far as set_held() needs it to know what is stored from now on.
   struct ElasticStep {
-    double stored = 0.0;           // [N] sqrt(2 c E) before the step
-    double spring = 0.0;           // [N] the held force without contact damping, before the step
-    double pressed = 0.0;          // [N] c times the way into the surface during the step
-    double allowed = 0.0;          // [N]
-    double rendered = 0.0;         // [N]
-    double rendered_spring = 0.0;  // [N] without contact damping
+    Real stored = 0;           // [N] sqrt(2 c E) before the step
+    Real spring = 0;           // [N] the held force without contact damping, before the step
+    Real pressed = 0;          // [N] c times the way into the surface during the step
+    Real allowed = 0;          // [N]
+    Real rendered = 0;         // [N]
+    Real rendered_spring = 0;  // [N] without contact damping
   };
-  void store(double held_friction) noexcept;
+  /// A force in parts, and the factors that were applied to them.
+  struct Scales {
+    Real elastic, frictional;
+  };
+  Scales bound_force(const ChannelCommand<Real>& command, const Vector3<Real>& displacement,
+                     Real hold_time) noexcept;
+  Real bound_torque(const Vector3<Real>& command, const Vector3<Real>& rotation,
+                    Real hold_time) noexcept;
+  void store() noexcept;
 
-  ChannelLaw translation_, rotation_;
+  Metric<Real> translation_, rotation_;  // below, forces and movements are in their coordinates
+  ChannelLaw<Real> force_law_, torque_law_;
   Projection projection_;
   Storage storage_;
   bool torque_;
 
-  Vec3 normal_ =
-      Vec3::Zero();       // u_p, the elastic direction held; zero when no elastic force was held
-  double elastic_ = 0.0;  // [N] held along normal_, >= 0
-  double spare_ = 0.0;    // [N] stored beyond S(elastic_): sqrt(2 c E - elastic_^2)
-  double spring_ = 0.0;   // [N] of elastic_ without contact damping
+  HeldForce<Real> held_;
+  Real spare_ = 0;   // [N] stored beyond S(held_.elastic): sqrt(2 c E - elastic^2)
+  Real spring_ = 0;  // [N] of held_.elastic without contact damping
   ElasticStep last_;
-  Vec3 frictional_ = Vec3::Zero();   // [N] held
-  Vec3 held_torque_ = Vec3::Zero();  // [N m]
-  double allowed_force_ = 0.0,
-         allowed_torque_ = 0.0;  // by the last step: sqrt(4 b / T times what is stored)
-  double force_excess_ = 0.0,
-         torque_excess_ = 0.0;     // what was held beyond that, owed from the next step on
-  Debt force_debt_, torque_debt_;  // one a port: both force channels repay it
+  Vector3<Real> held_torque_ = Vector3<Real>::Zero();  // [N m]
+  Real allowed_force_ = 0, allowed_torque_ = 0;  // by the last step: sqrt(4 b / T x stored energy)
+  Real force_excess_ = 0, torque_excess_ = 0;    // held beyond that, owed from the next step on
+  Debt<Real> force_debt_, torque_debt_;          // one a port: both force channels repay it
 };
+
+extern template class ContactFrameBound<double>;
+extern template class ContactFrameBound<float>;
 
 }  // namespace feltwire

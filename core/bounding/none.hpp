@@ -5,9 +5,10 @@
 namespace feltwire {
 
 /// mode `none`: F_d = F_e. The baseline that oscillates; known weakness: nothing is passive.
+template <class Real>
 struct NoBound {
-  Command step(const BoundingStep& s) noexcept { return s.command; }
-  void set_held(const Command&) noexcept {}
+  BasicCommand<Real> step(const BasicBoundingStep<Real>& s) noexcept { return s.command; }
+  void set_held(const BasicCommand<Real>&) noexcept {}
 };
 
 }  // namespace feltwire

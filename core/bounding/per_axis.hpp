@@ -2,6 +2,7 @@
 // The paper's multi-dof EBA: control law and bounding laws of its section 2, axis by axis (Eq. 2).
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "core/bounding/split.hpp"
@@ -9,15 +10,18 @@
 
 namespace feltwire {
 
-/// The paper's bounding constants of one port, 0 <= c2 <= c1 [N/m or N m/rad].
-struct EbaConstants {
-  double c1 = 0.0;  // beta_max: what the device's own damping burns in one sample, b/T
-  double c2 = 0.0;  // stiffness of the storage S(F) = F^2 / (2 c2)
+/// The paper's bounding constants of one axis, 0 <= c2 <= c1 [N/m or N m/rad].
+template <class Real>
+struct BasicEbaConstants {
+  Real c1 = 0;  // beta_max: what the device's own damping burns in one sample, b/T
+  Real c2 = 0;  // stiffness of the storage S(F) = F^2 / (2 c2)
 };
+using EbaConstants = BasicEbaConstants<double>;
 
 /// Interval of forces that the bounding laws allow on one axis.
+template <class Real>
 struct ForceInterval {
-  double lo, hi;
+  Real lo, hi;
 };
 
 /// One axis, in the paper's sign F = -f (F dx > 0 flows into the controller).
@@ -28,49 +32,65 @@ struct ForceInterval {
 /// Multiplied out by dx, so that nothing is divided by it: with a = c2 dx, h = hypot(a, F_p),
 ///   hi = a + h, lo = a - h, and F_p + beta_max dx from the side that dx points to.
 /// It is F(n) dx(n) >= (F(n)^2 - F(n-1)^2) / (2 c2) and (F(n) - F(n-1)) dx(n) <= c1 dx(n)^2.
-inline ForceInterval eba_interval(double dx, double held, EbaConstants c) noexcept {
-  const double a = c.c2 * dx;
-  const double h = hypotenuse(a, held);
+template <class Real>
+inline ForceInterval<Real> eba_interval(Real dx, Real held, BasicEbaConstants<Real> c) noexcept {
+  const Real a = c.c2 * dx;
+  const Real h = hypotenuse(a, held);
   // The side where a and h would cancel uses (h + a)(h - a) = held^2, divided in an order that
   // cannot overflow.
-  double hi = a >= 0.0 ? a + h : std::abs(held) * (std::abs(held) / (h - a));
-  double lo = a <= 0.0 ? a - h : -std::abs(held) * (std::abs(held) / (h + a));
-  if (dx > 0.0) hi = std::min(hi, held + c.c1 * dx);
-  if (dx < 0.0) lo = std::max(lo, held + c.c1 * dx);
+  const Real other = std::abs(held) * (std::abs(held) / (h + std::abs(a)));
+  Real hi = a >= 0 ? a + h : other;
+  Real lo = a <= 0 ? a - h : -other;
+  if (dx > 0) hi = std::min(hi, held + c.c1 * dx);
+  if (dx < 0) lo = std::max(lo, held + c.c1 * dx);
   return {lo, hi};
 }
 
 /// One axis: the command clamped into what the bounding laws allow (paper's sign).
-inline double eba_axis(double command, double dx, double held, EbaConstants c) noexcept {
-  const ForceInterval allowed = eba_interval(dx, held, c);
+template <class Real>
+inline Real eba_axis(Real command, Real dx, Real held, BasicEbaConstants<Real> c) noexcept {
+  const ForceInterval<Real> allowed = eba_interval(dx, held, c);
   // c2 <= c1 keeps lo <= hi; should rounding cross the two by an ulp, either is right to rounding.
   return std::max(allowed.lo, std::min(allowed.hi, command));
 }
 
-/// Three axes at once; vectors on the hand (f = -F).
-inline Vec3 eba_axes(const Vec3& command, const Vec3& displacement, const Vec3& held,
-                     EbaConstants c) noexcept {
-  Vec3 rendered;
-  for (int i = 0; i < 3; ++i) rendered[i] = -eba_axis(-command[i], displacement[i], -held[i], c);
-  return rendered;
-}
+/// The constants of one port, axis by axis.
+template <class Real>
+struct EbaAxes {
+  std::array<BasicEbaConstants<Real>, 3> axis;
+
+  /// The same on every axis.
+  static EbaAxes uniform(BasicEbaConstants<Real> c) { return {{c, c, c}}; }
+
+  /// Three axes at once; vectors on the hand (f = -F).
+  Vector3<Real> bounded(const Vector3<Real>& command, const Vector3<Real>& displacement,
+                        const Vector3<Real>& held) const noexcept {
+    Vector3<Real> rendered;
+    for (int i = 0; i < 3; ++i)
+      rendered[i] =
+          -eba_axis(-command[i], displacement[i], -held[i], axis[static_cast<std::size_t>(i)]);
+    return rendered;
+  }
+};
 
 /// mode `per_axis`: every axis of the fixed global frame is passive by itself (Eq. 2); the paper's
 /// Fig. 3 and Fig. 5. Known weakness: on a curved surface the force moves energy between the axes
 /// without creating any; this law forbids that, and the rendered direction bends.
+template <class Real>
 struct PerAxisBound {
-  EbaConstants translation, rotation;
+  EbaAxes<Real> translation, rotation;
   bool torque = false;
-  Vec3 held_force = Vec3::Zero();
-  Vec3 held_torque = Vec3::Zero();
+  Vector3<Real> held_force = Vector3<Real>::Zero();
+  Vector3<Real> held_torque = Vector3<Real>::Zero();
 
-  Command step(const BoundingStep& s) noexcept {
-    const Vec3 force = eba_axes(s.command.force(), s.displacement, held_force, translation);
-    Command rendered = split_along(force, s.command.elastic);
-    if (torque) rendered.torque = eba_axes(s.command.torque, s.rotation, held_torque, rotation);
+  BasicCommand<Real> step(const BasicBoundingStep<Real>& s) noexcept {
+    held_force = translation.bounded(s.command.force(), s.displacement, held_force);
+    BasicCommand<Real> rendered = split_along(held_force, s.command.elastic);
+    if (torque)
+      rendered.torque = held_torque = rotation.bounded(s.command.torque, s.rotation, held_torque);
     return rendered;
   }
-  void set_held(const Command& held) noexcept {
+  void set_held(const BasicCommand<Real>& held) noexcept {
     held_force = held.force();
     held_torque = held.torque;
   }

@@ -5,7 +5,9 @@
 namespace feltwire {
 
 /// (F . u) u with u = F_e / |F_e|  // Eq. (3)
-inline Vec3 projected(const Vec3& bounded, const Vec3& command) noexcept {
+template <class Real>
+inline Vector3<Real> projected(const Vector3<Real>& bounded,
+                               const Vector3<Real>& command) noexcept {
   return along(bounded, direction(command));
 }
 
@@ -15,23 +17,23 @@ inline Vec3 projected(const Vec3& bounded, const Vec3& command) noexcept {
 /// commanded): that is faithful to Eq. (3) and kept. Known weakness: the projected force is no
 /// longer inside its per-axis bounds, friction on one axis pays for force on another, and at
 /// moderate damping a stiff wall with friction buzzes again (docs/bounding.md).
+template <class Real>
 struct ProjectedBound {
-  PerAxisBound per_axis;
+  PerAxisBound<Real> axes;
 
-  Command step(const BoundingStep& s) noexcept {
-    const Vec3 command = s.command.force();
-    const Vec3 bounded =
-        eba_axes(command, s.displacement, per_axis.held_force, per_axis.translation);
-    Command rendered = split_along(projected(bounded, command), s.command.elastic);
-    if (per_axis.torque) {
-      rendered.torque =
-          projected(eba_axes(s.command.torque, s.rotation, per_axis.held_torque, per_axis.rotation),
-                    s.command.torque);
-    }
+  BasicCommand<Real> step(const BasicBoundingStep<Real>& s) noexcept {
+    const Vector3<Real> command = s.command.force();
+    const Vector3<Real> bounded =
+        axes.translation.bounded(command, s.displacement, axes.held_force);
+    BasicCommand<Real> rendered = split_along(projected(bounded, command), s.command.elastic);
+    if (axes.torque)
+      rendered.torque = projected(
+          axes.rotation.bounded(s.command.torque, s.rotation, axes.held_torque), s.command.torque);
+    set_held(rendered);
     return rendered;
   }
   /// F_d(n-1) of the next step is what was really rendered: after the projection.
-  void set_held(const Command& held) noexcept { per_axis.set_held(held); }
+  void set_held(const BasicCommand<Real>& held) noexcept { axes.set_held(held); }
 };
 
 }  // namespace feltwire

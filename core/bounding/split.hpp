@@ -8,8 +8,10 @@ namespace feltwire {
 /// Parts of a force whose command had the elastic direction `elastic`: what lies along it is
 /// elastic, the rest frictional. Used by the modes that bound the whole force and must still report
 /// its parts.
-inline Command split_along(const Vec3& force, const Vec3& elastic) noexcept {
-  Command parts;
+template <class Real>
+inline BasicCommand<Real> split_along(const Vector3<Real>& force,
+                                      const Vector3<Real>& elastic) noexcept {
+  BasicCommand<Real> parts;
   parts.elastic = along(force, direction(elastic));
   parts.frictional = force - parts.elastic;
   return parts;

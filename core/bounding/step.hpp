@@ -6,12 +6,26 @@ namespace feltwire {
 
 /// What one bounding step is told: how the device moved while the last force was held, and what is
 /// wanted next.
-struct BoundingStep {
-  Vec3 displacement = Vec3::Zero();  // dx(n) = x(n) - x(n-1) [m]
-  Vec3 rotation = Vec3::Zero();      // dtheta(n), rotation vector of q(n) q(n-1)^-1 [rad]
-  double hold_time =
-      0.0;          // [s] how long the last force was really held; shorter than T counts as T
-  Command command;  // f_e(n), on the hand
+template <class Real>
+struct BasicBoundingStep {
+  Vector3<Real> displacement = Vector3<Real>::Zero();  // dx(n) = x(n) - x(n-1) [m]
+  Vector3<Real> rotation =
+      Vector3<Real>::Zero();  // dtheta(n), rotation vector of q(n) q(n-1)^-1 [rad]
+  Real hold_time = 0;  // [s] how long the last force was really held; shorter than T counts as T
+  BasicCommand<Real> command;  // f_e(n), on the hand
 };
+using BoundingStep = BasicBoundingStep<double>;
+
+/// Where the scene is to be asked, relative to the device.
+template <class Real>
+struct BasicProbe {
+  Vector3<Real> offset = Vector3<Real>::Zero();    // [m]
+  Vector3<Real> rotation = Vector3<Real>::Zero();  // [rad] rotation vector, world frame
+};
+using Probe = BasicProbe<double>;
+
+// Every method here is a value with
+//   BasicCommand<Real> step(const BasicBoundingStep<Real>&)   and takes its result as held,
+//   void set_held(const BasicCommand<Real>&)                  where something else was held.
 
 }  // namespace feltwire

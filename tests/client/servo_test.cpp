@@ -355,7 +355,7 @@ std::uint64_t violations_against_an_adversary(const SessionParameters& p, std::u
     const double hold = 1e-3 * (0.5 + 0.5 * unit(random));
     now += seconds(hold);
     position +=
-        chance(0.1) ? vector(-7, -2) : Vec3(hold / (2.0 * spec.damping) * servo.held().force());
+        chance(0.1) ? vector(-7, -2) : Vec3(hold / (2.0 * spec.damping.least()) * servo.held().force());
     std::erase_if(under_way, [&](const auto& entry) {
       if (entry.first > now) return false;
       servo.take(entry.second, entry.first);

@@ -16,7 +16,8 @@ TEST(DeviceSpec, BuiltInDevicesAreValidAndFoundByName) {
   for (const DeviceSpec& device : builtin_devices()) {
     EXPECT_NO_THROW(validate(device)) << device.name;
     EXPECT_EQ(&builtin_device(device.name), &device);
-    EXPECT_GT(device.damping, 0.0) << device.name << " could render nothing under the bound";
+    EXPECT_GT(device.damping.least(), 0.0)
+        << device.name << " could render nothing under the bound";
     EXPECT_TRUE(names.insert(device.name).second);
   }
   EXPECT_THAT(names, testing::UnorderedElementsAre("simulated", "impulse_engine_2000",

@@ -19,6 +19,9 @@ using test::random_command;
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kPeriod = test::kModePeriod;
 
+const auto kForce = EbaAxes<double>::uniform({500.0, 500.0});
+const auto kTorque = EbaAxes<double>::uniform({1.0, 1.0});
+
 double square(double x) { return x * x; }
 
 TEST(PerAxis, EveryAxisPaysForItselfInTheSignOnTheHand) {
@@ -77,7 +80,7 @@ TEST(TotalEnergy, IsTheIdentityWhileEquationOneHoldsAndClampsAtTheFirstSampleItW
   for (int run = 0; run < 200; ++run) {
     Bounding bounding(config(BoundingMode::total_energy));
     double total = 0.0, exchanged = 0.0;
-    PerAxisBound reference{.translation = {500.0, 500.0}, .rotation = {1.0, 1.0}, .torque = true};
+    PerAxisBound<double> reference{.translation = kForce, .rotation = kTorque, .torque = true};
     for (int n = 0; n < 500; ++n) {
       BoundingStep s{random.vector(-6, -2), random.vector(-4, 0), kPeriod, random_command(random)};
       if (random.chance(0.5))
@@ -159,15 +162,14 @@ TEST(Projected, IsParallelToTheCommandAndEquationThree) {
     const BoundingStep s{random.vector(-6, -2), random.vector(-4, 0), kPeriod,
                          random_command(random)};
     const Bounded out = bounding.step(s);
-    const EbaConstants c{500.0, 500.0}, c_rotation{1.0, 1.0};
     const auto expected = [](const Vec3& command, const Vec3& bounded) {
       const Vec3 u = command.norm() > 0.0 ? Vec3(command / command.norm()) : Vec3::Zero();
       return Vec3(bounded.dot(u) * u);
     };
-    const Vec3 force =
-        expected(s.command.force(), eba_axes(s.command.force(), s.displacement, held.force(), c));
+    const Vec3 force = expected(s.command.force(),
+                                kForce.bounded(s.command.force(), s.displacement, held.force()));
     const Vec3 torque =
-        expected(s.command.torque, eba_axes(s.command.torque, s.rotation, held.torque, c_rotation));
+        expected(s.command.torque, kTorque.bounded(s.command.torque, s.rotation, held.torque));
     EXPECT_LT((out.rendered.force() - force).norm(), 1e-12 * (1.0 + s.command.force().norm()));
     EXPECT_LT((out.rendered.torque - torque).norm(), 1e-12 * (1.0 + s.command.torque.norm()));
     EXPECT_LT(out.rendered.force().cross(s.command.force()).norm(),

@@ -39,6 +39,10 @@ SessionParameters unusual_parameters() {
   p.hold_time = 0.05;
   p.c1 = 900;
   p.c2 = 450;
+  p.reference = PassivityReference::following;
+  p.coupling_stiffness = 300;
+  p.coupling_damping = 0.2;
+  p.tool_mass = 0.07;
   return p;
 }
 
@@ -54,6 +58,10 @@ void expect_same(const SessionParameters& a, const SessionParameters& b) {
   EXPECT_EQ(a.hold_time, b.hold_time);
   EXPECT_EQ(a.c1, b.c1);
   EXPECT_EQ(a.c2, b.c2);
+  EXPECT_EQ(a.reference, b.reference);
+  EXPECT_EQ(a.coupling_stiffness, b.coupling_stiffness);
+  EXPECT_EQ(a.coupling_damping, b.coupling_damping);
+  EXPECT_EQ(a.tool_mass, b.tool_mass);
 }
 
 JoinRequest request() {
@@ -93,6 +101,18 @@ TEST(Control, JoinRequestRoundTrip) {
   EXPECT_EQ(got.device.continuous_force, 0.7);
   EXPECT_EQ(got.device.max_torque, 0.8);
   EXPECT_EQ(got.device.workspace, Vec3(0.9, 1.0, 1.1));
+}
+
+TEST(Control, DampingTravelsAsANumberAlongAxesOrAsAMatrix) {
+  const Mat3 matrix{{2.0, 0.5, -0.25}, {0.5, 3.0, 0.125}, {-0.25, 0.125, 4.0}};
+  for (const Damping& damping : {Damping(0.5), Damping(Vec3(1, 2, 3)), Damping(matrix)}) {
+    JoinRequest sent = request();
+    sent.device.damping = damping;
+    EXPECT_EQ(round_trip(sent).device.damping, damping);
+    EXPECT_EQ(round_trip(sent).device.rotational_damping, Damping(0.2));
+    std::swap(sent.device.damping, sent.device.rotational_damping);
+    EXPECT_EQ(round_trip(sent).device.rotational_damping, damping);
+  }
 }
 
 TEST(Control, OtherMessagesRoundTrip) {
@@ -164,11 +184,13 @@ TEST(Control, LimitsOfNamesAndFrames) {
 
 TEST(Control, ChoicesThatAreNoneAreRefused) {
   SessionParameters p;
-  for (const int which : {0, 1, 2}) {
+  for (const int which : {0, 1, 2, 3, 4}) {
     p = {};
-    if (which == 0) p.mode = static_cast<BoundingMode>(5);
+    if (which == 0) p.mode = static_cast<BoundingMode>(kBoundingModeNames.size());
     if (which == 1) p.projection = static_cast<Projection>(2);
     if (which == 2) p.side = static_cast<BoundingSide>(3);
+    if (which == 3) p.reference = static_cast<PassivityReference>(2);
+    if (which == 4) p.storage = static_cast<Storage>(2);
     EXPECT_FALSE(decode(body(encode(SetParameters{1, p})))) << which;
   }
   EXPECT_FALSE(decode(body(encode(Refused{static_cast<RefusalCode>(7), "x"}))));

@@ -52,8 +52,15 @@ TEST(SessionParameters, EachFaultNamesItsField) {
       {"c1", [=](auto& p) { p.c1 = inf; }},
       {"c2", [](auto& p) { p.c2 = -1; }},
       {"c2", [](auto& p) { p.c1 = 1, p.c2 = 2; }},
-      {"mode", [](auto& p) { p.mode = static_cast<BoundingMode>(5); }},
+      {"mode", [](auto& p) { p.mode = static_cast<BoundingMode>(kBoundingModeNames.size()); }},
       {"side", [](auto& p) { p.side = static_cast<BoundingSide>(3); }},
+      {"reference", [](auto& p) { p.reference = static_cast<PassivityReference>(2); }},
+      {"coupling_stiffness", [=](auto& p) { p.coupling_stiffness = inf; }},
+      {"coupling_damping", [](auto& p) { p.coupling_damping = -1; }},
+      {"tool_mass", [](auto& p) { p.tool_mass = 0; }},
+      {"the mode virtual_coupling", [](auto& p) { p.mode = BoundingMode::virtual_coupling; }},
+      {"the mode passivity_control_parallel",
+       [](auto& p) { p.mode = BoundingMode::passivity_control_parallel; }},
   };
   for (const Wrong& wrong : wrongs) {
     SessionParameters p;

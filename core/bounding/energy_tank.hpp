@@ -1,0 +1,112 @@
+#pragma once
+
+#include <algorithm>
+
+#include "core/bounding/frame.hpp"
+#include "core/bounding/metric.hpp"
+
+namespace feltwire {
+
+/// mode `energy_tank`: the least conservative vector form of the energy bound, for comparison.
+///
+/// Every channel of the contact (elastic, frictional, torque) has a tank of the energy that its
+/// port took in, the device's damping included, in the coordinates of Metric:
+///   E += dx' B dx / h - F'.dx   with F' = f(n-1) on the hand,
+///   |f(n)| <= sqrt(4 E / (T u' B^-1 u))                     u = f / |f|
+/// which is what the hand can at most take back in the next sample. A channel is emptied when its
+/// command ends (contact lost), so that nothing is carried from one contact to the next.
+/// Source: the energy bounding algorithm (Kim & Ryu, "Robustly stable haptic interaction control
+/// using an energy-bounding algorithm", Int. J. Robotics Research 2010) with all of the energy kept
+/// that its storage throws away; tanks after Franken et al., "Bilateral telemanipulation with time
+/// delays: a two-layer approach combining passivity and transparency", IEEE Trans. Robotics 2011.
+/// Passive like contact_frame, and an upper bound on magnitudes like it.
+/// Known weakness: while a contact lasts, the tank gathers all that the damping burned, and
+/// friction fills its own; a later oscillation lives on it until the tank is empty.
+template <class Real>
+class EnergyTankBound {
+ public:
+  EnergyTankBound(const Metric<Real>& translation, const Metric<Real>& rotation, Real period,
+                  bool torque)
+      : translation_(translation), rotation_(rotation), period_(period), torque_on_(torque) {}
+
+  BasicCommand<Real> step(const BasicBoundingStep<Real>& s) noexcept {
+    ChannelCommand<Real> command = in_channels(s.command);
+    command.elastic = std::max(Real(0), command.elastic);  // a contact never pulls
+    BasicCommand<Real> wanted{translation_.force(command.elastic * command.normal),
+                              translation_.force(command.frictional), Vector3<Real>::Zero()};
+    command = in_channels(wanted);
+    take_in(command.normal, translation_.movement(s.displacement), s.hold_time);
+
+    const Real elastic = std::abs(command.elastic), friction = length(command.frictional);
+    if (!(elastic > 0)) elastic_ = std::min(elastic_, Real(0));
+    if (!(friction > 0)) frictional_ = std::min(frictional_, Real(0));
+    Real scale = reduction(allowed(elastic_, translation_), elastic);
+    const Real friction_scale =
+        std::min(scale, reduction(allowed(frictional_, translation_), friction));
+    if (command.elastic < 0) scale = friction_scale;  // a part of friction: alone it must not stay
+    held_.set(command.normal, scale * command.elastic, friction_scale * command.frictional);
+
+    BasicCommand<Real> rendered;
+    rendered.elastic = translation_.force_back((scale * command.elastic) * command.normal);
+    rendered.frictional = translation_.force_back(friction_scale * command.frictional);
+    if (torque_on_) rendered.torque = bound_torque(s);
+    return rendered;
+  }
+
+  void set_held(const BasicCommand<Real>& held) noexcept {
+    held_.set({translation_.force(held.elastic), translation_.force(held.frictional), held.torque});
+    held_torque_ = rotation_.force(held.torque);
+  }
+
+  bool in_debt() const noexcept { return elastic_ < 0 || frictional_ < 0 || rotational_ < 0; }
+
+ private:
+  void take_in(const Vector3<Real>& normal, const Vector3<Real>& moved, Real hold_time) noexcept {
+    const HeldFrame<Real> f(held_, normal, moved);
+    const Real b = translation_.damping();
+    if (f.reframed && b > 0) {
+      // The force that changes its channel takes its storage along; else a tank would go below
+      // zero while the other renders on what is no longer its own.
+      const Real moved_storage = f.elastic * f.elastic * (period_ / (4 * b));
+      elastic_ += moved_storage;
+      frictional_ -= moved_storage;
+    }
+    elastic_ += b / hold_time * f.dx_elastic * f.dx_elastic - f.elastic * f.dx_elastic;
+    frictional_ +=
+        b / hold_time * f.dx_frictional.squaredNorm() - f.frictional.dot(f.dx_frictional);
+    // An overdrawn channel (a hold too long, a force never allowed) is paid by the other.
+    if (elastic_ < 0) settle(elastic_, frictional_);
+    if (frictional_ < 0) settle(frictional_, elastic_);
+  }
+
+  static void settle(Real& owing, Real& other) noexcept {
+    const Real paid = std::min(-owing, std::max(Real(0), other));
+    owing += paid;
+    other -= paid;
+  }
+
+  Real allowed(Real energy, const Metric<Real>& metric) const noexcept {
+    return std::sqrt(4 * metric.damping() / period_ * std::max(Real(0), energy));
+  }
+
+  Vector3<Real> bound_torque(const BasicBoundingStep<Real>& s) noexcept {
+    const Vector3<Real> turned = rotation_.movement(s.rotation);
+    const Vector3<Real> wanted = rotation_.force(s.command.torque);
+    rotational_ +=
+        rotation_.damping() / s.hold_time * turned.squaredNorm() - held_torque_.dot(turned);
+    const Real magnitude = length(wanted);
+    if (!(magnitude > 0)) rotational_ = std::min(rotational_, Real(0));
+    const Real scale = reduction(allowed(rotational_, rotation_), magnitude);
+    held_torque_ = scale * wanted;
+    return scale * s.command.torque;
+  }
+
+  Metric<Real> translation_, rotation_;
+  Real period_;
+  bool torque_on_;
+  Real elastic_ = 0, frictional_ = 0, rotational_ = 0;  // [J] the tanks; below zero: owed
+  HeldForce<Real> held_;
+  Vector3<Real> held_torque_ = Vector3<Real>::Zero();
+};
+
+}  // namespace feltwire

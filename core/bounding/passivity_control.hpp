@@ -1,0 +1,233 @@
+#pragma once
+// Passivity observer and passivity controller (PO/PC): damping is injected where energy was seen to
+// come out.
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "core/bounding/split.hpp"
+#include "core/bounding/step.hpp"
+
+namespace feltwire {
+
+/// What the observed energy is compared with.
+enum class PassivityReference {
+  zero,      // Hannaford & Ryu 2002
+  following  // Ryu et al. 2005: what the environment would have taken in continuous time
+};
+
+/// Energy that flowed into one port, W [J], and what it ought to be. Flows in the paper's sign,
+/// F.dx > 0 into the controller.
+///
+/// zero       W(n) = W(n-1) + F(n).dx(n), as published, with what the controller dissipated; must
+///            not fall below 0. For a sampled spring this sum is always positive
+///            (docs/figures.md): it only sees what a delay or an active environment creates.
+/// following  W(n) = W(n-1) + F(n-1).dx(n), what the zero-order hold really exchanged; must not
+///            fall below the reference E(n) = E(n-1) + 1/2 (F_e(n-1) + F_e(n)).dx(n), which is
+///            1/2 k x^2 for a spring, whatever the sampling.
+template <class Real>
+class PassivityObserver {
+ public:
+  explicit PassivityObserver(PassivityReference reference = PassivityReference::zero)
+      : following_(reference == PassivityReference::following) {}
+
+  /// `commanded` = F_e(n).dx(n), `commanded_before` = F_e(n-1).dx(n), `held` = F(n-1).dx(n) [J].
+  /// Returns the energy [J] that is missing, >= 0.
+  Real observe(Real commanded, Real commanded_before, Real held) noexcept {
+    before_ = energy_;
+    energy_ += following_ ? held : commanded;
+    if (following_) {
+      before_ = energy_;
+      wanted_ += (commanded_before + commanded) / 2;
+    }
+    return std::max(Real(0), wanted_ - energy_);
+  }
+  /// F(n).dx(n) of what is really held from now on.
+  void settle(Real flow) noexcept {
+    if (!following_) energy_ = before_ + flow;
+  }
+  /// What was dissipated elsewhere.
+  void add(Real dissipated) noexcept {
+    energy_ += dissipated;
+    before_ += dissipated;
+  }
+  Real energy() const noexcept { return energy_; }
+
+ private:
+  bool following_;
+  Real energy_ = 0, before_ = 0, wanted_ = 0;
+};
+
+/// Three axes of a port, each with its own observer.
+template <class Real>
+struct PassivityAxes {
+  std::array<PassivityObserver<Real>, 3> axis;
+  Vector3<Real> commanded = Vector3<Real>::Zero(), held = Vector3<Real>::Zero();  // F(n-1)
+  Vector3<Real> moved = Vector3<Real>::Zero();                                    // dx(n)
+
+  /// Missing energy by axis; `command` is F_e(n).
+  Vector3<Real> observe(const Vector3<Real>& command, const Vector3<Real>& dx) noexcept {
+    Vector3<Real> missing;
+    for (int i = 0; i < 3; ++i)
+      missing[i] = at(i).observe(command[i] * dx[i], commanded[i] * dx[i], held[i] * dx[i]);
+    commanded = command;
+    moved = dx;
+    return missing;
+  }
+  void settle(const Vector3<Real>& now_held) noexcept {
+    held = now_held;
+    for (int i = 0; i < 3; ++i) at(i).settle(held[i] * moved[i]);
+  }
+  PassivityObserver<Real>& at(int i) noexcept { return axis[static_cast<std::size_t>(i)]; }
+};
+
+/// The damper's force: energy over movement. Over next to none it is beyond any number; the
+/// device's limit comes after.
+template <class Real>
+inline Real damper_force(Real energy, Real movement) noexcept {
+  constexpr Real kLargest = Real(1e12);  // [N]
+  return std::clamp(energy / movement, -kLargest, kLargest);
+}
+
+/// mode `passivity_control`: one port an axis, the controller in series (impedance causality:
+/// movement in, force out). Missing energy W is dissipated by a damper at once:
+///   F(n) = F_e(n) + alpha dx(n)/T,   alpha = W T / dx(n)^2      so that F dx grows by W
+/// Source: B. Hannaford, J.-H. Ryu, "Time-domain passivity control of haptic interfaces", IEEE
+/// Trans. Robotics and Automation 18(1), 2002; `following`: J.-H. Ryu, C. Preusche, B. Hannaford,
+/// G. Hirzinger, "Time domain passivity control with reference energy following", IEEE Trans.
+/// Control Systems Technology 13(5), 2005.
+/// Known weakness: acts after the energy is out; energy gathered before (friction, damping) hides
+/// an oscillation for long; at small velocities the damper's force W/dx is an impulse; axis by axis
+/// the direction bends. It bounds no magnitude: a force made smaller dissipates less.
+template <class Real>
+class PassivityControl {
+ public:
+  PassivityControl(PassivityReference reference, bool torque) : torque_(torque) {
+    force_.axis.fill(PassivityObserver<Real>(reference));
+    rotation_.axis.fill(PassivityObserver<Real>(reference));
+  }
+
+  BasicCommand<Real> step(const BasicBoundingStep<Real>& s) noexcept {
+    const Vector3<Real> force = -damped(force_, -s.command.force(), s.displacement);
+    BasicCommand<Real> rendered = split_along(force, s.command.elastic);
+    if (torque_) rendered.torque = -damped(rotation_, -s.command.torque, s.rotation);
+    return rendered;
+  }
+  void set_held(const BasicCommand<Real>& held) noexcept {
+    force_.settle(-held.force());
+    rotation_.settle(-held.torque);
+  }
+
+ private:
+  static Vector3<Real> damped(PassivityAxes<Real>& port, const Vector3<Real>& command,
+                              const Vector3<Real>& dx) noexcept {
+    const Vector3<Real> missing = port.observe(command, dx);
+    Vector3<Real> force = command;
+    for (int i = 0; i < 3; ++i)
+      if (missing[i] > 0 && dx[i] != 0) force[i] += damper_force(missing[i], dx[i]);
+    port.settle(force);
+    return force;
+  }
+  bool torque_;
+  PassivityAxes<Real> force_, rotation_;
+};
+
+/// mode `passivity_control_parallel`: the controller in parallel (admittance causality). The
+/// missing energy W is taken from the movement instead of added to the force:
+///   dx_e = dx - alpha F T,   alpha = W / (T F^2)
+/// so the environment is moved less than the hand. A device that takes force can't move the hand,
+/// so here the point that the scene is asked at lags behind the device (probe()), at most by the
+/// device's own movement a sample; it comes back when the contact ends.
+/// Source: Hannaford & Ryu 2002, as above. Needs the scene to be asked at probe().
+/// Known weakness: position drift while in contact, a sample late, and the energy that the hand
+/// already got is repaid by the environment only.
+template <class Real>
+class PassivityControlParallel {
+ public:
+  PassivityControlParallel(PassivityReference reference, bool torque) : torque_(torque) {
+    force_.axis.fill(PassivityObserver<Real>(reference));
+    rotation_.axis.fill(PassivityObserver<Real>(reference));
+  }
+
+  BasicCommand<Real> step(const BasicBoundingStep<Real>& s) noexcept {
+    hold_back(force_, -s.command.force(), s.displacement, probe_.offset);
+    if (torque_) hold_back(rotation_, -s.command.torque, s.rotation, probe_.rotation);
+    return s.command;
+  }
+  void set_held(const BasicCommand<Real>& held) noexcept {
+    force_.settle(-held.force());
+    rotation_.settle(-held.torque);
+  }
+  BasicProbe<Real> probe() const noexcept { return probe_; }
+
+ private:
+  static void hold_back(PassivityAxes<Real>& port, const Vector3<Real>& command,
+                        const Vector3<Real>& dx, Vector3<Real>& offset) noexcept {
+    const Vector3<Real> missing = port.observe(command, dx);
+    port.settle(command);
+    if (command.isZero(0)) offset.setZero();
+    for (int i = 0; i < 3; ++i) {
+      if (!(missing[i] > 0) || command[i] == 0) continue;
+      const Real most = std::abs(dx[i]);
+      const Real shift = -std::clamp(missing[i] / command[i], -most, most);
+      offset[i] += shift;
+      port.at(i).add(-shift * command[i]);
+    }
+  }
+
+  bool torque_;
+  PassivityAxes<Real> force_, rotation_;
+  BasicProbe<Real> probe_;
+};
+
+/// mode `passivity_control_directional`: one observer for all degrees of freedom, dampers along the
+/// directions of force and torque, so that both keep their direction. Missing energy W is shared by
+/// what each exchanged, w_f : w_t = |F_e.dx| : |tau_e.dtheta|, and
+///   F(n) = F_e(n) + (W_f / (u.dx)) u,   u = F_e / |F_e|         the same for torque
+/// Source: C. Preusche, G. Hirzinger, J.-H. Ryu, B. Hannaford, "Time domain passivity control for
+/// 6 degrees of freedom haptic displays", IROS 2003.
+/// Known weakness: as passivity_control; and one observer for all directions lets friction on one
+/// pay for oscillation on another.
+template <class Real>
+class PassivityControlDirectional {
+ public:
+  PassivityControlDirectional(PassivityReference reference, bool torque)
+      : observer_(reference), torque_on_(torque) {}
+
+  BasicCommand<Real> step(const BasicBoundingStep<Real>& s) noexcept {
+    moved_ = s.displacement;
+    turned_ = s.rotation;
+    Vector3<Real> force = s.command.force(), torque = s.command.torque;
+    const Real by_force = -force.dot(moved_), by_torque = -torque.dot(turned_);
+    const Real missing = observer_.observe(by_force + by_torque, flow(commanded_), flow(held_));
+    if (missing > 0) {
+      const Vector3<Real> u = direction(force), v = direction(torque);
+      const Real along_u = u.dot(moved_), along_v = v.dot(turned_);
+      const Real exchanged = std::abs(by_force) + std::abs(by_torque);
+      const Real share = exchanged > 0 ? std::abs(by_force) / exchanged : Real(0);
+      if (along_u != 0) force -= damper_force(share * missing, along_u) * u;
+      if (along_v != 0) torque -= damper_force((1 - share) * missing, along_v) * v;
+    }
+    commanded_ = s.command;
+    BasicCommand<Real> rendered = split_along(force, s.command.elastic);
+    if (torque_on_) rendered.torque = torque;
+    set_held(rendered);
+    return rendered;
+  }
+  void set_held(const BasicCommand<Real>& held) noexcept {
+    held_ = held;
+    observer_.settle(flow(held));
+  }
+
+ private:
+  Real flow(const BasicCommand<Real>& c) const noexcept {
+    return -c.force().dot(moved_) - c.torque.dot(turned_);
+  }
+  PassivityObserver<Real> observer_;
+  bool torque_on_;
+  BasicCommand<Real> commanded_, held_;
+  Vector3<Real> moved_ = Vector3<Real>::Zero(), turned_ = Vector3<Real>::Zero();
+};
+
+}  // namespace feltwire

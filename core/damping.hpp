@@ -1,0 +1,53 @@
+#pragma once
+// How a device resists a movement by itself: the energy that pays for a bounded port.
+
+#include <cstdint>
+
+#include "core/types.hpp"
+
+namespace feltwire {
+
+/// Viscous damping B of translation [N s/m] or rotation [N m s/rad]: force B v against velocity v.
+/// The same in every direction (a number), along the world's axes, or a symmetric positive definite
+/// matrix in the world frame. Not checked here: see validate().
+class Damping {
+ public:
+  enum class Kind : std::uint8_t { isotropic, axes, matrix };
+
+  Damping(double b = 0.0) : matrix_(b * Mat3::Identity()) {}  // NOLINT(google-explicit-constructor)
+  Damping(const Vec3& axes)                                   // NOLINT(google-explicit-constructor)
+      : matrix_(axes.asDiagonal()), kind_(Kind::axes) {}
+  Damping(const Mat3& matrix)  // NOLINT(google-explicit-constructor)
+      : matrix_(matrix), kind_(Kind::matrix) {}
+
+  Kind kind() const { return kind_; }
+  bool isotropic() const { return kind_ == Kind::isotropic; }
+  const Mat3& matrix() const { return matrix_; }
+
+  /// In the direction that is damped least: the smallest eigenvalue.
+  double least() const;
+  /// What each of the world's axes may count on whatever the others do: the damping along it, or
+  /// least() where a matrix couples them.
+  Vec3 per_axis() const;
+  /// dx' B dx; over a hold of h, at least this / h is burned (Cauchy-Schwarz).
+  double quadratic(const Vec3& dx) const noexcept {
+    return isotropic() ? matrix_(0, 0) * dx.squaredNorm() : dx.dot(matrix_ * dx);
+  }
+
+  /// More of it, the same in every direction.
+  Damping& operator+=(double b) {
+    matrix_.diagonal().array() += b;
+    return *this;
+  }
+  friend bool operator==(const Damping&, const Damping&) = default;
+
+ private:
+  Mat3 matrix_;
+  Kind kind_ = Kind::isotropic;
+};
+
+/// Throws std::invalid_argument that begins with `field` and names the remedy, when a number is not
+/// finite or negative, or a matrix is not symmetric positive definite.
+void validate(const Damping& damping, const char* field);
+
+}  // namespace feltwire
