@@ -45,11 +45,27 @@ void add_choices(CLI::App& app) {
   command->callback([] { std::cout << choices_tables(); });
 }
 
+Damping damping_of(const std::vector<double>& n) {
+  switch (n.size()) {
+    case 1:
+      return n[0];
+    case 3:
+      return Vec3(n[0], n[1], n[2]);
+    case 6:
+      return Mat3{{n[0], n[3], n[4]}, {n[3], n[1], n[5]}, {n[4], n[5], n[2]}};
+    default:
+      throw std::invalid_argument("--damping takes 1, 3 or 6 numbers, got " +
+                                  std::to_string(n.size()));
+  }
+}
+
 void add_bound(CLI::App& app) {
   struct Options {
-    std::string mode = "contact_frame", projection = "joint", storage = "minimal";
+    std::string mode = "contact_frame", projection = "joint", storage = "minimal",
+                reference = "zero";
     BoundingConfig config;
     double c1 = 0.0, c2 = 0.0;
+    std::vector<double> damping;
   };
   auto o = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand(
@@ -65,13 +81,18 @@ void add_bound(CLI::App& app) {
       "A row with nan or inf renders zero. Example:\n"
       "  printf 'dx,dy,dz,ex,ey,ez,fx,fy,fz\\n0,-1e-4,0,0,4,0,0,0,0\\n' | feltwire-lab bound "
       "--period 0.001 --damping 0.5");
-  command
-      ->add_option("--mode", o->mode,
-                   "none, total_energy, per_axis, per_axis_projected or contact_frame")
-      ->capture_default_str();
+  std::string modes;
+  for (const auto mode : kBoundingModeNames)
+    modes += (modes.empty() ? "" : ", ") + std::string(mode);
+  command->add_option("--mode", o->mode, modes)->capture_default_str();
   command->add_option("--period", o->config.period, "T: time that one force is held [s]")
       ->required();
-  command->add_option("--damping", o->config.damping, "b: the device's own damping [N s/m]")
+  command
+      ->add_option(
+          "--damping", o->damping,
+          "The device's own damping [N s/m]: b, or bx,by,bz along the axes, or a symmetric "
+          "positive definite matrix xx,yy,zz,xy,xz,yz")
+      ->delimiter(',')
       ->required();
   CLI::Option* c1 =
       command->add_option("--c1", o->c1, "The paper's c1 [N/m]; default b/T (paper's modes only)");
@@ -83,8 +104,12 @@ void add_bound(CLI::App& app) {
       ->capture_default_str();
   command->add_option("--storage", o->storage, "minimal or elastic (contact_frame only)")
       ->capture_default_str();
+  command->add_option("--reference", o->reference, "zero or following (passivity_control* only)")
+      ->capture_default_str();
   command->callback([o, c1, c2] {
     o->config.mode = bounding_mode(o->mode);
+    o->config.reference = passivity_reference(o->reference);
+    o->config.damping = damping_of(o->damping);
     o->config.projection = projection(o->projection);
     o->config.storage = storage(o->storage);
     if (*c1) o->config.c1 = o->c1;
