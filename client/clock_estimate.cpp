@@ -1,0 +1,147 @@
+#include "client/clock_estimate.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace feltwire {
+namespace {
+
+constexpr double kSecond = 1e-9;           // of nanoseconds
+constexpr double kLongestExchange = 60.0;  // [s]
+constexpr double kLargestDrift = 500e-6;   // [s/s] RFC 5905: no clock worth the name is worse
+// How well even the fastest exchange is known: the scheduling of two machines.
+constexpr double kLeastUncertainty = 5e-6;  // [s]
+// Drift shows above the noise of single exchanges only over some seconds.
+constexpr double kDriftTime = 3.0;          // [s]
+constexpr double kJitterGain = 1.0 / 16.0;  // RFC 3550
+
+/// b - a of clocks that may count from anywhere, and may be hostile: wraps round, never overflows.
+std::int64_t difference(Nanoseconds a, Nanoseconds b) {
+  return static_cast<std::int64_t>(static_cast<std::uint64_t>(b.count()) -
+                                   static_cast<std::uint64_t>(a.count()));
+}
+double seconds(std::int64_t nanoseconds) { return kSecond * static_cast<double>(nanoseconds); }
+
+}  // namespace
+
+void ClockEstimate::restart(const Exchange& exchange) noexcept {
+  buckets_.fill({});
+  buckets_used_ = 0;
+  origin_ = exchange.sent;
+  base_ = difference(exchange.sent, exchange.received);
+  offset_ = drift_ = pivot_ = 0.0;
+  jitter_up_ = jitter_down_ = 0.0;
+  exchanged_ = false;
+}
+
+void ClockEstimate::take(const Exchange& exchange) noexcept {
+  const double whole = seconds(difference(exchange.sent, exchange.arrived));
+  const double at_server = seconds(difference(exchange.received, exchange.answered));
+  const double round_trip = whole - at_server;
+  if (!(at_server >= 0.0) || !(round_trip >= 0.0) || !(whole <= kLongestExchange)) {
+    ++impossible_;
+    return;
+  }
+  if (!known()) restart(exchange);
+
+  const auto beyond_base = [&](Nanoseconds client, Nanoseconds server) {
+    const auto offset = static_cast<std::uint64_t>(difference(client, server));
+    return seconds(static_cast<std::int64_t>(offset - static_cast<std::uint64_t>(base_)));
+  };
+  double up = beyond_base(exchange.sent, exchange.received);
+  double down = beyond_base(exchange.arrived, exchange.answered);
+  double offset = 0.5 * (up + down);
+  double time = seconds(difference(origin_, exchange.sent)) + 0.5 * whole;
+  // An offset can be wrong by half the round trip, and an old line by its drift; more is a new
+  // clock.
+  const double horizon = seconds((kBuckets * kBucketTime).count());
+  if (known() && std::abs(offset - residual_offset(time)) >
+                     0.5 * round_trip + error_bound() + kLargestDrift * horizon) {
+    ++restarts_;
+    restart(exchange);
+    up = beyond_base(exchange.sent, exchange.received);
+    down = beyond_base(exchange.arrived, exchange.answered);
+    offset = 0.5 * (up + down);
+    time = 0.5 * whole;
+  }
+
+  const auto number = static_cast<std::int64_t>(time / seconds(kBucketTime.count()));
+  Fastest& bucket = buckets_[static_cast<std::size_t>(number) % kBuckets];
+  if (number < 0 || bucket.bucket > number) return;  // so late that its place is taken
+  if (bucket.bucket != number || round_trip < bucket.round_trip) {
+    bucket = {number, time, offset, round_trip};
+    fit();
+  }
+
+  const double delay_up = up - residual_offset(time), delay_down = residual_offset(time) - down;
+  if (exchanged_) {
+    jitter_up_ += kJitterGain * (std::abs(delay_up - delay_up_) - jitter_up_);
+    jitter_down_ += kJitterGain * (std::abs(delay_down - delay_down_) - jitter_down_);
+  }
+  exchanged_ = true;
+  delay_up_ = delay_up;
+  delay_down_ = delay_down;
+}
+
+/// Weighted least squares of offset over time.
+void ClockEstimate::fit() noexcept {
+  std::int64_t newest = -1;
+  for (const Fastest& b : buckets_) newest = std::max(newest, b.bucket);
+  const auto counts = [&](const Fastest& b) {
+    return b.bucket >= 0 && b.bucket > newest - static_cast<std::int64_t>(kBuckets);
+  };
+  buckets_used_ = 0;
+  least_round_trip_ = kLongestExchange;
+  double earliest = 0.0, latest = 0.0;
+  for (const Fastest& b : buckets_) {
+    if (!counts(b)) continue;
+    least_round_trip_ = std::min(least_round_trip_, b.round_trip);
+    earliest = buckets_used_ == 0 ? b.time : std::min(earliest, b.time);
+    latest = buckets_used_ == 0 ? b.time : std::max(latest, b.time);
+    ++buckets_used_;
+  }
+  // The excess over the fastest round trip is what a queue added on one way: half of it is error.
+  const auto weight = [&](const Fastest& b) {
+    const double uncertainty = kLeastUncertainty + 0.5 * (b.round_trip - least_round_trip_);
+    return 1.0 / (uncertainty * uncertainty);
+  };
+  double sum = 0.0, time = 0.0, offset = 0.0;
+  for (const Fastest& b : buckets_) {
+    if (!counts(b)) continue;
+    const double w = weight(b);
+    sum += w;
+    time += w * b.time;
+    offset += w * b.offset;
+  }
+  pivot_ = time / sum;
+  offset_ = offset / sum;
+  drift_ = 0.0;
+  if (latest - earliest < kDriftTime) return;
+  double squares = 0.0, products = 0.0;
+  for (const Fastest& b : buckets_) {
+    if (!counts(b)) continue;
+    const double w = weight(b), t = b.time - pivot_;
+    squares += w * t * t;
+    products += w * t * (b.offset - offset_);
+  }
+  if (squares > 0.0) drift_ = std::clamp(products / squares, -kLargestDrift, kLargestDrift);
+}
+
+double ClockEstimate::offset(Nanoseconds at) const noexcept {
+  if (!known()) return 0.0;
+  return seconds(base_) + residual_offset(seconds(difference(origin_, at)));
+}
+
+double ClockEstimate::error_bound() const noexcept {
+  return known() ? 0.5 * least_round_trip_ : kLongestExchange;
+}
+
+Nanoseconds ClockEstimate::to_client(Nanoseconds server) const noexcept {
+  if (!known()) return Nanoseconds{0};
+  const Nanoseconds near{static_cast<std::int64_t>(static_cast<std::uint64_t>(server.count()) -
+                                                   static_cast<std::uint64_t>(base_))};
+  const double rest = residual_offset(seconds(difference(origin_, near)));
+  return near - Nanoseconds(std::llround(rest / kSecond));
+}
+
+}  // namespace feltwire

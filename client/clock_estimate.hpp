@@ -1,0 +1,78 @@
+#pragma once
+// How the server's clock stands to ours, from the four times of every exchange. No clock is read
+// here.
+
+#include <array>
+#include <cstdint>
+
+#include "protocol/datagram.hpp"
+
+namespace feltwire {
+
+/// The times of one exchange: a sample leaves (client's clock), is received and answered (server's
+/// clock), the reply arrives (client's clock).
+struct Exchange {
+  Nanoseconds sent{0}, received{0}, answered{0}, arrived{0};
+};
+
+/// Offset and drift of the server's clock, by the minimum filter of RFC 5905 section 10: of all
+/// exchanges within a bucket of time only the fastest counts, for what queues add is never less
+/// than nothing. A line is fitted through the buckets (offset and drift), each trusted the less the
+/// slower its fastest exchange was. All buckets together reach back kBuckets * kBucketTime.
+///
+/// What no such estimate can see is a path that is slower one way than the other: the offset is
+/// then wrong by half the difference. `error_bound` says how much that can be.
+class ClockEstimate {
+ public:
+  static constexpr std::size_t kBuckets = 32;
+  static constexpr Nanoseconds kBucketTime = std::chrono::milliseconds(500);
+
+  /// Takes an exchange. One that cannot be (it took less than no time, or longer than a minute) is
+  /// left out and counted. A server whose clock jumped (it was started anew) begins a new estimate.
+  void take(const Exchange& exchange) noexcept;
+
+  bool known() const noexcept { return buckets_used_ > 0; }
+  /// [s] server's clock less ours at our time `at`; zero while unknown. Clocks count from anywhere,
+  /// so this may be any number: see to_client() for its use.
+  double offset(Nanoseconds at) const noexcept;
+  double drift() const noexcept { return drift_; }  // [s/s] of the server's clock against ours
+  /// [s] |error of offset| is at most this if each way took the least time once: half the fastest
+  /// round trip.
+  double error_bound() const noexcept;
+  /// Our time at which the server's clock showed `server`.
+  Nanoseconds to_client(Nanoseconds server) const noexcept;
+
+  /// [s] of the last exchange, by this estimate: the way to the server, and back.
+  double delay_up() const noexcept { return delay_up_; }
+  double delay_down() const noexcept { return delay_down_; }
+  /// [s] mean variation of the delay from one exchange to the next, RFC 3550 section 6.4.1.
+  double jitter_up() const noexcept { return jitter_up_; }
+  double jitter_down() const noexcept { return jitter_down_; }
+
+  std::uint64_t impossible() const noexcept { return impossible_; }
+  std::uint64_t restarts() const noexcept { return restarts_; }
+
+ private:
+  /// The fastest exchange of a bucket.
+  struct Fastest {
+    std::int64_t bucket = -1;  // number since the first exchange
+    double time = 0.0;         // [s] since the first exchange, our clock, its middle
+    double offset = 0.0;       // [s] beyond base_
+    double round_trip = 0.0;   // [s] without the server's own time
+  };
+  void restart(const Exchange& exchange) noexcept;
+  void fit() noexcept;
+  double residual_offset(double time) const noexcept { return offset_ + drift_ * (time - pivot_); }
+
+  std::array<Fastest, kBuckets> buckets_{};
+  int buckets_used_ = 0;
+  Nanoseconds origin_{0};  // our time of the first exchange
+  std::int64_t base_ = 0;  // [ns] offset of the first exchange: the rest is small enough for double
+  double pivot_ = 0.0, offset_ = 0.0, drift_ = 0.0;
+  double least_round_trip_ = 0.0;
+  double delay_up_ = 0.0, delay_down_ = 0.0, jitter_up_ = 0.0, jitter_down_ = 0.0;
+  bool exchanged_ = false;
+  std::uint64_t impossible_ = 0, restarts_ = 0;
+};
+
+}  // namespace feltwire
