@@ -151,7 +151,8 @@ Joined join(const Endpoint& server, const control::JoinRequest& request,
   Conversation conversation(server, timeout);
   const control::Message answer = conversation.ask(request);
   const auto* accepted = std::get_if<control::JoinAccepted>(&answer);
-  if (accepted == nullptr || accepted->udp_port == 0 || !std::isfinite(accepted->silence_timeout))
+  if (accepted == nullptr || accepted->udp_port == 0 || !std::isfinite(accepted->silence_timeout) ||
+      !std::isfinite(accepted->stiffness) || accepted->stiffness < 0.0)
     conversation.bad_answer();
   try {
     validate(accepted->parameters);

@@ -13,6 +13,7 @@
 #include <thread>
 
 #include "client/devices/replay.hpp"
+#include "client/encoder.hpp"
 #include "client/options.hpp"
 #include "client/report.hpp"
 #include "client/status_line.hpp"
@@ -173,6 +174,8 @@ int run(const ClientOptions& options) {
     if (const auto* task = std::get_if<HandTask>(&options.device))
       device = make_hand_at_start(options, *task, joined.accepted);
     Servo servo(device->spec(), joined.accepted.parameters, options.servo);
+    if (const auto warning = encoder_warning(device->spec(), joined.accepted.stiffness))
+      std::fprintf(stderr, "feltwire-client: warning: %s\n", warning->c_str());
     std::unique_ptr<Recorder> recorder;
     if (options.record) recorder = std::make_unique<Recorder>(*options.record);
 
@@ -199,7 +202,7 @@ int run(const ClientOptions& options) {
     if (options.report)
       write_whole(*options.report,
                   report_json({options.name, options.scene, to_string(options.server),
-                               options.device_kind, real_time},
+                               options.device_kind, real_time, joined.accepted.stiffness},
                               servo, transport.statistics(), *result));
     const int code = conclude(options, servo, *result);
     return recorder && recorder->failed() ? 1 : code;

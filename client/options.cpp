@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <array>
 #include <cmath>
+#include <sstream>
 #include <string_view>
 
 namespace feltwire {
@@ -32,13 +33,30 @@ struct Words {
               reference = "zero", side, path = "press";
   double rate = 1000.0;
   std::optional<std::array<double, 3>> center, normal;
+  std::optional<double> wait_for_small_force, ramp_up, velocity_limit;
   std::string report, record;
 };
+
+std::string short_text(double value) {
+  std::ostringstream text;
+  text << value;
+  return text.str();
+}
 
 Vec3 vector(const std::array<double, 3>& v) { return {v[0], v[1], v[2]}; }
 
 void require(bool good, const char* message) {
   if (!good) throw std::invalid_argument(message);
+}
+
+/// What the command line does not say protects the hand as far as the bounding mode allows.
+void choose_safety(const Words& words, ClientOptions& options) {
+  SafetyLimits& given = options.servo.safety;
+  const SafetyLimits usual = protect_hand(options.parameters).safety;
+  given.force.small = words.wait_for_small_force.value_or(usual.force.small);
+  given.torque.small = std::isfinite(given.force.small) ? usual.torque.small : given.force.small;
+  given.force.speed = words.velocity_limit.value_or(usual.force.speed);
+  given.ramp_up = words.ramp_up.value_or(usual.ramp_up);
 }
 
 /// Throws std::invalid_argument.
@@ -61,6 +79,7 @@ void understand(const Words& words, HandTask task, ClientOptions& options) {
   require(std::isfinite(words.rate) && words.rate > 0.0, "--rate must be above 0 Hz");
   options.parameters.servo_period = 1.0 / words.rate;
   validate(options.parameters);
+  choose_safety(words, options);
   validate(options.servo, options.parameters);
 
   options.spec = builtin_device(words.spec);
@@ -158,9 +177,29 @@ std::variant<ClientOptions, int> parse_options(int argc, char** argv) {
                  "[s] a command older than half of it fades, at all of it it is zero")
       ->capture_default_str()
       ->group(session);
-  app.add_option("--slew", options.servo.slew,
+
+  // Their usual values depend on the mode, so the help names them in words.
+  const auto safety = "Safety (--slew, --ramp-up, --velocity-limit: contact_frame and none only)";
+  const SafetyLimits usual = protect_hand({}).safety;
+  app.add_option("--wait-for-small-force", words.wait_for_small_force,
+                 "[N] no force until the scene has once asked for no more; inf: at once; usually " +
+                     short_text(usual.force.small))
+      ->group(safety);
+  app.add_option(
+         "--ramp-up", words.ramp_up,
+         "[s] from the first contact to the full force; usually " + short_text(usual.ramp_up))
+      ->group(safety);
+  app.add_option("--velocity-limit", words.velocity_limit,
+                 "[m/s] a faster device loses its force, all of it at twice this; inf: never; "
+                 "usually " +
+                     short_text(usual.force.speed))
+      ->group(safety);
+  app.add_option("--slew", options.servo.safety.force.slew,
                  "[N/s] limit on how fast the force may rise; none when not given")
-      ->group(session);
+      ->group(safety);
+  app.add_option("--max-force", options.servo.safety.force.max,
+                 "[N] where less than the device's own is wanted")
+      ->group(safety);
 
   const auto hand = "Simulated hand";
   app.add_option("--path", words.path, "What it does: " + choices(kHandPathNames))

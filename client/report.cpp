@@ -12,6 +12,8 @@
 #include <stdexcept>
 #include <system_error>
 
+#include "client/encoder.hpp"
+
 namespace feltwire {
 namespace {
 
@@ -83,6 +85,25 @@ Json parameters(const SessionParameters& p) {
           {"coupling_stiffness_n_per_m", number(p.coupling_stiffness)},
           {"coupling_damping_n_s_per_m", number(p.coupling_damping)},
           {"tool_mass_kg", number(p.tool_mass)}};
+}
+
+Json safety(const SafetyLimits& s) {
+  return {{"max_force_n", number(s.force.max)},
+          {"velocity_limit_m_per_s", number(s.force.speed)},
+          {"slew_n_per_s", number(s.force.slew)},
+          {"ramp_up_s", number(s.ramp_up)},
+          {"wait_for_small_force_n", number(s.force.small)}};
+}
+
+Json encoder(const DeviceSpec& spec, double scene_stiffness) {
+  const bool known = spec.position_resolution > 0.0;
+  const auto warning = encoder_warning(spec, scene_stiffness);
+  return {
+      {"quantum_m", known ? number(spec.position_resolution) : Json(nullptr)},
+      {"coulomb_friction_n", number(spec.coulomb_friction)},
+      {"stiffness_limit_n_per_m", number(encoder_stiffness_limit(spec))},
+      {"scene_stiffness_n_per_m", scene_stiffness > 0.0 ? number(scene_stiffness) : Json(nullptr)},
+      {"warning", warning ? Json(*warning) : Json(nullptr)}};
 }
 
 Json dropped(const TransportStatistics& transport, const ServoStatistics& servo) {
@@ -228,7 +249,11 @@ std::string report_json(const RunDescription& run, const Servo& servo,
       {"faded_samples", s.faded},
       {"bound_active_samples", s.bound_active},
       {"saturated_samples", s.saturated},
+      {"waiting_samples", s.waiting},
+      {"ramped_samples", s.ramped},
       {"slewed_samples", s.slewed},
+      {"too_fast_samples", s.too_fast},
+      {"force_limited_samples", s.force_limited},
       {"refused_samples", s.refused},
       {"device_faults", s.device_faults},
       {"replies_refused", s.replies_refused},
@@ -241,6 +266,8 @@ std::string report_json(const RunDescription& run, const Servo& servo,
       {"real_time",
        {{"scheduler", run.real_time.scheduler}, {"memory_locked", run.real_time.memory_locked}}},
       {"parameters", parameters(servo.parameters())},
+      {"safety", safety(servo.options().safety)},
+      {"encoder", encoder(servo.spec(), run.scene_stiffness)},
       {"server_last_reply", server(servo)},
   };
   if (loop.end == EndReason::server_goodbye) report["goodbye_reason"] = name_of(loop.goodbye);

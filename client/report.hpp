@@ -16,6 +16,7 @@ struct RunDescription {
   std::string client, scene, server;
   std::string device_kind;  // as given to --device
   RealTime real_time;
+  double scene_stiffness = 0.0;  // [N/m] of the stiffest surface; 0: the server did not say
 };
 
 /// The report's text. Every number in it is finite; what there is no number for is null.

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <sstream>
 #include <stdexcept>
-#include <string>
 
 #include "core/numeric.hpp"
 
@@ -31,6 +31,21 @@ PortEnergy observer_of(const BoundingConfig& config) {
   return {config.damping, config.rotation ? config.rotational_damping : Damping(), config.period};
 }
 
+/// The server's bound accounts its own port, whatever the client holds.
+bool may_reduce(const SessionParameters& parameters) {
+  return parameters.side == BoundingSide::server || admits_reduction(parameters.mode);
+}
+
+void refuse_beside(BoundingMode mode, const char* what, double value, const char* unit,
+                   double off) {
+  if (value == off) return;
+  std::ostringstream message;
+  message << "a " << what << " of " << value << " " << unit << " cannot follow the bounding mode "
+          << name(mode) << ", which does not stay passive when its force is reduced; use "
+          << "contact_frame or no " << what << " (" << off << ")";
+  throw std::invalid_argument(message.str());
+}
+
 bool good(const DeviceReading& reading) {
   const Quaternion& q = reading.pose.orientation;
   return reading.ok && reading.pose.position.allFinite() && q.coeffs().allFinite() &&
@@ -40,13 +55,28 @@ bool good(const DeviceReading& reading) {
 }  // namespace
 
 void validate(const ServoOptions& options, const SessionParameters& parameters) {
-  if (!(options.slew > 0.0)) throw std::invalid_argument("slew limit must be above zero [N/s]");
-  if (!std::isfinite(options.slew) || parameters.side == BoundingSide::server) return;
-  if (parameters.mode == BoundingMode::contact_frame || parameters.mode == BoundingMode::none)
-    return;
-  throw std::invalid_argument(
-      "a slew limit cannot follow the bounding mode " + std::string(name(parameters.mode)) +
-      ", which also bounds forces from below; use contact_frame or no slew limit");
+  const SafetyLimits& s = options.safety;
+  validate(s);
+  if (may_reduce(parameters)) return;
+  refuse_beside(parameters.mode, "slew limit", s.force.slew, "N/s", ChannelLimits::kOff);
+  refuse_beside(parameters.mode, "slew limit", s.torque.slew, "N m/s", ChannelLimits::kOff);
+  refuse_beside(parameters.mode, "velocity limit", s.force.speed, "m/s", ChannelLimits::kOff);
+  refuse_beside(parameters.mode, "velocity limit", s.torque.speed, "rad/s", ChannelLimits::kOff);
+  refuse_beside(parameters.mode, "ramp-up", s.ramp_up, "s", 0.0);
+}
+
+ServoOptions protect_hand(const SessionParameters& parameters) {
+  ServoOptions options;
+  options.safety.force.small = 0.05;   // [N] below what a resting hand feels
+  options.safety.torque.small = 2e-3;  // [N m] the same at an arm of 40 mm
+  if (!may_reduce(parameters)) return options;
+  options.safety.force.speed = 1.5;  // [m/s]
+  // A bound lets nothing through at first either, and what a ramp withheld behind it comes back
+  // only as the hand presses deeper (measured).
+  const bool client_bounds =
+      parameters.side != BoundingSide::server && parameters.mode != BoundingMode::none;
+  if (!client_bounds) options.safety.ramp_up = 0.2;  // [s]
+  return options;
 }
 
 Servo::Servo(const DeviceSpec& spec, const SessionParameters& parameters,
@@ -55,6 +85,7 @@ Servo::Servo(const DeviceSpec& spec, const SessionParameters& parameters,
       parameters_(parameters),
       options_(options),
       bounding_(bound_of(parameters, spec)),
+      safety_(options.safety),
       port_(observer_of(bounding_.config())),
       torque_(bounding_.config().rotation),
       period_(bounding_.config().period),
@@ -75,6 +106,9 @@ bool Servo::take(const Reply& reply, Nanoseconds arrival) noexcept {
   }
   newest_ = reply;
   newest_arrival_ = arrival;
+  // What the server's bound has changed says nothing of how deep the hand is: at the first sample
+  // it lets nothing through, inside an object too.
+  newest_original_ = reply.command.finite() && !reply.active && !reply.saturated && !reply.refused;
   if (!reply.command.finite()) {
     ++statistics_.replies_refused;
     newest_.command = {};
@@ -117,14 +151,19 @@ Servo::Movement Servo::moved_to(const DeviceReading& reading) noexcept {
   return moved;
 }
 
-void Servo::limit_rise(Command& command, double hold_time) noexcept {
-  if (!std::isfinite(options_.slew)) return;
-  const double allowed = length(held_.force()) + options_.slew * hold_time;
-  const double magnitude = length(command.force());
-  if (!(magnitude > allowed)) return;
-  ++statistics_.slewed;
-  command.elastic *= allowed / magnitude;
-  command.frictional *= allowed / magnitude;
+Command Servo::safeguard(const Command& bounded, const BoundingStep& step) noexcept {
+  const Safeguarded safe = safety_.apply({.commanded = wanted_,
+                                          .original = position_known_ && newest_original_,
+                                          .bounded = actuated(spec_, bounded),
+                                          .displacement = step.displacement,
+                                          .rotation = step.rotation,
+                                          .hold_time = step.hold_time});
+  statistics_.waiting += safe.waiting ? 1 : 0;
+  statistics_.ramped += safe.ramped ? 1 : 0;
+  statistics_.slewed += safe.slewed ? 1 : 0;
+  statistics_.too_fast += safe.too_fast ? 1 : 0;
+  statistics_.force_limited += safe.limited ? 1 : 0;
+  return safe.rendered;
 }
 
 Command Servo::render(const DeviceReading& reading, Nanoseconds now) noexcept {
@@ -162,9 +201,7 @@ Command Servo::render(const DeviceReading& reading, Nanoseconds now) noexcept {
   statistics_.saturated += bounded.saturated ? 1 : 0;
   statistics_.refused += bounded.refused ? 1 : 0;
 
-  Command rendered = actuated(spec_, bounded.rendered);
-  limit_rise(rendered, hold_time);
-  return rendered;
+  return safeguard(bounded.rendered, step);
 }
 
 const Sample* Servo::hold(const Command& held) noexcept {
@@ -174,6 +211,7 @@ const Sample* Servo::hold(const Command& held) noexcept {
     held_ = {};
   }
   bounding_.set_held(held_);
+  safety_.set_held(held_);
   statistics_.max_force = std::max(statistics_.max_force, length(held_.force()));
   observe_direction(held_);
   if (!posed_) return nullptr;

@@ -5,26 +5,32 @@
 
 #include <array>
 #include <cstdint>
-#include <limits>
 #include <vector>
 
 #include "client/device.hpp"
 #include "client/histogram.hpp"
 #include "core/bounding/bounding.hpp"
 #include "core/port_energy.hpp"
+#include "core/safety.hpp"
 #include "protocol/datagram.hpp"
 #include "protocol/session_parameters.hpp"
 
 namespace feltwire {
 
 struct ServoOptions {
-  /// [N/s], > 0: how fast the magnitude of the force may rise. Falling is never limited: only
-  /// reductions are admissible behind the bound.
-  double slew = std::numeric_limits<double>::infinity();
+  /// Between the bound and the device. None here, so that what is measured is the bound;
+  /// protect_hand() gives those that a person's hand should have.
+  SafetyLimits safety;
 };
 
-/// Throws std::invalid_argument naming the parameter and the remedy when these do not go together.
+/// Throws std::invalid_argument naming the limit, its value and the remedy: a slew, ramp or speed
+/// limit cannot follow a bound that does not admit reductions (where the client bounds at all).
 void validate(const ServoOptions& options, const SessionParameters& parameters);
+
+/// What protects a hand without being felt in normal use (docs/devices.md has what was measured):
+/// the wait for small force; the speed limit where the session's bound admits it; a ramp where the
+/// client does not bound.
+ServoOptions protect_hand(const SessionParameters& parameters);
 
 /// Plain numbers of one run. Times in [ns], angles in [1e-6 deg] (whole numbers for the
 /// histograms).
@@ -39,10 +45,11 @@ struct ServoStatistics {
   std::uint64_t bound_active = 0;     // ticks at which the bound changed the command
   std::uint64_t saturated = 0;        // ticks at which the device's limits did
   std::uint64_t refused = 0;          // ticks at which the bound met an absurd command or movement
-  std::uint64_t slewed = 0;           // ticks at which the slew limit did
-  double max_force = 0.0;             // [N] held
-  Histogram round_trip;               // [ns] from the sample's reading to the reply's arrival
-  Histogram direction_error;          // [1e-6 deg] force held against the command it came from
+  // Ticks at which these safety limits took something off what the bound let through.
+  std::uint64_t waiting = 0, ramped = 0, slewed = 0, too_fast = 0, force_limited = 0;
+  double max_force = 0.0;     // [N] held
+  Histogram round_trip;       // [ns] from the sample's reading to the reply's arrival
+  Histogram direction_error;  // [1e-6 deg] force held against the command it came from
 };
 
 /// The client's half of the haptic loop. A tick is render(), the device's write(), hold(); replies
@@ -59,7 +66,8 @@ class Servo {
   bool take(const Reply& reply, Nanoseconds arrival) noexcept;
 
   /// What to write to the device now. The newest command counts in full until it is hold_time / 2
-  /// old, falls linearly to nothing at hold_time, and is then bounded (docs/bounding.md). A reading
+  /// old, falls linearly to nothing at hold_time, is then bounded (docs/bounding.md) and last goes
+  /// through the safety stage (core/safety.hpp). A reading
   /// that is faulty or not finite, a command that is not finite, and everything after release()
   /// give no force.
   Command render(const DeviceReading& reading, Nanoseconds now) noexcept;
@@ -80,6 +88,7 @@ class Servo {
 
   const DeviceSpec& spec() const { return spec_; }
   const SessionParameters& parameters() const { return parameters_; }
+  const ServoOptions& options() const { return options_; }
   const ServoStatistics& statistics() const { return statistics_; }
   const PortEnergy& port() const { return port_; }
 
@@ -106,7 +115,7 @@ class Servo {
 
   Movement moved_to(const DeviceReading& reading) noexcept;
   double fade_factor() const noexcept;
-  void limit_rise(Command& command, double hold_time) noexcept;
+  Command safeguard(const Command& bounded, const BoundingStep& step) noexcept;
   void observe_direction(const Command& held) noexcept;
   void count_answer(std::uint64_t index, Nanoseconds arrival) noexcept;
 
@@ -114,12 +123,14 @@ class Servo {
   SessionParameters parameters_;
   ServoOptions options_;
   Bounding bounding_;
+  SafetyStage safety_;
   PortEnergy port_;
   bool torque_;
   double period_;  // T [s]
 
   Reply newest_;
   Nanoseconds newest_arrival_{0};
+  bool newest_original_ = false;  // its command is the scene's as it was
   double command_age_ = 0.0;
 
   Nanoseconds last_tick_{0};

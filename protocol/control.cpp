@@ -107,7 +107,8 @@ struct BodyBuilder {
   Offset<wire::JoinAccepted> operator()(const JoinAccepted& m) {
     const wire::Vector position = vector(m.start_position), normal = vector(m.start_normal);
     return wire::CreateJoinAccepted(builder, m.session, m.udp_port, build(builder, m.parameters),
-                                    m.silence_timeout, m.friction, m.rotation, &position, &normal);
+                                    m.silence_timeout, m.friction, m.rotation, &position, &normal,
+                                    m.stiffness);
   }
   Offset<wire::LeaveRequest> operator()(const LeaveRequest& m) {
     return wire::CreateLeaveRequest(builder, m.session);
@@ -182,6 +183,7 @@ bool read(const wire::JoinAccepted& from, JoinAccepted& to) {
   to.rotation = from.rotation();
   if (const auto* p = from.start_position()) to.start_position = vector(*p);
   if (const auto* n = from.start_normal()) to.start_normal = vector(*n);
+  to.stiffness = from.stiffness();
   return read(*from.parameters(), to.parameters);
 }
 bool read(const wire::LeaveRequest& from, LeaveRequest& to) {

@@ -33,6 +33,7 @@ struct JoinAccepted {
   bool friction = false, rotation = false;
   Vec3 start_position = Vec3::Zero();  // [m] where a hand that knows nothing of the scene begins
   Vec3 start_normal = Vec3::UnitZ();   // unit, of the surface there
+  double stiffness = 0.0;              // [N/m] of the scene's stiffest surface; 0: not said
 };
 struct LeaveRequest {
   std::uint64_t session = 0;

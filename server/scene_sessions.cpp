@@ -107,6 +107,7 @@ control::Message SceneSessions::join(const control::JoinRequest& request, std::u
   accepted.friction = scene_.requirements().friction;
   accepted.start_position = scene_.start().position;
   accepted.start_normal = scene_.start().normal;
+  accepted.stiffness = scene_.requirements().stiffness;
   return accepted;
 }
 

@@ -156,6 +156,24 @@ bool moves_probe(BoundingMode mode) {
   return mode == BoundingMode::virtual_coupling || mode == BoundingMode::passivity_control_parallel;
 }
 
+bool admits_reduction(BoundingMode mode) noexcept {
+  switch (mode) {
+    case BoundingMode::none:
+    case BoundingMode::contact_frame:
+    case BoundingMode::energy_tank:
+      return true;
+    case BoundingMode::total_energy:  // these bound a force from below too
+    case BoundingMode::per_axis:
+    case BoundingMode::per_axis_projected:
+    case BoundingMode::virtual_coupling:  // a damper that is held back dissipates less
+    case BoundingMode::passivity_control:
+    case BoundingMode::passivity_control_parallel:
+    case BoundingMode::passivity_control_directional:
+      return false;
+  }
+  return false;
+}
+
 template <class Real>
 BasicBounding<Real>::BasicBounding(const BoundingConfig& config)
     : config_((check(config), config)),

@@ -74,6 +74,11 @@ struct CouplingConfig {
   double mass = 0.05;               // [kg] of the tool, > 0
 };
 
+/// Whether what the mode lets through may be reduced further, by whatever factor and for whatever
+/// reason, and the port stays passive when the bound is told (set_held). True of bounds on
+/// magnitudes from above, and where nothing is bounded.
+bool admits_reduction(BoundingMode mode) noexcept;
+
 struct BoundingConfig {
   BoundingMode mode = BoundingMode::contact_frame;
   Projection projection = Projection::joint;                // contact_frame only

@@ -84,6 +84,7 @@ Requirements required_by(const std::vector<Object>& objects) {
   for (const Object& o : objects) {
     r.friction |= o.material.static_friction > 0.0;
     r.velocity |= o.material.damping > 0.0 || o.material.viscous_friction > 0.0;
+    r.stiffness = std::max(r.stiffness, o.material.stiffness);
   }
   return r;
 }

@@ -14,8 +14,9 @@ namespace feltwire {
 /// What the objects of a scene need from whoever hosts it; what none needs is neither allocated,
 /// stepped nor sent.
 struct Requirements {
-  bool friction = false;  // a stick point per object and tool
-  bool velocity = false;  // damping or viscous friction: a velocity estimate per tool
+  bool friction = false;   // a stick point per object and tool
+  bool velocity = false;   // damping or viscous friction: a velocity estimate per tool
+  double stiffness = 0.0;  // [N/m] of the stiffest material; a tool in two objects feels both
 };
 
 /// What one tool remembers of a scene between samples: one entry an object, allocated once.

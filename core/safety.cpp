@@ -1,0 +1,141 @@
+#include "core/safety.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+#include <stdexcept>
+#include <string>
+
+#include "core/numeric.hpp"
+
+namespace feltwire {
+namespace {
+
+constexpr double kLongestRamp = 10.0;  // [s] beyond it a unit has been mistaken
+// [Hz] of the speed. At 1 kHz a quantum of 55 um then counts as 15 mm/s for a moment, not 55; a
+// device thrown by 10 m/s^2 is seen 3 ms late, at 30 mm/s more than it was.
+constexpr double kSpeedCutoff = 50.0;
+
+void require(bool good, const char* channel, const char* name, double value, const char* must) {
+  if (good) return;
+  std::ostringstream message;
+  message << channel << name << " = " << value << " must be " << must;
+  throw std::invalid_argument(message.str());
+}
+
+void check(const ChannelLimits& c, const char* channel) {
+  constexpr auto kPositive = "above zero; infinity switches it off";
+  require(c.max > 0.0, channel, "max", c.max, kPositive);
+  require(c.slew > 0.0, channel, "slew", c.slew, kPositive);
+  require(c.speed > 0.0, channel, "speed", c.speed, kPositive);
+  require(c.small >= 0.0, channel, "small", c.small, "zero or more; infinity switches it off");
+}
+
+/// Also where its two forces together overflow.
+bool usable(const Command& c) { return c.finite() && c.force().allFinite(); }
+
+/// Finite, and as a velocity too.
+bool usable(const Vec3& movement, double time) {
+  return movement.allFinite() && (!(time > 0.0) || (movement / time).allFinite());
+}
+
+/// 1 up to the limit, 0 from twice the limit on.
+double share_at(double speed, double limit) {
+  return std::isfinite(limit) ? std::clamp(2.0 - speed / limit, 0.0, 1.0) : 1.0;
+}
+
+/// What is left of `bounded`, a magnitude, under the smallest of the limits; `who` took something.
+struct Reduction {
+  const ChannelLimits& limits;
+  double commanded, held;  // magnitudes
+  double ramp, speed;      // share of the command that the ramp allows; of the device
+  double time;             // [s] since the last sample
+
+  double factor(double bounded, Safeguarded& who) const noexcept {
+    double allowed = bounded;
+    const auto limit = [&](double most, bool& flag) {
+      if (!(bounded > most)) return;
+      flag = true;
+      allowed = std::min(allowed, most);
+    };
+    limit(limits.max, who.limited);
+    if (std::isfinite(limits.slew)) limit(held + limits.slew * time, who.slewed);
+    if (ramp < 1.0) limit(ramp * commanded, who.ramped);
+    const double share = share_at(speed, limits.speed);
+    if (share < 1.0) limit(share * commanded, who.too_fast);
+    return allowed < bounded ? allowed / bounded : 1.0;
+  }
+};
+
+}  // namespace
+
+void validate(const SafetyLimits& limits) {
+  check(limits.force, "force.");
+  check(limits.torque, "torque.");
+  require(limits.ramp_up >= 0.0 && limits.ramp_up <= kLongestRamp, "", "ramp_up", limits.ramp_up,
+          "from 0 to 10 s; 0 gives all at once");
+}
+
+SafetyStage::SafetyStage(const SafetyLimits& limits)
+    : limits_(limits),
+      velocity_(kSpeedCutoff),
+      angular_velocity_(kSpeedCutoff),
+      waiting_(std::isfinite(limits.force.small) || std::isfinite(limits.torque.small)) {
+  validate(limits);
+}
+
+/// The wait and the ramp go by what the environment says, not by what is given.
+void SafetyStage::follow(const SafetyStep& step, double force, double torque,
+                         double time) noexcept {
+  if (step.original && force <= limits_.force.small && torque <= limits_.torque.small)
+    waiting_ = false;
+  if (touched_)
+    since_touch_ += time;
+  else
+    touched_ = !waiting_ && (force > 0.0 || torque > 0.0);
+}
+
+double SafetyStage::ramp() const noexcept {
+  return since_touch_ < limits_.ramp_up ? since_touch_ / limits_.ramp_up : 1.0;
+}
+
+Safeguarded SafetyStage::apply(const SafetyStep& step) noexcept {
+  Safeguarded result;
+  if (!std::isfinite(step.hold_time) || !usable(step.bounded) || !usable(step.commanded) ||
+      !usable(step.displacement, step.hold_time) || !usable(step.rotation, step.hold_time))
+      [[unlikely]] {
+    result.refused = true;
+    set_held({});
+    return result;
+  }
+  const double time = std::max(step.hold_time, 0.0);
+  const double speed = length(velocity_.update(step.displacement, time));
+  const double angular_speed = length(angular_velocity_.update(step.rotation, time));
+  const double force = length(step.commanded.force()), torque = length(step.commanded.torque);
+  follow(step, force, torque, time);
+
+  const double given_force = length(step.bounded.force());
+  const double given_torque = length(step.bounded.torque);
+  if (waiting_) {
+    result.waiting = given_force > 0.0 || given_torque > 0.0;
+    set_held({});
+    return result;
+  }
+  const double force_factor =
+      Reduction{limits_.force, force, held_force_, ramp(), speed, time}.factor(given_force, result);
+  const double torque_factor =
+      Reduction{limits_.torque, torque, held_torque_, ramp(), angular_speed, time}.factor(
+          given_torque, result);
+  result.rendered = {force_factor * step.bounded.elastic, force_factor * step.bounded.frictional,
+                     torque_factor * step.bounded.torque};
+  set_held(result.rendered);
+  return result;
+}
+
+void SafetyStage::set_held(const Command& held) noexcept {
+  if (!held.finite()) return;
+  held_force_ = length(held.force());
+  held_torque_ = length(held.torque);
+}
+
+}  // namespace feltwire

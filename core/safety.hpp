@@ -1,0 +1,103 @@
+#pragma once
+// The last stage before a device: what protects a hand, whatever the bound lets through.
+
+#include <limits>
+
+#include "core/types.hpp"
+#include "core/velocity.hpp"
+
+namespace feltwire {
+
+/// Limits of one channel, force or torque; infinity switches each off. Units: force / torque.
+struct ChannelLimits {
+  static constexpr double kOff = std::numeric_limits<double>::infinity();
+  double max = kOff;   // [N] / [N m], > 0: largest magnitude
+  double slew = kOff;  // [N/s] / [N m/s], > 0: fastest rise; falling is never limited
+  /// [m/s] / [rad/s], > 0: up to this speed of the device all that is commanded may be given,
+  /// falling linearly to nothing at twice this speed.
+  double speed = kOff;
+  double small = kOff;  // [N] / [N m], >= 0: see SafetyLimits
+};
+
+/// What the stage holds back. Off unless set.
+struct SafetyLimits {
+  ChannelLimits force, torque;
+  /// [s], 0 to 10: from the first contact on, the share of the command that may be given grows
+  /// linearly from nothing to all of it over this time. 0: all at once.
+  double ramp_up = 0.0;
+
+  // Wait for small force: nothing is given at all until the environment's own command has once been
+  // at most force.small and torque.small. A device that connects inside an object is not kicked; it
+  // is moved out by its hand first.
+};
+
+/// Throws std::invalid_argument naming the limit, its value and the remedy.
+void validate(const SafetyLimits& limits);
+
+/// What one sample brings. Everything world frame, on the hand.
+struct SafetyStep {
+  Command commanded;     // the environment's; the shares of ramp and speed are shares of it
+  bool original = true;  // nothing has been taken off `commanded` since the scene: it ends a wait
+  Command bounded;       // what the bound lets through
+  Vec3 displacement = Vec3::Zero();  // [m] since the last sample
+  Vec3 rotation = Vec3::Zero();      // [rad] likewise; zero where torque is not actuated
+  double hold_time = 0.0;            // [s] since the last sample
+};
+
+/// What became of it, and which limits took something off.
+struct Safeguarded {
+  Command rendered;
+  bool limited = false;   // max
+  bool slewed = false;    // slew
+  bool too_fast = false;  // speed
+  bool ramped = false;    // ramp_up
+  bool waiting = false;   // small: something would have been given
+  bool refused = false;   // an input was not finite: nothing is given
+};
+
+/// Scales what the bound lets through down to the smallest of the limits; force and torque apart,
+/// never up, never in another direction. A pure value: no clock, nothing allocated or thrown.
+///
+/// That is admissible behind a bound that limits magnitudes from above and is told what was held
+/// (contact_frame, energy_tank), and where there is nothing to break (none). It is not behind
+/// total_energy, per_axis and per_axis_projected, which bound a force from below too, nor behind
+/// virtual_coupling and passivity control: a damper that is held back dissipates less than was
+/// counted on. admits_reduction() (core/bounding/bounding.hpp) says which. `max` is for every mode,
+/// for every device has one; so is the wait, for nothing has been given before it and zero force is
+/// passive in every mode.
+///
+/// Ramp and speed limit magnitudes to a share of the *command*, not of what the bound lets through:
+/// that follows from the force held before, so a share of a share of a share would be left, nothing
+/// after a few samples of a hand at rest.
+///
+/// The speed limit is for a device that its force throws out of the hand: a motor that goes on
+/// pushing is what hurts, so force is lost whichever way it points. It falls off over a range and
+/// sees a low-passed speed: a threshold on bare encoder differences, a quantum over T apart, would
+/// switch the force on and off from sample to sample.
+class SafetyStage {
+ public:
+  /// Throws std::invalid_argument as validate() does.
+  explicit SafetyStage(const SafetyLimits& limits = {});
+
+  /// One servo sample. A time that is not above zero lets no ramp and no slew go on.
+  Safeguarded apply(const SafetyStep& step) noexcept;
+
+  /// Says what the device really held, where that differs from `rendered`: the slew limit starts
+  /// from it. A report that is not finite is left out.
+  void set_held(const Command& held) noexcept;
+
+  const SafetyLimits& limits() const { return limits_; }
+
+ private:
+  void follow(const SafetyStep& step, double force, double torque, double time) noexcept;
+  double ramp() const noexcept;
+
+  SafetyLimits limits_;
+  VelocityEstimate velocity_, angular_velocity_;
+  double held_force_ = 0.0, held_torque_ = 0.0;  // [N], [N m]
+  bool waiting_;
+  bool touched_ = false;      // the first contact has begun
+  double since_touch_ = 0.0;  // [s]
+};
+
+}  // namespace feltwire
