@@ -178,16 +178,19 @@ std::variant<ClientOptions, int> parse_options(int argc, char** argv) {
       ->capture_default_str()
       ->group(session);
 
-  // Their usual values depend on the mode, so the help names them in words.
   const auto safety = "Safety (--slew, --ramp-up, --velocity-limit: contact_frame and none only)";
+  // Their usual values depend on the mode, so the help names them in words.
   const SafetyLimits usual = protect_hand({}).safety;
+  SessionParameters unbounded;
+  unbounded.mode = BoundingMode::none;
   app.add_option("--wait-for-small-force", words.wait_for_small_force,
                  "[N] no force until the scene has once asked for no more; inf: at once; usually " +
                      short_text(usual.force.small))
       ->group(safety);
-  app.add_option(
-         "--ramp-up", words.ramp_up,
-         "[s] from the first contact to the full force; usually " + short_text(usual.ramp_up))
+  app.add_option("--ramp-up", words.ramp_up,
+                 "[s] from the first contact to the full force; usually 0, and " +
+                     short_text(protect_hand(unbounded).safety.ramp_up) +
+                     " where this side does not bound")
       ->group(safety);
   app.add_option("--velocity-limit", words.velocity_limit,
                  "[m/s] a faster device loses its force, all of it at twice this; inf: never; "

@@ -21,7 +21,7 @@ struct ChannelLimits {
 
 /// What the stage holds back. Off unless set.
 struct SafetyLimits {
-  ChannelLimits force, torque;
+  ChannelLimits force{}, torque{};
   /// [s], 0 to 10: from the first contact on, the share of the command that may be given grows
   /// linearly from nothing to all of it over this time. 0: all at once.
   double ramp_up = 0.0;

@@ -90,12 +90,19 @@ TEST(Join, AnswersThatMakeNoSenseAreRefused) {
   control::JoinAccepted impossible = portless;
   impossible.udp_port = 1;
   impossible.parameters.hold_time = -1.0;
+  control::JoinAccepted unreal = portless;
+  unreal.udp_port = 1;
+  unreal.stiffness = std::numeric_limits<double>::quiet_NaN();
+  control::JoinAccepted negative = unreal;
+  negative.stiffness = -1.0;
 
   struct Case {
     std::vector<std::uint8_t> answer;
     const char* said;
   };
   const std::vector<Case> cases = {
+      {control::encode(unreal), "no feltwire message"},
+      {control::encode(negative), "no feltwire message"},
       {{}, "no answer"},                              // closed without a word
       {{8, 0, 0, 0, 1, 2}, "no answer"},              // broken off
       {{0, 0, 0, 0}, "no feltwire message"},          // empty

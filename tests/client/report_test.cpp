@@ -40,12 +40,14 @@ std::unique_ptr<Servo> used_servo() {
   return servo;
 }
 
-json report(const Servo& servo, const LoopResult& result = {}, const std::string& client = "anna") {
+json report(const Servo& servo, const LoopResult& result = {}, const std::string& client = "anna",
+            double scene_stiffness = 0.0) {
   TransportStatistics transport;
   transport.sent = 6;
   transport.dropped[static_cast<std::size_t>(DropReason::malformed)] = 4;
   return json::parse(
-      report_json({client, "wall", "localhost:7400", "simulated", {}}, servo, transport, result));
+      report_json({client, "wall", "localhost:7400", "simulated", {}, scene_stiffness}, servo,
+                  transport, result));
 }
 
 TEST(Report, HoldsWhatWasCounted) {
@@ -97,6 +99,60 @@ TEST(Report, StaysJsonWhateverItIsTold) {
   const json r = report(*servo, result, "a\"b\\c\n\xff\xfe");
   EXPECT_TRUE(r["duration_s"].is_null());
   EXPECT_THAT(r["client"].get<std::string>(), HasSubstr("a\"b\\c\n"));
+}
+
+TEST(Report, SaysWhatTheSafetyStageDid) {
+  SessionParameters p;
+  p.mode = BoundingMode::none;
+  Servo servo(builtin_device("simulated"), p,
+              {.safety = {.force = {.max = 1.0, .slew = 400.0, .small = 0.1}, .ramp_up = 0.0}});
+  Nanoseconds now{0};
+  // Waits twice, is let go by the small one, then rises by 0.4, 0.8, 1.0 N.
+  for (const double newtons : {3.0, 3.0, 0.0, 3.0, 3.0, 3.0, 3.0}) {
+    now += std::chrono::milliseconds(1);
+    servo.hold(servo.render({}, now));
+    Reply reply;
+    reply.sample_index = servo.sample().index;
+    reply.command.elastic = Vec3(0, 0, newtons);
+    servo.take(reply, now);
+  }
+  const json r = report(servo);
+  EXPECT_EQ(r["waiting_samples"], 2);
+  EXPECT_EQ(r["slewed_samples"], 3);
+  EXPECT_EQ(r["force_limited_samples"], 3);
+  EXPECT_EQ(r["ramped_samples"], 0);
+  EXPECT_EQ(r["too_fast_samples"], 0);
+  EXPECT_EQ(r["max_force_n"], 1.0);
+  const json expected = {{"max_force_n", 1.0},
+                         {"velocity_limit_m_per_s", nullptr},
+                         {"slew_n_per_s", 400.0},
+                         {"ramp_up_s", 0.0},
+                         {"wait_for_small_force_n", 0.1}};
+  EXPECT_EQ(r["safety"], expected);
+}
+
+TEST(Report, WarnsOfScenesThatTheEncodersDoNotStand) {
+  const Servo servo(builtin_device("simulated"), {});  // 23 um, 0.1 N: 2 f_c / quantum = 8696 N/m
+  const json stood = report(servo, {}, "anna", 8695.0)["encoder"];
+  EXPECT_EQ(stood["quantum_m"], 23e-6);
+  EXPECT_EQ(stood["coulomb_friction_n"], 0.1);
+  EXPECT_NEAR(stood["stiffness_limit_n_per_m"].get<double>(), 0.2 / 23e-6, 1e-9);
+  EXPECT_EQ(stood["scene_stiffness_n_per_m"], 8695.0);
+  EXPECT_TRUE(stood["warning"].is_null());
+  const json too_stiff = report(servo, {}, "anna", 8697.0)["encoder"];
+  for (const char* said : {"8697 N/m", "8695.65 N/m", "0.1 N", "23 um", "simulated", "soften"})
+    EXPECT_THAT(too_stiff["warning"].get<std::string>(), HasSubstr(said));
+  EXPECT_TRUE(report(servo)["encoder"]["scene_stiffness_n_per_m"].is_null());  // nobody said
+
+  DeviceSpec exact = builtin_device("simulated");
+  exact.position_resolution = 0.0;
+  const json none = report(Servo(exact, {}), {}, "anna", 1e6)["encoder"];
+  EXPECT_TRUE(none["quantum_m"].is_null());
+  EXPECT_TRUE(none["stiffness_limit_n_per_m"].is_null());
+  EXPECT_TRUE(none["warning"].is_null());
+  DeviceSpec frictionless = builtin_device("simulated");
+  frictionless.coulomb_friction = 0.0;
+  EXPECT_TRUE(report(Servo(frictionless, {}), {}, "anna", 1.0)["encoder"]["warning"].is_string());
 }
 
 TEST(WriteWhole, ReplacesInOneStepAndLeavesNothingBeside) {

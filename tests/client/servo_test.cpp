@@ -1,6 +1,6 @@
 #include "client/servo.hpp"
 
-#include <gmock/gmock.h>
+#include <gtest/gtest.h>
 
 #include <cmath>
 #include <deque>
@@ -8,52 +8,12 @@
 #include <random>
 
 #include "core/numeric.hpp"
-#include "tests/client/temporary_folder.hpp"
+#include "tests/client/servo_bench.hpp"
 
 namespace feltwire {
 namespace {
 
-using testing::error_of;
-using ::testing::HasSubstr;
-
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr Nanoseconds kPeriod = std::chrono::milliseconds(1);
-
-Nanoseconds seconds(double s) { return Nanoseconds(std::llround(s * 1e9)); }
-
-SessionParameters parameters(BoundingMode mode, BoundingSide side = BoundingSide::client) {
-  SessionParameters p;
-  p.mode = mode;
-  p.side = side;
-  return p;
-}
-
-Reply reply(std::uint64_t index, const Command& command) {
-  Reply r;
-  r.sample_index = index;
-  r.command = command;
-  return r;
-}
-Command elastic(double x, double y, double z) { return {.elastic = Vec3(x, y, z)}; }
-DeviceReading at(double x, double y, double z) { return {.pose = {.position = Vec3(x, y, z)}}; }
-
-/// A servo with a device that holds what it is given, ticked every period.
-struct Bench {
-  DeviceSpec spec = builtin_device("simulated");
-  Servo servo;
-  Nanoseconds now = seconds(100.0);
-
-  explicit Bench(const SessionParameters& p, const ServoOptions& options = {})
-      : servo(spec, p, options) {}
-
-  Command tick(const DeviceReading& reading = {}, Nanoseconds after = kPeriod) {
-    now += after;
-    const Command given = servo.render(reading, now);
-    servo.hold(given);
-    return given;
-  }
-};
+using namespace testing::servo;
 
 TEST(Servo, SamplesAreCountedFromOneAndCarryWhatIsHeld) {
   Bench bench(parameters(BoundingMode::none));
@@ -267,28 +227,6 @@ TEST(Servo, WhatTheDeviceDoesNotActuateIsNotGiven) {
   EXPECT_EQ(given.torque, Vec3::Zero());
   flat.hold(given);
   EXPECT_EQ(flat.statistics().direction_error.max(), 0u);  // that is no error of direction
-}
-
-TEST(Servo, SlewLimitsTheRiseOnly) {
-  Bench bench(parameters(BoundingMode::none), {.slew = 500.0});  // half a newton a tick
-  bench.tick();
-  bench.servo.take(reply(1, elastic(0, 3, 4)), bench.now);
-  for (const double expected : {0.5, 1.0, 1.5})
-    EXPECT_NEAR(bench.tick().force().norm(), expected, 1e-12);
-  EXPECT_TRUE(direction(bench.servo.held().force()).isApprox(Vec3(0, 0.6, 0.8)));
-  bench.servo.take(reply(4, elastic(0, 0, 0.1)), bench.now);
-  EXPECT_NEAR(bench.tick().force().norm(), 0.1, 1e-12);
-  EXPECT_EQ(bench.servo.statistics().slewed, 3u);
-}
-
-TEST(Servo, SlewGoesWithModesThatAllowEveryReduction) {
-  const DeviceSpec& spec = builtin_device("simulated");
-  EXPECT_THAT(error_of<std::invalid_argument>(
-                  [&] { Servo(spec, parameters(BoundingMode::per_axis), {.slew = 1.0}); }),
-              HasSubstr("per_axis"));
-  EXPECT_THROW(Servo(spec, parameters(BoundingMode::none), {.slew = 0.0}), std::invalid_argument);
-  EXPECT_THROW(Servo(spec, parameters(BoundingMode::none), {.slew = kNan}), std::invalid_argument);
-  EXPECT_NO_THROW(Servo(spec, parameters(BoundingMode::contact_frame), {.slew = 1.0}));
 }
 
 TEST(Servo, CountsEachAnswerOnceAndMeasuresFromTheSample) {

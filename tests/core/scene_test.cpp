@@ -49,6 +49,8 @@ TEST(Scene, RequiresOnlyWhatAnObjectNeeds) {
   EXPECT_TRUE(needs({.damping = 0.1}).velocity);
   EXPECT_TRUE(needs({.viscous_friction = 0.1}).velocity);
   EXPECT_FALSE(needs({.viscous_friction = 0.1}).friction);
+  EXPECT_EQ(needs({.stiffness = 2500.0}).stiffness, 2500.0);  // the stiffest, wherever it stands
+  EXPECT_EQ(needs({.stiffness = 10.0}).stiffness, Material{}.stiffness);
 }
 
 TEST(Scene, AToolThatIsNotFiniteGivesZeroAndIsForgotten) {

@@ -124,6 +124,7 @@ TEST(Control, OtherMessagesRoundTrip) {
   accepted.friction = true;
   accepted.start_position = {1.0, 2.0, 3.0};
   accepted.start_normal = {0.0, -1.0, 0.0};
+  accepted.stiffness = 1234.5;
   const JoinAccepted joined = round_trip(accepted);
   EXPECT_EQ(joined.session, accepted.session);
   EXPECT_EQ(joined.udp_port, 65535);
@@ -132,6 +133,7 @@ TEST(Control, OtherMessagesRoundTrip) {
   EXPECT_FALSE(joined.rotation);
   EXPECT_EQ(joined.start_position, accepted.start_position);
   EXPECT_EQ(joined.start_normal, accepted.start_normal);
+  EXPECT_EQ(joined.stiffness, 1234.5);
   expect_same(joined.parameters, SessionParameters{});  // c1, c2 stay not given
 
   EXPECT_EQ(round_trip(LeaveRequest{3}).session, 3u);

@@ -143,6 +143,7 @@ TEST(Loopback, TwoClientsShareAScene) {
   EXPECT_TRUE(a.joined.friction);
   EXPECT_EQ(a.joined.start_position, Vec3(0.01, 0, 0));
   EXPECT_EQ(a.joined.start_normal, Vec3(0, 0, 1));
+  EXPECT_EQ(a.joined.stiffness, 2000.0);
 
   // Each is answered as a session of its own would be.
   const Scene scene = test::room();

@@ -1,0 +1,80 @@
+#include "client/options.hpp"
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <vector>
+
+namespace feltwire {
+namespace {
+
+using ::testing::HasSubstr;
+
+/// What a command line comes to; what is printed goes to the test's own output.
+std::variant<ClientOptions, int> parsed(std::vector<std::string> words) {
+  words.insert(words.begin(),
+               {"feltwire-client", "--connect", "localhost:7400", "--scene", "room"});
+  std::vector<char*> argv;
+  for (std::string& word : words) argv.push_back(word.data());
+  return parse_options(static_cast<int>(argv.size()), argv.data());
+}
+
+SafetyLimits limits(const std::vector<std::string>& words) {
+  const auto options = parsed(words);
+  if (const int* code = std::get_if<int>(&options)) {
+    ADD_FAILURE() << "refused with " << *code;
+    return {};
+  }
+  return std::get<ClientOptions>(options).servo.safety;
+}
+
+/// The one line that a command line is refused with.
+std::string refusal(const std::vector<std::string>& words) {
+  ::testing::internal::CaptureStderr();
+  const auto options = parsed(words);
+  std::string said = ::testing::internal::GetCapturedStderr();
+  const int* code = std::get_if<int>(&options);
+  EXPECT_TRUE(code != nullptr && *code == 2) << "not refused";
+  return said;
+}
+
+TEST(Options, AHandIsProtectedAsFarAsItsModeAllows) {
+  const SafetyLimits usual = limits({});
+  EXPECT_EQ(usual.force.small, 0.05);
+  EXPECT_EQ(usual.force.speed, 1.5);
+  EXPECT_EQ(usual.ramp_up, 0.0);  // behind a bound it would be felt
+  EXPECT_TRUE(std::isinf(usual.force.slew));
+  EXPECT_TRUE(std::isinf(usual.force.max));
+  EXPECT_EQ(limits({"--mode", "none"}).ramp_up, 0.2);
+  EXPECT_EQ(limits({"--bounding", "server"}).ramp_up, 0.2);
+  const SafetyLimits paper = limits({"--mode", "per_axis"});
+  EXPECT_EQ(paper.force.small, 0.05);
+  EXPECT_TRUE(std::isinf(paper.force.speed));
+  EXPECT_EQ(paper.ramp_up, 0.0);
+}
+
+TEST(Options, WhatTheCommandLineSaysCounts) {
+  const SafetyLimits said = limits({"--slew", "500", "--ramp-up", "0.3", "--wait-for-small-force",
+                                    "0.2", "--max-force", "2", "--velocity-limit", "0.8"});
+  EXPECT_EQ(said.force.slew, 500.0);
+  EXPECT_EQ(said.ramp_up, 0.3);
+  EXPECT_EQ(said.force.small, 0.2);
+  EXPECT_EQ(said.force.max, 2.0);
+  EXPECT_EQ(said.force.speed, 0.8);
+  const SafetyLimits off = limits({"--mode", "none", "--ramp-up", "0", "--wait-for-small-force",
+                                   "inf", "--velocity-limit", "inf"});
+  EXPECT_TRUE(std::isinf(off.force.small) && std::isinf(off.torque.small));
+  EXPECT_TRUE(std::isinf(off.force.speed));
+  EXPECT_EQ(off.ramp_up, 0.0);
+}
+
+TEST(Options, LimitsThatCannotBeAreRefusedInOneLine) {
+  EXPECT_THAT(refusal({"--mode", "per_axis", "--velocity-limit", "1"}),
+              HasSubstr("velocity limit of 1 m/s cannot follow the bounding mode per_axis"));
+  EXPECT_THAT(refusal({"--mode", "total_energy", "--ramp-up", "0.1"}), HasSubstr("ramp-up"));
+  EXPECT_THAT(refusal({"--max-force", "-1"}), HasSubstr("force.max = -1"));
+  EXPECT_THAT(refusal({"--ramp-up", "nan"}), HasSubstr("ramp_up"));
+}
+
+}  // namespace
+}  // namespace feltwire

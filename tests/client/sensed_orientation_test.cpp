@@ -1,0 +1,241 @@
+// Servo and session in one process, with the bytes between them: devices that sense six degrees of
+// freedom and actuate three, and a device that connects inside an object.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include "client/servo.hpp"
+#include "protocol/guard.hpp"
+#include "server/session.hpp"
+
+namespace feltwire {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+constexpr Nanoseconds kPeriod = std::chrono::milliseconds(1);
+const Vec3 kAxis = Vec3(2, -1, 2) / 3.0;
+
+Scene floor_scene() {
+  Object plane;
+  plane.name = "floor";
+  plane.shape = Plane{};
+  plane.material = {.stiffness = 2000.0};
+  return Scene("floor", {plane});
+}
+
+/// A client, a server and the datagrams between them, one tick after the other.
+struct Pair {
+  DeviceSpec spec;
+  Scene scene = floor_scene();
+  Session session;
+  Servo servo;
+  Nanoseconds now{0};
+  SampleBatch received;  // by the server
+  Reply reply;           // by the client
+
+  Pair(const DeviceSpec& device, const SessionParameters& parameters,
+       const ServoOptions& options = {})
+      : spec(device),
+        session({"tester", "floor", device, parameters}, scene),
+        servo(device, parameters, options) {}
+
+  Command tick(const Pose& pose) {
+    const Command given = servo.render({.pose = pose}, now += kPeriod);
+    SampleBatch sent;
+    sent.samples[0] = *servo.hold(given);
+    sent.count = 1;
+    sent.rotation = spec.rotation_sensed > 0;
+    const Bytes bytes = encoder_.samples(1, servo.sample().index, sent);
+    EXPECT_EQ(decode(guard(bytes, ~0u).payload, received), DropReason::none);
+    const Taken taken = session.take(received, now);
+    EXPECT_EQ(taken.drop, DropReason::none);
+    const Bytes answer = encoder_.reply(1, servo.sample().index, taken.reply);
+    EXPECT_EQ(decode(guard(answer, ~0u).payload, reply), DropReason::none);
+    servo.take(reply, now);
+    return given;
+  }
+
+ private:
+  Encoder encoder_;
+};
+
+/// A tool turned about kAxis.
+struct Turning {
+  std::mt19937_64 random{7};
+  double angle = kPi - 0.05;  // [rad]
+  Quaternion exact = at(angle);
+
+  static Quaternion at(double angle) { return Quaternion(Eigen::AngleAxisd(angle, kAxis)); }
+  /// Turns on by 0, 1e-4, 1e-2 or nearly half a turn to either side; the rotation vector's length.
+  double turn() {
+    constexpr std::array kSteps = {0.0, 1e-4, 1e-2, -1e-2, kPi - 1e-3, -(kPi - 1e-3)};
+    const double step = kSteps[random() % kSteps.size()];
+    exact = at(angle += step);
+    return step;
+  }
+  /// The same orientation, as a driver may tell it: either sign, a norm within `tolerance` of 1.
+  Quaternion told(double tolerance) {
+    std::uniform_real_distribution<double> norm(1.0 - tolerance, 1.0 + tolerance);
+    Quaternion q = exact;
+    q.coeffs() *= (random() % 2 ? 1.0 : -1.0) * norm(random);
+    return q;
+  }
+};
+
+TEST(SensedOrientation, TravelsAndMovesNothing) {
+  for (const char* name : {"touch", "omega.7"}) {
+    SessionParameters parameters;
+    parameters.mode = BoundingMode::none;
+    Pair pair(builtin_device(name), parameters);
+    ASSERT_EQ(pair.spec.rotation_sensed, 3);
+    ASSERT_EQ(pair.spec.rotation_actuated, 0);
+    Turning turning;
+    const Vec3 pressed(0.01, 0.02, -0.001);  // 2 N, held still while the tool turns
+    for (int n = 0; n < 3000; ++n) {
+      turning.turn();
+      const Command given = pair.tick({pressed, turning.told(1e-3)});
+      const Pose& sent = pair.servo.sample().pose;
+      ASSERT_NEAR(sent.orientation.norm(), 1.0, 1e-15);
+      ASSERT_LT(rotation_between(sent.orientation, turning.exact).norm(), 1e-14) << n;
+      ASSERT_TRUE(pair.received.rotation);
+      ASSERT_EQ(pair.received.samples[0].pose.orientation.coeffs(), sent.orientation.coeffs());
+      ASSERT_EQ(pair.received.samples[0].pose.position, pressed);
+      // The force is the floor's and does no work; torque there is none, on neither side.
+      if (n > 0) {
+        ASSERT_NEAR(given.force().z(), 2.0, 1e-12);
+      }
+      ASSERT_EQ(given.torque, Vec3::Zero());
+      ASSERT_EQ(pair.reply.command.torque, Vec3::Zero());
+      ASSERT_FALSE(pair.reply.rotation);
+      ASSERT_EQ(pair.servo.port().delivered().total(), 0.0);
+      ASSERT_EQ(pair.servo.port().burned(), 0.0);
+      ASSERT_EQ(pair.reply.delivered.total(), 0.0);
+    }
+    // A server that commands torque all the same is not followed.
+    for (const BoundingMode mode : {BoundingMode::none, BoundingMode::contact_frame}) {
+      parameters.mode = mode;
+      Servo servo(pair.spec, parameters);
+      for (std::uint64_t n = 1; n < 20; ++n) {
+        const Command given = servo.render({.pose = {pressed, turning.told(1e-3)}}, n * kPeriod);
+        ASSERT_EQ(given.torque, Vec3::Zero());
+        servo.hold(given);
+        Reply hostile;
+        hostile.sample_index = n;
+        hostile.rotation = true;
+        hostile.command.torque = Vec3(1, 2, 3);
+        servo.take(hostile, n * kPeriod);
+      }
+    }
+  }
+}
+
+/// The server's end, each sample: what it takes for a rotation shows in the work of a held torque.
+TEST(SensedOrientation, TheServerSeesTheTurnAndNothingElse) {
+  for (const char* name : {"touch", "omega.7"}) {
+    const Scene scene = floor_scene();
+    Session session({"tester", "floor", builtin_device(name), {}}, scene);
+    Turning turning;
+    double last = 0.0;
+    for (std::uint64_t n = 1; n <= 5000; ++n) {
+      const double turned = turning.turn();
+      SampleBatch batch;
+      batch.count = 1;
+      batch.rotation = true;
+      Sample& sample = batch.samples[0];
+      sample.index = n;
+      sample.client_time = static_cast<std::int64_t>(n) * kPeriod;
+      sample.pose = {Vec3(0.01, 0.02, 0.03), turning.told(4e-4)};  // the wire allows so much
+      sample.held = {.elastic = Vec3(1, 2, 3), .torque = 2.0 * kAxis};
+      const Taken taken = session.take(batch, sample.client_time);
+      ASSERT_EQ(taken.drop, DropReason::none);
+      const ChannelEnergy& work = taken.reply.delivered;
+      ASSERT_NEAR(work.torque - last, n > 1 ? 2.0 * turned : 0.0, 1e-9) << n;
+      ASSERT_EQ(work.elastic, 0.0);
+      last = work.torque;
+
+      // A quaternion further off is no rotation at all, and changes nothing.
+      sample.index = n + 1;
+      for (const double norm : {1.0 + 1e-3, 1.0 - 1e-3}) {
+        sample.pose.orientation.coeffs() = norm * turning.exact.coeffs();
+        ASSERT_EQ(session.take(batch, sample.client_time).drop, DropReason::not_finite);
+      }
+    }
+  }
+}
+
+/// The client's end, each sample, with a device that does actuate torque: the same measure.
+TEST(SensedOrientation, TheServoSeesTheTurnAndNothingElse) {
+  DeviceSpec spec = builtin_device("omega.7");
+  spec.rotation_actuated = 3;
+  spec.rotational_damping = 1e-3;
+  spec.max_torque = 10.0;
+  SessionParameters parameters;
+  parameters.mode = BoundingMode::none;
+  Servo servo(spec, parameters);
+  Turning turning;
+  double last = 0.0;
+  for (std::uint64_t n = 1; n <= 5000; ++n) {
+    const double turned = turning.turn();
+    const Nanoseconds now = static_cast<std::int64_t>(n) * kPeriod;
+    servo.hold(servo.render({.pose = {Vec3(0.01, 0.02, 0.03), turning.told(1e-3)}}, now));
+    const double work = servo.port().delivered().torque;
+    ASSERT_NEAR(work - last, n > 2 ? 2.0 * turned : 0.0, 1e-9) << n;  // held from the second on
+    ASSERT_EQ(servo.port().delivered().elastic, 0.0);
+    last = work;
+    Reply reply;
+    reply.sample_index = n;
+    reply.command = {.elastic = Vec3(1, 2, 3), .torque = 2.0 * kAxis};
+    servo.take(reply, now);
+  }
+}
+
+/// A device that nobody holds, 4 mm inside the floor at connect: 8 N on 50 g.
+double fastest_when_let_go(Pair& pair) {
+  double z = -0.004, velocity = 0.0, fastest = 0.0;
+  for (int n = 0; n < 300; ++n) {
+    const double force = pair.tick({.position = Vec3(0, 0, z)}).force().z();
+    velocity += 1e-3 / pair.spec.apparent_mass * (force - pair.spec.damping * velocity);
+    z += 1e-3 * velocity;
+    fastest = std::max(fastest, std::abs(velocity));
+  }
+  return fastest;
+}
+
+TEST(ConnectingInside, GivesNoKick) {
+  for (const BoundingMode mode : {BoundingMode::none, BoundingMode::contact_frame,
+                                  BoundingMode::per_axis, BoundingMode::total_energy}) {
+    for (const BoundingSide side :
+         {BoundingSide::server, BoundingSide::client, BoundingSide::both}) {
+      SessionParameters parameters;
+      parameters.mode = mode;
+      parameters.side = side;
+      Pair pair(builtin_device("simulated"), parameters, protect_hand(parameters));
+      EXPECT_EQ(fastest_when_let_go(pair), 0.0) << name(mode) << " " << name(side);
+      // A hand moves it about inside, out, and in again: only then is there something to feel.
+      double z = -0.004;
+      for (const double by : {-1e-4, 1e-4, 1e-4, -1e-4})
+        for (int n = 0; n < 20; ++n)
+          EXPECT_EQ(pair.tick({.position = Vec3(0, 0, z += by)}).force(), Vec3::Zero());
+      for (int n = 0; n < 100; ++n) pair.tick({.position = Vec3(0, 0, z += 1e-4)});
+      EXPECT_GT(z, 0.0);
+      double felt = 0.0;
+      for (int n = 0; n < 90; ++n)
+        felt = std::max(felt, pair.tick({.position = Vec3(0, 0, z -= 1e-4)}).force().z());
+      EXPECT_GT(felt, 0.1) << name(mode) << " " << name(side);
+    }
+  }
+}
+
+// Else there would be nothing to protect from.
+TEST(ConnectingInside, UnprotectedItIsThrown) {
+  SessionParameters parameters;
+  parameters.mode = BoundingMode::none;
+  Pair pair(builtin_device("simulated"), parameters);
+  EXPECT_GT(fastest_when_let_go(pair), 0.5);
+}
+
+}  // namespace
+}  // namespace feltwire

@@ -1,0 +1,52 @@
+#pragma once
+// A servo in a test's hands: its parameters, its replies, its readings.
+
+#include <cmath>
+#include <limits>
+
+#include "client/servo.hpp"
+
+namespace feltwire::testing::servo {
+
+inline constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
+inline constexpr Nanoseconds kPeriod = std::chrono::milliseconds(1);
+
+inline Nanoseconds seconds(double s) { return Nanoseconds(std::llround(s * 1e9)); }
+
+inline SessionParameters parameters(BoundingMode mode, BoundingSide side = BoundingSide::client) {
+  SessionParameters p;
+  p.mode = mode;
+  p.side = side;
+  return p;
+}
+
+inline Reply reply(std::uint64_t index, const Command& command) {
+  Reply r;
+  r.sample_index = index;
+  r.command = command;
+  return r;
+}
+inline Command elastic(double x, double y, double z) { return {.elastic = Vec3(x, y, z)}; }
+inline DeviceReading at(double x, double y, double z) {
+  return {.pose = {.position = Vec3(x, y, z)}};
+}
+
+/// A servo with a device that holds what it is given, ticked every period.
+struct Bench {
+  DeviceSpec spec = builtin_device("simulated");
+  Servo servo;
+  Nanoseconds now = seconds(100.0);
+
+  explicit Bench(const SessionParameters& p, const ServoOptions& options = {})
+      : servo(spec, p, options) {}
+
+  Command tick(const DeviceReading& reading = {}, Nanoseconds after = kPeriod) {
+    now += after;
+    const Command given = servo.render(reading, now);
+    servo.hold(given);
+    return given;
+  }
+};
+
+}  // namespace feltwire::testing::servo

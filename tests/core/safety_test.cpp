@@ -1,0 +1,398 @@
+#include "core/safety.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+#include <string>
+
+#include "tests/core/contact_frame_fixture.hpp"
+#include "tests/support/allocation_counter.hpp"
+
+namespace feltwire {
+namespace {
+
+using namespace test;
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+/// A sample of a port without a bound: everything commanded is let through.
+SafetyStep step(const Command& command, const Vec3& displacement = Vec3::Zero()) {
+  return {
+      .commanded = command, .bounded = command, .displacement = displacement, .hold_time = kPeriod};
+}
+Command push(double newtons, double newton_metres = 0.0) {
+  return {.elastic = newtons * Vec3(0, 0.48, 0.6),
+          .frictional = newtons * Vec3(0, 0.12, 0.2),  // together newtons * (0, 0.6, 0.8)
+          .torque = Vec3(newton_metres, 0, 0)};
+}
+double force(const Safeguarded& s) { return s.rendered.force().norm(); }
+
+TEST(Safety, WithoutLimitsEverythingPasses) {
+  Random random(1);
+  SafetyStage stage;
+  for (int n = 0; n < 1000; ++n) {
+    const SafetyStep s = step(random_command(random), random.vector(-8, 0));
+    const Safeguarded out = stage.apply(s);
+    EXPECT_EQ(out.rendered.elastic, s.bounded.elastic);
+    EXPECT_EQ(out.rendered.frictional, s.bounded.frictional);
+    EXPECT_EQ(out.rendered.torque, s.bounded.torque);
+    EXPECT_FALSE(out.limited || out.slewed || out.too_fast || out.ramped || out.waiting ||
+                 out.refused);
+  }
+}
+
+TEST(Safety, TheMaximumHoldsForForceAndTorqueApart) {
+  SafetyStage stage({.force = {.max = 2.0}, .torque = {.max = 0.1}});
+  Safeguarded out = stage.apply(step(push(5.0, 0.05)));
+  EXPECT_TRUE(out.limited);
+  EXPECT_TRUE(out.rendered.elastic.isApprox(0.4 * push(5.0).elastic));  // each part by 2 / 5
+  EXPECT_TRUE(out.rendered.frictional.isApprox(0.4 * push(5.0).frictional));
+  EXPECT_EQ(out.rendered.torque.x(), 0.05);
+  out = stage.apply(step(push(1.5, 0.4)));
+  EXPECT_TRUE(out.limited);
+  EXPECT_EQ(out.rendered.force(), push(1.5).force());
+  EXPECT_NEAR(out.rendered.torque.x(), 0.1, 1e-15);
+  EXPECT_FALSE(stage.apply(step(push(2.0, 0.1))).limited);
+}
+
+TEST(Safety, SlewLimitsTheRiseOnlyAndFromWhatWasHeld) {
+  SafetyStage stage({.force = {.slew = 500.0}, .torque = {.slew = 20.0}});  // 0.5 N, 0.02 N m
+  for (const int n : {1, 2, 3}) {
+    const Safeguarded out = stage.apply(step(push(5.0, 0.1)));
+    EXPECT_TRUE(out.slewed);
+    EXPECT_NEAR(force(out), 0.5 * n, 1e-12);
+    EXPECT_NEAR(out.rendered.torque.x(), 0.02 * n, 1e-12);
+  }
+  stage.set_held(push(0.2, 0.0));  // the device gave less
+  EXPECT_NEAR(force(stage.apply(step(push(5.0)))), 0.7, 1e-12);
+  stage.set_held({.elastic = Vec3(kNan, 0, 0)});  // says nothing
+  EXPECT_NEAR(force(stage.apply(step(push(5.0)))), 1.2, 1e-12);
+  const Safeguarded fallen = stage.apply(step(push(0.1)));
+  EXPECT_EQ(fallen.rendered.force(), push(0.1).force());
+  EXPECT_FALSE(fallen.slewed);
+}
+
+TEST(Safety, TimeThatDoesNotPassLetsNothingRise) {
+  for (const double time : {0.0, -1.0}) {
+    SafetyStage stage({.force = {.slew = 500.0}, .ramp_up = 0.1});
+    SafetyStep s = step(push(5.0));
+    s.hold_time = time;
+    for (int n = 0; n < 10; ++n) EXPECT_EQ(force(stage.apply(s)), 0.0) << time;
+  }
+}
+
+TEST(Safety, AboveTheSpeedLimitTheShareFallsLinearlyToNothingAtTwice) {
+  for (const double speed : {0.2, 0.99, 1.2, 1.5, 1.9, 2.0, 7.0}) {
+    SafetyStage stage({.force = {.speed = 1.0}, .torque = {.speed = 10.0}});
+    SafetyStep s = step(push(3.0, 0.2), Vec3(0, 0, -speed * kPeriod));
+    s.rotation = Vec3(10.0 * speed * kPeriod, 0, 0);
+    Safeguarded out;
+    for (int n = 0; n < 1000; ++n) out = stage.apply(s);  // until the low-pass has settled
+    const double share = std::clamp(2.0 - speed, 0.0, 1.0);
+    EXPECT_NEAR(force(out), 3.0 * share, 1e-9) << speed;
+    EXPECT_NEAR(out.rendered.torque.x(), 0.2 * share, 1e-9) << speed;
+    EXPECT_EQ(out.too_fast, speed > 1.0) << speed;
+  }
+  // And each by its own movement.
+  SafetyStage stage({.force = {.speed = 1.0}, .torque = {.speed = 10.0}});
+  Safeguarded out;
+  for (int n = 0; n < 1000; ++n) out = stage.apply(step(push(3.0, 0.2), Vec3(0.005, 0, 0)));
+  EXPECT_EQ(force(out), 0.0);
+  EXPECT_EQ(out.rendered.torque.x(), 0.2);
+}
+
+/// A hand in steady movement above the limit, read by encoders of 55 um: bare differences jump
+/// between two speeds 55 mm/s apart, 5.5 % of the force; the force may only breathe.
+TEST(Safety, NearTheSpeedLimitEncoderQuantaDoNotChatter) {
+  constexpr double kQuantum = 55e-6;
+  for (const double speed : {0.98, 1.0, 1.02, 1.3, 1.7}) {
+    SafetyStage stage({.force = {.speed = 1.0}});
+    double last_position = 0.0, last_force = 0.0, jump = 0.0;
+    for (int n = 1; n <= 3000; ++n) {
+      const double position = std::round(speed * n * kPeriod / kQuantum) * kQuantum;
+      const double now = force(stage.apply(step(push(1.0), Vec3(position - last_position, 0, 0))));
+      if (n > 100) jump = std::max(jump, std::abs(now - last_force));
+      last_position = position;
+      last_force = now;
+    }
+    EXPECT_LT(jump, 0.02) << speed;
+  }
+}
+
+TEST(Safety, TheFirstContactGrowsLinearly) {
+  SafetyStage stage({.ramp_up = 0.1});
+  for (int n = 0; n < 500; ++n) stage.apply(step({}));  // free space is no contact
+  for (int n = 0; n < 150; ++n) {
+    const Safeguarded out = stage.apply(step(push(4.0, 0.2)));
+    const double share = std::min(1.0, n * kPeriod / 0.1);
+    EXPECT_NEAR(force(out), 4.0 * share, 1e-9) << n;
+    EXPECT_NEAR(out.rendered.torque.x(), 0.2 * share, 1e-9) << n;
+    if (n == 100) continue;  // there rounding decides
+    EXPECT_EQ(out.ramped, n < 100) << n;
+  }
+  stage.apply(step({}));
+  const Safeguarded again = stage.apply(step(push(4.0)));
+  EXPECT_EQ(again.rendered.force(), push(4.0).force());  // only the first
+  EXPECT_FALSE(again.ramped);
+}
+
+/// A hand that presses in at once and rests: what the bound lets through follows from what was
+/// held, so a share of *that* would be gone after a few samples.
+TEST(Safety, BehindABoundTheRampAndTheSpeedKeepWhatTheyLetThrough) {
+  for (const bool ramp : {true, false}) {
+    SafetyLimits limits;
+    if (ramp)
+      limits.ramp_up = 0.1;
+    else
+      limits.force.speed = 0.5;
+    Bounding bounding(contact_frame());
+    SafetyStage stage(limits);
+    const Command spring{.elastic = Vec3(0, 0, 8.0)};
+    double held = 0.0, before_rest = 0.0;
+    for (int n = 0; n < 200; ++n) {
+      const Vec3 displacement(0, 0, n >= 1 && n <= 10 ? -0.8e-3 : 0.0);  // 0.8 m/s, 8 mm
+      const Command let_through =
+          bounding.step({displacement, Vec3::Zero(), kPeriod, spring}).rendered;
+      const Safeguarded out = stage.apply({.commanded = spring,
+                                           .bounded = let_through,
+                                           .displacement = displacement,
+                                           .hold_time = kPeriod});
+      bounding.set_held(out.rendered);
+      held = force(out);
+      if (n == 10) before_rest = held;
+    }
+    EXPECT_GT(before_rest, 0.5) << ramp;
+    EXPECT_LT(before_rest, 8.0) << ramp;
+    EXPECT_NEAR(held, before_rest, 1e-9) << ramp;
+  }
+}
+
+TEST(Safety, NothingIsGivenUntilTheScenesOwnCommandHasBeenSmall) {
+  SafetyStage stage({.force = {.small = 0.1}, .torque = {.small = 0.01}, .ramp_up = 0.1});
+  for (int n = 0; n < 200; ++n) {
+    const Safeguarded out = stage.apply(step(push(4.0, 0.005)));
+    EXPECT_TRUE(out.waiting);
+    EXPECT_EQ(force(out) + out.rendered.torque.norm(), 0.0);
+  }
+  EXPECT_TRUE(stage.apply(step(push(0.05, 0.2))).waiting);  // both must be small
+  // A bound gives nothing at first, inside an object too: that is not the scene's word.
+  SafetyStep changed = step({});
+  changed.original = false;
+  EXPECT_FALSE(stage.apply(changed).waiting);  // nothing there to hold back
+  EXPECT_TRUE(stage.apply(step(push(4.0))).waiting);
+  // Small once: let go for good, and the ramp begins only now.
+  EXPECT_FALSE(stage.apply(step(push(0.1, 0.01))).waiting);
+  const Safeguarded out = stage.apply(step(push(4.0)));
+  EXPECT_FALSE(out.waiting);
+  EXPECT_NEAR(force(out), 0.01 * 4.0, 1e-12);  // one period of 0.1 s
+}
+
+TEST(Safety, WhatIsNotFiniteGivesNothing) {
+  for (const double bad : {kNan, kInfinity, -kInfinity}) {
+    const Vec3 broken(0, bad, 0);
+    SafetyStep steps[6];
+    for (SafetyStep& s : steps) s = step(push(2.0, 0.1), Vec3(1e-3, 0, 0));
+    steps[0].displacement = broken;
+    steps[1].rotation = broken;
+    steps[2].hold_time = bad;
+    steps[3].bounded.torque = broken;
+    steps[4].commanded.elastic = broken;
+    steps[5].bounded.frictional = broken;
+    for (const SafetyStep& s : steps) {
+      SafetyStage stage({.force = {.slew = 1e6}});
+      stage.apply(step(push(2.0, 0.1)));
+      const Safeguarded out = stage.apply(s);
+      EXPECT_TRUE(out.refused);
+      EXPECT_EQ(out.rendered.force(), Vec3::Zero());
+      EXPECT_EQ(out.rendered.torque, Vec3::Zero());
+      // It poisons nothing that comes after.
+      EXPECT_EQ(stage.apply(step(push(2.0, 0.1))).rendered.force(), push(2.0).force());
+    }
+  }
+  // Finite numbers whose velocity or sum is not.
+  SafetyStage stage;
+  SafetyStep s = step(push(2.0), Vec3(1e300, 0, 0));
+  s.hold_time = 1e-300;
+  EXPECT_TRUE(stage.apply(s).refused);
+  s = step({.elastic = Vec3(1.5e308, 0, 0), .frictional = Vec3(1.5e308, 0, 0)});
+  EXPECT_TRUE(stage.apply(s).refused);
+}
+
+TEST(Safety, LimitsThatCannotBeAreRefusedByName) {
+  const auto error = [](const SafetyLimits& limits) -> std::string {
+    try {
+      SafetyStage stage(limits);
+    } catch (const std::invalid_argument& refused) {
+      return refused.what();
+    }
+    return "";
+  };
+  for (const double bad : {0.0, -1.0, kNan}) {
+    EXPECT_NE(error({.force = {.max = bad}}).find("force.max = "), std::string::npos);
+    EXPECT_NE(error({.force = {.slew = bad}}).find("force.slew = "), std::string::npos);
+    EXPECT_NE(error({.torque = {.speed = bad}}).find("torque.speed = "), std::string::npos);
+    if (bad != 0.0) {
+      EXPECT_NE(error({.torque = {.small = bad}}).find("torque.small = "), std::string::npos);
+      EXPECT_NE(error({.ramp_up = bad}).find("ramp_up = "), std::string::npos);
+    }
+  }
+  EXPECT_NE(error({.ramp_up = kInfinity}).find("ramp_up = inf"), std::string::npos);
+  EXPECT_EQ(error({.force = {.small = 0.0}, .ramp_up = 10.0}), "");
+}
+
+SafetyLimits any_limits(Random& random) {
+  const auto channel = [&](double scale) {
+    ChannelLimits c;
+    if (random.chance(0.5)) c.max = scale * std::abs(random.decades(-2, 2));
+    if (random.chance(0.5)) c.slew = scale * std::abs(random.decades(0, 4));
+    if (random.chance(0.5)) c.speed = std::abs(random.decades(-2, 1));
+    if (random.chance(0.3)) c.small = scale * std::abs(random.decades(-2, 1));
+    return c;
+  };
+  SafetyLimits limits{channel(1.0), channel(1e-2)};
+  if (random.chance(0.5)) limits.ramp_up = random.uniform(0.0, 2.0);
+  return limits;
+}
+
+TEST(Safety, OnlyEverScalesDownEachChannelByOneFactor) {
+  for (std::uint64_t seed = 0; seed < 100; ++seed) {
+    Random random(seed);
+    SafetyStage stage(any_limits(random));
+    for (int n = 0; n < 500; ++n) {
+      SafetyStep s = step(random_command(random), random.vector(-6, -2));
+      s.rotation = random.vector(-6, -2);
+      s.hold_time = kPeriod * random.uniform(-0.5, 3.0);
+      s.original = random.chance(0.5);
+      if (random.chance(0.5)) s.bounded = random.uniform(0.0, 1.0) * s.bounded;
+      const Command& in = s.bounded;
+      const Command out = stage.apply(s).rendered;
+      const double in_force = in.force().norm(), in_torque = in.torque.norm();
+      const double share = in_force > 0.0 ? out.force().norm() / in_force : 0.0;
+      const double torque_share = in_torque > 0.0 ? out.torque.norm() / in_torque : 0.0;
+      ASSERT_LE(share, 1.0 + 1e-15);
+      ASSERT_LE(torque_share, 1.0 + 1e-15);
+      if (in_force > 0.0) {  // else its two parts cancel, and there is nothing to limit
+        ASSERT_LE((out.elastic - share * in.elastic).norm(), 1e-12 * in.elastic.norm());
+        ASSERT_LE((out.frictional - share * in.frictional).norm(), 1e-12 * in.frictional.norm());
+      }
+      ASSERT_LE((out.torque - torque_share * in.torque).norm(), 1e-12 * in_torque);
+    }
+  }
+}
+
+struct Attack {
+  double worst = -1.0;  // greatest (delivered - burned) / exchanged
+  std::uint64_t violations = 0;
+  int limited = 0, slewed = 0, too_fast = 0, ramped = 0, waiting = 0, rendered = 0;
+};
+
+/// A hand that knows what is held takes all that a sample can give, now and then anything else,
+/// from a contact frame behind which the stage stands and that is told what was held.
+void attack(std::uint64_t seed, Attack& sum) {
+  Random random(seed);
+  Bounding bounding(contact_frame(seed % 2 ? Projection::joint : Projection::cone,
+                                  seed / 2 % 2 ? Storage::minimal : Storage::elastic));
+  SafetyStage stage(any_limits(random));
+  PortEnergy port(kDamping, kRotationalDamping, kPeriod);
+  Command held;
+  double exchanged = 0.0;
+  for (int n = 0; n < 4000; ++n) {
+    const double hold_time = kPeriod * random.uniform(0.2, 1.0);
+    Vec3 displacement = greediest(held.force(), kPeriod, kDamping);
+    Vec3 rotation = greediest(held.torque, kPeriod, kRotationalDamping);
+    if (random.chance(0.4)) {
+      displacement = random.uniform(-4.0, 3.0) * displacement + random.vector(-9.0, -3.0);
+      rotation = random.uniform(-4.0, 3.0) * rotation + random.vector(-9.0, -3.0);
+    }
+    port.step(held, displacement, rotation, hold_time);
+    exchanged += std::abs(held.force().dot(displacement)) + std::abs(held.torque.dot(rotation)) +
+                 kDamping / kPeriod * displacement.squaredNorm() +
+                 kRotationalDamping / kPeriod * rotation.squaredNorm();
+    if (exchanged > 0.0)
+      sum.worst = std::max(sum.worst, (port.delivered().total() - port.burned()) / exchanged);
+
+    const Command command = random_command(random);
+    const Bounded bounded = bounding.step({displacement, rotation, hold_time, command});
+    const Safeguarded safe = stage.apply({.commanded = command,
+                                          .original = random.chance(0.5),
+                                          .bounded = bounded.rendered,
+                                          .displacement = displacement,
+                                          .rotation = rotation,
+                                          .hold_time = hold_time});
+    held = safe.rendered;
+    bounding.set_held(held);
+    sum.limited += safe.limited;
+    sum.slewed += safe.slewed;
+    sum.too_fast += safe.too_fast;
+    sum.ramped += safe.ramped;
+    sum.waiting += safe.waiting;
+    sum.rendered += held.force().norm() > 0.0;
+  }
+  sum.violations += port.violations();
+}
+
+TEST(Safety, BehindTheContactFrameNoHandTakesMoreThanTheDeviceBurned) {
+  Attack all;
+  for (std::uint64_t seed = 0; seed < 400; ++seed) attack(seed, all);
+  EXPECT_EQ(all.violations, 0u);
+  EXPECT_LE(all.worst, 1e-12);
+  // And every limit had its part in it.
+  for (const int times : {all.limited, all.slewed, all.too_fast, all.ramped, all.waiting})
+    EXPECT_GT(times, 100);
+  EXPECT_GT(all.rendered, 100'000);
+}
+
+/// Presses in while the ramp gives next to nothing, rests until it gives all, and comes out again.
+PortEnergy out_of_the_ramp(bool told) {
+  Bounding bounding(contact_frame());
+  SafetyStage stage({.ramp_up = 0.1});
+  PortEnergy port(kDamping, kRotationalDamping, kPeriod);
+  const Command spring{.elastic = Vec3(0, 0, 8.0)};
+  Command held;
+  for (int n = 0; n < 300; ++n) {
+    const Vec3 displacement(0, 0, n >= 1 && n <= 10 ? -0.8e-3 : n >= 200 && n < 280 ? 1e-4 : 0.0);
+    port.step(held, displacement, Vec3::Zero(), kPeriod);
+    const Command bounded = bounding.step({displacement, Vec3::Zero(), kPeriod, spring}).rendered;
+    held = stage
+               .apply({.commanded = spring,
+                       .bounded = bounded,
+                       .displacement = displacement,
+                       .hold_time = kPeriod})
+               .rendered;
+    if (told) bounding.set_held(held);
+  }
+  return port;
+}
+
+// A bound that is not told builds on work that was never done.
+TEST(Safety, WhatWasWithheldCannotBeTakenBackLater) {
+  EXPECT_EQ(out_of_the_ramp(true).violations(), 0u);
+  const PortEnergy untold = out_of_the_ramp(false);
+  EXPECT_GT(untold.violations(), 0u);
+  EXPECT_LT(untold.least_margin(), -0.01);  // [J]
+}
+
+TEST(Safety, TenThousandStepsAllocateNothing) {
+#ifdef FELTWIRE_SANITIZED
+  GTEST_SKIP() << "sanitizers own the allocator";
+#endif
+  Random random(5);
+  SafetyStage stage({.force = {.max = 5.0, .slew = 1e3, .speed = 1.0, .small = 1.0},
+                     .torque = {.max = 0.1, .slew = 10.0, .speed = 1.0, .small = 1.0},
+                     .ramp_up = 1.0});
+  const std::size_t before = test::allocations();
+  int given = 0;
+  for (int n = 0; n < 10'000; ++n) {
+    const Safeguarded out = stage.apply(step(random_command(random), random.vector(-6, -3)));
+    stage.set_held(out.rendered);
+    given += out.rendered.force().norm() > 0.0;
+  }
+  EXPECT_EQ(test::allocations(), before);
+  EXPECT_GT(given, 1000);
+}
+
+}  // namespace
+}  // namespace feltwire
