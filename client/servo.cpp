@@ -41,7 +41,7 @@ void refuse_beside(BoundingMode mode, const char* what, double value, const char
   if (value == off) return;
   std::ostringstream message;
   message << "a " << what << " of " << value << " " << unit << " cannot follow the bounding mode "
-          << name(mode) << ", which does not stay passive when its force is reduced; use "
+          << name(mode) << ", which also bounds forces from below; use "
           << "contact_frame or no " << what << " (" << off << ")";
   throw std::invalid_argument(message.str());
 }
