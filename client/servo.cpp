@@ -99,7 +99,7 @@ bool Servo::take(const Reply& reply, Nanoseconds arrival) noexcept {
     ++statistics_.replies_refused;
     return false;
   }
-  count_answer(reply.sample_index, arrival);
+  count_answer(reply, arrival);
   if (reply.sample_index <= newest_.sample_index) {
     ++statistics_.replies_stale;
     return false;
@@ -116,7 +116,8 @@ bool Servo::take(const Reply& reply, Nanoseconds arrival) noexcept {
   return true;
 }
 
-void Servo::count_answer(std::uint64_t index, Nanoseconds arrival) noexcept {
+void Servo::count_answer(const Reply& reply, Nanoseconds arrival) noexcept {
+  const std::uint64_t index = reply.sample_index;
   Sent& sent = sent_[index % kRemembered];
   if (sent.index != index) {  // so old that its place is taken
     ++statistics_.answered;
@@ -129,6 +130,7 @@ void Servo::count_answer(std::uint64_t index, Nanoseconds arrival) noexcept {
   ++statistics_.answered;
   if (round_trip > kLate) ++statistics_.late;
   statistics_.round_trip.record(round_trip.count());
+  server_clock_.take({sent.time, reply.server_receive_time, reply.server_send_time, arrival});
 }
 
 double Servo::fade_factor() const noexcept {

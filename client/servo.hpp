@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "client/clock_estimate.hpp"
 #include "client/device.hpp"
 #include "client/histogram.hpp"
 #include "core/bounding/bounding.hpp"
@@ -91,6 +92,7 @@ class Servo {
   const ServoOptions& options() const { return options_; }
   const ServoStatistics& statistics() const { return statistics_; }
   const PortEnergy& port() const { return port_; }
+  const ClockEstimate& server_clock() const { return server_clock_; }
 
   const Sample& sample() const { return sample_; }  // the last one made
   const Command& command() const {
@@ -117,7 +119,7 @@ class Servo {
   double fade_factor() const noexcept;
   Command safeguard(const Command& bounded, const BoundingStep& step) noexcept;
   void observe_direction(const Command& held) noexcept;
-  void count_answer(std::uint64_t index, Nanoseconds arrival) noexcept;
+  void count_answer(const Reply& reply, Nanoseconds arrival) noexcept;
 
   DeviceSpec spec_;
   SessionParameters parameters_;
@@ -128,6 +130,7 @@ class Servo {
   bool torque_;
   double period_;  // T [s]
 
+  ClockEstimate server_clock_;
   Reply newest_;
   Nanoseconds newest_arrival_{0};
   bool newest_original_ = false;  // its command is the scene's as it was
