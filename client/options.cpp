@@ -178,7 +178,8 @@ std::variant<ClientOptions, int> parse_options(int argc, char** argv) {
       ->capture_default_str()
       ->group(session);
 
-  const auto safety = "Safety (--slew, --ramp-up, --velocity-limit: contact_frame and none only)";
+  const auto safety =
+      "Safety (--slew, --ramp-up, --velocity-limit: contact_frame, energy_tank and none only)";
   // Their usual values depend on the mode, so the help names them in words.
   const SafetyLimits usual = protect_hand({}).safety;
   SessionParameters unbounded;

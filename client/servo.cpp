@@ -31,11 +31,6 @@ PortEnergy observer_of(const BoundingConfig& config) {
   return {config.damping, config.rotation ? config.rotational_damping : Damping(), config.period};
 }
 
-/// The server's bound accounts its own port, whatever the client holds.
-bool may_reduce(const SessionParameters& parameters) {
-  return parameters.side == BoundingSide::server || admits_reduction(parameters.mode);
-}
-
 void refuse_beside(BoundingMode mode, const char* what, double value, const char* unit,
                    double off) {
   if (value == off) return;
@@ -57,7 +52,7 @@ bool good(const DeviceReading& reading) {
 void validate(const ServoOptions& options, const SessionParameters& parameters) {
   const SafetyLimits& s = options.safety;
   validate(s);
-  if (may_reduce(parameters)) return;
+  if (admits_reduction(parameters.mode)) return;
   refuse_beside(parameters.mode, "slew limit", s.force.slew, "N/s", ChannelLimits::kOff);
   refuse_beside(parameters.mode, "slew limit", s.torque.slew, "N m/s", ChannelLimits::kOff);
   refuse_beside(parameters.mode, "velocity limit", s.force.speed, "m/s", ChannelLimits::kOff);
@@ -69,7 +64,7 @@ ServoOptions protect_hand(const SessionParameters& parameters) {
   ServoOptions options;
   options.safety.force.small = 0.05;   // [N] below what a resting hand feels
   options.safety.torque.small = 2e-3;  // [N m] the same at an arm of 40 mm
-  if (!may_reduce(parameters)) return options;
+  if (!admits_reduction(parameters.mode)) return options;
   options.safety.force.speed = 1.5;  // [m/s]
   // A bound lets nothing through at first either, and what a ramp withheld behind it comes back
   // only as the hand presses deeper (measured).

@@ -25,7 +25,7 @@ struct ServoOptions {
 };
 
 /// Throws std::invalid_argument naming the limit, its value and the remedy: a slew, ramp or speed
-/// limit cannot follow a bound that does not admit reductions (where the client bounds at all).
+/// limit cannot follow a bound that does not admit reductions, on whichever side it stands.
 void validate(const ServoOptions& options, const SessionParameters& parameters);
 
 /// What protects a hand without being felt in normal use (docs/devices.md has what was measured):

@@ -197,7 +197,7 @@ double fastest_when_let_go(Pair& pair) {
   double z = -0.004, velocity = 0.0, fastest = 0.0;
   for (int n = 0; n < 300; ++n) {
     const double force = pair.tick({.position = Vec3(0, 0, z)}).force().z();
-    velocity += 1e-3 / pair.spec.apparent_mass * (force - pair.spec.damping * velocity);
+    velocity += 1e-3 / pair.spec.apparent_mass * (force - pair.spec.damping.least() * velocity);
     z += 1e-3 * velocity;
     fastest = std::max(fastest, std::abs(velocity));
   }

@@ -45,8 +45,8 @@ TEST(ServoSafety, AMaximumBelowTheDevicesOwnGoesWithEveryMode) {
   EXPECT_EQ(bench.servo.statistics().force_limited, 1u);
   EXPECT_EQ(bench.servo.statistics().saturated, 0u);
   for (std::size_t i = 0; i < kBoundingModeNames.size(); ++i)
-    EXPECT_NO_THROW(Bench(parameters(static_cast<BoundingMode>(i)),
-                          {.safety = {.force = {.max = 2.0, .small = 0.1}}}));
+    EXPECT_NO_THROW(validate({.safety = {.force = {.max = 2.0, .small = 0.1}}},
+                             parameters(static_cast<BoundingMode>(i))));
 }
 
 TEST(ServoSafety, ADeviceThatIsTooFastLosesItsForce) {
@@ -85,10 +85,11 @@ TEST(ServoSafety, LimitsOnGrowthGoOnlyWithModesThatAdmitThem) {
                       [&] { Servo(spec, parameters(mode), {.safety = c.limits}); }),
                   AllOf(HasSubstr(c.said), HasSubstr(std::string(name(mode))),
                         HasSubstr("use contact_frame or no")));
-      // Where only the server bounds, the client's own bound has no say.
-      EXPECT_NO_THROW(Servo(spec, parameters(mode, BoundingSide::server), {.safety = c.limits}));
+      EXPECT_THROW(Servo(spec, parameters(mode, BoundingSide::server), {.safety = c.limits}),
+                   std::invalid_argument);
     }
-    for (const BoundingMode mode : {BoundingMode::none, BoundingMode::contact_frame})
+    for (const BoundingMode mode :
+         {BoundingMode::none, BoundingMode::contact_frame, BoundingMode::energy_tank})
       EXPECT_NO_THROW(Servo(spec, parameters(mode), {.safety = c.limits}));
   }
   EXPECT_THAT(error_of<std::invalid_argument>([&] {
@@ -103,6 +104,7 @@ TEST(ServoSafety, WhatProtectsAHandGoesWithEveryMode) {
          {BoundingSide::server, BoundingSide::client, BoundingSide::both}) {
       const auto p = parameters(static_cast<BoundingMode>(i), side);
       const ServoOptions options = protect_hand(p);
+      EXPECT_EQ(options.safety.force.speed < kInfinity, admits_reduction(p.mode));
       EXPECT_NO_THROW(validate(options, p)) << name(p.mode);
       EXPECT_LT(options.safety.force.small, kInfinity);
     }
