@@ -23,6 +23,7 @@ namespace {
 
 constexpr std::chrono::milliseconds kControlTimeout{3000};
 constexpr int kHousekeeping = 50;             // [ms] between looks at the rings
+constexpr std::size_t kLinkRoom = 1 << 13;    // datagrams on their way: 0.8 s at 10 kHz
 constexpr std::size_t kRecordRoom = 1 << 14;  // rows: more than a second at 10 kHz
 
 /// SIGINT and SIGTERM as a descriptor; blocked in all threads that are started from now on.
@@ -167,8 +168,10 @@ int run(const ClientOptions& options) {
   const Joined joined =
       join(options.server, {options.name, options.scene, device->spec(), options.parameters},
            kControlTimeout);
-  Transport transport(joined.datagrams, joined.accepted.session,
-                      joined.accepted.parameters.redundancy, device->spec().rotation_sensed > 0);
+  Transport transport(
+      joined.datagrams, joined.accepted.session, joined.accepted.parameters.redundancy,
+      device->spec().rotation_sensed > 0,
+      options.link ? std::make_unique<TwoWayLink>(*options.link, 0, kLinkRoom) : nullptr);
   // From here on the server knows of us: whatever fails, it is told.
   try {
     if (const auto* task = std::get_if<HandTask>(&options.device))
@@ -203,7 +206,7 @@ int run(const ClientOptions& options) {
       write_whole(*options.report,
                   report_json({options.name, options.scene, to_string(options.server),
                                options.device_kind, real_time, joined.accepted.stiffness},
-                              servo, transport.statistics(), *result));
+                              servo, transport.statistics(), *result, transport.link()));
     const int code = conclude(options, servo, *result);
     return recorder && recorder->failed() ? 1 : code;
   } catch (...) {

@@ -34,7 +34,7 @@ struct Words {
   double rate = 1000.0;
   std::optional<std::array<double, 3>> center, normal;
   std::optional<double> wait_for_small_force, ramp_up, velocity_limit;
-  std::string report, record;
+  std::string report, record, link;
 };
 
 std::string short_text(double value) {
@@ -100,6 +100,7 @@ void understand(const Words& words, HandTask task, ClientOptions& options) {
   }
   if (!words.report.empty()) options.report = words.report;
   if (!words.record.empty()) options.record = words.record;
+  if (!words.link.empty()) options.link = parse_link(words.link);
 }
 
 }  // namespace
@@ -129,6 +130,10 @@ std::variant<ClientOptions, int> parse_options(int argc, char** argv) {
   app.add_option("--report", words.report,
                  "FILE.json that gets the run's numbers (docs/devices.md)");
   app.add_option("--record", words.record, "FILE.csv that gets every tick");
+  app.add_option("--link", words.link,
+                 "Try a bad network: a profile, e.g. wifi, or e.g. delay=25,jitter=5,loss=10 (see "
+                 "below)");
+  app.footer(link_help());
   app.add_option("--name", options.name, "What the server calls this client")
       ->capture_default_str();
 

@@ -7,6 +7,7 @@
 #include <variant>
 
 #include "client/control_client.hpp"
+#include "client/link/link_options.hpp"
 #include "client/servo.hpp"
 #include "sim/simulated_device.hpp"
 
@@ -29,6 +30,7 @@ struct ClientOptions {
   ServoOptions servo;
   double duration = 0.0;  // [s] 0: until stopped
   std::optional<std::filesystem::path> report, record;
+  std::optional<TwoWayLinkOptions> link;  // emulated, between this client and its socket
 };
 
 /// Reads the command line. When there is nothing to run (--help, or an error, which has been

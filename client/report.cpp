@@ -13,6 +13,7 @@
 #include <system_error>
 
 #include "client/encoder.hpp"
+#include "client/link/link_json.hpp"
 
 namespace feltwire {
 namespace {
@@ -232,7 +233,8 @@ fs::path resolved(const fs::path& file) {
 }  // namespace
 
 std::string report_json(const RunDescription& run, const Servo& servo,
-                        const TransportStatistics& transport, const LoopResult& loop) {
+                        const TransportStatistics& transport, const LoopResult& loop,
+                        const TwoWayLink* link) {
   const ServoStatistics& s = servo.statistics();
   const PortEnergy& port = servo.port();
   Json report = {
@@ -277,6 +279,7 @@ std::string report_json(const RunDescription& run, const Servo& servo,
         {"send_failed", transport.send_failed},
         {"received", transport.received}}},
       {"dropped", dropped(transport, s)},
+      {"link", link != nullptr ? link_json(*link) : Json(nullptr)},
       {"real_time",
        {{"scheduler", run.real_time.scheduler}, {"memory_locked", run.real_time.memory_locked}}},
       {"parameters", parameters(servo.parameters())},

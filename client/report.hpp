@@ -19,9 +19,11 @@ struct RunDescription {
   double scene_stiffness = 0.0;  // [N/m] of the stiffest surface; 0: the server did not say
 };
 
-/// The report's text. Every number in it is finite; what there is no number for is null.
+/// The report's text. Every number in it is finite; what there is no number for is null. `link`:
+/// the emulated one, null without.
 std::string report_json(const RunDescription& run, const Servo& servo,
-                        const TransportStatistics& transport, const LoopResult& loop);
+                        const TransportStatistics& transport, const LoopResult& loop,
+                        const TwoWayLink* link = nullptr);
 
 /// Throws std::runtime_error naming the file and the reason when write_whole() could not write it
 /// now. Leaves nothing.

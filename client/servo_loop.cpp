@@ -82,6 +82,7 @@ class Loop {
         options_(options),
         outputs_(outputs),
         result_(result),
+        linked_(transport.link() != nullptr),
         start_(monotonic_now()),
         deadlines_(start_, Nanoseconds(std::llround(servo.parameters().servo_period * 1e9))),
         waiting_{{{deadlines_.descriptor(), POLLIN, 0},
@@ -93,20 +94,29 @@ class Loop {
   void run() noexcept {
     if (deadlines_.descriptor() < 0) return;
     for (bool running = true; running;) {
-      if (::poll(waiting_.data(), waiting_.size(), -1) < 0) {
+      if (wait() < 0) {
         if (errno == EINTR) continue;
         break;
       }
       const Nanoseconds now = monotonic_now();
+      if (linked_) transport_.pass(now);
       running = step(now);
     }
     release(monotonic_now());
   }
 
  private:
+  /// Until a descriptor is ready, or a datagram leaves the emulated link.
+  int wait() noexcept {
+    const auto due = transport_.next_due();
+    if (!due) return ::poll(waiting_.data(), waiting_.size(), -1);
+    const timespec left = to_timespec(std::max(*due - monotonic_now(), Nanoseconds(0)));
+    return ::ppoll(waiting_.data(), waiting_.size(), &left, nullptr);
+  }
+
   /// What one wake-up brought. False when the loop is over.
   bool step(Nanoseconds now) noexcept {
-    if (waiting_[1].revents != 0) {
+    if (waiting_[1].revents != 0 || linked_) {
       take_replies(now);
       if (server_left_) return end(EndReason::server_goodbye);
     }
@@ -160,13 +170,19 @@ class Loop {
   /// told.
   void release(Nanoseconds now) noexcept {
     servo_.release();
+    if (linked_) transport_.pass(now);
     tick(now);
-    const Nanoseconds latest = now + kFarewell;
+    Nanoseconds latest = now + kFarewell;
     const ServoStatistics& counted = servo_.statistics();
     while (!server_left_ && counted.answered < counted.samples && now < latest) {
-      const timespec wait = to_timespec(latest - now);
-      if (::ppoll(&waiting_[1], 1, &wait, nullptr) < 0 && errno != EINTR) break;
+      // What leaves the link may still be answered.
+      const auto due = transport_.next_due();
+      if (due) latest = std::max(latest, *due + kFarewell);
+      const Nanoseconds wake = due ? std::min(latest, *due) : latest;
+      const timespec left = to_timespec(std::max(wake - now, Nanoseconds(0)));
+      if (::ppoll(&waiting_[1], 1, &left, nullptr) < 0 && errno != EINTR) break;
       now = monotonic_now();
+      if (linked_) transport_.pass(now);
       take_replies(now);
     }
     transport_.goodbye();
@@ -211,6 +227,7 @@ class Loop {
   const LoopOptions& options_;
   const LoopOutputs& outputs_;
   LoopResult& result_;
+  bool linked_;
   Nanoseconds start_;
   Deadlines deadlines_;
   std::array<pollfd, 3> waiting_;  // deadline, replies, stop

@@ -6,6 +6,7 @@
 #include <cerrno>
 #include <cstring>
 #include <string>
+#include <utility>
 
 #include "protocol/guard.hpp"
 
@@ -17,8 +18,11 @@ constexpr unsigned kExpected = bit(DatagramKind::reply) | bit(DatagramKind::good
 
 }  // namespace
 
-Transport::Transport(const Address& server, std::uint64_t session, int redundancy, bool rotation)
-    : session_(session), kept_(std::clamp(redundancy, 0, kMaxRedundancy) + 1) {
+Transport::Transport(const Address& server, std::uint64_t session, int redundancy, bool rotation,
+                     std::unique_ptr<TwoWayLink> link)
+    : session_(session),
+      kept_(std::clamp(redundancy, 0, kMaxRedundancy) + 1),
+      link_(std::move(link)) {
   socket_ = ::socket(server.storage.ss_family, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
   // Connected: only the server's datagrams are let in, and a closed port is noticed.
   if (socket_ < 0 ||
@@ -54,19 +58,46 @@ void Transport::send(const Sample& sample) noexcept {
   std::copy_backward(samples.begin(), samples.begin() + kept_ - 1, samples.begin() + kept_);
   samples.front() = sample;
   batch_.count = std::min(batch_.count + 1, kept_);
-  transmit(encoder_.samples(session_, ++packet_number_, batch_));
+  const Bytes datagram = encoder_.samples(session_, ++packet_number_, batch_);
+  if (!link_) return transmit(datagram);
+  link_->up.enter(datagram, now_);
+  transmit_due();
+}
+
+void Transport::transmit_due() noexcept {
+  while (const auto datagram = link_->up.leave(now_)) transmit(*datagram);
+}
+
+void Transport::pass(Nanoseconds now) noexcept {
+  now_ = now;
+  transmit_due();
+  for (int i = 0; i < kBurst; ++i) {
+    const auto datagram = take();
+    if (!datagram) return;
+    link_->down.enter(*datagram, now_);
+  }
+}
+
+/// The next datagram that the socket has.
+std::optional<Bytes> Transport::take() noexcept {
+  // The refusal of an earlier datagram (the server's port is closed) comes back here, once; an
+  // interruption likewise.
+  for (int tries = 0; tries < kBurst; ++tries) {
+    const ssize_t size = ::recv(socket_, buffer_.data(), buffer_.size(), 0);
+    if (size >= 0) {
+      ++statistics_.received;
+      return Bytes(buffer_.data(), static_cast<std::size_t>(size));
+    }
+    if (errno != ECONNREFUSED && errno != EINTR) break;
+  }
+  return std::nullopt;
 }
 
 Transport::Arrival Transport::receive(Reply& reply, GoodbyeReason& reason) noexcept {
   for (int tries = 0; tries < kBurst; ++tries) {
-    const ssize_t size = ::recv(socket_, buffer_.data(), buffer_.size(), 0);
-    if (size < 0) {
-      // The refusal of an earlier datagram (the server's port is closed) comes back here, once.
-      if (errno == ECONNREFUSED || errno == EINTR) continue;
-      return Arrival::nothing;
-    }
-    ++statistics_.received;
-    const Guarded guarded = guard({buffer_.data(), static_cast<std::size_t>(size)}, kExpected);
+    const std::optional<Bytes> datagram = link_ ? link_->down.leave(now_) : take();
+    if (!datagram) return Arrival::nothing;
+    const Guarded guarded = guard(*datagram, kExpected);
     DropReason drop = guarded.drop;
     if (drop == DropReason::none && guarded.header.session != session_) drop = DropReason::session;
     if (drop == DropReason::none && !seen_.take(guarded.header.packet_number))

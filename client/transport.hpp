@@ -1,18 +1,21 @@
 #pragma once
-// The datagrams of one session: samples out, replies in. Never blocks, allocates or throws once it
-// stands.
+// The datagrams of one session: samples out, replies in, through an emulated link where one is
+// given. Never blocks, allocates or throws once it stands.
 
 #include <array>
 #include <cstdint>
+#include <memory>
+#include <optional>
 
 #include "client/control_client.hpp"
+#include "client/link/link.hpp"
 #include "protocol/codec.hpp"
 #include "protocol/sequence.hpp"
 
 namespace feltwire {
 
 struct TransportStatistics {
-  std::uint64_t sent = 0;         // datagrams
+  std::uint64_t sent = 0;         // datagrams that the system took
   std::uint64_t send_failed = 0;  // the system took none: buffer full, peer's port closed, no route
   std::uint64_t received = 0;     // datagrams, before any check
   std::array<std::uint64_t, kDropReasons> dropped{};
@@ -23,14 +26,26 @@ class Transport {
   enum class Arrival { nothing, reply, goodbye };
 
   /// Opens a UDP socket to the session's scene. `redundancy` is k; `rotation`: orientation and
-  /// torque travel too. Throws SessionError.
-  Transport(const Address& server, std::uint64_t session, int redundancy, bool rotation);
+  /// torque travel too. With a `link` every sample and reply goes through it, and the caller must
+  /// pass() the time. Throws SessionError.
+  Transport(const Address& server, std::uint64_t session, int redundancy, bool rotation,
+            std::unique_ptr<TwoWayLink> link = nullptr);
   ~Transport();
   Transport(const Transport&) = delete;
   Transport& operator=(const Transport&) = delete;
 
   /// To wait for replies on.
   int descriptor() const { return socket_; }
+
+  /// Null without one.
+  const TwoWayLink* link() const { return link_.get(); }
+  /// When a datagram leaves the link: pass() and receive() are due then.
+  std::optional<Nanoseconds> next_due() const noexcept {
+    return link_ ? link_->next_due() : std::nullopt;
+  }
+  /// It is `now`, for this and the calls that follow: sends what leaves the link, lets what has
+  /// come enter it. For transports with a link.
+  void pass(Nanoseconds now) noexcept;
 
   /// Sends a sample, and the k before it once more.
   void send(const Sample& sample) noexcept;
@@ -41,13 +56,16 @@ class Transport {
   Arrival receive(Reply& reply, GoodbyeReason& reason) noexcept;
   static constexpr int kBurst = 64;
 
-  /// Tells the server that this client leaves; three times, as no answer comes.
+  /// Tells the server that this client leaves; three times, as no answer comes, and past the link,
+  /// as nobody may be there to wait for what it holds.
   void goodbye() noexcept;
 
   const TransportStatistics& statistics() const { return statistics_; }
 
  private:
   void transmit(Bytes datagram) noexcept;
+  void transmit_due() noexcept;
+  std::optional<Bytes> take() noexcept;
 
   int socket_ = -1;
   std::uint64_t session_;
@@ -58,6 +76,8 @@ class Transport {
   PacketWindow seen_;
   std::array<std::uint8_t, kMaxDatagram + 1> buffer_;  // one more: what is too long shows
   TransportStatistics statistics_;
+  std::unique_ptr<TwoWayLink> link_;
+  Nanoseconds now_{0};  // with a link
 };
 
 }  // namespace feltwire

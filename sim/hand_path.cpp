@@ -6,18 +6,15 @@
 #include <stdexcept>
 #include <string>
 
+#include "core/splitmix.hpp"
+
 namespace feltwire {
 namespace {
 
 constexpr double kTurn = 2.0 * std::numbers::pi;
 
-/// splitmix64 (Steele, Lea, Flood 2014): the same numbers on every machine, which std's
-/// distributions do not promise.
 double uniform(std::uint64_t& state) {
-  std::uint64_t z = (state += 0x9E3779B97F4A7C15ULL);
-  z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9ULL;
-  z = (z ^ (z >> 27)) * 0x94D049BB133111EBULL;
-  return static_cast<double>((z ^ (z >> 31)) >> 11) * 0x1.0p-53;
+  return static_cast<double>(splitmix::mix(state += splitmix::kStep) >> 11) * 0x1.0p-53;
 }
 
 double smoothstep(double s) {

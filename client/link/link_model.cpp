@@ -1,0 +1,124 @@
+#include "client/link/link_model.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include "core/splitmix.hpp"
+
+namespace feltwire {
+namespace {
+
+// Which random number of a datagram is for what. Each has its own, so that one setting leaves what
+// the others do as it was.
+enum Draw : std::uint64_t { kLoss, kDelay, kDelay2, kReorder, kDuplicate, kCopy, kCopy2, kDraws };
+
+constexpr double kNanoseconds = 1e9;
+
+/// Zero mean, unit variance, from u and v uniform on (0, 1). By transformation, so that it is the
+/// same everywhere.
+double scatter(Jitter distribution, double u, double v) noexcept {
+  switch (distribution) {
+    case Jitter::normal:  // Box and Muller 1958
+      return std::sqrt(-2.0 * std::log(u)) * std::cos(2.0 * std::numbers::pi * v);
+    case Jitter::uniform:
+      return std::numbers::sqrt3 * (2.0 * u - 1.0);
+    case Jitter::pareto: {
+      // Shape 3 and scale 1, as netem's table: u^(-1/3) has mean 3/2 and variance 3/4.
+      constexpr double kMean = 1.5, kDeviation = 0.5 * std::numbers::sqrt3;
+      return (1.0 / std::cbrt(u) - kMean) / kDeviation;
+    }
+  }
+  return 0.0;
+}
+
+}  // namespace
+
+LinkModel::LinkModel(LinkOptions options, std::uint64_t key)
+    : options_(std::move(options)), key_(key) {
+  // Runs of losses are geometric with mean 1 / recover; in balance loss * recover =
+  // (1 - loss) * fall_ill. Independent losses are the chain that falls ill as often as it stays so.
+  const double loss = options_.loss;
+  recover_ = options_.burst > 0.0 ? 1.0 / options_.burst : 1.0 - loss;
+  fall_ill_ = loss < 1.0 ? loss * recover_ / (1.0 - loss) : 1.0;
+}
+
+/// On (0, 1), both ends excluded.
+double LinkModel::uniform(std::uint64_t draw) const noexcept {
+  const std::uint64_t bits = splitmix::draw(key_, ordinal_ * kDraws + draw);
+  return (static_cast<double>(bits >> 11) + 0.5) * 0x1.0p-53;
+}
+
+bool LinkModel::next_is_lost() noexcept {
+  const double u = uniform(kLoss);
+  if (ordinal_ == 0)
+    bad_ = u < options_.loss;
+  else
+    bad_ = bad_ ? u >= recover_ : u < fall_ill_;
+  return bad_;
+}
+
+bool LinkModel::leaves_queue(std::size_t size, Nanoseconds now, Nanoseconds& leaves) noexcept {
+  leaves = now;
+  if (options_.rate <= 0.0) return true;
+  constexpr double kBits = 8.0;  // of a byte
+  const auto bytes = static_cast<double>(size + kHeadersOnTheWire);
+  const Nanoseconds starts = std::max(now, line_free_);
+  const double waiting =
+      static_cast<double>((starts - now).count()) / kNanoseconds * options_.rate / kBits;
+  if (waiting + bytes > options_.queue) return false;
+  leaves = line_free_ = starts + from_seconds(bytes * kBits / options_.rate);
+  return true;
+}
+
+Nanoseconds LinkModel::delay(std::uint64_t draw) const noexcept {
+  double seconds = options_.delay;
+  if (options_.jitter > 0.0)
+    seconds += options_.jitter * scatter(options_.distribution, uniform(draw), uniform(draw + 1));
+  return from_seconds(std::clamp(seconds, 0.0, 2.0 * kLongestLinkDelay));
+}
+
+/// Behind those that entered before, where order is kept: a line is first in, first out.
+Nanoseconds LinkModel::in_order(Nanoseconds arrival) noexcept {
+  if (!options_.keep_order) return arrival;
+  return newest_arrival_ = std::max(newest_arrival_, arrival);
+}
+
+LinkFate LinkModel::next(std::size_t size, Nanoseconds now) noexcept {
+  if (ordinal_ == 0) start_ = newest_arrival_ = now;
+  const LinkTrace::Row* recorded = options_.trace ? &options_.trace->at(now - start_) : nullptr;
+  const bool lost = next_is_lost() || (recorded != nullptr && recorded->lost);
+
+  LinkFate fate;
+  Nanoseconds leaves;
+  if (!leaves_queue(size, now, leaves)) {
+    fate.loss = LinkFate::Loss::queue;
+  } else if (lost) {
+    fate.loss = LinkFate::Loss::line;
+  } else {
+    const auto arrival = [&](std::uint64_t draw) {
+      return leaves + (recorded != nullptr ? recorded->delay : delay(draw));
+    };
+    fate.copies = 1;
+    if (uniform(kReorder) < options_.reorder) {
+      // Behind the line, and the line does not wait for it.
+      const Nanoseconds latest = options_.keep_order ? newest_arrival_ : Nanoseconds(0);
+      fate.arrivals[0] = std::max(latest, arrival(kDelay)) + from_seconds(options_.reorder_delay);
+    } else {
+      fate.arrivals[0] = in_order(arrival(kDelay));
+    }
+    if (uniform(kDuplicate) < options_.duplicate) {
+      fate.copies = 2;
+      fate.arrivals[1] = in_order(arrival(kCopy));
+    }
+  }
+  ++ordinal_;
+  return fate;
+}
+
+std::uint64_t link_key(std::uint64_t seed, std::uint64_t client, LinkDirection direction) noexcept {
+  return splitmix::draw(seed, 2 * client + static_cast<std::uint64_t>(direction));
+}
+
+}  // namespace feltwire

@@ -1,0 +1,68 @@
+#pragma once
+// What happens to each datagram in one direction of a link. Pure: no socket, no clock.
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "client/link/link_options.hpp"
+#include "protocol/datagram.hpp"
+
+namespace feltwire {
+
+/// UDP and IPv4 headers, that travel with each payload and take their share of a bit rate.
+inline constexpr std::size_t kHeadersOnTheWire = 28;  // [bytes]
+
+struct LinkFate {
+  enum class Loss : std::uint8_t { none, line, queue };
+  Loss loss = Loss::none;                 // on the line, or no room in the queue before it
+  int copies = 0;                         // that arrive: 0, 1 or 2
+  std::array<Nanoseconds, 2> arrivals{};  // of these, not necessarily in order
+};
+
+/// The fate of datagram n is a function of the key, n and the options alone, but for what depends
+/// on when and how large the others were: the queue, a trace, and the order that is kept. In its
+/// order on the way:
+///   1. the queue and the line of a bit rate: a datagram that finds more than `queue` bytes waiting
+///      or being sent is dropped (tail drop), else it leaves (size + headers) / rate after those;
+///   2. loss: a Gilbert chain (Gilbert 1960; Elliott's with loss 1 in the bad state and 0 in the
+///      good one), which begins in its stationary state and moves on with each datagram, also with
+///      those that the queue dropped;
+///   3. the delay: mean + jitter X, X of zero mean and unit variance, not below 0;
+///   4. a share is held back by reorder_delay behind the others, a share arrives twice, the copy
+///      with a delay of its own (it takes no bit rate).
+class LinkModel {
+ public:
+  /// `key` makes the random numbers; see link_key(). Precondition: validate(options) passes.
+  LinkModel(LinkOptions options, std::uint64_t key);
+
+  /// The fate of the next datagram, of `size` bytes of payload, that enters `now`. Times must not
+  /// fall from call to call.
+  LinkFate next(std::size_t size, Nanoseconds now) noexcept;
+
+  const LinkOptions& options() const { return options_; }
+
+ private:
+  double uniform(std::uint64_t draw) const noexcept;
+  bool next_is_lost() noexcept;
+  bool leaves_queue(std::size_t size, Nanoseconds now, Nanoseconds& leaves) noexcept;
+  Nanoseconds delay(std::uint64_t draw) const noexcept;
+  Nanoseconds in_order(Nanoseconds arrival) noexcept;
+
+  LinkOptions options_;
+  std::uint64_t key_;
+  double fall_ill_, recover_;  // good to bad and back, for each datagram
+  std::uint64_t ordinal_ = 0;
+  bool bad_ = false;
+  Nanoseconds start_{0};           // the first datagram's, where a trace begins
+  Nanoseconds line_free_{0};       // when the last byte of the last datagram has left
+  Nanoseconds newest_arrival_{0};  // that none in order may precede
+};
+
+enum class LinkDirection : std::uint8_t { up, down };
+
+/// The key of one direction of one client's link: clients are counted from 0, and each has its own
+/// random numbers.
+std::uint64_t link_key(std::uint64_t seed, std::uint64_t client, LinkDirection direction) noexcept;
+
+}  // namespace feltwire

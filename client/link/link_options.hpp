@@ -1,0 +1,62 @@
+#pragma once
+// What an emulated link does to datagrams: its numbers, from text or a profile. docs/network.md
+// explains each to the user.
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include "client/link/link_trace.hpp"
+
+namespace feltwire {
+
+/// How a delay scatters about its mean; all three with the same standard deviation.
+enum class Jitter : std::uint8_t { normal, uniform, pareto };
+inline constexpr std::array<std::string_view, 3> kJitterNames = {"normal", "uniform", "pareto"};
+
+/// One direction of a link. All zero: datagrams pass at once and all of them.
+struct LinkOptions {
+  double delay = 0.0;   // [s] mean
+  double jitter = 0.0;  // [s] standard deviation
+  Jitter distribution = Jitter::normal;
+  bool keep_order = true;       // none overtakes another, except by `reorder`
+  double loss = 0.0;            // share of datagrams lost on the way, 0 to 1
+  double burst = 0.0;           // [datagrams] mean run of losses, >= 1; 0: losses are independent
+  double reorder = 0.0;         // share held back while others pass, 0 to 1
+  double reorder_delay = 5e-3;  // [s] how long these are held back
+  double duplicate = 0.0;       // share that arrives twice, 0 to 1
+  double rate = 0.0;            // [bit/s] of the slowest line; 0: no limit
+  double queue = 64e3;          // [bytes] that fit in front of that line
+  std::shared_ptr<const LinkTrace> trace;  // gives delay and loss instead of the above; may be null
+};
+
+/// Both directions. The same seed gives the same fate to the same datagrams.
+struct TwoWayLinkOptions {
+  std::string text;  // as given
+  std::uint64_t seed = 1;
+  LinkOptions up, down;  // client to server, and back
+};
+
+/// Throws std::invalid_argument naming what contradicts what: a loss that bursts so short cannot
+/// reach, a trace beside delay, jitter or loss.
+void validate(const LinkOptions& options);
+
+/// Reads "delay=25,jitter=5,loss=10,seed=3", a profile's name, "trace:FILE.csv", or a list of
+/// these; "up." or "down." before an item confines it to one direction, and later items win. Throws
+/// std::invalid_argument naming the item and the remedy, CsvError for what a trace holds.
+TwoWayLinkOptions parse_link(std::string_view text);
+
+/// A name for a list of items.
+struct LinkProfile {
+  std::string_view name;
+  std::string_view items;
+  std::string_view source;  // where the numbers come from
+};
+extern const std::array<LinkProfile, 7> kLinkProfiles;
+
+/// Keys with units and ranges, and the profiles, for --help.
+std::string link_help();
+
+}  // namespace feltwire

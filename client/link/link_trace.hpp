@@ -1,0 +1,39 @@
+#pragma once
+// A recorded link: what happened to probes, as a CSV file with the columns t,delay,lost.
+
+#include <cmath>
+#include <filesystem>
+#include <istream>
+#include <string>
+#include <vector>
+
+#include "protocol/datagram.hpp"
+
+namespace feltwire {
+
+struct LinkTrace {
+  struct Row {
+    Nanoseconds time;   // since the first row
+    Nanoseconds delay;  // one way
+    bool lost;
+  };
+  std::string file;
+  std::vector<Row> rows;  // at least one; times rise, the first is 0
+  Nanoseconds period;     // after which it begins again: the last time and one mean step; > 0
+
+  /// What a datagram meets `since` after the first one entered: the newest row not after it.
+  const Row& at(Nanoseconds since) const noexcept;
+};
+
+inline constexpr double kLongestLinkDelay = 10.0;  // [s]
+
+inline Nanoseconds from_seconds(double seconds) noexcept {
+  return Nanoseconds(std::llround(seconds * 1e9));
+}
+
+/// Columns t [s], rising; delay [s], 0 to 10 (not read where lost); lost 0 or 1. Throws CsvError.
+LinkTrace read_link_trace(std::istream& in, const std::string& file);
+/// From a file; throws CsvError also where it cannot be opened.
+LinkTrace load_link_trace(const std::filesystem::path& file);
+
+}  // namespace feltwire
