@@ -1,13 +1,17 @@
 // feltwire-lab: experiments and filters.
 
 #include <CLI/CLI.hpp>
+#include <csignal>
 #include <filesystem>
 #include <iostream>
 #include <memory>
+#include <thread>
 
+#include "client/report.hpp"
 #include "sim/choices.hpp"
 #include "sim/figures.hpp"
 #include "sim/filters.hpp"
+#include "sim/link_relay.hpp"
 #include "sim/report_table.hpp"
 
 namespace {
@@ -141,6 +145,57 @@ void add_summary(CLI::App& app) {
   command->callback([files] { std::cout << report_table(*files); });
 }
 
+/// Relays until SIGINT or SIGTERM.
+void relay(const LinkRelayOptions& options, const std::string& report) {
+  if (!report.empty()) check_writable(report);
+  sigset_t endings;
+  sigemptyset(&endings);
+  sigaddset(&endings, SIGINT);
+  sigaddset(&endings, SIGTERM);
+  pthread_sigmask(SIG_BLOCK, &endings, nullptr);  // in the thread below, too
+
+  LinkRelay link(options);
+  std::cout << "relaying: control tcp " << link.control_port() << " to "
+            << to_string(options.server) << std::endl;
+  std::thread thread([&] { link.run(); });
+  int signal = 0;
+  sigwait(&endings, &signal);
+  link.stop();
+  thread.join();
+  if (!report.empty()) write_whole(report, link.report());
+}
+
+void add_link(CLI::App& app) {
+  struct Options {
+    LinkRelayOptions relay;
+    std::string link, to, report;
+  };
+  auto o = std::make_shared<Options>();
+  o->relay.port = 7500;
+  CLI::App* command =
+      app.add_subcommand("link", "Relay between clients and a server, over an emulated link");
+  command->footer(link_help() +
+                  "Example, in two terminals beside a server on 7400:\n"
+                  "  feltwire-lab link wifi,loss=5,seed=3 --listen 7500 --to localhost:7400\n"
+                  "  feltwire-client --connect localhost:7500 --scene room --duration 10");
+  command->add_option("LINK", o->link, "What the link does, see below")->required();
+  command
+      ->add_option("--listen", o->relay.port,
+                   "Port for clients (tcp); the scenes' (udp) follow it; 0: any")
+      ->capture_default_str();
+  command->add_option("--address", o->relay.address, "Address to listen on")->capture_default_str();
+  command->add_option("--to", o->to, "HOST:PORT of the server's control port")->required();
+  command->add_option("--report", o->report, "FILE.json that gets the counters at the end");
+  command->callback([o] {
+    o->relay.link = parse_link(o->link);
+    o->relay.server = parse_endpoint(o->to);
+    o->relay.scene_opened = [](std::uint16_t own, std::uint16_t server) {
+      std::cout << "relaying: scene udp " << own << " to " << server << std::endl;
+    };
+    relay(o->relay, o->report);
+  });
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -153,6 +208,7 @@ int main(int argc, char** argv) {
   add_bound(app);
   add_touch(app);
   add_summary(app);
+  add_link(app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {

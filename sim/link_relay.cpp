@@ -1,0 +1,195 @@
+#include "sim/link_relay.hpp"
+
+#include <algorithm>
+#include <asio/buffer.hpp>
+#include <asio/io_context.hpp>
+#include <asio/ip/tcp.hpp>
+#include <map>
+#include <stdexcept>
+#include <vector>
+
+#include "client/link/link_json.hpp"
+#include "sim/control_bridge.hpp"
+#include "sim/relay_client.hpp"
+
+namespace feltwire {
+namespace {
+
+using asio::ip::tcp;
+using asio::ip::udp;
+using Error = std::error_code;
+using Json = nlohmann::ordered_json;
+
+constexpr std::size_t kMaxClients = 256;    // each has a socket and its links
+constexpr std::size_t kLinkRoom = 1 << 12;  // datagrams on their way in one direction
+constexpr Nanoseconds kForgotten = std::chrono::seconds(60);  // without a word of the client
+constexpr int kBurst = 64;  // datagrams taken before others have their turn
+
+tcp::endpoint find(asio::io_context& io, const Endpoint& server) {
+  Error error;
+  const auto found = tcp::resolver(io).resolve(server.host, std::to_string(server.port), error);
+  if (error)
+    throw std::runtime_error("cannot find host '" + server.host + "': " + error.message() +
+                             "; check the name in --to");
+  return found.begin()->endpoint();
+}
+
+}  // namespace
+
+struct LinkRelay::Parts {
+  /// A UDP port of the relay, and the scene of the server behind it.
+  struct ScenePort {
+    udp::socket socket;
+    udp::endpoint scene;
+    std::map<udp::endpoint, std::shared_ptr<RelayClient>> clients;
+    std::array<std::uint8_t, kMaxDatagram + 1> buffer{};
+  };
+  struct Known {
+    udp::endpoint address;
+    std::uint16_t scene_port = 0;
+    std::shared_ptr<RelayClient> client;  // null once forgotten
+    Json account;                         // of one forgotten
+  };
+
+  LinkRelayOptions options;
+  asio::io_context io{1};
+  tcp::endpoint server;
+  tcp::acceptor acceptor{io};
+  asio::ip::address address;
+  std::vector<std::unique_ptr<ScenePort>> ports;
+  std::vector<Known> known;  // all clients there ever were
+  std::size_t alive = 0;
+  std::uint64_t refused = 0;  // datagrams of clients beyond kMaxClients
+
+  explicit Parts(const LinkRelayOptions& asked) : options(asked), server(find(io, asked.server)) {
+    Error error;
+    address = asio::ip::make_address(asked.address, error);
+    if (error)
+      throw std::runtime_error("'" + asked.address + "' is no IP address; give one in --address");
+    try {
+      const tcp::endpoint own(address, asked.port);
+      acceptor.open(own.protocol());
+      acceptor.set_option(tcp::acceptor::reuse_address(true));
+      acceptor.bind(own);
+      acceptor.listen();
+    } catch (const std::system_error& failed) {
+      throw std::runtime_error("cannot listen on " + asked.address + " port " +
+                               std::to_string(asked.port) + " (tcp): " + failed.code().message() +
+                               "; choose another with --listen");
+    }
+    accept();
+  }
+
+  void accept() {
+    acceptor.async_accept([this](const Error& error, tcp::socket client) {
+      if (error == asio::error::operation_aborted) return;
+      if (!error)
+        std::make_shared<ControlBridge>(std::move(client), [this](std::uint16_t port) {
+          return own_port(port);
+        })->start(server);
+      accept();
+    });
+  }
+
+  std::uint16_t own_port(std::uint16_t scene_port) {
+    for (const auto& port : ports)
+      if (port->scene.port() == scene_port) return port->socket.local_endpoint().port();
+
+    auto port = std::make_unique<ScenePort>(
+        ScenePort{udp::socket(io), {server.address(), scene_port}, {}, {}});
+    port->socket.open(udp::endpoint(address, 0).protocol());
+    const auto wanted =
+        static_cast<std::uint16_t>(options.port == 0 ? 0 : options.port + 1 + ports.size());
+    Error taken;
+    port->socket.bind({address, wanted}, taken);
+    if (taken) port->socket.bind({address, 0});
+    port->socket.non_blocking(true);
+    ports.push_back(std::move(port));
+    await_clients(*ports.back());
+    const std::uint16_t own = ports.back()->socket.local_endpoint().port();
+    if (options.scene_opened) options.scene_opened(own, scene_port);
+    return own;
+  }
+
+  void await_clients(ScenePort& port) {
+    port.socket.async_wait(udp::socket::wait_read, [this, &port](const Error& stopped) {
+      if (stopped) return;
+      const Nanoseconds now = relay_now();
+      for (int i = 0; i < kBurst; ++i) {
+        udp::endpoint from;
+        Error error;
+        const std::size_t size =
+            port.socket.receive_from(asio::buffer(port.buffer), from, 0, error);
+        if (error == asio::error::would_block) break;
+        if (error) continue;
+        if (RelayClient* client = client_at(port, from, now))
+          client->enter({port.buffer.data(), size}, now);
+        else
+          ++refused;
+      }
+      await_clients(port);
+    });
+  }
+
+  RelayClient* client_at(ScenePort& port, const udp::endpoint& from, Nanoseconds now) {
+    const auto found = port.clients.find(from);
+    if (found != port.clients.end()) return found->second.get();
+    if (alive >= kMaxClients) forget_silent(now);
+    if (alive >= kMaxClients) return nullptr;
+    try {
+      auto client = std::make_shared<RelayClient>(
+          io.get_executor(), port.scene,
+          std::make_unique<TwoWayLink>(options.link, known.size(), kLinkRoom),
+          [&port, from](Bytes datagram) {
+            Error error;
+            port.socket.send_to(asio::buffer(datagram.data(), datagram.size()), from, 0, error);
+            return !error;
+          });
+      client->start();
+      known.push_back({from, port.scene.port(), client, {}});
+      ++alive;
+      return port.clients.emplace(from, std::move(client)).first->second.get();
+    } catch (const std::exception&) {  // no more sockets, or no memory
+      return nullptr;
+    }
+  }
+
+  void forget_silent(Nanoseconds now) {
+    for (Known& one : known) {
+      if (!one.client || now - one.client->last_heard() <= kForgotten) continue;
+      one.account = account(one);
+      one.client->close();
+      one.client.reset();
+      --alive;
+      for (auto& port : ports)
+        if (port->scene.port() == one.scene_port) port->clients.erase(one.address);
+    }
+  }
+
+  static Json account(const Known& one) {
+    return {{"client", to_string(Endpoint{one.address.address().to_string(), one.address.port()})},
+            {"scene_port", one.scene_port},
+            {"unsent", one.client->unsent()},
+            {"link", link_json(one.client->link())}};
+  }
+
+  std::string report() const {
+    Json clients = Json::array();
+    for (const Known& one : known) clients.push_back(one.client ? account(one) : one.account);
+    const Json report = {{"to", to_string(options.server)},
+                         {"link", options.link.text},
+                         {"refused", refused},
+                         {"clients", clients}};
+    return report.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  }
+};
+
+LinkRelay::LinkRelay(const LinkRelayOptions& options) : parts_(std::make_unique<Parts>(options)) {}
+LinkRelay::~LinkRelay() = default;
+
+std::uint16_t LinkRelay::control_port() const { return parts_->acceptor.local_endpoint().port(); }
+void LinkRelay::run() { parts_->io.run(); }
+void LinkRelay::stop() { parts_->io.stop(); }
+std::string LinkRelay::report() const { return parts_->report(); }
+
+}  // namespace feltwire

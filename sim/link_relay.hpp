@@ -1,0 +1,56 @@
+#pragma once
+// The emulated link as a program between clients and a server: clients join the relay as if it were
+// the server.
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "client/control_client.hpp"
+#include "client/link/link_options.hpp"
+
+namespace feltwire {
+
+struct LinkRelayOptions {
+  std::string address = "127.0.0.1";  // to listen on
+  std::uint16_t port = 0;             // control (tcp); the scenes' (udp) follow it; 0: any
+  Endpoint server;                    // its control port
+  TwoWayLinkOptions link;
+  /// Told each scene's port as it opens: the relay's and the server's. May be empty.
+  std::function<void(std::uint16_t own, std::uint16_t server)> scene_opened;
+};
+
+/// Control connections pass undelayed, each to a connection of its own. In JoinAccepted and
+/// SceneList the scenes' UDP ports are replaced by ports of the relay, opened when first named:
+/// port + 1 for the first, and so on, or any where that is taken or `port` is 0. Each client
+/// (sender of datagrams to such a port) has a socket of its own to the server and a link of its
+/// own, the k-th with the random numbers of client k = 0, 1, ...: the first meets what
+/// `feltwire-client
+/// --link` with the same options would.
+class LinkRelay {
+ public:
+  /// Finds the server's address and listens. The server need not run yet. Throws
+  /// std::runtime_error, one line.
+  explicit LinkRelay(const LinkRelayOptions& options);
+  ~LinkRelay();
+  LinkRelay(const LinkRelay&) = delete;
+  LinkRelay& operator=(const LinkRelay&) = delete;
+
+  std::uint16_t control_port() const;
+
+  /// Relays in the calling thread until stop().
+  void run();
+  /// From any thread.
+  void stop();
+
+  /// The parameters, and each client with its counters, as JSON (docs/network.md). Not while
+  /// run() does.
+  std::string report() const;
+
+ private:
+  struct Parts;
+  std::unique_ptr<Parts> parts_;
+};
+
+}  // namespace feltwire
