@@ -16,9 +16,9 @@ struct LinkRelayOptions {
   std::string address = "127.0.0.1";  // to listen on
   std::uint16_t port = 0;             // control (tcp); the scenes' (udp) follow it; 0: any
   Endpoint server;                    // its control port
-  TwoWayLinkOptions link;
+  TwoWayLinkOptions link = {};
   /// Told each scene's port as it opens: the relay's and the server's. May be empty.
-  std::function<void(std::uint16_t own, std::uint16_t server)> scene_opened;
+  std::function<void(std::uint16_t own, std::uint16_t server)> scene_opened = {};
 };
 
 /// Control connections pass undelayed, each to a connection of its own. In JoinAccepted and

@@ -1,0 +1,87 @@
+// A client with an emulated link in its own socket, against a whole server.
+
+#include <gtest/gtest.h>
+
+#include "tests/client/loopback.hpp"
+
+namespace feltwire {
+namespace {
+
+using testing::Client;
+using testing::kStroke;
+using testing::Loopback;
+
+class LinkLoopback : public Loopback {};
+
+/// How many of `samples` are answered: without a queue, a duplicate or one that overtakes, every
+/// datagram that gets through is answered once, and fates go by number alone.
+std::uint64_t expected_answers(const TwoWayLinkOptions& link, std::uint64_t samples) {
+  LinkModel up(link.up, link_key(link.seed, 0, LinkDirection::up));
+  LinkModel down(link.down, link_key(link.seed, 0, LinkDirection::down));
+  std::uint64_t answered = 0;
+  for (std::uint64_t i = 0; i < samples; ++i)
+    if (up.next(200, Nanoseconds(0)).copies > 0)
+      answered += static_cast<std::uint64_t>(down.next(200, Nanoseconds(0)).copies);
+  return answered;
+}
+
+TEST_F(LinkLoopback, WhatIsLostIsWhatTheModelLost) {
+  const TwoWayLinkOptions options = parse_link("delay=3,loss=15,down.burst=4,seed=3");
+  Client client(endpoint, kStroke, {}, "floor", std::make_unique<TwoWayLink>(options, 0, 1024));
+  client.start();
+  client.finish();
+
+  const ServoStatistics& s = client.servo.statistics();
+  EXPECT_EQ(client.result->end, EndReason::device_ended);
+  EXPECT_EQ(s.answered, expected_answers(options, s.samples));
+  EXPECT_LT(s.answered, s.samples);
+  EXPECT_EQ(client.servo.port().violations(), 0u);
+  EXPECT_GT(s.max_force, 0.0);
+
+  const LinkStatistics up = client.transport.link()->up.statistics();
+  const LinkStatistics down = client.transport.link()->down.statistics();
+  EXPECT_EQ(up.entered, s.samples);
+  EXPECT_EQ(down.entered, up.delivered);  // an answer for each
+  EXPECT_EQ(down.delivered, s.answered);
+  EXPECT_EQ(up.in_flight + down.in_flight, 0u);  // the end was waited for
+  EXPECT_GE(up.least_delay, std::chrono::milliseconds(3));
+  EXPECT_GE(down.least_delay, std::chrono::milliseconds(3));
+  EXPECT_GE(s.round_trip.quantile(0.0), 6e6 * 0.99);  // of a histogram
+
+  server->stop();
+  const auto summary = server->summary();
+  EXPECT_EQ(summary[0].counters.left, 1u);  // goodbyes are not lost
+  EXPECT_EQ(summary[0].counters.datagrams, up.delivered + 3);
+}
+
+TEST_F(LinkLoopback, AHandOverAHostileLinkIsSafe) {
+  const TwoWayLinkOptions options = parse_link("hostile,delay=8,jitter=6,seed=5");
+  Client client(endpoint, kStroke, {}, "floor", std::make_unique<TwoWayLink>(options, 0, 1024));
+  client.start();
+  client.finish();
+  const ServoStatistics& s = client.servo.statistics();
+  EXPECT_EQ(client.result->end, EndReason::device_ended);
+  EXPECT_EQ(client.servo.port().violations(), 0u);
+  EXPECT_GT(s.answered, 0u);
+  EXPECT_EQ(client.servo.held().force(), Vec3::Zero());
+  const LinkStatistics up = client.transport.link()->up.statistics();
+  EXPECT_GT(up.lost, 0u);
+  EXPECT_GT(up.duplicated, 0u);
+  EXPECT_GT(up.reordered, 0u);
+}
+
+TEST_F(LinkLoopback, ACutCableEndsInSilence) {
+  const TwoWayLinkOptions options = parse_link("down.loss=100");
+  Client client(endpoint, "t,x,y,z\n0,0,0,-0.001\n1000,0,0,-0.001\n", {}, "floor",
+                std::make_unique<TwoWayLink>(options, 0, 1024));
+  LoopOptions limits;
+  limits.silence_timeout = std::chrono::milliseconds(50);
+  client.start(limits);
+  client.finish();
+  EXPECT_EQ(client.result->end, EndReason::server_silent);
+  EXPECT_EQ(client.servo.statistics().answered, 0u);
+  EXPECT_EQ(client.servo.statistics().max_force, 0.0);
+}
+
+}  // namespace
+}  // namespace feltwire

@@ -1,0 +1,83 @@
+#pragma once
+// A whole server and its clients in one process, over real sockets of this machine.
+
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <sstream>
+#include <thread>
+
+#include "client/devices/replay.hpp"
+#include "client/servo_loop.hpp"
+#include "server/server.hpp"
+
+namespace feltwire::testing {
+
+inline constexpr std::chrono::milliseconds kPatience{10'000};
+
+inline Scene floor_scene() {
+  Object plane;
+  plane.name = "floor";
+  plane.shape = Plane{};
+  plane.material = {.stiffness = 500.0, .static_friction = 0.4, .dynamic_friction = 0.3};
+  return Scene("floor", {plane});
+}
+
+inline ServerConfig any_ports() {
+  ServerConfig config;
+  config.port = 0;
+  config.log_level = "off";
+  return config;
+}
+
+/// Comes down, slides along below the surface, and goes up again, in 0.4 s.
+inline const char* const kStroke =
+    "t,x,y,z\n0,0,0,0.005\n0.1,0,0,-0.004\n0.3,0.02,0,-0.004\n0.4,0.02,0,0.005\n";
+
+/// One client with a device that replays rows.
+struct Client {
+  ReplayDevice device;
+  Joined joined;
+  Transport transport;
+  Servo servo;
+  Event stop;
+  std::unique_ptr<LoopResult> result = std::make_unique<LoopResult>();
+  Ring<TickRecord> records{1 << 14};
+  std::thread thread;
+
+  Client(const Endpoint& server, const char* rows, const SessionParameters& parameters,
+         const std::string& scene, std::unique_ptr<TwoWayLink> link = nullptr)
+      : device(recording(rows), builtin_device("simulated")),
+        joined(join(server, {"tester", scene, device.spec(), parameters}, kPatience)),
+        transport(joined.datagrams, joined.accepted.session, joined.accepted.parameters.redundancy,
+                  false, std::move(link)),
+        servo(device.spec(), joined.accepted.parameters) {}
+  ~Client() { finish(); }
+
+  void start(LoopOptions options = {.silence_timeout = kPatience}) {
+    thread = std::thread([this, options] {
+      run_servo_loop(device, servo, transport, options, stop, {.record = &records}, *result);
+    });
+  }
+  void finish() {
+    if (thread.joinable()) thread.join();
+  }
+  static Recording recording(const char* rows) {
+    std::istringstream in(rows);
+    return read_recording(in, "rows");
+  }
+};
+
+class Loopback : public ::testing::Test {
+ protected:
+  Loopback() {
+    std::vector<Scene> scenes;
+    scenes.push_back(floor_scene());
+    server = std::make_unique<Server>(any_ports(), std::move(scenes));
+    endpoint = {"127.0.0.1", server->control_port()};
+  }
+  std::unique_ptr<Server> server;
+  Endpoint endpoint;
+};
+
+}  // namespace feltwire::testing

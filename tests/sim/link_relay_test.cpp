@@ -1,0 +1,237 @@
+// The relay between real sockets of this machine: clients and a server in one process.
+
+#include "sim/link_relay.hpp"
+
+#include <gmock/gmock.h>
+
+#include <nlohmann/json.hpp>
+
+#include "tests/client/loopback.hpp"
+#include "tests/client/peer.hpp"
+
+namespace feltwire {
+namespace {
+
+using nlohmann::json;
+using testing::Client;
+using testing::kPatience;
+using testing::kStroke;
+using testing::Loopback;
+
+/// A relay in a thread of its own.
+class Relay {
+ public:
+  Relay(const Endpoint& server, const char* link, std::uint16_t port = 0)
+      : relay_({.port = port, .server = server, .link = parse_link(link)}),
+        thread_([this] { relay_.run(); }) {}
+  ~Relay() { stop(); }
+  Endpoint endpoint() const { return {"127.0.0.1", relay_.control_port()}; }
+  /// Its account, once it is stopped.
+  json report() {
+    stop();
+    return json::parse(relay_.report());
+  }
+
+ private:
+  void stop() {
+    relay_.stop();
+    if (thread_.joinable()) thread_.join();
+  }
+  LinkRelay relay_;
+  std::thread thread_;
+};
+
+class LinkRelayTest : public Loopback {};
+
+TEST_F(LinkRelayTest, ScenesAreListedWithPortsOfTheRelay) {
+  Relay relay(endpoint, "delay=0");
+  const auto direct = list_scenes(endpoint, kPatience);
+  const auto relayed = list_scenes(relay.endpoint(), kPatience);
+  ASSERT_EQ(relayed.size(), 1u);
+  EXPECT_EQ(relayed[0].name, "floor");
+  EXPECT_EQ(relayed[0].objects, direct[0].objects);
+  EXPECT_NE(relayed[0].udp_port, direct[0].udp_port);
+  // The same again: one port for a scene.
+  EXPECT_EQ(list_scenes(relay.endpoint(), kPatience)[0].udp_port, relayed[0].udp_port);
+}
+
+TEST_F(LinkRelayTest, RefusalsComeThrough) {
+  Relay relay(endpoint, "delay=0");
+  try {
+    Client lost(relay.endpoint(), kStroke, {}, "cellar");
+    FAIL() << "joined a scene that is not there";
+  } catch (const SessionError& error) {
+    EXPECT_THAT(error.what(), ::testing::HasSubstr("cellar"));
+  }
+}
+
+TEST_F(LinkRelayTest, TwoClientsApartEachWithItsOwnFates) {
+  Relay relay(endpoint, "delay=2,loss=10,seed=3");
+  Client first(relay.endpoint(), kStroke, {}, "floor");
+  Client second(relay.endpoint(), kStroke, {}, "floor");
+  EXPECT_NE(first.joined.accepted.session, second.joined.accepted.session);
+  for (Client* client : {&first, &second}) client->start();
+  for (Client* client : {&first, &second}) client->finish();
+
+  const json report = relay.report();
+  ASSERT_EQ(report["clients"].size(), 2u);
+  EXPECT_EQ(report["refused"], 0);
+  std::vector<std::uint64_t> entered;
+  for (const json& one : report["clients"]) {
+    const json& up = one["link"]["up"];
+    const json& down = one["link"]["down"];
+    entered.push_back(up["entered"]);
+    EXPECT_EQ(one["unsent"], 0);
+    EXPECT_GT(up["lost"], 0);
+    EXPECT_GT(down["lost"], 0);
+    EXPECT_EQ(down["entered"].get<std::uint64_t>() + down["duplicated"].get<std::uint64_t>(),
+              down["delivered"].get<std::uint64_t>() + down["lost"].get<std::uint64_t>() +
+                  down["in_flight"].get<std::uint64_t>());
+    EXPECT_GE(up["measured_delay_ms"]["min"], 2.0);
+    EXPECT_GE(down["measured_delay_ms"]["min"], 2.0);
+  }
+  for (Client* client : {&first, &second}) {
+    const ServoStatistics& s = client->servo.statistics();
+    EXPECT_EQ(client->result->end, EndReason::device_ended);
+    EXPECT_GT(s.answered, s.samples / 2);
+    EXPECT_LT(s.answered, s.samples);
+    EXPECT_EQ(client->servo.port().violations(), 0u);
+    EXPECT_EQ(client->transport.statistics().dropped, TransportStatistics{}.dropped);
+    EXPECT_THAT(entered, ::testing::Contains(::testing::AllOf(::testing::Ge(s.samples),
+                                                              ::testing::Le(s.samples + 3))));
+  }
+}
+
+TEST_F(LinkRelayTest, TheFirstClientMeetsWhatALinkOfItsOwnWouldDo) {
+  constexpr const char* kLink = "delay=2,loss=10,down.burst=3,seed=7";
+  Relay relay(endpoint, kLink);
+  Client client(relay.endpoint(), kStroke, {}, "floor");
+  client.start();
+  client.finish();
+  const ServoStatistics& s = client.servo.statistics();
+
+  const TwoWayLinkOptions options = parse_link(kLink);
+  LinkModel up(options.up, link_key(options.seed, 0, LinkDirection::up));
+  LinkModel down(options.down, link_key(options.seed, 0, LinkDirection::down));
+  std::uint64_t through = 0, answered = 0;
+  for (std::uint64_t i = 0; i < s.samples; ++i)
+    through += static_cast<std::uint64_t>(up.next(200, Nanoseconds(0)).copies);
+  for (std::uint64_t i = 0; i < through; ++i)
+    answered += static_cast<std::uint64_t>(down.next(200, Nanoseconds(0)).copies);
+  EXPECT_EQ(s.answered, answered);
+  EXPECT_LT(answered, s.samples);
+}
+
+/// What a server answers that names a port where nobody needs to be.
+control::JoinAccepted accepted() {
+  control::JoinAccepted a;
+  a.session = 5;
+  a.udp_port = 4242;
+  a.silence_timeout = 2.0;
+  a.friction = true;
+  a.start_position = Vec3(1, 2, 3);
+  return a;
+}
+Joined join_through(const Relay& relay) {
+  return join(relay.endpoint(), {"tester", "room", builtin_device("simulated"), {}}, kPatience);
+}
+
+TEST(LinkRelay, OfAnAnswerOnlyThePortIsAnother) {
+  const testing::ControlPeer server(control::encode(accepted()));
+  const Relay relay(server.endpoint(), "lan");
+  const control::JoinAccepted got = join_through(relay).accepted;
+  control::JoinAccepted expected = accepted();
+  expected.udp_port = got.udp_port;
+  EXPECT_NE(got.udp_port, 4242);
+  EXPECT_EQ(control::encode(got), control::encode(expected));
+}
+
+TEST(LinkRelay, ScenePortsFollowTheControlPortWhereTheyCan) {
+  for (const bool taken : {false, true}) {
+    const testing::ControlPeer server(control::encode(accepted()));
+    std::unique_ptr<testing::LocalSocket> next;
+    std::unique_ptr<Relay> relay;
+    std::uint16_t following = 0;
+    while (!relay) {  // until the system's choice is one behind a port that is free, too
+      next = std::make_unique<testing::LocalSocket>(SOCK_DGRAM);
+      following = next->port();
+      try {
+        relay = std::make_unique<Relay>(server.endpoint(), "lan",
+                                        static_cast<std::uint16_t>(following - 1));
+      } catch (const std::runtime_error&) {
+      }
+    }
+    if (!taken) next.reset();
+    const std::uint16_t port = join_through(*relay).accepted.udp_port;
+    EXPECT_EQ(port == following, !taken) << port;
+    EXPECT_NE(port, 0);
+  }
+}
+
+TEST(LinkRelay, DatagramsPassBothWaysUnchanged) {
+  testing::LocalSocket scene(SOCK_DGRAM);
+  control::JoinAccepted answer = accepted();
+  answer.udp_port = scene.port();
+  const testing::ControlPeer server(control::encode(answer));
+  const Relay relay(server.endpoint(), "delay=1");
+  const Address port = join_through(relay).datagrams;
+
+  testing::LocalSocket client(SOCK_DGRAM);
+  std::vector<std::uint8_t> buffer(4096);
+  for (const std::size_t size : {std::size_t{1}, std::size_t{0}, kMaxDatagram, kMaxDatagram + 9}) {
+    std::vector<std::uint8_t> datagram(size);
+    for (std::size_t i = 0; i < size; ++i) datagram[i] = static_cast<std::uint8_t>(7 * i + 1);
+    std::vector<std::uint8_t> expected = datagram;
+    expected.resize(std::min(size, kMaxDatagram + 1));  // still too long for who receives it
+
+    ASSERT_GE(::sendto(client.descriptor(), datagram.data(), size, 0,
+                       reinterpret_cast<const sockaddr*>(&port.storage), port.size),
+              0);
+    Address from;
+    from.size = sizeof from.storage;
+    const ssize_t up = ::recvfrom(scene.descriptor(), buffer.data(), buffer.size(), 0,
+                                  reinterpret_cast<sockaddr*>(&from.storage), &from.size);
+    ASSERT_EQ(up, static_cast<ssize_t>(expected.size()));
+    EXPECT_TRUE(std::equal(expected.begin(), expected.end(), buffer.begin()));
+
+    ASSERT_GE(::sendto(scene.descriptor(), datagram.data(), size, 0,
+                       reinterpret_cast<const sockaddr*>(&from.storage), from.size),
+              0);
+    const ssize_t down = ::recv(client.descriptor(), buffer.data(), buffer.size(), 0);
+    ASSERT_EQ(down, static_cast<ssize_t>(expected.size()));
+    EXPECT_TRUE(std::equal(expected.begin(), expected.end(), buffer.begin()));
+  }
+}
+
+TEST(LinkRelay, FaultsAreOneLine) {
+  EXPECT_THAT(
+      [] {
+        LinkRelay({.server = {"no-such-host.invalid", 7400}});
+      },
+      ::testing::ThrowsMessage<std::runtime_error>(::testing::HasSubstr("--to")));
+  const testing::LocalSocket taken(SOCK_STREAM);
+  ::listen(taken.descriptor(), 1);
+  EXPECT_THAT(
+      [&] {
+        LinkRelay({.port = taken.port(), .server = {"127.0.0.1", 7400}});
+      },
+      ::testing::ThrowsMessage<std::runtime_error>(::testing::HasSubstr("--listen")));
+  EXPECT_THAT(
+      [] {
+        LinkRelay({.address = "here", .server = {"127.0.0.1", 7400}});
+      },
+      ::testing::ThrowsMessage<std::runtime_error>(::testing::HasSubstr("--address")));
+}
+
+TEST(LinkRelay, AServerThatIsNotThereEndsTheConnection) {
+  std::uint16_t port;
+  {
+    const testing::LocalSocket gone(SOCK_STREAM);
+    port = gone.port();
+  }
+  Relay relay({"127.0.0.1", port}, "lan");
+  EXPECT_THROW(list_scenes(relay.endpoint(), kPatience), SessionError);
+}
+
+}  // namespace
+}  // namespace feltwire
