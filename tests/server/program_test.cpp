@@ -1,10 +1,10 @@
 // feltwire-server as a user meets it.
 
+#include "tests/support/program.hpp"
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <poll.h>
 #include <signal.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <cstdio>
@@ -21,74 +21,11 @@ using testing::HasSubstr;
 using testing::Not;
 using testing::StartsWith;
 
-struct Outcome {
-  int status = -1;
-  std::string out, error;
-};
+using test::Outcome;
 
-/// The program with its two outputs in pipes.
-class Program {
- public:
-  explicit Program(std::vector<std::string> arguments) {
-    int out[2], error[2];
-    if (::pipe(out) != 0 || ::pipe(error) != 0) throw std::runtime_error("no pipe");
-    arguments.insert(arguments.begin(), FELTWIRE_SERVER_PROGRAM);
-    std::vector<char*> argv;
-    for (auto& argument : arguments) argv.push_back(argument.data());
-    argv.push_back(nullptr);
-    process_ = ::fork();
-    if (process_ == 0) {
-      ::dup2(out[1], STDOUT_FILENO);
-      ::dup2(error[1], STDERR_FILENO);
-      for (const int file : {out[0], out[1], error[0], error[1]}) ::close(file);
-      ::execv(argv[0], argv.data());
-      ::_exit(127);
-    }
-    ::close(out[1]);
-    ::close(error[1]);
-    out_ = out[0];
-    error_ = error[0];
-  }
-  ~Program() {
-    if (!ended_) {
-      ::kill(process_, SIGKILL);
-      finish();
-    }
-    ::close(out_);
-    ::close(error_);
-  }
-  Program(const Program&) = delete;
-  Program& operator=(const Program&) = delete;
-
-  std::string line() {
-    std::string text;
-    char c = 0;
-    while (::read(out_, &c, 1) == 1 && c != '\n') text += c;
-    return text;
-  }
-  void signal(int number) { ::kill(process_, number); }
-  Outcome finish() {
-    Outcome outcome;
-    outcome.out = rest(out_);
-    outcome.error = rest(error_);
-    int status = 0;
-    ::waitpid(process_, &status, 0);
-    ended_ = true;
-    outcome.status = WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
-    return outcome;
-  }
-
- private:
-  static std::string rest(int file) {
-    std::string text;
-    char buffer[512];
-    for (ssize_t size; (size = ::read(file, buffer, sizeof buffer)) > 0;)
-      text.append(buffer, static_cast<std::size_t>(size));
-    return text;
-  }
-  pid_t process_ = -1;
-  int out_ = -1, error_ = -1;
-  bool ended_ = false;
+struct Program : test::Program {
+  explicit Program(std::vector<std::string> arguments)
+      : test::Program(FELTWIRE_SERVER_PROGRAM, std::move(arguments)) {}
 };
 
 std::string write_file(const std::string& name, const std::string& content) {

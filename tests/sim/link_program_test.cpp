@@ -1,0 +1,77 @@
+// feltwire-lab link as a user meets it.
+
+#include <gmock/gmock.h>
+
+#include <nlohmann/json.hpp>
+
+#include "tests/client/loopback.hpp"
+#include "tests/client/temporary_folder.hpp"
+#include "tests/support/program.hpp"
+
+namespace feltwire {
+namespace {
+
+using test::Outcome;
+using test::Program;
+using ::testing::AllOf;
+using testing::Client;
+using ::testing::HasSubstr;
+using testing::kPatience;
+using testing::kStroke;
+using testing::Loopback;
+
+class LinkProgram : public Loopback {
+ protected:
+  std::string server_port() const { return std::to_string(endpoint.port); }
+  testing::TemporaryFolder folder;
+};
+
+TEST_F(LinkProgram, RelaysUntilItIsToldAndThenReports) {
+  for (const int ending : {SIGINT, SIGTERM}) {
+    const auto file = folder / "link.json";
+    Program program(FELTWIRE_LAB_PROGRAM,
+                    {"link", "delay=1,loss=5,seed=4", "--listen", "0", "--to",
+                     "127.0.0.1:" + server_port(), "--report", file.string()});
+    const std::string line = program.line();
+    unsigned port = 0, to = 0;
+    ASSERT_EQ(std::sscanf(line.c_str(), "relaying: control tcp %u to 127.0.0.1:%u", &port, &to), 2)
+        << line;
+    EXPECT_EQ(to, endpoint.port);
+    {
+      Client client({"127.0.0.1", static_cast<std::uint16_t>(port)}, kStroke, {}, "floor");
+      EXPECT_EQ(program.line(), "relaying: scene udp " +
+                                    std::to_string(client.joined.accepted.udp_port) + " to " +
+                                    std::to_string(server->scenes()[0].udp_port));
+      client.start();
+      client.finish();
+      EXPECT_EQ(client.result->end, EndReason::device_ended);
+      EXPECT_GT(client.servo.statistics().answered, 0u);
+    }
+    program.signal(ending);
+    EXPECT_EQ(program.finish().status, 0);
+    const auto report = nlohmann::json::parse(testing::text_of(file));
+    EXPECT_EQ(report["link"], "delay=1,loss=5,seed=4");
+    ASSERT_EQ(report["clients"].size(), 1u);
+    EXPECT_EQ(report["clients"][0]["link"]["seed"], 4);
+    EXPECT_GT(report["clients"][0]["link"]["up"]["delivered"], 0);
+  }
+}
+
+TEST_F(LinkProgram, FaultsAreOneLineAndANonZeroExit) {
+  const auto expect_fault = [](std::vector<std::string> arguments, const std::string& part) {
+    arguments.insert(arguments.begin(), "link");
+    const Outcome outcome = Program(FELTWIRE_LAB_PROGRAM, arguments).finish();
+    EXPECT_GT(outcome.status, 0);
+    EXPECT_EQ(outcome.out, "");
+    EXPECT_THAT(outcome.error, HasSubstr(part));
+  };
+  const std::string to = "127.0.0.1:" + server_port();
+  expect_fault({"wifi,dely=3", "--to", to}, "'dely'");
+  expect_fault({"wifi", "--to", "somewhere"}, "HOST:PORT");
+  expect_fault({"wifi", "--to", to, "--listen", server_port()}, "--listen");
+  expect_fault({"wifi", "--to", to, "--report", "/nowhere/report.json"}, "/nowhere/report.json");
+  expect_fault({"wifi"}, "--to");
+}
+
+}  // namespace
+}  // namespace feltwire
