@@ -83,6 +83,31 @@ TEST(Report, HoldsWhatWasCounted) {
   EXPECT_EQ(r["server_last_reply"]["energy_delivered_j"]["elastic"], 0.5);
 }
 
+TEST(Report, TellsWhatAnEmulatedLinkDid) {
+  const auto servo = used_servo();
+  TwoWayLink link(parse_link("delay=20,down.loss=100,seed=6"), 0, 4);
+  const std::vector<std::uint8_t> datagram(10);
+  for (OneWayLink* one : {&link.up, &link.down}) {
+    one->enter(datagram, std::chrono::milliseconds(1));
+    one->enter(datagram, std::chrono::milliseconds(2));
+    one->leave(std::chrono::milliseconds(21));
+  }
+  const json r = json::parse(report_json({"anna", "wall", "localhost:7400", "simulated", {}},
+                                         *servo, {}, {}, &link))["link"];
+  EXPECT_EQ(r["given"], "delay=20,down.loss=100,seed=6");
+  EXPECT_EQ(r["seed"], 6);
+  EXPECT_DOUBLE_EQ(r["up"]["delay_ms"], 20.0);
+  EXPECT_EQ(r["up"]["entered"], 2);
+  EXPECT_EQ(r["up"]["delivered"], 1);
+  EXPECT_EQ(r["up"]["in_flight"], 1);
+  EXPECT_EQ(r["up"]["measured_delay_ms"]["mean"], 20.0);
+  EXPECT_TRUE(r["up"]["trace"].is_null());
+  EXPECT_EQ(r["down"]["lost"], 2);
+  EXPECT_EQ(r["down"]["loss_percent"], 100.0);
+  EXPECT_TRUE(r["down"]["measured_delay_ms"]["min"].is_null());
+  EXPECT_TRUE(report(*servo)["link"].is_null());
+}
+
 TEST(Report, WhatThereIsNoNumberForIsNull) {
   const Servo idle(builtin_device("simulated"), {});
   const json r = report(idle);
