@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <set>
 #include <sstream>
 
 namespace feltwire {
@@ -110,6 +111,14 @@ TEST(LinkModel, EachDirectionEachClientAndEachSeedIsAnother) {
     for (std::size_t i = 0; i < other.size(); ++i) same += lost(other[i]) == lost(reference[i]);
     EXPECT_THAT(same / 1000.0, share(0.5, 1000));
   }
+}
+
+TEST(LinkModel, NoTwoDirectionsShareAKey) {
+  std::set<std::uint64_t> keys;
+  for (std::uint64_t client = 0; client < 100; ++client)
+    for (const LinkDirection direction : {LinkDirection::up, LinkDirection::down})
+      keys.insert(link_key(1, client, direction));
+  EXPECT_EQ(keys.size(), 200u);
 }
 
 struct Losses {

@@ -132,6 +132,20 @@ TEST(OneWayLink, ReorderedIsWhatComesAfterALaterOne) {
   EXPECT_EQ(link.statistics().in_flight, 0u);
 }
 
+TEST(OneWayLink, ACopyIsNotReordered) {
+  LinkOptions options;
+  options.duplicate = 1.0;
+  OneWayLink link(options, 1, 4);
+  for (int i = 0; i < 10; ++i) {
+    link.enter(datagram(1), Milliseconds(i));
+    EXPECT_TRUE(link.leave(Milliseconds(i)));
+    EXPECT_TRUE(link.leave(Milliseconds(i)));
+  }
+  EXPECT_EQ(link.statistics().duplicated, 10u);
+  EXPECT_EQ(link.statistics().delivered, 20u);
+  EXPECT_EQ(link.statistics().reordered, 0u);
+}
+
 TEST(OneWayLink, AllocatesNothing) {
 #ifdef FELTWIRE_SANITIZED
   GTEST_SKIP() << "a sanitizer brings its own operator new";
