@@ -126,10 +126,14 @@ void Session::step(const Sample& sample, bool rotation, Reply& reply) noexcept {
   // The virtual port, in servo periods. A hold that really lasted longer earns the damping credit
   // of its real time, never the nominal one.
   const double hold_time = std::max(movement.nominal_time, movement.elapsed);
+  // A new bound begins at this sample: what the one before it stored has paid for the movement up
+  // to here, which must not be credited twice.
+  const Movement credited = new_bound_ ? Movement{} : movement;
+  new_bound_ = false;
   Tool tool{sample.pose.position, Vec3::Zero()};
   Vec3 tool_moved = movement.displacement;
   if (parameters_.side != BoundingSide::client) {
-    const Vec3 offset = bounding_.probe(movement.displacement, movement.rotation).offset;
+    const Vec3 offset = bounding_.probe(credited.displacement, credited.rotation).offset;
     tool.position += offset;
     tool_moved += offset - probe_offset_;
     probe_offset_ = offset;
@@ -141,8 +145,8 @@ void Session::step(const Sample& sample, bool rotation, Reply& reply) noexcept {
   reply.active = reply.saturated = reply.refused = false;
   reply.ratio = 1.0;
   if (parameters_.side != BoundingSide::client) {
-    const Bounded bounded = bounding_.step({.displacement = movement.displacement,
-                                            .rotation = movement.rotation,
+    const Bounded bounded = bounding_.step({.displacement = credited.displacement,
+                                            .rotation = credited.rotation,
                                             .hold_time = hold_time,
                                             .command = command});
     reply.command = bounded.rendered;
@@ -164,6 +168,7 @@ void Session::set_parameters(const SessionParameters& parameters) {
 
   if (!same_bound(parameters, parameters_)) {
     bounding_ = Bounding(bounding_config(parameters, device_));
+    new_bound_ = true;
     probe_offset_.setZero();
     delivered_before_ = delivered();
     violations_before_ = violations();

@@ -42,10 +42,10 @@ class Session {
 
   /// Puts other parameters in force from the next sample on. Where the bound changes (mode,
   /// projection, side, damping credit, constants) it starts anew from zero held force: the command
-  /// drops to what the new bound allows from there and grows again as the hand presses on. Zero is
-  /// admissible in every mode, so the change itself can give the hand no energy.
-  /// Throws std::invalid_argument and changes nothing when they are not possible or the servo
-  /// period differs.
+  /// drops to zero and grows again as the hand presses on. Zero is admissible in every mode, and
+  /// the movement before its first sample is not credited to the new bound (the old one's storage
+  /// paid for it), so the change itself can give the hand no energy. Throws std::invalid_argument
+  /// and changes nothing when they are not possible or the servo period differs.
   void set_parameters(const SessionParameters& parameters);
 
   const SessionParameters& parameters() const { return parameters_; }
@@ -68,6 +68,7 @@ class Session {
   const Scene* scene_;
   TouchMemory contacts_;
   Bounding bounding_;
+  bool new_bound_ = false;            // it has not stepped yet, the session has
   Vec3 probe_offset_ = Vec3::Zero();  // [m] of where the scene was asked last, from the device
   VelocityEstimate velocity_;
   PortEnergy observer_;

@@ -1,0 +1,286 @@
+// What the laws promise that do not bound the port's energy: none, per_axis_projected,
+// total_energy and the passivity controllers, each against a model of its promise kept apart.
+
+#include <array>
+#include <cmath>
+
+#include "tests/core/play.hpp"
+
+namespace feltwire {
+namespace {
+
+using namespace test;
+
+constexpr Port kPort;
+
+template <class Real>
+Vec3 wide(const Vector3<Real>& v) {
+  return v.template cast<double>();
+}
+
+/// What the scene commanded, as the arithmetic saw it.
+template <class Real>
+Command commanded(const Played<Real>& p) {
+  return p.told.command.template cast<double>();
+}
+
+bool parallel(const Vec3& a, const Vec3& b, double tolerance) {
+  return a.cross(b).norm() <= tolerance * a.norm() * b.norm();
+}
+
+/// A force and a torque are reported in parts and added up again.
+template <class Real>
+constexpr double kUlps = 64.0 * std::numeric_limits<Real>::epsilon();
+
+template <class Real>
+void identity(const Script& script) {
+  play<Real>(script, {config(BoundingMode::none)}, kPort, [](const Played<Real>& p, const auto&) {
+    RC_ASSERT(p.out.rendered == p.told.command);
+    RC_ASSERT(!p.out.active);
+  });
+}
+RC_GTEST_PROP(Property, NoneIsTheIdentity, ()) {
+  const Script script = *scripts({.reduces = true});
+  identity<double>(script);
+  identity<float>(script);
+}
+
+/// Held forces of a reference that is told the same.
+template <class Real>
+PerAxisBound<Real> per_axis_reference(const Command& held) {
+  const Real c = static_cast<Real>(0.5) / static_cast<Real>(kModePeriod);
+  const Real c_rotation = static_cast<Real>(1e-3) / static_cast<Real>(kModePeriod);
+  PerAxisBound<Real> axes{.translation = EbaAxes<Real>::uniform({c, c}),
+                          .rotation = EbaAxes<Real>::uniform({c_rotation, c_rotation}),
+                          .torque = true};
+  axes.set_held(held.template cast<Real>());
+  return axes;
+}
+
+template <class Real>
+void along_the_command(const Script& script) {
+  play<Real>(script, {config(BoundingMode::per_axis_projected)}, kPort,
+             [](const Played<Real>& p, const auto&) {
+               const Command wanted = commanded(p), got = p.out.rendered.template cast<double>();
+               const Command bounded =
+                   per_axis_reference<Real>(p.before).step(p.told).template cast<double>();
+               // Sums of parts that may nearly cancel: their ulps are those of the longest part.
+               const double ulp = kUlps<Real> * (wanted.elastic.norm() + wanted.frictional.norm() +
+                                                 bounded.force().norm());
+               RC_ASSERT(got.force().cross(wanted.force()).norm() <=
+                         ulp * (got.force().norm() + wanted.force().norm()));
+               RC_ASSERT(parallel(got.torque, wanted.torque, kUlps<Real>));
+               RC_ASSERT(got.force().norm() <= bounded.force().norm() + ulp);
+               RC_ASSERT(got.torque.norm() <= bounded.torque.norm() * (1.0 + kUlps<Real>));
+             });
+}
+// |f| = |f_a . u| <= |f_a|, f_a the per-axis bound from the same held force.
+RC_GTEST_PROP(Property, ProjectedIsAlongTheCommandAndNoLongerThanPerAxis, ()) {
+  const Script script = *scripts({.reduces = true});
+  along_the_command<double>(script);
+  along_the_command<float>(script);
+}
+
+/// Eq. (1) with what is held from now on, and with what is commanded.
+struct Total {
+  Sum with_held;
+  static double inflow(const Command& c, const Vec3& dx, const Vec3& turned) {
+    return -c.force().dot(dx) - c.torque.dot(turned);
+  }
+};
+
+template <class Real>
+void identity_while_passive(const Script& script) {
+  Sum total;
+  play<Real>(script, {config(BoundingMode::total_energy)}, kPort,
+             [&](const Played<Real>& p, const auto&) {
+               const auto inflow = [&](const Command& c) {
+                 return -c.force().dot(p.displacement) - c.torque.dot(p.rotation);
+               };
+               Sum would_be = total;
+               would_be.add(-commanded(p).force(), p.displacement);
+               would_be.add(-commanded(p).torque, p.rotation);
+               if (would_be.value > would_be.rounding<Real>())
+                 RC_ASSERT(p.out.rendered == p.told.command);
+               if (would_be.value < -would_be.rounding<Real>())
+                 RC_ASSERT(p.out.rendered == per_axis_reference<Real>(p.before).step(p.told));
+               total.add(inflow(p.held));
+               total.magnitudes = std::max(total.magnitudes, would_be.magnitudes);
+             });
+}
+RC_GTEST_PROP(Property, TotalEnergyIsTheIdentityWhileEquationOneHoldsElsePerAxis, ()) {
+  const Script script = *scripts({.reduces = true});
+  identity_while_passive<double>(script);
+  identity_while_passive<float>(script);
+}
+
+/// What one passivity observer should have seen, in the paper's sign F = -f.
+struct Observed {
+  bool following;
+  Sum energy;  // W - E; in `zero` E is 0
+
+  /// `command`, `command_before`, `held`, `held_before` times dx(n). Returns by how much the energy
+  /// is missing, > 0, before the controller acts.
+  double missing(double command, double command_before, double held_before) {
+    if (following) {
+      energy.add(held_before);
+      energy.add(-0.5 * command_before);
+      energy.add(-0.5 * command);
+      return -energy.value;
+    }
+    return -(energy.value + command);
+  }
+  /// After the controller. `zero`: its damper counts at once. `following`: what is held counts when
+  /// it has acted, so here it is what the sum would be if the hand moved on as it did.
+  double after(double command, double held) {
+    if (following) return energy.value + (held - command);
+    energy.add(held);
+    return energy.value;
+  }
+};
+
+BoundingConfig controller(BoundingMode mode, PassivityReference reference) {
+  BoundingConfig c = config(mode);
+  c.reference = reference;
+  return c;
+}
+PassivityReference random_reference() {
+  return *rc::gen::arbitrary<bool>() ? PassivityReference::following : PassivityReference::zero;
+}
+
+// Hands that follow no force: a damper over a movement of next to nothing is an impulse (its known
+// weakness), and a greedy hand would run away with it.
+constexpr ScriptOptions kNoGreed{.greedy = false, .largest = 1.0};
+
+template <class Real>
+void series_axes_never_stay_below(const Script& script, PassivityReference reference) {
+  std::array<Observed, 6> axes;
+  axes.fill({reference == PassivityReference::following, {}});
+  Command commanded_before;
+  play<Real>(
+      script, {controller(BoundingMode::passivity_control, reference)}, kPort,
+      [&](const Played<Real>& p, const auto&) {
+        const Command wanted = commanded(p);
+        for (std::size_t i = 0; i < 6; ++i) {
+          const auto k = static_cast<int>(i % 3);
+          const auto part = [&](const Command& c) { return -(i < 3 ? c.force() : c.torque)[k]; };
+          const double dx = (i < 3 ? p.displacement : p.rotation)[k];
+          Observed& axis = axes[i];
+          const double missing =
+              axis.missing(part(wanted) * dx, part(commanded_before) * dx, part(p.before) * dx);
+          const double after = axis.after(part(wanted) * dx, part(p.held) * dx);
+          const double magnitudes = axis.energy.magnitudes + std::abs(part(wanted) * dx) +
+                                    std::abs(part(p.held) * dx) + std::abs(missing);
+          const double rounding =
+              16.0 * (axis.energy.terms + 8) * std::numeric_limits<Real>::epsilon() * magnitudes;
+          if (dx != 0.0) RC_ASSERT(after >= -rounding);
+          // A damper only ever dissipates, and only what was missing.
+          RC_ASSERT((part(p.held) - part(wanted)) * dx >= -rounding);
+          if (missing < -rounding)
+            RC_ASSERT(std::abs(part(p.held) - part(wanted)) * std::abs(dx) <= rounding);
+        }
+        commanded_before = wanted;
+      });
+}
+RC_GTEST_PROP(Property, SeriesControllerNeverLeavesAnAxisThatMovedBelowItsReference, ()) {
+  const PassivityReference reference = random_reference();
+  const Script script = *scripts(kNoGreed);
+  series_axes_never_stay_below<double>(script, reference);
+}
+RC_GTEST_PROP(Property, SeriesControllerInFloat, ()) {
+  const PassivityReference reference = random_reference();
+  series_axes_never_stay_below<float>(*scripts(kNoGreed), reference);
+}
+
+template <class Real>
+void directional_never_stays_below(const Script& script, PassivityReference reference) {
+  Observed port{reference == PassivityReference::following, {}};
+  Command commanded_before;
+  double magnitudes = 0.0;
+  play<Real>(script, {controller(BoundingMode::passivity_control_directional, reference)}, kPort,
+             [&](const Played<Real>& p, const auto&) {
+               const Command wanted = commanded(p);
+               const auto flow = [&](const Command& c) {
+                 const double f = -c.force().dot(p.displacement), t = -c.torque.dot(p.rotation);
+                 magnitudes += std::abs(f) + std::abs(t) +
+                               c.elastic.norm() * p.displacement.norm() +
+                               c.frictional.norm() * p.displacement.norm() +
+                               c.torque.norm() * p.rotation.norm();
+                 return f + t;
+               };
+               port.missing(flow(wanted), flow(commanded_before), flow(p.before));
+               const double after = port.after(flow(wanted), flow(p.held));
+               const double rounding = 16.0 * (port.energy.terms + 8) *
+                                       std::numeric_limits<Real>::epsilon() * magnitudes;
+               const double exchanged = std::abs(wanted.force().dot(p.displacement)) +
+                                        std::abs(wanted.torque.dot(p.rotation));
+               if (exchanged > rounding) RC_ASSERT(after >= -rounding);
+               RC_ASSERT(flow(p.held) - flow(wanted) >= -rounding);
+               const double ulp = kUlps<Real> * (wanted.elastic.norm() + wanted.frictional.norm() +
+                                                 p.held.force().norm());
+               RC_ASSERT(p.held.force().cross(wanted.force()).norm() <=
+                         ulp * (p.held.force().norm() + wanted.force().norm()));
+               RC_ASSERT(parallel(p.held.torque, wanted.torque, kUlps<Real>));
+               commanded_before = wanted;
+             });
+}
+RC_GTEST_PROP(Property, DirectionalControllerKeepsItsTotalAndTheLines, ()) {
+  const PassivityReference reference = random_reference();
+  const Script script = *scripts(kNoGreed);
+  directional_never_stays_below<double>(script, reference);
+}
+
+template <class Real>
+void parallel_shifts_no_more_than_the_hand(const Script& script, PassivityReference reference) {
+  std::array<Observed, 6> axes;
+  axes.fill({reference == PassivityReference::following, {}});
+  Command commanded_before;
+  Vec3 offset = Vec3::Zero(), turned = Vec3::Zero();
+  play<Real>(
+      script, {controller(BoundingMode::passivity_control_parallel, reference)}, kPort,
+      [&](const Played<Real>& p, const auto& bounding) {
+        RC_ASSERT(p.out.rendered == p.told.command);  // the force is never touched
+        const auto probe = bounding.probe(Vector3<Real>(p.told.displacement), p.told.rotation);
+        const Command wanted = commanded(p);
+        if (p.told.command.force().isZero(0)) {
+          RC_ASSERT(probe.offset.isZero(0));
+          offset.setZero();
+        }
+        if (wanted.torque.isZero(0)) {
+          RC_ASSERT(probe.rotation.isZero(0));
+          turned.setZero();
+        }
+        for (std::size_t i = 0; i < 6; ++i) {
+          const auto k = static_cast<int>(i % 3);
+          const auto part = [&](const Command& c) { return -(i < 3 ? c.force() : c.torque)[k]; };
+          const double dx = (i < 3 ? p.displacement : p.rotation)[k];
+          const double shift =
+              i < 3 ? wide(probe.offset)[k] - offset[k] : wide(probe.rotation)[k] - turned[k];
+          const double ulp = kUlps<Real> * (std::abs(i < 3 ? offset[k] : turned[k]) + std::abs(dx));
+          RC_ASSERT(std::abs(shift) <= std::abs(dx) + ulp);
+          Observed& axis = axes[i];
+          axis.missing(part(wanted) * dx, part(commanded_before) * dx, part(p.before) * dx);
+          if (!axis.following) axis.energy.add(part(wanted) * dx);
+          const double dissipated = -shift * part(wanted);
+          axis.energy.add(dissipated);
+          const double rounding = 16.0 * (axis.energy.terms + 8) *
+                                      std::numeric_limits<Real>::epsilon() *
+                                      axis.energy.magnitudes +
+                                  ulp * std::abs(part(wanted));
+          RC_ASSERT(dissipated >= -rounding);
+          // Nothing is missing any more, or the whole movement of the hand was held back.
+          if (part(wanted) != 0.0 && std::abs(shift) < std::abs(dx) - ulp)
+            RC_ASSERT(axis.energy.value >= -rounding);
+        }
+        offset = wide(probe.offset);
+        turned = wide(probe.rotation);
+        commanded_before = wanted;
+      });
+}
+RC_GTEST_PROP(Property, ParallelControllerHoldsBackNoMoreThanTheHandMoved, ()) {
+  const PassivityReference reference = random_reference();
+  parallel_shifts_no_more_than_the_hand<double>(*scripts(kNoGreed), reference);
+}
+
+}  // namespace
+}  // namespace feltwire
