@@ -6,6 +6,8 @@ template <class Real>
 BasicCommand<Real> ContactFrameBound<Real>::step(const BasicBoundingStep<Real>& s) noexcept {
   ChannelCommand<Real> command = in_channels(s.command);
   command.elastic = std::max(Real(0), command.elastic);  // a contact never pulls
+  // Then there is no normal either: friction has the whole movement, under any damping.
+  if (!(command.elastic > 0)) command.normal.setZero();
 
   BasicCommand<Real> rendered;
   if (translation_.euclidean()) {

@@ -33,7 +33,7 @@ struct Tick {
   double share = 1.0;
   Vec3 displacement = Vec3::Zero(), rotation = Vec3::Zero();  // [m], [rad]
   bool wall = false;  // the scene sends what its wall answers at the hand instead of `command`
-  Command command;
+  Command command{};
   int age = 0;               // [ticks] of the command that is used: lost, late, twice, out of order
   double hold = 1.0;         // [T] that the force before this tick was held
   double kept = 1.0;         // share of what is rendered that the device holds
