@@ -7,7 +7,22 @@
 
 namespace feltwire {
 
+Environment environment(const Scene& scene) {
+  return [&scene, memory = scene.memory()](const Tool& tool) mutable {
+    return scene.touch(tool, memory);
+  };
+}
+
+int delay_samples(double delay, double period) {
+  // Less than rounding: 20 ms at 1 kHz are 20 samples, however the quotient rounds.
+  return static_cast<int>(std::ceil(delay / period - 1e-9));
+}
+
 std::vector<ExperimentSample> run_experiment(const Scene& scene, const ExperimentSetup& setup) {
+  return run_experiment(environment(scene), setup);
+}
+
+std::vector<ExperimentSample> run_experiment(Environment touch, const ExperimentSetup& setup) {
   const double period = setup.bounding.period;
   Bounding bounding(setup.bounding);
   if (!(setup.duration > period) || !std::isfinite(setup.duration))
@@ -17,7 +32,6 @@ std::vector<ExperimentSample> run_experiment(const Scene& scene, const Experimen
 
   SimulatedDevice device(setup.hand);
   VelocityEstimate velocity(setup.velocity_cutoff);
-  TouchMemory memory = scene.memory();
   const auto count = static_cast<std::size_t>(std::floor(setup.duration / period + 0.5)) + 1;
   std::vector<ExperimentSample> samples;
   samples.reserve(count);
@@ -36,11 +50,12 @@ std::vector<ExperimentSample> run_experiment(const Scene& scene, const Experimen
     s.held = held.force();
     last_position = measured;
 
+    // The environment is asked where the method wants it asked.
     const Vec3 offset = bounding.probe(s.displacement, Vec3::Zero()).offset;
     const Tool tool{measured + offset,
                     velocity.update(s.displacement + offset - last_offset, period)};
     last_offset = offset;
-    under_way[n % under_way.size()] = actuated(device.spec(), scene.touch(tool, memory));
+    under_way[n % under_way.size()] = actuated(device.spec(), touch(tool));
     s.commanded = under_way[(n + 1) % under_way.size()];
     s.rendered = bounding
                      .step({.displacement = s.displacement,

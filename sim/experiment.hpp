@@ -1,6 +1,7 @@
 #pragma once
 // One simulated hand in one scene behind one bounding method, in process and deterministic.
 
+#include <functional>
 #include <vector>
 
 #include "core/bounding/bounding.hpp"
@@ -27,8 +28,19 @@ struct ExperimentSample {
   Vec3 held = Vec3::Zero();          // [N] f_d(n-1), what acted during the displacement
 };
 
-/// Reads the device every T, asks the scene, bounds, writes; one sample each, from time 0 to
+/// What a hand touches: the force on the hand that answers a tool, once a sample in their order. It
+/// keeps its own memory of the tool; a copy copies that.
+using Environment = std::function<Command(const Tool&)>;
+
+/// A scene as one tool's environment, in a fresh state. The scene must outlive it.
+Environment environment(const Scene& scene);
+
+/// A delay [s] in whole samples of `period` [s], rounded up: what is under way arrives at a sample.
+int delay_samples(double delay, double period);
+
+/// Reads the device every T, asks the environment, bounds, writes; one sample each, from time 0 to
 /// `duration`. Throws std::invalid_argument for a setup that cannot be run.
+std::vector<ExperimentSample> run_experiment(Environment touch, const ExperimentSetup& setup);
 std::vector<ExperimentSample> run_experiment(const Scene& scene, const ExperimentSetup& setup);
 
 }  // namespace feltwire

@@ -53,6 +53,28 @@ TEST(Experiment, ACommandIsAsOldAsTheDelay) {
   }
 }
 
+TEST(Experiment, ADelayIsRoundedUpToWholeSamples) {
+  EXPECT_EQ(delay_samples(0.0, 1e-3), 0);
+  EXPECT_EQ(delay_samples(1e-3, 1.0 / 500.0), 1);
+  EXPECT_EQ(delay_samples(5e-3, 1.0 / 500.0), 3);
+  EXPECT_EQ(delay_samples(20e-3, 1e-3), 20);
+  EXPECT_EQ(delay_samples(20e-3, 1e-4), 200);
+}
+
+TEST(Experiment, EveryRunBeginsWithTheEnvironmentAsItWasGiven) {
+  int asked = 0;
+  const Environment counting = [&asked, own = 0](const Tool&) mutable {
+    asked = ++own;
+    return Command{};
+  };
+  ExperimentSetup setup = figure_setup("wall", BoundingMode::none, 0.5);
+  setup.duration = 0.01;
+  for (int run = 0; run < 2; ++run) {
+    run_experiment(counting, setup);
+    EXPECT_EQ(asked, 11) << "one sample each from 0 to the duration";
+  }
+}
+
 TEST(Experiment, RefusesWhatCannotBeRun) {
   ExperimentSetup setup = figure_setup("wall", BoundingMode::none, 0.5);
   setup.delay = -1;
