@@ -13,6 +13,7 @@
 #include "sim/filters.hpp"
 #include "sim/link_relay.hpp"
 #include "sim/report_table.hpp"
+#include "sim/zwidth.hpp"
 
 namespace {
 
@@ -61,6 +62,23 @@ Damping damping_of(const std::vector<double>& n) {
       throw std::invalid_argument("--damping takes 1, 3 or 6 numbers, got " +
                                   std::to_string(n.size()));
   }
+}
+
+void add_zwidth(CLI::App& app) {
+  auto out = std::make_shared<std::string>("zwidth");
+  CLI::App* command = app.add_subcommand(
+      "zwidth", "Map the stiffest wall without oscillation, by method, device and loop");
+  command->footer(
+      "A simulated hand presses a wall with 3 N, by method x device damping x servo rate x delay.\n"
+      "Writes zwidth.json, zwidth.csv and a picture a damping (zwidth_bB.png). A minute or two on "
+      "two cores;\ndeterministic. docs/laboratory.md says how to read it.");
+  command->add_option("--out", *out, "Folder to write to; made when missing")
+      ->capture_default_str();
+  command->callback([out] {
+    const ZWidthGrid grid = full_zwidth_grid();
+    std::cout << zwidth_table(write_zwidth(*out, grid), grid) << "\nMap and pictures are in "
+              << std::filesystem::absolute(*out).lexically_normal().string() << '\n';
+  });
 }
 
 void add_bound(CLI::App& app) {
@@ -205,6 +223,7 @@ int main(int argc, char** argv) {
   app.require_subcommand(1);
   add_figures(app);
   add_choices(app);
+  add_zwidth(app);
   add_bound(app);
   add_touch(app);
   add_summary(app);

@@ -1,0 +1,44 @@
+#include "sim/methods.hpp"
+
+#include <array>
+#include <stdexcept>
+#include <string>
+
+namespace feltwire {
+namespace {
+
+template <BoundingMode kMode>
+void mode(BoundingConfig& config) {
+  config.mode = kMode;
+}
+
+template <Storage kStorage>
+void contact_frame(BoundingConfig& config) {
+  config.mode = BoundingMode::contact_frame;
+  config.projection = Projection::cone;  // as sessions use it (docs/bounding.md, "Measured")
+  config.storage = kStorage;
+}
+
+constexpr std::array kMethods = {
+    Method{"none", mode<BoundingMode::none>},
+    Method{"total_energy", mode<BoundingMode::total_energy>},
+    Method{"per_axis", mode<BoundingMode::per_axis>},
+    Method{"per_axis_projected", mode<BoundingMode::per_axis_projected>},
+    Method{"contact_frame", contact_frame<Storage::minimal>},
+    Method{"contact_frame_elastic", contact_frame<Storage::elastic>},
+};
+
+}  // namespace
+
+std::span<const Method> methods() { return kMethods; }
+
+const Method& method(std::string_view label) {
+  std::string message = "unknown method '" + std::string(label) + "'; choose one of:";
+  for (const Method& m : kMethods) {
+    if (m.label == label) return m;
+    message.append(" ").append(m.label);
+  }
+  throw std::invalid_argument(message);
+}
+
+}  // namespace feltwire

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <algorithm>
+#include <atomic>
+#include <cstddef>
+#include <exception>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+namespace feltwire {
+
+/// Calls work(i) for every i < count, on as many threads as the machine has cores. The calls must
+/// not depend on each other; whatever they write by index does then not depend on the machine.
+/// Rethrows the first exception after all threads have ended.
+template <class Work>
+void parallel_for(std::size_t count, const Work& work) {
+  std::atomic<std::size_t> next{0};
+  std::exception_ptr failure;
+  std::mutex failing;
+  const auto worker = [&] {
+    try {
+      for (std::size_t i = next++; i < count; i = next++) work(i);
+    } catch (...) {
+      const std::lock_guard lock(failing);
+      if (!failure) failure = std::current_exception();
+      next = count;
+    }
+  };
+  {
+    std::vector<std::jthread> threads(
+        std::min<std::size_t>(count, std::max(1u, std::thread::hardware_concurrency())));
+    for (auto& thread : threads) thread = std::jthread(worker);
+  }
+  if (failure) std::rethrow_exception(failure);
+}
+
+}  // namespace feltwire

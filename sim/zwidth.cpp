@@ -1,0 +1,101 @@
+#include "sim/zwidth.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "sim/metrics.hpp"
+#include "sim/parallel.hpp"
+
+namespace feltwire {
+namespace {
+
+constexpr double kPress = 3.0;       // [N]
+constexpr double kDeepest = 0.03;    // [m] of wall that a hand goes through to press so
+constexpr double kLeadIn = 0.5;      // [s]
+constexpr double kAtRest = 1.0;      // [s]
+constexpr double kDuration = 2.0;    // [s]
+constexpr double kHighpass = 51e-3;  // [s]
+
+ExperimentSetup press_setup(const Method& method, double damping, double rate, double delay,
+                            double stiffness) {
+  ExperimentSetup setup;
+  setup.hand.spec = builtin_device("simulated");
+  setup.hand.spec.damping = damping;
+  setup.hand.task.path = HandPath::press;
+  setup.hand.task.lead_in = kLeadIn;
+  setup.hand.task.depth =
+      kPress / setup.hand.hand.stiffness + std::min(kPress / stiffness, kDeepest);
+  setup.duration = kDuration;
+  setup.bounding.period = 1.0 / rate;
+  setup.bounding.damping = damping;
+  setup.delay = delay_samples(delay, setup.bounding.period);
+  method.configure(setup.bounding);
+  return setup;
+}
+
+}  // namespace
+
+ZWidthGrid full_zwidth_grid() {
+  ZWidthGrid grid;
+  grid.methods.assign(methods().begin(), methods().end());
+  return grid;
+}
+
+double quantum_limit() {
+  const DeviceSpec& spec = builtin_device("simulated");
+  return 2.0 * spec.coulomb_friction / spec.position_resolution;
+}
+
+Press press_wall(const Method& method, double damping, double rate, double delay,
+                 double stiffness) {
+  // The half space below z = 0.
+  const Environment wall = [stiffness](const Tool& tool) {
+    Command command;
+    command.elastic.z() = stiffness * std::max(0.0, -tool.position.z());
+    return command;
+  };
+  const auto samples = run_experiment(wall, press_setup(method, damping, rate, delay, stiffness));
+
+  std::vector<double> height;
+  double depth = 0.0, force = 0.0;  // sums at rest
+  for (const ExperimentSample& s : samples) {
+    height.push_back(s.position.z());
+    if (s.time < kAtRest) continue;
+    depth -= s.position.z();
+    force += s.rendered.force().z();
+  }
+  Press press;
+  press.oscillation = highpass_rms(height, 2 * static_cast<int>(kHighpass / 2.0 * rate) + 1);
+  if (press.calm() && depth > 0.0) press.displayed = force / depth;
+  return press;
+}
+
+std::vector<ZWidthCell> map_zwidth(const ZWidthGrid& grid) {
+  std::vector<ZWidthCell> cells;
+  std::vector<const Method*> method_of;
+  for (const Method& method : grid.methods)
+    for (const double damping : grid.dampings)
+      for (const double rate : grid.rates)
+        for (const double delay : grid.delays) {
+          ZWidthCell cell;
+          cell.method = method.label;
+          cell.damping = damping;
+          cell.rate = rate;
+          cell.delay = delay;
+          cell.samples = delay_samples(delay, 1.0 / rate);
+          cells.push_back(cell);
+          method_of.push_back(&method);
+        }
+  parallel_for(cells.size(), [&](std::size_t i) {
+    ZWidthCell& cell = cells[i];
+    const auto press = [&](double stiffness) {
+      return press_wall(*method_of[i], cell.damping, cell.rate, cell.delay, stiffness);
+    };
+    cell.limit = largest_calm(grid.range, [&](double k) { return press(k).calm(); });
+    if (cell.limit.stiffness > 0.0) cell.at_limit = press(cell.limit.stiffness);
+    cell.at_fixed = press(kFixedStiffness);
+  });
+  return cells;
+}
+
+}  // namespace feltwire

@@ -1,0 +1,30 @@
+#include "sim/parallel.hpp"
+
+#include <gtest/gtest.h>
+
+#include <numeric>
+#include <stdexcept>
+
+namespace feltwire {
+namespace {
+
+TEST(Parallel, EveryIndexOnce) {
+  std::vector<int> calls(1000, 0);
+  parallel_for(calls.size(), [&](std::size_t i) { ++calls[i]; });
+  EXPECT_EQ(std::accumulate(calls.begin(), calls.end(), 0), 1000);
+  EXPECT_EQ(*std::max_element(calls.begin(), calls.end()), 1);
+  parallel_for(0, [](std::size_t) { FAIL(); });
+}
+
+TEST(Parallel, AFailureIsRethrownAndEndsTheRest) {
+  std::atomic<int> calls{0};
+  const auto work = [&](std::size_t i) {
+    ++calls;
+    if (i == 3) throw std::runtime_error("three");
+  };
+  EXPECT_THROW(parallel_for(1'000'000, work), std::runtime_error);
+  EXPECT_LT(calls, 1'000'000);
+}
+
+}  // namespace
+}  // namespace feltwire
