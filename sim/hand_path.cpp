@@ -39,10 +39,10 @@ void set_normal(HandTask& task, const Vec3& normal) {
 }
 
 IntendedMotion::IntendedMotion(const HandTask& task) : task_(task) {
-  const bool finite = task.center.allFinite() && task.normal.allFinite() &&
-                      task.along.allFinite() && std::isfinite(task.radius) &&
-                      std::isfinite(task.frequency) && std::isfinite(task.depth) &&
-                      std::isfinite(task.clearance) && std::isfinite(task.tremor);
+  const bool finite =
+      task.center.allFinite() && task.normal.allFinite() && task.along.allFinite() &&
+      std::isfinite(task.radius) && std::isfinite(task.frequency) && std::isfinite(task.depth) &&
+      std::isfinite(task.clearance) && std::isfinite(task.tremor) && std::isfinite(task.speed);
   if (!finite) throw std::invalid_argument("the hand's task has a number that is not finite");
   if (!(task.lead_in > 0.0))
     throw std::invalid_argument("the hand's lead-in must be above zero [s]");
@@ -87,6 +87,14 @@ Vec3 IntendedMotion::position(double t) const noexcept {
     case HandPath::taps: {
       const double half = 0.5 * (task_.clearance + task_.depth);
       p += (task_.clearance - half + half * std::cos(angle)) * task_.normal;
+      break;
+    }
+    case HandPath::strike: {
+      const double s = std::min(1.0, t / task_.lead_in);  // smoothstep, integrated
+      const double way = task_.speed * (task_.lead_in * (s * s * s - 0.5 * s * s * s * s) +
+                                        std::max(0.0, t - task_.lead_in));
+      const double start = task_.clearance + 0.5 * task_.speed * task_.lead_in;
+      p += std::max(-task_.depth, start - way) * task_.normal;
       break;
     }
   }

@@ -9,14 +9,15 @@
 
 namespace feltwire {
 
-enum class HandPath { press, slide, orbit, figure_eight, taps };
+enum class HandPath { press, slide, orbit, figure_eight, taps, strike };
+/// What a command line offers: all but strike, whose run-up few workspaces have room for.
 inline constexpr std::array<std::string_view, 5> kHandPathNames = {"press", "slide", "orbit",
                                                                    "figure-eight", "taps"};
 /// Throws std::invalid_argument naming the choices.
 HandPath hand_path(std::string_view name);
 
 /// A task of a hand at a surface. It begins `clearance` outside and comes in smoothly within
-/// `lead_in`.
+/// `lead_in`; only strike begins farther out.
 struct HandTask {
   HandPath path = HandPath::press;
   Vec3 center = Vec3::Zero();   // [m] a point of the surface; for orbit the centre of the circle
@@ -27,6 +28,7 @@ struct HandTask {
   double depth = 0.01;          // [m] how far below the surface the hand means to be
   double clearance = 0.01;      // [m]
   double lead_in = 0.5;         // [s]
+  double speed = 1.0;           // [m/s] of strike
   double tremor = 0.0;          // [m] RMS an axis, 8 to 12 Hz
   std::uint64_t seed = 1;       // of the tremor
 };
@@ -40,6 +42,8 @@ void set_normal(HandTask& task, const Vec3& normal);
 /// below it orbit about a ball: give the circle radius (ball radius - depth) and depth 0
 /// figure_eight  press, and a 1:2 Lissajous figure in the surface
 /// taps          in and out along the normal, from +clearance to -depth
+/// strike        up to `speed` within `lead_in` (over speed * lead_in / 2), at that speed through
+/// `clearance` and on to `depth`, and stay
 class IntendedMotion {
  public:
   /// Throws std::invalid_argument when a number is not finite, or normal and along are parallel or

@@ -9,6 +9,7 @@
 
 #include "client/report.hpp"
 #include "sim/choices.hpp"
+#include "sim/compare.hpp"
 #include "sim/figures.hpp"
 #include "sim/filters.hpp"
 #include "sim/link_relay.hpp"
@@ -78,6 +79,33 @@ void add_zwidth(CLI::App& app) {
     const ZWidthGrid grid = full_zwidth_grid();
     std::cout << zwidth_table(write_zwidth(*out, grid), grid) << "\nMap and pictures are in "
               << std::filesystem::absolute(*out).lexically_normal().string() << '\n';
+  });
+}
+
+void add_compare(CLI::App& app) {
+  struct Options {
+    std::string out = "compare";
+    CompareLoop loop;
+    double delay_ms = 0.0;
+  };
+  auto o = std::make_shared<Options>();
+  CLI::App* command =
+      app.add_subcommand("compare", "Every method on walls, edges, bumps, friction and a tap");
+  command->footer(
+      "Writes compare.json, compare.csv, compare.png and, measured on this machine,\n"
+      "compare_cost.csv. All but the cost is deterministic. docs/laboratory.md says how to read "
+      "it.");
+  command->add_option("--out", o->out, "Folder to write to; made when missing")
+      ->capture_default_str();
+  command->add_option("--damping", o->loop.damping, "b: the device's own damping [N s/m]")
+      ->capture_default_str();
+  command->add_option("--rate", o->loop.rate, "Servo rate [Hz]")->capture_default_str();
+  command->add_option("--delay", o->delay_ms, "Round trip [ms], rounded up to whole samples")
+      ->capture_default_str();
+  command->callback([o] {
+    o->loop.delay = o->delay_ms * 1e-3;
+    std::cout << compare_table(write_compare(o->out, o->loop)) << "\nTable and picture are in "
+              << std::filesystem::absolute(o->out).lexically_normal().string() << '\n';
   });
 }
 
@@ -224,6 +252,7 @@ int main(int argc, char** argv) {
   add_figures(app);
   add_choices(app);
   add_zwidth(app);
+  add_compare(app);
   add_bound(app);
   add_touch(app);
   add_summary(app);

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "sim/experiment.hpp"
+
+namespace feltwire {
+
+/// A thing to touch and what a hand does with it.
+struct CompareTask {
+  std::string name;                             // one word
+  Environment touch;                            // in a fresh state
+  std::function<double(const Vec3&)> distance;  // [m] from the surface, negative inside
+  HandTask hand;
+  double duration = 8.0;  // [s]
+};
+
+/// The paper's wall and sphere, a corner, a sharp edge, a bumpy torus, stick-slip, a tap
+/// (docs/laboratory.md has their numbers).
+std::vector<CompareTask> compare_tasks();
+
+}  // namespace feltwire
