@@ -54,6 +54,22 @@ TEST(HandPath, OrbitAboutABallComesInFromOutsideTheCircle) {
   }
 }
 
+TEST(HandPath, AStrikeComesInAtItsSpeedAndStays) {
+  HandTask t = task(HandPath::strike);
+  t.speed = 0.8;
+  const IntendedMotion motion(t);
+  EXPECT_NEAR(motion.position(0.0).z(), 3.0 + 0.02 + 0.8 * 0.5 / 2.0, 1e-15);
+  const auto speed = [&](double at) {
+    return (motion.position(at).z() - motion.position(at + 1e-6).z()) / 1e-6;
+  };
+  EXPECT_NEAR(speed(0.0), 0.0, 1e-4) << "from rest";
+  EXPECT_NEAR(speed(0.25), 0.4, 1e-5);
+  EXPECT_NEAR(speed(0.5), 0.8, 1e-6);
+  EXPECT_NEAR(motion.position(0.5 + 0.02 / 0.8).z(), 3.0, 1e-15) << "at the surface";
+  EXPECT_NEAR(speed(0.5 + 0.02 / 0.8), 0.8, 1e-6);
+  EXPECT_NEAR(motion.position(2.0).z(), 2.99, 1e-15);
+}
+
 TEST(HandPath, FigureEightCrossesItsCentreTwiceATurn) {
   const IntendedMotion motion(task(HandPath::figure_eight));
   const Vec3 at_center{1.0, 2.0, 2.99};

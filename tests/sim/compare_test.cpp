@@ -1,0 +1,156 @@
+#include "sim/compare.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <numbers>
+#include <sstream>
+#include <stdexcept>
+
+namespace feltwire {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180.0;
+constexpr double kFelt = 10e-6;  // [m]
+
+CompareTask task(const std::string& name) {
+  for (const CompareTask& t : compare_tasks())
+    if (t.name == name) return t;
+  throw std::invalid_argument(name);
+}
+
+ExperimentSetup unbounded(const CompareTask& task) {
+  ExperimentSetup setup;
+  setup.hand.spec = builtin_device("simulated");
+  setup.hand.task = task.hand;
+  setup.duration = task.duration;
+  setup.bounding.mode = BoundingMode::none;
+  return setup;
+}
+
+TEST(CompareTasks, TheTapStrikesAtOneMetreASecond) {
+  const CompareTask tap = task("tap");
+  const auto samples = run_experiment(tap.touch, unbounded(tap));
+  std::size_t n = 1;
+  while (n < samples.size() && tap.distance(samples[n].position) > 0.0) ++n;
+  ASSERT_LT(n, samples.size());
+  const Vec3 way = samples[n - 1].position - samples[n - 2].position;  // still free
+  EXPECT_NEAR(way.norm() / 1e-3, 1.0, 0.01);
+}
+
+TEST(CompareTasks, BeginOutsideAndPressWithSomeNewtons) {
+  for (const CompareTask& t : compare_tasks()) {
+    const auto samples = run_experiment(t.touch, unbounded(t));
+    EXPECT_GT(t.distance(samples.front().position), 0.0) << t.name;
+    double largest = 0.0;
+    for (const ExperimentSample& s : samples)
+      if (s.time > 0.5 * t.duration) largest = std::max(largest, s.rendered.force().norm());
+    EXPECT_GT(largest, 2.5) << t.name;
+  }
+}
+
+TEST(CompareTasks, TheEdgeIsGlidedOverAndLeft) {
+  const CompareTask edge = task("edge");
+  int on_x = 0, on_y = 0, free = 0;
+  for (const ExperimentSample& s : run_experiment(edge.touch, unbounded(edge))) {
+    const Vec3 force = s.commanded.elastic;
+    on_x += force.x() > 1.0;
+    on_y += force.y() > 1.0;
+    free += force.norm() == 0.0 && s.time > 4.0;
+    EXPECT_TRUE(force.x() == 0.0 || force.y() == 0.0) << "one face at a time";
+  }
+  EXPECT_GT(on_x, 800);
+  EXPECT_GT(on_y, 800);
+  EXPECT_GT(free, 500);
+}
+
+TEST(CompareTasks, TheCornersWallsAreLeftAndMetAgain) {
+  const CompareTask corner = task("corner");
+  int three = 0, two = 0;
+  for (const ExperimentSample& s : run_experiment(corner.touch, unbounded(corner))) {
+    if (s.time < 4.0) continue;
+    const int walls = static_cast<int>((s.commanded.elastic.array() > 0.0).count());
+    three += walls == 3;
+    two += walls == 2;
+  }
+  EXPECT_GT(three, 1000);
+  EXPECT_GT(two, 500);
+}
+
+const CompareRow& row(const std::vector<CompareRow>& rows, const std::string& task,
+                      const std::string& method) {
+  return *std::find_if(rows.begin(), rows.end(),
+                       [&](const CompareRow& r) { return r.task == task && r.method == method; });
+}
+
+TEST(Compare, TellsTheMethodsApart) {
+  const auto rows = compare({task("wall"), task("sphere"), task("torus"), task("stick_slip")},
+                            {method("none"), method("per_axis"), method("contact_frame")}, {});
+  ASSERT_EQ(rows.size(), 16u);
+  EXPECT_GT(row(rows, "wall", "none").oscillation, 10 * kFelt);
+  EXPECT_GT(row(rows, "wall", "none").energy_made, 0.05);
+  EXPECT_LT(row(rows, "wall", "contact_frame").oscillation, kFelt);
+  EXPECT_GT(row(rows, "sphere", "per_axis").direction_error, 40 * kDegree);
+  EXPECT_GT(row(rows, "torus", "per_axis").direction_error, 40 * kDegree);
+  for (const char* t : {"wall", "sphere", "torus"})
+    EXPECT_LT(row(rows, t, "contact_frame").direction_error, 1e-6) << t;
+  for (const CompareRow& r : rows) {
+    EXPECT_GT(r.cost, 0.0);
+    if (r.method == "contact_frame") {
+      EXPECT_LT(r.energy_made, 1e-12) << r.task;
+      // 2 b / T of the wall's 40 kN/m and the others' 5 kN/m.
+      EXPECT_NEAR(r.displayed, r.task == "wall" ? 0.025 : 0.2, r.task == "wall" ? 0.005 : 0.05)
+          << r.task;
+    }
+    if (r.method == kReference) {
+      EXPECT_LT(r.oscillation, kFelt) << r.task;
+      EXPECT_NEAR(r.displayed, 1.0, 0.01) << r.task;
+    }
+  }
+}
+
+TEST(Compare, DelayOscillatesWithoutABoundOnly) {
+  const auto rows =
+      compare({task("stick_slip")}, {method("none"), method("contact_frame")}, {2.0, 1000.0, 5e-3});
+  EXPECT_GT(row(rows, "stick_slip", "none").oscillation, 50 * kFelt);
+  EXPECT_LT(row(rows, "stick_slip", "contact_frame").oscillation, kFelt);
+}
+
+TEST(Compare, RefusesALoopThatCannotBeRun) {
+  const std::vector<CompareTask> tasks = {task("tap")};
+  const std::vector<Method> one = {method("none")};
+  EXPECT_THROW(compare(tasks, one, {.rate = 0.0}), std::invalid_argument);
+  EXPECT_THROW(compare(tasks, one, {.delay = -1e-3}), std::invalid_argument);
+  EXPECT_THROW(compare(tasks, one, {.damping = -1.0}), std::invalid_argument);
+}
+
+std::string contents(const std::filesystem::path& file) {
+  std::ifstream in(file);
+  std::ostringstream text;
+  text << in.rdbuf();
+  return text.str();
+}
+
+TEST(Compare, WritesEveryTaskByEveryMethodAndTheSameBytesEveryTime) {
+  const auto directory = std::filesystem::path(testing::TempDir()) / "feltwire_compare_test";
+  std::filesystem::remove_all(directory);
+  const auto rows = write_compare(directory, {});
+  const std::string json = contents(directory / "compare.json");
+  const std::string csv = contents(directory / "compare.csv");
+  EXPECT_EQ(nlohmann::json::parse(json)["rows"].size(), 7u * (methods().size() + 1));
+  EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), static_cast<std::ptrdiff_t>(rows.size() + 1));
+  const std::string cost = contents(directory / "compare_cost.csv");
+  EXPECT_EQ(std::count(cost.begin(), cost.end(), '\n'),
+            static_cast<std::ptrdiff_t>(rows.size() + 1));
+  EXPECT_GT(std::filesystem::file_size(directory / "compare.png"), 20000u);
+  write_compare(directory, {});
+  EXPECT_EQ(contents(directory / "compare.json"), json);
+  EXPECT_EQ(contents(directory / "compare.csv"), csv);
+  EXPECT_NE(compare_table(rows).find("stick_slip"), std::string::npos);
+  std::filesystem::remove_all(directory);
+}
+
+}  // namespace
+}  // namespace feltwire
