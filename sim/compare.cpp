@@ -29,7 +29,9 @@ ExperimentSetup task_setup(const CompareTask& task, const CompareLoop& loop) {
 }
 
 /// Sum r.e / sum e.e of rendered forces r and the surface's own, e.
-double displayed_share(const std::vector<ExperimentSample>& samples, Environment own) {
+double displayed_share(const std::vector<ExperimentSample>& samples,
+                       const Environment& environment) {
+  const Environment own = environment;  // in a fresh state
   double rendered = 0.0, whole = 0.0;
   for (const ExperimentSample& s : samples) {
     const Vec3 e = own(Tool{s.position, Vec3::Zero()}).elastic;

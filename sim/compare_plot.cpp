@@ -36,7 +36,7 @@ void draw_compare(const std::filesystem::path& directory, const std::vector<Comp
   append(script,
          "set datafile separator ','\n"
          "set terminal pngcairo size 1700,%zu font 'Sans,11'\nset output 'compare.png'\n",
-         200 + 2 * 28 * (methods + 2));
+         200 + 56 * (methods + 2));
   append(script,
          "set multiplot layout 2,2 title \"Every method on every surface: device damping %g N s/m, "
          "servo %g kHz, round trip %g ms\" font 'Sans,13'\n",

@@ -43,7 +43,7 @@ nlohmann::ordered_json json(const std::vector<CompareRow>& rows, const CompareLo
 
 std::vector<CompareRow> write_compare(const std::filesystem::path& directory,
                                       const CompareLoop& loop) {
-  const auto rows = compare(compare_tasks(), {methods().begin(), methods().end()}, loop);
+  auto rows = compare(compare_tasks(), {methods().begin(), methods().end()}, loop);
   std::filesystem::create_directories(directory);
   write_text(directory / "compare.csv", csv(rows));
   write_text(directory / "compare_cost.csv", cost_csv(rows));

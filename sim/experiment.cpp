@@ -22,7 +22,9 @@ std::vector<ExperimentSample> run_experiment(const Scene& scene, const Experimen
   return run_experiment(environment(scene), setup);
 }
 
-std::vector<ExperimentSample> run_experiment(Environment touch, const ExperimentSetup& setup) {
+std::vector<ExperimentSample> run_experiment(const Environment& environment,
+                                             const ExperimentSetup& setup) {
+  const Environment touch = environment;  // its memory is this run's own
   const double period = setup.bounding.period;
   Bounding bounding(setup.bounding);
   if (!(setup.duration > period) || !std::isfinite(setup.duration))

@@ -39,8 +39,10 @@ Environment environment(const Scene& scene);
 int delay_samples(double delay, double period);
 
 /// Reads the device every T, asks the environment, bounds, writes; one sample each, from time 0 to
-/// `duration`. Throws std::invalid_argument for a setup that cannot be run.
-std::vector<ExperimentSample> run_experiment(Environment touch, const ExperimentSetup& setup);
+/// `duration`. The environment is copied, so that it stays in the state it was given in. Throws
+/// std::invalid_argument for a setup that cannot be run.
+std::vector<ExperimentSample> run_experiment(const Environment& environment,
+                                             const ExperimentSetup& setup);
 std::vector<ExperimentSample> run_experiment(const Scene& scene, const ExperimentSetup& setup);
 
 }  // namespace feltwire

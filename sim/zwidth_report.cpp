@@ -87,7 +87,7 @@ void lines(std::string& text, const std::vector<ZWidthCell>& cells, bool with_fi
 std::vector<ZWidthCell> write_zwidth(const std::filesystem::path& directory,
                                      const ZWidthGrid& grid) {
   std::filesystem::create_directories(directory);
-  const auto cells = map_zwidth(grid);
+  auto cells = map_zwidth(grid);
   write_text(directory / "zwidth.csv", csv(cells));
   write_text(directory / "zwidth.json", json(cells, grid).dump(1) + '\n');
   draw_zwidth(directory, grid);

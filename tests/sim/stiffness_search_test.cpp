@@ -23,7 +23,9 @@ TEST(StiffnessSearch, SaysWhenTheRangeHasNoEdge) {
   const StiffnessLimit all = largest_calm(kRange, [](double) { return true; });
   EXPECT_TRUE(all.above_range);
   EXPECT_EQ(all.stiffness, 1e6);
-  const StiffnessLimit nothing = largest_calm(kRange, [](double) { return false; });
+  int asked = 0;
+  const StiffnessLimit nothing = largest_calm(kRange, [&](double) { return ++asked < 1; });
+  EXPECT_EQ(asked, 1) << "there is nothing between the lowest and none";
   EXPECT_FALSE(nothing.above_range);
   EXPECT_EQ(nothing.stiffness, 0.0);
 }
