@@ -43,7 +43,7 @@ void draw_compare(const std::filesystem::path& directory, const std::vector<Comp
          loop.damping, loop.rate / 1e3, loop.delay * 1e3);
   append(
       script,
-      "set lmargin 24\nunset key\nunset colorbox\nset tics scale 0\nset border 0\n"
+      "set lmargin 28\nunset key\nunset colorbox\nset tics scale 0\nset border 0\n"
       "calm = 0\nset palette defined (0 '#ffffff', 0.5 '#f7c873', 1 '#d55e00')\nset cbrange [0:1]\n"
       "set xrange [-0.5:%zu.5]\nset yrange [-0.5:%d.5]\nset xtics (",
       tasks - 1, last);

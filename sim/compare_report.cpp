@@ -54,14 +54,14 @@ std::vector<CompareRow> write_compare(const std::filesystem::path& directory,
 
 std::string compare_table(const std::vector<CompareRow>& rows) {
   std::string text =
-      "                                        oscillation  direction   displayed  energy     "
+      "                                           oscillation  direction   displayed  energy     "
       "cost\n"
-      "task        method                      [um]         error[deg]             made [mJ]  "
+      "task        method                         [um]         error[deg]             made [mJ]  "
       "[ns]\n";
   std::string last;
   for (const CompareRow& r : rows) {
     if (!last.empty() && r.task != last) text += '\n';
-    append(text, "%-11s %-26s %12.1f  %10.1f  %9.2f  %9.2f  %5.0f\n",
+    append(text, "%-11s %-29s %12.1f  %10.1f  %9.2f  %9.2f  %5.0f\n",
            r.task == last ? "" : r.task.c_str(), r.method.c_str(), r.oscillation * 1e6,
            r.direction_error * kDegrees, r.displayed, r.energy_made * 1e3, r.cost);
     last = r.task;

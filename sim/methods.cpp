@@ -19,6 +19,12 @@ void contact_frame(BoundingConfig& config) {
   config.storage = kStorage;
 }
 
+template <PassivityReference kReference>
+void passivity_control(BoundingConfig& config) {
+  config.mode = BoundingMode::passivity_control;
+  config.reference = kReference;
+}
+
 constexpr std::array kMethods = {
     Method{"none", mode<BoundingMode::none>},
     Method{"total_energy", mode<BoundingMode::total_energy>},
@@ -26,6 +32,12 @@ constexpr std::array kMethods = {
     Method{"per_axis_projected", mode<BoundingMode::per_axis_projected>},
     Method{"contact_frame", contact_frame<Storage::minimal>},
     Method{"contact_frame_elastic", contact_frame<Storage::elastic>},
+    Method{"virtual_coupling", mode<BoundingMode::virtual_coupling>},
+    Method{"passivity_control", passivity_control<PassivityReference::zero>},
+    Method{"passivity_control_following", passivity_control<PassivityReference::following>},
+    Method{"passivity_control_parallel", mode<BoundingMode::passivity_control_parallel>},
+    Method{"passivity_control_directional", mode<BoundingMode::passivity_control_directional>},
+    Method{"energy_tank", mode<BoundingMode::energy_tank>},
 };
 
 }  // namespace

@@ -6,7 +6,7 @@
 namespace feltwire {
 namespace {
 
-constexpr std::size_t kColumns = 4;
+constexpr std::size_t kColumns = 5;
 
 // Okabe and Ito's colours, told apart by colour-blind readers; points differ too.
 constexpr std::array kColors = {"#0072b2", "#009e73", "#e69f00", "#d55e00", "#cc79a7"};
@@ -58,7 +58,7 @@ void draw_zwidth(const std::filesystem::path& directory, const ZWidthGrid& grid)
     std::string script;
     append(script,
            "set datafile separator ','\n"
-           "set terminal pngcairo size 1500,%zu font 'Sans,11'\nset output '%s.png'\n",
+           "set terminal pngcairo size 1800,%zu font 'Sans,11'\nset output '%s.png'\n",
            80 + 330 * rows, name.c_str());
     append(script,
            "set multiplot layout %zu,%zu title \"The stiffest wall without oscillation, device "

@@ -72,7 +72,7 @@ void lines(std::string& text, const std::vector<ZWidthCell>& cells, bool with_fi
   for (const ZWidthCell& c : cells) {
     if (!shown(c)) continue;
     std::string head;
-    append(head, "\n%-26s %4g", std::string(c.method).c_str(), c.damping);
+    append(head, "\n%-29s %4g", std::string(c.method).c_str(), c.damping);
     if (head != last) text += head;
     last = head;
     append(text, " | %5s %5s", c.limit.above_range ? "any" : kilo(c.limit.stiffness).c_str(),
@@ -100,15 +100,15 @@ std::string zwidth_table(const std::vector<ZWidthCell>& cells, const ZWidthGrid&
       "shown: what\nthe hand then meets. at 5: what it meets of 5 kN/m (-: it oscillates). b: the "
       "device's damping [N s/m].\n\n";
   append(text, "Round trip %g ms, by servo rate:\n", grid.delays.front() * 1e3);
-  append(text, "%31s", "");
+  append(text, "%34s", "");
   for (const double rate : grid.rates) append(text, " | %7g kHz", rate / 1e3);
-  append(text, "\n%-26s %4s", "method", "b");
+  append(text, "\n%-29s %4s", "method", "b");
   for (std::size_t i = 0; i < grid.rates.size(); ++i) text += " |   max shown";
   lines(text, cells, false, [&](const ZWidthCell& c) { return c.delay == grid.delays.front(); });
   const double rate = grid.rates[std::min<std::size_t>(1, grid.rates.size() - 1)];
-  append(text, "\nAt %g kHz, by round trip:\n%31s", rate / 1e3, "");
+  append(text, "\nAt %g kHz, by round trip:\n%34s", rate / 1e3, "");
   for (const double delay : grid.delays) append(text, " | %14g ms", delay * 1e3);
-  append(text, "\n%-26s %4s", "method", "b");
+  append(text, "\n%-29s %4s", "method", "b");
   for (std::size_t i = 0; i < grid.delays.size(); ++i) text += " |   max shown  at 5";
   lines(text, cells, true, [&](const ZWidthCell& c) { return c.rate == rate; });
   return text;
