@@ -82,6 +82,25 @@ void lines(std::string& text, const std::vector<ZWidthCell>& cells, bool with_fi
   text += '\n';
 }
 
+/// Over all loops and devices of a method.
+std::string counts(const std::vector<ZWidthCell>& cells) {
+  std::string text =
+      "\nOf all loops and devices, how many are calm\n"
+      "method                         at 5 kN/m   at any stiffness\n";
+  for (auto begin = cells.begin(); begin != cells.end();) {
+    const auto end = std::find_if(begin, cells.end(),
+                                  [&](const ZWidthCell& c) { return c.method != begin->method; });
+    const auto at_fixed =
+        std::count_if(begin, end, [](const ZWidthCell& c) { return c.at_fixed.calm(); });
+    const auto any =
+        std::count_if(begin, end, [](const ZWidthCell& c) { return c.limit.above_range; });
+    append(text, "%-29s  %3td of %td   %3td of %td\n", std::string(begin->method).c_str(), at_fixed,
+           end - begin, any, end - begin);
+    begin = end;
+  }
+  return text;
+}
+
 }  // namespace
 
 std::vector<ZWidthCell> write_zwidth(const std::filesystem::path& directory,
@@ -111,6 +130,7 @@ std::string zwidth_table(const std::vector<ZWidthCell>& cells, const ZWidthGrid&
   append(text, "\n%-29s %4s", "method", "b");
   for (std::size_t i = 0; i < grid.delays.size(); ++i) text += " |   max shown  at 5";
   lines(text, cells, true, [&](const ZWidthCell& c) { return c.rate == rate; });
+  text += counts(cells);
   return text;
 }
 

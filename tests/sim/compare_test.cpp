@@ -9,6 +9,8 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "sim/surfaces.hpp"
+
 namespace feltwire {
 namespace {
 
@@ -116,6 +118,17 @@ TEST(Compare, DelayOscillatesWithoutABoundOnly) {
       compare({task("stick_slip")}, {method("none"), method("contact_frame")}, {2.0, 1000.0, 5e-3});
   EXPECT_GT(row(rows, "stick_slip", "none").oscillation, 50 * kFelt);
   EXPECT_LT(row(rows, "stick_slip", "contact_frame").oscillation, kFelt);
+}
+
+// Why every bound that shows a soft torus has some tens of micrometres there: the bumps sink in.
+TEST(Compare, ASofterTorusLetsItsBumpsIn) {
+  CompareTask stiff = task("torus"), soft = stiff;
+  soft.touch = [](const Tool& tool) {
+    return penalty(torus_distance(BumpyTorus{}, tool.position), 1000.0);
+  };
+  const auto rows = compare({stiff, soft}, {}, {});
+  ASSERT_EQ(rows.size(), 2u);
+  EXPECT_GT(rows[1].oscillation, 2.0 * rows[0].oscillation);
 }
 
 TEST(Compare, RefusesALoopThatCannotBeRun) {

@@ -102,7 +102,9 @@ TEST(ZWidth, WritesEveryCellAndTheSameBytesEveryTime) {
   write_zwidth(directory, grid);
   EXPECT_EQ(contents(directory / "zwidth.json"), text);
   EXPECT_EQ(contents(directory / "zwidth.csv"), csv);
-  EXPECT_NE(zwidth_table(cells, grid).find("contact_frame"), std::string::npos);
+  const std::string table = zwidth_table(cells, grid);
+  EXPECT_NE(table.find("contact_frame                    8 of 8     8 of 8\n"), std::string::npos)
+      << table;
   std::filesystem::remove_all(directory);
 }
 
