@@ -1,0 +1,283 @@
+// Through the network: a session at the server, a servo at the client, and between them a link that
+// delays, loses, doubles and reorders both ways, while the parameters change and the hand takes all
+// it can.
+//
+// ctest runs it with the seed 1; others as tests/core/script.hpp says.
+
+#include <gtest/gtest.h>
+#include <rapidcheck/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <ostream>
+#include <vector>
+
+#include "client/servo.hpp"
+#include "core/port_energy.hpp"
+#include "server/session.hpp"
+#include "tests/core/support.hpp"
+
+namespace feltwire {
+namespace test {
+
+/// One servo period.
+struct NetworkTick {
+  double share = 0.0;                  // of the movement that takes most from what is held
+  Vec3 moves = Vec3::Zero();           // [m] on top of it
+  int up = 0, down = 0;                // [ticks] late; -1: lost
+  int up_again = -1, down_again = -1;  // and once more, so late; -1: not
+  int change = -1;                     // of the server's parameters, to this one; -1: none
+  friend bool operator==(const NetworkTick&, const NetworkTick&) = default;
+};
+struct NetworkScript {
+  std::vector<NetworkTick> ticks;
+};
+
+void showValue(const NetworkScript& script, std::ostream& out) {
+  for (const NetworkTick& t : script.ticks)
+    out << "takes x " << t.share << " moves (" << t.moves.transpose() << ") up " << t.up << " ("
+        << t.up_again << ") down " << t.down << " (" << t.down_again << ") change " << t.change
+        << '\n';
+}
+
+}  // namespace test
+
+namespace {
+
+using namespace test;
+
+constexpr Nanoseconds kTick = std::chrono::milliseconds(1);
+
+rc::Seq<NetworkScript> shorter_or_simpler(const NetworkScript& script) {
+  const auto wrap = [](std::vector<NetworkTick>&& ticks) { return NetworkScript{ticks}; };
+  const auto simpler = [](const NetworkTick& tick) {
+    std::vector<NetworkTick> all;
+    const auto with = [&](auto change) {
+      NetworkTick t = tick;
+      change(t);
+      if (!(t == tick)) all.push_back(t);
+    };
+    with([](NetworkTick& t) { t = {}; });
+    with([](NetworkTick& t) { t.moves.setZero(); });
+    with([](NetworkTick& t) { t.share = 0.0; });
+    with([](NetworkTick& t) { t.share = 1.0; });
+    with([](NetworkTick& t) { t.up = t.down = 0; });
+    with([](NetworkTick& t) { t.up_again = t.down_again = -1; });
+    with([](NetworkTick& t) { t.change = -1; });
+    return rc::seq::fromContainer(all);
+  };
+  return rc::seq::concat(rc::seq::map(rc::shrink::removeChunks(script.ticks), wrap),
+                         rc::seq::map(rc::shrink::eachElement(script.ticks, simpler), wrap));
+}
+
+rc::Gen<NetworkScript> network_scripts(int changes) {
+  return [changes](const rc::Random& seed, int) {
+    Random random(rc::Random(seed).next());
+    const double lost = random.uniform(0.0, 0.3), late = random.uniform(0.0, 0.6);
+    const double greed = random.uniform(0.0, 1.0), farthest = random.uniform(-6.0, -3.0);
+    const int latest = static_cast<int>(random.uniform(1.0, 60.0));
+    const auto delay = [&] {
+      if (random.chance(lost)) return -1;
+      return random.chance(late) ? static_cast<int>(random.uniform(0.0, latest)) : 0;
+    };
+    NetworkScript script;
+    const int ticks = static_cast<int>(random.uniform(10.0, 600.0));
+    for (int n = 0; n < ticks; ++n) {
+      NetworkTick t;
+      if (random.chance(greed)) t.share = random.chance(0.7) ? 1.0 : random.uniform(-3.0, 3.0);
+      if (random.chance(0.5)) t.moves = random.vector(-7.0, farthest);
+      if (random.chance(0.3)) t.moves.z() = -std::abs(t.moves.z());  // into the floor
+      t.up = delay();
+      t.down = delay();
+      if (random.chance(0.1)) t.up_again = std::max(0, delay());
+      if (random.chance(0.1)) t.down_again = std::max(0, delay());
+      if (random.chance(0.02)) t.change = static_cast<int>(random.uniform(0.0, changes));
+      script.ticks.push_back(t);
+    }
+    return rc::shrinkable::shrinkRecur(std::move(script), shorter_or_simpler);
+  };
+}
+
+/// A stiff floor with friction and contact damping, and a ball on it.
+Scene room() {
+  Object floor;
+  floor.name = "floor";
+  floor.shape = Plane{};
+  floor.material = {.stiffness = 4000.0,
+                    .damping = 2.0,
+                    .static_friction = 0.6,
+                    .dynamic_friction = 0.4,
+                    .viscous_friction = 1.0};
+  Object ball;
+  ball.name = "ball";
+  ball.shape = Sphere{0.02};
+  ball.pose.position = {0.0, 0.0, 0.01};
+  ball.material = {.stiffness = 1500.0};
+  return Scene("room", {floor, ball}, {.position = {0.01, 0, 0}, .normal = {0, 0, 2}});
+}
+
+DeviceSpec arm() {
+  DeviceSpec spec;
+  spec.name = "arm";
+  spec.damping = 0.5;
+  spec.apparent_mass = 0.05;
+  spec.position_resolution = 1e-5;
+  spec.max_force = 20.0;
+  spec.continuous_force = 5.0;
+  spec.workspace = {0.3, 0.3, 0.3};
+  return spec;
+}
+
+/// What promises that no hand takes more than was burned.
+std::vector<SessionParameters> passive(BoundingSide side) {
+  std::vector<SessionParameters> all;
+  for (const Projection projection : {Projection::joint, Projection::cone})
+    for (const Storage storage : {Storage::minimal, Storage::elastic}) {
+      SessionParameters p;
+      p.projection = projection;
+      p.storage = storage;
+      all.push_back(p);
+    }
+  for (const BoundingMode mode : {BoundingMode::energy_tank, BoundingMode::per_axis}) {
+    SessionParameters p;
+    p.mode = mode;
+    all.push_back(p);
+  }
+  for (SessionParameters& p : all) {
+    p.side = side;
+    p.operator_damping = 0.1;
+  }
+  return all;
+}
+
+/// All that a server may be told meanwhile, whatever the client does.
+std::vector<SessionParameters> anything() {
+  std::vector<SessionParameters> all;
+  for (const BoundingMode mode :
+       {BoundingMode::none, BoundingMode::total_energy, BoundingMode::per_axis,
+        BoundingMode::per_axis_projected, BoundingMode::contact_frame, BoundingMode::energy_tank,
+        BoundingMode::passivity_control, BoundingMode::passivity_control_directional})
+    for (const BoundingSide side :
+         {BoundingSide::server, BoundingSide::client, BoundingSide::both}) {
+      SessionParameters p;
+      p.mode = mode;
+      p.side = side;
+      p.redundancy = static_cast<int>(all.size() % 4);
+      all.push_back(p);
+    }
+  return all;
+}
+
+/// The hand: how it moves while `held` acts on it, kept within 0.2 m of the floor's middle.
+Vec3 moved(const NetworkTick& t, const Vec3& position, const Vec3& held, double damping) {
+  Vec3 to = position + t.share * greediest(held, 1e-3, damping) + t.moves;
+  if (to.norm() > 0.2) to *= 0.2 / to.norm();
+  return to;
+}
+
+/// Plays the script; returns how often the hand had taken more than was burned.
+std::uint64_t violations(const NetworkScript& script, const SessionParameters& at_client,
+                         double* rendered = nullptr) {
+  const Scene scene = room();
+  const std::vector<SessionParameters> changes = anything();
+  const DeviceSpec spec = arm();
+  SessionParameters at_server = at_client;
+  Session session({"tester", "room", spec, at_server}, scene);
+  Servo servo(spec, at_client);
+  const double damping = spec.damping.least() + at_client.operator_damping;
+
+  struct UpPacket {
+    int due;
+    SampleBatch batch;
+  };
+  struct DownPacket {
+    int due;
+    Reply reply;
+  };
+  std::vector<UpPacket> up;
+  std::vector<DownPacket> down;
+  std::vector<Sample> sent;
+  Vec3 position(0.0, 0.0, 1e-3);
+  const int ticks = static_cast<int>(script.ticks.size());
+  for (int n = 0; n < ticks; ++n) {
+    const NetworkTick& t = script.ticks[static_cast<std::size_t>(n)];
+    const Nanoseconds now = (n + 1) * kTick;
+    if (t.change >= 0)
+      session.set_parameters(changes[static_cast<std::size_t>(t.change) % changes.size()]);
+    for (const DownPacket& p : down)
+      if (p.due == n) servo.take(p.reply, now);
+    position = moved(t, position, servo.held().force(), damping);
+    const Sample* sample = servo.hold(servo.render({.pose = {.position = position}}, now));
+    if (rendered) *rendered += servo.held().force().norm();
+    sent.push_back(*sample);
+
+    SampleBatch batch;
+    for (int k = 0; k <= at_client.redundancy && k <= n; ++k)
+      batch.samples[static_cast<std::size_t>(batch.count++)] =
+          sent[static_cast<std::size_t>(n - k)];
+    if (t.up >= 0) up.push_back({n + t.up, batch});
+    if (t.up_again >= 0) up.push_back({n + t.up_again, batch});
+    for (const UpPacket& p : up) {
+      if (p.due != n) continue;
+      const Taken taken = session.take(p.batch, now);
+      if (taken.drop != DropReason::none) continue;
+      if (t.down >= 0) down.push_back({n + 1 + t.down, taken.reply});
+      if (t.down_again >= 0) down.push_back({n + 1 + t.down_again, taken.reply});
+    }
+  }
+  return servo.port().violations();
+}
+
+RC_GTEST_PROP(SessionProperty, NoLinkAndNoChangeGivesTheHandMoreThanWasBurned, ()) {
+  const auto both = passive(BoundingSide::both), client = passive(BoundingSide::client);
+  const int which = *rc::gen::inRange(0, static_cast<int>(both.size()));
+  const NetworkScript script = *network_scripts(static_cast<int>(anything().size()));
+  RC_ASSERT(violations(script, both[static_cast<std::size_t>(which)]) == 0u);
+  RC_ASSERT(violations(script, client[static_cast<std::size_t>(which)]) == 0u);
+}
+
+// The same hands win where the client bounds nothing: else the property above is blind.
+TEST(SessionMutant, WithoutABoundAtTheClientTheSameHandsWin) {
+  SessionParameters server = passive(BoundingSide::server)[0];
+  std::uint64_t lost = 0, kept = 0;
+  double rendered = 0.0;
+  for (std::uint64_t seed = 0; seed < 100; ++seed) {
+    const NetworkScript script =
+        network_scripts(static_cast<int>(anything().size()))(rc::Random(seed), 100).value();
+    lost += violations(script, server);
+    kept += violations(script, passive(BoundingSide::both)[0], &rendered);
+  }
+  EXPECT_GT(lost, 0u);
+  EXPECT_EQ(kept, 0u);
+  EXPECT_GT(rendered, 100.0);  // [N] summed: a port that renders nothing proves nothing
+}
+
+// A device that holds what the server answers, at once: the server's bound alone, over changes of
+// the law while a force is held.
+RC_GTEST_PROP(SessionProperty, ChangingTheLawAtTheServerGivesNoEnergy, ()) {
+  const auto laws = passive(BoundingSide::server);
+  const NetworkScript script = *network_scripts(static_cast<int>(laws.size()));
+  const Scene scene = room();
+  const DeviceSpec spec = arm();
+  Session session({"tester", "room", spec, laws[0]}, scene);
+  const double damping = spec.damping.least() + laws[0].operator_damping;
+  PortEnergy port(damping, 0.0, 1e-3);
+  Sample sample;
+  sample.pose.position = Vec3(0.0, 0.0, 1e-3);
+  for (const NetworkTick& t : script.ticks) {
+    if (t.change >= 0) session.set_parameters(laws[static_cast<std::size_t>(t.change)]);
+    const Vec3 to = moved(t, sample.pose.position, sample.held.force(), damping);
+    port.step(sample.held, to - sample.pose.position, Vec3::Zero(), 1e-3);
+    ++sample.index;
+    sample.client_time += kTick;
+    sample.pose.position = to;
+    SampleBatch batch;
+    batch.count = 1;
+    batch.samples[0] = sample;
+    sample.held = session.take(batch, sample.client_time).reply.command;
+    RC_ASSERT(port.violations() == 0u);
+  }
+}
+
+}  // namespace
+}  // namespace feltwire
