@@ -279,5 +279,31 @@ RC_GTEST_PROP(SessionProperty, ChangingTheLawAtTheServerGivesNoEnergy, ()) {
   }
 }
 
+/// What a session answers a hand that presses straight down; the change comes at sample 21.
+TEST(SessionChange, ANewLawIsNotCreditedTheMovementThatTheOldOneHasPaidFor) {
+  for (const SessionParameters& next : passive(BoundingSide::server)) {
+    const Scene scene = room();
+    SessionParameters first = passive(BoundingSide::server)[1];
+    first.redundancy = 1;  // so that every change is one
+    Session session({"tester", "room", arm(), first}, scene);
+    Sample sample;
+    const auto press = [&] {
+      ++sample.index;
+      sample.client_time += kTick;
+      sample.pose.position = Vec3(0.1, 0.0, -1e-4 * static_cast<double>(sample.index));
+      SampleBatch batch;
+      batch.count = 1;
+      batch.samples[0] = sample;
+      return session.take(batch, sample.client_time).reply.command.force().norm();
+    };
+    double force = 0.0;
+    while (sample.index < 20) force = press();
+    EXPECT_GT(force, 1.0);
+    session.set_parameters(next);
+    EXPECT_EQ(press(), 0.0) << name(next.mode);
+    EXPECT_GT(press(), 0.01) << name(next.mode);
+  }
+}
+
 }  // namespace
 }  // namespace feltwire

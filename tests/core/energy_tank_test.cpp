@@ -1,0 +1,103 @@
+// The tank's closed forms, and what it gives beyond the contact frame.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/core/contact_frame_fixture.hpp"
+
+namespace feltwire {
+namespace {
+
+using namespace test;
+
+BoundingConfig tank() {
+  BoundingConfig c = contact_frame(Projection::cone);
+  c.mode = BoundingMode::energy_tank;
+  return c;
+}
+/// `in` into the surface z < 0, along x; elastic and frictional force commanded.
+Command push(Bounding& bounding, double in, double along, double elastic, double friction = 0.0) {
+  return bounding
+      .step({Vec3(along, 0, -in),
+             Vec3::Zero(),
+             kPeriod,
+             {Vec3(0, 0, elastic), Vec3(-friction, 0, 0), Vec3::Zero()}})
+      .rendered;
+}
+
+TEST(EnergyTank, FromRestItGivesColgatesSlope) {
+  // E = b/T dx^2, |f| = sqrt(4 b E / T) = 2 b/T dx; and held, F dx pays for the next the same way.
+  Bounding bounding(tank());
+  EXPECT_NEAR(push(bounding, 1e-3, 0.0, 1e6).elastic.z(), kColgate * 1e-3, 1e-12);
+  EXPECT_NEAR(push(bounding, 2e-3, 0.0, 1e6).elastic.z(), kColgate * 3e-3, 1e-12);
+  EXPECT_NEAR(push(bounding, 0.0, 0.0, 1e6).elastic.z(), kColgate * 3e-3, 1e-12);
+  EXPECT_NEAR(push(bounding, -1e-3, 0.0, 1e6).elastic.z(), kColgate * 2e-3, 1e-12);
+}
+
+TEST(EnergyTank, KeepsWhatTheDampingBurnedWhileTheContactLasts) {
+  // 0.1 N all the while; 100 samples of 1 mm, in and out, burn 100 b/T dx^2, and one way out
+  // more than in at 0.1 N (the first way in held nothing) costs 0.1 mJ.
+  Bounding bounding(tank());
+  for (int n = 0; n < 100; ++n) push(bounding, n % 2 ? -1e-3 : 1e-3, 0.0, 0.1);
+  const double energy = 100 * kDamping / kPeriod * 1e-6 - 0.1e-3;
+  EXPECT_NEAR(push(bounding, 0.0, 0.0, 1e6).elastic.z(),
+              std::sqrt(4.0 * kDamping / kPeriod * energy), 1e-9);
+}
+
+TEST(EnergyTank, ALostContactEmptiesIt) {
+  Bounding bounding(tank());
+  for (int n = 0; n < 100; ++n)
+    push(bounding, n % 2 ? -1e-3 : 1e-3, n % 2 ? 1e-3 : -1e-3, 0.1, 0.1);
+  bounding.step({Vec3::Zero(), Vec3::Zero(), kPeriod, {}});
+  const Command after = push(bounding, 1e-3, 0.0, 1e6);
+  EXPECT_NEAR(after.elastic.z(), kColgate * 1e-3, 1e-12);
+}
+
+TEST(EnergyTank, FrictionFillsItsOwnOnly) {
+  Bounding bounding(tank());
+  for (int n = 0; n < 1000; ++n) push(bounding, n == 0 ? 1e-5 : 0.0, 1e-4, 1e-3, 2.0);
+  // The elastic one holds what 10 um burned; 1 mm burns more, and its 1 mN took 1 uJ in.
+  const double energy = kDamping / kPeriod * (1e-10 + 1e-6) + 1e-6;
+  EXPECT_NEAR(push(bounding, 1e-3, 0.0, 1e6).elastic.z(),
+              std::sqrt(4.0 * kDamping / kPeriod * energy), 1e-9);
+}
+
+TEST(EnergyTank, AnOverlongHoldIsOwed) {
+  Bounding bounding(tank());
+  push(bounding, 1e-3, 0.0, 1e6);  // 1 N
+  const Bounded out = bounding.step(
+      {Vec3(0, 0, 0.1), Vec3::Zero(), 1.0, {Vec3(0, 0, 1), Vec3::Zero(), Vec3::Zero()}});
+  EXPECT_TRUE(out.in_debt);
+  EXPECT_EQ(out.rendered.force(), Vec3::Zero());
+  // 0.5 mJ were stored, 100 mJ went out, 5 mJ were burned: 94.5 mJ are owed. 20 mm in burn 200 mJ.
+  EXPECT_NEAR(push(bounding, 20e-3, 0.0, 1e6).elastic.z(),
+              std::sqrt(4.0 * kDamping / kPeriod * (0.2 - 0.0945)), 1e-9);
+}
+
+// On the same history it never allows less: it keeps what the contact frame throws away.
+TEST(EnergyTank, AllowsAtLeastWhatTheContactFrameDoes) {
+  double more = 0.0;
+  for (std::uint64_t seed = 0; seed < 20; ++seed) {
+    Random random(seed);
+    Bounding frame(contact_frame(Projection::cone)), tanks(tank());
+    double depth = 0.0;
+    for (int n = 0; n < 2000; ++n) {
+      const double in = random.decades(-6.0, -3.0);
+      depth = std::min(depth + in, 0.01);
+      const double elastic = 1500.0 * std::max(0.0, depth);
+      const double along = random.decades(-6.0, -3.0);
+      const double friction = 0.5 * elastic * (along > 0.0 ? 1.0 : -1.0);
+      const Command a = push(frame, in, along, elastic, friction);
+      const Command b = push(tanks, in, along, elastic, friction);
+      ASSERT_GE(b.elastic.norm(), a.elastic.norm() * (1.0 - 1e-9)) << seed << " at " << n;
+      ASSERT_GE(b.frictional.norm(), a.frictional.norm() * (1.0 - 1e-9)) << seed << " at " << n;
+      more += b.elastic.norm() - a.elastic.norm();
+      tanks.set_held(a);
+    }
+  }
+  EXPECT_GT(more, 1.0);
+}
+
+}  // namespace
+}  // namespace feltwire

@@ -1,0 +1,115 @@
+// Passivity observers and controllers on samples that can be worked by hand. F is the paper's sign.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/core/support.hpp"
+
+namespace feltwire {
+namespace {
+
+constexpr double kPeriod = test::kModePeriod;
+
+Bounding controller(BoundingMode mode, PassivityReference reference) {
+  BoundingConfig c = test::config(mode);
+  c.reference = reference;
+  return Bounding(c);
+}
+/// F_e = `force` along x while the device has moved by dx; returns F.
+double x_step(Bounding& bounding, double dx, double force) {
+  BoundingStep s;
+  s.displacement.x() = dx;
+  s.hold_time = kPeriod;
+  s.command.elastic.x() = -force;
+  return -bounding.step(s).rendered.force().x();
+}
+
+TEST(PassivityControl, SeriesDissipatesWhatIsMissingAtOnce) {
+  Bounding b = controller(BoundingMode::passivity_control, PassivityReference::zero);
+  EXPECT_DOUBLE_EQ(x_step(b, 1e-3, 2.0), 2.0);      // W = 2 mJ
+  EXPECT_NEAR(x_step(b, -1e-3, 3.0), 2.0, 1e-12);   // 3 mJ out, 1 mJ missing: F = 3 - 1
+  EXPECT_NEAR(x_step(b, 0.5e-3, 1.0), 1.0, 1e-12);  // W = 0 + 0.5 mJ
+  EXPECT_NEAR(x_step(b, -1e-3, 0.5), 0.5, 1e-12);   // all of it
+  EXPECT_NEAR(x_step(b, -2e-3, 0.25), 0.0, 1e-12);  // nothing is left
+  EXPECT_NEAR(x_step(b, 0.0, 7.0), 7.0, 1e-12);     // no movement, no damper
+}
+
+TEST(PassivityControl, OneAxisDoesNotPayForAnother) {
+  Bounding b = controller(BoundingMode::passivity_control, PassivityReference::zero);
+  BoundingStep s;
+  s.displacement = Vec3(1e-3, 1e-3, 0);
+  s.hold_time = kPeriod;
+  s.command.elastic = Vec3(-5.0, 1.0, 0);
+  EXPECT_NEAR((b.step(s).rendered.force() - Vec3(-5.0, 0, 0)).norm(), 0.0, 1e-12);
+}
+
+TEST(PassivityControl, TheReferenceOfASpringIsItsEnergy) {
+  // What the zero-order hold exchanged is left out (0), so that all of the reference is missing.
+  PassivityObserver<double> observer(PassivityReference::following);
+  const double k = 700.0;
+  test::Random random(5);
+  double x = 0.0, force = 0.0;
+  for (int n = 0; n < 2000; ++n) {
+    const double dx = random.decades(-7.0, -3.0);
+    const double now = k * (x + dx);
+    const double missing = observer.observe(now * dx, force * dx, 0.0);
+    x += dx;
+    force = now;
+    ASSERT_NEAR(missing, 0.5 * k * x * x, 1e-12);
+  }
+}
+
+TEST(PassivityControl, FollowingRepaysWhatTheHoldGaveWhereTheHandMovesOn) {
+  // A spring of 1 kN/m, 1 mm in, 1 mm more, out again. E = 0.5, 2, 0.5, 0 mJ.
+  Bounding b = controller(BoundingMode::passivity_control, PassivityReference::following);
+  EXPECT_NEAR(x_step(b, 1e-3, 1.0), 1.5, 1e-12);    // W = 0:          1 + 0.5 mJ / 1 mm
+  EXPECT_NEAR(x_step(b, 1e-3, 2.0), 2.5, 1e-12);    // W = 1.5 mJ:     2 + 0.5
+  EXPECT_NEAR(x_step(b, -1e-3, 1.0), -0.5, 1e-12);  // W = -1 mJ:      1 - 1.5
+  EXPECT_NEAR(x_step(b, -1e-3, 0.0), -0.5, 1e-12);  // W = -0.5 mJ:    0 - 0.5
+}
+
+TEST(PassivityControl, DirectionalSharesByWhatEachExchanged) {
+  Bounding b = controller(BoundingMode::passivity_control_directional, PassivityReference::zero);
+  BoundingStep s;
+  s.hold_time = kPeriod;
+  // In: 4 mJ and 1 mJ.
+  s.displacement = Vec3(-1e-3, 0, 0);
+  s.rotation = Vec3(0, 0, -0.01);
+  s.command = {Vec3(4, 0, 0), Vec3::Zero(), Vec3(0, 0, 0.1)};
+  Command r = b.step(s).rendered;
+  EXPECT_NEAR(r.force().x(), 4.0, 1e-12);
+  EXPECT_NEAR(r.torque.z(), 0.1, 1e-12);
+  // Out: 6 mJ and 2 mJ, 3 mJ are missing: 3/4 of it from the force, 1/4 from the torque.
+  s.displacement = Vec3(2e-3, 0, 0);
+  s.rotation = Vec3(0, 0, 0.02);
+  s.command = {Vec3(3, 0, 0), Vec3::Zero(), Vec3(0, 0, 0.1)};
+  r = b.step(s).rendered;
+  EXPECT_NEAR(r.force().x(), 3.0 - 0.75 * 3e-3 / 2e-3, 1e-12);
+  EXPECT_NEAR(r.torque.z(), 0.1 - 0.25 * 3e-3 / 0.02, 1e-12);
+}
+
+TEST(PassivityControl, DirectionalKeepsTheLineOfTheForce) {
+  Bounding b = controller(BoundingMode::passivity_control_directional, PassivityReference::zero);
+  BoundingStep s;
+  s.hold_time = kPeriod;
+  s.displacement = Vec3(1e-3, 0, 0);
+  s.command.elastic = Vec3(3, 4, 0);  // 3 mJ out; u.dx = 0.6 mm, so 5 N less along u
+  EXPECT_NEAR(b.step(s).rendered.force().norm(), 0.0, 1e-12);
+}
+
+TEST(PassivityControl, ParallelMovesTheProbeInsteadOfTheForce) {
+  Bounding b = controller(BoundingMode::passivity_control_parallel, PassivityReference::zero);
+  const auto offset = [&] { return b.probe(Vec3::Zero(), Vec3::Zero()).offset.x(); };
+  EXPECT_DOUBLE_EQ(x_step(b, 1e-3, 2.0), 2.0);  // W = 2 mJ
+  EXPECT_EQ(offset(), 0.0);
+  EXPECT_DOUBLE_EQ(x_step(b, -1e-3, 4.0), 4.0);  // 2 mJ missing: W / F = 0.5 mm
+  EXPECT_NEAR(offset(), -0.5e-3, 1e-15);
+  EXPECT_DOUBLE_EQ(x_step(b, -0.2e-3, 5.0), 5.0);  // 1 mJ missing, 0.2 mm: all of the movement
+  EXPECT_NEAR(offset(), -0.7e-3, 1e-15);
+  EXPECT_EQ(x_step(b, -1e-3, 0.0), 0.0);  // out of contact
+  EXPECT_EQ(offset(), 0.0);
+}
+
+}  // namespace
+}  // namespace feltwire
