@@ -284,7 +284,7 @@ TEST(SessionChange, ANewLawIsNotCreditedTheMovementThatTheOldOneHasPaidFor) {
   for (const SessionParameters& next : passive(BoundingSide::server)) {
     const Scene scene = room();
     SessionParameters first = passive(BoundingSide::server)[1];
-    first.redundancy = 1;  // so that every change is one
+    first.operator_damping = 0.2;  // so that every change is one
     Session session({"tester", "room", arm(), first}, scene);
     Sample sample;
     const auto press = [&] {

@@ -187,7 +187,7 @@ RC_GTEST_PROP(DampingProperty, TheWorstMovementIsB_1FOverTwo, ()) {
   Random random(seed);
   const Vec3 f = random.vector(-3.0, 3.0), dx = random.vector(-6.0, -1.0);
   const double h = kModePeriod * random.uniform(1.0, 5.0);
-  const double cond = damping.matrix().trace() / damping.least(), eps = 1e-14 * cond;
+  const double cond = damping.matrix().trace() / damping.least(), eps = 1e-13 * cond;
   const auto margin = [&](const Vec3& moved) {
     return damping.quadratic(moved) / h - f.dot(moved);
   };
