@@ -94,7 +94,8 @@ rc::Gen<NetworkScript> network_scripts(int changes) {
       if (random.chance(0.02)) t.change = static_cast<int>(random.uniform(0.0, changes));
       script.ticks.push_back(t);
     }
-    return rc::shrinkable::shrinkRecur(std::move(script), shorter_or_simpler);
+    return rc::shrinkable::shrinkRecur(
+        std::move(script), [](const NetworkScript& s) { return shorter_or_simpler(s); });
   };
 }
 

@@ -115,7 +115,8 @@ rc::Gen<Script> scripts(const ScriptOptions& options) {
                         random.uniform(-7.0, -2.0)};
     const int ticks = static_cast<int>(random.uniform(2.0, options.longest));
     for (int n = 0; n < ticks; ++n) script.ticks.push_back(random_tick(random, options, temper));
-    return rc::shrinkable::shrinkRecur(std::move(script), shorter_or_simpler);
+    return rc::shrinkable::shrinkRecur(std::move(script),
+                                       [](const Script& s) { return shorter_or_simpler(s); });
   };
 }
 
