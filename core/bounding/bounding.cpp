@@ -188,6 +188,11 @@ BasicBounding<Real>::BasicBounding(const BoundingConfig& config)
       .rotation = constants<Real>(config.rotational_damping, config.period, config.c1_rotation,
                                   config.c2_rotation, " (rotation)"),
       .torque = config.rotation};
+  const PassivityPort<Real> force_port{config.reference, max_force_,
+                                       static_cast<Real>(config.damping.least() / config.period)};
+  const PassivityPort<Real> torque_port{
+      config.reference, max_torque_,
+      static_cast<Real>(config.rotational_damping.least() / config.period)};
   switch (config.mode) {
     case BoundingMode::none:
       method_ = NoBound<Real>{};
@@ -213,13 +218,13 @@ BasicBounding<Real>::BasicBounding(const BoundingConfig& config)
           config.rotation);
       break;
     case BoundingMode::passivity_control:
-      method_ = PassivityControl<Real>(config.reference, config.rotation);
+      method_ = PassivityControl<Real>(force_port, torque_port, config.rotation);
       break;
     case BoundingMode::passivity_control_parallel:
-      method_ = PassivityControlParallel<Real>(config.reference, config.rotation);
+      method_ = PassivityControlParallel<Real>(force_port, torque_port, config.rotation);
       break;
     case BoundingMode::passivity_control_directional:
-      method_ = PassivityControlDirectional<Real>(config.reference, config.rotation);
+      method_ = PassivityControlDirectional<Real>(force_port, torque_port, config.rotation);
       break;
     case BoundingMode::energy_tank:
       method_ = EnergyTankBound<Real>(translation_damping_, rotational_damping_, period_,

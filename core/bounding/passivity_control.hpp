@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
+#include "core/bounding/frame.hpp"
 #include "core/bounding/split.hpp"
 #include "core/bounding/step.hpp"
 
@@ -82,13 +84,35 @@ struct PassivityAxes {
   PassivityObserver<Real>& at(int i) noexcept { return axis[static_cast<std::size_t>(i)]; }
 };
 
-/// The damper's force: energy over movement. Over next to none it is beyond any number; the
-/// device's limit comes after.
+/// What a controller is told of its port, force or torque.
 template <class Real>
-inline Real damper_force(Real energy, Real movement) noexcept {
-  constexpr Real kLargest = Real(1e12);  // [N]
-  return std::clamp(energy / movement, -kLargest, kLargest);
-}
+struct PassivityPort {
+  PassivityReference reference = PassivityReference::zero;
+  Real max = std::numeric_limits<Real>::infinity();  // [N] of the device
+  Real slope = 0;                                    // b/T [N/m]
+
+  /// What the device can do of a command: the environment that is observed is one that ends there.
+  /// Else energy that no motor could take in would be missing for ever.
+  Vector3<Real> possible(const Vector3<Real>& command) const noexcept {
+    return command.squaredNorm() <= max * max
+               ? command
+               : Vector3<Real>(reduction(max, length(command)) * command);
+  }
+
+  /// The damper's force: energy over movement.
+  /// zero       As published. Over next to no movement it is beyond any number; the device's limit
+  ///            comes after.
+  /// following  alpha <= b, for the damper is sampled itself and no stiffer one is passive
+  ///            (Colgate): its force stands while the hand turns round, and without a limit each
+  ///            encoder step to and fro would call for a larger one.
+  Real damper_force(Real energy, Real movement) const noexcept {
+    constexpr Real kLargest = Real(1e12);  // [N]
+    const Real most = reference == PassivityReference::following
+                          ? std::min(kLargest, slope * std::abs(movement))
+                          : kLargest;
+    return std::clamp(energy / movement, -most, most);
+  }
+};
 
 /// mode `passivity_control`: one port an axis, the controller in series (impedance causality:
 /// movement in, force out). Missing energy W is dissipated by a damper at once:
@@ -103,15 +127,18 @@ inline Real damper_force(Real energy, Real movement) noexcept {
 template <class Real>
 class PassivityControl {
  public:
-  PassivityControl(PassivityReference reference, bool torque) : torque_(torque) {
-    force_.axis.fill(PassivityObserver<Real>(reference));
-    rotation_.axis.fill(PassivityObserver<Real>(reference));
+  PassivityControl(const PassivityPort<Real>& force, const PassivityPort<Real>& torque,
+                   bool torque_on)
+      : force_port_(force), torque_port_(torque), torque_on_(torque_on) {
+    force_.axis.fill(PassivityObserver<Real>(force.reference));
+    rotation_.axis.fill(PassivityObserver<Real>(torque.reference));
   }
 
   BasicCommand<Real> step(const BasicBoundingStep<Real>& s) noexcept {
-    const Vector3<Real> force = -damped(force_, -s.command.force(), s.displacement);
+    const Vector3<Real> force = -damped(force_port_, force_, -s.command.force(), s.displacement);
     BasicCommand<Real> rendered = split_along(force, s.command.elastic);
-    if (torque_) rendered.torque = -damped(rotation_, -s.command.torque, s.rotation);
+    if (torque_on_)
+      rendered.torque = -damped(torque_port_, rotation_, -s.command.torque, s.rotation);
     return rendered;
   }
   void set_held(const BasicCommand<Real>& held) noexcept {
@@ -120,16 +147,18 @@ class PassivityControl {
   }
 
  private:
-  static Vector3<Real> damped(PassivityAxes<Real>& port, const Vector3<Real>& command,
-                              const Vector3<Real>& dx) noexcept {
-    const Vector3<Real> missing = port.observe(command, dx);
+  static Vector3<Real> damped(const PassivityPort<Real>& port, PassivityAxes<Real>& axes,
+                              const Vector3<Real>& command, const Vector3<Real>& dx) noexcept {
+    const Vector3<Real> missing = axes.observe(port.possible(command), dx);
     Vector3<Real> force = command;
     for (int i = 0; i < 3; ++i)
-      if (missing[i] > 0 && dx[i] != 0) force[i] += damper_force(missing[i], dx[i]);
-    port.settle(force);
+      if (missing[i] > 0 && dx[i] != 0) force[i] += port.damper_force(missing[i], dx[i]);
+    axes.settle(force);
     return force;
   }
-  bool torque_;
+
+  PassivityPort<Real> force_port_, torque_port_;
+  bool torque_on_;
   PassivityAxes<Real> force_, rotation_;
 };
 
@@ -145,14 +174,17 @@ class PassivityControl {
 template <class Real>
 class PassivityControlParallel {
  public:
-  PassivityControlParallel(PassivityReference reference, bool torque) : torque_(torque) {
-    force_.axis.fill(PassivityObserver<Real>(reference));
-    rotation_.axis.fill(PassivityObserver<Real>(reference));
+  PassivityControlParallel(const PassivityPort<Real>& force, const PassivityPort<Real>& torque,
+                           bool torque_on)
+      : force_port_(force), torque_port_(torque), torque_on_(torque_on) {
+    force_.axis.fill(PassivityObserver<Real>(force.reference));
+    rotation_.axis.fill(PassivityObserver<Real>(torque.reference));
   }
 
   BasicCommand<Real> step(const BasicBoundingStep<Real>& s) noexcept {
-    hold_back(force_, -s.command.force(), s.displacement, probe_.offset);
-    if (torque_) hold_back(rotation_, -s.command.torque, s.rotation, probe_.rotation);
+    hold_back(force_, force_port_.possible(-s.command.force()), s.displacement, probe_.offset);
+    if (torque_on_)
+      hold_back(rotation_, torque_port_.possible(-s.command.torque), s.rotation, probe_.rotation);
     return s.command;
   }
   void set_held(const BasicCommand<Real>& held) noexcept {
@@ -176,7 +208,8 @@ class PassivityControlParallel {
     }
   }
 
-  bool torque_;
+  PassivityPort<Real> force_port_, torque_port_;
+  bool torque_on_;
   PassivityAxes<Real> force_, rotation_;
   BasicProbe<Real> probe_;
 };
@@ -192,24 +225,30 @@ class PassivityControlParallel {
 template <class Real>
 class PassivityControlDirectional {
  public:
-  PassivityControlDirectional(PassivityReference reference, bool torque)
-      : observer_(reference), torque_on_(torque) {}
+  PassivityControlDirectional(const PassivityPort<Real>& force, const PassivityPort<Real>& torque,
+                              bool torque_on)
+      : force_port_(force),
+        torque_port_(torque),
+        observer_(force.reference),
+        torque_on_(torque_on) {}
 
   BasicCommand<Real> step(const BasicBoundingStep<Real>& s) noexcept {
     moved_ = s.displacement;
     turned_ = s.rotation;
     Vector3<Real> force = s.command.force(), torque = s.command.torque;
-    const Real by_force = -force.dot(moved_), by_torque = -torque.dot(turned_);
+    const Vector3<Real> possible_force = force_port_.possible(force);
+    const Vector3<Real> possible_torque = torque_port_.possible(torque);
+    const Real by_force = -possible_force.dot(moved_), by_torque = -possible_torque.dot(turned_);
     const Real missing = observer_.observe(by_force + by_torque, flow(commanded_), flow(held_));
     if (missing > 0) {
       const Vector3<Real> u = direction(force), v = direction(torque);
       const Real along_u = u.dot(moved_), along_v = v.dot(turned_);
       const Real exchanged = std::abs(by_force) + std::abs(by_torque);
       const Real share = exchanged > 0 ? std::abs(by_force) / exchanged : Real(0);
-      if (along_u != 0) force -= damper_force(share * missing, along_u) * u;
-      if (along_v != 0) torque -= damper_force((1 - share) * missing, along_v) * v;
+      if (along_u != 0) force -= force_port_.damper_force(share * missing, along_u) * u;
+      if (along_v != 0) torque -= torque_port_.damper_force((1 - share) * missing, along_v) * v;
     }
-    commanded_ = s.command;
+    commanded_ = {possible_force, Vector3<Real>::Zero(), possible_torque};
     BasicCommand<Real> rendered = split_along(force, s.command.elastic);
     if (torque_on_) rendered.torque = torque;
     set_held(rendered);
@@ -224,9 +263,11 @@ class PassivityControlDirectional {
   Real flow(const BasicCommand<Real>& c) const noexcept {
     return -c.force().dot(moved_) - c.torque.dot(turned_);
   }
+
+  PassivityPort<Real> force_port_, torque_port_;
   PassivityObserver<Real> observer_;
   bool torque_on_;
-  BasicCommand<Real> commanded_, held_;
+  BasicCommand<Real> commanded_, held_;  // in force and torque, the first in whatever parts
   Vector3<Real> moved_ = Vector3<Real>::Zero(), turned_ = Vector3<Real>::Zero();
 };
 

@@ -62,11 +62,35 @@ TEST(PassivityControl, TheReferenceOfASpringIsItsEnergy) {
 
 TEST(PassivityControl, FollowingRepaysWhatTheHoldGaveWhereTheHandMovesOn) {
   // A spring of 1 kN/m, 1 mm in, 1 mm more, out again. E = 0.5, 2, 0.5, 0 mJ.
-  Bounding b = controller(BoundingMode::passivity_control, PassivityReference::following);
+  BoundingConfig c = test::config(BoundingMode::passivity_control, 2.0);
+  c.reference = PassivityReference::following;
+  Bounding b(c);
   EXPECT_NEAR(x_step(b, 1e-3, 1.0), 1.5, 1e-12);    // W = 0:          1 + 0.5 mJ / 1 mm
   EXPECT_NEAR(x_step(b, 1e-3, 2.0), 2.5, 1e-12);    // W = 1.5 mJ:     2 + 0.5
   EXPECT_NEAR(x_step(b, -1e-3, 1.0), -0.5, 1e-12);  // W = -1 mJ:      1 - 1.5
   EXPECT_NEAR(x_step(b, -1e-3, 0.0), -0.5, 1e-12);  // W = -0.5 mJ:    0 - 0.5
+}
+
+TEST(PassivityControl, TheDamperOfFollowingIsAtMostTheDevicesOwn) {
+  // As above with b = 0.5: at most 500 N/m over 1 mm.
+  Bounding b = controller(BoundingMode::passivity_control, PassivityReference::following);
+  EXPECT_NEAR(x_step(b, 1e-3, 1.0), 1.5, 1e-12);
+  EXPECT_NEAR(x_step(b, 1e-3, 2.0), 2.5, 1e-12);
+  EXPECT_NEAR(x_step(b, -1e-3, 1.0), 0.5, 1e-12);  // 1.5 mJ are missing
+}
+
+TEST(PassivityControl, WhatTheDeviceCannotHoldIsNotMissing) {
+  // A spring of 1 kN/m on a device of 1 N: beyond 1 mm the environment that is followed is flat.
+  BoundingConfig c = test::config(BoundingMode::passivity_control, 2.0);
+  c.reference = PassivityReference::following;
+  c.max_force = 1.0;
+  Bounding b(c);
+  x_step(b, 0.0, 0.0);
+  for (int n = 1; n <= 10; ++n) x_step(b, 1e-3, 1.0 * n);
+  // In: 9 mJ were held, 9.5 are the reference of the flat spring; out of it nothing more is owed
+  // than this and what the turn costs.
+  EXPECT_NEAR(x_step(b, -1e-3, 9.0), 1.0, 1e-12);
+  EXPECT_NEAR(x_step(b, -1e-3, 8.0), 1.0, 1e-12);
 }
 
 TEST(PassivityControl, DirectionalSharesByWhatEachExchanged) {
