@@ -10,11 +10,12 @@ namespace feltwire {
 namespace {
 
 // Beyond these nothing is a force or a movement of a hand but a fault upstream; it also keeps every
-// product below finite.
-constexpr double kAbsurdForce = 1e12;       // [N], [N m]
-constexpr double kAbsurdMovement = 1e6;     // [m], [rad]
-constexpr double kAbsurdHold = 1e6;         // [s]
-constexpr double kAbsurdStiffness = 1e100;  // [N/m], [N m/rad]
+// product below finite, in float too.
+constexpr double kAbsurdForce = 1e12;      // [N], [N m]
+constexpr double kAbsurdMovement = 1e6;    // [m], [rad]
+constexpr double kAbsurdHold = 1e6;        // [s]
+constexpr double kAbsurdStiffness = 1e18;  // [N/m], [N m/rad]
+constexpr double kShortestPeriod = 1e-12;  // [s]
 
 template <class Choice, class Names>
 Choice named(std::string_view what, std::string_view given, const Names& names) {
@@ -86,6 +87,7 @@ Coupling<Real> coupling(const CouplingConfig& c, double b, double period,
 
 void check(const BoundingConfig& c) {
   require(std::isfinite(c.period) && c.period > 0.0, "period must be finite and above zero [s]");
+  require(c.period >= kShortestPeriod, "period is too short; give seconds");
   validate(c.damping, "damping");
   validate(c.rotational_damping, "rotational damping");
   require(2.0 * c.damping.matrix().cwiseAbs().maxCoeff() / c.period <= kAbsurdStiffness,
@@ -252,6 +254,8 @@ BasicBoundingStep<Real> BasicBounding<Real>::checked(const Step& given,
   if (!displacement_sane)
     s.displacement = translation_damping_.worst_movement(held_.force(), s.hold_time);
   if (!rotation_sane) s.rotation = rotational_damping_.worst_movement(held_.torque, s.hold_time);
+  // Nobody knows over how long a time the movement was spread: it is credited nothing.
+  if (!hold_sane) s.hold_time = static_cast<Real>(kAbsurdHold);
   return s;
 }
 

@@ -132,6 +132,50 @@ TEST(Bounding, WhatIsNoNumberGivesNoForce) {
       }
 }
 
+// However long it really was: 1 N held for 5 T while the hand takes all it can overdraws the port
+// by 2 mJ, and crediting the movement as one of T would have called that a gain.
+TEST(Bounding, AHoldTimeThatIsNoNumberEarnsNoCredit) {
+  for (const BoundingMode mode : {BoundingMode::contact_frame, BoundingMode::energy_tank})
+    for (const double told : {kNan, kInfinity, -kInfinity, 1e300}) {
+      Bounding bounding(config(mode));  // c = 1000 N/m
+      BoundingStep press{Vec3(-1e-3, 0, 0), Vec3::Zero(), kPeriod, {}};
+      press.command.elastic.x() = 1.0;
+      ASSERT_NEAR(bounding.step(press).rendered.elastic.x(), 1.0, 1e-12) << name(mode);
+      const BoundingStep pulled{Vec3(5e-3, 0, 0), Vec3::Zero(), told, press.command};
+      EXPECT_TRUE(bounding.step(pulled).in_debt) << name(mode) << ' ' << told;
+      EXPECT_EQ(bounding.step(press).rendered.force(), Vec3::Zero()) << name(mode) << ' ' << told;
+    }
+}
+
+template <class Real>
+void stays_finite(const BoundingConfig& c) {
+  using Vector = Vector3<Real>;
+  BasicBounding<Real> bounding(c);
+  for (const Real way : {Real(0), Real(1e6), Real(-1e6), Real(1e-40), Real(0)}) {
+    BasicBoundingStep<Real> s{
+        Vector::Constant(way), Vector::Constant(way), static_cast<Real>(c.period), {}};
+    s.command = {Vector::Constant(Real(-1e12)), Vector::Unit(1), Vector::Constant(Real(1e12))};
+    EXPECT_TRUE(bounding.step(s).rendered.finite()) << name(c.mode) << ' ' << way;
+  }
+}
+
+// A stiffness or a period that float can't hold would make its products infinite, and zero times
+// that no number.
+TEST(Bounding, TheLargestConfigurationIsFiniteInFloat) {
+  for (const BoundingMode mode : kModes) {
+    BoundingConfig c = config(mode);
+    c.period = 1e-12;
+    c.damping = c.rotational_damping = 5e5;  // 2 b / T = 1e18 N/m
+    stays_finite<double>(c);
+    stays_finite<float>(c);
+    c.damping = 5.1e5;
+    EXPECT_THAT(reason(c), HasSubstr("too short")) << name(mode);
+    c.damping = c.rotational_damping = 0.0;
+    c.period = 0.9e-12;
+    EXPECT_THAT(reason(c), HasSubstr("too short")) << name(mode);
+  }
+}
+
 TEST(Bounding, RandomBitsNeverComeOutAsAnythingButAForce) {
   Random random(31);
   const double strange[] = {0.0,  -0.0,  kNan, kInfinity, -kInfinity, 1e-320, -1e-320,
