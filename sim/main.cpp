@@ -10,6 +10,7 @@
 #include "client/report.hpp"
 #include "sim/choices.hpp"
 #include "sim/compare.hpp"
+#include "sim/extremes.hpp"
 #include "sim/figures.hpp"
 #include "sim/filters.hpp"
 #include "sim/link_relay.hpp"
@@ -106,6 +107,35 @@ void add_compare(CLI::App& app) {
     o->loop.delay = o->delay_ms * 1e-3;
     std::cout << compare_table(write_compare(o->out, o->loop)) << "\nTable and picture are in "
               << std::filesystem::absolute(o->out).lexically_normal().string() << '\n';
+  });
+}
+
+void add_extremes(CLI::App& app, int& status) {
+  struct Options {
+    std::string out = "extremes";
+    double told_damping = 1.0;
+  };
+  auto o = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand(
+      "extremes", "Every method at the ends of what numbers can say, in double and float");
+  command->footer(
+      "Writes extremes.csv, extremes.json and extremes.png; deterministic. Exit status 1 when any "
+      "row rendered\nNaN, Inf or more than the limit, or broke the energy promise of its method. "
+      "docs/precision.md says how to read it.");
+  command->add_option("--out", o->out, "Folder to write to; made when missing")
+      ->capture_default_str();
+  command
+      ->add_option(
+          "--told-damping", o->told_damping,
+          "What the bounds are told over the damping there is. Above 1, say 1.05, the rows "
+          "must fail")
+      ->capture_default_str();
+  command->callback([o, &status] {
+    const auto rows = run_extremes(o->told_damping);
+    write_extremes(o->out, rows);
+    std::cout << extremes_table(rows) << "\nTable and picture are in "
+              << std::filesystem::absolute(o->out).lexically_normal().string() << '\n';
+    status = all_passed(rows) ? 0 : 1;
   });
 }
 
@@ -253,6 +283,8 @@ int main(int argc, char** argv) {
   add_choices(app);
   add_zwidth(app);
   add_compare(app);
+  int status = 0;  // of a command that judges
+  add_extremes(app, status);
   add_bound(app);
   add_touch(app);
   add_summary(app);
@@ -265,5 +297,5 @@ int main(int argc, char** argv) {
     std::cerr << "feltwire-lab: " << e.what() << '\n';
     return 1;
   }
-  return 0;
+  return status;
 }

@@ -1,0 +1,108 @@
+#pragma once
+// What each bounding method promises about energy, and a ledger that holds it to that.
+
+#include <array>
+#include <limits>
+#include <string_view>
+
+#include "core/bounding/bounding.hpp"
+
+namespace feltwire {
+
+/// What must not become negative, for every hand. "At stake" is the most that the hand can take
+/// while the force held now lasts for T: f' B^-1 f T / 4.
+enum class Promise {
+  none,             // nothing; the force is still finite, limited, and zero for what is not finite
+  port,             // burned - delivered - at stake, whenever a force is rendered
+  port_by_axis,     // the same on every axis by itself
+  coupling,         // burned - delivered + work of the scene on the tool
+  own_sum_by_axis,  // sum of F(n).dx(n) on every axis: the observer's, not the real port's
+  own_sum           // the same over all axes, torque included
+};
+inline constexpr std::array<std::string_view, 6> kPromiseNames = {
+    "none", "port", "port_by_axis", "coupling", "own_sum_by_axis", "own_sum"};
+
+/// What is done to a bound that some methods promise nothing about.
+struct Faults {
+  bool overlong_holds = false;  // held for longer than T, or held although not rendered
+  bool reductions = false;      // less is held than was rendered: a limit, a fade
+  bool unknown_inputs = false;  // the bound is told NaN or Inf
+};
+Promise promise(BoundingMode mode, const Faults& faults);
+
+/// How finely an arithmetic counts.
+struct Arithmetic {
+  double epsilon = std::numeric_limits<double>::epsilon();   // 1 to the next number
+  double least = std::numeric_limits<double>::denorm_min();  // the smallest number
+  bool operator==(const Arithmetic&) const = default;
+};
+template <class Real>
+inline constexpr Arithmetic kArithmetic = {std::numeric_limits<Real>::epsilon(),
+                                           std::numeric_limits<Real>::denorm_min()};
+
+/// What rounding may do to an energy that passes through one step of a bound, in units of epsilon.
+/// From |F(n-1) + c dx| to the force that is held some 30 roundings of half an epsilon follow each
+/// other (the constants b, T and c 3; normal 5; both channels' parts 6 each; length 4; reduction 2;
+/// application 3), and an energy, a square, has twice the error of a force: 30, and a little.
+inline constexpr double kEnergyRounding = 32.0;
+
+/// One port's books in long double, from the values that were really held and the displacements
+/// that the bound was really given, both after rounding to its arithmetic.
+///
+/// Within rounding means: what is missing is not more than the sum over all samples so far of
+///   kEnergyRounding * epsilon * condition * (exchanged in the sample + stored in the law)
+/// for a law makes its storage anew every sample, out of what it stored and what was exchanged; and
+/// the same number of smallest numbers, where forces or energies are too small to have all digits.
+/// `condition` is that of the damping matrix: largest over smallest eigenvalue.
+class PromiseLedger {
+ public:
+  struct Setup {
+    Promise promise = Promise::port;
+    Damping damping, rotational_damping;  // B of the real device
+    double period = 1e-3;                 // T [s]
+    bool keeps_all = false;  // the law stores all that it ever took in, not only what is at stake
+    Arithmetic arithmetic;
+  };
+  explicit PromiseLedger(const Setup& setup);
+
+  /// The device moved while `held` acted on the hand for `hold_time` [s].
+  void moved(const Command& held, const Vec3& displacement, const Vec3& rotation, double hold_time);
+  /// A coupling's tool in one port: what the scene did to it in the last sample, and what is in its
+  /// spring and its mass [J].
+  struct Tool {
+    double work = 0.0, stored = 0.0;
+  };
+  void tool_moved(const Tool& translation, const Tool& rotation);
+  /// `rendered` is held from now on. The command that it was made of and the movement before it are
+  /// what an observer pairs.
+  void rendered(const Command& rendered, const Command& commanded, const Vec3& displacement,
+                const Vec3& rotation);
+
+  /// Worst so far: what is missing beyond the smallest numbers, relative to all that was exchanged.
+  double error() const { return error_; }
+  /// What rounding may do, relative likewise, where the error was worst.
+  double rounding() const { return rounding_; }
+  bool broken() const { return broken_; }
+
+ private:
+  struct Port {
+    Damping damping;
+    Mat3 inverse = Mat3::Zero();  // B^-1; zero without damping
+    double condition = 1.0;
+    std::array<long double, 3> balance{};  // [J] by axis, or [0] for all
+    long double exchanged = 0.0L;          // [J] sum of magnitudes
+    long double through = 0.0L;            // [J] sum of what passed through the arithmetic
+    long double tiny = 0.0L;               // [J] sum of what the smallest numbers are worth
+    double tool_stored = 0.0;              // [J]
+  };
+  void exchange(Port& port, const Vec3& force, const Vec3& displacement, double hold_time);
+  void judge(Port& port, const Vec3& force, const Vec3& displacement);
+  void judge(const Port& port, long double missing);
+
+  Setup setup_;
+  Port translation_, rotation_;
+  double error_ = 0.0, rounding_ = 0.0;
+  bool broken_ = false;
+};
+
+}  // namespace feltwire

@@ -1,0 +1,480 @@
+#include "sim/extremes.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+#include <stdexcept>
+
+#include "core/scene/scene.hpp"
+#include "sim/simulated_device.hpp"
+
+namespace feltwire {
+namespace {
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr int kHands = 10;    // a strain: two of each kind
+constexpr int kSteps = 1500;  // a hand
+constexpr int kSceneSteps = 2000;
+constexpr double kAbsurd = 1e12;  // [N] above it a force is no force (core/bounding/bounding.cpp)
+
+class Random {
+ public:
+  explicit Random(std::uint64_t seed) : engine_(seed) {}
+  double uniform(double lo, double hi) { return lo + (hi - lo) * unit(); }
+  bool chance(double probability) { return unit() < probability; }
+  std::size_t below(std::size_t count) {
+    return static_cast<std::size_t>(unit() * static_cast<double>(count));
+  }
+  /// Anywhere on the ball's surface, its size spread evenly over the decades 10^lo to 10^hi.
+  Vec3 vector(double lo, double hi) {
+    Vec3 v;
+    do {
+      for (double& x : v) x = uniform(-1.0, 1.0);
+    } while (v.norm() < 0.1 || v.norm() > 1.0);
+    return v.normalized() * std::pow(10.0, uniform(lo, hi));
+  }
+
+ private:
+  // Not std::uniform_real_distribution: its bits differ between standard libraries.
+  double unit() { return static_cast<double>(engine_() >> 11) * 0x1p-53; }
+  std::mt19937_64 engine_;
+};
+
+/// What one row of hands does to a bound.
+struct Strain {
+  std::string name;
+  Damping damping = 0.5;                       // [N s/m]
+  Damping rotational_damping = 2e-4;           // [N m s/rad]
+  double period = 1e-3;                        // [s]
+  double least_move = -9, largest_move = -1;   // decades [m], [rad]
+  bool denormal_moves = false;                 // of the arithmetic, instead
+  double still = 0.02;                         // probability of no movement at all
+  double least_force = -3, largest_force = 3;  // decades [N]; torques two decades below
+  double max_force = kInfinity;                // [N]; torques a hundredth
+  double origin = 0.0;  // [m] where the hand is, on every axis: movements are differences there
+  double longest_hold = 1.0;    // [T] every tenth sample lasts up to that
+  double skipped_writes = 0.0;  // probability that the device goes on holding the force before
+  double fades = 0.0;           // probability that it holds less than what was rendered
+  double strange_inputs = 0.0;  // probability of NaN, Inf or absurd, each step in one input
+
+  Faults faults() const {
+    return {.overlong_holds = longest_hold > 1.0 || skipped_writes > 0.0,
+            .reductions = fades > 0.0 || skipped_writes > 0.0 || std::isfinite(max_force),
+            .unknown_inputs = strange_inputs > 0.0};
+  }
+};
+
+std::vector<Strain> strains() {
+  std::vector<Strain> all;
+  const auto add = [&](std::string name, auto change) {
+    Strain strain;
+    strain.name = std::move(name);
+    change(strain);
+    all.push_back(std::move(strain));
+  };
+  add("an ordinary hand", [](Strain&) {});
+  add("period 1 us", [](Strain& s) { s.period = 1e-6; });
+  add("period 0.1 s", [](Strain& s) { s.period = 0.1; });
+  add("hand still; force held", [](Strain& s) { s.still = 0.98; });
+  add("movements denormal", [](Strain& s) { s.denormal_moves = true; });
+  add("movements 1e-300 to 1e3 m", [](Strain& s) { s.least_move = -300, s.largest_move = 3; });
+  add("forces 1e-300 to 1e300 N", [](Strain& s) { s.least_force = -300, s.largest_force = 300; });
+  add("forces 1 MN to 1 TN", [](Strain& s) { s.least_force = 6, s.largest_force = 11.99; });
+  add("damping 0", [](Strain& s) { s.damping = s.rotational_damping = 0.0; });
+  add("damping 1e6 N s/m",
+      [](Strain& s) { s.damping = 1e6, s.rotational_damping = 400.0, s.largest_force = 9; });
+  add("damping 1e6; period 1 us", [](Strain& s) {
+    s.damping = 1e6, s.rotational_damping = 400.0, s.largest_force = 11.9, s.period = 1e-6;
+    s.largest_move = 3;
+  });
+  add("damping by direction 100:1", [](Strain& s) {
+    s.damping = Mat3{{2.0, 0.3, 0.1}, {0.3, 0.5, 0.02}, {0.1, 0.02, 0.0252}};
+    s.rotational_damping = Vec3(1e-3, 1e-4, 1e-5);
+  });
+  add("1e6 m from the origin", [](Strain& s) { s.origin = 1e6; });
+  add("limit 0.3 N", [](Strain& s) { s.max_force = 0.3; });
+  add("fades", [](Strain& s) { s.fades = 0.5; });
+  add("holds up to 50 T", [](Strain& s) { s.longest_hold = 50.0; });
+  add("holds to 50 T; writes skipped",
+      [](Strain& s) { s.longest_hold = 50.0, s.skipped_writes = 0.2; });
+  add("NaN; Inf; absurd", [](Strain& s) { s.strange_inputs = 0.05, s.max_force = 5.0; });
+  add("NaN; Inf; absurd; holds to 5 T",
+      [](Strain& s) { s.strange_inputs = 0.05, s.max_force = 5.0, s.longest_hold = 5.0; });
+  return all;
+}
+
+/// The number in a narrower arithmetic; infinite beyond its largest.
+template <class Real>
+Real narrowed(double value) {
+  if (std::abs(value) > std::numeric_limits<Real>::max())
+    return std::copysign(std::numeric_limits<Real>::infinity(),
+                         static_cast<Real>(value > 0 ? 1 : -1));
+  return static_cast<Real>(value);
+}
+template <class Real>
+Vector3<Real> narrowed(const Vec3& v) {
+  return {narrowed<Real>(v.x()), narrowed<Real>(v.y()), narrowed<Real>(v.z())};
+}
+template <class Real>
+BasicCommand<Real> narrowed(const Command& c) {
+  return {narrowed<Real>(c.elastic), narrowed<Real>(c.frictional), narrowed<Real>(c.torque)};
+}
+
+struct Movement {
+  Vec3 displacement = Vec3::Zero(), rotation = Vec3::Zero();
+};
+
+/// A hand that knows what it is given. Five kinds: exactly greedy and about so, pumping, taking
+/// from one channel, restless, and one that changes its mind.
+Movement move(int kind, Random& random, const Strain& strain, const Command& held, double hold_time,
+              double least, double largest) {
+  const auto restless = [&] {
+    return Movement{random.vector(least, largest), random.vector(least, largest)};
+  };
+  if (random.chance(strain.still)) return {};
+  if (kind == 4) kind = static_cast<int>(random.below(4));
+  if (kind == 3) return restless();
+  const auto greediest = [&](const Damping& damping, const Vec3& f) {
+    return damping.least() > 0.0 ? Vec3(damping.matrix().inverse() * f * (0.5 * hold_time))
+                                 : random.vector(least, largest);
+  };
+  Movement m{greediest(strain.damping, held.force()),
+             greediest(strain.rotational_damping, held.torque)};
+  const Vec3 normal = held.elastic.normalized();
+  double share = 1.0;
+  if (kind == 0 && random.chance(0.5)) share = random.uniform(0.0, 3.0);
+  if (kind == 1 && random.chance(0.5)) share = -random.uniform(0.0, 4.0);
+  if (kind == 2 && normal.allFinite()) {
+    const Vec3 along = m.displacement.dot(normal) * normal;
+    m.displacement = random.chance(0.5) ? along : Vec3(m.displacement - along);
+  }
+  m.displacement *= share;
+  m.rotation *= share;
+  // Without something of its own a hand at rest would take nothing for ever.
+  if (random.chance(0.5)) {
+    const Movement own = restless();
+    m.displacement += own.displacement;
+    m.rotation += own.rotation;
+  }
+  return m;
+}
+
+Command command(Random& random, const Strain& strain) {
+  Command c;
+  if (random.chance(0.1)) return c;
+  const double lo = strain.least_force, hi = strain.largest_force;
+  if (random.chance(0.8)) c.elastic = random.vector(lo, hi);
+  if (random.chance(0.8)) c.frictional = random.vector(lo, hi);
+  if (random.chance(0.8)) c.torque = random.vector(lo - 2, hi - 2);
+  return c;
+}
+
+/// What a step has to be told, number by number; a hold time is as likely as a vector.
+constexpr std::size_t kInputs = 18, kHoldTime = 15;
+
+/// One input of the step becomes no number, or no force, movement or time of this world.
+template <class Real>
+void spoil(Random& random, std::size_t input, BasicBoundingStep<Real>& told) {
+  constexpr std::array kStrange = {kNan, kInfinity, -kInfinity, 1e300, -1e300, 1.1e12};
+  const Real strange = narrowed<Real>(kStrange[random.below(kStrange.size())]);
+  Vector3<Real>* const vectors[] = {&told.displacement, &told.rotation, &told.command.elastic,
+                                    &told.command.frictional, &told.command.torque};
+  if (input < kHoldTime)
+    (*vectors[input / 3])[static_cast<int>(input % 3)] = strange;
+  else
+    told.hold_time = std::isfinite(strange) ? std::abs(strange) : strange;
+}
+
+void judge_force(const Command& rendered, bool refused, double limit, double epsilon,
+                 ExtremeOutcome& outcome) {
+  const Vec3 force = rendered.force();
+  ++outcome.steps;
+  outcome.rendering += !force.isZero(0.0);
+  outcome.nan += force.hasNaN() || rendered.torque.hasNaN();
+  outcome.inf += (force.array().abs() == kInfinity).any() ||
+                 (rendered.torque.array().abs() == kInfinity).any();
+  outcome.over_limit += force.norm() > limit * (1.0 + 8.0 * epsilon) ||
+                        rendered.torque.norm() > 0.01 * limit * (1.0 + 8.0 * epsilon);
+  outcome.not_refused += refused && !(force.isZero(0.0) && rendered.torque.isZero(0.0));
+}
+
+/// A force or movement so large that it is refused ends what a coupling and the passivity
+/// controllers promise: they have to drop their force, or cut their damper's.
+Promise after_refusal(Promise kept) {
+  return kept == Promise::port || kept == Promise::port_by_axis ? kept : Promise::none;
+}
+bool beyond(const Command& rendered) {
+  return (rendered.force().array().abs() > 0.5 * kAbsurd).any() ||
+         (rendered.torque.array().abs() > 0.5 * kAbsurd).any();
+}
+
+void judge_energy(const PromiseLedger& ledger, ExtremeOutcome& outcome) {
+  outcome.broken = outcome.broken || ledger.broken();
+  if (ledger.error() <= outcome.energy_error) return;
+  outcome.energy_error = ledger.error();
+  outcome.rounding = ledger.rounding();
+}
+
+BoundingConfig bound_config(BoundingMode mode, int variant, const Damping& damping,
+                            const Damping& rotational_damping, double period, double max_force,
+                            double told_damping) {
+  BoundingConfig config;
+  config.mode = mode;
+  config.projection = variant % 2 ? Projection::joint : Projection::cone;
+  config.storage = variant / 2 % 2 ? Storage::elastic : Storage::minimal;
+  config.period = period;
+  const auto told = [&](const Damping& b) {
+    return b.isotropic() ? Damping(told_damping * b.matrix()(0, 0))
+                         : Damping(Mat3(told_damping * b.matrix()));
+  };
+  config.damping = told(damping);
+  config.rotational_damping = told(rotational_damping);
+  config.max_force = max_force;
+  config.max_torque = 0.01 * max_force;
+  config.rotation = true;
+  return config;
+}
+
+bool keeps_all(const BoundingConfig& config) {
+  return config.mode == BoundingMode::energy_tank ||
+         config.mode == BoundingMode::passivity_control ||
+         config.mode == BoundingMode::passivity_control_directional ||
+         config.storage == Storage::elastic;
+}
+
+/// Books what the scene did to a coupling's tool, as far as the bound's arithmetic knows where the
+/// tool is.
+template <class Real>
+class ToolBook {
+ public:
+  explicit ToolBook(const BoundingConfig& config) : config_(config) {}
+  void enter(const BasicBounding<Real>& bounding, const BasicBoundingStep<Real>& told,
+             PromiseLedger& ledger) {
+    const BasicProbe<Real> zero = bounding.probe(Vector3<Real>::Zero(), Vector3<Real>::Zero());
+    const auto port = [&](const CouplingConfig& law, const Damping& b, const Vec3& stretch,
+                          Vec3& last, const Vec3& moved, const Vec3& force) {
+      const Vec3 tool = moved - (stretch - last);
+      last = stretch;
+      const double stiffness = law.stiffness.value_or(b.least() / config_.period);
+      return PromiseLedger::Tool{force.dot(tool),
+                                 0.5 * stiffness * stretch.squaredNorm() +
+                                     0.5 * law.mass * (tool / config_.period).squaredNorm()};
+    };
+    const Command command = told.command.template cast<double>();
+    ledger.tool_moved(port(config_.coupling, config_.damping, -zero.offset.template cast<double>(),
+                           stretch_, told.displacement.template cast<double>(), command.force()),
+                      port(config_.coupling_rotation, config_.rotational_damping,
+                           -zero.rotation.template cast<double>(), turn_,
+                           told.rotation.template cast<double>(), command.torque));
+  }
+
+ private:
+  BoundingConfig config_;
+  Vec3 stretch_ = Vec3::Zero(), turn_ = Vec3::Zero();
+};
+
+template <class Real>
+void attack(const Strain& strain, BoundingMode mode, Promise kept, int hand, double told_damping,
+            ExtremeOutcome& outcome) {
+  Random random(static_cast<std::uint64_t>(hand) + 1);
+  const BoundingConfig config =
+      bound_config(mode, hand / 5 + hand, strain.damping, strain.rotational_damping, strain.period,
+                   strain.max_force, told_damping);
+  BasicBounding<Real> bounding(config);
+  PromiseLedger ledger({kept, strain.damping, strain.rotational_damping, strain.period,
+                        keeps_all(config), kArithmetic<Real>});
+  ToolBook<Real> tool(config);
+  using Limits = std::numeric_limits<Real>;
+  const double least =
+      strain.denormal_moves ? std::log10(double{Limits::denorm_min()}) : strain.least_move;
+  const double largest =
+      strain.denormal_moves ? std::log10(double{Limits::min()}) : strain.largest_move;
+
+  Vec3 place = Vec3::Constant(strain.origin);
+  BasicCommand<Real> held;
+  for (int n = 0; n < kSteps; ++n) {
+    const bool strange = random.chance(strain.strange_inputs);
+    const std::size_t input = random.below(kInputs);
+    double hold_time =
+        strain.period *
+        (random.chance(0.1) ? random.uniform(1.0, strain.longest_hold) : random.uniform(0.2, 1.0));
+    if (strange && input >= kHoldTime) hold_time = strain.period * strain.longest_hold;
+    Movement m =
+        move(hand % 5, random, strain, held.template cast<double>(), hold_time, least, largest);
+    if (strain.origin != 0.0) {
+      const Vec3 next = place + m.displacement;
+      m.displacement = next - place;
+      place = next;
+    }
+    BasicBoundingStep<Real> told{narrowed<Real>(m.displacement), narrowed<Real>(m.rotation),
+                                 narrowed<Real>(hold_time),
+                                 narrowed<Real>(command(random, strain))};
+    const Vec3 moved = told.displacement.template cast<double>();
+    const Vec3 turned = told.rotation.template cast<double>();
+    ledger.moved(held.template cast<double>(), moved, turned, hold_time);
+    if (strange) spoil(random, input, told);
+
+    const BasicBounded<Real> out = bounding.step(told);
+    const Command rendered = out.rendered.template cast<double>();
+    judge_force(rendered, out.refused, strain.max_force, double{Limits::epsilon()}, outcome);
+    if (out.refused || beyond(rendered)) kept = after_refusal(kept);
+    if (kept == Promise::coupling) tool.enter(bounding, told, ledger);
+    if (kept != Promise::none)
+      ledger.rendered(rendered, told.command.template cast<double>(), moved, turned);
+
+    if (random.chance(strain.skipped_writes)) {
+      bounding.set_held(held);
+    } else {
+      held = out.rendered;
+      if (random.chance(strain.fades)) {
+        held = static_cast<Real>(random.uniform(0.0, 1.0)) * held;
+        bounding.set_held(held);
+      }
+    }
+  }
+  judge_energy(ledger, outcome);
+}
+
+/// A simulated hand that slides over a wall with friction, the loop closed.
+struct WallStrain {
+  double stiffness = 1e3, origin = 0.0, period = 1e-3;
+  std::string name() const {
+    std::array<char, 64> text;
+    std::snprintf(text.data(), text.size(), "wall %g N/m%s%s", stiffness,
+                  origin > 0.0 ? "; at 1e6 m" : "",
+                  period < 1e-3   ? "; 1 us"
+                  : period > 1e-3 ? "; 0.1 s"
+                                  : "");
+    return text.data();
+  }
+};
+
+std::vector<WallStrain> walls() {
+  std::vector<WallStrain> all;
+  for (const double origin : {0.0, 1e6})
+    for (const double stiffness : {1e-3, 1.0, 1e3, 1e6, 1e9}) all.push_back({stiffness, origin});
+  for (const double period : {1e-6, 0.1}) all.push_back({1e9, 0.0, period});
+  return all;
+}
+
+/// A coupling and the passivity controllers promise nothing behind a limit.
+double wall_limit(BoundingMode mode) {
+  const Faults limited{.reductions = true};
+  return promise(mode, limited) == promise(mode, {}) ? 8.9 : kInfinity;
+}
+
+template <class Real>
+void touch_wall(const WallStrain& strain, BoundingMode mode, Promise kept, int hand,
+                double told_damping, ExtremeOutcome& outcome) {
+  const Vec3 place = Vec3::Constant(strain.origin);
+  const Object wall{.name = "wall",
+                    .shape = Plane{},
+                    .pose = {place, Quaternion::Identity()},
+                    .material = {.stiffness = strain.stiffness,
+                                 .damping = 1.0,
+                                 .static_friction = 0.5,
+                                 .dynamic_friction = 0.4,
+                                 .viscous_friction = 0.5}};
+  const Scene scene("extremes", {wall});
+  TouchMemory memory = scene.memory();
+
+  SimulatedHandOptions options;
+  options.spec = builtin_device("simulated");
+  // The bound limits. A hand that did not feel the rest of an unlimited force is still a hand.
+  options.spec.max_force = 1e4;
+  options.task = {.path = HandPath::slide,
+                  .center = place,
+                  .frequency = 0.5e-3 / strain.period,
+                  .clearance = 1e-4,
+                  .lead_in = 200.0 * strain.period};
+  SimulatedDevice device(options);
+  const double max_force = wall_limit(mode);
+  const BoundingConfig config =
+      bound_config(mode, hand, options.spec.damping, 2e-4, strain.period, max_force, told_damping);
+  BasicBounding<Real> bounding(config);
+  PromiseLedger ledger(
+      {kept, options.spec.damping, 2e-4, strain.period, keeps_all(config), kArithmetic<Real>});
+  ToolBook<Real> tool(config);
+
+  const auto read = [&](int n) {
+    return device.read(Nanoseconds(std::llround(n * strain.period * 1e9))).pose.position;
+  };
+  Vec3 last = read(0), offset_before = Vec3::Zero();
+  BasicCommand<Real> held;
+  for (int n = 1; n <= kSceneSteps; ++n) {
+    const Vec3 position = read(n);
+    BasicBoundingStep<Real> told;
+    told.displacement = narrowed<Real>(Vec3(position - last));
+    told.hold_time = static_cast<Real>(strain.period);
+    last = position;
+    const Vec3 moved = told.displacement.template cast<double>();
+    ledger.moved(held.template cast<double>(), moved, Vec3::Zero(), strain.period);
+
+    const Vec3 offset =
+        bounding.probe(told.displacement, told.rotation).offset.template cast<double>();
+    const Vec3 velocity = (moved + offset - offset_before) / strain.period;
+    offset_before = offset;
+    told.command = narrowed<Real>(scene.touch({position + offset, velocity}, memory));
+    const BasicBounded<Real> out = bounding.step(told);
+    const Command rendered = out.rendered.template cast<double>();
+    judge_force(rendered, out.refused, max_force, kArithmetic<Real>.epsilon, outcome);
+    if (out.refused || beyond(rendered)) kept = after_refusal(kept);
+    if (kept == Promise::coupling) tool.enter(bounding, told, ledger);
+    if (kept != Promise::none)
+      ledger.rendered(rendered, told.command.template cast<double>(), moved, Vec3::Zero());
+    held = out.rendered;
+    device.write(rendered);
+  }
+  judge_energy(ledger, outcome);
+}
+
+}  // namespace
+
+std::vector<ExtremeRow> run_extremes(double told_damping) {
+  if (!(told_damping > 0.0) || !std::isfinite(told_damping))
+    throw std::invalid_argument(
+        "the damping told must be finite and above zero times the real one");
+  std::vector<ExtremeRow> rows;
+  const auto row = [&](std::string name, BoundingMode mode, const Faults& faults, int hands,
+                       auto in_double, auto in_float) {
+    ExtremeRow r{std::move(name), feltwire::name(mode), promise(mode, faults), {}, {}};
+    for (int hand = 0; hand < hands; ++hand) {
+      in_double(r.promise, hand, r.in_double);
+      in_float(r.promise, hand, r.in_float);
+    }
+    rows.push_back(std::move(r));
+  };
+  for (const Strain& strain : strains())
+    for (const auto known : kBoundingModeNames) {
+      const BoundingMode mode = bounding_mode(known);
+      row(
+          strain.name, mode, strain.faults(), kHands,
+          [&](Promise p, int hand, ExtremeOutcome& o) {
+            attack<double>(strain, mode, p, hand, told_damping, o);
+          },
+          [&](Promise p, int hand, ExtremeOutcome& o) {
+            attack<float>(strain, mode, p, hand, told_damping, o);
+          });
+    }
+  for (const WallStrain& strain : walls())
+    for (const auto known : kBoundingModeNames) {
+      const BoundingMode mode = bounding_mode(known);
+      // Only contact_frame has variants.
+      row(
+          strain.name(), mode, {}, mode == BoundingMode::contact_frame ? 4 : 1,
+          [&](Promise p, int hand, ExtremeOutcome& o) {
+            touch_wall<double>(strain, mode, p, hand, told_damping, o);
+          },
+          [&](Promise p, int hand, ExtremeOutcome& o) {
+            touch_wall<float>(strain, mode, p, hand, told_damping, o);
+          });
+    }
+  return rows;
+}
+
+bool all_passed(const std::vector<ExtremeRow>& rows) {
+  return std::all_of(rows.begin(), rows.end(), [](const ExtremeRow& r) { return r.passed(); });
+}
+
+}  // namespace feltwire

@@ -1,0 +1,55 @@
+#pragma once
+// Every bounding method at the ends of what numbers can say: stiffness, period, movement, force,
+// damping, place, hold times, NaN and Inf; in double and in float.
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "sim/energy_promise.hpp"
+
+namespace feltwire {
+
+/// What one method did in one arithmetic under one strain, over all its hands.
+struct ExtremeOutcome {
+  std::uint64_t steps = 0;
+  std::uint64_t rendering = 0;     // steps with a force
+  std::uint64_t nan = 0, inf = 0;  // steps that rendered one
+  std::uint64_t over_limit = 0;    // steps whose force exceeded the limit by more than 8 epsilon
+  std::uint64_t not_refused = 0;   // steps that rendered a force although an input was no number
+  double energy_error = 0.0;       // worst that was missing of what is promised, over all exchanged
+  double rounding = 0.0;           // what rounding may do there (PromiseLedger)
+  bool broken = false;             // more was missing than rounding can do
+  bool passed() const {
+    return nan == 0 && inf == 0 && over_limit == 0 && not_refused == 0 && !broken;
+  }
+};
+
+struct ExtremeRow {
+  std::string strain;       // what is extreme
+  std::string_view method;  // a bounding mode
+  Promise promise = Promise::none;
+  ExtremeOutcome in_double, in_float;
+  bool passed() const { return in_double.passed() && in_float.passed(); }
+};
+
+/// Runs everything: each strain against each method. Hands that know the force held and take all
+/// they can, and hands that move at random; and simulated hands at a scene's wall.
+/// `told_damping` is the damping that the bounds are told over the one the device has: above 1 the
+/// bounds are wrong and the rows must fail, which shows that they can. Throws std::invalid_argument
+/// when it is not finite and above zero.
+std::vector<ExtremeRow> run_extremes(double told_damping = 1.0);
+
+/// Whether every row passed: no NaN, no Inf, no force over the limit, every promise kept.
+bool all_passed(const std::vector<ExtremeRow>& rows);
+
+/// Writes extremes.csv, extremes.json and extremes.png to `directory` (created). The same build
+/// writes the same bytes. Throws std::runtime_error when something cannot be written or drawn.
+void write_extremes(const std::filesystem::path& directory, const std::vector<ExtremeRow>& rows);
+
+/// The worst relative energy error of every row, for people: a table for each arithmetic.
+std::string extremes_table(const std::vector<ExtremeRow>& rows);
+
+}  // namespace feltwire
