@@ -13,9 +13,9 @@ namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr int kHands = 10;    // a strain: two of each kind
-constexpr int kSteps = 1500;  // a hand
-constexpr int kSceneSteps = 2000;
+constexpr int kSteps = 1500;            // a hand
+constexpr int kSceneSteps = 2000;       // at a wall, but
+constexpr double kLongestScene = 20.0;  // [s] not longer than that
 constexpr double kAbsurd = 1e12;  // [N] above it a force is no force (core/bounding/bounding.cpp)
 
 class Random {
@@ -387,7 +387,7 @@ void touch_wall(const WallStrain& strain, BoundingMode mode, Promise kept, int h
                   .center = place,
                   .frequency = 0.5e-3 / strain.period,
                   .clearance = 1e-4,
-                  .lead_in = 200.0 * strain.period};
+                  .lead_in = 50.0 * strain.period};
   SimulatedDevice device(options);
   const double max_force = wall_limit(mode);
   const BoundingConfig config =
@@ -402,7 +402,8 @@ void touch_wall(const WallStrain& strain, BoundingMode mode, Promise kept, int h
   };
   Vec3 last = read(0), offset_before = Vec3::Zero();
   BasicCommand<Real> held;
-  for (int n = 1; n <= kSceneSteps; ++n) {
+  const int steps = std::min(kSceneSteps, static_cast<int>(kLongestScene / strain.period));
+  for (int n = 1; n <= steps; ++n) {
     const Vec3 position = read(n);
     BasicBoundingStep<Real> told;
     told.displacement = narrowed<Real>(Vec3(position - last));
@@ -431,15 +432,16 @@ void touch_wall(const WallStrain& strain, BoundingMode mode, Promise kept, int h
 
 }  // namespace
 
-std::vector<ExtremeRow> run_extremes(double told_damping) {
+std::vector<ExtremeRow> run_extremes(double told_damping, int hands) {
   if (!(told_damping > 0.0) || !std::isfinite(told_damping))
     throw std::invalid_argument(
         "the damping told must be finite and above zero times the real one");
+  if (hands < 1) throw std::invalid_argument("there must be one hand or more to a strain");
   std::vector<ExtremeRow> rows;
-  const auto row = [&](std::string name, BoundingMode mode, const Faults& faults, int hands,
+  const auto row = [&](std::string name, BoundingMode mode, const Faults& faults, int count,
                        auto in_double, auto in_float) {
     ExtremeRow r{std::move(name), feltwire::name(mode), promise(mode, faults), {}, {}};
-    for (int hand = 0; hand < hands; ++hand) {
+    for (int hand = 0; hand < count; ++hand) {
       in_double(r.promise, hand, r.in_double);
       in_float(r.promise, hand, r.in_float);
     }
@@ -449,7 +451,7 @@ std::vector<ExtremeRow> run_extremes(double told_damping) {
     for (const auto known : kBoundingModeNames) {
       const BoundingMode mode = bounding_mode(known);
       row(
-          strain.name, mode, strain.faults(), kHands,
+          strain.name, mode, strain.faults(), hands,
           [&](Promise p, int hand, ExtremeOutcome& o) {
             attack<double>(strain, mode, p, hand, told_damping, o);
           },

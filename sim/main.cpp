@@ -14,6 +14,7 @@
 #include "sim/figures.hpp"
 #include "sim/filters.hpp"
 #include "sim/link_relay.hpp"
+#include "sim/rate.hpp"
 #include "sim/report_table.hpp"
 #include "sim/zwidth.hpp"
 
@@ -114,6 +115,7 @@ void add_extremes(CLI::App& app, int& status) {
   struct Options {
     std::string out = "extremes";
     double told_damping = 1.0;
+    int hands = 10;
   };
   auto o = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand(
@@ -130,12 +132,34 @@ void add_extremes(CLI::App& app, int& status) {
           "What the bounds are told over the damping there is. Above 1, say 1.05, the rows "
           "must fail")
       ->capture_default_str();
+  command->add_option("--hands", o->hands, "Hands to a strain, five kinds in turn")
+      ->capture_default_str();
   command->callback([o, &status] {
-    const auto rows = run_extremes(o->told_damping);
+    const auto rows = run_extremes(o->told_damping, o->hands);
     write_extremes(o->out, rows);
     std::cout << extremes_table(rows) << "\nTable and picture are in "
               << std::filesystem::absolute(o->out).lexically_normal().string() << '\n';
     status = all_passed(rows) ? 0 : 1;
+  });
+}
+
+void add_rate(CLI::App& app) {
+  auto out = std::make_shared<std::string>("rate");
+  CLI::App* command =
+      app.add_subcommand("rate", "Speed against accuracy, by servo rate and by arithmetic");
+  command->footer(
+      "Writes rate.csv, rate.json and rate.png, the same bytes every time; and what this machine "
+      "took for it,\nrate_cost.csv and rate_cost.png. docs/trade.md is its page.");
+  command->add_option("--out", *out, "Folder to write to; made when missing")
+      ->capture_default_str();
+  command->callback([out] {
+    const RateGrid grid;
+    const auto cells = run_rate(grid);
+    const auto costs = measure_rate_cost();
+    write_rate(*out, grid, cells, costs);
+    std::cout << rate_table(cells) << '\n'
+              << rate_cost_table(grid, costs) << "\nTables and pictures are in "
+              << std::filesystem::absolute(*out).lexically_normal().string() << '\n';
   });
 }
 
@@ -285,6 +309,7 @@ int main(int argc, char** argv) {
   add_compare(app);
   int status = 0;  // of a command that judges
   add_extremes(app, status);
+  add_rate(app);
   add_bound(app);
   add_touch(app);
   add_summary(app);

@@ -1,0 +1,247 @@
+#include "sim/rate.hpp"
+
+#include <time.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "core/bounding/bounding.hpp"
+#include "core/scene/scene.hpp"
+#include "sim/metrics.hpp"
+#include "sim/simulated_device.hpp"
+
+namespace feltwire {
+namespace {
+
+constexpr double kPress = 3.0;                                // [N]
+constexpr double kHighpass = 51e-3;                           // [s]
+constexpr double kBall = 0.09;                                // [m] radius, the paper's
+constexpr double kPressDuration = 1.5, kSlideDuration = 6.0;  // [s]
+
+struct Surface {
+  std::string name;
+  double stiffness;  // [N/m]
+  bool ball;
+};
+const std::array<Surface, 3> kSurfaces = {
+    {{"wall 40 kN/m", 4e4, false}, {"wall 1 kN/m", 1e3, false}, {"sphere 5 kN/m", 5e3, true}}};
+
+Scene scene_of(const Surface& surface) {
+  Object object{.name = surface.name,
+                .shape = Plane{},
+                .pose = {},
+                .material = {.stiffness = surface.stiffness}};
+  if (surface.ball) {
+    object.shape = Sphere{kBall};
+  } else {
+    object.material.viscous_friction = 10.0;  // the paper's wall
+  }
+  return Scene("rate", {object});
+}
+
+/// Height over the surface [m]; the place that is touched is the frame's origin for a wall, its
+/// centre for a ball.
+double height(const Surface& surface, const Vec3& position) {
+  return surface.ball ? position.norm() - kBall : position.z();
+}
+Vec3 normal(const Surface& surface, const Vec3& position) {
+  return surface.ball ? position.normalized() : Vec3::UnitZ();
+}
+
+SimulatedHandOptions hand_of(const Surface& surface, double damping, bool slides) {
+  SimulatedHandOptions options;
+  options.spec = builtin_device("simulated");
+  options.spec.damping = damping;
+  HandTask& task = options.task;
+  task.depth = kPress / options.hand.stiffness;
+  task.center = surface.ball ? Vec3(0, 0, kBall) : Vec3::Zero();
+  task.lead_in = 1.0;
+  task.clearance = 1e-3;
+  // A spring in series: the hand goes in deeper by as much as the surface gives way.
+  if (!slides) task.depth += kPress / surface.stiffness;
+  if (!slides) return options;
+  if (surface.ball) {
+    task.path = HandPath::orbit;
+    task.center = Vec3::Zero();
+    task.normal = Vec3::UnitY();  // the circle stands on the x-z plane
+    task.radius = kBall - task.depth;
+    task.depth = 0.0;
+    task.frequency = 0.25;
+  } else {
+    task.path = HandPath::slide;
+    task.radius = 0.03;
+  }
+  return options;
+}
+
+struct RateSample {
+  Vec3 position, held;  // [m] true; [N] what acts from now on
+  Vec3 acted;           // [N] what has acted until now
+  Vec3 ideal;           // [N] the surface's answer to the true position and velocity
+  BoundingStep told;
+  Tool tool;
+};
+
+template <class Real>
+std::vector<RateSample> run(const Surface& surface, const SimulatedHandOptions& hand, double rate,
+                            double origin, double duration) {
+  BoundingConfig config;
+  config.projection = Projection::cone;
+  config.period = 1.0 / rate;
+  config.damping = hand.spec.damping;
+  config.max_force = hand.spec.max_force;
+  BasicBounding<Real> bounding(config);
+  const Scene scene = scene_of(surface);
+  TouchMemory memory = scene.memory(), ideal_memory = scene.memory();
+  SimulatedDevice device(hand);
+  const Vec3 to_world = Vec3::Constant(origin);
+  // What the device reports: a number of the arithmetic, in the world frame.
+  const auto read = [&](std::size_t n) -> Vector3<Real> {
+    const auto now = Nanoseconds(std::llround(static_cast<double>(n) * config.period * 1e9));
+    return (device.read(now).pose.position + to_world).template cast<Real>();
+  };
+
+  Vector3<Real> last = read(0);
+  Vec3 acted = Vec3::Zero();
+  std::vector<RateSample> samples;
+  const auto count = static_cast<std::size_t>(duration * rate + 0.5);
+  samples.reserve(count);
+  for (std::size_t n = 1; n <= count; ++n) {
+    const Vector3<Real> measured = read(n);
+    RateSample s;
+    s.position = device.true_position();
+    s.ideal = scene.touch({s.position, device.true_velocity()}, ideal_memory).force();
+    BasicBoundingStep<Real> told;
+    told.displacement = measured - last;
+    told.hold_time = static_cast<Real>(config.period);
+    last = measured;
+    s.tool = {measured.template cast<double>() - to_world,
+              told.displacement.template cast<double>() / config.period};
+    told.command = scene.touch(s.tool, memory).template cast<Real>();
+    s.told = {told.displacement.template cast<double>(), Vec3::Zero(), config.period,
+              told.command.template cast<double>()};
+    s.acted = acted;
+    const BasicCommand<Real> rendered = bounding.step(told).rendered;
+    const Command held = device.write(rendered.template cast<double>());
+    bounding.set_held(held.cast<Real>());
+    s.held = acted = held.force();
+    samples.push_back(s);
+  }
+  return samples;
+}
+
+std::vector<RateSample> run(const RateArithmetic& arithmetic, const Surface& surface,
+                            const SimulatedHandOptions& hand, double rate, double duration) {
+  return arithmetic.in_float ? run<float>(surface, hand, rate, arithmetic.origin, duration)
+                             : run<double>(surface, hand, rate, arithmetic.origin, duration);
+}
+
+/// Least squares of force over depth, from the first touch to the deepest point.
+double pressing_slope(const Surface& surface, const std::vector<RateSample>& samples) {
+  double deepest = 0.0, n = 0, x = 0, y = 0, xx = 0, xy = 0;
+  for (const RateSample& s : samples) {
+    const double depth = -height(surface, s.position);
+    if (depth <= deepest) continue;
+    deepest = depth;
+    const double force = s.held.dot(normal(surface, s.position));
+    n += 1, x += depth, y += force, xx += depth * depth, xy += depth * force;
+  }
+  const double spread = n * xx - x * x;
+  return spread > 0.0 ? (n * xy - x * y) / spread : 0.0;
+}
+
+RateCell measure_cell(const Surface& surface, double damping, double rate,
+                      const RateArithmetic& arithmetic) {
+  RateCell cell{surface.name, damping, rate, arithmetic.name, 0.0, 0.0, 0.0};
+  cell.displayed = pressing_slope(
+      surface, run(arithmetic, surface, hand_of(surface, damping, false), rate, kPressDuration));
+
+  const auto samples =
+      run(arithmetic, surface, hand_of(surface, damping, true), rate, kSlideDuration);
+  std::vector<double> heights, angles;
+  for (std::size_t n = 0; n < samples.size(); ++n) {
+    const RateSample& s = samples[n];
+    heights.push_back(height(surface, s.position));
+    if (2 * n < samples.size() || s.acted.norm() < 1e-3 || s.ideal.norm() < 1e-3) continue;
+    angles.push_back(std::atan2(s.acted.cross(s.ideal).norm(), s.acted.dot(s.ideal)));
+  }
+  cell.direction_error = spread(std::move(angles)).mean;
+  cell.oscillation = highpass_rms(heights, 2 * static_cast<int>(0.5 * kHighpass * rate) + 1);
+  return cell;
+}
+
+double cpu_seconds() {
+  timespec now{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+/// Median over laps of the time that one call of work(i) takes [ns].
+template <class Work>
+double cost_ns(std::size_t count, const Work& work) {
+  std::vector<double> laps;
+  for (int lap = 0; lap < 41; ++lap) {
+    const double start = cpu_seconds();
+    for (std::size_t i = 0; i < count; ++i) work(i);
+    laps.push_back((cpu_seconds() - start) / static_cast<double>(count) * 1e9);
+  }
+  std::nth_element(laps.begin(), laps.begin() + 20, laps.end());
+  return laps[20];
+}
+
+template <class Real>
+double bound_cost_ns(const std::vector<RateSample>& samples, const BoundingConfig& config,
+                     Real& sink) {
+  std::vector<BasicBoundingStep<Real>> steps;
+  for (const RateSample& s : samples)
+    steps.push_back({s.told.displacement.cast<Real>(), Vector3<Real>::Zero(),
+                     static_cast<Real>(s.told.hold_time), s.told.command.cast<Real>()});
+  BasicBounding<Real> bounding(config);
+  return cost_ns(steps.size(),
+                 [&](std::size_t i) { sink += bounding.step(steps[i]).rendered.elastic.z(); });
+}
+
+}  // namespace
+
+std::vector<RateCell> run_rate(const RateGrid& grid) {
+  std::vector<RateCell> cells;
+  for (const Surface& surface : kSurfaces)
+    for (const double damping : grid.dampings)
+      for (const double rate : grid.rates)
+        for (const RateArithmetic& arithmetic : kRateArithmetics)
+          cells.push_back(measure_cell(surface, damping, rate, arithmetic));
+  return cells;
+}
+
+std::vector<RateCost> measure_rate_cost() {
+  constexpr double kDamping = 0.5, kRate = 1000.0;
+  std::vector<RateCost> costs;
+  // What is computed must be wanted by somebody, or the compiler leaves it out.
+  volatile double kept = 0.0;
+  for (const Surface& surface : kSurfaces) {
+    const SimulatedHandOptions hand = hand_of(surface, kDamping, true);
+    const auto samples = run(kRateArithmetics[0], surface, hand, kRate, kSlideDuration);
+    BoundingConfig config;
+    config.projection = Projection::cone;
+    config.period = 1.0 / kRate;
+    config.damping = kDamping;
+    config.max_force = hand.spec.max_force;
+    const Scene scene = scene_of(surface);
+    TouchMemory memory = scene.memory();
+    double force = 0.0, sink_double = 0.0;
+    float sink_float = 0.0F;
+    RateCost cost{surface.name, 0.0, 0.0, 0.0};
+    cost.touch_ns = cost_ns(samples.size(), [&](std::size_t i) {
+      force += scene.touch(samples[i].tool, memory).elastic.z();
+    });
+    cost.bound_double_ns = bound_cost_ns<double>(samples, config, sink_double);
+    cost.bound_float_ns = bound_cost_ns<float>(samples, config, sink_float);
+    kept = force + sink_double + static_cast<double>(sink_float);
+    costs.push_back(cost);
+  }
+  static_cast<void>(kept);
+  return costs;
+}
+
+}  // namespace feltwire

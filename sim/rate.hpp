@@ -1,0 +1,63 @@
+#pragma once
+// Speed against accuracy: what the servo rate and the arithmetic give a hand, and what they cost.
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace feltwire {
+
+/// How the numbers of a loop are held. In float: the position that the device reports, rounded to
+/// float in a world frame whose origin lies as far away as said; the displacement, the command and
+/// the whole bound. In double always: the scene's contact, and the simulated hand.
+struct RateArithmetic {
+  std::string_view name;
+  bool in_float = false;
+  double origin = 0.0;  // [m] distance of the touched place from the origin, along every axis
+};
+inline constexpr RateArithmetic kRateArithmetics[] = {
+    {"double", false, 0.0}, {"float 0.1 m", true, 0.1}, {"float 1 m", true, 1.0}};
+
+/// What is measured. Every list must have an entry.
+struct RateGrid {
+  std::vector<double> rates = {250, 500, 1000, 2000, 4000, 1e4, 2e4};  // [Hz]
+  std::vector<double> dampings = {0.5, 2.0};                           // b [N s/m]
+};
+
+struct RateCell {
+  std::string surface;               // "wall 40 kN/m", "wall 1 kN/m", "sphere 5 kN/m"
+  double damping = 0.0, rate = 0.0;  // [N s/m], [Hz]
+  std::string_view arithmetic;
+  /// [N/m] least-squares slope of the rendered normal force over the true depth, while the depth
+  /// of a hand that presses up to 3 N within a second grows.
+  double displayed = 0.0;
+  /// [rad] mean angle between the force held and what the surface answers at the true position and
+  /// velocity at that moment, over a slide (wall) or a turn (sphere).
+  double direction_error = 0.0;
+  /// [m] RMS of the true depth less a centred moving average of 51 ms, over the second half of it.
+  double oscillation = 0.0;
+};
+
+/// Every cell: surfaces, dampings, rates, arithmetics, the last fastest. contact_frame with cone
+/// projection on the built-in simulated device. Deterministic.
+std::vector<RateCell> run_rate(const RateGrid& grid);
+
+/// CPU time of one step on this machine, on the inputs of the sliding runs at 1 kHz.
+struct RateCost {
+  std::string surface;
+  double touch_ns = 0.0, bound_double_ns = 0.0, bound_float_ns = 0.0;
+};
+std::vector<RateCost> measure_rate_cost();
+
+/// Writes rate.csv, rate.json and rate.png, the same bytes every time, and what was measured on
+/// this machine apart from them: rate_cost.csv and rate_cost.png. `directory` is created. Throws
+/// std::runtime_error when something cannot be written or drawn.
+void write_rate(const std::filesystem::path& directory, const RateGrid& grid,
+                const std::vector<RateCell>& cells, const std::vector<RateCost>& costs);
+
+/// Both as tables for people.
+std::string rate_table(const std::vector<RateCell>& cells);
+std::string rate_cost_table(const RateGrid& grid, const std::vector<RateCost>& costs);
+
+}  // namespace feltwire

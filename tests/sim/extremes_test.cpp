@@ -1,0 +1,148 @@
+// The check of the extremes checks: it passes what keeps its promise and catches what does not.
+
+#include "sim/extremes.hpp"
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <fstream>
+#include <set>
+#include <sstream>
+
+namespace feltwire {
+namespace {
+
+using testing::HasSubstr;
+
+const ExtremeRow& row(const std::vector<ExtremeRow>& rows, std::string_view strain,
+                      std::string_view method) {
+  for (const ExtremeRow& r : rows)
+    if (r.strain == strain && r.method == method) return r;
+  throw std::out_of_range("no such row");
+}
+
+TEST(Extremes, EveryMethodKeepsWhatItPromises) {
+  const auto rows = run_extremes(1.0, 5);
+  std::set<std::string> strains;
+  for (const ExtremeRow& r : rows) {
+    strains.insert(r.strain);
+    EXPECT_TRUE(r.passed()) << r.strain << ' ' << r.method;
+    for (const ExtremeOutcome* o : {&r.in_double, &r.in_float}) EXPECT_GE(o->steps, 200u);
+    // A bound that renders nothing proves nothing. The others' forces explode before long.
+    if (r.promise != Promise::port || r.strain == "damping 0") continue;
+    if (r.strain == "movements denormal" && r.method == "energy_tank") continue;  // energies are 0
+    EXPECT_GT(r.in_double.rendering, 100u) << r.strain << ' ' << r.method;
+    EXPECT_GT(r.in_float.rendering, 100u) << r.strain << ' ' << r.method;
+  }
+  EXPECT_GE(strains.size(), 30u);
+  EXPECT_EQ(rows.size(), strains.size() * kBoundingModeNames.size());
+  EXPECT_TRUE(all_passed(rows));
+}
+
+// Five percent more damping than there is: every strain whose hands can take it tells, in double
+// and in float.
+TEST(Extremes, FivePercentTooMuchDampingIsFound) {
+  const auto rows = run_extremes(1.05, 1);
+  EXPECT_FALSE(all_passed(rows));
+  EXPECT_THAT(extremes_table(rows), HasSubstr("FAILED"));
+  for (const char* strain :
+       {"an ordinary hand", "period 1 us", "period 0.1 s", "hand still; force held",
+        "movements denormal", "movements 1e-300 to 1e3 m", "forces 1 MN to 1 TN",
+        "damping 1e6 N s/m", "damping 1e6; period 1 us", "damping by direction 100:1",
+        "1e6 m from the origin", "limit 0.3 N", "fades", "holds up to 50 T", "NaN; Inf; absurd"}) {
+    const ExtremeRow& r = row(rows, strain, "contact_frame");
+    EXPECT_TRUE(r.in_double.broken) << strain;
+    EXPECT_TRUE(r.in_float.broken) << strain;
+  }
+}
+
+// per_axis and the coupling keep more than they must: they need a larger lie.
+TEST(Extremes, FiveTimesTheDampingIsFoundInEveryLawThatCountsOnIt) {
+  const auto rows = run_extremes(5.0, 2);
+  for (const char* method : {"contact_frame", "energy_tank", "per_axis", "virtual_coupling"}) {
+    const ExtremeRow& r = row(rows, "an ordinary hand", method);
+    EXPECT_TRUE(r.in_double.broken) << method;
+    EXPECT_TRUE(r.in_float.broken) << method;
+  }
+  EXPECT_TRUE(row(rows, "wall 1e+09 N/m; at 1e6 m", "contact_frame").in_float.broken);
+}
+
+TEST(Extremes, WhatIsToldMustBeADamping) {
+  for (const double bad : {0.0, -1.0, std::nan(""), HUGE_VAL})
+    EXPECT_THROW(run_extremes(bad), std::invalid_argument) << bad;
+  EXPECT_THROW(run_extremes(1.0, 0), std::invalid_argument);
+}
+
+std::string text_of(const std::filesystem::path& file) {
+  std::ifstream in(file);
+  std::ostringstream text;
+  text << in.rdbuf();
+  return text.str();
+}
+
+TEST(Extremes, TheSameBytesEveryTime) {
+  const auto directory = std::filesystem::path(testing::TempDir()) / "feltwire_extremes_test";
+  for (const char* turn : {"a", "b"}) write_extremes(directory / turn, run_extremes(1.0, 1));
+  for (const char* file : {"extremes.csv", "extremes.json", "extremes.png"}) {
+    const std::string text = text_of(directory / "a" / file);
+    EXPECT_GT(text.size(), 10000u) << file;
+    EXPECT_EQ(text, text_of(directory / "b" / file)) << file;
+  }
+  std::filesystem::remove_all(directory);
+}
+
+TEST(Extremes, TheCommandFailsWhenARowFails) {
+  const auto directory = std::filesystem::path(testing::TempDir()) / "feltwire_extremes_exit";
+  const auto status = [&](const std::string& options) {
+    const std::string command = std::string(FELTWIRE_LAB) + " extremes --out " +
+                                directory.string() + " " + options + " > /dev/null 2>&1";
+    return WEXITSTATUS(std::system(command.c_str()));
+  };
+  EXPECT_EQ(status("--hands 1"), 0);
+  EXPECT_EQ(status("--hands 1 --told-damping 1.05"), 1);
+  EXPECT_EQ(status("--hands 0"), 1);
+  std::filesystem::remove_all(directory);
+}
+
+// One step by hand, T = 1 ms, b = 0.5 N s/m, c = 1000 N/m: 1 mm pressed burns 0.5 mJ, and pays for
+// 1 N, whose hand can take 0.5 mJ.
+TEST(PromiseLedger, PaysForAForceUpToTheLastPartInAMillion) {
+  for (const double newton : {1.0 - 1e-6, 1.0, 1.0 + 1e-6}) {
+    PromiseLedger ledger({.damping = 0.5});
+    ledger.moved({}, Vec3(-1e-3, 0, 0), Vec3::Zero(), 1e-3);
+    Command held;
+    held.elastic.x() = newton;
+    ledger.rendered(held, held, Vec3(-1e-3, 0, 0), Vec3::Zero());
+    EXPECT_EQ(ledger.broken(), newton > 1.0) << newton;
+    if (newton > 1.0) {
+      EXPECT_NEAR(ledger.error(), 2e-6, 1e-8);
+    }
+  }
+}
+
+TEST(PromiseLedger, AHoldOfTwoPeriodsBurnsHalf) {
+  PromiseLedger ledger({.damping = 0.5});
+  ledger.moved({}, Vec3(-1e-3, 0, 0), Vec3::Zero(), 2e-3);
+  Command held;
+  held.elastic.x() = 0.7;  // sqrt(1/2) N are paid for
+  ledger.rendered(held, held, Vec3(-1e-3, 0, 0), Vec3::Zero());
+  EXPECT_FALSE(ledger.broken());
+  held.elastic.x() = 0.71;
+  ledger.rendered(held, held, Vec3(-1e-3, 0, 0), Vec3::Zero());
+  EXPECT_TRUE(ledger.broken());
+}
+
+TEST(PromiseLedger, ByAxisNoAxisPaysForAnother) {
+  for (const Promise promise : {Promise::port, Promise::port_by_axis}) {
+    PromiseLedger ledger({.promise = promise, .damping = 0.5});
+    ledger.moved({}, Vec3(-1e-3, 0, 0), Vec3::Zero(), 1e-3);
+    Command held;
+    held.elastic.y() = 0.5;  // x paid
+    ledger.rendered(held, held, Vec3(-1e-3, 0, 0), Vec3::Zero());
+    EXPECT_EQ(ledger.broken(), promise == Promise::port_by_axis);
+  }
+}
+
+}  // namespace
+}  // namespace feltwire
