@@ -134,7 +134,8 @@ void PromiseLedger::judge(Port& port, const Vec3& force, const Vec3& displacemen
   const auto at_stake = [&](const Vec3& held) -> long double {
     if (held.isZero(0.0)) return 0.0L;
     const Vector f = held.cast<long double>();
-    return damped ? f.dot(port.inverse.cast<long double>() * f) * quarter : kInfinity;
+    return damped ? f.dot(port.inverse.cast<long double>() * f) * quarter
+                  : std::numeric_limits<long double>::infinity();
   };
 
   const long double all_at_stake = at_stake(force);

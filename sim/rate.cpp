@@ -105,7 +105,7 @@ std::vector<RateSample> run(const Surface& surface, const SimulatedHandOptions& 
   Vector3<Real> last = read(0);
   Vec3 acted = Vec3::Zero();
   std::vector<RateSample> samples;
-  const auto count = static_cast<std::size_t>(duration * rate + 0.5);
+  const auto count = static_cast<std::size_t>(std::llround(duration * rate));
   samples.reserve(count);
   for (std::size_t n = 1; n <= count; ++n) {
     const Vector3<Real> measured = read(n);
@@ -194,6 +194,7 @@ template <class Real>
 double bound_cost_ns(const std::vector<RateSample>& samples, const BoundingConfig& config,
                      Real& sink) {
   std::vector<BasicBoundingStep<Real>> steps;
+  steps.reserve(samples.size());
   for (const RateSample& s : samples)
     steps.push_back({s.told.displacement.cast<Real>(), Vector3<Real>::Zero(),
                      static_cast<Real>(s.told.hold_time), s.told.command.cast<Real>()});
