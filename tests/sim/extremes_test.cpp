@@ -95,7 +95,7 @@ TEST(Extremes, TheSameBytesEveryTime) {
 TEST(Extremes, TheCommandFailsWhenARowFails) {
   const auto directory = std::filesystem::path(testing::TempDir()) / "feltwire_extremes_exit";
   const auto status = [&](const std::string& options) {
-    const std::string command = std::string(FELTWIRE_LAB) + " extremes --out " +
+    const std::string command = std::string(FELTWIRE_LAB_PROGRAM) + " extremes --out " +
                                 directory.string() + " " + options + " > /dev/null 2>&1";
     return WEXITSTATUS(std::system(command.c_str()));
   };
