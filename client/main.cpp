@@ -15,6 +15,7 @@
 #include "client/devices/replay.hpp"
 #include "client/encoder.hpp"
 #include "client/options.hpp"
+#include "client/rejoin.hpp"
 #include "client/report.hpp"
 #include "client/status_line.hpp"
 
@@ -99,8 +100,9 @@ class Recorder {
 
 /// What the main thread does while the servo thread runs.
 void look_after(const Signals& signals, Event& stop, const Event& finished,
-                Ring<LiveStatus>& statuses, Recorder* recorder) {
+                Ring<LiveStatus>& statuses, Recorder* recorder, Rejoiner& rejoiner) {
   StatusLine line;
+  bool connected = true;
   std::array<pollfd, 2> waiting{
       {{signals.descriptor(), POLLIN, 0}, {finished.descriptor(), POLLIN, 0}}};
   bool running = true;
@@ -115,6 +117,8 @@ void look_after(const Signals& signals, Event& stop, const Event& finished,
     bool fresh = false;
     while (statuses.pop(status)) fresh = true;
     if (fresh) line.show(status);
+    if (fresh) connected = status.connected;
+    if (running) rejoiner.look(connected, Rejoiner::Clock::now());
     if (recorder != nullptr) recorder->write();
   }
   line.end();
@@ -182,9 +186,16 @@ int run(const ClientOptions& options) {
     std::unique_ptr<Recorder> recorder;
     if (options.record) recorder = std::make_unique<Recorder>(*options.record);
 
+    constexpr std::size_t kSessionRoom = 4;
+    Ring<SessionAddress> sessions(kSessionRoom);
+    Rejoiner rejoiner(options.server,
+                      {options.name, options.scene, device->spec(), joined.accepted.parameters},
+                      sessions);
     const LoopOptions loop{
         .duration = Nanoseconds(std::llround(options.duration * 1e9)),
-        .silence_timeout = Nanoseconds(std::llround(joined.accepted.silence_timeout * 1e9))};
+        .silence_timeout = Nanoseconds(std::llround(joined.accepted.silence_timeout * 1e9)),
+        .patience = Nanoseconds(std::llround(options.patience * 1e9)),
+        .rejoined = &sessions};
     constexpr std::size_t kStatusRoom = 16;
     Ring<LiveStatus> statuses(kStatusRoom);
     const LoopOutputs outputs{.status = &statuses,
@@ -199,7 +210,7 @@ int run(const ClientOptions& options) {
     });
     const RealTime real_time = granted.get_future().get();
     warn_without_real_time(real_time);
-    look_after(signals, stop, finished, statuses, recorder.get());
+    look_after(signals, stop, finished, statuses, recorder.get(), rejoiner);
     thread.join();
 
     if (options.report)

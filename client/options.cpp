@@ -67,6 +67,8 @@ void understand(const Words& words, HandTask task, ClientOptions& options) {
   options.scene = words.scene;
   require(options.duration >= 0.0 && options.duration <= kLongestDuration,
           "--duration must be from 0 to 1e7 s; 0 runs until it is stopped");
+  require(options.patience >= 0.0 && options.patience <= kLongestDuration,
+          "--reconnect must be from 0 to 1e7 s; 0 ends when the session is lost");
 
   options.parameters.mode = bounding_mode(words.mode);
   options.parameters.projection = projection(words.projection);
@@ -135,6 +137,10 @@ std::variant<ClientOptions, int> parse_options(int argc, char** argv) {
                  "below)");
   app.footer(link_help());
   app.add_option("--name", options.name, "What the server calls this client")
+      ->capture_default_str();
+
+  app.add_option("--reconnect", options.patience,
+                 "[s] to look for a lost session, or a new one, before giving up; 0: not at all")
       ->capture_default_str();
 
   const auto session = "Session";

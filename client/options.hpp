@@ -28,7 +28,8 @@ struct ClientOptions {
   DeviceSpec spec;
   SessionParameters parameters;
   ServoOptions servo;
-  double duration = 0.0;  // [s] 0: until stopped
+  double duration = 0.0;   // [s] 0: until stopped
+  double patience = 30.0;  // [s] to find a lost session again, 0: not at all
   std::optional<std::filesystem::path> report, record;
   std::optional<TwoWayLinkOptions> link;  // emulated, between this client and its socket
 };

@@ -82,6 +82,10 @@ class Servo {
     return hold(device.write(render(device.read(now), now)));
   }
 
+  /// The session was lost and goes on: the hand may be anywhere by now, so the safety limits that
+  /// belong to a connection (wait for small force, ramp-up) begin anew.
+  void reconnected() noexcept { safety_ = SafetyStage(options_.safety); }
+
   /// From the next tick on the hand is given nothing.
   void release() noexcept { released_ = true; }
   /// The device said that it has ended; it has been given nothing since.

@@ -116,10 +116,8 @@ class Loop {
 
   /// What one wake-up brought. False when the loop is over.
   bool step(Nanoseconds now) noexcept {
-    if (waiting_[1].revents != 0 || linked_) {
-      take_replies(now);
-      if (server_left_) return end(EndReason::server_goodbye);
-    }
+    if (waiting_[1].revents != 0 || linked_) take_replies(now);
+    if (server_left_ && !lose(now, EndReason::server_goodbye)) return false;
     if (waiting_[2].revents != 0) return end(EndReason::requested);
     if (waiting_[0].revents == 0) return true;
 
@@ -134,9 +132,41 @@ class Loop {
     if (servo_.device_ended()) return end(EndReason::device_ended);
     if (options_.duration.count() > 0 && now - first_tick_ >= options_.duration)
       return end(EndReason::duration);
-    if (options_.silence_timeout.count() > 0 && now - last_heard_ > options_.silence_timeout)
-      return end(EndReason::server_silent);
+    if (options_.silence_timeout.count() > 0 && now - last_heard_ > options_.silence_timeout &&
+        !lose(now, EndReason::server_silent))
+      return false;
+    if (options_.rejoined != nullptr) regain(now);
+    return !lost_ || now - lost_at_ < options_.patience || end(lost_by_);
+  }
+
+  /// The session is gone, by a goodbye or by silence. False when that is the end.
+  bool lose(Nanoseconds now, EndReason reason) noexcept {
+    if (options_.rejoined == nullptr || options_.patience.count() <= 0) return end(reason);
+    if (lost_) return true;
+    lost_ = true;
+    lost_at_ = now;
+    lost_by_ = reason;
+    ++result_.disconnections;
+    next_status_ = now;
     return true;
+  }
+
+  /// A new session, or the old one that answers again.
+  void regain(Nanoseconds now) noexcept {
+    SessionAddress to;
+    bool fresh = false;
+    while (options_.rejoined->pop(to)) fresh = transport_.resume(to);
+    // One that was asked for and comes late is taken too, or the server would keep it for nobody.
+    if (fresh) last_heard_ = now;
+    const bool answered = lost_ && !server_left_ && last_heard_ > lost_at_;
+    if (!fresh && !answered) return;
+    server_left_ = false;
+    servo_.reconnected();
+    next_status_ = now;
+    if (!lost_) return;
+    lost_ = false;
+    ++result_.reconnections;
+    result_.disconnected += seconds(now - lost_at_);
   }
 
   bool end(EndReason reason) noexcept {
@@ -147,7 +177,10 @@ class Loop {
   void tick(Nanoseconds now) noexcept {
     if (!ticked_) first_tick_ = now;
     ticked_ = true;
-    if (const Sample* sample = servo_.tick(device_, now)) transport_.send(*sample);
+    // To a server that said goodbye nothing is sent; to one that is silent it is, for it may be the
+    // way back only.
+    const Sample* sample = servo_.tick(device_, now);
+    if (sample != nullptr && !server_left_) transport_.send(*sample);
     result_.duration = seconds(now - first_tick_);
     record(now);
     if (now >= next_status_) report_status(now);
@@ -169,6 +202,7 @@ class Loop {
   /// The hand is let go; then the replies that are on their way are counted, and the server is
   /// told.
   void release(Nanoseconds now) noexcept {
+    if (lost_) result_.disconnected += seconds(now - lost_at_);
     servo_.release();
     if (linked_) transport_.pass(now);
     tick(now);
@@ -214,7 +248,8 @@ class Loop {
          .force = length(servo_.held().force()),
          .energy = servo_.port().delivered().total(),
          .answered_lately =
-             servo_.has_reply() && servo_.command_age() < 0.5 * servo_.parameters().hold_time});
+             servo_.has_reply() && servo_.command_age() < 0.5 * servo_.parameters().hold_time,
+         .connected = !lost_});
   }
 
   static double seconds(Nanoseconds time) noexcept {
@@ -233,6 +268,9 @@ class Loop {
   std::array<pollfd, 3> waiting_;  // deadline, replies, stop
   Reply reply_;
   bool ticked_ = false, server_left_ = false;
+  bool lost_ = false;
+  Nanoseconds lost_at_{0};
+  EndReason lost_by_ = EndReason::server_silent;
   Nanoseconds first_tick_{0}, last_heard_, next_status_;
 };
 

@@ -40,6 +40,10 @@ std::string_view name(EndReason reason);
 struct LoopOptions {
   Nanoseconds duration{0};         // 0: no limit
   Nanoseconds silence_timeout{0};  // 0: no limit
+  /// How long a lost session may stay lost, and where new ones come from; null: losing it ends the
+  /// loop. Meanwhile the hand goes on and commands fade.
+  Nanoseconds patience{0};
+  Ring<SessionAddress>* rejoined = nullptr;
 };
 
 /// What the thread says while it runs, a few times a second.
@@ -51,6 +55,7 @@ struct LiveStatus {
   double force = 0.0;                                 // [N] held now
   double energy = 0.0;                                // [J] delivered to the hand so far
   bool answered_lately = false;                       // the command in use is not fading
+  bool connected = true;                              // the session is not lost
 };
 
 /// Where the thread puts what others may want; null: nowhere. Full rings lose what comes, and count
@@ -67,6 +72,9 @@ struct LoopResult {
   std::uint64_t overruns = 0;                      // ticks that came a whole period late or more
   std::uint64_t missed_deadlines = 0;              // that these passed over
   std::uint64_t records_dropped = 0;               // rows that found the ring full
+  std::uint64_t disconnections = 0;                // times the session was lost
+  std::uint64_t reconnections = 0;                 // times it, or a new one, went on
+  double disconnected = 0.0;                       // [s] altogether
   Histogram wakeup_late;                           // [ns] each tick behind its deadline
 };
 

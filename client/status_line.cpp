@@ -21,7 +21,10 @@ void StatusLine::show(const LiveStatus& status) {
                terminal_ ? "\r" : "", status.time, rate, us * status.round_trip_p50,
                us * status.round_trip_p99, status.force,
                static_cast<unsigned long long>(status.lost), status.energy,
-               status.answered_lately ? "" : "   no answer", terminal_ ? "\x1b[K" : "\n");
+               !status.connected        ? "   reconnecting"
+               : status.answered_lately ? ""
+                                        : "   no answer",
+               terminal_ ? "\x1b[K" : "\n");
   std::fflush(stderr);
   open_ = terminal_;
   shown_ = status.time;

@@ -45,6 +45,17 @@ Transport::Transport(const Address& server, std::uint64_t session, int redundanc
 
 Transport::~Transport() { ::close(socket_); }
 
+bool Transport::resume(const SessionAddress& to) noexcept {
+  if (::connect(socket_, reinterpret_cast<const sockaddr*>(&to.server.storage), to.server.size) !=
+      0)
+    return false;
+  session_ = to.session;
+  packet_number_ = 0;
+  seen_ = {};
+  batch_.count = 0;  // the new session has not missed the samples of the old one
+  return true;
+}
+
 void Transport::transmit(Bytes datagram) noexcept {
   if (::send(socket_, datagram.data(), datagram.size(), MSG_NOSIGNAL) >= 0) {
     ++statistics_.sent;

@@ -21,6 +21,12 @@ struct TransportStatistics {
   std::array<std::uint64_t, kDropReasons> dropped{};
 };
 
+/// Where a session's datagrams go.
+struct SessionAddress {
+  Address server;
+  std::uint64_t session = 0;
+};
+
 class Transport {
  public:
   enum class Arrival { nothing, reply, goodbye };
@@ -33,6 +39,11 @@ class Transport {
   ~Transport();
   Transport(const Transport&) = delete;
   Transport& operator=(const Transport&) = delete;
+
+  /// Goes on with another session, of the same address family, from the same socket: numbers
+  /// begin anew, what was on its way is no longer listened to. False when the system has no way
+  /// there; then the old session stays.
+  bool resume(const SessionAddress& to) noexcept;
 
   /// To wait for replies on.
   int descriptor() const { return socket_; }

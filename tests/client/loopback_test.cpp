@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include "client/rejoin.hpp"
+
 namespace feltwire {
 namespace {
 
@@ -62,6 +64,8 @@ TEST_F(Loopback, TwoHandsFeelTheFloorAtOnce) {
   }
   EXPECT_EQ(bounded.servo.port().violations(), 0u);
 
+  // Their goodbyes are on the way: a server that stops first ends the sessions itself.
+  while (list_scenes(endpoint, kPatience).at(0).sessions > 0) std::this_thread::yield();
   server->stop();
   const auto summary = server->summary();
   ASSERT_EQ(summary.size(), 1u);
@@ -85,6 +89,63 @@ TEST_F(Loopback, AServerThatStopsSaysGoodbye) {
   EXPECT_EQ(client.result->end, EndReason::server_goodbye);
   EXPECT_EQ(client.result->goodbye, GoodbyeReason::shutting_down);
   EXPECT_EQ(client.servo.held().force(), Vec3::Zero());
+}
+
+// The server ends; its successor stands elsewhere. The hand goes on and feels again.
+TEST_F(Loopback, AnotherServerTakesOver) {
+  // Up and down for ever: each time it comes in from outside.
+  std::string strokes = "t,x,y,z\n";
+  for (int n = 0; n < 4000; ++n) {
+    strokes += std::to_string(0.1 * n) + ",0,0," + (n % 2 == 0 ? "0.004\n" : "-0.004\n");
+  }
+  Client client(endpoint, strokes.c_str(), {}, "floor");
+  Ring<SessionAddress> sessions(4);
+  client.start({.silence_timeout = kPatience, .patience = kPatience, .rejoined = &sessions});
+  const auto felt = [&] {
+    for (TickRecord row; row.held.z() <= 0.0;)
+      if (!client.records.pop(row)) std::this_thread::yield();
+  };
+  felt();
+
+  std::vector<Scene> scenes;
+  scenes.push_back(testing::floor_scene());
+  Server successor(testing::any_ports(), std::move(scenes));
+  Rejoiner rejoiner({"127.0.0.1", successor.control_port()},
+                    {"tester", "floor", client.device.spec(), client.joined.accepted.parameters},
+                    sessions);
+  server->stop();
+  TickRecord row;
+  do {  // until what the old one had commanded has faded
+    while (!client.records.pop(row)) std::this_thread::yield();
+  } while (row.age < client.servo.parameters().hold_time);
+  EXPECT_EQ(row.held, Vec3::Zero());
+  while (row.age >= client.servo.parameters().hold_time || row.held.z() <= 0.0) {
+    rejoiner.look(row.age < client.servo.parameters().hold_time, Rejoiner::Clock::now());
+    if (!client.records.pop(row)) std::this_thread::yield();
+  }
+  client.stop.set();
+  client.finish();
+  EXPECT_EQ(client.result->end, EndReason::requested);
+  EXPECT_EQ(client.result->disconnections, 1u);
+  EXPECT_EQ(client.result->reconnections, 1u);
+  EXPECT_GT(client.result->disconnected, 0.0);
+  EXPECT_EQ(client.servo.port().violations(), 0u);
+}
+
+TEST_F(Loopback, ALostSessionThatNobodyFindsEndsAfterItsPatience) {
+  Client client(endpoint, "t,x,y,z\n0,0,0,-0.001\n1000,0,0,-0.001\n", {}, "floor");
+  Ring<SessionAddress> sessions(4);
+  client.start({.silence_timeout = kPatience,
+                .patience = std::chrono::milliseconds(50),
+                .rejoined = &sessions});
+  for (TickRecord row; row.age < 0.0;)
+    if (!client.records.pop(row)) std::this_thread::yield();
+  server->stop();
+  client.finish();
+  EXPECT_EQ(client.result->end, EndReason::server_goodbye);
+  EXPECT_EQ(client.result->disconnections, 1u);
+  EXPECT_EQ(client.result->reconnections, 0u);
+  EXPECT_GE(client.result->disconnected, 0.05);
 }
 
 }  // namespace

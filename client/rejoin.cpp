@@ -1,0 +1,54 @@
+#include "client/rejoin.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace feltwire {
+namespace {
+
+std::optional<SessionAddress> attempt(const Endpoint& server, const control::JoinRequest& request,
+                                      std::chrono::milliseconds timeout) {
+  try {
+    const Joined joined = join(server, request, timeout);
+    // The servo's bound stands on these.
+    if (!(joined.accepted.parameters == request.parameters)) return std::nullopt;
+    return SessionAddress{joined.datagrams, joined.accepted.session};
+  } catch (const SessionError&) {
+    return std::nullopt;  // not there yet, or full: the next attempt may do better
+  }
+}
+
+}  // namespace
+
+Rejoiner::Rejoiner(Endpoint server, control::JoinRequest request, Ring<SessionAddress>& out,
+                   const RejoinOptions& options)
+    : server_(std::move(server)),
+      request_(std::move(request)),
+      out_(out),
+      options_(options),
+      wait_(options.first_wait) {}
+
+void Rejoiner::look(bool connected, Clock::time_point now) {
+  if (attempt_.valid()) {
+    if (attempt_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return;
+    const std::optional<SessionAddress> session = attempt_.get();
+    // Also when the old session answers again meanwhile: two would stand at the server else.
+    handed_over_ = session && out_.push(*session);
+    handed_over_at_ = now;
+    next_ = now + wait_;
+    wait_ = std::min(2 * wait_, options_.longest_wait);
+    return;
+  }
+  if (connected) {
+    handed_over_ = false;
+    wait_ = options_.first_wait;
+    return;
+  }
+  if (now < next_) return;
+  // What was handed over may be lost again before it ever answered.
+  if (handed_over_ && now < handed_over_at_ + options_.longest_wait) return;
+  ++attempts_;
+  attempt_ = std::async(std::launch::async, attempt, server_, request_, options_.timeout);
+}
+
+}  // namespace feltwire

@@ -1,0 +1,49 @@
+#pragma once
+// Joins again when a session was lost, while the hand's loop goes on.
+
+#include <chrono>
+#include <future>
+#include <optional>
+
+#include "client/control_client.hpp"
+#include "client/ring.hpp"
+#include "client/transport.hpp"
+
+namespace feltwire {
+
+/// Waits between attempts [RFC 8085 asks for care with what does not answer]: doubling, from the
+/// first to the longest.
+struct RejoinOptions {
+  std::chrono::milliseconds first_wait{250}, longest_wait{4000};
+  std::chrono::milliseconds timeout{1000};  // of each attempt
+};
+
+/// For one thread that is not the servo's. Attempts run in a thread of their own, so that look()
+/// never blocks.
+class Rejoiner {
+ public:
+  using Clock = std::chrono::steady_clock;
+
+  /// `request` asks for the parameters that are in force: another session has to be the same. New
+  /// sessions go to `out`.
+  Rejoiner(Endpoint server, control::JoinRequest request, Ring<SessionAddress>& out,
+           const RejoinOptions& options = {});
+
+  /// Call now and then: `connected` is what the loop says of its session.
+  void look(bool connected, Clock::time_point now);
+
+  std::uint64_t attempts() const { return attempts_; }
+
+ private:
+  Endpoint server_;
+  control::JoinRequest request_;
+  Ring<SessionAddress>& out_;
+  RejoinOptions options_;
+  std::future<std::optional<SessionAddress>> attempt_;
+  bool handed_over_ = false;  // the loop has not said yet that it took the new session
+  Clock::time_point next_{}, handed_over_at_{};
+  std::chrono::milliseconds wait_;
+  std::uint64_t attempts_ = 0;
+};
+
+}  // namespace feltwire
