@@ -22,6 +22,7 @@ BoundingConfig passive_law(int which) {
 }
 std::vector<BoundingConfig> passive_laws() {
   std::vector<BoundingConfig> all;
+  all.reserve(kPassiveLaws);
   for (int i = 0; i < kPassiveLaws; ++i) all.push_back(passive_law(i));
   return all;
 }
