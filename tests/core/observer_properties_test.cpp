@@ -273,7 +273,8 @@ void parallel_shifts_no_more_than_the_hand(const Script& script, PassivityRefere
           const double ulp = kUlps<Real> * (std::abs(i < 3 ? offset[k] : turned[k]) + std::abs(dx));
           RC_ASSERT(std::abs(shift) <= std::abs(dx) + ulp);
           Observed& axis = axes[i];
-          axis.missing(part(wanted) * dx, part(commanded_before) * dx, part(p.before) * dx);
+          const double missing =
+              axis.missing(part(wanted) * dx, part(commanded_before) * dx, part(p.before) * dx);
           if (!axis.following) axis.energy.add(part(wanted) * dx);
           const double dissipated = -shift * part(wanted);
           axis.energy.add(dissipated);
@@ -284,6 +285,8 @@ void parallel_shifts_no_more_than_the_hand(const Script& script, PassivityRefere
                                       axis.energy.magnitudes +
                                   slack[i];
           RC_ASSERT(dissipated >= -rounding);
+          RC_ASSERT(dissipated <=
+                    std::max(0.0, missing) + rounding);  // and no more than was missing
           // Nothing is missing any more, or the whole movement of the hand was held back.
           if (part(wanted) != 0.0 && std::abs(shift) < std::abs(dx) - ulp)
             RC_ASSERT(axis.energy.value >= -rounding);
