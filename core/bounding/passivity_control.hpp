@@ -167,10 +167,12 @@ class PassivityControl {
 ///   dx_e = dx - alpha F T,   alpha = W / (T F^2)
 /// so the environment is moved less than the hand. A device that takes force can't move the hand,
 /// so here the point that the scene is asked at is moved against the force (probe()), at most by
-/// the device's own movement a sample; it comes back when the contact ends. Source: Hannaford & Ryu
-/// 2002, as above. Needs the scene to be asked at probe(). Known weakness: position drift while in
-/// contact, a sample late, and the energy that the hand already got is repaid by the environment
-/// only.
+/// the device's own movement a sample; it comes back when the contact ends.
+///
+/// Source: Hannaford & Ryu 2002, as above. Needs the scene to be asked at probe().
+///
+/// Known weakness: position drift while in contact, a sample late, and the energy that the hand
+/// already got is repaid by the environment only.
 template <class Real>
 class PassivityControlParallel {
  public:
