@@ -59,7 +59,7 @@ class PromiseLedger {
   struct Setup {
     Promise promise = Promise::port;
     Damping damping{}, rotational_damping{};  // B of the real device
-    double period = 1e-3;                 // T [s]
+    double period = 1e-3;                     // T [s]
     bool keeps_all = false;  // the law stores all that it ever took in, not only what is at stake
     Arithmetic arithmetic{};
   };

@@ -292,8 +292,8 @@ std::uint64_t violations_against_an_adversary(const SessionParameters& p, std::u
   for (int i = 0; i < ticks; ++i) {
     const double hold = 1e-3 * (0.5 + 0.5 * unit(random));
     now += seconds(hold);
-    position +=
-        chance(0.1) ? vector(-7, -2) : Vec3(hold / (2.0 * spec.damping.least()) * servo.held().force());
+    position += chance(0.1) ? vector(-7, -2)
+                            : Vec3(hold / (2.0 * spec.damping.least()) * servo.held().force());
     std::erase_if(under_way, [&](const auto& entry) {
       if (entry.first > now) return false;
       servo.take(entry.second, entry.first);
