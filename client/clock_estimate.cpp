@@ -9,6 +9,7 @@ namespace {
 constexpr double kSecond = 1e-9;           // of nanoseconds
 constexpr double kLongestExchange = 60.0;  // [s]
 constexpr double kLargestDrift = 500e-6;   // [s/s] RFC 5905: no clock worth the name is worse
+constexpr double kUsualDrift = 20e-6;      // [s/s] of a crystal: what is believed before it shows
 // How well even the fastest exchange is known: the scheduling of two machines.
 constexpr double kLeastUncertainty = 5e-6;  // [s]
 // Drift shows above the noise of single exchanges only over some seconds.
@@ -100,9 +101,14 @@ void ClockEstimate::fit() noexcept {
     latest = buckets_used_ == 0 ? b.time : std::max(latest, b.time);
     ++buckets_used_;
   }
+  double slower = 0.0;  // [s] than the fastest, on average
+  for (const Fastest& b : buckets_)
+    if (counts(b)) slower += (b.round_trip - least_round_trip_) / buckets_used_;
   // The excess over the fastest round trip is what a queue added on one way: half of it is error.
+  // How much the buckets differ says how far the fastest itself may be from an empty way.
   const auto weight = [&](const Fastest& b) {
-    const double uncertainty = kLeastUncertainty + 0.5 * (b.round_trip - least_round_trip_);
+    const double excess = b.round_trip - least_round_trip_;
+    const double uncertainty = kLeastUncertainty + 0.5 * (excess + slower);
     return 1.0 / (uncertainty * uncertainty);
   };
   double sum = 0.0, time = 0.0, offset = 0.0;
@@ -117,14 +123,14 @@ void ClockEstimate::fit() noexcept {
   offset_ = offset / sum;
   drift_ = 0.0;
   if (latest - earliest < kDriftTime) return;
-  double squares = 0.0, products = 0.0;
+  double squares = 1.0 / (kUsualDrift * kUsualDrift), products = 0.0;
   for (const Fastest& b : buckets_) {
     if (!counts(b)) continue;
     const double w = weight(b), t = b.time - pivot_;
     squares += w * t * t;
     products += w * t * (b.offset - offset_);
   }
-  if (squares > 0.0) drift_ = std::clamp(products / squares, -kLargestDrift, kLargestDrift);
+  drift_ = std::clamp(products / squares, -kLargestDrift, kLargestDrift);
 }
 
 double ClockEstimate::offset(Nanoseconds at) const noexcept {

@@ -131,10 +131,11 @@ Json server(const Servo& servo) {
           {"gap", reply.gap}};
 }
 
-Json clock(const ClockEstimate& c) {
+Json clock(const ClockEstimate& c, Nanoseconds now) {
   if (!c.known()) return nullptr;
   constexpr double kMicro = 1e6;
-  return {{"error_bound_us", number(kMicro * c.error_bound())},
+  return {{"offset_s", number(c.offset(now))},
+          {"error_bound_us", number(kMicro * c.error_bound())},
           {"drift_ppm", number(kMicro * c.drift())},
           {"delay_up_us", number(kMicro * c.delay_up())},
           {"delay_down_us", number(kMicro * c.delay_down())},
@@ -249,7 +250,7 @@ std::string report_json(const RunDescription& run, const Servo& servo,
       {"lost", s.samples - std::min(s.samples, s.answered)},
       {"late", s.late},
       {"round_trip_us", times(s.round_trip)},
-      {"server_clock", clock(servo.server_clock())},
+      {"server_clock", clock(servo.server_clock(), servo.sample().client_time)},
       {"energy_delivered_j", energy(port.delivered())},
       {"energy_burned_j", number(port.burned())},
       {"least_energy_margin_j", number(port.least_margin())},

@@ -27,9 +27,10 @@ constexpr std::array kPanels = {
 
 void draw_compare(const std::filesystem::path& directory, const std::vector<CompareRow>& rows,
                   const CompareLoop& loop) {
+  if (rows.empty()) return;
   const auto methods = static_cast<std::size_t>(std::count_if(
       rows.begin(), rows.end(), [&](const CompareRow& r) { return r.task == rows.front().task; }));
-  const std::size_t tasks = rows.size() / methods;
+  const std::size_t tasks = rows.size() / std::max<std::size_t>(1, methods);
   const auto last = static_cast<int>(methods) - 1;
 
   std::string script;

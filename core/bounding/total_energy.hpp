@@ -20,7 +20,7 @@ struct TotalEnergyBound {
     displacement = s.displacement;
     rotation = s.rotation;
     const bool passive = energy_before + inflow(s.command) >= 0;  // Eq. (1) holds: nothing to do
-    const BasicCommand<Real> rendered = passive ? s.command : axes.step(s);
+    BasicCommand<Real> rendered = passive ? s.command : axes.step(s);
     set_held(rendered);
     return rendered;
   }
