@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <random>
 #include <stdexcept>
 
 #include "core/scene/scene.hpp"
 #include "sim/simulated_device.hpp"
+#include "sim/strain.hpp"
 
 namespace feltwire {
 namespace {
@@ -17,92 +17,6 @@ constexpr int kSteps = 1500;            // a hand
 constexpr int kSceneSteps = 2000;       // at a wall, but
 constexpr double kLongestScene = 20.0;  // [s] not longer than that
 constexpr double kAbsurd = 1e12;  // [N] above it a force is no force (core/bounding/bounding.cpp)
-
-class Random {
- public:
-  explicit Random(std::uint64_t seed) : engine_(seed) {}
-  double uniform(double lo, double hi) { return lo + (hi - lo) * unit(); }
-  bool chance(double probability) { return unit() < probability; }
-  std::size_t below(std::size_t count) {
-    return static_cast<std::size_t>(unit() * static_cast<double>(count));
-  }
-  /// Anywhere on the ball's surface, its size spread evenly over the decades 10^lo to 10^hi.
-  Vec3 vector(double lo, double hi) {
-    Vec3 v;
-    do {
-      for (double& x : v) x = uniform(-1.0, 1.0);
-    } while (v.norm() < 0.1 || v.norm() > 1.0);
-    return v.normalized() * std::pow(10.0, uniform(lo, hi));
-  }
-
- private:
-  // Not std::uniform_real_distribution: its bits differ between standard libraries.
-  double unit() { return static_cast<double>(engine_() >> 11) * 0x1p-53; }
-  std::mt19937_64 engine_;
-};
-
-/// What one row of hands does to a bound.
-struct Strain {
-  std::string name;
-  Damping damping = 0.5;                       // [N s/m]
-  Damping rotational_damping = 2e-4;           // [N m s/rad]
-  double period = 1e-3;                        // [s]
-  double least_move = -9, largest_move = -1;   // decades [m], [rad]
-  bool denormal_moves = false;                 // of the arithmetic, instead
-  double still = 0.02;                         // probability of no movement at all
-  double least_force = -3, largest_force = 3;  // decades [N]; torques two decades below
-  double max_force = kInfinity;                // [N]; torques a hundredth
-  double origin = 0.0;  // [m] where the hand is, on every axis: movements are differences there
-  double longest_hold = 1.0;    // [T] every tenth sample lasts up to that
-  double skipped_writes = 0.0;  // probability that the device goes on holding the force before
-  double fades = 0.0;           // probability that it holds less than what was rendered
-  double strange_inputs = 0.0;  // probability of NaN, Inf or absurd, each step in one input
-
-  Faults faults() const {
-    return {.overlong_holds = longest_hold > 1.0 || skipped_writes > 0.0,
-            .reductions = fades > 0.0 || skipped_writes > 0.0 || std::isfinite(max_force),
-            .unknown_inputs = strange_inputs > 0.0};
-  }
-};
-
-std::vector<Strain> strains() {
-  std::vector<Strain> all;
-  const auto add = [&](std::string name, auto change) {
-    Strain strain;
-    strain.name = std::move(name);
-    change(strain);
-    all.push_back(std::move(strain));
-  };
-  add("an ordinary hand", [](Strain&) {});
-  add("period 1 us", [](Strain& s) { s.period = 1e-6; });
-  add("period 0.1 s", [](Strain& s) { s.period = 0.1; });
-  add("hand still; force held", [](Strain& s) { s.still = 0.98; });
-  add("movements denormal", [](Strain& s) { s.denormal_moves = true; });
-  add("movements 1e-300 to 1e3 m", [](Strain& s) { s.least_move = -300, s.largest_move = 3; });
-  add("forces 1e-300 to 1e300 N", [](Strain& s) { s.least_force = -300, s.largest_force = 300; });
-  add("forces 1 MN to 1 TN", [](Strain& s) { s.least_force = 6, s.largest_force = 11.99; });
-  add("damping 0", [](Strain& s) { s.damping = s.rotational_damping = 0.0; });
-  add("damping 1e6 N s/m",
-      [](Strain& s) { s.damping = 1e6, s.rotational_damping = 400.0, s.largest_force = 9; });
-  add("damping 1e6; period 1 us", [](Strain& s) {
-    s.damping = 1e6, s.rotational_damping = 400.0, s.largest_force = 11.9, s.period = 1e-6;
-    s.largest_move = 3;
-  });
-  add("damping by direction 100:1", [](Strain& s) {
-    s.damping = Mat3{{2.0, 0.3, 0.1}, {0.3, 0.5, 0.02}, {0.1, 0.02, 0.0252}};
-    s.rotational_damping = Vec3(1e-3, 1e-4, 1e-5);
-  });
-  add("1e6 m from the origin", [](Strain& s) { s.origin = 1e6; });
-  add("limit 0.3 N", [](Strain& s) { s.max_force = 0.3; });
-  add("fades", [](Strain& s) { s.fades = 0.5; });
-  add("holds up to 50 T", [](Strain& s) { s.longest_hold = 50.0; });
-  add("holds to 50 T; writes skipped",
-      [](Strain& s) { s.longest_hold = 50.0, s.skipped_writes = 0.2; });
-  add("NaN; Inf; absurd", [](Strain& s) { s.strange_inputs = 0.05, s.max_force = 5.0; });
-  add("NaN; Inf; absurd; holds to 5 T",
-      [](Strain& s) { s.strange_inputs = 0.05, s.max_force = 5.0, s.longest_hold = 5.0; });
-  return all;
-}
 
 /// The number in a narrower arithmetic; infinite beyond its largest.
 template <class Real>
@@ -121,61 +35,12 @@ BasicCommand<Real> narrowed(const Command& c) {
   return {narrowed<Real>(c.elastic), narrowed<Real>(c.frictional), narrowed<Real>(c.torque)};
 }
 
-struct Movement {
-  Vec3 displacement = Vec3::Zero(), rotation = Vec3::Zero();
-};
-
-/// A hand that knows what it is given. Five kinds: exactly greedy and about so, pumping, taking
-/// from one channel, restless, and one that changes its mind.
-Movement move(int kind, Random& random, const Strain& strain, const Command& held, double hold_time,
-              double least, double largest) {
-  const auto restless = [&] {
-    return Movement{random.vector(least, largest), random.vector(least, largest)};
-  };
-  if (random.chance(strain.still)) return {};
-  if (kind == 4) kind = static_cast<int>(random.below(4));
-  if (kind == 3) return restless();
-  const auto greediest = [&](const Damping& damping, const Vec3& f) {
-    return damping.least() > 0.0 ? Vec3(damping.matrix().inverse() * f * (0.5 * hold_time))
-                                 : random.vector(least, largest);
-  };
-  Movement m{greediest(strain.damping, held.force()),
-             greediest(strain.rotational_damping, held.torque)};
-  const Vec3 normal = held.elastic.normalized();
-  double share = 1.0;
-  if (kind == 0 && random.chance(0.5)) share = random.uniform(0.0, 3.0);
-  if (kind == 1 && random.chance(0.5)) share = -random.uniform(0.0, 4.0);
-  if (kind == 2 && normal.allFinite()) {
-    const Vec3 along = m.displacement.dot(normal) * normal;
-    m.displacement = random.chance(0.5) ? along : Vec3(m.displacement - along);
-  }
-  m.displacement *= share;
-  m.rotation *= share;
-  // Without something of its own a hand at rest would take nothing for ever.
-  if (random.chance(0.5)) {
-    const Movement own = restless();
-    m.displacement += own.displacement;
-    m.rotation += own.rotation;
-  }
-  return m;
-}
-
-Command command(Random& random, const Strain& strain) {
-  Command c;
-  if (random.chance(0.1)) return c;
-  const double lo = strain.least_force, hi = strain.largest_force;
-  if (random.chance(0.8)) c.elastic = random.vector(lo, hi);
-  if (random.chance(0.8)) c.frictional = random.vector(lo, hi);
-  if (random.chance(0.8)) c.torque = random.vector(lo - 2, hi - 2);
-  return c;
-}
-
 /// What a step has to be told, number by number; a hold time is as likely as a vector.
 constexpr std::size_t kInputs = 18, kHoldTime = 15;
 
 /// One input of the step becomes no number, or no force, movement or time of this world.
 template <class Real>
-void spoil(Random& random, std::size_t input, BasicBoundingStep<Real>& told) {
+void spoil(StrainRandom& random, std::size_t input, BasicBoundingStep<Real>& told) {
   constexpr std::array kStrange = {kNan, kInfinity, -kInfinity, 1e300, -1e300, 1.1e12};
   const Real strange = narrowed<Real>(kStrange[random.below(kStrange.size())]);
   Vector3<Real>* const vectors[] = {&told.displacement, &told.rotation, &told.command.elastic,
@@ -277,7 +142,7 @@ class ToolBook {
 template <class Real>
 void attack(const Strain& strain, BoundingMode mode, Promise kept, int hand, double told_damping,
             ExtremeOutcome& outcome) {
-  Random random(static_cast<std::uint64_t>(hand) + 1);
+  StrainRandom random(static_cast<std::uint64_t>(hand) + 1);
   const BoundingConfig config =
       bound_config(mode, hand / 5 + hand, strain.damping, strain.rotational_damping, strain.period,
                    strain.max_force, told_damping);
@@ -300,7 +165,7 @@ void attack(const Strain& strain, BoundingMode mode, Promise kept, int hand, dou
         strain.period *
         (random.chance(0.1) ? random.uniform(1.0, strain.longest_hold) : random.uniform(0.2, 1.0));
     if (strange && input >= kHoldTime) hold_time = strain.period * strain.longest_hold;
-    Movement m =
+    StrainedMovement m =
         move(hand % 5, random, strain, held.template cast<double>(), hold_time, least, largest);
     if (strain.origin != 0.0) {
       const Vec3 next = place + m.displacement;

@@ -1,0 +1,89 @@
+#include "sim/strain.hpp"
+
+#include <utility>
+
+namespace feltwire {
+
+std::vector<Strain> strains() {
+  std::vector<Strain> all;
+  const auto add = [&](std::string name, auto change) {
+    Strain strain;
+    strain.name = std::move(name);
+    change(strain);
+    all.push_back(std::move(strain));
+  };
+  add("an ordinary hand", [](Strain&) {});
+  add("period 1 us", [](Strain& s) { s.period = 1e-6; });
+  add("period 0.1 s", [](Strain& s) { s.period = 0.1; });
+  add("hand still; force held", [](Strain& s) { s.still = 0.98; });
+  add("movements denormal", [](Strain& s) { s.denormal_moves = true; });
+  add("movements 1e-300 to 1e3 m", [](Strain& s) { s.least_move = -300, s.largest_move = 3; });
+  add("forces 1e-300 to 1e300 N", [](Strain& s) { s.least_force = -300, s.largest_force = 300; });
+  add("forces 1 MN to 1 TN", [](Strain& s) { s.least_force = 6, s.largest_force = 11.99; });
+  add("damping 0", [](Strain& s) { s.damping = s.rotational_damping = 0.0; });
+  add("damping 1e6 N s/m",
+      [](Strain& s) { s.damping = 1e6, s.rotational_damping = 400.0, s.largest_force = 9; });
+  add("damping 1e6; period 1 us", [](Strain& s) {
+    s.damping = 1e6, s.rotational_damping = 400.0, s.largest_force = 11.9, s.period = 1e-6;
+    s.largest_move = 3;
+  });
+  add("damping by direction 100:1", [](Strain& s) {
+    s.damping = Mat3{{2.0, 0.3, 0.1}, {0.3, 0.5, 0.02}, {0.1, 0.02, 0.0252}};
+    s.rotational_damping = Vec3(1e-3, 1e-4, 1e-5);
+  });
+  add("1e6 m from the origin", [](Strain& s) { s.origin = 1e6; });
+  add("limit 0.3 N", [](Strain& s) { s.max_force = 0.3; });
+  add("fades", [](Strain& s) { s.fades = 0.5; });
+  add("holds up to 50 T", [](Strain& s) { s.longest_hold = 50.0; });
+  add("holds to 50 T; writes skipped",
+      [](Strain& s) { s.longest_hold = 50.0, s.skipped_writes = 0.2; });
+  add("NaN; Inf; absurd", [](Strain& s) { s.strange_inputs = 0.05, s.max_force = 5.0; });
+  add("NaN; Inf; absurd; holds to 5 T",
+      [](Strain& s) { s.strange_inputs = 0.05, s.max_force = 5.0, s.longest_hold = 5.0; });
+  return all;
+}
+
+StrainedMovement move(int kind, StrainRandom& random, const Strain& strain, const Command& held,
+                      double hold_time, double least, double largest) {
+  const auto restless = [&] {
+    return StrainedMovement{random.vector(least, largest), random.vector(least, largest)};
+  };
+  if (random.chance(strain.still)) return {};
+  if (kind == 4) kind = static_cast<int>(random.below(4));
+  if (kind == 3) return restless();
+  const auto greediest = [&](const Damping& damping, const Vec3& f) {
+    return damping.least() > 0.0 ? Vec3(damping.matrix().inverse() * f * (0.5 * hold_time))
+                                 : random.vector(least, largest);
+  };
+  StrainedMovement m{greediest(strain.damping, held.force()),
+                     greediest(strain.rotational_damping, held.torque)};
+  const Vec3 normal = held.elastic.normalized();
+  double share = 1.0;
+  if (kind == 0 && random.chance(0.5)) share = random.uniform(0.0, 3.0);
+  if (kind == 1 && random.chance(0.5)) share = -random.uniform(0.0, 4.0);
+  if (kind == 2 && normal.allFinite()) {
+    const Vec3 along = m.displacement.dot(normal) * normal;
+    m.displacement = random.chance(0.5) ? along : Vec3(m.displacement - along);
+  }
+  m.displacement *= share;
+  m.rotation *= share;
+  // Without something of its own a hand at rest would take nothing for ever.
+  if (random.chance(0.5)) {
+    const StrainedMovement own = restless();
+    m.displacement += own.displacement;
+    m.rotation += own.rotation;
+  }
+  return m;
+}
+
+Command command(StrainRandom& random, const Strain& strain) {
+  Command c;
+  if (random.chance(0.1)) return c;
+  const double lo = strain.least_force, hi = strain.largest_force;
+  if (random.chance(0.8)) c.elastic = random.vector(lo, hi);
+  if (random.chance(0.8)) c.frictional = random.vector(lo, hi);
+  if (random.chance(0.8)) c.torque = random.vector(lo - 2, hi - 2);
+  return c;
+}
+
+}  // namespace feltwire
