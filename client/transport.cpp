@@ -2,27 +2,16 @@
 
 #include <unistd.h>
 
-#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <string>
 #include <utility>
 
-#include "protocol/guard.hpp"
-
 namespace feltwire {
-namespace {
-
-constexpr unsigned bit(DatagramKind kind) { return 1u << static_cast<unsigned>(kind); }
-constexpr unsigned kExpected = bit(DatagramKind::reply) | bit(DatagramKind::goodbye);
-
-}  // namespace
 
 Transport::Transport(const Address& server, std::uint64_t session, int redundancy, bool rotation,
                      std::unique_ptr<TwoWayLink> link)
-    : session_(session),
-      kept_(std::clamp(redundancy, 0, kMaxRedundancy) + 1),
-      link_(std::move(link)) {
+    : conversation_(session, redundancy, rotation), link_(std::move(link)) {
   socket_ = ::socket(server.storage.ss_family, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
   // Connected: only the server's datagrams are let in, and a closed port is noticed.
   if (socket_ < 0 ||
@@ -31,16 +20,6 @@ Transport::Transport(const Address& server, std::uint64_t session, int redundanc
     if (socket_ >= 0) ::close(socket_);
     throw SessionError("cannot open a UDP socket to the scene: " + reason);
   }
-  batch_.rotation = rotation;
-  // The encoder takes its memory at the first and largest datagram of each kind: now, not in the
-  // loop.
-  SampleBatch largest;
-  largest.rotation = rotation;
-  largest.count = kept_;
-  for (int i = 0; i < kept_; ++i)
-    largest.samples[static_cast<std::size_t>(i)].index = static_cast<std::uint64_t>(kept_ - i);
-  encoder_.samples(session_, 1, largest);
-  encoder_.goodbye(session_, 1, GoodbyeReason::leaving);
 }
 
 Transport::~Transport() { ::close(socket_); }
@@ -49,10 +28,7 @@ bool Transport::resume(const SessionAddress& to) noexcept {
   if (::connect(socket_, reinterpret_cast<const sockaddr*>(&to.server.storage), to.server.size) !=
       0)
     return false;
-  session_ = to.session;
-  packet_number_ = 0;
-  seen_ = {};
-  batch_.count = 0;  // the new session has not missed the samples of the old one
+  conversation_.resume(to.session);
   return true;
 }
 
@@ -65,11 +41,7 @@ void Transport::transmit(Bytes datagram) noexcept {
 }
 
 void Transport::send(const Sample& sample) noexcept {
-  auto& samples = batch_.samples;
-  std::copy_backward(samples.begin(), samples.begin() + kept_ - 1, samples.begin() + kept_);
-  samples.front() = sample;
-  batch_.count = std::min(batch_.count + 1, kept_);
-  const Bytes datagram = encoder_.samples(session_, ++packet_number_, batch_);
+  const Bytes datagram = conversation_.pack(sample);
   if (!link_) return transmit(datagram);
   link_->up.enter(datagram, now_);
   transmit_due();
@@ -108,24 +80,21 @@ Transport::Arrival Transport::receive(Reply& reply, GoodbyeReason& reason) noexc
   for (int tries = 0; tries < kBurst; ++tries) {
     const std::optional<Bytes> datagram = link_ ? link_->down.leave(now_) : take();
     if (!datagram) return Arrival::nothing;
-    const Guarded guarded = guard(*datagram, kExpected);
-    DropReason drop = guarded.drop;
-    if (drop == DropReason::none && guarded.header.session != session_) drop = DropReason::session;
-    if (drop == DropReason::none && !seen_.take(guarded.header.packet_number))
-      drop = DropReason::packet_number;
-    const bool is_reply = guarded.header.kind == DatagramKind::reply;
-    if (drop == DropReason::none)
-      drop = is_reply ? decode(guarded.payload, reply) : decode(guarded.payload, reason);
-    if (drop == DropReason::none) return is_reply ? Arrival::reply : Arrival::goodbye;
-    ++statistics_.dropped[static_cast<std::size_t>(drop)];
+    switch (conversation_.take(*datagram, reply, reason)) {
+      case Conversation::Arrival::reply:
+        return Arrival::reply;
+      case Conversation::Arrival::goodbye:
+        return Arrival::goodbye;
+      case Conversation::Arrival::dropped:
+        break;
+    }
   }
   return Arrival::nothing;
 }
 
 void Transport::goodbye() noexcept {
   constexpr int kTimes = 3;
-  for (int i = 0; i < kTimes; ++i)
-    transmit(encoder_.goodbye(session_, ++packet_number_, GoodbyeReason::leaving));
+  for (int i = 0; i < kTimes; ++i) transmit(conversation_.goodbye());
 }
 
 }  // namespace feltwire

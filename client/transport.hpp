@@ -8,9 +8,8 @@
 #include <optional>
 
 #include "client/control_client.hpp"
+#include "client/conversation.hpp"
 #include "client/link/link.hpp"
-#include "protocol/codec.hpp"
-#include "protocol/sequence.hpp"
 
 namespace feltwire {
 
@@ -71,7 +70,11 @@ class Transport {
   /// as nobody may be there to wait for what it holds.
   void goodbye() noexcept;
 
-  const TransportStatistics& statistics() const { return statistics_; }
+  TransportStatistics statistics() const {
+    TransportStatistics all = statistics_;
+    all.dropped = conversation_.dropped();
+    return all;
+  }
 
  private:
   void transmit(Bytes datagram) noexcept;
@@ -79,12 +82,7 @@ class Transport {
   std::optional<Bytes> take() noexcept;
 
   int socket_ = -1;
-  std::uint64_t session_;
-  int kept_;  // samples in a datagram
-  Encoder encoder_;
-  SampleBatch batch_;
-  std::uint64_t packet_number_ = 0;
-  PacketWindow seen_;
+  Conversation conversation_;
   std::array<std::uint8_t, kMaxDatagram + 1> buffer_;  // one more: what is too long shows
   TransportStatistics statistics_;
   std::unique_ptr<TwoWayLink> link_;
