@@ -17,6 +17,7 @@ constexpr std::size_t kSmallestBuffer = 8;  // [bytes] a root offset and an empt
 
 constexpr std::uint32_t kFlagActive = 1u << 0, kFlagSaturated = 1u << 1, kFlagRefused = 1u << 2,
                         kFlagGap = 1u << 3;
+constexpr std::uint8_t kFlagTouching = 1u << 0, kFlagSlipping = 1u << 1, kFlagJoined = 1u << 2;
 
 wire::Vec3d wire_double(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
 wire::Vec3f wire_float(const Vec3& v) {
@@ -27,6 +28,44 @@ wire::Quatd wire_quaternion(const Quaternion& q) { return {q.w(), q.x(), q.y(), 
 Vec3 value(const wire::Vec3d& v) { return {v.x(), v.y(), v.z()}; }
 Vec3 value(const wire::Vec3f& v) { return {v.x(), v.y(), v.z()}; }
 Quaternion value(const wire::Quatd& q) { return {q.w(), q.x(), q.y(), q.z()}; }
+
+wire::Patch wire_patch(const SurfacePatch& p, const Vec3& center) {
+  const auto flags = (p.touching ? kFlagTouching : 0) | (p.slipping ? kFlagSlipping : 0) |
+                     (p.joined ? kFlagJoined : 0);
+  const Material& m = p.material;
+  return {wire_float(p.point - center),
+          wire_float(p.normal),
+          wire_float(p.axis),
+          wire_float(p.velocity),
+          wire_float(p.anchor - center),
+          static_cast<float>(p.curvature),
+          static_cast<float>(p.radius),
+          static_cast<float>(m.stiffness),
+          static_cast<float>(m.damping),
+          static_cast<float>(m.static_friction),
+          static_cast<float>(m.dynamic_friction),
+          static_cast<float>(m.viscous_friction),
+          p.object,
+          p.feature,
+          static_cast<std::uint8_t>(flags)};
+}
+
+void read(const wire::Patch& from, const Vec3& center, SurfacePatch& to) {
+  to.point = center + value(from.point());
+  to.normal = value(from.normal());
+  to.axis = value(from.axis());
+  to.velocity = value(from.velocity());
+  to.anchor = center + value(from.anchor());
+  to.curvature = from.curvature();
+  to.radius = from.radius();
+  to.material = {from.stiffness(), from.damping(), from.static_friction(), from.dynamic_friction(),
+                 from.viscous_friction()};
+  to.object = from.object();
+  to.feature = from.feature();
+  to.touching = (from.flags() & kFlagTouching) != 0;
+  to.slipping = (from.flags() & kFlagSlipping) != 0;
+  to.joined = (from.flags() & kFlagJoined) != 0;
+}
 
 /// A payload that can be read in place: FlatBuffers reads eight bytes at a time.
 class Aligned {
@@ -66,6 +105,37 @@ bool plausible(const Sample& sample, bool rotation) {
   return !rotation || std::abs(sample.pose.orientation.squaredNorm() - 1.0) <= kUnitTolerance;
 }
 
+bool unit(const Vec3& v) { return std::abs(v.squaredNorm() - 1.0) <= kUnitTolerance; }
+
+/// Written so that NaN fails.
+bool plausible(const SurfacePatch& p) {
+  const Material& m = p.material;
+  return p.point.allFinite() && unit(p.normal) && (p.axis.isZero(0.0) || unit(p.axis)) &&
+         p.velocity.allFinite() && p.anchor.allFinite() && std::isfinite(p.curvature) &&
+         p.radius >= 0.0 && m.stiffness > 0.0 && std::isfinite(m.stiffness) && m.damping >= 0.0 &&
+         std::isfinite(m.damping) && m.dynamic_friction >= 0.0 &&
+         m.dynamic_friction <= m.static_friction && std::isfinite(m.static_friction) &&
+         m.viscous_friction >= 0.0 && std::isfinite(m.viscous_friction);
+}
+
+bool plausible(const LocalModel& model) {
+  return model.center.allFinite() && model.reach >= 0.0 &&
+         std::ranges::all_of(model.view(), [](const SurfacePatch& p) { return plausible(p); });
+}
+
+/// False when it has more patches than a model may have.
+bool read(const wire::LocalModel& from, LocalModel& to) {
+  to.center = value(*from.center());
+  to.reach = from.reach();
+  const auto* patches = from.patches();
+  const flatbuffers::uoffset_t count = patches == nullptr ? 0 : patches->size();
+  if (count > to.patches.size()) return false;
+  for (flatbuffers::uoffset_t i = 0; i < count; ++i)
+    read(*patches->Get(i), to.center, to.patches[i]);
+  to.count = static_cast<int>(count);
+  return true;
+}
+
 }  // namespace
 
 struct Encoder::Builder {
@@ -83,6 +153,20 @@ struct Encoder::Builder {
     return {datagram.data(), kHeaderSize + size};
   }
 };
+
+namespace {
+
+flatbuffers::Offset<wire::LocalModel> build(flatbuffers::FlatBufferBuilder& builder,
+                                            const LocalModel& model) {
+  std::array<wire::Patch, kMaxPatches> patches;
+  const auto count = static_cast<std::size_t>(std::clamp(model.count, 0, kMaxPatches));
+  for (std::size_t i = 0; i < count; ++i) patches[i] = wire_patch(model.patches[i], model.center);
+  const wire::Vec3d center = wire_double(model.center);
+  const auto vector = builder.CreateVectorOfStructs(patches.data(), count);
+  return wire::CreateLocalModel(builder, &center, static_cast<float>(model.reach), vector);
+}
+
+}  // namespace
 
 Encoder::Encoder() : builder_(std::make_unique<Builder>()) {}
 Encoder::~Encoder() = default;
@@ -105,8 +189,9 @@ Bytes Encoder::samples(std::uint64_t session, std::uint64_t packet_number,
   const auto wire_rotations =
       batch.rotation ? builder.CreateVectorOfStructs(rotations.data(), count)
                      : flatbuffers::Offset<flatbuffers::Vector<const wire::Rotation*>>{};
-  return builder_->finish({DatagramKind::samples, session, packet_number},
-                          wire::CreateSamples(builder, wire_samples, wire_rotations));
+  return builder_->finish(
+      {DatagramKind::samples, session, packet_number},
+      wire::CreateSamples(builder, wire_samples, wire_rotations, batch.previous));
 }
 
 Bytes Encoder::reply(std::uint64_t session, std::uint64_t packet_number, const Reply& reply) {
@@ -119,12 +204,17 @@ Bytes Encoder::reply(std::uint64_t session, std::uint64_t packet_number, const R
   const wire::BoundingReport report(reply.delivered.elastic, reply.delivered.frictional,
                                     reply.delivered.torque, static_cast<float>(reply.ratio), flags,
                                     reply.violations);
+  const wire::Rates rates(wire_float(reply.rates.elastic), wire_float(reply.rates.frictional),
+                          wire_float(reply.rates.torque));
   auto& builder = builder_->payload;
+  const auto model =
+      reply.modelled ? build(builder, reply.model) : flatbuffers::Offset<wire::LocalModel>{};
   return builder_->finish(
       {DatagramKind::reply, session, packet_number},
       wire::CreateReply(builder, reply.sample_index, reply.client_time.count(),
                         reply.server_receive_time.count(), reply.server_send_time.count(), &elastic,
-                        &frictional, reply.rotation ? &torque : nullptr, &report));
+                        &frictional, reply.rotation ? &torque : nullptr, &report, reply.withheld,
+                        reply.predicted ? &rates : nullptr, model));
 }
 
 Bytes Encoder::goodbye(std::uint64_t session, std::uint64_t packet_number, GoodbyeReason reason) {
@@ -145,6 +235,7 @@ DropReason decode(Bytes payload, SampleBatch& out) noexcept {
 
   out.count = static_cast<int>(samples.size());
   out.rotation = rotations != nullptr;
+  out.previous = root->previous();
   for (flatbuffers::uoffset_t i = 0; i < samples.size(); ++i) {
     const wire::Sample& from = *samples.Get(i);
     Sample& to = out.samples[i];
@@ -167,6 +258,7 @@ DropReason decode(Bytes payload, SampleBatch& out) noexcept {
 DropReason check(const SampleBatch& batch) noexcept {
   if (batch.count < 1 || batch.count > kMaxRedundancy + 1) return DropReason::count;
   const auto samples = batch.view();
+  if (batch.previous >= samples.back().index) return DropReason::order;
   for (std::size_t i = 0; i < samples.size(); ++i) {
     if (samples[i].index == 0) return DropReason::order;
     if (i > 0 && samples[i].index >= samples[i - 1].index) return DropReason::order;
@@ -198,10 +290,18 @@ DropReason decode(Bytes payload, Reply& out) noexcept {
   out.refused = (report.flags() & kFlagRefused) != 0;
   out.gap = (report.flags() & kFlagGap) != 0;
   out.violations = report.violations();
+  out.withheld = root->withheld();
+  out.predicted = root->rates() != nullptr;
+  out.rates = {};
+  if (const auto* rates = root->rates())
+    out.rates = {value(rates->elastic()), value(rates->frictional()), value(rates->torque())};
+  out.modelled = root->model() != nullptr;
+  if (out.modelled && !read(*root->model(), out.model)) return DropReason::count;
 
   if (out.sample_index == 0) return DropReason::order;
   if (!out.command.finite() || !std::isfinite(out.ratio) || !std::isfinite(out.delivered.elastic) ||
-      !std::isfinite(out.delivered.frictional) || !std::isfinite(out.delivered.torque))
+      !std::isfinite(out.delivered.frictional) || !std::isfinite(out.delivered.torque) ||
+      !out.rates.finite() || (out.modelled && !plausible(out.model)))
     return DropReason::not_finite;
   return DropReason::none;
 }

@@ -91,7 +91,10 @@ Offset<wire::SessionParameters> build(FlatBufferBuilder& builder, const SessionP
       static_cast<std::uint8_t>(p.redundancy), p.operator_damping, p.velocity_cutoff, p.hold_time,
       p.c1.value_or(kNotGiven), p.c2.value_or(kNotGiven),
       wire_enum<wire::PassivityReference>(p.reference), p.coupling_stiffness.value_or(kNotGiven),
-      p.coupling_damping.value_or(kNotGiven), p.tool_mass);
+      p.coupling_damping.value_or(kNotGiven), p.tool_mass,
+      static_cast<std::uint16_t>(p.packet_interval), static_cast<std::uint8_t>(p.batch),
+      p.position_deadband, p.force_deadband, wire_enum<wire::Predictor>(p.predictor), p.keep_alive,
+      p.local_model);
 }
 
 /// The union's member of each message.
@@ -166,9 +169,15 @@ bool read(const wire::SessionParameters& from, SessionParameters& to) {
   if (!std::isnan(from.coupling_stiffness())) to.coupling_stiffness = from.coupling_stiffness();
   if (!std::isnan(from.coupling_damping())) to.coupling_damping = from.coupling_damping();
   to.tool_mass = from.tool_mass();
+  to.packet_interval = from.packet_interval();
+  to.batch = from.batch();
+  to.position_deadband = from.position_deadband();
+  to.force_deadband = from.force_deadband();
+  to.keep_alive = from.keep_alive();
+  to.local_model = from.local_model();
   return read_enum(from.reference(), to.reference) && read_enum(from.mode(), to.mode) &&
          read_enum(from.projection(), to.projection) && read_enum(from.storage(), to.storage) &&
-         read_enum(from.side(), to.side);
+         read_enum(from.side(), to.side) && read_enum(from.predictor(), to.predictor);
 }
 
 bool read(const wire::JoinRequest& from, JoinRequest& to) {

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <span>
 
+#include "core/contact/local_model.hpp"
 #include "core/port_energy.hpp"
 #include "core/types.hpp"
 
@@ -43,6 +44,9 @@ struct SampleBatch {
   std::array<Sample, kMaxRedundancy + 1> samples;
   int count = 0;
   bool rotation = false;  // orientation and torque travel too
+  /// Index of the sample that travelled before the oldest one here, 0: none. What lies between was
+  /// left out by the client, not lost on the way.
+  std::uint64_t previous = 0;
   std::span<const Sample> view() const { return {samples.data(), static_cast<std::size_t>(count)}; }
 };
 
@@ -56,6 +60,11 @@ struct Reply {
   double ratio = 1.0;       // |rendered| / |commanded|, float32 on the wire
   bool active = false, saturated = false, refused = false, gap = false;
   std::uint64_t violations = 0;
+  std::uint64_t withheld = 0;  // datagrams that needed no reply (deadband), so far
+  bool predicted = false;      // `rates` travel too
+  Command rates;               // [N/s], [N m/s] of the command, float32 on the wire
+  bool modelled = false;       // `model` travels too
+  LocalModel model;            // its lengths relative to its center float32 on the wire
 };
 
 /// Why a datagram was dropped; each has a counter. The order is the order of the checks in
@@ -72,7 +81,7 @@ enum class DropReason : std::uint8_t {
   malformed,      // the payload is not the FlatBuffer it should be
   count,          // no sample, too many, or rotations that do not match
   order,          // sample indices not strictly falling
-  not_finite,     // NaN, infinity, or a quaternion that is none
+  not_finite,     // NaN, infinity, or a quaternion or a model that is none
   stale,          // nothing in it is newer than what was already taken
   count_of_reasons
 };

@@ -1,5 +1,6 @@
 #include "protocol/session_parameters.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <stdexcept>
@@ -43,6 +44,35 @@ void known(const char* field, std::size_t value, std::size_t choices) {
                                 " there are; take one by its name");
 }
 
+/// What travels how often.
+void validate_traffic(const SessionParameters& p) {
+  known("predictor", static_cast<std::size_t>(p.predictor), kPredictorNames.size());
+  within("packet_interval", p.packet_interval, 1, kMaxPacketInterval, "servo ticks",
+         "1 sends every sample");
+  within("batch", p.batch, 1, std::min(p.packet_interval, kMaxRedundancy + 1 - p.redundancy),
+         "samples", "it is at most packet_interval, and with the redundancy at most 9");
+  within("position_deadband", p.position_deadband, 0.0, kMaxDeadband, "", "0.1 is rarely felt");
+  within("force_deadband", p.force_deadband, 0.0, kMaxDeadband, "", "0.1 is rarely felt");
+  const double interval = p.packet_interval * p.servo_period;
+  if (!(interval <= p.hold_time))
+    throw std::invalid_argument("packet_interval = " + std::to_string(p.packet_interval) +
+                                " ticks is longer than the hold_time of " + text(p.hold_time) +
+                                " s: the force would be gone before the next datagram; lower it "
+                                "or raise hold_time");
+  if (p.position_deadband > 0.0 || p.force_deadband > 0.0)
+    within("keep_alive", p.keep_alive, interval, 0.5 * p.hold_time, "s",
+           "it lasts at least packet_interval, and commands fade from half of hold_time");
+  if (p.local_model && p.side == BoundingSide::server)
+    throw std::invalid_argument(
+        "local_model makes forces beside the device, which the side server does not bound: use "
+        "the side client or both");
+  if (p.predictor == Predictor::linear && p.position_deadband > 0.0 && !p.local_model)
+    throw std::invalid_argument(
+        "predictor linear with a position_deadband says nothing while the hand moves evenly, into "
+        "a "
+        "wall too: turn local_model on, or use the predictor level");
+}
+
 }  // namespace
 
 void validate(const SessionParameters& p) {
@@ -76,6 +106,7 @@ void validate(const SessionParameters& p) {
     throw std::invalid_argument("the mode " + std::string(name(p.mode)) +
                                 " asks the scene at its own tool, which only the server can: "
                                 "use the side server");
+  validate_traffic(p);
 }
 
 BoundingConfig bounding_config(const SessionParameters& p, const DeviceSpec& device) {
@@ -107,6 +138,18 @@ BoundingSide bounding_side(std::string_view given) {
     if (kBoundingSideNames[i] == given) return static_cast<BoundingSide>(i);
   throw std::invalid_argument("unknown bounding side '" + std::string(given) +
                               "'; choose one of: server client both");
+}
+
+std::string_view name(Predictor predictor) {
+  const auto i = static_cast<std::size_t>(predictor);
+  return i < kPredictorNames.size() ? kPredictorNames[i] : "unknown";
+}
+
+Predictor predictor(std::string_view given) {
+  for (std::size_t i = 0; i < kPredictorNames.size(); ++i)
+    if (kPredictorNames[i] == given) return static_cast<Predictor>(i);
+  throw std::invalid_argument("unknown predictor '" + std::string(given) +
+                              "'; choose one of: level linear");
 }
 
 }  // namespace feltwire

@@ -12,6 +12,12 @@ namespace feltwire {
 
 enum class BoundingSide : std::uint8_t { server, client, both };
 inline constexpr std::array<std::string_view, 3> kBoundingSideNames = {"server", "client", "both"};
+/// What a deadband measures change against: the value sent last, or the line through it.
+enum class Predictor : std::uint8_t { level, linear };
+inline constexpr std::array<std::string_view, 2> kPredictorNames = {"level", "linear"};
+
+inline constexpr int kMaxPacketInterval = 1000;  // [servo ticks]
+inline constexpr double kMaxDeadband = 0.5;      // Weber fraction
 
 /// What a client asks for and the server grants; all can be changed while the session runs but
 /// servo_period.
@@ -32,6 +38,15 @@ struct SessionParameters {
   // virtual_coupling: [N/m] and [N s/m], by default the stiffest that is passive; [kg] of the tool
   std::optional<double> coupling_stiffness, coupling_damping;
   double tool_mass = 0.05;
+  // What travels how often. n T is at most hold_time, m + k at most kMaxRedundancy + 1.
+  int packet_interval = 1;  // n [servo ticks] from one datagram to the next, 1 to 1000
+  int batch = 1;            // m: of these n samples so many travel, evenly spaced, 1 to n
+  double position_deadband =
+      0.0;                      // Weber fraction that a datagram is sent for, 0 to 0.5; 0: always
+  double force_deadband = 0.0;  // likewise a reply
+  Predictor predictor = Predictor::level;
+  double keep_alive = 0.02;  // [s] longest silence of either deadband, n T to hold_time / 2
+  bool local_model = false;  // replies bring the surfaces near the tool; the client bounds them
 
   friend bool operator==(const SessionParameters&, const SessionParameters&) = default;
 };
@@ -39,6 +54,9 @@ struct SessionParameters {
 std::string_view name(BoundingSide side);
 /// Throws std::invalid_argument naming the choices when there is no such side.
 BoundingSide bounding_side(std::string_view name);
+std::string_view name(Predictor predictor);
+/// Throws std::invalid_argument naming the choices when there is no such predictor.
+Predictor predictor(std::string_view name);
 
 /// Throws std::invalid_argument naming the field, the range and the remedy. Methods that ask the
 /// scene elsewhere than at the device (moves_probe) run on the server only.

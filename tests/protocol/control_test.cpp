@@ -43,6 +43,13 @@ SessionParameters unusual_parameters() {
   p.coupling_stiffness = 300;
   p.coupling_damping = 0.2;
   p.tool_mass = 0.07;
+  p.packet_interval = 300;
+  p.batch = 2;
+  p.position_deadband = 0.05;
+  p.force_deadband = 0.1;
+  p.predictor = Predictor::linear;
+  p.keep_alive = 0.015;
+  p.local_model = true;
   return p;
 }
 
@@ -62,6 +69,13 @@ void expect_same(const SessionParameters& a, const SessionParameters& b) {
   EXPECT_EQ(a.coupling_stiffness, b.coupling_stiffness);
   EXPECT_EQ(a.coupling_damping, b.coupling_damping);
   EXPECT_EQ(a.tool_mass, b.tool_mass);
+  EXPECT_EQ(a.packet_interval, b.packet_interval);
+  EXPECT_EQ(a.batch, b.batch);
+  EXPECT_EQ(a.position_deadband, b.position_deadband);
+  EXPECT_EQ(a.force_deadband, b.force_deadband);
+  EXPECT_EQ(a.predictor, b.predictor);
+  EXPECT_EQ(a.keep_alive, b.keep_alive);
+  EXPECT_EQ(a.local_model, b.local_model);
 }
 
 JoinRequest request() {

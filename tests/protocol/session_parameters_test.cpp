@@ -34,6 +34,20 @@ TEST(SessionParameters, DefaultsAndLimitsAreGood) {
   EXPECT_NO_THROW(validate(p));
 }
 
+TEST(SessionParameters, TrafficAtItsLimitsIsGood) {
+  SessionParameters p;
+  p.packet_interval = 100;
+  p.batch = 6;
+  EXPECT_NO_THROW(validate(p));
+  p.packet_interval = 50;
+  p.position_deadband = p.force_deadband = 0.5;
+  p.keep_alive = 0.05;
+  EXPECT_NO_THROW(validate(p));
+  p.predictor = Predictor::linear;
+  p.local_model = true;
+  EXPECT_NO_THROW(validate(p));
+}
+
 TEST(SessionParameters, EachFaultNamesItsField) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const double inf = std::numeric_limits<double>::infinity();
@@ -58,6 +72,21 @@ TEST(SessionParameters, EachFaultNamesItsField) {
       {"coupling_stiffness", [=](auto& p) { p.coupling_stiffness = inf; }},
       {"coupling_damping", [](auto& p) { p.coupling_damping = -1; }},
       {"tool_mass", [](auto& p) { p.tool_mass = 0; }},
+      {"packet_interval", [](auto& p) { p.packet_interval = 0; }},
+      {"packet_interval", [](auto& p) { p.packet_interval = 1001; }},
+      {"packet_interval", [](auto& p) { p.packet_interval = 101; }},  // longer than the hold time
+      {"batch", [](auto& p) { p.batch = 0; }},
+      {"batch", [](auto& p) { p.batch = 2; }},                          // of one sample
+      {"batch", [](auto& p) { p.packet_interval = 10, p.batch = 7; }},  // and 3 once more
+      {"position_deadband", [](auto& p) { p.position_deadband = -0.1; }},
+      {"position_deadband", [](auto& p) { p.position_deadband = 0.6; }},
+      {"force_deadband", [=](auto& p) { p.force_deadband = nan; }},
+      {"keep_alive", [](auto& p) { p.force_deadband = 0.1, p.keep_alive = 0.051; }},
+      {"keep_alive", [](auto& p) { p.position_deadband = 0.1, p.packet_interval = 30; }},
+      {"predictor", [](auto& p) { p.predictor = static_cast<Predictor>(2); }},
+      {"predictor linear",
+       [](auto& p) { p.position_deadband = 0.1, p.predictor = Predictor::linear; }},
+      {"local_model", [](auto& p) { p.local_model = true, p.side = BoundingSide::server; }},
       {"the mode virtual_coupling", [](auto& p) { p.mode = BoundingMode::virtual_coupling; }},
       {"the mode passivity_control_parallel",
        [](auto& p) { p.mode = BoundingMode::passivity_control_parallel; }},
@@ -96,6 +125,11 @@ TEST(SessionParameters, BoundCreditsTheOperator) {
   EXPECT_EQ(bound.max_force, 12);
   EXPECT_EQ(bound.max_torque, 0.3);
   EXPECT_TRUE(bound.rotation);
+}
+
+TEST(SessionParameters, PredictorsHaveNames) {
+  for (const auto p : {Predictor::level, Predictor::linear}) EXPECT_EQ(predictor(name(p)), p);
+  EXPECT_THROW(predictor("cubic"), std::invalid_argument);
 }
 
 TEST(SessionParameters, SidesHaveNames) {

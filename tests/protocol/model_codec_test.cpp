@@ -1,0 +1,178 @@
+// What a reply brings beside the command: rates and a local model.
+
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <limits>
+#include <vector>
+
+#include "flatbuffers/flatbuffers.h"
+#include "protocol/schema/datagram_generated.h"
+#include "tests/protocol/make.hpp"
+
+namespace feltwire {
+namespace {
+
+using test::float_vector;
+using test::payload;
+using test::Random;
+
+double single(Random& random, double most) {
+  return static_cast<float>(test::uniform(random, 0.0, most));
+}
+
+/// Lengths relative to a center that float32 holds, as the wire has them.
+SurfacePatch random_patch(Random& random, const Vec3& center) {
+  SurfacePatch p;
+  p.point = center + float_vector(random, 0.1);
+  p.normal = Vec3::Unit(static_cast<Eigen::Index>(random() % 3));
+  if (random() % 2 == 0) p.axis = Vec3::Unit(static_cast<Eigen::Index>(random() % 3));
+  p.velocity = float_vector(random, 1);
+  p.anchor = center + float_vector(random, 0.1);
+  p.curvature = (random() % 2 == 0 ? -1 : 1) * single(random, 25);
+  p.radius = single(random, 0.1);
+  p.material.stiffness = single(random, 1e4);
+  p.material.damping = single(random, 10);
+  p.material.dynamic_friction = single(random, 0.5);
+  p.material.static_friction = 0.5;
+  p.material.viscous_friction = single(random, 10);
+  p.object = static_cast<std::uint16_t>(random());
+  p.feature = static_cast<std::uint8_t>(random());
+  p.touching = random() % 2 == 0;
+  p.slipping = random() % 2 == 0;
+  p.joined = random() % 2 == 0;
+  return p;
+}
+
+Reply random_reply(Random& random, int patches) {
+  Reply reply;
+  reply.sample_index = 7;
+  reply.withheld = random();
+  reply.predicted = random() % 2 == 0;
+  if (reply.predicted)
+    reply.rates = {float_vector(random, 100), float_vector(random, 10), float_vector(random, 1)};
+  reply.modelled = true;
+  reply.model.center = Vec3(0.25, -0.5, 0.125);
+  reply.model.reach = single(random, 0.1);
+  reply.model.count = patches;
+  for (SurfacePatch& p : reply.model.patches) p = random_patch(random, reply.model.center);
+  return reply;
+}
+
+void expect_same(const SurfacePatch& a, const SurfacePatch& b) {
+  constexpr double kHalfUlp = 1e-8;  // [m] of 0.1 m as float32
+  EXPECT_TRUE(a.point.isApprox(b.point, kHalfUlp));
+  EXPECT_EQ(a.normal, b.normal);
+  EXPECT_EQ(a.axis, b.axis);
+  EXPECT_EQ(a.velocity, b.velocity);
+  EXPECT_TRUE(a.anchor.isApprox(b.anchor, kHalfUlp));
+  EXPECT_EQ(a.curvature, b.curvature);
+  EXPECT_EQ(a.radius, b.radius);
+  EXPECT_EQ(a.material.stiffness, b.material.stiffness);
+  EXPECT_EQ(a.material.damping, b.material.damping);
+  EXPECT_EQ(a.material.static_friction, b.material.static_friction);
+  EXPECT_EQ(a.material.dynamic_friction, b.material.dynamic_friction);
+  EXPECT_EQ(a.material.viscous_friction, b.material.viscous_friction);
+  EXPECT_EQ(a.object, b.object);
+  EXPECT_EQ(a.feature, b.feature);
+  EXPECT_EQ(a.touching, b.touching);
+  EXPECT_EQ(a.slipping, b.slipping);
+  EXPECT_EQ(a.joined, b.joined);
+}
+
+DropReason verdict(const Reply& reply, Reply& out) {
+  Encoder encoder;
+  return decode(payload(encoder.reply(1, 1, reply)), out);
+}
+
+TEST(ModelCodec, RoundTrip) {
+  Random random(11);
+  Encoder encoder;
+  Reply received;
+  for (int round = 0; round < 500; ++round) {
+    const int patches = static_cast<int>(random() % 4);
+    const Reply sent = random_reply(random, patches);
+    const Bytes datagram = encoder.reply(3, 4, sent);
+    EXPECT_LE(datagram.size(), 640u);
+    ASSERT_EQ(decode(payload(datagram), received), DropReason::none);
+    EXPECT_EQ(received.withheld, sent.withheld);
+    EXPECT_EQ(received.predicted, sent.predicted);
+    EXPECT_EQ(received.rates, sent.rates);
+    ASSERT_TRUE(received.modelled);
+    EXPECT_EQ(received.model.center, sent.model.center);
+    EXPECT_EQ(received.model.reach, sent.model.reach);
+    ASSERT_EQ(received.model.count, patches);
+    for (std::size_t i = 0; i < sent.model.view().size(); ++i)
+      expect_same(received.model.patches[i], sent.model.patches[i]);
+  }
+}
+
+TEST(ModelCodec, ReplyWithoutAModelBringsNone) {
+  Random random(12);
+  Reply sent = random_reply(random, 2), received = random_reply(random, 2);
+  sent.modelled = false;
+  ASSERT_EQ(verdict(sent, received), DropReason::none);
+  EXPECT_FALSE(received.modelled);
+}
+
+TEST(ModelCodec, ModelsThatAreNoneAreDropped) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const double inf = std::numeric_limits<double>::infinity();
+  const std::vector<std::function<void(Reply&)>> spoils = {
+      [=](Reply& r) { r.model.center.y() = nan; },
+      [=](Reply& r) { r.model.reach = nan; },
+      [](Reply& r) { r.model.reach = -1e-3; },
+      [=](Reply& r) { r.model.patches[1].point.x() = inf; },
+      [](Reply& r) { r.model.patches[1].normal *= 1.01; },
+      [](Reply& r) { r.model.patches[1].normal.setZero(); },
+      [](Reply& r) {
+        r.model.patches[1].axis = {0, 0, 0.5};
+      },
+      [=](Reply& r) { r.model.patches[1].velocity.z() = nan; },
+      [=](Reply& r) { r.model.patches[1].anchor.z() = nan; },
+      [=](Reply& r) { r.model.patches[1].curvature = inf; },
+      [](Reply& r) { r.model.patches[1].radius = -1; },
+      [](Reply& r) { r.model.patches[1].material.stiffness = 0; },
+      [=](Reply& r) { r.model.patches[1].material.stiffness = inf; },
+      [](Reply& r) { r.model.patches[1].material.damping = -1; },
+      [](Reply& r) { r.model.patches[1].material.dynamic_friction = 0.6; },
+      [=](Reply& r) { r.model.patches[1].material.static_friction = inf; },
+      [=](Reply& r) { r.model.patches[1].material.viscous_friction = nan; },
+      [=](Reply& r) { r.predicted = true, r.rates.elastic.x() = nan; },
+  };
+  Random random(13);
+  Reply out;
+  for (std::size_t which = 0; which < spoils.size(); ++which) {
+    Reply reply = random_reply(random, 2);
+    ASSERT_EQ(verdict(reply, out), DropReason::none);
+    spoils[which](reply);
+    EXPECT_EQ(verdict(reply, out), DropReason::not_finite) << "spoil " << which;
+  }
+}
+
+TEST(ModelCodec, MorePatchesThanAModelMayHave) {
+  flatbuffers::FlatBufferBuilder builder;
+  const std::vector<wire::Patch> patches(kMaxPatches + 1);
+  const wire::Vec3d zero;
+  const wire::BoundingReport report;
+  const auto model =
+      wire::CreateLocalModel(builder, &zero, 0.1F, builder.CreateVectorOfStructs(patches));
+  builder.Finish(
+      wire::CreateReply(builder, 1, 0, 0, 0, &zero, &zero, nullptr, &report, 0, nullptr, model));
+  Reply out;
+  EXPECT_EQ(decode(Bytes(builder.GetBufferPointer(), builder.GetSize()), out), DropReason::count);
+}
+
+TEST(ModelCodec, WhatTravelledBeforeComesBefore) {
+  Random random(14);
+  Encoder encoder;
+  SampleBatch batch = test::random_batch(random, 100, 3, false), out;
+  batch.previous = 97;
+  ASSERT_EQ(decode(payload(encoder.samples(1, 1, batch)), out), DropReason::none);
+  EXPECT_EQ(out.previous, 97u);
+  batch.previous = 98;
+  EXPECT_EQ(decode(payload(encoder.samples(1, 1, batch)), out), DropReason::order);
+}
+
+}  // namespace
+}  // namespace feltwire
