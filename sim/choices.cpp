@@ -1,10 +1,9 @@
 #include "sim/choices.hpp"
 
 #include <algorithm>
-#include <array>
-#include <cstdio>
 
 #include "sim/figures.hpp"
+#include "sim/text.hpp"
 
 namespace feltwire {
 namespace {
@@ -49,13 +48,6 @@ ExperimentSetup setup_of(const char* experiment, const Method& method, double da
   return setup;
 }
 
-template <class... Values>
-void line(std::string& text, const char* format, Values... values) {
-  std::array<char, 160> buffer;
-  std::snprintf(buffer.data(), buffer.size(), format, values...);
-  text += buffer.data();
-}
-
 constexpr double kSettled = 3.0;  // [s] from here on the hand has come in
 
 double mean_normal_force(const std::vector<ExperimentSample>& samples) {
@@ -93,9 +85,9 @@ void projections(std::string& text) {
           const auto samples =
               run_experiment(plane(stiffness, friction), setup_of("wall", method, damping));
           const ExperimentMetrics m = measure(samples, {}, damping, 1e-3);
-          line(text, "%9.0f  %8.1f  %7.1f  %-6s  %9.2f  %5.2f / %5.2f\n", stiffness, friction,
-               damping, method.name, mean_normal_force(samples), m.direction_error.mean * kDegrees,
-               m.direction_error.p99 * kDegrees);
+          append(text, "%9.0f  %8.1f  %7.1f  %-6s  %9.2f  %5.2f / %5.2f\n", stiffness, friction,
+                 damping, method.name, mean_normal_force(samples),
+                 m.direction_error.mean * kDegrees, m.direction_error.p99 * kDegrees);
         }
 }
 
@@ -107,13 +99,13 @@ void storages(std::string& text) {
       "[N/m]      [ms]          press / release   press / release\n";
   for (const double stiffness : {100.0, 350.0, 1000.0, 4000.0})
     for (const int delay : {0, 10, 50}) {
-      line(text, "%9.0f  %10d", stiffness, delay);
+      append(text, "%9.0f  %10d", stiffness, delay);
       for (const Method& method : {kCone, kElastic}) {
         ExperimentSetup setup = setup_of("wall", method, 0.5);
         setup.hand.task.path = HandPath::taps;
         setup.delay = delay;
         const auto samples = run_experiment(plane(stiffness, 0.0), setup);
-        line(text, "     %5.2f / %5.2f", share(samples, -1.0), share(samples, 1.0));
+        append(text, "     %5.2f / %5.2f", share(samples, -1.0), share(samples, 1.0));
       }
       text += '\n';
     }
@@ -123,14 +115,14 @@ void storages(std::string& text) {
       "position [um], and mean rendered over commanded force.\n\n"
       "round trip [ms]   none           minimal        elastic\n";
   for (const int delay : {0, 10, 50, 100}) {
-    line(text, "%15d", delay);
+    append(text, "%15d", delay);
     for (const Method& method : {kNone, kCone, kElastic}) {
       ExperimentSetup setup = setup_of("sphere", method, 0.5);
       setup.delay = delay;
       const ExperimentMetrics m =
           measure(run_experiment(sphere(1000.0), setup), {}, 0.5, setup.bounding.period);
-      line(text, "   %6.1f, %4.2f", 1e6 * std::max(m.highpass_rms.x(), m.highpass_rms.y()),
-           m.force_ratio);
+      append(text, "   %6.1f, %4.2f", 1e6 * std::max(m.highpass_rms.x(), m.highpass_rms.y()),
+             m.force_ratio);
     }
     text += '\n';
   }

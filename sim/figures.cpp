@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cstdio>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
@@ -10,6 +9,7 @@
 #include "scenes/paper_sphere_text.hpp"
 #include "scenes/paper_wall_text.hpp"
 #include "sim/figure_plots.hpp"
+#include "sim/text.hpp"
 
 namespace feltwire {
 namespace {
@@ -137,13 +137,7 @@ std::vector<FigureRun> write_figures(const std::filesystem::path& directory) {
     for (const int figure : experiment.figures)
       for (std::size_t i = first; i < runs.size(); ++i) json.push_back(entry(figure, runs[i]));
   }
-  const std::filesystem::path file = directory / "figures.json";
-  std::ofstream out(file);
-  out << json.dump(1) << '\n';
-  out.flush();
-  if (!out)
-    throw std::runtime_error("cannot write " + file.string() +
-                             "; check the folder and the space left");
+  write_text(directory / "figures.json", json.dump(1) + '\n');
   draw_figures(directory);
   return runs;
 }
@@ -164,13 +158,10 @@ std::string figures_table(const std::vector<FigureRun>& runs) {
     const double oscillation = run.experiment == "wall"
                                    ? m.highpass_rms.y()
                                    : std::max(m.highpass_rms.x(), m.highpass_rms.y());
-    std::array<char, 160> line;
-    std::snprintf(line.data(), line.size(),
-                  "%-10s  %6.1f  %-18s %8.2f  %9.2f  %9.2f  %9.0f %%  %11.4f\n",
-                  run.experiment.c_str(), run.damping, std::string(name(run.mode)).c_str(),
-                  oscillation * 1e6, m.direction_error.mean * kDegrees, m.force_ratio,
-                  100.0 * m.outside_bounds_share, m.min_port_energy.minCoeff());
-    table += line.data();
+    append(table, "%-10s  %6.1f  %-18s %8.2f  %9.2f  %9.2f  %9.0f %%  %11.4f\n",
+           run.experiment.c_str(), run.damping, std::string(name(run.mode)).c_str(),
+           oscillation * 1e6, m.direction_error.mean * kDegrees, m.force_ratio,
+           100.0 * m.outside_bounds_share, m.min_port_energy.minCoeff());
   }
   return table;
 }

@@ -5,22 +5,16 @@
 #include <unistd.h>
 
 #include <cerrno>
-#include <fstream>
 #include <stdexcept>
+
+#include "sim/text.hpp"
 
 namespace feltwire {
 
 void plot(const std::filesystem::path& directory, const std::string& name,
           const std::string& script) {
   const std::filesystem::path file = directory / (name + ".gp");
-  {
-    std::ofstream out(file);
-    out << script;
-    out.flush();
-    if (!out)
-      throw std::runtime_error("cannot write " + file.string() +
-                               "; check the folder and the space left");
-  }
+  write_text(file, script);
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
   posix_spawn_file_actions_addchdir_np(&actions, directory.c_str());

@@ -4,43 +4,20 @@ namespace feltwire {
 
 template <class Real>
 BasicCommand<Real> ContactFrameBound<Real>::step(const BasicBoundingStep<Real>& s) noexcept {
-  ChannelCommand<Real> command = in_channels(s.command);
-  command.elastic = std::max(Real(0), command.elastic);  // a contact never pulls
-  // Then there is no normal either: friction has the whole movement, under any damping.
-  if (!(command.elastic > 0)) command.normal.setZero();
-
-  BasicCommand<Real> rendered;
-  if (translation_.euclidean()) {
-    const Scales scale = bound_force(command, s.displacement, s.hold_time);
-    rendered.elastic = (scale.elastic * command.elastic) * command.normal;
-    rendered.frictional = scale.frictional * command.frictional;
-  } else {
-    // In these coordinates friction may well have a part along u, and more of it than the spring:
-    // what is across the normal for the eye is not what the device damps apart.
-    const Real spring_share = command.elastic > 0 ? command.spring / command.elastic : Real(0);
-    const BasicCommand<Real> whole{translation_.force(command.elastic * command.normal),
-                                   translation_.force(command.frictional), s.command.torque};
-    command = in_channels(whole);
-    command.spring *= spring_share;
-    const Scales scale = bound_force(command, translation_.movement(s.displacement), s.hold_time);
-    rendered.elastic = translation_.force_back((scale.elastic * command.elastic) * command.normal);
-    rendered.frictional = translation_.force_back(scale.frictional * command.frictional);
-  }
-
-  if (torque_) {
-    const bool plain = rotation_.euclidean();
-    rendered.torque =
-        s.command.torque *
-        bound_torque(plain ? s.command.torque : rotation_.force(s.command.torque),
-                     plain ? s.rotation : rotation_.movement(s.rotation), s.hold_time);
-  }
+  const ChannelCommand<Real> command = in_channels(s.command, translation_);
+  const ChannelScales<Real> scale =
+      bound_force(command, translation_.movement(s.displacement), s.hold_time);
+  BasicCommand<Real> rendered = held_back(command, scale, translation_);
+  if (torque_)
+    rendered.torque = s.command.torque * bound_torque(rotation_.force(s.command.torque),
+                                                      rotation_.movement(s.rotation), s.hold_time);
   return rendered;
 }
 
 template <class Real>
-typename ContactFrameBound<Real>::Scales ContactFrameBound<Real>::bound_force(
-    const ChannelCommand<Real>& command, const Vector3<Real>& displacement,
-    Real hold_time) noexcept {
+ChannelScales<Real> ContactFrameBound<Real>::bound_force(const ChannelCommand<Real>& command,
+                                                         const Vector3<Real>& displacement,
+                                                         Real hold_time) noexcept {
   const Real c = force_law_.c;
   const HeldFrame<Real> f(held_, command.normal, displacement);
 
@@ -63,7 +40,8 @@ typename ContactFrameBound<Real>::Scales ContactFrameBound<Real>::bound_force(
 
   const Real elastic = std::abs(command.elastic);
   const Real friction = length(command.frictional);
-  Scales scale{reduction(allowed_elastic, elastic), reduction(allowed_friction, friction)};
+  ChannelScales<Real> scale{reduction(allowed_elastic, elastic),
+                            reduction(allowed_friction, friction)};
   scale.frictional = std::min(scale.frictional, scale.elastic);
   // A pull along the normal is only a part of friction; alone it must not stay.
   if (projection_ == Projection::joint || command.elastic < 0) scale.elastic = scale.frictional;
@@ -113,14 +91,11 @@ void ContactFrameBound<Real>::store() noexcept {
 
 template <class Real>
 void ContactFrameBound<Real>::set_held(const BasicCommand<Real>& held) noexcept {
-  if (translation_.euclidean())
-    held_.set(held);
-  else
-    held_.set({translation_.force(held.elastic), translation_.force(held.frictional), held.torque});
+  held_.set(held, translation_);
   if (storage_ == Storage::elastic) store();
   force_excess_ = excess(held_.magnitude(), allowed_force_);
   if (torque_) {
-    held_torque_ = rotation_.euclidean() ? held.torque : rotation_.force(held.torque);
+    held_torque_ = rotation_.force(held.torque);
     torque_excess_ = excess(length(held_torque_), allowed_torque_);
   }
 }

@@ -2,7 +2,6 @@
 
 #include "core/bounding/channel.hpp"
 #include "core/bounding/frame.hpp"
-#include "core/bounding/metric.hpp"
 
 namespace feltwire {
 
@@ -67,12 +66,8 @@ class ContactFrameBound {
     Real rendered = 0;         // [N]
     Real rendered_spring = 0;  // [N] without contact damping
   };
-  /// A force in parts, and the factors that were applied to them.
-  struct Scales {
-    Real elastic, frictional;
-  };
-  Scales bound_force(const ChannelCommand<Real>& command, const Vector3<Real>& displacement,
-                     Real hold_time) noexcept;
+  ChannelScales<Real> bound_force(const ChannelCommand<Real>& command,
+                                  const Vector3<Real>& displacement, Real hold_time) noexcept;
   Real bound_torque(const Vector3<Real>& command, const Vector3<Real>& rotation,
                     Real hold_time) noexcept;
   void store() noexcept;

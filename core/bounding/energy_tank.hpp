@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "core/bounding/frame.hpp"
-#include "core/bounding/metric.hpp"
 
 namespace feltwire {
 
@@ -30,31 +29,27 @@ class EnergyTankBound {
       : translation_(translation), rotation_(rotation), period_(period), torque_on_(torque) {}
 
   BasicCommand<Real> step(const BasicBoundingStep<Real>& s) noexcept {
-    ChannelCommand<Real> command = in_channels(s.command);
-    command.elastic = std::max(Real(0), command.elastic);  // a contact never pulls
-    BasicCommand<Real> wanted{translation_.force(command.elastic * command.normal),
-                              translation_.force(command.frictional), Vector3<Real>::Zero()};
-    command = in_channels(wanted);
+    const ChannelCommand<Real> command = in_channels(s.command, translation_);
     take_in(command.normal, translation_.movement(s.displacement), s.hold_time);
 
     const Real elastic = std::abs(command.elastic), friction = length(command.frictional);
     if (!(elastic > 0)) elastic_ = std::min(elastic_, Real(0));
     if (!(friction > 0)) frictional_ = std::min(frictional_, Real(0));
-    Real scale = reduction(allowed(elastic_, translation_), elastic);
-    const Real friction_scale =
-        std::min(scale, reduction(allowed(frictional_, translation_), friction));
-    if (command.elastic < 0) scale = friction_scale;  // a part of friction: alone it must not stay
-    held_.set(command.normal, scale * command.elastic, friction_scale * command.frictional);
+    ChannelScales<Real> scale{reduction(allowed(elastic_, translation_), elastic),
+                              reduction(allowed(frictional_, translation_), friction)};
+    scale.frictional = std::min(scale.frictional, scale.elastic);
+    // A pull along the normal is only a part of friction; alone it must not stay.
+    if (command.elastic < 0) scale.elastic = scale.frictional;
+    held_.set(command.normal, scale.elastic * command.elastic,
+              scale.frictional * command.frictional);
 
-    BasicCommand<Real> rendered;
-    rendered.elastic = translation_.force_back((scale * command.elastic) * command.normal);
-    rendered.frictional = translation_.force_back(friction_scale * command.frictional);
+    BasicCommand<Real> rendered = held_back(command, scale, translation_);
     if (torque_on_) rendered.torque = bound_torque(s);
     return rendered;
   }
 
   void set_held(const BasicCommand<Real>& held) noexcept {
-    held_.set({translation_.force(held.elastic), translation_.force(held.frictional), held.torque});
+    held_.set(held, translation_);
     held_torque_ = rotation_.force(held.torque);
   }
 

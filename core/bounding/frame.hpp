@@ -3,6 +3,7 @@
 
 #include <limits>
 
+#include "core/bounding/metric.hpp"
 #include "core/bounding/step.hpp"
 #include "core/numeric.hpp"
 
@@ -31,6 +32,39 @@ inline ChannelCommand<Real> in_channels(const BasicCommand<Real>& command) noexc
   return c;
 }
 
+/// The channels of a contact, in the coordinates of `metric`: a contact never pulls, and without an
+/// elastic force there is no normal, so that friction has the whole movement under any damping.
+template <class Real>
+inline ChannelCommand<Real> in_channels(const BasicCommand<Real>& command,
+                                        const Metric<Real>& metric) noexcept {
+  ChannelCommand<Real> c = in_channels(command);
+  c.elastic = std::max(Real(0), c.elastic);
+  if (!(c.elastic > 0)) c.normal.setZero();
+  if (metric.euclidean()) return c;
+  // In these coordinates friction may well have a part along u, and more of it than the spring:
+  // what is across the normal for the eye is not what the device damps apart.
+  const Real spring_share = c.elastic > 0 ? c.spring / c.elastic : Real(0);
+  c = in_channels(BasicCommand<Real>{metric.force(c.elastic * c.normal), metric.force(c.frictional),
+                                     Vector3<Real>::Zero()});
+  c.spring *= spring_share;
+  return c;
+}
+
+/// The factors that a bound applies to a command's channels.
+template <class Real>
+struct ChannelScales {
+  Real elastic, frictional;
+};
+
+/// What is left of the force, in the world again.
+template <class Real>
+inline BasicCommand<Real> held_back(const ChannelCommand<Real>& command,
+                                    const ChannelScales<Real>& scale,
+                                    const Metric<Real>& metric) noexcept {
+  return {metric.force_back((scale.elastic * command.elastic) * command.normal),
+          metric.force_back(scale.frictional * command.frictional), Vector3<Real>::Zero()};
+}
+
 /// A force that is held, in the frame it was commanded in.
 template <class Real>
 struct HeldForce {
@@ -39,8 +73,9 @@ struct HeldForce {
   Vector3<Real> frictional = Vector3<Real>::Zero();  // [N]
 
   /// The channels are found anew: whatever reports a held force may have bent it.
-  void set(const BasicCommand<Real>& held) noexcept {
-    const ChannelCommand<Real> c = in_channels(held);
+  void set(const BasicCommand<Real>& held, const Metric<Real>& metric) noexcept {
+    const ChannelCommand<Real> c = in_channels(
+        BasicCommand<Real>{metric.force(held.elastic), metric.force(held.frictional), held.torque});
     set(c.normal, c.elastic, c.frictional);
   }
   /// A negative `along_normal`, a pull, is an elastic channel opposite to its normal.

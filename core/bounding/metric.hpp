@@ -35,19 +35,22 @@ class Metric {
   bool euclidean() const noexcept { return euclidean_; }
   Real damping() const noexcept { return b_; }  // b
 
-  Vector3<Real> force(const Vector3<Real>& f) const noexcept { return forth_ * f; }  // g
-  Vector3<Real> movement(const Vector3<Real>& dx) const noexcept {                   // y
-    return back_.transpose() * dx;
+  Vector3<Real> force(const Vector3<Real>& f) const noexcept {  // g
+    return euclidean_ ? f : Vector3<Real>(forth_ * f);
   }
-  Vector3<Real> force_back(const Vector3<Real>& g) const noexcept { return back_ * g; }
+  Vector3<Real> movement(const Vector3<Real>& dx) const noexcept {  // y
+    return euclidean_ ? dx : Vector3<Real>(back_.transpose() * dx);
+  }
+  Vector3<Real> force_back(const Vector3<Real>& g) const noexcept {
+    return euclidean_ ? g : Vector3<Real>(back_ * g);
+  }
 
   /// The movement that takes most from a port over `hold_time` while f is held: dx = B^-1 f h / 2
   /// minimises dx' B dx / h - f.dx. Zero without damping.
   Vector3<Real> worst_movement(const Vector3<Real>& f, Real hold_time) const noexcept {
     if (!(b_ > 0)) return Vector3<Real>::Zero();
-    const Real factor = hold_time / (2 * b_);
-    return euclidean_ ? Vector3<Real>(factor * f)
-                      : Vector3<Real>(factor * (forth_.transpose() * (forth_ * f)));
+    const Vector3<Real> g = (hold_time / (2 * b_)) * force(f);
+    return euclidean_ ? g : Vector3<Real>(forth_.transpose() * g);
   }
 
  private:

@@ -61,29 +61,6 @@ class PassivityObserver {
   Real energy_ = 0, before_ = 0, wanted_ = 0;
 };
 
-/// Three axes of a port, each with its own observer.
-template <class Real>
-struct PassivityAxes {
-  std::array<PassivityObserver<Real>, 3> axis;
-  Vector3<Real> commanded = Vector3<Real>::Zero(), held = Vector3<Real>::Zero();  // F(n-1)
-  Vector3<Real> moved = Vector3<Real>::Zero();                                    // dx(n)
-
-  /// Missing energy by axis; `command` is F_e(n).
-  Vector3<Real> observe(const Vector3<Real>& command, const Vector3<Real>& dx) noexcept {
-    Vector3<Real> missing;
-    for (int i = 0; i < 3; ++i)
-      missing[i] = at(i).observe(command[i] * dx[i], commanded[i] * dx[i], held[i] * dx[i]);
-    commanded = command;
-    moved = dx;
-    return missing;
-  }
-  void settle(const Vector3<Real>& now_held) noexcept {
-    held = now_held;
-    for (int i = 0; i < 3; ++i) at(i).settle(held[i] * moved[i]);
-  }
-  PassivityObserver<Real>& at(int i) noexcept { return axis[static_cast<std::size_t>(i)]; }
-};
-
 /// What a controller is told of its port, force or torque.
 template <class Real>
 struct PassivityPort {
@@ -114,6 +91,33 @@ struct PassivityPort {
   }
 };
 
+/// Three axes of a port, each with its own observer.
+template <class Real>
+struct PassivityAxes {
+  PassivityPort<Real> port;
+  std::array<PassivityObserver<Real>, 3> axis;
+  Vector3<Real> commanded = Vector3<Real>::Zero(), held = Vector3<Real>::Zero();  // F(n-1)
+  Vector3<Real> moved = Vector3<Real>::Zero();                                    // dx(n)
+
+  explicit PassivityAxes(const PassivityPort<Real>& of) : port(of) {
+    axis.fill(PassivityObserver<Real>(port.reference));
+  }
+  /// Missing energy by axis; `command` is F_e(n).
+  Vector3<Real> observe(const Vector3<Real>& command, const Vector3<Real>& dx) noexcept {
+    Vector3<Real> missing;
+    for (int i = 0; i < 3; ++i)
+      missing[i] = at(i).observe(command[i] * dx[i], commanded[i] * dx[i], held[i] * dx[i]);
+    commanded = command;
+    moved = dx;
+    return missing;
+  }
+  void settle(const Vector3<Real>& now_held) noexcept {
+    held = now_held;
+    for (int i = 0; i < 3; ++i) at(i).settle(held[i] * moved[i]);
+  }
+  PassivityObserver<Real>& at(int i) noexcept { return axis[static_cast<std::size_t>(i)]; }
+};
+
 /// mode `passivity_control`: one port an axis, the controller in series (impedance causality:
 /// movement in, force out). Missing energy W is dissipated by a damper at once:
 ///   F(n) = F_e(n) + alpha dx(n)/T,   alpha = W T / dx(n)^2      so that F dx grows by W
@@ -129,16 +133,12 @@ class PassivityControl {
  public:
   PassivityControl(const PassivityPort<Real>& force, const PassivityPort<Real>& torque,
                    bool torque_on)
-      : force_port_(force), torque_port_(torque), torque_on_(torque_on) {
-    force_.axis.fill(PassivityObserver<Real>(force.reference));
-    rotation_.axis.fill(PassivityObserver<Real>(torque.reference));
-  }
+      : force_(force), rotation_(torque), torque_on_(torque_on) {}
 
   BasicCommand<Real> step(const BasicBoundingStep<Real>& s) noexcept {
-    const Vector3<Real> force = -damped(force_port_, force_, -s.command.force(), s.displacement);
+    const Vector3<Real> force = -damped(force_, -s.command.force(), s.displacement);
     BasicCommand<Real> rendered = split_along(force, s.command.elastic);
-    if (torque_on_)
-      rendered.torque = -damped(torque_port_, rotation_, -s.command.torque, s.rotation);
+    if (torque_on_) rendered.torque = -damped(rotation_, -s.command.torque, s.rotation);
     return rendered;
   }
   void set_held(const BasicCommand<Real>& held) noexcept {
@@ -147,19 +147,18 @@ class PassivityControl {
   }
 
  private:
-  static Vector3<Real> damped(const PassivityPort<Real>& port, PassivityAxes<Real>& axes,
-                              const Vector3<Real>& command, const Vector3<Real>& dx) noexcept {
-    const Vector3<Real> missing = axes.observe(port.possible(command), dx);
+  static Vector3<Real> damped(PassivityAxes<Real>& axes, const Vector3<Real>& command,
+                              const Vector3<Real>& dx) noexcept {
+    const Vector3<Real> missing = axes.observe(axes.port.possible(command), dx);
     Vector3<Real> force = command;
     for (int i = 0; i < 3; ++i)
-      if (missing[i] > 0 && dx[i] != 0) force[i] += port.damper_force(missing[i], dx[i]);
+      if (missing[i] > 0 && dx[i] != 0) force[i] += axes.port.damper_force(missing[i], dx[i]);
     axes.settle(force);
     return force;
   }
 
-  PassivityPort<Real> force_port_, torque_port_;
-  bool torque_on_;
   PassivityAxes<Real> force_, rotation_;
+  bool torque_on_;
 };
 
 /// mode `passivity_control_parallel`: the controller in parallel (admittance causality). The
@@ -178,15 +177,11 @@ class PassivityControlParallel {
  public:
   PassivityControlParallel(const PassivityPort<Real>& force, const PassivityPort<Real>& torque,
                            bool torque_on)
-      : force_port_(force), torque_port_(torque), torque_on_(torque_on) {
-    force_.axis.fill(PassivityObserver<Real>(force.reference));
-    rotation_.axis.fill(PassivityObserver<Real>(torque.reference));
-  }
+      : force_(force), rotation_(torque), torque_on_(torque_on) {}
 
   BasicCommand<Real> step(const BasicBoundingStep<Real>& s) noexcept {
-    hold_back(force_, force_port_.possible(-s.command.force()), s.displacement, probe_.offset);
-    if (torque_on_)
-      hold_back(rotation_, torque_port_.possible(-s.command.torque), s.rotation, probe_.rotation);
+    hold_back(force_, -s.command.force(), s.displacement, probe_.offset);
+    if (torque_on_) hold_back(rotation_, -s.command.torque, s.rotation, probe_.rotation);
     return s.command;
   }
   void set_held(const BasicCommand<Real>& held) noexcept {
@@ -196,23 +191,23 @@ class PassivityControlParallel {
   BasicProbe<Real> probe() const noexcept { return probe_; }
 
  private:
-  static void hold_back(PassivityAxes<Real>& port, const Vector3<Real>& command,
+  static void hold_back(PassivityAxes<Real>& axes, const Vector3<Real>& wanted,
                         const Vector3<Real>& dx, Vector3<Real>& offset) noexcept {
-    const Vector3<Real> missing = port.observe(command, dx);
-    port.settle(command);
+    const Vector3<Real> command = axes.port.possible(wanted);
+    const Vector3<Real> missing = axes.observe(command, dx);
+    axes.settle(command);
     if (command.isZero(0)) offset.setZero();
     for (int i = 0; i < 3; ++i) {
       if (!(missing[i] > 0) || command[i] == 0) continue;
       const Real most = std::abs(dx[i]);
       const Real shift = -std::clamp(missing[i] / command[i], -most, most);
       offset[i] += shift;
-      port.at(i).add(-shift * command[i]);
+      axes.at(i).add(-shift * command[i]);
     }
   }
 
-  PassivityPort<Real> force_port_, torque_port_;
-  bool torque_on_;
   PassivityAxes<Real> force_, rotation_;
+  bool torque_on_;
   BasicProbe<Real> probe_;
 };
 
