@@ -9,6 +9,7 @@
 
 #include "core/scene/json_document.hpp"
 #include "protocol/control.hpp"
+#include "protocol/profiles.hpp"
 #include "server/server_config_generated.h"
 #include "server/server_config_text.hpp"
 
@@ -60,6 +61,13 @@ std::optional<Complaint> complaint(const ServerConfig& c) {
     return Complaint{"max_sessions_per_scene", "max_sessions_per_scene",
                      std::to_string(c.max_sessions_per_scene) + " is not within 1 to " +
                          std::to_string(kMostSessions)};
+  if (!c.profile.empty()) {
+    try {
+      network_profile(c.profile);
+    } catch (const std::invalid_argument& unknown) {
+      return Complaint{"profile", "--profile", unknown.what()};
+    }
+  }
   if (std::find(kLogLevels.begin(), kLogLevels.end(), c.log_level) == kLogLevels.end())
     return Complaint{"log_level", "--log-level", "'" + c.log_level + "' is none of " + choices()};
   return std::nullopt;
@@ -88,6 +96,7 @@ ServerConfig parse_config(std::string_view json, const std::filesystem::path& fi
   config.port = root->port();
   config.silence_timeout = root->silence_timeout();
   config.max_sessions_per_scene = root->max_sessions_per_scene();
+  if (root->profile() != nullptr) config.profile = root->profile()->str();
   if (root->log_level() != nullptr) config.log_level = root->log_level()->str();
   if (const auto wrong = complaint(config)) document.fail(wrong->field, wrong->message);
   return config;

@@ -13,6 +13,7 @@ struct ServerConfig {
   int port = 7400;                    // control (tcp); 0: every port chosen by the system
   double silence_timeout = 2.0;       // [s]
   int max_sessions_per_scene = 64;
+  std::string profile;  // of the line that sessions share, lan, wan or thin; empty: no limit
   std::string log_level = "info";
 };
 

@@ -7,6 +7,7 @@
 #include <csignal>
 #include <cstdio>
 
+#include "protocol/profiles.hpp"
 #include "server/server.hpp"
 
 namespace {
@@ -54,6 +55,10 @@ feltwire::ServerConfig configuration(int argc, char** argv) {
   const auto* silence = app.add_option("--silence-timeout", given.silence_timeout,
                                        "[s] a session that sends nothing for so long ends")
                             ->capture_default_str();
+  const auto* profile =
+      app.add_option("--profile", given.profile,
+                     "Of the line that the sessions share, " + feltwire::network_profile_names() +
+                         ": a client that asks for more datagrams gets the profile's");
   const auto* level =
       app.add_option("--log-level", given.log_level, "trace, debug, info, warning, error or off")
           ->capture_default_str();
@@ -70,6 +75,7 @@ feltwire::ServerConfig configuration(int argc, char** argv) {
   if (!port->empty()) config.port = given.port;
   if (!address->empty()) config.address = given.address;
   if (!silence->empty()) config.silence_timeout = given.silence_timeout;
+  if (!profile->empty()) config.profile = given.profile;
   if (!level->empty()) config.log_level = given.log_level;
   return config;
 }

@@ -59,7 +59,7 @@ struct SceneHost::Batch {
 SceneHost::SceneHost(Scene scene, const SceneHostOptions& options)
     : scene_(std::move(scene)),
       silence_timeout_(options.silence_timeout),
-      sessions_(scene_, options.silence_timeout, options.max_sessions),
+      sessions_(scene_, options.silence_timeout, options.max_sessions, options.line),
       batch_(std::make_unique<Batch>()) {
   const asio::ip::udp::endpoint endpoint(options.address, options.port);
   try {

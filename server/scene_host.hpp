@@ -18,6 +18,7 @@ struct SceneHostOptions {
   std::uint16_t port = 0;     // 0: the operating system chooses
   Nanoseconds silence_timeout{};
   std::size_t max_sessions = 64;
+  const NetworkProfile* line = nullptr;  // that the sessions share; null: no limit
 };
 
 /// What a scene's host did, for the summary.

@@ -49,10 +49,11 @@ struct SceneSessions::Seat {
 };
 
 SceneSessions::SceneSessions(const Scene& scene, Nanoseconds silence_timeout,
-                             std::size_t max_sessions)
+                             std::size_t max_sessions, const NetworkProfile* line)
     : scene_(scene),
       silence_timeout_(silence_timeout),
       max_sessions_(max_sessions),
+      line_(line),
       by_id_(max_sessions) {
   seats_.reserve(max_sessions);
 }
@@ -75,7 +76,7 @@ control::Message SceneSessions::answer(const control::Message& request, std::uin
     Seat** seat = by_id_.find(wanted->session);
     if (seat == nullptr) return unknown_session(wanted->session);
     try {
-      (*seat)->session.set_parameters(wanted->parameters);
+      (*seat)->session.set_parameters(granted(wanted->parameters));
     } catch (const std::invalid_argument& error) {
       return control::Refused{control::RefusalCode::bad_parameters, error.what()};
     }
@@ -85,13 +86,21 @@ control::Message SceneSessions::answer(const control::Message& request, std::uin
                           "a scene answers join, leave and set parameters only"};
 }
 
-control::Message SceneSessions::join(const control::JoinRequest& request, std::uint64_t id,
+/// Throws std::invalid_argument when they are not possible.
+SessionParameters SceneSessions::granted(const SessionParameters& asked) const {
+  if (line_ == nullptr) return asked;
+  validate(asked);
+  return feltwire::granted(*line_, asked);
+}
+
+control::Message SceneSessions::join(control::JoinRequest request, std::uint64_t id,
                                      Nanoseconds now) {
   if (seats_.size() >= max_sessions_)
     return control::Refused{control::RefusalCode::full,
                             "scene '" + scene_.name() + "' has all its " +
                                 std::to_string(max_sessions_) + " sessions; try again later"};
   try {
+    request.parameters = granted(request.parameters);
     auto seat = std::make_unique<Seat>(Seat{id, Session(request, scene_), now, {}, {}});
     if (!by_id_.insert(id, seat.get()))
       return control::Refused{control::RefusalCode::full, "no session id is free; try again"};

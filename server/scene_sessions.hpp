@@ -9,6 +9,7 @@
 
 #include "protocol/codec.hpp"
 #include "protocol/control.hpp"
+#include "protocol/profiles.hpp"
 #include "protocol/sequence.hpp"
 #include "server/id_map.hpp"
 #include "server/session.hpp"
@@ -32,8 +33,10 @@ struct SceneCounters {
 
 class SceneSessions {
  public:
-  /// The scene must outlive this. A session that sends nothing for `silence_timeout` ends.
-  SceneSessions(const Scene& scene, Nanoseconds silence_timeout, std::size_t max_sessions);
+  /// The scene must outlive this. A session that sends nothing for `silence_timeout` ends. With a
+  /// `line` a session is granted no more than it has room for.
+  SceneSessions(const Scene& scene, Nanoseconds silence_timeout, std::size_t max_sessions,
+                const NetworkProfile* line = nullptr);
   ~SceneSessions();
 
   /// Join, leave, set parameters; anything else is refused as malformed. `id` is the new session's
@@ -61,7 +64,8 @@ class SceneSessions {
 
  private:
   struct Seat;
-  control::Message join(const control::JoinRequest& request, std::uint64_t id, Nanoseconds now);
+  control::Message join(control::JoinRequest request, std::uint64_t id, Nanoseconds now);
+  SessionParameters granted(const SessionParameters& asked) const;
   Bytes receive_samples(Seat& seat, Bytes payload, const Peer& from, Nanoseconds now) noexcept;
   void end(Seat& seat) noexcept;
   Bytes drop(DropReason reason) noexcept;
@@ -70,6 +74,7 @@ class SceneSessions {
   const Scene& scene_;
   Nanoseconds silence_timeout_;
   std::size_t max_sessions_;
+  const NetworkProfile* line_;
   std::vector<std::unique_ptr<Seat>> seats_;  // in the order they joined
   IdMap<Seat*> by_id_;
   Encoder encoder_;

@@ -63,6 +63,7 @@ struct Server::Parts {
     SceneHostOptions options;
     options.address = address;
     options.silence_timeout = Nanoseconds(std::llround(config.silence_timeout * 1e9));
+    if (!config.profile.empty()) options.line = &network_profile(config.profile);
     options.max_sessions = static_cast<std::size_t>(config.max_sessions_per_scene);
     for (std::size_t i = 0; i < scenes.size(); ++i) {
       // The ports follow the control port one by one, so that a firewall can open them.

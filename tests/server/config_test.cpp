@@ -19,7 +19,7 @@ TEST(Config, EveryFieldIsRead) {
   const ServerConfig config = parse_config(R"({
     "scenes": ["a.json", "/abs/b.json"],
     "address": "0.0.0.0", "port": 9000, "silence_timeout": 1.5,
-    "max_sessions_per_scene": 3, "log_level": "debug"
+    "max_sessions_per_scene": 3, "profile": "thin", "log_level": "debug"
   })",
                                            "/etc/feltwire/server.json");
   ASSERT_EQ(config.scenes.size(), 2u);
@@ -29,6 +29,7 @@ TEST(Config, EveryFieldIsRead) {
   EXPECT_EQ(config.port, 9000);
   EXPECT_EQ(config.silence_timeout, 1.5);
   EXPECT_EQ(config.max_sessions_per_scene, 3);
+  EXPECT_EQ(config.profile, "thin");
   EXPECT_EQ(config.log_level, "debug");
   EXPECT_NO_THROW(validate(config));
 }
@@ -40,6 +41,7 @@ TEST(Config, WhatIsLeftOutKeepsItsDefault) {
   EXPECT_EQ(read.port, made.port);
   EXPECT_EQ(read.silence_timeout, made.silence_timeout);
   EXPECT_EQ(read.max_sessions_per_scene, made.max_sessions_per_scene);
+  EXPECT_EQ(read.profile, made.profile);
   EXPECT_EQ(read.log_level, made.log_level);
 }
 
@@ -49,6 +51,7 @@ TEST(Config, FaultsNameFileLineAndField) {
       {"{\n\"port\": -1}", "port"},
       {"{\n\"silence_timeout\": 0}", "silence_timeout"},
       {"{\n\"max_sessions_per_scene\": 0}", "max_sessions_per_scene"},
+      {"{\n\"profile\": \"moon\"}", "profile"},
       {"{\n\"log_level\": \"loud\"}", "log_level"},
       {"{\n\"address\": \"localhost:80\"}", "address"},
       {"{\n\"scenes\": [\"\"]}", "scenes"},

@@ -197,6 +197,23 @@ TEST_F(SceneSessionsTest, RequestsThatCannotBeAreRefused) {
   EXPECT_EQ(refusal(join_request()), RefusalCode::full);
 }
 
+TEST_F(SceneSessionsTest, ALineGrantsNoMoreThanItHasRoomFor) {
+  const NetworkProfile& thin = network_profile("thin");
+  SceneSessions behind{scene, 2s, 2, &thin};
+  const auto answer = behind.answer(join_request(), kId, 0s);
+  ASSERT_TRUE(std::holds_alternative<control::JoinAccepted>(answer));
+  const SessionParameters inside = over(thin, {});
+  EXPECT_EQ(std::get<control::JoinAccepted>(answer).parameters, inside);
+  EXPECT_EQ(behind.find(kId)->parameters(), inside);
+  const auto set = behind.answer(control::SetParameters{kId, {}}, 0, 0s);
+  ASSERT_TRUE(std::holds_alternative<control::ParametersSet>(set));
+  EXPECT_EQ(std::get<control::ParametersSet>(set).parameters, inside);
+  SessionParameters impossible;
+  impossible.redundancy = 20;
+  EXPECT_EQ(std::get<control::Refused>(behind.answer(join_request(impossible), kId + 256, 0s)).code,
+            control::RefusalCode::bad_parameters);
+}
+
 TEST_F(SceneSessionsTest, ParametersChangeAndSessionsLeave) {
   join(kId);
   SessionParameters parameters;

@@ -1,0 +1,52 @@
+#include "protocol/profiles.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "protocol/datagram.hpp"
+
+namespace feltwire {
+namespace {
+
+int interval(const NetworkProfile& line, double servo_period) {
+  return std::clamp(static_cast<int>(std::lround(1.0 / (line.packet_rate * servo_period))), 1,
+                    kMaxPacketInterval);
+}
+
+}  // namespace
+
+const NetworkProfile& network_profile(std::string_view given) {
+  for (const NetworkProfile& profile : kNetworkProfiles)
+    if (profile.name == given) return profile;
+  throw std::invalid_argument("unknown network profile '" + std::string(given) +
+                              "'; choose one of: " + network_profile_names());
+}
+
+std::string network_profile_names() {
+  std::string names;
+  for (const NetworkProfile& profile : kNetworkProfiles)
+    names += (names.empty() ? "" : "|") + std::string(profile.name);
+  return names;
+}
+
+SessionParameters over(const NetworkProfile& line, SessionParameters p) {
+  p.packet_interval = interval(line, p.servo_period);
+  p.redundancy = line.redundancy;
+  p.batch = std::min({line.batch, p.packet_interval, kMaxRedundancy + 1 - p.redundancy});
+  p.position_deadband = line.position_deadband;
+  p.force_deadband = line.force_deadband;
+  p.predictor = line.predictor;
+  p.hold_time = std::max(line.hold_time, p.packet_interval * p.servo_period);
+  p.keep_alive = line.keep_alive;
+  // Methods that ask the scene elsewhere than at the device stay beside it, without a model.
+  p.local_model = line.local_model && !moves_probe(p.mode);
+  if (p.local_model && p.side == BoundingSide::server) p.side = BoundingSide::both;
+  return p;
+}
+
+SessionParameters granted(const NetworkProfile& line, const SessionParameters& p) {
+  return p.packet_interval < interval(line, p.servo_period) ? over(line, p) : p;
+}
+
+}  // namespace feltwire

@@ -1,0 +1,56 @@
+#pragma once
+// What travels how often over lines of a kind, by name. The numbers come from docs/trade.md, "The
+// network".
+
+#include <array>
+#include <string>
+#include <string_view>
+
+#include "protocol/session_parameters.hpp"
+
+namespace feltwire {
+
+struct NetworkProfile {
+  std::string_view name, line;  // how it is asked for; what it is for
+  double packet_rate = 1000.0;  // [Hz] datagrams each way
+  int batch = 1;                // new samples in each, where there are as many
+  int redundancy = 3;
+  double position_deadband = 0.0, force_deadband = 0.0;  // Weber fractions
+  Predictor predictor = Predictor::level;
+  double keep_alive = 0.02;  // [s]
+  double hold_time = 0.1;    // [s]
+  bool local_model = false;
+};
+
+inline constexpr std::array<NetworkProfile, 3> kNetworkProfiles = {
+    {{.name = "lan", .line = "a cable, or a building's network"},
+     {.name = "wan",
+      .line = "the internet, some tens of milliseconds away",
+      .packet_rate = 250.0,
+      .batch = 2,
+      .redundancy = 4,
+      .hold_time = 0.2,
+      .local_model = true},
+     {.name = "thin",
+      .line = "64 kbit/s each way",
+      .packet_rate = 25.0,
+      .redundancy = 0,
+      .force_deadband = 0.1,
+      .keep_alive = 0.12,
+      .hold_time = 0.3,
+      .local_model = true}}};
+
+/// Throws std::invalid_argument naming the choices when there is no such profile.
+const NetworkProfile& network_profile(std::string_view name);
+/// The names, for a help text: "lan|wan|thin".
+std::string network_profile_names();
+
+/// The same session over such a line. Its servo period stays; the side becomes `both` where a local
+/// model has to be bounded beside the device.
+SessionParameters over(const NetworkProfile& line, SessionParameters parameters);
+
+/// What a server behind such a line grants: the parameters where they ask for no more datagrams
+/// than the line has room for, else over(line, parameters).
+SessionParameters granted(const NetworkProfile& line, const SessionParameters& parameters);
+
+}  // namespace feltwire

@@ -1,0 +1,63 @@
+#include "protocol/profiles.hpp"
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <stdexcept>
+
+#include "protocol/datagram.hpp"
+
+namespace feltwire {
+namespace {
+
+TEST(Profiles, HaveNames) {
+  for (const NetworkProfile& profile : kNetworkProfiles)
+    EXPECT_EQ(&network_profile(profile.name), &profile);
+  EXPECT_EQ(network_profile_names(), "lan|wan|thin");
+  try {
+    network_profile("moon");
+    ADD_FAILURE();
+  } catch (const std::invalid_argument& error) {
+    EXPECT_THAT(error.what(), testing::HasSubstr("lan|wan|thin"));
+  }
+}
+
+TEST(Profiles, AreGoodAtEveryServoRateAndMode) {
+  for (const NetworkProfile& profile : kNetworkProfiles)
+    for (const double rate : {10.0, 100.0, 250.0, 1000.0, 4000.0, 1e4, 1e5})
+      for (std::size_t mode = 0; mode < kBoundingModeNames.size(); ++mode) {
+        SessionParameters p;
+        p.mode = static_cast<BoundingMode>(mode);
+        if (moves_probe(p.mode)) p.side = BoundingSide::server;
+        p.servo_period = 1.0 / rate;
+        p.hold_time = std::max(p.hold_time, p.servo_period);
+        const SessionParameters there = over(profile, p);
+        EXPECT_NO_THROW(validate(there)) << profile.name << ' ' << rate << ' ' << name(p.mode);
+        EXPECT_EQ(there.servo_period, p.servo_period);
+        EXPECT_EQ(there.mode, p.mode);
+        // No more datagrams than the line has room for, as far as whole ticks and 1000 of them go.
+        if (rate >= profile.packet_rate && rate <= 1000.0 * profile.packet_rate) {
+          EXPECT_NEAR(rate / there.packet_interval, profile.packet_rate,
+                      0.34 * profile.packet_rate);
+        }
+      }
+}
+
+TEST(Profiles, AreWhatTheDefaultsAreOnALan) {
+  EXPECT_EQ(over(network_profile("lan"), {}), SessionParameters{});
+}
+
+TEST(Profiles, AServerGrantsWhatItsLineHasRoomFor) {
+  const NetworkProfile& thin = network_profile("thin");
+  EXPECT_EQ(granted(thin, {}), over(thin, {}));
+  SessionParameters modest;
+  modest.packet_interval = 100;
+  EXPECT_EQ(granted(thin, modest), modest);
+  SessionParameters bound_at_server;
+  bound_at_server.side = BoundingSide::server;
+  EXPECT_EQ(granted(thin, bound_at_server).side, BoundingSide::both);
+  EXPECT_EQ(granted(network_profile("lan"), {}), SessionParameters{});
+}
+
+}  // namespace
+}  // namespace feltwire
