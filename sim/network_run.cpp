@@ -1,0 +1,204 @@
+#include "sim/network_run.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <variant>
+
+#include "client/conversation.hpp"
+
+namespace feltwire {
+namespace {
+
+constexpr std::size_t kOnTheWay = 8192;  // datagrams in each direction, as in a client
+constexpr std::uint64_t kSessionId = 0x51de5;
+constexpr std::size_t kSessions = 1;
+
+/// A device whose true movement is known.
+class TruePort {
+ public:
+  explicit TruePort(const NetworkRunOptions& options)
+      : device_(make(options)),
+        period_(options.parameters.servo_period),
+        friction_(options.hand.spec.coulomb_friction) {}
+
+  Device& device() {
+    return std::visit([](auto& device) -> Device& { return device; }, device_);
+  }
+  /// Looks at the device after a tick, at which the encoders said `measured`.
+  void look(const Vec3& measured) {
+    const auto* hand = std::get_if<SimulatedDevice>(&device_);
+    const Vec3 position = hand != nullptr ? hand->true_position() : measured;
+    moved_ = known_ ? Vec3(position - position_) : Vec3::Zero();
+    velocity_ = hand != nullptr ? hand->true_velocity() : Vec3(moved_ / period_);
+    position_ = position;
+    known_ = true;
+  }
+
+  const Vec3& position() const { return position_; }
+  const Vec3& velocity() const { return velocity_; }
+  const Vec3& moved() const { return moved_; }  // [m] since the tick before
+  /// [J] that Coulomb friction burned at least meanwhile: it acts axis by axis.
+  double friction_work() const { return friction_ * moved_.lpNorm<1>(); }
+
+ private:
+  using Either = std::variant<SimulatedDevice, ReplayDevice>;
+  static Either make(const NetworkRunOptions& options) {
+    if (!options.recording) return SimulatedDevice(options.hand);
+    Recording positions = *options.recording;
+    positions.rotation = false;
+    return ReplayDevice(std::move(positions), options.hand.spec);
+  }
+
+  Either device_;
+  double period_, friction_;
+  bool known_ = false;
+  Vec3 position_ = Vec3::Zero(), velocity_ = Vec3::Zero(), moved_ = Vec3::Zero();
+};
+
+void check(const NetworkRunOptions& options) {
+  if (!(options.duration > options.parameters.servo_period) || !std::isfinite(options.duration))
+    throw std::invalid_argument("the duration must be finite and longer than one servo period [s]");
+  if (!(options.silence_timeout > 0.0) || !std::isfinite(options.silence_timeout))
+    throw std::invalid_argument("the silence timeout must be finite and above zero [s]");
+  if (options.recording && options.recording->poses.empty())
+    throw std::invalid_argument("the recording has no poses; record something");
+  validate(options.link.up);
+  validate(options.link.down);
+}
+
+control::JoinAccepted join(SceneSessions& sessions, const Scene& scene, const DeviceSpec& told,
+                           const SessionParameters& parameters) {
+  const control::Message answer =
+      sessions.answer(control::JoinRequest{"lab", scene.name(), told, parameters}, kSessionId, {});
+  if (const auto* refused = std::get_if<control::Refused>(&answer))
+    throw std::invalid_argument(refused->reason);
+  return std::get<control::JoinAccepted>(answer);
+}
+
+PortEnergy port_of(const NetworkRunOptions& options) {
+  Damping damping = options.hand.spec.damping;
+  damping += options.parameters.operator_damping;
+  return {damping, options.hand.spec.rotational_damping, options.parameters.servo_period};
+}
+
+class NetworkRun {
+ public:
+  NetworkRun(const Scene& scene, const NetworkRunOptions& options)
+      : scene_(scene),
+        told_(options.told.value_or(options.hand.spec)),
+        sessions_(scene, from_seconds(options.silence_timeout), kSessions),
+        accepted_(join(sessions_, scene, told_, options.parameters)),
+        servo_(told_, accepted_.parameters, options.servo),
+        conversation_(accepted_.session, accepted_.parameters.redundancy,
+                      told_.rotation_sensed > 0),
+        link_(options.link, 0, kOnTheWay),
+        port_(options),
+        ideal_(scene.memory()),
+        result_{.measured_port = port_of(options), .true_port = port_of(options)} {}
+
+  NetworkRunResult run(double duration) {
+    const double period = accepted_.parameters.servo_period;
+    const auto count = static_cast<std::size_t>(std::floor(duration / period + 0.5)) + 1;
+    result_.samples.reserve(count);
+    for (std::size_t n = 0; n < count; ++n) {
+      const Nanoseconds now = from_seconds(static_cast<double>(n) * period);
+      deliver(now);
+      tick(now, static_cast<double>(n) * period, period);
+    }
+    result_.servo = servo_.statistics();
+    result_.clock = servo_.server_clock();
+    result_.client_drops = conversation_.dropped();
+    result_.server = sessions_.counters();
+    result_.up_link = link_.up.statistics();
+    result_.down_link = link_.down.statistics();
+    return std::move(result_);
+  }
+
+ private:
+  /// Everything that is due by then, each at its own time.
+  void deliver(Nanoseconds until) {
+    while (const auto due = link_.next_due()) {
+      if (*due > until) break;
+      if (const auto datagram = link_.up.leave(*due))
+        send(link_.down, result_.down, sessions_.receive(*datagram, Peer{}, *due), *due);
+      else if (const auto answer = link_.down.leave(*due))
+        take(*answer, *due);
+    }
+    for (const auto& farewell : sessions_.expire(until))
+      send(link_.down, result_.down, farewell.datagram, until);
+  }
+
+  static void send(OneWayLink& link, DatagramCount& count, Bytes datagram, Nanoseconds now) {
+    if (datagram.empty()) return;  // nothing to say
+    ++count.datagrams;
+    count.bytes += datagram.size() + kHeadersOnTheWire;
+    link.enter(datagram, now);
+  }
+
+  void take(Bytes datagram, Nanoseconds now) {
+    Reply reply;
+    GoodbyeReason reason{};
+    switch (conversation_.take(datagram, reply, reason)) {
+      case Conversation::Arrival::reply:
+        servo_.take(reply, now);
+        break;
+      case Conversation::Arrival::goodbye:
+        result_.goodbye = true;
+        break;
+      case Conversation::Arrival::dropped:
+        break;
+    }
+  }
+
+  void tick(Nanoseconds now, double time, double period) {
+    const Command acted = servo_.held();
+    const Vec3 measured_before = servo_.sample().pose.position;
+    const Sample* sample = servo_.tick(port_.device(), now);
+    if (sample == nullptr) return;
+    const Vec3 measured = sample->pose.position;
+    port_.look(measured);
+    account(acted, result_.samples.empty() ? Vec3::Zero() : Vec3(measured - measured_before),
+            period);
+    result_.samples.push_back({.time = time,
+                               .position = port_.position(),
+                               .velocity = port_.velocity(),
+                               .acted = acted.force(),
+                               .held = servo_.held(),
+                               .ideal = scene_.touch({port_.position(), port_.velocity()}, ideal_),
+                               .command = servo_.command(),
+                               .command_age = servo_.command_age(),
+                               .sample_index = servo_.newest_reply().sample_index});
+    if (!result_.goodbye) send(link_.up, result_.up, conversation_.pack(*sample), now);
+  }
+
+  void account(const Command& acted, const Vec3& measured, double period) {
+    result_.measured_port.step(acted, measured, Vec3::Zero(), period);
+    PortEnergy& port = result_.true_port;
+    port.step(acted, port_.moved(), Vec3::Zero(), period);
+    friction_work_ += port_.friction_work();
+    result_.least_device_margin = std::min(
+        result_.least_device_margin, port.burned() + friction_work_ - port.delivered().total());
+  }
+
+  const Scene& scene_;
+  DeviceSpec told_;
+  SceneSessions sessions_;
+  control::JoinAccepted accepted_;
+  Servo servo_;
+  Conversation conversation_;
+  TwoWayLink link_;
+  TruePort port_;
+  TouchMemory ideal_;
+  double friction_work_ = 0.0;  // [J]
+  NetworkRunResult result_;
+};
+
+}  // namespace
+
+NetworkRunResult run_network(const Scene& scene, const NetworkRunOptions& options) {
+  check(options);
+  return NetworkRun(scene, options).run(options.duration);
+}
+
+}  // namespace feltwire

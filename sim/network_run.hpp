@@ -1,0 +1,74 @@
+#pragma once
+// A whole session in virtual time: hand, servo, datagrams, emulated link, server, and back. No
+// socket and no clock; the same options give the same bits.
+
+#include <optional>
+#include <vector>
+
+#include "client/devices/replay.hpp"
+#include "client/link/link.hpp"
+#include "client/servo.hpp"
+#include "core/scene/scene.hpp"
+#include "server/scene_sessions.hpp"
+#include "sim/simulated_device.hpp"
+
+namespace feltwire {
+
+struct NetworkRunOptions {
+  SimulatedHandOptions hand;  // the device as it is, the arm behind it and what it means to do
+  /// Moves the device instead of the hand, whatever that is given: positions only. The device's
+  /// numbers stay those of `hand.spec`.
+  std::optional<Recording> recording;
+  /// What server and servo are told of the device where that is not the truth.
+  std::optional<DeviceSpec> told;
+  SessionParameters parameters;
+  ServoOptions servo;
+  TwoWayLinkOptions link;
+  double duration = 4.0;         // [s], longer than a servo period
+  double silence_timeout = 2.0;  // [s] of the server, > 0
+};
+
+/// One servo tick. Forces on the hand, world frame.
+struct NetworkSample {
+  double time = 0.0;               // [s] since the first tick
+  Vec3 position = Vec3::Zero();    // [m] true, whatever the encoders say
+  Vec3 velocity = Vec3::Zero();    // [m/s] true
+  Vec3 acted = Vec3::Zero();       // [N] what the hand was given from the tick before to this one
+  Command held;                    // what it is given from this tick on
+  Command ideal;                   // what the scene answers the true position and velocity
+  Command command;                 // the newest that came from the server, before fade and bound
+  double command_age = 0.0;        // [s] since it came
+  std::uint64_t sample_index = 0;  // of the sample that it answers; 0: none has come
+};
+
+struct DatagramCount {
+  std::uint64_t datagrams = 0;
+  std::uint64_t bytes = 0;  // with the 28 of UDP and IPv4 each
+};
+
+struct NetworkRunResult {
+  std::vector<NetworkSample> samples{};
+  DatagramCount up{}, down{};  // sent into the link
+  ServoStatistics servo{};
+  std::array<std::uint64_t, kDropReasons> client_drops{};
+  SceneCounters server{};
+  LinkStatistics up_link{}, down_link{};
+  ClockEstimate clock{};
+  bool goodbye = false;  // the server ended the session
+
+  /// What the held forces did at the port with the damping that the device really has (and the
+  /// operator's that the session credits): over the displacements that the encoders measured, which
+  /// is all that a bound can know; and over the true ones.
+  PortEnergy measured_port, true_port;
+  /// [J] least value over time of what the device burned, its Coulomb friction included, less what
+  /// the hand was given, over the true displacements.
+  double least_device_margin = 0.0;
+};
+
+/// A tick every servo period from time 0 to `duration`. A datagram leaves the link when it is due,
+/// also between ticks; the server answers it then; what is due at a tick is there before it. So a
+/// link without delay answers the sample of one tick before the next.
+/// Throws std::invalid_argument for what a session refuses or cannot be run.
+NetworkRunResult run_network(const Scene& scene, const NetworkRunOptions& options);
+
+}  // namespace feltwire
