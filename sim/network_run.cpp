@@ -42,8 +42,9 @@ class TruePort {
   double friction_work() const { return friction_ * moved_.lpNorm<1>(); }
 
  private:
-  using Either = std::variant<SimulatedDevice, ReplayDevice>;
+  using Either = std::variant<SimulatedDevice, ReplayDevice, TakingHand>;
   static Either make(const NetworkRunOptions& options) {
+    if (options.taking) return TakingHand(*options.taking, options.hand.spec);
     if (!options.recording) return SimulatedDevice(options.hand);
     Recording positions = *options.recording;
     positions.rotation = false;
@@ -61,6 +62,10 @@ void check(const NetworkRunOptions& options) {
     throw std::invalid_argument("the duration must be finite and longer than one servo period [s]");
   if (!(options.silence_timeout > 0.0) || !std::isfinite(options.silence_timeout))
     throw std::invalid_argument("the silence timeout must be finite and above zero [s]");
+  if (options.recording && options.taking)
+    throw std::invalid_argument("a recording and a taking hand cannot both move the device");
+  if (options.taking && !(options.hand.spec.damping.least() > 0.0))
+    throw std::invalid_argument("a taking hand needs a device with damping above zero [N s/m]");
   if (options.recording && options.recording->poses.empty())
     throw std::invalid_argument("the recording has no poses; record something");
   validate(options.link.up);

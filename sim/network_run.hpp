@@ -11,6 +11,7 @@
 #include "core/scene/scene.hpp"
 #include "server/scene_sessions.hpp"
 #include "sim/simulated_device.hpp"
+#include "sim/taking_hand.hpp"
 
 namespace feltwire {
 
@@ -19,6 +20,8 @@ struct NetworkRunOptions {
   /// Moves the device instead of the hand, whatever that is given: positions only. The device's
   /// numbers stay those of `hand.spec`.
   std::optional<Recording> recording;
+  /// Moves the device instead of the hand, so as to take all the energy that it can.
+  std::optional<TakingTask> taking;
   /// What server and servo are told of the device where that is not the truth.
   std::optional<DeviceSpec> told;
   SessionParameters parameters;

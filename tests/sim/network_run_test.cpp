@@ -68,14 +68,21 @@ TEST(NetworkRun, WithoutDelayItIsTheDirectLoop) {
 }
 
 TEST(NetworkRun, ACommandIsAsOldAsTheRoundTrip) {
-  NetworkRunOptions options = sliding(BoundingSide::client, "up.delay=7.3,down.delay=5.2");
-  const auto samples = run_network(floor(), options).samples;
-  constexpr std::size_t kTicks = 13;  // 12.5 ms, there at the next tick
-  for (std::size_t n = 0; n < samples.size(); ++n) {
-    // Samples are counted from 1.
-    ASSERT_EQ(samples[n].sample_index, n < kTicks ? 0u : n - kTicks + 1) << n;
-    if (n >= kTicks) {
-      ASSERT_NEAR(samples[n].command_age, 0.5e-3, 1e-12);
+  struct Case {
+    const char* link;
+    std::size_t ticks;  // until the answer is there
+    double age;         // [s] of it then
+  };
+  // What is due at a tick is there before it.
+  for (const Case& c :
+       {Case{"up.delay=7.3,down.delay=5.2", 13, 0.5e-3}, Case{"delay=6", 12, 0.0}}) {
+    const auto samples = run_network(floor(), sliding(BoundingSide::client, c.link)).samples;
+    for (std::size_t n = 0; n < samples.size(); ++n) {
+      // Samples are counted from 1.
+      ASSERT_EQ(samples[n].sample_index, n < c.ticks ? 0u : n - c.ticks + 1) << c.link << n;
+      if (n >= c.ticks) {
+        ASSERT_NEAR(samples[n].command_age, c.age, 1e-12);
+      }
     }
   }
 }
@@ -184,13 +191,44 @@ TEST(NetworkRun, ARecordingMovesAsItDid) {
   EXPECT_NEAR(samples[1000].held.force().z(), kStiffness * 0.002, 1e-9);
 }
 
-TEST(NetworkRun, WhatTheDeviceIsToldNeedNotBeTrue) {
-  NetworkRunOptions options = sliding(BoundingSide::client, "delay=10");
-  options.hand.task.path = HandPath::press;
-  options.told = options.hand.spec;
-  options.told->damping = 50.0;
-  const auto r = run_network(floor(), options);
-  EXPECT_GT(r.measured_port.violations(), 0u);
+NetworkRunOptions taking(BoundingSide side, const char* link) {
+  NetworkRunOptions options = sliding(side, link);
+  options.taking = TakingTask{.start = {0, 0, 1e-3}, .depth = 8e-3};
+  options.duration = 2.5;
+  return options;
+}
+
+// S(f) = f^2 T / (4 b) is the least that can be stored for a force f, because there is this hand.
+TEST(NetworkRun, AHandThatTakesAllTakesWhatWasStoredAndNoMore) {
+  for (const char* link : {"delay=0", "delay=10", kBad}) {
+    NetworkRunOptions options = taking(BoundingSide::client, link);
+    const auto balance = [&](double duration) {
+      options.duration = duration;
+      const auto r = run_network(floor(), options);
+      EXPECT_EQ(r.true_port.violations(), 0u) << link;
+      return r.true_port.burned() - r.true_port.delivered().total();
+    };
+    EXPECT_GT(balance(0.39), 1e-2) << link;        // [J] about to turn round, with all it has given
+    EXPECT_NEAR(balance(0.5), 0.0, 5e-5) << link;  // and after it took it back
+    EXPECT_GE(balance(2.5), 0.0) << link;          // some more times
+  }
+}
+
+TEST(NetworkRun, AHandThatTakesAllCatchesADeviceThatIsNotWhatItWasSaidToBe) {
+  for (const char* link : {"delay=0", "delay=10", kBad}) {
+    NetworkRunOptions options = taking(BoundingSide::client, link);
+    options.told = options.hand.spec;
+    options.told->damping = 1.05 * 0.5;
+    const auto r = run_network(floor(), options);
+    EXPECT_GT(r.measured_port.violations(), 0u) << link;
+    EXPECT_GT(r.true_port.violations(), 0u) << link;
+  }
+}
+
+TEST(NetworkRun, AHandThatTakesAllEmptiesAServerThatBoundsAlone) {
+  const auto r = run_network(floor(), taking(BoundingSide::server, "delay=10"));
+  EXPECT_GT(r.true_port.violations(), 0u);
+  EXPECT_LT(r.true_port.least_margin(), -0.01);  // [J]
 }
 
 TEST(NetworkRun, SaysWhatIsWrong) {
@@ -203,6 +241,14 @@ TEST(NetworkRun, SaysWhatIsWrong) {
   refused([](auto& o) { o.duration = 1e-4; });
   refused([](auto& o) { o.silence_timeout = 0.0; });
   refused([](auto& o) { o.recording.emplace(); });
+  refused([](auto& o) {
+    o.recording = Recording{{{0.0, {}}}, false};
+    o.taking.emplace();
+  });
+  refused([](auto& o) {
+    o.hand.spec.damping = 0.0;
+    o.taking.emplace();
+  });
   refused([](auto& o) { o.parameters.servo_period = 1.0; });
   refused([](auto& o) { o.hand.spec.max_force = 0.0; });
   refused([](auto& o) { o.link.up.loss = 0.9, o.link.up.burst = 2.0; });

@@ -1,0 +1,56 @@
+#include "sim/taking_hand.hpp"
+
+namespace feltwire {
+namespace {
+
+constexpr double kGone = 1e-6;  // [N] a force that is not worth following
+
+}  // namespace
+
+/// A step of at most `step` [m]; true when it is there.
+bool TakingHand::go_to(const Vec3& goal, double step) noexcept {
+  const Vec3 way = goal - position_;
+  const double length = way.norm();
+  if (length <= step) {
+    position_ = goal;
+    return true;
+  }
+  position_ += step / length * way;
+  return false;
+}
+
+DeviceReading TakingHand::read(Nanoseconds now) noexcept {
+  const double hold = started_ ? std::chrono::duration<double>(now - last_).count() : 0.0;
+  started_ = true;
+  last_ = now;
+  switch (phase_) {
+    case Phase::in:
+      if (go_to(task_.start + task_.depth * task_.inward, task_.speed * hold))
+        phase_ = Phase::taking;
+      break;
+    case Phase::taking:
+      position_ += 0.5 * hold * spec_.damping.matrix().inverse() * force_;
+      if (force_.norm() < kGone) phase_ = Phase::back;
+      break;
+    case Phase::back:
+      if (go_to(task_.start, task_.speed * hold)) phase_ = Phase::in;
+      break;
+  }
+  DeviceReading reading;
+  reading.pose.position = position_;
+  return reading;
+}
+
+Command TakingHand::write(const Command& on_hand) noexcept {
+  Command held = actuated(spec_, on_hand);
+  if (!held.finite()) held = {};
+  const double magnitude = held.force().norm();
+  if (magnitude > spec_.max_force) {
+    held.elastic *= spec_.max_force / magnitude;
+    held.frictional *= spec_.max_force / magnitude;
+  }
+  force_ = held.force();
+  return held;
+}
+
+}  // namespace feltwire
