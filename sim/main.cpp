@@ -16,6 +16,7 @@
 #include "sim/link_relay.hpp"
 #include "sim/rate.hpp"
 #include "sim/report_table.hpp"
+#include "sim/sides.hpp"
 #include "sim/zwidth.hpp"
 
 namespace {
@@ -160,6 +161,35 @@ void add_rate(CLI::App& app) {
     std::cout << rate_table(cells) << '\n'
               << rate_cost_table(grid, costs) << "\nTables and pictures are in "
               << std::filesystem::absolute(*out).lexically_normal().string() << '\n';
+  });
+}
+
+void add_sides(CLI::App& app, int& status) {
+  struct Options {
+    std::string out = "sides";
+    SidesGrid grid;
+  };
+  auto o = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand(
+      "sides", "Who should bound, server, client or both: over delay, jitter and loss");
+  command->footer(
+      "Whole sessions in virtual time. Writes sides.csv, sides.json and sides.png, the same bytes "
+      "every time; half a\nminute of CPU. Exit status 1 when a bound at the client's port "
+      "delivered "
+      "more energy than the device burned.\ndocs/network.md says how to read it.");
+  command->add_option("--out", o->out, "Folder to write to; made when missing")
+      ->capture_default_str();
+  command
+      ->add_option(
+          "--told-damping", o->grid.told_damping,
+          "What the bounds are told over the damping there is. Above 1, say 1.05, it must fail")
+      ->capture_default_str();
+  command->callback([o, &status] {
+    const auto cells = run_sides(o->grid);
+    write_sides(o->out, cells);
+    std::cout << sides_table(cells) << "\nTable and picture are in "
+              << std::filesystem::absolute(o->out).lexically_normal().string() << '\n';
+    status = client_bounds_hold(cells) ? 0 : 1;
   });
 }
 
@@ -310,6 +340,7 @@ int main(int argc, char** argv) {
   int status = 0;  // of a command that judges
   add_extremes(app, status);
   add_rate(app);
+  add_sides(app, status);
   add_bound(app);
   add_touch(app);
   add_summary(app);

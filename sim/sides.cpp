@@ -1,0 +1,179 @@
+#include "sim/sides.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <stdexcept>
+
+#include "sim/metrics.hpp"
+#include "sim/network_run.hpp"
+#include "sim/parallel.hpp"
+
+namespace feltwire {
+namespace {
+
+constexpr double kPress = 3.0;      // [N]
+constexpr double kDamping = 0.5;    // b [N s/m]
+constexpr double kBall = 0.09;      // [m] radius
+constexpr double kFelt = 1e-3;      // [N] below it a direction is not worth comparing
+constexpr int kHighpass = 51;       // [samples] at 1 kHz
+constexpr double kRounding = 1e-9;  // [J]
+
+struct SidesTask {
+  std::string_view name;
+  double stiffness;  // [N/m]
+  bool ball = false, taking = false;
+  HandPath path = HandPath::press;
+  double duration = 3.0;  // [s]
+};
+const std::array<SidesTask, 5> kTasks = {
+    {{.name = "wall 40 kN/m", .stiffness = 4e4},
+     {.name = "wall 1 kN/m", .stiffness = 1e3},
+     {.name = "sphere 1 kN/m",
+      .stiffness = 1e3,
+      .ball = true,
+      .path = HandPath::orbit,
+      .duration = 6.0},
+     {.name = "taps 1 kN/m", .stiffness = 1e3, .path = HandPath::taps},
+     {.name = "taking hand", .stiffness = 4e4, .taking = true}}};
+
+Scene scene_of(const SidesTask& task) {
+  Object object{
+      .name = "object", .shape = Plane{}, .pose = {}, .material = {.stiffness = task.stiffness}};
+  if (task.ball) object.shape = Sphere{kBall};
+  return Scene("sides", {object});
+}
+
+double height(const SidesTask& task, const Vec3& position) {
+  return task.ball ? position.norm() - kBall : position.z();
+}
+Vec3 normal(const SidesTask& task, const Vec3& position) {
+  return task.ball ? direction(position) : Vec3(Vec3::UnitZ());
+}
+
+NetworkRunOptions options_of(const SidesTask& task) {
+  NetworkRunOptions options;
+  options.duration = task.duration;
+  options.hand.spec = builtin_device("simulated");
+  options.hand.spec.damping = kDamping;
+  HandTask& hand = options.hand.task;
+  hand.path = task.path;
+  hand.depth = kPress / options.hand.hand.stiffness;
+  if (task.taking) options.taking = TakingTask{.start = {0, 0, 1e-3}, .depth = 8e-3};
+  if (task.path == HandPath::press) hand.depth += kPress / task.stiffness;
+  if (task.path == HandPath::taps) {
+    hand.frequency = 2.0;
+    hand.clearance = 5e-3;
+  }
+  if (task.ball) {
+    hand.normal = Vec3::UnitY();  // the circle stands on the x-z plane
+    hand.radius = kBall - hand.depth;
+    hand.depth = 0.0;
+    hand.frequency = 0.25;
+  }
+  return options;
+}
+
+/// Sums over the second half of a run.
+struct Sums {
+  double held = 0.0, ideal = 0.0;             // [N] magnitudes
+  double error_squared = 0.0, squared = 0.0;  // [N^2]
+  double force_depth = 0.0, depth_squared = 0.0;
+};
+
+void measure(const SidesTask& task, const NetworkRunResult& run, SidesCell& cell) {
+  std::vector<double> heights, angles;
+  Sums sums;
+  double mean = 0.0;
+  const std::size_t half = run.samples.size() / 2;
+  for (std::size_t n = 0; n < run.samples.size(); ++n) {
+    const NetworkSample& s = run.samples[n];
+    heights.push_back(height(task, s.position));
+    if (n < half) continue;
+    const Vec3 held = s.held.force(), ideal = s.ideal.force();
+    const double depth = std::max(0.0, -heights.back());
+    mean += heights.back();
+    sums.held += held.norm();
+    sums.ideal += ideal.norm();
+    sums.error_squared += (held - ideal).squaredNorm();
+    sums.squared += ideal.squaredNorm();
+    sums.force_depth += held.dot(normal(task, s.position)) * depth;
+    sums.depth_squared += depth * depth;
+    if (held.norm() > kFelt && ideal.norm() > kFelt)
+      angles.push_back(std::atan2(held.cross(ideal).norm(), held.dot(ideal)));
+  }
+  const auto ratio = [](double a, double b) { return b > 0.0 ? a / b : 0.0; };
+  cell.oscillation = highpass_rms(heights, kHighpass);
+  mean /= static_cast<double>(heights.size() - half);
+  double squares = 0.0;
+  for (std::size_t n = half; n < heights.size(); ++n)
+    squares += (heights[n] - mean) * (heights[n] - mean);
+  if (task.path != HandPath::taps && !task.taking)
+    cell.sway = std::sqrt(squares / static_cast<double>(heights.size() - half));
+  cell.displayed = ratio(sums.force_depth, sums.depth_squared);
+  cell.force_ratio = ratio(sums.held, sums.ideal);
+  cell.force_error = std::sqrt(ratio(sums.error_squared, sums.squared));
+  const Spread angle = spread(std::move(angles));
+  cell.direction_mean = angle.mean;
+  cell.direction_p99 = angle.p99;
+  cell.margin = run.measured_port.least_margin();
+  cell.true_margin = run.true_port.least_margin();
+  cell.device_margin = run.least_device_margin;
+  cell.violations = run.measured_port.violations();
+  cell.answered =
+      ratio(static_cast<double>(run.servo.answered), static_cast<double>(run.servo.samples));
+}
+
+void run_cell(const SidesTask& task, double told_damping, SidesCell& cell) {
+  NetworkRunOptions options = options_of(task);
+  if (told_damping != 1.0) {
+    options.told = options.hand.spec;
+    options.told->damping = told_damping * kDamping;
+  }
+  if (cell.bound == kSidesBounds[0]) {
+    options.parameters.mode = BoundingMode::none;
+  } else {
+    options.parameters.side = bounding_side(cell.bound);
+  }
+  for (LinkOptions* way : {&options.link.up, &options.link.down}) {
+    way->delay = 0.5 * cell.round_trip;
+    way->jitter = cell.jitter;
+    way->loss = cell.loss.loss;
+    way->burst = cell.loss.burst;
+  }
+  measure(task, run_network(scene_of(task), options), cell);
+}
+
+}  // namespace
+
+std::vector<SidesCell> run_sides(const SidesGrid& grid) {
+  if (!(grid.told_damping > 0.0) || !std::isfinite(grid.told_damping))
+    throw std::invalid_argument("the told damping must be finite and above zero, 1 is the truth");
+  std::vector<SidesCell> cells;
+  for (const SidesTask& task : kTasks)
+    for (const std::string_view bound : kSidesBounds)
+      for (const double round_trip : grid.round_trips)
+        for (const double jitter : grid.jitters)
+          for (const SidesLoss& loss : grid.losses) {
+            SidesCell cell;
+            cell.task = task.name;
+            cell.bound = bound;
+            cell.round_trip = round_trip;
+            cell.jitter = jitter;
+            cell.loss = loss;
+            cells.push_back(cell);
+          }
+  const std::size_t per_task = cells.size() / kTasks.size();
+  parallel_for(cells.size(),
+               [&](std::size_t i) { run_cell(kTasks[i / per_task], grid.told_damping, cells[i]); });
+  return cells;
+}
+
+bool client_bounds_hold(const std::vector<SidesCell>& cells) {
+  return std::all_of(cells.begin(), cells.end(), [](const SidesCell& cell) {
+    return (cell.bound != "client" && cell.bound != "both") ||
+           (cell.violations == 0 && cell.device_margin >= -kRounding);
+  });
+}
+
+}  // namespace feltwire

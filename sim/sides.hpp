@@ -1,0 +1,72 @@
+#pragma once
+// Who should bound: the server, the client or both; measured over delay, jitter and loss.
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace feltwire {
+
+/// How datagrams are lost, in each direction.
+struct SidesLoss {
+  double loss = 0.0;   // share
+  double burst = 0.0;  // [datagrams] mean run of losses; 0: independent
+};
+
+/// What is measured. Every list must have an entry.
+struct SidesGrid {
+  std::vector<double> round_trips = {0.0, 2e-3, 5e-3, 10e-3, 20e-3, 50e-3, 100e-3, 200e-3};  // [s]
+  std::vector<double> jitters = {0.0, 1e-3, 5e-3, 20e-3};  // [s] of each direction
+  std::vector<SidesLoss> losses = {{0.0, 0.0},  {0.01, 0.0}, {0.1, 0.0}, {0.3, 0.0},
+                                   {0.01, 8.0}, {0.1, 8.0},  {0.3, 8.0}};
+  /// What the bounds are told of the device's damping, over what it is: above 1 they are wrong, and
+  /// the taking hand must find it out.
+  double told_damping = 1.0;
+};
+
+/// What there is to compare: no bound, and the session parameter's choices.
+inline constexpr std::string_view kSidesBounds[] = {"none", "server", "client", "both"};
+
+/// One task under one bound over one link. Numbers of the second half of the run but for the
+/// energies.
+struct SidesCell {
+  std::string_view task, bound;
+  double round_trip = 0.0, jitter = 0.0;  // [s]
+  SidesLoss loss;
+  /// [m] RMS of the true height over the surface less a centred moving average of 51 ms.
+  double oscillation = 0.0;
+  /// [m] RMS of the same about its mean: with the slow oscillations that a delay makes. Not said of
+  /// hands that mean to go in and out (0).
+  double sway = 0.0;
+  /// [N/m] least squares of the held normal force over the true depth, through zero.
+  double displayed = 0.0;
+  /// [rad] between the force held and what the scene answers the true position and velocity.
+  double direction_mean = 0.0, direction_p99 = 0.0;
+  double force_ratio = 0.0;  // sum of the held forces over that of those answers
+  double force_error = 0.0;  // RMS of their difference over RMS of those answers
+  /// [J] least value of what the device burned less what the hand was given, as the encoders
+  /// measured the movement, over the true movement, and over that with the device's Coulomb
+  /// friction burning too.
+  double margin = 0.0, true_margin = 0.0, device_margin = 0.0;
+  std::uint64_t violations = 0;  // samples after which more was given than burned, as measured
+  double answered = 0.0;         // share of the samples
+};
+
+/// Every cell: tasks, bounds, round trips, jitters, losses, the last fastest. 1 kHz, b = 0.5 N s/m,
+/// contact_frame, redundancy 3; the same fate for the same datagrams under all bounds.
+/// Deterministic. Throws std::invalid_argument for a grid that cannot be run.
+std::vector<SidesCell> run_sides(const SidesGrid& grid);
+
+/// Whether no bound at the client's port ever delivered more than the device burned: as measured,
+/// and over the true movement with all that the device burns.
+bool client_bounds_hold(const std::vector<SidesCell>& cells);
+
+/// Writes sides.csv, sides.json and sides.png, the same bytes every time. `directory` is created.
+/// Throws std::runtime_error when something cannot be written or drawn.
+void write_sides(const std::filesystem::path& directory, const std::vector<SidesCell>& cells);
+
+/// By round trip over a clean line, and the worst and mean over all jitters and losses; for people.
+std::string sides_table(const std::vector<SidesCell>& cells);
+
+}  // namespace feltwire
