@@ -186,6 +186,42 @@ void overall_table(std::string& text, const std::vector<SidesCell>& cells, std::
   }
 }
 
+/// What the server's bound before the client's changes, over all round trips, jitters and losses.
+void difference_table(std::string& text, const std::vector<SidesCell>& cells) {
+  constexpr double kNotable = 0.01;
+  text +=
+      "\nWhat the server's bound before the client's changes: runs in which both differ from the "
+      "client alone by over 1 %\n                of   displayed         mean [N/m]      "
+      "oscillation\n                runs  less  more   client   both    less  more\n";
+  for (const std::string_view task : tasks(cells)) {
+    std::vector<const SidesCell*> client, both;
+    for (const SidesCell& c : cells) {
+      if (c.task != task) continue;
+      if (c.bound == "client") client.push_back(&c);
+      if (c.bound == "both") both.push_back(&c);
+    }
+    struct Count {
+      int less = 0, more = 0;
+      void take(double one, double other, double notable) {
+        less += other < one - notable ? 1 : 0;
+        more += other > one + notable ? 1 : 0;
+      }
+    } displayed, oscillation;
+    double client_sum = 0.0, both_sum = 0.0;
+    for (std::size_t i = 0; i < client.size() && i < both.size(); ++i) {
+      const SidesCell &a = *client[i], &b = *both[i];
+      displayed.take(a.displayed, b.displayed, kNotable * a.displayed);
+      oscillation.take(a.oscillation, b.oscillation, std::max(1e-6, kNotable * a.oscillation));
+      client_sum += a.displayed;
+      both_sum += b.displayed;
+    }
+    const double count = std::max(1.0, static_cast<double>(client.size()));
+    append(text, "%-14s %5zu %5d %5d %8.0f %6.0f %7d %5d\n", std::string(task).c_str(),
+           client.size(), displayed.less, displayed.more, client_sum / count, both_sum / count,
+           oscillation.less, oscillation.more);
+  }
+}
+
 }  // namespace
 
 std::string sides_table(const std::vector<SidesCell>& cells) {
@@ -193,6 +229,7 @@ std::string sides_table(const std::vector<SidesCell>& cells) {
       "Who bounds: nobody, the server, the client, both. contact_frame, b = 0.5 N s/m, 1 kHz.\n";
   for (const std::string_view task : tasks(cells)) clean_table(text, cells, task);
   for (const std::string_view task : tasks(cells)) overall_table(text, cells, task);
+  difference_table(text, cells);
   text += "\nRuns in which the hand was given more energy than the device burned\n";
   for (const std::string_view bound : kSidesBounds) {
     std::size_t runs = 0, broken = 0;
