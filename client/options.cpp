@@ -171,7 +171,7 @@ std::variant<ClientOptions, int> parse_options(int argc, char** argv) {
       ->group(session);
   app.add_option("--bounding", words.side,
                  "Where the bound runs: " + choices(kBoundingSideNames) +
-                     "; both when not given (virtual_coupling and passivity_control_parallel: "
+                     "; client when not given (virtual_coupling and passivity_control_parallel: "
                      "server)")
       ->group(session);
   app.add_option("--rate", words.rate, "[Hz] of the servo loop")

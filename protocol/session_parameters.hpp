@@ -25,9 +25,9 @@ struct SessionParameters {
   BoundingMode mode = BoundingMode::contact_frame;
   Projection projection = Projection::cone;  // measured: docs/bounding.md, "joint or cone"
   Storage storage = Storage::minimal;        // measured: the same page, "minimal or elastic"
-  BoundingSide side = BoundingSide::both;
-  double servo_period = 1e-3;  // T [s], 1e-5 to 0.1
-  int redundancy = 3;          // k, 0 to kMaxRedundancy
+  BoundingSide side = BoundingSide::client;  // measured: docs/network.md, "Who bounds"
+  double servo_period = 1e-3;                // T [s], 1e-5 to 0.1
+  int redundancy = 3;                        // k, 0 to kMaxRedundancy
   double operator_damping =
       0.0;  // [N s/m] a known minimum of the operator's own, credited to the bound, 0 to 100
   double velocity_cutoff = 0.0;  // [Hz] of the server's velocity estimate, 0: none

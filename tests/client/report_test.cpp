@@ -78,7 +78,7 @@ TEST(Report, HoldsWhatWasCounted) {
   EXPECT_EQ(r["overruns"], 1);
   EXPECT_EQ(r["dropped"]["malformed"], 4);
   EXPECT_EQ(r["parameters"]["mode"], "none");
-  EXPECT_EQ(r["parameters"]["side"], "both");
+  EXPECT_EQ(r["parameters"]["side"], "client");
   EXPECT_EQ(r["server_last_reply"]["bound_violations"], 7);
   EXPECT_EQ(r["server_last_reply"]["energy_delivered_j"]["elastic"], 0.5);
 }

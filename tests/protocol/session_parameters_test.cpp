@@ -20,6 +20,7 @@ struct Wrong {
 
 TEST(SessionParameters, DefaultsAndLimitsAreGood) {
   EXPECT_NO_THROW(validate(SessionParameters{}));
+  EXPECT_EQ(SessionParameters{}.side, BoundingSide::client);
   SessionParameters p;
   p.servo_period = 1e-5;
   p.redundancy = 8;

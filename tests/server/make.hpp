@@ -39,7 +39,14 @@ inline DeviceSpec device() {
   return spec;
 }
 
-inline control::JoinRequest join_request(const SessionParameters& parameters = {}) {
+/// With the server's bound at work, which is what there is to test here.
+inline SessionParameters server_bounds() {
+  SessionParameters parameters;
+  parameters.side = BoundingSide::both;
+  return parameters;
+}
+
+inline control::JoinRequest join_request(const SessionParameters& parameters = server_bounds()) {
   return {"tester", "room", device(), parameters};
 }
 

@@ -47,7 +47,7 @@ TEST(Session, AnswersTheNewestSample) {
 /// A pressed floor gives k d once the bound has let it grow; nothing else would do.
 TEST(Session, CommandsTheScenesForce) {
   const Scene scene = test::room(0.0);
-  SessionParameters raw;
+  SessionParameters raw = test::server_bounds();
   raw.mode = BoundingMode::none;
   Session session(join_request(raw), scene);
   Sample sample = hand(1);
@@ -90,7 +90,7 @@ TEST(Session, RedundancyClosesGapsExactly) {
   for (const auto mode : {BoundingMode::contact_frame, BoundingMode::per_axis_projected,
                           BoundingMode::total_energy}) {
     const Scene scene = test::room();
-    SessionParameters parameters;
+    SessionParameters parameters = test::server_bounds();
     parameters.mode = mode;
     Session whole(join_request(parameters), scene), lossy(join_request(parameters), scene);
     test::Random random(3);
@@ -172,7 +172,7 @@ TEST(Session, LateSampleEarnsLessDampingCredit) {
 TEST(Session, SideSaysWhoBounds) {
   const Scene scene = test::room();
   for (const auto side : {BoundingSide::server, BoundingSide::client, BoundingSide::both}) {
-    SessionParameters parameters;
+    SessionParameters parameters = test::server_bounds();
     parameters.side = side;
     Session session(join_request(parameters), scene);
     SampleBatch batch = hand_batch(1);
@@ -193,7 +193,7 @@ TEST(Session, SideSaysWhoBounds) {
 TEST(Session, CommandsArePassiveWhateverTheHandDoes) {
   const Scene scene = test::room(0.0);
   for (const auto mode : {BoundingMode::contact_frame, BoundingMode::none}) {
-    SessionParameters parameters;
+    SessionParameters parameters = test::server_bounds();
     parameters.mode = mode;
     Session session(join_request(parameters), scene);
     // What the commands do when each is held from its own sample on, and what the samples report,
@@ -244,7 +244,7 @@ TEST(Session, ObserverCountsTheLastKnownForceOverAGap) {
 
 TEST(Session, DeterministicToTheBit) {
   const Scene scene = test::room();
-  SessionParameters parameters;
+  SessionParameters parameters = test::server_bounds();
   parameters.velocity_cutoff = 200;
   Session first(join_request(parameters), scene), second(join_request(parameters), scene);
   for (std::uint64_t n = 1; n <= 3000; n += 1 + n % 5 / 4) {
@@ -305,7 +305,7 @@ TEST(SessionParametersAtRunTime, ChangeOfBoundGivesNoStepUp) {
   ASSERT_GT(before, 1.0);
 
   // What has nothing to do with the bound leaves the force.
-  SessionParameters parameters;
+  SessionParameters parameters = test::server_bounds();
   parameters.hold_time = 0.2;
   parameters.redundancy = 5;
   session.set_parameters(parameters);
@@ -328,14 +328,14 @@ TEST(SessionParametersAtRunTime, ChangeOfBoundGivesNoStepUp) {
 TEST(SessionParametersAtRunTime, WrongOnesChangeNothing) {
   const Scene scene = test::room();
   Session session(join_request(), scene);
-  SessionParameters parameters;
+  SessionParameters parameters = test::server_bounds();
   parameters.servo_period = 2e-3;
   EXPECT_THROW(session.set_parameters(parameters), std::invalid_argument);
-  parameters = {};
+  parameters = test::server_bounds();
   parameters.c2 = 1e6;  // above b/T
   parameters.mode = BoundingMode::per_axis;
   EXPECT_THROW(session.set_parameters(parameters), std::invalid_argument);
-  parameters = {};
+  parameters = test::server_bounds();
   parameters.redundancy = 99;
   EXPECT_THROW(session.set_parameters(parameters), std::invalid_argument);
   EXPECT_EQ(session.parameters().mode, BoundingMode::contact_frame);
