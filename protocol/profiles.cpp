@@ -41,7 +41,7 @@ SessionParameters over(const NetworkProfile& line, SessionParameters p) {
   p.keep_alive = line.keep_alive;
   // Methods that ask the scene elsewhere than at the device stay beside it, without a model.
   p.local_model = line.local_model && !moves_probe(p.mode);
-  if (p.local_model && p.side == BoundingSide::server) p.side = BoundingSide::both;
+  if (p.local_model && p.side == BoundingSide::server) p.side = BoundingSide::client;
   return p;
 }
 

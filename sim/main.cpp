@@ -17,6 +17,7 @@
 #include "sim/rate.hpp"
 #include "sim/report_table.hpp"
 #include "sim/sides.hpp"
+#include "sim/trade_network.hpp"
 #include "sim/zwidth.hpp"
 
 namespace {
@@ -193,6 +194,28 @@ void add_sides(CLI::App& app, int& status) {
   });
 }
 
+void add_trade(CLI::App& app) {
+  CLI::App* trade = app.add_subcommand("trade", "What more of one thing costs in another");
+  trade->require_subcommand(1);
+  auto out = std::make_shared<std::string>("trade-network");
+  CLI::App* network = trade->add_subcommand(
+      "network", "Bandwidth against force error, direction error and delay, over three links");
+  network->footer(
+      "Writes trade_network.csv, trade_network.json and trade_network.png, the same bytes every "
+      "time.\nSome minutes of CPU time. docs/trade.md is its page.");
+  network->add_option("--out", *out, "Folder to write to; made when missing")
+      ->capture_default_str();
+  network->callback([out] {
+    constexpr double kTaskTime = 4.0;  // [s]
+    const auto settings = traffic_settings();
+    const auto cells = run_trade_network(settings, kTaskTime);
+    write_trade_network(*out, settings, cells);
+    std::cout << trade_network_table(settings, cells) << '\n'
+              << trade_network_cost_table(settings, cells) << "\nData and picture are in " << *out
+              << '\n';
+  });
+}
+
 void add_bound(CLI::App& app) {
   struct Options {
     std::string mode = "contact_frame", projection = "joint", storage = "minimal",
@@ -341,6 +364,7 @@ int main(int argc, char** argv) {
   add_extremes(app, status);
   add_rate(app);
   add_sides(app, status);
+  add_trade(app);
   add_bound(app);
   add_touch(app);
   add_summary(app);

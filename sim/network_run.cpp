@@ -1,6 +1,7 @@
 #include "sim/network_run.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <stdexcept>
 #include <variant>
@@ -87,6 +88,23 @@ PortEnergy port_of(const NetworkRunOptions& options) {
   return {damping, options.hand.spec.rotational_damping, options.parameters.servo_period};
 }
 
+/// Adds the time until its end to a sum, where there is one.
+class Stopwatch {
+ public:
+  using Clock = std::chrono::steady_clock;
+  explicit Stopwatch(Nanoseconds* sum)
+      : sum_(sum), begin_(sum != nullptr ? Clock::now() : Clock::time_point{}) {}
+  ~Stopwatch() {
+    if (sum_ != nullptr) *sum_ += Clock::now() - begin_;
+  }
+  Stopwatch(const Stopwatch&) = delete;
+  Stopwatch& operator=(const Stopwatch&) = delete;
+
+ private:
+  Nanoseconds* sum_;
+  Clock::time_point begin_;
+};
+
 class NetworkRun {
  public:
   NetworkRun(const Scene& scene, const NetworkRunOptions& options)
@@ -100,6 +118,7 @@ class NetworkRun {
         link_(options.link, 0, kOnTheWay),
         port_(options),
         ideal_(scene.memory()),
+        timed_(options.timed),
         result_{.measured_port = port_of(options), .true_port = port_of(options)} {}
 
   NetworkRunResult run(double duration) {
@@ -126,12 +145,17 @@ class NetworkRun {
     while (const auto due = link_.next_due()) {
       if (*due > until) break;
       if (const auto datagram = link_.up.leave(*due))
-        send(link_.down, result_.down, sessions_.receive(*datagram, Peer{}, *due), *due);
+        send(link_.down, result_.down, receive(*datagram, *due), *due);
       else if (const auto answer = link_.down.leave(*due))
         take(*answer, *due);
     }
     for (const auto& farewell : sessions_.expire(until))
       send(link_.down, result_.down, farewell.datagram, until);
+  }
+
+  Bytes receive(Bytes datagram, Nanoseconds now) {
+    const Stopwatch stopwatch(timed_ ? &result_.server_time : nullptr);
+    return sessions_.receive(datagram, Peer{}, now);
   }
 
   static void send(OneWayLink& link, DatagramCount& count, Bytes datagram, Nanoseconds now) {
@@ -142,6 +166,7 @@ class NetworkRun {
   }
 
   void take(Bytes datagram, Nanoseconds now) {
+    const Stopwatch stopwatch(timed_ ? &result_.client_time : nullptr);
     Reply reply;
     GoodbyeReason reason{};
     switch (conversation_.take(datagram, reply, reason)) {
@@ -159,7 +184,7 @@ class NetworkRun {
   void tick(Nanoseconds now, double time, double period) {
     const Command acted = servo_.held();
     const Vec3 measured_before = servo_.sample().pose.position;
-    const Sample* sample = servo_.tick(port_.device(), now);
+    const Sample* sample = servo_tick(now);
     if (sample == nullptr) return;
     const Vec3 measured = sample->pose.position;
     port_.look(measured);
@@ -174,7 +199,24 @@ class NetworkRun {
                                .command = servo_.command(),
                                .command_age = servo_.command_age(),
                                .sample_index = servo_.newest_reply().sample_index});
-    if (!result_.goodbye) send(link_.up, result_.up, conversation_.pack(*sample), now);
+    if (!result_.goodbye) send(link_.up, result_.up, pack(*sample), now);
+  }
+
+  const Sample* servo_tick(Nanoseconds now) {
+    const DeviceReading reading = port_.device().read(now);
+    Command force;
+    {
+      const Stopwatch stopwatch(timed_ ? &result_.client_time : nullptr);
+      force = servo_.render(reading, now);
+    }
+    const Command held = port_.device().write(force);
+    const Stopwatch stopwatch(timed_ ? &result_.client_time : nullptr);
+    return servo_.hold(held);
+  }
+
+  Bytes pack(const Sample& sample) {
+    const Stopwatch stopwatch(timed_ ? &result_.client_time : nullptr);
+    return conversation_.pack(sample);
   }
 
   void account(const Command& acted, const Vec3& measured, double period) {
@@ -195,6 +237,7 @@ class NetworkRun {
   TwoWayLink link_;
   TruePort port_;
   TouchMemory ideal_;
+  bool timed_;
   double friction_work_ = 0.0;  // [J]
   NetworkRunResult result_;
 };

@@ -29,6 +29,7 @@ struct NetworkRunOptions {
   TwoWayLinkOptions link;
   double duration = 4.0;         // [s], longer than a servo period
   double silence_timeout = 2.0;  // [s] of the server, > 0
+  bool timed = false;            // computing times are measured, by this machine's clock
 };
 
 /// One servo tick. Forces on the hand, world frame.
@@ -58,6 +59,9 @@ struct NetworkRunResult {
   LinkStatistics up_link{}, down_link{};
   ClockEstimate clock{};
   bool goodbye = false;  // the server ended the session
+  /// What server and client computed for, datagrams to datagrams and ticks without the device; zero
+  /// unless asked for. The only numbers here that differ from run to run.
+  Nanoseconds server_time{0}, client_time{0};
 
   /// What the held forces did at the port with the damping that the device really has (and the
   /// operator's that the session credits): over the displacements that the encoders measured, which

@@ -55,7 +55,7 @@ TEST(Profiles, AServerGrantsWhatItsLineHasRoomFor) {
   EXPECT_EQ(granted(thin, modest), modest);
   SessionParameters bound_at_server;
   bound_at_server.side = BoundingSide::server;
-  EXPECT_EQ(granted(thin, bound_at_server).side, BoundingSide::both);
+  EXPECT_EQ(granted(thin, bound_at_server).side, BoundingSide::client);
   EXPECT_EQ(granted(network_profile("lan"), {}), SessionParameters{});
 }
 

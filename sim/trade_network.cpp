@@ -1,0 +1,255 @@
+#include "sim/trade_network.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "sim/metrics.hpp"
+#include "sim/network_run.hpp"
+#include "sim/parallel.hpp"
+#include "sim/text.hpp"
+
+namespace feltwire {
+namespace {
+
+constexpr double kFelt = 1e-3;     // [N] below it a direction is not worth comparing
+constexpr double kBall = 0.09;     // [m] radius
+constexpr double kWindow = 0.051;  // [s] of the moving average
+
+struct TradeTask {
+  double stiffness;  // [N/m]
+  double friction = 0.0;
+  bool ball = false;
+  HandPath path = HandPath::slide;
+};
+constexpr std::array<TradeTask, 3> kTasks = {
+    {{.stiffness = 1000.0, .ball = true, .path = HandPath::orbit},
+     {.stiffness = 1000.0, .friction = 0.4},
+     {.stiffness = 5000.0, .path = HandPath::taps}}};
+
+Scene scene_of(const TradeTask& task) {
+  Object object{.name = "object", .shape = Plane{}, .pose = {}, .material = {}};
+  object.material.stiffness = task.stiffness;
+  object.material.static_friction = task.friction;
+  object.material.dynamic_friction = 0.75 * task.friction;
+  if (task.ball) object.shape = Sphere{kBall};
+  return Scene("trade", {object});
+}
+
+/// A hand of 300 N/m that means to be 10 mm deep: 3 N.
+HandTask hand_of(const TradeTask& task) {
+  HandTask hand;
+  hand.path = task.path;
+  if (task.path == HandPath::taps) hand.frequency = 2.0;
+  if (task.ball) {
+    hand.normal = Vec3::UnitY();  // the circle stands on the x-z plane
+    hand.radius = kBall - hand.depth;
+    hand.depth = 0.0;
+    hand.frequency = 0.25;
+  }
+  return hand;
+}
+
+/// Sums over one run.
+struct Sums {
+  double error = 0.0, ideal = 0.0;  // [N^2]
+  double angle = 0.0;               // [rad]
+  std::size_t angles = 0;
+  double age = 0.0;  // [s]
+  std::size_t ages = 0;
+};
+
+Sums sums_of(const std::vector<NetworkSample>& samples, double period) {
+  Sums sums;
+  for (const NetworkSample& s : samples) {
+    const Vec3 held = s.held.force(), ideal = s.ideal.force();
+    sums.error += (held - ideal).squaredNorm();
+    sums.ideal += ideal.squaredNorm();
+    if (held.norm() > kFelt && ideal.norm() > kFelt) {
+      sums.angle += std::atan2(held.cross(ideal).norm(), held.dot(ideal));
+      ++sums.angles;
+    }
+    if (s.sample_index == 0) continue;
+    sums.age += s.time - static_cast<double>(s.sample_index - 1) * period;
+    ++sums.ages;
+  }
+  return sums;
+}
+
+double oscillation(const TradeTask& task, const std::vector<NetworkSample>& samples,
+                   double period) {
+  std::vector<double> heights;
+  heights.reserve(samples.size());
+  for (const NetworkSample& s : samples)
+    heights.push_back(task.ball ? s.position.norm() - kBall : s.position.z());
+  return highpass_rms(heights, static_cast<int>(std::lround(kWindow / period)) | 1);
+}
+
+void add(const DatagramCount& count, double duration, double& kbit, double& datagrams) {
+  constexpr double kBitsInKilo = 8e-3;  // of a byte
+  kbit += kBitsInKilo * static_cast<double>(count.bytes) / duration / kTasks.size();
+  datagrams += static_cast<double>(count.datagrams) / duration / kTasks.size();
+}
+
+double computing(Nanoseconds time, double duration) {
+  return std::chrono::duration<double>(time).count() / duration / kTasks.size();
+}
+
+TradeNetworkCell run_cell(const SessionParameters& parameters, const TwoWayLinkOptions& link,
+                          double duration) {
+  TradeNetworkCell cell;
+  for (const TradeTask& task : kTasks) {
+    NetworkRunOptions options;
+    options.hand.spec = builtin_device("simulated");
+    options.hand.task = hand_of(task);
+    options.parameters = parameters;
+    options.link = link;
+    options.duration = duration;
+    options.timed = true;
+    const NetworkRunResult run = run_network(scene_of(task), options);
+
+    const double period = parameters.servo_period;
+    const Sums sums = sums_of(run.samples, period);
+    const auto mean = [](double sum, std::size_t count) {
+      return count > 0 ? sum / static_cast<double>(count) / kTasks.size() : 0.0;
+    };
+    if (sums.ideal > 0.0) cell.force_error += std::sqrt(sums.error / sums.ideal) / kTasks.size();
+    cell.direction_error += mean(sums.angle, sums.angles);
+    cell.added_delay += mean(sums.age, sums.ages);
+    cell.oscillation += oscillation(task, run.samples, period) / kTasks.size();
+    cell.passive = cell.passive && run.measured_port.violations() == 0;
+    cell.server_time += computing(run.server_time, duration);
+    cell.client_time += computing(run.client_time, duration);
+    add(run.up, duration, cell.up_kbit, cell.up_datagrams);
+    add(run.down, duration, cell.down_kbit, cell.down_datagrams);
+  }
+  cell.added_delay -= link.up.delay + link.down.delay;
+  return cell;
+}
+
+/// Collects settings.
+class Settings {
+ public:
+  /// The baseline with something changed. A hold time and a keep-alive that all of them can have.
+  template <class Change>
+  void add(const char* group, const std::string& name, const Change& change) {
+    SessionParameters p;
+    p.hold_time = 0.3;
+    p.keep_alive = 0.1;
+    change(p);
+    p.batch = std::min({p.batch, p.packet_interval, kMaxRedundancy + 1 - p.redundancy});
+    validate(p);
+    settings.push_back({name, group, p});
+  }
+  std::vector<TrafficSetting> settings;
+};
+
+void set_rates(SessionParameters& p, double servo, double packets) {
+  p.servo_period = 1.0 / servo;
+  p.packet_interval = std::max(1, static_cast<int>(std::lround(servo / packets)));
+}
+
+std::string text(const char* format, auto... values) {
+  std::string result;
+  append(result, format, values...);
+  return result;
+}
+
+void add_one_at_a_time(Settings& all) {
+  for (const double rate : {1000.0, 500.0, 250.0, 100.0, 50.0, 25.0})
+    for (const bool model : {false, true})
+      all.add("packet rate", text("%.0f Hz%s", rate, model ? ", model" : ""),
+              [&](SessionParameters& p) {
+                set_rates(p, 1000.0, rate);
+                p.local_model = model;
+              });
+  for (const int batch : {1, 2, 4})
+    all.add("batching, 250 Hz", text("%d a datagram", batch), [&](SessionParameters& p) {
+      set_rates(p, 1000.0, 250.0);
+      p.redundancy = 0;
+      p.batch = batch;
+    });
+  for (const int k : {0, 1, 3, 8})
+    all.add("redundancy", text("k = %d", k), [&](SessionParameters& p) { p.redundancy = k; });
+  for (const double k : {0.0, 0.05, 0.1, 0.2})
+    for (const Predictor predictor : {Predictor::level, Predictor::linear})
+      all.add("force deadband", text("%.0f %% %s", 100.0 * k, name(predictor).data()),
+              [&](SessionParameters& p) {
+                p.force_deadband = k;
+                p.predictor = predictor;
+              });
+  for (const double k : {0.05, 0.1, 0.2})
+    for (const bool model : {false, true})
+      all.add("position deadband", text("%.0f %%%s", 100.0 * k, model ? ", model" : ""),
+              [&](SessionParameters& p) {
+                p.position_deadband = k;
+                p.local_model = model;
+              });
+  for (const double servo : {1000.0, 4000.0, 10000.0})
+    for (const bool model : {false, true})
+      all.add("servo rate, 200 Hz", text("%.0f kHz%s", 1e-3 * servo, model ? ", model" : ""),
+              [&](SessionParameters& p) {
+                set_rates(p, servo, 200.0);
+                p.local_model = model;
+              });
+}
+
+void add_crossed(Settings& all) {
+  for (const double rate : {1000.0, 250.0, 100.0, 50.0, 25.0})
+    for (const bool model : {false, true})
+      for (const double deadband : {0.0, 0.1})
+        for (const int k : {0, 3})
+          all.add("all",
+                  text("%.0f Hz, k = %d%s%s", rate, k, deadband > 0.0 ? ", force 10 %" : "",
+                       model ? ", model" : ""),
+                  [&](SessionParameters& p) {
+                    set_rates(p, 1000.0, rate);
+                    p.redundancy = k;
+                    p.force_deadband = deadband;
+                    p.local_model = model;
+                  });
+}
+
+}  // namespace
+
+std::vector<TrafficSetting> traffic_settings() {
+  Settings all;
+  add_one_at_a_time(all);
+  add_crossed(all);
+  for (const NetworkProfile& profile : kNetworkProfiles)
+    all.add("profile", std::string(profile.name),
+            [&](SessionParameters& p) { p = over(profile, {}); });
+  return all.settings;
+}
+
+std::vector<TradeNetworkCell> run_trade_network(const std::vector<TrafficSetting>& settings,
+                                                double duration) {
+  std::vector<TwoWayLinkOptions> links;
+  for (const TradeLink& link : kTradeLinks) links.push_back(parse_link(link.items));
+  std::vector<TradeNetworkCell> cells(settings.size() * links.size());
+  parallel_for(cells.size(), [&](std::size_t i) {
+    const std::size_t setting = i / links.size(), link = i % links.size();
+    cells[i] = run_cell(settings[setting].parameters, links[link], duration);
+    cells[i].setting = setting;
+    cells[i].link = link;
+  });
+  return cells;
+}
+
+std::vector<std::size_t> pareto_front(const std::vector<TradeNetworkCell>& cells,
+                                      std::size_t link) {
+  std::vector<std::size_t> order;
+  for (std::size_t i = 0; i < cells.size(); ++i)
+    if (cells[i].link == link) order.push_back(i);
+  const auto bandwidth = [&](std::size_t i) { return cells[i].up_kbit + cells[i].down_kbit; };
+  std::ranges::stable_sort(order, [&](std::size_t a, std::size_t b) {
+    return bandwidth(a) != bandwidth(b) ? bandwidth(a) < bandwidth(b)
+                                        : cells[a].force_error < cells[b].force_error;
+  });
+  std::vector<std::size_t> front;
+  for (const std::size_t i : order)
+    if (front.empty() || cells[i].force_error < cells[front.back()].force_error) front.push_back(i);
+  return front;
+}
+
+}  // namespace feltwire
