@@ -11,6 +11,9 @@ namespace feltwire {
 namespace {
 
 constexpr std::size_t kBatch = 64;  // datagrams of one system call
+constexpr int kBatchesAtOnce = 16;  // then whoever posted has a turn: some 2 ms of work
+// Empty receives while polling busily before whoever posted has a turn: some 10 us.
+constexpr unsigned kTurnsBetweenLooks = 32;
 // One byte more than a datagram may have, so that a longer one is seen to be longer.
 constexpr std::size_t kReceiveSize = kMaxDatagram + 1;
 constexpr int kSocketBuffer =
@@ -41,11 +44,13 @@ struct SceneHost::Batch {
       outgoing[i].msg_hdr.msg_iov = &sent_parts[i];
       outgoing[i].msg_hdr.msg_iovlen = 1;
     }
+    rearm(kBatch);
   }
 
   /// The kernel writes lengths over what it was told.
-  void rearm() noexcept {
-    for (auto& message : incoming) message.msg_hdr.msg_namelen = sizeof(sockaddr_storage);
+  void rearm(std::size_t used) noexcept {
+    for (std::size_t i = 0; i < used; ++i)
+      incoming[i].msg_hdr.msg_namelen = sizeof(sockaddr_storage);
   }
 
   void put(std::size_t at, Bytes datagram, Peer& to) noexcept {
@@ -59,6 +64,7 @@ struct SceneHost::Batch {
 SceneHost::SceneHost(Scene scene, const SceneHostOptions& options)
     : scene_(std::move(scene)),
       silence_timeout_(options.silence_timeout),
+      busy_poll_(options.busy_poll),
       sessions_(scene_, options.silence_timeout, options.max_sessions, options.line),
       batch_(std::make_unique<Batch>()) {
   const asio::ip::udp::endpoint endpoint(options.address, options.port);
@@ -76,9 +82,8 @@ SceneHost::SceneHost(Scene scene, const SceneHostOptions& options)
 SceneHost::~SceneHost() { stop(); }
 
 void SceneHost::start() {
-  await_datagrams();
   await_silence();
-  thread_ = std::thread([this] { io_.run(); });
+  thread_ = std::thread([this] { run(); });
 }
 
 void SceneHost::stop() {
@@ -106,25 +111,57 @@ void SceneHost::ask(control::Message request, std::uint64_t id, asio::io_context
   });
 }
 
+/// The thread. The silence timer always waits, so Asio never runs out of work.
+void SceneHost::run() {
+  while (!closing_) {
+    if (busy_poll_.count() > 0) spin();
+    if (closing_) return;
+    if (!waiting_) await_datagrams();
+    io_.run_one();
+  }
+}
+
+/// Exchanges until nothing has come for the time of busy polling. What others post, and the timer,
+/// has its turn in between.
+void SceneHost::spin() {
+  Nanoseconds quiet_since = monotonic_now();
+  for (unsigned turn = 1; !closing_; ++turn) {
+    if (turn % kTurnsBetweenLooks == 0) io_.poll();
+    if (exchange() > 0) {
+      quiet_since = kForever;
+    } else if (busy_poll_ != kForever) {
+      const Nanoseconds now = monotonic_now();
+      quiet_since = std::min(quiet_since, now);
+      if (now - quiet_since >= busy_poll_) return;
+    }
+  }
+}
+
 void SceneHost::await_datagrams() {
+  waiting_ = true;
   socket_.async_wait(asio::ip::udp::socket::wait_read, [this](const std::error_code& error) {
-    if (error == asio::error::operation_aborted) return;
-    exchange();
-    await_datagrams();
+    waiting_ = false;
+    if (!error) serve();
   });
 }
 
-/// Takes up to a batch of datagrams and answers them in one go. What is still waiting wakes the
-/// socket again, after what others posted meanwhile.
-void SceneHost::exchange() {
+/// Takes what is waiting, up to a limit: then others have their turn, and what is left wakes the
+/// socket again.
+void SceneHost::serve() {
+  for (int i = 0; i < kBatchesAtOnce; ++i)
+    if (exchange() < kBatch) return;
+}
+
+/// Takes up to a batch of datagrams and answers them in one go; says how many there were.
+std::size_t SceneHost::exchange() {
   Batch& batch = *batch_;
-  batch.rearm();
-  const int received =
+  const int count =
       ::recvmmsg(socket_.native_handle(), batch.incoming.data(), kBatch, MSG_DONTWAIT, nullptr);
-  if (received <= 0) return;
+  if (count <= 0) return 0;
+  const auto received = static_cast<std::size_t>(count);
   const Nanoseconds now = monotonic_now();
   std::size_t answers = 0;
-  for (std::size_t i = 0; i < static_cast<std::size_t>(received); ++i) {
+  for (std::size_t i = 0; i < received; ++i) {
     Peer& peer = batch.peers[i];
     peer.length = batch.incoming[i].msg_hdr.msg_namelen;
     const Bytes datagram{batch.received[i].data(), batch.incoming[i].msg_len};
@@ -132,7 +169,9 @@ void SceneHost::exchange() {
     if (!answer.empty()) batch.put(answers++, answer, peer);
   }
   send(answers);
+  batch.rearm(received);
   publish();  // a goodbye may have been among them
+  return received;
 }
 
 void SceneHost::send(std::size_t count) noexcept {

@@ -13,12 +13,18 @@
 
 namespace feltwire {
 
+/// Of a time: longer than any machine runs.
+inline constexpr Nanoseconds kForever = Nanoseconds::max();
+
 struct SceneHostOptions {
   asio::ip::address address;  // to listen on
   std::uint16_t port = 0;     // 0: the operating system chooses
   Nanoseconds silence_timeout{};
   std::size_t max_sessions = 64;
   const NetworkProfile* line = nullptr;  // that the sessions share; null: no limit
+  /// How long the thread asks for datagrams again and again, after the last one, before it sleeps
+  /// until the next; 0: not at all, kForever: it never sleeps, and its core does nothing else.
+  Nanoseconds busy_poll{0};
 };
 
 /// What a scene's host did, for the summary.
@@ -56,8 +62,11 @@ class SceneHost {
   SceneSummary summary() const;
 
  private:
+  void run();
+  void spin();
   void await_datagrams();
-  void exchange();
+  void serve();
+  std::size_t exchange();
   void send(std::size_t count) noexcept;
   void await_silence();
   void publish() {
@@ -68,7 +77,7 @@ class SceneHost {
   struct Batch;
 
   Scene scene_;
-  Nanoseconds silence_timeout_;
+  Nanoseconds silence_timeout_, busy_poll_;
   SceneSessions sessions_;
   asio::io_context io_{1};
   asio::ip::udp::socket socket_{io_};
@@ -77,6 +86,7 @@ class SceneHost {
   std::uint16_t port_ = 0;
   std::uint64_t unsent_ = 0;
   bool closing_ = false;  // the scene's thread only
+  bool waiting_ = false;  // for the socket to be readable; likewise
   std::atomic<std::uint32_t> published_sessions_{0};
   std::thread thread_;
 };

@@ -1,0 +1,142 @@
+#include "tests/bench/net/host.hpp"
+
+#include <sys/prctl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <asio/ip/address.hpp>
+#include <csignal>
+#include <cstdio>
+#include <memory>
+#include <stdexcept>
+
+#include "core/splitmix.hpp"
+#include "server/scene_host.hpp"
+#include "tests/bench/net/echo.hpp"
+#include "tests/bench/net/machine.hpp"
+
+namespace feltwire::netbench {
+namespace {
+
+constexpr Nanoseconds kBoundedSpin = std::chrono::microseconds(50);
+
+/// 56 random bits over the scene's number, as the server's.
+std::vector<std::uint64_t> session_ids(int clients, std::uint64_t scene) {
+  std::vector<std::uint64_t> ids;
+  for (int i = 0; i < clients; ++i)
+    ids.push_back(splitmix::draw(scene, static_cast<std::uint64_t>(i)) << 8 | scene);
+  return ids;
+}
+
+void write_all(int file, const void* bytes, std::size_t size) {
+  if (::write(file, bytes, size) != static_cast<ssize_t>(size)) std::_Exit(1);
+}
+
+/// What the parent waits for: port and sessions of a scene.
+void announce(int pipe, std::uint16_t port, const std::vector<std::uint64_t>& ids) {
+  write_all(pipe, &port, sizeof port);
+  write_all(pipe, ids.data(), ids.size() * sizeof ids[0]);
+}
+
+[[noreturn]] void run_echo(const HostOptions& options, int pipe) {
+  pin_to(options.cores.front());
+  const Socket socket;
+  announce(pipe, socket.port(), session_ids(options.clients, 0));
+  echo(socket.file(), static_cast<EchoKind>(options.kind));
+}
+
+void join_all(SceneHost& host, const std::vector<std::uint64_t>& ids, int redundancy) {
+  asio::io_context answers{1};
+  std::size_t joined = 0;
+  const auto count = [&](const control::Message& message) {
+    if (const auto* no = std::get_if<control::Refused>(&message)) {
+      std::fprintf(stderr, "feltwire-netbench: %s\n", no->reason.c_str());
+      std::_Exit(1);
+    }
+    ++joined;
+  };
+  for (const std::uint64_t id : ids) host.ask(join_request(redundancy), id, answers, count);
+  while (joined < ids.size()) {
+    answers.restart();
+    answers.run_for(std::chrono::milliseconds(1));
+  }
+}
+
+[[noreturn]] void run_ours(const HostOptions& options, int pipe) {
+  SceneHostOptions host_options;
+  host_options.address = asio::ip::address_v4::loopback();
+  host_options.silence_timeout = std::chrono::hours(1);
+  host_options.max_sessions = static_cast<std::size_t>(options.clients);
+  if (options.kind == HostKind::ours_bounded) host_options.busy_poll = kBoundedSpin;
+  if (options.kind == HostKind::ours_spinning) host_options.busy_poll = kForever;
+  std::vector<std::unique_ptr<SceneHost>> hosts;
+  for (std::size_t i = 0; i < options.cores.size(); ++i) {
+    hosts.push_back(std::make_unique<SceneHost>(load_scene(options.scene_file), host_options));
+    pin_to(options.cores[i]);  // the host's thread inherits it
+    hosts.back()->start();
+    const auto ids = session_ids(options.clients, i);
+    join_all(*hosts.back(), ids, options.redundancy);
+    announce(pipe, hosts.back()->port(), ids);
+  }
+  while (true) ::pause();
+}
+
+[[noreturn]] void run_child(const HostOptions& options, int pipe) {
+  prctl(PR_SET_PDEATHSIG, SIGKILL);
+  try {
+    if (ours(options.kind)) run_ours(options, pipe);
+    run_echo(options, pipe);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "feltwire-netbench: %s\n", error.what());
+  }
+  std::_Exit(1);
+}
+
+void read_all(int file, void* bytes, std::size_t size) {
+  auto* at = static_cast<std::uint8_t*>(bytes);
+  while (size > 0) {
+    const ssize_t got = ::read(file, at, size);
+    if (got <= 0) throw std::runtime_error("the server's process ended before it was ready");
+    at += got;
+    size -= static_cast<std::size_t>(got);
+  }
+}
+
+}  // namespace
+
+const char* name(HostKind kind) {
+  constexpr const char* kNames[] = {"echo, blocking",         "echo, poll + recvmmsg",
+                                    "echo, spinning",         "feltwire, sleeping",
+                                    "feltwire, spins 50 us", "feltwire, spinning"};
+  return kNames[static_cast<std::size_t>(kind)];
+}
+
+control::JoinRequest join_request(int redundancy) {
+  SessionParameters parameters;
+  parameters.redundancy = redundancy;
+  return {"netbench", "room", builtin_device("simulated"), parameters};
+}
+
+HostProcess::HostProcess(const HostOptions& options) {
+  int pipe[2];
+  if (::pipe(pipe) != 0) throw std::runtime_error("no pipe");
+  process_ = ::fork();
+  if (process_ < 0) throw std::runtime_error("no process");
+  if (process_ == 0) run_child(options, pipe[1]);
+  ::close(pipe[1]);
+  targets_.resize(options.cores.size());
+  for (Target& target : targets_) {
+    target.sessions.resize(static_cast<std::size_t>(options.clients));
+    read_all(pipe[0], &target.port, sizeof target.port);
+    read_all(pipe[0], target.sessions.data(), target.sessions.size() * sizeof(std::uint64_t));
+  }
+  ::close(pipe[0]);
+}
+
+HostProcess::~HostProcess() {
+  if (process_ <= 0) return;
+  ::kill(process_, SIGKILL);
+  ::waitpid(process_, nullptr, 0);
+}
+
+}  // namespace feltwire::netbench

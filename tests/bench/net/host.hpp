@@ -1,0 +1,54 @@
+#pragma once
+// A server, or an echo in its place, in a process of its own on a core of its own, so that its CPU
+// time can be told from the load's.
+
+#include <sys/types.h>
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "protocol/control.hpp"
+
+namespace feltwire::netbench {
+
+enum class HostKind { echo_blocking, echo_waiting, echo_spinning, ours_sleeping, ours_bounded, ours_spinning };
+const char* name(HostKind kind);
+constexpr bool ours(HostKind kind) { return kind >= HostKind::ours_sleeping; }
+
+struct HostOptions {
+  HostKind kind = HostKind::ours_sleeping;
+  std::string scene_file;
+  int clients = 1;              // of each scene
+  std::vector<int> cores = {0};  // one scene for each
+  int redundancy = 0;
+};
+
+/// A scene as the load sees it.
+struct Target {
+  std::uint16_t port = 0;
+  std::vector<std::uint64_t> sessions;  // one a client; all are joined
+};
+
+/// What every client says of itself when it joins.
+control::JoinRequest join_request(int redundancy);
+
+class HostProcess {
+ public:
+  /// Starts it and has all clients join. Throws std::runtime_error. Only while this process has one
+  /// thread.
+  explicit HostProcess(const HostOptions& options);
+  /// Ends it.
+  ~HostProcess();
+  HostProcess(const HostProcess&) = delete;
+  HostProcess& operator=(const HostProcess&) = delete;
+
+  const std::vector<Target>& targets() const { return targets_; }
+  pid_t process() const { return process_; }
+
+ private:
+  pid_t process_ = -1;
+  std::vector<Target> targets_;
+};
+
+}  // namespace feltwire::netbench

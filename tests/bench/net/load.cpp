@@ -1,0 +1,228 @@
+#include "tests/bench/net/load.hpp"
+
+#include <sys/socket.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <deque>
+#include <numbers>
+
+#include "client/conversation.hpp"
+#include "core/splitmix.hpp"
+#include "protocol/guard.hpp"
+#include "server/id_map.hpp"
+
+namespace feltwire::netbench {
+namespace {
+
+constexpr std::size_t kBatch = 64;
+constexpr Nanoseconds kLate = std::chrono::milliseconds(1);
+constexpr Nanoseconds kLost = std::chrono::milliseconds(20);  // then a saturating client goes on
+constexpr unsigned kAnyKind = ~0u;
+
+/// A circle over the room's table, 2 mm below its top and through what stands on it, at 0.3 m/s.
+class Path {
+ public:
+  Path() {
+    for (std::size_t i = 0; i < kSteps; ++i) {
+      const double angle = 2.0 * std::numbers::pi * static_cast<double>(i) / kSteps;
+      points_[i] = {kRadius * std::cos(angle), kRadius * std::sin(angle), kHeight};
+    }
+  }
+  const Vec3& at(std::uint64_t step) const { return points_[step % kSteps]; }
+
+ private:
+  static constexpr std::size_t kSteps = 1024;
+  static constexpr double kRadius = 0.05, kHeight = -0.052;  // [m]
+  std::array<Vec3, kSteps> points_;
+};
+
+struct Client {
+  Conversation conversation;
+  Sample sample;
+  std::uint64_t phase = 0;   // along the path
+  std::uint64_t answered = 0;  // newest sample that was
+};
+
+/// What stands in an answer, or in a sample that came back.
+struct Answer {
+  std::uint64_t index = 0;
+  Nanoseconds sent{0};
+  Command command;
+};
+
+}  // namespace
+
+struct Load::Clients {
+  LoadOptions options;
+  bool echoed;
+  Socket socket;
+  Path path;
+  std::deque<Client> all;
+  IdMap<std::uint32_t> places;
+  Reply reply;
+  SampleBatch batch;
+  LoadResult result;
+  bool counting = false;
+
+  std::array<std::array<std::uint8_t, kMaxDatagram>, kBatch> out{}, in{};
+  std::array<iovec, kBatch> out_parts{}, in_parts{};
+  std::array<mmsghdr, kBatch> outgoing{}, incoming{};
+  std::size_t queued = 0;
+
+  Clients(const Target& target, bool echo, const LoadOptions& wanted)
+      : options(wanted), echoed(echo), places(target.sessions.size()) {
+    socket.connect(target.port);
+    if (options.sleep) socket.set_patience(kLost);
+    for (std::size_t i = 0; i < target.sessions.size(); ++i) {
+      all.push_back({Conversation(target.sessions[i], options.redundancy, false), {},
+                     splitmix::draw(7, i), 0});
+      places.insert(target.sessions[i], static_cast<std::uint32_t>(i));
+    }
+    for (std::size_t i = 0; i < kBatch; ++i) {
+      out_parts[i] = {out[i].data(), 0};
+      in_parts[i] = {in[i].data(), kMaxDatagram};
+      outgoing[i].msg_hdr.msg_iov = &out_parts[i];
+      incoming[i].msg_hdr.msg_iov = &in_parts[i];
+      outgoing[i].msg_hdr.msg_iovlen = incoming[i].msg_hdr.msg_iovlen = 1;
+    }
+  }
+
+  void queue(Client& client) {
+    Sample& sample = client.sample;
+    ++sample.index;
+    sample.client_time = now();
+    sample.pose.position = path.at(client.phase + sample.index);
+    const Bytes bytes = client.conversation.pack(sample);
+    std::copy(bytes.begin(), bytes.end(), out[queued].begin());
+    out_parts[queued].iov_len = bytes.size();
+    result.sample_size = bytes.size();
+    if (counting) ++result.sent;
+    if (++queued == kBatch) flush();
+  }
+
+  void flush() {
+    for (std::size_t done = 0; done < queued;) {
+      const int sent = ::sendmmsg(socket.file(), outgoing.data() + done,
+                                  static_cast<unsigned>(queued - done), 0);
+      if (sent <= 0) break;  // counted as never answered
+      done += static_cast<std::size_t>(sent);
+    }
+    queued = 0;
+  }
+
+  /// Takes what has come; gives each answered client to `then`.
+  template <class Then>
+  bool receive(int flags, Then then) {
+    const int count = ::recvmmsg(socket.file(), incoming.data(), kBatch, flags, nullptr);
+    if (count <= 0) return false;
+    const Nanoseconds arrival = now();
+    for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
+      Client* client = take({in[i].data(), incoming[i].msg_len}, arrival);
+      if (client != nullptr) then(*client);
+    }
+    return true;
+  }
+
+  Client* take(Bytes bytes, Nanoseconds arrival) {
+    const Guarded guarded = guard(bytes, kAnyKind);
+    std::uint32_t* place =
+        guarded.drop == DropReason::none ? places.find(guarded.header.session) : nullptr;
+    Answer answer;
+    if (place == nullptr || !read(guarded.payload, answer)) {
+      ++result.bad;
+      return nullptr;
+    }
+    Client& client = all[*place];
+    client.answered = std::max(client.answered, answer.index);
+    client.sample.held = answer.command;
+    if (!counting) return &client;
+    const Nanoseconds took = arrival - answer.sent;
+    ++result.answered;
+    if (took > kLate) ++result.late;
+    result.round_trip.record(took.count());
+    result.answer_size = bytes.size();
+    if (answer.command.elastic.squaredNorm() > 0.0) ++result.with_force;
+    return &client;
+  }
+
+  bool read(Bytes payload, Answer& answer) {
+    if (echoed) {
+      if (decode(payload, batch) != DropReason::none) return false;
+      answer = {batch.samples[0].index, batch.samples[0].client_time, {}};
+    } else {
+      if (decode(payload, reply) != DropReason::none) return false;
+      answer = {reply.sample_index, reply.client_time, reply.command};
+    }
+    return true;
+  }
+
+  /// At its own phase, every period. All periods are equal, so turns come in one fixed order.
+  void pace(Nanoseconds until, Nanoseconds start, std::uint64_t& turn) {
+    const auto count = static_cast<std::uint64_t>(all.size());
+    const auto due = [&](std::uint64_t t) {
+      const auto phase = static_cast<std::int64_t>(t % count) * options.period.count() /
+                         static_cast<std::int64_t>(count);
+      return start + static_cast<std::int64_t>(t / count) * options.period + Nanoseconds(phase);
+    };
+    Nanoseconds before = now();
+    for (Nanoseconds time = before; time < until; before = time, time = now()) {
+      if (counting) result.longest_pause = std::max(result.longest_pause, time - before);
+      for (std::size_t i = 0; i < kBatch && due(turn) <= time; ++i) queue(all[turn++ % count]);
+      flush();
+      receive(MSG_DONTWAIT, [](const Client&) {});
+    }
+  }
+
+  /// Everybody always waits for an answer.
+  void saturate(Nanoseconds until) {
+    Nanoseconds heard = now() - kLost;
+    for (Nanoseconds time = heard + kLost; time < until; time = now()) {
+      const int flags = options.sleep ? MSG_WAITFORONE : MSG_DONTWAIT;
+      if (receive(flags, [this](Client& client) {
+            // An echo may bring an older sample back: that client waits for its newest.
+            if (client.answered == client.sample.index) queue(client);
+          })) {
+        heard = time;
+      } else if (time - heard >= kLost) {
+        // First, or after losses: whoever waits goes on.
+        for (Client& client : all) queue(client);
+        heard = time;
+      }
+      flush();
+    }
+  }
+
+  void drain() {
+    const Nanoseconds end = now() + kLost;
+    while (now() < end) receive(MSG_DONTWAIT, [](const Client&) {});
+  }
+};
+
+Load::Load(const Target& target, bool echoed, const LoadOptions& options)
+    : clients_(std::make_unique<Clients>(target, echoed, options)) {}
+Load::~Load() = default;
+
+LoadResult Load::run(pid_t host) {
+  Clients& c = *clients_;
+  const LoadOptions& options = c.options;
+  const Nanoseconds start = now();
+  std::uint64_t turn = 0;
+  const auto play = [&](Nanoseconds until) {
+    if (options.saturate)
+      c.saturate(until);
+    else
+      c.pace(until, start, turn);
+  };
+  play(start + options.warm_up);
+  c.counting = true;
+  const Nanoseconds cpu = cpu_time(host), begin = now();
+  play(begin + options.duration);
+  c.result.wall = now() - begin;
+  c.result.server_cpu = cpu_time(host) - cpu;
+  if (!options.saturate) c.drain();
+  return c.result;
+}
+
+}  // namespace feltwire::netbench

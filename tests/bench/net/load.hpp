@@ -1,0 +1,57 @@
+#pragma once
+// Many clients in one thread: real datagrams of the protocol, one socket.
+
+#include <memory>
+#include <vector>
+
+#include "client/histogram.hpp"
+#include "tests/bench/net/host.hpp"
+#include "tests/bench/net/machine.hpp"
+
+namespace feltwire::netbench {
+
+struct LoadOptions {
+  int redundancy = 0;
+  Nanoseconds period = std::chrono::milliseconds(1);  // of each client
+  Nanoseconds warm_up = std::chrono::milliseconds(200);
+  Nanoseconds duration = std::chrono::seconds(1);
+  bool saturate = false;  // each client sends again as soon as it is answered
+  bool sleep = false;     // between answers (saturate): for a load that shares the server's core
+};
+
+/// What the counted part of a run came to.
+struct LoadResult {
+  std::uint64_t sent = 0, answered = 0, late = 0;  // late: after more than 1 ms
+  std::uint64_t with_force = 0;                    // answers that carried one
+  std::uint64_t bad = 0;                           // datagrams that are no answer
+  Nanoseconds server_cpu{0}, wall{0};
+  Nanoseconds longest_pause{0};  // of the load itself
+  Histogram round_trip;          // [ns] from before the sending call to after the receiving one
+  std::size_t sample_size = 0, answer_size = 0;  // [bytes] of a datagram
+
+  double cpu_per_answer() const { return nanoseconds(server_cpu) / static_cast<double>(answered); }
+  double server_busy() const { return nanoseconds(server_cpu) / nanoseconds(wall); }
+  /// Of what was sent; what was lost is late.
+  double late_share() const {
+    const std::uint64_t in_time = answered - std::min(late, answered);
+    return 1.0 - std::min(1.0, static_cast<double>(in_time) / static_cast<double>(sent));
+  }
+
+ private:
+  static double nanoseconds(Nanoseconds time) { return static_cast<double>(time.count()); }
+};
+
+/// Plays the clients of one target. Memory is taken when it is made.
+class Load {
+ public:
+  Load(const Target& target, bool echoed, const LoadOptions& options);
+  ~Load();
+  /// In the calling thread, which should have a core of its own. `host` is asked for its CPU time.
+  LoadResult run(pid_t host);
+
+ private:
+  struct Clients;
+  std::unique_ptr<Clients> clients_;
+};
+
+}  // namespace feltwire::netbench
