@@ -124,7 +124,9 @@ void look_after(const Signals& signals, Event& stop, const Event& finished,
   line.end();
 }
 
-void warn_without_real_time(const RealTime& granted) {
+/// `wanted`: the scheduler was asked for.
+void warn_without_real_time(RealTime granted, bool wanted) {
+  granted.scheduler |= !wanted;
   if (granted.scheduler && granted.memory_locked) return;
   std::fprintf(stderr,
                "feltwire-client: warning: %s not permitted, so the servo may be late now and then; "
@@ -195,7 +197,10 @@ int run(const ClientOptions& options) {
         .duration = Nanoseconds(std::llround(options.duration * 1e9)),
         .silence_timeout = Nanoseconds(std::llround(joined.accepted.silence_timeout * 1e9)),
         .patience = Nanoseconds(std::llround(options.patience * 1e9)),
-        .rejoined = &sessions};
+        .rejoined = &sessions,
+        .busy_poll = busy_poll_time(options.busy_poll)};
+    const bool may_sleep = !never_sleeps(
+        loop.busy_poll, Nanoseconds(std::llround(joined.accepted.parameters.servo_period * 1e9)));
     constexpr std::size_t kStatusRoom = 16;
     Ring<LiveStatus> statuses(kStatusRoom);
     const LoopOutputs outputs{.status = &statuses,
@@ -204,20 +209,21 @@ int run(const ClientOptions& options) {
     const auto result = std::make_unique<LoopResult>();
     std::promise<RealTime> granted;
     std::thread thread([&] {
-      granted.set_value(request_real_time());
+      granted.set_value(request_real_time(may_sleep));
       run_servo_loop(*device, servo, transport, loop, stop, outputs, *result);
       finished.set();
     });
     const RealTime real_time = granted.get_future().get();
-    warn_without_real_time(real_time);
+    warn_without_real_time(real_time, may_sleep);
     look_after(signals, stop, finished, statuses, recorder.get(), rejoiner);
     thread.join();
 
     if (options.report)
-      write_whole(*options.report,
-                  report_json({options.name, options.scene, to_string(options.server),
-                               options.device_kind, real_time, joined.accepted.stiffness},
-                              servo, transport.statistics(), *result, transport.link()));
+      write_whole(
+          *options.report,
+          report_json({options.name, options.scene, to_string(options.server), options.device_kind,
+                       real_time, joined.accepted.stiffness, options.busy_poll},
+                      servo, transport.statistics(), *result, transport.link()));
     const int code = conclude(options, servo, *result);
     return recorder && recorder->failed() ? 1 : code;
   } catch (...) {

@@ -6,6 +6,8 @@
 #include <sstream>
 #include <string_view>
 
+#include "protocol/busy_poll.hpp"
+
 namespace feltwire {
 namespace {
 
@@ -69,6 +71,9 @@ void understand(const Words& words, HandTask task, ClientOptions& options) {
           "--duration must be from 0 to 1e7 s; 0 runs until it is stopped");
   require(options.patience >= 0.0 && options.patience <= kLongestDuration,
           "--reconnect must be from 0 to 1e7 s; 0 ends when the session is lost");
+
+  require(possible_busy_poll(options.busy_poll),
+          "--busy-poll must be from 0 to 1e6 us, or inf: never sleep");
 
   options.parameters.mode = bounding_mode(words.mode);
   options.parameters.projection = projection(words.projection);
@@ -141,6 +146,11 @@ std::variant<ClientOptions, int> parse_options(int argc, char** argv) {
 
   app.add_option("--reconnect", options.patience,
                  "[s] to look for a lost session, or a new one, before giving up; 0: not at all")
+      ->capture_default_str();
+
+  app.add_option("--busy-poll", options.busy_poll,
+                 "[us] to look busily for the reply, and for the next deadline, instead of "
+                 "sleeping; inf: never sleep, which takes a core")
       ->capture_default_str();
 
   const auto session = "Session";

@@ -29,6 +29,7 @@ struct ClientOptions {
   SessionParameters parameters;
   ServoOptions servo;
   double duration = 0.0;   // [s] 0: until stopped
+  double busy_poll = 0.0;  // [us] for replies and deadlines, infinity: for ever
   double patience = 30.0;  // [s] to find a lost session again, 0: not at all
   std::optional<std::filesystem::path> report, record;
   std::optional<TwoWayLinkOptions> link;  // emulated, between this client and its socket

@@ -17,6 +17,7 @@ struct RunDescription {
   std::string device_kind;  // as given to --device
   RealTime real_time;
   double scene_stiffness = 0.0;  // [N/m] of the stiffest surface; 0: the server did not say
+  double busy_poll = 0.0;        // [us] asked for; infinity: never asleep
 };
 
 /// The report's text. Every number in it is finite; what there is no number for is null. `link`:

@@ -66,6 +66,7 @@ class Deadlines {
     return count;
   }
   Nanoseconds latest() const { return latest_; }
+  Nanoseconds next() const { return latest_ + period_; }
 
  private:
   int descriptor_;
@@ -108,10 +109,33 @@ class Loop {
  private:
   /// Until a descriptor is ready, or a datagram leaves the emulated link.
   int wait() noexcept {
+    if (options_.busy_poll.count() > 0) return wait_busily();
     const auto due = transport_.next_due();
     if (!due) return ::poll(waiting_.data(), waiting_.size(), -1);
     const timespec left = to_timespec(std::max(*due - monotonic_now(), Nanoseconds(0)));
     return ::ppoll(waiting_.data(), waiting_.size(), &left, nullptr);
+  }
+
+  /// The same, but asleep only while neither a reply nor a deadline is near.
+  int wait_busily() noexcept {
+    const auto due = transport_.next_due();
+    while (true) {
+      const int ready = ::poll(waiting_.data(), waiting_.size(), 0);
+      const Nanoseconds now = monotonic_now();
+      if (ready != 0 || (due && *due <= now)) return ready;
+      if (looks_busily(now)) continue;
+      Nanoseconds wake = deadlines_.next() - options_.busy_poll;
+      if (due) wake = std::min(wake, *due);
+      const timespec left = to_timespec(std::max(wake - now, Nanoseconds(0)));
+      const int woken = ::ppoll(waiting_.data(), waiting_.size(), &left, nullptr);
+      if (woken != 0 || due == wake) return woken;
+    }
+  }
+  bool looks_busily(Nanoseconds now) const noexcept {
+    if (options_.busy_poll == kForever) return true;
+    const bool reply_near = servo_.newest_reply().sample_index < servo_.sample().index &&
+                            now - last_tick_ < options_.busy_poll;
+    return reply_near || deadlines_.next() - now <= options_.busy_poll;
   }
 
   /// What one wake-up brought. False when the loop is over.
@@ -177,6 +201,7 @@ class Loop {
   void tick(Nanoseconds now) noexcept {
     if (!ticked_) first_tick_ = now;
     ticked_ = true;
+    last_tick_ = now;
     // To a server that said goodbye nothing is sent; to one that is silent it is, for it may be the
     // way back only.
     const Sample* sample = servo_.tick(device_, now);
@@ -271,7 +296,7 @@ class Loop {
   bool lost_ = false;
   Nanoseconds lost_at_{0};
   EndReason lost_by_ = EndReason::server_silent;
-  Nanoseconds first_tick_{0}, last_heard_, next_status_;
+  Nanoseconds first_tick_{0}, last_tick_{0}, last_heard_, next_status_;
 };
 
 }  // namespace
@@ -305,16 +330,21 @@ std::string_view name(EndReason reason) {
   return "failed";
 }
 
-RealTime request_real_time() noexcept {
+RealTime request_real_time(bool scheduler) noexcept {
   RealTime granted;
   constexpr int kPriority =
       80;  // above what else runs, below the kernel's own interrupt threads (docs of PREEMPT_RT)
   const sched_param parameters{.sched_priority = kPriority};
-  granted.scheduler = pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameters) == 0;
+  granted.scheduler =
+      scheduler && pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameters) == 0;
   // Not MCL_FUTURE: under a limit it would make later allocations of other threads fail.
   granted.memory_locked = mlockall(MCL_CURRENT) == 0;
   prctl(PR_SET_TIMERSLACK, 1UL);  // [ns]; 50 us else
   return granted;
+}
+
+bool never_sleeps(Nanoseconds busy_poll, Nanoseconds period) noexcept {
+  return busy_poll >= period / 2;
 }
 
 void run_servo_loop(Device& device, Servo& servo, Transport& transport, const LoopOptions& options,

@@ -8,6 +8,7 @@
 #include "client/ring.hpp"
 #include "client/servo.hpp"
 #include "client/transport.hpp"
+#include "protocol/busy_poll.hpp"
 
 namespace feltwire {
 
@@ -44,6 +45,10 @@ struct LoopOptions {
   /// loop. Meanwhile the hand goes on and commands fade.
   Nanoseconds patience{0};
   Ring<SessionAddress>* rejoined = nullptr;
+  /// How long the thread looks busily for what it waits for, the reply after a sample was sent and
+  /// the next deadline before it comes, instead of sleeping; 0: not at all, kForever: it never
+  /// sleeps.
+  Nanoseconds busy_poll{0};
 };
 
 /// What the thread says while it runs, a few times a second.
@@ -83,7 +88,11 @@ struct RealTime {
   bool scheduler = false;      // SCHED_FIFO
   bool memory_locked = false;  // what is mapped now stays in memory
 };
-RealTime request_real_time() noexcept;
+/// `scheduler` false: not SCHED_FIFO, under which the kernel takes 50 ms of every second from a
+/// thread that never sleeps.
+RealTime request_real_time(bool scheduler = true) noexcept;
+/// Whether a loop of these never sleeps.
+bool never_sleeps(Nanoseconds busy_poll, Nanoseconds period) noexcept;
 
 /// Runs the loop in the calling thread until one of the EndReasons. Deadlines are absolute, start +
 /// n T: one that is missed by a period or more is passed over, never made up for by a burst.

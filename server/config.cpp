@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "core/scene/json_document.hpp"
+#include "protocol/busy_poll.hpp"
 #include "protocol/control.hpp"
 #include "protocol/profiles.hpp"
 #include "server/server_config_generated.h"
@@ -19,6 +20,7 @@ namespace {
 constexpr int kLastPort = 65535;
 constexpr double kShortestSilence = 0.1, kLongestSilence = 3600.0;  // [s]
 constexpr int kMostSessions = 4096;
+constexpr double kNeverSleeps = -1.0;  // of busy_poll, in a file
 constexpr std::array<const char*, 6> kLogLevels = {"trace",   "debug", "info",
                                                    "warning", "error", "off"};
 
@@ -68,6 +70,12 @@ std::optional<Complaint> complaint(const ServerConfig& c) {
       return Complaint{"profile", "--profile", unknown.what()};
     }
   }
+  if (!possible_busy_poll(c.busy_poll))
+    return Complaint{
+        "busy_poll", "--busy-poll",
+        std::to_string(c.busy_poll) +
+            " us is not within 0 to 1000000 us; a thread that never sleeps is inf, in a "
+            "file -1"};
   if (std::find(kLogLevels.begin(), kLogLevels.end(), c.log_level) == kLogLevels.end())
     return Complaint{"log_level", "--log-level", "'" + c.log_level + "' is none of " + choices()};
   return std::nullopt;
@@ -97,6 +105,8 @@ ServerConfig parse_config(std::string_view json, const std::filesystem::path& fi
   config.silence_timeout = root->silence_timeout();
   config.max_sessions_per_scene = root->max_sessions_per_scene();
   if (root->profile() != nullptr) config.profile = root->profile()->str();
+  // JSON has no infinity.
+  config.busy_poll = root->busy_poll() == kNeverSleeps ? HUGE_VAL : root->busy_poll();
   if (root->log_level() != nullptr) config.log_level = root->log_level()->str();
   if (const auto wrong = complaint(config)) document.fail(wrong->field, wrong->message);
   return config;

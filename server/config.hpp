@@ -14,6 +14,7 @@ struct ServerConfig {
   double silence_timeout = 2.0;       // [s]
   int max_sessions_per_scene = 64;
   std::string profile;  // of the line that sessions share, lan, wan or thin; empty: no limit
+  double busy_poll = 0.0;  // [us] before a scene's thread sleeps; 0: at once, infinity: never
   std::string log_level = "info";
 };
 

@@ -59,6 +59,11 @@ feltwire::ServerConfig configuration(int argc, char** argv) {
       app.add_option("--profile", given.profile,
                      "Of the line that the sessions share, " + feltwire::network_profile_names() +
                          ": a client that asks for more datagrams gets the profile's");
+  const auto* busy =
+      app.add_option("--busy-poll", given.busy_poll,
+                     "[us] a scene's thread asks for datagrams busily before it sleeps: faster "
+                     "answers for CPU time; inf: it never sleeps and takes a core")
+          ->capture_default_str();
   const auto* level =
       app.add_option("--log-level", given.log_level, "trace, debug, info, warning, error or off")
           ->capture_default_str();
@@ -76,6 +81,7 @@ feltwire::ServerConfig configuration(int argc, char** argv) {
   if (!address->empty()) config.address = given.address;
   if (!silence->empty()) config.silence_timeout = given.silence_timeout;
   if (!profile->empty()) config.profile = given.profile;
+  if (!busy->empty()) config.busy_poll = given.busy_poll;
   if (!level->empty()) config.log_level = given.log_level;
   return config;
 }

@@ -14,8 +14,9 @@ constexpr std::size_t kBatch = 64;  // datagrams of one system call
 constexpr int kBatchesAtOnce = 16;  // then whoever posted has a turn: some 2 ms of work
 // Empty receives while polling busily before whoever posted has a turn: some 10 us.
 constexpr unsigned kTurnsBetweenLooks = 32;
-// One byte more than a datagram may have, so that a longer one is seen to be longer.
-constexpr std::size_t kReceiveSize = kMaxDatagram + 1;
+// More than a datagram may have, so that a longer one is seen to be longer; whole words, so that
+// each is aligned and its payload is verified where it lies.
+constexpr std::size_t kReceiveSize = kMaxDatagram + sizeof(std::uint64_t);
 constexpr int kSocketBuffer =
     1 << 20;  // [bytes] a burst of some 5000 samples waits rather than is lost
 
@@ -28,7 +29,7 @@ Nanoseconds monotonic_now() {
 
 /// Wired once; an exchange only changes lengths.
 struct SceneHost::Batch {
-  std::array<std::array<std::uint8_t, kReceiveSize>, kBatch> received;
+  alignas(std::uint64_t) std::array<std::array<std::uint8_t, kReceiveSize>, kBatch> received;
   std::array<std::array<std::uint8_t, kMaxDatagram>, kBatch> sent;
   std::array<Peer, kBatch> peers;
   std::array<iovec, kBatch> received_parts{}, sent_parts{};

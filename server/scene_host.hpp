@@ -9,12 +9,10 @@
 #include <functional>
 #include <thread>
 
+#include "protocol/busy_poll.hpp"
 #include "server/scene_sessions.hpp"
 
 namespace feltwire {
-
-/// Of a time: longer than any machine runs.
-inline constexpr Nanoseconds kForever = Nanoseconds::max();
 
 struct SceneHostOptions {
   asio::ip::address address;  // to listen on

@@ -42,6 +42,16 @@ std::string printable(std::string name) {
   return name;
 }
 
+/// Threads that never sleep and have no core each keep one another, and all else, waiting.
+void warn_of_spinning(Nanoseconds busy_poll, std::size_t scenes) {
+  const unsigned cores = std::thread::hardware_concurrency();
+  if (busy_poll == kForever && scenes + 1 > cores)
+    spdlog::warn(
+        "{} scenes that never sleep (--busy-poll inf) leave no core of {} to anything else; "
+        "a bounded busy poll does",
+        scenes, cores);
+}
+
 }  // namespace
 
 struct Server::Parts {
@@ -65,6 +75,8 @@ struct Server::Parts {
     options.silence_timeout = Nanoseconds(std::llround(config.silence_timeout * 1e9));
     if (!config.profile.empty()) options.line = &network_profile(config.profile);
     options.max_sessions = static_cast<std::size_t>(config.max_sessions_per_scene);
+    options.busy_poll = busy_poll_time(config.busy_poll);
+    warn_of_spinning(options.busy_poll, scenes.size());
     for (std::size_t i = 0; i < scenes.size(); ++i) {
       // The ports follow the control port one by one, so that a firewall can open them.
       options.port = static_cast<std::uint16_t>(port == 0 ? 0 : port + 1 + i);

@@ -76,5 +76,13 @@ TEST(Options, LimitsThatCannotBeAreRefusedInOneLine) {
   EXPECT_THAT(refusal({"--ramp-up", "nan"}), HasSubstr("ramp_up"));
 }
 
+TEST(Options, BusyPollInMicrosecondsOrForEver) {
+  EXPECT_EQ(std::get<ClientOptions>(parsed({})).busy_poll, 0.0);
+  EXPECT_EQ(std::get<ClientOptions>(parsed({"--busy-poll", "50"})).busy_poll, 50.0);
+  EXPECT_EQ(std::get<ClientOptions>(parsed({"--busy-poll", "inf"})).busy_poll, HUGE_VAL);
+  EXPECT_THAT(refusal({"--busy-poll", "-1"}), HasSubstr("--busy-poll"));
+  EXPECT_THAT(refusal({"--busy-poll", "nan"}), HasSubstr("--busy-poll"));
+}
+
 }  // namespace
 }  // namespace feltwire

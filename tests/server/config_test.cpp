@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <functional>
 #include <stdexcept>
 
@@ -19,7 +20,7 @@ TEST(Config, EveryFieldIsRead) {
   const ServerConfig config = parse_config(R"({
     "scenes": ["a.json", "/abs/b.json"],
     "address": "0.0.0.0", "port": 9000, "silence_timeout": 1.5,
-    "max_sessions_per_scene": 3, "profile": "thin", "log_level": "debug"
+    "max_sessions_per_scene": 3, "profile": "thin", "busy_poll": 50, "log_level": "debug"
   })",
                                            "/etc/feltwire/server.json");
   ASSERT_EQ(config.scenes.size(), 2u);
@@ -30,6 +31,7 @@ TEST(Config, EveryFieldIsRead) {
   EXPECT_EQ(config.silence_timeout, 1.5);
   EXPECT_EQ(config.max_sessions_per_scene, 3);
   EXPECT_EQ(config.profile, "thin");
+  EXPECT_EQ(config.busy_poll, 50.0);
   EXPECT_EQ(config.log_level, "debug");
   EXPECT_NO_THROW(validate(config));
 }
@@ -42,7 +44,14 @@ TEST(Config, WhatIsLeftOutKeepsItsDefault) {
   EXPECT_EQ(read.silence_timeout, made.silence_timeout);
   EXPECT_EQ(read.max_sessions_per_scene, made.max_sessions_per_scene);
   EXPECT_EQ(read.profile, made.profile);
+  EXPECT_EQ(read.busy_poll, 0.0);
   EXPECT_EQ(read.log_level, made.log_level);
+}
+
+TEST(Config, ABusyPollMayBeForEver) {
+  const ServerConfig config = parse_config(R"({"scenes": ["a.json"], "busy_poll": -1})", "x.json");
+  EXPECT_EQ(config.busy_poll, HUGE_VAL);
+  EXPECT_NO_THROW(validate(config));
 }
 
 TEST(Config, FaultsNameFileLineAndField) {
@@ -52,6 +61,8 @@ TEST(Config, FaultsNameFileLineAndField) {
       {"{\n\"silence_timeout\": 0}", "silence_timeout"},
       {"{\n\"max_sessions_per_scene\": 0}", "max_sessions_per_scene"},
       {"{\n\"profile\": \"moon\"}", "profile"},
+      {"{\n\"busy_poll\": -2}", "busy_poll"},
+      {"{\n\"busy_poll\": 1e7}", "busy_poll"},
       {"{\n\"log_level\": \"loud\"}", "log_level"},
       {"{\n\"address\": \"localhost:80\"}", "address"},
       {"{\n\"scenes\": [\"\"]}", "scenes"},

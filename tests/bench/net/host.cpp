@@ -105,8 +105,8 @@ void read_all(int file, void* bytes, std::size_t size) {
 }  // namespace
 
 const char* name(HostKind kind) {
-  constexpr const char* kNames[] = {"echo, blocking",         "echo, poll + recvmmsg",
-                                    "echo, spinning",         "feltwire, sleeping",
+  constexpr const char* kNames[] = {"echo, blocking",        "echo, poll + recvmmsg",
+                                    "echo, spinning",        "feltwire, sleeping",
                                     "feltwire, spins 50 us", "feltwire, spinning"};
   return kNames[static_cast<std::size_t>(kind)];
 }

@@ -12,14 +12,21 @@
 
 namespace feltwire::netbench {
 
-enum class HostKind { echo_blocking, echo_waiting, echo_spinning, ours_sleeping, ours_bounded, ours_spinning };
+enum class HostKind {
+  echo_blocking,
+  echo_waiting,
+  echo_spinning,
+  ours_sleeping,
+  ours_bounded,
+  ours_spinning
+};
 const char* name(HostKind kind);
 constexpr bool ours(HostKind kind) { return kind >= HostKind::ours_sleeping; }
 
 struct HostOptions {
   HostKind kind = HostKind::ours_sleeping;
   std::string scene_file;
-  int clients = 1;              // of each scene
+  int clients = 1;               // of each scene
   std::vector<int> cores = {0};  // one scene for each
   int redundancy = 0;
 };

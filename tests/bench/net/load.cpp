@@ -21,27 +21,30 @@ constexpr Nanoseconds kLate = std::chrono::milliseconds(1);
 constexpr Nanoseconds kLost = std::chrono::milliseconds(20);  // then a saturating client goes on
 constexpr unsigned kAnyKind = ~0u;
 
-/// A circle over the room's table, 2 mm below its top and through what stands on it, at 0.3 m/s.
+/// A circle over the room's table and through what stands on it, at 0.3 m/s, that dips from 0.5 mm
+/// above the top to 2 mm below it.
 class Path {
  public:
   Path() {
     for (std::size_t i = 0; i < kSteps; ++i) {
       const double angle = 2.0 * std::numbers::pi * static_cast<double>(i) / kSteps;
-      points_[i] = {kRadius * std::cos(angle), kRadius * std::sin(angle), kHeight};
+      points_[i] = {kRadius * std::cos(angle), kRadius * std::sin(angle),
+                    kMiddle + kDip * std::sin(kDips * angle)};
     }
   }
   const Vec3& at(std::uint64_t step) const { return points_[step % kSteps]; }
 
  private:
   static constexpr std::size_t kSteps = 1024;
-  static constexpr double kRadius = 0.05, kHeight = -0.052;  // [m]
+  static constexpr double kRadius = 0.05, kMiddle = -0.05075, kDip = 0.00125;  // [m]
+  static constexpr double kDips = 5.0;
   std::array<Vec3, kSteps> points_;
 };
 
 struct Client {
   Conversation conversation;
   Sample sample;
-  std::uint64_t phase = 0;   // along the path
+  std::uint64_t phase = 0;     // along the path
   std::uint64_t answered = 0;  // newest sample that was
 };
 
@@ -76,8 +79,10 @@ struct Load::Clients {
     socket.connect(target.port);
     if (options.sleep) socket.set_patience(kLost);
     for (std::size_t i = 0; i < target.sessions.size(); ++i) {
-      all.push_back({Conversation(target.sessions[i], options.redundancy, false), {},
-                     splitmix::draw(7, i), 0});
+      all.push_back({Conversation(target.sessions[i], options.redundancy, false),
+                     {},
+                     splitmix::draw(7, i),
+                     0});
       places.insert(target.sessions[i], static_cast<std::uint32_t>(i));
     }
     for (std::size_t i = 0; i < kBatch; ++i) {

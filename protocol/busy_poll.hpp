@@ -1,0 +1,26 @@
+#pragma once
+// How long a thread asks for datagrams again and again before it sleeps until the next.
+
+#include <cmath>
+
+#include "protocol/datagram.hpp"
+
+namespace feltwire {
+
+/// Of a time: longer than any program runs.
+inline constexpr Nanoseconds kForever = Nanoseconds::max();
+inline constexpr double kLongestBusyPoll = 1e6;  // [us] short of infinity, which is for ever
+
+/// 0 to kLongestBusyPoll, or infinity.
+inline bool possible_busy_poll(double microseconds) {
+  return (microseconds >= 0.0 && microseconds <= kLongestBusyPoll) || microseconds == HUGE_VAL;
+}
+
+/// Precondition: possible.
+inline Nanoseconds busy_poll_time(double microseconds) {
+  constexpr double kNanoseconds = 1e3;
+  return std::isinf(microseconds) ? kForever
+                                  : Nanoseconds(std::llround(microseconds * kNanoseconds));
+}
+
+}  // namespace feltwire
