@@ -92,10 +92,17 @@ TEST_P(BusyServer, AFloodKeepsNobodyOut) {
   const auto served = server(config());
   const Endpoint endpoint{"127.0.0.1", served->control_port()};
   Client hand(endpoint, kStroke, {}, "floor");
-  std::atomic<bool> flooding{true};
+  std::atomic<bool> flooding{true}, answered{false};
   std::thread flood([&] {
-    for (std::uint64_t index = 1; flooding; ++index) hand.transport.send(still(index));
+    Reply reply;
+    GoodbyeReason reason;
+    for (std::uint64_t index = 1; flooding; ++index) {
+      hand.transport.send(still(index));
+      if (!answered) answered = hand.transport.receive(reply, reason) == Transport::Arrival::reply;
+    }
   });
+  const auto end = std::chrono::steady_clock::now() + kPatience;
+  while (!answered && std::chrono::steady_clock::now() < end) std::this_thread::yield();
   for (int i = 0; i < 5; ++i)
     EXPECT_NO_THROW(join(endpoint, {"other", "floor", hand.device.spec(), {}}, kPatience));
   served->stop();

@@ -1,39 +1,135 @@
-#pragma GCC diagnostic ignored "-Wconversion"
-#pragma GCC diagnostic ignored "-Wunused-parameter"
-#include <cstdio>
-#include <cstdlib>
+// feltwire-netbench: our server under load, beside bare echoes, on one core with the load on the
+// other. Prints tables and the bars; judges nothing by its exit status.
 
-#include "tests/bench/net/load.hpp"
-using namespace feltwire;
-using namespace feltwire::netbench;
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <exception>
+
+#include "tests/bench/net/measures.hpp"
+
+namespace feltwire::netbench {
+namespace {
+
+void print_header(const Settings& settings) {
+  std::printf(
+      "scene %s, redundancy %d, %d rounds of %g s, medians; server on core %d, load on core "
+      "%d\n",
+      settings.scene.c_str(), settings.redundancy, settings.rounds, settings.seconds, kServerCore,
+      kLoadCore);
+}
+
+void print_bar(const char* what, double value, const char* relation, double bar) {
+  const bool holds = relation[0] == '<' ? value <= bar : value >= bar;
+  std::printf("  %-66s %8.2f %s %6.2f  %s\n", what, value, relation, bar,
+              holds ? "holds" : "MISSED");
+}
+
+void print_sweep(const Sweep& sweep) {
+  const Figures& any = sweep.at(kSaturation).at(HostKind::ours_sleeping);
+  const Figures& paced = sweep.at(kSaturatingClients).at(HostKind::ours_sleeping);
+  std::printf("\nsample %zu bytes, answer %zu bytes; %.0f %% of our answers carry a force\n",
+              any.sample_size, any.answer_size, 100.0 * paced.with_force);
+  std::printf("\n%-9s %-24s %12s %8s %9s %9s %9s %9s\n", "clients", "server", "CPU/answer", "core",
+              "p50", "p99", "p99.9", "late");
+  std::printf("%-9s %-24s %12s %8s %9s %9s %9s %9s\n", "", "", "ns", "%", "us", "us", "us", "%");
+  for (const auto& [clients, kinds] : sweep)
+    for (const HostKind kind : kKinds) {
+      const Figures& f = kinds.at(kind);
+      const std::string who = clients == kSaturation ? "saturated" : std::to_string(clients);
+      std::printf("%-9s %-24s %12.0f %8.1f %9.1f %9.1f %9.1f %9.3f\n", who.c_str(), name(kind),
+                  f.cpu, 100.0 * f.busy, f.p50, f.p99, f.p999, 100.0 * f.late);
+    }
+
+  const auto& full = sweep.at(kSaturation);
+  const auto& one = sweep.at(1);
+  std::printf("\n");
+  print_bar("CPU per answer, saturated, to the blocking echo's",
+            full.at(HostKind::ours_sleeping).cpu / full.at(HostKind::echo_blocking).cpu, "<=", 1.4);
+  print_bar(
+      "CPU per answer, 250 clients to 10",
+      sweep.at(250).at(HostKind::ours_sleeping).cpu / sweep.at(10).at(HostKind::ours_sleeping).cpu,
+      "<=", 1.0);
+  print_bar("round trip of one client, p50, sleeping, to the blocking echo's",
+            one.at(HostKind::ours_sleeping).p50 / one.at(HostKind::echo_blocking).p50, "<=", 1.3);
+  print_bar("round trip of one client, p50, spinning, to the spinning echo's",
+            one.at(HostKind::ours_spinning).p50 / one.at(HostKind::echo_spinning).p50, "<=", 1.3);
+  print_bar("round trip of one client, p99.9, sleeping [ms]",
+            1e-3 * one.at(HostKind::ours_sleeping).p999, "<=", 1.0);
+  print_bar("round trip of one client, p99.9, spinning [ms]",
+            1e-3 * one.at(HostKind::ours_spinning).p999, "<=", 1.0);
+}
+
+void print_held(const std::map<HostKind, int>& held) {
+  std::printf(
+      "\nclients of 1 kHz held, under 0.1 %% of the answers later than 1 ms (steps of %d)\n",
+      kClientStep);
+  for (const HostKind kind : kKinds) std::printf("%-24s %6d\n", name(kind), held.at(kind));
+  std::printf("\n");
+  const double sleeping = held.at(HostKind::ours_sleeping);
+  print_bar("clients held, sleeping", sleeping, ">=", 250.0);
+  print_bar("clients held, sleeping, to the blocking echo's",
+            sleeping / held.at(HostKind::echo_blocking), ">=", 0.7);
+}
+
+void print_scaling(const Scaling& scaling) {
+  std::printf(
+      "\na scene and its own load on each core: one %.3f, two %.3f million answers a second\n\n",
+      scaling.one, scaling.two);
+  print_bar("two scenes on two cores, to one", scaling.two / scaling.one, ">=", 1.8);
+}
+
+void print_servo(const std::vector<ServoFigures>& servo) {
+  std::printf("\n%-38s %9s %9s %12s %12s\n", "our client's servo, 1 kHz", "late p50", "late p99",
+              "trip p50", "trip p99");
+  std::printf("%-38s %9s %9s %12s %12s\n", "", "us", "us", "us", "us");
+  for (const ServoFigures& f : servo)
+    std::printf("%-38s %9.1f %9.1f %12.1f %12.1f\n", f.how.c_str(), f.late_p50, f.late_p99,
+                f.round_trip_p50, f.round_trip_p99);
+  std::printf("\n");
+  print_bar("servo late, p50 [us], timer slack 1 ns", servo.at(1).late_p50, "<=", 15.0);
+  print_bar("servo late, p99 [us], timer slack 1 ns", servo.at(1).late_p99, "<=", 100.0);
+}
+
+int run(int argc, char** argv) {
+  Settings settings;
+  settings.scene = FELTWIRE_SOURCE_DIR "/scenes/room.json";
+  std::vector<std::string> only;
+  CLI::App app("The server under load, beside bare echoes (docs/benchmarks.md).",
+               "feltwire-netbench");
+  app.add_option("--scene", settings.scene, "Scene file")->capture_default_str();
+  app.add_option("--rounds", settings.rounds, "Runs of everything, in turns")
+      ->check(CLI::Range(1, 100))
+      ->capture_default_str();
+  app.add_option("--seconds", settings.seconds, "[s] of a run")
+      ->check(CLI::Range(0.1, 60.0))
+      ->capture_default_str();
+  app.add_option("--redundancy", settings.redundancy, "Earlier samples in each datagram")
+      ->check(CLI::Range(0, kMaxRedundancy))
+      ->capture_default_str();
+  app.add_option("--only", only, "sweep, held, scenes, servo; all when not given")
+      ->check(CLI::IsMember({"sweep", "held", "scenes", "servo"}));
+  CLI11_PARSE(app, argc, argv);
+  if (cores() < 2) throw std::runtime_error("two cores are needed: server and load have one each");
+
+  const auto wanted = [&](const char* what) {
+    return only.empty() || std::find(only.begin(), only.end(), what) != only.end();
+  };
+  print_header(settings);
+  if (wanted("sweep")) print_sweep(sweep(settings));
+  if (wanted("held")) print_held(clients_held(settings));
+  if (wanted("scenes")) print_scaling(scaling(settings));
+  if (wanted("servo")) print_servo(servo(settings));
+  return 0;
+}
+
+}  // namespace
+}  // namespace feltwire::netbench
+
 int main(int argc, char** argv) {
-  for (int n : {250, 10, 1})
-    for (int r = 0; r < atoi(argv[2]); ++r)
-      for (auto kind : {HostKind::echo_blocking, HostKind::echo_waiting, HostKind::echo_spinning,
-                        HostKind::ours_sleeping, HostKind::ours_spinning, HostKind::ours_bounded}) {
-        for (bool sat : {true, false}) {
-          if (argc > 3 && (!sat || int(kind) != atoi(argv[3]))) continue;
-          if (n != 250 && sat) continue;
-          HostOptions o;
-          o.kind = kind;
-          o.scene_file = argv[1];
-          o.clients = n;
-          o.cores = {0};
-          HostProcess h(o);
-          pin_to(1);
-          LoadOptions lo;
-          lo.saturate = sat;
-          if (argc > 4) lo.duration = std::chrono::seconds(atoi(argv[4]));
-          Load l(h.targets()[0], !ours(kind), lo);
-          auto x = l.run(h.process());
-          std::printf(
-              "%d %-24s %s cpu/answer %.0f ns busy %.3f late %.4f%% answered %lu bad %lu force "
-              "%.3f p50 %.1f p99 %.1f p999 %.1f us pause %.1f us size %zu %zu\n",
-              n, name(kind), sat ? "sat" : "paced", x.cpu_per_answer(), x.server_busy(),
-              100 * x.late_share(), x.answered, x.bad, double(x.with_force) / x.answered,
-              x.round_trip.quantile(.5) * 1e-3, x.round_trip.quantile(.99) * 1e-3,
-              x.round_trip.quantile(.999) * 1e-3, x.longest_pause.count() * 1e-3, x.sample_size,
-              x.answer_size);
-        }
-      }
+  try {
+    return feltwire::netbench::run(argc, argv);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "feltwire-netbench: %s\n", error.what());
+    return 1;
+  }
 }

@@ -1,0 +1,144 @@
+#include "tests/bench/net/measures.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <thread>
+
+namespace feltwire::netbench {
+namespace {
+
+constexpr double kHeld = 1e-3;  // share of the answers that may be late
+constexpr int kTries = 3;       // of a search's step: these machines stall now and then
+constexpr int kMostSteps = 24;  // of kClientStep
+constexpr int kScalingClients = 64;
+
+Nanoseconds duration(const Settings& settings) {
+  return Nanoseconds(std::llround(settings.seconds * 1e9));
+}
+
+LoadResult run(const Settings& settings, HostKind kind, int clients) {
+  HostOptions host;
+  host.kind = kind;
+  host.scene_file = settings.scene;
+  host.clients = clients == kSaturation ? kSaturatingClients : clients;
+  host.cores = {kServerCore};
+  host.redundancy = settings.redundancy;
+  const HostProcess process(host);
+  pin_to(kLoadCore);
+  LoadOptions options;
+  options.redundancy = settings.redundancy;
+  options.duration = duration(settings);
+  options.saturate = clients == kSaturation;
+  return Load(process.targets().front(), !ours(kind), options).run(process.process());
+}
+
+Figures figures(const std::vector<LoadResult>& runs) {
+  const auto over = [&](auto value) {
+    std::vector<double> values;
+    for (const LoadResult& r : runs) values.push_back(value(r));
+    return median(values);
+  };
+  const auto quantile = [&](double q) {
+    return over([q](const LoadResult& r) { return 1e-3 * r.round_trip.quantile(q); });
+  };
+  Figures f;
+  f.cpu = over([](const LoadResult& r) { return r.cpu_per_answer(); });
+  f.busy = over([](const LoadResult& r) { return r.server_busy(); });
+  f.late = over([](const LoadResult& r) { return r.late_share(); });
+  f.with_force = over([](const LoadResult& r) {
+    return static_cast<double>(r.with_force) / static_cast<double>(r.answered);
+  });
+  f.p50 = quantile(0.5);
+  f.p99 = quantile(0.99);
+  f.p999 = quantile(0.999);
+  f.sample_size = runs.front().sample_size;
+  f.answer_size = runs.front().answer_size;
+  return f;
+}
+
+bool holds(const Settings& settings, HostKind kind, int clients) {
+  for (int i = 0; i < kTries; ++i)
+    if (run(settings, kind, clients).late_share() < kHeld) return true;
+  return false;
+}
+
+/// Bisection: whoever holds n holds fewer too.
+int search(const Settings& settings, HostKind kind) {
+  int held = 0, not_held = kMostSteps + 1;
+  while (not_held - held > 1) {
+    const int middle = (held + not_held) / 2;
+    (holds(settings, kind, middle * kClientStep) ? held : not_held) = middle;
+  }
+  return held * kClientStep;
+}
+
+/// Each core carries a scene and all of its load.
+double answers_per_second(const Settings& settings, const std::vector<int>& cores) {
+  HostOptions host;
+  host.scene_file = settings.scene;
+  host.clients = kScalingClients;
+  host.cores = cores;
+  host.redundancy = settings.redundancy;
+  const HostProcess process(host);
+  LoadOptions options;
+  options.redundancy = settings.redundancy;
+  options.duration = duration(settings);
+  options.saturate = options.sleep = true;
+  std::vector<LoadResult> results(cores.size());
+  std::vector<std::thread> loads;
+  for (std::size_t i = 0; i < cores.size(); ++i)
+    loads.emplace_back([&, i] {
+      pin_to(cores[i]);
+      results[i] = Load(process.targets()[i], false, options).run(process.process());
+    });
+  for (std::thread& load : loads) load.join();
+  double sum = 0.0;
+  for (const LoadResult& r : results)
+    sum += static_cast<double>(r.answered) / std::chrono::duration<double>(r.wall).count();
+  return sum;
+}
+
+}  // namespace
+
+double median(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  const std::size_t half = values.size() / 2;
+  return values.size() % 2 == 1 ? values[half] : 0.5 * (values[half - 1] + values[half]);
+}
+
+Sweep sweep(const Settings& settings) {
+  std::map<int, std::map<HostKind, std::vector<LoadResult>>> runs;
+  for (int round = 0; round < settings.rounds; ++round) {
+    for (const HostKind kind : kKinds)
+      runs[kSaturation][kind].push_back(run(settings, kind, kSaturation));
+    for (const int clients : kPacedClients)
+      for (const HostKind kind : kKinds)
+        runs[clients][kind].push_back(run(settings, kind, clients));
+  }
+  Sweep result;
+  for (const auto& [clients, kinds] : runs)
+    for (const auto& [kind, results] : kinds) result[clients][kind] = figures(results);
+  return result;
+}
+
+std::map<HostKind, int> clients_held(const Settings& settings) {
+  std::map<HostKind, std::vector<double>> found;
+  for (int round = 0; round < settings.rounds; ++round)
+    for (const HostKind kind : kKinds) found[kind].push_back(search(settings, kind));
+  std::map<HostKind, int> result;
+  for (const auto& [kind, values] : found) result[kind] = static_cast<int>(median(values));
+  return result;
+}
+
+Scaling scaling(const Settings& settings) {
+  std::vector<double> one, two;
+  for (int round = 0; round < settings.rounds; ++round) {
+    const double first = answers_per_second(settings, {kServerCore});
+    two.push_back(1e-6 * answers_per_second(settings, {kServerCore, kLoadCore}));
+    const double second = answers_per_second(settings, {kLoadCore});
+    one.push_back(1e-6 * 0.5 * (first + second));
+  }
+  return {median(one), median(two)};
+}
+
+}  // namespace feltwire::netbench

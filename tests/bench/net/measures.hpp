@@ -1,0 +1,67 @@
+#pragma once
+// What is measured of a server and of the echoes beside it, each in runs that take turns.
+
+#include <array>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "tests/bench/net/load.hpp"
+
+namespace feltwire::netbench {
+
+struct Settings {
+  std::string scene;
+  int rounds = 5;        // runs of everything, in turns
+  double seconds = 1.0;  // that a run counts
+  int redundancy = 0;
+};
+
+inline constexpr std::array kKinds = {HostKind::echo_blocking, HostKind::echo_waiting,
+                                      HostKind::echo_spinning, HostKind::ours_sleeping,
+                                      HostKind::ours_bounded,  HostKind::ours_spinning};
+inline constexpr int kServerCore = 0, kLoadCore = 1;
+
+/// Whether it never gives its core away.
+constexpr bool spins(HostKind kind) {
+  return kind == HostKind::echo_spinning || kind == HostKind::ours_spinning;
+}
+
+/// Medians over the rounds.
+struct Figures {
+  double cpu = 0.0;                         // [ns] of the server's, an answer
+  double busy = 0.0;                        // share of its core
+  double p50 = 0.0, p99 = 0.0, p999 = 0.0;  // [us] of the round trip
+  double late = 0.0, with_force = 0.0;      // shares
+  std::size_t sample_size = 0, answer_size = 0;
+};
+
+/// By clients, 0: saturation; then by kind.
+using Sweep = std::map<int, std::map<HostKind, Figures>>;
+inline constexpr int kSaturation = 0;
+inline constexpr int kSaturatingClients = 250;
+inline constexpr std::array kPacedClients = {1, 10, 50, 250};
+Sweep sweep(const Settings& settings);
+
+/// The most clients of 1 kHz, in steps, of which less than 0.1 % of the answers are late in the
+/// best of a few runs. The median over the rounds, each a search of its own.
+inline constexpr int kClientStep = 25;
+std::map<HostKind, int> clients_held(const Settings& settings);
+
+/// Answers a second, in millions: a scene and its load on one core, and the same on both at once.
+struct Scaling {
+  double one = 0.0, two = 0.0;
+};
+Scaling scaling(const Settings& settings);
+
+/// Our client's servo at 1 kHz, on the load's core.
+struct ServoFigures {
+  std::string how;
+  double late_p50 = 0.0, late_p99 = 0.0;              // [us] behind the deadline
+  double round_trip_p50 = 0.0, round_trip_p99 = 0.0;  // [us]
+};
+std::vector<ServoFigures> servo(const Settings& settings);
+
+double median(std::vector<double> values);
+
+}  // namespace feltwire::netbench
