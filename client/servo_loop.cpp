@@ -43,10 +43,13 @@ timespec to_timespec(Nanoseconds time) noexcept {
 /// Deadlines start + n T, n = 1, 2, ...
 class Deadlines {
  public:
-  Deadlines(Nanoseconds start, Nanoseconds period) noexcept
+  /// `armed`: the descriptor becomes readable at each. A loop that looks at the clock itself does
+  /// better without: the timer's interrupt comes just when it has something to do.
+  Deadlines(Nanoseconds start, Nanoseconds period, bool armed) noexcept
       : descriptor_(timerfd_create(CLOCK_MONOTONIC, TFD_NONBLOCK | TFD_CLOEXEC)),
         latest_(start),
         period_(period) {
+    if (!armed) return;
     const itimerspec times{.it_interval = to_timespec(period),
                            .it_value = to_timespec(start + period)};
     timerfd_settime(descriptor_, TFD_TIMER_ABSTIME, &times, nullptr);
@@ -58,12 +61,19 @@ class Deadlines {
   Deadlines& operator=(const Deadlines&) = delete;
 
   int descriptor() const { return descriptor_; }
-  /// How many deadlines have passed since the last call; latest() is the last of them.
-  std::uint64_t passed() noexcept {
+  /// How many deadlines have passed by `now` since the last call; latest() is the last of them. The
+  /// timer only wakes: a virtual machine's comes late, and a loop that is awake need not wait for
+  /// it.
+  std::uint64_t passed(Nanoseconds now) noexcept {
+    if (now < next()) return 0;
+    const std::int64_t count = (now - latest_) / period_;
+    latest_ += count * period_;
+    return static_cast<std::uint64_t>(count);
+  }
+  /// The descriptor was readable, and shall be so at the next deadline again.
+  void rearm() noexcept {
     std::uint64_t count = 0;
-    if (::read(descriptor_, &count, sizeof count) != static_cast<ssize_t>(sizeof count)) return 0;
-    latest_ += static_cast<std::int64_t>(count) * period_;
-    return count;
+    [[maybe_unused]] const ssize_t size = ::read(descriptor_, &count, sizeof count);
   }
   Nanoseconds latest() const { return latest_; }
   Nanoseconds next() const { return latest_ + period_; }
@@ -85,7 +95,8 @@ class Loop {
         result_(result),
         linked_(transport.link() != nullptr),
         start_(monotonic_now()),
-        deadlines_(start_, Nanoseconds(std::llround(servo.parameters().servo_period * 1e9))),
+        deadlines_(start_, Nanoseconds(std::llround(servo.parameters().servo_period * 1e9)),
+                   options.busy_poll.count() == 0),
         waiting_{{{deadlines_.descriptor(), POLLIN, 0},
                   {transport.descriptor(), POLLIN, 0},
                   {stop.descriptor(), POLLIN, 0}}},
@@ -122,7 +133,7 @@ class Loop {
     while (true) {
       const int ready = ::poll(waiting_.data(), waiting_.size(), 0);
       const Nanoseconds now = monotonic_now();
-      if (ready != 0 || (due && *due <= now)) return ready;
+      if (ready != 0 || now >= deadlines_.next() || (due && *due <= now)) return ready;
       if (looks_busily(now)) continue;
       Nanoseconds wake = deadlines_.next() - options_.busy_poll;
       if (due) wake = std::min(wake, *due);
@@ -143,9 +154,9 @@ class Loop {
     if (waiting_[1].revents != 0 || linked_) take_replies(now);
     if (server_left_ && !lose(now, EndReason::server_goodbye)) return false;
     if (waiting_[2].revents != 0) return end(EndReason::requested);
-    if (waiting_[0].revents == 0) return true;
+    if (waiting_[0].revents != 0) deadlines_.rearm();
 
-    const std::uint64_t passed = deadlines_.passed();
+    const std::uint64_t passed = deadlines_.passed(now);
     if (passed == 0) return true;
     if (passed > 1) {
       ++result_.overruns;

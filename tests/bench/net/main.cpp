@@ -2,6 +2,7 @@
 // other. Prints tables and the bars; judges nothing by its exit status.
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdio>
 #include <exception>
 

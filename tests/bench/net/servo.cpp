@@ -1,9 +1,14 @@
 // Our own client's servo loop against our own server.
 
 #include <arpa/inet.h>
+#include <poll.h>
 #include <sys/prctl.h>
+#include <sys/timerfd.h>
+#include <unistd.h>
 
+#include <array>
 #include <cmath>
+#include <ctime>
 #include <memory>
 #include <thread>
 
@@ -79,6 +84,36 @@ Run run(const Settings& settings, const Way& way) {
           1e-3 * round_trip.quantile(0.5), 1e-3 * round_trip.quantile(0.99)};
 }
 
+/// What the machine has to give: a timer that is waited for, and nothing else.
+Run bare_timer(const Settings& settings) {
+  constexpr Nanoseconds kPeriod = std::chrono::milliseconds(1);
+  Histogram late;
+  std::thread thread([&] {
+    pin_to(kLoadCore);
+    const int timer = ::timerfd_create(CLOCK_MONOTONIC, TFD_CLOEXEC);
+    const Nanoseconds start = now();
+    const auto spec = [](Nanoseconds time) {
+      const auto whole = std::chrono::duration_cast<std::chrono::seconds>(time);
+      return timespec{whole.count(), (time - whole).count()};
+    };
+    const itimerspec times{.it_interval = spec(kPeriod), .it_value = spec(start + kPeriod)};
+    ::timerfd_settime(timer, TFD_TIMER_ABSTIME, &times, nullptr);
+    const auto ticks = static_cast<std::int64_t>(kSecondsForEach * settings.seconds * 1e3);
+    pollfd waiting{timer, POLLIN, 0};
+    for (std::int64_t passed = 0; passed < ticks;) {
+      ::poll(&waiting, 1, -1);
+      const Nanoseconds woken = now();
+      std::uint64_t count = 0;
+      if (::read(timer, &count, sizeof count) != static_cast<ssize_t>(sizeof count)) break;
+      passed += static_cast<std::int64_t>(count);
+      late.record((woken - start - passed * kPeriod).count());
+    }
+    ::close(timer);
+  });
+  thread.join();
+  return {1e-3 * late.quantile(0.5), 1e-3 * late.quantile(0.99), NAN, NAN};
+}
+
 }  // namespace
 
 std::vector<ServoFigures> servo(const Settings& settings) {
@@ -87,20 +122,23 @@ std::vector<ServoFigures> servo(const Settings& settings) {
       Way{"sleeps, timer slack 50 us (default)", kDefaultSlack, Nanoseconds(0),
           HostKind::ours_sleeping},
       Way{"sleeps, timer slack 1 ns (ours)", kLeastSlack, Nanoseconds(0), HostKind::ours_sleeping},
-      Way{"both --busy-poll 50", kLeastSlack, kBounded, HostKind::ours_bounded},
-      Way{"both --busy-poll inf", kLeastSlack, kForever, HostKind::ours_spinning}};
-  std::vector<std::vector<Run>> runs(ways.size());
-  for (int round = 0; round < settings.rounds; ++round)
+      Way{"--busy-poll 50, server inf", kLeastSlack, kBounded, HostKind::ours_spinning},
+      Way{"--busy-poll inf, server inf", kLeastSlack, kForever, HostKind::ours_spinning}};
+  std::vector<std::vector<Run>> runs(ways.size() + 1);
+  for (int round = 0; round < settings.rounds; ++round) {
     for (std::size_t i = 0; i < ways.size(); ++i) runs[i].push_back(run(settings, ways[i]));
+    runs.back().push_back(bare_timer(settings));
+  }
   std::vector<ServoFigures> figures;
-  for (std::size_t i = 0; i < ways.size(); ++i) {
+  for (std::size_t i = 0; i < runs.size(); ++i) {
     const auto over = [&](double Run::*value) {
       std::vector<double> values;
       for (const Run& r : runs[i]) values.push_back(r.*value);
       return median(values);
     };
-    figures.push_back({ways[i].how, over(&Run::late_p50), over(&Run::late_p99),
-                       over(&Run::round_trip_p50), over(&Run::round_trip_p99)});
+    figures.push_back({i < ways.size() ? ways[i].how : "bare timerfd + poll", over(&Run::late_p50),
+                       over(&Run::late_p99), over(&Run::round_trip_p50),
+                       over(&Run::round_trip_p99)});
   }
   return figures;
 }
