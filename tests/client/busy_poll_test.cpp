@@ -168,12 +168,16 @@ TEST_P(BusyClient, ServesAnEmulatedLink) {
   std::vector<Scene> scenes;
   scenes.push_back(testing::floor_scene());
   const Server server(testing::any_ports(), std::move(scenes));
-  Client hand({"127.0.0.1", server.control_port()}, kStroke, {}, "floor",
+  SessionParameters slow;
+  slow.servo_period = 0.02;
+  Client hand({"127.0.0.1", server.control_port()}, kStroke, slow, "floor",
               std::make_unique<TwoWayLink>(parse_link("delay=3"), 0, 1 << 10));
   hand.start({.silence_timeout = kPatience, .busy_poll = GetParam()});
   hand.finish();
   EXPECT_EQ(hand.servo.statistics().answered, hand.servo.statistics().samples);
-  EXPECT_GE(hand.servo.statistics().round_trip.quantile(0.01), 5.9e6);  // [ns]
+  const double fastest = hand.servo.statistics().round_trip.quantile(0.0);  // [ns]
+  EXPECT_GE(fastest, 5.9e6);
+  EXPECT_LT(fastest, 20e6);  // not taken up at the next tick only
 }
 
 TEST_P(BusyClient, EndsWhenAskedOrLeftAlone) {

@@ -68,6 +68,7 @@ struct Load::Clients {
   SampleBatch batch;
   LoadResult result;
   bool counting = false;
+  Nanoseconds counted_from{0};
 
   std::array<std::array<std::uint8_t, kMaxDatagram>, kBatch> out{}, in{};
   std::array<iovec, kBatch> out_parts{}, in_parts{};
@@ -145,11 +146,21 @@ struct Load::Clients {
     if (!counting) return &client;
     const Nanoseconds took = arrival - answer.sent;
     ++result.answered;
-    if (took > kLate) ++result.late;
+    LoadResult::Window& window = window_at(arrival);
+    ++window.answered;
+    if (took > kLate) {
+      ++result.late;
+      ++window.late;
+    }
     result.round_trip.record(took.count());
     result.answer_size = bytes.size();
     if (answer.command.elastic.squaredNorm() > 0.0) ++result.with_force;
     return &client;
+  }
+
+  LoadResult::Window& window_at(Nanoseconds time) {
+    const auto place = static_cast<std::size_t>((time - counted_from) / LoadResult::kWindow);
+    return result.windows[std::min(place, result.windows.size() - 1)];
   }
 
   bool read(Bytes payload, Answer& answer) {
@@ -205,6 +216,18 @@ struct Load::Clients {
   }
 };
 
+double LoadResult::late_share_between_stalls() const {
+  std::vector<double> shares;
+  for (const Window& window : windows)
+    shares.push_back(window.answered > 0
+                         ? static_cast<double>(window.late) / static_cast<double>(window.answered)
+                         : 1.0);
+  if (shares.empty()) return 1.0;
+  std::nth_element(shares.begin(), shares.begin() + static_cast<std::ptrdiff_t>(shares.size() / 2),
+                   shares.end());
+  return shares[shares.size() / 2];
+}
+
 Load::Load(const Target& target, bool echoed, const LoadOptions& options)
     : clients_(std::make_unique<Clients>(target, echoed, options)) {}
 Load::~Load() = default;
@@ -223,6 +246,8 @@ LoadResult Load::run(pid_t host) {
   play(start + options.warm_up);
   c.counting = true;
   const Nanoseconds cpu = cpu_time(host), begin = now();
+  c.counted_from = begin;
+  c.result.windows.resize(static_cast<std::size_t>(options.duration / LoadResult::kWindow) + 1);
   play(begin + options.duration);
   c.result.wall = now() - begin;
   c.result.server_cpu = cpu_time(host) - cpu;

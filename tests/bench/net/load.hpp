@@ -26,7 +26,12 @@ struct LoadResult {
   std::uint64_t bad = 0;                           // datagrams that are no answer
   Nanoseconds server_cpu{0}, wall{0};
   Nanoseconds longest_pause{0};  // of the load itself
-  Histogram round_trip;          // [ns] from before the sending call to after the receiving one
+  struct Window {
+    std::uint64_t answered = 0, late = 0;
+  };
+  static constexpr Nanoseconds kWindow = std::chrono::milliseconds(20);
+  std::vector<Window> windows;  // by arrival
+  Histogram round_trip;         // [ns] from before the sending call to after the receiving one
   std::size_t sample_size = 0, answer_size = 0;  // [bytes] of a datagram
 
   double cpu_per_answer() const { return nanoseconds(server_cpu) / static_cast<double>(answered); }
@@ -36,6 +41,8 @@ struct LoadResult {
     const std::uint64_t in_time = answered - std::min(late, answered);
     return 1.0 - std::min(1.0, static_cast<double>(in_time) / static_cast<double>(sent));
   }
+  /// Of the median window: what the server does while nothing else takes its core or the load's.
+  double late_share_between_stalls() const;
 
  private:
   static double nanoseconds(Nanoseconds time) { return static_cast<double>(time.count()); }

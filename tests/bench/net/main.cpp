@@ -60,16 +60,25 @@ void print_sweep(const Sweep& sweep) {
             1e-3 * one.at(HostKind::ours_spinning).p999, "<=", 1.0);
 }
 
-void print_held(const std::map<HostKind, int>& held) {
+void print_held(const std::map<HostKind, Held>& held) {
   std::printf(
       "\nclients of 1 kHz held, under 0.1 %% of the answers later than 1 ms (steps of %d)\n",
       kClientStep);
-  for (const HostKind kind : kKinds) std::printf("%-24s %6d\n", name(kind), held.at(kind));
+  std::printf("%-24s %12s %16s\n", "", "altogether", "between stalls");
+  for (const HostKind kind : kHoldingKinds)
+    std::printf("%-24s %12d %16d\n", name(kind), held.at(kind).altogether,
+                held.at(kind).between_stalls);
   std::printf("\n");
-  const double sleeping = held.at(HostKind::ours_sleeping);
-  print_bar("clients held, sleeping", sleeping, ">=", 250.0);
-  print_bar("clients held, sleeping, to the blocking echo's",
-            sleeping / held.at(HostKind::echo_blocking), ">=", 0.7);
+  const Held& ours = held.at(HostKind::ours_sleeping);
+  const Held& echo = held.at(HostKind::echo_blocking);
+  print_bar("clients held, sleeping", ours.altogether, ">=", 250.0);
+  print_bar("clients held, sleeping, between stalls", ours.between_stalls, ">=", 250.0);
+  if (echo.altogether > 0)
+    print_bar("clients held, sleeping, to the blocking echo's",
+              static_cast<double>(ours.altogether) / echo.altogether, ">=", 0.7);
+  if (echo.between_stalls > 0)
+    print_bar("clients held, sleeping, to the blocking echo's, between stalls",
+              static_cast<double>(ours.between_stalls) / echo.between_stalls, ">=", 0.7);
 }
 
 void print_scaling(const Scaling& scaling) {

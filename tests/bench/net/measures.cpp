@@ -62,12 +62,17 @@ bool holds(const Settings& settings, HostKind kind, int clients) {
   return false;
 }
 
+bool holds_between_stalls(const Settings& settings, HostKind kind, int clients) {
+  return run(settings, kind, clients).late_share_between_stalls() < kHeld;
+}
+
 /// Bisection: whoever holds n holds fewer too.
-int search(const Settings& settings, HostKind kind) {
+template <class Holds>
+int search(Holds holds_clients) {
   int held = 0, not_held = kMostSteps + 1;
   while (not_held - held > 1) {
     const int middle = (held + not_held) / 2;
-    (holds(settings, kind, middle * kClientStep) ? held : not_held) = middle;
+    (holds_clients(middle * kClientStep) ? held : not_held) = middle;
   }
   return held * kClientStep;
 }
@@ -121,12 +126,19 @@ Sweep sweep(const Settings& settings) {
   return result;
 }
 
-std::map<HostKind, int> clients_held(const Settings& settings) {
-  std::map<HostKind, std::vector<double>> found;
+std::map<HostKind, Held> clients_held(const Settings& settings) {
+  std::map<HostKind, std::vector<double>> altogether, between_stalls;
   for (int round = 0; round < settings.rounds; ++round)
-    for (const HostKind kind : kKinds) found[kind].push_back(search(settings, kind));
-  std::map<HostKind, int> result;
-  for (const auto& [kind, values] : found) result[kind] = static_cast<int>(median(values));
+    for (const HostKind kind : kHoldingKinds) {
+      altogether[kind].push_back(
+          search([&](int clients) { return holds(settings, kind, clients); }));
+      between_stalls[kind].push_back(
+          search([&](int clients) { return holds_between_stalls(settings, kind, clients); }));
+    }
+  std::map<HostKind, Held> result;
+  for (const HostKind kind : kHoldingKinds)
+    result[kind] = {static_cast<int>(median(altogether[kind])),
+                    static_cast<int>(median(between_stalls[kind]))};
   return result;
 }
 

@@ -43,10 +43,17 @@ inline constexpr int kSaturatingClients = 250;
 inline constexpr std::array kPacedClients = {1, 10, 50, 250};
 Sweep sweep(const Settings& settings);
 
-/// The most clients of 1 kHz, in steps, of which less than 0.1 % of the answers are late in the
-/// best of a few runs. The median over the rounds, each a search of its own.
+/// The most clients of 1 kHz, in steps, that are held with less than 0.1 % of the answers late.
+/// Medians over the rounds, each a search of its own.
+struct Held {
+  int altogether = 0;      // in the best of a few runs
+  int between_stalls = 0;  // in the median window of 20 ms: the machine's stalls left out
+};
 inline constexpr int kClientStep = 25;
-std::map<HostKind, int> clients_held(const Settings& settings);
+inline constexpr std::array kHoldingKinds = {HostKind::echo_blocking, HostKind::echo_waiting,
+                                             HostKind::echo_spinning, HostKind::ours_sleeping,
+                                             HostKind::ours_spinning};
+std::map<HostKind, Held> clients_held(const Settings& settings);
 
 /// Answers a second, in millions: a scene and its load on one core, and the same on both at once.
 struct Scaling {
