@@ -17,6 +17,7 @@ constexpr std::size_t kRemembered = 8192;
 constexpr double kSmallestForce = 1e-6;  // [N] below it a force has no direction worth measuring
 
 double seconds(Nanoseconds time) { return std::chrono::duration<double>(time).count(); }
+Nanoseconds nanoseconds(double time) { return Nanoseconds(std::llround(time * 1e9)); }
 
 BoundingConfig bound_of(const SessionParameters& parameters, const DeviceSpec& spec) {
   validate(spec);
@@ -39,6 +40,14 @@ void refuse_beside(BoundingMode mode, const char* what, double value, const char
           << name(mode) << ", which also bounds forces from below; use "
           << "contact_frame or no " << what << " (" << off << ")";
   throw std::invalid_argument(message.str());
+}
+
+/// Finite, and nothing that the bound would refuse.
+bool believable(const Command& c) {
+  const auto small = [](const Vec3& v) {
+    return v.allFinite() && v.cwiseAbs().maxCoeff() <= kAbsurdForce;
+  };
+  return small(c.elastic) && small(c.frictional) && small(c.torque);
 }
 
 bool good(const DeviceReading& reading) {
@@ -90,7 +99,7 @@ Servo::Servo(const DeviceSpec& spec, const SessionParameters& parameters,
 
 bool Servo::take(const Reply& reply, Nanoseconds arrival) noexcept {
   // An answer to what was never asked would lock out every true one after it.
-  if (reply.sample_index == 0 || reply.sample_index > sample_.index) {
+  if (reply.sample_index == 0 || reply.sample_index > sample_.index || !believable(reply.command)) {
     ++statistics_.replies_refused;
     return false;
   }
@@ -99,15 +108,19 @@ bool Servo::take(const Reply& reply, Nanoseconds arrival) noexcept {
     ++statistics_.replies_stale;
     return false;
   }
+  const Command let_go = newest_.command;
   newest_ = reply;
-  newest_arrival_ = arrival;
+  if (letting_go_) {
+    newest_.command = let_go;
+    return true;
+  }
+  const bool out_of_date = reply.sample_index <= stood_still_after_;
+  newest_arrival_ = out_of_date ? arrival - nanoseconds(parameters_.hold_time)
+                                : std::min(arrival, last_tick_ + 2 * nanoseconds(period_));
   // What the server's bound has changed says nothing of how deep the hand is: at the first sample
   // it lets nothing through, inside an object too.
-  newest_original_ = reply.command.finite() && !reply.active && !reply.saturated && !reply.refused;
-  if (!reply.command.finite()) {
-    ++statistics_.replies_refused;
-    newest_.command = {};
-  }
+  newest_original_ =
+      reply.sample_index > anew_after_ && !reply.active && !reply.saturated && !reply.refused;
   return true;
 }
 
@@ -128,9 +141,60 @@ void Servo::count_answer(const Reply& reply, Nanoseconds arrival) noexcept {
   server_clock_.take({sent.time, reply.server_receive_time, reply.server_send_time, arrival});
 }
 
+void Servo::release() noexcept {
+  released_ = true;
+  start_letting_go();
+}
+
+void Servo::reconnected() noexcept {
+  if (released_) return;
+  if (pulls(held_))
+    start_letting_go();
+  else
+    begin_anew(sample_.index);
+}
+
+void Servo::start_letting_go() noexcept {
+  if (letting_go_) return;
+  letting_go_ = true;
+  let_go_from_ = last_tick_;
+}
+
+void Servo::begin_anew(std::uint64_t last_sample_before) noexcept {
+  safety_.begin_anew();
+  anew_after_ = last_sample_before;
+  newest_original_ = false;  // what was said before says nothing of where the hand is now
+}
+
+/// [s]; the period where the clock says that none has passed.
+double Servo::time_since_last_tick(Nanoseconds now) noexcept {
+  if (!ticked_) return period_;
+  const Nanoseconds elapsed = now - last_tick_;
+  if (elapsed.count() < 0) {  // set back: what is remembered moves with it, and ages by a tick
+    newest_arrival_ += elapsed - nanoseconds(period_);
+    let_go_from_ += elapsed - nanoseconds(period_);
+    return period_;
+  }
+  if (seconds(elapsed) > parameters_.hold_time) stood_still_after_ = sample_.index;
+  return seconds(elapsed);
+}
+
 double Servo::fade_factor() const noexcept {
   const double half = 0.5 * parameters_.hold_time;
-  return std::clamp((parameters_.hold_time - command_age_) / half, 0.0, 1.0);
+  const double by_age = std::clamp((parameters_.hold_time - command_age_) / half, 0.0, 1.0);
+  if (!letting_go_) return by_age;
+  return std::clamp(1.0 - seconds(last_tick_ - let_go_from_) / half, 0.0, by_age);
+}
+
+/// Never more than the device can do is faded, or a command far beyond it would be gone in a step.
+Command Servo::faded(const Command& command, double factor) const noexcept {
+  if (!(factor < 1.0)) return command;
+  const double force = length(command.force()), torque = length(command.torque);
+  const double most_force = bounding_.config().max_force;
+  const double most_torque = bounding_.config().max_torque;
+  const double of_force = force > most_force ? factor * (most_force / force) : factor;
+  const double of_torque = torque > most_torque ? factor * (most_torque / torque) : factor;
+  return {of_force * command.elastic, of_force * command.frictional, of_torque * command.torque};
 }
 
 /// The movement since the last tick. Across a fault it is unknown, so none is credited: the storage
@@ -164,41 +228,50 @@ Command Servo::safeguard(const Command& bounded, const BoundingStep& step) noexc
 }
 
 Command Servo::render(const DeviceReading& reading, Nanoseconds now) noexcept {
-  const double hold_time = ticked_ ? seconds(now - last_tick_) : period_;
+  BoundingStep step;
+  step.hold_time = time_since_last_tick(now);
   ticked_ = true;
   last_tick_ = now;
   sample_.client_time = now;
   command_age_ = has_reply() ? seconds(now - newest_arrival_) : 0.0;
   if (reading.ended) device_ended_ = released_ = true;
 
-  BoundingStep step;
-  step.hold_time = hold_time;
-  const bool usable = good(reading);
-  if (usable) {
+  const bool usable = good(reading) && !device_ended_;
+  if (good(reading)) {
     const Movement moved = moved_to(reading);
     step.displacement = moved.displacement;
     step.rotation = moved.rotation;
-    port_.step(held_, moved.displacement, moved.rotation, hold_time);
+    port_.step(held_, moved.displacement, moved.rotation, step.hold_time);
   } else {
     ++statistics_.device_faults;
     position_known_ = false;
+    begin_anew(sample_.index + (posed_ ? 1 : 0));  // this tick's sample has the old position
   }
 
   wanted_ = {};
-  if (usable && !released_ && has_reply()) {
+  double factor = 0.0;  // of the command
+  if (usable && has_reply()) {
     // Only what the device can do goes into the bound, so that it accounts what it gives.
     wanted_ = actuated(spec_, newest_.command);
-    const double factor = fade_factor();
+    factor = fade_factor();
     if (factor < 1.0) ++statistics_.faded;
-    step.command = factor * wanted_;
+    step.command = faded(wanted_, factor);
   }
 
-  const Bounded bounded = bounding_.step(step);
+  Bounded bounded = bounding_.step(step);
+  // The paper's laws would hold on to a part of the last force; zero is passive too.
+  if (!(factor > 0.0)) bounded.rendered = {};
   statistics_.bound_active += bounded.active ? 1 : 0;
   statistics_.saturated += bounded.saturated ? 1 : 0;
   statistics_.refused += bounded.refused ? 1 : 0;
 
-  return safeguard(bounded.rendered, step);
+  const Command given = safeguard(bounded.rendered, step);
+  if (letting_go_ && !released_ && !(factor > 0.0)) {
+    letting_go_ = false;
+    newest_.command = {};
+    begin_anew(sample_.index);
+  }
+  return given;
 }
 
 const Sample* Servo::hold(const Command& held) noexcept {

@@ -40,7 +40,7 @@ struct ServoStatistics {
   std::uint64_t answered = 0;         // of these, replies that came, each sample once
   std::uint64_t late = 0;             // of the answered, after more than kLate
   std::uint64_t replies_stale = 0;    // not newer than the reply in use: ignored
-  std::uint64_t replies_refused = 0;  // answering no sample that was made, or not finite
+  std::uint64_t replies_refused = 0;  // answering no sample that was made, not finite or absurd
   std::uint64_t faded = 0;            // ticks at which an old command was faded, wholly or in part
   std::uint64_t device_faults = 0;    // readings or held forces that were faulty or not finite
   std::uint64_t bound_active = 0;     // ticks at which the bound changed the command
@@ -63,14 +63,18 @@ class Servo {
   Servo(const DeviceSpec& spec, const SessionParameters& parameters,
         const ServoOptions& options = {});
 
-  /// A reply that arrived at `arrival`. The one to the newest sample is used; true when this is it.
+  /// A reply that was found at `arrival`. The one to the newest sample is used; true when this is
+  /// it. One that cannot be changes nothing. What is found after the servo stood still may have
+  /// come at any time since, and counts as that old.
   bool take(const Reply& reply, Nanoseconds arrival) noexcept;
 
   /// What to write to the device now. The newest command counts in full until it is hold_time / 2
   /// old, falls linearly to nothing at hold_time, is then bounded (docs/bounding.md) and last goes
-  /// through the safety stage (core/safety.hpp). A reading
-  /// that is faulty or not finite, a command that is not finite, and everything after release()
-  /// give no force.
+  /// through the safety stage (core/safety.hpp). A fall by age or by release() takes at most the
+  /// device's largest force off in half the hold time; at its end there is none, whatever the
+  /// bound would hold on to. A reading that is faulty or not finite gives none at once (nobody
+  /// knows what force would be safe at an unknown place), and what follows begins anew as after
+  /// reconnected(). A clock that was set back is no reason to hold anything longer.
   Command render(const DeviceReading& reading, Nanoseconds now) noexcept;
 
   /// Says what the device's write() returned, which is all that is accounted, and returns the
@@ -82,12 +86,15 @@ class Servo {
     return hold(device.write(render(device.read(now), now)));
   }
 
-  /// The session was lost and goes on: the hand may be anywhere by now, so the safety limits that
-  /// belong to a connection (wait for small force, ramp-up) begin anew.
-  void reconnected() noexcept { safety_ = SafetyStage(options_.safety); }
+  /// The session was lost and goes on: the hand may be anywhere by now. What is still held fades to
+  /// nothing within half the hold time; then the safety limits that belong to a connection (wait
+  /// for small force, ramp-up) begin anew and the replies count again.
+  void reconnected() noexcept;
 
-  /// From the next tick on the hand is given nothing.
-  void release() noexcept { released_ = true; }
+  /// The force fades to nothing within half the hold time, and stays there.
+  void release() noexcept;
+  /// Nothing is on the hand any more, and nothing will be.
+  bool let_go() const { return released_ && !pulls(held_); }
   /// The device said that it has ended; it has been given nothing since.
   bool device_ended() const { return device_ended_; }
 
@@ -119,8 +126,13 @@ class Servo {
     bool answered = false;
   };
 
+  static bool pulls(const Command& c) { return !c.force().isZero(0.0) || !c.torque.isZero(0.0); }
+  double time_since_last_tick(Nanoseconds now) noexcept;
   Movement moved_to(const DeviceReading& reading) noexcept;
   double fade_factor() const noexcept;
+  Command faded(const Command& command, double factor) const noexcept;
+  void start_letting_go() noexcept;
+  void begin_anew(std::uint64_t last_sample_before) noexcept;
   Command safeguard(const Command& bounded, const BoundingStep& step) noexcept;
   void observe_direction(const Command& held) noexcept;
   void count_answer(const Reply& reply, Nanoseconds arrival) noexcept;
@@ -137,7 +149,9 @@ class Servo {
   ClockEstimate server_clock_;
   Reply newest_;
   Nanoseconds newest_arrival_{0};
-  bool newest_original_ = false;  // its command is the scene's as it was
+  bool newest_original_ = false;         // its command is the scene's as it was
+  std::uint64_t anew_after_ = 0;         // replies to samples up to this one end no wait
+  std::uint64_t stood_still_after_ = 0;  // replies to samples up to this one are out of date
   double command_age_ = 0.0;
 
   Nanoseconds last_tick_{0};
@@ -145,6 +159,8 @@ class Servo {
   bool position_known_ = false;  // sample_.pose was read at the last tick
   bool posed_ = false;           // some reading was good
   bool released_ = false, device_ended_ = false;
+  bool letting_go_ = false;  // no reply is used, what is held fades from let_go_from_ on
+  Nanoseconds let_go_from_{0};
   Command wanted_;  // the device's part of the command that this tick's force comes from
   Command held_;    // on the hand since the last tick
   Sample sample_;

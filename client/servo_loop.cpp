@@ -106,7 +106,7 @@ class Loop {
   void run() noexcept {
     if (deadlines_.descriptor() < 0) return;
     for (bool running = true; running;) {
-      if (wait() < 0) {
+      if (wait(waiting_.size()) < 0) {
         if (errno == EINTR) continue;
         break;
       }
@@ -114,31 +114,32 @@ class Loop {
       if (linked_) transport_.pass(now);
       running = step(now);
     }
-    release(monotonic_now());
+    let_go();
+    take_leave(monotonic_now());
   }
 
  private:
-  /// Until a descriptor is ready, or a datagram leaves the emulated link.
-  int wait() noexcept {
-    if (options_.busy_poll.count() > 0) return wait_busily();
+  /// Until one of the first `count` descriptors is ready, or a datagram leaves the emulated link.
+  int wait(std::size_t count) noexcept {
+    if (options_.busy_poll.count() > 0) return wait_busily(count);
     const auto due = transport_.next_due();
-    if (!due) return ::poll(waiting_.data(), waiting_.size(), -1);
+    if (!due) return ::poll(waiting_.data(), count, -1);
     const timespec left = to_timespec(std::max(*due - monotonic_now(), Nanoseconds(0)));
-    return ::ppoll(waiting_.data(), waiting_.size(), &left, nullptr);
+    return ::ppoll(waiting_.data(), count, &left, nullptr);
   }
 
   /// The same, but asleep only while neither a reply nor a deadline is near.
-  int wait_busily() noexcept {
+  int wait_busily(std::size_t count) noexcept {
     const auto due = transport_.next_due();
     while (true) {
-      const int ready = ::poll(waiting_.data(), waiting_.size(), 0);
+      const int ready = ::poll(waiting_.data(), count, 0);
       const Nanoseconds now = monotonic_now();
       if (ready != 0 || now >= deadlines_.next() || (due && *due <= now)) return ready;
       if (looks_busily(now)) continue;
       Nanoseconds wake = deadlines_.next() - options_.busy_poll;
       if (due) wake = std::min(wake, *due);
       const timespec left = to_timespec(std::max(wake - now, Nanoseconds(0)));
-      const int woken = ::ppoll(waiting_.data(), waiting_.size(), &left, nullptr);
+      const int woken = ::ppoll(waiting_.data(), count, &left, nullptr);
       if (woken != 0 || due == wake) return woken;
     }
   }
@@ -154,15 +155,10 @@ class Loop {
     if (waiting_[1].revents != 0 || linked_) take_replies(now);
     if (server_left_ && !lose(now, EndReason::server_goodbye)) return false;
     if (waiting_[2].revents != 0) return end(EndReason::requested);
-    if (waiting_[0].revents != 0) deadlines_.rearm();
+    if (!is_due(now)) return true;
 
-    const std::uint64_t passed = deadlines_.passed(now);
-    if (passed == 0) return true;
-    if (passed > 1) {
-      ++result_.overruns;
-      result_.missed_deadlines += passed - 1;
-    }
-    result_.wakeup_late.record((now - deadlines_.latest()).count());
+    // Before the tick: a hand that has just been found again must not feel what waited for it.
+    if (options_.rejoined != nullptr) regain(now);
     tick(now);
     if (servo_.device_ended()) return end(EndReason::device_ended);
     if (options_.duration.count() > 0 && now - first_tick_ >= options_.duration)
@@ -170,8 +166,20 @@ class Loop {
     if (options_.silence_timeout.count() > 0 && now - last_heard_ > options_.silence_timeout &&
         !lose(now, EndReason::server_silent))
       return false;
-    if (options_.rejoined != nullptr) regain(now);
     return !lost_ || now - lost_at_ < options_.patience || end(lost_by_);
+  }
+
+  /// Whether a deadline has passed.
+  bool is_due(Nanoseconds now) noexcept {
+    if (waiting_[0].revents != 0) deadlines_.rearm();
+    const std::uint64_t passed = deadlines_.passed(now);
+    if (passed == 0) return false;
+    if (passed > 1) {
+      ++result_.overruns;
+      result_.missed_deadlines += passed - 1;
+    }
+    result_.wakeup_late.record((now - deadlines_.latest()).count());
+    return true;
   }
 
   /// The session is gone, by a goodbye or by silence. False when that is the end.
@@ -226,22 +234,36 @@ class Loop {
     for (int i = 0; i < kRepliesAtOnce; ++i) {
       const Transport::Arrival arrival = transport_.receive(reply_, result_.goodbye);
       if (arrival == Transport::Arrival::nothing) return;
-      last_heard_ = now;
       if (arrival == Transport::Arrival::goodbye) {
         server_left_ = true;
         return;
       }
-      servo_.take(reply_, now);
+      // What answers nothing newer is no sign that the session goes on.
+      if (servo_.take(reply_, now)) last_heard_ = now;
     }
   }
 
-  /// The hand is let go; then the replies that are on their way are counted, and the server is
-  /// told.
-  void release(Nanoseconds now) noexcept {
+  /// Tick by tick until the force has faded.
+  void let_go() noexcept {
+    Nanoseconds now = monotonic_now();
     if (lost_) result_.disconnected += seconds(now - lost_at_);
     servo_.release();
     if (linked_) transport_.pass(now);
     tick(now);
+    constexpr std::size_t kWithoutStop = 2;
+    // A device that goes on holding something whatever it is told is not waited for.
+    const Nanoseconds latest = now + Nanoseconds(std::llround(servo_.parameters().hold_time * 1e9));
+    while (!servo_.let_go() && now < latest) {
+      if (wait(kWithoutStop) < 0 && errno != EINTR) return tick(latest);  // nothing to wait by
+      now = monotonic_now();
+      if (linked_) transport_.pass(now);
+      take_replies(now);
+      if (is_due(now)) tick(now);
+    }
+  }
+
+  /// Replies that are on their way are counted, and the server is told.
+  void take_leave(Nanoseconds now) noexcept {
     Nanoseconds latest = now + kFarewell;
     const ServoStatistics& counted = servo_.statistics();
     while (!server_left_ && counted.answered < counted.samples && now < latest) {

@@ -96,9 +96,9 @@ bool never_sleeps(Nanoseconds busy_poll, Nanoseconds period) noexcept;
 
 /// Runs the loop in the calling thread until one of the EndReasons. Deadlines are absolute, start +
 /// n T: one that is missed by a period or more is passed over, never made up for by a burst.
-/// Replies are taken when they come; the command is applied at the tick. At the end the hand is
-/// given nothing, the replies on their way are waited for (at most 100 ms, and 100 ms after what an
-/// emulated link holds has left it), and the server is told goodbye.
+/// Replies are taken when they come; the command is applied at the tick. At the end the force
+/// fades within half the hold time, the replies on their way are waited for (at most 100 ms, and
+/// 100 ms after what an emulated link holds has left it), and the server is told goodbye.
 void run_servo_loop(Device& device, Servo& servo, Transport& transport, const LoopOptions& options,
                     const Event& stop, const LoopOutputs& outputs, LoopResult& result) noexcept;
 

@@ -132,6 +132,15 @@ Safeguarded SafetyStage::apply(const SafetyStep& step) noexcept {
   return result;
 }
 
+void SafetyStage::begin_anew() noexcept {
+  velocity_ = VelocityEstimate(kSpeedCutoff);
+  angular_velocity_ = VelocityEstimate(kSpeedCutoff);
+  held_force_ = held_torque_ = 0.0;
+  waiting_ = std::isfinite(limits_.force.small) || std::isfinite(limits_.torque.small);
+  touched_ = false;
+  since_touch_ = 0.0;
+}
+
 void SafetyStage::set_held(const Command& held) noexcept {
   if (!held.finite()) return;
   held_force_ = length(held.force());

@@ -82,6 +82,10 @@ class SafetyStage {
   /// One servo sample. A time that is not above zero lets no ramp and no slew go on.
   Safeguarded apply(const SafetyStep& step) noexcept;
 
+  /// Forgets everything but its limits, as after a connection that was lost: wait and ramp begin
+  /// anew, a slew limit starts from nothing.
+  void begin_anew() noexcept;
+
   /// Says what the device really held, where that differs from `rendered`: the slew limit starts
   /// from it. A report that is not finite is left out.
   void set_held(const Command& held) noexcept;

@@ -11,7 +11,6 @@ namespace {
 
 // Beyond these nothing is a force or a movement of a hand but a fault upstream; it also keeps every
 // product below finite, in float too.
-constexpr double kAbsurdForce = 1e12;      // [N], [N m]
 constexpr double kAbsurdMovement = 1e6;    // [m], [rad]
 constexpr double kAbsurdHold = 1e6;        // [s]
 constexpr double kAbsurdStiffness = 1e18;  // [N/m], [N m/rad]

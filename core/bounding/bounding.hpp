@@ -97,6 +97,9 @@ struct BoundingConfig {
   bool rotation = false;  // false: torque is neither computed nor rendered
 };
 
+/// [N], [N m] a command with a component beyond it is refused.
+inline constexpr double kAbsurdForce = 1e12;
+
 /// One step's outcome.
 template <class Real>
 struct BasicBounded {

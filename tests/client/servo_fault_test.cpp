@@ -1,0 +1,267 @@
+// What a fault does to the hand's force: it fades, and nothing steps (PROTOCOL.md, "Faults").
+
+#include <gtest/gtest.h>
+
+#include "tests/client/servo_bench.hpp"
+#include "tests/core/support.hpp"
+
+namespace feltwire {
+namespace {
+
+using namespace testing::servo;
+
+constexpr double kHoldTime = 0.1;  // [s] the usual one
+constexpr int kHalf = 50;          // ticks of half of it
+
+ServoOptions wait_for_small_force() { return {.safety = {.force = {.small = 0.05}}}; }
+
+/// A servo that holds `force` [N] upwards, as a fresh answer says.
+Bench holding(double force, const ServoOptions& options = {},
+              BoundingMode mode = BoundingMode::none) {
+  Bench bench(parameters(mode), options);
+  bench.tick();
+  bench.servo.take(reply(1, {}), bench.now);
+  bench.tick();
+  bench.servo.take(reply(2, elastic(0, 0, force)), bench.now);
+  bench.tick();
+  return bench;
+}
+bool answer(Bench& bench, double force) {
+  return bench.servo.take(reply(bench.servo.sample().index, elastic(0, 0, force)), bench.now);
+}
+
+TEST(ServoFault, AReleasedHandIsLetGoWithinHalfTheHoldTime) {
+  Bench bench = holding(2.0);
+  bench.servo.release();
+  EXPECT_FALSE(bench.servo.let_go());
+  for (int n = 1; n <= kHalf; ++n) {
+    EXPECT_NEAR(bench.tick().force().z(), 2.0 * (kHalf - n) / kHalf, 1e-9) << n;
+    EXPECT_EQ(bench.servo.let_go(), n == kHalf) << n;
+    answer(bench, 7.0);  // nobody asked any more
+  }
+  for (int n = 0; n < 10; ++n) {
+    answer(bench, 7.0);
+    EXPECT_EQ(bench.tick().force(), Vec3::Zero());
+  }
+  EXPECT_EQ(bench.servo.statistics().answered, bench.servo.statistics().samples - 2);
+}
+
+TEST(ServoFault, AReleaseLatePutsNothingOff) {
+  Bench bench = holding(2.0);
+  for (int n = 0; n < 80; ++n) bench.tick();  // silence: 40 % are left, of 20 ms
+  EXPECT_NEAR(bench.tick().force().z(), 2.0 * 0.36, 1e-9);
+  bench.servo.release();
+  for (int n = 0; n < 18; ++n) bench.tick();
+  EXPECT_TRUE(bench.servo.let_go());
+}
+
+/// A scene that asks for far more than the device can do: the fade begins at what it can do.
+TEST(ServoFault, AnEnormousCommandFadesAsLongAsAnyOther) {
+  Bench bench = holding(1e5);
+  const double most = bench.spec.max_force;
+  EXPECT_NEAR(bench.servo.held().force().z(), most, 1e-9);
+  bench.servo.release();
+  for (int n = 1; n <= kHalf; ++n)
+    EXPECT_NEAR(bench.tick().force().z(), most * (kHalf - n) / kHalf, 1e-9) << n;
+}
+
+/// Laws that bound a force from below would hold on to some of it against a hand that moves.
+TEST(ServoFault, AtTheEndNoLawHoldsOnToAnything) {
+  for (const BoundingMode mode :
+       {BoundingMode::total_energy, BoundingMode::per_axis, BoundingMode::per_axis_projected}) {
+    for (const bool release : {true, false}) {
+      Bench bench(parameters(mode));
+      double z = 0.0;
+      bench.tick(at(0, 0, z));
+      for (int n = 0; n < 20; ++n) {
+        answer(bench, 4.0);
+        bench.tick(at(0, 0, z -= 1e-3));
+      }
+      EXPECT_GT(bench.servo.held().force().z(), 1.0) << name(mode);
+      if (release) bench.servo.release();
+      // On and on into the wall: the law raises the force with every step.
+      for (int n = 0; n < 2 * kHalf; ++n) bench.tick(at(0, 0, z -= 1e-3));
+      EXPECT_EQ(bench.servo.held().force(), Vec3::Zero()) << name(mode);
+      EXPECT_EQ(bench.servo.port().violations(), 0u) << name(mode);
+    }
+  }
+}
+
+TEST(ServoFault, AReconnectedHandIsLetGoThenWaits) {
+  Bench bench = holding(2.0, wait_for_small_force());
+  EXPECT_EQ(bench.servo.held().force().z(), 2.0);
+  bench.servo.reconnected();
+  for (int n = 1; n <= kHalf; ++n) {
+    answer(bench, 8.0);  // the new session's first words
+    EXPECT_NEAR(bench.tick().force().z(), 2.0 * (kHalf - n) / kHalf, 1e-9) << n;
+  }
+  for (int n = 0; n < 10; ++n) {
+    answer(bench, 8.0);
+    EXPECT_EQ(bench.tick().force(), Vec3::Zero());
+  }
+  answer(bench, 0.0);  // the hand has come out
+  bench.tick();
+  answer(bench, 3.0);
+  EXPECT_EQ(bench.tick().force().z(), 3.0);
+}
+
+/// What was said of the place where the hand was says nothing of where it is.
+TEST(ServoFault, NoWordFromBeforeEndsTheWait) {
+  const auto reconnect = [](Bench& bench) { bench.servo.reconnected(); };
+  const auto fail = [](Bench& bench) { bench.tick({.pose = {}, .ok = false}); };
+  for (const bool device : {false, true}) {
+    Bench bench = holding(0.0, wait_for_small_force());  // in free space
+    const std::uint64_t before = bench.servo.sample().index;
+    bench.tick();
+    device ? fail(bench) : reconnect(bench);
+    for (int n = 0; n < 3; ++n) bench.tick();
+    EXPECT_TRUE(bench.servo.take(reply(before, {}), bench.now));  // still on its way
+    bench.tick();
+    answer(bench, 8.0);
+    EXPECT_EQ(bench.tick().force(), Vec3::Zero()) << device;
+    answer(bench, 0.0);
+    bench.tick();
+    answer(bench, 8.0);
+    EXPECT_EQ(bench.tick().force().z(), 8.0) << device;
+  }
+}
+
+TEST(ServoFault, AfterADeviceFaultTheLimitsBeginAnew) {
+  Bench waiting = holding(2.0, wait_for_small_force());
+  EXPECT_EQ(waiting.servo.held().force().z(), 2.0);
+  EXPECT_EQ(waiting.tick({.pose = {}, .ok = false}).force(), Vec3::Zero());
+  for (int n = 0; n < 10; ++n) {
+    answer(waiting, 2.0);
+    EXPECT_EQ(waiting.tick().force(), Vec3::Zero());
+  }
+  EXPECT_EQ(waiting.servo.statistics().waiting, 10u);
+
+  Bench ramped = holding(2.0, {.safety = {.ramp_up = 0.01}});
+  for (int n = 0; n < 20; ++n) ramped.tick();
+  EXPECT_EQ(ramped.servo.held().force().z(), 2.0);
+  ramped.tick({.pose = {}, .ok = false});
+  for (int n = 0; n < 10; ++n) EXPECT_NEAR(ramped.tick().force().z(), 0.2 * n, 1e-9) << n;
+}
+
+/// Stopped for seconds, then on: what had come meanwhile is of no use, what comes then is.
+TEST(ServoFault, ASuspendedProcessTakesNoOldReplyForAFreshOne) {
+  for (const int backlog : {0, 1, 5}) {
+    Bench bench = holding(2.0);
+    for (int n = 0; n < 20; ++n) bench.tick();
+    const std::uint64_t before = bench.servo.sample().index;
+    bench.now += seconds(3.0);
+    // The socket is read before the tick, and goes on after it.
+    for (int n = 10; n > backlog; --n)
+      bench.servo.take(reply(before - static_cast<std::uint64_t>(n), elastic(0, 0, 5)), bench.now);
+    EXPECT_EQ(bench.tick({}, Nanoseconds(0)).force(), Vec3::Zero());
+    for (int n = backlog; n > 0; --n)
+      bench.servo.take(reply(before + 1 - static_cast<std::uint64_t>(n), elastic(0, 0, 5)),
+                       bench.now);
+    EXPECT_EQ(bench.tick().force(), Vec3::Zero()) << backlog;
+    EXPECT_TRUE(answer(bench, 1.0));
+    EXPECT_EQ(bench.tick().force().z(), 1.0);
+  }
+}
+
+TEST(ServoFault, AStumbleIsCountedAsAge) {
+  Bench bench = holding(2.0);
+  bench.now += seconds(0.08);
+  answer(bench, 2.0);  // may have come at any time since the last tick
+  EXPECT_NEAR(bench.tick({}, Nanoseconds(0)).force().z(), 2.0 * (0.1 - 0.078) / 0.05, 1e-9);
+}
+
+TEST(ServoFault, AClockThatIsSetBackHoldsNothingLonger) {
+  for (const double back : {1e-3, 0.5, 1000.0}) {
+    Bench bench = holding(2.0);
+    for (int n = 0; n < 10; ++n) bench.tick();
+    bench.now -= seconds(back) + kPeriod;
+    int ticks = 10;
+    while (bench.tick().force().z() > 0.0 && ticks < 1000) ++ticks;
+    EXPECT_NEAR(ticks, 2 * kHalf, 2) << back;
+  }
+  Bench released = holding(2.0);
+  released.servo.release();
+  released.now -= seconds(5.0);
+  for (int n = 0; n < kHalf; ++n) released.tick();
+  EXPECT_TRUE(released.servo.let_go());
+}
+
+TEST(ServoFault, RepliesThatCannotBeLeaveTheOldOneToFade) {
+  Bench bench = holding(2.0);
+  for (int n = 1; n <= 2 * kHalf; ++n) {
+    const std::uint64_t index = bench.servo.sample().index;
+    EXPECT_FALSE(bench.servo.take(reply(index, elastic(kNan, 0, 9)), bench.now));
+    EXPECT_FALSE(bench.servo.take(reply(index, elastic(0, 0, kInfinity)), bench.now));
+    EXPECT_FALSE(bench.servo.take(reply(index, elastic(0, 0, 1e300)), bench.now));
+    EXPECT_FALSE(bench.servo.take(reply(index + 1, elastic(0, 0, 9)), bench.now));
+    EXPECT_FALSE(bench.servo.take(reply(index + 1'000'000, elastic(0, 0, 9)), bench.now));
+    const double factor = std::min(1.0, (2.0 * kHalf - n - 1) / kHalf);
+    EXPECT_NEAR(bench.tick().force().z(), 2.0 * std::max(factor, 0.0), 1e-9) << n;
+  }
+  EXPECT_EQ(bench.servo.statistics().replies_refused, 10u * kHalf);
+}
+
+/// A scene that always asks for the same, a hand that presses on or rests, and every fault there
+/// is: the force rises no faster than the slew limit, and falls no faster than the device's largest
+/// force in half the hold time. Only a reading that fails takes it away at once. `most`: the
+/// largest force that was held.
+void expect_no_step(const SessionParameters& p, SafetyLimits limits, std::uint64_t seed,
+                    double& most) {
+  constexpr double kSlew = 120.0;  // [N/s]
+  limits.force.slew = kSlew;
+  test::Random random(seed);
+  Bench bench(p, {.safety = limits});
+  const double fall = bench.spec.max_force / (0.5 * p.hold_time);
+  const double wanted = std::pow(10.0, random.uniform(-1.0, 5.0));  // [N]
+  double z = 0.0, before = 0.0;
+  int silent = 0;  // ticks
+  bench.tick(at(0, 0, z));
+  bench.servo.take(reply(1, {}), bench.now);
+  const int release = static_cast<int>(random.uniform(200.0, 1500.0));
+  for (int n = 0; n < release + kHalf; ++n) {
+    Nanoseconds step = kPeriod;
+    double time = p.servo_period;
+    bool failed = false;
+    if (n == release) bench.servo.release();
+    if (random.chance(0.01)) silent = static_cast<int>(random.uniform(1.0, 250.0));
+    if (random.chance(0.005)) bench.servo.reconnected();
+    if (random.chance(0.005)) step = -seconds(random.uniform(0.0, 10.0));
+    if (random.chance(0.005)) time = random.uniform(1.0, 4.0) * p.hold_time, step = seconds(time);
+    if (random.chance(0.003)) failed = true;
+    if (random.chance(0.02)) answer(bench, kNan);
+    if (random.chance(0.02)) bench.servo.take(reply(~0ull, elastic(0, 0, wanted)), bench.now);
+    if (random.chance(0.02)) bench.servo.take(reply(1, elastic(0, 0, wanted)), bench.now);
+    if (--silent < 0) answer(bench, wanted);
+    if (random.chance(0.5)) z -= random.uniform(0.0, 2e-3);
+    DeviceReading reading = at(0, 0, z);
+    reading.ok = !failed;
+    const double now = bench.tick(reading, step).force().norm();
+    ASSERT_LE(now, before + kSlew * time + 1e-9) << seed << " " << n;
+    const double least = failed ? 0.0 : before - fall * time;
+    ASSERT_GE(now, least - 1e-9) << seed << " " << n;
+    before = now;
+    most = std::max(most, now);
+  }
+  EXPECT_TRUE(bench.servo.let_go()) << seed;
+  if (p.mode == BoundingMode::contact_frame && p.side != BoundingSide::server) {
+    EXPECT_EQ(bench.servo.port().violations(), 0u) << seed;
+  }
+}
+
+TEST(ServoFault, NothingSteps) {
+  const SafetyLimits all_limits[] = {{}, {.ramp_up = 0.2}, {.force = {.small = 0.05}}};
+  const SessionParameters all_parameters[] = {
+      parameters(BoundingMode::none), parameters(BoundingMode::contact_frame),
+      parameters(BoundingMode::contact_frame, BoundingSide::server),
+      parameters(BoundingMode::energy_tank)};
+  for (const SafetyLimits& limits : all_limits) {
+    for (const SessionParameters& p : all_parameters) {
+      double most = 0.0;
+      for (std::uint64_t seed = 1; seed <= 60; ++seed) expect_no_step(p, limits, seed, most);
+      EXPECT_GT(most, 5.0) << name(p.mode);  // else nothing was tried
+    }
+  }
+}
+
+}  // namespace
+}  // namespace feltwire
