@@ -13,7 +13,7 @@ constexpr unsigned kExpected = bit(DatagramKind::reply) | bit(DatagramKind::good
 }  // namespace
 
 Conversation::Conversation(std::uint64_t session, int redundancy, bool rotation)
-    : session_(session), kept_(std::clamp(redundancy, 0, kMaxRedundancy) + 1) {
+    : session_(session), kept_(std::clamp(redundancy, 0, kMaxRedundancy) + 1), carried_(kept_) {
   batch_.rotation = rotation;
   // The encoder takes its memory at the first and largest datagram of each kind: now, not in the
   // loop.
@@ -30,6 +30,7 @@ void Conversation::resume(std::uint64_t session) noexcept {
   session_ = session;
   packet_number_ = 0;
   seen_ = {};
+  carried_ = kept_;
   batch_.count = 0;  // the new session has not missed the samples of the old one
 }
 
@@ -37,8 +38,14 @@ Bytes Conversation::pack(const Sample& sample) noexcept {
   auto& samples = batch_.samples;
   std::copy_backward(samples.begin(), samples.begin() + kept_ - 1, samples.begin() + kept_);
   samples.front() = sample;
-  batch_.count = std::min(batch_.count + 1, kept_);
+  batch_.count = std::min(batch_.count + 1, carried_);
   return encoder_.samples(session_, ++packet_number_, batch_);
+}
+
+bool Conversation::carry_fewer() noexcept {
+  if (carried_ == 1) return false;
+  --carried_;
+  return true;
 }
 
 Bytes Conversation::goodbye() noexcept {

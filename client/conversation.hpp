@@ -26,6 +26,10 @@ class Conversation {
   Bytes pack(const Sample& sample) noexcept;
   Bytes goodbye() noexcept;
 
+  /// From now on one sample less in a datagram, until the next session: the path takes no longer
+  /// ones. False when one alone is left.
+  bool carry_fewer() noexcept;
+
   /// Reads a datagram, all checks of PROTOCOL.md in their order; what fails one is counted. Fills
   /// `reply` or `reason`, as the result says.
   Arrival take(Bytes datagram, Reply& reply, GoodbyeReason& reason) noexcept;
@@ -34,7 +38,8 @@ class Conversation {
 
  private:
   std::uint64_t session_;
-  int kept_;  // samples in a datagram
+  int kept_;     // samples in a datagram
+  int carried_;  // of these, what the path takes
   Encoder encoder_;
   SampleBatch batch_;
   std::uint64_t packet_number_ = 0;

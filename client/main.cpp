@@ -177,7 +177,8 @@ int run(const ClientOptions& options) {
   Transport transport(
       joined.datagrams, joined.accepted.session, joined.accepted.parameters.redundancy,
       device->spec().rotation_sensed > 0,
-      options.link ? std::make_unique<TwoWayLink>(*options.link, 0, kLinkRoom) : nullptr);
+      options.link ? std::make_unique<TwoWayLink>(*options.link, 0, kLinkRoom) : nullptr,
+      options.dscp);
   // From here on the server knows of us: whatever fails, it is told.
   try {
     if (const auto* task = std::get_if<HandTask>(&options.device))

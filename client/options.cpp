@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "protocol/busy_poll.hpp"
+#include "protocol/udp_socket.hpp"
 
 namespace feltwire {
 namespace {
@@ -36,7 +37,7 @@ struct Words {
   double rate = 1000.0;
   std::optional<std::array<double, 3>> center, normal;
   std::optional<double> wait_for_small_force, ramp_up, velocity_limit;
-  std::string report, record, link;
+  std::string report, record, link, dscp = "cs0";
 };
 
 std::string short_text(double value) {
@@ -107,6 +108,7 @@ void understand(const Words& words, HandTask task, ClientOptions& options) {
   }
   if (!words.report.empty()) options.report = words.report;
   if (!words.record.empty()) options.record = words.record;
+  options.dscp = dscp(words.dscp);
   if (!words.link.empty()) options.link = parse_link(words.link);
 }
 
@@ -141,6 +143,10 @@ std::variant<ClientOptions, int> parse_options(int argc, char** argv) {
                  "Try a bad network: a profile, e.g. wifi, or e.g. delay=25,jitter=5,loss=10 (see "
                  "below)");
   app.footer(link_help());
+  app.add_option("--dscp", words.dscp,
+                 "Mark of the datagrams for the network: cs0 to cs7, af11 to af43, ef, va or 0 to "
+                 "63 (the server marks its own)")
+      ->capture_default_str();
   app.add_option("--name", options.name, "What the server calls this client")
       ->capture_default_str();
 

@@ -32,6 +32,7 @@ struct ClientOptions {
   double busy_poll = 0.0;  // [us] for replies and deadlines, infinity: for ever
   double patience = 30.0;  // [s] to find a lost session again, 0: not at all
   std::optional<std::filesystem::path> report, record;
+  int dscp = 0;                           // of the datagrams
   std::optional<TwoWayLinkOptions> link;  // emulated, between this client and its socket
 };
 

@@ -21,6 +21,8 @@
 namespace feltwire {
 namespace {
 
+// Between looks for another way to a server that is silent: time for an answer by the last one.
+constexpr Nanoseconds kReroutePeriod = std::chrono::seconds(1);
 constexpr Nanoseconds kStatusPeriod = std::chrono::milliseconds(250);
 constexpr Nanoseconds kFarewell =
     std::chrono::milliseconds(100);  // for replies that are on their way
@@ -199,6 +201,10 @@ class Loop {
     SessionAddress to;
     bool fresh = false;
     while (options_.rejoined->pop(to)) fresh = transport_.resume(to);
+    if (lost_ && !fresh && now >= next_reroute_) {
+      next_reroute_ = now + kReroutePeriod;
+      if (!server_left_) transport_.reroute();
+    }
     // One that was asked for and comes late is taken too, or the server would keep it for nobody.
     if (fresh) last_heard_ = now;
     const bool answered = lost_ && !server_left_ && last_heard_ > lost_at_;
@@ -327,7 +333,7 @@ class Loop {
   Reply reply_;
   bool ticked_ = false, server_left_ = false;
   bool lost_ = false;
-  Nanoseconds lost_at_{0};
+  Nanoseconds lost_at_{0}, next_reroute_{0};
   EndReason lost_by_ = EndReason::server_silent;
   Nanoseconds first_tick_{0}, last_tick_{0}, last_heard_, next_status_;
 };

@@ -7,15 +7,17 @@
 #include <string>
 #include <utility>
 
+#include "protocol/udp_socket.hpp"
+
 namespace feltwire {
 
 Transport::Transport(const Address& server, std::uint64_t session, int redundancy, bool rotation,
-                     std::unique_ptr<TwoWayLink> link)
-    : conversation_(session, redundancy, rotation), link_(std::move(link)) {
+                     std::unique_ptr<TwoWayLink> link, int dscp)
+    : server_(server), conversation_(session, redundancy, rotation), link_(std::move(link)) {
   socket_ = ::socket(server.storage.ss_family, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
   // Connected: only the server's datagrams are let in, and a closed port is noticed.
-  if (socket_ < 0 ||
-      ::connect(socket_, reinterpret_cast<const sockaddr*>(&server.storage), server.size) != 0) {
+  if (socket_ < 0 || !forbid_fragments(socket_) || (dscp != 0 && !set_dscp(socket_, dscp)) ||
+      !connect_to(server)) {
     const std::string reason = std::strerror(errno);
     if (socket_ >= 0) ::close(socket_);
     throw SessionError("cannot open a UDP socket to the scene: " + reason);
@@ -24,20 +26,41 @@ Transport::Transport(const Address& server, std::uint64_t session, int redundanc
 
 Transport::~Transport() { ::close(socket_); }
 
+bool Transport::connect_to(const Address& server) noexcept {
+  return ::connect(socket_, reinterpret_cast<const sockaddr*>(&server.storage), server.size) == 0;
+}
+
 bool Transport::resume(const SessionAddress& to) noexcept {
-  if (::connect(socket_, reinterpret_cast<const sockaddr*>(&to.server.storage), to.server.size) !=
-      0)
-    return false;
+  if (!connect_to(to.server)) return false;
+  server_ = to.server;
   conversation_.resume(to.session);
   return true;
+}
+
+bool Transport::reroute() noexcept {
+  ++statistics_.rerouted;
+  // A socket keeps the address of its first connection until it is dissolved (connect(2)).
+  const sockaddr dissolved{.sa_family = AF_UNSPEC, .sa_data = {}};
+  ::connect(socket_, &dissolved, sizeof dissolved);
+  return connect_to(server_);
 }
 
 void Transport::transmit(Bytes datagram) noexcept {
   if (::send(socket_, datagram.data(), datagram.size(), MSG_NOSIGNAL) >= 0) {
     ++statistics_.sent;
-  } else {
-    ++statistics_.send_failed;
+    return;
   }
+  ++statistics_.send_failed;
+  if (errno == EMSGSIZE) return shorten();
+  // These pass; any other says that there is no way from here.
+  const bool passes = errno == EAGAIN || errno == EWOULDBLOCK || errno == ENOBUFS ||
+                      errno == ECONNREFUSED || errno == EINTR;
+  if (!passes) reroute();
+}
+
+void Transport::shorten() noexcept {
+  ++statistics_.too_long;
+  conversation_.carry_fewer();
 }
 
 void Transport::send(const Sample& sample) noexcept {
@@ -63,15 +86,16 @@ void Transport::pass(Nanoseconds now) noexcept {
 
 /// The next datagram that the socket has.
 std::optional<Bytes> Transport::take() noexcept {
-  // The refusal of an earlier datagram (the server's port is closed) comes back here, once; an
-  // interruption likewise.
+  // What became of an earlier datagram (the server's port is closed, it was too long on the way)
+  // comes back here, once; an interruption likewise.
   for (int tries = 0; tries < kBurst; ++tries) {
     const ssize_t size = ::recv(socket_, buffer_.data(), buffer_.size(), 0);
     if (size >= 0) {
       ++statistics_.received;
       return Bytes(buffer_.data(), static_cast<std::size_t>(size));
     }
-    if (errno != ECONNREFUSED && errno != EINTR) break;
+    if (errno == EAGAIN || errno == EWOULDBLOCK) break;
+    if (errno == EMSGSIZE) shorten();
   }
   return std::nullopt;
 }

@@ -16,6 +16,8 @@ namespace feltwire {
 struct TransportStatistics {
   std::uint64_t sent = 0;         // datagrams that the system took
   std::uint64_t send_failed = 0;  // the system took none: buffer full, peer's port closed, no route
+  std::uint64_t too_long = 0;     // longer than the path to the server takes
+  std::uint64_t rerouted = 0;     // times that another way to the server was looked for
   std::uint64_t received = 0;     // datagrams, before any check
   std::array<std::uint64_t, kDropReasons> dropped{};
 };
@@ -32,17 +34,24 @@ class Transport {
 
   /// Opens a UDP socket to the session's scene. `redundancy` is k; `rotation`: orientation and
   /// torque travel too. With a `link` every sample and reply goes through it, and the caller must
-  /// pass() the time. Throws SessionError.
+  /// pass() the time. Datagrams are marked with `dscp` (protocol/udp_socket.hpp) and never cut into
+  /// fragments: where the path takes no datagrams as long, they carry fewer samples. Throws
+  /// SessionError.
   Transport(const Address& server, std::uint64_t session, int redundancy, bool rotation,
-            std::unique_ptr<TwoWayLink> link = nullptr);
+            std::unique_ptr<TwoWayLink> link = nullptr, int dscp = 0);
   ~Transport();
   Transport(const Transport&) = delete;
   Transport& operator=(const Transport&) = delete;
 
-  /// Goes on with another session, of the same address family, from the same socket: numbers
+  /// Goes on with another session, of the same address family, through the same socket: numbers
   /// begin anew, what was on its way is no longer listened to. False when the system has no way
   /// there; then the old session stays.
   bool resume(const SessionAddress& to) noexcept;
+
+  /// Has the system choose anew by which of its addresses the server is reached: the one at first
+  /// may be gone (another network, another cell). The port changes too; the server follows. Done by
+  /// itself where sending fails for want of a way. False when there is none now.
+  bool reroute() noexcept;
 
   /// To wait for replies on.
   int descriptor() const { return socket_; }
@@ -79,9 +88,13 @@ class Transport {
  private:
   void transmit(Bytes datagram) noexcept;
   void transmit_due() noexcept;
+  void shorten() noexcept;
   std::optional<Bytes> take() noexcept;
 
+  bool connect_to(const Address& server) noexcept;
+
   int socket_ = -1;
+  Address server_;
   Conversation conversation_;
   std::array<std::uint8_t, kMaxDatagram + 1> buffer_;  // one more: what is too long shows
   TransportStatistics statistics_;

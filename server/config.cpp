@@ -11,6 +11,7 @@
 #include "protocol/busy_poll.hpp"
 #include "protocol/control.hpp"
 #include "protocol/profiles.hpp"
+#include "protocol/udp_socket.hpp"
 #include "server/server_config_generated.h"
 #include "server/server_config_text.hpp"
 
@@ -48,8 +49,8 @@ std::optional<Complaint> complaint(const ServerConfig& c) {
   if (bad_address)
     return Complaint{"address", "--address",
                      "'" + c.address +
-                         "' is no IP address; 127.0.0.1 serves this machine, 0.0.0.0 "
-                         "every network"};
+                         "' is no IP address; 127.0.0.1 serves this machine, :: "
+                         "every network, 0.0.0.0 those of IPv4"};
   // Each scene has a port of its own behind the control port.
   if (c.port < 0 || c.port + (c.port == 0 ? 0 : scenes) > kLastPort)
     return Complaint{"port", "--port",
@@ -76,6 +77,11 @@ std::optional<Complaint> complaint(const ServerConfig& c) {
         std::to_string(c.busy_poll) +
             " us is not within 0 to 1000000 us; a thread that never sleeps is inf, in a "
             "file -1"};
+  try {
+    dscp(c.dscp);
+  } catch (const std::invalid_argument& wrong) {
+    return Complaint{"dscp", "--dscp", wrong.what()};
+  }
   if (std::find(kLogLevels.begin(), kLogLevels.end(), c.log_level) == kLogLevels.end())
     return Complaint{"log_level", "--log-level", "'" + c.log_level + "' is none of " + choices()};
   return std::nullopt;
@@ -107,6 +113,7 @@ ServerConfig parse_config(std::string_view json, const std::filesystem::path& fi
   if (root->profile() != nullptr) config.profile = root->profile()->str();
   // JSON has no infinity.
   config.busy_poll = root->busy_poll() == kNeverSleeps ? HUGE_VAL : root->busy_poll();
+  if (root->dscp() != nullptr) config.dscp = root->dscp()->str();
   if (root->log_level() != nullptr) config.log_level = root->log_level()->str();
   if (const auto wrong = complaint(config)) document.fail(wrong->field, wrong->message);
   return config;

@@ -137,6 +137,7 @@ ControlEndpoint::ControlEndpoint(asio::io_context& io, const ControlOptions& opt
     // Connections of a server that ended a moment ago must not keep the port; a living one still
     // does.
     acceptor_.set_option(tcp::acceptor::reuse_address(true));
+    serve_both_families(acceptor_, options.address);
     acceptor_.bind(endpoint);
     acceptor_.listen();
     port_ = acceptor_.local_endpoint().port();
@@ -160,6 +161,9 @@ void ControlEndpoint::accept() {
       });
       return;
     }
+    // A refusal stays open until it was read, so there is an end to refusals too: beyond it the
+    // socket is dropped, and so closed.
+    if (connections_.size() >= 2 * options_.max_connections) return accept();
     auto connection = std::make_shared<Connection>(*this, std::move(socket));
     const bool full = connections_.size() >= options_.max_connections;
     connections_.insert(connection);

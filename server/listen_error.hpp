@@ -1,12 +1,19 @@
 #pragma once
 
 #include <asio/ip/address.hpp>
+#include <asio/ip/v6_only.hpp>
 #include <cerrno>
 #include <stdexcept>
 #include <string>
 #include <system_error>
 
 namespace feltwire {
+
+/// Has a socket on :: (every network) take IPv4 too, whatever the system's own choice is.
+template <class Socket>
+void serve_both_families(Socket& socket, const asio::ip::address& address) {
+  if (address.is_v6() && address.is_unspecified()) socket.set_option(asio::ip::v6_only(false));
+}
 
 /// One line for whoever started the server on a port that cannot be had.
 inline std::runtime_error listen_error(const char* transport, const asio::ip::address& address,

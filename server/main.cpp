@@ -18,7 +18,7 @@ constexpr const char* kExamples = R"(
 Examples:
   feltwire-server --scene scenes/wall.json
       one scene for clients on this machine: control on tcp 7400, the scene on udp 7401
-  feltwire-server --scene a.json --scene b.json --address 0.0.0.0 --port 9000
+  feltwire-server --scene a.json --scene b.json --address :: --port 9000
       two scenes for every network this machine is in (nobody is authenticated: trusted networks
       only); open tcp 9000 and udp 9001 and 9002
   feltwire-server --config server.json --log-level debug
@@ -50,7 +50,8 @@ feltwire::ServerConfig configuration(int argc, char** argv) {
                                     "0: chosen by the system")
                          ->capture_default_str();
   const auto* address =
-      app.add_option("--address", given.address, "IP address to listen on; 0.0.0.0: all")
+      app.add_option("--address", given.address,
+                     "IP address to listen on; every network: '::', with IPv4 alone: 0.0.0.0")
           ->capture_default_str();
   const auto* silence = app.add_option("--silence-timeout", given.silence_timeout,
                                        "[s] a session that sends nothing for so long ends")
@@ -64,6 +65,10 @@ feltwire::ServerConfig configuration(int argc, char** argv) {
                      "[us] a scene's thread asks for datagrams busily before it sleeps: faster "
                      "answers for CPU time; inf: it never sleeps and takes a core")
           ->capture_default_str();
+  const auto* dscp = app.add_option("--dscp", given.dscp,
+                                    "Mark of the replies for the network: cs0 to cs7, af11 to "
+                                    "af43, ef, va or 0 to 63")
+                         ->capture_default_str();
   const auto* level =
       app.add_option("--log-level", given.log_level, "trace, debug, info, warning, error or off")
           ->capture_default_str();
@@ -82,6 +87,7 @@ feltwire::ServerConfig configuration(int argc, char** argv) {
   if (!silence->empty()) config.silence_timeout = given.silence_timeout;
   if (!profile->empty()) config.profile = given.profile;
   if (!busy->empty()) config.busy_poll = given.busy_poll;
+  if (!dscp->empty()) config.dscp = given.dscp;
   if (!level->empty()) config.log_level = given.log_level;
   return config;
 }

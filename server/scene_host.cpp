@@ -5,6 +5,7 @@
 #include <chrono>
 #include <stdexcept>
 
+#include "protocol/udp_socket.hpp"
 #include "server/listen_error.hpp"
 
 namespace feltwire {
@@ -71,7 +72,11 @@ SceneHost::SceneHost(Scene scene, const SceneHostOptions& options)
   const asio::ip::udp::endpoint endpoint(options.address, options.port);
   try {
     socket_.open(endpoint.protocol());
+    serve_both_families(socket_, options.address);
     socket_.bind(endpoint);
+    const int descriptor = socket_.native_handle();
+    if (!forbid_fragments(descriptor) || (options.dscp != 0 && !set_dscp(descriptor, options.dscp)))
+      throw std::system_error(errno, std::generic_category());
     socket_.set_option(asio::socket_base::receive_buffer_size(kSocketBuffer));
     socket_.non_blocking(true);
     port_ = socket_.local_endpoint().port();

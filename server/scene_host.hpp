@@ -23,6 +23,7 @@ struct SceneHostOptions {
   /// How long the thread asks for datagrams again and again, after the last one, before it sleeps
   /// until the next; 0: not at all, kForever: it never sleeps, and its core does nothing else.
   Nanoseconds busy_poll{0};
+  int dscp = 0;  // of the replies (protocol/udp_socket.hpp)
 };
 
 /// What a scene's host did, for the summary.

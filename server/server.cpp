@@ -10,6 +10,7 @@
 #include <stdexcept>
 #include <thread>
 
+#include "protocol/udp_socket.hpp"
 #include "server/control.hpp"
 
 namespace feltwire {
@@ -74,6 +75,7 @@ struct Server::Parts {
     options.address = address;
     options.silence_timeout = Nanoseconds(std::llround(config.silence_timeout * 1e9));
     if (!config.profile.empty()) options.line = &network_profile(config.profile);
+    options.dscp = dscp(config.dscp);
     options.max_sessions = static_cast<std::size_t>(config.max_sessions_per_scene);
     options.busy_poll = busy_poll_time(config.busy_poll);
     warn_of_spinning(options.busy_poll, scenes.size());

@@ -20,7 +20,8 @@ TEST(Config, EveryFieldIsRead) {
   const ServerConfig config = parse_config(R"({
     "scenes": ["a.json", "/abs/b.json"],
     "address": "0.0.0.0", "port": 9000, "silence_timeout": 1.5,
-    "max_sessions_per_scene": 3, "profile": "thin", "busy_poll": 50, "log_level": "debug"
+    "max_sessions_per_scene": 3, "profile": "thin", "busy_poll": 50, "log_level": "debug",
+    "dscp": "af41"
   })",
                                            "/etc/feltwire/server.json");
   ASSERT_EQ(config.scenes.size(), 2u);
@@ -33,6 +34,7 @@ TEST(Config, EveryFieldIsRead) {
   EXPECT_EQ(config.profile, "thin");
   EXPECT_EQ(config.busy_poll, 50.0);
   EXPECT_EQ(config.log_level, "debug");
+  EXPECT_EQ(config.dscp, "af41");
   EXPECT_NO_THROW(validate(config));
 }
 
@@ -46,6 +48,7 @@ TEST(Config, WhatIsLeftOutKeepsItsDefault) {
   EXPECT_EQ(read.profile, made.profile);
   EXPECT_EQ(read.busy_poll, 0.0);
   EXPECT_EQ(read.log_level, made.log_level);
+  EXPECT_EQ(read.dscp, made.dscp);
 }
 
 TEST(Config, ABusyPollMayBeForEver) {
@@ -64,6 +67,7 @@ TEST(Config, FaultsNameFileLineAndField) {
       {"{\n\"busy_poll\": -2}", "busy_poll"},
       {"{\n\"busy_poll\": 1e7}", "busy_poll"},
       {"{\n\"log_level\": \"loud\"}", "log_level"},
+      {"{\n\"dscp\": \"best\"}", "dscp"},
       {"{\n\"address\": \"localhost:80\"}", "address"},
       {"{\n\"scenes\": [\"\"]}", "scenes"},
       {"{\n\"prot\": 7400}", "prot"},
@@ -88,6 +92,7 @@ TEST(Config, OptionsAreNamedAsOnTheCommandLine) {
       {"--port", [](auto& c) { c.port = 65535; }},  // no port is left for the scene
       {"--address", [](auto& c) { c.address = "nowhere"; }},
       {"--silence-timeout", [](auto& c) { c.silence_timeout = 1e9; }},
+      {"--dscp", [](auto& c) { c.dscp = "64"; }},
       {"--log-level", [](auto& c) { c.log_level = ""; }},
   };
   for (const auto& [option, spoil] : faults) {

@@ -1,93 +1,19 @@
 // A whole server in process, real sockets on ports that the system chooses.
 
-#include <arpa/inet.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <poll.h>
-#include <sys/socket.h>
-#include <unistd.h>
 
-#include <cstring>
-#include <optional>
 #include <stdexcept>
 
 #include "server/server.hpp"
 #include "tests/server/make.hpp"
+#include "tests/server/raw_socket.hpp"
 
 namespace feltwire {
 namespace {
 
-constexpr int kPatience =
-    20'000;  // [ms] how long a test waits before it gives up; never waited out
-
-/// A plain blocking socket to the server.
-class RawSocket {
- public:
-  RawSocket(int type, std::uint16_t port) : file_(::socket(AF_INET, type, 0)) {
-    sockaddr_in address{};
-    address.sin_family = AF_INET;
-    address.sin_port = htons(port);
-    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    if (::connect(file_, reinterpret_cast<sockaddr*>(&address), sizeof address) != 0)
-      throw std::runtime_error("cannot connect");
-  }
-  ~RawSocket() { ::close(file_); }
-  RawSocket(const RawSocket&) = delete;
-  RawSocket& operator=(const RawSocket&) = delete;
-
-  void send(Bytes bytes) { ::send(file_, bytes.data(), bytes.size(), MSG_NOSIGNAL); }
-
-  /// What comes next, up to `most` bytes; empty when the other side closed or nothing came.
-  std::vector<std::uint8_t> receive(std::size_t most = 2048) {
-    pollfd waiting{file_, POLLIN, 0};
-    if (::poll(&waiting, 1, kPatience) != 1) return {};
-    std::vector<std::uint8_t> bytes(most);
-    const auto size = ::recv(file_, bytes.data(), most, 0);
-    bytes.resize(size > 0 ? static_cast<std::size_t>(size) : 0);
-    return bytes;
-  }
-
- private:
-  int file_;
-};
-
-/// The control connection of a client.
-class ControlClient {
- public:
-  explicit ControlClient(std::uint16_t port) : socket_(SOCK_STREAM, port) {}
-
-  void send(const control::Message& message) { socket_.send(control::encode(message)); }
-  void send_raw(Bytes bytes) { socket_.send(bytes); }
-
-  std::optional<control::Message> receive() {
-    const auto length = exactly(control::kFrameLengthSize);
-    if (length.empty()) return std::nullopt;
-    const auto body = exactly(control::frame_length(
-        std::span<const std::uint8_t, control::kFrameLengthSize>(length.data(), 4)));
-    return control::decode(body);
-  }
-  template <class Answer>
-  Answer ask(const control::Message& message) {
-    send(message);
-    const auto answer = receive();
-    if (!answer || !std::holds_alternative<Answer>(*answer))
-      throw std::runtime_error("another answer than expected");
-    return std::get<Answer>(*answer);
-  }
-  bool closed() { return socket_.receive().empty(); }
-
- private:
-  std::vector<std::uint8_t> exactly(std::size_t size) {
-    std::vector<std::uint8_t> bytes;
-    while (bytes.size() < size) {
-      const auto more = socket_.receive(size - bytes.size());
-      if (more.empty()) return {};
-      bytes.insert(bytes.end(), more.begin(), more.end());
-    }
-    return bytes;
-  }
-  RawSocket socket_;
-};
+using test::ControlClient;
+using test::RawSocket;
 
 /// The UDP side of a client.
 struct DatagramClient {

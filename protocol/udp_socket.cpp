@@ -1,0 +1,73 @@
+#include "protocol/udp_socket.hpp"
+
+#include <netinet/in.h>
+#include <sys/socket.h>
+
+#include <array>
+#include <charconv>
+#include <stdexcept>
+#include <utility>
+
+namespace feltwire {
+namespace {
+
+constexpr std::array<std::pair<std::string_view, int>, 22> kCodePoints = {{
+    {"cs0", 0},   {"cs1", 8},   {"cs2", 16},  {"cs3", 24},  {"cs4", 32},  {"cs5", 40},
+    {"cs6", 48},  {"cs7", 56},  {"af11", 10}, {"af12", 12}, {"af13", 14}, {"af21", 18},
+    {"af22", 20}, {"af23", 22}, {"af31", 26}, {"af32", 28}, {"af33", 30}, {"af41", 34},
+    {"af42", 36}, {"af43", 38}, {"ef", 46},   {"va", 44},
+}};
+// The code point stands above the two bits of congestion notification.
+constexpr int kEcnBits = 2;
+
+bool set(int descriptor, int level, int option, int value) noexcept {
+  return ::setsockopt(descriptor, level, option, &value, sizeof value) == 0;
+}
+
+int family(int descriptor) noexcept {
+  int value = AF_UNSPEC;
+  socklen_t size = sizeof value;
+  ::getsockopt(descriptor, SOL_SOCKET, SO_DOMAIN, &value, &size);
+  return value;
+}
+
+}  // namespace
+
+int dscp(std::string_view text) {
+  for (const auto& [name, value] : kCodePoints)
+    if (text == name) return value;
+  int number = -1;
+  const auto [rest, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (error == std::errc() && rest == text.data() + text.size() && number >= 0 &&
+      number <= kMaxDscp)
+    return number;
+  throw std::invalid_argument("'" + std::string(text) +
+                              "' is no DSCP; use cs0 to cs7, af11 to af43, ef, va or a number "
+                              "from 0 to 63");
+}
+
+bool set_dscp(int descriptor, int dscp) noexcept {
+  const int field = dscp << kEcnBits;
+  // An IPv6 socket may carry IPv4 too.
+  const bool six = family(descriptor) == AF_INET6;
+  if (six && !set(descriptor, IPPROTO_IPV6, IPV6_TCLASS, field)) return false;
+  return set(descriptor, IPPROTO_IP, IP_TOS, field) || six;
+}
+
+std::optional<int> get_dscp(int descriptor) noexcept {
+  int field = 0;
+  socklen_t size = sizeof field;
+  const bool six = family(descriptor) == AF_INET6;
+  const int got = six ? ::getsockopt(descriptor, IPPROTO_IPV6, IPV6_TCLASS, &field, &size)
+                      : ::getsockopt(descriptor, IPPROTO_IP, IP_TOS, &field, &size);
+  if (got != 0) return std::nullopt;
+  return field >> kEcnBits;
+}
+
+bool forbid_fragments(int descriptor) noexcept {
+  const bool six = family(descriptor) == AF_INET6;
+  if (six && !set(descriptor, IPPROTO_IPV6, IPV6_MTU_DISCOVER, IPV6_PMTUDISC_DO)) return false;
+  return set(descriptor, IPPROTO_IP, IP_MTU_DISCOVER, IP_PMTUDISC_DO) || six;
+}
+
+}  // namespace feltwire
