@@ -302,6 +302,7 @@ class Loop {
     next_status_ = now + kStatusPeriod;
     if (outputs_.status == nullptr) return;
     const ServoStatistics& s = servo_.statistics();
+    const ClockEstimate& clock = servo_.server_clock();
     const std::uint64_t newest = servo_.newest_reply().sample_index;
     outputs_.status->push(
         {.time = seconds(now - first_tick_),
@@ -309,6 +310,11 @@ class Loop {
          .lost = newest - std::min(newest, s.answered),
          .round_trip_p50 = s.round_trip.quantile(0.5),
          .round_trip_p99 = s.round_trip.quantile(0.99),
+         .clock_known = clock.known(),
+         .delay_up = clock.delay_up(),
+         .delay_down = clock.delay_down(),
+         .jitter_up = clock.jitter_up(),
+         .jitter_down = clock.jitter_down(),
          .force = length(servo_.held().force()),
          .energy = servo_.port().delivered().total(),
          .answered_lately =

@@ -57,6 +57,9 @@ struct LiveStatus {
   std::uint64_t samples = 0;
   std::uint64_t lost = 0;                             // up to the newest answered one, for now
   double round_trip_p50 = 0.0, round_trip_p99 = 0.0;  // [ns]
+  bool clock_known = false;                           // else the four below say nothing
+  double delay_up = 0.0, delay_down = 0.0;            // [s] one way, of the last exchange
+  double jitter_up = 0.0, jitter_down = 0.0;          // [s] their mean variation
   double force = 0.0;                                 // [N] held now
   double energy = 0.0;                                // [J] delivered to the hand so far
   bool answered_lately = false;                       // the command in use is not fading

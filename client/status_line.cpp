@@ -2,28 +2,60 @@
 
 #include <unistd.h>
 
+#include <algorithm>
+#include <array>
 #include <cstdio>
 
 namespace feltwire {
+namespace {
+
+constexpr double kNanosecondsInUs = 1e-3, kSecondsInUs = 1e6;
+constexpr std::size_t kLongest = 256;  // characters; longer lines are cut
+
+std::string one_way(const char* way, double delay, double jitter, bool known) {
+  std::array<char, kLongest> part{};
+  if (!known) return std::string(way) + " -";
+  std::snprintf(part.data(), part.size(), "%s %.0f+-%.0f", way, kSecondsInUs * delay,
+                kSecondsInUs * jitter);
+  return part.data();
+}
+
+/// [%] of the samples between the two that were lost; late answers may make it too much for a
+/// while.
+double loss(const LiveStatus& status, const LiveStatus& before) {
+  constexpr double kPercent = 100.0;
+  const double samples = static_cast<double>(status.samples - before.samples);
+  const double lost = static_cast<double>(status.lost - std::min(status.lost, before.lost));
+  return samples > 0.0 ? kPercent * std::min(lost / samples, 1.0) : 0.0;
+}
+
+}  // namespace
+
+std::string text(const LiveStatus& s, const LiveStatus& before) {
+  const double elapsed = s.time - before.time;
+  const double rate =
+      elapsed > 0.0 ? static_cast<double>(s.samples - before.samples) / elapsed : 0.0;
+  const std::string up = one_way("up", s.delay_up, s.jitter_up, s.clock_known);
+  const std::string down = one_way("down", s.delay_down, s.jitter_down, s.clock_known);
+  std::array<char, kLongest> line{};
+  std::snprintf(line.data(), line.size(),
+                "%7.1f s %5.0f Hz  round trip %.0f/%.0f  %s  %s us  lost %.1f %%  force %5.2f N  "
+                "energy %+.4f J%s",
+                s.time, rate, kNanosecondsInUs * s.round_trip_p50,
+                kNanosecondsInUs * s.round_trip_p99, up.c_str(), down.c_str(), loss(s, before),
+                s.force, s.energy,
+                !s.connected        ? "  reconnecting"
+                : s.answered_lately ? ""
+                                    : "  no answer");
+  return line.data();
+}
 
 StatusLine::StatusLine() : terminal_(::isatty(STDERR_FILENO) == 1) {}
 
 void StatusLine::show(const LiveStatus& status) {
   constexpr double kEvery = 1.0;  // [s] where lines pile up
   if (!terminal_ && shown_ >= 0.0 && status.time - shown_ < kEvery) return;
-  const double elapsed = status.time - before_.time;
-  const double rate =
-      elapsed > 0.0 ? static_cast<double>(status.samples - before_.samples) / elapsed : 0.0;
-  const double us = 1e-3;
-  std::fprintf(stderr,
-               "%s%8.1f s %7.0f Hz   round trip %4.0f / %4.0f us   force %6.2f N   lost %llu   "
-               "energy %+.4f J%s%s",
-               terminal_ ? "\r" : "", status.time, rate, us * status.round_trip_p50,
-               us * status.round_trip_p99, status.force,
-               static_cast<unsigned long long>(status.lost), status.energy,
-               !status.connected        ? "   reconnecting"
-               : status.answered_lately ? ""
-                                        : "   no answer",
+  std::fprintf(stderr, "%s%s%s", terminal_ ? "\r" : "", text(status, before_).c_str(),
                terminal_ ? "\x1b[K" : "\n");
   std::fflush(stderr);
   open_ = terminal_;

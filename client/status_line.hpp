@@ -1,8 +1,15 @@
 #pragma once
 
+#include <string>
+
 #include "client/servo_loop.hpp"
 
 namespace feltwire {
+
+/// The line, without what moves a cursor. Round trip: median and 99th percentile of the run; up and
+/// down: of the last exchange, with its mean variation (client/clock_estimate.hpp), - before the
+/// first; rate and loss: since `before`.
+std::string text(const LiveStatus& status, const LiveStatus& before);
 
 /// One line about a run on standard error: rewritten in place on a terminal, one line a second
 /// elsewhere.

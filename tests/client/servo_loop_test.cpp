@@ -82,6 +82,24 @@ struct LoopRun {
   }
 };
 
+/// From row to row the force falls no faster than from 3 N to nothing in half the hold time.
+void expect_no_step_down(Ring<TickRecord>& records) {
+  const double fastest = 3.0 / (0.5 * SessionParameters{}.hold_time);  // [N/s]
+  TickRecord row, before;
+  bool first = true;
+  double most = 0.0;
+  while (records.pop(row)) {
+    if (!first) {
+      EXPECT_GE(row.held.z(), before.held.z() - fastest * (row.time - before.time) - 1e-9);
+    }
+    first = false;
+    before = row;
+    most = std::max(most, row.held.z());
+  }
+  EXPECT_EQ(most, 3.0);
+  EXPECT_EQ(before.held.z(), 0.0);
+}
+
 TEST(ServoLoop, EndsWithItsDurationAndLetsTheHandGo) {
   LoopRun run({.duration = std::chrono::milliseconds(60)});
   const Sample last = run.answer_until_goodbye([&](const Sample& s) { run.push_back(s); });
@@ -130,6 +148,7 @@ TEST(ServoLoop, EndsWhenAsked) {
   run.thread.join();
   EXPECT_EQ(run.result->end, EndReason::requested);
   EXPECT_EQ(run.device.last.force(), Vec3::Zero());
+  expect_no_step_down(run.records);
 }
 
 TEST(ServoLoop, EndsWithTheServersGoodbye) {
@@ -143,6 +162,42 @@ TEST(ServoLoop, EndsWithTheServersGoodbye) {
   EXPECT_EQ(run.result->end, EndReason::server_goodbye);
   EXPECT_EQ(run.result->goodbye, GoodbyeReason::shutting_down);
   EXPECT_EQ(run.device.last.force(), Vec3::Zero());
+  expect_no_step_down(run.records);
+}
+
+/// A device that says it holds something whatever it is told is not waited for.
+TEST(ServoLoop, EndsWithADeviceThatDoesNotLetGo) {
+  class Stuck final : public Device {
+   public:
+    const DeviceSpec& spec() const override { return spec_; }
+    DeviceReading read(Nanoseconds) noexcept override { return {}; }
+    Command write(const Command&) noexcept override { return {.elastic = Vec3(0, 0, 1)}; }
+
+   private:
+    DeviceSpec spec_ = builtin_device("simulated");
+  } device;
+  const ScenePeer peer;
+  Transport transport(peer.address(), ScenePeer::kSession, 0, false);
+  Servo servo(device.spec(), {});
+  Event stop;
+  stop.set();
+  const auto result = std::make_unique<LoopResult>();
+  run_servo_loop(device, servo, transport, {}, stop, {}, *result);
+  EXPECT_EQ(result->end, EndReason::requested);
+}
+
+/// Replies to samples that nobody sent are no sign that the server is there.
+TEST(ServoLoop, RepliesToSamplesNeverSentAreSilence) {
+  LoopRun run({.silence_timeout = std::chrono::milliseconds(40)});
+  run.answer_until_goodbye([&](const Sample& s) {
+    Sample never = s;
+    never.index += 1'000'000;
+    run.push_back(never);
+  });
+  run.thread.join();
+  EXPECT_EQ(run.result->end, EndReason::server_silent);
+  EXPECT_GT(run.servo.statistics().replies_refused, 0u);
+  EXPECT_EQ(run.device.largest, 0.0);
 }
 
 TEST(ServoLoop, EndsWhenTheServerFallsSilent) {

@@ -1,7 +1,12 @@
 #include "client/transport.hpp"
 
 #include <gtest/gtest.h>
+#include <net/if.h>
+#include <sched.h>
+#include <sys/ioctl.h>
+#include <sys/wait.h>
 
+#include "protocol/udp_socket.hpp"
 #include "tests/client/peer.hpp"
 
 namespace feltwire {
@@ -156,6 +161,99 @@ TEST(Transport, GoodbyeIsSaidThreeTimes) {
     EXPECT_EQ(received.reason, GoodbyeReason::leaving);
     EXPECT_EQ(received.header.packet_number, 2 + i);
   }
+}
+
+TEST(Transport, FromAnotherPortTheConversationGoesOn) {
+  Link link;
+  const auto port = [&] {
+    sockaddr_in own{};
+    socklen_t size = sizeof own;
+    EXPECT_EQ(::getsockname(link.transport.descriptor(), reinterpret_cast<sockaddr*>(&own), &size),
+              0);
+    return own.sin_port;
+  };
+  const auto before = port();
+  EXPECT_TRUE(link.transport.reroute());
+  EXPECT_NE(port(), before);
+  link.transport.send(sample(2));
+  EXPECT_EQ(link.peer.receive().header.packet_number, 2u);
+  link.peer.send(ScenePeer::reply_to(sample(2)));
+  EXPECT_EQ(link.receive(), Arrival::reply);
+  EXPECT_EQ(link.transport.statistics().rerouted, 1u);
+}
+
+/// Nobody reads for a while: what has no room is lost, what was kept is taken in portions, and then
+/// the newest is there.
+TEST(Transport, WhatPiledUpUnreadIsTakenOrLost) {
+  Link link;
+  constexpr std::uint64_t kPile = 5000;
+  for (std::uint64_t n = 0; n < kPile; ++n) link.peer.send(ScenePeer::reply_to(sample(1)));
+  std::uint64_t taken = 0;
+  while (link.receive() == Arrival::reply) ++taken;
+  EXPECT_GT(taken, 0u);
+  EXPECT_LT(taken, kPile);
+  link.peer.send(ScenePeer::reply_to(sample(7)));
+  EXPECT_EQ(link.receive(), Arrival::reply);
+  EXPECT_EQ(link.reply.sample_index, 7u);
+}
+
+TEST(Transport, DatagramsAreMarkedAndNeverCut) {
+  const ScenePeer peer;
+  for (const int mark : {0, 46, 40}) {
+    const Transport transport(peer.address(), ScenePeer::kSession, 3, false, nullptr, mark);
+    EXPECT_EQ(get_dscp(transport.descriptor()), mark);
+    int discover = -1;
+    socklen_t size = sizeof discover;
+    ::getsockopt(transport.descriptor(), IPPROTO_IP, IP_MTU_DISCOVER, &discover, &size);
+    EXPECT_EQ(discover, IP_PMTUDISC_DO);
+  }
+}
+
+constexpr int kNotPermitted = 77;
+
+/// In a network of its own, whose only line takes 600 bytes. What it comes to is the exit status.
+int send_through_a_narrow_path() {
+  if (::unshare(CLONE_NEWUSER | CLONE_NEWNET) != 0) return kNotPermitted;
+  const int any = ::socket(AF_INET, SOCK_DGRAM, 0);
+  ifreq line{};
+  std::strcpy(line.ifr_name, "lo");
+  line.ifr_mtu = 600;
+  if (::ioctl(any, SIOCSIFMTU, &line) != 0) return kNotPermitted;
+  line.ifr_flags = IFF_UP | IFF_RUNNING;
+  if (::ioctl(any, SIOCSIFFLAGS, &line) != 0) return kNotPermitted;
+
+  ScenePeer peer;
+  Transport transport(peer.address(), ScenePeer::kSession, kMaxRedundancy, true);
+  for (std::uint64_t n = 1; n <= 40; ++n) transport.send(sample(n));
+  const TransportStatistics s = transport.statistics();
+  if (s.too_long == 0 || s.too_long != s.send_failed || s.rerouted != 0) return 1;
+  if (s.sent + s.send_failed != 40) return 2;
+  int count = 0;
+  std::uint64_t newest = 0;
+  for (std::uint64_t n = 0; n < s.sent; ++n) {
+    const auto received = peer.receive();
+    if (received.kind != DatagramKind::samples) return 3;
+    count = received.batch.count;
+    newest = received.batch.samples[0].index;
+  }
+  // As many as fit: fewer than asked for, more than none.
+  if (newest != 40 || count < 2 || count > kMaxRedundancy) return 4;
+  // Another session finds out for itself.
+  transport.resume({peer.address(), ScenePeer::kSession});
+  for (std::uint64_t n = 41; n <= 60; ++n) transport.send(sample(n));
+  return transport.statistics().too_long == 2 * s.too_long ? 0 : 5;
+}
+
+TEST(Transport, WhereThePathIsNarrowDatagramsCarryFewerSamples) {
+  const pid_t child = ::fork();
+  ASSERT_GE(child, 0);
+  if (child == 0) ::_exit(send_through_a_narrow_path());
+  int status = -1;
+  ASSERT_EQ(::waitpid(child, &status, 0), child);
+  ASSERT_TRUE(WIFEXITED(status));
+  if (WEXITSTATUS(status) == kNotPermitted)
+    GTEST_SKIP() << "this machine permits no network of one's own (user namespaces)";
+  EXPECT_EQ(WEXITSTATUS(status), 0);
 }
 
 TEST(Transport, AClosedPortIsCountedNotFatal) {

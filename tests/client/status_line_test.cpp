@@ -1,0 +1,63 @@
+#include "client/status_line.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace feltwire {
+namespace {
+
+using ::testing::EndsWith;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+LiveStatus under_way() {
+  return {.time = 12.0,
+          .samples = 12'000,
+          .lost = 48,
+          .round_trip_p50 = 123'000.0,
+          .round_trip_p99 = 456'000.0,
+          .clock_known = true,
+          .delay_up = 61e-6,
+          .delay_down = 1.25e-3,
+          .jitter_up = 3e-6,
+          .jitter_down = 40e-6,
+          .force = 1.5,
+          .energy = -0.25,
+          .answered_lately = true};
+}
+
+TEST(StatusLine, SaysWhatTheNetworkDoes) {
+  LiveStatus before;
+  before.time = 11.0;
+  before.samples = 11'000;
+  before.lost = 40;
+  EXPECT_EQ(text(under_way(), before),
+            "   12.0 s  1000 Hz  round trip 123/456  up 61+-3  down 1250+-40 us  lost 0.8 %  "
+            "force  1.50 N  energy -0.2500 J");
+}
+
+TEST(StatusLine, SaysNothingOfWhatIsNotKnown) {
+  LiveStatus first;
+  EXPECT_THAT(text(first, {}), HasSubstr("up -  down - us"));
+  EXPECT_THAT(text(first, {}), HasSubstr("lost 0.0 %"));
+  EXPECT_THAT(text(first, {}), EndsWith("no answer"));
+}
+
+TEST(StatusLine, LossIsAShareOfWhatWasSentSince) {
+  LiveStatus before = under_way(), now = before;
+  now.samples += 10;
+  now.lost += 400;  // answers that were still on their way have been passed over at once
+  EXPECT_THAT(text(now, before), HasSubstr("lost 100.0 %"));
+  now.lost = before.lost - 5;  // answers came late
+  EXPECT_THAT(text(now, before), HasSubstr("lost 0.0 %"));
+}
+
+TEST(StatusLine, SaysThatTheSessionIsLost) {
+  LiveStatus status = under_way();
+  EXPECT_THAT(text(status, {}), Not(HasSubstr("answer")));
+  status.connected = false;
+  EXPECT_THAT(text(status, {}), EndsWith("  reconnecting"));
+}
+
+}  // namespace
+}  // namespace feltwire
