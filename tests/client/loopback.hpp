@@ -46,11 +46,12 @@ struct Client {
   std::thread thread;
 
   Client(const Endpoint& server, const char* rows, const SessionParameters& parameters,
-         const std::string& scene, std::unique_ptr<TwoWayLink> link = nullptr)
+         const std::string& scene, std::unique_ptr<TwoWayLink> link = nullptr,
+         const Address* by_way_of = nullptr)
       : device(recording(rows), builtin_device("simulated")),
         joined(join(server, {"tester", scene, device.spec(), parameters}, kPatience)),
-        transport(joined.datagrams, joined.accepted.session, joined.accepted.parameters.redundancy,
-                  false, std::move(link)),
+        transport(by_way_of != nullptr ? *by_way_of : joined.datagrams, joined.accepted.session,
+                  joined.accepted.parameters.redundancy, false, std::move(link)),
         servo(device.spec(), joined.accepted.parameters) {}
   ~Client() { finish(); }
 

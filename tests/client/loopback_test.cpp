@@ -3,8 +3,13 @@
 #include "tests/client/loopback.hpp"
 
 #include <gtest/gtest.h>
+#include <poll.h>
+
+#include <array>
+#include <atomic>
 
 #include "client/rejoin.hpp"
+#include "tests/client/peer.hpp"
 
 namespace feltwire {
 namespace {
@@ -91,14 +96,126 @@ TEST_F(Loopback, AServerThatStopsSaysGoodbye) {
   EXPECT_EQ(client.servo.held().force(), Vec3::Zero());
 }
 
+/// Comes in from outside again and again, for ever.
+std::string strokes() {
+  std::string rows = "t,x,y,z\n";
+  for (int n = 0; n < 4000; ++n)
+    rows += std::to_string(0.1 * n) + ",0,0," + (n % 2 == 0 ? "0.004\n" : "-0.004\n");
+  return rows;
+}
+
+/// A network address translation between client and server, which forgets its mapping when told:
+/// from then on the client comes from another port. One client, one scene.
+class Translator {
+ public:
+  explicit Translator(std::uint16_t scene_port) : scene_port_(scene_port) {
+    thread_ = std::thread([this] { run(); });
+  }
+  ~Translator() {
+    done_.set();
+    thread_.join();
+  }
+  Translator(const Translator&) = delete;
+  Translator& operator=(const Translator&) = delete;
+
+  const Address& address() const { return inside_.address(); }
+  void forget() { wanted_.fetch_add(1); }
+  /// Datagrams that came back by the way that stood after so many times of forgetting.
+  std::uint64_t answers(std::size_t mapping) const { return answers_.at(mapping).load(); }
+
+ private:
+  void run() {
+    sockaddr_in scene{};
+    scene.sin_family = AF_INET;
+    scene.sin_port = htons(scene_port_);
+    scene.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    Address client;
+    std::array<std::uint8_t, kMaxDatagram> bytes;
+    std::size_t mapping = 0;
+    auto outside = std::make_unique<testing::LocalSocket>(SOCK_DGRAM);
+    while (true) {
+      std::array<pollfd, 3> waiting{{{done_.descriptor(), POLLIN, 0},
+                                     {inside_.descriptor(), POLLIN, 0},
+                                     {outside->descriptor(), POLLIN, 0}}};
+      ::poll(waiting.data(), waiting.size(), -1);
+      if (waiting[0].revents != 0) return;
+      if (wanted_.load() != mapping) {
+        outside =
+            std::make_unique<testing::LocalSocket>(SOCK_DGRAM);  // what was on its way is lost
+        ++mapping;
+        continue;
+      }
+      if (waiting[1].revents != 0) {
+        client.size = sizeof client.storage;
+        const ssize_t size = ::recvfrom(inside_.descriptor(), bytes.data(), bytes.size(), 0,
+                                        reinterpret_cast<sockaddr*>(&client.storage), &client.size);
+        if (size > 0)
+          ::sendto(outside->descriptor(), bytes.data(), static_cast<std::size_t>(size), 0,
+                   reinterpret_cast<const sockaddr*>(&scene), sizeof scene);
+      }
+      if (waiting[2].revents != 0) {
+        const ssize_t size = ::recv(outside->descriptor(), bytes.data(), bytes.size(), 0);
+        if (size > 0 &&
+            ::sendto(inside_.descriptor(), bytes.data(), static_cast<std::size_t>(size), 0,
+                     reinterpret_cast<const sockaddr*>(&client.storage), client.size) > 0)
+          answers_[mapping].fetch_add(1);
+      }
+    }
+  }
+
+  std::uint16_t scene_port_;
+  testing::LocalSocket inside_{SOCK_DGRAM};
+  Event done_;
+  std::atomic<std::size_t> wanted_{0};
+  std::array<std::atomic<std::uint64_t>, 4> answers_{};
+  std::thread thread_;
+};
+
+// The client's address changes three times under a hand that goes on: one session, nothing lost but
+// what was on its way, and force by each of the addresses.
+TEST_F(Loopback, AClientsAddressMayChange) {
+  Translator translator(server->scenes()[0].udp_port);
+  Client client(endpoint, strokes().c_str(), {}, "floor", nullptr, &translator.address());
+  client.start();
+  for (std::size_t mapping = 0; mapping < 4; ++mapping) {
+    if (mapping > 0) translator.forget();
+    TickRecord row;
+    while (translator.answers(mapping) < 50 || row.held.z() <= 0.0)
+      if (!client.records.pop(row)) std::this_thread::yield();
+  }
+  client.stop.set();
+  client.finish();
+  EXPECT_EQ(client.result->end, EndReason::requested);
+  EXPECT_EQ(client.result->disconnections, 0u);
+  EXPECT_EQ(client.servo.port().violations(), 0u);
+  server->stop();
+  EXPECT_EQ(server->summary()[0].counters.sessions_served, 1u);
+}
+
+TEST(Ipv6, AHandFeelsOverIpv6) {
+  std::vector<Scene> scenes;
+  scenes.push_back(testing::floor_scene());
+  ServerConfig config = testing::any_ports();
+  config.address = "::1";
+  std::unique_ptr<Server> server;
+  try {
+    server = std::make_unique<Server>(config, std::move(scenes));
+  } catch (const std::runtime_error&) {
+    GTEST_SKIP() << "this machine has no IPv6";
+  }
+  Client client({"::1", server->control_port()}, kStroke, {}, "floor");
+  EXPECT_EQ(client.joined.datagrams.storage.ss_family, AF_INET6);
+  client.start();
+  client.finish();
+  EXPECT_EQ(client.result->end, EndReason::device_ended);
+  EXPECT_GT(client.servo.statistics().answered, 0u);
+  EXPECT_GT(client.servo.statistics().max_force, 0.0);
+  EXPECT_EQ(client.servo.port().violations(), 0u);
+}
+
 // The server ends; its successor stands elsewhere. The hand goes on and feels again.
 TEST_F(Loopback, AnotherServerTakesOver) {
-  // Up and down for ever: each time it comes in from outside.
-  std::string strokes = "t,x,y,z\n";
-  for (int n = 0; n < 4000; ++n) {
-    strokes += std::to_string(0.1 * n) + ",0,0," + (n % 2 == 0 ? "0.004\n" : "-0.004\n");
-  }
-  Client client(endpoint, strokes.c_str(), {}, "floor");
+  Client client(endpoint, strokes().c_str(), {}, "floor");
   Ring<SessionAddress> sessions(4);
   client.start({.silence_timeout = kPatience, .patience = kPatience, .rejoined = &sessions});
   const auto felt = [&] {
