@@ -75,20 +75,6 @@ TEST(Safety, SlewLimitsTheRiseOnlyAndFromWhatWasHeld) {
   EXPECT_FALSE(fallen.slewed);
 }
 
-TEST(Safety, BegunAnewItIsAsAtFirst) {
-  const SafetyLimits limits{.force = {.slew = 500.0, .speed = 1.0, .small = 0.1},
-                            .torque = {.small = 0.1},
-                            .ramp_up = 0.1};
-  SafetyStage used(limits), fresh(limits);
-  for (int n = 0; n < 300; ++n)
-    used.apply(step(n < 3 ? Command{} : push(5.0), Vec3(2e-3 * n / 300.0, 0, 0)));
-  used.begin_anew();
-  for (int n = 0; n < 300; ++n) {
-    const SafetyStep s = step(n > 5 && n < 9 ? Command{} : push(5.0), Vec3(1e-3, 0, 0));
-    EXPECT_EQ(used.apply(s).rendered, fresh.apply(s).rendered) << n;
-  }
-}
-
 TEST(Safety, TimeThatDoesNotPassLetsNothingRise) {
   for (const double time : {0.0, -1.0}) {
     SafetyStage stage({.force = {.slew = 500.0}, .ramp_up = 0.1});
