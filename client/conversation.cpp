@@ -1,7 +1,5 @@
 #include "client/conversation.hpp"
 
-#include <algorithm>
-
 #include "protocol/guard.hpp"
 
 namespace feltwire {
@@ -12,16 +10,18 @@ constexpr unsigned kExpected = bit(DatagramKind::reply) | bit(DatagramKind::good
 
 }  // namespace
 
-Conversation::Conversation(std::uint64_t session, int redundancy, bool rotation)
-    : session_(session), kept_(std::clamp(redundancy, 0, kMaxRedundancy) + 1), carried_(kept_) {
-  batch_.rotation = rotation;
+Conversation::Conversation(std::uint64_t session, const SessionParameters& parameters,
+                           bool rotation, const PositionScale& scale)
+    : session_(session), packer_(parameters, rotation, scale) {
   // The encoder takes its memory at the first and largest datagram of each kind: now, not in the
   // loop.
   SampleBatch largest;
   largest.rotation = rotation;
-  largest.count = kept_;
-  for (int i = 0; i < kept_; ++i)
-    largest.samples[static_cast<std::size_t>(i)].index = static_cast<std::uint64_t>(kept_ - i);
+  largest.count = parameters.batch + parameters.redundancy;
+  largest.previous = 1;
+  for (int i = 0; i < largest.count; ++i)
+    largest.samples[static_cast<std::size_t>(i)].index =
+        static_cast<std::uint64_t>(largest.count - i) + 1;
   encoder_.samples(session_, 1, largest);
   encoder_.goodbye(session_, 1, GoodbyeReason::leaving);
 }
@@ -30,22 +30,12 @@ void Conversation::resume(std::uint64_t session) noexcept {
   session_ = session;
   packet_number_ = 0;
   seen_ = {};
-  carried_ = kept_;
-  batch_.count = 0;  // the new session has not missed the samples of the old one
+  packer_.restart();
 }
 
 Bytes Conversation::pack(const Sample& sample) noexcept {
-  auto& samples = batch_.samples;
-  std::copy_backward(samples.begin(), samples.begin() + kept_ - 1, samples.begin() + kept_);
-  samples.front() = sample;
-  batch_.count = std::min(batch_.count + 1, carried_);
-  return encoder_.samples(session_, ++packet_number_, batch_);
-}
-
-bool Conversation::carry_fewer() noexcept {
-  if (carried_ == 1) return false;
-  --carried_;
-  return true;
+  const SampleBatch* batch = packer_.add(sample);
+  return batch == nullptr ? Bytes{} : encoder_.samples(session_, ++packet_number_, *batch);
 }
 
 Bytes Conversation::goodbye() noexcept {

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 
+#include "client/sample_packer.hpp"
 #include "protocol/codec.hpp"
 #include "protocol/sequence.hpp"
 
@@ -14,21 +15,24 @@ class Conversation {
  public:
   enum class Arrival { dropped, reply, goodbye };
 
-  /// `redundancy` is k; `rotation`: orientation and torque travel too. Takes all its memory here.
-  Conversation(std::uint64_t session, int redundancy, bool rotation);
+  /// `parameters` as the server granted them: how often datagrams are due and what is in them;
+  /// `rotation`: orientation and torque travel too; `scale`: of a position deadband. Takes all its
+  /// memory here.
+  Conversation(std::uint64_t session, const SessionParameters& parameters, bool rotation,
+               const PositionScale& scale = {});
 
   /// Goes on with another session: numbers begin anew, and what still comes of the old one is
   /// dropped.
   void resume(std::uint64_t session) noexcept;
 
-  /// The datagram of a sample, and of the k before it once more. The bytes live until the next call
-  /// of pack() or goodbye().
+  /// The datagram that is due with this sample (client/sample_packer.hpp), empty when none is. To
+  /// be given every sample. The bytes live until the next call of pack() or goodbye().
   Bytes pack(const Sample& sample) noexcept;
   Bytes goodbye() noexcept;
 
   /// From now on one sample less in a datagram, until the next session: the path takes no longer
   /// ones. False when one alone is left.
-  bool carry_fewer() noexcept;
+  bool carry_fewer() noexcept { return packer_.carry_fewer(); }
 
   /// Reads a datagram, all checks of PROTOCOL.md in their order; what fails one is counted. Fills
   /// `reply` or `reason`, as the result says.
@@ -38,10 +42,8 @@ class Conversation {
 
  private:
   std::uint64_t session_;
-  int kept_;     // samples in a datagram
-  int carried_;  // of these, what the path takes
   Encoder encoder_;
-  SampleBatch batch_;
+  SamplePacker packer_;
   std::uint64_t packet_number_ = 0;
   PacketWindow seen_;
   std::array<std::uint64_t, kDropReasons> dropped_{};

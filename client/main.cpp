@@ -140,11 +140,12 @@ void warn_without_real_time(RealTime granted, bool wanted) {
 int conclude(const ClientOptions& options, const Servo& servo, const LoopResult& result) {
   const ServoStatistics& s = servo.statistics();
   std::printf(
-      "%.1f s, %llu samples, %llu lost, round trip p50 %.0f us p99 %.0f us, largest force %.2f N, "
+      "%.1f s, %llu samples, %llu datagrams lost, round trip p50 %.0f us p99 %.0f us, largest "
+      "force %.2f N, "
       "bound violations %llu%s%s\n",
       result.duration, static_cast<unsigned long long>(s.samples),
-      static_cast<unsigned long long>(s.samples - std::min(s.samples, s.answered)),
-      1e-3 * s.round_trip.quantile(0.5), 1e-3 * s.round_trip.quantile(0.99), s.max_force,
+      static_cast<unsigned long long>(servo.lost()), 1e-3 * s.round_trip.quantile(0.5),
+      1e-3 * s.round_trip.quantile(0.99), s.max_force,
       static_cast<unsigned long long>(servo.port().violations()),
       options.report ? ", report in " : "", options.report ? options.report->c_str() : "");
   switch (result.end) {
@@ -175,10 +176,10 @@ int run(const ClientOptions& options) {
       join(options.server, {options.name, options.scene, device->spec(), options.parameters},
            kControlTimeout);
   Transport transport(
-      joined.datagrams, joined.accepted.session, joined.accepted.parameters.redundancy,
+      joined.datagrams, joined.accepted.session, joined.accepted.parameters,
       device->spec().rotation_sensed > 0,
       options.link ? std::make_unique<TwoWayLink>(*options.link, 0, kLinkRoom) : nullptr,
-      options.dscp);
+      {device->spec().position_resolution, joined.accepted.stiffness}, options.dscp);
   // From here on the server knows of us: whatever fails, it is told.
   try {
     if (const auto* task = std::get_if<HandTask>(&options.device))

@@ -85,7 +85,14 @@ Json parameters(const SessionParameters& p) {
           {"reference", name(p.reference)},
           {"coupling_stiffness_n_per_m", number(p.coupling_stiffness)},
           {"coupling_damping_n_s_per_m", number(p.coupling_damping)},
-          {"tool_mass_kg", number(p.tool_mass)}};
+          {"tool_mass_kg", number(p.tool_mass)},
+          {"packet_interval", p.packet_interval},
+          {"batch", p.batch},
+          {"position_deadband", number(p.position_deadband)},
+          {"force_deadband", number(p.force_deadband)},
+          {"predictor", name(p.predictor)},
+          {"keep_alive_s", number(p.keep_alive)},
+          {"local_model", p.local_model}};
 }
 
 Json safety(const SafetyLimits& s) {
@@ -246,8 +253,10 @@ std::string report_json(const RunDescription& run, const Servo& servo,
       {"duration_s", number(loop.duration)},
       {"end", name(loop.end)},
       {"samples", s.samples},
+      {"sample_datagrams", s.datagrams},
       {"answered", s.answered},
-      {"lost", s.samples - std::min(s.samples, s.answered)},
+      {"withheld", s.withheld},
+      {"lost", servo.lost()},
       {"late", s.late},
       {"round_trip_us", times(s.round_trip)},
       {"server_clock", clock(servo.server_clock(), servo.sample().client_time)},

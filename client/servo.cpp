@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "core/numeric.hpp"
+#include "protocol/deadband.hpp"
 
 namespace feltwire {
 namespace {
@@ -108,15 +109,24 @@ bool Servo::take(const Reply& reply, Nanoseconds arrival) noexcept {
     ++statistics_.replies_stale;
     return false;
   }
-  const Command let_go = newest_.command;
+  const Command let_go = newest_.command, rates = newest_.rates;
+  const bool predicted = newest_.predicted;
   newest_ = reply;
+  const Sent& sent = sent_[reply.sample_index % kRemembered];
+  const bool remembered = sent.index == reply.sample_index;
+  if (remembered && sent.datagram > 0) newest_datagram_ = sent.datagram;
+  // Whatever a server says, no more than was sent.
+  statistics_.withheld = withheld_before_ + std::min(reply.withheld, statistics_.datagrams);
   if (letting_go_) {
     newest_.command = let_go;
+    newest_.predicted = predicted;
+    newest_.rates = rates;
     return true;
   }
   const bool out_of_date = reply.sample_index <= stood_still_after_;
   newest_arrival_ = out_of_date ? arrival - nanoseconds(parameters_.hold_time)
                                 : std::min(arrival, last_tick_ + 2 * nanoseconds(period_));
+  newest_sampled_ = remembered ? sent.time : arrival;
   // What the server's bound has changed says nothing of how deep the hand is: at the first sample
   // it lets nothing through, inside an object too.
   newest_original_ =
@@ -146,7 +156,8 @@ void Servo::release() noexcept {
   start_letting_go();
 }
 
-void Servo::reconnected() noexcept {
+void Servo::reconnected(bool fresh) noexcept {
+  if (fresh) withheld_before_ = statistics_.withheld;
   if (released_) return;
   if (pulls(held_))
     start_letting_go();
@@ -177,6 +188,31 @@ double Servo::time_since_last_tick(Nanoseconds now) noexcept {
   }
   if (seconds(elapsed) > parameters_.hold_time) stood_still_after_ = sample_.index;
   return seconds(elapsed);
+}
+
+void Servo::sent() noexcept {
+  sent_[sample_.index % kRemembered].datagram = ++statistics_.datagrams;
+}
+
+std::uint64_t Servo::lost_so_far() const noexcept {
+  const std::uint64_t heard_of = statistics_.answered + statistics_.withheld;
+  return newest_datagram_ - std::min(newest_datagram_, heard_of);
+}
+
+std::uint64_t Servo::lost() const noexcept {
+  const SessionParameters& p = parameters_;
+  const double silent = p.keep_alive / (p.packet_interval * p.servo_period);
+  const auto allowed = p.force_deadband > 0.0 ? static_cast<std::uint64_t>(silent) : 0;
+  const std::uint64_t since = statistics_.datagrams - newest_datagram_;
+  return lost_so_far() + since - std::min(since, allowed);
+}
+
+/// The newest command as it is by now: at the samples since, the server withheld its answer because
+/// this is what it would have said.
+Command Servo::reconstructed(Nanoseconds now) const noexcept {
+  if (!newest_.predicted) return newest_.command;
+  const double ahead = std::min(seconds(now - newest_sampled_), parameters_.keep_alive);
+  return extrapolated(newest_.command, newest_.rates, ahead);
 }
 
 double Servo::fade_factor() const noexcept {
@@ -252,7 +288,7 @@ Command Servo::render(const DeviceReading& reading, Nanoseconds now) noexcept {
   double factor = 0.0;  // of the command
   if (usable && has_reply()) {
     // Only what the device can do goes into the bound, so that it accounts what it gives.
-    wanted_ = actuated(spec_, newest_.command);
+    wanted_ = actuated(spec_, reconstructed(now));
     factor = fade_factor();
     if (factor < 1.0) ++statistics_.faded;
     step.command = faded(wanted_, factor);
@@ -289,7 +325,7 @@ const Sample* Servo::hold(const Command& held) noexcept {
   sample_.held = held_;
   ++sample_.index;
   ++statistics_.samples;
-  sent_[sample_.index % kRemembered] = {sample_.index, sample_.client_time, false};
+  sent_[sample_.index % kRemembered] = {sample_.index, sample_.client_time, 0, false};
   return &sample_;
 }
 

@@ -37,7 +37,9 @@ ServoOptions protect_hand(const SessionParameters& parameters);
 /// histograms).
 struct ServoStatistics {
   std::uint64_t samples = 0;          // made by hold()
-  std::uint64_t answered = 0;         // of these, replies that came, each sample once
+  std::uint64_t datagrams = 0;        // of these, newest of a datagram that was due: sent()
+  std::uint64_t answered = 0;         // replies that came, each sample once
+  std::uint64_t withheld = 0;         // datagrams that the server says it needed not answer
   std::uint64_t late = 0;             // of the answered, after more than kLate
   std::uint64_t replies_stale = 0;    // not newer than the reply in use: ignored
   std::uint64_t replies_refused = 0;  // answering no sample that was made, not finite or absurd
@@ -68,8 +70,9 @@ class Servo {
   /// come at any time since, and counts as that old.
   bool take(const Reply& reply, Nanoseconds arrival) noexcept;
 
-  /// What to write to the device now. The newest command counts in full until it is hold_time / 2
-  /// old, falls linearly to nothing at hold_time, is then bounded (docs/bounding.md) and last goes
+  /// What to write to the device now. The newest command, carried on along its rates where the
+  /// server sends them (for keep_alive at most), counts in full until it is hold_time / 2 old,
+  /// falls linearly to nothing at hold_time, is then bounded (docs/bounding.md) and last goes
   /// through the safety stage (core/safety.hpp). A fall by age or by release() takes at most the
   /// device's largest force off in half the hold time; at its end there is none, whatever the
   /// bound would hold on to. A reading that is faulty or not finite gives none at once (nobody
@@ -86,10 +89,24 @@ class Servo {
     return hold(device.write(render(device.read(now), now)));
   }
 
+  /// The last sample made was the newest of a datagram that was sent: an answer to it is awaited.
+  void sent() noexcept;
+  /// An answer may still come. With a force deadband it may also have been withheld.
+  bool awaits_answer() const noexcept {
+    return statistics_.answered + statistics_.withheld < statistics_.datagrams;
+  }
+  /// Datagrams that, or whose answers, never came: sent, neither answered nor withheld. What the
+  /// server withheld since its newest reply is not known; of those datagrams as many as keep_alive
+  /// allows are taken for withheld.
+  std::uint64_t lost() const noexcept;
+  /// Of the datagrams up to the newest answered one: what comes later may still be on its way.
+  std::uint64_t lost_so_far() const noexcept;
+
   /// The session was lost and goes on: the hand may be anywhere by now. What is still held fades to
   /// nothing within half the hold time; then the safety limits that belong to a connection (wait
-  /// for small force, ramp-up) begin anew and the replies count again.
-  void reconnected() noexcept;
+  /// for small force, ramp-up) begin anew and the replies count again. `fresh`: it is another
+  /// session, whose server counts from zero.
+  void reconnected(bool fresh) noexcept;
 
   /// The force fades to nothing within half the hold time, and stays there.
   void release() noexcept;
@@ -123,6 +140,7 @@ class Servo {
   struct Sent {
     std::uint64_t index = 0;
     Nanoseconds time{0};
+    std::uint64_t datagram = 0;  // whose newest it was, counted from 1; 0: of none
     bool answered = false;
   };
 
@@ -136,6 +154,7 @@ class Servo {
   Command safeguard(const Command& bounded, const BoundingStep& step) noexcept;
   void observe_direction(const Command& held) noexcept;
   void count_answer(const Reply& reply, Nanoseconds arrival) noexcept;
+  Command reconstructed(Nanoseconds now) const noexcept;
 
   DeviceSpec spec_;
   SessionParameters parameters_;
@@ -149,6 +168,9 @@ class Servo {
   ClockEstimate server_clock_;
   Reply newest_;
   Nanoseconds newest_arrival_{0};
+  Nanoseconds newest_sampled_{0};        // when the sample was read that it answers
+  std::uint64_t newest_datagram_ = 0;    // in which that sample went
+  std::uint64_t withheld_before_ = 0;    // by the servers of sessions before this one
   bool newest_original_ = false;         // its command is the scene's as it was
   std::uint64_t anew_after_ = 0;         // replies to samples up to this one end no wait
   std::uint64_t stood_still_after_ = 0;  // replies to samples up to this one are out of date

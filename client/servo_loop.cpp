@@ -210,7 +210,7 @@ class Loop {
     const bool answered = lost_ && !server_left_ && last_heard_ > lost_at_;
     if (!fresh && !answered) return;
     server_left_ = false;
-    servo_.reconnected();
+    servo_.reconnected(fresh);
     next_status_ = now;
     if (!lost_) return;
     lost_ = false;
@@ -230,7 +230,7 @@ class Loop {
     // To a server that said goodbye nothing is sent; to one that is silent it is, for it may be the
     // way back only.
     const Sample* sample = servo_.tick(device_, now);
-    if (sample != nullptr && !server_left_) transport_.send(*sample);
+    if (sample != nullptr && !server_left_ && transport_.send(*sample)) servo_.sent();
     result_.duration = seconds(now - first_tick_);
     record(now);
     if (now >= next_status_) report_status(now);
@@ -271,8 +271,7 @@ class Loop {
   /// Replies that are on their way are counted, and the server is told.
   void take_leave(Nanoseconds now) noexcept {
     Nanoseconds latest = now + kFarewell;
-    const ServoStatistics& counted = servo_.statistics();
-    while (!server_left_ && counted.answered < counted.samples && now < latest) {
+    while (!server_left_ && servo_.awaits_answer() && now < latest) {
       // What leaves the link may still be answered.
       const auto due = transport_.next_due();
       if (due) latest = std::max(latest, *due + kFarewell);
@@ -303,11 +302,10 @@ class Loop {
     if (outputs_.status == nullptr) return;
     const ServoStatistics& s = servo_.statistics();
     const ClockEstimate& clock = servo_.server_clock();
-    const std::uint64_t newest = servo_.newest_reply().sample_index;
     outputs_.status->push(
         {.time = seconds(now - first_tick_),
          .samples = s.samples,
-         .lost = newest - std::min(newest, s.answered),
+         .lost = servo_.lost_so_far(),
          .round_trip_p50 = s.round_trip.quantile(0.5),
          .round_trip_p99 = s.round_trip.quantile(0.99),
          .clock_known = clock.known(),

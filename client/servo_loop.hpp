@@ -55,7 +55,7 @@ struct LoopOptions {
 struct LiveStatus {
   double time = 0.0;  // [s] since the first tick
   std::uint64_t samples = 0;
-  std::uint64_t lost = 0;                             // up to the newest answered one, for now
+  std::uint64_t lost = 0;                             // datagrams, up to the newest answered
   double round_trip_p50 = 0.0, round_trip_p99 = 0.0;  // [ns]
   bool clock_known = false;                           // else the four below say nothing
   double delay_up = 0.0, delay_down = 0.0;            // [s] one way, of the last exchange

@@ -11,9 +11,10 @@
 
 namespace feltwire {
 
-Transport::Transport(const Address& server, std::uint64_t session, int redundancy, bool rotation,
-                     std::unique_ptr<TwoWayLink> link, int dscp)
-    : server_(server), conversation_(session, redundancy, rotation), link_(std::move(link)) {
+Transport::Transport(const Address& server, std::uint64_t session,
+                     const SessionParameters& parameters, bool rotation,
+                     std::unique_ptr<TwoWayLink> link, const PositionScale& scale, int dscp)
+    : server_(server), conversation_(session, parameters, rotation, scale), link_(std::move(link)) {
   socket_ = ::socket(server.storage.ss_family, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
   // Connected: only the server's datagrams are let in, and a closed port is noticed.
   if (socket_ < 0 || !forbid_fragments(socket_) || (dscp != 0 && !set_dscp(socket_, dscp)) ||
@@ -63,11 +64,16 @@ void Transport::shorten() noexcept {
   conversation_.carry_fewer();
 }
 
-void Transport::send(const Sample& sample) noexcept {
+bool Transport::send(const Sample& sample) noexcept {
   const Bytes datagram = conversation_.pack(sample);
-  if (!link_) return transmit(datagram);
-  link_->up.enter(datagram, now_);
-  transmit_due();
+  if (datagram.empty()) return false;
+  if (link_) {
+    link_->up.enter(datagram, now_);
+    transmit_due();
+  } else {
+    transmit(datagram);
+  }
+  return true;
 }
 
 void Transport::transmit_due() noexcept {

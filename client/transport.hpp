@@ -32,13 +32,14 @@ class Transport {
  public:
   enum class Arrival { nothing, reply, goodbye };
 
-  /// Opens a UDP socket to the session's scene. `redundancy` is k; `rotation`: orientation and
-  /// torque travel too. With a `link` every sample and reply goes through it, and the caller must
-  /// pass() the time. Datagrams are marked with `dscp` (protocol/udp_socket.hpp) and never cut into
-  /// fragments: where the path takes no datagrams as long, they carry fewer samples. Throws
-  /// SessionError.
-  Transport(const Address& server, std::uint64_t session, int redundancy, bool rotation,
-            std::unique_ptr<TwoWayLink> link = nullptr, int dscp = 0);
+  /// Opens a UDP socket to the session's scene. `parameters` as granted; `rotation`: orientation
+  /// and torque travel too. With a `link` every datagram goes through it, and the caller must
+  /// pass() the time. `scale`: of a position deadband. Datagrams are marked with `dscp`
+  /// (protocol/udp_socket.hpp) and never cut into fragments: where the path takes no datagrams as
+  /// long, they carry fewer samples. Throws SessionError.
+  Transport(const Address& server, std::uint64_t session, const SessionParameters& parameters,
+            bool rotation, std::unique_ptr<TwoWayLink> link = nullptr,
+            const PositionScale& scale = {}, int dscp = 0);
   ~Transport();
   Transport(const Transport&) = delete;
   Transport& operator=(const Transport&) = delete;
@@ -66,8 +67,8 @@ class Transport {
   /// come enter it. For transports with a link.
   void pass(Nanoseconds now) noexcept;
 
-  /// Sends a sample, and the k before it once more.
-  void send(const Sample& sample) noexcept;
+  /// To be given every sample: sends the datagram that is due with it. False when none is.
+  bool send(const Sample& sample) noexcept;
 
   /// Takes the next datagram that has arrived and is good; bad ones are counted and skipped, up to
   /// kBurst of them, so that a flood costs the loop no more than that. `reply` or `reason` is

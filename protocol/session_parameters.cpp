@@ -59,9 +59,13 @@ void validate_traffic(const SessionParameters& p) {
                                 " ticks is longer than the hold_time of " + text(p.hold_time) +
                                 " s: the force would be gone before the next datagram; lower it "
                                 "or raise hold_time");
+  // Silence of one side after silence of the other adds up.
+  const bool both = p.position_deadband > 0.0 && p.force_deadband > 0.0;
   if (p.position_deadband > 0.0 || p.force_deadband > 0.0)
-    within("keep_alive", p.keep_alive, interval, 0.5 * p.hold_time, "s",
-           "it lasts at least packet_interval, and commands fade from half of hold_time");
+    within("keep_alive", p.keep_alive, interval, (both ? 0.25 : 0.5) * p.hold_time, "s",
+           both ? "it lasts at least packet_interval, commands fade from half of hold_time, and "
+                  "with both deadbands a reply may be two keep_alive late"
+                : "it lasts at least packet_interval, and commands fade from half of hold_time");
   if (p.local_model && p.side == BoundingSide::server)
     throw std::invalid_argument(
         "local_model makes forces beside the device, which the side server does not bound: use "

@@ -45,7 +45,8 @@ struct SessionParameters {
       0.0;                      // Weber fraction that a datagram is sent for, 0 to 0.5; 0: always
   double force_deadband = 0.0;  // likewise a reply
   Predictor predictor = Predictor::level;
-  double keep_alive = 0.02;  // [s] longest silence of either deadband, n T to hold_time / 2
+  double keep_alive =
+      0.02;  // [s] longest silence of either deadband, n T to hold_time / 2 (/ 4: both)
   bool local_model = false;  // replies bring the surfaces near the tool; the client bounds them
 
   friend bool operator==(const SessionParameters&, const SessionParameters&) = default;

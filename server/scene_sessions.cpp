@@ -20,6 +20,7 @@ void add(SceneCounters& sum, const Session& session) {
   const SessionCounters& counters = session.counters();
   sum.samples.samples += counters.samples;
   sum.samples.replies += counters.replies;
+  sum.samples.withheld += counters.withheld;
   sum.samples.gaps += counters.gaps;
   sum.samples.missed += counters.missed;
   sum.samples.duplicates += counters.duplicates;
@@ -157,6 +158,7 @@ Bytes SceneSessions::receive_samples(Seat& seat, Bytes payload, const Peer& from
   if (taken.drop != DropReason::none) return drop(taken.drop);
   seat.last_heard = now;
   seat.peer = from;
+  if (taken.withheld) return {};
   return encoder_.reply(seat.id, ++seat.packets_sent, taken.reply);
 }
 

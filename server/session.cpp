@@ -52,7 +52,6 @@ ChannelEnergy operator+(const ChannelEnergy& a, const ChannelEnergy& b) {
 struct Session::Movement {
   Vec3 displacement = Vec3::Zero();  // [m]
   Vec3 rotation = Vec3::Zero();      // [rad]
-  std::uint64_t missed = 0;          // samples between them that never came
   double nominal_time = 0.0;         // [s] servo periods between them
   double elapsed = 0.0;              // [s] by the client's clock
 };
@@ -65,7 +64,8 @@ Session::Session(const control::JoinRequest& request, const Scene& scene)
       contacts_(scene.memory()),
       bounding_(bounding_config(parameters_, device_)),
       velocity_(parameters_.velocity_cutoff),
-      observer_(observer(bounding_.config())) {}
+      observer_(observer(bounding_.config())),
+      deadband_(parameters_) {}
 
 Taken Session::take(const SampleBatch& batch, Nanoseconds now) noexcept {
   Taken taken;
@@ -77,6 +77,7 @@ Taken Session::take(const SampleBatch& batch, Nanoseconds now) noexcept {
     return taken;
   }
 
+  count_gap(batch, taken.reply);
   // The newest comes first on the wire; the earlier ones close gaps and are else known already.
   for (int i = batch.count - 1; i >= 0; --i) {
     const Sample& sample = batch.samples[static_cast<std::size_t>(i)];
@@ -89,8 +90,18 @@ Taken Session::take(const SampleBatch& batch, Nanoseconds now) noexcept {
   reply.rotation = device_.rotation_actuated > 0;
   reply.delivered = delivered();
   reply.violations = violations();
-  ++counters_.replies;
+  taken.withheld = deadband_.withhold(reply);
+  ++(taken.withheld ? counters_.withheld : counters_.replies);
+  reply.withheld = counters_.withheld;
   return taken;
+}
+
+/// What the client left out is no gap; what travelled before this datagram and never came is one.
+void Session::count_gap(const SampleBatch& batch, Reply& reply) noexcept {
+  if (last_.index == 0 || batch.previous <= last_.index) return;
+  ++counters_.gaps;
+  counters_.missed += batch.previous - last_.index;
+  reply.gap = true;
 }
 
 Session::Movement Session::movement_to(const Sample& sample, bool rotation) const noexcept {
@@ -103,7 +114,6 @@ Session::Movement Session::movement_to(const Sample& sample, bool rotation) cons
   // A rotation is known only where both samples carry an orientation.
   if (rotation && last_rotation_)
     movement.rotation = rotation_between(last_.pose.orientation, sample.pose.orientation);
-  movement.missed = sample.index - last_.index - 1;
   movement.nominal_time = static_cast<double>(sample.index - last_.index) * period;
   // A clock that stands still or runs back is not believed.
   const double elapsed = seconds_between(last_.client_time, sample.client_time);
@@ -113,11 +123,6 @@ Session::Movement Session::movement_to(const Sample& sample, bool rotation) cons
 
 void Session::step(const Sample& sample, bool rotation, Reply& reply) noexcept {
   const Movement movement = movement_to(sample, rotation);
-  if (movement.missed > 0) {
-    ++counters_.gaps;
-    counters_.missed += movement.missed;
-    reply.gap = true;
-  }
 
   // The real port: what the client held since the last sample it told of. Before the first nothing
   // was held.
@@ -155,6 +160,7 @@ void Session::step(const Sample& sample, bool rotation, Reply& reply) noexcept {
     reply.refused = bounded.refused;
     reply.ratio = force_ratio(bounded.rendered, command);
   }
+  deadband_.add(reply.command, hold_time);
   last_ = sample;
   last_rotation_ = rotation;
   ++counters_.samples;
@@ -177,6 +183,7 @@ void Session::set_parameters(const SessionParameters& parameters) {
   if (parameters.velocity_cutoff != parameters_.velocity_cutoff)
     velocity_ = VelocityEstimate(parameters.velocity_cutoff);
   parameters_ = parameters;
+  deadband_ = ReplyDeadband(parameters);
 }
 
 ChannelEnergy Session::delivered() const { return delivered_before_ + observer_.delivered(); }

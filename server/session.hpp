@@ -8,20 +8,23 @@
 #include "protocol/codec.hpp"
 #include "protocol/control.hpp"
 #include "protocol/datagram.hpp"
+#include "server/reply_deadband.hpp"
 
 namespace feltwire {
 
 struct SessionCounters {
   std::uint64_t samples = 0;     // taken, each once
-  std::uint64_t replies = 0;     // computed
-  std::uint64_t gaps = 0;        // places where samples were missing for good
-  std::uint64_t missed = 0;      // samples that never came
+  std::uint64_t replies = 0;     // sent
+  std::uint64_t withheld = 0;    // replies that the client could do without (force deadband)
+  std::uint64_t gaps = 0;        // places where samples that travelled were missing for good
+  std::uint64_t missed = 0;      // over these, to the last that travelled; left out ones included
   std::uint64_t duplicates = 0;  // datagrams that brought nothing new
 };
 
-/// What a batch came to: `reply` holds when `drop` is none.
+/// What a batch came to: `reply` holds when `drop` is none, and goes out unless it is `withheld`.
 struct Taken {
   DropReason drop = DropReason::none;
+  bool withheld = false;
   Reply reply;
 };
 
@@ -60,6 +63,7 @@ class Session {
  private:
   struct Movement;
   Movement movement_to(const Sample& sample, bool rotation) const noexcept;
+  void count_gap(const SampleBatch& batch, Reply& reply) noexcept;
   void step(const Sample& sample, bool rotation, Reply& reply) noexcept;
 
   std::string client_;
@@ -72,6 +76,7 @@ class Session {
   Vec3 probe_offset_ = Vec3::Zero();  // [m] of where the scene was asked last, from the device
   VelocityEstimate velocity_;
   PortEnergy observer_;
+  ReplyDeadband deadband_;
   // What observers counted that had another damping.
   ChannelEnergy delivered_before_;
   std::uint64_t violations_before_ = 0;

@@ -113,8 +113,8 @@ class NetworkRun {
         sessions_(scene, from_seconds(options.silence_timeout), kSessions),
         accepted_(join(sessions_, scene, told_, options.parameters)),
         servo_(told_, accepted_.parameters, options.servo),
-        conversation_(accepted_.session, accepted_.parameters.redundancy,
-                      told_.rotation_sensed > 0),
+        conversation_(accepted_.session, accepted_.parameters, told_.rotation_sensed > 0,
+                      {told_.position_resolution, accepted_.stiffness}),
         link_(options.link, 0, kOnTheWay),
         port_(options),
         ideal_(scene.memory()),
@@ -216,7 +216,9 @@ class NetworkRun {
 
   Bytes pack(const Sample& sample) {
     const Stopwatch stopwatch(timed_ ? &result_.client_time : nullptr);
-    return conversation_.pack(sample);
+    const Bytes datagram = conversation_.pack(sample);
+    if (!datagram.empty()) servo_.sent();
+    return datagram;
   }
 
   void account(const Command& acted, const Vec3& measured, double period) {

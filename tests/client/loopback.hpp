@@ -51,7 +51,7 @@ struct Client {
       : device(recording(rows), builtin_device("simulated")),
         joined(join(server, {"tester", scene, device.spec(), parameters}, kPatience)),
         transport(by_way_of != nullptr ? *by_way_of : joined.datagrams, joined.accepted.session,
-                  joined.accepted.parameters.redundancy, false, std::move(link)),
+                  joined.accepted.parameters, false, std::move(link)),
         servo(device.spec(), joined.accepted.parameters) {}
   ~Client() { finish(); }
 

@@ -29,6 +29,7 @@ std::unique_ptr<Servo> used_servo() {
     now += std::chrono::milliseconds(1);
     servo->render({.pose = {.position = Vec3(0, 0, 0.01 * static_cast<double>(i))}}, now);
     servo->hold({.elastic = Vec3(0, 0, 2)});
+    servo->sent();
     Reply reply;
     reply.sample_index = i;
     reply.command.elastic = Vec3(0, 0, 2);
@@ -65,6 +66,8 @@ TEST(Report, HoldsWhatWasCounted) {
   EXPECT_EQ(r["duration_s"], 0.003);
   EXPECT_EQ(r["samples"], 3);
   EXPECT_EQ(r["answered"], 2);
+  EXPECT_EQ(r["sample_datagrams"], 3);
+  EXPECT_EQ(r["withheld"], 0);
   EXPECT_EQ(r["lost"], 1);
   EXPECT_EQ(r["late"], 1);
   EXPECT_NEAR(r["round_trip_us"]["p50"].get<double>(), 100.0, 0.5);

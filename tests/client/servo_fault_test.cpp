@@ -94,7 +94,7 @@ TEST(ServoFault, AtTheEndNoLawHoldsOnToAnything) {
 TEST(ServoFault, AReconnectedHandIsLetGoThenWaits) {
   Bench bench = holding(2.0, wait_for_small_force());
   EXPECT_EQ(bench.servo.held().force().z(), 2.0);
-  bench.servo.reconnected();
+  bench.servo.reconnected(true);
   for (int n = 1; n <= kHalf; ++n) {
     answer(bench, 8.0);  // the new session's first words
     EXPECT_NEAR(bench.tick().force().z(), 2.0 * (kHalf - n) / kHalf, 1e-9) << n;
@@ -111,7 +111,7 @@ TEST(ServoFault, AReconnectedHandIsLetGoThenWaits) {
 
 /// What was said of the place where the hand was says nothing of where it is.
 TEST(ServoFault, NoWordFromBeforeEndsTheWait) {
-  const auto reconnect = [](Bench& bench) { bench.servo.reconnected(); };
+  const auto reconnect = [](Bench& bench) { bench.servo.reconnected(true); };
   const auto fail = [](Bench& bench) { bench.tick({.pose = {}, .ok = false}); };
   for (const bool device : {false, true}) {
     Bench bench = holding(0.0, wait_for_small_force());  // in free space
@@ -228,7 +228,7 @@ void expect_no_step(const SessionParameters& p, SafetyLimits limits, std::uint64
     bool failed = false;
     if (n == release) bench.servo.release();
     if (random.chance(0.01)) silent = static_cast<int>(random.uniform(1.0, 250.0));
-    if (random.chance(0.005)) bench.servo.reconnected();
+    if (random.chance(0.005)) bench.servo.reconnected(true);
     if (random.chance(0.005)) step = -seconds(random.uniform(0.0, 10.0));
     if (random.chance(0.005)) time = random.uniform(1.0, 4.0) * p.hold_time, step = seconds(time);
     if (random.chance(0.003)) failed = true;

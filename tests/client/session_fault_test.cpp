@@ -233,7 +233,7 @@ TEST(SessionFault, AServerThatWasStartedAnewAnswersNoOldSession) {
   // The next session is another one; the hand goes on with its own count.
   world.join(kOther);
   world.hand.conversation.resume(kOther);
-  world.hand.servo.reconnected();
+  world.hand.servo.reconnected(true);
   const std::uint64_t before = world.hand.answers;
   world.run(50);
   EXPECT_EQ(world.hand.answers, before + 50);

@@ -12,6 +12,7 @@
 #include <ostream>
 #include <vector>
 
+#include "client/sample_packer.hpp"
 #include "client/servo.hpp"
 #include "core/port_energy.hpp"
 #include "server/session.hpp"
@@ -144,6 +145,20 @@ std::vector<SessionParameters> passive(BoundingSide side) {
     p.mode = mode;
     all.push_back(p);
   }
+  // And with fewer datagrams: what is held meanwhile is the client's own making.
+  const SessionParameters usual;
+  for (const Predictor predictor : {Predictor::level, Predictor::linear})
+    for (const int interval : {1, 4}) {
+      SessionParameters p = usual;
+      p.packet_interval = interval;
+      p.batch = interval / 2 + 1;
+      p.predictor = predictor;
+      p.force_deadband = 0.2;
+      if (predictor == Predictor::level) p.position_deadband = 0.2;
+      all.push_back(p);
+      p.force_deadband = p.position_deadband > 0.0 ? 0.0 : 0.5;
+      all.push_back(p);
+    }
   for (SessionParameters& p : all) {
     p.side = side;
     p.operator_damping = 0.1;
@@ -164,6 +179,8 @@ std::vector<SessionParameters> anything() {
       p.mode = mode;
       p.side = side;
       p.redundancy = static_cast<int>(all.size() % 4);
+      p.force_deadband = all.size() % 3 == 0 ? 0.3 : 0.0;
+      p.predictor = all.size() % 2 == 0 ? Predictor::linear : Predictor::level;
       all.push_back(p);
     }
   return all;
@@ -197,7 +214,7 @@ std::uint64_t violations(const NetworkScript& script, const SessionParameters& a
   };
   std::vector<UpPacket> up;
   std::vector<DownPacket> down;
-  std::vector<Sample> sent;
+  SamplePacker packer(at_client, false, {spec.position_resolution, 4000.0});
   Vec3 position(0.0, 0.0, 1e-3);
   const int ticks = static_cast<int>(script.ticks.size());
   for (int n = 0; n < ticks; ++n) {
@@ -210,18 +227,13 @@ std::uint64_t violations(const NetworkScript& script, const SessionParameters& a
     position = moved(t, position, servo.held().force(), damping);
     const Sample* sample = servo.hold(servo.render({.pose = {.position = position}}, now));
     if (rendered) *rendered += servo.held().force().norm();
-    sent.push_back(*sample);
-
-    SampleBatch batch;
-    for (int k = 0; k <= at_client.redundancy && k <= n; ++k)
-      batch.samples[static_cast<std::size_t>(batch.count++)] =
-          sent[static_cast<std::size_t>(n - k)];
-    if (t.up >= 0) up.push_back({n + t.up, batch});
-    if (t.up_again >= 0) up.push_back({n + t.up_again, batch});
+    const SampleBatch* batch = packer.add(*sample);
+    if (batch != nullptr && t.up >= 0) up.push_back({n + t.up, *batch});
+    if (batch != nullptr && t.up_again >= 0) up.push_back({n + t.up_again, *batch});
     for (const UpPacket& p : up) {
       if (p.due != n) continue;
       const Taken taken = session.take(p.batch, now);
-      if (taken.drop != DropReason::none) continue;
+      if (taken.drop != DropReason::none || taken.withheld) continue;
       if (t.down >= 0) down.push_back({n + 1 + t.down, taken.reply});
       if (t.down_again >= 0) down.push_back({n + 1 + t.down_again, taken.reply});
     }

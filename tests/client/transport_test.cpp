@@ -24,6 +24,12 @@ Sample sample(std::uint64_t index) {
   return s;
 }
 
+SessionParameters repeating(int redundancy) {
+  SessionParameters p;
+  p.redundancy = redundancy;
+  return p;
+}
+
 struct Link {
   ScenePeer peer;
   Transport transport;
@@ -31,7 +37,7 @@ struct Link {
   GoodbyeReason reason = GoodbyeReason::leaving;
 
   explicit Link(int redundancy = 3, bool rotation = false)
-      : transport(peer.address(), ScenePeer::kSession, redundancy, rotation) {
+      : transport(peer.address(), ScenePeer::kSession, repeating(redundancy), rotation) {
     transport.send(sample(1));  // the peer must know whom to answer
     peer.receive();
   }
@@ -52,6 +58,7 @@ TEST(Transport, EachSampleTravelsWithTheOnesBefore) {
       EXPECT_EQ(received.header.packet_number, i);
       const auto expected = std::min<std::uint64_t>(static_cast<std::uint64_t>(k) + 1, i);
       ASSERT_EQ(static_cast<std::uint64_t>(received.batch.count), expected);
+      EXPECT_EQ(received.batch.previous, i - expected);
       for (std::uint64_t j = 0; j < expected; ++j) {
         const Sample& s = received.batch.samples[j];
         EXPECT_EQ(s.index, i - j);
@@ -200,7 +207,7 @@ TEST(Transport, WhatPiledUpUnreadIsTakenOrLost) {
 TEST(Transport, DatagramsAreMarkedAndNeverCut) {
   const ScenePeer peer;
   for (const int mark : {0, 46, 40}) {
-    const Transport transport(peer.address(), ScenePeer::kSession, 3, false, nullptr, mark);
+    const Transport transport(peer.address(), ScenePeer::kSession, {}, false, nullptr, {}, mark);
     EXPECT_EQ(get_dscp(transport.descriptor()), mark);
     int discover = -1;
     socklen_t size = sizeof discover;
@@ -223,7 +230,7 @@ int send_through_a_narrow_path() {
   if (::ioctl(any, SIOCSIFFLAGS, &line) != 0) return kNotPermitted;
 
   ScenePeer peer;
-  Transport transport(peer.address(), ScenePeer::kSession, kMaxRedundancy, true);
+  Transport transport(peer.address(), ScenePeer::kSession, repeating(kMaxRedundancy), true);
   for (std::uint64_t n = 1; n <= 40; ++n) transport.send(sample(n));
   const TransportStatistics s = transport.statistics();
   if (s.too_long == 0 || s.too_long != s.send_failed || s.rerouted != 0) return 1;
@@ -262,7 +269,7 @@ TEST(Transport, AClosedPortIsCountedNotFatal) {
     const ScenePeer peer;
     gone = peer.address();
   }
-  Transport transport(gone, 1, 0, false);
+  Transport transport(gone, 1, {}, false);
   transport.send(sample(1));
   transport.send(sample(2));
   Reply reply;

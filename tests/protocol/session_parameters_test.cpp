@@ -41,8 +41,11 @@ TEST(SessionParameters, TrafficAtItsLimitsIsGood) {
   p.batch = 6;
   EXPECT_NO_THROW(validate(p));
   p.packet_interval = 50;
-  p.position_deadband = p.force_deadband = 0.5;
+  p.position_deadband = 0.5;
   p.keep_alive = 0.05;
+  EXPECT_NO_THROW(validate(p));
+  p.hold_time = 0.2;
+  p.force_deadband = 0.5;
   EXPECT_NO_THROW(validate(p));
   p.predictor = Predictor::linear;
   p.local_model = true;
@@ -84,6 +87,8 @@ TEST(SessionParameters, EachFaultNamesItsField) {
       {"force_deadband", [=](auto& p) { p.force_deadband = nan; }},
       {"keep_alive", [](auto& p) { p.force_deadband = 0.1, p.keep_alive = 0.051; }},
       {"keep_alive", [](auto& p) { p.position_deadband = 0.1, p.packet_interval = 30; }},
+      {"keep_alive",
+       [](auto& p) { p.position_deadband = p.force_deadband = 0.1, p.keep_alive = 0.026; }},
       {"predictor", [](auto& p) { p.predictor = static_cast<Predictor>(2); }},
       {"predictor linear",
        [](auto& p) { p.position_deadband = 0.1, p.predictor = Predictor::linear; }},

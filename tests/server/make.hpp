@@ -71,6 +71,7 @@ inline SampleBatch hand_batch(std::uint64_t newest, int redundancy = 0) {
         hand(newest - static_cast<std::uint64_t>(batch.count));
     ++batch.count;
   }
+  batch.previous = newest - static_cast<std::uint64_t>(batch.count);
   return batch;
 }
 

@@ -1,0 +1,114 @@
+#include "client/sample_packer.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/numeric.hpp"
+#include "protocol/deadband.hpp"
+
+namespace feltwire {
+namespace {
+
+double seconds(Nanoseconds time) { return std::chrono::duration<double>(time).count(); }
+
+}  // namespace
+
+SamplePacker::SamplePacker(const SessionParameters& parameters, bool rotation,
+                           const PositionScale& scale)
+    : parameters_(parameters),
+      scale_(scale),
+      most_(parameters.batch + parameters.redundancy),
+      recent_(parameters.batch > 1 ? static_cast<std::size_t>(parameters.packet_interval) : 1) {
+  batch_.rotation = rotation;
+}
+
+bool SamplePacker::carry_fewer() noexcept {
+  if (most_ == 1) return false;
+  --most_;
+  return true;
+}
+
+void SamplePacker::restart() noexcept {
+  most_ = parameters_.batch + parameters_.redundancy;
+  travelled_count_ = 0;
+  fed_ = fed_at_last_ = 0;
+  velocity_ = angular_velocity_ = Vec3::Zero();
+}
+
+const Sample& SamplePacker::recent(std::uint64_t ago) const noexcept {
+  return recent_[(fed_ - 1 - ago) % recent_.size()];
+}
+
+const SampleBatch* SamplePacker::add(const Sample& sample) noexcept {
+  recent_[fed_ % recent_.size()] = sample;
+  ++fed_;
+  if (!due(sample)) return nullptr;
+  const std::uint64_t interval = static_cast<std::uint64_t>(parameters_.packet_interval);
+  if (travelled_count_ > 0) {
+    const Sample& before = travelled_[0];
+    const double elapsed = seconds(sample.client_time - before.client_time);
+    if (elapsed > 0.0) {
+      velocity_ = (sample.pose.position - before.pose.position) / elapsed;
+      angular_velocity_ =
+          rotation_between(before.pose.orientation, sample.pose.orientation) / elapsed;
+    }
+  }
+  make(std::min(interval, fed_ - fed_at_last_));
+  fed_at_last_ = fed_;
+  return &batch_;
+}
+
+bool SamplePacker::due(const Sample& sample) const noexcept {
+  if (travelled_count_ == 0) return true;
+  if (fed_ - fed_at_last_ < static_cast<std::uint64_t>(parameters_.packet_interval)) return false;
+  return !(parameters_.position_deadband > 0.0) || !known(sample);
+}
+
+/// Whether the server can do without this sample.
+bool SamplePacker::known(const Sample& sample) const noexcept {
+  const Sample& last = travelled_[0];
+  const double silence = seconds(sample.client_time - last.client_time);
+  // The next tick would be too late. Half a tick: a servo does not wake up to the nanosecond.
+  if (!(silence + 0.5 * parameters_.servo_period < parameters_.keep_alive) || silence < 0.0)
+    return false;
+  if (acts(sample.held) != acts(last.held)) return false;
+
+  const bool linear = parameters_.predictor == Predictor::linear;
+  const double k = parameters_.position_deadband;
+  const double force = length(sample.held.force());
+  const double scale = force > 0.0 && scale_.stiffness > 0.0 ? force / scale_.stiffness
+                                                             : kFreeAge * velocity_.norm();
+  // One quantum more or less comes out of a difference of two roundings.
+  constexpr double kRounding = 1.0 + 1e-6;
+  const double allowed = std::max(kRounding * scale_.quantum, k * scale);
+  const Vec3 expected =
+      linear ? Vec3(last.pose.position + silence * velocity_) : last.pose.position;
+  if (beyond_deadband(sample.pose.position, expected, 0.0, allowed)) return false;
+  if (!batch_.rotation) return true;
+  Vec3 turned = rotation_between(last.pose.orientation, sample.pose.orientation);
+  if (linear) turned -= silence * angular_velocity_;
+  return !beyond_deadband(turned, Vec3::Zero(), 0.0,
+                          std::max(kUnfeltAngle, k * kFreeAge * angular_velocity_.norm()));
+}
+
+/// Puts the datagram together from the newest `fresh` samples and those that travelled.
+void SamplePacker::make(std::uint64_t fresh) noexcept {
+  const auto most = static_cast<std::size_t>(most_);
+  const auto batch = static_cast<std::uint64_t>(std::min(parameters_.batch, most_));
+  const std::uint64_t count = std::min({batch, fresh, static_cast<std::uint64_t>(recent_.size())});
+  std::array<Sample, 2 * (kMaxRedundancy + 1)> all;
+  std::size_t size = 0;
+  for (std::uint64_t i = 0; i < count; ++i) all[size++] = recent(i * fresh / count);
+  for (int i = 0; i < travelled_count_; ++i) all[size++] = travelled_[static_cast<std::size_t>(i)];
+
+  const std::size_t carried = std::min(
+      {size, most,
+       static_cast<std::size_t>(count) + static_cast<std::size_t>(parameters_.redundancy)});
+  batch_.count = static_cast<int>(carried);
+  std::copy_n(all.begin(), carried, batch_.samples.begin());
+  batch_.previous = carried < size ? all[carried].index : 0;
+  travelled_count_ = static_cast<int>(std::min(size, travelled_.size()));
+  std::copy_n(all.begin(), travelled_count_, travelled_.begin());
+}
+
+}  // namespace feltwire

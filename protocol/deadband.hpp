@@ -1,0 +1,66 @@
+#pragma once
+// What need not be sent: Weber's fraction on vectors, and what the other side makes of silence
+// (Hinterseer, Steinbach, Hirche, Buss, ICASSP 2005; Hinterseer et al., IEEE Trans. Signal
+// Processing 56(2), 2008). No clock, no state but the trend's, the same bits on both sides.
+
+#include <array>
+
+#include "core/types.hpp"
+
+namespace feltwire {
+
+/// Below these nobody feels a change, whatever the fraction: a fifth of the force that a resting
+/// hand notices, and the torque of that force at an arm of 40 mm.
+inline constexpr double kUnfeltForce = 0.01;   // [N]
+inline constexpr double kUnfeltTorque = 4e-4;  // [N m]
+
+/// Whether `value` lies farther from `expected` than `fraction` of its own length and `floor` more.
+/// Measured against the value itself, not the one sent last, so that who holds `expected` is wrong
+/// by at most that fraction of the truth. True for what is not finite.
+bool beyond_deadband(const Vec3& value, const Vec3& expected, double fraction,
+                     double floor) noexcept;
+
+/// Likewise of a command: of its force, whatever its parts, or of its torque. True also where one
+/// of the two is nothing at all and the other is not: contact begins or ends.
+bool beyond_deadband(const Command& value, const Command& expected, double fraction) noexcept;
+
+/// Whether there is any force or torque.
+bool acts(const Command& command) noexcept;
+
+/// The command `time` [s] later when it changes by `rates` [N/s], [N m/s]. Each part goes no
+/// farther than where it would begin to point backwards: a line that falls through zero must not
+/// turn a push into a pull. A time that is not above zero, and rates that are not finite, leave the
+/// command as it is.
+Command extrapolated(const Command& command, const Command& rates, double time) noexcept;
+
+/// How fast a command changes: the difference over a window of samples. One sample's difference
+/// would carry the encoder's quantum, K quantum / T; the window divides that by its length, for a
+/// lag of half of it. What lies before contact began or ended does not belong to the line.
+class CommandTrend {
+ public:
+  /// `elapsed` [s] since the command before.
+  void add(const Command& command, double elapsed) noexcept;
+  /// [N/s], [N m/s]; zero while too little is known.
+  Command rates() const noexcept;
+  void restart() noexcept { count_ = 0; }
+
+ private:
+  static constexpr double kWindow = 0.01;           // [s] a hand does little within
+  static constexpr double kLeast = 0.25 * kWindow;  // [s] less says nothing
+  static constexpr std::size_t kEntries = 16;
+  static constexpr double kSpacing = kWindow / (kEntries - 2);  // [s] of entries, at high rates
+
+  struct Entry {
+    double time = 0.0;  // [s]
+    Command command;
+  };
+  const Entry& back(std::size_t steps) const {
+    return entries_[(newest_ + kEntries - steps) % kEntries];
+  }
+
+  std::array<Entry, kEntries> entries_{};
+  std::size_t newest_ = 0, count_ = 0;
+  double time_ = 0.0;
+};
+
+}  // namespace feltwire

@@ -1,0 +1,199 @@
+// What a server may withhold: what the client already makes of the reply before.
+
+#include "server/reply_deadband.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <optional>
+
+#include "server/session.hpp"
+#include "tests/server/make.hpp"
+
+namespace feltwire {
+namespace {
+
+constexpr double kPeriod = 1e-3;  // [s]
+
+SessionParameters deadband(double fraction, Predictor predictor = Predictor::level,
+                           double keep_alive = 0.05) {
+  SessionParameters p;
+  p.mode = BoundingMode::none;
+  p.force_deadband = fraction;
+  p.predictor = predictor;
+  p.keep_alive = keep_alive;
+  validate(p);
+  return p;
+}
+
+struct Sent {
+  int tick;
+  Reply reply;
+};
+
+/// The replies that go out, and how far what a client holds is off at worst, less the floor, over
+/// the command.
+struct Played {
+  std::vector<Sent> sent;
+  double worst = 0.0;
+};
+Played play(const SessionParameters& p, const std::function<Command(double)>& scene, int ticks) {
+  ReplyDeadband deadband(p);
+  Played played;
+  for (int n = 0; n < ticks; ++n) {
+    Reply reply;
+    reply.command = scene(kPeriod * n);
+    deadband.add(reply.command, kPeriod);
+    if (!deadband.withhold(reply)) played.sent.push_back({n, reply});
+    const Sent& last = played.sent.back();
+    const Command held =
+        extrapolated(last.reply.command, last.reply.rates, kPeriod * (n - last.tick));
+    const double off = (held.force() - reply.command.force()).norm() - kUnfeltForce;
+    played.worst = std::max(played.worst, off / std::max(1e-12, reply.command.force().norm()));
+    EXPECT_EQ(acts(last.reply.command), acts(reply.command)) << n;
+  }
+  return played;
+}
+
+/// Presses, slides with a changing force, and leaves, five times.
+Command strokes(double t) {
+  const double depth = std::max(0.0, std::sin(2 * M_PI * t));
+  if (!(depth > 0.0)) return {};
+  return {.elastic = Vec3(0.2 * depth * std::sin(9 * t), 0, 4 * depth),
+          .frictional = Vec3(-0.8 * depth, 0, 0)};
+}
+
+TEST(ReplyDeadband, WhatTheClientHoldsIsWithinTheFraction) {
+  std::size_t before = 0;
+  for (const Predictor predictor : {Predictor::level, Predictor::linear}) {
+    before = 5000;
+    for (const double k : {0.02, 0.05, 0.1, 0.2}) {
+      const Played played = play(deadband(k, predictor), strokes, 5000);
+      EXPECT_LE(played.worst, k * (1 + 1e-9));
+      EXPECT_LE(played.sent.size(), before);  // more is let go, less is sent
+      before = played.sent.size();
+    }
+    EXPECT_LT(before, 500u);
+  }
+}
+
+TEST(ReplyDeadband, ALineNeedsFewerThanALevel) {
+  const double k = 0.05;
+  EXPECT_LT(
+      1.5 * static_cast<double>(play(deadband(k, Predictor::linear), strokes, 5000).sent.size()),
+      static_cast<double>(play(deadband(k), strokes, 5000).sent.size()));
+}
+
+TEST(ReplyDeadband, WithoutOneNothingIsWithheld) {
+  SessionParameters p;
+  EXPECT_EQ(play(p, strokes, 500).sent.size(), 500u);
+}
+
+TEST(ReplyDeadband, SilenceLastsKeepAliveAtMost) {
+  for (const int interval : {1, 3, 7}) {
+    SessionParameters p = deadband(0.1, Predictor::level, 0.02);
+    p.packet_interval = interval;
+    ReplyDeadband deadband(p);
+    double silent = 0.0;
+    int sent = 0;
+    for (int n = 0; n < 1000; n += interval) {
+      Reply reply;
+      reply.command.elastic = Vec3(0, 0, 1);
+      deadband.add(reply.command, interval * kPeriod);
+      silent += interval * kPeriod;
+      if (deadband.withhold(reply)) continue;
+      if (n > 0) {
+        EXPECT_LE(silent, 0.02 + 1e-9);
+      }
+      silent = 0.0;
+      ++sent;
+    }
+    EXPECT_NEAR(sent, 1000 / (20 / interval * interval), 1);
+  }
+}
+
+TEST(ReplyDeadband, WhatBeginsOrEndsIsSent) {
+  const auto answered = [](const std::function<void(Reply&)>& change) {
+    ReplyDeadband deadband(::feltwire::deadband(0.5));
+    Reply reply;
+    reply.command.elastic = Vec3(0, 0, 1e-4);
+    const auto next = [&](Reply r) {
+      deadband.add(r.command, kPeriod);
+      return !deadband.withhold(r);
+    };
+    EXPECT_TRUE(next(reply));
+    EXPECT_FALSE(next(reply));
+    Reply changed = reply;
+    change(changed);
+    const bool first = next(changed);
+    return std::pair(first, next(changed));
+  };
+  EXPECT_EQ(answered([](Reply&) {}), std::pair(false, false));
+  EXPECT_EQ(answered([](Reply& r) { r.command = {}; }), std::pair(true, false));
+  EXPECT_EQ(answered([](Reply& r) { r.refused = true; }), std::pair(true, false));
+  EXPECT_EQ(answered([](Reply& r) { r.saturated = true; }), std::pair(true, false));
+  EXPECT_EQ(answered([](Reply& r) { r.gap = true; }), std::pair(true, true));
+  EXPECT_EQ(answered([](Reply& r) { r.active = true; }), std::pair(false, false));
+}
+
+/// The whole session: what is withheld is counted, and told in the next reply.
+TEST(SessionDeadband, CountsWhatItWithholdsAndSaysSo) {
+  const Scene scene = test::room(0.0);
+  Session session(test::join_request(deadband(0.1)), scene);
+  SampleBatch batch = test::hand_batch(1);
+  std::uint64_t withheld = 0;
+  for (std::uint64_t n = 1; n <= 400; ++n) {
+    batch = test::hand_batch(n);
+    batch.samples[0].pose.position = Vec3(-0.1, 0, -0.002 - 1e-6 * static_cast<double>(n));
+    const Taken taken = session.take(batch, Nanoseconds(0));
+    ASSERT_EQ(taken.drop, DropReason::none);
+    withheld += taken.withheld ? 1 : 0;
+    EXPECT_EQ(taken.reply.withheld, withheld);
+  }
+  EXPECT_GT(withheld, 380u);
+  EXPECT_EQ(session.counters().withheld, withheld);
+  EXPECT_EQ(session.counters().replies, 400 - withheld);
+  EXPECT_EQ(session.counters().samples, 400u);
+}
+
+TEST(SessionDeadband, RatesTravelWithALineOnly) {
+  const Scene scene = test::room(0.0);
+  for (const Predictor predictor : {Predictor::level, Predictor::linear}) {
+    Session session(test::join_request(deadband(0.1, predictor)), scene);
+    Reply last;
+    for (std::uint64_t n = 1; n <= 40; ++n) {
+      SampleBatch batch = test::hand_batch(n);
+      batch.samples[0].pose.position = Vec3(-0.1, 0, -1e-4 * static_cast<double>(n));
+      const Taken taken = session.take(batch, Nanoseconds(0));
+      EXPECT_EQ(taken.reply.predicted, predictor == Predictor::linear);
+      last = taken.reply;
+    }
+    EXPECT_NEAR(last.rates.elastic.z(), predictor == Predictor::linear ? 200.0 : 0.0, 1e-6);
+  }
+}
+
+/// What the client left out is no gap, and is stepped over as one hold; what travelled and never
+/// came is one.
+TEST(Session, LeftOutIsNotLost) {
+  const Scene scene = test::room(0.0);
+  Session session(test::join_request(), scene);
+  const auto take = [&](std::uint64_t index, std::uint64_t previous) {
+    SampleBatch batch = test::hand_batch(index);
+    batch.previous = previous;
+    return session.take(batch, Nanoseconds(0)).reply.gap;
+  };
+  EXPECT_FALSE(take(4, 0));
+  EXPECT_FALSE(take(9, 4));
+  EXPECT_EQ(session.counters().gaps, 0u);
+  EXPECT_TRUE(take(19, 14));
+  EXPECT_EQ(session.counters().gaps, 1u);
+  EXPECT_EQ(session.counters().missed, 5u);
+  EXPECT_FALSE(take(24, 19));
+  EXPECT_TRUE(take(27, 26));
+  EXPECT_EQ(session.counters().missed, 7u);
+  EXPECT_EQ(session.counters().samples, 5u);
+}
+
+}  // namespace
+}  // namespace feltwire
