@@ -33,8 +33,10 @@ struct Words {
   std::string connect, scene, device = "simulated", spec = "simulated";
   std::string mode = std::string(name(SessionParameters{}.mode)),
               projection = std::string(name(SessionParameters{}.projection)), storage = "minimal",
-              reference = "zero", side, path = "press";
+              reference = "zero", side, path = "press", predictor = "level";
   double rate = 1000.0;
+  std::optional<double> packet_rate;  // [Hz]
+  double position_deadband_percent = 0.0, force_deadband_percent = 0.0;
   std::optional<std::array<double, 3>> center, normal;
   std::optional<double> wait_for_small_force, ramp_up, velocity_limit;
   std::string report, record, link, dscp = "cs0";
@@ -62,6 +64,22 @@ void choose_safety(const Words& words, ClientOptions& options) {
   given.ramp_up = words.ramp_up.value_or(usual.ramp_up);
 }
 
+/// How often what travels. Throws std::invalid_argument.
+void choose_traffic(const Words& words, SessionParameters& parameters) {
+  constexpr double kPercent = 0.01;
+  parameters.position_deadband = kPercent * words.position_deadband_percent;
+  parameters.force_deadband = kPercent * words.force_deadband_percent;
+  parameters.predictor = predictor(words.predictor);
+  if (!words.packet_rate) return;
+  require(*words.packet_rate > 0.0 && *words.packet_rate <= words.rate,
+          "--packet-rate must be above 0 Hz and at most --rate");
+  // Never more often than was asked for; 1000 / 333.4 is three ticks for whoever rounded it.
+  constexpr double kRounded = 1e-3;
+  const double ticks = std::ceil(words.rate / *words.packet_rate - kRounded);
+  require(ticks <= kMaxPacketInterval, "--packet-rate must be at least --rate / 1000");
+  parameters.packet_interval = std::max(1, static_cast<int>(ticks));
+}
+
 /// Throws std::invalid_argument.
 void understand(const Words& words, HandTask task, ClientOptions& options) {
   options.server = parse_endpoint(words.connect);
@@ -86,6 +104,7 @@ void understand(const Words& words, HandTask task, ClientOptions& options) {
     options.parameters.side = BoundingSide::server;
   require(std::isfinite(words.rate) && words.rate > 0.0, "--rate must be above 0 Hz");
   options.parameters.servo_period = 1.0 / words.rate;
+  choose_traffic(words, options.parameters);
   validate(options.parameters);
   choose_safety(words, options);
   validate(options.servo, options.parameters);
@@ -204,6 +223,33 @@ std::variant<ClientOptions, int> parse_options(int argc, char** argv) {
                  "[s] a command older than half of it fades, at all of it it is zero")
       ->capture_default_str()
       ->group(session);
+
+  const auto traffic = "Traffic (docs/network.md)";
+  app.add_option(
+         "--packet-rate", words.packet_rate,
+         "[Hz] of datagrams to the server, at most --rate, in whole servo ticks; a datagram a "
+         "tick when not given")
+      ->group(traffic);
+  app.add_option("--batch", parameters.batch,
+                 "Samples of each datagram, evenly spaced; with the redundancy at most 9")
+      ->capture_default_str()
+      ->group(traffic);
+  app.add_option("--position-deadband", words.position_deadband_percent,
+                 "[%] 0 to 50: send only what makes more than this difference to the force; 0: all")
+      ->capture_default_str()
+      ->group(traffic);
+  app.add_option("--force-deadband", words.force_deadband_percent,
+                 "[%] 0 to 50: be answered only when the force is off by more than this; 0: always")
+      ->capture_default_str()
+      ->group(traffic);
+  app.add_option("--predictor", words.predictor,
+                 "What it is off from: " + choices(kPredictorNames) +
+                     ", the value sent last or the line through it")
+      ->capture_default_str()
+      ->group(traffic);
+  app.add_option("--keep-alive", parameters.keep_alive, "[s] longest silence of either deadband")
+      ->capture_default_str()
+      ->group(traffic);
 
   const auto safety =
       "Safety (--slew, --ramp-up, --velocity-limit: contact_frame, energy_tank and none only)";

@@ -230,7 +230,7 @@ TEST(PositionDeadband, ALineIsSilentWhileTheHandMovesEvenly) {
   };
   const auto all = sent(p, {1e-6, 1000.0}, turn, 150);
   EXPECT_LE(all.size(), 12u);
-  EXPECT_EQ(all.count(101) + all.count(102), 1u);  // the turn is told
+  EXPECT_GE(all.count(101) + all.count(102), 1u);  // the turn is told
   p.predictor = Predictor::level;
   EXPECT_GT(sent(p, {1e-6, 1000.0}, turn, 150).size(), 45u);
 }
