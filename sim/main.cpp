@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <csignal>
 #include <filesystem>
+#include <fstream>
 #include <iostream>
 #include <memory>
 #include <thread>
@@ -10,6 +11,7 @@
 #include "client/report.hpp"
 #include "sim/choices.hpp"
 #include "sim/compare.hpp"
+#include "sim/deadband_study.hpp"
 #include "sim/extremes.hpp"
 #include "sim/figures.hpp"
 #include "sim/filters.hpp"
@@ -216,6 +218,44 @@ void add_trade(CLI::App& app) {
   });
 }
 
+Recording recording_from(const std::string& file) {
+  std::ifstream in(file);
+  if (!in) throw std::runtime_error(file + ": cannot be read; give a CSV with t,x,y,z");
+  return read_recording(in, file);
+}
+
+void add_deadband(CLI::App& app) {
+  struct Options {
+    std::string out = "deadband", recording, side = std::string(name(SessionParameters{}.side)),
+                link = "delay=0";
+  };
+  auto o = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand(
+      "deadband", "Datagrams that a perceptual deadband saves, and what it costs the force");
+  command->footer(
+      "Simulated hands by deadband and fraction, in whole sessions in virtual time. Writes "
+      "deadband.csv,\ndeadband.json and deadband.png, the same bytes every time. docs/network.md "
+      "says how to read it.");
+  command->add_option("--out", o->out, "Folder to write to; made when missing")
+      ->capture_default_str();
+  command->add_option("--recording", o->recording,
+                      "FILE.csv (t,x,y,z) that is replayed over a plane at z = 0, too");
+  command->add_option("--bounding", o->side, "Where the bound runs: server, client or both")
+      ->capture_default_str();
+  command->add_option("--link", o->link, "Between them (docs/network.md)")->capture_default_str();
+  command->callback([o] {
+    DeadbandGrid grid;
+    grid.parameters.side = bounding_side(o->side);
+    grid.link = parse_link(o->link);
+    std::optional<Recording> recording;
+    if (!o->recording.empty()) recording = recording_from(o->recording);
+    const auto rows = run_deadband(deadband_tasks(recording), grid);
+    write_deadband(o->out, grid, rows);
+    std::cout << deadband_table(rows) << "\nTable and picture are in "
+              << std::filesystem::absolute(o->out).lexically_normal().string() << '\n';
+  });
+}
+
 void add_bound(CLI::App& app) {
   struct Options {
     std::string mode = "contact_frame", projection = "joint", storage = "minimal",
@@ -365,6 +405,7 @@ int main(int argc, char** argv) {
   add_rate(app);
   add_sides(app, status);
   add_trade(app);
+  add_deadband(app);
   add_bound(app);
   add_touch(app);
   add_summary(app);
