@@ -1,8 +1,46 @@
 #include "server/reply_deadband.hpp"
 
 #include <algorithm>
+#include <cmath>
+
+#include "core/numeric.hpp"
 
 namespace feltwire {
+namespace {
+
+constexpr double kKnown = 0.5;  // share of a reach or radius that a model is trusted for unrenewed
+
+/// [m] of a point above the surface, with its curvature c: (sqrt(1 + 2 h c + c^2 d^2) - 1) / c,
+/// written so that a plane is no special case.
+double height(const SurfacePatch& surface, const Vec3& point, const Vec3& moved) noexcept {
+  Vec3 d = point - surface.point - moved;
+  d -= surface.axis.dot(d) * surface.axis;
+  const double h = surface.normal.dot(d), c = surface.curvature, bulge = c * d.squaredNorm();
+  return (2.0 * h + bulge) / (std::sqrt(std::max(0.0, 1.0 + c * (2.0 * h + bulge))) + 1.0);
+}
+
+}  // namespace
+
+bool describes(const LocalModel& sent, const LocalModel& now, double since, double force) noexcept {
+  // Written so that NaN, and a model that says nothing, describe nothing.
+  if (!(length(now.center - sent.center) < kKnown * sent.reach)) return false;
+  for (const SurfacePatch& patch : now.view()) {
+    const auto known = std::ranges::find_if(sent.view(), [&](const SurfacePatch& s) {
+      return s.object == patch.object && s.feature == patch.feature;
+    });
+    if (known == sent.view().end()) {
+      // Farther than `sent` looked; else it is news.
+      if (length(patch.point - sent.center) < sent.reach) return false;
+      continue;
+    }
+    const Vec3 moved = since * known->velocity;
+    const double along = length(patch.point - known->point - moved);
+    if (known->joined != patch.joined || !(along <= kKnown * known->radius) ||
+        !(std::abs(height(*known, patch.point, moved)) <= force / known->material.stiffness))
+      return false;
+  }
+  return true;
+}
 
 bool ReplyDeadband::withhold(Reply& reply) noexcept {
   if (!on()) return false;
@@ -12,6 +50,8 @@ bool ReplyDeadband::withhold(Reply& reply) noexcept {
   any_ = true;
   command_ = reply.command;
   rates_ = reply.rates;
+  model_.reach = 0.0;
+  if (reply.modelled) model_ = reply.model;
   refused_ = reply.refused;
   saturated_ = reply.saturated;
   since_ = 0.0;
@@ -25,9 +65,13 @@ bool ReplyDeadband::differs(const Reply& reply) const noexcept {
   const double next = (p.packet_interval - 0.5) * p.servo_period;
   if (!(since_ + next < p.keep_alive)) return true;
   if (reply.gap || reply.refused != refused_ || reply.saturated != saturated_) return true;
+  if (acts(reply.command) != acts(command_)) return true;
+  if (reply.modelled && reply.model.reach > 0.0) {
+    const double unfelt = p.force_deadband * length(reply.command.force()) + kUnfeltForce;
+    return !describes(model_, reply.model, since_, unfelt);
+  }
   const Command known = extrapolated(command_, rates_, std::min(since_, p.keep_alive));
-  return beyond_deadband(reply.command, known, p.force_deadband) ||
-         acts(reply.command) != acts(command_);
+  return beyond_deadband(reply.command, known, p.force_deadband);
 }
 
 }  // namespace feltwire

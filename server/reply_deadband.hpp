@@ -7,6 +7,11 @@
 
 namespace feltwire {
 
+/// Whether the surfaces of `now` are those that `sent` said, `since` [s] ago: each lies where it
+/// said within `force` [N] over its stiffness, and the tool at now.center is not beyond half of
+/// what `sent` reaches and knows. A model without reach describes nothing.
+bool describes(const LocalModel& sent, const LocalModel& now, double since, double force) noexcept;
+
 /// A force deadband: a reply is withheld while the command differs from what the client
 /// reconstructs by no more than a Weber fraction (protocol/deadband.hpp). Reconstructs with the
 /// client's own function, over the client's own sample times, so without losses the two agree.
@@ -14,7 +19,11 @@ namespace feltwire {
 /// Replies get lost, and the server does not hear of it: what the client really holds may then be
 /// the reply before, and wrong by more. It is so for keep_alive at most, then a reply is sent
 /// whatever it says. Sent at once is also whatever begins or ends: contact, a refusal, saturation;
-/// a gap; and another model of the surfaces.
+/// a gap.
+///
+/// A client with a local model makes the force itself where it is: what it must be told is not the
+/// force but surfaces that the model it has does not describe any more, or that the tool is half
+/// way out of it.
 class ReplyDeadband {
  public:
   /// `parameters` must be valid. Without a force deadband nothing is ever withheld.
@@ -40,6 +49,7 @@ class ReplyDeadband {
   // What the client was sent last.
   bool any_ = false, refused_ = false, saturated_ = false;
   Command command_, rates_;
+  LocalModel model_;    // of reach 0: none
   double since_ = 0.0;  // [s] of the client's samples since that reply's
 };
 

@@ -36,6 +36,64 @@ TEST(Servo, SamplesAreCountedFromOneAndCarryWhatIsHeld) {
   EXPECT_EQ(bench.servo.statistics().samples, 2u);
 }
 
+/// The server sends a line: 2 N that fall by 40 N/s, and never below zero.
+TEST(Servo, ACommandIsCarriedOnAlongItsRatesForKeepAliveAtMost) {
+  SessionParameters p = parameters(BoundingMode::none);
+  p.keep_alive = 0.02;
+  for (const auto& [ahead, expected] : std::vector<std::pair<double, double>>{
+           {0.001, 1.96}, {0.01, 1.6}, {0.02, 1.2}, {0.03, 1.2}, {0.045, 1.2}}) {
+    Bench bench(p);
+    bench.tick();
+    Reply line = reply(1, {.elastic = Vec3(0, 0, 2)});
+    line.rates.elastic = Vec3(0, 0, -40);
+    line.predicted = true;
+    bench.servo.take(line, bench.now);
+    EXPECT_NEAR(bench.tick({}, seconds(ahead)).elastic.z(), expected, 1e-9) << ahead;
+  }
+  for (const double rate : {-1e3, -1e9, kNan, kInfinity}) {
+    Bench bench(p);
+    bench.tick();
+    Reply line = reply(1, {.elastic = Vec3(0, 0, 2)});
+    line.rates.elastic = Vec3(0, 0, rate);
+    line.predicted = true;
+    bench.servo.take(line, bench.now);
+    EXPECT_GE(bench.tick({}, seconds(0.01)).elastic.z(), 0.0) << rate;
+  }
+}
+
+TEST(Servo, WithheldIsNotLost) {
+  SessionParameters p = parameters(BoundingMode::none);
+  p.force_deadband = 0.1;
+  p.keep_alive = 0.005;
+  Bench bench(p);
+  const auto answer = [&](std::uint64_t index, std::uint64_t withheld) {
+    Reply r = reply(index, {});
+    r.withheld = withheld;
+    bench.servo.take(r, bench.now);
+  };
+  for (int i = 0; i < 10; ++i) {
+    bench.tick();
+    bench.servo.sent();
+  }
+  EXPECT_EQ(bench.servo.lost(), 5u);  // five may have been withheld
+  EXPECT_EQ(bench.servo.lost_so_far(), 0u);
+  answer(1, 0);
+  answer(8, 4);  // 2 to 7: four withheld, two lost
+  EXPECT_EQ(bench.servo.statistics().withheld, 4u);
+  EXPECT_EQ(bench.servo.lost_so_far(), 2u);
+  EXPECT_EQ(bench.servo.lost(), 2u);  // 9 and 10 may yet be withheld
+  EXPECT_TRUE(bench.servo.awaits_answer());
+
+  bench.servo.reconnected(true);  // another server counts from zero
+  bench.tick();
+  bench.servo.sent();
+  answer(11, 0);
+  EXPECT_EQ(bench.servo.statistics().withheld, 4u);
+  EXPECT_EQ(bench.servo.lost_so_far(), 4u);  // 9 and 10 of the old one, too
+  answer(11, ~std::uint64_t{0});
+  EXPECT_LE(bench.servo.lost(), 11u);
+}
+
 TEST(Servo, CommandsFadeLinearlyFromHalfTheHoldTimeOn) {
   SessionParameters p = parameters(BoundingMode::none);
   p.hold_time = 0.1;

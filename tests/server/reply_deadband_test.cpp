@@ -137,6 +137,89 @@ TEST(ReplyDeadband, WhatBeginsOrEndsIsSent) {
   EXPECT_EQ(answered([](Reply& r) { r.active = true; }), std::pair(false, false));
 }
 
+/// A ball of radius 50 mm above the tool's way, felt from outside; the tool slides by.
+LocalModel ball_model(const Vec3& tool) {
+  const Vec3 up = tool.normalized();
+  LocalModel model;
+  model.center = tool;
+  model.reach = 0.1;
+  model.count = 1;
+  SurfacePatch& patch = model.patches[0];
+  patch.point = 0.05 * up;
+  patch.normal = up;
+  patch.curvature = 20.0;
+  patch.radius = 0.1;
+  patch.material.stiffness = 1000.0;
+  return model;
+}
+
+TEST(ReplyDeadband, AModelThatStillHoldsNeedNotBeSentAgain) {
+  const LocalModel sent = ball_model(Vec3(0, 0, 0.048));
+  const Vec3 aside(0.02, 0, 0.04);
+  EXPECT_TRUE(describes(sent, sent, 0.01, 1e-6));
+  EXPECT_TRUE(describes(sent, ball_model(aside), 0.01, 1e-6));  // the same ball
+  LocalModel flat = sent;
+  flat.patches[0].curvature = 0.0;
+  EXPECT_FALSE(describes(flat, ball_model(aside), 0.01, 1e-6));
+  EXPECT_FALSE(describes(sent, ball_model(Vec3(0, 0, 0.10)), 0.01, 1.0));  // half way out
+
+  const auto changed = [&](const std::function<void(LocalModel&)>& change) {
+    LocalModel now = ball_model(aside);
+    change(now);
+    return !describes(sent, now, 0.01, 0.1);
+  };
+  EXPECT_FALSE(changed([](LocalModel& m) { m.patches[0].point *= 1.0015; }));  // 75 um of 100
+  EXPECT_TRUE(changed([](LocalModel& m) { m.patches[0].point *= 1.003; }));
+  EXPECT_TRUE(changed([](LocalModel& m) { m.patches[0].feature = 1; }));
+  EXPECT_TRUE(changed([](LocalModel& m) { m.patches[0].joined = true; }));
+  EXPECT_TRUE(changed([](LocalModel& m) { m.center.x() = std::nan(""); }));
+  LocalModel narrow = sent;
+  narrow.patches[0].radius = 0.03;
+  EXPECT_FALSE(describes(narrow, ball_model(aside), 0.01, 1.0));
+  EXPECT_FALSE(describes(LocalModel{}, ball_model(aside), 0.01, 1.0));
+
+  // Another surface is news where it was looked for, and none beyond.
+  LocalModel more = ball_model(aside);
+  more.patches[1] = more.patches[0];
+  more.patches[1].object = 1;
+  more.count = 2;
+  more.patches[1].point = Vec3(0.09, 0, 0.048);
+  EXPECT_FALSE(describes(sent, more, 0.01, 1.0));
+  more.patches[1].point = Vec3(0.11, 0, 0.048);
+  EXPECT_TRUE(describes(sent, more, 0.01, 1.0));
+
+  // One that moves as it was said to.
+  LocalModel moving = sent, later = sent;
+  moving.patches[0].velocity = Vec3(0, 0, 0.5);
+  later.patches[0].point.z() += 5e-3;
+  EXPECT_TRUE(describes(moving, later, 0.01, 1e-6));
+  EXPECT_FALSE(describes(moving, sent, 0.01, 1.0));
+}
+
+/// In free space the force says nothing; the wall that comes near does.
+TEST(ReplyDeadband, AModelIsRenewedBeforeTheToolLeavesIt) {
+  SessionParameters p = deadband(0.1, Predictor::level, 0.05);
+  p.side = BoundingSide::client;
+  p.local_model = true;
+  validate(p);
+  ReplyDeadband deadband(p);
+  Vec3 told = Vec3::Zero();
+  int sent = 0;
+  for (int n = 0; n < 400; ++n) {
+    Reply reply;
+    reply.modelled = true;
+    reply.model = ball_model(Vec3(0, 0, 0.5 - 0.002 * n));
+    reply.model.count = 0;
+    deadband.add({}, kPeriod);
+    if (!deadband.withhold(reply)) {
+      told = reply.model.center;
+      ++sent;
+    }
+    ASSERT_LT((reply.model.center - told).norm(), 0.5 * reply.model.reach);
+  }
+  EXPECT_LT(sent, 25);
+}
+
 /// The whole session: what is withheld is counted, and told in the next reply.
 TEST(SessionDeadband, CountsWhatItWithholdsAndSaysSo) {
   const Scene scene = test::room(0.0);
