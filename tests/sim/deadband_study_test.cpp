@@ -28,7 +28,9 @@ TEST(DeadbandStudy, SavesDatagramsAndKeepsTheForce) {
     }
     EXPECT_EQ(r.saved_up > 0.3, r.kind->position) << r.task << r.kind->name;
     EXPECT_GT(r.saved_down, 0.3) << r.task << r.kind->name;
-    EXPECT_LT(r.relative, 0.15) << r.task << r.kind->name;
+    // Each deadband lets the force be off by k.
+    EXPECT_LT(r.relative, r.kind->position && r.kind->force ? 0.21 : 0.11)
+        << r.task << r.kind->name;
     EXPECT_GT(r.error_max, 0.0) << r.task << r.kind->name;
   }
 }
