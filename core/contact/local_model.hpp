@@ -27,9 +27,11 @@ struct SurfacePatch {
   bool touching = false, slipping = false;
   // Which surface this is, the same from one model to the next.
   std::uint16_t object = 0;
-  std::uint8_t feature = 0;
+  std::uint8_t feature = 0;  // as FeatureMemory has it
   /// The solid is only where the tool is behind all joined patches of this object (a convex edge or
-  /// corner); patches that are not joined are solids of their own.
+  /// corner), and pushes along the one it was entered by; patches that are not joined are solids of
+  /// their own. Either way an object is one contact: depth times normal is the sum over what the
+  /// tool is behind, and friction has one stick point.
   bool joined = false;
 };
 

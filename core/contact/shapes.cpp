@@ -55,7 +55,6 @@ SurfacePoint surface(const Capsule& capsule, Side side, const Vec3& p, FeatureMe
   return round_surface(side, p, core, capsule.radius, undefined, memory);
 }
 
-/// Faces: +x, -x, +y, -y, +z, -z.
 SurfacePoint box_from_outside(const Vec3& h, const Vec3& p, FeatureMemory& memory) {
   const bool inside = std::abs(p.x()) < h.x() && std::abs(p.y()) < h.y() && std::abs(p.z()) < h.z();
   if (!inside) return free_point(memory);
@@ -63,7 +62,7 @@ SurfacePoint box_from_outside(const Vec3& h, const Vec3& p, FeatureMemory& memor
   // A convex solid holds the whole way between two points in it, so whoever is still inside has
   // crossed no other face since he entered. Only at entry is the nearest face asked for.
   int face = memory.feature - 1;
-  if (face < 0 || face > 5) {
+  if (face < 0 || face >= kBoxFaces) {
     Eigen::Index axis;
     (h - p.cwiseAbs()).minCoeff(&axis);
     face = 2 * static_cast<int>(axis) + (p[axis] < 0.0 ? 1 : 0);
@@ -92,8 +91,6 @@ SurfacePoint surface(const Box& box, Side side, const Vec3& p, FeatureMemory& me
   return side == Side::outside ? box_from_outside(box.half_extents, p, memory)
                                : box_from_inside(box.half_extents, p, memory);
 }
-
-constexpr int kCylinderSide = 0, kCylinderTop = 1, kCylinderBottom = 2;
 
 SurfacePoint surface(const Cylinder& cylinder, Side side, const Vec3& p, FeatureMemory& memory) {
   const double h = cylinder.half_length;

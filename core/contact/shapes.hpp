@@ -40,6 +40,11 @@ struct SurfacePoint {
   double depth = 0.0;           // [m] |position - point|, 0 when free
 };
 
+/// Faces by index. Of a box: +x, -x, +y, -y, +z, -z; of a cylinder as named; all other shapes have
+/// one.
+inline constexpr int kBoxFaces = 6;
+inline constexpr int kCylinderSide = 0, kCylinderTop = 1, kCylinderBottom = 2;
+
 /// What the proxy must remember of one shape between samples, so that it does not jump through a
 /// thin solid.
 struct FeatureMemory {

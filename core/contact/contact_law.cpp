@@ -1,0 +1,48 @@
+#include "core/contact/contact_law.hpp"
+
+#include <algorithm>
+
+#include "core/numeric.hpp"
+
+namespace feltwire {
+
+// Spring and surface have the same stiffness, so the cone |F_t| <= mu F_n is a cone of lengths:
+// |stretch| <= mu * depth, in which the stiffness has no part.
+Vec3 stick_stretch(const Material& material, const SurfacePoint& surface,
+                   ContactMemory& memory) noexcept {
+  if (!memory.touching) {
+    memory.anchor = surface.point;
+    memory.slipping = false;
+    return Vec3::Zero();
+  }
+  // What an anchor on a curved surface pulls with is its part in the tangent plane of where the
+  // proxy now is; the rest is the surface's business.
+  const Vec3 chord = memory.anchor - surface.point;
+  Vec3 stretch = chord - along(chord, surface.normal);
+  const double stretched = length(stretch);
+
+  const double mu = memory.slipping ? material.dynamic_friction : material.static_friction;
+  memory.slipping = stretched > mu * surface.depth;
+  if (memory.slipping) {
+    // At the break the force falls from mu_s F_n to mu_d F_n; the anchor is dragged along.
+    stretch *= material.dynamic_friction * surface.depth / stretched;
+    memory.anchor = surface.point + stretch;
+  }
+  return stretch;
+}
+
+Command contact_force(const Material& material, double depth, const Vec3& normal,
+                      const Vec3& stick_force, const Vec3& velocity) noexcept {
+  const double elastic = material.stiffness * depth;
+  Command command;
+  command.elastic = elastic * normal;
+  command.frictional = stick_force;
+  if (material.viscous_friction > 0.0 || material.damping > 0.0) {
+    const double leaving = velocity.dot(normal);  // [m/s] out of the surface
+    command.frictional -= material.viscous_friction * (velocity - leaving * normal);
+    command.frictional += std::max(-elastic, -material.damping * leaving) * normal;
+  }
+  return command;
+}
+
+}  // namespace feltwire

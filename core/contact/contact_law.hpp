@@ -1,0 +1,37 @@
+#pragma once
+// What a surface answers where a tool stands behind it: the one law of contact, of the scene's
+// objects and of a local model's patches.
+
+#include "core/contact/material.hpp"
+#include "core/contact/shapes.hpp"
+#include "core/types.hpp"
+
+namespace feltwire {
+
+/// What one tool remembers of one object between samples.
+struct ContactMemory {
+  FeatureMemory feature;
+  bool touching = false;
+  bool slipping = false;
+  Vec3 anchor = Vec3::Zero();  // [m, frame of the surface] the stick point: on the surface, or
+                               // while it is dragged in the proxy's tangent plane
+};
+
+/// How far the stick spring is stretched along the surface [m, frame of the surface]; moves the
+/// anchor and the stick / slip state on by one sample. The spring's force is stiffness times this,
+/// kept inside the cone |F_t| <= mu |F_n|: mu_s until it breaks, then mu_d with the anchor dragged
+/// along, until the spring needs less than mu_d (Salisbury et al. 1995; Harwin & Melder 2002).
+/// Precondition: surface.depth > 0; memory.touching is still that of the sample before.
+Vec3 stick_stretch(const Material& material, const SurfacePoint& surface,
+                   ContactMemory& memory) noexcept;
+
+/// The force on the hand, any one frame.
+///   elastic     stiffness * depth * normal
+///   frictional  stick_force (of stick_stretch(); zero without static friction), plus
+///               -viscous_friction * v_t, plus -damping * v_n, limited so that elastic + damping
+///               never pulls.
+/// `velocity` [m/s] of the tool against the surface.
+Command contact_force(const Material& material, double depth, const Vec3& normal,
+                      const Vec3& stick_force, const Vec3& velocity) noexcept;
+
+}  // namespace feltwire

@@ -1,0 +1,61 @@
+#pragma once
+// The contact with a local model's patches, at whatever rate the hand is asked.
+
+#include <array>
+#include <cstdint>
+
+#include "core/contact/contact_law.hpp"
+#include "core/contact/local_model.hpp"
+#include "core/types.hpp"
+
+namespace feltwire {
+
+/// What a model says at one place.
+struct LocalForce {
+  Command command;  // on the hand, world frame; no torque
+  /// 1: the model speaks; 0: it says nothing; between: the share of its command in the whole, on
+  /// the way out of its reach.
+  double weight = 0.0;
+};
+
+/// Renders the newest model. What is remembered of a contact (entered face, stick point, slipping)
+/// is this side's own as long as it follows the surface, however old the model's state is. Nothing
+/// here allocates, throws or reads a clock.
+class LocalContact {
+ public:
+  /// Over this last share of a reach or a radius the weight falls linearly to zero.
+  static constexpr double kHandOver = 0.25;
+
+  /// Forgets model and contacts.
+  void clear() noexcept { *this = {}; }
+
+  /// Another model. Contacts go on with the surfaces that it still describes; what is remembered of
+  /// others is the model's own state. Whatever is in it (see PROTOCOL.md, not_finite, for what a
+  /// receiver lets pass), no force of touch() is other than finite.
+  void take(const LocalModel& model) noexcept;
+
+  /// The force on a tool. `age` [s] of the model's state: moving surfaces have moved on since, and
+  /// damping and viscosity are against them. `elapsed` [s] since the last call.
+  LocalForce touch(const Tool& tool, double age, double elapsed) noexcept;
+
+  const LocalModel& model() const { return model_; }
+
+ private:
+  /// What is remembered of one object; world frame.
+  struct Contact {
+    std::uint16_t object = 0;
+    ContactMemory memory;
+  };
+  const Contact* contact_of(std::uint16_t object) const noexcept;
+  ContactMemory continued(const LocalModel& model, std::uint16_t object) const noexcept;
+  double weight_at(const Vec3& position) const noexcept;
+  Command touch_object(Contact& contact, const Tool& tool, double age, double elapsed,
+                       double& weight) const noexcept;
+
+  LocalModel model_;  // normals and axes exactly unit
+  std::array<Contact, kMaxPatches> contacts_{};
+  int count_ = 0;
+  double last_weight_ = 0.0;  // of the last touch(): 0: the contacts may not be the scene's
+};
+
+}  // namespace feltwire

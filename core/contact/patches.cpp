@@ -1,0 +1,228 @@
+#include "core/contact/patches.hpp"
+
+#include <algorithm>
+
+#include "core/numeric.hpp"
+
+namespace feltwire {
+namespace {
+
+constexpr std::uint8_t kOnlyFeature = 1;
+
+std::uint8_t feature_of(int face) { return static_cast<std::uint8_t>(1 + face); }
+int face_of(std::uint8_t feature) { return feature - 1; }
+double face_sign(int face) { return face % 2 == 0 ? 1.0 : -1.0; }
+
+void add(SurfaceParts& all, double distance, std::uint8_t feature, bool shown = true) {
+  all.parts[static_cast<std::size_t>(all.count++)] = {distance, feature, shown};
+}
+
+/// One of several faces that bound a convex solid together: it begins to count where the solid
+/// does, and where the tool could be beyond it and inside the others. The face that the tool stands
+/// on comes first.
+void add_convex(SurfaceParts& all, double beyond, double solid, int face, std::uint8_t entered) {
+  const std::uint8_t feature = feature_of(face);
+  add(all, feature == entered ? -1.0 : std::max(beyond, solid), feature);
+}
+
+SurfaceParts parts(const Plane&, Side side, const Vec3& p, std::uint8_t) {
+  SurfaceParts all;
+  add(all, std::max(0.0, side == Side::outside ? p.z() : -p.z()), kOnlyFeature);
+  return all;
+}
+
+double height(Side side, double distance, double radius) {
+  return side == Side::outside ? distance - radius : radius - distance;
+}
+
+SurfaceParts parts(const Sphere& sphere, Side side, const Vec3& p, std::uint8_t) {
+  SurfaceParts all;
+  add(all, std::max(0.0, height(side, length(p), sphere.radius)), kOnlyFeature);
+  return all;
+}
+
+/// Side and ends are one smooth surface, but no patch: the one that the point is nearest to is
+/// shown, the others begin behind their junction with it.
+SurfaceParts parts(const Capsule& capsule, Side side, const Vec3& p, std::uint8_t) {
+  SurfaceParts all;
+  const double h = capsule.half_length;
+  const Vec3 core(0.0, 0.0, std::clamp(p.z(), -h, h));
+  const double near = std::max(0.0, height(side, length(Vec3(p - core)), capsule.radius));
+  add(all, near, kOnlyFeature);
+  if (!(h > 0.0)) return all;
+  // From outside the way to the junction's plane and the way in are at right angles beside the
+  // cylinder; from within only the longer of the two is sure.
+  const double in = std::max(0.0, hypotenuse(p.x(), p.y()) - capsule.radius);
+  const auto behind = [&](double way) {
+    add(all, side == Side::outside ? hypotenuse(way, in) : std::max(way, near), kOnlyFeature,
+        false);
+  };
+  if (std::abs(p.z()) <= h) {
+    behind(h - p.z());
+    behind(h + p.z());
+  } else {
+    behind(std::abs(p.z()) - h);
+  }
+  return all;
+}
+
+SurfaceParts parts(const Box& box, Side side, const Vec3& p, std::uint8_t entered) {
+  SurfaceParts all;
+  const Vec3& h = box.half_extents;
+  const Vec3 out = (p.cwiseAbs() - h).cwiseMax(0.0);
+  const double solid = length(out);
+  for (int face = 0; face < kBoxFaces; ++face) {
+    const int axis = face / 2;
+    const double inward = std::max(0.0, h[axis] - face_sign(face) * p[axis]);
+    if (side == Side::inside) {
+      add(all, inward, feature_of(face));
+      continue;
+    }
+    Vec3 way = out;  // to what lies beyond this face and within the others
+    way[axis] = inward;
+    add_convex(all, length(way), solid, face, entered);
+  }
+  return all;
+}
+
+SurfaceParts parts(const Cylinder& cylinder, Side side, const Vec3& p, std::uint8_t entered) {
+  SurfaceParts all;
+  const double h = cylinder.half_length, distance = hypotenuse(p.x(), p.y());
+  const double to_side = std::max(0.0, cylinder.radius - distance);
+  const double to_top = std::max(0.0, h - p.z()), to_bottom = std::max(0.0, h + p.z());
+  if (side == Side::inside) {
+    add(all, to_side, feature_of(kCylinderSide));
+    add(all, to_top, feature_of(kCylinderTop));
+    add(all, to_bottom, feature_of(kCylinderBottom));
+    return all;
+  }
+  const double across = std::max(0.0, distance - cylinder.radius);
+  const double along = std::max(0.0, std::abs(p.z()) - h);
+  const double solid = hypotenuse(across, along);
+  add_convex(all, hypotenuse(to_side, along), solid, kCylinderSide, entered);
+  add_convex(all, hypotenuse(to_top, across), solid, kCylinderTop, entered);
+  add_convex(all, hypotenuse(to_bottom, across), solid, kCylinderBottom, entered);
+  return all;
+}
+
+/// Geometry of a patch, object frame.
+struct Surface {
+  Vec3 point = Vec3::Zero(), normal = Vec3::UnitZ(), axis = Vec3::Zero();
+  double curvature = 0.0;
+  bool joined = false;
+};
+
+Vec3 or_else(const Vec3& direction, const Vec3& other) {
+  return direction.isZero(0.0) ? other : direction;
+}
+
+Surface round(Side side, const Vec3& core, const Vec3& outward, double radius) {
+  const double sign = side == Side::outside ? 1.0 : -1.0;
+  return {.point = core + radius * outward, .normal = sign * outward, .curvature = sign / radius};
+}
+
+Surface surface(const Plane&, Side side, const Vec3& p, int, const ContactMemory&) {
+  return {.point = {p.x(), p.y(), 0.0}, .normal = {0.0, 0.0, side == Side::outside ? 1.0 : -1.0}};
+}
+
+Surface surface(const Sphere& sphere, Side side, const Vec3& p, int, const ContactMemory& memory) {
+  return round(side, Vec3::Zero(), or_else(direction(p), memory.feature.normal), sphere.radius);
+}
+
+Vec3 across_axis(const Vec3& p, const ContactMemory& memory) {
+  const Vec3 remembered(memory.feature.normal.x(), memory.feature.normal.y(), 0.0);
+  return or_else(direction(Vec3(p.x(), p.y(), 0.0)), or_else(direction(remembered), Vec3::UnitX()));
+}
+
+Surface surface(const Capsule& capsule, Side side, const Vec3& p, int,
+                const ContactMemory& memory) {
+  const double h = capsule.half_length;
+  const Vec3 core(0.0, 0.0, std::clamp(p.z(), -h, h));
+  const bool straight = h > 0.0 && std::abs(p.z()) <= h;
+  const Vec3 outward =
+      straight ? across_axis(p, memory) : or_else(direction(Vec3(p - core)), memory.feature.normal);
+  Surface s = round(side, core, outward, capsule.radius);
+  if (straight) s.axis = Vec3::UnitZ();
+  return s;
+}
+
+Surface surface(const Box& box, Side side, const Vec3& p, int face, const ContactMemory&) {
+  const Vec3& h = box.half_extents;
+  Surface s{.point = p.cwiseMax(-h).cwiseMin(h),
+            .normal = (side == Side::outside ? 1.0 : -1.0) * face_sign(face) * Vec3::Unit(face / 2),
+            .joined = side == Side::outside};
+  s.point[face / 2] = face_sign(face) * h[face / 2];
+  return s;
+}
+
+Surface surface(const Cylinder& cylinder, Side side, const Vec3& p, int face,
+                const ContactMemory& memory) {
+  const double h = cylinder.half_length, z = std::clamp(p.z(), -h, h);
+  Surface s;
+  if (face == kCylinderSide) {
+    s = round(side, Vec3(0.0, 0.0, z), across_axis(p, memory), cylinder.radius);
+    s.axis = Vec3::UnitZ();
+  } else {
+    const double up = face == kCylinderTop ? 1.0 : -1.0;
+    const double distance = hypotenuse(p.x(), p.y());
+    const double in = distance > cylinder.radius ? cylinder.radius / distance : 1.0;
+    s.point = {in * p.x(), in * p.y(), up * h};
+    s.normal = (side == Side::outside ? up : -up) * Vec3::UnitZ();
+  }
+  s.joined = side == Side::outside;
+  return s;
+}
+
+}  // namespace
+
+SurfaceParts surface_parts(const Shape& shape, Side side, const Vec3& position,
+                           std::uint8_t entered) noexcept {
+  // get_if instead of visit: visit may throw.
+  if (const auto* plane = std::get_if<Plane>(&shape)) return parts(*plane, side, position, entered);
+  if (const auto* sphere = std::get_if<Sphere>(&shape))
+    return parts(*sphere, side, position, entered);
+  if (const auto* box = std::get_if<Box>(&shape)) return parts(*box, side, position, entered);
+  if (const auto* capsule = std::get_if<Capsule>(&shape))
+    return parts(*capsule, side, position, entered);
+  if (const auto* cylinder = std::get_if<Cylinder>(&shape))
+    return parts(*cylinder, side, position, entered);
+  return {};
+}
+
+SurfacePatch surface_patch(const Object& object, const Vec3& position, std::uint8_t feature,
+                           const ContactMemory& memory) noexcept {
+  const Quaternion& to_world = object.pose.orientation;
+  const Vec3 p = to_world.conjugate() * (position - object.pose.position);
+  const Side side = object.felt_from;
+  const int face = face_of(feature);
+  Surface s;
+  if (const auto* plane = std::get_if<Plane>(&object.shape))
+    s = surface(*plane, side, p, face, memory);
+  else if (const auto* sphere = std::get_if<Sphere>(&object.shape))
+    s = surface(*sphere, side, p, face, memory);
+  else if (const auto* box = std::get_if<Box>(&object.shape))
+    s = surface(*box, side, p, face, memory);
+  else if (const auto* capsule = std::get_if<Capsule>(&object.shape))
+    s = surface(*capsule, side, p, face, memory);
+  else if (const auto* cylinder = std::get_if<Cylinder>(&object.shape))
+    s = surface(*cylinder, side, p, face, memory);
+
+  SurfacePatch patch;
+  patch.point = object.pose.position + to_world * s.point;
+  patch.normal = to_world * s.normal;
+  patch.axis = to_world * s.axis;
+  patch.curvature = s.curvature;
+  patch.joined = s.joined;
+  patch.material = object.material;
+  patch.feature = feature;
+  // Without friction there is no stick point.
+  patch.anchor = patch.point;
+  patch.touching = memory.touching && memory.feature.feature == feature;
+  if (patch.touching && object.material.static_friction > 0.0) {
+    patch.anchor = object.pose.position + to_world * memory.anchor;
+    patch.slipping = memory.slipping;
+  }
+  return patch;
+}
+
+}  // namespace feltwire

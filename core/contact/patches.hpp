@@ -1,0 +1,43 @@
+#pragma once
+// An object's surface near a point, in parts that one SurfacePatch describes exactly.
+
+#include <array>
+#include <cstdint>
+
+#include "core/contact/contact.hpp"
+#include "core/contact/local_model.hpp"
+
+namespace feltwire {
+
+/// A part of a shape's surface, seen from a point.
+struct SurfacePart {
+  double distance = 0.0;     // [m] within this of the point, leaving the part out changes nothing;
+                             // negative: the face that the tool was entered by
+  std::uint8_t feature = 0;  // as FeatureMemory has it
+  bool shown =
+      true;  // false: no patch stands beside the others' for it (the far parts of a capsule)
+};
+
+struct SurfaceParts {
+  std::array<SurfacePart, kBoxFaces> parts{};
+  int count = 0;
+  std::span<const SurfacePart> view() const {
+    return {parts.data(), static_cast<std::size_t>(count)};
+  }
+};
+
+/// All parts of the shape's surface. `position` [m, object frame]; `entered` is the feature that a
+/// tool there stands on, 0: none.
+///
+/// For every R: within R of the position, the shape is what the parts with distance < R make of it,
+/// if all of these are shown. Only which of two convex faces a tool enters by may differ where it
+/// enters nearer to R than it is deep.
+SurfaceParts surface_parts(const Shape& shape, Side side, const Vec3& position,
+                           std::uint8_t entered) noexcept;
+
+/// The shown part of that feature as a patch in the world frame, at its point nearest to `position`
+/// [m, world], with radius 0 and object 0: these are the caller's to say.
+SurfacePatch surface_patch(const Object& object, const Vec3& position, std::uint8_t feature,
+                           const ContactMemory& memory) noexcept;
+
+}  // namespace feltwire

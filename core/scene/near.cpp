@@ -1,0 +1,100 @@
+#include "core/scene/near.hpp"
+
+#include <algorithm>
+#include <limits>
+
+#include "core/contact/patches.hpp"
+
+namespace feltwire {
+namespace {
+
+constexpr std::size_t kMostObjects = std::numeric_limits<std::uint16_t>::max();
+
+/// A part of an object of the scene.
+struct Near {
+  double distance = 0.0;  // [m]
+  std::size_t object = 0;
+  std::uint8_t feature = 0;
+};
+
+/// The nearest parts so far, in order; those of equal distance in the order they came.
+class Nearest {
+ public:
+  /// Puts a part in its place; what no longer fits, or cannot be shown, ends the reach.
+  void offer(const Near& part, bool shown) noexcept {
+    if (part.distance >= reach_) return;
+    if (!shown) {
+      reach_ = part.distance;
+      return;
+    }
+    if (count_ == kMaxPatches) {
+      const bool last = part.distance >= parts_[kMaxPatches - 1].distance;
+      reach_ = last ? part.distance : parts_[kMaxPatches - 1].distance;
+      if (last) return;
+      --count_;
+    }
+    int place = count_++;
+    for (; place > 0 && parts_[at(place - 1)].distance > part.distance; --place)
+      parts_[at(place)] = parts_[at(place - 1)];
+    parts_[at(place)] = part;
+  }
+  double reach() const { return std::max(0.0, reach_); }
+  std::span<const Near> within_reach() const {
+    int count = count_;
+    while (count > 0 && parts_[at(count - 1)].distance >= reach_) --count;
+    return {parts_.data(), at(count)};
+  }
+
+ private:
+  static std::size_t at(int i) { return static_cast<std::size_t>(i); }
+  std::array<Near, kMaxPatches> parts_{};
+  int count_ = 0;
+  double reach_ = kModelReach;  // [m]
+};
+
+SurfaceParts parts_near(const Object& object, const Vec3& position, std::uint8_t entered) {
+  const Vec3 p = object.pose.orientation.conjugate() * (position - object.pose.position);
+  return surface_parts(object.shape, object.felt_from, p, entered);
+}
+
+/// [m] from a patch's point to where a part of the same object begins that is not in the model.
+double radius_of(const Object& object, const SurfacePatch& patch, std::size_t index,
+                 std::span<const Near> chosen) {
+  double radius = kModelReach;
+  for (const SurfacePart& part : parts_near(object, patch.point, 0).view()) {
+    const bool described = part.shown && std::ranges::any_of(chosen, [&](const Near& near) {
+                             return near.object == index && near.feature == part.feature;
+                           });
+    if (!described) radius = std::min(radius, part.distance);
+  }
+  return radius;
+}
+
+}  // namespace
+
+LocalModel local_model(const Scene& scene, const Vec3& position,
+                       const TouchMemory& memory) noexcept {
+  LocalModel model;
+  const auto& objects = scene.objects();
+  if (!position.allFinite() || memory.size() != objects.size()) [[unlikely]]
+    return model;
+  model.center = position;
+
+  Nearest nearest;
+  for (std::size_t i = 0; i < objects.size(); ++i)
+    for (const SurfacePart& part :
+         parts_near(objects[i], position, memory[i].feature.feature).view())
+      nearest.offer({part.distance, i, part.feature}, part.shown && i <= kMostObjects);
+
+  model.reach = nearest.reach();
+  const auto chosen = nearest.within_reach();
+  for (const Near& near : chosen) {
+    SurfacePatch& patch = model.patches[static_cast<std::size_t>(model.count++)];
+    patch = surface_patch(objects[near.object], position, near.feature, memory[near.object]);
+    patch.object = static_cast<std::uint16_t>(near.object);
+    patch.radius = radius_of(objects[near.object], patch, near.object, chosen);
+  }
+  return model;
+}
+
+}  // namespace feltwire

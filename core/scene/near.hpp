@@ -1,0 +1,20 @@
+#pragma once
+
+#include "core/contact/local_model.hpp"
+#include "core/scene/scene.hpp"
+
+namespace feltwire {
+
+/// [m] No model reaches farther: a hand at 1 m/s needs a tenth of a second for it, by when a
+/// command of the usual hold time is gone.
+inline constexpr double kModelReach = 0.1;
+
+/// The surfaces of the scene near a tool position [m, world], nearest first: those that the tool
+/// stands on before all, then those that would be met first. `memory` as touch() at that position
+/// left it. What is left out begins beyond the reach; in a place with more than kMaxPatches
+/// surfaces at once the reach is zero. A position that is not finite, or a memory of another scene,
+/// gives a model that says nothing. Never allocates.
+LocalModel local_model(const Scene& scene, const Vec3& position,
+                       const TouchMemory& memory) noexcept;
+
+}  // namespace feltwire
