@@ -223,6 +223,10 @@ std::variant<ClientOptions, int> parse_options(int argc, char** argv) {
                  "[s] a command older than half of it fades, at all of it it is zero")
       ->capture_default_str()
       ->group(session);
+  app.add_flag("--local-model", parameters.local_model,
+               "Replies bring the surfaces near the tool, and this side renders them at its own "
+               "rate (docs/network.md); not with --bounding server")
+      ->group(session);
 
   const auto traffic = "Traffic (docs/network.md)";
   app.add_option(

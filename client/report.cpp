@@ -138,6 +138,18 @@ Json server(const Servo& servo) {
           {"gap", reply.gap}};
 }
 
+Json local_model(const Servo& servo) {
+  if (!servo.parameters().local_model) return nullptr;
+  const ServoStatistics& s = servo.statistics();
+  return {{"models", s.models},
+          {"mean_patches",
+           s.models > 0 ? number(static_cast<double>(s.patches) / static_cast<double>(s.models))
+                        : Json(nullptr)},
+          {"samples_from_model", s.modelled},
+          {"samples_from_both", s.half_modelled},
+          {"samples_beyond_reach", s.beyond_model}};
+}
+
 Json clock(const ClockEstimate& c, Nanoseconds now) {
   if (!c.known()) return nullptr;
   constexpr double kMicro = 1e6;
@@ -301,6 +313,7 @@ std::string report_json(const RunDescription& run, const Servo& servo,
       {"parameters", parameters(servo.parameters())},
       {"safety", safety(servo.options().safety)},
       {"encoder", encoder(servo.spec(), run.scene_stiffness)},
+      {"local_model", local_model(servo)},
       {"server_last_reply", server(servo)},
   };
   if (loop.end == EndReason::server_goodbye) report["goodbye_reason"] = name_of(loop.goodbye);

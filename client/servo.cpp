@@ -94,6 +94,7 @@ Servo::Servo(const DeviceSpec& spec, const SessionParameters& parameters,
       port_(observer_of(bounding_.config())),
       torque_(bounding_.config().rotation),
       period_(bounding_.config().period),
+      velocity_(parameters.velocity_cutoff),
       sent_(kRemembered) {
   validate(options, parameters);
 }
@@ -131,7 +132,22 @@ bool Servo::take(const Reply& reply, Nanoseconds arrival) noexcept {
   // it lets nothing through, inside an object too.
   newest_original_ =
       reply.sample_index > anew_after_ && !reply.active && !reply.saturated && !reply.refused;
+  if (parameters_.local_model) take_model(reply, newest_arrival_);
   return true;
+}
+
+void Servo::take_model(const Reply& reply, Nanoseconds arrival) noexcept {
+  if (!reply.modelled) {
+    local_.clear();
+    return;
+  }
+  local_.take(reply.model);
+  ++statistics_.models;
+  statistics_.patches += reply.model.view().size();
+  // What moves has moved on since the server looked, by the way back as the clocks say, which are
+  // believed no farther than a command lives.
+  const double since = std::clamp(server_clock_.delay_down(), 0.0, parameters_.hold_time);
+  model_time_ = arrival - Nanoseconds(std::llround(since * 1e9));
 }
 
 void Servo::count_answer(const Reply& reply, Nanoseconds arrival) noexcept {
@@ -173,6 +189,7 @@ void Servo::start_letting_go() noexcept {
 
 void Servo::begin_anew(std::uint64_t last_sample_before) noexcept {
   safety_.begin_anew();
+  local_.clear();
   anew_after_ = last_sample_before;
   newest_original_ = false;  // what was said before says nothing of where the hand is now
 }
@@ -248,9 +265,9 @@ Servo::Movement Servo::moved_to(const DeviceReading& reading) noexcept {
   return moved;
 }
 
-Command Servo::safeguard(const Command& bounded, const BoundingStep& step) noexcept {
+Command Servo::safeguard(const Command& bounded, const BoundingStep& step, bool original) noexcept {
   const Safeguarded safe = safety_.apply({.commanded = wanted_,
-                                          .original = position_known_ && newest_original_,
+                                          .original = position_known_ && original,
                                           .bounded = actuated(spec_, bounded),
                                           .displacement = step.displacement,
                                           .rotation = step.rotation,
@@ -261,6 +278,22 @@ Command Servo::safeguard(const Command& bounded, const BoundingStep& step) noexc
   statistics_.too_fast += safe.too_fast ? 1 : 0;
   statistics_.force_limited += safe.limited ? 1 : 0;
   return safe.rendered;
+}
+
+/// Asks the local model at the device's position; what it does not know of stays the reply's, given
+/// as `command`. True when the model spoke alone.
+bool Servo::follow_model(const BoundingStep& step, Nanoseconds now, Command& command) noexcept {
+  const Vec3& velocity = velocity_.update(step.displacement, step.hold_time);
+  const double age = seconds(now - model_time_);
+  const LocalForce force = local_.touch({sample_.pose.position, velocity}, age, step.hold_time);
+  const double w = force.weight;
+  command.elastic = w * force.command.elastic + (1.0 - w) * command.elastic;
+  command.frictional = w * force.command.frictional + (1.0 - w) * command.frictional;
+  environment_ = command;
+  ++(w >= 1.0  ? statistics_.modelled
+     : w > 0.0 ? statistics_.half_modelled
+               : statistics_.beyond_model);
+  return w >= 1.0;
 }
 
 Command Servo::render(const DeviceReading& reading, Nanoseconds now) noexcept {
@@ -286,9 +319,12 @@ Command Servo::render(const DeviceReading& reading, Nanoseconds now) noexcept {
 
   wanted_ = {};
   double factor = 0.0;  // of the command
+  bool original = newest_original_;
   if (usable && has_reply()) {
+    Command environment = reconstructed(now);
+    if (parameters_.local_model && follow_model(step, now, environment)) original = true;
     // Only what the device can do goes into the bound, so that it accounts what it gives.
-    wanted_ = actuated(spec_, reconstructed(now));
+    wanted_ = actuated(spec_, environment);
     factor = fade_factor();
     if (factor < 1.0) ++statistics_.faded;
     step.command = faded(wanted_, factor);
@@ -301,10 +337,11 @@ Command Servo::render(const DeviceReading& reading, Nanoseconds now) noexcept {
   statistics_.saturated += bounded.saturated ? 1 : 0;
   statistics_.refused += bounded.refused ? 1 : 0;
 
-  const Command given = safeguard(bounded.rendered, step);
+  const Command given = safeguard(bounded.rendered, step, original);
   if (letting_go_ && !released_ && !(factor > 0.0)) {
     letting_go_ = false;
     newest_.command = {};
+    newest_.predicted = false;
     begin_anew(sample_.index);
   }
   return given;

@@ -11,8 +11,10 @@
 #include "client/device.hpp"
 #include "client/histogram.hpp"
 #include "core/bounding/bounding.hpp"
+#include "core/contact/local_contact.hpp"
 #include "core/port_energy.hpp"
 #include "core/safety.hpp"
+#include "core/velocity.hpp"
 #include "protocol/datagram.hpp"
 #include "protocol/session_parameters.hpp"
 
@@ -50,6 +52,9 @@ struct ServoStatistics {
   std::uint64_t refused = 0;          // ticks at which the bound met an absurd command or movement
   // Ticks at which these safety limits took something off what the bound let through.
   std::uint64_t waiting = 0, ramped = 0, slewed = 0, too_fast = 0, force_limited = 0;
+  // With a local model: models that came, their surfaces, and ticks at which the command was the
+  // model's alone, its and the reply's together, and the reply's alone for want of reach.
+  std::uint64_t models = 0, patches = 0, modelled = 0, half_modelled = 0, beyond_model = 0;
   double max_force = 0.0;     // [N] held
   Histogram round_trip;       // [ns] from the sample's reading to the reply's arrival
   Histogram direction_error;  // [1e-6 deg] force held against the command it came from
@@ -71,13 +76,14 @@ class Servo {
   bool take(const Reply& reply, Nanoseconds arrival) noexcept;
 
   /// What to write to the device now. The newest command, carried on along its rates where the
-  /// server sends them (for keep_alive at most), counts in full until it is hold_time / 2 old,
-  /// falls linearly to nothing at hold_time, is then bounded (docs/bounding.md) and last goes
-  /// through the safety stage (core/safety.hpp). A fall by age or by release() takes at most the
-  /// device's largest force off in half the hold time; at its end there is none, whatever the
-  /// bound would hold on to. A reading that is faulty or not finite gives none at once (nobody
-  /// knows what force would be safe at an unknown place), and what follows begins anew as after
-  /// reconnected(). A clock that was set back is no reason to hold anything longer.
+  /// server sends them (for keep_alive at most), or with a local model what that answers where the
+  /// device is now, counts in full until it is hold_time / 2 old, falls linearly to nothing at
+  /// hold_time, is then bounded (docs/bounding.md) and last goes through the safety stage
+  /// (core/safety.hpp). A fall by age or by release() takes at most the device's largest force off
+  /// in half the hold time; at its end there is none, whatever the bound would hold on to. A
+  /// reading that is faulty or not finite gives none at once (nobody knows what force would be safe
+  /// at an unknown place), and what follows begins anew as after reconnected(). A clock that was
+  /// set back is no reason to hold anything longer.
   Command render(const DeviceReading& reading, Nanoseconds now) noexcept;
 
   /// Says what the device's write() returned, which is all that is accounted, and returns the
@@ -104,8 +110,8 @@ class Servo {
 
   /// The session was lost and goes on: the hand may be anywhere by now. What is still held fades to
   /// nothing within half the hold time; then the safety limits that belong to a connection (wait
-  /// for small force, ramp-up) begin anew and the replies count again. `fresh`: it is another
-  /// session, whose server counts from zero.
+  /// for small force, ramp-up) begin anew, a local model of before is forgotten and the replies
+  /// count again. `fresh`: it is another session, whose server counts from zero.
   void reconnected(bool fresh) noexcept;
 
   /// The force fades to nothing within half the hold time, and stays there.
@@ -123,9 +129,11 @@ class Servo {
   const ClockEstimate& server_clock() const { return server_clock_; }
 
   const Sample& sample() const { return sample_; }  // the last one made
+  /// Of the environment, before fade and bound: the newest reply's, or with a local model what that
+  /// made of it at the last tick.
   const Command& command() const {
-    return newest_.command;
-  }                                              // of the environment, before fade and bound
+    return parameters_.local_model ? environment_ : newest_.command;
+  }
   const Command& held() const { return held_; }  // on the hand since the last tick
   const Reply& newest_reply() const { return newest_; }
   bool has_reply() const { return newest_.sample_index > 0; }
@@ -147,11 +155,13 @@ class Servo {
   static bool pulls(const Command& c) { return !c.force().isZero(0.0) || !c.torque.isZero(0.0); }
   double time_since_last_tick(Nanoseconds now) noexcept;
   Movement moved_to(const DeviceReading& reading) noexcept;
+  void take_model(const Reply& reply, Nanoseconds arrival) noexcept;
+  bool follow_model(const BoundingStep& step, Nanoseconds now, Command& command) noexcept;
   double fade_factor() const noexcept;
   Command faded(const Command& command, double factor) const noexcept;
   void start_letting_go() noexcept;
   void begin_anew(std::uint64_t last_sample_before) noexcept;
-  Command safeguard(const Command& bounded, const BoundingStep& step) noexcept;
+  Command safeguard(const Command& bounded, const BoundingStep& step, bool original) noexcept;
   void observe_direction(const Command& held) noexcept;
   void count_answer(const Reply& reply, Nanoseconds arrival) noexcept;
   Command reconstructed(Nanoseconds now) const noexcept;
@@ -175,6 +185,12 @@ class Servo {
   std::uint64_t anew_after_ = 0;         // replies to samples up to this one end no wait
   std::uint64_t stood_still_after_ = 0;  // replies to samples up to this one are out of date
   double command_age_ = 0.0;
+
+  // Of sessions with a local model only.
+  LocalContact local_;
+  VelocityEstimate velocity_;
+  Nanoseconds model_time_{0};  // our time of the state that the model describes
+  Command environment_;        // command(), model and reply together
 
   Nanoseconds last_tick_{0};
   bool ticked_ = false;          // last_tick_ counts

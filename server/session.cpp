@@ -4,6 +4,7 @@
 #include <stdexcept>
 
 #include "core/numeric.hpp"
+#include "core/scene/near.hpp"
 
 namespace feltwire {
 namespace {
@@ -26,6 +27,7 @@ bool same_bound(const SessionParameters& a, SessionParameters b) {
   b.redundancy = a.redundancy;
   b.velocity_cutoff = a.velocity_cutoff;
   b.hold_time = a.hold_time;
+  b.local_model = a.local_model;
   return a == b;
 }
 
@@ -88,6 +90,8 @@ Taken Session::take(const SampleBatch& batch, Nanoseconds now) noexcept {
   reply.client_time = last_.client_time;
   reply.server_receive_time = reply.server_send_time = now;
   reply.rotation = device_.rotation_actuated > 0;
+  reply.modelled = parameters_.local_model;
+  if (reply.modelled) reply.model = local_model(*scene_, last_.pose.position, contacts_);
   reply.delivered = delivered();
   reply.violations = violations();
   taken.withheld = deadband_.withhold(reply);
