@@ -181,6 +181,7 @@ std::vector<SessionParameters> anything() {
       p.redundancy = static_cast<int>(all.size() % 4);
       p.force_deadband = all.size() % 3 == 0 ? 0.3 : 0.0;
       p.predictor = all.size() % 2 == 0 ? Predictor::linear : Predictor::level;
+      p.local_model = side != BoundingSide::server && all.size() % 2 == 0;
       all.push_back(p);
     }
   return all;
@@ -244,24 +245,32 @@ std::uint64_t violations(const NetworkScript& script, const SessionParameters& a
 RC_GTEST_PROP(SessionProperty, NoLinkAndNoChangeGivesTheHandMoreThanWasBurned, ()) {
   const auto both = passive(BoundingSide::both), client = passive(BoundingSide::client);
   const int which = *rc::gen::inRange(0, static_cast<int>(both.size()));
+  const bool local_model = *rc::gen::arbitrary<bool>();
   const NetworkScript script = *network_scripts(static_cast<int>(anything().size()));
-  RC_ASSERT(violations(script, both[static_cast<std::size_t>(which)]) == 0u);
-  RC_ASSERT(violations(script, client[static_cast<std::size_t>(which)]) == 0u);
+  for (SessionParameters p :
+       {both[static_cast<std::size_t>(which)], client[static_cast<std::size_t>(which)]}) {
+    p.local_model = local_model;
+    RC_ASSERT(violations(script, p) == 0u);
+  }
 }
 
 // The same hands win where the client bounds nothing: else the property above is blind.
 TEST(SessionMutant, WithoutABoundAtTheClientTheSameHandsWin) {
   SessionParameters server = passive(BoundingSide::server)[0];
+  SessionParameters modelled = passive(BoundingSide::both)[0];
+  modelled.local_model = true;
   std::uint64_t lost = 0, kept = 0;
-  double rendered = 0.0;
+  double rendered = 0.0, from_model = 0.0;
   for (std::uint64_t seed = 0; seed < 100; ++seed) {
     const NetworkScript script =
         network_scripts(static_cast<int>(anything().size()))(rc::Random(seed), 100).value();
     lost += violations(script, server);
     kept += violations(script, passive(BoundingSide::both)[0], &rendered);
+    kept += violations(script, modelled, &from_model);
   }
   EXPECT_GT(lost, 0u);
   EXPECT_EQ(kept, 0u);
+  EXPECT_GT(from_model, 100.0);
   EXPECT_GT(rendered, 100.0);  // [N] summed: a port that renders nothing proves nothing
 }
 
