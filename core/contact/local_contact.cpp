@@ -27,11 +27,11 @@ Height height_above(const SurfacePatch& patch, const Vec3& moved, const Vec3& p)
           s > 0.0 ? Vec3(bent / s) : Vec3::Zero()};
 }
 
-/// 1 up to the last share of `limit`, then linearly to 0 at it. NaN gives 0.
+/// 1 up to the last share of `limit`, then linearly to 0 at it and beyond. NaN gives 0.
 double share_within(double distance, double limit) {
+  if (!(distance < limit)) return 0.0;
   const double full = (1.0 - LocalContact::kHandOver) * limit;
-  if (distance <= full) return 1.0;
-  return distance < limit ? (limit - distance) / (limit - full) : 0.0;
+  return distance <= full ? 1.0 : (limit - distance) / (limit - full);
 }
 
 bool solid(const Height& h) { return h.height < 0.0; }  // a NaN is free
@@ -72,19 +72,19 @@ const LocalContact::Contact* LocalContact::contact_of(std::uint16_t object) cons
 
 /// The memory to go on with: this side's own where it follows the object (a free one too: what the
 /// model says of touching is older) and its face is still described, else the model's.
-ContactMemory LocalContact::continued(const LocalModel& model,
-                                      std::uint16_t object) const noexcept {
+LocalContact::Contact LocalContact::continued(const LocalModel& model,
+                                              std::uint16_t object) const noexcept {
   const Contact* own = last_weight_ > 0.0 ? contact_of(object) : nullptr;
-  ContactMemory others;
+  Contact others{.object = object, .memory = {}, .adopted = true};
   bool described = false;
   for (const SurfacePatch& patch : model.view()) {
     if (patch.object != object) continue;
     described |= own != nullptr && (!patch.joined || !own->memory.touching ||
                                     own->memory.feature.feature == patch.feature);
     if (patch.touching)
-      others = {{patch.feature, patch.normal}, true, patch.slipping, patch.anchor};
+      others.memory = {{patch.feature, patch.normal}, true, patch.slipping, patch.anchor};
   }
-  return described ? own->memory : others;
+  return described ? *own : others;
 }
 
 void LocalContact::take(const LocalModel& model) noexcept {
@@ -94,7 +94,7 @@ void LocalContact::take(const LocalModel& model) noexcept {
     const auto begin = contacts.begin(), end = begin + count;
     if (std::any_of(begin, end, [&](const Contact& c) { return c.object == patch.object; }))
       continue;
-    contacts[static_cast<std::size_t>(count++)] = {patch.object, continued(model, patch.object)};
+    contacts[static_cast<std::size_t>(count++)] = continued(model, patch.object);
   }
   contacts_ = contacts;
   count_ = count;
@@ -133,7 +133,7 @@ Command LocalContact::touch_object(Contact& contact, const Tool& tool, double ag
     proxy.add(*joined, joined_height,
               memory.feature.feature != 0 ? memory.feature.normal : joined->normal);
   if (proxy.patch == nullptr) {
-    memory = {};
+    contact = {.object = contact.object, .memory = {}};
     return {};
   }
 
@@ -142,7 +142,8 @@ Command LocalContact::touch_object(Contact& contact, const Tool& tool, double ag
   const Vec3 point = patch.point + age * patch.velocity;
   weight = std::min(weight, share_within(length(Vec3(surface.point - point)), patch.radius));
   memory.feature = {patch.feature, surface.normal};
-  memory.anchor += elapsed * patch.velocity;
+  memory.anchor += (contact.adopted ? age : elapsed) * patch.velocity;
+  contact.adopted = false;
   Vec3 stick_force = Vec3::Zero();
   if (patch.material.static_friction > 0.0)
     stick_force = patch.material.stiffness * stick_stretch(patch.material, surface, memory);

@@ -45,9 +45,10 @@ class LocalContact {
   struct Contact {
     std::uint16_t object = 0;
     ContactMemory memory;
+    bool adopted = false;  // the memory is the model's, of the time of its state
   };
   const Contact* contact_of(std::uint16_t object) const noexcept;
-  ContactMemory continued(const LocalModel& model, std::uint16_t object) const noexcept;
+  Contact continued(const LocalModel& model, std::uint16_t object) const noexcept;
   double weight_at(const Vec3& position) const noexcept;
   Command touch_object(Contact& contact, const Tool& tool, double age, double elapsed,
                        double& weight) const noexcept;
