@@ -16,6 +16,7 @@
 #include "sim/figures.hpp"
 #include "sim/filters.hpp"
 #include "sim/link_relay.hpp"
+#include "sim/local_model.hpp"
 #include "sim/rate.hpp"
 #include "sim/report_table.hpp"
 #include "sim/sides.hpp"
@@ -256,6 +257,23 @@ void add_deadband(CLI::App& app) {
   });
 }
 
+void add_local_model(CLI::App& app) {
+  auto out = std::make_shared<std::string>("local_model");
+  CLI::App* command = app.add_subcommand(
+      "local-model", "A local contact model against forces alone, over round trips and rates");
+  command->footer(
+      "Writes local_model.csv, local_model.json and local_model.png, the same bytes every time.\n"
+      "docs/network.md says how to read it.");
+  command->add_option("--out", *out, "Folder to write to; made when missing")
+      ->capture_default_str();
+  command->callback([out] {
+    const auto cells = run_local_model();
+    write_local_model(*out, cells);
+    std::cout << local_model_table(cells) << "\nTable and picture are in "
+              << std::filesystem::absolute(*out).lexically_normal().string() << '\n';
+  });
+}
+
 void add_bound(CLI::App& app) {
   struct Options {
     std::string mode = "contact_frame", projection = "joint", storage = "minimal",
@@ -406,6 +424,7 @@ int main(int argc, char** argv) {
   add_sides(app, status);
   add_trade(app);
   add_deadband(app);
+  add_local_model(app);
   add_bound(app);
   add_touch(app);
   add_summary(app);

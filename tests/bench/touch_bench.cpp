@@ -1,20 +1,28 @@
 // touch/SCENE: what a scene answers a tool that wanders through it.
+// local_model/SCENE: the same, and the surfaces near the tool beside it (less touch/SCENE, that is
+// what they cost a reply).
+// local_contact/SCENE: what a client makes of them, a model every 20 ticks.
 
 #include <benchmark/benchmark.h>
 
 #include <array>
 #include <cmath>
 #include <string>
+#include <vector>
 
-#include "core/scene/scene.hpp"
+#include "core/contact/local_contact.hpp"
+#include "core/scene/near.hpp"
 
 namespace feltwire {
 namespace {
 
-void touch(benchmark::State& state, const std::string& file) {
-  const Scene scene = load_scene(std::string(FELTWIRE_SOURCE_DIR) + "/scenes/" + file + ".json");
-  TouchMemory memory = scene.memory();
-  constexpr std::size_t kPlaces = 4096;  // a lap of the hand, made before the clock runs
+Scene scene_of(const std::string& file) {
+  return load_scene(std::string(FELTWIRE_SOURCE_DIR) + "/scenes/" + file + ".json");
+}
+
+constexpr std::size_t kPlaces = 4096;  // a lap of the hand, made before the clock runs
+
+std::array<Tool, kPlaces> hand_in(const Scene& scene) {
   std::array<Tool, kPlaces> hand;
   for (std::size_t n = 0; n < kPlaces; ++n) {
     const double t = 2.0 * M_PI * static_cast<double>(n) / kPlaces;
@@ -23,6 +31,13 @@ void touch(benchmark::State& state, const std::string& file) {
         Vec3(0.05 * std::sin(3.0 * t), 0.05 * std::cos(2.0 * t), 0.004 * std::sin(11.0 * t));
     hand[n].velocity = {0.05, 0.02, -0.01};
   }
+  return hand;
+}
+
+void touch(benchmark::State& state, const std::string& file) {
+  const Scene scene = scene_of(file);
+  TouchMemory memory = scene.memory();
+  const auto hand = hand_in(scene);
   std::size_t n = 0;
   for (auto _ : state) {
     benchmark::DoNotOptimize(scene.touch(hand[n], memory));
@@ -30,10 +45,43 @@ void touch(benchmark::State& state, const std::string& file) {
   }
 }
 
+void model(benchmark::State& state, const std::string& file) {
+  const Scene scene = scene_of(file);
+  TouchMemory memory = scene.memory();
+  const auto hand = hand_in(scene);
+  std::size_t n = 0;
+  for (auto _ : state) {
+    benchmark::DoNotOptimize(scene.touch(hand[n], memory));
+    benchmark::DoNotOptimize(local_model(scene, hand[n].position, memory));
+    n = (n + 1) % kPlaces;
+  }
+}
+
+void contact(benchmark::State& state, const std::string& file) {
+  constexpr std::size_t kInterval = 20;  // ticks
+  const Scene scene = scene_of(file);
+  TouchMemory memory = scene.memory();
+  const auto hand = hand_in(scene);
+  std::vector<LocalModel> models;
+  for (std::size_t n = 0; n < kPlaces; n += kInterval) {
+    scene.touch(hand[n], memory);
+    models.push_back(local_model(scene, hand[n].position, memory));
+  }
+  LocalContact local;
+  std::size_t n = 0;
+  for (auto _ : state) {
+    if (n % kInterval == 0) local.take(models[n / kInterval]);
+    benchmark::DoNotOptimize(local.touch(hand[n], 0.01, 1e-3));
+    n = (n + 1) % kPlaces;
+  }
+}
+
 [[maybe_unused]] const bool registered = [] {
-  for (const char* scene : {"room", "paper_sphere", "plane"})
-    benchmark::RegisterBenchmark((std::string("touch/") + scene).c_str(), touch,
-                                 std::string(scene));
+  for (const std::string scene : {"room", "paper_sphere", "plane"}) {
+    benchmark::RegisterBenchmark(("touch/" + scene).c_str(), touch, scene);
+    benchmark::RegisterBenchmark(("local_model/" + scene).c_str(), model, scene);
+    benchmark::RegisterBenchmark(("local_contact/" + scene).c_str(), contact, scene);
+  }
   return true;
 }();
 

@@ -1,0 +1,236 @@
+#include "sim/local_model.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "scenes/room_text.hpp"
+#include "sim/metrics.hpp"
+#include "sim/parallel.hpp"
+
+namespace feltwire {
+namespace {
+
+constexpr double kBall = 0.09;         // [m] radius, the paper's
+constexpr double kStiffness = 1000.0;  // [N/m]
+constexpr double kPress = 3.0;         // [N]
+constexpr double kDuration = 4.0;      // [s]
+constexpr double kSettled = 0.5;       // [s]
+constexpr double kHighpass = 51e-3;    // [s]
+
+struct Task {
+  std::string name;
+  Scene scene;
+  HandTask hand;
+};
+
+Object object(const char* name, const Shape& shape, const Vec3& position, const Material& material,
+              Side side = Side::outside) {
+  Object o;
+  o.name = name;
+  o.shape = shape;
+  o.felt_from = side;
+  o.pose.position = position;
+  o.material = material;
+  return o;
+}
+
+HandTask hand(HandPath path, double depth = kPress / Hand{}.stiffness) {
+  HandTask task;
+  task.path = path;
+  task.depth = depth;
+  task.lead_in = 1.0;
+  return task;
+}
+
+/// The tasks of the table, in its order.
+std::vector<Task> all_tasks() {
+  const Material smooth{.stiffness = kStiffness};
+  const Material rough{.stiffness = kStiffness, .static_friction = 0.5, .dynamic_friction = 0.4};
+  const Object wall = object("wall", Plane{}, Vec3::Zero(), smooth);
+  std::vector<Task> tasks;
+
+  // A spring in series: the hand goes in deeper by as much as the wall gives way.
+  tasks.push_back({"press", Scene("press", {wall}),
+                   hand(HandPath::press, kPress / Hand{}.stiffness + kPress / kStiffness)});
+  HandTask taps = hand(HandPath::taps);
+  taps.frequency = 2.0;
+  tasks.push_back({"taps", Scene("taps", {wall}), taps});
+
+  HandTask orbit = hand(HandPath::orbit);
+  orbit.normal = Vec3::UnitY();  // the circle stands on the x-z plane
+  orbit.radius = kBall - orbit.depth;
+  orbit.depth = 0.0;
+  orbit.clearance *= 2.0;  // from within the ball
+  orbit.frequency = 0.25;
+  tasks.push_back(
+      {"ball", Scene("ball", {object("ball", Sphere{kBall}, Vec3::Zero(), smooth)}), orbit});
+
+  HandTask slide = hand(HandPath::slide);
+  slide.frequency = 1.0;
+  tasks.push_back(
+      {"friction", Scene("friction", {object("wall", Plane{}, Vec3::Zero(), rough)}), slide});
+
+  // A block whose edge lies under the middle of the way: off it and on again.
+  slide.frequency = 0.5;
+  const Vec3 half(0.05, 0.05, 0.05);  // [m]
+  tasks.push_back(
+      {"edge", Scene("edge", {object("block", Box{half}, Vec3(-half.x(), 0, -half.z()), smooth)}),
+       slide});
+
+  // Into the corner of floor and two walls, and along them.
+  HandTask corner = hand(HandPath::orbit, kPress / Hand{}.stiffness);
+  corner.center = Vec3(0.01, 0.01, 0.0);
+  corner.radius = 0.02;
+  tasks.push_back({"corner",
+                   Scene("corner", {object("room", Box{Vec3(0.2, 0.2, 0.2)}, Vec3(0.2, 0.2, 0.2),
+                                           smooth, Side::inside)}),
+                   corner});
+
+  // On the table, over its things.
+  HandTask things = hand(HandPath::figure_eight);
+  things.radius = 0.06;
+  things.frequency = 0.25;
+  const Scene room = parse_scene(embedded::room, "room.json");
+  things.center = room.start().position;
+  tasks.push_back({"room", room, things});
+  return tasks;
+}
+
+NetworkRunOptions options_of(const Task& task, const LocalModelCell& cell) {
+  NetworkRunOptions options;
+  options.hand.spec = builtin_device("simulated");
+  options.hand.task = task.hand;
+  options.parameters.servo_period = 1.0 / cell.rate;
+  options.parameters.local_model = cell.modelled;
+  options.link.up.delay = options.link.down.delay = 0.5 * cell.round_trip;
+  options.duration = kDuration;
+  return options;
+}
+
+double rms(const std::vector<NetworkSample>& samples, auto value) {
+  double sum = 0.0;
+  for (const NetworkSample& s : samples) sum += value(s).squaredNorm();
+  return std::sqrt(sum / static_cast<double>(samples.size()));
+}
+
+double mean_angle(const std::vector<NetworkSample>& samples) {
+  double sum = 0.0;
+  int count = 0;
+  for (const NetworkSample& s : samples) {
+    const Vec3 held = s.held.force(), ideal = s.ideal.force();
+    if (!(held.norm() > 0.0) || !(ideal.norm() > 0.0)) continue;
+    sum += std::atan2(held.cross(ideal).norm(), held.dot(ideal));
+    ++count;
+  }
+  return count > 0 ? sum / count : 0.0;
+}
+
+/// Least squares of the force out of the wall over the true depth, while that grows.
+double pressing_slope(const std::vector<NetworkSample>& samples) {
+  double deepest = 0.0, n = 0, x = 0, y = 0, xx = 0, xy = 0;
+  for (const NetworkSample& s : samples) {
+    const double depth = -s.position.z();
+    if (depth <= deepest) continue;
+    deepest = depth;
+    const double force = s.held.force().z();
+    n += 1, x += depth, y += force, xx += depth * depth, xy += depth * force;
+  }
+  const double spread = n * xx - x * x;
+  return spread > 0.0 ? (n * xy - x * y) / spread : 0.0;
+}
+
+/// [s] from the first tick at which the scene pushes the true position to the first with a force.
+double onset(const std::vector<NetworkSample>& samples) {
+  const auto touched = std::ranges::find_if(
+      samples, [](const NetworkSample& s) { return s.ideal.force().norm() > 0.0; });
+  const auto felt = std::ranges::find_if(
+      samples, [](const NetworkSample& s) { return s.held.force().norm() > 0.0; });
+  if (touched == samples.end() || felt == samples.end()) return 0.0;
+  return felt->time - touched->time;
+}
+
+double oscillation(const std::vector<NetworkSample>& samples, double rate) {
+  const int window = 2 * static_cast<int>(std::llround(0.5 * kHighpass * rate)) + 1;
+  double most = 0.0;
+  for (int axis = 0; axis < 3; ++axis) {
+    std::vector<double> way;
+    way.reserve(samples.size());
+    for (const NetworkSample& s : samples) way.push_back(s.position[axis]);
+    most = std::max(most, highpass_rms(way, window));
+  }
+  return most;
+}
+
+/// What comes once the first replies have: before, a session knows nothing.
+std::vector<NetworkSample> settled(const std::vector<NetworkSample>& samples, double rate) {
+  const auto first = static_cast<std::ptrdiff_t>(std::llround(kSettled * rate));
+  return {samples.begin() + first, samples.end()};
+}
+
+void measure(const Task& task, const NetworkRunOptions& options, LocalModelCell& cell) {
+  const NetworkRunResult run = run_network(task.scene, options);
+  const double ticks = static_cast<double>(run.samples.size());
+  const double time = ticks / cell.rate;
+  const auto samples = settled(run.samples, cell.rate);
+  cell.felt = rms(samples, [](const NetworkSample& s) { return s.ideal.force(); });
+  cell.error =
+      rms(samples, [](const NetworkSample& s) { return Vec3(s.held.force() - s.ideal.force()); });
+  cell.direction_error = mean_angle(samples);
+  if (task.name == "press") cell.displayed = pressing_slope(run.samples);
+  cell.onset = onset(run.samples);
+  cell.oscillation = oscillation(run.samples, cell.rate);
+  cell.from_model = static_cast<double>(run.servo.modelled) / ticks;
+  cell.patches = run.servo.models > 0 ? static_cast<double>(run.servo.patches) /
+                                            static_cast<double>(run.servo.models)
+                                      : 0.0;
+  cell.datagrams = static_cast<double>(run.up.datagrams) / time;
+  constexpr double kKilobits = 8e-3;  // of a byte
+  cell.kbit_up = kKilobits * static_cast<double>(run.up.bytes) / time;
+  cell.kbit_down = kKilobits * static_cast<double>(run.down.bytes) / time;
+  cell.violations = run.measured_port.violations();
+}
+
+}  // namespace
+
+std::vector<LocalModelCell> run_local_model(const LocalModelGrid& grid) {
+  constexpr double kUsualRate = 1e3;  // [Hz]
+  const std::vector<Task> tasks = all_tasks();
+  struct Job {
+    const Task* task;
+    bool thin;
+  };
+  std::vector<Job> jobs;
+  std::vector<LocalModelCell> cells;
+  const auto add = [&](const Task& task, double round_trip, double rate, bool thin) {
+    for (const bool modelled : {false, true}) {
+      LocalModelCell cell;
+      cell.task = task.name;
+      cell.round_trip = round_trip;
+      cell.rate = rate;
+      cell.modelled = modelled;
+      cells.push_back(cell);
+      jobs.push_back({&task, thin});
+    }
+  };
+  for (const Task& task : tasks)
+    for (const double round_trip : grid.round_trips) add(task, round_trip, kUsualRate, false);
+  for (const Task& task : tasks)
+    if (task.name == "ball")
+      for (const double rate : grid.rates) {
+        add(task, 0.0, rate, false);
+        add(task, kUsualRoundTrip, rate, true);
+      }
+
+  parallel_for(cells.size(), [&](std::size_t i) {
+    NetworkRunOptions options = options_of(*jobs[i].task, cells[i]);
+    if (jobs[i].thin) {
+      options.parameters.packet_interval =
+          static_cast<int>(std::llround(cells[i].rate / kThinRate));
+      options.parameters.redundancy = 0;
+    }
+    measure(*jobs[i].task, options, cells[i]);
+  });
+  return cells;
+}
+
+}  // namespace feltwire

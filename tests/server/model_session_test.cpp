@@ -1,0 +1,102 @@
+// A session's local model over the wire: made by the server, in float32 on the way, rendered by a
+// client as the scene itself.
+
+#include <gtest/gtest.h>
+
+#include "core/contact/local_contact.hpp"
+#include "protocol/codec.hpp"
+#include "protocol/guard.hpp"
+#include "server/session.hpp"
+#include "tests/core/support.hpp"
+
+namespace feltwire {
+namespace {
+
+using test::Random;
+
+Scene room() { return load_scene(std::string(FELTWIRE_SOURCE_DIR) + "/scenes/room.json"); }
+
+control::JoinRequest request(bool local_model) {
+  control::JoinRequest r;
+  r.client = "tester";
+  r.scene = "room";
+  r.device = builtin_device("simulated");
+  r.parameters.side = BoundingSide::client;
+  r.parameters.local_model = local_model;
+  return r;
+}
+
+SampleBatch sample(std::uint64_t index, const Vec3& position) {
+  SampleBatch batch;
+  batch.count = 1;
+  batch.samples[0].index = index;
+  batch.samples[0].client_time = std::chrono::milliseconds(index);
+  batch.samples[0].pose.position = position;
+  return batch;
+}
+
+TEST(ModelSession, OnlyWhoAsksForItGetsOne) {
+  const Scene scene = room();
+  Session plain(request(false), scene), modelled(request(true), scene);
+  const Vec3 over_table(0.0, 0.0, -0.045);
+  EXPECT_FALSE(plain.take(sample(1, over_table), {}).reply.modelled);
+  const Reply reply = modelled.take(sample(1, over_table), {}).reply;
+  ASSERT_TRUE(reply.modelled);
+  EXPECT_EQ(reply.model.center, over_table);
+  ASSERT_GE(reply.model.count, 1);
+  EXPECT_NEAR(reply.model.patches[0].point.z(), -0.05, 1e-12);
+
+  SessionParameters off = request(false).parameters;
+  modelled.set_parameters(off);
+  EXPECT_FALSE(modelled.take(sample(2, over_table), {}).reply.modelled);
+}
+
+// Hands about places on the room's surfaces, a model every 20 ms through the codec.
+TEST(ModelSession, OverTheWireItIsTheSceneToFloatPrecision) {
+  const Scene scene = room();
+  Random random(6);
+  Encoder encoder;
+  int touched = 0, ticks = 0, spoke = 0;
+  double worst = 0.0;  // [N]
+  for (int run = 0; run < 60; ++run) {
+    Session session(request(true), scene);
+    TouchMemory memory = scene.memory();
+    LocalContact local;
+    Vec3 position(random.uniform(-0.11, 0.11), random.uniform(-0.11, 0.11), -0.0505);
+    const Vec3 place = position;
+    Vec3 velocity = Vec3::Zero();
+    bool followed = true;
+    for (int n = 1; n <= 600; ++n) {
+      velocity = 0.97 * velocity + random.uniform(0.0, 3e-5) * random.direction();
+      position += velocity + 1e-3 * (place - position);
+      const Tool tool{position, velocity / 1e-3};
+      const Command truth = scene.touch(tool, memory);
+      const LocalForce force = local.touch(tool, 0.0, 1e-3);
+      followed = followed && force.weight == 1.0;
+      ++ticks;
+      if (followed) {
+        ++spoke;
+        touched += truth.elastic.norm() > 0.0 ? 1 : 0;
+        worst = std::max(worst, (force.command.force() - truth.force()).norm());
+      }
+      const Reply sent = session.take(sample(static_cast<std::uint64_t>(n), position), {}).reply;
+      if (n % 20 != 1) continue;
+      const Bytes datagram = encoder.reply(1, 1, sent);
+      ASSERT_LE(datagram.size(), 640u);
+      const Guarded guarded = guard(datagram, 1u << static_cast<unsigned>(DatagramKind::reply));
+      Reply received;
+      ASSERT_EQ(decode(guarded.payload, received), DropReason::none);
+      if (!followed) local.clear();
+      local.take(received.model);
+      followed = true;
+    }
+  }
+  // 0.1 m in float32 is right to 4 nm, which 1500 N/m makes 6 uN; friction and damping as much.
+  EXPECT_LT(worst, 5e-5);
+  EXPECT_GT(worst, 0.0);
+  EXPECT_GT(touched, 5000);
+  EXPECT_GT(spoke, ticks / 2);
+}
+
+}  // namespace
+}  // namespace feltwire
