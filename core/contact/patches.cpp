@@ -1,6 +1,7 @@
 #include "core/contact/patches.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "core/numeric.hpp"
 
@@ -8,6 +9,10 @@ namespace feltwire {
 namespace {
 
 constexpr std::uint8_t kOnlyFeature = 1;
+
+// What underflows here is a distance that is taken for nothing, which is on the safe side; a scene
+// has no lengths that would overflow.
+double root(double a, double b) { return std::sqrt(a * a + b * b); }
 
 std::uint8_t feature_of(int face) { return static_cast<std::uint8_t>(1 + face); }
 int face_of(std::uint8_t feature) { return feature - 1; }
@@ -19,10 +24,10 @@ void add(SurfaceParts& all, double distance, std::uint8_t feature, bool shown = 
 
 /// One of several faces that bound a convex solid together: it begins to count where the solid
 /// does, and where the tool could be beyond it and inside the others. The face that the tool stands
-/// on comes first.
+/// on counts wherever it is.
 void add_convex(SurfaceParts& all, double beyond, double solid, int face, std::uint8_t entered) {
   const std::uint8_t feature = feature_of(face);
-  add(all, feature == entered ? -1.0 : std::max(beyond, solid), feature);
+  add(all, feature == entered ? 0.0 : std::max(beyond, solid), feature);
 }
 
 SurfaceParts parts(const Plane&, Side side, const Vec3& p, std::uint8_t) {
@@ -37,7 +42,7 @@ double height(Side side, double distance, double radius) {
 
 SurfaceParts parts(const Sphere& sphere, Side side, const Vec3& p, std::uint8_t) {
   SurfaceParts all;
-  add(all, std::max(0.0, height(side, length(p), sphere.radius)), kOnlyFeature);
+  add(all, std::max(0.0, height(side, p.norm(), sphere.radius)), kOnlyFeature);
   return all;
 }
 
@@ -47,15 +52,14 @@ SurfaceParts parts(const Capsule& capsule, Side side, const Vec3& p, std::uint8_
   SurfaceParts all;
   const double h = capsule.half_length;
   const Vec3 core(0.0, 0.0, std::clamp(p.z(), -h, h));
-  const double near = std::max(0.0, height(side, length(Vec3(p - core)), capsule.radius));
+  const double near = std::max(0.0, height(side, (p - core).norm(), capsule.radius));
   add(all, near, kOnlyFeature);
   if (!(h > 0.0)) return all;
   // From outside the way to the junction's plane and the way in are at right angles beside the
   // cylinder; from within only the longer of the two is sure.
-  const double in = std::max(0.0, hypotenuse(p.x(), p.y()) - capsule.radius);
+  const double in = std::max(0.0, root(p.x(), p.y()) - capsule.radius);
   const auto behind = [&](double way) {
-    add(all, side == Side::outside ? hypotenuse(way, in) : std::max(way, near), kOnlyFeature,
-        false);
+    add(all, side == Side::outside ? root(way, in) : std::max(way, near), kOnlyFeature, false);
   };
   if (std::abs(p.z()) <= h) {
     behind(h - p.z());
@@ -70,7 +74,7 @@ SurfaceParts parts(const Box& box, Side side, const Vec3& p, std::uint8_t entere
   SurfaceParts all;
   const Vec3& h = box.half_extents;
   const Vec3 out = (p.cwiseAbs() - h).cwiseMax(0.0);
-  const double solid = length(out);
+  const double solid = out.norm();
   for (int face = 0; face < kBoxFaces; ++face) {
     const int axis = face / 2;
     const double inward = std::max(0.0, h[axis] - face_sign(face) * p[axis]);
@@ -80,14 +84,14 @@ SurfaceParts parts(const Box& box, Side side, const Vec3& p, std::uint8_t entere
     }
     Vec3 way = out;  // to what lies beyond this face and within the others
     way[axis] = inward;
-    add_convex(all, length(way), solid, face, entered);
+    add_convex(all, way.norm(), solid, face, entered);
   }
   return all;
 }
 
 SurfaceParts parts(const Cylinder& cylinder, Side side, const Vec3& p, std::uint8_t entered) {
   SurfaceParts all;
-  const double h = cylinder.half_length, distance = hypotenuse(p.x(), p.y());
+  const double h = cylinder.half_length, distance = root(p.x(), p.y());
   const double to_side = std::max(0.0, cylinder.radius - distance);
   const double to_top = std::max(0.0, h - p.z()), to_bottom = std::max(0.0, h + p.z());
   if (side == Side::inside) {
@@ -98,10 +102,10 @@ SurfaceParts parts(const Cylinder& cylinder, Side side, const Vec3& p, std::uint
   }
   const double across = std::max(0.0, distance - cylinder.radius);
   const double along = std::max(0.0, std::abs(p.z()) - h);
-  const double solid = hypotenuse(across, along);
-  add_convex(all, hypotenuse(to_side, along), solid, kCylinderSide, entered);
-  add_convex(all, hypotenuse(to_top, across), solid, kCylinderTop, entered);
-  add_convex(all, hypotenuse(to_bottom, across), solid, kCylinderBottom, entered);
+  const double solid = root(across, along);
+  add_convex(all, root(to_side, along), solid, kCylinderSide, entered);
+  add_convex(all, root(to_top, across), solid, kCylinderTop, entered);
+  add_convex(all, root(to_bottom, across), solid, kCylinderBottom, entered);
   return all;
 }
 
@@ -164,7 +168,7 @@ Surface surface(const Cylinder& cylinder, Side side, const Vec3& p, int face,
     s.axis = Vec3::UnitZ();
   } else {
     const double up = face == kCylinderTop ? 1.0 : -1.0;
-    const double distance = hypotenuse(p.x(), p.y());
+    const double distance = root(p.x(), p.y());
     const double in = distance > cylinder.radius ? cylinder.radius / distance : 1.0;
     s.point = {in * p.x(), in * p.y(), up * h};
     s.normal = (side == Side::outside ? up : -up) * Vec3::UnitZ();

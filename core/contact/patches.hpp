@@ -11,8 +11,7 @@ namespace feltwire {
 
 /// A part of a shape's surface, seen from a point.
 struct SurfacePart {
-  double distance = 0.0;     // [m] within this of the point, leaving the part out changes nothing;
-                             // negative: the face that the tool was entered by
+  double distance = 0.0;     // [m] within this of the point, leaving the part out changes nothing
   std::uint8_t feature = 0;  // as FeatureMemory has it
   bool shown =
       true;  // false: no patch stands beside the others' for it (the far parts of a capsule)

@@ -53,6 +53,15 @@ TEST(Options, AHandIsProtectedAsFarAsItsModeAllows) {
   EXPECT_EQ(paper.ramp_up, 0.0);
 }
 
+TEST(Options, ALocalModelIsForASideThatBoundsHere) {
+  const auto options = parsed({"--local-model"});
+  ASSERT_TRUE(std::holds_alternative<ClientOptions>(options));
+  EXPECT_TRUE(std::get<ClientOptions>(options).parameters.local_model);
+  EXPECT_FALSE(std::get<ClientOptions>(parsed({})).parameters.local_model);
+  EXPECT_THAT(refusal({"--local-model", "--bounding", "server"}),
+              testing::HasSubstr("local_model"));
+}
+
 TEST(Options, WhatTheCommandLineSaysCounts) {
   const SafetyLimits said = limits({"--slew", "500", "--ramp-up", "0.3", "--wait-for-small-force",
                                     "0.2", "--max-force", "2", "--velocity-limit", "0.8"});

@@ -111,6 +111,34 @@ TEST(Report, TellsWhatAnEmulatedLinkDid) {
   EXPECT_TRUE(report(*servo)["link"].is_null());
 }
 
+TEST(Report, TellsWhereTheForceCameFrom) {
+  EXPECT_EQ(report(*used_servo())["local_model"], nullptr);
+  SessionParameters p;
+  p.local_model = true;
+  Servo servo(builtin_device("simulated"), p);
+  Nanoseconds now{0};
+  for (std::uint64_t i = 1; i <= 5; ++i) {
+    now += std::chrono::milliseconds(1);
+    servo.render({.pose = {.position = Vec3(0.02 * static_cast<double>(i), 0, 0)}}, now);
+    servo.hold({});
+    if (i != 1) continue;
+    Reply reply;
+    reply.sample_index = 1;
+    reply.modelled = true;
+    reply.model.center = Vec3(0.02, 0, 0);
+    reply.model.reach = 0.05;
+    reply.model.count = 2;
+    servo.take(reply, now);
+  }
+  const json r = report(servo);
+  EXPECT_EQ(r["parameters"]["local_model"], true);
+  EXPECT_EQ(r["local_model"]["models"], 1);
+  EXPECT_EQ(r["local_model"]["mean_patches"], 2.0);
+  EXPECT_EQ(r["local_model"]["samples_from_model"], 1);    // at 20 mm
+  EXPECT_EQ(r["local_model"]["samples_from_both"], 1);     // 40 mm
+  EXPECT_EQ(r["local_model"]["samples_beyond_reach"], 2);  // 60 and 80 mm
+}
+
 TEST(Report, WhatThereIsNoNumberForIsNull) {
   const Servo idle(builtin_device("simulated"), {});
   const json r = report(idle);

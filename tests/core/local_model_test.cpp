@@ -220,6 +220,10 @@ TEST(LocalModel, KnowsAWallBeforeItIsTouched) {
   const LocalModel far = local_model(floor, Vec3(0, 0, 0.11), floor.memory());
   EXPECT_EQ(far.count, 0);
   EXPECT_EQ(far.reach, kModelReach);
+  const Scene block = of({object("block", Box{Vec3(0.05, 0.05, 0.05)})});
+  EXPECT_EQ(local_model(block, Vec3(0.04, 0, 0.161), block.memory()).count, 0);
+  EXPECT_EQ(local_model(block, Vec3(0.04, 0, 0.149), block.memory()).count, 1);
+  EXPECT_EQ(local_model(block, Vec3(0.04, 0, 0.06), block.memory()).count, 3);  // y not, +-x
 }
 
 TEST(LocalModel, ReachEndsBeforeWhatIsLeftOut) {
@@ -233,6 +237,23 @@ TEST(LocalModel, ReachEndsBeforeWhatIsLeftOut) {
   ASSERT_EQ(model.count, 3);
   for (int i = 0; i < 3; ++i) EXPECT_EQ(model.patches[static_cast<std::size_t>(i)].object, i);
   EXPECT_NEAR(model.reach, 0.04, 1e-15);  // of the fourth ball's surface
+}
+
+// Side and ends of a capsule are one smooth surface but no single patch.
+TEST(LocalModel, ReachEndsWhereACapsuleBendsAway) {
+  const Scene scene = of({object("capsule", Capsule{0.02, 0.04})});
+  const auto at = [&](double x, double z) {
+    return local_model(scene, Vec3(x, 0.0, z), scene.memory());
+  };
+  for (const LocalModel& model : {at(0.021, 0.03), at(0.019, 0.03)}) {
+    ASSERT_EQ(model.count, 1);
+    EXPECT_EQ(model.patches[0].axis, Vec3::UnitZ());
+    EXPECT_NEAR(model.patches[0].radius, 0.01, 1e-15);
+  }
+  EXPECT_NEAR(at(0.019, 0.03).reach, 0.01, 1e-15);
+  EXPECT_NEAR(at(0.05, 0.0).reach, 0.05, 1e-15);  // 40 mm along and 30 mm in
+  EXPECT_EQ(at(0.0, 0.07).patches[0].axis, Vec3::Zero());
+  EXPECT_NEAR(at(0.0, 0.07).reach, 0.03, 1e-15);
 }
 
 TEST(LocalModel, InFourWallsAtOnceItSaysNothing) {
