@@ -217,7 +217,7 @@ std::vector<LocalModelCell> run_local_model(const LocalModelGrid& grid) {
   for (const Task& task : tasks)
     if (task.name == "ball")
       for (const double rate : grid.rates) {
-        add(task, 0.0, rate, false);
+        if (rate != kUsualRate) add(task, 0.0, rate, false);  // that is among the others
         add(task, kUsualRoundTrip, rate, true);
       }
 

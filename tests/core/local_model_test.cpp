@@ -221,9 +221,14 @@ TEST(LocalModel, KnowsAWallBeforeItIsTouched) {
   EXPECT_EQ(far.count, 0);
   EXPECT_EQ(far.reach, kModelReach);
   const Scene block = of({object("block", Box{Vec3(0.05, 0.05, 0.05)})});
-  EXPECT_EQ(local_model(block, Vec3(0.04, 0, 0.161), block.memory()).count, 0);
-  EXPECT_EQ(local_model(block, Vec3(0.04, 0, 0.149), block.memory()).count, 1);
-  EXPECT_EQ(local_model(block, Vec3(0.04, 0, 0.06), block.memory()).count, 3);  // y not, +-x
+  const auto faces = [&](double x, double z) {
+    return local_model(block, Vec3(x, 0, z), block.memory()).count;
+  };
+  EXPECT_EQ(faces(0.0, 0.151), 0);
+  EXPECT_EQ(faces(0.0, 0.149), 1);   // the edges are farther than 0.1 m
+  EXPECT_EQ(faces(0.04, 0.149), 2);  // one of them is not
+  EXPECT_EQ(faces(0.06, 0.149), 2);  // beyond both: the edge itself
+  EXPECT_EQ(faces(0.06, 0.1495), 0);
 }
 
 TEST(LocalModel, ReachEndsBeforeWhatIsLeftOut) {
