@@ -51,7 +51,7 @@ struct Hand {
   std::uint64_t answers = 0, goodbyes = 0;
 
   Hand(std::uint64_t session, const SessionParameters& parameters)
-      : servo(spec, parameters), conversation(session, parameters.redundancy, false) {}
+      : servo(spec, parameters), conversation(session, parameters, false) {}
 
   /// The datagram of a tick.
   Datagram tick(Nanoseconds now) {
@@ -249,6 +249,7 @@ TEST(SessionFault, SampleIndicesThatJump) {
     EXPECT_EQ(decode(guarded.payload, batch), DropReason::none);
     for (int i = 0; i < batch.count; ++i)
       batch.samples[static_cast<std::size_t>(i)].index += static_cast<std::uint64_t>(by);
+    if (batch.previous > 0) batch.previous += static_cast<std::uint64_t>(by);
     Encoder encoder;
     return copy(encoder.samples(guarded.header.session, guarded.header.packet_number, batch));
   };

@@ -202,12 +202,12 @@ TEST_F(SceneSessionsTest, ALineGrantsNoMoreThanItHasRoomFor) {
   SceneSessions behind{scene, 2s, 2, &thin};
   const auto answer = behind.answer(join_request(), kId, 0s);
   ASSERT_TRUE(std::holds_alternative<control::JoinAccepted>(answer));
-  const SessionParameters inside = over(thin, {});
-  EXPECT_EQ(std::get<control::JoinAccepted>(answer).parameters, inside);
-  EXPECT_EQ(behind.find(kId)->parameters(), inside);
+  const SessionParameters wanted = join_request().parameters;
+  EXPECT_EQ(std::get<control::JoinAccepted>(answer).parameters, over(thin, wanted));
+  EXPECT_EQ(behind.find(kId)->parameters(), over(thin, wanted));
   const auto set = behind.answer(control::SetParameters{kId, {}}, 0, 0s);
   ASSERT_TRUE(std::holds_alternative<control::ParametersSet>(set));
-  EXPECT_EQ(std::get<control::ParametersSet>(set).parameters, inside);
+  EXPECT_EQ(std::get<control::ParametersSet>(set).parameters, over(thin, {}));
   SessionParameters impossible;
   impossible.redundancy = 20;
   EXPECT_EQ(std::get<control::Refused>(behind.answer(join_request(impossible), kId + 256, 0s)).code,

@@ -114,6 +114,7 @@ const char* name(HostKind kind) {
 control::JoinRequest join_request(int redundancy) {
   SessionParameters parameters;
   parameters.redundancy = redundancy;
+  parameters.side = BoundingSide::both;  // the server bounds, too
   return {"netbench", "room", builtin_device("simulated"), parameters};
 }
 

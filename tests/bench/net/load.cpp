@@ -79,11 +79,10 @@ struct Load::Clients {
       : options(wanted), echoed(echo), places(target.sessions.size()) {
     socket.connect(target.port);
     if (options.sleep) socket.set_patience(kLost);
+    const SessionParameters parameters = join_request(options.redundancy).parameters;
     for (std::size_t i = 0; i < target.sessions.size(); ++i) {
-      all.push_back({Conversation(target.sessions[i], options.redundancy, false),
-                     {},
-                     splitmix::draw(7, i),
-                     0});
+      all.push_back(
+          {Conversation(target.sessions[i], parameters, false), {}, splitmix::draw(7, i), 0});
       places.insert(target.sessions[i], static_cast<std::uint32_t>(i));
     }
     for (std::size_t i = 0; i < kBatch; ++i) {

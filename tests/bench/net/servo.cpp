@@ -66,8 +66,9 @@ Run run(const Settings& settings, const Way& way) {
   const Target& target = process.targets().front();
 
   DippingDevice device;
-  Transport transport(local(target.port), target.sessions.front(), settings.redundancy, false);
-  Servo servo(device.spec(), join_request(settings.redundancy).parameters);
+  const SessionParameters parameters = join_request(settings.redundancy).parameters;
+  Transport transport(local(target.port), target.sessions.front(), parameters, false);
+  Servo servo(device.spec(), parameters);
   LoopOptions options;
   options.duration = Nanoseconds(std::llround(kSecondsForEach * settings.seconds * 1e9));
   options.busy_poll = way.busy_poll;
