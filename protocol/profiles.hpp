@@ -26,18 +26,19 @@ inline constexpr std::array<NetworkProfile, 3> kNetworkProfiles = {
     {{.name = "lan", .line = "a cable, or a building's network"},
      {.name = "wan",
       .line = "the internet, some tens of milliseconds away",
-      .packet_rate = 250.0,
-      .batch = 2,
-      .redundancy = 4,
+      .packet_rate = 100.0,
+      .redundancy = 1,
+      .force_deadband = 0.05,
+      .keep_alive = 0.05,
       .hold_time = 0.2,
       .local_model = true},
      {.name = "thin",
       .line = "64 kbit/s each way",
-      .packet_rate = 25.0,
+      .packet_rate = 12.5,  // so that the largest reply may answer every datagram
       .redundancy = 0,
       .force_deadband = 0.1,
-      .keep_alive = 0.12,
-      .hold_time = 0.3,
+      .keep_alive = 0.16,
+      .hold_time = 0.4,
       .local_model = true}}};
 
 /// Throws std::invalid_argument naming the choices when there is no such profile.

@@ -12,6 +12,8 @@
 namespace feltwire {
 namespace {
 
+constexpr double kBegin =
+    1.0;  // [s] what comes before is not counted: the hand and the first replies
 constexpr double kFelt = 1e-3;     // [N] below it a direction is not worth comparing
 constexpr double kBall = 0.09;     // [m] radius
 constexpr double kWindow = 0.051;  // [s] of the moving average
@@ -24,8 +26,8 @@ struct TradeTask {
 };
 constexpr std::array<TradeTask, 3> kTasks = {
     {{.stiffness = 1000.0, .ball = true, .path = HandPath::orbit},
-     {.stiffness = 1000.0, .friction = 0.4},
-     {.stiffness = 5000.0, .path = HandPath::taps}}};
+     {.stiffness = 500.0, .friction = 0.4},
+     {.stiffness = 1000.0, .path = HandPath::taps}}};
 
 Scene scene_of(const TradeTask& task) {
   Object object{.name = "object", .shape = Plane{}, .pose = {}, .material = {}};
@@ -62,6 +64,7 @@ struct Sums {
 Sums sums_of(const std::vector<NetworkSample>& samples, double period) {
   Sums sums;
   for (const NetworkSample& s : samples) {
+    if (s.time < kBegin) continue;
     const Vec3 held = s.held.force(), ideal = s.ideal.force();
     sums.error += (held - ideal).squaredNorm();
     sums.ideal += ideal.squaredNorm();
@@ -156,9 +159,9 @@ std::string text(const char* format, auto... values) {
 }
 
 void add_one_at_a_time(Settings& all) {
-  for (const double rate : {1000.0, 500.0, 250.0, 100.0, 50.0, 25.0})
+  for (const double rate : {1000.0, 500.0, 250.0, 100.0, 50.0, 25.0, 12.5})
     for (const bool model : {false, true})
-      all.add("packet rate", text("%.0f Hz%s", rate, model ? ", model" : ""),
+      all.add("packet rate", text("%g Hz%s", rate, model ? ", model" : ""),
               [&](SessionParameters& p) {
                 set_rates(p, 1000.0, rate);
                 p.local_model = model;
@@ -186,21 +189,26 @@ void add_one_at_a_time(Settings& all) {
                 p.local_model = model;
               });
   for (const double servo : {1000.0, 4000.0, 10000.0})
-    for (const bool model : {false, true})
-      all.add("servo rate, 200 Hz", text("%.0f kHz%s", 1e-3 * servo, model ? ", model" : ""),
+    for (const auto& [model, storage] : {std::pair{false, Storage::minimal},
+                                         {false, Storage::elastic},
+                                         {true, Storage::minimal},
+                                         {true, Storage::elastic}})
+      all.add("servo rate and storage, 200 Hz",
+              text("%.0f kHz, %s%s", 1e-3 * servo, name(storage).data(), model ? ", model" : ""),
               [&](SessionParameters& p) {
                 set_rates(p, servo, 200.0);
                 p.local_model = model;
+                p.storage = storage;
               });
 }
 
 void add_crossed(Settings& all) {
-  for (const double rate : {1000.0, 250.0, 100.0, 50.0, 25.0})
+  for (const double rate : {1000.0, 250.0, 100.0, 50.0, 25.0, 12.5})
     for (const bool model : {false, true})
       for (const double deadband : {0.0, 0.1})
         for (const int k : {0, 3})
           all.add("all",
-                  text("%.0f Hz, k = %d%s%s", rate, k, deadband > 0.0 ? ", force 10 %" : "",
+                  text("%g Hz, k = %d%s%s", rate, k, deadband > 0.0 ? ", force 10 %" : "",
                        model ? ", model" : ""),
                   [&](SessionParameters& p) {
                     set_rates(p, 1000.0, rate);

@@ -32,14 +32,14 @@ inline constexpr TradeLink kTradeLinks[] = {
 /// itself.
 std::vector<TrafficSetting> traffic_settings();
 
-/// Means over three tasks: gliding round a ball of 1 kN/m, sliding over a plane of 1 kN/m with
-/// friction, tapping on a plane of 5 kN/m.
+/// Means over three tasks, each from its second 1 on: gliding round a ball of 1 kN/m, sliding over
+/// a plane of 0.5 kN/m with friction, tapping on a plane of 1 kN/m.
 struct TradeNetworkCell {
   std::size_t setting = 0, link = 0;
   double up_kbit = 0.0, down_kbit = 0.0;            // [kbit/s] with the headers of UDP and IPv4
   double up_datagrams = 0.0, down_datagrams = 0.0;  // [1/s]
   /// RMS of the force held less what the scene answers the true position at that moment, over the
-  /// RMS of the latter, while either is there.
+  /// RMS of the latter.
   double force_error = 0.0;
   double direction_error = 0.0;  // [rad] mean angle between the two, where both are there
   /// [s] mean age of what is felt beyond the link's round trip: the time since the sample that the
@@ -52,7 +52,7 @@ struct TradeNetworkCell {
   double server_time = 0.0, client_time = 0.0;
 };
 
-/// Every cell, links fastest. Deterministic. `duration` [s] of each task.
+/// Every cell, links fastest. Deterministic. `duration` [s] of each task, above 1.
 std::vector<TradeNetworkCell> run_trade_network(const std::vector<TrafficSetting>& settings,
                                                 double duration);
 
