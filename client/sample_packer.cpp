@@ -93,22 +93,25 @@ bool SamplePacker::known(const Sample& sample) const noexcept {
 
 /// Puts the datagram together from the newest `fresh` samples and those that travelled.
 void SamplePacker::make(std::uint64_t fresh) noexcept {
-  const auto most = static_cast<std::size_t>(most_);
-  const auto batch = static_cast<std::uint64_t>(std::min(parameters_.batch, most_));
-  const std::uint64_t count = std::min({batch, fresh, static_cast<std::uint64_t>(recent_.size())});
-  std::array<Sample, 2 * (kMaxRedundancy + 1)> all;
-  std::size_t size = 0;
-  for (std::uint64_t i = 0; i < count; ++i) all[size++] = recent(i * fresh / count);
-  for (int i = 0; i < travelled_count_; ++i) all[size++] = travelled_[static_cast<std::size_t>(i)];
+  const std::uint64_t count =
+      std::min({static_cast<std::uint64_t>(std::min(parameters_.batch, most_)), fresh,
+                static_cast<std::uint64_t>(recent_.size())});
+  const auto made = static_cast<int>(count);
+  for (std::uint64_t i = 0; i < count; ++i) batch_.samples[i] = recent(i * fresh / count);
+  const int again = std::min({travelled_count_, parameters_.redundancy, most_ - made});
+  std::copy_n(travelled_.begin(), again, batch_.samples.begin() + made);
+  batch_.count = made + again;
+  batch_.previous =
+      again < travelled_count_ ? travelled_[static_cast<std::size_t>(again)].index : 0;
 
-  const std::size_t carried = std::min(
-      {size, most,
-       static_cast<std::size_t>(count) + static_cast<std::size_t>(parameters_.redundancy)});
-  batch_.count = static_cast<int>(carried);
-  std::copy_n(all.begin(), carried, batch_.samples.begin());
-  batch_.previous = carried < size ? all[carried].index : 0;
-  travelled_count_ = static_cast<int>(std::min(size, travelled_.size()));
-  std::copy_n(all.begin(), travelled_count_, travelled_.begin());
+  // The next one repeats k, and names the one before these.
+  const int kept = parameters_.redundancy + 1;
+  const int fresh_kept = std::min(made, kept);
+  const int old_kept = std::min(travelled_count_, kept - fresh_kept);
+  std::copy_backward(travelled_.begin(), travelled_.begin() + old_kept,
+                     travelled_.begin() + fresh_kept + old_kept);
+  std::copy_n(batch_.samples.begin(), fresh_kept, travelled_.begin());
+  travelled_count_ = fresh_kept + old_kept;
 }
 
 }  // namespace feltwire

@@ -200,6 +200,7 @@ double Servo::time_since_last_tick(Nanoseconds now) noexcept {
   const Nanoseconds elapsed = now - last_tick_;
   if (elapsed.count() < 0) {  // set back: what is remembered moves with it, and ages by a tick
     newest_arrival_ += elapsed - nanoseconds(period_);
+    newest_sampled_ += elapsed - nanoseconds(period_);
     let_go_from_ += elapsed - nanoseconds(period_);
     return period_;
   }
@@ -229,7 +230,8 @@ std::uint64_t Servo::lost() const noexcept {
 Command Servo::reconstructed(Nanoseconds now) const noexcept {
   if (!newest_.predicted) return newest_.command;
   const double ahead = std::min(seconds(now - newest_sampled_), parameters_.keep_alive);
-  return extrapolated(newest_.command, newest_.rates, ahead);
+  const Command later = extrapolated(newest_.command, newest_.rates, ahead);
+  return believable(later) ? later : newest_.command;
 }
 
 double Servo::fade_factor() const noexcept {

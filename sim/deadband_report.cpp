@@ -43,6 +43,7 @@ nlohmann::ordered_json json(const DeadbandGrid& grid, const std::vector<Deadband
   return {{"side", name(grid.parameters.side)},
           {"servo_period_s", grid.parameters.servo_period},
           {"keep_alive_s", grid.parameters.keep_alive},
+          {"hold_time_s", grid.parameters.hold_time},
           {"rows", list}};
 }
 
@@ -62,6 +63,8 @@ void draw(const std::filesystem::path& directory, const std::vector<DeadbandRow>
       "set style line 2 lc rgb '#e69f00' pt 4 ps 1.5 lw 1.6\n"
       "set style line 3 lc rgb '#d55e00' pt 2 ps 1.4 lw 1.6\n"
       "set style line 4 lc rgb '#009e73' pt 9 ps 1.4 lw 1.6\n"
+      "set style line 5 lc rgb '#56b4e9' pt 5 ps 1.2 lw 1.6\n"
+      "set style line 6 lc rgb '#cc79a7' pt 13 ps 1.6 lw 1.6\n"
       "set grid lt 1 lc rgb '#dddddd'\nset tics nomirror\nset xlabel 'k [%]'\n";
   append(script, "set multiplot layout 2,%zu title 'Datagrams that a deadband saves, and the ",
          tasks.size());

@@ -1,6 +1,7 @@
 #include "sim/deadband_study.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -38,6 +39,7 @@ NetworkRunOptions options_of(const DeadbandTask& task, const DeadbandGrid& grid,
   options.recording = task.recording;
   options.parameters = grid.parameters;
   options.parameters.predictor = kind.predictor;
+  options.parameters.local_model = kind.model;
   if (kind.position) options.parameters.position_deadband = fraction;
   if (kind.force) options.parameters.force_deadband = fraction;
   options.link = grid.link;
@@ -111,15 +113,19 @@ std::vector<DeadbandRow> run_deadband(const std::vector<DeadbandTask>& tasks,
                                       const DeadbandGrid& grid) {
   constexpr std::size_t kKinds = std::size(kDeadbandKinds);
   const std::size_t per_task = kKinds * grid.fractions.size();
-  // The movements with every datagram there is, and these replayed: what all others stand beside.
+  // The movements with every datagram there is, and these replayed, without and with a local
+  // model: what all others stand beside.
+  constexpr DeadbandKind kEvery[] = {{"every", false, false, Predictor::level, false},
+                                     {"every", false, false, Predictor::level, true}};
   std::vector<DeadbandTask> replays = tasks;
-  std::vector<std::optional<NetworkRunResult>> all(tasks.size());
+  std::vector<std::array<std::optional<NetworkRunResult>, 2>> every(tasks.size());
   parallel_for(tasks.size(), [&](std::size_t i) {
-    const DeadbandKind& any = kDeadbandKinds[0];
     if (!tasks[i].recording)
       replays[i].recording =
-          recorded(run_network(tasks[i].scene, options_of(tasks[i], grid, any, 0.0)));
-    all[i] = run_network(replays[i].scene, options_of(replays[i], grid, any, 0.0));
+          recorded(run_network(tasks[i].scene, options_of(tasks[i], grid, kEvery[0], 0.0)));
+    for (std::size_t model = 0; model < every[i].size(); ++model)
+      every[i][model] =
+          run_network(replays[i].scene, options_of(replays[i], grid, kEvery[model], 0.0));
   });
 
   std::vector<DeadbandRow> rows(tasks.size() * per_task);
@@ -129,14 +135,15 @@ std::vector<DeadbandRow> run_deadband(const std::vector<DeadbandTask>& tasks,
     row.task = tasks[t].name;
     row.kind = &kDeadbandKinds[i % per_task / grid.fractions.size()];
     row.fraction = grid.fractions[i % grid.fractions.size()];
+    const NetworkRunResult& all = *every[t][row.kind->model ? 1 : 0];
     const NetworkRunResult replay =
         run_network(replays[t].scene, options_of(replays[t], grid, *row.kind, row.fraction));
-    row.saved_up = saved(replay.up, all[t]->up);
-    row.saved_down = saved(replay.down, all[t]->down);
+    row.saved_up = saved(replay.up, all.up);
+    row.saved_down = saved(replay.down, all.down);
     row.saved = 0.5 * (row.saved_up + row.saved_down);
     row.up_kbit = kbit_per_second(replay.up, tasks[t].duration);
     row.down_kbit = kbit_per_second(replay.down, tasks[t].duration);
-    compare_forces(replay, *all[t], row);
+    compare_forces(replay, all, row);
 
     const PortEnergy port =
         tasks[t].recording

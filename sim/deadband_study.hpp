@@ -15,11 +15,15 @@ struct DeadbandKind {
   const char* name;
   bool position, force;
   Predictor predictor;
+  bool model = false;  // the client renders a local model
 };
-inline constexpr DeadbandKind kDeadbandKinds[] = {{"position level", true, false, Predictor::level},
-                                                  {"force level", false, true, Predictor::level},
-                                                  {"force linear", false, true, Predictor::linear},
-                                                  {"both level", true, true, Predictor::level}};
+inline constexpr DeadbandKind kDeadbandKinds[] = {
+    {"position level", true, false, Predictor::level},
+    {"force level", false, true, Predictor::level},
+    {"force linear", false, true, Predictor::linear},
+    {"both level", true, true, Predictor::level},
+    {"model level", true, true, Predictor::level, true},
+    {"model linear", true, true, Predictor::linear, true}};
 
 /// A movement over a surface: a simulated hand at work, or one that was recorded.
 struct DeadbandTask {
@@ -40,7 +44,8 @@ struct DeadbandRow {
   std::string task;
   const DeadbandKind* kind = nullptr;
   double fraction = 0.0;
-  // The movement of k = 0, replayed, so that both force and datagrams are of the same movement.
+  // The movement of k = 0, replayed, so that both force and datagrams are of the same movement;
+  // k = 0 likewise with or without a local model.
   double saved_up = 0.0, saved_down = 0.0, saved = 0.0;  // shares of k = 0's datagrams
   double up_kbit = 0.0, down_kbit = 0.0;                 // [kbit/s] with headers
   /// [N] of the force held against that of k = 0 at the same tick. `relative`: RMS of one over RMS

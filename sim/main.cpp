@@ -229,6 +229,7 @@ void add_deadband(CLI::App& app) {
   struct Options {
     std::string out = "deadband", recording, side = std::string(name(SessionParameters{}.side)),
                 link = "delay=0";
+    DeadbandGrid grid;
   };
   auto o = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand(
@@ -244,8 +245,14 @@ void add_deadband(CLI::App& app) {
   command->add_option("--bounding", o->side, "Where the bound runs: server, client or both")
       ->capture_default_str();
   command->add_option("--link", o->link, "Between them (docs/network.md)")->capture_default_str();
+  command->add_option("--keep-alive", o->grid.parameters.keep_alive, "[s] longest silence")
+      ->capture_default_str();
+  command
+      ->add_option("--hold-time", o->grid.parameters.hold_time,
+                   "[s] a command older than half of it fades")
+      ->capture_default_str();
   command->callback([o] {
-    DeadbandGrid grid;
+    DeadbandGrid& grid = o->grid;
     grid.parameters.side = bounding_side(o->side);
     grid.link = parse_link(o->link);
     std::optional<Recording> recording;
