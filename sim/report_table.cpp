@@ -16,9 +16,9 @@ struct Row {
 };
 
 constexpr std::array kRows = {
-    Row{"position samples sent", "/samples", "%.0f"},
+    Row{"position samples", "/samples", "%.0f"},
     Row{"  answered with a force", "/answered", "%.0f"},
-    Row{"  never answered", "/lost", "%.0f"},
+    Row{"  datagrams lost", "/lost", "%.0f"},
     Row{"  answered later than 1 ms", "/late", "%.0f"},
     Row{"round trip, median [us]", "/round_trip_us/p50", "%.0f"},
     Row{"round trip, 99 % within [us]", "/round_trip_us/p99", "%.0f"},
