@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "protocol/busy_poll.hpp"
+#include "protocol/profiles.hpp"
 #include "protocol/udp_socket.hpp"
 
 namespace feltwire {
@@ -39,7 +40,7 @@ struct Words {
   double position_deadband_percent = 0.0, force_deadband_percent = 0.0;
   std::optional<std::array<double, 3>> center, normal;
   std::optional<double> wait_for_small_force, ramp_up, velocity_limit;
-  std::string report, record, link, dscp = "cs0";
+  std::string report, record, link, profile, dscp = "cs0";
 };
 
 std::string short_text(double value) {
@@ -62,6 +63,24 @@ void choose_safety(const Words& words, ClientOptions& options) {
   given.torque.small = std::isfinite(given.force.small) ? usual.torque.small : given.force.small;
   given.force.speed = words.velocity_limit.value_or(usual.force.speed);
   given.ramp_up = words.ramp_up.value_or(usual.ramp_up);
+}
+
+double period_of(const Words& words) {
+  require(std::isfinite(words.rate) && words.rate > 0.0, "--rate must be above 0 Hz");
+  return 1.0 / words.rate;
+}
+
+/// Begins with what a profile says; the command line is then read once more, and wins. Throws
+/// std::invalid_argument.
+void begin_with(const NetworkProfile& line, Words& words, SessionParameters& parameters) {
+  constexpr double kPercent = 100.0;
+  parameters = {};
+  parameters.mode = bounding_mode(words.mode);
+  parameters.servo_period = period_of(words);
+  parameters = over(line, parameters);
+  words.position_deadband_percent = kPercent * parameters.position_deadband;
+  words.force_deadband_percent = kPercent * parameters.force_deadband;
+  words.predictor = name(parameters.predictor);
 }
 
 /// How often what travels. Throws std::invalid_argument.
@@ -102,8 +121,7 @@ void understand(const Words& words, HandTask task, ClientOptions& options) {
     options.parameters.side = bounding_side(words.side);
   else if (moves_probe(options.parameters.mode))
     options.parameters.side = BoundingSide::server;
-  require(std::isfinite(words.rate) && words.rate > 0.0, "--rate must be above 0 Hz");
-  options.parameters.servo_period = 1.0 / words.rate;
+  options.parameters.servo_period = period_of(words);
   choose_traffic(words, options.parameters);
   validate(options.parameters);
   choose_safety(words, options);
@@ -229,6 +247,10 @@ std::variant<ClientOptions, int> parse_options(int argc, char** argv) {
       ->group(session);
 
   const auto traffic = "Traffic (docs/network.md)";
+  app.add_option("--profile", words.profile,
+                 "Of the line to the server, " + network_profile_names() +
+                     ": how often what travels (docs/trade.md); options given beside it win")
+      ->group(traffic);
   app.add_option(
          "--packet-rate", words.packet_rate,
          "[Hz] of datagrams to the server, at most --rate, in whole servo ticks; a datagram a "
@@ -313,6 +335,10 @@ std::variant<ClientOptions, int> parse_options(int argc, char** argv) {
 
   try {
     app.parse(argc, argv);
+    if (!words.profile.empty()) {
+      begin_with(network_profile(words.profile), words, parameters);
+      app.parse(argc, argv);
+    }
     understand(words, task, options);
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : kUsageError;

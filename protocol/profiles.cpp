@@ -37,8 +37,10 @@ SessionParameters over(const NetworkProfile& line, SessionParameters p) {
   p.position_deadband = line.position_deadband;
   p.force_deadband = line.force_deadband;
   p.predictor = line.predictor;
-  p.hold_time = std::max(line.hold_time, p.packet_interval * p.servo_period);
-  p.keep_alive = line.keep_alive;
+  // A servo slower than the line has fewer datagrams than a silence may last.
+  const double between = p.packet_interval * p.servo_period;
+  p.keep_alive = std::max(line.keep_alive, between);
+  p.hold_time = std::max(line.hold_time, 2.0 * between);
   // Methods that ask the scene elsewhere than at the device stay beside it, without a model.
   p.local_model = line.local_model && !moves_probe(p.mode);
   if (p.local_model && p.side == BoundingSide::server) p.side = BoundingSide::client;

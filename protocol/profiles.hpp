@@ -30,7 +30,7 @@ inline constexpr std::array<NetworkProfile, 3> kNetworkProfiles = {
       .redundancy = 1,
       .force_deadband = 0.05,
       .keep_alive = 0.05,
-      .hold_time = 0.2,
+      .hold_time = 0.25,
       .local_model = true},
      {.name = "thin",
       .line = "64 kbit/s each way",
@@ -38,7 +38,7 @@ inline constexpr std::array<NetworkProfile, 3> kNetworkProfiles = {
       .redundancy = 0,
       .force_deadband = 0.1,
       .keep_alive = 0.16,
-      .hold_time = 0.4,
+      .hold_time = 0.8,
       .local_model = true}}};
 
 /// Throws std::invalid_argument naming the choices when there is no such profile.

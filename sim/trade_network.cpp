@@ -12,11 +12,11 @@
 namespace feltwire {
 namespace {
 
-constexpr double kBegin =
-    1.0;  // [s] what comes before is not counted: the hand and the first replies
-constexpr double kFelt = 1e-3;     // [N] below it a direction is not worth comparing
-constexpr double kBall = 0.09;     // [m] radius
-constexpr double kWindow = 0.051;  // [s] of the moving average
+constexpr double kBegin = 1.0;       // [s] within which the hand comes in; what follows is counted
+constexpr double kClearance = 0.03;  // [m] from which: the first reply comes before the contact
+constexpr double kFelt = 1e-3;       // [N] below it a direction is not worth comparing
+constexpr double kBall = 0.09;       // [m] radius
+constexpr double kWindow = 0.051;    // [s] of the moving average
 
 struct TradeTask {
   double stiffness;  // [N/m]
@@ -42,6 +42,8 @@ Scene scene_of(const TradeTask& task) {
 HandTask hand_of(const TradeTask& task) {
   HandTask hand;
   hand.path = task.path;
+  hand.clearance = kClearance;
+  hand.lead_in = kBegin;
   if (task.path == HandPath::taps) hand.frequency = 2.0;
   if (task.ball) {
     hand.normal = Vec3::UnitY();  // the circle stands on the x-z plane
@@ -119,7 +121,8 @@ TradeNetworkCell run_cell(const SessionParameters& parameters, const TwoWayLinkO
     if (sums.ideal > 0.0) cell.force_error += std::sqrt(sums.error / sums.ideal) / kTasks.size();
     cell.direction_error += mean(sums.angle, sums.angles);
     cell.added_delay += mean(sums.age, sums.ages);
-    cell.oscillation += oscillation(task, run.samples, period) / kTasks.size();
+    if (task.path != HandPath::taps)
+      cell.oscillation += oscillation(task, run.samples, period) / 2.0;
     cell.passive = cell.passive && run.measured_port.violations() == 0;
     cell.server_time += computing(run.server_time, duration);
     cell.client_time += computing(run.client_time, duration);

@@ -45,8 +45,9 @@ struct TradeNetworkCell {
   /// [s] mean age of what is felt beyond the link's round trip: the time since the sample that the
   /// newest reply answers was taken.
   double added_delay = 0.0;
-  double oscillation = 0.0;  // [m] RMS of the true position, less a moving average of 51 ms
-  bool passive = true;       // no port delivered more than it burned
+  double oscillation =
+      0.0;              // [m] RMS of the true height, less a moving average of 51 ms; not of taps
+  bool passive = true;  // no port delivered more than it burned
   /// [s] of computing for a second of session, on this machine and without the system calls. All
   /// else is the same in every run.
   double server_time = 0.0, client_time = 0.0;

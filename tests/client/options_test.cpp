@@ -5,6 +5,8 @@
 #include <cmath>
 #include <vector>
 
+#include "protocol/profiles.hpp"
+
 namespace feltwire {
 namespace {
 
@@ -83,6 +85,36 @@ TEST(Options, LimitsThatCannotBeAreRefusedInOneLine) {
   EXPECT_THAT(refusal({"--mode", "total_energy", "--ramp-up", "0.1"}), HasSubstr("ramp-up"));
   EXPECT_THAT(refusal({"--max-force", "-1"}), HasSubstr("force.max = -1"));
   EXPECT_THAT(refusal({"--ramp-up", "nan"}), HasSubstr("ramp_up"));
+}
+
+SessionParameters asked(const std::vector<std::string>& words) {
+  const auto options = parsed(words);
+  if (const int* code = std::get_if<int>(&options)) {
+    ADD_FAILURE() << "refused with " << *code;
+    return {};
+  }
+  return std::get<ClientOptions>(options).parameters;
+}
+
+TEST(Options, AProfileIsWhereItBegins) {
+  const NetworkProfile& thin = network_profile("thin");
+  EXPECT_EQ(asked({"--profile", "thin"}), over(thin, {}));
+  SessionParameters quick;
+  quick.servo_period = 1.0 / 4000.0;
+  EXPECT_EQ(asked({"--rate", "4000", "--profile", "thin"}), over(thin, quick));
+  EXPECT_EQ(asked({"--profile", "lan"}), SessionParameters{});
+
+  SessionParameters more = over(thin, {});
+  more.packet_interval = 50;
+  more.force_deadband = 0.2;
+  more.redundancy = 2;
+  more.predictor = Predictor::linear;
+  more.hold_time = 0.9;
+  EXPECT_EQ(asked({"--packet-rate", "20", "--force-deadband", "20", "--redundancy", "2",
+                   "--predictor", "linear", "--hold-time", "0.9", "--profile", "thin"}),
+            more);
+  EXPECT_FALSE(asked({"--profile", "thin", "--mode", "virtual_coupling"}).local_model);
+  EXPECT_THAT(refusal({"--profile", "moon"}), HasSubstr("lan|wan|thin"));
 }
 
 TEST(Options, BusyPollInMicrosecondsOrForEver) {

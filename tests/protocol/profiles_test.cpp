@@ -5,6 +5,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "protocol/codec.hpp"
 #include "protocol/datagram.hpp"
 
 namespace feltwire {
@@ -45,6 +46,30 @@ TEST(Profiles, AreGoodAtEveryServoRateAndMode) {
 
 TEST(Profiles, AreWhatTheDefaultsAreOnALan) {
   EXPECT_EQ(over(network_profile("lan"), {}), SessionParameters{});
+}
+
+// Whatever the scene: the largest reply to every datagram, a device that turns, both ways.
+TEST(Profiles, AThinLineHasRoomForAllOfIt) {
+  constexpr double kRoom = 64e3;        // [bit/s]
+  constexpr std::size_t kHeaders = 28;  // [bytes] of UDP and IPv4
+  const SessionParameters p = over(network_profile("thin"), {});
+  Encoder encoder;
+  SampleBatch samples;
+  samples.rotation = true;
+  samples.count = p.batch + p.redundancy;
+  for (int i = 0; i < samples.count; ++i)
+    samples.samples[static_cast<std::size_t>(i)].index =
+        static_cast<std::uint64_t>(samples.count - i);
+  Reply reply;
+  reply.rotation = reply.modelled = true;
+  reply.predicted = p.predictor == Predictor::linear;
+  reply.model.count = kMaxPatches;
+  const double rate = 1.0 / (p.packet_interval * p.servo_period);
+  const auto bits = [&](Bytes datagram) {
+    return 8.0 * rate * static_cast<double>(datagram.size() + kHeaders);
+  };
+  EXPECT_LT(bits(encoder.samples(1, 1, samples)), kRoom);
+  EXPECT_LT(bits(encoder.reply(1, 1, reply)), kRoom);
 }
 
 TEST(Profiles, AServerGrantsWhatItsLineHasRoomFor) {
