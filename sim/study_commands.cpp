@@ -1,0 +1,266 @@
+// The studies of feltwire-lab: each runs in process and writes a folder.
+
+#include "sim/study_commands.hpp"
+
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <memory>
+
+#include "sim/choices.hpp"
+#include "sim/compare.hpp"
+#include "sim/deadband_study.hpp"
+#include "sim/extremes.hpp"
+#include "sim/figures.hpp"
+#include "sim/local_model.hpp"
+#include "sim/rate.hpp"
+#include "sim/sides.hpp"
+#include "sim/trade_network.hpp"
+#include "sim/zwidth.hpp"
+
+namespace feltwire {
+namespace {
+
+void add_out(CLI::App& command, std::string& out) {
+  command.add_option("--out", out, "Folder to write to; made when missing")->capture_default_str();
+}
+
+/// The line that ends what a study prints.
+std::string placed(const std::string& what, const std::string& out) {
+  return "\n" + what + " are in " + std::filesystem::absolute(out).lexically_normal().string() +
+         "\n";
+}
+
+void add_figures(CLI::App& app) {
+  auto out = std::make_shared<std::string>("figures");
+  CLI::App* command = app.add_subcommand("figures", "Reproduce the paper's Figures 2, 3, 5 and 6");
+  command->footer(
+      "Writes figures.json, one CSV a run (t [s], x,y,z [m], ex..ez and fx..fz commanded elastic "
+      "and frictional,\n"
+      "rx..rz rendered [N on the hand], energy_x..z flow-in [J]) and PNG pictures with the gnuplot "
+      "scripts that drew\n"
+      "them. In process and deterministic: the same build writes the same numbers.");
+  add_out(*command, *out);
+  command->callback([out] {
+    const auto runs = write_figures(*out);
+    std::cout << figures_table(runs) << placed("Pictures, data and figures.json", *out);
+  });
+}
+
+void add_choices(CLI::App& app) {
+  CLI::App* command = app.add_subcommand(
+      "choices", "Measure what the contact frame leaves open: projection, storage");
+  command->footer("Joint or cone, minimal or elastic: the tables of docs/bounding.md.");
+  command->callback([] { std::cout << choices_tables(); });
+}
+
+void add_zwidth(CLI::App& app) {
+  auto out = std::make_shared<std::string>("zwidth");
+  CLI::App* command = app.add_subcommand(
+      "zwidth", "Map the stiffest wall without oscillation, by method, device and loop");
+  command->footer(
+      "A simulated hand presses a wall with 3 N, by method x device damping x servo rate x delay.\n"
+      "Writes zwidth.json, zwidth.csv and a picture a damping (zwidth_bB.png). A minute or two on "
+      "two cores;\ndeterministic. docs/laboratory.md says how to read it.");
+  add_out(*command, *out);
+  command->callback([out] {
+    const ZWidthGrid grid = full_zwidth_grid();
+    std::cout << zwidth_table(write_zwidth(*out, grid), grid) << placed("Map and pictures", *out);
+  });
+}
+
+void add_compare(CLI::App& app) {
+  struct Options {
+    std::string out = "compare";
+    CompareLoop loop;
+    double delay_ms = 0.0;
+  };
+  auto o = std::make_shared<Options>();
+  CLI::App* command =
+      app.add_subcommand("compare", "Every method on walls, edges, bumps, friction and a tap");
+  command->footer(
+      "Writes compare.json, compare.csv, compare.png and, measured on this machine,\n"
+      "compare_cost.csv. All but the cost is deterministic. docs/laboratory.md says how to read "
+      "it.");
+  add_out(*command, o->out);
+  command->add_option("--damping", o->loop.damping, "b: the device's own damping [N s/m]")
+      ->capture_default_str();
+  command->add_option("--rate", o->loop.rate, "Servo rate [Hz]")->capture_default_str();
+  command->add_option("--delay", o->delay_ms, "Round trip [ms], rounded up to whole samples")
+      ->capture_default_str();
+  command->callback([o] {
+    o->loop.delay = o->delay_ms * 1e-3;
+    std::cout << compare_table(write_compare(o->out, o->loop))
+              << placed("Table and picture", o->out);
+  });
+}
+
+void add_extremes(CLI::App& app, int& status) {
+  struct Options {
+    std::string out = "extremes";
+    double told_damping = 1.0;
+    int hands = 10;
+  };
+  auto o = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand(
+      "extremes", "Every method at the ends of what numbers can say, in double and float");
+  command->footer(
+      "Writes extremes.csv, extremes.json and extremes.png; deterministic. Exit status 1 when any "
+      "row rendered\nNaN, Inf or more than the limit, or broke the energy promise of its method. "
+      "docs/precision.md says how to read it.");
+  add_out(*command, o->out);
+  command
+      ->add_option(
+          "--told-damping", o->told_damping,
+          "What the bounds are told over the damping there is. Above 1, say 1.05, the rows "
+          "must fail")
+      ->capture_default_str();
+  command->add_option("--hands", o->hands, "Hands to a strain, five kinds in turn")
+      ->capture_default_str();
+  command->callback([o, &status] {
+    const auto rows = run_extremes(o->told_damping, o->hands);
+    write_extremes(o->out, rows);
+    std::cout << extremes_table(rows) << placed("Table and picture", o->out);
+    status = all_passed(rows) ? 0 : 1;
+  });
+}
+
+void add_rate(CLI::App& app) {
+  auto out = std::make_shared<std::string>("rate");
+  CLI::App* command =
+      app.add_subcommand("rate", "Speed against accuracy, by servo rate and by arithmetic");
+  command->footer(
+      "Writes rate.csv, rate.json and rate.png, the same bytes every time; and what this machine "
+      "took for it,\nrate_cost.csv and rate_cost.png. docs/trade.md is its page.");
+  add_out(*command, *out);
+  command->callback([out] {
+    const RateGrid grid;
+    const auto cells = run_rate(grid);
+    const auto costs = measure_rate_cost();
+    write_rate(*out, grid, cells, costs);
+    std::cout << rate_table(cells) << '\n'
+              << rate_cost_table(grid, costs) << placed("Tables and pictures", *out);
+  });
+}
+
+void add_sides(CLI::App& app, int& status) {
+  struct Options {
+    std::string out = "sides";
+    SidesGrid grid;
+  };
+  auto o = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand(
+      "sides", "Who should bound, server, client or both: over delay, jitter and loss");
+  command->footer(
+      "Whole sessions in virtual time. Writes sides.csv, sides.json and sides.png, the same bytes "
+      "every time; half a\nminute of CPU. Exit status 1 when a bound at the client's port "
+      "delivered "
+      "more energy than the device burned.\ndocs/network.md says how to read it.");
+  add_out(*command, o->out);
+  command
+      ->add_option(
+          "--told-damping", o->grid.told_damping,
+          "What the bounds are told over the damping there is. Above 1, say 1.05, it must fail")
+      ->capture_default_str();
+  command->callback([o, &status] {
+    const auto cells = run_sides(o->grid);
+    write_sides(o->out, cells);
+    std::cout << sides_table(cells) << placed("Table and picture", o->out);
+    status = client_bounds_hold(cells) ? 0 : 1;
+  });
+}
+
+void add_trade(CLI::App& app) {
+  CLI::App* trade = app.add_subcommand("trade", "What more of one thing costs in another");
+  trade->require_subcommand(1);
+  auto out = std::make_shared<std::string>("trade-network");
+  CLI::App* network = trade->add_subcommand(
+      "network", "Bandwidth against force error, direction error and delay, over three links");
+  network->footer(
+      "Writes trade_network.csv, trade_network.json and trade_network.png, the same bytes every "
+      "time.\nSome minutes of CPU time. docs/trade.md is its page.");
+  add_out(*network, *out);
+  network->callback([out] {
+    constexpr double kTaskTime = 4.0;  // [s]
+    const auto settings = traffic_settings();
+    const auto cells = run_trade_network(settings, kTaskTime);
+    write_trade_network(*out, settings, cells);
+    std::cout << trade_network_table(settings, cells) << '\n'
+              << trade_network_cost_table(settings, cells) << placed("Data and picture", *out);
+  });
+}
+
+Recording recording_from(const std::string& file) {
+  std::ifstream in(file);
+  if (!in) throw std::runtime_error(file + ": cannot be read; give a CSV with t,x,y,z");
+  return read_recording(in, file);
+}
+
+void add_deadband(CLI::App& app) {
+  struct Options {
+    std::string out = "deadband", recording, side = std::string(name(SessionParameters{}.side)),
+                link = "delay=0";
+    DeadbandGrid grid;
+  };
+  auto o = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand(
+      "deadband", "Datagrams that a perceptual deadband saves, and what it costs the force");
+  command->footer(
+      "Simulated hands by deadband and fraction, in whole sessions in virtual time. Writes "
+      "deadband.csv,\ndeadband.json and deadband.png, the same bytes every time. docs/network.md "
+      "says how to read it.");
+  add_out(*command, o->out);
+  command->add_option("--recording", o->recording,
+                      "FILE.csv (t,x,y,z) that is replayed over a plane at z = 0, too");
+  command->add_option("--bounding", o->side, "Where the bound runs: server, client or both")
+      ->capture_default_str();
+  command->add_option("--link", o->link, "Between them (docs/network.md)")->capture_default_str();
+  command->add_option("--keep-alive", o->grid.parameters.keep_alive, "[s] longest silence")
+      ->capture_default_str();
+  command
+      ->add_option("--hold-time", o->grid.parameters.hold_time,
+                   "[s] a command older than half of it fades")
+      ->capture_default_str();
+  command->callback([o] {
+    DeadbandGrid& grid = o->grid;
+    grid.parameters.side = bounding_side(o->side);
+    grid.link = parse_link(o->link);
+    std::optional<Recording> recording;
+    if (!o->recording.empty()) recording = recording_from(o->recording);
+    const auto rows = run_deadband(deadband_tasks(recording), grid);
+    write_deadband(o->out, grid, rows);
+    std::cout << deadband_table(rows) << placed("Table and picture", o->out);
+  });
+}
+
+void add_local_model(CLI::App& app) {
+  auto out = std::make_shared<std::string>("local_model");
+  CLI::App* command = app.add_subcommand(
+      "local-model", "A local contact model against forces alone, over round trips and rates");
+  command->footer(
+      "Writes local_model.csv, local_model.json and local_model.png, the same bytes every time.\n"
+      "docs/network.md says how to read it.");
+  add_out(*command, *out);
+  command->callback([out] {
+    const auto cells = run_local_model();
+    write_local_model(*out, cells);
+    std::cout << local_model_table(cells) << placed("Table and picture", *out);
+  });
+}
+
+}  // namespace
+
+void add_studies(CLI::App& app, int& status) {
+  add_figures(app);
+  add_choices(app);
+  add_zwidth(app);
+  add_compare(app);
+  add_extremes(app, status);
+  add_rate(app);
+  add_sides(app, status);
+  add_deadband(app);
+  add_local_model(app);
+  add_trade(app);
+}
+
+}  // namespace feltwire
