@@ -44,7 +44,7 @@ class LinkRelay {
   /// From any thread.
   void stop();
 
-  /// The parameters, and each client with its counters, as JSON (docs/network.md). Not while
+  /// The parameters, and each client with its counters, as JSON (docs/link.md). Not while
   /// run() does.
   std::string report() const;
 

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "scenes/room_text.hpp"
-#include "sim/metrics.hpp"
+#include "sim/fidelity.hpp"
 #include "sim/parallel.hpp"
 
 namespace feltwire {
@@ -107,24 +107,6 @@ NetworkRunOptions options_of(const Task& task, const LocalModelCell& cell) {
   return options;
 }
 
-double rms(const std::vector<NetworkSample>& samples, auto value) {
-  double sum = 0.0;
-  for (const NetworkSample& s : samples) sum += value(s).squaredNorm();
-  return std::sqrt(sum / static_cast<double>(samples.size()));
-}
-
-double mean_angle(const std::vector<NetworkSample>& samples) {
-  double sum = 0.0;
-  int count = 0;
-  for (const NetworkSample& s : samples) {
-    const Vec3 held = s.held.force(), ideal = s.ideal.force();
-    if (!(held.norm() > 0.0) || !(ideal.norm() > 0.0)) continue;
-    sum += std::atan2(held.cross(ideal).norm(), held.dot(ideal));
-    ++count;
-  }
-  return count > 0 ? sum / count : 0.0;
-}
-
 /// Least squares of the force out of the wall over the true depth, while that grows.
 double pressing_slope(const std::vector<NetworkSample>& samples) {
   double deepest = 0.0, n = 0, x = 0, y = 0, xx = 0, xy = 0;
@@ -172,10 +154,10 @@ void measure(const Task& task, const NetworkRunOptions& options, LocalModelCell&
   const double ticks = static_cast<double>(run.samples.size());
   const double time = ticks / cell.rate;
   const auto samples = settled(run.samples, cell.rate);
-  cell.felt = rms(samples, [](const NetworkSample& s) { return s.ideal.force(); });
-  cell.error =
-      rms(samples, [](const NetworkSample& s) { return Vec3(s.held.force() - s.ideal.force()); });
-  cell.direction_error = mean_angle(samples);
+  const Fidelity felt = fidelity(samples);
+  cell.felt = felt.felt;
+  cell.error = felt.error;
+  cell.direction_error = felt.direction.mean;
   if (task.name == "press") cell.displayed = pressing_slope(run.samples);
   cell.onset = onset(run.samples);
   cell.oscillation = oscillation(run.samples, cell.rate);

@@ -11,10 +11,6 @@ namespace {
 
 constexpr double kFelt = 1e-6;  // [N] below this a force has no direction worth measuring
 
-double angle_between(const Vec3& a, const Vec3& b) {
-  return std::atan2(a.cross(b).norm(), a.dot(b));
-}
-
 /// Whether any axis' force lies outside what Eq. (2) allows it, beyond rounding of the whole force.
 bool outside(const ExperimentSample& s, const Vec3& rendered, EbaConstants constants) {
   const double tolerance = 1e-9 * std::max(rendered.norm(), s.held.norm());
@@ -26,6 +22,10 @@ bool outside(const ExperimentSample& s, const Vec3& rendered, EbaConstants const
 }
 
 }  // namespace
+
+double angle_between(const Vec3& a, const Vec3& b) {
+  return std::atan2(a.cross(b).norm(), a.dot(b));
+}
 
 Spread spread(std::vector<double> values) {
   if (values.empty()) return {};

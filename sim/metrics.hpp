@@ -12,6 +12,9 @@ namespace feltwire {
 
 inline constexpr double kDegrees = 180.0 / std::numbers::pi;  // in a radian
 
+/// [rad], 0 to pi; right for every angle. 0 where one has no direction.
+double angle_between(const Vec3& a, const Vec3& b);
+
 struct Spread {
   double mean = 0.0, p99 = 0.0, max = 0.0;
 };

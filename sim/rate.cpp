@@ -164,7 +164,7 @@ RateCell measure_cell(const Surface& surface, double damping, double rate,
     const RateSample& s = samples[n];
     heights.push_back(height(surface, s.position));
     if (2 * n < samples.size() || s.acted.norm() < 1e-3 || s.ideal.norm() < 1e-3) continue;
-    angles.push_back(std::atan2(s.acted.cross(s.ideal).norm(), s.acted.dot(s.ideal)));
+    angles.push_back(angle_between(s.acted, s.ideal));
   }
   cell.direction_error = spread(std::move(angles)).mean;
   cell.oscillation = highpass_rms(heights, 2 * static_cast<int>(0.5 * kHighpass * rate) + 1);

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "sim/metrics.hpp"
+#include "sim/fidelity.hpp"
 #include "sim/network_run.hpp"
 #include "sim/parallel.hpp"
 
@@ -15,7 +15,6 @@ namespace {
 constexpr double kPress = 3.0;      // [N]
 constexpr double kDamping = 0.5;    // b [N s/m]
 constexpr double kBall = 0.09;      // [m] radius
-constexpr double kFelt = 1e-3;      // [N] below it a direction is not worth comparing
 constexpr int kHighpass = 51;       // [samples] at 1 kHz
 constexpr double kRounding = 1e-9;  // [J]
 
@@ -76,46 +75,37 @@ NetworkRunOptions options_of(const SidesTask& task) {
 
 /// Sums over the second half of a run.
 struct Sums {
-  double held = 0.0, ideal = 0.0;             // [N] magnitudes
-  double error_squared = 0.0, squared = 0.0;  // [N^2]
-  double force_depth = 0.0, depth_squared = 0.0;
+  double height = 0.0;                            // [m]
+  double force_depth = 0.0, depth_squared = 0.0;  // [N m], [m^2]
 };
 
 void measure(const SidesTask& task, const NetworkRunResult& run, SidesCell& cell) {
-  std::vector<double> heights, angles;
+  std::vector<double> heights;
   Sums sums;
-  double mean = 0.0;
   const std::size_t half = run.samples.size() / 2;
   for (std::size_t n = 0; n < run.samples.size(); ++n) {
     const NetworkSample& s = run.samples[n];
     heights.push_back(height(task, s.position));
     if (n < half) continue;
-    const Vec3 held = s.held.force(), ideal = s.ideal.force();
     const double depth = std::max(0.0, -heights.back());
-    mean += heights.back();
-    sums.held += held.norm();
-    sums.ideal += ideal.norm();
-    sums.error_squared += (held - ideal).squaredNorm();
-    sums.squared += ideal.squaredNorm();
-    sums.force_depth += held.dot(normal(task, s.position)) * depth;
+    sums.height += heights.back();
+    sums.force_depth += s.held.force().dot(normal(task, s.position)) * depth;
     sums.depth_squared += depth * depth;
-    if (held.norm() > kFelt && ideal.norm() > kFelt)
-      angles.push_back(std::atan2(held.cross(ideal).norm(), held.dot(ideal)));
   }
   const auto ratio = [](double a, double b) { return b > 0.0 ? a / b : 0.0; };
   cell.oscillation = highpass_rms(heights, kHighpass);
-  mean /= static_cast<double>(heights.size() - half);
+  const double mean = sums.height / static_cast<double>(heights.size() - half);
   double squares = 0.0;
   for (std::size_t n = half; n < heights.size(); ++n)
     squares += (heights[n] - mean) * (heights[n] - mean);
   if (task.path != HandPath::taps && !task.taking)
     cell.sway = std::sqrt(squares / static_cast<double>(heights.size() - half));
   cell.displayed = ratio(sums.force_depth, sums.depth_squared);
-  cell.force_ratio = ratio(sums.held, sums.ideal);
-  cell.force_error = std::sqrt(ratio(sums.error_squared, sums.squared));
-  const Spread angle = spread(std::move(angles));
-  cell.direction_mean = angle.mean;
-  cell.direction_p99 = angle.p99;
+  const Fidelity felt = fidelity(std::span(run.samples).subspan(half));
+  cell.force_ratio = felt.ratio();
+  cell.force_error = felt.relative_error();
+  cell.direction_mean = felt.direction.mean;
+  cell.direction_p99 = felt.direction.p99;
   cell.margin = run.measured_port.least_margin();
   cell.true_margin = run.true_port.least_margin();
   cell.device_margin = run.least_device_margin;

@@ -214,7 +214,7 @@ void add_deadband(CLI::App& app) {
                       "FILE.csv (t,x,y,z) that is replayed over a plane at z = 0, too");
   command->add_option("--bounding", o->side, "Where the bound runs: server, client or both")
       ->capture_default_str();
-  command->add_option("--link", o->link, "Between them (docs/network.md)")->capture_default_str();
+  command->add_option("--link", o->link, "Between them (docs/link.md)")->capture_default_str();
   command->add_option("--keep-alive", o->grid.parameters.keep_alive, "[s] longest silence")
       ->capture_default_str();
   command

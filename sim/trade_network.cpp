@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "sim/metrics.hpp"
+#include "sim/fidelity.hpp"
 #include "sim/network_run.hpp"
 #include "sim/parallel.hpp"
 #include "sim/text.hpp"
@@ -14,7 +14,6 @@ namespace {
 
 constexpr double kBegin = 1.0;       // [s] within which the hand comes in; what follows is counted
 constexpr double kClearance = 0.03;  // [m] from which: the first reply comes before the contact
-constexpr double kFelt = 1e-3;       // [N] below it a direction is not worth comparing
 constexpr double kBall = 0.09;       // [m] radius
 constexpr double kWindow = 0.051;    // [s] of the moving average
 
@@ -54,31 +53,16 @@ HandTask hand_of(const TradeTask& task) {
   return hand;
 }
 
-/// Sums over one run.
-struct Sums {
-  double error = 0.0, ideal = 0.0;  // [N^2]
-  double angle = 0.0;               // [rad]
-  std::size_t angles = 0;
-  double age = 0.0;  // [s]
-  std::size_t ages = 0;
-};
-
-Sums sums_of(const std::vector<NetworkSample>& samples, double period) {
-  Sums sums;
+/// [s] mean age of the newest answered sample.
+double mean_age(std::span<const NetworkSample> samples, double period) {
+  double sum = 0.0;
+  int count = 0;
   for (const NetworkSample& s : samples) {
-    if (s.time < kBegin) continue;
-    const Vec3 held = s.held.force(), ideal = s.ideal.force();
-    sums.error += (held - ideal).squaredNorm();
-    sums.ideal += ideal.squaredNorm();
-    if (held.norm() > kFelt && ideal.norm() > kFelt) {
-      sums.angle += std::atan2(held.cross(ideal).norm(), held.dot(ideal));
-      ++sums.angles;
-    }
     if (s.sample_index == 0) continue;
-    sums.age += s.time - static_cast<double>(s.sample_index - 1) * period;
-    ++sums.ages;
+    sum += s.time - static_cast<double>(s.sample_index - 1) * period;
+    ++count;
   }
-  return sums;
+  return count > 0 ? sum / count : 0.0;
 }
 
 double oscillation(const TradeTask& task, const std::vector<NetworkSample>& samples,
@@ -114,13 +98,12 @@ TradeNetworkCell run_cell(const SessionParameters& parameters, const TwoWayLinkO
     const NetworkRunResult run = run_network(scene_of(task), options);
 
     const double period = parameters.servo_period;
-    const Sums sums = sums_of(run.samples, period);
-    const auto mean = [](double sum, std::size_t count) {
-      return count > 0 ? sum / static_cast<double>(count) / kTasks.size() : 0.0;
-    };
-    if (sums.ideal > 0.0) cell.force_error += std::sqrt(sums.error / sums.ideal) / kTasks.size();
-    cell.direction_error += mean(sums.angle, sums.angles);
-    cell.added_delay += mean(sums.age, sums.ages);
+    const auto begin = std::min(run.samples.size(), static_cast<std::size_t>(kBegin / period));
+    const auto counted = std::span(run.samples).subspan(begin);
+    const Fidelity felt = fidelity(counted);
+    cell.force_error += felt.relative_error() / kTasks.size();
+    cell.direction_error += felt.direction.mean / kTasks.size();
+    cell.added_delay += mean_age(counted, period) / kTasks.size();
     if (task.path != HandPath::taps)
       cell.oscillation += oscillation(task, run.samples, period) / 2.0;
     cell.passive = cell.passive && run.measured_port.violations() == 0;

@@ -94,7 +94,8 @@ void draw(const std::filesystem::path& directory, const Settings& settings, cons
   script += kStyles;
   script +=
       "set multiplot layout 1,3 title 'Bandwidth against force error: down and to the left is "
-      "better'\nset logscale xy\nset xrange [10:10000]\nset yrange [1:1000]\nset xlabel 'both ways together [kbit/s]'\n"
+      "better'\nset logscale xy\nset xrange [10:10000]\nset yrange [1:1000]\nset xlabel 'both ways "
+      "together [kbit/s]'\n"
       "set ylabel 'force error, RMS over RMS [%]'\nset key top right\n";
   for (std::size_t link = 0; link < kLinks; ++link) {
     const auto profile = [](const TrafficSetting& s) { return s.group == "profile"; };

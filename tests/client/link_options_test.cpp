@@ -60,7 +60,7 @@ TEST(LinkOptions, AProfileIsAStartThatLaterItemsChange) {
 }
 
 TEST(LinkOptions, EveryProfileCanBeAndStandsInTheManual) {
-  const std::string manual = testing::text_of(FELTWIRE_SOURCE_DIR "/docs/network.md");
+  const std::string manual = testing::text_of(FELTWIRE_SOURCE_DIR "/docs/link.md");
   for (const LinkProfile& profile : kLinkProfiles) {
     EXPECT_GT(parse_link(profile.name).up.delay, 0.0) << profile.name;
     EXPECT_THAT(manual, HasSubstr("| `" + std::string(profile.name) + "` | `" +

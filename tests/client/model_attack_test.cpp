@@ -16,14 +16,11 @@ using testing::servo::Bench;
 using testing::servo::kPeriod;
 
 std::vector<SessionParameters> laws() {
-  std::vector<SessionParameters> all;
-  for (const Projection projection : {Projection::joint, Projection::cone})
-    for (const Storage storage : {Storage::minimal, Storage::elastic}) {
-      SessionParameters p;
-      p.projection = projection;
-      p.storage = storage;
-      all.push_back(p);
-    }
+  std::vector<SessionParameters> all(4);
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    all[i].projection = i % 2 == 0 ? Projection::joint : Projection::cone;
+    all[i].storage = i / 2 == 0 ? Storage::minimal : Storage::elastic;
+  }
   SessionParameters tank;
   tank.mode = BoundingMode::energy_tank;
   all.push_back(tank);

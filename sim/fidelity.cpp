@@ -1,0 +1,28 @@
+#include "sim/fidelity.hpp"
+
+#include <cmath>
+#include <vector>
+
+namespace feltwire {
+
+Fidelity fidelity(std::span<const NetworkSample> samples) {
+  constexpr double kFelt = 1e-3;  // [N] below it a direction is not worth comparing
+  Fidelity result;
+  std::vector<double> angles;
+  for (const NetworkSample& s : samples) {
+    const Vec3 held = s.held.force(), ideal = s.ideal.force();
+    result.error += (held - ideal).squaredNorm();
+    result.felt += ideal.squaredNorm();
+    result.held_sum += held.norm();
+    result.ideal_sum += ideal.norm();
+    if (held.norm() > kFelt && ideal.norm() > kFelt) angles.push_back(angle_between(held, ideal));
+  }
+  if (samples.empty()) return result;
+  const auto count = static_cast<double>(samples.size());
+  result.error = std::sqrt(result.error / count);
+  result.felt = std::sqrt(result.felt / count);
+  result.direction = spread(std::move(angles));
+  return result;
+}
+
+}  // namespace feltwire

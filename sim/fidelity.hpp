@@ -1,0 +1,22 @@
+#pragma once
+// What a hand was given against what the scene answers where it really was.
+
+#include <span>
+
+#include "sim/metrics.hpp"
+#include "sim/network_run.hpp"
+
+namespace feltwire {
+
+struct Fidelity {
+  double error = 0.0;                    // [N] RMS of held less ideal
+  double felt = 0.0;                     // [N] RMS of ideal
+  double held_sum = 0.0, ideal_sum = 0;  // [N] of the magnitudes
+  Spread direction;                      // [rad] between the two, where both are above 1 mN
+
+  double relative_error() const { return felt > 0.0 ? error / felt : 0.0; }
+  double ratio() const { return ideal_sum > 0.0 ? held_sum / ideal_sum : 0.0; }
+};
+Fidelity fidelity(std::span<const NetworkSample> samples);
+
+}  // namespace feltwire
