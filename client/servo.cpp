@@ -339,7 +339,7 @@ Command Servo::render(const DeviceReading& reading, Nanoseconds now) noexcept {
   statistics_.saturated += bounded.saturated ? 1 : 0;
   statistics_.refused += bounded.refused ? 1 : 0;
 
-  const Command given = safeguard(bounded.rendered, step, original);
+  Command given = safeguard(bounded.rendered, step, original);
   if (letting_go_ && !released_ && !(factor > 0.0)) {
     letting_go_ = false;
     newest_.command = {};

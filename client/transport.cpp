@@ -42,8 +42,7 @@ bool Transport::reroute() noexcept {
   ++statistics_.rerouted;
   // A socket keeps the address of its first connection until it is dissolved (connect(2)).
   const sockaddr dissolved{.sa_family = AF_UNSPEC, .sa_data = {}};
-  ::connect(socket_, &dissolved, sizeof dissolved);
-  return connect_to(server_);
+  return ::connect(socket_, &dissolved, sizeof dissolved) == 0 && connect_to(server_);
 }
 
 void Transport::transmit(Bytes datagram) noexcept {

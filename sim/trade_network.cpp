@@ -175,17 +175,15 @@ void add_one_at_a_time(Settings& all) {
                 p.local_model = model;
               });
   for (const double servo : {1000.0, 4000.0, 10000.0})
-    for (const auto& [model, storage] : {std::pair{false, Storage::minimal},
-                                         {false, Storage::elastic},
-                                         {true, Storage::minimal},
-                                         {true, Storage::elastic}})
-      all.add("servo rate and storage, 200 Hz",
-              text("%.0f kHz, %s%s", 1e-3 * servo, name(storage).data(), model ? ", model" : ""),
-              [&](SessionParameters& p) {
-                set_rates(p, servo, 200.0);
-                p.local_model = model;
-                p.storage = storage;
-              });
+    for (const bool model : {false, true})
+      for (const Storage storage : {Storage::minimal, Storage::elastic})
+        all.add("servo rate and storage, 200 Hz",
+                text("%.0f kHz, %s%s", 1e-3 * servo, name(storage).data(), model ? ", model" : ""),
+                [&](SessionParameters& p) {
+                  set_rates(p, servo, 200.0);
+                  p.local_model = model;
+                  p.storage = storage;
+                });
 }
 
 void add_crossed(Settings& all) {

@@ -16,7 +16,7 @@ Command touch(const Object& object, const Tool& tool, ContactMemory& memory) noe
   Vec3 stick_force = Vec3::Zero();
   if (material.static_friction > 0.0)
     stick_force = to_world * (material.stiffness * stick_stretch(material, surface, memory));
-  const Command command =
+  Command command =
       contact_force(material, surface.depth, to_world * surface.normal, stick_force, tool.velocity);
   memory.touching = true;
   if (!command.finite()) [[unlikely]] {  // sizes or positions beyond what products can hold

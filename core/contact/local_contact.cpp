@@ -148,8 +148,8 @@ Command LocalContact::touch_object(Contact& contact, const Tool& tool, double ag
   if (patch.material.static_friction > 0.0)
     stick_force = patch.material.stiffness * stick_stretch(patch.material, surface, memory);
   memory.touching = true;
-  const Command command = contact_force(patch.material, surface.depth, surface.normal, stick_force,
-                                        tool.velocity - patch.velocity);
+  Command command = contact_force(patch.material, surface.depth, surface.normal, stick_force,
+                                  tool.velocity - patch.velocity);
   if (command.finite() && memory.anchor.allFinite()) return command;
   memory = {};  // a model beyond what products can hold
   return {};
