@@ -29,6 +29,17 @@ BoundingConfig bound_of(const SessionParameters& parameters, const DeviceSpec& s
   return config;
 }
 
+/// A server's bound knows nothing of delay and loss. A mode without a bound has no guard either,
+/// nor a device of which no damping is known.
+std::optional<PortGuard> guard_of(const SessionParameters& parameters,
+                                  const BoundingConfig& config) {
+  if (parameters.side != BoundingSide::server || parameters.mode == BoundingMode::none ||
+      !PortGuard::usable(config.damping))
+    return std::nullopt;
+  return PortGuard(config.damping, config.rotation ? config.rotational_damping : Damping(),
+                   config.period);
+}
+
 PortEnergy observer_of(const BoundingConfig& config) {
   return {config.damping, config.rotation ? config.rotational_damping : Damping(), config.period};
 }
@@ -92,6 +103,7 @@ Servo::Servo(const DeviceSpec& spec, const SessionParameters& parameters,
       bounding_(bound_of(parameters, spec)),
       safety_(options.safety),
       port_(observer_of(bounding_.config())),
+      guard_(guard_of(parameters, bounding_.config())),
       torque_(bounding_.config().rotation),
       period_(bounding_.config().period),
       velocity_(parameters.velocity_cutoff),
@@ -340,6 +352,11 @@ Command Servo::render(const DeviceReading& reading, Nanoseconds now) noexcept {
   statistics_.refused += bounded.refused ? 1 : 0;
 
   Command given = safeguard(bounded.rendered, step, original);
+  if (guard_) {
+    const Command affordable = guard_->apply(given, port_.margin());
+    statistics_.guarded += affordable == given ? 0 : 1;
+    given = affordable;
+  }
   if (letting_go_ && !released_ && !(factor > 0.0)) {
     letting_go_ = false;
     newest_.command = {};

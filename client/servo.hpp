@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "client/clock_estimate.hpp"
@@ -13,6 +14,7 @@
 #include "core/bounding/bounding.hpp"
 #include "core/contact/local_contact.hpp"
 #include "core/port_energy.hpp"
+#include "core/port_guard.hpp"
 #include "core/safety.hpp"
 #include "core/velocity.hpp"
 #include "protocol/datagram.hpp"
@@ -49,6 +51,7 @@ struct ServoStatistics {
   std::uint64_t device_faults = 0;    // readings or held forces that were faulty or not finite
   std::uint64_t bound_active = 0;     // ticks at which the bound changed the command
   std::uint64_t saturated = 0;        // ticks at which the device's limits did
+  std::uint64_t guarded = 0;          // ticks at which the port had no energy for all of it
   std::uint64_t refused = 0;          // ticks at which the bound met an absurd command or movement
   // Ticks at which these safety limits took something off what the bound let through.
   std::uint64_t waiting = 0, ramped = 0, slewed = 0, too_fast = 0, force_limited = 0;
@@ -172,6 +175,7 @@ class Servo {
   Bounding bounding_;
   SafetyStage safety_;
   PortEnergy port_;
+  std::optional<PortGuard> guard_;  // where the server bounds
   bool torque_;
   double period_;  // T [s]
 

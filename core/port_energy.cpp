@@ -33,9 +33,8 @@ void PortEnergy::step(const Command& held, const Vec3& displacement, const Vec3&
   burned_ += burned;
   exchanged_ += exchange;
 
-  const double margin = burned_ - delivered_.total();
-  least_margin_ = std::min(least_margin_, margin);
-  if (margin < -rounding_ * exchanged_) ++violations_;
+  least_margin_ = std::min(least_margin_, margin());
+  if (margin() < -rounding_ * exchanged_) ++violations_;
 }
 
 }  // namespace feltwire

@@ -37,6 +37,7 @@ class PortEnergy {
 
   const ChannelEnergy& delivered() const { return delivered_; }  // to the hand so far
   double burned() const { return burned_; }  // [J] by the device's damping, at least
+  double margin() const { return burned_ - delivered_.total(); }  // [J]
   /// [J] minimum over time of burned - delivered
   double least_margin() const { return least_margin_; }
   std::uint64_t violations() const { return violations_; }

@@ -159,9 +159,9 @@ std::vector<SidesCell> run_sides(const SidesGrid& grid) {
   return cells;
 }
 
-bool client_bounds_hold(const std::vector<SidesCell>& cells) {
+bool bounds_hold(const std::vector<SidesCell>& cells) {
   return std::all_of(cells.begin(), cells.end(), [](const SidesCell& cell) {
-    return (cell.bound != "client" && cell.bound != "both") ||
+    return cell.bound == kSidesBounds[0] ||
            (cell.violations == 0 && cell.device_margin >= -kRounding);
   });
 }

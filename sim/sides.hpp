@@ -58,9 +58,9 @@ struct SidesCell {
 /// Deterministic. Throws std::invalid_argument for a grid that cannot be run.
 std::vector<SidesCell> run_sides(const SidesGrid& grid);
 
-/// Whether no bound at the client's port ever delivered more than the device burned: as measured,
+/// Whether no port but an unbounded one ever delivered more than the device burned: as measured,
 /// and over the true movement with all that the device burns.
-bool client_bounds_hold(const std::vector<SidesCell>& cells);
+bool bounds_hold(const std::vector<SidesCell>& cells);
 
 /// Writes sides.csv, sides.json and sides.png, the same bytes every time. `directory` is created.
 /// Throws std::runtime_error when something cannot be written or drawn.

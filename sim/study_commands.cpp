@@ -153,9 +153,8 @@ void add_sides(CLI::App& app, int& status) {
       "sides", "Who should bound, server, client or both: over delay, jitter and loss");
   command->footer(
       "Whole sessions in virtual time. Writes sides.csv, sides.json and sides.png, the same bytes "
-      "every time; half a\nminute of CPU. Exit status 1 when a bound at the client's port "
-      "delivered "
-      "more energy than the device burned.\ndocs/network.md says how to read it.");
+      "every time; half a\nminute of CPU. Exit status 1 when a port that is bounded delivered more "
+      "energy than the device burned.\ndocs/network.md says how to read it.");
   add_out(*command, o->out);
   command
       ->add_option(
@@ -166,7 +165,7 @@ void add_sides(CLI::App& app, int& status) {
     const auto cells = run_sides(o->grid);
     write_sides(o->out, cells);
     std::cout << sides_table(cells) << placed("Table and picture", o->out);
-    status = client_bounds_hold(cells) ? 0 : 1;
+    status = bounds_hold(cells) ? 0 : 1;
   });
 }
 

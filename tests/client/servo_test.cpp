@@ -259,13 +259,18 @@ TEST(Servo, ASpringAtTheLimitIsRenderedUndiminished) {
   EXPECT_EQ(bench.servo.port().violations(), 0u);
 }
 
-TEST(Servo, OnTheServersSideOnlyTheSafetyClampsStay) {
+TEST(Servo, OnTheServersSideTheGuardAndTheSafetyClampsStay) {
   Bench bench(parameters(BoundingMode::contact_frame, BoundingSide::server));
   bench.tick();
   bench.servo.take(reply(1, elastic(0, 0, 7)), bench.now);
-  EXPECT_EQ(bench.tick().force(), Vec3(0, 0, 7));  // a client's bound would allow nothing at rest
+  EXPECT_EQ(bench.tick().force(), Vec3::Zero());  // nothing has been burned yet
+  EXPECT_EQ(bench.servo.statistics().guarded, 1u);
+  for (const double x : {0.02, 0.0, 0.02}) bench.tick(at(x, 0, 0));
+  EXPECT_EQ(bench.tick(at(0.02, 0, 0)).force(),
+            Vec3(0, 0, 7));  // a client's bound would allow nothing at rest
   bench.servo.take(reply(2, elastic(300, 0, 400)), bench.now);
-  EXPECT_TRUE(bench.tick().force().isApprox(bench.spec.max_force * Vec3(0.6, 0, 0.8)));
+  EXPECT_TRUE(
+      bench.tick(at(0.02, 0, 0)).force().isApprox(bench.spec.max_force * Vec3(0.6, 0, 0.8)));
   EXPECT_EQ(bench.servo.statistics().saturated, 1u);
 }
 
@@ -376,9 +381,16 @@ TEST(Servo, NoNetworkNoHandAndNoFaultGetsEnergyOutOfTheContactFrame) {
 
 TEST(Servo, WithoutABoundTheSameAdversaryGetsIt) {
   EXPECT_GT(violations_against_an_adversary(parameters(BoundingMode::none), 1, 4000), 0u);
-  EXPECT_GT(violations_against_an_adversary(
-                parameters(BoundingMode::contact_frame, BoundingSide::server), 1, 4000),
+  EXPECT_GT(violations_against_an_adversary(parameters(BoundingMode::none, BoundingSide::server), 1,
+                                            4000),
             0u);
+}
+
+TEST(Servo, WhereTheServerBoundsTheAdversaryGetsNoMoreThanWasBurned) {
+  for (const BoundingMode mode : {BoundingMode::contact_frame, BoundingMode::per_axis_projected,
+                                  BoundingMode::total_energy, BoundingMode::virtual_coupling})
+    EXPECT_EQ(violations_against_an_adversary(parameters(mode, BoundingSide::server), 1, 4000), 0u)
+        << name(mode);
 }
 
 TEST(Servo, TheSameInputsGiveTheSameBits) {

@@ -243,20 +243,23 @@ std::uint64_t violations(const NetworkScript& script, const SessionParameters& a
 }
 
 RC_GTEST_PROP(SessionProperty, NoLinkAndNoChangeGivesTheHandMoreThanWasBurned, ()) {
-  const auto both = passive(BoundingSide::both), client = passive(BoundingSide::client);
+  const auto both = passive(BoundingSide::both), client = passive(BoundingSide::client),
+             server = passive(BoundingSide::server);
   const int which = *rc::gen::inRange(0, static_cast<int>(both.size()));
   const bool local_model = *rc::gen::arbitrary<bool>();
   const NetworkScript script = *network_scripts(static_cast<int>(anything().size()));
   for (SessionParameters p :
-       {both[static_cast<std::size_t>(which)], client[static_cast<std::size_t>(which)]}) {
-    p.local_model = local_model;
+       {both[static_cast<std::size_t>(which)], client[static_cast<std::size_t>(which)],
+        server[static_cast<std::size_t>(which)]}) {
+    p.local_model = local_model && p.side != BoundingSide::server;
     RC_ASSERT(violations(script, p) == 0u);
   }
 }
 
-// The same hands win where the client bounds nothing: else the property above is blind.
+// The same hands win where nobody bounds: else the property above is blind.
 TEST(SessionMutant, WithoutABoundAtTheClientTheSameHandsWin) {
-  SessionParameters server = passive(BoundingSide::server)[0];
+  SessionParameters nobody = passive(BoundingSide::server)[0];
+  nobody.mode = BoundingMode::none;
   SessionParameters modelled = passive(BoundingSide::both)[0];
   modelled.local_model = true;
   std::uint64_t lost = 0, kept = 0;
@@ -264,7 +267,7 @@ TEST(SessionMutant, WithoutABoundAtTheClientTheSameHandsWin) {
   for (std::uint64_t seed = 0; seed < 100; ++seed) {
     const NetworkScript script =
         network_scripts(static_cast<int>(anything().size()))(rc::Random(seed), 100).value();
-    lost += violations(script, server);
+    lost += violations(script, nobody);
     kept += violations(script, passive(BoundingSide::both)[0], &rendered);
     kept += violations(script, modelled, &from_model);
   }
