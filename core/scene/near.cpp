@@ -61,7 +61,8 @@ SurfaceParts parts_near(const Object& object, const Vec3& position, std::uint8_t
 double radius_of(const Object& object, const SurfacePatch& patch, std::size_t index,
                  std::span<const Near> chosen) {
   double radius = kModelReach;
-  for (const SurfacePart& part : parts_near(object, patch.point, 0).view()) {
+  const SurfaceParts parts = parts_near(object, patch.point, 0);
+  for (const SurfacePart& part : parts.view()) {
     const bool described = part.shown && std::ranges::any_of(chosen, [&](const Near& near) {
                              return near.object == index && near.feature == part.feature;
                            });
@@ -81,10 +82,11 @@ LocalModel local_model(const Scene& scene, const Vec3& position,
   model.center = position;
 
   Nearest nearest;
-  for (std::size_t i = 0; i < objects.size(); ++i)
-    for (const SurfacePart& part :
-         parts_near(objects[i], position, memory[i].feature.feature).view())
+  for (std::size_t i = 0; i < objects.size(); ++i) {
+    const SurfaceParts parts = parts_near(objects[i], position, memory[i].feature.feature);
+    for (const SurfacePart& part : parts.view())
       nearest.offer({part.distance, i, part.feature}, part.shown && i <= kMostObjects);
+  }
 
   model.reach = nearest.reach();
   const auto chosen = nearest.within_reach();
