@@ -195,14 +195,13 @@ int run(const ClientOptions& options) {
     Rejoiner rejoiner(options.server,
                       {options.name, options.scene, device->spec(), joined.accepted.parameters},
                       sessions);
-    const LoopOptions loop{
-        .duration = Nanoseconds(std::llround(options.duration * 1e9)),
-        .silence_timeout = Nanoseconds(std::llround(joined.accepted.silence_timeout * 1e9)),
-        .patience = Nanoseconds(std::llround(options.patience * 1e9)),
-        .rejoined = &sessions,
-        .busy_poll = busy_poll_time(options.busy_poll)};
-    const bool may_sleep = !never_sleeps(
-        loop.busy_poll, Nanoseconds(std::llround(joined.accepted.parameters.servo_period * 1e9)));
+    const LoopOptions loop{.duration = from_seconds(options.duration),
+                           .silence_timeout = from_seconds(joined.accepted.silence_timeout),
+                           .patience = from_seconds(options.patience),
+                           .rejoined = &sessions,
+                           .busy_poll = busy_poll_time(options.busy_poll)};
+    const bool may_sleep =
+        !never_sleeps(loop.busy_poll, from_seconds(joined.accepted.parameters.servo_period));
     constexpr std::size_t kStatusRoom = 16;
     Ring<LiveStatus> statuses(kStatusRoom);
     const LoopOutputs outputs{.status = &statuses,

@@ -7,11 +7,6 @@
 #include "protocol/deadband.hpp"
 
 namespace feltwire {
-namespace {
-
-double seconds(Nanoseconds time) { return std::chrono::duration<double>(time).count(); }
-
-}  // namespace
 
 SamplePacker::SamplePacker(const SessionParameters& parameters, bool rotation,
                            const PositionScale& scale)

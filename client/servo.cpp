@@ -17,9 +17,6 @@ namespace {
 constexpr std::size_t kRemembered = 8192;
 constexpr double kSmallestForce = 1e-6;  // [N] below it a force has no direction worth measuring
 
-double seconds(Nanoseconds time) { return std::chrono::duration<double>(time).count(); }
-Nanoseconds nanoseconds(double time) { return Nanoseconds(std::llround(time * 1e9)); }
-
 BoundingConfig bound_of(const SessionParameters& parameters, const DeviceSpec& spec) {
   validate(spec);
   validate(parameters);
@@ -137,8 +134,8 @@ bool Servo::take(const Reply& reply, Nanoseconds arrival) noexcept {
     return true;
   }
   const bool out_of_date = reply.sample_index <= stood_still_after_;
-  newest_arrival_ = out_of_date ? arrival - nanoseconds(parameters_.hold_time)
-                                : std::min(arrival, last_tick_ + 2 * nanoseconds(period_));
+  newest_arrival_ = out_of_date ? arrival - from_seconds(parameters_.hold_time)
+                                : std::min(arrival, last_tick_ + 2 * from_seconds(period_));
   newest_sampled_ = remembered ? sent.time : arrival;
   // What the server's bound has changed says nothing of how deep the hand is: at the first sample
   // it lets nothing through, inside an object too.
@@ -159,7 +156,7 @@ void Servo::take_model(const Reply& reply, Nanoseconds arrival) noexcept {
   // What moves has moved on since the server looked, by the way back as the clocks say, which are
   // believed no farther than a command lives.
   const double since = std::clamp(server_clock_.delay_down(), 0.0, parameters_.hold_time);
-  model_time_ = arrival - Nanoseconds(std::llround(since * 1e9));
+  model_time_ = arrival - from_seconds(since);
 }
 
 void Servo::count_answer(const Reply& reply, Nanoseconds arrival) noexcept {
@@ -211,9 +208,9 @@ double Servo::time_since_last_tick(Nanoseconds now) noexcept {
   if (!ticked_) return period_;
   const Nanoseconds elapsed = now - last_tick_;
   if (elapsed.count() < 0) {  // set back: what is remembered moves with it, and ages by a tick
-    newest_arrival_ += elapsed - nanoseconds(period_);
-    newest_sampled_ += elapsed - nanoseconds(period_);
-    let_go_from_ += elapsed - nanoseconds(period_);
+    newest_arrival_ += elapsed - from_seconds(period_);
+    newest_sampled_ += elapsed - from_seconds(period_);
+    let_go_from_ += elapsed - from_seconds(period_);
     return period_;
   }
   if (seconds(elapsed) > parameters_.hold_time) stood_still_after_ = sample_.index;
@@ -319,8 +316,8 @@ Command Servo::render(const DeviceReading& reading, Nanoseconds now) noexcept {
   command_age_ = has_reply() ? seconds(now - newest_arrival_) : 0.0;
   if (reading.ended) device_ended_ = released_ = true;
 
-  const bool usable = good(reading) && !device_ended_;
-  if (good(reading)) {
+  const bool read = good(reading), usable = read && !device_ended_;
+  if (read) {
     const Movement moved = moved_to(reading);
     step.displacement = moved.displacement;
     step.rotation = moved.rotation;

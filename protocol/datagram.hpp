@@ -3,6 +3,7 @@
 
 #include <array>
 #include <chrono>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -14,6 +15,8 @@
 namespace feltwire {
 
 using Nanoseconds = std::chrono::nanoseconds;
+inline double seconds(Nanoseconds time) { return std::chrono::duration<double>(time).count(); }
+inline Nanoseconds from_seconds(double time) { return Nanoseconds(std::llround(time * 1e9)); }
 using Bytes = std::span<const std::uint8_t>;
 
 inline constexpr std::size_t kMaxDatagram = 1200;  // [bytes] header and payload

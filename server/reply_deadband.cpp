@@ -3,21 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/contact/local_contact.hpp"
 #include "core/numeric.hpp"
 
 namespace feltwire {
 namespace {
 
 constexpr double kKnown = 0.5;  // share of a reach or radius that a model is trusted for unrenewed
-
-/// [m] of a point above the surface, with its curvature c: (sqrt(1 + 2 h c + c^2 d^2) - 1) / c,
-/// written so that a plane is no special case.
-double height(const SurfacePatch& surface, const Vec3& point, const Vec3& moved) noexcept {
-  Vec3 d = point - surface.point - moved;
-  d -= surface.axis.dot(d) * surface.axis;
-  const double h = surface.normal.dot(d), c = surface.curvature, bulge = c * d.squaredNorm();
-  return (2.0 * h + bulge) / (std::sqrt(std::max(0.0, 1.0 + c * (2.0 * h + bulge))) + 1.0);
-}
 
 }  // namespace
 
@@ -36,7 +28,8 @@ bool describes(const LocalModel& sent, const LocalModel& now, double since, doub
     const Vec3 moved = since * known->velocity;
     const double along = length(patch.point - known->point - moved);
     if (known->joined != patch.joined || !(along <= kKnown * known->radius) ||
-        !(std::abs(height(*known, patch.point, moved)) <= force / known->material.stiffness))
+        !(std::abs(height_above(*known, moved, patch.point).height) <=
+          force / known->material.stiffness))
       return false;
   }
   return true;

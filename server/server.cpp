@@ -73,7 +73,7 @@ struct Server::Parts {
         });
     SceneHostOptions options;
     options.address = address;
-    options.silence_timeout = Nanoseconds(std::llround(config.silence_timeout * 1e9));
+    options.silence_timeout = from_seconds(config.silence_timeout);
     if (!config.profile.empty()) options.line = &network_profile(config.profile);
     options.dscp = dscp(config.dscp);
     options.max_sessions = static_cast<std::size_t>(config.max_sessions_per_scene);

@@ -13,7 +13,6 @@ namespace {
 constexpr double kStiffness = 1000.0;  // [N/m] of every surface
 constexpr double kBall = 0.04;         // [m] radius
 constexpr double kTremor = 1e-4;       // [m] RMS an axis
-constexpr double kBitsOfByte = 8.0, kKilo = 1e3;
 
 Scene surface(const char* name, const Shape& shape, double friction) {
   Object object;
@@ -57,10 +56,6 @@ Recording recorded(const NetworkRunResult& run) {
 
 double saved(const DatagramCount& now, const DatagramCount& before) {
   return 1.0 - static_cast<double>(now.datagrams) / static_cast<double>(before.datagrams);
-}
-
-double kbit_per_second(const DatagramCount& count, double duration) {
-  return kBitsOfByte * static_cast<double>(count.bytes) / (kKilo * duration);
 }
 
 void compare_forces(const NetworkRunResult& run, const NetworkRunResult& all, DeadbandRow& row) {
@@ -141,8 +136,8 @@ std::vector<DeadbandRow> run_deadband(const std::vector<DeadbandTask>& tasks,
     row.saved_up = saved(replay.up, all.up);
     row.saved_down = saved(replay.down, all.down);
     row.saved = 0.5 * (row.saved_up + row.saved_down);
-    row.up_kbit = kbit_per_second(replay.up, tasks[t].duration);
-    row.down_kbit = kbit_per_second(replay.down, tasks[t].duration);
+    row.up_kbit = replay.up.kbit_per_second(tasks[t].duration);
+    row.down_kbit = replay.down.kbit_per_second(tasks[t].duration);
     compare_forces(replay, all, row);
 
     const PortEnergy port =

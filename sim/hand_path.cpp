@@ -32,6 +32,14 @@ HandPath hand_path(std::string_view given) {
   throw std::invalid_argument(message);
 }
 
+void go_round(HandTask& task, double radius) {
+  task.path = HandPath::orbit;
+  task.normal = Vec3::UnitY();
+  task.radius = radius - task.depth;
+  task.depth = 0.0;
+  task.frequency = 0.25;
+}
+
 void set_normal(HandTask& task, const Vec3& normal) {
   task.normal = normal;
   // Along x where the surface has it, else along y.

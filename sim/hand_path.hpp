@@ -36,6 +36,10 @@ struct HandTask {
 /// Turns the task to a surface with another outward normal, and `along` into that surface.
 void set_normal(HandTask& task, const Vec3& normal);
 
+/// Makes it an orbit round a ball of `radius` [m] about the centre, `depth` below its surface, in
+/// the x-z plane, four seconds a turn.
+void go_round(HandTask& task, double radius);
+
 /// press         to `depth`, and stay
 /// slide         press, and move along by radius * sin
 /// orbit         a circle of `radius` in the plane of along and normal x along, pressed `depth`

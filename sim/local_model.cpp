@@ -57,11 +57,8 @@ std::vector<Task> all_tasks() {
   tasks.push_back({"taps", Scene("taps", {wall}), taps});
 
   HandTask orbit = hand(HandPath::orbit);
-  orbit.normal = Vec3::UnitY();  // the circle stands on the x-z plane
-  orbit.radius = kBall - orbit.depth;
-  orbit.depth = 0.0;
+  go_round(orbit, kBall);
   orbit.clearance *= 2.0;  // from within the ball
-  orbit.frequency = 0.25;
   tasks.push_back(
       {"ball", Scene("ball", {object("ball", Sphere{kBall}, Vec3::Zero(), smooth)}), orbit});
 
@@ -166,9 +163,8 @@ void measure(const Task& task, const NetworkRunOptions& options, LocalModelCell&
                                             static_cast<double>(run.servo.models)
                                       : 0.0;
   cell.datagrams = static_cast<double>(run.up.datagrams) / time;
-  constexpr double kKilobits = 8e-3;  // of a byte
-  cell.kbit_up = kKilobits * static_cast<double>(run.up.bytes) / time;
-  cell.kbit_down = kKilobits * static_cast<double>(run.down.bytes) / time;
+  cell.kbit_up = run.up.kbit_per_second(time);
+  cell.kbit_down = run.down.kbit_per_second(time);
   cell.violations = run.measured_port.violations();
 }
 

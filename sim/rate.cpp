@@ -62,12 +62,8 @@ SimulatedHandOptions hand_of(const Surface& surface, double damping, bool slides
   if (!slides) task.depth += kPress / surface.stiffness;
   if (!slides) return options;
   if (surface.ball) {
-    task.path = HandPath::orbit;
     task.center = Vec3::Zero();
-    task.normal = Vec3::UnitY();  // the circle stands on the x-z plane
-    task.radius = kBall - task.depth;
-    task.depth = 0.0;
-    task.frequency = 0.25;
+    go_round(task, kBall);
   } else {
     task.path = HandPath::slide;
     task.radius = 0.03;

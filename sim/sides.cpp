@@ -64,12 +64,7 @@ NetworkRunOptions options_of(const SidesTask& task) {
     hand.frequency = 2.0;
     hand.clearance = 5e-3;
   }
-  if (task.ball) {
-    hand.normal = Vec3::UnitY();  // the circle stands on the x-z plane
-    hand.radius = kBall - hand.depth;
-    hand.depth = 0.0;
-    hand.frequency = 0.25;
-  }
+  if (task.ball) go_round(hand, kBall);
   return options;
 }
 

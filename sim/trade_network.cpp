@@ -44,12 +44,7 @@ HandTask hand_of(const TradeTask& task) {
   hand.clearance = kClearance;
   hand.lead_in = kBegin;
   if (task.path == HandPath::taps) hand.frequency = 2.0;
-  if (task.ball) {
-    hand.normal = Vec3::UnitY();  // the circle stands on the x-z plane
-    hand.radius = kBall - hand.depth;
-    hand.depth = 0.0;
-    hand.frequency = 0.25;
-  }
+  if (task.ball) go_round(hand, kBall);
   return hand;
 }
 
@@ -75,8 +70,7 @@ double oscillation(const TradeTask& task, const std::vector<NetworkSample>& samp
 }
 
 void add(const DatagramCount& count, double duration, double& kbit, double& datagrams) {
-  constexpr double kBitsInKilo = 8e-3;  // of a byte
-  kbit += kBitsInKilo * static_cast<double>(count.bytes) / duration / kTasks.size();
+  kbit += count.kbit_per_second(duration) / kTasks.size();
   datagrams += static_cast<double>(count.datagrams) / duration / kTasks.size();
 }
 

@@ -27,10 +27,6 @@ struct LinkTrace {
 
 inline constexpr double kLongestLinkDelay = 10.0;  // [s]
 
-inline Nanoseconds from_seconds(double seconds) noexcept {
-  return Nanoseconds(std::llround(seconds * 1e9));
-}
-
 /// Columns t [s], rising; delay [s], 0 to 10 (not read where lost); lost 0 or 1. Throws CsvError.
 LinkTrace read_link_trace(std::istream& in, const std::string& file);
 /// From a file; throws CsvError also where it cannot be opened.

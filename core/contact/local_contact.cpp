@@ -7,26 +7,6 @@
 namespace feltwire {
 namespace {
 
-/// How high a point is above a patch's surface, and the normal there.
-struct Height {
-  double height = 0.0;         // [m] < 0 in the solid
-  Vec3 normal = Vec3::Zero();  // unit; zero where the surface leaves it undefined
-};
-
-/// With d from the patch's point to p (less its part along the axis), n the normal and k the
-/// curvature, the centre of curvature is at d = -n / k, and for balls (k > 0), hollows (k < 0) and
-/// planes alike
-///   normal = (n + k d) / s,   height = (2 n.d + k |d|^2) / (1 + s),   s = |n + k d|.
-/// Nothing cancels in it: a flat patch needs no far centre.
-Height height_above(const SurfacePatch& patch, const Vec3& moved, const Vec3& p) {
-  Vec3 d = p - (patch.point + moved);
-  d -= along(d, patch.axis);
-  const Vec3 bent = patch.normal + patch.curvature * d;
-  const double s = length(bent);
-  return {(2.0 * patch.normal.dot(d) + patch.curvature * d.squaredNorm()) / (1.0 + s),
-          s > 0.0 ? Vec3(bent / s) : Vec3::Zero()};
-}
-
 /// 1 up to the last share of `limit`, then linearly to 0 at it and beyond. NaN gives 0.
 double share_within(double distance, double limit) {
   if (!(distance < limit)) return 0.0;
@@ -61,6 +41,20 @@ struct Proxy {
 };
 
 }  // namespace
+
+/// With d from the patch's point to p (less its part along the axis), n the normal and k the
+/// curvature, the centre of curvature is at d = -n / k, and for balls (k > 0), hollows (k < 0) and
+/// planes alike
+///   normal = (n + k d) / s,   height = (2 n.d + k |d|^2) / (1 + s),   s = |n + k d|.
+/// Nothing cancels in it: a flat patch needs no far centre.
+Height height_above(const SurfacePatch& patch, const Vec3& moved, const Vec3& p) noexcept {
+  Vec3 d = p - (patch.point + moved);
+  d -= along(d, patch.axis);
+  const Vec3 bent = patch.normal + patch.curvature * d;
+  const double s = length(bent);
+  return {(2.0 * patch.normal.dot(d) + patch.curvature * d.squaredNorm()) / (1.0 + s),
+          s > 0.0 ? Vec3(bent / s) : Vec3::Zero()};
+}
 
 const LocalContact::Contact* LocalContact::contact_of(std::uint16_t object) const noexcept {
   for (int i = 0; i < count_; ++i) {

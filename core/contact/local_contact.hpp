@@ -18,6 +18,14 @@ struct LocalForce {
   double weight = 0.0;
 };
 
+/// How high a point is above a patch's surface, and the normal there.
+struct Height {
+  double height = 0.0;         // [m] < 0 in the solid
+  Vec3 normal = Vec3::Zero();  // unit; zero where the surface leaves it undefined
+};
+/// The patch `moved` [m] on. Precondition: its axis is unit or zero.
+Height height_above(const SurfacePatch& patch, const Vec3& moved, const Vec3& point) noexcept;
+
 /// Renders the newest model. What is remembered of a contact (entered face, stick point, slipping)
 /// is this side's own as long as it follows the surface, however old the model's state is. Nothing
 /// here allocates, throws or reads a clock.
