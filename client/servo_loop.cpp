@@ -6,7 +6,6 @@
 #include <sys/eventfd.h>
 #include <sys/mman.h>
 #include <sys/prctl.h>
-#include <sys/timerfd.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -42,47 +41,36 @@ timespec to_timespec(Nanoseconds time) noexcept {
           .tv_nsec = static_cast<long>((time - whole).count())};
 }
 
-/// Deadlines start + n T, n = 1, 2, ...
+/// Deadlines start + n T, n = 1, 2, ..., and when to wake for them.
 class Deadlines {
  public:
-  /// `armed`: the descriptor becomes readable at each. A loop that looks at the clock itself does
-  /// better without: the timer's interrupt comes just when it has something to do.
-  Deadlines(Nanoseconds start, Nanoseconds period, bool armed) noexcept
-      : descriptor_(timerfd_create(CLOCK_MONOTONIC, TFD_NONBLOCK | TFD_CLOEXEC)),
-        latest_(start),
-        period_(period) {
-    if (!armed) return;
-    const itimerspec times{.it_interval = to_timespec(period),
-                           .it_value = to_timespec(start + period)};
-    timerfd_settime(descriptor_, TFD_TIMER_ABSTIME, &times, nullptr);
-  }
-  ~Deadlines() {
-    if (descriptor_ >= 0) ::close(descriptor_);
-  }
-  Deadlines(const Deadlines&) = delete;
-  Deadlines& operator=(const Deadlines&) = delete;
+  Deadlines(Nanoseconds start, Nanoseconds period) noexcept
+      : latest_(start), period_(period), longest_lead_(std::min(kLongestLead, period / 4)) {}
 
-  int descriptor() const { return descriptor_; }
-  /// How many deadlines have passed by `now` since the last call; latest() is the last of them. The
-  /// timer only wakes: a virtual machine's comes late, and a loop that is awake need not wait for
-  /// it.
+  /// How many have passed by `now` since the last call; latest() is the last of them.
   std::uint64_t passed(Nanoseconds now) noexcept {
     if (now < next()) return 0;
     const std::int64_t count = (now - latest_) / period_;
     latest_ += count * period_;
     return static_cast<std::uint64_t>(count);
   }
-  /// The descriptor was readable, and shall be so at the next deadline again.
-  void rearm() noexcept {
-    std::uint64_t count = 0;
-    [[maybe_unused]] const ssize_t size = ::read(descriptor_, &count, sizeof count);
-  }
   Nanoseconds latest() const { return latest_; }
   Nanoseconds next() const { return latest_ + period_; }
 
+  /// How long before a deadline the thread asks to be woken: as late as the machine wakes it nine
+  /// times in ten (a virtual one by 60 us, a tuned one by 3). What a sooner waking leaves is spun.
+  Nanoseconds lead() const { return lead_; }
+  /// The thread slept until then and found itself awake `late` after it.
+  void woken(Nanoseconds late) noexcept {
+    lead_ += late > lead_ ? 9 * kLeadStep : -kLeadStep;  // settles where one in ten is later
+    lead_ = std::clamp(lead_, Nanoseconds(0), longest_lead_);
+  }
+
  private:
-  int descriptor_;
-  Nanoseconds latest_, period_;
+  static constexpr Nanoseconds kLongestLead = std::chrono::microseconds(100);
+  static constexpr Nanoseconds kLeadStep = Nanoseconds(200);
+  Nanoseconds latest_, period_, longest_lead_;
+  Nanoseconds lead_{0};
 };
 
 class Loop {
@@ -97,16 +85,12 @@ class Loop {
         result_(result),
         linked_(transport.link() != nullptr),
         start_(monotonic_now()),
-        deadlines_(start_, Nanoseconds(std::llround(servo.parameters().servo_period * 1e9)),
-                   options.busy_poll.count() == 0),
-        waiting_{{{deadlines_.descriptor(), POLLIN, 0},
-                  {transport.descriptor(), POLLIN, 0},
-                  {stop.descriptor(), POLLIN, 0}}},
+        deadlines_(start_, from_seconds(servo.parameters().servo_period)),
+        waiting_{{{transport.descriptor(), POLLIN, 0}, {stop.descriptor(), POLLIN, 0}}},
         last_heard_(start_),
         next_status_(start_) {}
 
   void run() noexcept {
-    if (deadlines_.descriptor() < 0) return;
     for (bool running = true; running;) {
       if (wait(waiting_.size()) < 0) {
         if (errno == EINTR) continue;
@@ -121,27 +105,21 @@ class Loop {
   }
 
  private:
-  /// Until one of the first `count` descriptors is ready, or a datagram leaves the emulated link.
+  /// Until one of the first `count` descriptors is ready, a deadline has come or a datagram is to
+  /// leave the emulated link: asleep while neither a reply nor a deadline is near. No timer but
+  /// this sleep's, or its interrupt would come just when there is something to do.
   int wait(std::size_t count) noexcept {
-    if (options_.busy_poll.count() > 0) return wait_busily(count);
-    const auto due = transport_.next_due();
-    if (!due) return ::poll(waiting_.data(), count, -1);
-    const timespec left = to_timespec(std::max(*due - monotonic_now(), Nanoseconds(0)));
-    return ::ppoll(waiting_.data(), count, &left, nullptr);
-  }
-
-  /// The same, but asleep only while neither a reply nor a deadline is near.
-  int wait_busily(std::size_t count) noexcept {
     const auto due = transport_.next_due();
     while (true) {
       const int ready = ::poll(waiting_.data(), count, 0);
       const Nanoseconds now = monotonic_now();
       if (ready != 0 || now >= deadlines_.next() || (due && *due <= now)) return ready;
       if (looks_busily(now)) continue;
-      Nanoseconds wake = deadlines_.next() - options_.busy_poll;
+      Nanoseconds wake = deadlines_.next() - std::max(options_.busy_poll, deadlines_.lead());
       if (due) wake = std::min(wake, *due);
       const timespec left = to_timespec(std::max(wake - now, Nanoseconds(0)));
       const int woken = ::ppoll(waiting_.data(), count, &left, nullptr);
+      if (woken == 0) deadlines_.woken(monotonic_now() - wake);
       if (woken != 0 || due == wake) return woken;
     }
   }
@@ -149,14 +127,14 @@ class Loop {
     if (options_.busy_poll == kForever) return true;
     const bool reply_near = servo_.newest_reply().sample_index < servo_.sample().index &&
                             now - last_tick_ < options_.busy_poll;
-    return reply_near || deadlines_.next() - now <= options_.busy_poll;
+    return reply_near || deadlines_.next() - now <= std::max(options_.busy_poll, deadlines_.lead());
   }
 
   /// What one wake-up brought. False when the loop is over.
   bool step(Nanoseconds now) noexcept {
-    if (waiting_[1].revents != 0 || linked_) take_replies(now);
+    if (waiting_[0].revents != 0 || linked_) take_replies(now);
     if (server_left_ && !lose(now, EndReason::server_goodbye)) return false;
-    if (waiting_[2].revents != 0) return end(EndReason::requested);
+    if (waiting_[1].revents != 0) return end(EndReason::requested);
     if (!is_due(now)) return true;
 
     // Before the tick: a hand that has just been found again must not feel what waited for it.
@@ -173,7 +151,6 @@ class Loop {
 
   /// Whether a deadline has passed.
   bool is_due(Nanoseconds now) noexcept {
-    if (waiting_[0].revents != 0) deadlines_.rearm();
     const std::uint64_t passed = deadlines_.passed(now);
     if (passed == 0) return false;
     if (passed > 1) {
@@ -256,9 +233,9 @@ class Loop {
     servo_.release();
     if (linked_) transport_.pass(now);
     tick(now);
-    constexpr std::size_t kWithoutStop = 2;
+    constexpr std::size_t kWithoutStop = 1;
     // A device that goes on holding something whatever it is told is not waited for.
-    const Nanoseconds latest = now + Nanoseconds(std::llround(servo_.parameters().hold_time * 1e9));
+    const Nanoseconds latest = now + from_seconds(servo_.parameters().hold_time);
     while (!servo_.let_go() && now < latest) {
       if (wait(kWithoutStop) < 0 && errno != EINTR) return tick(latest);  // nothing to wait by
       now = monotonic_now();
@@ -277,7 +254,7 @@ class Loop {
       if (due) latest = std::max(latest, *due + kFarewell);
       const Nanoseconds wake = due ? std::min(latest, *due) : latest;
       const timespec left = to_timespec(std::max(wake - now, Nanoseconds(0)));
-      if (::ppoll(&waiting_[1], 1, &left, nullptr) < 0 && errno != EINTR) break;
+      if (::ppoll(waiting_.data(), 1, &left, nullptr) < 0 && errno != EINTR) break;
       now = monotonic_now();
       if (linked_) transport_.pass(now);
       take_replies(now);
@@ -320,10 +297,6 @@ class Loop {
          .connected = !lost_});
   }
 
-  static double seconds(Nanoseconds time) noexcept {
-    return std::chrono::duration<double>(time).count();
-  }
-
   Device& device_;
   Servo& servo_;
   Transport& transport_;
@@ -333,7 +306,7 @@ class Loop {
   bool linked_;
   Nanoseconds start_;
   Deadlines deadlines_;
-  std::array<pollfd, 3> waiting_;  // deadline, replies, stop
+  std::array<pollfd, 2> waiting_;  // replies, stop
   Reply reply_;
   bool ticked_ = false, server_left_ = false;
   bool lost_ = false;

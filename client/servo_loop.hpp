@@ -46,8 +46,8 @@ struct LoopOptions {
   Nanoseconds patience{0};
   Ring<SessionAddress>* rejoined = nullptr;
   /// How long the thread looks busily for what it waits for, the reply after a sample was sent and
-  /// the next deadline before it comes, instead of sleeping; 0: not at all, kForever: it never
-  /// sleeps.
+  /// the next deadline before it comes, instead of sleeping; kForever: it never sleeps. With 0 it
+  /// only looks for the deadline when the machine has woken it sooner than it mostly does.
   Nanoseconds busy_poll{0};
 };
 

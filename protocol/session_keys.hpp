@@ -1,0 +1,22 @@
+#pragma once
+// What the two ends of a session share and nobody else knows.
+
+#include <array>
+#include <cstdint>
+
+namespace feltwire {
+
+/// How datagrams are sealed; both with a 32-byte key, a 12-byte nonce and a 16-byte tag.
+enum class CipherSuite : std::uint8_t { aes_256_gcm = 1, chacha20_poly1305 = 2 };
+
+inline constexpr std::size_t kKeySize = 32;  // [bytes]
+using Key = std::array<std::uint8_t, kKeySize>;
+
+/// Of one session; never used for another, nor after the session's end.
+struct SessionKeys {
+  CipherSuite suite = CipherSuite::chacha20_poly1305;
+  Key up{};    // client to server
+  Key down{};  // server to client
+};
+
+}  // namespace feltwire
