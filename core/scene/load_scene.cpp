@@ -1,5 +1,6 @@
 #include <utility>
 
+#include "core/guidance/load_guides.hpp"
 #include "core/scene/rules.hpp"
 #include "core/scene/scene.hpp"
 #include "core/scene/scene_generated.h"
@@ -138,8 +139,11 @@ Scene parse_scene(std::string_view json, const std::string& file) {
     object.material = find_material(document, path, materials, o->material()->str());
     objects.push_back(std::move(object));
   }
-  if (objects.empty()) document.fail("objects", "there is none to touch; add at least one");
-  return Scene(scene.name()->str(), std::move(objects), read_start(document, scene));
+  std::vector<Guide> guides = read_guides(document, scene);
+  if (objects.empty() && guides.empty())
+    document.fail("objects", "there is none to touch, and no guide; add at least one");
+  return Scene(scene.name()->str(), std::move(objects), read_start(document, scene),
+               std::move(guides));
 }
 
 Scene load_scene(const std::filesystem::path& file) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/contact/contact.hpp"
+#include "core/guidance/guide.hpp"
 #include "core/scene/json_document.hpp"
 
 namespace feltwire {
@@ -14,9 +15,11 @@ namespace feltwire {
 /// What the objects of a scene need from whoever hosts it; what none needs is neither allocated,
 /// stepped nor sent.
 struct Requirements {
-  bool friction = false;   // a stick point per object and tool
-  bool velocity = false;   // damping or viscous friction: a velocity estimate per tool
-  double stiffness = 0.0;  // [N/m] of the stiffest material; a tool in two objects feels both
+  bool friction = false;  // a stick point per object and tool
+  bool velocity = false;  // damping or viscous friction: a velocity estimate per tool
+  bool guides = false;    // forces without a surface
+  double stiffness =
+      0.0;  // [N/m] of the stiffest material or guide; a tool in two objects feels both
 };
 
 /// What one tool remembers of a scene between samples: one entry an object, allocated once.
@@ -32,23 +35,26 @@ struct Start {
 class Scene {
  public:
   /// Throws std::invalid_argument naming the object, the field and the remedy.
-  Scene(std::string name, std::vector<Object> objects, const Start& start = {});
+  Scene(std::string name, std::vector<Object> objects, const Start& start = {},
+        std::vector<Guide> guides = {});
 
   const std::string& name() const { return name_; }
   const std::vector<Object>& objects() const { return objects_; }
+  const std::vector<Guide>& guides() const { return guides_; }
   const Requirements& requirements() const { return requirements_; }
   const Start& start() const { return start_; }
 
   /// A memory for one tool; allocates.
   TouchMemory memory() const { return TouchMemory(objects_.size()); }
 
-  /// The sum of what all objects answer the tool with. `memory` must come from this scene. A tool
-  /// that is not finite gives zero and leaves the memory as it was. Never allocates.
+  /// The sum of what all objects and guides answer the tool with. `memory` must come from this
+  /// scene. A tool that is not finite gives zero and leaves the memory as it was. Never allocates.
   Command touch(const Tool& tool, TouchMemory& memory) const noexcept;
 
  private:
   std::string name_;
   std::vector<Object> objects_;
+  std::vector<Guide> guides_;
   Requirements requirements_;
   Start start_;
 };
