@@ -15,6 +15,8 @@
 #include <utility>
 #include <variant>
 
+#include "protocol/placeholder_keys.hpp"
+
 namespace feltwire {
 namespace {
 
@@ -159,7 +161,8 @@ Joined join(const Endpoint& server, const control::JoinRequest& request,
   } catch (const std::invalid_argument& error) {
     throw SessionError(to_string(server) + " granted parameters that cannot be: " + error.what());
   }
-  return {*accepted, address_of({conversation.peer(), accepted->udp_port})};
+  return {*accepted, address_of({conversation.peer(), accepted->udp_port}),
+          placeholder_keys(accepted->session)};
 }
 
 std::vector<control::SceneEntry> list_scenes(const Endpoint& server,

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "protocol/control.hpp"
+#include "protocol/session_keys.hpp"
 
 namespace feltwire {
 
@@ -39,6 +40,7 @@ struct Address {
 struct Joined {
   control::JoinAccepted accepted;
   Address datagrams;  // the scene's UDP port at the host that answered
+  SessionKeys keys;
 };
 
 /// Asks the server for a session and waits at most `timeout` for each of connecting and answering.

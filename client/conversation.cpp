@@ -1,7 +1,5 @@
 #include "client/conversation.hpp"
 
-#include "protocol/guard.hpp"
-
 namespace feltwire {
 namespace {
 
@@ -10,9 +8,13 @@ constexpr unsigned kExpected = bit(DatagramKind::reply) | bit(DatagramKind::good
 
 }  // namespace
 
-Conversation::Conversation(std::uint64_t session, const SessionParameters& parameters,
-                           bool rotation, const PositionScale& scale)
-    : session_(session), packer_(parameters, rotation, scale) {
+Conversation::Conversation(std::uint64_t session, const SessionKeys& keys,
+                           const SessionParameters& parameters, bool rotation,
+                           const PositionScale& scale)
+    : session_(session),
+      packer_(parameters, rotation, scale),
+      sealer_(keys.suite, keys.up),
+      opener_(keys.suite, keys.down) {
   // The encoder takes its memory at the first and largest datagram of each kind: now, not in the
   // loop.
   SampleBatch largest;
@@ -22,24 +24,26 @@ Conversation::Conversation(std::uint64_t session, const SessionParameters& param
   for (int i = 0; i < largest.count; ++i)
     largest.samples[static_cast<std::size_t>(i)].index =
         static_cast<std::uint64_t>(largest.count - i) + 1;
-  encoder_.samples(session_, 1, largest);
-  encoder_.goodbye(session_, 1, GoodbyeReason::leaving);
+  encoder_.samples(largest);
+  encoder_.goodbye(GoodbyeReason::leaving);
 }
 
-void Conversation::resume(std::uint64_t session) noexcept {
+void Conversation::resume(std::uint64_t session, const SessionKeys& keys) noexcept {
   session_ = session;
-  packet_number_ = 0;
-  seen_ = {};
+  sealer_ = Sealer(keys.suite, keys.up);
+  opener_ = Opener(keys.suite, keys.down);
   packer_.restart();
 }
 
 Bytes Conversation::pack(const Sample& sample) noexcept {
   const SampleBatch* batch = packer_.add(sample);
-  return batch == nullptr ? Bytes{} : encoder_.samples(session_, ++packet_number_, *batch);
+  if (batch == nullptr) return {};
+  return sealer_.seal(DatagramKind::samples, session_, encoder_.samples(*batch), sealed_);
 }
 
 Bytes Conversation::goodbye() noexcept {
-  return encoder_.goodbye(session_, ++packet_number_, GoodbyeReason::leaving);
+  return sealer_.seal(DatagramKind::goodbye, session_, encoder_.goodbye(GoodbyeReason::leaving),
+                      sealed_);
 }
 
 Conversation::Arrival Conversation::take(Bytes datagram, Reply& reply,
@@ -47,11 +51,14 @@ Conversation::Arrival Conversation::take(Bytes datagram, Reply& reply,
   const Guarded guarded = guard(datagram, kExpected);
   DropReason drop = guarded.drop;
   if (drop == DropReason::none && guarded.header.session != session_) drop = DropReason::session;
-  if (drop == DropReason::none && !seen_.take(guarded.header.packet_number))
-    drop = DropReason::packet_number;
+  Bytes payload;
+  if (drop == DropReason::none) {
+    const Opened opened = opener_.open(guarded.header, datagram, opened_);
+    drop = opened.drop;
+    payload = opened.payload;
+  }
   const bool is_reply = guarded.header.kind == DatagramKind::reply;
-  if (drop == DropReason::none)
-    drop = is_reply ? decode(guarded.payload, reply) : decode(guarded.payload, reason);
+  if (drop == DropReason::none) drop = is_reply ? decode(payload, reply) : decode(payload, reason);
   if (drop == DropReason::none) return is_reply ? Arrival::reply : Arrival::goodbye;
   ++dropped_[static_cast<std::size_t>(drop)];
   return Arrival::dropped;

@@ -7,7 +7,7 @@
 
 #include "client/sample_packer.hpp"
 #include "protocol/codec.hpp"
-#include "protocol/sequence.hpp"
+#include "protocol/seal.hpp"
 
 namespace feltwire {
 
@@ -15,15 +15,15 @@ class Conversation {
  public:
   enum class Arrival { dropped, reply, goodbye };
 
-  /// `parameters` as the server granted them: how often datagrams are due and what is in them;
-  /// `rotation`: orientation and torque travel too; `scale`: of a position deadband. Takes all its
-  /// memory here.
-  Conversation(std::uint64_t session, const SessionParameters& parameters, bool rotation,
-               const PositionScale& scale = {});
+  /// `keys` are of this session alone; `parameters` as the server granted them: how often datagrams
+  /// are due and what is in them; `rotation`: orientation and torque travel too; `scale`: of a
+  /// position deadband. Takes all its memory here.
+  Conversation(std::uint64_t session, const SessionKeys& keys, const SessionParameters& parameters,
+               bool rotation, const PositionScale& scale = {});
 
-  /// Goes on with another session: numbers begin anew, and what still comes of the old one is
-  /// dropped.
-  void resume(std::uint64_t session) noexcept;
+  /// Goes on with another session and its keys: numbers begin anew, and what still comes of the old
+  /// one is dropped. Precondition: their suite is supported.
+  void resume(std::uint64_t session, const SessionKeys& keys) noexcept;
 
   /// The datagram that is due with this sample (client/sample_packer.hpp), empty when none is. To
   /// be given every sample. The bytes live until the next call of pack() or goodbye().
@@ -44,8 +44,9 @@ class Conversation {
   std::uint64_t session_;
   Encoder encoder_;
   SamplePacker packer_;
-  std::uint64_t packet_number_ = 0;
-  PacketWindow seen_;
+  Sealer sealer_;  // of what goes
+  Opener opener_;  // of what comes
+  DatagramBuffer sealed_, opened_;
   std::array<std::uint64_t, kDropReasons> dropped_{};
 };
 

@@ -151,7 +151,10 @@ int conclude(const ClientOptions& options, const Servo& servo, const LoopResult&
   switch (result.end) {
     case EndReason::server_goodbye:
       std::fprintf(stderr, "feltwire-client: the server ended the session%s\n",
-                   result.goodbye == GoodbyeReason::shutting_down ? ": it is shutting down" : "");
+                   result.goodbye == GoodbyeReason::shutting_down ? ": it is shutting down"
+                   : result.goodbye == GoodbyeReason::flooding
+                       ? ": it was sent far more samples than it granted"
+                       : "");
       return 1;
     case EndReason::server_silent:
       std::fprintf(stderr, "feltwire-client: the server has fallen silent; is it still running?\n");
@@ -176,7 +179,7 @@ int run(const ClientOptions& options) {
       join(options.server, {options.name, options.scene, device->spec(), options.parameters},
            kControlTimeout);
   Transport transport(
-      joined.datagrams, joined.accepted.session, joined.accepted.parameters,
+      {joined.datagrams, joined.accepted.session, joined.keys}, joined.accepted.parameters,
       device->spec().rotation_sensed > 0,
       options.link ? std::make_unique<TwoWayLink>(*options.link, 0, kLinkRoom) : nullptr,
       {device->spec().position_resolution, joined.accepted.stiffness}, options.dscp);

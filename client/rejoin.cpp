@@ -12,7 +12,7 @@ std::optional<SessionAddress> attempt(const Endpoint& server, const control::Joi
     const Joined joined = join(server, request, timeout);
     // The servo's bound stands on these.
     if (!(joined.accepted.parameters == request.parameters)) return std::nullopt;
-    return SessionAddress{joined.datagrams, joined.accepted.session};
+    return SessionAddress{joined.datagrams, joined.accepted.session, joined.keys};
   } catch (const SessionError&) {
     return std::nullopt;  // not there yet, or full: the next attempt may do better
   }

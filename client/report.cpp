@@ -172,6 +172,8 @@ const char* name_of(GoodbyeReason reason) {
       return "shutting_down";
     case GoodbyeReason::evicted:
       return "evicted";
+    case GoodbyeReason::flooding:
+      return "flooding";
   }
   return "unknown";
 }

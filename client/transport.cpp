@@ -11,14 +11,15 @@
 
 namespace feltwire {
 
-Transport::Transport(const Address& server, std::uint64_t session,
-                     const SessionParameters& parameters, bool rotation,
+Transport::Transport(const SessionAddress& to, const SessionParameters& parameters, bool rotation,
                      std::unique_ptr<TwoWayLink> link, const PositionScale& scale, int dscp)
-    : server_(server), conversation_(session, parameters, rotation, scale), link_(std::move(link)) {
-  socket_ = ::socket(server.storage.ss_family, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
+    : server_(to.server),
+      conversation_(to.session, to.keys, parameters, rotation, scale),
+      link_(std::move(link)) {
+  socket_ = ::socket(server_.storage.ss_family, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
   // Connected: only the server's datagrams are let in, and a closed port is noticed.
   if (socket_ < 0 || !forbid_fragments(socket_) || (dscp != 0 && !set_dscp(socket_, dscp)) ||
-      !connect_to(server)) {
+      !connect_to(server_)) {
     const std::string reason = std::strerror(errno);
     if (socket_ >= 0) ::close(socket_);
     throw SessionError("cannot open a UDP socket to the scene: " + reason);
@@ -32,9 +33,9 @@ bool Transport::connect_to(const Address& server) noexcept {
 }
 
 bool Transport::resume(const SessionAddress& to) noexcept {
-  if (!connect_to(to.server)) return false;
+  if (!supported(to.keys.suite) || !connect_to(to.server)) return false;
   server_ = to.server;
-  conversation_.resume(to.session);
+  conversation_.resume(to.session, to.keys);
   return true;
 }
 

@@ -22,10 +22,11 @@ struct TransportStatistics {
   std::array<std::uint64_t, kDropReasons> dropped{};
 };
 
-/// Where a session's datagrams go.
+/// Where a session's datagrams go, and how.
 struct SessionAddress {
   Address server;
   std::uint64_t session = 0;
+  SessionKeys keys;
 };
 
 class Transport {
@@ -37,16 +38,16 @@ class Transport {
   /// pass() the time. `scale`: of a position deadband. Datagrams are marked with `dscp`
   /// (protocol/udp_socket.hpp) and never cut into fragments: where the path takes no datagrams as
   /// long, they carry fewer samples. Throws SessionError.
-  Transport(const Address& server, std::uint64_t session, const SessionParameters& parameters,
-            bool rotation, std::unique_ptr<TwoWayLink> link = nullptr,
-            const PositionScale& scale = {}, int dscp = 0);
+  Transport(const SessionAddress& to, const SessionParameters& parameters, bool rotation,
+            std::unique_ptr<TwoWayLink> link = nullptr, const PositionScale& scale = {},
+            int dscp = 0);
   ~Transport();
   Transport(const Transport&) = delete;
   Transport& operator=(const Transport&) = delete;
 
   /// Goes on with another session, of the same address family, through the same socket: numbers
   /// begin anew, what was on its way is no longer listened to. False when the system has no way
-  /// there; then the old session stays.
+  /// there or cannot do its cipher suite; then the old session stays.
   bool resume(const SessionAddress& to) noexcept;
 
   /// Has the system choose anew by which of its addresses the server is reached: the one at first

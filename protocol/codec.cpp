@@ -5,7 +5,6 @@
 #include <cstring>
 
 #include "flatbuffers/flatbuffers.h"
-#include "protocol/guard.hpp"
 #include "protocol/schema/datagram_generated.h"
 
 namespace feltwire {
@@ -140,17 +139,16 @@ bool read(const wire::LocalModel& from, LocalModel& to) {
 
 struct Encoder::Builder {
   flatbuffers::FlatBufferBuilder payload{kMaxDatagram};
-  alignas(std::uint64_t) std::array<std::uint8_t, kMaxDatagram> datagram{};
 
+  /// For the next one; keeps its buffer.
+  flatbuffers::FlatBufferBuilder& begin() {
+    payload.Clear();
+    return payload;
+  }
   template <class Table>
-  Bytes finish(const Header& header, flatbuffers::Offset<Table> root) {
+  Bytes finish(flatbuffers::Offset<Table> root) {
     payload.Finish(root);
-    // The largest payload is pinned by a test well below the limit.
-    const std::size_t size = std::min<std::size_t>(payload.GetSize(), kMaxDatagram - kHeaderSize);
-    write_header(datagram, header);
-    std::memcpy(datagram.data() + kHeaderSize, payload.GetBufferPointer(), size);
-    payload.Clear();  // keeps its buffer
-    return {datagram.data(), kHeaderSize + size};
+    return {payload.GetBufferPointer(), payload.GetSize()};
   }
 };
 
@@ -173,8 +171,7 @@ Encoder::~Encoder() = default;
 Encoder::Encoder(Encoder&&) noexcept = default;
 Encoder& Encoder::operator=(Encoder&&) noexcept = default;
 
-Bytes Encoder::samples(std::uint64_t session, std::uint64_t packet_number,
-                       const SampleBatch& batch) {
+Bytes Encoder::samples(const SampleBatch& batch) {
   const auto count = static_cast<std::size_t>(std::clamp(batch.count, 0, kMaxRedundancy + 1));
   std::array<wire::Sample, kMaxRedundancy + 1> samples;
   std::array<wire::Rotation, kMaxRedundancy + 1> rotations;
@@ -184,17 +181,16 @@ Bytes Encoder::samples(std::uint64_t session, std::uint64_t packet_number,
                   wire_float(s.held.elastic), wire_float(s.held.frictional)};
     rotations[i] = {wire_quaternion(s.pose.orientation), wire_float(s.held.torque)};
   }
-  auto& builder = builder_->payload;
+  auto& builder = builder_->begin();
   const auto wire_samples = builder.CreateVectorOfStructs(samples.data(), count);
   const auto wire_rotations =
       batch.rotation ? builder.CreateVectorOfStructs(rotations.data(), count)
                      : flatbuffers::Offset<flatbuffers::Vector<const wire::Rotation*>>{};
   return builder_->finish(
-      {DatagramKind::samples, session, packet_number},
       wire::CreateSamples(builder, wire_samples, wire_rotations, batch.previous));
 }
 
-Bytes Encoder::reply(std::uint64_t session, std::uint64_t packet_number, const Reply& reply) {
+Bytes Encoder::reply(const Reply& reply) {
   const wire::Vec3d elastic = wire_double(reply.command.elastic);
   const wire::Vec3d frictional = wire_double(reply.command.frictional);
   const wire::Vec3d torque = wire_double(reply.command.torque);
@@ -206,21 +202,18 @@ Bytes Encoder::reply(std::uint64_t session, std::uint64_t packet_number, const R
                                     reply.violations);
   const wire::Rates rates(wire_float(reply.rates.elastic), wire_float(reply.rates.frictional),
                           wire_float(reply.rates.torque));
-  auto& builder = builder_->payload;
+  auto& builder = builder_->begin();
   const auto model =
       reply.modelled ? build(builder, reply.model) : flatbuffers::Offset<wire::LocalModel>{};
-  return builder_->finish(
-      {DatagramKind::reply, session, packet_number},
-      wire::CreateReply(builder, reply.sample_index, reply.client_time.count(),
-                        reply.server_receive_time.count(), reply.server_send_time.count(), &elastic,
-                        &frictional, reply.rotation ? &torque : nullptr, &report, reply.withheld,
-                        reply.predicted ? &rates : nullptr, model));
+  return builder_->finish(wire::CreateReply(
+      builder, reply.sample_index, reply.client_time.count(), reply.server_receive_time.count(),
+      reply.server_send_time.count(), &elastic, &frictional, reply.rotation ? &torque : nullptr,
+      &report, reply.withheld, reply.predicted ? &rates : nullptr, model));
 }
 
-Bytes Encoder::goodbye(std::uint64_t session, std::uint64_t packet_number, GoodbyeReason reason) {
-  return builder_->finish(
-      {DatagramKind::goodbye, session, packet_number},
-      wire::CreateGoodbye(builder_->payload, static_cast<wire::GoodbyeReason>(reason)));
+Bytes Encoder::goodbye(GoodbyeReason reason) {
+  auto& builder = builder_->begin();
+  return builder_->finish(wire::CreateGoodbye(builder, static_cast<wire::GoodbyeReason>(reason)));
 }
 
 DropReason decode(Bytes payload, SampleBatch& out) noexcept {

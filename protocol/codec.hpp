@@ -1,5 +1,5 @@
 #pragma once
-// Datagrams to bytes and back. Decoding verifies the FlatBuffer before it reads it.
+// Payloads of datagrams to bytes and back. Decoding verifies the FlatBuffer before it reads it.
 
 #include <array>
 #include <memory>
@@ -8,8 +8,8 @@
 
 namespace feltwire {
 
-/// Builds whole datagrams (header and payload). After the first of each kind it does not allocate.
-/// The bytes returned live until the next call.
+/// Builds payloads, to be sealed (protocol/seal.hpp). After the first of each kind it does not
+/// allocate. The bytes returned live until the next call.
 class Encoder {
  public:
   Encoder();
@@ -17,17 +17,16 @@ class Encoder {
   Encoder(Encoder&&) noexcept;
   Encoder& operator=(Encoder&&) noexcept;
 
-  Bytes samples(std::uint64_t session, std::uint64_t packet_number, const SampleBatch& batch);
-  Bytes reply(std::uint64_t session, std::uint64_t packet_number, const Reply& reply);
-  Bytes goodbye(std::uint64_t session, std::uint64_t packet_number, GoodbyeReason reason);
+  Bytes samples(const SampleBatch& batch);
+  Bytes reply(const Reply& reply);
+  Bytes goodbye(GoodbyeReason reason);
 
  private:
   struct Builder;
   std::unique_ptr<Builder> builder_;
 };
 
-/// The payload that guard() found behind the header. On anything but DropReason::none `out` is
-/// unspecified.
+/// A payload that was opened. On anything but DropReason::none `out` is unspecified.
 DropReason decode(Bytes payload, SampleBatch& out) noexcept;
 DropReason decode(Bytes payload, Reply& out) noexcept;
 DropReason decode(Bytes payload, GoodbyeReason& out) noexcept;

@@ -19,13 +19,13 @@ inline double seconds(Nanoseconds time) { return std::chrono::duration<double>(t
 inline Nanoseconds from_seconds(double time) { return Nanoseconds(std::llround(time * 1e9)); }
 using Bytes = std::span<const std::uint8_t>;
 
-inline constexpr std::size_t kMaxDatagram = 1200;  // [bytes] header and payload
+inline constexpr std::size_t kMaxDatagram = 1200;  // [bytes] header, payload and tag
 inline constexpr int kMaxRedundancy = 8;           // k: earlier samples repeated
 inline constexpr double kMaxPosition = 1e3;        // [m] on each axis; beyond it no hand is
 inline constexpr double kUnitTolerance = 1e-3;     // of a quaternion's squared norm
 
 enum class DatagramKind : std::uint8_t { samples = 1, reply = 2, goodbye = 3 };
-enum class GoodbyeReason : std::uint8_t { leaving, shutting_down, evicted };
+enum class GoodbyeReason : std::uint8_t { leaving, shutting_down, evicted, flooding };
 
 /// What stands before every payload.
 struct Header {
@@ -81,6 +81,8 @@ enum class DropReason : std::uint8_t {
   reserved,       // reserved bytes not zero
   session,        // no such session here
   packet_number,  // zero, or seen before, or too old to tell
+  sealed,         // not sealed by the session's other end, or not as it is now
+  rate,           // of a session that sends more samples than it may
   malformed,      // the payload is not the FlatBuffer it should be
   count,          // no sample, too many, or rotations that do not match
   order,          // sample indices not strictly falling

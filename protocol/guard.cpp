@@ -20,7 +20,7 @@ Guarded dropped(DropReason reason) {
 }  // namespace
 
 Guarded guard(Bytes datagram, unsigned expected_kinds) noexcept {
-  if (datagram.size() < kHeaderSize || datagram.size() > kMaxDatagram)
+  if (datagram.size() < kMinDatagram || datagram.size() > kMaxDatagram)
     return dropped(DropReason::size);
   const std::uint8_t* bytes = datagram.data();
   if (!std::equal(kMagic.begin(), kMagic.end(), bytes + kMagicAt))
@@ -38,7 +38,6 @@ Guarded guard(Bytes datagram, unsigned expected_kinds) noexcept {
   result.header.kind = static_cast<DatagramKind>(kind);
   result.header.session = get_little_endian<std::uint64_t>(bytes + kSessionAt);
   result.header.packet_number = get_little_endian<std::uint64_t>(bytes + kPacketNumberAt);
-  result.payload = datagram.subspan(kHeaderSize);
   return result;
 }
 
@@ -54,8 +53,8 @@ void write_header(std::span<std::uint8_t> datagram, const Header& header) noexce
 
 const char* name(DropReason reason) {
   static constexpr std::array<const char*, kDropReasons> names = {
-      "none",          "size",      "magic", "version", "kind",       "reserved", "session",
-      "packet_number", "malformed", "count", "order",   "not_finite", "stale"};
+      "none",   "size", "magic",     "version", "kind",  "reserved",   "session", "packet_number",
+      "sealed", "rate", "malformed", "count",   "order", "not_finite", "stale"};
   const auto i = static_cast<std::size_t>(reason);
   return i < names.size() ? names[i] : "unknown";
 }

@@ -1,21 +1,24 @@
 #pragma once
 
+#include "protocol/aead.hpp"
 #include "protocol/datagram.hpp"
 
 namespace feltwire {
 
-inline constexpr std::size_t kHeaderSize = 24;  // [bytes]
+inline constexpr std::size_t kHeaderSize = 24;                        // [bytes]
+inline constexpr std::size_t kOverhead = kHeaderSize + kTagSize;      // of a datagram
+inline constexpr std::size_t kMinDatagram = kOverhead;                // nothing in it
+inline constexpr std::size_t kMaxPayload = kMaxDatagram - kOverhead;  // before it is sealed
 inline constexpr std::array<std::uint8_t, 2> kMagic = {'F', 'W'};
 inline constexpr std::uint8_t kProtocolVersion = 1;
 
 struct Guarded {
   DropReason drop = DropReason::none;
   Header header;
-  Bytes payload;  // into the datagram
 };
 
-/// Size and header, in the order of PROTOCOL.md; touches nothing behind the header. `expected` are
-/// the kinds this side receives, as bits 1 << kind.
+/// Size and header, in the order of PROTOCOL.md; touches nothing behind the header.
+/// `expected_kinds` are those this side receives, as bits 1 << kind.
 Guarded guard(Bytes datagram, unsigned expected_kinds) noexcept;
 
 /// Writes the header into the first kHeaderSize bytes of `datagram`, which must be that long.

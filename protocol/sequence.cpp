@@ -2,8 +2,16 @@
 
 namespace feltwire {
 
-bool PacketWindow::take(std::uint64_t number) noexcept {
+PacketWindow::PacketWindow(std::uint64_t highest) noexcept {
+  if (highest > 0) mark(highest);
+}
+
+bool PacketWindow::fresh(std::uint64_t number) const noexcept {
   if (number == 0) return false;
+  return number > highest_ || (highest_ - number < kWidth && !seen_.test(number % kWidth));
+}
+
+void PacketWindow::mark(std::uint64_t number) noexcept {
   if (number > highest_) {
     // The places that the window moves over belonged to older numbers.
     const std::uint64_t moved = number - highest_;
@@ -13,11 +21,8 @@ bool PacketWindow::take(std::uint64_t number) noexcept {
       for (std::uint64_t n = 1; n <= moved; ++n) seen_.reset((highest_ + n) % kWidth);
     }
     highest_ = number;
-  } else if (highest_ - number >= kWidth || seen_.test(number % kWidth)) {
-    return false;
   }
   seen_.set(number % kWidth);
-  return true;
 }
 
 }  // namespace feltwire

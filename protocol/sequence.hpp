@@ -10,8 +10,12 @@ namespace feltwire {
 class PacketWindow {
  public:
   static constexpr std::uint64_t kWidth = 1024;
-  /// True, once, for a number not seen before and not older than the window.
-  bool take(std::uint64_t number) noexcept;
+  /// As if `highest` was the highest seen, and none below it; 0: none at all.
+  explicit PacketWindow(std::uint64_t highest = 0) noexcept;
+  /// Whether the number is neither 0, nor seen, nor kWidth and more behind the highest.
+  bool fresh(std::uint64_t number) const noexcept;
+  /// It is seen from now on. Precondition: it is fresh.
+  void mark(std::uint64_t number) noexcept;
   std::uint64_t highest() const { return highest_; }
 
  private:

@@ -21,7 +21,8 @@ namespace {
 constexpr int kLastPort = 65535;
 constexpr double kShortestSilence = 0.1, kLongestSilence = 3600.0;  // [s]
 constexpr int kMostSessions = 4096;
-constexpr double kNeverSleeps = -1.0;  // of busy_poll, in a file
+constexpr double kLeastSampleRate = 1.1, kLargestSampleRate = 1e6;  // times the servo rate
+constexpr double kNeverSleeps = -1.0;                               // of busy_poll, in a file
 constexpr std::array<const char*, 6> kLogLevels = {"trace",   "debug", "info",
                                                    "warning", "error", "off"};
 
@@ -64,6 +65,11 @@ std::optional<Complaint> complaint(const ServerConfig& c) {
     return Complaint{"max_sessions_per_scene", "max_sessions_per_scene",
                      std::to_string(c.max_sessions_per_scene) + " is not within 1 to " +
                          std::to_string(kMostSessions)};
+  if (!(c.sample_rate_limit >= kLeastSampleRate && c.sample_rate_limit <= kLargestSampleRate))
+    return Complaint{"sample_rate_limit", "sample_rate_limit",
+                     std::to_string(c.sample_rate_limit) +
+                         " times the servo rate is not within 1.1 to 1000000; clocks differ, so 1 "
+                         "would be too little"};
   if (!c.profile.empty()) {
     try {
       network_profile(c.profile);
@@ -110,6 +116,7 @@ ServerConfig parse_config(std::string_view json, const std::filesystem::path& fi
   config.port = root->port();
   config.silence_timeout = root->silence_timeout();
   config.max_sessions_per_scene = root->max_sessions_per_scene();
+  config.sample_rate_limit = root->sample_rate_limit();
   if (root->profile() != nullptr) config.profile = root->profile()->str();
   // JSON has no infinity.
   config.busy_poll = root->busy_poll() == kNeverSleeps ? HUGE_VAL : root->busy_poll();

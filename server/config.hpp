@@ -13,6 +13,7 @@ struct ServerConfig {
   int port = 7400;                    // control (tcp); 0: every port chosen by the system
   double silence_timeout = 2.0;       // [s]
   int max_sessions_per_scene = 64;
+  double sample_rate_limit = 1.5;  // of a session, times its servo rate
   std::string profile;       // of the line that sessions share, lan, wan or thin; empty: no limit
   double busy_poll = 0.0;    // [us] before a scene's thread sleeps; 0: at once, infinity: never
   std::string dscp = "cs0";  // of replies: a name or a number, see protocol/udp_socket.hpp

@@ -15,8 +15,7 @@ constexpr std::size_t kBatch = 64;  // datagrams of one system call
 constexpr int kBatchesAtOnce = 16;  // then whoever posted has a turn: some 2 ms of work
 // Empty receives while polling busily before whoever posted has a turn: some 10 us.
 constexpr unsigned kTurnsBetweenLooks = 32;
-// More than a datagram may have, so that a longer one is seen to be longer; whole words, so that
-// each is aligned and its payload is verified where it lies.
+// More than a datagram may have, so that a longer one is seen to be longer.
 constexpr std::size_t kReceiveSize = kMaxDatagram + sizeof(std::uint64_t);
 constexpr int kSocketBuffer =
     1 << 20;  // [bytes] a burst of some 5000 samples waits rather than is lost
@@ -31,7 +30,7 @@ Nanoseconds monotonic_now() {
 /// Wired once; an exchange only changes lengths.
 struct SceneHost::Batch {
   alignas(std::uint64_t) std::array<std::array<std::uint8_t, kReceiveSize>, kBatch> received;
-  std::array<std::array<std::uint8_t, kMaxDatagram>, kBatch> sent;
+  std::array<DatagramBuffer, kBatch> sent;
   std::array<Peer, kBatch> peers;
   std::array<iovec, kBatch> received_parts{}, sent_parts{};
   std::array<mmsghdr, kBatch> incoming{}, outgoing{};
@@ -39,7 +38,7 @@ struct SceneHost::Batch {
   Batch() {
     for (std::size_t i = 0; i < kBatch; ++i) {
       received_parts[i] = {received[i].data(), kReceiveSize};
-      sent_parts[i] = {sent[i].data(), 0};
+      sent_parts[i] = {sent[i].bytes.data(), 0};
       incoming[i].msg_hdr.msg_iov = &received_parts[i];
       incoming[i].msg_hdr.msg_iovlen = 1;
       incoming[i].msg_hdr.msg_name = &peers[i].address;
@@ -55,9 +54,9 @@ struct SceneHost::Batch {
       incoming[i].msg_hdr.msg_namelen = sizeof(sockaddr_storage);
   }
 
-  void put(std::size_t at, Bytes datagram, Peer& to) noexcept {
-    std::copy(datagram.begin(), datagram.end(), sent[at].begin());
-    sent_parts[at].iov_len = datagram.size();
+  /// sent[at] has so many bytes now, for whom.
+  void put(std::size_t at, std::size_t size, Peer& to) noexcept {
+    sent_parts[at].iov_len = size;
     outgoing[at].msg_hdr.msg_name = &to.address;
     outgoing[at].msg_hdr.msg_namelen = to.length;
   }
@@ -67,7 +66,8 @@ SceneHost::SceneHost(Scene scene, const SceneHostOptions& options)
     : scene_(std::move(scene)),
       silence_timeout_(options.silence_timeout),
       busy_poll_(options.busy_poll),
-      sessions_(scene_, options.silence_timeout, options.max_sessions, options.line),
+      sessions_(scene_, options.silence_timeout, options.max_sessions, options.line,
+                options.limits),
       batch_(std::make_unique<Batch>()) {
   const asio::ip::udp::endpoint endpoint(options.address, options.port);
   try {
@@ -103,13 +103,13 @@ void SceneHost::stop() {
   thread_.join();
 }
 
-void SceneHost::ask(control::Message request, std::uint64_t id, asio::io_context& back,
-                    Completion completion) {
-  asio::post(io_, [this, request = std::move(request), id, &back,
+void SceneHost::ask(control::Message request, std::uint64_t id, const SessionKeys& keys,
+                    asio::io_context& back, Completion completion) {
+  asio::post(io_, [this, request = std::move(request), id, keys, &back,
                    completion = std::move(completion)]() mutable {
     control::Message answer = control::Refused{control::RefusalCode::shutting_down,
                                                "the server is shutting down; join another"};
-    if (!closing_) answer = sessions_.answer(request, id, monotonic_now());
+    if (!closing_) answer = sessions_.answer(request, id, keys, monotonic_now());
     publish();
     asio::post(back, [completion = std::move(completion), answer = std::move(answer)]() mutable {
       completion(std::move(answer));
@@ -171,8 +171,8 @@ std::size_t SceneHost::exchange() {
     Peer& peer = batch.peers[i];
     peer.length = batch.incoming[i].msg_hdr.msg_namelen;
     const Bytes datagram{batch.received[i].data(), batch.incoming[i].msg_len};
-    const Bytes answer = sessions_.receive(datagram, peer, now);
-    if (!answer.empty()) batch.put(answers++, answer, peer);
+    const Bytes answer = sessions_.receive(datagram, peer, now, batch.sent[answers]);
+    if (!answer.empty()) batch.put(answers++, answer.size(), peer);
   }
   send(answers);
   batch.rearm(received);

@@ -19,6 +19,7 @@ struct SceneHostOptions {
   std::uint16_t port = 0;     // 0: the operating system chooses
   Nanoseconds silence_timeout{};
   std::size_t max_sessions = 64;
+  SessionLimits limits = {};
   const NetworkProfile* line = nullptr;  // that the sessions share; null: no limit
   /// How long the thread asks for datagrams again and again, after the last one, before it sleeps
   /// until the next; 0: not at all, kForever: it never sleeps, and its core does nothing else.
@@ -54,8 +55,8 @@ class SceneHost {
   using Completion = std::function<void(control::Message)>;
   /// Has the scene's thread answer (see SceneSessions::answer) and posts the answer to `back`,
   /// which must outlive this host's thread. From any thread.
-  void ask(control::Message request, std::uint64_t id, asio::io_context& back,
-           Completion completion);
+  void ask(control::Message request, std::uint64_t id, const SessionKeys& keys,
+           asio::io_context& back, Completion completion);
 
   /// Only while the thread does not run.
   SceneSummary summary() const;

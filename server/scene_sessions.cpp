@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <stdexcept>
 
-#include "protocol/guard.hpp"
+#include "server/sample_rate.hpp"
 
 namespace feltwire {
 namespace {
@@ -44,17 +44,33 @@ struct SceneSessions::Seat {
   std::uint64_t id;
   Session session;
   Nanoseconds last_heard;
-  PacketWindow received;
-  Peer peer;                       // of the newest sample
-  std::uint64_t packets_sent = 0;  // numbers of what goes to the client
+  Opener opener;  // of what comes
+  Sealer sealer;  // of what goes
+  SampleRate rate;
+  Peer peer;  // of the newest datagram with a newer sample
+};
+
+/// Where and when a datagram came.
+struct SceneSessions::Origin {
+  const Peer& from;
+  bool newest;  // of its session
+  Nanoseconds now;
+};
+
+/// Why a session ends that nobody ended, and where that is counted.
+struct SceneSessions::Ending {
+  GoodbyeReason reason;
+  std::uint64_t SceneCounters::*counter;
 };
 
 SceneSessions::SceneSessions(const Scene& scene, Nanoseconds silence_timeout,
-                             std::size_t max_sessions, const NetworkProfile* line)
+                             std::size_t max_sessions, const NetworkProfile* line,
+                             const SessionLimits& limits)
     : scene_(scene),
       silence_timeout_(silence_timeout),
       max_sessions_(max_sessions),
       line_(line),
+      limits_(limits),
       by_id_(max_sessions) {
   seats_.reserve(max_sessions);
 }
@@ -62,9 +78,9 @@ SceneSessions::SceneSessions(const Scene& scene, Nanoseconds silence_timeout,
 SceneSessions::~SceneSessions() = default;
 
 control::Message SceneSessions::answer(const control::Message& request, std::uint64_t id,
-                                       Nanoseconds now) {
+                                       const SessionKeys& keys, Nanoseconds now) {
   if (const auto* wanted = std::get_if<control::JoinRequest>(&request))
-    return join(*wanted, id, now);
+    return join(*wanted, id, keys, now);
 
   if (const auto* wanted = std::get_if<control::LeaveRequest>(&request)) {
     Seat** seat = by_id_.find(wanted->session);
@@ -95,14 +111,21 @@ SessionParameters SceneSessions::granted(const SessionParameters& asked) const {
 }
 
 control::Message SceneSessions::join(control::JoinRequest request, std::uint64_t id,
-                                     Nanoseconds now) {
+                                     const SessionKeys& keys, Nanoseconds now) {
   if (seats_.size() >= max_sessions_)
     return control::Refused{control::RefusalCode::full,
                             "scene '" + scene_.name() + "' has all its " +
                                 std::to_string(max_sessions_) + " sessions; try again later"};
   try {
     request.parameters = granted(request.parameters);
-    auto seat = std::make_unique<Seat>(Seat{id, Session(request, scene_), now, {}, {}});
+    auto seat = std::make_unique<Seat>(
+        Seat{id,
+             Session(request, scene_),
+             now,
+             Opener(keys.suite, keys.up, 0, limits_.forgeries),
+             Sealer(keys.suite, keys.down),
+             SampleRate(request.parameters.servo_period, limits_.sample_rate),
+             {}});
     if (!by_id_.insert(id, seat.get()))
       return control::Refused{control::RefusalCode::full, "no session id is free; try again"};
     seats_.push_back(std::move(seat));
@@ -127,7 +150,8 @@ Bytes SceneSessions::drop(DropReason reason) noexcept {
 }
 
 // The checks stand in the order of PROTOCOL.md.
-Bytes SceneSessions::receive(Bytes datagram, const Peer& from, Nanoseconds now) noexcept {
+Bytes SceneSessions::receive(Bytes datagram, const Peer& from, Nanoseconds now,
+                             DatagramBuffer& out) noexcept {
   ++counters_.datagrams;
   const Guarded guarded = guard(datagram, kReceived);
   if (guarded.drop != DropReason::none) return drop(guarded.drop);
@@ -135,31 +159,36 @@ Bytes SceneSessions::receive(Bytes datagram, const Peer& from, Nanoseconds now) 
   Seat** found = by_id_.find(guarded.header.session);
   if (found == nullptr) return drop(DropReason::session);
   Seat& seat = **found;
-  if (!seat.received.take(guarded.header.packet_number)) {
-    seat.session.count_duplicate();
-    return drop(DropReason::packet_number);
+  const Opened opened = seat.opener.open(guarded.header, datagram, opened_);
+  if (opened.drop == DropReason::packet_number) seat.session.count_duplicate();
+  if (opened.drop != DropReason::none) return drop(opened.drop);
+  if (guarded.header.kind == DatagramKind::samples) {
+    if (!seat.rate.admit(now)) return drop(DropReason::rate);
+    const bool newest = guarded.header.packet_number == seat.opener.highest();
+    return receive_samples(seat, opened.payload, {from, newest, now}, out);
   }
-  if (guarded.header.kind == DatagramKind::samples)
-    return receive_samples(seat, guarded.payload, from, now);
 
   GoodbyeReason reason;
-  if (const DropReason wrong = decode(guarded.payload, reason); wrong != DropReason::none)
+  if (const DropReason wrong = decode(opened.payload, reason); wrong != DropReason::none)
     return drop(wrong);
   ++counters_.left;
   end(seat);
   return {};
 }
 
-Bytes SceneSessions::receive_samples(Seat& seat, Bytes payload, const Peer& from,
-                                     Nanoseconds now) noexcept {
+Bytes SceneSessions::receive_samples(Seat& seat, Bytes payload, const Origin& origin,
+                                     DatagramBuffer& out) noexcept {
   if (const DropReason wrong = decode(payload, batch_); wrong != DropReason::none)
     return drop(wrong);
-  const Taken taken = seat.session.take(batch_, now);
+  const std::uint64_t before = seat.session.counters().samples;
+  const Taken taken = seat.session.take(batch_, origin.now);
   if (taken.drop != DropReason::none) return drop(taken.drop);
-  seat.last_heard = now;
-  seat.peer = from;
+  seat.rate.count(seat.session.counters().samples - before);
+  seat.last_heard = origin.now;
+  // Whoever holds a datagram back and sends it on from elsewhere draws no goodbye there.
+  if (origin.newest) seat.peer = origin.from;
   if (taken.withheld) return {};
-  return encoder_.reply(seat.id, ++seat.packets_sent, taken.reply);
+  return seat.sealer.seal(DatagramKind::reply, seat.id, encoder_.reply(taken.reply), out);
 }
 
 void SceneSessions::end(Seat& seat) noexcept {
@@ -169,20 +198,32 @@ void SceneSessions::end(Seat& seat) noexcept {
 }
 
 SceneSessions::Farewell SceneSessions::farewell(Seat& seat, GoodbyeReason reason) {
-  const Bytes bytes = encoder_.goodbye(seat.id, ++seat.packets_sent, reason);
+  DatagramBuffer out;
+  const Bytes bytes =
+      seat.sealer.seal(DatagramKind::goodbye, seat.id, encoder_.goodbye(reason), out);
   return {seat.peer, {bytes.begin(), bytes.end()}};
+}
+
+std::optional<SceneSessions::Ending> SceneSessions::ending(const Seat& seat,
+                                                           Nanoseconds now) const noexcept {
+  if (seat.rate.flooding()) return Ending{GoodbyeReason::flooding, &SceneCounters::flooded};
+  if (seat.opener.exhausted()) return Ending{GoodbyeReason::evicted, &SceneCounters::forged};
+  if (now - seat.last_heard >= silence_timeout_)
+    return Ending{GoodbyeReason::evicted, &SceneCounters::silent};
+  return std::nullopt;
 }
 
 std::vector<SceneSessions::Farewell> SceneSessions::expire(Nanoseconds now) {
   std::vector<Farewell> farewells;
   for (std::size_t i = 0; i < seats_.size();) {
     Seat& seat = *seats_[i];
-    if (now - seat.last_heard < silence_timeout_) {
+    const std::optional<Ending> why = ending(seat, now);
+    if (!why) {
       ++i;
       continue;
     }
-    farewells.push_back(farewell(seat, GoodbyeReason::evicted));
-    ++counters_.silent;
+    farewells.push_back(farewell(seat, why->reason));
+    ++(counters_.*(why->counter));
     end(seat);
   }
   return farewells;

@@ -5,12 +5,13 @@
 
 #include <array>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "protocol/codec.hpp"
 #include "protocol/control.hpp"
 #include "protocol/profiles.hpp"
-#include "protocol/sequence.hpp"
+#include "protocol/seal.hpp"
 #include "server/id_map.hpp"
 #include "server/session.hpp"
 
@@ -22,12 +23,22 @@ struct Peer {
   socklen_t length = 0;  // [bytes] 0: not known yet
 };
 
+/// What a session may do before it is slowed or ended.
+struct SessionLimits {
+  static constexpr double kSampleRate = 1.5;
+  double sample_rate = kSampleRate;  // times its servo rate, > 1 (server/sample_rate.hpp)
+  /// Datagrams under its id that were not sealed with its keys; never more than the cipher stands
+  /// (forgery_limit).
+  std::uint64_t forgeries = ~std::uint64_t{0};
+};
+
 struct SceneCounters {
   std::uint64_t sessions_served = 0;
-  std::uint64_t left = 0, silent = 0;  // how they ended: by goodbye or request, by silence
-  std::uint64_t datagrams = 0;         // received
-  std::uint64_t violations = 0;        // of the energy bound at the real ports
-  SessionCounters samples;             // over all sessions
+  // How they ended: by goodbye or request, by silence, by flooding, by too many forgeries.
+  std::uint64_t left = 0, silent = 0, flooded = 0, forged = 0;
+  std::uint64_t datagrams = 0;   // received
+  std::uint64_t violations = 0;  // of the energy bound at the real ports
+  SessionCounters samples;       // over all sessions
   std::array<std::uint64_t, kDropReasons> drops{};
 };
 
@@ -36,23 +47,25 @@ class SceneSessions {
   /// The scene must outlive this. A session that sends nothing for `silence_timeout` ends. With a
   /// `line` a session is granted no more than it has room for.
   SceneSessions(const Scene& scene, Nanoseconds silence_timeout, std::size_t max_sessions,
-                const NetworkProfile* line = nullptr);
+                const NetworkProfile* line = nullptr, const SessionLimits& limits = {});
   ~SceneSessions();
 
-  /// Join, leave, set parameters; anything else is refused as malformed. `id` is the new session's
-  /// for a join, else unused. Numbers that are not possible come back as Refused.
-  control::Message answer(const control::Message& request, std::uint64_t id, Nanoseconds now);
+  /// Join, leave, set parameters; anything else is refused as malformed. `id` and `keys` are
+  /// the new session's for a join, else unused. Numbers that are not possible come back as Refused.
+  control::Message answer(const control::Message& request, std::uint64_t id,
+                          const SessionKeys& keys, Nanoseconds now);
 
-  /// One datagram, all checks of PROTOCOL.md in their order. The answer's bytes, empty when there
-  /// is none, live until the next call. Never allocates.
-  Bytes receive(Bytes datagram, const Peer& from, Nanoseconds now) noexcept;
+  /// One datagram, all checks of PROTOCOL.md in their order. The answer is sealed into `out`; empty
+  /// when there is none. Never allocates.
+  Bytes receive(Bytes datagram, const Peer& from, Nanoseconds now, DatagramBuffer& out) noexcept;
 
   /// A goodbye and whom it is for.
   struct Farewell {
     Peer to;
     std::vector<std::uint8_t> datagram;
   };
-  /// Ends the sessions that have been silent for too long.
+  /// Ends the sessions that have been silent for too long, that flooded, or under whose id too much
+  /// came that was not theirs.
   std::vector<Farewell> expire(Nanoseconds now);
   /// Ends all sessions.
   std::vector<Farewell> shut_down();
@@ -64,9 +77,14 @@ class SceneSessions {
 
  private:
   struct Seat;
-  control::Message join(control::JoinRequest request, std::uint64_t id, Nanoseconds now);
+  struct Origin;
+  control::Message join(control::JoinRequest request, std::uint64_t id, const SessionKeys& keys,
+                        Nanoseconds now);
   SessionParameters granted(const SessionParameters& asked) const;
-  Bytes receive_samples(Seat& seat, Bytes payload, const Peer& from, Nanoseconds now) noexcept;
+  Bytes receive_samples(Seat& seat, Bytes payload, const Origin& origin,
+                        DatagramBuffer& out) noexcept;
+  struct Ending;
+  std::optional<Ending> ending(const Seat& seat, Nanoseconds now) const noexcept;
   void end(Seat& seat) noexcept;
   Bytes drop(DropReason reason) noexcept;
   Farewell farewell(Seat& seat, GoodbyeReason reason);
@@ -75,10 +93,12 @@ class SceneSessions {
   Nanoseconds silence_timeout_;
   std::size_t max_sessions_;
   const NetworkProfile* line_;
+  SessionLimits limits_;
   std::vector<std::unique_ptr<Seat>> seats_;  // in the order they joined
   IdMap<Seat*> by_id_;
   Encoder encoder_;
-  SampleBatch batch_;  // of the datagram at hand
+  DatagramBuffer opened_;  // the datagram at hand
+  SampleBatch batch_;      // what it brings
   SceneCounters counters_;
 };
 

@@ -10,6 +10,7 @@
 #include <stdexcept>
 #include <thread>
 
+#include "protocol/placeholder_keys.hpp"
 #include "protocol/udp_socket.hpp"
 #include "server/control.hpp"
 
@@ -77,6 +78,7 @@ struct Server::Parts {
     if (!config.profile.empty()) options.line = &network_profile(config.profile);
     options.dscp = dscp(config.dscp);
     options.max_sessions = static_cast<std::size_t>(config.max_sessions_per_scene);
+    options.limits.sample_rate = config.sample_rate_limit;
     options.busy_poll = busy_poll_time(config.busy_poll);
     warn_of_spinning(options.busy_poll, scenes.size());
     for (std::size_t i = 0; i < scenes.size(); ++i) {
@@ -125,7 +127,7 @@ struct Server::Parts {
                                            "' here; list the scenes to see which there are"});
       const std::uint64_t id = new_session_id(static_cast<std::size_t>(host - hosts.begin()));
       const std::string who = printable(join->client + " (" + join->device.name + ")");
-      return (*host)->ask(std::move(request), id, io,
+      return (*host)->ask(std::move(request), id, placeholder_keys(id), io,
                           [udp_port = (*host)->port(), scene = (*host)->scene().name(), who,
                            answer = std::move(answer)](control::Message message) {
                             if (auto* accepted = std::get_if<control::JoinAccepted>(&message)) {
@@ -152,7 +154,7 @@ struct Server::Parts {
     if (host == nullptr)
       return answer(control::Refused{control::RefusalCode::unknown_session,
                                      "there is no session " + std::to_string(session) + " here"});
-    host->ask(std::move(request), session, io, std::move(answer));
+    host->ask(std::move(request), session, {}, io, std::move(answer));
   }
 
   control::SceneList list() const {
@@ -193,10 +195,12 @@ std::string text(const std::vector<SceneSummary>& summary) {
   for (const SceneSummary& scene : summary) {
     const SceneCounters& c = scene.counters;
     lines += fmt::format(
-        "scene {}: sessions {} (left {}, silent {}), samples {}, replies {} ({} withheld), gaps {} "
+        "scene {}: sessions {} (left {}, silent {}, flooded {}, forged {}), samples {}, replies {} "
+        "({} withheld), gaps {} "
         "({} samples missed), violations {}, unsent {}\n",
-        scene.scene, c.sessions_served, c.left, c.silent, c.samples.samples, c.samples.replies,
-        c.samples.withheld, c.samples.gaps, c.samples.missed, c.violations, scene.unsent);
+        scene.scene, c.sessions_served, c.left, c.silent, c.flooded, c.forged, c.samples.samples,
+        c.samples.replies, c.samples.withheld, c.samples.gaps, c.samples.missed, c.violations,
+        scene.unsent);
     std::string drops;
     for (std::size_t i = 1; i < c.drops.size(); ++i)
       if (c.drops[i] > 0)

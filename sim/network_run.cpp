@@ -13,6 +13,9 @@ namespace {
 
 constexpr std::size_t kOnTheWay = 8192;  // datagrams in each direction, as in a client
 constexpr std::uint64_t kSessionId = 0x51de5;
+
+/// Both ends are in one process: nobody listens. What is measured is the same with any.
+SessionKeys keys() { return {.suite = preferred_suite(), .up = {1}, .down = {2}}; }
 constexpr std::size_t kSessions = 1;
 
 /// A device whose true movement is known.
@@ -75,8 +78,8 @@ void check(const NetworkRunOptions& options) {
 
 control::JoinAccepted join(SceneSessions& sessions, const Scene& scene, const DeviceSpec& told,
                            const SessionParameters& parameters) {
-  const control::Message answer =
-      sessions.answer(control::JoinRequest{"lab", scene.name(), told, parameters}, kSessionId, {});
+  const control::Message answer = sessions.answer(
+      control::JoinRequest{"lab", scene.name(), told, parameters}, kSessionId, keys(), {});
   if (const auto* refused = std::get_if<control::Refused>(&answer))
     throw std::invalid_argument(refused->reason);
   return std::get<control::JoinAccepted>(answer);
@@ -113,7 +116,7 @@ class NetworkRun {
         sessions_(scene, from_seconds(options.silence_timeout), kSessions),
         accepted_(join(sessions_, scene, told_, options.parameters)),
         servo_(told_, accepted_.parameters, options.servo),
-        conversation_(accepted_.session, accepted_.parameters, told_.rotation_sensed > 0,
+        conversation_(accepted_.session, keys(), accepted_.parameters, told_.rotation_sensed > 0,
                       {told_.position_resolution, accepted_.stiffness}),
         link_(options.link, 0, kOnTheWay),
         port_(options),
@@ -155,7 +158,7 @@ class NetworkRun {
 
   Bytes receive(Bytes datagram, Nanoseconds now) {
     const Stopwatch stopwatch(timed_ ? &result_.server_time : nullptr);
-    return sessions_.receive(datagram, Peer{}, now);
+    return sessions_.receive(datagram, Peer{}, now, answer_);
   }
 
   static void send(OneWayLink& link, DatagramCount& count, Bytes datagram, Nanoseconds now) {
@@ -238,6 +241,7 @@ class NetworkRun {
   Conversation conversation_;
   TwoWayLink link_;
   TruePort port_;
+  DatagramBuffer answer_;  // the server's
   TouchMemory ideal_;
   bool timed_;
   double friction_work_ = 0.0;  // [J]

@@ -50,7 +50,8 @@ struct Client {
          const Address* by_way_of = nullptr)
       : device(recording(rows), builtin_device("simulated")),
         joined(join(server, {"tester", scene, device.spec(), parameters}, kPatience)),
-        transport(by_way_of != nullptr ? *by_way_of : joined.datagrams, joined.accepted.session,
+        transport({by_way_of != nullptr ? *by_way_of : joined.datagrams, joined.accepted.session,
+                   joined.keys},
                   joined.accepted.parameters, false, std::move(link)),
         servo(device.spec(), joined.accepted.parameters) {}
   ~Client() { finish(); }

@@ -16,8 +16,10 @@
 #include <vector>
 
 #include "client/control_client.hpp"
+#include "client/transport.hpp"
 #include "protocol/codec.hpp"
 #include "protocol/guard.hpp"
+#include "tests/protocol/sealed.hpp"
 
 namespace feltwire::testing {
 
@@ -62,6 +64,7 @@ class ScenePeer {
   static constexpr std::uint64_t kSession = 0xfe17;
 
   const Address& address() const { return socket_.address(); }
+  SessionAddress session() const { return {address(), kSession, test::keys(kSession)}; }
 
   /// The next datagram, whatever it is; empty when none came.
   std::vector<std::uint8_t> receive_bytes() {
@@ -88,9 +91,10 @@ class ScenePeer {
     if (guarded.drop != DropReason::none) return received;
     received.kind = guarded.header.kind;
     received.header = guarded.header;
+    const auto payload = test::opened(bytes, test::Way::up);
     const DropReason drop = received.kind == DatagramKind::samples
-                                ? decode(guarded.payload, received.batch)
-                                : decode(guarded.payload, received.reason);
+                                ? decode(payload, received.batch)
+                                : decode(payload, received.reason);
     EXPECT_EQ(drop, DropReason::none);
     return received;
   }
@@ -112,12 +116,12 @@ class ScenePeer {
     reply.command = command;
     return reply;
   }
-  Encoder& encoder() { return encoder_; }
+  test::SealedEncoder& encoder() { return encoder_; }
 
  private:
   LocalSocket socket_{SOCK_DGRAM};
   Address client_;
-  Encoder encoder_;
+  test::SealedEncoder encoder_{test::Way::down};
   std::uint64_t packet_number_ = 0;
 };
 

@@ -8,7 +8,7 @@
 #include <random>
 
 #include "client/servo.hpp"
-#include "protocol/guard.hpp"
+#include "protocol/codec.hpp"
 #include "server/session.hpp"
 
 namespace feltwire {
@@ -48,12 +48,12 @@ struct Pair {
     sent.samples[0] = *servo.hold(given);
     sent.count = 1;
     sent.rotation = spec.rotation_sensed > 0;
-    const Bytes bytes = encoder_.samples(1, servo.sample().index, sent);
-    EXPECT_EQ(decode(guard(bytes, ~0u).payload, received), DropReason::none);
+    const Bytes bytes = encoder_.samples(sent);
+    EXPECT_EQ(decode(bytes, received), DropReason::none);
     const Taken taken = session.take(received, now);
     EXPECT_EQ(taken.drop, DropReason::none);
-    const Bytes answer = encoder_.reply(1, servo.sample().index, taken.reply);
-    EXPECT_EQ(decode(guard(answer, ~0u).payload, reply), DropReason::none);
+    const Bytes answer = encoder_.reply(taken.reply);
+    EXPECT_EQ(decode(answer, reply), DropReason::none);
     servo.take(reply, now);
     return given;
   }

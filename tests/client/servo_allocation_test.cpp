@@ -28,8 +28,8 @@ TEST(Servo, TenThousandTicksOverASocketAllocateNothing) {
   parameters.position_deadband = parameters.force_deadband = 1e-9;
   Servo servo(device.spec(), parameters);
   testing::ScenePeer peer;
-  Transport transport(peer.address(), testing::ScenePeer::kSession, parameters, true);
-  Encoder encoder;
+  Transport transport(peer.session(), parameters, true);
+  test::SealedEncoder encoder(test::Way::down);
   Nanoseconds now{0};
   std::size_t counted = 0;
   std::uint64_t replies = 0;

@@ -37,7 +37,7 @@ class StillDevice final : public Device {
 /// A loop in a thread of its own, with a peer that the test speaks for.
 struct LoopRun {
   ScenePeer peer;
-  Transport transport{peer.address(), ScenePeer::kSession, {}, false};
+  Transport transport{peer.session(), {}, false};
   StillDevice device;
   Servo servo;
   Ring<TickRecord> records{1 << 16};
@@ -177,7 +177,7 @@ TEST(ServoLoop, EndsWithADeviceThatDoesNotLetGo) {
     DeviceSpec spec_ = builtin_device("simulated");
   } device;
   const ScenePeer peer;
-  Transport transport(peer.address(), ScenePeer::kSession, {}, false);
+  Transport transport(peer.session(), {}, false);
   Servo servo(device.spec(), {});
   Event stop;
   stop.set();
@@ -231,7 +231,7 @@ TEST(ServoLoop, AHeldUpLoopPassesOverDeadlinesInsteadOfCatchingUp) {
     int readings_ = 0;
   } device;
   const ScenePeer peer;
-  Transport transport(peer.address(), ScenePeer::kSession, {}, false);
+  Transport transport(peer.session(), {}, false);
   Servo servo(device.spec(), {});
   const Event stop;
   const auto result = std::make_unique<LoopResult>();
@@ -244,7 +244,7 @@ TEST(ServoLoop, AHeldUpLoopPassesOverDeadlinesInsteadOfCatchingUp) {
 
 TEST(ServoLoop, RecordsThatFindNoRoomAreCounted) {
   const ScenePeer peer;
-  Transport transport(peer.address(), ScenePeer::kSession, {}, false);
+  Transport transport(peer.session(), {}, false);
   StillDevice device(10);
   Servo servo(device.spec(), {});
   const Event stop;

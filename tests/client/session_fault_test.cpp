@@ -10,9 +10,9 @@
 
 #include "client/conversation.hpp"
 #include "client/servo.hpp"
-#include "protocol/guard.hpp"
 #include "server/scene_sessions.hpp"
 #include "tests/core/support.hpp"
+#include "tests/protocol/sealed.hpp"
 
 namespace feltwire {
 namespace {
@@ -51,7 +51,7 @@ struct Hand {
   std::uint64_t answers = 0, goodbyes = 0;
 
   Hand(std::uint64_t session, const SessionParameters& parameters)
-      : servo(spec, parameters), conversation(session, parameters, false) {}
+      : servo(spec, parameters), conversation(session, test::keys(session), parameters, false) {}
 
   /// The datagram of a tick.
   Datagram tick(Nanoseconds now) {
@@ -87,6 +87,7 @@ struct World {
   std::unique_ptr<SceneSessions> server = std::make_unique<SceneSessions>(scene, kSilence, 8);
   Hand hand;
   Peer peer{.address = {}, .length = sizeof(sockaddr_in)};
+  DatagramBuffer reply_room;
   Nanoseconds now = std::chrono::seconds(100);
   Fault up = kNone, down = kNone;
 
@@ -100,11 +101,11 @@ struct World {
     join(kSession);
   }
   void join(std::uint64_t id) {
-    ASSERT_TRUE(std::holds_alternative<control::JoinAccepted>(
-        server->answer(control::JoinRequest{"tester", "floor", hand.spec, parameters}, id, now)));
+    ASSERT_TRUE(std::holds_alternative<control::JoinAccepted>(server->answer(
+        control::JoinRequest{"tester", "floor", hand.spec, parameters}, id, test::keys(id), now)));
   }
   Datagram exchange(const Datagram& datagram) {
-    return datagram.empty() ? Datagram() : copy(server->receive(datagram, peer, now));
+    return datagram.empty() ? Datagram() : copy(server->receive(datagram, peer, now, reply_room));
   }
   void tick() {
     now += kPeriod;
@@ -132,17 +133,17 @@ void press(World& world) {
 Datagram with_nan(const Datagram& datagram) {
   SampleBatch batch;
   const Guarded guarded = guard(datagram, 0b1110);
-  EXPECT_EQ(decode(guarded.payload, batch), DropReason::none);
+  EXPECT_EQ(decode(test::opened(datagram, test::Way::up), batch), DropReason::none);
   batch.samples[0].pose.position.y() = std::nan("");
-  Encoder encoder;
+  test::SealedEncoder encoder(test::Way::up);
   return copy(encoder.samples(guarded.header.session, guarded.header.packet_number, batch));
 }
 Datagram changed(const Datagram& datagram, const std::function<void(Reply&)>& change) {
   Reply reply;
   const Guarded guarded = guard(datagram, 0b1110);
-  EXPECT_EQ(decode(guarded.payload, reply), DropReason::none);
+  EXPECT_EQ(decode(test::opened(datagram, test::Way::down), reply), DropReason::none);
   change(reply);
-  Encoder encoder;
+  test::SealedEncoder encoder(test::Way::down);
   return copy(encoder.reply(guarded.header.session, guarded.header.packet_number, reply));
 }
 Datagram reply_with_nan(const Datagram& datagram) {
@@ -232,7 +233,7 @@ TEST(SessionFault, AServerThatWasStartedAnewAnswersNoOldSession) {
   EXPECT_EQ(world.drops(DropReason::session), static_cast<std::uint64_t>(kHoldTicks + 1));
   // The next session is another one; the hand goes on with its own count.
   world.join(kOther);
-  world.hand.conversation.resume(kOther);
+  world.hand.conversation.resume(kOther, test::keys(kOther));
   world.hand.servo.reconnected(true);
   const std::uint64_t before = world.hand.answers;
   world.run(50);
@@ -246,11 +247,11 @@ TEST(SessionFault, SampleIndicesThatJump) {
   const auto jump = [](const Datagram& datagram, std::int64_t by) {
     SampleBatch batch;
     const Guarded guarded = guard(datagram, 0b1110);
-    EXPECT_EQ(decode(guarded.payload, batch), DropReason::none);
+    EXPECT_EQ(decode(test::opened(datagram, test::Way::up), batch), DropReason::none);
     for (int i = 0; i < batch.count; ++i)
       batch.samples[static_cast<std::size_t>(i)].index += static_cast<std::uint64_t>(by);
     if (batch.previous > 0) batch.previous += static_cast<std::uint64_t>(by);
-    Encoder encoder;
+    test::SealedEncoder encoder(test::Way::up);
     return copy(encoder.samples(guarded.header.session, guarded.header.packet_number, batch));
   };
   forward.up = [&](const Datagram& d) { return jump(d, 1'000'000); };
@@ -288,13 +289,13 @@ TEST(SessionFault, ClientTimesThatRunBackEarnNothing) {
   bad.up = [&n](const Datagram& datagram) {
     SampleBatch batch;
     const Guarded guarded = guard(datagram, 0b1110);
-    EXPECT_EQ(decode(guarded.payload, batch), DropReason::none);
+    EXPECT_EQ(decode(test::opened(datagram, test::Way::up), batch), DropReason::none);
     constexpr auto kLimit = std::numeric_limits<std::int64_t>::max();
     const std::int64_t times[] = {0, -5, kLimit, -kLimit, 7};
     for (int i = 0; i < batch.count; ++i)
       batch.samples[static_cast<std::size_t>(i)].client_time = Nanoseconds(times[n % 5]);
     ++n;
-    Encoder encoder;
+    test::SealedEncoder encoder(test::Way::up);
     return copy(encoder.samples(guarded.header.session, guarded.header.packet_number, batch));
   };
   for (int i = 0; i < 400; ++i) {

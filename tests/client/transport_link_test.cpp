@@ -26,7 +26,7 @@ struct Linked {
   GoodbyeReason reason = GoodbyeReason::leaving;
 
   explicit Linked(const char* link)
-      : transport(peer.address(), ScenePeer::kSession, {}, false,
+      : transport(peer.session(), {}, false,
                   std::make_unique<TwoWayLink>(parse_link(link), 0, 1024)) {}
   /// What the peer sent is in the transport's socket from then on.
   void await_arrival() const {

@@ -37,7 +37,7 @@ struct Link {
   GoodbyeReason reason = GoodbyeReason::leaving;
 
   explicit Link(int redundancy = 3, bool rotation = false)
-      : transport(peer.address(), ScenePeer::kSession, repeating(redundancy), rotation) {
+      : transport(peer.session(), repeating(redundancy), rotation) {
     transport.send(sample(1));  // the peer must know whom to answer
     peer.receive();
   }
@@ -96,7 +96,7 @@ TEST(Transport, TakesRepliesAndGoodbyes) {
 
 TEST(Transport, BadDatagramsAreCountedAndWhatFollowsIsTaken) {
   Link link;
-  Encoder& encoder = link.peer.encoder();
+  test::SealedEncoder& encoder = link.peer.encoder();
   const Reply good = ScenePeer::reply_to(sample(1));
   const auto bytes = [](Bytes b) { return std::vector<std::uint8_t>(b.begin(), b.end()); };
 
@@ -114,6 +114,9 @@ TEST(Transport, BadDatagramsAreCountedAndWhatFollowsIsTaken) {
   auto cut = bytes(encoder.reply(ScenePeer::kSession, 903, good));
   cut.resize(cut.size() - 30);
   link.peer.send_bytes(cut);
+  const std::vector<std::uint8_t> unsound(64, 0xff);
+  link.peer.send_bytes(
+      bytes(encoder.seal({DatagramKind::reply, ScenePeer::kSession, 906}, unsound)));
   Reply nan = good;
   nan.command.elastic.x() = std::nan("");
   link.peer.send_bytes(bytes(encoder.reply(ScenePeer::kSession, 904, nan)));
@@ -127,10 +130,11 @@ TEST(Transport, BadDatagramsAreCountedAndWhatFollowsIsTaken) {
   EXPECT_EQ(link.dropped(DropReason::magic), 1u);
   EXPECT_EQ(link.dropped(DropReason::session), 1u);
   EXPECT_EQ(link.dropped(DropReason::kind), 1u);
+  EXPECT_EQ(link.dropped(DropReason::sealed), 1u);
   EXPECT_EQ(link.dropped(DropReason::malformed), 1u);
   EXPECT_EQ(link.dropped(DropReason::not_finite), 1u);
   EXPECT_EQ(link.dropped(DropReason::packet_number), 1u);
-  EXPECT_EQ(link.transport.statistics().received, 9u);
+  EXPECT_EQ(link.transport.statistics().received, 10u);
 }
 
 TEST(Transport, ForeignSendersAreNotHeard) {
@@ -140,7 +144,7 @@ TEST(Transport, ForeignSendersAreNotHeard) {
   socklen_t size = sizeof client;
   ASSERT_EQ(::getsockname(link.transport.descriptor(), reinterpret_cast<sockaddr*>(&client), &size),
             0);
-  Encoder encoder;
+  test::SealedEncoder encoder(test::Way::down);
   const Bytes forged = encoder.goodbye(ScenePeer::kSession, 1, GoodbyeReason::evicted);
   ASSERT_GT(::sendto(stranger.descriptor(), forged.data(), forged.size(), 0,
                      reinterpret_cast<sockaddr*>(&client), size),
@@ -207,7 +211,7 @@ TEST(Transport, WhatPiledUpUnreadIsTakenOrLost) {
 TEST(Transport, DatagramsAreMarkedAndNeverCut) {
   const ScenePeer peer;
   for (const int mark : {0, 46, 40}) {
-    const Transport transport(peer.address(), ScenePeer::kSession, {}, false, nullptr, {}, mark);
+    const Transport transport(peer.session(), {}, false, nullptr, {}, mark);
     EXPECT_EQ(get_dscp(transport.descriptor()), mark);
     int discover = -1;
     socklen_t size = sizeof discover;
@@ -230,7 +234,7 @@ int send_through_a_narrow_path() {
   if (::ioctl(any, SIOCSIFFLAGS, &line) != 0) return kNotPermitted;
 
   ScenePeer peer;
-  Transport transport(peer.address(), ScenePeer::kSession, repeating(kMaxRedundancy), true);
+  Transport transport(peer.session(), repeating(kMaxRedundancy), true);
   for (std::uint64_t n = 1; n <= 40; ++n) transport.send(sample(n));
   const TransportStatistics s = transport.statistics();
   if (s.too_long == 0 || s.too_long != s.send_failed || s.rerouted != 0) return 1;
@@ -246,7 +250,7 @@ int send_through_a_narrow_path() {
   // As many as fit: fewer than asked for, more than none.
   if (newest != 40 || count < 2 || count > kMaxRedundancy) return 4;
   // Another session finds out for itself.
-  transport.resume({peer.address(), ScenePeer::kSession});
+  transport.resume(peer.session());
   for (std::uint64_t n = 41; n <= 60; ++n) transport.send(sample(n));
   return transport.statistics().too_long == 2 * s.too_long ? 0 : 5;
 }
@@ -269,7 +273,7 @@ TEST(Transport, AClosedPortIsCountedNotFatal) {
     const ScenePeer peer;
     gone = peer.address();
   }
-  Transport transport(gone, 1, {}, false);
+  Transport transport({gone, 1, test::keys(1)}, {}, false);
   transport.send(sample(1));
   transport.send(sample(2));
   Reply reply;

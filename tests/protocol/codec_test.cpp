@@ -15,7 +15,6 @@
 namespace feltwire {
 namespace {
 
-using test::payload;
 using test::Random;
 using test::random_batch;
 
@@ -56,15 +55,10 @@ TEST(Codec, SamplesRoundTrip) {
   for (int round = 0; round < 2000; ++round) {
     const int count = 1 + static_cast<int>(random() % 9);
     const SampleBatch sent = random_batch(random, 100 + random() % 1000, count, random() % 2 == 0);
-    const Bytes datagram = encoder.samples(42, 7, sent);
-    ASSERT_LE(datagram.size(), kMaxDatagram);
-    const Guarded guarded = guard(datagram, test::kAllKinds);
-    ASSERT_EQ(guarded.drop, DropReason::none);
-    EXPECT_EQ(guarded.header.kind, DatagramKind::samples);
-    EXPECT_EQ(guarded.header.session, 42u);
-    EXPECT_EQ(guarded.header.packet_number, 7u);
+    const Bytes payload = encoder.samples(sent);
+    ASSERT_LE(payload.size(), kMaxPayload);
     SampleBatch received;
-    ASSERT_EQ(decode(guarded.payload, received), DropReason::none);
+    ASSERT_EQ(decode(payload, received), DropReason::none);
     ASSERT_EQ(received.count, sent.count);
     EXPECT_EQ(received.rotation, sent.rotation);
     for (int i = 0; i < count; ++i)
@@ -78,8 +72,7 @@ TEST(Codec, SamplesWithoutRotationsAreUpright) {
   Random random(2);
   Encoder encoder;
   SampleBatch received = random_batch(random, 50, 9, true);
-  ASSERT_EQ(decode(payload(encoder.samples(1, 1, random_batch(random, 9, 3, false))), received),
-            DropReason::none);
+  ASSERT_EQ(decode(encoder.samples(random_batch(random, 9, 3, false)), received), DropReason::none);
   EXPECT_FALSE(received.rotation);
   EXPECT_EQ(received.count, 3);
   for (const Sample& sample : received.view()) {
@@ -93,10 +86,10 @@ TEST(Codec, ReplyRoundTrip) {
   Encoder encoder;
   for (int round = 0; round < 2000; ++round) {
     const Reply sent = random_reply(random);
-    const Bytes datagram = encoder.reply(9, 8, sent);
-    EXPECT_LE(datagram.size(), 256u);
+    const Bytes payload = encoder.reply(sent);
+    EXPECT_LE(payload.size() + kOverhead, 256u);
     Reply received = random_reply(random);
-    ASSERT_EQ(decode(payload(datagram), received), DropReason::none);
+    ASSERT_EQ(decode(payload, received), DropReason::none);
     EXPECT_EQ(received.sample_index, sent.sample_index);
     EXPECT_EQ(received.client_time, sent.client_time);
     EXPECT_EQ(received.server_receive_time, sent.server_receive_time);
@@ -119,10 +112,10 @@ TEST(Codec, ReplyRoundTrip) {
 
 TEST(Codec, GoodbyeRoundTrip) {
   Encoder encoder;
-  for (const auto reason :
-       {GoodbyeReason::leaving, GoodbyeReason::shutting_down, GoodbyeReason::evicted}) {
+  for (const auto reason : {GoodbyeReason::leaving, GoodbyeReason::shutting_down,
+                            GoodbyeReason::evicted, GoodbyeReason::flooding}) {
     GoodbyeReason received = GoodbyeReason::leaving;
-    EXPECT_EQ(decode(payload(encoder.goodbye(1, 1, reason)), received), DropReason::none);
+    EXPECT_EQ(decode(encoder.goodbye(reason), received), DropReason::none);
     EXPECT_EQ(received, reason);
   }
 }
@@ -130,19 +123,18 @@ TEST(Codec, GoodbyeRoundTrip) {
 TEST(Codec, SizesKeepTheirPromises) {
   Random random(4);
   Encoder encoder;
-  EXPECT_LE(encoder.samples(~0ull, ~0ull, random_batch(random, 9, 1, true)).size(), 256u);
-  EXPECT_LE(encoder.samples(~0ull, ~0ull, random_batch(random, 9, 9, true)).size(), kMaxDatagram);
+  EXPECT_LE(encoder.samples(random_batch(random, 9, 1, true)).size() + kOverhead, 256u);
+  EXPECT_LE(encoder.samples(random_batch(random, 9, 9, true)).size(), kMaxPayload);
 }
 
 TEST(Codec, PayloadMayLieAnywhere) {
   Random random(5);
   Encoder encoder;
   const SampleBatch sent = random_batch(random, 77, 4, true);
-  const Bytes datagram = encoder.samples(1, 1, sent);
+  const Bytes payload = encoder.samples(sent);
   for (std::size_t shift = 0; shift < 8; ++shift) {
     std::vector<std::uint8_t> moved(shift, 0);
-    const Bytes bytes = payload(datagram);
-    moved.insert(moved.end(), bytes.begin(), bytes.end());
+    moved.insert(moved.end(), payload.begin(), payload.end());
     SampleBatch received;
     ASSERT_EQ(decode(Bytes(moved).subspan(shift), received), DropReason::none);
     expect_same(received.samples[3], sent.samples[3]);
@@ -154,7 +146,7 @@ TEST(Codec, PayloadMayLieAnywhere) {
 DropReason verdict(const SampleBatch& batch) {
   Encoder encoder;
   SampleBatch out;
-  return decode(payload(encoder.samples(1, 1, batch)), out);
+  return decode(encoder.samples(batch), out);
 }
 
 TEST(CodecDrops, Count) {
@@ -220,19 +212,19 @@ TEST(CodecDrops, ReplyThatIsNone) {
   Encoder encoder;
   Reply out;
   Reply reply;
-  EXPECT_EQ(decode(payload(encoder.reply(1, 1, reply)), out), DropReason::order);  // index 0
+  EXPECT_EQ(decode(encoder.reply(reply), out), DropReason::order);  // index 0
   reply.sample_index = 1;
-  EXPECT_EQ(decode(payload(encoder.reply(1, 1, reply)), out), DropReason::none);
+  EXPECT_EQ(decode(encoder.reply(reply), out), DropReason::none);
   for (double* number : {&reply.command.elastic.x(), &reply.command.frictional.y(), &reply.ratio,
                          &reply.delivered.torque, &reply.delivered.elastic}) {
     const double before = *number;
     *number = nan;
-    EXPECT_EQ(decode(payload(encoder.reply(1, 1, reply)), out), DropReason::not_finite);
+    EXPECT_EQ(decode(encoder.reply(reply), out), DropReason::not_finite);
     *number = before;
   }
   reply.rotation = true;
   reply.command.torque.z() = nan;
-  EXPECT_EQ(decode(payload(encoder.reply(1, 1, reply)), out), DropReason::not_finite);
+  EXPECT_EQ(decode(encoder.reply(reply), out), DropReason::not_finite);
 }
 
 TEST(CodecDrops, OneKindIsNotAnother) {
@@ -241,12 +233,11 @@ TEST(CodecDrops, OneKindIsNotAnother) {
   SampleBatch batch;
   Reply reply;
   GoodbyeReason reason;
-  EXPECT_EQ(decode(payload(encoder.goodbye(1, 1, GoodbyeReason::evicted)), batch),
-            DropReason::malformed);
-  EXPECT_EQ(decode(payload(encoder.samples(1, 1, random_batch(random, 5, 2, false))), reply),
+  EXPECT_EQ(decode(encoder.goodbye(GoodbyeReason::evicted), batch), DropReason::malformed);
+  EXPECT_EQ(decode(encoder.samples(random_batch(random, 5, 2, false)), reply),
             DropReason::malformed);
   flatbuffers::FlatBufferBuilder builder;
-  builder.Finish(wire::CreateGoodbye(builder, static_cast<wire::GoodbyeReason>(3)));
+  builder.Finish(wire::CreateGoodbye(builder, static_cast<wire::GoodbyeReason>(4)));
   EXPECT_EQ(decode({builder.GetBufferPointer(), builder.GetSize()}, reason), DropReason::malformed);
 }
 
@@ -267,18 +258,14 @@ TEST(CodecDrops, EverySizeThatIsNone) {
 }
 
 /// Whatever bytes come: no crash, no allocation, and what is let through is usable.
-void expect_harmless(Bytes datagram) {
+void expect_harmless(Bytes payload) {
   const std::size_t before = test::allocations();
-  const Guarded guarded = guard(datagram, test::kAllKinds);
   SampleBatch batch;
   Reply reply;
   GoodbyeReason reason = GoodbyeReason::leaving;
-  DropReason samples = guarded.drop, replied = guarded.drop, goodbye = guarded.drop;
-  if (guarded.drop == DropReason::none) {
-    samples = decode(guarded.payload, batch);
-    replied = decode(guarded.payload, reply);
-    goodbye = decode(guarded.payload, reason);
-  }
+  const DropReason samples = decode(payload, batch);
+  const DropReason replied = decode(payload, reply);
+  const DropReason goodbye = decode(payload, reason);
   ASSERT_EQ(test::allocations(), before);
   if (samples == DropReason::none) {
     ASSERT_GE(batch.count, 1);
@@ -292,7 +279,7 @@ void expect_harmless(Bytes datagram) {
     ASSERT_TRUE(reply.command.finite());
   }
   if (goodbye == DropReason::none) {
-    ASSERT_LE(static_cast<int>(reason), 2);
+    ASSERT_LE(static_cast<int>(reason), 3);
   }
 }
 
@@ -302,25 +289,23 @@ TEST(CodecFuzz, RandomBytes) {
   for (int round = 0; round < 20'000; ++round) {
     bytes.resize(random() % 1300);
     for (auto& byte : bytes) byte = static_cast<std::uint8_t>(random());
-    if (bytes.size() >= kHeaderSize && round % 2 == 0)
-      write_header(bytes, {DatagramKind::samples, random(), random()});
-    if (bytes.size() >= kHeaderSize + 4 && round % 4 == 0)  // a root offset that may be one
-      bytes[kHeaderSize + 1] = bytes[kHeaderSize + 2] = bytes[kHeaderSize + 3] = 0;
+    if (bytes.size() >= 4 && round % 2 == 0)  // a root offset that may be one
+      bytes[1] = bytes[2] = bytes[3] = 0;
     expect_harmless(bytes);
   }
 }
 
-TEST(CodecFuzz, TruncationsAndBitFlipsOfValidDatagrams) {
+TEST(CodecFuzz, TruncationsAndBitFlipsOfValidPayloads) {
   Random random(11);
   Encoder encoder;
   for (int round = 0; round < 60; ++round) {
     Bytes valid;
     if (round % 3 == 0)
-      valid = encoder.reply(1, 1, random_reply(random));
+      valid = encoder.reply(random_reply(random));
     else if (round % 3 == 1)
-      valid = encoder.samples(1, 1, random_batch(random, 99, 1 + round % 9, round % 2 == 0));
+      valid = encoder.samples(random_batch(random, 99, 1 + round % 9, round % 2 == 0));
     else
-      valid = encoder.goodbye(1, 1, GoodbyeReason::leaving);
+      valid = encoder.goodbye(GoodbyeReason::leaving);
     std::vector<std::uint8_t> bytes(valid.begin(), valid.end());
     for (std::size_t size = 0; size <= bytes.size(); ++size)
       expect_harmless(
@@ -349,17 +334,17 @@ TEST(CodecAllocation, NoneAfterTheFirstOfEachKind) {
   Reply reply = random_reply(random);
   SampleBatch batch_out;
   Reply reply_out;
-  encoder.samples(1, 1, batch);
-  encoder.reply(1, 1, reply);
-  encoder.goodbye(1, 1, GoodbyeReason::leaving);
+  encoder.samples(batch);
+  encoder.reply(reply);
+  encoder.goodbye(GoodbyeReason::leaving);
 
   const std::size_t before = test::allocations();
   DropReason worst = DropReason::none;
   for (std::uint64_t i = 1; i <= 10'000; ++i) {
     batch.count = 1 + static_cast<int>(i % 9);
-    worst = std::max(worst, decode(payload(encoder.samples(1, i, batch)), batch_out));
-    worst = std::max(worst, decode(payload(encoder.reply(1, i, reply)), reply_out));
-    encoder.goodbye(1, i, GoodbyeReason::leaving);
+    worst = std::max(worst, decode(encoder.samples(batch), batch_out));
+    worst = std::max(worst, decode(encoder.reply(reply), reply_out));
+    encoder.goodbye(GoodbyeReason::leaving);
   }
   EXPECT_EQ(test::allocations(), before);
   EXPECT_EQ(worst, DropReason::none);

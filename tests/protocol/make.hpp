@@ -47,7 +47,4 @@ inline SampleBatch random_batch(Random& random, std::uint64_t newest, int count,
 
 inline constexpr unsigned kAllKinds = 0b1110;
 
-/// The payload of a datagram that guard() lets through.
-inline Bytes payload(Bytes datagram) { return guard(datagram, kAllKinds).payload; }
-
 }  // namespace feltwire::test

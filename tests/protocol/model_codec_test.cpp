@@ -14,7 +14,6 @@ namespace feltwire {
 namespace {
 
 using test::float_vector;
-using test::payload;
 using test::Random;
 
 double single(Random& random, double most) {
@@ -82,7 +81,7 @@ void expect_same(const SurfacePatch& a, const SurfacePatch& b) {
 
 DropReason verdict(const Reply& reply, Reply& out) {
   Encoder encoder;
-  return decode(payload(encoder.reply(1, 1, reply)), out);
+  return decode(encoder.reply(reply), out);
 }
 
 TEST(ModelCodec, RoundTrip) {
@@ -92,9 +91,9 @@ TEST(ModelCodec, RoundTrip) {
   for (int round = 0; round < 500; ++round) {
     const int patches = static_cast<int>(random() % 4);
     const Reply sent = random_reply(random, patches);
-    const Bytes datagram = encoder.reply(3, 4, sent);
-    EXPECT_LE(datagram.size(), 640u);
-    ASSERT_EQ(decode(payload(datagram), received), DropReason::none);
+    const Bytes payload = encoder.reply(sent);
+    EXPECT_LE(payload.size() + kOverhead, 640u);
+    ASSERT_EQ(decode(payload, received), DropReason::none);
     EXPECT_EQ(received.withheld, sent.withheld);
     EXPECT_EQ(received.predicted, sent.predicted);
     EXPECT_EQ(received.rates, sent.rates);
@@ -168,10 +167,10 @@ TEST(ModelCodec, WhatTravelledBeforeComesBefore) {
   Encoder encoder;
   SampleBatch batch = test::random_batch(random, 100, 3, false), out;
   batch.previous = 97;
-  ASSERT_EQ(decode(payload(encoder.samples(1, 1, batch)), out), DropReason::none);
+  ASSERT_EQ(decode(encoder.samples(batch), out), DropReason::none);
   EXPECT_EQ(out.previous, 97u);
   batch.previous = 98;
-  EXPECT_EQ(decode(payload(encoder.samples(1, 1, batch)), out), DropReason::order);
+  EXPECT_EQ(decode(encoder.samples(batch), out), DropReason::order);
 }
 
 }  // namespace

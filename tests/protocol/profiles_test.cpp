@@ -7,6 +7,7 @@
 
 #include "protocol/codec.hpp"
 #include "protocol/datagram.hpp"
+#include "protocol/guard.hpp"
 
 namespace feltwire {
 namespace {
@@ -65,11 +66,11 @@ TEST(Profiles, AThinLineHasRoomForAllOfIt) {
   reply.predicted = p.predictor == Predictor::linear;
   reply.model.count = kMaxPatches;
   const double rate = 1.0 / (p.packet_interval * p.servo_period);
-  const auto bits = [&](Bytes datagram) {
-    return 8.0 * rate * static_cast<double>(datagram.size() + kHeaders);
+  const auto bits = [&](Bytes payload) {
+    return 8.0 * rate * static_cast<double>(payload.size() + kOverhead + kHeaders);
   };
-  EXPECT_LT(bits(encoder.samples(1, 1, samples)), kRoom);
-  EXPECT_LT(bits(encoder.reply(1, 1, reply)), kRoom);
+  EXPECT_LT(bits(encoder.samples(samples)), kRoom);
+  EXPECT_LT(bits(encoder.reply(reply)), kRoom);
 }
 
 TEST(Profiles, AServerGrantsWhatItsLineHasRoomFor) {

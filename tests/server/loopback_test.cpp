@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "server/server.hpp"
+#include "tests/protocol/sealed.hpp"
 #include "tests/server/make.hpp"
 #include "tests/server/raw_socket.hpp"
 
@@ -19,11 +20,19 @@ using test::RawSocket;
 struct DatagramClient {
   control::JoinAccepted joined;
   RawSocket socket;
-  Encoder encoder;
+  SessionKeys keys;
+  test::SealedEncoder encoder;
   std::uint64_t packet = 0;
 
   explicit DatagramClient(const control::JoinAccepted& accepted)
-      : joined(accepted), socket(SOCK_DGRAM, accepted.udp_port) {}
+      : joined(accepted),
+        socket(SOCK_DGRAM, accepted.udp_port),
+        keys(ControlClient::keys(accepted)),
+        encoder(test::Way::up, keys) {}
+
+  std::vector<std::uint8_t> opened(Bytes bytes) const {
+    return test::opened(bytes, test::Way::down, keys);
+  }
 
   Reply exchange(const SampleBatch& batch) {
     socket.send(encoder.samples(joined.session, ++packet, batch));
@@ -32,7 +41,7 @@ struct DatagramClient {
     Reply reply;
     if (guarded.drop != DropReason::none || guarded.header.kind != DatagramKind::reply ||
         guarded.header.session != joined.session ||
-        decode(guarded.payload, reply) != DropReason::none)
+        decode(opened(bytes), reply) != DropReason::none)
       throw std::runtime_error("no reply");
     return reply;
   }
@@ -41,7 +50,7 @@ struct DatagramClient {
     const Guarded guarded = guard(bytes, test::kAllKinds);
     GoodbyeReason reason = GoodbyeReason::leaving;
     if (guarded.drop != DropReason::none || guarded.header.kind != DatagramKind::goodbye ||
-        decode(guarded.payload, reason) != DropReason::none)
+        decode(opened(bytes), reason) != DropReason::none)
       throw std::runtime_error("no goodbye");
     return reason;
   }
@@ -116,7 +125,7 @@ TEST(Loopback, BurstIsDrained) {
   for (std::uint64_t n = 1; n <= kBurst; ++n) {
     const auto bytes = client.socket.receive();
     Reply reply;
-    ASSERT_EQ(decode(test::payload(bytes), reply), DropReason::none);
+    ASSERT_EQ(decode(client.opened(bytes), reply), DropReason::none);
     ASSERT_EQ(reply.sample_index, n);
   }
 }

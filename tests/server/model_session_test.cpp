@@ -81,11 +81,10 @@ TEST(ModelSession, OverTheWireItIsTheSceneToFloatPrecision) {
       }
       const Reply sent = session.take(sample(static_cast<std::uint64_t>(n), position), {}).reply;
       if (n % 20 != 1) continue;
-      const Bytes datagram = encoder.reply(1, 1, sent);
-      ASSERT_LE(datagram.size(), 640u);
-      const Guarded guarded = guard(datagram, 1u << static_cast<unsigned>(DatagramKind::reply));
+      const Bytes payload = encoder.reply(sent);
+      ASSERT_LE(payload.size() + kOverhead, 640u);
       Reply received;
-      ASSERT_EQ(decode(guarded.payload, received), DropReason::none);
+      ASSERT_EQ(decode(payload, received), DropReason::none);
       if (!followed) local.clear();
       local.take(received.model);
       followed = true;

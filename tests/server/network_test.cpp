@@ -5,9 +5,9 @@
 
 #include <array>
 
-#include "protocol/guard.hpp"
 #include "protocol/udp_socket.hpp"
 #include "server/server.hpp"
+#include "tests/protocol/sealed.hpp"
 #include "tests/server/make.hpp"
 #include "tests/server/raw_socket.hpp"
 
@@ -45,12 +45,13 @@ Reply feel(const Server& server, int family) {
   ControlClient control(server.control_port(), family);
   const auto joined = control.ask<control::JoinAccepted>(test::join_request());
   RawSocket datagrams(SOCK_DGRAM, joined.udp_port, family);
-  Encoder encoder;
+  const SessionKeys keys = control.keys(joined);
+  test::SealedEncoder encoder(test::Way::up, keys);
   Reply reply;
   for (std::uint64_t n = 1; n <= 20; ++n) {
     datagrams.send(encoder.samples(joined.session, n, test::hand_batch(n)));
     const auto bytes = datagrams.receive();
-    EXPECT_EQ(decode(test::payload(bytes), reply), DropReason::none);
+    EXPECT_EQ(decode(test::opened(bytes, test::Way::down, keys), reply), DropReason::none);
     EXPECT_EQ(reply.sample_index, n);
   }
   return reply;
@@ -101,7 +102,7 @@ int mark_of_reply(const Server& server, int family) {
   EXPECT_EQ(::setsockopt(datagrams.descriptor(), four ? IPPROTO_IP : IPPROTO_IPV6,
                          four ? IP_RECVTOS : IPV6_RECVTCLASS, &on, sizeof on),
             0);
-  Encoder encoder;
+  test::SealedEncoder encoder(test::Way::up, control.keys(joined));
   datagrams.send(encoder.samples(joined.session, 1, test::hand_batch(1)));
   return mark_of_next(datagrams.descriptor(), family);
 }
@@ -129,21 +130,25 @@ TEST(Network, RepliesAreMarkedInBothFamilies) {
 
 /// Its replies pile up in its own socket and are lost there; its neighbour has each of his.
 TEST(Network, AClientThatNeverReadsHarmsNobodyElse) {
-  Server server(listening("127.0.0.1"), room());
+  ServerConfig config = listening("127.0.0.1");
+  config.sample_rate_limit = 1e3;  // as fast as it goes
+  Server server(config, room());
   ControlClient control(server.control_port());
   const auto deaf = control.ask<control::JoinAccepted>(test::join_request());
   const auto joined = control.ask<control::JoinAccepted>(test::join_request());
   RawSocket unread(SOCK_DGRAM, deaf.udp_port), datagrams(SOCK_DGRAM, joined.udp_port);
-  Encoder encoder;
+  const SessionKeys keys = control.keys(joined);
+  test::SealedEncoder deafs(test::Way::up, control.keys(deaf)), encoder(test::Way::up, keys);
   std::uint64_t sent = 0;
   for (std::uint64_t n = 1; n <= 500; ++n) {
     for (int k = 0; k < 10; ++k) {
       ++sent;
-      unread.send(encoder.samples(deaf.session, sent, test::hand_batch(sent)));
+      unread.send(deafs.samples(deaf.session, sent, test::hand_batch(sent)));
     }
     datagrams.send(encoder.samples(joined.session, n, test::hand_batch(n)));
     Reply reply;
-    ASSERT_EQ(decode(test::payload(datagrams.receive()), reply), DropReason::none);
+    ASSERT_EQ(decode(test::opened(datagrams.receive(), test::Way::down, keys), reply),
+              DropReason::none);
     ASSERT_EQ(reply.sample_index, n);
   }
   server.stop();

@@ -12,6 +12,7 @@
 
 #include "protocol/control.hpp"
 #include "protocol/datagram.hpp"
+#include "protocol/placeholder_keys.hpp"
 
 namespace feltwire::test {
 
@@ -84,6 +85,10 @@ class ControlClient {
     if (!answer || !std::holds_alternative<Answer>(*answer))
       throw std::runtime_error("another answer than expected");
     return std::get<Answer>(*answer);
+  }
+  /// Of a session that was joined here.
+  static SessionKeys keys(const control::JoinAccepted& joined) {
+    return placeholder_keys(joined.session);
   }
   bool closed() { return socket_.receive().empty(); }
 

@@ -5,6 +5,7 @@
 
 #include <limits>
 
+#include "tests/protocol/sealed.hpp"
 #include "tests/server/make.hpp"
 #include "tests/support/allocation_counter.hpp"
 
@@ -20,24 +21,26 @@ constexpr std::uint64_t kId = 0x1234567800ull;
 class SceneSessionsTest : public testing::Test {
  protected:
   Scene scene = test::room();
-  SceneSessions sessions{scene, 2s, 2};
-  Encoder client;
+  static constexpr SessionLimits kFast{.sample_rate = 1e6};  // tests do not wait
+  SceneSessions sessions{scene, 2s, 2, nullptr, kFast};
+  test::SealedEncoder client{test::Way::up};
+  DatagramBuffer out;
   Peer peer{.address = {}, .length = sizeof(sockaddr_in)};
   std::uint64_t packet = 0;
 
   void join(std::uint64_t id, Nanoseconds now = 0s) {
-    const auto answer = sessions.answer(join_request(), id, now);
+    const auto answer = sessions.answer(join_request(), id, test::keys(id), now);
     ASSERT_TRUE(std::holds_alternative<control::JoinAccepted>(answer));
     EXPECT_EQ(std::get<control::JoinAccepted>(answer).session, id);
   }
   Bytes send(const SampleBatch& batch, std::uint64_t id = kId, Nanoseconds now = 0s) {
-    return sessions.receive(client.samples(id, ++packet, batch), peer, now);
+    return sessions.receive(client.samples(id, ++packet, batch), peer, now, out);
   }
   std::uint64_t drops(DropReason reason) {
     return sessions.counters().drops[static_cast<std::size_t>(reason)];
   }
   control::RefusalCode refusal(const control::Message& request, std::uint64_t id = 99 << 8) {
-    return std::get<control::Refused>(sessions.answer(request, id, 0s)).code;
+    return std::get<control::Refused>(sessions.answer(request, id, test::keys(id), 0s)).code;
   }
 };
 
@@ -50,7 +53,7 @@ TEST_F(SceneSessionsTest, SampleIsAnswered) {
   EXPECT_EQ(guarded.header.session, kId);
   EXPECT_EQ(guarded.header.packet_number, 1u);
   Reply reply;
-  ASSERT_EQ(decode(guarded.payload, reply), DropReason::none);
+  ASSERT_EQ(decode(test::opened(answer, test::Way::down), reply), DropReason::none);
   EXPECT_EQ(reply.sample_index, 3u);
 }
 
@@ -63,7 +66,7 @@ TEST_F(SceneSessionsTest, FaultsAreCountedInTheOrderOfTheProtocol) {
   std::vector<std::uint8_t> bytes(kMaxDatagram + 1, 0xff);
   const auto expect = [&](DropReason reason) {
     const std::uint64_t before = drops(reason);
-    EXPECT_TRUE(sessions.receive(bytes, peer, 0s).empty());
+    EXPECT_TRUE(sessions.receive(bytes, peer, 0s, out).empty());
     EXPECT_EQ(drops(reason), before + 1) << name(reason);
   };
   expect(DropReason::size);
@@ -84,6 +87,9 @@ TEST_F(SceneSessionsTest, FaultsAreCountedInTheOrderOfTheProtocol) {
   write_header(bytes, {DatagramKind::samples, kId, 0});
   expect(DropReason::packet_number);
   write_header(bytes, {DatagramKind::samples, kId, 2});
+  expect(DropReason::sealed);
+  const Bytes unsound = client.seal({DatagramKind::samples, kId, 2}, bytes);
+  bytes.assign(unsound.begin(), unsound.end());
   expect(DropReason::malformed);
 
   // Behind a good envelope: each batch has all later faults too.
@@ -105,7 +111,7 @@ TEST_F(SceneSessionsTest, FaultsAreCountedInTheOrderOfTheProtocol) {
   batch.samples[2].pose.position.x() = 0;
   expect_batch(DropReason::stale);
   batch = hand_batch(6, 2);
-  EXPECT_FALSE(sessions.receive(client.samples(kId, 100, batch), peer, 0s).empty());
+  EXPECT_FALSE(sessions.receive(client.samples(kId, 100, batch), peer, 0s, out).empty());
 
   std::uint64_t dropped = 0;
   const SceneCounters counters = sessions.counters();
@@ -116,10 +122,10 @@ TEST_F(SceneSessionsTest, FaultsAreCountedInTheOrderOfTheProtocol) {
 
 TEST_F(SceneSessionsTest, ReorderedPacketsAreTakenOnce) {
   join(kId);
-  EXPECT_FALSE(sessions.receive(client.samples(kId, 5, hand_batch(5)), peer, 0s).empty());
-  EXPECT_TRUE(sessions.receive(client.samples(kId, 4, hand_batch(4)), peer, 0s).empty());
+  EXPECT_FALSE(sessions.receive(client.samples(kId, 5, hand_batch(5)), peer, 0s, out).empty());
+  EXPECT_TRUE(sessions.receive(client.samples(kId, 4, hand_batch(4)), peer, 0s, out).empty());
   EXPECT_EQ(drops(DropReason::stale), 1u);
-  EXPECT_TRUE(sessions.receive(client.samples(kId, 5, hand_batch(9)), peer, 0s).empty());
+  EXPECT_TRUE(sessions.receive(client.samples(kId, 5, hand_batch(9)), peer, 0s, out).empty());
   EXPECT_EQ(drops(DropReason::packet_number), 1u);
   EXPECT_EQ(sessions.counters().samples.duplicates, 2u);
 }
@@ -140,7 +146,7 @@ TEST_F(SceneSessionsTest, SilenceEndsASession) {
   ASSERT_EQ(farewells.size(), 1u);
   EXPECT_EQ(farewells[0].to.length, sizeof(sockaddr_in));
   GoodbyeReason reason = GoodbyeReason::leaving;
-  ASSERT_EQ(decode(test::payload(farewells[0].datagram), reason), DropReason::none);
+  ASSERT_EQ(decode(test::opened(farewells[0].datagram, test::Way::down), reason), DropReason::none);
   EXPECT_EQ(reason, GoodbyeReason::evicted);
   EXPECT_EQ(sessions.size(), 0u);
   EXPECT_EQ(sessions.counters().silent, 2u);
@@ -152,8 +158,8 @@ TEST_F(SceneSessionsTest, SilenceEndsASession) {
 TEST_F(SceneSessionsTest, GoodbyeEndsASession) {
   join(kId);
   send(hand_batch(1));
-  EXPECT_TRUE(
-      sessions.receive(client.goodbye(kId, ++packet, GoodbyeReason::leaving), peer, 0s).empty());
+  EXPECT_TRUE(sessions.receive(client.goodbye(kId, ++packet, GoodbyeReason::leaving), peer, 0s, out)
+                  .empty());
   EXPECT_EQ(sessions.size(), 0u);
   EXPECT_EQ(sessions.counters().left, 1u);
   join(kId + 256);  // there is room again
@@ -167,7 +173,7 @@ TEST_F(SceneSessionsTest, ShutDownTellsEveryone) {
   const auto farewells = sessions.shut_down();
   ASSERT_EQ(farewells.size(), 2u);
   GoodbyeReason reason = GoodbyeReason::leaving;
-  ASSERT_EQ(decode(test::payload(farewells[0].datagram), reason), DropReason::none);
+  ASSERT_EQ(decode(test::opened(farewells[0].datagram, test::Way::down), reason), DropReason::none);
   EXPECT_EQ(reason, GoodbyeReason::shutting_down);
   EXPECT_EQ(sessions.size(), 0u);
 }
@@ -200,17 +206,19 @@ TEST_F(SceneSessionsTest, RequestsThatCannotBeAreRefused) {
 TEST_F(SceneSessionsTest, ALineGrantsNoMoreThanItHasRoomFor) {
   const NetworkProfile& thin = network_profile("thin");
   SceneSessions behind{scene, 2s, 2, &thin};
-  const auto answer = behind.answer(join_request(), kId, 0s);
+  const auto answer = behind.answer(join_request(), kId, test::keys(kId), 0s);
   ASSERT_TRUE(std::holds_alternative<control::JoinAccepted>(answer));
   const SessionParameters wanted = join_request().parameters;
   EXPECT_EQ(std::get<control::JoinAccepted>(answer).parameters, over(thin, wanted));
   EXPECT_EQ(behind.find(kId)->parameters(), over(thin, wanted));
-  const auto set = behind.answer(control::SetParameters{kId, {}}, 0, 0s);
+  const auto set = behind.answer(control::SetParameters{kId, {}}, 0, {}, 0s);
   ASSERT_TRUE(std::holds_alternative<control::ParametersSet>(set));
   EXPECT_EQ(std::get<control::ParametersSet>(set).parameters, over(thin, {}));
   SessionParameters impossible;
   impossible.redundancy = 20;
-  EXPECT_EQ(std::get<control::Refused>(behind.answer(join_request(impossible), kId + 256, 0s)).code,
+  EXPECT_EQ(std::get<control::Refused>(
+                behind.answer(join_request(impossible), kId + 256, test::keys(kId + 256), 0s))
+                .code,
             control::RefusalCode::bad_parameters);
 }
 
@@ -218,10 +226,10 @@ TEST_F(SceneSessionsTest, ParametersChangeAndSessionsLeave) {
   join(kId);
   SessionParameters parameters;
   parameters.side = BoundingSide::client;
-  const auto set = sessions.answer(control::SetParameters{kId, parameters}, 0, 0s);
+  const auto set = sessions.answer(control::SetParameters{kId, parameters}, 0, {}, 0s);
   EXPECT_EQ(std::get<control::ParametersSet>(set).parameters.side, BoundingSide::client);
   EXPECT_EQ(sessions.find(kId)->parameters().side, BoundingSide::client);
-  const auto left = sessions.answer(control::LeaveRequest{kId}, 0, 0s);
+  const auto left = sessions.answer(control::LeaveRequest{kId}, 0, {}, 0s);
   EXPECT_EQ(std::get<control::Left>(left).session, kId);
   EXPECT_EQ(sessions.find(kId), nullptr);
 }
@@ -229,19 +237,20 @@ TEST_F(SceneSessionsTest, ParametersChangeAndSessionsLeave) {
 TEST_F(SceneSessionsTest, ClientsDoNotFeelEachOther) {
   join(kId);
   join(kId + 256);
-  SceneSessions alone(scene, 2s, 2);
-  ASSERT_TRUE(std::holds_alternative<control::JoinAccepted>(alone.answer(join_request(), kId, 0s)));
+  SceneSessions alone(scene, 2s, 2, nullptr, kFast);
+  ASSERT_TRUE(std::holds_alternative<control::JoinAccepted>(
+      alone.answer(join_request(), kId, test::keys(kId), 0s)));
   test::Random random(1);
-  Encoder second;
+  test::SealedEncoder second{test::Way::up};
   for (std::uint64_t n = 1; n <= 500; ++n) {
     const Bytes sent = client.samples(kId, n, hand_batch(n, 2));
-    const Bytes together = sessions.receive(sent, peer, 0s);
+    const Bytes together = sessions.receive(sent, peer, 0s, out);
     const std::vector<std::uint8_t> copy(together.begin(), together.end());
-    const Bytes apart = alone.receive(sent, peer, 0s);
+    const Bytes apart = alone.receive(sent, peer, 0s, out);
     ASSERT_TRUE(std::equal(copy.begin(), copy.end(), apart.begin(), apart.end()));
     SampleBatch other = hand_batch(n);
     other.samples[0].pose.position = test::vector(random, 0.05);
-    sessions.receive(second.samples(kId + 256, n, other), peer, 0s);
+    sessions.receive(second.samples(kId + 256, n, other), peer, 0s, out);
   }
 }
 
@@ -250,13 +259,13 @@ TEST_F(SceneSessionsTest, FuzzedDatagramsAreOnlyCounted) {
   join(kId);
   join(kId + 256);
   test::Random random(2);
-  Encoder hostile;
+  test::SealedEncoder hostile{test::Way::up};
   for (std::uint64_t n = 1; n <= 3000; ++n) {
     const Bytes valid = hostile.samples(kId + 256, n, test::random_batch(random, n + 9, 3, n % 2));
     std::vector<std::uint8_t> bytes(valid.begin(), valid.end());
     for (int flips = 0; flips < 3; ++flips)
       bytes[16 + random() % (bytes.size() - 16)] = static_cast<std::uint8_t>(random());
-    sessions.receive(bytes, peer, 0s);
+    sessions.receive(bytes, peer, 0s, out);
     ASSERT_FALSE(send(hand_batch(n, 1)).empty());
   }
   const SceneCounters counters = sessions.counters();
@@ -275,9 +284,9 @@ TEST_F(SceneSessionsTest, DatagramsDoNotAllocate) {
   const std::size_t before = test::allocations();
   for (std::uint64_t n = 2; n <= 10'000; ++n) {
     const Bytes sent = client.samples(kId, n, hand_batch(n, 3));
-    sessions.receive(sent, peer, 0s);
-    sessions.receive(sent, peer, 0s);                                       // seen before
-    sessions.receive(sent.first(sent.size() - n % sent.size()), peer, 0s);  // cut
+    sessions.receive(sent, peer, 0s, out);
+    sessions.receive(sent, peer, 0s, out);                                       // seen before
+    sessions.receive(sent.first(sent.size() - n % sent.size()), peer, 0s, out);  // cut
   }
   EXPECT_EQ(test::allocations(), before);
   EXPECT_EQ(sessions.counters().samples.replies, 10'000u);

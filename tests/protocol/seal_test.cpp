@@ -1,0 +1,431 @@
+// Sealed datagrams: the protocol's bytes, and what becomes of everything else.
+
+#include "protocol/seal.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <fstream>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "tests/protocol/make.hpp"
+#include "tests/protocol/sealed.hpp"
+#include "tests/support/allocation_counter.hpp"
+
+namespace feltwire {
+namespace {
+
+using test::keys;
+using test::Random;
+using Octets = std::vector<std::uint8_t>;
+
+constexpr std::uint64_t kSession = 0x0102030405060708;
+constexpr std::uint64_t kBorder = std::uint64_t{1} << kGenerationBits;
+constexpr unsigned kAnyKind = ~0u;
+
+Octets octets(Bytes bytes) { return {bytes.begin(), bytes.end()}; }
+
+/// Reads a datagram as both programs do; its own copy of the payload.
+struct Read {
+  DropReason drop;
+  Octets payload;
+};
+Read read(Opener& opener, Bytes datagram) {
+  const Guarded guarded = guard(datagram, kAnyKind);
+  if (guarded.drop != DropReason::none) return {guarded.drop, {}};
+  DatagramBuffer out;
+  const Opened opened = opener.open(guarded.header, datagram, out);
+  return {opened.drop, octets(opened.payload)};
+}
+
+/// One direction with its secret known: datagrams of any number.
+class Direction {
+ public:
+  Direction(CipherSuite suite, const Key& secret) : suite_(suite), secrets_{secret} {}
+
+  Octets datagram(std::uint64_t number, Bytes payload, std::uint64_t session = kSession) {
+    Sealer sealer(suite_, secret(generation(number - 1)), number - 1);
+    return octets(sealer.seal(DatagramKind::samples, session, payload, out_));
+  }
+  const Key& secret(std::uint64_t which) {
+    while (secrets_.size() <= which) secrets_.push_back(next_secret(secrets_.back()));
+    return secrets_[which];
+  }
+  Sealer sealer_from(std::uint64_t sent) { return {suite_, secret(generation(sent)), sent}; }
+  Opener opener_from(std::uint64_t highest) {
+    return {suite_, secret(generation(highest)), highest};
+  }
+
+ private:
+  CipherSuite suite_;
+  std::vector<Key> secrets_;
+  DatagramBuffer out_;
+};
+
+class Sealing : public testing::TestWithParam<CipherSuite> {
+ protected:
+  SessionKeys session_keys = keys(kSession, GetParam());
+  Direction up{GetParam(), session_keys.up};
+  Octets payload = octets(Bytes(session_keys.down).first(24));  // anything
+};
+INSTANTIATE_TEST_SUITE_P(Suites, Sealing, testing::ValuesIn(test::suites()), [](const auto& suite) {
+  return suite.param == CipherSuite::aes_256_gcm ? "Aes256Gcm" : "ChaCha20Poly1305";
+});
+
+std::string spaced_hex(Bytes bytes) {
+  std::string text;
+  constexpr const char* kDigits = "0123456789abcdef";
+  for (const std::uint8_t byte : bytes) text += {kDigits[byte >> 4], kDigits[byte & 15], ' '};
+  text.pop_back();
+  return text;
+}
+
+/// All whitespace of any length is one blank.
+std::string protocol_text() {
+  std::ifstream file(std::string(FELTWIRE_SOURCE_DIR) + "/protocol/PROTOCOL.md");
+  std::string text, word;
+  while (file >> word) text += word + ' ';
+  return text;
+}
+
+/// PROTOCOL.md's example: the numbers there come from another implementation (Python's
+/// cryptography), so that two agree.
+TEST_P(Sealing, BytesAreTheProtocols) {
+  Key secret;
+  for (std::size_t i = 0; i < secret.size(); ++i) secret[i] = static_cast<std::uint8_t>(i);
+  Encoder encoder;
+  DatagramBuffer out;
+  const std::string text = protocol_text();
+  for (const std::uint64_t sent : {std::uint64_t{0}, kBorder - 1}) {
+    Sealer sealer(GetParam(), secret, sent);
+    const Bytes sealed =
+        sealer.seal(DatagramKind::goodbye, kSession, encoder.goodbye(GoodbyeReason::evicted), out);
+    EXPECT_NE(text.find(spaced_hex(sealed)), std::string::npos) << spaced_hex(sealed);
+  }
+  EXPECT_NE(text.find(spaced_hex(encoder.goodbye(GoodbyeReason::evicted))), std::string::npos)
+      << spaced_hex(encoder.goodbye(GoodbyeReason::evicted));
+  for (const Key& key : {sealing_key(secret), next_secret(secret)})
+    EXPECT_NE(text.find(spaced_hex(key)), std::string::npos);
+}
+
+TEST_P(Sealing, EverySizeGoesAndComes) {
+  Sealer sealer(GetParam(), session_keys.up);
+  Opener opener(GetParam(), session_keys.up);
+  DatagramBuffer out;
+  for (std::size_t size = 0; size <= kMaxPayload; ++size) {
+    Octets message(size);
+    for (std::size_t i = 0; i < size; ++i) message[i] = static_cast<std::uint8_t>(i * size);
+    const Bytes sealed = sealer.seal(DatagramKind::samples, kSession, message, out);
+    ASSERT_EQ(sealed.size(), size + kOverhead);
+    const Read got = read(opener, sealed);
+    ASSERT_EQ(got.drop, DropReason::none);
+    ASSERT_EQ(got.payload, message);
+  }
+  EXPECT_EQ(opener.highest(), kMaxPayload + 1);
+  // What is too long is not sent, and uses no number.
+  EXPECT_TRUE(sealer.seal(DatagramKind::samples, kSession, Octets(kMaxPayload + 1), out).empty());
+  EXPECT_EQ(sealer.sent(), kMaxPayload + 1);
+}
+
+/// The payload is nowhere to be read.
+TEST_P(Sealing, PayloadsAreHidden) {
+  const Octets sealed = up.datagram(1, payload);
+  EXPECT_EQ(std::search(sealed.begin(), sealed.end(), payload.begin(), payload.begin() + 8),
+            sealed.end());
+  EXPECT_NE(octets(Bytes(up.datagram(2, payload)).subspan(kHeaderSize)),
+            octets(Bytes(sealed).subspan(kHeaderSize)));
+}
+
+TEST_P(Sealing, EveryBitOfADatagramCounts) {
+  Opener opener(GetParam(), session_keys.up);
+  Octets datagram = up.datagram(7, payload);
+  for (std::size_t bit = 0; bit < 8 * datagram.size(); ++bit) {
+    datagram[bit / 8] ^= static_cast<std::uint8_t>(1u << bit % 8);
+    const Read got = read(opener, datagram);
+    EXPECT_NE(got.drop, DropReason::none) << bit;
+    // Behind magic, version, kind and reserved there is the seal alone.
+    if (bit >= 64) {
+      EXPECT_EQ(got.drop, DropReason::sealed) << bit;
+    }
+    EXPECT_TRUE(got.payload.empty());
+    datagram[bit / 8] ^= static_cast<std::uint8_t>(1u << bit % 8);
+  }
+  EXPECT_EQ(opener.highest(), 0u);
+  EXPECT_EQ(read(opener, datagram).drop, DropReason::none);  // all of it did no harm
+}
+
+TEST_P(Sealing, EveryTruncationAndExtensionIsRefused) {
+  Opener opener(GetParam(), session_keys.up);
+  const Octets datagram = up.datagram(1, payload);
+  for (std::size_t size = 0; size < datagram.size(); ++size)
+    EXPECT_EQ(read(opener, Bytes(datagram).first(size)).drop,
+              size < kMinDatagram ? DropReason::size : DropReason::sealed);
+  Octets longer = datagram;
+  while (longer.size() < kMaxDatagram) {
+    longer.push_back(0);
+    EXPECT_EQ(read(opener, longer).drop, DropReason::sealed);
+  }
+  longer.push_back(0);
+  EXPECT_EQ(read(opener, longer).drop, DropReason::size);
+  EXPECT_EQ(read(opener, datagram).drop, DropReason::none);
+}
+
+TEST_P(Sealing, NothingIsOfUseElsewhere) {
+  const Octets datagram = up.datagram(1, payload);
+  const SessionKeys other = keys(kSession + 1, GetParam());
+  for (const Key& wrong : {session_keys.down, other.up, other.down}) {
+    Opener opener(GetParam(), wrong);
+    EXPECT_EQ(read(opener, datagram).drop, DropReason::sealed);
+    EXPECT_EQ(opener.highest(), 0u);
+  }
+  // One session's header before another's payload, one number's before another's.
+  Opener opener(GetParam(), session_keys.up);
+  Octets spliced = datagram;
+  write_header(spliced, {DatagramKind::samples, kSession + 1, 1});
+  EXPECT_EQ(read(opener, spliced).drop, DropReason::sealed);
+  write_header(spliced, {DatagramKind::samples, kSession, 2});
+  EXPECT_EQ(read(opener, spliced).drop, DropReason::sealed);
+  write_header(spliced, {DatagramKind::goodbye, kSession, 1});
+  EXPECT_EQ(read(opener, spliced).drop, DropReason::sealed);
+  const Octets second = up.datagram(2, payload);
+  std::copy(second.end() - kTagSize, second.end(), spliced.end() - kTagSize);
+  EXPECT_EQ(read(opener, spliced).drop, DropReason::sealed);
+  EXPECT_EQ(opener.forgeries(), 4u);
+  EXPECT_EQ(read(opener, datagram).drop, DropReason::none);
+}
+
+TEST_P(Sealing, AReplayIsRefusedInAndOutOfTheWindow) {
+  Opener opener(GetParam(), session_keys.up);
+  for (const std::uint64_t number : {3u, 1u, 2000u, 1500u, 977u})
+    EXPECT_EQ(read(opener, up.datagram(number, payload)).drop, DropReason::none) << number;
+  for (const std::uint64_t number : {3u, 1u, 2000u, 1500u, 977u, 976u})
+    EXPECT_EQ(read(opener, up.datagram(number, payload)).drop, DropReason::packet_number) << number;
+  EXPECT_EQ(opener.forgeries(), 0u);
+}
+
+/// Whoever makes numbers up moves nothing: neither window nor keys.
+TEST_P(Sealing, ForgedNumbersMoveNothing) {
+  Opener opener(GetParam(), session_keys.up);
+  EXPECT_EQ(read(opener, up.datagram(1, payload)).drop, DropReason::none);
+  Octets forged = up.datagram(2, payload);
+  for (const std::uint64_t number : {std::uint64_t{3}, std::uint64_t{5000}, kBorder - 1, kBorder,
+                                     kBorder + 5, 2 * kBorder, 7 * kBorder, kLastPacketNumber}) {
+    write_header(forged, {DatagramKind::samples, kSession, number});
+    for (int again = 0; again < 3; ++again)
+      EXPECT_EQ(read(opener, forged).drop, DropReason::sealed) << number;
+  }
+  EXPECT_EQ(opener.highest(), 1u);
+  EXPECT_EQ(read(opener, up.datagram(2, payload)).drop, DropReason::none);
+  EXPECT_EQ(opener.highest(), 2u);
+}
+
+/// Over the border with loss and reordering: a number alone says which key.
+TEST_P(Sealing, TheKeyChangesWithoutAWord) {
+  Random random(1);
+  for (int round = 0; round < 10; ++round) {
+    Sealer sealer = up.sealer_from(kBorder - 600);
+    Opener opener = up.opener_from(kBorder - 600);
+    std::vector<Octets> waiting;
+    DatagramBuffer out;
+    std::uint64_t opened = 0, lost = 0;
+    while (sealer.sent() < kBorder + 600) {
+      waiting.push_back(octets(sealer.seal(DatagramKind::samples, kSession, payload, out)));
+      while (waiting.size() > 100) {
+        const auto which = waiting.begin() + static_cast<long>(random() % waiting.size());
+        if (random() % 4 == 0)
+          ++lost;
+        else if (read(opener, *which).drop == DropReason::none)
+          ++opened;
+        waiting.erase(which);
+      }
+    }
+    EXPECT_EQ(opened + lost + waiting.size(), 1200u);  // nothing that came was refused
+  }
+}
+
+TEST_P(Sealing, AFirstDatagramBeyondTheBorderIsEnough) {
+  Opener opener = up.opener_from(kBorder - 2);
+  EXPECT_EQ(read(opener, up.datagram(kBorder + 3, payload)).payload, payload);
+  // Those that it overtook were sealed with the key before.
+  EXPECT_EQ(read(opener, up.datagram(kBorder - 1, payload)).payload, payload);
+  EXPECT_EQ(read(opener, up.datagram(kBorder, payload)).payload, payload);
+  EXPECT_EQ(read(opener, up.datagram(kBorder - 1, payload)).drop, DropReason::packet_number);
+}
+
+TEST_P(Sealing, AWrongGenerationIsRefused) {
+  // A key of one generation under a number of another.
+  for (const std::uint64_t sealed_in : {0u, 1u, 2u}) {
+    for (const std::uint64_t said : {0u, 1u, 2u}) {
+      Opener opener = up.opener_from(kBorder + 9);
+      const std::uint64_t number = said * kBorder + (said == 0 ? kBorder - 5 : 50);
+      const std::uint64_t own = sealed_in * kBorder + 50;
+      const AeadKey key(GetParam(), sealing_key(up.secret(sealed_in)));
+      Octets datagram(kOverhead + payload.size());
+      write_header(datagram, {DatagramKind::samples, kSession, number});
+      Nonce nonce{};
+      for (std::size_t i = 0; i < 8; ++i)
+        nonce[4 + i] = static_cast<std::uint8_t>(number >> (8 * i));
+      key.seal(nonce, Bytes(datagram).first(kHeaderSize), payload, datagram.data() + kHeaderSize);
+      // Begun in generation 1, this opener never had the key of generation 0.
+      const bool good = sealed_in == said && said != 0;
+      EXPECT_EQ(read(opener, datagram).drop, good ? DropReason::none : DropReason::sealed)
+          << sealed_in << said << own;
+    }
+  }
+  // Two ahead: nobody loses a whole generation and is still there.
+  Opener opener(GetParam(), session_keys.up);
+  EXPECT_EQ(read(opener, up.datagram(2 * kBorder, payload)).drop, DropReason::sealed);
+  EXPECT_EQ(opener.forgeries(), 0u);  // no key was tried
+}
+
+/// Against the plainest thing that could be right: all sorts of numbers about the borders of three
+/// generations, good, replayed and forged.
+TEST_P(Sealing, OpensWhatAModelOpens) {
+  Random random(2);
+  for (int round = 0; round < 20; ++round) {
+    const std::uint64_t start = kBorder - 1 - random() % 1500;
+    Opener opener = up.opener_from(start);
+    std::set<std::uint64_t> seen{start};
+    std::uint64_t highest = start, forgeries = 0;
+    for (int step = 0; step < 400; ++step) {
+      std::uint64_t number = highest + 1 + random() % 20;
+      const std::uint64_t kind = random() % 100;
+      if (kind < 30)
+        number = highest - random() % 1500;
+      else if (kind < 36)
+        number = highest + random() % 3000;
+      else if (kind < 39)
+        number = highest + kBorder - random() % 2000;
+      else if (kind < 41)
+        number = highest + 2 * kBorder;
+      const bool forged = random() % 5 == 0;
+      Octets datagram = up.datagram(number, payload);
+      if (forged)
+        datagram[kHeaderSize + random() % (datagram.size() - kHeaderSize)] ^=
+            static_cast<std::uint8_t>(1u << random() % 8);
+
+      DropReason expected = DropReason::none;
+      if (seen.contains(number) || number + PacketWindow::kWidth <= highest)
+        expected = DropReason::packet_number;
+      else if (forged || generation(number) > generation(highest) + 1)
+        expected = DropReason::sealed;
+      if (expected == DropReason::sealed && generation(number) <= generation(highest) + 1)
+        ++forgeries;
+      ASSERT_EQ(read(opener, datagram).drop, expected)
+          << "number " << number << " highest " << highest << " start " << start;
+      if (expected == DropReason::none) {
+        seen.insert(number);
+        highest = std::max(highest, number);
+      }
+      ASSERT_EQ(opener.highest(), highest);
+      ASSERT_EQ(opener.forgeries(), forgeries);
+    }
+  }
+}
+
+/// A number is never used twice, so after the last there is nothing.
+TEST_P(Sealing, AtTheLastNumberTheSenderStops) {
+  const Key last_secret = session_keys.up;  // of whatever generation
+  Sealer sealer(GetParam(), last_secret, kLastPacketNumber - 2);
+  Opener opener(GetParam(), last_secret, kLastPacketNumber - 2);
+  DatagramBuffer out;
+  for (int i = 0; i < 2; ++i)
+    EXPECT_EQ(read(opener, sealer.seal(DatagramKind::samples, kSession, payload, out)).payload,
+              payload);
+  EXPECT_EQ(opener.highest(), kLastPacketNumber);
+  for (int i = 0; i < 3; ++i)
+    EXPECT_TRUE(sealer.seal(DatagramKind::goodbye, kSession, payload, out).empty());
+  EXPECT_EQ(sealer.sent(), kLastPacketNumber);
+  for (const std::uint64_t number : {std::uint64_t{0}, std::uint64_t{1}, kLastPacketNumber}) {
+    Octets wrapped(kMinDatagram);
+    write_header(wrapped, {DatagramKind::samples, kSession, number});
+    EXPECT_EQ(read(opener, wrapped).drop, DropReason::packet_number);
+  }
+}
+
+TEST_P(Sealing, AMovedSealerSealsNoMore) {
+  Sealer first(GetParam(), session_keys.up);
+  DatagramBuffer out;
+  const Octets one = octets(first.seal(DatagramKind::samples, kSession, payload, out));
+  Sealer second(std::move(first));
+  EXPECT_TRUE(first.seal(DatagramKind::samples, kSession, payload, out).empty());  // NOLINT
+  const Octets two = octets(second.seal(DatagramKind::samples, kSession, payload, out));
+  EXPECT_EQ(two, up.datagram(2, payload));
+  first = Sealer(GetParam(), session_keys.down);
+  EXPECT_FALSE(first.seal(DatagramKind::samples, kSession, payload, out).empty());
+}
+
+TEST_P(Sealing, AfterTooManyForgeriesNothingIsOpened) {
+  constexpr std::uint64_t kLimit = 10;
+  Opener opener(GetParam(), session_keys.up, 0, kLimit);
+  Octets forged = up.datagram(1, payload);
+  forged.back() ^= 1;
+  for (std::uint64_t i = 0; i < kLimit; ++i) {
+    EXPECT_FALSE(opener.exhausted());
+    EXPECT_EQ(read(opener, forged).drop, DropReason::sealed);
+  }
+  EXPECT_TRUE(opener.exhausted());
+  EXPECT_EQ(read(opener, up.datagram(1, payload)).drop, DropReason::sealed);
+  EXPECT_EQ(opener.forgeries(), kLimit);
+}
+
+TEST_P(Sealing, NeverAllocates) {
+#ifdef FELTWIRE_SANITIZED
+  GTEST_SKIP() << "sanitizers own the allocator";
+#endif
+  const std::uint64_t start = kBorder - 2000;
+  Sealer sealer = up.sealer_from(start);
+  Opener opener = up.opener_from(start);
+  DatagramBuffer out, in, spoiled;
+  std::uint64_t opened = 0, refused = 0;
+  const std::size_t before = test::allocations();
+  for (int i = 0; i < 4000; ++i) {  // over the border
+    const Bytes sealed = sealer.seal(DatagramKind::samples, kSession, payload, out);
+    std::copy(sealed.begin(), sealed.end(), spoiled.bytes.begin());
+    spoiled.bytes[kHeaderSize] ^= 1;
+    const Guarded guarded = guard(sealed, kAnyKind);
+    const Bytes wrong = Bytes(spoiled.bytes).first(sealed.size());
+    refused += opener.open(guarded.header, wrong, in).drop == DropReason::sealed ? 1 : 0;
+    opened += opener.open(guarded.header, sealed, in).drop == DropReason::none ? 1 : 0;
+    refused += opener.open(guarded.header, sealed, in).drop == DropReason::packet_number ? 1 : 0;
+  }
+  EXPECT_EQ(test::allocations(), before);
+  EXPECT_EQ(opened, 4000u);
+  EXPECT_EQ(refused, 8000u);
+}
+
+/// The memory that held a key holds none afterwards.
+TEST_P(Sealing, KeysAreWiped) {
+  alignas(Sealer) std::array<std::uint8_t, sizeof(Sealer)> sealer_memory{};
+  alignas(Opener) std::array<std::uint8_t, sizeof(Opener)> opener_memory{};
+  auto* sealer = new (sealer_memory.data()) Sealer(GetParam(), session_keys.up);
+  auto* opener = new (opener_memory.data()) Opener(GetParam(), session_keys.up);
+  const auto holds = [](const auto& memory, const Key& key) {
+    // Through volatile: what is looked for is in memory whose object has ended.
+    const volatile std::uint8_t* at = memory.data();
+    for (std::size_t i = 0; i + key.size() <= memory.size(); ++i) {
+      std::size_t same = 0;
+      while (same < key.size() && at[i + same] == key[same]) ++same;
+      if (same == key.size()) return true;
+    }
+    return false;
+  };
+  // The secrets; and the keys, where they are not laid out otherwise (AES: its first round key is
+  // half of it).
+  const std::array<Key, 3> secrets = {session_keys.up, next_secret(session_keys.up),
+                                      sealing_key(session_keys.up)};
+  EXPECT_TRUE(holds(sealer_memory, secrets[0]));
+  EXPECT_TRUE(holds(opener_memory, secrets[1]));
+  EXPECT_TRUE(holds(sealer_memory, secrets[2]));
+  sealer->~Sealer();
+  opener->~Opener();
+  for (const Key& secret : secrets) {
+    EXPECT_FALSE(holds(sealer_memory, secret));
+    EXPECT_FALSE(holds(opener_memory, secret));
+  }
+}
+
+}  // namespace
+}  // namespace feltwire
