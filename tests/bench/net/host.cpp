@@ -18,6 +18,8 @@
 namespace feltwire::netbench {
 namespace {
 
+constexpr double kNoLimit =
+    1e9;  // times the servo rate: a saturating client goes as fast as it can
 constexpr Nanoseconds kBoundedSpin = std::chrono::microseconds(50);
 
 /// 56 random bits over the scene's number, as the server's.
@@ -45,7 +47,7 @@ void announce(int pipe, std::uint16_t port, const std::vector<std::uint64_t>& id
   echo(socket.file(), static_cast<EchoKind>(options.kind));
 }
 
-void join_all(SceneHost& host, const std::vector<std::uint64_t>& ids, int redundancy) {
+void join_all(SceneHost& host, const std::vector<std::uint64_t>& ids, const HostOptions& options) {
   asio::io_context answers{1};
   std::size_t joined = 0;
   const auto count = [&](const control::Message& message) {
@@ -55,7 +57,8 @@ void join_all(SceneHost& host, const std::vector<std::uint64_t>& ids, int redund
     }
     ++joined;
   };
-  for (const std::uint64_t id : ids) host.ask(join_request(redundancy), id, answers, count);
+  for (const std::uint64_t id : ids)
+    host.ask(join_request(options.redundancy), id, session_keys(id, options.suite), answers, count);
   while (joined < ids.size()) {
     answers.restart();
     answers.run_for(std::chrono::milliseconds(1));
@@ -66,6 +69,7 @@ void join_all(SceneHost& host, const std::vector<std::uint64_t>& ids, int redund
   SceneHostOptions host_options;
   host_options.address = asio::ip::address_v4::loopback();
   host_options.silence_timeout = std::chrono::hours(1);
+  host_options.limits.sample_rate = kNoLimit;
   host_options.max_sessions = static_cast<std::size_t>(options.clients);
   if (options.kind == HostKind::ours_bounded) host_options.busy_poll = kBoundedSpin;
   if (options.kind == HostKind::ours_spinning) host_options.busy_poll = kForever;
@@ -75,7 +79,7 @@ void join_all(SceneHost& host, const std::vector<std::uint64_t>& ids, int redund
     pin_to(options.cores[i]);  // the host's thread inherits it
     hosts.back()->start();
     const auto ids = session_ids(options.clients, i);
-    join_all(*hosts.back(), ids, options.redundancy);
+    join_all(*hosts.back(), ids, options);
     announce(pipe, hosts.back()->port(), ids);
   }
   while (true) ::pause();
@@ -116,6 +120,15 @@ control::JoinRequest join_request(int redundancy) {
   parameters.redundancy = redundancy;
   parameters.side = BoundingSide::both;  // the server bounds, too
   return {"netbench", "room", builtin_device("simulated"), parameters};
+}
+
+SessionKeys session_keys(std::uint64_t session, CipherSuite suite) {
+  SessionKeys keys{.suite = suite};
+  for (std::size_t i = 0; i < kKeySize; ++i) {
+    keys.up[i] = static_cast<std::uint8_t>(splitmix::draw(session, i));
+    keys.down[i] = static_cast<std::uint8_t>(splitmix::draw(~session, i));
+  }
+  return keys;
 }
 
 HostProcess::HostProcess(const HostOptions& options) {

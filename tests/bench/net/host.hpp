@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "protocol/aead.hpp"
 #include "protocol/control.hpp"
 
 namespace feltwire::netbench {
@@ -29,6 +30,7 @@ struct HostOptions {
   int clients = 1;               // of each scene
   std::vector<int> cores = {0};  // one scene for each
   int redundancy = 0;
+  CipherSuite suite = preferred_suite();
 };
 
 /// A scene as the load sees it.
@@ -39,6 +41,9 @@ struct Target {
 
 /// What every client says of itself when it joins.
 control::JoinRequest join_request(int redundancy);
+
+/// What a session is sealed with; fixed, so that both processes know.
+SessionKeys session_keys(std::uint64_t session, CipherSuite suite);
 
 class HostProcess {
  public:

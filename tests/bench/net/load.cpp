@@ -43,6 +43,7 @@ class Path {
 
 struct Client {
   Conversation conversation;
+  Opener echoes;  // of what it sent itself
   Sample sample;
   std::uint64_t phase = 0;     // along the path
   std::uint64_t answered = 0;  // newest sample that was
@@ -66,6 +67,7 @@ struct Load::Clients {
   IdMap<std::uint32_t> places;
   Reply reply;
   SampleBatch batch;
+  DatagramBuffer opened;
   LoadResult result;
   bool counting = false;
   Nanoseconds counted_from{0};
@@ -81,8 +83,12 @@ struct Load::Clients {
     if (options.sleep) socket.set_patience(kLost);
     const SessionParameters parameters = join_request(options.redundancy).parameters;
     for (std::size_t i = 0; i < target.sessions.size(); ++i) {
-      all.push_back(
-          {Conversation(target.sessions[i], parameters, false), {}, splitmix::draw(7, i), 0});
+      const SessionKeys keys = session_keys(target.sessions[i], options.suite);
+      all.push_back({Conversation(target.sessions[i], keys, parameters, false),
+                     Opener(keys.suite, keys.up),
+                     {},
+                     splitmix::draw(7, i),
+                     0});
       places.insert(target.sessions[i], static_cast<std::uint32_t>(i));
     }
     for (std::size_t i = 0; i < kBatch; ++i) {
@@ -135,7 +141,7 @@ struct Load::Clients {
     std::uint32_t* place =
         guarded.drop == DropReason::none ? places.find(guarded.header.session) : nullptr;
     Answer answer;
-    if (place == nullptr || !read(guarded.payload, answer)) {
+    if (place == nullptr || !read(all[*place], guarded.header, bytes, answer)) {
       ++result.bad;
       return nullptr;
     }
@@ -162,12 +168,16 @@ struct Load::Clients {
     return result.windows[std::min(place, result.windows.size() - 1)];
   }
 
-  bool read(Bytes payload, Answer& answer) {
+  bool read(Client& client, const Header& header, Bytes bytes, Answer& answer) {
     if (echoed) {
-      if (decode(payload, batch) != DropReason::none) return false;
+      const Opened echo = client.echoes.open(header, bytes, opened);
+      if (echo.drop != DropReason::none || decode(echo.payload, batch) != DropReason::none)
+        return false;
       answer = {batch.samples[0].index, batch.samples[0].client_time, {}};
     } else {
-      if (decode(payload, reply) != DropReason::none) return false;
+      GoodbyeReason ignored;
+      if (client.conversation.take(bytes, reply, ignored) != Conversation::Arrival::reply)
+        return false;
       answer = {reply.sample_index, reply.client_time, reply.command};
     }
     return true;

@@ -12,6 +12,7 @@ namespace feltwire::netbench {
 
 struct LoadOptions {
   int redundancy = 0;
+  CipherSuite suite = preferred_suite();
   Nanoseconds period = std::chrono::milliseconds(1);  // of each client
   Nanoseconds warm_up = std::chrono::milliseconds(200);
   Nanoseconds duration = std::chrono::seconds(1);

@@ -13,10 +13,11 @@ namespace {
 
 void print_header(const Settings& settings) {
   std::printf(
-      "scene %s, redundancy %d, %d rounds of %g s, medians; server on core %d, load on core "
+      "scene %s, redundancy %d, %s, %d rounds of %g s, medians; server on core %d, load on core "
       "%d\n",
-      settings.scene.c_str(), settings.redundancy, settings.rounds, settings.seconds, kServerCore,
-      kLoadCore);
+      settings.scene.c_str(), settings.redundancy,
+      settings.suite == CipherSuite::aes_256_gcm ? "AES-256-GCM" : "ChaCha20-Poly1305",
+      settings.rounds, settings.seconds, kServerCore, kLoadCore);
 }
 
 void print_bar(const char* what, double value, const char* relation, double bar) {
@@ -44,8 +45,11 @@ void print_sweep(const Sweep& sweep) {
   const auto& full = sweep.at(kSaturation);
   const auto& one = sweep.at(1);
   std::printf("\n");
-  print_bar("CPU per answer, saturated, to the blocking echo's",
-            full.at(HostKind::ours_sleeping).cpu / full.at(HostKind::echo_blocking).cpu, "<=", 1.4);
+  // 3.5 us beside an echo of 2.05 us, or as much more as this machine's echo costs.
+  constexpr double kBar = 3.5, kBarsEcho = 2.05;
+  const double echo = 1e-3 * full.at(HostKind::echo_blocking).cpu;
+  print_bar("CPU per sealed answer, saturated [us], at most 3.5 / 2.05 blocking echoes",
+            1e-3 * full.at(HostKind::ours_sleeping).cpu, "<=", kBar / kBarsEcho * echo);
   print_bar(
       "CPU per answer, 250 clients to 10",
       sweep.at(250).at(HostKind::ours_sleeping).cpu / sweep.at(10).at(HostKind::ours_sleeping).cpu,
@@ -69,16 +73,17 @@ void print_held(const std::map<HostKind, Held>& held) {
     std::printf("%-24s %12d %16d\n", name(kind), held.at(kind).altogether,
                 held.at(kind).between_stalls);
   std::printf("\n");
+  constexpr double kBar = 220.0, kShareOfEcho = 0.6;  // sealed
   const Held& ours = held.at(HostKind::ours_sleeping);
   const Held& echo = held.at(HostKind::echo_blocking);
-  print_bar("clients held, sleeping", ours.altogether, ">=", 250.0);
-  print_bar("clients held, sleeping, between stalls", ours.between_stalls, ">=", 250.0);
+  print_bar("clients held, sleeping", ours.altogether, ">=", kBar);
+  print_bar("clients held, sleeping, between stalls", ours.between_stalls, ">=", kBar);
   if (echo.altogether > 0)
     print_bar("clients held, sleeping, to the blocking echo's",
-              static_cast<double>(ours.altogether) / echo.altogether, ">=", 0.7);
+              static_cast<double>(ours.altogether) / echo.altogether, ">=", kShareOfEcho);
   if (echo.between_stalls > 0)
     print_bar("clients held, sleeping, to the blocking echo's, between stalls",
-              static_cast<double>(ours.between_stalls) / echo.between_stalls, ">=", 0.7);
+              static_cast<double>(ours.between_stalls) / echo.between_stalls, ">=", kShareOfEcho);
 }
 
 void print_scaling(const Scaling& scaling) {
@@ -116,6 +121,11 @@ int run(int argc, char** argv) {
   app.add_option("--redundancy", settings.redundancy, "Earlier samples in each datagram")
       ->check(CLI::Range(0, kMaxRedundancy))
       ->capture_default_str();
+  app.add_option("--suite", settings.suite,
+                 "aes_256_gcm or chacha20_poly1305; the faster one when not given")
+      ->transform(CLI::CheckedTransformer(std::map<std::string, CipherSuite>{
+          {"aes_256_gcm", CipherSuite::aes_256_gcm},
+          {"chacha20_poly1305", CipherSuite::chacha20_poly1305}}));
   app.add_option("--only", only, "sweep, held, scenes, servo; all when not given")
       ->check(CLI::IsMember({"sweep", "held", "scenes", "servo"}));
   CLI11_PARSE(app, argc, argv);

@@ -23,10 +23,12 @@ LoadResult run(const Settings& settings, HostKind kind, int clients) {
   host.clients = clients == kSaturation ? kSaturatingClients : clients;
   host.cores = {kServerCore};
   host.redundancy = settings.redundancy;
+  host.suite = settings.suite;
   const HostProcess process(host);
   pin_to(kLoadCore);
   LoadOptions options;
   options.redundancy = settings.redundancy;
+  options.suite = settings.suite;
   options.duration = duration(settings);
   options.saturate = clients == kSaturation;
   return Load(process.targets().front(), !ours(kind), options).run(process.process());
@@ -84,9 +86,11 @@ double answers_per_second(const Settings& settings, const std::vector<int>& core
   host.clients = kScalingClients;
   host.cores = cores;
   host.redundancy = settings.redundancy;
+  host.suite = settings.suite;
   const HostProcess process(host);
   LoadOptions options;
   options.redundancy = settings.redundancy;
+  options.suite = settings.suite;
   options.duration = duration(settings);
   options.saturate = options.sleep = true;
   std::vector<LoadResult> results(cores.size());

@@ -15,6 +15,7 @@ struct Settings {
   int rounds = 5;        // runs of everything, in turns
   double seconds = 1.0;  // that a run counts
   int redundancy = 0;
+  CipherSuite suite = preferred_suite();
 };
 
 inline constexpr std::array kKinds = {HostKind::echo_blocking, HostKind::echo_waiting,

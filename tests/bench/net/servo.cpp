@@ -62,12 +62,15 @@ Run run(const Settings& settings, const Way& way) {
   host.scene_file = settings.scene;
   host.cores = {kServerCore};
   host.redundancy = settings.redundancy;
+  host.suite = settings.suite;
   const HostProcess process(host);
   const Target& target = process.targets().front();
 
   DippingDevice device;
   const SessionParameters parameters = join_request(settings.redundancy).parameters;
-  Transport transport(local(target.port), target.sessions.front(), parameters, false);
+  const std::uint64_t session = target.sessions.front();
+  Transport transport({local(target.port), session, session_keys(session, host.suite)}, parameters,
+                      false);
   Servo servo(device.spec(), parameters);
   LoopOptions options;
   options.duration = Nanoseconds(std::llround(kSecondsForEach * settings.seconds * 1e9));
