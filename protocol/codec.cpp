@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "flatbuffers/flatbuffers.h"
+#include "protocol/aligned_vector.hpp"
 #include "protocol/schema/datagram_generated.h"
 
 namespace feltwire {
@@ -223,6 +224,9 @@ DropReason decode(Bytes payload, SampleBatch& out) noexcept {
 
   const auto& samples = *root->samples();
   const auto* rotations = root->rotations();
+  if (!aligned(samples, alignof(wire::Sample)) ||
+      (rotations != nullptr && !aligned(*rotations, alignof(wire::Rotation))))
+    return DropReason::malformed;
   if (samples.size() == 0 || samples.size() > out.samples.size()) return DropReason::count;
   if (rotations != nullptr && rotations->size() != samples.size()) return DropReason::count;
 

@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "flatbuffers/flatbuffers.h"
+#include "protocol/aligned_vector.hpp"
 #include "protocol/little_endian.hpp"
 #include "protocol/schema/control_generated.h"
 
@@ -59,6 +60,8 @@ bool read(double isotropic, const flatbuffers::Vector<double>* entries, Damping&
   constexpr flatbuffers::uoffset_t kAxes = 3, kMatrix = 6;
   if (entries == nullptr) {
     to = isotropic;
+  } else if (!aligned(*entries, alignof(double))) {
+    return false;
   } else if (entries->size() == kAxes) {
     to = Vec3((*entries)[0], (*entries)[1], (*entries)[2]);
   } else if (entries->size() == kMatrix) {
@@ -104,8 +107,9 @@ struct BodyBuilder {
   Offset<wire::JoinRequest> operator()(const JoinRequest& m) {
     const auto device = build(builder, m.device);
     const auto parameters = build(builder, m.parameters);
-    return wire::CreateJoinRequestDirect(builder, m.client.c_str(), m.scene.c_str(), device,
-                                         parameters);
+    // By length, here and below: a name may hold a zero byte, and is then no shorter.
+    const auto client = builder.CreateString(m.client), scene = builder.CreateString(m.scene);
+    return wire::CreateJoinRequest(builder, client, scene, device, parameters);
   }
   Offset<wire::JoinAccepted> operator()(const JoinAccepted& m) {
     const wire::Vector position = vector(m.start_position), normal = vector(m.start_normal);
@@ -121,8 +125,8 @@ struct BodyBuilder {
   Offset<wire::SceneList> operator()(const SceneList& m) {
     std::vector<Offset<wire::SceneEntry>> entries;
     for (const SceneEntry& scene : m.scenes)
-      entries.push_back(wire::CreateSceneEntryDirect(builder, scene.name.c_str(), scene.udp_port,
-                                                     scene.objects, scene.sessions));
+      entries.push_back(wire::CreateSceneEntry(builder, builder.CreateString(scene.name),
+                                               scene.udp_port, scene.objects, scene.sessions));
     return wire::CreateSceneList(builder, builder.CreateVector(entries));
   }
   Offset<wire::SetParameters> operator()(const SetParameters& m) {
@@ -132,8 +136,8 @@ struct BodyBuilder {
     return wire::CreateParametersSet(builder, m.session, build(builder, m.parameters));
   }
   Offset<wire::Refused> operator()(const Refused& m) {
-    return wire::CreateRefusedDirect(builder, wire_enum<wire::RefusalCode>(m.code),
-                                     m.reason.c_str());
+    return wire::CreateRefused(builder, wire_enum<wire::RefusalCode>(m.code),
+                               builder.CreateString(m.reason));
   }
 };
 

@@ -10,6 +10,7 @@
 #include "flatbuffers/flatbuffers.h"
 #include "protocol/schema/datagram_generated.h"
 #include "tests/protocol/make.hpp"
+#include "tests/protocol/misaligned.hpp"
 #include "tests/support/allocation_counter.hpp"
 
 namespace feltwire {
@@ -239,6 +240,25 @@ TEST(CodecDrops, OneKindIsNotAnother) {
   flatbuffers::FlatBufferBuilder builder;
   builder.Finish(wire::CreateGoodbye(builder, static_cast<wire::GoodbyeReason>(4)));
   EXPECT_EQ(decode({builder.GetBufferPointer(), builder.GetSize()}, reason), DropReason::malformed);
+}
+
+/// FlatBuffers' verifier lets them through, and reading them is undefined.
+TEST(CodecDrops, NumbersOutOfPlace) {
+  Random random(4);
+  Encoder encoder;
+  const Bytes sent = payload(encoder.samples(1, 1, random_batch(random, 9, 2, true)));
+  const std::vector<std::uint8_t> bytes(sent.begin(), sent.end());
+  const auto* root = flatbuffers::GetRoot<wire::Samples>(bytes.data());
+  SampleBatch batch;
+  ASSERT_EQ(decode(bytes, batch), DropReason::none);
+  const auto expect_malformed = [&](flatbuffers::voffset_t field, std::size_t size) {
+    const auto moved = test::with_misaligned_vector(bytes, bytes.data(), root, field, size);
+    flatbuffers::Verifier verifier(moved.data(), moved.size());
+    ASSERT_TRUE(verifier.VerifyBuffer<wire::Samples>(nullptr));
+    EXPECT_EQ(decode(moved, batch), DropReason::malformed);
+  };
+  expect_malformed(wire::Samples::VT_SAMPLES, 2 * sizeof(wire::Sample));
+  expect_malformed(wire::Samples::VT_ROTATIONS, 2 * sizeof(wire::Rotation));
 }
 
 TEST(CodecDrops, EverySizeThatIsNone) {

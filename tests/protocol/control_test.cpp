@@ -7,6 +7,7 @@
 
 #include "flatbuffers/flatbuffers.h"
 #include "protocol/schema/control_generated.h"
+#include "tests/protocol/misaligned.hpp"
 
 namespace feltwire::control {
 namespace {
@@ -196,6 +197,36 @@ TEST(Control, LimitsOfNamesAndFrames) {
   for (std::size_t i = 0; i < kMaxScenes; ++i)
     most.scenes.push_back({std::string(kMaxName, 'x'), 1, 1, 1});
   EXPECT_EQ(round_trip(most).scenes.size(), kMaxScenes);
+}
+
+TEST(Control, TextsArriveWholeWhateverIsInThem) {
+  using std::string_literals::operator""s;
+  JoinRequest r = request();
+  r.client = "a\0b"s;
+  r.scene = "\0"s;
+  r.device.name = "\0\0"s;
+  const JoinRequest got = round_trip(r);
+  EXPECT_EQ(got.client, r.client);
+  EXPECT_EQ(got.scene, r.scene);
+  EXPECT_EQ(got.device.name, r.device.name);
+  EXPECT_EQ(round_trip(SceneList{{{"c\0d"s, 1, 2, 3}}}).scenes[0].name, "c\0d"s);
+  EXPECT_EQ(round_trip(Refused{RefusalCode::full, "no\0room"s}).reason, "no\0room"s);
+}
+
+/// FlatBuffers' verifier lets them through, and reading them is undefined.
+TEST(Control, NumbersOutOfPlaceAreNoMessage) {
+  JoinRequest sent = request();
+  sent.device.damping = Vec3(1, 2, 3);
+  const auto frame = encode(sent);
+  const std::vector<std::uint8_t> bytes(body(frame).begin(), body(frame).end());
+  const wire::DeviceSpec* device =
+      wire::GetControlMessage(bytes.data())->body_as_JoinRequest()->device();
+  const auto moved = test::with_misaligned_vector(
+      bytes, bytes.data(), device, wire::DeviceSpec::VT_DAMPING_TENSOR, 3 * sizeof(double));
+  flatbuffers::Verifier verifier(moved.data(), moved.size());
+  ASSERT_TRUE(wire::VerifyControlMessageBuffer(verifier));
+  EXPECT_TRUE(decode(bytes));
+  EXPECT_FALSE(decode(moved));
 }
 
 TEST(Control, ChoicesThatAreNoneAreRefused) {

@@ -1,0 +1,16 @@
+#pragma once
+
+#include <cstdint>
+
+#include "flatbuffers/flatbuffers.h"
+
+namespace feltwire {
+
+/// Whether the elements of a verified vector can be read where they lie: FlatBuffers' verifier
+/// looks at the alignment of fields, and of a vector's length, but not of what follows it.
+template <class Value>
+bool aligned(const flatbuffers::Vector<Value>& vector, std::size_t alignment) noexcept {
+  return reinterpret_cast<std::uintptr_t>(vector.Data()) % alignment == 0;
+}
+
+}  // namespace feltwire
