@@ -10,7 +10,7 @@ namespace feltwire {
 /// looks at the alignment of fields, and of a vector's length, but not of what follows it.
 template <class Value>
 bool aligned(const flatbuffers::Vector<Value>& vector, std::size_t alignment) noexcept {
-  return reinterpret_cast<std::uintptr_t>(vector.Data()) % alignment == 0;
+  return vector.size() == 0 || reinterpret_cast<std::uintptr_t>(vector.Data()) % alignment == 0;
 }
 
 }  // namespace feltwire

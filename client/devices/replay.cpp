@@ -13,6 +13,7 @@
 namespace feltwire {
 namespace {
 
+constexpr double kLatest = 1e10;  // [s] from any epoch; between two times there is always a number
 constexpr double kNotUnit =
     0.01;  // a quaternion's norm may be off by so much; printed digits are not more than that
 
@@ -30,6 +31,12 @@ Recording read_recording(std::istream& in, const std::string& file) {
   std::array<double, 8> row{0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0};
   while (reader.next(row)) {
     const auto& [t, x, y, z, qw, qx, qy, qz] = row;
+    if (!(std::abs(t) <= kLatest))
+      reader.fail("t", "it is beyond +-1e10 s; give the time in seconds");
+    for (const auto& [column, value] : {std::pair{"x", x}, {"y", y}, {"z", z}})
+      if (!(std::abs(value) <= kMaxPosition))
+        reader.fail(column,
+                    "it is more than 1000 m from the origin, where no hand is; give metres");
     if (!recording.poses.empty() && !(t > recording.poses.back().time))
       reader.fail("t", "time must rise from row to row; sort the rows and drop repeated ones");
     Quaternion orientation(qw, qx, qy, qz);

@@ -12,6 +12,7 @@
 namespace feltwire {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
@@ -84,6 +85,16 @@ TEST(Replay, ErrorsNameTheLineAndTheColumn) {
   EXPECT_THAT(complaint("t,x,y,z,qx,qy,qz\n0,0,0,0,0,0,0\n"), HasSubstr("all four or none"));
   EXPECT_THAT(complaint("t,x,y,z,qw,qx,qy,qz\n0,0,0,0,0,0,0,0\n"),
               StartsWith("r.csv:2: column 'qw'"));
+}
+
+TEST(Replay, NumbersThatNoMovementHasAreRefused) {
+  // Between such places, and such times, there is no number.
+  EXPECT_THAT(complaint("t,x,y,z\n0,0,-1e308,0\n1,0,1e308,0\n"),
+              AllOf(StartsWith("r.csv:2: column 'y': "), HasSubstr("1000 m")));
+  EXPECT_THAT(complaint("t,x,y,z\n-1e308,0,0,0\n1e308,0,0,0\n"),
+              AllOf(StartsWith("r.csv:2: column 't': "), HasSubstr("1e10 s")));
+  // Seconds since 1970, and the farthest that a sample may tell of.
+  EXPECT_EQ(recording("t,x,y,z\n1.8e9,1000,-1000,0\n").poses.size(), 1u);
 }
 
 TEST(Replay, AMissingFileIsOneClearLine) {
