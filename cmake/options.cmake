@@ -11,6 +11,10 @@ endif()
 target_include_directories(feltwire_options INTERFACE ${PROJECT_SOURCE_DIR})
 # What flatc wrote is not ours to warn about.
 target_include_directories(feltwire_options SYSTEM INTERFACE ${PROJECT_BINARY_DIR}/generated)
+if(FELTWIRE_FUZZ)
+  # Coverage that libFuzzer is led by; a fuzz target links its main beside (tests/fuzz).
+  set(FELTWIRE_SANITIZE "fuzzer-no-link,address,undefined,float-cast-overflow")
+endif()
 if(FELTWIRE_SANITIZE)
   target_compile_options(feltwire_options INTERFACE
     -fsanitize=${FELTWIRE_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)

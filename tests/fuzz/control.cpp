@@ -1,0 +1,89 @@
+// Arbitrary bytes as a control message: what is one says the same when it is sent again, and what
+// it asks of a device or a session is either possible or refused.
+
+#include "protocol/control.hpp"
+
+#include <stdexcept>
+
+#include "tests/fuzz/fuzz.hpp"
+
+namespace feltwire::fuzz {
+namespace {
+
+using control::Message;
+
+/// Every text of a message, each ended by a length: what encode() must not shorten.
+struct Texts {
+  std::string all;
+  void add(const std::string& text) { all += text + "/" + std::to_string(text.size()) + "/"; }
+
+  void operator()(const control::JoinRequest& m) {
+    add(m.client);
+    add(m.scene);
+    add(m.device.name);
+  }
+  void operator()(const control::SceneList& m) {
+    for (const control::SceneEntry& scene : m.scenes) add(scene.name);
+  }
+  void operator()(const control::Refused& m) { add(m.reason); }
+  template <class Other>
+  void operator()(const Other&) {}
+};
+
+std::string texts(const Message& message) {
+  Texts found;
+  std::visit(found, message);
+  return found.all;
+}
+
+void require_limits(const Message& message) {
+  if (const auto* join = std::get_if<control::JoinRequest>(&message))
+    require(join->client.size() <= control::kMaxName && join->scene.size() <= control::kMaxName &&
+                join->device.name.size() <= control::kMaxName,
+            "names are no longer than the limit");
+}
+
+/// Throws nothing but std::invalid_argument, with a reason.
+template <class Value>
+void judge(const Value& value) {
+  try {
+    validate(value);
+  } catch (const std::invalid_argument& refused) {
+    require(refused.what()[0] != '\0', "a refusal has a reason");
+  }
+}
+
+void try_body(Bytes body) {
+  const auto message = control::decode(body);
+  if (!message) return;
+  require_limits(*message);
+  std::vector<std::uint8_t> frame;
+  try {
+    frame = control::encode(*message);
+  } catch (const std::length_error&) {
+    // Tables that shared their bytes take more when each has its own.
+    return;
+  }
+  const Bytes sent = Bytes(frame).subspan(control::kFrameLengthSize);
+  require(control::frame_length(std::span<const std::uint8_t, control::kFrameLengthSize>(
+              frame.data(), control::kFrameLengthSize)) == sent.size(),
+          "a frame says how long it is");
+  const auto again = control::decode(sent);
+  require(again.has_value() && again->index() == message->index(), "a message stays what it is");
+  require(texts(*again) == texts(*message), "names and reasons arrive whole");
+  require(control::encode(*again) == frame, "a message says the same when it is sent again");
+
+  if (const auto* join = std::get_if<control::JoinRequest>(&*message)) {
+    judge(join->device);
+    judge(join->parameters);
+  }
+  if (const auto* set = std::get_if<control::SetParameters>(&*message)) judge(set->parameters);
+}
+
+}  // namespace
+}  // namespace feltwire::fuzz
+
+int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  feltwire::fuzz::try_body({data, size});
+  return 0;
+}

@@ -1,0 +1,63 @@
+#pragma once
+// Whether two datagrams say the same, to the bit.
+
+#include "tests/fuzz/fuzz.hpp"
+
+namespace feltwire::fuzz {
+
+inline bool same(const SampleBatch& a, const SampleBatch& b) {
+  if (a.count != b.count || a.rotation != b.rotation || a.previous != b.previous) return false;
+  for (int i = 0; i < a.count; ++i) {
+    const Sample &x = a.samples[static_cast<std::size_t>(i)],
+                 &y = b.samples[static_cast<std::size_t>(i)];
+    if (x.index != y.index || x.client_time != y.client_time ||
+        !same(x.pose.position, y.pose.position) || !same(x.pose.orientation, y.pose.orientation) ||
+        !same(x.held, y.held))
+      return false;
+  }
+  return true;
+}
+
+/// All but the model.
+inline bool same_but_model(const Reply& a, const Reply& b) {
+  return a.sample_index == b.sample_index && a.client_time == b.client_time &&
+         a.server_receive_time == b.server_receive_time &&
+         a.server_send_time == b.server_send_time && same(a.command, b.command) &&
+         a.rotation == b.rotation && same(a.delivered.elastic, b.delivered.elastic) &&
+         same(a.delivered.frictional, b.delivered.frictional) &&
+         same(a.delivered.torque, b.delivered.torque) && same(a.ratio, b.ratio) &&
+         a.active == b.active && a.saturated == b.saturated && a.refused == b.refused &&
+         a.gap == b.gap && a.violations == b.violations && a.withheld == b.withheld &&
+         a.predicted == b.predicted && same(a.rates, b.rates) && a.modelled == b.modelled;
+}
+
+inline constexpr double kFloatRounding = 0x1p-23;  // relative, of what travels as float32
+
+inline bool near(double a, double b) { return std::abs(a - b) <= kFloatRounding * std::abs(a); }
+inline bool near(const Vec3& a, const Vec3& b) {
+  return near(a.x(), b.x()) && near(a.y(), b.y()) && near(a.z(), b.z());
+}
+/// Points within a few metres of a center within a few kilometres.
+inline bool near_point(const Vec3& a, const Vec3& b) {
+  return (a - b).cwiseAbs().maxCoeff() <= 4.0 * kFloatRounding;
+}
+inline bool near(const SurfacePatch& a, const SurfacePatch& b) {
+  const Material &m = a.material, &n = b.material;
+  return near_point(a.point, b.point) && near_point(a.anchor, b.anchor) &&
+         near(a.normal, b.normal) && near(a.axis, b.axis) && near(a.velocity, b.velocity) &&
+         near(a.curvature, b.curvature) && near(a.radius, b.radius) &&
+         near(m.stiffness, n.stiffness) && near(m.damping, n.damping) &&
+         near(m.static_friction, n.static_friction) &&
+         near(m.dynamic_friction, n.dynamic_friction) &&
+         near(m.viscous_friction, n.viscous_friction) && a.touching == b.touching &&
+         a.slipping == b.slipping && a.joined == b.joined && a.object == b.object &&
+         a.feature == b.feature;
+}
+inline bool near(const LocalModel& a, const LocalModel& b) {
+  if (a.count != b.count || !same(a.center, b.center) || !near(a.reach, b.reach)) return false;
+  for (std::size_t i = 0; i < a.view().size(); ++i)
+    if (!near(a.patches[i], b.patches[i])) return false;
+  return true;
+}
+
+}  // namespace feltwire::fuzz

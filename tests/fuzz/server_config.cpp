@@ -1,0 +1,24 @@
+// Arbitrary text as a server's configuration: it is read or says where it is wrong, and what is
+// read can be served.
+
+#include "core/scene/json_document.hpp"
+#include "protocol/busy_poll.hpp"
+#include "server/config.hpp"
+#include "tests/fuzz/fuzz.hpp"
+
+int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace feltwire;
+  try {
+    ServerConfig config = parse_config(fuzz::text(data, size), "server.json");
+    fuzz::require(config.port >= 0 && config.port <= 65535, "the port is one");
+    fuzz::require(config.silence_timeout > 0.0 && config.max_sessions_per_scene > 0,
+                  "limits are above zero");
+    fuzz::require(possible_busy_poll(config.busy_poll), "busy polling ends, or never does");
+    if (config.scenes.empty()) config.scenes.emplace_back("scene.json");
+    // The last port has no room for a scene's behind it.
+    if (config.port < 65535) validate(config);
+  } catch (const FileError& error) {
+    fuzz::require_place(error.what(), "server.json");
+  }
+  return 0;
+}
