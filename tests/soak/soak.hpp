@@ -1,0 +1,41 @@
+#pragma once
+// The test: clients that come and go for a while, and what must be true when they are gone.
+
+#include <string>
+#include <vector>
+
+#include "server/scene_host.hpp"
+#include "tests/soak/client.hpp"
+
+namespace feltwire::soak {
+
+struct Options {
+  double seconds = 60.0;
+  int clients = 100;
+  double rate = 1000.0;  // [Hz] of each servo, as long as the machine follows
+  std::uint64_t seed = 1;
+  std::string scene_file;
+};
+
+struct Check {
+  std::string what, measured;
+  bool holds = false;
+};
+
+struct Outcome {
+  Account clients;
+  SceneSummary server;
+  double rate = 0.0;  // [Hz] that a living client's servo came to
+  std::vector<Check> checks;
+
+  bool holds() const {
+    for (const Check& check : checks)
+      if (!check.holds) return false;
+    return true;
+  }
+};
+
+/// Starts a server, plays, and ends it. Throws what a server that cannot start throws.
+Outcome run(const Options& options);
+
+}  // namespace feltwire::soak
