@@ -12,6 +12,7 @@
 #include "core/splitmix.hpp"
 #include "protocol/guard.hpp"
 #include "server/id_map.hpp"
+#include "tests/bench/net/flood.hpp"
 
 namespace feltwire::netbench {
 namespace {
@@ -19,6 +20,7 @@ namespace {
 constexpr std::size_t kBatch = 64;
 constexpr Nanoseconds kLate = std::chrono::milliseconds(1);
 constexpr Nanoseconds kLost = std::chrono::milliseconds(20);  // then a saturating client goes on
+constexpr std::uint64_t kLeftBehind = 100;  // samples since the newest answered one
 constexpr unsigned kAnyKind = ~0u;
 
 /// A circle over the room's table and through what stands on it, at 0.3 m/s, that dips from 0.5 mm
@@ -69,6 +71,7 @@ struct Load::Clients {
   SampleBatch batch;
   DatagramBuffer opened;
   LoadResult result;
+  std::unique_ptr<Flood> flood;
   bool counting = false;
   Nanoseconds counted_from{0};
 
@@ -81,6 +84,7 @@ struct Load::Clients {
       : options(wanted), echoed(echo), places(target.sessions.size()) {
     socket.connect(target.port);
     if (options.sleep) socket.set_patience(kLost);
+    if (options.flood) flood = std::make_unique<Flood>(target.port, options.known_sessions);
     const SessionParameters parameters = join_request(options.redundancy).parameters;
     for (std::size_t i = 0; i < target.sessions.size(); ++i) {
       const SessionKeys keys = session_keys(target.sessions[i], options.suite);
@@ -197,6 +201,7 @@ struct Load::Clients {
       for (std::size_t i = 0; i < kBatch && due(turn) <= time; ++i) queue(all[turn++ % count]);
       flush();
       receive(MSG_DONTWAIT, [](const Client&) {});
+      if (flood) flood->burst();
     }
   }
 
@@ -256,11 +261,17 @@ LoadResult Load::run(pid_t host) {
   c.counting = true;
   const Nanoseconds cpu = cpu_time(host), begin = now();
   c.counted_from = begin;
+  const std::uint64_t garbage = c.flood ? c.flood->sent() : 0;
   c.result.windows.resize(static_cast<std::size_t>(options.duration / LoadResult::kWindow) + 1);
   play(begin + options.duration);
   c.result.wall = now() - begin;
   c.result.server_cpu = cpu_time(host) - cpu;
   if (!options.saturate) c.drain();
+  if (c.flood) c.result.garbage = c.flood->sent() - garbage;
+  c.result.left_behind =
+      static_cast<int>(std::count_if(c.all.begin(), c.all.end(), [](const Client& client) {
+        return client.answered + kLeftBehind < client.sample.index;
+      }));
   return c.result;
 }
 

@@ -16,8 +16,10 @@ struct LoadOptions {
   Nanoseconds period = std::chrono::milliseconds(1);  // of each client
   Nanoseconds warm_up = std::chrono::milliseconds(200);
   Nanoseconds duration = std::chrono::seconds(1);
-  bool saturate = false;  // each client sends again as soon as it is answered
-  bool sleep = false;     // between answers (saturate): for a load that shares the server's core
+  bool saturate = false;                      // each client sends again as soon as it is answered
+  bool flood = false;                         // garbage in all the time that is left (paced)
+  std::vector<std::uint64_t> known_sessions;  // to who sends it
+  bool sleep = false;  // between answers (saturate): for a load that shares the server's core
 };
 
 /// What the counted part of a run came to.
@@ -25,6 +27,8 @@ struct LoadResult {
   std::uint64_t sent = 0, answered = 0, late = 0;  // late: after more than 1 ms
   std::uint64_t with_force = 0;                    // answers that carried one
   std::uint64_t bad = 0;                           // datagrams that are no answer
+  std::uint64_t garbage = 0;                       // datagrams of the flood
+  int left_behind = 0;                             // clients without an answer for some time
   Nanoseconds server_cpu{0}, wall{0};
   Nanoseconds longest_pause{0};  // of the load itself
   struct Window {

@@ -105,6 +105,21 @@ void print_servo(const std::vector<ServoFigures>& servo) {
   print_bar("servo late, p99 [us], timer slack 1 ns", servo.at(1).late_p99, "<=", 100.0);
 }
 
+void print_flood(const FloodFigures& figures) {
+  std::printf("\n%d clients of 1 kHz beside a flood of garbage\n", kFloodedClients);
+  std::printf("%-12s %12s %8s %9s %9s %9s %12s\n", "", "garbage/s", "core %", "p50 us", "p99 us",
+              "lost %", "left behind");
+  const auto line = [](const char* what, const Flooded& f) {
+    std::printf("%-12s %12.0f %8.1f %9.1f %9.1f %9.3f %12d\n", what, f.garbage, 100.0 * f.busy,
+                f.p50, f.p99, 100.0 * f.lost, f.left_behind);
+  };
+  line("alone", figures.alone);
+  line("flooded", figures.beside_flood);
+  std::printf("\n");
+  print_bar("round trip beside the flood, p99 [ms]", 1e-3 * figures.beside_flood.p99, "<=", 2.0);
+  print_bar("clients left behind", figures.beside_flood.left_behind, "<=", 0.0);
+}
+
 int run(int argc, char** argv) {
   Settings settings;
   settings.scene = FELTWIRE_SOURCE_DIR "/scenes/room.json";
@@ -126,8 +141,8 @@ int run(int argc, char** argv) {
       ->transform(CLI::CheckedTransformer(std::map<std::string, CipherSuite>{
           {"aes_256_gcm", CipherSuite::aes_256_gcm},
           {"chacha20_poly1305", CipherSuite::chacha20_poly1305}}));
-  app.add_option("--only", only, "sweep, held, scenes, servo; all when not given")
-      ->check(CLI::IsMember({"sweep", "held", "scenes", "servo"}));
+  app.add_option("--only", only, "sweep, held, scenes, flood, servo; all when not given")
+      ->check(CLI::IsMember({"sweep", "held", "scenes", "flood", "servo"}));
   CLI11_PARSE(app, argc, argv);
   if (cores() < 2) throw std::runtime_error("two cores are needed: server and load have one each");
 
@@ -138,6 +153,7 @@ int run(int argc, char** argv) {
   if (wanted("sweep")) print_sweep(sweep(settings));
   if (wanted("held")) print_held(clients_held(settings));
   if (wanted("scenes")) print_scaling(scaling(settings));
+  if (wanted("flood")) print_flood(flood(settings));
   if (wanted("servo")) print_servo(servo(settings));
   return 0;
 }

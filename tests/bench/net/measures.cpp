@@ -107,6 +107,41 @@ double answers_per_second(const Settings& settings, const std::vector<int>& core
   return sum;
 }
 
+/// One more has joined than speak: that session is the attacker's.
+LoadResult run_flooded(const Settings& settings, bool flood) {
+  HostOptions host;
+  host.scene_file = settings.scene;
+  host.clients = kFloodedClients + 1;
+  host.cores = {kServerCore};
+  host.redundancy = settings.redundancy;
+  const HostProcess process(host);
+  pin_to(kLoadCore);
+  LoadOptions options;
+  options.redundancy = settings.redundancy;
+  options.duration = duration(settings);
+  options.flood = flood;
+  Target honest = process.targets().front();
+  options.known_sessions = {honest.sessions.back()};
+  honest.sessions.pop_back();
+  return Load(honest, false, options).run(process.process());
+}
+
+Flooded flooded(const std::vector<LoadResult>& runs) {
+  const Figures f = figures(runs);
+  Flooded result{.p50 = f.p50, .p99 = f.p99, .busy = f.busy};
+  std::vector<double> lost, garbage;
+  for (const LoadResult& r : runs) {
+    lost.push_back(1.0 -
+                   std::min(1.0, static_cast<double>(r.answered) / static_cast<double>(r.sent)));
+    garbage.push_back(static_cast<double>(r.garbage) /
+                      std::chrono::duration<double>(r.wall).count());
+    result.left_behind = std::max(result.left_behind, r.left_behind);
+  }
+  result.lost = median(lost);
+  result.garbage = median(garbage);
+  return result;
+}
+
 }  // namespace
 
 double median(std::vector<double> values) {
@@ -155,6 +190,15 @@ Scaling scaling(const Settings& settings) {
     one.push_back(1e-6 * 0.5 * (first + second));
   }
   return {median(one), median(two)};
+}
+
+FloodFigures flood(const Settings& settings) {
+  std::vector<LoadResult> alone, beside_flood;
+  for (int round = 0; round < settings.rounds; ++round) {
+    alone.push_back(run_flooded(settings, false));
+    beside_flood.push_back(run_flooded(settings, true));
+  }
+  return {flooded(alone), flooded(beside_flood)};
 }
 
 }  // namespace feltwire::netbench

@@ -62,6 +62,21 @@ struct Scaling {
 };
 Scaling scaling(const Settings& settings);
 
+/// Honest clients of 1 kHz, alone and beside a flood of garbage. Medians over the rounds, of
+/// `left_behind` the most.
+struct Flooded {
+  double p50 = 0.0, p99 = 0.0;  // [us] of the round trip
+  double lost = 0.0;            // share of the samples that were never answered
+  double garbage = 0.0;         // [1/s]
+  double busy = 0.0;            // share of the server's core
+  int left_behind = 0;          // clients that were no longer answered at the end
+};
+inline constexpr int kFloodedClients = 20;
+struct FloodFigures {
+  Flooded alone, beside_flood;
+};
+FloodFigures flood(const Settings& settings);
+
 /// Our client's servo at 1 kHz, on the load's core.
 struct ServoFigures {
   std::string how;

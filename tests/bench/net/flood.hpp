@@ -1,0 +1,36 @@
+#pragma once
+// Garbage for a scene's port, as fast as one thread can send it.
+
+#include <sys/socket.h>
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "tests/bench/net/machine.hpp"
+
+namespace feltwire::netbench {
+
+/// Made beforehand (tests/support/garbage.hpp): sending it is all that takes time.
+class Flood {
+ public:
+  /// `sessions`: those that the attacker knows of.
+  Flood(std::uint16_t port, const std::vector<std::uint64_t>& sessions);
+  Flood(const Flood&) = delete;
+  Flood& operator=(const Flood&) = delete;
+
+  /// Sends one burst.
+  void burst() noexcept;
+  std::uint64_t sent() const { return sent_; }
+
+ private:
+  static constexpr std::size_t kBurst = 16, kDatagrams = 256;
+  Socket socket_;
+  std::vector<std::vector<std::uint8_t>> datagrams_;
+  std::array<iovec, kDatagrams> parts_{};
+  std::array<mmsghdr, kDatagrams> messages_{};
+  std::size_t next_ = 0;
+  std::uint64_t sent_ = 0;
+};
+
+}  // namespace feltwire::netbench
