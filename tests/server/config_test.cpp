@@ -45,6 +45,7 @@ TEST(Config, WhatIsLeftOutKeepsItsDefault) {
   EXPECT_EQ(read.port, made.port);
   EXPECT_EQ(read.silence_timeout, made.silence_timeout);
   EXPECT_EQ(read.max_sessions_per_scene, made.max_sessions_per_scene);
+  EXPECT_EQ(read.sample_rate_limit, made.sample_rate_limit);
   EXPECT_EQ(read.profile, made.profile);
   EXPECT_EQ(read.busy_poll, 0.0);
   EXPECT_EQ(read.log_level, made.log_level);
@@ -63,6 +64,7 @@ TEST(Config, FaultsNameFileLineAndField) {
       {"{\n\"port\": -1}", "port"},
       {"{\n\"silence_timeout\": 0}", "silence_timeout"},
       {"{\n\"max_sessions_per_scene\": 0}", "max_sessions_per_scene"},
+      {"{\n\"sample_rate_limit\": 1}", "sample_rate_limit"},
       {"{\n\"profile\": \"moon\"}", "profile"},
       {"{\n\"busy_poll\": -2}", "busy_poll"},
       {"{\n\"busy_poll\": 1e7}", "busy_poll"},

@@ -125,6 +125,7 @@ TEST(SealedSession, NobodyElseSaysGoodbyeForIt) {
   world.send(1);
   test::SealedEncoder stranger(Way::up, test::keys(99));
   EXPECT_EQ(world.receive(stranger.goodbye(kId, 2, GoodbyeReason::leaving)), 0u);
+  EXPECT_EQ(world.drops(DropReason::sealed), 1u);
   EXPECT_EQ(world.sessions.size(), 1u);
   EXPECT_GT(world.send(2), 0u);  // the number was not used up
   world.receive(world.client.goodbye(kId, 3, GoodbyeReason::leaving));
