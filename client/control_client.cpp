@@ -3,69 +3,39 @@
 #include <algorithm>
 #include <array>
 #include <asio/buffer.hpp>
-#include <asio/connect.hpp>
 #include <asio/io_context.hpp>
-#include <asio/ip/tcp.hpp>
 #include <asio/ip/udp.hpp>
-#include <asio/read.hpp>
-#include <asio/write.hpp>
 #include <charconv>
 #include <cmath>
 #include <cstring>
 #include <utility>
 #include <variant>
 
-#include "protocol/placeholder_keys.hpp"
+#include "client/tls_stream.hpp"
 
 namespace feltwire {
 namespace {
-
-using asio::ip::tcp;
 
 /// One question and its answer. A connection of its own: joining is rare, and nothing of it
 /// outlives the answer.
 class Conversation {
  public:
-  Conversation(const Endpoint& server, std::chrono::milliseconds timeout)
-      : server_(to_string(server)), timeout_(timeout), socket_(context_) {
-    asio::error_code error;
-    tcp::resolver resolver(context_);
-    const auto found = resolver.resolve(server.host, std::to_string(server.port), error);
-    if (error)
-      throw SessionError("cannot find host '" + server.host + "': " + error.message() +
-                         "; check the name in --connect");
-    await(
-        [&](auto done) {
-          asio::async_connect(socket_, found,
-                              [done](asio::error_code e, const tcp::endpoint&) { done(e); });
-        },
-        "cannot connect to ",
-        "; is feltwire-server running there, and is the port its control port?");
-  }
+  Conversation(const ServerAccess& server, std::chrono::milliseconds timeout)
+      : server_(to_string(server.endpoint)),
+        stream_(server, timeout),
+        token_(server.credentials.token) {}
 
+  /// The token goes with the question: the server answers one after the other.
   control::Message ask(const control::Message& question) {
+    std::vector<std::uint8_t> frames = control::encode(control::Authenticate{token_});
     const std::vector<std::uint8_t> frame = control::encode(question);
-    const std::string what = "no answer from ";
-    const std::string remedy = "; is the port the control port of a feltwire-server?";
-    await(
-        [&](auto done) {
-          asio::async_write(socket_, asio::buffer(frame),
-                            [done](asio::error_code e, std::size_t) { done(e); });
-        },
-        what, remedy);
-
-    std::array<std::uint8_t, 4> prefix{};
-    read(prefix.data(), prefix.size(), what, remedy);
-    std::size_t size = 0;
-    for (std::size_t i = 0; i < prefix.size(); ++i) size |= std::size_t{prefix[i]} << (8 * i);
-    if (size == 0 || size > control::kMaxFrame) bad_answer();
-    std::vector<std::uint8_t> body(size);
-    read(body.data(), body.size(), what, remedy);
-    std::optional<control::Message> answer = control::decode(body);
-    if (!answer) bad_answer();
-    if (const auto* refused = std::get_if<control::Refused>(&*answer))
-      throw SessionError(server_ + " refused: " + refused->reason);
-    return *std::move(answer);
+    frames.reserve(frames.size() + frame.size());
+    frames.insert(frames.end(), frame.begin(), frame.end());
+    stream_.write(frames);
+    wipe(frames);
+    const control::Message let_in = receive();
+    if (!std::holds_alternative<control::Authenticated>(let_in)) bad_answer();
+    return receive();
   }
 
   [[noreturn]] void bad_answer() const {
@@ -75,41 +45,26 @@ class Conversation {
         "port of a feltwire-server of this version?");
   }
 
-  asio::ip::address peer() const { return socket_.remote_endpoint().address(); }
+  const TlsStream& stream() const { return stream_; }
 
  private:
-  void read(std::uint8_t* to, std::size_t size, const std::string& what,
-            const std::string& remedy) {
-    await(
-        [&](auto done) {
-          asio::async_read(socket_, asio::buffer(to, size),
-                           [done](asio::error_code e, std::size_t) { done(e); });
-        },
-        what, remedy);
-  }
-
-  /// Starts an operation and runs it to its end or the timeout.
-  template <class Start>
-  void await(Start start, const std::string& what, const std::string& remedy) {
-    asio::error_code result = asio::error::would_block;
-    start([&result](asio::error_code error) { result = error; });
-    context_.restart();
-    context_.run_for(timeout_);
-    if (result == asio::error::would_block) {
-      asio::error_code ignored;
-      socket_.close(ignored);  // ends the operation, so that it lets go of `result`
-      context_.restart();
-      context_.run();
-      throw SessionError(what + server_ + " within " + std::to_string(timeout_.count()) + " ms" +
-                         remedy);
-    }
-    if (result) throw SessionError(what + server_ + ": " + result.message() + remedy);
+  control::Message receive() {
+    std::array<std::uint8_t, control::kFrameLengthSize> prefix{};
+    stream_.read(prefix);
+    const std::size_t size = control::frame_length(prefix);
+    if (size == 0 || size > control::kMaxFrame) bad_answer();
+    std::vector<std::uint8_t> body(size);
+    stream_.read(body);
+    std::optional<control::Message> answer = control::decode(body);
+    if (!answer) bad_answer();
+    if (const auto* refused = std::get_if<control::Refused>(&*answer))
+      throw SessionError(server_ + " refused: " + refused->reason);
+    return *std::move(answer);
   }
 
   std::string server_;
-  std::chrono::milliseconds timeout_;
-  asio::io_context context_;
-  tcp::socket socket_;
+  TlsStream stream_;
+  const Secret& token_;
 };
 
 Address address_of(const asio::ip::udp::endpoint& endpoint) {
@@ -148,30 +103,47 @@ std::string to_string(const Endpoint& endpoint) {
   return (v6 ? "[" + endpoint.host + "]" : endpoint.host) + ":" + std::to_string(endpoint.port);
 }
 
-Joined join(const Endpoint& server, const control::JoinRequest& request,
+Joined join(const ServerAccess& server, const control::JoinRequest& request,
             std::chrono::milliseconds timeout) {
+  control::JoinRequest wanted = request;
+  wanted.aes_256_gcm = has_aes_256_gcm();
   Conversation conversation(server, timeout);
-  const control::Message answer = conversation.ask(request);
+  const control::Message answer = conversation.ask(wanted);
   const auto* accepted = std::get_if<control::JoinAccepted>(&answer);
-  if (accepted == nullptr || accepted->udp_port == 0 || !std::isfinite(accepted->silence_timeout) ||
-      !std::isfinite(accepted->stiffness) || accepted->stiffness < 0.0)
+  if (accepted == nullptr || accepted->port_offset == 0 ||
+      !std::isfinite(accepted->silence_timeout) || !std::isfinite(accepted->stiffness) ||
+      accepted->stiffness < 0.0)
     conversation.bad_answer();
+  const std::string name = to_string(server.endpoint);
+  constexpr unsigned kLastPort = 65535;
+  const unsigned port = unsigned{server.endpoint.port} + accepted->port_offset;
+  if (port > kLastPort)
+    throw SessionError(name + ": the scene's port would be " + std::to_string(port) +
+                       ", which is none; have the server listen on a lower port");
+  if (accepted->suite == CipherSuite::aes_256_gcm && !wanted.aes_256_gcm)
+    throw SessionError(name + " chose a cipher that this machine does not have");
   try {
     validate(accepted->parameters);
   } catch (const std::invalid_argument& error) {
-    throw SessionError(to_string(server) + " granted parameters that cannot be: " + error.what());
+    throw SessionError(name + " granted parameters that cannot be: " + error.what());
   }
-  return {*accepted, address_of({conversation.peer(), accepted->udp_port}),
-          placeholder_keys(accepted->session)};
+  const auto peer = conversation.stream().peer();
+  return {*accepted, address_of({peer, static_cast<std::uint16_t>(port)}),
+          conversation.stream().keys(accepted->session, accepted->suite)};
 }
 
-std::vector<control::SceneEntry> list_scenes(const Endpoint& server,
+std::vector<control::SceneEntry> list_scenes(const ServerAccess& server,
                                              std::chrono::milliseconds timeout) {
   Conversation conversation(server, timeout);
   control::Message answer = conversation.ask(control::ListScenes{});
   auto* list = std::get_if<control::SceneList>(&answer);
   if (list == nullptr) conversation.bad_answer();
   return std::move(list->scenes);
+}
+
+control::Message ask(const ServerAccess& server, const control::Message& request,
+                     std::chrono::milliseconds timeout) {
+  return Conversation(server, timeout).ask(request);
 }
 
 }  // namespace feltwire

@@ -1,5 +1,5 @@
 #pragma once
-// Setting a session up: the control messages over TCP, and where its datagrams go.
+// Setting a session up: the control messages over TLS, and where its datagrams go.
 
 #include <netinet/in.h>
 #include <sys/socket.h>
@@ -11,6 +11,7 @@
 #include <string_view>
 #include <vector>
 
+#include "client/credentials.hpp"
 #include "protocol/control.hpp"
 #include "protocol/session_keys.hpp"
 
@@ -31,6 +32,12 @@ struct Endpoint {
 Endpoint parse_endpoint(std::string_view text);
 std::string to_string(const Endpoint& endpoint);
 
+/// A server, and how it lets a client in.
+struct ServerAccess {
+  Endpoint endpoint;
+  Credentials credentials;
+};
+
 /// An address as the sockets take it.
 struct Address {
   sockaddr_storage storage{};
@@ -40,17 +47,22 @@ struct Address {
 struct Joined {
   control::JoinAccepted accepted;
   Address datagrams;  // the scene's UDP port at the host that answered
-  SessionKeys keys;
+  SessionKeys keys;   // of the datagrams
 };
 
-/// Asks the server for a session and waits at most `timeout` for each of connecting and answering.
-/// Blocks; throws SessionError: the host is not known or not reachable, the server refuses (with
-/// its reason), or its answer makes no sense.
-Joined join(const Endpoint& server, const control::JoinRequest& request,
+/// Asks the server for a session and waits at most `timeout` for each of connecting, TLS and
+/// answering. Which ciphers this machine has is said here, whatever `request` says. Blocks; throws
+/// SessionError: the host is not known or not reachable, it is not the one to be trusted, it
+/// refuses (with its reason), or its answer makes no sense.
+Joined join(const ServerAccess& server, const control::JoinRequest& request,
             std::chrono::milliseconds timeout);
 
-/// The scenes that the server has. Likewise.
-std::vector<control::SceneEntry> list_scenes(const Endpoint& server,
+/// The scenes that the server has for this token. Likewise.
+std::vector<control::SceneEntry> list_scenes(const ServerAccess& server,
                                              std::chrono::milliseconds timeout);
+
+/// Any other request and its answer; a refusal throws. Likewise.
+control::Message ask(const ServerAccess& server, const control::Message& request,
+                     std::chrono::milliseconds timeout);
 
 }  // namespace feltwire

@@ -68,11 +68,11 @@ std::unique_ptr<Device> make_hand_at_start(const ClientOptions& options, HandTas
   return make_hand(options, task);
 }
 
-int list(const Endpoint& server) {
+int list(const ServerAccess& server) {
   std::printf("%-24s %8s %8s %8s\n", "scene", "port", "objects", "clients");
   for (const control::SceneEntry& scene : list_scenes(server, kControlTimeout))
-    std::printf("%-24s %8u %8u %8u\n", scene.name.c_str(), unsigned{scene.udp_port}, scene.objects,
-                scene.sessions);
+    std::printf("%-24s %8u %8u %8u\n", scene.name.c_str(),
+                unsigned{server.endpoint.port} + scene.port_offset, scene.objects, scene.sessions);
   return 0;
 }
 
@@ -223,11 +223,11 @@ int run(const ClientOptions& options) {
     thread.join();
 
     if (options.report)
-      write_whole(
-          *options.report,
-          report_json({options.name, options.scene, to_string(options.server), options.device_kind,
-                       real_time, joined.accepted.stiffness, options.busy_poll},
-                      servo, transport.statistics(), *result, transport.link()));
+      write_whole(*options.report,
+                  report_json({options.name, options.scene, to_string(options.server.endpoint),
+                               options.device_kind, real_time, joined.accepted.stiffness,
+                               options.busy_poll},
+                              servo, transport.statistics(), *result, transport.link()));
     const int code = conclude(options, servo, *result);
     return recorder && recorder->failed() ? 1 : code;
   } catch (...) {
@@ -240,6 +240,7 @@ int run(const ClientOptions& options) {
 }  // namespace feltwire
 
 int main(int argc, char** argv) {
+  feltwire::forbid_core_dumps();
   std::signal(SIGPIPE, SIG_IGN);  // a closed terminal does not end a hand's session halfway
   try {
     const auto parsed = feltwire::parse_options(argc, argv);

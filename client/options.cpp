@@ -6,6 +6,7 @@
 #include <sstream>
 #include <string_view>
 
+#include "client/credential_options.hpp"
 #include "protocol/busy_poll.hpp"
 #include "protocol/profiles.hpp"
 #include "protocol/udp_socket.hpp"
@@ -41,6 +42,7 @@ struct Words {
   std::optional<std::array<double, 3>> center, normal;
   std::optional<double> wait_for_small_force, ramp_up, velocity_limit;
   std::string report, record, link, profile, dscp = "cs0";
+  CredentialWords credentials;
 };
 
 std::string short_text(double value) {
@@ -101,7 +103,7 @@ void choose_traffic(const Words& words, SessionParameters& parameters) {
 
 /// Throws std::invalid_argument.
 void understand(const Words& words, HandTask task, ClientOptions& options) {
-  options.server = parse_endpoint(words.connect);
+  options.server = {parse_endpoint(words.connect), credentials(words.credentials)};
   if (options.list) return;
   require(!words.scene.empty(), "--scene is required; --list shows the scenes there are");
   options.scene = words.scene;
@@ -165,6 +167,7 @@ std::variant<ClientOptions, int> parse_options(int argc, char** argv) {
   app.add_option("--connect", words.connect,
                  "HOST:PORT of the server's control port; IPv6 as [::1]:PORT")
       ->required();
+  add_credential_options(app, words.credentials);
   app.add_flag("--list", options.list, "List the server's scenes and end");
   app.add_option("--scene", words.scene, "Name of the scene to join");
   app.add_option("--device", words.device,

@@ -18,7 +18,7 @@ struct ReplayFile {
 };
 
 struct ClientOptions {
-  Endpoint server;
+  ServerAccess server;
   bool list = false;  // list the scenes, nothing else
   std::string name = "feltwire-client";
   std::string scene;

@@ -6,7 +6,8 @@
 namespace feltwire {
 namespace {
 
-std::optional<SessionAddress> attempt(const Endpoint& server, const control::JoinRequest& request,
+std::optional<SessionAddress> attempt(const ServerAccess& server,
+                                      const control::JoinRequest& request,
                                       std::chrono::milliseconds timeout) {
   try {
     const Joined joined = join(server, request, timeout);
@@ -20,7 +21,7 @@ std::optional<SessionAddress> attempt(const Endpoint& server, const control::Joi
 
 }  // namespace
 
-Rejoiner::Rejoiner(Endpoint server, control::JoinRequest request, Ring<SessionAddress>& out,
+Rejoiner::Rejoiner(ServerAccess server, control::JoinRequest request, Ring<SessionAddress>& out,
                    const RejoinOptions& options)
     : server_(std::move(server)),
       request_(std::move(request)),

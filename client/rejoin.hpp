@@ -26,7 +26,7 @@ class Rejoiner {
 
   /// `request` asks for the parameters that are in force: another session has to be the same. New
   /// sessions go to `out`.
-  Rejoiner(Endpoint server, control::JoinRequest request, Ring<SessionAddress>& out,
+  Rejoiner(ServerAccess server, control::JoinRequest request, Ring<SessionAddress>& out,
            const RejoinOptions& options = {});
 
   /// Call now and then: `connected` is what the loop says of its session.
@@ -35,7 +35,7 @@ class Rejoiner {
   std::uint64_t attempts() const { return attempts_; }
 
  private:
-  Endpoint server_;
+  ServerAccess server_;
   control::JoinRequest request_;
   Ring<SessionAddress>& out_;
   RejoinOptions options_;

@@ -1,5 +1,7 @@
 #include "protocol/control.hpp"
 
+#include <sodium.h>
+
 #include <cmath>
 #include <limits>
 #include <stdexcept>
@@ -109,13 +111,14 @@ struct BodyBuilder {
     const auto parameters = build(builder, m.parameters);
     // By length, here and below: a name may hold a zero byte, and is then no shorter.
     const auto client = builder.CreateString(m.client), scene = builder.CreateString(m.scene);
-    return wire::CreateJoinRequest(builder, client, scene, device, parameters);
+    return wire::CreateJoinRequest(builder, client, scene, device, parameters,
+                                   wire_enum<wire::Role>(m.role), m.aes_256_gcm);
   }
   Offset<wire::JoinAccepted> operator()(const JoinAccepted& m) {
     const wire::Vector position = vector(m.start_position), normal = vector(m.start_normal);
-    return wire::CreateJoinAccepted(builder, m.session, m.udp_port, build(builder, m.parameters),
+    return wire::CreateJoinAccepted(builder, m.session, m.port_offset, build(builder, m.parameters),
                                     m.silence_timeout, m.friction, m.rotation, &position, &normal,
-                                    m.stiffness);
+                                    m.stiffness, wire_enum<wire::CipherSuite>(m.suite));
   }
   Offset<wire::LeaveRequest> operator()(const LeaveRequest& m) {
     return wire::CreateLeaveRequest(builder, m.session);
@@ -126,7 +129,7 @@ struct BodyBuilder {
     std::vector<Offset<wire::SceneEntry>> entries;
     for (const SceneEntry& scene : m.scenes)
       entries.push_back(wire::CreateSceneEntry(builder, builder.CreateString(scene.name),
-                                               scene.udp_port, scene.objects, scene.sessions));
+                                               scene.port_offset, scene.objects, scene.sessions));
     return wire::CreateSceneList(builder, builder.CreateVector(entries));
   }
   Offset<wire::SetParameters> operator()(const SetParameters& m) {
@@ -138,6 +141,35 @@ struct BodyBuilder {
   Offset<wire::Refused> operator()(const Refused& m) {
     return wire::CreateRefused(builder, wire_enum<wire::RefusalCode>(m.code),
                                builder.CreateString(m.reason));
+  }
+  Offset<wire::Authenticate> operator()(const Authenticate& m) {
+    const std::string_view token = m.token.text();
+    return wire::CreateAuthenticate(builder, builder.CreateString(token.data(), token.size()));
+  }
+  Offset<wire::Authenticated> operator()(const Authenticated& m) {
+    return wire::CreateAuthenticatedDirect(builder, m.client.c_str(), m.scene.c_str(),
+                                           wire_enum<wire::Role>(m.role));
+  }
+  Offset<wire::Evict> operator()(const Evict& m) { return wire::CreateEvict(builder, m.session); }
+  Offset<wire::Evicted> operator()(const Evicted& m) {
+    return wire::CreateEvicted(builder, m.session);
+  }
+  Offset<wire::ListSessions> operator()(const ListSessions& m) {
+    return wire::CreateListSessions(builder, m.after);
+  }
+  Offset<wire::SessionList> operator()(const SessionList& m) {
+    std::vector<Offset<wire::SessionEntry>> entries;
+    for (const SessionEntry& entry : m.sessions)
+      entries.push_back(wire::CreateSessionEntryDirect(builder, entry.session, entry.client.c_str(),
+                                                       entry.scene.c_str(),
+                                                       wire_enum<wire::Role>(entry.role)));
+    return wire::CreateSessionList(builder, builder.CreateVector(entries), m.more);
+  }
+  Offset<wire::ReloadScene> operator()(const ReloadScene& m) {
+    return wire::CreateReloadSceneDirect(builder, m.scene.c_str());
+  }
+  Offset<wire::SceneReloaded> operator()(const SceneReloaded& m) {
+    return wire::CreateSceneReloadedDirect(builder, m.scene.c_str());
   }
 };
 
@@ -185,19 +217,24 @@ bool read(const wire::SessionParameters& from, SessionParameters& to) {
 }
 
 bool read(const wire::JoinRequest& from, JoinRequest& to) {
+  to.aes_256_gcm = from.aes_256_gcm();
   return read_name(from.client(), to.client) && read_name(from.scene(), to.scene) &&
-         read(*from.device(), to.device) && read(*from.parameters(), to.parameters);
+         read(*from.device(), to.device) && read(*from.parameters(), to.parameters) &&
+         read_enum(from.role(), to.role);
 }
 bool read(const wire::JoinAccepted& from, JoinAccepted& to) {
   to.session = from.session();
-  to.udp_port = from.udp_port();
+  to.port_offset = from.port_offset();
   to.silence_timeout = from.silence_timeout();
   to.friction = from.friction();
   to.rotation = from.rotation();
   if (const auto* p = from.start_position()) to.start_position = vector(*p);
   if (const auto* n = from.start_normal()) to.start_normal = vector(*n);
   to.stiffness = from.stiffness();
-  return read(*from.parameters(), to.parameters);
+  to.suite = static_cast<CipherSuite>(from.suite());
+  // Numbered from 1: there is no suite of number 0.
+  return from.suite() >= wire::CipherSuite::MIN && from.suite() <= wire::CipherSuite::MAX &&
+         read(*from.parameters(), to.parameters);
 }
 bool read(const wire::LeaveRequest& from, LeaveRequest& to) {
   to.session = from.session();
@@ -210,7 +247,7 @@ bool read(const wire::Left& from, Left& to) {
 bool read(const wire::ListScenes&, ListScenes&) { return true; }
 bool read(const wire::SceneList& from, SceneList& to) {
   for (const wire::SceneEntry* entry : *from.scenes()) {
-    SceneEntry scene{{}, entry->udp_port(), entry->objects(), entry->sessions()};
+    SceneEntry scene{{}, entry->port_offset(), entry->objects(), entry->sessions()};
     if (!read_name(entry->name(), scene.name)) return false;
     to.scenes.push_back(std::move(scene));
   }
@@ -227,6 +264,46 @@ bool read(const wire::ParametersSet& from, ParametersSet& to) {
 bool read(const wire::Refused& from, Refused& to) {
   to.reason.assign(from.reason()->c_str(), from.reason()->size());
   return read_enum(from.code(), to.code);
+}
+
+bool read(const wire::Authenticate& from, Authenticate& to) {
+  if (from.token()->size() > kMaxName) return false;
+  to.token = Secret({from.token()->c_str(), from.token()->size()});
+  return true;
+}
+bool read(const wire::Authenticated& from, Authenticated& to) {
+  return read_name(from.client(), to.client) && read_name(from.scene(), to.scene) &&
+         read_enum(from.role(), to.role);
+}
+bool read(const wire::Evict& from, Evict& to) {
+  to.session = from.session();
+  return true;
+}
+bool read(const wire::Evicted& from, Evicted& to) {
+  to.session = from.session();
+  return true;
+}
+bool read(const wire::ListSessions& from, ListSessions& to) {
+  to.after = from.after();
+  return true;
+}
+bool read(const wire::SessionList& from, SessionList& to) {
+  to.more = from.more();
+  for (const wire::SessionEntry* entry : *from.sessions()) {
+    SessionEntry session;
+    session.session = entry->session();
+    if (!read_name(entry->client(), session.client) || !read_name(entry->scene(), session.scene) ||
+        !read_enum(entry->role(), session.role))
+      return false;
+    to.sessions.push_back(std::move(session));
+  }
+  return true;
+}
+bool read(const wire::ReloadScene& from, ReloadScene& to) {
+  return read_name(from.scene(), to.scene);
+}
+bool read(const wire::SceneReloaded& from, SceneReloaded& to) {
+  return read_name(from.scene(), to.scene);
 }
 
 template <class Value, class Table>
@@ -250,6 +327,7 @@ std::vector<std::uint8_t> encode(const Message& message) {
   std::vector<std::uint8_t> frame(kFrameLengthSize + builder.GetSize());
   put_little_endian(frame.data(), static_cast<std::uint32_t>(builder.GetSize()));
   std::copy_n(builder.GetBufferPointer(), builder.GetSize(), frame.data() + kFrameLengthSize);
+  sodium_memzero(builder.GetBufferPointer(), builder.GetSize());  // a token may have been in it
   return frame;
 }
 
@@ -287,6 +365,22 @@ std::optional<Message> decode(Bytes body) {
       return message<ParametersSet>(*root->body_as_ParametersSet());
     case wire::Body::Refused:
       return message<Refused>(*root->body_as_Refused());
+    case wire::Body::Authenticate:
+      return message<Authenticate>(*root->body_as_Authenticate());
+    case wire::Body::Authenticated:
+      return message<Authenticated>(*root->body_as_Authenticated());
+    case wire::Body::Evict:
+      return message<Evict>(*root->body_as_Evict());
+    case wire::Body::Evicted:
+      return message<Evicted>(*root->body_as_Evicted());
+    case wire::Body::ListSessions:
+      return message<ListSessions>(*root->body_as_ListSessions());
+    case wire::Body::SessionList:
+      return message<SessionList>(*root->body_as_SessionList());
+    case wire::Body::ReloadScene:
+      return message<ReloadScene>(*root->body_as_ReloadScene());
+    case wire::Body::SceneReloaded:
+      return message<SceneReloaded>(*root->body_as_SceneReloaded());
     case wire::Body::NONE:
       break;
   }
@@ -294,9 +388,9 @@ std::optional<Message> decode(Bytes body) {
 }
 
 const char* name(RefusalCode code) {
-  static constexpr std::array<const char*, 7> names = {
-      "malformed",      "unknown_scene", "unknown_session", "bad_device",
-      "bad_parameters", "full",          "shutting_down"};
+  static constexpr std::array<const char*, 11> names = {
+      "malformed",     "unknown_scene",   "unknown_session", "bad_device", "bad_parameters", "full",
+      "shutting_down", "unauthenticated", "forbidden",       "too_many",   "not_supported"};
   const auto i = static_cast<std::size_t>(code);
   return i < names.size() ? names[i] : "unknown";
 }

@@ -10,6 +10,9 @@
 
 #include "core/device_spec.hpp"
 #include "protocol/datagram.hpp"
+#include "protocol/role.hpp"
+#include "protocol/secret.hpp"
+#include "protocol/session_keys.hpp"
 #include "protocol/session_parameters.hpp"
 
 namespace feltwire::control {
@@ -18,22 +21,28 @@ inline constexpr std::size_t kMaxFrame = std::size_t{64} * 1024;  // [bytes] bod
 inline constexpr std::size_t kFrameLengthSize = 4;                // [bytes] the u32 before it
 inline constexpr std::size_t kMaxName = 128;    // [bytes] of a client, scene or device name
 inline constexpr std::size_t kMaxScenes = 256;  // of one server
+/// [bytes] body of a frame before the token was shown: strangers get no work done with a long one.
+inline constexpr std::size_t kMaxFirstFrame = 512;
+inline constexpr std::size_t kMaxSessionEntries = 200;  // of one SessionList
 
 struct JoinRequest {
   std::string client;
   std::string scene;
   DeviceSpec device;
   SessionParameters parameters;
+  Role role = Role::operator_;
+  bool aes_256_gcm = false;  // this CPU does it well; ChaCha20-Poly1305 every client can
 };
 struct JoinAccepted {
   std::uint64_t session = 0;
-  std::uint16_t udp_port = 0;
-  SessionParameters parameters;  // in force
-  double silence_timeout = 0.0;  // [s]
+  std::uint16_t port_offset = 0;  // of the UDP port, from the control port that was dialled
+  SessionParameters parameters;   // in force
+  double silence_timeout = 0.0;   // [s]
   bool friction = false, rotation = false;
   Vec3 start_position = Vec3::Zero();  // [m] where a hand that knows nothing of the scene begins
   Vec3 start_normal = Vec3::UnitZ();   // unit, of the surface there
   double stiffness = 0.0;              // [N/m] of the scene's stiffest surface; 0: not said
+  CipherSuite suite = CipherSuite::chacha20_poly1305;  // that the datagrams are sealed with
 };
 struct LeaveRequest {
   std::uint64_t session = 0;
@@ -44,7 +53,7 @@ struct Left {
 struct ListScenes {};
 struct SceneEntry {
   std::string name;
-  std::uint16_t udp_port = 0;
+  std::uint16_t port_offset = 0;
   std::uint32_t objects = 0, sessions = 0;
 };
 struct SceneList {
@@ -65,15 +74,51 @@ enum class RefusalCode : std::uint8_t {
   bad_device,
   bad_parameters,
   full,
-  shutting_down
+  shutting_down,
+  unauthenticated,
+  forbidden,
+  too_many,
+  not_supported
 };
 struct Refused {
   RefusalCode code = RefusalCode::malformed;
   std::string reason;  // for people
 };
+struct Authenticate {
+  Secret token;
+};
+struct Authenticated {
+  std::string client, scene;  // whom the token was given to and the scene that it opens, *: any
+  Role role = Role::observer;
+};
+struct Evict {
+  std::uint64_t session = 0;
+};
+struct Evicted {
+  std::uint64_t session = 0;
+};
+struct ListSessions {
+  std::uint64_t after = 0;  // those with greater ids; 0: from the first
+};
+struct SessionEntry {
+  std::uint64_t session = 0;
+  std::string client, scene;
+  Role role = Role::observer;
+};
+struct SessionList {
+  std::vector<SessionEntry> sessions;  // at most kMaxSessionEntries, by rising id
+  bool more = false;                   // there are others behind
+};
+struct ReloadScene {
+  std::string scene;
+};
+struct SceneReloaded {
+  std::string scene;
+};
 
 using Message = std::variant<JoinRequest, JoinAccepted, LeaveRequest, Left, ListScenes, SceneList,
-                             SetParameters, ParametersSet, Refused>;
+                             SetParameters, ParametersSet, Refused, Authenticate, Authenticated,
+                             Evict, Evicted, ListSessions, SessionList, ReloadScene, SceneReloaded>;
 
 const char* name(RefusalCode code);
 

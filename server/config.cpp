@@ -5,6 +5,7 @@
 #include <asio/ip/address.hpp>
 #include <functional>
 #include <optional>
+#include <sstream>
 #include <stdexcept>
 
 #include "core/scene/json_document.hpp"
@@ -39,6 +40,41 @@ std::string choices() {
   return text;
 }
 
+std::optional<Complaint> out_of_range(const char* field, const char* option, double value,
+                                      double least, double most) {
+  if (value >= least && value <= most) return std::nullopt;
+  std::ostringstream text;
+  text << value << " is not within " << least << " to " << most;
+  return Complaint{field, option, text.str()};
+}
+
+std::optional<Complaint> security_complaint(const ServerConfig& c) {
+  constexpr double kShortest = 0.01, kLongest = 3600.0;  // [s]
+  constexpr int kMostConnections = 10'000;
+  constexpr double kFastest = 1e6;  // [1/s]
+  if (c.certificate.empty() != c.key.empty())
+    return Complaint{"certificate", "--certificate",
+                     "a certificate and its key go together; give both, or neither"};
+  if (auto wrong = out_of_range("max_sessions_per_client", "--max-sessions-per-client",
+                                c.max_sessions_per_client, 1, kMostSessions))
+    return wrong;
+  if (auto wrong = out_of_range("join_rate", "--join-rate", c.join_rate, 1.0 / kLongest, kFastest))
+    return wrong;
+  if (auto wrong = out_of_range("join_burst", "--join-burst", c.join_burst, 1, kFastest))
+    return wrong;
+  if (auto wrong = out_of_range("handshake_timeout", "--handshake-timeout", c.handshake_timeout,
+                                kShortest, kLongest))
+    return wrong;
+  if (auto wrong =
+          out_of_range("idle_timeout", "--idle-timeout", c.idle_timeout, kShortest, kLongest))
+    return wrong;
+  if (auto wrong = out_of_range("max_connections", "--max-connections", c.max_connections, 1,
+                                kMostConnections))
+    return wrong;
+  return out_of_range("max_connections_per_address", "--max-connections-per-address",
+                      c.max_connections_per_address, 1, kMostConnections);
+}
+
 std::optional<Complaint> complaint(const ServerConfig& c) {
   const int scenes = static_cast<int>(c.scenes.size());
   if (scenes > static_cast<int>(control::kMaxScenes))
@@ -57,7 +93,7 @@ std::optional<Complaint> complaint(const ServerConfig& c) {
     return Complaint{"port", "--port",
                      std::to_string(c.port) + " is not within 1 to " +
                          std::to_string(kLastPort - scenes) + " (" + std::to_string(scenes) +
-                         " scene ports follow it), nor 0 for ports chosen by the system"};
+                         " scene ports follow it), nor 0 for a free place for all"};
   if (!(c.silence_timeout >= kShortestSilence && c.silence_timeout <= kLongestSilence))
     return Complaint{"silence_timeout", "--silence-timeout",
                      std::to_string(c.silence_timeout) + " s is not within 0.1 to 3600 s"};
@@ -70,6 +106,7 @@ std::optional<Complaint> complaint(const ServerConfig& c) {
                      std::to_string(c.sample_rate_limit) +
                          " times the servo rate is not within 1.1 to 1000000; clocks differ, so 1 "
                          "would be too little"};
+  if (const auto wrong = security_complaint(c)) return wrong;
   if (!c.profile.empty()) {
     try {
       network_profile(c.profile);
@@ -117,6 +154,21 @@ ServerConfig parse_config(std::string_view json, const std::filesystem::path& fi
   config.silence_timeout = root->silence_timeout();
   config.max_sessions_per_scene = root->max_sessions_per_scene();
   config.sample_rate_limit = root->sample_rate_limit();
+  const auto path = [&](const flatbuffers::String* text) {
+    return text == nullptr ? std::filesystem::path() : file.parent_path() / text->str();
+  };
+  config.state = path(root->state());
+  config.certificate = path(root->certificate());
+  config.key = path(root->key());
+  config.client_ca = path(root->client_ca());
+  config.tokens = path(root->tokens());
+  config.max_sessions_per_client = root->max_sessions_per_client();
+  config.join_rate = root->join_rate();
+  config.join_burst = root->join_burst();
+  config.handshake_timeout = root->handshake_timeout();
+  config.idle_timeout = root->idle_timeout();
+  config.max_connections = root->max_connections();
+  config.max_connections_per_address = root->max_connections_per_address();
   if (root->profile() != nullptr) config.profile = root->profile()->str();
   // JSON has no infinity.
   config.busy_poll = root->busy_poll() == kNeverSleeps ? HUGE_VAL : root->busy_poll();

@@ -9,11 +9,20 @@ namespace feltwire {
 
 struct ServerConfig {
   std::vector<std::filesystem::path> scenes;  // at least one
-  std::string address = "127.0.0.1";  // nobody is authenticated yet: other machines on request only
-  int port = 7400;                    // control (tcp); 0: every port chosen by the system
-  double silence_timeout = 2.0;       // [s]
+  std::string address = "127.0.0.1";          // other machines on request only
+  int port = 7400;  // control (tcp), the scenes' (udp) follow one by one; 0: a free place for all
+  double silence_timeout = 2.0;  // [s]
   int max_sessions_per_scene = 64;
   double sample_rate_limit = 1.5;  // of a session, times its servo rate
+  // Who gets in (server/security.hpp). Where not named, certificate, key and tokens are the state
+  // folder's.
+  std::filesystem::path state, certificate, key, client_ca, tokens;
+  int max_sessions_per_client = 16;  // of all tokens with one client's name
+  double join_rate = 20.0;           // [1/s] joins and wrong tokens of one address, for ever,
+  double join_burst = 60.0;          // and at once
+  double handshake_timeout = 5.0;    // [s] from connecting to a good token
+  double idle_timeout = 60.0;        // [s] a connection that asks nothing ends
+  int max_connections = 256, max_connections_per_address = 64;
   std::string profile;       // of the line that sessions share, lan, wan or thin; empty: no limit
   double busy_poll = 0.0;    // [us] before a scene's thread sleeps; 0: at once, infinity: never
   std::string dscp = "cs0";  // of replies: a name or a number, see protocol/udp_socket.hpp

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <asio/read.hpp>
+#include <asio/ssl/stream.hpp>
 #include <asio/write.hpp>
 #include <vector>
 
@@ -10,49 +11,87 @@
 namespace feltwire {
 
 using asio::ip::tcp;
+using control::RefusalCode;
+using Error = std::error_code;
 
-/// One request, one answer, in turn.
+namespace {
+
+asio::ssl::context server_context(const Identity& identity, const std::string& client_authorities) {
+  asio::ssl::context tls(asio::ssl::context::tls_server);
+  require_tls_13(*tls.native_handle());
+  tls.use_certificate_chain(asio::buffer(identity.certificate));
+  tls.use_private_key(asio::buffer(identity.key.text().data(), identity.key.text().size()),
+                      asio::ssl::context::pem);
+  if (!client_authorities.empty()) {
+    tls.add_certificate_authority(asio::buffer(client_authorities));
+    tls.set_verify_mode(asio::ssl::verify_peer | asio::ssl::verify_fail_if_no_peer_cert);
+  }
+  return tls;
+}
+
+}  // namespace
+
+/// TLS, then one request, one answer, in turn.
 class ControlEndpoint::Connection : public std::enable_shared_from_this<Connection> {
  public:
-  Connection(ControlEndpoint& endpoint, tcp::socket socket)
-      : endpoint_(endpoint), socket_(std::move(socket)), idle_(endpoint.io_) {}
-
-  void start() { read_length(); }
-
-  /// Answers before any request, and ends.
-  void refuse(control::Refused refusal) {
-    restart_idle_timer();
-    ends_after_answer_ = true;
-    write(std::move(refusal));
+  Connection(ControlEndpoint& endpoint, tcp::socket socket, const asio::ip::address& address)
+      : endpoint_(endpoint), stream_(std::move(socket), endpoint.tls_), deadline_(endpoint.io_) {
+    peer_.address = address;
+    peer_.keys = [this](std::uint64_t session, CipherSuite suite) {
+      return export_keys(*stream_.native_handle(), session, suite);
+    };
   }
+
+  void start() {
+    set_deadline(endpoint_.options_.handshake_timeout);
+    stream_.async_handshake(asio::ssl::stream_base::server,
+                            [self = shared_from_this()](const Error& error) {
+                              if (self->closed_) return;
+                              if (error) {
+                                ++self->endpoint_.counters_.failed;
+                                return self->end();
+                              }
+                              self->read_length();
+                            });
+  }
+
+  const asio::ip::address& address() const { return peer_.address; }
 
   void close() {
     if (closed_) return;
     closed_ = true;
-    std::error_code ignored;
-    socket_.shutdown(tcp::socket::shutdown_both, ignored);
-    socket_.close(ignored);
-    idle_.cancel();
+    Error ignored;
+    socket().shutdown(tcp::socket::shutdown_both, ignored);
+    socket().close(ignored);
+    deadline_.cancel();
   }
 
  private:
+  tcp::socket& socket() { return stream_.next_layer(); }
+  bool stranger() const { return peer_.token.empty(); }
+
   /// Every way out: the endpoint forgets the connection, and with the last handler it is gone.
   void end() {
     close();
-    endpoint_.connections_.erase(shared_from_this());
+    if (endpoint_.connections_.erase(shared_from_this()) == 0) return;
+    const auto counted = endpoint_.by_address_.find(peer_.address);
+    if (--counted->second == 0) endpoint_.by_address_.erase(counted);
   }
 
-  void restart_idle_timer() {
-    idle_.expires_after(endpoint_.options_.idle_timeout);
-    idle_.async_wait([self = shared_from_this()](const std::error_code& error) {
-      if (!error && !self->closed_) self->end();
+  void set_deadline(std::chrono::milliseconds timeout) {
+    deadline_.expires_after(timeout);
+    deadline_.async_wait([self = shared_from_this()](const Error& error) {
+      if (error || self->closed_) return;
+      if (self->stranger() && !self->ends_after_answer_) ++self->endpoint_.counters_.too_slow;
+      self->end();
     });
   }
 
   void read_length() {
-    restart_idle_timer();
-    asio::async_read(socket_, asio::buffer(length_),
-                     [self = shared_from_this()](const std::error_code& error, std::size_t) {
+    // A stranger's time began when it came.
+    if (!stranger()) set_deadline(endpoint_.options_.idle_timeout);
+    asio::async_read(stream_, asio::buffer(length_),
+                     [self = shared_from_this()](const Error& error, std::size_t) {
                        if (self->closed_) return;
                        if (error) return self->end();
                        self->read_body();
@@ -61,12 +100,13 @@ class ControlEndpoint::Connection : public std::enable_shared_from_this<Connecti
 
   void read_body() {
     const std::uint32_t length = control::frame_length(length_);
-    if (length == 0 || length > control::kMaxFrame)
+    const std::size_t most = stranger() ? control::kMaxFirstFrame : control::kMaxFrame;
+    if (length == 0 || length > most)
       return refuse_malformed("a frame of " + std::to_string(length) + " bytes; 1 to " +
-                              std::to_string(control::kMaxFrame) + " are read");
+                              std::to_string(most) + " are read");
     body_.resize(length);
-    asio::async_read(socket_, asio::buffer(body_),
-                     [self = shared_from_this()](const std::error_code& error, std::size_t) {
+    asio::async_read(stream_, asio::buffer(body_),
+                     [self = shared_from_this()](const Error& error, std::size_t) {
                        if (self->closed_) return;
                        if (error) return self->end();
                        self->handle();
@@ -75,53 +115,60 @@ class ControlEndpoint::Connection : public std::enable_shared_from_this<Connecti
 
   void handle() {
     std::optional<control::Message> request = control::decode(body_);
+    if (stranger()) wipe(body_);
     if (!request) return refuse_malformed("the frame holds no control message of this version");
     endpoint_.handler_(
-        std::move(*request), [self = shared_from_this()](const control::Message& answer) {
+        peer_, std::move(*request), [self = shared_from_this()](const control::Message& answer) {
           if (self->closed_) return;
           if (const auto* refused = std::get_if<control::Refused>(&answer))
-            self->ends_after_answer_ = refused->code == control::RefusalCode::malformed;
+            self->ends_after_answer_ = self->stranger() || refused->code == RefusalCode::malformed;
           self->write(answer);
         });
   }
 
   void refuse_malformed(std::string reason) {
     ends_after_answer_ = true;
-    write(control::Refused{control::RefusalCode::malformed, std::move(reason)});
+    write(control::Refused{RefusalCode::malformed, std::move(reason)});
   }
 
   void write(const control::Message& answer) {
     frame_ = control::encode(answer);
-    asio::async_write(socket_, asio::buffer(frame_),
-                      [self = shared_from_this()](const std::error_code& error, std::size_t) {
+    asio::async_write(stream_, asio::buffer(frame_),
+                      [self = shared_from_this()](const Error& error, std::size_t) {
                         if (self->closed_) return;
                         if (error) return self->end();
-                        if (self->ends_after_answer_) return self->drain();
+                        if (self->ends_after_answer_) return self->say_end();
                         self->read_length();
                       });
   }
 
-  /// Says that nothing more comes and reads on until the other side closes too (or the idle timer
-  /// ends it): closing over unread bytes would reset the connection and lose the refusal.
-  void drain() {
-    std::error_code ignored;
-    socket_.shutdown(tcp::socket::shutdown_send, ignored);
-    discard();
+  /// Says that nothing more comes (TLS, then TCP) and reads on until the other side closes too, or
+  /// the deadline ends it: closing over unread bytes would reset the connection and lose the
+  /// refusal.
+  void say_end() {
+    stream_.async_shutdown([self = shared_from_this()](const Error&) {
+      if (self->closed_) return;
+      Error ignored;
+      self->socket().shutdown(tcp::socket::shutdown_send, ignored);
+      self->discard();
+    });
   }
 
   void discard() {
-    body_.resize(4096);
-    socket_.async_read_some(asio::buffer(body_),
-                            [self = shared_from_this()](const std::error_code& error, std::size_t) {
-                              if (self->closed_) return;
-                              if (error) return self->end();
-                              self->discard();
-                            });
+    constexpr std::size_t kAtOnce = 4096;
+    body_.resize(kAtOnce);
+    socket().async_read_some(asio::buffer(body_),
+                             [self = shared_from_this()](const Error& error, std::size_t) {
+                               if (self->closed_) return;
+                               if (error) return self->end();
+                               self->discard();
+                             });
   }
 
   ControlEndpoint& endpoint_;
-  tcp::socket socket_;
-  asio::steady_timer idle_;
+  asio::ssl::stream<tcp::socket> stream_;
+  asio::steady_timer deadline_;
+  ControlPeer peer_;
   std::array<std::uint8_t, control::kFrameLengthSize> length_{};
   std::vector<std::uint8_t> body_, frame_;
   bool ends_after_answer_ = false;
@@ -129,8 +176,14 @@ class ControlEndpoint::Connection : public std::enable_shared_from_this<Connecti
 };
 
 ControlEndpoint::ControlEndpoint(asio::io_context& io, const ControlOptions& options,
+                                 const Identity& identity, const std::string& client_authorities,
                                  ControlHandler handler)
-    : io_(io), options_(options), handler_(std::move(handler)), acceptor_(io), retry_(io) {
+    : io_(io),
+      options_(options),
+      tls_(server_context(identity, client_authorities)),
+      handler_(std::move(handler)),
+      acceptor_(io),
+      retry_(io) {
   const tcp::endpoint endpoint(options.address, options.port);
   try {
     acceptor_.open(endpoint.protocol());
@@ -150,37 +203,47 @@ ControlEndpoint::~ControlEndpoint() = default;
 
 void ControlEndpoint::start() { accept(); }
 
+bool ControlEndpoint::has_room(const asio::ip::address& address) const {
+  const auto counted = by_address_.find(address);
+  return connections_.size() < options_.max_connections &&
+         (counted == by_address_.end() || counted->second < options_.max_connections_per_address);
+}
+
 void ControlEndpoint::accept() {
-  acceptor_.async_accept([this](const std::error_code& error, tcp::socket socket) {
+  acceptor_.async_accept([this](const Error& error, tcp::socket socket) {
     if (error == asio::error::operation_aborted || !acceptor_.is_open()) return;
     if (error) {
       // Out of descriptors, say: what is open goes on, and a moment later there may be one.
       retry_.expires_after(std::chrono::milliseconds(100));
-      retry_.async_wait([this](const std::error_code& cancelled) {
+      retry_.async_wait([this](const Error& cancelled) {
         if (!cancelled) accept();
       });
       return;
     }
-    // A refusal stays open until it was read, so there is an end to refusals too: beyond it the
-    // socket is dropped, and so closed.
-    if (connections_.size() >= 2 * options_.max_connections) return accept();
-    auto connection = std::make_shared<Connection>(*this, std::move(socket));
-    const bool full = connections_.size() >= options_.max_connections;
+    Error gone;
+    const asio::ip::address address = socket.remote_endpoint(gone).address();
+    // Without a word, as a word would take a handshake: that is what there is no room for.
+    if (gone || !has_room(address)) {
+      ++counters_.crowded_out;
+      return accept();
+    }
+    socket.set_option(tcp::no_delay(true), gone);  // an answer waits for no acknowledgement
+    ++counters_.accepted;
+    ++by_address_[address];
+    auto connection = std::make_shared<Connection>(*this, std::move(socket), address);
     connections_.insert(connection);
-    if (full)
-      connection->refuse({control::RefusalCode::full, "too many control connections; try again"});
-    else
-      connection->start();
+    connection->start();
     accept();
   });
 }
 
 void ControlEndpoint::close() {
-  std::error_code ignored;
+  Error ignored;
   acceptor_.close(ignored);
   retry_.cancel();
   for (const auto& connection : connections_) connection->close();
   connections_.clear();
+  by_address_.clear();
 }
 
 }  // namespace feltwire

@@ -1,34 +1,60 @@
 #pragma once
-// The control endpoint: TCP, frames of protocol/control.hpp, one thread.
+// The control endpoint: TLS 1.3 over TCP, frames of protocol/control.hpp, one thread.
 
 #include <asio/io_context.hpp>
 #include <asio/ip/tcp.hpp>
+#include <asio/ssl/context.hpp>
 #include <asio/steady_timer.hpp>
 #include <chrono>
 #include <functional>
+#include <map>
 #include <memory>
 #include <set>
 
 #include "protocol/control.hpp"
+#include "server/identity.hpp"
 
 namespace feltwire {
 
 struct ControlOptions {
-  asio::ip::address address;                       // to listen on
-  std::uint16_t port = 0;                          // 0: the operating system chooses
+  asio::ip::address address;  // to listen on
+  std::uint16_t port = 0;     // 0: the operating system chooses
+  /// For TLS handshake and token together; who takes longer is closed.
+  std::chrono::milliseconds handshake_timeout{5'000};
   std::chrono::milliseconds idle_timeout{60'000};  // a connection that sends no request ends
   std::size_t max_connections = 256;
+  std::size_t max_connections_per_address = 64;
 };
 
-/// Answers requests; the answer may be called later, on the control thread, exactly once.
-using ControlHandler =
-    std::function<void(control::Message request, std::function<void(control::Message)> answer)>;
+/// What became of connections, so far.
+struct ControlCounters {
+  std::uint64_t accepted = 0;
+  std::uint64_t crowded_out = 0;  // closed at once: there were as many as there may be
+  std::uint64_t failed = 0;       // TLS came to nothing: not 1.3, no certificate, no TLS at all
+  std::uint64_t too_slow = 0;     // TLS or token took too long
+};
+
+/// Who is at the other end of a connection.
+struct ControlPeer {
+  asio::ip::address address;
+  std::string token;  // id of the one it has shown; empty: none yet
+  /// The keys of a session that is joined by this connection (protocol/tls.hpp).
+  std::function<SessionKeys(std::uint64_t session, CipherSuite suite)> keys;
+};
+
+/// Answers requests; the answer may be called later, on the control thread, exactly once. `peer`
+/// lives until the answer is given. Until it has set peer.token a connection may send short frames
+/// only, and a refusal ends it.
+using ControlHandler = std::function<void(ControlPeer& peer, control::Message request,
+                                          std::function<void(control::Message)> answer)>;
 
 class ControlEndpoint {
  public:
-  /// Binds and listens. Throws std::runtime_error in one line when it cannot. `io` runs on one
-  /// thread and outlives this; the handler is called on that thread.
-  ControlEndpoint(asio::io_context& io, const ControlOptions& options, ControlHandler handler);
+  /// Binds and listens. With `client_authorities` (PEM) a client needs a certificate of theirs.
+  /// Throws std::runtime_error in one line when it cannot. `io` runs on one thread and outlives
+  /// this; the handler is called on that thread.
+  ControlEndpoint(asio::io_context& io, const ControlOptions& options, const Identity& identity,
+                  const std::string& client_authorities, ControlHandler handler);
   ~ControlEndpoint();
 
   /// Begins to accept.
@@ -37,17 +63,23 @@ class ControlEndpoint {
   void close();
 
   std::uint16_t port() const { return port_; }
+  /// On the thread of `io`, or when it does not run.
+  const ControlCounters& counters() const { return counters_; }
 
  private:
   class Connection;
   void accept();
+  bool has_room(const asio::ip::address& address) const;
 
   asio::io_context& io_;
   ControlOptions options_;
+  asio::ssl::context tls_;
   ControlHandler handler_;
   asio::ip::tcp::acceptor acceptor_;
   asio::steady_timer retry_;
   std::set<std::shared_ptr<Connection>> connections_;
+  std::map<asio::ip::address, std::size_t> by_address_;  // of the connections
+  ControlCounters counters_;
   std::uint16_t port_ = 0;
 };
 

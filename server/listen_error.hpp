@@ -17,12 +17,14 @@ void serve_both_families(Socket& socket, const asio::ip::address& address) {
 
 /// One line for whoever started the server on a port that cannot be had.
 inline std::runtime_error listen_error(const char* transport, const asio::ip::address& address,
-                                       std::uint16_t port, const std::error_code& code) {
+                                       std::uint16_t port, const std::error_code& code,
+                                       const char* port_option = "--port") {
   std::string remedy;
   if (code.value() == EADDRINUSE)
-    remedy = "; another server may be running, choose another port with --port";
+    remedy =
+        std::string("; another server may be running, choose another port with ") + port_option;
   else if (code.value() == EACCES)
-    remedy = "; choose a port above 1023 with --port";
+    remedy = std::string("; choose a port above 1023 with ") + port_option;
   else if (code.value() == EADDRNOTAVAIL)
     remedy = "; choose an address of this machine with --address";
   return std::runtime_error("cannot listen on " + address.to_string() + " port " +

@@ -66,14 +66,19 @@ SceneHost::SceneHost(Scene scene, const SceneHostOptions& options)
     : scene_(std::move(scene)),
       silence_timeout_(options.silence_timeout),
       busy_poll_(options.busy_poll),
+      ended_(options.ended),
       sessions_(scene_, options.silence_timeout, options.max_sessions, options.line,
                 options.limits),
       batch_(std::make_unique<Batch>()) {
   const asio::ip::udp::endpoint endpoint(options.address, options.port);
   try {
-    socket_.open(endpoint.protocol());
-    serve_both_families(socket_, options.address);
-    socket_.bind(endpoint);
+    if (options.socket >= 0) {
+      socket_.assign(endpoint.protocol(), options.socket);
+    } else {
+      socket_.open(endpoint.protocol());
+      serve_both_families(socket_, options.address);
+      socket_.bind(endpoint);
+    }
     const int descriptor = socket_.native_handle();
     if (!forbid_fragments(descriptor) || (options.dscp != 0 && !set_dscp(descriptor, options.dscp)))
       throw std::system_error(errno, std::generic_category());
@@ -115,6 +120,19 @@ void SceneHost::ask(control::Message request, std::uint64_t id, const SessionKey
       completion(std::move(answer));
     });
   });
+}
+
+void SceneHost::evict(std::uint64_t session) {
+  asio::post(io_, [this, session] {
+    if (closing_) return;
+    say(sessions_.evict(session));
+    publish();
+  });
+}
+
+void SceneHost::tell_ended() {
+  if (ended_) ended_({sessions_.ended().begin(), sessions_.ended().end()});
+  sessions_.forget_ended();
 }
 
 /// The thread. The silence timer always waits, so Asio never runs out of work.

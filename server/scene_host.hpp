@@ -17,6 +17,9 @@ namespace feltwire {
 struct SceneHostOptions {
   asio::ip::address address;  // to listen on
   std::uint16_t port = 0;     // 0: the operating system chooses
+  int socket = -1;            // bound there already, the host's from now on; -1: none
+  /// Told, in the scene's thread, which sessions have ended, however they did. May be empty.
+  std::function<void(std::vector<std::uint64_t>)> ended = {};
   Nanoseconds silence_timeout{};
   std::size_t max_sessions = 64;
   SessionLimits limits = {};
@@ -57,6 +60,8 @@ class SceneHost {
   /// which must outlive this host's thread. From any thread.
   void ask(control::Message request, std::uint64_t id, const SessionKeys& keys,
            asio::io_context& back, Completion completion);
+  /// Ends a session with a goodbye, if it is there. From any thread.
+  void evict(std::uint64_t session);
 
   /// Only while the thread does not run.
   SceneSummary summary() const;
@@ -72,12 +77,15 @@ class SceneHost {
   void publish() {
     published_sessions_.store(static_cast<std::uint32_t>(sessions_.size()),
                               std::memory_order_relaxed);
+    if (!sessions_.ended().empty()) tell_ended();
   }
+  void tell_ended();
   void say(const std::vector<SceneSessions::Farewell>& farewells) noexcept;
   struct Batch;
 
   Scene scene_;
   Nanoseconds silence_timeout_, busy_poll_;
+  std::function<void(std::vector<std::uint64_t>)> ended_;
   SceneSessions sessions_;
   asio::io_context io_{1};
   asio::ip::udp::socket socket_{io_};

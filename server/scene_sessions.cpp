@@ -73,6 +73,7 @@ SceneSessions::SceneSessions(const Scene& scene, Nanoseconds silence_timeout,
       limits_(limits),
       by_id_(max_sessions) {
   seats_.reserve(max_sessions);
+  ended_.reserve(max_sessions);
 }
 
 SceneSessions::~SceneSessions() = default;
@@ -193,6 +194,9 @@ Bytes SceneSessions::receive_samples(Seat& seat, Bytes payload, const Origin& or
 
 void SceneSessions::end(Seat& seat) noexcept {
   add(counters_, seat.session);
+  // Nobody may ask for them; then they are forgotten before they would take memory.
+  if (ended_.size() == ended_.capacity()) ended_.clear();
+  ended_.push_back(seat.id);
   by_id_.erase(seat.id);
   std::erase_if(seats_, [&](const auto& other) { return other.get() == &seat; });
 }
@@ -226,6 +230,15 @@ std::vector<SceneSessions::Farewell> SceneSessions::expire(Nanoseconds now) {
     ++(counters_.*(why->counter));
     end(seat);
   }
+  return farewells;
+}
+
+std::vector<SceneSessions::Farewell> SceneSessions::evict(std::uint64_t id) {
+  Seat** seat = by_id_.find(id);
+  if (seat == nullptr) return {};
+  std::vector<Farewell> farewells = {farewell(**seat, GoodbyeReason::evicted)};
+  ++counters_.evicted;
+  end(**seat);
   return farewells;
 }
 

@@ -34,8 +34,9 @@ struct SessionLimits {
 
 struct SceneCounters {
   std::uint64_t sessions_served = 0;
-  // How they ended: by goodbye or request, by silence, by flooding, by too many forgeries.
-  std::uint64_t left = 0, silent = 0, flooded = 0, forged = 0;
+  // How they ended: by goodbye or request, by silence, by flooding, by too many forgeries, by an
+  // admin or because their token is good no more.
+  std::uint64_t left = 0, silent = 0, flooded = 0, forged = 0, evicted = 0;
   std::uint64_t datagrams = 0;   // received
   std::uint64_t violations = 0;  // of the energy bound at the real ports
   SessionCounters samples;       // over all sessions
@@ -50,8 +51,8 @@ class SceneSessions {
                 const NetworkProfile* line = nullptr, const SessionLimits& limits = {});
   ~SceneSessions();
 
-  /// Join, leave, set parameters; anything else is refused as malformed. `id` and `keys` are
-  /// the new session's for a join, else unused. Numbers that are not possible come back as Refused.
+  /// Join, leave, set parameters; anything else is refused as malformed. `id` and `keys` are the
+  /// new session's for a join, else unused. Numbers that are not possible come back as Refused.
   control::Message answer(const control::Message& request, std::uint64_t id,
                           const SessionKeys& keys, Nanoseconds now);
 
@@ -67,8 +68,14 @@ class SceneSessions {
   /// Ends the sessions that have been silent for too long, that flooded, or under whose id too much
   /// came that was not theirs.
   std::vector<Farewell> expire(Nanoseconds now);
+  /// Ends one session, if it is there.
+  std::vector<Farewell> evict(std::uint64_t id);
   /// Ends all sessions.
   std::vector<Farewell> shut_down();
+
+  /// Sessions that have ended since forget_ended().
+  const std::vector<std::uint64_t>& ended() const { return ended_; }
+  void forget_ended() noexcept { ended_.clear(); }
 
   std::size_t size() const { return seats_.size(); }
   /// Running sessions included.
@@ -96,6 +103,7 @@ class SceneSessions {
   SessionLimits limits_;
   std::vector<std::unique_ptr<Seat>> seats_;  // in the order they joined
   IdMap<Seat*> by_id_;
+  std::vector<std::uint64_t> ended_;  // no more than there were sessions between two joins
   Encoder encoder_;
   DatagramBuffer opened_;  // the datagram at hand
   SampleBatch batch_;      // what it brings

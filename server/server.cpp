@@ -6,13 +6,12 @@
 #include <asio/executor_work_guard.hpp>
 #include <asio/post.hpp>
 #include <cmath>
-#include <random>
 #include <stdexcept>
 #include <thread>
 
-#include "protocol/placeholder_keys.hpp"
 #include "protocol/udp_socket.hpp"
-#include "server/control.hpp"
+#include "server/control_service.hpp"
+#include "server/scene_ports.hpp"
 
 namespace feltwire {
 namespace {
@@ -37,13 +36,6 @@ void check_names(const std::vector<Scene>& scenes) {
   }
 }
 
-/// Nothing but letters that cannot spoil a log line: a client chooses its own name.
-std::string printable(std::string name) {
-  std::replace_if(
-      name.begin(), name.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; }, '?');
-  return name;
-}
-
 /// Threads that never sleep and have no core each keep one another, and all else, waiting.
 void warn_of_spinning(Nanoseconds busy_poll, std::size_t scenes) {
   const unsigned cores = std::thread::hardware_concurrency();
@@ -54,45 +46,95 @@ void warn_of_spinning(Nanoseconds busy_poll, std::size_t scenes) {
         scenes, cores);
 }
 
+ControlOptions control_options(const ServerConfig& config) {
+  const auto milliseconds = [](double seconds) {
+    return std::chrono::duration_cast<std::chrono::milliseconds>(from_seconds(seconds));
+  };
+  ControlOptions options;
+  options.address = asio::ip::make_address(config.address);
+  options.handshake_timeout = milliseconds(config.handshake_timeout);
+  options.idle_timeout = milliseconds(config.idle_timeout);
+  options.max_connections = static_cast<std::size_t>(config.max_connections);
+  options.max_connections_per_address =
+      static_cast<std::size_t>(config.max_connections_per_address);
+  return options;
+}
+
+ServiceLimits service_limits(const ServerConfig& config) {
+  return {static_cast<std::size_t>(config.max_sessions_per_client), config.join_rate,
+          config.join_burst};
+}
+
+SceneHostOptions host_options(const ServerConfig& config) {
+  SceneHostOptions options;
+  options.address = asio::ip::make_address(config.address);
+  options.silence_timeout = from_seconds(config.silence_timeout);
+  if (!config.profile.empty()) options.line = &network_profile(config.profile);
+  options.dscp = dscp(config.dscp);
+  options.max_sessions = static_cast<std::size_t>(config.max_sessions_per_scene);
+  options.limits.sample_rate = config.sample_rate_limit;
+  options.busy_poll = busy_poll_time(config.busy_poll);
+  return options;
+}
+
 }  // namespace
 
 struct Server::Parts {
   asio::io_context io{1};
+  Fingerprint fingerprint;
   std::vector<std::unique_ptr<SceneHost>> hosts;
+  ControlService service;
   std::unique_ptr<ControlEndpoint> control;
-  std::random_device random;  // the operating system's
+  asio::steady_timer look{io};
   std::thread thread;
 
-  Parts(const ServerConfig& config, std::vector<Scene> scenes) {
+  Parts(const ServerConfig& config, std::vector<Scene> scenes, Security security)
+      : fingerprint(feltwire::fingerprint(security.identity)),
+        service(io, hosts, std::move(security.tokens), service_limits(config)) {
     check_names(scenes);
-    const auto address = asio::ip::make_address(config.address);
-    const auto port = static_cast<std::uint16_t>(config.port);
-    control = std::make_unique<ControlEndpoint>(
-        io, ControlOptions{.address = address, .port = port},
-        [this](control::Message request, SceneHost::Completion answer) {
-          handle(std::move(request), std::move(answer));
-        });
-    SceneHostOptions options;
-    options.address = address;
-    options.silence_timeout = from_seconds(config.silence_timeout);
-    if (!config.profile.empty()) options.line = &network_profile(config.profile);
-    options.dscp = dscp(config.dscp);
-    options.max_sessions = static_cast<std::size_t>(config.max_sessions_per_scene);
-    options.limits.sample_rate = config.sample_rate_limit;
-    options.busy_poll = busy_poll_time(config.busy_poll);
+    auto sockets = listen(config, security, scenes.size());
+    SceneHostOptions options = host_options(config);
+    options.ended = [this](std::vector<std::uint64_t> sessions) {
+      asio::post(io, [this, sessions = std::move(sessions)] { service.forget(sessions); });
+    };
     warn_of_spinning(options.busy_poll, scenes.size());
     for (std::size_t i = 0; i < scenes.size(); ++i) {
-      // The ports follow the control port one by one, so that a firewall can open them.
-      options.port = static_cast<std::uint16_t>(port == 0 ? 0 : port + 1 + i);
+      options.socket = sockets[i].release();
       hosts.push_back(std::make_unique<SceneHost>(std::move(scenes[i]), options));
     }
     // Every port is bound: from here on nothing fails.
     for (auto& host : hosts) host->start();
     control->start();
+    look_after();
     thread = std::thread([this] { io.run(); });
   }
 
   ~Parts() { stop(); }
+
+  /// The control port, and the scenes' ports behind it one by one, so that a firewall can open them
+  /// and a relay can stand in between.
+  std::vector<asio::ip::udp::socket> listen(const ServerConfig& config, const Security& security,
+                                            std::size_t scenes) {
+    ControlOptions options = control_options(config);
+    return listen_with_room(static_cast<std::uint16_t>(config.port), [&](std::uint16_t port) {
+      options.port = port;
+      control = std::make_unique<ControlEndpoint>(
+          io, options, security.identity, security.client_authorities,
+          [this](ControlPeer& peer, control::Message request, ControlService::Answer answer) {
+            service.handle(peer, std::move(request), std::move(answer));
+          });
+      return open_scene_ports(io, options.address, control->port() + 1u, scenes);
+    });
+  }
+
+  void look_after() {
+    look.expires_after(std::chrono::seconds(1));
+    look.async_wait([this](const std::error_code& cancelled) {
+      if (cancelled) return;
+      service.look_after();
+      look_after();
+    });
+  }
 
   void stop() {
     if (!thread.joinable()) return;
@@ -103,78 +145,19 @@ struct Server::Parts {
     thread.join();
     for (auto& host : hosts) host->stop();
   }
-
-  /// 56 random bits; the low byte says which scene the session is in.
-  std::uint64_t new_session_id(std::size_t scene) {
-    std::uint64_t bits = 0;
-    while (bits == 0) bits = (std::uint64_t{random()} << 32 | random()) << 8;
-    return bits | scene;
-  }
-  SceneHost* host_of(std::uint64_t session) {
-    const std::size_t scene = session & 0xff;
-    return scene < hosts.size() ? hosts[scene].get() : nullptr;
-  }
-
-  // On the control thread.
-  void handle(control::Message request, SceneHost::Completion answer) {
-    if (const auto* join = std::get_if<control::JoinRequest>(&request)) {
-      const auto host = std::find_if(hosts.begin(), hosts.end(), [&](const auto& candidate) {
-        return candidate->scene().name() == join->scene;
-      });
-      if (host == hosts.end())
-        return answer(control::Refused{control::RefusalCode::unknown_scene,
-                                       "there is no scene '" + join->scene +
-                                           "' here; list the scenes to see which there are"});
-      const std::uint64_t id = new_session_id(static_cast<std::size_t>(host - hosts.begin()));
-      const std::string who = printable(join->client + " (" + join->device.name + ")");
-      return (*host)->ask(std::move(request), id, placeholder_keys(id), io,
-                          [udp_port = (*host)->port(), scene = (*host)->scene().name(), who,
-                           answer = std::move(answer)](control::Message message) {
-                            if (auto* accepted = std::get_if<control::JoinAccepted>(&message)) {
-                              accepted->udp_port = udp_port;
-                              spdlog::info("{} joined scene {}", who, scene);
-                            } else if (const auto* no = std::get_if<control::Refused>(&message)) {
-                              spdlog::warn("{} could not join scene {}: {}", who, scene,
-                                           printable(no->reason));
-                            }
-                            answer(std::move(message));
-                          });
-    }
-    if (std::holds_alternative<control::ListScenes>(request)) return answer(list());
-
-    std::uint64_t session = 0;
-    if (const auto* leave = std::get_if<control::LeaveRequest>(&request))
-      session = leave->session;
-    else if (const auto* set = std::get_if<control::SetParameters>(&request))
-      session = set->session;
-    else
-      return answer(control::Refused{control::RefusalCode::malformed,
-                                     "this message is an answer, not a request"});
-    SceneHost* host = host_of(session);
-    if (host == nullptr)
-      return answer(control::Refused{control::RefusalCode::unknown_session,
-                                     "there is no session " + std::to_string(session) + " here"});
-    host->ask(std::move(request), session, {}, io, std::move(answer));
-  }
-
-  control::SceneList list() const {
-    control::SceneList result;
-    for (const auto& host : hosts)
-      result.scenes.push_back({host->scene().name(), host->port(),
-                               static_cast<std::uint32_t>(host->scene().objects().size()),
-                               host->sessions()});
-    return result;
-  }
 };
 
-Server::Server(const ServerConfig& config) : Server(config, load_scenes(config)) {}
-Server::Server(const ServerConfig& config, std::vector<Scene> scenes)
-    : parts_(std::make_unique<Parts>(config, std::move(scenes))) {}
+Server::Server(const ServerConfig& config)
+    : Server(config, load_scenes(config), open_security(config)) {}
+Server::Server(const ServerConfig& config, std::vector<Scene> scenes, Security security)
+    : parts_(std::make_unique<Parts>(config, std::move(scenes), std::move(security))) {}
 Server::~Server() = default;
 Server::Server(Server&&) noexcept = default;
 Server& Server::operator=(Server&&) noexcept = default;
 
 std::uint16_t Server::control_port() const { return parts_->control->port(); }
+
+const Fingerprint& Server::fingerprint() const { return parts_->fingerprint; }
 
 std::vector<Server::ScenePort> Server::scenes() const {
   std::vector<ScenePort> result;
@@ -190,15 +173,29 @@ std::vector<SceneSummary> Server::summary() const {
   return result;
 }
 
+ControlSummary Server::control_summary() const {
+  return {parts_->control->counters(), parts_->service.counters()};
+}
+
+std::string text(const ControlSummary& summary) {
+  const auto& [connections, requests] = summary;
+  return fmt::format(
+      "control: connections {} (crowded out {}, no TLS {}, too slow {}), unauthenticated {}, "
+      "forbidden {}, too many {}\n",
+      connections.accepted, connections.crowded_out, connections.failed, connections.too_slow,
+      requests.unauthenticated, requests.forbidden, requests.too_many);
+}
+
 std::string text(const std::vector<SceneSummary>& summary) {
   std::string lines;
   for (const SceneSummary& scene : summary) {
     const SceneCounters& c = scene.counters;
     lines += fmt::format(
-        "scene {}: sessions {} (left {}, silent {}, flooded {}, forged {}), samples {}, replies {} "
-        "({} withheld), gaps {} "
+        "scene {}: sessions {} (left {}, silent {}, flooded {}, forged {}, evicted {}), samples {}, "
+        "replies {} ({} withheld), gaps {} "
         "({} samples missed), violations {}, unsent {}\n",
-        scene.scene, c.sessions_served, c.left, c.silent, c.flooded, c.forged, c.samples.samples,
+        scene.scene, c.sessions_served, c.left, c.silent, c.flooded, c.forged, c.evicted,
+        c.samples.samples,
         c.samples.replies, c.samples.withheld, c.samples.gaps, c.samples.missed, c.violations,
         scene.unsent);
     std::string drops;

@@ -7,23 +7,34 @@
 
 #include "core/scene/scene.hpp"
 #include "server/config.hpp"
+#include "server/control_service.hpp"
 #include "server/scene_host.hpp"
+#include "server/security.hpp"
 
 namespace feltwire {
 
+/// What came to the control port, for the summary.
+struct ControlSummary {
+  ControlCounters connections;
+  ServiceCounters requests;
+};
+
 class Server {
  public:
-  /// Loads the scenes of the configuration, binds every port and starts the threads.
-  /// Throws FileError, std::invalid_argument or std::runtime_error, each one clear line.
+  /// Loads the scenes, the certificate and the tokens of the configuration, binds every port and
+  /// starts the threads. Throws FileError, std::invalid_argument or std::runtime_error, each one
+  /// clear line.
   explicit Server(const ServerConfig& config);
-  /// The same with scenes at hand; the configuration's own are not read.
-  Server(const ServerConfig& config, std::vector<Scene> scenes);
+  /// The same with these at hand; the configuration's own are not read.
+  Server(const ServerConfig& config, std::vector<Scene> scenes, Security security);
   /// Stops.
   ~Server();
   Server(Server&&) noexcept;
   Server& operator=(Server&&) noexcept;
 
   std::uint16_t control_port() const;
+  /// Of the certificate: what clients pin.
+  const Fingerprint& fingerprint() const;
 
   struct ScenePort {
     std::string scene;
@@ -36,6 +47,8 @@ class Server {
 
   /// One entry a scene. Precondition: stopped.
   std::vector<SceneSummary> summary() const;
+  /// Likewise.
+  ControlSummary control_summary() const;
 
  private:
   struct Parts;
@@ -44,5 +57,6 @@ class Server {
 
 /// A summary as people read it.
 std::string text(const std::vector<SceneSummary>& summary);
+std::string text(const ControlSummary& summary);
 
 }  // namespace feltwire

@@ -1,40 +1,29 @@
 #pragma once
-// One control connection through the relay: two TCP connections, and the ports in the answers
-// replaced.
+// One control connection through the relay: two TCP connections, and bytes between them. They are
+// sealed from end to end (TLS), so the relay can neither read nor change them.
 
 #include <array>
 #include <asio/ip/tcp.hpp>
 #include <cstdint>
-#include <functional>
 #include <memory>
-#include <vector>
 
 namespace feltwire {
 
 class ControlBridge : public std::enable_shared_from_this<ControlBridge> {
  public:
-  /// The relay's UDP port that stands for the server's. May throw std::runtime_error; the
-  /// connection then ends.
-  using MapPort = std::function<std::uint16_t(std::uint16_t)>;
+  explicit ControlBridge(asio::ip::tcp::socket client)
+      : client_(std::move(client)), server_(client_.get_executor()) {}
 
-  ControlBridge(asio::ip::tcp::socket client, MapPort map_port)
-      : client_(std::move(client)), server_(client_.get_executor()), map_(std::move(map_port)) {}
-
-  /// Connects and relays until one side ends.
+  /// Connects and relays until both sides have ended.
   void start(const asio::ip::tcp::endpoint& server);
 
  private:
-  void requests();
-  void answers();
-  void answer(std::size_t size);
-  void pass_on(std::vector<std::uint8_t> frame);
+  using Buffer = std::array<std::uint8_t, 4096>;
+  void pass_on(asio::ip::tcp::socket& from, asio::ip::tcp::socket& to, Buffer& buffer);
   void close();
 
   asio::ip::tcp::socket client_, server_;
-  MapPort map_;
-  std::array<std::uint8_t, 4096> request_{};
-  std::array<std::uint8_t, 4> length_{};
-  std::vector<std::uint8_t> body_, frame_;
+  Buffer up_{}, down_{};
 };
 
 }  // namespace feltwire

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "client/link/link_json.hpp"
+#include "server/scene_ports.hpp"
 #include "sim/control_bridge.hpp"
 #include "sim/relay_client.hpp"
 
@@ -66,49 +67,49 @@ struct LinkRelay::Parts {
     address = asio::ip::make_address(asked.address, error);
     if (error)
       throw std::runtime_error("'" + asked.address + "' is no IP address; give one in --address");
+    if (asked.scenes < 1 || asked.scenes > control::kMaxScenes)
+      throw std::runtime_error(std::to_string(asked.scenes) + " scenes are not within 1 to " +
+                               std::to_string(control::kMaxScenes) + "; see --scenes");
+    open_ports();
+    accept();
+  }
+
+  /// The server's own ports, one by one: clients go by the distance from the control port.
+  void open_ports() {
+    auto sockets = listen_with_room(options.port, [this](std::uint16_t port) {
+      listen(port);
+      return open_scene_ports(io, address, acceptor.local_endpoint().port() + 1u, options.scenes,
+                              "--listen");
+    });
+    constexpr std::size_t kLastPort = 65535;
+    for (std::size_t i = 0; i < sockets.size() && server.port() + 1 + i <= kLastPort; ++i) {
+      const auto scene = static_cast<std::uint16_t>(server.port() + 1 + i);
+      ports.push_back(std::make_unique<ScenePort>(
+          ScenePort{std::move(sockets[i]), {server.address(), scene}, {}, {}}));
+      ports.back()->socket.non_blocking(true);
+      await_clients(*ports.back());
+    }
+  }
+
+  void listen(std::uint16_t port) {
+    const tcp::endpoint own(address, port);
+    acceptor = tcp::acceptor(io);
     try {
-      const tcp::endpoint own(address, asked.port);
       acceptor.open(own.protocol());
       acceptor.set_option(tcp::acceptor::reuse_address(true));
       acceptor.bind(own);
       acceptor.listen();
     } catch (const std::system_error& failed) {
-      throw std::runtime_error("cannot listen on " + asked.address + " port " +
-                               std::to_string(asked.port) + " (tcp): " + failed.code().message() +
-                               "; choose another with --listen");
+      throw listen_error("tcp", address, port, failed.code(), "--listen");
     }
-    accept();
   }
 
   void accept() {
     acceptor.async_accept([this](const Error& error, tcp::socket client) {
       if (error == asio::error::operation_aborted) return;
-      if (!error)
-        std::make_shared<ControlBridge>(std::move(client), [this](std::uint16_t port) {
-          return own_port(port);
-        })->start(server);
+      if (!error) std::make_shared<ControlBridge>(std::move(client))->start(server);
       accept();
     });
-  }
-
-  std::uint16_t own_port(std::uint16_t scene_port) {
-    for (const auto& port : ports)
-      if (port->scene.port() == scene_port) return port->socket.local_endpoint().port();
-
-    auto port = std::make_unique<ScenePort>(
-        ScenePort{udp::socket(io), {server.address(), scene_port}, {}, {}});
-    port->socket.open(udp::endpoint(address, 0).protocol());
-    const auto wanted =
-        static_cast<std::uint16_t>(options.port == 0 ? 0 : options.port + 1 + ports.size());
-    Error taken;
-    port->socket.bind({address, wanted}, taken);
-    if (taken) port->socket.bind({address, 0});
-    port->socket.non_blocking(true);
-    ports.push_back(std::move(port));
-    await_clients(*ports.back());
-    const std::uint16_t own = ports.back()->socket.local_endpoint().port();
-    if (options.scene_opened) options.scene_opened(own, scene_port);
-    return own;
   }
 
   void await_clients(ScenePort& port) {

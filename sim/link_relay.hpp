@@ -3,7 +3,6 @@
 // the server.
 
 #include <cstdint>
-#include <functional>
 #include <memory>
 #include <string>
 
@@ -14,16 +13,14 @@ namespace feltwire {
 
 struct LinkRelayOptions {
   std::string address = "127.0.0.1";  // to listen on
-  std::uint16_t port = 0;             // control (tcp); the scenes' (udp) follow it; 0: any
-  Endpoint server;                    // its control port
+  std::uint16_t port = 0;   // control (tcp), the scenes' (udp) follow one by one; 0: a free place
+  Endpoint server;          // its control port
+  std::size_t scenes = 16;  // ports for as many, whether the server has them or not
   TwoWayLinkOptions link = {};
-  /// Told each scene's port as it opens: the relay's and the server's. May be empty.
-  std::function<void(std::uint16_t own, std::uint16_t server)> scene_opened = {};
 };
 
-/// Control connections pass undelayed, each to a connection of its own. In JoinAccepted and
-/// SceneList the scenes' UDP ports are replaced by ports of the relay, opened when first named:
-/// port + 1 for the first, and so on, or any where that is taken or `port` is 0. Each client
+/// Control connections pass undelayed and unread, each to a connection of its own. Port + i of the
+/// relay stands for port + i of the server, as clients count from the control port. Each client
 /// (sender of datagrams to such a port) has a socket of its own to the server and a link of its
 /// own, the k-th with the random numbers of client k = 0, 1, ...: the first meets what
 /// `feltwire-client

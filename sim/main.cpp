@@ -129,7 +129,8 @@ void relay(const LinkRelayOptions& options, const std::string& report) {
   pthread_sigmask(SIG_BLOCK, &endings, nullptr);  // in the thread below, too
 
   LinkRelay link(options);
-  std::cout << "relaying: control tcp " << link.control_port() << " to "
+  std::cout << "relaying: control tcp " << link.control_port() << ", scenes udp "
+            << link.control_port() + 1 << " to " << link.control_port() + options.scenes << ", to "
             << to_string(options.server) << std::endl;
   std::thread thread([&] { link.run(); });
   int signal = 0;
@@ -155,7 +156,9 @@ void add_link(CLI::App& app) {
   command->add_option("LINK", o->link, "What the link does, see below")->required();
   command
       ->add_option("--listen", o->relay.port,
-                   "Port for clients (tcp); the scenes' (udp) follow it; 0: any")
+                   "Port for clients (tcp); the scenes' (udp) follow one by one; 0: a free place")
+      ->capture_default_str();
+  command->add_option("--scenes", o->relay.scenes, "How many scenes of the server are relayed")
       ->capture_default_str();
   command->add_option("--address", o->relay.address, "Address to listen on")->capture_default_str();
   command->add_option("--to", o->to, "HOST:PORT of the server's control port")->required();
@@ -163,9 +166,6 @@ void add_link(CLI::App& app) {
   command->callback([o] {
     o->relay.link = parse_link(o->link);
     o->relay.server = parse_endpoint(o->to);
-    o->relay.scene_opened = [](std::uint16_t own, std::uint16_t server) {
-      std::cout << "relaying: scene udp " << own << " to " << server << std::endl;
-    };
     relay(o->relay, o->report);
   });
 }

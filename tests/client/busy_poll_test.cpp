@@ -25,7 +25,7 @@ class BusyServer : public ::testing::TestWithParam<double> {
   static std::unique_ptr<Server> server(const ServerConfig& config) {
     std::vector<Scene> scenes;
     scenes.push_back(testing::floor_scene());
-    return std::make_unique<Server>(config, std::move(scenes));
+    return std::make_unique<Server>(config, std::move(scenes), test::security());
   }
 };
 
@@ -48,7 +48,7 @@ Sample still(std::uint64_t index) {
 
 TEST_P(BusyServer, AnswersHandsAndRequests) {
   const auto served = server(config());
-  const Endpoint endpoint{"127.0.0.1", served->control_port()};
+  const ServerAccess endpoint = test::access(served->control_port());
   Client hand(endpoint, kStroke, {}, "floor");
   hand.start();
   for (std::uint32_t others = 1; others <= 5; ++others) {
@@ -66,7 +66,7 @@ TEST_P(BusyServer, ASilentSessionEnds) {
   ServerConfig impatient = config();
   impatient.silence_timeout = 0.1;
   const auto served = server(impatient);
-  Client hand({"127.0.0.1", served->control_port()}, kStroke, {}, "floor");
+  Client hand(test::access(served->control_port()), kStroke, {}, "floor");
   hand.transport.send(still(1));
   GoodbyeReason reason = GoodbyeReason::leaving;
   ASSERT_EQ(await_goodbye(hand.transport, reason), Transport::Arrival::goodbye);
@@ -75,7 +75,7 @@ TEST_P(BusyServer, ASilentSessionEnds) {
 
 TEST_P(BusyServer, StopsWithAGoodbye) {
   const auto served = server(config());
-  Client hand({"127.0.0.1", served->control_port()}, kStroke, {}, "floor");
+  Client hand(test::access(served->control_port()), kStroke, {}, "floor");
   hand.transport.send(still(1));
   Reply reply;
   GoodbyeReason reason = GoodbyeReason::leaving;
@@ -90,7 +90,7 @@ TEST_P(BusyServer, StopsWithAGoodbye) {
 /// A peer that never lets the socket run empty keeps neither requests nor the end waiting.
 TEST_P(BusyServer, AFloodKeepsNobodyOut) {
   const auto served = server(config());
-  const Endpoint endpoint{"127.0.0.1", served->control_port()};
+  const ServerAccess endpoint = test::access(served->control_port());
   Client hand(endpoint, kStroke, {}, "floor");
   std::atomic<bool> flooding{true}, answered{false};
   std::thread flood([&] {
@@ -136,8 +136,8 @@ TEST(BusyPoll, ABoundedOneSleepsWhenNothingComes) {
   config.busy_poll = 1000.0;
   std::vector<Scene> scenes;
   scenes.push_back(testing::floor_scene());
-  Server server(config, std::move(scenes));
-  Client hand({"127.0.0.1", server.control_port()}, kStroke, {}, "floor");
+  Server server(config, std::move(scenes), test::security());
+  Client hand(test::access(server.control_port()), kStroke, {}, "floor");
   hand.transport.send(still(1));
   // Asleep time and again, not by chance between two looks.
   const auto end = std::chrono::steady_clock::now() + kPatience;
@@ -154,8 +154,8 @@ class BusyClient : public ::testing::TestWithParam<Nanoseconds> {};
 TEST_P(BusyClient, KeepsItsDeadlinesAndTakesItsReplies) {
   std::vector<Scene> scenes;
   scenes.push_back(testing::floor_scene());
-  const Server server(testing::any_ports(), std::move(scenes));
-  Client hand({"127.0.0.1", server.control_port()}, kStroke, {}, "floor");
+  const Server server(testing::any_ports(), std::move(scenes), test::security());
+  Client hand(test::access(server.control_port()), kStroke, {}, "floor");
   hand.start({.silence_timeout = kPatience, .busy_poll = GetParam()});
   hand.finish();
   EXPECT_EQ(hand.result->end, EndReason::device_ended);
@@ -167,10 +167,10 @@ TEST_P(BusyClient, KeepsItsDeadlinesAndTakesItsReplies) {
 TEST_P(BusyClient, ServesAnEmulatedLink) {
   std::vector<Scene> scenes;
   scenes.push_back(testing::floor_scene());
-  const Server server(testing::any_ports(), std::move(scenes));
+  const Server server(testing::any_ports(), std::move(scenes), test::security());
   SessionParameters slow;
   slow.servo_period = 0.02;
-  Client hand({"127.0.0.1", server.control_port()}, kStroke, slow, "floor",
+  Client hand(test::access(server.control_port()), kStroke, slow, "floor",
               std::make_unique<TwoWayLink>(parse_link("delay=3"), 0, 1 << 10));
   hand.start({.silence_timeout = kPatience, .busy_poll = GetParam()});
   hand.finish();
@@ -183,8 +183,8 @@ TEST_P(BusyClient, ServesAnEmulatedLink) {
 TEST_P(BusyClient, EndsWhenAskedOrLeftAlone) {
   std::vector<Scene> scenes;
   scenes.push_back(testing::floor_scene());
-  Server server(testing::any_ports(), std::move(scenes));
-  const Endpoint endpoint{"127.0.0.1", server.control_port()};
+  Server server(testing::any_ports(), std::move(scenes), test::security());
+  const ServerAccess endpoint = test::access(server.control_port());
   Client asked(endpoint, "t,x,y,z\n0,0,0,0.005\n100,0,0,0.005\n", {}, "floor");
   Client left(endpoint, "t,x,y,z\n0,0,0,0.005\n100,0,0,0.005\n", {}, "floor");
   asked.start({.silence_timeout = kPatience, .busy_poll = GetParam()});

@@ -20,7 +20,7 @@ control::JoinRequest request() {
   return {
       .client = "tester", .scene = "wall", .device = builtin_device("simulated"), .parameters = {}};
 }
-std::string refusal(const Endpoint& server, milliseconds timeout = kPatience) {
+std::string refusal(const ServerAccess& server, milliseconds timeout = kPatience) {
   return error_of<SessionError>([&] { join(server, request(), timeout); });
 }
 std::vector<std::uint8_t> framed(std::vector<std::uint8_t> body) {
@@ -49,20 +49,20 @@ TEST(Endpoint, SaysWhatIsWrong) {
 TEST(Join, AsksForWhatWasWantedAndFindsTheScenePort) {
   control::JoinAccepted accepted;
   accepted.session = 77;
-  accepted.udp_port = 4321;
+  accepted.port_offset = 21;
   accepted.silence_timeout = 2.0;
   accepted.parameters.redundancy = 5;
   ControlPeer peer(control::encode(accepted));
 
   control::JoinRequest wanted = request();
   wanted.parameters.mode = BoundingMode::per_axis;
-  const Joined joined = join(peer.endpoint(), wanted, kPatience);
+  const Joined joined = join(peer.access(), wanted, kPatience);
   EXPECT_EQ(joined.accepted.session, 77u);
   EXPECT_EQ(joined.accepted.parameters.redundancy, 5);
   sockaddr_in address;
   std::memcpy(&address, &joined.datagrams.storage, sizeof address);
   EXPECT_EQ(address.sin_family, AF_INET);
-  EXPECT_EQ(ntohs(address.sin_port), 4321);
+  EXPECT_EQ(ntohs(address.sin_port), peer.port() + 21);
   EXPECT_EQ(ntohl(address.sin_addr.s_addr), INADDR_LOOPBACK);
 
   const auto& asked = peer.request();
@@ -78,7 +78,7 @@ TEST(Join, AsksForWhatWasWantedAndFindsTheScenePort) {
 TEST(Join, ARefusalBringsTheServersReason) {
   ControlPeer peer(control::encode(control::Refused{control::RefusalCode::unknown_scene,
                                                     "there is no scene 'wall'; there are: room"}));
-  EXPECT_THAT(refusal(peer.endpoint()),
+  EXPECT_THAT(refusal(peer.access()),
               AllOf(HasSubstr("127.0.0.1:"),
                     HasSubstr("refused: there is no scene 'wall'; there are: room")));
 }
@@ -88,10 +88,10 @@ TEST(Join, AnswersThatMakeNoSenseAreRefused) {
   portless.session = 1;
   portless.silence_timeout = 1.0;
   control::JoinAccepted impossible = portless;
-  impossible.udp_port = 1;
+  impossible.port_offset = 1;
   impossible.parameters.hold_time = -1.0;
   control::JoinAccepted unreal = portless;
-  unreal.udp_port = 1;
+  unreal.port_offset = 1;
   unreal.stiffness = std::numeric_limits<double>::quiet_NaN();
   control::JoinAccepted negative = unreal;
   negative.stiffness = -1.0;
@@ -115,7 +115,7 @@ TEST(Join, AnswersThatMakeNoSenseAreRefused) {
   };
   for (const Case& c : cases) {
     ControlPeer peer(c.answer);
-    EXPECT_THAT(refusal(peer.endpoint()), HasSubstr(c.said));
+    EXPECT_THAT(refusal(peer.access()), HasSubstr(c.said));
   }
 }
 
@@ -125,10 +125,10 @@ TEST(Join, AnUnreachableServerIsSaid) {
     const testing::LocalSocket closed_again(SOCK_STREAM);
     free_port = closed_again.port();
   }
-  EXPECT_THAT(refusal({"127.0.0.1", free_port}),
+  EXPECT_THAT(refusal(test::access(free_port)),
               AllOf(HasSubstr("cannot connect to 127.0.0.1:"), HasSubstr("refused"),
                     HasSubstr("is feltwire-server running")));
-  EXPECT_THAT(refusal({"no-such-host.invalid", 1}),
+  EXPECT_THAT(refusal(test::access(1, "no-such-host.invalid")),
               HasSubstr("cannot find host 'no-such-host.invalid'"));
 }
 
@@ -136,14 +136,14 @@ TEST(Join, AServerThatNeverAnswersTimesOut) {
   // Bound and listening, but nobody accepts: the connection stands, the answer never comes.
   const testing::LocalSocket deaf(SOCK_STREAM);
   ::listen(deaf.descriptor(), 1);
-  EXPECT_THAT(refusal({"127.0.0.1", deaf.port()}, milliseconds(20)), HasSubstr("within 20 ms"));
+  EXPECT_THAT(refusal(test::access(deaf.port()), milliseconds(20)), HasSubstr("within 20 ms"));
 }
 
 TEST(ListScenes, GivesThemInOrder) {
   control::SceneList list;
-  list.scenes = {{"wall", 7401, 1, 0}, {"room", 7402, 9, 2}};
+  list.scenes = {{"wall", 1, 1, 0}, {"room", 2, 9, 2}};
   ControlPeer peer(control::encode(list));
-  const auto scenes = list_scenes(peer.endpoint(), kPatience);
+  const auto scenes = list_scenes(peer.access(), kPatience);
   ASSERT_EQ(scenes.size(), 2u);
   EXPECT_EQ(scenes[0].name, "wall");
   EXPECT_EQ(scenes[1].objects, 9u);

@@ -10,6 +10,7 @@
 #include "client/devices/replay.hpp"
 #include "client/servo_loop.hpp"
 #include "server/server.hpp"
+#include "tests/support/security.hpp"
 
 namespace feltwire::testing {
 
@@ -45,7 +46,7 @@ struct Client {
   Ring<TickRecord> records{1 << 14};
   std::thread thread;
 
-  Client(const Endpoint& server, const char* rows, const SessionParameters& parameters,
+  Client(const ServerAccess& server, const char* rows, const SessionParameters& parameters,
          const std::string& scene, std::unique_ptr<TwoWayLink> link = nullptr,
          const Address* by_way_of = nullptr)
       : device(recording(rows), builtin_device("simulated")),
@@ -75,11 +76,11 @@ class Loopback : public ::testing::Test {
   Loopback() {
     std::vector<Scene> scenes;
     scenes.push_back(floor_scene());
-    server = std::make_unique<Server>(any_ports(), std::move(scenes));
-    endpoint = {"127.0.0.1", server->control_port()};
+    server = std::make_unique<Server>(any_ports(), std::move(scenes), test::security());
+    endpoint = test::access(server->control_port());
   }
   std::unique_ptr<Server> server;
-  Endpoint endpoint;
+  ServerAccess endpoint;
 };
 
 }  // namespace feltwire::testing

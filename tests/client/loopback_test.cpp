@@ -199,11 +199,11 @@ TEST(Ipv6, AHandFeelsOverIpv6) {
   config.address = "::1";
   std::unique_ptr<Server> server;
   try {
-    server = std::make_unique<Server>(config, std::move(scenes));
+    server = std::make_unique<Server>(config, std::move(scenes), test::security());
   } catch (const std::runtime_error&) {
     GTEST_SKIP() << "this machine has no IPv6";
   }
-  Client client({"::1", server->control_port()}, kStroke, {}, "floor");
+  Client client(test::access(server->control_port(), "::1"), kStroke, {}, "floor");
   EXPECT_EQ(client.joined.datagrams.storage.ss_family, AF_INET6);
   client.start();
   client.finish();
@@ -226,8 +226,8 @@ TEST_F(Loopback, AnotherServerTakesOver) {
 
   std::vector<Scene> scenes;
   scenes.push_back(testing::floor_scene());
-  Server successor(testing::any_ports(), std::move(scenes));
-  Rejoiner rejoiner({"127.0.0.1", successor.control_port()},
+  Server successor(testing::any_ports(), std::move(scenes), test::security());
+  Rejoiner rejoiner(test::access(successor.control_port()),
                     {"tester", "floor", client.device.spec(), client.joined.accepted.parameters},
                     sessions);
   server->stop();

@@ -3,22 +3,34 @@
 #include <gmock/gmock.h>
 
 #include <cmath>
+#include <cstdlib>
 #include <vector>
 
 #include "protocol/profiles.hpp"
+#include "tests/client/temporary_folder.hpp"
 
 namespace feltwire {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::HasSubstr;
 
-/// What a command line comes to; what is printed goes to the test's own output.
-std::variant<ClientOptions, int> parsed(std::vector<std::string> words) {
+const std::string kPrint(64, 'a');  // of some certificate
+
+/// What a command line comes to that says nothing of trust; likewise.
+std::variant<ClientOptions, int> parsed_bare(std::vector<std::string> words) {
   words.insert(words.begin(),
                {"feltwire-client", "--connect", "localhost:7400", "--scene", "room"});
   std::vector<char*> argv;
   for (std::string& word : words) argv.push_back(word.data());
   return parse_options(static_cast<int>(argv.size()), argv.data());
+}
+
+/// What a command line comes to; what is printed goes to the test's own output.
+std::variant<ClientOptions, int> parsed(std::vector<std::string> words) {
+  ::setenv("FELTWIRE_TOKEN", "fw_of_a_test", 1);
+  words.insert(words.begin(), {"--fingerprint", kPrint});
+  return parsed_bare(std::move(words));
 }
 
 SafetyLimits limits(const std::vector<std::string>& words) {
@@ -31,9 +43,9 @@ SafetyLimits limits(const std::vector<std::string>& words) {
 }
 
 /// The one line that a command line is refused with.
-std::string refusal(const std::vector<std::string>& words) {
+std::string refusal(const std::vector<std::string>& words, bool bare = false) {
   ::testing::internal::CaptureStderr();
-  const auto options = parsed(words);
+  const auto options = bare ? parsed_bare(words) : parsed(words);
   std::string said = ::testing::internal::GetCapturedStderr();
   const int* code = std::get_if<int>(&options);
   EXPECT_TRUE(code != nullptr && *code == 2) << "not refused";
@@ -61,7 +73,7 @@ TEST(Options, ALocalModelIsForASideThatBoundsHere) {
   EXPECT_TRUE(std::get<ClientOptions>(options).parameters.local_model);
   EXPECT_FALSE(std::get<ClientOptions>(parsed({})).parameters.local_model);
   EXPECT_THAT(refusal({"--local-model", "--bounding", "server"}),
-              testing::HasSubstr("local_model"));
+              HasSubstr("local_model"));
 }
 
 TEST(Options, WhatTheCommandLineSaysCounts) {
@@ -123,6 +135,54 @@ TEST(Options, BusyPollInMicrosecondsOrForEver) {
   EXPECT_EQ(std::get<ClientOptions>(parsed({"--busy-poll", "inf"})).busy_poll, HUGE_VAL);
   EXPECT_THAT(refusal({"--busy-poll", "-1"}), HasSubstr("--busy-poll"));
   EXPECT_THAT(refusal({"--busy-poll", "nan"}), HasSubstr("--busy-poll"));
+}
+
+const Credentials& credentials_of(const std::variant<ClientOptions, int>& options) {
+  return std::get<ClientOptions>(options).server.credentials;
+}
+
+TEST(Trust, IsSaidInExactlyOneWay) {
+  ::setenv("FELTWIRE_TOKEN", "fw_of_a_test", 1);
+  EXPECT_THAT(refusal({}, true), AllOf(HasSubstr("--fingerprint"), HasSubstr("--ca")));
+  testing::TemporaryFolder folder;
+  const std::string print = folder / "fingerprint", ca = folder / "ca.pem";
+  std::ofstream(print) << kPrint << "\n";
+  std::ofstream(ca) << "an authority";
+  EXPECT_THAT(refusal({"--ca", ca}), HasSubstr("give one"));
+  EXPECT_THAT(refusal({"--fingerprint-file", print}), HasSubstr("give one"));
+  EXPECT_THAT(refusal({"--fingerprint", "12ab"}, true), HasSubstr("no fingerprint"));
+  EXPECT_THAT(refusal({"--fingerprint-file", folder / "none"}, true),
+              AllOf(HasSubstr("--fingerprint-file"), HasSubstr("cannot be read")));
+
+  Fingerprint expected;
+  expected.fill(0xaa);
+  const auto pinned = parsed_bare({"--fingerprint-file", print});
+  EXPECT_EQ(std::get<Fingerprint>(credentials_of(pinned).trust), expected);
+  const auto signed_by = parsed_bare({"--ca", ca});
+  EXPECT_EQ(std::get<Authorities>(credentials_of(signed_by).trust).certificates, "an authority");
+}
+
+TEST(Trust, ATokenComesFromAFileOrTheEnvironmentAlone) {
+  testing::TemporaryFolder folder;
+  const std::string file = folder / "token";
+  std::ofstream(file) << "fw_of_a_file\n";
+  EXPECT_EQ(credentials_of(parsed({})).token.text(), "fw_of_a_test");
+  EXPECT_EQ(credentials_of(parsed({"--token-file", file})).token.text(), "fw_of_a_file");
+  EXPECT_THAT(refusal({"--token-file", folder / "none"}), HasSubstr("--token-file"));
+  EXPECT_THAT(refusal({"--token", "fw_x"}), HasSubstr("--token"));  // there is no such option
+  ::unsetenv("FELTWIRE_TOKEN");
+  EXPECT_THAT(refusal({"--fingerprint", kPrint}, true),
+              AllOf(HasSubstr("--token-file"), HasSubstr("FELTWIRE_TOKEN")));
+}
+
+TEST(Trust, ACertificateComesWithItsKey) {
+  testing::TemporaryFolder folder;
+  const std::string file = folder / "x.pem";
+  std::ofstream(file) << "PEM";
+  EXPECT_THAT(refusal({"--certificate", file}), HasSubstr("--key"));
+  const auto both = parsed({"--certificate", file, "--key", file});
+  EXPECT_EQ(credentials_of(both).certificate, "PEM");
+  EXPECT_EQ(credentials_of(both).key.text(), "PEM");
 }
 
 }  // namespace

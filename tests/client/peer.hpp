@@ -20,6 +20,7 @@
 #include "protocol/codec.hpp"
 #include "protocol/guard.hpp"
 #include "tests/protocol/sealed.hpp"
+#include "tests/support/tls.hpp"
 
 namespace feltwire::testing {
 
@@ -125,27 +126,13 @@ class ScenePeer {
   std::uint64_t packet_number_ = 0;
 };
 
-/// A control port that answers the first request with given bytes (none: it closes without a word).
+/// A control port that lets any token in and answers the first request with given bytes (none: it
+/// closes without a word).
 class ControlPeer {
  public:
   explicit ControlPeer(std::vector<std::uint8_t> answer) {
     ::listen(socket_.descriptor(), 1);
-    thread_ = std::thread([this, answer = std::move(answer)] {
-      const int connection = ::accept(socket_.descriptor(), nullptr, nullptr);
-      if (connection < 0) return;
-      LocalSocket::limit(connection);
-      std::array<std::uint8_t, 4> prefix{};
-      if (::recv(connection, prefix.data(), 4, MSG_WAITALL) == 4) {
-        std::uint32_t size;
-        std::memcpy(&size, prefix.data(), 4);
-        std::vector<std::uint8_t> body(std::min<std::size_t>(size, control::kMaxFrame));
-        if (::recv(connection, body.data(), body.size(), MSG_WAITALL) ==
-            static_cast<ssize_t>(body.size()))
-          request_ = control::decode(body);
-        ::send(connection, answer.data(), answer.size(), MSG_NOSIGNAL);
-      }
-      ::close(connection);
-    });
+    thread_ = std::thread([this, answer = std::move(answer)] { serve(answer); });
   }
   ~ControlPeer() {
     ::shutdown(socket_.descriptor(), SHUT_RDWR);
@@ -154,7 +141,8 @@ class ControlPeer {
   ControlPeer(const ControlPeer&) = delete;
   ControlPeer& operator=(const ControlPeer&) = delete;
 
-  Endpoint endpoint() const { return {"127.0.0.1", socket_.port()}; }
+  std::uint16_t port() const { return socket_.port(); }
+  ServerAccess access() const { return test::access(port()); }
   /// What the client asked.
   const std::optional<control::Message>& request() {
     thread_.join();
@@ -162,6 +150,29 @@ class ControlPeer {
   }
 
  private:
+  void serve(const std::vector<std::uint8_t>& answer) {
+    const int connection = ::accept(socket_.descriptor(), nullptr, nullptr);
+    if (connection < 0) return;
+    LocalSocket::limit(connection);
+    const test::TlsContext context = test::server_context(test::identity());
+    {
+      test::TlsConnection tls(context.get(), connection);
+      if (tls.accept() && read(tls)) {
+        tls.write(control::encode(control::Authenticated{"tester", "*", Role::admin}));
+        request_ = read(tls);
+        tls.write(answer);
+      }
+    }
+    ::close(connection);
+  }
+  static std::optional<control::Message> read(test::TlsConnection& tls) {
+    const auto prefix = tls.read(control::kFrameLengthSize);
+    if (prefix.size() < control::kFrameLengthSize) return std::nullopt;
+    const std::uint32_t size = control::frame_length(
+        std::span<const std::uint8_t, control::kFrameLengthSize>(prefix.data(), prefix.size()));
+    return control::decode(tls.read(std::min<std::size_t>(size, control::kMaxFrame)));
+  }
+
   LocalSocket socket_{SOCK_STREAM};
   std::optional<control::Message> request_;
   std::thread thread_;

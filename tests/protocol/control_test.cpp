@@ -94,6 +94,8 @@ JoinRequest request() {
   r.device.continuous_force = 0.7;
   r.device.max_torque = 0.8;
   r.device.workspace = {0.9, 1.0, 1.1};
+  r.role = Role::observer;
+  r.aes_256_gcm = true;
   return r;
 }
 
@@ -116,6 +118,8 @@ TEST(Control, JoinRequestRoundTrip) {
   EXPECT_EQ(got.device.continuous_force, 0.7);
   EXPECT_EQ(got.device.max_torque, 0.8);
   EXPECT_EQ(got.device.workspace, Vec3(0.9, 1.0, 1.1));
+  EXPECT_EQ(got.role, Role::observer);
+  EXPECT_TRUE(got.aes_256_gcm);
 }
 
 TEST(Control, DampingTravelsAsANumberAlongAxesOrAsAMatrix) {
@@ -133,22 +137,24 @@ TEST(Control, DampingTravelsAsANumberAlongAxesOrAsAMatrix) {
 TEST(Control, OtherMessagesRoundTrip) {
   JoinAccepted accepted;
   accepted.session = 0xfedcba9876543210u;
-  accepted.udp_port = 65535;
+  accepted.port_offset = 65535;
   accepted.parameters = SessionParameters{};
   accepted.silence_timeout = 2.5;
   accepted.friction = true;
   accepted.start_position = {1.0, 2.0, 3.0};
   accepted.start_normal = {0.0, -1.0, 0.0};
   accepted.stiffness = 1234.5;
+  accepted.suite = CipherSuite::aes_256_gcm;
   const JoinAccepted joined = round_trip(accepted);
   EXPECT_EQ(joined.session, accepted.session);
-  EXPECT_EQ(joined.udp_port, 65535);
+  EXPECT_EQ(joined.port_offset, 65535);
   EXPECT_EQ(joined.silence_timeout, 2.5);
   EXPECT_TRUE(joined.friction);
   EXPECT_FALSE(joined.rotation);
   EXPECT_EQ(joined.start_position, accepted.start_position);
   EXPECT_EQ(joined.start_normal, accepted.start_normal);
   EXPECT_EQ(joined.stiffness, 1234.5);
+  EXPECT_EQ(joined.suite, CipherSuite::aes_256_gcm);
   expect_same(joined.parameters, SessionParameters{});  // c1, c2 stay not given
 
   EXPECT_EQ(round_trip(LeaveRequest{3}).session, 3u);
@@ -157,7 +163,7 @@ TEST(Control, OtherMessagesRoundTrip) {
   const SceneList list = round_trip(SceneList{{{"a", 1, 2, 3}, {"b", 4, 5, 6}}});
   ASSERT_EQ(list.scenes.size(), 2u);
   EXPECT_EQ(list.scenes[1].name, "b");
-  EXPECT_EQ(list.scenes[1].udp_port, 4);
+  EXPECT_EQ(list.scenes[1].port_offset, 4);
   EXPECT_EQ(list.scenes[1].objects, 5u);
   EXPECT_EQ(list.scenes[1].sessions, 6u);
   EXPECT_TRUE(round_trip(SceneList{}).scenes.empty());
@@ -167,7 +173,25 @@ TEST(Control, OtherMessagesRoundTrip) {
   const ParametersSet was_set = round_trip(ParametersSet{6, unusual_parameters()});
   EXPECT_EQ(was_set.session, 6u);
   expect_same(was_set.parameters, unusual_parameters());
-  for (int code = 0; code <= static_cast<int>(RefusalCode::shutting_down); ++code) {
+  EXPECT_EQ(round_trip(Authenticate{Secret("fw_x")}).token.text(), "fw_x");
+  const Authenticated in = round_trip(Authenticated{"anna", "*", Role::admin});
+  EXPECT_EQ(in.client, "anna");
+  EXPECT_EQ(in.scene, "*");
+  EXPECT_EQ(in.role, Role::admin);
+  EXPECT_EQ(round_trip(Evict{7}).session, 7u);
+  EXPECT_EQ(round_trip(Evicted{8}).session, 8u);
+  EXPECT_EQ(round_trip(ListSessions{9}).after, 9u);
+  const SessionList sessions =
+      round_trip(SessionList{{{1, "a", "b", Role::observer}, {2, "c", "d", Role::admin}}, true});
+  ASSERT_EQ(sessions.sessions.size(), 2u);
+  EXPECT_EQ(sessions.sessions[1].session, 2u);
+  EXPECT_EQ(sessions.sessions[1].client, "c");
+  EXPECT_EQ(sessions.sessions[1].scene, "d");
+  EXPECT_EQ(sessions.sessions[1].role, Role::admin);
+  EXPECT_TRUE(sessions.more);
+  EXPECT_EQ(round_trip(ReloadScene{"a"}).scene, "a");
+  EXPECT_EQ(round_trip(SceneReloaded{"b"}).scene, "b");
+  for (int code = 0; code <= static_cast<int>(RefusalCode::not_supported); ++code) {
     const Refused refused = round_trip(Refused{static_cast<RefusalCode>(code), "because"});
     EXPECT_EQ(static_cast<int>(refused.code), code);
     EXPECT_EQ(refused.reason, "because");
@@ -197,6 +221,14 @@ TEST(Control, LimitsOfNamesAndFrames) {
   for (std::size_t i = 0; i < kMaxScenes; ++i)
     most.scenes.push_back({std::string(kMaxName, 'x'), 1, 1, 1});
   EXPECT_EQ(round_trip(most).scenes.size(), kMaxScenes);
+  SessionList longest;
+  for (std::size_t i = 0; i < kMaxSessionEntries; ++i)
+    longest.sessions.push_back(
+        {i + 1, std::string(kMaxName, 'x'), std::string(kMaxName, 'y'), Role::admin});
+  EXPECT_EQ(round_trip(longest).sessions.size(), kMaxSessionEntries);
+  EXPECT_FALSE(decode(body(encode(Authenticate{Secret(std::string(kMaxName + 1, 'x'))}))));
+  // A token fits what strangers may send.
+  EXPECT_LE(encode(Authenticate{Secret(std::string(kMaxName, 'x'))}).size(), kMaxFirstFrame);
 }
 
 TEST(Control, TextsArriveWholeWhateverIsInThem) {
@@ -240,7 +272,15 @@ TEST(Control, ChoicesThatAreNoneAreRefused) {
     if (which == 4) p.storage = static_cast<Storage>(2);
     EXPECT_FALSE(decode(body(encode(SetParameters{1, p})))) << which;
   }
-  EXPECT_FALSE(decode(body(encode(Refused{static_cast<RefusalCode>(7), "x"}))));
+  JoinRequest nobody = request();
+  nobody.role = static_cast<Role>(3);
+  EXPECT_FALSE(decode(body(encode(nobody))));
+  for (const int suite : {0, 3}) {
+    JoinAccepted sealed;
+    sealed.suite = static_cast<CipherSuite>(suite);
+    EXPECT_FALSE(decode(body(encode(sealed)))) << suite;
+  }
+  EXPECT_FALSE(decode(body(encode(Refused{static_cast<RefusalCode>(11), "x"}))));
 }
 
 /// A list may point at one entry ever so often: a small frame that would grow without end.
@@ -256,9 +296,13 @@ TEST(Control, ListThatMultipliesOneEntry) {
 
 TEST(ControlFuzz, TruncationsAndFlipsAreHarmless) {
   std::mt19937_64 random(1);
-  const std::vector<Message> messages = {request(), SceneList{{{"a", 1, 2, 3}, {"b", 4, 5, 6}}},
+  const std::vector<Message> messages = {request(),
+                                         SceneList{{{"a", 1, 2, 3}, {"b", 4, 5, 6}}},
                                          SetParameters{5, unusual_parameters()},
-                                         Refused{RefusalCode::full, "no"}, JoinAccepted{}};
+                                         Refused{RefusalCode::full, "no"},
+                                         JoinAccepted{},
+                                         Authenticate{Secret("fw_1")},
+                                         SessionList{{{1, "a", "b", Role::admin}}, false}};
   int valid = 0;
   for (const Message& message : messages) {
     const auto frame = encode(message);

@@ -1,9 +1,11 @@
 // The control endpoint alone: who is silent, and who does not read.
 
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <asio/post.hpp>
+#include <csignal>
 #include <memory>
 #include <thread>
 
@@ -15,33 +17,54 @@ namespace {
 
 using namespace std::chrono_literals;
 using test::ControlClient;
+using test::RawSocket;
 
-/// An endpoint in a thread of its own. It answers every request but one: a join is never answered.
+/// An endpoint in a thread of its own. It lets any token in, and answers every request but one: a
+/// join is never answered.
 class Endpoint {
  public:
-  Endpoint(std::chrono::milliseconds idle, std::size_t connections, const control::Message& answer)
-      : endpoint_(io_,
-                  {.address = asio::ip::make_address("127.0.0.1"),
-                   .idle_timeout = idle,
-                   .max_connections = connections},
-                  [answer](const control::Message& request, const auto& done) {
-                    if (!std::holds_alternative<control::JoinRequest>(request)) done(answer);
+  Endpoint(ControlOptions options, const control::Message& answer,
+           const std::string& authorities = {})
+      : endpoint_(io_, local(options), test::identity(), authorities,
+                  [answer](ControlPeer& peer, const control::Message& request, const auto& done) {
+                    if (std::holds_alternative<control::Authenticate>(request)) {
+                      peer.token = "some";
+                      done(control::Authenticated{});
+                    } else if (peer.token.empty()) {
+                      done(control::Refused{control::RefusalCode::unauthenticated, "no"});
+                    } else if (!std::holds_alternative<control::JoinRequest>(request)) {
+                      done(answer);
+                    }
                   }) {
     endpoint_.start();
     thread_ = std::thread([this] { io_.run(); });
   }
-  ~Endpoint() {
-    asio::post(io_, [this] {
-      endpoint_.close();
-      io_.stop();
-    });
-    thread_.join();
+  Endpoint(std::chrono::milliseconds idle, std::size_t connections, const control::Message& answer)
+      : Endpoint({.address = {}, .idle_timeout = idle, .max_connections = connections}, answer) {}
+  ~Endpoint() { stop(); }
+  /// How it went, once it is stopped.
+  ControlCounters counters() {
+    stop();
+    return endpoint_.counters();
   }
   Endpoint(const Endpoint&) = delete;
   Endpoint& operator=(const Endpoint&) = delete;
   std::uint16_t port() const { return endpoint_.port(); }
 
  private:
+  static ControlOptions local(ControlOptions options) {
+    options.address = asio::ip::make_address("127.0.0.1");
+    return options;
+  }
+  void stop() {
+    if (!thread_.joinable()) return;
+    asio::post(io_, [this] {
+      endpoint_.close();
+      io_.stop();
+    });
+    thread_.join();
+  }
+
   asio::io_context io_{1};
   ControlEndpoint endpoint_;
   std::thread thread_;
@@ -84,11 +107,13 @@ TEST(ControlEndpoint, WhoDoesNotReadIsClosed) {
   const int small = 1;
   ::setsockopt(deaf.descriptor(), SOL_SOCKET, SO_RCVBUF, &small, sizeof small);
   const auto request = control::encode(control::ListScenes{});
+  ::fcntl(deaf.descriptor(), F_SETFL, O_NONBLOCK);
+  std::signal(SIGPIPE, SIG_IGN);  // OpenSSL writes to a closed socket like to any other
   // Until the endpoint reads no more, and then until it has hung up.
   const auto is_closed = [&] {
-    return ::send(deaf.descriptor(), request.data(), request.size(), MSG_NOSIGNAL | MSG_DONTWAIT) <
-               0 &&
-           errno != EAGAIN && errno != EWOULDBLOCK;
+    const int sent =
+        SSL_write(deaf.tls().native(), request.data(), static_cast<int>(request.size()));
+    return sent <= 0 && SSL_get_error(deaf.tls().native(), sent) != SSL_ERROR_WANT_WRITE;
   };
   while (!is_closed()) {
     ControlClient other(endpoint.port());
@@ -96,46 +121,103 @@ TEST(ControlEndpoint, WhoDoesNotReadIsClosed) {
   }
 }
 
-TEST(ControlEndpoint, TooManyConnectionsAreRefused) {
-  Endpoint endpoint(kNever, 2, control::SceneList{});
-  ControlClient first(endpoint.port());
-  first.ask<control::SceneList>(control::ListScenes{});
-  {
-    ControlClient second(endpoint.port());
-    second.ask<control::SceneList>(control::ListScenes{});
-    ControlClient third(endpoint.port());
-    const auto refusal = third.receive();
-    ASSERT_TRUE(refusal.has_value());
-    EXPECT_EQ(std::get<control::Refused>(*refusal).code, control::RefusalCode::full);
-    EXPECT_TRUE(third.closed());
-    first.ask<control::SceneList>(control::ListScenes{});
-  }
-  // Both have hung up: there is room again, as soon as the endpoint has seen it.
-  for (bool served = false; !served;) {
-    ControlClient next(endpoint.port());
-    next.send(control::ListScenes{});
-    const auto answer = next.receive();
-    served = answer && std::holds_alternative<control::SceneList>(*answer);
+/// Whether a connection came to TLS and was let in.
+bool served(std::uint16_t port) {
+  try {
+    ControlClient client(port);
+    client.ask<control::SceneList>(control::ListScenes{});
+    return true;
+  } catch (const std::runtime_error&) {
+    return false;
   }
 }
 
-/// Refusals wait to be read too, and are connections: there is an end to them.
-TEST(ControlEndpoint, AFloodOfConnectionsIsCutOff) {
+TEST(ControlEndpoint, TooManyConnectionsAreClosedAtOnce) {
   Endpoint endpoint(kNever, 2, control::SceneList{});
-  std::vector<std::unique_ptr<ControlClient>> clients;
-  for (int n = 0; n < 2; ++n) {
-    clients.push_back(std::make_unique<ControlClient>(endpoint.port()));
-    clients.back()->ask<control::SceneList>(control::ListScenes{});
+  ControlClient first(endpoint.port());
+  {
+    ControlClient second(endpoint.port());
+    for (int n = 0; n < 20; ++n)
+      EXPECT_TRUE(RawSocket(SOCK_STREAM, endpoint.port()).receive().empty());
+    first.ask<control::SceneList>(control::ListScenes{});
+    second.ask<control::SceneList>(control::ListScenes{});
   }
-  for (int n = 0; n < 2; ++n) {
-    clients.push_back(std::make_unique<ControlClient>(endpoint.port()));
-    EXPECT_TRUE(clients.back()->receive().has_value());
+  // It has hung up: there is room again, as soon as the endpoint has seen it.
+  while (!served(endpoint.port())) {
   }
-  for (int n = 0; n < 20; ++n) {
-    clients.push_back(std::make_unique<ControlClient>(endpoint.port()));
-    EXPECT_TRUE(clients.back()->closed());
+  first.ask<control::SceneList>(control::ListScenes{});
+  EXPECT_GE(endpoint.counters().crowded_out, 20u);
+}
+
+TEST(ControlEndpoint, NoAddressTakesAllConnections) {
+  Endpoint endpoint({.address = {}, .max_connections_per_address = 1}, control::SceneList{});
+  ControlClient first(endpoint.port());
+  EXPECT_FALSE(served(endpoint.port()));
+  first.ask<control::SceneList>(control::ListScenes{});
+}
+
+/// Until a good token was shown one time limit holds for everything, however busy the stranger is.
+TEST(ControlEndpoint, WhoIsSlowToBeKnownIsClosed) {
+  Endpoint endpoint({.address = {}, .handshake_timeout = 100ms, .idle_timeout = kNever},
+                    control::SceneList{});
+  RawSocket mute(SOCK_STREAM, endpoint.port());
+  EXPECT_TRUE(mute.receive().empty());
+
+  RawSocket half(SOCK_STREAM, endpoint.port());  // the beginning of a TLS record, and no more
+  const std::vector<std::uint8_t> beginning = {0x16, 0x03, 0x01, 0x02, 0x00, 0x01};
+  half.send(beginning);
+  EXPECT_TRUE(half.receive().empty());
+
+  ControlClient tokenless(endpoint.port(), AF_INET, Secret());
+  EXPECT_TRUE(tokenless.closed());
+
+  ControlClient slow(endpoint.port(), AF_INET, Secret());
+  const auto frame = control::encode(control::Authenticate{Secret("fw_x")});
+  slow.send_raw({frame.data(), frame.size() - 1});
+  EXPECT_TRUE(slow.closed());
+  EXPECT_EQ(endpoint.counters().too_slow, 4u);
+}
+
+TEST(ControlEndpoint, StrangersFramesAreShort) {
+  Endpoint endpoint(kNever, 8, control::SceneList{});
+  ControlClient stranger(endpoint.port(), AF_INET, Secret());
+  const std::vector<std::uint8_t> frame = {0x01, 0x02, 0x00, 0x00};  // 513 bytes to come
+  stranger.send_raw(frame);
+  const auto answer = stranger.receive();
+  ASSERT_TRUE(answer.has_value());
+  EXPECT_EQ(std::get<control::Refused>(*answer).code, control::RefusalCode::malformed);
+  EXPECT_TRUE(stranger.closed());
+}
+
+TEST(ControlEndpoint, ARefusedStrangerIsClosed) {
+  Endpoint endpoint(kNever, 8, control::SceneList{});
+  ControlClient stranger(endpoint.port(), AF_INET, Secret());
+  EXPECT_EQ(stranger.ask<control::Refused>(control::ListScenes{}).code,
+            control::RefusalCode::unauthenticated);
+  EXPECT_TRUE(stranger.closed());
+}
+
+TEST(ControlEndpoint, OlderTlsIsRefused) {
+  Endpoint endpoint(kNever, 8, control::SceneList{});
+  for (const int version : {TLS1_2_VERSION, TLS1_1_VERSION}) {
+    const test::TlsContext context = test::client_context(version);
+    const RawSocket socket(SOCK_STREAM, endpoint.port());
+    test::TlsConnection tls(context.get(), socket.descriptor());
+    EXPECT_FALSE(tls.connect()) << version;
   }
-  clients.front()->ask<control::SceneList>(control::ListScenes{});
+  EXPECT_TRUE(served(endpoint.port()));
+  EXPECT_GE(endpoint.counters().failed, 1u);
+}
+
+TEST(ControlEndpoint, NoPlainTextIsRead) {
+  Endpoint endpoint(kNever, 8, control::SceneList{});
+  RawSocket plain(SOCK_STREAM, endpoint.port());
+  plain.send(control::encode(control::ListScenes{}));
+  const auto answer = plain.receive();  // a TLS alert, or nothing
+  EXPECT_TRUE(answer.empty() || answer.front() == 0x15);
+  while (!plain.receive().empty()) {
+  }
+  EXPECT_EQ(endpoint.counters().failed, 1u);
 }
 
 }  // namespace

@@ -24,10 +24,10 @@ struct DatagramClient {
   test::SealedEncoder encoder;
   std::uint64_t packet = 0;
 
-  explicit DatagramClient(const control::JoinAccepted& accepted)
-      : joined(accepted),
-        socket(SOCK_DGRAM, accepted.udp_port),
-        keys(ControlClient::keys(accepted)),
+  explicit DatagramClient(const test::JoinedBy& by)
+      : joined(by.accepted),
+        socket(SOCK_DGRAM, by.udp_port),
+        keys(by.keys),
         encoder(test::Way::up, keys) {}
 
   std::vector<std::uint8_t> opened(Bytes bytes) const {
@@ -68,12 +68,14 @@ std::vector<Scene> two_scenes() {
 }
 
 TEST(Loopback, TwoClientsShareAScene) {
-  Server server(any_port(), two_scenes());
+  Server server(any_port(), two_scenes(), test::security());
   ControlClient control(server.control_port());
-  DatagramClient a(control.ask<control::JoinAccepted>(test::join_request()));
-  DatagramClient b(control.ask<control::JoinAccepted>(test::join_request()));
+  const test::JoinedBy first = control.join(test::join_request());
+  DatagramClient a(first);
+  DatagramClient b(control.join(test::join_request()));
   EXPECT_NE(a.joined.session, b.joined.session);
-  EXPECT_EQ(a.joined.udp_port, server.scenes()[0].udp_port);
+  EXPECT_EQ(a.joined.port_offset, 1u);
+  EXPECT_EQ(first.udp_port, server.scenes()[0].udp_port);
   EXPECT_EQ(a.joined.silence_timeout, 2.0);
   EXPECT_TRUE(a.joined.friction);
   EXPECT_EQ(a.joined.start_position, Vec3(0.01, 0, 0));
@@ -95,7 +97,8 @@ TEST(Loopback, TwoClientsShareAScene) {
   const auto list = control.ask<control::SceneList>(control::ListScenes{});
   ASSERT_EQ(list.scenes.size(), 2u);
   EXPECT_EQ(list.scenes[0].name, "room");
-  EXPECT_EQ(list.scenes[0].udp_port, a.joined.udp_port);
+  EXPECT_EQ(list.scenes[0].port_offset, 1u);
+  EXPECT_EQ(list.scenes[1].port_offset, 2u);
   EXPECT_EQ(list.scenes[0].objects, 2u);
   EXPECT_EQ(list.scenes[0].sessions, 2u);
   EXPECT_EQ(list.scenes[1].sessions, 0u);
@@ -116,9 +119,9 @@ TEST(Loopback, TwoClientsShareAScene) {
 
 /// More than a batch at once, each answered; the order of the answers is that of the samples.
 TEST(Loopback, BurstIsDrained) {
-  Server server(any_port(), two_scenes());
+  Server server(any_port(), two_scenes(), test::security());
   ControlClient control(server.control_port());
-  DatagramClient client(control.ask<control::JoinAccepted>(test::join_request()));
+  DatagramClient client(control.join(test::join_request()));
   constexpr std::uint64_t kBurst = 200;
   for (std::uint64_t n = 1; n <= kBurst; ++n)
     client.socket.send(client.encoder.samples(client.joined.session, n, test::hand_batch(n)));
@@ -131,9 +134,9 @@ TEST(Loopback, BurstIsDrained) {
 }
 
 TEST(Loopback, RepliesFollowAClientThatMoves) {
-  Server server(any_port(), two_scenes());
+  Server server(any_port(), two_scenes(), test::security());
   ControlClient control(server.control_port());
-  const auto joined = control.ask<control::JoinAccepted>(test::join_request());
+  const auto joined = control.join(test::join_request());
   DatagramClient before(joined), after(joined);
   EXPECT_EQ(before.exchange(test::hand_batch(1)).sample_index, 1u);
   after.packet = before.packet;
@@ -143,9 +146,9 @@ TEST(Loopback, RepliesFollowAClientThatMoves) {
 TEST(Loopback, SilenceEndsWithAGoodbye) {
   ServerConfig config = any_port();
   config.silence_timeout = 0.1;
-  Server server(config, two_scenes());
+  Server server(config, two_scenes(), test::security());
   ControlClient control(server.control_port());
-  DatagramClient client(control.ask<control::JoinAccepted>(test::join_request()));
+  DatagramClient client(control.join(test::join_request()));
   client.exchange(test::hand_batch(1));
   EXPECT_EQ(client.await_goodbye(), GoodbyeReason::evicted);
 }
@@ -154,7 +157,7 @@ TEST(Loopback, RefusalsSayWhy) {
   using control::Refused, control::RefusalCode;
   ServerConfig config = any_port();
   config.max_sessions_per_scene = 1;
-  Server server(config, two_scenes());
+  Server server(config, two_scenes(), test::security());
   ControlClient control(server.control_port());
   auto request = test::join_request();
   request.scene = "nowhere";
@@ -171,9 +174,9 @@ TEST(Loopback, RefusalsSayWhy) {
 }
 
 TEST(Loopback, ParametersChangeWhileRunning) {
-  Server server(any_port(), two_scenes());
+  Server server(any_port(), two_scenes(), test::security());
   ControlClient control(server.control_port());
-  DatagramClient client(control.ask<control::JoinAccepted>(test::join_request()));
+  DatagramClient client(control.join(test::join_request()));
   client.exchange(test::hand_batch(1));
   SampleBatch pressed = test::hand_batch(2);
   pressed.samples[0].pose.position = {-0.1, 0, -0.01};
@@ -186,7 +189,7 @@ TEST(Loopback, ParametersChangeWhileRunning) {
 }
 
 TEST(Loopback, HostileFramesAreRefusedAndClosed) {
-  Server server(any_port(), two_scenes());
+  Server server(any_port(), two_scenes(), test::security());
   const std::vector<std::vector<std::uint8_t>> frames = {
       {0xff, 0xff, 0xff, 0xff},           // four gigabytes to come
       {0x00, 0x00, 0x00, 0x00},           // nothing to come
@@ -207,7 +210,7 @@ TEST(Loopback, HostileFramesAreRefusedAndClosed) {
 }
 
 TEST(Loopback, RequestsMayComeInPieces) {
-  Server server(any_port(), two_scenes());
+  Server server(any_port(), two_scenes(), test::security());
   ControlClient client(server.control_port());
   for (const std::uint8_t byte : control::encode(control::ListScenes{}))
     client.send_raw({&byte, 1});
@@ -215,7 +218,7 @@ TEST(Loopback, RequestsMayComeInPieces) {
 }
 
 TEST(Loopback, StopEndsConnections) {
-  Server server(any_port(), two_scenes());
+  Server server(any_port(), two_scenes(), test::security());
   ControlClient idle(server.control_port());
   idle.ask<control::SceneList>(control::ListScenes{});
   server.stop();
@@ -224,11 +227,11 @@ TEST(Loopback, StopEndsConnections) {
 }
 
 TEST(Loopback, PortInUseIsOneClearLine) {
-  Server server(any_port(), two_scenes());
+  Server server(any_port(), two_scenes(), test::security());
   ServerConfig config = any_port();
   config.port = server.control_port();
   try {
-    Server second(config, two_scenes());
+    Server second(config, two_scenes(), test::security());
     FAIL();
   } catch (const std::runtime_error& error) {
     EXPECT_THAT(error.what(), testing::HasSubstr(std::to_string(server.control_port())));
@@ -241,7 +244,7 @@ TEST(Loopback, ScenesOfOneNameAreRefused) {
   std::vector<Scene> twins;
   twins.push_back(test::room());
   twins.push_back(test::room());
-  EXPECT_THROW(Server(any_port(), std::move(twins)), std::invalid_argument);
+  EXPECT_THROW(Server(any_port(), std::move(twins), test::security()), std::invalid_argument);
 }
 
 }  // namespace

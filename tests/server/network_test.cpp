@@ -34,7 +34,7 @@ std::vector<Scene> room() {
 /// Null where this machine has no IPv6.
 std::unique_ptr<Server> serve_six(const char* address) {
   try {
-    return std::make_unique<Server>(listening(address), room());
+    return std::make_unique<Server>(listening(address), room(), test::security());
   } catch (const std::runtime_error&) {
     return nullptr;
   }
@@ -43,13 +43,13 @@ std::unique_ptr<Server> serve_six(const char* address) {
 /// Joins and has samples answered; the last answer.
 Reply feel(const Server& server, int family) {
   ControlClient control(server.control_port(), family);
-  const auto joined = control.ask<control::JoinAccepted>(test::join_request());
+  const auto joined = control.join(test::join_request());
   RawSocket datagrams(SOCK_DGRAM, joined.udp_port, family);
   const SessionKeys keys = control.keys(joined);
   test::SealedEncoder encoder(test::Way::up, keys);
   Reply reply;
   for (std::uint64_t n = 1; n <= 20; ++n) {
-    datagrams.send(encoder.samples(joined.session, n, test::hand_batch(n)));
+    datagrams.send(encoder.samples(joined.accepted.session, n, test::hand_batch(n)));
     const auto bytes = datagrams.receive();
     EXPECT_EQ(decode(test::opened(bytes, test::Way::down, keys), reply), DropReason::none);
     EXPECT_EQ(reply.sample_index, n);
@@ -95,15 +95,15 @@ int mark_of_next(int descriptor, int family) {
 
 int mark_of_reply(const Server& server, int family) {
   ControlClient control(server.control_port(), family);
-  const auto joined = control.ask<control::JoinAccepted>(test::join_request());
+  const auto joined = control.join(test::join_request());
   RawSocket datagrams(SOCK_DGRAM, joined.udp_port, family);
   const int on = 1;
   const bool four = family == AF_INET;
   EXPECT_EQ(::setsockopt(datagrams.descriptor(), four ? IPPROTO_IP : IPPROTO_IPV6,
                          four ? IP_RECVTOS : IPV6_RECVTCLASS, &on, sizeof on),
             0);
-  test::SealedEncoder encoder(test::Way::up, control.keys(joined));
-  datagrams.send(encoder.samples(joined.session, 1, test::hand_batch(1)));
+  test::SealedEncoder encoder(test::Way::up, joined.keys);
+  datagrams.send(encoder.samples(joined.accepted.session, 1, test::hand_batch(1)));
   return mark_of_next(datagrams.descriptor(), family);
 }
 
@@ -111,7 +111,7 @@ TEST(Network, RepliesAreMarked) {
   for (const auto& [name, value] : {std::pair{"ef", 46}, {"cs5", 40}, {"17", 17}, {"cs0", 0}}) {
     ServerConfig config = listening("127.0.0.1");
     config.dscp = name;
-    const Server server(config, room());
+    const Server server(config, room(), test::security());
     EXPECT_EQ(mark_of_reply(server, AF_INET), value) << name;
   }
 }
@@ -120,7 +120,7 @@ TEST(Network, RepliesAreMarkedInBothFamilies) {
   ServerConfig config = listening("::");
   config.dscp = "ef";
   try {
-    const Server server(config, room());
+    const Server server(config, room(), test::security());
     EXPECT_EQ(mark_of_reply(server, AF_INET6), 46);
     EXPECT_EQ(mark_of_reply(server, AF_INET), 46);
   } catch (const std::runtime_error&) {
@@ -132,10 +132,10 @@ TEST(Network, RepliesAreMarkedInBothFamilies) {
 TEST(Network, AClientThatNeverReadsHarmsNobodyElse) {
   ServerConfig config = listening("127.0.0.1");
   config.sample_rate_limit = 1e3;  // as fast as it goes
-  Server server(config, room());
+  Server server(config, room(), test::security());
   ControlClient control(server.control_port());
-  const auto deaf = control.ask<control::JoinAccepted>(test::join_request());
-  const auto joined = control.ask<control::JoinAccepted>(test::join_request());
+  const auto deaf = control.join(test::join_request());
+  const auto joined = control.join(test::join_request());
   RawSocket unread(SOCK_DGRAM, deaf.udp_port), datagrams(SOCK_DGRAM, joined.udp_port);
   const SessionKeys keys = control.keys(joined);
   test::SealedEncoder deafs(test::Way::up, control.keys(deaf)), encoder(test::Way::up, keys);
@@ -143,9 +143,9 @@ TEST(Network, AClientThatNeverReadsHarmsNobodyElse) {
   for (std::uint64_t n = 1; n <= 500; ++n) {
     for (int k = 0; k < 10; ++k) {
       ++sent;
-      unread.send(deafs.samples(deaf.session, sent, test::hand_batch(sent)));
+      unread.send(deafs.samples(deaf.accepted.session, sent, test::hand_batch(sent)));
     }
-    datagrams.send(encoder.samples(joined.session, n, test::hand_batch(n)));
+    datagrams.send(encoder.samples(joined.accepted.session, n, test::hand_batch(n)));
     Reply reply;
     ASSERT_EQ(decode(test::opened(datagrams.receive(), test::Way::down, keys), reply),
               DropReason::none);

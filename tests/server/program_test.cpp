@@ -11,25 +11,38 @@
 #include <fstream>
 
 #include "server/server.hpp"
+#include "tests/client/temporary_folder.hpp"
 #include "tests/server/make.hpp"
+#include "tests/support/security.hpp"
 
 namespace feltwire {
 namespace {
 
-using testing::AllOf;
-using testing::HasSubstr;
-using testing::Not;
-using testing::StartsWith;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::Not;
+using ::testing::StartsWith;
 
 using test::Outcome;
 
+/// With a state folder of its own.
 struct Program : test::Program {
-  explicit Program(std::vector<std::string> arguments)
-      : test::Program(FELTWIRE_SERVER_PROGRAM, std::move(arguments)) {}
+  explicit Program(std::vector<std::string> arguments, const std::string& state = state_folder())
+      : test::Program(FELTWIRE_SERVER_PROGRAM, with(std::move(arguments), state)) {}
+
+  static std::string state_folder() {
+    static const testing::TemporaryFolder folder;
+    return folder / "state";
+  }
+  static std::vector<std::string> with(std::vector<std::string> arguments,
+                                       const std::string& state) {
+    arguments.insert(arguments.end(), {"--state", state});
+    return arguments;
+  }
 };
 
 std::string write_file(const std::string& name, const std::string& content) {
-  const std::string path = testing::TempDir() + "feltwire_" + std::to_string(::getpid()) + name;
+  const std::string path = ::testing::TempDir() + "feltwire_" + std::to_string(::getpid()) + name;
   std::ofstream(path) << content;
   return path;
 }
@@ -50,8 +63,15 @@ void expect_one_line(const Outcome& outcome, const std::string& part) {
 TEST(Program, ServesUntilItIsTold) {
   for (const int ending : {SIGINT, SIGTERM}) {
     Program program({"--scene", scene_file(), "--port", "0"});
-    EXPECT_THAT(program.line(),
-                testing::MatchesRegex("listening: control tcp [0-9]+, scene wall udp [0-9]+"));
+    EXPECT_THAT(program.line(), ::testing::MatchesRegex("fingerprint: [0-9a-f]+"));
+    unsigned control = 0, udp = 0;
+    const std::string listening = program.line();
+    EXPECT_EQ(std::sscanf(listening.c_str(), "listening: control tcp %u, scene wall udp %u",
+                          &control, &udp),
+              2)
+        << listening;
+    EXPECT_EQ(udp, control + 1);
+    EXPECT_THAT(program.line(), StartsWith("join: feltwire-client --connect 127.0.0.1:"));
     program.signal(ending);
     const Outcome outcome = program.finish();
     EXPECT_EQ(outcome.status, 0);
@@ -64,6 +84,7 @@ TEST(Program, CommandLineWinsOverTheFile) {
   const std::string config = write_file(
       "server.json", R"({"scenes": [")" + scene_file() + R"("], "port": 70, "log_level": "off"})");
   Program program({"--config", config, "--port", "0"});
+  EXPECT_THAT(program.line(), StartsWith("fingerprint: "));
   EXPECT_THAT(program.line(), StartsWith("listening: control tcp "));
   program.signal(SIGTERM);
   const Outcome outcome = program.finish();
@@ -89,7 +110,7 @@ TEST(Program, PortInUse) {
   config.port = 0;
   std::vector<Scene> scenes;
   scenes.push_back(test::room());
-  const Server server(config, std::move(scenes));
+  const Server server(config, std::move(scenes), test::security());
   const std::string port = std::to_string(server.control_port());
   expect_one_line(Program({"--scene", scene_file(), "--port", port}).finish(), port);
 }

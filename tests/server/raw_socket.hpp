@@ -1,5 +1,5 @@
 #pragma once
-// Plain blocking sockets to a server, over IPv4 or IPv6.
+// Blocking sockets to a server, over IPv4 or IPv6: datagrams, and the control connection.
 
 #include <netinet/in.h>
 #include <poll.h>
@@ -12,7 +12,7 @@
 
 #include "protocol/control.hpp"
 #include "protocol/datagram.hpp"
-#include "protocol/placeholder_keys.hpp"
+#include "tests/support/tls.hpp"
 
 namespace feltwire::test {
 
@@ -60,21 +60,37 @@ class RawSocket {
   int file_;
 };
 
-/// The control connection of a client.
+/// What a join by a ControlClient comes to.
+struct JoinedBy {
+  control::JoinAccepted accepted;
+  std::uint16_t udp_port = 0;
+  SessionKeys keys;
+};
+
+/// The control connection of a client, let in by a token (empty: it shows none).
 class ControlClient {
  public:
-  explicit ControlClient(std::uint16_t port, int family = AF_INET)
-      : socket_(SOCK_STREAM, port, family) {}
+  explicit ControlClient(std::uint16_t port, int family = AF_INET,
+                         const Secret& token = admin_token().text)
+      : port_(port),
+        socket_(SOCK_STREAM, port, family),
+        tls_(context_.get(), socket_.descriptor()) {
+    const timeval patience{.tv_sec = kPatience / 1000, .tv_usec = 0};
+    ::setsockopt(socket_.descriptor(), SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
+    if (!tls_.connect()) throw std::runtime_error("no TLS");
+    if (!token.empty()) ask<control::Authenticated>(control::Authenticate{token});
+  }
 
   int descriptor() const { return socket_.descriptor(); }
+  TlsConnection& tls() { return tls_; }
 
-  void send(const control::Message& message) { socket_.send(control::encode(message)); }
-  void send_raw(Bytes bytes) { socket_.send(bytes); }
+  void send(const control::Message& message) { tls_.write(control::encode(message)); }
+  void send_raw(Bytes bytes) { tls_.write(bytes); }
 
   std::optional<control::Message> receive() {
-    const auto length = exactly(control::kFrameLengthSize);
-    if (length.empty()) return std::nullopt;
-    const auto body = exactly(control::frame_length(
+    const auto length = tls_.read(control::kFrameLengthSize);
+    if (length.size() < control::kFrameLengthSize) return std::nullopt;
+    const auto body = tls_.read(control::frame_length(
         std::span<const std::uint8_t, control::kFrameLengthSize>(length.data(), 4)));
     return control::decode(body);
   }
@@ -86,23 +102,18 @@ class ControlClient {
       throw std::runtime_error("another answer than expected");
     return std::get<Answer>(*answer);
   }
-  /// Of a session that was joined here.
-  static SessionKeys keys(const control::JoinAccepted& joined) {
-    return placeholder_keys(joined.session);
+  JoinedBy join(const control::JoinRequest& request) {
+    const auto accepted = ask<control::JoinAccepted>(request);
+    return {accepted, static_cast<std::uint16_t>(port_ + accepted.port_offset),
+            export_keys(*tls_.native(), accepted.session, accepted.suite)};
   }
-  bool closed() { return socket_.receive().empty(); }
+  bool closed() { return tls_.read(1).empty(); }
 
  private:
-  std::vector<std::uint8_t> exactly(std::size_t size) {
-    std::vector<std::uint8_t> bytes;
-    while (bytes.size() < size) {
-      const auto more = socket_.receive(size - bytes.size());
-      if (more.empty()) return {};
-      bytes.insert(bytes.end(), more.begin(), more.end());
-    }
-    return bytes;
-  }
+  std::uint16_t port_;
+  TlsContext context_ = client_context();
   RawSocket socket_;
+  TlsConnection tls_;
 };
 
 }  // namespace feltwire::test

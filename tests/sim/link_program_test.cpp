@@ -22,7 +22,7 @@ using testing::Loopback;
 
 class LinkProgram : public Loopback {
  protected:
-  std::string server_port() const { return std::to_string(endpoint.port); }
+  std::string server_port() const { return std::to_string(endpoint.endpoint.port); }
   testing::TemporaryFolder folder;
 };
 
@@ -30,18 +30,20 @@ TEST_F(LinkProgram, RelaysUntilItIsToldAndThenReports) {
   for (const int ending : {SIGINT, SIGTERM}) {
     const auto file = folder / "link.json";
     Program program(FELTWIRE_LAB_PROGRAM,
-                    {"link", "delay=1,loss=5,seed=4", "--listen", "0", "--to",
+                    {"link", "delay=1,loss=5,seed=4", "--listen", "0", "--scenes", "2", "--to",
                      "127.0.0.1:" + server_port(), "--report", file.string()});
     const std::string line = program.line();
-    unsigned port = 0, to = 0;
-    ASSERT_EQ(std::sscanf(line.c_str(), "relaying: control tcp %u to 127.0.0.1:%u", &port, &to), 2)
+    unsigned port = 0, first = 0, last = 0, to = 0;
+    ASSERT_EQ(
+        std::sscanf(line.c_str(), "relaying: control tcp %u, scenes udp %u to %u, to 127.0.0.1:%u",
+                    &port, &first, &last, &to),
+        4)
         << line;
-    EXPECT_EQ(to, endpoint.port);
+    EXPECT_EQ(first, port + 1);
+    EXPECT_EQ(last, port + 2);
+    EXPECT_EQ(to, endpoint.endpoint.port);
     {
-      Client client({"127.0.0.1", static_cast<std::uint16_t>(port)}, kStroke, {}, "floor");
-      EXPECT_EQ(program.line(), "relaying: scene udp " +
-                                    std::to_string(client.joined.accepted.udp_port) + " to " +
-                                    std::to_string(server->scenes()[0].udp_port));
+      Client client(test::access(static_cast<std::uint16_t>(port)), kStroke, {}, "floor");
       client.start();
       client.finish();
       EXPECT_EQ(client.result->end, EndReason::device_ended);

@@ -6,6 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "server/scene_ports.hpp"
 #include "tests/client/loopback.hpp"
 #include "tests/client/peer.hpp"
 
@@ -25,7 +26,8 @@ class Relay {
       : relay_({.port = port, .server = server, .link = parse_link(link)}),
         thread_([this] { relay_.run(); }) {}
   ~Relay() { stop(); }
-  Endpoint endpoint() const { return {"127.0.0.1", relay_.control_port()}; }
+  ServerAccess access() const { return test::access(relay_.control_port()); }
+  std::uint16_t port() const { return relay_.control_port(); }
   /// Its account, once it is stopped.
   json report() {
     stop();
@@ -43,22 +45,20 @@ class Relay {
 
 class LinkRelayTest : public Loopback {};
 
-TEST_F(LinkRelayTest, ScenesAreListedWithPortsOfTheRelay) {
-  Relay relay(endpoint, "delay=0");
+TEST_F(LinkRelayTest, ScenesAreListedAsBehindTheServer) {
+  Relay relay(endpoint.endpoint, "delay=0");
   const auto direct = list_scenes(endpoint, kPatience);
-  const auto relayed = list_scenes(relay.endpoint(), kPatience);
+  const auto relayed = list_scenes(relay.access(), kPatience);
   ASSERT_EQ(relayed.size(), 1u);
   EXPECT_EQ(relayed[0].name, "floor");
   EXPECT_EQ(relayed[0].objects, direct[0].objects);
-  EXPECT_NE(relayed[0].udp_port, direct[0].udp_port);
-  // The same again: one port for a scene.
-  EXPECT_EQ(list_scenes(relay.endpoint(), kPatience)[0].udp_port, relayed[0].udp_port);
+  EXPECT_EQ(relayed[0].port_offset, direct[0].port_offset);
 }
 
 TEST_F(LinkRelayTest, RefusalsComeThrough) {
-  Relay relay(endpoint, "delay=0");
+  Relay relay(endpoint.endpoint, "delay=0");
   try {
-    Client lost(relay.endpoint(), kStroke, {}, "cellar");
+    Client lost(relay.access(), kStroke, {}, "cellar");
     FAIL() << "joined a scene that is not there";
   } catch (const SessionError& error) {
     EXPECT_THAT(error.what(), ::testing::HasSubstr("cellar"));
@@ -66,9 +66,9 @@ TEST_F(LinkRelayTest, RefusalsComeThrough) {
 }
 
 TEST_F(LinkRelayTest, TwoClientsApartEachWithItsOwnFates) {
-  Relay relay(endpoint, "delay=2,loss=10,seed=3");
-  Client first(relay.endpoint(), kStroke, {}, "floor");
-  Client second(relay.endpoint(), kStroke, {}, "floor");
+  Relay relay(endpoint.endpoint, "delay=2,loss=10,seed=3");
+  Client first(relay.access(), kStroke, {}, "floor");
+  Client second(relay.access(), kStroke, {}, "floor");
   EXPECT_NE(first.joined.accepted.session, second.joined.accepted.session);
   for (Client* client : {&first, &second}) client->start();
   for (Client* client : {&first, &second}) client->finish();
@@ -104,8 +104,8 @@ TEST_F(LinkRelayTest, TwoClientsApartEachWithItsOwnFates) {
 
 TEST_F(LinkRelayTest, TheFirstClientMeetsWhatALinkOfItsOwnWouldDo) {
   constexpr const char* kLink = "delay=2,loss=10,down.burst=3,seed=7";
-  Relay relay(endpoint, kLink);
-  Client client(relay.endpoint(), kStroke, {}, "floor");
+  Relay relay(endpoint.endpoint, kLink);
+  Client client(relay.access(), kStroke, {}, "floor");
   client.start();
   client.finish();
   const ServoStatistics& s = client.servo.statistics();
@@ -122,85 +122,87 @@ TEST_F(LinkRelayTest, TheFirstClientMeetsWhatALinkOfItsOwnWouldDo) {
   EXPECT_LT(answered, s.samples);
 }
 
-/// What a server answers that names a port where nobody needs to be.
-control::JoinAccepted accepted() {
-  control::JoinAccepted a;
-  a.session = 5;
-  a.udp_port = 4242;
-  a.silence_timeout = 2.0;
-  a.friction = true;
-  a.start_position = Vec3(1, 2, 3);
-  return a;
-}
-Joined join_through(const Relay& relay) {
-  return join(relay.endpoint(), {"tester", "room", builtin_device("simulated"), {}}, kPatience);
+std::uint16_t port_of(const Address& address) {
+  sockaddr_in four;
+  std::memcpy(&four, &address.storage, sizeof four);
+  return ntohs(four.sin_port);
 }
 
-TEST(LinkRelay, OfAnAnswerOnlyThePortIsAnother) {
-  const testing::ControlPeer server(control::encode(accepted()));
-  const Relay relay(server.endpoint(), "lan");
-  const control::JoinAccepted got = join_through(relay).accepted;
-  control::JoinAccepted expected = accepted();
-  expected.udp_port = got.udp_port;
-  EXPECT_NE(got.udp_port, 4242);
-  EXPECT_EQ(control::encode(got), control::encode(expected));
+/// The relay stands in between without either side's keys: certificate, token and answers are those
+/// of the two ends, and so are the session's keys.
+TEST_F(LinkRelayTest, NothingButTheWayIsTheRelays) {
+  Relay relay(endpoint.endpoint, "lan");
+  const Joined joined =
+      join(relay.access(), {"tester", "floor", builtin_device("simulated"), {}}, kPatience);
+  EXPECT_EQ(port_of(joined.datagrams), relay.port() + 1);
+  ServerAccess stranger = relay.access();
+  std::get<Fingerprint>(stranger.credentials.trust)[0] ^= 1;
+  EXPECT_THROW(list_scenes(stranger, kPatience), SessionError);
 }
 
-TEST(LinkRelay, ScenePortsFollowTheControlPortWhereTheyCan) {
-  for (const bool taken : {false, true}) {
-    const testing::ControlPeer server(control::encode(accepted()));
-    std::unique_ptr<testing::LocalSocket> next;
-    std::unique_ptr<Relay> relay;
-    std::uint16_t following = 0;
-    while (!relay) {  // until the system's choice is one behind a port that is free, too
-      next = std::make_unique<testing::LocalSocket>(SOCK_DGRAM);
-      following = next->port();
-      try {
-        relay = std::make_unique<Relay>(server.endpoint(), "lan",
-                                        static_cast<std::uint16_t>(following - 1));
-      } catch (const std::runtime_error&) {
-      }
-    }
-    if (!taken) next.reset();
-    const std::uint16_t port = join_through(*relay).accepted.udp_port;
-    EXPECT_EQ(port == following, !taken) << port;
-    EXPECT_NE(port, 0);
-  }
+TEST(LinkRelay, APortThatIsTakenBehindTheControlPortIsSaid) {
+  const testing::LocalSocket taken(SOCK_DGRAM);
+  EXPECT_THAT(
+      [&] {
+        LinkRelay(
+            {.port = static_cast<std::uint16_t>(taken.port() - 1), .server = {"127.0.0.1", 7400}});
+      },
+      ::testing::ThrowsMessage<std::runtime_error>(::testing::HasSubstr("--listen")));
+  EXPECT_THAT(
+      [] {
+        LinkRelay({.server = {"127.0.0.1", 7400}, .scenes = 0});
+      },
+      ::testing::ThrowsMessage<std::runtime_error>(::testing::HasSubstr("--scenes")));
 }
 
+/// Three scenes of a server that is one control port (unused) and sockets behind it.
 TEST(LinkRelay, DatagramsPassBothWaysUnchanged) {
-  testing::LocalSocket scene(SOCK_DGRAM);
-  control::JoinAccepted answer = accepted();
-  answer.udp_port = scene.port();
-  const testing::ControlPeer server(control::encode(answer));
-  const Relay relay(server.endpoint(), "delay=1");
-  const Address port = join_through(relay).datagrams;
+  asio::io_context io;
+  std::uint16_t base = 0;
+  auto scenes = listen_with_room(0, [&](std::uint16_t) {
+    const testing::LocalSocket control(SOCK_STREAM);
+    base = control.port();
+    return open_scene_ports(io, asio::ip::make_address("127.0.0.1"), base + 1u, 3);
+  });
+  const LinkRelayOptions options{.server = {"127.0.0.1", base}, .link = parse_link("delay=1")};
+  LinkRelay relay(options);
+  std::thread thread([&] { relay.run(); });
 
   testing::LocalSocket client(SOCK_DGRAM);
   std::vector<std::uint8_t> buffer(4096);
-  for (const std::size_t size : {std::size_t{1}, std::size_t{0}, kMaxDatagram, kMaxDatagram + 9}) {
-    std::vector<std::uint8_t> datagram(size);
-    for (std::size_t i = 0; i < size; ++i) datagram[i] = static_cast<std::uint8_t>(7 * i + 1);
-    std::vector<std::uint8_t> expected = datagram;
-    expected.resize(std::min(size, kMaxDatagram + 1));  // still too long for who receives it
+  for (std::size_t scene = 0; scene < scenes.size(); ++scene) {
+    testing::LocalSocket::limit(scenes[scene].native_handle());
+    sockaddr_in port{};
+    port.sin_family = AF_INET;
+    port.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    port.sin_port = htons(static_cast<std::uint16_t>(relay.control_port() + 1 + scene));
+    for (const std::size_t size :
+         {std::size_t{1}, std::size_t{0}, kMaxDatagram, kMaxDatagram + 9}) {
+      std::vector<std::uint8_t> datagram(size);
+      for (std::size_t i = 0; i < size; ++i) datagram[i] = static_cast<std::uint8_t>(7 * i + 1);
+      std::vector<std::uint8_t> expected = datagram;
+      expected.resize(std::min(size, kMaxDatagram + 1));  // still too long for who receives it
 
-    ASSERT_GE(::sendto(client.descriptor(), datagram.data(), size, 0,
-                       reinterpret_cast<const sockaddr*>(&port.storage), port.size),
-              0);
-    Address from;
-    from.size = sizeof from.storage;
-    const ssize_t up = ::recvfrom(scene.descriptor(), buffer.data(), buffer.size(), 0,
-                                  reinterpret_cast<sockaddr*>(&from.storage), &from.size);
-    ASSERT_EQ(up, static_cast<ssize_t>(expected.size()));
-    EXPECT_TRUE(std::equal(expected.begin(), expected.end(), buffer.begin()));
+      ASSERT_GE(::sendto(client.descriptor(), datagram.data(), size, 0,
+                         reinterpret_cast<const sockaddr*>(&port), sizeof port),
+                0);
+      Address from;
+      from.size = sizeof from.storage;
+      const ssize_t up = ::recvfrom(scenes[scene].native_handle(), buffer.data(), buffer.size(), 0,
+                                    reinterpret_cast<sockaddr*>(&from.storage), &from.size);
+      ASSERT_EQ(up, static_cast<ssize_t>(expected.size()));
+      EXPECT_TRUE(std::equal(expected.begin(), expected.end(), buffer.begin()));
 
-    ASSERT_GE(::sendto(scene.descriptor(), datagram.data(), size, 0,
-                       reinterpret_cast<const sockaddr*>(&from.storage), from.size),
-              0);
-    const ssize_t down = ::recv(client.descriptor(), buffer.data(), buffer.size(), 0);
-    ASSERT_EQ(down, static_cast<ssize_t>(expected.size()));
-    EXPECT_TRUE(std::equal(expected.begin(), expected.end(), buffer.begin()));
+      ASSERT_GE(::sendto(scenes[scene].native_handle(), datagram.data(), size, 0,
+                         reinterpret_cast<const sockaddr*>(&from.storage), from.size),
+                0);
+      const ssize_t down = ::recv(client.descriptor(), buffer.data(), buffer.size(), 0);
+      ASSERT_EQ(down, static_cast<ssize_t>(expected.size()));
+      EXPECT_TRUE(std::equal(expected.begin(), expected.end(), buffer.begin()));
+    }
   }
+  relay.stop();
+  thread.join();
 }
 
 TEST(LinkRelay, FaultsAreOneLine) {
@@ -230,7 +232,7 @@ TEST(LinkRelay, AServerThatIsNotThereEndsTheConnection) {
     port = gone.port();
   }
   Relay relay({"127.0.0.1", port}, "lan");
-  EXPECT_THROW(list_scenes(relay.endpoint(), kPatience), SessionError);
+  EXPECT_THROW(list_scenes(relay.access(), kPatience), SessionError);
 }
 
 }  // namespace

@@ -1,0 +1,169 @@
+#include "client/tls_stream.hpp"
+
+#include <openssl/x509v3.h>
+
+#include <asio/connect.hpp>
+#include <asio/read.hpp>
+#include <asio/ssl/error.hpp>
+#include <asio/write.hpp>
+
+namespace feltwire {
+namespace {
+
+using asio::ip::tcp;
+using Error = std::error_code;
+
+/// In place of OpenSSL's own judgement of a certificate: it is the one that was pinned, or not.
+int is_pinned(X509_STORE_CTX* judged, void* pin_of_stream) {
+  auto& pin = *static_cast<TlsStream::Pin*>(pin_of_stream);
+  const X509* certificate = X509_STORE_CTX_get0_cert(judged);
+  try {
+    if (certificate != nullptr) pin.seen = fingerprint(*certificate);
+  } catch (const std::runtime_error&) {  // no fingerprint is no match
+  }
+  if (pin.seen && pin.seen == pin.wanted) return 1;
+  X509_STORE_CTX_set_error(judged, X509_V_ERR_CERT_REJECTED);
+  return 0;
+}
+
+asio::ssl::context client_context(const Credentials& credentials, TlsStream::Pin& pin) {
+  asio::ssl::context tls(asio::ssl::context::tls_client);
+  try {
+    require_tls_13(*tls.native_handle());
+    tls.set_verify_mode(asio::ssl::verify_peer);
+    if (const auto* pinned = std::get_if<Fingerprint>(&credentials.trust)) {
+      pin.wanted = *pinned;
+      SSL_CTX_set_cert_verify_callback(tls.native_handle(), is_pinned, &pin);
+    } else {
+      tls.add_certificate_authority(
+          asio::buffer(std::get<Authorities>(credentials.trust).certificates));
+    }
+    if (!credentials.certificate.empty()) {
+      tls.use_certificate_chain(asio::buffer(credentials.certificate));
+      const std::string_view key = credentials.key.text();
+      tls.use_private_key(asio::buffer(key.data(), key.size()), asio::ssl::context::pem);
+    }
+  } catch (const std::exception& error) {
+    throw SessionError(std::string("the certificates that were given cannot be used: ") +
+                       error.what() + "; see --ca, --certificate and --key");
+  }
+  return tls;
+}
+
+/// Has the certificate be for this host, and no partial wildcards.
+void expect_host(SSL* connection, const std::string& host) {
+  X509_VERIFY_PARAM* parameters = SSL_get0_param(connection);
+  X509_VERIFY_PARAM_set_hostflags(parameters, X509_CHECK_FLAG_NO_PARTIAL_WILDCARDS);
+  Error no_address;
+  asio::ip::make_address(host, no_address);
+  const int set = no_address ? X509_VERIFY_PARAM_set1_host(parameters, host.c_str(), host.size())
+                             : X509_VERIFY_PARAM_set1_ip_asc(parameters, host.c_str());
+  if (set != 1) throw SessionError("no certificate can be for a host called '" + host + "'");
+}
+
+}  // namespace
+
+TlsStream::TlsStream(const ServerAccess& server, std::chrono::milliseconds timeout)
+    : server_(to_string(server.endpoint)),
+      timeout_(timeout),
+      tls_(client_context(server.credentials, pin_)),
+      stream_(io_, tls_) {
+  connect(server.endpoint);
+  handshake(server);
+}
+
+void TlsStream::connect(const Endpoint& server) {
+  Error error;
+  tcp::resolver resolver(io_);
+  const auto found = resolver.resolve(server.host, std::to_string(server.port), error);
+  if (error)
+    throw SessionError("cannot find host '" + server.host + "': " + error.message() +
+                       "; check the name in --connect");
+  await(
+      [&](auto done) {
+        asio::async_connect(stream_.lowest_layer(), found,
+                            [done](const Error& e, const tcp::endpoint&) { done(e); });
+      },
+      "cannot connect to ",
+      "; is feltwire-server running there, and is the port its control port?");
+}
+
+void TlsStream::handshake(const ServerAccess& server) {
+  SSL* connection = stream_.native_handle();
+  const bool pins = std::holds_alternative<Fingerprint>(server.credentials.trust);
+  Error not_a_name;
+  asio::ip::make_address(server.endpoint.host, not_a_name);
+  if (not_a_name) SSL_set_tlsext_host_name(connection, server.endpoint.host.c_str());
+  if (!pins) expect_host(connection, server.endpoint.host);
+  try {
+    await(
+        [&](auto done) {
+          stream_.async_handshake(asio::ssl::stream_base::client,
+                                  [done](const Error& e) { done(e); });
+        },
+        "no TLS with ", "; is the port the control port of a feltwire-server?");
+  } catch (const SessionError&) {
+    const long verdict = SSL_get_verify_result(connection);
+    if (verdict == X509_V_OK) throw;
+    if (pins)
+      throw SessionError(
+          server_ + " is not the server whose fingerprint was given: its certificate's is " +
+          (pin_.seen ? to_string(*pin_.seen) : "none") +
+          "; if it has a new certificate ask its owner for the fingerprint, else somebody stands "
+          "in between");
+    throw SessionError(server_ + " cannot be trusted: " + X509_verify_cert_error_string(verdict) +
+                       "; check --ca, and that the certificate is for the host in --connect");
+  }
+}
+
+SessionKeys TlsStream::keys(std::uint64_t session, CipherSuite suite) const {
+  try {
+    return export_keys(*stream_.native_handle(), session, suite);
+  } catch (const std::runtime_error& error) {
+    throw SessionError(server_ + ": " + error.what());
+  }
+}
+
+void TlsStream::write(std::span<const std::uint8_t> bytes) {
+  await(
+      [&](auto done) {
+        asio::async_write(stream_, asio::buffer(bytes.data(), bytes.size()),
+                          [done](const Error& e, std::size_t) { done(e); });
+      },
+      "no answer from ", "; is the port the control port of a feltwire-server?");
+}
+
+void TlsStream::read(std::span<std::uint8_t> bytes) {
+  await(
+      [&](auto done) {
+        asio::async_read(stream_, asio::buffer(bytes.data(), bytes.size()),
+                         [done](const Error& e, std::size_t) { done(e); });
+      },
+      "no answer from ", "; is the port the control port of a feltwire-server?");
+}
+
+template <class Start>
+void TlsStream::await(Start start, const std::string& what, const std::string& remedy) {
+  Error result = asio::error::would_block;
+  start([&result](const Error& error) { result = error; });
+  io_.restart();
+  io_.run_for(timeout_);
+  if (result == asio::error::would_block) {
+    Error ignored;
+    stream_.lowest_layer().close(ignored);  // ends the operation, so that it lets go of `result`
+    io_.restart();
+    io_.run();
+    throw SessionError(what + server_ + " within " + std::to_string(timeout_.count()) + " ms" +
+                       remedy);
+  }
+  if (!result) return;
+  // In TLS 1.3 a server judges the client's certificate when the client has long been done.
+  if (result.category() == asio::error::get_ssl_category() &&
+      ERR_GET_REASON(static_cast<unsigned long>(result.value())) ==
+          SSL_R_TLSV13_ALERT_CERTIFICATE_REQUIRED)
+    throw SessionError(server_ +
+                       " asks its clients for a certificate; give --certificate and --key");
+  throw SessionError(what + server_ + ": " + result.message() + remedy);
+}
+
+}  // namespace feltwire

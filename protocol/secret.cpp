@@ -1,0 +1,29 @@
+#include "protocol/secret.hpp"
+
+#include <sodium.h>
+#include <sys/prctl.h>
+
+#include "protocol/session_keys.hpp"
+
+namespace feltwire {
+
+Secret::~Secret() { sodium_memzero(bytes_.data(), bytes_.size()); }
+
+void wipe(std::string& text) noexcept {
+  sodium_memzero(text.data(), text.size());
+  text.clear();
+}
+
+void wipe(std::vector<std::uint8_t>& bytes) noexcept {
+  sodium_memzero(bytes.data(), bytes.size());
+  bytes.clear();
+}
+
+void forbid_core_dumps() noexcept { ::prctl(PR_SET_DUMPABLE, 0, 0, 0, 0); }
+
+SessionKeys::~SessionKeys() {
+  sodium_memzero(up.data(), up.size());
+  sodium_memzero(down.data(), down.size());
+}
+
+}  // namespace feltwire

@@ -1,0 +1,38 @@
+#pragma once
+// What must not be left behind in memory or in a core dump.
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace feltwire {
+
+/// Text for nobody else to read: every copy is wiped where it ends.
+class Secret {
+ public:
+  Secret() = default;
+  explicit Secret(std::string_view text) : bytes_(text.begin(), text.end()) {}
+  Secret(const Secret&) = default;
+  Secret(Secret&&) noexcept = default;
+  Secret& operator=(Secret other) noexcept {
+    bytes_.swap(other.bytes_);
+    return *this;
+  }
+  ~Secret();
+
+  std::string_view text() const { return {bytes_.data(), bytes_.size()}; }
+  bool empty() const { return bytes_.empty(); }
+
+ private:
+  // No std::string: a short one lies in the object itself, and moving it leaves a copy behind.
+  std::vector<char> bytes_;
+};
+
+void wipe(std::string& text) noexcept;
+void wipe(std::vector<std::uint8_t>& bytes) noexcept;
+
+/// Keys and tokens are in this process's memory: from now on the system writes no core of it, and
+/// no other process of the same user may look into it (PR_SET_DUMPABLE).
+void forbid_core_dumps() noexcept;
+
+}  // namespace feltwire

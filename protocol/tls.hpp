@@ -1,0 +1,42 @@
+#pragma once
+// What both ends of a control connection make of its TLS session: whose certificate it is, and the
+// keys of the datagrams.
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+#include "protocol/session_keys.hpp"
+
+struct ssl_st;
+struct ssl_ctx_st;
+struct x509_st;
+
+namespace feltwire {
+
+/// SHA-256 of a certificate (DER).
+using Fingerprint = std::array<std::uint8_t, 32>;
+
+/// Throws std::runtime_error.
+Fingerprint fingerprint(const x509_st& certificate);
+/// 64 hex digits.
+std::string to_string(const Fingerprint& fingerprint);
+/// Hex digits of either case, with or without colons. Throws std::invalid_argument.
+Fingerprint parse_fingerprint(std::string_view text);
+
+/// TLS 1.3 and nothing older, neither tickets nor early data: every connection has an exchange of
+/// keys of its own, so no two sessions have a key in common.
+void require_tls_13(ssl_ctx_st& context);
+
+/// The datagram keys of a session that was joined by this connection: exported from its TLS session
+/// (RFC 8446, 7.5), alike at both ends and known to nobody else. Throws std::runtime_error.
+SessionKeys export_keys(ssl_st& connection, std::uint64_t session, CipherSuite suite);
+
+/// Whether this CPU has what makes AES-256-GCM fast, and safe against being timed.
+bool has_aes_256_gcm() noexcept;
+
+/// What OpenSSL says of the last failure in this thread, in one line.
+std::string last_tls_error();
+
+}  // namespace feltwire

@@ -1,0 +1,269 @@
+#include "server/control_service.hpp"
+
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+
+#include "protocol/tls.hpp"
+
+namespace feltwire {
+namespace {
+
+using control::RefusalCode;
+using control::Refused;
+
+/// One for all that can be wrong with a token, so that nobody learns which tokens there are.
+constexpr const char* kNoGoodToken =
+    "this needs a token that the server knows and that is still good; feltwire-server token add "
+    "makes one";
+
+/// Nothing but letters that cannot spoil a log line: a client chooses its own name.
+std::string printable(std::string name) {
+  std::replace_if(
+      name.begin(), name.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; }, '?');
+  return name;
+}
+
+CalendarTime calendar_now() {
+  return std::chrono::floor<std::chrono::seconds>(std::chrono::system_clock::now());
+}
+Nanoseconds monotonic_now() { return std::chrono::steady_clock::now().time_since_epoch(); }
+
+Refused no_such_session(std::uint64_t session) {
+  return {RefusalCode::unknown_session,
+          "there is no session " + std::to_string(session) + " here; it may have ended by silence"};
+}
+
+}  // namespace
+
+struct ControlService::Asked {
+  ControlPeer& peer;
+  const Token& token;
+  Answer answer;
+};
+
+ControlService::ControlService(asio::io_context& io, Hosts& hosts, TokenFile tokens,
+                               const ServiceLimits& limits)
+    : io_(io),
+      hosts_(hosts),
+      tokens_(std::move(tokens)),
+      limits_(limits),
+      rate_(limits.join_rate, limits.join_burst) {}
+
+void ControlService::handle(ControlPeer& peer, control::Message request, Answer answer) {
+  refresh_tokens();
+  if (const auto* shown = std::get_if<control::Authenticate>(&request))
+    return answer(authenticate(peer, *shown));
+  const Token* token = good_token(peer.token);
+  if (token == nullptr) {
+    peer.token.clear();  // revoked since: the connection ends with this answer
+    return answer(refuse(RefusalCode::unauthenticated, kNoGoodToken));
+  }
+  Asked asked{peer, *token, std::move(answer)};
+  if (auto* wanted = std::get_if<control::JoinRequest>(&request))
+    return join(std::move(asked), std::move(*wanted));
+  if (const auto* wanted = std::get_if<control::LeaveRequest>(&request))
+    return pass_on(std::move(asked), wanted->session, std::move(request));
+  if (const auto* wanted = std::get_if<control::SetParameters>(&request))
+    return pass_on(std::move(asked), wanted->session, std::move(request));
+  if (std::holds_alternative<control::ListScenes>(request))
+    return asked.answer(list_scenes(*token));
+  if (const auto* wanted = std::get_if<control::Evict>(&request))
+    return asked.answer(evict(asked, *wanted));
+  if (const auto* wanted = std::get_if<control::ListSessions>(&request))
+    return asked.answer(list_sessions(asked, *wanted));
+  if (const auto* wanted = std::get_if<control::ReloadScene>(&request))
+    return asked.answer(reload(asked, *wanted));
+  asked.answer(Refused{RefusalCode::malformed, "this message is an answer, not a request"});
+}
+
+control::Message ControlService::authenticate(ControlPeer& peer,
+                                              const control::Authenticate& shown) {
+  peer.token.clear();
+  const Nanoseconds now = monotonic_now();
+  // Before the token is looked at: who guesses is slowed down.
+  if (!rate_.allows(peer.address, now))
+    return refuse(RefusalCode::too_many, "too many attempts from this address; wait a moment");
+  const Token* token = feltwire::authenticate(tokens_.tokens(), shown.token.text(), calendar_now());
+  if (token == nullptr) {
+    rate_.count(peer.address, now);
+    spdlog::info("{} has shown no token that is good", peer.address.to_string());
+    return refuse(RefusalCode::unauthenticated, kNoGoodToken);
+  }
+  peer.token = token->id;
+  return control::Authenticated{token->client, token->scene, token->role};
+}
+
+std::optional<Refused> ControlService::refuse_join(const Asked& asked,
+                                                   const control::JoinRequest& request) {
+  const Token& token = asked.token;
+  if (!covers(token.role, request.role))
+    return refuse(RefusalCode::forbidden, "this token is for an " + std::string(name(token.role)) +
+                                              ", it does not join as " +
+                                              std::string(name(request.role)));
+  // Whether there is such a scene is not for this token to know.
+  if (!opens(token, request.scene))
+    return refuse(RefusalCode::forbidden, "this token does not open scene '" + request.scene + "'");
+  const Nanoseconds now = monotonic_now();
+  if (!rate_.allows(asked.peer.address, now))
+    return refuse(RefusalCode::too_many, "too many joins from this address; wait a moment");
+  rate_.count(asked.peer.address, now);
+  if (scene_of(request.scene) == hosts_.size())
+    return Refused{
+        RefusalCode::unknown_scene,
+        "there is no scene '" + request.scene + "' here; list the scenes to see which there are"};
+  const auto same_client = [&](const auto& entry) { return entry.second.client == token.client; };
+  const auto sessions = std::count_if(seated_.begin(), seated_.end(), same_client);
+  if (static_cast<std::size_t>(sessions) >= limits_.sessions_per_client)
+    return refuse(RefusalCode::too_many, "client '" + token.client + "' has all its " +
+                                             std::to_string(limits_.sessions_per_client) +
+                                             " sessions; end one first");
+  return std::nullopt;
+}
+
+void ControlService::join(Asked asked, control::JoinRequest request) {
+  const std::string who = printable(request.client + " (" + request.device.name + ", client " +
+                                    asked.token.client + ", token " + asked.token.id + ")");
+  if (const auto refused = refuse_join(asked, request)) {
+    spdlog::warn("{} could not join scene {}: {}", who, printable(request.scene),
+                 printable(refused->reason));
+    return asked.answer(*refused);
+  }
+  const std::size_t scene = scene_of(request.scene);
+  const std::uint64_t id = new_session_id(scene);
+  const CipherSuite suite = request.aes_256_gcm && has_aes_256_gcm()
+                                ? CipherSuite::aes_256_gcm
+                                : CipherSuite::chacha20_poly1305;
+  SessionKeys keys;
+  try {
+    keys = asked.peer.keys(id, suite);
+  } catch (const std::exception& error) {
+    spdlog::error("{} could not join: {}", who, error.what());
+    return asked.answer(Refused{RefusalCode::not_supported, "this connection gives no keys"});
+  }
+  seated_[id] = {asked.token.id, asked.token.client, scene, request.role};
+  SceneHost& host = *hosts_[scene];
+  const auto finish = [this, id, scene, suite, who,
+                       answer = std::move(asked.answer)](control::Message message) {
+    const std::string& scene_name = hosts_[scene]->scene().name();
+    if (auto* accepted = std::get_if<control::JoinAccepted>(&message)) {
+      accepted->port_offset = static_cast<std::uint16_t>(1 + scene);
+      accepted->suite = suite;
+      spdlog::info("{} joined scene {}", who, scene_name);
+    } else {
+      seated_.erase(id);
+      if (const auto* no = std::get_if<Refused>(&message))
+        spdlog::warn("{} could not join scene {}: {}", who, scene_name, printable(no->reason));
+    }
+    answer(std::move(message));
+  };
+  host.ask(std::move(request), id, keys, io_, finish);
+}
+
+/// To the scene of a session that is the asker's own, or an admin asks.
+void ControlService::pass_on(Asked asked, std::uint64_t session, control::Message request) {
+  const auto found = seated_.find(session);
+  const bool may = found != seated_.end() &&
+                   (found->second.token == asked.token.id || covers(asked.token.role, Role::admin));
+  if (!may) return asked.answer(no_such_session(session));
+  hosts_[found->second.scene]->ask(std::move(request), session, {}, io_, std::move(asked.answer));
+}
+
+std::optional<Refused> ControlService::refuse_below_admin(const Asked& asked) {
+  if (covers(asked.token.role, Role::admin)) return std::nullopt;
+  return refuse(RefusalCode::forbidden,
+                "this is for admins; the token is for an " + std::string(name(asked.token.role)));
+}
+
+control::Message ControlService::evict(const Asked& asked, const control::Evict& request) {
+  if (auto refused = refuse_below_admin(asked)) return *std::move(refused);
+  const auto found = seated_.find(request.session);
+  if (found == seated_.end()) return no_such_session(request.session);
+  hosts_[found->second.scene]->evict(request.session);
+  spdlog::info("a session of client {} was evicted by client {}", printable(found->second.client),
+               printable(asked.token.client));
+  return control::Evicted{request.session};
+}
+
+control::Message ControlService::list_scenes(const Token& token) const {
+  control::SceneList result;
+  for (std::size_t i = 0; i < hosts_.size(); ++i) {
+    const SceneHost& host = *hosts_[i];
+    if (!opens(token, host.scene().name())) continue;
+    result.scenes.push_back({host.scene().name(), static_cast<std::uint16_t>(1 + i),
+                             static_cast<std::uint32_t>(host.scene().objects().size()),
+                             host.sessions()});
+  }
+  return result;
+}
+
+control::Message ControlService::list_sessions(const Asked& asked,
+                                               const control::ListSessions& request) {
+  if (auto refused = refuse_below_admin(asked)) return *std::move(refused);
+  control::SessionList list;
+  for (auto at = seated_.upper_bound(request.after); at != seated_.end(); ++at) {
+    if (list.sessions.size() == control::kMaxSessionEntries) {
+      list.more = true;
+      break;
+    }
+    const Seated& seated = at->second;
+    list.sessions.push_back(
+        {at->first, seated.client, hosts_[seated.scene]->scene().name(), seated.role});
+  }
+  return list;
+}
+
+control::Message ControlService::reload(const Asked& asked, const control::ReloadScene&) {
+  if (auto refused = refuse_below_admin(asked)) return *std::move(refused);
+  return Refused{RefusalCode::not_supported,
+                 "this server does not reload scenes while it runs; start it anew"};
+}
+
+void ControlService::look_after() {
+  refresh_tokens();
+  for (const auto& [id, seated] : seated_) {
+    const Token* token = good_token(seated.token);
+    if (token != nullptr && covers(token->role, seated.role) &&
+        opens(*token, hosts_[seated.scene]->scene().name()))
+      continue;
+    spdlog::info("a session of client {} ends: its token {} is good no more",
+                 printable(seated.client), seated.token);
+    hosts_[seated.scene]->evict(id);
+  }
+}
+
+void ControlService::forget(const std::vector<std::uint64_t>& sessions) {
+  for (const std::uint64_t session : sessions) seated_.erase(session);
+}
+
+Refused ControlService::refuse(RefusalCode code, std::string reason) {
+  if (code == RefusalCode::unauthenticated) ++counters_.unauthenticated;
+  if (code == RefusalCode::forbidden) ++counters_.forbidden;
+  if (code == RefusalCode::too_many) ++counters_.too_many;
+  return {code, std::move(reason)};
+}
+
+const Token* ControlService::good_token(const std::string& id) const {
+  const Token* token = find_token(tokens_.tokens(), id);
+  return token != nullptr && !expired(*token, calendar_now()) ? token : nullptr;
+}
+
+void ControlService::refresh_tokens() {
+  if (const auto wrong = tokens_.refresh())
+    spdlog::error("{}; the tokens stay as they were", *wrong);
+}
+
+std::size_t ControlService::scene_of(std::string_view name) const {
+  const auto found = std::find_if(hosts_.begin(), hosts_.end(),
+                                  [&](const auto& host) { return host->scene().name() == name; });
+  return static_cast<std::size_t>(found - hosts_.begin());
+}
+
+/// 56 random bits; the low byte says which scene the session is in.
+std::uint64_t ControlService::new_session_id(std::size_t scene) {
+  std::uint64_t bits = 0;
+  while (bits == 0) bits = (std::uint64_t{random_()} << 32 | random_()) << 8;
+  return bits | scene;
+}
+
+}  // namespace feltwire

@@ -1,0 +1,84 @@
+#pragma once
+// Who may ask what, and what is answered: tokens, roles, limits. On the control thread.
+
+#include <map>
+#include <memory>
+#include <random>
+#include <vector>
+
+#include "server/control.hpp"
+#include "server/join_rate.hpp"
+#include "server/scene_host.hpp"
+#include "server/token_file.hpp"
+
+namespace feltwire {
+
+struct ServiceLimits {
+  std::size_t sessions_per_client = 16;
+  double join_rate = 20.0;   // [1/s] joins and wrong tokens of an address, for ever
+  double join_burst = 60.0;  // and at once
+};
+
+struct ServiceCounters {
+  std::uint64_t unauthenticated = 0;  // requests without a token that is good
+  std::uint64_t forbidden = 0;        // beyond the token's role or scene
+  std::uint64_t too_many = 0;         // joins above a limit
+};
+
+class ControlService {
+ public:
+  using Hosts = std::vector<std::unique_ptr<SceneHost>>;
+  using Answer = std::function<void(control::Message)>;
+
+  /// `io` runs on the control thread; it and the hosts outlive this.
+  ControlService(asio::io_context& io, Hosts& hosts, TokenFile tokens, const ServiceLimits& limits);
+
+  /// A ControlHandler.
+  void handle(ControlPeer& peer, control::Message request, Answer answer);
+
+  /// To be called once a second: reads the tokens if they have changed, and evicts the sessions of
+  /// those that are revoked or have expired.
+  void look_after();
+
+  /// Sessions that the hosts say have ended.
+  void forget(const std::vector<std::uint64_t>& sessions);
+
+  const ServiceCounters& counters() const { return counters_; }
+
+ private:
+  /// A session, from the moment it was asked for.
+  struct Seated {
+    std::string token, client;  // the token's id, and whom it was given to
+    std::size_t scene = 0;
+    Role role = Role::observer;
+  };
+  struct Asked;  // a request, and who asks
+  using Directory = std::map<std::uint64_t, Seated>;
+
+  control::Message authenticate(ControlPeer& peer, const control::Authenticate& shown);
+  void join(Asked asked, control::JoinRequest request);
+  void pass_on(Asked asked, std::uint64_t session, control::Message request);
+  control::Message evict(const Asked& asked, const control::Evict& request);
+  control::Message list_scenes(const Token& token) const;
+  control::Message list_sessions(const Asked& asked, const control::ListSessions& request);
+  control::Message reload(const Asked& asked, const control::ReloadScene& request);
+  control::Refused refuse(control::RefusalCode code, std::string reason);
+  std::optional<control::Refused> refuse_below_admin(const Asked& asked);
+  std::optional<control::Refused> refuse_join(const Asked& asked,
+                                              const control::JoinRequest& request);
+  const Token* good_token(const std::string& id) const;
+  void refresh_tokens();
+  std::size_t scene_of(std::string_view name) const;
+  std::uint64_t new_session_id(std::size_t scene);
+
+  asio::io_context& io_;
+  Hosts& hosts_;
+  TokenFile tokens_;
+  ServiceLimits limits_;
+  JoinRate rate_;
+  Directory seated_;
+  ServiceCounters counters_;
+  std::random_device random_;  // the operating system's
+};
+
+}  // namespace feltwire

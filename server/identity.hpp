@@ -1,0 +1,28 @@
+#pragma once
+// The server's certificate and its key.
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "protocol/secret.hpp"
+#include "protocol/tls.hpp"
+
+namespace feltwire {
+
+struct Identity {
+  std::string certificate;  // PEM, with the chain behind it where there is one
+  Secret key;               // PEM
+};
+
+/// A new P-256 key and a certificate that it signs itself, for ten years, in these names (DNS names
+/// and IP addresses). Throws std::runtime_error.
+Identity make_identity(const std::vector<std::string>& names);
+
+/// Reads both files. Throws FileError when one cannot be read or they do not belong together.
+Identity load_identity(const std::filesystem::path& certificate, const std::filesystem::path& key);
+
+/// Of the first certificate. Throws std::runtime_error.
+Fingerprint fingerprint(const Identity& identity);
+
+}  // namespace feltwire

@@ -1,0 +1,109 @@
+#include "server/token_command.hpp"
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <stdexcept>
+
+#include "server/security.hpp"
+#include "server/state_file.hpp"
+
+namespace feltwire {
+namespace {
+
+constexpr int kBadUsage = 2, kCannotRun = 1;
+
+constexpr const char* kExamples = R"(
+Examples:
+  feltwire-server token add --client anna --scene room --role operator --expires 30d
+      prints a token, which is shown this once; give it to its holder by a safe way
+  feltwire-server token list
+  feltwire-server token revoke 0123456789ab
+      a running server ends the sessions of that token within a second)";
+
+CalendarTime now() {
+  return std::chrono::floor<std::chrono::seconds>(std::chrono::system_clock::now());
+}
+
+struct Words {
+  std::string client, scene = "*", role, expires, id, out;
+};
+
+void add(const ServerConfig& config, const Words& words) {
+  const IssuedToken issued =
+      issue_token(words.client, words.scene, role(words.role), parse_expiry(words.expires, now()));
+  make_state_folder(config);
+  change_tokens(token_file(config), [&](Tokens& tokens) { tokens.push_back(issued.token); });
+  const std::string_view text = issued.text.text();
+  if (!words.out.empty()) return write_state(words.out, text, kPrivate);
+  std::printf("%.*s\n", static_cast<int>(text.size()), text.data());
+}
+
+void list(const ServerConfig& config) {
+  const TokenFile file(token_file(config));
+  std::printf("%-12s  %-8s  %-23s  %-20s  %s\n", "id", "role", "expires", "client", "scene");
+  for (const Token& token : file.tokens())
+    std::printf("%-12s  %-8s  %-23s  %-20s  %s%s\n", token.id.c_str(), name(token.role).data(),
+                expiry_text(token.expires).c_str(), token.client.c_str(), token.scene.c_str(),
+                expired(token, now()) ? "  (expired)" : "");
+}
+
+void revoke(const ServerConfig& config, const Words& words) {
+  change_tokens(token_file(config), [&](Tokens& tokens) {
+    if (std::erase_if(tokens, [&](const Token& token) { return token.id == words.id; }) == 0)
+      throw std::invalid_argument("there is no token " + words.id + " in " +
+                                  token_file(config).string() +
+                                  "; feltwire-server token list shows which there are");
+  });
+}
+
+/// Where the tokens are: options that the server itself has, too.
+void add_place(CLI::App& command, std::string& config, ServerConfig& given) {
+  command.add_option("--config", config, "The server's configuration file");
+  command.add_option("--state", given.state, "Its state folder")->envname("FELTWIRE_STATE");
+  command.add_option("--tokens", given.tokens, "Its token file")->envname("FELTWIRE_TOKENS");
+}
+
+}  // namespace
+
+int token_command(int argc, char** argv) {
+  CLI::App app("Tokens that let clients in", "feltwire-server token");
+  app.footer(kExamples);
+  app.require_subcommand(1);
+  ServerConfig given;
+  std::string config_file;
+  Words words;
+  CLI::App* adding = app.add_subcommand("add", "Make a token and print it");
+  adding->add_option("--client", words.client, "Whom it is for")->required();
+  adding->add_option("--scene", words.scene, "The scene that it opens; '*': any")->required();
+  adding->add_option("--role", words.role, "observer, operator or admin")->required();
+  adding->add_option("--expires", words.expires, "30d, 12h, a day like 2026-12-31 (UTC), or never")
+      ->required();
+  adding->add_option("--out", words.out,
+                     "FILE that gets the token, for its owner alone to read, instead of stdout");
+  CLI::App* listing = app.add_subcommand("list", "Show the tokens that there are");
+  CLI::App* revoking = app.add_subcommand("revoke", "Make a token good no more");
+  revoking->add_option("ID", words.id, "Its id, as list shows it")->required();
+  for (CLI::App* command : {adding, listing, revoking}) add_place(*command, config_file, given);
+  try {
+    app.parse(argc, argv);
+    ServerConfig config = config_file.empty() ? given : load_config(config_file);
+    if (!given.state.empty()) config.state = given.state;
+    if (!given.tokens.empty()) config.tokens = given.tokens;
+    if (adding->parsed()) add(config, words);
+    if (listing->parsed()) list(config);
+    if (revoking->parsed()) revoke(config, words);
+    return 0;
+  } catch (const CLI::ParseError& error) {
+    if (error.get_exit_code() == 0) return app.exit(error);
+    std::fprintf(stderr, "feltwire-server token: %s (see --help)\n", error.what());
+    return kBadUsage;
+  } catch (const std::invalid_argument& error) {
+    std::fprintf(stderr, "feltwire-server token: %s\n", error.what());
+    return kBadUsage;
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "feltwire-server token: %s\n", error.what());
+    return kCannotRun;
+  }
+}
+
+}  // namespace feltwire

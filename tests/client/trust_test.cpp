@@ -1,0 +1,301 @@
+// Whom a client trusts, whom a server lets in, and what for: our two ends over real sockets.
+
+#include <gmock/gmock.h>
+
+#include <future>
+
+#include "server/state_file.hpp"
+#include "tests/client/loopback.hpp"
+#include "tests/client/peer.hpp"
+#include "tests/client/temporary_folder.hpp"
+#include "tests/server/raw_socket.hpp"
+
+namespace feltwire {
+namespace {
+
+using ::testing::AllOf;
+using testing::error_of;
+using ::testing::HasSubstr;
+using testing::kPatience;
+using testing::Loopback;
+using testing::TemporaryFolder;
+
+std::vector<Scene> floor() {
+  std::vector<Scene> scenes;
+  scenes.push_back(testing::floor_scene());
+  return scenes;
+}
+control::JoinRequest request(Role role = Role::operator_) {
+  return {"tester", "floor", builtin_device("simulated"), {}, role};
+}
+std::string refusal(const ServerAccess& access, const control::JoinRequest& wanted = request()) {
+  return error_of<SessionError>([&] { join(access, wanted, kPatience); });
+}
+ServerAccess pinning(std::uint16_t port, const Identity& identity) {
+  ServerAccess access = test::access(port);
+  access.credentials.trust = fingerprint(identity);
+  return access;
+}
+ServerAccess trusting(const std::string& host, std::uint16_t port, const std::string& authority) {
+  ServerAccess access = test::access(port, host);
+  access.credentials.trust = Authorities{authority};
+  return access;
+}
+
+class Trust : public Loopback {};
+
+TEST_F(Trust, OnlyThePinnedCertificateWillDo) {
+  EXPECT_NO_THROW(join(pinning(server->control_port(), test::identity()), request(), kPatience));
+  EXPECT_THAT(refusal(pinning(server->control_port(), make_identity({"localhost"}))),
+              AllOf(HasSubstr("is not the server whose fingerprint was given"),
+                    HasSubstr(to_string(server->fingerprint()))));
+}
+
+TEST_F(Trust, AnAuthorityVouchesForAHost) {
+  const std::uint16_t port = server->control_port();
+  const std::string& own = test::identity().certificate;
+  EXPECT_NO_THROW(join(trusting("127.0.0.1", port, own), request(), kPatience));
+  EXPECT_NO_THROW(join(trusting("localhost", port, own), request(), kPatience));
+  EXPECT_THAT(refusal(trusting("127.0.0.1", port, make_identity({"localhost"}).certificate)),
+              HasSubstr("cannot be trusted"));
+  EXPECT_THAT(refusal(trusting("127.0.0.1", port, "nonsense")), HasSubstr("--ca"));
+
+  const Identity elsewhere = make_identity({"elsewhere.example", "10.1.2.3"});
+  Server other(testing::any_ports(), floor(),
+               {elsewhere, {}, TokenFile(Tokens{test::admin_token().token})});
+  EXPECT_THAT(refusal(trusting("127.0.0.1", other.control_port(), elsewhere.certificate)),
+              AllOf(HasSubstr("cannot be trusted"), HasSubstr("mismatch")));
+  EXPECT_THAT(refusal(trusting("localhost", other.control_port(), elsewhere.certificate)),
+              AllOf(HasSubstr("cannot be trusted"), HasSubstr("mismatch")));
+}
+
+TEST(MutualTls, AClientNeedsACertificateOfTheAuthority) {
+  const Identity client = make_identity({"client"}), stranger = make_identity({"client"});
+  Server server(
+      testing::any_ports(), floor(),
+      {test::identity(), client.certificate, TokenFile(Tokens{test::admin_token().token})});
+  ServerAccess access = test::access(server.control_port());
+  EXPECT_THAT(refusal(access), HasSubstr("--certificate and --key"));
+  access.credentials.certificate = stranger.certificate;
+  access.credentials.key = stranger.key;
+  EXPECT_THAT(refusal(access), HasSubstr("no answer"));
+  access.credentials.certificate = client.certificate;
+  EXPECT_THAT(refusal(access), HasSubstr("cannot be used"));  // another's key
+  access.credentials.key = client.key;
+  // A certificate is no token.
+  access.credentials.token = issue_token("x", "*", Role::admin, std::nullopt).text;
+  EXPECT_THAT(refusal(access), HasSubstr("needs a token"));
+  access.credentials.token = test::admin_token().text;
+  EXPECT_NO_THROW(join(access, request(), kPatience));
+}
+
+/// A server of an older TLS is no server.
+TEST(Tls, NothingOlderIsSpoken) {
+  testing::LocalSocket socket(SOCK_STREAM);
+  ::listen(socket.descriptor(), 1);
+  std::thread old([&] {
+    const int connection = ::accept(socket.descriptor(), nullptr, nullptr);
+    const test::TlsContext context = test::server_context(test::identity(), TLS1_2_VERSION);
+    EXPECT_FALSE(test::TlsConnection(context.get(), connection).accept());
+    ::close(connection);
+  });
+  EXPECT_THAT(refusal(test::access(socket.port())), HasSubstr("no TLS with"));
+  old.join();
+}
+
+TEST_F(Trust, EachJoinHasKeysOfItsOwn) {
+  // By our client and, at the other end, by OpenSSL alone.
+  const Joined ours = join(endpoint, request(), kPatience);
+  test::ControlClient raw(server->control_port());
+  const test::JoinedBy one = raw.join(request()), two = raw.join(request());
+  EXPECT_NE(ours.keys.up, Key{});
+  const std::vector<Key> keys = {ours.keys.up,  ours.keys.down, one.keys.up,
+                                 one.keys.down, two.keys.up,    two.keys.down};
+  for (std::size_t i = 0; i < keys.size(); ++i)
+    for (std::size_t j = 0; j < i; ++j) EXPECT_NE(keys[i], keys[j]);
+  // The suite is in the keys, too: who changed it in the answer would have others.
+  const auto other = one.accepted.suite == CipherSuite::aes_256_gcm ? CipherSuite::chacha20_poly1305
+                                                                    : CipherSuite::aes_256_gcm;
+  EXPECT_NE(export_keys(*raw.tls().native(), one.accepted.session, other).up, one.keys.up);
+}
+
+TEST(Keys, WhatTheServerExportsTheClientHas) {
+  const control::JoinRequest wanted = request();
+  std::promise<SessionKeys> exported;
+  asio::io_context io{1};
+  ControlEndpoint endpoint(
+      io, {.address = asio::ip::make_address("127.0.0.1")}, test::identity(), {},
+      [&](ControlPeer& peer, const control::Message& message, const auto& answer) {
+        peer.token = "some";
+        if (std::holds_alternative<control::Authenticate>(message))
+          return answer(control::Authenticated{});
+        control::JoinAccepted accepted;
+        accepted.session = 0x1234;
+        accepted.port_offset = 1;
+        exported.set_value(peer.keys(accepted.session, accepted.suite));
+        answer(accepted);
+      });
+  endpoint.start();
+  std::thread thread([&] { io.run(); });
+  const Joined joined = join(test::access(endpoint.port()), wanted, kPatience);
+  const SessionKeys theirs = exported.get_future().get();
+  EXPECT_EQ(joined.keys.up, theirs.up);
+  EXPECT_EQ(joined.keys.down, theirs.down);
+  EXPECT_NE(joined.keys.up, joined.keys.down);
+  EXPECT_EQ(joined.keys.suite, theirs.suite);
+  io.stop();
+  thread.join();
+}
+
+/// A server with tokens for who may what.
+class Roles : public ::testing::Test {
+ protected:
+  static IssuedToken token(Role role, const char* scene = "*",
+                           std::optional<CalendarTime> expires = std::nullopt) {
+    return issue_token(std::string(name(role)), scene, role, expires);
+  }
+  ServerAccess with(const IssuedToken& issued) const {
+    return test::access(server.control_port(), "127.0.0.1", issued.text);
+  }
+  IssuedToken observer = token(Role::observer), acting = token(Role::operator_),
+              admin = token(Role::admin), cellar = token(Role::operator_, "cellar"),
+              expired = token(Role::admin, "*", CalendarTime(std::chrono::seconds(1)));
+  Server server{
+      testing::any_ports(), floor(),
+      test::security({observer.token, acting.token, admin.token, cellar.token, expired.token})};
+};
+
+TEST_F(Roles, WhatIsWrongWithATokenIsNotSaid) {
+  IssuedToken unknown = token(Role::admin), none;
+  std::string text(admin.text.text());
+  text.back() = text.back() == 'A' ? 'Q' : 'A';
+  IssuedToken wrong = admin;
+  wrong.text = Secret(text);
+  const std::string said = refusal(with(unknown));
+  EXPECT_THAT(said, HasSubstr("needs a token"));
+  EXPECT_EQ(refusal(with(wrong)), said);
+  EXPECT_EQ(refusal(with(expired)), said);
+  EXPECT_EQ(refusal(with(none)), said);
+  server.stop();
+  EXPECT_EQ(server.control_summary().requests.unauthenticated, 4u);
+}
+
+TEST_F(Roles, ATokenOpensItsSceneAndItsRole) {
+  EXPECT_THAT(refusal(with(cellar)), HasSubstr("does not open scene 'floor'"));
+  EXPECT_TRUE(list_scenes(with(cellar), kPatience).empty());
+  EXPECT_EQ(list_scenes(with(observer), kPatience).size(), 1u);
+  EXPECT_THAT(refusal(with(observer)), HasSubstr("does not join as operator"));
+  EXPECT_NO_THROW(join(with(observer), request(Role::observer), kPatience));
+  EXPECT_NO_THROW(join(with(acting), request(), kPatience));
+  EXPECT_NO_THROW(join(with(acting), request(Role::observer), kPatience));
+  EXPECT_NO_THROW(join(with(admin), request(), kPatience));
+  EXPECT_THAT(refusal(with(acting), request(Role::admin)), HasSubstr("does not join as admin"));
+}
+
+TEST_F(Roles, AdminsListAndEvict) {
+  testing::Client hand(with(acting), testing::kStroke, {}, "floor");
+  const std::uint64_t session = hand.joined.accepted.session;
+  for (const IssuedToken* other : {&acting, &observer}) {
+    for (const control::Message& message :
+         {control::Message(control::ListSessions{}), control::Message(control::Evict{session}),
+          control::Message(control::ReloadScene{"floor"})})
+      EXPECT_THAT(error_of<SessionError>([&] { ask(with(*other), message, kPatience); }),
+                  HasSubstr("for admins"));
+  }
+  const auto list =
+      std::get<control::SessionList>(ask(with(admin), control::ListSessions{}, kPatience));
+  ASSERT_EQ(list.sessions.size(), 1u);
+  EXPECT_EQ(list.sessions[0].session, session);
+  EXPECT_EQ(list.sessions[0].client, "operator");
+  EXPECT_EQ(list.sessions[0].scene, "floor");
+  EXPECT_EQ(list.sessions[0].role, Role::operator_);
+  EXPECT_THAT(
+      error_of<SessionError>([&] { ask(with(admin), control::ReloadScene{"floor"}, kPatience); }),
+      HasSubstr("does not reload"));
+
+  Sample sample;
+  sample.index = 1;
+  hand.transport.send(sample);
+  Reply reply;
+  GoodbyeReason reason = GoodbyeReason::leaving;
+  while (hand.transport.receive(reply, reason) != Transport::Arrival::reply)
+    std::this_thread::yield();
+  ask(with(admin), control::Evict{session}, kPatience);
+  while (hand.transport.receive(reply, reason) != Transport::Arrival::goodbye)
+    std::this_thread::yield();
+  EXPECT_EQ(reason, GoodbyeReason::evicted);
+  while (list_scenes(with(admin), kPatience)[0].sessions > 0) std::this_thread::yield();
+  EXPECT_THAT(error_of<SessionError>([&] { ask(with(admin), control::Evict{session}, kPatience); }),
+              HasSubstr("no session"));
+  server.stop();
+  EXPECT_EQ(server.summary()[0].counters.evicted, 1u);
+}
+
+TEST_F(Roles, ASessionIsItsOwnersAndAnAdmins) {
+  const auto id = [&] { return join(with(acting), request(), kPatience).accepted.session; };
+  const std::uint64_t session = id();
+  EXPECT_THAT(error_of<SessionError>(
+                  [&] { ask(with(observer), control::LeaveRequest{session}, kPatience); }),
+              HasSubstr("no session"));
+  EXPECT_THAT(error_of<SessionError>([&] {
+                ask(with(cellar), control::SetParameters{session, {}}, kPatience);
+              }),
+              HasSubstr("no session"));
+  EXPECT_NO_THROW(ask(with(acting), control::LeaveRequest{session}, kPatience));
+  EXPECT_NO_THROW(ask(with(admin), control::LeaveRequest{id()}, kPatience));
+}
+
+TEST(Limits, SessionsOfAClientAndJoinsOfAnAddress) {
+  ServerConfig config = testing::any_ports();
+  config.max_sessions_per_client = 2;
+  Server server(config, floor(), test::security());
+  const ServerAccess access = test::access(server.control_port());
+  const std::uint64_t first = join(access, request(), kPatience).accepted.session;
+  join(access, request(), kPatience);
+  EXPECT_THAT(refusal(access), HasSubstr("has all its 2 sessions"));
+  ask(access, control::LeaveRequest{first}, kPatience);
+  EXPECT_NO_THROW(join(access, request(), kPatience));
+
+  config.max_sessions_per_client = 16;
+  config.join_burst = 3;
+  config.join_rate = 0.001;
+  Server slow(config, floor(), test::security());
+  const ServerAccess here = test::access(slow.control_port());
+  const ServerAccess guess = test::access(slow.control_port(), "127.0.0.1",
+                                          issue_token("x", "*", Role::admin, std::nullopt).text);
+  join(here, request(), kPatience);
+  EXPECT_THAT(refusal(guess), HasSubstr("needs a token"));
+  EXPECT_THAT(refusal(guess), HasSubstr("needs a token"));
+  EXPECT_THAT(refusal(here), HasSubstr("too many"));
+  EXPECT_THAT(refusal(guess), HasSubstr("too many"));
+  slow.stop();
+  EXPECT_EQ(slow.control_summary().requests.too_many, 2u);
+}
+
+/// The token goes, and with it the session; the bad file between changes nothing.
+TEST(Revocation, EndsASessionThatRuns) {
+  const TemporaryFolder folder;
+  const auto file = folder / "tokens.json";
+  change_tokens(file, [](Tokens& tokens) { tokens.push_back(test::admin_token().token); });
+  Server server(testing::any_ports(), floor(), {test::identity(), {}, TokenFile(file)});
+  const ServerAccess access = test::access(server.control_port());
+  test::ControlClient open(server.control_port());
+  testing::Client hand(access, "t,x,y,z\n0,0,0,-0.001\n1000,0,0,-0.001\n", {}, "floor");
+  hand.start();
+  for (TickRecord row; row.age < 0.0;)
+    if (!hand.records.pop(row)) std::this_thread::yield();
+  write_state(file, "broken", kPrivate);
+  EXPECT_NO_THROW(list_scenes(access, kPatience));
+  write_state(file, json({}), kPrivate);
+  hand.finish();
+  EXPECT_EQ(hand.result->end, EndReason::server_goodbye);
+  EXPECT_EQ(hand.result->goodbye, GoodbyeReason::evicted);
+  EXPECT_THAT(refusal(access), HasSubstr("needs a token"));
+  // A connection that had been let in, too.
+  EXPECT_EQ(open.ask<control::Refused>(control::ListScenes{}).code,
+            control::RefusalCode::unauthenticated);
+  EXPECT_TRUE(open.closed());
+}
+
+}  // namespace
+}  // namespace feltwire

@@ -1,0 +1,287 @@
+// Tokens: texts, files and who writes them at once; how often an address may try.
+
+#include "server/tokens.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+
+#include <thread>
+
+#include "core/scene/json_document.hpp"
+#include "server/join_rate.hpp"
+#include "server/security.hpp"
+#include "server/state_file.hpp"
+#include "tests/client/temporary_folder.hpp"
+
+namespace feltwire {
+namespace {
+
+using namespace std::chrono_literals;
+using ::testing::AllOf;
+using testing::error_of;
+using ::testing::HasSubstr;
+using testing::TemporaryFolder;
+using testing::text_of;
+
+const CalendarTime kNow = std::chrono::sys_days(std::chrono::year(2026) / 11 / 21) + 17h;
+
+IssuedToken issue(std::optional<CalendarTime> expires = std::nullopt) {
+  return issue_token("anna", "room", Role::operator_, expires);
+}
+
+TEST(Tokens, OneIsKnownByItsTextAlone) {
+  const IssuedToken anna = issue(), berta = issue();
+  const Tokens tokens = {anna.token, berta.token};
+  const std::string text(anna.text.text());
+  EXPECT_THAT(text, ::testing::MatchesRegex("fw_[0-9a-f]+_[A-Za-z0-9_-]+"));
+  EXPECT_EQ(authenticate(tokens, text, kNow), &tokens[0]);
+  EXPECT_EQ(authenticate(tokens, berta.text.text(), kNow), &tokens[1]);
+  EXPECT_EQ(authenticate({berta.token}, text, kNow), nullptr);
+  EXPECT_EQ(authenticate({}, text, kNow), nullptr);
+  // What is stored is not what is shown.
+  EXPECT_THAT(json(tokens), ::testing::Not(HasSubstr(text.substr(text.size() - 43))));
+}
+
+TEST(Tokens, NoOtherTextIsOne) {
+  const IssuedToken anna = issue(), berta = issue();
+  const Tokens tokens = {anna.token, berta.token};
+  const std::string text(anna.text.text()), other(berta.text.text());
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    std::string spoiled = text;
+    spoiled[i] = spoiled[i] == 'x' ? 'y' : 'x';
+    // The last digit of 43 holds four bits of the secret and two that must be zero.
+    EXPECT_EQ(authenticate(tokens, spoiled, kNow), nullptr) << i;
+    EXPECT_EQ(authenticate(tokens, text.substr(0, i), kNow), nullptr) << i;
+  }
+  for (const std::string& wrong : {text + "A", text + "=", " " + text, std::string(),
+                                   std::string("fw_"), text.substr(0, 16) + other.substr(16)})
+    EXPECT_EQ(authenticate(tokens, wrong, kNow), nullptr) << wrong;
+}
+
+TEST(Tokens, OneExpires) {
+  const IssuedToken anna = issue(kNow + 1s);
+  const Tokens tokens = {anna.token};
+  EXPECT_NE(authenticate(tokens, anna.text.text(), kNow), nullptr);
+  EXPECT_EQ(authenticate(tokens, anna.text.text(), kNow + 1s), nullptr);
+}
+
+TEST(Tokens, ExpiryAsWritten) {
+  EXPECT_EQ(parse_expiry("30d", kNow), kNow + 30 * 24h);
+  EXPECT_EQ(parse_expiry("12h", kNow), kNow + 12h);
+  EXPECT_EQ(parse_expiry("never", kNow), std::nullopt);
+  // A day is good until its end.
+  EXPECT_EQ(expiry_text(parse_expiry("2026-12-31", kNow)), "2027-01-01 00:00:00 UTC");
+  EXPECT_EQ(parse_expiry("2026-11-21", kNow), kNow + 7h);
+  EXPECT_EQ(expiry_text(std::nullopt), "never");
+  for (const char* wrong : {"", "d", "0d", "-1d", "1.5d", "30", "2026-11-20", "2026-02-30",
+                            "2026-1-01", "tomorrow", "99999999d", "30d "})
+    EXPECT_THAT(error_of<std::invalid_argument>([&] { parse_expiry(wrong, kNow); }),
+                HasSubstr("is no time to expire"))
+        << wrong;
+}
+
+TEST(Tokens, RolesCoverWhatStandsBelow) {
+  EXPECT_TRUE(covers(Role::admin, Role::operator_) && covers(Role::operator_, Role::observer) &&
+              covers(Role::observer, Role::observer));
+  EXPECT_FALSE(covers(Role::observer, Role::operator_) || covers(Role::operator_, Role::admin));
+  EXPECT_EQ(role("operator"), Role::operator_);
+  EXPECT_THAT(error_of<std::invalid_argument>([] { role("king"); }), HasSubstr("observer"));
+}
+
+TEST(Tokens, SurviveTheFile) {
+  const Tokens tokens = {issue(kNow).token,
+                         issue_token("b \"q\" \\ \xc3\xa4", "*", Role::admin, std::nullopt).token};
+  const Tokens read = parse_tokens(json(tokens), "t.json");
+  ASSERT_EQ(read.size(), 2u);
+  for (std::size_t i = 0; i < 2; ++i) {
+    EXPECT_EQ(read[i].id, tokens[i].id);
+    EXPECT_EQ(read[i].client, tokens[i].client);
+    EXPECT_EQ(read[i].scene, tokens[i].scene);
+    EXPECT_EQ(read[i].role, tokens[i].role);
+    EXPECT_EQ(read[i].expires, tokens[i].expires);
+    EXPECT_EQ(read[i].salt, tokens[i].salt);
+    EXPECT_EQ(read[i].hash, tokens[i].hash);
+  }
+  EXPECT_THROW(issue_token("", "*", Role::admin, std::nullopt), std::invalid_argument);
+  EXPECT_THROW(issue_token("a\nb", "*", Role::admin, std::nullopt), std::invalid_argument);
+  EXPECT_THROW(issue_token("a", std::string(129, 'x'), Role::admin, std::nullopt),
+               std::invalid_argument);
+}
+
+TEST(Tokens, BadFilesNameLineAndField) {
+  const std::string good = json({issue().token});
+  ASSERT_NO_THROW(parse_tokens(good, "t.json"));
+  const auto replaced = [&](const std::string& from, const std::string& to) {
+    std::string text = good;
+    const auto at = text.find(from);
+    EXPECT_NE(at, std::string::npos) << from;
+    return text.replace(at, from.size(), to);
+  };
+  const std::string twice = [] {
+    const Token token = issue().token;
+    return json({token, token});
+  }();
+  const std::vector<std::pair<std::string, std::string>> faults = {
+      {"{}", "tokens"},
+      {"", ""},
+      {good.substr(0, good.size() / 2), ""},
+      {replaced("\"id\": \"", "\"id\": \"X"), "tokens[0].id"},
+      {replaced("\"anna\"", "\"\""), "tokens[0].client"},
+      {replaced("\"room\"", "7"), "tokens[0].scene"},
+      {replaced("\"operator\"", "\"king\""), "tokens[0].role"},
+      {replaced("\"expires\": 0", "\"expires\": -1"), "tokens[0].expires"},
+      {replaced("\"expires\": 0", "\"expires\": 9e9"), "tokens[0].expires"},
+      {replaced("\"salt\": \"", "\"salt\": \"0"), "tokens[0].salt"},
+      {replaced("\"hash\": \"", "\"hash\": \"g"), "tokens[0].hash"},
+      {replaced("\"role\"", "\"rule\""), "rule"},
+      {twice, "tokens[1].id"},
+  };
+  for (const auto& [text, field] : faults)
+    EXPECT_THAT(error_of<FileError>([&] { parse_tokens(text, "t.json"); }),
+                AllOf(::testing::StartsWith("t.json:"), HasSubstr(field)))
+        << text;
+}
+
+/// Two ways at once, many times: nothing is lost, and who reads sees whole files only.
+TEST(TokenFile, WritersLoseNothing) {
+  const TemporaryFolder folder;
+  const auto path = folder / "tokens.json";
+  change_tokens(path, [](Tokens&) {});
+  constexpr int kEach = 20;
+  const auto write = [&] {
+    for (int i = 0; i < kEach; ++i)
+      change_tokens(path, [](Tokens& tokens) { tokens.push_back(issue().token); });
+  };
+  std::thread first(write), second(write);
+  TokenFile reader(path);
+  while (reader.tokens().size() < 2 * kEach) EXPECT_EQ(reader.refresh(), std::nullopt);
+  first.join();
+  second.join();
+  EXPECT_EQ(TokenFile(path).tokens().size(), 2u * kEach);
+  struct stat status {};
+  ASSERT_EQ(::stat(path.c_str(), &status), 0);
+  EXPECT_EQ(status.st_mode & 0777u, kPrivate);
+  EXPECT_EQ(folder.entries(), 2u);  // the file and its lock; nothing is left over
+}
+
+TEST(TokenFile, ABadOneChangesNothing) {
+  const TemporaryFolder folder;
+  const auto path = folder / "tokens.json";
+  EXPECT_THROW(TokenFile{path}, FileError);
+  write_state(path, json({issue().token}), kPrivate);
+  TokenFile file(path);
+  EXPECT_EQ(file.refresh(), std::nullopt);
+  write_state(path, "{\n\"tokens\": 5}", kPrivate);
+  const auto wrong = file.refresh();
+  ASSERT_TRUE(wrong.has_value());
+  EXPECT_THAT(*wrong, AllOf(HasSubstr("tokens.json:2"), HasSubstr("tokens")));
+  EXPECT_EQ(file.refresh(), std::nullopt);  // said once
+  EXPECT_EQ(file.tokens().size(), 1u);
+  std::filesystem::remove(path);
+  EXPECT_TRUE(file.refresh().has_value());
+  EXPECT_EQ(file.tokens().size(), 1u);
+  write_state(path, json({}), kPrivate);
+  EXPECT_EQ(file.refresh(), std::nullopt);
+  EXPECT_TRUE(file.tokens().empty());
+  // A change that throws writes nothing.
+  EXPECT_THROW(change_tokens(path, [](Tokens&) { throw std::invalid_argument("no"); }),
+               std::invalid_argument);
+  EXPECT_EQ(text_of(path), json({}));
+}
+
+TEST(State, IsMadeOnceAndForItsOwnerAlone) {
+  const TemporaryFolder folder;
+  ServerConfig config;
+  config.state = folder / "deep/state";
+  const Security made = open_security(config);
+  const Security again = open_security(config);
+  EXPECT_EQ(made.identity.certificate, again.identity.certificate);
+  EXPECT_EQ(text_of(config.state / "fingerprint"), to_string(fingerprint(made.identity)) + "\n");
+  const Token* local =
+      authenticate(again.tokens.tokens(), text_of(config.state / "local.token"), kNow);
+  ASSERT_NE(local, nullptr);
+  EXPECT_EQ(local->role, Role::operator_);
+  struct stat status {};
+  for (const char* name : {"key.pem", "tokens.json", "local.token"}) {
+    ASSERT_EQ(::stat((config.state / name).c_str(), &status), 0) << name;
+    EXPECT_EQ(status.st_mode & 0777u, kPrivate) << name;
+  }
+  ASSERT_EQ(::stat(config.state.c_str(), &status), 0);
+  EXPECT_EQ(status.st_mode & 0777u, 0700u);
+}
+
+TEST(State, IsNotNeededWhereAllIsNamed) {
+  const TemporaryFolder folder, elsewhere;
+  const Identity identity = make_identity({"localhost"});
+  ServerConfig config;
+  config.certificate = folder / "c.pem";
+  config.key = folder / "k.pem";
+  config.tokens = folder / "t.json";
+  write_state(config.certificate, identity.certificate, kPublic);
+  write_state(config.key, identity.key.text(), kPrivate);
+  EXPECT_THROW(open_security(config), FileError);  // a token file that is named is never made
+  write_state(config.tokens, json({}), kPrivate);
+  const Security security = open_security(config);
+  EXPECT_EQ(fingerprint(security.identity), fingerprint(identity));
+  EXPECT_EQ(folder.entries(), 3u);
+
+  write_state(config.key, make_identity({"localhost"}).key.text(), kPrivate);
+  EXPECT_THAT(error_of<FileError>([&] { open_security(config); }),
+              HasSubstr("is not the key of the certificate"));
+  write_state(config.key, "nonsense", kPrivate);
+  EXPECT_THAT(error_of<FileError>([&] { open_security(config); }), HasSubstr("no private key"));
+  write_state(config.certificate, "nonsense", kPublic);
+  EXPECT_THAT(error_of<FileError>([&] { open_security(config); }), HasSubstr("no certificate"));
+}
+
+TEST(Fingerprints, AreReadAsTheyAreWritten) {
+  const Fingerprint print = fingerprint(make_identity({"localhost"}));
+  const std::string text = to_string(print);
+  EXPECT_EQ(text.size(), 64u);
+  EXPECT_EQ(parse_fingerprint(text), print);
+  std::string colons;
+  for (std::size_t i = 0; i < text.size(); i += 2) colons += (i > 0 ? ":" : "") + text.substr(i, 2);
+  for (char& c : colons) c = static_cast<char>(std::toupper(c));
+  EXPECT_EQ(parse_fingerprint(colons), print);
+  for (const std::string& wrong :
+       {std::string(), text.substr(1), text + "00", text.substr(2) + "gg"})
+    EXPECT_THROW(parse_fingerprint(wrong), std::invalid_argument) << wrong;
+}
+
+TEST(JoinRate, IsABucketForEachAddress) {
+  const auto a = asio::ip::make_address("10.0.0.1"), b = asio::ip::make_address("10.0.0.2");
+  JoinRate rate(2.0, 3.0);
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_TRUE(rate.allows(a, 0s));
+    rate.count(a, 0s);
+  }
+  EXPECT_FALSE(rate.allows(a, 499ms));
+  EXPECT_FALSE(rate.allows(asio::ip::make_address("::ffff:10.0.0.1"), 499ms));  // the same host
+  EXPECT_TRUE(rate.allows(b, 499ms));
+  EXPECT_TRUE(rate.allows(a, 500ms));
+  rate.count(a, 500ms);
+  EXPECT_FALSE(rate.allows(a, 501ms));
+  EXPECT_TRUE(rate.allows(a, 1h));
+}
+
+/// A host of IPv6 has 2^64 addresses, and a forger of them all is remembered within bounds.
+TEST(JoinRate, IsNotOutnumbered) {
+  JoinRate rate(1.0, 1.0);
+  const auto six = [](std::uint32_t network, std::uint8_t host) {
+    asio::ip::address_v6::bytes_type bytes{0x20, 0x01};
+    for (std::size_t i = 0; i < 4; ++i)
+      bytes[4 + i] = static_cast<std::uint8_t>(network >> (8 * i));
+    bytes[15] = host;
+    return asio::ip::address(asio::ip::address_v6(bytes));
+  };
+  rate.count(six(0, 1), 0s);
+  EXPECT_FALSE(rate.allows(six(0, 2), 0s));
+  for (std::uint32_t n = 0; n < JoinRate::kMostAddresses; ++n) rate.count(six(n, 1), 0s);
+  rate.count(six(1'000'000, 1), 0s);  // one more than are remembered: strangers share
+  EXPECT_FALSE(rate.allows(six(1'000'001, 1), 0s));
+  EXPECT_TRUE(rate.allows(six(1'000'001, 1), 2s));  // the others' buckets are full again
+}
+
+}  // namespace
+}  // namespace feltwire
