@@ -21,7 +21,11 @@ TEST(Config, EveryFieldIsRead) {
     "scenes": ["a.json", "/abs/b.json"],
     "address": "0.0.0.0", "port": 9000, "silence_timeout": 1.5,
     "max_sessions_per_scene": 3, "profile": "thin", "busy_poll": 50, "log_level": "debug",
-    "dscp": "af41"
+    "dscp": "af41",
+    "state": "state", "certificate": "c.pem", "key": "k.pem", "client_ca": "/abs/ca.pem",
+    "tokens": "t.json", "max_sessions_per_client": 5, "join_rate": 0.5, "join_burst": 2,
+    "handshake_timeout": 1.5, "idle_timeout": 30, "max_connections": 7,
+    "max_connections_per_address": 6
   })",
                                            "/etc/feltwire/server.json");
   ASSERT_EQ(config.scenes.size(), 2u);
@@ -35,6 +39,18 @@ TEST(Config, EveryFieldIsRead) {
   EXPECT_EQ(config.busy_poll, 50.0);
   EXPECT_EQ(config.log_level, "debug");
   EXPECT_EQ(config.dscp, "af41");
+  EXPECT_EQ(config.state, "/etc/feltwire/state");
+  EXPECT_EQ(config.certificate, "/etc/feltwire/c.pem");
+  EXPECT_EQ(config.key, "/etc/feltwire/k.pem");
+  EXPECT_EQ(config.client_ca, "/abs/ca.pem");
+  EXPECT_EQ(config.tokens, "/etc/feltwire/t.json");
+  EXPECT_EQ(config.max_sessions_per_client, 5);
+  EXPECT_EQ(config.join_rate, 0.5);
+  EXPECT_EQ(config.join_burst, 2.0);
+  EXPECT_EQ(config.handshake_timeout, 1.5);
+  EXPECT_EQ(config.idle_timeout, 30.0);
+  EXPECT_EQ(config.max_connections, 7);
+  EXPECT_EQ(config.max_connections_per_address, 6);
   EXPECT_NO_THROW(validate(config));
 }
 
@@ -50,6 +66,14 @@ TEST(Config, WhatIsLeftOutKeepsItsDefault) {
   EXPECT_EQ(read.busy_poll, 0.0);
   EXPECT_EQ(read.log_level, made.log_level);
   EXPECT_EQ(read.dscp, made.dscp);
+  EXPECT_TRUE(read.state.empty() && read.certificate.empty() && read.tokens.empty());
+  EXPECT_EQ(read.max_sessions_per_client, made.max_sessions_per_client);
+  EXPECT_EQ(read.join_rate, made.join_rate);
+  EXPECT_EQ(read.join_burst, made.join_burst);
+  EXPECT_EQ(read.handshake_timeout, made.handshake_timeout);
+  EXPECT_EQ(read.idle_timeout, made.idle_timeout);
+  EXPECT_EQ(read.max_connections, made.max_connections);
+  EXPECT_EQ(read.max_connections_per_address, made.max_connections_per_address);
 }
 
 TEST(Config, ABusyPollMayBeForEver) {
@@ -72,6 +96,14 @@ TEST(Config, FaultsNameFileLineAndField) {
       {"{\n\"dscp\": \"best\"}", "dscp"},
       {"{\n\"address\": \"localhost:80\"}", "address"},
       {"{\n\"scenes\": [\"\"]}", "scenes"},
+      {"{\n\"certificate\": \"c.pem\"}", "certificate"},
+      {"{\n\"max_sessions_per_client\": 0}", "max_sessions_per_client"},
+      {"{\n\"join_rate\": 0}", "join_rate"},
+      {"{\n\"join_burst\": 0.5}", "join_burst"},
+      {"{\n\"handshake_timeout\": 0}", "handshake_timeout"},
+      {"{\n\"idle_timeout\": 1e9}", "idle_timeout"},
+      {"{\n\"max_connections\": 0}", "max_connections"},
+      {"{\n\"max_connections_per_address\": -1}", "max_connections_per_address"},
       {"{\n\"prot\": 7400}", "prot"},
       {"{\n\"port\": \"many\"}", "port"},
       {"{\n\"port\": }", ""},
