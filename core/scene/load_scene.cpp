@@ -1,6 +1,7 @@
 #include <utility>
 
 #include "core/guidance/load_guides.hpp"
+#include "core/scene/read_bodies.hpp"
 #include "core/scene/rules.hpp"
 #include "core/scene/scene.hpp"
 #include "core/scene/scene_generated.h"
@@ -119,6 +120,25 @@ Side side(scene_file::Side given) {
   return given == scene_file::Side::inside ? Side::inside : Side::outside;
 }
 
+Scene mjcf_scene(const JsonDocument& document, const scene_file::Scene& scene,
+                 const std::vector<NamedMaterial>& materials, const std::string& file) {
+  std::vector<Object> objects;
+  const auto mechanism = read_mjcf(
+      document, scene, std::filesystem::path(file).parent_path(),
+      [&](const std::string& path, const std::string& name) -> const Material& {
+        return find_material(document, path, materials, name);
+      },
+      objects);
+  try {
+    Scene result(scene.name()->str(), std::move(objects), read_start(document, scene),
+                 read_guides(document, scene));
+    result.set_mechanism(mechanism);
+    return result;
+  } catch (const std::invalid_argument& error) {
+    document.fail("mjcf.file", error.what());
+  }
+}
+
 }  // namespace
 
 Scene parse_scene(std::string_view json, const std::string& file) {
@@ -128,6 +148,8 @@ Scene parse_scene(std::string_view json, const std::string& file) {
   const std::vector<NamedMaterial> materials = read_materials(document, scene);
 
   std::vector<Object> objects;
+  if (scene.mjcf()) return mjcf_scene(document, scene, materials, file);
+  if (!scene.objects()) document.fail("objects", "is missing; add it");
   for (const scene_file::Object* o : *scene.objects()) {
     const std::string path = element("objects", objects.size());
     require_new_name(document, "objects", objects, o->name()->str());
@@ -140,10 +162,13 @@ Scene parse_scene(std::string_view json, const std::string& file) {
     objects.push_back(std::move(object));
   }
   std::vector<Guide> guides = read_guides(document, scene);
+  const auto mechanism = read_bodies(document, scene, objects);
   if (objects.empty() && guides.empty())
     document.fail("objects", "there is none to touch, and no guide; add at least one");
-  return Scene(scene.name()->str(), std::move(objects), read_start(document, scene),
+  Scene result(scene.name()->str(), std::move(objects), read_start(document, scene),
                std::move(guides));
+  result.set_mechanism(mechanism);
+  return result;
 }
 
 Scene load_scene(const std::filesystem::path& file) {

@@ -72,12 +72,9 @@ double radius_of(const Object& object, const SurfacePatch& patch, std::size_t in
   return radius;
 }
 
-}  // namespace
-
-LocalModel local_model(const Scene& scene, const Vec3& position,
-                       const TouchMemory& memory) noexcept {
+LocalModel model_of(const std::vector<Object>& objects, const Vec3& position,
+                    const TouchMemory& memory) noexcept {
   LocalModel model;
-  const auto& objects = scene.objects();
   if (!position.allFinite() || memory.size() != objects.size()) [[unlikely]]
     return model;
   model.center = position;
@@ -99,6 +96,23 @@ LocalModel local_model(const Scene& scene, const Vec3& position,
     patch = surface_patch(objects[near.object], position, near.feature, memory[near.object]);
     patch.object = static_cast<std::uint16_t>(near.object);
     patch.radius = radius_of(objects[near.object], patch, near.object, chosen);
+  }
+  return model;
+}
+
+}  // namespace
+
+LocalModel local_model(const Scene& scene, const Vec3& position,
+                       const TouchMemory& memory) noexcept {
+  return model_of(scene.objects(), position, memory);
+}
+
+LocalModel local_model(const World& world, const Vec3& position,
+                       const TouchMemory& memory) noexcept {
+  LocalModel model = model_of(world.objects(), position, memory);
+  for (int i = 0; i < model.count; ++i) {
+    SurfacePatch& patch = model.patches[static_cast<std::size_t>(i)];
+    patch.velocity = world.velocity_at(patch.object, patch.point);
   }
   return model;
 }

@@ -2,6 +2,7 @@
 
 #include "core/contact/local_model.hpp"
 #include "core/scene/scene.hpp"
+#include "core/scene/world.hpp"
 
 namespace feltwire {
 
@@ -15,6 +16,9 @@ inline constexpr double kModelReach = 0.1;
 /// surfaces at once the reach is zero. A position that is not finite, or a memory of another scene,
 /// gives a model that says nothing. Never allocates.
 LocalModel local_model(const Scene& scene, const Vec3& position,
+                       const TouchMemory& memory) noexcept;
+/// The same with the moving objects where they are; their patches have the velocity of the surface.
+LocalModel local_model(const World& world, const Vec3& position,
                        const TouchMemory& memory) noexcept;
 
 }  // namespace feltwire

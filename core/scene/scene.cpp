@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "core/numeric.hpp"
+#include "core/scene/mechanism.hpp"
 #include "core/scene/rules.hpp"
 
 namespace feltwire {
@@ -181,14 +182,26 @@ Scene::Scene(std::string name, std::vector<Object> objects, const Start& start,
     make_unit(guide.pose.orientation);
   }
   requirements_ = required_by(objects_, guides_);
+  still_ = objects_.size();
 }
 
-Command Scene::touch(const Tool& tool, TouchMemory& memory) const noexcept {
+void Scene::set_mechanism(std::shared_ptr<const Mechanism> mechanism) {
+  if (mechanism != nullptr && mechanism->still() + mechanism->parts().size() != objects_.size())
+    refuse(
+        "scene",
+        {"mechanism",
+         "was compiled for " + std::to_string(mechanism->still() + mechanism->parts().size()) +
+             " objects, here are " + std::to_string(objects_.size()) + "; compile it for these"});
+  mechanism_ = std::move(mechanism);
+  still_ = mechanism_ != nullptr ? mechanism_->still() : objects_.size();
+}
+
+Command Scene::touch(const Tool& tool, TouchMemory& memory, std::size_t count) const noexcept {
   if (!tool.position.allFinite() || !tool.velocity.allFinite() || memory.size() != objects_.size())
       [[unlikely]]
     return {};
   Command sum;
-  for (std::size_t i = 0; i < objects_.size(); ++i) {
+  for (std::size_t i = 0; i < count; ++i) {
     const Command part = feltwire::touch(objects_[i], tool, memory[i]);
     sum.elastic += part.elastic;
     sum.frictional += part.frictional;

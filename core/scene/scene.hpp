@@ -2,6 +2,7 @@
 // A virtual environment: objects, and the force they answer a tool with.
 
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -11,6 +12,8 @@
 #include "core/scene/json_document.hpp"
 
 namespace feltwire {
+
+class Mechanism;
 
 /// What the objects of a scene need from whoever hosts it; what none needs is neither allocated,
 /// stepped nor sent.
@@ -49,14 +52,30 @@ class Scene {
 
   /// The sum of what all objects and guides answer the tool with. `memory` must come from this
   /// scene. A tool that is not finite gives zero and leaves the memory as it was. Never allocates.
-  Command touch(const Tool& tool, TouchMemory& memory) const noexcept;
+  Command touch(const Tool& tool, TouchMemory& memory) const noexcept {
+    return touch(tool, memory, objects_.size());
+  }
+  /// The same without the objects that move: a World (core/scene/world.hpp) knows where these are.
+  Command touch_still(const Tool& tool, TouchMemory& memory) const noexcept {
+    return touch(tool, memory, still_);
+  }
+
+  /// What moves, and how; null: nothing does.
+  const std::shared_ptr<const Mechanism>& mechanism() const { return mechanism_; }
+  /// Precondition: made by compile() for these objects (core/scene/mechanism.hpp).
+  void set_mechanism(std::shared_ptr<const Mechanism> mechanism);
 
  private:
+  /// Of the first `count` objects.
+  Command touch(const Tool& tool, TouchMemory& memory, std::size_t count) const noexcept;
+
   std::string name_;
   std::vector<Object> objects_;
   std::vector<Guide> guides_;
   Requirements requirements_;
   Start start_;
+  std::shared_ptr<const Mechanism> mechanism_;
+  std::size_t still_ = 0;  // objects that stand; those that move come behind them
 };
 
 /// Reads a scene file (JSON against core/scene/scene.fbs). Throws FileError.

@@ -1,0 +1,110 @@
+#pragma once
+// What moves in a scene: bodies, their joints, and the MuJoCo model compiled from them.
+
+#include <cstdint>
+#include <filesystem>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/contact/contact.hpp"
+#include "core/scene/rules.hpp"
+
+struct mjModel_;
+
+namespace feltwire {
+
+enum class Joint : std::uint8_t { free, hinge, slide };
+
+/// A rigid body that one or more objects are the surface of.
+struct Body {
+  std::string name;
+  Pose pose;  // at the start, world frame; hinge and slide pass through the position
+  Joint joint = Joint::free;
+  // Exactly one of the two; objects that overlap count twice.
+  std::optional<double> mass;     // [kg], > 0, spread evenly over the objects' volume
+  std::optional<double> density;  // [kg/m^3], > 0
+  bool collides = true;           // with other bodies and still objects; hands feel it either way
+
+  // Of hinge [rad] and slide [m] only; the pose above is at 0.
+  Vec3 axis = Vec3::UnitZ();  // own frame
+  double low = -std::numeric_limits<double>::infinity();
+  double high = std::numeric_limits<double>::infinity();
+  double stiffness = 0.0;  // [N/m], [N m/rad] of a spring, >= 0
+  double rest = 0.0;       // [m], [rad] where the spring has no force
+  double damping = 0.0;    // [N s/m], [N m s/rad], >= 0
+  double friction = 0.0;   // [N], [N m] dry friction of the joint, >= 0
+};
+
+/// The first rule that is broken, if any. Fields as in a scene file.
+std::optional<Broken> broken_rule(const Body& body);
+
+inline constexpr double kDefaultTick = 1e-3;  // [s]
+inline constexpr double kLeastTick = 1e-4, kLargestTick = 1e-2;
+
+struct MechanismOptions {
+  Vec3 gravity{0.0, 0.0, -9.81};  // [m/s^2]
+  double tick = kDefaultTick;     // [s] of simulated time a step
+};
+std::optional<Broken> broken_rule(const MechanismOptions& options);
+
+/// The moving half of a scene, immutable; a World is one run of it.
+class Mechanism {
+ public:
+  /// An object that moves, by its body.
+  struct Part {
+    int body = 0;  // MuJoCo's number
+    Pose in_body;  // of the object
+  };
+
+  Mechanism(std::shared_ptr<const mjModel_> model, std::size_t still, std::vector<Part> parts,
+            std::vector<std::string> warnings)
+      : model_(std::move(model)),
+        still_(still),
+        parts_(std::move(parts)),
+        warnings_(std::move(warnings)) {}
+
+  const mjModel_& model() const { return *model_; }
+  double tick() const;  // [s]
+  int bodies() const;   // that move
+  /// A scene's objects are `still()` that stand, then one for each part.
+  std::size_t still() const { return still_; }
+  const std::vector<Part>& parts() const { return parts_; }
+  /// What is possible but cannot be meant: a line each, with the remedy.
+  const std::vector<std::string>& warnings() const { return warnings_; }
+
+ private:
+  std::shared_ptr<const mjModel_> model_;
+  std::size_t still_;
+  std::vector<Part> parts_;
+  std::vector<std::string> warnings_;
+};
+
+/// Compiles bodies and what they may run into. `body_of` says for each object which body it belongs
+/// to, -1: none. Object poses are at the start, world frame. Puts the objects that move behind the
+/// others, in the order they have, since a scene holds them so.
+/// Throws std::invalid_argument naming body or object, field, value and remedy.
+std::shared_ptr<const Mechanism> compile(std::vector<Object>& objects, std::vector<int> body_of,
+                                         const std::vector<Body>& bodies,
+                                         const MechanismOptions& options);
+
+/// How the geoms of an MJCF file feel.
+struct MjcfMaterials {
+  struct Named {
+    std::string name;  // of a geom or of a material of the file; a geom's own name goes first
+    Material material;
+  };
+  Material other;  // of all that is not named
+  std::vector<Named> named;
+};
+
+/// Reads an MJCF file: its colliding geoms become objects (added to `objects`, which must be
+/// empty). Geoms that collide with nothing are decoration and are not felt. Throws FileError naming
+/// the file and the geom, or with what MuJoCo says of it.
+std::shared_ptr<const Mechanism> load_mjcf(const std::filesystem::path& file,
+                                           const MjcfMaterials& materials, double tick,
+                                           std::vector<Object>& objects);
+
+}  // namespace feltwire

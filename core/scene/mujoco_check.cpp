@@ -1,0 +1,109 @@
+#include "core/scene/mujoco_check.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+namespace feltwire::mujoco {
+namespace {
+
+constexpr double kOverlap = 1e-4;  // [m] deeper than any resting contact begins
+/// Of tick * sqrt(k / m): 2 is the limit of one undamped spring under symplectic Euler, and n hands
+/// that hold on to one place are one spring of n k.
+constexpr double kCalm = 1.0;
+
+template <class... Numbers>
+std::string printed(const char* format, Numbers... numbers) {
+  char text[64];
+  std::snprintf(text, sizeof text, format, numbers...);
+  return text;
+}
+
+Vec3 half_extents(const Shape& shape) {
+  if (const auto* s = std::get_if<Sphere>(&shape)) return Vec3::Constant(s->radius);
+  if (const auto* b = std::get_if<Box>(&shape)) return b->half_extents;
+  if (const auto* c = std::get_if<Capsule>(&shape))
+    return {c->radius, c->radius, c->half_length + c->radius};
+  if (const auto* c = std::get_if<Cylinder>(&shape)) return {c->radius, c->radius, c->half_length};
+  return Vec3::Zero();
+}
+
+/// [1/kg] velocity that a unit impulse along `normal` gives the body at `point`.
+double yielding(const mjModel& model, mjData& data, int body, const Vec3& point,
+                const Vec3& normal) {
+  const auto nv = static_cast<Eigen::Index>(model.nv);
+  Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::RowMajor> jacobian(3, nv);
+  mj_jac(&model, &data, jacobian.data(), nullptr, point.data(), body);
+  const Eigen::VectorXd force = jacobian.transpose() * normal;
+  Eigen::VectorXd answer(nv);
+  mj_solveM(&model, &data, answer.data(), force.data(), 1);
+  return force.dot(answer);
+}
+
+/// The most of it over faces, edges and corners of the box about the object.
+double most_yielding(const mjModel& model, mjData& data, const Object& object, int body) {
+  double most = 0.0;
+  const Vec3 h = half_extents(object.shape);
+  for (int x = -1; x <= 1; ++x)
+    for (int y = -1; y <= 1; ++y)
+      for (int z = -1; z <= 1; ++z) {
+        if (x == 0 && y == 0 && z == 0) continue;
+        // A ball's corners are in the air; its poles are not.
+        if (std::holds_alternative<Sphere>(object.shape) &&
+            std::abs(x) + std::abs(y) + std::abs(z) > 1)
+          continue;
+        const Vec3 own = h.cwiseProduct(Vec3(x, y, z));
+        const Vec3 point = object.pose.position + object.pose.orientation * own;
+        for (int axis = 0; axis < 3; ++axis)
+          if (own[axis] != 0.0)
+            most = std::max(most, yielding(model, data, body, point,
+                                           object.pose.orientation * Vec3::Unit(axis)));
+      }
+  return most;
+}
+
+std::string too_light(const Object& object, double mass, double tick) {
+  const double stiffness = object.material.stiffness;
+  return "object '" + object.name + "': " + printed("%.3g g", 1e3 * mass) +
+         " where it yields most, against a material of " + printed("%.4g N/m", stiffness) +
+         ", swings faster than a tick of " + printed("%.3g ms", 1e3 * tick) +
+         " follows; what keeps it calm is a stiffness of at most " +
+         printed("%.3g N/m", kCalm * kCalm * mass / (tick * tick)) + ", or at least " +
+         printed("%.3g g", 1e3 * stiffness * tick * tick / (kCalm * kCalm)) +
+         " there, or a tick of at most " + printed("%.3g s", kCalm * std::sqrt(mass / stiffness));
+}
+
+}  // namespace
+
+std::vector<std::string> warnings_of(const mjModel& model, const std::vector<Object>& objects,
+                                     const std::vector<int>& object_of, std::size_t still,
+                                     const std::vector<Mechanism::Part>& parts) {
+  std::vector<std::string> warnings;
+  const Data data = make_data(model);
+  if (data == nullptr) return {"MuJoCo cannot evaluate the scene where it starts"};
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    const Object& object = objects[still + i];
+    const double inverse = most_yielding(model, *data, object, parts[i].body);
+    if (model.opt.timestep * std::sqrt(object.material.stiffness * inverse) > kCalm)
+      warnings.push_back(too_light(object, 1.0 / inverse, model.opt.timestep));
+  }
+  for (int i = 0; i < data->ncon; ++i) {
+    const mjContact& contact = data->contact[i];
+    const int a = object_of[static_cast<std::size_t>(contact.geom1)];
+    const int b = object_of[static_cast<std::size_t>(contact.geom2)];
+    if (!(contact.dist < -kOverlap) || a < 0 || b < 0) continue;
+    const std::string line =
+        "objects '" + objects[static_cast<std::size_t>(a)].name + "' and '" +
+        objects[static_cast<std::size_t>(b)].name + "' begin " +
+        printed("%.2g mm", -1e3 * contact.dist) +
+        " inside each other and are thrown apart; move one, or let its body not collide";
+    const std::string pair = line.substr(0, line.find(" begin "));
+    const bool said = std::any_of(warnings.begin(), warnings.end(), [&](const std::string& w) {
+      return w.compare(0, pair.size(), pair) == 0;
+    });
+    if (!said) warnings.push_back(line);
+  }
+  return warnings;
+}
+
+}  // namespace feltwire::mujoco

@@ -1,0 +1,344 @@
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <set>
+#include <stdexcept>
+
+#include "core/numeric.hpp"
+#include "core/scene/mechanism.hpp"
+#include "core/scene/mujoco_check.hpp"
+#include "core/scene/mujoco_guard.hpp"
+
+namespace feltwire {
+namespace {
+
+using Found = std::optional<Broken>;
+
+constexpr double kLeastMass = 1e-6, kLargestMass = 1e6;        // [kg]
+constexpr double kLeastDensity = 1e-3, kLargestDensity = 1e6;  // [kg/m^3]
+constexpr double kLargestGravity = 1e3;                        // [m/s^2]
+constexpr double kLargestTravel = 1e3;                         // [m], [rad]
+/// Ticks in which a contact between bodies pushes out what is inside (MuJoCo's solref); 2 is its
+/// limit of stability.
+constexpr double kContactTicks = 5.0;
+/// Contacts and stops give way by 1 - d of what they would have to hold, d growing over a depth [m]
+/// (MuJoCo's solimp): as rigid as stays calm at the tick.
+constexpr const char* kImpedance = "0.99 0.999 0.0001";
+
+Found within(const char* field, double value, double least, double most, const char* unit) {
+  if (value >= least && value <= most) return std::nullopt;
+  return Broken{field, "must lie from " + number_text(least) + " to " + number_text(most) + unit +
+                           ", is " + number_text(value) + "; check the unit"};
+}
+
+Found first(std::initializer_list<Found> found) {
+  for (const Found& f : found)
+    if (f) return f;
+  return std::nullopt;
+}
+
+Found broken_range(const Body& b) {
+  if (std::isnan(b.low) || std::isnan(b.high) || !(b.low < b.high))
+    return Broken{"range", "must be [low, high] with low below high, is [" + number_text(b.low) +
+                               ", " + number_text(b.high) + "]; swap or widen it"};
+  if (b.low > 0.0 || b.high < 0.0)
+    return Broken{"range", "must hold 0, where the body begins, is [" + number_text(b.low) + ", " +
+                               number_text(b.high) + "]; move the body's position"};
+  return std::nullopt;
+}
+
+Found jointless(const Body& b) {
+  const Body none;
+  const char* field = b.low != none.low || b.high != none.high ? "range"
+                      : b.stiffness != 0.0                     ? "stiffness"
+                      : b.rest != 0.0                          ? "rest"
+                      : b.damping != 0.0                       ? "damping"
+                      : b.friction != 0.0                      ? "friction"
+                                                               : nullptr;
+  if (field == nullptr) return std::nullopt;
+  return Broken{field, "is of a hinge or a slide, this body is free; name its joint or remove it"};
+}
+
+// The model, as MJCF. Bodies are b0, b1, ..., geoms o0, o1, ... by object.
+
+std::string text(const Vec3& v) {
+  return number_text(v.x()) + " " + number_text(v.y()) + " " + number_text(v.z());
+}
+std::string text(const Quaternion& q) {
+  return number_text(q.w()) + " " + number_text(q.x()) + " " + number_text(q.y()) + " " +
+         number_text(q.z());
+}
+std::string attribute(const char* name, const std::string& value) {
+  return " " + std::string(name) + "=\"" + value + "\"";
+}
+std::string place(const Pose& pose) {
+  return attribute("pos", text(pose.position)) + attribute("quat", text(pose.orientation));
+}
+
+/// Empty: no such geom.
+std::string geom_shape(const Shape& shape) {
+  const auto sized = [](const char* type, const std::string& size) {
+    return attribute("type", type) + attribute("size", size);
+  };
+  if (std::holds_alternative<Plane>(shape)) return sized("plane", "0 0 1");
+  if (const auto* s = std::get_if<Sphere>(&shape)) return sized("sphere", number_text(s->radius));
+  if (const auto* b = std::get_if<Box>(&shape)) return sized("box", text(b->half_extents));
+  if (const auto* c = std::get_if<Capsule>(&shape)) {
+    if (!(c->half_length > 0.0)) return sized("sphere", number_text(c->radius));
+    return sized("capsule", number_text(c->radius) + " " + number_text(c->half_length));
+  }
+  if (const auto* c = std::get_if<Cylinder>(&shape))
+    return sized("cylinder", number_text(c->radius) + " " + number_text(c->half_length));
+  return {};
+}
+
+/// [m^3]; 0: it has none.
+double volume(const Shape& shape) {
+  constexpr double kPi = std::numbers::pi;
+  const auto cubed = [](double r) { return r * r * r; };
+  if (const auto* s = std::get_if<Sphere>(&shape)) return 4.0 / 3.0 * kPi * cubed(s->radius);
+  if (const auto* b = std::get_if<Box>(&shape)) return 8.0 * b->half_extents.prod();
+  if (const auto* c = std::get_if<Capsule>(&shape))
+    return 2.0 * kPi * c->radius * c->radius * c->half_length + 4.0 / 3.0 * kPi * cubed(c->radius);
+  if (const auto* c = std::get_if<Cylinder>(&shape))
+    return 2.0 * kPi * c->radius * c->radius * c->half_length;
+  return 0.0;
+}
+
+Pose operator*(const Pose& a, const Pose& b) {
+  return {a.position + a.orientation * b.position, a.orientation * b.orientation};
+}
+Pose inverse(const Pose& p) {
+  const Quaternion back = p.orientation.conjugate();
+  return {back * -p.position, back};
+}
+
+std::string geom(std::size_t object, const char* suffix, const std::string& shape, const Pose& pose,
+                 const Material& material, const std::string& more) {
+  // MuJoCo's cone is that of sliding; without friction a contact is one-dimensional.
+  const double friction = material.dynamic_friction;
+  return "<geom" + attribute("name", "o" + std::to_string(object) + suffix) + shape + place(pose) +
+         (friction > 0.0
+              ? attribute("condim", "3") + attribute("friction", number_text(friction) + " 0 0")
+              : attribute("condim", "1") + attribute("friction", "0 0 0")) +
+         more + "/>\n";
+}
+
+/// What bodies run into where nothing moves. A hollow box is six planes; other hollows, and shapes
+/// that MuJoCo has no geom for, let bodies through.
+std::string still_geom(std::size_t index, const Object& object,
+                       std::vector<std::string>& warnings) {
+  const std::string shape = geom_shape(object.shape);
+  if (!shape.empty() && object.felt_from == Side::outside)
+    return geom(index, "", shape, object.pose, object.material, "");
+  const std::string plane = geom_shape(Plane{});
+  const auto facing = [&](const Vec3& place, const Vec3& normal, const char* suffix) {
+    const Pose own{place, Quaternion::FromTwoVectors(Vec3::UnitZ(), normal)};
+    return geom(index, suffix, plane, object.pose * own, object.material, "");
+  };
+  if (std::holds_alternative<Plane>(object.shape)) return facing(Vec3::Zero(), -Vec3::UnitZ(), "");
+  if (const auto* box = std::get_if<Box>(&object.shape)) {
+    constexpr std::array<const char*, 6> kSuffix{"_0", "_1", "_2", "_3", "_4", "_5"};
+    std::string walls;
+    for (std::size_t face = 0; face < kSuffix.size(); ++face) {
+      const Vec3 outward =
+          (face % 2 == 0 ? 1.0 : -1.0) * Vec3::Unit(static_cast<Eigen::Index>(face / 2));
+      walls += facing(outward.cwiseProduct(box->half_extents), -outward, kSuffix[face]);
+    }
+    return walls;
+  }
+  warnings.push_back(
+      "object '" + object.name +
+      "': hands feel it, but bodies pass through it: MuJoCo has no such solid; build "
+      "what bodies rest on from planes, boxes, spheres, capsules and cylinders");
+  return {};
+}
+
+std::string joint_text(const Body& b) {
+  if (b.joint == Joint::free) return "<freejoint/>\n";
+  std::string out = "<joint" + attribute("type", b.joint == Joint::hinge ? "hinge" : "slide") +
+                    attribute("axis", text(direction(b.axis))) +
+                    attribute("stiffness", number_text(b.stiffness)) +
+                    attribute("springref", number_text(b.rest)) +
+                    attribute("damping", number_text(b.damping)) +
+                    attribute("frictionloss", number_text(b.friction));
+  const Body none;
+  if (b.low != none.low || b.high != none.high)
+    out += attribute("limited", "true") +
+           attribute("range", number_text(std::max(b.low, -kLargestTravel)) + " " +
+                                  number_text(std::min(b.high, kLargestTravel)));
+  return out + "/>\n";
+}
+
+[[noreturn]] void refuse(const std::string& whose, const Broken& broken) {
+  throw std::invalid_argument(whose + ": " + broken.field + ": " + broken.message);
+}
+
+/// Of the body's volume, whatever was given.
+double density_of(const Body& body, const std::vector<Object>& objects,
+                  const std::vector<int>& body_of, int index) {
+  double all = 0.0;
+  for (std::size_t i = 0; i < objects.size(); ++i)
+    if (body_of[i] == index) all += volume(objects[i].shape);
+  return body.mass ? *body.mass / all : *body.density;
+}
+
+void check_bodies(const std::vector<Object>& objects, const std::vector<int>& body_of,
+                  const std::vector<Body>& bodies) {
+  std::set<std::string> names;
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    const std::string whose = "body '" + bodies[i].name + "'";
+    if (const auto broken = broken_rule(bodies[i])) refuse(whose, *broken);
+    if (!names.insert(bodies[i].name).second)
+      refuse(whose, {"name", "stands twice in the scene; rename one"});
+    if (std::find(body_of.begin(), body_of.end(), static_cast<int>(i)) == body_of.end())
+      refuse(whose,
+             {"objects", "it has none, so nothing of it can be felt; give an object \"body\": \"" +
+                             bodies[i].name + "\" or remove the body"});
+  }
+  for (std::size_t i = 0; i < objects.size(); ++i) {
+    if (body_of[i] < 0) continue;
+    const std::string whose = "object '" + objects[i].name + "'";
+    if (objects[i].felt_from == Side::inside)
+      refuse(whose, {"felt_from",
+                     "a body is a solid and cannot be felt from inside; build the "
+                     "hollow from several objects"});
+    if (!(volume(objects[i].shape) > 0.0))
+      refuse(whose, {"body",
+                     "this shape has no volume and cannot move; use a sphere, a box, a "
+                     "capsule or a cylinder"});
+  }
+}
+
+std::string model_text(const std::vector<Object>& objects, const std::vector<int>& body_of,
+                       const std::vector<Body>& bodies, const MechanismOptions& options,
+                       std::vector<std::string>& warnings) {
+  const std::string solref = number_text(kContactTicks * options.tick) + " 1";
+  std::string xml = "<mujoco><compiler angle=\"radian\"/>\n<option" +
+                    attribute("timestep", number_text(options.tick)) +
+                    attribute("gravity", text(options.gravity)) +
+                    // Friction that holds: the elliptic cone stiffened, and the slow slip of soft
+                    // constraints taken out by the second solver.
+                    attribute("cone", "elliptic") + attribute("impratio", "10") +
+                    attribute("noslip_iterations", "5") + "/>\n<default><geom" +
+                    attribute("solref", solref) + attribute("solimp", kImpedance) + "/><joint" +
+                    attribute("solreflimit", solref) + attribute("solimplimit", kImpedance) +
+                    attribute("solreffriction", solref) + "/></default>\n<worldbody>\n";
+  for (std::size_t i = 0; i < objects.size(); ++i)
+    if (body_of[i] < 0) xml += still_geom(i, objects[i], warnings);
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    const Body& body = bodies[b];
+    xml += "<body" + attribute("name", "b" + std::to_string(b)) + place(body.pose) + ">" +
+           joint_text(body);
+    const double density = density_of(body, objects, body_of, static_cast<int>(b));
+    std::string more = attribute("density", number_text(density));
+    if (!body.collides) more += attribute("contype", "0") + attribute("conaffinity", "0");
+    for (std::size_t i = 0; i < objects.size(); ++i)
+      if (body_of[i] == static_cast<int>(b))
+        xml += geom(i, "", geom_shape(objects[i].shape), inverse(body.pose) * objects[i].pose,
+                    objects[i].material, more);
+    xml += "</body>\n";
+  }
+  return xml + "</worldbody></mujoco>\n";
+}
+
+/// Still ones first; the order is kept otherwise.
+void put_still_first(std::vector<Object>& objects, std::vector<int>& body_of) {
+  std::vector<Object> ordered;
+  std::vector<int> bodies;
+  for (const bool moving : {false, true})
+    for (std::size_t i = 0; i < objects.size(); ++i)
+      if ((body_of[i] >= 0) == moving) {
+        ordered.push_back(std::move(objects[i]));
+        bodies.push_back(body_of[i]);
+      }
+  objects = std::move(ordered);
+  body_of = std::move(bodies);
+}
+
+/// By the geoms' names, o12 or o12_3.
+std::vector<int> objects_of_geoms(const mjModel& model) {
+  std::vector<int> object_of;
+  for (int g = 0; g < model.ngeom; ++g) {
+    const char* name = mj_id2name(&model, mjOBJ_GEOM, g);
+    object_of.push_back(name == nullptr ? -1 : std::atoi(name + 1));
+  }
+  return object_of;
+}
+
+}  // namespace
+
+Found broken_rule(const MechanismOptions& o) {
+  return first({within("gravity.x", o.gravity.x(), -kLargestGravity, kLargestGravity, " [m/s^2]"),
+                within("gravity.y", o.gravity.y(), -kLargestGravity, kLargestGravity, " [m/s^2]"),
+                within("gravity.z", o.gravity.z(), -kLargestGravity, kLargestGravity, " [m/s^2]"),
+                within("tick", o.tick, kLeastTick, kLargestTick, " [s]")});
+}
+
+Found broken_rule(const Body& b) {
+  if (auto broken = first({broken_name(b.name), broken_rule(b.pose)})) return broken;
+  if (b.mass.has_value() == b.density.has_value())
+    return Broken{"mass", b.mass ? "stands beside a density; keep one of the two"
+                                 : "is missing; give mass [kg] or density [kg/m^3]"};
+  if (auto broken =
+          b.mass ? within("mass", *b.mass, kLeastMass, kLargestMass, " [kg]")
+                 : within("density", *b.density, kLeastDensity, kLargestDensity, " [kg/m^3]"))
+    return broken;
+  if (b.joint == Joint::free) return jointless(b);
+  if (!b.axis.allFinite() || !(length(b.axis) > 0.0))
+    return Broken{"axis", "has no direction: all of [x, y, z] are zero; give an axis"};
+  return first({broken_range(b), within("stiffness", b.stiffness, 0.0, kMaxStiffness, ""),
+                within("rest", b.rest, -kLargestTravel, kLargestTravel, ""),
+                within("damping", b.damping, 0.0, kMaxDamping, ""),
+                within("friction", b.friction, 0.0, kMaxDamping, "")});
+}
+
+double Mechanism::tick() const { return model_->opt.timestep; }
+int Mechanism::bodies() const {
+  int count = 0;
+  for (int b = 1; b < model_->nbody; ++b) count += model_->body_weldid[b] != 0 ? 1 : 0;
+  return count;
+}
+
+std::shared_ptr<const Mechanism> compile(std::vector<Object>& objects, std::vector<int> body_of,
+                                         const std::vector<Body>& given,
+                                         const MechanismOptions& options) {
+  if (body_of.size() != objects.size())
+    throw std::invalid_argument("body_of: must have an entry for each object; give -1 for none");
+  if (const auto broken = broken_rule(options)) refuse("scene", *broken);
+  for (Object& o : objects) {
+    if (const auto broken = broken_rule(o.pose)) refuse("object '" + o.name + "'", *broken);
+    o.pose.orientation.normalize();
+  }
+  std::vector<Body> bodies = given;
+  check_bodies(objects, body_of, bodies);
+  for (Body& b : bodies) b.pose.orientation.normalize();
+  put_still_first(objects, body_of);
+
+  std::vector<std::string> warnings;
+  mujoco::Loaded loaded =
+      mujoco::load_text(model_text(objects, body_of, bodies, options, warnings));
+  if (loaded.model == nullptr)
+    throw std::invalid_argument("bodies: MuJoCo refuses them: " + loaded.error +
+                                "; check masses, sizes and places");
+  std::vector<Mechanism::Part> parts;
+  std::size_t still = 0;
+  for (std::size_t i = 0; i < objects.size(); ++i) {
+    if (body_of[i] < 0) {
+      ++still;
+      continue;
+    }
+    const auto b = static_cast<std::size_t>(body_of[i]);
+    const std::string name = "b" + std::to_string(b);
+    parts.push_back({mj_name2id(loaded.model.get(), mjOBJ_BODY, name.c_str()),
+                     inverse(bodies[b].pose) * objects[i].pose});
+  }
+  for (std::string& warning :
+       mujoco::warnings_of(*loaded.model, objects, objects_of_geoms(*loaded.model), still, parts))
+    warnings.push_back(std::move(warning));
+  return std::make_shared<Mechanism>(
+      std::shared_ptr<const mjModel>(loaded.model.release(), mujoco::DeleteModel{}), still,
+      std::move(parts), std::move(warnings));
+}
+
+}  // namespace feltwire

@@ -1,0 +1,40 @@
+#pragma once
+// Internal to core/scene: MuJoCo, made safe to call. By itself it ends the process on an error and
+// writes a file on a warning.
+
+#include <mujoco/mujoco.h>
+
+#include <memory>
+#include <string>
+
+namespace feltwire::mujoco {
+
+struct DeleteModel {
+  void operator()(mjModel* model) const noexcept { mj_deleteModel(model); }
+};
+struct DeleteData {
+  void operator()(mjData* data) const noexcept { mj_deleteData(data); }
+};
+using Model = std::unique_ptr<mjModel, DeleteModel>;
+using Data = std::unique_ptr<mjData, DeleteData>;
+
+/// A model, or why there is none, in MuJoCo's words.
+struct Loaded {
+  Model model;
+  std::string error;
+};
+Loaded load_text(const std::string& xml);
+Loaded load_file(const std::string& file);
+
+/// A state of the model, evaluated; null where MuJoCo refuses.
+Data make_data(const mjModel& model);
+
+/// Calls; false where MuJoCo gave up with an error. What it calls must hold nothing that a
+/// destructor would have to give back: an error leaves it by longjmp.
+bool guarded(void (*call)(void*), void* argument) noexcept;
+template <class Call>
+bool guarded(Call call) noexcept {
+  return guarded([](void* own) { (*static_cast<Call*>(own))(); }, &call);
+}
+
+}  // namespace feltwire::mujoco

@@ -1,0 +1,168 @@
+#include "core/scene/read_bodies.hpp"
+
+#include <cmath>
+
+#include "core/scene/scene_generated.h"
+
+namespace feltwire {
+namespace {
+
+std::string element(const char* list, std::size_t index) {
+  return std::string(list) + "[" + std::to_string(index) + "]";
+}
+
+void require(const JsonDocument& document, const std::string& path,
+             const std::optional<Broken>& broken) {
+  if (broken)
+    document.fail(path.empty() ? broken->field : path + "." + broken->field, broken->message);
+}
+
+Vec3 vector(const scene_file::Vector& v) { return {v.x(), v.y(), v.z()}; }
+
+Pose pose_of(const scene_file::Body& body) {
+  Pose pose;
+  if (const auto* p = body.position()) pose.position = vector(*p);
+  if (const auto* q = body.orientation())
+    pose.orientation = Quaternion(q->w(), q->x(), q->y(), q->z());
+  return pose;
+}
+
+/// A name that stands in one place only.
+template <class List>
+int index_of(const List& list, const std::string& name) {
+  for (std::size_t i = 0; i < list.size(); ++i)
+    if (list[i].name == name) return static_cast<int>(i);
+  return -1;
+}
+
+Body read_body(const scene_file::Body& given) {
+  Body body;
+  body.name = given.name()->str();
+  body.pose = pose_of(given);
+  body.joint = given.joint() == scene_file::Joint::hinge   ? Joint::hinge
+               : given.joint() == scene_file::Joint::slide ? Joint::slide
+                                                           : Joint::free;
+  if (!std::isnan(given.mass())) body.mass = given.mass();
+  if (!std::isnan(given.density())) body.density = given.density();
+  body.collides = given.collides();
+  if (const auto* axis = given.axis()) body.axis = vector(*axis);
+  if (const auto* range = given.range()) {
+    body.low = range->low();
+    body.high = range->high();
+  }
+  body.stiffness = given.stiffness();
+  body.rest = given.rest();
+  body.damping = given.damping();
+  body.friction = given.friction();
+  return body;
+}
+
+struct ReadBodies {
+  std::vector<Body> all;
+  std::vector<bool> fixed;
+};
+
+ReadBodies read_list(const JsonDocument& document, const scene_file::Scene& scene) {
+  ReadBodies bodies;
+  for (const scene_file::Body* given : *scene.bodies()) {
+    const std::string path = element("bodies", bodies.all.size());
+    Body body = read_body(*given);
+    const int earlier = index_of(bodies.all, body.name);
+    if (earlier >= 0)
+      document.fail(path + ".name", "'" + body.name + "' is the name of " +
+                                        element("bodies", static_cast<std::size_t>(earlier)) +
+                                        " too; rename one");
+    bodies.fixed.push_back(given->joint() == scene_file::Joint::fixed);
+    if (bodies.fixed.back() && !body.mass && !body.density) body.mass = 1.0;  // it needs none
+    require(document, path, broken_rule(body));
+    // Unit, and of no extreme length on the way.
+    auto& coefficients = body.pose.orientation.coeffs();
+    coefficients /= coefficients.cwiseAbs().maxCoeff();
+    coefficients.normalize();
+    bodies.all.push_back(std::move(body));
+  }
+  return bodies;
+}
+
+/// Of the bodies that move; -1 for the others.
+std::vector<int> numbered(ReadBodies& bodies, std::vector<Body>& moving) {
+  std::vector<int> number;
+  for (std::size_t i = 0; i < bodies.all.size(); ++i) {
+    number.push_back(bodies.fixed[i] ? -1 : static_cast<int>(moving.size()));
+    if (!bodies.fixed[i]) moving.push_back(bodies.all[i]);
+  }
+  return number;
+}
+
+MechanismOptions read_options(const JsonDocument& document, const scene_file::Scene& scene) {
+  MechanismOptions options;
+  if (const auto* gravity = scene.gravity()) options.gravity = vector(*gravity);
+  options.tick = scene.tick();
+  require(document, "", broken_rule(options));
+  return options;
+}
+
+}  // namespace
+
+std::shared_ptr<const Mechanism> read_bodies(const JsonDocument& document,
+                                             const scene_file::Scene& scene,
+                                             std::vector<Object>& objects) {
+  const MechanismOptions options = read_options(document, scene);
+  ReadBodies bodies;
+  if (scene.bodies() != nullptr) bodies = read_list(document, scene);
+  std::vector<Body> moving;
+  const std::vector<int> number = numbered(bodies, moving);
+
+  std::vector<int> body_of(objects.size(), -1);
+  for (std::size_t i = 0; i < objects.size(); ++i) {
+    const auto* name = scene.objects()->Get(static_cast<flatbuffers::uoffset_t>(i))->body();
+    if (name == nullptr) continue;
+    const int body = index_of(bodies.all, name->str());
+    if (body < 0)
+      document.fail(element("objects", i) + ".body",
+                    "there is no body '" + name->str() + "'; add it to bodies");
+    const auto at = static_cast<std::size_t>(body);
+    const Pose& frame = bodies.all[at].pose;
+    Pose& pose = objects[i].pose;
+    pose = {frame.position + frame.orientation * pose.position,
+            frame.orientation * pose.orientation};
+    body_of[i] = number[at];
+  }
+  if (moving.empty()) return nullptr;
+  try {
+    return compile(objects, body_of, moving, options);
+  } catch (const std::invalid_argument& error) {
+    document.fail("bodies", error.what());
+  }
+}
+
+std::shared_ptr<const Mechanism> read_mjcf(const JsonDocument& document,
+                                           const scene_file::Scene& scene,
+                                           const std::filesystem::path& folder,
+                                           const FindMaterial& find_material,
+                                           std::vector<Object>& objects) {
+  const scene_file::Mjcf& given = *scene.mjcf();
+  if (scene.objects() != nullptr && scene.objects()->size() > 0)
+    document.fail("objects",
+                  "stand beside an mjcf, whose bodies would not see them; put them into "
+                  "the MJCF file");
+  if (scene.bodies() != nullptr && scene.bodies()->size() > 0)
+    document.fail("bodies", "stand beside an mjcf; put them into the MJCF file");
+  if (scene.gravity() != nullptr)
+    document.fail("gravity", "is the MJCF file's own to say; remove it");
+  MjcfMaterials materials;
+  materials.other = find_material("mjcf", given.material()->str());
+  if (given.materials() != nullptr)
+    for (const scene_file::MjcfMaterial* m : *given.materials())
+      materials.named.push_back(
+          {m->name()->str(), find_material("mjcf." + element("materials", materials.named.size()),
+                                           m->material()->str())});
+  const MechanismOptions options = read_options(document, scene);
+  try {
+    return load_mjcf(folder / given.file()->str(), materials, options.tick, objects);
+  } catch (const FileError& error) {
+    document.fail("mjcf.file", error.what());
+  }
+}
+
+}  // namespace feltwire

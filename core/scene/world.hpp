@@ -1,0 +1,96 @@
+#pragma once
+// One run of what moves in a scene. A world has one owner, the scene's host; nothing in it is
+// shared, and time is the number of its steps.
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "core/contact/local_model.hpp"
+#include "core/scene/scene.hpp"
+
+namespace feltwire {
+
+/// One tool's hold on the moving objects: what it put on them last.
+struct Grasp {
+  Tool tool;
+  std::vector<Vec3> forces;  // [N] on the hand, one for each moving object
+  bool fresh = false;        // of the tool's newest sample, and no step since
+  std::uint64_t resets = 0;  // of the world, that the contact memory knows of
+};
+
+struct WorldCounters {
+  std::uint64_t steps = 0;
+  std::uint64_t resets = 0;    // back to the last good state, since a step was none
+  std::uint64_t returned = 0;  // free bodies that were lost and put back where they began
+  std::uint64_t warnings = 0;  // of MuJoCo: singular inertia, no room for a contact or constraint
+};
+
+class World {
+ public:
+  /// Starts as the scene does. The scene must outlive it and have a mechanism, else
+  /// std::invalid_argument. Allocates; nothing else here does.
+  explicit World(const Scene& scene);
+  ~World();
+  World(const World&) = delete;
+  World& operator=(const World&) = delete;
+
+  const Scene& scene() const { return scene_; }
+  double tick() const { return tick_; }  // [s] of a step
+  /// The scene's objects, those that move where they now are.
+  const std::vector<Object>& objects() const { return objects_; }
+  /// [m/s] of the material point of an object that is at `point` [m, world].
+  Vec3 velocity_at(std::size_t object, const Vec3& point) const noexcept;
+  const WorldCounters& counters() const { return counters_; }
+  /// Energy of the bodies [J]: kinetic, and potential in gravity and springs.
+  double energy() const noexcept;
+  /// [N s] linear momentum of the bodies.
+  Vec3 momentum() const noexcept;
+
+  Grasp grasp() const { return {.tool = {}, .forces = std::vector<Vec3>(parts_, Vec3::Zero())}; }
+
+  /// As Scene::touch(), with the moving objects where they are and as fast as they are. What they
+  /// put on the hand is kept in `grasp`; push() puts the opposite on them.
+  Command touch(const Tool& tool, TouchMemory& memory, Grasp& grasp) const noexcept;
+
+  /// Puts a share (0 to 1) of the grasp on the bodies for the next step. The first step after a
+  /// sample takes exactly the forces that touch() answered with, negated, at the tool: Newton's
+  /// third law, moments included. At a further one the hand is taken to stand where it was, and the
+  /// forces are those that the bodies meet it with now: a force held on while the body moves would
+  /// be a spring that answers late, and gain energy.
+  void push(Grasp& grasp, TouchMemory& memory, double share) noexcept;
+
+  /// Moves on by one tick, and takes the pushes away. False where the step came to nothing sane
+  /// (MuJoCo gives up, numbers that are not finite, speeds that nothing here has): then the bodies
+  /// are, at rest, where they were at least kGoodAge before, and farther back each time that is not
+  /// good enough; and moving objects are felt from zero again, whole after kRecovery.
+  bool step() noexcept;
+
+  static constexpr double kGoodAge = 0.2;         // [s]
+  static constexpr double kRecovery = 0.5;        // [s]
+  static constexpr double kLargestSpeed = 100.0;  // [m/s] of a body
+  static constexpr double kLargestTurn = 1000.0;  // [rad/s]
+  static constexpr double kLost = 100.0;          // [m] from where it began, a free body is lost
+
+ private:
+  struct Run;
+  void look() noexcept;
+  bool sane() const noexcept;
+  void go_back() noexcept;
+  void forget_moving(Grasp& grasp, TouchMemory& memory) const noexcept;
+
+  const Scene& scene_;
+  double tick_;
+  std::size_t still_, parts_;  // objects that stand, that move
+  std::vector<Object> objects_;
+  struct Motion {
+    Vec3 linear = Vec3::Zero();   // [m/s] of the object's origin
+    Vec3 angular = Vec3::Zero();  // [rad/s]
+  };
+  std::vector<Motion> motions_;  // of those that move
+  double trust_ = 1.0;           // share of a moving object's force that is felt
+  WorldCounters counters_;
+  std::unique_ptr<Run> run_;
+};
+
+}  // namespace feltwire

@@ -1,0 +1,182 @@
+// Bodies and MJCF out of files.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "core/scene/json_document.hpp"
+#include "core/scene/mechanism.hpp"
+#include "core/scene/scene.hpp"
+#include "core/scene/world.hpp"
+#include "tests/core/moving.hpp"
+
+namespace feltwire {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::StartsWith;
+
+/// The lines of a scene with one of them changed.
+std::string scene_text(const std::string& bodies, const std::string& more = "",
+                       const std::string& object = R"("body": "b")") {
+  return "{ \"name\": \"s\", \"materials\": [{ \"name\": \"m\", \"stiffness\": 900 }],\n" + more +
+         "\n\"bodies\": [" + bodies +
+         "],\n\"objects\": [\n{ \"name\": \"ball\", \"sphere\": { \"radius\": 0.1 }, \"material\": "
+         "\"m\", \"position\": [1, 0, 0], " +
+         object + " },\n{ \"name\": \"floor\", \"plane\": {}, \"material\": \"m\" }] }";
+}
+
+std::string error_of(const std::string& text) {
+  try {
+    parse_scene(text, "s.json");
+  } catch (const FileError& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+TEST(LoadBodies, PlacesObjectsInTheFrameOfTheirBody) {
+  const Scene scene = parse_scene(
+      scene_text(
+          R"({ "name": "b", "mass": 2, "position": [0, 0, 3], "orientation": [1, 0, 0, 1] })",
+          R"("gravity": [0, 0, -1], "tick": 0.002,)"),
+      "s.json");
+  ASSERT_NE(scene.mechanism(), nullptr);
+  EXPECT_EQ(scene.mechanism()->bodies(), 1);
+  EXPECT_EQ(scene.mechanism()->tick(), 0.002);
+  ASSERT_EQ(scene.mechanism()->still(), 1u);
+  EXPECT_EQ(scene.objects()[0].name, "floor");
+  EXPECT_EQ(scene.objects()[1].name, "ball");
+  EXPECT_NEAR((scene.objects()[1].pose.position - Vec3(0, 1, 3)).norm(), 0.0, 1e-12);
+  World world(scene);
+  EXPECT_NEAR((world.objects()[1].pose.position - Vec3(0, 1, 3)).norm(), 0.0, 1e-12);
+  world.step();
+  EXPECT_NEAR(world.momentum().z(), -2.0 * 0.002, 1e-12);
+}
+
+TEST(LoadBodies, AFixedBodyIsAFrameForWhatStands) {
+  const Scene scene = parse_scene(
+      scene_text(R"({ "name": "b", "joint": "fixed", "position": [0, 0, 3] })"), "s.json");
+  EXPECT_EQ(scene.mechanism(), nullptr);
+  EXPECT_EQ(scene.objects()[0].pose.position, Vec3(1, 0, 3));
+}
+
+TEST(LoadBodies, NamesFileLineFieldAndRemedy) {
+  const std::string good = R"({ "name": "b", "mass": 2, "position": [0, 0, 3] })";
+  EXPECT_EQ(error_of(scene_text(good)), "no error");
+  EXPECT_EQ(error_of(scene_text(R"({ "name": "b", "mass": -2 })")),
+            "s.json:3: bodies[0].mass: must lie from 1e-06 to 1e+06 [kg], is -2; check the unit");
+  EXPECT_THAT(error_of(scene_text(R"({ "name": "b" })")),
+              StartsWith("s.json:3: bodies[0].mass: is missing; give mass [kg] or density"));
+  EXPECT_THAT(error_of(scene_text(good + "," + good)),
+              StartsWith("s.json:3: bodies[1].name: 'b' is the name of bodies[0] too"));
+  EXPECT_THAT(error_of(scene_text(good, "", R"("body": "c")")),
+              StartsWith("s.json:5: objects[0].body: there is no body 'c'"));
+  EXPECT_THAT(error_of(scene_text(good, "\"tick\": 1,")),
+              StartsWith("s.json:2: tick: must lie from 1e-04 to 0.01 [s], is 1"));
+  EXPECT_THAT(error_of(scene_text(R"({ "name": "b", "mass": 2 }, { "name": "c", "mass": 2 })")),
+              HasSubstr("body 'c': objects: it has none"));
+  EXPECT_THAT(error_of(scene_text(R"({ "name": "b", "mass": 2, "joint": "ball" })")),
+              StartsWith("s.json:3: bodies[0].joint: must be one of: free, hinge, slide, fixed"));
+}
+
+TEST(LoadBodies, TheWorkshopIsSound) {
+  const Scene scene = load_scene(std::string(FELTWIRE_SOURCE_DIR) + "/scenes/workshop.json");
+  ASSERT_NE(scene.mechanism(), nullptr);
+  EXPECT_EQ(scene.mechanism()->bodies(), 6);
+  EXPECT_THAT(scene.mechanism()->warnings(), testing::IsEmpty());
+  // Left alone everything stays where it is.
+  World world(scene);
+  const auto before = world.objects();
+  for (int n = 0; n < 1000; ++n) ASSERT_TRUE(world.step());
+  for (std::size_t i = 0; i < before.size(); ++i)
+    EXPECT_NEAR((world.objects()[i].pose.position - before[i].pose.position).norm(), 0.0, 3e-4)
+        << before[i].name;
+}
+
+class Mjcf : public testing::Test {
+ protected:
+  Mjcf() { std::filesystem::create_directories(folder); }
+  ~Mjcf() override { std::filesystem::remove_all(folder); }
+  void write(const std::string& file, const std::string& text) {
+    std::ofstream(folder / file) << text;
+  }
+  std::string error(const std::string& more = "") {
+    try {
+      load(more);
+    } catch (const FileError& error) {
+      return error.what();
+    }
+    return "no error";
+  }
+  Scene load(const std::string& more = "") {
+    write("s.json", R"({ "name": "s", "materials": [{ "name": "soft", "stiffness": 100 },
+      { "name": "hard", "stiffness": 900 }],
+      "mjcf": { "file": "room.xml", "material": "soft", "materials": [
+        { "name": "steel", "material": "hard" }] }, )" +
+                        more + "}");
+    return load_scene(folder / "s.json");
+  }
+  std::filesystem::path folder =
+      std::filesystem::path(testing::TempDir()) /
+      ("mjcf_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
+};
+
+const char* const kRoom = R"(<mujoco>
+  <asset><material name="steel"/></asset>
+  <worldbody>
+    <geom name="floor" type="plane" size="1 1 1" material="steel"/>
+    <geom type="sphere" size="1" contype="0" conaffinity="0"/>
+    <body name="cart" pos="0 0 0.5">
+      <joint type="slide" axis="1 0 0"/>
+      <geom name="cabin" type="box" size="0.1 0.1 0.1" pos="0 0 0.1"/>
+      <body name="wheel" pos="0 0.2 0"><joint type="hinge" axis="0 1 0"/>
+        <geom type="cylinder" size="0.05 0.01 0.05" euler="90 0 0"/></body>
+    </body>
+  </worldbody>
+</mujoco>)";
+
+TEST_F(Mjcf, GeomsBecomeObjects) {
+  write("room.xml", kRoom);
+  const Scene scene = load();
+  ASSERT_EQ(scene.objects().size(), 3u);  // what collides with nothing is decoration
+  EXPECT_EQ(scene.objects()[0].name, "floor");
+  EXPECT_EQ(scene.objects()[0].material.stiffness, 900);
+  EXPECT_EQ(scene.objects()[1].name, "cabin");
+  EXPECT_EQ(scene.objects()[1].material.stiffness, 100);
+  EXPECT_NEAR((scene.objects()[1].pose.position - Vec3(0, 0, 0.6)).norm(), 0.0, 1e-12);
+  EXPECT_TRUE(std::holds_alternative<Cylinder>(scene.objects()[2].shape));
+  EXPECT_EQ(scene.mechanism()->still(), 1u);
+
+  // The cart rolls away from the hand.
+  World world(scene);
+  test::Hand hand(world);
+  for (int n = 0; n < 100; ++n) hand.step({-0.099, 0, 0.6});
+  EXPECT_GT(world.objects()[1].pose.position.x(), 1e-5);
+  EXPECT_NEAR(world.objects()[2].pose.position.x(), world.objects()[1].pose.position.x(), 1e-12);
+}
+
+TEST_F(Mjcf, ErrorsNameWhatIsWrong) {
+  EXPECT_THAT(error(), AllOf(HasSubstr("s.json:3: mjcf.file: "), HasSubstr("room.xml: cannot be")));
+  write("room.xml",
+        "<mujoco>\n<worldbody>\n<geom type=\"sphere\" size=\"-1\"/>\n</worldbody></mujoco>");
+  EXPECT_THAT(error(), AllOf(HasSubstr("room.xml: "), HasSubstr("sizes must be positive"),
+                             HasSubstr("line = 3")));
+  write("room.xml", "<mujoco>\n<worldbodyy/></mujoco>");
+  EXPECT_THAT(error(), AllOf(HasSubstr("worldbodyy"), HasSubstr("line 2")));
+  write("room.xml",
+        std::string(kRoom).replace(std::string(kRoom).find("cylinder"), 8, "ellipsoid"));
+  EXPECT_THAT(error(), HasSubstr("of body 'wheel': only plane, sphere, capsule, cylinder and box"));
+  write("room.xml", "<mujoco><worldbody/></mujoco>");
+  EXPECT_THAT(error(), HasSubstr("has no geom and no material 'steel'"));
+  write("room.xml", kRoom);
+  EXPECT_THAT(error(R"("bodies": [{ "name": "b", "mass": 1 }])"),
+              HasSubstr("bodies: stand beside an mjcf"));
+  EXPECT_EQ(error(), "no error");
+}
+
+}  // namespace
+}  // namespace feltwire

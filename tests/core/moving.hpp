@@ -1,0 +1,58 @@
+#pragma once
+// Scenes in which something moves, for tests.
+
+#include <string>
+#include <vector>
+
+#include "core/scene/mechanism.hpp"
+#include "core/scene/scene.hpp"
+#include "core/scene/world.hpp"
+
+namespace feltwire::test {
+
+inline Object object(const char* name, const Shape& shape, const Material& material = {},
+                     const Vec3& position = Vec3::Zero()) {
+  Object o;
+  o.name = name;
+  o.shape = shape;
+  o.material = material;
+  o.pose.position = position;
+  return o;
+}
+
+inline Body body(const char* name, double mass, const Vec3& position = Vec3::Zero()) {
+  Body b;
+  b.name = name;
+  b.mass = mass;
+  b.pose.position = position;
+  return b;
+}
+
+inline Scene moving(std::vector<Object> objects, const std::vector<int>& body_of,
+                    const std::vector<Body>& bodies, const MechanismOptions& options = {}) {
+  const auto mechanism = compile(objects, body_of, bodies, options);
+  Scene scene("moving", objects);
+  scene.set_mechanism(mechanism);
+  return scene;
+}
+
+inline const MechanismOptions kWeightless{.gravity = Vec3::Zero()};
+
+/// A tool in a world: each step a sample of it, its push, and a tick.
+struct Hand {
+  explicit Hand(World& in) : world(in), memory(in.scene().memory()), grasp(in.grasp()) {}
+  Command touch(const Vec3& position, const Vec3& velocity = Vec3::Zero()) {
+    return world.touch({position, velocity}, memory, grasp);
+  }
+  Command step(const Vec3& position) {
+    const Command felt = touch(position);
+    world.push(grasp, memory, 1.0);
+    world.step();
+    return felt;
+  }
+  World& world;
+  TouchMemory memory;
+  Grasp grasp;
+};
+
+}  // namespace feltwire::test

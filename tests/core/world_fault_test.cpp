@@ -1,0 +1,156 @@
+// A simulation that comes to nothing sane: the scene goes back, the hand feels zero.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "core/scene/mujoco_guard.hpp"
+#include "core/scene/world.hpp"
+#include "tests/core/moving.hpp"
+
+namespace feltwire {
+namespace {
+
+using test::body;
+using test::Hand;
+using test::kWeightless;
+using test::moving;
+using test::object;
+using testing::HasSubstr;
+
+TEST(MujocoGuard, AnErrorIsAnAnswerNotTheEndOfTheProcess) {
+  ASSERT_NE(mujoco::load_text("<mujoco/>").model, nullptr);
+  EXPECT_FALSE(mujoco::guarded([] { mju_error("made up"); }));
+  EXPECT_TRUE(mujoco::guarded([] {}));
+  bool inner = true;
+  EXPECT_TRUE(mujoco::guarded([&] { inner = mujoco::guarded([] { mju_error("made up"); }); }));
+  EXPECT_FALSE(inner);
+  EXPECT_FALSE(mujoco::guarded([] {
+    mujoco::guarded([] { mju_error("made up"); });
+    mju_error("again");
+  }));
+}
+
+TEST(MujocoGuard, ABadModelIsAnError) {
+  const mujoco::Loaded none = mujoco::load_text("<mujoco><worldbody><geom size=\"-1\"/>");
+  EXPECT_EQ(none.model, nullptr);
+  EXPECT_THAT(none.error, HasSubstr("XML"));
+}
+
+/// A ball so light that the spring of the hand throws it farther each tick than it was deep.
+Scene explosive() {
+  return moving({object("table", Plane{}, {.stiffness = 1000}),
+                 object("ball", Sphere{0.03}, {.stiffness = 1e7}, {0, 0, 0.2})},
+                {-1, 0}, {body("ball", 1e-4, {0, 0, 0.2})}, kWeightless);
+}
+
+TEST(WorldFaults, AStiffLightBodyIsWarnedOf) {
+  const auto warnings = explosive().mechanism()->warnings();
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_THAT(warnings[0], HasSubstr("object 'ball': 0.1 g"));
+  EXPECT_THAT(warnings[0], HasSubstr("1e+07 N/m"));
+  // k < m / T^2, m > k T^2, T < sqrt(m / k)
+  EXPECT_THAT(warnings[0], HasSubstr("at most 100 N/m"));
+  EXPECT_THAT(warnings[0], HasSubstr("at least 1e+04 g"));
+  EXPECT_THAT(warnings[0], HasSubstr("at most 3.16e-06 s"));
+}
+
+TEST(WorldFaults, TheSceneGoesBackAndTheHandFeelsZero) {
+  const Scene scene = explosive();
+  World world(scene);
+  Hand hand(world);
+  const Vec3 place(0, 0, 0.2 - 0.0295);
+  for (int n = 0; n < 400; ++n) ASSERT_TRUE(world.step());
+  EXPECT_NE(hand.touch(place).force(), Vec3::Zero());
+  int steps = 0;
+  while (world.counters().resets == 0 && ++steps < 100) hand.step(place);
+  ASSERT_EQ(world.counters().resets, 1u);
+  EXPECT_NEAR((world.objects()[1].pose.position - Vec3(0, 0, 0.2)).norm(), 0.0, 1e-12);
+  EXPECT_EQ(world.velocity_at(1, place), Vec3::Zero());
+  EXPECT_EQ(hand.touch(place).force(), Vec3::Zero());
+  // What stands is felt as ever.
+  EXPECT_EQ(hand.touch({0.1, 0, -0.001}).elastic, Vec3(0, 0, 1));
+  // And then little by little: the whole is 500 N/mm.
+  hand.touch(place);
+  for (int n = 0; n < 10; ++n) world.step();
+  const double felt = hand.touch(place).force().norm();
+  EXPECT_NEAR(felt, 10 * kDefaultTick / World::kRecovery * 1e7 * 5e-4, 1e-6);
+}
+
+TEST(WorldFaults, GoesFartherBackWhenThatWasNotGoodEnough) {
+  const Scene scene = explosive();
+  World world(scene);
+  Hand hand(world);
+  for (int n = 0; n < 3000; ++n) hand.step(world.objects()[1].pose.position - Vec3(0, 0, 0.0299));
+  EXPECT_GT(world.counters().resets, 3u);
+  EXPECT_TRUE(world.objects()[1].pose.position.allFinite());
+}
+
+TEST(WorldFaults, AToolThatIsNotFinitePushesNothing) {
+  const Scene scene = explosive();
+  World world(scene);
+  Hand hand(world);
+  for (int n = 0; n < 10; ++n) EXPECT_EQ(hand.step(Vec3(std::nan(""), 0, 0)).force(), Vec3::Zero());
+  EXPECT_EQ(world.momentum(), Vec3::Zero());
+}
+
+/// A body deep in another is a mistake of whoever wrote the scene.
+TEST(WorldFaults, BodiesThatBeginInsideEachOtherAreWarnedOf) {
+  const Scene scene = moving({object("table", Plane{}), object("box", Box{Vec3::Constant(0.02)})},
+                             {-1, 0}, {body("box", 0.5)});
+  ASSERT_EQ(scene.mechanism()->warnings().size(), 1u);
+  EXPECT_THAT(scene.mechanism()->warnings()[0],
+              HasSubstr("objects 'table' and 'box' begin 20 mm inside each other"));
+}
+
+TEST(WorldFaults, AMechanismOfOtherObjectsIsRefused) {
+  std::vector<Object> one{object("ball", Sphere{0.1})};
+  const auto mechanism = compile(one, {0}, {body("ball", 1.0)}, {});
+  Scene two("s", {object("a", Sphere{0.1}), object("b", Sphere{0.1})});
+  EXPECT_THROW(two.set_mechanism(mechanism), std::invalid_argument);
+}
+
+TEST(WorldFaults, RefusesWhatCannotMove) {
+  const auto refused = [](const Object& o, const Body& b) -> std::string {
+    std::vector<Object> objects{o};
+    try {
+      compile(objects, {0}, {b}, {});
+    } catch (const std::invalid_argument& error) {
+      return error.what();
+    }
+    return "no error";
+  };
+  const Object ball = object("ball", Sphere{0.1});
+  const auto with = [&](auto change) {
+    Body b = body("b", 1.0);
+    change(b);
+    return refused(ball, b);
+  };
+  EXPECT_EQ(with([](Body&) {}), "no error");
+  EXPECT_THAT(with([](Body& b) { b.mass = -1.0; }), HasSubstr("body 'b': mass: must lie from"));
+  EXPECT_THAT(with([](Body& b) { b.mass.reset(); }), HasSubstr("mass: is missing"));
+  EXPECT_THAT(with([](Body& b) { b.density = 1.0; }), HasSubstr("mass: stands beside a density"));
+  EXPECT_THAT(with([](Body& b) { b.high = 1.0; }), HasSubstr("range: is of a hinge or a slide"));
+  const auto hinged = [&](auto change) {
+    return with([&](Body& b) {
+      b.joint = Joint::hinge;
+      change(b);
+    });
+  };
+  EXPECT_EQ(hinged([](Body&) {}), "no error");
+  EXPECT_THAT(hinged([](Body& b) { b.axis.setZero(); }), HasSubstr("axis: has no direction"));
+  EXPECT_THAT(hinged([](Body& b) { b.low = 1.0, b.high = 0.0; }), HasSubstr("range: must be"));
+  EXPECT_THAT(hinged([](Body& b) { b.low = 0.1, b.high = 0.2; }), HasSubstr("range: must hold 0"));
+  EXPECT_THAT(hinged([](Body& b) { b.damping = -1.0; }), HasSubstr("damping: must lie"));
+  EXPECT_THAT(refused(object("p", Plane{}), body("b", 1.0)), HasSubstr("no volume"));
+  Object hollow = ball;
+  hollow.felt_from = Side::inside;
+  EXPECT_THAT(refused(hollow, body("b", 1.0)), HasSubstr("felt_from: a body is a solid"));
+  std::vector<Object> objects{ball};
+  EXPECT_THROW(compile(objects, {-1}, {body("b", 1.0)}, {}), std::invalid_argument);
+  EXPECT_THROW(compile(objects, {0}, {body("b", 1.0)}, {.tick = 1.0}), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace feltwire
