@@ -1,5 +1,7 @@
 #include "server/scene_host.hpp"
 
+#include <spdlog/spdlog.h>
+
 #include <asio/post.hpp>
 #include <cerrno>
 #include <chrono>
@@ -115,6 +117,7 @@ void SceneHost::ask(control::Message request, std::uint64_t id, const SessionKey
     control::Message answer = control::Refused{control::RefusalCode::shutting_down,
                                                "the server is shutting down; join another"};
     if (!closing_) answer = sessions_.answer(request, id, keys, monotonic_now());
+    await_tick();
     publish();
     asio::post(back, [completion = std::move(completion), answer = std::move(answer)]() mutable {
       completion(std::move(answer));
@@ -151,6 +154,7 @@ void SceneHost::spin() {
   Nanoseconds quiet_since = monotonic_now();
   for (unsigned turn = 1; !closing_; ++turn) {
     if (turn % kTurnsBetweenLooks == 0) io_.poll();
+    if (sessions_.next_tick()) sessions_.tick(monotonic_now());
     if (exchange() > 0) {
       quiet_since = kForever;
     } else if (busy_poll_ != kForever) {
@@ -223,6 +227,27 @@ void SceneHost::await_silence() {
     say(sessions_.expire(monotonic_now()));
     publish();
     await_silence();
+  });
+}
+
+/// Steps what moves when it is due, whether or not datagrams come; waits while somebody is here.
+void SceneHost::await_tick() {
+  const auto due = sessions_.next_tick();
+  if (!due || ticking_) return;
+  ticking_ = true;
+  tick_timer_.expires_at(asio::steady_timer::time_point(*due));
+  tick_timer_.async_wait([this](const std::error_code& error) {
+    ticking_ = false;
+    if (error) return;
+    sessions_.tick(monotonic_now());
+    const std::uint64_t resets = sessions_.world()->counters().resets;
+    if (resets > resets_told_)
+      spdlog::warn(
+          "scene {}: a step of what moves came to nothing sane; it is back in its last good "
+          "state, at rest ({} times so far)",
+          scene_.name(), resets);
+    resets_told_ = resets;
+    await_tick();
   });
 }
 

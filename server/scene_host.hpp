@@ -74,6 +74,7 @@ class SceneHost {
   std::size_t exchange();
   void send(std::size_t count) noexcept;
   void await_silence();
+  void await_tick();
   void publish() {
     published_sessions_.store(static_cast<std::uint32_t>(sessions_.size()),
                               std::memory_order_relaxed);
@@ -90,7 +91,10 @@ class SceneHost {
   asio::io_context io_{1};
   asio::ip::udp::socket socket_{io_};
   asio::steady_timer silence_timer_{io_};
-  std::unique_ptr<Batch> batch_;  // buffers of one exchange
+  asio::steady_timer tick_timer_{io_};
+  bool ticking_ = false;           // it waits; the scene's thread only
+  std::uint64_t resets_told_ = 0;  // of the world, that the log has
+  std::unique_ptr<Batch> batch_;   // buffers of one exchange
   std::uint16_t port_ = 0;
   std::uint64_t unsent_ = 0;
   bool closing_ = false;  // the scene's thread only

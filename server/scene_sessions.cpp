@@ -74,6 +74,9 @@ SceneSessions::SceneSessions(const Scene& scene, Nanoseconds silence_timeout,
       by_id_(max_sessions) {
   seats_.reserve(max_sessions);
   ended_.reserve(max_sessions);
+  if (scene.mechanism() == nullptr) return;
+  world_ = std::make_unique<World>(scene);
+  tick_ = from_seconds(world_->tick());
 }
 
 SceneSessions::~SceneSessions() = default;
@@ -121,7 +124,7 @@ control::Message SceneSessions::join(control::JoinRequest request, std::uint64_t
     request.parameters = granted(request.parameters);
     auto seat = std::make_unique<Seat>(
         Seat{id,
-             Session(request, scene_),
+             Session(request, scene_, world_.get()),
              now,
              Opener(keys.suite, keys.up, 0, limits_.forgeries),
              Sealer(keys.suite, keys.down),
@@ -129,6 +132,7 @@ control::Message SceneSessions::join(control::JoinRequest request, std::uint64_t
              {}});
     if (!by_id_.insert(id, seat.get()))
       return control::Refused{control::RefusalCode::full, "no session id is free; try again"};
+    if (seats_.empty()) last_tick_ = now;
     seats_.push_back(std::move(seat));
   } catch (const std::invalid_argument& error) {
     return control::Refused{refusal_code(request), error.what()};
@@ -150,10 +154,30 @@ Bytes SceneSessions::drop(DropReason reason) noexcept {
   return {};
 }
 
+void SceneSessions::tick(Nanoseconds now) noexcept {
+  if (world_ == nullptr || seats_.empty()) return;
+  const auto late = (now - last_tick_) / tick_ - kMostTicks;
+  if (late > 0) [[unlikely]] {
+    last_tick_ += late * tick_;
+    counters_.ticks_dropped += static_cast<std::uint64_t>(late);
+  }
+  while (now - last_tick_ >= tick_) {
+    for (const auto& seat : seats_) seat->session.push(seconds(last_tick_ - seat->last_heard));
+    world_->step();
+    last_tick_ += tick_;
+  }
+}
+
+std::optional<Nanoseconds> SceneSessions::next_tick() const {
+  if (world_ == nullptr || seats_.empty()) return std::nullopt;
+  return last_tick_ + tick_;
+}
+
 // The checks stand in the order of PROTOCOL.md.
 Bytes SceneSessions::receive(Bytes datagram, const Peer& from, Nanoseconds now,
                              DatagramBuffer& out) noexcept {
   ++counters_.datagrams;
+  if (world_ != nullptr) tick(now);
   const Guarded guarded = guard(datagram, kReceived);
   if (guarded.drop != DropReason::none) return drop(guarded.drop);
 
@@ -254,6 +278,7 @@ std::vector<SceneSessions::Farewell> SceneSessions::shut_down() {
 SceneCounters SceneSessions::counters() const {
   SceneCounters sum = counters_;
   for (const auto& seat : seats_) add(sum, seat->session);
+  if (world_ != nullptr) sum.world = world_->counters();
   return sum;
 }
 

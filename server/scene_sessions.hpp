@@ -37,9 +37,11 @@ struct SceneCounters {
   // How they ended: by goodbye or request, by silence, by flooding, by too many forgeries, by an
   // admin or because their token is good no more.
   std::uint64_t left = 0, silent = 0, flooded = 0, forged = 0, evicted = 0;
-  std::uint64_t datagrams = 0;   // received
-  std::uint64_t violations = 0;  // of the energy bound at the real ports
-  SessionCounters samples;       // over all sessions
+  std::uint64_t datagrams = 0;      // received
+  std::uint64_t violations = 0;     // of the energy bound at the real ports
+  SessionCounters samples;          // over all sessions
+  WorldCounters world;              // zero where nothing moves
+  std::uint64_t ticks_dropped = 0;  // of the world, when the thread could not keep up
   std::array<std::uint64_t, kDropReasons> drops{};
 };
 
@@ -59,6 +61,16 @@ class SceneSessions {
   /// One datagram, all checks of PROTOCOL.md in their order. The answer is sealed into `out`; empty
   /// when there is none. Never allocates.
   Bytes receive(Bytes datagram, const Peer& from, Nanoseconds now, DatagramBuffer& out) noexcept;
+
+  /// Steps what moves up to `now`, each session's push with it; so does every datagram received.
+  /// While nobody is here time stands still. After a stall at most kMostTicks are made up for, the
+  /// rest of the time is dropped. Never allocates.
+  void tick(Nanoseconds now) noexcept;
+  /// When there is something to step next; nothing moves, or nobody is here: never.
+  std::optional<Nanoseconds> next_tick() const;
+  static constexpr int kMostTicks = 20;
+  /// The run of what moves; null: nothing does.
+  const World* world() const { return world_.get(); }
 
   /// A goodbye and whom it is for.
   struct Farewell {
@@ -101,6 +113,8 @@ class SceneSessions {
   std::size_t max_sessions_;
   const NetworkProfile* line_;
   SessionLimits limits_;
+  std::unique_ptr<World> world_;
+  Nanoseconds tick_{0}, last_tick_{0};        // of the world: length, time
   std::vector<std::unique_ptr<Seat>> seats_;  // in the order they joined
   IdMap<Seat*> by_id_;
   std::vector<std::uint64_t> ended_;  // no more than there were sessions between two joins

@@ -9,6 +9,7 @@
 #include <stdexcept>
 #include <thread>
 
+#include "core/scene/mechanism.hpp"
 #include "protocol/udp_socket.hpp"
 #include "server/control_service.hpp"
 #include "server/scene_ports.hpp"
@@ -19,7 +20,12 @@ namespace {
 std::vector<Scene> load_scenes(const ServerConfig& config) {
   validate(config);
   std::vector<Scene> scenes;
-  for (const auto& file : config.scenes) scenes.push_back(load_scene(file));
+  for (const auto& file : config.scenes) {
+    scenes.push_back(load_scene(file));
+    if (const auto& mechanism = scenes.back().mechanism())
+      for (const std::string& warning : mechanism->warnings())
+        spdlog::warn("{}: {}", file.string(), warning);
+  }
   return scenes;
 }
 
@@ -202,6 +208,10 @@ std::string text(const std::vector<SceneSummary>& summary) {
     for (std::size_t i = 1; i < c.drops.size(); ++i)
       if (c.drops[i] > 0)
         drops += fmt::format(" {} {}", name(static_cast<DropReason>(i)), c.drops[i]);
+    if (c.world.steps > 0)
+      lines += fmt::format(
+          "  steps of what moves {} ({} dropped), resets {}, lost bodies {}, warnings {}\n",
+          c.world.steps, c.ticks_dropped, c.world.resets, c.world.returned, c.world.warnings);
     lines +=
         fmt::format("  datagrams {}, dropped:{}\n", c.datagrams, drops.empty() ? " none" : drops);
   }

@@ -65,12 +65,14 @@ struct Session::Movement {
   double elapsed = 0.0;              // [s] by the client's clock
 };
 
-Session::Session(const control::JoinRequest& request, const Scene& scene)
+Session::Session(const control::JoinRequest& request, const Scene& scene, World* world)
     : client_(checked(request).client),
       device_(request.device),
       parameters_(request.parameters),
       scene_(&scene),
+      world_(world),
       contacts_(scene.memory()),
+      grasp_(world != nullptr ? world->grasp() : Grasp{}),
       bounding_(bounding_config(parameters_, device_)),
       velocity_(parameters_.velocity_cutoff),
       observer_(observer(bounding_.config())),
@@ -98,7 +100,9 @@ Taken Session::take(const SampleBatch& batch, Nanoseconds now) noexcept {
   reply.server_receive_time = reply.server_send_time = now;
   reply.rotation = device_.rotation_actuated > 0;
   reply.modelled = parameters_.local_model;
-  if (reply.modelled) reply.model = local_model(*scene_, last_.pose.position, contacts_);
+  if (reply.modelled)
+    reply.model = world_ != nullptr ? local_model(*world_, last_.pose.position, contacts_)
+                                    : local_model(*scene_, last_.pose.position, contacts_);
   reply.delivered = delivered();
   reply.violations = violations();
   taken.withheld = deadband_.withhold(reply);
@@ -156,7 +160,7 @@ void Session::step(const Sample& sample, bool rotation, Reply& reply) noexcept {
   }
   if (scene_->requirements().velocity) tool.velocity = velocity_.update(tool_moved, hold_time);
 
-  const Command command = actuated(device_, scene_->touch(tool, contacts_));
+  const Command command = actuated(device_, touch(tool));
   reply.command = command;
   reply.active = reply.saturated = reply.refused = false;
   reply.ratio = 1.0;
@@ -175,6 +179,17 @@ void Session::step(const Sample& sample, bool rotation, Reply& reply) noexcept {
   last_ = sample;
   last_rotation_ = rotation;
   ++counters_.samples;
+}
+
+Command Session::touch(const Tool& tool) noexcept {
+  return world_ != nullptr ? world_->touch(tool, contacts_, grasp_)
+                           : scene_->touch(tool, contacts_);
+}
+
+void Session::push(double age) noexcept {
+  if (last_.index == 0) return;  // nobody knows where the hand is
+  const double share = std::clamp(2.0 * (1.0 - age / parameters_.hold_time), 0.0, 1.0);
+  if (share > 0.0) world_->push(grasp_, contacts_, share);
 }
 
 void Session::set_parameters(const SessionParameters& parameters) {

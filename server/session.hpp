@@ -4,6 +4,7 @@
 #include "core/bounding/bounding.hpp"
 #include "core/port_energy.hpp"
 #include "core/scene/scene.hpp"
+#include "core/scene/world.hpp"
 #include "core/velocity.hpp"
 #include "protocol/codec.hpp"
 #include "protocol/control.hpp"
@@ -30,15 +31,21 @@ struct Taken {
 
 class Session {
  public:
-  /// The scene must outlive the session. Throws std::invalid_argument naming the field, the value
+  /// The scene must outlive the session, and so must the `world`, the one run of it where something
+  /// moves. Throws std::invalid_argument naming the field, the value
   /// and the remedy when the device, the parameters or both together are not possible.
-  Session(const control::JoinRequest& request, const Scene& scene);
+  Session(const control::JoinRequest& request, const Scene& scene, World* world = nullptr);
 
   /// Takes the samples that are new, oldest first, and answers the newest. `now` [ns] is the
   /// server's monotonic clock and only travels into the reply: what is computed depends on the
   /// samples alone. A batch that is dropped leaves everything as it was, a held contact included.
   /// Precondition: none; check() is made here again. Never allocates.
   Taken take(const SampleBatch& batch, Nanoseconds now) noexcept;
+
+  /// Puts on the moving objects what the hand does to them, for the next step of the world: in full
+  /// until half of hold_time after its newest sample, then fading to nothing at hold_time, as the
+  /// command does. `age` [s] of that sample. Precondition: the session has a world.
+  void push(double age) noexcept;
 
   /// Counts a datagram of this session whose packet number had been seen.
   void count_duplicate() noexcept { ++counters_.duplicates; }
@@ -69,8 +76,12 @@ class Session {
   std::string client_;
   DeviceSpec device_;
   SessionParameters parameters_;
+  Command touch(const Tool& tool) noexcept;
+
   const Scene* scene_;
+  World* world_;  // null: nothing moves
   TouchMemory contacts_;
+  Grasp grasp_;
   Bounding bounding_;
   bool new_bound_ = false;            // it has not stepped yet, the session has
   Vec3 probe_offset_ = Vec3::Zero();  // [m] of where the scene was asked last, from the device

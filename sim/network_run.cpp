@@ -121,6 +121,7 @@ class NetworkRun {
         link_(options.link, 0, kOnTheWay),
         port_(options),
         ideal_(scene.memory()),
+        ideal_grasp_(sessions_.world() != nullptr ? sessions_.world()->grasp() : Grasp{}),
         timed_(options.timed),
         result_{.measured_port = port_of(options), .true_port = port_of(options)} {}
 
@@ -152,6 +153,7 @@ class NetworkRun {
       else if (const auto answer = link_.down.leave(*due))
         take(*answer, *due);
     }
+    sessions_.tick(until);
     for (const auto& farewell : sessions_.expire(until))
       send(link_.down, result_.down, farewell.datagram, until);
   }
@@ -198,7 +200,7 @@ class NetworkRun {
                                .velocity = port_.velocity(),
                                .acted = acted.force(),
                                .held = servo_.held(),
-                               .ideal = scene_.touch({port_.position(), port_.velocity()}, ideal_),
+                               .ideal = ideal(),
                                .command = servo_.command(),
                                .command_age = servo_.command_age(),
                                .sample_index = servo_.newest_reply().sample_index});
@@ -224,6 +226,12 @@ class NetworkRun {
     return datagram;
   }
 
+  Command ideal() {
+    const Tool tool{port_.position(), port_.velocity()};
+    const World* world = sessions_.world();
+    return world != nullptr ? world->touch(tool, ideal_, ideal_grasp_) : scene_.touch(tool, ideal_);
+  }
+
   void account(const Command& acted, const Vec3& measured, double period) {
     result_.measured_port.step(acted, measured, Vec3::Zero(), period);
     PortEnergy& port = result_.true_port;
@@ -243,6 +251,7 @@ class NetworkRun {
   TruePort port_;
   DatagramBuffer answer_;  // the server's
   TouchMemory ideal_;
+  Grasp ideal_grasp_;
   bool timed_;
   double friction_work_ = 0.0;  // [J]
   NetworkRunResult result_;
