@@ -4,11 +4,13 @@
 #include <charconv>
 #include <cmath>
 #include <istream>
+#include <memory>
 #include <ostream>
 #include <string>
 
 #include "client/csv.hpp"
 #include "core/port_energy.hpp"
+#include "core/scene/world.hpp"
 #include "core/velocity.hpp"
 
 namespace feltwire {
@@ -35,6 +37,35 @@ void emit(std::istream& in, std::ostream& out, std::string& line) {
   line.clear();
   if (in.rdbuf()->in_avail() <= 0) out.flush();
 }
+
+/// A scene as one tool meets it at growing times; what moves is stepped from the first on.
+class Touched {
+ public:
+  explicit Touched(const Scene& scene) : scene_(scene), memory_(scene.memory()) {
+    if (scene.mechanism() == nullptr) return;
+    world_ = std::make_unique<World>(scene);
+    grasp_ = world_->grasp();
+  }
+  /// `elapsed` [s] since the answer before.
+  Command answer(const Tool& tool, double elapsed) {
+    if (world_ == nullptr) return scene_.touch(tool, memory_);
+    time_ += elapsed;
+    while (static_cast<double>(world_->counters().steps + 1) * world_->tick() <=
+           time_ + kRounding) {
+      world_->push(grasp_, memory_, 1.0);
+      world_->step();
+    }
+    return world_->touch(tool, memory_, grasp_);
+  }
+
+ private:
+  static constexpr double kRounding = 1e-9;  // [s] of times written in decimals
+  const Scene& scene_;
+  TouchMemory memory_;
+  std::unique_ptr<World> world_;
+  Grasp grasp_;
+  double time_ = 0.0;  // [s]
+};
 
 }  // namespace
 
@@ -69,7 +100,7 @@ std::size_t filter_bound(std::istream& in, std::ostream& out, const BoundingConf
 
 std::size_t filter_touch(std::istream& in, std::ostream& out, const Scene& scene) {
   CsvReader reader(in, "stdin", {"t", "x", "y", "z"}, {}, CsvReader::NotFinite::accept);
-  TouchMemory memory = scene.memory();
+  Touched touched(scene);
   VelocityEstimate velocity;
   out << "ex,ey,ez,fx,fy,fz\n";
   std::array<double, 4> row{};
@@ -87,11 +118,12 @@ std::size_t filter_touch(std::istream& in, std::ostream& out, const Scene& scene
     } else {
       if (!first && !(time > last_time))
         reader.fail("t", "time does not grow; sort the rows by time");
-      if (!first) velocity.update(position - last_position, time - last_time);
+      const double elapsed = first ? 0.0 : time - last_time;
+      if (!first) velocity.update(position - last_position, elapsed);
       first = false;
       last_time = time;
       last_position = position;
-      answer = scene.touch({position, velocity.value()}, memory);
+      answer = touched.answer({position, velocity.value()}, elapsed);
     }
     append(line, answer.elastic);
     append(line, answer.frictional);

@@ -51,7 +51,7 @@ Loaded load(const char* name, const mjVFS* files) {
 bool guarded(void (*call)(void*), void* argument) noexcept {
   std::jmp_buf here;
   std::jmp_buf* const outer = way_out;
-  if (setjmp(here) != 0) {  // NOLINT(modernize-avoid-setjmp-longjmp)
+  if (setjmp(here) != 0) {
     way_out = outer;
     return false;
   }

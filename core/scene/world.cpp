@@ -1,6 +1,7 @@
 #include "core/scene/world.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <stdexcept>
 
@@ -190,14 +191,6 @@ Vec3 World::velocity_at(std::size_t object, const Vec3& point) const noexcept {
   if (object < still_ || object >= objects_.size()) return Vec3::Zero();
   const Motion& motion = motions_[object - still_];
   return motion.linear + motion.angular.cross(point - objects_[object].pose.position);
-}
-
-double World::energy() const noexcept {
-  const mjModel& model = run_->model;
-  mjData* data = run_->data.get();
-  mj_energyPos(&model, data);
-  mj_energyVel(&model, data);
-  return data->energy[0] + data->energy[1];
 }
 
 Vec3 World::momentum() const noexcept {

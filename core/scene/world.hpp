@@ -42,8 +42,6 @@ class World {
   /// [m/s] of the material point of an object that is at `point` [m, world].
   Vec3 velocity_at(std::size_t object, const Vec3& point) const noexcept;
   const WorldCounters& counters() const { return counters_; }
-  /// Energy of the bodies [J]: kinetic, and potential in gravity and springs.
-  double energy() const noexcept;
   /// [N s] linear momentum of the bodies.
   Vec3 momentum() const noexcept;
 

@@ -3,9 +3,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <stdexcept>
 
 #include "server/server.hpp"
+#include "tests/core/moving.hpp"
 #include "tests/protocol/sealed.hpp"
 #include "tests/server/make.hpp"
 #include "tests/server/raw_socket.hpp"
@@ -115,6 +117,30 @@ TEST(Loopback, TwoClientsShareAScene) {
   EXPECT_EQ(summary[0].counters.samples.replies, 600u);
   EXPECT_EQ(summary[0].unsent, 0u);
   EXPECT_THAT(text(summary), testing::HasSubstr("scene room: sessions 2"));
+}
+
+/// A scene's thread steps what moves by its own timer, asleep or spinning.
+TEST(Loopback, WhatMovesIsSteppedWhileNoDatagramComes) {
+  for (const double busy_poll : {0.0, std::numeric_limits<double>::infinity()}) {
+    ServerConfig config = any_port();
+    config.silence_timeout = 0.2;
+    config.busy_poll = busy_poll;
+    Server server(config, {test::moving({test::object("ball", Sphere{0.03}, {.stiffness = 1000})},
+                                        {0}, {test::body("ball", 0.2)}, test::kWeightless)});
+    ControlClient control(server.control_port());
+    control::JoinRequest request = test::join_request({});
+    request.scene = "moving";
+    DatagramClient client(control.ask<control::JoinAccepted>(request));
+    SampleBatch batch = test::hand_batch(1);
+    batch.samples[0].pose.position = {-0.029, 0, 0};
+    EXPECT_NEAR(client.exchange(batch).command.elastic.x(), -1.0, 1e-9);
+    EXPECT_EQ(client.await_goodbye(), GoodbyeReason::evicted);
+    server.stop();
+    // Some 200 of them; the datagram alone, and the stall behind it, would have been one at most.
+    EXPECT_GT(server.summary()[0].counters.world.steps, 20u);
+    EXPECT_EQ(server.summary()[0].counters.world.resets, 0u);
+    EXPECT_THAT(text(server.summary()), testing::HasSubstr("steps of what moves"));
+  }
 }
 
 /// More than a batch at once, each answered; the order of the answers is that of the samples.

@@ -1,0 +1,107 @@
+// world_step/CASE/N: a tick of N free boxes of 4 cm and 100 g: `apart` in the air, weightless;
+// `table` at rest on a table; `piles` in piles of five on it.
+// world_touch/N: what a scene of N moving boxes answers a tool that wanders over them.
+// world_push/N: what a hand that says nothing new costs a tick more.
+
+#include <benchmark/benchmark.h>
+
+#include <cmath>
+#include <string>
+
+#include "core/scene/mechanism.hpp"
+#include "core/scene/world.hpp"
+
+namespace feltwire {
+namespace {
+
+constexpr double kHalf = 0.02, kPitch = 0.06;  // [m]
+constexpr int kRow = 10, kPile = 5;
+
+enum class Layout { apart, table, piles };
+
+Vec3 place_of(int box, Layout layout) {
+  const int column = layout == Layout::piles ? box / kPile : box;
+  const int storey = layout == Layout::piles ? box % kPile : 0;
+  const double height = layout == Layout::apart ? 0.1 : kHalf * (1 + 2 * storey);
+  return {kPitch * (column % kRow), kPitch * (column / kRow), height};
+}
+
+Scene boxes(int count, Layout layout) {
+  const Material wood{.stiffness = 900, .static_friction = 0.6, .dynamic_friction = 0.5};
+  std::vector<Object> objects(1);
+  objects[0].name = "table";
+  objects[0].shape = Plane{};
+  objects[0].material = wood;
+  std::vector<int> body_of{-1};
+  std::vector<Body> bodies;
+  for (int i = 0; i < count; ++i) {
+    Object box;
+    box.name = "box " + std::to_string(i);
+    box.shape = Box{Vec3::Constant(kHalf)};
+    box.material = wood;
+    box.pose.position = place_of(i, layout);
+    Body body;
+    body.name = box.name;
+    body.mass = 0.1;
+    body.pose = box.pose;
+    body_of.push_back(i);
+    bodies.push_back(body);
+    objects.push_back(box);
+  }
+  MechanismOptions options;
+  if (layout == Layout::apart) options.gravity.setZero();
+  const auto mechanism = compile(objects, body_of, bodies, options);
+  Scene scene("boxes", objects);
+  scene.set_mechanism(mechanism);
+  return scene;
+}
+
+void step(benchmark::State& state, int count, Layout layout) {
+  constexpr int kSettle = 1000;
+  const Scene scene = boxes(count, layout);
+  World world(scene);
+  for (int i = 0; i < kSettle; ++i) world.step();
+  for (auto _ : state) benchmark::DoNotOptimize(world.step());
+  if (world.counters().resets > 0) state.SkipWithError("the simulation broke");
+}
+
+Vec3 wandering(std::size_t n) {
+  const double t = 1e-3 * static_cast<double>(n % 10000);
+  return {0.27 * (1 + std::sin(3 * t)), 0.27 * (1 + std::sin(2 * t)),
+          kHalf * (1.5 + std::sin(11 * t))};
+}
+
+void touch(benchmark::State& state, int count) {
+  const Scene scene = boxes(count, Layout::table);
+  World world(scene);
+  TouchMemory memory = scene.memory();
+  Grasp grasp = world.grasp();
+  std::size_t n = 0;
+  for (auto _ : state)
+    benchmark::DoNotOptimize(world.touch({wandering(n++), Vec3::Zero()}, memory, grasp));
+}
+
+void push(benchmark::State& state, int count) {
+  const Scene scene = boxes(count, Layout::table);
+  World world(scene);
+  TouchMemory memory = scene.memory();
+  Grasp grasp = world.grasp();
+  world.touch({Vec3(0, 0, 2 * kHalf - 1e-3), Vec3::Zero()}, memory, grasp);
+  for (auto _ : state) world.push(grasp, memory, 0.0);
+}
+
+[[maybe_unused]] const bool registered = [] {
+  for (const int count : {1, 10, 100}) {
+    const std::string n = std::to_string(count);
+    benchmark::RegisterBenchmark(("world_step/apart/" + n).c_str(), step, count, Layout::apart);
+    benchmark::RegisterBenchmark(("world_step/table/" + n).c_str(), step, count, Layout::table);
+    if (count >= kPile)
+      benchmark::RegisterBenchmark(("world_step/piles/" + n).c_str(), step, count, Layout::piles);
+    benchmark::RegisterBenchmark(("world_touch/" + n).c_str(), touch, count);
+    benchmark::RegisterBenchmark(("world_push/" + n).c_str(), push, count);
+  }
+  return true;
+}();
+
+}  // namespace
+}  // namespace feltwire

@@ -1,0 +1,132 @@
+// Whole sessions in virtual time with things that move: the same bits each time, the port passive
+// whatever the link does, and what the bound leaves of a weight that is carried.
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <sstream>
+
+#include "client/csv.hpp"
+#include "sim/filters.hpp"
+#include "sim/network_run.hpp"
+#include "tests/core/moving.hpp"
+
+namespace feltwire {
+namespace {
+
+using test::body;
+using test::moving;
+using test::object;
+
+/// Something of 150 g that goes up and down, and rests at 0 where nobody carries it.
+Scene elevator() {
+  Body cabin = body("cabin", 0.15);
+  cabin.joint = Joint::slide;
+  cabin.low = 0.0;
+  cabin.high = 0.1;
+  cabin.damping = 0.2;
+  return moving({object("cabin", Box{Vec3(0.03, 0.03, 0.01)}, {.stiffness = 800, .damping = 0.5})},
+                {0}, {cabin});
+}
+
+/// A hand that carries it up by some 5 cm and down again, twice, from below.
+NetworkRunOptions carrying(BoundingSide side, const char* link) {
+  NetworkRunOptions options;
+  options.hand.spec = builtin_device("simulated");
+  options.hand.task.path = HandPath::taps;
+  options.hand.task.center = {0, 0, -0.01};
+  options.hand.task.depth = 0.055;
+  set_normal(options.hand.task, -Vec3::UnitZ());
+  options.hand.task.frequency = 0.5;
+  options.parameters.side = side;
+  options.link = parse_link(link);
+  options.duration = 4.0;
+  return options;
+}
+
+TEST(MovingRun, IsTheSameTwiceAndPassiveOverABadLink) {
+  const Scene scene = elevator();
+  for (const BoundingSide side : {BoundingSide::client, BoundingSide::server, BoundingSide::both})
+    for (const bool model : {false, true}) {
+      if (model && side == BoundingSide::server) continue;
+      NetworkRunOptions options =
+          carrying(side, "delay=8,jitter=6,order=free,loss=10,duplicate=3,seed=5");
+      options.parameters.local_model = model;
+      const NetworkRunResult one = run_network(scene, options);
+      const NetworkRunResult two = run_network(scene, options);
+      ASSERT_EQ(one.samples.size(), two.samples.size());
+      double highest = 0.0, felt = 0.0;
+      for (std::size_t n = 0; n < one.samples.size(); ++n) {
+        ASSERT_EQ(one.samples[n].held, two.samples[n].held);
+        ASSERT_EQ(one.samples[n].position, two.samples[n].position);
+        highest = std::max(highest, one.samples[n].position.z());
+        felt = std::max(felt, one.samples[n].held.force().norm());
+      }
+      EXPECT_EQ(one.measured_port.violations(), 0u);
+      EXPECT_GE(one.least_device_margin, -1e-9);
+      EXPECT_EQ(one.server.world.resets, 0u);
+      EXPECT_NEAR(static_cast<double>(one.server.world.steps), 4000.0, 1.0);
+      EXPECT_GT(highest, 0.03);
+      EXPECT_GT(felt, 0.5);  // it does push back
+    }
+}
+
+/// What is felt of what the scene commands, on the way up and on the way down.
+struct Share {
+  double up = 0.0, down = 0.0;
+};
+
+Share share_of(BoundingMode mode, Storage storage) {
+  NetworkRunOptions options = carrying(BoundingSide::client, "delay=0");
+  options.parameters.mode = mode;
+  options.parameters.storage = storage;
+  const Scene scene = elevator();
+  double felt[2] = {}, meant[2] = {};
+  for (const NetworkSample& s : run_network(scene, options).samples) {
+    if (std::abs(s.velocity.z()) < 0.01) continue;
+    const int way = s.velocity.z() > 0.0 ? 0 : 1;
+    felt[way] -= s.held.force().z();
+    meant[way] -= s.ideal.force().z();
+  }
+  return {felt[0] / meant[0], felt[1] / meant[1]};
+}
+
+/// A weight that is lowered gives the hand the energy that lifting it took. A bound that keeps no
+/// more than a force's worth of energy has forgotten it, and lets little of the weight be felt on
+/// the way down; one that keeps what was taken in gives it back (docs/moving.md).
+TEST(MovingRun, WhatTheBoundLeavesOfACarriedWeight) {
+  const Share none = share_of(BoundingMode::none, Storage::minimal);
+  EXPECT_NEAR(none.up, 1.0, 0.02);
+  EXPECT_NEAR(none.down, 1.0, 0.02);
+  const Share minimal = share_of(BoundingMode::contact_frame, Storage::minimal);
+  const Share elastic = share_of(BoundingMode::contact_frame, Storage::elastic);
+  const Share tank = share_of(BoundingMode::energy_tank, Storage::minimal);
+  EXPECT_NEAR(minimal.up, 1.0, 0.02);
+  EXPECT_NEAR(minimal.down, 0.06, 0.03);
+  for (const Share& whole : {elastic, tank}) {
+    EXPECT_NEAR(whole.up, 1.0, 0.02);
+    EXPECT_NEAR(whole.down, 1.0, 0.02);
+  }
+}
+
+/// The filter steps what moves by the times of its rows.
+TEST(MovingRun, TheTouchFilterMovesThingsOn) {
+  const Scene scene = moving({object("ball", Sphere{0.03}, {.stiffness = 1000})}, {0},
+                             {body("ball", 0.2)}, test::kWeightless);
+  std::istringstream input("t,x,y,z\n0,-0.029,0,0\n0.01,-0.029,0,0\n0.5,-0.029,0,0\n");
+  std::ostringstream output;
+  EXPECT_EQ(filter_touch(input, output, scene), 0u);
+  std::istringstream lines(output.str());
+  std::string line;
+  std::vector<double> forces;
+  std::getline(lines, line);
+  while (std::getline(lines, line)) forces.push_back(std::stod(line));
+  ASSERT_EQ(forces.size(), 3u);
+  EXPECT_NEAR(forces[0], -1.0, 1e-9);
+  // m x'' = k (1 mm - x): the contact opens as a cosine.
+  EXPECT_NEAR(forces[1], -std::cos(0.01 * std::sqrt(1000 / 0.2)), 0.03);
+  EXPECT_EQ(forces[2], 0.0);  // it has gone
+}
+
+}  // namespace
+}  // namespace feltwire
