@@ -125,9 +125,14 @@ TEST(World, AHingeSwingsWithItsPeriod) {
   World world(scene);
   std::vector<double> crossings;  // of the lowest point [s]
   double last = 1.0;
+  Vec3 before = world.objects()[0].pose.position;
   for (int n = 1; n <= 6000; ++n) {
     ASSERT_TRUE(world.step());
-    const double x = world.objects()[0].pose.position.x();
+    const Vec3 centre = world.objects()[0].pose.position;
+    // At most 1.8 m/s, and 15 m/s^2 along the arc.
+    EXPECT_NEAR((world.velocity_at(0, centre) - (centre - before) / kTick).norm(), 0.0, 0.03);
+    before = centre;
+    const double x = centre.x();
     if (x * last < 0.0) crossings.push_back(kTick * (n - 1 + last / (last - x)));
     last = x;
   }
