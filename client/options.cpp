@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "protocol/busy_poll.hpp"
+#include "protocol/environment.hpp"
 #include "protocol/profiles.hpp"
 #include "protocol/udp_socket.hpp"
 
@@ -333,6 +334,7 @@ std::variant<ClientOptions, int> parse_options(int argc, char** argv) {
       ->group(hand);
   app.add_option("--seed", task.seed, "Of the tremor")->capture_default_str()->group(hand);
 
+  read_environment(app, "FELTWIRE_CLIENT");
   try {
     app.parse(argc, argv);
     if (!words.profile.empty()) {

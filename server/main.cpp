@@ -4,15 +4,20 @@
 #include <spdlog/spdlog.h>
 
 #include <CLI/CLI.hpp>
+#include <chrono>
 #include <csignal>
 #include <cstdio>
 
+#include "protocol/environment.hpp"
 #include "protocol/profiles.hpp"
+#include "server/health.hpp"
 #include "server/server.hpp"
+#include "server/summary.hpp"
 
 namespace {
 
 constexpr int kBadUsage = 2, kCannotRun = 1;
+constexpr std::chrono::milliseconds kHealthTimeout{1500};
 
 constexpr const char* kExamples = R"(
 Examples:
@@ -26,19 +31,28 @@ Examples:
 
 Once every port is open one line says so:
   listening: control tcp 7400, scene wall udp 7401
-End it with Ctrl-C or SIGTERM: clients are told, and a summary is printed.)";
+End it with Ctrl-C or SIGTERM: clients are told, and a summary is printed.
+Every option may come from the environment, --log-level from FELTWIRE_SERVER_LOG_LEVEL.)";
 
 int fail(int status, const char* what) {
   std::fprintf(stderr, "feltwire-server: %s\n", what);
   return status;
 }
 
-/// What was given on the command line stands over the file.
-feltwire::ServerConfig configuration(int argc, char** argv) {
+/// What this run is to do.
+struct Task {
+  feltwire::ServerConfig config;
+  std::string summary;  // file for the counters; empty: none
+  bool health = false;  // ask the server that runs, and no more
+};
+
+/// What was given on the command line stands over the environment, and both over the file.
+Task task(int argc, char** argv) {
   CLI::App app("A networked haptic rendering server: hands come in over UDP, forces go back.",
                "feltwire-server");
   app.footer(kExamples);
-  feltwire::ServerConfig given;
+  Task asked;
+  feltwire::ServerConfig& given = asked.config;
   std::string file;
   app.add_option("--config", file, "Configuration file (JSON); options given here win over it");
   const auto* scenes =
@@ -72,13 +86,18 @@ feltwire::ServerConfig configuration(int argc, char** argv) {
   const auto* level =
       app.add_option("--log-level", given.log_level, "trace, debug, info, warning, error or off")
           ->capture_default_str();
+  app.add_option("--summary", asked.summary,
+                 "FILE.json that gets the counters at the end, and whenever SIGUSR1 comes");
+  app.add_flag("--health", asked.health,
+               "Ask the server that runs with these options here; exit status 0 when it answers");
+  feltwire::read_environment(app, "FELTWIRE_SERVER");
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) std::exit(app.exit(error));  // --help
     std::exit(fail(kBadUsage, (std::string(error.what()) + " (see --help)").c_str()));
   }
-  if (file.empty()) return given;
+  if (file.empty()) return asked;
 
   feltwire::ServerConfig config = feltwire::load_config(file);
   if (!scenes->empty()) config.scenes = given.scenes;
@@ -89,7 +108,8 @@ feltwire::ServerConfig configuration(int argc, char** argv) {
   if (!busy->empty()) config.busy_poll = given.busy_poll;
   if (!dscp->empty()) config.dscp = given.dscp;
   if (!level->empty()) config.log_level = given.log_level;
-  return config;
+  given = config;
+  return asked;
 }
 
 void print_ready(const feltwire::Server& server) {
@@ -100,29 +120,50 @@ void print_ready(const feltwire::Server& server) {
   std::fflush(stdout);
 }
 
+/// Counts what was asked for before the end, too; a file that cannot be written ends nothing.
+void count(feltwire::Server& server, const std::string& file) {
+  try {
+    if (!file.empty()) write_summary(file, server.summary());
+  } catch (const std::runtime_error& error) {
+    spdlog::error("{}", error.what());
+  }
+}
+
+/// Until SIGINT or SIGTERM, which are blocked in every thread, as is SIGUSR1.
+void serve(feltwire::Server& server, const sigset_t& signals, const std::string& summary) {
+  int signal = 0;
+  while (sigwait(&signals, &signal) == 0 && signal == SIGUSR1) count(server, summary);
+  spdlog::info("{}: saying goodbye", signal == SIGINT ? "interrupted" : "terminated");
+  server.stop();
+  count(server, summary);
+  std::fputs(text(server.summary()).c_str(), stdout);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   try {
-    const feltwire::ServerConfig config = configuration(argc, argv);
+    const Task asked = task(argc, argv);
+    const feltwire::ServerConfig& config = asked.config;
+    if (asked.health) {
+      feltwire::check_health(config.address, config.port, kHealthTimeout);
+      return 0;
+    }
     validate(config);
     spdlog::set_default_logger(spdlog::stderr_color_mt("feltwire-server"));
     spdlog::set_level(spdlog::level::from_str(config.log_level));
 
     // Blocked before any thread starts, so that only this one takes them.
-    sigset_t ending;
-    sigemptyset(&ending);
-    sigaddset(&ending, SIGINT);
-    sigaddset(&ending, SIGTERM);
-    pthread_sigmask(SIG_BLOCK, &ending, nullptr);
+    sigset_t signals;
+    sigemptyset(&signals);
+    for (const int signal : {SIGINT, SIGTERM, SIGUSR1}) sigaddset(&signals, signal);
+    pthread_sigmask(SIG_BLOCK, &signals, nullptr);
 
     feltwire::Server server(config);
+    // A file that cannot be written is said at once, not at the end of a long day.
+    if (!asked.summary.empty()) write_summary(asked.summary, server.summary());
     print_ready(server);
-    int signal = 0;
-    sigwait(&ending, &signal);
-    spdlog::info("{}: saying goodbye", signal == SIGINT ? "interrupted" : "terminated");
-    server.stop();
-    std::fputs(text(server.summary()).c_str(), stdout);
+    serve(server, signals, asked.summary);
     return 0;
   } catch (const std::invalid_argument& error) {
     return fail(kBadUsage, error.what());

@@ -30,7 +30,8 @@ struct SceneHostOptions {
 struct SceneSummary {
   std::string scene;
   SceneCounters counters;
-  std::uint64_t unsent = 0;  // replies that the operating system did not take
+  std::uint64_t unsent = 0;    // replies that the operating system did not take
+  std::uint32_t sessions = 0;  // that there are
 };
 
 class SceneHost {
@@ -57,8 +58,8 @@ class SceneHost {
   void ask(control::Message request, std::uint64_t id, asio::io_context& back,
            Completion completion);
 
-  /// Only while the thread does not run.
-  SceneSummary summary() const;
+  /// Up to now; a running thread is asked. Not from that thread, nor while another stops it.
+  SceneSummary summary();
 
  private:
   void run();
@@ -73,6 +74,7 @@ class SceneHost {
                               std::memory_order_relaxed);
   }
   void say(const std::vector<SceneSessions::Farewell>& farewells) noexcept;
+  SceneSummary count() const;
   struct Batch;
 
   Scene scene_;
