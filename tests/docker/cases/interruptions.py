@@ -1,0 +1,58 @@
+"""A line cut for 3 s, a client killed and started again, a client paused for 5 s, all beside one that is left in peace:
+that one feels nothing of it, and the others come back without a jump."""
+
+import shutil
+import time
+
+from judge import Recording, expect_honest, expect_passive, expect_undisturbed, report
+
+CUT, PAUSED = 3.0, 5.0  # [s]
+SLEW = 100.0  # [N/s] that the hands ask for
+TAPS = ["--path", "taps", "--frequency", "1", "--slew", f"{SLEW:g}"]
+
+
+def run(compose, judge):
+    compose.server(networks=["line", "cable"])
+    compose.client("peace", options=["--path", "slide", "--slew", f"{SLEW:g}"])
+    compose.client("cut", networks=["cable"], options=TAPS)
+    compose.client("killed", options=TAPS)
+    compose.client("paused", options=TAPS)
+    compose.up("server")
+    compose.up("peace", "cut", "killed", "paused")
+    time.sleep(3.0)
+
+    compose.network("disconnect", "cable", "cut")
+    time.sleep(CUT)
+    compose.network("connect", "cable", "cut")
+
+    compose.act("kill", "killed")
+    for file in ("killed.csv", "killed.log"):
+        if (compose.out / file).exists():
+            shutil.copy(compose.out / file, compose.out / f"before-{file}")
+    compose.act("start", "killed")
+
+    compose.act("pause", "paused")
+    time.sleep(PAUSED)
+    compose.act("unpause", "paused")
+    time.sleep(6.0)
+    scene = compose.counters()["room"]
+    ended = compose.stop("peace", "cut", "killed", "paused")
+    judge.expect("exit codes", [code for code, _ in ended.values()], equal=[0] * len(ended))
+
+    peace = report(compose.out / "peace.json")
+    expect_undisturbed(judge, "peace", peace)
+    judge.expect("peace: ticks at which the force faded", peace["faded_samples"], at_most=50)  # at its own end
+    judge.expect("peace: commands that came more than 100 ms late", peace["round_trip_us"]["max"], at_most=1e5)
+    for name, lost in (("cut", 1), ("killed", 0), ("paused", 1)):
+        told = report(compose.out / f"{name}.json")
+        expect_passive(judge, name, told)
+        judge.expect(f"{name}: sessions lost", told["disconnections"], equal=lost)
+        judge.expect(f"{name}: sessions found again", told["reconnections"], equal=lost)
+    for name in ("peace", "cut", "killed", "before-killed", "paused"):
+        recording = Recording(compose.out / f"{name}.csv")
+        end = recording.t[-1]
+        judge.expect(f"{name}: largest force in its last two seconds [N]", recording.most_held(end - 2.0, end), at_least=0.5)
+        judge.expect(f"{name}: fastest rise of the force [N/s]", recording.fastest_rise(), at_most=1.05 * SLEW)
+    expect_honest(judge, scene)
+    judge.expect("server: sessions at last", scene["sessions"], equal=4)
+    judge.expect("server: sessions that fell silent", scene["silent"], equal=3)
