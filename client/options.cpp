@@ -334,7 +334,7 @@ std::variant<ClientOptions, int> parse_options(int argc, char** argv) {
       ->group(hand);
   app.add_option("--seed", task.seed, "Of the tremor")->capture_default_str()->group(hand);
 
-  read_environment(app, "FELTWIRE_CLIENT");
+  read_environment(app);
   try {
     app.parse(argc, argv);
     if (!words.profile.empty()) {

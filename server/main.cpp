@@ -32,7 +32,7 @@ Examples:
 Once every port is open one line says so:
   listening: control tcp 7400, scene wall udp 7401
 End it with Ctrl-C or SIGTERM: clients are told, and a summary is printed.
-Every option may come from the environment, --log-level from FELTWIRE_SERVER_LOG_LEVEL.)";
+Every option may come from the environment, --log-level from FELTWIRE_LOG_LEVEL.)";
 
 int fail(int status, const char* what) {
   std::fprintf(stderr, "feltwire-server: %s\n", what);
@@ -90,7 +90,7 @@ Task task(int argc, char** argv) {
                  "FILE.json that gets the counters at the end, and whenever SIGUSR1 comes");
   app.add_flag("--health", asked.health,
                "Ask the server that runs with these options here; exit status 0 when it answers");
-  feltwire::read_environment(app, "FELTWIRE_SERVER");
+  feltwire::read_environment(app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

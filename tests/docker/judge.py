@@ -85,10 +85,10 @@ def expect_passive(judge, name, told):
     judge.expect(f"{name}: absurd commands", told["refused_samples"], equal=0)
 
 
-def expect_undisturbed(judge, name, told, rate=1000.0):
-    """A hand whose line was clean."""
+def expect_undisturbed(judge, name, told, rate=950.0):
+    """A hand whose line was clean; rate [1/s]: of samples, at least, which asks for a machine that has time for them."""
     expect_passive(judge, name, told)
-    judge.expect(f"{name}: samples a second", round(told["samples"] / told["duration_s"], 1), at_least=0.98 * rate)
+    judge.expect(f"{name}: samples a second", round(told["samples"] / told["duration_s"], 1), at_least=rate)
     judge.expect(f"{name}: datagrams lost", told["lost"], equal=0)
     judge.expect(f"{name}: disconnections", told["disconnections"], equal=0)
     judge.expect(f"{name}: largest force [N]", told["max_force_n"], at_least=0.5)

@@ -28,7 +28,7 @@ def run(compose, judge):
     counters = compose.counters()
     for name, (scene, _, freedom, _) in HANDS.items():
         told = report(compose.out / f"{name}.json")
-        expect_undisturbed(judge, name, told)
+        expect_undisturbed(judge, name, told, rate=900.0)
         device = told["device"]
         judge.expect(f"{name}: degrees of freedom", device["translation_dof"] + device["rotation_sensed"], equal=freedom)
         judge.expect(f"{name}: scene", told["scene"], equal=scene)

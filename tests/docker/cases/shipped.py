@@ -14,7 +14,7 @@ def run(compose, judge):
     def call(*arguments):
         done = subprocess.run([*composition.compose_program(), "-p", compose.project, "-f", str(FILE), *arguments],
                               capture_output=True, text=True, timeout=180,
-                              env={**os.environ, "FELTWIRE_DURATION": "5", "FELTWIRE_LINK": "lan", "FELTWIRE_IMAGE": composition.IMAGE})
+                              env={**os.environ, "FELTWIRE_DEMO_SECONDS": "5", "FELTWIRE_DEMO_LINK": "lan", "FELTWIRE_IMAGE": composition.IMAGE})
         if done.returncode != 0:
             raise RuntimeError(f"compose {' '.join(arguments)}: {done.stderr.strip()}")
         return done.stdout + done.stderr
@@ -31,8 +31,8 @@ def run(compose, judge):
                                         "{{.Config.User}} {{.HostConfig.ReadonlyRootfs}} {{.HostConfig.CapDrop}}", compose.container(name))
             judge.expect(f"{name}: user, read-only root, capabilities dropped", inside, equal="feltwire true [ALL]")
         # Once more, and everything ended at full speed.
-        call("up", "-d", "--no-build")
-        time.sleep(2.0)
+        call("up", "-d", "--no-build", "left-hand", "right-hand")
+        time.sleep(1.5)
         everything = [*PROGRAMS, "left-hand", "right-hand"]
         running = [name for name in everything if compose.running(name)]
         judge.expect("services that run", running, equal=everything)
