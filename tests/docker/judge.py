@@ -85,7 +85,7 @@ def expect_passive(judge, name, told):
     judge.expect(f"{name}: absurd commands", told["refused_samples"], equal=0)
 
 
-def expect_undisturbed(judge, name, told, rate=950.0):
+def expect_undisturbed(judge, name, told, rate):
     """A hand whose line was clean; rate [1/s]: of samples, at least, which asks for a machine that has time for them."""
     expect_passive(judge, name, told)
     judge.expect(f"{name}: samples a second", round(told["samples"] / told["duration_s"], 1), at_least=rate)

@@ -40,7 +40,7 @@ def run(compose, judge):
     judge.expect("exit codes", [code for code, _ in ended.values()], equal=[0] * len(ended))
 
     peace = report(compose.out / "peace.json")
-    expect_undisturbed(judge, "peace", peace)
+    expect_undisturbed(judge, "peace", peace, rate=900.0)
     judge.expect("peace: slowest answer [us]", peace["round_trip_us"]["max"], at_most=5e4)
     felt = Recording(compose.out / "peace.csv")
     oldest = max(felt.age[felt.after(1.0):felt.after(felt.t[-1] - 0.2)])  # at its end every hand is let go
