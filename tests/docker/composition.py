@@ -10,6 +10,7 @@ import time
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 IMAGE = os.environ.get("FELTWIRE_IMAGE", "feltwire")
 CONTROL_PORT = 7400
+HEALTH = {"test": ["CMD", "feltwire-server", "--health"], "interval": "1s", "timeout": "2s", "retries": 20}
 STOP_TIME = 2.0  # [s] in which SIGTERM ends every program
 # Docker asks the world for the name of a container that is gone; from an internal network it waits for that in vain.
 NAMES_THAT_ARE_GONE = ["timeout:1", "attempts:1"]
@@ -60,10 +61,10 @@ class Composition:
 
     # --- what there is -------------------------------------------------------------------------------------------
 
-    def service(self, name, command, networks, **more):
+    def service(self, name, command, networks, in_network=None, **more):
         self.networks.update(networks)
         self.services[name] = {
-            "image": IMAGE, "command": command, "networks": {network: more.pop("in_network", {}) for network in networks},
+            "image": IMAGE, "command": command, "networks": {network: in_network or {} for network in networks},
             "read_only": True, "cap_drop": ["ALL"], "security_opt": ["no-new-privileges:true"],
             "dns_opt": NAMES_THAT_ARE_GONE, "volumes": [f"{self.out}:/out"], **more}
         return name
@@ -75,8 +76,8 @@ class Composition:
         for file in files:
             command += ["--scene", file]
         return self.service(
-            name, command, networks, in_network={"aliases": [alias]} if alias else {},
-            healthcheck={"test": ["CMD", "feltwire-server", "--health"], "interval": "1s", "timeout": "2s", "retries": 20})
+            name, command, networks, in_network={"aliases": [alias]} if alias else None,
+            healthcheck=HEALTH)
 
     def client(self, name, scene="room", to="server", networks=("line",), duration=0, options=()):
         """A simulated hand with a report and a recording; without a duration it runs until it is stopped."""
@@ -90,7 +91,7 @@ class Composition:
         return self.service(
             name, ["feltwire-lab", "link", items, "--address", "0.0.0.0", "--listen", str(CONTROL_PORT),
                    "--to", f"{to}:{CONTROL_PORT}", "--report", f"/out/{name}.json"], networks,
-            healthcheck={"test": ["CMD", "feltwire-server", "--health"], "interval": "1s", "timeout": "2s", "retries": 20})
+            healthcheck=HEALTH)
 
     # --- what happens to it --------------------------------------------------------------------------------------
 

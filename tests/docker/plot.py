@@ -8,9 +8,9 @@ set output "{picture}"
 set datafile separator ","
 set multiplot layout 3,1 title "{title}" font ",14"
 set lmargin 10
-set rmargin 16
+set rmargin 18
 set grid
-set key outside right top
+set key outside right top samplen 2
 set xrange [0:*]
 set ylabel "position [mm]"
 plot "{data}" using "t":(column("x")*1e3) with lines lw 1.5 title "x", \\

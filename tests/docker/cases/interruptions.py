@@ -9,6 +9,9 @@ from judge import Recording, expect_honest, expect_passive, expect_undisturbed, 
 CUT, PAUSED = 3.0, 5.0  # [s]
 SLEW = 100.0  # [N/s] that the hands ask for
 TAPS = ["--path", "taps", "--frequency", "1", "--slew", f"{SLEW:g}"]
+# A process that is frozen holds what it held last. This one stands still; one that moves on meanwhile is given energy
+# that nothing bounds (docs/docker.md), and gets no force before it has paid.
+STANDS = ["--path", "press", "--depth", "0.005", "--wait-for-small-force", "inf", "--slew", f"{SLEW:g}"]
 
 
 def run(compose, judge):
@@ -16,7 +19,7 @@ def run(compose, judge):
     compose.client("peace", options=["--path", "slide", "--slew", f"{SLEW:g}"])
     compose.client("cut", networks=["cable"], options=TAPS)
     compose.client("killed", options=TAPS)
-    compose.client("paused", options=TAPS)
+    compose.client("paused", options=STANDS)
     compose.up("server")
     compose.up("peace", "cut", "killed", "paused")
     time.sleep(3.0)
