@@ -38,14 +38,15 @@ def run(compose, judge):
     judge.expect("flood: exit code", compose.stop("flood")["flood"][0], equal=0)
     after = compose.counters()["room"]
 
-    p99 = {"quiet": [], "flooded": []}
+    p99 = {"quiet": [], "flooded": []}  # [us] of the middle hand, round by round
     for (when, _), names in rounds.items():
-        for name in names:
-            told = report(compose.out / f"{name}.json")
+        reports = {name: report(compose.out / f"{name}.json") for name in names}
+        p99[when].append(statistics.median(told["round_trip_us"]["p99"] for told in reports.values()))
+        for name, told in reports.items():
             expect_undisturbed(judge, name, told, rate=500.0)  # of how busy the machine is it says nothing
-            p99[when].append(told["round_trip_us"]["p99"])
-    quiet, flooded = (statistics.median(p99[when]) for when in ("quiet", "flooded"))
-    judge.expect(f"median p99 of the round trips [us], flooded; {quiet:.0f} quiet", round(flooded), at_most=round(1.5 * quiet))
+    # The best round of each: what else a machine is about only adds, the flood is in every round of its own.
+    quiet, flooded = min(p99["quiet"]), min(p99["flooded"])
+    judge.expect(f"p99 of the round trips [us], flooded; {quiet:.0f} quiet", round(flooded), at_most=round(1.5 * quiet))
 
     expect_honest(judge, after)
     judge.expect("sessions that there were", after["sessions_served"], equal=len(rounds) * len(HANDS))
