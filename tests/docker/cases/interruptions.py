@@ -8,7 +8,7 @@ from composition import wait_until
 from judge import Recording, expect_honest, expect_passive, expect_undisturbed, report
 
 CUT, PAUSED = 3.0, 5.0  # [s]
-SLEW = 100.0  # [N/s] that the hands ask for
+SLEW = 40.0  # [N/s] that the hands ask for: less than a tap rises with by itself
 TAPS = ["--path", "taps", "--frequency", "1", "--slew", f"{SLEW:g}"]
 # A process that is frozen holds what it held last, and a hand that moves on meanwhile is given energy that nothing
 # bounds (docs/docker.md). So this one is caught in the air, where it is for two seconds and more.
