@@ -8,6 +8,7 @@
 
 #include "client/credential_options.hpp"
 #include "protocol/busy_poll.hpp"
+#include "protocol/environment.hpp"
 #include "protocol/profiles.hpp"
 #include "protocol/udp_socket.hpp"
 
@@ -336,6 +337,7 @@ std::variant<ClientOptions, int> parse_options(int argc, char** argv) {
       ->group(hand);
   app.add_option("--seed", task.seed, "Of the tremor")->capture_default_str()->group(hand);
 
+  read_environment(app);
   try {
     app.parse(argc, argv);
     if (!words.profile.empty()) {

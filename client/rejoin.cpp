@@ -1,6 +1,8 @@
 #include "client/rejoin.hpp"
 
 #include <algorithm>
+#include <future>
+#include <thread>
 #include <utility>
 
 namespace feltwire {
@@ -49,7 +51,14 @@ void Rejoiner::look(bool connected, Clock::time_point now) {
   // What was handed over may be lost again before it ever answered.
   if (handed_over_ && now < handed_over_at_ + options_.longest_wait) return;
   ++attempts_;
-  attempt_ = std::async(std::launch::async, attempt, server_, request_, options_.timeout);
+  std::packaged_task<std::optional<SessionAddress>()> task(
+      [server = server_, request = request_, timeout = options_.timeout] {
+        return attempt(server, request, timeout);
+      });
+  attempt_ = task.get_future();
+  // On its own, with nothing of ours: the system may look for a name that is gone for many seconds,
+  // and whoever is told to end meanwhile does not wait for that.
+  std::thread(std::move(task)).detach();
 }
 
 }  // namespace feltwire

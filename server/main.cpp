@@ -3,165 +3,29 @@
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
-#include <CLI/CLI.hpp>
 #include <asio/ip/address.hpp>
+#include <chrono>
 #include <csignal>
 #include <cstdio>
 #include <filesystem>
-#include <functional>
 #include <string_view>
 
 #include "core/scene/needs.hpp"
-#include "protocol/profiles.hpp"
 #include "protocol/secret.hpp"
+#include "server/health.hpp"
+#include "server/options.hpp"
 #include "server/server.hpp"
+#include "server/summary.hpp"
 #include "server/token_command.hpp"
 
 namespace {
 
 constexpr int kBadUsage = 2, kCannotRun = 1;
-
-constexpr const char* kExamples = R"(
-Examples:
-  feltwire-server --scene scenes/wall.json
-      one scene for clients on this machine: control on tcp 7400, the scene on udp 7401
-  feltwire-server --scene a.json --scene b.json --address :: --port 9000
-      two scenes for every network this machine is in; open tcp 9000 and udp 9001 and 9002
-  feltwire-server token add --client anna --scene wall --role operator --expires 30d
-      a token for somebody else, see feltwire-server token --help
-  feltwire-server --config server.json --log-level debug
-      everything from a file, one option from here
-
-Once every port is open three lines say so: whom clients trust, where they find it, how one joins:
-  fingerprint: 3f0e...
-  listening: control tcp 7400, scene wall udp 7401
-  join: feltwire-client --connect 127.0.0.1:7400 --scene wall --fingerprint 3f0e... --token-file ...
-End it with Ctrl-C or SIGTERM: clients are told, and a summary is printed.)";
+constexpr std::chrono::milliseconds kHealthTimeout{1500};
 
 int fail(int status, const char* what) {
   std::fprintf(stderr, "feltwire-server: %s\n", what);
   return status;
-}
-
-/// An option that, given on the command line, stands over the file.
-using Overrides = std::vector<std::function<void(feltwire::ServerConfig&)>>;
-
-/// Adds an option for a field of the configuration.
-template <class Field>
-CLI::Option* add(CLI::App& app, Overrides& overrides, feltwire::ServerConfig& given,
-                 Field feltwire::ServerConfig::*field, const std::string& name,
-                 const std::string& help) {
-  CLI::Option* option = app.add_option(name, given.*field, help);
-  overrides.push_back([option, field, &given](feltwire::ServerConfig& config) {
-    if (!option->empty()) config.*field = given.*field;
-  });
-  return option;
-}
-
-void add_serving(CLI::App& app, Overrides& overrides, feltwire::ServerConfig& given) {
-  using Config = feltwire::ServerConfig;
-  add(app, overrides, given, &Config::scenes, "--scene", "Scene file (JSON); repeat for several")
-      ->expected(1)
-      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-  add(app, overrides, given, &Config::port, "--port",
-      "Control port (tcp); the scenes have the udp ports after it; 0: a free place for all")
-      ->capture_default_str();
-  add(app, overrides, given, &Config::address, "--address",
-      "IP address to listen on; every network: '::', with IPv4 alone: 0.0.0.0")
-      ->capture_default_str();
-  add(app, overrides, given, &Config::silence_timeout, "--silence-timeout",
-      "[s] a session that sends nothing for so long ends")
-      ->capture_default_str();
-  add(app, overrides, given, &Config::profile, "--profile",
-      "Of the line that the sessions share, " + feltwire::network_profile_names() +
-          ": a client that asks for more datagrams gets the profile's");
-  add(app, overrides, given, &Config::busy_poll, "--busy-poll",
-      "[us] a scene's thread asks for datagrams busily before it sleeps: faster answers for CPU "
-      "time; inf: it never sleeps and takes a core")
-      ->capture_default_str();
-  add(app, overrides, given, &Config::dscp, "--dscp",
-      "Mark of the replies for the network: cs0 to cs7, af11 to af43, ef, va or 0 to 63")
-      ->capture_default_str();
-  add(app, overrides, given, &Config::log_level, "--log-level",
-      "trace, debug, info, warning, error or off")
-      ->capture_default_str();
-}
-
-void add_security(CLI::App& app, Overrides& overrides, feltwire::ServerConfig& given) {
-  using Config = feltwire::ServerConfig;
-  const auto group = "Who gets in (SECURITY.md)";
-  add(app, overrides, given, &Config::state, "--state",
-      "Folder of certificate, key and tokens, which are made where they are missing; "
-      "$XDG_STATE_HOME/feltwire or ~/.local/state/feltwire when not given")
-      ->envname("FELTWIRE_STATE")
-      ->group(group);
-  add(app, overrides, given, &Config::certificate, "--certificate",
-      "FILE (PEM) instead of the state folder's")
-      ->group(group);
-  add(app, overrides, given, &Config::key, "--key", "FILE (PEM) of the certificate's key")
-      ->group(group);
-  add(app, overrides, given, &Config::client_ca, "--client-ca",
-      "FILE (PEM): clients need a certificate of these authorities, too")
-      ->group(group);
-  add(app, overrides, given, &Config::tokens, "--tokens",
-      "FILE of the tokens instead of the state folder's")
-      ->envname("FELTWIRE_TOKENS")
-      ->group(group);
-  add(app, overrides, given, &Config::max_sessions_per_client, "--max-sessions-per-client",
-      "Of all tokens with one client's name")
-      ->capture_default_str()
-      ->group(group);
-  add(app, overrides, given, &Config::join_rate, "--join-rate",
-      "[1/s] joins and wrong tokens of one address, for ever")
-      ->capture_default_str()
-      ->group(group);
-  add(app, overrides, given, &Config::join_burst, "--join-burst", "And at once")
-      ->capture_default_str()
-      ->group(group);
-  add(app, overrides, given, &Config::handshake_timeout, "--handshake-timeout",
-      "[s] from connecting to a good token")
-      ->capture_default_str()
-      ->group(group);
-  add(app, overrides, given, &Config::idle_timeout, "--idle-timeout",
-      "[s] a control connection that asks nothing ends")
-      ->capture_default_str()
-      ->group(group);
-  add(app, overrides, given, &Config::max_connections, "--max-connections", "Control connections")
-      ->capture_default_str()
-      ->group(group);
-  add(app, overrides, given, &Config::max_connections_per_address, "--max-connections-per-address",
-      "Of these, from one address")
-      ->capture_default_str()
-      ->group(group);
-}
-
-/// What was given on the command line stands over the file.
-feltwire::ServerConfig configuration(int argc, char** argv) {
-  CLI::App app("A networked haptic rendering server: hands come in over UDP, forces go back.",
-               "feltwire-server");
-  app.footer(kExamples);
-  feltwire::ServerConfig given;
-  std::string file, explained;
-  app.add_option("--config", file, "Configuration file (JSON); options given here win over it");
-  Overrides overrides;
-  add_serving(app, overrides, given);
-  add_security(app, overrides, given);
-  app.add_option("--explain", explained,
-                 "Print what this scene file needs, and which objects need it, and end");
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    if (error.get_exit_code() == 0) std::exit(app.exit(error));  // --help
-    std::exit(fail(kBadUsage, (std::string(error.what()) + " (see --help)").c_str()));
-  }
-  if (!explained.empty()) {
-    std::fputs(explain(feltwire::load_scene(explained)).c_str(), stdout);
-    std::exit(0);
-  }
-  if (file.empty()) return given;
-  feltwire::ServerConfig config = feltwire::load_config(file);
-  for (const auto& take : overrides) take(config);
-  return config;
 }
 
 /// As a shell reads it back.
@@ -197,6 +61,25 @@ void print_ready(const feltwire::ServerConfig& config, const feltwire::Server& s
   std::fflush(stdout);
 }
 
+/// Counts what was asked for before the end, too; a file that cannot be written ends nothing.
+void count(feltwire::Server& server, const std::string& file) {
+  try {
+    if (!file.empty()) write_summary(file, server.summary());
+  } catch (const std::runtime_error& error) {
+    spdlog::error("{}", error.what());
+  }
+}
+
+/// Until SIGINT or SIGTERM, which are blocked in every thread, as is SIGUSR1.
+void serve(feltwire::Server& server, const sigset_t& signals, const std::string& summary) {
+  int signal = 0;
+  while (sigwait(&signals, &signal) == 0 && signal == SIGUSR1) count(server, summary);
+  spdlog::info("{}: saying goodbye", signal == SIGINT ? "interrupted" : "terminated");
+  server.stop();
+  count(server, summary);
+  std::fputs((text(server.summary()) + text(server.control_summary())).c_str(), stdout);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -204,25 +87,31 @@ int main(int argc, char** argv) {
   if (argc > 1 && std::string_view(argv[1]) == "token")
     return feltwire::token_command(argc - 1, argv + 1);
   try {
-    const feltwire::ServerConfig config = configuration(argc, argv);
+    const feltwire::ServerTask asked = feltwire::server_task(argc, argv);
+    const feltwire::ServerConfig& config = asked.config;
+    if (!asked.explain.empty()) {
+      std::fputs(explain(feltwire::load_scene(asked.explain)).c_str(), stdout);
+      return 0;
+    }
+    if (asked.health) {
+      feltwire::check_health(config.address, config.port, kHealthTimeout);
+      return 0;
+    }
     validate(config);
     spdlog::set_default_logger(spdlog::stderr_color_mt("feltwire-server"));
     spdlog::set_level(spdlog::level::from_str(config.log_level));
 
     // Blocked before any thread starts, so that only this one takes them.
-    sigset_t ending;
-    sigemptyset(&ending);
-    sigaddset(&ending, SIGINT);
-    sigaddset(&ending, SIGTERM);
-    pthread_sigmask(SIG_BLOCK, &ending, nullptr);
+    sigset_t signals;
+    sigemptyset(&signals);
+    for (const int signal : {SIGINT, SIGTERM, SIGUSR1}) sigaddset(&signals, signal);
+    pthread_sigmask(SIG_BLOCK, &signals, nullptr);
 
     feltwire::Server server(config);
+    // A file that cannot be written is said at once, not at the end of a long day.
+    if (!asked.summary.empty()) write_summary(asked.summary, server.summary());
     print_ready(config, server);
-    int signal = 0;
-    sigwait(&ending, &signal);
-    spdlog::info("{}: saying goodbye", signal == SIGINT ? "interrupted" : "terminated");
-    server.stop();
-    std::fputs((text(server.summary()) + text(server.control_summary())).c_str(), stdout);
+    serve(server, signals, asked.summary);
     return 0;
   } catch (const std::invalid_argument& error) {
     return fail(kBadUsage, error.what());

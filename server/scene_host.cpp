@@ -5,6 +5,7 @@
 #include <asio/post.hpp>
 #include <cerrno>
 #include <chrono>
+#include <future>
 #include <stdexcept>
 
 #include "protocol/udp_socket.hpp"
@@ -261,6 +262,16 @@ void SceneHost::say(const std::vector<SceneSessions::Farewell>& farewells) noexc
   }
 }
 
-SceneSummary SceneHost::summary() const { return {scene_.name(), sessions_.counters(), unsent_}; }
+SceneSummary SceneHost::count() const {
+  return {scene_.name(), sessions_.counters(), unsent_,
+          static_cast<std::uint32_t>(sessions_.size())};
+}
+
+SceneSummary SceneHost::summary() {
+  if (!thread_.joinable()) return count();
+  std::promise<SceneSummary> counted;
+  asio::post(io_, [this, &counted] { counted.set_value(count()); });
+  return counted.get_future().get();
+}
 
 }  // namespace feltwire

@@ -34,7 +34,8 @@ struct SceneHostOptions {
 struct SceneSummary {
   std::string scene;
   SceneCounters counters;
-  std::uint64_t unsent = 0;  // replies that the operating system did not take
+  std::uint64_t unsent = 0;    // replies that the operating system did not take
+  std::uint32_t sessions = 0;  // that there are
 };
 
 class SceneHost {
@@ -63,8 +64,8 @@ class SceneHost {
   /// Ends a session with a goodbye, if it is there. From any thread.
   void evict(std::uint64_t session);
 
-  /// Only while the thread does not run.
-  SceneSummary summary() const;
+  /// Up to now; a running thread is asked. Not from that thread, nor while another stops it.
+  SceneSummary summary();
 
  private:
   void run();
@@ -82,6 +83,7 @@ class SceneHost {
   }
   void tell_ended();
   void say(const std::vector<SceneSessions::Farewell>& farewells) noexcept;
+  SceneSummary count() const;
   struct Batch;
 
   Scene scene_;

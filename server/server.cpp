@@ -197,13 +197,13 @@ std::string text(const std::vector<SceneSummary>& summary) {
   for (const SceneSummary& scene : summary) {
     const SceneCounters& c = scene.counters;
     lines += fmt::format(
-        "scene {}: sessions {} (left {}, silent {}, flooded {}, forged {}, evicted {}), samples {}, "
+        "scene {}: sessions {} (left {}, silent {}, flooded {}, forged {}, evicted {}), samples "
+        "{}, "
         "replies {} ({} withheld), gaps {} "
         "({} samples missed), violations {}, unsent {}\n",
         scene.scene, c.sessions_served, c.left, c.silent, c.flooded, c.forged, c.evicted,
-        c.samples.samples,
-        c.samples.replies, c.samples.withheld, c.samples.gaps, c.samples.missed, c.violations,
-        scene.unsent);
+        c.samples.samples, c.samples.replies, c.samples.withheld, c.samples.gaps, c.samples.missed,
+        c.violations, scene.unsent);
     std::string drops;
     for (std::size_t i = 1; i < c.drops.size(); ++i)
       if (c.drops[i] > 0)

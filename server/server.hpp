@@ -45,7 +45,7 @@ class Server {
   /// Ends connections, says goodbye to every client and joins all threads. May be called again.
   void stop();
 
-  /// One entry a scene. Precondition: stopped.
+  /// One entry a scene, up to now. Not while another thread stops the server.
   std::vector<SceneSummary> summary() const;
   /// Likewise.
   ControlSummary control_summary() const;

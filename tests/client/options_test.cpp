@@ -185,5 +185,30 @@ TEST(Trust, ACertificateComesWithItsKey) {
   EXPECT_EQ(credentials_of(both).key.text(), "PEM");
 }
 
+TEST(Options, WhatTheCommandLineLeavesOutMayBeAVariable) {
+  ::setenv("FELTWIRE_DURATION", "7", 1);
+  ::setenv("FELTWIRE_LOCAL_MODEL", "true", 1);
+  ::setenv("FELTWIRE_CENTER", "1,2,3", 1);
+  ::setenv("FELTWIRE_RATE", "500", 1);
+  const auto options =
+      parsed({"--rate", "2000", "--profile", "wan"});  // read twice, for the profile
+  for (const char* name :
+       {"FELTWIRE_DURATION", "FELTWIRE_LOCAL_MODEL", "FELTWIRE_CENTER", "FELTWIRE_RATE"})
+    ::unsetenv(name);
+  ASSERT_TRUE(std::holds_alternative<ClientOptions>(options));
+  const auto& given = std::get<ClientOptions>(options);
+  EXPECT_EQ(given.duration, 7.0);
+  EXPECT_TRUE(given.parameters.local_model);
+  EXPECT_TRUE(given.center_given);
+  EXPECT_EQ(std::get<HandTask>(given.device).center, Vec3(1, 2, 3));
+  EXPECT_EQ(given.parameters.servo_period, 1.0 / 2000.0);
+}
+
+TEST(Options, ABadVariableIsRefusedAsABadOptionIs) {
+  ::setenv("FELTWIRE_DURATION", "long", 1);
+  EXPECT_THAT(refusal({}), HasSubstr("long"));
+  ::unsetenv("FELTWIRE_DURATION");
+}
+
 }  // namespace
 }  // namespace feltwire

@@ -1,0 +1,97 @@
+#include "server/health.hpp"
+
+#include <array>
+#include <asio/buffer.hpp>
+#include <asio/io_context.hpp>
+#include <asio/ip/tcp.hpp>
+#include <asio/read.hpp>
+#include <asio/ssl/error.hpp>
+#include <asio/ssl/stream.hpp>
+#include <asio/write.hpp>
+#include <functional>
+#include <stdexcept>
+#include <vector>
+
+#include "protocol/control.hpp"
+#include "protocol/tls.hpp"
+
+namespace feltwire {
+namespace {
+
+using asio::ip::tcp;
+using Error = std::error_code;
+
+/// TLS with whoever it is: that something answers is asked here, not who.
+asio::ssl::context any_server() {
+  asio::ssl::context tls(asio::ssl::context::tls_client);
+  require_tls_13(*tls.native_handle());
+  return tls;
+}
+
+/// One question, one answer, though it be that nobody is told without a token; each step starts the
+/// next.
+struct Question {
+  asio::io_context io{1};
+  asio::ssl::context tls = any_server();
+  asio::ssl::stream<tcp::socket> stream{io, tls};
+  std::vector<std::uint8_t> frame = control::encode(control::ListScenes{});
+  std::array<std::uint8_t, control::kFrameLengthSize> length{};
+  std::vector<std::uint8_t> body;
+  Error failed;
+  bool answered = false;
+
+  /// Runs `next` unless the step before it failed.
+  template <class Next>
+  auto then(Next next) {
+    return [this, next](const Error& error, std::size_t = 0) {
+      failed = error;
+      // A server that wants a certificate of its clients says so, and so is there.
+      answered = error.category() == asio::error::get_ssl_category() &&
+                 ERR_GET_REASON(static_cast<unsigned long>(error.value())) ==
+                     SSL_R_TLSV13_ALERT_CERTIFICATE_REQUIRED;
+      if (!error) next();
+    };
+  }
+  void ask(const tcp::endpoint& server) {
+    stream.lowest_layer().async_connect(server, then([this] {
+                                          stream.async_handshake(
+                                              asio::ssl::stream_base::client, then([this] {
+                                                asio::async_write(stream, asio::buffer(frame),
+                                                                  then([this] { read(); }));
+                                              }));
+                                        }));
+  }
+  void read() {
+    asio::async_read(stream, asio::buffer(length), then([this] {
+                       const std::uint32_t size = control::frame_length(length);
+                       if (size == 0 || size > control::kMaxFrame) return;
+                       body.resize(size);
+                       asio::async_read(stream, asio::buffer(body), then([this] {
+                                          answered = control::decode(body).has_value();
+                                        }));
+                     }));
+  }
+};
+
+/// Who listens on every network is asked on the loopback of its family.
+asio::ip::address reachable(const std::string& address) {
+  const asio::ip::address listening = asio::ip::make_address(address);
+  if (!listening.is_unspecified()) return listening;
+  if (listening.is_v6()) return asio::ip::address_v6::loopback();
+  return asio::ip::address_v4::loopback();
+}
+
+}  // namespace
+
+void check_health(const std::string& address, int port, std::chrono::milliseconds timeout) {
+  const tcp::endpoint server(reachable(address), static_cast<std::uint16_t>(port));
+  Question question;
+  question.ask(server);
+  question.io.run_for(timeout);
+  if (question.answered) return;
+  throw std::runtime_error(
+      "no feltwire server answers at " + address + " port " + std::to_string(port) + ": " +
+      (question.failed ? question.failed.message() : "no answer within the time allowed"));
+}
+
+}  // namespace feltwire

@@ -1,0 +1,154 @@
+#include "server/options.hpp"
+
+#include <CLI/CLI.hpp>
+#include <cstdlib>
+#include <functional>
+#include <stdexcept>
+#include <vector>
+
+#include "protocol/environment.hpp"
+#include "protocol/profiles.hpp"
+
+namespace feltwire {
+namespace {
+
+constexpr const char* kExamples = R"(
+Examples:
+  feltwire-server --scene scenes/wall.json
+      one scene for clients on this machine: control on tcp 7400, the scene on udp 7401
+  feltwire-server --scene a.json --scene b.json --address :: --port 9000
+      two scenes for every network this machine is in; open tcp 9000 and udp 9001 and 9002
+  feltwire-server token add --client anna --scene wall --role operator --expires 30d
+      a token for somebody else, see feltwire-server token --help
+  feltwire-server --config server.json --log-level debug
+      everything from a file, one option from here
+
+Once every port is open three lines say so: whom clients trust, where they find it, how one joins:
+  fingerprint: 3f0e...
+  listening: control tcp 7400, scene wall udp 7401
+  join: feltwire-client --connect 127.0.0.1:7400 --scene wall --fingerprint 3f0e... --token-file ...
+End it with Ctrl-C or SIGTERM: clients are told, and a summary is printed.
+Every option may come from the environment, --log-level from FELTWIRE_LOG_LEVEL.)";
+
+/// An option that, given on the command line, stands over the file.
+using Overrides = std::vector<std::function<void(ServerConfig&)>>;
+
+/// Adds an option for a field of the configuration.
+template <class Field>
+CLI::Option* add(CLI::App& app, Overrides& overrides, ServerConfig& given,
+                 Field ServerConfig::*field, const std::string& name, const std::string& help) {
+  CLI::Option* option = app.add_option(name, given.*field, help);
+  overrides.push_back([option, field, &given](ServerConfig& config) {
+    if (!option->empty()) config.*field = given.*field;
+  });
+  return option;
+}
+
+void add_serving(CLI::App& app, Overrides& overrides, ServerConfig& given) {
+  using Config = ServerConfig;
+  add(app, overrides, given, &Config::scenes, "--scene", "Scene file (JSON); repeat for several")
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  add(app, overrides, given, &Config::port, "--port",
+      "Control port (tcp); the scenes have the udp ports after it; 0: a free place for all")
+      ->capture_default_str();
+  add(app, overrides, given, &Config::address, "--address",
+      "IP address to listen on; every network: '::', with IPv4 alone: 0.0.0.0")
+      ->capture_default_str();
+  add(app, overrides, given, &Config::silence_timeout, "--silence-timeout",
+      "[s] a session that sends nothing for so long ends")
+      ->capture_default_str();
+  add(app, overrides, given, &Config::profile, "--profile",
+      "Of the line that the sessions share, " + network_profile_names() +
+          ": a client that asks for more datagrams gets the profile's");
+  add(app, overrides, given, &Config::busy_poll, "--busy-poll",
+      "[us] a scene's thread asks for datagrams busily before it sleeps: faster answers for CPU "
+      "time; inf: it never sleeps and takes a core")
+      ->capture_default_str();
+  add(app, overrides, given, &Config::dscp, "--dscp",
+      "Mark of the replies for the network: cs0 to cs7, af11 to af43, ef, va or 0 to 63")
+      ->capture_default_str();
+  add(app, overrides, given, &Config::log_level, "--log-level",
+      "trace, debug, info, warning, error or off")
+      ->capture_default_str();
+}
+
+void add_security(CLI::App& app, Overrides& overrides, ServerConfig& given) {
+  using Config = ServerConfig;
+  const auto group = "Who gets in (SECURITY.md)";
+  add(app, overrides, given, &Config::state, "--state",
+      "Folder of certificate, key and tokens, which are made where they are missing; "
+      "$XDG_STATE_HOME/feltwire or ~/.local/state/feltwire when not given")
+      ->group(group);
+  add(app, overrides, given, &Config::certificate, "--certificate",
+      "FILE (PEM) instead of the state folder's")
+      ->group(group);
+  add(app, overrides, given, &Config::key, "--key", "FILE (PEM) of the certificate's key")
+      ->group(group);
+  add(app, overrides, given, &Config::client_ca, "--client-ca",
+      "FILE (PEM): clients need a certificate of these authorities, too")
+      ->group(group);
+  add(app, overrides, given, &Config::tokens, "--tokens",
+      "FILE of the tokens instead of the state folder's")
+      ->group(group);
+  add(app, overrides, given, &Config::max_sessions_per_client, "--max-sessions-per-client",
+      "Of all tokens with one client's name")
+      ->capture_default_str()
+      ->group(group);
+  add(app, overrides, given, &Config::join_rate, "--join-rate",
+      "[1/s] joins and wrong tokens of one address, for ever")
+      ->capture_default_str()
+      ->group(group);
+  add(app, overrides, given, &Config::join_burst, "--join-burst", "And at once")
+      ->capture_default_str()
+      ->group(group);
+  add(app, overrides, given, &Config::handshake_timeout, "--handshake-timeout",
+      "[s] from connecting to a good token")
+      ->capture_default_str()
+      ->group(group);
+  add(app, overrides, given, &Config::idle_timeout, "--idle-timeout",
+      "[s] a control connection that asks nothing ends")
+      ->capture_default_str()
+      ->group(group);
+  add(app, overrides, given, &Config::max_connections, "--max-connections", "Control connections")
+      ->capture_default_str()
+      ->group(group);
+  add(app, overrides, given, &Config::max_connections_per_address, "--max-connections-per-address",
+      "Of these, from one address")
+      ->capture_default_str()
+      ->group(group);
+}
+
+}  // namespace
+
+ServerTask server_task(int argc, char** argv) {
+  CLI::App app("A networked haptic rendering server: hands come in over UDP, forces go back.",
+               "feltwire-server");
+  app.footer(kExamples);
+  ServerTask asked;
+  std::string file;
+  app.add_option("--config", file, "Configuration file (JSON); options given here win over it");
+  Overrides overrides;
+  add_serving(app, overrides, asked.config);
+  add_security(app, overrides, asked.config);
+  app.add_option("--summary", asked.summary,
+                 "FILE.json that gets the counters at the end, and whenever SIGUSR1 comes");
+  app.add_option("--explain", asked.explain,
+                 "Print what this scene file needs, and which objects need it, and end");
+  app.add_flag("--health", asked.health,
+               "Ask the server that runs with these options here; exit status 0 when it answers");
+  read_environment(app);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    if (error.get_exit_code() == 0) std::exit(app.exit(error));  // --help
+    throw std::invalid_argument(std::string(error.what()) + " (see --help)");
+  }
+  if (file.empty()) return asked;
+  ServerConfig config = load_config(file);
+  for (const auto& take : overrides) take(config);
+  asked.config = config;
+  return asked;
+}
+
+}  // namespace feltwire

@@ -1,0 +1,58 @@
+"""An uninvited client, and a flood of garbage from a container: the round trip of the others stays what it was."""
+
+import shutil
+import statistics
+
+import composition
+from judge import expect_honest, expect_undisturbed, report
+
+# The same hands with the flood and without, in turns: what else the machine is about meets both alike.
+ROUNDS, SECONDS = 3, 3.0
+RATE = 20000  # [1/s] datagrams of garbage, at most
+HANDS = ["one", "two", "three"]
+
+
+def run(compose, judge):
+    compose.server()
+    # It has an address to talk to, and no business in any scene that there is.
+    compose.client("uninvited", scene="vault", duration=1, options=["--reconnect", "1"])
+    shutil.copy(composition.ROOT / "tests/docker/flood.pl", compose.out)
+    compose.service("flood", ["perl", "/out/flood.pl", "server", "7400", "7401", "7401", str(RATE)], ["line"])
+    rounds = {(when, i): [f"{when}-{i}-{hand}" for hand in HANDS] for i in range(ROUNDS) for when in ("quiet", "flooded")}
+    for names in rounds.values():
+        for seed, name in enumerate(names, 1):
+            compose.client(name, duration=SECONDS, options=["--path", "slide", "--radius", "0.02", "--seed", str(seed)])
+    compose.up("server")
+    compose.up("flood")
+    compose.act("pause", "flood")
+    before = compose.counters()["room"]
+    for (when, i), names in rounds.items():
+        compose.act("unpause", "flood") if when == "flooded" else None
+        compose.up(*names)
+        judge.expect(f"exit codes, {when} {i}", compose.wait(*names), equal=[0] * len(names))
+        if when == "flooded" and i == 0:
+            compose.up("uninvited")
+            judge.expect("exit code of the uninvited", compose.wait("uninvited"), equal=[1])
+        compose.act("pause", "flood") if when == "flooded" else None
+    compose.act("unpause", "flood")
+    judge.expect("flood: exit code", compose.stop("flood")["flood"][0], equal=0)
+    after = compose.counters()["room"]
+
+    p99 = {"quiet": [], "flooded": []}  # [us] of the middle hand, round by round
+    for (when, _), names in rounds.items():
+        reports = {name: report(compose.out / f"{name}.json") for name in names}
+        p99[when].append(statistics.median(told["round_trip_us"]["p99"] for told in reports.values()))
+        for name, told in reports.items():
+            expect_undisturbed(judge, name, told, rate=500.0)  # of how busy the machine is it says nothing
+    # The best round of each: what else a machine is about only adds, the flood is in every round of its own.
+    quiet, flooded = min(p99["quiet"]), min(p99["flooded"])
+    judge.expect(f"p99 of the round trips [us], flooded; {quiet:.0f} quiet", round(flooded), at_most=round(1.5 * quiet))
+
+    expect_honest(judge, after)
+    judge.expect("sessions that there were", after["sessions_served"], equal=len(rounds) * len(HANDS))
+    dropped = {reason: after["dropped"][reason] - before["dropped"][reason] for reason in after["dropped"]}
+    judge.expect("garbage dropped", sum(dropped.values()), at_least=0.5 * RATE * SECONDS * ROUNDS)
+    for reason in ("size", "magic", "version", "kind", "reserved", "session"):
+        judge.expect(f"garbage dropped for its {reason}", dropped[reason], at_least=100)
+    judge.expect("garbage that came further", sum(dropped[reason] for reason in ("malformed", "count", "order", "not_finite")), equal=0)
+    judge.expect("samples missed", after["missed"], equal=0)

@@ -1,0 +1,167 @@
+// What operates a server asks of it: counters while it runs, health, options from the environment.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <cstdlib>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "server/health.hpp"
+#include "server/server.hpp"
+#include "server/summary.hpp"
+#include "tests/server/make.hpp"
+#include "tests/server/raw_socket.hpp"
+#include "tests/support/program.hpp"
+
+namespace feltwire {
+namespace {
+
+using Json = nlohmann::json;
+using testing::HasSubstr;
+using testing::StartsWith;
+
+constexpr std::chrono::milliseconds kWait{test::kPatience};
+
+Server room_server() {
+  ServerConfig config;
+  config.port = 0;
+  std::vector<Scene> scenes;
+  scenes.push_back(test::room());
+  return {config, std::move(scenes), test::security()};
+}
+
+/// Asks until it is so, or for long enough to say that it never will be.
+template <class Condition>
+bool becomes(Condition condition) {
+  const auto end = std::chrono::steady_clock::now() + kWait;
+  while (!condition()) {
+    if (std::chrono::steady_clock::now() > end) return false;
+    std::this_thread::yield();
+  }
+  return true;
+}
+
+std::string path(const std::string& name) {
+  return testing::TempDir() + "feltwire_" + std::to_string(::getpid()) + name;
+}
+
+std::string content(const std::string& file) {
+  std::ifstream in(file);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+/// A variable for as long as this lives.
+class Variable {
+ public:
+  Variable(const char* name, const std::string& value) : name_(name) {
+    ::setenv(name, value.c_str(), 1);
+  }
+  ~Variable() { ::unsetenv(name_); }
+  Variable(const Variable&) = delete;
+  Variable& operator=(const Variable&) = delete;
+
+ private:
+  const char* name_;
+};
+
+TEST(Operation, CountsWhileItRuns) {
+  Server server = room_server();
+  test::RawSocket stranger(SOCK_DGRAM, server.scenes().front().udp_port);
+  stranger.send(std::vector<std::uint8_t>{1, 2, 3});
+  EXPECT_TRUE(becomes([&] { return server.summary().front().counters.datagrams == 1; }));
+  const Json scene = Json::parse(summary_json(server.summary())).at("scenes").at(0);
+  EXPECT_EQ(scene.at("scene"), server.scenes().front().scene);
+  EXPECT_EQ(scene.at("datagrams"), 1);
+  EXPECT_EQ(scene.at("dropped").at("size"), 1);
+  EXPECT_EQ(scene.at("dropped").at("magic"), 0);
+  EXPECT_EQ(scene.at("sessions"), 0);
+  server.stop();
+  EXPECT_EQ(Json::parse(summary_json(server.summary())).at("scenes").at(0), scene);
+}
+
+TEST(Operation, ASummaryReplacesTheOneBefore) {
+  const std::string file = path("summary.json");
+  std::ofstream(file) << "old";
+  write_summary(file, {});
+  EXPECT_EQ(Json::parse(content(file)), Json({{"scenes", Json::array()}}));
+  EXPECT_EQ(::access((file + ".part").c_str(), F_OK), -1);
+  EXPECT_THAT([] { write_summary("/nonexistent/summary.json", {}); },
+              testing::ThrowsMessage<std::runtime_error>(HasSubstr("/nonexistent/summary.json")));
+}
+
+TEST(Operation, HealthIsAnAnswerInTime) {
+  Server server = room_server();
+  const int port = server.control_port();
+  EXPECT_NO_THROW(check_health("127.0.0.1", port, kWait));
+  EXPECT_NO_THROW(check_health("0.0.0.0", port, kWait));  // every network: asked on this machine
+  server.stop();
+  EXPECT_THAT([&] { check_health("127.0.0.1", port, kWait); },
+              testing::ThrowsMessage<std::runtime_error>(HasSubstr("refused")));
+}
+
+TEST(Operation, WhoListensAndSaysNothingIsNotWell) {
+  const int silent = ::socket(AF_INET, SOCK_STREAM, 0);
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  socklen_t size = sizeof address;
+  ASSERT_EQ(::bind(silent, reinterpret_cast<sockaddr*>(&address), size), 0);
+  ASSERT_EQ(::listen(silent, 1), 0);
+  ASSERT_EQ(::getsockname(silent, reinterpret_cast<sockaddr*>(&address), &size), 0);
+  constexpr std::chrono::milliseconds kShort{20};
+  EXPECT_THAT([&] { check_health("127.0.0.1", ntohs(address.sin_port), kShort); },
+              testing::ThrowsMessage<std::runtime_error>(HasSubstr("no answer")));
+  ::close(silent);
+}
+
+TEST(Operation, TheProgramTakesItsOptionsFromTheEnvironmentAndCountsOnASignal) {
+  const std::string scene = path("scene.json"), summary = path("counters.json");
+  std::ofstream(scene) << R"({"name": "wall", "materials": [{"name": "wood", "stiffness": 1000}],
+    "objects": [{"name": "floor", "plane": {}, "material": "wood"}]})";
+  const Variable from_scene("FELTWIRE_SCENE", scene), port("FELTWIRE_PORT", "99999"),
+      file("FELTWIRE_SUMMARY", summary);
+  const Variable state("FELTWIRE_STATE", path("state"));
+  test::Program program(FELTWIRE_SERVER_PROGRAM, {"--port", "0"});  // the command line wins
+  EXPECT_THAT(program.line(), StartsWith("fingerprint: "));
+  EXPECT_THAT(program.line(), StartsWith("listening: control tcp "));
+  EXPECT_THAT(content(summary), HasSubstr("wall"));
+  ASSERT_EQ(::unlink(summary.c_str()), 0);
+  program.signal(SIGUSR1);
+  EXPECT_TRUE(becomes([&] { return !content(summary).empty(); }));
+  ASSERT_EQ(::unlink(summary.c_str()), 0);
+  program.signal(SIGTERM);
+  EXPECT_EQ(program.finish().status, 0);
+  EXPECT_EQ(Json::parse(content(summary)).at("scenes").at(0).at("scene"), "wall");
+}
+
+TEST(Operation, TheProgramSaysWhetherItIsWell) {
+  Server server = room_server();
+  const std::string port = std::to_string(server.control_port());
+  EXPECT_EQ(test::Program(FELTWIRE_SERVER_PROGRAM, {"--health", "--port", port}).finish().status,
+            0);
+  server.stop();
+  const test::Outcome ill =
+      test::Program(FELTWIRE_SERVER_PROGRAM, {"--health", "--port", port}).finish();
+  EXPECT_EQ(ill.status, 1);
+  EXPECT_THAT(ill.error, HasSubstr("no feltwire server answers"));
+}
+
+TEST(Operation, ACounterFileThatCannotBeIsSaidAtOnce) {
+  const std::string scene = path("scene.json");
+  std::ofstream(scene) << R"({"name": "wall", "materials": [{"name": "wood", "stiffness": 1000}],
+    "objects": [{"name": "floor", "plane": {}, "material": "wood"}]})";
+  const test::Outcome outcome =
+      test::Program(FELTWIRE_SERVER_PROGRAM,
+                    {"--scene", scene, "--port", "0", "--summary", "/nonexistent/counters.json"})
+          .finish();
+  EXPECT_EQ(outcome.status, 1);
+  EXPECT_EQ(outcome.out, "");
+  EXPECT_THAT(outcome.error, HasSubstr("/nonexistent/counters.json"));
+}
+
+}  // namespace
+}  // namespace feltwire
