@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "core/geometry/mesh_surface.hpp"
 #include "core/numeric.hpp"
 #include "core/scene/rules.hpp"
 
@@ -61,6 +62,17 @@ struct ShapeRules {
   Found operator()(const Cylinder& c) const {
     return first({positive("radius", c.radius, kMaxLength, " [m]"),
                   positive("length", 2.0 * c.half_length, kMaxLength, " [m]")});
+  }
+  Found operator()(const Mesh& m) const {
+    if (!m.surface) return Broken{"mesh", "has no surface; load one"};
+    const TriangleMesh& mesh = m.surface->mesh();
+    const double size = 2.0 * mesh.half_extents().maxCoeff();
+    if (!(size <= kMaxLength && mesh.origin().cwiseAbs().maxCoeff() <= kMaxLength))
+      return Broken{"scale", "makes a surface of " + number_text(size) + " m at " +
+                                 number_text(mesh.origin().cwiseAbs().maxCoeff()) +
+                                 " m from the origin; check the unit"};
+    return first({positive("scale: the size of the surface", size, kMaxLength, " [m]"),
+                  not_negative("radius", m.surface->options().radius, kMaxLength, " [m]")});
   }
 };
 
