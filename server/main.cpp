@@ -7,6 +7,7 @@
 #include <csignal>
 #include <cstdio>
 
+#include "core/scene/needs.hpp"
 #include "protocol/profiles.hpp"
 #include "server/server.hpp"
 
@@ -39,7 +40,7 @@ feltwire::ServerConfig configuration(int argc, char** argv) {
                "feltwire-server");
   app.footer(kExamples);
   feltwire::ServerConfig given;
-  std::string file;
+  std::string file, explained;
   app.add_option("--config", file, "Configuration file (JSON); options given here win over it");
   const auto* scenes =
       app.add_option("--scene", given.scenes, "Scene file (JSON); repeat for several")
@@ -72,11 +73,17 @@ feltwire::ServerConfig configuration(int argc, char** argv) {
   const auto* level =
       app.add_option("--log-level", given.log_level, "trace, debug, info, warning, error or off")
           ->capture_default_str();
+  app.add_option("--explain", explained,
+                 "Print what this scene file needs, and which objects need it, and end");
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) std::exit(app.exit(error));  // --help
     std::exit(fail(kBadUsage, (std::string(error.what()) + " (see --help)").c_str()));
+  }
+  if (!explained.empty()) {
+    std::fputs(explain(feltwire::load_scene(explained)).c_str(), stdout);
+    std::exit(0);
   }
   if (file.empty()) return given;
 

@@ -19,7 +19,11 @@ namespace {
 std::vector<Scene> load_scenes(const ServerConfig& config) {
   validate(config);
   std::vector<Scene> scenes;
-  for (const auto& file : config.scenes) scenes.push_back(load_scene(file));
+  for (const auto& file : config.scenes) {
+    scenes.push_back(load_scene(file));
+    for (const std::string& warning : scenes.back().warnings())
+      spdlog::warn("{}: {}", file.string(), warning);
+  }
   return scenes;
 }
 

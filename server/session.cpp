@@ -23,11 +23,18 @@ PortEnergy observer(const BoundingConfig& bound) {
 
 /// Whether a bound may go on with its memory under the other parameters: they differ in nothing
 /// that it was made from.
-bool same_bound(const SessionParameters& a, SessionParameters b) {
-  b.redundancy = a.redundancy;
-  b.velocity_cutoff = a.velocity_cutoff;
-  b.hold_time = a.hold_time;
-  b.local_model = a.local_model;
+bool same_bound(SessionParameters a, const SessionParameters& b) {
+  a.velocity_cutoff = b.velocity_cutoff;
+  a.hold_time = b.hold_time;
+  // What travels, and how often.
+  a.redundancy = b.redundancy;
+  a.packet_interval = b.packet_interval;
+  a.batch = b.batch;
+  a.position_deadband = b.position_deadband;
+  a.force_deadband = b.force_deadband;
+  a.predictor = b.predictor;
+  a.keep_alive = b.keep_alive;
+  a.local_model = b.local_model;
   return a == b;
 }
 

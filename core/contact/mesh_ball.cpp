@@ -39,7 +39,7 @@ class Ball {
     double reach = kFirstReach * radius_;
     for (int step = 0; step < kMostSteps; ++step) {
       const double left = length(Vec3(goal_ - stand_.point));
-      if (!(left > 0.0) || is_open()) return arrive();
+      if (!(left > 0.0) || (step == 0 && stand_.side == 0 && is_open())) return arrive();
       reach = std::min(reach, kMostReach * radius_);
       while (!gather(reach))
         if ((reach *= 0.5) < kLeastReach * radius_) return;  // too crowded to move on

@@ -1,6 +1,8 @@
 #include "core/contact/mesh_contact.hpp"
 
+#include <array>
 #include <cmath>
+#include <numbers>
 
 #include "core/numeric.hpp"
 
@@ -53,6 +55,43 @@ Vec3 smooth_normal(const MeshSurface& surface, const Stand& stand) {
   return stand.side * direction(sum);
 }
 
+constexpr std::size_t kWaves = 8;
+
+/// Directions spread evenly over a half ball (a Fibonacci lattice), phases likewise: no grain of
+/// the sum repeats.
+Vec3 wave_direction(std::size_t i) {
+  constexpr double kGoldenAngle = 2.399963229728653;  // [rad]
+  const double z = (static_cast<double>(i) + 0.5) / kWaves, r = std::sqrt(1.0 - z * z);
+  const double turn = kGoldenAngle * static_cast<double>(i);
+  return {r * std::cos(turn), r * std::sin(turn), z};
+}
+const std::array<Vec3, kWaves> kWaveDirections = [] {
+  std::array<Vec3, kWaves> all;
+  for (std::size_t i = 0; i < kWaves; ++i) all[i] = wave_direction(i);
+  return all;
+}();
+
+/// The surface lower by h, between 0 and 2 amplitudes: the spring's energy is 1/2 k (depth - h)^2,
+/// so its force has a part along the slope too (Minsky's lateral force), and no way round takes or
+/// gives energy.
+SurfacePoint grained(const Grain& grain, SurfacePoint surface) {
+  const double k = 2.0 * std::numbers::pi / grain.wavelength;  // [1/m]
+  double height = -grain.amplitude;
+  Vec3 slope = Vec3::Zero();
+  for (std::size_t i = 0; i < kWaves; ++i) {
+    constexpr double kPhase = 1.9;  // [rad] between waves
+    const double at = k * kWaveDirections[i].dot(surface.point) + kPhase * static_cast<double>(i);
+    height += grain.amplitude / kWaves * std::sin(at);
+    slope += grain.amplitude / kWaves * k * std::cos(at) * kWaveDirections[i];
+  }
+  slope -= along(slope, surface.normal);
+  const double depth = surface.depth + height;
+  if (!(depth > 0.0)) return {};
+  const Vec3 push = surface.normal - slope;
+  const double stretched = length(push);
+  return {surface.point, push / stretched, depth * stretched};
+}
+
 }  // namespace
 
 void approach_from(const MeshSurface& surface, const Vec3& position,
@@ -94,8 +133,15 @@ SurfacePoint mesh_surface_point(const MeshSurface& surface, Side felt_from, cons
     const Vec3 shaded = smooth_normal(surface, stand);
     if (!shaded.isZero(0.0)) normal = shaded;
   }
-  memory.normal = normal;
-  return {surface.mesh().origin() + stand.point, normal, depth};
+  const SurfacePoint smooth{surface.mesh().origin() + stand.point, normal, depth};
+  const Grain& grain = surface.options().grain;
+  const SurfacePoint found = grain.amplitude > 0.0 ? grained(grain, smooth) : smooth;
+  if (!(found.depth > 0.0)) {
+    memory.feature = 0;
+    return {};
+  }
+  memory.normal = found.normal;
+  return found;
 }
 
 }  // namespace feltwire

@@ -10,10 +10,17 @@
 
 namespace feltwire {
 
+/// Roughness: the surface is waves of this length, cut into it, in directions all ways.
+struct Grain {
+  double amplitude = 0.0;   // [m] about the mean; 0: smooth
+  double wavelength = 1.0;  // [m]
+};
+
 struct MeshOptions {
   bool double_sided = false;  // felt from both sides, whatever the normals say
   bool smooth = false;        // the force's direction from normals interpolated between corners
   double radius = 0.0;        // [m] of the ball that touches; 0: a point
+  Grain grain = {};
 };
 
 /// The point of a triangle that is nearest to p, and its weights on the corners.

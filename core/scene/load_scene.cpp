@@ -1,5 +1,7 @@
 #include <utility>
 
+#include "core/guidance/load_guides.hpp"
+#include "core/scene/load_mesh.hpp"
 #include "core/scene/rules.hpp"
 #include "core/scene/scene.hpp"
 #include "core/scene/scene_generated.h"
@@ -69,8 +71,8 @@ const Material& find_material(const JsonDocument& document, const std::string& p
 }
 
 Shape read_shape(const JsonDocument& document, const std::string& path,
-                 const scene_file::Object& object) {
-  constexpr const char* kChoices = "plane, sphere, box, capsule, cylinder";
+                 const scene_file::Object& object, MeshLoader& meshes) {
+  constexpr const char* kChoices = "plane, sphere, box, capsule, cylinder, mesh";
   Shape shape;
   std::string kind;
   const auto take = [&](const char* name, const Shape& given) {
@@ -88,6 +90,7 @@ Shape read_shape(const JsonDocument& document, const std::string& path,
   }
   if (const auto* c = object.capsule()) take("capsule", Capsule{c->radius(), 0.5 * c->length()});
   if (const auto* c = object.cylinder()) take("cylinder", Cylinder{c->radius(), 0.5 * c->length()});
+  if (object.mesh()) take("mesh", meshes.load(path + ".mesh", *object.mesh()));
   if (kind.empty())
     document.fail(path, std::string("has no shape; give exactly one of ") + kChoices);
   require(document, path + "." + kind, broken_rule(shape));
@@ -126,20 +129,26 @@ Scene parse_scene(std::string_view json, const std::string& file) {
   require(document, "", broken_name(scene.name()->str()));
   const std::vector<NamedMaterial> materials = read_materials(document, scene);
 
+  MeshLoader meshes(document, std::filesystem::path(file).parent_path());
   std::vector<Object> objects;
   for (const scene_file::Object* o : *scene.objects()) {
     const std::string path = element("objects", objects.size());
     require_new_name(document, "objects", objects, o->name()->str());
     Object object;
     object.name = o->name()->str();
-    object.shape = read_shape(document, path, *o);
+    object.shape = read_shape(document, path, *o, meshes);
     object.felt_from = side(o->felt_from());
     object.pose = read_pose(document, path, *o);
     object.material = find_material(document, path, materials, o->material()->str());
     objects.push_back(std::move(object));
   }
-  if (objects.empty()) document.fail("objects", "there is none to touch; add at least one");
-  return Scene(scene.name()->str(), std::move(objects), read_start(document, scene));
+  std::vector<Guide> guides = read_guides(document, scene);
+  if (objects.empty() && guides.empty())
+    document.fail("objects", "there is none to touch, and no guide; add at least one");
+  Scene read(scene.name()->str(), std::move(objects), read_start(document, scene),
+             std::move(guides));
+  read.warn(meshes.warnings());
+  return read;
 }
 
 Scene load_scene(const std::filesystem::path& file) {

@@ -20,6 +20,7 @@ struct Near {
 /// The nearest parts so far, in order; those of equal distance in the order they came.
 class Nearest {
  public:
+  explicit Nearest(double reach) : reach_(reach) {}
   /// Puts a part in its place; what no longer fits, or cannot be shown, ends the reach.
   void offer(const Near& part, bool shown) noexcept {
     if (part.distance >= reach_) return;
@@ -49,7 +50,7 @@ class Nearest {
   static std::size_t at(int i) { return static_cast<std::size_t>(i); }
   std::array<Near, kMaxPatches> parts_{};
   int count_ = 0;
-  double reach_ = kModelReach;  // [m]
+  double reach_;  // [m]
 };
 
 SurfaceParts parts_near(const Object& object, const Vec3& position, std::uint8_t entered) {
@@ -81,7 +82,10 @@ LocalModel local_model(const Scene& scene, const Vec3& position,
     return model;
   model.center = position;
 
-  Nearest nearest;
+  double reach = kModelReach;
+  for (const Guide& guide : scene.guides())  // a model has no word for them
+    reach = std::min(reach, begins(guide, position));
+  Nearest nearest(reach);
   for (std::size_t i = 0; i < objects.size(); ++i) {
     const SurfaceParts parts = parts_near(objects[i], position, memory[i].feature.feature);
     for (const SurfacePart& part : parts.view())

@@ -1,6 +1,7 @@
 #pragma once
 // What a scene may hold: one set of rules for scenes from files and scenes from code.
 
+#include <initializer_list>
 #include <optional>
 #include <string>
 
@@ -13,6 +14,8 @@ struct Broken {
   std::string field;
   std::string message;
 };
+
+using Found = std::optional<Broken>;
 
 inline constexpr double kMaxLength = 1e6;     // [m] sizes and coordinates
 inline constexpr double kMaxStiffness = 1e9;  // [N/m]
@@ -29,6 +32,14 @@ std::optional<Broken> broken_rule(const Pose& pose);
 std::optional<Broken> broken_rule(const Start& start);
 /// Names of scenes, objects, materials.
 std::optional<Broken> broken_name(const std::string& name);
+
+/// A guide's, fields relative to it ("attract.stiffness").
+std::optional<Broken> broken_rule(const Guide& guide);
+
+/// 0 < value <= most; 0 <= value <= most. `unit` with the blank and brackets before and round it.
+Found positive(const char* field, double value, double most, const char* unit);
+Found not_negative(const char* field, double value, double most, const char* unit);
+Found first(std::initializer_list<Found> found);
 
 /// A number as people write it: the shortest text that reads back as the same double.
 std::string number_text(double value);

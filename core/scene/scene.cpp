@@ -7,14 +7,13 @@
 #include <stdexcept>
 #include <utility>
 
+#include "core/contact/mesh_contact.hpp"
 #include "core/geometry/mesh_surface.hpp"
 #include "core/numeric.hpp"
 #include "core/scene/rules.hpp"
 
 namespace feltwire {
 namespace {
-
-using Found = std::optional<Broken>;
 
 /// `least` in words, with the unit in its brackets.
 Found out_of_range(const char* field, double value, const std::string& least, double most,
@@ -27,13 +26,13 @@ Found out_of_range(const char* field, double value, const std::string& least, do
       field, "must be " + least + unit + ", is " + number_text(value) + "; give a larger number"};
 }
 
-/// 0 < value <= most
+}  // namespace
+
 Found positive(const char* field, double value, double most, const char* unit) {
   if (value > 0.0 && value <= most) return std::nullopt;
   return out_of_range(field, value, "above zero", most, unit);
 }
 
-/// 0 <= value <= most
 Found not_negative(const char* field, double value, double most, const char* unit) {
   if (value >= 0.0 && value <= most) return std::nullopt;
   return out_of_range(field, value, "at least zero", most, unit);
@@ -44,6 +43,8 @@ Found first(std::initializer_list<Found> found) {
     if (f) return f;
   return std::nullopt;
 }
+
+namespace {
 
 struct ShapeRules {
   Found operator()(const Plane&) const { return std::nullopt; }
@@ -87,16 +88,27 @@ Found coordinates(const Vec3& position) {
                 coordinate("position.z", position.z())});
 }
 
+void make_unit(Quaternion& orientation) {
+  auto& coefficients = orientation.coeffs();
+  coefficients /= coefficients.cwiseAbs().maxCoeff();  // no square over- or underflows after this
+  coefficients.normalize();
+}
+
 [[noreturn]] void refuse(const std::string& whose, const Broken& broken) {
   throw std::invalid_argument(whose + ": " + broken.field + ": " + broken.message);
 }
 
-Requirements required_by(const std::vector<Object>& objects) {
+Requirements required_by(const std::vector<Object>& objects, const std::vector<Guide>& guides) {
   Requirements r;
   for (const Object& o : objects) {
     r.friction |= o.material.static_friction > 0.0;
     r.velocity |= o.material.damping > 0.0 || o.material.viscous_friction > 0.0;
     r.stiffness = std::max(r.stiffness, o.material.stiffness);
+  }
+  r.guides = !guides.empty();
+  for (const Guide& guide : guides) {
+    r.velocity |= needs_velocity(guide);
+    r.stiffness = std::max(r.stiffness, stiffness(guide));
   }
   return r;
 }
@@ -150,12 +162,17 @@ Found broken_name(const std::string& name) {
                             std::to_string(name.size()) + "; choose a short name"};
 }
 
-Scene::Scene(std::string name, std::vector<Object> objects, const Start& start)
-    : name_(std::move(name)), objects_(std::move(objects)), start_(start) {
+Scene::Scene(std::string name, std::vector<Object> objects, const Start& start,
+             std::vector<Guide> guides)
+    : name_(std::move(name)),
+      objects_(std::move(objects)),
+      guides_(std::move(guides)),
+      start_(start) {
   if (auto broken = broken_name(name_)) refuse("scene", *broken);
   if (auto broken = broken_rule(start_)) refuse("start", *broken);
   start_.normal = direction(start_.normal);
-  if (objects_.empty()) refuse("scene", {"objects", "there is none to touch; add at least one"});
+  if (objects_.empty() && guides_.empty())
+    refuse("scene", {"objects", "there is none to touch, and no guide; add at least one"});
   std::set<std::string> names;
   for (Object& object : objects_) {
     const std::string whose = "object '" + object.name + "'";
@@ -165,11 +182,72 @@ Scene::Scene(std::string name, std::vector<Object> objects, const Start& start)
     if (auto broken = broken_rule(object.shape)) refuse(whose, *broken);
     if (auto broken = broken_rule(object.material)) refuse(whose, *broken);
     if (auto broken = broken_rule(object.pose)) refuse(whose, *broken);
-    auto& coefficients = object.pose.orientation.coeffs();
-    coefficients /= coefficients.cwiseAbs().maxCoeff();  // no square over- or underflows after this
-    coefficients.normalize();
+    make_unit(object.pose.orientation);
   }
-  requirements_ = required_by(objects_);
+  names.clear();
+  for (Guide& guide : guides_) {
+    const std::string whose = "guide '" + guide.name + "'";
+    if (auto broken = broken_name(guide.name)) refuse(whose, *broken);
+    if (!names.insert(guide.name).second)
+      refuse(whose, {"name", "stands twice in the scene; rename one"});
+    if (auto broken = broken_rule(guide)) refuse(whose, *broken);
+    make_unit(guide.pose.orientation);
+  }
+  broad_phase_ = BroadPhase(objects_);
+  requirements_ = required_by(objects_, guides_);
+}
+
+TouchMemory Scene::memory() const {
+  TouchMemory memory(objects_.size());
+  if (!broad_phase_.in_use()) return memory;
+  memory.live_.reserve(objects_.size());
+  memory.asked_.reserve(2 * objects_.size());
+  return memory;
+}
+
+/// Of the objects that the tool's way meets or that hold it; in the order of the objects, so that
+/// the sum has the same bits whatever the tree looks like.
+Command Scene::touch_near(const Tool& tool, TouchMemory& memory) const noexcept {
+  const Vec3 from = memory.tracked_ ? memory.position_ : tool.position;
+  std::vector<std::uint32_t>& asked = memory.asked_;
+  asked.assign(memory.live_.begin(), memory.live_.end());
+  const auto ask = [&](std::uint32_t i) {
+    if (asked.size() == asked.capacity()) [[unlikely]]
+      return;  // never: each comes twice at most
+    asked.push_back(i);
+  };
+  for (const std::uint32_t i : broad_phase_.everywhere()) ask(i);
+  const auto known = static_cast<std::ptrdiff_t>(memory.live_.size());
+  broad_phase_.along(from, tool.position, ask);
+  // Whose memory is not of the sample before is told where the tool comes from.
+  const auto is_live = [&](std::uint32_t i) {
+    return std::find(asked.begin(), asked.begin() + known, i) != asked.begin() + known;
+  };
+  for (std::size_t n = static_cast<std::size_t>(known); n < asked.size(); ++n) {
+    const Object& object = objects_[asked[n]];
+    const auto* mesh = std::get_if<Mesh>(&object.shape);
+    if (mesh == nullptr || !memory.tracked_ || is_live(asked[n])) continue;
+    approach_from(*mesh->surface,
+                  object.pose.orientation.conjugate() * (from - object.pose.position),
+                  memory[asked[n]].feature);
+  }
+  std::sort(asked.begin(), asked.end());
+  asked.erase(std::unique(asked.begin(), asked.end()), asked.end());
+
+  Command sum;
+  memory.live_.clear();
+  for (const std::uint32_t i : asked) {
+    const Command part = feltwire::touch(objects_[i], tool, memory[i]);
+    sum.elastic += part.elastic;
+    sum.frictional += part.frictional;
+    if (memory[i].touching || memory[i].feature.side != 0)
+      memory.live_.push_back(i);
+    else
+      memory[i] = {};
+  }
+  memory.tracked_ = true;
+  memory.position_ = tool.position;
+  return sum;
 }
 
 Command Scene::touch(const Tool& tool, TouchMemory& memory) const noexcept {
@@ -177,8 +255,17 @@ Command Scene::touch(const Tool& tool, TouchMemory& memory) const noexcept {
       [[unlikely]]
     return {};
   Command sum;
-  for (std::size_t i = 0; i < objects_.size(); ++i) {
-    const Command part = feltwire::touch(objects_[i], tool, memory[i]);
+  if (broad_phase_.in_use()) {
+    sum = touch_near(tool, memory);
+  } else {
+    for (std::size_t i = 0; i < objects_.size(); ++i) {
+      const Command part = feltwire::touch(objects_[i], tool, memory[i]);
+      sum.elastic += part.elastic;
+      sum.frictional += part.frictional;
+    }
+  }
+  for (const Guide& guide : guides_) {
+    const Command part = guide_force(guide, tool);
     sum.elastic += part.elastic;
     sum.frictional += part.frictional;
   }

@@ -6,7 +6,7 @@
 //   objects           one of that many meshes touched
 // Beside the mean: the time of single samples, p50 and p99.9, the clock's own reading included;
 // largest and mean error of the direction [deg], largest change of the force from sample to sample
-// [N], memory [MB].
+// [N], and what of it is beyond the force's turning from facet to facet; memory [MB].
 
 #include <benchmark/benchmark.h>
 
@@ -58,8 +58,9 @@ void glide(benchmark::State& state, int level, const MeshOptions& options) {
   ContactMemory memory;
   std::vector<double> times;
   times.reserve(1 << 22);
-  double worst = 0.0, sum = 0.0, jump = 0.0;
-  Vec3 last = Vec3::Zero();
+  const TriangleMesh& mesh = std::get<Mesh>(object.shape).surface->mesh();
+  double worst = 0.0, sum = 0.0, jump = 0.0, beyond = 0.0;
+  Vec3 last = Vec3::Zero(), before_facet = Vec3::Zero();
   touch(object, {(kRadius + 0.01) * Vec3::UnitX(), Vec3::Zero()}, memory);
   std::size_t n = 0;
   for (auto _ : state) {
@@ -71,10 +72,14 @@ void glide(benchmark::State& state, int level, const MeshOptions& options) {
     if (times.size() < times.capacity())
       times.push_back(std::chrono::duration<double, std::micro>(after - before).count());
     const double error = degrees_between(command.elastic, out);
+    const Vec3 facet = triangle_normal(mesh.corners(memory.feature.triangle));
     if (n > 2) {
       worst = std::max(worst, error);
-      jump = std::max(jump, (command.elastic - last).norm());
+      const double change = (command.elastic - last).norm();
+      jump = std::max(jump, change);
+      beyond = std::max(beyond, change - command.elastic.norm() * (facet - before_facet).norm());
     }
+    before_facet = facet;
     sum += error;
     last = command.elastic;
   }
@@ -84,6 +89,7 @@ void glide(benchmark::State& state, int level, const MeshOptions& options) {
   state.counters["mean_deg"] = sum / static_cast<double>(n);
   state.counters["worst_deg"] = worst;
   state.counters["jump_N"] = jump;
+  state.counters["beyond_N"] = beyond;
 }
 
 void build(benchmark::State& state, int level) {

@@ -292,8 +292,8 @@ TEST(MeshContact, FrictionKeepsItsConeOnEveryTessellation) {
 }
 
 // Round a closed way the elastic force gives nothing. From facet to facet the proxy only ever comes
-// nearer, so what a facet's edge takes is lost to the hand, and the finer the facets the less that
-// is: with the square of their angle, the sphere itself takes nothing.
+// nearer, so what a facet's edge takes is lost to the hand: with the square of its angle an edge,
+// and with their number, so with the angle all in all. The sphere itself takes nothing.
 TEST(MeshContact, AClosedWayNeverGivesAndTakesLessTheFinerTheFacets) {
   double coarser = 0.0;
   for (const int level : {3, 4, 5}) {
@@ -316,8 +316,8 @@ TEST(MeshContact, AClosedWayNeverGivesAndTakesLessTheFinerTheFacets) {
       force = now;
     }
     EXPECT_LT(work, 1e-4 * moved) << level;
-    EXPECT_GT(work, -0.3 * std::pow(0.27, level - 2) * moved) << level;
-    EXPECT_TRUE(level == 3 || work > 0.5 * coarser) << level;
+    EXPECT_GT(work, -0.08 * std::pow(0.5, level - 3) * moved) << level;
+    EXPECT_TRUE(level == 3 || work > 0.75 * coarser) << level;
     coarser = work;
     RecordProperty("work_" + std::to_string(level), std::to_string(work / moved));
   }
@@ -398,7 +398,7 @@ TEST(MeshContact, ABallOnASphereOfFacets) {
     const Command c = touch(ball, {(kRadius + kTool - depth) * out, Vec3::Zero()}, memory);
     if (depth < kDepth) continue;
     ASSERT_NEAR(c.elastic.norm(), 10.0, 0.2) << n;
-    ASSERT_LT(test::angle(c.elastic, out), 0.02) << n;
+    ASSERT_LT(test::angle(c.elastic, out), 0.77 / 32.0) << n;
   }
 }
 

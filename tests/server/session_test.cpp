@@ -308,6 +308,10 @@ TEST(SessionParametersAtRunTime, ChangeOfBoundGivesNoStepUp) {
   SessionParameters parameters = test::server_bounds();
   parameters.hold_time = 0.2;
   parameters.redundancy = 5;
+  parameters.packet_interval = 3;
+  parameters.batch = 2;
+  parameters.position_deadband = 0.1;
+  parameters.keep_alive = 0.03;
   session.set_parameters(parameters);
   EXPECT_EQ(hold_still(), before);
 

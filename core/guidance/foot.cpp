@@ -1,0 +1,89 @@
+#include <algorithm>
+#include <cmath>
+
+#include "core/guidance/guide.hpp"
+#include "core/numeric.hpp"
+
+namespace feltwire {
+namespace {
+
+Foot from(const Vec3& nearest, const Vec3& p) {
+  const Polar<double> offset = polar(Vec3(p - nearest));
+  return {offset.direction, offset.length};
+}
+
+/// A surface at `radius` round the nearest point of a solid's core.
+Foot round(const Vec3& core, double radius, const Vec3& p) {
+  Foot foot = from(core, p);
+  foot.distance -= radius;
+  return foot;
+}
+
+Vec3 on_axis(double half_length, const Vec3& p) {
+  return {0.0, 0.0, std::clamp(p.z(), -half_length, half_length)};
+}
+
+Vec3 on_segment(const Vec3& a, const Vec3& b, const Vec3& p) {
+  const Vec3 way = b - a;
+  const double squared = way.squaredNorm();
+  const double share = squared > 0.0 ? std::clamp((p - a).dot(way) / squared, 0.0, 1.0) : 0.0;
+  return a + share * way;
+}
+
+Foot foot_of(const GuideCurve& curve, const Vec3& p) {
+  const std::size_t count = curve.points.size();
+  Foot best{Vec3::Zero(), std::numeric_limits<double>::infinity()};
+  for (std::size_t i = 0; i + 1 < count || (curve.closed && i < count); ++i) {
+    const Foot here = from(on_segment(curve.points[i], curve.points[(i + 1) % count], p), p);
+    if (here.distance < best.distance) best = here;
+  }
+  return best;
+}
+
+/// A convex solid that is `beyond` [m] along its axes, each < 0 where p is within: `axes` are the
+/// outward directions.
+template <std::size_t kAxes>
+Foot convex(const std::array<double, kAxes>& beyond, const std::array<Vec3, kAxes>& axes) {
+  Vec3 out = Vec3::Zero();
+  std::size_t nearest = 0;
+  for (std::size_t i = 0; i < kAxes; ++i) {
+    out += std::max(0.0, beyond[i]) * axes[i];
+    if (beyond[i] > beyond[nearest]) nearest = i;
+  }
+  if (!(beyond[nearest] > 0.0)) return {axes[nearest], beyond[nearest]};
+  return from(Vec3::Zero(), out);
+}
+
+Vec3 signed_axis(const Vec3& p, int axis) { return std::copysign(1.0, p[axis]) * Vec3::Unit(axis); }
+
+Foot foot_of(const Box& box, const Vec3& p) {
+  const Vec3 beyond = p.cwiseAbs() - box.half_extents;
+  return convex<3>({beyond.x(), beyond.y(), beyond.z()},
+                   {signed_axis(p, 0), signed_axis(p, 1), signed_axis(p, 2)});
+}
+
+Foot foot_of(const Cylinder& cylinder, const Vec3& p) {
+  const Polar<double> across = polar(Vec3(p.x(), p.y(), 0.0));
+  return convex<2>({across.length - cylinder.radius, std::abs(p.z()) - cylinder.half_length},
+                   {across.direction, signed_axis(p, 2)});
+}
+
+}  // namespace
+
+Foot foot(const GuidePlace& place, const Vec3& p) noexcept {
+  // get_if instead of visit: visit may throw, and this is the servo loop.
+  if (std::get_if<GuidePoint>(&place) != nullptr) return from(Vec3::Zero(), p);
+  if (const auto* line = std::get_if<GuideLine>(&place))
+    return from(on_axis(line->half_length, p), p);
+  if (const auto* curve = std::get_if<GuideCurve>(&place)) return foot_of(*curve, p);
+  if (std::get_if<GuidePlane>(&place) != nullptr) return {Vec3::UnitZ(), p.z()};
+  if (const auto* sphere = std::get_if<Sphere>(&place))
+    return round(Vec3::Zero(), sphere->radius, p);
+  if (const auto* box = std::get_if<Box>(&place)) return foot_of(*box, p);
+  if (const auto* capsule = std::get_if<Capsule>(&place))
+    return round(on_axis(capsule->half_length, p), capsule->radius, p);
+  if (const auto* cylinder = std::get_if<Cylinder>(&place)) return foot_of(*cylinder, p);
+  return {};
+}
+
+}  // namespace feltwire

@@ -1,0 +1,126 @@
+#include "core/guidance/guide.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/numeric.hpp"
+
+namespace feltwire {
+namespace {
+
+/// `force` along `away`, no more than `most`; damping of the movement along it in what is left of
+/// `most`, so that the elastic part stays what the position alone says.
+Command along_way(const Vec3& away, double force, double damping, const Vec3& velocity,
+                  double most) {
+  Command command;
+  force = std::clamp(force, -most, most);
+  command.elastic = force * away;
+  const double room = most - std::abs(force);
+  command.frictional = std::clamp(-damping * velocity.dot(away), -room, room) * away;
+  return command;
+}
+
+/// Whole up to half of the range, then linearly less.
+double fade(double distance, double range) {
+  constexpr double kWhole = 0.5;
+  if (distance <= kWhole * range) return 1.0;
+  return std::max(0.0, (1.0 - distance / range) / (1.0 - kWhole));
+}
+
+Command attract(const Attract& spring, const Foot& foot, const Vec3& velocity, double most) {
+  const double share = fade(foot.distance, spring.range);
+  return along_way(foot.away, -share * std::min(spring.stiffness * foot.distance, most),
+                   share * spring.damping, velocity, most);
+}
+
+Command keep_out(const KeepOut& spring, const Foot& foot, const Vec3& velocity, double most) {
+  const double depth = spring.margin - foot.distance;
+  if (!(depth > 0.0)) return {};
+  Command command = along_way(foot.away, spring.stiffness * depth, spring.damping, velocity, most);
+  // Damping of a hand that leaves must not hold it back more than the spring lets it go.
+  if (command.force().dot(foot.away) < 0.0) command.frictional = -command.elastic;
+  return command;
+}
+
+Command magnet(const Magnet& field, const Foot& foot, double most) {
+  const double x = foot.distance / field.reach;
+  return along_way(foot.away, -most * 2.0 * x / (1.0 + x * x), 0.0, Vec3::Zero(), most);
+}
+
+Command viscosity(const Viscosity& medium, const Vec3& velocity, double most) {
+  Command command;
+  const Polar<double> moving = polar(velocity);
+  command.frictional = -std::min(medium.damping * moving.length, most) * moving.direction;
+  return command;
+}
+
+Command constant(const ConstantForce& field, double most) {
+  Command command;
+  const Polar<double> force = polar(field.force);
+  command.elastic = std::min(force.length, most) * force.direction;
+  return command;
+}
+
+/// The tool against the guide's place, world frame; everywhere is inside.
+Foot foot_at(const Guide& guide, const Vec3& position) {
+  if (std::get_if<Everywhere>(&guide.place) != nullptr) return {Vec3::Zero(), -1.0};
+  Foot at =
+      foot(guide.place, guide.pose.orientation.conjugate() * (position - guide.pose.position));
+  at.away = guide.pose.orientation * at.away;
+  return at;
+}
+
+}  // namespace
+
+Command guide_force(const Guide& guide, const Tool& tool) noexcept {
+  if (!tool.position.allFinite() || !tool.velocity.allFinite()) [[unlikely]]
+    return {};
+  Foot at = foot_at(guide, tool.position);
+  const Vec3& v = tool.velocity;
+  const double most = guide.max_force;
+  if (const auto* out = std::get_if<KeepOut>(&guide.action)) return keep_out(*out, at, v, most);
+  const bool inside = at.distance < 0.0;
+  if (const auto* medium = std::get_if<Viscosity>(&guide.action))
+    return inside ? viscosity(*medium, v, most) : Command{};
+  if (const auto* field = std::get_if<ConstantForce>(&guide.action))
+    return inside ? constant(*field, most) : Command{};
+
+  // To both sides of a plane, and to a solid from outside.
+  if (inside && std::get_if<GuidePlane>(&guide.place) == nullptr) return {};
+  if (inside) at = {-at.away, -at.distance};
+  if (const auto* spring = std::get_if<Attract>(&guide.action))
+    return attract(*spring, at, v, most);
+  if (const auto* field = std::get_if<Magnet>(&guide.action)) return magnet(*field, at, most);
+  return {};
+}
+
+double begins(const Guide& guide, const Vec3& position) noexcept {
+  const double distance = foot_at(guide, position).distance;
+  if (std::get_if<Magnet>(&guide.action) != nullptr) return 0.0;
+  if (const auto* spring = std::get_if<Attract>(&guide.action))
+    return std::max(0.0, std::abs(distance) - spring->range);  // a solid's inside counts as near
+  if (const auto* spring = std::get_if<KeepOut>(&guide.action))
+    return std::max(0.0, distance - spring->margin);
+  return std::max(0.0, distance);
+}
+
+bool needs_velocity(const Guide& guide) noexcept {
+  if (const auto* spring = std::get_if<Attract>(&guide.action)) return spring->damping > 0.0;
+  if (const auto* spring = std::get_if<KeepOut>(&guide.action)) return spring->damping > 0.0;
+  return std::get_if<Viscosity>(&guide.action) != nullptr;
+}
+
+double stiffness(const Guide& guide) noexcept {
+  if (const auto* spring = std::get_if<Attract>(&guide.action)) {
+    // Where it fades it can fall faster than it rises: by most over half the range.
+    const double falling = 2.0 * std::min(guide.max_force, spring->stiffness * spring->range);
+    return std::isinf(spring->range) ? spring->stiffness
+                                     : std::max(spring->stiffness, falling / spring->range);
+  }
+  if (const auto* spring = std::get_if<KeepOut>(&guide.action)) return spring->stiffness;
+  if (const auto* field = std::get_if<Magnet>(&guide.action))
+    return 2.0 * guide.max_force / field->reach;  // at the place itself
+  return 0.0;
+}
+
+}  // namespace feltwire

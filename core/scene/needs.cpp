@@ -1,0 +1,83 @@
+#include "core/scene/needs.hpp"
+
+#include <functional>
+
+#include "core/scene/rules.hpp"
+
+namespace feltwire {
+namespace {
+
+template <class Part>
+std::vector<std::string> names(const std::vector<Part>& parts,
+                               const std::function<bool(const Part&)>& chosen) {
+  std::vector<std::string> names;
+  for (const Part& part : parts)
+    if (chosen(part)) names.push_back(part.name);
+  return names;
+}
+
+std::vector<std::string> operator+(std::vector<std::string> a, const std::vector<std::string>& b) {
+  a.insert(a.end(), b.begin(), b.end());
+  return a;
+}
+
+/// The first few names, and how many more.
+std::string listed(const std::vector<std::string>& names) {
+  constexpr std::size_t kShown = 5;
+  std::string text;
+  for (std::size_t i = 0; i < names.size() && i < kShown; ++i)
+    text += (i == 0 ? "" : ", ") + names[i];
+  if (names.size() > kShown) text += " and " + std::to_string(names.size() - kShown) + " more";
+  return text;
+}
+
+std::string counted(std::size_t count, const char* one, const char* many) {
+  return std::to_string(count) + " " + (count == 1 ? one : many);
+}
+
+}  // namespace
+
+std::vector<Need> needs(const Scene& scene) {
+  const auto objects = [&](const std::function<bool(const Object&)>& chosen) {
+    return names<Object>(scene.objects(), chosen);
+  };
+  const auto guides = [&](const std::function<bool(const Guide&)>& chosen) {
+    return names<Guide>(scene.guides(), chosen);
+  };
+  return {
+      {"contact",
+       "a query an object and sample, " + std::to_string(sizeof(ContactMemory)) +
+           " bytes an object and tool",
+       objects([](const Object&) { return true; })},
+      {"stick points", "a spring along the surface while it is touched",
+       objects([](const Object& o) { return o.material.static_friction > 0.0; })},
+      {"velocity", "an estimate a tool",
+       objects([](const Object& o) {
+         return o.material.damping > 0.0 || o.material.viscous_friction > 0.0;
+       }) + guides([](const Guide& g) { return needs_velocity(g); })},
+      {"guides", "a query a guide and sample", guides([](const Guide&) { return true; })},
+  };
+}
+
+std::string explain(const Scene& scene) {
+  std::string text =
+      "scene " + scene.name() + ": " + counted(scene.objects().size(), "object", "objects") + ", " +
+      counted(scene.guides().size(), "guide", "guides") + ", " +
+      std::to_string(scene.objects().size() * sizeof(ContactMemory)) + " bytes a tool\n";
+  std::string unused;
+  for (const Need& need : needs(scene)) {
+    if (need.needed.empty())
+      unused += (unused.empty() ? "" : ", ") + need.what;
+    else
+      text += "  " + need.what + " (" + need.cost + "): " + listed(need.needed) + "\n";
+  }
+  if (!unused.empty()) text += "  nothing is spent on: " + unused + "\n";
+  const double k = scene.requirements().stiffness;
+  if (k > 0.0)
+    text += "  stiffest: " + number_text(k) +
+            " N/m, rendered undiminished while pressed by a device of " + number_text(0.5e-3 * k) +
+            " N s/m and more at 1 kHz (b >= k T / 2)\n";
+  return text;
+}
+
+}  // namespace feltwire
