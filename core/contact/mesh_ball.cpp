@@ -87,6 +87,7 @@ class Ball {
             fits = false;
             return;
           }
+          near_distance_[near_count_] = distance;
           near_[near_count_++] = t;
           least_ = std::min(least_, distance);
           if (distance <= radius_ + exact_) hold(t);
@@ -116,7 +117,9 @@ class Ball {
   /// The nearest of all, and where it is nearer than the radius.
   double least_distance(const Vec3& x, std::uint32_t& nearest) const {
     double least = std::numeric_limits<double>::infinity();
+    const double moved = length(Vec3(x - stand_.point));
     for (std::size_t i = 0; i < near_count_; ++i) {
+      if (near_distance_[i] - moved >= least) continue;  // none comes nearer than it is moved
       const double distance = distance_to(near_[i], x);
       if (!(distance < least)) continue;
       least = distance;
@@ -155,8 +158,8 @@ class Ball {
       settled = still || (held_count_ == 0) || cut;
     }
     if (!settled) x = last_clear(from, x, kFarther * reach);
-    stand_.point = x;
     stand(x);
+    stand_.point = x;
     return cut && settled;
   }
 
@@ -190,6 +193,7 @@ class Ball {
   const Vec3& goal_;
   Stand& stand_;
   std::array<std::uint32_t, kMostNear> near_;
+  std::array<double, kMostNear> near_distance_;  // [m] from where the step begins
   std::array<std::uint32_t, kMostHeld> held_;
   std::size_t near_count_ = 0, held_count_ = 0;
   double least_ = 0.0;  // [m] the radius, or what is left of it where the ball starts
