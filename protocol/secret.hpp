@@ -1,6 +1,7 @@
 #pragma once
 // What must not be left behind in memory or in a core dump.
 
+#include <cstdint>
 #include <string>
 #include <string_view>
 #include <vector>

@@ -25,6 +25,8 @@ std::vector<Scene> load_scenes(const ServerConfig& config) {
     if (const auto& mechanism = scenes.back().mechanism())
       for (const std::string& warning : mechanism->warnings())
         spdlog::warn("{}: {}", file.string(), warning);
+    for (const std::string& warning : scenes.back().warnings())
+      spdlog::warn("{}: {}", file.string(), warning);
   }
   return scenes;
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/geometry/mesh_surface.hpp"
 #include "core/numeric.hpp"
 
 namespace feltwire {
@@ -177,6 +178,18 @@ Surface surface(const Cylinder& cylinder, Side side, const Vec3& p, int face,
   return s;
 }
 
+/// A surface of facets is no patch: it is not shown, and what is told of the others ends where it
+/// begins.
+SurfaceParts parts(const Mesh& mesh, const Vec3& p) {
+  constexpr double kFar = 0.1;  // [m] no model reaches farther (near.hpp)
+  const MeshSurface& surface = *mesh.surface;
+  const auto nearest = surface.nearest(p - surface.mesh().origin(), kFar);
+  SurfaceParts all;
+  if (nearest.distance <= kFar)
+    add(all, std::max(0.0, nearest.distance - surface.options().radius), kOnlyFeature, false);
+  return all;
+}
+
 }  // namespace
 
 SurfaceParts surface_parts(const Shape& shape, Side side, const Vec3& position,
@@ -190,6 +203,7 @@ SurfaceParts surface_parts(const Shape& shape, Side side, const Vec3& position,
     return parts(*capsule, side, position, entered);
   if (const auto* cylinder = std::get_if<Cylinder>(&shape))
     return parts(*cylinder, side, position, entered);
+  if (const auto* mesh = std::get_if<Mesh>(&shape)) return parts(*mesh, position);
   return {};
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/contact/mesh_contact.hpp"
 #include "core/numeric.hpp"
 
 namespace feltwire {
@@ -142,6 +143,8 @@ SurfacePoint surface_point(const Shape& shape, Side side, const Vec3& position,
     return surface(*capsule, side, position, memory);
   if (const auto* cylinder = std::get_if<Cylinder>(&shape))
     return surface(*cylinder, side, position, memory);
+  if (const auto* mesh = std::get_if<Mesh>(&shape))
+    return mesh_surface_point(*mesh->surface, side, position, memory);
   return free_point(memory);
 }
 

@@ -2,6 +2,7 @@
 // Analytic solids in their own frame, and where a point inside them is pushed out.
 
 #include <cstdint>
+#include <memory>
 #include <variant>
 
 #include "core/types.hpp"
@@ -28,7 +29,12 @@ struct Cylinder {
   double radius = 0.0;       // [m], > 0
   double half_length = 0.0;  // [m], > 0
 };
-using Shape = std::variant<Plane, Sphere, Box, Capsule, Cylinder>;
+class MeshSurface;
+/// Triangles, with what a hand needs to find its way on them; shared, immutable.
+struct Mesh {
+  std::shared_ptr<const MeshSurface> surface;  // never null in a scene
+};
+using Shape = std::variant<Plane, Sphere, Box, Capsule, Cylinder, Mesh>;
 
 /// Which side of the surface is free to move in.
 enum class Side : std::uint8_t { outside, inside };
@@ -51,6 +57,12 @@ struct FeatureMemory {
   std::uint8_t feature = 0;     // 0: not in contact; else 1 + index of the face the proxy stands on
   Vec3 normal = Vec3::UnitZ();  // last normal: what is used where the geometry leaves it undefined
                                 // (a centre, an axis)
+  // Of a mesh: where the proxy was, free or not, so that the way to where the tool is now is
+  // followed and nothing on it is passed by.
+  Vec3 proxy = Vec3::Zero();   // [m, object frame, from the mesh's origin]
+  std::uint32_t triangle = 0;  // that it stands on
+  std::int8_t side = 0;        // of it: 1 where its normal points, -1 behind; 0: the proxy is free
+  bool tracked = false;        // proxy is known
 };
 
 /// The proxy of a point [m, object frame] against a shape felt from `side`. Contact is local

@@ -1,6 +1,7 @@
 #include <utility>
 
 #include "core/guidance/load_guides.hpp"
+#include "core/scene/load_mesh.hpp"
 #include "core/scene/read_bodies.hpp"
 #include "core/scene/rules.hpp"
 #include "core/scene/scene.hpp"
@@ -71,8 +72,8 @@ const Material& find_material(const JsonDocument& document, const std::string& p
 }
 
 Shape read_shape(const JsonDocument& document, const std::string& path,
-                 const scene_file::Object& object) {
-  constexpr const char* kChoices = "plane, sphere, box, capsule, cylinder";
+                 const scene_file::Object& object, MeshLoader& meshes) {
+  constexpr const char* kChoices = "plane, sphere, box, capsule, cylinder, mesh";
   Shape shape;
   std::string kind;
   const auto take = [&](const char* name, const Shape& given) {
@@ -90,6 +91,7 @@ Shape read_shape(const JsonDocument& document, const std::string& path,
   }
   if (const auto* c = object.capsule()) take("capsule", Capsule{c->radius(), 0.5 * c->length()});
   if (const auto* c = object.cylinder()) take("cylinder", Cylinder{c->radius(), 0.5 * c->length()});
+  if (object.mesh()) take("mesh", meshes.load(path + ".mesh", *object.mesh()));
   if (kind.empty())
     document.fail(path, std::string("has no shape; give exactly one of ") + kChoices);
   require(document, path + "." + kind, broken_rule(shape));
@@ -147,6 +149,7 @@ Scene parse_scene(std::string_view json, const std::string& file) {
   require(document, "", broken_name(scene.name()->str()));
   const std::vector<NamedMaterial> materials = read_materials(document, scene);
 
+  MeshLoader meshes(document, std::filesystem::path(file).parent_path());
   std::vector<Object> objects;
   if (scene.mjcf()) return mjcf_scene(document, scene, materials, file);
   if (!scene.objects()) document.fail("objects", "is missing; add it");
@@ -155,7 +158,7 @@ Scene parse_scene(std::string_view json, const std::string& file) {
     require_new_name(document, "objects", objects, o->name()->str());
     Object object;
     object.name = o->name()->str();
-    object.shape = read_shape(document, path, *o);
+    object.shape = read_shape(document, path, *o, meshes);
     object.felt_from = side(o->felt_from());
     object.pose = read_pose(document, path, *o);
     object.material = find_material(document, path, materials, o->material()->str());
@@ -165,10 +168,11 @@ Scene parse_scene(std::string_view json, const std::string& file) {
   const auto mechanism = read_bodies(document, scene, objects);
   if (objects.empty() && guides.empty())
     document.fail("objects", "there is none to touch, and no guide; add at least one");
-  Scene result(scene.name()->str(), std::move(objects), read_start(document, scene),
-               std::move(guides));
-  result.set_mechanism(mechanism);
-  return result;
+  Scene read(scene.name()->str(), std::move(objects), read_start(document, scene),
+             std::move(guides));
+  read.warn(meshes.warnings());
+  read.set_mechanism(mechanism);
+  return read;
 }
 
 Scene load_scene(const std::filesystem::path& file) {

@@ -72,7 +72,8 @@ double radius_of(const Object& object, const SurfacePatch& patch, std::size_t in
   return radius;
 }
 
-LocalModel model_of(const std::vector<Object>& objects, const Vec3& position,
+/// The scene's objects where they now are.
+LocalModel model_of(const Scene& scene, const std::vector<Object>& objects, const Vec3& position,
                     const TouchMemory& memory) noexcept {
   LocalModel model;
   if (!position.allFinite() || memory.size() != objects.size()) [[unlikely]]
@@ -104,12 +105,12 @@ LocalModel model_of(const std::vector<Object>& objects, const Vec3& position,
 
 LocalModel local_model(const Scene& scene, const Vec3& position,
                        const TouchMemory& memory) noexcept {
-  return model_of(scene.objects(), position, memory);
+  return model_of(scene, scene.objects(), position, memory);
 }
 
 LocalModel local_model(const World& world, const Vec3& position,
                        const TouchMemory& memory) noexcept {
-  LocalModel model = model_of(world.objects(), position, memory);
+  LocalModel model = model_of(world.scene(), world.objects(), position, memory);
   for (int i = 0; i < model.count; ++i) {
     SurfacePatch& patch = model.patches[static_cast<std::size_t>(i)];
     patch.velocity = world.velocity_at(patch.object, patch.point);

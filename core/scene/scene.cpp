@@ -7,6 +7,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include "core/contact/mesh_contact.hpp"
+#include "core/geometry/mesh_surface.hpp"
 #include "core/numeric.hpp"
 #include "core/scene/mechanism.hpp"
 #include "core/scene/rules.hpp"
@@ -62,6 +64,17 @@ struct ShapeRules {
   Found operator()(const Cylinder& c) const {
     return first({positive("radius", c.radius, kMaxLength, " [m]"),
                   positive("length", 2.0 * c.half_length, kMaxLength, " [m]")});
+  }
+  Found operator()(const Mesh& m) const {
+    if (!m.surface) return Broken{"mesh", "has no surface; load one"};
+    const TriangleMesh& mesh = m.surface->mesh();
+    const double size = 2.0 * mesh.half_extents().maxCoeff();
+    if (!(size <= kMaxLength && mesh.origin().cwiseAbs().maxCoeff() <= kMaxLength))
+      return Broken{"scale", "makes a surface of " + number_text(size) + " m at " +
+                                 number_text(mesh.origin().cwiseAbs().maxCoeff()) +
+                                 " m from the origin; check the unit"};
+    return first({positive("scale: the size of the surface", size, kMaxLength, " [m]"),
+                  not_negative("radius", m.surface->options().radius, kMaxLength, " [m]")});
   }
 };
 
@@ -181,6 +194,7 @@ Scene::Scene(std::string name, std::vector<Object> objects, const Start& start,
     if (auto broken = broken_rule(guide)) refuse(whose, *broken);
     make_unit(guide.pose.orientation);
   }
+  broad_phase_ = BroadPhase(objects_);
   requirements_ = required_by(objects_, guides_);
   still_ = objects_.size();
 }
@@ -194,6 +208,60 @@ void Scene::set_mechanism(std::shared_ptr<const Mechanism> mechanism) {
              " objects, here are " + std::to_string(objects_.size()) + "; compile it for these"});
   mechanism_ = std::move(mechanism);
   still_ = mechanism_ != nullptr ? mechanism_->still() : objects_.size();
+  broad_phase_ = BroadPhase({objects_.data(), still_});
+}
+
+TouchMemory Scene::memory() const {
+  TouchMemory memory(objects_.size());
+  if (!broad_phase_.in_use()) return memory;
+  memory.live_.reserve(objects_.size());
+  memory.asked_.reserve(2 * objects_.size());
+  return memory;
+}
+
+/// Of the objects that the tool's way meets or that hold it; in the order of the objects, so that
+/// the sum has the same bits whatever the tree looks like.
+Command Scene::touch_near(const Tool& tool, TouchMemory& memory) const noexcept {
+  const Vec3 from = memory.tracked_ ? memory.position_ : tool.position;
+  std::vector<std::uint32_t>& asked = memory.asked_;
+  asked.assign(memory.live_.begin(), memory.live_.end());
+  const auto ask = [&](std::uint32_t i) {
+    if (asked.size() == asked.capacity()) [[unlikely]]
+      return;  // never: each comes twice at most
+    asked.push_back(i);
+  };
+  for (const std::uint32_t i : broad_phase_.everywhere()) ask(i);
+  const auto known = static_cast<std::ptrdiff_t>(memory.live_.size());
+  broad_phase_.along(from, tool.position, ask);
+  // Whose memory is not of the sample before is told where the tool comes from.
+  const auto is_live = [&](std::uint32_t i) {
+    return std::find(asked.begin(), asked.begin() + known, i) != asked.begin() + known;
+  };
+  for (std::size_t n = static_cast<std::size_t>(known); n < asked.size(); ++n) {
+    const Object& object = objects_[asked[n]];
+    const auto* mesh = std::get_if<Mesh>(&object.shape);
+    if (mesh == nullptr || !memory.tracked_ || is_live(asked[n])) continue;
+    approach_from(*mesh->surface,
+                  object.pose.orientation.conjugate() * (from - object.pose.position),
+                  memory[asked[n]].feature);
+  }
+  std::sort(asked.begin(), asked.end());
+  asked.erase(std::unique(asked.begin(), asked.end()), asked.end());
+
+  Command sum;
+  memory.live_.clear();
+  for (const std::uint32_t i : asked) {
+    const Command part = feltwire::touch(objects_[i], tool, memory[i]);
+    sum.elastic += part.elastic;
+    sum.frictional += part.frictional;
+    if (memory[i].touching || memory[i].feature.side != 0)
+      memory.live_.push_back(i);
+    else
+      memory[i] = {};
+  }
+  memory.tracked_ = true;
+  memory.position_ = tool.position;
+  return sum;
 }
 
 Command Scene::touch(const Tool& tool, TouchMemory& memory, std::size_t count) const noexcept {
@@ -201,7 +269,9 @@ Command Scene::touch(const Tool& tool, TouchMemory& memory, std::size_t count) c
       [[unlikely]]
     return {};
   Command sum;
-  for (std::size_t i = 0; i < count; ++i) {
+  const bool by_tree = broad_phase_.in_use();
+  if (by_tree) sum = touch_near(tool, memory);
+  for (std::size_t i = by_tree ? still_ : 0; i < count; ++i) {
     const Command part = feltwire::touch(objects_[i], tool, memory[i]);
     sum.elastic += part.elastic;
     sum.frictional += part.frictional;

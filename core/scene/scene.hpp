@@ -9,6 +9,7 @@
 
 #include "core/contact/contact.hpp"
 #include "core/guidance/guide.hpp"
+#include "core/scene/broad_phase.hpp"
 #include "core/scene/json_document.hpp"
 
 namespace feltwire {
@@ -26,7 +27,28 @@ struct Requirements {
 };
 
 /// What one tool remembers of a scene between samples: one entry an object, allocated once.
-using TouchMemory = std::vector<ContactMemory>;
+class TouchMemory {
+ public:
+  TouchMemory() = default;
+  explicit TouchMemory(std::size_t objects) : contacts_(objects) {}
+
+  std::size_t size() const { return contacts_.size(); }
+  ContactMemory& operator[](std::size_t i) { return contacts_[i]; }
+  const ContactMemory& operator[](std::size_t i) const { return contacts_[i]; }
+  auto begin() { return contacts_.begin(); }
+  auto end() { return contacts_.end(); }
+  auto begin() const { return contacts_.begin(); }
+  auto end() const { return contacts_.end(); }
+
+ private:
+  friend class Scene;
+  std::vector<ContactMemory> contacts_;
+  // Of a scene of many objects: where the tool was, and the objects that hold it or that it was
+  // near to; what is in no list is as new.
+  bool tracked_ = false;
+  Vec3 position_ = Vec3::Zero();  // [m]
+  std::vector<std::uint32_t> live_, asked_;
+};
 
 /// Where a hand that knows nothing of the scene does well to begin: a point on a surface, world
 /// frame, and the unit normal there towards the free side.
@@ -46,9 +68,12 @@ class Scene {
   const std::vector<Guide>& guides() const { return guides_; }
   const Requirements& requirements() const { return requirements_; }
   const Start& start() const { return start_; }
+  /// What was strange about the files that it came from, but no error.
+  const std::vector<std::string>& warnings() const { return warnings_; }
+  void warn(std::vector<std::string> warnings) { warnings_ = std::move(warnings); }
 
   /// A memory for one tool; allocates.
-  TouchMemory memory() const { return TouchMemory(objects_.size()); }
+  TouchMemory memory() const;
 
   /// The sum of what all objects and guides answer the tool with. `memory` must come from this
   /// scene. A tool that is not finite gives zero and leaves the memory as it was. Never allocates.
@@ -68,14 +93,18 @@ class Scene {
  private:
   /// Of the first `count` objects.
   Command touch(const Tool& tool, TouchMemory& memory, std::size_t count) const noexcept;
+  /// Of the objects that stand, by the tree over them.
+  Command touch_near(const Tool& tool, TouchMemory& memory) const noexcept;
 
   std::string name_;
   std::vector<Object> objects_;
+  BroadPhase broad_phase_;  // over these
   std::vector<Guide> guides_;
   Requirements requirements_;
   Start start_;
   std::shared_ptr<const Mechanism> mechanism_;
   std::size_t still_ = 0;  // objects that stand; those that move come behind them
+  std::vector<std::string> warnings_;
 };
 
 /// Reads a scene file (JSON against core/scene/scene.fbs). Throws FileError.

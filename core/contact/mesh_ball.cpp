@@ -1,0 +1,209 @@
+// A ball's proxy: its middle goes down the distance to the goal and stays a radius away from all
+// triangles. Every step is shorter than half a radius and ends where nothing is nearer than the
+// radius, so the middle never comes to the other side of anything. Within a step: sequential
+// quadratic programming, the distances to the triangles that hold the ball linearised where it is.
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "core/contact/mesh_contact.hpp"
+#include "core/geometry/half_spaces.hpp"
+#include "core/numeric.hpp"
+
+namespace feltwire {
+namespace {
+
+constexpr int kMostSteps = 256;         // a sample; then the next goes on
+constexpr int kMostCorrections = 16;    // within a step
+constexpr std::size_t kMostNear = 512;  // triangles within a step; more make it shorter
+constexpr std::size_t kMostHeld = 16;
+constexpr double kExact = 1e-7;                          // of the radius
+constexpr double kFirstReach = 0.125, kMostReach = 0.5;  // of the radius
+constexpr double kLeastReach = 0x1p-16;
+constexpr double kFarther = 1.25;   // than the reach
+constexpr double kTolerance = 0.1;  // of planes, of what is exact
+
+class Ball {
+ public:
+  Ball(const MeshSurface& surface, std::int8_t sides, const Vec3& goal, Stand& stand)
+      : surface_(surface),
+        mesh_(surface.mesh()),
+        radius_(surface.options().radius),
+        exact_(kExact * radius_),
+        sides_(sides),
+        goal_(goal),
+        stand_(stand) {}
+
+  void run() {
+    double reach = kFirstReach * radius_;
+    for (int step = 0; step < kMostSteps; ++step) {
+      const double left = length(Vec3(goal_ - stand_.point));
+      if (!(left > 0.0) || (step == 0 && stand_.side == 0 && is_open())) return arrive();
+      reach = std::min(reach, kMostReach * radius_);
+      while (!gather(reach))
+        if ((reach *= 0.5) < kLeastReach * radius_) return;  // too crowded to move on
+      const Vec3 before = stand_.point;
+      const bool whole = move(std::min(reach, left));
+      const double moved = length(Vec3(stand_.point - before));
+      if (held_count_ == 0 && stand_.point == goal_) return arrive();
+      if (!whole || !(moved > exact_)) return;
+      reach *= 2.0;
+    }
+  }
+
+ private:
+  void arrive() { stand_ = {.point = goal_, .triangle = 0, .side = 0, .on_face = false}; }
+
+  /// Nothing within a radius of the box round the way.
+  bool is_open() const {
+    Bounds way;
+    way.add(stand_.point);
+    way.add(goal_);
+    bool open = true;
+    surface_.tree().overlapping(way.grown(radius_), [&](std::uint32_t) { open = false; });
+    return open;
+  }
+
+  bool is_felt(std::uint32_t t) const {
+    if (sides_ == 0) return true;
+    const std::array<Vec3, 3> c = mesh_.corners(t);
+    return sides_ * (c[1] - c[0]).cross(c[2] - c[0]).dot(stand_.point - c[0]) > 0.0;
+  }
+
+  /// All triangles that could be nearer than the radius anywhere within reach; false: too many.
+  bool gather(double reach) {
+    near_count_ = 0;
+    held_count_ = 0;
+    least_ = radius_;
+    bool fits = true;
+    const double far = radius_ + kFarther * reach;
+    surface_.tree().within(
+        stand_.point, [&] { return far; },
+        [&](std::uint32_t t) {
+          const double distance = distance_to(t, stand_.point);
+          if (distance > far || !is_felt(t)) return;
+          if (near_count_ == kMostNear) {
+            fits = false;
+            return;
+          }
+          near_distance_[near_count_] = distance;
+          near_[near_count_++] = t;
+          least_ = std::min(least_, distance);
+          if (distance <= radius_ + exact_) hold(t);
+        });
+    return fits;
+  }
+
+  double distance_to(std::uint32_t t, const Vec3& p) const {
+    return (p - nearest_on_triangle(mesh_.corners(t), p).point).norm();
+  }
+
+  void hold(std::uint32_t t) {
+    if (held_count_ < kMostHeld) held_[held_count_++] = t;
+  }
+
+  /// Keeps the distance to each held triangle a radius, as far as it is linear at x.
+  std::size_t linearise(const Vec3& x, std::array<HalfSpace, kMostHeld>& spaces) const {
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < held_count_; ++i) {
+      const Vec3 q = nearest_on_triangle(mesh_.corners(held_[i]), x).point;
+      const Vec3 n = direction(Vec3(x - q));
+      if (!n.isZero(0.0)) spaces[count++] = {n, n.dot(q) + radius_};
+    }
+    return count;
+  }
+
+  /// The nearest of all, and where it is nearer than the radius.
+  double least_distance(const Vec3& x, std::uint32_t& nearest) const {
+    double least = std::numeric_limits<double>::infinity();
+    const double moved = length(Vec3(x - stand_.point));
+    for (std::size_t i = 0; i < near_count_; ++i) {
+      if (near_distance_[i] - moved >= least) continue;  // none comes nearer than it is moved
+      const double distance = distance_to(near_[i], x);
+      if (!(distance < least)) continue;
+      least = distance;
+      nearest = near_[i];
+    }
+    return least;
+  }
+
+  /// One step; true when it ended only because it is as long as a step may be.
+  bool move(double reach) {
+    const Vec3 from = stand_.point;
+    Vec3 x = from;
+    bool cut = false, settled = false;
+    std::uint32_t nearest = 0;
+    for (int i = 0; i < kMostCorrections && !settled; ++i) {
+      std::array<HalfSpace, kMostHeld> spaces;
+      const std::size_t count = linearise(x, spaces);
+      const std::span<const HalfSpace> planes(spaces.data(), count);
+      const Nearest aim = nearest_in(planes, goal_, kTolerance * exact_);
+      const Vec3 way = aim.point - from;
+      const double far = length(way);
+      cut = far > reach;
+      // What is cut off the way may have left the planes: back to them, which is less than what
+      // gather() looked farther for.
+      Vec3 next = aim.point;
+      if (cut) next = nearest_in(planes, from + reach / far * way, kTolerance * exact_).point;
+      const bool still = length(Vec3(next - x)) <= exact_;
+      x = next;
+      if (length(Vec3(x - from)) > kFarther * reach) break;
+      if (least_distance(x, nearest) < std::min(radius_, least_) - exact_) {
+        if (std::find(held_.begin(), held_.begin() + held_count_, nearest) ==
+            held_.begin() + held_count_)
+          hold(nearest);
+        continue;
+      }
+      settled = still || (held_count_ == 0) || cut;
+    }
+    if (!settled) x = last_clear(from, x, kFarther * reach);
+    stand(x);
+    stand_.point = x;
+    return cut && settled;
+  }
+
+  /// The farthest part of the way, halved again and again, that nothing is too near to.
+  Vec3 last_clear(const Vec3& from, const Vec3& x, double most) const {
+    constexpr int kMostHalvings = 12;
+    std::uint32_t nearest = 0;
+    Vec3 way = x - from;
+    const double far = length(way);
+    if (far > most) way *= most / far;
+    for (int i = 0; i < kMostHalvings; ++i, way *= 0.5)
+      if (least_distance(from + way, nearest) >= std::min(radius_, least_) - exact_)
+        return from + way;
+    return from;
+  }
+
+  void stand(const Vec3& x) {
+    if (x == goal_) return;
+    std::uint32_t nearest = stand_.triangle;
+    least_distance(x, nearest);
+    const std::array<Vec3, 3> c = mesh_.corners(nearest);
+    stand_.triangle = nearest;
+    stand_.side = (c[1] - c[0]).cross(c[2] - c[0]).dot(x - c[0]) < 0.0 ? -1 : 1;
+    if (sides_ != 0) stand_.side = sides_;
+  }
+
+  const MeshSurface& surface_;
+  const TriangleMesh& mesh_;
+  const double radius_, exact_;  // [m]
+  const std::int8_t sides_;
+  const Vec3& goal_;
+  Stand& stand_;
+  std::array<std::uint32_t, kMostNear> near_;
+  std::array<double, kMostNear> near_distance_;  // [m] from where the step begins
+  std::array<std::uint32_t, kMostHeld> held_;
+  std::size_t near_count_ = 0, held_count_ = 0;
+  double least_ = 0.0;  // [m] the radius, or what is left of it where the ball starts
+};
+
+}  // namespace
+
+void move_ball(const MeshSurface& surface, std::int8_t sides, const Vec3& goal,
+               Stand& stand) noexcept {
+  Ball(surface, sides, goal, stand).run();
+}
+
+}  // namespace feltwire

@@ -1,0 +1,147 @@
+#include "core/contact/mesh_contact.hpp"
+
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "core/numeric.hpp"
+
+namespace feltwire {
+namespace {
+
+std::int8_t sides_of(const MeshSurface& surface, Side felt_from) {
+  if (surface.options().double_sided) return 0;
+  return felt_from == Side::outside ? 1 : -1;
+}
+
+/// Where a tool stands that was never seen before: in a closed surface at its nearest point, as if
+/// it had come in there.
+Stand first_stand(const MeshSurface& surface, std::int8_t sides, const Vec3& goal) {
+  Stand stand{.point = goal, .triangle = 0, .side = 0, .on_face = false};
+  if (sides == 0 || !surface.mesh().report().closed()) return stand;
+  const auto nearest = surface.nearest(goal, std::numeric_limits<double>::infinity());
+  if (!(sides * surface.side_of(goal, nearest) < 0.0)) return stand;
+  return {.point = nearest.point, .triangle = nearest.triangle, .side = sides, .on_face = false};
+}
+
+/// For a ball, a tool in the solid or nearer to it than its radius begins in front of the nearest
+/// point.
+Stand first_ball(const MeshSurface& surface, std::int8_t sides, const Vec3& goal) {
+  Stand stand = first_stand(surface, sides, goal);
+  const double radius = surface.options().radius;
+  if (stand.side != 0) {
+    stand.point += radius * stand.side * triangle_normal(surface.mesh().corners(stand.triangle));
+    return stand;
+  }
+  const auto nearest = surface.nearest(goal, radius);
+  if (!(nearest.distance < radius)) return stand;
+  const Vec3 normal = triangle_normal(surface.mesh().corners(nearest.triangle));
+  const double side = normal.dot(goal - nearest.point) < 0.0 ? -1.0 : 1.0;
+  if (sides * side < 0.0) return stand;
+  const Vec3 out =
+      nearest.distance > 0.0 ? direction(Vec3(goal - nearest.point)) : Vec3(side * normal);
+  stand.point = nearest.point + radius * out;
+  stand.triangle = nearest.triangle;
+  stand.side = side < 0.0 ? -1 : 1;
+  return stand;
+}
+
+Vec3 smooth_normal(const MeshSurface& surface, const Stand& stand) {
+  const auto on = nearest_on_triangle(surface.mesh().corners(stand.triangle), stand.point);
+  const Triangle& corner = surface.mesh().triangles()[stand.triangle];
+  Vec3 sum = Vec3::Zero();
+  for (std::size_t k = 0; k < 3; ++k)
+    sum += on.weights[static_cast<Eigen::Index>(k)] * surface.normals()[corner[k]];
+  return stand.side * direction(sum);
+}
+
+constexpr std::size_t kWaves = 8;
+
+/// Directions spread evenly over a half ball (a Fibonacci lattice), phases likewise: no grain of
+/// the sum repeats.
+Vec3 wave_direction(std::size_t i) {
+  constexpr double kGoldenAngle = 2.399963229728653;  // [rad]
+  const double z = (static_cast<double>(i) + 0.5) / kWaves, r = std::sqrt(1.0 - z * z);
+  const double turn = kGoldenAngle * static_cast<double>(i);
+  return {r * std::cos(turn), r * std::sin(turn), z};
+}
+const std::array<Vec3, kWaves> kWaveDirections = [] {
+  std::array<Vec3, kWaves> all;
+  for (std::size_t i = 0; i < kWaves; ++i) all[i] = wave_direction(i);
+  return all;
+}();
+
+/// The surface lower by h, between 0 and 2 amplitudes: the spring's energy is 1/2 k (depth - h)^2,
+/// so its force has a part along the slope too (Minsky's lateral force), and no way round takes or
+/// gives energy.
+SurfacePoint grained(const Grain& grain, SurfacePoint surface) {
+  const double k = 2.0 * std::numbers::pi / grain.wavelength;  // [1/m]
+  double height = -grain.amplitude;
+  Vec3 slope = Vec3::Zero();
+  for (std::size_t i = 0; i < kWaves; ++i) {
+    constexpr double kPhase = 1.9;  // [rad] between waves
+    const double at = k * kWaveDirections[i].dot(surface.point) + kPhase * static_cast<double>(i);
+    height += grain.amplitude / kWaves * std::sin(at);
+    slope += grain.amplitude / kWaves * k * std::cos(at) * kWaveDirections[i];
+  }
+  slope -= along(slope, surface.normal);
+  const double depth = surface.depth + height;
+  if (!(depth > 0.0)) return {};
+  const Vec3 push = surface.normal - slope;
+  const double stretched = length(push);
+  return {surface.point, push / stretched, depth * stretched};
+}
+
+}  // namespace
+
+void approach_from(const MeshSurface& surface, const Vec3& position,
+                   FeatureMemory& memory) noexcept {
+  memory = {};
+  memory.proxy = position - surface.mesh().origin();
+  memory.tracked = true;
+}
+
+SurfacePoint mesh_surface_point(const MeshSurface& surface, Side felt_from, const Vec3& position,
+                                FeatureMemory& memory) noexcept {
+  const Vec3 goal = position - surface.mesh().origin();
+  if (!goal.allFinite()) return {};
+  const bool ball = surface.options().radius > 0.0;
+  const std::int8_t sides = sides_of(surface, felt_from);
+  Stand stand{memory.proxy, memory.triangle, memory.side, false};
+  if (!memory.tracked)
+    stand = ball ? first_ball(surface, sides, goal) : first_stand(surface, sides, goal);
+  if (ball)
+    move_ball(surface, sides, goal, stand);
+  else
+    move_point(surface, sides, goal, stand);
+
+  memory.proxy = stand.point;
+  memory.triangle = stand.triangle;
+  memory.side = stand.side;
+  memory.tracked = true;
+  const Vec3 beyond = stand.point - goal;
+  const double depth = length(beyond);
+  if (stand.side == 0 || !(depth > 0.0)) {
+    memory.feature = 0;
+    return {};
+  }
+  memory.feature = 1;
+  Vec3 normal = direction(beyond);
+  if (stand.on_face && !ball)
+    normal = stand.side * triangle_normal(surface.mesh().corners(stand.triangle));
+  if (surface.options().smooth) {
+    const Vec3 shaded = smooth_normal(surface, stand);
+    if (!shaded.isZero(0.0)) normal = shaded;
+  }
+  const SurfacePoint smooth{surface.mesh().origin() + stand.point, normal, depth};
+  const Grain& grain = surface.options().grain;
+  const SurfacePoint found = grain.amplitude > 0.0 ? grained(grain, smooth) : smooth;
+  if (!(found.depth > 0.0)) {
+    memory.feature = 0;
+    return {};
+  }
+  memory.normal = found.normal;
+  return found;
+}
+
+}  // namespace feltwire

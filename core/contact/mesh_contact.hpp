@@ -1,0 +1,41 @@
+#pragma once
+// The proxy of a tool on a triangle mesh: the god-object of Zilles & Salisbury (1995) for a point,
+// the ball of Ruspini, Kolarov & Khatib (1997) for a tool with a radius.
+//
+// The proxy is where the tool would be if it could not pass the surface. It follows the tool along
+// the shortest way that stays in front of all triangles, so a tool is felt however fast it was, and
+// a sheet keeps it on the side it came from. What is told here holds for both:
+//   goal      the tool [m, from the mesh's origin]
+//   sides     which sides of a triangle can be felt: 1 where its normal points, -1 behind, 0 both
+
+#include "core/contact/shapes.hpp"
+#include "core/geometry/mesh_surface.hpp"
+
+namespace feltwire {
+
+/// The proxy of a point [m, object frame]; see surface_point().
+SurfacePoint mesh_surface_point(const MeshSurface& surface, Side felt_from, const Vec3& position,
+                                FeatureMemory& memory) noexcept;
+
+/// A mesh has no memory of where a tool was that was not asked about: this tells it. [m, object
+/// frame]
+void approach_from(const MeshSurface& surface, const Vec3& position,
+                   FeatureMemory& memory) noexcept;
+
+/// Where a proxy is.
+struct Stand {
+  Vec3 point = Vec3::Zero();  // [m]
+  std::uint32_t triangle = 0;
+  std::int8_t side = 0;  // of the triangle; 0: free
+  bool on_face = false;  // held by this one triangle alone
+};
+
+/// Moves a point's proxy towards the goal until it is there or nothing it may do brings it nearer.
+void move_point(const MeshSurface& surface, std::int8_t sides, const Vec3& goal,
+                Stand& stand) noexcept;
+
+/// The same for the middle of a ball of the surface's radius.
+void move_ball(const MeshSurface& surface, std::int8_t sides, const Vec3& goal,
+               Stand& stand) noexcept;
+
+}  // namespace feltwire

@@ -1,0 +1,337 @@
+// A point's proxy. Where the surface is a plain one (every edge has two triangles) it walks from
+// triangle to neighbour, down the distance to the goal: no search, whatever the size of the mesh.
+// What it meets that is no neighbour (another part of the mesh that passes through), open and
+// crowded edges, and the way back into the open are gone by rays and up to three planes.
+
+#include <array>
+#include <cmath>
+
+#include "core/contact/mesh_contact.hpp"
+#include "core/geometry/half_spaces.hpp"
+#include "core/numeric.hpp"
+
+namespace feltwire {
+namespace {
+
+constexpr int kMostPieces = 32;  // of a way over triangles, looked over together
+constexpr int kMostLegs = 64;    // so many pieces a sample at most; then the next sample goes on
+constexpr int kMostStill = 16;   // steps that led nowhere: only rounding is left to gain
+constexpr int kMostRounds = 48;  // of rays
+
+std::size_t next(std::size_t k) { return k == 2 ? 0 : k + 1; }
+std::size_t previous(std::size_t k) { return k == 0 ? 2 : k - 1; }
+
+/// A triangle seen from the side that the proxy is on.
+struct Face {
+  Face(const MeshSurface& surface, std::uint32_t t, std::int8_t side)
+      : corners(surface.mesh().corners(t)),
+        outward((corners[1] - corners[0]).cross(corners[2] - corners[0])),
+        normal(side * triangle_normal(corners)) {}
+
+  double height(const Vec3& p) const { return normal.dot(p - corners[0]); }
+  /// In the plane, square to edge k and out of the triangle; of any length.
+  Vec3 out_of(std::size_t k) const { return (corners[next(k)] - corners[k]).cross(outward); }
+
+  std::array<Vec3, 3> corners;
+  Vec3 outward;  // along the triangle's own normal; of any length
+  Vec3 normal;   // unit
+};
+
+enum class Outcome {
+  standing,  // nothing brings it nearer
+  going,     // more pieces than fit
+  leaving,   // the goal is in front
+  crowded,   // at an edge that needs more than a neighbour
+};
+
+/// A straight piece of the way, in one triangle.
+struct Piece {
+  Vec3 from, to;
+  std::uint32_t triangle = 0;
+};
+
+class Walk {
+ public:
+  Walk(const MeshSurface& surface, const Vec3& goal, Stand& at)
+      : surface_(surface), mesh_(surface.mesh()), goal_(goal), at_(at) {}
+
+  Outcome run() {
+    count_ = 0;
+    for (int still = 0; still < kMostStill;) {
+      if (count_ + 2 > kMostPieces) return Outcome::going;
+      const Vec3 before = at_.point;
+      const auto outcome = cross_triangle();
+      if (outcome) return *outcome;
+      still = at_.point == before ? still + 1 : 0;
+    }
+    return Outcome::standing;
+  }
+  std::span<const Piece> pieces() const { return {pieces_.data(), count_}; }
+
+ private:
+  void go_to(const Vec3& p) {
+    pieces_[count_++] = {at_.point, p, at_.triangle};
+    at_.point = p;
+  }
+
+  /// Straight on in the plane, to below the goal or to an edge; nothing when the walk goes on.
+  std::optional<Outcome> cross_triangle() {
+    const Face face(surface_, at_.triangle, at_.side);
+    const double height = face.height(goal_);
+    at_.on_face = false;
+    const Vec3 target = goal_ - height * face.normal;
+    const Vec3 way = target - at_.point;
+    std::size_t exit = 3;
+    double part = 1.0;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Vec3 out = face.out_of(k);
+      const double rate = out.dot(way);
+      if (!(rate > 0.0)) continue;
+      const double room = std::max(0.0, out.dot(face.corners[k] - at_.point));
+      if (!(room < part * rate)) continue;
+      part = room / rate;
+      exit = k;
+    }
+    if (height >= 0.0) return leave(face);
+    if (exit == 3) {
+      go_to(target);
+      at_.on_face = true;
+      return Outcome::standing;
+    }
+    // Onto the edge exactly: what rounding leaves beside it would add up.
+    go_to(on_edge(face, exit, at_.point + part * way));
+    return cross_edge(face, exit);
+  }
+
+  static Vec3 on_edge(const Face& face, std::size_t k, const Vec3& p) {
+    const Vec3& a = face.corners[k];
+    const Vec3 edge = face.corners[next(k)] - a;
+    return a + std::clamp(edge.dot(p - a) / edge.squaredNorm(), 0.0, 1.0) * edge;
+  }
+
+  /// The goal is in front of this triangle; of a neighbour that the proxy touches too it may not
+  /// be.
+  std::optional<Outcome> leave(const Face& face) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      const double length = (face.corners[next(k)] - face.corners[k]).norm();
+      if (!((on_edge(face, k, at_.point) - at_.point).norm() <= kTouching * length)) continue;
+      const std::uint32_t other = mesh_.neighbour(at_.triangle, static_cast<int>(k));
+      if (other == TriangleMesh::kNone) return Outcome::crowded;
+      const Face beyond(surface_, other, at_.side);
+      if (!(beyond.height(goal_) < 0.0) || !leads_into(face, k, beyond)) continue;
+      at_.triangle = other;
+      return std::nullopt;
+    }
+    return Outcome::leaving;
+  }
+
+  /// Would a step into the triangle beyond edge k of `face` bring the proxy nearer?
+  bool leads_into(const Face& face, std::size_t k, const Face& beyond) const {
+    const Vec3 edge = face.corners[next(k)] - face.corners[k];
+    // The neighbour has the edge the other way round, so this points into it.
+    return edge.cross(beyond.outward).dot(goal_ - at_.point) > 0.0;
+  }
+
+  std::optional<Outcome> cross_edge(const Face& face, std::size_t k) {
+    const std::uint32_t other = mesh_.neighbour(at_.triangle, static_cast<int>(k));
+    if (other == TriangleMesh::kNone) return Outcome::crowded;
+    const Face beyond(surface_, other, at_.side);
+    const bool convex = face.normal.dot(apex(other, at_.triangle) - face.corners[k]) < 0.0;
+    if (convex && beyond.height(goal_) >= 0.0) return Outcome::leaving;
+    if (leads_into(face, k, beyond)) {
+      at_.triangle = other;
+      return std::nullopt;
+    }
+    // Held by both, it slides along the edge.
+    const Vec3 edge = face.corners[next(k)] - face.corners[k];
+    const double part = edge.dot(goal_ - face.corners[k]) / edge.squaredNorm();
+    if (part > 0.0 && part < 1.0) {
+      go_to(face.corners[k] + part * edge);
+      return Outcome::standing;
+    }
+    const std::size_t corner = part >= 1.0 ? next(k) : k;
+    go_to(face.corners[corner]);
+    return cross_corner(mesh_.triangles()[at_.triangle][corner]);
+  }
+
+  /// The corner of triangle t that it does not share with `other`.
+  Vec3 apex(std::uint32_t t, std::uint32_t other) const {
+    const Triangle& mine = mesh_.triangles()[t];
+    const Triangle& others = mesh_.triangles()[other];
+    for (const std::uint32_t v : mine)
+      if (v != others[0] && v != others[1] && v != others[2]) return mesh_.vertices()[v];
+    return mesh_.vertices()[mine[0]];
+  }
+
+  /// Of all triangles round a corner that into which the distance falls fastest.
+  std::optional<Outcome> cross_corner(std::uint32_t vertex) {
+    const Vec3 d = goal_ - at_.point;
+    double steepest = 0.0;
+    std::uint32_t best = at_.triangle;
+    Vec3 mean = Vec3::Zero();
+    for (const std::uint32_t t : mesh_.around(vertex)) {
+      const Triangle& corner = mesh_.triangles()[t];
+      const std::size_t k = corner[0] == vertex ? 0 : corner[1] == vertex ? 1 : 2;
+      if (mesh_.neighbour(t, static_cast<int>(k)) == TriangleMesh::kNone ||
+          mesh_.neighbour(t, static_cast<int>(previous(k))) == TriangleMesh::kNone)
+        return Outcome::crowded;
+      const Face face(surface_, t, at_.side);
+      const Vec3 u = direction(Vec3(face.corners[next(k)] - at_.point));
+      const Vec3 w = direction(Vec3(face.corners[previous(k)] - at_.point));
+      mean += std::atan2(u.cross(w).norm(), u.dot(w)) * face.normal;
+      const Vec3 flat = d - along(d, face.normal);
+      const bool within =
+          u.cross(flat).dot(face.outward) > 0.0 && flat.cross(w).dot(face.outward) > 0.0;
+      const double fall = within ? length(flat) : std::max(u.dot(d), w.dot(d));
+      if (!(fall > steepest)) continue;
+      steepest = fall;
+      best = t;
+    }
+    // What is less than the rounding of the goal leads nowhere.
+    if (!(steepest > kTouching * length(d)))
+      return mean.dot(d) < 0.0 ? Outcome::standing : Outcome::leaving;
+    at_.triangle = best;
+    return std::nullopt;
+  }
+
+  static constexpr double kTouching = 1e-12;  // of a length: as good as on the edge
+
+  const MeshSurface& surface_;
+  const TriangleMesh& mesh_;
+  const Vec3& goal_;
+  Stand& at_;
+  std::array<Piece, kMostPieces> pieces_;
+  std::size_t count_ = 0;
+};
+
+bool have_common_corner(const Triangle& a, const Triangle& b) {
+  for (const std::uint32_t i : a)
+    for (const std::uint32_t j : b)
+      if (i == j) return true;
+  return false;
+}
+
+/// Does a way over triangles go through one that is no neighbour?
+bool is_barred(const MeshSurface& surface, std::int8_t sides, std::span<const Piece> pieces) {
+  Bounds box;
+  for (const Piece& piece : pieces) {
+    box.add(piece.from);
+    box.add(piece.to);
+  }
+  bool barred = false;
+  const auto& triangles = surface.mesh().triangles();
+  surface.tree().overlapping(box, [&](std::uint32_t t) {
+    for (const Piece& piece : pieces)
+      barred = barred || (t != piece.triangle && surface.crossing(t, piece.from, piece.to, sides) &&
+                          !have_common_corner(triangles[t], triangles[piece.triangle]));
+  });
+  return barred;
+}
+
+/// A plane that holds the proxy, a skin in front of its triangle.
+struct Held {
+  Face face;
+  std::uint32_t triangle;
+  std::int8_t side;
+};
+
+bool is_over(const Face& face, const Vec3& p) {
+  for (std::size_t k = 0; k < 3; ++k)
+    if (face.out_of(k).dot(p - face.corners[k]) > 0.0) return false;
+  return true;
+}
+
+/// In front of the triangle it stands on, and of the neighbours it touches.
+Vec3 lifted(const MeshSurface& surface, const Stand& stand) {
+  const Face face(surface, stand.triangle, stand.side);
+  Vec3 up = face.normal;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const std::uint32_t other = surface.mesh().neighbour(stand.triangle, static_cast<int>(k));
+    const Vec3 out = face.out_of(k);
+    if (other == TriangleMesh::kNone ||
+        out.dot(face.corners[k] - stand.point) > surface.skin() * length(out))
+      continue;
+    up += Face(surface, other, stand.side).normal;
+  }
+  return stand.point + surface.skin() * direction(up);
+}
+
+/// By rays and planes (Zilles & Salisbury), from a point in the open.
+void move_by_rays(const MeshSurface& surface, std::int8_t sides, const Vec3& goal, Stand& stand) {
+  const double skin = surface.skin();
+  std::array<std::optional<Held>, 3> held;
+  std::size_t count = 0;
+  Vec3 at = stand.point;
+  for (int round = 0; round < kMostRounds; ++round) {
+    std::array<HalfSpace, 3> spaces;
+    for (std::size_t i = 0; i < count; ++i)
+      spaces[i] = {held[i]->face.normal, held[i]->face.normal.dot(held[i]->face.corners[0]) + skin};
+    const Nearest aim = nearest_in({spaces.data(), count}, goal, 0.25 * skin);
+    if (!aim.found) break;
+    const auto hit = surface.first_crossing(at, aim.point, sides);
+    if (hit) {
+      const Face face(surface, hit->triangle, hit->side);
+      const Vec3 way = aim.point - at;
+      const double from = face.height(at), fall = -face.normal.dot(way);
+      at += std::clamp((from - skin) / fall, 0.0, hit->part) * way;
+      bool known = false;
+      for (std::size_t i = 0; i < count; ++i) known = known || held[i]->triangle == hit->triangle;
+      if (known || count == held.size()) break;  // held where it is
+      held[count++].emplace(Held{face, hit->triangle, hit->side});
+      continue;
+    }
+    at = aim.point;
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < count; ++i)
+      if (is_over(held[i]->face, at) && held[i]->face.height(goal) < skin) held[kept++] = held[i];
+    const bool done = kept == count;
+    count = kept;
+    if (done) break;
+  }
+  if (count == 0) {
+    stand = {.point = at, .triangle = 0, .side = 0, .on_face = false};
+    return;
+  }
+  const Held& first = *held[0];
+  stand = {.point = at, .triangle = first.triangle, .side = first.side, .on_face = false};
+  if (count > 1) return;
+  const double height = first.face.height(goal);
+  const Vec3 below = goal - height * first.face.normal;
+  if (height >= 0.0 || !is_over(first.face, below)) return;
+  stand.point = below;
+  stand.on_face = true;
+}
+
+}  // namespace
+
+void move_point(const MeshSurface& surface, std::int8_t sides, const Vec3& goal,
+                Stand& stand) noexcept {
+  if (stand.side == 0) {
+    const auto hit = surface.first_crossing(stand.point, goal, sides);
+    if (!hit) {
+      stand.point = goal;
+      return;
+    }
+    stand = {.point = stand.point + hit->part * (goal - stand.point),
+             .triangle = hit->triangle,
+             .side = hit->side,
+             .on_face = false};
+  }
+  Walk walk(surface, goal, stand);
+  for (int leg = 0; leg < kMostLegs; ++leg) {
+    const Stand before = stand;
+    Outcome outcome = walk.run();
+    if (is_barred(surface, sides, walk.pieces())) {
+      stand = before;
+      outcome = Outcome::crowded;
+    }
+    if (outcome == Outcome::going) continue;
+    if (outcome != Outcome::standing) {
+      stand.point = lifted(surface, stand);
+      move_by_rays(surface, sides, goal, stand);
+    }
+    return;
+  }
+}
+
+}  // namespace feltwire

@@ -1,0 +1,180 @@
+#pragma once
+// A tree of boxes: which of many things could be near. Embree builds it; what it answers are
+// candidates, never a decision.
+
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <vector>
+
+#include "core/types.hpp"
+
+namespace feltwire {
+
+/// From the least to the largest corner [m].
+struct Bounds {
+  Vec3 least = Vec3::Constant(std::numeric_limits<double>::infinity());
+  Vec3 most = Vec3::Constant(-std::numeric_limits<double>::infinity());
+
+  void add(const Vec3& p) {
+    least = least.cwiseMin(p);
+    most = most.cwiseMax(p);
+  }
+  Bounds grown(double by) const { return {least - Vec3::Constant(by), most + Vec3::Constant(by)}; }
+  bool overlaps(const Bounds& other) const {
+    return (least.array() <= other.most.array()).all() &&
+           (other.least.array() <= most.array()).all();
+  }
+};
+
+/// Immutable. Boxes are kept in float, rounded outwards, so no question misses a thing whose box
+/// (in double) answers it; some that do not may be visited. In what order is not said.
+class BoxTree {
+ public:
+  BoxTree() = default;
+  /// Thing i has boxes[i]; all finite, at most 2^30. Throws std::runtime_error where Embree cannot
+  /// build (no memory).
+  explicit BoxTree(std::span<const Bounds> boxes);
+
+  /// Visits every i whose box has a point in common with `box`.
+  template <class Visit>
+  void overlapping(const Bounds& box, Visit visit) const noexcept {
+    const FloatBox q(box);
+    descend([&](const Node& node, int child) { return overlaps(node, child, q); }, visit);
+  }
+
+  /// Visits every i whose box the way between two points could meet.
+  template <class Visit>
+  void along(const Vec3& from, const Vec3& to, Visit visit) const noexcept {
+    Bounds box;
+    box.add(from);
+    box.add(to);
+    const FloatBox q(box);
+    const Vec3 middle = 0.5 * (from + to), half = 0.5 * (to - from);
+    descend(
+        [&](const Node& node, int child) {
+          return overlaps(node, child, q) && !misses(node, child, middle, half);
+        },
+        visit);
+  }
+
+  /// Visits every i whose box is within the radius that `radius()` gives now [m]; it may shrink
+  /// between visits, nearer boxes come sooner.
+  template <class Radius, class Visit>
+  void within(const Vec3& center, Radius radius, Visit visit) const noexcept;
+
+  bool empty() const { return nodes_.empty(); }
+  std::size_t memory() const {
+    return nodes_.capacity() * sizeof(Node) + things_.capacity() * sizeof(std::uint32_t);
+  }
+
+ private:
+  static constexpr int kWidth = 4;
+  static constexpr int kMostOpen = 160;  // kWidth - 1 more a level, and no tree is that deep
+  static constexpr int kAxes = 3;
+
+  struct FloatBox {
+    explicit FloatBox(const Bounds& box);
+    std::array<float, kAxes> least, most;
+  };
+  /// Children in slots 0 ... kWidth - 1; an empty one has a box that nothing overlaps.
+  struct alignas(64) Node {
+    std::array<std::array<float, kWidth>, kAxes> least, most;  // [m]
+    std::array<std::uint32_t, kWidth> first;                   // node, or place in things_
+    std::array<std::uint32_t, kWidth> count;                   // 0: a node, else a leaf's things
+  };
+  struct Building;
+
+  static bool overlaps(const Node& node, int child, const FloatBox& q) {
+    const auto c = static_cast<std::size_t>(child);
+    return (node.least[0][c] <= q.most[0]) & (q.least[0] <= node.most[0][c]) &
+           (node.least[1][c] <= q.most[1]) & (q.least[1] <= node.most[1][c]) &
+           (node.least[2][c] <= q.most[2]) & (q.least[2] <= node.most[2][c]);
+  }
+  static double square_distance(const Node& node, std::size_t child, const Vec3& p) {
+    double sum = 0.0;
+    for (std::size_t axis = 0; axis < kAxes; ++axis) {
+      const double x = p[static_cast<Eigen::Index>(axis)];
+      const double below = static_cast<double>(node.least[axis][child]) - x;
+      const double above = x - static_cast<double>(node.most[axis][child]);
+      const double out = std::max(0.0, std::max(below, above));
+      sum += out * out;
+    }
+    return sum;
+  }
+
+  /// A line through the middle that passes beside the box: a plane through the line and an axis
+  /// separates them (the edge axes of the separating axis test).
+  static bool misses(const Node& node, int child, const Vec3& middle, const Vec3& half) {
+    constexpr double kRounding = 1e-14;  // of products of coordinates, generously
+    const auto c = static_cast<std::size_t>(child);
+    Vec3 to_line, extent;
+    for (std::size_t axis = 0; axis < kAxes; ++axis) {
+      const auto least = static_cast<double>(node.least[axis][c]);
+      const auto most = static_cast<double>(node.most[axis][c]);
+      to_line[static_cast<Eigen::Index>(axis)] =
+          middle[static_cast<Eigen::Index>(axis)] - 0.5 * (least + most);
+      extent[static_cast<Eigen::Index>(axis)] = 0.5 * (most - least);
+    }
+    const Vec3 way = half.cwiseAbs();
+    const double rounding = kRounding * (middle.cwiseAbs().maxCoeff() * way.maxCoeff());
+    const Vec3 apart = to_line.cross(half).cwiseAbs();
+    return apart.x() > extent.y() * way.z() + extent.z() * way.y() + rounding ||
+           apart.y() > extent.z() * way.x() + extent.x() * way.z() + rounding ||
+           apart.z() > extent.x() * way.y() + extent.y() * way.x() + rounding;
+  }
+
+  template <class Enter, class Visit>
+  void descend(Enter enter, Visit& visit) const noexcept {
+    if (nodes_.empty()) return;
+    std::array<std::uint32_t, kMostOpen> open;
+    int count = 0;
+    open[0] = 0;
+    count = 1;
+    while (count > 0) {
+      const Node& node = nodes_[open[static_cast<std::size_t>(--count)]];
+      for (int child = 0; child < kWidth; ++child) {
+        if (!enter(node, child)) continue;
+        const auto c = static_cast<std::size_t>(child);
+        if (node.count[c] == 0)
+          open[static_cast<std::size_t>(count++)] = node.first[c];
+        else
+          for (std::uint32_t i = 0; i < node.count[c]; ++i) visit(things_[node.first[c] + i]);
+      }
+    }
+  }
+
+  std::vector<Node> nodes_;
+  std::vector<std::uint32_t> things_;
+};
+
+template <class Radius, class Visit>
+void BoxTree::within(const Vec3& center, Radius radius, Visit visit) const noexcept {
+  struct Open {
+    double square;
+    std::uint32_t first, count;
+  };
+  if (nodes_.empty()) return;
+  std::array<Open, kMostOpen> open;
+  std::size_t count = 1;
+  open[0] = {0.0, 0, 0};
+  while (count > 0) {
+    const Open here = open[--count];
+    if (!(here.square <= radius() * radius())) continue;
+    for (std::uint32_t i = 0; i < here.count; ++i) visit(things_[here.first + i]);
+    if (here.count > 0) continue;
+    const Node& node = nodes_[here.first];
+    const std::size_t before = count;
+    for (std::size_t c = 0; c < kWidth; ++c) {
+      const Open child{square_distance(node, c, center), node.first[c], node.count[c]};
+      if (!(child.square <= radius() * radius())) continue;
+      std::size_t place = count++;  // the nearest last, so that it is taken first
+      for (; place > before && open[place - 1].square < child.square; --place)
+        open[place] = open[place - 1];
+      open[place] = child;
+    }
+  }
+}
+
+}  // namespace feltwire

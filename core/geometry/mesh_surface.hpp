@@ -1,0 +1,88 @@
+#pragma once
+// A triangle mesh with its tree: the questions that contact asks of it. All coordinates are
+// relative to the mesh's origin.
+
+#include <memory>
+#include <optional>
+
+#include "core/geometry/box_tree.hpp"
+#include "core/geometry/triangle_mesh.hpp"
+
+namespace feltwire {
+
+/// Roughness: the surface is waves of this length, cut into it, in directions all ways.
+struct Grain {
+  double amplitude = 0.0;   // [m] about the mean; 0: smooth
+  double wavelength = 1.0;  // [m]
+};
+
+struct MeshOptions {
+  bool double_sided = false;  // felt from both sides, whatever the normals say
+  bool smooth = false;        // the force's direction from normals interpolated between corners
+  double radius = 0.0;        // [m] of the ball that touches; 0: a point
+  Grain grain = {};
+};
+
+/// The point of a triangle that is nearest to p, and its weights on the corners.
+struct NearestOnTriangle {
+  Vec3 point = Vec3::Zero();
+  Vec3 weights = Vec3::Zero();  // >= 0, sum 1; zero where the point lies on an edge or a corner
+};
+NearestOnTriangle nearest_on_triangle(const std::array<Vec3, 3>& corners, const Vec3& p) noexcept;
+
+/// Where a movement first goes through a triangle.
+struct Crossing {
+  double part = 0.0;  // of the movement, 0 to 1
+  std::uint32_t triangle = 0;
+  std::int8_t side = 1;  // from which it came: 1 where the normal points
+};
+
+class MeshSurface {
+ public:
+  /// Throws as TriangleMesh does, and std::runtime_error where there is no memory for the tree.
+  explicit MeshSurface(TriangleMesh mesh, const MeshOptions& options = {});
+
+  const TriangleMesh& mesh() const { return mesh_; }
+  const BoxTree& tree() const { return tree_; }
+  const MeshOptions& options() const { return options_; }
+  /// [m] What a proxy stands off where it is held by triangles that do not know each other: below
+  /// what coordinates in single precision can tell apart at this size.
+  double skin() const { return skin_; }
+
+  /// Normals at the corners, unit, weighted by the angles round them; only of smooth surfaces.
+  const std::vector<Vec3>& normals() const { return normals_; }
+
+  /// Does this movement go through triangle t, from a side of `sides`? `part` says where. In the
+  /// plane is in front of one side; of both sides, it is reached, and no way begins there. Of two
+  /// triangles with a common edge no movement passes between.
+  std::optional<Crossing> crossing(std::uint32_t t, const Vec3& from, const Vec3& to,
+                                   std::int8_t sides) const noexcept;
+  /// The first of all; of equal ones that of the lowest index. sides: 1, -1, or 0 for both.
+  std::optional<Crossing> first_crossing(const Vec3& from, const Vec3& to,
+                                         std::int8_t sides) const noexcept;
+
+  struct NearestTriangle {
+    std::uint32_t triangle = 0;
+    Vec3 point = Vec3::Zero();
+    Vec3 weights = Vec3::Zero();
+    double distance = std::numeric_limits<double>::infinity();  // [m]
+  };
+  /// The nearest within `most` [m]; its distance is infinite when there is none.
+  NearestTriangle nearest(const Vec3& p, double most) const noexcept;
+  /// On which side of the surface a point lies whose nearest point is this: > 0 outside, by the
+  /// normal of face, edge or corner, the last weighted by angle (Baerentzen & Aanaes 2005).
+  double side_of(const Vec3& p, const NearestTriangle& nearest) const noexcept;
+
+  std::size_t memory() const;  // [bytes]
+
+ private:
+  Vec3 corner_normal(std::uint32_t vertex) const noexcept;
+
+  TriangleMesh mesh_;
+  MeshOptions options_;
+  BoxTree tree_;
+  std::vector<Vec3> normals_;
+  double skin_ = 0.0;
+};
+
+}  // namespace feltwire

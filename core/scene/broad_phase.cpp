@@ -1,0 +1,60 @@
+#include "core/scene/broad_phase.hpp"
+
+#include <optional>
+
+#include "core/geometry/mesh_surface.hpp"
+
+namespace feltwire {
+namespace {
+
+/// Of a box in the object's frame, about its middle.
+struct OwnBox {
+  Vec3 middle = Vec3::Zero(), half = Vec3::Zero();  // [m]
+};
+
+std::optional<OwnBox> own_box(const Object& object) {
+  // Felt from inside, all that is beyond the walls is solid.
+  if (object.felt_from == Side::inside) return std::nullopt;
+  if (const auto* sphere = std::get_if<Sphere>(&object.shape))
+    return OwnBox{Vec3::Zero(), Vec3::Constant(sphere->radius)};
+  if (const auto* box = std::get_if<Box>(&object.shape))
+    return OwnBox{Vec3::Zero(), box->half_extents};
+  if (const auto* c = std::get_if<Capsule>(&object.shape))
+    return OwnBox{Vec3::Zero(), {c->radius, c->radius, c->half_length + c->radius}};
+  if (const auto* c = std::get_if<Cylinder>(&object.shape))
+    return OwnBox{Vec3::Zero(), {c->radius, c->radius, c->half_length}};
+  if (const auto* mesh = std::get_if<Mesh>(&object.shape)) {
+    const TriangleMesh& triangles = mesh->surface->mesh();
+    return OwnBox{triangles.origin(),
+                  triangles.half_extents() + Vec3::Constant(mesh->surface->options().radius)};
+  }
+  return std::nullopt;
+}
+
+Bounds world_box(const Object& object, const OwnBox& own) {
+  constexpr double kRounding = 1e-12;  // of the coordinates, generously
+  const Mat3 to_world = object.pose.orientation.toRotationMatrix();
+  const Vec3 middle = object.pose.position + to_world * own.middle;
+  const Vec3 half = to_world.cwiseAbs() * own.half;
+  const double more = kRounding * (object.pose.position.norm() + own.middle.norm() + half.norm());
+  return Bounds{middle - half, middle + half}.grown(more);
+}
+
+}  // namespace
+
+BroadPhase::BroadPhase(std::span<const Object> objects) {
+  if (objects.size() < kFew) return;
+  std::vector<Bounds> boxes;
+  for (std::uint32_t i = 0; i < objects.size(); ++i) {
+    const auto own = own_box(objects[i]);
+    if (!own) {
+      everywhere_.push_back(i);
+      continue;
+    }
+    bounded_.push_back(i);
+    boxes.push_back(world_box(objects[i], *own));
+  }
+  tree_ = BoxTree(boxes);
+}
+
+}  // namespace feltwire

@@ -1,0 +1,109 @@
+#include "core/scene/load_mesh.hpp"
+
+#include <array>
+#include <cmath>
+#include <new>
+#include <optional>
+#include <stdexcept>
+#include <utility>
+
+#include "core/geometry/mesh_file.hpp"
+#include "core/geometry/mesh_surface.hpp"
+#include "core/scene/rules.hpp"
+#include "core/scene/scene_generated.h"
+
+namespace feltwire {
+namespace {
+
+struct Unit {
+  const char* name;
+  double metres;
+};
+constexpr std::array<Unit, 6> kUnits = {
+    {{"m", 1.0}, {"cm", 1e-2}, {"mm", 1e-3}, {"um", 1e-6}, {"in", 0.0254}, {"ft", 0.3048}}};
+
+double scale_of(const JsonDocument& document, const std::string& path,
+                const scene_file::Mesh& mesh) {
+  const bool scaled = !std::isnan(mesh.scale());
+  if (scaled == (mesh.unit() != nullptr))
+    document.fail(path + (scaled ? ".unit" : ".scale"),
+                  "give either scale [m per unit of the file] or unit (m, cm, mm, um, in, ft)");
+  if (scaled) {
+    if (!(mesh.scale() > 0.0 && mesh.scale() <= kMaxLength))
+      document.fail(path + ".scale", "must be above zero and at most " + number_text(kMaxLength) +
+                                         ", is " + number_text(mesh.scale()) + "; check the unit");
+    return mesh.scale();
+  }
+  for (const Unit& unit : kUnits)
+    if (mesh.unit()->str() == unit.name) return unit.metres;
+  document.fail(path + ".unit",
+                "must be one of: m, cm, mm, um, in, ft; is '" + mesh.unit()->str() + "'");
+}
+
+MeshOptions options_of(const JsonDocument& document, const std::string& path,
+                       const scene_file::Mesh& mesh) {
+  MeshOptions options{.double_sided = mesh.double_sided(),
+                      .smooth = mesh.smooth(),
+                      .radius = mesh.radius(),
+                      .grain = {}};
+  if (!(options.radius >= 0.0 && options.radius <= kMaxLength))
+    document.fail(path + ".radius",
+                  "must be at least zero [m], is " + number_text(options.radius) + "; correct it");
+  if (const auto* grain = mesh.grain()) {
+    options.grain = {grain->amplitude(), grain->wavelength()};
+    for (const auto& [field, value] : {std::pair("amplitude", options.grain.amplitude),
+                                       std::pair("wavelength", options.grain.wavelength)})
+      if (!(value > 0.0 && value <= kMaxLength))
+        document.fail(path + ".grain." + field,
+                      "must be above zero [m], is " + number_text(value) + "; correct it");
+  }
+  return options;
+}
+
+}  // namespace
+
+Mesh MeshLoader::load(const std::string& path, const scene_file::Mesh& mesh) {
+  const double scale = scale_of(document_, path, mesh);
+  const MeshOptions options = options_of(document_, path, mesh);
+  const std::string name = mesh.file()->str();
+  if (name.empty() || name.find('\0') != std::string::npos)
+    document_.fail(path + ".file", "names no file; give the path of an .obj, .stl or .ply file");
+  const std::string key = name + '\n' + number_text(scale) + '\n' + number_text(options.radius) +
+                          (options.double_sided ? "d" : "s") + (options.smooth ? "i" : "f") +
+                          (mesh.closed() ? "c" : "o") + number_text(options.grain.amplitude) + "/" +
+                          number_text(options.grain.wavelength);
+  if (const auto at = known_.find(key); at != known_.end()) return at->second;
+  try {
+    TriangleMesh triangles(read_mesh(folder_ / name, scale));
+    const MeshReport& report = triangles.report();
+    if (mesh.closed() && !report.closed())
+      document_.fail(
+          path + ".closed",
+          name + " is not closed: " + std::to_string(report.boundary_edges) + " open edges, " +
+              std::to_string(report.non_manifold_edges) + " with more than two triangles, " +
+              std::to_string(report.turned_edges) +
+              " between triangles turned against each other; mend it, or leave closed out");
+    for (const std::string& warning : feltwire::warnings(report, !options.double_sided))
+      warnings_.push_back(name + ": " + warning);
+    if (report.closed() && report.volume < 0.0 && !options.double_sided) {
+      triangles.turn();
+      warnings_.push_back(name + ": its normals look inwards; the surface was turned");
+    }
+    Mesh made{std::make_shared<MeshSurface>(std::move(triangles), options)};
+    if (const auto broken = broken_rule(Shape(made)))
+      document_.fail(path + "." + broken->field, broken->message);
+    known_.emplace(key, made);
+    return made;
+  } catch (const FileError& error) {
+    // Those of the mesh file name it and its line already.
+    if (std::string(error.what()).starts_with((folder_ / name).string()))
+      document_.fail(path + ".file", error.what());
+    throw;
+  } catch (const std::bad_alloc&) {
+    document_.fail(path + ".file", name + " does not fit into the memory; simplify the surface");
+  } catch (const std::exception& error) {
+    document_.fail(path + ".file", name + ": " + error.what());
+  }
+}
+
+}  // namespace feltwire

@@ -1,0 +1,222 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <random>
+
+#include "core/contact/mesh_contact.hpp"
+#include "core/geometry/mesh_file.hpp"
+#include "core/scene/near.hpp"
+#include "core/scene/scene.hpp"
+#include "tests/core/support.hpp"
+#include "tests/support/allocation_counter.hpp"
+#include "tests/support/meshes.hpp"
+
+namespace feltwire {
+namespace {
+
+using testing::AllOf;
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+/// A folder of its own for the files of a test.
+class LoadMesh : public testing::Test {
+ protected:
+  LoadMesh()
+      : folder_(std::filesystem::temp_directory_path() /
+                ("feltwire_" + std::to_string(std::random_device{}()))) {
+    std::filesystem::create_directory(folder_);
+  }
+  ~LoadMesh() override { std::filesystem::remove_all(folder_); }
+
+  void write(const std::string& name, const std::string& bytes) {
+    std::ofstream(folder_ / name, std::ios::binary) << bytes;
+  }
+  Scene scene(const std::string& mesh, const std::string& more = "") {
+    return parse_scene(R"({"name": "s", "materials": [{"name": "m", "stiffness": 1000}],
+  "objects": [{"name": "o", "material": "m",
+    "mesh": {)" + mesh + "}" +
+                           more + "}]}",
+                       (folder_ / "s.json").string());
+  }
+  std::string error_of(const std::string& mesh) {
+    try {
+      scene(mesh);
+    } catch (const FileError& error) {
+      return error.what();
+    }
+    return "no error";
+  }
+
+  std::filesystem::path folder_;
+};
+
+TEST_F(LoadMesh, UnitAndScaleSayHowLargeItIs) {
+  write("ball.obj", obj_text(test::icosphere(50.0, 3)));
+  for (const std::string size : {R"("unit": "mm")", R"("scale": 0.001)"}) {
+    const Scene s = scene(R"("file": "ball.obj", )" + size, R"(, "position": [1, 0, 0])");
+    TouchMemory memory = s.memory();
+    s.touch({Vec3(1, 0, 0.06), Vec3::Zero()}, memory);
+    EXPECT_NEAR(s.touch({Vec3(1, 0, 0.048), Vec3::Zero()}, memory).elastic.z(), 2.0, 0.2);
+    EXPECT_TRUE(s.warnings().empty());
+  }
+}
+
+TEST_F(LoadMesh, WrongFieldsAreNamedWithTheRemedy) {
+  write("ball.obj", obj_text(test::icosphere(50.0, 1)));
+  write("sheet.obj", obj_text(test::sheet(1.0)));
+  write("torn.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n");
+  write("flat.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n");
+  write("empty.obj", "");
+  const std::string ball = R"("file": "ball.obj", )";
+  EXPECT_THAT(error_of(R"("file": "ball.obj")"),
+              AllOf(HasSubstr("s.json:3: objects[0].mesh.scale"), HasSubstr("give either scale")));
+  EXPECT_THAT(error_of(ball + R"("scale": 1, "unit": "m")"),
+              HasSubstr("objects[0].mesh.unit: give either"));
+  EXPECT_THAT(error_of(ball + R"("unit": "parsec")"),
+              HasSubstr("must be one of: m, cm, mm, um, in, ft; is 'parsec'"));
+  EXPECT_THAT(error_of(ball + R"("scale": -1)"), HasSubstr("mesh.scale: must be above zero"));
+  EXPECT_THAT(error_of(ball + R"("scale": 1e5)"), HasSubstr("check the unit"));
+  EXPECT_THAT(error_of(ball + R"("unit": "m", "radius": -1)"), HasSubstr("mesh.radius"));
+  EXPECT_THAT(error_of(ball + R"("unit": "m", "grain": {"amplitude": 1e-4})"),
+              HasSubstr("mesh.grain.wavelength"));
+  EXPECT_THAT(error_of(ball + R"("unit": "m", "colour": 1)"), HasSubstr("is no field here"));
+  EXPECT_THAT(error_of(R"("file": "none.obj", "unit": "m")"),
+              AllOf(HasSubstr("objects[0].mesh.file"),
+                    HasSubstr("none.obj: cannot be read; check the path")));
+  EXPECT_THAT(error_of(R"("file": ".", "unit": "m")"), HasSubstr("objects[0].mesh.file"));
+  EXPECT_THAT(error_of(R"("file": "", "unit": "m")"), HasSubstr("names no file"));
+  EXPECT_THAT(error_of(R"("file": "torn.obj", "unit": "m")"),
+              HasSubstr("torn.obj:4: face: vertex 9 does not exist"));
+  EXPECT_THAT(error_of(R"("file": "flat.obj", "unit": "m")"),
+              HasSubstr("none with an area is left"));
+  EXPECT_THAT(error_of(R"("file": "empty.obj", "unit": "m")"),
+              HasSubstr("there is no triangle in it"));
+  EXPECT_THAT(error_of(R"("file": "sheet.obj", "unit": "m", "closed": true)"),
+              HasSubstr("sheet.obj is not closed: 4 open edges"));
+}
+
+TEST_F(LoadMesh, WhatIsStrangeButCanBeTouchedIsSaid) {
+  TriangleSoup soup = test::icosphere(0.05, 3);
+  for (Triangle& t : soup.triangles) std::swap(t[0], t[1]);
+  soup.triangles.push_back(soup.triangles[0]);
+  soup.triangles.push_back({0, 0, 1});
+  write("inward.obj", obj_text(soup));
+  const Scene s = scene(R"("file": "inward.obj", "unit": "m", "closed": true)");
+  EXPECT_THAT(s.warnings(), ElementsAre(HasSubstr("1 triangles have no area"),
+                                        HasSubstr("1 triangles stand twice"),
+                                        HasSubstr("the surface was turned")));
+  TouchMemory memory = s.memory();
+  s.touch({Vec3(0, 0, 0.06), Vec3::Zero()}, memory);
+  EXPECT_NEAR(s.touch({Vec3(0, 0, 0.048), Vec3::Zero()}, memory).elastic.z(), 2.0, 0.2);
+
+  write("sheet.obj", obj_text(test::sheet(0.1)));
+  EXPECT_THAT(scene(R"("file": "sheet.obj", "unit": "m")").warnings(),
+              ElementsAre(HasSubstr("the surface has holes")));
+  EXPECT_TRUE(
+      scene(R"("file": "sheet.obj", "unit": "m", "double_sided": true)").warnings().empty());
+}
+
+TEST_F(LoadMesh, AFileOfManyObjectsIsReadOnce) {
+  write("ball.obj", obj_text(test::icosphere(0.05, 2)));
+  std::string objects;
+  for (int i = 0; i < 20; ++i)
+    objects +=
+        (i ? ", " : "") + (R"({"name": "o)" + std::to_string(i) +
+                           R"(", "material": "m", "mesh": {"file": "ball.obj", "unit": "m"}})");
+  const Scene s =
+      parse_scene(R"({"name": "s", "materials": [{"name": "m", "stiffness": 1000}], "objects": [)" +
+                      objects + "]}",
+                  (folder_ / "s.json").string());
+  for (const Object& o : s.objects())
+    EXPECT_EQ(std::get<Mesh>(o.shape).surface, std::get<Mesh>(s.objects()[0].shape).surface);
+}
+
+TEST_F(LoadMesh, AModelEndsWhereAMeshBegins) {
+  write("ball.obj", obj_text(test::icosphere(0.05, 3)));
+  const Scene s = scene(R"("file": "ball.obj", "unit": "m")");
+  EXPECT_NEAR(local_model(s, Vec3(0.08, 0, 0), s.memory()).reach, 0.03, 1e-3);
+  EXPECT_NEAR(local_model(s, Vec3(0.5, 0, 0), s.memory()).reach, kModelReach, 1e-12);
+}
+
+TEST(BunnyScene, IsTouchedWhereItsStartSays) {
+  const Scene s = load_scene(FELTWIRE_SOURCE_DIR "/scenes/bunny.json");
+  TouchMemory memory = s.memory();
+  const Vec3 p = s.start().position, n = s.start().normal;
+  EXPECT_EQ(s.touch({p + 0.01 * n, Vec3::Zero()}, memory), Command{});
+  EXPECT_EQ(s.touch({p + 0.0005 * n, Vec3::Zero()}, memory), Command{});
+  const Command c = s.touch({p - 0.002 * n, Vec3::Zero()}, memory);
+  EXPECT_NEAR(c.elastic.norm(), 1.6, 0.3);
+  EXPECT_LT(test::angle(c.elastic, n), 0.3);
+}
+
+std::vector<Object> crowd(int count) {
+  const auto mesh = std::make_shared<MeshSurface>(TriangleMesh(test::icosphere(0.03, 2)));
+  test::Random random(4);
+  std::vector<Object> objects;
+  for (int i = 0; i < count; ++i) {
+    Object o;
+    o.name = "o" + std::to_string(i);
+    o.pose.position =
+        Vec3(random.uniform(-0.3, 0.3), random.uniform(-0.3, 0.3), random.uniform(-0.3, 0.3));
+    o.pose.orientation = Quaternion(Eigen::AngleAxisd(random.uniform(0, 3), random.direction()));
+    o.material.static_friction = 0.3;
+    const std::array<Shape, 5> shapes = {Shape(Mesh{mesh}), Sphere{0.02},
+                                         Box{Vec3(0.02, 0.01, 0.03)}, Capsule{0.01, 0.02},
+                                         Cylinder{0.02, 0.01}};
+    o.shape = shapes[static_cast<std::size_t>(i) % shapes.size()];
+    objects.push_back(o);
+  }
+  objects[3].shape = Plane{};
+  objects[3].pose.position = Vec3(0, 0, -0.25);
+  objects[5].shape = Box{Vec3(0.32, 0.32, 0.32)};
+  objects[5].pose = {};
+  objects[5].felt_from = Side::inside;
+  return objects;
+}
+
+// Through a crowd with a tree, and object by object: the same force to the last bit.
+TEST(BroadPhase, ACrowdIsFeltAsItIsOneByOne) {
+  const Scene scene("crowd", crowd(400));
+  for (const double step : {0.002, 0.01}) {
+    TouchMemory memory = scene.memory();
+    std::vector<ContactMemory> one_by_one(scene.objects().size());
+    test::Random random(7);
+    Vec3 p(0.31, 0.31, 0.31), v = Vec3::Zero();
+    int touched = 0;
+    for (int n = 0; n < 4000; ++n) {
+      v = 0.95 * v + 0.3 * step * random.direction() - 0.02 * step * p / 0.3;
+      p += v;
+      const Tool tool{p, Vec3::Zero()};
+      const Command found = scene.touch(tool, memory);
+      Command sum;
+      for (std::size_t i = 0; i < one_by_one.size(); ++i) {
+        const Command part = touch(scene.objects()[i], tool, one_by_one[i]);
+        sum.elastic += part.elastic;
+        sum.frictional += part.frictional;
+      }
+      ASSERT_EQ(found, sum) << step << " " << n;
+      touched += sum.elastic.norm() > 0.0;
+    }
+    EXPECT_GT(touched, 200);
+  }
+}
+
+TEST(BroadPhase, TenThousandObjectsLoadAndNoTouchAllocates) {
+  const Scene scene("crowd", crowd(10000));
+  TouchMemory memory = scene.memory();
+  const std::size_t before = test::allocations();
+  double felt = 0.0;
+  for (int n = 0; n < 2000; ++n)
+    felt +=
+        scene
+            .touch({Vec3(0.3 * std::sin(0.01 * n), 0.3 * std::cos(0.013 * n), 0.0), Vec3::Zero()},
+                   memory)
+            .elastic.norm();
+  EXPECT_GT(felt, 0.0);
+  EXPECT_EQ(test::allocations(), before);
+}
+
+}  // namespace
+}  // namespace feltwire
