@@ -5,17 +5,12 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
-#include <stdexcept>
 #include <string>
 #include <string_view>
 
-namespace feltwire {
+#include "core/file_error.hpp"
 
-/// A file that cannot be used: what() reads "file:line: field: what is wrong; remedy".
-class FileError : public std::runtime_error {
- public:
-  using std::runtime_error::runtime_error;
-};
+namespace feltwire {
 
 /// The file's whole text; throws FileError when it cannot be read.
 std::string read_text(const std::filesystem::path& file);

@@ -1,0 +1,201 @@
+#include "core/geometry/mesh_file.hpp"
+
+#include <bit>
+#include <cctype>
+#include <cstring>
+#include <fstream>
+#include <limits>
+
+#include "core/geometry/mesh_text.hpp"
+
+namespace feltwire {
+namespace {
+
+using mesh_text::Words;
+
+constexpr std::size_t kMostVertices = std::numeric_limits<std::uint32_t>::max() - 1;
+
+/// What of an OBJ file is no surface: appearance, grouping, free-form curves' names.
+bool is_no_surface(std::string_view word) {
+  for (const std::string_view known :
+       {"vt", "vn", "vp", "g", "o", "s", "usemtl", "mtllib", "l", "p", "mg", "lod", "bevel",
+        "c_interp", "d_interp", "shadow_obj", "trace_obj", "maplib", "usemap"})
+    if (word == known) return true;
+  return false;
+}
+
+/// "7", "7/1", "7//3", "-1": the vertex, counted from 1, or back from the last.
+std::uint32_t obj_index(const Words& words, std::string_view word, std::size_t vertices) {
+  const long long index = words.whole(word.substr(0, word.find('/')), "face");
+  const auto count = static_cast<long long>(vertices);
+  if (index == 0 || index > count || index < -count)
+    words.fail("face: vertex " + std::to_string(index) + " does not exist, there are " +
+               std::to_string(count) + " so far; export the surface anew");
+  return static_cast<std::uint32_t>(index > 0 ? index - 1 : count + index);
+}
+
+bool is_text_stl(std::string_view bytes) {
+  // A binary file may begin with "solid" too; what its length says is surer than any word.
+  constexpr std::size_t kHeader = 84, kRecord = 50, kCountAt = 80;
+  if (bytes.size() >= kHeader) {
+    std::uint32_t count = 0;
+    std::memcpy(&count, bytes.data() + kCountAt, sizeof count);
+    if (bytes.size() == kHeader + kRecord * std::size_t{count}) return false;
+  }
+  return bytes.substr(0, 5) == "solid";
+}
+
+TriangleSoup parse_binary_stl(std::string_view bytes, const std::string& name) {
+  static_assert(std::endian::native == std::endian::little);
+  constexpr std::size_t kHeader = 84, kRecord = 50, kCountAt = 80, kNormal = 12, kPoint = 12;
+  if (bytes.size() < kHeader)
+    throw FileError(name + ": byte " + std::to_string(bytes.size()) +
+                    ": the file ends within its header; it is no STL file, or was cut short");
+  std::uint32_t count = 0;
+  std::memcpy(&count, bytes.data() + kCountAt, sizeof count);
+  if (bytes.size() < kHeader + kRecord * std::size_t{count})
+    throw FileError(name + ": byte " + std::to_string(bytes.size()) +
+                    ": the file ends before its " + std::to_string(count) +
+                    " triangles do; it was cut short, copy it anew");
+  TriangleSoup soup;
+  soup.vertices.reserve(3 * std::size_t{count});
+  soup.triangles.reserve(count);
+  for (std::size_t t = 0; t < count; ++t) {
+    const std::size_t record = kHeader + kRecord * t + kNormal;
+    const auto first = static_cast<std::uint32_t>(soup.vertices.size());
+    for (std::size_t corner = 0; corner < 3; ++corner) {
+      std::array<float, 3> v{};
+      std::memcpy(v.data(), bytes.data() + record + kPoint * corner, sizeof v);
+      soup.vertices.emplace_back(v[0], v[1], v[2]);
+      if (!soup.vertices.back().allFinite())
+        throw FileError(name + ": byte " + std::to_string(record + kPoint * corner) +
+                        ": vertex: is not finite; export the surface anew");
+    }
+    soup.triangles.push_back({first, first + 1, first + 2});
+  }
+  return soup;
+}
+
+TriangleSoup parse_text_stl(std::string_view bytes, const std::string& name) {
+  TriangleSoup soup;
+  Words words(bytes, name);
+  std::vector<std::uint32_t> loop;
+  bool in_loop = false;
+  while (words.next_line()) {
+    const std::string_view word = words.word();
+    if (word == "vertex") {
+      if (!in_loop) words.fail("vertex: stands outside of a loop; export the surface anew");
+      loop.push_back(static_cast<std::uint32_t>(soup.vertices.size()));
+      soup.vertices.push_back(words.vector("vertex"));
+    } else if (word == "outer") {
+      if (in_loop) words.fail("outer loop: the loop before it has no end; export it anew");
+      loop.clear();
+      in_loop = true;
+    } else if (word == "endloop") {
+      if (!in_loop || loop.size() < 3)
+        words.fail("endloop: a face needs three vertices, has " + std::to_string(loop.size()) +
+                   "; export the surface anew");
+      mesh_text::add_fan(loop, soup.triangles);
+      in_loop = false;
+    } else if (word != "solid" && word != "facet" && word != "endfacet" && word != "endsolid") {
+      words.fail(Words::shown(word) + ": is no word of an STL file; export the surface anew");
+    }
+  }
+  if (in_loop) words.fail("the file ends within a face; it was cut short, copy it anew");
+  return soup;
+}
+
+std::string ending(const std::string& name) {
+  std::string end = std::filesystem::path(name).extension().string();
+  for (char& c : end) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return end;
+}
+
+}  // namespace
+
+TriangleSoup parse_obj(std::string_view bytes, const std::string& name) {
+  TriangleSoup soup;
+  Words words(bytes, name);
+  std::vector<std::uint32_t> corners;
+  while (words.next_line()) {
+    if (words.rest().front() == '#') continue;
+    const std::string_view word = words.word();
+    if (word == "v") {
+      if (soup.vertices.size() >= kMostVertices) words.fail("v: too many vertices; simplify it");
+      soup.vertices.push_back(words.vector("v"));  // a weight or a colour may follow
+    } else if (word == "f") {
+      corners.clear();
+      while (!words.line_ended() && words.rest().front() != '#')
+        corners.push_back(obj_index(words, words.word(), soup.vertices.size()));
+      if (corners.size() < 3)
+        words.fail("f: a face needs three vertices, has " + std::to_string(corners.size()) +
+                   "; export the surface anew");
+      mesh_text::add_fan(corners, soup.triangles);
+    } else if (!is_no_surface(word)) {
+      words.fail(Words::shown(word) +
+                 ": is nothing that can be touched; export triangles or polygons only");
+    }
+  }
+  return soup;
+}
+
+TriangleSoup parse_stl(std::string_view bytes, const std::string& name) {
+  return is_text_stl(bytes) ? parse_text_stl(bytes, name) : parse_binary_stl(bytes, name);
+}
+
+TriangleSoup parse_mesh(std::string_view bytes, const std::string& name, double scale) {
+  const std::string format = ending(name);
+  TriangleSoup soup;
+  if (format == ".obj")
+    soup = parse_obj(bytes, name);
+  else if (format == ".stl")
+    soup = parse_stl(bytes, name);
+  else if (format == ".ply")
+    soup = parse_ply(bytes, name);
+  else
+    throw FileError(name + ": is no mesh file by its ending; give .obj, .stl or .ply");
+  if (soup.triangles.empty())
+    throw FileError(name + ": there is no triangle in it; give a surface");
+  for (Vec3& v : soup.vertices) {
+    v *= scale;
+    if (!v.allFinite())
+      throw FileError(name + ": a coordinate is too large for its unit; check scale or unit");
+  }
+  return soup;
+}
+
+TriangleSoup read_mesh(const std::filesystem::path& file, double scale) {
+  std::error_code error;
+  const auto size = std::filesystem::file_size(file, error);
+  std::ifstream in(file, std::ios::binary);
+  if (error || !in)
+    throw FileError(file.string() +
+                    ": cannot be read; check the path, it is relative to the "
+                    "scene's file");
+  std::string bytes(size, '\0');
+  in.read(bytes.data(), static_cast<std::streamsize>(size));
+  bytes.resize(static_cast<std::size_t>(in.gcount()));
+  return parse_mesh(bytes, file.string(), scale);
+}
+
+std::string obj_text(const TriangleSoup& soup) {
+  std::string out;
+  const auto number = [&](auto value) {
+    std::array<char, 32> text{};
+    out += ' ';
+    out.append(text.data(), std::to_chars(text.data(), text.data() + text.size(), value).ptr);
+  };
+  for (const Vec3& v : soup.vertices) {
+    out += 'v';
+    for (const double x : v) number(x);
+    out += '\n';
+  }
+  for (const Triangle& t : soup.triangles) {
+    out += 'f';
+    for (const std::uint32_t i : t) number(i + 1);
+    out += '\n';
+  }
+  return out;
+}
+
+}  // namespace feltwire

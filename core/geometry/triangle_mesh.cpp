@@ -1,0 +1,248 @@
+#include "core/geometry/triangle_mesh.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+#include <utility>
+
+#include "core/numeric.hpp"
+#include "core/splitmix.hpp"
+
+namespace feltwire {
+namespace {
+
+constexpr std::size_t kMostTriangles = std::size_t{1} << 30;
+constexpr int kSides = 3;
+
+std::size_t after(std::size_t k) { return k == 2 ? 0 : k + 1; }
+
+/// Relative height under which the direction of a triangle is only rounding. Its corners are exact,
+/// their differences have half a unit in the last place.
+constexpr double kFlat = 8.0 * std::numeric_limits<double>::epsilon();
+
+bool degenerate(const std::array<Vec3, 3>& c) {
+  const Vec3 a = c[1] - c[0], b = c[2] - c[0], o = c[2] - c[1];
+  const double longest =
+      std::max({a.cwiseAbs().maxCoeff(), b.cwiseAbs().maxCoeff(), o.cwiseAbs().maxCoeff()});  // [m]
+  if (!(longest > 0.0)) return true;
+  return !((a / longest).cross(b / longest).norm() > kFlat);
+}
+
+std::uint64_t place_hash(const Vec3& v) {
+  std::uint64_t h = 0;
+  for (const double x : v) h = splitmix::mix(h ^ std::bit_cast<std::uint64_t>(x + 0.0));  // -0 is 0
+  return h;
+}
+
+/// Open addressing over the vertices met so far.
+class Places {
+ public:
+  explicit Places(std::size_t most) : slots_(std::bit_ceil(2 * most + 1), kEmpty) {}
+
+  /// The index of a vertex at exactly this place, `next` if there is none yet.
+  std::uint32_t find_or_add(const Vec3& v, const std::vector<Vec3>& known, std::uint32_t next) {
+    std::size_t slot = place_hash(v) & (slots_.size() - 1);
+    for (; slots_[slot] != kEmpty; slot = (slot + 1) & (slots_.size() - 1))
+      if (known[slots_[slot]] == v) return slots_[slot];
+    slots_[slot] = next;
+    return next;
+  }
+
+ private:
+  static constexpr std::uint32_t kEmpty = 0xFFFFFFFF;
+  std::vector<std::uint32_t> slots_;
+};
+
+void require_whole(const TriangleSoup& soup) {
+  if (soup.triangles.size() > kMostTriangles || soup.vertices.size() > 3 * kMostTriangles)
+    throw std::invalid_argument("mesh: triangles: must be at most 2^30, are " +
+                                std::to_string(soup.triangles.size()) + "; simplify the surface");
+  for (const Vec3& v : soup.vertices)
+    if (!v.allFinite())
+      throw std::invalid_argument(
+          "mesh: vertices: must be finite, one is not; export the surface anew");
+  for (const Triangle& t : soup.triangles)
+    for (const std::uint32_t i : t)
+      if (i >= soup.vertices.size())
+        throw std::invalid_argument("mesh: triangles: index " + std::to_string(i) +
+                                    " has no vertex, there are " +
+                                    std::to_string(soup.vertices.size()) + "; correct the index");
+}
+
+Triangle sorted(Triangle t) {
+  std::sort(t.begin(), t.end());
+  return t;
+}
+
+}  // namespace
+
+Vec3 triangle_normal(const std::array<Vec3, 3>& c) noexcept {
+  // Across the two sides that meet at the widest angle, the ones opposite the longest: least
+  // cancels there.
+  const std::array<Vec3, 3> side = {c[1] - c[0], c[2] - c[1], c[0] - c[2]};
+  const std::array<double, 3> square = {side[0].squaredNorm(), side[1].squaredNorm(),
+                                        side[2].squaredNorm()};
+  const std::size_t longest =
+      static_cast<std::size_t>(std::max_element(square.begin(), square.end()) - square.begin());
+  const Vec3& a = side[after(longest)];
+  const Vec3& b = side[after(after(longest))];
+  const Vec3 normal = a.cross(b);
+  const double squared = normal.squaredNorm();
+  if (is_plain_square(squared)) [[likely]]
+    return normal / std::sqrt(squared);
+  return direction(Vec3(direction(a).cross(direction(b))));
+}
+
+TriangleMesh::TriangleMesh(const TriangleSoup& soup) {
+  require_whole(soup);
+  weld(soup);
+  if (triangles_.empty())
+    throw std::invalid_argument("mesh: triangles: none with an area is left of " +
+                                std::to_string(soup.triangles.size()) + "; give a surface");
+  index_vertices();
+  drop_duplicates();
+  find_neighbours();
+  report_.volume = volume();
+}
+
+void TriangleMesh::weld(const TriangleSoup& soup) {
+  Places places(soup.vertices.size());
+  std::vector<Vec3> known;
+  known.reserve(soup.vertices.size());
+  std::vector<std::uint32_t> renamed;
+  renamed.reserve(soup.vertices.size());
+  for (const Vec3& v : soup.vertices) {
+    const auto next = static_cast<std::uint32_t>(known.size());
+    renamed.push_back(places.find_or_add(v, known, next));
+    if (renamed.back() == next) known.push_back(v);
+  }
+  report_.welded = soup.vertices.size() - known.size();
+
+  std::vector<bool> used(known.size());
+  triangles_.reserve(soup.triangles.size());
+  for (const Triangle& t : soup.triangles) {
+    const Triangle named = {renamed[t[0]], renamed[t[1]], renamed[t[2]]};
+    if (degenerate({known[named[0]], known[named[1]], known[named[2]]})) {
+      ++report_.degenerate;
+      continue;
+    }
+    for (const std::uint32_t i : named) used[i] = true;
+    triangles_.push_back(named);
+  }
+
+  // Vertices of no triangle are no part of the surface, nor of its size.
+  Vec3 least = Vec3::Constant(std::numeric_limits<double>::infinity()), most = -least;
+  std::vector<std::uint32_t> place(known.size(), kNone);
+  for (std::size_t i = 0; i < known.size(); ++i) {
+    if (!used[i]) continue;
+    least = least.cwiseMin(known[i]);
+    most = most.cwiseMax(known[i]);
+    place[i] = static_cast<std::uint32_t>(vertices_.size());
+    vertices_.push_back(known[i]);
+  }
+  if (vertices_.empty()) return;
+  for (Triangle& t : triangles_)
+    for (std::uint32_t& i : t) i = place[i];
+  origin_ = 0.5 * least + 0.5 * most;
+  half_extents_ = 0.5 * most - 0.5 * least;
+  for (Vec3& v : vertices_) v -= origin_;
+}
+
+void TriangleMesh::index_vertices() {
+  first_.assign(vertices_.size() + 1, 0);
+  for (const Triangle& t : triangles_)
+    for (const std::uint32_t i : t) ++first_[i + 1];
+  for (std::size_t i = 1; i < first_.size(); ++i) first_[i] += first_[i - 1];
+  around_.resize(kSides * triangles_.size());
+  std::vector<std::uint32_t> next(first_.begin(), first_.end() - 1);
+  for (std::size_t t = 0; t < triangles_.size(); ++t)
+    for (const std::uint32_t i : triangles_[t]) around_[next[i]++] = static_cast<std::uint32_t>(t);
+}
+
+void TriangleMesh::drop_duplicates() {
+  const auto is_duplicate = [&](std::uint32_t t) {
+    const Triangle corners = sorted(triangles_[t]);
+    return std::ranges::any_of(around(corners[0]), [&](std::uint32_t other) {
+      return other < t && sorted(triangles_[other]) == corners;
+    });
+  };
+  std::vector<Triangle> kept;
+  kept.reserve(triangles_.size());
+  for (std::size_t t = 0; t < triangles_.size(); ++t)
+    if (!is_duplicate(static_cast<std::uint32_t>(t))) kept.push_back(triangles_[t]);
+  report_.duplicate = triangles_.size() - kept.size();
+  if (report_.duplicate == 0) return;
+  triangles_ = std::move(kept);
+  index_vertices();
+}
+
+void TriangleMesh::find_neighbours() {
+  neighbours_.resize(triangles_.size());
+  for (std::size_t t = 0; t < triangles_.size(); ++t) {
+    for (std::size_t k = 0; k < kSides; ++k) {
+      const std::uint32_t a = triangles_[t][k], b = triangles_[t][after(k)];
+      std::uint32_t other = kNone;
+      int sharing = 0;
+      bool agree = false, first = true;  // first: of the edge's triangles, so that it counts once
+      for (const std::uint32_t u : around(a)) {
+        const Triangle& c = triangles_[u];
+        if (u == t || std::find(c.begin(), c.end(), b) == c.end()) continue;
+        ++sharing;
+        first &= u > t;
+        other = u;
+        const auto at = static_cast<std::size_t>(std::find(c.begin(), c.end(), b) - c.begin());
+        agree = c[after(at)] == a;
+      }
+      neighbours_[t][k] = sharing == 1 && agree ? other : kNone;
+      if (!first) continue;
+      report_.boundary_edges += sharing == 0 ? 1 : 0;
+      report_.non_manifold_edges += sharing > 1 ? 1 : 0;
+      report_.turned_edges += sharing == 1 && !agree ? 1 : 0;
+    }
+  }
+}
+
+double TriangleMesh::volume() const {
+  // Divergence theorem, about the origin, in units of the size: no power over- or underflows.
+  const double size = half_extents_.maxCoeff();
+  double sum = 0.0;
+  for (const Triangle& t : triangles_)
+    sum += (vertices_[t[0]] / size).dot((vertices_[t[1]] / size).cross(vertices_[t[2]] / size));
+  return sum / 6.0 * size * size * size;
+}
+
+void TriangleMesh::turn() {
+  for (std::size_t t = 0; t < triangles_.size(); ++t) {
+    std::swap(triangles_[t][1], triangles_[t][2]);  // edges 0, 1, 2 become 2, 1, 0
+    std::swap(neighbours_[t][0], neighbours_[t][2]);
+  }
+  report_.volume = -report_.volume;
+}
+
+std::size_t TriangleMesh::memory() const {
+  return vertices_.capacity() * sizeof(Vec3) +
+         (triangles_.capacity() + neighbours_.capacity()) * sizeof(Triangle) +
+         (first_.capacity() + around_.capacity()) * sizeof(std::uint32_t);
+}
+
+std::vector<std::string> warnings(const MeshReport& report, bool closed) {
+  std::vector<std::string> found;
+  const auto say = [&](std::size_t count, const char* what) {
+    if (count > 0) found.push_back(std::to_string(count) + what);
+  };
+  say(report.degenerate,
+      " triangles have no area and were left out; nothing is missing of the "
+      "surface");
+  say(report.duplicate, " triangles stand twice; one of each was left out");
+  say(report.non_manifold_edges, " edges have more than two triangles; the hand is slower there");
+  say(report.turned_edges,
+      " edges lie between triangles that disagree about the outside; unify the normals");
+  if (closed)
+    say(report.boundary_edges,
+        " edges have one triangle: the surface has holes; close them, or set double_sided");
+  return found;
+}
+
+}  // namespace feltwire

@@ -1,0 +1,100 @@
+#pragma once
+// A surface of triangles: what a mesh file holds, made fit to be touched.
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/types.hpp"
+
+namespace feltwire {
+
+/// Indices of the corners, counter-clockwise seen from the outside.
+using Triangle = std::array<std::uint32_t, 3>;
+
+/// Vertices and triangles as they come, nothing checked.
+struct TriangleSoup {
+  std::vector<Vec3> vertices;  // [m]
+  std::vector<Triangle> triangles;
+};
+
+/// What was found while a soup became a mesh. Nothing here is an error: a mesh of any of these can
+/// be touched.
+struct MeshReport {
+  std::size_t welded = 0;              // vertices at exactly the place of another: now one
+  std::size_t degenerate = 0;          // triangles without an area: left out
+  std::size_t duplicate = 0;           // triangles on the corners of an earlier one: left out
+  std::size_t boundary_edges = 0;      // with one triangle
+  std::size_t non_manifold_edges = 0;  // with more than two
+  std::size_t turned_edges = 0;        // whose two triangles disagree about the outside
+  double volume = 0.0;                 // [m^3] enclosed; < 0 where the normals look inwards
+
+  /// Every edge has two triangles that agree about the outside.
+  bool closed() const {
+    return boundary_edges == 0 && non_manifold_edges == 0 && turned_edges == 0;
+  }
+};
+
+/// Triangles with their neighbours. Immutable; coordinates are relative to `origin`, the middle of
+/// the surface, so that they have all digits wherever it lies.
+class TriangleMesh {
+ public:
+  /// No triangle beyond an edge that the surface crosses smoothly: the edge has one triangle, more
+  /// than two, or two that disagree about the outside.
+  static constexpr std::uint32_t kNone = 0xFFFFFFFF;
+
+  TriangleMesh() = default;
+  /// Welds equal vertices, leaves out degenerate triangles (no height above the rounding of their
+  /// own corners: a relative measure, no size is too small) and duplicates, finds the neighbours.
+  /// Throws std::invalid_argument for an index that has no vertex, a coordinate that is not finite,
+  /// more than 2^30 triangles, or when no triangle is left.
+  explicit TriangleMesh(const TriangleSoup& soup);
+
+  const Vec3& origin() const { return origin_; }  // [m]
+  /// [m] half the size of the bounding box, whose middle is the origin.
+  const Vec3& half_extents() const { return half_extents_; }
+  const std::vector<Vec3>& vertices() const { return vertices_; }  // [m] from the origin
+  const std::vector<Triangle>& triangles() const { return triangles_; }
+  /// Beyond edge k (from corner k to corner k + 1) of triangle t.
+  std::uint32_t neighbour(std::uint32_t t, int k) const {
+    return neighbours_[t][static_cast<std::size_t>(k)];
+  }
+  /// Triangles round a vertex, in ascending order.
+  std::span<const std::uint32_t> around(std::uint32_t vertex) const {
+    return std::span(around_).subspan(first_[vertex], first_[vertex + 1] - first_[vertex]);
+  }
+  const MeshReport& report() const { return report_; }
+  std::array<Vec3, 3> corners(std::uint32_t t) const {
+    const Triangle& c = triangles_[t];
+    return {vertices_[c[0]], vertices_[c[1]], vertices_[c[2]]};
+  }
+  std::size_t memory() const;  // [bytes]
+
+  /// The same surface with its outside turned in.
+  void turn();
+
+ private:
+  void weld(const TriangleSoup& soup);
+  void index_vertices();
+  void drop_duplicates();
+  void find_neighbours();
+  double volume() const;
+
+  Vec3 origin_ = Vec3::Zero(), half_extents_ = Vec3::Zero();
+  std::vector<Vec3> vertices_;
+  std::vector<Triangle> triangles_;
+  std::vector<Triangle> neighbours_;
+  std::vector<std::uint32_t> first_, around_;  // of vertex v: around_[first_[v]] ...
+  MeshReport report_;
+};
+
+/// What a person should know of it, one line a finding, with the remedy; none for a clean closed
+/// surface. `closed`: whether it is meant to bound a solid.
+std::vector<std::string> warnings(const MeshReport& report, bool closed);
+
+/// Unit normal of a triangle, right for every size; zero for a degenerate one.
+Vec3 triangle_normal(const std::array<Vec3, 3>& corners) noexcept;
+
+}  // namespace feltwire
