@@ -147,16 +147,19 @@ void Session::step(const Sample& sample, bool rotation, Reply& reply) noexcept {
   const Movement credited = new_bound_ ? Movement{} : movement;
   new_bound_ = false;
   Tool tool{sample.pose.position, Vec3::Zero()};
+  Pose pose = sample.pose;
   Vec3 tool_moved = movement.displacement;
   if (parameters_.side != BoundingSide::client) {
-    const Vec3 offset = bounding_.probe(credited.displacement, credited.rotation).offset;
+    const Probe probe = bounding_.probe(credited.displacement, credited.rotation);
+    const Vec3& offset = probe.offset;
     tool.position += offset;
+    pose = moved(pose, offset, probe.rotation);
     tool_moved += offset - probe_offset_;
     probe_offset_ = offset;
   }
   if (scene_->requirements().velocity) tool.velocity = velocity_.update(tool_moved, hold_time);
 
-  const Command command = actuated(device_, scene_->touch(tool, contacts_));
+  const Command command = actuated(device_, touch(pose, tool));
   reply.command = command;
   reply.active = reply.saturated = reply.refused = false;
   reply.ratio = 1.0;
@@ -175,6 +178,10 @@ void Session::step(const Sample& sample, bool rotation, Reply& reply) noexcept {
   last_ = sample;
   last_rotation_ = rotation;
   ++counters_.samples;
+}
+
+Command Session::touch(const Pose& device, const Tool& tool) noexcept {
+  return scene_->tool().body ? scene_->touch(device, body_) : scene_->touch(tool, contacts_);
 }
 
 void Session::set_parameters(const SessionParameters& parameters) {

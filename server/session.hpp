@@ -4,6 +4,7 @@
 #include "core/bounding/bounding.hpp"
 #include "core/port_energy.hpp"
 #include "core/scene/scene.hpp"
+#include "core/tool/body_tool.hpp"
 #include "core/velocity.hpp"
 #include "protocol/codec.hpp"
 #include "protocol/control.hpp"
@@ -62,6 +63,7 @@ class Session {
 
  private:
   struct Movement;
+  Command touch(const Pose& device, const Tool& tool) noexcept;
   Movement movement_to(const Sample& sample, bool rotation) const noexcept;
   void count_gap(const SampleBatch& batch, Reply& reply) noexcept;
   void step(const Sample& sample, bool rotation, Reply& reply) noexcept;
@@ -71,6 +73,7 @@ class Session {
   SessionParameters parameters_;
   const Scene* scene_;
   TouchMemory contacts_;
+  BodyMemory body_;
   Bounding bounding_;
   bool new_bound_ = false;            // it has not stepped yet, the session has
   Vec3 probe_offset_ = Vec3::Zero();  // [m] of where the scene was asked last, from the device

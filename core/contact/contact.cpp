@@ -1,13 +1,17 @@
 #include "core/contact/contact.hpp"
 
+#include "core/contact/ball.hpp"
+
 namespace feltwire {
 
-Command touch(const Object& object, const Tool& tool, ContactMemory& memory) noexcept {
+Command touch(const Object& object, const Tool& tool, ContactMemory& memory,
+              double radius) noexcept {
   const Material& material = object.material;
   const Quaternion& to_world = object.pose.orientation;
   const Vec3 position = to_world.conjugate() * (tool.position - object.pose.position);
   const SurfacePoint surface =
-      surface_point(object.shape, object.felt_from, position, memory.feature);
+      radius > 0.0 ? ball_surface(object.shape, object.felt_from, position, radius, memory.feature)
+                   : surface_point(object.shape, object.felt_from, position, memory.feature);
   if (!(surface.depth > 0.0)) {
     memory = {};
     return {};

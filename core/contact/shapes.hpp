@@ -2,6 +2,7 @@
 // Analytic solids in their own frame, and where a point inside them is pushed out.
 
 #include <cstdint>
+#include <memory>
 #include <variant>
 
 #include "core/types.hpp"
@@ -28,7 +29,13 @@ struct Cylinder {
   double radius = 0.0;       // [m], > 0
   double half_length = 0.0;  // [m], > 0
 };
-using Shape = std::variant<Plane, Sphere, Box, Capsule, Cylinder>;
+template <class Real>
+class DistanceGrid;
+/// Whatever was sampled (core/geometry/distance_grid.hpp).
+struct Grid {
+  std::shared_ptr<const DistanceGrid<float>> field;  // never null
+};
+using Shape = std::variant<Plane, Sphere, Box, Capsule, Cylinder, Grid>;
 
 /// Which side of the surface is free to move in.
 enum class Side : std::uint8_t { outside, inside };
@@ -55,7 +62,10 @@ struct FeatureMemory {
 
 /// The proxy of a point [m, object frame] against a shape felt from `side`. Contact is local
 /// (Zilles & Salisbury's god-object): a proxy stays on the face it entered by, until the point
-/// leaves the solid, however thin that is. Free points give depth 0 and clear the memory.
+/// leaves the solid, however thin that is. Free points give depth 0 and clear the memory. A grid
+/// remembers no face: depth times normal is -d grad d of its distance d, a force with a potential,
+/// which falls to zero where two surfaces are equally near. What is thinner than twice the depth is
+/// pushed through.
 SurfacePoint surface_point(const Shape& shape, Side side, const Vec3& position,
                            FeatureMemory& memory) noexcept;
 

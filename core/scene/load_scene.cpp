@@ -1,5 +1,6 @@
 #include <utility>
 
+#include "core/scene/read_fields.hpp"
 #include "core/scene/rules.hpp"
 #include "core/scene/scene.hpp"
 #include "core/scene/scene_generated.h"
@@ -69,8 +70,8 @@ const Material& find_material(const JsonDocument& document, const std::string& p
 }
 
 Shape read_shape(const JsonDocument& document, const std::string& path,
-                 const scene_file::Object& object) {
-  constexpr const char* kChoices = "plane, sphere, box, capsule, cylinder";
+                 const scene_file::Object& object, const std::filesystem::path& folder) {
+  constexpr const char* kChoices = "plane, sphere, box, capsule, cylinder, grid";
   Shape shape;
   std::string kind;
   const auto take = [&](const char* name, const Shape& given) {
@@ -88,6 +89,7 @@ Shape read_shape(const JsonDocument& document, const std::string& path,
   }
   if (const auto* c = object.capsule()) take("capsule", Capsule{c->radius(), 0.5 * c->length()});
   if (const auto* c = object.cylinder()) take("cylinder", Cylinder{c->radius(), 0.5 * c->length()});
+  if (const auto* g = object.grid()) take("grid", read_grid(document, path + ".grid", *g, folder));
   if (kind.empty())
     document.fail(path, std::string("has no shape; give exactly one of ") + kChoices);
   require(document, path + "." + kind, broken_rule(shape));
@@ -126,20 +128,23 @@ Scene parse_scene(std::string_view json, const std::string& file) {
   require(document, "", broken_name(scene.name()->str()));
   const std::vector<NamedMaterial> materials = read_materials(document, scene);
 
+  const std::filesystem::path folder = std::filesystem::path(file).parent_path();
   std::vector<Object> objects;
   for (const scene_file::Object* o : *scene.objects()) {
     const std::string path = element("objects", objects.size());
     require_new_name(document, "objects", objects, o->name()->str());
     Object object;
     object.name = o->name()->str();
-    object.shape = read_shape(document, path, *o);
+    object.shape = read_shape(document, path, *o, folder);
     object.felt_from = side(o->felt_from());
     object.pose = read_pose(document, path, *o);
     object.material = find_material(document, path, materials, o->material()->str());
     objects.push_back(std::move(object));
   }
   if (objects.empty()) document.fail("objects", "there is none to touch; add at least one");
-  return Scene(scene.name()->str(), std::move(objects), read_start(document, scene));
+  Scene result(scene.name()->str(), std::move(objects), read_start(document, scene));
+  if (scene.tool()) read_tool(document, *scene.tool(), folder, result);
+  return result;
 }
 
 Scene load_scene(const std::filesystem::path& file) {

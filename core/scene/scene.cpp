@@ -7,8 +7,10 @@
 #include <stdexcept>
 #include <utility>
 
+#include "core/contact/ball.hpp"
 #include "core/numeric.hpp"
 #include "core/scene/rules.hpp"
+#include "core/tool/body_tool.hpp"
 
 namespace feltwire {
 namespace {
@@ -61,6 +63,10 @@ struct ShapeRules {
   Found operator()(const Cylinder& c) const {
     return first({positive("radius", c.radius, kMaxLength, " [m]"),
                   positive("length", 2.0 * c.half_length, kMaxLength, " [m]")});
+  }
+  Found operator()(const Grid& g) const {
+    if (g.field) return std::nullopt;
+    return Broken{"grid", "has no field; sample a solid"};
   }
 };
 
@@ -160,13 +166,37 @@ Scene::Scene(std::string name, std::vector<Object> objects, const Start& start)
   requirements_ = required_by(objects_);
 }
 
+void Scene::set_tool(HandTool tool) {
+  const auto broken = [](const std::string& field, const std::string& message) {
+    refuse("tool", {field, message});
+  };
+  if (tool.body && tool.radius != 0.0)
+    broken("sphere", "is a second tool beside body; keep one of the two");
+  if (tool.radius != 0.0) {
+    if (auto wrong = positive("sphere.radius", tool.radius, kMaxLength, " [m]"))
+      refuse("tool", *wrong);
+    for (const Object& object : objects_)
+      if (!ball_fits(object.shape, object.felt_from, tool.radius))
+        broken("sphere.radius", "is " + number_text(tool.radius) + " m, too large for object '" +
+                                    object.name +
+                                    "': a hollow has no room for it, or a grid's "
+                                    "band is smaller; make the tool smaller or these larger");
+  }
+  requirements_.rotation = tool.body != nullptr;
+  tool_ = std::move(tool);
+}
+
+Command Scene::touch(const Pose& device, BodyMemory& memory) const noexcept {
+  return step_body(*tool_.body, objects_, device, memory).command;
+}
+
 Command Scene::touch(const Tool& tool, TouchMemory& memory) const noexcept {
   if (!tool.position.allFinite() || !tool.velocity.allFinite() || memory.size() != objects_.size())
       [[unlikely]]
     return {};
   Command sum;
   for (std::size_t i = 0; i < objects_.size(); ++i) {
-    const Command part = feltwire::touch(objects_[i], tool, memory[i]);
+    const Command part = feltwire::touch(objects_[i], tool, memory[i], tool_.radius);
     sum.elastic += part.elastic;
     sum.frictional += part.frictional;
   }
