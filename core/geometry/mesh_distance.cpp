@@ -1,12 +1,15 @@
 #include "core/geometry/mesh_distance.hpp"
 
 #include <embree3/rtcore.h>
+#include <sys/types.h>
 
-#include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
 #include <string>
+
+#include "core/numeric.hpp"
 
 namespace feltwire {
 namespace {
@@ -74,10 +77,16 @@ void require_solid(const MeshReport& report) {
     refuse("is inside out: it encloses a negative volume; turn its triangles round");
 }
 
+bool count_bytes(void* counter, ssize_t bytes, bool) {
+  static_cast<std::atomic<ssize_t>*>(counter)->fetch_add(bytes);
+  return true;
+}
+
 class MeshDistance {
  public:
   explicit MeshDistance(const TriangleMesh& mesh);
-  double operator()(const Vec3& position) const;
+  FieldPoint at(const Vec3& position) const;
+  std::size_t bytes() const;
 
  private:
   struct Search {
@@ -102,6 +111,7 @@ class MeshDistance {
   std::vector<Triangle> triangles_;
   std::vector<Vec3> normals_, corner_normals_;
   std::vector<std::array<Vec3, 3>> edge_normals_;  // of edge k, from corner k to corner k + 1
+  std::atomic<ssize_t> tree_bytes_ = 0;  // by Embree's own account; it outlives the device
   std::unique_ptr<RTCDeviceTy, DeviceRelease> device_;
   std::unique_ptr<RTCSceneTy, SceneRelease> tree_;
 };
@@ -129,6 +139,7 @@ MeshDistance::MeshDistance(const TriangleMesh& mesh)
 void MeshDistance::build_tree() {
   device_.reset(rtcNewDevice(nullptr));
   if (!device_) throw std::runtime_error("Embree does not start; is its library whole?");
+  rtcSetDeviceMemoryMonitorFunction(device_.get(), &count_bytes, &tree_bytes_);
   tree_.reset(rtcNewScene(device_.get()));
   rtcSetSceneFlags(tree_.get(), RTC_SCENE_FLAG_ROBUST);
   RTCGeometry geometry = rtcNewGeometry(device_.get(), RTC_GEOMETRY_TYPE_TRIANGLE);
@@ -178,7 +189,13 @@ bool MeshDistance::visit(RTCPointQueryFunctionArguments* arguments) {
   return true;
 }
 
-double MeshDistance::operator()(const Vec3& position) const {
+std::size_t MeshDistance::bytes() const {
+  const auto size = [](const auto& list) { return list.size() * sizeof list[0]; };
+  return sizeof *this + size(vertices_) + size(triangles_) + size(normals_) +
+         size(corner_normals_) + size(edge_normals_) + static_cast<std::size_t>(tree_bytes_.load());
+}
+
+FieldPoint MeshDistance::at(const Vec3& position) const {
   Search search;
   search.mesh = this;
   search.position = position - origin_;
@@ -191,7 +208,9 @@ double MeshDistance::operator()(const Vec3& position) const {
   rtcInitPointQueryContext(&context);
   rtcPointQuery(tree_.get(), &query, &context, &MeshDistance::visit, &search);
   const double distance = std::sqrt(search.squared);
-  return search.way.dot(pseudo_normal(search.triangle, search.part)) < 0.0 ? -distance : distance;
+  const Vec3 pseudo = pseudo_normal(search.triangle, search.part);
+  const double sign = search.way.dot(pseudo) < 0.0 ? -1.0 : 1.0;
+  return {sign * distance, distance > 0.0 ? Vec3(sign / distance * search.way) : direction(pseudo)};
 }
 
 }  // namespace
@@ -199,7 +218,12 @@ double MeshDistance::operator()(const Vec3& position) const {
 Solid solid_of(const TriangleMesh& mesh) {
   const auto distance = std::make_shared<const MeshDistance>(mesh);
   return {mesh.origin() - mesh.half_extents(), mesh.origin() + mesh.half_extents(),
-          [distance](const Vec3& position) { return (*distance)(position); }};
+          [distance](const Vec3& position) { return distance->at(position).distance; }};
+}
+
+MeshField field_of(const TriangleMesh& mesh) {
+  const auto distance = std::make_shared<const MeshDistance>(mesh);
+  return {[distance](const Vec3& position) { return distance->at(position); }, distance->bytes()};
 }
 
 }  // namespace feltwire

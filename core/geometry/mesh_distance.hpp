@@ -18,4 +18,11 @@ namespace feltwire {
 /// oriented both ways or inside out.
 Solid solid_of(const TriangleMesh& mesh);
 
+/// The same as a field: distance, and the way out from the nearest point of the mesh.
+struct MeshField {
+  std::function<FieldPoint(const Vec3&)> at;
+  std::size_t bytes = 0;  // that it holds, the tree's included
+};
+MeshField field_of(const TriangleMesh& mesh);
+
 }  // namespace feltwire

@@ -128,9 +128,11 @@ BodyStep step_body(const BodyTool& tool, std::span<const Object> objects, const 
     memory.pose.orientation.normalize();
     memory.placed = true;
   }
-  constexpr double kClose = 1e-7;  // of the radius: less is not worth another look
+  constexpr double kClose = 1e-5;  // of the radius: less is not worth another look
   const double radius = tool.shell().radius;
-  State state = state_at(tool, objects, device, memory.pose, step);
+  State state = memory.known
+                    ? State{memory.pose, pull(tool.coupling(), device, memory.pose), memory.contact}
+                    : state_at(tool, objects, device, memory.pose, step);
   Vec6 way = newton_step(state, radius);
   while (step.evaluations < kToolEvaluations) {
     if (!(way.head<3>().norm() + radius * way.tail<3>().norm() > kClose * radius)) break;
@@ -147,6 +149,8 @@ BodyStep step_body(const BodyTool& tool, std::span<const Object> objects, const 
       [[unlikely]]
     return step;  // poses beyond what products can hold
   memory.pose = state.pose;
+  memory.contact = state.contact;
+  memory.known = true;
   step.command.elastic = -state.pull.wrench.head<3>();
   step.command.torque = -state.pull.wrench.tail<3>();
   step.stored = state.energy();

@@ -36,6 +36,9 @@ class BodyTool {
 struct BodyMemory {
   bool placed = false;
   Pose pose;
+  /// What the solids answer at that pose. Where they have moved since, say so with known = false.
+  ShellContact contact;
+  bool known = false;
 };
 
 /// A pose moved by [m] and turned by a rotation vector [rad], world frame.

@@ -14,17 +14,19 @@ constexpr double kFarEnough = 0.5;
 /// Sums in the object's frame, arms from the tool's origin.
 struct Sums {
   double squares = 0.0;  // of distances [m^2]
-  Vec6 wrench = Vec6::Zero();
-  Mat6 stiffness = Mat6::Zero();  // its lower triangle
+  Vec3 force = Vec3::Zero(), torque = Vec3::Zero();
+  // Of the stiffness: translation, rotation, and rotation by translation.
+  Mat3 linear = Mat3::Zero(), rotational = Mat3::Zero(), mixed = Mat3::Zero();
 
   void add(const FieldPoint& field, const Vec3& arm) {
+    const Vec3& way = field.gradient;
+    const Vec3 moment = arm.cross(way);
     squares += field.distance * field.distance;
-    Vec6 direction;
-    direction << field.gradient, arm.cross(field.gradient);
-    wrench -= field.distance * direction;
-    for (Eigen::Index i = 0; i < direction.size(); ++i)
-      stiffness.col(i).tail(direction.size() - i) +=
-          direction[i] * direction.tail(direction.size() - i);
+    force -= field.distance * way;
+    torque -= field.distance * moment;
+    linear += way * way.transpose();
+    rotational += moment * moment.transpose();
+    mixed += moment * way.transpose();
   }
 };
 
@@ -68,11 +70,14 @@ void add_contact(const PointShell& shell, const Pose& tool, const Object& object
   const double scale = object.material.stiffness * shell.area /
                        (contact_area * static_cast<double>(shell.points.size()));
   sum.energy += 0.5 * scale * sums.squares;
-  Mat6 rotation = Mat6::Zero();
-  rotation.topLeftCorner<3, 3>() = rotation.bottomRightCorner<3, 3>() = to_world;
-  sum.wrench += scale * (rotation * sums.wrench);
-  const Mat6 whole = sums.stiffness.selfadjointView<Eigen::Lower>();
-  sum.stiffness += scale * (rotation * whole * rotation.transpose());
+  const auto turn = [&](const Mat3& m) -> Mat3 { return to_world * m * to_world.transpose(); };
+  const Mat3 mixed = scale * turn(sums.mixed);
+  sum.wrench.head<3>() += scale * (to_world * sums.force);
+  sum.wrench.tail<3>() += scale * (to_world * sums.torque);
+  sum.stiffness.topLeftCorner<3, 3>() += scale * turn(sums.linear);
+  sum.stiffness.bottomRightCorner<3, 3>() += scale * turn(sums.rotational);
+  sum.stiffness.bottomLeftCorner<3, 3>() += mixed;
+  sum.stiffness.topRightCorner<3, 3>() += mixed.transpose();
 }
 
 }  // namespace feltwire
