@@ -143,6 +143,7 @@ control::Message SceneSessions::join(control::JoinRequest request, std::uint64_t
   accepted.parameters = request.parameters;
   accepted.silence_timeout = std::chrono::duration<double>(silence_timeout_).count();
   accepted.friction = scene_.requirements().friction;
+  accepted.rotation = scene_.requirements().rotation;
   accepted.start_position = scene_.start().position;
   accepted.start_normal = scene_.start().normal;
   accepted.stiffness = scene_.requirements().stiffness;

@@ -151,16 +151,19 @@ void Session::step(const Sample& sample, bool rotation, Reply& reply) noexcept {
   const Movement credited = new_bound_ ? Movement{} : movement;
   new_bound_ = false;
   Tool tool{sample.pose.position, Vec3::Zero()};
+  Pose pose = sample.pose;
   Vec3 tool_moved = movement.displacement;
   if (parameters_.side != BoundingSide::client) {
-    const Vec3 offset = bounding_.probe(credited.displacement, credited.rotation).offset;
+    const Probe probe = bounding_.probe(credited.displacement, credited.rotation);
+    const Vec3& offset = probe.offset;
     tool.position += offset;
+    pose = moved(pose, offset, probe.rotation);
     tool_moved += offset - probe_offset_;
     probe_offset_ = offset;
   }
   if (scene_->requirements().velocity) tool.velocity = velocity_.update(tool_moved, hold_time);
 
-  const Command command = actuated(device_, touch(tool));
+  const Command command = actuated(device_, touch(pose, tool));
   reply.command = command;
   reply.active = reply.saturated = reply.refused = false;
   reply.ratio = 1.0;
@@ -181,7 +184,8 @@ void Session::step(const Sample& sample, bool rotation, Reply& reply) noexcept {
   ++counters_.samples;
 }
 
-Command Session::touch(const Tool& tool) noexcept {
+Command Session::touch(const Pose& device, const Tool& tool) noexcept {
+  if (scene_->tool().body) return scene_->touch(device, body_);
   return world_ != nullptr ? world_->touch(tool, contacts_, grasp_)
                            : scene_->touch(tool, contacts_);
 }

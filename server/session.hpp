@@ -5,6 +5,7 @@
 #include "core/port_energy.hpp"
 #include "core/scene/scene.hpp"
 #include "core/scene/world.hpp"
+#include "core/tool/body_tool.hpp"
 #include "core/velocity.hpp"
 #include "protocol/codec.hpp"
 #include "protocol/control.hpp"
@@ -69,6 +70,7 @@ class Session {
 
  private:
   struct Movement;
+  Command touch(const Pose& device, const Tool& tool) noexcept;
   Movement movement_to(const Sample& sample, bool rotation) const noexcept;
   void count_gap(const SampleBatch& batch, Reply& reply) noexcept;
   void step(const Sample& sample, bool rotation, Reply& reply) noexcept;
@@ -76,12 +78,12 @@ class Session {
   std::string client_;
   DeviceSpec device_;
   SessionParameters parameters_;
-  Command touch(const Tool& tool) noexcept;
 
   const Scene* scene_;
   World* world_;  // null: nothing moves
   TouchMemory contacts_;
   Grasp grasp_;
+  BodyMemory body_;
   Bounding bounding_;
   bool new_bound_ = false;            // it has not stepped yet, the session has
   Vec3 probe_offset_ = Vec3::Zero();  // [m] of where the scene was asked last, from the device

@@ -6,8 +6,8 @@
 #include <limits>
 #include <stdexcept>
 
+#include "core/parallel.hpp"
 #include "sim/metrics.hpp"
-#include "sim/parallel.hpp"
 
 namespace feltwire {
 namespace {

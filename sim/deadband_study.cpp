@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "sim/parallel.hpp"
+#include "core/parallel.hpp"
 
 namespace feltwire {
 namespace {

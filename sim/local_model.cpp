@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/parallel.hpp"
 #include "scenes/room_text.hpp"
 #include "sim/fidelity.hpp"
-#include "sim/parallel.hpp"
 
 namespace feltwire {
 namespace {

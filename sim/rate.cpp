@@ -1,13 +1,12 @@
 #include "sim/rate.hpp"
 
-#include <time.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 
 #include "core/bounding/bounding.hpp"
 #include "core/scene/scene.hpp"
+#include "sim/cost.hpp"
 #include "sim/metrics.hpp"
 #include "sim/simulated_device.hpp"
 
@@ -165,25 +164,6 @@ RateCell measure_cell(const Surface& surface, double damping, double rate,
   cell.direction_error = spread(std::move(angles)).mean;
   cell.oscillation = highpass_rms(heights, 2 * static_cast<int>(0.5 * kHighpass * rate) + 1);
   return cell;
-}
-
-double cpu_seconds() {
-  timespec now{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
-
-/// Median over laps of the time that one call of work(i) takes [ns].
-template <class Work>
-double cost_ns(std::size_t count, const Work& work) {
-  std::vector<double> laps;
-  for (int lap = 0; lap < 41; ++lap) {
-    const double start = cpu_seconds();
-    for (std::size_t i = 0; i < count; ++i) work(i);
-    laps.push_back((cpu_seconds() - start) / static_cast<double>(count) * 1e9);
-  }
-  std::nth_element(laps.begin(), laps.begin() + 20, laps.end());
-  return laps[20];
 }
 
 template <class Real>

@@ -5,9 +5,9 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "core/parallel.hpp"
 #include "sim/fidelity.hpp"
 #include "sim/network_run.hpp"
-#include "sim/parallel.hpp"
 
 namespace feltwire {
 namespace {

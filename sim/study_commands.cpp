@@ -15,7 +15,9 @@
 #include "sim/local_model.hpp"
 #include "sim/rate.hpp"
 #include "sim/sides.hpp"
+#include "sim/trade_geometry.hpp"
 #include "sim/trade_network.hpp"
+#include "sim/trade_tools.hpp"
 #include "sim/zwidth.hpp"
 
 namespace feltwire {
@@ -169,9 +171,44 @@ void add_sides(CLI::App& app, int& status) {
   });
 }
 
+void add_trade_geometry(CLI::App& trade) {
+  auto out = std::make_shared<std::string>("trade-geometry");
+  CLI::App* geometry = trade.add_subcommand(
+      "geometry", "Analytic solid, mesh or grid of distances: error, time and memory");
+  geometry->footer(
+      "Writes trade_geometry.csv, trade_geometry.json and trade_geometry.png, the same bytes every "
+      "time, and what\nthis machine took for it, trade_geometry_cost.csv and "
+      "trade_geometry_cost.png. A minute of CPU time.\ndocs/trade.md is its page.");
+  add_out(*geometry, *out);
+  geometry->callback([out] {
+    const auto cells = run_trade_geometry({});
+    write_trade_geometry(*out, cells);
+    std::cout << trade_geometry_table(cells) << placed("Tables and pictures", *out);
+  });
+}
+
+void add_trade_tools(CLI::App& trade) {
+  auto out = std::make_shared<std::string>("trade-tools");
+  CLI::App* tools = trade.add_subcommand(
+      "tools", "How many points a tool's body needs: force and torque error against time");
+  tools->footer(
+      "Writes trade_tools.csv, trade_tools.json and trade_tools.png, the same bytes every time, "
+      "and "
+      "what this machine\ntook for it, trade_tools_cost.csv and trade_tools_cost.png. A minute of "
+      "CPU time. docs/trade.md is its page.");
+  add_out(*tools, *out);
+  tools->callback([out] {
+    const auto cells = run_trade_tools({});
+    write_trade_tools(*out, cells);
+    std::cout << trade_tools_table(cells) << placed("Tables and pictures", *out);
+  });
+}
+
 void add_trade(CLI::App& app) {
   CLI::App* trade = app.add_subcommand("trade", "What more of one thing costs in another");
   trade->require_subcommand(1);
+  add_trade_geometry(*trade);
+  add_trade_tools(*trade);
   auto out = std::make_shared<std::string>("trade-network");
   CLI::App* network = trade->add_subcommand(
       "network", "Bandwidth against force error, direction error and delay, over three links");

@@ -4,9 +4,9 @@
 #include <array>
 #include <cmath>
 
+#include "core/parallel.hpp"
 #include "sim/fidelity.hpp"
 #include "sim/network_run.hpp"
-#include "sim/parallel.hpp"
 #include "sim/text.hpp"
 
 namespace feltwire {

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/parallel.hpp"
 #include "sim/metrics.hpp"
-#include "sim/parallel.hpp"
 
 namespace feltwire {
 namespace {

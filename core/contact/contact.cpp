@@ -1,5 +1,6 @@
 #include "core/contact/contact.hpp"
 
+#include "core/contact/ball.hpp"
 #include "core/geometry/mesh_surface.hpp"
 
 namespace feltwire {
@@ -16,13 +17,15 @@ Vec3 carried(const Vec3& anchor, const Vec3& about, const Vec3& from, const Vec3
 
 }  // namespace
 
-Command touch(const Object& object, const Tool& tool, ContactMemory& memory) noexcept {
+Command touch(const Object& object, const Tool& tool, ContactMemory& memory,
+              double radius) noexcept {
   const Material& material = object.material;
   const Quaternion& to_world = object.pose.orientation;
   const Vec3 position = to_world.conjugate() * (tool.position - object.pose.position);
   const FeatureMemory before = memory.feature;
   const SurfacePoint surface =
-      surface_point(object.shape, object.felt_from, position, memory.feature);
+      radius > 0.0 ? ball_surface(object.shape, object.felt_from, position, radius, memory.feature)
+                   : surface_point(object.shape, object.felt_from, position, memory.feature);
   if (!(surface.depth > 0.0)) {
     memory.touching = memory.slipping = false;
     return {};

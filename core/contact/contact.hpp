@@ -19,7 +19,9 @@ struct Object {
 };
 
 /// The force on the hand (world frame) that the object answers the tool with, by contact_law.hpp;
-/// zero and a cleared memory when free.
-Command touch(const Object& object, const Tool& tool, ContactMemory& memory) noexcept;
+/// zero and a cleared memory when free. The tool is a point, or a ball where `radius` [m] is above
+/// zero.
+Command touch(const Object& object, const Tool& tool, ContactMemory& memory,
+              double radius = 0.0) noexcept;
 
 }  // namespace feltwire

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "core/geometry/mesh_surface.hpp"
+#include "core/geometry/signed_distance.hpp"
 #include "core/numeric.hpp"
 
 namespace feltwire {
@@ -110,6 +112,14 @@ SurfaceParts parts(const Cylinder& cylinder, Side side, const Vec3& p, std::uint
   return all;
 }
 
+/// No patch describes it; the reach ends where it may begin.
+SurfaceParts parts(const Grid& grid, Side side, const Vec3& p, std::uint8_t) {
+  SurfaceParts all;
+  const double distance = distance_at_least(grid, side, p, std::numeric_limits<double>::infinity());
+  add(all, std::max(0.0, distance), kOnlyFeature, false);
+  return all;
+}
+
 /// Geometry of a patch, object frame.
 struct Surface {
   Vec3 point = Vec3::Zero(), normal = Vec3::UnitZ(), axis = Vec3::Zero();
@@ -204,6 +214,7 @@ SurfaceParts surface_parts(const Shape& shape, Side side, const Vec3& position,
   if (const auto* cylinder = std::get_if<Cylinder>(&shape))
     return parts(*cylinder, side, position, entered);
   if (const auto* mesh = std::get_if<Mesh>(&shape)) return parts(*mesh, position);
+  if (const auto* grid = std::get_if<Grid>(&shape)) return parts(*grid, side, position, entered);
   return {};
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/contact/mesh_contact.hpp"
+#include "core/geometry/distance_grid.hpp"
 #include "core/numeric.hpp"
 
 namespace feltwire {
@@ -129,6 +130,17 @@ SurfacePoint surface(const Cylinder& cylinder, Side side, const Vec3& p, Feature
                  memory);
 }
 
+SurfacePoint surface(const Grid& grid, Side side, const Vec3& p, FeatureMemory& memory) {
+  const FieldPoint field = grid.field->at(p);
+  const double below = side == Side::outside ? -field.distance : field.distance;
+  if (!(below > 0.0)) return free_point(memory);
+  const Polar<double> out = polar(field.gradient);
+  if (!(out.length > 0.0)) return contact(p, memory.normal, 0.0, 0, memory);
+  const Vec3 normal = side == Side::outside ? out.direction : Vec3(-out.direction);
+  const double depth = below * out.length;
+  return contact(p + depth * normal, normal, depth, 0, memory);
+}
+
 }  // namespace
 
 SurfacePoint surface_point(const Shape& shape, Side side, const Vec3& position,
@@ -145,6 +157,7 @@ SurfacePoint surface_point(const Shape& shape, Side side, const Vec3& position,
     return surface(*cylinder, side, position, memory);
   if (const auto* mesh = std::get_if<Mesh>(&shape))
     return mesh_surface_point(*mesh->surface, side, position, memory);
+  if (const auto* grid = std::get_if<Grid>(&shape)) return surface(*grid, side, position, memory);
   return free_point(memory);
 }
 

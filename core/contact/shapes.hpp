@@ -34,7 +34,13 @@ class MeshSurface;
 struct Mesh {
   std::shared_ptr<const MeshSurface> surface;  // never null in a scene
 };
-using Shape = std::variant<Plane, Sphere, Box, Capsule, Cylinder, Mesh>;
+template <class Real>
+class DistanceGrid;
+/// Whatever was sampled (core/geometry/distance_grid.hpp).
+struct Grid {
+  std::shared_ptr<const DistanceGrid<float>> field;  // never null
+};
+using Shape = std::variant<Plane, Sphere, Box, Capsule, Cylinder, Mesh, Grid>;
 
 /// Which side of the surface is free to move in.
 enum class Side : std::uint8_t { outside, inside };
@@ -67,7 +73,10 @@ struct FeatureMemory {
 
 /// The proxy of a point [m, object frame] against a shape felt from `side`. Contact is local
 /// (Zilles & Salisbury's god-object): a proxy stays on the face it entered by, until the point
-/// leaves the solid, however thin that is. Free points give depth 0 and clear the memory.
+/// leaves the solid, however thin that is. Free points give depth 0 and clear the memory. A grid
+/// remembers no face: depth times normal is -d grad d of its distance d, a force with a potential,
+/// which falls to zero where two surfaces are equally near. What is thinner than twice the depth is
+/// pushed through.
 SurfacePoint surface_point(const Shape& shape, Side side, const Vec3& position,
                            FeatureMemory& memory) noexcept;
 

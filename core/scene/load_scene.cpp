@@ -3,6 +3,7 @@
 #include "core/guidance/load_guides.hpp"
 #include "core/scene/load_mesh.hpp"
 #include "core/scene/read_bodies.hpp"
+#include "core/scene/read_fields.hpp"
 #include "core/scene/rules.hpp"
 #include "core/scene/scene.hpp"
 #include "core/scene/scene_generated.h"
@@ -72,8 +73,9 @@ const Material& find_material(const JsonDocument& document, const std::string& p
 }
 
 Shape read_shape(const JsonDocument& document, const std::string& path,
-                 const scene_file::Object& object, MeshLoader& meshes) {
-  constexpr const char* kChoices = "plane, sphere, box, capsule, cylinder, mesh";
+                 const scene_file::Object& object, const std::filesystem::path& folder,
+                 MeshLoader& meshes) {
+  constexpr const char* kChoices = "plane, sphere, box, capsule, cylinder, mesh, grid";
   Shape shape;
   std::string kind;
   const auto take = [&](const char* name, const Shape& given) {
@@ -92,6 +94,7 @@ Shape read_shape(const JsonDocument& document, const std::string& path,
   if (const auto* c = object.capsule()) take("capsule", Capsule{c->radius(), 0.5 * c->length()});
   if (const auto* c = object.cylinder()) take("cylinder", Cylinder{c->radius(), 0.5 * c->length()});
   if (object.mesh()) take("mesh", meshes.load(path + ".mesh", *object.mesh()));
+  if (const auto* g = object.grid()) take("grid", read_grid(document, path + ".grid", *g, folder));
   if (kind.empty())
     document.fail(path, std::string("has no shape; give exactly one of ") + kChoices);
   require(document, path + "." + kind, broken_rule(shape));
@@ -135,6 +138,8 @@ Scene mjcf_scene(const JsonDocument& document, const scene_file::Scene& scene,
     Scene result(scene.name()->str(), std::move(objects), read_start(document, scene),
                  read_guides(document, scene));
     result.set_mechanism(mechanism);
+    if (scene.tool())
+      read_tool(document, *scene.tool(), std::filesystem::path(file).parent_path(), result);
     return result;
   } catch (const std::invalid_argument& error) {
     document.fail("mjcf.file", error.what());
@@ -149,7 +154,8 @@ Scene parse_scene(std::string_view json, const std::string& file) {
   require(document, "", broken_name(scene.name()->str()));
   const std::vector<NamedMaterial> materials = read_materials(document, scene);
 
-  MeshLoader meshes(document, std::filesystem::path(file).parent_path());
+  const std::filesystem::path folder = std::filesystem::path(file).parent_path();
+  MeshLoader meshes(document, folder);
   std::vector<Object> objects;
   if (scene.mjcf()) return mjcf_scene(document, scene, materials, file);
   if (!scene.objects()) document.fail("objects", "is missing; add it");
@@ -158,7 +164,7 @@ Scene parse_scene(std::string_view json, const std::string& file) {
     require_new_name(document, "objects", objects, o->name()->str());
     Object object;
     object.name = o->name()->str();
-    object.shape = read_shape(document, path, *o, meshes);
+    object.shape = read_shape(document, path, *o, folder, meshes);
     object.felt_from = side(o->felt_from());
     object.pose = read_pose(document, path, *o);
     object.material = find_material(document, path, materials, o->material()->str());
@@ -172,6 +178,7 @@ Scene parse_scene(std::string_view json, const std::string& file) {
              std::move(guides));
   read.warn(meshes.warnings());
   read.set_mechanism(mechanism);
+  if (scene.tool()) read_tool(document, *scene.tool(), folder, read);
   return read;
 }
 

@@ -33,12 +33,6 @@ Found within(const char* field, double value, double least, double most, const c
                            ", is " + number_text(value) + "; check the unit"};
 }
 
-Found first(std::initializer_list<Found> found) {
-  for (const Found& f : found)
-    if (f) return f;
-  return std::nullopt;
-}
-
 Found broken_range(const Body& b) {
   if (std::isnan(b.low) || std::isnan(b.high) || !(b.low < b.high))
     return Broken{"range", "must be [low, high] with low below high, is [" + number_text(b.low) +

@@ -76,6 +76,7 @@ double radius_of(const Object& object, const SurfacePatch& patch, std::size_t in
 LocalModel model_of(const Scene& scene, const std::vector<Object>& objects, const Vec3& position,
                     const TouchMemory& memory) noexcept {
   LocalModel model;
+  if (scene.tool().body || scene.tool().radius > 0.0) return model;  // its patches are for a point
   if (!position.allFinite() || memory.size() != objects.size()) [[unlikely]]
     return model;
   model.center = position;

@@ -14,7 +14,7 @@ inline constexpr double kModelReach = 0.1;
 /// stands on before all, then those that would be met first. `memory` as touch() at that position
 /// left it. What is left out begins beyond the reach; in a place with more than kMaxPatches
 /// surfaces at once the reach is zero. A position that is not finite, or a memory of another scene,
-/// gives a model that says nothing. Never allocates.
+/// gives a model that says nothing; so does a scene whose tool is not a point. Never allocates.
 LocalModel local_model(const Scene& scene, const Vec3& position,
                        const TouchMemory& memory) noexcept;
 /// The same with the moving objects where they are; their patches have the velocity of the surface.

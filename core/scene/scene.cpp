@@ -7,11 +7,13 @@
 #include <stdexcept>
 #include <utility>
 
+#include "core/contact/ball.hpp"
 #include "core/contact/mesh_contact.hpp"
 #include "core/geometry/mesh_surface.hpp"
 #include "core/numeric.hpp"
 #include "core/scene/mechanism.hpp"
 #include "core/scene/rules.hpp"
+#include "core/tool/body_tool.hpp"
 
 namespace feltwire {
 namespace {
@@ -75,6 +77,10 @@ struct ShapeRules {
                                  " m from the origin; check the unit"};
     return first({positive("scale: the size of the surface", size, kMaxLength, " [m]"),
                   not_negative("radius", m.surface->options().radius, kMaxLength, " [m]")});
+  }
+  Found operator()(const Grid& g) const {
+    if (g.field) return std::nullopt;
+    return Broken{"grid", "has no field; sample a solid"};
   }
 };
 
@@ -264,6 +270,41 @@ Command Scene::touch_near(const Tool& tool, TouchMemory& memory) const noexcept 
   return sum;
 }
 
+void Scene::set_tool(HandTool tool) {
+  const auto broken = [](const std::string& field, const std::string& message) {
+    refuse("tool", {field, message});
+  };
+  if (tool.body && tool.radius != 0.0)
+    broken("sphere", "is a second tool beside body; keep one of the two");
+  if (tool.radius != 0.0) {
+    if (auto wrong = positive("sphere.radius", tool.radius, kMaxLength, " [m]"))
+      refuse("tool", *wrong);
+    for (const Object& object : objects_)
+      if (!ball_fits(object.shape, object.felt_from, tool.radius))
+        broken("sphere.radius", "is " + number_text(tool.radius) + " m, too large for object '" +
+                                    object.name +
+                                    "': a hollow has no room for it, or a grid's "
+                                    "band is smaller; make the tool smaller or these larger");
+  }
+  for (const Object& object : objects_)
+    if ((tool.body || tool.radius != 0.0) && std::holds_alternative<Mesh>(object.shape))
+      broken(tool.body ? "body" : "sphere",
+             "does not touch meshes, and object '" + object.name +
+                 "' is one; make it a grid, or give the mesh a radius instead");
+  if (tool.body && mechanism_ != nullptr)
+    broken("body", "feels what stands alone, and something moves here; take a sphere or a point");
+  if (tool.radius != 0.0) broad_phase_ = {};  // it looks for points
+  requirements_.rotation = tool.body != nullptr;
+  tool_ = std::move(tool);
+}
+
+Command Scene::touch(const Pose& device, BodyMemory& memory) const noexcept {
+  Command command = step_body(*tool_.body, objects_, device, memory).command;
+  for (const Guide& guide : guides_)
+    command.elastic += guide_force(guide, {device.position, Vec3::Zero()}).elastic;
+  return command;
+}
+
 Command Scene::touch(const Tool& tool, TouchMemory& memory, std::size_t count) const noexcept {
   if (!tool.position.allFinite() || !tool.velocity.allFinite() || memory.size() != objects_.size())
       [[unlikely]]
@@ -272,7 +313,7 @@ Command Scene::touch(const Tool& tool, TouchMemory& memory, std::size_t count) c
   const bool by_tree = broad_phase_.in_use();
   if (by_tree) sum = touch_near(tool, memory);
   for (std::size_t i = by_tree ? still_ : 0; i < count; ++i) {
-    const Command part = feltwire::touch(objects_[i], tool, memory[i]);
+    const Command part = feltwire::touch(objects_[i], tool, memory[i], tool_.radius);
     sum.elastic += part.elastic;
     sum.frictional += part.frictional;
   }

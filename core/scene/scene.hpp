@@ -15,11 +15,14 @@
 namespace feltwire {
 
 class Mechanism;
+class BodyTool;
+struct BodyMemory;
 
 /// What the objects of a scene need from whoever hosts it; what none needs is neither allocated,
 /// stepped nor sent.
 struct Requirements {
   bool friction = false;  // a stick point per object and tool
+  bool rotation = false;  // the tool has a body: orientation and torque
   bool velocity = false;  // damping or viscous friction: a velocity estimate per tool
   bool guides = false;    // forces without a surface
   double stiffness =
@@ -57,6 +60,12 @@ struct Start {
   Vec3 normal = Vec3::UnitZ();
 };
 
+/// What a hand in the scene holds: a point, unless one of these is given.
+struct HandTool {
+  double radius = 0.0;                   // [m] above zero: a ball about the point
+  std::shared_ptr<const BodyTool> body;  // core/tool/body_tool.hpp
+};
+
 class Scene {
  public:
   /// Throws std::invalid_argument naming the object, the field and the remedy.
@@ -71,6 +80,12 @@ class Scene {
   /// What was strange about the files that it came from, but no error.
   const std::vector<std::string>& warnings() const { return warnings_; }
   void warn(std::vector<std::string> warnings) { warnings_ = std::move(warnings); }
+
+  const HandTool& tool() const { return tool_; }
+
+  /// Puts a tool into all hands. Throws std::invalid_argument naming the field and the remedy when
+  /// it does not fit what is there.
+  void set_tool(HandTool tool);
 
   /// A memory for one tool; allocates.
   TouchMemory memory() const;
@@ -90,6 +105,10 @@ class Scene {
   /// Precondition: made by compile() for these objects (core/scene/mechanism.hpp).
   void set_mechanism(std::shared_ptr<const Mechanism> mechanism);
 
+  /// What a tool with a body gives the hand that holds it at a pose: elastic force and torque.
+  /// Precondition: tool().body is not null. Likewise for the rest.
+  Command touch(const Pose& device, BodyMemory& memory) const noexcept;
+
  private:
   /// Of the first `count` objects.
   Command touch(const Tool& tool, TouchMemory& memory, std::size_t count) const noexcept;
@@ -105,6 +124,7 @@ class Scene {
   std::shared_ptr<const Mechanism> mechanism_;
   std::size_t still_ = 0;  // objects that stand; those that move come behind them
   std::vector<std::string> warnings_;
+  HandTool tool_;
 };
 
 /// Reads a scene file (JSON against core/scene/scene.fbs). Throws FileError.

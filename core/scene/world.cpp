@@ -219,8 +219,8 @@ Command World::touch(const Tool& tool, TouchMemory& memory, Grasp& grasp) const 
   for (std::size_t i = 0; i < parts_; ++i) {
     const std::size_t object = still_ + i;
     const Vec3 against = tool.velocity - velocity_at(object, tool.position);
-    const Command part =
-        trust_ * feltwire::touch(objects_[object], {tool.position, against}, memory[object]);
+    const Command part = trust_ * feltwire::touch(objects_[object], {tool.position, against},
+                                                  memory[object], scene_.tool().radius);
     grasp.forces[i] = part.force();
     sum.elastic += part.elastic;
     sum.frictional += part.frictional;
@@ -238,9 +238,9 @@ void World::push(Grasp& grasp, TouchMemory& memory, double share) noexcept {
     for (std::size_t i = 0; i < parts_; ++i) {
       const std::size_t object = still_ + i;
       const Vec3 against = -velocity_at(object, standing.position);
-      grasp.forces[i] =
-          (trust_ * feltwire::touch(objects_[object], {standing.position, against}, memory[object]))
-              .force();
+      grasp.forces[i] = (trust_ * feltwire::touch(objects_[object], {standing.position, against},
+                                                  memory[object], scene_.tool().radius))
+                            .force();
     }
   }
   grasp.fresh = false;

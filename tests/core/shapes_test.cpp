@@ -53,6 +53,7 @@ Shape scaled(const Shape& shape, double by) {
     Shape operator()(const Capsule& c) { return Capsule{by * c.radius, by * c.half_length}; }
     Shape operator()(const Cylinder& c) { return Cylinder{by * c.radius, by * c.half_length}; }
     Shape operator()(const Mesh& m) { return m; }  // has tests of its own
+    Shape operator()(const Grid& g) { return g; }
   } scale{by};
   return std::visit(scale, shape);
 }

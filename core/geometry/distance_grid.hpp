@@ -1,0 +1,94 @@
+#pragma once
+// Signed distance on a grid: what a solid is to a query that must cost the same whatever the solid.
+//
+// Samples stand in bricks of 8 x 8 x 8, kept only near the surface; elsewhere one value a brick
+// says how far the surface is. A brick has an apron, so that a query reads one brick and nothing
+// else.
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "core/types.hpp"
+
+namespace feltwire {
+
+/// A signed distance and its gradient at a point.
+struct FieldPoint {
+  double distance = 0.0;         // [m] negative in the solid; NaN where the position is not finite
+  Vec3 gradient = Vec3::Zero();  // of the distance, the way out; of length 1 where that is exact
+};
+
+/// A solid as its box and its signed distance [m], both in one frame. The distance must be exact
+/// (no larger step than the way taken), may be called from several threads and must not throw.
+struct Solid {
+  Vec3 low = Vec3::Zero(), high = Vec3::Zero();  // [m] the solid lies between them
+  std::function<double(const Vec3&)> distance;
+};
+
+/// How a value comes of the samples around it.
+enum class Interpolation : std::uint8_t {
+  linear,    // 8 samples; the gradient jumps from cell to cell
+  quadratic  // 27 coefficients of a B-spline; the gradient is continuous
+};
+
+struct GridOptions {
+  double resolution = 1e-3;  // h [m] between samples, > 0
+  double band = 0.0;  // [m] about the surface that is sampled at h; 0: one brick, 8 h; never less
+  Interpolation interpolation = Interpolation::quadratic;
+  std::size_t max_bytes = std::size_t{1} << 30;  // refuse what would take more
+};
+
+template <class Real>
+class DistanceGrid {
+ public:
+  /// Samples the solid, on all cores; the same bits on any number of them. Throws
+  /// std::invalid_argument naming resolution, value and remedy when the options or the solid's box
+  /// are not possible or the grid would be too large.
+  DistanceGrid(const Solid& solid, const GridOptions& options);
+
+  /// Distance and gradient, the latter exactly of the former where samples stand. Beyond the band
+  /// the distance is coarse (one value a brick, never below the band), and so is the gradient.
+  /// Never allocates.
+  FieldPoint at(const Vec3& position) const noexcept;
+
+  /// [m] A number that sign * distance is not below at the position; sign 1 or -1. Reads one value,
+  /// and only where that says less than `wanted` looks closer.
+  double at_least(const Vec3& position, double sign, double wanted) const noexcept;
+
+  double resolution() const { return h_; }
+  double band() const { return band_; }
+  const Vec3& low() const { return low_; }
+  const Vec3& high() const { return high_; }
+  std::size_t bricks() const { return values_.size() / kStored; }  // that have samples
+  std::size_t bytes() const;
+
+ private:
+  static constexpr int kBrick = 8;         // samples along an edge of a brick
+  static constexpr int kRow = kBrick + 2;  // with the apron
+  static constexpr std::size_t kStored = std::size_t{kRow} * kRow * kRow;
+  using Index = Eigen::Vector3i;
+  struct Place;
+  struct Builder;
+
+  std::size_t brick_index(const Index& brick) const noexcept;
+  bool find(const Vec3& position, Place& place) const noexcept;
+  Vec3 center_of(const Index& brick) const noexcept;
+  FieldPoint fine(const Place& place, std::int32_t slot) const noexcept;
+  FieldPoint coarse(const Place& place) const noexcept;
+
+  double h_ = 0.0, inverse_h_ = 0.0, band_ = 0.0;
+  Interpolation interpolation_;
+  Vec3 low_, high_;                  // [m] of the solid
+  Vec3 origin_;                      // [m] of sample 0, 0, 0
+  Index count_ = Index::Zero();      // bricks along x, y, z
+  std::vector<std::int32_t> slots_;  // of each brick, x fastest: where its samples are, or -1
+  std::vector<Real> centers_;        // [m] signed distance at each brick's centre
+  std::vector<Real> values_;         // [m] samples or coefficients, x fastest, brick by brick
+};
+
+extern template class DistanceGrid<float>;
+extern template class DistanceGrid<double>;
+
+}  // namespace feltwire

@@ -1,0 +1,24 @@
+#pragma once
+// How far a point is from a shape's surface, anywhere: exact for the analytic solids, of the grid
+// for a grid.
+
+#include "core/contact/shapes.hpp"
+#include "core/geometry/distance_grid.hpp"
+
+namespace feltwire {
+
+/// Signed distance of a position [m, object frame] to the shape felt from `side`: above zero where
+/// it is free. Where several points of the surface are nearest the gradient is that of one of them.
+/// Never allocates.
+FieldPoint signed_distance(const Shape& shape, Side side, const Vec3& position) noexcept;
+
+/// [m] A number that the signed distance is not below, where that is enough to know, `wanted`, at
+/// the least cost (DistanceGrid::at_least).
+double distance_at_least(const Shape& shape, Side side, const Vec3& position,
+                         double wanted) noexcept;
+
+/// A shape as something to sample. The shape is copied. Throws std::invalid_argument for a plane,
+/// which has no bounds.
+Solid solid_of(const Shape& shape);
+
+}  // namespace feltwire

@@ -1,0 +1,138 @@
+#include "core/scene/read_fields.hpp"
+
+#include <optional>
+#include <utility>
+
+#include "core/geometry/mesh_distance.hpp"
+#include "core/geometry/mesh_file.hpp"
+#include "core/geometry/signed_distance.hpp"
+#include "core/geometry/tessellation.hpp"
+#include "core/scene/rules.hpp"
+#include "core/tool/body_tool.hpp"
+
+namespace feltwire {
+namespace {
+
+constexpr const char* kSolids = "sphere, box, capsule, cylinder, file";
+constexpr int kSegments = 128;  // of a round body
+
+void require(const JsonDocument& document, const std::string& path,
+             const std::optional<Broken>& broken) {
+  if (broken) document.fail(path + "." + broken->field, broken->message);
+}
+
+/// A shape, or the surface in a file.
+struct Given {
+  std::optional<Shape> shape;
+  TriangleSoup surface;
+};
+
+/// The only solid of a table that may have several.
+template <class Table>
+Given read_solid(const JsonDocument& document, const std::string& path, const Table& table,
+                 const std::filesystem::path& folder) {
+  Given given;
+  std::string kind;
+  const auto take = [&](const char* name) {
+    if (!kind.empty())
+      document.fail(path + "." + name,
+                    "is a second solid beside " + kind + "; keep exactly one of " + kSolids);
+    kind = name;
+  };
+  const auto take_shape = [&](const char* name, const Shape& shape) {
+    take(name);
+    require(document, path + "." + name, broken_rule(shape));
+    given.shape = shape;
+  };
+  if (const auto* s = table.sphere()) take_shape("sphere", Sphere{s->radius()});
+  if (const auto* b = table.box()) {
+    if (!b->size()) document.fail(path + ".box.size", "is missing; give [x, y, z] in metres");
+    take_shape("box", Box{0.5 * Vec3(b->size()->x(), b->size()->y(), b->size()->z())});
+  }
+  if (const auto* c = table.capsule())
+    take_shape("capsule", Capsule{c->radius(), 0.5 * c->length()});
+  if (const auto* c = table.cylinder())
+    take_shape("cylinder", Cylinder{c->radius(), 0.5 * c->length()});
+  if (const auto* file = table.file()) {
+    take("file");
+    if (!(table.scale() > 0.0))
+      document.fail(path + ".scale", "must be above zero [m per unit of the file], is " +
+                                         number_text(table.scale()) +
+                                         "; give 0.001 for a file in millimetres");
+    given.surface = read_mesh(folder / file->str(), table.scale());
+  }
+  if (kind.empty())
+    document.fail(path, std::string("has no solid; give exactly one of ") + kSolids);
+  return given;
+}
+
+Solid solid(const Given& given) {
+  return given.shape ? solid_of(*given.shape) : solid_of(TriangleMesh(given.surface));
+}
+
+TriangleSoup placed(TriangleSoup surface, const Pose& pose) {
+  for (Vec3& v : surface.vertices) v = pose.position + pose.orientation * v;
+  return surface;
+}
+
+Pose read_place(const JsonDocument& document, const std::string& path,
+                const scene_file::ToolBody& body) {
+  Pose pose;
+  if (const auto* p = body.position()) pose.position = Vec3(p->x(), p->y(), p->z());
+  if (const auto* q = body.orientation())
+    pose.orientation = Quaternion(q->w(), q->x(), q->y(), q->z());
+  require(document, path, broken_rule(pose));
+  auto& coefficients = pose.orientation.coeffs();
+  coefficients /= coefficients.cwiseAbs().maxCoeff();
+  coefficients.normalize();
+  return pose;
+}
+
+std::shared_ptr<const BodyTool> read_body(const JsonDocument& document, const std::string& path,
+                                          const scene_file::ToolBody& body,
+                                          const std::filesystem::path& folder) {
+  const Given given = read_solid(document, path, body, folder);
+  const Pose place = read_place(document, path, body);
+  ToolCoupling coupling;
+  if (const auto* c = body.coupling())
+    coupling = {c->stiffness(), c->rotational_stiffness(), c->max_force(), c->max_torque()};
+  try {
+    const TriangleSoup surface = given.shape ? tessellate(*given.shape, kSegments) : given.surface;
+    return std::make_shared<const BodyTool>(point_shell(placed(surface, place), body.points()),
+                                            coupling, body.contact_area());
+  } catch (const std::invalid_argument& error) {
+    document.fail(path, error.what());
+  }
+}
+
+}  // namespace
+
+Grid read_grid(const JsonDocument& document, const std::string& path, const scene_file::Grid& grid,
+               const std::filesystem::path& folder) {
+  const Given given = read_solid(document, path, grid, folder);
+  try {
+    return {std::make_shared<const DistanceGrid<float>>(
+        solid(given), GridOptions{.resolution = grid.resolution(), .band = grid.band()})};
+  } catch (const std::invalid_argument& error) {
+    document.fail(path, error.what());
+  }
+}
+
+void read_tool(const JsonDocument& document, const scene_file::Tool& tool,
+               const std::filesystem::path& folder, Scene& scene) {
+  HandTool hand;
+  if (const auto* sphere = tool.sphere()) {
+    require(document, "tool.sphere", broken_rule(Shape(Sphere{sphere->radius()})));
+    hand.radius = sphere->radius();
+  }
+  if (const auto* body = tool.body()) hand.body = read_body(document, "tool.body", *body, folder);
+  if (!tool.sphere() && !tool.body())
+    document.fail("tool", "holds nothing; give exactly one of sphere, body, or leave it out");
+  try {
+    scene.set_tool(std::move(hand));
+  } catch (const std::invalid_argument& error) {
+    document.fail("tool", error.what());
+  }
+}
+
+}  // namespace feltwire

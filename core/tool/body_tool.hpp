@@ -1,0 +1,73 @@
+#pragma once
+// A body in the hand: a point shell that touches solids, coupled to the device by a spring.
+
+#include <span>
+
+#include "core/tool/shell_contact.hpp"
+
+namespace feltwire {
+
+/// The spring between device and tool, linear and rotational; each saturates.
+struct ToolCoupling {
+  double stiffness = 1000.0;          // [N/m], > 0
+  double rotational_stiffness = 0.0;  // [N m/rad]; 0: stiffness times the shell's radius squared
+  double max_force = 20.0;            // [N], > 0
+  double max_torque = 0.0;            // [N m]; 0: max_force times the shell's radius
+};
+
+/// A tool's body, fit to be used.
+class BodyTool {
+ public:
+  /// `contact_area` [m^2] of ShellContact; 0: a sixth of the body's surface, a cube's face. Throws
+  /// std::invalid_argument naming the field and the remedy.
+  BodyTool(PointShell shell, const ToolCoupling& coupling, double contact_area);
+
+  const PointShell& shell() const { return shell_; }
+  const ToolCoupling& coupling() const { return coupling_; }  // nothing in it is zero
+  double contact_area() const { return contact_area_; }
+
+ private:
+  PointShell shell_;
+  ToolCoupling coupling_;
+  double contact_area_;
+};
+
+/// Where the tool is held up by what it touches; of one tool in one scene.
+struct BodyMemory {
+  bool placed = false;
+  Pose pose;
+  /// What the solids answer at that pose. Where they have moved since, say so with known = false.
+  ShellContact contact;
+  bool known = false;
+};
+
+/// A pose moved by [m] and turned by a rotation vector [rad], world frame.
+Pose moved(const Pose& pose, const Vec3& by, const Vec3& turn) noexcept;
+
+/// What a step came to, beside the command.
+struct BodyStep {
+  Command command;                             // on the hand: elastic force and torque
+  double stored = 0.0;                         // [J] in coupling and contact after the step
+  std::size_t touching = 0;                    // points
+  std::size_t evaluations = 0, looked_at = 0;  // of all contacts; nodes and points in them
+};
+
+/// Moves the tool towards where coupling and contact are in balance and says what the coupling
+/// gives the hand.
+///
+/// The tool has no mass. Its pose goes down the energy
+///   E(tool) = E_coupling(device, tool) + sum over objects of E_contact(tool)
+/// by Gauss-Newton steps with the analytic Jacobian (McNeely, Puterbaugh & Troy 2006, Voxel-based
+/// 6-dof haptic rendering improvements; Barbic & James 2008), a step that does not go down being
+/// halved: E never grows but by what the hand does against the coupling's force. No point goes
+/// farther than the clearance and kToolAdvance in one evaluation, so that a fast hand does not take
+/// the tool through a solid. The first step places the tool at the device.
+///
+/// A pose that is not finite gives zero and leaves the memory as it was. Never allocates.
+BodyStep step_body(const BodyTool& tool, std::span<const Object> objects, const Pose& device,
+                   BodyMemory& memory) noexcept;
+
+inline constexpr double kToolAdvance = 1e-3;        // [m]
+inline constexpr std::size_t kToolEvaluations = 8;  // of all contacts, at most, a step
+
+}  // namespace feltwire

@@ -1,0 +1,33 @@
+#pragma once
+// A tool's body as points on its surface (McNeely, Puterbaugh & Troy, Six degree-of-freedom haptic
+// rendering using voxel sampling, SIGGRAPH 1999), in a tree of balls, so that those far from
+// everything are left out together.
+
+#include <vector>
+
+#include "core/geometry/triangle_mesh.hpp"
+
+namespace feltwire {
+
+/// A part of the shell: the points [begin, end) and the ball that holds them.
+struct ShellNode {
+  Vec3 center = Vec3::Zero();  // [m, tool frame]
+  double radius = 0.0;         // [m]
+  std::uint32_t begin = 0, end = 0;
+  std::uint32_t next = 0;  // the node after all that lie below this one; its own index + 1: a leaf
+};
+
+struct PointShell {
+  std::vector<Vec3> points;      // [m, tool frame] in the order of the tree's leaves
+  std::vector<ShellNode> nodes;  // each before what lies below it; the first holds all
+  double area = 0.0;             // [m^2] of the whole surface; each point stands for the same share
+  double radius = 0.0;           // [m] of the farthest point from the tool's origin
+};
+
+/// `count` points spread evenly over the area of the surface. Deterministic. Throws
+/// std::invalid_argument when there is no area, or the count is zero or above kMaxShellPoints.
+PointShell point_shell(const TriangleSoup& surface, std::size_t count);
+
+inline constexpr std::size_t kMaxShellPoints = 1'000'000;
+
+}  // namespace feltwire

@@ -1,0 +1,84 @@
+// A tool with a body in a session: orientation in, torque out, for devices that have them.
+
+#include <gtest/gtest.h>
+
+#include "server/session.hpp"
+#include "tests/server/make.hpp"
+#include "tests/support/allocation_counter.hpp"
+
+namespace feltwire {
+namespace {
+
+Scene scene() {
+  return parse_scene(R"({
+    "name": "desk", "materials": [{ "name": "m", "stiffness": 1000 }],
+    "objects": [{ "name": "top", "plane": {}, "material": "m" }],
+    "tool": { "body": { "box": { "size": [0.06, 0.04, 0.02] }, "points": 500 } } })",
+                     "desk.json");
+}
+
+control::JoinRequest request(int rotation) {
+  control::JoinRequest r = test::join_request();
+  r.device.rotation_sensed = rotation;
+  r.device.rotation_actuated = rotation;
+  r.device.rotational_damping = rotation > 0 ? 1e-3 : 0.0;
+  r.device.max_torque = rotation > 0 ? 0.5 : 0.0;
+  return r;
+}
+
+/// A hand that lowers a box that it turns by `angle` about y onto the desk.
+SampleBatch lowered(std::uint64_t index, double angle, bool rotation) {
+  SampleBatch batch;
+  batch.count = 1;
+  batch.rotation = rotation;
+  batch.previous = index - 1;
+  Sample& sample = batch.samples[0];
+  sample.index = index;
+  sample.client_time = std::chrono::milliseconds(index);
+  sample.pose.position.z() = 0.013 - 2e-5 * static_cast<double>(index);
+  if (rotation) sample.pose.orientation = Quaternion(Eigen::AngleAxisd(angle, Vec3::UnitY()));
+  return batch;
+}
+
+// What the scene answers, where the client bounds. (A server's bound gives no torque to a hand that
+// has not turned against it: its torque channel is an account of its own.)
+TEST(BodySession, ATiltedBoxTurnsTheHandBack) {
+  const Scene desk = scene();
+  for (const double angle : {0.1, -0.1}) {
+    control::JoinRequest client_bounds = request(3);
+    client_bounds.parameters.side = BoundingSide::client;
+    Session session(client_bounds, desk);
+    Reply reply;
+    for (std::uint64_t i = 1; i <= 300; ++i)
+      reply = session.take(lowered(i, angle, true), Nanoseconds{0}).reply;
+    EXPECT_TRUE(reply.rotation);
+    EXPECT_GT(reply.command.elastic.z(), 0.01);
+    EXPECT_LT(reply.command.torque.y() * angle, -1e-5);
+    EXPECT_NEAR(reply.command.torque.x(), 0.0, 0.1 * std::abs(reply.command.torque.y()));
+  }
+}
+
+TEST(BodySession, ADeviceWithoutRotationGetsTheForceAlone) {
+  const Scene desk = scene();
+  Session session(request(0), desk);
+  Reply reply;
+  for (std::uint64_t i = 1; i <= 300; ++i)
+    reply = session.take(lowered(i, 0.0, false), Nanoseconds{0}).reply;
+  EXPECT_FALSE(reply.rotation);
+  EXPECT_EQ(reply.command.torque, Vec3::Zero());
+  EXPECT_GT(reply.command.elastic.z(), 0.1);
+}
+
+TEST(BodySession, NeverAllocates) {
+#ifdef FELTWIRE_SANITIZED
+  GTEST_SKIP() << "sanitizers allocate by themselves";
+#endif
+  const Scene desk = scene();
+  Session session(request(3), desk);
+  const std::size_t before = test::allocations();
+  for (std::uint64_t i = 1; i <= 300; ++i) session.take(lowered(i, 0.1, true), Nanoseconds{0});
+  EXPECT_EQ(test::allocations(), before);
+}
+
+}  // namespace
+}  // namespace feltwire
