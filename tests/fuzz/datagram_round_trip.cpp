@@ -2,6 +2,7 @@
 
 #include "protocol/codec.hpp"
 #include "protocol/guard.hpp"
+#include "protocol/seal.hpp"
 #include "tests/fuzz/same_datagram.hpp"
 
 namespace feltwire::fuzz {
@@ -9,14 +10,24 @@ namespace {
 
 constexpr unsigned kAllKinds = ~0u;
 
-Guarded opened(Bytes datagram, const Header& sent) {
-  require(datagram.size() <= kMaxDatagram, "every datagram fits");
+/// The payload as it comes out of the datagram that it went into.
+Bytes carried(Bytes payload, const Header& sent) {
+  constexpr Key kSecret{1, 2, 3};
+  static DatagramBuffer sealed, out;
+  Sealer sealer(preferred_suite(), kSecret, sent.packet_number - 1);
+  Opener opener(preferred_suite(), kSecret);
+  const Bytes datagram = sealer.seal(sent.kind, sent.session, payload, sealed);
+  require(datagram.size() == payload.size() + kOverhead && datagram.size() <= kMaxDatagram,
+          "every datagram fits");
   const Guarded guarded = guard(datagram, kAllKinds);
   require(guarded.drop == DropReason::none, "what is sent passes the guard");
   require(guarded.header.kind == sent.kind && guarded.header.session == sent.session &&
               guarded.header.packet_number == sent.packet_number,
           "the header arrives");
-  return guarded;
+  const Opened opened = opener.open(guarded.header, datagram, out);
+  require(opened.drop == DropReason::none && opened.payload.size() == payload.size(),
+          "what is sealed is opened");
+  return opened.payload;
 }
 
 Vec3 any_vector(Input& in) {
@@ -62,9 +73,7 @@ void try_batch(Input& in, const Header& header) {
   static Encoder encoder;
   static SampleBatch again;
   const SampleBatch sent = batch(in);
-  const Guarded guarded =
-      opened(encoder.samples(header.session, header.packet_number, sent), header);
-  const DropReason drop = decode(guarded.payload, again);
+  const DropReason drop = decode(carried(encoder.samples(sent), header), again);
   require(drop == check(sent), "a batch is refused for what is wrong with it");
   if (drop == DropReason::none) require(same(sent, again), "samples arrive as they were");
 }
@@ -144,8 +153,7 @@ void try_reply(Input& in, const Header& header) {
   static Encoder encoder;
   static Reply again;
   const Reply sent = reply(in);
-  const Guarded guarded = opened(encoder.reply(header.session, header.packet_number, sent), header);
-  const DropReason drop = decode(guarded.payload, again);
+  const DropReason drop = decode(carried(encoder.reply(sent), header), again);
   require(drop == expected(sent), "a reply is refused for what is wrong with it");
   if (drop != DropReason::none) return;
   require(same_but_model(sent, again), "a reply arrives as it was");
@@ -155,10 +163,9 @@ void try_reply(Input& in, const Header& header) {
 void try_goodbye(Input& in, const Header& header) {
   static Encoder encoder;
   const auto reason = static_cast<GoodbyeReason>(in.byte() % 3);
-  const Guarded guarded =
-      opened(encoder.goodbye(header.session, header.packet_number, reason), header);
   GoodbyeReason again{};
-  require(decode(guarded.payload, again) == DropReason::none && again == reason,
+  require(decode(carried(encoder.goodbye(reason), header), again) == DropReason::none &&
+              again == reason,
           "a goodbye arrives as it was");
 }
 
@@ -172,7 +179,8 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     Header header;
     header.kind = static_cast<DatagramKind>(1 + in.byte() % 3);
     header.session = in.whole<std::uint64_t>();
-    header.packet_number = in.whole<std::uint64_t>();
+    // Of the first generation, whose secret is the session's; 0 is never sent.
+    header.packet_number = 1 + in.whole<std::uint32_t>() % ((1u << kGenerationBits) - 1);
     if (header.kind == DatagramKind::samples) fuzz::try_batch(in, header);
     if (header.kind == DatagramKind::reply) fuzz::try_reply(in, header);
     if (header.kind == DatagramKind::goodbye) fuzz::try_goodbye(in, header);

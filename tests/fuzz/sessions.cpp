@@ -7,6 +7,7 @@
 #include "protocol/guard.hpp"
 #include "server/scene_sessions.hpp"
 #include "tests/fuzz/fuzz.hpp"
+#include "tests/protocol/sealed.hpp"
 #include "tests/server/make.hpp"
 
 namespace feltwire::fuzz {
@@ -19,7 +20,7 @@ constexpr Nanoseconds kSilence = std::chrono::seconds(2);
 
 control::Message ask(SceneSessions& sessions, const control::Message& request, std::uint64_t id,
                      Nanoseconds now) {
-  return sessions.answer(request, id, now);
+  return sessions.answer(request, id, test::keys(id), now);
 }
 
 class Exchange {
@@ -47,8 +48,9 @@ class Exchange {
     now_ += std::chrono::milliseconds(1);
     ++index_;
     const Bytes sent = innocent_.samples(kInnocent, index_, test::hand_batch(index_, 2));
-    const Bytes felt = together_.receive(sent, peer_, now_);
-    const Bytes expected = alone_.receive(sent, peer_, now_);
+    overheard_.assign(sent.begin(), sent.end());
+    const Bytes felt = together_.receive(sent, peer_, now_, felt_);
+    const Bytes expected = alone_.receive(sent, peer_, now_, expected_);
     require(!expected.empty(), "the innocent one is answered");
     require(std::equal(felt.begin(), felt.end(), expected.begin(), expected.end()),
             "an answer depends on nobody else");
@@ -62,12 +64,13 @@ class Exchange {
       }
       case 1:
         return send(own(hostile_.samples(kHostile, number(in), wild_batch(in))));
-      case 2:
-        return send(mutated(
-            own(hostile_.samples(kHostile, number(in), test::hand_batch(1 + in.byte(), 3))), in));
-      case 3:  // what it may overhear of the other, under its own name
-        return send(mutated(
-            renamed(own(hostile_.samples(kInnocent, index_, test::hand_batch(index_, 2)))), in));
+      case 2: {  // well sealed, whatever is in it
+        const auto payload = mutated(own(encoder_.samples(test::hand_batch(1 + in.byte(), 3))), in);
+        const Header header{DatagramKind::samples, kHostile, number(in)};
+        return send(own(hostile_.seal(header, payload)));
+      }
+      case 3:  // what it may overhear of the other, again or changed, under either name
+        return send(mutated(in.coin() ? overheard_ : renamed(overheard_), in));
       case 4:
         return send(
             mutated(own(hostile_.goodbye(kHostile, number(in), GoodbyeReason::leaving)), in));
@@ -79,9 +82,7 @@ class Exchange {
   }
 
   void send(const std::vector<std::uint8_t>& datagram) {
-    // Who knows the other's session may speak for it.
-    if (names_innocent(datagram)) return;
-    const Bytes answer = together_.receive(datagram, peer_, now_);
+    const Bytes answer = together_.receive(datagram, peer_, now_, felt_);
     if (answer.empty()) return;
     require(answer.size() <= kMaxDatagram, "every answer fits");
     const Guarded guarded = guard(answer, test::kAllKinds);
@@ -89,7 +90,8 @@ class Exchange {
                 guarded.header.kind == DatagramKind::reply,
             "an answer is a reply, and for who asked");
     Reply reply;
-    require(decode(guarded.payload, reply) == DropReason::none, "an answer is good");
+    const auto payload = test::opened(answer, test::Way::down, test::keys(kHostile));
+    require(decode(payload, reply) == DropReason::none, "an answer is good");
   }
 
   void request(Input& in) {
@@ -157,20 +159,17 @@ class Exchange {
   static std::vector<std::uint8_t> own(Bytes bytes) { return {bytes.begin(), bytes.end()}; }
 
   static std::vector<std::uint8_t> renamed(std::vector<std::uint8_t> datagram) {
+    if (datagram.size() <= kSessionAt + 1) return datagram;
     datagram[kSessionAt + 1] =
         static_cast<std::uint8_t>(datagram[kSessionAt + 1] + (kHostile - kInnocent) / 256);
     return datagram;
   }
 
   static std::vector<std::uint8_t> mutated(std::vector<std::uint8_t> datagram, Input& in) {
-    for (int changes = in.byte() % 4; changes > 0; --changes)
+    for (int changes = datagram.empty() ? 0 : in.byte() % 4; changes > 0; --changes)
       datagram[in.whole<std::uint16_t>() % datagram.size()] = in.byte();
     if (in.byte() % 8 == 0) datagram.resize(in.whole<std::uint16_t>() % (kMaxDatagram + 8));
     return datagram;
-  }
-
-  static bool names_innocent(Bytes datagram) {
-    return guard(datagram, test::kAllKinds).header.session == kInnocent;
   }
 
   static void require_counters(const SceneCounters& counters) {
@@ -182,7 +181,10 @@ class Exchange {
 
   const Scene scene_ = test::room();
   SceneSessions together_{scene_, kSilence, kSeats}, alone_{scene_, kSilence, kSeats};
-  Encoder innocent_, hostile_;
+  test::SealedEncoder innocent_{test::Way::up}, hostile_{test::Way::up, test::keys(kHostile)};
+  Encoder encoder_;
+  DatagramBuffer felt_, expected_;
+  std::vector<std::uint8_t> overheard_;
   Peer peer_;
   Nanoseconds now_{0};
   std::uint64_t index_ = 0, hostile_number_ = 0;

@@ -246,7 +246,7 @@ TEST(CodecDrops, OneKindIsNotAnother) {
 TEST(CodecDrops, NumbersOutOfPlace) {
   Random random(4);
   Encoder encoder;
-  const Bytes sent = payload(encoder.samples(1, 1, random_batch(random, 9, 2, true)));
+  const Bytes sent = encoder.samples(random_batch(random, 9, 2, true));
   const std::vector<std::uint8_t> bytes(sent.begin(), sent.end());
   const auto* root = flatbuffers::GetRoot<wire::Samples>(bytes.data());
   SampleBatch batch;

@@ -7,6 +7,7 @@
 #include <thread>
 
 #include "server/server.hpp"
+#include "tests/protocol/sealed.hpp"
 #include "tests/server/make.hpp"
 #include "tests/server/raw_socket.hpp"
 #include "tests/support/garbage.hpp"
@@ -20,9 +21,9 @@ using test::RawSocket;
 /// Sends until it is destroyed.
 class Flood {
  public:
-  Flood(std::uint16_t port, std::uint64_t known_session) : socket_(SOCK_DGRAM, port) {
+  Flood(std::uint16_t port, const std::vector<std::uint64_t>& known) : socket_(SOCK_DGRAM, port) {
     constexpr int kDatagrams = 256;
-    test::Garbage garbage({known_session});
+    test::Garbage garbage(known);
     for (int i = 0; i < kDatagrams; ++i) datagrams_.push_back(garbage.next());
     thread_ = std::thread([this] {
       while (!ended_.load(std::memory_order_relaxed))
@@ -51,12 +52,16 @@ class Flood {
 struct Honest {
   std::uint64_t session;
   RawSocket socket;
-  Encoder encoder;
+  SessionKeys keys;
+  test::SealedEncoder encoder;
   std::uint64_t sent = 0;
   int answered = 0, wrong = 0;
 
-  explicit Honest(const control::JoinAccepted& joined)
-      : session(joined.session), socket(SOCK_DGRAM, joined.udp_port) {}
+  explicit Honest(const test::JoinedBy& joined)
+      : session(joined.accepted.session),
+        socket(SOCK_DGRAM, joined.udp_port),
+        keys(joined.keys),
+        encoder(test::Way::up, joined.keys) {}
 
   void send() {
     ++sent;
@@ -67,11 +72,11 @@ struct Honest {
     while (true) {
       const auto size = ::recv(socket.descriptor(), buffer.data(), buffer.size(), MSG_DONTWAIT);
       if (size < 0) return;
-      const Guarded guarded =
-          guard({buffer.data(), static_cast<std::size_t>(size)}, test::kAllKinds);
+      const Bytes bytes{buffer.data(), static_cast<std::size_t>(size)};
       Reply reply;
-      const bool good = guarded.drop == DropReason::none && guarded.header.session == session &&
-                        decode(guarded.payload, reply) == DropReason::none;
+      const bool good =
+          guard(bytes, test::kAllKinds).header.session == session &&
+          decode(test::opened(bytes, test::Way::down, keys), reply) == DropReason::none;
       ++(good ? answered : wrong);
     }
   }
@@ -85,15 +90,18 @@ TEST(Flood, HonestClientsAreAnsweredAndNobodyElse) {
   config.log_level = "off";
   std::vector<Scene> scenes;
   scenes.push_back(test::room());
-  Server server(config, std::move(scenes));
+  config.sample_rate_limit = 1e3;  // as fast as it goes
+  config.max_sessions_per_client = kClients;
+  Server server(config, std::move(scenes), test::security());
   ControlClient control(server.control_port());
-  const auto known = control.ask<control::JoinAccepted>(test::join_request());
+  std::vector<std::uint64_t> overheard;
   std::vector<std::unique_ptr<Honest>> clients;
-  for (int i = 0; i < kClients; ++i)
-    clients.push_back(
-        std::make_unique<Honest>(control.ask<control::JoinAccepted>(test::join_request())));
+  for (int i = 0; i < kClients; ++i) {
+    clients.push_back(std::make_unique<Honest>(control.join(test::join_request())));
+    overheard.push_back(clients.back()->session);
+  }
 
-  Flood flood(known.udp_port, known.session);
+  Flood flood(server.scenes().front().udp_port, overheard);
   for (bool waiting = true; waiting;) {
     waiting = false;
     for (auto& client : clients) {
@@ -117,7 +125,7 @@ TEST(Flood, HonestClientsAreAnsweredAndNobodyElse) {
     return counters.drops[static_cast<std::size_t>(reason)];
   };
   for (const DropReason reason :
-       {DropReason::size, DropReason::magic, DropReason::session, DropReason::malformed})
+       {DropReason::size, DropReason::magic, DropReason::session, DropReason::sealed})
     EXPECT_GT(dropped(reason), 0u) << name(reason);
   std::uint64_t all = counters.samples.replies;
   for (const std::uint64_t count : counters.drops) all += count;

@@ -125,12 +125,14 @@ TEST(Loopback, WhatMovesIsSteppedWhileNoDatagramComes) {
     ServerConfig config = any_port();
     config.silence_timeout = 0.2;
     config.busy_poll = busy_poll;
-    Server server(config, {test::moving({test::object("ball", Sphere{0.03}, {.stiffness = 1000})},
-                                        {0}, {test::body("ball", 0.2)}, test::kWeightless)});
+    Server server(config,
+                  {test::moving({test::object("ball", Sphere{0.03}, {.stiffness = 1000})}, {0},
+                                {test::body("ball", 0.2)}, test::kWeightless)},
+                  test::security());
     ControlClient control(server.control_port());
     control::JoinRequest request = test::join_request({});
     request.scene = "moving";
-    DatagramClient client(control.ask<control::JoinAccepted>(request));
+    DatagramClient client(control.join(request));
     SampleBatch batch = test::hand_batch(1);
     batch.samples[0].pose.position = {-0.029, 0, 0};
     EXPECT_NEAR(client.exchange(batch).command.elastic.x(), -1.0, 1e-9);

@@ -9,6 +9,7 @@
 
 #include "server/scene_sessions.hpp"
 #include "tests/core/moving.hpp"
+#include "tests/protocol/sealed.hpp"
 #include "tests/server/make.hpp"
 #include "tests/support/allocation_counter.hpp"
 
@@ -38,7 +39,8 @@ struct Bench {
   void join(std::uint64_t id, const SessionParameters& parameters = {}) {
     control::JoinRequest request = test::join_request(parameters);
     request.scene = scene.name();
-    ASSERT_TRUE(std::holds_alternative<control::JoinAccepted>(sessions.answer(request, id, now)));
+    ASSERT_TRUE(std::holds_alternative<control::JoinAccepted>(
+        sessions.answer(request, id, test::keys(id), now)));
   }
   /// The hand of session `id` is at `place` now; what it is answered.
   Reply hand(std::uint64_t id, const Vec3& place) {
@@ -49,11 +51,10 @@ struct Bench {
     sample.client_time = now;
     sample.pose.position = place;
     sample.held = held[id];
-    const Guarded guarded =
-        guard(sessions.receive(encoder.samples(id, sample.index, batch), {}, now), test::kAllKinds);
+    DatagramBuffer out;
+    const Bytes answer = sessions.receive(encoder.samples(id, sample.index, batch), {}, now, out);
     Reply reply;
-    EXPECT_EQ(guarded.drop, DropReason::none);
-    EXPECT_EQ(decode(guarded.payload, reply), DropReason::none);
+    EXPECT_EQ(decode(test::opened(answer, test::Way::down), reply), DropReason::none);
     held[id] = reply.command;
     return reply;
   }
@@ -66,7 +67,7 @@ struct Bench {
 
   const Scene& scene;
   SceneSessions sessions{scene, 2s, 4};
-  Encoder encoder;
+  test::SealedEncoder encoder{test::Way::up};
   Nanoseconds now{1s};
   std::map<std::uint64_t, std::uint64_t> index;
   std::map<std::uint64_t, Command> held;
@@ -197,7 +198,7 @@ TEST(MovingScene, AHandThatLeavesLetsGoAtOnce) {
   bench.join(kLeft);
   bench.join(kRight);
   bench.hand(kLeft, {-0.029, 0, 0});
-  bench.sessions.answer(control::LeaveRequest{kLeft}, 0, bench.now);
+  bench.sessions.answer(control::LeaveRequest{kLeft}, 0, {}, bench.now);
   for (int n = 0; n < 20; ++n) bench.advance();
   EXPECT_EQ(bench.world().momentum(), Vec3::Zero());
 }
@@ -212,7 +213,7 @@ TEST(MovingScene, TimeStandsStillWhileNobodyIsHere) {
   EXPECT_EQ(bench.sessions.next_tick(), bench.now + 1ms);
   bench.advance(5ms);
   EXPECT_EQ(bench.world().counters().steps, 5u);
-  bench.sessions.answer(control::LeaveRequest{kLeft}, 0, bench.now);
+  bench.sessions.answer(control::LeaveRequest{kLeft}, 0, {}, bench.now);
   bench.advance(1s);
   EXPECT_EQ(bench.world().counters().steps, 5u);
 }

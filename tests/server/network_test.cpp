@@ -45,7 +45,7 @@ Reply feel(const Server& server, int family) {
   ControlClient control(server.control_port(), family);
   const auto joined = control.join(test::join_request());
   RawSocket datagrams(SOCK_DGRAM, joined.udp_port, family);
-  const SessionKeys keys = control.keys(joined);
+  const SessionKeys keys = joined.keys;
   test::SealedEncoder encoder(test::Way::up, keys);
   Reply reply;
   for (std::uint64_t n = 1; n <= 20; ++n) {
@@ -137,8 +137,8 @@ TEST(Network, AClientThatNeverReadsHarmsNobodyElse) {
   const auto deaf = control.join(test::join_request());
   const auto joined = control.join(test::join_request());
   RawSocket unread(SOCK_DGRAM, deaf.udp_port), datagrams(SOCK_DGRAM, joined.udp_port);
-  const SessionKeys keys = control.keys(joined);
-  test::SealedEncoder deafs(test::Way::up, control.keys(deaf)), encoder(test::Way::up, keys);
+  const SessionKeys keys = joined.keys;
+  test::SealedEncoder deafs(test::Way::up, deaf.keys), encoder(test::Way::up, keys);
   std::uint64_t sent = 0;
   for (std::uint64_t n = 1; n <= 500; ++n) {
     for (int k = 0; k < 10; ++k) {

@@ -41,9 +41,13 @@ HandTask task(const control::JoinAccepted& accepted, std::uint64_t seed) {
   return task;
 }
 
+std::uint16_t scene_port(const Joined& joined) {
+  return ntohs(reinterpret_cast<const sockaddr_in&>(joined.datagrams.storage).sin_port);
+}
+
 // The one place that knows how a conversation is made of an answered join.
 Conversation make_conversation(const Joined& joined) {
-  return {joined.accepted.session, joined.accepted.parameters, false};
+  return {joined.accepted.session, joined.keys, joined.accepted.parameters, false};
 }
 
 }  // namespace
@@ -62,7 +66,7 @@ struct Client::Life {
 
   Life(const Joined& joined, const HandTask& task)
       : session(joined.accepted.session),
-        port(joined.accepted.udp_port),
+        port(scene_port(joined)),
         conversation(make_conversation(joined)),
         device({.spec = builtin_device("simulated"), .hand = {}, .task = task}),
         servo(device.spec(), joined.accepted.parameters),

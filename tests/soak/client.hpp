@@ -30,7 +30,7 @@ struct Account {
 };
 
 struct ClientOptions {
-  Endpoint server;
+  ServerAccess server;
   std::string scene;
   Nanoseconds period{};           // of the servo
   Nanoseconds silence_timeout{};  // of the server

@@ -7,6 +7,7 @@
 
 #include "server/server.hpp"
 #include "tests/soak/resources.hpp"
+#include "tests/support/security.hpp"
 
 namespace feltwire::soak {
 namespace {
@@ -54,9 +55,12 @@ Server make_server(const Options& options) {
   config.port = 0;
   config.silence_timeout = kSilenceTimeout;
   config.max_sessions_per_scene = kSeatsPerClient * options.clients;
+  // All of them are one client's, at one address.
+  config.max_sessions_per_client = config.max_sessions_per_scene;
+  config.join_rate = config.join_burst = 1e3;
   std::vector<Scene> scenes;
   scenes.push_back(load_scene(options.scene_file));
-  return {config, std::move(scenes)};
+  return {config, std::move(scenes), test::security()};
 }
 
 class Soak {
@@ -65,12 +69,12 @@ class Soak {
       : options_(options),
         descriptors_before_(descriptors()),
         server_(std::make_unique<Server>(make_server(options))),
-        endpoint_{"127.0.0.1", server_->control_port()} {
+        access_(test::access(server_->control_port())) {
     for (int i = 0; i < options.clients; ++i) {
       const auto seed = splitmix::draw(options.seed, static_cast<std::uint64_t>(i));
       clients_.emplace_back(
-          ClientOptions{endpoint_, server_->scenes().front().scene,
-                        from_seconds(1.0 / options.rate), from_seconds(kSilenceTimeout), seed},
+          ClientOptions{access_, server_->scenes().front().scene, from_seconds(1.0 / options.rate),
+                        from_seconds(kSilenceTimeout), seed},
           outcome_.clients);
     }
   }
@@ -103,7 +107,7 @@ class Soak {
 
  private:
   std::uint32_t sessions() const {
-    return list_scenes(endpoint_, std::chrono::seconds(5)).front().sessions;
+    return list_scenes(access_, std::chrono::seconds(5)).front().sessions;
   }
 
   void play() {
@@ -193,7 +197,7 @@ class Soak {
   Options options_;
   std::size_t descriptors_before_;
   std::unique_ptr<Server> server_;
-  Endpoint endpoint_;
+  ServerAccess access_;
   Outcome outcome_;
   std::vector<Client> clients_;
   std::vector<std::size_t> resident_;  // [bytes] look by look, after the warm-up

@@ -11,8 +11,8 @@
 namespace feltwire::test {
 
 /// Datagrams of four kinds in turns: random bytes; a good header of a session that there is none; a
-/// session that the attacker knows, with a payload that is none; and good ones cut short. The same
-/// arguments give the same bytes.
+/// session whose number the attacker has overheard, with what he cannot seal; and such cut short.
+/// The same arguments give the same bytes.
 class Garbage {
  public:
   explicit Garbage(std::vector<std::uint64_t> known_sessions)
@@ -54,9 +54,12 @@ class Garbage {
     SampleBatch batch;
     batch.count = 1;
     batch.samples[0].index = 1 + draw() % kIndices;
-    const Bytes good = encoder_.samples(known(), draw(), batch);
-    const auto left = static_cast<std::ptrdiff_t>(draw() % good.size());
-    return {good.begin(), good.begin() + left};
+    auto bytes = headed(known());
+    bytes.resize(kHeaderSize);
+    const Bytes payload = encoder_.samples(batch);
+    bytes.insert(bytes.end(), payload.begin(), payload.end());
+    bytes.resize(draw() % bytes.size());
+    return bytes;
   }
 
   std::vector<std::uint64_t> sessions_;
