@@ -72,8 +72,7 @@ TEST(Options, ALocalModelIsForASideThatBoundsHere) {
   ASSERT_TRUE(std::holds_alternative<ClientOptions>(options));
   EXPECT_TRUE(std::get<ClientOptions>(options).parameters.local_model);
   EXPECT_FALSE(std::get<ClientOptions>(parsed({})).parameters.local_model);
-  EXPECT_THAT(refusal({"--local-model", "--bounding", "server"}),
-              HasSubstr("local_model"));
+  EXPECT_THAT(refusal({"--local-model", "--bounding", "server"}), HasSubstr("local_model"));
 }
 
 TEST(Options, WhatTheCommandLineSaysCounts) {
