@@ -388,9 +388,10 @@ std::optional<Message> decode(Bytes body) {
 }
 
 const char* name(RefusalCode code) {
-  static constexpr std::array<const char*, 11> names = {
-      "malformed",     "unknown_scene",   "unknown_session", "bad_device", "bad_parameters", "full",
-      "shutting_down", "unauthenticated", "forbidden",       "too_many",   "not_supported"};
+  static constexpr std::array<const char*, 12> names = {
+      "malformed",      "unknown_scene", "unknown_session", "bad_device",
+      "bad_parameters", "full",          "shutting_down",   "unauthenticated",
+      "forbidden",      "too_many",      "not_supported",   "bad_scene"};
   const auto i = static_cast<std::size_t>(code);
   return i < names.size() ? names[i] : "unknown";
 }

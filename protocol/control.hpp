@@ -78,7 +78,8 @@ enum class RefusalCode : std::uint8_t {
   unauthenticated,
   forbidden,
   too_many,
-  not_supported
+  not_supported,
+  bad_scene
 };
 struct Refused {
   RefusalCode code = RefusalCode::malformed;

@@ -43,12 +43,13 @@ struct ControlService::Asked {
 };
 
 ControlService::ControlService(asio::io_context& io, Hosts& hosts, TokenFile tokens,
-                               const ServiceLimits& limits)
+                               const ServiceLimits& limits, Reload reload)
     : io_(io),
       hosts_(hosts),
       tokens_(std::move(tokens)),
       limits_(limits),
-      rate_(limits.join_rate, limits.join_burst) {}
+      rate_(limits.join_rate, limits.join_burst),
+      reload_(std::move(reload)) {}
 
 void ControlService::handle(ControlPeer& peer, control::Message request, Answer answer) {
   refresh_tokens();
@@ -145,7 +146,7 @@ void ControlService::join(Asked asked, control::JoinRequest request) {
   SceneHost& host = *hosts_[scene];
   const auto finish = [this, id, scene, suite, who,
                        answer = std::move(asked.answer)](control::Message message) {
-    const std::string& scene_name = hosts_[scene]->scene().name();
+    const std::string& scene_name = hosts_[scene]->name();
     if (auto* accepted = std::get_if<control::JoinAccepted>(&message)) {
       accepted->port_offset = static_cast<std::uint16_t>(1 + scene);
       accepted->suite = suite;
@@ -189,10 +190,9 @@ control::Message ControlService::list_scenes(const Token& token) const {
   control::SceneList result;
   for (std::size_t i = 0; i < hosts_.size(); ++i) {
     const SceneHost& host = *hosts_[i];
-    if (!opens(token, host.scene().name())) continue;
-    result.scenes.push_back({host.scene().name(), static_cast<std::uint16_t>(1 + i),
-                             static_cast<std::uint32_t>(host.scene().objects().size()),
-                             host.sessions()});
+    if (!opens(token, host.name())) continue;
+    result.scenes.push_back(
+        {host.name(), static_cast<std::uint16_t>(1 + i), host.objects(), host.sessions()});
   }
   return result;
 }
@@ -207,16 +207,18 @@ control::Message ControlService::list_sessions(const Asked& asked,
       break;
     }
     const Seated& seated = at->second;
-    list.sessions.push_back(
-        {at->first, seated.client, hosts_[seated.scene]->scene().name(), seated.role});
+    list.sessions.push_back({at->first, seated.client, hosts_[seated.scene]->name(), seated.role});
   }
   return list;
 }
 
-control::Message ControlService::reload(const Asked& asked, const control::ReloadScene&) {
+control::Message ControlService::reload(const Asked& asked, const control::ReloadScene& request) {
   if (auto refused = refuse_below_admin(asked)) return *std::move(refused);
-  return Refused{RefusalCode::not_supported,
-                 "this server does not reload scenes while it runs; start it anew"};
+  const std::size_t scene = scene_of(request.scene);
+  if (scene == hosts_.size() || !opens(asked.token, request.scene))
+    return Refused{RefusalCode::unknown_scene, "there is no scene '" + request.scene + "' here"};
+  if (const auto wrong = reload_(scene)) return Refused{RefusalCode::bad_scene, *wrong};
+  return control::SceneReloaded{request.scene};
 }
 
 void ControlService::look_after() {
@@ -224,7 +226,7 @@ void ControlService::look_after() {
   for (const auto& [id, seated] : seated_) {
     const Token* token = good_token(seated.token);
     if (token != nullptr && covers(token->role, seated.role) &&
-        opens(*token, hosts_[seated.scene]->scene().name()))
+        opens(*token, hosts_[seated.scene]->name()))
       continue;
     spdlog::info("a session of client {} ends: its token {} is good no more",
                  printable(seated.client), seated.token);
@@ -255,7 +257,7 @@ void ControlService::refresh_tokens() {
 
 std::size_t ControlService::scene_of(std::string_view name) const {
   const auto found = std::find_if(hosts_.begin(), hosts_.end(),
-                                  [&](const auto& host) { return host->scene().name() == name; });
+                                  [&](const auto& host) { return host->name() == name; });
   return static_cast<std::size_t>(found - hosts_.begin());
 }
 

@@ -1,8 +1,10 @@
 #pragma once
 // Who may ask what, and what is answered: tokens, roles, limits. On the control thread.
 
+#include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <random>
 #include <vector>
 
@@ -29,9 +31,12 @@ class ControlService {
  public:
   using Hosts = std::vector<std::unique_ptr<SceneHost>>;
   using Answer = std::function<void(control::Message)>;
+  /// Puts a host's scene in place anew; what is wrong where it cannot, and then the old one stays.
+  using Reload = std::function<std::optional<std::string>(std::size_t host)>;
 
   /// `io` runs on the control thread; it and the hosts outlive this.
-  ControlService(asio::io_context& io, Hosts& hosts, TokenFile tokens, const ServiceLimits& limits);
+  ControlService(asio::io_context& io, Hosts& hosts, TokenFile tokens, const ServiceLimits& limits,
+                 Reload reload);
 
   /// A ControlHandler.
   void handle(ControlPeer& peer, control::Message request, Answer answer);
@@ -76,6 +81,7 @@ class ControlService {
   TokenFile tokens_;
   ServiceLimits limits_;
   JoinRate rate_;
+  Reload reload_;
   Directory seated_;
   ServiceCounters counters_;
   std::random_device random_;  // the operating system's

@@ -70,10 +70,15 @@ void count(feltwire::Server& server, const std::string& file) {
   }
 }
 
-/// Until SIGINT or SIGTERM, which are blocked in every thread, as is SIGUSR1.
+/// Until SIGINT or SIGTERM, which are blocked in every thread, as are SIGUSR1 and SIGHUP.
 void serve(feltwire::Server& server, const sigset_t& signals, const std::string& summary) {
   int signal = 0;
-  while (sigwait(&signals, &signal) == 0 && signal == SIGUSR1) count(server, summary);
+  while (sigwait(&signals, &signal) == 0 && (signal == SIGUSR1 || signal == SIGHUP)) {
+    if (signal == SIGUSR1) count(server, summary);
+    if (signal == SIGHUP)
+      for (const std::string& wrong : server.reload())
+        spdlog::error("{}; the scene stays as it was", wrong);
+  }
   spdlog::info("{}: saying goodbye", signal == SIGINT ? "interrupted" : "terminated");
   server.stop();
   count(server, summary);
@@ -104,7 +109,7 @@ int main(int argc, char** argv) {
     // Blocked before any thread starts, so that only this one takes them.
     sigset_t signals;
     sigemptyset(&signals);
-    for (const int signal : {SIGINT, SIGTERM, SIGUSR1}) sigaddset(&signals, signal);
+    for (const int signal : {SIGINT, SIGTERM, SIGUSR1, SIGHUP}) sigaddset(&signals, signal);
     pthread_sigmask(SIG_BLOCK, &signals, nullptr);
 
     feltwire::Server server(config);

@@ -66,11 +66,13 @@ struct SceneHost::Batch {
 };
 
 SceneHost::SceneHost(Scene scene, const SceneHostOptions& options)
-    : scene_(std::move(scene)),
+    : name_(scene.name()),
+      objects_(static_cast<std::uint32_t>(scene.objects().size())),
+      scene_(std::make_unique<const Scene>(std::move(scene))),
       silence_timeout_(options.silence_timeout),
       busy_poll_(options.busy_poll),
       ended_(options.ended),
-      sessions_(scene_, options.silence_timeout, options.max_sessions, options.line,
+      sessions_(*scene_, options.silence_timeout, options.max_sessions, options.line,
                 options.limits),
       batch_(std::make_unique<Batch>()) {
   const asio::ip::udp::endpoint endpoint(options.address, options.port);
@@ -123,6 +125,17 @@ void SceneHost::ask(control::Message request, std::uint64_t id, const SessionKey
     asio::post(back, [completion = std::move(completion), answer = std::move(answer)]() mutable {
       completion(std::move(answer));
     });
+  });
+}
+
+void SceneHost::reload(Scene scene) {
+  asio::post(io_, [this, next = std::make_unique<const Scene>(std::move(scene))]() mutable {
+    if (closing_) return;
+    sessions_.enter(*next, monotonic_now());
+    scene_ = std::move(next);
+    objects_ = static_cast<std::uint32_t>(scene_->objects().size());
+    resets_told_ = 0;
+    await_tick();
   });
 }
 
@@ -239,14 +252,14 @@ void SceneHost::await_tick() {
   tick_timer_.expires_at(asio::steady_timer::time_point(*due));
   tick_timer_.async_wait([this](const std::error_code& error) {
     ticking_ = false;
-    if (error) return;
+    if (error || sessions_.world() == nullptr) return;  // nothing moves in a scene reloaded since
     sessions_.tick(monotonic_now());
     const std::uint64_t resets = sessions_.world()->counters().resets;
     if (resets > resets_told_)
       spdlog::warn(
           "scene {}: a step of what moves came to nothing sane; it is back in its last good "
           "state, at rest ({} times so far)",
-          scene_.name(), resets);
+          name_, resets);
     resets_told_ = resets;
     await_tick();
   });
@@ -263,8 +276,7 @@ void SceneHost::say(const std::vector<SceneSessions::Farewell>& farewells) noexc
 }
 
 SceneSummary SceneHost::count() const {
-  return {scene_.name(), sessions_.counters(), unsent_,
-          static_cast<std::uint32_t>(sessions_.size())};
+  return {name_, sessions_.counters(), unsent_, static_cast<std::uint32_t>(sessions_.size())};
 }
 
 SceneSummary SceneHost::summary() {

@@ -51,16 +51,21 @@ class SceneHost {
   /// Says goodbye to every client and joins the thread. May be called again.
   void stop();
 
-  const Scene& scene() const { return scene_; }
+  const std::string& name() const { return name_; }
   std::uint16_t port() const { return port_; }
   /// Sessions at this moment, from any thread.
   std::uint32_t sessions() const { return published_sessions_.load(std::memory_order_relaxed); }
+  /// Of the scene, likewise.
+  std::uint32_t objects() const { return objects_.load(std::memory_order_relaxed); }
 
   using Completion = std::function<void(control::Message)>;
   /// Has the scene's thread answer (see SceneSessions::answer) and posts the answer to `back`,
   /// which must outlive this host's thread. From any thread.
   void ask(control::Message request, std::uint64_t id, const SessionKeys& keys,
            asio::io_context& back, Completion completion);
+  /// Has all sessions go on in another scene, which keeps this one's name. Their bounds go on, so
+  /// that the change gives no hand energy. From any thread.
+  void reload(Scene scene);
   /// Ends a session with a goodbye, if it is there. From any thread.
   void evict(std::uint64_t session);
 
@@ -86,7 +91,9 @@ class SceneHost {
   SceneSummary count() const;
   struct Batch;
 
-  Scene scene_;
+  std::string name_;
+  std::atomic<std::uint32_t> objects_;
+  std::unique_ptr<const Scene> scene_;
   Nanoseconds silence_timeout_, busy_poll_;
   std::function<void(std::vector<std::uint64_t>)> ended_;
   SceneSessions sessions_;

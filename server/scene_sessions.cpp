@@ -27,6 +27,13 @@ void add(SceneCounters& sum, const Session& session) {
   sum.violations += session.violations();
 }
 
+void add(WorldCounters& sum, const WorldCounters& more) {
+  sum.steps += more.steps;
+  sum.resets += more.resets;
+  sum.returned += more.returned;
+  sum.warnings += more.warnings;
+}
+
 /// Which of the two a client must mend.
 control::RefusalCode refusal_code(const control::JoinRequest& request) {
   try {
@@ -66,7 +73,7 @@ struct SceneSessions::Ending {
 SceneSessions::SceneSessions(const Scene& scene, Nanoseconds silence_timeout,
                              std::size_t max_sessions, const NetworkProfile* line,
                              const SessionLimits& limits)
-    : scene_(scene),
+    : scene_(&scene),
       silence_timeout_(silence_timeout),
       max_sessions_(max_sessions),
       line_(line),
@@ -74,9 +81,23 @@ SceneSessions::SceneSessions(const Scene& scene, Nanoseconds silence_timeout,
       by_id_(max_sessions) {
   seats_.reserve(max_sessions);
   ended_.reserve(max_sessions);
-  if (scene.mechanism() == nullptr) return;
-  world_ = std::make_unique<World>(scene);
+  make_world();
+}
+
+/// Where something moves in the scene.
+void SceneSessions::make_world() {
+  if (scene_->mechanism() == nullptr) return;
+  world_ = std::make_unique<World>(*scene_);
   tick_ = from_seconds(world_->tick());
+}
+
+void SceneSessions::enter(const Scene& scene, Nanoseconds now) {
+  if (world_ != nullptr) add(counters_.world, world_->counters());
+  const std::unique_ptr<World> before = std::move(world_);  // until no session is in it any more
+  scene_ = &scene;
+  make_world();
+  last_tick_ = now;
+  for (const auto& seat : seats_) seat->session.enter(scene, world_.get());
 }
 
 SceneSessions::~SceneSessions() = default;
@@ -118,13 +139,13 @@ control::Message SceneSessions::join(control::JoinRequest request, std::uint64_t
                                      const SessionKeys& keys, Nanoseconds now) {
   if (seats_.size() >= max_sessions_)
     return control::Refused{control::RefusalCode::full,
-                            "scene '" + scene_.name() + "' has all its " +
+                            "scene '" + scene_->name() + "' has all its " +
                                 std::to_string(max_sessions_) + " sessions; try again later"};
   try {
     request.parameters = granted(request.parameters);
     auto seat = std::make_unique<Seat>(
         Seat{id,
-             Session(request, scene_, world_.get()),
+             Session(request, *scene_, world_.get()),
              now,
              Opener(keys.suite, keys.up, 0, limits_.forgeries),
              Sealer(keys.suite, keys.down),
@@ -142,11 +163,11 @@ control::Message SceneSessions::join(control::JoinRequest request, std::uint64_t
   accepted.session = id;
   accepted.parameters = request.parameters;
   accepted.silence_timeout = std::chrono::duration<double>(silence_timeout_).count();
-  accepted.friction = scene_.requirements().friction;
-  accepted.rotation = scene_.requirements().rotation;
-  accepted.start_position = scene_.start().position;
-  accepted.start_normal = scene_.start().normal;
-  accepted.stiffness = scene_.requirements().stiffness;
+  accepted.friction = scene_->requirements().friction;
+  accepted.rotation = scene_->requirements().rotation;
+  accepted.start_position = scene_->start().position;
+  accepted.start_normal = scene_->start().normal;
+  accepted.stiffness = scene_->requirements().stiffness;
   return accepted;
 }
 
@@ -279,7 +300,7 @@ std::vector<SceneSessions::Farewell> SceneSessions::shut_down() {
 SceneCounters SceneSessions::counters() const {
   SceneCounters sum = counters_;
   for (const auto& seat : seats_) add(sum, seat->session);
-  if (world_ != nullptr) sum.world = world_->counters();
+  if (world_ != nullptr) add(sum.world, world_->counters());
   return sum;
 }
 

@@ -72,6 +72,10 @@ class SceneSessions {
   /// The run of what moves; null: nothing does.
   const World* world() const { return world_.get(); }
 
+  /// All sessions go on in another scene, where nothing has moved yet. It must outlive this; the
+  /// one before is not looked at any more. Allocates.
+  void enter(const Scene& scene, Nanoseconds now);
+
   /// A goodbye and whom it is for.
   struct Farewell {
     Peer to;
@@ -97,6 +101,7 @@ class SceneSessions {
  private:
   struct Seat;
   struct Origin;
+  void make_world();
   control::Message join(control::JoinRequest request, std::uint64_t id, const SessionKeys& keys,
                         Nanoseconds now);
   SessionParameters granted(const SessionParameters& asked) const;
@@ -108,7 +113,7 @@ class SceneSessions {
   Bytes drop(DropReason reason) noexcept;
   Farewell farewell(Seat& seat, GoodbyeReason reason);
 
-  const Scene& scene_;
+  const Scene* scene_;
   Nanoseconds silence_timeout_;
   std::size_t max_sessions_;
   const NetworkProfile* line_;

@@ -17,17 +17,21 @@
 namespace feltwire {
 namespace {
 
+/// With a word in the log on what is strange in it.
+Scene load(const std::filesystem::path& file) {
+  Scene scene = load_scene(file);
+  if (const auto& mechanism = scene.mechanism())
+    for (const std::string& warning : mechanism->warnings())
+      spdlog::warn("{}: {}", file.string(), warning);
+  for (const std::string& warning : scene.warnings())
+    spdlog::warn("{}: {}", file.string(), warning);
+  return scene;
+}
+
 std::vector<Scene> load_scenes(const ServerConfig& config) {
   validate(config);
   std::vector<Scene> scenes;
-  for (const auto& file : config.scenes) {
-    scenes.push_back(load_scene(file));
-    if (const auto& mechanism = scenes.back().mechanism())
-      for (const std::string& warning : mechanism->warnings())
-        spdlog::warn("{}: {}", file.string(), warning);
-    for (const std::string& warning : scenes.back().warnings())
-      spdlog::warn("{}: {}", file.string(), warning);
-  }
+  for (const auto& file : config.scenes) scenes.push_back(load(file));
   return scenes;
 }
 
@@ -94,11 +98,14 @@ struct Server::Parts {
   ControlService service;
   std::unique_ptr<ControlEndpoint> control;
   asio::steady_timer look{io};
+  const std::vector<std::filesystem::path> files;  // of the scenes; none where they were at hand
   std::thread thread;
 
   Parts(const ServerConfig& config, std::vector<Scene> scenes, Security security)
       : fingerprint(feltwire::fingerprint(security.identity)),
-        service(io, hosts, std::move(security.tokens), service_limits(config)) {
+        service(io, hosts, std::move(security.tokens), service_limits(config),
+                [this](std::size_t host) { return reload(host); }),
+        files(config.scenes) {
     check_names(scenes);
     auto sockets = listen(config, security, scenes.size());
     SceneHostOptions options = host_options(config);
@@ -144,6 +151,22 @@ struct Server::Parts {
     });
   }
 
+  /// Its file anew, read in the calling thread. What is wrong with it, or nothing.
+  std::optional<std::string> reload(std::size_t host) {
+    if (files.size() != hosts.size()) return "this server has its scenes from no file";
+    try {
+      Scene scene = load(files[host]);
+      if (scene.name() != hosts[host]->name())
+        return files[host].string() + ": name: is '" + scene.name() + "' now, and clients know '" +
+               hosts[host]->name() + "'; keep the name";
+      hosts[host]->reload(std::move(scene));
+      spdlog::info("scene {} was reloaded", hosts[host]->name());
+      return std::nullopt;
+    } catch (const std::exception& error) {
+      return error.what();
+    }
+  }
+
   void stop() {
     if (!thread.joinable()) return;
     asio::post(io, [this] {
@@ -169,8 +192,15 @@ const Fingerprint& Server::fingerprint() const { return parts_->fingerprint; }
 
 std::vector<Server::ScenePort> Server::scenes() const {
   std::vector<ScenePort> result;
-  for (const auto& host : parts_->hosts) result.push_back({host->scene().name(), host->port()});
+  for (const auto& host : parts_->hosts) result.push_back({host->name(), host->port()});
   return result;
+}
+
+std::vector<std::string> Server::reload() {
+  std::vector<std::string> wrong;
+  for (std::size_t i = 0; i < parts_->hosts.size(); ++i)
+    if (auto refusal = parts_->reload(i)) wrong.push_back(*std::move(refusal));
+  return wrong;
 }
 
 void Server::stop() { parts_->stop(); }

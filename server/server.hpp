@@ -42,6 +42,10 @@ class Server {
   };
   std::vector<ScenePort> scenes() const;
 
+  /// Reads the scenes' files anew; clients go on in them. What is wrong, one line a file whose
+  /// scene stays as it was.
+  std::vector<std::string> reload();
+
   /// Ends connections, says goodbye to every client and joins all threads. May be called again.
   void stop();
 

@@ -69,6 +69,7 @@ Session::Session(const control::JoinRequest& request, const Scene& scene, World*
     : client_(checked(request).client),
       device_(request.device),
       parameters_(request.parameters),
+      observes_(request.role == Role::observer),
       scene_(&scene),
       world_(world),
       contacts_(scene.memory()),
@@ -99,7 +100,7 @@ Taken Session::take(const SampleBatch& batch, Nanoseconds now) noexcept {
   reply.client_time = last_.client_time;
   reply.server_receive_time = reply.server_send_time = now;
   reply.rotation = device_.rotation_actuated > 0;
-  reply.modelled = parameters_.local_model;
+  reply.modelled = parameters_.local_model && !observes_;
   if (reply.modelled)
     reply.model = world_ != nullptr ? local_model(*world_, last_.pose.position, contacts_)
                                     : local_model(*scene_, last_.pose.position, contacts_);
@@ -184,14 +185,24 @@ void Session::step(const Sample& sample, bool rotation, Reply& reply) noexcept {
   ++counters_.samples;
 }
 
+void Session::enter(const Scene& scene, World* world) {
+  scene_ = &scene;
+  world_ = world;
+  contacts_ = scene.memory();
+  grasp_ = world != nullptr ? world->grasp() : Grasp{};
+  body_ = {};
+  deadband_ = ReplyDeadband(parameters_);  // what was said of the old one is no more
+}
+
 Command Session::touch(const Pose& device, const Tool& tool) noexcept {
+  if (observes_) return {};
   if (scene_->tool().body) return scene_->touch(device, body_);
   return world_ != nullptr ? world_->touch(tool, contacts_, grasp_)
                            : scene_->touch(tool, contacts_);
 }
 
 void Session::push(double age) noexcept {
-  if (last_.index == 0) return;  // nobody knows where the hand is
+  if (last_.index == 0 || observes_) return;  // nobody knows where the hand is, or there is none
   const double share = std::clamp(2.0 * (1.0 - age / parameters_.hold_time), 0.0, 1.0);
   if (share > 0.0) world_->push(grasp_, contacts_, share);
 }

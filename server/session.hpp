@@ -48,6 +48,10 @@ class Session {
   /// command does. `age` [s] of that sample. Precondition: the session has a world.
   void push(double age) noexcept;
 
+  /// The hand is in another scene from its next sample on, as if it had touched nothing yet; what
+  /// it is given comes from the bound it had. Both must outlive the session. Allocates.
+  void enter(const Scene& scene, World* world);
+
   /// Counts a datagram of this session whose packet number had been seen.
   void count_duplicate() noexcept { ++counters_.duplicates; }
 
@@ -78,6 +82,7 @@ class Session {
   std::string client_;
   DeviceSpec device_;
   SessionParameters parameters_;
+  bool observes_;  // it feels nothing and acts on nothing
 
   const Scene* scene_;
   World* world_;  // null: nothing moves

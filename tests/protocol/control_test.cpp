@@ -191,7 +191,7 @@ TEST(Control, OtherMessagesRoundTrip) {
   EXPECT_TRUE(sessions.more);
   EXPECT_EQ(round_trip(ReloadScene{"a"}).scene, "a");
   EXPECT_EQ(round_trip(SceneReloaded{"b"}).scene, "b");
-  for (int code = 0; code <= static_cast<int>(RefusalCode::not_supported); ++code) {
+  for (int code = 0; code <= static_cast<int>(RefusalCode::bad_scene); ++code) {
     const Refused refused = round_trip(Refused{static_cast<RefusalCode>(code), "because"});
     EXPECT_EQ(static_cast<int>(refused.code), code);
     EXPECT_EQ(refused.reason, "because");
