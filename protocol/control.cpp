@@ -60,10 +60,9 @@ Offset<flatbuffers::Vector<double>> tensor(FlatBufferBuilder& builder, const Dam
 
 bool read(double isotropic, const flatbuffers::Vector<double>* entries, Damping& to) {
   constexpr flatbuffers::uoffset_t kAxes = 3, kMatrix = 6;
+  if (entries != nullptr && !aligned(*entries, alignof(double))) return false;
   if (entries == nullptr) {
     to = isotropic;
-  } else if (!aligned(*entries, alignof(double))) {
-    return false;
   } else if (entries->size() == kAxes) {
     to = Vec3((*entries)[0], (*entries)[1], (*entries)[2]);
   } else if (entries->size() == kMatrix) {

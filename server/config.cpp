@@ -106,7 +106,7 @@ std::optional<Complaint> complaint(const ServerConfig& c) {
                      std::to_string(c.sample_rate_limit) +
                          " times the servo rate is not within 1.1 to 1000000; clocks differ, so 1 "
                          "would be too little"};
-  if (const auto wrong = security_complaint(c)) return wrong;
+  if (auto wrong = security_complaint(c)) return wrong;
   if (!c.profile.empty()) {
     try {
       network_profile(c.profile);

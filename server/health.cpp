@@ -75,7 +75,7 @@ struct Question {
 
 /// Who listens on every network is asked on the loopback of its family.
 asio::ip::address reachable(const std::string& address) {
-  const asio::ip::address listening = asio::ip::make_address(address);
+  asio::ip::address listening = asio::ip::make_address(address);
   if (!listening.is_unspecified()) return listening;
   if (listening.is_v6()) return asio::ip::address_v6::loopback();
   return asio::ip::address_v4::loopback();

@@ -74,7 +74,7 @@ const std::array<Vec3, kWaves> kWaveDirections = [] {
 /// The surface lower by h, between 0 and 2 amplitudes: the spring's energy is 1/2 k (depth - h)^2,
 /// so its force has a part along the slope too (Minsky's lateral force), and no way round takes or
 /// gives energy.
-SurfacePoint grained(const Grain& grain, SurfacePoint surface) {
+SurfacePoint grained(const Grain& grain, const SurfacePoint& surface) {
   const double k = 2.0 * std::numbers::pi / grain.wavelength;  // [1/m]
   double height = -grain.amplitude;
   Vec3 slope = Vec3::Zero();
@@ -135,7 +135,7 @@ SurfacePoint mesh_surface_point(const MeshSurface& surface, Side felt_from, cons
   }
   const SurfacePoint smooth{surface.mesh().origin() + stand.point, normal, depth};
   const Grain& grain = surface.options().grain;
-  const SurfacePoint found = grain.amplitude > 0.0 ? grained(grain, smooth) : smooth;
+  SurfacePoint found = grain.amplitude > 0.0 ? grained(grain, smooth) : smooth;
   if (!(found.depth > 0.0)) {
     memory.feature = 0;
     return {};

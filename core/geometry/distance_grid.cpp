@@ -214,7 +214,8 @@ void DistanceGrid<Real>::Builder::store(std::size_t slot) {
   const Index first = kBrick * bricks[slot] - Index::Constant(2);
   Wide wide{};
   const auto at = [](int x, int y, int z) {
-    return static_cast<std::size_t>((z * kWide + y) * kWide + x);
+    return (static_cast<std::size_t>(z) * kWide + static_cast<std::size_t>(y)) * kWide +
+           static_cast<std::size_t>(x);
   };
   const auto outermost = [](int i) { return i == 0 || i == kWide - 1; };
   for (int z = 0; z < kWide; ++z)

@@ -197,7 +197,8 @@ void read_body(Values& values, const Header& header, TriangleSoup& soup) {
           values.fail(property.name + ": a list cannot be that long; export the surface anew");
         const bool wanted = face && p == indices;
         if (wanted) list.clear();
-        for (double n = 0.0; n < length; ++n) {
+        const auto count = static_cast<std::size_t>(std::ceil(length));
+        for (std::size_t n = 0; n < count; ++n) {
           const double value = values.next(property.type);
           if (wanted) list.push_back(value);
         }

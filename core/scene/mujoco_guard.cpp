@@ -1,9 +1,9 @@
 #include "core/scene/mujoco_guard.hpp"
 
+#include <algorithm>
 #include <array>
 #include <csetjmp>
 #include <cstdlib>
-#include <cstring>
 #include <mutex>
 
 namespace feltwire::mujoco {
@@ -72,7 +72,8 @@ Loaded load_text(const std::string& xml) {
   mj_defaultVFS(files.get());
   constexpr const char* kName = "scene.xml";
   mj_makeEmptyFileVFS(files.get(), kName, static_cast<int>(xml.size()));
-  std::memcpy(files->filedata[mj_findFileVFS(files.get(), kName)], xml.data(), xml.size());
+  std::copy(xml.begin(), xml.end(),
+            static_cast<char*>(files->filedata[mj_findFileVFS(files.get(), kName)]));
   return load(kName, files.get());
 }
 

@@ -4,6 +4,7 @@
 
 #include <mujoco/mujoco.h>
 
+#include <cstddef>
 #include <memory>
 #include <string>
 
@@ -17,6 +18,12 @@ struct DeleteData {
 };
 using Model = std::unique_ptr<mjModel, DeleteModel>;
 using Data = std::unique_ptr<mjData, DeleteData>;
+
+/// The `index`-th of an array of so many numbers each.
+template <int kNumbers>
+const mjtNum* entry(const mjtNum* all, int index) {
+  return all + std::ptrdiff_t{kNumbers} * index;
+}
 
 /// A model, or why there is none, in MuJoCo's words.
 struct Loaded {

@@ -26,7 +26,7 @@ std::string described(const mjModel& model, int geom) {
 }
 
 Shape shape_of(const mjModel& model, int geom, const std::string& file) {
-  const mjtNum* size = model.geom_size + 3 * geom;
+  const mjtNum* size = mujoco::entry<3>(model.geom_size, geom);
   switch (model.geom_type[geom]) {
     case mjGEOM_PLANE:
       return Plane{};
@@ -92,9 +92,10 @@ std::shared_ptr<const Mechanism> load_mjcf(const std::filesystem::path& file,
       object.name = geom_name(model, g);
       object.shape = shape_of(model, g, name);
       object.material = material_of(model, g, materials);
-      const Pose in_body{vector(model.geom_pos + 3 * g), quaternion(model.geom_quat + 4 * g)};
-      const Quaternion turned = quaternion(data->xquat + 4 * body);
-      object.pose = {vector(data->xpos + 3 * body) + turned * in_body.position,
+      const Pose in_body{vector(mujoco::entry<3>(model.geom_pos, g)),
+                         quaternion(mujoco::entry<4>(model.geom_quat, g))};
+      const Quaternion turned = quaternion(mujoco::entry<4>(data->xquat, body));
+      object.pose = {vector(mujoco::entry<3>(data->xpos, body)) + turned * in_body.position,
                      turned * in_body.orientation};
       object_of[static_cast<std::size_t>(g)] = static_cast<int>(objects.size());
       objects.push_back(std::move(object));

@@ -127,10 +127,10 @@ World::~World() = default;
 void World::look() noexcept {
   for (std::size_t i = 0; i < parts_; ++i) {
     const Mechanism::Part& part = run_->parts[i];
-    const Quaternion turned = quaternion(run_->data->xquat + 4 * part.body);
+    const Quaternion turned = quaternion(mujoco::entry<4>(run_->data->xquat, part.body));
     const Vec3 arm = turned * part.in_body.position;
     Pose& pose = objects_[still_ + i].pose;
-    pose.position = vector(run_->data->xpos + 3 * part.body) + arm;
+    pose.position = vector(mujoco::entry<3>(run_->data->xpos, part.body)) + arm;
     pose.orientation = (turned * part.in_body.orientation).normalized();
     std::array<mjtNum, 6> velocity{};  // of the body's frame, world axes: angular, linear
     mj_objectVelocity(&run_->model, run_->data.get(), mjOBJ_XBODY, part.body, velocity.data(), 0);

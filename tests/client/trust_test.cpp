@@ -211,7 +211,7 @@ TEST_F(Roles, AdminsListAndEvict) {
   EXPECT_EQ(list.sessions[0].role, Role::operator_);
   EXPECT_THAT(
       error_of<SessionError>([&] { ask(with(admin), control::ReloadScene{"floor"}, kPatience); }),
-      HasSubstr("does not reload"));
+      HasSubstr("from no file"));
 
   Sample sample;
   sample.index = 1;

@@ -280,7 +280,7 @@ TEST(Control, ChoicesThatAreNoneAreRefused) {
     sealed.suite = static_cast<CipherSuite>(suite);
     EXPECT_FALSE(decode(body(encode(sealed)))) << suite;
   }
-  EXPECT_FALSE(decode(body(encode(Refused{static_cast<RefusalCode>(11), "x"}))));
+  EXPECT_FALSE(decode(body(encode(Refused{static_cast<RefusalCode>(12), "x"}))));
 }
 
 /// A list may point at one entry ever so often: a small frame that would grow without end.
