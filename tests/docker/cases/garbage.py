@@ -6,35 +6,42 @@ import statistics
 import composition
 from judge import expect_honest, expect_undisturbed, report
 
-# The same hands with the flood and without, in turns: what else the machine is about meets both alike.
-ROUNDS, SECONDS = 3, 3.0
+# The same hands with the flood and without, in turns: what else the machine is about meets both alike. The flood's own
+# work, an attacker's on another machine, is among that: in quiet rounds as much is sent to somebody else.
+ROUNDS, SECONDS = 5, 3.0
 RATE = 20000  # [1/s] datagrams of garbage, at most
 HANDS = ["one", "two", "three"]
 
 
 def run(compose, judge):
     compose.server()
+    compose.server("elsewhere")
     # It has an address to talk to, and no business in any scene that there is.
     compose.client("uninvited", scene="vault", duration=1, options=["--reconnect", "1"])
     shutil.copy(composition.ROOT / "tests/docker/flood.pl", compose.out)
-    compose.service("flood", ["perl", "/out/flood.pl", "server", "7400", "7401", "7401", str(RATE)], ["line"])
+    senders = {"flooded": "flood", "quiet": "beside"}
+    for name, to in (("flood", "server"), ("beside", "elsewhere")):
+        compose.service(name, ["perl", "/out/flood.pl", to, "7400", "7401", "7401", str(RATE)], ["line"])
     rounds = {(when, i): [f"{when}-{i}-{hand}" for hand in HANDS] for i in range(ROUNDS) for when in ("quiet", "flooded")}
     for names in rounds.values():
         for seed, name in enumerate(names, 1):
             compose.client(name, duration=SECONDS, options=["--path", "slide", "--radius", "0.02", "--seed", str(seed)])
-    compose.up("server")
-    compose.up("flood")
-    compose.act("pause", "flood")
+    compose.up("server", "elsewhere")
+    for sender in senders.values():
+        compose.up(sender)
+        compose.act("pause", sender)
     before = compose.counters()["room"]
     for (when, i), names in rounds.items():
-        compose.act("unpause", "flood") if when == "flooded" else None
+        compose.act("unpause", senders[when])
         compose.up(*names)
         judge.expect(f"exit codes, {when} {i}", compose.wait(*names), equal=[0] * len(names))
         if when == "flooded" and i == 0:
             compose.up("uninvited")
             judge.expect("exit code of the uninvited", compose.wait("uninvited"), equal=[1])
-        compose.act("pause", "flood") if when == "flooded" else None
-    compose.act("unpause", "flood")
+        compose.act("pause", senders[when])
+    for sender in senders.values():
+        compose.act("unpause", sender)
+    compose.stop("beside")
     judge.expect("flood: exit code", compose.stop("flood")["flood"][0], equal=0)
     after = compose.counters()["room"]
 
