@@ -88,9 +88,12 @@ class BoxTree {
 
   static bool overlaps(const Node& node, int child, const FloatBox& q) {
     const auto c = static_cast<std::size_t>(child);
-    return (node.least[0][c] <= q.most[0]) & (q.least[0] <= node.most[0][c]) &
-           (node.least[1][c] <= q.most[1]) & (q.least[1] <= node.most[1][c]) &
-           (node.least[2][c] <= q.most[2]) & (q.least[2] <= node.most[2][c]);
+    // All six are looked at: no branch is cheaper than one that is guessed wrong.
+    int apart = 0;
+    for (std::size_t axis = 0; axis < kAxes; ++axis)
+      apart |= static_cast<int>(!(node.least[axis][c] <= q.most[axis])) |
+               static_cast<int>(!(q.least[axis] <= node.most[axis][c]));
+    return apart == 0;
   }
   static double square_distance(const Node& node, std::size_t child, const Vec3& p) {
     double sum = 0.0;

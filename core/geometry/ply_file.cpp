@@ -14,7 +14,6 @@ namespace {
 using mesh_text::Words;
 
 enum class Scalar : std::uint8_t { i8, u8, i16, u16, i32, u32, f32, f64 };
-constexpr std::array<std::size_t, 8> kBytes = {1, 1, 2, 2, 4, 4, 4, 8};
 constexpr std::size_t kNotThere = std::numeric_limits<std::size_t>::max();
 
 std::optional<Scalar> scalar_named(std::string_view name) {
