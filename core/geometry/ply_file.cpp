@@ -120,7 +120,7 @@ class TextValues {
 class BinaryValues {
  public:
   BinaryValues(std::string_view bytes, std::size_t at, bool big, const std::string& name)
-      : bytes_(bytes), at_(at), big_(big), name_(name) {}
+      : bytes_(bytes), at_(std::min(at, bytes.size())), big_(big), name_(name) {}
   [[noreturn]] void fail(const std::string& message) const {
     throw FileError(name_ + ": byte " + std::to_string(at_) + ": " + message);
   }

@@ -4,6 +4,7 @@
 #include <openssl/pem.h>
 #include <openssl/ssl.h>
 
+#include <csignal>
 #include <memory>
 #include <span>
 #include <stdexcept>
@@ -49,6 +50,7 @@ inline TlsContext server_context(const Identity& identity, int max_version = TLS
 class TlsConnection {
  public:
   TlsConnection(SSL_CTX* context, int socket) : ssl_(SSL_new(context), &SSL_free) {
+    std::signal(SIGPIPE, SIG_IGN);  // OpenSSL writes to whom has closed as if that were news
     SSL_set_fd(ssl_.get(), socket);
   }
   bool connect() { return SSL_connect(ssl_.get()) == 1; }
