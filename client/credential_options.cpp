@@ -70,28 +70,21 @@ void add_credential_options(CLI::App& app, CredentialWords& words) {
   const auto group = "Trust (SECURITY.md)";
   app.add_option("--fingerprint", words.fingerprint,
                  "Of the server's certificate: 64 hex digits that feltwire-server prints")
-      ->envname("FELTWIRE_FINGERPRINT")
       ->group(group);
   app.add_option("--fingerprint-file", words.fingerprint_file,
                  "FILE with it, e.g. `fingerprint` of the server's state folder")
-      ->envname("FELTWIRE_FINGERPRINT_FILE")
       ->group(group);
   app.add_option("--ca", words.ca,
                  "FILE (PEM) of authorities; the server's certificate must be theirs, and for the "
                  "host in --connect")
-      ->envname("FELTWIRE_CA")
       ->group(group);
   app.add_option("--token-file", words.token_file,
                  "FILE with the token to be let in by; or the environment's FELTWIRE_TOKEN")
-      ->envname("FELTWIRE_TOKEN_FILE")
       ->group(group);
   app.add_option("--certificate", words.certificate,
                  "FILE (PEM), for a server that asks its clients for one")
-      ->envname("FELTWIRE_CERTIFICATE")
       ->group(group);
-  app.add_option("--key", words.key, "FILE (PEM) of that certificate's key")
-      ->envname("FELTWIRE_KEY")
-      ->group(group);
+  app.add_option("--key", words.key, "FILE (PEM) of that certificate's key")->group(group);
 }
 
 Credentials credentials(const CredentialWords& words) {

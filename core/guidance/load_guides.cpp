@@ -3,13 +3,10 @@
 #include <cmath>
 #include <limits>
 
-#include "core/scene/rules.hpp"
-#include "core/scene/scene_generated.h"
+#include "core/scene/read_values.hpp"
 
 namespace feltwire {
 namespace {
-
-Vec3 vector(const scene_file::Vector& v) { return {v.x(), v.y(), v.z()}; }
 
 /// What was not given has no end.
 double endless(double value) {
@@ -54,15 +51,8 @@ GuidePlace read_place(const JsonDocument& document, const std::string& path,
   if (const auto* l = guide.line()) place.take("line", GuideLine{0.5 * endless(l->length())});
   if (const auto* c = guide.curve()) place.take("curve", read_curve(*c));
   if (guide.plane()) place.take("plane", GuidePlane{});
-  if (const auto* s = guide.sphere()) place.take("sphere", Sphere{s->radius()});
-  if (const auto* b = guide.box()) {
-    if (!b->size()) document.fail(path + ".box.size", "is missing; give [x, y, z] in metres");
-    place.take("box", Box{0.5 * vector(*b->size())});
-  }
-  if (const auto* c = guide.capsule())
-    place.take("capsule", Capsule{c->radius(), 0.5 * c->length()});
-  if (const auto* c = guide.cylinder())
-    place.take("cylinder", Cylinder{c->radius(), 0.5 * c->length()});
+  take_solids(document, path, guide,
+              [&](const char* name, const auto& solid) { place.take(name, solid); });
   return place.given() ? place.value() : GuidePlace(Everywhere{});
 }
 
@@ -92,24 +82,15 @@ std::vector<Guide> read_guides(const JsonDocument& document, const scene_file::S
   std::vector<Guide> guides;
   if (scene.guides() == nullptr) return guides;
   for (const scene_file::Guide* g : *scene.guides()) {
-    const std::string path = "guides[" + std::to_string(guides.size()) + "]";
-    const auto require = [&](const Found& broken) {
-      if (broken) document.fail(path + "." + broken->field, broken->message);
-    };
+    const std::string path = element("guides", guides.size());
     Guide guide;
     guide.name = g->name()->str();
-    require(broken_name(guide.name));
-    for (std::size_t i = 0; i < guides.size(); ++i)
-      if (guides[i].name == guide.name)
-        document.fail(path + ".name", "'" + guide.name + "' is the name of guides[" +
-                                          std::to_string(i) + "] too; rename one");
+    require_new_name(document, "guides", guides, guide.name);
     guide.place = read_place(document, path, *g);
     guide.action = read_action(document, path, *g);
-    if (const auto* p = g->position()) guide.pose.position = vector(*p);
-    if (const auto* q = g->orientation())
-      guide.pose.orientation = Quaternion(q->w(), q->x(), q->y(), q->z());
+    guide.pose = pose_of(*g);
     guide.max_force = g->max_force();
-    require(broken_rule(guide));
+    require(document, path, broken_rule(guide));
     guides.push_back(std::move(guide));
   }
   return guides;

@@ -4,9 +4,7 @@
 #include "core/scene/load_mesh.hpp"
 #include "core/scene/read_bodies.hpp"
 #include "core/scene/read_fields.hpp"
-#include "core/scene/rules.hpp"
-#include "core/scene/scene.hpp"
-#include "core/scene/scene_generated.h"
+#include "core/scene/read_values.hpp"
 #include "core/scene/scene_text.hpp"
 
 namespace feltwire {
@@ -16,31 +14,6 @@ struct NamedMaterial {
   std::string name;
   Material material;
 };
-
-std::string element(const char* list, std::size_t index) {
-  return std::string(list) + "[" + std::to_string(index) + "]";
-}
-
-/// Fails where a rule is broken; `path` is what the rule's field is relative to.
-void require(const JsonDocument& document, const std::string& path,
-             const std::optional<Broken>& broken) {
-  if (broken)
-    document.fail(path.empty() ? broken->field : path + "." + broken->field, broken->message);
-}
-
-/// Names of one list: good, and each only once.
-template <class List>
-void require_new_name(const JsonDocument& document, const char* list, const List& earlier,
-                      const std::string& name) {
-  const std::string path = element(list, earlier.size());
-  require(document, path, broken_name(name));
-  for (std::size_t i = 0; i < earlier.size(); ++i)
-    if (earlier[i].name == name)
-      document.fail(path + ".name",
-                    "'" + name + "' is the name of " + element(list, i) + " too; rename one");
-}
-
-Vec3 vector(const scene_file::Vector& v) { return {v.x(), v.y(), v.z()}; }
 
 std::vector<NamedMaterial> read_materials(const JsonDocument& document,
                                           const scene_file::Scene& scene) {
@@ -86,13 +59,7 @@ Shape read_shape(const JsonDocument& document, const std::string& path,
     shape = given;
   };
   if (object.plane()) take("plane", Plane{});
-  if (const auto* s = object.sphere()) take("sphere", Sphere{s->radius()});
-  if (const auto* b = object.box()) {
-    if (!b->size()) document.fail(path + ".box.size", "is missing; give [x, y, z] in metres");
-    take("box", Box{0.5 * vector(*b->size())});
-  }
-  if (const auto* c = object.capsule()) take("capsule", Capsule{c->radius(), 0.5 * c->length()});
-  if (const auto* c = object.cylinder()) take("cylinder", Cylinder{c->radius(), 0.5 * c->length()});
+  take_solids(document, path, object, take);
   if (object.mesh()) take("mesh", meshes.load(path + ".mesh", *object.mesh()));
   if (const auto* g = object.grid()) take("grid", read_grid(document, path + ".grid", *g, folder));
   if (kind.empty())
@@ -103,10 +70,7 @@ Shape read_shape(const JsonDocument& document, const std::string& path,
 
 Pose read_pose(const JsonDocument& document, const std::string& path,
                const scene_file::Object& object) {
-  Pose pose;
-  if (const auto* p = object.position()) pose.position = vector(*p);
-  if (const auto* q = object.orientation())
-    pose.orientation = Quaternion(q->w(), q->x(), q->y(), q->z());
+  const Pose pose = pose_of(object);
   require(document, path, broken_rule(pose));
   return pose;
 }

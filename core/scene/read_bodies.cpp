@@ -2,30 +2,10 @@
 
 #include <cmath>
 
-#include "core/scene/scene_generated.h"
+#include "core/scene/read_values.hpp"
 
 namespace feltwire {
 namespace {
-
-std::string element(const char* list, std::size_t index) {
-  return std::string(list) + "[" + std::to_string(index) + "]";
-}
-
-void require(const JsonDocument& document, const std::string& path,
-             const std::optional<Broken>& broken) {
-  if (broken)
-    document.fail(path.empty() ? broken->field : path + "." + broken->field, broken->message);
-}
-
-Vec3 vector(const scene_file::Vector& v) { return {v.x(), v.y(), v.z()}; }
-
-Pose pose_of(const scene_file::Body& body) {
-  Pose pose;
-  if (const auto* p = body.position()) pose.position = vector(*p);
-  if (const auto* q = body.orientation())
-    pose.orientation = Quaternion(q->w(), q->x(), q->y(), q->z());
-  return pose;
-}
 
 /// A name that stands in one place only.
 template <class List>
@@ -67,18 +47,11 @@ ReadBodies read_list(const JsonDocument& document, const scene_file::Scene& scen
   for (const scene_file::Body* given : *scene.bodies()) {
     const std::string path = element("bodies", bodies.all.size());
     Body body = read_body(*given);
-    const int earlier = index_of(bodies.all, body.name);
-    if (earlier >= 0)
-      document.fail(path + ".name", "'" + body.name + "' is the name of " +
-                                        element("bodies", static_cast<std::size_t>(earlier)) +
-                                        " too; rename one");
+    require_new_name(document, "bodies", bodies.all, body.name);
     bodies.fixed.push_back(given->joint() == scene_file::Joint::fixed);
     if (bodies.fixed.back() && !body.mass && !body.density) body.mass = 1.0;  // it needs none
     require(document, path, broken_rule(body));
-    // Unit, and of no extreme length on the way.
-    auto& coefficients = body.pose.orientation.coeffs();
-    coefficients /= coefficients.cwiseAbs().maxCoeff();
-    coefficients.normalize();
+    make_unit(body.pose.orientation);
     bodies.all.push_back(std::move(body));
   }
   return bodies;

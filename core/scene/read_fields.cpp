@@ -7,7 +7,7 @@
 #include "core/geometry/mesh_file.hpp"
 #include "core/geometry/signed_distance.hpp"
 #include "core/geometry/tessellation.hpp"
-#include "core/scene/rules.hpp"
+#include "core/scene/read_values.hpp"
 #include "core/tool/body_tool.hpp"
 
 namespace feltwire {
@@ -15,11 +15,6 @@ namespace {
 
 constexpr const char* kSolids = "sphere, box, capsule, cylinder, file";
 constexpr int kSegments = 128;  // of a round body
-
-void require(const JsonDocument& document, const std::string& path,
-             const std::optional<Broken>& broken) {
-  if (broken) document.fail(path + "." + broken->field, broken->message);
-}
 
 /// A shape, or the surface in a file.
 struct Given {
@@ -44,15 +39,7 @@ Given read_solid(const JsonDocument& document, const std::string& path, const Ta
     require(document, path + "." + name, broken_rule(shape));
     given.shape = shape;
   };
-  if (const auto* s = table.sphere()) take_shape("sphere", Sphere{s->radius()});
-  if (const auto* b = table.box()) {
-    if (!b->size()) document.fail(path + ".box.size", "is missing; give [x, y, z] in metres");
-    take_shape("box", Box{0.5 * Vec3(b->size()->x(), b->size()->y(), b->size()->z())});
-  }
-  if (const auto* c = table.capsule())
-    take_shape("capsule", Capsule{c->radius(), 0.5 * c->length()});
-  if (const auto* c = table.cylinder())
-    take_shape("cylinder", Cylinder{c->radius(), 0.5 * c->length()});
+  take_solids(document, path, table, take_shape);
   if (const auto* file = table.file()) {
     take("file");
     if (!(table.scale() > 0.0))
@@ -77,14 +64,9 @@ TriangleSoup placed(TriangleSoup surface, const Pose& pose) {
 
 Pose read_place(const JsonDocument& document, const std::string& path,
                 const scene_file::ToolBody& body) {
-  Pose pose;
-  if (const auto* p = body.position()) pose.position = Vec3(p->x(), p->y(), p->z());
-  if (const auto* q = body.orientation())
-    pose.orientation = Quaternion(q->w(), q->x(), q->y(), q->z());
+  Pose pose = pose_of(body);
   require(document, path, broken_rule(pose));
-  auto& coefficients = pose.orientation.coeffs();
-  coefficients /= coefficients.cwiseAbs().maxCoeff();
-  coefficients.normalize();
+  make_unit(pose.orientation);
   return pose;
 }
 

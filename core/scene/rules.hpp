@@ -41,6 +41,9 @@ Found positive(const char* field, double value, double most, const char* unit);
 Found not_negative(const char* field, double value, double most, const char* unit);
 Found first(std::initializer_list<Found> found);
 
+/// Makes an orientation that breaks no rule unit, of whatever length it was.
+void make_unit(Quaternion& orientation);
+
 /// A number as people write it: the shortest text that reads back as the same double.
 std::string number_text(double value);
 

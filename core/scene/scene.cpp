@@ -95,12 +95,6 @@ Found coordinates(const Vec3& position) {
                 coordinate("position.z", position.z())});
 }
 
-void make_unit(Quaternion& orientation) {
-  auto& coefficients = orientation.coeffs();
-  coefficients /= coefficients.cwiseAbs().maxCoeff();  // no square over- or underflows after this
-  coefficients.normalize();
-}
-
 [[noreturn]] void refuse(const std::string& whose, const Broken& broken) {
   throw std::invalid_argument(whose + ": " + broken.field + ": " + broken.message);
 }
@@ -121,6 +115,12 @@ Requirements required_by(const std::vector<Object>& objects, const std::vector<G
 }
 
 }  // namespace
+
+void make_unit(Quaternion& orientation) {
+  auto& coefficients = orientation.coeffs();
+  coefficients /= coefficients.cwiseAbs().maxCoeff();  // no square over- or underflows after this
+  coefficients.normalize();
+}
 
 std::string number_text(double value) {
   char text[32];

@@ -1,0 +1,58 @@
+#pragma once
+// Internal to what reads a scene file: values that stand in more than one of its tables.
+
+#include <string>
+
+#include "core/scene/rules.hpp"
+#include "core/scene/scene_generated.h"
+
+namespace feltwire {
+
+inline std::string element(const char* list, std::size_t index) {
+  return std::string(list) + "[" + std::to_string(index) + "]";
+}
+
+/// Fails where a rule is broken; `path` is what the rule's field is relative to.
+inline void require(const JsonDocument& document, const std::string& path, const Found& broken) {
+  if (broken)
+    document.fail(path.empty() ? broken->field : path + "." + broken->field, broken->message);
+}
+
+/// Names of one list: good, and each only once.
+template <class List>
+void require_new_name(const JsonDocument& document, const char* list, const List& earlier,
+                      const std::string& name) {
+  const std::string path = element(list, earlier.size());
+  require(document, path, broken_name(name));
+  for (std::size_t i = 0; i < earlier.size(); ++i)
+    if (earlier[i].name == name)
+      document.fail(path + ".name",
+                    "'" + name + "' is the name of " + element(list, i) + " too; rename one");
+}
+
+inline Vec3 vector(const scene_file::Vector& v) { return {v.x(), v.y(), v.z()}; }
+
+/// `position` and `orientation` of a table, as they stand there.
+template <class Table>
+Pose pose_of(const Table& table) {
+  Pose pose;
+  if (const auto* p = table.position()) pose.position = vector(*p);
+  if (const auto* q = table.orientation())
+    pose.orientation = Quaternion(q->w(), q->x(), q->y(), q->z());
+  return pose;
+}
+
+/// take(name, solid) for each that a table has of sphere, box, capsule, cylinder.
+template <class Table, class Take>
+void take_solids(const JsonDocument& document, const std::string& path, const Table& table,
+                 Take take) {
+  if (const auto* s = table.sphere()) take("sphere", Sphere{s->radius()});
+  if (const auto* b = table.box()) {
+    if (!b->size()) document.fail(path + ".box.size", "is missing; give [x, y, z] in metres");
+    take("box", Box{0.5 * vector(*b->size())});
+  }
+  if (const auto* c = table.capsule()) take("capsule", Capsule{c->radius(), 0.5 * c->length()});
+  if (const auto* c = table.cylinder()) take("cylinder", Cylinder{c->radius(), 0.5 * c->length()});
+}
+
+}  // namespace feltwire
