@@ -70,7 +70,7 @@ Shape read_shape(const JsonDocument& document, const std::string& path,
 
 Pose read_pose(const JsonDocument& document, const std::string& path,
                const scene_file::Object& object) {
-  const Pose pose = pose_of(object);
+  Pose pose = pose_of(object);
   require(document, path, broken_rule(pose));
   return pose;
 }
