@@ -21,7 +21,7 @@ std::int64_t difference(Nanoseconds a, Nanoseconds b) {
   return static_cast<std::int64_t>(static_cast<std::uint64_t>(b.count()) -
                                    static_cast<std::uint64_t>(a.count()));
 }
-double seconds(std::int64_t nanoseconds) { return kSecond * static_cast<double>(nanoseconds); }
+double in_seconds(std::int64_t nanoseconds) { return kSecond * static_cast<double>(nanoseconds); }
 
 }  // namespace
 
@@ -36,8 +36,8 @@ void ClockEstimate::restart(const Exchange& exchange) noexcept {
 }
 
 void ClockEstimate::take(const Exchange& exchange) noexcept {
-  const double whole = seconds(difference(exchange.sent, exchange.arrived));
-  const double at_server = seconds(difference(exchange.received, exchange.answered));
+  const double whole = in_seconds(difference(exchange.sent, exchange.arrived));
+  const double at_server = in_seconds(difference(exchange.received, exchange.answered));
   const double round_trip = whole - at_server;
   if (!(at_server >= 0.0) || !(round_trip >= 0.0) || !(whole <= kLongestExchange)) {
     ++impossible_;
@@ -47,15 +47,15 @@ void ClockEstimate::take(const Exchange& exchange) noexcept {
 
   const auto beyond_base = [&](Nanoseconds client, Nanoseconds server) {
     const auto offset = static_cast<std::uint64_t>(difference(client, server));
-    return seconds(static_cast<std::int64_t>(offset - static_cast<std::uint64_t>(base_)));
+    return in_seconds(static_cast<std::int64_t>(offset - static_cast<std::uint64_t>(base_)));
   };
   double up = beyond_base(exchange.sent, exchange.received);
   double down = beyond_base(exchange.arrived, exchange.answered);
   double offset = 0.5 * (up + down);
-  double time = seconds(difference(origin_, exchange.sent)) + 0.5 * whole;
+  double time = in_seconds(difference(origin_, exchange.sent)) + 0.5 * whole;
   // An offset can be wrong by half the round trip, and an old line by its drift; more is a new
   // clock.
-  const double horizon = seconds((kBuckets * kBucketTime).count());
+  const double horizon = in_seconds((kBuckets * kBucketTime).count());
   if (known() && std::abs(offset - residual_offset(time)) >
                      0.5 * round_trip + error_bound() + kLargestDrift * horizon) {
     ++restarts_;
@@ -66,7 +66,7 @@ void ClockEstimate::take(const Exchange& exchange) noexcept {
     time = 0.5 * whole;
   }
 
-  const auto number = static_cast<std::int64_t>(time / seconds(kBucketTime.count()));
+  const auto number = static_cast<std::int64_t>(time / in_seconds(kBucketTime.count()));
   Fastest& bucket = buckets_[static_cast<std::size_t>(number) % kBuckets];
   if (number < 0 || bucket.bucket > number) return;  // so late that its place is taken
   if (bucket.bucket != number || round_trip < bucket.round_trip) {
@@ -135,7 +135,7 @@ void ClockEstimate::fit() noexcept {
 
 double ClockEstimate::offset(Nanoseconds at) const noexcept {
   if (!known()) return 0.0;
-  return seconds(base_) + residual_offset(seconds(difference(origin_, at)));
+  return in_seconds(base_) + residual_offset(in_seconds(difference(origin_, at)));
 }
 
 double ClockEstimate::error_bound() const noexcept {
@@ -146,7 +146,7 @@ Nanoseconds ClockEstimate::to_client(Nanoseconds server) const noexcept {
   if (!known()) return Nanoseconds{0};
   const Nanoseconds near{static_cast<std::int64_t>(static_cast<std::uint64_t>(server.count()) -
                                                    static_cast<std::uint64_t>(base_))};
-  const double rest = residual_offset(seconds(difference(origin_, near)));
+  const double rest = residual_offset(in_seconds(difference(origin_, near)));
   return near - Nanoseconds(std::llround(rest / kSecond));
 }
 

@@ -18,9 +18,9 @@ namespace {
 
 /// One question and its answer. A connection of its own: joining is rare, and nothing of it
 /// outlives the answer.
-class Conversation {
+class Dialogue {
  public:
-  Conversation(const ServerAccess& server, std::chrono::milliseconds timeout)
+  Dialogue(const ServerAccess& server, std::chrono::milliseconds timeout)
       : server_(to_string(server.endpoint)),
         stream_(server, timeout),
         token_(server.credentials.token) {}
@@ -107,13 +107,13 @@ Joined join(const ServerAccess& server, const control::JoinRequest& request,
             std::chrono::milliseconds timeout) {
   control::JoinRequest wanted = request;
   wanted.aes_256_gcm = has_aes_256_gcm();
-  Conversation conversation(server, timeout);
-  const control::Message answer = conversation.ask(wanted);
+  Dialogue dialogue(server, timeout);
+  const control::Message answer = dialogue.ask(wanted);
   const auto* accepted = std::get_if<control::JoinAccepted>(&answer);
   if (accepted == nullptr || accepted->port_offset == 0 ||
       !std::isfinite(accepted->silence_timeout) || !std::isfinite(accepted->stiffness) ||
       accepted->stiffness < 0.0)
-    conversation.bad_answer();
+    dialogue.bad_answer();
   const std::string name = to_string(server.endpoint);
   constexpr unsigned kLastPort = 65535;
   const unsigned port = unsigned{server.endpoint.port} + accepted->port_offset;
@@ -127,23 +127,23 @@ Joined join(const ServerAccess& server, const control::JoinRequest& request,
   } catch (const std::invalid_argument& error) {
     throw SessionError(name + " granted parameters that cannot be: " + error.what());
   }
-  const auto peer = conversation.stream().peer();
+  const auto peer = dialogue.stream().peer();
   return {*accepted, address_of({peer, static_cast<std::uint16_t>(port)}),
-          conversation.stream().keys(accepted->session, accepted->suite)};
+          dialogue.stream().keys(accepted->session, accepted->suite)};
 }
 
 std::vector<control::SceneEntry> list_scenes(const ServerAccess& server,
                                              std::chrono::milliseconds timeout) {
-  Conversation conversation(server, timeout);
-  control::Message answer = conversation.ask(control::ListScenes{});
+  Dialogue dialogue(server, timeout);
+  control::Message answer = dialogue.ask(control::ListScenes{});
   auto* list = std::get_if<control::SceneList>(&answer);
-  if (list == nullptr) conversation.bad_answer();
+  if (list == nullptr) dialogue.bad_answer();
   return std::move(list->scenes);
 }
 
 control::Message ask(const ServerAccess& server, const control::Message& request,
                      std::chrono::milliseconds timeout) {
-  return Conversation(server, timeout).ask(request);
+  return Dialogue(server, timeout).ask(request);
 }
 
 }  // namespace feltwire

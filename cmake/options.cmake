@@ -8,6 +8,10 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_L
   # False alarms on std::string concatenation (GCC bug 105651, mended in 13).
   target_compile_options(feltwire_options INTERFACE -Wno-restrict)
 endif()
+if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_UNITY_BUILD)
+  # A file that is joined to others is taken for a header, whose types may have no members of an anonymous namespace.
+  target_compile_options(feltwire_options INTERFACE -Wno-subobject-linkage)
+endif()
 target_include_directories(feltwire_options INTERFACE ${PROJECT_SOURCE_DIR})
 # What flatc wrote is not ours to warn about.
 target_include_directories(feltwire_options SYSTEM INTERFACE ${PROJECT_BINARY_DIR}/generated)

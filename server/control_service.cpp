@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "protocol/clock.hpp"
 #include "protocol/tls.hpp"
 
 namespace feltwire {
@@ -27,7 +28,6 @@ std::string printable(std::string name) {
 CalendarTime calendar_now() {
   return std::chrono::floor<std::chrono::seconds>(std::chrono::system_clock::now());
 }
-Nanoseconds monotonic_now() { return std::chrono::steady_clock::now().time_since_epoch(); }
 
 Refused no_such_session(std::uint64_t session) {
   return {RefusalCode::unknown_session,

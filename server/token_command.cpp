@@ -12,7 +12,7 @@ namespace {
 
 constexpr int kBadUsage = 2, kCannotRun = 1;
 
-constexpr const char* kExamples = R"(
+constexpr const char* kTokenExamples = R"(
 Examples:
   feltwire-server token add --client anna --scene room --role operator --expires 30d
       prints a token, which is shown this once; give it to its holder by a safe way
@@ -67,7 +67,7 @@ void add_place(CLI::App& command, std::string& config, ServerConfig& given) {
 
 int token_command(int argc, char** argv) {
   CLI::App app("Tokens that let clients in", "feltwire-server token");
-  app.footer(kExamples);
+  app.footer(kTokenExamples);
   app.require_subcommand(1);
   ServerConfig given;
   std::string config_file;

@@ -190,7 +190,7 @@ std::string expiry_text(const std::optional<CalendarTime>& expires) {
 
 Tokens parse_tokens(std::string_view json, const std::string& file) {
   const JsonDocument document(json, file, embedded::tokens);
-  const auto* root = flatbuffers::GetRoot<token_file::Tokens>(document.buffer());
+  const auto* root = flatbuffers::GetRoot<tokens_file::Tokens>(document.buffer());
   Tokens tokens;
   std::set<std::string> ids;
   for (const auto* entry : *root->tokens()) {

@@ -24,7 +24,6 @@ using Json = nlohmann::ordered_json;
 constexpr std::size_t kMaxClients = 256;    // each has a socket and its links
 constexpr std::size_t kLinkRoom = 1 << 12;  // datagrams on their way in one direction
 constexpr Nanoseconds kForgotten = std::chrono::seconds(60);  // without a word of the client
-constexpr int kBurst = 64;  // datagrams taken before others have their turn
 
 tcp::endpoint find(asio::io_context& io, const Endpoint& server) {
   Error error;

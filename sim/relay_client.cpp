@@ -6,7 +6,6 @@ namespace feltwire {
 namespace {
 
 using Error = std::error_code;
-constexpr int kBurst = 64;  // datagrams taken before others have their turn
 
 }  // namespace
 

@@ -12,6 +12,8 @@
 
 namespace feltwire {
 
+inline constexpr int kBurst = 64;  // datagrams taken before others have their turn
+
 /// Shared by its handlers; lives until they have run after close().
 class RelayClient : public std::enable_shared_from_this<RelayClient> {
  public:

@@ -43,7 +43,7 @@ struct Directions {
 
 [[noreturn]] void fail(const std::string& what) { throw std::invalid_argument("link: " + what); }
 
-std::string quoted(std::string_view text) { return "'" + std::string(text) + "'"; }
+std::string in_quotes(std::string_view text) { return "'" + std::string(text) + "'"; }
 
 template <class Range, class Name>
 std::string names(const Range& range, Name name) {
@@ -121,7 +121,7 @@ void set(TwoWayLinkOptions& link, Directions directions, std::string_view key,
   if (key == "order") return set_order(link, directions, value);
   const auto found = std::find_if(kNumbers.begin(), kNumbers.end(),
                                   [&](const Number& number) { return number.key == key; });
-  if (found == kNumbers.end()) fail("unknown key " + quoted(key) + "; keys are " + keys());
+  if (found == kNumbers.end()) fail("unknown key " + in_quotes(key) + "; keys are " + keys());
   set_number(link, directions, *found, value);
 }
 
@@ -147,7 +147,7 @@ void read_item(TwoWayLinkOptions& link, std::string_view item) {
       std::find_if(kLinkProfiles.begin(), kLinkProfiles.end(),
                    [&](const LinkProfile& candidate) { return candidate.name == rest; });
   if (profile == kLinkProfiles.end())
-    fail(quoted(item) + " is neither KEY=VALUE nor trace:FILE.csv nor a profile; profiles are " +
+    fail(in_quotes(item) + " is neither KEY=VALUE nor trace:FILE.csv nor a profile; profiles are " +
          profile_names() + ", keys are " + keys());
   TwoWayLinkOptions named;
   read_items(named, profile->items);

@@ -16,8 +16,6 @@ namespace {
 
 constexpr std::size_t kCorners = 3;
 
-std::size_t after(std::size_t corner) { return corner == 2 ? 0 : corner + 1; }
-
 struct DeviceRelease {
   void operator()(RTCDevice device) const { rtcReleaseDevice(device); }
 };
@@ -27,13 +25,13 @@ struct SceneRelease {
 
 /// Where a triangle is nearest to a point, and on what part of it: 0 face, 1 + k edge k (from
 /// corner k to corner k + 1), 4 + k corner k.
-struct Nearest {
+struct Foot {
   Vec3 point = Vec3::Zero();
   std::size_t part = 0;
 };
 
 /// Ericson, Real-Time Collision Detection, 5.1.5.
-Nearest nearest_on(const std::array<Vec3, 3>& c, const Vec3& p) {
+Foot nearest_on(const std::array<Vec3, 3>& c, const Vec3& p) {
   const Vec3 ab = c[1] - c[0], ac = c[2] - c[0], ap = p - c[0];
   const double d1 = ab.dot(ap), d2 = ac.dot(ap);
   if (d1 <= 0.0 && d2 <= 0.0) return {c[0], 4};
@@ -55,7 +53,7 @@ Nearest nearest_on(const std::array<Vec3, 3>& c, const Vec3& p) {
 }
 
 double angle_at(const std::array<Vec3, 3>& c, std::size_t corner) {
-  const Vec3 a = c[after(corner)] - c[corner], b = c[after(after(corner))] - c[corner];
+  const Vec3 a = c[corner_after(corner)] - c[corner], b = c[corner_after(corner_after(corner))] - c[corner];
   return std::atan2(a.cross(b).norm(), a.dot(b));
 }
 
@@ -173,7 +171,7 @@ Vec3 MeshDistance::pseudo_normal(std::uint32_t t, std::size_t part) const {
 bool MeshDistance::visit(RTCPointQueryFunctionArguments* arguments) {
   Search& search = *static_cast<Search*>(arguments->userPtr);
   const std::uint32_t t = arguments->primID;
-  const Nearest found = nearest_on(search.mesh->corners(t), search.position);
+  const Foot found = nearest_on(search.mesh->corners(t), search.position);
   const Vec3 way = search.position - found.point;
   const double squared = way.squaredNorm();
   // Of equals the first triangle, whatever the order of the tree.

@@ -74,7 +74,7 @@ TriangleSoup box(const Vec3& h) {
   return soup;
 }
 
-struct Surface {
+struct Tessellate {
   int segments;
   [[noreturn]] static void refuse(const char* what) {
     throw std::invalid_argument(std::string(what) +
@@ -132,7 +132,7 @@ TriangleSoup tessellate(const Shape& shape, int segments) {
   if (segments < 3)
     throw std::invalid_argument("segments: must be at least 3, is " + std::to_string(segments) +
                                 "; give a larger number");
-  return std::visit(Surface{segments}, shape);
+  return std::visit(Tessellate{segments}, shape);
 }
 
 }  // namespace feltwire

@@ -16,8 +16,6 @@ namespace {
 constexpr std::size_t kMostTriangles = std::size_t{1} << 30;
 constexpr int kSides = 3;
 
-std::size_t after(std::size_t k) { return k == 2 ? 0 : k + 1; }
-
 /// Relative height under which the direction of a triangle is only rounding. Its corners are exact,
 /// their differences have half a unit in the last place.
 constexpr double kFlat = 8.0 * std::numeric_limits<double>::epsilon();
@@ -86,8 +84,8 @@ Vec3 triangle_normal(const std::array<Vec3, 3>& c) noexcept {
                                         side[2].squaredNorm()};
   const std::size_t longest =
       static_cast<std::size_t>(std::max_element(square.begin(), square.end()) - square.begin());
-  const Vec3& a = side[after(longest)];
-  const Vec3& b = side[after(after(longest))];
+  const Vec3& a = side[corner_after(longest)];
+  const Vec3& b = side[corner_after(corner_after(longest))];
   const Vec3 normal = a.cross(b);
   const double squared = normal.squaredNorm();
   if (is_plain_square(squared)) [[likely]]
@@ -182,7 +180,7 @@ void TriangleMesh::find_neighbours() {
   neighbours_.resize(triangles_.size());
   for (std::size_t t = 0; t < triangles_.size(); ++t) {
     for (std::size_t k = 0; k < kSides; ++k) {
-      const std::uint32_t a = triangles_[t][k], b = triangles_[t][after(k)];
+      const std::uint32_t a = triangles_[t][k], b = triangles_[t][corner_after(k)];
       std::uint32_t other = kNone;
       int sharing = 0;
       bool agree = false, first = true;  // first: of the edge's triangles, so that it counts once
@@ -193,7 +191,7 @@ void TriangleMesh::find_neighbours() {
         first &= u > t;
         other = u;
         const auto at = static_cast<std::size_t>(std::find(c.begin(), c.end(), b) - c.begin());
-        agree = c[after(at)] == a;
+        agree = c[corner_after(at)] == a;
       }
       neighbours_[t][k] = sharing == 1 && agree ? other : kNone;
       if (!first) continue;

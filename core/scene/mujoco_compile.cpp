@@ -166,10 +166,6 @@ std::string joint_text(const Body& b) {
   return out + "/>\n";
 }
 
-[[noreturn]] void refuse(const std::string& whose, const Broken& broken) {
-  throw std::invalid_argument(whose + ": " + broken.field + ": " + broken.message);
-}
-
 /// Of the body's volume, whatever was given.
 double density_of(const Body& body, const std::vector<Object>& objects,
                   const std::vector<int>& body_of, int index) {

@@ -8,6 +8,8 @@
 #include <memory>
 #include <string>
 
+#include "core/types.hpp"
+
 namespace feltwire::mujoco {
 
 struct DeleteModel {
@@ -24,6 +26,9 @@ template <int kNumbers>
 const mjtNum* entry(const mjtNum* all, int index) {
   return all + std::ptrdiff_t{kNumbers} * index;
 }
+
+inline Vec3 vector(const mjtNum* v) { return {v[0], v[1], v[2]}; }
+inline Quaternion quaternion(const mjtNum* q) { return {q[0], q[1], q[2], q[3]}; }
 
 /// A model, or why there is none, in MuJoCo's words.
 struct Loaded {

@@ -8,9 +8,6 @@
 namespace feltwire {
 namespace {
 
-Vec3 vector(const mjtNum* v) { return {v[0], v[1], v[2]}; }
-Quaternion quaternion(const mjtNum* q) { return {q[0], q[1], q[2], q[3]}; }
-
 std::string geom_name(const mjModel& model, int geom) {
   const char* name = mj_id2name(&model, mjOBJ_GEOM, geom);
   return name != nullptr ? name : "geom" + std::to_string(geom);
@@ -37,7 +34,7 @@ Shape shape_of(const mjModel& model, int geom, const std::string& file) {
     case mjGEOM_CYLINDER:
       return Cylinder{size[0], size[1]};
     case mjGEOM_BOX:
-      return Box{vector(size)};
+      return Box{mujoco::vector(size)};
     default:
       throw FileError(file + ": " + described(model, geom) +
                       ": only plane, sphere, capsule, cylinder and box can be felt; replace it by "
@@ -92,10 +89,10 @@ std::shared_ptr<const Mechanism> load_mjcf(const std::filesystem::path& file,
       object.name = geom_name(model, g);
       object.shape = shape_of(model, g, name);
       object.material = material_of(model, g, materials);
-      const Pose in_body{vector(mujoco::entry<3>(model.geom_pos, g)),
-                         quaternion(mujoco::entry<4>(model.geom_quat, g))};
-      const Quaternion turned = quaternion(mujoco::entry<4>(data->xquat, body));
-      object.pose = {vector(mujoco::entry<3>(data->xpos, body)) + turned * in_body.position,
+      const Pose in_body{mujoco::vector(mujoco::entry<3>(model.geom_pos, g)),
+                         mujoco::quaternion(mujoco::entry<4>(model.geom_quat, g))};
+      const Quaternion turned = mujoco::quaternion(mujoco::entry<4>(data->xquat, body));
+      object.pose = {mujoco::vector(mujoco::entry<3>(data->xpos, body)) + turned * in_body.position,
                      turned * in_body.orientation};
       object_of[static_cast<std::size_t>(g)] = static_cast<int>(objects.size());
       objects.push_back(std::move(object));

@@ -3,6 +3,7 @@
 
 #include <initializer_list>
 #include <optional>
+#include <stdexcept>
 #include <string>
 
 #include "core/scene/scene.hpp"
@@ -16,6 +17,11 @@ struct Broken {
 };
 
 using Found = std::optional<Broken>;
+
+/// Throws std::invalid_argument that names whose rule is broken.
+[[noreturn]] inline void refuse(const std::string& whose, const Broken& broken) {
+  throw std::invalid_argument(whose + ": " + broken.field + ": " + broken.message);
+}
 
 inline constexpr double kMaxLength = 1e6;     // [m] sizes and coordinates
 inline constexpr double kMaxStiffness = 1e9;  // [N/m]

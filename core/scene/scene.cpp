@@ -95,10 +95,6 @@ Found coordinates(const Vec3& position) {
                 coordinate("position.z", position.z())});
 }
 
-[[noreturn]] void refuse(const std::string& whose, const Broken& broken) {
-  throw std::invalid_argument(whose + ": " + broken.field + ": " + broken.message);
-}
-
 Requirements required_by(const std::vector<Object>& objects, const std::vector<Guide>& guides) {
   Requirements r;
   for (const Object& o : objects) {

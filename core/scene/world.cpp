@@ -16,9 +16,6 @@ constexpr double kSnapshotInterval = 0.1;  // [s]
 constexpr std::size_t kSnapshots = 16;
 constexpr int kFreeCoordinates = 7, kFreeSpeeds = 6;
 
-Vec3 vector(const mjtNum* v) { return {v[0], v[1], v[2]}; }
-Quaternion quaternion(const mjtNum* q) { return {q[0], q[1], q[2], q[3]}; }
-
 }  // namespace
 
 /// The MuJoCo side: state, and the ring of states that were good.
@@ -83,7 +80,8 @@ struct World::Run {
     for (int j = 0; j < model.njnt; ++j) {
       if (model.jnt_type[j] != mjJNT_FREE) continue;
       const int q = model.jnt_qposadr[j];
-      if (!(length(Vec3(vector(data->qpos + q) - vector(model.qpos0 + q))) > kLost)) continue;
+      if (!(length(Vec3(mujoco::vector(data->qpos + q) - mujoco::vector(model.qpos0 + q))) > kLost))
+        continue;
       std::copy_n(model.qpos0 + q, kFreeCoordinates, data->qpos + q);
       std::fill_n(data->qvel + model.jnt_dofadr[j], kFreeSpeeds, 0.0);
       ++count;
@@ -127,16 +125,16 @@ World::~World() = default;
 void World::look() noexcept {
   for (std::size_t i = 0; i < parts_; ++i) {
     const Mechanism::Part& part = run_->parts[i];
-    const Quaternion turned = quaternion(mujoco::entry<4>(run_->data->xquat, part.body));
+    const Quaternion turned = mujoco::quaternion(mujoco::entry<4>(run_->data->xquat, part.body));
     const Vec3 arm = turned * part.in_body.position;
     Pose& pose = objects_[still_ + i].pose;
-    pose.position = vector(mujoco::entry<3>(run_->data->xpos, part.body)) + arm;
+    pose.position = mujoco::vector(mujoco::entry<3>(run_->data->xpos, part.body)) + arm;
     pose.orientation = (turned * part.in_body.orientation).normalized();
     std::array<mjtNum, 6> velocity{};  // of the body's frame, world axes: angular, linear
     mj_objectVelocity(&run_->model, run_->data.get(), mjOBJ_XBODY, part.body, velocity.data(), 0);
     Motion& motion = motions_[i];
-    motion.angular = vector(velocity.data());
-    motion.linear = vector(velocity.data() + 3) + motion.angular.cross(arm);
+    motion.angular = mujoco::vector(velocity.data());
+    motion.linear = mujoco::vector(velocity.data() + 3) + motion.angular.cross(arm);
   }
 }
 
@@ -198,7 +196,7 @@ Vec3 World::momentum() const noexcept {
   for (int body = 1; body < run_->model.nbody; ++body) {
     std::array<mjtNum, 6> velocity{};  // of the centre of mass
     mj_objectVelocity(&run_->model, run_->data.get(), mjOBJ_BODY, body, velocity.data(), 0);
-    sum += run_->model.body_mass[body] * vector(velocity.data() + 3);
+    sum += run_->model.body_mass[body] * mujoco::vector(velocity.data() + 3);
   }
   return sum;
 }

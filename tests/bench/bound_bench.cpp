@@ -8,7 +8,7 @@
 
 #include "core/bounding/bounding.hpp"
 
-namespace feltwire {
+namespace feltwire::bound_bench {
 namespace {
 
 constexpr std::size_t kSteps = 1024;  // a power of two: a lap of the recorded hand
@@ -65,4 +65,4 @@ void step(benchmark::State& state, BoundingConfig config, int dof) {
 }();
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::bound_bench

@@ -14,7 +14,7 @@
 #include "core/splitmix.hpp"
 #include "core/tool/body_tool.hpp"
 
-namespace feltwire {
+namespace feltwire::field_bench {
 namespace {
 
 Shape grid_of(const Shape& solid, double resolution) {
@@ -88,4 +88,4 @@ void tool(benchmark::State& state, const Case& c, std::size_t points) {
 }();
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::field_bench

@@ -20,7 +20,7 @@
 #include "core/scene/scene.hpp"
 #include "tests/support/meshes.hpp"
 
-namespace feltwire {
+namespace feltwire::mesh_bench {
 namespace {
 
 constexpr double kRadius = 0.09, kDepth = 0.002, kStiffness = 5000.0;  // [m], [N/m]
@@ -159,4 +159,4 @@ void objects(benchmark::State& state, int count) {
 }();
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::mesh_bench

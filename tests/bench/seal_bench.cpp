@@ -12,7 +12,7 @@
 
 #include "server/scene_sessions.hpp"
 
-namespace feltwire {
+namespace feltwire::seal_bench {
 namespace {
 
 constexpr std::uint64_t kSession = 0x700;
@@ -125,4 +125,4 @@ const bool registered = [] {
 }();
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::seal_bench

@@ -13,7 +13,7 @@
 #include "core/contact/local_contact.hpp"
 #include "core/scene/near.hpp"
 
-namespace feltwire {
+namespace feltwire::touch_bench {
 namespace {
 
 Scene scene_of(const std::string& file) {
@@ -86,4 +86,4 @@ void contact(benchmark::State& state, const std::string& file) {
 }();
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::touch_bench

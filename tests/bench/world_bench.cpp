@@ -11,7 +11,7 @@
 #include "core/scene/mechanism.hpp"
 #include "core/scene/world.hpp"
 
-namespace feltwire {
+namespace feltwire::world_bench {
 namespace {
 
 constexpr double kHalf = 0.02, kPitch = 0.06;  // [m]
@@ -104,4 +104,4 @@ void push(benchmark::State& state, int count) {
 }();
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::world_bench

@@ -7,7 +7,7 @@
 
 #include "tests/client/loopback.hpp"
 
-namespace feltwire {
+namespace feltwire::busy_poll_test {
 namespace {
 
 using testing::Client;
@@ -221,4 +221,4 @@ TEST(BusyPoll, InMicroseconds) {
 }
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::busy_poll_test

@@ -6,7 +6,7 @@
 #include <limits>
 #include <random>
 
-namespace feltwire {
+namespace feltwire::clock_estimate_test {
 namespace {
 
 using std::chrono::microseconds;
@@ -145,4 +145,4 @@ TEST(ClockEstimate, OldBucketsAreForgotten) {
 }
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::clock_estimate_test

@@ -5,7 +5,7 @@
 #include "tests/client/peer.hpp"
 #include "tests/client/temporary_folder.hpp"
 
-namespace feltwire {
+namespace feltwire::control_client_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -152,4 +152,4 @@ TEST(ListScenes, GivesThemInOrder) {
 }
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::control_client_test

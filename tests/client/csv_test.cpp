@@ -8,7 +8,7 @@
 
 #include "tests/client/temporary_folder.hpp"
 
-namespace feltwire {
+namespace feltwire::csv_test {
 namespace {
 
 using ::testing::AllOf;
@@ -95,4 +95,4 @@ TEST(Csv, AFileThatCannotBeReadIsNotAnEmptyOne) {
 }
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::csv_test

@@ -7,7 +7,7 @@
 #include <random>
 #include <vector>
 
-namespace feltwire {
+namespace feltwire::histogram_test {
 namespace {
 
 TEST(Histogram, QuantilesAgreeWithSortedDataWithinTheStatedError) {
@@ -49,4 +49,4 @@ TEST(Histogram, EdgesStayInside) {
 }
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::histogram_test

@@ -4,7 +4,7 @@
 
 #include "tests/client/loopback.hpp"
 
-namespace feltwire {
+namespace feltwire::link_loopback_test {
 namespace {
 
 using testing::Client;
@@ -86,4 +86,4 @@ TEST_F(LinkLoopback, ACutCableEndsInSilence) {
 }
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::link_loopback_test

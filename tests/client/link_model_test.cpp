@@ -7,7 +7,7 @@
 #include <set>
 #include <sstream>
 
-namespace feltwire {
+namespace feltwire::link_model_test {
 namespace {
 
 using ::testing::AllOf;
@@ -332,4 +332,4 @@ TEST(LinkModel, ATraceSaysWhatHappensAndBeginsAgain) {
 }
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::link_model_test

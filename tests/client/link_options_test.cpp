@@ -7,7 +7,7 @@
 #include "client/csv.hpp"
 #include "tests/client/temporary_folder.hpp"
 
-namespace feltwire {
+namespace feltwire::link_options_test {
 namespace {
 
 using ::testing::AllOf;
@@ -137,4 +137,4 @@ TEST_F(LinkTraceFile, ErrorsNameLineAndColumn) {
 }
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::link_options_test

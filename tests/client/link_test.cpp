@@ -6,7 +6,7 @@
 
 #include "tests/support/allocation_counter.hpp"
 
-namespace feltwire {
+namespace feltwire::link_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -183,4 +183,4 @@ TEST(TwoWayLink, IsDueWhenEitherDirectionIs) {
 }
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::link_test

@@ -11,7 +11,7 @@
 #include "client/rejoin.hpp"
 #include "tests/client/peer.hpp"
 
-namespace feltwire {
+namespace feltwire::loopback_test {
 namespace {
 
 using testing::Client;
@@ -266,4 +266,4 @@ TEST_F(Loopback, ALostSessionThatNobodyFindsEndsAfterItsPatience) {
 }
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::loopback_test

@@ -8,7 +8,7 @@
 #include "tests/client/servo_bench.hpp"
 #include "tests/core/support.hpp"
 
-namespace feltwire {
+namespace feltwire::model_attack_test {
 namespace {
 
 using test::Random;
@@ -146,4 +146,4 @@ TEST(ModelAttackMutant, WithoutABoundTheSameModelsOverdraw) {
 }
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::model_attack_test

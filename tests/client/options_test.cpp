@@ -9,7 +9,7 @@
 #include "protocol/profiles.hpp"
 #include "tests/client/temporary_folder.hpp"
 
-namespace feltwire {
+namespace feltwire::options_test {
 namespace {
 
 using ::testing::AllOf;
@@ -210,4 +210,4 @@ TEST(Options, ABadVariableIsRefusedAsABadOptionIs) {
 }
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::options_test

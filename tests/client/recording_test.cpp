@@ -8,7 +8,7 @@
 #include "client/devices/replay.hpp"
 #include "tests/client/temporary_folder.hpp"
 
-namespace feltwire {
+namespace feltwire::recording_test {
 namespace {
 
 using testing::text_of;
@@ -53,4 +53,4 @@ TEST(RecordingFile, AFullDiskIsSaid) {
 }
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::recording_test

@@ -9,7 +9,7 @@
 #include "client/csv.hpp"
 #include "tests/client/temporary_folder.hpp"
 
-namespace feltwire {
+namespace feltwire::replay_test {
 namespace {
 
 using ::testing::AllOf;
@@ -104,4 +104,4 @@ TEST(Replay, AMissingFileIsOneClearLine) {
 }
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::replay_test

@@ -10,7 +10,7 @@
 
 #include "tests/client/temporary_folder.hpp"
 
-namespace feltwire {
+namespace feltwire::report_test {
 namespace {
 
 using nlohmann::json;
@@ -263,4 +263,4 @@ TEST(CheckWritable, TellsBeforeTheRunAndTouchesNothing) {
 }
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::report_test

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <thread>
 
-namespace feltwire {
+namespace feltwire::ring_test {
 namespace {
 
 TEST(Ring, FullRefusesAndNothingIsLostOrReordered) {
@@ -52,4 +52,4 @@ TEST(Ring, OneThreadWritesAnotherReads) {
 }
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::ring_test

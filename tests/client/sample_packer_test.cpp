@@ -12,7 +12,7 @@
 
 #include "protocol/codec.hpp"
 
-namespace feltwire {
+namespace feltwire::sample_packer_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -259,4 +259,4 @@ TEST(PositionDeadband, AClockThatRunsBackHidesNothing) {
 }
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::sample_packer_test

@@ -11,7 +11,7 @@
 #include "protocol/codec.hpp"
 #include "server/session.hpp"
 
-namespace feltwire {
+namespace feltwire::sensed_orientation_test {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -238,4 +238,4 @@ TEST(ConnectingInside, UnprotectedItIsThrown) {
 }
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::sensed_orientation_test

@@ -12,7 +12,7 @@
 #include "tests/client/peer.hpp"
 #include "tests/support/allocation_counter.hpp"
 
-namespace feltwire {
+namespace feltwire::servo_allocation_test {
 namespace {
 
 TEST(Servo, TenThousandTicksOverASocketAllocateNothing) {
@@ -66,4 +66,4 @@ TEST(Servo, TenThousandTicksOverASocketAllocateNothing) {
 }
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::servo_allocation_test

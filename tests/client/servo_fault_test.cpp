@@ -5,7 +5,7 @@
 #include "tests/client/servo_bench.hpp"
 #include "tests/core/support.hpp"
 
-namespace feltwire {
+namespace feltwire::servo_fault_test {
 namespace {
 
 using namespace testing::servo;
@@ -268,4 +268,4 @@ TEST(ServoFault, NothingSteps) {
 }
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::servo_fault_test

@@ -8,7 +8,7 @@
 
 #include "tests/client/peer.hpp"
 
-namespace feltwire {
+namespace feltwire::servo_loop_test {
 namespace {
 
 using testing::ScenePeer;
@@ -255,4 +255,4 @@ TEST(ServoLoop, RecordsThatFindNoRoomAreCounted) {
 }
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::servo_loop_test

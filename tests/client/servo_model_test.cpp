@@ -5,7 +5,7 @@
 #include "client/servo.hpp"
 #include "tests/client/servo_bench.hpp"
 
-namespace feltwire {
+namespace feltwire::servo_model_test {
 namespace {
 
 using namespace testing::servo;
@@ -154,4 +154,4 @@ TEST(ServoModel, DampingAndViscosityGoByTheVelocityHere) {
 }
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::servo_model_test

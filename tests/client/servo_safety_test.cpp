@@ -6,7 +6,7 @@
 #include "tests/client/servo_bench.hpp"
 #include "tests/client/temporary_folder.hpp"
 
-namespace feltwire {
+namespace feltwire::servo_safety_test {
 namespace {
 
 using namespace testing::servo;
@@ -156,4 +156,4 @@ TEST(ServoSafety, TheRampCountsFromTheFirstContact) {
 }
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::servo_safety_test

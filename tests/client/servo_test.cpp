@@ -10,7 +10,7 @@
 #include "core/numeric.hpp"
 #include "tests/client/servo_bench.hpp"
 
-namespace feltwire {
+namespace feltwire::servo_test {
 namespace {
 
 using namespace testing::servo;
@@ -413,4 +413,4 @@ TEST(Servo, TheSameInputsGiveTheSameBits) {
 }
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::servo_test

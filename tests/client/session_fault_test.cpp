@@ -14,7 +14,7 @@
 #include "tests/core/support.hpp"
 #include "tests/protocol/sealed.hpp"
 
-namespace feltwire {
+namespace feltwire::session_fault_test {
 namespace {
 
 constexpr Nanoseconds kPeriod = std::chrono::milliseconds(1);
@@ -387,4 +387,4 @@ TEST(TwoOfOneName, AreTwoSessions) {
 }
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::session_fault_test

@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace feltwire {
+namespace feltwire::status_line_test {
 namespace {
 
 using ::testing::EndsWith;
@@ -60,4 +60,4 @@ TEST(StatusLine, SaysThatTheSessionIsLost) {
 }
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::status_line_test

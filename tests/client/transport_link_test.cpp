@@ -6,7 +6,7 @@
 #include "client/transport.hpp"
 #include "tests/client/peer.hpp"
 
-namespace feltwire {
+namespace feltwire::transport_link_test {
 namespace {
 
 using testing::ScenePeer;
@@ -98,4 +98,4 @@ TEST(TransportLink, AGoodbyeGoesPastTheLink) {
 }
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::transport_link_test

@@ -9,7 +9,7 @@
 #include "protocol/udp_socket.hpp"
 #include "tests/client/peer.hpp"
 
-namespace feltwire {
+namespace feltwire::transport_test {
 namespace {
 
 using testing::ScenePeer;
@@ -284,4 +284,4 @@ TEST(Transport, AClosedPortIsCountedNotFatal) {
 }
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::transport_test

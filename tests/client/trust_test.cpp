@@ -10,7 +10,7 @@
 #include "tests/client/temporary_folder.hpp"
 #include "tests/server/raw_socket.hpp"
 
-namespace feltwire {
+namespace feltwire::trust_test {
 namespace {
 
 using ::testing::AllOf;
@@ -298,4 +298,4 @@ TEST(Revocation, EndsASessionThatRuns) {
 }
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::trust_test

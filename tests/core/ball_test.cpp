@@ -10,7 +10,7 @@
 #include "core/scene/scene.hpp"
 #include "tests/core/support.hpp"
 
-namespace feltwire {
+namespace feltwire::ball_test {
 namespace {
 
 constexpr double kRadius = 0.005;
@@ -118,4 +118,4 @@ TEST(Ball, SticksAndSlips) {
 }
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::ball_test

@@ -15,7 +15,7 @@
 #include "tests/core/support.hpp"
 #include "tests/support/allocation_counter.hpp"
 
-namespace feltwire {
+namespace feltwire::body_tool_test {
 namespace {
 
 const Vec3 kHalf(0.03, 0.02, 0.01);  // [m] of the body that most tests hold
@@ -418,4 +418,4 @@ TEST(BodyTool, TheSameBitsEveryTimeAndNoAllocation) {
 }
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::body_tool_test

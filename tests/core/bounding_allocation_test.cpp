@@ -8,7 +8,7 @@
 #include "tests/core/support.hpp"
 #include "tests/support/allocation_counter.hpp"
 
-namespace feltwire {
+namespace feltwire::bounding_allocation_test {
 namespace {
 
 using namespace test;
@@ -72,4 +72,4 @@ TEST(BoundingAllocation, NothingAllocatesInTenThousandSteps) {
 }
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::bounding_allocation_test

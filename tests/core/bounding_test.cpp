@@ -13,7 +13,7 @@
 #include "core/port_energy.hpp"
 #include "tests/core/support.hpp"
 
-namespace feltwire {
+namespace feltwire::bounding_test {
 namespace {
 
 using test::config;
@@ -321,4 +321,4 @@ TEST(Bounding, SameInputSameBits) {
 }
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::bounding_test

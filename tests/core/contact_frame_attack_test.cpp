@@ -7,7 +7,7 @@
 
 #include "tests/core/contact_frame_fixture.hpp"
 
-namespace feltwire {
+namespace feltwire::contact_frame_attack_test {
 namespace {
 
 using namespace test;
@@ -252,4 +252,4 @@ TEST(ContactFrame, AllFaultsTogether) {
 }
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::contact_frame_attack_test

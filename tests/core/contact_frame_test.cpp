@@ -7,7 +7,7 @@
 
 #include "tests/core/contact_frame_fixture.hpp"
 
-namespace feltwire {
+namespace feltwire::contact_frame_test {
 namespace {
 
 using namespace test;
@@ -302,4 +302,4 @@ TEST(ContactFrame, FrictionHeldWithoutContactIsSplitInTheNewFrame) {
 }
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::contact_frame_test

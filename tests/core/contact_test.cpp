@@ -5,7 +5,7 @@
 #include <cmath>
 #include <random>
 
-namespace feltwire {
+namespace feltwire::contact_test {
 namespace {
 
 Object object(Shape shape, Material material, Side side = Side::outside) {
@@ -276,4 +276,4 @@ TEST(Contact, WhatCannotBeComputedIsNoForce) {
 }
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::contact_test

@@ -6,7 +6,7 @@
 
 #include "tests/core/play.hpp"
 
-namespace feltwire {
+namespace feltwire::coupling_properties_test {
 namespace {
 
 using namespace test;
@@ -101,4 +101,4 @@ RC_GTEST_PROP(Property, ACouplingBeyondColgatesConditionCanNotBeMade, ()) {
 }
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::coupling_properties_test

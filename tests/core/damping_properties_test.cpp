@@ -5,7 +5,7 @@
 
 #include "tests/core/play.hpp"
 
-namespace feltwire {
+namespace feltwire::damping_properties_test {
 namespace {
 
 using namespace test;
@@ -209,4 +209,4 @@ RC_GTEST_PROP(DampingProperty, TheWorstMovementIsB_1FOverTwo, ()) {
 }
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::damping_properties_test

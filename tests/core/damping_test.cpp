@@ -10,7 +10,7 @@
 
 #include "tests/core/support.hpp"
 
-namespace feltwire {
+namespace feltwire::damping_test {
 namespace {
 
 using testing::HasSubstr;
@@ -133,4 +133,4 @@ TEST(Damping, AContactFrameGivesEachDirectionItsOwnColgateSlope) {
 }
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::damping_test

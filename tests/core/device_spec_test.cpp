@@ -8,7 +8,7 @@
 #include <limits>
 #include <set>
 
-namespace feltwire {
+namespace feltwire::device_spec_test {
 namespace {
 
 TEST(DeviceSpec, BuiltInDevicesAreValidAndFoundByName) {
@@ -105,4 +105,4 @@ TEST(DeviceSpec, OnlyWhatIsActuatedIsCommanded) {
 }
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::device_spec_test

@@ -14,7 +14,7 @@
 #include "tests/core/support.hpp"
 #include "tests/support/allocation_counter.hpp"
 
-namespace feltwire {
+namespace feltwire::distance_grid_test {
 namespace {
 
 const double kNan = std::nan(""), kInfinity = std::numeric_limits<double>::infinity();
@@ -294,4 +294,4 @@ TEST(DistanceGrid, AClosedPathGivesNoEnergy) {
 }
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::distance_grid_test

@@ -8,7 +8,7 @@
 #include "core/bounding/per_axis.hpp"
 #include "tests/core/support.hpp"
 
-namespace feltwire {
+namespace feltwire::eba_axis_test {
 namespace {
 
 using test::Random;
@@ -180,4 +180,4 @@ TEST(EbaAxis, NoCancellation) {
 }
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::eba_axis_test

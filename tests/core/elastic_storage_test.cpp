@@ -7,7 +7,7 @@
 
 #include "tests/core/contact_frame_fixture.hpp"
 
-namespace feltwire {
+namespace feltwire::elastic_storage_test {
 namespace {
 
 using namespace test;
@@ -150,4 +150,4 @@ TEST(ElasticStorage, AFadedForceKeepsNoMoreThanItsSpringDid) {
 }
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::elastic_storage_test

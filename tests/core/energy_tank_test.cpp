@@ -6,7 +6,7 @@
 
 #include "tests/core/contact_frame_fixture.hpp"
 
-namespace feltwire {
+namespace feltwire::energy_tank_test {
 namespace {
 
 using namespace test;
@@ -100,4 +100,4 @@ TEST(EnergyTank, AllowsAtLeastWhatTheContactFrameDoes) {
 }
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::energy_tank_test

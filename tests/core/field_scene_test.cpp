@@ -14,7 +14,7 @@
 #include "core/tool/body_tool.hpp"
 #include "tests/support/allocation_counter.hpp"
 
-namespace feltwire {
+namespace feltwire::field_scene_test {
 namespace {
 
 using testing::HasSubstr;
@@ -150,4 +150,4 @@ TEST(FieldScene, EveryMistakeIsNamed) {
 }
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::field_scene_test

@@ -12,7 +12,7 @@
 #include "core/splitmix.hpp"
 #include "tests/support/allocation_counter.hpp"
 
-namespace feltwire {
+namespace feltwire::guide_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -346,4 +346,4 @@ TEST(GuideFile, MistakesAreNamed) {
 }
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::guide_test

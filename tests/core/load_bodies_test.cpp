@@ -12,7 +12,7 @@
 #include "core/scene/world.hpp"
 #include "tests/core/moving.hpp"
 
-namespace feltwire {
+namespace feltwire::load_bodies_test {
 namespace {
 
 using testing::AllOf;
@@ -179,4 +179,4 @@ TEST_F(Mjcf, ErrorsNameWhatIsWrong) {
 }
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::load_bodies_test

@@ -13,7 +13,7 @@
 #include "tests/support/allocation_counter.hpp"
 #include "tests/support/meshes.hpp"
 
-namespace feltwire {
+namespace feltwire::load_mesh_test {
 namespace {
 
 using testing::AllOf;
@@ -219,4 +219,4 @@ TEST(BroadPhase, TenThousandObjectsLoadAndNoTouchAllocates) {
 }
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::load_mesh_test

@@ -8,7 +8,7 @@
 #include "core/scene/json_document.hpp"
 #include "core/scene/scene.hpp"
 
-namespace feltwire {
+namespace feltwire::load_scene_test {
 namespace {
 
 using testing::HasSubstr;
@@ -388,4 +388,4 @@ TEST(JsonDocument, KnowsTheLineOfEveryValue) {
 }
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::load_scene_test

@@ -11,7 +11,7 @@
 #include "tests/core/support.hpp"
 #include "tests/support/allocation_counter.hpp"
 
-namespace feltwire {
+namespace feltwire::local_model_test {
 namespace {
 
 using test::Random;
@@ -408,4 +408,4 @@ TEST(LocalModel, APositionThatIsNoneGivesNone) {
 }
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::local_model_test

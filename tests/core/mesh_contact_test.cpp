@@ -11,7 +11,7 @@
 #include "tests/support/allocation_counter.hpp"
 #include "tests/support/meshes.hpp"
 
-namespace feltwire {
+namespace feltwire::mesh_contact_test {
 namespace {
 
 Object mesh_object(const TriangleSoup& soup, const MeshOptions& options = {},
@@ -403,4 +403,4 @@ TEST(MeshContact, ABallOnASphereOfFacets) {
 }
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::mesh_contact_test

@@ -11,7 +11,7 @@
 #include "core/geometry/tessellation.hpp"
 #include "tests/core/support.hpp"
 
-namespace feltwire {
+namespace feltwire::mesh_distance_test {
 namespace {
 
 std::string error_of(const TriangleSoup& soup) {
@@ -163,4 +163,4 @@ TEST(MeshDistance, AGridOfAMeshIsTheMesh) {
 }
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::mesh_distance_test

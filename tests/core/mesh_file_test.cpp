@@ -8,7 +8,7 @@
 
 #include "tests/support/meshes.hpp"
 
-namespace feltwire {
+namespace feltwire::mesh_file_test {
 namespace {
 
 using testing::HasSubstr;
@@ -187,4 +187,4 @@ TEST(MeshFile, FilesWithBytesTurnedAreReadOrRefused) {
 }
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::mesh_file_test

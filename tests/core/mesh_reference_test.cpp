@@ -12,7 +12,7 @@
 #include "tests/core/support.hpp"
 #include "tests/support/meshes.hpp"
 
-namespace feltwire {
+namespace feltwire::mesh_reference_test {
 namespace {
 
 /// A sphere of 0.1 m with corners moved at random: as many ridges as valleys.
@@ -112,4 +112,4 @@ TEST(MeshReference, ABallTouchesNoTriangleDeeperAndIsNoNearerThanTheyLet) {
 }
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::mesh_reference_test

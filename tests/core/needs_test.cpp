@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace feltwire {
+namespace feltwire::needs_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -66,4 +66,4 @@ TEST(Needs, ManyNamesAreCounted) {
 }
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::needs_test

@@ -6,7 +6,7 @@
 
 #include "tests/core/play.hpp"
 
-namespace feltwire {
+namespace feltwire::observer_properties_test {
 namespace {
 
 using namespace test;
@@ -302,4 +302,4 @@ RC_GTEST_PROP(Property, ParallelControllerHoldsBackNoMoreThanTheHandMoved, ()) {
 }
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::observer_properties_test

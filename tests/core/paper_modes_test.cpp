@@ -8,7 +8,7 @@
 #include "core/bounding/bounding.hpp"
 #include "tests/core/support.hpp"
 
-namespace feltwire {
+namespace feltwire::paper_modes_test {
 namespace {
 
 using test::angle;
@@ -195,4 +195,4 @@ TEST(Projected, TheProjectedForceLeavesItsPerAxisInterval) {
 }
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::paper_modes_test

@@ -6,7 +6,7 @@
 
 #include "tests/core/support.hpp"
 
-namespace feltwire {
+namespace feltwire::passivity_control_test {
 namespace {
 
 constexpr double kPeriod = test::kModePeriod;
@@ -136,4 +136,4 @@ TEST(PassivityControl, ParallelMovesTheProbeInsteadOfTheForce) {
 }
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::passivity_control_test

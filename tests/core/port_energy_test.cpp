@@ -8,7 +8,7 @@
 #include <limits>
 #include <numbers>
 
-namespace feltwire {
+namespace feltwire::port_energy_test {
 namespace {
 
 constexpr double kPeriod = 1e-3;
@@ -114,4 +114,4 @@ TEST(PortEnergy, WhatIsNotFiniteIsLeftOutAndCounted) {
 }
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::port_energy_test

@@ -7,7 +7,7 @@
 #include "core/port_energy.hpp"
 #include "tests/core/support.hpp"
 
-namespace feltwire {
+namespace feltwire::port_guard_test {
 namespace {
 
 using namespace test;
@@ -75,4 +75,4 @@ TEST(PortGuard, NoHandTakesMoreThanWasBurned) {
 }
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::port_guard_test

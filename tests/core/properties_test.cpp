@@ -5,7 +5,7 @@
 
 #include "tests/core/play.hpp"
 
-namespace feltwire {
+namespace feltwire::properties_test {
 namespace {
 
 using namespace test;
@@ -185,4 +185,4 @@ TEST(Mutant, LawsThatPromiseNothingLose) {
 }
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::properties_test

@@ -10,7 +10,7 @@
 #include "tests/core/contact_frame_fixture.hpp"
 #include "tests/support/allocation_counter.hpp"
 
-namespace feltwire {
+namespace feltwire::safety_test {
 namespace {
 
 using namespace test;
@@ -395,4 +395,4 @@ TEST(Safety, TenThousandStepsAllocateNothing) {
 }
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::safety_test

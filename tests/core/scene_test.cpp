@@ -9,7 +9,7 @@
 
 #include "tests/support/allocation_counter.hpp"
 
-namespace feltwire {
+namespace feltwire::scene_test {
 namespace {
 
 Object object(const char* name, Shape shape, Material material = {}) {
@@ -150,4 +150,4 @@ TEST(Scene, TouchNeverAllocates) {
 }
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::scene_test

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <random>
 
-namespace feltwire {
+namespace feltwire::shapes_test {
 namespace {
 
 double distance_to(const Mesh&, const Vec3&) { return 0.0; }  // has tests of its own
@@ -249,4 +249,4 @@ TEST(Shapes, CanFeltFromInsideHoldsTheProxyInItsRim) {
 }
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::shapes_test

@@ -8,7 +8,7 @@
 
 #include "tests/support/meshes.hpp"
 
-namespace feltwire {
+namespace feltwire::triangle_mesh_test {
 namespace {
 
 TEST(TriangleMesh, ASphereIsClosedAndHoldsItsVolume) {
@@ -112,4 +112,4 @@ TEST(TriangleMesh, WhatIsNoSurfaceIsRefused) {
 }
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::triangle_mesh_test

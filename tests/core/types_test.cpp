@@ -11,7 +11,7 @@
 #include "core/velocity.hpp"
 #include "tests/core/support.hpp"
 
-namespace feltwire {
+namespace feltwire::types_test {
 namespace {
 
 using test::Random;
@@ -142,4 +142,4 @@ TEST(Velocity, WhatIsNotFiniteDoesNotStayInTheFilter) {
 }
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::types_test

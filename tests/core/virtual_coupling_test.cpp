@@ -8,7 +8,7 @@
 
 #include "tests/core/support.hpp"
 
-namespace feltwire {
+namespace feltwire::virtual_coupling_test {
 namespace {
 
 using testing::HasSubstr;
@@ -102,4 +102,4 @@ TEST(VirtualCoupling, WhatIsNotPassiveIsRefusedWithTheRemedy) {
 }
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::virtual_coupling_test

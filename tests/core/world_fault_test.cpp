@@ -9,7 +9,7 @@
 #include "core/scene/world.hpp"
 #include "tests/core/moving.hpp"
 
-namespace feltwire {
+namespace feltwire::world_fault_test {
 namespace {
 
 using test::body;
@@ -153,4 +153,4 @@ TEST(WorldFaults, RefusesWhatCannotMove) {
 }
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::world_fault_test

@@ -10,7 +10,7 @@
 #include "tests/core/moving.hpp"
 #include "tests/support/allocation_counter.hpp"
 
-namespace feltwire {
+namespace feltwire::world_test {
 namespace {
 
 using test::body;
@@ -265,4 +265,4 @@ TEST(World, ALostBodyBeginsAnew) {
 }
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::world_test

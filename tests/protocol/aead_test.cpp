@@ -13,7 +13,7 @@
 
 #include "protocol/hkdf.hpp"
 
-namespace feltwire {
+namespace feltwire::aead_test {
 namespace {
 
 using Octets = std::vector<std::uint8_t>;
@@ -131,4 +131,4 @@ TEST(Hkdf, ExpandIsTheRfcs) {
 }
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::aead_test

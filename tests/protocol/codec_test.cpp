@@ -13,10 +13,10 @@
 #include "tests/protocol/misaligned.hpp"
 #include "tests/support/allocation_counter.hpp"
 
-namespace feltwire {
+namespace feltwire::codec_test {
 namespace {
 
-using test::Random;
+using test::Generator;
 using test::random_batch;
 
 void expect_same(const Sample& a, const Sample& b) {
@@ -29,7 +29,7 @@ void expect_same(const Sample& a, const Sample& b) {
   EXPECT_EQ(a.held.torque, b.held.torque);
 }
 
-Reply random_reply(Random& random) {
+Reply random_reply(Generator& random) {
   Reply reply;
   reply.sample_index = 1 + random() / 2;
   reply.client_time = Nanoseconds(static_cast<std::int64_t>(random()));
@@ -51,7 +51,7 @@ Reply random_reply(Random& random) {
 }
 
 TEST(Codec, SamplesRoundTrip) {
-  Random random(1);
+  Generator random(1);
   Encoder encoder;
   for (int round = 0; round < 2000; ++round) {
     const int count = 1 + static_cast<int>(random() % 9);
@@ -70,7 +70,7 @@ TEST(Codec, SamplesRoundTrip) {
 
 /// A batch that is decoded into keeps nothing of what it held before.
 TEST(Codec, SamplesWithoutRotationsAreUpright) {
-  Random random(2);
+  Generator random(2);
   Encoder encoder;
   SampleBatch received = random_batch(random, 50, 9, true);
   ASSERT_EQ(decode(encoder.samples(random_batch(random, 9, 3, false)), received), DropReason::none);
@@ -83,7 +83,7 @@ TEST(Codec, SamplesWithoutRotationsAreUpright) {
 }
 
 TEST(Codec, ReplyRoundTrip) {
-  Random random(3);
+  Generator random(3);
   Encoder encoder;
   for (int round = 0; round < 2000; ++round) {
     const Reply sent = random_reply(random);
@@ -122,14 +122,14 @@ TEST(Codec, GoodbyeRoundTrip) {
 }
 
 TEST(Codec, SizesKeepTheirPromises) {
-  Random random(4);
+  Generator random(4);
   Encoder encoder;
   EXPECT_LE(encoder.samples(random_batch(random, 9, 1, true)).size() + kOverhead, 256u);
   EXPECT_LE(encoder.samples(random_batch(random, 9, 9, true)).size(), kMaxPayload);
 }
 
 TEST(Codec, PayloadMayLieAnywhere) {
-  Random random(5);
+  Generator random(5);
   Encoder encoder;
   const SampleBatch sent = random_batch(random, 77, 4, true);
   const Bytes payload = encoder.samples(sent);
@@ -151,7 +151,7 @@ DropReason verdict(const SampleBatch& batch) {
 }
 
 TEST(CodecDrops, Count) {
-  Random random(6);
+  Generator random(6);
   EXPECT_EQ(verdict(random_batch(random, 9, 0, false)), DropReason::count);
 
   // Ten samples, or fewer rotations than samples: the encoder cannot say it, so by hand.
@@ -172,7 +172,7 @@ TEST(CodecDrops, Count) {
 }
 
 TEST(CodecDrops, Order) {
-  Random random(7);
+  Generator random(7);
   SampleBatch batch = random_batch(random, 9, 3, false);
   batch.samples[1].index = 9;
   EXPECT_EQ(verdict(batch), DropReason::order);
@@ -197,7 +197,7 @@ TEST(CodecDrops, NotFinite) {
       [](Sample& s) { s.pose.orientation.coeffs() *= 1.01; },
       [](Sample& s) { s.pose.orientation.coeffs().setZero(); },
   };
-  Random random(8);
+  Generator random(8);
   for (std::size_t which = 0; which < spoils.size(); ++which) {
     for (std::size_t at = 0; at < 3; ++at) {
       SampleBatch batch = random_batch(random, 9, 3, true);
@@ -229,7 +229,7 @@ TEST(CodecDrops, ReplyThatIsNone) {
 }
 
 TEST(CodecDrops, OneKindIsNotAnother) {
-  Random random(9);
+  Generator random(9);
   Encoder encoder;
   SampleBatch batch;
   Reply reply;
@@ -244,7 +244,7 @@ TEST(CodecDrops, OneKindIsNotAnother) {
 
 /// FlatBuffers' verifier lets them through, and reading them is undefined.
 TEST(CodecDrops, NumbersOutOfPlace) {
-  Random random(4);
+  Generator random(4);
   Encoder encoder;
   const Bytes sent = encoder.samples(random_batch(random, 9, 2, true));
   const std::vector<std::uint8_t> bytes(sent.begin(), sent.end());
@@ -304,7 +304,7 @@ void expect_harmless(Bytes payload) {
 }
 
 TEST(CodecFuzz, RandomBytes) {
-  Random random(10);
+  Generator random(10);
   std::vector<std::uint8_t> bytes;
   for (int round = 0; round < 20'000; ++round) {
     bytes.resize(random() % 1300);
@@ -316,7 +316,7 @@ TEST(CodecFuzz, RandomBytes) {
 }
 
 TEST(CodecFuzz, TruncationsAndBitFlipsOfValidPayloads) {
-  Random random(11);
+  Generator random(11);
   Encoder encoder;
   for (int round = 0; round < 60; ++round) {
     Bytes valid;
@@ -348,7 +348,7 @@ TEST(CodecAllocation, NoneAfterTheFirstOfEachKind) {
 #ifdef FELTWIRE_SANITIZED
   GTEST_SKIP() << "sanitizers own the allocator";
 #endif
-  Random random(12);
+  Generator random(12);
   Encoder encoder;
   SampleBatch batch = random_batch(random, 20'000, 9, true);
   Reply reply = random_reply(random);
@@ -375,4 +375,4 @@ TEST(CodecAllocation, NoneAfterTheFirstOfEachKind) {
 }
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::codec_test

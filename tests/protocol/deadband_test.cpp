@@ -9,7 +9,7 @@
 
 #include "tests/protocol/make.hpp"
 
-namespace feltwire {
+namespace feltwire::deadband_test {
 namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
@@ -67,7 +67,7 @@ TEST(Extrapolation, IsALineThatTurnsNoPartRound) {
 }
 
 TEST(Extrapolation, APushNeverBecomesAPull) {
-  test::Random random(7);
+  test::Generator random(7);
   for (int i = 0; i < 20'000; ++i) {
     const Command c{test::vector(random, 5), test::vector(random, 5), test::vector(random, 1)};
     const Command rates{test::vector(random, 1e4), test::vector(random, 1e4),
@@ -98,7 +98,7 @@ TEST(CommandTrend, FindsTheLineAtAnyRate) {
 /// Encoder noise of q at each end of a window W changes a slope by 2 q / W at most; a single
 /// sample's difference, by 2 q / T.
 TEST(CommandTrend, DividesTheEncodersNoiseByItsWindow) {
-  test::Random random(3);
+  test::Generator random(3);
   CommandTrend trend;
   const double quantum = 0.03, period = 1e-3, window = 0.01;
   double worst = 0.0;
@@ -124,4 +124,4 @@ TEST(CommandTrend, ForgetsWhatWasBeforeContactBegan) {
 }
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::deadband_test

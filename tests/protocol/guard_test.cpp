@@ -7,7 +7,7 @@
 
 #include "tests/protocol/make.hpp"
 
-namespace feltwire {
+namespace feltwire::guard_test {
 namespace {
 
 constexpr unsigned kSamplesOnly = 1u << static_cast<unsigned>(DatagramKind::samples);
@@ -91,4 +91,4 @@ TEST(DropReasons, EachHasItsOwnName) {
 }
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::guard_test

@@ -8,16 +8,16 @@
 
 namespace feltwire::test {
 
-using Random = std::mt19937_64;
+using Generator = std::mt19937_64;
 
-inline double uniform(Random& random, double low, double high) {
+inline double uniform(Generator& random, double low, double high) {
   return std::uniform_real_distribution<double>(low, high)(random);
 }
-inline Vec3 vector(Random& random, double size) {
+inline Vec3 vector(Generator& random, double size) {
   return {uniform(random, -size, size), uniform(random, -size, size), uniform(random, -size, size)};
 }
 /// Numbers that survive their float32 on the wire.
-inline Vec3 float_vector(Random& random, double size) {
+inline Vec3 float_vector(Generator& random, double size) {
   // Drawn as floats: GCC 12 at -O3 loses the rounding of double -> float -> double on a lane.
   std::uniform_real_distribution<float> number(static_cast<float>(-size), static_cast<float>(size));
   const float x = number(random), y = number(random), z = number(random);
@@ -25,7 +25,7 @@ inline Vec3 float_vector(Random& random, double size) {
 }
 
 /// A batch with the newest index `newest` and `count` samples, all numbers random.
-inline SampleBatch random_batch(Random& random, std::uint64_t newest, int count, bool rotation) {
+inline SampleBatch random_batch(Generator& random, std::uint64_t newest, int count, bool rotation) {
   SampleBatch batch;
   batch.count = count;
   batch.rotation = rotation;

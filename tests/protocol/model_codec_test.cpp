@@ -10,18 +10,18 @@
 #include "protocol/schema/datagram_generated.h"
 #include "tests/protocol/make.hpp"
 
-namespace feltwire {
+namespace feltwire::model_codec_test {
 namespace {
 
 using test::float_vector;
-using test::Random;
+using test::Generator;
 
-double single(Random& random, double most) {
+double single(Generator& random, double most) {
   return static_cast<float>(test::uniform(random, 0.0, most));
 }
 
 /// Lengths relative to a center that float32 holds, as the wire has them.
-SurfacePatch random_patch(Random& random, const Vec3& center) {
+SurfacePatch random_patch(Generator& random, const Vec3& center) {
   SurfacePatch p;
   p.point = center + float_vector(random, 0.1);
   p.normal = Vec3::Unit(static_cast<Eigen::Index>(random() % 3));
@@ -43,7 +43,7 @@ SurfacePatch random_patch(Random& random, const Vec3& center) {
   return p;
 }
 
-Reply random_reply(Random& random, int patches) {
+Reply random_reply(Generator& random, int patches) {
   Reply reply;
   reply.sample_index = 7;
   reply.withheld = random();
@@ -85,7 +85,7 @@ DropReason verdict(const Reply& reply, Reply& out) {
 }
 
 TEST(ModelCodec, RoundTrip) {
-  Random random(11);
+  Generator random(11);
   Encoder encoder;
   Reply received;
   for (int round = 0; round < 500; ++round) {
@@ -107,7 +107,7 @@ TEST(ModelCodec, RoundTrip) {
 }
 
 TEST(ModelCodec, ReplyWithoutAModelBringsNone) {
-  Random random(12);
+  Generator random(12);
   Reply sent = random_reply(random, 2), received = random_reply(random, 2);
   sent.modelled = false;
   ASSERT_EQ(verdict(sent, received), DropReason::none);
@@ -139,7 +139,7 @@ TEST(ModelCodec, ModelsThatAreNoneAreDropped) {
       [=](Reply& r) { r.model.patches[1].material.viscous_friction = nan; },
       [=](Reply& r) { r.predicted = true, r.rates.elastic.x() = nan; },
   };
-  Random random(13);
+  Generator random(13);
   Reply out;
   for (std::size_t which = 0; which < spoils.size(); ++which) {
     Reply reply = random_reply(random, 2);
@@ -163,7 +163,7 @@ TEST(ModelCodec, MorePatchesThanAModelMayHave) {
 }
 
 TEST(ModelCodec, WhatTravelledBeforeComesBefore) {
-  Random random(14);
+  Generator random(14);
   Encoder encoder;
   SampleBatch batch = test::random_batch(random, 100, 3, false), out;
   batch.previous = 97;
@@ -174,4 +174,4 @@ TEST(ModelCodec, WhatTravelledBeforeComesBefore) {
 }
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::model_codec_test

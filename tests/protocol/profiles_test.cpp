@@ -9,7 +9,7 @@
 #include "protocol/datagram.hpp"
 #include "protocol/guard.hpp"
 
-namespace feltwire {
+namespace feltwire::profiles_test {
 namespace {
 
 TEST(Profiles, HaveNames) {
@@ -86,4 +86,4 @@ TEST(Profiles, AServerGrantsWhatItsLineHasRoomFor) {
 }
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::profiles_test

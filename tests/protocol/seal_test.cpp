@@ -14,11 +14,11 @@
 #include "tests/protocol/sealed.hpp"
 #include "tests/support/allocation_counter.hpp"
 
-namespace feltwire {
+namespace feltwire::seal_test {
 namespace {
 
 using test::keys;
-using test::Random;
+using test::Generator;
 using Octets = std::vector<std::uint8_t>;
 
 constexpr std::uint64_t kSession = 0x0102030405060708;
@@ -223,7 +223,7 @@ TEST_P(Sealing, ForgedNumbersMoveNothing) {
 
 /// Over the border with loss and reordering: a number alone says which key.
 TEST_P(Sealing, TheKeyChangesWithoutAWord) {
-  Random random(1);
+  Generator random(1);
   for (int round = 0; round < 10; ++round) {
     Sealer sealer = up.sealer_from(kBorder - 600);
     Opener opener = up.opener_from(kBorder - 600);
@@ -283,7 +283,7 @@ TEST_P(Sealing, AWrongGenerationIsRefused) {
 /// Against the plainest thing that could be right: all sorts of numbers about the borders of three
 /// generations, good, replayed and forged.
 TEST_P(Sealing, OpensWhatAModelOpens) {
-  Random random(2);
+  Generator random(2);
   for (int round = 0; round < 20; ++round) {
     const std::uint64_t start = kBorder - 1 - random() % 1500;
     Opener opener = up.opener_from(start);
@@ -428,4 +428,4 @@ TEST_P(Sealing, KeysAreWiped) {
 }
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::seal_test

@@ -6,7 +6,7 @@
 #include <random>
 #include <set>
 
-namespace feltwire {
+namespace feltwire::sequence_test {
 namespace {
 
 /// True, once, for what is fresh.
@@ -83,4 +83,4 @@ TEST(PacketWindow, MatchesASetOfAllSeen) {
 }
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::sequence_test

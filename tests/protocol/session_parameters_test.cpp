@@ -8,7 +8,7 @@
 #include <limits>
 #include <stdexcept>
 
-namespace feltwire {
+namespace feltwire::session_parameters_test {
 namespace {
 
 using testing::HasSubstr;
@@ -145,4 +145,4 @@ TEST(SessionParameters, SidesHaveNames) {
 }
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::session_parameters_test

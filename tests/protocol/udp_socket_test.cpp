@@ -8,7 +8,7 @@
 
 #include <stdexcept>
 
-namespace feltwire {
+namespace feltwire::udp_socket_test {
 namespace {
 
 class Socket {
@@ -75,4 +75,4 @@ TEST(Fragments, AreForbiddenInBothFamilies) {
 }
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::udp_socket_test

@@ -6,7 +6,7 @@
 #include "tests/server/make.hpp"
 #include "tests/support/allocation_counter.hpp"
 
-namespace feltwire {
+namespace feltwire::body_session_test {
 namespace {
 
 Scene scene() {
@@ -81,4 +81,4 @@ TEST(BodySession, NeverAllocates) {
 }
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::body_session_test

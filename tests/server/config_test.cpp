@@ -9,7 +9,7 @@
 
 #include "core/scene/json_document.hpp"
 
-namespace feltwire {
+namespace feltwire::config_test {
 namespace {
 
 using testing::AllOf;
@@ -144,4 +144,4 @@ TEST(Config, OptionsAreNamedAsOnTheCommandLine) {
 }
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::config_test

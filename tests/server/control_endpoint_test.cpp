@@ -12,7 +12,7 @@
 #include "server/control.hpp"
 #include "tests/server/raw_socket.hpp"
 
-namespace feltwire {
+namespace feltwire::control_endpoint_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -221,4 +221,4 @@ TEST(ControlEndpoint, NoPlainTextIsRead) {
 }
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::control_endpoint_test

@@ -12,7 +12,7 @@
 #include "tests/server/raw_socket.hpp"
 #include "tests/support/garbage.hpp"
 
-namespace feltwire {
+namespace feltwire::flood_test {
 namespace {
 
 using test::ControlClient;
@@ -135,4 +135,4 @@ TEST(Flood, HonestClientsAreAnsweredAndNobodyElse) {
 }
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::flood_test

@@ -5,7 +5,7 @@
 #include <map>
 #include <random>
 
-namespace feltwire {
+namespace feltwire::id_map_test {
 namespace {
 
 /// Against std::map, with ids that collide on purpose.
@@ -42,4 +42,4 @@ TEST(IdMap, ZeroIsNoId) {
 }
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::id_map_test

@@ -12,7 +12,7 @@
 #include "tests/server/make.hpp"
 #include "tests/server/raw_socket.hpp"
 
-namespace feltwire {
+namespace feltwire::loopback_test {
 namespace {
 
 using test::ControlClient;
@@ -276,4 +276,4 @@ TEST(Loopback, ScenesOfOneNameAreRefused) {
 }
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::loopback_test

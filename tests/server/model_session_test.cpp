@@ -9,7 +9,7 @@
 #include "server/session.hpp"
 #include "tests/core/support.hpp"
 
-namespace feltwire {
+namespace feltwire::model_session_test {
 namespace {
 
 using test::Random;
@@ -98,4 +98,4 @@ TEST(ModelSession, OverTheWireItIsTheSceneToFloatPrecision) {
 }
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::model_session_test

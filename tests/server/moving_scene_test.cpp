@@ -13,7 +13,7 @@
 #include "tests/server/make.hpp"
 #include "tests/support/allocation_counter.hpp"
 
-namespace feltwire {
+namespace feltwire::moving_scene_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -329,4 +329,4 @@ TEST(MovingScene, ARestingHandNeitherCreepsNorBuzzes) {
 }
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::moving_scene_test

@@ -11,7 +11,7 @@
 #include "tests/server/make.hpp"
 #include "tests/server/raw_socket.hpp"
 
-namespace feltwire {
+namespace feltwire::network_test {
 namespace {
 
 using test::ControlClient;
@@ -156,4 +156,4 @@ TEST(Network, AClientThatNeverReadsHarmsNobodyElse) {
 }
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::network_test

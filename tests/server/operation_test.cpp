@@ -17,7 +17,7 @@
 #include "tests/server/raw_socket.hpp"
 #include "tests/support/program.hpp"
 
-namespace feltwire {
+namespace feltwire::operation_test {
 namespace {
 
 using Json = nlohmann::json;
@@ -164,4 +164,4 @@ TEST(Operation, ACounterFileThatCannotBeIsSaidAtOnce) {
 }
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::operation_test

@@ -15,7 +15,7 @@
 #include "tests/server/make.hpp"
 #include "tests/support/security.hpp"
 
-namespace feltwire {
+namespace feltwire::program_test {
 namespace {
 
 using ::testing::AllOf;
@@ -122,4 +122,4 @@ TEST(Program, HelpHasExamples) {
 }
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::program_test

@@ -14,7 +14,7 @@
 #include "tests/server/raw_socket.hpp"
 #include "tests/support/program.hpp"
 
-namespace feltwire {
+namespace feltwire::reload_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -179,4 +179,4 @@ TEST(Reload, TheProgramDoesItAtSighup) {
 }
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::reload_test

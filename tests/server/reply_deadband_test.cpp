@@ -11,7 +11,7 @@
 #include "server/session.hpp"
 #include "tests/server/make.hpp"
 
-namespace feltwire {
+namespace feltwire::reply_deadband_test {
 namespace {
 
 constexpr double kPeriod = 1e-3;  // [s]
@@ -115,7 +115,7 @@ TEST(ReplyDeadband, SilenceLastsKeepAliveAtMost) {
 
 TEST(ReplyDeadband, WhatBeginsOrEndsIsSent) {
   const auto answered = [](const std::function<void(Reply&)>& change) {
-    ReplyDeadband deadband(::feltwire::deadband(0.5));
+    ReplyDeadband deadband(reply_deadband_test::deadband(0.5));
     Reply reply;
     reply.command.elastic = Vec3(0, 0, 1e-4);
     const auto next = [&](Reply r) {
@@ -279,4 +279,4 @@ TEST(Session, LeftOutIsNotLost) {
 }
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::reply_deadband_test

@@ -9,7 +9,7 @@
 #include "tests/server/make.hpp"
 #include "tests/support/allocation_counter.hpp"
 
-namespace feltwire {
+namespace feltwire::scene_sessions_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -240,7 +240,7 @@ TEST_F(SceneSessionsTest, ClientsDoNotFeelEachOther) {
   SceneSessions alone(scene, 2s, 2, nullptr, kFast);
   ASSERT_TRUE(std::holds_alternative<control::JoinAccepted>(
       alone.answer(join_request(), kId, test::keys(kId), 0s)));
-  test::Random random(1);
+  test::Generator random(1);
   test::SealedEncoder second{test::Way::up};
   for (std::uint64_t n = 1; n <= 500; ++n) {
     const Bytes sent = client.samples(kId, n, hand_batch(n, 2));
@@ -258,7 +258,7 @@ TEST_F(SceneSessionsTest, ClientsDoNotFeelEachOther) {
 TEST_F(SceneSessionsTest, FuzzedDatagramsAreOnlyCounted) {
   join(kId);
   join(kId + 256);
-  test::Random random(2);
+  test::Generator random(2);
   test::SealedEncoder hostile{test::Way::up};
   for (std::uint64_t n = 1; n <= 3000; ++n) {
     const Bytes valid = hostile.samples(kId + 256, n, test::random_batch(random, n + 9, 3, n % 2));
@@ -293,4 +293,4 @@ TEST_F(SceneSessionsTest, DatagramsDoNotAllocate) {
 }
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::scene_sessions_test

@@ -10,7 +10,7 @@
 #include "tests/server/make.hpp"
 #include "tests/support/allocation_counter.hpp"
 
-namespace feltwire {
+namespace feltwire::sealed_sessions_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -332,4 +332,4 @@ TEST(SealedSession, WhatIsDroppedAllocatesNothing) {
 }
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::sealed_sessions_test

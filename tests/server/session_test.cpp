@@ -9,7 +9,7 @@
 #include "tests/server/make.hpp"
 #include "tests/support/allocation_counter.hpp"
 
-namespace feltwire {
+namespace feltwire::session_test {
 namespace {
 
 using test::hand;
@@ -93,7 +93,7 @@ TEST(Session, RedundancyClosesGapsExactly) {
     SessionParameters parameters = test::server_bounds();
     parameters.mode = mode;
     Session whole(join_request(parameters), scene), lossy(join_request(parameters), scene);
-    test::Random random(3);
+    test::Generator random(3);
     int lost = 0, compared = 0;
     for (std::uint64_t n = 1; n <= 4000; ++n) {
       const Reply expected = take(whole, hand_batch(n));
@@ -199,7 +199,7 @@ TEST(Session, CommandsArePassiveWhateverTheHandDoes) {
     // What the commands do when each is held from its own sample on, and what the samples report,
     // which is one sample later: the observer must count the latter.
     PortEnergy port(test::device().damping, 0, parameters.servo_period), reported = port;
-    test::Random random(17);
+    test::Generator random(17);
     Vec3 position(0, 0, -0.001);
     Command held, held_before;
     for (std::uint64_t n = 1; n <= 20'000; ++n) {
@@ -375,4 +375,4 @@ TEST(Session, StepsDoNotAllocate) {
 }
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::session_test

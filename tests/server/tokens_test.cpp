@@ -14,7 +14,7 @@
 #include "server/state_file.hpp"
 #include "tests/client/temporary_folder.hpp"
 
-namespace feltwire {
+namespace feltwire::tokens_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -284,4 +284,4 @@ TEST(JoinRate, IsNotOutnumbered) {
 }
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::tokens_test

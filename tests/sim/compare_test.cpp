@@ -11,7 +11,7 @@
 
 #include "sim/surfaces.hpp"
 
-namespace feltwire {
+namespace feltwire::compare_test {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
@@ -166,4 +166,4 @@ TEST(Compare, WritesEveryTaskByEveryMethodAndTheSameBytesEveryTime) {
 }
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::compare_test

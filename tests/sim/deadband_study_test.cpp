@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace feltwire {
+namespace feltwire::deadband_study_test {
 namespace {
 
 std::vector<DeadbandTask> short_tasks() {
@@ -53,4 +53,4 @@ TEST(DeadbandStudy, ARecordingIsItsOwnMovement) {
 }
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::deadband_study_test

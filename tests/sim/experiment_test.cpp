@@ -7,7 +7,7 @@
 #include "sim/choices.hpp"
 #include "sim/figures.hpp"
 
-namespace feltwire {
+namespace feltwire::experiment_test {
 namespace {
 
 Scene plane(double stiffness, double friction) {
@@ -101,4 +101,4 @@ TEST(Choices, TablesHaveEveryRow) {
 }
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::experiment_test

@@ -10,7 +10,7 @@
 #include <set>
 #include <sstream>
 
-namespace feltwire {
+namespace feltwire::extremes_test {
 namespace {
 
 using testing::HasSubstr;
@@ -145,4 +145,4 @@ TEST(PromiseLedger, ByAxisNoAxisPaysForAnother) {
 }
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::extremes_test

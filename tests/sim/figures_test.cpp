@@ -10,7 +10,7 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
-namespace feltwire {
+namespace feltwire::figures_test {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
@@ -125,4 +125,4 @@ TEST(Figures, WritesEveryFigureInEveryModeAtEveryDamping) {
 }
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::figures_test

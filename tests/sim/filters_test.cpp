@@ -7,7 +7,7 @@
 
 #include "client/csv.hpp"
 
-namespace feltwire {
+namespace feltwire::filters_test {
 namespace {
 
 using testing::HasSubstr;
@@ -107,4 +107,4 @@ TEST(TouchFilter, RefusesTimeThatStandsStill) {
 }
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::filters_test

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace feltwire {
+namespace feltwire::hand_path_test {
 namespace {
 
 using testing::HasSubstr;
@@ -119,4 +119,4 @@ TEST(HandPath, BadTasksSayWhatIsWrong) {
 }
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::hand_path_test

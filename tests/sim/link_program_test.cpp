@@ -8,7 +8,7 @@
 #include "tests/client/temporary_folder.hpp"
 #include "tests/support/program.hpp"
 
-namespace feltwire {
+namespace feltwire::link_program_test {
 namespace {
 
 using test::Outcome;
@@ -76,4 +76,4 @@ TEST_F(LinkProgram, FaultsAreOneLineAndANonZeroExit) {
 }
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::link_program_test

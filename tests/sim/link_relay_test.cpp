@@ -10,7 +10,7 @@
 #include "tests/client/loopback.hpp"
 #include "tests/client/peer.hpp"
 
-namespace feltwire {
+namespace feltwire::link_relay_test {
 namespace {
 
 using nlohmann::json;
@@ -236,4 +236,4 @@ TEST(LinkRelay, AServerThatIsNotThereEndsTheConnection) {
 }
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::link_relay_test

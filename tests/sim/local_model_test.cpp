@@ -9,7 +9,7 @@
 #include <fstream>
 #include <sstream>
 
-namespace feltwire {
+namespace feltwire::local_model_test {
 namespace {
 
 constexpr double kMilli = 1e-3;
@@ -78,4 +78,4 @@ TEST(LocalModelRun, TheSameBytesEveryTime) {
 }
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::local_model_test

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace feltwire {
+namespace feltwire::metrics_test {
 namespace {
 
 TEST(Metrics, HighpassOfAFastSineIsItsRmsAndOfASlowLineIsNothing) {
@@ -79,4 +79,4 @@ TEST(Metrics, DirectionErrorIsTheAngle) {
 }
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::metrics_test

@@ -11,7 +11,7 @@
 #include "sim/network_run.hpp"
 #include "tests/core/moving.hpp"
 
-namespace feltwire {
+namespace feltwire::moving_run_test {
 namespace {
 
 using test::body;
@@ -129,4 +129,4 @@ TEST(MovingRun, TheTouchFilterMovesThingsOn) {
 }
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::moving_run_test

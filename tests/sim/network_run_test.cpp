@@ -10,7 +10,7 @@
 
 #include "sim/experiment.hpp"
 
-namespace feltwire {
+namespace feltwire::network_run_test {
 namespace {
 
 constexpr double kStiffness = 1500.0;  // [N/m]
@@ -258,4 +258,4 @@ TEST(NetworkRun, SaysWhatIsWrong) {
 }
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::network_run_test

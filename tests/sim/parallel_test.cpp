@@ -5,7 +5,7 @@
 #include <numeric>
 #include <stdexcept>
 
-namespace feltwire {
+namespace feltwire::parallel_test {
 namespace {
 
 TEST(Parallel, EveryIndexOnce) {
@@ -27,4 +27,4 @@ TEST(Parallel, AFailureIsRethrownAndEndsTheRest) {
 }
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::parallel_test

@@ -8,7 +8,7 @@
 #include <fstream>
 #include <sstream>
 
-namespace feltwire {
+namespace feltwire::rate_test {
 namespace {
 
 const std::vector<RateCell>& cells() {
@@ -94,4 +94,4 @@ TEST(Rate, EverythingCostsSomething) {
 }
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::rate_test

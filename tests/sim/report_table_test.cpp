@@ -4,7 +4,7 @@
 
 #include <fstream>
 
-namespace feltwire {
+namespace feltwire::report_table_test {
 namespace {
 
 std::filesystem::path write(const std::string& name, const std::string& text) {
@@ -37,4 +37,4 @@ TEST(ReportTable, NamesTheFileAndTheMissingNumber) {
 }
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::report_table_test

@@ -9,7 +9,7 @@
 #include <fstream>
 #include <sstream>
 
-namespace feltwire {
+namespace feltwire::sides_test {
 namespace {
 
 SidesGrid small() {
@@ -115,4 +115,4 @@ TEST(Sides, RefusesADampingThatIsNone) {
 }
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::sides_test

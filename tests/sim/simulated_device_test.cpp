@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace feltwire {
+namespace feltwire::simulated_device_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -130,4 +130,4 @@ TEST(SimulatedDevice, RefusesAMasslessHand) {
 }
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::simulated_device_test

@@ -5,7 +5,7 @@
 #include <stdexcept>
 #include <vector>
 
-namespace feltwire {
+namespace feltwire::stiffness_search_test {
 namespace {
 
 constexpr StiffnessRange kRange{.lowest = 10.0, .highest = 1e6, .per_decade = 6, .tolerance = 0.03};
@@ -62,4 +62,4 @@ TEST(StiffnessSearch, RefusesARangeThatCannotBeSearched) {
 }
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::stiffness_search_test

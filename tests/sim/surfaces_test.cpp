@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace feltwire {
+namespace feltwire::surfaces_test {
 namespace {
 
 TEST(Surfaces, PlaneAndSphereAreAsFarAsTheyAre) {
@@ -109,4 +109,4 @@ TEST(BumpyTorus, TheDistanceIsRightToFirstOrder) {
 }
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::surfaces_test

@@ -11,7 +11,7 @@
 
 #include "sim/trade_tools.hpp"
 
-namespace feltwire {
+namespace feltwire::trade_geometry_test {
 namespace {
 
 std::string text_of(const std::filesystem::path& file) {
@@ -98,4 +98,4 @@ TEST(TradeTools, TheSameBytesEveryTimeButForTheCost) {
 }
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::trade_geometry_test

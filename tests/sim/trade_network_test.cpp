@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <set>
 
-namespace feltwire {
+namespace feltwire::trade_network_test {
 namespace {
 
 TradeNetworkCell point(double kbit, double error, std::size_t link = 0) {
@@ -73,4 +73,4 @@ TEST(TradeNetwork, EveryRunIsTheSame) {
 }
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::trade_network_test

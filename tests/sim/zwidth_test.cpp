@@ -9,7 +9,7 @@
 #include <set>
 #include <sstream>
 
-namespace feltwire {
+namespace feltwire::zwidth_test {
 namespace {
 
 TEST(Methods, LabelsAreDistinctAndFound) {
@@ -109,4 +109,4 @@ TEST(ZWidth, WritesEveryCellAndTheSameBytesEveryTime) {
 }
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::zwidth_test

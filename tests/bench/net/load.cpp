@@ -17,7 +17,7 @@
 namespace feltwire::netbench {
 namespace {
 
-constexpr std::size_t kBatch = 64;
+constexpr std::size_t kAtOnce = 64;
 constexpr Nanoseconds kLate = std::chrono::milliseconds(1);
 constexpr Nanoseconds kLost = std::chrono::milliseconds(20);  // then a saturating client goes on
 constexpr std::uint64_t kLeftBehind = 100;  // samples since the newest answered one
@@ -75,9 +75,9 @@ struct Load::Clients {
   bool counting = false;
   Nanoseconds counted_from{0};
 
-  std::array<std::array<std::uint8_t, kMaxDatagram>, kBatch> out{}, in{};
-  std::array<iovec, kBatch> out_parts{}, in_parts{};
-  std::array<mmsghdr, kBatch> outgoing{}, incoming{};
+  std::array<std::array<std::uint8_t, kMaxDatagram>, kAtOnce> out{}, in{};
+  std::array<iovec, kAtOnce> out_parts{}, in_parts{};
+  std::array<mmsghdr, kAtOnce> outgoing{}, incoming{};
   std::size_t queued = 0;
 
   Clients(const Target& target, bool echo, const LoadOptions& wanted)
@@ -95,7 +95,7 @@ struct Load::Clients {
                      0});
       places.insert(target.sessions[i], static_cast<std::uint32_t>(i));
     }
-    for (std::size_t i = 0; i < kBatch; ++i) {
+    for (std::size_t i = 0; i < kAtOnce; ++i) {
       out_parts[i] = {out[i].data(), 0};
       in_parts[i] = {in[i].data(), kMaxDatagram};
       outgoing[i].msg_hdr.msg_iov = &out_parts[i];
@@ -114,7 +114,7 @@ struct Load::Clients {
     out_parts[queued].iov_len = bytes.size();
     result.sample_size = bytes.size();
     if (counting) ++result.sent;
-    if (++queued == kBatch) flush();
+    if (++queued == kAtOnce) flush();
   }
 
   void flush() {
@@ -130,7 +130,7 @@ struct Load::Clients {
   /// Takes what has come; gives each answered client to `then`.
   template <class Then>
   bool receive(int flags, Then then) {
-    const int count = ::recvmmsg(socket.file(), incoming.data(), kBatch, flags, nullptr);
+    const int count = ::recvmmsg(socket.file(), incoming.data(), kAtOnce, flags, nullptr);
     if (count <= 0) return false;
     const Nanoseconds arrival = now();
     for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
@@ -198,7 +198,7 @@ struct Load::Clients {
     Nanoseconds before = now();
     for (Nanoseconds time = before; time < until; before = time, time = now()) {
       if (counting) result.longest_pause = std::max(result.longest_pause, time - before);
-      for (std::size_t i = 0; i < kBatch && due(turn) <= time; ++i) queue(all[turn++ % count]);
+      for (std::size_t i = 0; i < kAtOnce && due(turn) <= time; ++i) queue(all[turn++ % count]);
       flush();
       receive(MSG_DONTWAIT, [](const Client&) {});
       if (flood) flood->burst();
