@@ -53,7 +53,8 @@ Foot nearest_on(const std::array<Vec3, 3>& c, const Vec3& p) {
 }
 
 double angle_at(const std::array<Vec3, 3>& c, std::size_t corner) {
-  const Vec3 a = c[corner_after(corner)] - c[corner], b = c[corner_after(corner_after(corner))] - c[corner];
+  const Vec3 a = c[corner_after(corner)] - c[corner],
+             b = c[corner_after(corner_after(corner))] - c[corner];
   return std::atan2(a.cross(b).norm(), a.dot(b));
 }
 

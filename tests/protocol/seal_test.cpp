@@ -17,8 +17,8 @@
 namespace feltwire::seal_test {
 namespace {
 
-using test::keys;
 using test::Generator;
+using test::keys;
 using Octets = std::vector<std::uint8_t>;
 
 constexpr std::uint64_t kSession = 0x0102030405060708;
