@@ -8,6 +8,7 @@
 #include <future>
 #include <stdexcept>
 
+#include "protocol/clock.hpp"
 #include "protocol/udp_socket.hpp"
 #include "server/listen_error.hpp"
 
@@ -22,11 +23,6 @@ constexpr unsigned kTurnsBetweenLooks = 32;
 constexpr std::size_t kReceiveSize = kMaxDatagram + sizeof(std::uint64_t);
 constexpr int kSocketBuffer =
     1 << 20;  // [bytes] a burst of some 5000 samples waits rather than is lost
-
-Nanoseconds monotonic_now() {
-  return std::chrono::duration_cast<Nanoseconds>(
-      std::chrono::steady_clock::now().time_since_epoch());
-}
 
 }  // namespace
 
