@@ -16,6 +16,13 @@
 namespace feltwire {
 namespace {
 
+/// Whether the same request would be refused again (PROTOCOL.md).
+bool lasting(control::RefusalCode code) {
+  using control::RefusalCode;
+  return code != RefusalCode::full && code != RefusalCode::too_many &&
+         code != RefusalCode::shutting_down;
+}
+
 /// One question and its answer. A connection of its own: joining is rare, and nothing of it
 /// outlives the answer.
 class Dialogue {
@@ -57,8 +64,11 @@ class Dialogue {
     stream_.read(body);
     std::optional<control::Message> answer = control::decode(body);
     if (!answer) bad_answer();
-    if (const auto* refused = std::get_if<control::Refused>(&*answer))
-      throw SessionError(server_ + " refused: " + refused->reason);
+    if (const auto* refused = std::get_if<control::Refused>(&*answer)) {
+      const std::string said = server_ + " refused: " + refused->reason;
+      if (lasting(refused->code)) throw LastingError(said);
+      throw SessionError(said);
+    }
     return *std::move(answer);
   }
 
@@ -121,7 +131,7 @@ Joined join(const ServerAccess& server, const control::JoinRequest& request,
     throw SessionError(name + ": the scene's port would be " + std::to_string(port) +
                        ", which is none; have the server listen on a lower port");
   if (accepted->suite == CipherSuite::aes_256_gcm && !wanted.aes_256_gcm)
-    throw SessionError(name + " chose a cipher that this machine does not have");
+    throw LastingError(name + " chose a cipher that this machine does not have");
   try {
     validate(accepted->parameters);
   } catch (const std::invalid_argument& error) {

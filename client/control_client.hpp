@@ -23,6 +23,14 @@ class SessionError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// One that asking again would not mend: the token, the role, the scene, the device or the
+/// parameters are refused, or one end's certificate is not good. What is full, limited or away may
+/// be there again.
+class LastingError : public SessionError {
+ public:
+  using SessionError::SessionError;
+};
+
 struct Endpoint {
   std::string host;  // a name, an IPv4 or an IPv6 address
   std::uint16_t port = 0;

@@ -58,7 +58,8 @@ Conversation::Arrival Conversation::take(Bytes datagram, Reply& reply,
     payload = opened.payload;
   }
   const bool is_reply = guarded.header.kind == DatagramKind::reply;
-  if (drop == DropReason::none) drop = is_reply ? decode(payload, reply) : decode(payload, reason);
+  if (drop == DropReason::none)
+    drop = is_reply ? decode(payload, reply, &view_) : decode(payload, reason);
   if (drop == DropReason::none) return is_reply ? Arrival::reply : Arrival::goodbye;
   ++dropped_[static_cast<std::size_t>(drop)];
   return Arrival::dropped;

@@ -7,6 +7,7 @@
 
 #include "client/sample_packer.hpp"
 #include "protocol/codec.hpp"
+#include "protocol/scene_view.hpp"
 #include "protocol/seal.hpp"
 
 namespace feltwire {
@@ -38,6 +39,10 @@ class Conversation {
   /// `reply` or `reason`, as the result says.
   Arrival take(Bytes datagram, Reply& reply, GoodbyeReason& reason) noexcept;
 
+  /// What the reply taken last had for an observer's eyes; null: nothing. Lives until the next
+  /// take().
+  const SceneView* view() const { return view_.present ? &view_ : nullptr; }
+
   const std::array<std::uint64_t, kDropReasons>& dropped() const { return dropped_; }
 
  private:
@@ -47,6 +52,7 @@ class Conversation {
   Sealer sealer_;  // of what goes
   Opener opener_;  // of what comes
   DatagramBuffer sealed_, opened_;
+  SceneView view_;
   std::array<std::uint64_t, kDropReasons> dropped_{};
 };
 

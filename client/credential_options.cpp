@@ -1,10 +1,13 @@
 #include "client/credential_options.hpp"
 
 #include <CLI/CLI.hpp>
+#include <cstdio>
 #include <cstdlib>
 #include <fstream>
 #include <iterator>
 #include <stdexcept>
+
+#include "protocol/private_file.hpp"
 
 namespace feltwire {
 namespace {
@@ -55,7 +58,12 @@ std::variant<Fingerprint, Authorities> trust(const CredentialWords& words) {
 }
 
 Secret token(const CredentialWords& words) {
-  if (!words.token_file.empty()) return read_secret(words.token_file, "--token-file", true);
+  if (!words.token_file.empty()) {
+    // Unlike a key it can be revoked, and containers are given such files: no more than a word.
+    if (const auto open = exposure(words.token_file))
+      std::fprintf(stderr, "feltwire-client: warning: --token-file: %s\n", open->c_str());
+    return read_secret(words.token_file, "--token-file", true);
+  }
   // Not as an option: every user of a machine can read the command lines of all.
   if (const char* text = std::getenv(kTokenVariable); text != nullptr && *text != '\0')
     return Secret(text);
@@ -93,6 +101,7 @@ Credentials credentials(const CredentialWords& words) {
   Credentials result{trust(words), {}, {}, token(words)};
   if (!words.certificate.empty()) {
     result.certificate = read_file(words.certificate, "--certificate");
+    if (const auto open = exposure(words.key)) throw std::invalid_argument("--key: " + *open);
     result.key = read_secret(words.key, "--key", false);
   }
   return result;

@@ -14,6 +14,7 @@
 
 #include "client/devices/replay.hpp"
 #include "client/encoder.hpp"
+#include "client/onlooker.hpp"
 #include "client/options.hpp"
 #include "client/rejoin.hpp"
 #include "client/report.hpp"
@@ -76,15 +77,22 @@ int list(const ServerAccess& server) {
   return 0;
 }
 
-/// Writes rows until writing fails, which is said once; the run goes on.
-class Recorder {
+/// What is written down while the run goes on. Writing that fails is said once.
+class Records {
  public:
-  explicit Recorder(const std::filesystem::path& path) : file_(path), rows_(kRecordRoom) {}
-  Ring<TickRecord>& rows() { return rows_; }
+  explicit Records(const ClientOptions& options) {
+    if (options.record) recording_ = std::make_unique<RecordingFile>(*options.record);
+    if (options.role == Role::observer) onlooker_ = std::make_unique<Onlooker>(options.view);
+  }
+  Ring<TickRecord>* rows() { return recording_ ? &rows_ : nullptr; }
+  Ring<TimedView>* views() { return onlooker_ ? &onlooker_->views() : nullptr; }
+  std::optional<SightCounts> sight() const {
+    return onlooker_ ? std::optional(onlooker_->counts()) : std::nullopt;
+  }
   void write() {
-    if (failed_) return;
     try {
-      file_.write(rows_);
+      if (recording_ && !failed_) recording_->write(rows_);
+      if (onlooker_ && !failed_) onlooker_->look();
     } catch (const std::runtime_error& error) {
       failed_ = true;
       std::fprintf(stderr, "feltwire-client: %s\n", error.what());
@@ -93,14 +101,15 @@ class Recorder {
   bool failed() const { return failed_; }
 
  private:
-  RecordingFile file_;
-  Ring<TickRecord> rows_;
+  std::unique_ptr<RecordingFile> recording_;
+  Ring<TickRecord> rows_{kRecordRoom};
+  std::unique_ptr<Onlooker> onlooker_;
   bool failed_ = false;
 };
 
 /// What the main thread does while the servo thread runs.
 void look_after(const Signals& signals, Event& stop, const Event& finished,
-                Ring<LiveStatus>& statuses, Recorder* recorder, Rejoiner& rejoiner) {
+                Ring<LiveStatus>& statuses, Records& records, Rejoiner& rejoiner) {
   StatusLine line;
   bool connected = true;
   std::array<pollfd, 2> waiting{
@@ -116,10 +125,12 @@ void look_after(const Signals& signals, Event& stop, const Event& finished,
     LiveStatus status;
     bool fresh = false;
     while (statuses.pop(status)) fresh = true;
-    if (fresh) line.show(status);
+    records.write();
+    const auto sight = records.sight();
+    if (fresh) line.show(status, sight ? text(*sight) : std::string());
     if (fresh) connected = status.connected;
     if (running) rejoiner.look(connected, Rejoiner::Clock::now());
-    if (recorder != nullptr) recorder->write();
+    if (!rejoiner.refusal().empty()) stop.set();
   }
   line.end();
 }
@@ -136,8 +147,10 @@ void warn_without_real_time(RealTime granted, bool wanted) {
                                        : "real-time scheduling and locking memory are");
 }
 
-/// What is left to say of a run; the exit code.
-int conclude(const ClientOptions& options, const Servo& servo, const LoopResult& result) {
+/// What is left to say of a run; the exit code. `refusal`: why it ended where another session was
+/// refused for good.
+int conclude(const ClientOptions& options, const Servo& servo, const LoopResult& result,
+             const std::string& refusal) {
   const ServoStatistics& s = servo.statistics();
   std::printf(
       "%.1f s, %llu samples, %llu datagrams lost, round trip p50 %.0f us p99 %.0f us, largest "
@@ -159,6 +172,9 @@ int conclude(const ClientOptions& options, const Servo& servo, const LoopResult&
     case EndReason::server_silent:
       std::fprintf(stderr, "feltwire-client: the server has fallen silent; is it still running?\n");
       return 1;
+    case EndReason::refused:
+      std::fprintf(stderr, "feltwire-client: %s\n", refusal.c_str());
+      return 1;
     case EndReason::failed:
       std::fprintf(stderr, "feltwire-client: the servo loop broke off: the system gave no timer\n");
       return 1;
@@ -172,17 +188,20 @@ int run(const ClientOptions& options) {
   // Whatever can go wrong on this side does so before the server is bothered.
   if (options.report) check_writable(*options.report);
   if (options.record) check_writable(*options.record);
+  if (options.view) check_writable(*options.view);
   std::unique_ptr<Device> device = make_device(options);
   const Signals signals;
 
-  const Joined joined =
-      join(options.server, {options.name, options.scene, device->spec(), options.parameters},
+  Joined joined =
+      join(options.server,
+           {options.name, options.scene, device->spec(), options.parameters, options.role},
            kControlTimeout);
   Transport transport(
       {joined.datagrams, joined.accepted.session, joined.keys}, joined.accepted.parameters,
       device->spec().rotation_sensed > 0,
       options.link ? std::make_unique<TwoWayLink>(*options.link, 0, kLinkRoom) : nullptr,
       {device->spec().position_resolution, joined.accepted.stiffness}, options.dscp);
+  joined.keys = {};  // the transport has what is still needed of them
   // From here on the server knows of us: whatever fails, it is told.
   try {
     if (const auto* task = std::get_if<HandTask>(&options.device))
@@ -190,14 +209,14 @@ int run(const ClientOptions& options) {
     Servo servo(device->spec(), joined.accepted.parameters, options.servo);
     if (const auto warning = encoder_warning(device->spec(), joined.accepted.stiffness))
       std::fprintf(stderr, "feltwire-client: warning: %s\n", warning->c_str());
-    std::unique_ptr<Recorder> recorder;
-    if (options.record) recorder = std::make_unique<Recorder>(*options.record);
+    Records records(options);
 
     constexpr std::size_t kSessionRoom = 4;
     Ring<SessionAddress> sessions(kSessionRoom);
-    Rejoiner rejoiner(options.server,
-                      {options.name, options.scene, device->spec(), joined.accepted.parameters},
-                      sessions);
+    Rejoiner rejoiner(
+        options.server,
+        {options.name, options.scene, device->spec(), joined.accepted.parameters, options.role},
+        sessions);
     const LoopOptions loop{.duration = from_seconds(options.duration),
                            .silence_timeout = from_seconds(joined.accepted.silence_timeout),
                            .patience = from_seconds(options.patience),
@@ -207,8 +226,8 @@ int run(const ClientOptions& options) {
         !never_sleeps(loop.busy_poll, from_seconds(joined.accepted.parameters.servo_period));
     constexpr std::size_t kStatusRoom = 16;
     Ring<LiveStatus> statuses(kStatusRoom);
-    const LoopOutputs outputs{.status = &statuses,
-                              .record = recorder ? &recorder->rows() : nullptr};
+    const LoopOutputs outputs{
+        .status = &statuses, .record = records.rows(), .views = records.views()};
     Event stop, finished;
     const auto result = std::make_unique<LoopResult>();
     std::promise<RealTime> granted;
@@ -219,17 +238,18 @@ int run(const ClientOptions& options) {
     });
     const RealTime real_time = granted.get_future().get();
     warn_without_real_time(real_time, may_sleep);
-    look_after(signals, stop, finished, statuses, recorder.get(), rejoiner);
+    look_after(signals, stop, finished, statuses, records, rejoiner);
     thread.join();
+    if (!rejoiner.refusal().empty()) result->end = EndReason::refused;
 
     if (options.report)
       write_whole(*options.report,
                   report_json({options.name, options.scene, to_string(options.server.endpoint),
                                options.device_kind, real_time, joined.accepted.stiffness,
-                               options.busy_poll},
+                               options.busy_poll, records.sight()},
                               servo, transport.statistics(), *result, transport.link()));
-    const int code = conclude(options, servo, *result);
-    return recorder && recorder->failed() ? 1 : code;
+    const int code = conclude(options, servo, *result, rejoiner.refusal());
+    return records.failed() ? 1 : code;
   } catch (...) {
     transport.goodbye();
     throw;

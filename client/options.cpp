@@ -42,7 +42,7 @@ struct Words {
   double position_deadband_percent = 0.0, force_deadband_percent = 0.0;
   std::optional<std::array<double, 3>> center, normal;
   std::optional<double> wait_for_small_force, ramp_up, velocity_limit;
-  std::string report, record, link, profile, dscp = "cs0";
+  std::string report, record, view, link, profile, dscp = "cs0", role = "operator";
   CredentialWords credentials;
 };
 
@@ -86,18 +86,26 @@ void begin_with(const NetworkProfile& line, Words& words, SessionParameters& par
   words.predictor = name(parameters.predictor);
 }
 
+/// [Hz] of datagrams to the server, if not one a tick. Who only looks does so at the rate of
+/// pictures, unless told otherwise.
+std::optional<double> packet_rate(const Words& words, Role role) {
+  constexpr double kPictures = 100.0;
+  const bool usual = !words.packet_rate && words.profile.empty();
+  return usual && role == Role::observer ? std::min(kPictures, words.rate) : words.packet_rate;
+}
+
 /// How often what travels. Throws std::invalid_argument.
-void choose_traffic(const Words& words, SessionParameters& parameters) {
+void choose_traffic(const Words& words, std::optional<double> rate, SessionParameters& parameters) {
   constexpr double kPercent = 0.01;
   parameters.position_deadband = kPercent * words.position_deadband_percent;
   parameters.force_deadband = kPercent * words.force_deadband_percent;
   parameters.predictor = predictor(words.predictor);
-  if (!words.packet_rate) return;
-  require(*words.packet_rate > 0.0 && *words.packet_rate <= words.rate,
+  if (!rate) return;
+  require(*rate > 0.0 && *rate <= words.rate,
           "--packet-rate must be above 0 Hz and at most --rate");
   // Never more often than was asked for; 1000 / 333.4 is three ticks for whoever rounded it.
   constexpr double kRounded = 1e-3;
-  const double ticks = std::ceil(words.rate / *words.packet_rate - kRounded);
+  const double ticks = std::ceil(words.rate / *rate - kRounded);
   require(ticks <= kMaxPacketInterval, "--packet-rate must be at least --rate / 1000");
   parameters.packet_interval = std::max(1, static_cast<int>(ticks));
 }
@@ -116,6 +124,10 @@ void understand(const Words& words, HandTask task, ClientOptions& options) {
   require(possible_busy_poll(options.busy_poll),
           "--busy-poll must be from 0 to 1e6 us, or inf: never sleep");
 
+  options.role = role(words.role);
+  require(options.role != Role::admin, "--role must be operator or observer");
+  require(words.view.empty() || options.role == Role::observer,
+          "--view is of observers; give --role observer, too");
   options.parameters.mode = bounding_mode(words.mode);
   options.parameters.projection = projection(words.projection);
   options.parameters.storage = storage(words.storage);
@@ -125,7 +137,7 @@ void understand(const Words& words, HandTask task, ClientOptions& options) {
   else if (moves_probe(options.parameters.mode))
     options.parameters.side = BoundingSide::server;
   options.parameters.servo_period = period_of(words);
-  choose_traffic(words, options.parameters);
+  choose_traffic(words, packet_rate(words, options.role), options.parameters);
   validate(options.parameters);
   choose_safety(words, options);
   validate(options.servo, options.parameters);
@@ -148,6 +160,7 @@ void understand(const Words& words, HandTask task, ClientOptions& options) {
   }
   if (!words.report.empty()) options.report = words.report;
   if (!words.record.empty()) options.record = words.record;
+  if (!words.view.empty()) options.view = words.view;
   options.dscp = dscp(words.dscp);
   if (!words.link.empty()) options.link = parse_link(words.link);
 }
@@ -171,6 +184,10 @@ std::variant<ClientOptions, int> parse_options(int argc, char** argv) {
   add_credential_options(app, words.credentials);
   app.add_flag("--list", options.list, "List the server's scenes and end");
   app.add_option("--scene", words.scene, "Name of the scene to join");
+  app.add_option("--role", words.role,
+                 "operator, or observer: feels nothing, moves nothing and is shown the scene; what "
+                 "the token is for")
+      ->capture_default_str();
   app.add_option("--device", words.device,
                  "simulated, or replay:FILE.csv (columns t,x,y,z and optionally qw,qx,qy,qz)")
       ->capture_default_str();
@@ -180,6 +197,8 @@ std::variant<ClientOptions, int> parse_options(int argc, char** argv) {
   app.add_option("--report", words.report,
                  "FILE.json that gets the run's numbers (docs/devices.md)");
   app.add_option("--record", words.record, "FILE.csv that gets every tick");
+  app.add_option("--view", words.view,
+                 "FILE.csv that gets what an observer sees (docs/devices.md)");
   app.add_option("--link", words.link,
                  "Try a bad network: a profile, e.g. wifi, or e.g. delay=25,jitter=5,loss=10 (see "
                  "below)");

@@ -22,6 +22,7 @@ struct ClientOptions {
   bool list = false;  // list the scenes, nothing else
   std::string name = "feltwire-client";
   std::string scene;
+  Role role = Role::operator_;                      // or observer
   std::string device_kind;                          // as given
   std::variant<HandTask, ReplayFile> device;        // simulated hand, or a recording
   bool center_given = false, normal_given = false;  // else they are the scene's to say
@@ -31,7 +32,7 @@ struct ClientOptions {
   double duration = 0.0;   // [s] 0: until stopped
   double busy_poll = 0.0;  // [us] for replies and deadlines, infinity: for ever
   double patience = 30.0;  // [s] to find a lost session again, 0: not at all
-  std::optional<std::filesystem::path> report, record;
+  std::optional<std::filesystem::path> report, record, view;
   int dscp = 0;                           // of the datagrams
   std::optional<TwoWayLinkOptions> link;  // emulated, between this client and its socket
 };

@@ -1,9 +1,10 @@
 #pragma once
 // What happened at each tick, as a CSV file that stays readable however the run ends.
 
+#include <cstdint>
 #include <filesystem>
-#include <string>
 
+#include "client/line_file.hpp"
 #include "client/ring.hpp"
 #include "core/types.hpp"
 
@@ -25,9 +26,6 @@ class RecordingFile {
   /// Creates or replaces the file and writes the header. Throws std::runtime_error naming the file
   /// and the reason.
   explicit RecordingFile(const std::filesystem::path& file);
-  ~RecordingFile();
-  RecordingFile(const RecordingFile&) = delete;
-  RecordingFile& operator=(const RecordingFile&) = delete;
 
   /// Writes all rows that wait. Throws std::runtime_error when the system takes no more (a full
   /// disk, say).
@@ -36,11 +34,7 @@ class RecordingFile {
   std::uint64_t rows() const { return rows_; }
 
  private:
-  void put_out();
-
-  std::filesystem::path file_;
-  int descriptor_ = -1;
-  std::string lines_;
+  LineFile file_;
   std::uint64_t rows_ = 0;
 };
 

@@ -6,22 +6,22 @@
 #include <utility>
 
 namespace feltwire {
-namespace {
 
-std::optional<SessionAddress> attempt(const ServerAccess& server,
-                                      const control::JoinRequest& request,
-                                      std::chrono::milliseconds timeout) {
+Rejoiner::Attempt Rejoiner::attempt(const ServerAccess& server, const control::JoinRequest& request,
+                                    std::chrono::milliseconds timeout) {
   try {
     const Joined joined = join(server, request, timeout);
-    // The servo's bound stands on these.
-    if (!(joined.accepted.parameters == request.parameters)) return std::nullopt;
-    return SessionAddress{joined.datagrams, joined.accepted.session, joined.keys};
+    if (joined.accepted.parameters == request.parameters)
+      return {SessionAddress{joined.datagrams, joined.accepted.session, joined.keys}, {}};
+    return {std::nullopt, to_string(server.endpoint) +
+                              " now grants other parameters than those that this session's bound "
+                              "stands on; start anew"};
+  } catch (const LastingError& error) {
+    return {std::nullopt, error.what()};
   } catch (const SessionError&) {
-    return std::nullopt;  // not there yet, or full: the next attempt may do better
+    return {};
   }
 }
-
-}  // namespace
 
 Rejoiner::Rejoiner(ServerAccess server, control::JoinRequest request, Ring<SessionAddress>& out,
                    const RejoinOptions& options)
@@ -34,9 +34,11 @@ Rejoiner::Rejoiner(ServerAccess server, control::JoinRequest request, Ring<Sessi
 void Rejoiner::look(bool connected, Clock::time_point now) {
   if (attempt_.valid()) {
     if (attempt_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return;
-    const std::optional<SessionAddress> session = attempt_.get();
+    const Attempt done = attempt_.get();
+    // A session that has been found again meanwhile goes on for as long as it does.
+    if (!connected) refusal_ = done.refusal;
     // Also when the old session answers again meanwhile: two would stand at the server else.
-    handed_over_ = session && out_.push(*session);
+    handed_over_ = done.session && out_.push(*done.session);
     handed_over_at_ = now;
     next_ = now + wait_;
     wait_ = std::min(2 * wait_, options_.longest_wait);
@@ -47,11 +49,11 @@ void Rejoiner::look(bool connected, Clock::time_point now) {
     wait_ = options_.first_wait;
     return;
   }
-  if (now < next_) return;
+  if (now < next_ || !refusal_.empty()) return;
   // What was handed over may be lost again before it ever answered.
   if (handed_over_ && now < handed_over_at_ + options_.longest_wait) return;
   ++attempts_;
-  std::packaged_task<std::optional<SessionAddress>()> task(
+  std::packaged_task<Attempt()> task(
       [server = server_, request = request_, timeout = options_.timeout] {
         return attempt(server, request, timeout);
       });

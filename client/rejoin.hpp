@@ -4,6 +4,7 @@
 #include <chrono>
 #include <future>
 #include <optional>
+#include <string>
 
 #include "client/control_client.hpp"
 #include "client/ring.hpp"
@@ -32,6 +33,9 @@ class Rejoiner {
   /// Call now and then: `connected` is what the loop says of its session.
   void look(bool connected, Clock::time_point now);
 
+  /// Why there will be no other session, in one line: asking again would not mend it, and nothing
+  /// more is asked. Empty while there may be one.
+  const std::string& refusal() const { return refusal_; }
   std::uint64_t attempts() const { return attempts_; }
 
  private:
@@ -39,7 +43,16 @@ class Rejoiner {
   control::JoinRequest request_;
   Ring<SessionAddress>& out_;
   RejoinOptions options_;
-  std::future<std::optional<SessionAddress>> attempt_;
+  /// What an attempt came to.
+  struct Attempt {
+    std::optional<SessionAddress> session;  // none: not there yet, or full; the next may do better
+    std::string refusal;                    // or it will not
+  };
+  static Attempt attempt(const ServerAccess& server, const control::JoinRequest& request,
+                         std::chrono::milliseconds timeout);
+
+  std::future<Attempt> attempt_;
+  std::string refusal_;
   bool handed_over_ = false;  // the loop has not said yet that it took the new session
   Clock::time_point next_{}, handed_over_at_{};
   std::chrono::milliseconds wait_;

@@ -164,6 +164,13 @@ Json clock(const ClockEstimate& c, Nanoseconds now) {
           {"impossible", c.impossible()}};
 }
 
+Json sight(const std::optional<SightCounts>& seen, const LoopResult& loop) {
+  if (!seen) return nullptr;
+  return {{"views", seen->views},           {"views_dropped", loop.views_dropped},
+          {"hands", seen->hands},           {"bodies", seen->bodies},
+          {"most_hands", seen->most_hands}, {"most_bodies", seen->most_bodies}};
+}
+
 const char* name_of(GoodbyeReason reason) {
   switch (reason) {
     case GoodbyeReason::leaving:
@@ -317,6 +324,8 @@ std::string report_json(const RunDescription& run, const Servo& servo,
       {"safety", safety(servo.options().safety)},
       {"encoder", encoder(servo.spec(), run.scene_stiffness)},
       {"local_model", local_model(servo)},
+      {"role", run.sight ? name(Role::observer) : name(Role::operator_)},
+      {"view", sight(run.sight, loop)},
       {"server_last_reply", server(servo)},
   };
   if (loop.end == EndReason::server_goodbye) report["goodbye_reason"] = name_of(loop.goodbye);

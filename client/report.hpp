@@ -2,9 +2,11 @@
 // The report of a run: JSON, every key with unit and meaning in docs/devices.md.
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 
+#include "client/onlooker.hpp"
 #include "client/servo.hpp"
 #include "client/servo_loop.hpp"
 #include "client/transport.hpp"
@@ -18,6 +20,7 @@ struct RunDescription {
   RealTime real_time;
   double scene_stiffness = 0.0;  // [N/m] of the stiffest surface; 0: the server did not say
   double busy_poll = 0.0;        // [us] asked for; infinity: never asleep
+  std::optional<SightCounts> sight = std::nullopt;  // of an observer
 };
 
 /// The report's text. Every number in it is finite; what there is no number for is null. `link`:

@@ -3,6 +3,7 @@
 #include <atomic>
 #include <bit>
 #include <cstddef>
+#include <type_traits>
 #include <vector>
 
 namespace feltwire {
@@ -28,7 +29,10 @@ class Ring {
   bool pop(T& value) noexcept {
     const std::size_t read = read_.load(std::memory_order_relaxed);
     if (written_.load(std::memory_order_acquire) == read) return false;
-    value = values_[read & (values_.size() - 1)];
+    T& slot = values_[read & (values_.size() - 1)];
+    value = slot;
+    // What wipes itself at its end (keys) is not left behind for a later one to overwrite.
+    if constexpr (!std::is_trivially_destructible_v<T>) slot = T{};
     read_.store(read + 1, std::memory_order_release);
     return true;
   }

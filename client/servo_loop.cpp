@@ -16,6 +16,7 @@
 #include <system_error>
 
 #include "core/numeric.hpp"
+#include "protocol/clock.hpp"
 
 namespace feltwire {
 namespace {
@@ -27,13 +28,6 @@ constexpr Nanoseconds kFarewell =
     std::chrono::milliseconds(100);  // for replies that are on their way
 constexpr int kRepliesAtOnce =
     64;  // then the deadline is looked at again, whatever the network brings
-
-/// Read once a wake-up; everything else is told the time.
-Nanoseconds monotonic_now() noexcept {
-  timespec time;
-  clock_gettime(CLOCK_MONOTONIC, &time);
-  return std::chrono::seconds(time.tv_sec) + Nanoseconds(time.tv_nsec);
-}
 
 timespec to_timespec(Nanoseconds time) noexcept {
   const auto whole = std::chrono::duration_cast<std::chrono::seconds>(time);
@@ -111,10 +105,13 @@ class Loop {
   int wait(std::size_t count) noexcept {
     const auto due = transport_.next_due();
     while (true) {
-      const int ready = ::poll(waiting_.data(), count, 0);
       const Nanoseconds now = monotonic_now();
-      if (ready != 0 || now >= deadlines_.next() || (due && *due <= now)) return ready;
-      if (looks_busily(now)) continue;
+      const bool late = now >= deadlines_.next() || (due && *due <= now);
+      if (late || looks_busily(now)) {
+        const int ready = ::poll(waiting_.data(), count, 0);
+        if (late || ready != 0) return ready;
+        continue;
+      }
       Nanoseconds wake = deadlines_.next() - std::max(options_.busy_poll, deadlines_.lead());
       if (due) wake = std::min(wake, *due);
       const timespec left = to_timespec(std::max(wake - now, Nanoseconds(0)));
@@ -222,8 +219,16 @@ class Loop {
         return;
       }
       // What answers nothing newer is no sign that the session goes on.
-      if (servo_.take(reply_, now)) last_heard_ = now;
+      if (!servo_.take(reply_, now)) continue;
+      last_heard_ = now;
+      if (outputs_.views != nullptr) show(now);
     }
+  }
+
+  void show(Nanoseconds now) noexcept {
+    const SceneView* view = transport_.view();
+    if (view != nullptr && !outputs_.views->push({seconds(now - first_tick_), *view}))
+      ++result_.views_dropped;
   }
 
   /// Tick by tick until the force has faded.
@@ -340,6 +345,8 @@ std::string_view name(EndReason reason) {
       return "server_goodbye";
     case EndReason::server_silent:
       return "server_silent";
+    case EndReason::refused:
+      return "refused";
     case EndReason::failed:
       break;
   }

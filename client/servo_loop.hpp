@@ -34,7 +34,8 @@ enum class EndReason : std::uint8_t {
   requested,       // stop was set
   server_goodbye,  // the server ended the session
   server_silent,   // nothing came for the session's silence timeout
-  failed           // a system call that cannot fail did
+  refused,  // the session was lost and another one is refused for good (never the loop's own)
+  failed    // a system call that cannot fail did
 };
 std::string_view name(EndReason reason);
 
@@ -66,11 +67,18 @@ struct LiveStatus {
   bool connected = true;                              // the session is not lost
 };
 
+/// What an observer was shown, and when.
+struct TimedView {
+  double time = 0.0;  // [s] since the first tick
+  SceneView view;
+};
+
 /// Where the thread puts what others may want; null: nowhere. Full rings lose what comes, and count
 /// it.
 struct LoopOutputs {
   Ring<LiveStatus>* status = nullptr;
   Ring<TickRecord>* record = nullptr;
+  Ring<TimedView>* views = nullptr;  // of an observer (client/seen_scene.hpp)
 };
 
 struct LoopResult {
@@ -80,6 +88,7 @@ struct LoopResult {
   std::uint64_t overruns = 0;                      // ticks that came a whole period late or more
   std::uint64_t missed_deadlines = 0;              // that these passed over
   std::uint64_t records_dropped = 0;               // rows that found the ring full
+  std::uint64_t views_dropped = 0;                 // views likewise
   std::uint64_t disconnections = 0;                // times the session was lost
   std::uint64_t reconnections = 0;                 // times it, or a new one, went on
   double disconnected = 0.0;                       // [s] altogether

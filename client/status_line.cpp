@@ -52,11 +52,11 @@ std::string text(const LiveStatus& s, const LiveStatus& before) {
 
 StatusLine::StatusLine() : terminal_(::isatty(STDERR_FILENO) == 1) {}
 
-void StatusLine::show(const LiveStatus& status) {
+void StatusLine::show(const LiveStatus& status, std::string_view more) {
   constexpr double kEvery = 1.0;  // [s] where lines pile up
   if (!terminal_ && shown_ >= 0.0 && status.time - shown_ < kEvery) return;
-  std::fprintf(stderr, "%s%s%s", terminal_ ? "\r" : "", text(status, before_).c_str(),
-               terminal_ ? "\x1b[K" : "\n");
+  const std::string line = text(status, before_).append(more);
+  std::fprintf(stderr, "%s%s%s", terminal_ ? "\r" : "", line.c_str(), terminal_ ? "\x1b[K" : "\n");
   std::fflush(stderr);
   open_ = terminal_;
   shown_ = status.time;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 
 #include "client/servo_loop.hpp"
 
@@ -16,7 +17,8 @@ std::string text(const LiveStatus& status, const LiveStatus& before);
 class StatusLine {
  public:
   StatusLine();
-  void show(const LiveStatus& status);
+  /// `more` stands at its end.
+  void show(const LiveStatus& status, std::string_view more = {});
   /// Leaves the line standing; what is printed next begins a new one.
   void end();
 

@@ -44,10 +44,30 @@ asio::ssl::context client_context(const Credentials& credentials, TlsStream::Pin
       tls.use_private_key(asio::buffer(key.data(), key.size()), asio::ssl::context::pem);
     }
   } catch (const std::exception& error) {
-    throw SessionError(std::string("the certificates that were given cannot be used: ") +
+    throw LastingError(std::string("the certificates that were given cannot be used: ") +
                        error.what() + "; see --ca, --certificate and --key");
   }
   return tls;
+}
+
+/// Throws where the server has said that this client's certificate is none for it.
+void fail_for_own_certificate(const std::string& server, int reason) {
+  switch (reason) {
+    case SSL_R_TLSV13_ALERT_CERTIFICATE_REQUIRED:
+      throw LastingError(server +
+                         " asks its clients for a certificate; give --certificate and --key");
+    case SSL_R_TLSV1_ALERT_UNKNOWN_CA:
+    case SSL_R_SSLV3_ALERT_BAD_CERTIFICATE:
+    case SSL_R_SSLV3_ALERT_UNSUPPORTED_CERTIFICATE:
+    case SSL_R_SSLV3_ALERT_CERTIFICATE_EXPIRED:
+    case SSL_R_SSLV3_ALERT_CERTIFICATE_REVOKED:
+    case SSL_R_SSLV3_ALERT_CERTIFICATE_UNKNOWN:
+      throw LastingError(server +
+                         " does not take the certificate in --certificate; have one made by an "
+                         "authority that it knows, and see that it has not expired");
+    default:
+      return;
+  }
 }
 
 /// Has the certificate be for this host, and no partial wildcards.
@@ -58,7 +78,7 @@ void expect_host(SSL* connection, const std::string& host) {
   asio::ip::make_address(host, no_address);
   const int set = no_address ? X509_VERIFY_PARAM_set1_host(parameters, host.c_str(), host.size())
                              : X509_VERIFY_PARAM_set1_ip_asc(parameters, host.c_str());
-  if (set != 1) throw SessionError("no certificate can be for a host called '" + host + "'");
+  if (set != 1) throw LastingError("no certificate can be for a host called '" + host + "'");
 }
 
 }  // namespace
@@ -106,12 +126,12 @@ void TlsStream::handshake(const ServerAccess& server) {
     const long verdict = SSL_get_verify_result(connection);
     if (verdict == X509_V_OK) throw;
     if (pins)
-      throw SessionError(
+      throw LastingError(
           server_ + " is not the server whose fingerprint was given: its certificate's is " +
           (pin_.seen ? to_string(*pin_.seen) : "none") +
           "; if it has a new certificate ask its owner for the fingerprint, else somebody stands "
           "in between");
-    throw SessionError(server_ + " cannot be trusted: " + X509_verify_cert_error_string(verdict) +
+    throw LastingError(server_ + " cannot be trusted: " + X509_verify_cert_error_string(verdict) +
                        "; check --ca, and that the certificate is for the host in --connect");
   }
 }
@@ -158,11 +178,8 @@ void TlsStream::await(Start start, const std::string& what, const std::string& r
   }
   if (!result) return;
   // In TLS 1.3 a server judges the client's certificate when the client has long been done.
-  if (result.category() == asio::error::get_ssl_category() &&
-      ERR_GET_REASON(static_cast<unsigned long>(result.value())) ==
-          SSL_R_TLSV13_ALERT_CERTIFICATE_REQUIRED)
-    throw SessionError(server_ +
-                       " asks its clients for a certificate; give --certificate and --key");
+  if (result.category() == asio::error::get_ssl_category())
+    fail_for_own_certificate(server_, ERR_GET_REASON(static_cast<unsigned long>(result.value())));
   throw SessionError(what + server_ + ": " + result.message() + remedy);
 }
 

@@ -77,6 +77,10 @@ class Transport {
   Arrival receive(Reply& reply, GoodbyeReason& reason) noexcept;
   static constexpr int kBurst = 64;
 
+  /// What the reply received last had for an observer's eyes; null: nothing. Lives until the next
+  /// receive().
+  const SceneView* view() const { return conversation_.view(); }
+
   /// Tells the server that this client leaves; three times, as no answer comes, and past the link,
   /// as nobody may be there to wait for what it holds.
   void goodbye() noexcept;

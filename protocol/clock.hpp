@@ -1,5 +1,4 @@
 #pragma once
-// The clock of those who wait; whatever computes is told the time.
 
 #include <chrono>
 
@@ -7,7 +6,8 @@
 
 namespace feltwire {
 
-/// Time of a clock that never goes back; it counts from anywhere.
+/// This machine's monotonic clock (CLOCK_MONOTONIC), for the programs' outermost loops: read once a
+/// wake-up, everything else is told the time.
 inline Nanoseconds monotonic_now() noexcept {
   return std::chrono::duration_cast<Nanoseconds>(
       std::chrono::steady_clock::now().time_since_epoch());

@@ -6,7 +6,7 @@
 
 #include "flatbuffers/flatbuffers.h"
 #include "protocol/aligned_vector.hpp"
-#include "protocol/schema/datagram_generated.h"
+#include "protocol/view_codec.hpp"
 
 namespace feltwire {
 namespace {
@@ -18,16 +18,6 @@ constexpr std::size_t kSmallestBuffer = 8;  // [bytes] a root offset and an empt
 constexpr std::uint32_t kFlagActive = 1u << 0, kFlagSaturated = 1u << 1, kFlagRefused = 1u << 2,
                         kFlagGap = 1u << 3;
 constexpr std::uint8_t kFlagTouching = 1u << 0, kFlagSlipping = 1u << 1, kFlagJoined = 1u << 2;
-
-wire::Vec3d wire_double(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
-wire::Vec3f wire_float(const Vec3& v) {
-  return {static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z())};
-}
-wire::Quatd wire_quaternion(const Quaternion& q) { return {q.w(), q.x(), q.y(), q.z()}; }
-
-Vec3 value(const wire::Vec3d& v) { return {v.x(), v.y(), v.z()}; }
-Vec3 value(const wire::Vec3f& v) { return {v.x(), v.y(), v.z()}; }
-Quaternion value(const wire::Quatd& q) { return {q.w(), q.x(), q.y(), q.z()}; }
 
 wire::Patch wire_patch(const SurfacePatch& p, const Vec3& center) {
   const auto flags = (p.touching ? kFlagTouching : 0) | (p.slipping ? kFlagSlipping : 0) |
@@ -139,7 +129,8 @@ bool read(const wire::LocalModel& from, LocalModel& to) {
 }  // namespace
 
 struct Encoder::Builder {
-  flatbuffers::FlatBufferBuilder payload{kMaxDatagram};
+  // What is being built stands there twice: the fields of a table wait at the buffer's other end.
+  flatbuffers::FlatBufferBuilder payload{2 * kMaxDatagram};
 
   /// For the next one; keeps its buffer.
   flatbuffers::FlatBufferBuilder& begin() {
@@ -180,7 +171,7 @@ Bytes Encoder::samples(const SampleBatch& batch) {
     const Sample& s = batch.samples[i];
     samples[i] = {s.index, s.client_time.count(), wire_double(s.pose.position),
                   wire_float(s.held.elastic), wire_float(s.held.frictional)};
-    rotations[i] = {wire_quaternion(s.pose.orientation), wire_float(s.held.torque)};
+    rotations[i] = {wire_double(s.pose.orientation), wire_float(s.held.torque)};
   }
   auto& builder = builder_->begin();
   const auto wire_samples = builder.CreateVectorOfStructs(samples.data(), count);
@@ -191,7 +182,7 @@ Bytes Encoder::samples(const SampleBatch& batch) {
       wire::CreateSamples(builder, wire_samples, wire_rotations, batch.previous));
 }
 
-Bytes Encoder::reply(const Reply& reply) {
+Bytes Encoder::reply(const Reply& reply, const SceneView* view) {
   const wire::Vec3d elastic = wire_double(reply.command.elastic);
   const wire::Vec3d frictional = wire_double(reply.command.frictional);
   const wire::Vec3d torque = wire_double(reply.command.torque);
@@ -206,10 +197,12 @@ Bytes Encoder::reply(const Reply& reply) {
   auto& builder = builder_->begin();
   const auto model =
       reply.modelled ? build(builder, reply.model) : flatbuffers::Offset<wire::LocalModel>{};
+  const auto seen =
+      view != nullptr ? build(builder, *view) : flatbuffers::Offset<wire::SceneView>{};
   return builder_->finish(wire::CreateReply(
       builder, reply.sample_index, reply.client_time.count(), reply.server_receive_time.count(),
       reply.server_send_time.count(), &elastic, &frictional, reply.rotation ? &torque : nullptr,
-      &report, reply.withheld, reply.predicted ? &rates : nullptr, model));
+      &report, reply.withheld, reply.predicted ? &rates : nullptr, model, seen));
 }
 
 Bytes Encoder::goodbye(GoodbyeReason reason) {
@@ -265,7 +258,20 @@ DropReason check(const SampleBatch& batch) noexcept {
   return DropReason::none;
 }
 
-DropReason decode(Bytes payload, Reply& out) noexcept {
+namespace {
+
+/// A view that nobody wants has to be one, too.
+DropReason read_view(const wire::SceneView* from, SceneView* view) noexcept {
+  if (view != nullptr) view->present = false;
+  if (from == nullptr) return DropReason::none;
+  if (view != nullptr) return read(*from, *view);
+  SceneView unwanted;
+  return read(*from, unwanted);
+}
+
+}  // namespace
+
+DropReason decode(Bytes payload, Reply& out, SceneView* view) noexcept {
   const Aligned bytes(payload);
   const auto* root = bytes.root<wire::Reply>();
   if (root == nullptr) return DropReason::malformed;
@@ -294,8 +300,11 @@ DropReason decode(Bytes payload, Reply& out) noexcept {
     out.rates = {value(rates->elastic()), value(rates->frictional()), value(rates->torque())};
   out.modelled = root->model() != nullptr;
   if (out.modelled && !read(*root->model(), out.model)) return DropReason::count;
+  const DropReason seen = read_view(root->view(), view);
+  if (seen == DropReason::count) return seen;
 
   if (out.sample_index == 0) return DropReason::order;
+  if (seen != DropReason::none) return seen;
   if (!out.command.finite() || !std::isfinite(out.ratio) || !std::isfinite(out.delivered.elastic) ||
       !std::isfinite(out.delivered.frictional) || !std::isfinite(out.delivered.torque) ||
       !out.rates.finite() || (out.modelled && !plausible(out.model)))

@@ -8,6 +8,8 @@
 
 namespace feltwire {
 
+struct SceneView;
+
 /// Builds payloads, to be sealed (protocol/seal.hpp). After the first of each kind it does not
 /// allocate. The bytes returned live until the next call.
 class Encoder {
@@ -18,7 +20,8 @@ class Encoder {
   Encoder& operator=(Encoder&&) noexcept;
 
   Bytes samples(const SampleBatch& batch);
-  Bytes reply(const Reply& reply);
+  /// With a `view` for an observer, whose replies have no model.
+  Bytes reply(const Reply& reply, const SceneView* view = nullptr);
   Bytes goodbye(GoodbyeReason reason);
 
  private:
@@ -28,7 +31,8 @@ class Encoder {
 
 /// A payload that was opened. On anything but DropReason::none `out` is unspecified.
 DropReason decode(Bytes payload, SampleBatch& out) noexcept;
-DropReason decode(Bytes payload, Reply& out) noexcept;
+/// What the reply has for an observer goes to `view`, if that is not null.
+DropReason decode(Bytes payload, Reply& out, SceneView* view = nullptr) noexcept;
 DropReason decode(Bytes payload, GoodbyeReason& out) noexcept;
 
 /// The checks of PROTOCOL.md that a batch must pass whoever made it: count, order, not_finite.

@@ -7,8 +7,8 @@
 
 namespace feltwire {
 
-/// Each may what those before it may: an observer sees and feels nothing back, an operator acts, an
-/// admin lists and evicts sessions and reloads scenes.
+/// Each may what those before it may: an observer is shown the scene, feels nothing and moves
+/// nothing, an operator acts, an admin lists and evicts sessions and reloads scenes.
 enum class Role : std::uint8_t { observer, operator_, admin };
 
 inline constexpr std::array<std::string_view, 3> kRoleNames = {"observer", "operator", "admin"};

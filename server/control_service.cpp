@@ -6,6 +6,7 @@
 
 #include "protocol/clock.hpp"
 #include "protocol/tls.hpp"
+#include "server/scene_sessions.hpp"
 
 namespace feltwire {
 namespace {
@@ -27,11 +28,6 @@ std::string printable(std::string name) {
 
 CalendarTime calendar_now() {
   return std::chrono::floor<std::chrono::seconds>(std::chrono::system_clock::now());
-}
-
-Refused no_such_session(std::uint64_t session) {
-  return {RefusalCode::unknown_session,
-          "there is no session " + std::to_string(session) + " here; it may have ended by silence"};
 }
 
 }  // namespace
@@ -166,7 +162,7 @@ void ControlService::pass_on(Asked asked, std::uint64_t session, control::Messag
   const auto found = seated_.find(session);
   const bool may = found != seated_.end() &&
                    (found->second.token == asked.token.id || covers(asked.token.role, Role::admin));
-  if (!may) return asked.answer(no_such_session(session));
+  if (!may) return asked.answer(unknown_session(session));
   hosts_[found->second.scene]->ask(std::move(request), session, {}, io_, std::move(asked.answer));
 }
 
@@ -179,7 +175,7 @@ std::optional<Refused> ControlService::refuse_below_admin(const Asked& asked) {
 control::Message ControlService::evict(const Asked& asked, const control::Evict& request) {
   if (auto refused = refuse_below_admin(asked)) return *std::move(refused);
   const auto found = seated_.find(request.session);
-  if (found == seated_.end()) return no_such_session(request.session);
+  if (found == seated_.end()) return unknown_session(request.session);
   hosts_[found->second.scene]->evict(request.session);
   spdlog::info("a session of client {} was evicted by client {}", printable(found->second.client),
                printable(asked.token.client));

@@ -9,6 +9,7 @@
 #include <stdexcept>
 
 #include "core/scene/json_document.hpp"
+#include "protocol/private_file.hpp"
 
 namespace feltwire {
 namespace {
@@ -106,6 +107,7 @@ Identity make_identity(const std::vector<std::string>& names) {
 }
 
 Identity load_identity(const std::filesystem::path& certificate, const std::filesystem::path& key) {
+  if (const auto open = exposure(key)) throw FileError(*open);
   std::string key_text = read_text(key);
   Identity identity{read_text(certificate), Secret(key_text)};
   wipe(key_text);

@@ -11,11 +11,6 @@ namespace {
 constexpr unsigned bit(DatagramKind kind) { return 1u << static_cast<unsigned>(kind); }
 constexpr unsigned kReceived = bit(DatagramKind::samples) | bit(DatagramKind::goodbye);
 
-control::Refused unknown_session(std::uint64_t id) {
-  return {control::RefusalCode::unknown_session,
-          "there is no session " + std::to_string(id) + " here; it may have ended by silence"};
-}
-
 void add(SceneCounters& sum, const Session& session) {
   const SessionCounters& counters = session.counters();
   sum.samples.samples += counters.samples;
@@ -46,6 +41,11 @@ control::RefusalCode refusal_code(const control::JoinRequest& request) {
 
 }  // namespace
 
+control::Refused unknown_session(std::uint64_t id) {
+  return {control::RefusalCode::unknown_session,
+          "there is no session " + std::to_string(id) + " here; it may have ended by silence"};
+}
+
 /// A session and what belongs to its transport.
 struct SceneSessions::Seat {
   std::uint64_t id;
@@ -54,7 +54,8 @@ struct SceneSessions::Seat {
   Opener opener;  // of what comes
   Sealer sealer;  // of what goes
   SampleRate rate;
-  Peer peer;  // of the newest datagram with a newer sample
+  Peer peer;    // of the newest datagram with a newer sample
+  Watch watch;  // of an observer
 };
 
 /// Where and when a datagram came.
@@ -80,6 +81,7 @@ SceneSessions::SceneSessions(const Scene& scene, Nanoseconds silence_timeout,
       limits_(limits),
       by_id_(max_sessions) {
   seats_.reserve(max_sessions);
+  hands_.reserve(max_sessions);
   ended_.reserve(max_sessions);
   make_world();
 }
@@ -150,6 +152,7 @@ control::Message SceneSessions::join(control::JoinRequest request, std::uint64_t
              Opener(keys.suite, keys.up, 0, limits_.forgeries),
              Sealer(keys.suite, keys.down),
              SampleRate(request.parameters.servo_period, limits_.sample_rate),
+             {},
              {}});
     if (!by_id_.insert(id, seat.get()))
       return control::Refused{control::RefusalCode::full, "no session id is free; try again"};
@@ -159,6 +162,9 @@ control::Message SceneSessions::join(control::JoinRequest request, std::uint64_t
     return control::Refused{refusal_code(request), error.what()};
   }
   ++counters_.sessions_served;
+  const Session& session = seats_.back()->session;
+  if (!session.observes())
+    hands_.push_back({static_cast<std::uint32_t>(counters_.sessions_served), &session});
   control::JoinAccepted accepted;
   accepted.session = id;
   accepted.parameters = request.parameters;
@@ -235,7 +241,16 @@ Bytes SceneSessions::receive_samples(Seat& seat, Bytes payload, const Origin& or
   // Whoever holds a datagram back and sends it on from elsewhere draws no goodbye there.
   if (origin.newest) seat.peer = origin.from;
   if (taken.withheld) return {};
+  if (seat.session.observes()) return show(seat, taken.reply, out);
   return seat.sealer.seal(DatagramKind::reply, seat.id, encoder_.reply(taken.reply), out);
+}
+
+/// An observer's reply, with what there is to see.
+Bytes SceneSessions::show(Seat& seat, const Reply& reply, DatagramBuffer& out) noexcept {
+  const SessionParameters& parameters = seat.session.parameters();
+  const double between = parameters.packet_interval * parameters.servo_period;
+  seat.watch.show(hands_, world_.get(), view_room(between), view_);
+  return seat.sealer.seal(DatagramKind::reply, seat.id, encoder_.reply(reply, &view_), out);
 }
 
 void SceneSessions::end(Seat& seat) noexcept {
@@ -244,6 +259,7 @@ void SceneSessions::end(Seat& seat) noexcept {
   if (ended_.size() == ended_.capacity()) ended_.clear();
   ended_.push_back(seat.id);
   by_id_.erase(seat.id);
+  std::erase_if(hands_, [&](const ActingHand& hand) { return hand.session == &seat.session; });
   std::erase_if(seats_, [&](const auto& other) { return other.get() == &seat; });
 }
 

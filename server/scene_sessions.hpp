@@ -11,9 +11,11 @@
 #include "protocol/codec.hpp"
 #include "protocol/control.hpp"
 #include "protocol/profiles.hpp"
+#include "protocol/scene_view.hpp"
 #include "protocol/seal.hpp"
 #include "server/id_map.hpp"
 #include "server/session.hpp"
+#include "server/watch.hpp"
 
 namespace feltwire {
 
@@ -44,6 +46,9 @@ struct SceneCounters {
   std::uint64_t ticks_dropped = 0;  // of the world, when the thread could not keep up
   std::array<std::uint64_t, kDropReasons> drops{};
 };
+
+/// A session that is not there, or not any more.
+control::Refused unknown_session(std::uint64_t id);
 
 class SceneSessions {
  public:
@@ -107,6 +112,7 @@ class SceneSessions {
   SessionParameters granted(const SessionParameters& asked) const;
   Bytes receive_samples(Seat& seat, Bytes payload, const Origin& origin,
                         DatagramBuffer& out) noexcept;
+  Bytes show(Seat& seat, const Reply& reply, DatagramBuffer& out) noexcept;
   struct Ending;
   std::optional<Ending> ending(const Seat& seat, Nanoseconds now) const noexcept;
   void end(Seat& seat) noexcept;
@@ -121,11 +127,13 @@ class SceneSessions {
   std::unique_ptr<World> world_;
   Nanoseconds tick_{0}, last_tick_{0};        // of the world: length, time
   std::vector<std::unique_ptr<Seat>> seats_;  // in the order they joined
+  std::vector<ActingHand> hands_;             // of those, without the observers'
   IdMap<Seat*> by_id_;
   std::vector<std::uint64_t> ended_;  // no more than there were sessions between two joins
   Encoder encoder_;
   DatagramBuffer opened_;  // the datagram at hand
   SampleBatch batch_;      // what it brings
+  SceneView view_;         // for the observer that sent it
   SceneCounters counters_;
 };
 

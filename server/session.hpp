@@ -67,6 +67,10 @@ class Session {
   const DeviceSpec& device() const { return device_; }
   const std::string& client() const { return client_; }
   const SessionCounters& counters() const { return counters_; }
+  /// Whether it feels nothing, acts on nothing and is shown the scene instead.
+  bool observes() const { return observes_; }
+  /// The newest sample taken; its index is 0 before the first.
+  const Sample& newest() const { return last_; }
 
   /// At the real port, from the held forces that the client reported.
   ChannelEnergy delivered() const;

@@ -47,7 +47,7 @@ struct NetworkSample {
 
 struct DatagramCount {
   std::uint64_t datagrams = 0;
-  std::uint64_t bytes = 0;  // with the 28 of UDP and IPv4 each
+  std::uint64_t bytes = 0;  // sealed, header and tag included, with the 28 of UDP and IPv4 each
   /// Over `duration` [s].
   double kbit_per_second(double duration) const {
     constexpr double kKilobits = 8e-3;  // of a byte

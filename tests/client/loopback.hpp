@@ -44,13 +44,14 @@ struct Client {
   Event stop;
   std::unique_ptr<LoopResult> result = std::make_unique<LoopResult>();
   Ring<TickRecord> records{1 << 14};
+  Ring<TimedView> views{16};  // of an observer
   std::thread thread;
 
   Client(const ServerAccess& server, const char* rows, const SessionParameters& parameters,
          const std::string& scene, std::unique_ptr<TwoWayLink> link = nullptr,
-         const Address* by_way_of = nullptr)
+         const Address* by_way_of = nullptr, Role role = Role::operator_)
       : device(recording(rows), builtin_device("simulated")),
-        joined(join(server, {"tester", scene, device.spec(), parameters}, kPatience)),
+        joined(join(server, {"tester", scene, device.spec(), parameters, role}, kPatience)),
         transport({by_way_of != nullptr ? *by_way_of : joined.datagrams, joined.accepted.session,
                    joined.keys},
                   joined.accepted.parameters, false, std::move(link)),
@@ -59,7 +60,8 @@ struct Client {
 
   void start(LoopOptions options = {.silence_timeout = kPatience}) {
     thread = std::thread([this, options] {
-      run_servo_loop(device, servo, transport, options, stop, {.record = &records}, *result);
+      run_servo_loop(device, servo, transport, options, stop, {.record = &records, .views = &views},
+                     *result);
     });
   }
   void finish() {

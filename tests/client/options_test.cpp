@@ -1,6 +1,7 @@
 #include "client/options.hpp"
 
 #include <gmock/gmock.h>
+#include <sys/stat.h>
 
 #include <cmath>
 #include <cstdlib>
@@ -165,6 +166,7 @@ TEST(Trust, ATokenComesFromAFileOrTheEnvironmentAlone) {
   testing::TemporaryFolder folder;
   const std::string file = folder / "token";
   std::ofstream(file) << "fw_of_a_file\n";
+  ::chmod(file.c_str(), 0600);
   EXPECT_EQ(credentials_of(parsed({})).token.text(), "fw_of_a_test");
   EXPECT_EQ(credentials_of(parsed({"--token-file", file})).token.text(), "fw_of_a_file");
   EXPECT_THAT(refusal({"--token-file", folder / "none"}), HasSubstr("--token-file"));
@@ -179,9 +181,57 @@ TEST(Trust, ACertificateComesWithItsKey) {
   const std::string file = folder / "x.pem";
   std::ofstream(file) << "PEM";
   EXPECT_THAT(refusal({"--certificate", file}), HasSubstr("--key"));
+  ::chmod(file.c_str(), 0600);
   const auto both = parsed({"--certificate", file, "--key", file});
   EXPECT_EQ(credentials_of(both).certificate, "PEM");
   EXPECT_EQ(credentials_of(both).key.text(), "PEM");
+}
+
+TEST(Trust, AKeyThatOthersMayReadIsRefusedAndATokenWarnedOf) {
+  testing::TemporaryFolder folder;
+  const std::string file = folder / "secret", key = "--key: " + file;
+  std::ofstream(file) << "fw_secret";
+  for (const auto& [mode, text] : {std::pair<mode_t, const char*>{0644, "(mode 0644)"},
+                                   {0640, "(mode 0640)"},
+                                   {0620, "(mode 0620)"},
+                                   {0601, "(mode 0601)"}}) {
+    ::chmod(file.c_str(), mode);
+    EXPECT_THAT(refusal({"--certificate", file, "--key", file}),
+                AllOf(HasSubstr(key), HasSubstr(text), HasSubstr("chmod 600 " + file)));
+    ::testing::internal::CaptureStderr();
+    EXPECT_EQ(credentials_of(parsed({"--token-file", file})).token.text(), "fw_secret");
+    EXPECT_THAT(::testing::internal::GetCapturedStderr(),
+                AllOf(HasSubstr("warning"), HasSubstr("chmod 600 " + file)));
+  }
+  for (const mode_t mode : {0600, 0400}) {
+    ::chmod(file.c_str(), mode);
+    EXPECT_EQ(credentials_of(parsed({"--certificate", file, "--key", file})).key.text(),
+              "fw_secret");
+    ::testing::internal::CaptureStderr();
+    parsed({"--token-file", file});
+    EXPECT_EQ(::testing::internal::GetCapturedStderr(), "");
+  }
+}
+
+TEST(Options, AnObserverLooksAtTheRateOfPictures) {
+  const auto of = [](std::vector<std::string> words) {
+    words.insert(words.end(), {"--role", "observer"});
+    const auto options = parsed(words);
+    EXPECT_TRUE(std::holds_alternative<ClientOptions>(options));
+    return std::get<ClientOptions>(options);
+  };
+  EXPECT_EQ(of({}).role, Role::observer);
+  EXPECT_EQ(of({}).parameters.packet_interval, 10);
+  EXPECT_EQ(of({"--rate", "50"}).parameters.packet_interval, 1);
+  EXPECT_EQ(of({"--packet-rate", "500"}).parameters.packet_interval, 2);
+  EXPECT_EQ(of({"--profile", "thin"}).parameters.packet_interval, 80);
+  EXPECT_EQ(of({"--view", "seen.csv"}).view, "seen.csv");
+  const auto usual = parsed({});
+  EXPECT_EQ(std::get<ClientOptions>(usual).role, Role::operator_);
+  EXPECT_EQ(std::get<ClientOptions>(usual).parameters.packet_interval, 1);
+  EXPECT_THAT(refusal({"--role", "admin"}), HasSubstr("operator or observer"));
+  EXPECT_THAT(refusal({"--role", "king"}), HasSubstr("observer"));
+  EXPECT_THAT(refusal({"--view", "seen.csv"}), HasSubstr("--role observer"));
 }
 
 TEST(Options, WhatTheCommandLineLeavesOutMayBeAVariable) {

@@ -51,6 +51,24 @@ json report(const Servo& servo, const LoopResult& result = {}, const std::string
                   transport, result));
 }
 
+TEST(Report, SaysWhatAnObserverSaw) {
+  const auto servo = used_servo();
+  EXPECT_EQ(report(*servo)["role"], "operator");
+  EXPECT_TRUE(report(*servo)["view"].is_null());
+  RunDescription run{"anna", "wall", "localhost:7400", "simulated", {}};
+  run.sight = SightCounts{.views = 7, .hands = 1, .bodies = 2, .most_hands = 3, .most_bodies = 4};
+  LoopResult result;
+  result.views_dropped = 5;
+  const json r = json::parse(report_json(run, *servo, {}, result));
+  EXPECT_EQ(r["role"], "observer");
+  EXPECT_EQ(r["view"], json({{"views", 7},
+                             {"views_dropped", 5},
+                             {"hands", 1},
+                             {"bodies", 2},
+                             {"most_hands", 3},
+                             {"most_bodies", 4}}));
+}
+
 TEST(Report, HoldsWhatWasCounted) {
   const auto servo = used_servo();
   LoopResult result;

@@ -23,6 +23,31 @@ TEST(Ring, FullRefusesAndNothingIsLostOrReordered) {
   }
 }
 
+/// What wipes itself where it ends.
+struct Key {
+  explicit Key(int given = 0) : secret(given) {}
+  Key(const Key&) = default;
+  Key& operator=(const Key& other) {
+    if (secret != 0 && other.secret == 0) ++wiped;
+    secret = other.secret;
+    return *this;
+  }
+  ~Key() { secret = 0; }
+  int secret;
+  static inline int wiped = 0;
+};
+
+TEST(Ring, WhatWipesItselfIsNotLeftInItsPlace) {
+  Ring<Key> ring(4);
+  for (int i = 1; i <= 3; ++i) ring.push(Key(i));
+  Key taken;
+  EXPECT_TRUE(ring.pop(taken));
+  EXPECT_EQ(taken.secret, 1);
+  EXPECT_EQ(Key::wiped, 1);
+  EXPECT_TRUE(ring.pop(taken));
+  EXPECT_EQ(Key::wiped, 2);
+}
+
 TEST(Ring, OneThreadWritesAnotherReads) {
   struct Pair {
     std::uint64_t a = 0, b = 0;

@@ -78,7 +78,7 @@ TEST(MutualTls, AClientNeedsACertificateOfTheAuthority) {
   EXPECT_THAT(refusal(access), HasSubstr("--certificate and --key"));
   access.credentials.certificate = stranger.certificate;
   access.credentials.key = stranger.key;
-  EXPECT_THAT(refusal(access), HasSubstr("no answer"));
+  EXPECT_THAT(refusal(access), HasSubstr("does not take the certificate in --certificate"));
   access.credentials.certificate = client.certificate;
   EXPECT_THAT(refusal(access), HasSubstr("cannot be used"));  // another's key
   access.credentials.key = client.key;

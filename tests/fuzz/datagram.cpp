@@ -6,6 +6,7 @@
 
 #include "protocol/codec.hpp"
 #include "protocol/guard.hpp"
+#include "protocol/scene_view.hpp"
 #include "protocol/seal.hpp"
 #include "tests/fuzz/same_datagram.hpp"
 
@@ -75,18 +76,47 @@ void require_promises(const Reply& reply) {
             "patches are surfaces");
 }
 
+void require_promises(const SceneView& view) {
+  if (!view.present) return;
+  require(view.hand_count <= SceneView::kMaxHands && view.body_count <= SceneView::kMaxBodies,
+          "no more than a view may have");
+  const auto pose = [](const Pose& p) {
+    return p.position.allFinite() && std::abs(p.orientation.squaredNorm() - 1.0) <= kUnitTolerance;
+  };
+  std::uint64_t least = view.hands_from;
+  for (const SeenHand& hand : view.hands()) {
+    require(pose(hand.pose) && hand.force.allFinite(), "hands are somewhere");
+    require(hand.number >= least && hand.number < view.hands_end, "hands rise within their range");
+    least = std::uint64_t{hand.number} + 1;
+  }
+  least = view.bodies_from;
+  for (const SeenBody& body : view.bodies()) {
+    require(pose(body.pose), "bodies are somewhere");
+    require(body.object >= least && body.object < view.bodies_end,
+            "bodies rise within their range");
+    least = std::uint64_t{body.object} + 1;
+  }
+}
+
 void try_reply(Bytes payload) {
   static Encoder encoder;
   static Reply reply, again;
-  const DropReason drop = decode(payload, reply);
-  require(decode(Unaligned(payload).payload(), again) == drop, "alignment changes nothing");
+  static SceneView view, view_again;
+  const DropReason drop = decode(payload, reply, &view);
+  require(decode(Unaligned(payload).payload(), again, &view_again) == drop,
+          "alignment changes nothing");
+  require(decode(payload, again) == drop, "a view is judged whether or not it is wanted");
   if (drop != DropReason::none) return;
-  require(same_but_model(reply, again), "alignment changes no value");
+  require(decode(Unaligned(payload).payload(), again, &view_again) == drop, "twice the same");
+  require(same_but_model(reply, again) && same(view, view_again), "alignment changes no value");
   require_promises(reply);
+  require_promises(view);
   reply.modelled = false;  // a model about a far center loses digits; datagram_round_trip has those
-  const Bytes sent = encoder.reply(reply);
-  require(sent.size() <= kMaxPayload, "no datagram is longer than the limit");
-  require(decode(sent, again) == DropReason::none && same_but_model(reply, again),
+  const Bytes sent = encoder.reply(reply, view.present ? &view : nullptr);
+  require(sent.size() <= kMaxPayload || view.present, "no datagram is longer than the limit");
+  if (sent.size() > kMaxPayload) return;  // hands and bodies together, of no server
+  require(decode(sent, again, &view_again) == DropReason::none && same_but_model(reply, again) &&
+              same(view, view_again),
           "a reply says the same when it is sent again");
 }
 

@@ -2,6 +2,7 @@
 
 #include "protocol/codec.hpp"
 #include "protocol/guard.hpp"
+#include "protocol/scene_view.hpp"
 #include "protocol/seal.hpp"
 #include "tests/fuzz/same_datagram.hpp"
 
@@ -141,6 +142,59 @@ Reply reply(Input& in) {
   return r;
 }
 
+Pose seen_pose(Input& in) {
+  const Vec3 position = in.vector(kMaxPosition);
+  return {position, orientation(in)};
+}
+
+/// As much as fits, mostly.
+SceneView view(Input& in) {
+  SceneView v;
+  v.present = true;
+  std::size_t room = view_room(in.coin() ? 1.0 : 0.0);
+  v.hands_from = in.whole<std::uint16_t>();
+  v.bodies_from = in.byte();
+  std::uint32_t number = v.hands_from;
+  for (std::size_t most = in.byte() % 32; most > 0 && room >= SceneView::kHandSize; --most) {
+    number += 1 + in.byte();
+    const Pose pose = seen_pose(in);
+    v.hand[v.hand_count++] = {number, pose, in.vector(100.0)};
+    room -= SceneView::kHandSize;
+  }
+  std::uint32_t object = v.bodies_from;
+  for (std::size_t most = in.byte() % 32; most > 0 && room >= SceneView::kBodySize; --most) {
+    object += 1 + in.byte();
+    v.body[v.body_count++] = {static_cast<std::uint16_t>(object), seen_pose(in)};
+    room -= SceneView::kBodySize;
+  }
+  v.hands_end = number + 1;
+  v.bodies_end = static_cast<std::uint16_t>(object + 1);
+  if (in.byte() == 0) std::swap(v.hands_from, v.hands_end);  // of no server
+  return v;
+}
+
+/// What travels as float32.
+void require_arrived(const SceneView& sent, const SceneView& got) {
+  require(got.present && got.hands_from == sent.hands_from && got.hands_end == sent.hands_end &&
+              got.bodies_from == sent.bodies_from && got.bodies_end == sent.bodies_end,
+          "a view's ranges arrive");
+  const auto near_pose = [](const Pose& a, const Pose& b) {
+    return near(a.position, b.position) &&
+           (a.orientation.coeffs() - b.orientation.coeffs()).norm() <= 4.0 * kFloatRounding;
+  };
+  require(std::ranges::equal(sent.hands(), got.hands(),
+                             [&](const SeenHand& a, const SeenHand& b) {
+                               return a.number == b.number && near_pose(a.pose, b.pose) &&
+                                      near(a.force, b.force);
+                             }),
+          "hands arrive as they were");
+  require(std::ranges::equal(sent.bodies(), got.bodies(),
+                             [&](const SeenBody& a, const SeenBody& b) {
+                               return a.object == b.object && near_pose(a.pose, b.pose);
+                             }),
+          "bodies arrive as they were");
+}
+
 DropReason expected(const Reply& r) {
   if (r.sample_index == 0) return DropReason::order;
   const bool finite = r.command.finite() && r.rates.finite() && std::isfinite(r.ratio) &&
@@ -152,11 +206,19 @@ DropReason expected(const Reply& r) {
 void try_reply(Input& in, const Header& header) {
   static Encoder encoder;
   static Reply again;
+  static SceneView seen;
   const Reply sent = reply(in);
-  const DropReason drop = decode(carried(encoder.reply(sent), header), again);
-  require(drop == expected(sent), "a reply is refused for what is wrong with it");
+  const bool shows = !sent.modelled && in.coin();  // the replies to observers have no model
+  const SceneView shown = shows ? view(in) : SceneView{};
+  const Bytes payload = carried(encoder.reply(sent, shows ? &shown : nullptr), header);
+  const DropReason drop = decode(payload, again, &seen);
+  const bool rises = shown.hands_from < shown.hands_end || shown.hand_count == 0;
+  require(drop == (rises ? expected(sent) : DropReason::order),
+          "a reply is refused for what is wrong with it");
   if (drop != DropReason::none) return;
   require(same_but_model(sent, again), "a reply arrives as it was");
+  require(seen.present == shows, "a view arrives where there is one");
+  if (shows) require_arrived(shown, seen);
   if (sent.modelled) require(near(sent.model, again.model), "a model arrives as it was");
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 // Whether two datagrams say the same, to the bit.
 
+#include "protocol/scene_view.hpp"
 #include "tests/fuzz/fuzz.hpp"
 
 namespace feltwire::fuzz {
@@ -29,6 +30,25 @@ inline bool same_but_model(const Reply& a, const Reply& b) {
          a.active == b.active && a.saturated == b.saturated && a.refused == b.refused &&
          a.gap == b.gap && a.violations == b.violations && a.withheld == b.withheld &&
          a.predicted == b.predicted && same(a.rates, b.rates) && a.modelled == b.modelled;
+}
+
+inline bool same(const Pose& a, const Pose& b) {
+  return same(a.position, b.position) && same(a.orientation, b.orientation);
+}
+/// What there is of them.
+inline bool same(const SceneView& a, const SceneView& b) {
+  if (a.present != b.present) return false;
+  if (!a.present) return true;
+  const auto hand = [](const SeenHand& x, const SeenHand& y) {
+    return x.number == y.number && same(x.pose, y.pose) && same(x.force, y.force);
+  };
+  const auto body = [](const SeenBody& x, const SeenBody& y) {
+    return x.object == y.object && same(x.pose, y.pose);
+  };
+  return a.hands_from == b.hands_from && a.hands_end == b.hands_end &&
+         a.bodies_from == b.bodies_from && a.bodies_end == b.bodies_end &&
+         std::ranges::equal(a.hands(), b.hands(), hand) &&
+         std::ranges::equal(a.bodies(), b.bodies(), body);
 }
 
 inline constexpr double kFloatRounding = 0x1p-23;  // relative, of what travels as float32

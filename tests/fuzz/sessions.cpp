@@ -1,10 +1,11 @@
 // A scene with two sessions, one of them hostile: whatever it sends and asks for, the other is
-// answered as if it were alone, to the bit.
+// answered as if it were alone, to the bit, and an observer beside them sees where both are.
 
 #include <algorithm>
 #include <vector>
 
 #include "protocol/guard.hpp"
+#include "protocol/scene_view.hpp"
 #include "server/scene_sessions.hpp"
 #include "tests/fuzz/fuzz.hpp"
 #include "tests/protocol/sealed.hpp"
@@ -13,8 +14,9 @@
 namespace feltwire::fuzz {
 namespace {
 
-constexpr std::uint64_t kInnocent = 0x1234567800ull, kHostile = kInnocent + 256;
-constexpr std::size_t kSeats = 2;
+constexpr std::uint64_t kInnocent = 0x1234567800ull, kHostile = kInnocent + 256,
+                        kObserver = kInnocent + 512;
+constexpr std::size_t kSeats = 3;
 constexpr std::size_t kSessionAt = 8;  // [bytes] of a header
 constexpr Nanoseconds kSilence = std::chrono::seconds(2);
 
@@ -31,12 +33,16 @@ class Exchange {
                   ask(*one, test::join_request(), kInnocent, now_)),
               "the innocent one joins");
     ask(together_, test::join_request(), kHostile, now_);
+    control::JoinRequest eye = test::join_request();
+    eye.role = Role::observer;
+    ask(together_, eye, kObserver, now_);
   }
 
   void play(Input& in) {
     while (!in.empty()) {
       strike(in);
       speak();
+      look();
     }
     require(together_.find(kInnocent) != nullptr, "the innocent one stays");
     require_counters(together_.counters());
@@ -54,6 +60,21 @@ class Exchange {
     require(!expected.empty(), "the innocent one is answered");
     require(std::equal(felt.begin(), felt.end(), expected.begin(), expected.end()),
             "an answer depends on nobody else");
+  }
+
+  void look() {
+    const Bytes shown = together_.receive(
+        observer_.samples(kObserver, index_, test::hand_batch(index_)), peer_, now_, felt_);
+    static Reply reply;
+    static SceneView view;
+    require(decode(test::opened(shown, test::Way::down, test::keys(kObserver)), reply, &view) ==
+                    DropReason::none &&
+                view.present,
+            "the observer is shown something, whatever others claim");
+    require(reply.command == Command{}, "and feels nothing");
+    require(view.hand_count >= 1 && view.hand_count <= 2 && view.hand[0].number == 1 &&
+                (view.hand[0].pose.position - test::hand(index_).pose.position).norm() <= 1e-6,
+            "the innocent one is where it is");
   }
 
   void strike(Input& in) {
@@ -115,6 +136,7 @@ class Exchange {
         if (in.coin()) join.device.damping = in.any_double();
         if (in.coin()) join.device.max_force = in.any_double();
         if (in.coin()) join.device.rotation_sensed = join.device.rotation_actuated = 3;
+        if (in.coin()) join.role = Role::observer;
         const control::Message answer = ask(together_, join, kHostile, now_);
         require(std::holds_alternative<control::JoinAccepted>(answer) ||
                     std::holds_alternative<control::Refused>(answer),
@@ -181,7 +203,8 @@ class Exchange {
 
   const Scene scene_ = test::room();
   SceneSessions together_{scene_, kSilence, kSeats}, alone_{scene_, kSilence, kSeats};
-  test::SealedEncoder innocent_{test::Way::up}, hostile_{test::Way::up, test::keys(kHostile)};
+  test::SealedEncoder innocent_{test::Way::up}, hostile_{test::Way::up, test::keys(kHostile)},
+      observer_{test::Way::up, test::keys(kObserver)};
   Encoder encoder_;
   DatagramBuffer felt_, expected_;
   std::vector<std::uint8_t> overheard_;

@@ -8,6 +8,7 @@
 #include "protocol/codec.hpp"
 #include "protocol/datagram.hpp"
 #include "protocol/guard.hpp"
+#include "protocol/scene_view.hpp"
 
 namespace feltwire::profiles_test {
 namespace {
@@ -71,6 +72,13 @@ TEST(Profiles, AThinLineHasRoomForAllOfIt) {
   };
   EXPECT_LT(bits(encoder.samples(samples)), kRoom);
   EXPECT_LT(bits(encoder.reply(reply)), kRoom);
+  // And what an observer is shown.
+  reply.modelled = false;
+  SceneView view;
+  view.present = true;
+  view.hand_count = view_room(p.packet_interval * p.servo_period) / SceneView::kHandSize;
+  EXPECT_GT(view.hand_count, 4u);
+  EXPECT_LT(bits(encoder.reply(reply, &view)), kRoom);
 }
 
 TEST(Profiles, AServerGrantsWhatItsLineHasRoomFor) {

@@ -226,6 +226,10 @@ TEST(State, IsNotNeededWhereAllIsNamed) {
   EXPECT_EQ(fingerprint(security.identity), fingerprint(identity));
   EXPECT_EQ(folder.entries(), 3u);
 
+  write_state(config.key, identity.key.text(), kPublic);
+  EXPECT_THAT(
+      error_of<FileError>([&] { open_security(config); }),
+      ::testing::AllOf(HasSubstr("(mode 0644)"), HasSubstr("chmod 600 " + config.key.string())));
   write_state(config.key, make_identity({"localhost"}).key.text(), kPrivate);
   EXPECT_THAT(error_of<FileError>([&] { open_security(config); }),
               HasSubstr("is not the key of the certificate"));

@@ -146,6 +146,15 @@ TEST(NetworkRun, EveryDatagramIsAccountedFor) {
   }
 }
 
+/// What the tables count is what is on the wire: header, payload, tag, and the headers below.
+TEST(NetworkRun, BytesAreThoseOfSealedDatagrams) {
+  NetworkRunOptions options = sliding(BoundingSide::client, "delay=0");
+  options.parameters.redundancy = 0;
+  const auto r = run_network(floor(0.4), options);
+  constexpr std::uint64_t kOneSample = 144, kPrevious = 16;  // PROTOCOL.md; none before the first
+  EXPECT_EQ(r.up.bytes, r.up.datagrams * (kOneSample + kHeadersOnTheWire) - kPrevious);
+}
+
 TEST(NetworkRun, TheClientsBoundHoldsOverAnyLink) {
   for (const char* link : {"delay=0", "delay=50,jitter=20", kBad, "hostile", "transatlantic"})
     for (const BoundingSide side : {BoundingSide::client, BoundingSide::both})

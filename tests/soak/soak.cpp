@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <thread>
 
+#include "protocol/clock.hpp"
 #include "server/server.hpp"
 #include "tests/soak/resources.hpp"
 #include "tests/support/security.hpp"
@@ -27,11 +28,6 @@ constexpr bool kSanitized = false;
 constexpr double kMebibyte = 1048576.0;
 // What may stay: allocators and kernels keep some of what they were given back.
 constexpr double kResidentGrowth = 4.0 * kMebibyte, kHeapGrowth = 0.25 * kMebibyte;
-
-Nanoseconds monotonic_now() {
-  return std::chrono::duration_cast<Nanoseconds>(
-      std::chrono::steady_clock::now().time_since_epoch());
-}
 
 /// Looks again and again until it is so; false when it never is.
 template <class Condition>

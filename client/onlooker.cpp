@@ -1,0 +1,28 @@
+#include "client/onlooker.hpp"
+
+#include <algorithm>
+
+namespace feltwire {
+
+std::string text(const SightCounts& counts) {
+  return "  sees " + std::to_string(counts.hands) + (counts.hands == 1 ? " hand, " : " hands, ") +
+         std::to_string(counts.bodies) + (counts.bodies == 1 ? " body" : " bodies");
+}
+
+Onlooker::Onlooker(const std::optional<std::filesystem::path>& file)
+    : file_(file ? std::make_unique<ViewFile>(*file) : nullptr) {}
+
+void Onlooker::look() {
+  while (views_.pop(shown_)) {
+    scene_.take(shown_.view);
+    ++counts_.views;
+    counts_.hands = scene_.hands().size();
+    counts_.bodies = scene_.bodies().size();
+    counts_.most_hands = std::max(counts_.most_hands, counts_.hands);
+    counts_.most_bodies = std::max(counts_.most_bodies, counts_.bodies);
+    if (file_) file_->add(shown_, scene_);
+  }
+  if (file_) file_->write();
+}
+
+}  // namespace feltwire

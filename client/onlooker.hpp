@@ -1,0 +1,46 @@
+#pragma once
+// The eyes of the program that observes: takes the views, counts, and writes them down.
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "client/seen_scene.hpp"
+#include "client/servo_loop.hpp"
+#include "client/view_file.hpp"
+
+namespace feltwire {
+
+struct SightCounts {
+  std::uint64_t views = 0;                      // that came
+  std::size_t hands = 0, bodies = 0;            // that there are, as far as is known
+  std::size_t most_hands = 0, most_bodies = 0;  // at once
+};
+
+/// "  sees 2 hands, 1 body".
+std::string text(const SightCounts& counts);
+
+class Onlooker {
+ public:
+  /// With a `file` that gets what is seen. Throws std::runtime_error naming it, likewise look().
+  explicit Onlooker(const std::optional<std::filesystem::path>& file);
+
+  /// Where the servo's thread puts views.
+  Ring<TimedView>& views() { return views_; }
+  /// Takes what waits there.
+  void look();
+
+  const SeenScene& scene() const { return scene_; }
+  const SightCounts& counts() const { return counts_; }
+
+ private:
+  static constexpr std::size_t kRoom = 256;  // views: a look in 20 ms takes 200 at 10 kHz
+  Ring<TimedView> views_{kRoom};
+  TimedView shown_;
+  SeenScene scene_;
+  SightCounts counts_;
+  std::unique_ptr<ViewFile> file_;
+};
+
+}  // namespace feltwire

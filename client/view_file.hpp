@@ -1,0 +1,28 @@
+#pragma once
+// What an observer saw, as a CSV file that stays readable however the run ends.
+
+#include <filesystem>
+
+#include "client/line_file.hpp"
+#include "client/seen_scene.hpp"
+#include "client/servo_loop.hpp"
+
+namespace feltwire {
+
+/// Rows t,kind,id,x,y,z,qw,qx,qy,qz,fx,fy,fz: of a hand (id: its number) with the force on it, of a
+/// body (id: its object) without. hand_gone and body_gone have no more than their id.
+class ViewFile {
+ public:
+  /// Creates or replaces the file and writes the header. Throws std::runtime_error naming the file
+  /// and the reason, likewise write().
+  explicit ViewFile(const std::filesystem::path& file);
+
+  /// What the view showed, and what `scene`, which has taken it, forgot for it.
+  void add(const TimedView& shown, const SeenScene& scene);
+  void write() { file_.put(); }
+
+ private:
+  LineFile file_;
+};
+
+}  // namespace feltwire

@@ -1,0 +1,56 @@
+#pragma once
+// What an observer is shown of a scene, as values. Their bytes are PROTOCOL.md's.
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <span>
+
+#include "core/types.hpp"
+
+namespace feltwire {
+
+/// Where another's tool is, and what its device gives it. World frame, float32 on the wire.
+struct SeenHand {
+  std::uint32_t number = 0;   // from 1 in the order they joined the scene, never used again
+  Pose pose;                  // of its newest sample
+  Vec3 force = Vec3::Zero();  // [N] on the hand, as its client says that the device holds it
+};
+
+/// Where an object is that moves. Likewise.
+struct SeenBody {
+  std::uint16_t object = 0;  // its place among the scene's objects, as in SurfacePatch
+  Pose pose;
+};
+
+/// A part of what there is to see: all hands with hands_from <= number < hands_end, and all moving
+/// objects with bodies_from <= object < bodies_end. Who is not among them is not there, or not any
+/// more. What does not fit comes with the next views, in turns.
+struct SceneView {
+  static constexpr std::size_t kHandSize = 44, kBodySize = 32;   // [bytes] on the wire
+  static constexpr std::size_t kMaxHands = 19, kMaxBodies = 27;  // of one
+  static constexpr std::uint32_t kLastHand = std::numeric_limits<std::uint32_t>::max();
+  static constexpr std::uint16_t kLastBody = std::numeric_limits<std::uint16_t>::max();
+
+  bool present = false;  // else a reply brought none, and nothing below counts
+  std::uint32_t hands_from = 0, hands_end = 0;
+  std::uint16_t bodies_from = 0, bodies_end = 0;
+  std::size_t hand_count = 0, body_count = 0;
+  std::array<SeenHand, kMaxHands> hand;   // by rising number
+  std::array<SeenBody, kMaxBodies> body;  // by rising object
+
+  std::span<const SeenHand> hands() const { return {hand.data(), hand_count}; }
+  std::span<const SeenBody> bodies() const { return {body.data(), body_count}; }
+};
+
+/// [bytes] that the hands and bodies of a view may take together, so that every reply fits a
+/// datagram; with datagrams so far apart [s] that the line must be a thin one, so that the reply is
+/// no longer than one with a model.
+constexpr std::size_t view_room(double between_datagrams) {
+  constexpr std::size_t kRoom = 864, kThinRoom = 264;
+  constexpr double kThin = 0.04;  // [s]
+  return between_datagrams > kThin ? kThinRoom : kRoom;
+}
+
+}  // namespace feltwire

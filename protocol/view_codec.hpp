@@ -1,0 +1,23 @@
+#pragma once
+// The view in a reply to an observer (protocol/scene_view.hpp), to bytes and back; of the codec.
+
+#include "protocol/datagram.hpp"
+#include "protocol/scene_view.hpp"
+#include "protocol/wire_values.hpp"
+
+namespace feltwire {
+
+/// Does not allocate where the builder has room.
+flatbuffers::Offset<wire::SceneView> build(flatbuffers::FlatBufferBuilder& builder,
+                                           const SceneView& view);
+
+/// The checks of PROTOCOL.md, in their order: count, order, not_finite. On anything but none `out`
+/// is unspecified.
+DropReason read(const wire::SceneView& from, SceneView& out) noexcept;
+/// What is found first of two: the order of the reasons is the order of the checks.
+constexpr DropReason first_of(DropReason a, DropReason b) noexcept {
+  if (a == DropReason::none || b == DropReason::none) return a == DropReason::none ? b : a;
+  return a < b ? a : b;
+}
+
+}  // namespace feltwire

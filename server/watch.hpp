@@ -1,0 +1,37 @@
+#pragma once
+// What an observer is shown of a scene, a part with each reply, in turns.
+
+#include <span>
+
+#include "core/scene/world.hpp"
+#include "protocol/scene_view.hpp"
+#include "server/session.hpp"
+
+namespace feltwire {
+
+/// A session that acts in a scene, and what observers know it by.
+struct ActingHand {
+  std::uint32_t number = 0;  // from 1 in the order they joined, never used again
+  const Session* session = nullptr;
+};
+
+/// How far one observer has been shown round: the hands, then what moves, then from the beginning.
+class Watch {
+ public:
+  /// The next part, of no more than `room` [bytes]: at most one list of hands, from where the last
+  /// part ended, and one of bodies. `hands` by rising number; `world` null where nothing moves. A
+  /// hand that has sent nothing yet is nowhere. Never allocates.
+  void show(std::span<const ActingHand> hands, const World* world, std::size_t room,
+            SceneView& view) noexcept;
+
+ private:
+  std::size_t show_hands(std::span<const ActingHand> hands, std::size_t room,
+                         SceneView& view) noexcept;
+  void show_bodies(const World* world, std::size_t room, SceneView& view) noexcept;
+
+  std::uint32_t next_hand_ = 0;
+  std::uint16_t next_body_ = 0;
+  bool hands_shown_ = false;  // all of this round
+};
+
+}  // namespace feltwire

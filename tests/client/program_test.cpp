@@ -1,0 +1,98 @@
+// feltwire-client as a user meets it: what it prints, writes and ends with.
+
+#include "tests/support/program.hpp"
+
+#include <gmock/gmock.h>
+
+#include <nlohmann/json.hpp>
+
+#include "server/state_file.hpp"
+#include "tests/client/loopback.hpp"
+#include "tests/client/temporary_folder.hpp"
+
+namespace feltwire {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using testing::kPatience;
+using ::testing::StartsWith;
+using testing::text_of;
+
+/// A server that knows an operator's, an observer's and the tests' own token, all in a file.
+class ClientProgram : public ::testing::Test {
+ protected:
+  ClientProgram() {
+    change_tokens(tokens_, [&](Tokens& tokens) {
+      tokens = {test::admin_token().token, anna_.token, eye_.token};
+    });
+    std::vector<Scene> scenes;
+    scenes.push_back(testing::floor_scene());
+    server_ = std::make_unique<Server>(testing::any_ports(), std::move(scenes),
+                                       Security{test::identity(), {}, TokenFile(tokens_)});
+    access_ = test::access(server_->control_port());
+  }
+
+  /// The program's command line with a token of its own and these words.
+  std::vector<std::string> words(const IssuedToken& token, std::vector<std::string> more) {
+    const std::string file = folder_ / "token";
+    write_state(file, token.text.text(), kPrivate);
+    more.insert(more.begin(),
+                {"--connect", to_string(access_.endpoint), "--scene", "floor", "--token-file", file,
+                 "--fingerprint", to_string(server_->fingerprint())});
+    return more;
+  }
+  nlohmann::json report() { return nlohmann::json::parse(text_of(folder_ / "report.json")); }
+
+  testing::TemporaryFolder folder_;
+  const std::filesystem::path tokens_ = folder_ / "tokens.json";
+  IssuedToken anna_ = issue_token("anna", "*", Role::operator_, std::nullopt),
+              eye_ = issue_token("eye", "*", Role::observer, std::nullopt);
+  std::unique_ptr<Server> server_;
+  ServerAccess access_;
+};
+
+TEST_F(ClientProgram, AnObserverSaysAndWritesDownWhatItSees) {
+  testing::Client hand(access_, "t,x,y,z\n0,0.25,0,0.125\n1000,0.25,0,0.125\n", {}, "floor");
+  hand.start();
+  for (TickRecord row; row.age < 0.0;)
+    if (!hand.records.pop(row)) std::this_thread::yield();
+  const std::string seen = folder_ / "seen.csv", report_file = folder_ / "report.json";
+  test::Program program(FELTWIRE_CLIENT_PROGRAM,
+                        words(eye_, {"--role", "observer", "--duration", "0.3", "--view", seen,
+                                     "--report", report_file}));
+  const test::Outcome outcome = program.finish();
+  hand.stop.set();
+  EXPECT_EQ(outcome.status, 0) << outcome.error;
+  EXPECT_THAT(outcome.error, HasSubstr("  sees 1 hand, 0 bodies"));
+  EXPECT_THAT(text_of(seen), AllOf(StartsWith("t,kind,id,x,y,z,qw,qx,qy,qz,fx,fy,fz\n"),
+                                   HasSubstr(",hand,1,0.25,0,0.125,1,0,0,0,0,0,0\n")));
+  EXPECT_EQ(report()["role"], "observer");
+  EXPECT_EQ(report()["view"]["hands"], 1);
+  EXPECT_GT(report()["view"]["views"], 1);
+  EXPECT_EQ(report()["max_force_n"], 0.0);
+}
+
+TEST_F(ClientProgram, AnObserversTokenActsOnNothing) {
+  test::Program program(FELTWIRE_CLIENT_PROGRAM, words(eye_, {}));
+  const test::Outcome outcome = program.finish();
+  EXPECT_EQ(outcome.status, 1);
+  EXPECT_THAT(outcome.error, HasSubstr("this token is for an observer"));
+}
+
+/// Not after its patience, which outlasts the test.
+TEST_F(ClientProgram, ATokenThatIsRevokedEndsItAtOnce) {
+  const std::string report_file = folder_ / "report.json";
+  test::Program program(FELTWIRE_CLIENT_PROGRAM,
+                        words(anna_, {"--reconnect", "10000", "--report", report_file}));
+  while (list_scenes(access_, kPatience)[0].sessions == 0) std::this_thread::yield();
+  change_tokens(tokens_, [](Tokens& tokens) { tokens = {test::admin_token().token}; });
+  const test::Outcome outcome = program.finish();
+  EXPECT_EQ(outcome.status, 1);
+  EXPECT_THAT(outcome.error, AllOf(HasSubstr("refused: "), HasSubstr("token")));
+  EXPECT_EQ(report()["end"], "refused");
+  EXPECT_EQ(report()["disconnections"], 1);
+}
+
+}  // namespace
+}  // namespace feltwire

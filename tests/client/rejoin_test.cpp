@@ -1,0 +1,84 @@
+// Which refusals end a client at once, and which it waits out.
+
+#include "client/rejoin.hpp"
+
+#include <gmock/gmock.h>
+
+#include <set>
+
+#include "tests/client/peer.hpp"
+#include "tests/support/security.hpp"
+
+namespace feltwire {
+namespace {
+
+using namespace std::chrono_literals;
+using control::RefusalCode;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+control::JoinRequest anyone() { return {"tester", "floor", builtin_device("simulated"), {}}; }
+
+/// Looks, hours apart by its clock, until it has given up or has asked once more; why it gave up.
+std::string given_up(const ServerAccess& access) {
+  Ring<SessionAddress> sessions(2);
+  Rejoiner rejoiner(access, anyone(), sessions, {.timeout = 10s});
+  Rejoiner::Clock::time_point now{};
+  while (rejoiner.refusal().empty() && rejoiner.attempts() < 2) {
+    rejoiner.look(false, now += 1h);
+    std::this_thread::yield();
+  }
+  SessionAddress none;
+  EXPECT_FALSE(sessions.pop(none));
+  if (rejoiner.refusal().empty()) return {};
+  EXPECT_EQ(rejoiner.attempts(), 1u);
+  rejoiner.look(false, now += 1h);
+  EXPECT_EQ(rejoiner.attempts(), 1u);  // nothing more is asked
+  return rejoiner.refusal();
+}
+
+TEST(Rejoin, WhatMayHealIsWaitedOutAndTheRestEndsIt) {
+  const std::set<RefusalCode> heals = {RefusalCode::full, RefusalCode::shutting_down,
+                                       RefusalCode::too_many};
+  for (std::uint8_t i = 0; i <= static_cast<std::uint8_t>(RefusalCode::bad_scene); ++i) {
+    const auto code = static_cast<RefusalCode>(i);
+    testing::ControlPeer peer(control::encode(control::Refused{code, "for this reason"}));
+    const std::string said = given_up(peer.access());
+    if (heals.contains(code)) {
+      EXPECT_THAT(said, IsEmpty()) << control::name(code);
+    } else {
+      EXPECT_THAT(said, HasSubstr("refused: for this reason")) << control::name(code);
+    }
+  }
+}
+
+TEST(Rejoin, AServerThatIsAwayMayComeBack) {
+  std::uint16_t closed = 0;
+  {
+    const testing::LocalSocket socket(SOCK_STREAM);
+    closed = socket.port();
+  }
+  EXPECT_THAT(given_up(test::access(closed)), IsEmpty());
+  testing::ControlPeer silent({});
+  EXPECT_THAT(given_up(silent.access()), IsEmpty());
+}
+
+TEST(Rejoin, AnotherServerInItsPlaceEndsIt) {
+  testing::ControlPeer peer({});
+  ServerAccess access = peer.access();
+  access.credentials.trust = fingerprint(make_identity({"localhost"}));
+  EXPECT_THAT(given_up(access), HasSubstr("is not the server whose fingerprint was given"));
+}
+
+TEST(Rejoin, OtherParametersEndIt) {
+  control::JoinAccepted accepted;
+  accepted.session = 7;
+  accepted.port_offset = 1;
+  accepted.silence_timeout = 2.0;
+  accepted.parameters.servo_period = 0.002;
+  testing::ControlPeer peer(control::encode(accepted));
+  EXPECT_THAT(given_up(peer.access()), HasSubstr("grants other parameters"));
+}
+
+}  // namespace
+}  // namespace feltwire

@@ -1,0 +1,103 @@
+#include "client/seen_scene.hpp"
+
+#include <gmock/gmock.h>
+
+#include "client/onlooker.hpp"
+#include "tests/client/temporary_folder.hpp"
+
+namespace feltwire {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+using testing::text_of;
+
+/// Of the hands and bodies of these ids, somewhere.
+SceneView view_of(std::uint32_t from, std::uint32_t end, const std::vector<std::uint32_t>& hands,
+                  const std::vector<std::uint16_t>& bodies = {}) {
+  SceneView view;
+  view.present = true;
+  view.hands_from = from;
+  view.hands_end = end;
+  view.bodies_end = bodies.empty() ? 0 : SceneView::kLastBody;
+  for (const std::uint32_t number : hands)
+    view.hand[view.hand_count++] = {number, Pose{.position = {0.5, 0, -0.25}}, Vec3(0, 0, 1.5)};
+  for (const std::uint16_t object : bodies)
+    view.body[view.body_count++] = {object, Pose{.position = {1, 2, 3}}};
+  return view;
+}
+
+std::vector<std::uint32_t> numbers(const SeenScene& scene) {
+  std::vector<std::uint32_t> all;
+  for (const auto& [number, hand] : scene.hands()) all.push_back(number);
+  return all;
+}
+
+TEST(SeenScene, IsPutTogetherFromParts) {
+  SeenScene scene;
+  scene.take(view_of(0, 5, {1, 3, 4}));
+  scene.take(view_of(5, SceneView::kLastHand, {5, 9}, {2, 3}));
+  EXPECT_THAT(numbers(scene), ElementsAre(1, 3, 4, 5, 9));
+  EXPECT_EQ(scene.bodies().size(), 2u);
+  EXPECT_EQ(scene.bodies().at(3).pose.position, Vec3(1, 2, 3));
+  EXPECT_THAT(scene.hands_gone(), IsEmpty());
+}
+
+TEST(SeenScene, WhoWasPassedOverIsGone) {
+  SeenScene scene;
+  scene.take(view_of(0, SceneView::kLastHand, {1, 3, 4, 9}, {2, 3}));
+  scene.take(view_of(2, 5, {4}));  // 1 and 9 are beyond what this one tells of
+  EXPECT_THAT(scene.hands_gone(), ElementsAre(3));
+  EXPECT_THAT(numbers(scene), ElementsAre(1, 4, 9));
+  EXPECT_EQ(scene.bodies().size(), 2u);
+  scene.take(view_of(5, SceneView::kLastHand, {}, {3}));
+  EXPECT_THAT(scene.hands_gone(), ElementsAre(9));
+  EXPECT_THAT(scene.bodies_gone(), ElementsAre(2));
+  scene.take(view_of(0, 5, {}));
+  EXPECT_THAT(scene.hands_gone(), ElementsAre(1, 4));
+  EXPECT_THAT(numbers(scene), IsEmpty());
+}
+
+TEST(SeenScene, TheNewestPlaceCounts) {
+  SeenScene scene;
+  SceneView view = view_of(0, SceneView::kLastHand, {7});
+  scene.take(view);
+  view.hand[0].pose.position.x() = 0.75;
+  scene.take(view);
+  EXPECT_EQ(scene.hands().at(7).pose.position.x(), 0.75);
+}
+
+TEST(Onlooker, CountsAndWritesDownWhatItSees) {
+  const testing::TemporaryFolder folder;
+  const auto file = folder / "view.csv";
+  Onlooker onlooker(file);
+  onlooker.views().push({0.25, view_of(0, SceneView::kLastHand, {2, 7}, {4})});
+  onlooker.look();
+  EXPECT_EQ(text(onlooker.counts()), "  sees 2 hands, 1 body");
+  onlooker.views().push({0.5, view_of(0, SceneView::kLastHand, {7})});
+  SceneView empty = view_of(0, 0, {});
+  empty.bodies_end = SceneView::kLastBody;
+  onlooker.views().push({0.75, empty});
+  onlooker.look();
+  EXPECT_EQ(text_of(file),
+            "t,kind,id,x,y,z,qw,qx,qy,qz,fx,fy,fz\n"
+            "0.25,hand,2,0.5,0,-0.25,1,0,0,0,0,0,1.5\n"
+            "0.25,hand,7,0.5,0,-0.25,1,0,0,0,0,0,1.5\n"
+            "0.25,body,4,1,2,3,1,0,0,0,,,\n"
+            "0.5,hand,7,0.5,0,-0.25,1,0,0,0,0,0,1.5\n"
+            "0.5,hand_gone,2,,,,,,,,,,\n"
+            "0.75,body_gone,4,,,,,,,,,,\n");
+  EXPECT_EQ(text(onlooker.counts()), "  sees 1 hand, 0 bodies");
+  EXPECT_EQ(onlooker.counts().views, 3u);
+  EXPECT_EQ(onlooker.counts().most_hands, 2u);
+  EXPECT_EQ(onlooker.counts().most_bodies, 1u);
+}
+
+TEST(Onlooker, SaysWhyItCannotWrite) {
+  EXPECT_THAT(testing::error_of<std::runtime_error>([] { Onlooker("/nowhere/at/all.csv"); }),
+              ::testing::AllOf(::testing::HasSubstr("/nowhere/at/all.csv: No such file"),
+                               ::testing::HasSubstr("--view")));
+}
+
+}  // namespace
+}  // namespace feltwire

@@ -1,0 +1,252 @@
+// What an observer is shown, as bytes.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <limits>
+
+#include "flatbuffers/flatbuffers.h"
+#include "protocol/codec.hpp"
+#include "protocol/profiles.hpp"
+#include "protocol/scene_view.hpp"
+#include "protocol/schema/datagram_generated.h"
+#include "tests/protocol/make.hpp"
+#include "tests/support/allocation_counter.hpp"
+
+namespace feltwire {
+namespace {
+
+using test::float_vector;
+using test::Random;
+
+constexpr double kNotANumber = std::numeric_limits<double>::quiet_NaN(),
+                 kInfinity = std::numeric_limits<double>::infinity();
+
+Pose random_pose(Random& random) {
+  Pose pose;
+  pose.position = float_vector(random, 1);
+  pose.orientation = Quaternion(test::uniform(random, -1, 1), test::uniform(random, -1, 1),
+                                test::uniform(random, -1, 1), test::uniform(random, 0.1, 1))
+                         .normalized();
+  return pose;
+}
+
+SceneView view_of(std::size_t hands, std::size_t bodies, Random& random) {
+  SceneView view;
+  view.hands_from = 3;
+  view.hands_end = SceneView::kLastHand;
+  view.bodies_from = 1;
+  view.bodies_end = 100;
+  view.hand_count = hands;
+  view.body_count = bodies;
+  for (std::size_t i = 0; i < hands; ++i)
+    view.hand[i] = {static_cast<std::uint32_t>(4 + 2 * i), random_pose(random),
+                    float_vector(random, 10)};
+  for (std::size_t i = 0; i < bodies; ++i)
+    view.body[i] = {static_cast<std::uint16_t>(1 + 3 * i), random_pose(random)};
+  return view;
+}
+
+/// With everything that stands in one without a model.
+Reply longest_reply() {
+  Reply reply;
+  reply.sample_index = reply.violations = reply.withheld = ~std::uint64_t{0};
+  reply.client_time = reply.server_receive_time = reply.server_send_time = Nanoseconds(-1);
+  reply.rotation = reply.predicted = true;
+  return reply;
+}
+
+void expect_near(const Pose& a, const Pose& b) {
+  EXPECT_EQ(a.position, b.position);
+  EXPECT_LE((a.orientation.coeffs() - b.orientation.coeffs()).norm(), 1e-6);
+}
+
+TEST(ViewCodec, RoundTrip) {
+  Random random(31);
+  Encoder encoder;
+  for (int round = 0; round < 200; ++round) {
+    const SceneView sent = view_of(random() % 16, random() % 4, random);
+    Reply reply;
+    SceneView got;
+    ASSERT_EQ(decode(encoder.reply(longest_reply(), &sent), reply, &got), DropReason::none);
+    ASSERT_TRUE(got.present);
+    EXPECT_EQ(got.hands_from, sent.hands_from);
+    EXPECT_EQ(got.hands_end, sent.hands_end);
+    EXPECT_EQ(got.bodies_from, sent.bodies_from);
+    EXPECT_EQ(got.bodies_end, sent.bodies_end);
+    ASSERT_EQ(got.hand_count, sent.hand_count);
+    ASSERT_EQ(got.body_count, sent.body_count);
+    for (std::size_t i = 0; i < sent.hand_count; ++i) {
+      EXPECT_EQ(got.hand[i].number, sent.hand[i].number);
+      EXPECT_EQ(got.hand[i].force, sent.hand[i].force);
+      expect_near(got.hand[i].pose, sent.hand[i].pose);
+    }
+    for (std::size_t i = 0; i < sent.body_count; ++i) {
+      EXPECT_EQ(got.body[i].object, sent.body[i].object);
+      expect_near(got.body[i].pose, sent.body[i].pose);
+    }
+    EXPECT_EQ(decode(encoder.reply(longest_reply(), &sent), reply), DropReason::none);
+  }
+}
+
+/// The bytes that replies had before there were observers to be shown anything.
+TEST(ViewCodec, WhoIsShownNothingPaysNoByte) {
+  Encoder encoder;
+  Reply reply = longest_reply();
+  EXPECT_EQ(encoder.reply(reply).size(), 224u);
+  reply.rotation = reply.predicted = false;
+  EXPECT_EQ(encoder.reply(reply).size(), 160u);
+  reply.withheld = 0;
+  EXPECT_EQ(encoder.reply(reply).size(), 152u);
+  reply.modelled = true;
+  reply.model.count = kMaxPatches;
+  EXPECT_EQ(encoder.reply(reply).size(), 496u);
+  SceneView view;
+  view.present = true;
+  EXPECT_EQ(decode(encoder.reply(reply), reply, &view), DropReason::none);
+  EXPECT_FALSE(view.present);
+}
+
+/// The sizes of PROTOCOL.md.
+TEST(ViewCodec, IsAsLongAsItSays) {
+  Random random(32);
+  Encoder encoder;
+  const Reply reply = longest_reply();
+  const auto size = [&](std::size_t hands, std::size_t bodies) {
+    const SceneView view = view_of(hands, bodies, random);
+    return encoder.reply(reply, &view).size();
+  };
+  EXPECT_EQ(size(0, 0) + kOverhead, 296u);
+  EXPECT_EQ(size(1, 0) + kOverhead, 352u);
+  EXPECT_EQ(size(2, 1) + kOverhead, 440u);
+  EXPECT_EQ(size(19, 1) + kOverhead, 1184u);
+  EXPECT_EQ(size(6, 0) + kOverhead, 576u);
+  for (const double between : {0.001, 0.08}) {
+    const std::size_t room = view_room(between);
+    std::size_t longest = 0;
+    for (std::size_t hands = 0; hands <= room / SceneView::kHandSize; ++hands)
+      longest = std::max(longest,
+                         size(hands, (room - hands * SceneView::kHandSize) / SceneView::kBodySize));
+    Reply modelled = reply;
+    modelled.modelled = true;
+    modelled.model.count = kMaxPatches;
+    EXPECT_LE(longest, between < 0.04 ? kMaxPayload : encoder.reply(modelled).size()) << between;
+  }
+  EXPECT_EQ(view_room(0.001) / SceneView::kHandSize, SceneView::kMaxHands);
+  EXPECT_EQ(view_room(0.001) / SceneView::kBodySize, SceneView::kMaxBodies);
+  const NetworkProfile& thin = network_profile("thin");
+  EXPECT_EQ(view_room(1.0 / thin.packet_rate), view_room(1.0));
+}
+
+TEST(ViewCodec, TakesNoMemoryAfterTheFirst) {
+#ifdef FELTWIRE_SANITIZED
+  GTEST_SKIP() << "sanitizers count by themselves";
+#endif
+  Random random(33);
+  const SceneView view = view_of(SceneView::kMaxHands, 0, random);
+  Reply reply;
+  SceneView got;
+  Encoder encoder;
+  encoder.reply({}, nullptr);
+  const std::size_t before = test::allocations();
+  EXPECT_EQ(decode(encoder.reply(longest_reply(), &view), reply, &got), DropReason::none);
+  EXPECT_EQ(decode(encoder.reply(longest_reply(), &view), reply), DropReason::none);
+  EXPECT_EQ(test::allocations(), before);
+}
+
+TEST(ViewCodec, WhatIsNoViewIsDropped) {
+  struct Spoil {
+    DropReason drop;
+    std::function<void(SceneView&)> apply;
+  };
+  const std::vector<Spoil> spoils = {
+      {DropReason::order, [](SceneView& v) { v.hands_from = 5; }},
+      {DropReason::order, [](SceneView& v) { v.hands_end = 6; }},
+      {DropReason::order, [](SceneView& v) { v.hand[1].number = v.hand[0].number; }},
+      {DropReason::order, [](SceneView& v) { v.bodies_from = 2; }},
+      {DropReason::order, [](SceneView& v) { v.bodies_end = 4; }},
+      {DropReason::order, [](SceneView& v) { std::swap(v.body[0], v.body[1]); }},
+      {DropReason::not_finite, [](SceneView& v) { v.hand[1].pose.position.x() = kNotANumber; }},
+      {DropReason::not_finite, [](SceneView& v) { v.hand[1].force.y() = kInfinity; }},
+      {DropReason::not_finite, [](SceneView& v) { v.hand[0].pose.orientation.w() = kNotANumber; }},
+      {DropReason::not_finite, [](SceneView& v) { v.body[1].pose.position.z() = kInfinity; }},
+      {DropReason::not_finite, [](SceneView& v) { v.body[0].pose.orientation.coeffs() *= 1.01; }},
+      // Of two faults the first check's counts.
+      {DropReason::order,
+       [](SceneView& v) { v.hand[0].force.x() = kNotANumber, v.body[1].object = 0; }},
+  };
+  Random random(34);
+  Encoder encoder;
+  Reply reply;
+  SceneView got;
+  for (std::size_t which = 0; which < spoils.size(); ++which) {
+    SceneView view = view_of(2, 2, random);
+    ASSERT_EQ(decode(encoder.reply(longest_reply(), &view), reply, &got), DropReason::none);
+    spoils[which].apply(view);
+    const Bytes bytes = encoder.reply(longest_reply(), &view);
+    EXPECT_EQ(decode(bytes, reply, &got), spoils[which].drop) << "spoil " << which;
+    EXPECT_EQ(decode(bytes, reply), spoils[which].drop) << "unread, spoil " << which;
+  }
+}
+
+TEST(ViewCodec, MoreThanAViewMayHave) {
+  const auto verdict = [](std::size_t hands, std::size_t bodies) {
+    flatbuffers::FlatBufferBuilder builder;
+    std::vector<wire::SeenHand> many_hands;
+    std::vector<wire::SeenBody> many_bodies;
+    const wire::Vec3f at(0, 0, 0);
+    const wire::Quatf level(1, 0, 0, 0);
+    for (std::size_t i = 0; i < hands; ++i)
+      many_hands.emplace_back(at, level, at, static_cast<std::uint32_t>(i));
+    for (std::size_t i = 0; i < bodies; ++i)
+      many_bodies.emplace_back(at, level, static_cast<std::uint16_t>(i));
+    const auto wire_hands = builder.CreateVectorOfStructs(many_hands);
+    const auto wire_bodies = builder.CreateVectorOfStructs(many_bodies);
+    const auto view = wire::CreateSceneView(builder, 0, 99, 0, 99, wire_hands, wire_bodies);
+    const wire::Vec3d zero;
+    const wire::BoundingReport report;
+    builder.Finish(wire::CreateReply(builder, 1, 0, 0, 0, &zero, &zero, nullptr, &report, 0,
+                                     nullptr, 0, view));
+    Reply reply;
+    SceneView got;
+    return decode(Bytes(builder.GetBufferPointer(), builder.GetSize()), reply, &got);
+  };
+  EXPECT_EQ(verdict(SceneView::kMaxHands, 1), DropReason::none);
+  EXPECT_EQ(verdict(SceneView::kMaxHands + 1, 1), DropReason::count);
+  EXPECT_EQ(verdict(1, SceneView::kMaxBodies), DropReason::none);
+  EXPECT_EQ(verdict(0, SceneView::kMaxBodies + 1), DropReason::count);
+}
+
+/// Every truncation, every bit: nothing is read that is not there, and what passes is a view.
+TEST(ViewCodec, SpoiledBytesAreDroppedOrStillAView) {
+  Random random(35);
+  Encoder encoder;
+  const SceneView view = view_of(2, 2, random);
+  const Bytes sent = encoder.reply(longest_reply(), &view);
+  const std::vector<std::uint8_t> bytes(sent.begin(), sent.end());
+  Reply reply;
+  SceneView got;
+  for (std::size_t size = 0; size < bytes.size(); ++size) {
+    // Of its own, so that a read beyond it is seen.
+    const std::vector<std::uint8_t> part(bytes.begin(),
+                                         bytes.begin() + static_cast<std::ptrdiff_t>(size));
+    decode(part, reply, &got);
+  }
+  for (std::size_t bit = 0; bit < 8 * bytes.size(); ++bit) {
+    std::vector<std::uint8_t> spoiled = bytes;
+    spoiled[bit / 8] = static_cast<std::uint8_t>(spoiled[bit / 8] ^ (1u << (bit % 8)));
+    if (decode(spoiled, reply, &got) != DropReason::none || !got.present) continue;
+    ASSERT_LE(got.hand_count, SceneView::kMaxHands);
+    ASSERT_LE(got.body_count, SceneView::kMaxBodies);
+    for (const SeenHand& hand : got.hands())
+      EXPECT_TRUE(hand.pose.position.allFinite() && hand.force.allFinite() &&
+                  hand.number >= got.hands_from && hand.number < got.hands_end);
+    for (const SeenBody& body : got.bodies())
+      EXPECT_TRUE(body.pose.position.allFinite() && body.object >= got.bodies_from &&
+                  body.object < got.bodies_end);
+  }
+}
+
+}  // namespace
+}  // namespace feltwire
