@@ -3,6 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/geometry/distance_grid.hpp"
+#include "core/geometry/mesh_surface.hpp"
+#include "core/geometry/signed_distance.hpp"
+#include "core/geometry/tessellation.hpp"
 #include "core/parallel.hpp"
 #include "scenes/room_text.hpp"
 #include "sim/fidelity.hpp"
@@ -11,6 +15,8 @@ namespace feltwire {
 namespace {
 
 constexpr double kBall = 0.09;         // [m] radius, the paper's
+constexpr int kBallLevel = 6;          // 81920 triangles
+constexpr double kGrid = 2e-3;         // [m] resolution
 constexpr double kStiffness = 1000.0;  // [N/m]
 constexpr double kPress = 3.0;         // [N]
 constexpr double kDuration = 4.0;      // [s]
@@ -61,6 +67,17 @@ std::vector<Task> all_tasks() {
   orbit.clearance *= 2.0;  // from within the ball
   tasks.push_back(
       {"ball", Scene("ball", {object("ball", Sphere{kBall}, Vec3::Zero(), smooth)}), orbit});
+
+  // The same as triangles, and as a grid of its distances.
+  const Object facets = object(
+      "ball", Mesh{std::make_shared<MeshSurface>(TriangleMesh(icosphere(kBall, kBallLevel)))},
+      Vec3::Zero(), smooth);
+  tasks.push_back({"mesh", Scene("mesh", {facets}), orbit});
+  const Object sampled = object("ball",
+                                Grid{std::make_shared<DistanceGrid<float>>(
+                                    solid_of(Sphere{kBall}), GridOptions{.resolution = kGrid})},
+                                Vec3::Zero(), smooth);
+  tasks.push_back({"grid", Scene("grid", {sampled}), orbit});
 
   HandTask slide = hand(HandPath::slide);
   slide.frequency = 1.0;

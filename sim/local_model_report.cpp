@@ -27,12 +27,15 @@ std::vector<std::string> tasks_of(const std::vector<LocalModelCell>& cells) {
 void draw(const std::filesystem::path& directory, const std::vector<LocalModelCell>& cells) {
   constexpr std::size_t kColumns = 4;
   const std::vector<std::string> tasks = tasks_of(cells);
-  std::string script =
-      "set terminal pngcairo size 1500,760 font 'Sans,11'\nset output 'local_model.png'\n"
-      "set datafile separator ','\nset datafile missing NaN\nset grid lt 1 lc rgb '#dddddd'\nset "
+  constexpr std::size_t kRowHeight = 380;  // pixels
+  const std::size_t rows = (tasks.size() + kColumns) / kColumns;
+  std::string script;
+  append(script, "set terminal pngcairo size 1500,%zu font 'Sans,11'\n", rows * kRowHeight);
+  script +=
+      "set output 'local_model.png'\nset datafile separator ','\nset datafile missing NaN\nset "
+      "grid lt 1 lc rgb '#dddddd'\nset "
       "tics nomirror\n";
-  append(script, "set multiplot layout %zu,%zu title ", (tasks.size() + kColumns) / kColumns,
-         kColumns);
+  append(script, "set multiplot layout %zu,%zu title ", rows, kColumns);
   script +=
       "'Force on the hand against what the scene answers its true position: error over force, "
       "both RMS'\n"

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/geometry/half_spaces.hpp"
 #include "core/numeric.hpp"
 
 namespace feltwire {
@@ -34,11 +35,44 @@ struct Proxy {
       patch = &by;
       deepest_ = -h.height;
     }
+    ++count_;
+  }
+
+  /// Not the sum, where the surfaces that meet are not at right angles: the nearest place in front
+  /// of all, each taken for its tangent plane.
+  void move_before(std::span<const HalfSpace> spaces, const Vec3& tool) {
+    if (count_ == 0 || spaces.size() < 2) return;
+    constexpr double kExact = 1e-12;  // of the depth
+    const Nearest nearest = nearest_in(spaces, tool, kExact * deepest_);
+    if (!nearest.found) return;
+    beyond = nearest.point - tool;
+    depth = length(beyond);
+    normal = direction(beyond);
   }
 
  private:
   double deepest_ = 0.0;  // [m]
+  int count_ = 0;
 };
+
+/// The joined patch whose face the proxy is on: where an obtuse edge lies between it and its foot,
+/// the one beyond.
+const SurfacePatch* slid(std::span<const SurfacePatch> patches, const SurfacePatch* from,
+                         double age, const Vec3& tool, Height& height) {
+  constexpr double kExact = 1e-9;  // of the depth: at right angles nothing is beyond
+  const Vec3 foot = tool - height.height * height.normal;
+  const SurfacePatch* to = from;
+  double highest = -kExact * height.height;
+  for (const SurfacePatch& patch : patches) {
+    if (!patch.joined || patch.object != from->object || &patch == from) continue;
+    const double above = height_above(patch, age * patch.velocity, foot).height;
+    if (!(above > highest)) continue;
+    highest = above;
+    to = &patch;
+  }
+  if (to != from) height = height_above(*to, age * to->velocity, tool);
+  return to;
+}
 
 }  // namespace
 
@@ -106,12 +140,16 @@ Command LocalContact::touch_object(Contact& contact, const Tool& tool, double ag
   const SurfacePatch* joined = nullptr;  // the one of the joined that pushes
   Height joined_height;
   bool inside_joined = true;
+  std::array<HalfSpace, kMaxPatches> spaces;
+  std::size_t hollow = 0;  // of them
   for (const SurfacePatch& patch : model_.view()) {
     if (patch.object != contact.object) continue;
     const Height h = height_above(patch, age * patch.velocity, tool.position);
     const Vec3& undefined = memory.feature.feature != 0 ? memory.feature.normal : patch.normal;
     if (!patch.joined) {
       if (solid(h)) proxy.add(patch, h, undefined);
+      const Vec3 normal = h.normal.isZero(0.0) ? undefined : h.normal;
+      spaces[hollow++] = {normal, normal.dot(tool.position) - h.height};
       continue;
     }
     inside_joined &= solid(h);
@@ -123,6 +161,9 @@ Command LocalContact::touch_object(Contact& contact, const Tool& tool, double ag
       joined_height = h;
     }
   }
+  if (joined == nullptr) proxy.move_before({spaces.data(), hollow}, tool.position);
+  if (joined != nullptr && inside_joined)
+    joined = slid(model_.view(), joined, age, tool.position, joined_height);
   if (joined != nullptr && inside_joined)
     proxy.add(*joined, joined_height,
               memory.feature.feature != 0 ? memory.feature.normal : joined->normal);

@@ -29,9 +29,9 @@ struct SurfacePatch {
   std::uint16_t object = 0;
   std::uint8_t feature = 0;  // as FeatureMemory has it
   /// The solid is only where the tool is behind all joined patches of this object (a convex edge or
-  /// corner), and pushes along the one it was entered by; patches that are not joined are solids of
-  /// their own. Either way an object is one contact: depth times normal is the sum over what the
-  /// tool is behind, and friction has one stick point.
+  /// corner), and pushes along the one it was entered by, or beyond an obtuse edge by the next;
+  /// patches that are not joined are solids of their own, and push to the nearest place in front of
+  /// all. Either way an object is one contact with one stick point.
   bool joined = false;
 };
 

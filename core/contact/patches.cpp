@@ -2,10 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
-#include "core/geometry/mesh_surface.hpp"
-#include "core/geometry/signed_distance.hpp"
 #include "core/numeric.hpp"
 
 namespace feltwire {
@@ -112,14 +109,6 @@ SurfaceParts parts(const Cylinder& cylinder, Side side, const Vec3& p, std::uint
   return all;
 }
 
-/// No patch describes it; the reach ends where it may begin.
-SurfaceParts parts(const Grid& grid, Side side, const Vec3& p, std::uint8_t) {
-  SurfaceParts all;
-  const double distance = distance_at_least(grid, side, p, std::numeric_limits<double>::infinity());
-  add(all, std::max(0.0, distance), kOnlyFeature, false);
-  return all;
-}
-
 /// Geometry of a patch, object frame.
 struct Surface {
   Vec3 point = Vec3::Zero(), normal = Vec3::UnitZ(), axis = Vec3::Zero();
@@ -188,16 +177,26 @@ Surface surface(const Cylinder& cylinder, Side side, const Vec3& p, int face,
   return s;
 }
 
-/// A surface of facets is no patch: it is not shown, and what is told of the others ends where it
-/// begins.
-SurfaceParts parts(const Mesh& mesh, const Vec3& p) {
-  constexpr double kFar = 0.1;  // [m] no model reaches farther (near.hpp)
-  const MeshSurface& surface = *mesh.surface;
-  const auto nearest = surface.nearest(p - surface.mesh().origin(), kFar);
-  SurfaceParts all;
-  if (nearest.distance <= kFar)
-    add(all, std::max(0.0, nearest.distance - surface.options().radius), kOnlyFeature, false);
-  return all;
+/// touched: what a tool remembers that touches just this, else null.
+SurfacePatch in_world(const Object& object, const Surface& s, std::uint8_t feature,
+                      const ContactMemory* touched) {
+  const Quaternion& to_world = object.pose.orientation;
+  SurfacePatch patch;
+  patch.point = object.pose.position + to_world * s.point;
+  patch.normal = to_world * s.normal;
+  patch.axis = to_world * s.axis;
+  patch.curvature = s.curvature;
+  patch.joined = s.joined;
+  patch.material = object.material;
+  patch.feature = feature;
+  // Without friction there is no stick point.
+  patch.anchor = patch.point;
+  patch.touching = touched != nullptr;
+  if (patch.touching && object.material.static_friction > 0.0) {
+    patch.anchor = object.pose.position + to_world * touched->anchor;
+    patch.slipping = touched->slipping;
+  }
+  return patch;
 }
 
 }  // namespace
@@ -213,8 +212,6 @@ SurfaceParts surface_parts(const Shape& shape, Side side, const Vec3& position,
     return parts(*capsule, side, position, entered);
   if (const auto* cylinder = std::get_if<Cylinder>(&shape))
     return parts(*cylinder, side, position, entered);
-  if (const auto* mesh = std::get_if<Mesh>(&shape)) return parts(*mesh, position);
-  if (const auto* grid = std::get_if<Grid>(&shape)) return parts(*grid, side, position, entered);
   return {};
 }
 
@@ -236,22 +233,20 @@ SurfacePatch surface_patch(const Object& object, const Vec3& position, std::uint
   else if (const auto* cylinder = std::get_if<Cylinder>(&object.shape))
     s = surface(*cylinder, side, p, face, memory);
 
-  SurfacePatch patch;
-  patch.point = object.pose.position + to_world * s.point;
-  patch.normal = to_world * s.normal;
-  patch.axis = to_world * s.axis;
-  patch.curvature = s.curvature;
-  patch.joined = s.joined;
-  patch.material = object.material;
-  patch.feature = feature;
-  // Without friction there is no stick point.
-  patch.anchor = patch.point;
-  patch.touching = memory.touching && memory.feature.feature == feature;
-  if (patch.touching && object.material.static_friction > 0.0) {
-    patch.anchor = object.pose.position + to_world * memory.anchor;
-    patch.slipping = memory.slipping;
-  }
-  return patch;
+  return in_world(object, s, feature,
+                  memory.touching && memory.feature.feature == feature ? &memory : nullptr);
+}
+
+SurfacePatch surface_patch(const Object& object, const FittedPatches& fitted, int index,
+                           const ContactMemory& memory) noexcept {
+  const FittedPatch& fit = fitted.patches[static_cast<std::size_t>(index)];
+  const Surface s{.point = fit.point,
+                  .normal = fit.normal,
+                  .axis = fit.axis,
+                  .curvature = fit.curvature,
+                  .joined = fitted.joined};
+  // The first is what the tool stands on.
+  return in_world(object, s, fit.feature, memory.touching && index == 0 ? &memory : nullptr);
 }
 
 }  // namespace feltwire

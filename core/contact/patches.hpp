@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "core/contact/contact.hpp"
+#include "core/contact/fitted_patches.hpp"
 #include "core/contact/local_model.hpp"
 
 namespace feltwire {
@@ -25,7 +26,8 @@ struct SurfaceParts {
   }
 };
 
-/// All parts of the shape's surface. `position` [m, object frame]; `entered` is the feature that a
+/// All parts of an analytic shape's surface; none of a mesh or a grid, whose patches are fitted
+/// (fitted_patches.hpp). `position` [m, object frame]; `entered` is the feature that a
 /// tool there stands on, 0: none.
 ///
 /// For every R: within R of the position, the shape is what the parts with distance < R make of it,
@@ -37,6 +39,10 @@ SurfaceParts surface_parts(const Shape& shape, Side side, const Vec3& position,
 /// The shown part of that feature as a patch in the world frame, at its point nearest to `position`
 /// [m, world], with radius 0 and object 0: these are the caller's to say.
 SurfacePatch surface_patch(const Object& object, const Vec3& position, std::uint8_t feature,
+                           const ContactMemory& memory) noexcept;
+
+/// The same of a fitted patch.
+SurfacePatch surface_patch(const Object& object, const FittedPatches& fitted, int index,
                            const ContactMemory& memory) noexcept;
 
 }  // namespace feltwire

@@ -51,6 +51,10 @@ class MeshSurface {
 
   /// Normals at the corners, unit, weighted by the angles round them; only of smooth surfaces.
   const std::vector<Vec3>& normals() const { return normals_; }
+  /// That normal at one corner, of any surface.
+  Vec3 normal_at(std::uint32_t vertex) const noexcept {
+    return normals_.empty() ? corner_normal(vertex) : normals_[vertex];
+  }
 
   /// Does this movement go through triangle t, from a side of `sides`? `part` says where. In the
   /// plane is in front of one side; of both sides, it is reached, and no way begins there. Of two

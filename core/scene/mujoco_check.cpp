@@ -4,6 +4,8 @@
 #include <cmath>
 #include <cstdio>
 
+#include "core/geometry/mesh_surface.hpp"
+
 namespace feltwire::mujoco {
 namespace {
 
@@ -25,7 +27,14 @@ Vec3 half_extents(const Shape& shape) {
   if (const auto* c = std::get_if<Capsule>(&shape))
     return {c->radius, c->radius, c->half_length + c->radius};
   if (const auto* c = std::get_if<Cylinder>(&shape)) return {c->radius, c->radius, c->half_length};
+  if (const auto* m = std::get_if<Mesh>(&shape)) return m->surface->mesh().half_extents();
   return Vec3::Zero();
+}
+
+/// [m, object frame] of that box.
+Vec3 middle(const Shape& shape) {
+  const auto* mesh = std::get_if<Mesh>(&shape);
+  return mesh != nullptr ? mesh->surface->mesh().origin() : Vec3::Zero();
 }
 
 /// [1/kg] velocity that a unit impulse along `normal` gives the body at `point`.
@@ -52,10 +61,10 @@ double most_yielding(const mjModel& model, mjData& data, const Object& object, i
         if (std::holds_alternative<Sphere>(object.shape) &&
             std::abs(x) + std::abs(y) + std::abs(z) > 1)
           continue;
-        const Vec3 own = h.cwiseProduct(Vec3(x, y, z));
+        const Vec3 own = middle(object.shape) + h.cwiseProduct(Vec3(x, y, z));
         const Vec3 point = object.pose.position + object.pose.orientation * own;
         for (int axis = 0; axis < 3; ++axis)
-          if (own[axis] != 0.0)
+          if (Vec3(x, y, z)[axis] != 0.0)
             most = std::max(most, yielding(model, data, body, point,
                                            object.pose.orientation * Vec3::Unit(axis)));
       }

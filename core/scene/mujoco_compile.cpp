@@ -2,17 +2,23 @@
 #include <array>
 #include <cmath>
 #include <cstdlib>
-#include <numbers>
 #include <set>
 #include <stdexcept>
 
+#include "core/geometry/mesh_surface.hpp"
 #include "core/numeric.hpp"
+#include "core/scene/mass_properties.hpp"
 #include "core/scene/mechanism.hpp"
 #include "core/scene/mujoco_check.hpp"
 #include "core/scene/mujoco_guard.hpp"
+#include "core/scene/mujoco_text.hpp"
 
 namespace feltwire {
 namespace {
+
+using mujoco::attribute;
+using mujoco::place;
+using mujoco::text;
 
 using Found = std::optional<Broken>;
 
@@ -55,21 +61,8 @@ Found jointless(const Body& b) {
   return Broken{field, "is of a hinge or a slide, this body is free; name its joint or remove it"};
 }
 
-// The model, as MJCF. Bodies are b0, b1, ..., geoms o0, o1, ... by object.
-
-std::string text(const Vec3& v) {
-  return number_text(v.x()) + " " + number_text(v.y()) + " " + number_text(v.z());
-}
-std::string text(const Quaternion& q) {
-  return number_text(q.w()) + " " + number_text(q.x()) + " " + number_text(q.y()) + " " +
-         number_text(q.z());
-}
-std::string attribute(const char* name, const std::string& value) {
-  return " " + std::string(name) + "=\"" + value + "\"";
-}
-std::string place(const Pose& pose) {
-  return attribute("pos", text(pose.position)) + attribute("quat", text(pose.orientation));
-}
+// The model, as MJCF. Bodies are b0, b1, ..., geoms o0, o1, ... by object, meshes m0, m1, ...
+// alike.
 
 /// Empty: no such geom.
 std::string geom_shape(const Shape& shape) {
@@ -88,17 +81,19 @@ std::string geom_shape(const Shape& shape) {
   return {};
 }
 
-/// [m^3]; 0: it has none.
-double volume(const Shape& shape) {
-  constexpr double kPi = std::numbers::pi;
-  const auto cubed = [](double r) { return r * r * r; };
-  if (const auto* s = std::get_if<Sphere>(&shape)) return 4.0 / 3.0 * kPi * cubed(s->radius);
-  if (const auto* b = std::get_if<Box>(&shape)) return 8.0 * b->half_extents.prod();
-  if (const auto* c = std::get_if<Capsule>(&shape))
-    return 2.0 * kPi * c->radius * c->radius * c->half_length + 4.0 / 3.0 * kPi * cubed(c->radius);
-  if (const auto* c = std::get_if<Cylinder>(&shape))
-    return 2.0 * kPi * c->radius * c->radius * c->half_length;
-  return 0.0;
+const TriangleMesh* triangles_of(const Shape& shape) {
+  const auto* mesh = std::get_if<Mesh>(&shape);
+  return mesh != nullptr ? &mesh->surface->mesh() : nullptr;
+}
+
+/// Of a mesh that bounds a solid; MuJoCo makes its convex hull of it. Empty: it bounds none.
+std::string hull(std::size_t object, const Shape& shape) {
+  const TriangleMesh* mesh = triangles_of(shape);
+  if (mesh == nullptr || !(mass_properties(shape).volume > 0.0)) return {};
+  std::string vertices;
+  for (const Vec3& v : mesh->vertices()) vertices += text(v) + " ";
+  return "<mesh" + attribute("name", "m" + std::to_string(object)) + attribute("vertex", vertices) +
+         "/>\n";
 }
 
 Pose operator*(const Pose& a, const Pose& b) {
@@ -107,6 +102,20 @@ Pose operator*(const Pose& a, const Pose& b) {
 Pose inverse(const Pose& p) {
   const Quaternion back = p.orientation.conjugate();
   return {back * -p.position, back};
+}
+
+/// Shape and place of an object, empty where there is no such geom. A mesh's vertices are about its
+/// middle.
+struct Placed {
+  std::string shape;
+  Pose pose;
+};
+Placed placed_geom(std::size_t index, const Object& object, const Pose& pose) {
+  const TriangleMesh* mesh = triangles_of(object.shape);
+  if (mesh == nullptr) return {geom_shape(object.shape), pose};
+  if (!(mass_properties(object.shape).volume > 0.0)) return {};
+  return {attribute("type", "mesh") + attribute("mesh", "m" + std::to_string(index)),
+          pose * Pose{mesh->origin(), Quaternion::Identity()}};
 }
 
 std::string geom(std::size_t object, const char* suffix, const std::string& shape, const Pose& pose,
@@ -124,9 +133,9 @@ std::string geom(std::size_t object, const char* suffix, const std::string& shap
 /// that MuJoCo has no geom for, let bodies through.
 std::string still_geom(std::size_t index, const Object& object,
                        std::vector<std::string>& warnings) {
-  const std::string shape = geom_shape(object.shape);
-  if (!shape.empty() && object.felt_from == Side::outside)
-    return geom(index, "", shape, object.pose, object.material, "");
+  const Placed placed = placed_geom(index, object, object.pose);
+  if (!placed.shape.empty() && object.felt_from == Side::outside)
+    return geom(index, "", placed.shape, placed.pose, object.material, "");
   const std::string plane = geom_shape(Plane{});
   const auto facing = [&](const Vec3& place, const Vec3& normal, const char* suffix) {
     const Pose own{place, Quaternion::FromTwoVectors(Vec3::UnitZ(), normal)};
@@ -146,7 +155,7 @@ std::string still_geom(std::size_t index, const Object& object,
   warnings.push_back(
       "object '" + object.name +
       "': hands feel it, but bodies pass through it: MuJoCo has no such solid; build "
-      "what bodies rest on from planes, boxes, spheres, capsules and cylinders");
+      "what bodies rest on from planes, boxes, spheres, capsules, cylinders and closed meshes");
   return {};
 }
 
@@ -166,13 +175,37 @@ std::string joint_text(const Body& b) {
   return out + "/>\n";
 }
 
-/// Of the body's volume, whatever was given.
-double density_of(const Body& body, const std::vector<Object>& objects,
-                  const std::vector<int>& body_of, int index) {
-  double all = 0.0;
+/// Of the body's objects, in its frame.
+MassProperties solid_of(const Body& body, const std::vector<Object>& objects,
+                        const std::vector<int>& body_of, int index) {
+  MassProperties all;
   for (std::size_t i = 0; i < objects.size(); ++i)
-    if (body_of[i] == index) all += volume(objects[i].shape);
-  return body.mass ? *body.mass / all : *body.density;
+    if (body_of[i] == index)
+      all = together(
+          all, placed(mass_properties(objects[i].shape), inverse(body.pose) * objects[i].pose));
+  return all;
+}
+
+/// Where a mesh has a part in it: MuJoCo would take the hull for the solid.
+std::string inertial(const MassProperties& solid, double density) {
+  const Mat3 inertia = density * solid.inertia;
+  return "<inertial" + attribute("pos", text(solid.center)) +
+         attribute("mass", number_text(density * solid.volume)) +
+         attribute("fullinertia", text(inertia.diagonal()) + " " +
+                                      text(Vec3(inertia(0, 1), inertia(0, 2), inertia(1, 2)))) +
+         "/>\n";
+}
+
+/// Of a mesh why it cannot move.
+Broken no_volume(const TriangleMesh& mesh) {
+  const MeshReport& report = mesh.report();
+  if (!report.closed())
+    return {"mesh", "its surface is not closed (" + std::to_string(report.boundary_edges) +
+                        " open edges, " + std::to_string(report.non_manifold_edges) +
+                        " with more than two triangles, " + std::to_string(report.turned_edges) +
+                        " between triangles turned against each other), so it has no volume and "
+                        "cannot move; close it, or take it off its body"};
+  return {"mesh", "its normals look inwards, so it has no volume and cannot move; turn them"};
 }
 
 void check_bodies(const std::vector<Object>& objects, const std::vector<int>& body_of,
@@ -195,40 +228,69 @@ void check_bodies(const std::vector<Object>& objects, const std::vector<int>& bo
       refuse(whose, {"felt_from",
                      "a body is a solid and cannot be felt from inside; build the "
                      "hollow from several objects"});
-    if (!(volume(objects[i].shape) > 0.0))
-      refuse(whose, {"body",
-                     "this shape has no volume and cannot move; use a sphere, a box, a "
-                     "capsule or a cylinder"});
+    if (mass_properties(objects[i].shape).volume > 0.0) continue;
+    if (const TriangleMesh* mesh = triangles_of(objects[i].shape)) refuse(whose, no_volume(*mesh));
+    refuse(whose, {"body",
+                   "this shape has no volume and cannot move; use a sphere, a box, a capsule, a "
+                   "cylinder or a closed mesh"});
   }
+}
+
+/// The meshes that bodies may run into.
+std::string hulls_of(const std::vector<Object>& objects, std::vector<std::string>& warnings) {
+  std::string xml;
+  for (std::size_t i = 0; i < objects.size(); ++i) {
+    if (objects[i].felt_from != Side::outside) continue;
+    const std::string mesh = hull(i, objects[i].shape);
+    if (!mesh.empty() && !is_convex(*triangles_of(objects[i].shape)))
+      warnings.push_back("object '" + objects[i].name +
+                         "': hands feel the mesh, but bodies run into its convex hull; where that "
+                         "matters build it from several convex objects");
+    xml += mesh;
+  }
+  return xml;
 }
 
 std::string model_text(const std::vector<Object>& objects, const std::vector<int>& body_of,
                        const std::vector<Body>& bodies, const MechanismOptions& options,
                        std::vector<std::string>& warnings) {
   const std::string solref = number_text(kContactTicks * options.tick) + " 1";
+  const std::string hulls = hulls_of(objects, warnings);
   std::string xml = "<mujoco><compiler angle=\"radian\"/>\n<option" +
                     attribute("timestep", number_text(options.tick)) +
                     attribute("gravity", text(options.gravity)) +
                     // Friction that holds: the elliptic cone stiffened, and the slow slip of soft
                     // constraints taken out by the second solver.
                     attribute("cone", "elliptic") + attribute("impratio", "10") +
-                    attribute("noslip_iterations", "5") + "/>\n<default><geom" +
-                    attribute("solref", solref) + attribute("solimp", kImpedance) + "/><joint" +
+                    attribute("noslip_iterations", "5") + ">" +
+                    // Hulls lie flat on more than one point.
+                    (hulls.empty() ? "" : "<flag multiccd=\"enable\"/>") +
+                    "</option>\n<default><geom" + attribute("solref", solref) +
+                    attribute("solimp", kImpedance) + "/><joint" +
                     attribute("solreflimit", solref) + attribute("solimplimit", kImpedance) +
-                    attribute("solreffriction", solref) + "/></default>\n<worldbody>\n";
+                    attribute("solreffriction", solref) + "/></default>\n<asset>\n";
+  xml += hulls;
+  xml += "</asset>\n<worldbody>\n";
   for (std::size_t i = 0; i < objects.size(); ++i)
     if (body_of[i] < 0) xml += still_geom(i, objects[i], warnings);
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     const Body& body = bodies[b];
     xml += "<body" + attribute("name", "b" + std::to_string(b)) + place(body.pose) + ">" +
            joint_text(body);
-    const double density = density_of(body, objects, body_of, static_cast<int>(b));
+    const auto number = static_cast<int>(b);
+    const MassProperties solid = solid_of(body, objects, body_of, number);
+    const double density = body.mass ? *body.mass / solid.volume : *body.density;
+    bool has_mesh = false;
+    for (std::size_t i = 0; i < objects.size(); ++i)
+      has_mesh |= body_of[i] == number && triangles_of(objects[i].shape) != nullptr;
+    if (has_mesh) xml += inertial(solid, density);
     std::string more = attribute("density", number_text(density));
     if (!body.collides) more += attribute("contype", "0") + attribute("conaffinity", "0");
-    for (std::size_t i = 0; i < objects.size(); ++i)
-      if (body_of[i] == static_cast<int>(b))
-        xml += geom(i, "", geom_shape(objects[i].shape), inverse(body.pose) * objects[i].pose,
-                    objects[i].material, more);
+    for (std::size_t i = 0; i < objects.size(); ++i) {
+      if (body_of[i] != number) continue;
+      const Placed own = placed_geom(i, objects[i], inverse(body.pose) * objects[i].pose);
+      xml += geom(i, "", own.shape, own.pose, objects[i].material, more);
+    }
     xml += "</body>\n";
   }
   return xml + "</worldbody></mujoco>\n";

@@ -1,5 +1,7 @@
 #include <algorithm>
+#include <map>
 
+#include "core/geometry/mesh_surface.hpp"
 #include "core/scene/json_document.hpp"
 #include "core/scene/mechanism.hpp"
 #include "core/scene/mujoco_check.hpp"
@@ -22,7 +24,40 @@ std::string described(const mjModel& model, int geom) {
          " of body '" + (body != nullptr ? body : "?") + "'";
 }
 
-Shape shape_of(const mjModel& model, int geom, const std::string& file) {
+/// The meshes of a file as they are felt, each read once.
+class MjcfMeshes {
+ public:
+  MjcfMeshes(const mjModel& model, const std::string& file) : model_(model), file_(file) {}
+
+  /// Where MuJoCo has put it: about its centre, along its axes of inertia.
+  Mesh mesh_of(int geom) {
+    const int id = model_.geom_dataid[geom];
+    if (const auto at = known_.find(id); at != known_.end()) return at->second;
+    TriangleSoup soup;
+    const float* vertex = model_.mesh_vert + std::ptrdiff_t{3} * model_.mesh_vertadr[id];
+    for (int v = 0; v < model_.mesh_vertnum[id]; ++v, vertex += 3)
+      soup.vertices.emplace_back(vertex[0], vertex[1], vertex[2]);
+    const int* face = model_.mesh_face + std::ptrdiff_t{3} * model_.mesh_faceadr[id];
+    for (int t = 0; t < model_.mesh_facenum[id]; ++t, face += 3)
+      soup.triangles.push_back({static_cast<std::uint32_t>(face[0]),
+                                static_cast<std::uint32_t>(face[1]),
+                                static_cast<std::uint32_t>(face[2])});
+    try {
+      TriangleMesh triangles(soup);
+      if (triangles.report().closed() && triangles.report().volume < 0.0) triangles.turn();
+      return known_[id] = Mesh{std::make_shared<MeshSurface>(std::move(triangles))};
+    } catch (const std::exception& error) {
+      throw FileError(file_ + ": " + described(model_, geom) + ": " + error.what());
+    }
+  }
+
+ private:
+  const mjModel& model_;
+  const std::string& file_;
+  std::map<int, Mesh> known_;
+};
+
+Shape shape_of(const mjModel& model, int geom, const std::string& file, MjcfMeshes& meshes) {
   const mjtNum* size = mujoco::entry<3>(model.geom_size, geom);
   switch (model.geom_type[geom]) {
     case mjGEOM_PLANE:
@@ -35,10 +70,13 @@ Shape shape_of(const mjModel& model, int geom, const std::string& file) {
       return Cylinder{size[0], size[1]};
     case mjGEOM_BOX:
       return Box{mujoco::vector(size)};
+    case mjGEOM_MESH:
+      return meshes.mesh_of(geom);
     default:
-      throw FileError(file + ": " + described(model, geom) +
-                      ": only plane, sphere, capsule, cylinder and box can be felt; replace it by "
-                      "these, or make it decoration with contype=\"0\" conaffinity=\"0\"");
+      throw FileError(
+          file + ": " + described(model, geom) +
+          ": only plane, sphere, capsule, cylinder, box and mesh can be felt; replace it by "
+          "these, or make it decoration with contype=\"0\" conaffinity=\"0\"");
   }
 }
 
@@ -80,6 +118,7 @@ std::shared_ptr<const Mechanism> load_mjcf(const std::filesystem::path& file,
   if (data == nullptr) throw FileError(name + ": MuJoCo cannot evaluate it where it starts");
   std::vector<int> object_of(static_cast<std::size_t>(model.ngeom), -1);
   std::vector<Mechanism::Part> parts;
+  MjcfMeshes meshes(model, name);
   for (const bool moving : {false, true})
     for (int g = 0; g < model.ngeom; ++g) {
       const int body = model.geom_bodyid[g];
@@ -87,7 +126,7 @@ std::shared_ptr<const Mechanism> load_mjcf(const std::filesystem::path& file,
       if (model.geom_contype[g] == 0 && model.geom_conaffinity[g] == 0) continue;
       Object object;
       object.name = geom_name(model, g);
-      object.shape = shape_of(model, g, name);
+      object.shape = shape_of(model, g, name, meshes);
       object.material = material_of(model, g, materials);
       const Pose in_body{mujoco::vector(mujoco::entry<3>(model.geom_pos, g)),
                          mujoco::quaternion(mujoco::entry<4>(model.geom_quat, g))};

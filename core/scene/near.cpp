@@ -58,6 +58,46 @@ SurfaceParts parts_near(const Object& object, const Vec3& position, std::uint8_t
   return surface_parts(object.shape, object.felt_from, p, entered);
 }
 
+/// What was fitted to the meshes and grids looked at last: those that are chosen are asked again.
+class Fitted {
+ public:
+  const FittedPatches& of(const std::vector<Object>& objects, std::size_t object,
+                          const Vec3& position, const TouchMemory& memory) noexcept {
+    for (const Slot& slot : slots_)
+      if (slot.used && slot.object == object) return slot.patches;
+    Slot& slot = slots_[next_++ % slots_.size()];
+    const Pose& pose = objects[object].pose;
+    slot = {
+        fitted_patches(objects[object], pose.orientation.conjugate() * (position - pose.position),
+                       memory[object].feature),
+        object, true};
+    return slot.patches;
+  }
+
+ private:
+  struct Slot {
+    FittedPatches patches;
+    std::size_t object = 0;
+    bool used = false;
+  };
+  std::array<Slot, kMaxPatches> slots_{};
+  std::size_t next_ = 0;
+};
+
+/// The patch of a mesh or a grid that was chosen, with its radius.
+SurfacePatch fitted_patch(const Object& object, const FittedPatches& fitted, const Near& chosen,
+                          std::span<const Near> all, const ContactMemory& memory) {
+  const auto of_object = [&](const Near& near) { return near.object == chosen.object; };
+  const auto count = static_cast<int>(std::ranges::count_if(all, of_object));
+  int index = 0;
+  while (index + 1 < fitted.count &&
+         fitted.patches[static_cast<std::size_t>(index)].feature != chosen.feature)
+    ++index;
+  SurfacePatch patch = surface_patch(object, fitted, index, memory);
+  patch.radius = std::min(kModelReach, fitted_radius(object, fitted, count, index));
+  return patch;
+}
+
 /// [m] from a patch's point to where a part of the same object begins that is not in the model.
 double radius_of(const Object& object, const SurfacePatch& patch, std::size_t index,
                  std::span<const Near> chosen) {
@@ -85,7 +125,17 @@ LocalModel model_of(const Scene& scene, const std::vector<Object>& objects, cons
   for (const Guide& guide : scene.guides())  // a model has no word for them
     reach = std::min(reach, begins(guide, position));
   Nearest nearest(reach);
+  Fitted fits;
   for (std::size_t i = 0; i < objects.size(); ++i) {
+    if (is_fitted(objects[i].shape)) {
+      const FittedPatches& fitted = fits.of(objects, i, position, memory);
+      for (int k = 0; k < fitted.count; ++k) {
+        const FittedPatch& patch = fitted.patches[static_cast<std::size_t>(k)];
+        nearest.offer({patch.distance, i, patch.feature}, i <= kMostObjects);
+      }
+      nearest.offer({fitted.end, i, 0}, false);
+      continue;
+    }
     const SurfaceParts parts = parts_near(objects[i], position, memory[i].feature.feature);
     for (const SurfacePart& part : parts.view())
       nearest.offer({part.distance, i, part.feature}, part.shown && i <= kMostObjects);
@@ -95,9 +145,15 @@ LocalModel model_of(const Scene& scene, const std::vector<Object>& objects, cons
   const auto chosen = nearest.within_reach();
   for (const Near& near : chosen) {
     SurfacePatch& patch = model.patches[static_cast<std::size_t>(model.count++)];
-    patch = surface_patch(objects[near.object], position, near.feature, memory[near.object]);
+    const Object& object = objects[near.object];
+    if (is_fitted(object.shape)) {
+      patch = fitted_patch(object, fits.of(objects, near.object, position, memory), near, chosen,
+                           memory[near.object]);
+    } else {
+      patch = surface_patch(object, position, near.feature, memory[near.object]);
+      patch.radius = radius_of(object, patch, near.object, chosen);
+    }
     patch.object = static_cast<std::uint16_t>(near.object);
-    patch.radius = radius_of(objects[near.object], patch, near.object, chosen);
   }
   return model;
 }

@@ -17,6 +17,7 @@
 
 #include "core/contact/contact.hpp"
 #include "core/contact/mesh_contact.hpp"
+#include "core/scene/near.hpp"
 #include "core/scene/scene.hpp"
 #include "tests/support/meshes.hpp"
 
@@ -139,11 +140,26 @@ void objects(benchmark::State& state, int count) {
   state.counters["N"] = command.elastic.norm();
 }
 
-[[maybe_unused]] const bool registered = [] {
+[[maybe_unused]] /// What a session with a local model asks for at every reply, on the same way.
+void model(benchmark::State& state, int level) {
+  const Scene scene("sphere", {object_of(sphere(level), {})});
+  TouchMemory memory = scene.memory();
+  double reach = 0.0;
+  std::size_t n = 0;
+  for (auto _ : state) {
+    const Vec3 position = (kRadius - kDepth) * outward(n++);
+    scene.touch({position, Vec3::Zero()}, memory);
+    reach += local_model(scene, position, memory).reach;
+  }
+  state.counters["reach_mm"] = 1e3 * reach / static_cast<double>(n);
+}
+
+const bool registered = [] {
   for (const int level : {3, 5, 7, 8}) {
     const std::string triangles = "/" + std::to_string(20 << 2 * level);
     const MeshOptions point{}, smooth{.smooth = true}, ball{.radius = 0.001};
     benchmark::RegisterBenchmark(("mesh/glide" + triangles).c_str(), glide, level, point);
+    benchmark::RegisterBenchmark(("mesh/local_model" + triangles).c_str(), model, level);
     benchmark::RegisterBenchmark(("mesh/smooth" + triangles).c_str(), glide, level, smooth);
     benchmark::RegisterBenchmark(("mesh/ball" + triangles).c_str(), glide, level, ball);
     benchmark::RegisterBenchmark(("mesh/build" + triangles).c_str(), build, level)

@@ -159,6 +159,25 @@ TEST_F(Mjcf, GeomsBecomeObjects) {
   EXPECT_NEAR(world.objects()[2].pose.position.x(), world.objects()[1].pose.position.x(), 1e-12);
 }
 
+TEST_F(Mjcf, MeshGeomsAreFelt) {
+  // A wedge of 0.2 m: MuJoCo moves its frame to the centre of mass.
+  write("room.xml", R"(<mujoco>
+  <asset><material name="steel"/><mesh name="wedge" vertex="0 0 0 0.2 0 0 0 0.2 0 0 0 0.2"
+    face="0 2 1 0 1 3 0 3 2 1 2 3"/></asset>
+  <worldbody><body name="cart" pos="0 0 0.5"><joint type="slide" axis="1 0 0"/>
+    <geom name="wedge" type="mesh" mesh="wedge" material="steel"/></body></worldbody>
+</mujoco>)");
+  const Scene scene = load();
+  ASSERT_EQ(scene.objects().size(), 1u);
+  World world(scene);
+  test::Hand hand(world);
+  EXPECT_EQ(hand.touch({-0.001, 0.05, 0.55}), Command{});
+  const Command felt = hand.step({0.001, 0.05, 0.55});
+  EXPECT_NEAR((felt.elastic - Vec3(-0.9, 0.0, 0.0)).norm(), 0.0, 1e-4);  // single precision
+  for (int n = 0; n < 100; ++n) hand.step({0.001, 0.05, 0.55});
+  EXPECT_GT(world.objects()[0].pose.position.x(), 0.0502);  // it rolls away from the hand
+}
+
 TEST_F(Mjcf, ErrorsNameWhatIsWrong) {
   EXPECT_THAT(error(), AllOf(HasSubstr("s.json:3: mjcf.file: "), HasSubstr("room.xml: cannot be")));
   write("room.xml",
@@ -169,7 +188,8 @@ TEST_F(Mjcf, ErrorsNameWhatIsWrong) {
   EXPECT_THAT(error(), AllOf(HasSubstr("worldbodyy"), HasSubstr("line 2")));
   write("room.xml",
         std::string(kRoom).replace(std::string(kRoom).find("cylinder"), 8, "ellipsoid"));
-  EXPECT_THAT(error(), HasSubstr("of body 'wheel': only plane, sphere, capsule, cylinder and box"));
+  EXPECT_THAT(error(),
+              HasSubstr("of body 'wheel': only plane, sphere, capsule, cylinder, box and mesh"));
   write("room.xml", "<mujoco><worldbody/></mujoco>");
   EXPECT_THAT(error(), HasSubstr("has no geom and no material 'steel'"));
   write("room.xml", kRoom);

@@ -26,7 +26,8 @@ const LocalModelCell& cell(const char* task, double round_trip, bool modelled, d
 
 TEST(LocalModelRun, TheForceIsThatOfTheTruePositionWhateverTheDelay) {
   for (const LocalModelCell& c : cells()) EXPECT_EQ(c.violations, 0u) << c.task;
-  for (const char* task : {"press", "taps", "ball", "friction", "edge", "corner", "room"}) {
+  for (const char* task :
+       {"press", "taps", "ball", "mesh", "grid", "friction", "edge", "corner", "room"}) {
     const LocalModelCell& forces = cell(task, kUsualRoundTrip, false);
     const LocalModelCell& model = cell(task, kUsualRoundTrip, true);
     EXPECT_LT(5.0 * model.error, forces.error) << task;

@@ -1,0 +1,66 @@
+#pragma once
+// Surfaces that no patch describes exactly, meshes and grids, as few patches near a point: each
+// with how far it holds.
+//
+// A patch stands for the surface as far as that lies within kPatchSlope of the way from the
+// patch's point: what a client errs by is a share of how far it has gone since.
+
+#include <array>
+#include <cstdint>
+#include <limits>
+
+#include "core/contact/contact.hpp"
+#include "core/contact/local_model.hpp"
+
+namespace feltwire {
+
+inline constexpr double kPatchSlope = 1.0 / 64.0;
+/// [m] Nothing is fitted farther away: no model reaches there (near.hpp).
+inline constexpr double kMostFitted = 0.1;
+
+/// The ball or the cylinder that a surface is most like whose normal turns by
+/// [uu uv; uv vv] [1/m] along the unit tangents u and v.
+struct Bend {
+  double curvature = 0.0;    // [1/m] as a SurfacePatch has it
+  Vec3 axis = Vec3::Zero();  // unit: straight along it; zero: a ball
+};
+Bend bend(const Vec3& u, const Vec3& v, double uu, double uv, double vv) noexcept;
+
+/// As a SurfacePatch, in the object's frame.
+struct FittedPatch {
+  Vec3 point = Vec3::Zero(), normal = Vec3::UnitZ(), axis = Vec3::Zero();
+  double curvature = 0.0;
+  double distance = 0.0;  // [m] from the position, where it begins to count
+  double slack = 0.0;     // [m] beside kPatchSlope: what facets stand off what they are cut from
+  std::uint8_t feature = 0;
+};
+
+struct FittedPatches {
+  std::array<FittedPatch, kMaxPatches> patches{};  // nearest first
+  int count = 0;
+  bool joined = false;                                   // as SurfacePatch has it
+  double end = std::numeric_limits<double>::infinity();  // [m] from the position: from here on
+                                                         // there is what they do not describe
+  double extent = 0.0;  // [m] about their points: beyond, nothing was looked at
+};
+
+inline bool is_fitted(const Shape& shape) noexcept {
+  return std::holds_alternative<Mesh>(shape) || std::holds_alternative<Grid>(shape);
+}
+
+/// A mesh or a grid near a position [m, object frame]. `memory` as contact left it there. Meshes
+/// with a grain or touched by a ball are not described: `end` says where they begin.
+FittedPatches fitted_patches(const Object& object, const Vec3& position,
+                             const FeatureMemory& memory) noexcept;
+
+/// [m] about a patch's point: beyond, what the first `count` patches do not describe may begin.
+double fitted_radius(const Object& object, const FittedPatches& fitted, int count,
+                     int index) noexcept;
+
+FittedPatches mesh_patches(const MeshSurface& surface, Side felt_from, const Vec3& position,
+                           const FeatureMemory& memory) noexcept;
+double mesh_patch_radius(const MeshSurface& surface, const FittedPatches& fitted, int count,
+                         int index) noexcept;
+FittedPatches grid_patches(const Grid& grid, Side felt_from, const Vec3& position) noexcept;
+
+}  // namespace feltwire

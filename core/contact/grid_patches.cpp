@@ -1,0 +1,116 @@
+// A distance grid as one patch, curved as its gradient turns, and how far that holds: looked at on
+// rings about the point that double their radius. A spike thinner than the ways between the eight
+// places of a ring is not seen until the tool is nearer.
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "core/contact/fitted_patches.hpp"
+#include "core/contact/local_contact.hpp"
+#include "core/geometry/distance_grid.hpp"
+#include "core/numeric.hpp"
+
+namespace feltwire {
+namespace {
+
+constexpr int kNewton = 4;          // steps to the surface
+constexpr int kPlaces = 8;          // of a ring
+constexpr double kFirstRing = 2.0;  // resolutions
+constexpr double kOpen = 0.75;      // of a height above the patch that must be free
+constexpr double kDeep = 0.25;      // of a ring's radius, below which the solid must be solid
+constexpr double kStraight = 1.1;   // times as far as the distance says a point may be found
+
+/// Where the way down the distance ends on the surface.
+struct Foot {
+  Vec3 point = Vec3::Zero(), normal = Vec3::Zero();
+  double slope = 0.0;  // |gradient|
+  bool found = false;
+};
+
+Foot foot_of(const DistanceGrid<float>& field, double sign, const Vec3& position) {
+  Foot foot{.point = position, .normal = Vec3::Zero(), .slope = 0.0, .found = false};
+  for (int i = 0; i < kNewton; ++i) {
+    const FieldPoint here = field.at(foot.point);
+    foot.slope = length(here.gradient);
+    if (!(foot.slope > 0.0) || !std::isfinite(here.distance)) return foot;
+    foot.normal = sign * here.gradient / foot.slope;
+    foot.point -= sign * here.distance / foot.slope * foot.normal;
+  }
+  foot.found = std::abs(field.at(foot.point).distance) <= kPatchSlope * field.resolution();
+  return foot;
+}
+
+/// How the normal turns, by differences a resolution to either side.
+Bend bend_at(const DistanceGrid<float>& field, double sign, const Foot& foot) {
+  const Vec3 u = foot.normal.unitOrthogonal(), v = foot.normal.cross(u);
+  const double h = field.resolution();
+  const auto turn = [&](const Vec3& way) {
+    return Vec3(
+        sign / (2.0 * h * foot.slope) *
+        (field.at(foot.point + h * way).gradient - field.at(foot.point - h * way).gradient));
+  };
+  const Vec3 along_u = turn(u), along_v = turn(v);
+  return bend(u, v, along_u.dot(u), 0.5 * (along_u.dot(v) + along_v.dot(u)), along_v.dot(v));
+}
+
+/// Along a normal: on the surface, as far in it as the tool gets, and free above.
+bool holds_along(const DistanceGrid<float>& field, double sign, const Vec3& on, const Vec3& normal,
+                 double radius, double deep) {
+  const double may = kPatchSlope * (radius + field.resolution());
+  // Beyond its band a field says no more than that it is beyond.
+  const double open = std::min(kOpen * radius, field.band());
+  return std::abs(field.at(on).distance) <= may &&
+         std::abs(sign * field.at(on - deep * normal).distance + deep) <= may &&
+         sign * field.at(on + radius * normal).distance >= open;
+}
+
+/// `depth` [m] of the tool.
+bool holds(const DistanceGrid<float>& field, double sign, const SurfacePatch& patch, double radius,
+           double depth) {
+  const Vec3 u = patch.normal.unitOrthogonal(), v = patch.normal.cross(u);
+  const double deep = std::min(std::max(depth, kDeep * radius), kOpen * field.band());
+  if (!holds_along(field, sign, patch.point, patch.normal, radius, deep)) return false;
+  for (int i = 0; i < kPlaces; ++i) {
+    const double turn = 2.0 * std::numbers::pi * i / kPlaces;
+    const Vec3 beside = patch.point + radius * (std::cos(turn) * u + std::sin(turn) * v);
+    const Height off = height_above(patch, Vec3::Zero(), beside);
+    if (!holds_along(field, sign, beside - off.height * off.normal, off.normal, radius, deep))
+      return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+FittedPatches grid_patches(const Grid& grid, Side felt_from, const Vec3& position) noexcept {
+  const DistanceGrid<float>& field = *grid.field;
+  const double sign = felt_from == Side::outside ? 1.0 : -1.0;
+  FittedPatches all;
+  all.end = std::max(0.0, field.at_least(position, sign, std::numeric_limits<double>::infinity()));
+  const double distance = sign * field.at(position).distance;
+  if (!(distance < field.band() && -distance < kOpen * field.band())) return all;
+  const Foot foot = foot_of(field, sign, position);
+  const double height = length(Vec3(position - foot.point));
+  if (!foot.found || height > kStraight * std::abs(distance) + field.resolution()) return all;
+
+  const Bend bent = bend_at(field, sign, foot);
+  SurfacePatch patch;
+  patch.point = foot.point;
+  patch.normal = foot.normal;
+  patch.curvature = bent.curvature;
+  patch.axis = bent.axis;
+  double radius = 0.0;
+  for (double r = kFirstRing * field.resolution();
+       r <= kMostFitted && holds(field, sign, patch, r, -distance); r *= 2.0)
+    radius = r;
+  if (!(height < kOpen * radius)) return all;
+  all.end = all.extent = radius;
+  all.count = 1;
+  all.patches[0] = {
+      patch.point, patch.normal, patch.axis, patch.curvature, std::max(0.0, distance), 0.0, 1};
+  return all;
+}
+
+}  // namespace feltwire

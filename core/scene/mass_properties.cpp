@@ -1,0 +1,119 @@
+#include "core/scene/mass_properties.hpp"
+
+#include <numbers>
+
+#include "core/geometry/mesh_surface.hpp"
+
+namespace feltwire {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+double squared(double x) { return x * x; }
+double cubed(double x) { return x * x * x; }
+
+/// About an axis z of symmetry: `across` for x and y.
+Mat3 turned(double across, double along) { return Vec3(across, across, along).asDiagonal(); }
+
+/// Steiner: of a unit of volume at an offset.
+Mat3 offset_inertia(const Vec3& by) {
+  return by.squaredNorm() * Mat3::Identity() - by * by.transpose();
+}
+
+MassProperties of(const Sphere& s) {
+  const double volume = 4.0 / 3.0 * kPi * cubed(s.radius);
+  return {volume, Vec3::Zero(), 0.4 * volume * squared(s.radius) * Mat3::Identity()};
+}
+
+MassProperties of(const Box& b) {
+  const double volume = 8.0 * b.half_extents.prod();
+  const Vec3 square = b.half_extents.cwiseAbs2();
+  return {volume, Vec3::Zero(),
+          volume / 3.0 * Vec3(Vec3::Constant(square.sum()) - square).asDiagonal().toDenseMatrix()};
+}
+
+MassProperties of(const Cylinder& c) {
+  const double volume = 2.0 * kPi * c.radius * c.radius * c.half_length;
+  const double r = squared(c.radius), h = squared(c.half_length);
+  return {volume, Vec3::Zero(), volume * turned(r / 4.0 + h / 3.0, r / 2.0)};
+}
+
+/// A cylinder and two half balls, each 3/8 r beyond its flat face.
+MassProperties of(const Capsule& c) {
+  const double middle = 2.0 * kPi * c.radius * c.radius * c.half_length;
+  const double ends = 4.0 / 3.0 * kPi * cubed(c.radius);
+  const double r = squared(c.radius), h = c.half_length;
+  const double across =
+      middle * (r / 4.0 + h * h / 3.0) + ends * (0.4 * r + h * h + 0.75 * c.radius * h);
+  return {middle + ends, Vec3::Zero(), turned(across, middle * r / 2.0 + ends * 0.4 * r)};
+}
+
+}  // namespace
+
+MassProperties mass_properties(const Shape& shape) {
+  if (const auto* s = std::get_if<Sphere>(&shape)) return of(*s);
+  if (const auto* b = std::get_if<Box>(&shape)) return of(*b);
+  if (const auto* c = std::get_if<Capsule>(&shape)) return of(*c);
+  if (const auto* c = std::get_if<Cylinder>(&shape)) return of(*c);
+  if (const auto* m = std::get_if<Mesh>(&shape)) {
+    const TriangleMesh& mesh = m->surface->mesh();
+    if (mesh.report().closed() && mesh.report().volume > 0.0) return mass_properties(mesh);
+  }
+  return {};
+}
+
+// The sum over tetrahedra from the origin to each triangle (Tonon 2004, "Explicit exact formulas
+// for the 3-D tetrahedron inertia tensor"), in units of the size, as TriangleMesh::volume().
+MassProperties mass_properties(const TriangleMesh& mesh) {
+  const double size = mesh.half_extents().maxCoeff();
+  double volume = 0.0;
+  Vec3 first = Vec3::Zero();
+  Mat3 second = Mat3::Zero();  // integral of x x^T
+  for (std::uint32_t t = 0; t < mesh.triangles().size(); ++t) {
+    const auto corners = mesh.corners(t);
+    const Vec3 a = corners[0] / size, b = corners[1] / size, c = corners[2] / size;
+    const Vec3 sum = a + b + c;
+    const double determinant = a.dot(b.cross(c));
+    volume += determinant / 6.0;
+    first += determinant / 24.0 * sum;
+    second += determinant / 120.0 *
+              (a * a.transpose() + b * b.transpose() + c * c.transpose() + sum * sum.transpose());
+  }
+  const Vec3 center = first / volume;
+  second -= volume * center * center.transpose();
+  const double scale = cubed(size);
+  return {scale * volume, mesh.origin() + size * center,
+          scale * size * size * (second.trace() * Mat3::Identity() - second)};
+}
+
+MassProperties placed(const MassProperties& solid, const Pose& pose) {
+  const Mat3 turn = pose.orientation.toRotationMatrix();
+  return {solid.volume, pose.position + turn * solid.center,
+          turn * solid.inertia * turn.transpose()};
+}
+
+MassProperties together(const MassProperties& a, const MassProperties& b) {
+  const double volume = a.volume + b.volume;
+  const Vec3 center = (a.volume * a.center + b.volume * b.center) / volume;
+  return {volume, center,
+          a.inertia + a.volume * offset_inertia(a.center - center) + b.inertia +
+              b.volume * offset_inertia(b.center - center)};
+}
+
+bool is_convex(const TriangleMesh& mesh) {
+  constexpr double kFlat = 1e-9;  // of the size: rounding of a flat face cut into triangles
+  if (!mesh.report().closed()) return false;
+  // Euler: vertices - edges + triangles = 2 of one ball, with 3/2 edges a triangle.
+  if (2 * mesh.vertices().size() != mesh.triangles().size() + 4) return false;
+  const double flat = kFlat * mesh.half_extents().maxCoeff();
+  for (std::uint32_t t = 0; t < mesh.triangles().size(); ++t) {
+    const auto corners = mesh.corners(t);
+    const Vec3 normal = triangle_normal(corners);
+    for (int k = 0; k < 3; ++k)
+      for (const std::uint32_t v : mesh.triangles()[mesh.neighbour(t, k)])
+        if (normal.dot(mesh.vertices()[v] - corners[0]) > flat) return false;
+  }
+  return true;
+}
+
+}  // namespace feltwire

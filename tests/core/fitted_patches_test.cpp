@@ -1,0 +1,264 @@
+// What a local model says of meshes and grids: exact where they are flat, within a share of the way
+// where they are fitted, and nothing where it would not hold.
+
+#include "core/contact/fitted_patches.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "core/contact/local_contact.hpp"
+#include "core/geometry/distance_grid.hpp"
+#include "core/geometry/mesh_surface.hpp"
+#include "core/geometry/signed_distance.hpp"
+#include "core/scene/near.hpp"
+#include "tests/core/support.hpp"
+#include "tests/support/allocation_counter.hpp"
+#include "tests/support/meshes.hpp"
+
+namespace feltwire {
+namespace {
+
+using test::Random;
+
+constexpr double kStiffness = 1200.0;  // [N/m]
+const Material kDry{.stiffness = kStiffness, .static_friction = 0.5, .dynamic_friction = 0.3};
+const Material kSmooth{.stiffness = kStiffness};
+
+Object mesh(const TriangleSoup& soup, const Material& material, Side side = Side::outside,
+            const MeshOptions& options = {}) {
+  Object o;
+  o.name = "mesh";
+  o.shape = Mesh{std::make_shared<MeshSurface>(TriangleMesh(soup), options)};
+  o.felt_from = side;
+  o.material = material;
+  return o;
+}
+
+Object grid(const Shape& solid, double resolution, Side side = Side::outside) {
+  Object o;
+  o.name = "grid";
+  o.shape = Grid{std::make_shared<DistanceGrid<float>>(solid_of(solid),
+                                                       GridOptions{.resolution = resolution})};
+  o.felt_from = side;
+  o.material = kSmooth;
+  return o;
+}
+
+struct Followed {
+  int spoke = 0, touched = 0, together = 0, ticks = 0;
+  double reach = 0.0;  // [m] mean
+};
+
+/// A hand that wanders where the surface is, with a model every 20 ticks; `core` [m] is
+/// within it. What the model says
+/// alone may differ from the scene by the stiffness times `slope` of the way since the model and of
+/// the depth, and `exact` [m].
+Followed follow(Object object, Random& random, double slope, double exact,
+                const Vec3& core = Vec3::Zero()) {
+  constexpr int kEvery = 20;
+  object.pose.position = random.uniform(0.0, 0.5) * random.direction();
+  object.pose.orientation =
+      Quaternion(Eigen::AngleAxisd(random.uniform(-3.0, 3.0), random.direction()));
+  const Scene scene("s", {object});
+  Followed sum;
+  int models = 0;
+  for (int run = 0; run < 60; ++run) {
+    TouchMemory memory = scene.memory();
+    LocalContact local;
+    // To a place on the surface, from the open; then about it, in and out.
+    const Vec3 middle = object.pose.position + object.pose.orientation * core;
+    const Vec3 from = object.felt_from == Side::outside ? Vec3(middle + 0.15 * random.direction())
+                                                        : Vec3(middle + 0.01 * random.direction());
+    const Vec3 towards =
+        object.felt_from == Side::outside ? Vec3(middle - from).normalized() : random.direction();
+    Vec3 position = from, velocity = Vec3::Zero();
+    for (int n = 0; n < 200 && scene.touch({position, Vec3::Zero()}, memory).elastic.isZero(0.0);
+         ++n)
+      position += 1e-3 * towards;
+    const Vec3 place = position;
+    bool followed = false;
+    Vec3 asked = position;
+    for (int n = 0; n < 600; ++n) {
+      velocity = 0.97 * velocity + random.uniform(0.0, 4e-5) * random.direction();
+      position += velocity + 8e-3 * (place - position);
+      const Tool tool{position, velocity / 1e-3};
+      const Command truth = scene.touch(tool, memory);
+      const LocalForce force = local.touch(tool, 0.0, 1e-3);
+      followed = followed && force.weight == 1.0;
+      ++sum.ticks;
+      if (followed) {
+        ++sum.spoke;
+        sum.touched += memory[0].touching ? 1 : 0;
+        int in = 0;
+        for (const SurfacePatch& patch : local.model().view())
+          in += height_above(patch, Vec3::Zero(), position).height < 0.0 ? 1 : 0;
+        sum.together += in > 1 && memory[0].touching ? 1 : 0;
+        const double off = (force.command.force() - truth.force()).norm();
+        const double may = slope * (kStiffness * (position - asked).norm() + truth.force().norm()) +
+                           kStiffness * exact;
+        EXPECT_LE(off, may) << "run " << run << " tick " << n << " truth "
+                            << truth.force().transpose() << " said "
+                            << force.command.force().transpose() << " patches "
+                            << local.model().count;
+        if (off > may) return sum;
+      }
+      if (n % kEvery == 0) {
+        if (!followed) local.clear();
+        asked = position;
+        local.take(local_model(scene, position, memory));
+        sum.reach += local.model().reach;
+        ++models;
+        followed = true;
+      }
+    }
+  }
+  sum.reach /= models;
+  return sum;
+}
+
+// Flat faces and their edges are exact: convex ones with friction on them, hollow ones, obtuse
+// ones, however the faces are cut into triangles.
+TEST(FittedPatches, FlatFacesAndTheirEdgesAreExact) {
+  Random random(1);
+  for (const int squares : {1, 5}) {
+    const Followed box =
+        follow(mesh(test::box(Vec3(0.05, 0.04, 0.03), squares), kDry), random, 0.0, 1e-12);
+    EXPECT_GT(box.touched, 10000);
+    EXPECT_GT(box.spoke, box.ticks / 2);
+    const Followed room =
+        follow(mesh(test::box(Vec3(0.05, 0.04, 0.03), squares), kSmooth, Side::inside), random, 0.0,
+               1e-12);
+    EXPECT_GT(room.touched, 5000);
+    EXPECT_GT(room.spoke, room.ticks / 2);
+  }
+  for (const Side side : {Side::outside, Side::inside}) {
+    const Followed obtuse =
+        follow(mesh(test::icosphere(0.05, 0), kSmooth, side), random, 0.0, 1e-12);
+    EXPECT_GT(obtuse.touched, 5000);
+    EXPECT_GT(obtuse.together, 1000);
+    EXPECT_GT(obtuse.spoke, obtuse.ticks / 3);
+  }
+}
+
+// Fitted, it is off by a share of the way that the hand has gone since, and by the facets.
+TEST(FittedPatches, FineMeshesAreCurvedPatches) {
+  Random random(2);
+  constexpr double kRadius = 0.05;
+  for (const Side side : {Side::outside, Side::inside}) {
+    const Followed ball =
+        follow(mesh(test::icosphere(kRadius, 5), kSmooth, side), random, 2.0 * kPatchSlope, 1e-4);
+    EXPECT_GT(ball.touched, 10000);
+    EXPECT_GT(ball.spoke, ball.ticks * 8 / 10);
+    EXPECT_GT(ball.reach, 4e-3);
+    const Followed ring = follow(mesh(test::torus(0.05, 0.02, 200, 100), kSmooth, side), random,
+                                 4.0 * kPatchSlope, 2e-4, Vec3(0.05, 0.0, 0.0));
+    EXPECT_GT(ring.spoke, ring.ticks / 2);
+  }
+}
+
+TEST(FittedPatches, GridsAreCurvedPatches) {
+  Random random(3);
+  for (const Side side : {Side::outside, Side::inside}) {
+    const Followed ball = follow(grid(Sphere{0.05}, 2e-3, side), random, 2.0 * kPatchSlope, 1e-4);
+    EXPECT_GT(ball.touched, 10000);
+    EXPECT_GT(ball.spoke, ball.ticks * 8 / 10);
+    EXPECT_GT(ball.reach, 8e-3);
+  }
+  const Followed can = follow(grid(Cylinder{0.04, 0.05}, 1e-3), random, 4.0 * kPatchSlope, 2e-4);
+  EXPECT_GT(can.spoke, can.ticks / 3);
+}
+
+LocalModel model_at(const Scene& scene, const Vec3& position) {
+  TouchMemory memory = scene.memory();
+  scene.touch({position, Vec3::Zero()}, memory);
+  return local_model(scene, position, memory);
+}
+
+TEST(FittedPatches, ASphereIsABallOfItsRadius) {
+  constexpr double kRadius = 0.05;
+  for (const Object& object :
+       {mesh(test::icosphere(kRadius, 6), kSmooth), grid(Sphere{kRadius}, 1e-3)})
+    for (const double off : {-2e-3, 2e-3}) {
+      const Vec3 away = Vec3(0.3, -0.5, 0.81).normalized();
+      const LocalModel model = model_at(Scene("s", {object}), (kRadius + off) * away);
+      ASSERT_EQ(model.count, 1);
+      EXPECT_NEAR(model.patches[0].curvature, 1.0 / kRadius, 0.05 / kRadius);
+      EXPECT_TRUE(model.patches[0].axis.isZero(0.0));
+      EXPECT_NEAR((model.patches[0].point - kRadius * away).norm(), 0.0, 2e-4);
+      EXPECT_EQ(model.patches[0].touching, off < 0.0 && object.name == "mesh" ? true : off < 0.0);
+    }
+  const LocalModel can =
+      model_at(Scene("s", {grid(Cylinder{0.04, 0.06}, 1e-3)}), Vec3(0.041, 0.0, 0.01));
+  ASSERT_EQ(can.count, 1);
+  EXPECT_NEAR(can.patches[0].curvature, 25.0, 1.0);
+  EXPECT_NEAR(std::abs(can.patches[0].axis.z()), 1.0, 1e-3);
+}
+
+// What bounds a claim: the border of a sheet, the far side of what the tool is not held by, other
+// parts of the mesh.
+TEST(FittedPatches, EndWhereTheSurfaceDoes) {
+  const Scene sheet("s", {mesh(test::sheet(0.03, 3), kSmooth)});
+  const LocalModel above = model_at(sheet, Vec3(0.02, 0.0, 1e-3));
+  ASSERT_EQ(above.count, 1);
+  EXPECT_NEAR(above.reach, std::hypot(0.01, 1e-3), 1e-9);
+  EXPECT_NEAR(above.patches[0].radius, 0.01, 1e-9);
+  const LocalModel below = model_at(sheet, Vec3(0.02, 0.0, -1e-3));  // nothing holds it there
+  EXPECT_EQ(below.count, 0);
+  EXPECT_NEAR(below.reach, 1e-3, 1e-9);
+
+  const Scene both("s",
+                   {mesh(test::sheet(0.03, 3), kSmooth, Side::outside, {.double_sided = true})});
+  const LocalModel under = model_at(both, Vec3(0.01, 0.0, -1e-3));
+  ASSERT_EQ(under.count, 1);
+  EXPECT_EQ(under.patches[0].normal, Vec3(-Vec3::UnitZ()));
+
+  // A ball 5 mm over a plate, as one mesh.
+  const Scene parts("s",
+                    {mesh(test::joined(test::box(Vec3(0.1, 0.1, 0.01)),
+                                       test::moved(test::icosphere(0.01, 3), Vec3(0, 0, 0.025))),
+                          kSmooth)});
+  const LocalModel between = model_at(parts, Vec3(0.0, 0.0, 0.011));
+  ASSERT_GE(between.count, 1);
+  EXPECT_LE(between.reach, 4e-3 + 1e-9);
+  // Pushed through a plate of 2 mm, it is the upper face that holds.
+  const Scene plate("s", {mesh(test::box(Vec3(0.1, 0.1, 1e-3)), kSmooth)});
+  TouchMemory memory = plate.memory();
+  for (double z = 5e-3; z > -3e-3; z -= 1e-3)
+    plate.touch({Vec3(0.01, 0.02, z), Vec3::Zero()}, memory);
+  const LocalModel through = local_model(plate, Vec3(0.01, 0.02, -2e-3), memory);
+  ASSERT_GE(through.count, 1);
+  EXPECT_EQ(through.patches[0].normal, Vec3::UnitZ());
+  EXPECT_GT(through.reach, 0.05);
+}
+
+// A rough surface, or a ball on triangles, is no patch; a tool that is held by one is told nothing.
+TEST(FittedPatches, WhatIsNotDescribedEndsTheReach) {
+  for (const MeshOptions& options :
+       {MeshOptions{.grain = {1e-4, 1e-3}}, MeshOptions{.radius = 2e-3}}) {
+    const Scene ball("s", {mesh(test::icosphere(0.05, 4), kSmooth, Side::outside, options)});
+    const LocalModel near = model_at(ball, Vec3(0.06, 0.0, 0.0));
+    EXPECT_EQ(near.count, 0);
+    EXPECT_NEAR(near.reach, 0.01 - options.radius, 1e-4);
+    EXPECT_EQ(model_at(ball, Vec3(0.047, 0.0, 0.0)).reach, 0.0);
+  }
+}
+
+TEST(FittedPatches, NeverAllocate) {
+  const Scene scene("s", {mesh(test::icosphere(0.05, 5), kSmooth), [] {
+                            Object o = grid(Sphere{0.03}, 2e-3);
+                            o.pose.position = Vec3(0.0, 0.0, 0.09);
+                            return o;
+                          }()});
+  TouchMemory memory = scene.memory();
+  const std::size_t before = test::allocations();
+  for (int n = 0; n < 300; ++n) {
+    const Vec3 position = (0.0505 - 1e-5 * n) * Vec3(std::cos(0.01 * n), 0.0, std::sin(0.01 * n));
+    scene.touch({position, Vec3::Zero()}, memory);
+    local_model(scene, position, memory);
+  }
+  EXPECT_EQ(test::allocations(), before);
+}
+
+}  // namespace
+}  // namespace feltwire
