@@ -128,14 +128,16 @@ BodyStep step_body(const BodyTool& tool, std::span<const Object> objects, const 
     memory.pose.orientation.normalize();
     memory.placed = true;
   }
-  constexpr double kClose = 1e-5;  // of the radius: less is not worth another look
+  // Of the radius: what is not worth a look, and not worth another one in the same step.
+  constexpr double kClose = 1e-5, kCloseEnough = 1e-4;
   const double radius = tool.shell().radius;
   State state = memory.known
                     ? State{memory.pose, pull(tool.coupling(), device, memory.pose), memory.contact}
                     : state_at(tool, objects, device, memory.pose, step);
   Vec6 way = newton_step(state, radius);
   while (step.evaluations < kToolEvaluations) {
-    if (!(way.head<3>().norm() + radius * way.tail<3>().norm() > kClose * radius)) break;
+    const double least = (step.evaluations == 0 ? kClose : kCloseEnough) * radius;
+    if (!(way.head<3>().norm() + radius * way.tail<3>().norm() > least)) break;
     const State next =
         state_at(tool, objects, device, moved(state.pose, way.head<3>(), way.tail<3>()), step);
     if (next.energy() < state.energy()) {
