@@ -4,6 +4,7 @@
 #include <array>
 
 #include "core/geometry/signed_distance.hpp"
+#include "core/numeric.hpp"
 
 namespace feltwire {
 namespace {
@@ -41,6 +42,60 @@ struct Sums {
   }
 };
 
+/// Where a grip is: sums over its points, weighted by the load's d |grad d|.
+struct GripSums {
+  double weight = 0.0;
+  Vec3 arm = Vec3::Zero(), normal = Vec3::Zero();
+  Mat3 arms = Mat3::Zero();  // of arm arm^T, lower half
+
+  void add(const Lanes& weights, const std::array<Lanes, 3>& normals,
+           const std::array<Lanes, 3>& arm_of) {
+    weight += weights.sum();
+    for (std::size_t i = 0; i < arm_of.size(); ++i) {
+      const auto row = static_cast<Eigen::Index>(i);
+      const Lanes weighted = weights * arm_of[i];
+      arm[row] += weighted.sum();
+      normal[row] += (weights * normals[i]).sum();
+      for (std::size_t k = 0; k <= i; ++k)
+        arms(row, static_cast<Eigen::Index>(k)) += (weighted * arm_of[k]).sum();
+    }
+  }
+
+  /// How far a motion v, w slips: the centre c along the surface, v + w x c less its part along
+  /// the mean normal n, and the points about n. Rocking on the surface is no slip.
+  Mat6 slip() const {
+    const Vec3 c = arm / weight, n = direction(normal);
+    const Mat3 across = Mat3::Identity() - n * n.transpose();
+    Mat3 cross;  // c x
+    cross << 0.0, -c.z(), c.y(), c.z(), 0.0, -c.x(), -c.y(), c.x(), 0.0;
+    const Mat3 squares = Mat3(arms.selfadjointView<Eigen::Lower>()) / weight - c * c.transpose();
+    const double about = std::max(0.0, squares.trace() - n.dot(squares * n));
+    Mat6 m;
+    m.topLeftCorner<3, 3>() = across;
+    m.topRightCorner<3, 3>() = -across * cross;
+    m.bottomLeftCorner<3, 3>() = cross * across;
+    m.bottomRightCorner<3, 3>() = about * n * n.transpose() - cross * across * cross;
+    return m;
+  }
+};
+
+/// By the axis of the object's frame that the normal is nearest to: within 55 degrees of it.
+constexpr std::size_t kSides = 6;
+std::size_t side_of(const Vec3& way) {
+  Eigen::Index axis;
+  way.cwiseAbs().maxCoeff(&axis);
+  return 2 * static_cast<std::size_t>(axis) + (way[axis] < 0.0 ? 1 : 0);
+}
+
+Mat6 turned_by(const Mat3& to_world, const Mat6& m) {
+  Mat6 result;
+  for (const Eigen::Index row : {0, 3})
+    for (const Eigen::Index column : {0, 3})
+      result.block<3, 3>(row, column) =
+          to_world * m.block<3, 3>(row, column) * to_world.transpose();
+  return result;
+}
+
 /// One shell against one object, in the object's frame.
 struct Look {
   const PointShell& shell;
@@ -48,7 +103,9 @@ struct Look {
   Mat3 turned;  // the tool's frame into the object's
   Vec3 origin;  // [m] of the tool
   ShellContact& sum;
+  bool slides;  // what slips where is asked for
   Sums sums = {};
+  std::array<GripSums, kSides> grips = {};
 
   /// Whether the ball may come near; notes how far away it is where it does not.
   bool near(const ShellNode& node, double distance) {
@@ -98,6 +155,50 @@ struct Look {
     group.gradient_y *= inside;
     group.gradient_z *= inside;
     sums.add(group, arm);
+    if (slides) slip(group, arm);
+  }
+
+  void slip(const FieldGroup& group, const std::array<Lanes, 3>& arm) {
+    const Lanes length =
+        (group.gradient_x.square() + group.gradient_y.square() + group.gradient_z.square()).sqrt();
+    const Lanes load = -group.distance * length;
+    std::array<Lanes, kSides> weights;
+    weights.fill(Lanes::Zero());
+    std::array<Lanes, 3> normals;
+    normals.fill(Lanes::Zero());
+    std::array<bool, kSides> there{};
+    for (Eigen::Index l = 0; l < load.size(); ++l) {
+      if (!(load[l] > 0.0)) continue;
+      const Vec3 way(group.gradient_x[l], group.gradient_y[l], group.gradient_z[l]);
+      const std::size_t side = side_of(way);
+      weights[side][l] = load[l];
+      there[side] = true;
+      for (std::size_t axis = 0; axis < normals.size(); ++axis)
+        normals[axis][l] = way[static_cast<Eigen::Index>(axis)] / length[l];
+    }
+    for (std::size_t side = 0; side < kSides; ++side)
+      if (there[side]) grips[side].add(weights[side], normals, arm);
+  }
+
+  /// `scale`: [N] of a load's unit.
+  void grip(const Mat3& to_world, double scale, const ObjectInStep& in) {
+    const Material& material = object.material;
+    double whole = 0.0;
+    for (const GripSums& g : grips) whole += g.weight;
+    for (const GripSums& g : grips) {
+      if (!(g.weight > 0.0)) continue;
+      const Mat6 slip = turned_by(to_world, g.slip());
+      const double viscous = in.share * material.viscous_friction * g.weight / whole;
+      sum.viscosity.add(viscous * slip, in.carried);
+      if (!(material.static_friction > 0.0)) continue;
+      const double load = scale * g.weight;
+      if (sum.grip_count == ShellContact::kGrips) {
+        sum.grips.back().load += load;
+        continue;
+      }
+      sum.grips[sum.grip_count++] = {
+          load, material.static_friction, material.dynamic_friction, slip, in.carried, in.index};
+    }
   }
 
   void all() {
@@ -133,24 +234,35 @@ struct Look {
 }  // namespace
 
 void add_contact(const PointShell& shell, const Pose& tool, const Object& object,
-                 double contact_area, ShellContact& sum) noexcept {
+                 double contact_area, ShellContact& sum, const ObjectInStep& in) noexcept {
+  const Material& material = object.material;
   const Mat3 to_world = object.pose.orientation.toRotationMatrix();
-  Look look{shell, object, to_world.transpose() * tool.orientation.toRotationMatrix(),
-            to_world.transpose() * (tool.position - object.pose.position), sum};
+  Look look{shell,
+            object,
+            to_world.transpose() * tool.orientation.toRotationMatrix(),
+            to_world.transpose() * (tool.position - object.pose.position),
+            sum,
+            material.static_friction > 0.0 || material.viscous_friction > 0.0};
   look.all();
   const Sums& sums = look.sums;
   if (!(sums.squares > 0.0)) return;
 
-  const double scale = object.material.stiffness * shell.area /
-                       (contact_area * static_cast<double>(shell.points.size()));
+  const double share = shell.area / (contact_area * static_cast<double>(shell.points.size()));
+  const double scale = in.share * material.stiffness * share;
   sum.energy += 0.5 * scale * sums.squares;
-  sum.wrench.head<3>() += scale * (to_world * sums.wrench.head<3>());
-  sum.wrench.tail<3>() += scale * (to_world * sums.wrench.tail<3>());
-  const Mat6 stiffness = sums.stiffness.selfadjointView<Eigen::Lower>();
-  for (const Eigen::Index row : {0, 3})
-    for (const Eigen::Index column : {0, 3})
-      sum.stiffness.block<3, 3>(row, column) +=
-          scale * (to_world * stiffness.block<3, 3>(row, column) * to_world.transpose());
+  Vec6 wrench;
+  wrench << to_world * sums.wrench.head<3>(), to_world * sums.wrench.tail<3>();
+  wrench *= scale;
+  sum.wrench += wrench;
+  if (sum.part_count < ShellContact::kGrips)
+    sum.parts[sum.part_count++] = {in.index, wrench};
+  else
+    sum.parts.back().wrench += wrench;
+  const Mat6 normal = turned_by(to_world, sums.stiffness.selfadjointView<Eigen::Lower>());
+  sum.stiffness += scale * normal;
+  if (material.damping > 0.0)
+    sum.damping.add(in.share * material.damping * share * normal, in.carried);
+  if (look.slides) look.grip(to_world, scale, in);
 }
 
 }  // namespace feltwire

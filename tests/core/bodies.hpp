@@ -39,4 +39,21 @@ inline BodyTool tool(std::size_t points = 2000, const ToolCoupling& coupling = {
   return {box_shell(points), coupling, kFace};
 }
 
+/// A millisecond on, nothing moving.
+inline BodyStep step(const BodyTool& tool, std::span<const Object> objects, const Pose& device,
+                     BodyMemory& memory) {
+  return step_body(tool, objects, device, 1e-3, memory);
+}
+
+/// [J] in the coupling between tool and device.
+inline double coupling_energy(const BodyTool& body, const Pose& tool, const Pose& device) {
+  const ToolCoupling& k = body.coupling();
+  const auto huber = [](double x, double stiffness, double most) {
+    return x < most / stiffness ? 0.5 * stiffness * x * x : most * (x - 0.5 * most / stiffness);
+  };
+  return huber((device.position - tool.position).norm(), k.stiffness, k.max_force) +
+         huber(rotation_between(tool.orientation, device.orientation).norm(),
+               k.rotational_stiffness, k.max_torque);
+}
+
 }  // namespace feltwire::test

@@ -47,10 +47,10 @@ TEST(BodyTool, InFreeSpaceGivesNothing) {
     device = moved(device, random.uniform(0, 0.01) * random.direction(),
                    random.uniform(0, 0.3) * random.direction());
     device.position.z() = std::max(device.position.z(), 0.2);
-    const BodyStep step = step_body(body, objects, device, memory);
-    EXPECT_LT(step.command.force().norm(), 1e-5);
-    EXPECT_LT(step.command.torque.norm(), 1e-6);
-    EXPECT_LE(step.evaluations, 3u);
+    const BodyStep now = test::step(body, objects, device, memory);
+    EXPECT_LT(now.command.force().norm(), 1e-5);
+    EXPECT_LT(now.command.torque.norm(), 1e-6);
+    EXPECT_LE(now.evaluations, 3u);
   }
 }
 
@@ -59,10 +59,10 @@ TEST(BodyTool, OnAPlaneIsTwoSpringsInARow) {
   const BodyTool body = tool(20000, {.stiffness = 500.0, .max_force = 3.0});
   const std::vector<Object> objects = {object(Plane{})};
   BodyMemory memory;
-  step_body(body, objects, {Vec3(0, 0, 0.011), Quaternion::Identity()}, memory);
+  test::step(body, objects, {Vec3(0, 0, 0.011), Quaternion::Identity()}, memory);
   for (double d = 0.0; d < 0.02; d += 1e-4) {
     const Command c =
-        step_body(body, objects, {Vec3(0, 0, 0.01 - d), Quaternion::Identity()}, memory).command;
+        test::step(body, objects, {Vec3(0, 0, 0.01 - d), Quaternion::Identity()}, memory).command;
     const double sunk = 0.01 - memory.pose.position.z();
     EXPECT_NEAR(c.elastic.z(), flat_force(sunk, kFace), 0.02) << d;
     EXPECT_NEAR(c.elastic.z(), std::min(3.0, 500.0 * (d - sunk)), 1e-9) << d;
@@ -78,14 +78,14 @@ TEST(BodyTool, TurnedOnAPlaneGivesTorque) {
       tool(40000, {.stiffness = 1e6, .rotational_stiffness = 0.3, .max_force = 100});
   const std::vector<Object> objects = {object(Plane{})};
   BodyMemory memory;
-  step_body(body, objects, {Vec3(0, 0, 0.0101), Quaternion::Identity()}, memory);
+  test::step(body, objects, {Vec3(0, 0, 0.0101), Quaternion::Identity()}, memory);
   const double contact = kStiffness * 0.06 * 0.06 / 12.0;  // [N m/rad] of the face
   const double angle = 1e-3, expected = angle * 0.3 * contact / (0.3 + contact);
   Command c;
   for (int i = 0; i < 20; ++i)
-    c = step_body(body, objects,
-                  {Vec3(0, 0, 0.01 - 2e-4), Quaternion(Eigen::AngleAxisd(angle, Vec3::UnitY()))},
-                  memory)
+    c = test::step(body, objects,
+                   {Vec3(0, 0, 0.01 - 2e-4), Quaternion(Eigen::AngleAxisd(angle, Vec3::UnitY()))},
+                   memory)
             .command;
   EXPECT_NEAR(c.torque.y(), -expected, 0.03 * expected);
   EXPECT_NEAR(c.elastic.z(), kStiffness * 2e-4, 0.02 * kStiffness * 2e-4);
@@ -98,10 +98,10 @@ TEST(BodyTool, AFastHandDoesNotTakeTheToolThroughAWall) {
   for (const double stride : {0.01, 0.6}) {  // 10 m/s, and a hand that is there at once
     BodyMemory memory;
     for (double z = 0.3; z > -0.3; z -= stride)
-      step_body(body, objects, {Vec3(0, 0, z), Quaternion::Identity()}, memory);
+      test::step(body, objects, {Vec3(0, 0, z), Quaternion::Identity()}, memory);
     Command c;
     for (int i = 0; i < 100; ++i)
-      c = step_body(body, objects, {Vec3(0, 0, -0.3), Quaternion::Identity()}, memory).command;
+      c = test::step(body, objects, {Vec3(0, 0, -0.3), Quaternion::Identity()}, memory).command;
     EXPECT_GT(memory.pose.position.z(), 0.0) << stride;
     EXPECT_NEAR(c.elastic.z(), 5.0, 1e-9) << stride;  // all that the coupling gives
   }
@@ -118,26 +118,18 @@ TEST(BodyTool, AStepNeverAddsEnergy) {
   BodyMemory memory;
   test::Random random(3);
   Pose device{Vec3(0, 0, 0.04), Quaternion::Identity()};
-  BodyStep last = step_body(body, objects, device, memory);
-  const ToolCoupling& k = body.coupling();
-  const auto coupling_energy = [&](const Pose& at) {
-    const auto huber = [](double x, double stiffness, double most) {
-      return x < most / stiffness ? 0.5 * stiffness * x * x : most * (x - 0.5 * most / stiffness);
-    };
-    return huber((at.position - memory.pose.position).norm(), k.stiffness, k.max_force) +
-           huber(rotation_between(memory.pose.orientation, at.orientation).norm(),
-                 k.rotational_stiffness, k.max_torque);
-  };
+  BodyStep last = test::step(body, objects, device, memory);
   double touched = 0.0;
   for (int i = 0; i < 4000; ++i) {
     const Pose before = device;
     device = moved(device, random.vector(-6.0, -2.3), random.vector(-4.0, -1.0));
     if (device.position.norm() > 0.08) device = before;
-    const double worked = coupling_energy(device) - coupling_energy(before);
-    const BodyStep step = step_body(body, objects, device, memory);
-    EXPECT_LE(step.stored, last.stored + worked + 1e-12);
-    touched += static_cast<double>(step.touching);
-    last = step;
+    const double worked = test::coupling_energy(body, memory.pose, device) -
+                          test::coupling_energy(body, memory.pose, before);
+    const BodyStep now = test::step(body, objects, device, memory);
+    EXPECT_LE(now.stored, last.stored + worked + 1e-12);
+    touched += static_cast<double>(now.touching);
+    last = now;
   }
   EXPECT_GT(touched, 1e4);
 }
@@ -164,7 +156,7 @@ TEST(BodyTool, BehindTheBoundNoHandGainsEnergy) {
       if (random.chance(0.3)) turn = random.uniform(0.0, 0.05) * random.direction();
       device = moved(device, by, turn);
       port.step(held, by, turn, config.period);
-      const Command wanted = step_body(body, objects, device, memory).command;
+      const Command wanted = test::step(body, objects, device, memory).command;
       held = bounding.step({by, turn, config.period, wanted}).rendered;
       largest = std::max(largest, held.torque.norm());
     }
@@ -179,8 +171,8 @@ TEST(BodyTool, APoseThatIsNoneGivesZeroAndIsForgotten) {
   const std::vector<Object> objects = {object(Plane{})};
   BodyMemory memory;
   const Pose in{Vec3(0, 0, 0.009), Quaternion::Identity()};
-  step_body(body, objects, {Vec3(0, 0, 0.02), Quaternion::Identity()}, memory);
-  const Command before = step_body(body, objects, in, memory).command;
+  test::step(body, objects, {Vec3(0, 0, 0.02), Quaternion::Identity()}, memory);
+  const Command before = test::step(body, objects, in, memory).command;
   EXPECT_GT(before.elastic.z(), 0.0);
   const Pose held = memory.pose;
   for (const Pose& bad :
@@ -188,7 +180,7 @@ TEST(BodyTool, APoseThatIsNoneGivesZeroAndIsForgotten) {
         Pose{Vec3(0, 0, infinity), Quaternion::Identity()},
         Pose{Vec3::Zero(), Quaternion(0, 0, 0, 0)}, Pose{Vec3::Zero(), Quaternion(nan, 0, 0, 1)},
         Pose{Vec3::Constant(1e300), Quaternion(1e200, 0, 0, 1e200)}}) {
-    const Command c = step_body(body, objects, bad, memory).command;
+    const Command c = test::step(body, objects, bad, memory).command;
     EXPECT_TRUE(c.finite());
     if (!bad.position.allFinite() || !std::isfinite(bad.orientation.squaredNorm()) ||
         bad.orientation.squaredNorm() == 0.0) {
@@ -196,7 +188,7 @@ TEST(BodyTool, APoseThatIsNoneGivesZeroAndIsForgotten) {
       EXPECT_EQ(memory.pose.position, held.position);
     }
   }
-  const Command after = step_body(body, objects, in, memory).command;
+  const Command after = test::step(body, objects, in, memory).command;
   EXPECT_NEAR(after.elastic.z(), before.elastic.z(), 1e-3);
 }
 
@@ -211,7 +203,7 @@ TEST(BodyTool, TheSameBitsEveryTimeAndNoAllocation) {
       const Pose device = moved(
           {Vec3(0.01 * std::sin(t), 0.0, 0.04 - 0.01 * std::sin(3 * t)), Quaternion::Identity()},
           Vec3::Zero(), Vec3(0.1 * std::sin(2 * t), 0.2 * t, 0.0));
-      const Command c = step_body(body, objects, device, memory).command;
+      const Command c = test::step(body, objects, device, memory).command;
       sum.elastic += c.elastic;
       sum.torque += c.torque;
     }
