@@ -164,7 +164,7 @@ void Session::step(const Sample& sample, bool rotation, Reply& reply) noexcept {
   }
   if (scene_->requirements().velocity) tool.velocity = velocity_.update(tool_moved, hold_time);
 
-  const Command command = actuated(device_, touch(pose, tool));
+  const Command command = actuated(device_, touch(pose, tool, hold_time));
   reply.command = command;
   reply.active = reply.saturated = reply.refused = false;
   reply.ratio = 1.0;
@@ -194,9 +194,11 @@ void Session::enter(const Scene& scene, World* world) {
   deadband_ = ReplyDeadband(parameters_);  // what was said of the old one is no more
 }
 
-Command Session::touch(const Pose& device, const Tool& tool) noexcept {
+Command Session::touch(const Pose& device, const Tool& tool, double elapsed) noexcept {
   if (observes_) return {};
-  if (scene_->tool().body) return scene_->touch(device, body_);
+  if (scene_->tool().body)
+    return world_ != nullptr ? world_->touch(device, tool.velocity, elapsed, body_, grasp_)
+                             : scene_->touch(device, tool.velocity, elapsed, body_);
   return world_ != nullptr ? world_->touch(tool, contacts_, grasp_)
                            : scene_->touch(tool, contacts_);
 }
@@ -204,7 +206,11 @@ Command Session::touch(const Pose& device, const Tool& tool) noexcept {
 void Session::push(double age) noexcept {
   if (last_.index == 0 || observes_) return;  // nobody knows where the hand is, or there is none
   const double share = std::clamp(2.0 * (1.0 - age / parameters_.hold_time), 0.0, 1.0);
-  if (share > 0.0) world_->push(grasp_, contacts_, share);
+  if (!(share > 0.0)) return;
+  if (scene_->tool().body)
+    world_->push(grasp_, body_, share);
+  else
+    world_->push(grasp_, contacts_, share);
 }
 
 void Session::set_parameters(const SessionParameters& parameters) {

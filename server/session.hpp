@@ -78,7 +78,7 @@ class Session {
 
  private:
   struct Movement;
-  Command touch(const Pose& device, const Tool& tool) noexcept;
+  Command touch(const Pose& device, const Tool& tool, double elapsed) noexcept;
   Movement movement_to(const Sample& sample, bool rotation) const noexcept;
   void count_gap(const SampleBatch& batch, Reply& reply) noexcept;
   void step(const Sample& sample, bool rotation, Reply& reply) noexcept;

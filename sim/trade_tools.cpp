@@ -16,6 +16,7 @@ namespace {
 constexpr double kRadian = std::numbers::pi / 180.0;  // in a degree
 constexpr int kSegments = 256;                        // of the rod
 constexpr std::size_t kCostLaps = 3;
+constexpr double kPeriod = 1e-3;  // [s] of a step
 
 const Box kBody{Vec3(0.03, 0.02, 0.01)};
 const Cylinder kRod{0.01, 0.015}, kHole{0.0102, 0.03};
@@ -115,7 +116,7 @@ void compare(const std::vector<ShellContact>& felt, const std::vector<ShellConta
 
 /// A hand that sways about a pose, a third of the slide and turn to either side, twice a second.
 std::vector<Pose> swaying(const Task& task, const Vec3& from, int steps) {
-  constexpr double kTurns = 2.0, kPeriod = 1e-3, kShare = 1.0 / 3.0;
+  constexpr double kTurns = 2.0, kShare = 1.0 / 3.0;
   std::vector<Pose> poses;
   for (int n = 0; n < steps; ++n) {
     const double s = kShare * std::sin(2.0 * std::numbers::pi * kTurns * kPeriod * n);
@@ -132,7 +133,7 @@ double step_cost(const BodyTool& tool, const Object& object, const std::vector<P
   const double ns = cost_ns(
       hand.size(),
       [&](std::size_t n) {
-        counted += step_body(tool, std::span(&object, 1), hand[n], memory).evaluations;
+        counted += step_body(tool, std::span(&object, 1), hand[n], kPeriod, memory).evaluations;
       },
       kCostLaps);
   evaluations = static_cast<double>(counted) / static_cast<double>(kCostLaps * hand.size());

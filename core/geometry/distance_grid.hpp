@@ -20,6 +20,32 @@ struct FieldPoint {
   Vec3 gradient = Vec3::Zero();  // of the distance, the way out; of length 1 where that is exact
 };
 
+/// Eight places and what a field says there: what costs less together, being near to each other.
+struct FieldGroup {
+  static constexpr std::size_t kSize = 8;
+  using Lanes = Eigen::Array<double, kSize, 1>;
+  Lanes x, y, z;                                       // [m] the places; all eight must be given
+  Lanes distance, gradient_x, gradient_y, gradient_z;  // as FieldPoint
+
+  Vec3 place(std::size_t lane) const noexcept {
+    const auto l = static_cast<Eigen::Index>(lane);
+    return {x[l], y[l], z[l]};
+  }
+  void put(std::size_t lane, const Vec3& place) noexcept {
+    const auto l = static_cast<Eigen::Index>(lane);
+    x[l] = place.x();
+    y[l] = place.y();
+    z[l] = place.z();
+  }
+  void put(std::size_t lane, const FieldPoint& point) noexcept {
+    const auto l = static_cast<Eigen::Index>(lane);
+    distance[l] = point.distance;
+    gradient_x[l] = point.gradient.x();
+    gradient_y[l] = point.gradient.y();
+    gradient_z[l] = point.gradient.z();
+  }
+};
+
 /// A solid as its box and its signed distance [m], both in one frame. The distance must be exact
 /// (no larger step than the way taken), may be called from several threads and must not throw.
 struct Solid {
@@ -57,6 +83,10 @@ class DistanceGrid {
   /// and only where that says less than `wanted` looks closer.
   double at_least(const Vec3& position, double sign, double wanted) const noexcept;
 
+  /// at() and at_least() of eight places, the same but for Real's rounding; `wanted` one a place.
+  void at(FieldGroup& group) const noexcept;
+  void at_least(FieldGroup& group, double sign, const FieldGroup::Lanes& wanted) const noexcept;
+
   double resolution() const { return h_; }
   double band() const { return band_; }
   const Vec3& low() const { return low_; }
@@ -71,12 +101,16 @@ class DistanceGrid {
   using Index = Eigen::Vector3i;
   struct Place;
   struct Builder;
+  using Offsets = std::array<std::size_t, FieldGroup::kSize>;  // of the first sample, into values_
+  using Beyond = std::array<std::array<Real, FieldGroup::kSize>, 3>;  // [h] as Place's, x, y, z
 
   std::size_t brick_index(const Index& brick) const noexcept;
   bool find(const Vec3& position, Place& place) const noexcept;
   Vec3 center_of(const Index& brick) const noexcept;
   FieldPoint fine(const Place& place, std::int32_t slot) const noexcept;
   FieldPoint coarse(const Place& place) const noexcept;
+  bool find(const FieldGroup& group, Offsets& offsets, Beyond& beyond) const noexcept;
+  void fine(const Offsets& offsets, const Beyond& beyond, FieldGroup& group) const noexcept;
 
   double h_ = 0.0, inverse_h_ = 0.0, band_ = 0.0;
   Interpolation interpolation_;

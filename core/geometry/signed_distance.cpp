@@ -98,6 +98,29 @@ double distance_at_least(const Shape& shape, Side side, const Vec3& position,
   return sign * of_solid(shape, position).distance;
 }
 
+void signed_distance(const Shape& shape, Side side, FieldGroup& group) noexcept {
+  if (const auto* grid = std::get_if<Grid>(&shape))
+    grid->field->at(group);
+  else
+    for (std::size_t lane = 0; lane < FieldGroup::kSize; ++lane)
+      group.put(lane, of_solid(shape, group.place(lane)));
+  if (side == Side::outside) return;
+  group.distance = -group.distance;
+  group.gradient_x = -group.gradient_x;
+  group.gradient_y = -group.gradient_y;
+  group.gradient_z = -group.gradient_z;
+}
+
+void distance_at_least(const Shape& shape, Side side, FieldGroup& group,
+                       const FieldGroup::Lanes& wanted) noexcept {
+  const double sign = side == Side::outside ? 1.0 : -1.0;
+  if (const auto* grid = std::get_if<Grid>(&shape))
+    return grid->field->at_least(group, sign, wanted);
+  for (std::size_t lane = 0; lane < FieldGroup::kSize; ++lane)
+    group.distance[static_cast<Eigen::Index>(lane)] =
+        sign * of_solid(shape, group.place(lane)).distance;
+}
+
 Solid solid_of(const Shape& shape) {
   const Vec3 half = std::visit(Extent{}, shape);
   return {-half, half, [shape](const Vec3& p) { return of_solid(shape, p).distance; }};

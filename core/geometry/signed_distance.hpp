@@ -17,6 +17,12 @@ FieldPoint signed_distance(const Shape& shape, Side side, const Vec3& position) 
 double distance_at_least(const Shape& shape, Side side, const Vec3& position,
                          double wanted) noexcept;
 
+/// Both of eight places [m, object frame], for less than one after the other where the shape is a
+/// grid; the second fills in the distances alone.
+void signed_distance(const Shape& shape, Side side, FieldGroup& group) noexcept;
+void distance_at_least(const Shape& shape, Side side, FieldGroup& group,
+                       const FieldGroup::Lanes& wanted) noexcept;
+
 /// A shape as something to sample. The shape is copied. Throws std::invalid_argument for a plane,
 /// which has no bounds.
 Solid solid_of(const Shape& shape);

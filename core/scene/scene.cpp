@@ -287,18 +287,24 @@ void Scene::set_tool(HandTool tool) {
       broken(tool.body ? "body" : "sphere",
              "does not touch meshes, and object '" + object.name +
                  "' is one; make it a grid, or give the mesh a radius instead");
-  if (tool.body && mechanism_ != nullptr)
-    broken("body", "feels what stands alone, and something moves here; take a sphere or a point");
   if (tool.radius != 0.0) broad_phase_ = {};  // it looks for points
   requirements_.rotation = tool.body != nullptr;
   tool_ = std::move(tool);
 }
 
-Command Scene::touch(const Pose& device, BodyMemory& memory) const noexcept {
-  Command command = step_body(*tool_.body, objects_, device, memory).command;
-  for (const Guide& guide : guides_)
-    command.elastic += guide_force(guide, {device.position, Vec3::Zero()}).elastic;
-  return command;
+void Scene::add_guides(const Tool& tool, Command& sum) const noexcept {
+  for (const Guide& guide : guides_) {
+    const Command part = guide_force(guide, tool);
+    sum.elastic += part.elastic;
+    sum.frictional += part.frictional;
+  }
+}
+
+Command Scene::touch(const Pose& device, const Vec3& velocity, double elapsed,
+                     BodyMemory& memory) const noexcept {
+  Command command = step_body(*tool_.body, objects_, device, elapsed, memory).command;
+  add_guides({device.position, velocity}, command);
+  return command.finite() ? command : Command{};
 }
 
 Command Scene::touch(const Tool& tool, TouchMemory& memory, std::size_t count) const noexcept {
@@ -313,11 +319,7 @@ Command Scene::touch(const Tool& tool, TouchMemory& memory, std::size_t count) c
     sum.elastic += part.elastic;
     sum.frictional += part.frictional;
   }
-  for (const Guide& guide : guides_) {
-    const Command part = guide_force(guide, tool);
-    sum.elastic += part.elastic;
-    sum.frictional += part.frictional;
-  }
+  add_guides(tool, sum);
   return sum.finite() ? sum : Command{};
 }
 

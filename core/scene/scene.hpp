@@ -105,9 +105,12 @@ class Scene {
   /// Precondition: made by compile() for these objects (core/scene/mechanism.hpp).
   void set_mechanism(std::shared_ptr<const Mechanism> mechanism);
 
-  /// What a tool with a body gives the hand that holds it at a pose: elastic force and torque.
-  /// Precondition: tool().body is not null. Likewise for the rest.
-  Command touch(const Pose& device, BodyMemory& memory) const noexcept;
+  /// What a tool with a body gives the hand that holds it at a pose, `elapsed` [s] after the one
+  /// before. Precondition: tool().body is not null, and nothing moves. Likewise for the rest.
+  Command touch(const Pose& device, const Vec3& velocity, double elapsed,
+                BodyMemory& memory) const noexcept;
+  /// Adds what the guides do.
+  void add_guides(const Tool& tool, Command& sum) const noexcept;
 
  private:
   /// Of the first `count` objects.

@@ -241,14 +241,26 @@ void World::push(Grasp& grasp, TouchMemory& memory, double share) noexcept {
                             .force();
     }
   }
+  apply(grasp, share);
+}
+
+void World::apply(Grasp& grasp, double share) noexcept {
   grasp.fresh = false;
-  constexpr std::array<mjtNum, 3> kNoTorque{};
   for (std::size_t i = 0; i < parts_; ++i) {
-    const Vec3 force = -share * grasp.forces[i];
-    if (force.isZero(0.0) || !force.allFinite()) continue;
-    mj_applyFT(&run_->model, run_->data.get(), force.data(), kNoTorque.data(),
+    const Vec3 force = -share * grasp.forces[i], torque = -share * grasp.torques[i];
+    if ((force.isZero(0.0) && torque.isZero(0.0)) || !force.allFinite() || !torque.allFinite())
+      continue;
+    mj_applyFT(&run_->model, run_->data.get(), force.data(), torque.data(),
                grasp.tool.position.data(), run_->parts[i].body, run_->data->qfrc_applied);
   }
+}
+
+void World::push(Grasp& grasp, BodyMemory& memory, double share) noexcept {
+  if (grasp.forces.size() != parts_) [[unlikely]]
+    return;
+  // Where no sample came the hand is taken to stand.
+  if (!grasp.fresh || grasp.resets != counters_.resets) hold(grasp.device, tick_, memory, grasp);
+  apply(grasp, share);
 }
 
 }  // namespace feltwire

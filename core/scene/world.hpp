@@ -8,6 +8,7 @@
 
 #include "core/contact/local_model.hpp"
 #include "core/scene/scene.hpp"
+#include "core/tool/body_tool.hpp"
 
 namespace feltwire {
 
@@ -17,6 +18,12 @@ struct Grasp {
   std::vector<Vec3> forces;  // [N] on the hand, one for each moving object
   bool fresh = false;        // of the tool's newest sample, and no step since
   std::uint64_t resets = 0;  // of the world, that the contact memory knows of
+
+  // Of a tool with a body; `tool` is then where the scene holds it.
+  Pose device;                        // where the hand holds it
+  std::vector<Vec3> torques;          // [N m] with the forces, about the tool's position
+  std::vector<ObjectMotion> motions;  // of all objects, since then:
+  std::uint64_t steps = 0;            // of the world
 };
 
 struct WorldCounters {
@@ -45,11 +52,14 @@ class World {
   /// [N s] linear momentum of the bodies.
   Vec3 momentum() const noexcept;
 
-  Grasp grasp() const { return {.tool = {}, .forces = std::vector<Vec3>(parts_, Vec3::Zero())}; }
+  Grasp grasp() const;
 
   /// As Scene::touch(), with the moving objects where they are and as fast as they are. What they
   /// put on the hand is kept in `grasp`; push() puts the opposite on them.
   Command touch(const Tool& tool, TouchMemory& memory, Grasp& grasp) const noexcept;
+  /// Likewise as Scene::touch() of a tool with a body.
+  Command touch(const Pose& device, const Vec3& velocity, double elapsed, BodyMemory& memory,
+                Grasp& grasp) const noexcept;
 
   /// Puts a share (0 to 1) of the grasp on the bodies for the next step. The first step after a
   /// sample takes exactly the forces that touch() answered with, negated, at the tool: Newton's
@@ -57,6 +67,7 @@ class World {
   /// forces are those that the bodies meet it with now: a force held on while the body moves would
   /// be a spring that answers late, and gain energy.
   void push(Grasp& grasp, TouchMemory& memory, double share) noexcept;
+  void push(Grasp& grasp, BodyMemory& memory, double share) noexcept;
 
   /// Moves on by one tick, and takes the pushes away. False where the step came to nothing sane
   /// (MuJoCo gives up, numbers that are not finite, speeds that nothing here has): then the bodies
@@ -76,6 +87,8 @@ class World {
   bool sane() const noexcept;
   void go_back() noexcept;
   void forget_moving(Grasp& grasp, TouchMemory& memory) const noexcept;
+  Command hold(const Pose& device, double elapsed, BodyMemory& memory, Grasp& grasp) const noexcept;
+  void apply(Grasp& grasp, double share) noexcept;
 
   const Scene& scene_;
   double tick_;

@@ -39,17 +39,31 @@ struct BodyMemory {
   /// What the solids answer at that pose. Where they have moved since, say so with known = false.
   ShellContact contact;
   bool known = false;
+  bool slipping = false;  // along what it touches: then dynamic friction holds it back
 };
 
 /// A pose moved by [m] and turned by a rotation vector [rad], world frame.
 Pose moved(const Pose& pose, const Vec3& by, const Vec3& turn) noexcept;
 
-/// What a step came to, beside the command.
+/// How an object that moves did so since the step before, and how much of it is felt.
+struct ObjectMotion {
+  Vec3 linear = Vec3::Zero();   // [m] of the object's origin
+  Vec3 angular = Vec3::Zero();  // [rad]
+  double share = 1.0;
+};
+
+/// What a step came to.
 struct BodyStep {
-  Command command;                             // on the hand: elastic force and torque
+  Command command;                             // on the hand: force in its parts, and torque
   double stored = 0.0;                         // [J] in coupling and contact after the step
   std::size_t touching = 0;                    // points
   std::size_t evaluations = 0, looked_at = 0;  // of all contacts; nodes and points in them
+  /// What of the command comes from which object, about the tool's origin; their sum is the
+  /// command's, to rounding: what the tool is not yet in balance by is shared out by size.
+  std::array<ObjectWrench, ShellContact::kGrips> parts;
+  std::size_t part_count = 0;
+
+  std::span<const ObjectWrench> touched() const { return {parts.data(), part_count}; }
 };
 
 /// Moves the tool towards where coupling and contact are in balance and says what the coupling
@@ -63,9 +77,18 @@ struct BodyStep {
 /// farther than the clearance and kToolAdvance in one evaluation, so that a fast hand does not take
 /// the tool through a solid. The first step places the tool at the device.
 ///
+/// What friction, contact damping and viscous friction cost on the way is part of what each move
+/// must make up for (core/tool/sliding.hpp): a tool that they hold stays exactly where it is, and
+/// they can only take energy. Damping counts from where the tool was at the beginning of the step,
+/// by what it touched there; leaving, the tool is held back by no more than what pushes it out.
+///
+/// `elapsed` [s] since the step before; not above zero: nothing is damped. `motions`: of each
+/// object in that time; none: all stand.
+///
 /// A pose that is not finite gives zero and leaves the memory as it was. Never allocates.
 BodyStep step_body(const BodyTool& tool, std::span<const Object> objects, const Pose& device,
-                   BodyMemory& memory) noexcept;
+                   double elapsed, BodyMemory& memory,
+                   std::span<const ObjectMotion> motions = {}) noexcept;
 
 inline constexpr double kToolAdvance = 1e-3;        // [m]
 inline constexpr std::size_t kToolEvaluations = 8;  // of all contacts, at most, a step

@@ -10,8 +10,6 @@
 namespace feltwire {
 namespace {
 
-constexpr std::uint32_t kLeaf = 8;  // points
-
 /// The additive recurrence in two dimensions with the least gaps known (Roberts 2018): the plastic
 /// number and its square.
 constexpr double kFirstStep = 0.7548776662466927, kSecondStep = 0.5698402909980532;
@@ -51,36 +49,76 @@ std::vector<Vec3> spread(const TriangleSoup& surface, double area, std::size_t c
   return points;
 }
 
+/// Cuts the shell into parts of eight, so that a look at a part's children, or at a leaf's points,
+/// fills a vector.
 struct TreeBuilder {
   PointShell& shell;
+  static constexpr std::uint32_t kParts = ShellNode::kParts;
 
-  void build(std::uint32_t begin, std::uint32_t end) {
-    const auto at = static_cast<std::ptrdiff_t>(begin), to = static_cast<std::ptrdiff_t>(end);
-    const auto first = shell.points.begin();
+  ShellNode node_of(std::uint32_t begin, std::uint32_t end) const {
     Vec3 low = shell.points[begin], high = low;
-    for (auto p = first + at; p != first + to; ++p) {
-      low = low.cwiseMin(*p);
-      high = high.cwiseMax(*p);
+    for (std::uint32_t i = begin; i < end; ++i) {
+      low = low.cwiseMin(shell.points[i]);
+      high = high.cwiseMax(shell.points[i]);
     }
     ShellNode node;
     node.center = 0.5 * (low + high);
     node.begin = begin;
     node.end = end;
-    for (auto p = first + at; p != first + to; ++p)
-      node.radius = std::max(node.radius, (*p - node.center).norm());
-    const std::size_t index = shell.nodes.size();
-    shell.nodes.push_back(node);
-    if (end - begin > kLeaf) {
-      Eigen::Index axis;
-      (high - low).maxCoeff(&axis);
-      // The whole order, not only the middle: the same tree from every standard library.
-      std::stable_sort(first + at, first + to,
-                       [axis](const Vec3& a, const Vec3& b) { return a[axis] < b[axis]; });
-      const std::uint32_t middle = begin + (end - begin) / 2;
-      build(begin, middle);
-      build(middle, end);
+    for (std::uint32_t i = begin; i < end; ++i)
+      node.radius = std::max(node.radius, (shell.points[i] - node.center).norm());
+    return node;
+  }
+
+  /// In two along the longest side, so that full leaves stay full; returns where.
+  std::uint32_t halve(std::uint32_t begin, std::uint32_t end) {
+    const auto first = shell.points.begin() + static_cast<std::ptrdiff_t>(begin),
+               last = shell.points.begin() + static_cast<std::ptrdiff_t>(end);
+    Vec3 low = *first, high = low;
+    for (auto p = first; p != last; ++p) {
+      low = low.cwiseMin(*p);
+      high = high.cwiseMax(*p);
     }
-    shell.nodes[index].next = static_cast<std::uint32_t>(shell.nodes.size());
+    Eigen::Index axis;
+    (high - low).maxCoeff(&axis);
+    // The whole order, not only the middle: the same tree from every standard library.
+    std::stable_sort(first, last,
+                     [axis](const Vec3& a, const Vec3& b) { return a[axis] < b[axis]; });
+    const std::uint32_t leaves = (end - begin + kParts - 1) / kParts;
+    return begin + (leaves + 1) / 2 * kParts;
+  }
+
+  /// Puts the parts' ends behind the others, a cut into two `cuts` times over.
+  void cut(std::uint32_t begin, std::uint32_t end, int cuts, std::vector<std::uint32_t>& ends) {
+    if (cuts == 0 || end - begin <= kParts) {
+      ends.push_back(end);
+      return;
+    }
+    const std::uint32_t middle = halve(begin, end);
+    cut(begin, middle, cuts - 1, ends);
+    cut(middle, end, cuts - 1, ends);
+  }
+
+  void divide(std::size_t index) {
+    constexpr int kCuts = 3;  // kParts = 2^3
+    const std::uint32_t begin = shell.nodes[index].begin, end = shell.nodes[index].end;
+    if (end - begin <= kParts) return;
+    std::vector<std::uint32_t> ends;
+    cut(begin, end, kCuts, ends);
+    const auto child = static_cast<std::uint32_t>(shell.nodes.size());
+    std::uint32_t from = begin;
+    for (const std::uint32_t to : ends) {
+      shell.nodes.push_back(node_of(from, to));
+      from = to;
+    }
+    shell.nodes[index].child = child;
+    shell.nodes[index].children = static_cast<std::uint32_t>(ends.size());
+    for (std::size_t i = 0; i < ends.size(); ++i) divide(child + i);
+  }
+
+  void build() {
+    shell.nodes.push_back(node_of(0, static_cast<std::uint32_t>(shell.points.size())));
+    divide(0);
   }
 };
 
@@ -96,7 +134,7 @@ PointShell point_shell(const TriangleSoup& surface, std::size_t count) {
     throw std::invalid_argument("body: its surface has no area; give one that has");
   shell.points = spread(surface, shell.area, count);
   for (const Vec3& p : shell.points) shell.radius = std::max(shell.radius, p.norm());
-  TreeBuilder{shell}.build(0, static_cast<std::uint32_t>(count));
+  TreeBuilder{shell}.build();
   return shell;
 }
 

@@ -9,17 +9,18 @@
 
 namespace feltwire {
 
-/// A part of the shell: the points [begin, end) and the ball that holds them.
+/// A part of the shell: the points [begin, end), the ball that holds them, and what it is cut into.
 struct ShellNode {
-  Vec3 center = Vec3::Zero();  // [m, tool frame]
-  double radius = 0.0;         // [m]
+  static constexpr std::uint32_t kParts = 8;  // children of a node and points of a leaf, at most
+  Vec3 center = Vec3::Zero();                 // [m, tool frame]
+  double radius = 0.0;                        // [m]
   std::uint32_t begin = 0, end = 0;
-  std::uint32_t next = 0;  // the node after all that lie below this one; its own index + 1: a leaf
+  std::uint32_t child = 0, children = 0;  // nodes [child, child + children); none: a leaf
 };
 
 struct PointShell {
   std::vector<Vec3> points;      // [m, tool frame] in the order of the tree's leaves
-  std::vector<ShellNode> nodes;  // each before what lies below it; the first holds all
+  std::vector<ShellNode> nodes;  // the first holds all
   double area = 0.0;             // [m^2] of the whole surface; each point stands for the same share
   double radius = 0.0;           // [m] of the farthest point from the tool's origin
 };
@@ -29,5 +30,6 @@ struct PointShell {
 PointShell point_shell(const TriangleSoup& surface, std::size_t count);
 
 inline constexpr std::size_t kMaxShellPoints = 1'000'000;
+inline constexpr std::size_t kMaxShellDepth = 8;  // of the tree of so many points
 
 }  // namespace feltwire

@@ -1,8 +1,10 @@
 #include "core/tool/shell_contact.hpp"
 
 #include <algorithm>
+#include <array>
 
 #include "core/geometry/signed_distance.hpp"
+#include "core/numeric.hpp"
 
 namespace feltwire {
 namespace {
@@ -11,73 +13,256 @@ namespace {
 /// a smaller one would leave little that is sure of their distance, for the clearance.
 constexpr double kFarEnough = 0.5;
 
+double far_of(const ShellNode& node) { return (1.0 + kFarEnough) * node.radius; }
+
+using Lanes = FieldGroup::Lanes;
+static_assert(ShellNode::kParts == FieldGroup::kSize);
+
 /// Sums in the object's frame, arms from the tool's origin.
 struct Sums {
   double squares = 0.0;  // of distances [m^2]
-  Vec3 force = Vec3::Zero(), torque = Vec3::Zero();
-  // Of the stiffness: translation, rotation, and rotation by translation.
-  Mat3 linear = Mat3::Zero(), rotational = Mat3::Zero(), mixed = Mat3::Zero();
+  Vec6 wrench = Vec6::Zero();
+  Mat6 stiffness = Mat6::Zero();  // the lower half
 
-  void add(const FieldPoint& field, const Vec3& arm) {
-    const Vec3& way = field.gradient;
-    const Vec3 moment = arm.cross(way);
-    squares += field.distance * field.distance;
-    force -= field.distance * way;
-    torque -= field.distance * moment;
-    linear += way * way.transpose();
-    rotational += moment * moment.transpose();
-    mixed += moment * way.transpose();
+  /// Of the places whose distance is below zero, the others' being zero with their gradient.
+  void add(const FieldGroup& group, const std::array<Lanes, 3>& arm) {
+    const std::array<Lanes, 6> way = {group.gradient_x,
+                                      group.gradient_y,
+                                      group.gradient_z,
+                                      arm[1] * group.gradient_z - arm[2] * group.gradient_y,
+                                      arm[2] * group.gradient_x - arm[0] * group.gradient_z,
+                                      arm[0] * group.gradient_y - arm[1] * group.gradient_x};
+    squares += group.distance.square().sum();
+    for (std::size_t i = 0; i < way.size(); ++i) {
+      const auto row = static_cast<Eigen::Index>(i);
+      wrench[row] -= (group.distance * way[i]).sum();
+      for (std::size_t k = 0; k <= i; ++k)
+        stiffness(row, static_cast<Eigen::Index>(k)) += (way[i] * way[k]).sum();
+    }
+  }
+};
+
+/// Where a grip is: sums over its points, weighted by the load's d |grad d|.
+struct GripSums {
+  double weight = 0.0;
+  Vec3 arm = Vec3::Zero(), normal = Vec3::Zero();
+  Mat3 arms = Mat3::Zero();  // of arm arm^T, lower half
+
+  void add(const Lanes& weights, const std::array<Lanes, 3>& normals,
+           const std::array<Lanes, 3>& arm_of) {
+    weight += weights.sum();
+    for (std::size_t i = 0; i < arm_of.size(); ++i) {
+      const auto row = static_cast<Eigen::Index>(i);
+      const Lanes weighted = weights * arm_of[i];
+      arm[row] += weighted.sum();
+      normal[row] += (weights * normals[i]).sum();
+      for (std::size_t k = 0; k <= i; ++k)
+        arms(row, static_cast<Eigen::Index>(k)) += (weighted * arm_of[k]).sum();
+    }
+  }
+
+  /// How far a motion v, w slips: the centre c along the surface, v + w x c less its part along
+  /// the mean normal n, and the points about n. Rocking on the surface is no slip.
+  Mat6 slip() const {
+    const Vec3 c = arm / weight, n = direction(normal);
+    const Mat3 across = Mat3::Identity() - n * n.transpose();
+    Mat3 cross;  // c x
+    cross << 0.0, -c.z(), c.y(), c.z(), 0.0, -c.x(), -c.y(), c.x(), 0.0;
+    const Mat3 squares = Mat3(arms.selfadjointView<Eigen::Lower>()) / weight - c * c.transpose();
+    const double about = std::max(0.0, squares.trace() - n.dot(squares * n));
+    Mat6 m;
+    m.topLeftCorner<3, 3>() = across;
+    m.topRightCorner<3, 3>() = -across * cross;
+    m.bottomLeftCorner<3, 3>() = cross * across;
+    m.bottomRightCorner<3, 3>() = about * n * n.transpose() - cross * across * cross;
+    return m;
+  }
+};
+
+/// By the axis of the object's frame that the normal is nearest to: within 55 degrees of it.
+constexpr std::size_t kSides = 6;
+std::size_t side_of(const Vec3& way) {
+  Eigen::Index axis;
+  way.cwiseAbs().maxCoeff(&axis);
+  return 2 * static_cast<std::size_t>(axis) + (way[axis] < 0.0 ? 1 : 0);
+}
+
+Mat6 turned_by(const Mat3& to_world, const Mat6& m) {
+  Mat6 result;
+  for (const Eigen::Index row : {0, 3})
+    for (const Eigen::Index column : {0, 3})
+      result.block<3, 3>(row, column) =
+          to_world * m.block<3, 3>(row, column) * to_world.transpose();
+  return result;
+}
+
+/// One shell against one object, in the object's frame.
+struct Look {
+  const PointShell& shell;
+  const Object& object;
+  Mat3 turned;  // the tool's frame into the object's
+  Vec3 origin;  // [m] of the tool
+  ShellContact& sum;
+  bool slides;  // what slips where is asked for
+  Sums sums = {};
+  std::array<GripSums, kSides> grips = {};
+
+  /// Whether the ball may come near; notes how far away it is where it does not.
+  bool near(const ShellNode& node, double distance) {
+    if (!(distance > far_of(node))) return true;
+    sum.clearance = std::min(sum.clearance, distance - node.radius);
+    return false;
+  }
+
+  bool root_is_near() {
+    const ShellNode& all = shell.nodes[0];
+    ++sum.looked_at;
+    return near(all, distance_at_least(object.shape, object.felt_from, origin + turned * all.center,
+                                       far_of(all)));
+  }
+
+  void points(const ShellNode& leaf) {
+    const std::size_t count = leaf.end - leaf.begin;
+    FieldGroup group;
+    std::array<Lanes, 3> arm;
+    for (std::size_t lane = 0; lane < FieldGroup::kSize; ++lane) {
+      const Vec3& p = shell.points[leaf.begin + std::min(lane, count - 1)];
+      const auto l = static_cast<Eigen::Index>(lane);
+      for (std::size_t axis = 0; axis < arm.size(); ++axis) {
+        const auto a = static_cast<Eigen::Index>(axis);
+        arm[axis][l] = turned(a, 0) * p.x() + turned(a, 1) * p.y() + turned(a, 2) * p.z();
+      }
+    }
+    group.x = origin.x() + arm[0];
+    group.y = origin.y() + arm[1];
+    group.z = origin.z() + arm[2];
+    signed_distance(object.shape, object.felt_from, group);
+    sum.looked_at += count;
+    Lanes inside;
+    std::size_t touching = 0;
+    for (std::size_t lane = 0; lane < FieldGroup::kSize; ++lane) {
+      const auto l = static_cast<Eigen::Index>(lane);
+      const double distance = group.distance[l];
+      const bool in = lane < count && distance < 0.0;
+      inside[l] = in ? 1.0 : 0.0;
+      touching += in ? 1 : 0;
+      if (!in && lane < count) sum.clearance = std::min(sum.clearance, distance);
+    }
+    if (touching == 0) return;
+    sum.touching += touching;
+    group.distance *= inside;
+    group.gradient_x *= inside;
+    group.gradient_y *= inside;
+    group.gradient_z *= inside;
+    sums.add(group, arm);
+    if (slides) slip(group, arm);
+  }
+
+  void slip(const FieldGroup& group, const std::array<Lanes, 3>& arm) {
+    const Lanes length =
+        (group.gradient_x.square() + group.gradient_y.square() + group.gradient_z.square()).sqrt();
+    const Lanes load = -group.distance * length;
+    std::array<Lanes, kSides> weights;
+    weights.fill(Lanes::Zero());
+    std::array<Lanes, 3> normals;
+    normals.fill(Lanes::Zero());
+    std::array<bool, kSides> there{};
+    for (Eigen::Index l = 0; l < load.size(); ++l) {
+      if (!(load[l] > 0.0)) continue;
+      const Vec3 way(group.gradient_x[l], group.gradient_y[l], group.gradient_z[l]);
+      const std::size_t side = side_of(way);
+      weights[side][l] = load[l];
+      there[side] = true;
+      for (std::size_t axis = 0; axis < normals.size(); ++axis)
+        normals[axis][l] = way[static_cast<Eigen::Index>(axis)] / length[l];
+    }
+    for (std::size_t side = 0; side < kSides; ++side)
+      if (there[side]) grips[side].add(weights[side], normals, arm);
+  }
+
+  /// `scale`: [N] of a load's unit.
+  void grip(const Mat3& to_world, double scale, const ObjectInStep& in) {
+    const Material& material = object.material;
+    double whole = 0.0;
+    for (const GripSums& g : grips) whole += g.weight;
+    for (const GripSums& g : grips) {
+      if (!(g.weight > 0.0)) continue;
+      const Mat6 slip = turned_by(to_world, g.slip());
+      const double viscous = in.share * material.viscous_friction * g.weight / whole;
+      sum.viscosity.add(viscous * slip, in.carried);
+      if (!(material.static_friction > 0.0)) continue;
+      const double load = scale * g.weight;
+      if (sum.grip_count == ShellContact::kGrips) {
+        sum.grips.back().load += load;
+        continue;
+      }
+      sum.grips[sum.grip_count++] = {
+          load, material.static_friction, material.dynamic_friction, slip, in.carried, in.index};
+    }
+  }
+
+  void all() {
+    // A node's children stand on the stack only while it is looked into.
+    std::array<std::uint32_t, kMaxShellDepth * ShellNode::kParts> waiting;
+    std::size_t count = 0;
+    if (root_is_near()) waiting[count++] = 0;
+    while (count > 0) {
+      const ShellNode& node = shell.nodes[waiting[--count]];
+      if (node.children == 0) {
+        points(node);
+        continue;
+      }
+      FieldGroup group;
+      Lanes far;
+      for (std::size_t lane = 0; lane < FieldGroup::kSize; ++lane) {
+        const ShellNode& child =
+            shell.nodes[node.child + std::min<std::size_t>(lane, node.children - 1)];
+        group.put(lane, origin + turned * child.center);
+        far[static_cast<Eigen::Index>(lane)] = far_of(child);
+      }
+      distance_at_least(object.shape, object.felt_from, group, far);
+      sum.looked_at += node.children;
+      for (std::size_t lane = node.children; lane-- > 0;) {  // the first will be on top
+        const auto child = node.child + static_cast<std::uint32_t>(lane);
+        if (near(shell.nodes[child], group.distance[static_cast<Eigen::Index>(lane)]))
+          waiting[count++] = child;
+      }
+    }
   }
 };
 
 }  // namespace
 
 void add_contact(const PointShell& shell, const Pose& tool, const Object& object,
-                 double contact_area, ShellContact& sum) noexcept {
+                 double contact_area, ShellContact& sum, const ObjectInStep& in) noexcept {
+  const Material& material = object.material;
   const Mat3 to_world = object.pose.orientation.toRotationMatrix();
-  const Mat3 turned = to_world.transpose() * tool.orientation.toRotationMatrix();
-  const Vec3 origin = to_world.transpose() * (tool.position - object.pose.position);
-
-  Sums sums;
-  for (std::size_t n = 0; n < shell.nodes.size();) {
-    const ShellNode& node = shell.nodes[n];
-    const Vec3 center = origin + turned * node.center;
-    const double far = (1.0 + kFarEnough) * node.radius;
-    const double distance = distance_at_least(object.shape, object.felt_from, center, far);
-    const double nearest = distance - node.radius;
-    ++sum.looked_at;
-    if (distance > far) {
-      sum.clearance = std::min(sum.clearance, nearest);
-      n = node.next;
-      continue;
-    }
-    ++n;
-    if (node.next != n) continue;  // its points are looked at below
-    for (std::uint32_t i = node.begin; i < node.end; ++i) {
-      const Vec3 arm = turned * shell.points[i];
-      const FieldPoint field = signed_distance(object.shape, object.felt_from, origin + arm);
-      ++sum.looked_at;
-      if (field.distance < 0.0) {
-        sums.add(field, arm);
-        ++sum.touching;
-      } else {
-        sum.clearance = std::min(sum.clearance, field.distance);
-      }
-    }
-  }
+  Look look{shell,
+            object,
+            to_world.transpose() * tool.orientation.toRotationMatrix(),
+            to_world.transpose() * (tool.position - object.pose.position),
+            sum,
+            material.static_friction > 0.0 || material.viscous_friction > 0.0};
+  look.all();
+  const Sums& sums = look.sums;
   if (!(sums.squares > 0.0)) return;
 
-  const double scale = object.material.stiffness * shell.area /
-                       (contact_area * static_cast<double>(shell.points.size()));
+  const double share = shell.area / (contact_area * static_cast<double>(shell.points.size()));
+  const double scale = in.share * material.stiffness * share;
   sum.energy += 0.5 * scale * sums.squares;
-  const auto turn = [&](const Mat3& m) -> Mat3 { return to_world * m * to_world.transpose(); };
-  const Mat3 mixed = scale * turn(sums.mixed);
-  sum.wrench.head<3>() += scale * (to_world * sums.force);
-  sum.wrench.tail<3>() += scale * (to_world * sums.torque);
-  sum.stiffness.topLeftCorner<3, 3>() += scale * turn(sums.linear);
-  sum.stiffness.bottomRightCorner<3, 3>() += scale * turn(sums.rotational);
-  sum.stiffness.bottomLeftCorner<3, 3>() += mixed;
-  sum.stiffness.topRightCorner<3, 3>() += mixed.transpose();
+  Vec6 wrench;
+  wrench << to_world * sums.wrench.head<3>(), to_world * sums.wrench.tail<3>();
+  wrench *= scale;
+  sum.wrench += wrench;
+  if (sum.part_count < ShellContact::kGrips)
+    sum.parts[sum.part_count++] = {in.index, wrench};
+  else
+    sum.parts.back().wrench += wrench;
+  const Mat6 normal = turned_by(to_world, sums.stiffness.selfadjointView<Eigen::Lower>());
+  sum.stiffness += scale * normal;
+  if (material.damping > 0.0)
+    sum.damping.add(in.share * material.damping * share * normal, in.carried);
+  if (look.slides) look.grip(to_world, scale, in);
 }
 
 }  // namespace feltwire

@@ -1,7 +1,9 @@
 #pragma once
 // A point shell against solids: a penalty for each point inside.
 
+#include <array>
 #include <limits>
+#include <span>
 
 #include "core/contact/contact.hpp"
 #include "core/tool/point_shell.hpp"
@@ -10,6 +12,43 @@ namespace feltwire {
 
 using Vec6 = Eigen::Matrix<double, 6, 1>;
 using Mat6 = Eigen::Matrix<double, 6, 6>;
+
+/// Where one object touches with normals that lie about one axis of its frame: what may hold the
+/// tool along the surface there.
+struct Grip {
+  double load = 0.0;  // [N] sum of the points' forces, each by its magnitude
+  double static_friction = 0.0, dynamic_friction = 0.0;
+  /// m^T slip m of a motion m of the tool against the object is the mean square of how far the
+  /// points slip [m^2], weighted by their load, taken for points of a plane: across the mean
+  /// normal, and about it. So what only rocks does not slip.
+  Mat6 slip = Mat6::Zero();
+  Vec6 carried = Vec6::Zero();  // how the object itself moved in the step, about the tool's origin
+  std::uint32_t object = 0;
+};
+
+/// What one of the solids answers with.
+struct ObjectWrench {
+  std::uint32_t object = 0;
+  Vec6 wrench = Vec6::Zero();  // [N], [N m] on the tool
+};
+
+/// One object in one step.
+struct ObjectInStep {
+  std::uint32_t index = 0;      // in the scene
+  double share = 1.0;           // of its answer that is felt
+  Vec6 carried = Vec6::Zero();  // Grip's
+};
+
+/// What resists a motion by its speed.
+struct Damper {
+  Mat6 resistance = Mat6::Zero();  // [N s/m] ... minus the force over the velocity
+  Vec6 driven = Vec6::Zero();      // the same times how the solids themselves moved in the step
+
+  void add(const Mat6& more, const Vec6& carried) noexcept {
+    resistance += more;
+    driven += more * carried;
+  }
+};
 
 /// What the solids answer a shell with. Generalised vectors are translation, then rotation, world
 /// frame, about the tool's origin.
@@ -21,6 +60,16 @@ struct ShellContact {
                                                                // surface than this
   std::size_t touching = 0;                                    // points inside a solid
   std::size_t looked_at = 0;  // nodes and points that a distance was asked for
+
+  static constexpr std::size_t kGrips = 8;
+  std::array<Grip, kGrips> grips;
+  std::array<ObjectWrench, kGrips> parts;  // of the wrench
+  std::size_t grip_count = 0, part_count = 0;
+  Damper damping;    // of the contact, along the normals
+  Damper viscosity;  // along the surface
+
+  std::span<const Grip> gripping() const { return {grips.data(), grip_count}; }
+  std::span<const ObjectWrench> touched() const { return {parts.data(), part_count}; }
 };
 
 /// Adds what one object answers. Each point inside, at signed distance d < 0, stores
@@ -29,8 +78,12 @@ struct ShellContact {
 /// [m^2], > 0: where that much of the tool presses flat on a solid, it meets the stiffness k. So
 /// the force is an integral over the tool's surface (a bed of springs, Winkler 1867): more points
 /// make it more exact, not larger. It is the gradient of a potential wherever the distance is that
-/// of a grid, and friction and damping have no part in it. Poses must be finite. Never allocates.
+/// of a grid; what friction and damping need is noted beside it, and costs nothing where the
+/// material has neither.
+///
+/// Where there are more grips or touched objects than kGrips the last takes what is left. Poses
+/// must be finite. Never allocates.
 void add_contact(const PointShell& shell, const Pose& tool, const Object& object,
-                 double contact_area, ShellContact& sum) noexcept;
+                 double contact_area, ShellContact& sum, const ObjectInStep& in = {}) noexcept;
 
 }  // namespace feltwire

@@ -71,7 +71,7 @@ void tool(benchmark::State& state, const Case& c, std::size_t points) {
     const double s = std::sin(2.0 * M_PI * kTurns * kPeriod * static_cast<double>(n));
     const Pose hand = moved({c.position, Quaternion::Identity()}, kSway * s * Vec3(1, 1, 0),
                             Vec3(0.0, 0.0, 0.3 * s));
-    benchmark::DoNotOptimize(step_body(body, std::span(&object, 1), hand, memory));
+    benchmark::DoNotOptimize(step_body(body, std::span(&object, 1), hand, kPeriod, memory));
     n = (n + 1) % kSteps;
   }
 }

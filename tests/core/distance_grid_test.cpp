@@ -214,6 +214,53 @@ TEST(DistanceGrid, WhatIsNoPlaceHasNoDistance) {
   EXPECT_GT(grid.at({1e300, -1e300, 1e300}).distance, 1e299);
 }
 
+/// Of a ball of 30 mm.
+template <class Real>
+void compare_group(const DistanceGrid<Real>& grid, FieldGroup group, double rounding) {
+  FieldGroup least = group;
+  grid.at(group);
+  for (const double sign : {1.0, -1.0}) {
+    grid.at_least(least, sign, FieldGroup::Lanes::Constant(2e-3));
+    for (std::size_t lane = 0; lane < FieldGroup::kSize; ++lane) {
+      const auto l = static_cast<Eigen::Index>(lane);
+      const FieldPoint alone = grid.at(group.place(lane));
+      EXPECT_NEAR(group.distance[l], alone.distance, rounding);
+      EXPECT_NEAR(group.gradient_x[l], alone.gradient.x(), rounding / grid.resolution());
+      EXPECT_NEAR(group.gradient_y[l], alone.gradient.y(), rounding / grid.resolution());
+      EXPECT_NEAR(group.gradient_z[l], alone.gradient.z(), rounding / grid.resolution());
+      EXPECT_LE(least.distance[l], sign * (group.place(lane).norm() - 0.03));
+    }
+  }
+}
+
+TEST(DistanceGrid, EightAtOnceAreEachItself) {
+  const Solid ball = solid_of(Shape(Sphere{0.03}));
+  for (const Interpolation interpolation : {Interpolation::linear, Interpolation::quadratic}) {
+    const GridOptions options{.resolution = 2e-3, .interpolation = interpolation};
+    const DistanceGrid<float> narrow(ball, options);
+    const DistanceGrid<double> wide(ball, options);
+    test::Random random(5);
+    for (int i = 0; i < 300; ++i) {
+      // Near to each other at the surface, or anywhere, and then some outside or deep inside.
+      const Vec3 middle = random.uniform(0.02, 0.04) * random.direction();
+      const double spread = i % 2 == 0 ? 2e-3 : 0.06;
+      FieldGroup group;
+      for (std::size_t lane = 0; lane < FieldGroup::kSize; ++lane)
+        group.put(lane, Vec3(middle + spread * random.uniform(0.0, 1.0) * random.direction()));
+      compare_group(narrow, group, 3e-8);
+      compare_group(wide, group, 1e-16);
+    }
+    FieldGroup bad;
+    for (std::size_t lane = 0; lane < FieldGroup::kSize; ++lane)
+      bad.put(lane, Vec3(0.03, 0.0, 0.0));
+    bad.put(3, Vec3(0.0, kNan, 0.0));
+    bad.put(5, Vec3(kInfinity, 0.0, 0.0));
+    narrow.at(bad);
+    EXPECT_NEAR(bad.distance[2], 0.0, 1e-4);
+    EXPECT_TRUE(std::isnan(bad.distance[3]) && std::isnan(bad.distance[5]));
+  }
+}
+
 TEST(DistanceGrid, TheSameBitsEveryTime) {
   const Solid solid = solid_of(TriangleMesh(icosphere(0.02, 3)));
   const DistanceGrid<float> a(solid, {.resolution = 1e-3}), b(solid, {.resolution = 1e-3});

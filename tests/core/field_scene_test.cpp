@@ -84,10 +84,10 @@ TEST(FieldScene, ABodyGivesForceAndTorque) {
   EXPECT_EQ(scene.tool().body->coupling().stiffness, 2000.0);
   EXPECT_EQ(scene.tool().body->coupling().max_force, 5.0);
   BodyMemory memory;
-  scene.touch({Vec3(0, 0, 0.02), Quaternion::Identity()}, memory);
+  scene.touch({Vec3(0, 0, 0.02), Quaternion::Identity()}, Vec3::Zero(), 1e-3, memory);
   Command c;
   for (int i = 0; i < 20; ++i)
-    c = scene.touch({Vec3(0, 0, 0.0095), Quaternion::Identity()}, memory);
+    c = scene.touch({Vec3(0, 0, 0.0095), Quaternion::Identity()}, Vec3::Zero(), 1e-3, memory);
   // The hand holds the box by its end: the floor lifts the box's middle and turns it.
   EXPECT_GT(c.elastic.z(), 0.05);
   EXPECT_LT(c.torque.y(), -1e-4);

@@ -1,0 +1,170 @@
+// Eight queries of a distance grid at once. A place reads nine rows of samples; those of four
+// places are turned over, so that each number of a vector belongs to one place and all arithmetic
+// is the vector's. Its width is given here and not found out by the compiler: the same bits
+// whatever the machine can do.
+
+#include <cstring>
+
+#include "core/geometry/distance_grid.hpp"
+
+namespace feltwire {
+namespace {
+
+constexpr std::size_t kQuad = 4;
+constexpr std::size_t kTaps = 3;  // samples along an axis
+
+/// Four numbers, one a place.
+template <class Real>
+struct Quad {
+  typedef Real Type __attribute__((vector_size(kQuad * sizeof(Real))));
+};
+
+template <class Type, class Real>
+void load(Type& quad, const Real* from) noexcept {
+  std::memcpy(&quad, from, sizeof quad);
+}
+
+/// Weights of an axis' samples before, at and after the nearest, and their derivatives; as those of
+/// one place (distance_grid.cpp).
+template <class Type>
+struct QuadWeights {
+  std::array<Type, kTaps> value, slope;
+};
+
+template <class Real, class Type>
+void weigh(Interpolation interpolation, const Real* beyond, QuadWeights<Type>& w) noexcept {
+  Type t;
+  load(t, beyond);
+  const Real half(0.5);
+  if (interpolation == Interpolation::quadratic) {
+    const Type before = half - t, after = half + t;
+    w.value = {half * before * before, Real(0.75) - t * t, half * after * after};
+    w.slope = {-before, -2 * t, after};
+    return;
+  }
+  const Type zero = t - t, one = zero + 1;
+  const Type below = t < zero ? one : zero, above = one - below;
+  w.value = {-t * below, one + t * (below - above), t * above};
+  w.slope = {-below, below - above, above};
+}
+
+}  // namespace
+
+/// False where one of the places is not near the surface, and nothing is known.
+template <class Real>
+bool DistanceGrid<Real>::find(const FieldGroup& group, Offsets& offsets,
+                              Beyond& beyond) const noexcept {
+  using Lanes = FieldGroup::Lanes;
+  // Half a step on, so that the part before the point is the nearest sample's index.
+  const std::array<Lanes, 3> u = {inverse_h_ * (group.x - origin_.x()) + 0.5,
+                                  inverse_h_ * (group.y - origin_.y()) + 0.5,
+                                  inverse_h_ * (group.z - origin_.z()) + 0.5};
+  std::array<std::array<std::uint32_t, FieldGroup::kSize>, 3> nearest;
+  for (std::size_t axis = 0; axis < u.size(); ++axis) {
+    const double end = kBrick * count_[static_cast<Eigen::Index>(axis)];
+    if (!(u[axis].minCoeff() >= 0.0 && u[axis].maxCoeff() < end) || !u[axis].allFinite())
+      return false;
+    for (std::size_t lane = 0; lane < FieldGroup::kSize; ++lane) {
+      const double at = u[axis][static_cast<Eigen::Index>(lane)];
+      const int index = static_cast<int>(at);
+      nearest[axis][lane] = static_cast<std::uint32_t>(index);
+      beyond[axis][lane] = static_cast<Real>(at - 0.5 - index);
+    }
+  }
+  for (std::size_t lane = 0; lane < FieldGroup::kSize; ++lane) {
+    const std::uint32_t x = nearest[0][lane], y = nearest[1][lane], z = nearest[2][lane];
+    const auto nx = static_cast<std::size_t>(count_.x()), ny = static_cast<std::size_t>(count_.y());
+    const std::int32_t slot = slots_[(z / kBrick * ny + y / kBrick) * nx + x / kBrick];
+    if (slot < 0) return false;
+    const std::size_t own = (std::size_t{z % kBrick} * kRow + y % kBrick) * kRow + x % kBrick;
+    offsets[lane] = static_cast<std::size_t>(slot) * kStored + own;
+  }
+  return true;
+}
+
+template <class Real>
+void DistanceGrid<Real>::fine(const Offsets& offsets, const Beyond& beyond,
+                              FieldGroup& group) const noexcept {
+  using Four = typename Quad<Real>::Type;
+  for (std::size_t half = 0; half < FieldGroup::kSize; half += kQuad) {
+    std::array<QuadWeights<Four>, 3> w;
+    for (std::size_t axis = 0; axis < w.size(); ++axis)
+      weigh<Real>(interpolation_, &beyond[axis][half], w[axis]);
+    const Four zero = w[0].value[0] - w[0].value[0];
+    Four value = zero, slope_x = zero, slope_y = zero, slope_z = zero;
+    for (std::size_t z = 0; z < kTaps; ++z) {
+      Four layer = zero, layer_x = zero, layer_y = zero;
+      for (std::size_t y = 0; y < kTaps; ++y) {
+        const std::size_t row = (z * kRow + y) * kRow;
+        std::array<Four, kQuad> from;
+        for (std::size_t i = 0; i < kQuad; ++i)
+          load(from[i], &values_[offsets[half + i] + row]);  // the fourth number has no weight
+        const Four low = __builtin_shufflevector(from[0], from[1], 0, 4, 1, 5);
+        const Four high = __builtin_shufflevector(from[2], from[3], 0, 4, 1, 5);
+        const Four low_last = __builtin_shufflevector(from[0], from[1], 2, 6, 3, 7);
+        const Four high_last = __builtin_shufflevector(from[2], from[3], 2, 6, 3, 7);
+        const Four before = __builtin_shufflevector(low, high, 0, 1, 4, 5);
+        const Four at = __builtin_shufflevector(low, high, 2, 3, 6, 7);
+        const Four after = __builtin_shufflevector(low_last, high_last, 0, 1, 4, 5);
+        const Four along = w[0].value[0] * before + w[0].value[1] * at + w[0].value[2] * after;
+        layer += w[1].value[y] * along;
+        layer_y += w[1].slope[y] * along;
+        layer_x +=
+            w[1].value[y] * (w[0].slope[0] * before + w[0].slope[1] * at + w[0].slope[2] * after);
+      }
+      value += w[2].value[z] * layer;
+      slope_x += w[2].value[z] * layer_x;
+      slope_y += w[2].value[z] * layer_y;
+      slope_z += w[2].slope[z] * layer;
+    }
+    for (std::size_t i = 0; i < kQuad; ++i) {
+      const auto lane = static_cast<Eigen::Index>(half + i);
+      group.distance[lane] = static_cast<double>(value[i]);
+      group.gradient_x[lane] = static_cast<double>(slope_x[i]);
+      group.gradient_y[lane] = static_cast<double>(slope_y[i]);
+      group.gradient_z[lane] = static_cast<double>(slope_z[i]);
+    }
+  }
+  group.gradient_x *= inverse_h_;
+  group.gradient_y *= inverse_h_;
+  group.gradient_z *= inverse_h_;
+}
+
+template <class Real>
+void DistanceGrid<Real>::at(FieldGroup& group) const noexcept {
+  Offsets offsets;
+  Beyond beyond;
+  if (find(group, offsets, beyond)) [[likely]]
+    return fine(offsets, beyond, group);
+  for (std::size_t lane = 0; lane < FieldGroup::kSize; ++lane)
+    group.put(lane, at(group.place(lane)));
+}
+
+template <class Real>
+void DistanceGrid<Real>::at_least(FieldGroup& group, double sign,
+                                  const FieldGroup::Lanes& wanted) const noexcept {
+  Offsets offsets;
+  Beyond beyond;
+  if (find(group, offsets, beyond)) {
+    fine(offsets, beyond, group);
+    group.distance = sign * group.distance - h_;  // as of one place
+    return;
+  }
+  for (std::size_t lane = 0; lane < FieldGroup::kSize; ++lane) {
+    const auto l = static_cast<Eigen::Index>(lane);
+    group.distance[l] = at_least(group.place(lane), sign, wanted[l]);
+  }
+}
+
+template bool DistanceGrid<float>::find(const FieldGroup&, Offsets&, Beyond&) const noexcept;
+template bool DistanceGrid<double>::find(const FieldGroup&, Offsets&, Beyond&) const noexcept;
+template void DistanceGrid<float>::fine(const Offsets&, const Beyond&, FieldGroup&) const noexcept;
+template void DistanceGrid<double>::fine(const Offsets&, const Beyond&, FieldGroup&) const noexcept;
+template void DistanceGrid<float>::at(FieldGroup&) const noexcept;
+template void DistanceGrid<double>::at(FieldGroup&) const noexcept;
+template void DistanceGrid<float>::at_least(FieldGroup&, double,
+                                            const FieldGroup::Lanes&) const noexcept;
+template void DistanceGrid<double>::at_least(FieldGroup&, double,
+                                             const FieldGroup::Lanes&) const noexcept;
+
+}  // namespace feltwire

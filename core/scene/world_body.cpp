@@ -1,0 +1,54 @@
+// A tool with a body in a world: what stands and what moves answer it together, since it is one
+// balance that it finds between them and the hand.
+
+#include "core/scene/world.hpp"
+
+namespace feltwire {
+
+Grasp World::grasp() const {
+  Grasp grasp;
+  grasp.forces.assign(parts_, Vec3::Zero());
+  grasp.torques.assign(parts_, Vec3::Zero());
+  if (scene_.tool().body) grasp.motions.resize(objects_.size());
+  return grasp;
+}
+
+Command World::hold(const Pose& device, double elapsed, BodyMemory& memory,
+                    Grasp& grasp) const noexcept {
+  if (grasp.resets != counters_.resets) {
+    memory = {};  // the tool is where the hand is, and feels what moves from zero again
+    grasp.resets = counters_.resets;
+  }
+  const double moved_for = tick_ * static_cast<double>(counters_.steps - grasp.steps);
+  grasp.steps = counters_.steps;
+  for (std::size_t i = 0; i < parts_; ++i)
+    grasp.motions[still_ + i] = {moved_for * motions_[i].linear, moved_for * motions_[i].angular,
+                                 trust_};
+  memory.known = false;
+  const BodyStep step =
+      step_body(*scene_.tool().body, objects_, device, elapsed, memory, grasp.motions);
+  grasp.tool = {memory.pose.position, Vec3::Zero()};
+  for (std::size_t i = 0; i < parts_; ++i) {
+    grasp.forces[i].setZero();
+    grasp.torques[i].setZero();
+  }
+  for (const ObjectWrench& part : step.touched()) {
+    if (part.object < still_) continue;
+    grasp.forces[part.object - still_] += part.wrench.head<3>();
+    grasp.torques[part.object - still_] += part.wrench.tail<3>();
+  }
+  return step.command;
+}
+
+Command World::touch(const Pose& device, const Vec3& velocity, double elapsed, BodyMemory& memory,
+                     Grasp& grasp) const noexcept {
+  if (grasp.motions.size() != objects_.size() || !device.position.allFinite()) [[unlikely]]
+    return {};
+  Command command = hold(device, elapsed, memory, grasp);
+  grasp.device = device;
+  grasp.fresh = true;
+  scene_.add_guides({device.position, velocity}, command);
+  return command.finite() ? command : Command{};
+}
+
+}  // namespace feltwire

@@ -1,0 +1,110 @@
+#include "core/tool/sliding.hpp"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+
+namespace feltwire {
+namespace {
+
+constexpr int kSweeps = 4;      // over the grips
+constexpr int kRootSteps = 12;  // for one of them
+constexpr double kCloseToCone = 1e-3;
+
+double limit_of(const Grip& grip, bool slipping) {
+  return (slipping ? grip.dynamic_friction : grip.static_friction) * grip.load;
+}
+
+double slip_of(const Grip& grip, const Vec6& motion) {
+  const Vec6 against = motion - grip.carried;
+  return std::sqrt(std::max(0.0, against.dot(grip.slip * against)));
+}
+
+/// Each grip as a spring, whose stiffness is its limit over its slip: at the least of the sum these
+/// are the same forces.
+struct Springs {
+  const Mat6& stiffness;
+  const Vec6& wrench;
+  std::span<const Grip> grips;
+  std::array<double, ShellContact::kGrips> of{};  // [N/m]
+  Vec6 motion = Vec6::Zero();
+
+  void solve() {
+    Mat6 all = stiffness;
+    Vec6 pull = wrench;
+    for (std::size_t i = 0; i < grips.size(); ++i) {
+      if (of[i] == 0.0) continue;
+      all += of[i] * grips[i].slip;
+      pull += of[i] * (grips[i].slip * grips[i].carried);
+    }
+    motion = all.ldlt().solve(pull);
+  }
+
+  /// limit / slip - spring of a grip: falls with the spring, about in a line, through the root.
+  double excess(std::size_t i, double limit, double spring) {
+    of[i] = spring;
+    solve();
+    return limit / std::max(slip_of(grips[i], motion), kHeld * kHeld) - spring;
+  }
+
+  /// The grip's spring, the others as they are.
+  void find(std::size_t i, double limit) {
+    double high = limit / kHeld, above = excess(i, limit, high);
+    if (above >= 0.0 || limit == 0.0) return;  // it holds
+    double low = 0.0, below = excess(i, limit, low);
+    int last = 0;
+    for (int n = 0; n < kRootSteps; ++n) {  // regula falsi, Illinois
+      const double between = (low * above - high * below) / (above - below);
+      const double value = excess(i, limit, between);
+      if (std::abs(value) <= kCloseToCone * between) return;
+      if (value > 0.0) {
+        low = between;
+        below = value;
+        if (last > 0) above *= 0.5;
+        last = 1;
+      } else {
+        high = between;
+        above = value;
+        if (last < 0) below *= 0.5;
+        last = -1;
+      }
+    }
+  }
+
+  bool all_on_their_cones(bool slipping) const {
+    for (std::size_t i = 0; i < grips.size(); ++i) {
+      const double limit = limit_of(grips[i], slipping);
+      const double force = of[i] * slip_of(grips[i], motion);
+      const bool holds = of[i] >= limit / kHeld && force <= limit;
+      if (!holds && std::abs(force - limit) > kCloseToCone * limit) return false;
+    }
+    return true;
+  }
+};
+
+}  // namespace
+
+Slide slide(const Mat6& stiffness, const Vec6& wrench, std::span<const Grip> grips,
+            bool slipping) noexcept {
+  Springs springs{stiffness, wrench, grips};
+  if (grips.empty()) springs.solve();
+  for (int sweep = 0; sweep < kSweeps; ++sweep) {
+    for (std::size_t i = 0; i < grips.size(); ++i) springs.find(i, limit_of(grips[i], slipping));
+    if (grips.size() < 2 || springs.all_on_their_cones(slipping)) break;
+  }
+  Slide result;
+  result.motion = springs.motion;
+  for (std::size_t i = 0; i < grips.size(); ++i) {
+    result.friction[i] = springs.of[i] * (grips[i].slip * (grips[i].carried - springs.motion));
+    result.slips |= slip_of(grips[i], springs.motion) > kHeld;
+  }
+  return result;
+}
+
+double slide_work(std::span<const Grip> grips, bool slipping, const Vec6& motion) noexcept {
+  double work = 0.0;
+  for (const Grip& grip : grips) work += limit_of(grip, slipping) * slip_of(grip, motion);
+  return work;
+}
+
+}  // namespace feltwire
