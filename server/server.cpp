@@ -9,7 +9,6 @@
 #include <stdexcept>
 #include <thread>
 
-#include "core/scene/mechanism.hpp"
 #include "protocol/udp_socket.hpp"
 #include "server/control_service.hpp"
 #include "server/scene_ports.hpp"
@@ -20,9 +19,6 @@ namespace {
 /// With a word in the log on what is strange in it.
 Scene load(const std::filesystem::path& file) {
   Scene scene = load_scene(file);
-  if (const auto& mechanism = scene.mechanism())
-    for (const std::string& warning : mechanism->warnings())
-      spdlog::warn("{}: {}", file.string(), warning);
   for (const std::string& warning : scene.warnings())
     spdlog::warn("{}: {}", file.string(), warning);
   return scene;

@@ -1,5 +1,7 @@
 #include "core/contact/contact.hpp"
 
+#include <cmath>
+
 #include "core/contact/ball.hpp"
 #include "core/geometry/mesh_surface.hpp"
 
@@ -17,34 +19,50 @@ Vec3 carried(const Vec3& anchor, const Vec3& about, const Vec3& from, const Vec3
 
 }  // namespace
 
-Command touch(const Object& object, const Tool& tool, ContactMemory& memory,
-              double radius) noexcept {
+bool add_touch(const Object& object, const Tool& tool, ContactMemory& memory, double radius,
+               Command& sum) noexcept {
   const Material& material = object.material;
   const Quaternion& to_world = object.pose.orientation;
   const Vec3 position = to_world.conjugate() * (tool.position - object.pose.position);
-  const FeatureMemory before = memory.feature;
+  const auto* mesh = material.static_friction > 0.0 && memory.touching
+                         ? std::get_if<Mesh>(&object.shape)
+                         : nullptr;
+  Vec3 proxy_before, normal_before;
+  if (mesh != nullptr) {
+    proxy_before = memory.feature.proxy;
+    normal_before = memory.feature.normal;
+  }
   const SurfacePoint surface =
       radius > 0.0 ? ball_surface(object.shape, object.felt_from, position, radius, memory.feature)
                    : surface_point(object.shape, object.felt_from, position, memory.feature);
   if (!(surface.depth > 0.0)) {
     memory.touching = memory.slipping = false;
-    return {};
+    return false;
   }
 
   Vec3 stick_force = Vec3::Zero();
   if (material.static_friction > 0.0) {
-    if (const auto* mesh = std::get_if<Mesh>(&object.shape); mesh && memory.touching)
-      memory.anchor = carried(memory.anchor, mesh->surface->mesh().origin() + before.proxy,
-                              before.normal, surface.normal);
+    if (mesh != nullptr)
+      memory.anchor = carried(memory.anchor, mesh->surface->mesh().origin() + proxy_before,
+                              normal_before, surface.normal);
     stick_force = to_world * (material.stiffness * stick_stretch(material, surface, memory));
   }
-  Command command =
+  const Command command =
       contact_force(material, surface.depth, to_world * surface.normal, stick_force, tool.velocity);
   memory.touching = true;
-  if (!command.finite()) [[unlikely]] {  // sizes or positions beyond what products can hold
-    memory = {};
-    return {};
+  if (!std::isfinite(command.force().sum())) [[unlikely]] {
+    memory = {};  // sizes or positions beyond what products can hold
+    return false;
   }
+  sum.elastic += command.elastic;
+  sum.frictional += command.frictional;
+  return true;
+}
+
+Command touch(const Object& object, const Tool& tool, ContactMemory& memory,
+              double radius) noexcept {
+  Command command;
+  add_touch(object, tool, memory, radius, command);
   return command;
 }
 

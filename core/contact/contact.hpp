@@ -24,4 +24,8 @@ struct Object {
 Command touch(const Object& object, const Tool& tool, ContactMemory& memory,
               double radius = 0.0) noexcept;
 
+/// The same, added to `sum`. False, and nothing added, when free.
+bool add_touch(const Object& object, const Tool& tool, ContactMemory& memory, double radius,
+               Command& sum) noexcept;
+
 }  // namespace feltwire

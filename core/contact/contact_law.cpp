@@ -31,18 +31,4 @@ Vec3 stick_stretch(const Material& material, const SurfacePoint& surface,
   return stretch;
 }
 
-Command contact_force(const Material& material, double depth, const Vec3& normal,
-                      const Vec3& stick_force, const Vec3& velocity) noexcept {
-  const double elastic = material.stiffness * depth;
-  Command command;
-  command.elastic = elastic * normal;
-  command.frictional = stick_force;
-  if (material.viscous_friction > 0.0 || material.damping > 0.0) {
-    const double leaving = velocity.dot(normal);  // [m/s] out of the surface
-    command.frictional -= material.viscous_friction * (velocity - leaving * normal);
-    command.frictional += std::max(-elastic, -material.damping * leaving) * normal;
-  }
-  return command;
-}
-
 }  // namespace feltwire

@@ -2,6 +2,8 @@
 // What a surface answers where a tool stands behind it: the one law of contact, of the scene's
 // objects and of a local model's patches.
 
+#include <algorithm>
+
 #include "core/contact/material.hpp"
 #include "core/contact/shapes.hpp"
 #include "core/types.hpp"
@@ -31,7 +33,18 @@ Vec3 stick_stretch(const Material& material, const SurfacePoint& surface,
 ///               -viscous_friction * v_t, plus -damping * v_n, limited so that elastic + damping
 ///               never pulls.
 /// `velocity` [m/s] of the tool against the surface.
-Command contact_force(const Material& material, double depth, const Vec3& normal,
-                      const Vec3& stick_force, const Vec3& velocity) noexcept;
+inline Command contact_force(const Material& material, double depth, const Vec3& normal,
+                             const Vec3& stick_force, const Vec3& velocity) noexcept {
+  const double elastic = material.stiffness * depth;
+  Command command;
+  command.elastic = elastic * normal;
+  command.frictional = stick_force;
+  if (material.viscous_friction > 0.0 || material.damping > 0.0) {
+    const double leaving = velocity.dot(normal);  // [m/s] out of the surface
+    command.frictional -= material.viscous_friction * (velocity - leaving * normal);
+    command.frictional += std::max(-elastic, -material.damping * leaving) * normal;
+  }
+  return command;
+}
 
 }  // namespace feltwire

@@ -81,22 +81,23 @@ class Ball {
     surface_.tree().within(
         stand_.point, [&] { return far; },
         [&](std::uint32_t t) {
-          const double distance = distance_to(t, stand_.point);
+          const Vec3 away = stand_.point - nearest_on(t, stand_.point);
+          const double distance = away.norm();
           if (distance > far || !is_felt(t)) return;
           if (near_count_ == kMostNear) {
             fits = false;
             return;
           }
-          near_distance_[near_count_] = distance;
-          near_[near_count_++] = t;
+          near_[near_count_++] = {t, distance,
+                                  distance > 0.0 ? Vec3(away / distance) : Vec3::Zero()};
           least_ = std::min(least_, distance);
           if (distance <= radius_ + exact_) hold(t);
         });
     return fits;
   }
 
-  double distance_to(std::uint32_t t, const Vec3& p) const {
-    return (p - nearest_on_triangle(mesh_.corners(t), p).point).norm();
+  Vec3 nearest_on(std::uint32_t t, const Vec3& p) const {
+    return nearest_on_triangle(mesh_.corners(t), p).point;
   }
 
   void hold(std::uint32_t t) {
@@ -107,24 +108,35 @@ class Ball {
   std::size_t linearise(const Vec3& x, std::array<HalfSpace, kMostHeld>& spaces) const {
     std::size_t count = 0;
     for (std::size_t i = 0; i < held_count_; ++i) {
-      const Vec3 q = nearest_on_triangle(mesh_.corners(held_[i]), x).point;
+      const Vec3 q = nearest_on(held_[i], x);
       const Vec3 n = direction(Vec3(x - q));
       if (!n.isZero(0.0)) spaces[count++] = {n, n.dot(q) + radius_};
     }
     return count;
   }
 
-  /// The nearest of all, and where it is nearer than the radius.
+  /// The nearest of all, and how near it is. The distance to a triangle is convex, so it is nowhere
+  /// below its tangent where the step begins: few of them have to be asked, that of the lowest
+  /// tangent first.
   double least_distance(const Vec3& x, std::uint32_t& nearest) const {
     double least = std::numeric_limits<double>::infinity();
-    const double moved = length(Vec3(x - stand_.point));
+    if (near_count_ == 0) return least;
+    const Vec3 moved = x - stand_.point;
+    std::array<double, kMostNear> tangents;
+    std::size_t first = 0;
     for (std::size_t i = 0; i < near_count_; ++i) {
-      if (near_distance_[i] - moved >= least) continue;  // none comes nearer than it is moved
-      const double distance = distance_to(near_[i], x);
-      if (!(distance < least)) continue;
-      least = distance;
-      nearest = near_[i];
+      tangents[i] = near_[i].distance + near_[i].away.dot(moved);
+      if (tangents[i] < tangents[first]) first = i;
     }
+    const auto ask = [&](const Near& near) {
+      const double distance = (x - nearest_on(near.triangle, x)).norm();
+      if (!(distance < least)) return;
+      least = distance;
+      nearest = near.triangle;
+    };
+    ask(near_[first]);
+    for (std::size_t i = 0; i < near_count_; ++i)
+      if (tangents[i] < least && i != first) ask(near_[i]);
     return least;
   }
 
@@ -192,8 +204,12 @@ class Ball {
   const std::int8_t sides_;
   const Vec3& goal_;
   Stand& stand_;
-  std::array<std::uint32_t, kMostNear> near_;
-  std::array<double, kMostNear> near_distance_;  // [m] from where the step begins
+  struct Near {
+    std::uint32_t triangle;
+    double distance;  // [m] from where the step begins
+    Vec3 away;        // unit, from the triangle's nearest point to there
+  };
+  std::array<Near, kMostNear> near_;
   std::array<std::uint32_t, kMostHeld> held_;
   std::size_t near_count_ = 0, held_count_ = 0;
   double least_ = 0.0;  // [m] the radius, or what is left of it where the ball starts

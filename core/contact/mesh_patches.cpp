@@ -18,7 +18,7 @@ namespace feltwire {
 namespace {
 
 constexpr double kFacing = 0.5;  // cosine between a triangle's normal and its patch's, at least
-constexpr double kSides = 3.0;   // of the triangle it begins at: how far is looked
+constexpr double kFittedSides = 3.0;      // of the triangle it begins at: how far is looked
 constexpr std::size_t kMostLooked = 256;  // triangles; where there are more, it is looked less far
 // Facets that turn by no more than this [rad] are taken for a smooth surface cut up; the middle of
 // an equilateral one stands kSagitta * angle * side off its corners' ball, of a lopsided one more.
@@ -310,7 +310,7 @@ FittedPatches found(const MeshSurface& surface, const Fits& fits, double end, do
 }
 
 double extent_of(const MeshSurface& surface, std::uint32_t t) {
-  return std::min(kMostFitted, kSides * side_of(surface.mesh().corners(t)));
+  return std::min(kMostFitted, kFittedSides * side_of(surface.mesh().corners(t)));
 }
 
 /// One patch to which nothing near was an exception: how much farther it holds.

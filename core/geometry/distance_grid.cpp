@@ -28,13 +28,13 @@ std::string text(double value) {
 
 /// Four numbers at once; a stencil has three along x, the fourth has no weight.
 template <class Real>
-using Lanes = Eigen::Array<Real, 4, 1>;
+using Row = Eigen::Array<Real, 4, 1>;
 
 /// Weights of the samples before, at and after the nearest one, and their derivatives, where t in
 /// [-1/2, 1/2] is how far beyond the nearest sample.
 template <class Real>
 struct Weights {
-  Lanes<Real> value = Lanes<Real>::Zero(), slope = Lanes<Real>::Zero();
+  Row<Real> value = Row<Real>::Zero(), slope = Row<Real>::Zero();
 };
 
 template <class Real>
@@ -60,11 +60,11 @@ Weights<Real> weights(Interpolation interpolation, Real t) noexcept {
 template <class Real>
 FieldPoint evaluate(const Real* first, std::ptrdiff_t along_y, std::ptrdiff_t along_z,
                     const std::array<Weights<Real>, 3>& w) noexcept {
-  Lanes<Real> value = Lanes<Real>::Zero(), slope_y = value, slope_z = value;
+  Row<Real> value = Row<Real>::Zero(), slope_y = value, slope_z = value;
   for (int z = 0; z < 3; ++z) {
-    Lanes<Real> row_value = Lanes<Real>::Zero(), row_slope = row_value;
+    Row<Real> row_value = Row<Real>::Zero(), row_slope = row_value;
     for (int y = 0; y < 3; ++y) {
-      const Eigen::Map<const Lanes<Real>> row(first + z * along_z + y * along_y);
+      const Eigen::Map<const Row<Real>> row(first + z * along_z + y * along_y);
       row_value += w[1].value[y] * row;
       row_slope += w[1].slope[y] * row;
     }
@@ -72,7 +72,7 @@ FieldPoint evaluate(const Real* first, std::ptrdiff_t along_y, std::ptrdiff_t al
     slope_y += w[2].value[z] * row_slope;
     slope_z += w[2].slope[z] * row_value;
   }
-  const Lanes<Real>& across = w[0].value;
+  const Row<Real>& across = w[0].value;
   return {static_cast<double>((across * value).sum()),
           Vec3(static_cast<double>((w[0].slope * value).sum()),
                static_cast<double>((across * slope_y).sum()),

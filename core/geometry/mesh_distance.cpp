@@ -25,13 +25,13 @@ struct SceneRelease {
 
 /// Where a triangle is nearest to a point, and on what part of it: 0 face, 1 + k edge k (from
 /// corner k to corner k + 1), 4 + k corner k.
-struct Foot {
+struct NearestPart {
   Vec3 point = Vec3::Zero();
   std::size_t part = 0;
 };
 
 /// Ericson, Real-Time Collision Detection, 5.1.5.
-Foot nearest_on(const std::array<Vec3, 3>& c, const Vec3& p) {
+NearestPart nearest_on(const std::array<Vec3, 3>& c, const Vec3& p) {
   const Vec3 ab = c[1] - c[0], ac = c[2] - c[0], ap = p - c[0];
   const double d1 = ab.dot(ap), d2 = ac.dot(ap);
   if (d1 <= 0.0 && d2 <= 0.0) return {c[0], 4};
@@ -172,7 +172,7 @@ Vec3 MeshDistance::pseudo_normal(std::uint32_t t, std::size_t part) const {
 bool MeshDistance::visit(RTCPointQueryFunctionArguments* arguments) {
   Search& search = *static_cast<Search*>(arguments->userPtr);
   const std::uint32_t t = arguments->primID;
-  const Foot found = nearest_on(search.mesh->corners(t), search.position);
+  const NearestPart found = nearest_on(search.mesh->corners(t), search.position);
   const Vec3 way = search.position - found.point;
   const double squared = way.squaredNorm();
   // Of equals the first triangle, whatever the order of the tree.

@@ -2,13 +2,12 @@
 
 #include <cmath>
 #include <map>
+#include <numbers>
 #include <stdexcept>
 #include <utility>
 
 namespace feltwire {
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 /// The middle of an edge on the unit sphere; each edge has one.
 std::uint32_t middle(std::uint32_t a, std::uint32_t b, std::vector<Vec3>& vertices,
@@ -32,7 +31,7 @@ TriangleSoup revolved(const std::vector<Profile>& profile, int segments) {
   soup.vertices.emplace_back(0.0, 0.0, profile.front().z);
   for (std::uint32_t ring = 1; ring <= rings; ++ring)
     for (std::uint32_t i = 0; i < n; ++i) {
-      const double angle = 2.0 * kPi * i / n;
+      const double angle = 2.0 * std::numbers::pi * i / n;
       const Profile& p = profile[ring];
       soup.vertices.emplace_back(p.radius * std::cos(angle), p.radius * std::sin(angle), p.z);
     }
@@ -57,7 +56,8 @@ std::vector<Profile> capsule_profile(double radius, double half_length, int segm
   for (int half = 0; half < 2; ++half)
     for (int i = 0; i <= quarter; ++i) {
       if (half == 1 && i == 0 && half_length == 0.0) continue;  // the equator is there already
-      const double angle = 0.5 * kPi * (half + static_cast<double>(i) / quarter);  // from the top
+      const double angle =
+          0.5 * std::numbers::pi * (half + static_cast<double>(i) / quarter);  // from the top
       profile.push_back({radius * std::sin(angle),
                          radius * std::cos(angle) + (half == 0 ? half_length : -half_length)});
     }

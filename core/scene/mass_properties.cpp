@@ -7,8 +7,6 @@
 namespace feltwire {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-
 double squared(double x) { return x * x; }
 double cubed(double x) { return x * x * x; }
 
@@ -21,7 +19,7 @@ Mat3 offset_inertia(const Vec3& by) {
 }
 
 MassProperties of(const Sphere& s) {
-  const double volume = 4.0 / 3.0 * kPi * cubed(s.radius);
+  const double volume = 4.0 / 3.0 * std::numbers::pi * cubed(s.radius);
   return {volume, Vec3::Zero(), 0.4 * volume * squared(s.radius) * Mat3::Identity()};
 }
 
@@ -33,15 +31,15 @@ MassProperties of(const Box& b) {
 }
 
 MassProperties of(const Cylinder& c) {
-  const double volume = 2.0 * kPi * c.radius * c.radius * c.half_length;
+  const double volume = 2.0 * std::numbers::pi * c.radius * c.radius * c.half_length;
   const double r = squared(c.radius), h = squared(c.half_length);
   return {volume, Vec3::Zero(), volume * turned(r / 4.0 + h / 3.0, r / 2.0)};
 }
 
 /// A cylinder and two half balls, each 3/8 r beyond its flat face.
 MassProperties of(const Capsule& c) {
-  const double middle = 2.0 * kPi * c.radius * c.radius * c.half_length;
-  const double ends = 4.0 / 3.0 * kPi * cubed(c.radius);
+  const double middle = 2.0 * std::numbers::pi * c.radius * c.radius * c.half_length;
+  const double ends = 4.0 / 3.0 * std::numbers::pi * cubed(c.radius);
   const double r = squared(c.radius), h = c.half_length;
   const double across =
       middle * (r / 4.0 + h * h / 3.0) + ends * (0.4 * r + h * h + 0.75 * c.radius * h);

@@ -2,6 +2,8 @@
 
 #include <functional>
 
+#include "core/geometry/mesh_surface.hpp"
+#include "core/scene/mechanism.hpp"
 #include "core/scene/rules.hpp"
 
 namespace feltwire {
@@ -14,6 +16,23 @@ std::vector<std::string> names(const std::vector<Part>& parts,
   for (const Part& part : parts)
     if (chosen(part)) names.push_back(part.name);
   return names;
+}
+
+/// The options of the mesh that an object is; null: it is none.
+const MeshOptions* mesh_of(const Object& object) {
+  const auto* mesh = std::get_if<Mesh>(&object.shape);
+  return mesh != nullptr ? &mesh->surface->options() : nullptr;
+}
+
+/// The objects that move stand behind the others.
+bool moves(const Scene& scene, const Object& object) {
+  return scene.mechanism() != nullptr &&
+         static_cast<std::size_t>(&object - scene.objects().data()) >= scene.mechanism()->still();
+}
+
+/// What the hand holds has no name of its own.
+std::vector<std::string> tool_if(bool needed) {
+  return needed ? std::vector<std::string>{"tool"} : std::vector<std::string>{};
 }
 
 std::vector<std::string> operator+(std::vector<std::string> a, const std::vector<std::string>& b) {
@@ -56,6 +75,24 @@ std::vector<Need> needs(const Scene& scene) {
          return o.material.damping > 0.0 || o.material.viscous_friction > 0.0;
        }) + guides([](const Guide& g) { return needs_velocity(g); })},
       {"guides", "a query a guide and sample", guides([](const Guide&) { return true; })},
+      {"triangles", "a walk over the surface, a tree",
+       objects([](const Object& o) { return mesh_of(o) != nullptr; })},
+      {"triangles about a ball", "distances to all that are near",
+       objects([](const Object& o) { return mesh_of(o) != nullptr && mesh_of(o)->radius > 0.0; })},
+      {"smooth normals", "a normal a corner",
+       objects([](const Object& o) { return mesh_of(o) != nullptr && mesh_of(o)->smooth; })},
+      {"grain", "waves where it is touched", objects([](const Object& o) {
+         return mesh_of(o) != nullptr && mesh_of(o)->grain.amplitude > 0.0;
+       })},
+      {"distance grids", "bricks of distances about a surface",
+       objects([](const Object& o) { return std::holds_alternative<Grid>(o.shape); })},
+      {"a ball in the hand", "edges and corners rounded", tool_if(scene.tool().radius > 0.0)},
+      {"a body in the hand", "points, orientation and torque",
+       tool_if(scene.tool().body != nullptr)},
+      {"motion", "a tick of MuJoCo's, places and forces of what moves",
+       objects([&](const Object& o) { return moves(scene, o); })},
+      {"a tree over the objects", "boxes along the hand's way",
+       objects([&](const Object& o) { return scene.by_tree() && !moves(scene, o); })},
   };
 }
 

@@ -209,6 +209,8 @@ void Scene::set_mechanism(std::shared_ptr<const Mechanism> mechanism) {
          "was compiled for " + std::to_string(mechanism->still() + mechanism->parts().size()) +
              " objects, here are " + std::to_string(objects_.size()) + "; compile it for these"});
   mechanism_ = std::move(mechanism);
+  if (mechanism_ != nullptr)
+    warnings_.insert(warnings_.end(), mechanism_->warnings().begin(), mechanism_->warnings().end());
   still_ = mechanism_ != nullptr ? mechanism_->still() : objects_.size();
   broad_phase_ = BroadPhase({objects_.data(), still_});
 }
@@ -253,9 +255,7 @@ Command Scene::touch_near(const Tool& tool, TouchMemory& memory) const noexcept 
   Command sum;
   memory.live_.clear();
   for (const std::uint32_t i : asked) {
-    const Command part = feltwire::touch(objects_[i], tool, memory[i]);
-    sum.elastic += part.elastic;
-    sum.frictional += part.frictional;
+    add_touch(objects_[i], tool, memory[i], 0.0, sum);
     if (memory[i].touching || memory[i].feature.side != 0)
       memory.live_.push_back(i);
     else
@@ -314,11 +314,8 @@ Command Scene::touch(const Tool& tool, TouchMemory& memory, std::size_t count) c
   Command sum;
   const bool by_tree = broad_phase_.in_use();
   if (by_tree) sum = touch_near(tool, memory);
-  for (std::size_t i = by_tree ? still_ : 0; i < count; ++i) {
-    const Command part = feltwire::touch(objects_[i], tool, memory[i], tool_.radius);
-    sum.elastic += part.elastic;
-    sum.frictional += part.frictional;
-  }
+  for (std::size_t i = by_tree ? still_ : 0; i < count; ++i)
+    add_touch(objects_[i], tool, memory[i], tool_.radius, sum);
   add_guides(tool, sum);
   return sum.finite() ? sum : Command{};
 }

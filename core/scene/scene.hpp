@@ -77,11 +77,13 @@ class Scene {
   const std::vector<Guide>& guides() const { return guides_; }
   const Requirements& requirements() const { return requirements_; }
   const Start& start() const { return start_; }
-  /// What was strange about the files that it came from, but no error.
+  /// What was strange about the files that it came from and what moves, but no error.
   const std::vector<std::string>& warnings() const { return warnings_; }
   void warn(std::vector<std::string> warnings) { warnings_ = std::move(warnings); }
 
   const HandTool& tool() const { return tool_; }
+  /// The objects that stand are found by a tree; else each is asked.
+  bool by_tree() const { return broad_phase_.in_use(); }
 
   /// Puts a tool into all hands. Throws std::invalid_argument naming the field and the remedy when
   /// it does not fit what is there.

@@ -80,7 +80,7 @@ struct GripSums {
 };
 
 /// By the axis of the object's frame that the normal is nearest to: within 55 degrees of it.
-constexpr std::size_t kSides = 6;
+constexpr std::size_t kGripSides = 6;
 std::size_t side_of(const Vec3& way) {
   Eigen::Index axis;
   way.cwiseAbs().maxCoeff(&axis);
@@ -105,7 +105,7 @@ struct Look {
   ShellContact& sum;
   bool slides;  // what slips where is asked for
   Sums sums = {};
-  std::array<GripSums, kSides> grips = {};
+  std::array<GripSums, kGripSides> grips = {};
 
   /// Whether the ball may come near; notes how far away it is where it does not.
   bool near(const ShellNode& node, double distance) {
@@ -162,11 +162,11 @@ struct Look {
     const Lanes length =
         (group.gradient_x.square() + group.gradient_y.square() + group.gradient_z.square()).sqrt();
     const Lanes load = -group.distance * length;
-    std::array<Lanes, kSides> weights;
+    std::array<Lanes, kGripSides> weights;
     weights.fill(Lanes::Zero());
     std::array<Lanes, 3> normals;
     normals.fill(Lanes::Zero());
-    std::array<bool, kSides> there{};
+    std::array<bool, kGripSides> there{};
     for (Eigen::Index l = 0; l < load.size(); ++l) {
       if (!(load[l] > 0.0)) continue;
       const Vec3 way(group.gradient_x[l], group.gradient_y[l], group.gradient_z[l]);
@@ -176,7 +176,7 @@ struct Look {
       for (std::size_t axis = 0; axis < normals.size(); ++axis)
         normals[axis][l] = way[static_cast<Eigen::Index>(axis)] / length[l];
     }
-    for (std::size_t side = 0; side < kSides; ++side)
+    for (std::size_t side = 0; side < kGripSides; ++side)
       if (there[side]) grips[side].add(weights[side], normals, arm);
   }
 

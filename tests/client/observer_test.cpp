@@ -6,7 +6,7 @@
 #include "tests/client/loopback.hpp"
 #include "tests/core/moving.hpp"
 
-namespace feltwire {
+namespace feltwire::observer_test {
 namespace {
 
 using testing::kPatience;
@@ -131,4 +131,4 @@ TEST(Observing, TheLoopGivesItsViewsToWhoeverReads) {
 }
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::observer_test

@@ -10,7 +10,7 @@
 #include "tests/client/loopback.hpp"
 #include "tests/client/temporary_folder.hpp"
 
-namespace feltwire {
+namespace feltwire::program_test {
 namespace {
 
 using ::testing::AllOf;
@@ -95,4 +95,4 @@ TEST_F(ClientProgram, ATokenThatIsRevokedEndsItAtOnce) {
 }
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::program_test

@@ -9,7 +9,7 @@
 #include "tests/client/peer.hpp"
 #include "tests/support/security.hpp"
 
-namespace feltwire {
+namespace feltwire::rejoin_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -81,4 +81,4 @@ TEST(Rejoin, OtherParametersEndIt) {
 }
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::rejoin_test

@@ -5,7 +5,7 @@
 #include "client/onlooker.hpp"
 #include "tests/client/temporary_folder.hpp"
 
-namespace feltwire {
+namespace feltwire::seen_scene_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -100,4 +100,4 @@ TEST(Onlooker, SaysWhyItCannotWrite) {
 }
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::seen_scene_test

@@ -9,7 +9,7 @@
 #include "tests/core/support.hpp"
 #include "tests/support/allocation_counter.hpp"
 
-namespace feltwire {
+namespace feltwire::body_friction_test {
 namespace {
 
 using test::box_shell;
@@ -314,4 +314,4 @@ TEST(BodyFriction, TheSameBitsAndNoAllocation) {
 }
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::body_friction_test

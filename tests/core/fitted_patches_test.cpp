@@ -16,7 +16,7 @@
 #include "tests/support/allocation_counter.hpp"
 #include "tests/support/meshes.hpp"
 
-namespace feltwire {
+namespace feltwire::fitted_patches_test {
 namespace {
 
 using test::Random;
@@ -261,4 +261,4 @@ TEST(FittedPatches, NeverAllocate) {
 }
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::fitted_patches_test

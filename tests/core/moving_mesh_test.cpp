@@ -14,7 +14,7 @@
 #include "tests/support/allocation_counter.hpp"
 #include "tests/support/meshes.hpp"
 
-namespace feltwire {
+namespace feltwire::moving_mesh_test {
 namespace {
 
 using test::body;
@@ -219,4 +219,4 @@ TEST(MovingMesh, IsInTheLocalModelWithItsVelocity) {
 }
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::moving_mesh_test

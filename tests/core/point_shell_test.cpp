@@ -6,7 +6,7 @@
 
 #include "tests/core/bodies.hpp"
 
-namespace feltwire {
+namespace feltwire::point_shell_test {
 namespace {
 
 using test::box_shell;
@@ -83,4 +83,4 @@ TEST(PointShell, RefusesNothingAndTooMuch) {
 }
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::point_shell_test

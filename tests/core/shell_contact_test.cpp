@@ -9,7 +9,7 @@
 #include "tests/core/bodies.hpp"
 #include "tests/core/support.hpp"
 
-namespace feltwire {
+namespace feltwire::shell_contact_test {
 namespace {
 
 using test::box_shell;
@@ -197,4 +197,4 @@ TEST(ShellContact, TheClearanceIsNoLie) {
 }
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::shell_contact_test

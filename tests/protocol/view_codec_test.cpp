@@ -14,16 +14,16 @@
 #include "tests/protocol/make.hpp"
 #include "tests/support/allocation_counter.hpp"
 
-namespace feltwire {
+namespace feltwire::view_codec_test {
 namespace {
 
 using test::float_vector;
-using test::Random;
+using test::Generator;
 
 constexpr double kNotANumber = std::numeric_limits<double>::quiet_NaN(),
                  kInfinity = std::numeric_limits<double>::infinity();
 
-Pose random_pose(Random& random) {
+Pose random_pose(Generator& random) {
   Pose pose;
   pose.position = float_vector(random, 1);
   pose.orientation = Quaternion(test::uniform(random, -1, 1), test::uniform(random, -1, 1),
@@ -32,7 +32,7 @@ Pose random_pose(Random& random) {
   return pose;
 }
 
-SceneView view_of(std::size_t hands, std::size_t bodies, Random& random) {
+SceneView view_of(std::size_t hands, std::size_t bodies, Generator& random) {
   SceneView view;
   view.hands_from = 3;
   view.hands_end = SceneView::kLastHand;
@@ -63,7 +63,7 @@ void expect_near(const Pose& a, const Pose& b) {
 }
 
 TEST(ViewCodec, RoundTrip) {
-  Random random(31);
+  Generator random(31);
   Encoder encoder;
   for (int round = 0; round < 200; ++round) {
     const SceneView sent = view_of(random() % 16, random() % 4, random);
@@ -110,7 +110,7 @@ TEST(ViewCodec, WhoIsShownNothingPaysNoByte) {
 
 /// The sizes of PROTOCOL.md.
 TEST(ViewCodec, IsAsLongAsItSays) {
-  Random random(32);
+  Generator random(32);
   Encoder encoder;
   const Reply reply = longest_reply();
   const auto size = [&](std::size_t hands, std::size_t bodies) {
@@ -143,7 +143,7 @@ TEST(ViewCodec, TakesNoMemoryAfterTheFirst) {
 #ifdef FELTWIRE_SANITIZED
   GTEST_SKIP() << "sanitizers count by themselves";
 #endif
-  Random random(33);
+  Generator random(33);
   const SceneView view = view_of(SceneView::kMaxHands, 0, random);
   Reply reply;
   SceneView got;
@@ -176,7 +176,7 @@ TEST(ViewCodec, WhatIsNoViewIsDropped) {
       {DropReason::order,
        [](SceneView& v) { v.hand[0].force.x() = kNotANumber, v.body[1].object = 0; }},
   };
-  Random random(34);
+  Generator random(34);
   Encoder encoder;
   Reply reply;
   SceneView got;
@@ -220,7 +220,7 @@ TEST(ViewCodec, MoreThanAViewMayHave) {
 
 /// Every truncation, every bit: nothing is read that is not there, and what passes is a view.
 TEST(ViewCodec, SpoiledBytesAreDroppedOrStillAView) {
-  Random random(35);
+  Generator random(35);
   Encoder encoder;
   const SceneView view = view_of(2, 2, random);
   const Bytes sent = encoder.reply(longest_reply(), &view);
@@ -249,4 +249,4 @@ TEST(ViewCodec, SpoiledBytesAreDroppedOrStillAView) {
 }
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::view_codec_test

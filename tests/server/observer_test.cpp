@@ -14,7 +14,7 @@
 #include "tests/server/make.hpp"
 #include "tests/support/allocation_counter.hpp"
 
-namespace feltwire {
+namespace feltwire::observer_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -265,4 +265,4 @@ TEST(Observer, TakesNoMemoryOnTheWay) {
 }
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::observer_test

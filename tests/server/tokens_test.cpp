@@ -138,7 +138,7 @@ TEST(Tokens, BadFilesNameLineAndField) {
       {twice, "tokens[1].id"},
   };
   for (const auto& [text, field] : faults)
-    EXPECT_THAT(error_of<FileError>([&] { parse_tokens(text, "t.json"); }),
+    EXPECT_THAT(error_of<FileError>([&, &bad = text] { parse_tokens(bad, "t.json"); }),
                 AllOf(::testing::StartsWith("t.json:"), HasSubstr(field)))
         << text;
 }
