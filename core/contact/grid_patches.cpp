@@ -23,14 +23,14 @@ constexpr double kDeep = 0.25;      // of a ring's radius, below which the solid
 constexpr double kStraight = 1.1;   // times as far as the distance says a point may be found
 
 /// Where the way down the distance ends on the surface.
-struct SurfacePoint {
+struct GridFoot {
   Vec3 point = Vec3::Zero(), normal = Vec3::Zero();
   double slope = 0.0;  // |gradient|
   bool found = false;
 };
 
-SurfacePoint foot_of(const DistanceGrid<float>& field, double sign, const Vec3& position) {
-  SurfacePoint foot{.point = position, .normal = Vec3::Zero(), .slope = 0.0, .found = false};
+GridFoot foot_of(const DistanceGrid<float>& field, double sign, const Vec3& position) {
+  GridFoot foot{.point = position, .normal = Vec3::Zero(), .slope = 0.0, .found = false};
   for (int i = 0; i < kNewton; ++i) {
     const FieldPoint here = field.at(foot.point);
     foot.slope = length(here.gradient);
@@ -43,7 +43,7 @@ SurfacePoint foot_of(const DistanceGrid<float>& field, double sign, const Vec3& 
 }
 
 /// How the normal turns, by differences a resolution to either side.
-Bend bend_at(const DistanceGrid<float>& field, double sign, const SurfacePoint& foot) {
+Bend bend_at(const DistanceGrid<float>& field, double sign, const GridFoot& foot) {
   const Vec3 u = foot.normal.unitOrthogonal(), v = foot.normal.cross(u);
   const double h = field.resolution();
   const auto turn = [&](const Vec3& way) {
@@ -91,7 +91,7 @@ FittedPatches grid_patches(const Grid& grid, Side felt_from, const Vec3& positio
   all.end = std::max(0.0, field.at_least(position, sign, std::numeric_limits<double>::infinity()));
   const double distance = sign * field.at(position).distance;
   if (!(distance < field.band() && -distance < kOpen * field.band())) return all;
-  const SurfacePoint foot = foot_of(field, sign, position);
+  const GridFoot foot = foot_of(field, sign, position);
   const double height = length(Vec3(position - foot.point));
   if (!foot.found || height > kStraight * std::abs(distance) + field.resolution()) return all;
 
