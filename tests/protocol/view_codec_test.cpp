@@ -117,10 +117,10 @@ TEST(ViewCodec, IsAsLongAsItSays) {
     const SceneView view = view_of(hands, bodies, random);
     return encoder.reply(reply, &view).size();
   };
-  EXPECT_EQ(size(0, 0) + kOverhead, 296u);
-  EXPECT_EQ(size(1, 0) + kOverhead, 352u);
+  EXPECT_EQ(size(0, 0) + kOverhead, 304u);
+  EXPECT_EQ(size(1, 0) + kOverhead, 360u);
   EXPECT_EQ(size(2, 1) + kOverhead, 440u);
-  EXPECT_EQ(size(19, 1) + kOverhead, 1184u);
+  EXPECT_EQ(size(19, 1) + kOverhead, 1192u);
   EXPECT_EQ(size(6, 0) + kOverhead, 576u);
   for (const double between : {0.001, 0.08}) {
     const std::size_t room = view_room(between);
