@@ -108,6 +108,10 @@ std::string explain(const Scene& scene) {
     else
       text += "  " + need.what + " (" + need.cost + "): " + listed(need.needed) + "\n";
   }
+  for (const Scene::Sampled& mesh : scene.sampled())
+    text += "  grid of distances for the tool's body: mesh " + mesh.object + ", a sample every " +
+            number_text(mesh.resolution) + " m (its longest side over " +
+            number_text(Scene::kMeshGridSteps) + "); give it as a grid to choose\n";
   if (!unused.empty()) text += "  nothing is spent on: " + unused + "\n";
   const double k = scene.requirements().stiffness;
   if (k > 0.0)

@@ -9,6 +9,7 @@
 
 #include "core/contact/ball.hpp"
 #include "core/contact/mesh_contact.hpp"
+#include "core/geometry/mesh_distance.hpp"
 #include "core/geometry/mesh_surface.hpp"
 #include "core/numeric.hpp"
 #include "core/scene/mechanism.hpp"
@@ -266,6 +267,20 @@ Command Scene::touch_near(const Tool& tool, TouchMemory& memory) const noexcept 
   return sum;
 }
 
+/// A body touches distances; a mesh that was not given as a grid becomes one.
+void Scene::sample(Object& object, const Mesh& mesh) {
+  const TriangleMesh& triangles = mesh.surface->mesh();
+  GridOptions options;
+  options.resolution = 2.0 * triangles.half_extents().maxCoeff() / kMeshGridSteps;
+  try {
+    object.shape = Grid{std::make_shared<const DistanceGrid<float>>(solid_of(triangles), options)};
+  } catch (const std::invalid_argument& error) {
+    refuse("object '" + object.name + "'",
+           {"mesh", std::string("is touched by a body, as a grid of distances: ") + error.what()});
+  }
+  sampled_.push_back({object.name, options.resolution});
+}
+
 void Scene::set_tool(HandTool tool) {
   const auto broken = [](const std::string& field, const std::string& message) {
     refuse("tool", {field, message});
@@ -282,12 +297,15 @@ void Scene::set_tool(HandTool tool) {
                                     "': a hollow has no room for it, or a grid's "
                                     "band is smaller; make the tool smaller or these larger");
   }
-  for (const Object& object : objects_)
-    if ((tool.body || tool.radius != 0.0) && std::holds_alternative<Mesh>(object.shape))
-      broken(tool.body ? "body" : "sphere",
-             "does not touch meshes, and object '" + object.name +
-                 "' is one; make it a grid, or give the mesh a radius instead");
-  if (tool.radius != 0.0) broad_phase_ = {};  // it looks for points
+  for (Object& object : objects_) {
+    const auto* mesh = std::get_if<Mesh>(&object.shape);
+    if (mesh == nullptr) continue;
+    if (tool.radius != 0.0)
+      broken("sphere", "does not touch meshes, and object '" + object.name +
+                           "' is one; make it a grid, or give the mesh a radius instead");
+    if (tool.body) sample(object, *mesh);
+  }
+  if (tool.radius != 0.0 || tool.body) broad_phase_ = {};  // it looks for points
   requirements_.rotation = tool.body != nullptr;
   tool_ = std::move(tool);
 }

@@ -85,9 +85,18 @@ class Scene {
   /// The objects that stand are found by a tree; else each is asked.
   bool by_tree() const { return broad_phase_.in_use(); }
 
-  /// Puts a tool into all hands. Throws std::invalid_argument naming the field and the remedy when
-  /// it does not fit what is there.
+  /// Puts a tool into all hands. For one with a body, meshes become grids: kMeshGridSteps along
+  /// their longest side. Throws std::invalid_argument naming the field and the remedy when it does
+  /// not fit what is there.
   void set_tool(HandTool tool);
+
+  /// A mesh that became a grid, and how fine.
+  struct Sampled {
+    std::string object;
+    double resolution = 0.0;  // [m]
+  };
+  const std::vector<Sampled>& sampled() const { return sampled_; }
+  static constexpr double kMeshGridSteps = 128.0;
 
   /// A memory for one tool; allocates.
   TouchMemory memory() const;
@@ -117,6 +126,7 @@ class Scene {
  private:
   /// Of the first `count` objects.
   Command touch(const Tool& tool, TouchMemory& memory, std::size_t count) const noexcept;
+  void sample(Object& object, const Mesh& mesh);
   /// Of the objects that stand, by the tree over them.
   Command touch_near(const Tool& tool, TouchMemory& memory) const noexcept;
 
@@ -130,6 +140,7 @@ class Scene {
   std::size_t still_ = 0;  // objects that stand; those that move come behind them
   std::vector<std::string> warnings_;
   HandTool tool_;
+  std::vector<Sampled> sampled_;
 };
 
 /// Reads a scene file (JSON against core/scene/scene.fbs). Throws FileError.

@@ -10,6 +10,7 @@
 #include "core/geometry/mesh_file.hpp"
 #include "core/geometry/tessellation.hpp"
 #include "core/scene/near.hpp"
+#include "core/scene/needs.hpp"
 #include "core/scene/scene.hpp"
 #include "core/tool/body_tool.hpp"
 #include "tests/support/allocation_counter.hpp"
@@ -94,6 +95,42 @@ TEST(FieldScene, ABodyGivesForceAndTorque) {
   EXPECT_NEAR(c.torque.x(), 0.0, 1e-4);
   TouchMemory contacts = scene.memory();
   EXPECT_EQ(local_model(scene, Vec3(0, 0, 0.01), contacts).reach, 0.0);
+}
+
+// A body touches a mesh by its distances, which are sampled when the scene is loaded.
+TEST(FieldScene, ABodyTouchesAMeshAsAGrid) {
+  const auto folder = std::filesystem::path(testing::TempDir()) / "feltwire_body_on_mesh";
+  std::filesystem::create_directories(folder);
+  std::ofstream(folder / "ball.obj") << obj_text(icosphere(30.0, 3));
+  TriangleSoup open = icosphere(30.0, 1);
+  open.triangles.pop_back();
+  std::ofstream(folder / "open.obj") << obj_text(open);
+  const auto text = [](const std::string& file) {
+    return scene_text("\"mesh\": { \"file\": \"" + file + "\", \"unit\": \"mm\" }",
+                      R"({ "body": { "sphere": { "radius": 0.01 }, "points": 2000,
+                                     "contact_area": 1e-4 } })");
+  };
+  std::ofstream(folder / "s.json") << text("ball.obj");
+  std::ofstream(folder / "open.json") << text("open.obj");
+  const Scene scene = load_scene(folder / "s.json");
+  ASSERT_EQ(scene.sampled().size(), 1u);
+  EXPECT_NEAR(scene.sampled()[0].resolution, 0.06 / 128.0, 1e-5);
+  EXPECT_THAT(explain(scene), HasSubstr("grid of distances for the tool's body: mesh o"));
+  BodyMemory memory;
+  Command c;
+  for (const double z : {0.045, 0.0395, 0.0385, 0.038})
+    for (int i = 0; i < 10; ++i)
+      c = scene.touch({Vec3(0, 0, z), Quaternion::Identity()}, Vec3::Zero(), 1e-3, memory);
+  EXPECT_GT(c.elastic.z(), 0.1);
+  EXPECT_LT(c.elastic.head<2>().norm(), 0.05 * c.elastic.z());
+  try {
+    load_scene(folder / "open.json");
+    ADD_FAILURE() << "an open mesh has no inside";
+  } catch (const FileError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("object 'o'"));
+    EXPECT_THAT(error.what(), HasSubstr("is open at 3 edges"));
+  }
+  std::filesystem::remove_all(folder);
 }
 
 TEST(FieldScene, ABallForATool) {
