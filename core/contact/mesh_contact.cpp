@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/geometry/height_map.hpp"
 #include "core/numeric.hpp"
 
 namespace feltwire {
@@ -71,25 +72,40 @@ const std::array<Vec3, kWaves> kWaveDirections = [] {
   return all;
 }();
 
-/// The surface lower by h, between 0 and 2 amplitudes: the spring's energy is 1/2 k (depth - h)^2,
-/// so its force has a part along the slope too (Minsky's lateral force), and no way round takes or
-/// gives energy.
-SurfacePoint grained(const Grain& grain, const SurfacePoint& surface) {
+/// Waves, between 0 and 2 amplitudes deep.
+Relief relief_of(const Grain& grain, const Vec3& point) {
   const double k = 2.0 * std::numbers::pi / grain.wavelength;  // [1/m]
-  double height = -grain.amplitude;
-  Vec3 slope = Vec3::Zero();
+  Relief relief{.cut = grain.amplitude, .slope = Vec3::Zero()};
   for (std::size_t i = 0; i < kWaves; ++i) {
     constexpr double kPhase = 1.9;  // [rad] between waves
-    const double at = k * kWaveDirections[i].dot(surface.point) + kPhase * static_cast<double>(i);
-    height += grain.amplitude / kWaves * std::sin(at);
-    slope += grain.amplitude / kWaves * k * std::cos(at) * kWaveDirections[i];
+    const double at = k * kWaveDirections[i].dot(point) + kPhase * static_cast<double>(i);
+    relief.cut -= grain.amplitude / kWaves * std::sin(at);
+    relief.slope -= grain.amplitude / kWaves * k * std::cos(at) * kWaveDirections[i];
   }
-  slope -= along(slope, surface.normal);
-  const double depth = surface.depth + height;
+  return relief;
+}
+
+/// The spring's energy is 1/2 k (depth - cut)^2, so its force has a part along the slope too
+/// (Minsky's lateral force), and no way round takes or gives energy.
+SurfacePoint lowered(const SurfacePoint& surface, const Relief& relief) {
+  if (relief.cut == 0.0 && relief.slope.isZero(0.0)) return surface;
+  const Vec3 slope = relief.slope - along(relief.slope, surface.normal);
+  const double depth = surface.depth - relief.cut;
   if (!(depth > 0.0)) return {};
-  const Vec3 push = surface.normal - slope;
+  const Vec3 push = surface.normal + slope;
   const double stretched = length(push);
   return {surface.point, push / stretched, depth * stretched};
+}
+
+SurfacePoint textured(const MeshOptions& options, const SurfacePoint& surface) {
+  Relief relief;
+  if (options.grain.amplitude > 0.0) relief = relief_of(options.grain, surface.point);
+  if (options.height_map) {
+    const Relief map = options.height_map->at(surface.point, surface.normal);
+    relief.cut += map.cut;
+    relief.slope += map.slope;
+  }
+  return lowered(surface, relief);
 }
 
 }  // namespace
@@ -134,8 +150,8 @@ SurfacePoint mesh_surface_point(const MeshSurface& surface, Side felt_from, cons
     if (!shaded.isZero(0.0)) normal = shaded;
   }
   const SurfacePoint smooth{surface.mesh().origin() + stand.point, normal, depth};
-  const Grain& grain = surface.options().grain;
-  SurfacePoint found = grain.amplitude > 0.0 ? grained(grain, smooth) : smooth;
+  const SurfacePoint found =
+      surface.options().rough() ? textured(surface.options(), smooth) : smooth;
   if (!(found.depth > 0.0)) {
     memory.feature = 0;
     return {};

@@ -340,7 +340,7 @@ FittedPatches mesh_patches(const MeshSurface& surface, Side felt_from, const Vec
   Seat seat = seat_of(surface, felt_from, goal, memory);
   if (!(seat.distance <= kMostFitted)) return none;
   none.end = std::max(0.0, seat.distance - options.radius);
-  if (seat.side == 0.0 || options.radius > 0.0 || options.grain.amplitude > 0.0) return none;
+  if (seat.side == 0.0 || options.radius > 0.0 || options.rough()) return none;
 
   const double extent = extent_of(surface, seat.triangle);
   Fits planes(surface, seat.side);

@@ -10,6 +10,8 @@
 
 namespace feltwire {
 
+class HeightMap;
+
 /// Roughness: the surface is waves of this length, cut into it, in directions all ways.
 struct Grain {
   double amplitude = 0.0;   // [m] about the mean; 0: smooth
@@ -21,6 +23,9 @@ struct MeshOptions {
   bool smooth = false;        // the force's direction from normals interpolated between corners
   double radius = 0.0;        // [m] of the ball that touches; 0: a point
   Grain grain = {};
+  std::shared_ptr<const HeightMap> height_map = {};  // null: none
+
+  bool rough() const { return grain.amplitude > 0.0 || height_map != nullptr; }
 };
 
 /// The point of a triangle that is nearest to p, and its weights on the corners.

@@ -7,10 +7,10 @@
 #include <stdexcept>
 #include <utility>
 
+#include "core/geometry/height_map.hpp"
 #include "core/geometry/mesh_file.hpp"
 #include "core/geometry/mesh_surface.hpp"
-#include "core/scene/rules.hpp"
-#include "core/scene/scene_generated.h"
+#include "core/scene/read_values.hpp"
 
 namespace feltwire {
 namespace {
@@ -53,26 +53,50 @@ MeshOptions options_of(const JsonDocument& document, const std::string& path,
     options.grain = {grain->amplitude(), grain->wavelength()};
     for (const auto& [field, value] : {std::pair("amplitude", options.grain.amplitude),
                                        std::pair("wavelength", options.grain.wavelength)})
-      if (!(value > 0.0 && value <= kMaxLength))
-        document.fail(path + ".grain." + field,
-                      "must be above zero [m], is " + number_text(value) + "; correct it");
+      require(document, path + ".grain", positive(field, value, kMaxLength, " [m]"));
   }
   return options;
+}
+
+std::shared_ptr<const HeightMap> height_map_of(const JsonDocument& document,
+                                               const std::string& path,
+                                               const std::filesystem::path& folder,
+                                               const scene_file::HeightMap& map) {
+  require(document, path,
+          first({positive("amplitude", map.amplitude(), kMaxLength, " [m]"),
+                 positive("size", map.size(), kMaxLength, " [m]")}));
+  const std::string name = map.file()->str();
+  if (name.empty() || name.find('\0') != std::string::npos)
+    document.fail(path + ".file", "names no file; give the path of a .pgm file");
+  try {
+    const std::filesystem::path file = folder / name;
+    return std::make_shared<HeightMap>(parse_pgm(read_text(file), file.string()), map.amplitude(),
+                                       map.size());
+  } catch (const FileError& error) {
+    document.fail(path + ".file", error.what());
+  }
 }
 
 }  // namespace
 
 Mesh MeshLoader::load(const std::string& path, const scene_file::Mesh& mesh) {
   const double scale = scale_of(document_, path, mesh);
-  const MeshOptions options = options_of(document_, path, mesh);
+  MeshOptions options = options_of(document_, path, mesh);
   const std::string name = mesh.file()->str();
   if (name.empty() || name.find('\0') != std::string::npos)
     document_.fail(path + ".file", "names no file; give the path of an .obj, .stl or .ply file");
-  const std::string key = name + '\n' + number_text(scale) + '\n' + number_text(options.radius) +
-                          (options.double_sided ? "d" : "s") + (options.smooth ? "i" : "f") +
-                          (mesh.closed() ? "c" : "o") + number_text(options.grain.amplitude) + "/" +
-                          number_text(options.grain.wavelength);
+  const auto* map = mesh.height_map();
+  const std::string key =
+      name + '\n' + number_text(scale) + '\n' + number_text(options.radius) +
+      (options.double_sided ? "d" : "s") + (options.smooth ? "i" : "f") +
+      (mesh.closed() ? "c" : "o") + number_text(options.grain.amplitude) + "/" +
+      number_text(options.grain.wavelength) + "\n" +
+      (map != nullptr ? map->file()->str() + '\n' + number_text(map->amplitude()) + "/" +
+                            number_text(map->size())
+                      : "");
   if (const auto at = known_.find(key); at != known_.end()) return at->second;
+  if (map != nullptr)
+    options.height_map = height_map_of(document_, path + ".height_map", folder_, *map);
   try {
     TriangleMesh triangles(read_mesh(folder_ / name, scale));
     const MeshReport& report = triangles.report();

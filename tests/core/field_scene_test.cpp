@@ -50,11 +50,11 @@ TEST(FieldScene, AGridOfABallIsFeltAsTheBall) {
         5e-3)
         << i;
   }
-  EXPECT_EQ(local_model(sampled, Vec3(0, 0, 0.029), b).reach, 0.0);
   const LocalModel near = local_model(sampled, Vec3(0, 0, 0.033), b);
-  EXPECT_EQ(near.count, 0);
-  EXPECT_GT(near.reach, 1e-3);
-  EXPECT_LE(near.reach, 3e-3);
+  ASSERT_EQ(near.count, 1);
+  EXPECT_LT((near.patches[0].point - Vec3(0, 0, 0.03)).norm(), 1e-4);
+  EXPECT_GT(near.patches[0].normal.z(), 0.9999);
+  EXPECT_NEAR(near.patches[0].curvature, 1.0 / 0.03, 1.0);
 }
 
 TEST(FieldScene, AGridOfAMeshFile) {

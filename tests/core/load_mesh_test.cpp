@@ -97,6 +97,33 @@ TEST_F(LoadMesh, WrongFieldsAreNamedWithTheRemedy) {
               HasSubstr("sheet.obj is not closed: 4 open edges"));
 }
 
+TEST_F(LoadMesh, AHeightMapIsReadBesideIt) {
+  write("sheet.obj", obj_text(test::sheet(0.1)));
+  write("stripes.pgm", "P2 4 1 1 1 1 0 0\n");
+  write("torn.pgm", "P5 4 4 255 ab");
+  const std::string mesh = R"("file": "sheet.obj", "unit": "m", "height_map": )";
+  const Scene s = scene(mesh + R"({"file": "stripes.pgm", "amplitude": 1e-3, "size": 0.04})");
+  TouchMemory memory = s.memory();
+  const auto force = [&](double x) {
+    s.touch({Vec3(x, 0, 0.01), Vec3::Zero()}, memory);
+    return s.touch({Vec3(x, 0, -0.002), Vec3::Zero()}, memory).elastic.z();
+  };
+  EXPECT_NEAR(force(0.005), 2.0,
+              1e-6);  // between two white pixels, whose middles are at 0 and 1 cm
+  EXPECT_NEAR(force(0.015), 1.5, 1e-6);
+  EXPECT_NEAR(force(0.025), 1.0, 1e-6);
+  const auto error = [&](const std::string& map) { return error_of(mesh + map); };
+  EXPECT_THAT(error(R"({"file": "stripes.pgm", "size": 1})"),
+              HasSubstr("s.json:3: objects[0].mesh.height_map.amplitude: is not given"));
+  EXPECT_THAT(error(R"({"file": "stripes.pgm", "amplitude": 1, "size": -1})"),
+              HasSubstr("objects[0].mesh.height_map.size: must be above zero"));
+  EXPECT_THAT(error(R"({"file": "none.pgm", "amplitude": 1, "size": 1})"),
+              AllOf(HasSubstr("objects[0].mesh.height_map.file: "),
+                    HasSubstr("none.pgm: cannot be opened")));
+  EXPECT_THAT(error(R"({"file": "torn.pgm", "amplitude": 1, "size": 1})"),
+              HasSubstr("torn.pgm: byte 13: it ends before its pixels do"));
+}
+
 TEST_F(LoadMesh, WhatIsStrangeButCanBeTouchedIsSaid) {
   TriangleSoup soup = test::icosphere(0.05, 3);
   for (Triangle& t : soup.triangles) std::swap(t[0], t[1]);

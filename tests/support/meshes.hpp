@@ -2,46 +2,13 @@
 // Surfaces whose shape is known in closed form, as triangles.
 
 #include <cmath>
-#include <map>
-#include <utility>
 
+#include "core/geometry/tessellation.hpp"
 #include "core/geometry/triangle_mesh.hpp"
 
 namespace feltwire::test {
 
-/// Sphere about the origin [m], 20 * 4^level triangles, all corners on it.
-inline TriangleSoup icosphere(double radius, int level) {
-  const double phi = 0.5 * (1.0 + std::sqrt(5.0));
-  TriangleSoup s;
-  s.vertices = {{-1, phi, 0}, {1, phi, 0}, {-1, -phi, 0}, {1, -phi, 0},
-                {0, -1, phi}, {0, 1, phi}, {0, -1, -phi}, {0, 1, -phi},
-                {phi, 0, -1}, {phi, 0, 1}, {-phi, 0, -1}, {-phi, 0, 1}};
-  for (Vec3& v : s.vertices) v = radius * v.normalized();
-  s.triangles = {{0, 11, 5}, {0, 5, 1},  {0, 1, 7},   {0, 7, 10}, {0, 10, 11},
-                 {1, 5, 9},  {5, 11, 4}, {11, 10, 2}, {10, 7, 6}, {7, 1, 8},
-                 {3, 9, 4},  {3, 4, 2},  {3, 2, 6},   {3, 6, 8},  {3, 8, 9},
-                 {4, 9, 5},  {2, 4, 11}, {6, 2, 10},  {8, 6, 7},  {9, 8, 1}};
-  for (int l = 0; l < level; ++l) {
-    std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> middles;
-    const auto middle = [&](std::uint32_t a, std::uint32_t b) {
-      const auto [at, added] =
-          middles.try_emplace(std::minmax(a, b), static_cast<std::uint32_t>(s.vertices.size()));
-      if (added) s.vertices.push_back(radius * (s.vertices[a] + s.vertices[b]).normalized());
-      return at->second;
-    };
-    std::vector<Triangle> finer;
-    finer.reserve(4 * s.triangles.size());
-    for (const auto& [a, b, c] : s.triangles) {
-      const std::uint32_t ab = middle(a, b), bc = middle(b, c), ca = middle(c, a);
-      finer.push_back({a, ab, ca});
-      finer.push_back({b, bc, ab});
-      finer.push_back({c, ca, bc});
-      finer.push_back({ab, bc, ca});
-    }
-    s.triangles = std::move(finer);
-  }
-  return s;
-}
+using feltwire::icosphere;
 
 /// Box about the origin, each face cut into n x n squares of two triangles.
 inline TriangleSoup box(const Vec3& half, int n = 1) {
