@@ -15,6 +15,7 @@ namespace feltwire {
 struct Grasp {
   Tool tool;
   std::vector<Vec3> forces;  // [N] on the hand, one for each moving object
+  std::vector<char> asked;   // likewise: the object was in reach; one that is not is left alone
   bool fresh = false;        // of the tool's newest sample, and no step since
   std::uint64_t resets = 0;  // of the world, that the contact memory knows of
 };
@@ -45,7 +46,11 @@ class World {
   /// [N s] linear momentum of the bodies.
   Vec3 momentum() const noexcept;
 
-  Grasp grasp() const { return {.tool = {}, .forces = std::vector<Vec3>(parts_, Vec3::Zero())}; }
+  Grasp grasp() const {
+    return {.tool = {},
+            .forces = std::vector<Vec3>(parts_, Vec3::Zero()),
+            .asked = std::vector<char>(parts_, 0)};
+  }
 
   /// As Scene::touch(), with the moving objects where they are and as fast as they are. What they
   /// put on the hand is kept in `grasp`; push() puts the opposite on them.
@@ -76,6 +81,8 @@ class World {
   bool sane() const noexcept;
   void go_back() noexcept;
   void forget_moving(Grasp& grasp, TouchMemory& memory) const noexcept;
+  void ask(std::size_t part, const Tool& tool, TouchMemory& memory, Grasp& grasp,
+           Command& sum) const noexcept;
 
   const Scene& scene_;
   double tick_;
@@ -86,7 +93,13 @@ class World {
     Vec3 angular = Vec3::Zero();  // [rad/s]
   };
   std::vector<Motion> motions_;  // of those that move
-  double trust_ = 1.0;           // share of a moving object's force that is felt
+  /// Outside of it an object is not touched; side by side, for a tool passes by most of them.
+  struct Reach {
+    Vec3 center = Vec3::Zero();  // [m]
+    double square = 0.0;         // [m^2] of the radius
+  };
+  std::vector<Reach> reaches_;
+  double trust_ = 1.0;  // share of a moving object's force that is felt
   WorldCounters counters_;
   std::unique_ptr<Run> run_;
 };
