@@ -36,4 +36,13 @@ void plot(const std::filesystem::path& directory, const std::string& name,
                              "; run it there by hand to see why");
 }
 
+void plot_pair(const std::filesystem::path& directory, const std::string& name, int height,
+               const std::string& styles, const std::string& title, const std::string& left,
+               const std::string& right) {
+  plot(directory, name,
+       "set terminal pngcairo size 1300," + std::to_string(height) +
+           " font 'Sans,11'\nset output '" + name + ".png'\n" + styles +
+           "set multiplot layout 1,2 title '" + title + "'\n" + left + right + "unset multiplot\n");
+}
+
 }  // namespace feltwire

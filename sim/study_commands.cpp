@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <iostream>
 #include <memory>
 
@@ -17,6 +18,7 @@
 #include "sim/sides.hpp"
 #include "sim/trade_geometry.hpp"
 #include "sim/trade_network.hpp"
+#include "sim/trade_scene.hpp"
 #include "sim/trade_tools.hpp"
 #include "sim/zwidth.hpp"
 
@@ -171,59 +173,72 @@ void add_sides(CLI::App& app, int& status) {
   });
 }
 
-void add_trade_geometry(CLI::App& trade) {
-  auto out = std::make_shared<std::string>("trade-geometry");
-  CLI::App* geometry = trade.add_subcommand(
-      "geometry", "Analytic solid, mesh or grid of distances: error, time and memory");
-  geometry->footer(
-      "Writes trade_geometry.csv, trade_geometry.json and trade_geometry.png, the same bytes every "
-      "time, and what\nthis machine took for it, trade_geometry_cost.csv and "
-      "trade_geometry_cost.png. A minute of CPU time.\ndocs/trade.md is its page.");
-  add_out(*geometry, *out);
-  geometry->callback([out] {
-    const auto cells = run_trade_geometry({});
-    write_trade_geometry(*out, cells);
-    std::cout << trade_geometry_table(cells) << placed("Tables and pictures", *out);
-  });
+/// What the subcommands of `trade` share: a folder, what they print, and where the rest is.
+void add_trade_study(CLI::App& trade, const std::string& name, const std::string& question,
+                     const std::string& footer,
+                     const std::function<std::string(const std::string& out)>& run) {
+  auto out = std::make_shared<std::string>("trade-" + name);
+  CLI::App* study = trade.add_subcommand(name, question);
+  study->footer(footer + " docs/trade.md is its page.");
+  add_out(*study, *out);
+  study->callback([out, run] { std::cout << run(*out) << placed("Tables and pictures", *out); });
 }
 
-void add_trade_tools(CLI::App& trade) {
-  auto out = std::make_shared<std::string>("trade-tools");
-  CLI::App* tools = trade.add_subcommand(
-      "tools", "How many points a tool's body needs: force and torque error against time");
-  tools->footer(
-      "Writes trade_tools.csv, trade_tools.json and trade_tools.png, the same bytes every time, "
-      "and "
-      "what this machine\ntook for it, trade_tools_cost.csv and trade_tools_cost.png. A minute of "
-      "CPU time. docs/trade.md is its page.");
-  add_out(*tools, *out);
-  tools->callback([out] {
-    const auto cells = run_trade_tools({});
-    write_trade_tools(*out, cells);
-    std::cout << trade_tools_table(cells) << placed("Tables and pictures", *out);
-  });
+std::string trade_geometry(const std::string& out) {
+  const auto cells = run_trade_geometry({});
+  write_trade_geometry(out, cells);
+  return trade_geometry_table(cells);
+}
+
+std::string trade_tools(const std::string& out) {
+  const auto cells = run_trade_tools({});
+  write_trade_tools(out, cells);
+  return trade_tools_table(cells);
+}
+
+std::string trade_scene(const std::string& out) {
+  constexpr std::size_t kRounds = 101, kBareRounds = 2001;
+  const auto cases = scene_cases();
+  const auto cells = run_trade_scene(cases, kRounds);
+  const auto bare = run_bare(kBareRounds);
+  write_trade_scene(out, cells, bare);
+  return trade_scene_table(cells, bare);
+}
+
+std::string trade_network(const std::string& out) {
+  constexpr double kTaskTime = 4.0;  // [s]
+  const auto settings = traffic_settings();
+  const auto cells = run_trade_network(settings, kTaskTime);
+  write_trade_network(out, settings, cells);
+  return trade_network_table(settings, cells) + '\n' + trade_network_cost_table(settings, cells);
 }
 
 void add_trade(CLI::App& app) {
   CLI::App* trade = app.add_subcommand("trade", "What more of one thing costs in another");
   trade->require_subcommand(1);
-  add_trade_geometry(*trade);
-  add_trade_tools(*trade);
-  auto out = std::make_shared<std::string>("trade-network");
-  CLI::App* network = trade->add_subcommand(
-      "network", "Bandwidth against force error, direction error and delay, over three links");
-  network->footer(
+  add_trade_study(
+      *trade, "geometry", "Analytic solid, mesh or grid of distances: error, time and memory",
+      "Writes trade_geometry.csv, trade_geometry.json and trade_geometry.png, the same bytes every "
+      "time, and what\nthis machine took for it, trade_geometry_cost.csv and "
+      "trade_geometry_cost.png. A minute of CPU time.\n",
+      trade_geometry);
+  add_trade_study(
+      *trade, "tools", "How many points a tool's body needs: force and torque error against time",
+      "Writes trade_tools.csv, trade_tools.json and trade_tools.png, the same bytes every time, "
+      "and what this machine\ntook for it, trade_tools_cost.csv and trade_tools_cost.png. A minute "
+      "of CPU time.",
+      trade_tools);
+  add_trade_study(
+      *trade, "scene", "What each thing that a scene may need costs a sample, alone",
+      "Writes trade_scene.csv, trade_scene_bare.csv and trade_scene.png, what this machine took. "
+      "Half a minute of CPU\ntime.",
+      trade_scene);
+  add_trade_study(
+      *trade, "network",
+      "Bandwidth against force error, direction error and delay, over three links",
       "Writes trade_network.csv, trade_network.json and trade_network.png, the same bytes every "
-      "time.\nSome minutes of CPU time. docs/trade.md is its page.");
-  add_out(*network, *out);
-  network->callback([out] {
-    constexpr double kTaskTime = 4.0;  // [s]
-    const auto settings = traffic_settings();
-    const auto cells = run_trade_network(settings, kTaskTime);
-    write_trade_network(*out, settings, cells);
-    std::cout << trade_network_table(settings, cells) << '\n'
-              << trade_network_cost_table(settings, cells) << placed("Data and picture", *out);
-  });
+      "time.\nSome minutes of CPU time.",
+      trade_network);
 }
 
 Recording recording_from(const std::string& file) {

@@ -3,38 +3,23 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <numbers>
 
+#include "core/contact/mesh_contact.hpp"
 #include "core/geometry/mesh_distance.hpp"
 #include "core/geometry/signed_distance.hpp"
 #include "core/geometry/tessellation.hpp"
 #include "core/splitmix.hpp"
 #include "sim/cost.hpp"
+#include "sim/glide.hpp"
 #include "sim/metrics.hpp"
 
 namespace feltwire {
 namespace {
 
-constexpr double kRadius = 0.09, kDepth = 2e-3;  // [m]
-constexpr double kStiffness = 5000.0;            // [N/m]
-constexpr double kSpeed = 0.1, kPeriod = 1e-3;   // [m/s], [s]
-constexpr std::size_t kScattered = 1 << 14;      // places
+constexpr std::size_t kScattered = 1 << 14;  // places
 constexpr std::size_t kScatterLaps = 9;
 
 using Field = std::function<FieldPoint(const Vec3&)>;
-
-std::vector<Vec3> glide() {
-  const Vec3 u = Vec3(1.0, 0.3, 0.2).normalized();
-  const Vec3 v = u.cross(Vec3(-0.2, 0.5, 1.0)).normalized();
-  const double r = kRadius - kDepth, turn = 2.0 * std::numbers::pi;
-  const auto samples = static_cast<std::size_t>(turn * r / (kSpeed * kPeriod));
-  std::vector<Vec3> path;
-  for (std::size_t n = 0; n < samples; ++n) {
-    const double angle = turn * static_cast<double>(n) / static_cast<double>(samples);
-    path.push_back(r * (std::cos(angle) * u + std::sin(angle) * v));
-  }
-  return path;
-}
 
 std::vector<Vec3> scattered() {
   std::vector<Vec3> places;
@@ -43,21 +28,23 @@ std::vector<Vec3> scattered() {
     for (std::uint64_t axis = 0; axis < 3; ++axis)
       p[static_cast<Eigen::Index>(axis)] =
           static_cast<double>(splitmix::draw(1, 3 * i + axis) >> 11) * 0x1p-52 - 1.0;
-    if (p.norm() > 0.1 && p.norm() < 1.0) places.push_back((kRadius - kDepth) * p.normalized());
+    if (p.norm() > 0.1 && p.norm() < 1.0)
+      places.push_back((kGlideBall - kGlideDepth) * p.normalized());
   }
   return places;
 }
 
 /// [N] as the point's contact with a grid has it: -k d grad d.
-Vec3 force(const FieldPoint& field) { return -kStiffness * field.distance * field.gradient; }
+Vec3 force(const FieldPoint& field) { return -kGlideStiffness * field.distance * field.gradient; }
 
-void measure(const Field& field, GeometryCell& cell) {
+/// `scattered_field`: what answers at places in no order, where a memory of the last is no use.
+void measure(const Field& field, const Field& scattered_field, GeometryCell& cell) {
   const auto path = glide();
   double error = 0.0, whole = 0.0;
   std::vector<double> angles;
   Vec3 last = Vec3::Zero(), last_exact = Vec3::Zero();
   for (std::size_t n = 0; n < path.size(); ++n) {
-    const Vec3 exact = kStiffness * kDepth * path[n].normalized();
+    const Vec3 exact = kGlideStiffness * kGlideDepth * path[n].normalized();
     const Vec3 felt = force(field(path[n]));
     angles.push_back(angle_between(felt, exact));
     error += (felt - exact).squaredNorm();
@@ -76,10 +63,13 @@ void measure(const Field& field, GeometryCell& cell) {
   double sum = 0.0;
   cell.glide_ns = cost_ns(path.size(), [&](std::size_t i) { sum += field(path[i]).distance; });
   cell.scattered_ns = cost_ns(
-      places.size(), [&](std::size_t i) { sum += field(places[i]).distance; }, kScatterLaps);
+      places.size(), [&](std::size_t i) { sum += scattered_field(places[i]).distance; },
+      kScatterLaps);
   kept = sum;
   static_cast<void>(kept);
 }
+
+void measure(const Field& field, GeometryCell& cell) { measure(field, field, cell); }
 
 double process_seconds() {
   timespec now{};
@@ -92,22 +82,72 @@ GeometryCell analytic() {
   cell.kind = "analytic";
   cell.arithmetic = "double";
   cell.bytes = sizeof(Sphere);
-  const Sphere ball{kRadius};
+  const Sphere ball{kGlideBall};
   measure([ball](const Vec3& p) { return signed_distance(ball, Side::outside, p); }, cell);
   return cell;
 }
 
-GeometryCell mesh(int level) {
+GeometryCell analytic_float() {
   GeometryCell cell;
-  cell.kind = "mesh";
+  cell.kind = "analytic";
+  cell.arithmetic = "float";
+  cell.bytes = sizeof(float);
+  measure(
+      [](const Vec3& p) {
+        const Vector3<float> at = p.cast<float>();
+        const float distance = at.norm();
+        return FieldPoint{static_cast<double>(distance - static_cast<float>(kGlideBall)),
+                          (at / distance).cast<double>()};
+      },
+      cell);
+  return cell;
+}
+
+GeometryCell mesh_cell(const char* kind, const TriangleSoup& soup) {
+  GeometryCell cell;
+  cell.kind = kind;
   cell.arithmetic = "double";
-  const TriangleSoup soup = icosphere(kRadius, level);
   cell.size = static_cast<double>(soup.triangles.size());
+  return cell;
+}
+
+GeometryCell nearest_on_mesh(int level) {
+  const TriangleSoup soup = icosphere(kGlideBall, level);
+  GeometryCell cell = mesh_cell("mesh, nearest", soup);
   const double start = process_seconds();
   const MeshField field = field_of(TriangleMesh(soup));
   cell.build = process_seconds() - start;
   cell.bytes = static_cast<double>(field.bytes);
   measure(field.at, cell);
+  return cell;
+}
+
+Vec3 in_float(const Vec3& v) { return v.cast<float>().cast<double>(); }
+
+/// The god-object, which goes on from where it was; at scattered places each begins anew.
+/// `rounded`: corners and tool as float has them, which is what a file or a device may give.
+GeometryCell proxy_on_mesh(int level, bool rounded) {
+  TriangleSoup soup = icosphere(kGlideBall, level);
+  if (rounded)
+    for (Vec3& v : soup.vertices) v = in_float(v);
+  GeometryCell cell = mesh_cell("mesh, proxy", soup);
+  if (rounded) cell.arithmetic = "float";
+  const double start = process_seconds();
+  const MeshSurface surface{TriangleMesh(soup)};
+  cell.build = process_seconds() - start;
+  cell.bytes = static_cast<double>(surface.memory());
+  const auto answer = [&](const Vec3& p, FeatureMemory& memory) {
+    const SurfacePoint proxy =
+        mesh_surface_point(surface, Side::outside, rounded ? in_float(p) : p, memory);
+    return FieldPoint{-proxy.depth, proxy.normal};
+  };
+  FeatureMemory memory;
+  measure([&](const Vec3& p) { return answer(p, memory); },
+          [&](const Vec3& p) {
+            FeatureMemory anew;
+            return answer(p, anew);
+          },
+          cell);
   return cell;
 }
 
@@ -118,7 +158,7 @@ GeometryCell sampled(const char* kind, Interpolation interpolation, double resol
   cell.arithmetic = sizeof(Real) == sizeof(float) ? "float" : "double";
   cell.size = resolution;
   const double start = process_seconds();
-  const DistanceGrid<Real> grid(solid_of(Shape(Sphere{kRadius})),
+  const DistanceGrid<Real> grid(solid_of(Shape(Sphere{kGlideBall})),
                                 {.resolution = resolution, .interpolation = interpolation});
   cell.build = process_seconds() - start;
   cell.bytes = static_cast<double>(grid.bytes());
@@ -129,8 +169,10 @@ GeometryCell sampled(const char* kind, Interpolation interpolation, double resol
 }  // namespace
 
 std::vector<GeometryCell> run_trade_geometry(const GeometryGrid& grid) {
-  std::vector<GeometryCell> cells = {analytic()};
-  for (const int level : grid.levels) cells.push_back(mesh(level));
+  std::vector<GeometryCell> cells = {analytic(), analytic_float()};
+  for (const int level : grid.levels) cells.push_back(nearest_on_mesh(level));
+  for (const bool rounded : {false, true})
+    for (const int level : grid.levels) cells.push_back(proxy_on_mesh(level, rounded));
   for (const double h : grid.resolutions)
     cells.push_back(sampled<float>("grid, linear", Interpolation::linear, h));
   for (const double h : grid.resolutions)

@@ -16,8 +16,9 @@ struct GeometryGrid {
 };
 
 struct GeometryCell {
-  std::string kind;        // "analytic", "mesh", "grid, linear", "grid, quadratic"
-  std::string arithmetic;  // "float", "double"
+  std::string
+      kind;  // "analytic", "mesh, nearest", "mesh, proxy", "grid, linear", "grid, quadratic"
+  std::string arithmetic;  // "float", "double"; of a proxy: corners and tool as float has them
   double size = 0.0;       // triangles, or [m] between samples
   // The same in every run.
   double direction_error = 0.0, worst_direction = 0.0;  // [rad] mean and largest
@@ -25,13 +26,14 @@ struct GeometryCell {
   double jump = 0.0;         // [N] largest change from one sample to the next, less the ball's own
   // Of this machine.
   double glide_ns = 0.0;      // [ns] a query along the path
-  double scattered_ns = 0.0;  // [ns] a query at places far from each other, 2 mm inside
+  double scattered_ns = 0.0;  // [ns] a query at places far from each other, 2 mm inside; of a
+                              // proxy: its first
   double bytes = 0.0;         // that it holds
   double build = 0.0;         // [s] of all threads' CPU time together
 };
 
-/// Every cell: the solid, meshes (nearest point by Embree's tree, signed), grids by interpolation,
-/// arithmetic and resolution.
+/// Every cell: the solid, meshes (nearest point by Embree's tree, signed; the proxy of contact),
+/// grids by interpolation, arithmetic and resolution.
 std::vector<GeometryCell> run_trade_geometry(const GeometryGrid& grid);
 
 /// Writes trade_geometry.csv, .json and .png, the same bytes every time, and apart from them what

@@ -24,6 +24,7 @@ constexpr const char* kStyles =
     "set style line 3 lc rgb '#e69f00' pt 4 ps 1.7 lw 1.6\n"
     "set style line 4 lc rgb '#d55e00' pt 2 ps 1.5 lw 1.6\n"
     "set style line 5 lc rgb '#009e73' pt 8 ps 1.7 lw 1.6\n"
+    "set style line 6 lc rgb '#56b4e9' pt 6 ps 1.7 lw 1.6\n"
     "set grid lt 1 lc rgb '#dddddd'\nset tics nomirror\nset logscale xy\nset format xy '%g'\n";
 
 struct Curve {
@@ -31,11 +32,9 @@ struct Curve {
   const char* arithmetic;
   int style;
 };
-constexpr Curve kCurves[] = {{"analytic", "double", 1},
-                             {"mesh", "double", 2},
-                             {"grid, linear", "float", 3},
-                             {"grid, quadratic", "float", 4},
-                             {"grid, quadratic", "double", 5}};
+constexpr Curve kCurves[] = {{"analytic", "double", 1},       {"mesh, nearest", "double", 2},
+                             {"mesh, proxy", "double", 6},    {"grid, linear", "float", 3},
+                             {"grid, quadratic", "float", 4}, {"grid, quadratic", "double", 5}};
 
 /// Points (x, y) of every curve as data blocks, and the plot of them.
 template <class X, class Y>
@@ -49,7 +48,8 @@ std::string panel(const std::vector<GeometryCell>& cells, int number, const X& x
     data += "END\n";
     append(plots, "$p%dc%d with linespoints ls %d title '%s", number, curve.style, curve.style,
            curve.kind);
-    append(plots, "%s', ", curve.style > 2 ? (std::string(", ") + curve.arithmetic).c_str() : "");
+    append(plots, "%s', ",
+           curve.kind[0] == 'g' ? (std::string(", ") + curve.arithmetic).c_str() : "");
   }
   return data + plots + "NaN notitle\n";
 }
@@ -61,36 +61,27 @@ double degrees(const GeometryCell& c) {
 }
 
 void draw(const std::filesystem::path& directory, const std::vector<GeometryCell>& cells) {
-  std::string script =
-      "set terminal pngcairo size 1300,560 font 'Sans,11'\nset output 'trade_geometry.png'\n";
-  script += kStyles;
-  script +=
-      "set multiplot layout 1,2 title 'A ball of 90 mm and 5 kN/m, felt 2 mm deep'\n"
-      "set key bottom left\nset xlabel 'direction error, mean [deg]'\n"
-      "set ylabel 'force error, RMS over RMS [%]'\n";
-  script += panel(cells, 1, degrees, [](const GeometryCell& c) {
-    return std::max(kFloorPercent, kPercent * c.force_error);
-  });
-  script += "set nokey\nset ylabel 'largest jump of the force beyond its own [N]'\n";
-  script += panel(cells, 2, degrees,
-                  [](const GeometryCell& c) { return std::max(kFloorNewton, c.jump); });
-  plot(directory, "trade_geometry", script + "unset multiplot\n");
-}
-
-void draw_cost(const std::filesystem::path& directory, const std::vector<GeometryCell>& cells) {
-  std::string script =
-      "set terminal pngcairo size 1300,560 font 'Sans,11'\nset output 'trade_geometry_cost.png'\n";
-  script += kStyles;
-  script +=
-      "set multiplot layout 1,2 title 'A ball of 90 mm, felt 2 mm deep: down and to the left is "
-      "better'\nset key top left\nset ylabel 'direction error, mean [deg]'\n"
-      "set xlabel 'memory [MB]'\n";
-  script += panel(
-      cells, 1, [](const GeometryCell& c) { return c.bytes / kMega; }, degrees);
-  script += "set nokey\nset xlabel 'query at scattered places [ns]'\n";
-  script += panel(
-      cells, 2, [](const GeometryCell& c) { return c.scattered_ns; }, degrees);
-  plot(directory, "trade_geometry_cost", script + "unset multiplot\n");
+  constexpr int kHeight = 560;
+  plot_pair(directory, "trade_geometry", kHeight, kStyles,
+            "A ball of 90 mm and 5 kN/m, felt 2 mm deep",
+            "set key bottom left\nset xlabel 'direction error, mean [deg]'\n"
+            "set ylabel 'force error, RMS over RMS [%]'\n" +
+                panel(cells, 1, degrees,
+                      [](const GeometryCell& c) {
+                        return std::max(kFloorPercent, kPercent * c.force_error);
+                      }),
+            "set nokey\nset ylabel 'largest jump of the force beyond its own [N]'\n" +
+                panel(cells, 2, degrees,
+                      [](const GeometryCell& c) { return std::max(kFloorNewton, c.jump); }));
+  plot_pair(
+      directory, "trade_geometry_cost", kHeight, kStyles,
+      "A ball of 90 mm, felt 2 mm deep: down and to the left is better",
+      "set key top left\nset ylabel 'direction error, mean [deg]'\nset xlabel 'memory [MB]'\n" +
+          panel(
+              cells, 1, [](const GeometryCell& c) { return c.bytes / kMega; }, degrees),
+      "set nokey\nset xlabel 'a query, gliding [ns]'\n" +
+          panel(
+              cells, 2, [](const GeometryCell& c) { return c.glide_ns; }, degrees));
 }
 
 }  // namespace
@@ -137,7 +128,6 @@ void write_trade_geometry(const std::filesystem::path& directory,
   write_text(directory / "trade_geometry.json", document.dump(1) + '\n');
   write_text(directory / "trade_geometry_cost.csv", cost);
   draw(directory, cells);
-  draw_cost(directory, cells);
 }
 
 }  // namespace feltwire

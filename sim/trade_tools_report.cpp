@@ -33,29 +33,17 @@ std::string panel(const char* file, const char* column, const std::vector<ToolsC
 }
 
 void draw(const std::filesystem::path& directory, const std::vector<ToolsCell>& cells) {
-  std::string script =
-      "set terminal pngcairo size 1300,520 font 'Sans,11'\nset output 'trade_tools.png'\n";
-  script += kStyles;
-  script +=
-      "set multiplot layout 1,2 title 'Points on a tool against a million of them'\nset key top "
-      "right\nset ylabel 'force error [%]'\n";
-  script += panel("trade_tools.csv", "$3", cells);
-  script += "set ylabel 'torque error [% of force times radius]'\n";
-  script += panel("trade_tools.csv", "$4", cells);
-  plot(directory, "trade_tools", script + "unset multiplot\n");
-}
-
-void draw_cost(const std::filesystem::path& directory, const std::vector<ToolsCell>& cells) {
-  std::string script =
-      "set terminal pngcairo size 1300,520 font 'Sans,11'\nset output 'trade_tools_cost.png'\n";
-  script += kStyles;
-  script +=
-      "set multiplot layout 1,2 title 'What a step takes'\nset key top left\n"
-      "set ylabel 'a step in contact [us]'\n";
-  script += panel("trade_tools_cost.csv", "$4", cells);
-  script += "set nokey\nset ylabel 'a step 0.1 m away [us]'\nset yrange [0.01:1000]\n";
-  script += panel("trade_tools_cost.csv", "$3 > 0 ? $3 : NaN", cells);
-  plot(directory, "trade_tools_cost", script + "unset multiplot\n");
+  constexpr int kHeight = 520;
+  plot_pair(
+      directory, "trade_tools", kHeight, kStyles, "Points on a tool against a million of them",
+      "set key top right\nset ylabel 'force error [%]'\n" + panel("trade_tools.csv", "$3", cells),
+      "set ylabel 'torque error [% of force times radius]'\n" +
+          panel("trade_tools.csv", "$4", cells));
+  plot_pair(directory, "trade_tools_cost", kHeight, kStyles, "What a step takes",
+            "set key top left\nset ylabel 'a step in contact [us]'\n" +
+                panel("trade_tools_cost.csv", "$4", cells),
+            "set nokey\nset ylabel 'a step 0.1 m away [us]'\nset yrange [0.01:1000]\n" +
+                panel("trade_tools_cost.csv", "$3 > 0 ? $3 : NaN", cells));
 }
 
 }  // namespace
@@ -103,7 +91,6 @@ void write_trade_tools(const std::filesystem::path& directory,
   write_text(directory / "trade_tools.json", document.dump(1) + '\n');
   write_text(directory / "trade_tools_cost.csv", cost);
   draw(directory, cells);
-  draw_cost(directory, cells);
 }
 
 }  // namespace feltwire

@@ -1,5 +1,6 @@
 #include "core/scene/broad_phase.hpp"
 
+#include <limits>
 #include <optional>
 
 #include "core/geometry/mesh_surface.hpp"
@@ -41,6 +42,14 @@ Bounds world_box(const Object& object, const OwnBox& own) {
 }
 
 }  // namespace
+
+double reach(const Object& object) {
+  constexpr double kRounding = 1e-12;  // of the size, generously
+  const auto own = own_box(object);
+  if (!own || std::holds_alternative<Mesh>(object.shape))
+    return std::numeric_limits<double>::infinity();
+  return (1.0 + kRounding) * (own->middle.cwiseAbs() + own->half).norm();
+}
 
 BroadPhase::BroadPhase(std::span<const Object> objects) {
   if (objects.size() < kFew) return;

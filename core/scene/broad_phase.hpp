@@ -9,6 +9,11 @@
 
 namespace feltwire {
 
+/// [m] of a ball about the object's origin that a point is outside of the object beyond, however
+/// the object is turned. Infinite where there is none, and of meshes, which have to know where a
+/// tool comes from.
+double reach(const Object& object);
+
 class BroadPhase {
  public:
   /// Fewer objects than this are asked one by one, which is no dearer.

@@ -115,7 +115,12 @@ World::World(const Scene& scene)
       parts_(mechanism_of(scene).parts().size()),
       objects_(scene.objects()),
       motions_(parts_),
+      reaches_(parts_),
       run_(std::make_unique<Run>(mechanism_of(scene))) {
+  for (std::size_t i = 0; i < parts_; ++i) {
+    const double radius = reach(objects_[still_ + i]) + scene.tool().radius;
+    reaches_[i].square = radius * radius;
+  }
   look();
 }
 
@@ -132,6 +137,7 @@ void World::look() noexcept {
     pose.orientation = (turned * part.in_body.orientation).normalized();
     std::array<mjtNum, 6> velocity{};  // of the body's frame, world axes: angular, linear
     mj_objectVelocity(&run_->model, run_->data.get(), mjOBJ_XBODY, part.body, velocity.data(), 0);
+    reaches_[i].center = pose.position;
     Motion& motion = motions_[i];
     motion.angular = mujoco::vector(velocity.data());
     motion.linear = mujoco::vector(velocity.data() + 3) + motion.angular.cross(arm);
@@ -206,40 +212,45 @@ void World::forget_moving(Grasp& grasp, TouchMemory& memory) const noexcept {
   grasp.resets = counters_.resets;
 }
 
+/// Keeps what a moving object answers in the grasp and adds it to `sum`. One that has gone out of
+/// reach is asked once more, and lets go.
+void World::ask(std::size_t part, const Tool& tool, TouchMemory& memory, Grasp& grasp,
+                Command& sum) const noexcept {
+  const bool far = (tool.position - reaches_[part].center).squaredNorm() > reaches_[part].square;
+  if (far && grasp.asked[part] == 0) return;
+  grasp.asked[part] = far ? 0 : 1;
+  const std::size_t object = still_ + part;
+  const Vec3 against = tool.velocity - velocity_at(object, tool.position);
+  const Command answer = trust_ * feltwire::touch(objects_[object], {tool.position, against},
+                                                  memory[object], scene_.tool().radius);
+  grasp.forces[part] = answer.force();
+  sum.elastic += answer.elastic;
+  sum.frictional += answer.frictional;
+}
+
 Command World::touch(const Tool& tool, TouchMemory& memory, Grasp& grasp) const noexcept {
   if (!tool.position.allFinite() || !tool.velocity.allFinite() ||
-      memory.size() != objects_.size() || grasp.forces.size() != parts_) [[unlikely]]
+      memory.size() != objects_.size() || grasp.forces.size() != parts_ ||
+      grasp.asked.size() != parts_) [[unlikely]]
     return {};
   if (grasp.resets != counters_.resets) forget_moving(grasp, memory);
   Command sum = scene_.touch_still(tool, memory);
   grasp.tool = tool;
   grasp.fresh = true;
-  for (std::size_t i = 0; i < parts_; ++i) {
-    const std::size_t object = still_ + i;
-    const Vec3 against = tool.velocity - velocity_at(object, tool.position);
-    const Command part = trust_ * feltwire::touch(objects_[object], {tool.position, against},
-                                                  memory[object], scene_.tool().radius);
-    grasp.forces[i] = part.force();
-    sum.elastic += part.elastic;
-    sum.frictional += part.frictional;
-  }
+  for (std::size_t i = 0; i < parts_; ++i) ask(i, tool, memory, grasp, sum);
   return sum.finite() ? sum : Command{};
 }
 
 void World::push(Grasp& grasp, TouchMemory& memory, double share) noexcept {
-  if (memory.size() != objects_.size() || grasp.forces.size() != parts_) [[unlikely]]
+  if (memory.size() != objects_.size() || grasp.forces.size() != parts_ ||
+      grasp.asked.size() != parts_) [[unlikely]]
     return;
   if (grasp.resets != counters_.resets) grasp.fresh = false;
   if (!grasp.fresh) {
     const Tool standing{grasp.tool.position, Vec3::Zero()};
     if (grasp.resets != counters_.resets) forget_moving(grasp, memory);
-    for (std::size_t i = 0; i < parts_; ++i) {
-      const std::size_t object = still_ + i;
-      const Vec3 against = -velocity_at(object, standing.position);
-      grasp.forces[i] = (trust_ * feltwire::touch(objects_[object], {standing.position, against},
-                                                  memory[object], scene_.tool().radius))
-                            .force();
-    }
+    Command unused;
+    for (std::size_t i = 0; i < parts_; ++i) ask(i, standing, memory, grasp, unused);
   }
   apply(grasp, share);
 }

@@ -16,6 +16,7 @@ namespace feltwire {
 struct Grasp {
   Tool tool;
   std::vector<Vec3> forces;  // [N] on the hand, one for each moving object
+  std::vector<char> asked;   // likewise: the object was in reach; one that is not is left alone
   bool fresh = false;        // of the tool's newest sample, and no step since
   std::uint64_t resets = 0;  // of the world, that the contact memory knows of
 
@@ -89,6 +90,8 @@ class World {
   void forget_moving(Grasp& grasp, TouchMemory& memory) const noexcept;
   Command hold(const Pose& device, double elapsed, BodyMemory& memory, Grasp& grasp) const noexcept;
   void apply(Grasp& grasp, double share) noexcept;
+  void ask(std::size_t part, const Tool& tool, TouchMemory& memory, Grasp& grasp,
+           Command& sum) const noexcept;
 
   const Scene& scene_;
   double tick_;
@@ -99,7 +102,13 @@ class World {
     Vec3 angular = Vec3::Zero();  // [rad/s]
   };
   std::vector<Motion> motions_;  // of those that move
-  double trust_ = 1.0;           // share of a moving object's force that is felt
+  /// Outside of it an object is not touched; side by side, for a tool passes by most of them.
+  struct Reach {
+    Vec3 center = Vec3::Zero();  // [m]
+    double square = 0.0;         // [m^2] of the radius
+  };
+  std::vector<Reach> reaches_;
+  double trust_ = 1.0;  // share of a moving object's force that is felt
   WorldCounters counters_;
   std::unique_ptr<Run> run_;
 };

@@ -9,6 +9,7 @@ Grasp World::grasp() const {
   Grasp grasp;
   grasp.forces.assign(parts_, Vec3::Zero());
   grasp.torques.assign(parts_, Vec3::Zero());
+  grasp.asked.assign(parts_, 0);
   if (scene_.tool().body) grasp.motions.resize(objects_.size());
   return grasp;
 }

@@ -8,7 +8,7 @@
 #include "tests/core/moving.hpp"
 #include "tests/support/allocation_counter.hpp"
 
-namespace feltwire {
+namespace feltwire::body_world_test {
 namespace {
 
 constexpr double kTick = 1e-3, kMass = 0.2, kRadius = 0.03;
@@ -139,4 +139,4 @@ TEST(BodyWorld, AHandThatIsSilentStandsAndNothingAllocates) {
 }
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::body_world_test

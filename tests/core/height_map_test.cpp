@@ -15,7 +15,7 @@
 #include "tests/support/allocation_counter.hpp"
 #include "tests/support/meshes.hpp"
 
-namespace feltwire {
+namespace feltwire::height_map_test {
 namespace {
 
 using test::Random;
@@ -182,4 +182,4 @@ TEST(HeightMap, RefusesBadPicturesWithTheByte) {
 }
 
 }  // namespace
-}  // namespace feltwire
+}  // namespace feltwire::height_map_test

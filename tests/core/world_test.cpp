@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -252,6 +253,56 @@ TEST(World, StepAndTouchNeverAllocate) {
   }
   EXPECT_EQ(test::allocations(), before);
   EXPECT_GT(felt, 0.0);
+}
+
+/// Every moving object asked at every sample, each with a memory of its own.
+TEST(World, WhatIsOutOfReachIsLeftAloneAndChangesNoBit) {
+  const Material soft{.stiffness = 400.0, .static_friction = 0.5, .dynamic_friction = 0.4};
+  const std::array<Shape, 4> shapes = {Sphere{0.02}, Box{Vec3(0.03, 0.01, 0.015)},
+                                       Capsule{0.01, 0.02}, Cylinder{0.015, 0.02}};
+  std::vector<Object> objects;
+  std::vector<Body> bodies;
+  std::vector<int> body_of;
+  for (int i = 0; i < 12; ++i) {
+    const std::string name = "thing " + std::to_string(i);
+    const Vec3 at(0.06 * (i % 4), 0.06 * (i / 4), 0.0);
+    objects.push_back(object(name.c_str(), shapes[static_cast<std::size_t>(i) % 4], soft, at));
+    bodies.push_back(body(name.c_str(), 20.0, at));
+    body_of.push_back(i);
+  }
+  const Scene scene = moving(objects, body_of, bodies, kWeightless);
+  World world(scene);
+  Hand hand(world);
+  std::vector<ContactMemory> memory(world.objects().size());
+  std::size_t felt = 0, let_go = 0;
+  for (int n = 0; n < 1500; ++n) {
+    const double t = 4e-3 * n;
+    const Tool tool{{0.09 + 0.12 * std::sin(2.1 * t), 0.06 + 0.08 * std::sin(1.3 * t),
+                     0.005 * std::sin(7.0 * t)},
+                    {0.1 * std::cos(t), 0.0, 0.0}};
+    Command sum;
+    for (std::size_t i = 0; i < memory.size(); ++i) {
+      const bool before = memory[i].touching;
+      const Vec3 against = tool.velocity - world.velocity_at(i, tool.position);
+      const Command part = touch(world.objects()[i], {tool.position, against}, memory[i]);
+      sum.elastic += part.elastic;
+      sum.frictional += part.frictional;
+      let_go += before && !memory[i].touching ? 1 : 0;
+    }
+    ASSERT_EQ(hand.touch(tool.position, tool.velocity), sum) << n;
+    felt += sum.elastic.isZero(0.0) ? 0 : 1;
+    world.push(hand.grasp, hand.memory, 1.0);
+    // A tick without a sample: then the memory of those in reach goes on.
+    if (n % 50 == 0) {
+      world.step();
+      world.push(hand.grasp, hand.memory, 1.0);
+      for (std::size_t i = 0; i < memory.size(); ++i)
+        touch(world.objects()[i], {tool.position, -world.velocity_at(i, tool.position)}, memory[i]);
+    }
+    world.step();
+  }
+  EXPECT_GT(felt, 100u);
+  EXPECT_GT(let_go, 5u);
 }
 
 TEST(World, ALostBodyBeginsAnew) {

@@ -39,7 +39,15 @@ TEST(TradeGeometry, TheSolidIsExactAndTheRestErrsByItsOrder) {
   };
   // Facets of half the size turn by half as much; linear by the first, quadratic by the second
   // power of the resolution.
-  EXPECT_NEAR(ratio(cell("mesh", "double", 320), cell("mesh", "double", 1280)), 2.0, 0.6);
+  for (const char* kind : {"mesh, nearest", "mesh, proxy"})
+    EXPECT_NEAR(ratio(cell(kind, "double", 320), cell(kind, "double", 1280)), 2.0, 0.6) << kind;
+  // The proxy stays on its facet until it goes over an edge; but for these places it is the
+  // nearest.
+  const GeometryCell &nearest = cell("mesh, nearest", "double", 1280),
+                     &proxy = cell("mesh, proxy", "double", 1280);
+  EXPECT_NEAR(proxy.direction_error, nearest.direction_error, 1e-4);
+  EXPECT_NEAR(proxy.force_error, nearest.force_error, 1e-4);
+  EXPECT_NEAR(cell("mesh, proxy", "float", 1280).direction_error, proxy.direction_error, 1e-6);
   EXPECT_NEAR(ratio(cell("grid, linear", "float", 8e-3), cell("grid, linear", "float", 4e-3)), 2.0,
               0.6);
   EXPECT_GT(ratio(cell("grid, quadratic", "float", 8e-3), cell("grid, quadratic", "float", 4e-3)),

@@ -1,0 +1,54 @@
+// A tree over boxes misses none, however it was built.
+
+#include "core/geometry/box_tree.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+#include "core/splitmix.hpp"
+
+namespace feltwire::box_tree_test {
+namespace {
+
+/// -1 ... 1, draw i.
+double draw(std::uint64_t i) {
+  return static_cast<double>(splitmix::draw(5, i) >> 11) * 0x1p-52 - 1.0;
+}
+
+Vec3 place(std::uint64_t i) { return {draw(3 * i), draw(3 * i + 1), draw(3 * i + 2)}; }
+
+/// Sizes over four orders of magnitude, many at one place.
+std::vector<Bounds> boxes(std::size_t count) {
+  std::vector<Bounds> all(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const double size = i % 1000 == 0 ? 0.5 : 1e-4 + 1e-3 * std::abs(draw(7'000'000 + i));
+    const Vec3 middle = i % 10 == 0 ? Vec3::Zero() : place(i);
+    all[i].add(middle - Vec3::Constant(size));
+    all[i].add(middle + Vec3::Constant(size));
+  }
+  return all;
+}
+
+TEST(BoxTree, FewAndManyMissNone) {
+  for (const std::size_t count : {std::size_t{1}, std::size_t{1000}, std::size_t{1} << 18}) {
+    const auto all = boxes(count);
+    const BoxTree tree(all);
+    for (std::uint64_t q = 0; q < 12; ++q) {
+      const Vec3 at = q == 0 ? Vec3::Zero() : place(9'000'000 + q);
+      Bounds asked;
+      asked.add(at - Vec3::Constant(0.01));
+      asked.add(at + Vec3::Constant(0.02));
+      std::vector<int> visits(count);
+      tree.overlapping(asked, [&](std::uint32_t i) { ++visits[i]; });
+      for (std::size_t i = 0; i < count; ++i) {
+        ASSERT_LE(visits[i], 1);
+        ASSERT_GE(visits[i], all[i].overlaps(asked) ? 1 : 0) << count << " " << i;
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace feltwire::box_tree_test
