@@ -12,10 +12,13 @@
 #include "core/scene/near.hpp"
 #include "core/scene/scene.hpp"
 #include "core/tool/body_tool.hpp"
+#include "tests/core/scene_text.hpp"
 #include "tests/support/allocation_counter.hpp"
 
 namespace feltwire {
 namespace {
+
+using test::error_of;
 
 using testing::HasSubstr;
 
@@ -24,15 +27,6 @@ std::string scene_text(const std::string& shape, const std::string& tool = "") {
   return "{\n\"name\": \"s\", \"materials\": [{ \"name\": \"m\", \"stiffness\": 1000 }],\n"
          "\"objects\": [{ \"name\": \"o\", \"material\": \"m\",\n" +
          shape + " }]" + (tool.empty() ? "" : ",\n\"tool\": " + tool) + "\n}";
-}
-
-std::string error_of(const std::string& text) {
-  try {
-    parse_scene(text, "s.json");
-  } catch (const FileError& error) {
-    return error.what();
-  }
-  return "no error";
 }
 
 TEST(FieldScene, AGridOfABallIsFeltAsTheBall) {
