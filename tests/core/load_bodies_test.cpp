@@ -11,9 +11,12 @@
 #include "core/scene/scene.hpp"
 #include "core/scene/world.hpp"
 #include "tests/core/moving.hpp"
+#include "tests/core/scene_text.hpp"
 
 namespace feltwire::load_bodies_test {
 namespace {
+
+using test::error_of;
 
 using testing::AllOf;
 using testing::HasSubstr;
@@ -27,15 +30,6 @@ std::string scene_text(const std::string& bodies, const std::string& more = "",
          "],\n\"objects\": [\n{ \"name\": \"ball\", \"sphere\": { \"radius\": 0.1 }, \"material\": "
          "\"m\", \"position\": [1, 0, 0], " +
          object + " },\n{ \"name\": \"floor\", \"plane\": {}, \"material\": \"m\" }] }";
-}
-
-std::string error_of(const std::string& text) {
-  try {
-    parse_scene(text, "s.json");
-  } catch (const FileError& error) {
-    return error.what();
-  }
-  return "no error";
 }
 
 TEST(LoadBodies, PlacesObjectsInTheFrameOfTheirBody) {

@@ -7,9 +7,12 @@
 
 #include "core/scene/json_document.hpp"
 #include "core/scene/scene.hpp"
+#include "tests/core/scene_text.hpp"
 
 namespace feltwire::load_scene_test {
 namespace {
+
+using test::error_of;
 
 using testing::HasSubstr;
 using testing::StartsWith;
@@ -41,15 +44,6 @@ std::string text_with(int line, const std::string& changed) {
   for (int i = 1; i <= static_cast<int>(kGood.size()); ++i)
     text += (i == line ? changed : kGood[i - 1]) + "\n";
   return text;
-}
-
-std::string error_of(const std::string& text) {
-  try {
-    parse_scene(text, "s.json");
-  } catch (const FileError& error) {
-    return error.what();
-  }
-  return "no error";
 }
 
 TEST(LoadScene, ReadsEveryField) {

@@ -1,0 +1,21 @@
+#pragma once
+// Scenes as text, for tests.
+
+#include <string>
+
+#include "core/file_error.hpp"
+#include "core/scene/scene.hpp"
+
+namespace feltwire::test {
+
+/// What the loader says of it.
+inline std::string error_of(const std::string& scene) {
+  try {
+    parse_scene(scene, "s.json");
+  } catch (const FileError& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+}  // namespace feltwire::test
