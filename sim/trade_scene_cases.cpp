@@ -51,7 +51,7 @@ SceneCase mesh(std::string what, std::vector<std::string> needs, int level,
   return c;
 }
 
-SceneCase guide(std::string what, GuidePlace place, GuideAction action,
+SceneCase guide(const std::string& what, GuidePlace place, const GuideAction& action,
                 std::vector<std::string> needs = {"guides"}) {
   Guide made;
   made.name = what;
@@ -90,9 +90,9 @@ Object pebble(std::size_t i) {
   Object object;
   object.name = "pebble " + std::to_string(i);
   object.shape = Sphere{kSmall};
-  object.pose.position = kPebblesApart * Vec3(n % kPebbleRow, n / kPebbleRow % kPebbleRow,
-                                              n / (kPebbleRow * kPebbleRow)) +
-                         Vec3(-0.5, -0.5, 0.3);
+  const int row = n / kPebbleRow, layer = row / kPebbleRow;
+  object.pose.position =
+      kPebblesApart * Vec3(n % kPebbleRow, row % kPebbleRow, layer) + Vec3(-0.5, -0.5, 0.3);
   object.material.stiffness = kGlideStiffness;
   return object;
 }

@@ -150,8 +150,7 @@ SurfacePoint mesh_surface_point(const MeshSurface& surface, Side felt_from, cons
     if (!shaded.isZero(0.0)) normal = shaded;
   }
   const SurfacePoint smooth{surface.mesh().origin() + stand.point, normal, depth};
-  const SurfacePoint found =
-      surface.options().rough() ? textured(surface.options(), smooth) : smooth;
+  SurfacePoint found = surface.options().rough() ? textured(surface.options(), smooth) : smooth;
   if (!(found.depth > 0.0)) {
     memory.feature = 0;
     return {};

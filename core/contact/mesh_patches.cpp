@@ -112,7 +112,7 @@ class Fits {
 
   /// The nearest of a place `height` [m] off the surface, over an extent of it.
   Other first_other(const Vec3& center, double height, double extent) const {
-    for (; extent > surface_->skin(); extent *= 0.5) {
+    while (extent > surface_->skin()) {
       Other first{hypotenuse(height, extent), kNone};
       std::size_t looked = 0;
       surface_->tree().within(
@@ -125,6 +125,7 @@ class Fits {
               first = other;
           });
       if (looked <= kMostLooked) return first;
+      extent *= 0.5;
     }
     return {height, kNone};
   }
