@@ -18,9 +18,9 @@ inline bool possible_busy_poll(double microseconds) {
 
 /// Precondition: possible.
 inline Nanoseconds busy_poll_time(double microseconds) {
-  constexpr double kNanoseconds = 1e3;
+  constexpr double kOfMicrosecond = 1e3;  // [ns]
   return std::isinf(microseconds) ? kForever
-                                  : Nanoseconds(std::llround(microseconds * kNanoseconds));
+                                  : Nanoseconds(std::llround(microseconds * kOfMicrosecond));
 }
 
 }  // namespace feltwire
