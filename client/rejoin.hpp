@@ -37,6 +37,8 @@ class Rejoiner {
   /// more is asked. Empty while there may be one.
   const std::string& refusal() const { return refusal_; }
   std::uint64_t attempts() const { return attempts_; }
+  /// An attempt has begun whose outcome look() has not taken yet.
+  bool asking() const { return attempt_.valid(); }
 
  private:
   ServerAccess server_;

@@ -28,6 +28,10 @@ std::string given_up(const ServerAccess& access) {
     rejoiner.look(false, now += 1h);
     std::this_thread::yield();
   }
+  while (rejoiner.asking()) {  // to its end, for it runs on its own
+    rejoiner.look(true, now);
+    std::this_thread::yield();
+  }
   SessionAddress none;
   EXPECT_FALSE(sessions.pop(none));
   if (rejoiner.refusal().empty()) return {};
