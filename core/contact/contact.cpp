@@ -27,7 +27,7 @@ bool add_touch(const Object& object, const Tool& tool, ContactMemory& memory, do
   const auto* mesh = material.static_friction > 0.0 && memory.touching
                          ? std::get_if<Mesh>(&object.shape)
                          : nullptr;
-  Vec3 proxy_before, normal_before;
+  Vec3 proxy_before = Vec3::Zero(), normal_before = Vec3::Zero();
   if (mesh != nullptr) {
     proxy_before = memory.feature.proxy;
     normal_before = memory.feature.normal;
