@@ -15,7 +15,7 @@ def run(compose, judge):
     judge.expect("exit codes", compose.wait("left", "right"), equal=[0, 0])
     hands = {name: report(compose.out / f"{name}.json") for name in ("left", "right")}
     for name, told in hands.items():
-        expect_undisturbed(judge, name, told, rate=980.0)
+        expect_undisturbed(judge, name, told, rate=950.0)
         recording = Recording(compose.out / f"{name}.csv")
         pressed = [f for z, f in zip(recording.columns["z"], recording.columns["rz"]) if z < TABLE - 1e-4]
         judge.expect(f"{name}: ticks in the table", len(pressed), at_least=1000)

@@ -51,9 +51,10 @@ def run(compose, judge):
         p99[when].append(statistics.median(told["round_trip_us"]["p99"] for told in reports.values()))
         for name, told in reports.items():
             expect_undisturbed(judge, name, told, rate=500.0)  # of how busy the machine is it says nothing
-    # The best round of each: what else a machine is about only adds, the flood is in every round of its own.
-    quiet, flooded = min(p99["quiet"]), min(p99["flooded"])
-    judge.expect(f"p99 of the round trips [us], flooded; {quiet:.0f} quiet", round(flooded), at_most=round(1.5 * quiet))
+    # Each round with the quiet one before it, and the middle of these: what else a machine is about comes and goes, and is
+    # several times what is looked for; the flood is in every round of its own.
+    ratios = [flooded / quiet for quiet, flooded in zip(p99["quiet"], p99["flooded"])]
+    judge.expect(f"p99 of the round trips, flooded to quiet, {statistics.median(p99['quiet']):.0f} us", round(statistics.median(ratios), 2), at_most=1.5)
 
     expect_honest(judge, after)
     judge.expect("sessions that there were", after["sessions_served"], equal=len(rounds) * len(HANDS))
