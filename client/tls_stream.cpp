@@ -106,6 +106,8 @@ void TlsStream::connect(const Endpoint& server) {
       },
       "cannot connect to ",
       "; is feltwire-server running there, and is the port its control port?");
+  // A request follows the end of the handshake: it waits for no acknowledgement of that, 40 ms.
+  stream_.lowest_layer().set_option(tcp::no_delay(true), error);
 }
 
 void TlsStream::handshake(const ServerAccess& server) {
