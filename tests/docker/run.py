@@ -55,6 +55,17 @@ def run(name, folder):
     return judge.failures
 
 
+def passes(name, folder):
+    begin = time.monotonic()
+    failures = run(name, folder)
+    print(f"docker {name}: {'FAILED' if failures else 'passed'}, {time.monotonic() - begin:.0f} s", flush=True)
+    for line in failures:
+        print(f"  {line}")
+    if failures:
+        print(f"  look into {folder}", flush=True)
+    return not failures
+
+
 def main():
     folder, wanted = pathlib.Path(sys.argv[1]).resolve(), sys.argv[2:] or NAMES
     unknown = [name for name in wanted if name not in NAMES]
@@ -65,17 +76,9 @@ def main():
         for name in wanted:
             print(f"docker {name}: SKIPPED, {why}")
         return 0
-    failed = 0
-    for name in wanted:
-        begin = time.monotonic()
-        failures = run(name, folder / name)
-        failed += bool(failures)
-        print(f"docker {name}: {'FAILED' if failures else 'passed'}, {time.monotonic() - begin:.0f} s", flush=True)
-        for line in failures:
-            print(f"  {line}")
-        if failures:
-            print(f"  look into {folder / name}", flush=True)
-    return 1 if failed else 0
+    failed = [name for name in wanted if not passes(name, folder / name)]
+    # Hands at 1 kHz on a machine that others share: what it was about for a moment is not there again, a fault of ours is.
+    return 0 if all(passes(name, folder / f"{name}-again") for name in failed) else 1
 
 
 if __name__ == "__main__":
