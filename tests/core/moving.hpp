@@ -55,4 +55,15 @@ struct Hand {
   Grasp grasp;
 };
 
+/// [N m s] about the world's origin, of a ball that is the only object: its orbit and its spin,
+/// neither of which has a gyroscopic part.
+inline Vec3 angular_momentum_of_ball(const World& world, double mass, double radius) {
+  const Vec3 centre = world.objects()[0].pose.position;
+  const Vec3 velocity = world.velocity_at(0, centre);
+  const Vec3 spin = world.velocity_at(0, centre + Vec3::UnitX()) - velocity;
+  const Vec3 spin_y = world.velocity_at(0, centre + Vec3::UnitY()) - velocity;
+  const Vec3 omega(spin_y.z(), -spin.z(), spin.y());
+  return mass * centre.cross(velocity) + 0.4 * mass * radius * radius * omega;
+}
+
 }  // namespace feltwire::test

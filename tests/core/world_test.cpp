@@ -75,13 +75,7 @@ TEST(World, TakesTheMomentumThatTheHandsAreRefused) {
   }
   ASSERT_GT(pushed, 0.5);  // [N s]
   EXPECT_NEAR((world.momentum() + given).norm(), 0.0, 1e-12 * pushed);
-  // A ball's spin and its orbit: neither has a gyroscopic part.
-  const Vec3 centre = world.objects()[0].pose.position;
-  const Vec3 velocity = world.velocity_at(0, centre);
-  const Vec3 spin = world.velocity_at(0, centre + Vec3::UnitX()) - velocity;
-  const Vec3 spin_y = world.velocity_at(0, centre + Vec3::UnitY()) - velocity;
-  const Vec3 omega(spin_y.z(), -spin.z(), spin.y());
-  const Vec3 angular = kMass * centre.cross(velocity) + 0.4 * kMass * kRadius * kRadius * omega;
+  const Vec3 angular = test::angular_momentum_of_ball(world, kMass, kRadius);
   EXPECT_NEAR((angular + moment).norm(), 0.0, 1e-13);
   EXPECT_GT(angular.norm(), 1e-6);  // there was something to get wrong
 }
