@@ -27,12 +27,7 @@ const Material kSmooth{.stiffness = kStiffness};
 
 Object mesh(const TriangleSoup& soup, const Material& material, Side side = Side::outside,
             const MeshOptions& options = {}) {
-  Object o;
-  o.name = "mesh";
-  o.shape = Mesh{std::make_shared<MeshSurface>(TriangleMesh(soup), options)};
-  o.felt_from = side;
-  o.material = material;
-  return o;
+  return test::mesh_object(soup, options, material, side);
 }
 
 Object grid(const Shape& solid, double resolution, Side side = Side::outside) {

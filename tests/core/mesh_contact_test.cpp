@@ -14,15 +14,7 @@
 namespace feltwire::mesh_contact_test {
 namespace {
 
-Object mesh_object(const TriangleSoup& soup, const MeshOptions& options = {},
-                   const Material& material = {}, Side side = Side::outside) {
-  Object o;
-  o.name = "mesh";
-  o.shape = Mesh{std::make_shared<MeshSurface>(TriangleMesh(soup), options)};
-  o.felt_from = side;
-  o.material = material;
-  return o;
-}
+using test::mesh_object;
 
 Object shape_object(const Shape& shape, Side side = Side::outside) {
   Object o;

@@ -2,7 +2,10 @@
 // Surfaces whose shape is known in closed form, as triangles.
 
 #include <cmath>
+#include <memory>
 
+#include "core/contact/contact.hpp"
+#include "core/geometry/mesh_surface.hpp"
 #include "core/geometry/tessellation.hpp"
 #include "core/geometry/triangle_mesh.hpp"
 
@@ -79,6 +82,16 @@ inline TriangleSoup joined(TriangleSoup a, const TriangleSoup& b) {
   for (const Triangle& t : b.triangles)
     a.triangles.push_back({t[0] + base, t[1] + base, t[2] + base});
   return a;
+}
+
+inline Object mesh_object(const TriangleSoup& soup, const MeshOptions& options = {},
+                          const Material& material = {}, Side side = Side::outside) {
+  Object o;
+  o.name = "mesh";
+  o.shape = Mesh{std::make_shared<MeshSurface>(TriangleMesh(soup), options)};
+  o.felt_from = side;
+  o.material = material;
+  return o;
 }
 
 }  // namespace feltwire::test
