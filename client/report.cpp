@@ -269,6 +269,7 @@ std::string report_json(const RunDescription& run, const Servo& servo,
   Json report = {
       {"client", run.client},
       {"scene", run.scene},
+      {"tool", run.tool.empty() ? Json(nullptr) : Json(run.tool)},
       {"server", run.server},
       {"device", device(run.device_kind, servo.spec())},
       {"duration_s", number(loop.duration)},

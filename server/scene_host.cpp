@@ -127,10 +127,11 @@ void SceneHost::ask(control::Message request, std::uint64_t id, const SessionKey
 void SceneHost::reload(Scene scene) {
   asio::post(io_, [this, next = std::make_unique<const Scene>(std::move(scene))]() mutable {
     if (closing_) return;
-    sessions_.enter(*next, monotonic_now());
+    say(sessions_.enter(*next, monotonic_now()));
     scene_ = std::move(next);
     objects_ = static_cast<std::uint32_t>(scene_->objects().size());
     resets_told_ = 0;
+    publish();  // a session may have lost its tool
     await_tick();
   });
 }

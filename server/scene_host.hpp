@@ -63,8 +63,8 @@ class SceneHost {
   /// which must outlive this host's thread. From any thread.
   void ask(control::Message request, std::uint64_t id, const SessionKeys& keys,
            asio::io_context& back, Completion completion);
-  /// Has all sessions go on in another scene, which keeps this one's name. Their bounds go on, so
-  /// that the change gives no hand energy. From any thread.
+  /// Has all sessions go on in another scene, which keeps this one's name; those end whose tool it
+  /// does not have. Their bounds go on, so that the change gives no hand energy. From any thread.
   void reload(Scene scene);
   /// Ends a session with a goodbye, if it is there. From any thread.
   void evict(std::uint64_t session);

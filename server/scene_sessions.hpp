@@ -37,7 +37,7 @@ struct SessionLimits {
 struct SceneCounters {
   std::uint64_t sessions_served = 0;
   // How they ended: by goodbye or request, by silence, by flooding, by too many forgeries, by an
-  // admin or because their token is good no more.
+  // admin or because their token is good no more or their tool is in the scene no more.
   std::uint64_t left = 0, silent = 0, flooded = 0, forged = 0, evicted = 0;
   std::uint64_t datagrams = 0;      // received
   std::uint64_t violations = 0;     // of the energy bound at the real ports
@@ -77,15 +77,16 @@ class SceneSessions {
   /// The run of what moves; null: nothing does.
   const World* world() const { return world_.get(); }
 
-  /// All sessions go on in another scene, where nothing has moved yet. It must outlive this; the
-  /// one before is not looked at any more. Allocates.
-  void enter(const Scene& scene, Nanoseconds now);
-
   /// A goodbye and whom it is for.
   struct Farewell {
     Peer to;
     std::vector<std::uint8_t> datagram;
   };
+  /// All sessions go on in another scene, where nothing has moved yet, with the tools that they
+  /// asked for; those end whose tool it does not have. It must outlive this; the one before is not
+  /// looked at any more. Allocates.
+  std::vector<Farewell> enter(const Scene& scene, Nanoseconds now);
+
   /// Ends the sessions that have been silent for too long, that flooded, or under whose id too much
   /// came that was not theirs.
   std::vector<Farewell> expire(Nanoseconds now);
@@ -116,6 +117,7 @@ class SceneSessions {
   struct Ending;
   std::optional<Ending> ending(const Seat& seat, Nanoseconds now) const noexcept;
   void end(Seat& seat) noexcept;
+  Farewell take_away(Seat& seat);
   Bytes drop(DropReason reason) noexcept;
   Farewell farewell(Seat& seat, GoodbyeReason reason);
 

@@ -51,7 +51,7 @@ double reach(const Object& object) {
   return (1.0 + kRounding) * (own->middle.cwiseAbs() + own->half).norm();
 }
 
-BroadPhase::BroadPhase(std::span<const Object> objects) {
+BroadPhase::BroadPhase(std::span<const Object> objects, double radius) {
   if (objects.size() < kFew) return;
   std::vector<Bounds> boxes;
   for (std::uint32_t i = 0; i < objects.size(); ++i) {
@@ -61,7 +61,7 @@ BroadPhase::BroadPhase(std::span<const Object> objects) {
       continue;
     }
     bounded_.push_back(i);
-    boxes.push_back(world_box(objects[i], *own));
+    boxes.push_back(world_box(objects[i], *own).grown(radius));
   }
   tree_ = BoxTree(boxes);
 }

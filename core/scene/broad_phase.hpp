@@ -20,7 +20,8 @@ class BroadPhase {
   static constexpr std::size_t kFew = 16;
 
   BroadPhase() = default;
-  explicit BroadPhase(std::span<const Object> objects);
+  /// For a tool that is a ball of `radius` [m], 0: a point.
+  explicit BroadPhase(std::span<const Object> objects, double radius = 0.0);
 
   /// There is one; without, every object is to be asked.
   bool in_use() const { return !tree_.empty(); }

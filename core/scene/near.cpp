@@ -165,9 +165,9 @@ LocalModel local_model(const Scene& scene, const Vec3& position,
   return model_of(scene, scene.objects(), position, memory);
 }
 
-LocalModel local_model(const World& world, const Vec3& position,
-                       const TouchMemory& memory) noexcept {
-  LocalModel model = model_of(world.scene(), world.objects(), position, memory);
+LocalModel local_model(const World& world, const Vec3& position, const TouchMemory& memory,
+                       std::size_t held) noexcept {
+  LocalModel model = model_of(world.scene(held), world.objects(held), position, memory);
   for (int i = 0; i < model.count; ++i) {
     SurfacePatch& patch = model.patches[static_cast<std::size_t>(i)];
     patch.velocity = world.velocity_at(patch.object, patch.point);

@@ -109,18 +109,22 @@ const Mechanism& mechanism_of(const Scene& scene) {
 }  // namespace
 
 World::World(const Scene& scene)
-    : scene_(scene),
-      tick_(mechanism_of(scene).tick()),
+    : tick_(mechanism_of(scene).tick()),
       still_(mechanism_of(scene).still()),
       parts_(mechanism_of(scene).parts().size()),
-      objects_(scene.objects()),
       motions_(parts_),
-      reaches_(parts_),
       run_(std::make_unique<Run>(mechanism_of(scene))) {
-  for (std::size_t i = 0; i < parts_; ++i) {
-    const double radius = reach(objects_[still_ + i]) + scene.tool().radius;
-    reaches_[i].square = radius * radius;
-  }
+  const auto add = [&](const Scene& held) {
+    std::vector<Reach> reaches(parts_);
+    for (std::size_t i = 0; i < parts_; ++i) {
+      const double radius = reach(held.objects()[still_ + i]) + held.tool().radius;
+      reaches[i].square = radius * radius;
+    }
+    held_.push_back({&held, held.objects(), std::move(reaches)});
+  };
+  held_.reserve(1 + scene.others().size());
+  add(scene);
+  for (const auto& other : scene.others()) add(*other);
   look();
 }
 
@@ -132,12 +136,15 @@ void World::look() noexcept {
     const Mechanism::Part& part = run_->parts[i];
     const Quaternion turned = mujoco::quaternion(mujoco::entry<4>(run_->data->xquat, part.body));
     const Vec3 arm = turned * part.in_body.position;
-    Pose& pose = objects_[still_ + i].pose;
+    Pose pose;
     pose.position = mujoco::vector(mujoco::entry<3>(run_->data->xpos, part.body)) + arm;
     pose.orientation = (turned * part.in_body.orientation).normalized();
     std::array<mjtNum, 6> velocity{};  // of the body's frame, world axes: angular, linear
     mj_objectVelocity(&run_->model, run_->data.get(), mjOBJ_XBODY, part.body, velocity.data(), 0);
-    reaches_[i].center = pose.position;
+    for (Held& held : held_) {
+      held.objects[still_ + i].pose = pose;
+      held.reaches[i].center = pose.position;
+    }
     Motion& motion = motions_[i];
     motion.angular = mujoco::vector(velocity.data());
     motion.linear = mujoco::vector(velocity.data() + 3) + motion.angular.cross(arm);
@@ -149,7 +156,7 @@ bool World::sane() const noexcept {
   for (std::size_t i = 0; i < parts_; ++i) {  // written so that a NaN is not sane
     if (!(length(motions_[i].linear) <= kLargestSpeed)) return false;
     if (!(length(motions_[i].angular) <= kLargestTurn)) return false;
-    const Pose& pose = objects_[still_ + i].pose;
+    const Pose& pose = objects()[still_ + i].pose;
     if (!pose.position.allFinite() || !pose.orientation.coeffs().allFinite()) return false;
   }
   return true;
@@ -192,9 +199,9 @@ void World::go_back() noexcept {
 }
 
 Vec3 World::velocity_at(std::size_t object, const Vec3& point) const noexcept {
-  if (object < still_ || object >= objects_.size()) return Vec3::Zero();
+  if (object < still_ || object >= objects().size()) return Vec3::Zero();
   const Motion& motion = motions_[object - still_];
-  return motion.linear + motion.angular.cross(point - objects_[object].pose.position);
+  return motion.linear + motion.angular.cross(point - objects()[object].pose.position);
 }
 
 Vec3 World::momentum() const noexcept {
@@ -208,7 +215,7 @@ Vec3 World::momentum() const noexcept {
 }
 
 void World::forget_moving(Grasp& grasp, TouchMemory& memory) const noexcept {
-  for (std::size_t i = still_; i < objects_.size(); ++i) memory[i] = {};
+  for (std::size_t i = still_; i < memory.size(); ++i) memory[i] = {};
   grasp.resets = counters_.resets;
 }
 
@@ -216,13 +223,15 @@ void World::forget_moving(Grasp& grasp, TouchMemory& memory) const noexcept {
 /// reach is asked once more, and lets go.
 void World::ask(std::size_t part, const Tool& tool, TouchMemory& memory, Grasp& grasp,
                 Command& sum) const noexcept {
-  const bool far = (tool.position - reaches_[part].center).squaredNorm() > reaches_[part].square;
+  const Held& held = held_[grasp.held];
+  const Reach& within = held.reaches[part];
+  const bool far = (tool.position - within.center).squaredNorm() > within.square;
   if (far && grasp.asked[part] == 0) return;
   grasp.asked[part] = far ? 0 : 1;
   const std::size_t object = still_ + part;
   const Vec3 against = tool.velocity - velocity_at(object, tool.position);
-  const Command answer = trust_ * feltwire::touch(objects_[object], {tool.position, against},
-                                                  memory[object], scene_.tool().radius);
+  const Command answer = trust_ * feltwire::touch(held.objects[object], {tool.position, against},
+                                                  memory[object], held.scene->tool().radius);
   grasp.forces[part] = answer.force();
   sum.elastic += answer.elastic;
   sum.frictional += answer.frictional;
@@ -230,11 +239,11 @@ void World::ask(std::size_t part, const Tool& tool, TouchMemory& memory, Grasp& 
 
 Command World::touch(const Tool& tool, TouchMemory& memory, Grasp& grasp) const noexcept {
   if (!tool.position.allFinite() || !tool.velocity.allFinite() ||
-      memory.size() != objects_.size() || grasp.forces.size() != parts_ ||
+      memory.size() != objects().size() || grasp.forces.size() != parts_ ||
       grasp.asked.size() != parts_) [[unlikely]]
     return {};
   if (grasp.resets != counters_.resets) forget_moving(grasp, memory);
-  Command sum = scene_.touch_still(tool, memory);
+  Command sum = scene(grasp.held).touch_still(tool, memory);
   grasp.tool = tool;
   grasp.fresh = true;
   for (std::size_t i = 0; i < parts_; ++i) ask(i, tool, memory, grasp, sum);
@@ -242,7 +251,7 @@ Command World::touch(const Tool& tool, TouchMemory& memory, Grasp& grasp) const 
 }
 
 void World::push(Grasp& grasp, TouchMemory& memory, double share) noexcept {
-  if (memory.size() != objects_.size() || grasp.forces.size() != parts_ ||
+  if (memory.size() != objects().size() || grasp.forces.size() != parts_ ||
       grasp.asked.size() != parts_) [[unlikely]]
     return;
   if (grasp.resets != counters_.resets) grasp.fresh = false;

@@ -14,6 +14,7 @@ namespace feltwire {
 
 /// One tool's hold on the moving objects: what it put on them last.
 struct Grasp {
+  std::size_t held = 0;  // which of the scene's tools it is: 0 its own, then its others()
   Tool tool;
   std::vector<Vec3> forces;  // [N] on the hand, one for each moving object
   std::vector<char> asked;   // likewise: the object was in reach; one that is not is left alone
@@ -43,20 +44,25 @@ class World {
   World(const World&) = delete;
   World& operator=(const World&) = delete;
 
-  const Scene& scene() const { return scene_; }
+  /// The scene for hands that hold one of its tools, by Grasp::held.
+  const Scene& scene(std::size_t held = 0) const { return *held_[held].scene; }
   double tick() const { return tick_; }  // [s] of a step
-  /// The scene's objects, those that move where they now are.
-  const std::vector<Object>& objects() const { return objects_; }
+  /// That scene's objects, those that move where they now are.
+  const std::vector<Object>& objects(std::size_t held = 0) const { return held_[held].objects; }
   /// [m/s] of the material point of an object that is at `point` [m, world].
   Vec3 velocity_at(std::size_t object, const Vec3& point) const noexcept;
   const WorldCounters& counters() const { return counters_; }
   /// [N s] linear momentum of the bodies.
   Vec3 momentum() const noexcept;
 
-  Grasp grasp() const;
+  Grasp grasp() const { return grasp(scene()); }
+  /// Of a hand that feels this scene: the world's or one of its others(), else
+  /// std::invalid_argument.
+  Grasp grasp(const Scene& held) const;
 
-  /// As Scene::touch(), with the moving objects where they are and as fast as they are. What they
-  /// put on the hand is kept in `grasp`; push() puts the opposite on them.
+  /// As Scene::touch() of the scene that the grasp was made for, with the moving objects where they
+  /// are and as fast as they are. What they put on the hand is kept in `grasp`; push() puts the
+  /// opposite on them.
   Command touch(const Tool& tool, TouchMemory& memory, Grasp& grasp) const noexcept;
   /// Likewise as Scene::touch() of a tool with a body.
   Command touch(const Pose& device, const Vec3& velocity, double elapsed, BodyMemory& memory,
@@ -93,10 +99,8 @@ class World {
   void ask(std::size_t part, const Tool& tool, TouchMemory& memory, Grasp& grasp,
            Command& sum) const noexcept;
 
-  const Scene& scene_;
   double tick_;
   std::size_t still_, parts_;  // objects that stand, that move
-  std::vector<Object> objects_;
   struct Motion {
     Vec3 linear = Vec3::Zero();   // [m/s] of the object's origin
     Vec3 angular = Vec3::Zero();  // [rad/s]
@@ -107,8 +111,15 @@ class World {
     Vec3 center = Vec3::Zero();  // [m]
     double square = 0.0;         // [m^2] of the radius
   };
-  std::vector<Reach> reaches_;
-  double trust_ = 1.0;  // share of a moving object's force that is felt
+  /// What hands meet that hold one of the tools: the same places, but what is triangles to a point
+  /// is a grid to a body.
+  struct Held {
+    const Scene* scene;
+    std::vector<Object> objects;
+    std::vector<Reach> reaches;  // of those that move
+  };
+  std::vector<Held> held_;  // never empty
+  double trust_ = 1.0;      // share of a moving object's force that is felt
   WorldCounters counters_;
   std::unique_ptr<Run> run_;
 };
