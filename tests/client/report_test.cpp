@@ -51,6 +51,14 @@ json report(const Servo& servo, const LoopResult& result = {}, const std::string
                   transport, result));
 }
 
+TEST(Report, SaysWhatTheHandHeld) {
+  const auto servo = used_servo();
+  EXPECT_TRUE(report(*servo)["tool"].is_null());
+  RunDescription run{"anna", "wall", "localhost:7400", "simulated", {}};
+  run.tool = "key";
+  EXPECT_EQ(json::parse(report_json(run, *servo, {}, {}))["tool"], "key");
+}
+
 TEST(Report, SaysWhatAnObserverSaw) {
   const auto servo = used_servo();
   EXPECT_EQ(report(*servo)["role"], "operator");
