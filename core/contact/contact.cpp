@@ -1,8 +1,5 @@
 #include "core/contact/contact.hpp"
 
-#include <cmath>
-
-#include "core/contact/ball.hpp"
 #include "core/geometry/mesh_surface.hpp"
 
 namespace feltwire {
@@ -19,51 +16,35 @@ Vec3 carried(const Vec3& anchor, const Vec3& about, const Vec3& from, const Vec3
 
 }  // namespace
 
-bool add_touch(const Object& object, const Tool& tool, ContactMemory& memory, double radius,
-               Command& sum) noexcept {
+Command touch(const Object& object, const Tool& tool, ContactMemory& memory,
+              double radius) noexcept {
   const Material& material = object.material;
   const Quaternion& to_world = object.pose.orientation;
-  const Vec3 position = to_world.conjugate() * (tool.position - object.pose.position);
-  const auto* mesh = material.static_friction > 0.0 && memory.touching
-                         ? std::get_if<Mesh>(&object.shape)
-                         : nullptr;
+  const bool rubs = material.static_friction > 0.0;
+  const auto* mesh = rubs && memory.touching ? std::get_if<Mesh>(&object.shape) : nullptr;
   Vec3 proxy_before = Vec3::Zero(), normal_before = Vec3::Zero();
   if (mesh != nullptr) {
     proxy_before = memory.feature.proxy;
     normal_before = memory.feature.normal;
   }
-  const SurfacePoint surface =
-      radius > 0.0 ? ball_surface(object.shape, object.felt_from, position, radius, memory.feature)
-                   : surface_point(object.shape, object.felt_from, position, memory.feature);
+  const SurfacePoint surface = surface_point(object, tool.position, radius, memory.feature);
   if (!(surface.depth > 0.0)) {
     memory.touching = memory.slipping = false;
-    return false;
+    return {};
   }
-
+  if (mesh != nullptr)
+    memory.anchor = carried(memory.anchor, mesh->surface->mesh().origin() + proxy_before,
+                            normal_before, surface.normal);
   Vec3 stick_force = Vec3::Zero();
-  if (material.static_friction > 0.0) {
-    if (mesh != nullptr)
-      memory.anchor = carried(memory.anchor, mesh->surface->mesh().origin() + proxy_before,
-                              normal_before, surface.normal);
+  if (rubs)
     stick_force = to_world * (material.stiffness * stick_stretch(material, surface, memory));
-  }
+  memory.touching = true;
   const Command command =
       contact_force(material, surface.depth, to_world * surface.normal, stick_force, tool.velocity);
-  memory.touching = true;
-  if (!std::isfinite(command.force().sum())) [[unlikely]] {
-    memory = {};  // sizes or positions beyond what products can hold
-    return false;
-  }
-  sum.elastic += command.elastic;
-  sum.frictional += command.frictional;
-  return true;
-}
-
-Command touch(const Object& object, const Tool& tool, ContactMemory& memory,
-              double radius) noexcept {
-  Command command;
-  add_touch(object, tool, memory, radius, command);
-  return command;
+  if (std::isfinite(command.force().sum())) [[likely]]
+    return command;
+  memory = {};  // sizes or positions beyond what products can hold
+  return {};
 }
 
 }  // namespace feltwire

@@ -1,8 +1,10 @@
 #pragma once
 // One tool point against one object: penalty force from the proxy, friction from a stick point.
 
+#include <cmath>
 #include <string>
 
+#include "core/contact/ball.hpp"
 #include "core/contact/contact_law.hpp"
 #include "core/contact/material.hpp"
 #include "core/contact/shapes.hpp"
@@ -24,8 +26,33 @@ struct Object {
 Command touch(const Object& object, const Tool& tool, ContactMemory& memory,
               double radius = 0.0) noexcept;
 
-/// The same, added to `sum`. False, and nothing added, when free.
-bool add_touch(const Object& object, const Tool& tool, ContactMemory& memory, double radius,
-               Command& sum) noexcept;
+/// The proxy in the object's frame.
+inline SurfacePoint surface_point(const Object& object, const Vec3& tool, double radius,
+                                  FeatureMemory& memory) noexcept {
+  const Vec3 position = object.pose.orientation.conjugate() * (tool - object.pose.position);
+  return radius > 0.0 ? ball_surface(object.shape, object.felt_from, position, radius, memory)
+                      : surface_point(object.shape, object.felt_from, position, memory);
+}
+
+/// touch(), added to `sum`. Each object of a scene comes by here with each sample; most are springs
+/// and are not touched, and cost a look.
+inline void add_touch(const Object& object, const Tool& tool, ContactMemory& memory, double radius,
+                      Command& sum) noexcept {
+  if (!object.material.is_spring()) {
+    const Command command = touch(object, tool, memory, radius);
+    sum.elastic += command.elastic;
+    sum.frictional += command.frictional;
+    return;
+  }
+  const SurfacePoint surface = surface_point(object, tool.position, radius, memory.feature);
+  memory.touching = surface.depth > 0.0;
+  if (!memory.touching) return;
+  const Vec3 elastic =
+      object.material.stiffness * surface.depth * (object.pose.orientation * surface.normal);
+  if (std::isfinite(elastic.sum())) [[likely]]
+    sum.elastic += elastic;
+  else
+    memory = {};  // sizes or positions beyond what products can hold
+}
 
 }  // namespace feltwire

@@ -9,6 +9,9 @@ struct Material {
   double static_friction = 0.0;   // mu_s, >= dynamic_friction
   double dynamic_friction = 0.0;  // mu_d, >= 0
   double viscous_friction = 0.0;  // [N s/m], >= 0, against the tangential velocity
+
+  /// Nothing but elastic. None of the others is negative.
+  bool is_spring() const { return !(static_friction + viscous_friction + damping > 0.0); }
 };
 
 }  // namespace feltwire

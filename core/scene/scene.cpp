@@ -289,7 +289,7 @@ Command Scene::touch(const Tool& tool, TouchMemory& memory, std::size_t count) c
   if (by_tree) sum = touch_near(tool, memory);
   for (std::size_t i = by_tree ? still_ : 0; i < count; ++i)
     add_touch(objects_[i], tool, memory[i], tool_.radius, sum);
-  add_guides(tool, sum);
+  if (!guides_.empty()) add_guides(tool, sum);
   return sum.finite() ? sum : Command{};
 }
 
