@@ -127,7 +127,11 @@ void SceneHost::ask(control::Message request, std::uint64_t id, const SessionKey
 void SceneHost::reload(Scene scene) {
   asio::post(io_, [this, next = std::make_unique<const Scene>(std::move(scene))]() mutable {
     if (closing_) return;
-    say(sessions_.enter(*next, monotonic_now()));
+    const auto farewells = sessions_.enter(*next, monotonic_now());
+    say(farewells);
+    if (!farewells.empty())
+      spdlog::info("scene {}: sessions that ended, for it has their tool no more: {}", name_,
+                   farewells.size());
     scene_ = std::move(next);
     objects_ = static_cast<std::uint32_t>(scene_->objects().size());
     resets_told_ = 0;

@@ -40,19 +40,19 @@ std::vector<const Scene*> all_held(const Scene& scene) {
 }
 
 /// A tool that all hands hold has no name of its own.
-std::string name_of(const HandTool& tool) { return tool.name.empty() ? "tool" : tool.name; }
+std::string tool_name(const HandTool& tool) { return tool.name.empty() ? "tool" : tool.name; }
 
-std::vector<std::string> tools(const Scene& scene,
-                               const std::function<bool(const HandTool&)>& chosen) {
+std::vector<std::string> tools_if(const Scene& scene,
+                                  const std::function<bool(const HandTool&)>& chosen) {
   std::vector<std::string> names;
   for (const Scene* held : all_held(scene))
-    if (chosen(held->tool())) names.push_back(name_of(held->tool()));
+    if (chosen(held->tool())) names.push_back(tool_name(held->tool()));
   return names;
 }
 
 /// Of the objects of which that is so for one tool at least.
-std::vector<std::string> names_of(const Scene& scene,
-                                  const std::function<bool(const Scene&, const Object&)>& chosen) {
+std::vector<std::string> objects_if(
+    const Scene& scene, const std::function<bool(const Scene&, const Object&)>& chosen) {
   const std::vector<const Scene*> all = all_held(scene);
   std::vector<std::string> names;
   for (std::size_t i = 0; i < scene.objects().size(); ++i)
@@ -62,7 +62,7 @@ std::vector<std::string> names_of(const Scene& scene,
   return names;
 }
 
-std::string described(const HandTool& tool) {
+std::string tool_kind(const HandTool& tool) {
   if (tool.body) return "a body of " + std::to_string(tool.body->shell().points.size()) + " points";
   return tool.radius > 0.0 ? "a ball of " + number_text(tool.radius) + " m" : "a point";
 }
@@ -72,12 +72,12 @@ std::string listed_tools(const Scene& scene) {
   std::string text;
   for (const Scene* held : all_held(scene))
     text += (text.empty() ? "  tools: " : ", ") + held->tool().name + " (" +
-            described(held->tool()) + (held == &scene ? "; of hands that ask for none)" : ")");
+            tool_kind(held->tool()) + (held == &scene ? "; of hands that ask for none)" : ")");
   return text + "\n";
 }
 
 /// Bodies share them.
-std::vector<Scene::Sampled> sampled(const Scene& scene) {
+std::vector<Scene::Sampled> grids_for_bodies(const Scene& scene) {
   for (const Scene* held : all_held(scene))
     if (!held->sampled().empty()) return held->sampled();
   return {};
@@ -106,7 +106,7 @@ std::string counted(std::size_t count, const char* one, const char* many) {
 
 std::vector<Need> needs(const Scene& scene) {
   const auto objects = [&](const std::function<bool(const Object&)>& chosen) {
-    return names_of(scene, [&](const Scene&, const Object& o) { return chosen(o); });
+    return objects_if(scene, [&](const Scene&, const Object& o) { return chosen(o); });
   };
   const auto guides = [&](const std::function<bool(const Guide&)>& chosen) {
     return names<Guide>(scene.guides(), chosen);
@@ -126,10 +126,10 @@ std::vector<Need> needs(const Scene& scene) {
       {"triangles", "a walk over the surface, a tree",
        objects([](const Object& o) { return mesh_of(o) != nullptr; })},
       {"triangles about a ball", "distances to all that are near",
-       names_of(scene,
-                [](const Scene& held, const Object& o) {
-                  return mesh_of(o) != nullptr && mesh_of(o)->radius + held.tool().radius > 0.0;
-                })},
+       objects_if(scene,
+                  [](const Scene& held, const Object& o) {
+                    return mesh_of(o) != nullptr && mesh_of(o)->radius + held.tool().radius > 0.0;
+                  })},
       {"smooth normals", "a normal a corner",
        objects([](const Object& o) { return mesh_of(o) != nullptr && mesh_of(o)->smooth; })},
       {"grain", "waves where it is touched", objects([](const Object& o) {
@@ -138,13 +138,13 @@ std::vector<Need> needs(const Scene& scene) {
       {"distance grids", "bricks of distances about a surface",
        objects([](const Object& o) { return std::holds_alternative<Grid>(o.shape); })},
       {"a ball in the hand", "edges and corners rounded",
-       tools(scene, [](const HandTool& tool) { return tool.radius > 0.0; })},
+       tools_if(scene, [](const HandTool& tool) { return tool.radius > 0.0; })},
       {"a body in the hand", "points, orientation and torque",
-       tools(scene, [](const HandTool& tool) { return tool.body != nullptr; })},
-      {"motion", "a tick of MuJoCo's, places and forces of what moves", names_of(scene, moves)},
+       tools_if(scene, [](const HandTool& tool) { return tool.body != nullptr; })},
+      {"motion", "a tick of MuJoCo's, places and forces of what moves", objects_if(scene, moves)},
       {"a tree over the objects", "boxes along the hand's way",
-       names_of(scene, [](const Scene& held,
-                          const Object& o) { return held.by_tree() && !moves(held, o); })},
+       objects_if(scene, [](const Scene& held,
+                            const Object& o) { return held.by_tree() && !moves(held, o); })},
   };
 }
 
@@ -161,7 +161,7 @@ std::string explain(const Scene& scene) {
     else
       text += "  " + need.what + " (" + need.cost + "): " + listed(need.needed) + "\n";
   }
-  for (const Scene::Sampled& mesh : sampled(scene))
+  for (const Scene::Sampled& mesh : grids_for_bodies(scene))
     text += "  grid of distances for the tool's body: mesh " + mesh.object + ", a sample every " +
             number_text(mesh.resolution) + " m (its longest side over " +
             number_text(Scene::kMeshGridSteps) + "); give it as a grid to choose\n";

@@ -16,7 +16,7 @@ namespace feltwire {
 namespace {
 
 /// A body touches distances; a mesh that was not given as a grid becomes one.
-Scene::Sampled sample(Object& object, const Mesh& mesh) {
+Scene::Sampled sample_for_body(Object& object, const Mesh& mesh) {
   const TriangleMesh& triangles = mesh.surface->mesh();
   GridOptions options;
   options.resolution = 2.0 * triangles.half_extents().maxCoeff() / Scene::kMeshGridSteps;
@@ -67,7 +67,7 @@ void Scene::set_tool(HandTool tool) {
     std::vector<Sampled> sampled = sampled_;
     for (Object& object : objects)
       if (const auto* mesh = std::get_if<Mesh>(&object.shape))
-        sampled.push_back(sample(object, Mesh(*mesh)));
+        sampled.push_back(sample_for_body(object, Mesh(*mesh)));
     objects_ = std::move(objects);
     sampled_ = std::move(sampled);
   }
