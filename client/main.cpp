@@ -19,6 +19,7 @@
 #include "client/rejoin.hpp"
 #include "client/report.hpp"
 #include "client/status_line.hpp"
+#include "protocol/real_time.hpp"
 
 namespace feltwire {
 namespace {
@@ -135,18 +136,6 @@ void look_after(const Signals& signals, Event& stop, const Event& finished,
   line.end();
 }
 
-/// `wanted`: the scheduler was asked for.
-void warn_without_real_time(RealTime granted, bool wanted) {
-  granted.scheduler |= !wanted;
-  if (granted.scheduler && granted.memory_locked) return;
-  std::fprintf(stderr,
-               "feltwire-client: warning: %s not permitted, so the servo may be late now and then; "
-               "allow it with CAP_SYS_NICE and CAP_IPC_LOCK or in limits.conf (rtprio, memlock)\n",
-               granted.scheduler       ? "locking memory is"
-               : granted.memory_locked ? "real-time scheduling is"
-                                       : "real-time scheduling and locking memory are");
-}
-
 /// What is left to say of a run; the exit code. `refusal`: why it ended where another session was
 /// refused for good.
 int conclude(const ClientOptions& options, const Servo& servo, const LoopResult& result,
@@ -220,8 +209,8 @@ int run(const ClientOptions& options) {
                            .patience = from_seconds(options.patience),
                            .rejoined = &sessions,
                            .busy_poll = busy_poll_time(options.busy_poll)};
-    const bool may_sleep =
-        !never_sleeps(loop.busy_poll, from_seconds(joined.accepted.parameters.servo_period));
+    const Nanoseconds period = from_seconds(joined.accepted.parameters.servo_period);
+    const int priority = never_sleeps(loop.busy_poll, period) ? 0 : kServoPriority;
     constexpr std::size_t kStatusRoom = 16;
     Ring<LiveStatus> statuses(kStatusRoom);
     const LoopOutputs outputs{
@@ -230,12 +219,14 @@ int run(const ClientOptions& options) {
     const auto result = std::make_unique<LoopResult>();
     std::promise<RealTime> granted;
     std::thread thread([&] {
-      granted.set_value(request_real_time(may_sleep));
+      granted.set_value(request_real_time(priority));
       run_servo_loop(*device, servo, transport, loop, stop, outputs, *result);
       finished.set();
     });
     const RealTime real_time = granted.get_future().get();
-    warn_without_real_time(real_time, may_sleep);
+    if (const std::string less = missing(real_time, priority); !less.empty())
+      std::fprintf(stderr, "feltwire-client: warning: the servo may be late now and then: %s\n",
+                   less.c_str());
     look_after(signals, stop, finished, statuses, records, rejoiner);
     thread.join();
     if (!rejoiner.refusal().empty()) result->end = EndReason::refused;

@@ -10,6 +10,7 @@
 #include "client/servo.hpp"
 #include "client/servo_loop.hpp"
 #include "client/transport.hpp"
+#include "protocol/real_time.hpp"
 
 namespace feltwire {
 

@@ -1,11 +1,7 @@
 #include "client/servo_loop.hpp"
 
 #include <poll.h>
-#include <pthread.h>
-#include <sched.h>
 #include <sys/eventfd.h>
-#include <sys/mman.h>
-#include <sys/prctl.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -351,19 +347,6 @@ std::string_view name(EndReason reason) {
       break;
   }
   return "failed";
-}
-
-RealTime request_real_time(bool scheduler) noexcept {
-  RealTime granted;
-  constexpr int kPriority =
-      80;  // above what else runs, below the kernel's own interrupt threads (docs of PREEMPT_RT)
-  const sched_param parameters{.sched_priority = kPriority};
-  granted.scheduler =
-      scheduler && pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameters) == 0;
-  // Not MCL_FUTURE: under a limit it would make later allocations of other threads fail.
-  granted.memory_locked = mlockall(MCL_CURRENT) == 0;
-  prctl(PR_SET_TIMERSLACK, 1UL);  // [ns]; 50 us else
-  return granted;
 }
 
 bool never_sleeps(Nanoseconds busy_poll, Nanoseconds period) noexcept {

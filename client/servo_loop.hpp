@@ -95,14 +95,6 @@ struct LoopResult {
   Histogram wakeup_late;                           // [ns] each tick behind its deadline
 };
 
-/// What the system grants to the calling thread: each refused without harm but jitter.
-struct RealTime {
-  bool scheduler = false;      // SCHED_FIFO
-  bool memory_locked = false;  // what is mapped now stays in memory
-};
-/// `scheduler` false: not SCHED_FIFO, under which the kernel takes 50 ms of every second from a
-/// thread that never sleeps.
-RealTime request_real_time(bool scheduler = true) noexcept;
 /// Whether a loop of these never sleeps.
 bool never_sleeps(Nanoseconds busy_poll, Nanoseconds period) noexcept;
 

@@ -172,6 +172,7 @@ ServerConfig parse_config(std::string_view json, const std::filesystem::path& fi
   if (root->profile() != nullptr) config.profile = root->profile()->str();
   // JSON has no infinity.
   config.busy_poll = root->busy_poll() == kNeverSleeps ? HUGE_VAL : root->busy_poll();
+  config.real_time = root->real_time();
   if (root->dscp() != nullptr) config.dscp = root->dscp()->str();
   if (root->log_level() != nullptr) config.log_level = root->log_level()->str();
   if (const auto wrong = complaint(config)) document.fail(wrong->field, wrong->message);

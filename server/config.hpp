@@ -25,6 +25,7 @@ struct ServerConfig {
   int max_connections = 256, max_connections_per_address = 64;
   std::string profile;       // of the line that sessions share, lan, wan or thin; empty: no limit
   double busy_poll = 0.0;    // [us] before a scene's thread sleeps; 0: at once, infinity: never
+  bool real_time = false;    // scenes' threads are scheduled before all others
   std::string dscp = "cs0";  // of replies: a name or a number, see protocol/udp_socket.hpp
   std::string log_level = "info";
 };

@@ -4,6 +4,7 @@
 #include <cstdlib>
 #include <functional>
 #include <stdexcept>
+#include <type_traits>
 #include <vector>
 
 #include "protocol/environment.hpp"
@@ -33,11 +34,15 @@ Every option may come from the environment, --log-level from FELTWIRE_LOG_LEVEL.
 /// An option that, given on the command line, stands over the file.
 using Overrides = std::vector<std::function<void(ServerConfig&)>>;
 
-/// Adds an option for a field of the configuration.
+/// Adds an option for a field of the configuration; a flag for a bool.
 template <class Field>
 CLI::Option* add(CLI::App& app, Overrides& overrides, ServerConfig& given,
                  Field ServerConfig::*field, const std::string& name, const std::string& help) {
-  CLI::Option* option = app.add_option(name, given.*field, help);
+  CLI::Option* option = nullptr;
+  if constexpr (std::is_same_v<Field, bool>)
+    option = app.add_flag(name, given.*field, help);
+  else
+    option = app.add_option(name, given.*field, help);
   overrides.push_back([option, field, &given](ServerConfig& config) {
     if (!option->empty()) config.*field = given.*field;
   });
@@ -65,6 +70,9 @@ void add_serving(CLI::App& app, Overrides& overrides, ServerConfig& given) {
       "[us] a scene's thread asks for datagrams busily before it sleeps: faster answers for CPU "
       "time; inf: it never sleeps and takes a core")
       ->capture_default_str();
+  add(app, overrides, given, &Config::real_time, "--real-time",
+      "Scenes' threads are scheduled before all others (SCHED_FIFO), and memory is locked: fewer "
+      "late answers; for machines that serve scenes and little else");
   add(app, overrides, given, &Config::dscp, "--dscp",
       "Mark of the replies for the network: cs0 to cs7, af11 to af43, ef, va or 0 to 63")
       ->capture_default_str();

@@ -9,6 +9,7 @@
 #include <stdexcept>
 
 #include "protocol/clock.hpp"
+#include "protocol/real_time.hpp"
 #include "protocol/udp_socket.hpp"
 #include "server/listen_error.hpp"
 
@@ -67,6 +68,7 @@ SceneHost::SceneHost(Scene scene, const SceneHostOptions& options)
       scene_(std::make_unique<const Scene>(std::move(scene))),
       silence_timeout_(options.silence_timeout),
       busy_poll_(options.busy_poll),
+      real_time_(options.real_time),
       ended_(options.ended),
       sessions_(*scene_, options.silence_timeout, options.max_sessions, options.line,
                 options.limits),
@@ -153,8 +155,15 @@ void SceneHost::tell_ended() {
   sessions_.forget_ended();
 }
 
+void SceneHost::ask_for_real_time() {
+  const int priority = busy_poll_ == kForever ? 0 : kScenePriority;
+  if (const std::string less = missing(request_real_time(priority), priority); !less.empty())
+    spdlog::warn("scene {}: answers may be late now and then: {}", name_, less);
+}
+
 /// The thread. The silence timer always waits, so Asio never runs out of work.
 void SceneHost::run() {
+  if (real_time_) ask_for_real_time();
   while (!closing_) {
     if (busy_poll_.count() > 0) spin();
     if (closing_) return;

@@ -27,6 +27,8 @@ struct SceneHostOptions {
   /// How long the thread asks for datagrams again and again, after the last one, before it sleeps
   /// until the next; 0: not at all, kForever: it never sleeps, and its core does nothing else.
   Nanoseconds busy_poll{0};
+  /// Asks for SCHED_FIFO, unless the thread never sleeps, and for memory to be locked.
+  bool real_time = false;
   int dscp = 0;  // of the replies (protocol/udp_socket.hpp)
 };
 
@@ -73,6 +75,7 @@ class SceneHost {
   SceneSummary summary();
 
  private:
+  void ask_for_real_time();
   void run();
   void spin();
   void await_datagrams();
@@ -95,6 +98,7 @@ class SceneHost {
   std::atomic<std::uint32_t> objects_;
   std::unique_ptr<const Scene> scene_;
   Nanoseconds silence_timeout_, busy_poll_;
+  bool real_time_;
   std::function<void(std::vector<std::uint64_t>)> ended_;
   SceneSessions sessions_;
   asio::io_context io_{1};

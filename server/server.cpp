@@ -82,6 +82,7 @@ SceneHostOptions host_options(const ServerConfig& config) {
   options.max_sessions = static_cast<std::size_t>(config.max_sessions_per_scene);
   options.limits.sample_rate = config.sample_rate_limit;
   options.busy_poll = busy_poll_time(config.busy_poll);
+  options.real_time = config.real_time;
   return options;
 }
 

@@ -221,9 +221,8 @@ void World::forget_moving(Grasp& grasp, TouchMemory& memory) const noexcept {
 
 /// Keeps what a moving object answers in the grasp and adds it to `sum`. One that has gone out of
 /// reach is asked once more, and lets go.
-void World::ask(std::size_t part, const Tool& tool, TouchMemory& memory, Grasp& grasp,
-                Command& sum) const noexcept {
-  const Held& held = held_[grasp.held];
+void World::ask(const Held& held, std::size_t part, const Tool& tool, TouchMemory& memory,
+                Grasp& grasp, Command& sum) const noexcept {
   const Reach& within = held.reaches[part];
   const bool far = (tool.position - within.center).squaredNorm() > within.square;
   if (far && grasp.asked[part] == 0) return;
@@ -243,10 +242,11 @@ Command World::touch(const Tool& tool, TouchMemory& memory, Grasp& grasp) const 
       grasp.asked.size() != parts_) [[unlikely]]
     return {};
   if (grasp.resets != counters_.resets) forget_moving(grasp, memory);
-  Command sum = scene(grasp.held).touch_still(tool, memory);
+  const Held& held = held_[grasp.held];
+  Command sum = held.scene->touch_still(tool, memory);
   grasp.tool = tool;
   grasp.fresh = true;
-  for (std::size_t i = 0; i < parts_; ++i) ask(i, tool, memory, grasp, sum);
+  for (std::size_t i = 0; i < parts_; ++i) ask(held, i, tool, memory, grasp, sum);
   return sum.finite() ? sum : Command{};
 }
 
@@ -259,7 +259,8 @@ void World::push(Grasp& grasp, TouchMemory& memory, double share) noexcept {
     const Tool standing{grasp.tool.position, Vec3::Zero()};
     if (grasp.resets != counters_.resets) forget_moving(grasp, memory);
     Command unused;
-    for (std::size_t i = 0; i < parts_; ++i) ask(i, standing, memory, grasp, unused);
+    for (std::size_t i = 0; i < parts_; ++i)
+      ask(held_[grasp.held], i, standing, memory, grasp, unused);
   }
   apply(grasp, share);
 }

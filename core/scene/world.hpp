@@ -96,7 +96,8 @@ class World {
   void forget_moving(Grasp& grasp, TouchMemory& memory) const noexcept;
   Command hold(const Pose& device, double elapsed, BodyMemory& memory, Grasp& grasp) const noexcept;
   void apply(Grasp& grasp, double share) noexcept;
-  void ask(std::size_t part, const Tool& tool, TouchMemory& memory, Grasp& grasp,
+  struct Held;
+  void ask(const Held& held, std::size_t part, const Tool& tool, TouchMemory& memory, Grasp& grasp,
            Command& sum) const noexcept;
 
   double tick_;

@@ -126,8 +126,8 @@ class ScenePeer {
   std::uint64_t packet_number_ = 0;
 };
 
-/// A control port that lets any token in and answers the first request with given bytes (none: it
-/// closes without a word).
+/// A control port that lets any token in, answers the first request with given bytes (none: it
+/// closes without a word), and is gone.
 class ControlPeer {
  public:
   explicit ControlPeer(std::vector<std::uint8_t> answer) {
@@ -164,6 +164,7 @@ class ControlPeer {
       }
     }
     ::close(connection);
+    ::shutdown(socket_.descriptor(), SHUT_RDWR);  // whoever comes again is sent away at once
   }
   static std::optional<control::Message> read(test::TlsConnection& tls) {
     const auto prefix = tls.read(control::kFrameLengthSize);

@@ -15,6 +15,7 @@
 #include "core/tool/body_tool.hpp"
 #include "tests/core/scene_text.hpp"
 #include "tests/support/allocation_counter.hpp"
+#include "tests/support/meshes.hpp"
 
 namespace feltwire::field_scene_test {
 namespace {
@@ -96,7 +97,9 @@ TEST(FieldScene, ABodyGivesForceAndTorque) {
 TEST(FieldScene, ABodyTouchesAMeshAsAGrid) {
   const auto folder = std::filesystem::path(testing::TempDir()) / "feltwire_body_on_mesh";
   std::filesystem::create_directories(folder);
-  std::ofstream(folder / "ball.obj") << obj_text(icosphere(30.0, 3));
+  // Flat, for its grid is 128 steps across however little there is of it.
+  std::ofstream(folder / "plate.obj")
+      << obj_text(test::moved(test::box({30.0, 30.0, 3.0}), {0.0, 0.0, 27.0}));
   TriangleSoup open = icosphere(30.0, 1);
   open.triangles.pop_back();
   std::ofstream(folder / "open.obj") << obj_text(open);
@@ -105,7 +108,7 @@ TEST(FieldScene, ABodyTouchesAMeshAsAGrid) {
                       R"({ "body": { "sphere": { "radius": 0.01 }, "points": 2000,
                                      "contact_area": 1e-4 } })");
   };
-  std::ofstream(folder / "s.json") << text("ball.obj");
+  std::ofstream(folder / "s.json") << text("plate.obj");
   std::ofstream(folder / "open.json") << text("open.obj");
   const Scene scene = load_scene(folder / "s.json");
   ASSERT_EQ(scene.sampled().size(), 1u);

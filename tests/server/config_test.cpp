@@ -20,7 +20,7 @@ TEST(Config, EveryFieldIsRead) {
   const ServerConfig config = parse_config(R"({
     "scenes": ["a.json", "/abs/b.json"],
     "address": "0.0.0.0", "port": 9000, "silence_timeout": 1.5,
-    "max_sessions_per_scene": 3, "profile": "thin", "busy_poll": 50, "log_level": "debug",
+    "max_sessions_per_scene": 3, "profile": "thin", "busy_poll": 50, "real_time": true, "log_level": "debug",
     "dscp": "af41",
     "state": "state", "certificate": "c.pem", "key": "k.pem", "client_ca": "/abs/ca.pem",
     "tokens": "t.json", "max_sessions_per_client": 5, "join_rate": 0.5, "join_burst": 2,
@@ -37,6 +37,7 @@ TEST(Config, EveryFieldIsRead) {
   EXPECT_EQ(config.max_sessions_per_scene, 3);
   EXPECT_EQ(config.profile, "thin");
   EXPECT_EQ(config.busy_poll, 50.0);
+  EXPECT_TRUE(config.real_time);
   EXPECT_EQ(config.log_level, "debug");
   EXPECT_EQ(config.dscp, "af41");
   EXPECT_EQ(config.state, "/etc/feltwire/state");
@@ -64,6 +65,7 @@ TEST(Config, WhatIsLeftOutKeepsItsDefault) {
   EXPECT_EQ(read.sample_rate_limit, made.sample_rate_limit);
   EXPECT_EQ(read.profile, made.profile);
   EXPECT_EQ(read.busy_poll, 0.0);
+  EXPECT_FALSE(read.real_time);
   EXPECT_EQ(read.log_level, made.log_level);
   EXPECT_EQ(read.dscp, made.dscp);
   EXPECT_TRUE(read.state.empty() && read.certificate.empty() && read.tokens.empty());

@@ -2,10 +2,16 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sched.h>
 
+#include <cmath>
+#include <filesystem>
 #include <limits>
 #include <stdexcept>
+#include <string>
+#include <thread>
 
+#include "protocol/real_time.hpp"
 #include "server/server.hpp"
 #include "tests/core/moving.hpp"
 #include "tests/protocol/sealed.hpp"
@@ -143,6 +149,36 @@ TEST(Loopback, WhatMovesIsSteppedWhileNoDatagramComes) {
     EXPECT_EQ(server.summary()[0].counters.world.resets, 0u);
     EXPECT_THAT(text(server.summary()), testing::HasSubstr("steps of what moves"));
   }
+}
+
+/// Threads of this process that SCHED_FIFO has.
+std::size_t real_time_threads() {
+  std::size_t count = 0;
+  for (const auto& task : std::filesystem::directory_iterator("/proc/self/task"))
+    count += ::sched_getscheduler(std::stoi(task.path().filename())) == SCHED_FIFO ? 1 : 0;
+  return count;
+}
+
+TEST(Loopback, AScenesThreadIsScheduledBeforeOthersWhereItAsksAndMay) {
+  bool permitted = false;
+  std::thread([&] { permitted = request_real_time(kScenePriority).scheduler; }).join();
+  const auto beside = [](bool asks, double busy_poll) {
+    ServerConfig config = any_port();
+    config.real_time = asks;
+    config.busy_poll = busy_poll;
+    Server server(config, two_scenes(), test::security());
+    for (const char* scene : {"room", "ball"}) {
+      control::JoinRequest request = test::join_request({});
+      request.scene = scene;
+      ControlClient control(server.control_port());
+      DatagramClient client(control.join(request));
+      client.exchange(test::hand_batch(1));  // its thread is under way
+    }
+    return real_time_threads();
+  };
+  EXPECT_EQ(beside(false, 0.0), 0u);
+  EXPECT_EQ(beside(true, 0.0), permitted ? 2u : 0u);
+  EXPECT_EQ(beside(true, HUGE_VAL), 0u);  // the kernel would take it 50 ms of every second
 }
 
 /// More than a batch at once, each answered; the order of the answers is that of the samples.

@@ -71,6 +71,7 @@ void join_all(SceneHost& host, const std::vector<std::uint64_t>& ids, const Host
   host_options.silence_timeout = std::chrono::hours(1);
   host_options.limits.sample_rate = kNoLimit;
   host_options.max_sessions = static_cast<std::size_t>(options.clients);
+  host_options.real_time = options.kind == HostKind::ours_real_time;
   if (options.kind == HostKind::ours_bounded) host_options.busy_poll = kBoundedSpin;
   if (options.kind == HostKind::ours_spinning) host_options.busy_poll = kForever;
   std::vector<std::unique_ptr<SceneHost>> hosts;
@@ -111,7 +112,8 @@ void read_all(int file, void* bytes, std::size_t size) {
 const char* name(HostKind kind) {
   constexpr const char* kNames[] = {"echo, blocking",        "echo, poll + recvmmsg",
                                     "echo, spinning",        "feltwire, sleeping",
-                                    "feltwire, spins 50 us", "feltwire, spinning"};
+                                    "feltwire, spins 50 us", "feltwire, spinning",
+                                    "feltwire, --real-time"};
   return kNames[static_cast<std::size_t>(kind)];
 }
 

@@ -19,7 +19,8 @@ enum class HostKind {
   echo_spinning,
   ours_sleeping,
   ours_bounded,
-  ours_spinning
+  ours_spinning,
+  ours_real_time  // sleeps
 };
 const char* name(HostKind kind);
 constexpr bool ours(HostKind kind) { return kind >= HostKind::ours_sleeping; }

@@ -53,7 +53,7 @@ struct Held {
 inline constexpr int kClientStep = 25;
 inline constexpr std::array kHoldingKinds = {HostKind::echo_blocking, HostKind::echo_waiting,
                                              HostKind::echo_spinning, HostKind::ours_sleeping,
-                                             HostKind::ours_spinning};
+                                             HostKind::ours_spinning, HostKind::ours_real_time};
 std::map<HostKind, Held> clients_held(const Settings& settings);
 
 /// Answers a second, in millions: a scene and its load on one core, and the same on both at once.
@@ -80,9 +80,10 @@ FloodFigures flood(const Settings& settings);
 /// Our client's servo at 1 kHz, on the load's core.
 struct ServoFigures {
   std::string how;
-  double late_p50 = 0.0, late_p99 = 0.0;              // [us] behind the deadline
-  double round_trip_p50 = 0.0, round_trip_p99 = 0.0;  // [us]
+  double late_p50 = 0.0, late_p99 = 0.0;  // [us] behind the deadline
+  double round_trip_p50 = 0.0, round_trip_p99 = 0.0, round_trip_p999 = 0.0;  // [us]
 };
+inline constexpr std::size_t kServoOurs = 1, kServoRealTime = 2;  // places in what it returns
 std::vector<ServoFigures> servo(const Settings& settings);
 
 double median(std::vector<double> values);

@@ -1,0 +1,31 @@
+#include "protocol/real_time.hpp"
+
+#include <pthread.h>
+#include <sched.h>
+#include <sys/mman.h>
+#include <sys/prctl.h>
+
+namespace feltwire {
+
+RealTime request_real_time(int priority) noexcept {
+  RealTime granted;
+  const sched_param parameters{.sched_priority = priority};
+  granted.scheduler =
+      priority > 0 && pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameters) == 0;
+  // Not MCL_FUTURE: under a limit it would make later allocations of other threads fail.
+  granted.memory_locked = mlockall(MCL_CURRENT) == 0;
+  prctl(PR_SET_TIMERSLACK, 1UL);  // [ns]; 50 us else
+  return granted;
+}
+
+std::string missing(RealTime granted, int priority) {
+  const bool scheduler = granted.scheduler || priority == 0;
+  if (scheduler && granted.memory_locked) return {};
+  return std::string(scheduler               ? "locking memory is"
+                     : granted.memory_locked ? "real-time scheduling is"
+                                             : "real-time scheduling and locking memory are") +
+         " not permitted; allow it with CAP_SYS_NICE and CAP_IPC_LOCK or in limits.conf (rtprio, "
+         "memlock)";
+}
+
+}  // namespace feltwire

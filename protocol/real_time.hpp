@@ -1,0 +1,26 @@
+#pragma once
+// A thread that must not wait for others.
+
+#include <string>
+
+namespace feltwire {
+
+/// What the system grants to the calling thread: each refused without harm but jitter.
+struct RealTime {
+  bool scheduler = false;      // SCHED_FIFO
+  bool memory_locked = false;  // what is mapped now stays in memory
+};
+
+/// Of SCHED_FIFO: above what else runs, below the kernel's own interrupt threads (docs of
+/// PREEMPT_RT). On one machine the hand comes before the scenes.
+inline constexpr int kServoPriority = 80, kScenePriority = 70;
+
+/// `priority` 0: not SCHED_FIFO, under which the kernel takes 50 ms of every second from a thread
+/// that never sleeps. Timers are as exact as there are, in any case.
+RealTime request_real_time(int priority) noexcept;
+
+/// Of what was asked for by that priority: what is not permitted, and the remedy; empty when all is
+/// granted.
+std::string missing(RealTime granted, int priority);
+
+}  // namespace feltwire
