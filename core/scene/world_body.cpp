@@ -9,7 +9,8 @@ Grasp World::grasp() const {
   Grasp grasp;
   grasp.forces.assign(parts_, Vec3::Zero());
   grasp.torques.assign(parts_, Vec3::Zero());
-  grasp.asked.assign(parts_, 0);
+  grasp.near.parts.reserve(parts_);
+  grasp.nearness.assign(parts_, Nearness::far);
   if (scene_.tool().body) grasp.motions.resize(objects_.size());
   return grasp;
 }
