@@ -135,7 +135,8 @@ Json server(const Servo& servo) {
           {"bound_active", reply.active},
           {"saturated", reply.saturated},
           {"refused", reply.refused},
-          {"gap", reply.gap}};
+          {"gap", reply.gap},
+          {"recovering", reply.recovering}};
 }
 
 Json local_model(const Servo& servo) {
@@ -306,6 +307,7 @@ std::string report_json(const RunDescription& run, const Servo& servo,
       {"refused_samples", s.refused},
       {"device_faults", s.device_faults},
       {"replies_refused", s.replies_refused},
+      {"scene_resets", s.scene_resets},
       {"records_dropped", loop.records_dropped},
       {"disconnections", loop.disconnections},
       {"reconnections", loop.reconnections},

@@ -90,6 +90,7 @@ class SceneHost {
     if (!sessions_.ended().empty()) tell_ended();
   }
   void tell_ended();
+  void tell_of_world();
   void say(const std::vector<SceneSessions::Farewell>& farewells) noexcept;
   SceneSummary count() const;
   struct Batch;
@@ -105,9 +106,11 @@ class SceneHost {
   asio::ip::udp::socket socket_{io_};
   asio::steady_timer silence_timer_{io_};
   asio::steady_timer tick_timer_{io_};
-  bool ticking_ = false;           // it waits; the scene's thread only
-  std::uint64_t resets_told_ = 0;  // of the world, that the log has
-  std::unique_ptr<Batch> batch_;   // buffers of one exchange
+  bool ticking_ = false;  // it waits; the scene's thread only
+  struct Told {           // of the world, that the log has
+    std::uint64_t resets = 0, ticks_dropped = 0, warnings = 0;
+  } told_;
+  std::unique_ptr<Batch> batch_;  // buffers of one exchange
   std::uint16_t port_ = 0;
   std::uint64_t unsent_ = 0;
   bool closing_ = false;  // the scene's thread only

@@ -203,11 +203,14 @@ Bytes SceneSessions::drop(DropReason reason) noexcept {
 
 void SceneSessions::tick(Nanoseconds now) noexcept {
   if (world_ == nullptr || seats_.empty()) return;
-  const auto late = (now - last_tick_) / tick_ - kMostTicks;
+  const auto due = (now - last_tick_) / tick_;
+  if (due == 0) return;
+  const auto late = due - most_ticks_;
   if (late > 0) [[unlikely]] {
     last_tick_ += late * tick_;
     counters_.ticks_dropped += static_cast<std::uint64_t>(late);
   }
+  most_ticks_ = late > 0 ? std::max(1, most_ticks_ / 2) : std::min(kMostTicks, 2 * most_ticks_);
   while (now - last_tick_ >= tick_) {
     for (const auto& seat : seats_) seat->session.push(seconds(last_tick_ - seat->last_heard));
     world_->step();

@@ -69,11 +69,15 @@ class SceneSessions {
 
   /// Steps what moves up to `now`, each session's push with it; so does every datagram received.
   /// While nobody is here time stands still. After a stall at most kMostTicks are made up for, the
-  /// rest of the time is dropped. Never allocates.
+  /// rest of the time is dropped; where that happens again and again, as ticks take longer than
+  /// they last, half as many each time, so that hands wait for one tick and not for twenty. Never
+  /// allocates, but where what moves needs more room than ever before (docs/moving.md).
   void tick(Nanoseconds now) noexcept;
   /// When there is something to step next; nothing moves, or nobody is here: never.
   std::optional<Nanoseconds> next_tick() const;
   static constexpr int kMostTicks = 20;
+  /// Of what moves, since there are sessions here.
+  std::uint64_t ticks_dropped() const { return counters_.ticks_dropped; }
   /// The run of what moves; null: nothing does.
   const World* world() const { return world_.get(); }
 
@@ -128,6 +132,7 @@ class SceneSessions {
   SessionLimits limits_;
   std::unique_ptr<World> world_;
   Nanoseconds tick_{0}, last_tick_{0};        // of the world: length, time
+  int most_ticks_ = kMostTicks;               // that are made up for now
   std::vector<std::unique_ptr<Seat>> seats_;  // in the order they joined
   std::vector<ActingHand> hands_;             // of those, without the observers'
   IdMap<Seat*> by_id_;

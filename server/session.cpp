@@ -107,6 +107,7 @@ Taken Session::take(const SampleBatch& batch, Nanoseconds now) noexcept {
                       : local_model(*scene_, last_.pose.position, contacts_);
   reply.delivered = delivered();
   reply.violations = violations();
+  reply.recovering = world_ != nullptr && world_->recovering();
   taken.withheld = deadband_.withhold(reply);
   ++(taken.withheld ? counters_.withheld : counters_.replies);
   reply.withheld = counters_.withheld;

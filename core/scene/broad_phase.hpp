@@ -9,10 +9,12 @@
 
 namespace feltwire {
 
-/// [m] of a ball about the object's origin that a point is outside of the object beyond, however
-/// the object is turned. Infinite where there is none, and of meshes, which have to know where a
-/// tool comes from.
-double reach(const Object& object);
+/// A ball that a point is outside of the object beyond, however the object is turned.
+struct ReachBall {
+  Vec3 middle = Vec3::Zero();  // [m, object frame]
+  double radius = 0.0;         // [m] infinite where there is none
+};
+ReachBall reach_ball(const Object& object);
 
 class BroadPhase {
  public:

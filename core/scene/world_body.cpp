@@ -17,7 +17,8 @@ Grasp World::grasp(const Scene& held) const {
   grasp.held = static_cast<std::size_t>(found - held_.begin());
   grasp.forces.assign(parts_, Vec3::Zero());
   grasp.torques.assign(parts_, Vec3::Zero());
-  grasp.asked.assign(parts_, 0);
+  grasp.near.parts.reserve(parts_);
+  grasp.nearness.assign(parts_, Nearness::far);
   if (held.tool().body) grasp.motions.resize(held.objects().size());
   return grasp;
 }

@@ -165,6 +165,33 @@ TEST(Report, TellsWhereTheForceCameFrom) {
   EXPECT_EQ(r["local_model"]["samples_beyond_reach"], 2);  // 60 and 80 mm
 }
 
+TEST(Report, CountsHowOftenWhatMovesWasPutBack) {
+  Servo servo(builtin_device("simulated"), {});
+  Nanoseconds now{0};
+  const auto hear = [&](std::uint64_t index, bool recovering) {
+    Reply reply;
+    reply.sample_index = index;
+    reply.recovering = recovering;
+    servo.take(reply, now);
+  };
+  for (int i = 0; i < 8; ++i) {
+    now += std::chrono::milliseconds(1);
+    servo.hold(servo.render({}, now));
+  }
+  EXPECT_EQ(report(servo)["scene_resets"], 0);
+  hear(1, false);
+  hear(3, true);
+  hear(2, false);  // overtaken, and no news
+  hear(4, true);
+  EXPECT_EQ(report(servo)["scene_resets"], 1);
+  EXPECT_EQ(report(servo)["server_last_reply"]["recovering"], true);
+  hear(5, false);
+  hear(6, true);
+  hear(7, false);
+  EXPECT_EQ(report(servo)["scene_resets"], 2);
+  EXPECT_EQ(report(servo)["server_last_reply"]["recovering"], false);
+}
+
 TEST(Report, WhatThereIsNoNumberForIsNull) {
   const Servo idle(builtin_device("simulated"), {});
   const json r = report(idle);
