@@ -43,7 +43,8 @@ struct WorldCounters {
 class World {
  public:
   /// Starts as the scene does. The scene must outlive it and have a mechanism, else
-  /// std::invalid_argument. Allocates; nothing else here does.
+  /// std::invalid_argument. Allocates; nothing else here does, but step() where what moves needs
+  /// more room than ever before.
   explicit World(const Scene& scene);
   ~World();
   World(const World&) = delete;

@@ -61,6 +61,19 @@ Object mesh(const char* name, const TriangleSoup& soup, const MeshOptions& optio
   return o;
 }
 
+TEST(MovingReach, TheBallIsAboutTheMiddleHoweverTheObjectIsTurned) {
+  const Vec3 half(0.01, 0.01, 0.01), middle(0.5, 0, 0);
+  std::vector<Object> objects = {
+      mesh("off", test::moved(test::box(half), middle), {}, {}, Vec3(0, 0, 1))};
+  MovingReach reach(objects, 0.0);
+  EXPECT_FALSE(reach.is_outside(0, Vec3(0.5, 0, 1)));
+  const Quaternion quarter(Eigen::AngleAxisd(0.5 * M_PI, Vec3::UnitZ()));
+  reach.place(0, {Vec3(0, 0, 1), quarter});
+  EXPECT_TRUE(reach.is_outside(0, Vec3(0.5, 0, 1)));
+  EXPECT_FALSE(reach.is_outside(0, Vec3(0, 0.5, 1) + 0.99 * half));
+  EXPECT_TRUE(reach.is_outside(0, Vec3(0, 0.5, 1) + 1.01 * half));
+}
+
 /// Swings from its place, 0, to 2 `rest` and back, at `rest` times `turn` [rad/s] in the middle.
 Body swinging(const char* name, Joint joint, const Vec3& axis, double rest, double turn,
               const Vec3& position) {
@@ -214,6 +227,64 @@ TEST(MovingReach, AThinPlateNeverPassesAHand) {
       }
       EXPECT_GT(felt, 10) << speed << " " << beside;
     }
+}
+
+// A hand that jumps at a plate from far beside it, while the plate comes up: the plate sees it come
+// from above.
+TEST(MovingReach, AJumpIsSeenFromWhereThePlateWas) {
+  const Vec3 begin(0, 0, -0.5);
+  const Scene scene =
+      moving({mesh("plate", test::box(Vec3(0.05, 0.05, 5e-4), 3), {}, {.stiffness = 1.0}, begin)},
+             {0}, {swinging("plate", Joint::slide, Vec3::UnitZ(), 0.5, 20.0, begin)}, kWeightless);
+  World world(scene), ahead(scene);
+  for (int n = 0; n < 80; ++n) {
+    world.step();
+    ahead.step();
+  }
+  ahead.step();
+  const double now = world.objects()[0].pose.position.z();
+  const double height = ahead.objects()[0].pose.position.z() + 2e-4;
+  ASSERT_GT(height - now, 8e-3);
+  Hand hand(world);
+  Asker asker(world);
+  EXPECT_EQ(hand.touch({0.3, 0, height}), asker.ask({{0.3, 0, height}, Vec3::Zero()}));
+  EXPECT_TRUE(hand.grasp.near.parts.empty());
+  world.step();
+  const Command felt = hand.touch({0, 0, height});
+  EXPECT_EQ(felt, asker.ask({{0, 0, height}, Vec3::Zero()}));
+  EXPECT_NEAR((felt.elastic - Vec3(0, 0, 3e-4)).norm(), 0.0, 1e-9);
+}
+
+// From far on one side to far on the other at once, whether it was looked for before or not.
+TEST(MovingReach, AJumpThroughAPlateIsCaught) {
+  const Vec3 begin(0, 0, -0.5);
+  const Scene scene =
+      moving({mesh("plate", test::box(Vec3(0.05, 0.05, 5e-4), 3), {}, {.stiffness = 1.0}, begin)},
+             {0}, {swinging("plate", Joint::slide, Vec3::UnitZ(), 0.5, 20.0, begin)}, kWeightless);
+  for (const double above : {0.3, 0.1}) {
+    World world(scene);
+    Hand hand(world);
+    hand.touch(begin + Vec3(0, 0, above));
+    EXPECT_EQ(hand.grasp.near.parts.size(), above < 0.2 ? 1u : 0u);
+    EXPECT_NEAR(hand.touch(begin - Vec3(0, 0, 0.3)).elastic.z(), 0.3 + 5e-4, 1e-9) << above;
+  }
+}
+
+// Who leaves a thing in one jump has let go of it, and sticks anew where he comes back.
+TEST(MovingReach, AJumpOutOfAThingLetsGo) {
+  const Material rough{.stiffness = 100.0, .static_friction = 0.6, .dynamic_friction = 0.4};
+  const Scene scene = moving({object("box", Box{Vec3::Constant(0.03)}, rough)}, {0},
+                             {body("box", 1e3)}, kWeightless);
+  World world(scene);
+  Hand hand(world);
+  EXPECT_GT(hand.touch({0, 0, 0.029}).elastic.z(), 0.0);
+  EXPECT_EQ(hand.touch({0, 0, 1.0}).force(), Vec3::Zero());
+  EXPECT_EQ(hand.grasp.forces[0], Vec3::Zero());
+  hand.touch({1.0, 0, 1.0});
+  EXPECT_TRUE(hand.grasp.near.parts.empty());
+  const Command back = hand.touch({0.01, 0, 0.029});
+  EXPECT_GT(back.elastic.z(), 0.0);
+  EXPECT_EQ(back.frictional, Vec3::Zero());
 }
 
 // Whatever moved while nobody pushed is found by the next sample.

@@ -73,6 +73,19 @@ TEST(WorldFaults, TheSceneGoesBackAndTheHandFeelsZero) {
   EXPECT_NEAR(felt, 10 * kDefaultTick / World::kRecovery * 1e7 * 5e-4, 1e-6);
 }
 
+// What a hand did before a reset it does not do after it, near what it did it to or not.
+TEST(WorldFaults, NoPushOutlivesAReset) {
+  const Scene scene = explosive();
+  for (const double beside : {0.05, 0.5}) {
+    World world(scene);
+    Hand hand(world);
+    for (int n = 0; world.counters().resets == 0 && n < 500; ++n) hand.step({0, 0, 0.1705});
+    ASSERT_EQ(world.counters().resets, 1u);
+    EXPECT_EQ(hand.step({beside, 0, 0.2}).force(), Vec3::Zero());
+    EXPECT_EQ(world.momentum(), Vec3::Zero());
+  }
+}
+
 // A client that makes the force itself makes none either.
 TEST(WorldFaults, TheLocalModelGoesSoftWithTheScene) {
   const Scene scene = explosive();
