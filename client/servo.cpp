@@ -151,7 +151,7 @@ void Servo::take_model(const Reply& reply, Nanoseconds arrival) noexcept {
     local_.clear();
     return;
   }
-  local_.take(reply.model);
+  local_.take(reply.model, newest_original_ ? &reply.command : nullptr);
   ++statistics_.models;
   statistics_.patches += reply.model.view().size();
   // What moves has moved on since the server looked, by the way back as the clocks say, which are

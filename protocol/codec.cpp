@@ -17,11 +17,13 @@ constexpr std::size_t kSmallestBuffer = 8;  // [bytes] a root offset and an empt
 
 constexpr std::uint32_t kFlagActive = 1u << 0, kFlagSaturated = 1u << 1, kFlagRefused = 1u << 2,
                         kFlagGap = 1u << 3, kFlagRecovering = 1u << 4;
-constexpr std::uint8_t kFlagTouching = 1u << 0, kFlagSlipping = 1u << 1, kFlagJoined = 1u << 2;
+constexpr std::uint8_t kFlagTouching = 1u << 0, kFlagSlipping = 1u << 1, kFlagJoined = 1u << 2,
+                       kFlagFaceted = 1u << 3, kFlagRough = 1u << 4;
 
 wire::Patch wire_patch(const SurfacePatch& p, const Vec3& center) {
   const auto flags = (p.touching ? kFlagTouching : 0) | (p.slipping ? kFlagSlipping : 0) |
-                     (p.joined ? kFlagJoined : 0);
+                     (p.joined ? kFlagJoined : 0) | (p.faceted ? kFlagFaceted : 0) |
+                     (p.rough ? kFlagRough : 0);
   const Material& m = p.material;
   return {wire_float(p.point - center),
           wire_float(p.normal),
@@ -55,6 +57,8 @@ void read(const wire::Patch& from, const Vec3& center, SurfacePatch& to) {
   to.touching = (from.flags() & kFlagTouching) != 0;
   to.slipping = (from.flags() & kFlagSlipping) != 0;
   to.joined = (from.flags() & kFlagJoined) != 0;
+  to.faceted = (from.flags() & kFlagFaceted) != 0;
+  to.rough = (from.flags() & kFlagRough) != 0;
 }
 
 /// A payload that can be read in place: FlatBuffers reads eight bytes at a time.
@@ -102,10 +106,11 @@ bool plausible(const SurfacePatch& p) {
   const Material& m = p.material;
   return p.point.allFinite() && unit(p.normal) && (p.axis.isZero(0.0) || unit(p.axis)) &&
          p.velocity.allFinite() && p.anchor.allFinite() && std::isfinite(p.curvature) &&
-         p.radius >= 0.0 && m.stiffness > 0.0 && std::isfinite(m.stiffness) && m.damping >= 0.0 &&
-         std::isfinite(m.damping) && m.dynamic_friction >= 0.0 &&
-         m.dynamic_friction <= m.static_friction && std::isfinite(m.static_friction) &&
-         m.viscous_friction >= 0.0 && std::isfinite(m.viscous_friction);
+         p.radius >= 0.0 && std::isfinite(p.offset) && m.stiffness > 0.0 &&
+         std::isfinite(m.stiffness) && m.damping >= 0.0 && std::isfinite(m.damping) &&
+         m.dynamic_friction >= 0.0 && m.dynamic_friction <= m.static_friction &&
+         std::isfinite(m.static_friction) && m.viscous_friction >= 0.0 &&
+         std::isfinite(m.viscous_friction);
 }
 
 bool plausible(const LocalModel& model) {
@@ -113,15 +118,19 @@ bool plausible(const LocalModel& model) {
          std::ranges::all_of(model.view(), [](const SurfacePatch& p) { return plausible(p); });
 }
 
-/// False when it has more patches than a model may have.
+/// False when it has more patches than a model may have, or offsets for others.
 bool read(const wire::LocalModel& from, LocalModel& to) {
   to.center = value(*from.center());
   to.reach = from.reach();
   const auto* patches = from.patches();
   const flatbuffers::uoffset_t count = patches == nullptr ? 0 : patches->size();
   if (count > to.patches.size()) return false;
-  for (flatbuffers::uoffset_t i = 0; i < count; ++i)
+  const auto* offsets = from.offsets();
+  if (offsets != nullptr && offsets->size() != count) return false;
+  for (flatbuffers::uoffset_t i = 0; i < count; ++i) {
     read(*patches->Get(i), to.center, to.patches[i]);
+    to.patches[i].offset = offsets != nullptr ? offsets->Get(i) : 0.0F;
+  }
   to.count = static_cast<int>(count);
   return true;
 }
@@ -153,7 +162,16 @@ flatbuffers::Offset<wire::LocalModel> build(flatbuffers::FlatBufferBuilder& buil
   for (std::size_t i = 0; i < count; ++i) patches[i] = wire_patch(model.patches[i], model.center);
   const wire::Vec3d center = wire_double(model.center);
   const auto vector = builder.CreateVectorOfStructs(patches.data(), count);
-  return wire::CreateLocalModel(builder, &center, static_cast<float>(model.reach), vector);
+  std::array<float, kMaxPatches> offsets;
+  bool any = false;
+  for (std::size_t i = 0; i < count; ++i) {
+    offsets[i] = static_cast<float>(model.patches[i].offset);
+    any |= offsets[i] != 0.0F;
+  }
+  const auto offset_vector = any ? builder.CreateVector(offsets.data(), count)
+                                 : flatbuffers::Offset<flatbuffers::Vector<float>>{};
+  return wire::CreateLocalModel(builder, &center, static_cast<float>(model.reach), vector,
+                                offset_vector);
 }
 
 }  // namespace

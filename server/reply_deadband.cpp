@@ -27,7 +27,8 @@ bool describes(const LocalModel& sent, const LocalModel& now, double since, doub
     }
     const Vec3 moved = since * known->velocity;
     const double along = length(patch.point - known->point - moved);
-    if (known->joined != patch.joined || !(along <= kKnown * known->radius) ||
+    if (known->joined != patch.joined || known->offset != patch.offset ||
+        !(along <= kKnown * known->radius) ||
         !(std::abs(height_above(*known, moved, patch.point).height) <=
           force / known->material.stiffness))
       return false;
@@ -63,7 +64,10 @@ bool ReplyDeadband::differs(const Reply& reply) const noexcept {
   if (acts(reply.command) != acts(command_)) return true;
   if (reply.modelled && reply.model.reach > 0.0) {
     const double unfelt = p.force_deadband * length(reply.command.force()) + kUnfeltForce;
-    return !describes(model_, reply.model, since_, unfelt);
+    if (!describes(model_, reply.model, since_, unfelt)) return true;
+    // A texture comes with the forces.
+    const auto rough = [](const SurfacePatch& patch) { return patch.rough; };
+    if (std::ranges::none_of(reply.model.view(), rough)) return false;
   }
   const Command known = extrapolated(command_, rates_, std::min(since_, p.keep_alive));
   return beyond_deadband(reply.command, known, p.force_deadband);

@@ -14,9 +14,11 @@
 namespace feltwire {
 namespace {
 
-constexpr double kBall = 0.09;         // [m] radius, the paper's
-constexpr int kBallLevel = 6;          // 81920 triangles
-constexpr double kGrid = 2e-3;         // [m] resolution
+constexpr double kBall = 0.09;    // [m] radius, the paper's
+constexpr int kBallLevel = 6;     // 81920 triangles
+constexpr double kGrid = 2e-3;    // [m] resolution
+constexpr double kRolled = 5e-3;  // [m] radius of the ball that touches
+constexpr Grain kFine{2e-5, 2e-3}, kCoarse{1e-4, 1e-2};
 constexpr double kStiffness = 1000.0;  // [N/m]
 constexpr double kPress = 3.0;         // [N]
 constexpr double kDuration = 4.0;      // [s]
@@ -73,6 +75,19 @@ std::vector<Task> all_tasks() {
       "ball", Mesh{std::make_shared<MeshSurface>(TriangleMesh(icosphere(kBall, kBallLevel)))},
       Vec3::Zero(), smooth);
   tasks.push_back({"mesh", Scene("mesh", {facets}), orbit});
+  // Rolled on by a ball; and with textures that change over less and over more than what the hand
+  // goes in a round trip.
+  const auto textured = [&](const char* name, const MeshOptions& options) {
+    const Mesh mesh{
+        std::make_shared<MeshSurface>(TriangleMesh(icosphere(kBall, kBallLevel)), options)};
+    return Scene(name, {object("ball", mesh, Vec3::Zero(), smooth)});
+  };
+  HandTask roll = hand(HandPath::orbit);
+  go_round(roll, kBall + kRolled);
+  roll.clearance *= 2.0;
+  tasks.push_back({"ball_mesh", textured("ball_mesh", {.radius = kRolled}), roll});
+  tasks.push_back({"grain", textured("grain", {.grain = kFine}), orbit});
+  tasks.push_back({"relief", textured("relief", {.grain = kCoarse}), orbit});
   const Object sampled = object("ball",
                                 Grid{std::make_shared<DistanceGrid<float>>(
                                     solid_of(Sphere{kBall}), GridOptions{.resolution = kGrid})},
@@ -90,6 +105,16 @@ std::vector<Task> all_tasks() {
   tasks.push_back(
       {"edge", Scene("edge", {object("block", Box{half}, Vec3(-half.x(), 0, -half.z()), smooth)}),
        slide});
+
+  // The same block as a mesh, and the ball over its edge.
+  const Object rounded =
+      object("block",
+             Mesh{std::make_shared<MeshSurface>(TriangleMesh(tessellate(Box{half}, 4)),
+                                                MeshOptions{.radius = kRolled})},
+             Vec3(-half.x(), 0, -half.z()), smooth);
+  HandTask rolled_over = slide;
+  rolled_over.center.z() += kRolled;
+  tasks.push_back({"ball_edge", Scene("ball_edge", {rounded}), rolled_over});
 
   // Into the corner of floor and two walls, and along them.
   HandTask corner = hand(HandPath::orbit, kPress / Hand{}.stiffness);

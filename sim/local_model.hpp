@@ -35,10 +35,11 @@ struct LocalModelCell {
   std::uint64_t violations = 0;           // at the port, as the encoders measured
 };
 
-/// Every task (press and taps on a wall, round a ball, the same as a mesh and as a grid, sliding
-/// with friction, over a box's edge, in a room's corner, over the things of the room) at every
-/// round trip, with and without a local model; then the ball at every servo rate: without delay and
-/// a datagram a tick, and at kUsualRoundTrip with kThinRate datagrams a second. Deterministic.
+/// Every task (press and taps on a wall, round a ball, the same as a mesh, rolled on by a ball,
+/// with two textures and as a grid, sliding with friction, over a box's edge, the same as a mesh
+/// with a ball, in a room's corner, over the things of the room) at every round trip, with and
+/// without a local model; then the ball at every servo rate: without delay and a datagram a tick,
+/// and at kUsualRoundTrip with kThinRate datagrams a second. Deterministic.
 std::vector<LocalModelCell> run_local_model(const LocalModelGrid& grid = {});
 
 /// Writes local_model.csv, local_model.json and local_model.png, the same bytes every time.

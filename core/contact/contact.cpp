@@ -3,18 +3,6 @@
 #include "core/geometry/mesh_surface.hpp"
 
 namespace feltwire {
-namespace {
-
-/// From facet to facet the stick spring turns with the surface, so that it is as long after an edge
-/// as before: without that a hand would get round corners by each facet's cosine for nothing.
-Vec3 carried(const Vec3& anchor, const Vec3& about, const Vec3& from, const Vec3& to) {
-  const double cosine = from.dot(to);
-  const Vec3 axis = from.cross(to), v = anchor - about;
-  if (!(cosine > -0.5)) return anchor;  // turned right round: another place
-  return about + cosine * v + axis.cross(v) + axis.dot(v) / (1.0 + cosine) * axis;
-}
-
-}  // namespace
 
 Command touch(const Object& object, const Tool& tool, ContactMemory& memory,
               double radius) noexcept {

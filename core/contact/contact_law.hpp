@@ -27,6 +27,12 @@ struct ContactMemory {
 Vec3 stick_stretch(const Material& material, const SurfacePoint& surface,
                    ContactMemory& memory) noexcept;
 
+/// A stick point that goes from facet to facet turns with the surface, so that its spring is as
+/// long after an edge as before: without that a hand would get round corners by each facet's cosine
+/// for nothing. `about` [m] the proxy of the sample before, `from` and `to` its normal and the new
+/// one, unit.
+Vec3 carried(const Vec3& anchor, const Vec3& about, const Vec3& from, const Vec3& to) noexcept;
+
 /// The force on the hand, any one frame.
 ///   elastic     stiffness * depth * normal
 ///   frictional  stick_force (of stick_stretch(); zero without static friction), plus

@@ -42,14 +42,16 @@ struct FittedPatches {
   double end = std::numeric_limits<double>::infinity();  // [m] from the position: from here on
                                                          // there is what they do not describe
   double extent = 0.0;  // [m] about their points: beyond, nothing was looked at
+  bool alone = false;   // within that extent nothing but this one patch was found
+  double offset = 0.0;  // [m] these, too, as SurfacePatch has them
+  bool faceted = false, rough = false;
 };
 
 inline bool is_fitted(const Shape& shape) noexcept {
   return std::holds_alternative<Mesh>(shape) || std::holds_alternative<Grid>(shape);
 }
 
-/// A mesh or a grid near a position [m, object frame]. `memory` as contact left it there. Meshes
-/// with a grain or touched by a ball are not described: `end` says where they begin.
+/// A mesh or a grid near a position [m, object frame]. `memory` as contact left it there.
 FittedPatches fitted_patches(const Object& object, const Vec3& position,
                              const FeatureMemory& memory) noexcept;
 

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "core/geometry/half_spaces.hpp"
+#include "core/contact/patch_proxy.hpp"
 #include "core/numeric.hpp"
 
 namespace feltwire {
@@ -13,65 +13,6 @@ double share_within(double distance, double limit) {
   if (!(distance < limit)) return 0.0;
   const double full = (1.0 - LocalContact::kHandOver) * limit;
   return distance <= full ? 1.0 : (limit - distance) / (limit - full);
-}
-
-bool solid(const Height& h) { return h.height < 0.0; }  // a NaN is free
-
-/// What one object's patches come to for a tool.
-struct Proxy {
-  const SurfacePatch* patch = nullptr;  // the deepest, or the one it was entered by; null: free
-  Vec3 beyond = Vec3::Zero();           // [m] from the tool to its proxy
-  double depth = 0.0;                   // [m] |beyond|
-  Vec3 normal = Vec3::Zero();           // unit
-
-  void add(const SurfacePatch& by, const Height& h, const Vec3& undefined) {
-    const Vec3 n = h.normal.isZero(0.0) ? undefined : h.normal;
-    const bool first = patch == nullptr;
-    const bool deeper = first || -h.height > deepest_;
-    beyond -= h.height * n;
-    depth = first ? -h.height : length(beyond);
-    normal = first ? n : direction(beyond);
-    if (deeper) {
-      patch = &by;
-      deepest_ = -h.height;
-    }
-    ++count_;
-  }
-
-  /// Not the sum, where the surfaces that meet are not at right angles: the nearest place in front
-  /// of all, each taken for its tangent plane.
-  void move_before(std::span<const HalfSpace> spaces, const Vec3& tool) {
-    if (count_ == 0 || spaces.size() < 2) return;
-    constexpr double kExact = 1e-12;  // of the depth
-    const Nearest nearest = nearest_in(spaces, tool, kExact * deepest_);
-    if (!nearest.found) return;
-    beyond = nearest.point - tool;
-    depth = length(beyond);
-    normal = direction(beyond);
-  }
-
- private:
-  double deepest_ = 0.0;  // [m]
-  int count_ = 0;
-};
-
-/// The joined patch whose face the proxy is on: where an obtuse edge lies between it and its foot,
-/// the one beyond.
-const SurfacePatch* slid(std::span<const SurfacePatch> patches, const SurfacePatch* from,
-                         double age, const Vec3& tool, Height& height) {
-  constexpr double kExact = 1e-9;  // of the depth: at right angles nothing is beyond
-  const Vec3 foot = tool - height.height * height.normal;
-  const SurfacePatch* to = from;
-  double highest = -kExact * height.height;
-  for (const SurfacePatch& patch : patches) {
-    if (!patch.joined || patch.object != from->object || &patch == from) continue;
-    const double above = height_above(patch, age * patch.velocity, foot).height;
-    if (!(above > highest)) continue;
-    highest = above;
-    to = &patch;
-  }
-  if (to != from) height = height_above(*to, age * to->velocity, tool);
-  return to;
 }
 
 }  // namespace
@@ -115,7 +56,7 @@ LocalContact::Contact LocalContact::continued(const LocalModel& model,
   return described ? *own : others;
 }
 
-void LocalContact::take(const LocalModel& model) noexcept {
+void LocalContact::take(const LocalModel& model, const Command* answered) noexcept {
   std::array<Contact, kMaxPatches> contacts{};
   int count = 0;
   for (const SurfacePatch& patch : model.view()) {
@@ -131,58 +72,77 @@ void LocalContact::take(const LocalModel& model) noexcept {
     patch.normal = direction(patch.normal);
     patch.axis = direction(patch.axis);
   }
+  texture_ = answered != nullptr ? texture_of(*answered) : Texture{};
+}
+
+/// What an answer has beside the patches, where the tool was that it answers.
+LocalContact::Texture LocalContact::texture_of(const Command& answered) const noexcept {
+  Texture texture{.force = answered.elastic, .depth = 0.0};
+  for (int i = 0; i < count_; ++i) {
+    FeatureMemory entered;
+    const std::uint16_t object = contacts_[static_cast<std::size_t>(i)].object;
+    for (const SurfacePatch& patch : model_.view())
+      if (patch.object == object && patch.touching) entered.feature = patch.feature;
+    const PatchProxy proxy = patch_proxy(model_, object, model_.center, 0.0, entered);
+    if (proxy.patch == nullptr) continue;
+    const SurfacePoint& surface = proxy.surface;
+    texture.force -= proxy.patch->material.stiffness * surface.depth * surface.normal;
+    if (proxy.patch->rough) texture.depth = std::max(texture.depth, surface.depth);
+  }
+  return texture;
+}
+
+/// Whose surface the tool touched before, or might.
+const SurfacePatch& LocalContact::patch_of(const Contact& contact) const noexcept {
+  const SurfacePatch* of_object = &model_.patches[0];
+  for (const SurfacePatch& patch : model_.view()) {
+    if (patch.object != contact.object) continue;
+    of_object = &patch;
+    if (patch.feature == contact.memory.feature.feature) break;
+  }
+  return *of_object;
+}
+
+/// What a touching tool remembers, `age` [s] or `elapsed` [s] later: its surface has moved on.
+/// Where its proxy was when the model was made, the patches themselves say.
+void LocalContact::bring_up(Contact& contact, double age, double elapsed) const noexcept {
+  ContactMemory& memory = contact.memory;
+  const SurfacePatch& patch = patch_of(contact);
+  if (contact.adopted) {
+    const PatchProxy then = patch_proxy(model_, contact.object, model_.center, 0.0, memory.feature);
+    memory.feature.proxy = then.patch != nullptr ? then.surface.point : patch.point;
+    if (then.patch != nullptr) memory.feature.normal = then.surface.normal;
+  }
+  const Vec3 moved = (contact.adopted ? age : elapsed) * patch.velocity;
+  memory.anchor += moved;
+  memory.feature.proxy += moved;
+  contact.adopted = false;
 }
 
 Command LocalContact::touch_object(Contact& contact, const Tool& tool, double age, double elapsed,
                                    double& weight) const noexcept {
   ContactMemory& memory = contact.memory;
-  Proxy proxy;
-  const SurfacePatch* joined = nullptr;  // the one of the joined that pushes
-  Height joined_height;
-  bool inside_joined = true;
-  std::array<HalfSpace, kMaxPatches> spaces;
-  std::size_t hollow = 0;  // of them
-  for (const SurfacePatch& patch : model_.view()) {
-    if (patch.object != contact.object) continue;
-    const Height h = height_above(patch, age * patch.velocity, tool.position);
-    const Vec3& undefined = memory.feature.feature != 0 ? memory.feature.normal : patch.normal;
-    if (!patch.joined) {
-      if (solid(h)) proxy.add(patch, h, undefined);
-      const Vec3 normal = h.normal.isZero(0.0) ? undefined : h.normal;
-      spaces[hollow++] = {normal, normal.dot(tool.position) - h.height};
-      continue;
-    }
-    inside_joined &= solid(h);
-    const bool entered = memory.feature.feature == patch.feature;
-    const bool held = joined != nullptr && memory.feature.feature == joined->feature;
-    // By the nearest face when it enters, and then by the same until it leaves (shapes.cpp).
-    if (joined == nullptr || entered || (!held && h.height > joined_height.height)) {
-      joined = &patch;
-      joined_height = h;
-    }
-  }
-  if (joined == nullptr) proxy.move_before({spaces.data(), hollow}, tool.position);
-  if (joined != nullptr && inside_joined)
-    joined = slid(model_.view(), joined, age, tool.position, joined_height);
-  if (joined != nullptr && inside_joined)
-    proxy.add(*joined, joined_height,
-              memory.feature.feature != 0 ? memory.feature.normal : joined->normal);
+  if (memory.touching) bring_up(contact, age, elapsed);
+  const PatchProxy proxy = patch_proxy(model_, contact.object, tool.position, age, memory.feature);
+  contact.rough_depth = 0.0;
   if (proxy.patch == nullptr) {
     contact = {.object = contact.object, .memory = {}};
     return {};
   }
 
   const SurfacePatch& patch = *proxy.patch;
-  const SurfacePoint surface{tool.position + proxy.beyond, proxy.normal, proxy.depth};
-  const Vec3 point = patch.point + age * patch.velocity;
+  const SurfacePoint& surface = proxy.surface;
+  const Vec3 point = patch.point + age * patch.velocity + patch.offset * patch.normal;
   weight = std::min(weight, share_within(length(Vec3(surface.point - point)), patch.radius));
-  memory.feature = {patch.feature, surface.normal};
-  memory.anchor += (contact.adopted ? age : elapsed) * patch.velocity;
-  contact.adopted = false;
+  if (patch.faceted && memory.touching && patch.material.static_friction > 0.0)
+    memory.anchor =
+        carried(memory.anchor, memory.feature.proxy, memory.feature.normal, surface.normal);
+  memory.feature = {.feature = patch.feature, .normal = surface.normal, .proxy = surface.point};
   Vec3 stick_force = Vec3::Zero();
   if (patch.material.static_friction > 0.0)
     stick_force = patch.material.stiffness * stick_stretch(patch.material, surface, memory);
   memory.touching = true;
+  if (patch.rough) contact.rough_depth = surface.depth;
   Command command = contact_force(patch.material, surface.depth, surface.normal, stick_force,
                                   tool.velocity - patch.velocity);
   if (command.finite() && memory.anchor.allFinite()) return command;
@@ -203,6 +163,12 @@ LocalForce LocalContact::touch(const Tool& tool, double age, double elapsed) noe
     force.command.elastic += part.elastic;
     force.command.frictional += part.frictional;
   }
+  // Less of it the less deep the tool is: no more than the surface pushes with can be taken off it.
+  double depth = 0.0;
+  for (int i = 0; i < count_; ++i)
+    depth = std::max(depth, contacts_[static_cast<std::size_t>(i)].rough_depth);
+  if (depth > 0.0 && texture_.depth > 0.0)
+    force.command.elastic += std::min(1.0, depth / texture_.depth) * texture_.force;
   if (!force.command.finite()) force = {};
   last_weight_ = force.weight;
   return force;

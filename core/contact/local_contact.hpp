@@ -40,7 +40,9 @@ class LocalContact {
   /// Another model. Contacts go on with the surfaces that it still describes; what is remembered of
   /// others is the model's own state. Whatever is in it (see PROTOCOL.md, not_finite, for what a
   /// receiver lets pass), no force of touch() is other than finite.
-  void take(const LocalModel& model) noexcept;
+  /// `answered`: the command to the tool at the model's center, if known. What it has beside the
+  /// patches where these are rough (a texture) is given with them, as old as it is.
+  void take(const LocalModel& model, const Command* answered = nullptr) noexcept;
 
   /// The force on a tool. `age` [s] of the model's state: moving surfaces have moved on since, and
   /// damping and viscosity are against them. `elapsed` [s] since the last call.
@@ -53,8 +55,17 @@ class LocalContact {
   struct Contact {
     std::uint16_t object = 0;
     ContactMemory memory;
-    bool adopted = false;  // the memory is the model's, of the time of its state
+    bool adopted = false;      // the memory is the model's, of the time of its state
+    double rough_depth = 0.0;  // [m] where it touched a patch with a texture; else 0
   };
+  /// A force that the patches do not have.
+  struct Texture {
+    Vec3 force = Vec3::Zero();  // [N]
+    double depth = 0.0;         // [m] of the tool that it was felt with; 0: none
+  };
+  Texture texture_of(const Command& answered) const noexcept;
+  const SurfacePatch& patch_of(const Contact& contact) const noexcept;
+  void bring_up(Contact& contact, double age, double elapsed) const noexcept;
   const Contact* contact_of(std::uint16_t object) const noexcept;
   Contact continued(const LocalModel& model, std::uint16_t object) const noexcept;
   double weight_at(const Vec3& position) const noexcept;
@@ -64,6 +75,7 @@ class LocalContact {
   LocalModel model_;  // normals and axes exactly unit
   std::array<Contact, kMaxPatches> contacts_{};
   int count_ = 0;
+  Texture texture_;
   double last_weight_ = 0.0;  // of the last touch(): 0: the contacts may not be the scene's
 };
 

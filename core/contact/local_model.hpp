@@ -21,6 +21,9 @@ struct SurfacePatch {
   Vec3 axis = Vec3::Zero();  // unit: the surface is straight along it; zero: curved alike all ways
   Vec3 velocity = Vec3::Zero();  // [m/s] of the surface
   double radius = 0.0;           // [m] about the point: beyond it the surface may be another
+  /// [m] So far in front of it what pushes a tool stands: the radius of a tool that is a ball (by
+  /// which convex edges are round), less the mean depth of a texture.
+  double offset = 0.0;
   Material material;
   // Stick point, where the tool touches this surface.
   Vec3 anchor = Vec3::Zero();  // [m]
@@ -33,6 +36,8 @@ struct SurfacePatch {
   /// patches that are not joined are solids of their own, and push to the nearest place in front of
   /// all. Either way an object is one contact with one stick point.
   bool joined = false;
+  bool faceted = false;  // cut into facets: the stick point turns with the normal, see carried()
+  bool rough = false;    // a texture is on it: what the reply's force has beside the patches
 };
 
 inline constexpr int kMaxPatches = 3;

@@ -246,7 +246,12 @@ SurfacePatch surface_patch(const Object& object, const FittedPatches& fitted, in
                   .curvature = fit.curvature,
                   .joined = fitted.joined};
   // The first is what the tool stands on.
-  return in_world(object, s, fit.feature, memory.touching && index == 0 ? &memory : nullptr);
+  SurfacePatch patch =
+      in_world(object, s, fit.feature, memory.touching && index == 0 ? &memory : nullptr);
+  patch.offset = fitted.offset;
+  patch.faceted = fitted.faceted;
+  patch.rough = fitted.rough;
+  return patch;
 }
 
 }  // namespace feltwire

@@ -117,8 +117,11 @@ HeightMap::HeightMap(const GreyImage& image, double amplitude, double size)
     throw std::invalid_argument("image: has no pixels or not all; give another");
   const float brightest = *std::max_element(image.values.begin(), image.values.end());
   cuts_.reserve(image.values.size());
-  for (const float value : image.values)
+  for (const float value : image.values) {
     cuts_.push_back(static_cast<float>(amplitude) * (brightest - value));
+    mean_ += static_cast<double>(cuts_.back());
+  }
+  mean_ /= static_cast<double>(cuts_.size());
 }
 
 HeightMap::Flat HeightMap::look(double along, double across) const noexcept {

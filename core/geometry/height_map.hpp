@@ -37,6 +37,8 @@ class HeightMap {
   /// At a point of a surface with this unit normal, one frame. Between pixels it is a quadratic
   /// B-spline: its slope is continuous and exactly that of its cut (the normal taken for constant).
   Relief at(const Vec3& point, const Vec3& normal) const noexcept;
+  /// [m] of the cut, everywhere alike.
+  double mean() const { return mean_; }
 
  private:
   struct Flat {
@@ -47,6 +49,7 @@ class HeightMap {
   int width_, height_;
   double pixels_;            // [1/m]
   std::vector<float> cuts_;  // [m]
+  double mean_ = 0.0;        // [m]
 };
 
 }  // namespace feltwire

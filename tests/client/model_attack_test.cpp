@@ -44,6 +44,9 @@ SurfacePatch any_patch(Random& random, const Vec3& hand) {
   p.touching = random.chance(0.5);
   p.slipping = random.chance(0.3);
   p.joined = random.chance(0.4);
+  p.faceted = random.chance(0.3);
+  p.rough = random.chance(0.3);
+  if (random.chance(0.3)) p.offset = random.decades(-5.0, 0.0);
   p.object = static_cast<std::uint16_t>(random.uniform(0.0, 3.0));
   p.feature = static_cast<std::uint8_t>(random.uniform(0.0, 4.0));
   p.material.stiffness = std::abs(random.decades(0.0, 6.0));

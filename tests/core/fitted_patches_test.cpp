@@ -14,6 +14,7 @@
 #include "core/scene/near.hpp"
 #include "tests/core/support.hpp"
 #include "tests/support/allocation_counter.hpp"
+#include "tests/support/followed_hand.hpp"
 #include "tests/support/meshes.hpp"
 
 namespace feltwire::fitted_patches_test {
@@ -57,58 +58,41 @@ Followed follow(Object object, Random& random, double slope, double exact,
       Quaternion(Eigen::AngleAxisd(random.uniform(-3.0, 3.0), random.direction()));
   const Scene scene("s", {object});
   Followed sum;
-  int models = 0;
-  for (int run = 0; run < 60; ++run) {
-    TouchMemory memory = scene.memory();
-    LocalContact local;
+  constexpr int kRuns = 60;
+  for (int run = 0; run < kRuns; ++run) {
+    test::FollowedHand hand(scene, kEvery);
     // To a place on the surface, from the open; then about it, in and out.
     const Vec3 middle = object.pose.position + object.pose.orientation * core;
     const Vec3 from = object.felt_from == Side::outside ? Vec3(middle + 0.15 * random.direction())
                                                         : Vec3(middle + 0.01 * random.direction());
     const Vec3 towards =
         object.felt_from == Side::outside ? Vec3(middle - from).normalized() : random.direction();
-    Vec3 position = from, velocity = Vec3::Zero();
-    for (int n = 0; n < 200 && scene.touch({position, Vec3::Zero()}, memory).elastic.isZero(0.0);
-         ++n)
-      position += 1e-3 * towards;
-    const Vec3 place = position;
-    bool followed = false;
-    Vec3 asked = position;
+    Vec3 place = from;
+    for (int n = 0; n < 200 && hand.approach({place, Vec3::Zero()}).elastic.isZero(0.0); ++n)
+      place += 1e-3 * towards;
+    test::WanderingHand wanderer(random, place, 4e-5, 8e-3);
     for (int n = 0; n < 600; ++n) {
-      velocity = 0.97 * velocity + random.uniform(0.0, 4e-5) * random.direction();
-      position += velocity + 8e-3 * (place - position);
-      const Tool tool{position, velocity / 1e-3};
-      const Command truth = scene.touch(tool, memory);
-      const LocalForce force = local.touch(tool, 0.0, 1e-3);
-      followed = followed && force.weight == 1.0;
+      const Tool tool = wanderer.step();
       ++sum.ticks;
-      if (followed) {
-        ++sum.spoke;
-        sum.touched += memory[0].touching ? 1 : 0;
-        int in = 0;
-        for (const SurfacePatch& patch : local.model().view())
-          in += height_above(patch, Vec3::Zero(), position).height < 0.0 ? 1 : 0;
-        sum.together += in > 1 && memory[0].touching ? 1 : 0;
-        const double off = (force.command.force() - truth.force()).norm();
-        const double may = slope * (kStiffness * (position - asked).norm() + truth.force().norm()) +
-                           kStiffness * exact;
-        EXPECT_LE(off, may) << "run " << run << " tick " << n << " truth "
-                            << truth.force().transpose() << " said "
-                            << force.command.force().transpose() << " patches "
-                            << local.model().count;
-        if (off > may) return sum;
-      }
-      if (n % kEvery == 0) {
-        if (!followed) local.clear();
-        asked = position;
-        local.take(local_model(scene, position, memory));
-        sum.reach += local.model().reach;
-        ++models;
-        followed = true;
-      }
+      if (!hand.step(tool)) continue;
+      ++sum.spoke;
+      const bool touching = hand.memory()[0].touching;
+      sum.touched += touching ? 1 : 0;
+      int in = 0;
+      for (const SurfacePatch& patch : hand.model().view())
+        in += height_above(patch, Vec3::Zero(), tool.position).height < patch.offset ? 1 : 0;
+      sum.together += in > 1 && touching ? 1 : 0;
+      const Vec3 truth = hand.truth().force(), said = hand.said().force();
+      const double may =
+          slope * (kStiffness * (tool.position - hand.asked()).norm() + truth.norm()) +
+          kStiffness * exact;
+      EXPECT_LE(hand.error(), may)
+          << "run " << run << " tick " << n << " truth " << truth.transpose() << " said "
+          << said.transpose() << " patches " << hand.model().count;
+      if (hand.error() > may) return sum;
     }
+    sum.reach += hand.reach() / kRuns;
   }
-  sum.reach /= models;
   return sum;
 }
 
@@ -128,8 +112,7 @@ TEST(FittedPatches, FlatFacesAndTheirEdgesAreExact) {
     EXPECT_GT(room.spoke, room.ticks / 2);
   }
   for (const Side side : {Side::outside, Side::inside}) {
-    const Followed obtuse =
-        follow(mesh(test::icosphere(0.05, 0), kSmooth, side), random, 0.0, 1e-12);
+    const Followed obtuse = follow(mesh(test::icosphere(0.05, 0), kDry, side), random, 0.0, 1e-11);
     EXPECT_GT(obtuse.touched, 5000);
     EXPECT_GT(obtuse.together, 1000);
     EXPECT_GT(obtuse.spoke, obtuse.ticks / 3);
@@ -162,6 +145,44 @@ TEST(FittedPatches, GridsAreCurvedPatches) {
   }
   const Followed can = follow(grid(Cylinder{0.04, 0.05}, 1e-3), random, 4.0 * kPatchSlope, 2e-4);
   EXPECT_GT(can.spoke, can.ticks / 3);
+}
+
+/// A hand led round a ball of facets at a steady depth, across 20 of them and more.
+TEST(FittedPatches, FrictionRoundFacetsIsTheScenes) {
+  constexpr double kRadius = 0.05, kStep = 1e-4;  // [m]
+  for (const int level : {1, 2, 3, 5})
+    for (const double ball : {0.0, 3e-3}) {
+      const Scene scene(
+          "s", {mesh(test::icosphere(kRadius, level), kDry, Side::outside, {.radius = ball})});
+      const MeshSurface& surface = *std::get<Mesh>(scene.objects()[0].shape).surface;
+      test::FollowedHand hand(scene, 20);
+      const Vec3 u = Vec3(0.9, 0.3, -0.2).normalized(),
+                 v = u.cross(Vec3(0.1, 1.0, 0.4)).normalized();
+      const auto at = [&](double turn) {
+        const Vec3 out = std::cos(turn) * u + std::sin(turn) * v;
+        const auto near = surface.nearest(kRadius * out, kRadius);
+        return Vec3(near.point + (ball - 1e-3) * out);
+      };
+      hand.approach({2.0 * at(0.0), Vec3::Zero()});
+      double truth = 0.0, error = 0.0;
+      int spoke = 0, facets = 0;
+      std::uint32_t facet = 0;
+      for (int n = 0; n * kStep < 2.0 * M_PI * kRadius; ++n) {
+        const Tool tool{at(kStep / kRadius * n), Vec3::Zero()};
+        if (!hand.step(tool)) continue;
+        ++spoke;
+        facets += hand.memory()[0].feature.triangle != facet ? 1 : 0;
+        facet = hand.memory()[0].feature.triangle;
+        truth += hand.truth().frictional.norm();
+        error += (hand.said().frictional - hand.truth().frictional).norm();
+      }
+      if (level > 1) {
+        EXPECT_GT(facets, 20) << level;
+      }
+      EXPECT_GT(truth / spoke, 0.2 * kStiffness * 1e-3);
+      EXPECT_LT(error, 0.04 * truth) << "level " << level << " ball " << ball;
+      RecordProperty("error", std::to_string(error / truth));
+    }
 }
 
 LocalModel model_at(const Scene& scene, const Vec3& position) {
@@ -225,18 +246,6 @@ TEST(FittedPatches, EndWhereTheSurfaceDoes) {
   ASSERT_GE(through.count, 1);
   EXPECT_EQ(through.patches[0].normal, Vec3::UnitZ());
   EXPECT_GT(through.reach, 0.05);
-}
-
-// A rough surface, or a ball on triangles, is no patch; a tool that is held by one is told nothing.
-TEST(FittedPatches, WhatIsNotDescribedEndsTheReach) {
-  for (const MeshOptions& options :
-       {MeshOptions{.grain = {1e-4, 1e-3}}, MeshOptions{.radius = 2e-3}}) {
-    const Scene ball("s", {mesh(test::icosphere(0.05, 4), kSmooth, Side::outside, options)});
-    const LocalModel near = model_at(ball, Vec3(0.06, 0.0, 0.0));
-    EXPECT_EQ(near.count, 0);
-    EXPECT_NEAR(near.reach, 0.01 - options.radius, 1e-4);
-    EXPECT_EQ(model_at(ball, Vec3(0.047, 0.0, 0.0)).reach, 0.0);
-  }
 }
 
 TEST(FittedPatches, NeverAllocate) {

@@ -10,6 +10,7 @@
 #include "core/scene/near.hpp"
 #include "tests/core/support.hpp"
 #include "tests/support/allocation_counter.hpp"
+#include "tests/support/followed_hand.hpp"
 
 namespace feltwire::local_model_test {
 namespace {
@@ -90,27 +91,15 @@ TEST(LocalModel, IsTheObjectItWasMadeOf) {
     int touched = 0, slipped = 0, spoke = 0, ticks = 0;
     for (int run = 0; run < 60; ++run) {
       const Scene scene = one(felt, random);
-      TouchMemory memory = scene.memory();
-      LocalContact local;
-      Wanderer hand(random, scene.objects()[0].pose);
-      bool followed = true;  // the model spoke alone ever since the two agreed
+      test::FollowedHand hand(scene, 40);
+      Wanderer wanderer(random, scene.objects()[0].pose);
       for (int n = 0; n < 1200; ++n) {
-        const Tool tool = hand.step();
-        const Command truth = scene.touch(tool, memory);
-        const LocalForce force = local.touch(tool, 0.0, 1e-3);
-        followed = followed && force.weight == 1.0;
         ++ticks;
-        if (force.weight == 1.0 && followed) {
+        if (hand.step(wanderer.step())) {
           ++spoke;
-          touched += truth.elastic.norm() > 0.0 ? 1 : 0;
-          slipped += memory[0].slipping ? 1 : 0;
-          expect_near(force.command, truth, 1e-9, felt.name);
-        }
-        if (n % 40 == 0) {
-          // One that has not followed begins anew, with the model's memory.
-          if (!followed) local.clear();
-          local.take(local_model(scene, tool.position, memory));
-          followed = true;
+          touched += hand.truth().elastic.norm() > 0.0 ? 1 : 0;
+          slipped += hand.memory()[0].slipping ? 1 : 0;
+          expect_near(hand.said(), hand.truth(), 1e-9, felt.name);
         }
         if (testing::Test::HasFailure()) FAIL() << felt.name << " run " << run << " tick " << n;
       }
@@ -140,36 +129,23 @@ struct Followed {
 Followed follow(const Scene& scene, Random& random, double width) {
   Followed sum;
   for (int run = 0; run < 150; ++run) {
-    TouchMemory memory = scene.memory();
-    LocalContact local;
+    test::FollowedHand hand(scene, 20);
     Vec3 place = random.uniform(0.0, 0.5 * width) * random.direction();
-    const LocalModel near = local_model(scene, place, memory);
+    const LocalModel near = local_model(scene, place, hand.memory());
     if (near.count > 0) place = near.patches[0].point - 1e-3 * near.patches[0].normal;
-    Vec3 position = place, velocity = Vec3::Zero();
-    bool followed = true;  // the model spoke alone ever since the two agreed
+    test::WanderingHand wanderer(random, place);
     for (int n = 0; n < 600; ++n) {
-      velocity = 0.97 * velocity + random.uniform(0.0, 3e-5) * random.direction();
-      position += velocity + 1e-3 * (place - position);
-      const Tool tool{position, velocity / 1e-3};
-      const Command truth = scene.touch(tool, memory);
-      const LocalForce force = local.touch(tool, 0.0, 1e-3);
-      followed = followed && force.weight == 1.0;
       ++sum.ticks;
-      if (followed) {
+      if (hand.step(wanderer.step())) {
         ++sum.spoke;
         int count = 0;
-        for (const ContactMemory& m : memory) count += m.touching ? 1 : 0;
+        for (const ContactMemory& m : hand.memory()) count += m.touching ? 1 : 0;
         sum.touched += count > 0 ? 1 : 0;
         sum.together += count > 1 ? 1 : 0;
-        expect_near(force.command, truth, 1e-9, scene.name().c_str());
-      }
-      if (n % 20 == 0) {
-        if (!followed) local.clear();
-        local.take(local_model(scene, position, memory));
-        followed = true;
+        expect_near(hand.said(), hand.truth(), 1e-9, scene.name().c_str());
       }
       if (testing::Test::HasFailure()) {
-        ADD_FAILURE() << "run " << run << " tick " << n << " at " << position.transpose();
+        ADD_FAILURE() << "run " << run << " tick " << n;
         return sum;
       }
     }
@@ -206,73 +182,6 @@ TEST(LocalModel, IsTheHeapThatItWasMadeOf) {
   EXPECT_GT(sum.touched, 50000);
   EXPECT_GT(sum.together, 10000);
   EXPECT_GT(sum.spoke, sum.ticks / 10);
-}
-
-TEST(LocalModel, KnowsAWallBeforeItIsTouched) {
-  const Scene floor = of({object("floor", Plane{})});
-  const LocalModel model = local_model(floor, Vec3(0.3, -0.2, 0.05), floor.memory());
-  ASSERT_EQ(model.count, 1);
-  EXPECT_EQ(model.patches[0].point, Vec3(0.3, -0.2, 0.0));
-  EXPECT_EQ(model.patches[0].normal, Vec3::UnitZ());
-  EXPECT_FALSE(model.patches[0].touching);
-  EXPECT_EQ(model.reach, kModelReach);
-  // Farther than any model reaches there is nothing, and that is known too.
-  const LocalModel far = local_model(floor, Vec3(0, 0, 0.11), floor.memory());
-  EXPECT_EQ(far.count, 0);
-  EXPECT_EQ(far.reach, kModelReach);
-  const Scene block = of({object("block", Box{Vec3(0.05, 0.05, 0.05)})});
-  const auto faces = [&](double x, double z) {
-    return local_model(block, Vec3(x, 0, z), block.memory()).count;
-  };
-  EXPECT_EQ(faces(0.0, 0.151), 0);
-  EXPECT_EQ(faces(0.0, 0.149), 1);   // the edges are farther than 0.1 m
-  EXPECT_EQ(faces(0.04, 0.149), 2);  // one of them is not
-  EXPECT_EQ(faces(0.06, 0.149), 2);  // beyond both: the edge itself
-  EXPECT_EQ(faces(0.06, 0.1495), 0);
-}
-
-TEST(LocalModel, ReachEndsBeforeWhatIsLeftOut) {
-  std::vector<Object> balls;
-  for (int i = 0; i < 5; ++i)
-    balls.push_back(object(
-        ("ball " + std::to_string(i)).c_str(), Sphere{0.01},
-        Vec3(0.0, 0.0, 0.0) + (0.02 + 0.01 * i) * Vec3(std::cos(1.3 * i), std::sin(1.3 * i), 0.0)));
-  const Scene scene = of(balls);
-  const LocalModel model = local_model(scene, Vec3::Zero(), scene.memory());
-  ASSERT_EQ(model.count, 3);
-  for (int i = 0; i < 3; ++i) EXPECT_EQ(model.patches[static_cast<std::size_t>(i)].object, i);
-  EXPECT_NEAR(model.reach, 0.04, 1e-15);  // of the fourth ball's surface
-}
-
-// Side and ends of a capsule are one smooth surface but no single patch.
-TEST(LocalModel, ReachEndsWhereACapsuleBendsAway) {
-  const Scene scene = of({object("capsule", Capsule{0.02, 0.04})});
-  const auto at = [&](double x, double z) {
-    return local_model(scene, Vec3(x, 0.0, z), scene.memory());
-  };
-  for (const LocalModel& model : {at(0.021, 0.03), at(0.019, 0.03)}) {
-    ASSERT_EQ(model.count, 1);
-    EXPECT_EQ(model.patches[0].axis, Vec3::UnitZ());
-    EXPECT_NEAR(model.patches[0].radius, 0.01, 1e-15);
-  }
-  EXPECT_NEAR(at(0.019, 0.03).reach, 0.01, 1e-15);
-  EXPECT_NEAR(at(0.05, 0.0).reach, 0.05, 1e-15);  // 40 mm along and 30 mm in
-  EXPECT_EQ(at(0.0, 0.07).patches[0].axis, Vec3::Zero());
-  EXPECT_NEAR(at(0.0, 0.07).reach, 0.03, 1e-15);
-}
-
-TEST(LocalModel, InFourWallsAtOnceItSaysNothing) {
-  std::vector<Object> walls;
-  for (int i = 0; i < 4; ++i)
-    walls.push_back(object(("wall " + std::to_string(i)).c_str(), Plane{}));
-  const Scene scene = of(walls);
-  TouchMemory memory = scene.memory();
-  scene.touch({Vec3(0, 0, -1e-3), Vec3::Zero()}, memory);
-  const LocalModel model = local_model(scene, Vec3(0, 0, -1e-3), memory);
-  EXPECT_EQ(model.reach, 0.0);
-  LocalContact local;
-  local.take(model);
-  EXPECT_EQ(local.touch({Vec3(0, 0, -1e-3), Vec3::Zero()}, 0.0, 1e-3).weight, 0.0);
 }
 
 // A hand that entered a thin sheet from above and is nearer to its lower face by now.
@@ -368,13 +277,17 @@ TEST(LocalModel, NoModelMakesAForceThatIsNotFinite) {
       p.radius = random.chance(0.5) ? std::numeric_limits<double>::infinity() : 1.0;
       p.touching = random.chance(0.5);
       p.joined = random.chance(0.5);
+      p.faceted = random.chance(0.5);
+      p.rough = random.chance(0.5);
+      if (random.chance(0.5)) p.offset = random.decades(-3.0, 300.0);
       p.object = static_cast<std::uint16_t>(random.uniform(0.0, 2.0));
       p.material.stiffness = std::abs(random.decades(-300.0, 300.0));
       p.material.damping = std::abs(random.decades(-300.0, 300.0));
       p.material.static_friction = std::abs(random.decades(-300.0, 300.0));
     }
     LocalContact local;
-    local.take(model);
+    const Command answered{.elastic = random.vector(-300.0, 300.0)};
+    local.take(model, &answered);
     for (int n = 0; n < 3; ++n) {
       const LocalForce force =
           local.touch({random.vector(-4.0, -1.0), random.vector(-3.0, 1.0)}, 0.01, 1e-3);
@@ -398,13 +311,6 @@ TEST(LocalModel, NeitherSideAllocates) {
     local.touch(tool, 0.0, 1e-3);
   }
   EXPECT_EQ(test::allocations(), before);
-}
-
-TEST(LocalModel, APositionThatIsNoneGivesNone) {
-  const Scene floor = of({object("floor", Plane{})});
-  const double nan = std::nan("");
-  EXPECT_EQ(local_model(floor, Vec3(0, nan, 0), floor.memory()).reach, 0.0);
-  EXPECT_EQ(local_model(floor, Vec3::Zero(), TouchMemory(3)).reach, 0.0);
 }
 
 }  // namespace

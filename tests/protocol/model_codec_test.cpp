@@ -40,6 +40,8 @@ SurfacePatch random_patch(Generator& random, const Vec3& center) {
   p.touching = random() % 2 == 0;
   p.slipping = random() % 2 == 0;
   p.joined = random() % 2 == 0;
+  p.faceted = random() % 2 == 0;
+  p.rough = random() % 2 == 0;
   return p;
 }
 
@@ -55,6 +57,7 @@ Reply random_reply(Generator& random, int patches) {
   reply.model.reach = single(random, 0.1);
   reply.model.count = patches;
   for (SurfacePatch& p : reply.model.patches) p = random_patch(random, reply.model.center);
+  if (random() % 2 == 0) reply.model.patches[1].offset = single(random, 0.01);
   return reply;
 }
 
@@ -77,6 +80,9 @@ void expect_same(const SurfacePatch& a, const SurfacePatch& b) {
   EXPECT_EQ(a.touching, b.touching);
   EXPECT_EQ(a.slipping, b.slipping);
   EXPECT_EQ(a.joined, b.joined);
+  EXPECT_EQ(a.faceted, b.faceted);
+  EXPECT_EQ(a.rough, b.rough);
+  EXPECT_EQ(a.offset, b.offset);
 }
 
 DropReason verdict(const Reply& reply, Reply& out) {
@@ -131,6 +137,7 @@ TEST(ModelCodec, ModelsThatAreNoneAreDropped) {
       [=](Reply& r) { r.model.patches[1].anchor.z() = nan; },
       [=](Reply& r) { r.model.patches[1].curvature = inf; },
       [](Reply& r) { r.model.patches[1].radius = -1; },
+      [=](Reply& r) { r.model.patches[1].offset = nan; },
       [](Reply& r) { r.model.patches[1].material.stiffness = 0; },
       [=](Reply& r) { r.model.patches[1].material.stiffness = inf; },
       [](Reply& r) { r.model.patches[1].material.damping = -1; },
@@ -160,6 +167,37 @@ TEST(ModelCodec, MorePatchesThanAModelMayHave) {
       wire::CreateReply(builder, 1, 0, 0, 0, &zero, &zero, nullptr, &report, 0, nullptr, model));
   Reply out;
   EXPECT_EQ(decode(Bytes(builder.GetBufferPointer(), builder.GetSize()), out), DropReason::count);
+}
+
+TEST(ModelCodec, AnOffsetToEachPatchOrNone) {
+  for (const std::size_t offsets : {std::size_t{1}, std::size_t{2}, std::size_t{3}}) {
+    flatbuffers::FlatBufferBuilder builder;
+    const wire::Vec3d zero;
+    const wire::BoundingReport report;
+    wire::Patch patch(wire::Vec3f(0, 0, 0), wire::Vec3f(0, 0, 1), wire::Vec3f(0, 0, 0),
+                      wire::Vec3f(0, 0, 0), wire::Vec3f(0, 0, 0), 0, 1, 1, 0, 0, 0, 0, 0, 0, 0);
+    const std::vector<wire::Patch> patches(2, patch);
+    const auto vector = builder.CreateVectorOfStructs(patches);
+    const auto model = wire::CreateLocalModel(
+        builder, &zero, 0.1F, vector, builder.CreateVector(std::vector<float>(offsets, 0.5F)));
+    builder.Finish(
+        wire::CreateReply(builder, 1, 0, 0, 0, &zero, &zero, nullptr, &report, 0, nullptr, model));
+    Reply out;
+    EXPECT_EQ(decode(Bytes(builder.GetBufferPointer(), builder.GetSize()), out),
+              offsets == 2 ? DropReason::none : DropReason::count);
+  }
+}
+
+// What no surface needs costs nothing.
+TEST(ModelCodec, WithoutOffsetsAModelIsShorter) {
+  Generator random(15);
+  Encoder encoder;
+  Reply sent = random_reply(random, 3);
+  sent.predicted = false;
+  for (SurfacePatch& p : sent.model.patches) p.offset = 0.0;
+  const std::size_t plain = encoder.reply(sent).size();
+  sent.model.patches[2].offset = 1e-3;
+  EXPECT_EQ(encoder.reply(sent).size(), plain + 16 + 8);
 }
 
 TEST(ModelCodec, WhatTravelledBeforeComesBefore) {

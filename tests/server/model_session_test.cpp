@@ -3,11 +3,10 @@
 
 #include <gtest/gtest.h>
 
-#include "core/contact/local_contact.hpp"
 #include "protocol/codec.hpp"
 #include "protocol/guard.hpp"
 #include "server/session.hpp"
-#include "tests/core/support.hpp"
+#include "tests/support/followed_hand.hpp"
 
 namespace feltwire::model_session_test {
 namespace {
@@ -60,34 +59,26 @@ TEST(ModelSession, OverTheWireItIsTheSceneToFloatPrecision) {
   double worst = 0.0;  // [N]
   for (int run = 0; run < 60; ++run) {
     Session session(request(true), scene);
-    TouchMemory memory = scene.memory();
-    LocalContact local;
-    Vec3 position(random.uniform(-0.11, 0.11), random.uniform(-0.11, 0.11), -0.0505);
-    const Vec3 place = position;
-    Vec3 velocity = Vec3::Zero();
-    bool followed = true;
-    for (int n = 1; n <= 600; ++n) {
-      velocity = 0.97 * velocity + random.uniform(0.0, 3e-5) * random.direction();
-      position += velocity + 1e-3 * (place - position);
-      const Tool tool{position, velocity / 1e-3};
-      const Command truth = scene.touch(tool, memory);
-      const LocalForce force = local.touch(tool, 0.0, 1e-3);
-      followed = followed && force.weight == 1.0;
-      ++ticks;
-      if (followed) {
-        ++spoke;
-        touched += truth.elastic.norm() > 0.0 ? 1 : 0;
-        worst = std::max(worst, (force.command.force() - truth.force()).norm());
-      }
-      const Reply sent = session.take(sample(static_cast<std::uint64_t>(n), position), {}).reply;
-      if (n % 20 != 1) continue;
+    test::FollowedHand hand(scene, 20);
+    const Vec3 place(random.uniform(-0.11, 0.11), random.uniform(-0.11, 0.11), -0.0505);
+    test::WanderingHand wanderer(random, place);
+    Reply sent;
+    const auto received = [&](const Vec3&) {
       const Bytes payload = encoder.reply(sent);
-      ASSERT_LE(payload.size() + kOverhead, 640u);
-      Reply received;
-      ASSERT_EQ(decode(payload, received), DropReason::none);
-      if (!followed) local.clear();
-      local.take(received.model);
-      followed = true;
+      EXPECT_LE(payload.size() + kOverhead, 640u);
+      Reply reply;
+      EXPECT_EQ(decode(payload, reply), DropReason::none);
+      return reply.model;
+    };
+    for (int n = 1; n <= 600; ++n) {
+      const Tool tool = wanderer.step();
+      ++ticks;
+      if (hand.step(tool, received)) {
+        ++spoke;
+        touched += hand.truth().elastic.norm() > 0.0 ? 1 : 0;
+        worst = std::max(worst, hand.error());
+      }
+      sent = session.take(sample(static_cast<std::uint64_t>(n), tool.position), {}).reply;
     }
   }
   // 0.1 m in float32 is right to 4 nm, which 1500 N/m makes 6 uN; friction and damping as much.

@@ -1,0 +1,125 @@
+#include "core/contact/mesh_fit.hpp"
+
+#include <algorithm>
+#include <limits>
+
+#include "core/contact/fitted_patches.hpp"
+#include "core/numeric.hpp"
+
+namespace feltwire {
+namespace {
+
+constexpr std::size_t kMostLooked = 256;  // triangles; where there are more, it is looked less far
+
+/// How a triangle lies to a patch: none of its corners before it, none behind it.
+struct Lie {
+  bool front = false, behind = false;  // some corner is; neither: it lies on the patch
+  bool hidden = false;                 // all corners are behind, and what is between them
+};
+
+/// Whatever the patches are, a triangle's corners tell where it lies, and its middle, where patches
+/// are curved.
+Lie lie_of(const MeshFit& fit, const std::array<Vec3, 3>& corners, double skin) {
+  Lie lie{.front = false, .behind = false, .hidden = true};
+  // Between corners that are behind a hollow patch a triangle may come out of it.
+  const double longest =
+      std::max({(corners[1] - corners[0]).squaredNorm(), (corners[2] - corners[1]).squaredNorm(),
+                (corners[0] - corners[2]).squaredNorm()});
+  const double bulge = std::max(0.0, -0.5 * fit.curvature) * longest;
+  const Vec3 middle = (corners[0] + corners[1] + corners[2]) / 3.0;
+  for (const Vec3& p : {corners[0], corners[1], corners[2], middle}) {
+    const double height = fit.height(p),
+                 may = kPatchSlope * (p - fit.point).norm() + fit.slack + skin;
+    lie.front |= height > may;
+    lie.behind |= height < -may;
+    lie.hidden &= height < -(may + bulge);
+  }
+  return lie;
+}
+
+double distance_to_edge(const Vec3& a, const Vec3& b, const Vec3& p) {
+  const Vec3 edge = b - a;
+  const double part = std::clamp(edge.dot(p - a) / edge.squaredNorm(), 0.0, 1.0);
+  return (a + part * edge - p).norm();
+}
+
+}  // namespace
+
+bool MeshFits::join(const MeshFit& plane) {
+  if (count_ == kMaxPatches) return false;
+  for (int i = 0; i < count_; ++i) {
+    const MeshFit& other = (*this)[i];
+    const Lie there = lie_of(other, corners(plane.triangle), surface_->skin());
+    const Lie here = lie_of(plane, corners(other.triangle), surface_->skin());
+    const bool convex = there.behind && !there.front && !here.front;
+    const bool hollow = there.front && !there.behind && !here.behind;
+    if (!convex && !hollow) return false;
+    if (count_ > 1 && convex != joined_) return false;
+    joined_ = convex;
+  }
+  add(plane);
+  return true;
+}
+
+MeshFits::Other MeshFits::first_other(const Vec3& place, double height, double extent) const {
+  while (extent > surface_->skin()) {
+    Other first{.distance = hypotenuse(height, extent), .looked = extent};
+    std::size_t looked = 0;
+    surface_->tree().within(
+        place, [&] { return looked > kMostLooked ? 0.0 : first.distance; },
+        [&](std::uint32_t t) {
+          if (++looked > kMostLooked) return;
+          Other other = beginning(t, place);
+          if (!(other.distance < first.distance ||
+                (other.distance == first.distance && other.triangle < first.triangle)))
+            return;
+          other.looked = extent;
+          first = other;
+        });
+    if (looked <= kMostLooked) return first;
+    extent *= 0.5;
+  }
+  return {.distance = height};
+}
+
+bool MeshFits::faces(const MeshFit& fit, const std::array<Vec3, 3>& c) const {
+  const Vec3 normal = side_ * (c[1] - c[0]).cross(c[2] - c[0]);
+  const Vec3 bent = fit.normal + fit.curvature * fit.way((c[0] + c[1] + c[2]) / 3.0);
+  return normal.dot(bent) >= kFacing * normal.norm() * bent.norm();
+}
+
+MeshFits::Other MeshFits::beginning(std::uint32_t t, const Vec3& place) const {
+  constexpr double kNever = std::numeric_limits<double>::infinity();
+  const std::array<Vec3, 3> c = corners(t);
+  std::array<Lie, kMaxPatches> lies;
+  bool all_hidden = true, any_hidden = false;
+  for (int i = 0; i < count_; ++i) {
+    const Lie lie = lies[static_cast<std::size_t>(i)] = lie_of((*this)[i], c, surface_->skin());
+    all_hidden &= lie.hidden;
+    any_hidden |= lie.hidden;
+  }
+  // Nothing comes to where the patches are between it and the open.
+  if (joined_ ? all_hidden : any_hidden) return {.distance = kNever};
+  for (int i = 0; i < count_; ++i) {
+    const Lie& on = lies[static_cast<std::size_t>(i)];
+    if (on.front || on.behind || !faces((*this)[i], c)) continue;
+    bool whole = true;
+    for (int j = 0; j < count_; ++j) {
+      const Lie& to = lies[static_cast<std::size_t>(j)];
+      whole &= j == i || !(joined_ ? to.front : to.behind);
+    }
+    if (whole) return {.distance = border(t, c, place), .border = true};
+  }
+  return {.distance = (nearest_on_triangle(c, place).point - place).norm(), .triangle = t};
+}
+
+/// To an edge that the surface ends at.
+double MeshFits::border(std::uint32_t t, const std::array<Vec3, 3>& c, const Vec3& place) const {
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t k = 0; k < 3; ++k)
+    if (surface_->mesh().neighbour(t, static_cast<int>(k)) == TriangleMesh::kNone)
+      least = std::min(least, distance_to_edge(c[k], c[(k + 1) % 3], place));
+  return least;
+}
+
+}  // namespace feltwire

@@ -1,0 +1,168 @@
+#include "core/contact/patch_proxy.hpp"
+
+#include <array>
+#include <span>
+
+#include "core/contact/local_contact.hpp"
+#include "core/geometry/half_spaces.hpp"
+#include "core/numeric.hpp"
+
+namespace feltwire {
+namespace {
+
+constexpr double kExact = 1e-12;  // of a depth or a height
+
+bool solid(double height) { return height < 0.0; }  // a NaN is free
+
+/// A patch seen from the tool.
+struct Seen {
+  const SurfacePatch* patch = nullptr;
+  double height = 0.0;  // [m] of the tool above the patch itself
+  Vec3 normal = Vec3::Zero();
+
+  /// Above what pushes.
+  double clearance() const { return height - patch->offset; }
+  /// In front of the tangent plane, moved on by the offset.
+  HalfSpace open(const Vec3& tool) const { return {normal, normal.dot(tool) - clearance()}; }
+  /// Behind the tangent plane of the patch itself.
+  HalfSpace closed(const Vec3& tool) const { return {-normal, height - normal.dot(tool)}; }
+};
+
+struct SeenPatches {
+  std::array<Seen, kMaxPatches> all{};
+  std::size_t count = 0;
+  std::span<const Seen> view() const { return {all.data(), count}; }
+  void add(const Seen& seen) { all[count++] = seen; }
+};
+
+/// Patches that are not joined: to the nearest place in front of all, each taken for its tangent
+/// plane.
+PatchProxy before_all(const SeenPatches& seen, const Vec3& tool) {
+  PatchProxy proxy;
+  std::array<HalfSpace, kMaxPatches> spaces;
+  Vec3 beyond = Vec3::Zero();
+  double deepest = 0.0;  // [m]
+  int count = 0;
+  for (std::size_t i = 0; i < seen.count; ++i) {
+    const Seen& one = seen.all[i];
+    spaces[i] = one.open(tool);
+    const double height = one.clearance();
+    if (!solid(height)) continue;
+    beyond -= height * one.normal;
+    if (++count == 1 || -height > deepest) {
+      proxy.patch = one.patch;
+      deepest = -height;
+      if (count == 1) proxy.surface.normal = one.normal;
+    }
+  }
+  if (count == 0) return proxy;
+  const bool alone = count == 1 && seen.count == 1;
+  if (!alone) {
+    const Nearest nearest = nearest_in({spaces.data(), seen.count}, tool, kExact * deepest);
+    if (nearest.found) beyond = nearest.point - tool;
+  }
+  proxy.surface.point = tool + beyond;
+  proxy.surface.depth = alone ? deepest : length(beyond);
+  if (!alone) proxy.surface.normal = direction(beyond);
+  return proxy;
+}
+
+/// Where an obtuse edge lies between the proxy on a joined patch and its foot, the one beyond.
+Seen slid(const SeenPatches& seen, const Seen& from, const Vec3& tool, double age) {
+  constexpr double kBeyond = 1e-9;  // of the depth: at right angles nothing is beyond
+  const Vec3 foot = tool - from.height * from.normal;
+  Seen to = from;
+  double highest = -kBeyond * from.height;
+  for (const Seen& other : seen.view()) {
+    if (other.patch == from.patch) continue;
+    const SurfacePatch& patch = *other.patch;
+    const double above = height_above(patch, age * patch.velocity, foot).height;
+    if (!(above > highest)) continue;
+    highest = above;
+    to = other;
+  }
+  return to;
+}
+
+/// A ball on the edge or corner that joined patches make, or on one of them: about the nearest
+/// point of the solid behind all, each taken for its tangent plane.
+PatchProxy round_edge(const SeenPatches& seen, const Seen& highest, const Vec3& tool) {
+  std::array<HalfSpace, kMaxPatches> spaces;
+  for (std::size_t i = 0; i < seen.count; ++i) spaces[i] = seen.all[i].closed(tool);
+  const Nearest nearest =
+      nearest_in({spaces.data(), seen.count}, tool, kExact * highest.patch->offset);
+  const Vec3 out =
+      nearest.found ? Vec3(tool - nearest.point) : Vec3(highest.height * highest.normal);
+  const Polar<double> away = polar(out);
+  const Vec3 normal = away.length > 0.0 ? away.direction : highest.normal;
+  const double depth = highest.patch->offset - away.length;
+  if (!(depth > 0.0)) return {};
+  return {highest.patch, {tool + depth * normal, normal, depth}};
+}
+
+/// Which face a ball comes to that was on a round edge or corner, and whose middle is behind all by
+/// now: that to which its proxy falls steepest. Null where it was on none.
+const Seen* fallen(const SeenPatches& seen, const Vec3& tool, const FeatureMemory& before) {
+  constexpr double kRound = 1e-9;    // 1 less the cosine between normals
+  constexpr double kTouched = 1e-3;  // of the ball's radius: it was on this face's edge
+  const Seen* best = nullptr;
+  double steepest = 0.0;
+  for (const Seen& one : seen.view()) {
+    const double offset = one.patch->offset, cosine = one.normal.dot(before.normal);
+    if (before.feature == 0 || !(offset > 0.0)) return nullptr;
+    if (before.feature == one.patch->feature && !(1.0 - cosine > kRound)) return nullptr;
+    const Vec3 way = tool - (before.proxy - offset * before.normal);
+    if (one.height - one.normal.dot(way) < -kTouched * offset) continue;
+    const double fall = direction(Vec3(one.normal - cosine * before.normal)).dot(way);
+    if (best != nullptr && !(fall > steepest)) continue;
+    best = &one;
+    steepest = fall;
+  }
+  return best;
+}
+
+/// Joined patches: behind all of them, by the one that it entered by; by the nearest when it
+/// enters, and then by the same until it leaves (shapes.cpp).
+PatchProxy behind_all(const SeenPatches& seen, const Vec3& tool, double age,
+                      const FeatureMemory& before) {
+  const Seen* by = nullptr;
+  const Seen* highest = nullptr;
+  bool inside = true;
+  for (const Seen& one : seen.view()) {
+    inside &= solid(one.height);
+    if (highest == nullptr || one.height > highest->height) highest = &one;
+    const bool entered = before.feature == one.patch->feature;
+    const bool held = by != nullptr && before.feature == by->patch->feature;
+    if (by == nullptr || entered || (!held && one.height > by->height)) by = &one;
+  }
+  if (by == nullptr) return {};
+  if (!inside) {
+    if (highest->patch->offset > 0.0) return round_edge(seen, *highest, tool);
+    return {};
+  }
+  const Seen* down = fallen(seen, tool, before);
+  const Seen on = slid(seen, down != nullptr ? *down : *by, tool, age);
+  const double depth = -on.clearance();
+  if (!(depth > 0.0)) return {};
+  return {on.patch, {tool + depth * on.normal, on.normal, depth}};
+}
+
+}  // namespace
+
+PatchProxy patch_proxy(const LocalModel& model, std::uint16_t object, const Vec3& tool, double age,
+                       const FeatureMemory& before) noexcept {
+  SeenPatches hollow, joined;
+  for (const SurfacePatch& patch : model.view()) {
+    if (patch.object != object) continue;
+    const Height h = height_above(patch, age * patch.velocity, tool);
+    const Vec3& undefined = before.feature != 0 ? before.normal : patch.normal;
+    const Vec3 normal = h.normal.isZero(0.0) ? undefined : h.normal;
+    (patch.joined ? joined : hollow).add({&patch, h.height, normal});
+  }
+  const PatchProxy open = before_all(hollow, tool);
+  const PatchProxy convex = behind_all(joined, tool, age, before);
+  // An object has patches of one kind; of whatever else comes the deeper.
+  return convex.surface.depth > open.surface.depth ? convex : open;
+}
+
+}  // namespace feltwire

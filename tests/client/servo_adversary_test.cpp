@@ -1,0 +1,83 @@
+// A hand that takes all it can, over a network that helps it: what the servo lets it have.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <deque>
+#include <random>
+
+#include "core/numeric.hpp"
+#include "tests/client/servo_bench.hpp"
+
+namespace feltwire::servo_adversary_test {
+namespace {
+
+using namespace testing::servo;
+
+/// A hand that always moves so as to extract the most (dx = f h / 2b), now and then elsewhere, with
+/// a device that holds less than asked, fails and recovers; replies with random commands over six
+/// decades, late, lost, reordered, repeated.
+std::uint64_t violations_against_an_adversary(const SessionParameters& p, std::uint64_t seed,
+                                              int ticks) {
+  std::mt19937_64 random(seed);
+  std::uniform_real_distribution<double> unit(0.0, 1.0);
+  const auto chance = [&](double share) { return unit(random) < share; };
+  const auto vector = [&](double least, double most) {
+    std::normal_distribution<double> normal;
+    const Vec3 v(normal(random), normal(random), normal(random));
+    return Vec3(std::pow(10.0, least + (most - least) * unit(random)) * direction(v));
+  };
+  DeviceSpec spec = builtin_device("simulated");
+  Servo servo(spec, p);
+  std::deque<std::pair<Nanoseconds, Reply>> under_way;
+  Nanoseconds now = seconds(5.0);
+  Vec3 position = Vec3::Zero();
+  Command command;
+  for (int i = 0; i < ticks; ++i) {
+    const double hold = 1e-3 * (0.5 + 0.5 * unit(random));
+    now += seconds(hold);
+    position += chance(0.1) ? vector(-7, -2)
+                            : Vec3(hold / (2.0 * spec.damping.least()) * servo.held().force());
+    std::erase_if(under_way, [&](const auto& entry) {
+      if (entry.first > now) return false;
+      servo.take(entry.second, entry.first);
+      return !chance(0.05);  // some come twice
+    });
+    DeviceReading reading{.pose = {.position = position}, .ok = !chance(0.002)};
+    Command given = servo.render(reading, now);
+    if (chance(0.02)) given = unit(random) * given;
+    const Sample* sample = servo.hold(given);
+    if (sample == nullptr || chance(0.05)) continue;
+    if (chance(0.1)) command = {.elastic = vector(-3, 3), .frictional = vector(-3, 3)};
+    under_way.emplace_back(now + seconds(0.05 * unit(random)), reply(sample->index, command));
+  }
+  EXPECT_GT(servo.statistics().answered, 0u);
+  EXPECT_GT(servo.statistics().max_force, 0.1);  // else nothing was tried
+  return servo.port().violations();
+}
+
+TEST(ServoAdversary, NoNetworkNoHandAndNoFaultGetsEnergyOutOfTheContactFrame) {
+  for (const Projection projection : {Projection::joint, Projection::cone}) {
+    SessionParameters p = parameters(BoundingMode::contact_frame);
+    p.projection = projection;
+    for (std::uint64_t seed = 1; seed <= 40; ++seed)
+      EXPECT_EQ(violations_against_an_adversary(p, seed, 4000), 0u) << seed;
+  }
+}
+
+TEST(ServoAdversary, WithoutABoundTheSameAdversaryGetsIt) {
+  EXPECT_GT(violations_against_an_adversary(parameters(BoundingMode::none), 1, 4000), 0u);
+  EXPECT_GT(violations_against_an_adversary(parameters(BoundingMode::none, BoundingSide::server), 1,
+                                            4000),
+            0u);
+}
+
+TEST(ServoAdversary, WhereTheServerBoundsTheAdversaryGetsNoMoreThanWasBurned) {
+  for (const BoundingMode mode : {BoundingMode::contact_frame, BoundingMode::per_axis_projected,
+                                  BoundingMode::total_energy, BoundingMode::virtual_coupling})
+    EXPECT_EQ(violations_against_an_adversary(parameters(mode, BoundingSide::server), 1, 4000), 0u)
+        << name(mode);
+}
+
+}  // namespace
+}  // namespace feltwire::servo_adversary_test

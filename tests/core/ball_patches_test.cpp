@@ -1,0 +1,204 @@
+// What a local model says of a mesh that a ball touches: the triangles themselves and the ball's
+// radius, so that edges and corners are round.
+
+#include <gtest/gtest.h>
+
+#include "core/contact/fitted_patches.hpp"
+#include "core/scene/near.hpp"
+#include "tests/support/followed_hand.hpp"
+#include "tests/support/meshes.hpp"
+
+namespace feltwire::ball_patches_test {
+namespace {
+
+using test::Random;
+
+constexpr double kStiffness = 1200.0;  // [N/m]
+constexpr double kBall = 4e-3;         // [m]
+const Material kDry{.stiffness = kStiffness, .static_friction = 0.5, .dynamic_friction = 0.3};
+
+struct Rolled {
+  int ticks = 0, spoke = 0, touched = 0, round = 0;
+  double worst = 0.0;  // [N]
+  double slope = 0.0;  // largest part of the error beyond 0.1 mm in what the way would have made
+};
+
+/// Hands about places on a mesh, a model every 20 ticks; `direction_of` where from its middle.
+/// round: ticks at which the force is along none of the triangles' normals.
+template <class DirectionOf>
+Rolled roll(const Object& object, Random& random, DirectionOf direction_of, double from = 0.15) {
+  const Scene scene("s", {object});
+  const TriangleMesh& triangles = std::get<Mesh>(object.shape).surface->mesh();
+  Rolled sum;
+  for (int run = 0; run < 40; ++run) {
+    test::FollowedHand hand(scene, 20);
+    const Vec3 away = direction_of();
+    double far = from;
+    const double step = object.felt_from == Side::outside ? -1e-3 : 1e-3;
+    while (hand.approach({far * away, Vec3::Zero()}).elastic.isZero(0.0) && far > 0.0 && far < 0.2)
+      far += step;
+    test::WanderingHand wanderer(random, far * away, 1.5e-5, 8e-3);
+    for (int n = 0; n < 500; ++n) {
+      ++sum.ticks;
+      if (!hand.step(wanderer.step())) continue;
+      ++sum.spoke;
+      // Where its middle comes near an edge, what is left of the scene's steps counts many times.
+      if (hand.truth().elastic.norm() > 0.6 * kBall * kStiffness) break;
+      sum.worst = std::max(sum.worst, hand.error());
+      const double way = kStiffness * (hand.tool().position - hand.asked()).norm();
+      sum.slope = std::max(sum.slope, (hand.error() - 1e-4 * kStiffness) /
+                                          (way + hand.truth().force().norm() + 1e-9));
+      if (!hand.memory()[0].touching) continue;
+      ++sum.touched;
+      const Vec3 along = hand.truth().elastic.normalized();
+      double facing = 0.0;
+      for (std::uint32_t t = 0;
+           t < std::min<std::size_t>(triangles.triangles().size(), 100) && facing < 1.0 - 1e-9; ++t)
+        facing = std::max(facing, std::abs(along.dot(triangle_normal(triangles.corners(t)))));
+      sum.round += facing < 1.0 - 1e-9 ? 1 : 0;
+    }
+  }
+  return sum;
+}
+
+// The scene's own ball stops where a step is below 1e-7 of its radius, less than half a micrometre
+// from where it would come to rest on an edge.
+constexpr double kExact = 0.5e-6 * kStiffness;  // [N]
+
+TEST(BallPatches, FacesEdgesAndCornersOfABoxAreRound) {
+  Random random(1);
+  const Vec3 half(0.05, 0.04, 0.03);
+  const Object box = test::mesh_object(test::box(half, 2), {.radius = kBall}, kDry);
+  const Rolled anywhere = roll(box, random, [&] { return random.direction(); });
+  EXPECT_LE(anywhere.worst, kExact);
+  EXPECT_GT(anywhere.touched, 5000);
+  EXPECT_GT(anywhere.spoke, anywhere.ticks * 9 / 10);
+  const Rolled corner =
+      roll(box, random, [&] { return Vec3(half + 2e-3 * random.direction()).normalized(); });
+  EXPECT_LE(corner.worst, kExact);
+  EXPECT_GT(corner.round, 3000);
+  EXPECT_GT(corner.spoke, corner.ticks * 9 / 10);
+  const Rolled edge = roll(box, random, [&] {
+    return Vec3(half.x(), half.y(), random.uniform(-0.02, 0.02)).normalized();
+  });
+  EXPECT_LE(edge.worst, kExact);
+  EXPECT_GT(edge.round, 3000);
+}
+
+/// Every corner of a box is three faces, for a point and for a ball.
+TEST(BallPatches, AtACornerAllThreeFacesAreKnown) {
+  const Vec3 half(0.05, 0.04, 0.03);
+  for (const double radius : {0.0, kBall}) {
+    const Scene scene("s", {test::mesh_object(test::box(half, 2), {.radius = radius}, kDry)});
+    for (int corner = 0; corner < 8; ++corner) {
+      const Vec3 sign(corner & 1 ? 1 : -1, corner & 2 ? 1 : -1, corner & 4 ? 1 : -1);
+      TouchMemory memory = scene.memory();
+      const Vec3 at = sign.cwiseProduct(half + Vec3(1e-3, 1.1e-3, 1.2e-3));
+      scene.touch({2.0 * at, Vec3::Zero()}, memory);
+      scene.touch({at, Vec3::Zero()}, memory);
+      EXPECT_EQ(memory[0].touching, radius > 0.0);
+      const LocalModel model = local_model(scene, at, memory);
+      EXPECT_EQ(model.count, 3);
+      EXPECT_GT(model.reach, 0.02);
+    }
+  }
+}
+
+// Pressed in over an edge until its middle is in the solid, a ball comes down on the side that the
+// scene's does.
+TEST(BallPatches, FromAnEdgeTheBallFallsToTheSameFace) {
+  Random random(4);
+  const Vec3 half(0.05, 0.04, 0.03);
+  for (const double angle : {0.0, 1.0}) {  // a box, and obtuse edges
+    const Object object = test::mesh_object(
+        angle > 0.0 ? test::icosphere(0.05, 0) : test::box(half, 2), {.radius = kBall}, kDry);
+    const Scene scene("s", {object});
+    const TriangleMesh& triangles = std::get<Mesh>(object.shape).surface->mesh();
+    int fell = 0;
+    for (int run = 0; run < 200; ++run) {
+      const auto t = static_cast<std::uint32_t>(
+          random.uniform(0.0, static_cast<double>(triangles.triangles().size())));
+      const auto corners = triangles.corners(t);
+      const std::uint32_t other = triangles.neighbour(t, 0);
+      const Vec3 a = triangle_normal(corners), b = triangle_normal(triangles.corners(other));
+      if (a.dot(b) > 0.9) continue;  // no edge
+      const Vec3 edge = 0.5 * (corners[0] + corners[1]), out = (a + b).normalized();
+      const Vec3 aside = (a - b).normalized();
+      test::FollowedHand hand(scene, 20);
+      const double off = (random.chance(0.5) ? 1.0 : -1.0) * random.uniform(3e-5, 4e-4);
+      for (double height = 6e-3; height > -2e-3; height -= 2e-5) {
+        if (!hand.step({edge + height * out + off * aside, Vec3::Zero()})) continue;
+        // Over the edge itself a hair decides.
+        if (height > -2e-4 && height < 1.2e-3) continue;
+        ASSERT_LE(hand.error(), 0.02) << run << " height " << height << " off " << off;
+        fell += height < 0.0 ? 1 : 0;
+      }
+    }
+    EXPECT_GT(fell, 3000);
+  }
+}
+
+TEST(BallPatches, InAHollowTheBallStandsOffAllWalls) {
+  Random random(2);
+  const Vec3 half(0.05, 0.04, 0.03);
+  const Object room = test::mesh_object(test::box(half, 2), {.radius = kBall}, kDry, Side::inside);
+  for (const bool corner : {false, true}) {
+    const Rolled inside = roll(
+        room, random, [&] { return corner ? half.normalized() : random.direction(); }, 1e-3);
+    EXPECT_LE(inside.worst, kExact);
+    EXPECT_GT(inside.touched, 5000);
+    EXPECT_GT(inside.spoke, inside.ticks / 2);
+  }
+}
+
+// Obtuse edges, and facets smaller than the ball.
+TEST(BallPatches, AnIcosahedronAndAFineSphere) {
+  Random random(3);
+  const auto anywhere = [&] { return random.direction(); };
+  const Rolled coarse =
+      roll(test::mesh_object(test::icosphere(0.05, 0), {.radius = kBall}, kDry), random, anywhere);
+  EXPECT_LE(coarse.worst, kExact);
+  EXPECT_GT(coarse.touched, 3000);
+  EXPECT_GT(coarse.round, 100);
+  for (const Side side : {Side::outside, Side::inside}) {
+    const Rolled fine = roll(test::mesh_object(test::icosphere(0.05, 5), {.radius = kBall},
+                                               Material{.stiffness = kStiffness}, side),
+                             random, anywhere, side == Side::outside ? 0.15 : 0.01);
+    EXPECT_LE(fine.slope, 2.0 * kPatchSlope);
+    EXPECT_GT(fine.touched, 5000);
+    EXPECT_GT(fine.spoke, fine.ticks * 8 / 10);
+  }
+}
+
+// The triangles are where they are; the ball is what stands off them.
+TEST(BallPatches, AnnounceTheTrianglesAndTheBall) {
+  const Scene scene("s", {test::mesh_object(test::box(Vec3(0.05, 0.05, 0.05)), {.radius = kBall})});
+  TouchMemory memory = scene.memory();
+  const auto at = [&](double z) {
+    const Vec3 position(0.01, 0.0, z);
+    scene.touch({position, Vec3::Zero()}, memory);
+    return local_model(scene, position, memory);
+  };
+  for (const double z : {0.06, 0.053}) {
+    const LocalModel model = at(z);
+    ASSERT_GE(model.count, 1);
+    EXPECT_TRUE(model.patches[0].point.isApprox(Vec3(0.01, 0.0, 0.05)));
+    EXPECT_EQ(model.patches[0].offset, kBall);
+    EXPECT_EQ(model.patches[0].touching, z < 0.054);
+    EXPECT_TRUE(model.patches[0].faceted);
+    EXPECT_FALSE(model.patches[0].rough);
+    // The far side of the box is hidden; nothing ends the reach but what was looked at.
+    EXPECT_GT(model.reach, 0.04);
+  }
+  // In a hollow that the ball does not fit into it rests on more than a model says.
+  const Scene bowl("s", {test::mesh_object(test::icosphere(1.5 * kBall, 4), {.radius = kBall}, {},
+                                           Side::inside)});
+  TouchMemory inside = bowl.memory();
+  const Vec3 low(0.0, 0.0, -0.6 * kBall);
+  bowl.touch({Vec3::Zero(), Vec3::Zero()}, inside);
+  bowl.touch({low, Vec3::Zero()}, inside);
+  EXPECT_LT(local_model(bowl, low, inside).reach, 1e-3);
+}
+
+}  // namespace
+}  // namespace feltwire::ball_patches_test

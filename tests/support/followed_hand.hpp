@@ -1,0 +1,84 @@
+#pragma once
+// A hand that a scene and a local model answer side by side.
+
+#include "core/contact/local_contact.hpp"
+#include "core/scene/near.hpp"
+#include "tests/core/support.hpp"
+
+namespace feltwire::test {
+
+/// A hand that wanders about a place, some hundredths of a millimetre a sample of 1 ms.
+class WanderingHand {
+ public:
+  /// kick [m] a sample at most; `pull`, the share of the way back that it goes with each.
+  WanderingHand(Random& random, const Vec3& place, double kick = 3e-5, double pull = 1e-3)
+      : random_(random), place_(place), position_(place), kick_(kick), pull_(pull) {}
+  Tool step() {
+    velocity_ = 0.97 * velocity_ + random_.uniform(0.0, kick_) * random_.direction();
+    position_ += velocity_ + pull_ * (place_ - position_);
+    return {position_, velocity_ / 1e-3};
+  }
+
+ private:
+  Random& random_;
+  Vec3 place_, position_, velocity_ = Vec3::Zero();
+  double kick_, pull_;
+};
+
+/// What the scene answers a tool, and beside it a client with a model of every so many ticks of
+/// 1 ms. A client that was beyond its model's reach begins anew with the next.
+class FollowedHand {
+ public:
+  FollowedHand(const Scene& scene, int every)
+      : scene_(scene), every_(every), memory_(scene.memory()) {}
+
+  /// As the scene alone: nobody asks for models.
+  Command approach(const Tool& tool) { return scene_.touch(tool, memory_); }
+
+  /// One tick. True where the model has spoken alone ever since the two last agreed.
+  bool step(const Tool& tool) {
+    return step(tool, [&](const Vec3& asked) { return local_model(scene_, asked, memory_); });
+  }
+  /// The same with models from elsewhere: model_at(position of the last tick).
+  template <class ModelAt>
+  bool step(const Tool& tool, ModelAt model_at) {
+    if (ticks_ > 0 && (ticks_ - 1) % every_ == 0) {
+      if (!alone_) local_.clear();
+      asked_ = last_.position;
+      local_.take(model_at(asked_), &truth_);
+      reach_ += local_.model().reach;
+      ++models_;
+      alone_ = true;
+    }
+    truth_ = scene_.touch(tool, memory_);
+    const LocalForce force = local_.touch(tool, 0.0, 1e-3);
+    said_ = force.command;
+    alone_ = alone_ && force.weight == 1.0;
+    last_ = tool;
+    ++ticks_;
+    return alone_;
+  }
+
+  const Command& truth() const { return truth_; }
+  const Command& said() const { return said_; }
+  double error() const { return (said_.force() - truth_.force()).norm(); }  // [N]
+  const Tool& tool() const { return last_; }
+  const TouchMemory& memory() const { return memory_; }
+  const LocalModel& model() const { return local_.model(); }
+  const Vec3& asked() const { return asked_; }  // [m] where the model was made for
+  double reach() const { return models_ > 0 ? reach_ / models_ : 0.0; }  // [m] mean
+
+ private:
+  const Scene& scene_;
+  int every_;
+  TouchMemory memory_;
+  LocalContact local_;
+  Command truth_, said_;
+  Tool last_;
+  Vec3 asked_ = Vec3::Zero();
+  bool alone_ = false;
+  int ticks_ = 0, models_ = 0;
+  double reach_ = 0.0;
+};
+
+}  // namespace feltwire::test
