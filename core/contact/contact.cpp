@@ -4,8 +4,8 @@
 
 namespace feltwire {
 
-Command touch(const Object& object, const Tool& tool, ContactMemory& memory,
-              double radius) noexcept {
+bool touch(const Object& object, const Tool& tool, ContactMemory& memory, double radius,
+           Vec3& elastic, Vec3& frictional) noexcept {
   const Material& material = object.material;
   const Quaternion& to_world = object.pose.orientation;
   const bool rubs = material.static_friction > 0.0;
@@ -18,7 +18,7 @@ Command touch(const Object& object, const Tool& tool, ContactMemory& memory,
   const SurfacePoint surface = surface_point(object, tool.position, radius, memory.feature);
   if (!(surface.depth > 0.0)) {
     memory.touching = memory.slipping = false;
-    return {};
+    return false;
   }
   if (mesh != nullptr)
     memory.anchor = carried(memory.anchor, mesh->surface->mesh().origin() + proxy_before,
@@ -29,10 +29,20 @@ Command touch(const Object& object, const Tool& tool, ContactMemory& memory,
   memory.touching = true;
   const Command command =
       contact_force(material, surface.depth, to_world * surface.normal, stick_force, tool.velocity);
-  if (std::isfinite(command.force().sum())) [[likely]]
-    return command;
-  memory = {};  // sizes or positions beyond what products can hold
-  return {};
+  if (!std::isfinite(command.force().sum())) [[unlikely]] {
+    memory = {};  // sizes or positions beyond what products can hold
+    return false;
+  }
+  elastic = command.elastic;
+  frictional = command.frictional;
+  return true;
+}
+
+Command touch(const Object& object, const Tool& tool, ContactMemory& memory,
+              double radius) noexcept {
+  Command command;
+  touch(object, tool, memory, radius, command.elastic, command.frictional);
+  return command;
 }
 
 }  // namespace feltwire

@@ -34,14 +34,19 @@ inline SurfacePoint surface_point(const Object& object, const Vec3& tool, double
                       : surface_point(object.shape, object.felt_from, position, memory);
 }
 
+/// touch() in two parts. False when free, and then nothing is written to them.
+bool touch(const Object& object, const Tool& tool, ContactMemory& memory, double radius,
+           Vec3& elastic, Vec3& frictional) noexcept;
+
 /// touch(), added to `sum`. Each object of a scene comes by here with each sample; most are springs
 /// and are not touched, and cost a look.
 inline void add_touch(const Object& object, const Tool& tool, ContactMemory& memory, double radius,
                       Command& sum) noexcept {
   if (!object.material.is_spring()) {
-    const Command command = touch(object, tool, memory, radius);
-    sum.elastic += command.elastic;
-    sum.frictional += command.frictional;
+    Vec3 elastic, frictional;
+    if (!touch(object, tool, memory, radius, elastic, frictional)) return;
+    sum.elastic += elastic;
+    sum.frictional += frictional;
     return;
   }
   const SurfacePoint surface = surface_point(object, tool.position, radius, memory.feature);
