@@ -132,6 +132,8 @@ Joined join(const ServerAccess& server, const control::JoinRequest& request,
                        ", which is none; have the server listen on a lower port");
   if (accepted->suite == CipherSuite::aes_256_gcm && !wanted.aes_256_gcm)
     throw LastingError(name + " chose a cipher that this machine does not have");
+  if (!wanted.tool.empty() && accepted->tool != wanted.tool)
+    throw LastingError(name + " knows of no tools to choose from; join without naming one");
   try {
     validate(accepted->parameters);
   } catch (const std::invalid_argument& error) {

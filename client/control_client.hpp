@@ -23,9 +23,9 @@ class SessionError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// One that asking again would not mend: the token, the role, the scene, the device or the
-/// parameters are refused, or one end's certificate is not good. What is full, limited or away may
-/// be there again.
+/// One that asking again would not mend: the token, the role, the scene, the tool, the device or
+/// the parameters are refused, or one end's certificate is not good. What is full, limited or away
+/// may be there again.
 class LastingError : public SessionError {
  public:
   using SessionError::SessionError;

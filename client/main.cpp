@@ -181,10 +181,10 @@ int run(const ClientOptions& options) {
   std::unique_ptr<Device> device = make_device(options);
   const Signals signals;
 
-  Joined joined =
-      join(options.server,
-           {options.name, options.scene, device->spec(), options.parameters, options.role},
-           kControlTimeout);
+  control::JoinRequest wanted{options.name, options.scene, device->spec(), options.parameters,
+                              options.role};
+  wanted.tool = options.tool;
+  Joined joined = join(options.server, wanted, kControlTimeout);
   Transport transport(
       {joined.datagrams, joined.accepted.session, joined.keys}, joined.accepted.parameters,
       device->spec().rotation_sensed > 0,
@@ -202,10 +202,8 @@ int run(const ClientOptions& options) {
 
     constexpr std::size_t kSessionRoom = 4;
     Ring<SessionAddress> sessions(kSessionRoom);
-    Rejoiner rejoiner(
-        options.server,
-        {options.name, options.scene, device->spec(), joined.accepted.parameters, options.role},
-        sessions);
+    wanted.parameters = joined.accepted.parameters;
+    Rejoiner rejoiner(options.server, wanted, sessions);
     const LoopOptions loop{.duration = from_seconds(options.duration),
                            .silence_timeout = from_seconds(joined.accepted.silence_timeout),
                            .patience = from_seconds(options.patience),
@@ -237,7 +235,7 @@ int run(const ClientOptions& options) {
       write_whole(*options.report,
                   report_json({options.name, options.scene, to_string(options.server.endpoint),
                                options.device_kind, real_time, joined.accepted.stiffness,
-                               options.busy_poll, records.sight()},
+                               options.busy_poll, records.sight(), joined.accepted.tool},
                               servo, transport.statistics(), *result, transport.link()));
     const int code = conclude(options, servo, *result, rejoiner.refusal());
     return records.failed() ? 1 : code;

@@ -184,6 +184,8 @@ std::variant<ClientOptions, int> parse_options(int argc, char** argv) {
   add_credential_options(app, words.credentials);
   app.add_flag("--list", options.list, "List the server's scenes and end");
   app.add_option("--scene", words.scene, "Name of the scene to join");
+  app.add_option("--tool", options.tool,
+                 "Name of the tool to hold, of those that the scene has; its first when not given");
   app.add_option("--role", words.role,
                  "operator, or observer: feels nothing, moves nothing and is shown the scene; what "
                  "the token is for")

@@ -22,6 +22,7 @@ struct ClientOptions {
   bool list = false;  // list the scenes, nothing else
   std::string name = "feltwire-client";
   std::string scene;
+  std::string tool;                                 // that the hand holds; empty: the scene's first
   Role role = Role::operator_;                      // or observer
   std::string device_kind;                          // as given
   std::variant<HandTask, ReplayFile> device;        // simulated hand, or a recording

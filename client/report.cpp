@@ -135,7 +135,8 @@ Json server(const Servo& servo) {
           {"bound_active", reply.active},
           {"saturated", reply.saturated},
           {"refused", reply.refused},
-          {"gap", reply.gap}};
+          {"gap", reply.gap},
+          {"recovering", reply.recovering}};
 }
 
 Json local_model(const Servo& servo) {
@@ -269,6 +270,7 @@ std::string report_json(const RunDescription& run, const Servo& servo,
   Json report = {
       {"client", run.client},
       {"scene", run.scene},
+      {"tool", run.tool.empty() ? Json(nullptr) : Json(run.tool)},
       {"server", run.server},
       {"device", device(run.device_kind, servo.spec())},
       {"duration_s", number(loop.duration)},
@@ -305,6 +307,7 @@ std::string report_json(const RunDescription& run, const Servo& servo,
       {"refused_samples", s.refused},
       {"device_faults", s.device_faults},
       {"replies_refused", s.replies_refused},
+      {"scene_resets", s.scene_resets},
       {"records_dropped", loop.records_dropped},
       {"disconnections", loop.disconnections},
       {"reconnections", loop.reconnections},

@@ -22,6 +22,7 @@ struct RunDescription {
   double scene_stiffness = 0.0;  // [N/m] of the stiffest surface; 0: the server did not say
   double busy_poll = 0.0;        // [us] asked for; infinity: never asleep
   std::optional<SightCounts> sight = std::nullopt;  // of an observer
+  std::string tool = {};                            // by its name; empty: it has none
 };
 
 /// The report's text. Every number in it is finite; what there is no number for is null. `link`:

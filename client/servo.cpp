@@ -121,6 +121,7 @@ bool Servo::take(const Reply& reply, Nanoseconds arrival) noexcept {
   }
   const Command let_go = newest_.command, rates = newest_.rates;
   const bool predicted = newest_.predicted;
+  statistics_.scene_resets += reply.recovering && !newest_.recovering ? 1 : 0;
   newest_ = reply;
   const Sent& sent = sent_[reply.sample_index % kRemembered];
   const bool remembered = sent.index == reply.sample_index;

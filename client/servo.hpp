@@ -55,6 +55,7 @@ struct ServoStatistics {
   std::uint64_t refused = 0;          // ticks at which the bound met an absurd command or movement
   // Ticks at which these safety limits took something off what the bound let through.
   std::uint64_t waiting = 0, ramped = 0, slewed = 0, too_fast = 0, force_limited = 0;
+  std::uint64_t scene_resets = 0;  // times that replies began to say that what moves was put back
   // With a local model: models that came, their surfaces, and ticks at which the command was the
   // model's alone, its and the reply's together, and the reply's alone for want of reach.
   std::uint64_t models = 0, patches = 0, modelled = 0, half_modelled = 0, beyond_model = 0;

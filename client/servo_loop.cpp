@@ -295,7 +295,8 @@ class Loop {
          .energy = servo_.port().delivered().total(),
          .answered_lately =
              servo_.has_reply() && servo_.command_age() < 0.5 * servo_.parameters().hold_time,
-         .connected = !lost_});
+         .connected = !lost_,
+         .recovering = servo_.newest_reply().recovering});
   }
 
   Device& device_;

@@ -65,6 +65,7 @@ struct LiveStatus {
   double energy = 0.0;                                // [J] delivered to the hand so far
   bool answered_lately = false;                       // the command in use is not fading
   bool connected = true;                              // the session is not lost
+  bool recovering = false;  // what moves was put back, and is felt in part
 };
 
 /// What an observer was shown, and when.

@@ -29,6 +29,12 @@ double loss(const LiveStatus& status, const LiveStatus& before) {
   return samples > 0.0 ? kPercent * std::min(lost / samples, 1.0) : 0.0;
 }
 
+const char* ending(const LiveStatus& s) {
+  if (!s.connected) return "  reconnecting";
+  if (!s.answered_lately) return "  no answer";
+  return s.recovering ? "  what moves was put back" : "";
+}
+
 }  // namespace
 
 std::string text(const LiveStatus& s, const LiveStatus& before) {
@@ -43,10 +49,7 @@ std::string text(const LiveStatus& s, const LiveStatus& before) {
                 "energy %+.4f J%s",
                 s.time, rate, kNanosecondsInUs * s.round_trip_p50,
                 kNanosecondsInUs * s.round_trip_p99, up.c_str(), down.c_str(), loss(s, before),
-                s.force, s.energy,
-                !s.connected        ? "  reconnecting"
-                : s.answered_lately ? ""
-                                    : "  no answer");
+                s.force, s.energy, ending(s));
   return line.data();
 }
 

@@ -16,7 +16,7 @@ constexpr flatbuffers::uoffset_t kMaxDepth = 4, kMaxTables = 4;
 constexpr std::size_t kSmallestBuffer = 8;  // [bytes] a root offset and an empty table
 
 constexpr std::uint32_t kFlagActive = 1u << 0, kFlagSaturated = 1u << 1, kFlagRefused = 1u << 2,
-                        kFlagGap = 1u << 3;
+                        kFlagGap = 1u << 3, kFlagRecovering = 1u << 4;
 constexpr std::uint8_t kFlagTouching = 1u << 0, kFlagSlipping = 1u << 1, kFlagJoined = 1u << 2,
                        kFlagFaceted = 1u << 3, kFlagRough = 1u << 4;
 
@@ -206,7 +206,8 @@ Bytes Encoder::reply(const Reply& reply, const SceneView* view) {
   const wire::Vec3d torque = wire_double(reply.command.torque);
   const std::uint32_t flags = (reply.active ? kFlagActive : 0) |
                               (reply.saturated ? kFlagSaturated : 0) |
-                              (reply.refused ? kFlagRefused : 0) | (reply.gap ? kFlagGap : 0);
+                              (reply.refused ? kFlagRefused : 0) | (reply.gap ? kFlagGap : 0) |
+                              (reply.recovering ? kFlagRecovering : 0);
   const wire::BoundingReport report(reply.delivered.elastic, reply.delivered.frictional,
                                     reply.delivered.torque, static_cast<float>(reply.ratio), flags,
                                     reply.violations);
@@ -310,6 +311,7 @@ DropReason decode(Bytes payload, Reply& out, SceneView* view) noexcept {
   out.saturated = (report.flags() & kFlagSaturated) != 0;
   out.refused = (report.flags() & kFlagRefused) != 0;
   out.gap = (report.flags() & kFlagGap) != 0;
+  out.recovering = (report.flags() & kFlagRecovering) != 0;
   out.violations = report.violations();
   out.withheld = root->withheld();
   out.predicted = root->rates() != nullptr;

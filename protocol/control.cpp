@@ -39,10 +39,16 @@ bool read_enum(Wire wire, Enum& out) {
   return true;
 }
 
+/// One that may be left out is empty where it is not there.
 bool read_name(const flatbuffers::String* text, std::string& out) {
+  if (text == nullptr) return true;
   if (text->size() > kMaxName) return false;
   out.assign(text->c_str(), text->size());
   return true;
+}
+
+Offset<flatbuffers::String> name_if_any(FlatBufferBuilder& builder, const std::string& text) {
+  return text.empty() ? 0 : builder.CreateString(text);
 }
 
 wire::Vector vector(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
@@ -110,14 +116,17 @@ struct BodyBuilder {
     const auto parameters = build(builder, m.parameters);
     // By length, here and below: a name may hold a zero byte, and is then no shorter.
     const auto client = builder.CreateString(m.client), scene = builder.CreateString(m.scene);
+    const auto tool = name_if_any(builder, m.tool);
     return wire::CreateJoinRequest(builder, client, scene, device, parameters,
-                                   wire_enum<wire::Role>(m.role), m.aes_256_gcm);
+                                   wire_enum<wire::Role>(m.role), m.aes_256_gcm, tool);
   }
   Offset<wire::JoinAccepted> operator()(const JoinAccepted& m) {
     const wire::Vector position = vector(m.start_position), normal = vector(m.start_normal);
-    return wire::CreateJoinAccepted(builder, m.session, m.port_offset, build(builder, m.parameters),
+    const auto parameters = build(builder, m.parameters);
+    const auto tool = name_if_any(builder, m.tool);
+    return wire::CreateJoinAccepted(builder, m.session, m.port_offset, parameters,
                                     m.silence_timeout, m.friction, m.rotation, &position, &normal,
-                                    m.stiffness, wire_enum<wire::CipherSuite>(m.suite));
+                                    m.stiffness, wire_enum<wire::CipherSuite>(m.suite), tool);
   }
   Offset<wire::LeaveRequest> operator()(const LeaveRequest& m) {
     return wire::CreateLeaveRequest(builder, m.session);
@@ -217,9 +226,9 @@ bool read(const wire::SessionParameters& from, SessionParameters& to) {
 
 bool read(const wire::JoinRequest& from, JoinRequest& to) {
   to.aes_256_gcm = from.aes_256_gcm();
-  return read_name(from.client(), to.client) && read_name(from.scene(), to.scene) &&
-         read(*from.device(), to.device) && read(*from.parameters(), to.parameters) &&
-         read_enum(from.role(), to.role);
+  return read_name(from.tool(), to.tool) && read_name(from.client(), to.client) &&
+         read_name(from.scene(), to.scene) && read(*from.device(), to.device) &&
+         read(*from.parameters(), to.parameters) && read_enum(from.role(), to.role);
 }
 bool read(const wire::JoinAccepted& from, JoinAccepted& to) {
   to.session = from.session();
@@ -233,7 +242,7 @@ bool read(const wire::JoinAccepted& from, JoinAccepted& to) {
   to.suite = static_cast<CipherSuite>(from.suite());
   // Numbered from 1: there is no suite of number 0.
   return from.suite() >= wire::CipherSuite::MIN && from.suite() <= wire::CipherSuite::MAX &&
-         read(*from.parameters(), to.parameters);
+         read_name(from.tool(), to.tool) && read(*from.parameters(), to.parameters);
 }
 bool read(const wire::LeaveRequest& from, LeaveRequest& to) {
   to.session = from.session();
@@ -384,15 +393,6 @@ std::optional<Message> decode(Bytes body) {
       break;
   }
   return std::nullopt;
-}
-
-const char* name(RefusalCode code) {
-  static constexpr std::array<const char*, 12> names = {
-      "malformed",      "unknown_scene", "unknown_session", "bad_device",
-      "bad_parameters", "full",          "shutting_down",   "unauthenticated",
-      "forbidden",      "too_many",      "not_supported",   "bad_scene"};
-  const auto i = static_cast<std::size_t>(code);
-  return i < names.size() ? names[i] : "unknown";
 }
 
 }  // namespace feltwire::control

@@ -19,7 +19,7 @@ namespace feltwire::control {
 
 inline constexpr std::size_t kMaxFrame = std::size_t{64} * 1024;  // [bytes] body of a frame
 inline constexpr std::size_t kFrameLengthSize = 4;                // [bytes] the u32 before it
-inline constexpr std::size_t kMaxName = 128;    // [bytes] of a client, scene or device name
+inline constexpr std::size_t kMaxName = 128;    // [bytes] of a client, scene, device or tool name
 inline constexpr std::size_t kMaxScenes = 256;  // of one server
 /// [bytes] body of a frame before the token was shown: strangers get no work done with a long one.
 inline constexpr std::size_t kMaxFirstFrame = 512;
@@ -32,6 +32,7 @@ struct JoinRequest {
   SessionParameters parameters;
   Role role = Role::operator_;
   bool aes_256_gcm = false;  // this CPU does it well; ChaCha20-Poly1305 every client can
+  std::string tool = {};     // that the hand holds; empty: the scene's first
 };
 struct JoinAccepted {
   std::uint64_t session = 0;
@@ -43,6 +44,7 @@ struct JoinAccepted {
   Vec3 start_normal = Vec3::UnitZ();   // unit, of the surface there
   double stiffness = 0.0;              // [N/m] of the scene's stiffest surface; 0: not said
   CipherSuite suite = CipherSuite::chacha20_poly1305;  // that the datagrams are sealed with
+  std::string tool;  // that the hand holds; empty: the scene's only one
 };
 struct LeaveRequest {
   std::uint64_t session = 0;
@@ -79,7 +81,8 @@ enum class RefusalCode : std::uint8_t {
   forbidden,
   too_many,
   not_supported,
-  bad_scene
+  bad_scene,
+  unknown_tool
 };
 struct Refused {
   RefusalCode code = RefusalCode::malformed;

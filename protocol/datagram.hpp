@@ -62,6 +62,7 @@ struct Reply {
   ChannelEnergy delivered;  // [J] at the real port so far, from the held forces the client reported
   double ratio = 1.0;       // |rendered| / |commanded|, float32 on the wire
   bool active = false, saturated = false, refused = false, gap = false;
+  bool recovering = false;  // what moves was put back to a good state, and is felt in part
   std::uint64_t violations = 0;
   std::uint64_t withheld = 0;  // datagrams that needed no reply (deadband), so far
   bool predicted = false;      // `rates` travel too

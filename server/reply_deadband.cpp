@@ -48,6 +48,7 @@ bool ReplyDeadband::withhold(Reply& reply) noexcept {
   if (reply.modelled) model_ = reply.model;
   refused_ = reply.refused;
   saturated_ = reply.saturated;
+  recovering_ = reply.recovering;
   since_ = 0.0;
   return false;
 }
@@ -59,6 +60,7 @@ bool ReplyDeadband::differs(const Reply& reply) const noexcept {
   const double next = (p.packet_interval - 0.5) * p.servo_period;
   if (!(since_ + next < p.keep_alive)) return true;
   if (reply.gap || reply.refused != refused_ || reply.saturated != saturated_) return true;
+  if (reply.recovering || recovering_) return true;
   if (acts(reply.command) != acts(command_)) return true;
   if (reply.modelled && reply.model.reach > 0.0) {
     const double unfelt = p.force_deadband * length(reply.command.force()) + kUnfeltForce;

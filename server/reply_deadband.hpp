@@ -19,7 +19,7 @@ bool describes(const LocalModel& sent, const LocalModel& now, double since, doub
 /// Replies get lost, and the server does not hear of it: what the client really holds may then be
 /// the reply before, and wrong by more. It is so for keep_alive at most, then a reply is sent
 /// whatever it says. Sent at once is also whatever begins or ends: contact, a refusal, saturation;
-/// a gap.
+/// a gap; and all while what moves was put back, for then surfaces change that no model tells of.
 ///
 /// A client with a local model makes the force itself where it is: what it must be told is not the
 /// force but surfaces that the model it has does not describe any more, or that the tool is half
@@ -47,7 +47,7 @@ class ReplyDeadband {
   SessionParameters parameters_;
   CommandTrend trend_;
   // What the client was sent last.
-  bool any_ = false, refused_ = false, saturated_ = false;
+  bool any_ = false, refused_ = false, saturated_ = false, recovering_ = false;
   Command command_, rates_;
   LocalModel model_;    // of reach 0: none
   double since_ = 0.0;  // [s] of the client's samples since that reply's

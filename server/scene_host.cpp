@@ -22,6 +22,7 @@ constexpr int kBatchesAtOnce = 16;  // then whoever posted has a turn: some 2 ms
 constexpr unsigned kTurnsBetweenLooks = 32;
 // More than a datagram may have, so that a longer one is seen to be longer.
 constexpr std::size_t kReceiveSize = kMaxDatagram + sizeof(std::uint64_t);
+constexpr double kMilliseconds = 1e3;  // of a second
 constexpr int kSocketBuffer =
     1 << 20;  // [bytes] a burst of some 5000 samples waits rather than is lost
 
@@ -129,10 +130,15 @@ void SceneHost::ask(control::Message request, std::uint64_t id, const SessionKey
 void SceneHost::reload(Scene scene) {
   asio::post(io_, [this, next = std::make_unique<const Scene>(std::move(scene))]() mutable {
     if (closing_) return;
-    sessions_.enter(*next, monotonic_now());
+    const auto farewells = sessions_.enter(*next, monotonic_now());
+    say(farewells);
+    if (!farewells.empty())
+      spdlog::info("scene {}: sessions that ended, for it has their tool no more: {}", name_,
+                   farewells.size());
     scene_ = std::move(next);
     objects_ = static_cast<std::uint32_t>(scene_->objects().size());
-    resets_told_ = 0;
+    publish();  // a session may have lost its tool
+    told_ = {.ticks_dropped = sessions_.ticks_dropped()};
     await_tick();
   });
 }
@@ -259,15 +265,35 @@ void SceneHost::await_tick() {
     ticking_ = false;
     if (error || sessions_.world() == nullptr) return;  // nothing moves in a scene reloaded since
     sessions_.tick(monotonic_now());
-    const std::uint64_t resets = sessions_.world()->counters().resets;
-    if (resets > resets_told_)
-      spdlog::warn(
-          "scene {}: a step of what moves came to nothing sane; it is back in its last good "
-          "state, at rest ({} times so far)",
-          name_, resets);
-    resets_told_ = resets;
+    tell_of_world();
     await_tick();
   });
+}
+
+/// What goes on and on is told when there is twice as much of it.
+void SceneHost::tell_of_world() {
+  const WorldCounters& now = sessions_.world()->counters();
+  if (now.resets > told_.resets)
+    spdlog::warn(
+        "scene {}: a step of what moves came to nothing sane; it is back in its last good "
+        "state, at rest ({} times so far)",
+        name_, now.resets);
+  told_.resets = now.resets;
+  const std::uint64_t dropped = sessions_.ticks_dropped();
+  if (dropped >= std::max<std::uint64_t>(1, 2 * told_.ticks_dropped)) {
+    spdlog::warn(
+        "scene {}: what moves cannot keep up with time and goes slower: {} ticks of {} ms dropped "
+        "so far, of {}; fewer bodies that touch, or a longer tick, would help",
+        name_, dropped, kMilliseconds * sessions_.world()->tick(), dropped + now.steps);
+    told_.ticks_dropped = dropped;
+  }
+  if (now.warnings >= std::max<std::uint64_t>(1, 2 * told_.warnings)) {
+    spdlog::warn(
+        "scene {}: MuJoCo left out contacts that it had no room for, or met a singular inertia ({} "
+        "times so far); bodies may pass through each other",
+        name_, now.warnings);
+    told_.warnings = now.warnings;
+  }
 }
 
 void SceneHost::say(const std::vector<SceneSessions::Farewell>& farewells) noexcept {

@@ -65,8 +65,8 @@ class SceneHost {
   /// which must outlive this host's thread. From any thread.
   void ask(control::Message request, std::uint64_t id, const SessionKeys& keys,
            asio::io_context& back, Completion completion);
-  /// Has all sessions go on in another scene, which keeps this one's name. Their bounds go on, so
-  /// that the change gives no hand energy. From any thread.
+  /// Has all sessions go on in another scene, which keeps this one's name; those end whose tool it
+  /// does not have. Their bounds go on, so that the change gives no hand energy. From any thread.
   void reload(Scene scene);
   /// Ends a session with a goodbye, if it is there. From any thread.
   void evict(std::uint64_t session);
@@ -90,6 +90,7 @@ class SceneHost {
     if (!sessions_.ended().empty()) tell_ended();
   }
   void tell_ended();
+  void tell_of_world();
   void say(const std::vector<SceneSessions::Farewell>& farewells) noexcept;
   SceneSummary count() const;
   struct Batch;
@@ -105,9 +106,11 @@ class SceneHost {
   asio::ip::udp::socket socket_{io_};
   asio::steady_timer silence_timer_{io_};
   asio::steady_timer tick_timer_{io_};
-  bool ticking_ = false;           // it waits; the scene's thread only
-  std::uint64_t resets_told_ = 0;  // of the world, that the log has
-  std::unique_ptr<Batch> batch_;   // buffers of one exchange
+  bool ticking_ = false;  // it waits; the scene's thread only
+  struct Told {           // of the world, that the log has
+    std::uint64_t resets = 0, ticks_dropped = 0, warnings = 0;
+  } told_;
+  std::unique_ptr<Batch> batch_;  // buffers of one exchange
   std::uint16_t port_ = 0;
   std::uint64_t unsent_ = 0;
   bool closing_ = false;  // the scene's thread only

@@ -39,6 +39,14 @@ control::RefusalCode refusal_code(const control::JoinRequest& request) {
   return control::RefusalCode::bad_parameters;
 }
 
+std::string no_such_tool(const Scene& scene, const std::string& asked) {
+  const std::string what = "there is no tool '" + asked + "' in scene '" + scene.name() + "'; ";
+  if (scene.tool().name.empty()) return what + "all hands hold the same there: ask for none";
+  std::string names = scene.tool().name;
+  for (const auto& other : scene.others()) names += ", " + other->tool().name;
+  return what + "those there are: " + names;
+}
+
 }  // namespace
 
 control::Refused unknown_session(std::uint64_t id) {
@@ -54,8 +62,9 @@ struct SceneSessions::Seat {
   Opener opener;  // of what comes
   Sealer sealer;  // of what goes
   SampleRate rate;
-  Peer peer;    // of the newest datagram with a newer sample
-  Watch watch;  // of an observer
+  Peer peer;         // of the newest datagram with a newer sample
+  Watch watch;       // of an observer
+  std::string tool;  // that was asked for; empty: the scene's first
 };
 
 /// Where and when a datagram came.
@@ -93,13 +102,17 @@ void SceneSessions::make_world() {
   tick_ = from_seconds(world_->tick());
 }
 
-void SceneSessions::enter(const Scene& scene, Nanoseconds now) {
+std::vector<SceneSessions::Farewell> SceneSessions::enter(const Scene& scene, Nanoseconds now) {
+  std::vector<Farewell> farewells;
+  for (std::size_t i = seats_.size(); i-- > 0;)
+    if (scene.held(seats_[i]->tool) == nullptr) farewells.push_back(take_away(*seats_[i]));
   if (world_ != nullptr) add(counters_.world, world_->counters());
   const std::unique_ptr<World> before = std::move(world_);  // until no session is in it any more
   scene_ = &scene;
   make_world();
   last_tick_ = now;
-  for (const auto& seat : seats_) seat->session.enter(scene, world_.get());
+  for (const auto& seat : seats_) seat->session.enter(*scene.held(seat->tool), world_.get());
+  return farewells;
 }
 
 SceneSessions::~SceneSessions() = default;
@@ -143,17 +156,22 @@ control::Message SceneSessions::join(control::JoinRequest request, std::uint64_t
     return control::Refused{control::RefusalCode::full,
                             "scene '" + scene_->name() + "' has all its " +
                                 std::to_string(max_sessions_) + " sessions; try again later"};
+  const Scene* held = scene_->held(request.tool);
+  if (held == nullptr)
+    return control::Refused{control::RefusalCode::unknown_tool,
+                            no_such_tool(*scene_, request.tool)};
   try {
     request.parameters = granted(request.parameters);
     auto seat = std::make_unique<Seat>(
         Seat{id,
-             Session(request, *scene_, world_.get()),
+             Session(request, *held, world_.get()),
              now,
              Opener(keys.suite, keys.up, 0, limits_.forgeries),
              Sealer(keys.suite, keys.down),
              SampleRate(request.parameters.servo_period, limits_.sample_rate),
              {},
-             {}});
+             {},
+             request.tool});
     if (!by_id_.insert(id, seat.get()))
       return control::Refused{control::RefusalCode::full, "no session id is free; try again"};
     if (seats_.empty()) last_tick_ = now;
@@ -169,11 +187,12 @@ control::Message SceneSessions::join(control::JoinRequest request, std::uint64_t
   accepted.session = id;
   accepted.parameters = request.parameters;
   accepted.silence_timeout = std::chrono::duration<double>(silence_timeout_).count();
-  accepted.friction = scene_->requirements().friction;
-  accepted.rotation = scene_->requirements().rotation;
-  accepted.start_position = scene_->start().position;
-  accepted.start_normal = scene_->start().normal;
-  accepted.stiffness = scene_->requirements().stiffness;
+  accepted.friction = held->requirements().friction;
+  accepted.rotation = held->requirements().rotation;
+  accepted.start_position = held->start().position;
+  accepted.start_normal = held->start().normal;
+  accepted.stiffness = held->requirements().stiffness;
+  accepted.tool = held->tool().name;
   return accepted;
 }
 
@@ -184,11 +203,14 @@ Bytes SceneSessions::drop(DropReason reason) noexcept {
 
 void SceneSessions::tick(Nanoseconds now) noexcept {
   if (world_ == nullptr || seats_.empty()) return;
-  const auto late = (now - last_tick_) / tick_ - kMostTicks;
+  const auto due = (now - last_tick_) / tick_;
+  if (due == 0) return;
+  const auto late = due - most_ticks_;
   if (late > 0) [[unlikely]] {
     last_tick_ += late * tick_;
     counters_.ticks_dropped += static_cast<std::uint64_t>(late);
   }
+  most_ticks_ = late > 0 ? std::max(1, most_ticks_ / 2) : std::min(kMostTicks, 2 * most_ticks_);
   while (now - last_tick_ >= tick_) {
     for (const auto& seat : seats_) seat->session.push(seconds(last_tick_ - seat->last_heard));
     world_->step();
@@ -298,10 +320,15 @@ std::vector<SceneSessions::Farewell> SceneSessions::expire(Nanoseconds now) {
 std::vector<SceneSessions::Farewell> SceneSessions::evict(std::uint64_t id) {
   Seat** seat = by_id_.find(id);
   if (seat == nullptr) return {};
-  std::vector<Farewell> farewells = {farewell(**seat, GoodbyeReason::evicted)};
+  return {take_away(**seat)};
+}
+
+/// Ends a session, and says so to its client.
+SceneSessions::Farewell SceneSessions::take_away(Seat& seat) {
+  Farewell goodbye = farewell(seat, GoodbyeReason::evicted);
   ++counters_.evicted;
-  end(**seat);
-  return farewells;
+  end(seat);
+  return goodbye;
 }
 
 std::vector<SceneSessions::Farewell> SceneSessions::shut_down() {

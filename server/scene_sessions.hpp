@@ -37,7 +37,7 @@ struct SessionLimits {
 struct SceneCounters {
   std::uint64_t sessions_served = 0;
   // How they ended: by goodbye or request, by silence, by flooding, by too many forgeries, by an
-  // admin or because their token is good no more.
+  // admin or because their token is good no more or their tool is in the scene no more.
   std::uint64_t left = 0, silent = 0, flooded = 0, forged = 0, evicted = 0;
   std::uint64_t datagrams = 0;      // received
   std::uint64_t violations = 0;     // of the energy bound at the real ports
@@ -69,23 +69,28 @@ class SceneSessions {
 
   /// Steps what moves up to `now`, each session's push with it; so does every datagram received.
   /// While nobody is here time stands still. After a stall at most kMostTicks are made up for, the
-  /// rest of the time is dropped. Never allocates.
+  /// rest of the time is dropped; where that happens again and again, as ticks take longer than
+  /// they last, half as many each time, so that hands wait for one tick and not for twenty. Never
+  /// allocates, but where what moves needs more room than ever before (docs/moving.md).
   void tick(Nanoseconds now) noexcept;
   /// When there is something to step next; nothing moves, or nobody is here: never.
   std::optional<Nanoseconds> next_tick() const;
   static constexpr int kMostTicks = 20;
+  /// Of what moves, since there are sessions here.
+  std::uint64_t ticks_dropped() const { return counters_.ticks_dropped; }
   /// The run of what moves; null: nothing does.
   const World* world() const { return world_.get(); }
-
-  /// All sessions go on in another scene, where nothing has moved yet. It must outlive this; the
-  /// one before is not looked at any more. Allocates.
-  void enter(const Scene& scene, Nanoseconds now);
 
   /// A goodbye and whom it is for.
   struct Farewell {
     Peer to;
     std::vector<std::uint8_t> datagram;
   };
+  /// All sessions go on in another scene, where nothing has moved yet, with the tools that they
+  /// asked for; those end whose tool it does not have. It must outlive this; the one before is not
+  /// looked at any more. Allocates.
+  std::vector<Farewell> enter(const Scene& scene, Nanoseconds now);
+
   /// Ends the sessions that have been silent for too long, that flooded, or under whose id too much
   /// came that was not theirs.
   std::vector<Farewell> expire(Nanoseconds now);
@@ -116,6 +121,7 @@ class SceneSessions {
   struct Ending;
   std::optional<Ending> ending(const Seat& seat, Nanoseconds now) const noexcept;
   void end(Seat& seat) noexcept;
+  Farewell take_away(Seat& seat);
   Bytes drop(DropReason reason) noexcept;
   Farewell farewell(Seat& seat, GoodbyeReason reason);
 
@@ -126,6 +132,7 @@ class SceneSessions {
   SessionLimits limits_;
   std::unique_ptr<World> world_;
   Nanoseconds tick_{0}, last_tick_{0};        // of the world: length, time
+  int most_ticks_ = kMostTicks;               // that are made up for now
   std::vector<std::unique_ptr<Seat>> seats_;  // in the order they joined
   std::vector<ActingHand> hands_;             // of those, without the observers'
   IdMap<Seat*> by_id_;

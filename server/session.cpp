@@ -73,7 +73,7 @@ Session::Session(const control::JoinRequest& request, const Scene& scene, World*
       scene_(&scene),
       world_(world),
       contacts_(scene.memory()),
-      grasp_(world != nullptr ? world->grasp() : Grasp{}),
+      grasp_(world != nullptr ? world->grasp(scene) : Grasp{}),
       bounding_(bounding_config(parameters_, device_)),
       velocity_(parameters_.velocity_cutoff),
       observer_(observer(bounding_.config())),
@@ -102,10 +102,12 @@ Taken Session::take(const SampleBatch& batch, Nanoseconds now) noexcept {
   reply.rotation = device_.rotation_actuated > 0;
   reply.modelled = parameters_.local_model && !observes_;
   if (reply.modelled)
-    reply.model = world_ != nullptr ? local_model(*world_, last_.pose.position, contacts_)
-                                    : local_model(*scene_, last_.pose.position, contacts_);
+    reply.model = world_ != nullptr
+                      ? local_model(*world_, last_.pose.position, contacts_, grasp_.held)
+                      : local_model(*scene_, last_.pose.position, contacts_);
   reply.delivered = delivered();
   reply.violations = violations();
+  reply.recovering = world_ != nullptr && world_->recovering();
   taken.withheld = deadband_.withhold(reply);
   ++(taken.withheld ? counters_.withheld : counters_.replies);
   reply.withheld = counters_.withheld;
@@ -189,7 +191,7 @@ void Session::enter(const Scene& scene, World* world) {
   scene_ = &scene;
   world_ = world;
   contacts_ = scene.memory();
-  grasp_ = world != nullptr ? world->grasp() : Grasp{};
+  grasp_ = world != nullptr ? world->grasp(scene) : Grasp{};
   body_ = {};
   deadband_ = ReplyDeadband(parameters_);  // what was said of the old one is no more
 }

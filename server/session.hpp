@@ -32,9 +32,10 @@ struct Taken {
 
 class Session {
  public:
-  /// The scene must outlive the session, and so must the `world`, the one run of it where something
-  /// moves. Throws std::invalid_argument naming the field, the value
-  /// and the remedy when the device, the parameters or both together are not possible.
+  /// The scene as it is for the tool that the hand holds (Scene::held) must outlive the session,
+  /// and so must the `world`, the one run of it where something moves. Throws std::invalid_argument
+  /// naming the field, the value and the remedy when the device, the parameters or both together
+  /// are not possible.
   Session(const control::JoinRequest& request, const Scene& scene, World* world = nullptr);
 
   /// Takes the samples that are new, oldest first, and answers the newest. `now` [ns] is the

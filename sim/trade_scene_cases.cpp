@@ -1,4 +1,5 @@
 #include <numbers>
+#include <optional>
 #include <utility>
 
 #include "core/geometry/distance_grid.hpp"
@@ -81,11 +82,10 @@ SceneCase held(std::string what, std::string need, double radius, std::size_t po
 }
 
 constexpr int kPebbleRow = 10;
-constexpr double kPebblesApart = 0.1;  // [m]
+constexpr double kPebblesApart = 0.1, kSmall = 0.02;  // [m] of their middles; their radius
 
 /// Small balls beyond the hand's reach.
 Object pebble(std::size_t i) {
-  constexpr double kSmall = 0.02;  // [m]
   const auto n = static_cast<int>(i);
   Object object;
   object.name = "pebble " + std::to_string(i);
@@ -97,6 +97,10 @@ Object pebble(std::size_t i) {
   return object;
 }
 
+Shape mesh_pebble() {
+  return Mesh{std::make_shared<const MeshSurface>(TriangleMesh(icosphere(kSmall, 3)))};
+}
+
 SceneCase many(std::size_t count, std::vector<std::string> needs) {
   return {std::to_string(count) + " objects", std::move(needs), [count] {
             auto objects = base_objects();
@@ -106,8 +110,11 @@ SceneCase many(std::size_t count, std::vector<std::string> needs) {
 }
 
 /// The ball is a body, so heavy that it stays; others float beside it.
-SceneCase moving(std::size_t count) {
-  return {count == 1 ? "1 body" : std::to_string(count) + " bodies", {"motion"}, [count] {
+SceneCase moving(std::size_t count, const std::optional<Shape>& pebbles = {},
+                 std::vector<std::string> needs = {"motion"}) {
+  const std::string what =
+      count == 1 ? "1 body" : std::to_string(count) + (pebbles ? " mesh bodies" : " bodies");
+  return {what, std::move(needs), [count, pebbles] {
             constexpr double kStays = 1e6, kLight = 0.1;  // [kg]
             auto objects = base_objects();
             std::vector<int> body_of(objects.size(), -1);
@@ -117,6 +124,7 @@ SceneCase moving(std::size_t count) {
             bodies[0].mass = kStays;
             for (std::size_t i = 1; i < count; ++i) {
               objects.push_back(pebble(i));
+              if (pebbles) objects.back().shape = *pebbles;
               body_of.push_back(static_cast<int>(i));
               bodies[i].name = objects.back().name;
               bodies[i].pose = objects.back().pose;
@@ -171,7 +179,10 @@ std::vector<SceneCase> scene_cases() {
       held("tool: ball of 1000 points", "a body in the hand", 10.0 * kMillimetre, 1000),
       held("tool: ball of 10000 points", "a body in the hand", 10.0 * kMillimetre, 10'000),
       moving(1),
+      moving(10),
       moving(100),
+      moving(1000),
+      moving(100, mesh_pebble(), {"motion", "triangles"}),
       many(15, {}),
       many(16, {"a tree over the objects"}),
       many(1000, {"a tree over the objects"}),

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/contact/mesh_contact.hpp"
 #include "core/geometry/signed_distance.hpp"
 #include "core/numeric.hpp"
 
@@ -55,6 +56,8 @@ SurfacePoint ball_surface(const Shape& shape, Side side, const Vec3& p, double r
     return under(surface_point(Capsule{c->radius + grown, c->half_length}, side, p, memory),
                  radius);
   if (const auto* grid = std::get_if<Grid>(&shape)) return sampled(*grid, side, p, radius, memory);
+  if (const auto* mesh = std::get_if<Mesh>(&shape))
+    return mesh_surface_point(*mesh->surface, side, p, memory, radius);
   if (outside) return rounded(shape, side, p, radius, memory);
   if (const auto* b = std::get_if<Box>(&shape))
     return under(surface_point(Box{b->half_extents - Vec3::Constant(radius)}, side, p, memory),

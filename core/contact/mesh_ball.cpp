@@ -26,10 +26,10 @@ constexpr double kTolerance = 0.1;  // of planes, of what is exact
 
 class Ball {
  public:
-  Ball(const MeshSurface& surface, std::int8_t sides, const Vec3& goal, Stand& stand)
+  Ball(const MeshSurface& surface, double radius, std::int8_t sides, const Vec3& goal, Stand& stand)
       : surface_(surface),
         mesh_(surface.mesh()),
-        radius_(surface.options().radius),
+        radius_(radius),
         exact_(kExact * radius_),
         sides_(sides),
         goal_(goal),
@@ -217,9 +217,9 @@ class Ball {
 
 }  // namespace
 
-void move_ball(const MeshSurface& surface, std::int8_t sides, const Vec3& goal,
+void move_ball(const MeshSurface& surface, double radius, std::int8_t sides, const Vec3& goal,
                Stand& stand) noexcept {
-  Ball(surface, sides, goal, stand).run();
+  Ball(surface, radius, sides, goal, stand).run();
 }
 
 }  // namespace feltwire

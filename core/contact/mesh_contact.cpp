@@ -27,9 +27,8 @@ Stand first_stand(const MeshSurface& surface, std::int8_t sides, const Vec3& goa
 
 /// For a ball, a tool in the solid or nearer to it than its radius begins in front of the nearest
 /// point.
-Stand first_ball(const MeshSurface& surface, std::int8_t sides, const Vec3& goal) {
+Stand first_ball(const MeshSurface& surface, double radius, std::int8_t sides, const Vec3& goal) {
   Stand stand = first_stand(surface, sides, goal);
-  const double radius = surface.options().radius;
   if (stand.side != 0) {
     stand.point += radius * stand.side * triangle_normal(surface.mesh().corners(stand.triangle));
     return stand;
@@ -118,16 +117,17 @@ void approach_from(const MeshSurface& surface, const Vec3& position,
 }
 
 SurfacePoint mesh_surface_point(const MeshSurface& surface, Side felt_from, const Vec3& position,
-                                FeatureMemory& memory) noexcept {
+                                FeatureMemory& memory, double radius) noexcept {
   const Vec3 goal = position - surface.mesh().origin();
   if (!goal.allFinite()) return {};
-  const bool ball = surface.options().radius > 0.0;
+  const double around = surface.options().radius + radius;
+  const bool ball = around > 0.0;
   const std::int8_t sides = sides_of(surface, felt_from);
   Stand stand{memory.proxy, memory.triangle, memory.side, false};
   if (!memory.tracked)
-    stand = ball ? first_ball(surface, sides, goal) : first_stand(surface, sides, goal);
+    stand = ball ? first_ball(surface, around, sides, goal) : first_stand(surface, sides, goal);
   if (ball)
-    move_ball(surface, sides, goal, stand);
+    move_ball(surface, around, sides, goal, stand);
   else
     move_point(surface, sides, goal, stand);
 

@@ -13,9 +13,10 @@
 
 namespace feltwire {
 
-/// The proxy of a point [m, object frame]; see surface_point().
+/// The proxy of a point [m, object frame], see surface_point(); or of a ball of `radius` [m] about
+/// it, beside the radius that the surface has of its own: the proxy is then the ball's middle.
 SurfacePoint mesh_surface_point(const MeshSurface& surface, Side felt_from, const Vec3& position,
-                                FeatureMemory& memory) noexcept;
+                                FeatureMemory& memory, double radius = 0.0) noexcept;
 
 /// A mesh has no memory of where a tool was that was not asked about: this tells it. [m, object
 /// frame]
@@ -34,8 +35,8 @@ struct Stand {
 void move_point(const MeshSurface& surface, std::int8_t sides, const Vec3& goal,
                 Stand& stand) noexcept;
 
-/// The same for the middle of a ball of the surface's radius.
-void move_ball(const MeshSurface& surface, std::int8_t sides, const Vec3& goal,
+/// The same for the middle of a ball of `radius` [m], > 0.
+void move_ball(const MeshSurface& surface, double radius, std::int8_t sides, const Vec3& goal,
                Stand& stand) noexcept;
 
 }  // namespace feltwire

@@ -1,5 +1,6 @@
 #include "core/scene/broad_phase.hpp"
 
+#include <cmath>
 #include <limits>
 #include <optional>
 
@@ -43,15 +44,19 @@ Bounds world_box(const Object& object, const OwnBox& own) {
 
 }  // namespace
 
-double reach(const Object& object) {
+ReachBall reach_ball(const Object& object) {
   constexpr double kRounding = 1e-12;  // of the size, generously
   const auto own = own_box(object);
-  if (!own || std::holds_alternative<Mesh>(object.shape))
-    return std::numeric_limits<double>::infinity();
-  return (1.0 + kRounding) * (own->middle.cwiseAbs() + own->half).norm();
+  if (!own) return {Vec3::Zero(), std::numeric_limits<double>::infinity()};
+  double radius = own->half.norm();
+  if (const auto* s = std::get_if<Sphere>(&object.shape)) radius = s->radius;
+  if (const auto* c = std::get_if<Capsule>(&object.shape)) radius = c->radius + c->half_length;
+  if (const auto* c = std::get_if<Cylinder>(&object.shape))
+    radius = std::hypot(c->radius, c->half_length);
+  return {own->middle, radius + kRounding * (own->middle.norm() + radius)};
 }
 
-BroadPhase::BroadPhase(std::span<const Object> objects) {
+BroadPhase::BroadPhase(std::span<const Object> objects, double radius) {
   if (objects.size() < kFew) return;
   std::vector<Bounds> boxes;
   for (std::uint32_t i = 0; i < objects.size(); ++i) {
@@ -61,7 +66,7 @@ BroadPhase::BroadPhase(std::span<const Object> objects) {
       continue;
     }
     bounded_.push_back(i);
-    boxes.push_back(world_box(objects[i], *own));
+    boxes.push_back(world_box(objects[i], *own).grown(radius));
   }
   tree_ = BoxTree(boxes);
 }

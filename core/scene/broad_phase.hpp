@@ -9,10 +9,12 @@
 
 namespace feltwire {
 
-/// [m] of a ball about the object's origin that a point is outside of the object beyond, however
-/// the object is turned. Infinite where there is none, and of meshes, which have to know where a
-/// tool comes from.
-double reach(const Object& object);
+/// A ball that a point is outside of the object beyond, however the object is turned.
+struct ReachBall {
+  Vec3 middle = Vec3::Zero();  // [m, object frame]
+  double radius = 0.0;         // [m] infinite where there is none
+};
+ReachBall reach_ball(const Object& object);
 
 class BroadPhase {
  public:
@@ -20,7 +22,8 @@ class BroadPhase {
   static constexpr std::size_t kFew = 16;
 
   BroadPhase() = default;
-  explicit BroadPhase(std::span<const Object> objects);
+  /// For a tool that is a ball of `radius` [m], 0: a point.
+  explicit BroadPhase(std::span<const Object> objects, double radius = 0.0);
 
   /// There is one; without, every object is to be asked.
   bool in_use() const { return !tree_.empty(); }

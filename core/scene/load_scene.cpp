@@ -102,8 +102,7 @@ Scene mjcf_scene(const JsonDocument& document, const scene_file::Scene& scene,
     Scene result(scene.name()->str(), std::move(objects), read_start(document, scene),
                  read_guides(document, scene));
     result.set_mechanism(mechanism);
-    if (scene.tool())
-      read_tool(document, *scene.tool(), std::filesystem::path(file).parent_path(), result);
+    read_tools(document, scene, std::filesystem::path(file).parent_path(), result);
     return result;
   } catch (const std::invalid_argument& error) {
     document.fail("mjcf.file", error.what());
@@ -142,7 +141,7 @@ Scene parse_scene(std::string_view json, const std::string& file) {
              std::move(guides));
   read.warn(meshes.warnings());
   read.set_mechanism(mechanism);
-  if (scene.tool()) read_tool(document, *scene.tool(), folder, read);
+  read_tools(document, scene, folder, read);
   return read;
 }
 

@@ -3,8 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <optional>
+#include <stdexcept>
 
 #include "core/geometry/mesh_surface.hpp"
+#include "core/scene/mujoco_room.hpp"
 
 namespace feltwire::mujoco {
 namespace {
@@ -37,21 +40,32 @@ Vec3 middle(const Shape& shape) {
   return mesh != nullptr ? mesh->surface->mesh().origin() : Vec3::Zero();
 }
 
-/// [1/kg] velocity that a unit impulse along `normal` gives the body at `point`.
-double yielding(const mjModel& model, mjData& data, int body, const Vec3& point,
-                const Vec3& normal) {
-  const auto nv = static_cast<Eigen::Index>(model.nv);
-  Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::RowMajor> jacobian(3, nv);
-  mj_jac(&model, &data, jacobian.data(), nullptr, point.data(), body);
-  const Eigen::VectorXd force = jacobian.transpose() * normal;
-  Eigen::VectorXd answer(nv);
-  mj_solveM(&model, &data, answer.data(), force.data(), 1);
-  return force.dot(answer);
+using Wrench = Eigen::Matrix<double, 6, 1>;
+using Mobility = Eigen::Matrix<double, 6, 6>;
+
+/// The velocity, linear and angular, that a unit impulse gives the body at its origin.
+Mobility mobility(const mjModel& model, mjData& data, int body) {
+  constexpr int kLinear = 3, kWays = 6;
+  Eigen::Matrix<double, kWays, Eigen::Dynamic, Eigen::RowMajor> jacobian(kWays, model.nv);
+  mj_jacBody(&model, &data, jacobian.data(), jacobian.row(kLinear).data(), body);
+  auto answer = jacobian;
+  mj_solveM(&model, &data, answer.data(), jacobian.data(), kWays);
+  return jacobian * answer.transpose();
+}
+
+/// [1/kg] velocity along `normal` that a unit impulse along it gives the body, `arm` [m] from its
+/// origin.
+double yielding(const Mobility& moves, const Vec3& arm, const Vec3& normal) {
+  Wrench wrench;
+  wrench << normal, arm.cross(normal);
+  return wrench.dot(moves * wrench);
 }
 
 /// The most of it over faces, edges and corners of the box about the object.
 double most_yielding(const mjModel& model, mjData& data, const Object& object, int body) {
   double most = 0.0;
+  const Mobility moves = mobility(model, data, body);
+  const Vec3 origin = vector(entry<3>(data.xpos, body));
   const Vec3 h = half_extents(object.shape);
   for (int x = -1; x <= 1; ++x)
     for (int y = -1; y <= 1; ++y)
@@ -65,8 +79,8 @@ double most_yielding(const mjModel& model, mjData& data, const Object& object, i
         const Vec3 point = object.pose.position + object.pose.orientation * own;
         for (int axis = 0; axis < 3; ++axis)
           if (Vec3(x, y, z)[axis] != 0.0)
-            most = std::max(most, yielding(model, data, body, point,
-                                           object.pose.orientation * Vec3::Unit(axis)));
+            most = std::max(
+                most, yielding(moves, point - origin, object.pose.orientation * Vec3::Unit(axis)));
       }
   return most;
 }
@@ -87,9 +101,18 @@ std::string too_light(const Object& object, double mass, double tick) {
 std::vector<std::string> warnings_of(const mjModel& model, const std::vector<Object>& objects,
                                      const std::vector<int>& object_of, std::size_t still,
                                      const std::vector<Mechanism::Part>& parts) {
+  std::optional<Simulation> simulation;
+  try {
+    simulation.emplace(model);
+  } catch (const std::runtime_error& error) {
+    return {error.what()};
+  }
+  mjData* const data = simulation->data();
   std::vector<std::string> warnings;
-  const Data data = make_data(model);
-  if (data == nullptr) return {"MuJoCo cannot evaluate the scene where it starts"};
+  if (simulation->is_full())
+    warnings.emplace_back(
+        "the bodies begin in more contacts than there is memory for, and pass through each other; "
+        "move them apart, or have fewer");
   for (std::size_t i = 0; i < parts.size(); ++i) {
     const Object& object = objects[still + i];
     const double inverse = most_yielding(model, *data, object, parts[i].body);

@@ -33,6 +33,10 @@ constexpr double kContactTicks = 5.0;
 /// (MuJoCo's solimp): as rigid as stays calm at the tick.
 constexpr const char* kImpedance = "0.99 0.999 0.0001";
 
+/// Newton's solver has matrices of all speeds of all bodies; beyond so many bodies, whatever they
+/// touch, conjugate gradients cost less.
+constexpr std::size_t kFewBodies = 200;
+
 Found within(const char* field, double value, double least, double most, const char* unit) {
   if (value >= least && value <= most) return std::nullopt;
   return Broken{field, "must lie from " + number_text(least) + " to " + number_text(most) + unit +
@@ -251,6 +255,18 @@ std::string hulls_of(const std::vector<Object>& objects, std::vector<std::string
   return xml;
 }
 
+/// For MuJoCo's own trial step only: a Simulation chooses its room by itself.
+std::string trial_room(std::size_t objects, std::size_t bodies) {
+  constexpr std::size_t kContacts = 16, kRows = 3, kSpeeds = 6, kVectors = 64, kNewton = 3;
+  const std::size_t rows = kRows * (kContacts + bodies), speeds = kSpeeds * bodies;
+  const std::size_t solver = bodies <= kFewBodies ? kNewton * speeds * speeds : 0;
+  const std::size_t stack = solver + 2 * rows * rows + bodies * bodies +
+                            kVectors * (1 + rows + speeds + 2 * bodies + 7 * objects);
+  return "<size" + attribute("nconmax", std::to_string(kContacts)) +
+         attribute("njmax", std::to_string(rows)) + attribute("nstack", std::to_string(stack)) +
+         "/>\n";
+}
+
 std::string model_text(const std::vector<Object>& objects, const std::vector<int>& body_of,
                        const std::vector<Body>& bodies, const MechanismOptions& options,
                        std::vector<std::string>& warnings) {
@@ -262,11 +278,12 @@ std::string model_text(const std::vector<Object>& objects, const std::vector<int
                     // Friction that holds: the elliptic cone stiffened, and the slow slip of soft
                     // constraints taken out by the second solver.
                     attribute("cone", "elliptic") + attribute("impratio", "10") +
-                    attribute("noslip_iterations", "5") + ">" +
+                    attribute("noslip_iterations", "5") +
+                    (bodies.size() > kFewBodies ? attribute("solver", "CG") : "") + ">" +
                     // Hulls lie flat on more than one point.
-                    (hulls.empty() ? "" : "<flag multiccd=\"enable\"/>") +
-                    "</option>\n<default><geom" + attribute("solref", solref) +
-                    attribute("solimp", kImpedance) + "/><joint" +
+                    (hulls.empty() ? "" : "<flag multiccd=\"enable\"/>") + "</option>\n" +
+                    trial_room(objects.size(), bodies.size()) + "<default><geom" +
+                    attribute("solref", solref) + attribute("solimp", kImpedance) + "/><joint" +
                     attribute("solreflimit", solref) + attribute("solimplimit", kImpedance) +
                     attribute("solreffriction", solref) + "/></default>\n<asset>\n";
   xml += hulls;
@@ -375,6 +392,7 @@ std::shared_ptr<const Mechanism> compile(std::vector<Object>& objects, std::vect
   if (loaded.model == nullptr)
     throw std::invalid_argument("bodies: MuJoCo refuses them: " + loaded.error +
                                 "; check masses, sizes and places");
+  loaded.model->nconmax = 0;  // its room is open
   std::vector<Mechanism::Part> parts;
   std::size_t still = 0;
   for (std::size_t i = 0; i < objects.size(); ++i) {

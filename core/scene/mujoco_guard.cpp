@@ -4,15 +4,18 @@
 #include <array>
 #include <csetjmp>
 #include <cstdlib>
+#include <cstring>
 #include <mutex>
 
 namespace feltwire::mujoco {
 namespace {
 
 thread_local std::jmp_buf* way_out = nullptr;
+thread_local bool stack_overflowed = false;
 
 // MuJoCo is C: an exception may not pass through it, and a handler that returns ends the process.
-void on_error(const char*) {
+void on_error(const char* message) {
+  stack_overflowed = std::strstr(message, "tack overflow") != nullptr;
   if (way_out != nullptr) std::longjmp(*way_out, 1);
 }
 // Every warning of a simulation is counted in its mjData, too.
@@ -60,6 +63,8 @@ bool guarded(void (*call)(void*), void* argument) noexcept {
   way_out = outer;
   return true;
 }
+
+bool ran_out_of_stack() noexcept { return stack_overflowed; }
 
 Loaded load_text(const std::string& xml) {
   struct DeleteFiles {

@@ -44,6 +44,8 @@ Data make_data(const mjModel& model);
 /// Calls; false where MuJoCo gave up with an error. What it calls must hold nothing that a
 /// destructor would have to give back: an error leaves it by longjmp.
 bool guarded(void (*call)(void*), void* argument) noexcept;
+/// What this thread's last call gave up with was that MuJoCo's stack is too small.
+bool ran_out_of_stack() noexcept;
 template <class Call>
 bool guarded(Call call) noexcept {
   return guarded([](void* own) { (*static_cast<Call*>(own))(); }, &call);

@@ -5,7 +5,7 @@
 #include "core/scene/json_document.hpp"
 #include "core/scene/mechanism.hpp"
 #include "core/scene/mujoco_check.hpp"
-#include "core/scene/mujoco_guard.hpp"
+#include "core/scene/mujoco_room.hpp"
 
 namespace feltwire {
 namespace {
@@ -142,6 +142,7 @@ std::shared_ptr<const Mechanism> load_mjcf(const std::filesystem::path& file,
                     ": no geom of it collides, so there is nothing to touch; give one a "
                     "contype or conaffinity other than 0");
   const std::size_t still = objects.size() - parts.size();
+  mujoco::leave_room_open(model);
   std::vector<std::string> warnings = mujoco::warnings_of(model, objects, object_of, still, parts);
   return std::make_shared<Mechanism>(
       std::shared_ptr<const mjModel>(loaded.model.release(), mujoco::DeleteModel{}), still,

@@ -8,6 +8,7 @@
 namespace feltwire {
 namespace {
 
+constexpr double kLeastTrust = 1e-6;  // so little of a stiffness is nothing to a hand
 constexpr std::size_t kMostObjects = std::numeric_limits<std::uint16_t>::max();
 
 /// A part of an object of the scene.
@@ -165,12 +166,17 @@ LocalModel local_model(const Scene& scene, const Vec3& position,
   return model_of(scene, scene.objects(), position, memory);
 }
 
-LocalModel local_model(const World& world, const Vec3& position,
-                       const TouchMemory& memory) noexcept {
-  LocalModel model = model_of(world.scene(), world.objects(), position, memory);
+LocalModel local_model(const World& world, const Vec3& position, const TouchMemory& memory,
+                       std::size_t held) noexcept {
+  LocalModel model = model_of(world.scene(held), world.objects(held), position, memory);
   for (int i = 0; i < model.count; ++i) {
     SurfacePatch& patch = model.patches[static_cast<std::size_t>(i)];
     patch.velocity = world.velocity_at(patch.object, patch.point);
+    // Softer where bodies were put back; no surface has no stiffness at all.
+    const double trust = std::max(kLeastTrust, world.trust(patch.object));
+    patch.material.stiffness *= trust;
+    patch.material.damping *= trust;
+    patch.material.viscous_friction *= trust;
   }
   return model;
 }

@@ -18,7 +18,8 @@ inline constexpr double kModelReach = 0.1;
 LocalModel local_model(const Scene& scene, const Vec3& position,
                        const TouchMemory& memory) noexcept;
 /// The same with the moving objects where they are; their patches have the velocity of the surface.
-LocalModel local_model(const World& world, const Vec3& position,
-                       const TouchMemory& memory) noexcept;
+/// `held`: which of the scene's tools (Grasp::held).
+LocalModel local_model(const World& world, const Vec3& position, const TouchMemory& memory,
+                       std::size_t held = 0) noexcept;
 
 }  // namespace feltwire

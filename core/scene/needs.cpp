@@ -1,10 +1,12 @@
 #include "core/scene/needs.hpp"
 
+#include <algorithm>
 #include <functional>
 
 #include "core/geometry/mesh_surface.hpp"
 #include "core/scene/mechanism.hpp"
 #include "core/scene/rules.hpp"
+#include "core/tool/body_tool.hpp"
 
 namespace feltwire {
 namespace {
@@ -30,9 +32,55 @@ bool moves(const Scene& scene, const Object& object) {
          static_cast<std::size_t>(&object - scene.objects().data()) >= scene.mechanism()->still();
 }
 
-/// What the hand holds has no name of its own.
-std::vector<std::string> tool_if(bool needed) {
-  return needed ? std::vector<std::string>{"tool"} : std::vector<std::string>{};
+/// For each tool.
+std::vector<const Scene*> all_held(const Scene& scene) {
+  std::vector<const Scene*> all{&scene};
+  for (const auto& other : scene.others()) all.push_back(other.get());
+  return all;
+}
+
+/// A tool that all hands hold has no name of its own.
+std::string tool_name(const HandTool& tool) { return tool.name.empty() ? "tool" : tool.name; }
+
+std::vector<std::string> tools_if(const Scene& scene,
+                                  const std::function<bool(const HandTool&)>& chosen) {
+  std::vector<std::string> names;
+  for (const Scene* held : all_held(scene))
+    if (chosen(held->tool())) names.push_back(tool_name(held->tool()));
+  return names;
+}
+
+/// Of the objects of which that is so for one tool at least.
+std::vector<std::string> objects_if(
+    const Scene& scene, const std::function<bool(const Scene&, const Object&)>& chosen) {
+  const std::vector<const Scene*> all = all_held(scene);
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < scene.objects().size(); ++i)
+    if (std::ranges::any_of(all,
+                            [&](const Scene* held) { return chosen(*held, held->objects()[i]); }))
+      names.push_back(scene.objects()[i].name);
+  return names;
+}
+
+std::string tool_kind(const HandTool& tool) {
+  if (tool.body) return "a body of " + std::to_string(tool.body->shell().points.size()) + " points";
+  return tool.radius > 0.0 ? "a ball of " + number_text(tool.radius) + " m" : "a point";
+}
+
+/// What there is to choose from.
+std::string listed_tools(const Scene& scene) {
+  std::string text;
+  for (const Scene* held : all_held(scene))
+    text += (text.empty() ? "  tools: " : ", ") + held->tool().name + " (" +
+            tool_kind(held->tool()) + (held == &scene ? "; of hands that ask for none)" : ")");
+  return text + "\n";
+}
+
+/// Bodies share them.
+std::vector<Scene::Sampled> grids_for_bodies(const Scene& scene) {
+  for (const Scene* held : all_held(scene))
+    if (!held->sampled().empty()) return held->sampled();
+  return {};
 }
 
 std::vector<std::string> operator+(std::vector<std::string> a, const std::vector<std::string>& b) {
@@ -58,7 +106,7 @@ std::string counted(std::size_t count, const char* one, const char* many) {
 
 std::vector<Need> needs(const Scene& scene) {
   const auto objects = [&](const std::function<bool(const Object&)>& chosen) {
-    return names<Object>(scene.objects(), chosen);
+    return objects_if(scene, [&](const Scene&, const Object& o) { return chosen(o); });
   };
   const auto guides = [&](const std::function<bool(const Guide&)>& chosen) {
     return names<Guide>(scene.guides(), chosen);
@@ -78,7 +126,10 @@ std::vector<Need> needs(const Scene& scene) {
       {"triangles", "a walk over the surface, a tree",
        objects([](const Object& o) { return mesh_of(o) != nullptr; })},
       {"triangles about a ball", "distances to all that are near",
-       objects([](const Object& o) { return mesh_of(o) != nullptr && mesh_of(o)->radius > 0.0; })},
+       objects_if(scene,
+                  [](const Scene& held, const Object& o) {
+                    return mesh_of(o) != nullptr && mesh_of(o)->radius + held.tool().radius > 0.0;
+                  })},
       {"smooth normals", "a normal a corner",
        objects([](const Object& o) { return mesh_of(o) != nullptr && mesh_of(o)->smooth; })},
       {"grain", "waves where it is touched", objects([](const Object& o) {
@@ -86,13 +137,14 @@ std::vector<Need> needs(const Scene& scene) {
        })},
       {"distance grids", "bricks of distances about a surface",
        objects([](const Object& o) { return std::holds_alternative<Grid>(o.shape); })},
-      {"a ball in the hand", "edges and corners rounded", tool_if(scene.tool().radius > 0.0)},
+      {"a ball in the hand", "edges and corners rounded",
+       tools_if(scene, [](const HandTool& tool) { return tool.radius > 0.0; })},
       {"a body in the hand", "points, orientation and torque",
-       tool_if(scene.tool().body != nullptr)},
-      {"motion", "a tick of MuJoCo's, places and forces of what moves",
-       objects([&](const Object& o) { return moves(scene, o); })},
+       tools_if(scene, [](const HandTool& tool) { return tool.body != nullptr; })},
+      {"motion", "a tick of MuJoCo's, places and forces of what moves", objects_if(scene, moves)},
       {"a tree over the objects", "boxes along the hand's way",
-       objects([&](const Object& o) { return scene.by_tree() && !moves(scene, o); })},
+       objects_if(scene, [](const Scene& held,
+                            const Object& o) { return held.by_tree() && !moves(held, o); })},
   };
 }
 
@@ -101,6 +153,7 @@ std::string explain(const Scene& scene) {
       "scene " + scene.name() + ": " + counted(scene.objects().size(), "object", "objects") + ", " +
       counted(scene.guides().size(), "guide", "guides") + ", " +
       std::to_string(scene.objects().size() * sizeof(ContactMemory)) + " bytes a tool\n";
+  if (!scene.tool().name.empty()) text += listed_tools(scene);
   std::string unused;
   for (const Need& need : needs(scene)) {
     if (need.needed.empty())
@@ -108,7 +161,7 @@ std::string explain(const Scene& scene) {
     else
       text += "  " + need.what + " (" + need.cost + "): " + listed(need.needed) + "\n";
   }
-  for (const Scene::Sampled& mesh : scene.sampled())
+  for (const Scene::Sampled& mesh : grids_for_bodies(scene))
     text += "  grid of distances for the tool's body: mesh " + mesh.object + ", a sample every " +
             number_text(mesh.resolution) + " m (its longest side over " +
             number_text(Scene::kMeshGridSteps) + "); give it as a grid to choose\n";

@@ -87,6 +87,21 @@ std::shared_ptr<const BodyTool> read_body(const JsonDocument& document, const st
   }
 }
 
+/// One that fits the scene.
+template <class Table>
+HandTool read_tool(const JsonDocument& document, const std::string& path, const Table& tool,
+                   const std::filesystem::path& folder, const Scene& scene) {
+  HandTool hand;
+  if (const auto* sphere = tool.sphere()) {
+    require(document, path + ".sphere", broken_rule(Shape(Sphere{sphere->radius()})));
+    hand.radius = sphere->radius();
+  }
+  if (const auto* body = tool.body())
+    hand.body = read_body(document, path + ".body", *body, folder);
+  require(document, path, broken_rule(hand, scene.objects()));
+  return hand;
+}
+
 }  // namespace
 
 Grid read_grid(const JsonDocument& document, const std::string& path, const scene_file::Grid& grid,
@@ -100,20 +115,28 @@ Grid read_grid(const JsonDocument& document, const std::string& path, const scen
   }
 }
 
-void read_tool(const JsonDocument& document, const scene_file::Tool& tool,
-               const std::filesystem::path& folder, Scene& scene) {
-  HandTool hand;
-  if (const auto* sphere = tool.sphere()) {
-    require(document, "tool.sphere", broken_rule(Shape(Sphere{sphere->radius()})));
-    hand.radius = sphere->radius();
-  }
-  if (const auto* body = tool.body()) hand.body = read_body(document, "tool.body", *body, folder);
-  if (!tool.sphere() && !tool.body())
-    document.fail("tool", "holds nothing; give exactly one of sphere, body, or leave it out");
+void read_tools(const JsonDocument& document, const scene_file::Scene& file,
+                const std::filesystem::path& folder, Scene& scene) {
+  if (file.tool() && file.tools()) document.fail("tools", "stand beside tool; keep one of the two");
   try {
-    scene.set_tool(std::move(hand));
-  } catch (const std::invalid_argument& error) {
-    document.fail("tool", error.what());
+    if (const auto* tool = file.tool()) {
+      if (!tool->sphere() && !tool->body())
+        document.fail("tool", "holds nothing; give exactly one of sphere, body, or leave it out");
+      scene.set_tool(read_tool(document, "tool", *tool, folder, scene));
+    }
+    if (const auto* named = file.tools()) {
+      require(document, "", broken_tools(named->size()));
+      std::vector<HandTool> tools;
+      for (const scene_file::NamedTool* tool : *named) {
+        require_new_name(document, "tools", tools, tool->name()->str());
+        HandTool hand = read_tool(document, element("tools", tools.size()), *tool, folder, scene);
+        hand.name = tool->name()->str();
+        tools.push_back(std::move(hand));
+      }
+      scene.set_tools(std::move(tools));
+    }
+  } catch (const std::invalid_argument& error) {  // a mesh that has no distances
+    document.fail(file.tool() ? "tool" : "tools", error.what());
   }
 }
 

@@ -13,8 +13,8 @@ namespace feltwire {
 Grid read_grid(const JsonDocument& document, const std::string& path, const scene_file::Grid& grid,
                const std::filesystem::path& folder);
 
-/// Puts the tool into the scene's hands. Throws FileError.
-void read_tool(const JsonDocument& document, const scene_file::Tool& tool,
-               const std::filesystem::path& folder, Scene& scene);
+/// Puts what the file says of tools into the scene's hands. Throws FileError.
+void read_tools(const JsonDocument& document, const scene_file::Scene& file,
+                const std::filesystem::path& folder, Scene& scene);
 
 }  // namespace feltwire

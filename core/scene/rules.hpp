@@ -3,6 +3,7 @@
 
 #include <initializer_list>
 #include <optional>
+#include <span>
 #include <stdexcept>
 #include <string>
 
@@ -38,6 +39,12 @@ std::optional<Broken> broken_rule(const Pose& pose);
 std::optional<Broken> broken_rule(const Start& start);
 /// Names of scenes, objects, materials.
 std::optional<Broken> broken_name(const std::string& name);
+
+/// What a hand holds, among these objects; fields relative to it ("sphere.radius").
+std::optional<Broken> broken_rule(const HandTool& tool, std::span<const Object> objects);
+/// How many to choose from.
+std::optional<Broken> broken_tools(std::size_t count);
+inline constexpr std::size_t kMaxTools = 64;
 
 /// A guide's, fields relative to it ("attract.stiffness").
 std::optional<Broken> broken_rule(const Guide& guide);

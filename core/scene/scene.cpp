@@ -7,9 +7,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "core/contact/ball.hpp"
 #include "core/contact/mesh_contact.hpp"
-#include "core/geometry/mesh_distance.hpp"
 #include "core/geometry/mesh_surface.hpp"
 #include "core/numeric.hpp"
 #include "core/scene/mechanism.hpp"
@@ -197,9 +195,9 @@ Scene::Scene(std::string name, std::vector<Object> objects, const Start& start,
     if (auto broken = broken_rule(guide)) refuse(whose, *broken);
     make_unit(guide.pose.orientation);
   }
-  broad_phase_ = BroadPhase(objects_);
   requirements_ = required_by(objects_, guides_);
   still_ = objects_.size();
+  find_by_tree();
 }
 
 void Scene::set_mechanism(std::shared_ptr<const Mechanism> mechanism) {
@@ -213,7 +211,7 @@ void Scene::set_mechanism(std::shared_ptr<const Mechanism> mechanism) {
   if (mechanism_ != nullptr)
     warnings_.insert(warnings_.end(), mechanism_->warnings().begin(), mechanism_->warnings().end());
   still_ = mechanism_ != nullptr ? mechanism_->still() : objects_.size();
-  broad_phase_ = BroadPhase({objects_.data(), still_});
+  find_by_tree();
 }
 
 TouchMemory Scene::memory() const {
@@ -256,7 +254,7 @@ Command Scene::touch_near(const Tool& tool, TouchMemory& memory) const noexcept 
   Command sum;
   memory.live_.clear();
   for (const std::uint32_t i : asked) {
-    add_touch(objects_[i], tool, memory[i], 0.0, sum);
+    add_touch(objects_[i], tool, memory[i], tool_.radius, sum);
     if (memory[i].touching || memory[i].feature.side != 0)
       memory.live_.push_back(i);
     else
@@ -265,49 +263,6 @@ Command Scene::touch_near(const Tool& tool, TouchMemory& memory) const noexcept 
   memory.tracked_ = true;
   memory.position_ = tool.position;
   return sum;
-}
-
-/// A body touches distances; a mesh that was not given as a grid becomes one.
-void Scene::sample(Object& object, const Mesh& mesh) {
-  const TriangleMesh& triangles = mesh.surface->mesh();
-  GridOptions options;
-  options.resolution = 2.0 * triangles.half_extents().maxCoeff() / kMeshGridSteps;
-  try {
-    object.shape = Grid{std::make_shared<const DistanceGrid<float>>(solid_of(triangles), options)};
-  } catch (const std::invalid_argument& error) {
-    refuse("object '" + object.name + "'",
-           {"mesh", std::string("is touched by a body, as a grid of distances: ") + error.what()});
-  }
-  sampled_.push_back({object.name, options.resolution});
-}
-
-void Scene::set_tool(HandTool tool) {
-  const auto broken = [](const std::string& field, const std::string& message) {
-    refuse("tool", {field, message});
-  };
-  if (tool.body && tool.radius != 0.0)
-    broken("sphere", "is a second tool beside body; keep one of the two");
-  if (tool.radius != 0.0) {
-    if (auto wrong = positive("sphere.radius", tool.radius, kMaxLength, " [m]"))
-      refuse("tool", *wrong);
-    for (const Object& object : objects_)
-      if (!ball_fits(object.shape, object.felt_from, tool.radius))
-        broken("sphere.radius", "is " + number_text(tool.radius) + " m, too large for object '" +
-                                    object.name +
-                                    "': a hollow has no room for it, or a grid's "
-                                    "band is smaller; make the tool smaller or these larger");
-  }
-  for (Object& object : objects_) {
-    const auto* mesh = std::get_if<Mesh>(&object.shape);
-    if (mesh == nullptr) continue;
-    if (tool.radius != 0.0)
-      broken("sphere", "does not touch meshes, and object '" + object.name +
-                           "' is one; make it a grid, or give the mesh a radius instead");
-    if (tool.body) sample(object, *mesh);
-  }
-  if (tool.radius != 0.0 || tool.body) broad_phase_ = {};  // it looks for points
-  requirements_.rotation = tool.body != nullptr;
-  tool_ = std::move(tool);
 }
 
 void Scene::add_guides(const Tool& tool, Command& sum) const noexcept {

@@ -60,10 +60,11 @@ struct Start {
   Vec3 normal = Vec3::UnitZ();
 };
 
-/// What a hand in the scene holds: a point, unless one of these is given.
+/// What a hand in the scene holds: a point, unless radius or body is given.
 struct HandTool {
   double radius = 0.0;                   // [m] above zero: a ball about the point
   std::shared_ptr<const BodyTool> body;  // core/tool/body_tool.hpp
+  std::string name = {};                 // what hands ask for; empty: the scene's only one
 };
 
 class Scene {
@@ -81,14 +82,23 @@ class Scene {
   const std::vector<std::string>& warnings() const { return warnings_; }
   void warn(std::vector<std::string> warnings) { warnings_ = std::move(warnings); }
 
+  /// What a hand holds that feels this scene.
   const HandTool& tool() const { return tool_; }
   /// The objects that stand are found by a tree; else each is asked.
   bool by_tree() const { return broad_phase_.in_use(); }
 
   /// Puts a tool into all hands. For one with a body, meshes become grids: kMeshGridSteps along
   /// their longest side. Throws std::invalid_argument naming the field and the remedy when it does
-  /// not fit what is there.
+  /// not fit what is there, and then changes nothing.
   void set_tool(HandTool tool);
+  /// Lets each hand choose one of several, at least one, each of another name. This is then the
+  /// scene for hands that hold the first. Likewise.
+  void set_tools(std::vector<HandTool> tools);
+  /// The same scene for hands that hold the other tools; its triangles and grids are shared.
+  const std::vector<std::shared_ptr<const Scene>>& others() const { return others_; }
+  /// The scene for a hand that asks for this tool; empty: for none, which is the first. Null: it
+  /// has no such tool. Lives as long as this.
+  const Scene* held(std::string_view tool) const noexcept;
 
   /// A mesh that became a grid, and how fine.
   struct Sampled {
@@ -126,7 +136,7 @@ class Scene {
  private:
   /// Of the first `count` objects.
   Command touch(const Tool& tool, TouchMemory& memory, std::size_t count) const noexcept;
-  void sample(Object& object, const Mesh& mesh);
+  void find_by_tree();
   /// Of the objects that stand, by the tree over them.
   Command touch_near(const Tool& tool, TouchMemory& memory) const noexcept;
 
@@ -141,6 +151,7 @@ class Scene {
   std::vector<std::string> warnings_;
   HandTool tool_;
   std::vector<Sampled> sampled_;
+  std::vector<std::shared_ptr<const Scene>> others_;
 };
 
 /// Reads a scene file (JSON against core/scene/scene.fbs). Throws FileError.

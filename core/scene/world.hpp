@@ -7,24 +7,30 @@
 #include <vector>
 
 #include "core/contact/local_model.hpp"
+#include "core/scene/moving_reach.hpp"
 #include "core/scene/scene.hpp"
 #include "core/tool/body_tool.hpp"
 
 namespace feltwire {
 
+/// Of a moving object to a tool: not in its list, in the list, or asked by its last sample.
+enum class Nearness : std::uint8_t { far, near, asked };
+
 /// One tool's hold on the moving objects: what it put on them last.
 struct Grasp {
+  std::size_t held = 0;  // which of the scene's tools it is: 0 its own, then its others()
   Tool tool;
   std::vector<Vec3> forces;  // [N] on the hand, one for each moving object
-  std::vector<char> asked;   // likewise: the object was in reach; one that is not is left alone
-  bool fresh = false;        // of the tool's newest sample, and no step since
-  std::uint64_t resets = 0;  // of the world, that the contact memory knows of
+  NearMoving near;           // of a point or a ball: these alone are asked; others have no force
+  std::vector<Nearness> nearness;  // likewise, of each moving object
+  bool fresh = false;              // of the tool's newest sample, and no step since
+  std::uint64_t resets = 0;        // of the world, that the contact memory knows of
+  std::uint64_t steps = 0;         // of the world, when it was last asked
 
   // Of a tool with a body; `tool` is then where the scene holds it.
   Pose device;                        // where the hand holds it
   std::vector<Vec3> torques;          // [N m] with the forces, about the tool's position
-  std::vector<ObjectMotion> motions;  // of all objects, since then:
-  std::uint64_t steps = 0;            // of the world
+  std::vector<ObjectMotion> motions;  // of all objects, since it was last asked
 };
 
 struct WorldCounters {
@@ -43,20 +49,29 @@ class World {
   World(const World&) = delete;
   World& operator=(const World&) = delete;
 
-  const Scene& scene() const { return scene_; }
+  /// The scene for hands that hold one of its tools, by Grasp::held.
+  const Scene& scene(std::size_t held = 0) const { return *held_[held].scene; }
   double tick() const { return tick_; }  // [s] of a step
-  /// The scene's objects, those that move where they now are.
-  const std::vector<Object>& objects() const { return objects_; }
+  /// That scene's objects, those that move where they now are.
+  const std::vector<Object>& objects(std::size_t held = 0) const { return held_[held].objects; }
   /// [m/s] of the material point of an object that is at `point` [m, world].
   Vec3 velocity_at(std::size_t object, const Vec3& point) const noexcept;
   const WorldCounters& counters() const { return counters_; }
+  /// The bodies were put back less than kRecovery ago.
+  bool recovering() const { return trust_ < 1.0; }
+  /// Share of its force that an object is felt with: 1, of one that moves less while recovering().
+  double trust(std::size_t object) const { return object < still_ ? 1.0 : trust_; }
   /// [N s] linear momentum of the bodies.
   Vec3 momentum() const noexcept;
 
-  Grasp grasp() const;
+  Grasp grasp() const { return grasp(scene()); }
+  /// Of a hand that feels this scene: the world's or one of its others(), else
+  /// std::invalid_argument.
+  Grasp grasp(const Scene& held) const;
 
-  /// As Scene::touch(), with the moving objects where they are and as fast as they are. What they
-  /// put on the hand is kept in `grasp`; push() puts the opposite on them.
+  /// As Scene::touch() of the scene that the grasp was made for, with the moving objects where they
+  /// are and as fast as they are. What they put on the hand is kept in `grasp`; push() puts the
+  /// opposite on them.
   Command touch(const Tool& tool, TouchMemory& memory, Grasp& grasp) const noexcept;
   /// Likewise as Scene::touch() of a tool with a body.
   Command touch(const Pose& device, const Vec3& velocity, double elapsed, BodyMemory& memory,
@@ -84,31 +99,45 @@ class World {
 
  private:
   struct Run;
+  struct Held;
   void look() noexcept;
   bool sane() const noexcept;
   void go_back() noexcept;
   void forget_moving(Grasp& grasp, TouchMemory& memory) const noexcept;
   Command hold(const Pose& device, double elapsed, BodyMemory& memory, Grasp& grasp) const noexcept;
-  void apply(Grasp& grasp, double share) noexcept;
-  void ask(std::size_t part, const Tool& tool, TouchMemory& memory, Grasp& grasp,
+  void apply(std::size_t part, const Grasp& grasp, double share) noexcept;
+  void look_round(const Held& held, const Vec3& position, TouchMemory& memory,
+                  Grasp& grasp) const noexcept;
+  void ask_near(const Tool& tool, TouchMemory& memory, Grasp& grasp, Command& sum) const noexcept;
+  void ask(const Held& held, std::size_t part, const Tool& tool, TouchMemory& memory, Grasp& grasp,
            Command& sum) const noexcept;
+  bool comes_near(const Held& held, std::size_t part, const Vec3& position, const Grasp& grasp,
+                  FeatureMemory& memory) const noexcept;
+  bool passes_by(const Held& held, std::size_t part, const Vec3& position,
+                 FeatureMemory& memory) const noexcept;
 
-  const Scene& scene_;
   double tick_;
   std::size_t still_, parts_;  // objects that stand, that move
-  std::vector<Object> objects_;
   struct Motion {
     Vec3 linear = Vec3::Zero();   // [m/s] of the object's origin
     Vec3 angular = Vec3::Zero();  // [rad/s]
   };
   std::vector<Motion> motions_;  // of those that move
-  /// Outside of it an object is not touched; side by side, for a tool passes by most of them.
-  struct Reach {
-    Vec3 center = Vec3::Zero();  // [m]
-    double square = 0.0;         // [m^2] of the radius
+  /// Likewise, where it is a mesh: that has to know where a tool comes from, seen from itself.
+  struct MeshPart {
+    const MeshSurface* surface = nullptr;  // null: none
+    Pose before;                           // a step ago
   };
-  std::vector<Reach> reaches_;
-  double trust_ = 1.0;  // share of a moving object's force that is felt
+  std::vector<MeshPart> meshes_;
+  /// What hands meet that hold one of the tools: the same places, but what is triangles to a point
+  /// is a grid to a body.
+  struct Held {
+    const Scene* scene;
+    std::vector<Object> objects;
+    MovingReach reach;  // of those that move
+  };
+  std::vector<Held> held_;  // never empty
+  double trust_ = 1.0;      // share of a moving object's force that is felt
   WorldCounters counters_;
   std::unique_ptr<Run> run_;
 };

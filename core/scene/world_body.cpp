@@ -1,16 +1,25 @@
 // A tool with a body in a world: what stands and what moves answer it together, since it is one
 // balance that it finds between them and the hand.
 
+#include <algorithm>
+#include <stdexcept>
+
 #include "core/scene/world.hpp"
 
 namespace feltwire {
 
-Grasp World::grasp() const {
+Grasp World::grasp(const Scene& held) const {
+  const auto found = std::ranges::find(held_, &held, &Held::scene);
+  if (found == held_.end())
+    throw std::invalid_argument("scene '" + held.name() +
+                                "' is not this world's; ask for a grasp of one of its tools");
   Grasp grasp;
+  grasp.held = static_cast<std::size_t>(found - held_.begin());
   grasp.forces.assign(parts_, Vec3::Zero());
   grasp.torques.assign(parts_, Vec3::Zero());
-  grasp.asked.assign(parts_, 0);
-  if (scene_.tool().body) grasp.motions.resize(objects_.size());
+  grasp.near.parts.reserve(parts_);
+  grasp.nearness.assign(parts_, Nearness::far);
+  if (held.tool().body) grasp.motions.resize(held.objects().size());
   return grasp;
 }
 
@@ -26,8 +35,9 @@ Command World::hold(const Pose& device, double elapsed, BodyMemory& memory,
     grasp.motions[still_ + i] = {moved_for * motions_[i].linear, moved_for * motions_[i].angular,
                                  trust_};
   memory.known = false;
+  const Held& held = held_[grasp.held];
   const BodyStep step =
-      step_body(*scene_.tool().body, objects_, device, elapsed, memory, grasp.motions);
+      step_body(*held.scene->tool().body, held.objects, device, elapsed, memory, grasp.motions);
   grasp.tool = {memory.pose.position, Vec3::Zero()};
   for (std::size_t i = 0; i < parts_; ++i) {
     grasp.forces[i].setZero();
@@ -43,12 +53,12 @@ Command World::hold(const Pose& device, double elapsed, BodyMemory& memory,
 
 Command World::touch(const Pose& device, const Vec3& velocity, double elapsed, BodyMemory& memory,
                      Grasp& grasp) const noexcept {
-  if (grasp.motions.size() != objects_.size() || !device.position.allFinite()) [[unlikely]]
+  if (grasp.motions.size() != objects().size() || !device.position.allFinite()) [[unlikely]]
     return {};
   Command command = hold(device, elapsed, memory, grasp);
   grasp.device = device;
   grasp.fresh = true;
-  scene_.add_guides({device.position, velocity}, command);
+  scene(grasp.held).add_guides({device.position, velocity}, command);
   return command.finite() ? command : Command{};
 }
 

@@ -2,12 +2,17 @@
 // `table` at rest on a table; `piles` in piles of five on it.
 // world_touch/N: what a scene of N moving boxes answers a tool that wanders over them.
 // world_push/N: what a hand that says nothing new costs a tick more.
+// moving/LAYOUT/SHAPE/N: a sample of a hand that strokes one of N moving things; `crowd` side by
+// side, `far` a metre apart; boxes, or the same as meshes of 1200 triangles. No tick in it.
+// moving/load/N: from objects and bodies to a world.
 
 #include <benchmark/benchmark.h>
 
 #include <cmath>
 #include <string>
 
+#include "core/geometry/mesh_surface.hpp"
+#include "core/geometry/tessellation.hpp"
 #include "core/scene/mechanism.hpp"
 #include "core/scene/world.hpp"
 
@@ -26,7 +31,8 @@ Vec3 place_of(int box, Layout layout) {
   return {kPitch * (column % kRow), kPitch * (column / kRow), height};
 }
 
-Scene boxes(int count, Layout layout) {
+Scene boxes(int count, Layout layout, const Shape& shape = Box{Vec3::Constant(kHalf)},
+            double apart = 1.0) {
   const Material wood{.stiffness = 900, .static_friction = 0.6, .dynamic_friction = 0.5};
   std::vector<Object> objects(1);
   objects[0].name = "table";
@@ -37,9 +43,9 @@ Scene boxes(int count, Layout layout) {
   for (int i = 0; i < count; ++i) {
     Object box;
     box.name = "box " + std::to_string(i);
-    box.shape = Box{Vec3::Constant(kHalf)};
+    box.shape = shape;
     box.material = wood;
-    box.pose.position = place_of(i, layout);
+    box.pose.position = apart * place_of(i, layout);
     Body body;
     body.name = box.name;
     body.mass = 0.1;
@@ -81,6 +87,38 @@ void touch(benchmark::State& state, int count) {
     benchmark::DoNotOptimize(world.touch({wandering(n++), Vec3::Zero()}, memory, grasp));
 }
 
+/// A box of 1200 triangles.
+Shape mesh() {
+  constexpr int kSquares = 10;
+  return Mesh{std::make_shared<const MeshSurface>(
+      TriangleMesh(tessellate(Box{Vec3::Constant(kHalf)}, kSquares)))};
+}
+
+void stroke(benchmark::State& state, int count, const Shape& shape, double apart) {
+  const Scene scene = boxes(count, Layout::apart, shape, apart);
+  World world(scene);
+  TouchMemory memory = scene.memory();
+  Grasp grasp = world.grasp();
+  const auto middle = static_cast<std::size_t>(count / 2);
+  const Vec3 at = world.objects()[1 + middle].pose.position + Vec3(0, 0, kHalf - 1e-3);
+  std::size_t n = 0;
+  double felt = 0.0;
+  for (auto _ : state) {
+    const double t = 1e-3 * static_cast<double>(n++ % 10000);
+    const Vec3 place = at + Vec3(0.01 * std::sin(3 * t), 0.01 * std::sin(2 * t), 0.0);
+    felt += world.touch({place, Vec3::Zero()}, memory, grasp).elastic.z();
+  }
+  if (!(felt > 0.0)) state.SkipWithError("nothing was touched");
+}
+
+void load(benchmark::State& state, int count) {
+  for (auto _ : state) {
+    const Scene scene = boxes(count, Layout::apart);
+    const World world(scene);
+    benchmark::DoNotOptimize(&world.objects());
+  }
+}
+
 void push(benchmark::State& state, int count) {
   const Scene scene = boxes(count, Layout::table);
   World world(scene);
@@ -100,6 +138,21 @@ void push(benchmark::State& state, int count) {
     benchmark::RegisterBenchmark(("world_touch/" + n).c_str(), touch, count);
     benchmark::RegisterBenchmark(("world_push/" + n).c_str(), push, count);
   }
+  for (const int count : {1, 10, 100, 1000}) {
+    const std::string n = std::to_string(count);
+    constexpr double kFar = 1.0 / kPitch;
+    const auto stroked = [&](const char* name, const Shape& shape, double apart) {
+      benchmark::RegisterBenchmark(("moving/" + std::string(name) + n).c_str(), stroke, count,
+                                   shape, apart);
+    };
+    stroked("crowd/boxes/", Box{Vec3::Constant(kHalf)}, 1.0);
+    stroked("far/boxes/", Box{Vec3::Constant(kHalf)}, kFar);
+    stroked("crowd/meshes/", mesh(), 1.0);
+    stroked("far/meshes/", mesh(), kFar);
+    benchmark::RegisterBenchmark(("moving/load/" + n).c_str(), load, count)
+        ->Unit(benchmark::kMillisecond);
+  }
+  benchmark::RegisterBenchmark("world_step/apart/1000", step, 1000, Layout::apart);
   return true;
 }();
 

@@ -75,6 +75,23 @@ TEST(Join, AsksForWhatWasWantedAndFindsTheScenePort) {
   EXPECT_EQ(join_request->parameters.mode, BoundingMode::per_axis);
 }
 
+// A server of before there were tools takes no notice of the wish.
+TEST(Join, AToolThatTheServerDoesNotGiveIsNoSession) {
+  control::JoinAccepted accepted;
+  accepted.session = 77;
+  accepted.port_offset = 21;
+  accepted.silence_timeout = 2.0;
+  control::JoinRequest wanted = request();
+  wanted.tool = "key";
+  ControlPeer ignorant(control::encode(accepted));
+  EXPECT_THAT(error_of<LastingError>([&] { join(ignorant.access(), wanted, kPatience); }),
+              HasSubstr("knows of no tools to choose from; join without naming one"));
+  accepted.tool = "key";
+  ControlPeer peer(control::encode(accepted));
+  EXPECT_EQ(join(peer.access(), wanted, kPatience).accepted.tool, "key");
+  EXPECT_EQ(std::get<control::JoinRequest>(peer.request().value()).tool, "key");
+}
+
 TEST(Join, ARefusalBringsTheServersReason) {
   ControlPeer peer(control::encode(control::Refused{control::RefusalCode::unknown_scene,
                                                     "there is no scene 'wall'; there are: room"}));

@@ -76,6 +76,12 @@ TEST(Options, ALocalModelIsForASideThatBoundsHere) {
   EXPECT_THAT(refusal({"--local-model", "--bounding", "server"}), HasSubstr("local_model"));
 }
 
+TEST(Options, AHandMayAskForATool) {
+  EXPECT_EQ(std::get<ClientOptions>(parsed({"--tool", "key"})).tool, "key");
+  EXPECT_EQ(std::get<ClientOptions>(parsed({"--tool", "key", "--profile", "wan"})).tool, "key");
+  EXPECT_EQ(std::get<ClientOptions>(parsed({})).tool, "");
+}
+
 TEST(Options, WhatTheCommandLineSaysCounts) {
   const SafetyLimits said = limits({"--slew", "500", "--ramp-up", "0.3", "--wait-for-small-force",
                                     "0.2", "--max-force", "2", "--velocity-limit", "0.8"});

@@ -4,6 +4,7 @@
 
 #include <gmock/gmock.h>
 
+#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "server/state_file.hpp"
@@ -28,6 +29,8 @@ class ClientProgram : public ::testing::Test {
     });
     std::vector<Scene> scenes;
     scenes.push_back(testing::floor_scene());
+    scenes.front().set_tools({{.radius = 0.0, .body = nullptr, .name = "tip"},
+                              {.radius = 0.01, .body = nullptr, .name = "ball"}});
     server_ = std::make_unique<Server>(testing::any_ports(), std::move(scenes),
                                        Security{test::identity(), {}, TokenFile(tokens_)});
     access_ = test::access(server_->control_port());
@@ -71,6 +74,25 @@ TEST_F(ClientProgram, AnObserverSaysAndWritesDownWhatItSees) {
   EXPECT_EQ(report()["view"]["hands"], 1);
   EXPECT_GT(report()["view"]["views"], 1);
   EXPECT_EQ(report()["max_force_n"], 0.0);
+}
+
+TEST_F(ClientProgram, HoldsTheToolThatItAsksFor) {
+  const std::string report_file = folder_ / "report.json", way = folder_ / "way.csv";
+  std::ofstream(way) << "t,x,y,z\n0,0,0,0.02\n0.1,0,0,0.006\n0.2,0,0,0.006\n";
+  const auto run = [&](std::vector<std::string> more) {
+    more.insert(more.end(), {"--device", "replay:" + way, "--report", report_file});
+    return test::Program(FELTWIRE_CLIENT_PROGRAM, words(anna_, std::move(more))).finish();
+  };
+  EXPECT_EQ(run({}).status, 0);
+  EXPECT_EQ(report()["tool"], "tip");
+  EXPECT_EQ(report()["max_force_n"], 0.0);  // above the floor
+  EXPECT_EQ(run({"--tool", "ball"}).status, 0);
+  EXPECT_EQ(report()["tool"], "ball");
+  EXPECT_GT(report()["max_force_n"], 0.1);
+  const test::Outcome refused = run({"--tool", "key"});
+  EXPECT_EQ(refused.status, 1);
+  EXPECT_THAT(refused.error, HasSubstr("refused: there is no tool 'key' in scene 'floor'; those "
+                                       "there are: tip, ball"));
 }
 
 TEST_F(ClientProgram, AnObserversTokenActsOnNothing) {

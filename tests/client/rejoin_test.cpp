@@ -44,7 +44,7 @@ std::string given_up(const ServerAccess& access) {
 TEST(Rejoin, WhatMayHealIsWaitedOutAndTheRestEndsIt) {
   const std::set<RefusalCode> heals = {RefusalCode::full, RefusalCode::shutting_down,
                                        RefusalCode::too_many};
-  for (std::uint8_t i = 0; i <= static_cast<std::uint8_t>(RefusalCode::bad_scene); ++i) {
+  for (std::uint8_t i = 0; i <= static_cast<std::uint8_t>(RefusalCode::unknown_tool); ++i) {
     const auto code = static_cast<RefusalCode>(i);
     testing::ControlPeer peer(control::encode(control::Refused{code, "for this reason"}));
     const std::string said = given_up(peer.access());

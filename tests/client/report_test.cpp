@@ -51,6 +51,14 @@ json report(const Servo& servo, const LoopResult& result = {}, const std::string
                   transport, result));
 }
 
+TEST(Report, SaysWhatTheHandHeld) {
+  const auto servo = used_servo();
+  EXPECT_TRUE(report(*servo)["tool"].is_null());
+  RunDescription run{"anna", "wall", "localhost:7400", "simulated", {}};
+  run.tool = "key";
+  EXPECT_EQ(json::parse(report_json(run, *servo, {}, {}))["tool"], "key");
+}
+
 TEST(Report, SaysWhatAnObserverSaw) {
   const auto servo = used_servo();
   EXPECT_EQ(report(*servo)["role"], "operator");
@@ -155,6 +163,33 @@ TEST(Report, TellsWhereTheForceCameFrom) {
   EXPECT_EQ(r["local_model"]["samples_from_model"], 1);    // at 20 mm
   EXPECT_EQ(r["local_model"]["samples_from_both"], 1);     // 40 mm
   EXPECT_EQ(r["local_model"]["samples_beyond_reach"], 2);  // 60 and 80 mm
+}
+
+TEST(Report, CountsHowOftenWhatMovesWasPutBack) {
+  Servo servo(builtin_device("simulated"), {});
+  Nanoseconds now{0};
+  const auto hear = [&](std::uint64_t index, bool recovering) {
+    Reply reply;
+    reply.sample_index = index;
+    reply.recovering = recovering;
+    servo.take(reply, now);
+  };
+  for (int i = 0; i < 8; ++i) {
+    now += std::chrono::milliseconds(1);
+    servo.hold(servo.render({}, now));
+  }
+  EXPECT_EQ(report(servo)["scene_resets"], 0);
+  hear(1, false);
+  hear(3, true);
+  hear(2, false);  // overtaken, and no news
+  hear(4, true);
+  EXPECT_EQ(report(servo)["scene_resets"], 1);
+  EXPECT_EQ(report(servo)["server_last_reply"]["recovering"], true);
+  hear(5, false);
+  hear(6, true);
+  hear(7, false);
+  EXPECT_EQ(report(servo)["scene_resets"], 2);
+  EXPECT_EQ(report(servo)["server_last_reply"]["recovering"], false);
 }
 
 TEST(Report, WhatThereIsNoNumberForIsNull) {

@@ -52,6 +52,14 @@ TEST(StatusLine, LossIsAShareOfWhatWasSentSince) {
   EXPECT_THAT(text(now, before), HasSubstr("lost 0.0 %"));
 }
 
+TEST(StatusLine, SaysThatWhatMovesWasPutBack) {
+  LiveStatus status = under_way();
+  status.recovering = true;
+  EXPECT_THAT(text(status, {}), EndsWith("  what moves was put back"));
+  status.answered_lately = false;
+  EXPECT_THAT(text(status, {}), EndsWith("  no answer"));
+}
+
 TEST(StatusLine, SaysThatTheSessionIsLost) {
   LiveStatus status = under_way();
   EXPECT_THAT(text(status, {}), Not(HasSubstr("answer")));

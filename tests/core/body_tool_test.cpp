@@ -11,7 +11,7 @@
 #include "core/port_energy.hpp"
 #include "tests/core/bodies.hpp"
 #include "tests/core/support.hpp"
-#include "tests/support/allocation_counter.hpp"
+#include "tests/support/same_twice.hpp"
 
 namespace feltwire::body_tool_test {
 namespace {
@@ -210,14 +210,7 @@ TEST(BodyTool, TheSameBitsEveryTimeAndNoAllocation) {
     }
     return sum;
   };
-  const std::size_t before = test::allocations();
-  const Command first = run();
-#ifndef FELTWIRE_SANITIZED
-  EXPECT_EQ(test::allocations(), before);
-#else
-  static_cast<void>(before);
-#endif
-  EXPECT_EQ(first, run());
+  const Command first = test::same_twice_without_allocation(run);
   EXPECT_GT(first.elastic.norm(), 1.0);
 }
 

@@ -178,6 +178,14 @@ TEST(BunnyScene, IsTouchedWhereItsStartSays) {
   const Command c = s.touch({p - 0.002 * n, Vec3::Zero()}, memory);
   EXPECT_NEAR(c.elastic.norm(), 1.6, 0.3);
   EXPECT_LT(test::angle(c.elastic, n), 0.3);
+  // A fingertip stands off by its radius, on the same triangles.
+  const Scene& finger = *s.held("finger");
+  const double radius = finger.tool().radius;
+  TouchMemory of_finger = finger.memory();
+  EXPECT_EQ(finger.touch({p + (radius + 0.001) * n, Vec3::Zero()}, of_finger), Command{});
+  const Command d = finger.touch({p + (radius - 0.002) * n, Vec3::Zero()}, of_finger);
+  EXPECT_NEAR(d.elastic.norm(), 1.6, 0.4);
+  EXPECT_LT(test::angle(d.elastic, n), 0.3);
 }
 
 std::vector<Object> crowd(int count) {

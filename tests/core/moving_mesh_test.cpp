@@ -27,9 +27,7 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-Shape mesh(const TriangleSoup& soup) {
-  return Mesh{std::make_shared<MeshSurface>(TriangleMesh(soup))};
-}
+Shape mesh(const TriangleSoup& soup) { return test::mesh_object(soup).shape; }
 
 Pose random_pose(Random& random) {
   return {random.uniform(0.0, 0.5) * random.direction(),

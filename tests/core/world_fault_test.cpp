@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "core/scene/mujoco_guard.hpp"
+#include "core/scene/near.hpp"
 #include "core/scene/world.hpp"
 #include "tests/core/moving.hpp"
 
@@ -13,6 +14,7 @@ namespace feltwire::world_fault_test {
 namespace {
 
 using test::body;
+using test::explosive;
 using test::Hand;
 using test::kWeightless;
 using test::moving;
@@ -36,13 +38,6 @@ TEST(MujocoGuard, ABadModelIsAnError) {
   const mujoco::Loaded none = mujoco::load_text("<mujoco><worldbody><geom size=\"-1\"/>");
   EXPECT_EQ(none.model, nullptr);
   EXPECT_THAT(none.error, HasSubstr("XML"));
-}
-
-/// A ball so light that the spring of the hand throws it farther each tick than it was deep.
-Scene explosive() {
-  return moving({object("table", Plane{}, {.stiffness = 1000}),
-                 object("ball", Sphere{0.03}, {.stiffness = 1e7}, {0, 0, 0.2})},
-                {-1, 0}, {body("ball", 1e-4, {0, 0, 0.2})}, kWeightless);
 }
 
 TEST(WorldFaults, AStiffLightBodyIsWarnedOf) {
@@ -76,6 +71,32 @@ TEST(WorldFaults, TheSceneGoesBackAndTheHandFeelsZero) {
   for (int n = 0; n < 10; ++n) world.step();
   const double felt = hand.touch(place).force().norm();
   EXPECT_NEAR(felt, 10 * kDefaultTick / World::kRecovery * 1e7 * 5e-4, 1e-6);
+}
+
+// A client that makes the force itself makes none either.
+TEST(WorldFaults, TheLocalModelGoesSoftWithTheScene) {
+  const Scene scene = explosive();
+  World world(scene);
+  Hand hand(world);
+  const Vec3 place(0, 0, 0.2 - 0.0305);  // beside ball and table: both are near
+  EXPECT_FALSE(world.recovering());
+  const auto stiffness = [&](std::size_t object) {
+    const LocalModel model = local_model(world, place, hand.memory);
+    for (const SurfacePatch& patch : model.view())
+      if (patch.object == object) return patch.material.stiffness;
+    return 0.0;
+  };
+  EXPECT_EQ(stiffness(1), 1e7);
+  for (int n = 0; world.counters().resets == 0 && n < 500; ++n) hand.step({0, 0, 0.1705});
+  ASSERT_EQ(world.counters().resets, 1u);
+  EXPECT_TRUE(world.recovering());
+  EXPECT_GT(stiffness(1), 0.0);
+  EXPECT_LE(stiffness(1), 10.0);
+  for (int n = 0; n < 100; ++n) world.step();
+  EXPECT_NEAR(stiffness(1), 1e7 * 100 * kDefaultTick / World::kRecovery, 1.0);
+  for (int n = 0; n < 400; ++n) world.step();
+  EXPECT_FALSE(world.recovering());
+  EXPECT_EQ(stiffness(1), 1e7);
 }
 
 TEST(WorldFaults, GoesFartherBackWhenThatWasNotGoodEnough) {

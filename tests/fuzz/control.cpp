@@ -20,8 +20,10 @@ struct Texts {
   void operator()(const control::JoinRequest& m) {
     add(m.client);
     add(m.scene);
+    add(m.tool);
     add(m.device.name);
   }
+  void operator()(const control::JoinAccepted& m) { add(m.tool); }
   void operator()(const control::SceneList& m) {
     for (const control::SceneEntry& scene : m.scenes) add(scene.name);
   }
@@ -39,6 +41,7 @@ std::string texts(const Message& message) {
 void require_limits(const Message& message) {
   if (const auto* join = std::get_if<control::JoinRequest>(&message))
     require(join->client.size() <= control::kMaxName && join->scene.size() <= control::kMaxName &&
+                join->tool.size() <= control::kMaxName &&
                 join->device.name.size() <= control::kMaxName,
             "names are no longer than the limit");
 }

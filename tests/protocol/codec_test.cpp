@@ -46,6 +46,7 @@ Reply random_reply(Generator& random) {
   reply.saturated = flags & 2;
   reply.refused = flags & 4;
   reply.gap = flags & 8;
+  reply.recovering = flags & 16;
   reply.violations = random();
   return reply;
 }
@@ -107,7 +108,26 @@ TEST(Codec, ReplyRoundTrip) {
     EXPECT_EQ(received.saturated, sent.saturated);
     EXPECT_EQ(received.refused, sent.refused);
     EXPECT_EQ(received.gap, sent.gap);
+    EXPECT_EQ(received.recovering, sent.recovering);
     EXPECT_EQ(received.violations, sent.violations);
+  }
+}
+
+// The bits of PROTOCOL.md, each alone.
+TEST(Codec, TheFlagsOfAReplyAreTheProtocols) {
+  Encoder encoder;
+  const std::vector<bool Reply::*> flags = {&Reply::active, &Reply::saturated, &Reply::refused,
+                                            &Reply::gap, &Reply::recovering};
+  for (std::size_t bit = 0; bit < flags.size(); ++bit) {
+    Reply reply;
+    reply.sample_index = 1;
+    reply.*flags[bit] = true;
+    const Bytes payload = encoder.reply(reply);
+    EXPECT_EQ(flatbuffers::GetRoot<wire::Reply>(payload.data())->report()->flags(), 1u << bit);
+    Reply received;
+    ASSERT_EQ(decode(payload, received), DropReason::none);
+    for (std::size_t other = 0; other < flags.size(); ++other)
+      EXPECT_EQ(received.*flags[other], other == bit);
   }
 }
 

@@ -120,6 +120,7 @@ TEST(Control, JoinRequestRoundTrip) {
   EXPECT_EQ(got.device.workspace, Vec3(0.9, 1.0, 1.1));
   EXPECT_EQ(got.role, Role::observer);
   EXPECT_TRUE(got.aes_256_gcm);
+  EXPECT_EQ(got.tool, "");
 }
 
 TEST(Control, DampingTravelsAsANumberAlongAxesOrAsAMatrix) {
@@ -134,7 +135,7 @@ TEST(Control, DampingTravelsAsANumberAlongAxesOrAsAMatrix) {
   }
 }
 
-TEST(Control, OtherMessagesRoundTrip) {
+JoinAccepted accepted_with_all() {
   JoinAccepted accepted;
   accepted.session = 0xfedcba9876543210u;
   accepted.port_offset = 65535;
@@ -145,6 +146,40 @@ TEST(Control, OtherMessagesRoundTrip) {
   accepted.start_normal = {0.0, -1.0, 0.0};
   accepted.stiffness = 1234.5;
   accepted.suite = CipherSuite::aes_256_gcm;
+  return accepted;
+}
+
+/// FNV-1a of a frame.
+std::uint64_t hash(const std::vector<std::uint8_t>& frame) {
+  std::uint64_t sum = 0xcbf29ce484222325u;
+  for (const std::uint8_t byte : frame) sum = (sum ^ byte) * 0x100000001b3u;
+  return sum;
+}
+
+// Who asks for no tool, and a scene of one, send byte for byte what was sent before there were any.
+TEST(Control, AToolIsSentOnlyWhereThereIsOne) {
+  EXPECT_EQ(encode(request()).size(), 404u);
+  EXPECT_EQ(hash(encode(request())), 0x617a33a12e72c456u);
+  EXPECT_EQ(encode(accepted_with_all()).size(), 212u);
+  EXPECT_EQ(hash(encode(accepted_with_all())), 0x3ea808689913880eu);
+
+  JoinRequest wanted = request();
+  JoinAccepted got = accepted_with_all();
+  for (const std::string& tool :
+       {std::string("key"), std::string("a\0b", 3), std::string(kMaxName, 'x')}) {
+    wanted.tool = got.tool = tool;
+    EXPECT_EQ(round_trip(wanted).tool, tool);
+    EXPECT_EQ(round_trip(wanted).scene, "room");
+    EXPECT_EQ(round_trip(got).tool, tool);
+    EXPECT_EQ(round_trip(got).stiffness, 1234.5);
+  }
+  wanted.tool = got.tool = std::string(kMaxName + 1, 'x');
+  EXPECT_FALSE(decode(body(encode(wanted))));
+  EXPECT_FALSE(decode(body(encode(got))));
+}
+
+TEST(Control, OtherMessagesRoundTrip) {
+  const JoinAccepted accepted = accepted_with_all();
   const JoinAccepted joined = round_trip(accepted);
   EXPECT_EQ(joined.session, accepted.session);
   EXPECT_EQ(joined.port_offset, 65535);
@@ -191,7 +226,7 @@ TEST(Control, OtherMessagesRoundTrip) {
   EXPECT_TRUE(sessions.more);
   EXPECT_EQ(round_trip(ReloadScene{"a"}).scene, "a");
   EXPECT_EQ(round_trip(SceneReloaded{"b"}).scene, "b");
-  for (int code = 0; code <= static_cast<int>(RefusalCode::bad_scene); ++code) {
+  for (int code = 0; code <= static_cast<int>(RefusalCode::unknown_tool); ++code) {
     const Refused refused = round_trip(Refused{static_cast<RefusalCode>(code), "because"});
     EXPECT_EQ(static_cast<int>(refused.code), code);
     EXPECT_EQ(refused.reason, "because");
@@ -280,7 +315,7 @@ TEST(Control, ChoicesThatAreNoneAreRefused) {
     sealed.suite = static_cast<CipherSuite>(suite);
     EXPECT_FALSE(decode(body(encode(sealed)))) << suite;
   }
-  EXPECT_FALSE(decode(body(encode(Refused{static_cast<RefusalCode>(12), "x"}))));
+  EXPECT_FALSE(decode(body(encode(Refused{static_cast<RefusalCode>(13), "x"}))));
 }
 
 /// A list may point at one entry ever so often: a small frame that would grow without end.
@@ -296,11 +331,14 @@ TEST(Control, ListThatMultipliesOneEntry) {
 
 TEST(ControlFuzz, TruncationsAndFlipsAreHarmless) {
   std::mt19937_64 random(1);
+  JoinRequest tool = request();
+  tool.tool = "key";
   const std::vector<Message> messages = {request(),
                                          SceneList{{{"a", 1, 2, 3}, {"b", 4, 5, 6}}},
                                          SetParameters{5, unusual_parameters()},
                                          Refused{RefusalCode::full, "no"},
                                          JoinAccepted{},
+                                         tool,
                                          Authenticate{Secret("fw_1")},
                                          SessionList{{{1, "a", "b", Role::admin}}, false}};
   int valid = 0;

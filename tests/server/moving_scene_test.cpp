@@ -235,6 +235,32 @@ TEST(MovingScene, AStallIsNoBurst) {
   EXPECT_EQ(bench.world().counters().steps, 27u);
 }
 
+/// A world whose ticks take three times as long as they last: soon no call takes more than one.
+TEST(MovingScene, AWorldThatCannotKeepUpGoesSlowerInSmallSteps) {
+  const Scene scene = moving({object("ball", Sphere{0.03})}, {0}, {body("ball", 1.0)});
+  Bench bench(scene);
+  bench.join(kLeft);
+  std::uint64_t steps = 0;  // of a call
+  const auto advance = [&](Nanoseconds by) {
+    const std::uint64_t before = bench.world().counters().steps;
+    bench.advance(by);
+    steps = bench.world().counters().steps - before;
+  };
+  advance(50ms);  // something stalls it
+  EXPECT_EQ(steps, 20u);
+  for (int n = 0; n < 20; ++n) {
+    advance(3ms * steps);
+    EXPECT_LE(steps, std::max(1u, 10u >> n));
+  }
+  EXPECT_EQ(steps, 1u);
+  EXPECT_EQ(bench.sessions.counters().ticks_dropped + bench.world().counters().steps,
+            static_cast<std::uint64_t>((bench.now - 1s) / 1ms));
+  // When it can it makes up for stalls as before.
+  for (int n = 0; n < 10; ++n) advance(1ms);
+  advance(20ms);
+  EXPECT_EQ(steps, 20u);
+}
+
 /// Steps taken one by one by a timer, or all at the next datagram: the same.
 TEST(MovingScene, WhenStepsAreTakenMakesNoDifference) {
   const Scene scene = box_on_table();
@@ -283,6 +309,30 @@ TEST(MovingScene, ASlowHandHoldsALightBodyCalmly) {
   }
   // It swings about the middle between them, 50 um off: 0.05 mm times 632 rad/s.
   EXPECT_LT(fastest, 0.04);
+}
+
+/// The hands are told, and told again when all is felt as ever.
+TEST(MovingScene, AResetIsToldInTheReplies) {
+  const Scene scene = test::explosive();
+  Bench bench(scene);
+  bench.join(kLeft);
+  bench.join(kRight);
+  EXPECT_FALSE(bench.hand(kLeft, {0, 0, 0.1705}).recovering);
+  for (int n = 0; bench.world().counters().resets == 0 && n < 500; ++n) {
+    bench.hand(kLeft, {0, 0, 0.1705});
+    bench.advance();
+  }
+  ASSERT_EQ(bench.world().counters().resets, 1u);
+  const Reply reply = bench.hand(kLeft, {0, 0, 0.1705});
+  EXPECT_TRUE(reply.recovering);
+  EXPECT_EQ(reply.command.force(), Vec3::Zero());
+  int told = 0;
+  for (int n = 0; n < 600; ++n) {
+    told += bench.hand(kRight, {0, 0, 0.5}).recovering ? 1 : 0;  // of all hands, of each
+    bench.hand(kLeft, {0, 0, 0.5});
+    bench.advance();
+  }
+  EXPECT_NEAR(told, 1e3 * World::kRecovery, 1.0);
 }
 
 TEST(MovingScene, ReceivingNeverAllocates) {

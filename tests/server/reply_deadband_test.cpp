@@ -134,7 +134,22 @@ TEST(ReplyDeadband, WhatBeginsOrEndsIsSent) {
   EXPECT_EQ(answered([](Reply& r) { r.refused = true; }), std::pair(true, false));
   EXPECT_EQ(answered([](Reply& r) { r.saturated = true; }), std::pair(true, false));
   EXPECT_EQ(answered([](Reply& r) { r.gap = true; }), std::pair(true, true));
+  EXPECT_EQ(answered([](Reply& r) { r.recovering = true; }), std::pair(true, true));
   EXPECT_EQ(answered([](Reply& r) { r.active = true; }), std::pair(false, false));
+}
+
+// All of the time that what moves comes back, and the first reply after it.
+TEST(ReplyDeadband, NothingIsWithheldWhileWhatMovesComesBack) {
+  ReplyDeadband deadband(reply_deadband_test::deadband(0.5));
+  Reply reply;
+  reply.command.elastic = Vec3(0, 0, 1);
+  std::vector<bool> sent;
+  for (const bool recovering : {false, false, true, true, true, false, false}) {
+    reply.recovering = recovering;
+    deadband.add(reply.command, kPeriod);
+    sent.push_back(!deadband.withhold(reply));
+  }
+  EXPECT_EQ(sent, std::vector<bool>({true, false, true, true, true, true, false}));
 }
 
 /// A ball of radius 50 mm above the tool's way, felt from outside; the tool slides by.

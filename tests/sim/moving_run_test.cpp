@@ -71,6 +71,20 @@ TEST(MovingRun, IsTheSameTwiceAndPassiveOverABadLink) {
     }
 }
 
+// What a server says of a reset arrives, over a bad link too, and is counted.
+TEST(MovingRun, TheClientHearsThatWhatMovesWasPutBack) {
+  NetworkRunOptions options = carrying(BoundingSide::client, "delay=8,loss=10,seed=5");
+  options.hand.task.center = {0, 0, 0.17};
+  options.duration = 3.0;
+  const NetworkRunResult run = run_network(test::explosive(), options);
+  EXPECT_GE(run.server.world.resets, 1u);
+  EXPECT_GE(run.servo.scene_resets, 1u);
+  EXPECT_LE(run.servo.scene_resets, run.server.world.resets);
+  EXPECT_EQ(run.measured_port.violations(), 0u);
+  const NetworkRunResult calm = run_network(elevator(), carrying(BoundingSide::client, "delay=0"));
+  EXPECT_EQ(calm.servo.scene_resets, 0u);
+}
+
 /// What is felt of what the scene commands, on the way up and on the way down.
 struct Share {
   double up = 0.0, down = 0.0;

@@ -57,7 +57,8 @@ TEST(TradeScene, IsWrittenWithARowACase) {
   auto cases = scene_cases();
   std::erase_if(cases, [](const SceneCase& c) {
     return c.what.find("327680") != std::string::npos ||
-           c.what.find("10000") != std::string::npos || c.what.find("grid") != std::string::npos;
+           c.what.find("10000") != std::string::npos || c.what == "1000 bodies" ||
+           c.what.find("grid") != std::string::npos;
   });
   const auto cells = run_trade_scene(cases, 1);
   ASSERT_EQ(cells.size(), cases.size());

@@ -1,0 +1,132 @@
+// A point or a ball in a world: which moving objects it asks, and what they answer.
+
+#include <algorithm>
+
+#include "core/contact/mesh_contact.hpp"
+#include "core/scene/world.hpp"
+
+namespace feltwire {
+namespace {
+
+Vec3 seen_from(const Pose& pose, const Vec3& position) {
+  return pose.orientation.conjugate() * (position - pose.position);
+}
+
+/// Of the way between two points to the origin.
+double square_distance(const Vec3& from, const Vec3& to) {
+  const Vec3 way = to - from;
+  const double length = way.squaredNorm();
+  const double part = length > 0.0 ? std::clamp(-from.dot(way) / length, 0.0, 1.0) : 0.0;
+  return (from + part * way).squaredNorm();
+}
+
+}  // namespace
+
+void World::forget_moving(Grasp& grasp, TouchMemory& memory) const noexcept {
+  for (std::size_t i = still_; i < memory.size(); ++i) memory[i] = {};
+  std::ranges::fill(grasp.forces, Vec3::Zero());
+  std::ranges::fill(grasp.nearness, Nearness::far);
+  grasp.near.forget();
+  grasp.resets = counters_.resets;
+}
+
+/// Is the tool near a mesh, or has it come by it since it was asked for last, at grasp.tool? The
+/// way is that which the mesh sees. One that was in no list is told where the tool comes from:
+/// where that was a step ago; what of a longer silence is not known.
+bool World::comes_near(const Held& held, std::size_t part, const Vec3& position, const Grasp& grasp,
+                       FeatureMemory& memory) const noexcept {
+  const bool is_near = held.reach.is_near(part, position), known = grasp.near.known();
+  const Nearness before = grasp.nearness[part];
+  if (before == Nearness::asked || !known) return before == Nearness::asked || is_near;
+  const MeshSurface& surface = *meshes_[part].surface;
+  const Vec3& middle = surface.mesh().origin();
+  const Pose& pose = held.objects[still_ + part].pose;
+  Vec3 from = middle + memory.proxy;
+  if (before == Nearness::far)
+    from = seen_from(grasp.steps == counters_.steps ? pose : meshes_[part].before,
+                     grasp.tool.position);
+  const Vec3 way_from = from - middle, way_to = seen_from(pose, position) - middle;
+  if (!is_near && square_distance(way_from, way_to) > held.reach.square(part)) return false;
+  if (before == Nearness::far) approach_from(surface, from, memory);
+  return true;
+}
+
+/// Makes the list of the objects near the tool anew. What leaves it has no force: it has been asked
+/// since it came out of reach, or is in the list still.
+void World::look_round(const Held& held, const Vec3& position, TouchMemory& memory,
+                       Grasp& grasp) const noexcept {
+  NearMoving& near = grasp.near;
+  near.parts.clear();
+  for (std::size_t i = 0; i < parts_; ++i) {
+    const Nearness before = grasp.nearness[i];
+    const bool is_near = meshes_[i].surface != nullptr
+                             ? comes_near(held, i, position, grasp, memory[still_ + i].feature)
+                             : before == Nearness::asked || held.reach.is_near(i, position);
+    if (!is_near) {
+      grasp.nearness[i] = Nearness::far;
+      continue;
+    }
+    if (before == Nearness::far) grasp.nearness[i] = Nearness::near;
+    near.parts.push_back(static_cast<std::uint32_t>(i));
+  }
+  held.reach.mark(near, position);
+}
+
+/// A tool out of reach of a mesh that does not hold it, whose way there was so too: the mesh
+/// remembers where it is now, as if it had been asked.
+bool World::passes_by(const Held& held, std::size_t part, const Vec3& position,
+                      FeatureMemory& memory) const noexcept {
+  if (memory.side != 0) return false;
+  const MeshSurface& surface = *meshes_[part].surface;
+  const Vec3 own = seen_from(held.objects[still_ + part].pose, position);
+  if (memory.tracked &&
+      !(square_distance(memory.proxy, own - surface.mesh().origin()) > held.reach.square(part)))
+    return false;
+  approach_from(surface, own, memory);
+  return true;
+}
+
+/// Keeps what a moving object answers in the grasp and adds it to `sum`. One that has gone out of
+/// reach is asked once more, and lets go.
+void World::ask(const Held& held, std::size_t part, const Tool& tool, TouchMemory& memory,
+                Grasp& grasp, Command& sum) const noexcept {
+  const std::size_t object = still_ + part;
+  Nearness& nearness = grasp.nearness[part];
+  const bool is_mesh = meshes_[part].surface != nullptr;
+  const bool outside = held.reach.is_outside(part, tool.position);
+  if (outside && (is_mesh ? passes_by(held, part, tool.position, memory[object].feature)
+                          : nearness != Nearness::asked)) {
+    nearness = Nearness::near;
+    return;
+  }
+  nearness = outside && !is_mesh ? Nearness::near : Nearness::asked;
+  const Vec3 against = tool.velocity - velocity_at(object, tool.position);
+  const Command answer = trust_ * feltwire::touch(held.objects[object], {tool.position, against},
+                                                  memory[object], held.scene->tool().radius);
+  grasp.forces[part] = answer.force();
+  sum.elastic += answer.elastic;
+  sum.frictional += answer.frictional;
+}
+
+/// The objects that move, as far as they are near.
+void World::ask_near(const Tool& tool, TouchMemory& memory, Grasp& grasp,
+                     Command& sum) const noexcept {
+  const Held& held = held_[grasp.held];
+  if (!held.reach.holds(grasp.near, tool.position)) look_round(held, tool.position, memory, grasp);
+  for (const std::uint32_t part : grasp.near.parts) ask(held, part, tool, memory, grasp, sum);
+  grasp.steps = counters_.steps;
+}
+
+Command World::touch(const Tool& tool, TouchMemory& memory, Grasp& grasp) const noexcept {
+  if (!tool.position.allFinite() || !tool.velocity.allFinite() ||
+      memory.size() != objects().size() || grasp.nearness.size() != parts_) [[unlikely]]
+    return {};
+  if (grasp.resets != counters_.resets) forget_moving(grasp, memory);
+  Command sum = scene(grasp.held).touch_still(tool, memory);
+  ask_near(tool, memory, grasp, sum);
+  grasp.tool = tool;
+  grasp.fresh = true;
+  return sum.finite() ? sum : Command{};
+}
+
+}  // namespace feltwire

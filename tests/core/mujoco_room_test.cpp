@@ -1,0 +1,127 @@
+// A simulation has room for what it needs, takes more where that is too little, and nobody can
+// tell.
+
+#include "core/scene/mujoco_room.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+
+#include "tests/core/moving.hpp"
+
+namespace feltwire::mujoco_room_test {
+namespace {
+
+using mujoco::bytes;
+using mujoco::first_room;
+using mujoco::Simulation;
+
+constexpr double kHalf = 0.02;  // [m]
+
+std::string boxes(int count, const std::string& size) {
+  std::string xml = "<mujoco>" + size +
+                    "<option timestep='0.001' cone='elliptic' noslip_iterations='5'/><worldbody>"
+                    "<geom type='plane' size='0 0 1' condim='3'/>";
+  for (int i = 0; i < count; ++i)
+    xml += "<body pos='" + std::to_string(0.05 * (i % 10)) + " " + std::to_string(0.05 * (i / 10)) +
+           " 0.021'><freejoint/><geom type='box' size='0.02 0.02 0.02' mass='0.1' "
+           "condim='3'/></body>";
+  return xml + "</worldbody></mujoco>";
+}
+
+mujoco::Model model_of(int count, const std::string& size = {}) {
+  mujoco::Loaded loaded = mujoco::load_text(boxes(count, size));
+  EXPECT_NE(loaded.model, nullptr) << loaded.error;
+  mujoco::leave_room_open(*loaded.model);
+  return std::move(loaded.model);
+}
+
+std::vector<double> run(Simulation& simulation, int steps) {
+  for (int n = 0; n < steps; ++n) {
+    EXPECT_TRUE(simulation.advance());
+    EXPECT_TRUE(simulation.evaluate());
+  }
+  const mjData& data = *simulation.data();
+  return {data.qpos, data.qpos + simulation.model().nq};
+}
+
+double lowest(const std::vector<double>& coordinates) {
+  double least = 1.0;
+  for (std::size_t i = 2; i < coordinates.size(); i += 7) least = std::min(least, coordinates[i]);
+  return least;
+}
+
+TEST(MujocoRoom, FewBodiesTakeLittle) {
+  const auto model = model_of(1);
+  const mujoco::Room room = first_room(*model);
+  EXPECT_GE(room.contacts, 20);
+  EXPECT_GE(room.rows, 60);
+  EXPECT_LT(bytes(*model, room) + 8.0 * room.stack, 4e5);
+  for (const int count : {10, 100, 300}) {
+    const auto many = model_of(count);
+    EXPECT_LE(bytes(*many, first_room(*many)), mujoco::kFirstMemory);
+  }
+}
+
+// Fifty boxes on a table have two hundred contacts, MuJoCo by itself has room for a hundred: the
+// other boxes would fall through.
+TEST(MujocoRoom, NoneFallsThroughForWantOfRoom) {
+  std::vector<Object> objects{test::object("table", Plane{})};
+  std::vector<Body> bodies;
+  std::vector<int> body_of{-1};
+  for (int i = 0; i < 50; ++i) {
+    const std::string name = "box " + std::to_string(i);
+    const Vec3 at(0.05 * (i % 10), 0.05 * (i / 10), kHalf);
+    objects.push_back(test::object(name.c_str(), Box{Vec3::Constant(kHalf)}, {}, at));
+    bodies.push_back(test::body(name.c_str(), 0.1, at));
+    body_of.push_back(i);
+  }
+  const Scene scene = test::moving(objects, body_of, bodies);
+  World world(scene);
+  for (int n = 0; n < 300; ++n) ASSERT_TRUE(world.step());
+  for (std::size_t i = 1; i < world.objects().size(); ++i)
+    EXPECT_NEAR(world.objects()[i].pose.position.z(), kHalf, 2e-4) << i;
+  EXPECT_EQ(world.counters().warnings, 0u);
+}
+
+// Room that was taken on the way, contacts and stack, or beforehand: the same bits.
+TEST(MujocoRoom, WhoGrowsGoesOnAsIfItHadHadTheRoom) {
+  const auto small = model_of(100);
+  const auto large = model_of(100, "<size nconmax='1000' njmax='3500' nstack='30000000'/>");
+  Simulation grows(*small), has(*large);
+  const mujoco::Room first = first_room(*small);
+  EXPECT_EQ(has.room().contacts, 1000);
+  const auto a = run(grows, 60), b = run(has, 60);
+  EXPECT_EQ(a, b);
+  EXPECT_GT(grows.room().contacts, first.contacts);
+  EXPECT_GT(grows.room().rows, first.rows);
+  EXPECT_GT(grows.room().stack, first.stack);
+  EXPECT_FALSE(grows.is_full());
+  EXPECT_EQ(has.room().contacts, 1000);
+  EXPECT_NEAR(lowest(a), kHalf, 1e-3);
+}
+
+TEST(MujocoRoom, WhatAFileSaysStays) {
+  const auto model = model_of(20, "<size nconmax='9' njmax='40' nstack='200000'/>");
+  Simulation simulation(*model);
+  const auto coordinates = run(simulation, 300);
+  EXPECT_EQ(simulation.room().contacts, 9);
+  EXPECT_EQ(simulation.room().rows, 40);
+  EXPECT_EQ(simulation.room().stack, 200000);
+  EXPECT_GT(simulation.data()->warning[mjWARN_CONTACTFULL].number, 0);
+  EXPECT_LT(lowest(coordinates), 0.0);  // as it wants to have it
+}
+
+// At the end of what there is it leaves out, says so, and goes on.
+TEST(MujocoRoom, AtTheMostItIsFull) {
+  const auto model = model_of(60);
+  Simulation simulation(*model, 0.5 * bytes(*model, first_room(*model)));
+  const auto coordinates = run(simulation, 300);
+  EXPECT_TRUE(simulation.is_full());
+  EXPECT_GT(simulation.data()->warning[mjWARN_CONTACTFULL].number, 0);
+  for (const double x : coordinates) EXPECT_TRUE(std::isfinite(x));
+}
+
+}  // namespace
+}  // namespace feltwire::mujoco_room_test
