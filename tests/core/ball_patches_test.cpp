@@ -138,6 +138,33 @@ TEST(BallPatches, FromAnEdgeTheBallFallsToTheSameFace) {
   }
 }
 
+// In one sample from over the edge to behind it: not the face that was nearer above, nor the one
+// that is nearer below, but the one that the ball rolls down to; the scene's takes some samples.
+TEST(BallPatches, AcrossAnEdgeTheBallRollsToTheSameFace) {
+  Random random(5);
+  const Scene scene("s", {test::mesh_object(test::box(Vec3(0.05, 0.05, 0.05), 2), {.radius = kBall},
+                                            {.stiffness = kStiffness})});
+  constexpr int kRuns = 200;
+  constexpr double kNear = 1e-4;  // [m] of the edge
+  int others = 0, crossed = 0;
+  for (int run = 0; run < kRuns; ++run) {
+    const Vec3 edge(0.05, 0.05, 0.012);
+    const Vec3 over(random.uniform(0.0, kNear), random.uniform(0.0, kNear), 0.0);
+    const Vec3 behind(random.uniform(-kNear, 0.0), random.uniform(-kNear, 0.0), 0.0);
+    test::FollowedHand hand(scene, 20);
+    for (int n = 50; n > 0; --n)
+      hand.step({edge + over + 1e-4 * n * over.normalized(), Vec3::Zero()});
+    hand.step({edge + over, Vec3::Zero()});
+    for (int n = 0; n < 300; ++n) hand.step({edge + behind, Vec3::Zero()});
+    others += hand.error() > 0.1 * kBall * kStiffness ? 1 : 0;
+    // Where it came down was the lower of the two above.
+    crossed +=
+        (over.x() > over.y()) != (hand.truth().elastic.x() > hand.truth().elastic.y()) ? 1 : 0;
+  }
+  EXPECT_LE(others, kRuns / 50);  // a hair decides
+  EXPECT_GT(crossed, kRuns / 10);
+}
+
 TEST(BallPatches, InAHollowTheBallStandsOffAllWalls) {
   Random random(2);
   const Vec3 half(0.05, 0.04, 0.03);

@@ -95,13 +95,14 @@ TEST(HeightMap, RepeatsWithoutASeam) {
               .norm(),
           1e-6);
     }
-    // The slope is that of the cut.
+    // The slope is that of the cut, on whatever side.
     const double d = 1e-7;
-    for (int axis = 0; axis < 2; ++axis) {
+    const Vec3 normal = i % 2 == 0 ? Vec3::UnitZ() : random.direction();
+    const Vec3 slope = map.at(p, normal).slope;
+    for (int axis = 0; axis < 3; ++axis) {
       const Vec3 step = d * Vec3::Unit(axis);
-      EXPECT_NEAR(
-          (map.at(p + step, Vec3::UnitZ()).cut - map.at(p - step, Vec3::UnitZ()).cut) / (2 * d),
-          here.slope[axis], 1e-4);
+      EXPECT_NEAR((map.at(p + step, normal).cut - map.at(p - step, normal).cut) / (2 * d),
+                  slope[axis], 1e-4);
     }
   }
 }

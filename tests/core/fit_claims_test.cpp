@@ -1,0 +1,231 @@
+// Where what is said of a fitted surface ends: each reason by itself.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "core/contact/fitted_patches.hpp"
+#include "core/contact/mesh_fit.hpp"
+#include "core/geometry/distance_grid.hpp"
+#include "core/geometry/signed_distance.hpp"
+#include "core/scene/near.hpp"
+#include "tests/core/support.hpp"
+#include "tests/support/meshes.hpp"
+
+namespace feltwire::fit_claims_test {
+namespace {
+
+using test::Random;
+
+// A cylinder's normal turns by k across it and not along it; a ball's turns alike.
+TEST(Bend, IsTheCylinderOrTheBallThatTheNormalTurnsAbout) {
+  Random random(1);
+  for (int n = 0; n < 100; ++n) {
+    const Vec3 normal = random.direction();
+    const Vec3 u = normal.unitOrthogonal(), v = normal.cross(u);
+    const double turn = random.uniform(-3.0, 3.0), k = random.decades(0.0, 2.0);
+    const Vec3 across = std::cos(turn) * u + std::sin(turn) * v;
+    const double cu = across.dot(u), cv = across.dot(v);
+    const Bend rod = bend(u, v, k * cu * cu, k * cu * cv, k * cv * cv);
+    EXPECT_NEAR(rod.curvature, k, 1e-9 * std::abs(k));
+    EXPECT_NEAR(std::abs(rod.axis.dot(normal.cross(across))), 1.0, 1e-9);
+    const Bend ball = bend(u, v, k, 0.0, k);
+    EXPECT_NEAR(ball.curvature, k, 1e-9 * std::abs(k));
+    EXPECT_TRUE(ball.axis.isZero(0.0));
+    // Three quarters of the curvature are nearer to a ball, a tenth to a cylinder.
+    EXPECT_NEAR(bend(u, v, k, 0.0, 0.75 * k).curvature, 0.875 * k, 1e-9 * std::abs(k));
+    EXPECT_NEAR(bend(u, v, k, 0.0, 0.1 * k).curvature, k, 1e-9 * std::abs(k));
+  }
+}
+
+MeshFit plane_of(const MeshSurface& surface, const Vec3& place) {
+  MeshFit fit;
+  const auto nearest = surface.nearest(place, 1.0);
+  fit.point = nearest.point;
+  fit.triangle = nearest.triangle;
+  fit.normal = triangle_normal(surface.mesh().corners(nearest.triangle));
+  return fit;
+}
+
+// A ball falls away from its tangent plane by x^2 / 2R, which is x / 64 at R / 32; its hollow
+// rises.
+TEST(MeshFits, APlaneOnABallEndsWhereTheSlopeDoes) {
+  constexpr double kRadius = 0.05;
+  const MeshSurface surface(TriangleMesh(test::icosphere(kRadius, 6)));
+  const Vec3 top = kRadius * Vec3(0.2, 0.3, 0.93).normalized();
+  for (const double side : {1.0, -1.0}) {
+    MeshFits fits(surface, side);
+    MeshFit fit = plane_of(surface, top);
+    fit.normal = side * top.normalized();
+    fits.add(fit);
+    const auto other = fits.first_other(top, 0.0, 0.01);
+    EXPECT_NE(other.triangle, TriangleMesh::kNone);
+    EXPECT_NEAR(other.distance, kRadius / 32.0, 1e-3);  // a facet has 0.9 mm
+  }
+}
+
+// A sheet's other side is no part of a patch, however thin it is.
+TEST(MeshFits, WhatIsTurnedAwayIsNotDescribed) {
+  const Vec3 half(0.02, 0.02, 1e-6);
+  MeshSurface surface(TriangleMesh(test::box(half, 4)));
+  MeshFits fits(surface, 1.0);
+  fits.add(plane_of(surface, Vec3(1e-3, 2e-3, half.z())));
+  EXPECT_LT(fits.first_other(Vec3(1e-3, 2e-3, half.z()), 0.0, 0.01).distance, 1e-4);
+}
+
+// Corners and centroid of a triangle lie behind a hollow, and the middle of its longest side before
+// it.
+TEST(MeshFits, ATriangleAcrossAHollowIsNotHidden) {
+  constexpr double kHollow = 0.05, kReach = 0.02, kAbove = 2e-4;
+  TriangleSoup soup;
+  soup.vertices = {{-kReach, 0, kAbove}, {kReach, 0, kAbove}, {0, kReach, kAbove}};
+  soup.triangles.push_back({0, 1, 2});
+  const MeshSurface surface{TriangleMesh(soup)};
+  MeshFits fits(surface, 1.0);
+  MeshFit fit;
+  fit.point = -surface.mesh().origin();  // the hollow's lowest place
+  fit.curvature = -1.0 / kHollow;
+  fits.add(fit);
+  EXPECT_EQ(fits.first_other(fit.point, 0.0, 0.03).triangle, 0u);
+}
+
+LocalModel model_at(const Object& object, const Vec3& position, const Vec3& from) {
+  const Scene scene("s", {object});
+  TouchMemory memory = scene.memory();
+  scene.touch({from, Vec3::Zero()}, memory);
+  scene.touch({position, Vec3::Zero()}, memory);
+  return local_model(scene, position, memory);
+}
+LocalModel model_over(const TriangleSoup& soup, const Vec3& position,
+                      const MeshOptions& options = {}) {
+  return model_at(test::mesh_object(soup, options), position, position + 1e-3 * Vec3::UnitZ());
+}
+
+// Two blocks side by side: beyond the gap are planes that are known, but not as a part of the
+// first. One at the same height, one that is lower and hidden by the top alone.
+TEST(MeshFits, WhatAnotherPatchCutsOffIsNotDescribed) {
+  const Vec3 half(0.02, 0.02, 0.02);
+  for (const double lower : {0.0, 5e-3}) {
+    const LocalModel model = model_over(
+        test::joined(test::box(half), test::moved(test::box(half), Vec3(0.045, 0, -lower))),
+        Vec3(0.019, 0.003, 0.0205));
+    ASSERT_GE(model.count, 2);
+    // The gap of 5 mm begins a millimetre away.
+    EXPECT_NEAR(model.reach, std::hypot(6e-3, lower > 0.0 ? lower + 5e-4 : 5e-4), 1e-4);
+  }
+}
+
+/// A square from a corner along two sides, outside along u x v.
+void add_square(TriangleSoup& soup, const Vec3& corner, const Vec3& u, const Vec3& v) {
+  const auto first = static_cast<std::uint32_t>(soup.vertices.size());
+  soup.vertices.insert(soup.vertices.end(), {corner, corner + u, corner + u + v, corner + v});
+  soup.triangles.push_back({first, first + 1, first + 2});
+  soup.triangles.push_back({first, first + 2, first + 3});
+}
+
+// At the foot of a block's edge two hollow edges meet a convex one.
+TEST(MeshFits, ConvexAndHollowEdgesAreNotTogether) {
+  const double s = 0.03;
+  const Vec3 x = s * Vec3::UnitX(), y = s * Vec3::UnitY(), z = s * Vec3::UnitZ();
+  TriangleSoup soup;  // the block stands on x < 0, y < 0
+  for (const Vec3& corner : {Vec3(-y), Vec3(Vec3::Zero()), Vec3(-x)})
+    add_square(soup, corner, x, y);
+  add_square(soup, -y, y, z);
+  add_square(soup, Vec3::Zero(), -x, z);
+  const LocalModel model = model_over(soup, Vec3(1e-3, -6e-3, 1.5e-3));
+  ASSERT_EQ(model.count, 2);
+  EXPECT_FALSE(model.patches[0].joined);
+  EXPECT_EQ(model.patches[0].normal, Vec3::UnitX());
+  EXPECT_EQ(model.patches[1].normal, Vec3::UnitZ());
+  EXPECT_NEAR(model.reach, std::hypot(1e-3, 6e-3), 1e-9);  // to the face round the corner
+
+  const LocalModel edge = model_over(soup, Vec3(1e-3, 1.1e-3, 2.5e-3));
+  ASSERT_EQ(edge.count, 2);
+  EXPECT_TRUE(edge.patches[0].joined);
+  EXPECT_NEAR(edge.reach, 2.5e-3, 1e-9);  // to the plate
+}
+
+// Beyond the triangles that are looked at one by one: something above, a terrace.
+TEST(MeshRings, EndWhereSomethingStandsAboveOrTheSurfaceDoes) {
+  const TriangleSoup floor = test::sheet(0.15, 100);
+  const Vec3 over(1e-3, 2e-3, 1e-3);
+  EXPECT_GT(model_over(floor, over).reach, 0.06);
+  // A ball of 4 mm, 30 mm above.
+  const LocalModel hung = model_over(
+      test::joined(floor, test::moved(test::icosphere(4e-3, 2), Vec3(0, 0, 0.034))), over);
+  ASSERT_EQ(hung.count, 1);
+  EXPECT_LT(hung.reach, 0.03);
+  // A ring round it, 20 mm above.
+  const LocalModel ringed = model_over(
+      test::joined(floor, test::moved(test::torus(0.045, 3e-3, 60, 12), Vec3(0, 0, 0.02))), over);
+  ASSERT_EQ(ringed.count, 1);
+  EXPECT_LT(ringed.reach, 0.042);
+  // 30 mm of floor, then 5 mm lower.
+  const LocalModel terrace = model_over(
+      test::joined(test::sheet(0.03, 20), test::moved(test::sheet(0.15, 100), Vec3(0, 0, -5e-3))),
+      over);
+  ASSERT_EQ(terrace.count, 1);
+  EXPECT_LE(terrace.reach, 0.03);
+}
+
+// All that is near is a radius nearer to a ball.
+TEST(MeshBall, MeetsWhatIsNotDescribedARadiusEarlier) {
+  constexpr double kRadius = 3e-3;
+  const TriangleSoup sheet = test::sheet(0.03, 3);
+  const LocalModel above = model_over(sheet, Vec3(0.02, 0.0, 2e-3), {.radius = kRadius});
+  ASSERT_EQ(above.count, 1);
+  EXPECT_NEAR(above.reach, std::hypot(0.01, 2e-3) - kRadius, 1e-9);
+  EXPECT_NEAR(above.patches[0].radius, std::hypot(0.01, kRadius) - kRadius, 1e-9);
+  // From below nothing holds it, and nothing is said of what begins above.
+  const Scene scene("s", {test::mesh_object(sheet, {.radius = kRadius})});
+  const LocalModel below = local_model(scene, Vec3(0.01, 0.0, -5e-3), scene.memory());
+  EXPECT_EQ(below.count, 0);
+  EXPECT_NEAR(below.reach, 5e-3 - kRadius, 1e-9);
+}
+
+Object grid_of(const Solid& solid, double resolution, Side side = Side::outside) {
+  Object o;
+  o.name = "grid";
+  o.shape =
+      Grid{std::make_shared<DistanceGrid<float>>(solid, GridOptions{.resolution = resolution})};
+  o.felt_from = side;
+  return o;
+}
+
+TEST(GridRings, EndWhereThePlateIsThinOrTheRoomLow) {
+  // 4 mm thick: deeper than half of that the other face is nearer.
+  const Vec3 over(1e-3, 2e-3, 2.5e-3);
+  const LocalModel plate =
+      model_at(grid_of(solid_of(Box{Vec3(0.06, 0.06, 2e-3)}), 5e-4), over, 2.0 * over);
+  ASSERT_EQ(plate.count, 1);
+  EXPECT_LT(plate.reach, 0.01);
+  const LocalModel block = model_at(grid_of(solid_of(Box{Vec3(0.06, 0.06, 0.02)}), 1e-3),
+                                    Vec3(1e-3, 2e-3, 0.0205), Vec3(1e-3, 2e-3, 0.03));
+  EXPECT_GT(block.reach, 0.03);
+  // A room of 20 mm: half way up the ceiling is as near.
+  const Vec3 low(1e-3, 2e-3, -9.5e-3);
+  const LocalModel room =
+      model_at(grid_of(solid_of(Box{Vec3(0.06, 0.06, 0.01)}), 1e-3, Side::inside), low, 0.9 * low);
+  ASSERT_EQ(room.count, 1);
+  EXPECT_LT(room.reach, 0.02);
+}
+
+// A rod in any direction is a cylinder along it.
+TEST(GridRings, ARodIsACylinderWhicheverWayItPoints) {
+  constexpr double kRadius = 0.02;
+  Random random(2);
+  for (int n = 0; n < 5; ++n) {
+    const Vec3 along = random.direction();
+    const Solid rod{Vec3::Constant(-0.05), Vec3::Constant(0.05),
+                    [&](const Vec3& p) { return (p - along.dot(p) * along).norm() - kRadius; }};
+    const Vec3 out = along.cross(random.direction()).normalized();
+    const LocalModel model =
+        model_at(grid_of(rod, 2e-3), (kRadius + 1e-3) * out, 1.5 * kRadius * out);
+    ASSERT_EQ(model.count, 1);
+    EXPECT_NEAR(model.patches[0].curvature, 1.0 / kRadius, 2.0);
+    EXPECT_NEAR(std::abs(model.patches[0].axis.dot(along)), 1.0, 1e-3);
+  }
+}
+
+}  // namespace
+}  // namespace feltwire::fit_claims_test
