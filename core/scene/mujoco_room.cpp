@@ -76,7 +76,8 @@ void give(mjModel& model, const Room& room) {
 double bytes(const mjModel& model, const Room& room) {
   // The constraints' Jacobian and its transpose with their columns, the matrix between all rows.
   const double entry = kNumber + kIndex, rows = room.rows;
-  return 2.0 * entry * rows * model.nv + entry * rows * rows + sizeof(mjContact) * room.contacts;
+  return 2.0 * entry * rows * model.nv + entry * rows * rows +
+         static_cast<double>(sizeof(mjContact)) * room.contacts;
 }
 
 void leave_room_open(mjModel& model) {

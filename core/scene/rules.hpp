@@ -28,6 +28,7 @@ inline constexpr double kMaxLength = 1e6;     // [m] sizes and coordinates
 inline constexpr double kMaxStiffness = 1e9;  // [N/m]
 inline constexpr double kMaxDamping = 1e6;    // [N s/m], viscous friction too
 inline constexpr double kMaxFrictionCoefficient = 100.0;
+inline constexpr double kLargestTravel = 1e3;       // [m], [rad] of a joint
 inline constexpr std::size_t kMaxNameLength = 100;  // [bytes]
 
 /// The first rule that is broken, if any. Fields are relative ("radius", "position.x").
