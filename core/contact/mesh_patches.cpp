@@ -221,7 +221,11 @@ FittedPatches mesh_patches(const MeshSurface& surface, Side felt_from, const Vec
   first.distance = seat.distance;
   planes.add(first);
   MeshFits::Other other = planes.first_other(goal, seat.height, extent);
-  if (other.triangle == kNone && !options.smooth) return reaching(surface, planes, seat, other);
+  FittedPatches flat;
+  if (other.triangle == kNone && !options.smooth) {
+    flat = reaching(surface, planes, seat, other);
+    if (other.border || 2.0 * flat.extent > kMostFitted) return flat;
+  }
 
   MeshFits ball(surface, seat.side);
   MeshFit fit = curved(surface, seat);
@@ -231,6 +235,11 @@ FittedPatches mesh_patches(const MeshSurface& surface, Side felt_from, const Vec
   if (options.smooth && !round) return none;
   MeshFits::Other beyond;
   if (round) beyond = ball.first_other(goal, seat.height, extent);
+  if (flat.count > 0) {  // facets so fine may be a curved surface's
+    if (!round || fit.curvature == 0.0) return flat;
+    const FittedPatches bent = reaching(surface, ball, seat, beyond);
+    return bent.end > flat.end ? bent : flat;
+  }
   if (options.smooth || (round && beyond.triangle == kNone && beyond.distance > other.distance))
     return reaching(surface, ball, seat, beyond);
 

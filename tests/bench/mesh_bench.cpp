@@ -2,6 +2,8 @@
 // inside, gliding at 0.1 m/s, sampled at 1 kHz.
 //   glide, smooth     a point; its force's direction interpolated
 //   ball              a ball of 1 mm
+//   local_model,      a sample, and the surfaces near the tool beside it (less glide, or ball)
+//   ball_model
 //   build             the tree (and neighbours) from vertices and triangles
 //   objects           one of that many meshes touched
 // Beside the mean: the time of single samples, p50 and p99.9, the clock's own reading included;
@@ -140,14 +142,14 @@ void objects(benchmark::State& state, int count) {
   state.counters["N"] = command.elastic.norm();
 }
 
-[[maybe_unused]] /// What a session with a local model asks for at every reply, on the same way.
-void model(benchmark::State& state, int level) {
-  const Scene scene("sphere", {object_of(sphere(level), {})});
+/// What a session with a local model asks for at every reply, on the same way.
+void model(benchmark::State& state, int level, const MeshOptions& options) {
+  const Scene scene("sphere", {object_of(sphere(level), options)});
   TouchMemory memory = scene.memory();
   double reach = 0.0;
   std::size_t n = 0;
   for (auto _ : state) {
-    const Vec3 position = (kRadius - kDepth) * outward(n++);
+    const Vec3 position = (kRadius + options.radius - kDepth) * outward(n++);
     scene.touch({position, Vec3::Zero()}, memory);
     reach += local_model(scene, position, memory).reach;
   }
@@ -159,7 +161,8 @@ const bool registered = [] {
     const std::string triangles = "/" + std::to_string(20 << 2 * level);
     const MeshOptions point{}, smooth{.smooth = true}, ball{.radius = 0.001};
     benchmark::RegisterBenchmark(("mesh/glide" + triangles).c_str(), glide, level, point);
-    benchmark::RegisterBenchmark(("mesh/local_model" + triangles).c_str(), model, level);
+    benchmark::RegisterBenchmark(("mesh/local_model" + triangles).c_str(), model, level, point);
+    benchmark::RegisterBenchmark(("mesh/ball_model" + triangles).c_str(), model, level, ball);
     benchmark::RegisterBenchmark(("mesh/smooth" + triangles).c_str(), glide, level, smooth);
     benchmark::RegisterBenchmark(("mesh/ball" + triangles).c_str(), glide, level, ball);
     benchmark::RegisterBenchmark(("mesh/build" + triangles).c_str(), build, level)

@@ -38,6 +38,14 @@ TEST(Bend, IsTheCylinderOrTheBallThatTheNormalTurnsAbout) {
   }
 }
 
+LocalModel model_at(const Object& object, const Vec3& position, const Vec3& from) {
+  const Scene scene("s", {object});
+  TouchMemory memory = scene.memory();
+  scene.touch({from, Vec3::Zero()}, memory);
+  scene.touch({position, Vec3::Zero()}, memory);
+  return local_model(scene, position, memory);
+}
+
 MeshFit plane_of(const MeshSurface& surface, const Vec3& place) {
   MeshFit fit;
   const auto nearest = surface.nearest(place, 1.0);
@@ -62,6 +70,35 @@ TEST(MeshFits, APlaneOnABallEndsWhereTheSlopeDoes) {
     EXPECT_NE(other.triangle, TriangleMesh::kNone);
     EXPECT_NEAR(other.distance, kRadius / 32.0, 1e-3);  // a facet has 0.9 mm
   }
+}
+
+// Facets so fine that those which are looked at are as good as flat.
+TEST(MeshFits, AVeryFineBallIsABallAllTheSame) {
+  constexpr double kRadius = 0.09;
+  const Vec3 out = Vec3(0.2, 0.3, 0.93).normalized();
+  const TriangleSoup cap = [&] {  // what is near `out`, at four times the fineness
+    TriangleSoup soup;
+    const Vec3 u = out.unitOrthogonal(), v = out.cross(u);
+    constexpr int kSide = 120;
+    constexpr double kStep = 3e-4;  // [m]
+    for (int i = 0; i <= kSide; ++i)
+      for (int j = 0; j <= kSide; ++j)
+        soup.vertices.push_back(
+            kRadius *
+            (kRadius * out + kStep * ((i - kSide / 2) * u + (j - kSide / 2) * v)).normalized());
+    const auto at = [&](int i, int j) { return static_cast<std::uint32_t>(i * (kSide + 1) + j); };
+    for (int i = 0; i < kSide; ++i)
+      for (int j = 0; j < kSide; ++j) {
+        soup.triangles.push_back({at(i, j), at(i + 1, j), at(i + 1, j + 1)});
+        soup.triangles.push_back({at(i, j), at(i + 1, j + 1), at(i, j + 1)});
+      }
+    return soup;
+  }();
+  const Vec3 over = (kRadius + 2e-4) * out;
+  const LocalModel model = model_at(test::mesh_object(cap), over, 1.1 * over);
+  ASSERT_EQ(model.count, 1);
+  EXPECT_NEAR(model.patches[0].curvature, 1.0 / kRadius, 0.05 / kRadius);
+  EXPECT_GT(model.reach, 6e-3);
 }
 
 // A sheet's other side is no part of a patch, however thin it is.
@@ -89,13 +126,6 @@ TEST(MeshFits, ATriangleAcrossAHollowIsNotHidden) {
   EXPECT_EQ(fits.first_other(fit.point, 0.0, 0.03).triangle, 0u);
 }
 
-LocalModel model_at(const Object& object, const Vec3& position, const Vec3& from) {
-  const Scene scene("s", {object});
-  TouchMemory memory = scene.memory();
-  scene.touch({from, Vec3::Zero()}, memory);
-  scene.touch({position, Vec3::Zero()}, memory);
-  return local_model(scene, position, memory);
-}
 LocalModel model_over(const TriangleSoup& soup, const Vec3& position,
                       const MeshOptions& options = {}) {
   return model_at(test::mesh_object(soup, options), position, position + 1e-3 * Vec3::UnitZ());
