@@ -21,6 +21,7 @@
 namespace feltwire::loopback_test {
 namespace {
 
+using test::any_port;
 using test::ControlClient;
 using test::RawSocket;
 
@@ -63,13 +64,6 @@ struct DatagramClient {
     return reason;
   }
 };
-
-ServerConfig any_port() {
-  ServerConfig config;
-  config.port = 0;
-  config.log_level = "off";
-  return config;
-}
 
 std::vector<Scene> two_scenes() {
   return {test::room(), Scene("ball", {test::room().objects()[1]})};

@@ -5,6 +5,7 @@
 
 #include "core/scene/scene.hpp"
 #include "protocol/control.hpp"
+#include "server/config.hpp"
 #include "tests/protocol/make.hpp"
 
 namespace feltwire::test {
@@ -73,6 +74,14 @@ inline SampleBatch hand_batch(std::uint64_t newest, int redundancy = 0) {
   }
   batch.previous = newest - static_cast<std::uint64_t>(batch.count);
   return batch;
+}
+
+/// A quiet server at whatever ports are free.
+inline ServerConfig any_port() {
+  ServerConfig config;
+  config.port = 0;
+  config.log_level = "off";
+  return config;
 }
 
 }  // namespace feltwire::test

@@ -117,9 +117,7 @@ TEST(Reload, AnAdminAsksForItAndABadFileChangesNothing) {
   const std::string file = folder / "room.json";
   std::ofstream(file) << json(500);
   const IssuedToken anna = issue_token("anna", "*", Role::operator_, std::nullopt);
-  ServerConfig config;
-  config.port = 0;
-  config.log_level = "off";
+  ServerConfig config = test::any_port();
   config.scenes = {file};
   std::vector<Scene> scenes;
   scenes.push_back(load_scene(file));

@@ -227,9 +227,7 @@ TEST(ToolChoice, AServersReloadTakesAToolAway) {
   const std::string file = folder / "room.json";
   const std::string kBallTool = R"({"name": "ball", "sphere": {"radius": 0.004}})";
   std::ofstream(file) << json(kBallTool + R"(, {"name": "key"})");
-  ServerConfig config;
-  config.port = 0;
-  config.log_level = "off";
+  ServerConfig config = test::any_port();
   config.scenes = {file};
   std::vector<Scene> scenes;
   scenes.push_back(load_scene(file));
