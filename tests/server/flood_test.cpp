@@ -85,9 +85,7 @@ struct Honest {
 TEST(Flood, HonestClientsAreAnsweredAndNobodyElse) {
   constexpr int kClients = 20, kAnswers = 50;
   constexpr std::uint64_t kMostSamples = 100'000;  // then the server has stopped answering
-  ServerConfig config;
-  config.port = 0;
-  config.log_level = "off";
+  ServerConfig config = test::any_port();
   std::vector<Scene> scenes;
   scenes.push_back(test::room());
   config.sample_rate_limit = 1e3;  // as fast as it goes

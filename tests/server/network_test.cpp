@@ -18,10 +18,8 @@ using test::ControlClient;
 using test::RawSocket;
 
 ServerConfig listening(const char* address) {
-  ServerConfig config;
+  ServerConfig config = test::any_port();
   config.address = address;
-  config.port = 0;
-  config.log_level = "off";
   return config;
 }
 
