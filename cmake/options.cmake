@@ -1,3 +1,11 @@
+# A compiler cache, where there is one: it answers with the same bits that the compiler would give, whatever folder the
+# checkout lies in.
+find_program(FELTWIRE_CCACHE ccache)
+if(FELTWIRE_CCACHE AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${CMAKE_COMMAND} -E env CCACHE_BASEDIR=${PROJECT_SOURCE_DIR} CCACHE_NOHASHDIR=1
+      ${FELTWIRE_CCACHE})
+endif()
+
 # Compiler settings every target of this project shares: link feltwire_options.
 add_library(feltwire_options INTERFACE)
 target_compile_options(feltwire_options INTERFACE
