@@ -12,6 +12,7 @@
 #include <variant>
 
 #include "client/tls_stream.hpp"
+#include "protocol/ports.hpp"
 
 namespace feltwire {
 namespace {
@@ -88,8 +89,9 @@ Address address_of(const asio::ip::udp::endpoint& endpoint) {
 
 Endpoint parse_endpoint(std::string_view text) {
   const auto fail = [&](const char* what) {
+    const std::string port = std::to_string(kDefaultPort);
     throw std::invalid_argument("'" + std::string(text) + "' " + what +
-                                "; write HOST:PORT, e.g. localhost:7400 or [::1]:7400");
+                                "; write HOST:PORT, e.g. localhost:" + port + " or [::1]:" + port);
   };
   const auto colon = text.rfind(':');
   if (colon == std::string_view::npos) fail("has no port");

@@ -5,12 +5,14 @@
 #include <string_view>
 #include <vector>
 
+#include "protocol/ports.hpp"
+
 namespace feltwire {
 
 struct ServerConfig {
   std::vector<std::filesystem::path> scenes;  // at least one
   std::string address = "127.0.0.1";          // other machines on request only
-  int port = 7400;  // control (tcp), the scenes' (udp) follow one by one; 0: a free place for all
+  int port = kDefaultPort;  // control (tcp), the scenes' (udp) follow one by one; 0: a free place
   double silence_timeout = 2.0;  // [s]
   int max_sessions_per_scene = 64;
   double sample_rate_limit = 1.5;  // of a session, times its servo rate

@@ -13,23 +13,31 @@
 namespace feltwire {
 namespace {
 
-constexpr const char* kExamples = R"(
-Examples:
-  feltwire-server --scene scenes/wall.json
-      one scene for clients on this machine: control on tcp 7400, the scene on udp 7401
-  feltwire-server --scene a.json --scene b.json --address :: --port 9000
+/// The files in the examples are those of the repository, from its root.
+std::string examples() {
+  const std::string port = std::to_string(kDefaultPort);
+  const std::string scene_port = std::to_string(kDefaultPort + 1);
+  return R"(
+Examples, typed in the root of the repository:
+  feltwire-server --scene scenes/room.json
+      one scene for clients on this machine: control on tcp )" +
+         port + ", the scene on udp " + scene_port + R"(
+  feltwire-server --scene scenes/room.json --scene scenes/workshop.json --address :: --port 9000
       two scenes for every network this machine is in; open tcp 9000 and udp 9001 and 9002
-  feltwire-server token add --client anna --scene wall --role operator --expires 30d
+  feltwire-server token add --client anna --scene room --role operator --expires 30d
       a token for somebody else, see feltwire-server token --help
-  feltwire-server --config server.json --log-level debug
-      everything from a file, one option from here
+  feltwire-server --config FILE --log-level debug
+      everything from a file (docs/server.md), one option from here
 
 Once every port is open three lines say so: whom clients trust, where they find it, how one joins:
   fingerprint: 3f0e...
-  listening: control tcp 7400, scene wall udp 7401
-  join: feltwire-client --connect 127.0.0.1:7400 --scene wall --fingerprint 3f0e... --token-file ...
+  listening: control tcp )" +
+         port + ", scene room udp " + scene_port + R"(
+  join: feltwire-client --connect 127.0.0.1:)" +
+         port + R"( --scene room --fingerprint 3f0e... --token-file ...
 End it with Ctrl-C or SIGTERM: clients are told, and a summary is printed.
 Every option may come from the environment, --log-level from FELTWIRE_LOG_LEVEL.)";
+}
 
 /// An option that, given on the command line, stands over the file.
 using Overrides = std::vector<std::function<void(ServerConfig&)>>;
@@ -132,7 +140,7 @@ void add_security(CLI::App& app, Overrides& overrides, ServerConfig& given) {
 ServerTask server_task(int argc, char** argv) {
   CLI::App app("A networked haptic rendering server: hands come in over UDP, forces go back.",
                "feltwire-server");
-  app.footer(kExamples);
+  app.footer(examples());
   ServerTask asked;
   std::string file;
   app.add_option("--config", file, "Configuration file (JSON); options given here win over it");

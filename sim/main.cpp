@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "client/report.hpp"
+#include "protocol/ports.hpp"
 #include "sim/filters.hpp"
 #include "sim/link_relay.hpp"
 #include "sim/report_table.hpp"
@@ -146,13 +147,16 @@ void add_link(CLI::App& app) {
     std::string link, to, report;
   };
   auto o = std::make_shared<Options>();
-  o->relay.port = 7500;
+  o->relay.port = kDefaultRelayPort;
   CLI::App* command =
       app.add_subcommand("link", "Relay between clients and a server, over an emulated link");
   command->footer(link_help() +
-                  "Example, in two terminals beside a server on 7400:\n"
-                  "  feltwire-lab link wifi,loss=5,seed=3 --listen 7500 --to localhost:7400\n"
-                  "  feltwire-client --connect localhost:7500 --scene room --duration 10");
+                  "Example, in two terminals beside a server on this machine:\n"
+                  "  feltwire-lab link wifi,loss=5,seed=3 --to localhost:" +
+                  std::to_string(kDefaultPort) +
+                  "\n"
+                  "  feltwire-client --connect localhost:" +
+                  std::to_string(kDefaultRelayPort) + " --scene room --duration 10");
   command->add_option("LINK", o->link, "What the link does, see below")->required();
   command
       ->add_option("--listen", o->relay.port,

@@ -29,8 +29,8 @@ std::vector<std::uint8_t> framed(std::vector<std::uint8_t> body) {
 }
 
 TEST(Endpoint, ReadsNamesAndBothKindsOfAddresses) {
-  EXPECT_EQ(parse_endpoint("localhost:7400").host, "localhost");
-  EXPECT_EQ(parse_endpoint("localhost:7400").port, 7400);
+  EXPECT_EQ(parse_endpoint("localhost:6720").host, "localhost");
+  EXPECT_EQ(parse_endpoint("localhost:6720").port, 6720);
   EXPECT_EQ(parse_endpoint("[::1]:80").host, "::1");
   EXPECT_EQ(to_string(parse_endpoint("[fe80::2]:80")), "[fe80::2]:80");
   EXPECT_EQ(to_string(parse_endpoint("10.0.0.1:65535")), "10.0.0.1:65535");

@@ -21,7 +21,7 @@ const std::string kPrint(64, 'a');  // of some certificate
 /// What a command line comes to that says nothing of trust; likewise.
 std::variant<ClientOptions, int> parsed_bare(std::vector<std::string> words) {
   words.insert(words.begin(),
-               {"feltwire-client", "--connect", "localhost:7400", "--scene", "room"});
+               {"feltwire-client", "--connect", "localhost:6720", "--scene", "room"});
   std::vector<char*> argv;
   for (std::string& word : words) argv.push_back(word.data());
   return parse_options(static_cast<int>(argv.size()), argv.data());

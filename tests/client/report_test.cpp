@@ -47,14 +47,14 @@ json report(const Servo& servo, const LoopResult& result = {}, const std::string
   transport.sent = 6;
   transport.dropped[static_cast<std::size_t>(DropReason::malformed)] = 4;
   return json::parse(
-      report_json({client, "wall", "localhost:7400", "simulated", {}, scene_stiffness}, servo,
+      report_json({client, "wall", "localhost:6720", "simulated", {}, scene_stiffness}, servo,
                   transport, result));
 }
 
 TEST(Report, SaysWhatTheHandHeld) {
   const auto servo = used_servo();
   EXPECT_TRUE(report(*servo)["tool"].is_null());
-  RunDescription run{"anna", "wall", "localhost:7400", "simulated", {}};
+  RunDescription run{"anna", "wall", "localhost:6720", "simulated", {}};
   run.tool = "key";
   EXPECT_EQ(json::parse(report_json(run, *servo, {}, {}))["tool"], "key");
 }
@@ -63,7 +63,7 @@ TEST(Report, SaysWhatAnObserverSaw) {
   const auto servo = used_servo();
   EXPECT_EQ(report(*servo)["role"], "operator");
   EXPECT_TRUE(report(*servo)["view"].is_null());
-  RunDescription run{"anna", "wall", "localhost:7400", "simulated", {}};
+  RunDescription run{"anna", "wall", "localhost:6720", "simulated", {}};
   run.sight = SightCounts{.views = 7, .hands = 1, .bodies = 2, .most_hands = 3, .most_bodies = 4};
   LoopResult result;
   result.views_dropped = 5;
@@ -121,7 +121,7 @@ TEST(Report, TellsWhatAnEmulatedLinkDid) {
     one->enter(datagram, std::chrono::milliseconds(2));
     one->leave(std::chrono::milliseconds(21));
   }
-  const json r = json::parse(report_json({"anna", "wall", "localhost:7400", "simulated", {}},
+  const json r = json::parse(report_json({"anna", "wall", "localhost:6720", "simulated", {}},
                                          *servo, {}, {}, &link))["link"];
   EXPECT_EQ(r["given"], "delay=20,down.loss=100,seed=6");
   EXPECT_EQ(r["seed"], 6);

@@ -9,7 +9,7 @@ import time
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 IMAGE = os.environ.get("FELTWIRE_IMAGE", "feltwire")
-CONTROL_PORT = 7400
+CONTROL_PORT = 6720
 STOP_TIME = 2.0  # [s] in which SIGTERM ends every program
 # Docker asks the world for the name of a container that is gone; from an internal network it waits for that in vain.
 NAMES_THAT_ARE_GONE = ["timeout:1", "attempts:1"]

@@ -106,7 +106,7 @@ TEST(Config, FaultsNameFileLineAndField) {
       {"{\n\"idle_timeout\": 1e9}", "idle_timeout"},
       {"{\n\"max_connections\": 0}", "max_connections"},
       {"{\n\"max_connections_per_address\": -1}", "max_connections_per_address"},
-      {"{\n\"prot\": 7400}", "prot"},
+      {"{\n\"prot\": 6720}", "prot"},
       {"{\n\"port\": \"many\"}", "port"},
       {"{\n\"port\": }", ""},
   };

@@ -13,6 +13,7 @@
 #include "server/server.hpp"
 #include "tests/client/temporary_folder.hpp"
 #include "tests/server/make.hpp"
+#include "tests/support/help.hpp"
 #include "tests/support/security.hpp"
 
 namespace feltwire::program_test {
@@ -119,6 +120,7 @@ TEST(Program, HelpHasExamples) {
   const Outcome outcome = Program({"--help"}).finish();
   EXPECT_EQ(outcome.status, 0);
   EXPECT_THAT(outcome.out, AllOf(HasSubstr("--silence-timeout"), HasSubstr("Examples")));
+  EXPECT_GE(test::expect_files_of_examples(FELTWIRE_SERVER_PROGRAM, {}), 3);
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 
 #include "tests/client/loopback.hpp"
 #include "tests/client/temporary_folder.hpp"
+#include "tests/support/help.hpp"
 #include "tests/support/program.hpp"
 
 namespace feltwire::link_program_test {
@@ -73,6 +74,12 @@ TEST_F(LinkProgram, FaultsAreOneLineAndANonZeroExit) {
   expect_fault({"wifi", "--to", to, "--listen", server_port()}, "--listen");
   expect_fault({"wifi", "--to", to, "--report", "/nowhere/report.json"}, "/nowhere/report.json");
   expect_fault({"wifi"}, "--to");
+}
+
+TEST(LabProgram, ExamplesNameFilesThatExist) {
+  EXPECT_GE(test::expect_files_of_examples(FELTWIRE_LAB_PROGRAM, {"touch"}), 1);
+  test::expect_files_of_examples(FELTWIRE_LAB_PROGRAM, {"bound"});
+  test::expect_files_of_examples(FELTWIRE_LAB_PROGRAM, {"link"});
 }
 
 }  // namespace

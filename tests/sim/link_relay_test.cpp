@@ -145,12 +145,12 @@ TEST(LinkRelay, APortThatIsTakenBehindTheControlPortIsSaid) {
   EXPECT_THAT(
       [&] {
         LinkRelay(
-            {.port = static_cast<std::uint16_t>(taken.port() - 1), .server = {"127.0.0.1", 7400}});
+            {.port = static_cast<std::uint16_t>(taken.port() - 1), .server = {"127.0.0.1", 6720}});
       },
       ::testing::ThrowsMessage<std::runtime_error>(::testing::HasSubstr("--listen")));
   EXPECT_THAT(
       [] {
-        LinkRelay({.server = {"127.0.0.1", 7400}, .scenes = 0});
+        LinkRelay({.server = {"127.0.0.1", 6720}, .scenes = 0});
       },
       ::testing::ThrowsMessage<std::runtime_error>(::testing::HasSubstr("--scenes")));
 }
@@ -208,19 +208,19 @@ TEST(LinkRelay, DatagramsPassBothWaysUnchanged) {
 TEST(LinkRelay, FaultsAreOneLine) {
   EXPECT_THAT(
       [] {
-        LinkRelay({.server = {"no-such-host.invalid", 7400}});
+        LinkRelay({.server = {"no-such-host.invalid", 6720}});
       },
       ::testing::ThrowsMessage<std::runtime_error>(::testing::HasSubstr("--to")));
   const testing::LocalSocket taken(SOCK_STREAM);
   ::listen(taken.descriptor(), 1);
   EXPECT_THAT(
       [&] {
-        LinkRelay({.port = taken.port(), .server = {"127.0.0.1", 7400}});
+        LinkRelay({.port = taken.port(), .server = {"127.0.0.1", 6720}});
       },
       ::testing::ThrowsMessage<std::runtime_error>(::testing::HasSubstr("--listen")));
   EXPECT_THAT(
       [] {
-        LinkRelay({.address = "here", .server = {"127.0.0.1", 7400}});
+        LinkRelay({.address = "here", .server = {"127.0.0.1", 6720}});
       },
       ::testing::ThrowsMessage<std::runtime_error>(::testing::HasSubstr("--address")));
 }

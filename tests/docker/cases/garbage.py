@@ -21,7 +21,7 @@ def run(compose, judge):
     shutil.copy(composition.ROOT / "tests/docker/flood.pl", compose.out)
     senders = {"flooded": "flood", "quiet": "beside"}
     for name, to in (("flood", "server"), ("beside", "elsewhere")):
-        compose.service(name, ["perl", "/out/flood.pl", to, "7400", "7401", "7401", str(RATE)], ["line"])
+        compose.service(name, ["perl", "/out/flood.pl", to, "6720", "6721", "6721", str(RATE)], ["line"])
     rounds = {(when, i): [f"{when}-{i}-{hand}" for hand in HANDS] for i in range(ROUNDS) for when in ("quiet", "flooded")}
     for names in rounds.values():
         for seed, name in enumerate(names, 1):

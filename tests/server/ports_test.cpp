@@ -1,0 +1,88 @@
+// The default ports stand in code, schema, documents and container files: all must say the same.
+
+#include "protocol/ports.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <regex>
+#include <set>
+
+#include "core/scene/json_document.hpp"
+#include "server/config.hpp"
+
+namespace feltwire::ports_test {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::Contains;
+using ::testing::HasSubstr;
+
+const fs::path kRoot = FELTWIRE_SOURCE_DIR;
+constexpr int kScenes = 16;  // that the image and the relay open ports for
+constexpr int kFirstDds = 7400, kFirstEphemeral = 32768;
+constexpr int kFirstUnassigned = 6717, kLastUnassigned = 6766;  // IANA, the block that we are in
+
+std::string file(const char* name) { return read_text(kRoot / name); }
+
+/// The numbers that a pattern's first group finds.
+std::set<int> found(const std::string& text, const char* pattern) {
+  std::set<int> numbers;
+  const std::regex regex(pattern);
+  for (std::sregex_iterator at(text.begin(), text.end(), regex), end; at != end; ++at)
+    numbers.insert(std::stoi((*at)[1]));
+  return numbers;
+}
+
+TEST(Ports, AreNobodyElses) {
+  EXPECT_GE(int{kDefaultPort}, kFirstUnassigned);
+  EXPECT_LT(kDefaultPort + kScenes,
+            int{kDefaultRelayPort});  // a relay beside a server of 16 scenes
+  EXPECT_LE(kDefaultRelayPort + kScenes, kLastUnassigned);
+  EXPECT_LT(kLastUnassigned, kFirstDds);
+  EXPECT_LT(kLastUnassigned, kFirstEphemeral);
+}
+
+TEST(Ports, TheSchemaHasTheSame) {
+  EXPECT_EQ(parse_config("{}", "server.json").port, int{kDefaultPort});
+  EXPECT_EQ(ServerConfig{}.port, int{kDefaultPort});
+}
+
+/// Every port in a command line or an address that the documents show.
+TEST(Ports, DocumentsShowTheSame) {
+  const std::set<int> ours = {kDefaultPort, kDefaultRelayPort};
+  std::vector<fs::path> pages = {kRoot / "README.md", kRoot / "protocol/PROTOCOL.md"};
+  for (const auto& entry : fs::directory_iterator(kRoot / "docs"))
+    if (entry.path().extension() == ".md") pages.push_back(entry.path());
+  std::size_t seen = 0;
+  for (const fs::path& page : pages) {
+    for (const int port : found(read_text(page), R"((?:localhost|127\.0\.0\.1|\[::1\]):(\d+))")) {
+      EXPECT_THAT(ours, Contains(port)) << page;
+      ++seen;
+    }
+  }
+  EXPECT_GE(seen, 4u);
+  const std::string number = std::to_string(kDefaultPort);
+  EXPECT_THAT(file("docs/server.md"), HasSubstr("| `--port N` | `port` | " + number + " |"));
+  EXPECT_THAT(file("protocol/PROTOCOL.md"), HasSubstr("N (" + number + " unless"));
+  EXPECT_THAT(file("docs/link.md"),
+              HasSubstr("tcp " + std::to_string(kDefaultRelayPort) + " and udp " +
+                        std::to_string(kDefaultRelayPort + 1) + " to " +
+                        std::to_string(kDefaultRelayPort + kScenes)));
+}
+
+TEST(Ports, ContainersOpenTheSame) {
+  const int last = kDefaultPort + kScenes;
+  EXPECT_THAT(file("docker/Dockerfile"),
+              HasSubstr("EXPOSE " + std::to_string(kDefaultPort) + "/tcp " +
+                        std::to_string(kDefaultPort + 1) + "-" + std::to_string(last) + "/udp"));
+  const std::set<int> one = {kDefaultPort};
+  EXPECT_EQ(found(file("docker/server.json"), R"RE("port": (\d+))RE"), one);
+  EXPECT_EQ(found(file("docker/compose.yml"), R"((?:server|link):(\d+))"), one);
+  EXPECT_EQ(found(file("docs/docker.md"), R"(-p (\d+):\d+ )"), one);
+  EXPECT_EQ(found(file("tests/docker/composition.py"), R"(CONTROL_PORT = (\d+))"), one);
+}
+
+}  // namespace
+}  // namespace feltwire::ports_test
