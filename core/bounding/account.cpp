@@ -1,0 +1,177 @@
+#include "core/bounding/account.hpp"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <stdexcept>
+#include <string>
+
+#include "core/numeric.hpp"
+
+namespace feltwire {
+namespace {
+
+const AccountConfig& checked(const AccountConfig& config) {
+  if (!(config.period > 0.0) || !std::isfinite(config.period))
+    throw std::invalid_argument("account: the period is " + std::to_string(config.period) +
+                                " s; give the servo period, above 0");
+  if (!(config.cap >= 0.0))
+    throw std::invalid_argument("account: the cap is " + std::to_string(config.cap) +
+                                " J; give an energy of 0 or more, infinity for no cap");
+  validate(config.translation, "account, translation");
+  validate(config.rotation, "account, rotation");
+  return config;
+}
+
+/// The largest share s of 0 to 1 that `balance` pays for: force.at(s) + torque.at(s) <= balance.
+double affordable(const EnergyNeed& force, const EnergyNeed& torque, double balance) noexcept {
+  if (!(balance > 0.0)) return 0.0;
+  const auto both = [&](double s) { return force.at(s) + torque.at(s); };
+  if (both(1.0) <= balance) return 1.0;
+  // Both grow with s, so the answer lies beyond a turn exactly when the turn costs less.
+  double square = 0.0, linear = 0.0, constant = 0.0;
+  for (const EnergyNeed* need : {&force, &torque}) {
+    const bool beyond = need->turn < 1.0 && both(need->turn) < balance;
+    square += beyond ? need->second : need->first;
+    if (!beyond) continue;
+    linear += need->linear;
+    constant += need->constant;
+  }
+  // The positive root of square s^2 + linear s = left, without cancellation.
+  const double left = balance - constant;
+  const double s = 2.0 * left / (linear + std::sqrt(linear * linear + 4.0 * square * left));
+  // Rounding must not overdraw.
+  constexpr double kRounding = 1.0 - 1e-12;
+  return std::isfinite(s) ? std::clamp(s * kRounding, 0.0, 1.0) : 0.0;
+}
+
+}  // namespace
+
+PortBalance::PortBalance(const PortKnowledge& known, double period)
+    : known_(known),
+      period_(period),
+      directional_(!known.damping.isotropic() && known.damping.least() > 0.0),
+      reach_(known) {
+  if (directional_) inverse_damping_ = known.damping.matrix().inverse();
+}
+
+double PortBalance::damping_along(const Vec3& unit) const noexcept {
+  if (known_.damping.isotropic()) return known_.damping.matrix()(0, 0);
+  // Where a direction is not damped at all, force along any other may move the handle along it.
+  return directional_ ? 1.0 / unit.dot(inverse_damping_ * unit) : 0.0;
+}
+
+/// [m] a lower bound of the true path: a play of half-width q follows each axis, and a path is at
+/// least (|x| + |y| + |z|) / sqrt(3).
+double PortBalance::path(const Vec3& displacement) noexcept {
+  slack_ += displacement;
+  const Vec3 kept = slack_.cwiseMax(-known_.quantum).cwiseMin(known_.quantum);
+  const double followed = (slack_ - kept).lpNorm<1>() * std::numbers::inv_sqrt3;
+  slack_ = kept;
+  return followed;
+}
+
+void PortBalance::forget() noexcept {
+  reach_.forget();
+  slack_.setZero();
+  strong_hand_ = false;
+}
+
+double PortBalance::earned(const Vec3& displacement, const Vec3& held, double hold_time) noexcept {
+  const Polar<double> way = polar(displacement);
+  strong_hand_ = reach_.known() && way.length > 0.0 &&
+                 way.length > reach_.along(way.direction, held.dot(way.direction), hold_time);
+  reach_.moved(displacement, held, hold_time, period_);
+  return known_.damping.quadratic(displacement) / std::max(period_, hold_time) +
+         known_.coulomb_friction * path(displacement) - held.dot(displacement);
+}
+
+// max of F y - (b/T) y^2 over 0 <= y <= d(F) = d0 + k F, with F = s |wanted|: the free maximum
+// F^2 T/(4b) at y = F T/(2b) while that is within reach, and the value at d(F) beyond.
+EnergyNeed PortBalance::need(const Vec3& wanted) const noexcept {
+  const Polar<double> force = polar(wanted);
+  EnergyNeed need;
+  if (!(force.length > 0.0)) return need;
+  const double f = force.length;
+  const double b = damping_along(force.direction);
+  const double free = b > 0.0 ? period_ / (2.0 * b) : std::numeric_limits<double>::infinity();
+  need.first = 0.5 * free * f * f;
+  if (!reach_.known()) return need;
+  const double k = reach_.per_newton(period_);
+  if (!(k < free)) return need;  // so well damped that no force moves the handle that far
+  const double d0 = reach_.along(force.direction, 0.0, period_);
+  const double burned = b / period_;
+  need.turn = std::isfinite(free) ? d0 / ((free - k) * f) : 0.0;
+  need.second = k * f * f * (1.0 - burned * k);
+  need.linear = f * d0 * (1.0 - 2.0 * burned * k);
+  need.constant = -burned * d0 * d0;
+  return need;
+}
+
+PortAccount::PortAccount(const AccountConfig& config)
+    : cap_(checked(config).cap),
+      translation_(config.translation, config.period),
+      rotation_(config.rotation, config.period) {}
+
+void PortAccount::take_in(const BoundingStep& s) noexcept {
+  const bool was_in_debt = in_debt();
+  const bool known = s.displacement.allFinite() && s.rotation.allFinite() &&
+                     std::isfinite(s.hold_time) && s.hold_time > 0.0;
+  const double earned = known ? translation_.earned(s.displacement, held_.force(), s.hold_time) +
+                                    rotation_.earned(s.rotation, held_.torque, s.hold_time)
+                              : std::numeric_limits<double>::quiet_NaN();
+  if (std::isfinite(earned)) {
+    balance_ += earned;
+    if (translation_.strong_hand() || rotation_.strong_hand()) ++statistics_.strong_hand;
+  } else {
+    // The last force was affordable, so the worst movement left a balance that is not negative.
+    balance_ = std::min(balance_, 0.0);
+    translation_.forget();
+    rotation_.forget();
+  }
+  const bool nothing_held = held_.force().isZero(0.0) && held_.torque.isZero(0.0);
+  if (nothing_held) balance_ = std::min(balance_, cap_);
+  count_debt(was_in_debt);
+}
+
+void PortAccount::count_debt(bool was_in_debt) noexcept {
+  if (!in_debt()) return;
+  if (!was_in_debt) ++statistics_.overdrawn;
+  statistics_.largest_debt = std::max(statistics_.largest_debt, -balance_);
+}
+
+Command PortAccount::step(const BoundingStep& s) noexcept {
+  take_in(s);
+  held_ = {};
+  if (!s.command.finite()) return held_;
+  Command wanted = s.command;
+  EnergyNeed force = translation_.need(wanted.force());
+  EnergyNeed torque = rotation_.need(wanted.torque);
+  if (!force.limited()) {
+    wanted.elastic.setZero();
+    wanted.frictional.setZero();
+    force = {};
+  }
+  if (!torque.limited()) {
+    wanted.torque.setZero();
+    torque = {};
+  }
+  const double share = affordable(force, torque, balance_);
+  held_ = share < 1.0 ? share * wanted : wanted;
+  if (held_ != s.command) ++statistics_.reduced;
+  return held_;
+}
+
+double need_at_rest(const AccountConfig& config, const Command& command) {
+  checked(config);
+  const auto need = [&](const PortKnowledge& known, const Vec3& force) {
+    PortBalance balance(known, config.period);
+    balance.earned(Vec3::Zero(), force, config.period);
+    return balance.need(force).at(1.0);
+  };
+  return need(config.translation, command.force()) + need(config.rotation, command.torque);
+}
+
+}  // namespace feltwire

@@ -1,0 +1,127 @@
+#pragma once
+// The account of a haptic port: how much force the energy that the device certainly burned can pay
+// for, whatever the hand does next.
+//
+// docs/bounding.md, "The account", has the derivation and the proof. The methods beside this one
+// are laws for a contact. This is no law for a contact: it is the last bound before the safety
+// stage, behind any of them.
+
+#include <cstdint>
+#include <limits>
+
+#include "core/bounding/reach.hpp"
+#include "core/bounding/step.hpp"
+
+namespace feltwire {
+
+struct AccountConfig {
+  double period = 1e-3;  // T [s] the longest time that one force is meant to be held
+  PortKnowledge translation{}, rotation{};
+  /// [J] the most that is kept while no force is held: what free motion can save for one contact. A
+  /// larger cap gives the full force at the first touch. A smaller cap takes less energy from the
+  /// hand when a command is wrong.
+  double cap = std::numeric_limits<double>::infinity();
+};
+
+/// What the account has seen.
+struct AccountStatistics {
+  std::uint64_t reduced = 0;      // samples whose command was scaled down
+  std::uint64_t overdrawn = 0;    // times that the balance fell below zero
+  double largest_debt = 0.0;      // [J] its largest depth below zero
+  std::uint64_t strong_hand = 0;  // samples that only a force beyond outside_force explains
+};
+
+/// need(s f) of one port over the scale s of a wanted force f [J]: first s^2 up to s = turn, then
+/// second s^2 + linear s + constant. Continuous, with a continuous slope, increasing and convex.
+/// Infinite for every s > 0 where nothing is known that would limit it.
+struct EnergyNeed {
+  double first = 0.0, turn = std::numeric_limits<double>::infinity();
+  double second = 0.0, linear = 0.0, constant = 0.0;
+  bool limited() const noexcept {
+    return first < std::numeric_limits<double>::infinity() ||
+           turn < std::numeric_limits<double>::infinity();
+  }
+  double at(double s) const noexcept {
+    return s < turn ? first * s * s : (second * s + linear) * s + constant;
+  }
+};
+
+/// The balance M(n) of one port: the energy that the device certainly burned less what the held
+/// force delivered to the hand, both as the encoder shows them.
+class PortBalance {
+ public:
+  /// Precondition: validate(known) passed, period > 0.
+  PortBalance(const PortKnowledge& known, double period);
+
+  /// [J] what one sample adds: dx'B dx / h + f_c |path| - f(n-1).dx, h = max(T, hold_time).
+  double earned(const Vec3& displacement, const Vec3& held, double hold_time) noexcept;
+  /// Whether the sample that earned() was told last shows a force from outside beyond what was
+  /// told.
+  bool strong_hand() const noexcept { return strong_hand_; }
+  /// The last movement is not known.
+  void forget() noexcept;
+  /// What the next sample can take at most while a share of `wanted` is held.
+  EnergyNeed need(const Vec3& wanted) const noexcept;
+
+ private:
+  double damping_along(const Vec3& unit) const noexcept;
+  double path(const Vec3& displacement) noexcept;
+
+  PortKnowledge known_;
+  double period_;
+  bool directional_;  // the damping differs by direction, and every direction has some
+  Mat3 inverse_damping_ = Mat3::Zero();
+  Reach reach_;
+  Vec3 slack_ = Vec3::Zero();  // [m] of the play that the path is counted by, per axis
+  bool strong_hand_ = false;
+};
+
+/// Force and torque as one port:
+///
+///   M(n) = M(n-1) + earned by translation and rotation,      at most `cap` while nothing is held
+///   f(n) = s f_e(n), the largest 0 <= s <= 1 with need(f(n)) <= M(n)
+///   need(f) = max of f.y - b_u y^2 / T over 0 <= y <= reach     b_u = 1 / (u' B^-1 u), u = f / |f|
+///
+/// The needs of force and torque add up and one s scales both, so that the direction stays. A part
+/// whose need has no limit (no damping and no mass is known) is not rendered.
+///
+/// Guarantee: M >= 0 after every sample, up to rounding, while no hold lasts longer than T, the
+/// handle has at least the mass that was told, and the force from outside stays at or below what
+/// was told. Where that is broken the account overdraws once; then it renders nothing until the
+/// device has burned the debt. Every reduction of what it returns is admissible when set_held()
+/// tells it.
+///
+/// Nothing here allocates, throws after construction or reads a clock.
+class PortAccount {
+ public:
+  /// Throws std::invalid_argument naming the parameter and the remedy.
+  explicit PortAccount(const AccountConfig& config);
+
+  /// One servo sample: how the device moved while the last force was held, and what is wanted next.
+  /// Returns what may be held and takes that as held. A sample with anything not finite, or that
+  /// did not take any time, loses the balance and renders nothing.
+  Command step(const BoundingStep& step) noexcept;
+
+  /// Says what was really held after the last step, where that differs.
+  void set_held(const Command& held) noexcept { held_ = held; }
+
+  double balance() const noexcept { return balance_; }  // M [J]
+  bool in_debt() const noexcept { return balance_ < 0.0; }
+  const AccountStatistics& statistics() const noexcept { return statistics_; }
+
+ private:
+  void take_in(const BoundingStep& step) noexcept;
+  void count_debt(bool was_in_debt) noexcept;
+
+  double cap_;
+  PortBalance translation_, rotation_;
+  Command held_;
+  double balance_ = 0.0;
+  AccountStatistics statistics_;
+};
+
+/// [J] what a handle that rests with `command` held can take in the next sample. Of the device's
+/// largest force it is a natural value for AccountConfig::cap.
+double need_at_rest(const AccountConfig& config, const Command& command);
+
+}  // namespace feltwire

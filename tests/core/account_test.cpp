@@ -1,0 +1,268 @@
+// The account in closed form: what a force needs, what a balance pays for, what a sample earns.
+
+#include "core/bounding/account.hpp"
+
+#include <gtest/gtest.h>
+
+#include <stdexcept>
+
+#include "tests/core/support.hpp"
+#include "tests/support/allocation_counter.hpp"
+
+namespace feltwire::account_test {
+namespace {
+
+using namespace test;
+
+constexpr double kPeriod = 1e-3;  // [s]
+
+/// A PHANToM-like handle: 75 g, 30 um, a hand of 10 N.
+AccountConfig handle(double damping = 0.05) {
+  AccountConfig c;
+  c.period = kPeriod;
+  c.translation.damping = damping;
+  c.translation.mass = 0.075;
+  c.translation.outside_force = 10.0;
+  c.translation.quantum = 30e-6;
+  return c;
+}
+
+Command push(const Vec3& force) { return {force, Vec3::Zero(), Vec3::Zero()}; }
+
+BoundingStep sample(const Vec3& dx, const Command& command, double hold = kPeriod) {
+  return {.displacement = dx, .hold_time = hold, .command = command};
+}
+
+/// max of f y - (b/T) y^2 over 0 <= y <= reach, by search.
+double searched_need(double f, double damping, double reach) {
+  const auto taken = [&](double y) { return f * y - damping / kPeriod * y * y; };
+  double low = 0.0, high = reach;
+  for (int i = 0; i < 200; ++i) {
+    const double third = (high - low) / 3.0;
+    (taken(low + third) < taken(high - third) ? low : high) =
+        taken(low + third) < taken(high - third) ? low + third : high - third;
+  }
+  return taken(0.5 * (low + high));
+}
+
+TEST(Account, NeedOfAnUnknownHandIsTheStorageOfTheContactFrame) {
+  PortKnowledge known;
+  known.damping = 0.5;
+  const PortBalance balance(known, kPeriod);
+  const double f = 3.0;
+  EXPECT_NEAR(balance.need(Vec3(f, 0, 0)).at(1.0), f * f * kPeriod / (4.0 * 0.5), 1e-15);
+}
+
+TEST(Account, NeedIsTheMostThatAMovementWithinReachTakes) {
+  Random random(3);
+  for (int i = 0; i < 200; ++i) {
+    PortKnowledge known = handle().translation;
+    known.damping = std::abs(random.decades(-3.0, 1.5));
+    known.mass = std::abs(random.decades(-2.0, 0.0));
+    PortBalance balance(known, kPeriod);
+    Reach reach(known);
+    const Vec3 dx = random.vector(-6.0, -3.5), held = random.vector(-1.0, 1.0);
+    balance.earned(dx, held, kPeriod);
+    reach.moved(dx, held, kPeriod, kPeriod);
+    const Vec3 f = random.vector(-1.0, 1.5);
+    const EnergyNeed need = balance.need(f);
+    for (const double s : {0.01, 0.3, 1.0}) {
+      const double magnitude = s * f.norm();
+      const double expected = searched_need(magnitude, known.damping.matrix()(0, 0),
+                                            reach.along(f.normalized(), magnitude, kPeriod));
+      EXPECT_NEAR(need.at(s), expected, 1e-9 * expected);
+    }
+  }
+}
+
+TEST(Account, NeedIsSmoothAndConvexWhereItsFormTurns) {
+  PortBalance balance(handle(0.5).translation, kPeriod);
+  balance.earned(Vec3::Zero(), Vec3::Zero(), kPeriod);
+  const EnergyNeed need = balance.need(Vec3(20, 0, 0));
+  ASSERT_GT(need.turn, 0.0);
+  ASSERT_LT(need.turn, 1.0);
+  const double below = need.first * need.turn * need.turn;
+  EXPECT_NEAR(need.at(need.turn), below, 1e-12 * below);
+  EXPECT_NEAR(2.0 * need.second * need.turn + need.linear, 2.0 * need.first * need.turn,
+              1e-9 * need.linear);
+  EXPECT_GT(need.second, 0.0);
+}
+
+TEST(Account, TheNeedAlongADirectionCountsItsOwnDamping) {
+  PortKnowledge known;
+  known.damping = Vec3(0.2, 1.0, 5.0);
+  const PortBalance balance(known, kPeriod);
+  for (int axis = 0; axis < 3; ++axis) {
+    const double b = known.damping.matrix()(axis, axis);
+    EXPECT_NEAR(balance.need(2.0 * Vec3::Unit(axis)).at(1.0), 4.0 * kPeriod / (4.0 * b), 1e-15);
+  }
+  // f' B^-1 f T / 4 in any direction.
+  const Vec3 f(1.0, -2.0, 0.5);
+  EXPECT_NEAR(balance.need(f).at(1.0), f.dot(known.damping.matrix().inverse() * f) * kPeriod / 4.0,
+              1e-15);
+}
+
+TEST(Account, RendersTheLargestShareThatTheBalancePaysFor) {
+  Random random(5);
+  int reduced = 0;
+  for (int i = 0; i < 500; ++i) {
+    AccountConfig config = handle(std::abs(random.decades(-3.0, 1.0)));
+    config.rotation = {.damping = 1e-3, .mass = 1e-4, .outside_force = 0.5};
+    PortAccount account(config);
+    account.step(sample(random.vector(-4.0, -2.0), {}));  // burns some energy
+    const double balance = account.balance();
+    ASSERT_GT(balance, 0.0);
+    const Command wanted{random.vector(-1.0, 2.0), random.vector(-1.0, 2.0),
+                         random.vector(-3.0, 0.0)};
+    PortBalance translation(config.translation, kPeriod), rotation(config.rotation, kPeriod);
+    const Command given = account.step(sample(Vec3::Zero(), wanted));
+    translation.earned(Vec3::Zero(), Vec3::Zero(), kPeriod);
+    rotation.earned(Vec3::Zero(), Vec3::Zero(), kPeriod);
+    const EnergyNeed force = translation.need(wanted.force());
+    const EnergyNeed torque = rotation.need(wanted.torque);
+    if (force.at(1.0) + torque.at(1.0) <= balance) {
+      EXPECT_EQ(given, wanted);
+      continue;
+    }
+    ++reduced;
+    const double s = given.torque.norm() / wanted.torque.norm();
+    EXPECT_NEAR(force.at(s) + torque.at(s), balance, 1e-9 * balance);
+    EXPECT_LE(force.at(s) + torque.at(s), balance);
+    EXPECT_LT((given.elastic - s * wanted.elastic).norm(), 1e-12 * wanted.elastic.norm());
+    EXPECT_LT((given.frictional - s * wanted.frictional).norm(), 1e-12 * wanted.frictional.norm());
+  }
+  EXPECT_GT(reduced, 100);
+}
+
+TEST(Account, APartAboutWhichNothingIsKnownIsNotRendered) {
+  PortAccount account(handle());  // of rotation nothing is told
+  account.step(sample(Vec3(5e-3, 0, 0), {}));
+  const Command given =
+      account.step(sample(Vec3::Zero(), {Vec3(0.1, 0, 0), Vec3::Zero(), Vec3(0.1, 0, 0)}));
+  EXPECT_EQ(given.elastic, Vec3(0.1, 0, 0));
+  EXPECT_EQ(given.torque, Vec3::Zero());
+}
+
+TEST(Account, ASampleEarnsWhatWasBurnedLessWhatWasDelivered) {
+  AccountConfig config = handle(0.5);
+  PortAccount account(config);
+  const Vec3 dx(3e-4, -1e-4, 2e-4);
+  account.step(sample(dx, push(Vec3(1e-3, 0, 0))));
+  const double burned = 0.5 * dx.squaredNorm() / kPeriod;
+  EXPECT_NEAR(account.balance(), burned, 1e-18);
+  account.step(sample(dx, {}, 2.0 * kPeriod));  // the damping of a longer hold burns less
+  EXPECT_NEAR(account.balance(), 1.5 * burned - 1e-3 * dx.x(), 1e-18);
+}
+
+TEST(Account, DryFrictionIsPaidForTheWayThatIsCertain) {
+  AccountConfig config = handle(0.0);
+  config.translation.coulomb_friction = 0.04;
+  const double q = config.translation.quantum;
+  PortAccount resting(config);
+  for (int i = 0; i < 1000; ++i) resting.step(sample(Vec3((i % 2 ? q : -q), 0, 0), {}));
+  EXPECT_EQ(resting.balance(), 0.0) << "an encoder that flickers shows no way";
+  PortAccount moving(config);
+  const double way = 0.1;
+  for (int i = 0; i < 100; ++i) moving.step(sample(Vec3(way / 100, 0, 0), {}));
+  EXPECT_NEAR(moving.balance(), 0.04 * (way - q) / std::sqrt(3.0), 1e-15);
+}
+
+TEST(Account, TheCapHoldsWhileNothingIsHeld) {
+  AccountConfig config = handle(0.5);
+  config.cap = need_at_rest(config, push(Vec3(8.5, 0, 0)));
+  EXPECT_GT(config.cap, 0.0);
+  PortAccount account(config);
+  for (int i = 0; i < 2000; ++i) account.step(sample(Vec3(1e-3, 0, 0), {}));
+  EXPECT_DOUBLE_EQ(account.balance(), config.cap);
+  // That is what a resting handle needs for its largest force.
+  account.step(sample(Vec3::Zero(), push(Vec3(1e-9, 0, 0))));
+  const Command full = account.step(sample(Vec3::Zero(), push(Vec3(8.5, 0, 0))));
+  EXPECT_NEAR(full.elastic.x(), 8.5, 0.8);
+  // A spring that is pressed in may hold more than the cap.
+  for (int i = 0; i < 10; ++i) account.step(sample(Vec3(-1e-3, 0, 0), push(Vec3(8.5, 0, 0))));
+  EXPECT_GT(account.balance(), 2.0 * config.cap);
+}
+
+TEST(Account, ADebtIsRepaidBeforeAnyForce) {
+  PortAccount account(handle(0.5));
+  account.step(sample(Vec3(5e-3, 0, 0), push(Vec3(3, 0, 0))));
+  account.step(sample(Vec3(2e-2, 0, 0), push(Vec3(3, 0, 0)), 0.05));  // pulled away in a long hold
+  ASSERT_TRUE(account.in_debt());
+  EXPECT_EQ(account.statistics().overdrawn, 1u);
+  const double debt = -account.balance();
+  EXPECT_DOUBLE_EQ(account.statistics().largest_debt, debt);
+  double burned = 0.0;
+  while (account.in_debt()) {
+    ASSERT_LT(burned, 2.0 * debt);
+    const Command given = account.step(sample(Vec3(0, 1e-3, 0), push(Vec3(3, 0, 0))));
+    burned += 0.5 * 1e-6 / kPeriod;
+    if (account.in_debt()) {
+      EXPECT_EQ(given, Command{});
+    }
+  }
+  EXPECT_GE(burned, debt);
+  EXPECT_EQ(account.statistics().overdrawn, 1u);
+}
+
+TEST(Account, OnlyWhatWasHeldIsCounted) {
+  PortAccount account(handle(0.5));
+  account.step(sample(Vec3(5e-3, 0, 0), push(Vec3(1, 0, 0))));
+  const double before = account.balance();
+  account.set_held({});
+  account.step(sample(Vec3(1e-4, 0, 0), {}));
+  EXPECT_NEAR(account.balance() - before, 0.5 * 1e-8 / kPeriod, 1e-18);
+}
+
+TEST(Account, ABadSampleLosesTheBalanceAndRendersNothing) {
+  const Vec3 nan = Vec3::Constant(std::numeric_limits<double>::quiet_NaN());
+  const auto start = [] {
+    PortAccount account(handle(0.5));
+    account.step(sample(Vec3(5e-3, 0, 0), push(Vec3(1, 0, 0))));
+    return account;
+  };
+  const BoundingStep bad[] = {sample(nan, push(Vec3(1, 0, 0))),
+                              sample(Vec3::Constant(1e300), push(Vec3(1, 0, 0))),
+                              sample(Vec3::Zero(), push(Vec3(1, 0, 0)), 0.0),
+                              sample(Vec3::Zero(), push(Vec3(1, 0, 0)), nan.x())};
+  for (const BoundingStep& step : bad) {
+    PortAccount account = start();
+    EXPECT_GT(account.balance(), 0.0);
+    EXPECT_EQ(account.step(step), Command{});
+    EXPECT_EQ(account.balance(), 0.0);
+  }
+  PortAccount account = start();
+  EXPECT_EQ(account.step(sample(Vec3::Zero(), push(nan))), Command{});
+  EXPECT_GT(account.balance(), 0.0) << "a bad command says nothing of the handle";
+  // And it goes on: movement earns again, and force comes back.
+  for (int i = 0; i < 3; ++i) account.step(sample(Vec3(5e-3, 0, 0), {}));
+  EXPECT_EQ(account.step(sample(Vec3::Zero(), push(Vec3(1, 0, 0)))), push(Vec3(1, 0, 0)));
+}
+
+TEST(Account, AConfigurationThatCannotBeIsRefused) {
+  AccountConfig period = handle(), cap = handle(), damping = handle();
+  period.period = 0.0;
+  cap.cap = -1.0;
+  damping.rotation.damping = Damping(-1.0);
+  for (const AccountConfig& config : {period, cap, damping})
+    EXPECT_THROW(PortAccount{config}, std::invalid_argument);
+}
+
+TEST(Account, NothingAllocates) {
+#ifdef FELTWIRE_SANITIZED
+  GTEST_SKIP() << "sanitizers allocate by themselves";
+#endif
+  AccountConfig config = handle(0.5);
+  config.rotation = {.damping = Vec3(1e-3, 2e-3, 1e-3), .mass = 1e-4, .outside_force = 0.5};
+  PortAccount account(config);
+  Random random(7);
+  const std::size_t before = allocations();
+  for (int i = 0; i < 10000; ++i) {
+    BoundingStep step = sample(random.vector(-6.0, -3.0), random_command(random));
+    step.rotation = random.vector(-5.0, -2.0);
+    account.set_held(account.step(step));
+  }
+  EXPECT_EQ(allocations(), before);
+}
+
+}  // namespace
+}  // namespace feltwire::account_test
