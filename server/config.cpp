@@ -68,11 +68,16 @@ std::optional<Complaint> security_complaint(const ServerConfig& c) {
   if (auto wrong =
           out_of_range("idle_timeout", "--idle-timeout", c.idle_timeout, kShortest, kLongest))
     return wrong;
-  if (auto wrong = out_of_range("max_connections", "--max-connections", c.max_connections, 1,
+  if (auto wrong = out_of_range("max_connections", "--max-connections", c.max_connections, 2,
                                 kMostConnections))
     return wrong;
-  return out_of_range("max_connections_per_address", "--max-connections-per-address",
-                      c.max_connections_per_address, 1, kMostConnections);
+  if (auto wrong = out_of_range("max_connections_per_network", "--max-connections-per-network",
+                                c.max_connections_per_network, 1, kMostConnections))
+    return wrong;
+  if (auto wrong = out_of_range("handshake_rate", "--handshake-rate", c.handshake_rate,
+                                1.0 / kLongest, kFastest))
+    return wrong;
+  return out_of_range("handshake_burst", "--handshake-burst", c.handshake_burst, 1, kFastest);
 }
 
 std::optional<Complaint> complaint(const ServerConfig& c) {
@@ -168,7 +173,9 @@ ServerConfig parse_config(std::string_view json, const std::filesystem::path& fi
   config.handshake_timeout = root->handshake_timeout();
   config.idle_timeout = root->idle_timeout();
   config.max_connections = root->max_connections();
-  config.max_connections_per_address = root->max_connections_per_address();
+  config.max_connections_per_network = root->max_connections_per_network();
+  config.handshake_rate = root->handshake_rate();
+  config.handshake_burst = root->handshake_burst();
   if (root->profile() != nullptr) config.profile = root->profile()->str();
   // JSON has no infinity.
   config.busy_poll = root->busy_poll() == kNeverSleeps ? HUGE_VAL : root->busy_poll();

@@ -19,12 +19,15 @@ struct ServerConfig {
   // Who gets in (server/security.hpp). Where not named, certificate, key and tokens are the state
   // folder's.
   std::filesystem::path state, certificate, key, client_ca, tokens;
-  int max_sessions_per_client = 16;  // of all tokens with one client's name
-  double join_rate = 20.0;           // [1/s] joins and wrong tokens of one address, for ever,
-  double join_burst = 60.0;          // and at once
-  double handshake_timeout = 5.0;    // [s] from connecting to a good token
-  double idle_timeout = 60.0;        // [s] a connection that asks nothing ends
-  int max_connections = 256, max_connections_per_address = 64;
+  int max_sessions_per_client = 16;       // of all tokens with one client's name
+  double join_rate = 20.0;                // [1/s] joins, changes and wrong tokens, for ever,
+  double join_burst = 60.0;               // and at once (server/control_service.hpp)
+  double handshake_timeout = 5.0;         // [s] from connecting to a good token
+  double idle_timeout = 60.0;             // [s] a connection that asks nothing ends
+  int max_connections = 512;              // half of them for those with a good token
+  int max_connections_per_network = 128;  // of either half; an IPv4 /24, an IPv6 /64
+  double handshake_rate = 50.0;           // [1/s] connections of one network, for ever,
+  double handshake_burst = 100.0;         // and at once
   std::string profile;       // of the line that sessions share, lan, wan or thin; empty: no limit
   double busy_poll = 0.0;    // [us] before a scene's thread sleeps; 0: at once, infinity: never
   bool real_time = false;    // scenes' threads are scheduled before all others

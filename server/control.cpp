@@ -1,11 +1,13 @@
 #include "server/control.hpp"
 
+#include <algorithm>
 #include <array>
 #include <asio/read.hpp>
 #include <asio/ssl/stream.hpp>
 #include <asio/write.hpp>
 #include <vector>
 
+#include "protocol/clock.hpp"
 #include "server/listen_error.hpp"
 
 namespace feltwire {
@@ -34,8 +36,12 @@ asio::ssl::context server_context(const Identity& identity, const std::string& c
 /// TLS, then one request, one answer, in turn.
 class ControlEndpoint::Connection : public std::enable_shared_from_this<Connection> {
  public:
-  Connection(ControlEndpoint& endpoint, tcp::socket socket, const asio::ip::address& address)
-      : endpoint_(endpoint), stream_(std::move(socket), endpoint.tls_), deadline_(endpoint.io_) {
+  Connection(ControlEndpoint& endpoint, Places::Id id, tcp::socket socket,
+             const asio::ip::address& address)
+      : endpoint_(endpoint),
+        id_(id),
+        stream_(std::move(socket), endpoint.tls_),
+        deadline_(endpoint.io_) {
     peer_.address = address;
     peer_.keys = [this](std::uint64_t session, CipherSuite suite) {
       return export_keys(*stream_.native_handle(), session, suite);
@@ -55,7 +61,16 @@ class ControlEndpoint::Connection : public std::enable_shared_from_this<Connecti
                             });
   }
 
+  Places::Id id() const { return id_; }
   const asio::ip::address& address() const { return peer_.address; }
+
+  /// Every way out: the endpoint forgets the connection, and with the last handler it is gone.
+  void end() {
+    close();
+    endpoint_.strangers_.leave(id_);
+    endpoint_.known_.leave(id_);
+    endpoint_.connections_.erase(id_);
+  }
 
   void close() {
     if (closed_) return;
@@ -70,14 +85,6 @@ class ControlEndpoint::Connection : public std::enable_shared_from_this<Connecti
   tcp::socket& socket() { return stream_.next_layer(); }
   bool stranger() const { return peer_.token.empty(); }
 
-  /// Every way out: the endpoint forgets the connection, and with the last handler it is gone.
-  void end() {
-    close();
-    if (endpoint_.connections_.erase(shared_from_this()) == 0) return;
-    const auto counted = endpoint_.by_address_.find(peer_.address);
-    if (--counted->second == 0) endpoint_.by_address_.erase(counted);
-  }
-
   void set_deadline(std::chrono::milliseconds timeout) {
     deadline_.expires_after(timeout);
     deadline_.async_wait([self = shared_from_this()](const Error& error) {
@@ -89,7 +96,10 @@ class ControlEndpoint::Connection : public std::enable_shared_from_this<Connecti
 
   void read_length() {
     // A stranger's time began when it came.
-    if (!stranger()) set_deadline(endpoint_.options_.idle_timeout);
+    if (!stranger()) {
+      set_deadline(endpoint_.options_.idle_timeout);
+      endpoint_.known_.renew(id_);
+    }
     asio::async_read(stream_, asio::buffer(length_),
                      [self = shared_from_this()](const Error& error, std::size_t) {
                        if (self->closed_) return;
@@ -122,6 +132,7 @@ class ControlEndpoint::Connection : public std::enable_shared_from_this<Connecti
           if (self->closed_) return;
           if (const auto* refused = std::get_if<control::Refused>(&answer))
             self->ends_after_answer_ = self->stranger() || refused->code == RefusalCode::malformed;
+          if (!self->stranger()) self->endpoint_.make_known(*self);
           self->write(answer);
         });
   }
@@ -166,6 +177,7 @@ class ControlEndpoint::Connection : public std::enable_shared_from_this<Connecti
   }
 
   ControlEndpoint& endpoint_;
+  const Places::Id id_;
   asio::ssl::stream<tcp::socket> stream_;
   asio::steady_timer deadline_;
   ControlPeer peer_;
@@ -183,7 +195,12 @@ ControlEndpoint::ControlEndpoint(asio::io_context& io, const ControlOptions& opt
       tls_(server_context(identity, client_authorities)),
       handler_(std::move(handler)),
       acceptor_(io),
-      retry_(io) {
+      retry_(io),
+      strangers_(std::max<std::size_t>(1, options.max_connections / 2),
+                 options.max_connections_per_network),
+      known_(std::max<std::size_t>(1, options.max_connections - options.max_connections / 2),
+             options.max_connections_per_network),
+      handshakes_(options.handshake_rate, options.handshake_burst) {
   const tcp::endpoint endpoint(options.address, options.port);
   try {
     acceptor_.open(endpoint.protocol());
@@ -203,12 +220,6 @@ ControlEndpoint::~ControlEndpoint() = default;
 
 void ControlEndpoint::start() { accept(); }
 
-bool ControlEndpoint::has_room(const asio::ip::address& address) const {
-  const auto counted = by_address_.find(address);
-  return connections_.size() < options_.max_connections &&
-         (counted == by_address_.end() || counted->second < options_.max_connections_per_address);
-}
-
 void ControlEndpoint::accept() {
   acceptor_.async_accept([this](const Error& error, tcp::socket socket) {
     if (error == asio::error::operation_aborted || !acceptor_.is_open()) return;
@@ -220,30 +231,51 @@ void ControlEndpoint::accept() {
       });
       return;
     }
-    Error gone;
-    const asio::ip::address address = socket.remote_endpoint(gone).address();
-    // Without a word, as a word would take a handshake: that is what there is no room for.
-    if (gone || !has_room(address)) {
-      ++counters_.crowded_out;
-      return accept();
-    }
-    socket.set_option(tcp::no_delay(true), gone);  // an answer waits for no acknowledgement
-    ++counters_.accepted;
-    ++by_address_[address];
-    auto connection = std::make_shared<Connection>(*this, std::move(socket), address);
-    connections_.insert(connection);
-    connection->start();
+    admit(std::move(socket));
     accept();
   });
+}
+
+void ControlEndpoint::admit(tcp::socket socket) {
+  Error gone;
+  const asio::ip::address address = socket.remote_endpoint(gone).address();
+  if (gone) return;
+  // Closed without a word, as a word would take a handshake: that is what is limited.
+  const Network network = network_of(address);
+  if (!handshakes_.take(network, monotonic_now())) {
+    ++counters_.too_often;
+    return;
+  }
+  socket.set_option(tcp::no_delay(true), gone);  // an answer waits for no acknowledgement
+  ++counters_.accepted;
+  const Places::Id id = next_id_++;
+  end(strangers_.take(id, network));
+  auto connection = std::make_shared<Connection>(*this, id, std::move(socket), address);
+  connections_.emplace(id, connection);
+  connection->start();
+}
+
+/// It has shown a good token. No stranger can take its place from now on; if places for such
+/// connections are short, the one that has asked nothing for the longest time loses its place.
+void ControlEndpoint::make_known(const Connection& connection) {
+  if (!strangers_.leave(connection.id())) return;
+  end(known_.take(connection.id(), network_of(connection.address())));
+}
+
+void ControlEndpoint::end(std::optional<Places::Id> crowded_out) {
+  if (!crowded_out) return;
+  ++counters_.crowded_out;
+  // A handle of its own: end() takes the connection out of the map.
+  const std::shared_ptr<Connection> connection = connections_.at(*crowded_out);
+  connection->end();
 }
 
 void ControlEndpoint::close() {
   Error ignored;
   acceptor_.close(ignored);
   retry_.cancel();
-  for (const auto& connection : connections_) connection->close();
+  for (const auto& [id, connection] : connections_) connection->close();
   connections_.clear();
-  by_address_.clear();
 }
 
 }  // namespace feltwire

@@ -9,10 +9,12 @@
 #include <functional>
 #include <map>
 #include <memory>
-#include <set>
+#include <optional>
 
 #include "protocol/control.hpp"
 #include "server/identity.hpp"
+#include "server/places.hpp"
+#include "server/rate_limit.hpp"
 
 namespace feltwire {
 
@@ -22,14 +24,18 @@ struct ControlOptions {
   /// For TLS handshake and token together; who takes longer is closed.
   std::chrono::milliseconds handshake_timeout{5'000};
   std::chrono::milliseconds idle_timeout{60'000};  // a connection that sends no request ends
-  std::size_t max_connections = 256;
-  std::size_t max_connections_per_address = 64;
+  /// Half of them for those who have not shown a good token yet, half for those who have.
+  std::size_t max_connections = 512;
+  std::size_t max_connections_per_network = 128;  // of either half (server/network.hpp)
+  double handshake_rate = 50.0;                   // [1/s] connections of a network, for ever,
+  double handshake_burst = 100.0;                 // and at once
 };
 
 /// What became of connections, so far.
 struct ControlCounters {
   std::uint64_t accepted = 0;
-  std::uint64_t crowded_out = 0;  // closed at once: there were as many as there may be
+  std::uint64_t too_often = 0;    // closed at once: their network connects too often
+  std::uint64_t crowded_out = 0;  // closed for newer ones: there were as many as there may be
   std::uint64_t failed = 0;       // TLS came to nothing: not 1.3, no certificate, no TLS at all
   std::uint64_t too_slow = 0;     // TLS or token took too long
 };
@@ -69,7 +75,9 @@ class ControlEndpoint {
  private:
   class Connection;
   void accept();
-  bool has_room(const asio::ip::address& address) const;
+  void admit(asio::ip::tcp::socket socket);
+  void make_known(const Connection& connection);
+  void end(std::optional<Places::Id> crowded_out);
 
   asio::io_context& io_;
   ControlOptions options_;
@@ -77,8 +85,10 @@ class ControlEndpoint {
   ControlHandler handler_;
   asio::ip::tcp::acceptor acceptor_;
   asio::steady_timer retry_;
-  std::set<std::shared_ptr<Connection>> connections_;
-  std::map<asio::ip::address, std::size_t> by_address_;  // of the connections
+  std::map<Places::Id, std::shared_ptr<Connection>> connections_;
+  Places strangers_, known_;  // those without and with a good token; each connection is in one
+  RateLimit<Network> handshakes_;
+  Places::Id next_id_ = 0;
   ControlCounters counters_;
   std::uint16_t port_ = 0;
 };

@@ -44,7 +44,9 @@ ControlService::ControlService(asio::io_context& io, Hosts& hosts, TokenFile tok
       hosts_(hosts),
       tokens_(std::move(tokens)),
       limits_(limits),
-      rate_(limits.join_rate, limits.join_burst),
+      wrong_tokens_(limits.join_rate, limits.join_burst),
+      joins_(limits.join_rate, limits.join_burst),
+      changes_(limits.join_rate, limits.join_burst),
       reload_(std::move(reload)) {}
 
 void ControlService::handle(ControlPeer& peer, control::Message request, Answer answer) {
@@ -61,8 +63,10 @@ void ControlService::handle(ControlPeer& peer, control::Message request, Answer 
     return join(std::move(asked), std::move(*wanted));
   if (const auto* wanted = std::get_if<control::LeaveRequest>(&request))
     return pass_on(std::move(asked), wanted->session, std::move(request));
-  if (const auto* wanted = std::get_if<control::SetParameters>(&request))
+  if (const auto* wanted = std::get_if<control::SetParameters>(&request)) {
+    if (auto refused = refuse_hasty(asked)) return asked.answer(*std::move(refused));
     return pass_on(std::move(asked), wanted->session, std::move(request));
+  }
   if (std::holds_alternative<control::ListScenes>(request))
     return asked.answer(list_scenes(*token));
   if (const auto* wanted = std::get_if<control::Evict>(&request))
@@ -77,18 +81,17 @@ void ControlService::handle(ControlPeer& peer, control::Message request, Answer 
 control::Message ControlService::authenticate(ControlPeer& peer,
                                               const control::Authenticate& shown) {
   peer.token.clear();
-  const Nanoseconds now = monotonic_now();
-  // Before the token is looked at: who guesses is slowed down.
-  if (!rate_.allows(peer.address, now))
-    return refuse(RefusalCode::too_many, "too many attempts from this address; wait a moment");
   const Token* token = feltwire::authenticate(tokens_.tokens(), shown.token.text(), calendar_now());
-  if (token == nullptr) {
-    rate_.count(peer.address, now);
-    spdlog::info("{} has shown no token that is good", peer.address.to_string());
-    return refuse(RefusalCode::unauthenticated, kNoGoodToken);
+  if (token != nullptr) {
+    peer.token = token->id;
+    return control::Authenticated{token->client, token->scene, token->role};
   }
-  peer.token = token->id;
-  return control::Authenticated{token->client, token->scene, token->role};
+  // Only wrong tokens count, so that nobody's guesses keep a neighbour with a good one out.
+  if (!wrong_tokens_.take(network_of(peer.address), monotonic_now()))
+    return refuse(RefusalCode::too_many,
+                  "too many wrong tokens from this network; correct the token, or wait a moment");
+  spdlog::info("{} has shown no token that is good", peer.address.to_string());
+  return refuse(RefusalCode::unauthenticated, kNoGoodToken);
 }
 
 std::optional<Refused> ControlService::refuse_join(const Asked& asked,
@@ -101,10 +104,9 @@ std::optional<Refused> ControlService::refuse_join(const Asked& asked,
   // Whether there is such a scene is not for this token to know.
   if (!opens(token, request.scene))
     return refuse(RefusalCode::forbidden, "this token does not open scene '" + request.scene + "'");
-  const Nanoseconds now = monotonic_now();
-  if (!rate_.allows(asked.peer.address, now))
-    return refuse(RefusalCode::too_many, "too many joins from this address; wait a moment");
-  rate_.count(asked.peer.address, now);
+  if (!joins_.take(token.client, monotonic_now()))
+    return refuse(RefusalCode::too_many,
+                  "client '" + token.client + "' joins too often; wait a moment");
   if (scene_of(request.scene) == hosts_.size())
     return Refused{
         RefusalCode::unknown_scene,
@@ -172,6 +174,14 @@ std::optional<Refused> ControlService::refuse_below_admin(const Asked& asked) {
                 "this is for admins; the token is for an " + std::string(name(asked.token.role)));
 }
 
+/// Each of these is work for a scene's thread, or for the machine.
+std::optional<Refused> ControlService::refuse_hasty(const Asked& asked) {
+  if (changes_.take(asked.token.client, monotonic_now())) return std::nullopt;
+  return refuse(
+      RefusalCode::too_many,
+      "client '" + asked.token.client + "' changes parameters or reloads too often; wait a moment");
+}
+
 control::Message ControlService::evict(const Asked& asked, const control::Evict& request) {
   if (auto refused = refuse_below_admin(asked)) return *std::move(refused);
   const auto found = seated_.find(request.session);
@@ -213,6 +223,7 @@ control::Message ControlService::reload(const Asked& asked, const control::Reloa
   const std::size_t scene = scene_of(request.scene);
   if (scene == hosts_.size() || !opens(asked.token, request.scene))
     return Refused{RefusalCode::unknown_scene, "there is no scene '" + request.scene + "' here"};
+  if (auto refused = refuse_hasty(asked)) return *std::move(refused);
   if (const auto wrong = reload_(scene)) return Refused{RefusalCode::bad_scene, *wrong};
   return control::SceneReloaded{request.scene};
 }

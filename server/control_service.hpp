@@ -9,7 +9,8 @@
 #include <vector>
 
 #include "server/control.hpp"
-#include "server/join_rate.hpp"
+#include "server/network.hpp"
+#include "server/rate_limit.hpp"
 #include "server/scene_host.hpp"
 #include "server/token_file.hpp"
 
@@ -17,14 +18,15 @@ namespace feltwire {
 
 struct ServiceLimits {
   std::size_t sessions_per_client = 16;
-  double join_rate = 20.0;   // [1/s] joins and wrong tokens of an address, for ever
-  double join_burst = 60.0;  // and at once
+  /// [1/s] for ever, and at once: joins, changes of parameters and reloads, each for all tokens
+  /// with one client's name; wrong tokens, for one network.
+  double join_rate = 20.0, join_burst = 60.0;
 };
 
 struct ServiceCounters {
   std::uint64_t unauthenticated = 0;  // requests without a token that is good
   std::uint64_t forbidden = 0;        // beyond the token's role or scene
-  std::uint64_t too_many = 0;         // joins above a limit
+  std::uint64_t too_many = 0;         // above a limit
 };
 
 class ControlService {
@@ -69,6 +71,7 @@ class ControlService {
   control::Message reload(const Asked& asked, const control::ReloadScene& request);
   control::Refused refuse(control::RefusalCode code, std::string reason);
   std::optional<control::Refused> refuse_below_admin(const Asked& asked);
+  std::optional<control::Refused> refuse_hasty(const Asked& asked);
   std::optional<control::Refused> refuse_join(const Asked& asked,
                                               const control::JoinRequest& request);
   const Token* good_token(const std::string& id) const;
@@ -80,7 +83,8 @@ class ControlService {
   Hosts& hosts_;
   TokenFile tokens_;
   ServiceLimits limits_;
-  JoinRate rate_;
+  RateLimit<Network> wrong_tokens_;
+  RateLimit<std::string> joins_, changes_;  // of clients
   Reload reload_;
   Directory seated_;
   ServiceCounters counters_;

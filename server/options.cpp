@@ -112,7 +112,8 @@ void add_security(CLI::App& app, Overrides& overrides, ServerConfig& given) {
       ->capture_default_str()
       ->group(group);
   add(app, overrides, given, &Config::join_rate, "--join-rate",
-      "[1/s] joins and wrong tokens of one address, for ever")
+      "[1/s] joins, changes of parameters and reloads of one client, and wrong tokens of one "
+      "network (IPv4 /24, IPv6 /64), for ever")
       ->capture_default_str()
       ->group(group);
   add(app, overrides, given, &Config::join_burst, "--join-burst", "And at once")
@@ -126,11 +127,19 @@ void add_security(CLI::App& app, Overrides& overrides, ServerConfig& given) {
       "[s] a control connection that asks nothing ends")
       ->capture_default_str()
       ->group(group);
-  add(app, overrides, given, &Config::max_connections, "--max-connections", "Control connections")
+  add(app, overrides, given, &Config::max_connections, "--max-connections",
+      "Control connections, half of them for those with a good token")
       ->capture_default_str()
       ->group(group);
-  add(app, overrides, given, &Config::max_connections_per_address, "--max-connections-per-address",
-      "Of these, from one address")
+  add(app, overrides, given, &Config::max_connections_per_network, "--max-connections-per-network",
+      "Of either half, from one network")
+      ->capture_default_str()
+      ->group(group);
+  add(app, overrides, given, &Config::handshake_rate, "--handshake-rate",
+      "[1/s] control connections of one network, for ever")
+      ->capture_default_str()
+      ->group(group);
+  add(app, overrides, given, &Config::handshake_burst, "--handshake-burst", "And at once")
       ->capture_default_str()
       ->group(group);
 }

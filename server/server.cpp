@@ -63,8 +63,10 @@ ControlOptions control_options(const ServerConfig& config) {
   options.handshake_timeout = milliseconds(config.handshake_timeout);
   options.idle_timeout = milliseconds(config.idle_timeout);
   options.max_connections = static_cast<std::size_t>(config.max_connections);
-  options.max_connections_per_address =
-      static_cast<std::size_t>(config.max_connections_per_address);
+  options.max_connections_per_network =
+      static_cast<std::size_t>(config.max_connections_per_network);
+  options.handshake_rate = config.handshake_rate;
+  options.handshake_burst = config.handshake_burst;
   return options;
 }
 
@@ -215,10 +217,11 @@ ControlSummary Server::control_summary() const {
 std::string text(const ControlSummary& summary) {
   const auto& [connections, requests] = summary;
   return fmt::format(
-      "control: connections {} (crowded out {}, no TLS {}, too slow {}), unauthenticated {}, "
+      "control: connections {} (too often {}, crowded out {}, no TLS {}, too slow {}), "
+      "unauthenticated {}, "
       "forbidden {}, too many {}\n",
-      connections.accepted, connections.crowded_out, connections.failed, connections.too_slow,
-      requests.unauthenticated, requests.forbidden, requests.too_many);
+      connections.accepted, connections.too_often, connections.crowded_out, connections.failed,
+      connections.too_slow, requests.unauthenticated, requests.forbidden, requests.too_many);
 }
 
 std::string text(const std::vector<SceneSummary>& summary) {

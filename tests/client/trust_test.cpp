@@ -245,7 +245,7 @@ TEST_F(Roles, ASessionIsItsOwnersAndAnAdmins) {
   EXPECT_NO_THROW(ask(with(admin), control::LeaveRequest{id()}, kPatience));
 }
 
-TEST(Limits, SessionsOfAClientAndJoinsOfAnAddress) {
+TEST(Limits, SessionsAndJoinsOfAClient) {
   ServerConfig config = testing::any_ports();
   config.max_sessions_per_client = 2;
   Server server(config, floor(), test::security());
@@ -257,19 +257,43 @@ TEST(Limits, SessionsOfAClientAndJoinsOfAnAddress) {
   EXPECT_NO_THROW(join(access, request(), kPatience));
 
   config.max_sessions_per_client = 16;
-  config.join_burst = 3;
+  config.join_burst = 2;
   config.join_rate = 0.001;
-  Server slow(config, floor(), test::security());
+  const IssuedToken berta = issue_token("berta", "*", Role::operator_, std::nullopt);
+  Server slow(config, floor(), test::security({berta.token}));
   const ServerAccess here = test::access(slow.control_port());
-  const ServerAccess guess = test::access(slow.control_port(), "127.0.0.1",
-                                          issue_token("x", "*", Role::admin, std::nullopt).text);
+  const std::uint64_t session = join(here, request(), kPatience).accepted.session;
   join(here, request(), kPatience);
-  EXPECT_THAT(refusal(guess), HasSubstr("needs a token"));
-  EXPECT_THAT(refusal(guess), HasSubstr("needs a token"));
-  EXPECT_THAT(refusal(here), HasSubstr("too many"));
-  EXPECT_THAT(refusal(guess), HasSubstr("too many"));
+  EXPECT_THAT(refusal(here), HasSubstr("client 'tester' joins too often"));
+  // Nobody else is kept out by it.
+  EXPECT_NO_THROW(
+      join(test::access(slow.control_port(), "127.0.0.1", berta.text), request(), kPatience));
+  // Changes of parameters have a limit of their own.
+  const control::SetParameters change{session, request().parameters};
+  EXPECT_NO_THROW(ask(here, change, kPatience));
+  EXPECT_NO_THROW(ask(here, change, kPatience));
+  EXPECT_THAT(error_of<SessionError>([&] { ask(here, change, kPatience); }),
+              HasSubstr("changes parameters or reloads too often"));
   slow.stop();
   EXPECT_EQ(slow.control_summary().requests.too_many, 2u);
+}
+
+/// Whoever sits behind the same address may guess as much as they like.
+TEST(Limits, WrongTokensKeepNoGoodOneOut) {
+  ServerConfig config = testing::any_ports();
+  config.join_burst = 3;
+  config.join_rate = 0.001;
+  Server server(config, floor(), test::security());
+  const ServerAccess guess = test::access(server.control_port(), "127.0.0.1",
+                                          issue_token("x", "*", Role::admin, std::nullopt).text);
+  for (int i = 0; i < 3; ++i) EXPECT_THAT(refusal(guess), HasSubstr("needs a token"));
+  for (int i = 0; i < 20; ++i) {
+    EXPECT_THAT(refusal(guess), HasSubstr("too many wrong tokens"));
+    EXPECT_NO_THROW(list_scenes(test::access(server.control_port()), kPatience));
+  }
+  server.stop();
+  EXPECT_EQ(server.control_summary().requests.unauthenticated, 3u);
+  EXPECT_EQ(server.control_summary().requests.too_many, 20u);
 }
 
 /// The token goes, and with it the session; the bad file between changes nothing.

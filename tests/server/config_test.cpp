@@ -25,7 +25,7 @@ TEST(Config, EveryFieldIsRead) {
     "state": "state", "certificate": "c.pem", "key": "k.pem", "client_ca": "/abs/ca.pem",
     "tokens": "t.json", "max_sessions_per_client": 5, "join_rate": 0.5, "join_burst": 2,
     "handshake_timeout": 1.5, "idle_timeout": 30, "max_connections": 7,
-    "max_connections_per_address": 6
+    "max_connections_per_network": 6, "handshake_rate": 8, "handshake_burst": 9
   })",
                                            "/etc/feltwire/server.json");
   ASSERT_EQ(config.scenes.size(), 2u);
@@ -51,7 +51,9 @@ TEST(Config, EveryFieldIsRead) {
   EXPECT_EQ(config.handshake_timeout, 1.5);
   EXPECT_EQ(config.idle_timeout, 30.0);
   EXPECT_EQ(config.max_connections, 7);
-  EXPECT_EQ(config.max_connections_per_address, 6);
+  EXPECT_EQ(config.max_connections_per_network, 6);
+  EXPECT_EQ(config.handshake_rate, 8.0);
+  EXPECT_EQ(config.handshake_burst, 9.0);
   EXPECT_NO_THROW(validate(config));
 }
 
@@ -75,7 +77,9 @@ TEST(Config, WhatIsLeftOutKeepsItsDefault) {
   EXPECT_EQ(read.handshake_timeout, made.handshake_timeout);
   EXPECT_EQ(read.idle_timeout, made.idle_timeout);
   EXPECT_EQ(read.max_connections, made.max_connections);
-  EXPECT_EQ(read.max_connections_per_address, made.max_connections_per_address);
+  EXPECT_EQ(read.max_connections_per_network, made.max_connections_per_network);
+  EXPECT_EQ(read.handshake_rate, made.handshake_rate);
+  EXPECT_EQ(read.handshake_burst, made.handshake_burst);
 }
 
 TEST(Config, ABusyPollMayBeForEver) {
@@ -104,8 +108,10 @@ TEST(Config, FaultsNameFileLineAndField) {
       {"{\n\"join_burst\": 0.5}", "join_burst"},
       {"{\n\"handshake_timeout\": 0}", "handshake_timeout"},
       {"{\n\"idle_timeout\": 1e9}", "idle_timeout"},
-      {"{\n\"max_connections\": 0}", "max_connections"},
-      {"{\n\"max_connections_per_address\": -1}", "max_connections_per_address"},
+      {"{\n\"max_connections\": 1}", "max_connections"},
+      {"{\n\"max_connections_per_network\": -1}", "max_connections_per_network"},
+      {"{\n\"handshake_rate\": 0}", "handshake_rate"},
+      {"{\n\"handshake_burst\": 0.5}", "handshake_burst"},
       {"{\n\"prot\": 6720}", "prot"},
       {"{\n\"port\": \"many\"}", "port"},
       {"{\n\"port\": }", ""},

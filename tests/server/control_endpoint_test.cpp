@@ -4,71 +4,18 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <asio/post.hpp>
 #include <csignal>
-#include <memory>
-#include <thread>
 
-#include "server/control.hpp"
-#include "tests/server/raw_socket.hpp"
+#include "tests/server/endpoint.hpp"
 
 namespace feltwire::control_endpoint_test {
 namespace {
 
 using namespace std::chrono_literals;
 using test::ControlClient;
+using test::Endpoint;
 using test::RawSocket;
-
-/// An endpoint in a thread of its own. It lets any token in, and answers every request but one: a
-/// join is never answered.
-class Endpoint {
- public:
-  Endpoint(ControlOptions options, const control::Message& answer,
-           const std::string& authorities = {})
-      : endpoint_(io_, local(options), test::identity(), authorities,
-                  [answer](ControlPeer& peer, const control::Message& request, const auto& done) {
-                    if (std::holds_alternative<control::Authenticate>(request)) {
-                      peer.token = "some";
-                      done(control::Authenticated{});
-                    } else if (peer.token.empty()) {
-                      done(control::Refused{control::RefusalCode::unauthenticated, "no"});
-                    } else if (!std::holds_alternative<control::JoinRequest>(request)) {
-                      done(answer);
-                    }
-                  }) {
-    endpoint_.start();
-    thread_ = std::thread([this] { io_.run(); });
-  }
-  Endpoint(std::chrono::milliseconds idle, std::size_t connections, const control::Message& answer)
-      : Endpoint({.address = {}, .idle_timeout = idle, .max_connections = connections}, answer) {}
-  ~Endpoint() { stop(); }
-  /// How it went, once it is stopped.
-  ControlCounters counters() {
-    stop();
-    return endpoint_.counters();
-  }
-  Endpoint(const Endpoint&) = delete;
-  Endpoint& operator=(const Endpoint&) = delete;
-  std::uint16_t port() const { return endpoint_.port(); }
-
- private:
-  static ControlOptions local(ControlOptions options) {
-    options.address = asio::ip::make_address("127.0.0.1");
-    return options;
-  }
-  void stop() {
-    if (!thread_.joinable()) return;
-    asio::post(io_, [this] {
-      endpoint_.close();
-      io_.stop();
-    });
-    thread_.join();
-  }
-
-  asio::io_context io_{1};
-  ControlEndpoint endpoint_;
-  std::thread thread_;
-};
+using test::served;
 
 constexpr auto kShort = 30ms;
 constexpr auto kNever = 1h;
@@ -102,7 +49,7 @@ TEST(ControlEndpoint, WhoDoesNotReadIsClosed) {
   control::SceneList long_answer;
   const std::string name(control::kMaxName, 'x');
   for (std::size_t n = 0; n < 200; ++n) long_answer.scenes.push_back({name, 1, 2, 3});
-  Endpoint endpoint(200ms, 8, long_answer);
+  Endpoint endpoint({.address = {}, .idle_timeout = 200ms, .handshake_burst = 1e6}, long_answer);
   ControlClient deaf(endpoint.port());
   const int small = 1;
   ::setsockopt(deaf.descriptor(), SOL_SOCKET, SO_RCVBUF, &small, sizeof small);
@@ -119,41 +66,6 @@ TEST(ControlEndpoint, WhoDoesNotReadIsClosed) {
     ControlClient other(endpoint.port());
     ASSERT_EQ(other.ask<control::SceneList>(control::ListScenes{}).scenes.size(), 200u);
   }
-}
-
-/// Whether a connection came to TLS and was let in.
-bool served(std::uint16_t port) {
-  try {
-    ControlClient client(port);
-    client.ask<control::SceneList>(control::ListScenes{});
-    return true;
-  } catch (const std::runtime_error&) {
-    return false;
-  }
-}
-
-TEST(ControlEndpoint, TooManyConnectionsAreClosedAtOnce) {
-  Endpoint endpoint(kNever, 2, control::SceneList{});
-  ControlClient first(endpoint.port());
-  {
-    ControlClient second(endpoint.port());
-    for (int n = 0; n < 20; ++n)
-      EXPECT_TRUE(RawSocket(SOCK_STREAM, endpoint.port()).receive().empty());
-    first.ask<control::SceneList>(control::ListScenes{});
-    second.ask<control::SceneList>(control::ListScenes{});
-  }
-  // It has hung up: there is room again, as soon as the endpoint has seen it.
-  while (!served(endpoint.port())) {
-  }
-  first.ask<control::SceneList>(control::ListScenes{});
-  EXPECT_GE(endpoint.counters().crowded_out, 20u);
-}
-
-TEST(ControlEndpoint, NoAddressTakesAllConnections) {
-  Endpoint endpoint({.address = {}, .max_connections_per_address = 1}, control::SceneList{});
-  ControlClient first(endpoint.port());
-  EXPECT_FALSE(served(endpoint.port()));
-  first.ask<control::SceneList>(control::ListScenes{});
 }
 
 /// Until a good token was shown one time limit holds for everything, however busy the stranger is.

@@ -1,6 +1,7 @@
 #pragma once
 // Blocking sockets to a server, over IPv4 or IPv6: datagrams, and the control connection.
 
+#include <arpa/inet.h>
 #include <netinet/in.h>
 #include <poll.h>
 #include <sys/socket.h>
@@ -22,8 +23,16 @@ inline constexpr int kPatience =
 /// A plain blocking socket to the server.
 class RawSocket {
  public:
-  /// To this machine, `family` AF_INET or AF_INET6.
-  RawSocket(int type, std::uint16_t port, int family = AF_INET) : file_(::socket(family, type, 0)) {
+  /// To this machine, `family` AF_INET or AF_INET6. From the address `from`, one of 127.0.0.0/8.
+  RawSocket(int type, std::uint16_t port, int family = AF_INET, const char* from = nullptr)
+      : file_(::socket(family, type, 0)) {
+    if (from != nullptr) {
+      sockaddr_in here{};
+      here.sin_family = AF_INET;
+      if (::inet_pton(AF_INET, from, &here.sin_addr) != 1 ||
+          ::bind(file_, reinterpret_cast<const sockaddr*>(&here), sizeof here) != 0)
+        throw std::runtime_error("cannot bind");
+    }
     sockaddr_in four{};
     four.sin_family = AF_INET;
     four.sin_port = htons(port);
@@ -71,9 +80,9 @@ struct JoinedBy {
 class ControlClient {
  public:
   explicit ControlClient(std::uint16_t port, int family = AF_INET,
-                         const Secret& token = admin_token().text)
+                         const Secret& token = admin_token().text, const char* from = nullptr)
       : port_(port),
-        socket_(SOCK_STREAM, port, family),
+        socket_(SOCK_STREAM, port, family, from),
         tls_(context_.get(), socket_.descriptor()) {
     const timeval patience{.tv_sec = kPatience / 1000, .tv_usec = 0};
     ::setsockopt(socket_.descriptor(), SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);

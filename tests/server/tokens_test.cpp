@@ -1,4 +1,4 @@
-// Tokens: texts, files and who writes them at once; how often an address may try.
+// Tokens: texts, files and who writes them at once.
 
 #include "server/tokens.hpp"
 
@@ -9,7 +9,6 @@
 #include <thread>
 
 #include "core/scene/json_document.hpp"
-#include "server/join_rate.hpp"
 #include "server/security.hpp"
 #include "server/state_file.hpp"
 #include "tests/client/temporary_folder.hpp"
@@ -251,40 +250,6 @@ TEST(Fingerprints, AreReadAsTheyAreWritten) {
   for (const std::string& wrong :
        {std::string(), text.substr(1), text + "00", text.substr(2) + "gg"})
     EXPECT_THROW(parse_fingerprint(wrong), std::invalid_argument) << wrong;
-}
-
-TEST(JoinRate, IsABucketForEachAddress) {
-  const auto a = asio::ip::make_address("10.0.0.1"), b = asio::ip::make_address("10.0.0.2");
-  JoinRate rate(2.0, 3.0);
-  for (int i = 0; i < 3; ++i) {
-    EXPECT_TRUE(rate.allows(a, 0s));
-    rate.count(a, 0s);
-  }
-  EXPECT_FALSE(rate.allows(a, 499ms));
-  EXPECT_FALSE(rate.allows(asio::ip::make_address("::ffff:10.0.0.1"), 499ms));  // the same host
-  EXPECT_TRUE(rate.allows(b, 499ms));
-  EXPECT_TRUE(rate.allows(a, 500ms));
-  rate.count(a, 500ms);
-  EXPECT_FALSE(rate.allows(a, 501ms));
-  EXPECT_TRUE(rate.allows(a, 1h));
-}
-
-/// A host of IPv6 has 2^64 addresses, and a forger of them all is remembered within bounds.
-TEST(JoinRate, IsNotOutnumbered) {
-  JoinRate rate(1.0, 1.0);
-  const auto six = [](std::uint32_t network, std::uint8_t host) {
-    asio::ip::address_v6::bytes_type bytes{0x20, 0x01};
-    for (std::size_t i = 0; i < 4; ++i)
-      bytes[4 + i] = static_cast<std::uint8_t>(network >> (8 * i));
-    bytes[15] = host;
-    return asio::ip::address(asio::ip::address_v6(bytes));
-  };
-  rate.count(six(0, 1), 0s);
-  EXPECT_FALSE(rate.allows(six(0, 2), 0s));
-  for (std::uint32_t n = 0; n < JoinRate::kMostAddresses; ++n) rate.count(six(n, 1), 0s);
-  rate.count(six(1'000'000, 1), 0s);  // one more than are remembered: strangers share
-  EXPECT_FALSE(rate.allows(six(1'000'001, 1), 0s));
-  EXPECT_TRUE(rate.allows(six(1'000'001, 1), 2s));  // the others' buckets are full again
 }
 
 }  // namespace

@@ -1,0 +1,19 @@
+#pragma once
+// Which addresses count as one, where somebody is limited.
+
+#include <array>
+#include <asio/ip/address.hpp>
+#include <cstdint>
+
+namespace feltwire {
+
+/// A network, as a key: no IPv4 network has the key of an IPv6 network.
+using Network = std::array<std::uint8_t, 8>;
+
+/// The network that an address lies in. IPv6: the first 64 bits, as every host is given so many
+/// addresses. IPv4: the first 24 bits, the smallest network that is routed on the internet, so that
+/// whoever rents a few addresses rents them there. An IPv4 address in IPv6 (::ffff:a.b.c.d) counts
+/// as IPv4.
+Network network_of(const asio::ip::address& address);
+
+}  // namespace feltwire

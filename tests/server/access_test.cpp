@@ -1,0 +1,230 @@
+// Who gets a place at the control port, and how often: networks, strangers, those who are known.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <deque>
+#include <random>
+#include <set>
+
+#include "server/places.hpp"
+#include "server/rate_limit.hpp"
+#include "tests/server/endpoint.hpp"
+
+namespace feltwire::access_test {
+namespace {
+
+using namespace std::chrono_literals;
+using test::ControlClient;
+using test::Endpoint;
+using test::RawSocket;
+using test::served;
+
+Network of(const std::string& address) { return network_of(asio::ip::make_address(address)); }
+
+TEST(NetworkOf, AnAddressIsWhatWhoeverHasItHas) {
+  EXPECT_EQ(of("2001:db8:1:2::1"), of("2001:db8:1:2:ffff:ffff:ffff:ffff"));
+  EXPECT_NE(of("2001:db8:1:2::1"), of("2001:db8:1:3::1"));
+  EXPECT_EQ(of("192.0.2.1"), of("192.0.2.255"));
+  EXPECT_NE(of("192.0.2.1"), of("192.0.3.1"));
+  EXPECT_EQ(of("::ffff:192.0.2.1"), of("192.0.2.77"));  // IPv4 as an IPv6 socket sees it
+  EXPECT_NE(of("::"), of("0.0.0.0"));
+  EXPECT_NE(of("::1"), of("127.0.0.1"));
+}
+
+/// The review's attack: one network of IPv6 with as many addresses as it likes.
+TEST(Places, ANetworkOfManyAddressesTakesPlacesFromItself) {
+  Places places(256, 64);
+  Places::Id next = 0;
+  const Places::Id honest = next++;
+  EXPECT_FALSE(places.take(honest, of("2001:db8::1")));
+  std::deque<Places::Id> held;
+  for (unsigned host = 0; host < 10'000; ++host) {
+    std::array<char, 64> text{};
+    std::snprintf(text.data(), text.size(), "2001:db8:bad:1::%x", host);
+    const auto loser = places.take(next, of(text.data()));
+    held.push_back(next++);
+    if (held.size() <= 64) {
+      EXPECT_FALSE(loser);
+      continue;
+    }
+    ASSERT_EQ(loser, held.front());  // its own oldest
+    held.pop_front();
+  }
+  EXPECT_EQ(places.size(), 65u);
+  EXPECT_TRUE(places.leave(honest));
+}
+
+/// Five networks together hold what there is; a newcomer still finds a place, and keeps it while
+/// the five fight on.
+TEST(Places, TheLargestNetworkGivesWay) {
+  Places places(256, 64);
+  Places::Id next = 0;
+  const auto attack = [&](int rounds) {
+    std::set<Places::Id> losers;
+    for (int i = 0; i < rounds; ++i)
+      for (int net = 0; net < 5; ++net)
+        if (const auto loser = places.take(next++, of("10.0." + std::to_string(net) + ".1")))
+          losers.insert(*loser);
+    return losers;
+  };
+  attack(100);
+  EXPECT_EQ(places.size(), 256u);
+  const Places::Id honest = next++;
+  ASSERT_TRUE(places.take(honest, of("192.0.2.7")));
+  EXPECT_EQ(attack(1000).count(honest), 0u);
+  EXPECT_EQ(places.size(of("192.0.2.1")), 1u);
+  EXPECT_TRUE(places.leave(honest));
+  EXPECT_FALSE(places.leave(honest));
+}
+
+TEST(Places, WhoIsRenewedGoesLast) {
+  Places places(2, 2);
+  EXPECT_FALSE(places.take(1, of("10.0.0.1")));
+  EXPECT_FALSE(places.take(2, of("10.0.0.1")));
+  places.renew(1);
+  places.renew(77);  // has none
+  EXPECT_EQ(places.take(3, of("10.0.0.1")), 2u);
+  EXPECT_EQ(places.take(4, of("10.0.0.2")), 1u);
+}
+
+/// At random, against a list of who is there: never more than there are places, never more than a
+/// network may have, never somebody of a network that has fewer than another.
+TEST(Places, HoldAtRandom) {
+  const auto seed = std::random_device{}();
+  SCOPED_TRACE("seed " + std::to_string(seed));
+  std::mt19937 random(seed);
+  for (int round = 0; round < 20; ++round) {
+    const std::size_t most = 1 + random() % 12, each = 1 + random() % 6;
+    Places places(most, each);
+    std::vector<std::pair<Places::Id, Network>> there;  // the oldest first
+    const auto count = [&](const Network& n) {
+      return static_cast<std::size_t>(
+          std::count_if(there.begin(), there.end(), [&](auto& e) { return e.second == n; }));
+    };
+    for (Places::Id id = 0; id < 300; ++id) {
+      if (!there.empty() && random() % 4 == 0) {
+        const std::size_t gone = random() % there.size();
+        EXPECT_TRUE(places.leave(there[gone].first));
+        there.erase(there.begin() + static_cast<std::ptrdiff_t>(gone));
+      }
+      const Network network = of("10.0." + std::to_string(random() % 5) + ".1");
+      const bool full = there.size() == most, own_full = count(network) == each;
+      const auto loser = places.take(id, network);
+      ASSERT_EQ(loser.has_value(), full || own_full);
+      there.emplace_back(id, network);
+      if (loser) {
+        const auto lost =
+            std::find_if(there.begin(), there.end(), [&](auto& e) { return e.first == *loser; });
+        ASSERT_NE(lost, there.end());
+        const Network theirs = lost->second;
+        ASSERT_NE(*loser, id);
+        if (own_full) {
+          ASSERT_EQ(theirs, network);
+        } else {
+          for (const auto& [other, net] : there) {
+            if (other == id && count(net) == 1) continue;  // nobody else of its network to go
+            ASSERT_LE(count(net), count(theirs));
+          }
+        }
+        for (auto earlier = there.begin(); earlier != lost; ++earlier)
+          ASSERT_NE(earlier->second, theirs);  // the oldest of its network
+        there.erase(lost);
+      }
+      ASSERT_EQ(places.size(), there.size());
+      ASSERT_LE(places.size(), most);
+      ASSERT_LE(places.size(network), each);
+      ASSERT_EQ(places.size(network), count(network));
+    }
+  }
+}
+
+TEST(RateLimit, IsABucketForEachNetwork) {
+  const Network a = of("10.0.0.1"), b = of("10.0.1.1");
+  RateLimit<Network> rate(2.0, 3.0);
+  for (int i = 0; i < 3; ++i) EXPECT_TRUE(rate.take(a, 0s));
+  EXPECT_FALSE(rate.take(a, 499ms));
+  EXPECT_FALSE(rate.take(of("::ffff:10.0.0.9"), 499ms));  // the same network
+  EXPECT_TRUE(rate.take(b, 499ms));
+  EXPECT_TRUE(rate.take(a, 500ms));
+  EXPECT_FALSE(rate.take(a, 501ms));
+  EXPECT_TRUE(rate.take(a, 1h));
+}
+
+/// A forger of many networks is remembered within bounds.
+TEST(RateLimit, IsNotOutnumbered) {
+  RateLimit<std::uint32_t> rate(1.0, 1.0);
+  for (std::uint32_t n = 0; n < RateLimit<std::uint32_t>::kMost; ++n) EXPECT_TRUE(rate.take(n, 0s));
+  EXPECT_TRUE(rate.take(1'000'000, 0s));  // one more than are remembered: they share
+  EXPECT_FALSE(rate.take(1'000'001, 0s));
+  EXPECT_TRUE(rate.take(1'000'001, 2s));  // the others' buckets are full again
+}
+
+constexpr auto kNever = 1h;
+
+ControlOptions patient(std::size_t connections, std::size_t of_a_network = 128) {
+  return {.address = {},
+          .handshake_timeout = kNever,
+          .idle_timeout = kNever,
+          .max_connections = connections,
+          .max_connections_per_network = of_a_network,
+          .handshake_rate = 1e6,
+          .handshake_burst = 1e6};
+}
+
+/// The review's attack: four addresses with 64 silent connections each held all places for the
+/// whole handshake timeout.
+TEST(Access, SilentStrangersKeepNobodyOut) {
+  Endpoint endpoint(patient(16), control::SceneList{});
+  ControlClient known(endpoint.port());
+  std::vector<std::unique_ptr<RawSocket>> silent;
+  for (int i = 0; i < 100; ++i) {
+    const std::string from = "127.0." + std::to_string(1 + i % 5) + "." + std::to_string(1 + i);
+    silent.push_back(
+        std::make_unique<RawSocket>(SOCK_STREAM, endpoint.port(), AF_INET, from.c_str()));
+  }
+  EXPECT_TRUE(served(endpoint.port()));               // another network than theirs
+  EXPECT_TRUE(served(endpoint.port(), "127.0.1.1"));  // and one of theirs
+  known.ask<control::SceneList>(control::ListScenes{});
+  const ControlCounters counters = endpoint.counters();
+  EXPECT_EQ(counters.accepted, 103u);
+  EXPECT_GE(counters.crowded_out, 100u - 16u / 2);
+}
+
+/// Whoever has shown a token keeps the place whatever strangers do, and even if other known ones
+/// come, as long as it is not the one that has been idle the longest.
+TEST(Access, PlacesOfTheKnownAreTheirs) {
+  Endpoint endpoint(patient(4), control::SceneList{});
+  ControlClient first(endpoint.port(), AF_INET, test::admin_token().text, "127.0.1.1");
+  ControlClient second(endpoint.port(), AF_INET, test::admin_token().text, "127.0.2.1");
+  for (int i = 0; i < 50; ++i)
+    RawSocket(SOCK_STREAM, endpoint.port(), AF_INET, "127.0.3.1")
+        .send(std::vector<std::uint8_t>{1});
+  first.ask<control::SceneList>(control::ListScenes{});
+  second.ask<control::SceneList>(control::ListScenes{});
+  first.ask<control::SceneList>(control::ListScenes{});
+  ControlClient third(endpoint.port(), AF_INET, test::admin_token().text, "127.0.4.1");
+  EXPECT_TRUE(second.closed());
+  first.ask<control::SceneList>(control::ListScenes{});
+  third.ask<control::SceneList>(control::ListScenes{});
+}
+
+TEST(Access, HandshakesOfANetworkAreLimited) {
+  ControlOptions options = patient(512);
+  options.handshake_rate = 1e-3;
+  options.handshake_burst = 3;
+  Endpoint endpoint(options, control::SceneList{});
+  for (const char* from : {"127.0.1.1", "127.0.1.2", "127.0.1.3"})
+    EXPECT_TRUE(served(endpoint.port(), from));
+  for (int i = 4; i < 24; ++i) {
+    const std::string from = "127.0.1." + std::to_string(i);
+    EXPECT_FALSE(served(endpoint.port(), from.c_str()));
+  }
+  EXPECT_TRUE(served(endpoint.port(), "127.0.2.1"));
+  const ControlCounters counters = endpoint.counters();
+  EXPECT_EQ(counters.accepted, 4u);
+  EXPECT_EQ(counters.too_often, 20u);
+}
+
+}  // namespace
+}  // namespace feltwire::access_test
