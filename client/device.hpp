@@ -14,8 +14,8 @@ struct DeviceReading {
   bool ended = false;  // the device has nothing more to say (a recording is over)
 };
 
-/// Called from the servo thread only, read then write once a tick. Neither may block, allocate or
-/// throw.
+/// read() and write() are called from the servo thread only, read then write once a tick. Neither
+/// may block, allocate or throw.
 class Device {
  public:
   virtual ~Device() = default;
@@ -27,6 +27,15 @@ class Device {
   /// Hold this on the hand until the next write. Within the spec's limits already. Returns what is
   /// really held, which may be less (a device fault, an amplifier limit).
   virtual Command write(const Command& on_hand) noexcept = 0;
+
+  /// Takes the force off the hand, now and for good: nothing is held from here on, whatever write()
+  /// is told later. Called when the run ends, when the servo thread stands still, and when the
+  /// program crashes: by any thread and by signal handlers, more than once, also while read() or
+  /// write() is under way in another thread or has crashed in this one. It must be
+  /// async-signal-safe (signal-safety(7)): it takes no lock, allocates nothing and does not wait
+  /// for read() or write(). A system call on the device's descriptor is fine, and so is an atomic
+  /// flag that a thread of the driver acts on.
+  virtual void release() noexcept = 0;
 };
 
 }  // namespace feltwire

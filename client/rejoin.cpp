@@ -18,7 +18,16 @@ Rejoiner::Attempt Rejoiner::attempt(const ServerAccess& server, const control::J
                               "stands on; start anew"};
   } catch (const LastingError& error) {
     return {std::nullopt, error.what()};
-  } catch (const SessionError&) {
+  } catch (const std::exception&) {  // also no descriptor, no memory: the next may have them
+    return {};
+  }
+}
+
+/// What an attempt came to; one that could not even end properly has failed.
+Rejoiner::Attempt Rejoiner::outcome() noexcept {
+  try {
+    return attempt_.get();
+  } catch (const std::exception&) {
     return {};
   }
 }
@@ -31,17 +40,16 @@ Rejoiner::Rejoiner(ServerAccess server, control::JoinRequest request, Ring<Sessi
       options_(options),
       wait_(options.first_wait) {}
 
-void Rejoiner::look(bool connected, Clock::time_point now) {
+void Rejoiner::look(bool connected, Clock::time_point now) noexcept {
   if (attempt_.valid()) {
     if (attempt_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return;
-    const Attempt done = attempt_.get();
+    Attempt done = outcome();
     // A session that has been found again meanwhile goes on for as long as it does.
-    if (!connected) refusal_ = done.refusal;
+    if (!connected) refusal_ = std::move(done.refusal);
     // Also when the old session answers again meanwhile: two would stand at the server else.
     handed_over_ = done.session && out_.push(*done.session);
     handed_over_at_ = now;
-    next_ = now + wait_;
-    wait_ = std::min(2 * wait_, options_.longest_wait);
+    put_off(now);
     return;
   }
   if (connected) {
@@ -53,6 +61,20 @@ void Rejoiner::look(bool connected, Clock::time_point now) {
   // What was handed over may be lost again before it ever answered.
   if (handed_over_ && now < handed_over_at_ + options_.longest_wait) return;
   ++attempts_;
+  try {
+    begin();
+  } catch (const std::exception&) {  // no memory or no thread: an attempt that failed
+    attempt_ = {};
+    put_off(now);
+  }
+}
+
+void Rejoiner::put_off(Clock::time_point now) noexcept {
+  next_ = now + wait_;
+  wait_ = std::min(2 * wait_, options_.longest_wait);
+}
+
+void Rejoiner::begin() {
   std::packaged_task<Attempt()> task(
       [server = server_, request = request_, timeout = options_.timeout] {
         return attempt(server, request, timeout);

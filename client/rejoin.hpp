@@ -20,7 +20,8 @@ struct RejoinOptions {
 };
 
 /// For one thread that is not the servo's. Attempts run in a thread of their own, so that look()
-/// never blocks.
+/// never blocks. One that fails for want of memory, descriptors or threads has failed like any
+/// other: it is tried again.
 class Rejoiner {
  public:
   using Clock = std::chrono::steady_clock;
@@ -31,7 +32,7 @@ class Rejoiner {
            const RejoinOptions& options = {});
 
   /// Call now and then: `connected` is what the loop says of its session.
-  void look(bool connected, Clock::time_point now);
+  void look(bool connected, Clock::time_point now) noexcept;
 
   /// Why there will be no other session, in one line: asking again would not mend it, and nothing
   /// more is asked. Empty while there may be one.
@@ -52,6 +53,9 @@ class Rejoiner {
   };
   static Attempt attempt(const ServerAccess& server, const control::JoinRequest& request,
                          std::chrono::milliseconds timeout);
+  void begin();
+  Attempt outcome() noexcept;
+  void put_off(Clock::time_point now) noexcept;
 
   std::future<Attempt> attempt_;
   std::string refusal_;

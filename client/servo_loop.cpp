@@ -71,6 +71,7 @@ class Loop {
         servo_(servo),
         transport_(transport),
         options_(options),
+        stop_(stop),
         outputs_(outputs),
         result_(result),
         linked_(transport.link() != nullptr),
@@ -91,6 +92,7 @@ class Loop {
       running = step(now);
     }
     let_go();
+    device_.release();
     take_leave(monotonic_now());
   }
 
@@ -127,7 +129,7 @@ class Loop {
   bool step(Nanoseconds now) noexcept {
     if (waiting_[0].revents != 0 || linked_) take_replies(now);
     if (server_left_ && !lose(now, EndReason::server_goodbye)) return false;
-    if (waiting_[1].revents != 0) return end(EndReason::requested);
+    if (stop_.is_set()) return end(EndReason::requested);
     if (!is_due(now)) return true;
 
     // Before the tick: a hand that has just been found again must not feel what waited for it.
@@ -303,6 +305,7 @@ class Loop {
   Servo& servo_;
   Transport& transport_;
   const LoopOptions& options_;
+  const Event& stop_;
   const LoopOutputs& outputs_;
   LoopResult& result_;
   bool linked_;
@@ -325,6 +328,7 @@ Event::Event() : descriptor_(eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)) {
 }
 Event::~Event() { ::close(descriptor_); }
 void Event::set() noexcept {
+  set_.store(true, std::memory_order_release);
   const std::uint64_t one = 1;
   [[maybe_unused]] const ssize_t written =
       ::write(descriptor_, &one, sizeof one);  // fails only when set already

@@ -1,6 +1,7 @@
 #pragma once
 // The thread that closes the loop: waits for deadlines and replies, and hands them to the servo.
 
+#include <atomic>
 #include <cstdint>
 #include <string_view>
 
@@ -21,11 +22,13 @@ class Event {
   Event(const Event&) = delete;
   Event& operator=(const Event&) = delete;
   void set() noexcept;
-  /// Readable once set, for ever.
+  bool is_set() const noexcept { return set_.load(std::memory_order_acquire); }
+  /// Readable once set, for ever. Where the system fails to tell, is_set() still does.
   int descriptor() const { return descriptor_; }
 
  private:
   int descriptor_ = -1;
+  std::atomic<bool> set_{false};
 };
 
 enum class EndReason : std::uint8_t {
@@ -35,7 +38,7 @@ enum class EndReason : std::uint8_t {
   server_goodbye,  // the server ended the session
   server_silent,   // nothing came for the session's silence timeout
   refused,  // the session was lost and another one is refused for good (never the loop's own)
-  failed    // a system call that cannot fail did
+  failed    // a system call that cannot fail did, or the servo thread stood still
 };
 std::string_view name(EndReason reason);
 
@@ -93,7 +96,8 @@ struct LoopResult {
   std::uint64_t disconnections = 0;                // times the session was lost
   std::uint64_t reconnections = 0;                 // times it, or a new one, went on
   double disconnected = 0.0;                       // [s] altogether
-  Histogram wakeup_late;                           // [ns] each tick behind its deadline
+  bool stood_still = false;  // failed: the thread did not tick, and the device was let go
+  Histogram wakeup_late;     // [ns] each tick behind its deadline
 };
 
 /// Whether a loop of these never sleeps.
@@ -103,7 +107,8 @@ bool never_sleeps(Nanoseconds busy_poll, Nanoseconds period) noexcept;
 /// n T: one that is missed by a period or more is passed over, never made up for by a burst.
 /// Replies are taken when they come; the command is applied at the tick. At the end the force
 /// fades within half the hold time, the replies on their way are waited for (at most 100 ms, and
-/// 100 ms after what an emulated link holds has left it), and the server is told goodbye.
+/// 100 ms after what an emulated link holds has left it), and the server is told goodbye. The
+/// device is released as soon as the force has faded.
 void run_servo_loop(Device& device, Servo& servo, Transport& transport, const LoopOptions& options,
                     const Event& stop, const LoopOutputs& outputs, LoopResult& result) noexcept;
 

@@ -19,13 +19,15 @@ int is_pinned(X509_STORE_CTX* judged, void* pin_of_stream) {
   const X509* certificate = X509_STORE_CTX_get0_cert(judged);
   try {
     if (certificate != nullptr) pin.seen = fingerprint(*certificate);
-  } catch (const std::runtime_error&) {  // no fingerprint is no match
+  } catch (...) {  // no fingerprint is no match; an exception may not pass through OpenSSL
   }
   if (pin.seen && pin.seen == pin.wanted) return 1;
   X509_STORE_CTX_set_error(judged, X509_V_ERR_CERT_REJECTED);
   return 0;
 }
 
+/// What fails here where it went well before, when a lost session is looked for, fails for want of
+/// memory: no LastingError.
 asio::ssl::context client_context(const Credentials& credentials, TlsStream::Pin& pin) {
   asio::ssl::context tls(asio::ssl::context::tls_client);
   try {
@@ -44,7 +46,7 @@ asio::ssl::context client_context(const Credentials& credentials, TlsStream::Pin
       tls.use_private_key(asio::buffer(key.data(), key.size()), asio::ssl::context::pem);
     }
   } catch (const std::exception& error) {
-    throw LastingError(std::string("the certificates that were given cannot be used: ") +
+    throw SessionError(std::string("the certificates that were given cannot be used: ") +
                        error.what() + "; see --ca, --certificate and --key");
   }
   return tls;
@@ -78,7 +80,7 @@ void expect_host(SSL* connection, const std::string& host) {
   asio::ip::make_address(host, no_address);
   const int set = no_address ? X509_VERIFY_PARAM_set1_host(parameters, host.c_str(), host.size())
                              : X509_VERIFY_PARAM_set1_ip_asc(parameters, host.c_str());
-  if (set != 1) throw LastingError("no certificate can be for a host called '" + host + "'");
+  if (set != 1) throw SessionError("no certificate can be for a host called '" + host + "'");
 }
 
 }  // namespace
@@ -126,11 +128,12 @@ void TlsStream::handshake(const ServerAccess& server) {
         "no TLS with ", "; is the port the control port of a feltwire-server?");
   } catch (const SessionError&) {
     const long verdict = SSL_get_verify_result(connection);
-    if (verdict == X509_V_OK) throw;
+    // Without a fingerprint nobody knows whom it is from: OpenSSL had no memory for it, say.
+    if (verdict == X509_V_OK || verdict == X509_V_ERR_OUT_OF_MEM || (pins && !pin_.seen)) throw;
     if (pins)
       throw LastingError(
           server_ + " is not the server whose fingerprint was given: its certificate's is " +
-          (pin_.seen ? to_string(*pin_.seen) : "none") +
+          to_string(*pin_.seen) +
           "; if it has a new certificate ask its owner for the fingerprint, else somebody stands "
           "in between");
     throw LastingError(server_ + " cannot be trusted: " + X509_verify_cert_error_string(verdict) +

@@ -41,7 +41,8 @@ DeviceReading SimulatedDevice::read(Nanoseconds now) noexcept {
 
 Command SimulatedDevice::write(const Command& on_hand) noexcept {
   Command held = actuated(options_.spec, on_hand);
-  if (!held.finite()) held = {};  // an amplifier that gets nonsense gives nothing
+  if (released_.load() || !held.finite())
+    held = {};  // an amplifier that gets nonsense gives nothing
   const double magnitude = held.force().norm();
   const double limit = options_.spec.max_force;
   if (limit > 0.0 && magnitude > limit) {
@@ -55,6 +56,7 @@ Command SimulatedDevice::write(const Command& on_hand) noexcept {
 void SimulatedDevice::integrate(double until) noexcept {
   const double span = until - time_;
   if (!(span > 0.0)) return;
+  if (released_.load()) force_ = Vec3::Zero();
   const int steps = std::max(1, static_cast<int>(std::ceil(span / kLongestStep)));
   const double h = span / steps;
 

@@ -1,6 +1,7 @@
 #pragma once
 // A haptic device in a simulated hand, integrated far finer than the servo period.
 
+#include <atomic>
 #include <memory>
 
 #include "client/device.hpp"
@@ -38,6 +39,8 @@ class SimulatedDevice final : public Device {
   const DeviceSpec& spec() const override { return options_.spec; }
   DeviceReading read(Nanoseconds now) noexcept override;
   Command write(const Command& on_hand) noexcept override;
+  /// The hand moves on without the device's force.
+  void release() noexcept override { released_.store(true); }
 
   const Vec3& true_position() const { return position_; }  // [m] what no encoder has rounded
   const Vec3& true_velocity() const { return velocity_; }  // [m/s]
@@ -52,6 +55,7 @@ class SimulatedDevice final : public Device {
   double time_ = 0.0;  // [s] since the first reading
   Vec3 intended_, position_, velocity_ = Vec3::Zero();
   Vec3 force_ = Vec3::Zero();  // [N] on the hand, held
+  std::atomic<bool> released_{false};
 };
 
 }  // namespace feltwire

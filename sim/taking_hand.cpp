@@ -43,7 +43,7 @@ DeviceReading TakingHand::read(Nanoseconds now) noexcept {
 
 Command TakingHand::write(const Command& on_hand) noexcept {
   Command held = actuated(spec_, on_hand);
-  if (!held.finite()) held = {};
+  if (released_.load() || !held.finite()) held = {};
   const double magnitude = held.force().norm();
   if (magnitude > spec_.max_force) {
     held.elastic *= spec_.max_force / magnitude;

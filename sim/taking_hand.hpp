@@ -1,6 +1,8 @@
 #pragma once
 // The hand that a port must fear most: it presses, and then takes all the energy it can.
 
+#include <atomic>
+
 #include "client/device.hpp"
 
 namespace feltwire {
@@ -26,6 +28,7 @@ class TakingHand final : public Device {
   const DeviceSpec& spec() const override { return spec_; }
   DeviceReading read(Nanoseconds now) noexcept override;
   Command write(const Command& on_hand) noexcept override;
+  void release() noexcept override { released_.store(true); }
 
  private:
   enum class Phase : std::uint8_t { in, taking, back };
@@ -35,6 +38,7 @@ class TakingHand final : public Device {
   DeviceSpec spec_;
   Vec3 position_;              // [m]
   Vec3 force_ = Vec3::Zero();  // [N] held
+  std::atomic<bool> released_{false};
   Phase phase_ = Phase::in;
   bool started_ = false;
   Nanoseconds last_{0};

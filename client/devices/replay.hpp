@@ -1,6 +1,7 @@
 #pragma once
 // A recorded movement as a device: it moves as it did then, whatever it is given.
 
+#include <atomic>
 #include <filesystem>
 #include <istream>
 #include <memory>
@@ -40,9 +41,13 @@ class ReplayDevice final : public Device {
   /// The first call is the first recorded instant; `ended` from the last recorded instant on.
   DeviceReading read(Nanoseconds now) noexcept override;
   /// Holds everything: nobody is there to feel it.
-  Command write(const Command& on_hand) noexcept override { return on_hand; }
+  Command write(const Command& on_hand) noexcept override {
+    return released_.load() ? Command{} : on_hand;
+  }
+  void release() noexcept override { released_.store(true); }
 
  private:
+  std::atomic<bool> released_{false};
   Recording recording_;
   DeviceSpec spec_;
   bool started_ = false;

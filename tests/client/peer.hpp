@@ -5,6 +5,7 @@
 #include <arpa/inet.h>
 #include <gtest/gtest.h>
 #include <netinet/in.h>
+#include <poll.h>
 #include <sys/socket.h>
 #include <sys/time.h>
 #include <unistd.h>
@@ -75,6 +76,13 @@ class ScenePeer {
                                     reinterpret_cast<sockaddr*>(&client_.storage), &client_.size);
     bytes.resize(size > 0 ? static_cast<std::size_t>(size) : 0);
     return bytes;
+  }
+
+  /// A datagram waits, or came within some milliseconds.
+  bool has_datagram() const {
+    constexpr int kMilliseconds = 10;
+    pollfd waiting{socket_.descriptor(), POLLIN, 0};
+    return ::poll(&waiting, 1, kMilliseconds) == 1;
   }
 
   struct Received {

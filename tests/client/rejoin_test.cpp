@@ -3,6 +3,7 @@
 #include "client/rejoin.hpp"
 
 #include <gmock/gmock.h>
+#include <sys/resource.h>
 
 #include <set>
 
@@ -82,6 +83,19 @@ TEST(Rejoin, OtherParametersEndIt) {
   accepted.parameters.servo_period = 0.002;
   testing::ControlPeer peer(control::encode(accepted));
   EXPECT_THAT(given_up(peer.access()), HasSubstr("grants other parameters"));
+}
+
+/// Attempts that the system has no descriptors for have failed like others, and go on.
+TEST(Rejoin, WithoutDescriptorsItIsTriedAgain) {
+  const testing::LocalSocket lowest_free(SOCK_STREAM);
+  const ServerAccess access = test::access(lowest_free.port());
+  rlimit before{};
+  ASSERT_EQ(::getrlimit(RLIMIT_NOFILE, &before), 0);
+  const rlimit none{static_cast<rlim_t>(lowest_free.descriptor()) + 1, before.rlim_max};
+  ASSERT_EQ(::setrlimit(RLIMIT_NOFILE, &none), 0);
+  const std::string said = given_up(access);
+  ASSERT_EQ(::setrlimit(RLIMIT_NOFILE, &before), 0);
+  EXPECT_THAT(said, IsEmpty());
 }
 
 }  // namespace

@@ -26,6 +26,11 @@ class StillDevice final : public Device {
     largest = std::max(largest, on_hand.force().norm());
     return last = on_hand;
   }
+  void release() noexcept override {
+    last = {};
+    ++released;
+  }
+  int released = 0;
   double largest = 0.0;
   Command last;
 
@@ -172,6 +177,8 @@ TEST(ServoLoop, EndsWithADeviceThatDoesNotLetGo) {
     const DeviceSpec& spec() const override { return spec_; }
     DeviceReading read(Nanoseconds) noexcept override { return {}; }
     Command write(const Command&) noexcept override { return {.elastic = Vec3(0, 0, 1)}; }
+    void release() noexcept override { released = true; }
+    bool released = false;
 
    private:
     DeviceSpec spec_ = builtin_device("simulated");
@@ -184,6 +191,7 @@ TEST(ServoLoop, EndsWithADeviceThatDoesNotLetGo) {
   const auto result = std::make_unique<LoopResult>();
   run_servo_loop(device, servo, transport, {}, stop, {}, *result);
   EXPECT_EQ(result->end, EndReason::requested);
+  EXPECT_TRUE(device.released);
 }
 
 /// Replies to samples that nobody sent are no sign that the server is there.
@@ -225,6 +233,7 @@ TEST(ServoLoop, AHeldUpLoopPassesOverDeadlinesInsteadOfCatchingUp) {
       return {.pose = {}, .ended = readings_ == 6};
     }
     Command write(const Command& on_hand) noexcept override { return on_hand; }
+    void release() noexcept override {}
 
    private:
     DeviceSpec spec_ = builtin_device("simulated");

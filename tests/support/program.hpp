@@ -56,6 +56,7 @@ class Program {
     while (::read(out_, &c, 1) == 1 && c != '\n') text += c;
     return text;
   }
+  pid_t process() const { return process_; }
   void signal(int number) { ::kill(process_, number); }
   Outcome finish() {
     Outcome outcome;

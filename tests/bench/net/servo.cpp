@@ -31,6 +31,7 @@ class DippingDevice final : public Device {
     return {.pose = {.position = {0, 0, -0.0505 + 0.0015 * std::sin(8.0 * t)}}};
   }
   Command write(const Command& on_hand) noexcept override { return on_hand; }
+  void release() noexcept override {}
 
  private:
   DeviceSpec spec_ = builtin_device("simulated");

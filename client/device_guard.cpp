@@ -1,0 +1,51 @@
+#include "client/device_guard.hpp"
+
+#include <unistd.h>
+
+namespace feltwire {
+
+void DeviceGuard::leave() noexcept {
+  Where expected = Where::in_device;
+  if (where_.compare_exchange_strong(expected, Where::outside)) return;
+  while (true) ::pause();  // abandoned: others read what this thread worked with
+}
+
+bool DeviceGuard::abandon() noexcept {
+  Where expected = Where::in_device;
+  return where_.compare_exchange_strong(expected, Where::abandoned);
+}
+
+DeviceReading DeviceGuard::read(Nanoseconds now) noexcept {
+  if (released()) return {.pose = {}, .ok = false, .ended = true};
+  enter();
+  DeviceReading reading = device_.read(now);
+  leave();
+  if (released()) reading.ok = false, reading.ended = true;
+  return reading;
+}
+
+Command DeviceGuard::write(const Command& on_hand) noexcept {
+  Command held;
+  if (!released()) {
+    enter();
+    const bool pulls = !on_hand.force().isZero(0.0) || !on_hand.torque.isZero(0.0);
+    if (pulls) pulls_.store(true);
+    held = device_.write(on_hand);
+    if (!pulls) pulls_.store(false);  // not before: until then the last force is held
+    // Whoever released meanwhile may have done so before the write: it is taken back.
+    if (released()) {
+      device_.release();
+      held = {};
+    }
+    leave();
+  }
+  writes_.fetch_add(1, std::memory_order_release);
+  return held;
+}
+
+void DeviceGuard::release() noexcept {
+  released_.store(true);
+  device_.release();
+}
+
+}  // namespace feltwire

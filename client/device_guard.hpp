@@ -1,0 +1,46 @@
+#pragma once
+// Stands between the servo thread and its device, so that others can let the device go.
+
+#include <atomic>
+#include <cstdint>
+
+#include "client/device.hpp"
+
+namespace feltwire {
+
+/// The device as the servo thread sees it. After release() no force stays on the hand: a write()
+/// that was under way meanwhile takes back what it wrote, later ones write nothing, and read() says
+/// that the device has ended.
+class DeviceGuard final : public Device {
+ public:
+  explicit DeviceGuard(Device& device) : device_(device) {}
+
+  const DeviceSpec& spec() const override { return device_.spec(); }
+  DeviceReading read(Nanoseconds now) noexcept override;
+  Command write(const Command& on_hand) noexcept override;
+  /// In any thread and in a signal handler, as often as one likes.
+  void release() noexcept override;
+
+  bool released() const noexcept { return released_.load(); }
+  /// What was written last, and not released since, pulls at the hand.
+  bool pulls() const noexcept { return pulls_.load() && !released(); }
+  /// write() has returned so often.
+  std::uint64_t writes() const noexcept { return writes_.load(std::memory_order_acquire); }
+
+  /// For another thread, after release(): gives up a servo thread that does not come back from the
+  /// device. If it does after all it stops there for ever. True when it is in there: what it worked
+  /// with may then be read.
+  bool abandon() noexcept;
+
+ private:
+  enum class Where : std::uint8_t { outside, in_device, abandoned };
+  void enter() noexcept { where_.store(Where::in_device); }
+  void leave() noexcept;
+
+  Device& device_;
+  std::atomic<bool> released_{false}, pulls_{false};
+  std::atomic<std::uint64_t> writes_{0};
+  std::atomic<Where> where_{Where::outside};
+};
+
+}  // namespace feltwire

@@ -1,0 +1,119 @@
+#include "client/servo_thread.hpp"
+
+#include <chrono>
+#include <utility>
+
+#include "client/tick_watch.hpp"
+
+namespace feltwire {
+
+struct ServoThread::Shared {
+  explicit Shared(std::shared_ptr<ServoTask> what) : task(std::move(what)) {}
+
+  std::shared_ptr<ServoTask> task;
+  Event stop, over_event;
+  mutable std::mutex mutex;
+  mutable std::condition_variable changed;
+  RealTime real_time;
+  bool started = false, ended = false, given_up = false;  // with the mutex
+  std::atomic<bool> stood_still{false};
+
+  void change(bool Shared::*what) noexcept {
+    {
+      const std::lock_guard lock(mutex);
+      this->*what = true;
+    }
+    changed.notify_all();
+  }
+};
+
+ServoThread::ServoThread(std::shared_ptr<ServoTask> task)
+    : shared_(std::make_shared<Shared>(std::move(task))) {
+  watch_ = std::thread([shared = shared_] { watch(*shared); });
+  try {
+    servo_ = std::thread([shared = shared_] { run_loop(*shared); });
+  } catch (...) {
+    shared_->change(&Shared::ended);
+    watch_.join();
+    throw;
+  }
+}
+
+ServoThread::~ServoThread() { end(); }
+
+void ServoThread::run_loop(Shared& shared) noexcept {
+  ServoTask& task = *shared.task;
+  shared.real_time = request_real_time(task.priority);
+  shared.change(&Shared::started);
+  run_servo_loop(task.guard, task.servo, *task.transport, task.options, shared.stop, task.outputs,
+                 task.result);
+  if (shared.stood_still.load()) {
+    task.result.end = EndReason::failed;
+    task.result.stood_still = true;
+  }
+  shared.change(&Shared::ended);
+  shared.over_event.set();
+}
+
+void ServoThread::watch(Shared& shared) noexcept {
+  ServoTask& task = *shared.task;
+  // Above the servo thread, or one that never sleeps would keep its watch waiting.
+  if (task.priority > 0) request_real_time(task.priority + 1);
+  TickWatch watch(from_seconds(task.servo.parameters().hold_time));
+  std::unique_lock lock(shared.mutex);
+  while (!shared.ended) {
+    if (shared.changed.wait_for(lock, watch.interval(), [&] { return shared.ended; })) return;
+    // Released by its own loop: what is left of it waits for answers only.
+    if (!shared.started || (task.guard.released() && !shared.stood_still.load())) continue;
+    switch (watch.look(task.guard.writes(), task.guard.pulls())) {
+      case TickWatch::Verdict::ticks:
+        break;
+      case TickWatch::Verdict::gone:
+        if (!shared.given_up) {
+          task.guard.abandon();
+          shared.given_up = true;
+          shared.changed.notify_all();
+          shared.over_event.set();
+        }
+        [[fallthrough]];
+      case TickWatch::Verdict::stands_still:
+        shared.stood_still.store(true);
+        task.guard.release();  // again and again: a write may have been on its way
+        break;
+    }
+  }
+}
+
+RealTime ServoThread::real_time() const noexcept {
+  std::unique_lock lock(shared_->mutex);
+  shared_->changed.wait(lock, [&] { return shared_->started; });
+  return shared_->real_time;
+}
+
+void ServoThread::stop() noexcept { shared_->stop.set(); }
+
+bool ServoThread::over() const noexcept {
+  const std::lock_guard lock(shared_->mutex);
+  return shared_->ended || shared_->given_up;
+}
+
+int ServoThread::over_descriptor() const noexcept { return shared_->over_event.descriptor(); }
+
+bool ServoThread::end() noexcept {
+  stop();
+  {
+    std::unique_lock lock(shared_->mutex);
+    shared_->changed.wait(lock, [&] { return shared_->ended || shared_->given_up; });
+    if (!shared_->ended) {
+      shared_->task->result.stood_still = true;
+      if (servo_.joinable()) servo_.detach();
+      if (watch_.joinable()) watch_.detach();
+      return false;
+    }
+  }
+  if (servo_.joinable()) servo_.join();
+  if (watch_.joinable()) watch_.join();
+  return true;
+}
+
+}  // namespace feltwire

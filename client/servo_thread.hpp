@@ -1,0 +1,69 @@
+#pragma once
+// The servo loop in a thread of its own, and another thread that watches it.
+
+#include <condition_variable>
+#include <memory>
+#include <mutex>
+#include <thread>
+
+#include "client/device_guard.hpp"
+#include "client/servo_loop.hpp"
+#include "protocol/real_time.hpp"
+
+namespace feltwire {
+
+/// What a servo loop works with. The threads share it, so that one that never comes back from its
+/// device has what it works with for as long as it lives.
+struct ServoTask {
+  ServoTask(std::unique_ptr<Device> hand, std::shared_ptr<Transport> way,
+            const SessionParameters& parameters, const ServoOptions& servo_options)
+      : device(std::move(hand)),
+        guard(*device),
+        transport(std::move(way)),
+        servo(device->spec(), parameters, servo_options) {}
+
+  std::unique_ptr<Device> device;
+  DeviceGuard guard;
+  std::shared_ptr<Transport> transport;
+  Servo servo;
+  LoopOptions options;
+  LoopOutputs outputs;
+  int priority = 0;  // request_real_time()
+  LoopResult result;
+};
+
+/// Runs the loop of a task. When it makes no tick for the session's hold time while a force is on
+/// the hand (TickWatch), a thread of its own releases the device, and the run has failed.
+class ServoThread {
+ public:
+  /// Throws std::system_error or std::bad_alloc where the system gives no threads or descriptors:
+  /// then nothing was told to the device.
+  explicit ServoThread(std::shared_ptr<ServoTask> task);
+  /// end().
+  ~ServoThread();
+  ServoThread(const ServoThread&) = delete;
+  ServoThread& operator=(const ServoThread&) = delete;
+
+  /// Waits until the thread has asked for it.
+  RealTime real_time() const noexcept;
+  /// Asks the loop to let go of the hand and end. Does not wait.
+  void stop() noexcept;
+  /// The loop is over, or nobody waits for it any more.
+  bool over() const noexcept;
+  /// Readable then, for waiting only.
+  int over_descriptor() const noexcept;
+  /// stop(), and waits. Afterwards the device is released, and the task's result and statistics may
+  /// be read. False when the thread stands still for good and was given up: the program should end
+  /// without much ado.
+  bool end() noexcept;
+
+ private:
+  struct Shared;
+  static void run_loop(Shared& shared) noexcept;
+  static void watch(Shared& shared) noexcept;
+
+  std::shared_ptr<Shared> shared_;
+  std::thread watch_, servo_;
+};
+
+}  // namespace feltwire

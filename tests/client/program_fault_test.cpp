@@ -1,0 +1,101 @@
+// feltwire-client when the system refuses it something: how it ends, and what it leaves.
+
+#include <gmock/gmock.h>
+#include <sys/resource.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "server/state_file.hpp"
+#include "tests/client/loopback.hpp"
+#include "tests/client/temporary_folder.hpp"
+#include "tests/support/program.hpp"
+
+namespace feltwire::program_fault_test {
+namespace {
+
+using testing::kPatience;
+using testing::text_of;
+
+/// How many descriptors a process has open.
+rlim_t open_descriptors(pid_t process) {
+  const std::filesystem::directory_iterator all("/proc/" + std::to_string(process) + "/fd");
+  return static_cast<rlim_t>(std::distance(begin(all), end(all)));
+}
+
+class ClientProgramFault : public ::testing::Test {
+ protected:
+  ClientProgramFault() {
+    change_tokens(tokens_, [&](Tokens& tokens) {
+      tokens = {test::admin_token().token, anna_.token};
+    });
+    write_state(folder_ / "token", anna_.text.text(), kPrivate);
+    start_server(0);
+    access_ = test::access(server_->control_port());
+  }
+  void start_server(std::uint16_t port) {
+    ServerConfig config = testing::any_ports();
+    config.port = port;
+    std::vector<Scene> scenes;
+    scenes.push_back(testing::floor_scene());
+    server_ = std::make_unique<Server>(config, std::move(scenes),
+                                       Security{test::identity(), {}, TokenFile(tokens_)});
+  }
+  std::unique_ptr<test::Program> start(std::vector<std::string> more) {
+    more.insert(more.begin(),
+                {"--connect", to_string(access_.endpoint), "--scene", "floor", "--token-file",
+                 folder_ / "token", "--fingerprint", to_string(server_->fingerprint()), "--report",
+                 folder_ / "report.json", "--record", folder_ / "felt.csv"});
+    return std::make_unique<test::Program>(FELTWIRE_CLIENT_PROGRAM, std::move(more));
+  }
+  /// Until the last row of the recording says that the hand is given a force.
+  void await_force() {
+    for (bool pulls = false; !pulls; std::this_thread::yield()) {
+      std::string rows = text_of(folder_ / "felt.csv");
+      rows.erase(std::min(rows.size(), rows.rfind('\n')));
+      const std::string row = rows.substr(rows.rfind('\n') + 1);
+      const std::string up_to_age = row.substr(0, row.rfind(','));
+      pulls = std::atof(up_to_age.substr(up_to_age.rfind(',') + 1).c_str()) > 0.5;
+    }
+  }
+  nlohmann::json report() { return nlohmann::json::parse(text_of(folder_ / "report.json")); }
+
+  testing::TemporaryFolder folder_;
+  const std::filesystem::path tokens_ = folder_ / "tokens.json";
+  IssuedToken anna_ = issue_token("anna", "*", Role::operator_, std::nullopt);
+  std::unique_ptr<Server> server_;
+  ServerAccess access_;
+};
+
+/// Every attempt to join again fails for want of descriptors. Each is an attempt that failed; the
+/// run ends when its patience does.
+TEST_F(ClientProgramFault, WithoutDescriptorsALostSessionEndsInOrder) {
+  const auto program = start({"--hold-time", "1", "--reconnect", "1.5"});
+  await_force();
+  const rlim_t all = open_descriptors(program->process());
+  const rlimit limit{all, all};
+  ASSERT_EQ(::prlimit(program->process(), RLIMIT_NOFILE, &limit, nullptr), 0);
+  server_->stop();
+  const test::Outcome outcome = program->finish();
+  EXPECT_EQ(outcome.status, 1) << outcome.error;
+  EXPECT_THAT(outcome.error, ::testing::HasSubstr("the server ended the session"));
+  EXPECT_EQ(report()["end"], "server_goodbye");
+  EXPECT_EQ(report()["disconnections"], 1);
+  EXPECT_GT(report()["max_force_n"], 0.5);
+}
+
+/// A terminal that is closed, and its interrupt key, end a session in order.
+TEST_F(ClientProgramFault, AHangUpEndsItInOrder) {
+  for (const int signal : {SIGHUP, SIGQUIT}) {
+    const auto program = start({});
+    await_force();
+    program->signal(signal);
+    const test::Outcome outcome = program->finish();
+    EXPECT_EQ(outcome.status, 0) << outcome.error;
+    EXPECT_EQ(report()["end"], "requested");
+    std::filesystem::remove(folder_ / "felt.csv");
+  }
+}
+
+}  // namespace
+}  // namespace feltwire::program_fault_test
