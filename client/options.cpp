@@ -308,9 +308,11 @@ std::variant<ClientOptions, int> parse_options(int argc, char** argv) {
   const SafetyLimits usual = protect_hand({}).safety;
   SessionParameters unbounded;
   unbounded.mode = BoundingMode::none;
-  app.add_option("--wait-for-small-force", words.wait_for_small_force,
-                 "[N] no force until the scene has once asked for no more; inf: at once; usually " +
-                     short_text(usual.force.small))
+  app.add_option(
+         "--wait-for-small-force", words.wait_for_small_force,
+         "[N] until the scene has once asked for no more, only force beyond its smallest so "
+         "far; inf: at once; usually " +
+             short_text(usual.force.small))
       ->group(safety);
   app.add_option("--ramp-up", words.ramp_up,
                  "[s] from the first contact to the full force; usually 0, and " +

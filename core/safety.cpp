@@ -48,6 +48,7 @@ double share_at(double speed, double limit) {
 struct Reduction {
   const ChannelLimits& limits;
   double commanded, held;  // magnitudes
+  double floor;            // of the command, that is not given
   double ramp, speed;      // share of the command that the ramp allows; of the device
   double time;             // [s] since the last sample
 
@@ -58,6 +59,8 @@ struct Reduction {
       flag = true;
       allowed = std::min(allowed, most);
     };
+    if (floor > 0.0) limit(std::max(0.0, commanded - floor), who.waiting);
+    if (!(allowed > 0.0)) return 0.0;  // nothing left to take
     limit(limits.max, who.limited);
     if (std::isfinite(limits.slew)) limit(held + limits.slew * time, who.slewed);
     if (ramp < 1.0) limit(ramp * commanded, who.ramped);
@@ -76,23 +79,46 @@ void validate(const SafetyLimits& limits) {
           "from 0 to 10 s; 0 gives all at once");
 }
 
-SafetyStage::SafetyStage(const SafetyLimits& limits)
-    : limits_(limits),
-      velocity_(kSpeedCutoff),
-      angular_velocity_(kSpeedCutoff),
-      waiting_(std::isfinite(limits.force.small) || std::isfinite(limits.torque.small)) {
+SafetyStage::SafetyStage(const SafetyLimits& limits, bool reduces)
+    : limits_(limits), reduces_(reduces), velocity_(kSpeedCutoff), angular_velocity_(kSpeedCutoff) {
   validate(limits);
+  begin_wait();
 }
 
-/// The wait and the ramp go by what the environment says, not by what is given.
-void SafetyStage::follow(const SafetyStep& step, double force, double torque,
-                         double time) noexcept {
-  if (step.original && force <= limits_.force.small && torque <= limits_.torque.small)
-    waiting_ = false;
+/// Of a channel without a wait the floor is zero, of the other not known yet.
+void SafetyStage::begin_wait() noexcept {
+  constexpr double kUnknown = ChannelLimits::kOff;
+  const auto floor_of = [](double small) { return std::isfinite(small) ? kUnknown : 0.0; };
+  force_floor_ = floor_of(limits_.force.small);
+  torque_floor_ = floor_of(limits_.torque.small);
+  waiting_ = force_floor_ > 0.0 || torque_floor_ > 0.0;
+}
+
+/// The wait goes by what the environment says, not by what is given. The floors sink by `sinks`
+/// times what is small.
+void SafetyStage::wait(const SafetyStep& step, double force, double torque, double sinks) noexcept {
+  const auto follow = [&](double& floor, double magnitude, double small) {
+    if (!(floor > 0.0)) return true;
+    floor = std::max(0.0, floor - sinks * small);
+    if (step.original) floor = std::min(floor, magnitude);
+    return floor <= small;
+  };
+  bool over = step.original && force <= limits_.force.small && torque <= limits_.torque.small;
+  if (reduces_) {
+    const bool force_small = follow(force_floor_, force, limits_.force.small);
+    over = follow(torque_floor_, torque, limits_.torque.small) && force_small;
+  }
+  if (!over) return;
+  waiting_ = false;
+  force_floor_ = torque_floor_ = 0.0;
+}
+
+/// The ramp likewise.
+void SafetyStage::follow_ramp(double force, double torque, double time) noexcept {
   if (touched_)
     since_touch_ += time;
   else
-    touched_ = !waiting_ && (force > 0.0 || torque > 0.0);
+    touched_ = force > force_floor_ || torque > torque_floor_;
 }
 
 double SafetyStage::ramp() const noexcept {
@@ -112,20 +138,24 @@ Safeguarded SafetyStage::apply(const SafetyStep& step) noexcept {
   const double speed = length(velocity_.update(step.displacement, time));
   const double angular_speed = length(angular_velocity_.update(step.rotation, time));
   const double force = length(step.commanded.force()), torque = length(step.commanded.torque);
-  follow(step, force, torque, time);
+  if (waiting_)
+    wait(step, force, torque,
+         time * (speed / SafetyLimits::kFloorWay + angular_speed / SafetyLimits::kFloorTurn));
+  follow_ramp(force, torque, time);
 
   const double given_force = length(step.bounded.force());
   const double given_torque = length(step.bounded.torque);
-  if (waiting_) {
+  if (waiting_ && !reduces_) {
     result.waiting = given_force > 0.0 || given_torque > 0.0;
     set_held({});
     return result;
   }
   const double force_factor =
-      Reduction{limits_.force, force, held_force_, ramp(), speed, time}.factor(given_force, result);
+      Reduction{limits_.force, force, held_force_, force_floor_, ramp(), speed, time}.factor(
+          given_force, result);
   const double torque_factor =
-      Reduction{limits_.torque, torque, held_torque_, ramp(), angular_speed, time}.factor(
-          given_torque, result);
+      Reduction{limits_.torque, torque, held_torque_, torque_floor_, ramp(), angular_speed, time}
+          .factor(given_torque, result);
   result.rendered = {force_factor * step.bounded.elastic, force_factor * step.bounded.frictional,
                      torque_factor * step.bounded.torque};
   set_held(result.rendered);
@@ -136,7 +166,7 @@ void SafetyStage::begin_anew() noexcept {
   velocity_ = VelocityEstimate(kSpeedCutoff);
   angular_velocity_ = VelocityEstimate(kSpeedCutoff);
   held_force_ = held_torque_ = 0.0;
-  waiting_ = std::isfinite(limits_.force.small) || std::isfinite(limits_.torque.small);
+  begin_wait();
   touched_ = false;
   since_touch_ = 0.0;
 }

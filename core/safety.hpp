@@ -26,9 +26,14 @@ struct SafetyLimits {
   /// linearly from nothing to all of it over this time. 0: all at once.
   double ramp_up = 0.0;
 
-  // Wait for small force: nothing is given at all until the environment's own command has once been
-  // at most force.small and torque.small. A device that connects inside an object is not kicked; it
-  // is moved out by its hand first.
+  // Wait for small force: a device that connects inside an object is not kicked; it is moved out by
+  // its hand first. Until the environment's own command has once been at most force.small and
+  // torque.small, only what exceeds the smallest command so far (the floor) is given: nothing at
+  // first, and never a jump. Each kFloorWay or kFloorTurn that the hand moves takes `small` off the
+  // floor, so that a field that is never small (a magnet's tail, a constant force) is let in, and a
+  // device that rests is given nothing.
+  static constexpr double kFloorWay = 5e-3;  // [m]
+  static constexpr double kFloorTurn = 0.1;  // [rad]
 };
 
 /// Throws std::invalid_argument naming the limit, its value and the remedy.
@@ -51,7 +56,7 @@ struct Safeguarded {
   bool slewed = false;    // slew
   bool too_fast = false;  // speed
   bool ramped = false;    // ramp_up
-  bool waiting = false;   // small: something would have been given
+  bool waiting = false;   // small: more would have been given
   bool refused = false;   // an input was not finite: nothing is given
 };
 
@@ -63,8 +68,9 @@ struct Safeguarded {
 /// total_energy, per_axis and per_axis_projected, which bound a force from below too, nor behind
 /// virtual_coupling and passivity control: a damper that is held back dissipates less than was
 /// counted on. admits_reduction() (core/bounding/bounding.hpp) says which. `max` is for every mode,
-/// for every device has one; so is the wait, for nothing has been given before it and zero force is
-/// passive in every mode.
+/// for every device has one; so is the wait, but behind these modes (`reduces` false) it gives
+/// nothing at all until the command has been small, for zero force is passive in every mode and a
+/// part of a force is not.
 ///
 /// Ramp and speed limit magnitudes to a share of the *command*, not of what the bound lets through:
 /// that follows from the force held before, so a share of a share of a share would be left, nothing
@@ -77,7 +83,7 @@ struct Safeguarded {
 class SafetyStage {
  public:
   /// Throws std::invalid_argument as validate() does.
-  explicit SafetyStage(const SafetyLimits& limits = {});
+  explicit SafetyStage(const SafetyLimits& limits = {}, bool reduces = true);
 
   /// One servo sample. A time that is not above zero lets no ramp and no slew go on.
   Safeguarded apply(const SafetyStep& step) noexcept;
@@ -93,15 +99,19 @@ class SafetyStage {
   const SafetyLimits& limits() const { return limits_; }
 
  private:
-  void follow(const SafetyStep& step, double force, double torque, double time) noexcept;
+  void wait(const SafetyStep& step, double force, double torque, double sinks) noexcept;
+  void follow_ramp(double force, double torque, double time) noexcept;
   double ramp() const noexcept;
+  void begin_wait() noexcept;
 
   SafetyLimits limits_;
+  bool reduces_;
   VelocityEstimate velocity_, angular_velocity_;
   double held_force_ = 0.0, held_torque_ = 0.0;  // [N], [N m]
-  bool waiting_;
-  bool touched_ = false;      // the first contact has begun
-  double since_touch_ = 0.0;  // [s]
+  bool waiting_ = false;
+  double force_floor_ = 0.0, torque_floor_ = 0.0;  // [N], [N m] while waiting_
+  bool touched_ = false;                           // the first contact has begun
+  double since_touch_ = 0.0;                       // [s]
 };
 
 }  // namespace feltwire

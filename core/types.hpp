@@ -29,7 +29,7 @@ template <class Real>
 struct BasicCommand {
   Vector3<Real> elastic = Vector3<Real>::Zero();  // [N] resultant of the penalty / proxy forces
   Vector3<Real> frictional =
-      Vector3<Real>::Zero();  // [N] everything else: friction, contact damping, viscosity
+      Vector3<Real>::Zero();  // [N] everything else: friction, contact damping, viscosity, guides
   Vector3<Real> torque = Vector3<Real>::Zero();  // [N m]
 
   Vector3<Real> force() const { return elastic + frictional; }  // [N]

@@ -266,11 +266,25 @@ Command Scene::touch_near(const Tool& tool, TouchMemory& memory) const noexcept 
 }
 
 void Scene::add_guides(const Tool& tool, Command& sum) const noexcept {
+  Command guides;
   for (const Guide& guide : guides_) {
     const Command part = guide_force(guide, tool);
-    sum.elastic += part.elastic;
-    sum.frictional += part.frictional;
+    guides.elastic += part.elastic;
+    guides.frictional += part.frictional;
   }
+  if (objects_.empty()) {
+    sum.elastic += guides.elastic;
+    sum.frictional += guides.frictional;
+    return;
+  }
+  const Vec3 all = guides.force();
+  if (all.isZero(0.0)) return;
+  sum.frictional += all;
+  // Guides that pull harder into a surface than it pushes would make a contact pull, which no bound
+  // lets through.
+  if (sum.force().dot(sum.elastic) > 0.0) return;
+  sum.frictional += sum.elastic;
+  sum.elastic.setZero();
 }
 
 Command Scene::touch(const Pose& device, const Vec3& velocity, double elapsed,
@@ -289,8 +303,7 @@ Command Scene::touch(const Tool& tool, TouchMemory& memory, std::size_t count) c
   if (by_tree) sum = touch_near(tool, memory);
   for (std::size_t i = by_tree ? still_ : 0; i < count; ++i)
     add_touch(objects_[i], tool, memory[i], tool_.radius, sum);
-  if (!guides_.empty()) add_guides(tool, sum);
-  return sum.finite() ? sum : Command{};
+  return sum;
 }
 
 }  // namespace feltwire

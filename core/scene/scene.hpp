@@ -114,9 +114,12 @@ class Scene {
   /// The sum of what all objects and guides answer the tool with. `memory` must come from this
   /// scene. A tool that is not finite gives zero and leaves the memory as it was. Never allocates.
   Command touch(const Tool& tool, TouchMemory& memory) const noexcept {
-    return touch(tool, memory, objects_.size());
+    Command sum = touch(tool, memory, objects_.size());
+    if (!guides_.empty()) add_guides(tool, sum);
+    return sum.finite() ? sum : Command{};
   }
-  /// The same without the objects that move: a World (core/scene/world.hpp) knows where these are.
+  /// The same of the objects that stand alone: a World (core/scene/world.hpp) knows where the
+  /// others are, and adds the guides to the sum of all.
   Command touch_still(const Tool& tool, TouchMemory& memory) const noexcept {
     return touch(tool, memory, still_);
   }
@@ -130,7 +133,9 @@ class Scene {
   /// before. Precondition: tool().body is not null, and nothing moves. Likewise for the rest.
   Command touch(const Pose& device, const Vec3& velocity, double elapsed,
                 BodyMemory& memory) const noexcept;
-  /// Adds what the guides do.
+  /// Adds what the guides do. Beside objects all of it is frictional: the elastic part is then the
+  /// contacts' alone and keeps their normal, so that a guide shares no channel of the bound with
+  /// the surface (docs/bounding.md).
   void add_guides(const Tool& tool, Command& sum) const noexcept;
 
  private:

@@ -124,6 +124,7 @@ Command World::touch(const Tool& tool, TouchMemory& memory, Grasp& grasp) const 
   if (grasp.resets != counters_.resets) forget_moving(grasp, memory);
   Command sum = scene(grasp.held).touch_still(tool, memory);
   ask_near(tool, memory, grasp, sum);
+  if (!scene(grasp.held).guides().empty()) scene(grasp.held).add_guides(tool, sum);
   grasp.tool = tool;
   grasp.fresh = true;
   return sum.finite() ? sum : Command{};

@@ -173,21 +173,87 @@ TEST(Safety, BehindABoundTheRampAndTheSpeedKeepWhatTheyLetThrough) {
 TEST(Safety, NothingIsGivenUntilTheScenesOwnCommandHasBeenSmall) {
   SafetyStage stage({.force = {.small = 0.1}, .torque = {.small = 0.01}, .ramp_up = 0.1});
   for (int n = 0; n < 200; ++n) {
-    const Safeguarded out = stage.apply(step(push(4.0, 0.005)));
+    const Safeguarded out = stage.apply(step(push(4.0, 0.05)));
     EXPECT_TRUE(out.waiting);
     EXPECT_EQ(force(out) + out.rendered.torque.norm(), 0.0);
   }
-  EXPECT_TRUE(stage.apply(step(push(0.05, 0.2))).waiting);  // both must be small
+  EXPECT_TRUE(stage.apply(step(push(0.05, 0.05))).waiting);  // both must be small
   // A bound gives nothing at first, inside an object too: that is not the scene's word.
   SafetyStep changed = step({});
   changed.original = false;
   EXPECT_FALSE(stage.apply(changed).waiting);  // nothing there to hold back
-  EXPECT_TRUE(stage.apply(step(push(4.0))).waiting);
+  EXPECT_TRUE(stage.apply(step(push(0.05, 0.05))).waiting);
   // Small once: let go for good, and the ramp begins only now.
   EXPECT_FALSE(stage.apply(step(push(0.1, 0.01))).waiting);
   const Safeguarded out = stage.apply(step(push(4.0)));
   EXPECT_FALSE(out.waiting);
   EXPECT_NEAR(force(out), 0.01 * 4.0, 1e-12);  // one period of 0.1 s
+}
+
+/// One channel of a stage that waits, and a hand in it.
+struct Waiting {
+  explicit Waiting(bool reduces = true) : stage({.force = {.small = 0.05}}, reduces) {}
+  double at(double commanded, double moved = 0.0) {
+    return force(stage.apply(step(push(commanded), Vec3(0, 0, moved))));
+  }
+  SafetyStage stage;
+};
+
+TEST(Safety, WhoBeginsInsideFeelsAtOnceWhatHeAdds) {
+  Waiting w;
+  EXPECT_EQ(w.at(4.0), 0.0);
+  EXPECT_NEAR(w.at(4.5), 0.5, 1e-12);  // deeper
+  EXPECT_EQ(w.at(4.0), 0.0);
+  EXPECT_EQ(w.at(3.0), 0.0);  // less deep: that is the floor from now on
+  EXPECT_NEAR(w.at(4.0), 1.0, 1e-12);
+  EXPECT_LE(w.at(0.05), 0.05);  // out: the wait is over
+  EXPECT_EQ(w.at(4.0), 4.0);
+}
+
+/// A field that is nowhere small comes in with the hand's way, without a jump; not by itself.
+TEST(Safety, AFieldThatIsNeverSmallIsLetInAsTheHandMoves) {
+  Waiting w;
+  for (int n = 0; n < 10'000; ++n) ASSERT_EQ(w.at(2.0), 0.0);
+  constexpr double kStep = 1e-4;  // [m] 0.1 m/s
+  double before = 0.0, way = 0.0;
+  for (; before < 2.0 && way < 1.0; way += kStep) {
+    const double given = w.at(2.0, kStep);
+    ASSERT_GE(given, before);
+    // At its end the floor was small, and had this step to go.
+    ASSERT_LE(given - before, 0.05 * (1.0 + kStep / SafetyLimits::kFloorWay) + 1e-12);
+    before = given;
+  }
+  EXPECT_EQ(before, 2.0);
+  EXPECT_NEAR(way, (2.0 - 0.05) / 0.05 * SafetyLimits::kFloorWay, 2e-3);  // the filter's delay
+}
+
+/// A mass that nobody holds, where it connected: 5 mm deep in a wall, and pushed by 2 mm/s to
+/// begin.
+TEST(Safety, NobodyIsThrownOutOfAWallThatHeBeganIn) {
+  for (const bool waits : {true, false}) {
+    SafetyStage stage({.force = {.small = waits ? 0.05 : kInfinity}});
+    constexpr double kStiffness = 900.0, kMass = 0.1, kFriction = 0.5;
+    double x = -5e-3, v = 2e-3, fastest = 0.0;
+    for (int n = 0; n < 5000; ++n) {
+      const Vec3 moved(0, 0, kPeriod * v);
+      x += kPeriod * v;
+      const double given = force(stage.apply(step(push(kStiffness * std::max(0.0, -x)), moved)));
+      v += kPeriod / kMass * (given - kFriction * v);
+      fastest = std::max(fastest, v);
+    }
+    if (waits)
+      EXPECT_LE(fastest, 2e-3);
+    else
+      EXPECT_GT(fastest, 0.1);
+  }
+}
+
+// What bounds from below too must get nothing, or all.
+TEST(Safety, BehindABoundThatAdmitsNoReductionAWaitGivesNothing) {
+  Waiting w(false);
+  for (const double commanded : {4.0, 4.5, 0.06, 3.0}) EXPECT_EQ(w.at(commanded, 1e-3), 0.0);
+  w.at(0.05);
+  EXPECT_EQ(w.at(4.0), 4.0);
 }
 
 TEST(Safety, WhatIsNotFiniteGivesNothing) {
