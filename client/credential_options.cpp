@@ -3,10 +3,11 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <cstdlib>
-#include <fstream>
-#include <iterator>
 #include <stdexcept>
 
+#include "core/file_error.hpp"
+#include "core/regular_file.hpp"
+#include "core/visible_text.hpp"
 #include "protocol/private_file.hpp"
 
 namespace feltwire {
@@ -15,12 +16,15 @@ namespace {
 constexpr const char* kTokenVariable = "FELTWIRE_TOKEN";
 
 std::string read_file(const std::string& name, const char* option) {
-  std::ifstream in(name, std::ios::binary);
-  std::string text(std::istreambuf_iterator<char>(in), {});
-  if (!in || text.empty())
-    throw std::invalid_argument(std::string(option) + ": " + name +
-                                " is empty or cannot be read; check the path and your right to "
-                                "read it");
+  constexpr std::size_t kLargest = std::size_t{4} << 20;  // [bytes] a system's authorities: 0.3 MB
+  std::string text;
+  try {
+    text = read_regular_file(name, kLargest, "check the path and your right to read it");
+  } catch (const FileError& error) {
+    throw std::invalid_argument(std::string(option) + ": " + error.what());
+  }
+  if (text.empty())
+    throw std::invalid_argument(std::string(option) + ": " + name + ": is empty; check the path");
   return text;
 }
 
@@ -61,7 +65,7 @@ Secret token(const CredentialWords& words) {
   if (!words.token_file.empty()) {
     // Unlike a key it can be revoked, and containers are given such files: no more than a word.
     if (const auto open = exposure(words.token_file))
-      std::fprintf(stderr, "feltwire-client: warning: --token-file: %s\n", open->c_str());
+      std::fprintf(stderr, "feltwire-client: warning: --token-file: %s\n", visible(*open).c_str());
     return read_secret(words.token_file, "--token-file", true);
   }
   // Not as an option: every user of a machine can read the command lines of all.

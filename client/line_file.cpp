@@ -37,7 +37,9 @@ LineFile::LineFile(std::filesystem::path file, std::string what, const std::stri
   }
 }
 
-LineFile::~LineFile() { ::close(descriptor_); }
+LineFile::~LineFile() {
+  if (descriptor_ >= 0) ::close(descriptor_);
+}
 
 void LineFile::put() {
   std::size_t done = 0;
@@ -45,13 +47,33 @@ void LineFile::put() {
     const ssize_t written = ::write(descriptor_, lines_.data() + done, lines_.size() - done);
     if (written < 0 && errno == EINTR) continue;
     if (written < 0) {
+      const int error = errno;
+      // Half a line would make the whole file unreadable to whoever replays it. (A pipe has none.)
+      const std::size_t last = done > 0 ? lines_.rfind('\n', done - 1) : std::string::npos;
+      if (last != std::string::npos) whole_ += static_cast<std::int64_t>(last) + 1;
+      while (::ftruncate(descriptor_, whole_) != 0 && errno == EINTR) {
+      }
       lines_.clear();
-      throw std::runtime_error(what_ + " " + file_.string() +
-                               " ends here: " + std::strerror(errno));
+      fail(error);
     }
     done += static_cast<std::size_t>(written);
   }
+  whole_ += static_cast<std::int64_t>(lines_.size());
   lines_.clear();
+}
+
+void LineFile::finish() {
+  const int descriptor = std::exchange(descriptor_, -1);
+  // What is no file on a disk cannot be synchronized, and need not be.
+  const bool lost = ::fsync(descriptor) != 0 && errno != EINVAL && errno != EROFS;
+  int error = lost ? errno : 0;
+  if (::close(descriptor) != 0 && error == 0 && errno != EINTR) error = errno;
+  if (error != 0) fail(error);
+}
+
+void LineFile::fail(int error) {
+  throw std::runtime_error(what_ + " " + file_.string() + " ends here: " + std::strerror(error) +
+                           "; make room on its disk, or choose another path");
 }
 
 }  // namespace feltwire

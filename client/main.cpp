@@ -14,6 +14,7 @@
 #include "client/options.hpp"
 #include "client/report.hpp"
 #include "client/reserve.hpp"
+#include "core/visible_text.hpp"
 
 namespace feltwire {
 namespace {
@@ -43,7 +44,7 @@ std::unique_ptr<Device> make_hand_at_start(const ClientOptions& options, HandTas
 int list(const ServerAccess& server) {
   std::printf("%-24s %8s %8s %8s\n", "scene", "port", "objects", "clients");
   for (const control::SceneEntry& scene : list_scenes(server, kControlTimeout))
-    std::printf("%-24s %8u %8u %8u\n", scene.name.c_str(),
+    std::printf("%-24s %8u %8u %8u\n", visible(scene.name).c_str(),
                 unsigned{server.endpoint.port} + scene.port_offset, scene.objects, scene.sessions);
   return 0;
 }
@@ -61,7 +62,7 @@ int conclude(const ClientOptions& options, const Servo& servo, const LoopResult&
       static_cast<unsigned long long>(servo.lost()), 1e-3 * s.round_trip.quantile(0.5),
       1e-3 * s.round_trip.quantile(0.99), s.max_force,
       static_cast<unsigned long long>(servo.port().violations()), reported ? ", report in " : "",
-      reported ? options.report->c_str() : "");
+      reported ? visible(options.report->string()).c_str() : "");
   switch (result.end) {
     case EndReason::server_goodbye:
       std::fprintf(stderr, "feltwire-client: the server ended the session%s\n",
@@ -74,7 +75,7 @@ int conclude(const ClientOptions& options, const Servo& servo, const LoopResult&
       std::fprintf(stderr, "feltwire-client: the server has fallen silent; is it still running?\n");
       return 1;
     case EndReason::refused:
-      std::fprintf(stderr, "feltwire-client: %s\n", refusal.c_str());
+      std::fprintf(stderr, "feltwire-client: %s\n", visible(refusal).c_str());
       return 1;
     case EndReason::failed:
       std::fprintf(stderr, "feltwire-client: the servo loop broke off: %s\n",
@@ -111,8 +112,8 @@ std::shared_ptr<Run> make_run(const ClientOptions& options, const control::JoinA
                               std::shared_ptr<Transport> transport) {
   auto run = std::make_shared<Run>(std::move(device), std::move(transport), accepted.parameters,
                                    options.servo);
-  run->records =
-      std::make_unique<Records>(options.record, options.role == Role::observer, options.view);
+  run->records = std::make_unique<Records>(
+      Records::Files{options.record, options.view, options.role == Role::observer});
   run->options = {.duration = from_seconds(options.duration),
                   .silence_timeout = from_seconds(accepted.silence_timeout),
                   .patience = from_seconds(options.patience),
@@ -195,6 +196,7 @@ int run(const ClientOptions& options) {
   LoopResult& result = all->result;
   if (!rejoiner->refusal().empty() && !result.stood_still) result.end = EndReason::refused;
 
+  all->records->finish();
   bool reported = false, failed = all->records->failed();
   try {
     if (options.report)
@@ -205,7 +207,8 @@ int run(const ClientOptions& options) {
                    *all, reserve);
     reported = options.report.has_value();
   } catch (const std::exception& error) {
-    std::fprintf(stderr, "feltwire-client: %s\n", error.what());
+    std::fprintf(stderr, "feltwire-client: the report is lost: %s\n",
+                 visible(error.what()).c_str());
     failed = true;
   }
   const int ending = conclude(options, all->servo, result, rejoiner->refusal(), reported);
@@ -220,12 +223,13 @@ int run(const ClientOptions& options) {
 int main(int argc, char** argv) {
   feltwire::forbid_core_dumps();
   std::signal(SIGPIPE, SIG_IGN);  // a closed terminal does not end a hand's session halfway
+  std::signal(SIGXFSZ, SIG_IGN);  // nor does a file at its size limit: it is told as a full disk is
   try {
     const auto parsed = feltwire::parse_options(argc, argv);
     if (const int* code = std::get_if<int>(&parsed)) return *code;
     return feltwire::run(std::get<feltwire::ClientOptions>(parsed));
   } catch (const std::exception& error) {
-    std::fprintf(stderr, "feltwire-client: %s\n", error.what());
+    std::fprintf(stderr, "feltwire-client: %s\n", feltwire::visible(error.what()).c_str());
     return 1;
   }
 }

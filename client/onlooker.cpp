@@ -6,7 +6,8 @@ namespace feltwire {
 
 std::string text(const SightCounts& counts) {
   return "  sees " + std::to_string(counts.hands) + (counts.hands == 1 ? " hand, " : " hands, ") +
-         std::to_string(counts.bodies) + (counts.bodies == 1 ? " body" : " bodies");
+         std::to_string(counts.bodies) + (counts.bodies == 1 ? " body" : " bodies") +
+         (counts.left_out > 0 ? ", " + std::to_string(counts.left_out) + " left out" : "");
 }
 
 Onlooker::Onlooker(const std::optional<std::filesystem::path>& file)
@@ -18,11 +19,16 @@ void Onlooker::look() {
     ++counts_.views;
     counts_.hands = scene_.hands().size();
     counts_.bodies = scene_.bodies().size();
+    counts_.left_out = scene_.left_out();
     counts_.most_hands = std::max(counts_.most_hands, counts_.hands);
     counts_.most_bodies = std::max(counts_.most_bodies, counts_.bodies);
     if (file_) file_->add(shown_, scene_);
   }
   if (file_) file_->write();
+}
+
+void Onlooker::finish() {
+  if (file_) file_->finish();
 }
 
 }  // namespace feltwire

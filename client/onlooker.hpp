@@ -16,9 +16,10 @@ struct SightCounts {
   std::uint64_t views = 0;                      // that came
   std::size_t hands = 0, bodies = 0;            // that there are, as far as is known
   std::size_t most_hands = 0, most_bodies = 0;  // at once
+  std::uint64_t left_out = 0;                   // times that there was no room for one (SeenScene)
 };
 
-/// "  sees 2 hands, 1 body".
+/// "  sees 2 hands, 1 body", and ", 3 left out" where there was no room for all.
 std::string text(const SightCounts& counts);
 
 class Onlooker {
@@ -30,6 +31,8 @@ class Onlooker {
   Ring<TimedView>& views() { return views_; }
   /// Takes what waits there.
   void look();
+  /// Has the file, if there is one, be on the disk.
+  void finish();
 
   const SeenScene& scene() const { return scene_; }
   const SightCounts& counts() const { return counts_; }

@@ -7,6 +7,8 @@
 #include <string_view>
 
 #include "client/credential_options.hpp"
+#include "client/output_files.hpp"
+#include "core/visible_text.hpp"
 #include "protocol/busy_poll.hpp"
 #include "protocol/environment.hpp"
 #include "protocol/profiles.hpp"
@@ -17,6 +19,7 @@ namespace {
 
 constexpr int kUsageError = 2;
 constexpr double kLongestDuration = 1e7;  // [s] some four months
+constexpr std::string_view kReplay = "replay:";
 
 template <class Names>
 std::string choices(const Names& names) {
@@ -110,6 +113,27 @@ void choose_traffic(const Words& words, std::optional<double> rate, SessionParam
   parameters.packet_interval = std::max(1, static_cast<int>(ticks));
 }
 
+/// Those that an option names.
+std::vector<NamedFile> named(std::vector<NamedFile> files) {
+  std::erase_if(files, [](const NamedFile& file) { return file.path.empty(); });
+  return files;
+}
+
+std::vector<NamedFile> written_files(const Words& words) {
+  return named({{"--report", words.report}, {"--record", words.record}, {"--view", words.view}});
+}
+
+std::vector<NamedFile> read_files(const Words& words) {
+  const CredentialWords& c = words.credentials;
+  const bool replays = words.device.starts_with(kReplay);
+  return named({{"--device", replays ? words.device.substr(kReplay.size()) : std::string()},
+                {"--fingerprint-file", c.fingerprint_file},
+                {"--ca", c.ca},
+                {"--certificate", c.certificate},
+                {"--key", c.key},
+                {"--token-file", c.token_file}});
+}
+
 /// Throws std::invalid_argument.
 void understand(const Words& words, HandTask task, ClientOptions& options) {
   options.server = {parse_endpoint(words.connect), credentials(words.credentials)};
@@ -144,7 +168,6 @@ void understand(const Words& words, HandTask task, ClientOptions& options) {
 
   options.spec = builtin_device(words.spec);
   options.device_kind = words.device;
-  constexpr std::string_view kReplay = "replay:";
   if (words.device == "simulated") {
     task.path = hand_path(words.path);
     if (words.center) task.center = vector(*words.center);
@@ -161,6 +184,7 @@ void understand(const Words& words, HandTask task, ClientOptions& options) {
   if (!words.report.empty()) options.report = words.report;
   if (!words.record.empty()) options.record = words.record;
   if (!words.view.empty()) options.view = words.view;
+  require_different(written_files(words), read_files(words));
   options.dscp = dscp(words.dscp);
   if (!words.link.empty()) options.link = parse_link(words.link);
 }
@@ -176,7 +200,7 @@ std::variant<ClientOptions, int> parse_options(int argc, char** argv) {
   CLI::App app{
       "feltwire-client: a haptic device, simulated or replayed, in a scene of a feltwire server."};
   app.failure_message([](const CLI::App*, const CLI::Error& error) {
-    return "feltwire-client: " + std::string(error.what()) + "; see --help\n";
+    return "feltwire-client: " + visible(error.what()) + "; see --help\n";
   });
   app.add_option("--connect", words.connect,
                  "HOST:PORT of the server's control port; IPv6 as [::1]:PORT")
@@ -371,7 +395,7 @@ std::variant<ClientOptions, int> parse_options(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : kUsageError;
   } catch (const std::invalid_argument& error) {
-    std::cerr << "feltwire-client: " << error.what() << "\n";
+    std::cerr << "feltwire-client: " << visible(error.what()) << "\n";
     return kUsageError;
   }
   return options;

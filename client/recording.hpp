@@ -31,6 +31,9 @@ class RecordingFile {
   /// disk, say).
   void write(Ring<TickRecord>& rows);
 
+  /// Has all that was written be on the disk. Throws likewise.
+  void finish() { file_.finish(); }
+
   std::uint64_t rows() const { return rows_; }
 
  private:

@@ -1,25 +1,46 @@
 #include "client/records.hpp"
 
-#include <cstdio>
 #include <exception>
+#include <new>
+
+#include "core/visible_text.hpp"
 
 namespace feltwire {
 
-Records::Records(const std::optional<std::filesystem::path>& record, bool observes,
-                 const std::optional<std::filesystem::path>& view) {
-  if (record) recording_ = std::make_unique<RecordingFile>(*record);
-  if (observes) onlooker_ = std::make_unique<Onlooker>(view);
+Records::Records(const Files& files, std::FILE* errors) : errors_(errors) {
+  if (files.recording) recording_ = std::make_unique<RecordingFile>(*files.recording);
+  if (files.observes) onlooker_ = std::make_unique<Onlooker>(files.view);
+}
+
+template <class Action>
+void Records::attempt(bool& failed, Action action) noexcept {
+  if (failed) return;
+  try {
+    action();
+  } catch (const std::exception& error) {
+    failed = true;
+    tell(error.what());
+  }
+}
+
+/// A hand may hold a force meanwhile: that there is no memory to say it nicely ends nothing.
+void Records::tell(const char* what) const noexcept {
+  try {
+    std::fprintf(errors_, "feltwire-client: %s\n", visible(what).c_str());
+  } catch (const std::bad_alloc&) {
+    std::fputs("feltwire-client: a file can be written no more, and memory is short\n", errors_);
+  }
 }
 
 void Records::write() noexcept {
-  try {
-    if (recording_ && !failed_) recording_->write(rows_);
-    if (onlooker_ && !failed_) onlooker_->look();
-  } catch (const std::exception& error) {
-    failed_ = true;
-    std::fprintf(stderr, "feltwire-client: what happens is written down no more: %s\n",
-                 error.what());
-  }
+  if (recording_) attempt(recording_failed_, [&] { recording_->write(rows_); });
+  if (onlooker_) attempt(view_failed_, [&] { onlooker_->look(); });
+}
+
+void Records::finish() noexcept {
+  write();
+  if (recording_) attempt(recording_failed_, [&] { recording_->finish(); });
+  if (onlooker_) attempt(view_failed_, [&] { onlooker_->finish(); });
 }
 
 }  // namespace feltwire

@@ -1,39 +1,52 @@
 #pragma once
-// What is written down while a run goes on.
+// The files that a run writes while it goes on.
 
+#include <cstdio>
 #include <filesystem>
 #include <memory>
 #include <optional>
 
 #include "client/onlooker.hpp"
 #include "client/recording.hpp"
+#include "client/ring.hpp"
 
 namespace feltwire {
 
-/// The rows of --record, and an observer's views with --view. Writing that fails is said once, and
-/// ends the writing, not the run.
+/// Takes what the servo thread leaves in its rings and writes it down. A file that cannot be
+/// written any more is named once, on `errors`; the other goes on.
 class Records {
  public:
-  /// `observes`: what is seen is counted, and written to `view` where there is one. Throws
-  /// std::runtime_error naming the file.
-  Records(const std::optional<std::filesystem::path>& record, bool observes,
-          const std::optional<std::filesystem::path>& view);
+  struct Files {
+    std::optional<std::filesystem::path> recording, view;
+    bool observes = false;  // views are taken, with or without a file
+  };
+
+  /// Throws std::runtime_error naming the file and the reason.
+  explicit Records(const Files& files, std::FILE* errors = stderr);
 
   Ring<TickRecord>* rows() { return recording_ ? &rows_ : nullptr; }
   Ring<TimedView>* views() { return onlooker_ ? &onlooker_->views() : nullptr; }
   std::optional<SightCounts> sight() const {
     return onlooker_ ? std::optional(onlooker_->counts()) : std::nullopt;
   }
-  /// Takes what waits.
+
   void write() noexcept;
-  bool failed() const { return failed_; }
+  /// The last of it, and until it is on the disk.
+  void finish() noexcept;
+  /// A file lacks something.
+  bool failed() const { return recording_failed_ || view_failed_; }
 
  private:
-  static constexpr std::size_t kRoom = 1 << 14;  // rows: more than a second at 10 kHz
+  template <class Action>
+  void attempt(bool& failed, Action action) noexcept;
+  void tell(const char* what) const noexcept;
+
+  static constexpr std::size_t kRecordRoom = 1 << 14;  // rows: more than a second at 10 kHz
   std::unique_ptr<RecordingFile> recording_;
-  Ring<TickRecord> rows_{kRoom};
+  Ring<TickRecord> rows_{kRecordRoom};
   std::unique_ptr<Onlooker> onlooker_;
-  bool failed_ = false;
+  std::FILE* errors_;
+  bool recording_failed_ = false, view_failed_ = false;
 };
 
 }  // namespace feltwire

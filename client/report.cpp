@@ -11,9 +11,11 @@
 #include <optional>
 #include <stdexcept>
 #include <system_error>
+#include <utility>
 
 #include "client/encoder.hpp"
 #include "client/link/link_json.hpp"
+#include "client/output_files.hpp"
 
 namespace feltwire {
 namespace {
@@ -169,7 +171,8 @@ Json sight(const std::optional<SightCounts>& seen, const LoopResult& loop) {
   if (!seen) return nullptr;
   return {{"views", seen->views},           {"views_dropped", loop.views_dropped},
           {"hands", seen->hands},           {"bodies", seen->bodies},
-          {"most_hands", seen->most_hands}, {"most_bodies", seen->most_bodies}};
+          {"most_hands", seen->most_hands}, {"most_bodies", seen->most_bodies},
+          {"left_out", seen->left_out}};
 }
 
 const char* name_of(GoodbyeReason reason) {
@@ -231,7 +234,7 @@ class Part {
         path_(beside(meant)),
         descriptor_(open_for_writing(path_, meant, O_CREAT | O_TRUNC)) {}
   ~Part() {
-    ::close(descriptor_);
+    if (descriptor_ >= 0) ::close(descriptor_);
     std::error_code ignored;
     if (!kept_) fs::remove(path_, ignored);
   }
@@ -241,24 +244,29 @@ class Part {
   void keep(std::string_view text) {
     put(descriptor_, text, meant_);
     if (::fsync(descriptor_) != 0) fail(meant_, std::strerror(errno));
+    // Some systems say only now that the disk took it not.
+    if (::close(std::exchange(descriptor_, -1)) != 0) fail(meant_, std::strerror(errno));
     std::error_code error;
     fs::rename(path_, meant_, error);
     if (error) fail(meant_, error.message());
     kept_ = true;
+    sync_folder();
   }
 
  private:
+  /// The new name is on the disk, too. A file system that cannot say so has done what it can.
+  void sync_folder() const {
+    const fs::path folder = path_.has_parent_path() ? path_.parent_path() : fs::path(".");
+    const int descriptor = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    if (descriptor < 0) return;
+    ::fsync(descriptor);
+    ::close(descriptor);
+  }
+
   fs::path meant_, path_;
   int descriptor_;
   bool kept_ = false;
 };
-
-/// Behind a link stands the file that is meant.
-fs::path resolved(const fs::path& file) {
-  std::error_code error;
-  fs::path target = fs::weakly_canonical(file, error);
-  return error ? file : target;
-}
 
 }  // namespace
 
@@ -340,12 +348,12 @@ void check_writable(const fs::path& file) {
   if (is_special(file)) {
     ::close(open_for_writing(file, file, O_NONBLOCK));
   } else {
-    const Part probe(resolved(file));
+    const Part probe(followed(file));
   }
 }
 
 void write_whole(const fs::path& file, std::string_view text) {
-  if (!is_special(file)) return Part(resolved(file)).keep(text);
+  if (!is_special(file)) return Part(followed(file)).keep(text);
   const int descriptor = open_for_writing(file, file, 0);
   try {
     put(descriptor, text, file);

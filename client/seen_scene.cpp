@@ -8,10 +8,11 @@ namespace {
 std::uint32_t key(const SeenHand& hand) { return hand.number; }
 std::uint16_t key(const SeenBody& body) { return body.object; }
 
-/// Both rise, so that one walk along the two finds who is missing.
+/// Both rise, so that one walk along the two finds who is missing. Returns how many of those seen
+/// there was no room for.
 template <class Key, class Seen>
-void renew(std::map<Key, Seen>& known, Key from, Key end, std::span<const Seen> seen,
-           std::vector<Key>& gone) {
+std::uint64_t renew(std::map<Key, Seen>& known, std::size_t most, Key from, Key end,
+                    std::span<const Seen> seen, std::vector<Key>& gone) {
   gone.clear();
   auto next = seen.begin();
   for (auto at = known.lower_bound(from); at != known.end() && at->first < end;) {
@@ -23,14 +24,26 @@ void renew(std::map<Key, Seen>& known, Key from, Key end, std::span<const Seen> 
       at = known.erase(at);
     }
   }
-  for (const Seen& one : seen) known[key(one)] = one;
+  std::uint64_t left_out = 0;
+  for (const Seen& one : seen) {
+    const auto at = known.find(key(one));
+    if (at != known.end())
+      at->second = one;
+    else if (known.size() < most)
+      known.emplace(key(one), one);
+    else
+      ++left_out;
+  }
+  return left_out;
 }
 
 }  // namespace
 
 void SeenScene::take(const SceneView& view) {
-  renew(hands_, view.hands_from, view.hands_end, view.hands(), hands_gone_);
-  renew(bodies_, view.bodies_from, view.bodies_end, view.bodies(), bodies_gone_);
+  left_out_ +=
+      renew(hands_, kMostHands, view.hands_from, view.hands_end, view.hands(), hands_gone_);
+  left_out_ +=
+      renew(bodies_, kMostBodies, view.bodies_from, view.bodies_end, view.bodies(), bodies_gone_);
 }
 
 }  // namespace feltwire

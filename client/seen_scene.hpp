@@ -1,6 +1,9 @@
 #pragma once
 // What an observer knows of a scene, put together from the views that its replies bring. A program
 // that draws the scene needs this and a Ring of LoopOutputs::views.
+//
+// A server numbers its hands as it likes, for ever anew if it means harm. So no more are kept than
+// are stated here, and what is left out is counted.
 
 #include <map>
 #include <vector>
@@ -11,8 +14,11 @@ namespace feltwire {
 
 class SeenScene {
  public:
+  static constexpr std::size_t kMostHands = 1024;   // 16 times what a server admits by default
+  static constexpr std::size_t kMostBodies = 4096;  // objects that move
+
   /// The next view, of a newer reply than the one before. What is within its ranges and not in it
-  /// is forgotten.
+  /// is forgotten. Hands and bodies that there is no room for are left out and counted.
   void take(const SceneView& view);
 
   const std::map<std::uint32_t, SeenHand>& hands() const { return hands_; }    // by number
@@ -20,12 +26,15 @@ class SeenScene {
   /// What the last view made it forget.
   const std::vector<std::uint32_t>& hands_gone() const { return hands_gone_; }
   const std::vector<std::uint16_t>& bodies_gone() const { return bodies_gone_; }
+  /// How often a hand or a body was shown that there was no room for.
+  std::uint64_t left_out() const { return left_out_; }
 
  private:
   std::map<std::uint32_t, SeenHand> hands_;
   std::map<std::uint16_t, SeenBody> bodies_;
   std::vector<std::uint32_t> hands_gone_;
   std::vector<std::uint16_t> bodies_gone_;
+  std::uint64_t left_out_ = 0;
 };
 
 }  // namespace feltwire

@@ -20,6 +20,7 @@ class ViewFile {
   /// What the view showed, and what `scene`, which has taken it, forgot for it.
   void add(const TimedView& shown, const SeenScene& scene);
   void write() { file_.put(); }
+  void finish() { file_.finish(); }
 
  private:
   LineFile file_;

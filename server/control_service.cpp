@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "core/visible_text.hpp"
 #include "protocol/clock.hpp"
 #include "protocol/tls.hpp"
 #include "server/scene_sessions.hpp"
@@ -18,13 +19,6 @@ using control::Refused;
 constexpr const char* kNoGoodToken =
     "this needs a token that the server knows and that is still good; feltwire-server token add "
     "makes one";
-
-/// Nothing but letters that cannot spoil a log line: a client chooses its own name.
-std::string printable(std::string name) {
-  std::replace_if(
-      name.begin(), name.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; }, '?');
-  return name;
-}
 
 CalendarTime calendar_now() {
   return std::chrono::floor<std::chrono::seconds>(std::chrono::system_clock::now());
@@ -121,11 +115,11 @@ std::optional<Refused> ControlService::refuse_join(const Asked& asked,
 }
 
 void ControlService::join(Asked asked, control::JoinRequest request) {
-  const std::string who = printable(request.client + " (" + request.device.name + ", client " +
-                                    asked.token.client + ", token " + asked.token.id + ")");
+  const std::string who = visible(request.client + " (" + request.device.name + ", client " +
+                                  asked.token.client + ", token " + asked.token.id + ")");
   if (const auto refused = refuse_join(asked, request)) {
-    spdlog::warn("{} could not join scene {}: {}", who, printable(request.scene),
-                 printable(refused->reason));
+    spdlog::warn("{} could not join scene {}: {}", who, visible(request.scene),
+                 visible(refused->reason));
     return asked.answer(*refused);
   }
   const std::size_t scene = scene_of(request.scene);
@@ -152,7 +146,7 @@ void ControlService::join(Asked asked, control::JoinRequest request) {
     } else {
       seated_.erase(id);
       if (const auto* no = std::get_if<Refused>(&message))
-        spdlog::warn("{} could not join scene {}: {}", who, scene_name, printable(no->reason));
+        spdlog::warn("{} could not join scene {}: {}", who, scene_name, visible(no->reason));
     }
     answer(std::move(message));
   };
@@ -187,8 +181,8 @@ control::Message ControlService::evict(const Asked& asked, const control::Evict&
   const auto found = seated_.find(request.session);
   if (found == seated_.end()) return unknown_session(request.session);
   hosts_[found->second.scene]->evict(request.session);
-  spdlog::info("a session of client {} was evicted by client {}", printable(found->second.client),
-               printable(asked.token.client));
+  spdlog::info("a session of client {} was evicted by client {}", visible(found->second.client),
+               visible(asked.token.client));
   return control::Evicted{request.session};
 }
 
@@ -236,7 +230,7 @@ void ControlService::look_after() {
         opens(*token, hosts_[seated.scene]->name()))
       continue;
     spdlog::info("a session of client {} ends: its token {} is good no more",
-                 printable(seated.client), seated.token);
+                 visible(seated.client), seated.token);
     hosts_[seated.scene]->evict(id);
   }
 }

@@ -11,8 +11,10 @@
 #include <string_view>
 
 #include "core/scene/needs.hpp"
+#include "core/visible_text.hpp"
 #include "protocol/secret.hpp"
 #include "server/health.hpp"
+#include "server/log_format.hpp"
 #include "server/options.hpp"
 #include "server/server.hpp"
 #include "server/summary.hpp"
@@ -24,7 +26,7 @@ constexpr int kBadUsage = 2, kCannotRun = 1;
 constexpr std::chrono::milliseconds kHealthTimeout{1500};
 
 int fail(int status, const char* what) {
-  std::fprintf(stderr, "feltwire-server: %s\n", what);
+  std::fprintf(stderr, "feltwire-server: %s\n", feltwire::visible(what).c_str());
   return status;
 }
 
@@ -56,7 +58,8 @@ void print_ready(const feltwire::ServerConfig& config, const feltwire::Server& s
   std::printf("fingerprint: %s\n", feltwire::to_string(server.fingerprint()).c_str());
   std::printf("listening: control tcp %u", unsigned{server.control_port()});
   for (const auto& scene : server.scenes())
-    std::printf(", scene %s udp %u", scene.scene.c_str(), unsigned{scene.udp_port});
+    std::printf(", scene %s udp %u", feltwire::visible(scene.scene).c_str(),
+                unsigned{scene.udp_port});
   std::printf("\njoin: %s\n", join_line(config, server).c_str());
   std::fflush(stdout);
 }
@@ -82,7 +85,9 @@ void serve(feltwire::Server& server, const sigset_t& signals, const std::string&
   spdlog::info("{}: saying goodbye", signal == SIGINT ? "interrupted" : "terminated");
   server.stop();
   count(server, summary);
-  std::fputs((text(server.summary()) + text(server.control_summary())).c_str(), stdout);
+  std::fputs(
+      feltwire::visible_lines(text(server.summary()) + text(server.control_summary())).c_str(),
+      stdout);
 }
 
 }  // namespace
@@ -95,7 +100,8 @@ int main(int argc, char** argv) {
     const feltwire::ServerTask asked = feltwire::server_task(argc, argv);
     const feltwire::ServerConfig& config = asked.config;
     if (!asked.explain.empty()) {
-      std::fputs(explain(feltwire::load_scene(asked.explain)).c_str(), stdout);
+      std::fputs(feltwire::visible_lines(explain(feltwire::load_scene(asked.explain))).c_str(),
+                 stdout);
       return 0;
     }
     if (asked.health) {
@@ -104,6 +110,7 @@ int main(int argc, char** argv) {
     }
     validate(config);
     spdlog::set_default_logger(spdlog::stderr_color_mt("feltwire-server"));
+    spdlog::set_formatter(feltwire::visible_log_format());
     spdlog::set_level(spdlog::level::from_str(config.log_level));
 
     // Blocked before any thread starts, so that only this one takes them.

@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <stdexcept>
 
+#include "core/visible_text.hpp"
 #include "server/security.hpp"
 #include "server/state_file.hpp"
 
@@ -43,8 +44,8 @@ void list(const ServerConfig& config) {
   std::printf("%-12s  %-8s  %-23s  %-20s  %s\n", "id", "role", "expires", "client", "scene");
   for (const Token& token : file.tokens())
     std::printf("%-12s  %-8s  %-23s  %-20s  %s%s\n", token.id.c_str(), name(token.role).data(),
-                expiry_text(token.expires).c_str(), token.client.c_str(), token.scene.c_str(),
-                expired(token, now()) ? "  (expired)" : "");
+                expiry_text(token.expires).c_str(), visible(token.client).c_str(),
+                visible(token.scene).c_str(), expired(token, now()) ? "  (expired)" : "");
 }
 
 void revoke(const ServerConfig& config, const Words& words) {
@@ -95,13 +96,13 @@ int token_command(int argc, char** argv) {
     return 0;
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error);
-    std::fprintf(stderr, "feltwire-server token: %s (see --help)\n", error.what());
+    std::fprintf(stderr, "feltwire-server token: %s (see --help)\n", visible(error.what()).c_str());
     return kBadUsage;
   } catch (const std::invalid_argument& error) {
-    std::fprintf(stderr, "feltwire-server token: %s\n", error.what());
+    std::fprintf(stderr, "feltwire-server token: %s\n", visible(error.what()).c_str());
     return kBadUsage;
   } catch (const std::exception& error) {
-    std::fprintf(stderr, "feltwire-server token: %s\n", error.what());
+    std::fprintf(stderr, "feltwire-server token: %s\n", visible(error.what()).c_str());
     return kCannotRun;
   }
 }

@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "client/report.hpp"
+#include "core/visible_text.hpp"
 #include "protocol/ports.hpp"
 #include "sim/filters.hpp"
 #include "sim/link_relay.hpp"
@@ -180,6 +181,9 @@ int main(int argc, char** argv) {
   std::ios::sync_with_stdio(false);
   std::cin.tie(nullptr);
   CLI::App app{"feltwire-lab: experiments on the energy bound, and filters", "feltwire-lab"};
+  app.failure_message([](const CLI::App*, const CLI::Error& error) {
+    return "feltwire-lab: " + visible(error.what()) + "; see --help\n";
+  });
   app.require_subcommand(1);
   int status = 0;
   add_studies(app, status);
@@ -192,7 +196,7 @@ int main(int argc, char** argv) {
   } catch (const CLI::ParseError& e) {
     return app.exit(e) == 0 ? 0 : 2;
   } catch (const std::exception& e) {
-    std::cerr << "feltwire-lab: " << e.what() << '\n';
+    std::cerr << "feltwire-lab: " << visible(e.what()) << '\n';
     return 1;
   }
   return status;

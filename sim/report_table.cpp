@@ -1,10 +1,13 @@
 #include "sim/report_table.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cstdio>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
+
+#include "core/regular_file.hpp"
+#include "core/visible_text.hpp"
 
 namespace feltwire {
 namespace {
@@ -30,40 +33,69 @@ constexpr std::array kRows = {
     Row{"times the energy bound was broken", "/bound_violations", "%.0f"},
 };
 
+/// Columns that a terminal fills: characters, where a byte within one counts for nothing.
+std::size_t width_of(const std::string& text) {
+  return static_cast<std::size_t>(std::count_if(text.begin(), text.end(), [](char c) {
+    return (static_cast<unsigned char>(c) & 0xC0) != 0x80;
+  }));
+}
+
+std::string right(const std::string& text, std::size_t width) {
+  return std::string(width - std::min(width, width_of(text)), ' ') + text;
+}
+
+/// What a column is called: the file's name without its ending, or where two have that in common
+/// its whole path. Never cut.
+std::vector<std::string> headings(const std::vector<std::filesystem::path>& reports) {
+  std::vector<std::string> names;
+  for (const auto& file : reports) {
+    const auto same = std::count_if(reports.begin(), reports.end(),
+                                    [&](const auto& other) { return other.stem() == file.stem(); });
+    names.push_back(visible(same > 1 ? file.string() : file.stem().string()));
+  }
+  return names;
+}
+
+nlohmann::json read_report(const std::filesystem::path& file) {
+  constexpr std::size_t kLargest = std::size_t{16} << 20;  // [bytes]
+  try {
+    return nlohmann::json::parse(
+        read_regular_file(file, kLargest, "give the JSON report of a client"));
+  } catch (const nlohmann::json::exception& e) {
+    throw std::runtime_error(file.string() + ": is not a JSON report: " + e.what());
+  }
+}
+
+/// Of a number as the row wants it. Throws std::runtime_error naming the file.
+std::string cell(const nlohmann::json& report, const Row& row, const std::filesystem::path& file) {
+  const nlohmann::json::json_pointer pointer(row.pointer);
+  if (!report.contains(pointer) || !report[pointer].is_number())
+    throw std::runtime_error(file.string() + ": has no number at " + row.pointer +
+                             "; is it the report of a feltwire-client?");
+  std::array<char, 32> number;
+  std::snprintf(number.data(), number.size(), row.format, report[pointer].get<double>());
+  return number.data();
+}
+
 }  // namespace
 
 std::string report_table(const std::vector<std::filesystem::path>& reports) {
+  constexpr std::size_t kLabels = 46, kNarrowest = 14;
+  const std::vector<std::string> names = headings(reports);
   std::vector<nlohmann::json> documents;
-  std::string table(46, ' ');
-  std::array<char, 64> cell;
-  for (const auto& file : reports) {
-    std::ifstream in(file);
-    if (!in)
-      throw std::runtime_error(file.string() +
-                               ": cannot be read; give the JSON report of a client");
-    try {
-      documents.push_back(nlohmann::json::parse(in));
-    } catch (const nlohmann::json::exception& e) {
-      throw std::runtime_error(file.string() + ": is not a JSON report: " + e.what());
-    }
-    std::snprintf(cell.data(), cell.size(), "  %14s", file.stem().string().substr(0, 14).c_str());
-    table += cell.data();
+  std::vector<std::size_t> widths;
+  std::string table(kLabels, ' ');
+  for (std::size_t i = 0; i < reports.size(); ++i) {
+    documents.push_back(read_report(reports[i]));
+    widths.push_back(std::max(kNarrowest, width_of(names[i])));
+    table += "  " + right(names[i], widths[i]);
   }
   table += '\n';
   for (const Row& row : kRows) {
-    std::array<char, 64> label;
-    std::snprintf(label.data(), label.size(), "%-46s", row.label);
-    table += label.data();
-    for (std::size_t i = 0; i < documents.size(); ++i) {
-      const nlohmann::json::json_pointer pointer(row.pointer);
-      if (!documents[i].contains(pointer) || !documents[i][pointer].is_number())
-        throw std::runtime_error(reports[i].string() + ": has no number at " + row.pointer +
-                                 "; is it the report of a feltwire-client?");
-      std::array<char, 32> number;
-      std::snprintf(number.data(), number.size(), row.format, documents[i][pointer].get<double>());
-      std::snprintf(cell.data(), cell.size(), "  %14s", number.data());
-      table += cell.data();
-    }
+    const std::string label = row.label;
+    table += label + std::string(kLabels - std::min(kLabels, label.size()), ' ');
+    for (std::size_t i = 0; i < documents.size(); ++i)
+      table += "  " + right(cell(documents[i], row, reports[i]), widths[i]);
     table += '\n';
   }
   return table + "* negative: the hand gave more than it got\n";

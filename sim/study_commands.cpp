@@ -3,7 +3,6 @@
 #include "sim/study_commands.hpp"
 
 #include <filesystem>
-#include <fstream>
 #include <functional>
 #include <iostream>
 #include <memory>
@@ -241,12 +240,6 @@ void add_trade(CLI::App& app) {
       trade_network);
 }
 
-Recording recording_from(const std::string& file) {
-  std::ifstream in(file);
-  if (!in) throw std::runtime_error(file + ": cannot be read; give a CSV with t,x,y,z");
-  return read_recording(in, file);
-}
-
 void add_deadband(CLI::App& app) {
   struct Options {
     std::string out = "deadband", recording, side = std::string(name(SessionParameters{}.side)),
@@ -277,7 +270,7 @@ void add_deadband(CLI::App& app) {
     grid.parameters.side = bounding_side(o->side);
     grid.link = parse_link(o->link);
     std::optional<Recording> recording;
-    if (!o->recording.empty()) recording = recording_from(o->recording);
+    if (!o->recording.empty()) recording = read_recording(o->recording, "give a CSV with t,x,y,z");
     const auto rows = run_deadband(deadband_tasks(recording), grid);
     write_deadband(o->out, grid, rows);
     std::cout << deadband_table(rows) << placed("Table and picture", o->out);

@@ -1,14 +1,14 @@
 #include "client/devices/replay.hpp"
 
 #include <array>
-#include <cerrno>
 #include <cmath>
-#include <cstring>
-#include <fstream>
+#include <sstream>
 #include <string>
 #include <utility>
 
 #include "client/csv.hpp"
+#include "core/file_error.hpp"
+#include "core/regular_file.hpp"
 
 namespace feltwire {
 namespace {
@@ -51,6 +51,18 @@ Recording read_recording(std::istream& in, const std::string& file) {
   return recording;
 }
 
+Recording read_recording(const std::filesystem::path& file, std::string_view remedy) {
+  constexpr std::size_t kLargest = std::size_t{512} << 20;  // [bytes] over an hour at 1 kHz
+  std::istringstream in = [&] {
+    try {
+      return std::istringstream(read_regular_file(file, kLargest, remedy));
+    } catch (const FileError& error) {
+      throw CsvError(error.what());
+    }
+  }();
+  return read_recording(in, file.string());
+}
+
 Pose pose_at(const Recording& recording, double time, std::size_t& cursor) noexcept {
   const auto& poses = recording.poses;
   if (!(time > poses.front().time)) return poses.front().pose;
@@ -87,11 +99,8 @@ DeviceReading ReplayDevice::read(Nanoseconds now) noexcept {
 
 std::unique_ptr<Device> make_replay_device(const std::filesystem::path& file,
                                            const DeviceSpec& spec) {
-  std::ifstream in(file);
-  if (!in)
-    throw CsvError(file.string() + ": cannot be opened: " + std::strerror(errno) +
-                   "; check the path behind 'replay:'");
-  return std::make_unique<ReplayDevice>(read_recording(in, file.string()), spec);
+  return std::make_unique<ReplayDevice>(read_recording(file, "check the path behind 'replay:'"),
+                                        spec);
 }
 
 }  // namespace feltwire

@@ -6,6 +6,7 @@
 #include <istream>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "client/device.hpp"
@@ -26,6 +27,9 @@ struct Recording {
 /// also irregular, rate. Throws CsvError naming file, line, column and remedy; `file` is only what
 /// errors call it.
 Recording read_recording(std::istream& in, const std::string& file);
+
+/// From a regular file of at most 512 MiB; throws CsvError, with `remedy` where it is not there.
+Recording read_recording(const std::filesystem::path& file, std::string_view remedy);
 
 /// Position linear, orientation by slerp between the recorded poses around `time` [s]; before the
 /// first and after the last these themselves. `cursor` remembers where the last call was, so that

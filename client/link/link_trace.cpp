@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <array>
-#include <cerrno>
-#include <cstring>
-#include <fstream>
+#include <sstream>
 
 #include "client/csv.hpp"
+#include "core/file_error.hpp"
+#include "core/regular_file.hpp"
 
 namespace feltwire {
 namespace {
@@ -52,11 +52,14 @@ LinkTrace read_link_trace(std::istream& in, const std::string& file) {
 }
 
 LinkTrace load_link_trace(const std::filesystem::path& file) {
-  errno = 0;
-  std::ifstream in(file);
-  if (!in)
-    throw CsvError("cannot read " + file.string() + ": " + std::strerror(errno) +
-                   "; check the path");
+  constexpr std::size_t kLargest = std::size_t{64} << 20;  // [bytes] an hour of probes at 1 kHz
+  std::istringstream in = [&] {
+    try {
+      return std::istringstream(read_regular_file(file, kLargest));
+    } catch (const FileError& error) {
+      throw CsvError(error.what());
+    }
+  }();
   return read_link_trace(in, file.string());
 }
 

@@ -3,10 +3,10 @@
 #include <bit>
 #include <cctype>
 #include <cstring>
-#include <fstream>
 #include <limits>
 
 #include "core/geometry/mesh_text.hpp"
+#include "core/regular_file.hpp"
 
 namespace feltwire {
 namespace {
@@ -165,16 +165,9 @@ TriangleSoup parse_mesh(std::string_view bytes, const std::string& name, double 
 }
 
 TriangleSoup read_mesh(const std::filesystem::path& file, double scale) {
-  std::error_code error;
-  const auto size = std::filesystem::file_size(file, error);
-  std::ifstream in(file, std::ios::binary);
-  if (error || !in)
-    throw FileError(file.string() +
-                    ": cannot be read; check the path, it is relative to the "
-                    "scene's file");
-  std::string bytes(size, '\0');
-  in.read(bytes.data(), static_cast<std::streamsize>(size));
-  bytes.resize(static_cast<std::size_t>(in.gcount()));
+  constexpr std::size_t kLargest = std::size_t{2} << 30;  // [bytes] some 40 million faces
+  const std::string bytes =
+      read_regular_file(file, kLargest, "check the path, it is relative to the scene's file");
   return parse_mesh(bytes, file.string(), scale);
 }
 

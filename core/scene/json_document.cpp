@@ -4,9 +4,9 @@
 #include <charconv>
 #include <cmath>
 #include <cstdlib>
-#include <fstream>
 #include <limits>
 
+#include "core/regular_file.hpp"
 #include "core/scene/json_outline.hpp"
 #include "flatbuffers/idl.h"
 
@@ -156,21 +156,7 @@ void last_path(const Node& node, int line, const std::string& path, std::string&
 }  // namespace
 
 std::string read_text(const std::filesystem::path& file) {
-  const std::string name = file.string();
-  std::error_code ignored;
-  if (std::filesystem::is_directory(file, ignored))
-    throw FileError(name + ": is a directory; name a file in it");
-  std::ifstream in(file, std::ios::binary);
-  if (!in) throw FileError(name + ": cannot be opened; check the path and your right to read it");
-  std::string text;
-  char block[65536];
-  while (in.read(block, sizeof block) || in.gcount() > 0) {
-    text.append(block, static_cast<std::size_t>(in.gcount()));
-    if (text.size() > kMaxFile)
-      throw FileError(name + ": is larger than 16 MiB; is it the right file?");
-  }
-  if (in.bad()) throw FileError(name + ": could not be read to its end");
-  return text;
+  return read_regular_file(file, kMaxFile, "check the path and your right to read it");
 }
 
 struct JsonDocument::Parsed {

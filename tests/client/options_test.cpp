@@ -5,6 +5,8 @@
 
 #include <cmath>
 #include <cstdlib>
+#include <filesystem>
+#include <fstream>
 #include <vector>
 
 #include "protocol/profiles.hpp"
@@ -15,6 +17,7 @@ namespace {
 
 using ::testing::AllOf;
 using ::testing::HasSubstr;
+using testing::text_of;
 
 const std::string kPrint(64, 'a');  // of some certificate
 
@@ -114,6 +117,57 @@ SessionParameters asked(const std::vector<std::string>& words) {
   return std::get<ClientOptions>(options).parameters;
 }
 
+/// By the same path, another one, a hard link or a symbolic link, there or not there yet.
+TEST(Options, NoFileIsWrittenTwiceNorOverWhatIsRead) {
+  const testing::TemporaryFolder folder;
+  const auto path = [&](const char* name) { return (folder / name).string(); };
+  for (const char* there : {"a", "hand.csv"}) std::ofstream(folder / there) << "text";
+  std::filesystem::create_hard_link(folder / "a", folder / "hard");
+  std::filesystem::create_symlink("a", folder / "soft");
+  std::filesystem::create_symlink("later", folder / "dangling");
+  std::filesystem::create_directory(folder / "sub");
+  std::filesystem::create_directory_symlink(folder / "sub", folder / "other");
+  using Pair = std::pair<std::string, std::string>;
+  for (const auto& [record, report] :
+       {Pair{path("new"), path("new")}, Pair{path("new"), path("sub/../new")},
+        Pair{path("sub/new"), path("other/new")}, Pair{path("a"), path("hard")},
+        Pair{path("soft"), path("a")}, Pair{path("dangling"), path("later")}}) {
+    EXPECT_THAT(refusal({"--record", record, "--report", report}),
+                AllOf(HasSubstr("--report and --record name the same file"),
+                      HasSubstr("give another path")))
+        << record << " " << report;
+    EXPECT_THAT(refusal({"--role", "observer", "--record", record, "--view", report}),
+                HasSubstr("--record and --view name the same file"));
+  }
+  const auto reads = [&](const std::string& record, const std::string& recording) {
+    return refusal({"--device", "replay:" + recording, "--record", record});
+  };
+  EXPECT_THAT(reads(path("hand.csv"), path("hand.csv")),
+              HasSubstr("--record and --device name the same file"));
+  EXPECT_THAT(reads(path("sub/../hand.csv"), path("hand.csv")),
+              HasSubstr("what is read would be overwritten"));
+  EXPECT_EQ(text_of(folder / "a"), "text");
+  // Different files, and devices that take anything from anybody.
+  EXPECT_FALSE(
+      std::holds_alternative<int>(parsed({"--record", path("a"), "--report", path("hand.csv")})));
+  EXPECT_FALSE(
+      std::holds_alternative<int>(parsed({"--record", "/dev/null", "--report", "/dev/null"})));
+}
+
+TEST(Options, WhatIsReadIsARegularFile) {
+  const testing::TemporaryFolder folder;
+  const auto pipe = folder / "pipe";
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  EXPECT_THAT(refusal({"--token-file", pipe}), HasSubstr("is a pipe; name a regular file"));
+  EXPECT_THAT(refusal({"--token-file", "/dev/zero"}), HasSubstr("is a device"));
+}
+
+TEST(Options, ControlCharactersAreShownNotObeyed) {
+  const std::string said = refusal({"--device", "\x1b]0;owned\x07"});
+  EXPECT_THAT(said, HasSubstr("'\\x1b]0;owned\\x07'"));
+  EXPECT_EQ(said.find('\x1b'), std::string::npos);
+}
+
 TEST(Options, AProfileIsWhereItBegins) {
   const NetworkProfile& thin = network_profile("thin");
   EXPECT_EQ(asked({"--profile", "thin"}), over(thin, {}));
@@ -158,7 +212,7 @@ TEST(Trust, IsSaidInExactlyOneWay) {
   EXPECT_THAT(refusal({"--fingerprint-file", print}), HasSubstr("give one"));
   EXPECT_THAT(refusal({"--fingerprint", "12ab"}, true), HasSubstr("no fingerprint"));
   EXPECT_THAT(refusal({"--fingerprint-file", folder / "none"}, true),
-              AllOf(HasSubstr("--fingerprint-file"), HasSubstr("cannot be read")));
+              AllOf(HasSubstr("--fingerprint-file"), HasSubstr("cannot be opened")));
 
   Fingerprint expected;
   expected.fill(0xaa);

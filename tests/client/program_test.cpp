@@ -17,6 +17,7 @@ namespace {
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 using testing::kPatience;
+using ::testing::Not;
 using ::testing::StartsWith;
 using testing::text_of;
 
@@ -100,6 +101,29 @@ TEST_F(ClientProgram, AnObserversTokenActsOnNothing) {
   const test::Outcome outcome = program.finish();
   EXPECT_EQ(outcome.status, 1);
   EXPECT_THAT(outcome.error, HasSubstr("this token is for an observer"));
+}
+
+/// A disk that is full when the report is written: its name and why, and the run's last line all
+/// the same.
+TEST_F(ClientProgram, AReportThatIsLostIsSaidAndTheRunSummedUp) {
+  const test::Outcome outcome =
+      test::Program(FELTWIRE_CLIENT_PROGRAM,
+                    words(anna_, {"--duration", "0.05", "--report", "/dev/full"}))
+          .finish();
+  EXPECT_EQ(outcome.status, 1);
+  EXPECT_THAT(outcome.error,
+              HasSubstr("the report is lost: cannot write /dev/full: No space left"));
+  EXPECT_THAT(outcome.out, AllOf(HasSubstr(" samples, "), Not(HasSubstr("report in"))));
+}
+
+/// Nothing that a server or a file says is obeyed by the terminal.
+TEST_F(ClientProgram, WhatOthersSayIsShownNotObeyed) {
+  const std::string evil = "\x1b]0;owned\x07\u009b31m\xff";
+  const test::Outcome refused =
+      test::Program(FELTWIRE_CLIENT_PROGRAM, words(anna_, {"--tool", evil})).finish();
+  EXPECT_EQ(refused.status, 1);
+  EXPECT_THAT(refused.error, HasSubstr("no tool '\\x1b]0;owned\\x07\\x9b31m\\xff'"));
+  EXPECT_EQ(refused.error.find_first_of("\x1b\x07"), std::string::npos);
 }
 
 /// Not after its patience, which outlasts the test.

@@ -1,11 +1,15 @@
 #include "client/recording.hpp"
 
 #include <gmock/gmock.h>
+#include <signal.h>
+#include <sys/resource.h>
 
 #include <algorithm>
+#include <cstdio>
 #include <fstream>
 
 #include "client/devices/replay.hpp"
+#include "client/records.hpp"
 #include "tests/client/temporary_folder.hpp"
 
 namespace feltwire::recording_test {
@@ -50,6 +54,81 @@ TEST(RecordingFile, AFullDiskIsSaid) {
   Ring<TickRecord> rows(2);
   EXPECT_THAT(testing::error_of<std::runtime_error>([&] { RecordingFile file("/dev/full"); }),
               ::testing::HasSubstr("No space left"));
+}
+
+/// A file that may grow by so much and no more, as on a disk that fills.
+class FullDisk {
+ public:
+  explicit FullDisk(rlim_t most) {
+    ::signal(SIGXFSZ, SIG_IGN);
+    ::getrlimit(RLIMIT_FSIZE, &before_);
+    const rlimit less{most, before_.rlim_max};
+    ::setrlimit(RLIMIT_FSIZE, &less);
+  }
+  ~FullDisk() {
+    ::setrlimit(RLIMIT_FSIZE, &before_);
+    ::signal(SIGXFSZ, SIG_DFL);
+  }
+  FullDisk(const FullDisk&) = delete;
+  FullDisk& operator=(const FullDisk&) = delete;
+
+ private:
+  rlimit before_{};
+};
+
+/// Wherever in a line the disk ends, what is there can be replayed.
+TEST(RecordingFile, OnAFullDiskEndsWithAWholeLine) {
+  const testing::TemporaryFolder folder;
+  for (rlim_t most = 100; most < 190; ++most) {
+    const auto path = folder / "run.csv";
+    Ring<TickRecord> rows(8);
+    std::string error;
+    {
+      const FullDisk disk(most);
+      RecordingFile file(path);
+      for (int i = 0; i < 8; ++i) rows.push({.time = 0.001 * i, .position = {0.01, -0.02, 0.25}});
+      error = testing::error_of<std::runtime_error>([&] { file.write(rows); });
+    }
+    ASSERT_THAT(error, ::testing::HasSubstr("run.csv ends here: File too large; make room"));
+    const std::string text = text_of(path);
+    ASSERT_EQ(text.back(), '\n') << most;
+    std::ifstream in(path);
+    const std::size_t replayed = read_recording(in, "run.csv").poses.size();
+    ASSERT_EQ(replayed, static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n')) - 1);
+    ASSERT_GT(replayed, 0u);
+  }
+}
+
+/// The file that fails is named once; the other goes on.
+TEST(Records, OneFileThatFailsDoesNotEndTheOther) {
+  const testing::TemporaryFolder folder;
+  std::FILE* said = std::tmpfile();
+  {
+    Records records(
+        {.recording = folder / "run.csv", .view = folder / "seen.csv", .observes = true}, said);
+    {
+      const FullDisk disk(60);
+      for (int i = 0; i < 4; ++i) records.rows()->push({});
+      records.write();
+      EXPECT_TRUE(records.failed());
+    }
+    SceneView view;
+    view.present = true;
+    view.hands_end = SceneView::kLastHand;
+    view.hand[view.hand_count++].number = 7;
+    records.views()->push({0.5, view});
+    records.rows()->push({});
+    records.write();
+    records.finish();
+    EXPECT_EQ(records.sight()->hands, 1u);
+  }
+  EXPECT_THAT(text_of(folder / "seen.csv"), ::testing::HasSubstr("0.5,hand,7,"));
+  std::rewind(said);
+  char line[512];
+  ASSERT_NE(std::fgets(line, sizeof line, said), nullptr);
+  EXPECT_THAT(line, ::testing::HasSubstr("run.csv ends here: File too large"));
+  EXPECT_EQ(std::fgets(line, sizeof line, said), nullptr);  // once
+  std::fclose(said);
 }
 
 }  // namespace

@@ -1,8 +1,10 @@
 #include "client/devices/replay.hpp"
 
 #include <gmock/gmock.h>
+#include <sys/stat.h>
 
 #include <cmath>
+#include <fstream>
 #include <numbers>
 #include <sstream>
 
@@ -101,6 +103,23 @@ TEST(Replay, AMissingFileIsOneClearLine) {
   const std::string text = testing::error_of<CsvError>(
       [] { make_replay_device("/nowhere/hand.csv", builtin_device("simulated")); });
   EXPECT_THAT(text, StartsWith("/nowhere/hand.csv: cannot be opened: No such file or directory"));
+}
+
+/// A pipe that nobody writes to and a device without an end are refused at once.
+TEST(Replay, OnlyRegularFilesAreRead) {
+  const testing::TemporaryFolder folder;
+  const auto pipe = folder / "hand.csv";
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  const auto error = [](const std::filesystem::path& file) {
+    return testing::error_of<CsvError>(
+        [&] { make_replay_device(file, builtin_device("simulated")); });
+  };
+  EXPECT_EQ(error(pipe), pipe.string() + ": is a pipe; name a regular file");
+  EXPECT_EQ(error("/dev/zero"), "/dev/zero: is a device; name a regular file");
+  const auto huge = folder / "huge.csv";
+  std::ofstream(huge) << "t,x,y,z\n";
+  std::filesystem::resize_file(huge, std::uintmax_t{1} << 40);
+  EXPECT_EQ(error(huge), huge.string() + ": is larger than 512 MiB; is it the right file?");
 }
 
 }  // namespace

@@ -64,7 +64,8 @@ TEST(Report, SaysWhatAnObserverSaw) {
   EXPECT_EQ(report(*servo)["role"], "operator");
   EXPECT_TRUE(report(*servo)["view"].is_null());
   RunDescription run{"anna", "wall", "localhost:6720", "simulated", {}};
-  run.sight = SightCounts{.views = 7, .hands = 1, .bodies = 2, .most_hands = 3, .most_bodies = 4};
+  run.sight = SightCounts{
+      .views = 7, .hands = 1, .bodies = 2, .most_hands = 3, .most_bodies = 4, .left_out = 6};
   LoopResult result;
   result.views_dropped = 5;
   const json r = json::parse(report_json(run, *servo, {}, result));
@@ -74,7 +75,8 @@ TEST(Report, SaysWhatAnObserverSaw) {
                              {"hands", 1},
                              {"bodies", 2},
                              {"most_hands", 3},
-                             {"most_bodies", 4}}));
+                             {"most_bodies", 4},
+                             {"left_out", 6}}));
 }
 
 TEST(Report, HoldsWhatWasCounted) {
@@ -283,6 +285,16 @@ TEST(WriteWhole, FollowsLinks) {
   const TemporaryFolder folder;
   write_whole(folder / "real.json", "old");
   std::filesystem::create_symlink(folder / "real.json", folder / "link.json");
+  write_whole(folder / "link.json", "new");
+  EXPECT_EQ(text_of(folder / "real.json"), "new");
+  EXPECT_TRUE(std::filesystem::is_symlink(folder / "link.json"));
+}
+
+/// Also one whose file is not there yet: the link stays, and its file comes to be.
+TEST(WriteWhole, FollowsLinksToFilesThatAreYetToBe) {
+  const TemporaryFolder folder;
+  std::filesystem::create_symlink("real.json", folder / "link.json");
+  check_writable(folder / "link.json");
   write_whole(folder / "link.json", "new");
   EXPECT_EQ(text_of(folder / "real.json"), "new");
   EXPECT_TRUE(std::filesystem::is_symlink(folder / "link.json"));

@@ -67,6 +67,47 @@ TEST(SeenScene, TheNewestPlaceCounts) {
   EXPECT_EQ(scene.hands().at(7).pose.position.x(), 0.75);
 }
 
+/// A server that shows hands and bodies for ever, none of them twice.
+TEST(SeenScene, KeepsNoMoreThanItsLimitsAndCountsTheRest) {
+  SeenScene scene;
+  std::uint32_t number = 0;
+  std::uint16_t object = 0;
+  std::uint64_t shown = 0;
+  for (int round = 0; round < 2000; ++round) {
+    SceneView view;
+    view.present = true;
+    view.hands_from = number + 1;  // says nothing of those before, so none is gone
+    view.bodies_from = static_cast<std::uint16_t>(object + 1);
+    for (; view.hand_count < SceneView::kMaxHands; ++view.hand_count)
+      view.hand[view.hand_count].number = ++number;
+    for (; view.body_count < SceneView::kMaxBodies && object < SceneView::kLastBody - 1;
+         ++view.body_count)
+      view.body[view.body_count].object = ++object;
+    view.hands_end = number + 1;
+    view.bodies_end = static_cast<std::uint16_t>(object + 1);
+    shown += view.hand_count + view.body_count;
+    scene.take(view);
+    ASSERT_LE(scene.hands().size(), SeenScene::kMostHands);
+    ASSERT_LE(scene.bodies().size(), SeenScene::kMostBodies);
+  }
+  EXPECT_EQ(scene.left_out(), shown - SeenScene::kMostHands - SeenScene::kMostBodies);
+  // Who goes makes room again; who is known goes on being followed.
+  SceneView view = view_of(1, 11, {5, 6});
+  view.hand[0].pose.position.x() = 0.75;
+  scene.take(view);
+  EXPECT_EQ(scene.hands_gone().size(), 8u);
+  EXPECT_EQ(scene.hands().at(5).pose.position.x(), 0.75);
+  const std::uint64_t before = scene.left_out();
+  scene.take(view_of(number, number + 2, {number + 1}));
+  EXPECT_EQ(scene.hands().count(number + 1), 1u);
+  EXPECT_EQ(scene.left_out(), before);
+}
+
+TEST(Onlooker, SaysWhatItHasNoRoomFor) {
+  EXPECT_EQ(text(SightCounts{.hands = 2, .bodies = 1, .left_out = 3}),
+            "  sees 2 hands, 1 body, 3 left out");
+}
+
 TEST(Onlooker, CountsAndWritesDownWhatItSees) {
   const testing::TemporaryFolder folder;
   const auto file = folder / "view.csv";

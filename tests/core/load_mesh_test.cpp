@@ -82,9 +82,10 @@ TEST_F(LoadMesh, WrongFieldsAreNamedWithTheRemedy) {
   EXPECT_THAT(error_of(ball + R"("unit": "m", "grain": {"amplitude": 1e-4})"),
               HasSubstr("mesh.grain.wavelength"));
   EXPECT_THAT(error_of(ball + R"("unit": "m", "colour": 1)"), HasSubstr("is no field here"));
-  EXPECT_THAT(error_of(R"("file": "none.obj", "unit": "m")"),
-              AllOf(HasSubstr("objects[0].mesh.file"),
-                    HasSubstr("none.obj: cannot be read; check the path")));
+  EXPECT_THAT(
+      error_of(R"("file": "none.obj", "unit": "m")"),
+      AllOf(HasSubstr("objects[0].mesh.file"),
+            HasSubstr("none.obj: cannot be opened: No such file or directory; check the path")));
   EXPECT_THAT(error_of(R"("file": ".", "unit": "m")"), HasSubstr("objects[0].mesh.file"));
   EXPECT_THAT(error_of(R"("file": "", "unit": "m")"), HasSubstr("names no file"));
   EXPECT_THAT(error_of(R"("file": "torn.obj", "unit": "m")"),

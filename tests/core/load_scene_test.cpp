@@ -217,12 +217,14 @@ TEST(LoadScene, DocumentsThatAreNone) {
 TEST(LoadScene, FilesThatCannotBeRead) {
   EXPECT_THROW(load_scene(kScenes + "no_such.json"), FileError);
   EXPECT_THROW(load_scene(kScenes), FileError);  // a directory
+  EXPECT_THROW(load_scene("/dev/zero"), FileError);
   try {
     load_scene(kScenes + "no_such.json");
   } catch (const FileError& error) {
-    EXPECT_EQ(error.what(), kScenes +
-                                "no_such.json: cannot be opened; check the path "
-                                "and your right to read it");
+    EXPECT_EQ(error.what(),
+              kScenes +
+                  "no_such.json: cannot be opened: No such file or directory; check the path "
+                  "and your right to read it");
   }
 }
 

@@ -80,6 +80,27 @@ TEST(Program, ServesUntilItIsTold) {
   }
 }
 
+/// A client names itself as it likes; what the log quotes of it is shown, not obeyed.
+TEST(Program, TheLogShowsControlCharacters) {
+  const testing::TemporaryFolder folder;
+  Program program({"--scene", scene_file(), "--port", "0"}, folder / "state");
+  const std::string first = program.line(), listening = program.line();
+  unsigned port = 0;
+  ASSERT_EQ(std::sscanf(listening.c_str(), "listening: control tcp %u", &port), 1);
+  ServerAccess access{{"127.0.0.1", static_cast<std::uint16_t>(port)},
+                      {parse_fingerprint(first.substr(first.find(' ') + 1)),
+                       {},
+                       {},
+                       Secret(testing::text_of(folder / "state/local.token"))}};
+  control::JoinRequest wanted{
+      "an\x1b]0;owned\x07na\u009b2J\xff", "wall", builtin_device("simulated"), {}, Role::operator_};
+  join(access, wanted, std::chrono::seconds(10));
+  program.signal(SIGTERM);
+  const Outcome outcome = program.finish();
+  EXPECT_THAT(outcome.error, HasSubstr("an\\x1b]0;owned\\x07na\\x9b2J\\xff"));
+  EXPECT_EQ(outcome.error.find_first_of("\x1b\x07"), std::string::npos) << outcome.error;
+}
+
 TEST(Program, CommandLineWinsOverTheFile) {
   scene_file();
   const std::string config = write_file(

@@ -26,6 +26,25 @@ TEST(ReportTable, ShowsClientsSideBySide) {
   EXPECT_THAT(table, testing::ContainsRegex("largest force on the hand .N. +2\\.3[45] +2\\.3[45]"));
 }
 
+/// The column is as wide as its name, and numbers stand below its end.
+TEST(ReportTable, CutsNoNameAndTellsFilesOfOneNameApart) {
+  const auto folder = std::filesystem::path(testing::TempDir()) / "another-folder";
+  std::filesystem::create_directories(folder);
+  const auto first = write("the-left-hand-of-a-long-experiment.json", kReport),
+             second = write("another-folder/the-left-hand-of-a-long-experiment.json", kReport),
+             third = write("the-left-hand-of-a-long-experience.json", kReport),
+             fourth = write("rechte-H\u00e4nde-\x1b[31m-\u00e4\u00f6\u00fc.json", kReport);
+  const std::string table = report_table({first, second, third, fourth});
+  for (const std::string& name :
+       {first.string(), second.string(), std::string("the-left-hand-of-a-long-experience"),
+        std::string("rechte-H\u00e4nde-\\x1b[31m-\u00e4\u00f6\u00fc")})
+    EXPECT_THAT(table, testing::HasSubstr("  " + name));
+  EXPECT_THAT(table, testing::Not(testing::HasSubstr("\x1b")));
+  // Every line of the table is as wide as its head (which has four letters of two bytes).
+  const std::size_t head = table.find('\n');
+  EXPECT_EQ(table.find('\n', head + 1) - head - 1, head - 4);
+}
+
 TEST(ReportTable, NamesTheFileAndTheMissingNumber) {
   const auto file = write("short.json", R"({"samples": 1})");
   EXPECT_THAT([&] { report_table({file}); },

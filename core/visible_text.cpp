@@ -1,0 +1,81 @@
+#include "core/visible_text.hpp"
+
+#include <array>
+#include <cstdint>
+#include <cstdio>
+
+namespace feltwire {
+namespace {
+
+using CodePoint = std::uint32_t;
+
+/// A character of UTF-8; size 0: the first byte begins none.
+struct Character {
+  CodePoint code = 0;
+  std::size_t size = 0;
+};
+
+/// Table 3-7 of the Unicode standard: shortest form only, no surrogates, at most U+10FFFF.
+Character first_character(std::string_view text) {
+  constexpr CodePoint kFirstSurrogate = 0xD800, kLastSurrogate = 0xDFFF, kLast = 0x10FFFF;
+  constexpr std::array<CodePoint, 5> kLeast = {0, 0, 0x80, 0x800, 0x10000};  // by size
+  const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
+  const unsigned char lead = byte(0);
+  if (lead < 0x80) return {lead, 1};
+  const std::size_t size = lead >= 0xF0 ? 4 : lead >= 0xE0 ? 3 : 2;
+  if (lead < 0xC0 || lead > 0xF7 || text.size() < size) return {};
+  CodePoint code = lead & (0x7Fu >> size);
+  for (std::size_t i = 1; i < size; ++i) {
+    if ((byte(i) & 0xC0) != 0x80) return {};
+    code = code << 6 | (byte(i) & 0x3Fu);
+  }
+  const bool surrogate = code >= kFirstSurrogate && code <= kLastSurrogate;
+  if (code < kLeast[size] || code > kLast || surrogate) return {};
+  return {code, size};
+}
+
+bool within(CodePoint code, CodePoint first, CodePoint last) {
+  return code >= first && code <= last;
+}
+
+/// Obeyed by terminals, or not seen where it stands.
+bool hidden(CodePoint code) {
+  constexpr CodePoint kSoftHyphen = 0xAD, kArabicMark = 0x61C, kByteOrderMark = 0xFEFF;
+  return code < 0x20 || within(code, 0x7F, 0x9F) || code == kSoftHyphen || code == kArabicMark ||
+         within(code, 0x200B, 0x200F) ||    // without width, direction marks
+         within(code, 0x2028, 0x202E) ||    // separators, embeddings, overrides
+         within(code, 0x2060, 0x206F) ||    // joiners, isolates
+         within(code, 0xFFF9, 0xFFFB) ||    // annotations
+         within(code, 0xE0000, 0xE0FFF) ||  // tags, variation selectors
+         within(code, 0x180B, 0x180E) || code == kByteOrderMark;
+}
+
+void append_code(std::string& out, const char* format, unsigned code) {
+  std::array<char, 16> text{};
+  std::snprintf(text.data(), text.size(), format, code);
+  out += text.data();
+}
+
+std::string shown(std::string_view text, bool lines) {
+  constexpr CodePoint kOneByte = 0x100;
+  std::string out;
+  out.reserve(text.size());
+  while (!text.empty()) {
+    const Character c = first_character(text);
+    if (c.size == 0)
+      append_code(out, "\\x%02x", static_cast<unsigned char>(text.front()));
+    else if (hidden(c.code) && !(lines && c.code == '\n'))
+      append_code(out, c.code < kOneByte ? "\\x%02x" : "\\u{%x}", c.code);
+    else
+      out += text.substr(0, c.size);
+    text.remove_prefix(c.size == 0 ? 1 : c.size);
+  }
+  return out;
+}
+
+}  // namespace
+
+std::string visible(std::string_view text) { return shown(text, false); }
+std::string visible_lines(std::string_view text) { return shown(text, true); }
+
+}  // namespace feltwire
