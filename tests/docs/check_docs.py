@@ -1,0 +1,189 @@
+#!/usr/bin/env python3
+"""Checks that what the documents tell people to type exists.
+
+Every command of README.md, SECURITY.md and docs/*.md that runs one of our programs or scripts, in a code block or
+with its options in a sentence: the program has that subcommand and those options (it is asked with --help), the files of the repository that it
+names are there, a filter of the benchmarks finds some, and a page that uses a program which the usual build
+leaves out says how to build it first. Every table has one number of cells in all its rows.
+
+usage: check_docs.py SOURCE_FOLDER BIN_FOLDER
+"""
+
+import pathlib
+import re
+import shlex
+import subprocess
+import sys
+
+USUALLY_BUILT = {"feltwire-server", "feltwire-client", "feltwire-lab"}
+PROGRAM = re.compile(r"^(?:build/[a-z]+/bin/)?(feltwire-[a-z]+)$")
+
+
+class Page:
+    def __init__(self, path, source):
+        self.name = str(path.relative_to(source))
+        self.lines = path.read_text(encoding="utf-8").split("\n")
+
+    def blocks(self):
+        """(number, line) of code: in fences without a language or of a shell, or indented by four spaces."""
+        fence = None
+        for number, line in enumerate(self.lines, 1):
+            stripped = line.strip()
+            if stripped.startswith("```"):
+                fence = stripped[3:].strip() if fence is None else None
+                continue
+            if fence is not None:
+                if fence in ("", "sh", "bash", "shell", "console"):
+                    yield number, line
+            elif line.startswith("    "):
+                yield number, line
+
+    def commands(self):
+        """(number of its first line, words, whether in a sentence), continued lines joined, no comments."""
+        begun, text = 0, ""
+        for number, line in self.blocks():
+            text += " " + line.strip().lstrip("$ ")
+            begun = begun or number
+            if text.endswith("\\"):
+                text = text[:-1]
+                continue
+            try:
+                words = shlex.split(text, comments=True)
+            except ValueError:
+                words = []
+            if words:
+                yield begun, words, False
+            begun, text = 0, ""
+        for number, line in enumerate(self.lines, 1):
+            for text in re.findall(r"`((?:build/[a-z]+/bin/)?feltwire-[a-z]+ [^`]*--[^`]*)`", line):
+                try:
+                    yield number, shlex.split(text), True
+                except ValueError:
+                    pass
+
+
+def simple_commands(words):
+    """Parts of a pipeline or a list, without VARIABLE=value in front."""
+    part = []
+    for word in words + ["|"]:
+        if word in ("|", "||", "&&", "&", ";"):
+            while part and re.match(r"^[A-Za-z_]+=", part[0]):
+                part.pop(0)
+            if part[:2] == ["nice", "-n"]:
+                part = part[3:]
+            if part:
+                yield part
+            part = []
+        else:
+            part.append(word)
+
+
+class Programs:
+    def __init__(self, folder):
+        self.folder, self.asked = folder, {}
+
+    def there(self, program):
+        return (self.folder / program).is_file()
+
+    def output(self, *command):
+        if command not in self.asked:
+            done = subprocess.run([str(self.folder / command[0]), *command[1:]], stdin=subprocess.DEVNULL,
+                                  stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, timeout=60, check=False)
+            self.asked[command] = (done.returncode, done.stdout)
+        return self.asked[command]
+
+    def help(self, *command):
+        """Text of --help, None where there is no such (sub)command."""
+        status, text = self.output(*command, "--help")
+        return text if status == 0 else None
+
+
+def subcommands(programs, words):
+    """The words of a command that are subcommands, by what the help lists."""
+    command = [words[0]]
+    for word in words[1:]:
+        listed = programs.help(*command) or ""
+        if word.startswith("-") or not re.search(rf"^  {re.escape(word)}\b", listed, re.M):
+            break
+        command.append(word)
+    return command
+
+
+def check_program(programs, words, built_on_page, quoted):
+    program = PROGRAM.match(words[0]).group(1)
+    words = [program] + words[1:]
+    if not quoted and program not in USUALLY_BUILT and program not in built_on_page:
+        yield f"{program} is used before the page says how to build it (cmake --build ... --target {program})"
+    if not programs.there(program):
+        if program in USUALLY_BUILT:
+            yield f"there is no program {program}"
+        return
+    command = subcommands(programs, words)
+    text = programs.help(*command)
+    if text is None:
+        yield f"'{' '.join(command)} --help' fails"
+        return
+    if program == "feltwire-lab" and len(command) == 1 and not words[1:2] == ["--help"]:
+        yield f"feltwire-lab has no command {words[1] if len(words) > 1 else '(none given)'}"
+    whole = programs.help(program) or ""
+    for word in words[len(command):]:
+        option = word.split("=")[0]
+        if not re.match(r"^--[a-z]", option) or option == "--help":
+            continue
+        if not re.search(rf"{re.escape(option)}(?![a-z0-9_-])", text + whole):
+            yield f"{' '.join(command)} has no option {option}"
+    for word in words:
+        if word.startswith("--benchmark_filter="):
+            status, listed = programs.output(program, word, "--benchmark_list_tests")
+            if status != 0 or not listed.strip() or "Failed to match" in listed:
+                yield f"no benchmark matches {word}"
+
+
+def check_files(source, words):
+    for word in words:
+        if re.match(r"^(scripts|scenes|docker|tests)/[\w./-]+$", word) and not (source / word).exists():
+            yield f"there is no {word}"
+
+
+def check_tables(page):
+    cells, fenced = None, False
+    for number, line in enumerate(page.lines, 1):
+        fenced ^= line.strip().startswith("```")
+        if fenced or not line.startswith("|"):
+            cells = None
+            continue
+        count = len(re.sub(r"\\\|", "", line).strip().strip("|").split("|"))
+        if cells is None:
+            below = page.lines[number] if number < len(page.lines) else ""
+            if not re.match(r"^\|[\s:|-]+\|$", below):
+                yield number, "a table begins here without a line of dashes below its head"
+        elif count != cells:
+            yield number, f"{count} cells where the table has {cells}"
+        cells = count
+
+
+def main():
+    source, folder = pathlib.Path(sys.argv[1]).resolve(), pathlib.Path(sys.argv[2])
+    programs = Programs(folder)
+    found, commands = [], 0
+    pages = [source / "README.md", source / "SECURITY.md", *sorted((source / "docs").glob("*.md"))]
+    for page in (Page(path, source) for path in pages):
+        built = set()
+        for number, words, quoted in page.commands():
+            for part in simple_commands(words):
+                if part[0] == "cmake" and "--target" in part:
+                    built.update(part[part.index("--target") + 1:])
+                wrong = list(check_files(source, part)) if part[0][0] in "bcdfst" else []
+                if PROGRAM.match(part[0]):
+                    commands += 1
+                    wrong += check_program(programs, part, built, quoted)
+                found += [f"{page.name}:{number}: {what}" for what in wrong]
+        found += [f"{page.name}:{number}: {what}" for number, what in check_tables(page)]
+    print("\n".join(found + [f"{commands} commands of our programs, {len(found)} wrong"]))
+    if commands == 0:
+        print("no command was found: the check reads nothing")
+    return 1 if found or commands == 0 else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
