@@ -12,6 +12,7 @@
 #include <variant>
 
 #include "client/tls_stream.hpp"
+#include "protocol/grant.hpp"
 #include "protocol/ports.hpp"
 
 namespace feltwire {
@@ -78,6 +79,34 @@ class Dialogue {
   const Secret& token_;
 };
 
+bool unit(const Vec3& direction) {
+  return std::abs(direction.squaredNorm() - 1.0) <= kUnitTolerance;  // false for NaN
+}
+
+/// What is wrong with the session that a server offers, in one line that names the field; nothing
+/// where it is what was asked for. No answer of a server takes the bound off a hand.
+std::optional<std::string> broken_offer(const control::JoinAccepted& offered,
+                                        const control::JoinRequest& wanted) {
+  try {
+    validate(offered.parameters);
+  } catch (const std::invalid_argument& error) {
+    return "parameters that cannot be: " + std::string(error.what());
+  }
+  if (const auto changed = forbidden_grant(wanted.parameters, offered.parameters))
+    return "other parameters than a server may: " + *changed;
+  // Each comparison is false for NaN.
+  if (!(offered.silence_timeout >= control::kShortestSilence &&
+        offered.silence_timeout <= control::kLongestSilence))
+    return "a silence_timeout that is not within 0.1 to 3600 s";
+  if (!(offered.start_position.cwiseAbs().maxCoeff() <= kMaxPosition) ||
+      !offered.start_position.allFinite())
+    return "a start_position beyond 1000 m";
+  if (!unit(offered.start_normal)) return "a start_normal that is not of length one";
+  if (!(offered.stiffness >= 0.0 && offered.stiffness <= kStiffest))
+    return "a stiffness that is not within 0 to 1e9 N/m";
+  return std::nullopt;
+}
+
 Address address_of(const asio::ip::udp::endpoint& endpoint) {
   Address address;
   address.size = static_cast<socklen_t>(endpoint.size());
@@ -122,9 +151,7 @@ Joined join(const ServerAccess& server, const control::JoinRequest& request,
   Dialogue dialogue(server, timeout);
   const control::Message answer = dialogue.ask(wanted);
   const auto* accepted = std::get_if<control::JoinAccepted>(&answer);
-  if (accepted == nullptr || accepted->port_offset == 0 ||
-      !std::isfinite(accepted->silence_timeout) || !std::isfinite(accepted->stiffness) ||
-      accepted->stiffness < 0.0)
+  if (accepted == nullptr || accepted->session == 0 || accepted->port_offset == 0)
     dialogue.bad_answer();
   const std::string name = to_string(server.endpoint);
   constexpr unsigned kLastPort = 65535;
@@ -136,11 +163,9 @@ Joined join(const ServerAccess& server, const control::JoinRequest& request,
     throw LastingError(name + " chose a cipher that this machine does not have");
   if (!wanted.tool.empty() && accepted->tool != wanted.tool)
     throw LastingError(name + " knows of no tools to choose from; join without naming one");
-  try {
-    validate(accepted->parameters);
-  } catch (const std::invalid_argument& error) {
-    throw SessionError(name + " granted parameters that cannot be: " + error.what());
-  }
+  if (const auto broken = broken_offer(*accepted, wanted))
+    throw LastingError(name + " granted " + *broken +
+                       "; this client joins no such session: is it a server to be trusted?");
   const auto peer = dialogue.stream().peer();
   return {*accepted, address_of({peer, static_cast<std::uint16_t>(port)}),
           dialogue.stream().keys(accepted->session, accepted->suite)};

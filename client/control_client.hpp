@@ -24,8 +24,8 @@ class SessionError : public std::runtime_error {
 };
 
 /// One that asking again would not mend: the token, the role, the scene, the tool, the device or
-/// the parameters are refused, or one end's certificate is not good. What is full, limited or away
-/// may be there again.
+/// the parameters are refused, one end's certificate is not good, or the server grants what it may
+/// not (protocol/grant.hpp). What is full, limited or away may be there again.
 class LastingError : public SessionError {
  public:
   using SessionError::SessionError;
@@ -61,7 +61,8 @@ struct Joined {
 /// Asks the server for a session and waits at most `timeout` for each of connecting, TLS and
 /// answering. Which ciphers this machine has is said here, whatever `request` says. Blocks; throws
 /// SessionError: the host is not known or not reachable, it is not the one to be trusted, it
-/// refuses (with its reason), or its answer makes no sense.
+/// refuses (with its reason), its answer makes no sense, or it grants another session than the one
+/// that was asked for.
 Joined join(const ServerAccess& server, const control::JoinRequest& request,
             std::chrono::milliseconds timeout);
 

@@ -5,17 +5,21 @@
 #include <thread>
 #include <utility>
 
+#include "protocol/grant.hpp"
+
 namespace feltwire {
 
 Rejoiner::Attempt Rejoiner::attempt(const ServerAccess& server, const control::JoinRequest& request,
                                     std::chrono::milliseconds timeout) {
   try {
     const Joined joined = join(server, request, timeout);
-    if (joined.accepted.parameters == request.parameters)
+    // What a join may bring cannot change while the hand's loop goes on.
+    const auto changed = difference(request.parameters, joined.accepted.parameters);
+    if (!changed)
       return {SessionAddress{joined.datagrams, joined.accepted.session, joined.keys}, {}};
     return {std::nullopt, to_string(server.endpoint) +
-                              " now grants other parameters than those that this session's bound "
-                              "stands on; start anew"};
+                              " now grants other parameters than those of the session before (" +
+                              *changed + "); start anew"};
   } catch (const LastingError& error) {
     return {std::nullopt, error.what()};
   } catch (const std::exception&) {  // also no descriptor, no memory: the next may have them

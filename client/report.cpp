@@ -132,7 +132,6 @@ Json server(const Servo& servo) {
   const Reply& reply = servo.newest_reply();
   return {{"sample_index", reply.sample_index},
           {"energy_delivered_j", energy(reply.delivered)},
-          {"bound_violations", reply.violations},
           {"ratio", number(reply.ratio)},
           {"bound_active", reply.active},
           {"saturated", reply.saturated},

@@ -26,19 +26,29 @@ BoundingConfig bound_of(const SessionParameters& parameters, const DeviceSpec& s
   return config;
 }
 
-/// A server's bound knows nothing of delay and loss. A mode without a bound has no guard either,
-/// nor a device of which no damping is known.
-std::optional<PortGuard> guard_of(const SessionParameters& parameters,
-                                  const BoundingConfig& config) {
-  if (parameters.side != BoundingSide::server || parameters.mode == BoundingMode::none ||
-      !PortGuard::usable(config.damping))
+/// Where the server bounds, for its bound knows nothing of delay, of loss and of late ticks; and
+/// behind a bound at this side that may be reduced, for that one counts on holds of T. None where
+/// nothing bounds, where no damping of the device is known, and where this side's bound was told to
+/// credit the operator, which the guard does not.
+std::optional<PortGuard> guard_of(const SessionParameters& parameters, const DeviceSpec& spec) {
+  const bool behind_bound = parameters.side != BoundingSide::server;
+  if (parameters.mode == BoundingMode::none || !PortGuard::usable(spec.damping) ||
+      (behind_bound && (!admits_reduction(parameters.mode) || parameters.operator_damping > 0.0)))
     return std::nullopt;
-  return PortGuard(config.damping, config.rotation ? config.rotational_damping : Damping(),
-                   config.period);
+  return PortGuard(spec.damping, spec.rotation_actuated > 0 ? spec.rotational_damping : Damping());
 }
 
-PortEnergy observer_of(const BoundingConfig& config) {
-  return {config.damping, config.rotation ? config.rotational_damping : Damping(), config.period};
+/// Of what the device burns by itself: whatever the bound is told to credit, that is the truth.
+PortEnergy observer_of(const DeviceSpec& spec, double period) {
+  return {spec.damping, spec.rotation_actuated > 0 ? spec.rotational_damping : Damping(), period};
+}
+
+/// Nothing else withholds what a scene changes to, and nothing else sees to it that it is paid for.
+std::optional<Admission> admission_of(const SessionParameters& p, const DeviceSpec& spec,
+                                      const std::optional<PortGuard>& guard) {
+  if (p.mode != BoundingMode::contact_frame || p.side == BoundingSide::server || !guard)
+    return std::nullopt;
+  return Admission(spec.max_force / (0.5 * p.hold_time));
 }
 
 void refuse_beside(BoundingMode mode, const char* what, double value, const char* unit,
@@ -99,8 +109,10 @@ Servo::Servo(const DeviceSpec& spec, const SessionParameters& parameters,
       options_(options),
       bounding_(bound_of(parameters, spec)),
       safety_(options.safety, admits_reduction(parameters.mode)),
-      port_(observer_of(bounding_.config())),
-      guard_(guard_of(parameters, bounding_.config())),
+      port_(observer_of(spec, parameters.servo_period)),
+      guard_(guard_of(parameters, spec)),
+      reserve_(parameters.servo_period),
+      admission_(admission_of(parameters, spec, guard_)),
       torque_(bounding_.config().rotation),
       period_(bounding_.config().period),
       velocity_(parameters.velocity_cutoff),
@@ -122,6 +134,8 @@ bool Servo::take(const Reply& reply, Nanoseconds arrival) noexcept {
   const Command let_go = newest_.command, rates = newest_.rates;
   const bool predicted = newest_.predicted;
   statistics_.scene_resets += reply.recovering && !newest_.recovering ? 1 : 0;
+  if (admission_ && has_reply() && !fresh_ && reply.reloads != newest_.reloads) admission_->begin();
+  fresh_ = false;
   newest_ = reply;
   const Sent& sent = sent_[reply.sample_index % kRemembered];
   const bool remembered = sent.index == reply.sample_index;
@@ -184,6 +198,7 @@ void Servo::release() noexcept {
 
 void Servo::reconnected(bool fresh) noexcept {
   if (fresh) withheld_before_ = statistics_.withheld;
+  if (fresh) fresh_ = true;
   if (released_) return;
   if (pulls(held_))
     start_letting_go();
@@ -200,6 +215,7 @@ void Servo::start_letting_go() noexcept {
 void Servo::begin_anew(std::uint64_t last_sample_before) noexcept {
   safety_.begin_anew();
   local_.clear();
+  if (admission_) admission_->forget();
   anew_after_ = last_sample_before;
   newest_original_ = false;  // what was said before says nothing of where the hand is now
 }
@@ -308,6 +324,17 @@ bool Servo::follow_model(const BoundingStep& step, Nanoseconds now, Command& com
   return w >= 1.0;
 }
 
+/// Of a scene that was changed, what the hand has paid for.
+void Servo::let_in(const BoundingStep& step) noexcept {
+  const double energy = admission_->energy({.held = held_,
+                                            .displacement = step.displacement,
+                                            .hold_time = reserve_.hold_time(),
+                                            .command = step.command,
+                                            .margin = port_.margin()},
+                                           *guard_);
+  if (energy > 0.0) bounding_.endow(energy);
+}
+
 Command Servo::render(const DeviceReading& reading, Nanoseconds now) noexcept {
   BoundingStep step;
   step.hold_time = time_since_last_tick(now);
@@ -317,6 +344,7 @@ Command Servo::render(const DeviceReading& reading, Nanoseconds now) noexcept {
   command_age_ = has_reply() ? seconds(now - newest_arrival_) : 0.0;
   if (reading.ended) device_ended_ = released_ = true;
 
+  reserve_.saw(step.hold_time);
   const bool read = good(reading), usable = read && !device_ended_;
   if (read) {
     const Movement moved = moved_to(reading);
@@ -342,7 +370,9 @@ Command Servo::render(const DeviceReading& reading, Nanoseconds now) noexcept {
     step.command = faded(wanted_, factor);
   }
 
+  if (admission_) let_in(step);
   Bounded bounded = bounding_.step(step);
+  if (admission_) admission_->given(bounded.rendered.elastic, step.command.elastic);
   // The paper's laws would hold on to a part of the last force; zero is passive too.
   if (!(factor > 0.0)) bounded.rendered = {};
   statistics_.bound_active += bounded.active ? 1 : 0;
@@ -351,7 +381,7 @@ Command Servo::render(const DeviceReading& reading, Nanoseconds now) noexcept {
 
   Command given = safeguard(bounded.rendered, step, original);
   if (guard_) {
-    const Command affordable = guard_->apply(given, port_.margin());
+    const Command affordable = guard_->apply(given, port_.margin(), reserve_.hold_time());
     statistics_.guarded += affordable == given ? 0 : 1;
     given = affordable;
   }

@@ -8,6 +8,7 @@
 #include <optional>
 #include <vector>
 
+#include "client/admission.hpp"
 #include "client/clock_estimate.hpp"
 #include "client/device.hpp"
 #include "client/histogram.hpp"
@@ -141,6 +142,8 @@ class Servo {
   const Command& held() const { return held_; }  // on the hand since the last tick
   const Reply& newest_reply() const { return newest_; }
   bool has_reply() const { return newest_.sample_index > 0; }
+  /// The scene was changed under the hand, and the bound still keeps some of its force back.
+  bool withholds_change() const { return admission_ && admission_->withheld(); }
   /// [s] since the newest reply came, at the last tick.
   double command_age() const { return command_age_; }
 
@@ -165,6 +168,7 @@ class Servo {
   Command faded(const Command& command, double factor) const noexcept;
   void start_letting_go() noexcept;
   void begin_anew(std::uint64_t last_sample_before) noexcept;
+  void let_in(const BoundingStep& step) noexcept;
   Command safeguard(const Command& bounded, const BoundingStep& step, bool original) noexcept;
   void observe_direction(const Command& held) noexcept;
   void count_answer(const Reply& reply, Nanoseconds arrival) noexcept;
@@ -176,7 +180,9 @@ class Servo {
   Bounding bounding_;
   SafetyStage safety_;
   PortEnergy port_;
-  std::optional<PortGuard> guard_;  // where the server bounds
+  std::optional<PortGuard> guard_;
+  HoldReserve reserve_;
+  std::optional<Admission> admission_;  // where this side bounds by contact_frame
   bool torque_;
   double period_;  // T [s]
 
@@ -187,6 +193,7 @@ class Servo {
   std::uint64_t newest_datagram_ = 0;    // in which that sample went
   std::uint64_t withheld_before_ = 0;    // by the servers of sessions before this one
   bool newest_original_ = false;         // its command is the scene's as it was
+  bool fresh_ = false;                   // no reply of another session has come yet
   std::uint64_t anew_after_ = 0;         // replies to samples up to this one end no wait
   std::uint64_t stood_still_after_ = 0;  // replies to samples up to this one are out of date
   double command_age_ = 0.0;

@@ -298,7 +298,8 @@ class Loop {
          .answered_lately =
              servo_.has_reply() && servo_.command_age() < 0.5 * servo_.parameters().hold_time,
          .connected = !lost_,
-         .recovering = servo_.newest_reply().recovering});
+         .recovering = servo_.newest_reply().recovering,
+         .withholds_change = servo_.withholds_change()});
   }
 
   Device& device_;

@@ -68,7 +68,8 @@ struct LiveStatus {
   double energy = 0.0;                                // [J] delivered to the hand so far
   bool answered_lately = false;                       // the command in use is not fading
   bool connected = true;                              // the session is not lost
-  bool recovering = false;  // what moves was put back, and is felt in part
+  bool recovering = false;        // what moves was put back, and is felt in part
+  bool withholds_change = false;  // the scene was changed, and is not all felt yet
 };
 
 /// What an observer was shown, and when.

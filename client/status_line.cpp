@@ -32,7 +32,9 @@ double loss(const LiveStatus& status, const LiveStatus& before) {
 const char* ending(const LiveStatus& s) {
   if (!s.connected) return "  reconnecting";
   if (!s.answered_lately) return "  no answer";
-  return s.recovering ? "  what moves was put back" : "";
+  if (s.recovering) return "  what moves was put back";
+  return s.withholds_change ? "  the scene has changed: let go and touch anew to feel all of it"
+                            : "";
 }
 
 }  // namespace

@@ -7,30 +7,51 @@
 
 namespace feltwire {
 
-/// A force f held over T can give the hand at most f' B^-1 f T / 4 beyond what the device burns
-/// meanwhile (dx = B^-1 f T / 2, docs/bounding.md). So a port that has burned E more than it
+/// A force f held over h can give the hand at most f' B^-1 f h / 4 beyond what the device burns
+/// meanwhile (dx = B^-1 f h / 2, docs/bounding.md). So a port that has burned E more than it
 /// delivered keeps delivered <= burned, whatever the hand does and whoever made the force, while
-///   f' B^-1 f T / 4 + tau' B_r^-1 tau T / 4 <= E
-/// A command that asks for more is scaled down, force and torque alike. Only a hold longer than T
-/// can overdraw that; what it owes is in E from then on.
+///   f' B^-1 f h / 4 + tau' B_r^-1 tau h / 4 <= E
+/// A command that asks for more is scaled down, force and torque alike. Only a hold longer than the
+/// h that was reckoned with (HoldReserve) can overdraw that; what it owes is in E from then on.
 ///
 /// This is not a bound to feel by: it lets an oscillation live on what friction and damping
 /// gathered before (core/bounding/total_energy.hpp). It is for what must not happen.
 class PortGuard {
  public:
-  /// Damping [N s/m], [N m s/rad], T [s].
-  PortGuard(const Damping& damping, const Damping& rotational_damping, double period)
-      : force_(damping), torque_(rotational_damping), quarter_period_(0.25 * period) {}
+  /// Damping [N s/m], [N m s/rad], of the device alone.
+  PortGuard(const Damping& damping, const Damping& rotational_damping)
+      : force_(damping), torque_(rotational_damping) {}
 
   /// Whether the device's damping says anything: every direction has some.
   static bool usable(const Damping& damping) { return damping.least() > 0.0; }
 
-  /// What may be held, with `energy` E [J]. Torque without damping is none.
-  Command apply(const Command& command, double energy) const noexcept;
+  /// What may be held over `hold_time` h [s], with `energy` E [J]. Torque without damping is none.
+  Command apply(const Command& command, double energy, double hold_time) const noexcept;
+
+  /// [J] the left side above: the most that the hand can take of a command.
+  double needed(const Command& command, double hold_time) const noexcept;
 
  private:
   Metric<double> force_, torque_;
-  double quarter_period_;
+};
+
+/// How long the force of this tick may have to be held: nobody knows before the next one comes.
+/// Reckoned with is T and twice what a hold of the last second or two was longer, at most 2 T. A
+/// tick that is a whole period late is an overrun, whose debt the port repays.
+class HoldReserve {
+ public:
+  /// T [s].
+  explicit HoldReserve(double period) : period_(period) {}
+
+  /// The last force was held so long [s].
+  void saw(double hold_time) noexcept;
+  double hold_time() const noexcept;  // [s]
+
+ private:
+  static constexpr double kWindow = 1.0;  // [s] the longest is forgotten after one or two of these
+  double period_;
+  double over_ = 0.0, over_before_ = 0.0;  // [s] the most beyond T, in this window and the last
+  double window_ = 0.0;                    // [s] of this one so far
 };
 
 }  // namespace feltwire

@@ -17,6 +17,7 @@ constexpr std::size_t kSmallestBuffer = 8;  // [bytes] a root offset and an empt
 
 constexpr std::uint32_t kFlagActive = 1u << 0, kFlagSaturated = 1u << 1, kFlagRefused = 1u << 2,
                         kFlagGap = 1u << 3, kFlagRecovering = 1u << 4;
+constexpr unsigned kReloadsShift = 8;  // of the byte of flags that counts reloads
 constexpr std::uint8_t kFlagTouching = 1u << 0, kFlagSlipping = 1u << 1, kFlagJoined = 1u << 2,
                        kFlagFaceted = 1u << 3, kFlagRough = 1u << 4;
 
@@ -204,13 +205,13 @@ Bytes Encoder::reply(const Reply& reply, const SceneView* view) {
   const wire::Vec3d elastic = wire_double(reply.command.elastic);
   const wire::Vec3d frictional = wire_double(reply.command.frictional);
   const wire::Vec3d torque = wire_double(reply.command.torque);
-  const std::uint32_t flags = (reply.active ? kFlagActive : 0) |
-                              (reply.saturated ? kFlagSaturated : 0) |
-                              (reply.refused ? kFlagRefused : 0) | (reply.gap ? kFlagGap : 0) |
-                              (reply.recovering ? kFlagRecovering : 0);
+  const std::uint32_t flags =
+      (reply.active ? kFlagActive : 0) | (reply.saturated ? kFlagSaturated : 0) |
+      (reply.refused ? kFlagRefused : 0) | (reply.gap ? kFlagGap : 0) |
+      (reply.recovering ? kFlagRecovering : 0) | (std::uint32_t{reply.reloads} << kReloadsShift);
   const wire::BoundingReport report(reply.delivered.elastic, reply.delivered.frictional,
                                     reply.delivered.torque, static_cast<float>(reply.ratio), flags,
-                                    reply.violations);
+                                    0);
   const wire::Rates rates(wire_float(reply.rates.elastic), wire_float(reply.rates.frictional),
                           wire_float(reply.rates.torque));
   auto& builder = builder_->begin();
@@ -312,7 +313,7 @@ DropReason decode(Bytes payload, Reply& out, SceneView* view) noexcept {
   out.refused = (report.flags() & kFlagRefused) != 0;
   out.gap = (report.flags() & kFlagGap) != 0;
   out.recovering = (report.flags() & kFlagRecovering) != 0;
-  out.violations = report.violations();
+  out.reloads = static_cast<std::uint8_t>(report.flags() >> kReloadsShift);
   out.withheld = root->withheld();
   out.predicted = root->rates() != nullptr;
   out.rates = {};

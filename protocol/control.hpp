@@ -24,6 +24,8 @@ inline constexpr std::size_t kMaxScenes = 256;  // of one server
 /// [bytes] body of a frame before the token was shown: strangers get no work done with a long one.
 inline constexpr std::size_t kMaxFirstFrame = 512;
 inline constexpr std::size_t kMaxSessionEntries = 200;  // of one SessionList
+inline constexpr double kShortestSilence = 0.1;         // [s] of a silence timeout
+inline constexpr double kLongestSilence = 3600.0;       // [s] likewise
 
 struct JoinRequest {
   std::string client;

@@ -63,7 +63,8 @@ struct Reply {
   double ratio = 1.0;       // |rendered| / |commanded|, float32 on the wire
   bool active = false, saturated = false, refused = false, gap = false;
   bool recovering = false;  // what moves was put back to a good state, and is felt in part
-  std::uint64_t violations = 0;
+  /// Modulo 256, how often the scene was reloaded under this session.
+  std::uint8_t reloads = 0;
   std::uint64_t withheld = 0;  // datagrams that needed no reply (deadband), so far
   bool predicted = false;      // `rates` travel too
   Command rates;               // [N/s], [N m/s] of the command, float32 on the wire

@@ -15,7 +15,6 @@ constexpr double kShortestPeriod = 1e-5, kLongestPeriod = 0.1;  // [s]
 constexpr double kLargestOperatorDamping = 100.0;               // [N s/m]
 constexpr double kLargestCutoff = 1e5;  // [Hz] half the rate of the shortest period and more
 constexpr double kLongestHold = 1.0;    // [s]
-constexpr double kStiffest = 1e9;       // [N/m]
 constexpr double kLargestCouplingDamping = 1e6;              // [N s/m]
 constexpr double kLightestTool = 1e-6, kHeaviestTool = 1e3;  // [kg]
 
@@ -59,6 +58,7 @@ void validate_traffic(const SessionParameters& p) {
                                 " ticks is longer than the hold_time of " + text(p.hold_time) +
                                 " s: the force would be gone before the next datagram; lower it "
                                 "or raise hold_time");
+  within("keep_alive", p.keep_alive, 0.0, kLongestHold, "s", "0.02 suits most lines");
   // Silence of one side after silence of the other adds up.
   const bool both = p.position_deadband > 0.0 && p.force_deadband > 0.0;
   if (p.position_deadband > 0.0 || p.force_deadband > 0.0)

@@ -18,6 +18,7 @@ inline constexpr std::array<std::string_view, 2> kPredictorNames = {"level", "li
 
 inline constexpr int kMaxPacketInterval = 1000;  // [servo ticks]
 inline constexpr double kMaxDeadband = 0.5;      // Weber fraction
+inline constexpr double kStiffest = 1e9;         // [N/m]
 
 /// What a client asks for and the server grants; all can be changed while the session runs but
 /// servo_period.
@@ -45,8 +46,8 @@ struct SessionParameters {
       0.0;                      // Weber fraction that a datagram is sent for, 0 to 0.5; 0: always
   double force_deadband = 0.0;  // likewise a reply
   Predictor predictor = Predictor::level;
-  double keep_alive =
-      0.02;  // [s] longest silence of either deadband, n T to hold_time / 2 (/ 4: both)
+  double keep_alive = 0.02;  // [s] longest silence of either deadband, 0 to 1; with one n T to
+                             // hold_time / 2, with both n T to hold_time / 4
   bool local_model = false;  // replies bring the surfaces near the tool; the client bounds them
 
   friend bool operator==(const SessionParameters&, const SessionParameters&) = default;

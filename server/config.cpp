@@ -20,7 +20,6 @@ namespace feltwire {
 namespace {
 
 constexpr int kLastPort = 65535;
-constexpr double kShortestSilence = 0.1, kLongestSilence = 3600.0;  // [s]
 constexpr int kMostSessions = 4096;
 constexpr double kLeastSampleRate = 1.1, kLargestSampleRate = 1e6;  // times the servo rate
 constexpr double kNeverSleeps = -1.0;                               // of busy_poll, in a file
@@ -99,7 +98,8 @@ std::optional<Complaint> complaint(const ServerConfig& c) {
                      std::to_string(c.port) + " is not within 1 to " +
                          std::to_string(kLastPort - scenes) + " (" + std::to_string(scenes) +
                          " scene ports follow it), nor 0 for a free place for all"};
-  if (!(c.silence_timeout >= kShortestSilence && c.silence_timeout <= kLongestSilence))
+  if (!(c.silence_timeout >= control::kShortestSilence &&
+        c.silence_timeout <= control::kLongestSilence))
     return Complaint{"silence_timeout", "--silence-timeout",
                      std::to_string(c.silence_timeout) + " s is not within 0.1 to 3600 s"};
   if (c.max_sessions_per_scene < 1 || c.max_sessions_per_scene > kMostSessions)

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "protocol/grant.hpp"
 #include "server/sample_rate.hpp"
 
 namespace feltwire {
@@ -19,7 +20,6 @@ void add(SceneCounters& sum, const Session& session) {
   sum.samples.gaps += counters.gaps;
   sum.samples.missed += counters.missed;
   sum.samples.duplicates += counters.duplicates;
-  sum.violations += session.violations();
 }
 
 void add(WorldCounters& sum, const WorldCounters& more) {
@@ -132,12 +132,15 @@ control::Message SceneSessions::answer(const control::Message& request, std::uin
   if (const auto* wanted = std::get_if<control::SetParameters>(&request)) {
     Seat** seat = by_id_.find(wanted->session);
     if (seat == nullptr) return unknown_session(wanted->session);
+    Session& session = (*seat)->session;
+    if (auto wrong = forbidden_change(session.parameters(), wanted->parameters))
+      return control::Refused{control::RefusalCode::bad_parameters, *std::move(wrong)};
     try {
-      (*seat)->session.set_parameters(granted(wanted->parameters));
+      session.set_parameters(wanted->parameters);
     } catch (const std::invalid_argument& error) {
       return control::Refused{control::RefusalCode::bad_parameters, error.what()};
     }
-    return control::ParametersSet{wanted->session, (*seat)->session.parameters()};
+    return control::ParametersSet{wanted->session, session.parameters()};
   }
   return control::Refused{control::RefusalCode::malformed,
                           "a scene answers join, leave and set parameters only"};

@@ -40,7 +40,6 @@ struct SceneCounters {
   // admin or because their token is good no more or their tool is in the scene no more.
   std::uint64_t left = 0, silent = 0, flooded = 0, forged = 0, evicted = 0;
   std::uint64_t datagrams = 0;      // received
-  std::uint64_t violations = 0;     // of the energy bound at the real ports
   SessionCounters samples;          // over all sessions
   WorldCounters world;              // zero where nothing moves
   std::uint64_t ticks_dropped = 0;  // of the world, when the thread could not keep up

@@ -232,10 +232,10 @@ std::string text(const std::vector<SceneSummary>& summary) {
         "scene {}: sessions {} (left {}, silent {}, flooded {}, forged {}, evicted {}), samples "
         "{}, "
         "replies {} ({} withheld), gaps {} "
-        "({} samples missed), violations {}, unsent {}\n",
+        "({} samples missed), unsent {}\n",
         scene.scene, c.sessions_served, c.left, c.silent, c.flooded, c.forged, c.evicted,
         c.samples.samples, c.samples.replies, c.samples.withheld, c.samples.gaps, c.samples.missed,
-        c.violations, scene.unsent);
+        scene.unsent);
     std::string drops;
     for (std::size_t i = 1; i < c.drops.size(); ++i)
       if (c.drops[i] > 0)

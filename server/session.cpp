@@ -15,12 +15,6 @@ const control::JoinRequest& checked(const control::JoinRequest& request) {
   return request;
 }
 
-PortEnergy observer(const BoundingConfig& bound) {
-  // The held forces come as float32: half an ulp of theirs is 6e-8.
-  constexpr double kWireRounding = 1e-6;
-  return PortEnergy(bound.damping, bound.rotational_damping, bound.period, kWireRounding);
-}
-
 /// Whether a bound may go on with its memory under the other parameters: they differ in nothing
 /// that it was made from.
 bool same_bound(SessionParameters a, const SessionParameters& b) {
@@ -51,10 +45,6 @@ double force_ratio(const Command& rendered, const Command& commanded) {
   return wanted > 0.0 ? length(rendered.force()) / wanted : 1.0;
 }
 
-ChannelEnergy operator+(const ChannelEnergy& a, const ChannelEnergy& b) {
-  return {a.elastic + b.elastic, a.frictional + b.frictional, a.torque + b.torque};
-}
-
 }  // namespace
 
 /// From the last sample taken to a newer one.
@@ -76,7 +66,7 @@ Session::Session(const control::JoinRequest& request, const Scene& scene, World*
       grasp_(world != nullptr ? world->grasp(scene) : Grasp{}),
       bounding_(bounding_config(parameters_, device_)),
       velocity_(parameters_.velocity_cutoff),
-      observer_(observer(bounding_.config())),
+      observer_(device_.damping, device_.rotational_damping, parameters_.servo_period),
       deadband_(parameters_) {}
 
 Taken Session::take(const SampleBatch& batch, Nanoseconds now) noexcept {
@@ -106,7 +96,7 @@ Taken Session::take(const SampleBatch& batch, Nanoseconds now) noexcept {
                       ? local_model(*world_, last_.pose.position, contacts_, grasp_.held)
                       : local_model(*scene_, last_.pose.position, contacts_);
   reply.delivered = delivered();
-  reply.violations = violations();
+  reply.reloads = reloads_;
   reply.recovering = world_ != nullptr && world_->recovering();
   taken.withheld = deadband_.withhold(reply);
   ++(taken.withheld ? counters_.withheld : counters_.replies);
@@ -188,6 +178,7 @@ void Session::step(const Sample& sample, bool rotation, Reply& reply) noexcept {
 }
 
 void Session::enter(const Scene& scene, World* world) {
+  ++reloads_;
   scene_ = &scene;
   world_ = world;
   contacts_ = scene.memory();
@@ -225,16 +216,11 @@ void Session::set_parameters(const SessionParameters& parameters) {
     bounding_ = Bounding(bounding_config(parameters, device_));
     new_bound_ = true;
     probe_offset_.setZero();
-    delivered_before_ = delivered();
-    violations_before_ = violations();
-    observer_ = observer(bounding_.config());
   }
   if (parameters.velocity_cutoff != parameters_.velocity_cutoff)
     velocity_ = VelocityEstimate(parameters.velocity_cutoff);
   parameters_ = parameters;
   deadband_ = ReplyDeadband(parameters);
 }
-
-ChannelEnergy Session::delivered() const { return delivered_before_ + observer_.delivered(); }
 
 }  // namespace feltwire

@@ -73,9 +73,9 @@ class Session {
   /// The newest sample taken; its index is 0 before the first.
   const Sample& newest() const { return last_; }
 
-  /// At the real port, from the held forces that the client reported.
-  ChannelEnergy delivered() const;
-  std::uint64_t violations() const { return violations_before_ + observer_.violations(); }
+  /// At the real port, from the held forces that the client reported. An estimate: of samples that
+  /// did not travel the server knows nothing. Whether a bound held, only its client can tell.
+  const ChannelEnergy& delivered() const { return observer_.delivered(); }
 
  private:
   struct Movement;
@@ -100,10 +100,8 @@ class Session {
   VelocityEstimate velocity_;
   PortEnergy observer_;
   ReplyDeadband deadband_;
-  // What observers counted that had another damping.
-  ChannelEnergy delivered_before_;
-  std::uint64_t violations_before_ = 0;
 
+  std::uint8_t reloads_ = 0;    // of the scene, modulo 256
   Sample last_;                 // index 0: none taken yet
   bool last_rotation_ = false;  // it carried an orientation
   SessionCounters counters_;

@@ -30,7 +30,6 @@ Json scene_json(const SceneSummary& scene) {
           {"gaps", c.samples.gaps},
           {"missed", c.samples.missed},
           {"duplicates", c.samples.duplicates},
-          {"violations", c.violations},
           {"unsent", scene.unsent},
           {"dropped", drops(c)}};
 }

@@ -86,9 +86,8 @@ control::JoinAccepted join(SceneSessions& sessions, const Scene& scene, const De
 }
 
 PortEnergy port_of(const NetworkRunOptions& options) {
-  Damping damping = options.hand.spec.damping;
-  damping += options.parameters.operator_damping;
-  return {damping, options.hand.spec.rotational_damping, options.parameters.servo_period};
+  return {options.hand.spec.damping, options.hand.spec.rotational_damping,
+          options.parameters.servo_period};
 }
 
 /// Adds the time until its end to a sum, where there is one.

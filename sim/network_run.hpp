@@ -68,9 +68,9 @@ struct NetworkRunResult {
   /// unless asked for. The only numbers here that differ from run to run.
   Nanoseconds server_time{0}, client_time{0};
 
-  /// What the held forces did at the port with the damping that the device really has (and the
-  /// operator's that the session credits): over the displacements that the encoders measured, which
-  /// is all that a bound can know; and over the true ones.
+  /// What the held forces did at the port with the damping that the device really has: over the
+  /// displacements that the encoders measured, which is all that a bound can know; and over the
+  /// true ones.
   PortEnergy measured_port, true_port;
   /// [J] least value over time of what the device burned, its Coulomb friction included, less what
   /// the hand was given, over the true displacements.

@@ -300,6 +300,12 @@ void BasicBounding<Real>::set_held(const BasicCommand<Real>& held) noexcept {
 }
 
 template <class Real>
+void BasicBounding<Real>::endow(Real energy) noexcept {
+  auto* frame = std::get_if<ContactFrameBound<Real>>(&method_);
+  if (frame != nullptr && energy > 0 && std::isfinite(energy)) frame->endow(energy);
+}
+
+template <class Real>
 BasicProbe<Real> BasicBounding<Real>::probe(const Vector3<Real>& displacement,
                                             const Vector3<Real>& rotation) const noexcept {
   if (const auto* coupling = std::get_if<VirtualCoupling<Real>>(&method_))

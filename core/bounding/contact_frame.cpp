@@ -26,6 +26,8 @@ ChannelScales<Real> ContactFrameBound<Real>::bound_force(const ChannelCommand<Re
   debt.add(force_excess_);
   Real allowed_elastic = std::abs(f.elastic - c * f.dx_elastic);
   if (spare_ > 0) allowed_elastic = hypotenuse(allowed_elastic, spare_);
+  if (endowed_ > 0) [[unlikely]]
+    allowed_elastic = hypotenuse(allowed_elastic, endowed_);
   allowed_elastic = allowed_magnitude(
       allowed_elastic, [&] { return std::abs(f.dx_elastic); }, hold_time, force_law_, debt);
   Real allowed_friction = allowed_magnitude(
@@ -47,6 +49,9 @@ ChannelScales<Real> ContactFrameBound<Real>::bound_force(const ChannelCommand<Re
   if (projection_ == Projection::joint || command.elastic < 0) scale.elastic = scale.frictional;
 
   last_.stored = spare_ > 0 ? hypotenuse(held_.elastic, spare_) : held_.elastic;
+  if (endowed_ > 0) [[unlikely]]
+    last_.stored = hypotenuse(last_.stored, endowed_);
+  endowed_ = 0;
   last_.spring = spring_;
   last_.pressed = -c * f.dx_elastic;
   last_.allowed = allowed_elastic;

@@ -54,6 +54,12 @@ class ContactFrameBound {
 
   BasicCommand<Real> step(const BasicBoundingStep<Real>& s) noexcept;
   void set_held(const BasicCommand<Real>& held) noexcept;
+  /// The next step's elastic channel may draw on `energy` [J] beside what it stores. Whoever says
+  /// so has it (client/admission.hpp).
+  void endow(Real energy) noexcept {
+    constexpr Real kTwo = 2;
+    endowed_ = std::sqrt(kTwo * force_law_.c * energy);
+  }
   bool in_debt() const noexcept { return force_debt_.force > 0 || torque_debt_.force > 0; }
 
  private:
@@ -79,8 +85,9 @@ class ContactFrameBound {
   bool torque_;
 
   HeldForce<Real> held_;
-  Real spare_ = 0;   // [N] stored beyond S(held_.elastic): sqrt(2 c E - elastic^2)
-  Real spring_ = 0;  // [N] of held_.elastic without contact damping
+  Real spare_ = 0;    // [N] stored beyond S(held_.elastic): sqrt(2 c E - elastic^2)
+  Real endowed_ = 0;  // [N] likewise, of the next step alone
+  Real spring_ = 0;   // [N] of held_.elastic without contact damping
   ElasticStep last_;
   Vector3<Real> held_torque_ = Vector3<Real>::Zero();  // [N m]
   Real allowed_force_ = 0, allowed_torque_ = 0;  // by the last step: sqrt(4 b / T x stored energy)

@@ -51,11 +51,12 @@ TEST(Join, AsksForWhatWasWantedAndFindsTheScenePort) {
   accepted.session = 77;
   accepted.port_offset = 21;
   accepted.silence_timeout = 2.0;
+  accepted.parameters.mode = BoundingMode::per_axis;
   accepted.parameters.redundancy = 5;
   ControlPeer peer(control::encode(accepted));
 
   control::JoinRequest wanted = request();
-  wanted.parameters.mode = BoundingMode::per_axis;
+  wanted.parameters.mode = accepted.parameters.mode;
   const Joined joined = join(peer.access(), wanted, kPatience);
   EXPECT_EQ(joined.accepted.session, 77u);
   EXPECT_EQ(joined.accepted.parameters.redundancy, 5);
@@ -107,19 +108,12 @@ TEST(Join, AnswersThatMakeNoSenseAreRefused) {
   control::JoinAccepted impossible = portless;
   impossible.port_offset = 1;
   impossible.parameters.hold_time = -1.0;
-  control::JoinAccepted unreal = portless;
-  unreal.port_offset = 1;
-  unreal.stiffness = std::numeric_limits<double>::quiet_NaN();
-  control::JoinAccepted negative = unreal;
-  negative.stiffness = -1.0;
 
   struct Case {
     std::vector<std::uint8_t> answer;
     const char* said;
   };
   const std::vector<Case> cases = {
-      {control::encode(unreal), "no feltwire message"},
-      {control::encode(negative), "no feltwire message"},
       {{}, "no answer"},                              // closed without a word
       {{8, 0, 0, 0, 1, 2}, "no answer"},              // broken off
       {{0, 0, 0, 0}, "no feltwire message"},          // empty

@@ -7,8 +7,10 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "protocol/grant.hpp"
 #include "server/state_file.hpp"
 #include "tests/client/loopback.hpp"
+#include "tests/client/peer.hpp"
 #include "tests/client/temporary_folder.hpp"
 
 namespace feltwire::program_test {
@@ -138,6 +140,29 @@ TEST_F(ClientProgram, ATokenThatIsRevokedEndsItAtOnce) {
   EXPECT_THAT(outcome.error, AllOf(HasSubstr("refused: "), HasSubstr("token")));
   EXPECT_EQ(report()["end"], "refused");
   EXPECT_EQ(report()["disconnections"], 1);
+}
+
+// Each of these once gave a hand 27 J at its device's full force.
+TEST_F(ClientProgram, AServerThatTakesTheBoundOffGetsNoHand) {
+  SessionParameters none, elsewhere, credited;
+  none.mode = BoundingMode::none;
+  elsewhere.side = BoundingSide::server;
+  credited.operator_damping = 100.0;
+  for (const SessionParameters& granted : {none, elsewhere, credited}) {
+    control::JoinAccepted offered;
+    offered.session = 77;
+    offered.port_offset = 1;
+    offered.silence_timeout = 2.0;
+    offered.parameters = granted;
+    testing::ControlPeer liar(control::encode(offered));
+    access_ = liar.access();
+    test::Program program(FELTWIRE_CLIENT_PROGRAM, words(anna_, {"--duration", "0.3"}));
+    const test::Outcome outcome = program.finish();
+    EXPECT_EQ(outcome.status, 1);
+    EXPECT_THAT(outcome.error, AllOf(HasSubstr("granted other parameters than a server may: "),
+                                     HasSubstr(difference({}, granted).value())));
+    EXPECT_EQ(outcome.out, "");  // no sample was made
+  }
 }
 
 }  // namespace

@@ -80,9 +80,11 @@ TEST(Rejoin, OtherParametersEndIt) {
   accepted.session = 7;
   accepted.port_offset = 1;
   accepted.silence_timeout = 2.0;
-  accepted.parameters.servo_period = 0.002;
+  accepted.parameters.redundancy = 2;
   testing::ControlPeer peer(control::encode(accepted));
-  EXPECT_THAT(given_up(peer.access()), HasSubstr("grants other parameters"));
+  EXPECT_THAT(given_up(peer.access()),
+              HasSubstr("now grants other parameters than those of the session before (redundancy: "
+                        "asked 3, granted 2)"));
 }
 
 /// Attempts that the system has no descriptors for have failed like others, and go on.

@@ -33,7 +33,6 @@ std::unique_ptr<Servo> used_servo() {
     Reply reply;
     reply.sample_index = i;
     reply.command.elastic = Vec3(0, 0, 2);
-    reply.violations = 7;
     reply.delivered.elastic = 0.5;
     if (i != 2)
       servo->take(reply, now + std::chrono::microseconds(100 * i * i * i));  // 100 us and 2.7 ms
@@ -110,7 +109,7 @@ TEST(Report, HoldsWhatWasCounted) {
   EXPECT_EQ(r["dropped"]["malformed"], 4);
   EXPECT_EQ(r["parameters"]["mode"], "none");
   EXPECT_EQ(r["parameters"]["side"], "client");
-  EXPECT_EQ(r["server_last_reply"]["bound_violations"], 7);
+  EXPECT_FALSE(r["server_last_reply"].contains("bound_violations"));  // the account is ours
   EXPECT_EQ(r["server_last_reply"]["energy_delivered_j"]["elastic"], 0.5);
 }
 

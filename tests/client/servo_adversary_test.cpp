@@ -16,9 +16,10 @@ using namespace testing::servo;
 
 /// A hand that always moves so as to extract the most (dx = f h / 2b), now and then elsewhere, with
 /// a device that holds less than asked, fails and recovers; replies with random commands over six
-/// decades, late, lost, reordered, repeated.
+/// decades, late, lost, reordered, repeated, of a scene that is changed again and again. Forces are
+/// held for half a period to one, and `late` [s] beyond it at most.
 std::uint64_t violations_against_an_adversary(const SessionParameters& p, std::uint64_t seed,
-                                              int ticks) {
+                                              int ticks, double late = 0.0) {
   std::mt19937_64 random(seed);
   std::uniform_real_distribution<double> unit(0.0, 1.0);
   const auto chance = [&](double share) { return unit(random) < share; };
@@ -33,8 +34,10 @@ std::uint64_t violations_against_an_adversary(const SessionParameters& p, std::u
   Nanoseconds now = seconds(5.0);
   Vec3 position = Vec3::Zero();
   Command command;
+  std::uint8_t reloads = 0;
   for (int i = 0; i < ticks; ++i) {
-    const double hold = 1e-3 * (0.5 + 0.5 * unit(random));
+    const double hold =
+        1e-3 * (0.5 + 0.5 * unit(random)) + (late > 0.0 ? (0.5e-3 + late) * unit(random) : 0.0);
     now += seconds(hold);
     position += chance(0.1) ? vector(-7, -2)
                             : Vec3(hold / (2.0 * spec.damping.least()) * servo.held().force());
@@ -49,7 +52,10 @@ std::uint64_t violations_against_an_adversary(const SessionParameters& p, std::u
     const Sample* sample = servo.hold(given);
     if (sample == nullptr || chance(0.05)) continue;
     if (chance(0.1)) command = {.elastic = vector(-3, 3), .frictional = vector(-3, 3)};
-    under_way.emplace_back(now + seconds(0.05 * unit(random)), reply(sample->index, command));
+    if (chance(0.05)) ++reloads;
+    Reply answer = reply(sample->index, command);
+    answer.reloads = reloads;
+    under_way.emplace_back(now + seconds(0.05 * unit(random)), answer);
   }
   EXPECT_GT(servo.statistics().answered, 0u);
   EXPECT_GT(servo.statistics().max_force, 0.1);  // else nothing was tried
@@ -62,6 +68,52 @@ TEST(ServoAdversary, NoNetworkNoHandAndNoFaultGetsEnergyOutOfTheContactFrame) {
     p.projection = projection;
     for (std::uint64_t seed = 1; seed <= 40; ++seed)
       EXPECT_EQ(violations_against_an_adversary(p, seed, 4000), 0u) << seed;
+  }
+}
+
+// No machine wakes a thread on the nanosecond.
+TEST(ServoAdversary, TicksThatAreLateGiveItNothing) {
+  for (const BoundingSide side : {BoundingSide::client, BoundingSide::both, BoundingSide::server})
+    for (const Storage storage : {Storage::minimal, Storage::elastic})
+      for (const double late : {30e-9, 3e-6, 50e-6, 400e-6}) {
+        SessionParameters p = parameters(BoundingMode::contact_frame, side);
+        p.storage = storage;
+        for (std::uint64_t seed = 1; seed <= 10; ++seed)
+          EXPECT_EQ(violations_against_an_adversary(p, seed, 4000, late), 0u)
+              << name(side) << ' ' << name(storage) << ' ' << late << ' ' << seed;
+      }
+}
+
+// What an operator is said to add is credited to the bound; what is accounted is what the device
+// burns.
+TEST(ServoAdversary, AnOperatorWhoIsNotThereIsSeenInTheAccount) {
+  for (const double claimed : {0.5, 5.0, 100.0}) {
+    SessionParameters p = parameters(BoundingMode::contact_frame);
+    p.operator_damping = claimed;
+    EXPECT_GT(violations_against_an_adversary(p, 1, 4000), 0u) << claimed;
+    p.side = BoundingSide::server;  // the guard gives what the device burned and no more
+    EXPECT_EQ(violations_against_an_adversary(p, 1, 4000), 0u) << claimed;
+  }
+}
+
+// A hand that a constant force carries along: the bound stands at its limit for as long as it does.
+TEST(ServoAdversary, AConstantForceIsNoViolationBecauseTicksAreNotExact) {
+  for (const double late : {20e-9, 5e-6, 60e-6}) {
+    std::mt19937_64 random(7);
+    std::uniform_real_distribution<double> unit(0.0, 1.0);
+    Bench bench(parameters(BoundingMode::contact_frame));
+    double due = 0.0, before = 0.0, z = 0.0;
+    for (int i = 0; i < 20'000; ++i) {
+      due += 1e-3;
+      const double at_time = due + late * unit(random);
+      z += 0.05 * (at_time - before);
+      if (bench.servo.sample().index > 0)
+        bench.servo.take(reply(bench.servo.sample().index, elastic(0, 0, 1.0)), bench.now);
+      bench.tick(at(0, 0, z), seconds(at_time - before));
+      before = at_time;
+    }
+    EXPECT_GT(bench.servo.port().delivered().elastic, 1e-3);
+    EXPECT_EQ(bench.servo.port().violations(), 0u) << late;
   }
 }
 

@@ -159,10 +159,7 @@ std::vector<SessionParameters> passive(BoundingSide side) {
       p.force_deadband = p.position_deadband > 0.0 ? 0.0 : 0.5;
       all.push_back(p);
     }
-  for (SessionParameters& p : all) {
-    p.side = side;
-    p.operator_damping = 0.1;
-  }
+  for (SessionParameters& p : all) p.side = side;
   return all;
 }
 
@@ -203,7 +200,7 @@ std::uint64_t violations(const NetworkScript& script, const SessionParameters& a
   SessionParameters at_server = at_client;
   Session session({"tester", "room", spec, at_server}, scene);
   Servo servo(spec, at_client);
-  const double damping = spec.damping.least() + at_client.operator_damping;
+  const double damping = spec.damping.least();
 
   struct UpPacket {
     int due;
@@ -285,7 +282,7 @@ RC_GTEST_PROP(SessionProperty, ChangingTheLawAtTheServerGivesNoEnergy, ()) {
   const Scene scene = room();
   const DeviceSpec spec = arm();
   Session session({"tester", "room", spec, laws[0]}, scene);
-  const double damping = spec.damping.least() + laws[0].operator_damping;
+  const double damping = spec.damping.least();
   PortEnergy port(damping, 0.0, 1e-3);
   Sample sample;
   sample.pose.position = Vec3(0.0, 0.0, 1e-3);

@@ -15,24 +15,25 @@ using namespace test;
 constexpr double kDamping = 0.5;  // [N s/m]
 
 TEST(PortGuard, LetsThroughWhatTheEnergyPaysFor) {
-  const PortGuard guard(kDamping, Damping(), kModePeriod);
+  const PortGuard guard(kDamping, Damping());
   const double energy = 2e-3;
   const double most = std::sqrt(4.0 * kDamping * energy / kModePeriod);  // f^2 T / (4 b) = E
   const Vec3 u = Vec3(1, 2, 2) / 3.0;
   const Command less{0.6 * 0.99 * most * u, 0.4 * 0.99 * most * u, Vec3::Zero()};
-  EXPECT_EQ(guard.apply(less, energy), less);
+  EXPECT_EQ(guard.apply(less, energy, kModePeriod), less);
   const Command more = 3.0 * less;
-  const Command given = guard.apply(more, energy);
+  const Command given = guard.apply(more, energy, kModePeriod);
   EXPECT_NEAR(given.force().norm(), most, 1e-12 * most);
   EXPECT_NEAR(angle(given.force(), more.force()), 0.0, 1e-12);
   EXPECT_NEAR(given.elastic.norm() / given.frictional.norm(), 1.5, 1e-12);
-  EXPECT_EQ(guard.apply(more, 0.0).force(), Vec3::Zero());
-  EXPECT_EQ(guard.apply(more, -1.0).force(), Vec3::Zero());
+  EXPECT_EQ(guard.apply(more, 0.0, kModePeriod).force(), Vec3::Zero());
+  EXPECT_EQ(guard.apply(more, -1.0, kModePeriod).force(), Vec3::Zero());
 }
 
 TEST(PortGuard, TorqueThatNothingDampsIsNone) {
-  const PortGuard guard(kDamping, Damping(), kModePeriod);
-  const Command given = guard.apply({Vec3(0, 0, 1), Vec3::Zero(), Vec3(0.1, 0, 0)}, 1.0);
+  const PortGuard guard(kDamping, Damping());
+  const Command given =
+      guard.apply({Vec3(0, 0, 1), Vec3::Zero(), Vec3(0.1, 0, 0)}, 1.0, kModePeriod);
   EXPECT_EQ(given.elastic, Vec3(0, 0, 1));
   EXPECT_EQ(given.torque, Vec3::Zero());
 }
@@ -42,8 +43,7 @@ TEST(PortGuard, TorqueThatNothingDampsIsNone) {
 double least_margin(std::uint64_t seed, const Damping& damping, double believed, double& felt) {
   Random random(seed);
   const Damping turning(1e-3);
-  const PortGuard guard(Mat3(believed * damping.matrix()), Mat3(believed * turning.matrix()),
-                        kModePeriod);
+  const PortGuard guard(Mat3(believed * damping.matrix()), Mat3(believed * turning.matrix()));
   PortEnergy port(damping, turning, kModePeriod);
   const Mat3 inverse = damping.matrix().inverse();
   Command held;
@@ -57,7 +57,7 @@ double least_margin(std::uint64_t seed, const Damping& damping, double believed,
     exchanged += std::abs(held.force().dot(moved)) + std::abs(held.torque.dot(turned));
     // The guard is told what was believed to be burned.
     const double margin = believed * port.burned() - port.delivered().total();
-    held = guard.apply(random_command(random), margin);
+    held = guard.apply(random_command(random), margin, kModePeriod);
     felt = std::max(felt, held.force().norm());
   }
   return port.least_margin() / exchanged;
@@ -72,6 +72,26 @@ TEST(PortGuard, NoHandTakesMoreThanWasBurned) {
     EXPECT_GT(felt, 0.1) << seed;
     EXPECT_LT(least_margin(seed, kDamping, 1.05, felt), -1e-4) << seed;
   }
+}
+
+TEST(HoldReserve, IsThePeriodWhereTicksAreExact) {
+  HoldReserve reserve(1e-3);
+  for (int i = 0; i < 5000; ++i) {
+    reserve.saw(i % 2 == 0 ? 1e-3 : 0.2e-3);
+    EXPECT_EQ(reserve.hold_time(), 1e-3);
+  }
+}
+
+TEST(HoldReserve, ReckonsWithTwiceTheLatestOfTheLastSecondsAndAtMostOnePeriodMore) {
+  HoldReserve reserve(1e-3);
+  reserve.saw(1.1e-3);
+  EXPECT_NEAR(reserve.hold_time(), 1.2e-3, 1e-15);
+  for (int i = 0; i < 900; ++i) reserve.saw(1e-3);
+  EXPECT_NEAR(reserve.hold_time(), 1.2e-3, 1e-15);
+  for (int i = 0; i < 2200; ++i) reserve.saw(1e-3);  // forgotten
+  EXPECT_EQ(reserve.hold_time(), 1e-3);
+  reserve.saw(0.7);
+  EXPECT_EQ(reserve.hold_time(), 2e-3);
 }
 
 }  // namespace

@@ -133,7 +133,7 @@ Reply reply(Input& in) {
   r.saturated = (flags & 2u) != 0;
   r.refused = (flags & 4u) != 0;
   r.gap = (flags & 8u) != 0;
-  r.violations = in.whole<std::uint64_t>();
+  r.reloads = in.whole<std::uint8_t>();
   r.withheld = in.whole<std::uint64_t>();
   r.predicted = in.coin();
   if (r.predicted) r.rates = {any_float_vector(in), any_float_vector(in), any_float_vector(in)};

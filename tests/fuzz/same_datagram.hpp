@@ -28,7 +28,7 @@ inline bool same_but_model(const Reply& a, const Reply& b) {
          same(a.delivered.frictional, b.delivered.frictional) &&
          same(a.delivered.torque, b.delivered.torque) && same(a.ratio, b.ratio) &&
          a.active == b.active && a.saturated == b.saturated && a.refused == b.refused &&
-         a.gap == b.gap && a.violations == b.violations && a.withheld == b.withheld &&
+         a.gap == b.gap && a.reloads == b.reloads && a.withheld == b.withheld &&
          a.predicted == b.predicted && same(a.rates, b.rates) && a.modelled == b.modelled;
 }
 

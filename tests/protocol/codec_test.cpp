@@ -47,7 +47,7 @@ Reply random_reply(Generator& random) {
   reply.refused = flags & 4;
   reply.gap = flags & 8;
   reply.recovering = flags & 16;
-  reply.violations = random();
+  reply.reloads = static_cast<std::uint8_t>(random());
   return reply;
 }
 
@@ -109,7 +109,7 @@ TEST(Codec, ReplyRoundTrip) {
     EXPECT_EQ(received.refused, sent.refused);
     EXPECT_EQ(received.gap, sent.gap);
     EXPECT_EQ(received.recovering, sent.recovering);
-    EXPECT_EQ(received.violations, sent.violations);
+    EXPECT_EQ(received.reloads, sent.reloads);
   }
 }
 

@@ -51,7 +51,7 @@ SceneView view_of(std::size_t hands, std::size_t bodies, Generator& random) {
 /// With everything that stands in one without a model.
 Reply longest_reply() {
   Reply reply;
-  reply.sample_index = reply.violations = reply.withheld = ~std::uint64_t{0};
+  reply.sample_index = reply.withheld = ~std::uint64_t{0};
   reply.client_time = reply.server_receive_time = reply.server_send_time = Nanoseconds(-1);
   reply.rotation = reply.predicted = true;
   return reply;

@@ -1,10 +1,14 @@
 #include "server/scene_sessions.hpp"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <netinet/in.h>
 
 #include <limits>
+#include <set>
+#include <string>
 
+#include "tests/protocol/parameter_changes.hpp"
 #include "tests/protocol/sealed.hpp"
 #include "tests/server/make.hpp"
 #include "tests/support/allocation_counter.hpp"
@@ -211,9 +215,6 @@ TEST_F(SceneSessionsTest, ALineGrantsNoMoreThanItHasRoomFor) {
   const SessionParameters wanted = join_request().parameters;
   EXPECT_EQ(std::get<control::JoinAccepted>(answer).parameters, over(thin, wanted));
   EXPECT_EQ(behind.find(kId)->parameters(), over(thin, wanted));
-  const auto set = behind.answer(control::SetParameters{kId, {}}, 0, {}, 0s);
-  ASSERT_TRUE(std::holds_alternative<control::ParametersSet>(set));
-  EXPECT_EQ(std::get<control::ParametersSet>(set).parameters, over(thin, {}));
   SessionParameters impossible;
   impossible.redundancy = 20;
   EXPECT_EQ(std::get<control::Refused>(
@@ -223,15 +224,60 @@ TEST_F(SceneSessionsTest, ALineGrantsNoMoreThanItHasRoomFor) {
 }
 
 TEST_F(SceneSessionsTest, ParametersChangeAndSessionsLeave) {
-  join(kId);
-  SessionParameters parameters;
-  parameters.side = BoundingSide::client;
+  SessionParameters parameters = join_request().parameters;
+  parameters.side = BoundingSide::server;
+  sessions.answer(join_request(parameters), kId, test::keys(kId), 0s);
+  parameters.mode = BoundingMode::per_axis;
+  parameters.velocity_cutoff = 50.0;
   const auto set = sessions.answer(control::SetParameters{kId, parameters}, 0, {}, 0s);
-  EXPECT_EQ(std::get<control::ParametersSet>(set).parameters.side, BoundingSide::client);
-  EXPECT_EQ(sessions.find(kId)->parameters().side, BoundingSide::client);
+  EXPECT_EQ(std::get<control::ParametersSet>(set).parameters, parameters);
+  EXPECT_EQ(sessions.find(kId)->parameters(), parameters);
   const auto left = sessions.answer(control::LeaveRequest{kId}, 0, {}, 0s);
   EXPECT_EQ(std::get<control::Left>(left).session, kId);
   EXPECT_EQ(sessions.find(kId), nullptr);
+}
+
+// Once it was answered and had no effect: the client went on as it had joined.
+TEST_F(SceneSessionsTest, WhatAClientActsOnDoesNotChangeBehindItsBack) {
+  std::uint64_t id = 0x100;
+  std::size_t changed = 0;
+  for (const auto& change : test::parameter_changes()) {
+    SceneSessions one(scene, 2s, 1);
+    ++id;
+    ASSERT_TRUE(std::holds_alternative<control::JoinAccepted>(
+        one.answer(join_request(change.asked), id, test::keys(id), 0s)))
+        << change.field;
+    const auto answer = one.answer(control::SetParameters{id, change.granted}, 0, {}, 0s);
+    const bool servers_alone = change.field == "velocity_cutoff";
+    changed += servers_alone ? 1 : 0;
+    EXPECT_EQ(std::holds_alternative<control::ParametersSet>(answer), servers_alone)
+        << change.field;
+    EXPECT_EQ(one.find(id)->parameters(), servers_alone ? change.granted : change.asked);
+    const auto* refused = std::get_if<control::Refused>(&answer);
+    if (refused == nullptr) continue;
+    EXPECT_EQ(refused->code, control::RefusalCode::bad_parameters);
+    EXPECT_THAT(refused->reason, testing::AllOf(testing::StartsWith(change.field + ": in force "),
+                                                testing::HasSubstr("leave and join again")));
+  }
+  EXPECT_EQ(changed, 1u);
+}
+
+// Where the server alone bounds, its bound is its own.
+TEST_F(SceneSessionsTest, TheServersOwnBoundChangesWhileASessionRuns) {
+  const std::set<std::string> bound = {
+      "mode", "projection", "storage", "operator_damping", "velocity_cutoff", "reference"};
+  std::size_t changed = 0;
+  for (auto change : test::parameter_changes()) {
+    if (!bound.contains(change.field)) continue;
+    ++changed;
+    change.asked.side = change.granted.side = BoundingSide::server;
+    SceneSessions one(scene, 2s, 1);
+    one.answer(join_request(change.asked), kId, test::keys(kId), 0s);
+    const auto answer = one.answer(control::SetParameters{kId, change.granted}, 0, {}, 0s);
+    ASSERT_TRUE(std::holds_alternative<control::ParametersSet>(answer)) << change.field;
+    EXPECT_EQ(one.find(kId)->parameters(), change.granted);
+  }
+  EXPECT_GE(changed, bound.size());
 }
 
 TEST_F(SceneSessionsTest, ClientsDoNotFeelEachOther) {

@@ -223,7 +223,6 @@ TEST(Session, CommandsArePassiveWhateverTheHandDoes) {
       EXPECT_GT(port.violations(), 100u);  // the walk is hostile enough to tell
     else
       EXPECT_EQ(port.violations(), 0u);
-    EXPECT_EQ(session.violations(), reported.violations());
     EXPECT_NEAR(session.delivered().total(), reported.delivered().total(), 1e-9);
   }
 }

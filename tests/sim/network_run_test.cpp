@@ -234,6 +234,18 @@ TEST(NetworkRun, AHandThatTakesAllCatchesADeviceThatIsNotWhatItWasSaidToBe) {
   }
 }
 
+// The light hand swings against a stiff wall, for it has not the damping that it is credited with.
+TEST(NetworkRun, ALightHandThatIsCreditedAHeavyOnesDampingMakesEnergyAndItIsCounted) {
+  NetworkRunOptions options = sliding(BoundingSide::client, "delay=5");
+  options.hand.task.path = HandPath::press;
+  options.hand.hand = {.mass = 0.02, .damping = 0.5, .stiffness = 300.0};
+  EXPECT_EQ(run_network(floor(), options).measured_port.violations(), 0u);
+  options.parameters.operator_damping = 5.0;
+  const auto told = run_network(floor(), options);
+  EXPECT_GT(told.measured_port.violations(), 100u);
+  EXPECT_GT(told.true_port.violations(), 100u);
+}
+
 TEST(NetworkRun, WhereNobodyBoundsAHandTakesAllAndWhereTheServerDoesTheGuardKeepsIt) {
   NetworkRunOptions options = taking(BoundingSide::server, "delay=10");
   const auto guarded = run_network(floor(), options);

@@ -52,6 +52,5 @@ def run(compose, judge):
             recording = Recording(compose.out / f"{name}.csv")
             judge.expect(f"{name}: oscillation [um RMS]", round(1e6 * oscillation(recording.columns[STILL[task]]), 2),
                          at_most=20.0)
-    judge.expect("server: violations at the real ports", scene["violations"], equal=0)
     judge.expect("server: stale or repeated datagrams were dropped", scene["dropped"]["packet_number"] + scene["dropped"]["stale"],
                  at_least=50)

@@ -3,7 +3,7 @@ themselves, and feel again."""
 
 import time
 
-from judge import Recording, expect_passive, expect_taken_over, report
+from judge import Recording, expect_passive, report
 
 HOLD_TIME = 0.1  # [s] the client's default
 BEFORE, AWAY, AFTER = 3.0, 3.0, 6.0  # [s]
@@ -43,7 +43,5 @@ def run(compose, judge):
         judge.expect(f"{name}: largest force before [N]", recording.most_held(0.5, 2.5), at_least=0.5)
         judge.expect(f"{name}: largest force at last [N]", recording.most_held(end - 2.0, end), at_least=0.5)
         judge.expect(f"{name}: fastest rise of the force [N/s]", recording.fastest_rise(), at_most=1.05 * SLEW)
-    judge.expect("server before: violations", before["violations"], equal=0)
-    expect_taken_over(judge, "server after", after, [report(compose.out / f"{name}.json") for name in HANDS])
     for when, scene in (("before", before), ("after", after)):
         judge.expect(f"server {when}: sessions", scene["sessions"], equal=len(HANDS))

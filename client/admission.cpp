@@ -1,0 +1,34 @@
+#include "client/admission.hpp"
+
+#include <algorithm>
+
+#include "core/numeric.hpp"
+
+namespace feltwire {
+
+double Admission::energy(const Tick& tick, const PortGuard& guard) noexcept {
+  const double wanted = length(tick.command.elastic);
+  if (!(wanted > 0.0)) {  // the contact is lost: what was pressed into it is gone
+    forget();
+    return 0.0;
+  }
+  pressed_ = std::max(0.0, pressed_ - tick.held.elastic.dot(tick.displacement));
+  if (!open_) return 0.0;
+  since_ += tick.hold_time;
+  if (since_ > kOpen) return 0.0;
+
+  const double next = std::min(wanted, length(tick.held.elastic) + slew_ * tick.hold_time);
+  const Command risen{.elastic = next * direction(tick.command.elastic)};
+  const Command now{.elastic = tick.held.elastic};
+  const double stored = guard.needed(tick.held, tick.hold_time);
+  const double spare = std::min(pressed_, tick.margin) - stored;
+  const double needed = guard.needed(risen, tick.hold_time) - guard.needed(now, tick.hold_time);
+  return std::max(0.0, std::min(spare, needed));
+}
+
+void Admission::given(const Vec3& rendered, const Vec3& commanded) noexcept {
+  constexpr double kAll = 1.0 - 1e-9;
+  if (length(rendered) >= kAll * length(commanded)) open_ = false;
+}
+
+}  // namespace feltwire

@@ -1,0 +1,109 @@
+#pragma once
+// What a server may change of the session parameters that a client asked for. A client holds every
+// grant against this, so that no server takes the bound off a hand; a server holds every request
+// to change a running session against it.
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <tuple>
+
+#include "protocol/session_parameters.hpp"
+
+namespace feltwire {
+
+inline constexpr double kShortestUsualHold = 0.1;   // [s] a grant shortens hold_time no further
+inline constexpr double kLongestGrantedHold = 0.8;  // [s] and lengthens it no further
+
+/// Who acts on a parameter while a session runs, and so who has to know of a change.
+enum class ActedOnBy : std::uint8_t {
+  client,  // too: it cannot be changed, for nothing tells the client
+  bound,   // whoever bounds: it can be changed where that is the server alone
+  server   // alone: it can be changed
+};
+
+/// The rule of one field. `may_grant` says whether the server may grant another value than the one
+/// that was asked for; null: it may not.
+template <class Value>
+struct ParameterRule {
+  const char* field;
+  Value SessionParameters::*value;
+  ActedOnBy acted_on_by;
+  bool (*may_grant)(const SessionParameters& asked, const SessionParameters& granted);
+};
+
+namespace grant {
+
+/// How much travels, within the ranges of validate().
+inline bool traffic(const SessionParameters&, const SessionParameters&) { return true; }
+/// The bound may come to the client, and never leaves it.
+inline bool to_client(const SessionParameters& asked, const SessionParameters& granted) {
+  return asked.side == BoundingSide::server && granted.side == BoundingSide::client;
+}
+/// Within both kinds of limits, or back to what was asked.
+bool hold_time(const SessionParameters& asked, const SessionParameters& granted);
+bool keep_alive(const SessionParameters& asked, const SessionParameters& granted);
+
+}  // namespace grant
+
+/// One rule for each field of SessionParameters.
+inline constexpr auto kParameterRules = [] {
+  using P = SessionParameters;
+  const auto rule = []<class Value>(const char* field, Value P::*value, ActedOnBy by,
+                                    bool (*may_grant)(const P&, const P&)) {
+    return ParameterRule<Value>{field, value, by, may_grant};
+  };
+  using enum ActedOnBy;
+  return std::tuple{rule("mode", &P::mode, bound, nullptr),
+                    rule("projection", &P::projection, bound, nullptr),
+                    rule("storage", &P::storage, bound, nullptr),
+                    rule("side", &P::side, client, &grant::to_client),
+                    rule("servo_period", &P::servo_period, client, nullptr),
+                    rule("redundancy", &P::redundancy, client, &grant::traffic),
+                    rule("operator_damping", &P::operator_damping, bound, nullptr),
+                    rule("velocity_cutoff", &P::velocity_cutoff, server, nullptr),
+                    rule("hold_time", &P::hold_time, client, &grant::hold_time),
+                    rule("c1", &P::c1, bound, nullptr),
+                    rule("c2", &P::c2, bound, nullptr),
+                    rule("reference", &P::reference, bound, nullptr),
+                    rule("coupling_stiffness", &P::coupling_stiffness, bound, nullptr),
+                    rule("coupling_damping", &P::coupling_damping, bound, nullptr),
+                    rule("tool_mass", &P::tool_mass, bound, nullptr),
+                    rule("packet_interval", &P::packet_interval, client, &grant::traffic),
+                    rule("batch", &P::batch, client, &grant::traffic),
+                    rule("position_deadband", &P::position_deadband, client, &grant::traffic),
+                    rule("force_deadband", &P::force_deadband, client, &grant::traffic),
+                    rule("predictor", &P::predictor, client, &grant::traffic),
+                    rule("keep_alive", &P::keep_alive, client, &grant::keep_alive),
+                    rule("local_model", &P::local_model, client, &grant::traffic)};
+}();
+
+inline constexpr std::size_t kParameterFields = [] {
+  // A field that is added to SessionParameters, or taken away, does not compile here: give it a
+  // rule above, then a name and a count here.
+  [[maybe_unused]] const auto [mode, projection, storage, side, servo_period, redundancy,
+                               operator_damping, velocity_cutoff, hold_time, c1, c2, reference,
+                               coupling_stiffness, coupling_damping, tool_mass, packet_interval,
+                               batch, position_deadband, force_deadband, predictor, keep_alive,
+                               local_model] = SessionParameters{};
+  return std::size_t{22};
+}();
+static_assert(std::tuple_size_v<decltype(kParameterRules)> == kParameterFields,
+              "each field of SessionParameters has one rule");
+
+/// The first field in which the two differ, with both values: "c1: asked 500, granted 400". Nothing
+/// where they are equal.
+std::optional<std::string> difference(const SessionParameters& asked,
+                                      const SessionParameters& granted);
+
+/// The first field that a server may not grant so to a client that asked, likewise. Precondition:
+/// both are valid (validate()).
+std::optional<std::string> forbidden_grant(const SessionParameters& asked,
+                                           const SessionParameters& granted);
+
+/// The first field that cannot change so at the server while a session runs, with the reason and
+/// the remedy: its client acts on it and is not told.
+std::optional<std::string> forbidden_change(const SessionParameters& running,
+                                            const SessionParameters& wanted);
+
+}  // namespace feltwire

@@ -1,0 +1,135 @@
+// A scene that is changed under a hand which presses: what of it the hand feels.
+
+#include "client/admission.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "server/session.hpp"
+#include "tests/client/servo_bench.hpp"
+
+namespace feltwire::admission_test {
+namespace {
+
+using namespace testing::servo;
+
+constexpr double kDepth = 5e-3;  // [m]
+
+Scene wall(double stiffness) {
+  Object object;
+  object.name = "wall";
+  object.shape = Plane{};
+  object.material.stiffness = stiffness;
+  return Scene("wall", {object});
+}
+
+/// A hand at a session, without a network between them; it is where the test says.
+struct Hand {
+  Bench bench;
+  Session session;
+  double slowest = 1e300, fastest = 0.0;  // [N/s] change of the force
+  double force = 0.0;                     // [N]
+
+  Hand(const SessionParameters& p, const Scene& scene)
+      : bench(p), session({"tester", "wall", bench.spec, p}, scene) {}
+
+  void tick(double depth) {
+    const double before = force;
+    force = bench.tick(at(0, 0, -depth)).force().z();
+    fastest = std::max(fastest, (force - before) / 1e-3);
+    SampleBatch batch;
+    batch.count = 1;
+    batch.samples[0] = bench.servo.sample();
+    bench.servo.take(session.take(batch, bench.now).reply, bench.now);
+  }
+  void press(double to, int ticks = 500) {
+    for (int i = 1; i <= ticks; ++i) tick(to * i / ticks);
+  }
+  void rest(double depth, int ticks = 1000) {
+    for (int i = 0; i < ticks; ++i) tick(depth);
+  }
+  const PortEnergy& port() const { return bench.servo.port(); }
+};
+
+/// Half way between the old stiffness and the bound's own, c = 2 b / T: the work k d^2 / 2 that was
+/// pressed into the old wall pays for the storage of that force, (k' d)^2 / (2 c).
+TEST(Admission, AHandThatRestsFeelsAStifferWallAsFarAsItsOwnWorkPays) {
+  const Scene soft = wall(100.0), stiff = wall(900.0), middle = wall(250.0);
+  for (const Storage storage : {Storage::minimal, Storage::elastic}) {
+    SessionParameters p = parameters(BoundingMode::contact_frame);
+    p.storage = storage;
+    const double c = 2.0 * builtin_device("simulated").damping.least() / p.servo_period;
+    Hand hand(p, soft);
+    hand.press(kDepth);
+    hand.rest(kDepth);
+    // A tick late, and what comes when the hand rests cannot be let in any more.
+    ASSERT_NEAR(hand.force, 100.0 * kDepth, 2e-3);
+    EXPECT_FALSE(hand.bench.servo.withholds_change());
+
+    hand.session.enter(middle, nullptr);
+    hand.fastest = 0.0;
+    hand.rest(kDepth);
+    EXPECT_NEAR(hand.force, 250.0 * kDepth, 1e-6);  // 250 < sqrt(100 c) = 316
+    EXPECT_FALSE(hand.bench.servo.withholds_change());
+    // It rises no faster than a fade falls; what elastic storage has kept is there at once.
+    if (storage == Storage::minimal) {
+      EXPECT_LE(hand.fastest, 1.001 * hand.bench.spec.max_force / (0.5 * p.hold_time));
+    }
+    EXPECT_GT(hand.fastest, 0.0);
+
+    hand.session.enter(stiff, nullptr);
+    hand.rest(kDepth);
+    EXPECT_NEAR(hand.force, std::sqrt(100.0 * c) * kDepth, 0.02 * std::sqrt(100.0 * c) * kDepth);
+    EXPECT_TRUE(hand.bench.servo.withholds_change());
+    EXPECT_EQ(hand.port().violations(), 0u);
+
+    // Let go and touched anew, it is all there.
+    hand.rest(-1e-3, 10);
+    EXPECT_FALSE(hand.bench.servo.withholds_change());
+    hand.press(kDepth);
+    EXPECT_NEAR(hand.force, 900.0 * kDepth, 1e-2);
+    EXPECT_EQ(hand.port().violations(), 0u);
+  }
+}
+
+TEST(Admission, ASofterWallIsFeltAtOnce) {
+  const Scene stiff = wall(900.0), soft = wall(100.0);
+  Hand hand(parameters(BoundingMode::contact_frame), stiff);
+  hand.press(kDepth);
+  hand.session.enter(soft, nullptr);
+  hand.rest(kDepth, 3);
+  EXPECT_NEAR(hand.force, 100.0 * kDepth, 1e-6);
+  EXPECT_FALSE(hand.bench.servo.withholds_change());
+}
+
+/// Whatever the device burned before in free space, however much the hand moved about.
+TEST(Admission, AHandThatASceneClosesRoundIsNotFlungOut) {
+  const Scene nothing = wall(1e-3), stiff = wall(900.0);
+  Hand hand(parameters(BoundingMode::contact_frame), nothing);
+  for (int i = 0; i < 200; ++i) hand.tick(i % 2 == 0 ? -0.02 : -0.001);  // burns 0.07 J a time
+  hand.press(kDepth);
+  ASSERT_GT(hand.port().margin(), 1.0);
+  hand.session.enter(stiff, nullptr);
+  hand.rest(kDepth);
+  EXPECT_LE(hand.force, 1.01 * std::sqrt(1e-3 * 1000.0) * kDepth);
+  EXPECT_TRUE(hand.bench.servo.withholds_change());
+}
+
+TEST(Admission, OnlyTheContactFrameOfThisSideThatCreditsTheDeviceAloneHasIt) {
+  const Scene soft = wall(100.0), stiff = wall(900.0);
+  SessionParameters credited = parameters(BoundingMode::contact_frame);
+  credited.operator_damping = 0.1;
+  for (const SessionParameters& p :
+       {parameters(BoundingMode::energy_tank), parameters(BoundingMode::per_axis), credited,
+        parameters(BoundingMode::contact_frame, BoundingSide::server)}) {
+    Hand hand(p, soft);
+    hand.press(kDepth);
+    hand.session.enter(stiff, nullptr);
+    hand.rest(kDepth, 100);
+    EXPECT_FALSE(hand.bench.servo.withholds_change());
+  }
+}
+
+}  // namespace
+}  // namespace feltwire::admission_test

@@ -1,0 +1,104 @@
+// What a server may grant of what a client asked for.
+
+#include "protocol/grant.hpp"
+
+#include <gmock/gmock.h>
+
+#include <set>
+
+#include "protocol/profiles.hpp"
+#include "tests/protocol/parameter_changes.hpp"
+
+namespace feltwire::grant_test {
+namespace {
+
+using ::testing::Optional;
+using ::testing::StartsWith;
+
+std::set<std::string> fields(bool permitted) {
+  std::set<std::string> names;
+  for (const auto& change : test::parameter_changes())
+    if (change.permitted == permitted) names.insert(change.field);
+  return names;
+}
+
+std::set<std::string> rules(bool may_differ) {
+  std::set<std::string> names;
+  std::apply(
+      [&](const auto&... rule) {
+        ((may_differ && rule.may_grant == nullptr ? void() : void(names.insert(rule.field))), ...);
+      },
+      kParameterRules);
+  return names;
+}
+
+TEST(Grant, EachFieldIsTriedAndHasOneRule) {
+  EXPECT_EQ(rules(false).size(), kParameterFields);
+  std::set<std::string> tried = fields(false);
+  tried.merge(fields(true));
+  EXPECT_EQ(tried, rules(false));
+  EXPECT_EQ(fields(true), rules(true));
+}
+
+TEST(Grant, EachChangeIsOfItsFieldAloneAndJudgedByItsRule) {
+  for (const auto& change : test::parameter_changes()) {
+    EXPECT_NO_THROW(validate(change.asked));
+    EXPECT_NO_THROW(validate(change.granted));
+    EXPECT_THAT(difference(change.asked, change.granted), Optional(StartsWith(change.field + ": ")))
+        << change.field;
+    EXPECT_EQ(forbidden_grant(change.asked, change.granted).has_value(), !change.permitted)
+        << difference(change.asked, change.granted).value_or("equal");
+    EXPECT_EQ(difference(change.granted, change.granted), std::nullopt);
+    EXPECT_EQ(forbidden_grant(change.granted, change.granted), std::nullopt);
+  }
+}
+
+TEST(Grant, ADifferenceIsNamedWithBothValues) {
+  SessionParameters asked, granted;
+  granted.operator_damping = 100.0;
+  EXPECT_EQ(forbidden_grant(asked, granted), "operator_damping: asked 0, granted 100");
+  granted = {};
+  granted.c1 = 400.5;
+  EXPECT_EQ(forbidden_grant(asked, granted), "c1: asked not given, granted 400.5");
+  granted = {};
+  granted.mode = BoundingMode::none;
+  EXPECT_EQ(forbidden_grant(asked, granted), "mode: asked contact_frame, granted none");
+  granted = {};
+  granted.local_model = true;
+  EXPECT_EQ(difference(asked, granted), "local_model: asked off, granted on");
+}
+
+// A change that is permitted does not cover one that is not.
+TEST(Grant, AForbiddenFieldIsFoundAmongThoseThatMayDiffer) {
+  for (const auto& change : test::parameter_changes()) {
+    if (change.permitted) continue;
+    SessionParameters granted = change.granted;
+    granted.redundancy = 1;
+    granted.force_deadband = 0.1;
+    EXPECT_THAT(forbidden_grant(change.asked, granted), Optional(StartsWith(change.field + ": ")));
+  }
+}
+
+// What an honest server does behind a thin line is within the rules, at every servo rate.
+TEST(Grant, WhatOurServersGrantIsPermitted) {
+  for (const NetworkProfile& line : kNetworkProfiles)
+    for (const double rate : {10.0, 100.0, 250.0, 1000.0, 4000.0, 1e4, 1e5})
+      for (std::size_t mode = 0; mode < kBoundingModeNames.size(); ++mode)
+        for (const BoundingSide side :
+             {BoundingSide::server, BoundingSide::client, BoundingSide::both})
+          for (const double hold_time : {0.02, 0.1, 0.3, 1.0}) {
+            SessionParameters asked;
+            asked.mode = static_cast<BoundingMode>(mode);
+            asked.side = moves_probe(asked.mode) ? BoundingSide::server : side;
+            asked.servo_period = 1.0 / rate;
+            asked.hold_time = std::max(hold_time, asked.servo_period);
+            const SessionParameters given = granted(line, asked);
+            EXPECT_EQ(forbidden_grant(asked, given), std::nullopt)
+                << line.name << ' ' << rate << ' ' << name(asked.mode) << ' ' << hold_time;
+            // And what it grants is what it grants once more, to a client that lost its session.
+            EXPECT_EQ(granted(line, given), given);
+          }
+}
+
+}  // namespace
+}  // namespace feltwire::grant_test
