@@ -100,8 +100,10 @@ int main(int argc, char** argv) {
     const feltwire::ServerTask asked = feltwire::server_task(argc, argv);
     const feltwire::ServerConfig& config = asked.config;
     if (!asked.explain.empty()) {
-      std::fputs(feltwire::visible_lines(explain(feltwire::load_scene(asked.explain))).c_str(),
-                 stdout);
+      const feltwire::Scene scene = feltwire::load_scene(asked.explain);
+      for (const std::string& warning : scene.warnings())
+        std::fprintf(stderr, "%s\n", feltwire::visible(asked.explain + ": " + warning).c_str());
+      std::fputs(feltwire::visible_lines(explain(scene)).c_str(), stdout);
       return 0;
     }
     if (asked.health) {

@@ -6,11 +6,15 @@
 #include <istream>
 #include <memory>
 #include <ostream>
+#include <span>
+#include <stdexcept>
 #include <string>
+#include <vector>
 
 #include "client/csv.hpp"
 #include "core/port_energy.hpp"
 #include "core/scene/world.hpp"
+#include "core/tool/body_tool.hpp"
 #include "core/velocity.hpp"
 
 namespace feltwire {
@@ -41,31 +45,54 @@ void emit(std::istream& in, std::ostream& out, std::string& line) {
 /// A scene as one tool meets it at growing times; what moves is stepped from the first on.
 class Touched {
  public:
-  explicit Touched(const Scene& scene) : scene_(scene), memory_(scene.memory()) {
+  /// `held`: the scene, or one of its others() for another tool.
+  Touched(const Scene& scene, const Scene& held) : held_(held), memory_(held.memory()) {
     if (scene.mechanism() == nullptr) return;
     world_ = std::make_unique<World>(scene);
-    grasp_ = world_->grasp();
+    grasp_ = world_->grasp(held);
   }
   /// `elapsed` [s] since the answer before.
-  Command answer(const Tool& tool, double elapsed) {
-    if (world_ == nullptr) return scene_.touch(tool, memory_);
-    time_ += elapsed;
-    while (static_cast<double>(world_->counters().steps + 1) * world_->tick() <=
-           time_ + kRounding) {
-      world_->push(grasp_, memory_, 1.0);
-      world_->step();
+  Command answer(const Pose& device, const Vec3& velocity, double elapsed) {
+    if (held_.tool().body != nullptr) {
+      if (world_ == nullptr) return held_.touch(device, velocity, elapsed, body_memory_);
+      advance(elapsed, body_memory_);
+      return world_->touch(device, velocity, elapsed, body_memory_, grasp_);
     }
+    const Tool tool{device.position, velocity};
+    if (world_ == nullptr) return held_.touch(tool, memory_);
+    advance(elapsed, memory_);
     return world_->touch(tool, memory_, grasp_);
   }
 
  private:
   static constexpr double kRounding = 1e-9;  // [s] of times written in decimals
-  const Scene& scene_;
+
+  template <class Memory>
+  void advance(double elapsed, Memory& memory) {
+    time_ += elapsed;
+    while (static_cast<double>(world_->counters().steps + 1) * world_->tick() <=
+           time_ + kRounding) {
+      world_->push(grasp_, memory, 1.0);
+      world_->step();
+    }
+  }
+
+  const Scene& held_;
   TouchMemory memory_;
+  BodyMemory body_memory_;
   std::unique_ptr<World> world_;
   Grasp grasp_;
   double time_ = 0.0;  // [s]
 };
+
+const Scene& held_by(const Scene& scene, const std::string& tool) {
+  if (const Scene* held = scene.held(tool)) return *held;
+  std::string names = scene.tool().name;
+  for (const auto& other : scene.others()) names += ", " + other->tool().name;
+  throw std::invalid_argument(
+      "--tool: the scene has no tool '" + tool + "'; " +
+      (names.empty() ? "it names none, leave --tool out" : "those that there are: " + names));
+}
 
 }  // namespace
 
@@ -98,35 +125,46 @@ std::size_t filter_bound(std::istream& in, std::ostream& out, const BoundingConf
   return refused;
 }
 
-std::size_t filter_touch(std::istream& in, std::ostream& out, const Scene& scene) {
-  CsvReader reader(in, "stdin", {"t", "x", "y", "z"}, {}, CsvReader::NotFinite::accept);
-  Touched touched(scene);
+std::size_t filter_touch(std::istream& in, std::ostream& out, const Scene& scene,
+                         const std::string& tool) {
+  const Scene& held = held_by(scene, tool);
+  const bool body = held.tool().body != nullptr;
+  std::vector<std::string> columns = {"t", "x", "y", "z"};
+  if (body) columns.insert(columns.end(), {"qw", "qx", "qy", "qz"});
+  CsvReader reader(in, "stdin", columns, {}, CsvReader::NotFinite::accept);
+  Touched touched(scene, held);
   VelocityEstimate velocity;
-  out << "ex,ey,ez,fx,fy,fz\n";
-  std::array<double, 4> row{};
+  out << "ex,ey,ez,fx,fy,fz" << (body ? ",tx,ty,tz\n" : "\n");
+  std::array<double, 8> row{0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0};
   std::size_t refused = 0;
   bool first = true;
   double last_time = 0.0;
   Vec3 last_position = Vec3::Zero();
   std::string line;
-  while (reader.next(row)) {
+  while (reader.next(std::span(row).first(columns.size()))) {
     const double time = row[0];
     const Vec3 position(row[1], row[2], row[3]);
+    Quaternion turn(row[4], row[5], row[6], row[7]);
     Command answer;
-    if (!std::isfinite(time) || !position.allFinite()) {
+    if (!std::isfinite(time) || !position.allFinite() || !turn.coeffs().allFinite()) {
       ++refused;
     } else {
       if (!first && !(time > last_time))
         reader.fail("t", "time does not grow; sort the rows by time");
+      if (!(turn.coeffs().cwiseAbs().maxCoeff() > 0.0))
+        reader.fail("qw", "qw,qx,qy,qz are no rotation, all are zero; give 1,0,0,0 for none");
+      turn.coeffs() /= turn.coeffs().cwiseAbs().maxCoeff();
+      turn.normalize();
       const double elapsed = first ? 0.0 : time - last_time;
       if (!first) velocity.update(position - last_position, elapsed);
       first = false;
       last_time = time;
       last_position = position;
-      answer = touched.answer({position, velocity.value()}, elapsed);
+      answer = touched.answer({position, turn}, velocity.value(), elapsed);
     }
     append(line, answer.elastic);
     append(line, answer.frictional);
+    if (body) append(line, answer.torque);
     emit(in, out, line);
   }
   out.flush();

@@ -2,6 +2,7 @@
 // The lab's two filters: CSV in, CSV out, for people and scripts.
 
 #include <iosfwd>
+#include <string>
 
 #include "core/bounding/bounding.hpp"
 #include "core/scene/scene.hpp"
@@ -14,10 +15,14 @@ namespace feltwire {
 /// how many rows were so refused. Throws CsvError for anything that is no number.
 std::size_t filter_bound(std::istream& in, std::ostream& out, const BoundingConfig& config);
 
-/// `feltwire-lab touch`. In: t [s], x,y,z [m]. Out: ex,ey,ez,fx,fy,fz [N], what the scene answers
-/// there, on the hand. The rows are one movement: friction, contact and velocity (the difference of
-/// two rows) have memory. Returns how many rows were not finite (zero force). Throws CsvError for
-/// anything that is no number and for times that do not grow.
-std::size_t filter_touch(std::istream& in, std::ostream& out, const Scene& scene);
+/// `feltwire-lab touch`. In: t [s], x,y,z [m]; of a tool with a body also qw,qx,qy,qz, how it is
+/// turned. Out: ex,ey,ez,fx,fy,fz [N], what the scene answers there, on the hand; of a tool with a
+/// body also tx,ty,tz [N m]. `tool`: which of the scene's, by its name; empty: the first. The rows
+/// are one movement: friction, contact and velocity (the difference of two rows) have memory.
+/// Returns how many rows were not finite (zero force). Throws CsvError for anything that is no
+/// number, for times that do not grow and for a body without an orientation, std::invalid_argument
+/// where the scene has no such tool.
+std::size_t filter_touch(std::istream& in, std::ostream& out, const Scene& scene,
+                         const std::string& tool = {});
 
 }  // namespace feltwire

@@ -100,18 +100,28 @@ void add_bound(CLI::App& app) {
 
 void add_touch(CLI::App& app) {
   auto scene = std::make_shared<std::string>();
+  auto tool = std::make_shared<std::string>();
   CLI::App* command =
       app.add_subcommand("touch", "Filter: what a scene answers at each position of a movement");
   command->footer(
-      "stdin   CSV with a header; columns in any order, others are ignored: t [s], x,y,z [m]\n"
-      "stdout  CSV: ex,ey,ez elastic and fx,fy,fz frictional force [N, on the hand]\n"
+      "stdin   CSV with a header; columns in any order, others are ignored: t [s], x,y,z [m];\n"
+      "        of a tool with a body also qw,qx,qy,qz, how it is turned\n"
+      "stdout  CSV: ex,ey,ez elastic and fx,fy,fz frictional force [N, on the hand];\n"
+      "        of a tool with a body also tx,ty,tz [N m]\n"
+      "stderr  what is strange about the scene\n"
       "The rows are one movement: friction and velocity (difference of two rows) remember. "
       "Example:\n"
       "  printf 't,x,y,z\\n0,0,0,0.001\\n0.001,0,0,-0.001\\n' | feltwire-lab touch --scene "
       "scenes/plane.json");
   command->add_option("--scene", *scene, "Scene file (docs/scenes.md)")->required();
-  command->callback(
-      [scene] { report_refused(filter_touch(std::cin, std::cout, load_scene(*scene))); });
+  command->add_option("--tool", *tool,
+                      "The tool's name, where the scene has several; default its first");
+  command->callback([scene, tool] {
+    const Scene touched = load_scene(*scene);
+    for (const std::string& warning : touched.warnings())
+      std::cerr << visible(*scene + ": " + warning) << '\n';
+    report_refused(filter_touch(std::cin, std::cout, touched, *tool));
+  });
 }
 
 void add_summary(CLI::App& app) {

@@ -235,9 +235,15 @@ struct Held {
   std::int8_t side;
 };
 
-bool is_over(const Face& face, const Vec3& p) {
-  for (std::size_t k = 0; k < 3; ++k)
-    if (face.out_of(k).dot(p - face.corners[k]) > 0.0) return false;
+/// Edges without a neighbour reach a skin farther, as they do for ways that cross.
+bool is_over(const MeshSurface& surface, const Held& held, const Vec3& p) {
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Vec3 out = held.face.out_of(k);
+    const bool ends =
+        surface.mesh().neighbour(held.triangle, static_cast<int>(k)) == TriangleMesh::kNone;
+    if (out.dot(p - held.face.corners[k]) > (ends ? surface.skin() * length(out) : 0.0))
+      return false;
+  }
   return true;
 }
 
@@ -283,7 +289,8 @@ void move_by_rays(const MeshSurface& surface, std::int8_t sides, const Vec3& goa
     at = aim.point;
     std::size_t kept = 0;
     for (std::size_t i = 0; i < count; ++i)
-      if (is_over(held[i]->face, at) && held[i]->face.height(goal) < skin) held[kept++] = held[i];
+      if (is_over(surface, *held[i], at) && held[i]->face.height(goal) < skin)
+        held[kept++] = held[i];
     const bool done = kept == count;
     count = kept;
     if (done) break;
@@ -297,7 +304,7 @@ void move_by_rays(const MeshSurface& surface, std::int8_t sides, const Vec3& goa
   if (count > 1) return;
   const double height = first.face.height(goal);
   const Vec3 below = goal - height * first.face.normal;
-  if (height >= 0.0 || !is_over(first.face, below)) return;
+  if (height >= 0.0 || !is_over(surface, first, below)) return;
   stand.point = below;
   stand.on_face = true;
 }

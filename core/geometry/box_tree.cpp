@@ -168,6 +168,10 @@ struct BoxTree::Building {
 
 BoxTree::BoxTree(std::span<const Bounds> boxes) {
   if (boxes.empty()) return;
+  for (const Bounds& box : boxes)
+    if (!((box.least.array().abs() <= kFarthest).all() &&
+          (box.most.array().abs() <= kFarthest).all()))
+      throw std::invalid_argument("boxes: must lie within 1e18 m, one does not; check the unit");
   using Handle = std::unique_ptr<std::remove_pointer_t<RTCBVH>, decltype(&rtcReleaseBVH)>;
   const Handle bvh(rtcNewBVH(device()), &rtcReleaseBVH);
   RTCBounds whole{};

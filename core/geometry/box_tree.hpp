@@ -32,9 +32,12 @@ struct Bounds {
 /// (in double) answers it; some that do not may be visited. In what order is not said.
 class BoxTree {
  public:
+  /// [m] Embree ends the process for boxes that it takes for infinite, from 1.8e18 on.
+  static constexpr double kFarthest = 1e18;
+
   BoxTree() = default;
-  /// Thing i has boxes[i]; all finite, at most 2^30. Throws std::runtime_error where Embree cannot
-  /// build (no memory).
+  /// Thing i has boxes[i]; at most 2^30. Throws std::invalid_argument where a box is not finite or
+  /// reaches farther than kFarthest, std::runtime_error where Embree cannot build (no memory).
   explicit BoxTree(std::span<const Bounds> boxes);
 
   /// Visits every i whose box has a point in common with `box`.

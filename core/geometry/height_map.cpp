@@ -28,8 +28,9 @@ class Pgm {
     image.width = number("width", 1, kMostPixels);
     image.height = number("height", 1, kMostPixels);
     const int white = number("largest grey", 1, kMostGrey);
-    image.values.reserve(static_cast<std::size_t>(image.width) *
-                         static_cast<std::size_t>(image.height));
+    // Each pixel takes a byte at least: a header alone takes no memory.
+    image.values.reserve(std::min(bytes_.size() - at_, static_cast<std::size_t>(image.width) *
+                                                           static_cast<std::size_t>(image.height)));
     for (int i = 0; i < image.width * image.height; ++i) {
       const int grey = kind == "P2" ? number("grey", 0, white) : binary(white);
       image.values.push_back(static_cast<float>(grey) / static_cast<float>(white));
@@ -99,7 +100,8 @@ struct Pixel {
   double from;  // of its middle, in pixels
 };
 Pixel pixel_at(double x, int count) {
-  const double within = x - count * std::floor(x / count);
+  double within = x - count * std::floor(x / count);
+  if (!(within >= 0.0 && within <= count)) within = 0.0;  // so far away that it has no pixel
   const double nearest = std::floor(within + 0.5);
   return {static_cast<int>(nearest) % count, within - nearest};
 }

@@ -11,6 +11,7 @@
 namespace feltwire {
 namespace {
 
+using mesh_text::broken_vertex;
 using mesh_text::Words;
 
 constexpr std::size_t kMostVertices = std::numeric_limits<std::uint32_t>::max() - 1;
@@ -45,7 +46,7 @@ bool is_text_stl(std::string_view bytes) {
   return bytes.substr(0, 5) == "solid";
 }
 
-TriangleSoup parse_binary_stl(std::string_view bytes, const std::string& name) {
+TriangleSoup parse_binary_stl(std::string_view bytes, const std::string& name, double scale) {
   static_assert(std::endian::native == std::endian::little);
   constexpr std::size_t kHeader = 84, kRecord = 50, kCountAt = 80, kNormal = 12, kPoint = 12;
   if (bytes.size() < kHeader)
@@ -67,16 +68,23 @@ TriangleSoup parse_binary_stl(std::string_view bytes, const std::string& name) {
       std::array<float, 3> v{};
       std::memcpy(v.data(), bytes.data() + record + kPoint * corner, sizeof v);
       soup.vertices.emplace_back(v[0], v[1], v[2]);
-      if (!soup.vertices.back().allFinite())
-        throw FileError(name + ": byte " + std::to_string(record + kPoint * corner) +
-                        ": vertex: is not finite; export the surface anew");
+      if (const auto broken = broken_vertex(soup.vertices.size(), soup.vertices.back(), scale))
+        throw FileError(name + ": byte " + std::to_string(record + kPoint * corner) + ": " +
+                        *broken);
     }
     soup.triangles.push_back({first, first + 1, first + 2});
   }
   return soup;
 }
 
-TriangleSoup parse_text_stl(std::string_view bytes, const std::string& name) {
+/// The next three words as a vertex.
+void add_vertex(Words& words, const char* what, double scale, TriangleSoup& soup) {
+  soup.vertices.push_back(words.vector(what));
+  if (const auto broken = broken_vertex(soup.vertices.size(), soup.vertices.back(), scale))
+    words.fail(*broken);
+}
+
+TriangleSoup parse_text_stl(std::string_view bytes, const std::string& name, double scale) {
   TriangleSoup soup;
   Words words(bytes, name);
   std::vector<std::uint32_t> loop;
@@ -86,7 +94,7 @@ TriangleSoup parse_text_stl(std::string_view bytes, const std::string& name) {
     if (word == "vertex") {
       if (!in_loop) words.fail("vertex: stands outside of a loop; export the surface anew");
       loop.push_back(static_cast<std::uint32_t>(soup.vertices.size()));
-      soup.vertices.push_back(words.vector("vertex"));
+      add_vertex(words, "vertex", scale, soup);
     } else if (word == "outer") {
       if (in_loop) words.fail("outer loop: the loop before it has no end; export it anew");
       loop.clear();
@@ -113,20 +121,24 @@ std::string ending(const std::string& name) {
 
 }  // namespace
 
-TriangleSoup parse_obj(std::string_view bytes, const std::string& name) {
+TriangleSoup parse_obj(std::string_view bytes, const std::string& name, double scale) {
   TriangleSoup soup;
-  Words words(bytes, name);
+  Words words(bytes, name, true);
   std::vector<std::uint32_t> corners;
   while (words.next_line()) {
-    if (words.rest().front() == '#') continue;
+    if (words.rest().front() == '#') {
+      words.end_line();
+      continue;
+    }
     const std::string_view word = words.word();
     if (word == "v") {
       if (soup.vertices.size() >= kMostVertices) words.fail("v: too many vertices; simplify it");
-      soup.vertices.push_back(words.vector("v"));  // a weight or a colour may follow
+      add_vertex(words, "v", scale, soup);  // a weight or a colour may follow
     } else if (word == "f") {
       corners.clear();
       while (!words.line_ended() && words.rest().front() != '#')
         corners.push_back(obj_index(words, words.word(), soup.vertices.size()));
+      if (!words.line_ended()) words.end_line();
       if (corners.size() < 3)
         words.fail("f: a face needs three vertices, has " + std::to_string(corners.size()) +
                    "; export the surface anew");
@@ -139,28 +151,25 @@ TriangleSoup parse_obj(std::string_view bytes, const std::string& name) {
   return soup;
 }
 
-TriangleSoup parse_stl(std::string_view bytes, const std::string& name) {
-  return is_text_stl(bytes) ? parse_text_stl(bytes, name) : parse_binary_stl(bytes, name);
+TriangleSoup parse_stl(std::string_view bytes, const std::string& name, double scale) {
+  return is_text_stl(bytes) ? parse_text_stl(bytes, name, scale)
+                            : parse_binary_stl(bytes, name, scale);
 }
 
 TriangleSoup parse_mesh(std::string_view bytes, const std::string& name, double scale) {
   const std::string format = ending(name);
   TriangleSoup soup;
   if (format == ".obj")
-    soup = parse_obj(bytes, name);
+    soup = parse_obj(bytes, name, scale);
   else if (format == ".stl")
-    soup = parse_stl(bytes, name);
+    soup = parse_stl(bytes, name, scale);
   else if (format == ".ply")
-    soup = parse_ply(bytes, name);
+    soup = parse_ply(bytes, name, scale);
   else
     throw FileError(name + ": is no mesh file by its ending; give .obj, .stl or .ply");
   if (soup.triangles.empty())
     throw FileError(name + ": there is no triangle in it; give a surface");
-  for (Vec3& v : soup.vertices) {
-    v *= scale;
-    if (!v.allFinite())
-      throw FileError(name + ": a coordinate is too large for its unit; check scale or unit");
-  }
+  for (Vec3& v : soup.vertices) v *= scale;
   return soup;
 }
 

@@ -13,10 +13,15 @@ namespace {
 /// and what a hand could feel.
 constexpr double kSkin = 0x1p-22;
 
-std::vector<Bounds> boxes_of(const TriangleMesh& mesh) {
+/// Edges without a neighbour reach a skin farther.
+std::vector<Bounds> boxes_of(const TriangleMesh& mesh, double skin) {
   std::vector<Bounds> boxes(mesh.triangles().size());
-  for (std::uint32_t t = 0; t < boxes.size(); ++t)
+  for (std::uint32_t t = 0; t < boxes.size(); ++t) {
     for (const Vec3& corner : mesh.corners(t)) boxes[t].add(corner);
+    bool ends = false;
+    for (int k = 0; k < 3; ++k) ends = ends || mesh.neighbour(t, k) == TriangleMesh::kNone;
+    if (ends) boxes[t] = boxes[t].grown(skin);
+  }
   return boxes;
 }
 
@@ -55,8 +60,10 @@ NearestOnTriangle nearest_on_triangle(const std::array<Vec3, 3>& corners, const 
 }
 
 MeshSurface::MeshSurface(TriangleMesh mesh, const MeshOptions& options)
-    : mesh_(std::move(mesh)), options_(options), tree_(boxes_of(mesh_)) {
-  skin_ = kSkin * mesh_.half_extents().maxCoeff();
+    : mesh_(std::move(mesh)),
+      options_(options),
+      skin_(kSkin * mesh_.half_extents().maxCoeff()),
+      tree_(boxes_of(mesh_, skin_)) {
   if (!options_.smooth) return;
   normals_.resize(mesh_.vertices().size());
   for (std::uint32_t v = 0; v < normals_.size(); ++v) normals_[v] = corner_normal(v);
@@ -97,7 +104,12 @@ std::optional<Crossing> MeshSurface::crossing(std::uint32_t t, const Vec3& from,
     const bool ascending = index[k] < index[l];
     const Vec3 first = c[ascending ? k : l] - from, second = c[ascending ? l : k] - from;
     const double turn = way.dot(first.cross(second));
-    if (side * (ascending ? turn : -turn) > 0.0) return std::nullopt;
+    if (!(side * (ascending ? turn : -turn) > 0.0)) continue;
+    // Two edges without a neighbour may leave a crack between them.
+    if (mesh_.neighbour(t, static_cast<int>(k)) != TriangleMesh::kNone) return std::nullopt;
+    const Vec3 out = (c[l] - c[k]).cross(normal);
+    const Vec3 hit = from + a / (a - b) * way;
+    if (!(out.dot(hit - c[k]) <= skin_ * length(out))) return std::nullopt;
   }
   return Crossing{std::clamp(a / (a - b), 0.0, 1.0), t, side};
 }

@@ -63,7 +63,8 @@ class MeshSurface {
 
   /// Does this movement go through triangle t, from a side of `sides`? `part` says where. In the
   /// plane is in front of one side; of both sides, it is reached, and no way begins there. Of two
-  /// triangles with a common edge no movement passes between.
+  /// triangles with a common edge no movement passes between, nor of two edges without a neighbour
+  /// that are at most two skins apart: such an edge reaches a skin farther than it is.
   std::optional<Crossing> crossing(std::uint32_t t, const Vec3& from, const Vec3& to,
                                    std::int8_t sides) const noexcept;
   /// The first of all; of equal ones that of the lowest index. sides: 1, -1, or 0 for both.
@@ -89,9 +90,9 @@ class MeshSurface {
 
   TriangleMesh mesh_;
   MeshOptions options_;
+  double skin_ = 0.0;
   BoxTree tree_;
   std::vector<Vec3> normals_;
-  double skin_ = 0.0;
 };
 
 }  // namespace feltwire

@@ -1,8 +1,11 @@
 #pragma once
 // Internal to the mesh files: words of a text line by line, with errors that name the line.
 
+#include <array>
 #include <charconv>
 #include <cmath>
+#include <cstdio>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -11,28 +14,52 @@
 
 namespace feltwire::mesh_text {
 
+/// [m] How far coordinates of a scene reach.
+inline constexpr double kFarthest = 1e6;
+
+/// What is wrong with the `number`-th vertex (from 1), if anything. `scale`: metres per unit.
+inline std::optional<std::string> broken_vertex(std::size_t number, const Vec3& v, double scale) {
+  for (Eigen::Index axis = 0; axis < 3; ++axis) {
+    const std::string which =
+        "vertex " + std::to_string(number) + ": " + "xyz"[axis] + std::string(": ");
+    if (!std::isfinite(v[axis])) return which + "is not finite; export the surface anew";
+    if (std::abs(v[axis] * scale) <= kFarthest) continue;
+    std::array<char, 96> text{};
+    std::snprintf(text.data(), text.size(),
+                  "must lie within %g m of the origin, is %.6g with a scale of %g m; ", kFarthest,
+                  v[axis], scale);
+    return which + text.data() + "check scale or unit, or remove the vertex";
+  }
+  return std::nullopt;
+}
+
 /// A text cut into lines, these into words at white space.
 class Words {
  public:
-  Words(std::string_view text, const std::string& name) : text_(text), name_(name) {}
+  /// `continued`: a backslash at the end of a line joins the next one to it.
+  Words(std::string_view text, const std::string& name, bool continued = false)
+      : text_(text), name_(name), continued_(continued) {}
 
   [[noreturn]] void fail(const std::string& message) const {
     throw FileError(name_ + ":" + std::to_string(line_) + ": " + message);
   }
 
-  /// The next line that is not empty; false at the end.
+  /// The next line that is not empty; false at the end. What the line before is continued by is
+  /// passed over.
   bool next_line() {
+    while (goes_on_) cut_line();
     while (at_ < text_.size()) {
-      std::size_t end = text_.find('\n', at_);
-      if (end == std::string_view::npos) end = text_.size();
-      rest_ = text_.substr(at_, end - at_);
-      at_ = end + 1;
-      ++line_;
+      cut_line();
       skip_space();
       if (!rest_.empty()) return true;
     }
     rest_ = {};
     return false;
+  }
+  /// The line ends here, whatever it ends with: it is a comment.
+  void end_line() {
+    rest_ = {};
+    goes_on_ = false;
   }
 
   /// The next word of the line, empty at its end.
@@ -86,15 +113,39 @@ class Words {
  private:
   static bool is_space(char c) { return c == ' ' || c == '\t' || c == '\r'; }
   void skip_space() {
-    std::size_t n = 0;
-    while (n < rest_.size() && is_space(rest_[n])) ++n;
-    rest_.remove_prefix(n);
+    for (;;) {
+      std::size_t n = 0;
+      while (n < rest_.size() && is_space(rest_[n])) ++n;
+      rest_.remove_prefix(n);
+      if (!rest_.empty() || !goes_on_) return;
+      cut_line();
+    }
+  }
+  /// The next line as it stands, without the backslash that continues it.
+  void cut_line() {
+    goes_on_ = false;
+    rest_ = {};
+    if (at_ >= text_.size()) return;
+    std::size_t end = text_.find('\n', at_);
+    if (end == std::string_view::npos) end = text_.size();
+    rest_ = text_.substr(at_, end - at_);
+    at_ = end + 1;
+    ++line_;
+    if (!continued_) return;
+    std::string_view line = rest_;
+    while (!line.empty() && line.back() == '\r') line.remove_suffix(1);
+    if (line.empty() || line.back() != '\\') return;
+    line.remove_suffix(1);
+    rest_ = line;
+    goes_on_ = true;
   }
 
   std::string_view text_, rest_;
   const std::string& name_;
   std::size_t at_ = 0;
   int line_ = 0;
+  bool continued_ = false;
+  bool goes_on_ = false;  // the next line belongs to this one
 };
 
 /// A polygon's corners as a fan of triangles.

@@ -92,6 +92,10 @@ Header read_header(Words& words) {
       }
       property.type = scalar(words);
       property.name = words.word();
+      const bool coordinate = property.name == "x" || property.name == "y" || property.name == "z";
+      if (property.list && coordinate && header.elements.back().name == "vertex")
+        words.fail("property " + property.name +
+                   ": is a list, must be one number; export the surface anew");
       header.elements.back().properties.push_back(std::move(property));
     } else if (word != "comment" && word != "obj_info") {
       words.fail(Words::shown(word) + ": is no word of a PLY header; export the surface anew");
@@ -167,7 +171,7 @@ class BinaryValues {
 };
 
 template <class Values>
-void read_body(Values& values, const Header& header, TriangleSoup& soup) {
+void read_body(Values& values, const Header& header, double scale, TriangleSoup& soup) {
   std::vector<double> row;   // the scalars of an element
   std::vector<double> list;  // of the property that is wanted
   std::vector<std::uint32_t> corners;
@@ -204,8 +208,9 @@ void read_body(Values& values, const Header& header, TriangleSoup& soup) {
       }
       if (vertex) {
         soup.vertices.emplace_back(row[x], row[y], row[z]);
-        if (!soup.vertices.back().allFinite())
-          values.fail("vertex: is not finite; export the surface anew");
+        if (const auto broken =
+                mesh_text::broken_vertex(soup.vertices.size(), soup.vertices.back(), scale))
+          values.fail(*broken);
       }
       if (!face) continue;
       if (list.size() < 3)
@@ -226,16 +231,16 @@ void read_body(Values& values, const Header& header, TriangleSoup& soup) {
 
 }  // namespace
 
-TriangleSoup parse_ply(std::string_view bytes, const std::string& name) {
+TriangleSoup parse_ply(std::string_view bytes, const std::string& name, double scale) {
   Words words(bytes, name);
   const Header header = read_header(words);
   TriangleSoup soup;
   if (header.format == Format::text) {
     TextValues values(words);
-    read_body(values, header, soup);
+    read_body(values, header, scale, soup);
   } else {
     BinaryValues values(bytes, words.at(), header.format == Format::big, name);
-    read_body(values, header, soup);
+    read_body(values, header, scale, soup);
   }
   return soup;
 }

@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <cstdio>
 #include <limits>
 #include <stdexcept>
 #include <utility>
 
+#include "core/geometry/mesh_seams.hpp"
 #include "core/numeric.hpp"
 #include "core/splitmix.hpp"
 
@@ -20,12 +22,16 @@ constexpr int kSides = 3;
 /// their differences have half a unit in the last place.
 constexpr double kFlat = 8.0 * std::numeric_limits<double>::epsilon();
 
-bool degenerate(const std::array<Vec3, 3>& c) {
+/// Its height [m] then goes to `height` where that is larger.
+bool degenerate(const std::array<Vec3, 3>& c, double& height) {
   const Vec3 a = c[1] - c[0], b = c[2] - c[0], o = c[2] - c[1];
   const double longest =
       std::max({a.cwiseAbs().maxCoeff(), b.cwiseAbs().maxCoeff(), o.cwiseAbs().maxCoeff()});  // [m]
   if (!(longest > 0.0)) return true;
-  return !((a / longest).cross(b / longest).norm() > kFlat);
+  const double relative = (a / longest).cross(b / longest).norm();
+  if (relative > kFlat) return false;
+  height = std::max(height, relative * longest);
+  return true;
 }
 
 std::uint64_t place_hash(const Vec3& v) {
@@ -69,6 +75,12 @@ void require_whole(const TriangleSoup& soup) {
                                     std::to_string(soup.vertices.size()) + "; correct the index");
 }
 
+std::string metres(double length) {
+  std::array<char, 32> text{};
+  std::snprintf(text.data(), text.size(), "%.3g m", length);
+  return text.data();
+}
+
 Triangle sorted(Triangle t) {
   std::sort(t.begin(), t.end());
   return t;
@@ -93,16 +105,82 @@ Vec3 triangle_normal(const std::array<Vec3, 3>& c) noexcept {
   return direction(Vec3(direction(a).cross(direction(b))));
 }
 
-TriangleMesh::TriangleMesh(const TriangleSoup& soup) {
+TriangleMesh::TriangleMesh(const TriangleSoup& soup, std::optional<double> weld) {
   require_whole(soup);
-  weld(soup);
+  this->weld(soup);
   if (triangles_.empty())
     throw std::invalid_argument("mesh: triangles: none with an area is left of " +
                                 std::to_string(soup.triangles.size()) + "; give a surface");
+  report_.size = 2.0 * half_extents_.maxCoeff();
+  report_.weld = weld.value_or(kWeld * report_.size);
+  report_.typical_side = typical_side();
   index_vertices();
   drop_duplicates();
-  find_neighbours();
+  const auto open = join_open_edges(find_neighbours());
+  const mesh_seams::Holes holes = mesh_seams::holes(vertices_, open);
+  report_.holes = holes.count;
+  report_.narrowest_hole = holes.narrowest;
+  report_.widest_hole = holes.widest;
   report_.volume = volume();
+}
+
+/// What is open still. Triangles that lose their area by it can open others, which are joined in
+/// turn.
+std::vector<mesh_seams::Edge> TriangleMesh::join_open_edges(std::vector<mesh_seams::Edge> open) {
+  constexpr int kMostRounds = 8;
+  for (int round = 0; round < kMostRounds && !open.empty(); ++round) {
+    const mesh_seams::Joined joined = mesh_seams::join(vertices_, triangles_, open, report_.weld);
+    if (joined.count == 0) break;
+    const std::vector<Triangle> before = triangles_;
+    for (Triangle& t : triangles_)
+      for (std::uint32_t& i : t) i = joined.renamed[i];
+    if (!keep_areas()) {  // nothing would be left: it stays as it is
+      triangles_ = before;
+      break;
+    }
+    report_.joined += joined.count;
+    report_.joined_farthest = std::max(report_.joined_farthest, joined.farthest);
+    index_vertices();
+    drop_duplicates();
+    open = find_neighbours();
+  }
+  return open;
+}
+
+/// Drops triangles without an area, and vertices without a triangle; false: none is left.
+bool TriangleMesh::keep_areas() {
+  std::vector<Triangle> kept;
+  double height = 0.0;
+  for (std::uint32_t t = 0; t < triangles_.size(); ++t)
+    if (!degenerate(corners(t), height)) kept.push_back(triangles_[t]);
+  if (kept.empty()) return false;
+  report_.degenerate_height = std::max(report_.degenerate_height, height);
+  report_.degenerate += triangles_.size() - kept.size();
+  triangles_ = std::move(kept);
+  std::vector<std::uint32_t> place(vertices_.size(), kNone);
+  for (const Triangle& t : triangles_)
+    for (const std::uint32_t i : t) place[i] = 0;
+  std::uint32_t count = 0;
+  for (std::size_t i = 0; i < place.size(); ++i) {
+    if (place[i] == kNone) continue;
+    place[i] = count;
+    vertices_[count++] = vertices_[i];
+  }
+  vertices_.resize(count);
+  for (Triangle& t : triangles_)
+    for (std::uint32_t& i : t) i = place[i];
+  return true;
+}
+
+double TriangleMesh::typical_side() const {
+  std::vector<double> longest(triangles_.size());
+  for (std::uint32_t t = 0; t < longest.size(); ++t) {
+    const auto c = corners(t);
+    longest[t] = std::max({(c[1] - c[0]).norm(), (c[2] - c[1]).norm(), (c[0] - c[2]).norm()});
+  }
+  const auto middle = longest.begin() + static_cast<std::ptrdiff_t>(longest.size() / 2);
+  std::nth_element(longest.begin(), middle, longest.end());
+  return *middle;
 }
 
 void TriangleMesh::weld(const TriangleSoup& soup) {
@@ -122,7 +200,8 @@ void TriangleMesh::weld(const TriangleSoup& soup) {
   triangles_.reserve(soup.triangles.size());
   for (const Triangle& t : soup.triangles) {
     const Triangle named = {renamed[t[0]], renamed[t[1]], renamed[t[2]]};
-    if (degenerate({known[named[0]], known[named[1]], known[named[2]]})) {
+    if (degenerate({known[named[0]], known[named[1]], known[named[2]]},
+                   report_.degenerate_height)) {
       ++report_.degenerate;
       continue;
     }
@@ -170,13 +249,16 @@ void TriangleMesh::drop_duplicates() {
   kept.reserve(triangles_.size());
   for (std::size_t t = 0; t < triangles_.size(); ++t)
     if (!is_duplicate(static_cast<std::uint32_t>(t))) kept.push_back(triangles_[t]);
-  report_.duplicate = triangles_.size() - kept.size();
-  if (report_.duplicate == 0) return;
+  if (kept.size() == triangles_.size()) return;
+  report_.duplicate += triangles_.size() - kept.size();
   triangles_ = std::move(kept);
   index_vertices();
 }
 
-void TriangleMesh::find_neighbours() {
+/// The edges that have one triangle.
+std::vector<mesh_seams::Edge> TriangleMesh::find_neighbours() {
+  std::vector<mesh_seams::Edge> open;
+  report_.non_manifold_edges = report_.turned_edges = 0;
   neighbours_.resize(triangles_.size());
   for (std::size_t t = 0; t < triangles_.size(); ++t) {
     for (std::size_t k = 0; k < kSides; ++k) {
@@ -195,11 +277,13 @@ void TriangleMesh::find_neighbours() {
       }
       neighbours_[t][k] = sharing == 1 && agree ? other : kNone;
       if (!first) continue;
-      report_.boundary_edges += sharing == 0 ? 1 : 0;
+      if (sharing == 0) open.push_back({a, b});
       report_.non_manifold_edges += sharing > 1 ? 1 : 0;
       report_.turned_edges += sharing == 1 && !agree ? 1 : 0;
     }
   }
+  report_.boundary_edges = open.size();
+  return open;
 }
 
 double TriangleMesh::volume() const {
@@ -225,21 +309,37 @@ std::size_t TriangleMesh::memory() const {
          (first_.capacity() + around_.capacity()) * sizeof(std::uint32_t);
 }
 
+std::string holes_text(const MeshReport& report) {
+  if (report.holes == 0) return "";
+  if (report.holes == 1) return ", 1 hole " + metres(report.widest_hole) + " across";
+  return ", " + std::to_string(report.holes) + " holes " + metres(report.narrowest_hole) + " to " +
+         metres(report.widest_hole) + " across";
+}
+
 std::vector<std::string> warnings(const MeshReport& report, bool closed) {
   std::vector<std::string> found;
-  const auto say = [&](std::size_t count, const char* what) {
+  const auto say = [&](std::size_t count, const std::string& what) {
     if (count > 0) found.push_back(std::to_string(count) + what);
   };
-  say(report.degenerate,
-      " triangles have no area and were left out; nothing is missing of the "
-      "surface");
+  say(report.joined, " vertices of open edges were joined with one that is at most " +
+                         metres(report.weld) + " away; the farthest was " +
+                         metres(report.joined_farthest) + " away");
+  say(report.degenerate, " triangles have no area and were left out; " +
+                             (report.degenerate_height > 0.0
+                                  ? "the highest is " + metres(report.degenerate_height) + " high"
+                                  : std::string("nothing is missing of the surface")));
   say(report.duplicate, " triangles stand twice; one of each was left out");
   say(report.non_manifold_edges, " edges have more than two triangles; the hand is slower there");
   say(report.turned_edges,
       " edges lie between triangles that disagree about the outside; unify the normals");
   if (closed)
     say(report.boundary_edges,
-        " edges have one triangle: the surface has holes; close them, or set double_sided");
+        " edges have one triangle: the surface has holes" + holes_text(report) +
+            "; close them, raise weld above narrow ones, or set double_sided");
+  if (report.typical_side < TriangleMesh::kWeld * report.size)
+    found.push_back("the surface is " + metres(report.size) + " large, its triangles are " +
+                    metres(report.typical_side) +
+                    ": a vertex lies far away from the others, and details are lost; remove it");
   return found;
 }
 

@@ -8,9 +8,9 @@
 #include <utility>
 
 #include "core/geometry/height_map.hpp"
-#include "core/geometry/mesh_file.hpp"
 #include "core/geometry/mesh_surface.hpp"
 #include "core/scene/read_values.hpp"
+#include "core/scene/shown_error.hpp"
 
 namespace feltwire {
 namespace {
@@ -58,6 +58,14 @@ MeshOptions options_of(const JsonDocument& document, const std::string& path,
   return options;
 }
 
+/// [m] none: the mesh's own.
+std::optional<double> weld_of(const JsonDocument& document, const std::string& path,
+                              const scene_file::Mesh& mesh) {
+  if (std::isnan(mesh.weld())) return std::nullopt;
+  require(document, path, not_negative("weld", mesh.weld(), kMaxLength, " [m]"));
+  return mesh.weld();
+}
+
 std::shared_ptr<const HeightMap> height_map_of(const JsonDocument& document,
                                                const std::string& path,
                                                const std::filesystem::path& folder,
@@ -68,12 +76,12 @@ std::shared_ptr<const HeightMap> height_map_of(const JsonDocument& document,
   const std::string name = map.file()->str();
   if (name.empty() || name.find('\0') != std::string::npos)
     document.fail(path + ".file", "names no file; give the path of a .pgm file");
+  const std::filesystem::path file = folder / name;
   try {
-    const std::filesystem::path file = folder / name;
     return std::make_shared<HeightMap>(parse_pgm(read_text(file), file.string()), map.amplitude(),
                                        map.size());
   } catch (const FileError& error) {
-    document.fail(path + ".file", error.what());
+    document.fail(path + ".file", shown_error(error.what(), file, folder));
   }
 }
 
@@ -82,6 +90,7 @@ std::shared_ptr<const HeightMap> height_map_of(const JsonDocument& document,
 Mesh MeshLoader::load(const std::string& path, const scene_file::Mesh& mesh) {
   const double scale = scale_of(document_, path, mesh);
   MeshOptions options = options_of(document_, path, mesh);
+  const std::optional<double> weld = weld_of(document_, path, mesh);
   const std::string name = mesh.file()->str();
   if (name.empty() || name.find('\0') != std::string::npos)
     document_.fail(path + ".file", "names no file; give the path of an .obj, .stl or .ply file");
@@ -89,8 +98,8 @@ Mesh MeshLoader::load(const std::string& path, const scene_file::Mesh& mesh) {
   const std::string key =
       name + '\n' + number_text(scale) + '\n' + number_text(options.radius) +
       (options.double_sided ? "d" : "s") + (options.smooth ? "i" : "f") +
-      (mesh.closed() ? "c" : "o") + number_text(options.grain.amplitude) + "/" +
-      number_text(options.grain.wavelength) + "\n" +
+      (mesh.closed() ? "c" : "o") + number_text(mesh.weld()) + "/" +
+      number_text(options.grain.amplitude) + "/" + number_text(options.grain.wavelength) + "\n" +
       (map != nullptr ? map->file()->str() + '\n' + number_text(map->amplitude()) + "/" +
                             number_text(map->size())
                       : "");
@@ -98,14 +107,14 @@ Mesh MeshLoader::load(const std::string& path, const scene_file::Mesh& mesh) {
   if (map != nullptr)
     options.height_map = height_map_of(document_, path + ".height_map", folder_, *map);
   try {
-    TriangleMesh triangles(read_mesh(folder_ / name, scale));
+    TriangleMesh triangles(read_scene_mesh(folder_, name, scale), weld);
     const MeshReport& report = triangles.report();
     if (mesh.closed() && !report.closed())
       document_.fail(
           path + ".closed",
-          name + " is not closed: " + std::to_string(report.boundary_edges) + " open edges, " +
-              std::to_string(report.non_manifold_edges) + " with more than two triangles, " +
-              std::to_string(report.turned_edges) +
+          name + " is not closed: " + std::to_string(report.boundary_edges) + " open edges" +
+              holes_text(report) + ", " + std::to_string(report.non_manifold_edges) +
+              " with more than two triangles, " + std::to_string(report.turned_edges) +
               " between triangles turned against each other; mend it, or leave closed out");
     for (const std::string& warning : feltwire::warnings(report, !options.double_sided))
       warnings_.push_back(name + ": " + warning);

@@ -6,6 +6,7 @@
 #include "core/scene/read_fields.hpp"
 #include "core/scene/read_values.hpp"
 #include "core/scene/scene_text.hpp"
+#include "core/scene/shown_error.hpp"
 
 namespace feltwire {
 namespace {
@@ -146,7 +147,12 @@ Scene parse_scene(std::string_view json, const std::string& file) {
 }
 
 Scene load_scene(const std::filesystem::path& file) {
-  return parse_scene(read_text(file), file.string());
+  const std::string text = read_text(file);
+  try {
+    return parse_scene(text, file.string());
+  } catch (const FileError& error) {
+    throw FileError(shown_error(error.what(), file, file.parent_path()));
+  }
 }
 
 }  // namespace feltwire

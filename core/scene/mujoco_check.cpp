@@ -87,13 +87,15 @@ double most_yielding(const mjModel& model, mjData& data, const Object& object, i
 
 std::string too_light(const Object& object, double mass, double tick) {
   const double stiffness = object.material.stiffness;
+  const double calm_tick = kCalm * std::sqrt(mass / stiffness);  // [s]
   return "object '" + object.name + "': " + printed("%.3g g", 1e3 * mass) +
          " where it yields most, against a material of " + printed("%.4g N/m", stiffness) +
          ", swings faster than a tick of " + printed("%.3g ms", 1e3 * tick) +
          " follows; what keeps it calm is a stiffness of at most " +
          printed("%.3g N/m", kCalm * kCalm * mass / (tick * tick)) + ", or at least " +
-         printed("%.3g g", 1e3 * stiffness * tick * tick / (kCalm * kCalm)) +
-         " there, or a tick of at most " + printed("%.3g s", kCalm * std::sqrt(mass / stiffness));
+         printed("%.3g g", 1e3 * stiffness * tick * tick / (kCalm * kCalm)) + " there" +
+         (calm_tick >= kLeastTick ? ", or a tick of at most " + printed("%.3g s", calm_tick)
+                                  : "; no tick that a scene may have is short enough");
 }
 
 }  // namespace

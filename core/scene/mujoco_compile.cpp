@@ -1,7 +1,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdio>
 #include <cstdlib>
+#include <numbers>
 #include <set>
 #include <stdexcept>
 
@@ -156,6 +158,12 @@ MassProperties solid_of(const Body& body, const std::vector<Object>& objects,
   return all;
 }
 
+std::string rounded(double value) {
+  std::array<char, 32> text{};
+  std::snprintf(text.data(), text.size(), "%.3g", value);
+  return text.data();
+}
+
 /// Where a mesh has a part in it: MuJoCo would take the hull for the solid.
 std::string inertial(const MassProperties& solid, double density) {
   const Mat3 inertia = density * solid.inertia;
@@ -176,6 +184,20 @@ Broken no_volume(const TriangleMesh& mesh) {
                         " between triangles turned against each other), so it has no volume and "
                         "cannot move; close it, or take it off its body"};
   return {"mesh", "its normals look inwards, so it has no volume and cannot move; turn them"};
+}
+
+/// Angles are radians: of more than a turn somebody may have meant degrees.
+std::string odd_angle(const Body& body) {
+  constexpr double kTurn = 2.0 * std::numbers::pi, kDegree = std::numbers::pi / 180.0;
+  if (body.joint != Joint::hinge) return {};
+  const auto warn = [&](const char* field, double angle) {
+    return "body '" + body.name + "': " + field + ": " + number_text(angle) + " rad are " +
+           rounded(angle / kTurn) + " turns; if it was meant in degrees, give " +
+           rounded(angle * kDegree) + " rad";
+  };
+  for (const double end : {body.low, body.high})
+    if (std::isfinite(end) && std::abs(end) > kTurn) return warn("range", end);
+  return std::abs(body.rest) > kTurn ? warn("rest", body.rest) : "";
 }
 
 void check_bodies(const std::vector<Object>& objects, const std::vector<int>& body_of,
@@ -328,6 +350,8 @@ std::shared_ptr<const Mechanism> compile(std::vector<Object>& objects, std::vect
   put_still_first(objects, body_of);
 
   std::vector<std::string> warnings;
+  for (const Body& body : bodies)
+    if (std::string odd = odd_angle(body); !odd.empty()) warnings.push_back(std::move(odd));
   mujoco::Loaded loaded =
       mujoco::load_text(model_text(objects, body_of, bodies, options, warnings));
   if (loaded.model == nullptr)

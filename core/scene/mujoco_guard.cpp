@@ -1,11 +1,8 @@
 #include "core/scene/mujoco_guard.hpp"
 
-#include <algorithm>
-#include <array>
 #include <csetjmp>
 #include <cstdlib>
 #include <cstring>
-#include <mutex>
 
 namespace feltwire::mujoco {
 namespace {
@@ -30,25 +27,6 @@ void install_handlers() {
   static_cast<void>(installed);
 }
 
-constexpr int kErrorSize = 1000;
-
-/// The loader keeps what it read in a global.
-Loaded load(const char* name, const mjVFS* files) {
-  static std::mutex loading;
-  const std::lock_guard lock(loading);
-  install_handlers();
-  std::array<char, kErrorSize> error{};
-  mjModel* model = nullptr;
-  const bool ran = guarded([&] { model = mj_loadXML(name, files, error.data(), kErrorSize); });
-  Loaded loaded{Model(model), {}};
-  if (model != nullptr) return loaded;
-  loaded.error = ran && error[0] != '\0' ? error.data() : "MuJoCo gave up on it";
-  while (!loaded.error.empty() && loaded.error.back() == '\n') loaded.error.pop_back();
-  for (char& c : loaded.error)
-    if (c == '\n') c = ' ';
-  return loaded;
-}
-
 }  // namespace
 
 bool guarded(void (*call)(void*), void* argument) noexcept {
@@ -66,23 +44,12 @@ bool guarded(void (*call)(void*), void* argument) noexcept {
 
 bool ran_out_of_stack() noexcept { return stack_overflowed; }
 
-Loaded load_text(const std::string& xml) {
-  struct DeleteFiles {
-    void operator()(mjVFS* files) const noexcept {
-      mj_deleteVFS(files);
-      delete files;
-    }
-  };
-  const std::unique_ptr<mjVFS, DeleteFiles> files(new mjVFS);
-  mj_defaultVFS(files.get());
-  constexpr const char* kName = "scene.xml";
-  mj_makeEmptyFileVFS(files.get(), kName, static_cast<int>(xml.size()));
-  std::copy(xml.begin(), xml.end(),
-            static_cast<char*>(files->filedata[mj_findFileVFS(files.get(), kName)]));
-  return load(kName, files.get());
+Model read_binary(const std::string& file) {
+  install_handlers();
+  mjModel* model = nullptr;
+  guarded([&] { model = mj_loadModel(file.c_str(), nullptr); });
+  return Model(model);
 }
-
-Loaded load_file(const std::string& file) { return load(file.c_str(), nullptr); }
 
 Data make_data(const mjModel& model) {
   install_handlers();

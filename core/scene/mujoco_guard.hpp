@@ -35,14 +35,20 @@ struct Loaded {
   Model model;
   std::string error;
 };
+/// By a child process (mjcf_reader.cpp), so that nothing that MuJoCo's loader does with a bad file
+/// reaches this one.
 Loaded load_text(const std::string& xml);
 Loaded load_file(const std::string& file);
+
+/// What mj_saveModel() wrote; null where it is none.
+Model read_binary(const std::string& file);
 
 /// A state of the model, evaluated; null where MuJoCo refuses.
 Data make_data(const mjModel& model);
 
-/// Calls; false where MuJoCo gave up with an error. What it calls must hold nothing that a
-/// destructor would have to give back: an error leaves it by longjmp.
+/// Calls; false where MuJoCo gave up with an error. What it calls must be MuJoCo's engine, which is
+/// C, and hold nothing that a destructor would have to give back: an error leaves it by longjmp.
+/// Not for MuJoCo's loader, which is C++.
 bool guarded(void (*call)(void*), void* argument) noexcept;
 /// What this thread's last call gave up with was that MuJoCo's stack is too small.
 bool ran_out_of_stack() noexcept;

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "core/scene/read_values.hpp"
+#include "core/scene/shown_error.hpp"
 
 namespace feltwire {
 namespace {
@@ -131,10 +132,11 @@ std::shared_ptr<const Mechanism> read_mjcf(const JsonDocument& document,
           {m->name()->str(), find_material("mjcf." + element("materials", materials.named.size()),
                                            m->material()->str())});
   const MechanismOptions options = read_options(document, scene);
+  const std::filesystem::path file = folder / given.file()->str();
   try {
-    return load_mjcf(folder / given.file()->str(), materials, options.tick, objects);
+    return load_mjcf(file, materials, options.tick, objects);
   } catch (const FileError& error) {
-    document.fail("mjcf.file", error.what());
+    document.fail("mjcf.file", shown_mjcf_error(error.what(), file, folder));
   }
 }
 

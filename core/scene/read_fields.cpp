@@ -4,10 +4,10 @@
 #include <utility>
 
 #include "core/geometry/mesh_distance.hpp"
-#include "core/geometry/mesh_file.hpp"
 #include "core/geometry/signed_distance.hpp"
 #include "core/geometry/tessellation.hpp"
 #include "core/scene/read_values.hpp"
+#include "core/scene/shown_error.hpp"
 #include "core/tool/body_tool.hpp"
 
 namespace feltwire {
@@ -42,11 +42,12 @@ Given read_solid(const JsonDocument& document, const std::string& path, const Ta
   take_solids(document, path, table, take_shape);
   if (const auto* file = table.file()) {
     take("file");
-    if (!(table.scale() > 0.0))
-      document.fail(path + ".scale", "must be above zero [m per unit of the file], is " +
+    if (!(table.scale() > 0.0 && table.scale() <= kMaxLength))
+      document.fail(path + ".scale", "must be above zero and at most " + number_text(kMaxLength) +
+                                         " [m per unit of the file], is " +
                                          number_text(table.scale()) +
                                          "; give 0.001 for a file in millimetres");
-    given.surface = read_mesh(folder / file->str(), table.scale());
+    given.surface = read_scene_mesh(folder, file->str(), table.scale());
   }
   if (kind.empty())
     document.fail(path, std::string("has no solid; give exactly one of ") + kSolids);

@@ -5,6 +5,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
+#include <stdexcept>
 #include <vector>
 
 #include "core/splitmix.hpp"
@@ -29,6 +31,18 @@ std::vector<Bounds> boxes(std::size_t count) {
     all[i].add(middle + Vec3::Constant(size));
   }
   return all;
+}
+
+// Embree ends the process for them.
+TEST(BoxTree, BoxesBeyondItsReachAreRefused) {
+  for (const double far : {1e19, 1e300, std::numeric_limits<double>::infinity(), std::nan("")}) {
+    std::vector<Bounds> boxes(3);
+    for (Bounds& box : boxes) box = {Vec3::Zero(), Vec3::Ones()};
+    boxes[1].most.y() = far;
+    EXPECT_THROW(BoxTree{boxes}, std::invalid_argument) << far;
+    boxes[1] = {Vec3(0, -far, 0), Vec3::Ones()};
+    EXPECT_THROW(BoxTree{boxes}, std::invalid_argument) << far;
+  }
 }
 
 TEST(BoxTree, FewAndManyMissNone) {

@@ -58,6 +58,27 @@ TEST(LoadBodies, AFixedBodyIsAFrameForWhatStands) {
   EXPECT_EQ(scene.objects()[0].pose.position, Vec3(1, 0, 3));
 }
 
+TEST(LoadBodies, AnAngleThatMayBeDegreesIsWarnedOf) {
+  const auto warnings = [](const std::string& hinge) {
+    return parse_scene(scene_text(R"({ "name": "b", "mass": 2, "joint": "hinge", )" + hinge + " }"),
+                       "s.json")
+        .warnings();
+  };
+  EXPECT_THAT(warnings(R"("range": [0, 90])"),
+              testing::Contains(AllOf(HasSubstr("body 'b': range: 90 rad are 14.3 turns"),
+                                      HasSubstr("in degrees, give 1.57 rad"))));
+  EXPECT_THAT(warnings(R"("range": [-45, 0])"), testing::Contains(HasSubstr("give -0.785 rad")));
+  EXPECT_THAT(warnings(R"("rest": 30, "stiffness": 0.1)"),
+              testing::Contains(HasSubstr("rest: 30 rad are 4.77 turns")));
+  for (const char* sane : {R"("range": [-6.28, 6.28])", R"("stiffness": 0.1)"})
+    EXPECT_THAT(warnings(sane), testing::Not(testing::Contains(HasSubstr("turns"))));
+  const auto slide =
+      parse_scene(scene_text(R"({ "name": "b", "mass": 2, "joint": "slide", "range": [0, 90] })"),
+                  "s.json")
+          .warnings();
+  EXPECT_THAT(slide, testing::Not(testing::Contains(HasSubstr("turns"))));
+}
+
 TEST(LoadBodies, NamesFileLineFieldAndRemedy) {
   const std::string good = R"({ "name": "b", "mass": 2, "position": [0, 0, 3] })";
   EXPECT_EQ(error_of(scene_text(good)), "no error");
@@ -184,6 +205,10 @@ TEST_F(Mjcf, ErrorsNameWhatIsWrong) {
         std::string(kRoom).replace(std::string(kRoom).find("cylinder"), 8, "ellipsoid"));
   EXPECT_THAT(error(),
               HasSubstr("of body 'wheel': only plane, sphere, capsule, cylinder, box and mesh"));
+  write("room.xml",
+        "<mujoco><asset><mesh name='m' vertex='0 0 0 1e30 0 0 0 1e30 0 0 0 1e30'/></asset>"
+        "<worldbody><geom type='mesh' mesh='m'/></worldbody></mujoco>");
+  EXPECT_NE(error(), "no error");  // and no end of the process
   write("room.xml", "<mujoco><worldbody/></mujoco>");
   EXPECT_THAT(error(), HasSubstr("has no geom and no material 'steel'"));
   write("room.xml", kRoom);

@@ -77,7 +77,7 @@ TEST_F(LoadMesh, WrongFieldsAreNamedWithTheRemedy) {
   EXPECT_THAT(error_of(ball + R"("unit": "parsec")"),
               HasSubstr("must be one of: m, cm, mm, um, in, ft; is 'parsec'"));
   EXPECT_THAT(error_of(ball + R"("scale": -1)"), HasSubstr("mesh.scale: must be above zero"));
-  EXPECT_THAT(error_of(ball + R"("scale": 1e5)"), HasSubstr("check the unit"));
+  EXPECT_THAT(error_of(ball + R"("scale": 1e5)"), HasSubstr("check scale or unit"));
   EXPECT_THAT(error_of(ball + R"("unit": "m", "radius": -1)"), HasSubstr("mesh.radius"));
   EXPECT_THAT(error_of(ball + R"("unit": "m", "grain": {"amplitude": 1e-4})"),
               HasSubstr("mesh.grain.wavelength"));
@@ -95,7 +95,15 @@ TEST_F(LoadMesh, WrongFieldsAreNamedWithTheRemedy) {
   EXPECT_THAT(error_of(R"("file": "empty.obj", "unit": "m")"),
               HasSubstr("there is no triangle in it"));
   EXPECT_THAT(error_of(R"("file": "sheet.obj", "unit": "m", "closed": true)"),
-              HasSubstr("sheet.obj is not closed: 4 open edges"));
+              HasSubstr("sheet.obj is not closed: 4 open edges, 1 hole 2"));
+  EXPECT_THAT(error_of(ball + R"("unit": "m", "weld": -1)"), HasSubstr("mesh.weld: must be"));
+  // Beyond what single precision holds, by the file or by the scale.
+  write("far.obj", "v 0 0 0\nv 1e40 0 0\nv 0 1 0\nf 1 2 3\n");
+  write("large.obj", "v 0 0 0\nv 1e38 0 0\nv 0 1 0\nf 1 2 3\n");
+  EXPECT_THAT(error_of(R"("file": "far.obj", "unit": "m")"),
+              HasSubstr("far.obj:2: vertex 2: x: must lie within 1e+06 m"));
+  EXPECT_THAT(error_of(R"("file": "large.obj", "scale": 1000)"),
+              HasSubstr("large.obj:2: vertex 2: x: must lie within 1e+06 m"));
 }
 
 TEST_F(LoadMesh, AHeightMapIsReadBesideIt) {
@@ -144,6 +152,22 @@ TEST_F(LoadMesh, WhatIsStrangeButCanBeTouchedIsSaid) {
               ElementsAre(HasSubstr("the surface has holes")));
   EXPECT_TRUE(
       scene(R"("file": "sheet.obj", "unit": "m", "double_sided": true)").warnings().empty());
+}
+
+TEST_F(LoadMesh, EndsOfOpenEdgesAreJoinedAsFarApartAsTheSceneSays) {
+  // Two halves of a box of 1 m, a tenth of a millimetre apart.
+  TriangleSoup soup = test::box(Vec3(0.5, 0.5, 0.5), 2);
+  for (std::size_t i = 0; i < soup.vertices.size(); i += 4) {
+    const bool upper = (soup.vertices[i] + soup.vertices[i + 2]).x() > 0.0;
+    for (std::size_t k = i; upper && k < i + 4; ++k) soup.vertices[k].x() += 1e-4;
+  }
+  write("box.obj", obj_text(soup));
+  const std::string mesh = R"("file": "box.obj", "unit": "m")";
+  EXPECT_THAT(scene(mesh).warnings(), ElementsAre(HasSubstr("the surface has holes, 2 holes")));
+  EXPECT_THAT(scene(mesh + R"(, "weld": 2e-4)").warnings(),
+              ElementsAre(HasSubstr("8 vertices of open edges were joined with one that is at most "
+                                    "0.0002 m away; the farthest was 0.0001 m away")));
+  EXPECT_NO_THROW(scene(mesh + R"(, "weld": 2e-4, "closed": true)"));
 }
 
 TEST_F(LoadMesh, AFileOfManyObjectsIsReadOnce) {

@@ -48,7 +48,8 @@ TEST(WorldFaults, AStiffLightBodyIsWarnedOf) {
   // k < m / T^2, m > k T^2, T < sqrt(m / k)
   EXPECT_THAT(warnings[0], HasSubstr("at most 100 N/m"));
   EXPECT_THAT(warnings[0], HasSubstr("at least 1e+04 g"));
-  EXPECT_THAT(warnings[0], HasSubstr("at most 3.16e-06 s"));
+  // 3.16e-06 s, which a scene may not have
+  EXPECT_THAT(warnings[0], HasSubstr("no tick that a scene may have is short enough"));
 }
 
 TEST(WorldFaults, TheSceneGoesBackAndTheHandFeelsZero) {

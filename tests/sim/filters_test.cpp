@@ -106,5 +106,84 @@ TEST(TouchFilter, RefusesTimeThatStandsStill) {
               ThrowsMessage<CsvError>(HasSubstr("stdin:3")));
 }
 
+Scene tools_scene() {
+  return parse_scene(R"({"name": "bench",
+    "materials": [{"name": "m", "stiffness": 500}],
+    "objects": [{"name": "floor", "plane": {}, "material": "m"}],
+    "tools": [{"name": "tip"}, {"name": "ball", "sphere": {"radius": 0.01}},
+              {"name": "bar", "body": {"box": {"size": [0.08, 0.01, 0.02]}, "points": 2000}}]})",
+                     "bench.json");
+}
+
+TEST(TouchFilter, AnswersTheToolThatIsNamed) {
+  const Scene scene = tools_scene();
+  const auto answer = [&](const std::string& tool) {
+    std::istringstream input("t,x,y,z\n0,0,0,0.02\n0.01,0,0,0.006\n");
+    std::ostringstream output;
+    EXPECT_EQ(filter_touch(input, output, scene, tool), 0u);
+    return rows(output.str()).back();
+  };
+  EXPECT_EQ(answer(""), std::vector<double>(6, 0.0));
+  EXPECT_EQ(answer("tip"), std::vector<double>(6, 0.0));
+  EXPECT_NEAR(answer("ball")[2], 2.0, 1e-9);
+  EXPECT_THAT([&] { answer("hammer"); },
+              ThrowsMessage<std::invalid_argument>(
+                  HasSubstr("no tool 'hammer'; those that there are: tip, ball, bar")));
+}
+
+TEST(TouchFilter, ABodyIsTurnedAndAnswersWithATorque) {
+  for (const bool moving : {false, true}) {
+    const Scene scene = moving ? parse_scene(R"({"name": "bench", "gravity": [0, 0, 0],
+    "materials": [{"name": "m", "stiffness": 500}],
+    "objects": [{"name": "floor", "plane": {}, "material": "m"},
+                {"name": "far", "sphere": {"radius": 0.1}, "material": "m", "body": "b"}],
+    "bodies": [{"name": "b", "mass": 1, "position": [5, 0, 5]}],
+    "tool": {"body": {"box": {"size": [0.08, 0.01, 0.02]}, "points": 2000}}})",
+                                             "bench.json")
+                               : tools_scene();
+    // Pressed 2 mm deeper than it reaches, slowly from above and turned by an angle about y.
+    const auto pressed = [&](double angle) {
+      const double reach = 0.04 * std::abs(std::sin(angle)) + 0.01 * std::abs(std::cos(angle));
+      std::string csv = "t,x,y,z,qw,qx,qy,qz\n";
+      for (int n = 0; n <= 200; ++n)
+        csv += std::to_string(0.001 * n) + ",0,0," + std::to_string(reach + 0.018 - 0.0001 * n) +
+               "," + std::to_string(3 * std::cos(angle / 2)) + ",0," +
+               std::to_string(3 * std::sin(angle / 2)) + ",0\n";
+      std::istringstream input(csv + "nan,0,0,0,1,0,0,0\n");
+      std::ostringstream output;
+      EXPECT_EQ(filter_touch(input, output, scene, moving ? "" : "bar"), 1u);
+      EXPECT_EQ(output.str().substr(0, 27), "ex,ey,ez,fx,fy,fz,tx,ty,tz\n");
+      const auto out = rows(output.str());
+      EXPECT_EQ(out.size(), 202u);
+      for (const double free : out[0]) EXPECT_NEAR(free, 0.0, 1e-12);
+      EXPECT_EQ(out[201], std::vector<double>(9, 0.0));
+      return out[200];
+    };
+    const auto flat = pressed(0.0), turned = pressed(0.3), back = pressed(-0.3);
+    EXPECT_GT(flat[2], 0.2);
+    EXPECT_LT(std::abs(flat[7]), 0.002 * flat[2]);  // of a lever of 40 mm
+    // Turned about y its end at +x is low: it is pushed up there, which is a torque about -y.
+    EXPECT_GT(turned[2], 0.01);
+    EXPECT_LT(turned[7], -0.015 * turned[2]);
+    EXPECT_GT(back[7], 0.015 * back[2]);
+  }
+}
+
+TEST(TouchFilter, ABodyNeedsAnOrientation) {
+  const Scene scene = tools_scene();
+  const auto error = [&](const std::string& csv) {
+    std::istringstream input(csv);
+    std::ostringstream output;
+    try {
+      filter_touch(input, output, scene, "bar");
+    } catch (const CsvError& wrong) {
+      return std::string(wrong.what());
+    }
+    return std::string("no error");
+  };
+  EXPECT_THAT(error("t,x,y,z\n0,0,0,0\n"), HasSubstr("qw"));
+  EXPECT_THAT(error("t,x,y,z,qw,qx,qy,qz\n0,0,0,0,0,0,0,0\n"), HasSubstr("are no rotation"));
+}
+
 }  // namespace
 }  // namespace feltwire::filters_test

@@ -1,0 +1,148 @@
+// MuJoCo's loader, in a process of its own (mjcf_reader.cpp).
+
+#include <fcntl.h>
+#include <spawn.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <csignal>
+#include <cstring>
+#include <filesystem>
+#include <system_error>
+
+#include "core/scene/mujoco_guard.hpp"
+
+namespace feltwire::mujoco {
+namespace {
+
+constexpr const char* kReader = "feltwire-mjcf";
+
+// The child's descriptors: what it is told to read and write.
+constexpr int kInput = 3, kModel = 4, kError = 5, kFirstFree = 6;
+
+/// A file in memory.
+class MemoryFile {
+ public:
+  explicit MemoryFile(const char* name) {
+    const int made = memfd_create(name, MFD_CLOEXEC);
+    descriptor_ = made < 0 ? -1 : fcntl(made, F_DUPFD_CLOEXEC, kFirstFree);
+    const int error = errno;
+    if (made >= 0) close(made);
+    if (descriptor_ < 0)
+      throw std::system_error(error, std::generic_category(), "memory for an MJCF file");
+  }
+  MemoryFile(const MemoryFile&) = delete;
+  MemoryFile& operator=(const MemoryFile&) = delete;
+  ~MemoryFile() { close(descriptor_); }
+
+  int descriptor() const { return descriptor_; }
+  void write(const std::string& text) const {
+    for (std::size_t at = 0; at < text.size();) {
+      const ssize_t n = ::write(descriptor_, text.data() + at, text.size() - at);
+      if (n < 0 && errno == EINTR) continue;
+      if (n < 0) throw std::system_error(errno, std::generic_category(), "memory for an MJCF file");
+      at += static_cast<std::size_t>(n);
+    }
+  }
+  std::string text(std::size_t most) const {
+    std::string text(most, '\0');
+    const ssize_t n = pread(descriptor_, text.data(), most, 0);
+    text.resize(n > 0 ? static_cast<std::size_t>(n) : 0);
+    return text;
+  }
+
+ private:
+  int descriptor_ = -1;  // kFirstFree or above, so that none of the child's overwrites it
+};
+
+/// Beside this program, else where it was built (programs of tests lie elsewhere).
+std::string reader() {
+  std::error_code error;
+  const auto self = std::filesystem::read_symlink("/proc/self/exe", error);
+  if (!error) {
+    const auto beside = self.parent_path() / kReader;
+    if (access(beside.c_str(), X_OK) == 0) return beside;
+  }
+  return FELTWIRE_MJCF_READER;
+}
+
+std::string place(int descriptor) { return "/proc/self/fd/" + std::to_string(descriptor); }
+
+/// The child's status as waitpid() gives it. Throws std::system_error where none can be started.
+int run_reader(const std::string& file, int input, int model, int error) {
+  posix_spawn_file_actions_t actions;
+  posix_spawn_file_actions_init(&actions);
+  posix_spawn_file_actions_adddup2(&actions, model, kModel);
+  posix_spawn_file_actions_adddup2(&actions, error, kError);
+  if (input >= 0) posix_spawn_file_actions_adddup2(&actions, input, kInput);
+  if (input < 0) posix_spawn_file_actions_addopen(&actions, kInput, "/dev/null", O_RDONLY, 0);
+  posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
+  for (const int chatter : {STDOUT_FILENO, STDERR_FILENO})  // Qhull's, of a flat mesh
+    posix_spawn_file_actions_addopen(&actions, chatter, "/dev/null", O_WRONLY, 0);
+  posix_spawn_file_actions_addclosefrom_np(&actions, kFirstFree);
+  posix_spawnattr_t attributes;
+  posix_spawnattr_init(&attributes);
+  sigset_t none, all;
+  sigemptyset(&none);
+  sigfillset(&all);
+  posix_spawnattr_setsigmask(&attributes, &none);
+  posix_spawnattr_setsigdefault(&attributes, &all);
+  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF);
+  const std::string program = reader(), model_place = place(kModel), error_place = place(kError);
+  const std::array<const char*, 5> words = {program.c_str(), file.c_str(), model_place.c_str(),
+                                            error_place.c_str(), nullptr};
+  pid_t child = 0;
+  const int failed = posix_spawn(&child, program.c_str(), &actions, &attributes,
+                                 const_cast<char* const*>(words.data()), environ);
+  posix_spawnattr_destroy(&attributes);
+  posix_spawn_file_actions_destroy(&actions);
+  if (failed != 0)
+    throw std::system_error(failed, std::generic_category(), program + " cannot be started");
+  int status = 0;
+  while (waitpid(child, &status, 0) < 0)
+    if (errno != EINTR)
+      throw std::system_error(errno, std::generic_category(), program + " is lost");
+  return status;
+}
+
+/// Why there is no model.
+std::string reason(int status, const MemoryFile& error) {
+  constexpr std::size_t kMostWords = 1000;
+  if (WIFSIGNALED(status) && WTERMSIG(status) == SIGXCPU)
+    return "MuJoCo's loader took ten minutes of computing and was ended; simplify the model";
+  if (WIFSIGNALED(status))
+    return "MuJoCo's loader crashed on it (signal " + std::to_string(WTERMSIG(status)) +
+           "); correct the file, MuJoCo's own programs may say more";
+  std::string words = error.text(kMostWords);
+  while (!words.empty() && words.back() == '\n') words.pop_back();
+  for (char& c : words)
+    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7F) c = ' ';
+  return words.empty() ? "MuJoCo gave up on it" : words;
+}
+
+/// `text` where there is one, else the file.
+Loaded load(const std::string& file, const std::string* text) try {
+  const MemoryFile input("input"), model("model"), error("error");
+  if (text != nullptr) input.write(*text);
+  const int status = run_reader(file, text != nullptr ? input.descriptor() : -1, model.descriptor(),
+                                error.descriptor());
+  if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) return {nullptr, reason(status, error)};
+  Loaded loaded{read_binary(place(model.descriptor())), {}};
+  if (loaded.model == nullptr) loaded.error = "MuJoCo's model of it cannot be read back";
+  return loaded;
+} catch (const std::system_error& error) {
+  return {nullptr, std::string("MuJoCo's loader cannot be run: ") + error.what()};
+}
+
+}  // namespace
+
+Loaded load_text(const std::string& xml) { return load(place(kInput), &xml); }
+
+Loaded load_file(const std::string& file) { return load(file, nullptr); }
+
+}  // namespace feltwire::mujoco

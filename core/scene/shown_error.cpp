@@ -1,0 +1,132 @@
+#include "core/scene/shown_error.hpp"
+
+#include <algorithm>
+#include <cctype>
+#include <optional>
+#include <set>
+#include <string_view>
+#include <vector>
+
+#include "core/file_error.hpp"
+#include "core/geometry/mesh_file.hpp"
+#include "core/scene/json_document.hpp"
+
+namespace feltwire {
+namespace {
+
+namespace fs = std::filesystem;
+
+bool lies_outside(const fs::path& file, const fs::path& folder) {
+  std::error_code error;
+  const fs::path inner = fs::weakly_canonical(file, error);
+  if (error) return true;
+  const fs::path outer = fs::canonical(folder.empty() ? fs::path(".") : folder, error);
+  if (error) return true;
+  return std::mismatch(outer.begin(), outer.end(), inner.begin(), inner.end()).first != outer.end();
+}
+
+constexpr const char* kNotShown =
+    ": cannot be used; what stands there is not shown, because the file lies outside of the "
+    "scene's folder; copy it there to be told more";
+
+/// Values of an attribute, wherever it stands in a text. A value with a character reference, which
+/// could be any path, is given as an absolute one.
+std::vector<std::string> values_of(std::string_view xml, std::string_view attribute) {
+  std::vector<std::string> values;
+  const auto skip_blanks = [&](std::size_t at) {
+    while (at < xml.size() && std::isspace(static_cast<unsigned char>(xml[at])) != 0) ++at;
+    return at;
+  };
+  for (std::size_t at = xml.find(attribute); at != std::string_view::npos;
+       at = xml.find(attribute, at + 1)) {
+    std::size_t begin = skip_blanks(at + attribute.size());
+    if (begin >= xml.size() || xml[begin] != '=') continue;
+    begin = skip_blanks(begin + 1);
+    if (begin >= xml.size() || (xml[begin] != '"' && xml[begin] != '\'')) continue;
+    const std::size_t end = xml.find(xml[begin], begin + 1);
+    if (end == std::string_view::npos) continue;
+    const std::string value(xml.substr(begin + 1, end - begin - 1));
+    values.push_back(value.find('&') == std::string::npos ? value : "/" + value);
+  }
+  return values;
+}
+
+/// Files that an MJCF file names, and those that the files it includes name.
+class NamedFiles {
+ public:
+  explicit NamedFiles(const fs::path& file) : main_(file.parent_path()) { read(file); }
+
+  /// The first that lies outside of a folder, beside the model or in any folder that it names.
+  std::optional<fs::path> outside(const fs::path& folder) const {
+    if (too_many_) return main_;
+    for (const fs::path& name : names_) {
+      if (lies_outside(main_ / name, folder)) return main_ / name;
+      for (const fs::path& own : folders_)
+        if (lies_outside(main_ / own / name, folder)) return main_ / own / name;
+    }
+    return std::nullopt;
+  }
+
+ private:
+  static constexpr std::size_t kMostNames = 10000;
+
+  void read(const fs::path& file) {
+    std::string xml;
+    try {
+      xml = read_text(file);
+    } catch (const FileError&) {
+      return;  // there is nothing to quote
+    }
+    for (const char* attribute : {"meshdir", "texturedir", "assetdir"})
+      for (const std::string& value : values_of(xml, attribute)) folders_.insert(value);
+    for (const char* attribute :
+         {"file", "fileright", "fileleft", "fileup", "filedown", "filefront", "fileback"})
+      for (const std::string& value : values_of(xml, attribute)) {
+        if (!names_.insert(value).second) continue;
+        too_many_ = too_many_ || names_.size() * (1 + folders_.size()) > kMostNames;
+        if (too_many_) return;
+        std::error_code error;  // any of them may be an include, which names others
+        if (fs::is_regular_file(main_ / value, error)) read(main_ / value);
+      }
+  }
+
+  fs::path main_;
+  std::set<fs::path> names_, folders_;
+  bool too_many_ = false;
+};
+
+}  // namespace
+
+std::string shown_error(const std::string& message, const fs::path& file, const fs::path& folder) {
+  const std::string name = file.string();
+  if (!message.starts_with(name + ":") || !lies_outside(file, folder)) return message;
+  std::size_t end = name.size() + 1;
+  constexpr std::string_view kByte = " byte ";
+  if (std::string_view(message).substr(end).starts_with(kByte)) end += kByte.size();
+  const std::size_t digits = end;
+  while (end < message.size() && std::isdigit(static_cast<unsigned char>(message[end])) != 0) ++end;
+  return end == digits ? message : message.substr(0, end) + kNotShown;
+}
+
+std::string shown_mjcf_error(const std::string& message, const fs::path& file,
+                             const fs::path& folder) {
+  std::optional<fs::path> outside;
+  if (lies_outside(file, folder))
+    outside = file;
+  else
+    outside = NamedFiles(file).outside(folder);
+  if (!outside) return message;
+  return file.string() + ": MuJoCo cannot use it; what it says is not shown, because " +
+         outside->string() + " lies outside of the scene's folder; copy it there to be told more";
+}
+
+TriangleSoup read_scene_mesh(const fs::path& folder, const std::string& name, double scale) {
+  const fs::path file = folder / name;
+  try {
+    return read_mesh(file, scale);
+  } catch (const FileError& error) {
+    throw FileError(shown_error(error.what(), file, folder));
+  }
+}
+
+}  // namespace feltwire

@@ -1,0 +1,183 @@
+// What MuJoCo's loader does with a bad file stays in the process that reads it.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+
+#include <cerrno>
+#include <filesystem>
+#include <fstream>
+#include <random>
+#include <thread>
+#include <vector>
+
+#include "core/scene/mujoco_guard.hpp"
+#include "core/scene/scene.hpp"
+
+namespace feltwire::mujoco_load_test {
+namespace {
+
+using mujoco::load_text;
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::Not;
+
+const std::string kGood = "<mujoco><worldbody><geom size='1'/></worldbody></mujoco>";
+// The product of rows and columns overflows: MuJoCo 2.2 fails while it holds its loader's lock.
+const std::string kNoMemory =
+    "<mujoco><asset><hfield name='h' nrow='65535' ncol='65535' size='1 1 1 1'/></asset></mujoco>";
+// MuJoCo 2.2 reads beyond its vertices.
+const std::string kCrash =
+    "<mujoco><asset><mesh name='m' vertex='0 0 0 1 0 0 0 1 0 0 0 1' "
+    "face='0 1 99999999 1 2 3 0 2 3 0 1 3'/></asset>"
+    "<worldbody><geom type='mesh' mesh='m'/></worldbody></mujoco>";
+
+std::size_t descriptors() {
+  const std::filesystem::directory_iterator all("/proc/self/fd");
+  return static_cast<std::size_t>(std::distance(begin(all), end(all)));
+}
+
+TEST(MujocoLoad, AfterAnErrorTheNextFileIsRead) {
+  for (int n = 0; n < 3; ++n) {
+    EXPECT_THAT(load_text(kNoMemory).error, HasSubstr("Could not allocate memory"));
+    const mujoco::Loaded good = load_text(kGood);
+    ASSERT_NE(good.model, nullptr) << good.error;
+    EXPECT_EQ(good.model->ngeom, 1);
+  }
+}
+
+TEST(MujocoLoad, AFileThatCrashesTheLoaderIsAnError) {
+  const mujoco::Loaded crashed = load_text(kCrash);
+  EXPECT_EQ(crashed.model, nullptr);
+#ifndef FELTWIRE_SANITIZED  // which answers a signal by an end of its own
+  EXPECT_THAT(crashed.error, HasSubstr("crashed on it (signal 11)"));
+#endif
+}
+
+TEST(MujocoLoad, NothingIsLeftOfAnyOfThem) {
+  load_text(kGood);
+  const std::size_t before = descriptors();
+  for (int n = 0; n < 5; ++n)
+    for (const std::string& text : {kGood, kNoMemory, kCrash, std::string("no XML")})
+      load_text(text);
+  EXPECT_EQ(descriptors(), before);
+  EXPECT_EQ(waitpid(-1, nullptr, WNOHANG), -1);
+  EXPECT_EQ(errno, ECHILD);
+}
+
+TEST(MujocoLoad, ManyThreadsLoadAtOnce) {
+  std::vector<std::thread> threads;
+  std::vector<std::string> errors(4);
+  for (std::string& error : errors)
+    threads.emplace_back([&error] {
+      for (int n = 0; n < 3; ++n)
+        if (load_text(kGood).model == nullptr || load_text(kNoMemory).error.empty())
+          error = "wrong";
+    });
+  for (std::thread& thread : threads) thread.join();
+  EXPECT_THAT(errors, testing::Each(std::string()));
+}
+
+/// Scenes in a folder, and files outside of it that they name by links.
+class ShownErrors : public testing::Test {
+ protected:
+  ShownErrors()
+      : root_(std::filesystem::temp_directory_path() /
+              ("feltwire_" + std::to_string(std::random_device{}()))) {
+    std::filesystem::create_directories(root_ / "scenes");
+    std::filesystem::create_directories(root_ / "secret");
+    for (const char* name : {"words.obj", "words.pgm", "words.xml", "words.json"})
+      write("secret/" + std::string(name), "root:$6$topsecret:1\nnobody:$6$other:2\n");
+  }
+  ~ShownErrors() override { std::filesystem::remove_all(root_); }
+
+  void write(const std::string& name, const std::string& text) {
+    std::ofstream(root_ / name) << text;
+  }
+  void link(const std::string& name, const std::string& target) {
+    std::filesystem::create_symlink(root_ / target, root_ / "scenes" / name);
+  }
+  std::string error_of(const std::string& file) {
+    try {
+      load_scene(root_ / "scenes" / file);
+    } catch (const std::exception& error) {
+      return error.what();
+    }
+    return "no error";
+  }
+  std::string error_of_object(const std::string& shape) {
+    write("scenes/s.json",
+          R"({"name": "s", "materials": [{"name": "m", "stiffness": 1000}],
+              "objects": [{"name": "o", "material": "m", )" +
+              shape + "}]}");
+    return error_of("s.json");
+  }
+  std::string error_of_mjcf(const std::string& file) {
+    write("scenes/s.json", R"({"name": "s", "materials": [{"name": "m", "stiffness": 1000}],
+                               "mjcf": {"file": ")" +
+                               file + R"(", "material": "m"}})");
+    return error_of("s.json");
+  }
+
+  const testing::Matcher<std::string> hidden_ =
+      AllOf(Not(HasSubstr("topsecret")), Not(HasSubstr("root")),
+            HasSubstr("lies outside of the scene's folder"));
+  std::filesystem::path root_;
+};
+
+TEST_F(ShownErrors, WordsOfAFileOutsideOfTheScenesFolderAreNotShown) {
+  link("l.obj", "secret/words.obj");
+  link("l.pgm", "secret/words.pgm");
+  link("folder", "secret");
+  write("scenes/sheet.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+  for (const std::string file : {"l.obj", "../secret/words.obj", "folder/words.obj"}) {
+    EXPECT_THAT(error_of_object(R"("mesh": {"unit": "m", "file": ")" + file + R"("})"),
+                AllOf(hidden_, HasSubstr(".obj:1: ")))
+        << file;
+    EXPECT_THAT(
+        error_of_object(R"("grid": {"scale": 1, "resolution": 0.1, "file": ")" + file + R"("})"),
+        hidden_)
+        << file;
+  }
+  EXPECT_THAT(error_of_object(
+                  R"("mesh": {"unit": "m", "file": "sheet.obj",
+              "height_map": {"file": "l.pgm", "amplitude": 0.001, "size": 1}})"),
+              AllOf(hidden_, HasSubstr("l.pgm: byte 0")));
+}
+
+TEST_F(ShownErrors, NorThoseOfASceneThatIsItselfALink) {
+  link("l.json", "secret/words.json");
+  EXPECT_THAT(error_of("l.json"), AllOf(hidden_, HasSubstr("l.json:1: ")));
+}
+
+TEST_F(ShownErrors, NorThoseThatMuJoCoQuotesOfAnIncludedFile) {
+  const std::string secret = "<mujoco><root_topsecret/></mujoco>";
+  write("secret/words.xml", secret);
+  link("l.xml", "secret/words.xml");
+  EXPECT_THAT(error_of_mjcf("l.xml"), hidden_);
+  for (const std::string& model :
+       {std::string("<mujoco><include file=\"l.xml\"/></mujoco>"),
+        "<mujoco><include file = '" + (root_ / "secret/words.xml").string() + "'/></mujoco>",
+        std::string("<mujoco><include file=\"&#108;.xml\"/></mujoco>"),
+        std::string("<mujoco><include file=\"inner.mesh\"/></mujoco>"),
+        std::string("<mujoco><compiler meshdir='../secret'/><asset><mesh name='m' "
+                    "file='words.obj'/></asset></mujoco>")}) {
+    write("scenes/inner.mesh", "<mujoco><include file=\"l.xml\"/></mujoco>");
+    write("scenes/m.xml", model);
+    EXPECT_THAT(error_of_mjcf("m.xml"), hidden_) << model;
+  }
+}
+
+TEST_F(ShownErrors, WordsOfFilesInTheFolderAreShown) {
+  write("scenes/torn.obj", "v 0 zz 0\n");
+  link("near.obj", "scenes/torn.obj");
+  for (const std::string file : {"torn.obj", "near.obj"})
+    EXPECT_THAT(error_of_object(R"("mesh": {"unit": "m", "file": ")" + file + R"("})"),
+                HasSubstr(file + ":1: v: must be a number, is 'zz'"));
+  write("scenes/m.xml", "<mujoco><wordbody/></mujoco>");
+  EXPECT_THAT(error_of_mjcf("m.xml"), HasSubstr("wordbody"));
+  EXPECT_THAT(error_of_mjcf("none.xml"), HasSubstr("none.xml: cannot be opened"));
+}
+
+}  // namespace
+}  // namespace feltwire::mujoco_load_test

@@ -1,0 +1,80 @@
+// Arbitrary text as an MJCF file: it is a scene or an error names the file; what loads has objects
+// with finite places, is stepped, and answers a hand with finite forces. MuJoCo's loader runs in a
+// child process: what it makes of the text, a crash included, is an error here.
+
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "core/scene/mechanism.hpp"
+#include "core/scene/scene.hpp"
+#include "core/scene/world.hpp"
+#include "tests/fuzz/fuzz.hpp"
+
+namespace feltwire::fuzz {
+namespace {
+
+constexpr int kSteps = 20;
+
+/// A folder of this process, removed at its end.
+class Folder {
+ public:
+  Folder()
+      : path_(std::filesystem::temp_directory_path() /
+              ("feltwire_fuzz_mjcf_" + std::to_string(getpid()))) {
+    std::filesystem::create_directories(path_);
+  }
+  Folder(const Folder&) = delete;
+  Folder& operator=(const Folder&) = delete;
+  ~Folder() { std::filesystem::remove_all(path_); }
+  std::filesystem::path file() const { return path_ / "model.xml"; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+void live(const Scene& scene) {
+  World world(scene);
+  TouchMemory memory = scene.memory();
+  Grasp grasp = world.grasp();
+  for (int n = 0; n < kSteps; ++n) {
+    world.step();
+    for (const Object& object : world.objects())
+      require(object.pose.position.allFinite() && object.pose.orientation.coeffs().allFinite(),
+              "what moves is somewhere");
+    const Object& touched = world.objects()[static_cast<std::size_t>(n) % world.objects().size()];
+    const Command felt = world.touch(
+        {touched.pose.position + Vec3(0.01 * n, 0.0, 0.001), Vec3::Zero()}, memory, grasp);
+    require(felt.finite(), "every touch is answered with a finite force");
+    world.push(grasp, memory, 1.0);
+  }
+}
+
+}  // namespace
+}  // namespace feltwire::fuzz
+
+int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace feltwire;
+  const std::string text = fuzz::text(data, size);
+  // What names files would read this machine's; what multiplies bodies takes minutes for a line.
+  for (const char* word : {"file", "dir", "composite", "&"})
+    if (text.find(word) != std::string::npos) return 0;
+  static const fuzz::Folder folder;
+  std::ofstream(folder.file(), std::ios::binary) << text;
+  try {
+    std::vector<Object> objects;
+    MjcfMaterials materials;
+    materials.other.stiffness = 500.0;
+    const auto mechanism = load_mjcf(folder.file(), materials, 1e-3, objects);
+    fuzz::require(mechanism != nullptr && !objects.empty(), "a model has something to touch");
+    Scene scene("mjcf", std::move(objects));
+    scene.set_mechanism(mechanism);
+    if (!mechanism->parts().empty()) fuzz::live(scene);
+  } catch (const FileError& error) {
+    fuzz::require(std::string_view(error.what()).starts_with(folder.file().string() + ":"),
+                  "an error names its file");
+  } catch (const std::invalid_argument&) {  // of a scene: it names the object
+  }
+  return 0;
+}
