@@ -133,6 +133,7 @@ std::vector<Ring> rings_of(std::size_t vertices, std::span<const Edge> open) {
         if (!ring.closed) ring.vertices.push_back(other);
       }
     }
+    ring.closed = ring.closed || ring.vertices.size() > 2;  // by a straight side
     rings.push_back(std::move(ring));
   }
   return rings;
@@ -204,7 +205,7 @@ double width(std::span<const Vec3> vertices, const Ring& ring) {
     const double found = across(rim, a + part * (b - a), at);
     if (std::isfinite(found)) widths.push_back(found);
   }
-  if (widths.empty()) return 0.0;
+  if (widths.empty()) return 0.5 * rim.whole;  // it has no other side
   const auto most = widths.begin() + static_cast<std::ptrdiff_t>(3 * (widths.size() - 1) / 4);
   std::nth_element(widths.begin(), most, widths.end());
   return *most;

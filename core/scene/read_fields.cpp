@@ -42,11 +42,14 @@ Given read_solid(const JsonDocument& document, const std::string& path, const Ta
   take_solids(document, path, table, take_shape);
   if (const auto* file = table.file()) {
     take("file");
-    if (!(table.scale() > 0.0 && table.scale() <= kMaxLength))
-      document.fail(path + ".scale", "must be above zero and at most " + number_text(kMaxLength) +
-                                         " [m per unit of the file], is " +
+    if (!(table.scale() > 0.0))
+      document.fail(path + ".scale", "must be above zero [m per unit of the file], is " +
                                          number_text(table.scale()) +
                                          "; give 0.001 for a file in millimetres");
+    if (!(table.scale() <= kMaxLength))
+      document.fail(path + ".scale", "must be at most " + number_text(kMaxLength) +
+                                         " [m per unit of the file], is " +
+                                         number_text(table.scale()) + "; check the unit");
     given.surface = read_scene_mesh(folder, file->str(), table.scale());
   }
   if (kind.empty())
