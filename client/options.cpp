@@ -10,8 +10,10 @@
 #include "client/output_files.hpp"
 #include "core/visible_text.hpp"
 #include "protocol/busy_poll.hpp"
+#include "protocol/control.hpp"
 #include "protocol/environment.hpp"
 #include "protocol/profiles.hpp"
+#include "protocol/suggestion.hpp"
 #include "protocol/udp_socket.hpp"
 
 namespace feltwire {
@@ -134,12 +136,23 @@ std::vector<NamedFile> read_files(const Words& words) {
                 {"--token-file", c.token_file}});
 }
 
+/// Throws std::invalid_argument where the server would refuse the name without saying which.
+void check_name(const char* option, const std::string& name) {
+  if (name.size() <= control::kMaxName) return;
+  throw std::invalid_argument(std::string(option) + ": the name has " +
+                              std::to_string(name.size()) + " bytes; at most " +
+                              std::to_string(control::kMaxName) + " can be sent");
+}
+
 /// Throws std::invalid_argument.
 void understand(const Words& words, HandTask task, ClientOptions& options) {
   options.server = {parse_endpoint(words.connect), credentials(words.credentials)};
   if (options.list) return;
   require(!words.scene.empty(), "--scene is required; --list shows the scenes there are");
   options.scene = words.scene;
+  check_name("--scene", options.scene);
+  check_name("--tool", options.tool);
+  check_name("--name", options.name);
   require(options.duration >= 0.0 && options.duration <= kLongestDuration,
           "--duration must be from 0 to 1e7 s; 0 runs until it is stopped");
   require(options.patience >= 0.0 && options.patience <= kLongestDuration,
@@ -199,8 +212,8 @@ std::variant<ClientOptions, int> parse_options(int argc, char** argv) {
 
   CLI::App app{
       "feltwire-client: a haptic device, simulated or replayed, in a scene of a feltwire server."};
-  app.failure_message([](const CLI::App*, const CLI::Error& error) {
-    return "feltwire-client: " + visible(error.what()) + "; see --help\n";
+  app.failure_message([](const CLI::App* failed, const CLI::Error& error) {
+    return "feltwire-client: " + visible(error.what() + suggestion(*failed)) + "; see --help\n";
   });
   app.add_option("--connect", words.connect,
                  "HOST:PORT of the server's control port; IPv6 as [::1]:PORT")

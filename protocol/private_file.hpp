@@ -12,4 +12,8 @@ namespace feltwire {
 /// readable by a group, as the system's own keys are.
 std::optional<std::string> exposure(const std::filesystem::path& file);
 
+/// The same for a folder that only its owner should write to: whoever else may can put other files
+/// in the place of those there.
+std::optional<std::string> open_folder(const std::filesystem::path& folder);
+
 }  // namespace feltwire

@@ -7,6 +7,7 @@
 #include "core/visible_text.hpp"
 #include "protocol/clock.hpp"
 #include "protocol/tls.hpp"
+#include "server/parameter_changes.hpp"
 #include "server/scene_sessions.hpp"
 
 namespace feltwire {
@@ -134,7 +135,7 @@ void ControlService::join(Asked asked, control::JoinRequest request) {
     spdlog::error("{} could not join: {}", who, error.what());
     return asked.answer(Refused{RefusalCode::not_supported, "this connection gives no keys"});
   }
-  seated_[id] = {asked.token.id, asked.token.client, scene, request.role};
+  seated_[id] = {asked.token.id, asked.token.client, scene, request.role, who, monotonic_now(), {}};
   SceneHost& host = *hosts_[scene];
   const auto finish = [this, id, scene, suite, who,
                        answer = std::move(asked.answer)](control::Message message) {
@@ -142,6 +143,8 @@ void ControlService::join(Asked asked, control::JoinRequest request) {
     if (auto* accepted = std::get_if<control::JoinAccepted>(&message)) {
       accepted->port_offset = static_cast<std::uint16_t>(1 + scene);
       accepted->suite = suite;
+      if (const auto seated = seated_.find(id); seated != seated_.end())
+        seated->second.parameters = accepted->parameters;
       spdlog::info("{} joined scene {}", who, scene_name);
     } else {
       seated_.erase(id);
@@ -159,7 +162,26 @@ void ControlService::pass_on(Asked asked, std::uint64_t session, control::Messag
   const bool may = found != seated_.end() &&
                    (found->second.token == asked.token.id || covers(asked.token.role, Role::admin));
   if (!may) return asked.answer(unknown_session(session));
-  hosts_[found->second.scene]->ask(std::move(request), session, {}, io_, std::move(asked.answer));
+  const std::string by = "client " + asked.token.client + " (token " + asked.token.id + ")";
+  // A session that has left is forgotten before its answer comes.
+  const auto finish = [this, session, by, who = found->second.who,
+                       answer = std::move(asked.answer)](control::Message said) {
+    if (std::holds_alternative<control::Left>(said))
+      spdlog::info("{}: ended by {}", who, visible(by));
+    if (const auto* set = std::get_if<control::ParametersSet>(&said)) tell_of(*set, by);
+    answer(std::move(said));
+  };
+  hosts_[found->second.scene]->ask(std::move(request), session, {}, io_, finish);
+}
+
+/// Which parameters of a session were changed, and by whom.
+void ControlService::tell_of(const control::ParametersSet& set, const std::string& by) {
+  const auto found = seated_.find(set.session);
+  if (found == seated_.end()) return;
+  Seated& seated = found->second;
+  spdlog::info("{}: parameters set by {}: {}", seated.who, visible(by),
+               changes(seated.parameters, set.parameters));
+  seated.parameters = set.parameters;
 }
 
 std::optional<Refused> ControlService::refuse_below_admin(const Asked& asked) {
@@ -218,6 +240,8 @@ control::Message ControlService::reload(const Asked& asked, const control::Reloa
   if (scene == hosts_.size() || !opens(asked.token, request.scene))
     return Refused{RefusalCode::unknown_scene, "there is no scene '" + request.scene + "' here"};
   if (auto refused = refuse_hasty(asked)) return *std::move(refused);
+  spdlog::info("scene {} is reloaded by client {} (token {})", request.scene,
+               visible(asked.token.client), asked.token.id);
   if (const auto wrong = reload_(scene)) return Refused{RefusalCode::bad_scene, *wrong};
   return control::SceneReloaded{request.scene};
 }
@@ -235,8 +259,15 @@ void ControlService::look_after() {
   }
 }
 
-void ControlService::forget(const std::vector<std::uint64_t>& sessions) {
-  for (const std::uint64_t session : sessions) seated_.erase(session);
+void ControlService::forget(const std::vector<EndedSession>& sessions) {
+  for (const EndedSession& ended : sessions) {
+    const auto found = seated_.find(ended.id);
+    if (found == seated_.end()) continue;
+    const Seated& seated = found->second;
+    spdlog::info("{} left scene {} after {:.1f} s: {}", seated.who, hosts_[seated.scene]->name(),
+                 seconds(monotonic_now() - seated.since), text(ended.how));
+    seated_.erase(found);
+  }
 }
 
 Refused ControlService::refuse(RefusalCode code, std::string reason) {

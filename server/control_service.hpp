@@ -48,7 +48,7 @@ class ControlService {
   void look_after();
 
   /// Sessions that the hosts say have ended.
-  void forget(const std::vector<std::uint64_t>& sessions);
+  void forget(const std::vector<EndedSession>& sessions);
 
   const ServiceCounters& counters() const { return counters_; }
 
@@ -58,6 +58,9 @@ class ControlService {
     std::string token, client;  // the token's id, and whom it was given to
     std::size_t scene = 0;
     Role role = Role::observer;
+    std::string who;               // for the log
+    Nanoseconds since{0};          // of the server's clock
+    SessionParameters parameters;  // in force
   };
   struct Asked;  // a request, and who asks
   using Directory = std::map<std::uint64_t, Seated>;
@@ -65,6 +68,7 @@ class ControlService {
   control::Message authenticate(ControlPeer& peer, const control::Authenticate& shown);
   void join(Asked asked, control::JoinRequest request);
   void pass_on(Asked asked, std::uint64_t session, control::Message request);
+  void tell_of(const control::ParametersSet& set, const std::string& by);
   control::Message evict(const Asked& asked, const control::Evict& request);
   control::Message list_scenes(const Token& token) const;
   control::Message list_sessions(const Asked& asked, const control::ListSessions& request);

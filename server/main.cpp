@@ -2,12 +2,15 @@
 
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
+#include <unistd.h>
 
 #include <asio/ip/address.hpp>
 #include <chrono>
 #include <csignal>
 #include <cstdio>
+#include <cstdlib>
 #include <filesystem>
+#include <sstream>
 #include <string_view>
 
 #include "core/scene/needs.hpp"
@@ -40,13 +43,33 @@ std::string shell_word(const std::string& word) {
   return text + "'";
 }
 
+/// The client as a shell finds it: by its name where that is this installation's, else beside this
+/// program.
+std::string client_program() {
+  namespace fs = std::filesystem;
+  constexpr const char* kName = "feltwire-client";
+  std::error_code failed;
+  const fs::path self = fs::read_symlink("/proc/self/exe", failed);
+  const fs::path beside = self.parent_path() / kName;
+  if (failed || !fs::exists(beside, failed)) return kName;
+  const char* path = std::getenv("PATH");
+  std::istringstream folders(path == nullptr ? "" : path);
+  for (std::string folder; std::getline(folders, folder, ':');) {
+    const fs::path found = fs::path(folder) / kName;
+    if (folder.empty() || ::access(found.c_str(), X_OK) != 0) continue;
+    if (fs::equivalent(found, beside, failed)) return kName;
+    break;  // another one is found first
+  }
+  return shell_word(beside.string());
+}
+
 /// The command line that joins from this machine.
 std::string join_line(const feltwire::ServerConfig& config, const feltwire::Server& server) {
   const auto address = asio::ip::make_address(config.address);
   const std::string host = address.is_unspecified() ? "127.0.0.1" : config.address;
   const auto token = feltwire::local_token_file(config);
   const bool has_token = !token.empty() && std::filesystem::exists(token);
-  return "feltwire-client --connect " +
+  return client_program() + " --connect " +
          (host.find(':') == std::string::npos ? host : "[" + host + "]") + ":" +
          std::to_string(server.control_port()) + " --scene " +
          shell_word(server.scenes().front().scene) + " --fingerprint " +
@@ -67,7 +90,7 @@ void print_ready(const feltwire::ServerConfig& config, const feltwire::Server& s
 /// Counts what was asked for before the end, too; a file that cannot be written ends nothing.
 void count(feltwire::Server& server, const std::string& file) {
   try {
-    if (!file.empty()) write_summary(file, server.summary());
+    if (!file.empty()) write_summary(file, server.summary(), server.control_summary());
   } catch (const std::runtime_error& error) {
     spdlog::error("{}", error.what());
   }
@@ -78,9 +101,11 @@ void serve(feltwire::Server& server, const sigset_t& signals, const std::string&
   int signal = 0;
   while (sigwait(&signals, &signal) == 0 && (signal == SIGUSR1 || signal == SIGHUP)) {
     if (signal == SIGUSR1) count(server, summary);
-    if (signal == SIGHUP)
+    if (signal == SIGHUP) {
+      spdlog::info("SIGHUP: all scenes are reloaded");
       for (const std::string& wrong : server.reload())
         spdlog::error("{}; the scene stays as it was", wrong);
+    }
   }
   spdlog::info("{}: saying goodbye", signal == SIGINT ? "interrupted" : "terminated");
   server.stop();
@@ -123,7 +148,8 @@ int main(int argc, char** argv) {
 
     feltwire::Server server(config);
     // A file that cannot be written is said at once, not at the end of a long day.
-    if (!asked.summary.empty()) write_summary(asked.summary, server.summary());
+    if (!asked.summary.empty())
+      write_summary(asked.summary, server.summary(), server.control_summary());
     print_ready(config, server);
     serve(server, signals, asked.summary);
     return 0;

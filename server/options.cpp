@@ -9,6 +9,7 @@
 
 #include "protocol/environment.hpp"
 #include "protocol/profiles.hpp"
+#include "protocol/suggestion.hpp"
 
 namespace feltwire {
 namespace {
@@ -167,7 +168,7 @@ ServerTask server_task(int argc, char** argv) {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) std::exit(app.exit(error));  // --help
-    throw std::invalid_argument(std::string(error.what()) + " (see --help)");
+    throw std::invalid_argument(error.what() + suggestion(app) + " (see --help)");
   }
   if (file.empty()) return asked;
   ServerConfig config = load_config(file);

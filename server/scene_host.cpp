@@ -2,6 +2,7 @@
 
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <asio/post.hpp>
 #include <cerrno>
 #include <chrono>
@@ -22,6 +23,8 @@ constexpr int kBatchesAtOnce = 16;  // then whoever posted has a turn: some 2 ms
 constexpr unsigned kTurnsBetweenLooks = 32;
 // More than a datagram may have, so that a longer one is seen to be longer.
 constexpr std::size_t kReceiveSize = kMaxDatagram + sizeof(std::uint64_t);
+// Between looks for sessions that must end.
+constexpr std::chrono::milliseconds kSoonest{10}, kLatest{100};
 constexpr double kMilliseconds = 1e3;  // of a second
 constexpr int kSocketBuffer =
     1 << 20;  // [bytes] a burst of some 5000 samples waits rather than is lost
@@ -245,8 +248,8 @@ void SceneHost::send(std::size_t count) noexcept {
 }
 
 void SceneHost::await_silence() {
-  silence_timer_.expires_after(
-      std::max<Nanoseconds>(silence_timeout_ / 4, std::chrono::milliseconds(10)));
+  // A session that floods ends as soon, however long it may be silent.
+  silence_timer_.expires_after(std::clamp<Nanoseconds>(silence_timeout_ / 4, kSoonest, kLatest));
   silence_timer_.async_wait([this](const std::error_code& error) {
     if (error) return;
     say(sessions_.expire(monotonic_now()));

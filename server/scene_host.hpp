@@ -18,8 +18,8 @@ struct SceneHostOptions {
   asio::ip::address address;  // to listen on
   std::uint16_t port = 0;     // 0: the operating system chooses
   int socket = -1;            // bound there already, the host's from now on; -1: none
-  /// Told, in the scene's thread, which sessions have ended, however they did. May be empty.
-  std::function<void(std::vector<std::uint64_t>)> ended = {};
+  /// Told, in the scene's thread, which sessions have ended and how. May be empty.
+  std::function<void(std::vector<EndedSession>)> ended = {};
   Nanoseconds silence_timeout{};
   std::size_t max_sessions = 64;
   SessionLimits limits = {};
@@ -100,7 +100,7 @@ class SceneHost {
   std::unique_ptr<const Scene> scene_;
   Nanoseconds silence_timeout_, busy_poll_;
   bool real_time_;
-  std::function<void(std::vector<std::uint64_t>)> ended_;
+  std::function<void(std::vector<EndedSession>)> ended_;
   SceneSessions sessions_;
   asio::io_context io_{1};
   asio::ip::udp::socket socket_{io_};

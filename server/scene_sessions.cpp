@@ -49,6 +49,28 @@ std::string no_such_tool(const Scene& scene, const std::string& asked) {
 
 }  // namespace
 
+std::string_view text(SessionEnd how) {
+  switch (how) {
+    case SessionEnd::goodbye:
+      return "the client said goodbye";
+    case SessionEnd::asked:
+      return "a LeaveRequest ended it";
+    case SessionEnd::silent:
+      return "nothing came from the client for the silence timeout";
+    case SessionEnd::flooded:
+      return "the client sent far more samples than it may";
+    case SessionEnd::forged:
+      return "too many datagrams with its number were forged";
+    case SessionEnd::evicted:
+      return "it was evicted";
+    case SessionEnd::tool_gone:
+      return "the reloaded scene does not have its tool";
+    case SessionEnd::shut_down:
+      return "the server shut down";
+  }
+  return "";
+}
+
 control::Refused unknown_session(std::uint64_t id) {
   return {control::RefusalCode::unknown_session,
           "there is no session " + std::to_string(id) + " here; it may have ended by silence"};
@@ -78,6 +100,7 @@ struct SceneSessions::Origin {
 struct SceneSessions::Ending {
   GoodbyeReason reason;
   std::uint64_t SceneCounters::*counter;
+  SessionEnd how;
 };
 
 SceneSessions::SceneSessions(const Scene& scene, Nanoseconds silence_timeout,
@@ -105,7 +128,8 @@ void SceneSessions::make_world() {
 std::vector<SceneSessions::Farewell> SceneSessions::enter(const Scene& scene, Nanoseconds now) {
   std::vector<Farewell> farewells;
   for (std::size_t i = seats_.size(); i-- > 0;)
-    if (scene.held(seats_[i]->tool) == nullptr) farewells.push_back(take_away(*seats_[i]));
+    if (scene.held(seats_[i]->tool) == nullptr)
+      farewells.push_back(take_away(*seats_[i], SessionEnd::tool_gone));
   if (world_ != nullptr) add(counters_.world, world_->counters());
   const std::unique_ptr<World> before = std::move(world_);  // until no session is in it any more
   scene_ = &scene;
@@ -126,7 +150,7 @@ control::Message SceneSessions::answer(const control::Message& request, std::uin
     Seat** seat = by_id_.find(wanted->session);
     if (seat == nullptr) return unknown_session(wanted->session);
     ++counters_.left;
-    end(**seat);
+    end(**seat, SessionEnd::asked);
     return control::Left{wanted->session};
   }
   if (const auto* wanted = std::get_if<control::SetParameters>(&request)) {
@@ -204,6 +228,16 @@ Bytes SceneSessions::drop(DropReason reason) noexcept {
   return {};
 }
 
+/// A client says goodbye more than once, as one may be lost: what comes after the first is no
+/// fault.
+Bytes SceneSessions::miss(const Header& header) noexcept {
+  if (header.kind != DatagramKind::goodbye ||
+      std::find(gone_.begin(), gone_.end(), header.session) == gone_.end())
+    return drop(DropReason::session);
+  ++counters_.late_goodbyes;
+  return {};
+}
+
 void SceneSessions::tick(Nanoseconds now) noexcept {
   if (world_ == nullptr || seats_.empty()) return;
   const auto due = (now - last_tick_) / tick_;
@@ -235,7 +269,7 @@ Bytes SceneSessions::receive(Bytes datagram, const Peer& from, Nanoseconds now,
   if (guarded.drop != DropReason::none) return drop(guarded.drop);
 
   Seat** found = by_id_.find(guarded.header.session);
-  if (found == nullptr) return drop(DropReason::session);
+  if (found == nullptr) return miss(guarded.header);
   Seat& seat = **found;
   const Opened opened = seat.opener.open(guarded.header, datagram, opened_);
   if (opened.drop == DropReason::packet_number) seat.session.count_duplicate();
@@ -250,7 +284,7 @@ Bytes SceneSessions::receive(Bytes datagram, const Peer& from, Nanoseconds now,
   if (const DropReason wrong = decode(opened.payload, reason); wrong != DropReason::none)
     return drop(wrong);
   ++counters_.left;
-  end(seat);
+  end(seat, SessionEnd::goodbye);
   return {};
 }
 
@@ -278,12 +312,13 @@ Bytes SceneSessions::show(Seat& seat, const Reply& reply, DatagramBuffer& out) n
   return seat.sealer.seal(DatagramKind::reply, seat.id, encoder_.reply(reply, &view_), out);
 }
 
-void SceneSessions::end(Seat& seat) noexcept {
+void SceneSessions::end(Seat& seat, SessionEnd how) noexcept {
   add(counters_, seat.session);
   // Nobody may ask for them; then they are forgotten before they would take memory.
   if (ended_.size() == ended_.capacity()) ended_.clear();
-  ended_.push_back(seat.id);
+  ended_.push_back({seat.id, how});
   by_id_.erase(seat.id);
+  gone_[next_gone_++ % gone_.size()] = seat.id;
   std::erase_if(hands_, [&](const ActingHand& hand) { return hand.session == &seat.session; });
   std::erase_if(seats_, [&](const auto& other) { return other.get() == &seat; });
 }
@@ -297,10 +332,12 @@ SceneSessions::Farewell SceneSessions::farewell(Seat& seat, GoodbyeReason reason
 
 std::optional<SceneSessions::Ending> SceneSessions::ending(const Seat& seat,
                                                            Nanoseconds now) const noexcept {
-  if (seat.rate.flooding()) return Ending{GoodbyeReason::flooding, &SceneCounters::flooded};
-  if (seat.opener.exhausted()) return Ending{GoodbyeReason::evicted, &SceneCounters::forged};
+  if (seat.rate.flooding())
+    return Ending{GoodbyeReason::flooding, &SceneCounters::flooded, SessionEnd::flooded};
+  if (seat.opener.exhausted())
+    return Ending{GoodbyeReason::evicted, &SceneCounters::forged, SessionEnd::forged};
   if (now - seat.last_heard >= silence_timeout_)
-    return Ending{GoodbyeReason::evicted, &SceneCounters::silent};
+    return Ending{GoodbyeReason::evicted, &SceneCounters::silent, SessionEnd::silent};
   return std::nullopt;
 }
 
@@ -315,7 +352,7 @@ std::vector<SceneSessions::Farewell> SceneSessions::expire(Nanoseconds now) {
     }
     farewells.push_back(farewell(seat, why->reason));
     ++(counters_.*(why->counter));
-    end(seat);
+    end(seat, why->how);
   }
   return farewells;
 }
@@ -323,14 +360,14 @@ std::vector<SceneSessions::Farewell> SceneSessions::expire(Nanoseconds now) {
 std::vector<SceneSessions::Farewell> SceneSessions::evict(std::uint64_t id) {
   Seat** seat = by_id_.find(id);
   if (seat == nullptr) return {};
-  return {take_away(**seat)};
+  return {take_away(**seat, SessionEnd::evicted)};
 }
 
 /// Ends a session, and says so to its client.
-SceneSessions::Farewell SceneSessions::take_away(Seat& seat) {
+SceneSessions::Farewell SceneSessions::take_away(Seat& seat, SessionEnd how) {
   Farewell goodbye = farewell(seat, GoodbyeReason::evicted);
   ++counters_.evicted;
-  end(seat);
+  end(seat, how);
   return goodbye;
 }
 
@@ -338,7 +375,7 @@ std::vector<SceneSessions::Farewell> SceneSessions::shut_down() {
   std::vector<Farewell> farewells;
   while (!seats_.empty()) {
     farewells.push_back(farewell(*seats_.front(), GoodbyeReason::shutting_down));
-    end(*seats_.front());
+    end(*seats_.front(), SessionEnd::shut_down);
   }
   return farewells;
 }

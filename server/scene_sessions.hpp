@@ -6,6 +6,7 @@
 #include <array>
 #include <memory>
 #include <optional>
+#include <string_view>
 #include <vector>
 
 #include "protocol/codec.hpp"
@@ -40,11 +41,31 @@ struct SceneCounters {
   // admin or because their token is good no more or their tool is in the scene no more.
   std::uint64_t left = 0, silent = 0, flooded = 0, forged = 0, evicted = 0;
   std::uint64_t datagrams = 0;      // received
+  std::uint64_t late_goodbyes = 0;  // of these, under the number of a session that had just ended
   SessionCounters samples;          // over all sessions
   WorldCounters world;              // zero where nothing moves
   std::uint64_t ticks_dropped = 0;  // of the world, when the thread could not keep up
   std::array<std::uint64_t, kDropReasons> drops{};
 };
+
+/// How a session ended, for the log.
+enum class SessionEnd : std::uint8_t {
+  goodbye,
+  asked,
+  silent,
+  flooded,
+  forged,
+  evicted,
+  tool_gone,
+  shut_down
+};
+struct EndedSession {
+  std::uint64_t id = 0;
+  SessionEnd how = SessionEnd::goodbye;
+  friend bool operator==(const EndedSession&, const EndedSession&) = default;
+};
+/// In words that go on after a colon.
+std::string_view text(SessionEnd how);
 
 /// A session that is not there, or not any more.
 control::Refused unknown_session(std::uint64_t id);
@@ -99,7 +120,7 @@ class SceneSessions {
   std::vector<Farewell> shut_down();
 
   /// Sessions that have ended since forget_ended().
-  const std::vector<std::uint64_t>& ended() const { return ended_; }
+  const std::vector<EndedSession>& ended() const { return ended_; }
   void forget_ended() noexcept { ended_.clear(); }
 
   std::size_t size() const { return seats_.size(); }
@@ -119,9 +140,10 @@ class SceneSessions {
   Bytes show(Seat& seat, const Reply& reply, DatagramBuffer& out) noexcept;
   struct Ending;
   std::optional<Ending> ending(const Seat& seat, Nanoseconds now) const noexcept;
-  void end(Seat& seat) noexcept;
-  Farewell take_away(Seat& seat);
+  void end(Seat& seat, SessionEnd how) noexcept;
+  Farewell take_away(Seat& seat, SessionEnd how);
   Bytes drop(DropReason reason) noexcept;
+  Bytes miss(const Header& header) noexcept;
   Farewell farewell(Seat& seat, GoodbyeReason reason);
 
   const Scene* scene_;
@@ -135,7 +157,9 @@ class SceneSessions {
   std::vector<std::unique_ptr<Seat>> seats_;  // in the order they joined
   std::vector<ActingHand> hands_;             // of those, without the observers'
   IdMap<Seat*> by_id_;
-  std::vector<std::uint64_t> ended_;  // no more than there were sessions between two joins
+  std::array<std::uint64_t, 64> gone_{};  // the sessions that ended last
+  std::size_t next_gone_ = 0;
+  std::vector<EndedSession> ended_;  // no more than there were sessions between two joins
   Encoder encoder_;
   DatagramBuffer opened_;  // the datagram at hand
   SampleBatch batch_;      // what it brings

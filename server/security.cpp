@@ -1,13 +1,17 @@
 #include "server/security.hpp"
 
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <array>
 #include <asio/ip/address.hpp>
+#include <cerrno>
 #include <cstdlib>
+#include <cstring>
 #include <stdexcept>
 
 #include "core/scene/json_document.hpp"
+#include "protocol/private_file.hpp"
 #include "server/state_file.hpp"
 
 namespace feltwire {
@@ -15,24 +19,30 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr const char* kCertificate = "certificate.pem";
+constexpr const char* kKey = "key.pem";
+constexpr const char* kFingerprint = "fingerprint";
+constexpr const char* kLocalToken = "local.token";
+
 fs::path state_folder(const ServerConfig& config) {
-  return config.state.empty() ? default_state_folder() : config.state;
+  if (config.state.empty()) return default_state_folder();
+  return config.state.has_filename() ? config.state : config.state.parent_path();  // dir/
 }
 
 bool needs_state(const ServerConfig& config) {
   return !config.state.empty() || config.certificate.empty() || config.tokens.empty();
 }
 
-/// Who may read it may not write it; the key and the tokens are for the owner alone.
+/// For its owner alone from the first moment on. One that others may write to is refused.
 void make_folder(const fs::path& folder) {
   std::error_code failed;
-  if (fs::is_directory(folder, failed)) return;
-  if (folder.has_parent_path()) fs::create_directories(folder.parent_path(), failed);
-  fs::create_directory(folder, failed);
-  if (!failed) fs::permissions(folder, fs::perms::owner_all, failed);
-  if (failed)
-    throw FileError(folder.string() + ": cannot be made: " + failed.message() +
-                    "; choose another folder with --state");
+  if (!fs::is_directory(folder, failed)) {
+    if (folder.has_parent_path()) fs::create_directories(folder.parent_path(), failed);
+    if (::mkdir(folder.c_str(), S_IRWXU) != 0 && errno != EEXIST)
+      throw FileError(folder.string() + ": cannot be made: " + std::strerror(errno) +
+                      "; choose another folder with --state");
+  }
+  if (const auto open = open_folder(folder)) throw FileError(*open);
 }
 
 /// What clients may call this server by.
@@ -52,21 +62,40 @@ std::vector<std::string> own_names(const ServerConfig& config) {
   return names;
 }
 
+/// The certificate is put in place after its key, and the fingerprint, by which it is known, after
+/// both. So a key without either is what an interrupted first start left, and is replaced.
 Identity own_identity(const ServerConfig& config, const fs::path& folder) {
-  const fs::path certificate = folder / "certificate.pem", key = folder / "key.pem";
-  if (!fs::exists(certificate) && !fs::exists(key)) {
+  const fs::path certificate = folder / kCertificate, key = folder / kKey;
+  const bool has_certificate = fs::exists(certificate), has_key = fs::exists(key);
+  const bool was_known = fs::exists(folder / kFingerprint);
+  if (!has_certificate && (!has_key || !was_known)) {
     const Identity made = make_identity(own_names(config));
     write_state(key, made.key.text(), kPrivate);
     write_state(certificate, made.certificate, kPublic);
+  } else if (has_certificate != has_key) {
+    const fs::path& missing = has_key ? certificate : key;
+    const fs::path& there = has_key ? key : certificate;
+    throw FileError(missing.string() + ": is missing; put it back, or remove " + there.string() +
+                    " too: then both are made anew, and clients need the new fingerprint");
   }
   return load_identity(certificate, key);
 }
 
-/// The first token, so that whoever starts a server can feel something.
+/// The first token, so that whoever starts a server can feel something. Its text is put in place
+/// before tokens.json: where that is missing, both are made anew at the next start.
 void make_tokens(const ServerConfig& config) {
   const IssuedToken local = issue_token("local", "*", Role::operator_, std::nullopt);
-  change_tokens(token_file(config), [&](Tokens& tokens) { tokens.push_back(local.token); });
   write_state(local_token_file(config), local.text.text(), kPrivate);
+  change_tokens(token_file(config), [&](Tokens& tokens) { tokens.push_back(local.token); });
+}
+
+/// What a start left that was ended in the middle. The folder's lock is held.
+void tidy(const ServerConfig& config, const fs::path& folder) {
+  for (const char* name : {kCertificate, kKey, kFingerprint, kLocalToken})
+    remove_leftovers(folder / name);
+  if (!config.tokens.empty()) return;
+  const FileLock lock(token_file(config).string() + ".lock");
+  remove_leftovers(token_file(config));
 }
 
 }  // namespace
@@ -90,7 +119,7 @@ std::filesystem::path token_file(const ServerConfig& config) {
 }
 
 std::filesystem::path local_token_file(const ServerConfig& config) {
-  return needs_state(config) ? state_folder(config) / "local.token" : fs::path();
+  return needs_state(config) ? state_folder(config) / kLocalToken : fs::path();
 }
 
 Security open_security(const ServerConfig& config) {
@@ -102,10 +131,11 @@ Security open_security(const ServerConfig& config) {
   const fs::path folder = state_folder(config);
   make_folder(folder);
   const FileLock lock(folder / "lock");  // two servers may start at once
+  tidy(config, folder);
   Identity identity = config.certificate.empty() ? own_identity(config, folder)
                                                  : load_identity(config.certificate, config.key);
   const std::string print = to_string(fingerprint(identity)) + "\n";
-  const fs::path print_file = folder / "fingerprint";
+  const fs::path print_file = folder / kFingerprint;
   if (!fs::exists(print_file) || read_text(print_file) != print)
     write_state(print_file, print, kPublic);
   if (config.tokens.empty() && !fs::exists(token_file(config))) make_tokens(config);

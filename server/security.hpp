@@ -25,7 +25,8 @@ std::filesystem::path token_file(const ServerConfig& config);
 /// The token of whoever started the server first, for programs of the same user.
 std::filesystem::path local_token_file(const ServerConfig& config);
 
-/// Makes the state folder where one is needed and missing, for its owner alone. Throws FileError.
+/// Makes the state folder where one is needed and missing, for its owner alone. Throws FileError,
+/// also where others than its owner may write to it.
 void make_state_folder(const ServerConfig& config);
 
 /// Reads what the configuration names. What it does not name lies in the state folder, and is made

@@ -6,6 +6,7 @@
 #include <asio/executor_work_guard.hpp>
 #include <asio/post.hpp>
 #include <cmath>
+#include <future>
 #include <stdexcept>
 #include <thread>
 
@@ -108,7 +109,7 @@ struct Server::Parts {
     check_names(scenes);
     auto sockets = listen(config, security, scenes.size());
     SceneHostOptions options = host_options(config);
-    options.ended = [this](std::vector<std::uint64_t> sessions) {
+    options.ended = [this](std::vector<EndedSession> sessions) {
       asio::post(io, [this, sessions = std::move(sessions)] { service.forget(sessions); });
     };
     warn_of_spinning(options.busy_poll, scenes.size());
@@ -168,12 +169,11 @@ struct Server::Parts {
 
   void stop() {
     if (!thread.joinable()) return;
-    asio::post(io, [this] {
-      control->close();
-      io.stop();
-    });
-    thread.join();
+    asio::post(io, [this] { control->close(); });
     for (auto& host : hosts) host->stop();
+    // Behind what the scenes have said: which sessions ended with the server.
+    asio::post(io, [this] { io.stop(); });
+    thread.join();
   }
 };
 
@@ -211,7 +211,13 @@ std::vector<SceneSummary> Server::summary() const {
 }
 
 ControlSummary Server::control_summary() const {
-  return {parts_->control->counters(), parts_->service.counters()};
+  const auto count = [this] {
+    return ControlSummary{parts_->control->counters(), parts_->service.counters()};
+  };
+  if (!parts_->thread.joinable()) return count();
+  std::promise<ControlSummary> counted;  // the counters are the control thread's
+  asio::post(parts_->io, [&] { counted.set_value(count()); });
+  return counted.get_future().get();
 }
 
 std::string text(const ControlSummary& summary) {

@@ -14,6 +14,8 @@
 namespace feltwire {
 namespace {
 
+constexpr std::string_view kPart = ".part-";  // behind a file's name, while it is written
+
 [[noreturn]] void fail(const std::filesystem::path& file) {
   throw FileError(file.string() + ": cannot be written: " + std::strerror(errno) +
                   "; check the folder and your right to write there");
@@ -30,20 +32,50 @@ bool write_all(int descriptor, std::string_view text) {
 
 }  // namespace
 
-void write_state(const std::filesystem::path& file, std::string_view text, mode_t mode) {
-  std::string name = file.string() + ".XXXXXX";
-  const int descriptor = ::mkostemp(name.data(), O_CLOEXEC);  // for its owner alone, whatever comes
-  if (descriptor < 0) fail(file);
+PendingFile::PendingFile(std::filesystem::path file, std::string_view text, mode_t mode)
+    : file_(std::move(file)), written_(file_.string() + std::string(kPart) + "XXXXXX") {
+  // Over a folder nothing can be renamed: said now, not when it is too late.
+  if (std::error_code failed; std::filesystem::is_directory(file_, failed)) {
+    errno = EISDIR;
+    fail(file_);
+  }
+  const int descriptor =
+      ::mkostemp(written_.data(), O_CLOEXEC);  // for its owner alone, whatever comes
+  if (descriptor < 0) fail(file_);
   const bool written =
       ::fchmod(descriptor, mode) == 0 && write_all(descriptor, text) && ::fsync(descriptor) == 0;
-  const int error = errno;
-  ::close(descriptor);
-  if (written && ::rename(name.c_str(), file.c_str()) == 0) return;
-  if (!written) errno = error;
   const int reason = errno;
-  ::unlink(name.c_str());
+  ::close(descriptor);
+  if (written) return;
+  ::unlink(written_.c_str());
   errno = reason;
-  fail(file);
+  fail(file_);
+}
+
+PendingFile::~PendingFile() {
+  if (!written_.empty()) ::unlink(written_.c_str());
+}
+
+void PendingFile::put_in_place() {
+  if (::rename(written_.c_str(), file_.c_str()) != 0) fail(file_);
+  written_.clear();
+}
+
+void write_state(const std::filesystem::path& file, std::string_view text, mode_t mode) {
+  PendingFile(file, text, mode).put_in_place();
+}
+
+void remove_leftovers(const std::filesystem::path& file) {
+  const std::string beginning = file.filename().string() + std::string(kPart);
+  const std::filesystem::path folder = file.has_parent_path() ? file.parent_path() : ".";
+  std::error_code failed;
+  for (const auto& entry : std::filesystem::directory_iterator(folder, failed)) {
+    const std::string name = entry.path().filename().string();
+    constexpr std::size_t kRandom = 6;  // letters of mkostemp
+    if (name.size() != beginning.size() + kRandom || !name.starts_with(beginning)) continue;
+    std::error_code ignored;
+    std::filesystem::remove(entry.path(), ignored);
+  }
 }
 
 FileLock::FileLock(const std::filesystem::path& file)

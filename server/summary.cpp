@@ -23,7 +23,11 @@ Json scene_json(const SceneSummary& scene) {
           {"sessions_served", c.sessions_served},
           {"left", c.left},
           {"silent", c.silent},
+          {"flooded", c.flooded},
+          {"forged", c.forged},
+          {"evicted", c.evicted},
           {"datagrams", c.datagrams},
+          {"late_goodbyes", c.late_goodbyes},
           {"samples", c.samples.samples},
           {"replies", c.samples.replies},
           {"withheld", c.samples.withheld},
@@ -34,18 +38,29 @@ Json scene_json(const SceneSummary& scene) {
           {"dropped", drops(c)}};
 }
 
-}  // namespace
-
-std::string summary_json(const std::vector<SceneSummary>& summary) {
-  Json scenes = Json::array();
-  for (const SceneSummary& scene : summary) scenes.push_back(scene_json(scene));
-  return Json{{"scenes", scenes}}.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+Json control_json(const ControlSummary& control) {
+  const auto& [connections, requests] = control;
+  return {{"connections", connections.accepted},    {"too_often", connections.too_often},
+          {"crowded_out", connections.crowded_out}, {"no_tls", connections.failed},
+          {"too_slow", connections.too_slow},       {"unauthenticated", requests.unauthenticated},
+          {"forbidden", requests.forbidden},        {"too_many", requests.too_many}};
 }
 
-void write_summary(const std::filesystem::path& file, const std::vector<SceneSummary>& summary) {
+}  // namespace
+
+std::string summary_json(const std::vector<SceneSummary>& summary, const ControlSummary& control) {
+  Json scenes = Json::array();
+  for (const SceneSummary& scene : summary) scenes.push_back(scene_json(scene));
+  return Json{{"scenes", scenes}, {"control", control_json(control)}}.dump(
+             2, ' ', false, Json::error_handler_t::replace) +
+         "\n";
+}
+
+void write_summary(const std::filesystem::path& file, const std::vector<SceneSummary>& summary,
+                   const ControlSummary& control) {
   const std::filesystem::path part = file.string() + ".part";
   std::ofstream out(part, std::ios::trunc);
-  out << summary_json(summary);
+  out << summary_json(summary, control);
   out.close();
   std::error_code error;
   if (out) std::filesystem::rename(part, file, error);

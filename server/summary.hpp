@@ -5,15 +5,16 @@
 #include <string>
 #include <vector>
 
-#include "server/scene_host.hpp"
+#include "server/server.hpp"
 
 namespace feltwire {
 
-/// The counters of every scene as JSON (docs/server.md).
-std::string summary_json(const std::vector<SceneSummary>& summary);
+/// The counters of every scene and of the control port as JSON (docs/server.md).
+std::string summary_json(const std::vector<SceneSummary>& summary, const ControlSummary& control);
 
 /// Writes beside the file and renames: readers see all of it, or what was there before. Throws
 /// std::runtime_error naming the file.
-void write_summary(const std::filesystem::path& file, const std::vector<SceneSummary>& summary);
+void write_summary(const std::filesystem::path& file, const std::vector<SceneSummary>& summary,
+                   const ControlSummary& control);
 
 }  // namespace feltwire

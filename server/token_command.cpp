@@ -2,9 +2,11 @@
 
 #include <CLI/CLI.hpp>
 #include <cstdio>
+#include <optional>
 #include <stdexcept>
 
 #include "core/visible_text.hpp"
+#include "protocol/suggestion.hpp"
 #include "server/security.hpp"
 #include "server/state_file.hpp"
 
@@ -32,11 +34,24 @@ struct Words {
 void add(const ServerConfig& config, const Words& words) {
   const IssuedToken issued =
       issue_token(words.client, words.scene, role(words.role), parse_expiry(words.expires, now()));
-  make_state_folder(config);
-  change_tokens(token_file(config), [&](Tokens& tokens) { tokens.push_back(issued.token); });
   const std::string_view text = issued.text.text();
-  if (!words.out.empty()) return write_state(words.out, text, kPrivate);
-  std::printf("%.*s\n", static_cast<int>(text.size()), text.data());
+  make_state_folder(config);
+  // Written before the token is stored: its text stands nowhere else and cannot be had again.
+  std::optional<PendingFile> out;
+  if (!words.out.empty()) out.emplace(words.out, text, kPrivate);
+  change_tokens(token_file(config), [&](Tokens& tokens) { tokens.push_back(issued.token); });
+  if (!out) {
+    std::printf("%.*s\n", static_cast<int>(text.size()), text.data());
+    return;
+  }
+  try {
+    out->put_in_place();
+  } catch (const std::exception&) {
+    change_tokens(token_file(config), [&](Tokens& tokens) {
+      std::erase_if(tokens, [&](const Token& token) { return token.id == issued.token.id; });
+    });
+    throw;
+  }
 }
 
 void list(const ServerConfig& config) {
@@ -96,7 +111,8 @@ int token_command(int argc, char** argv) {
     return 0;
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error);
-    std::fprintf(stderr, "feltwire-server token: %s (see --help)\n", visible(error.what()).c_str());
+    std::fprintf(stderr, "feltwire-server token: %s (see --help)\n",
+                 visible(error.what() + suggestion(app)).c_str());
     return kBadUsage;
   } catch (const std::invalid_argument& error) {
     std::fprintf(stderr, "feltwire-server token: %s\n", visible(error.what()).c_str());

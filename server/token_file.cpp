@@ -1,15 +1,23 @@
 #include "server/token_file.hpp"
 
 #include "core/scene/json_document.hpp"
+#include "protocol/private_file.hpp"
 #include "server/state_file.hpp"
 
 namespace feltwire {
+namespace {
+
+/// A file that others may write to lets in whom they like; as for keys, nobody else may read it.
+Tokens read_tokens(const std::filesystem::path& file) {
+  if (const auto open = exposure(file)) throw FileError(*open);
+  return parse_tokens(read_text(file), file.string());
+}
+
+}  // namespace
 
 TokenFile::TokenFile(std::filesystem::path file)
     // The stamp first: what is written after it is noticed.
-    : file_(std::move(file)),
-      read_(stamp()),
-      tokens_(parse_tokens(read_text(file_), file_.string())) {}
+    : file_(std::move(file)), read_(stamp()), tokens_(read_tokens(file_)) {}
 
 std::optional<std::string> TokenFile::refresh() {
   if (file_.empty()) return std::nullopt;
@@ -17,7 +25,7 @@ std::optional<std::string> TokenFile::refresh() {
   if (now == read_) return std::nullopt;
   read_ = now;
   try {
-    tokens_ = parse_tokens(read_text(file_), file_.string());
+    tokens_ = read_tokens(file_);
   } catch (const FileError& error) {
     return error.what();
   }
@@ -27,13 +35,15 @@ std::optional<std::string> TokenFile::refresh() {
 TokenFile::Stamp TokenFile::stamp() const {
   struct stat status {};
   if (::stat(file_.c_str(), &status) != 0) return {};
-  return {status.st_ino, status.st_size, status.st_mtim.tv_sec, status.st_mtim.tv_nsec};
+  return {status.st_ino, status.st_size, status.st_mtim.tv_sec, status.st_mtim.tv_nsec,
+          status.st_mode};
 }
 
 void change_tokens(const std::filesystem::path& file, const std::function<void(Tokens&)>& change) {
   const FileLock lock(file.string() + ".lock");
+  remove_leftovers(file);
   Tokens tokens;
-  if (std::filesystem::exists(file)) tokens = parse_tokens(read_text(file), file.string());
+  if (std::filesystem::exists(file)) tokens = read_tokens(file);
   change(tokens);
   write_state(file, json(tokens), kPrivate);
 }

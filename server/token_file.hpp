@@ -32,6 +32,7 @@ class TokenFile {
     ino_t inode = 0;
     off_t size = 0;
     std::int64_t seconds = 0, nanoseconds = 0;
+    mode_t mode = 0;  // who may read it changes whether it is read
     friend bool operator==(const Stamp&, const Stamp&) = default;
   };
   Stamp stamp() const;

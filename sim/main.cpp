@@ -10,6 +10,7 @@
 #include "client/report.hpp"
 #include "core/visible_text.hpp"
 #include "protocol/ports.hpp"
+#include "protocol/suggestion.hpp"
 #include "sim/filters.hpp"
 #include "sim/link_relay.hpp"
 #include "sim/report_table.hpp"
@@ -195,6 +196,9 @@ int main(int argc, char** argv) {
     return "feltwire-lab: " + visible(error.what()) + "; see --help\n";
   });
   app.require_subcommand(1);
+  app.failure_message([](const CLI::App* failed, const CLI::Error& error) {
+    return "feltwire-lab: " + std::string(error.what()) + suggestion(*failed) + "; see --help\n";
+  });
   int status = 0;
   add_studies(app, status);
   add_bound(app);

@@ -319,5 +319,18 @@ TEST(Options, ABadVariableIsRefusedAsABadOptionIs) {
   ::unsetenv("FELTWIRE_DURATION");
 }
 
+TEST(Options, ANameThatCannotBeSentIsRefusedHere) {
+  const std::string most(128, 'x');
+  EXPECT_EQ(std::get<ClientOptions>(parsed({"--name", most, "--tool", most})).name, most);
+  for (const char* option : {"--name", "--tool"})
+    EXPECT_THAT(refusal({option, most + "x"}),
+                AllOf(HasSubstr(option), HasSubstr("has 129 bytes; at most 128")));
+}
+
+TEST(Options, AWordThatIsNearlyAnOptionIsUnderstood) {
+  EXPECT_THAT(refusal({"--duraton", "5"}), HasSubstr("did you mean --duration?"));
+  EXPECT_THAT(refusal({"--wholly-unknown"}), ::testing::Not(HasSubstr("did you mean")));
+}
+
 }  // namespace
 }  // namespace feltwire::options_test

@@ -73,23 +73,26 @@ TEST(Operation, CountsWhileItRuns) {
   test::RawSocket stranger(SOCK_DGRAM, server.scenes().front().udp_port);
   stranger.send(std::vector<std::uint8_t>{1, 2, 3});
   EXPECT_TRUE(becomes([&] { return server.summary().front().counters.datagrams == 1; }));
-  const Json scene = Json::parse(summary_json(server.summary())).at("scenes").at(0);
+  const Json scene =
+      Json::parse(summary_json(server.summary(), server.control_summary())).at("scenes").at(0);
   EXPECT_EQ(scene.at("scene"), server.scenes().front().scene);
   EXPECT_EQ(scene.at("datagrams"), 1);
   EXPECT_EQ(scene.at("dropped").at("size"), 1);
   EXPECT_EQ(scene.at("dropped").at("magic"), 0);
   EXPECT_EQ(scene.at("sessions"), 0);
   server.stop();
-  EXPECT_EQ(Json::parse(summary_json(server.summary())).at("scenes").at(0), scene);
+  EXPECT_EQ(
+      Json::parse(summary_json(server.summary(), server.control_summary())).at("scenes").at(0),
+      scene);
 }
 
 TEST(Operation, ASummaryReplacesTheOneBefore) {
   const std::string file = path("summary.json");
   std::ofstream(file) << "old";
-  write_summary(file, {});
-  EXPECT_EQ(Json::parse(content(file)), Json({{"scenes", Json::array()}}));
+  write_summary(file, {}, {});
+  EXPECT_EQ(Json::parse(content(file)).at("scenes"), Json::array());
   EXPECT_EQ(::access((file + ".part").c_str(), F_OK), -1);
-  EXPECT_THAT([] { write_summary("/nonexistent/summary.json", {}); },
+  EXPECT_THAT([] { write_summary("/nonexistent/summary.json", {}, {}); },
               testing::ThrowsMessage<std::runtime_error>(HasSubstr("/nonexistent/summary.json")));
 }
 

@@ -189,7 +189,8 @@ TEST(ToolChoice, AReloadKeepsTheHandsWhoseToolIsThere) {
   EXPECT_EQ(reason, GoodbyeReason::evicted);
   EXPECT_EQ(bench.sessions.find(kSecond), nullptr);
   EXPECT_EQ(bench.sessions.counters().evicted, 1u);
-  EXPECT_THAT(bench.sessions.ended(), ::testing::ElementsAre(kSecond));
+  EXPECT_THAT(bench.sessions.ended(),
+              ::testing::ElementsAre(EndedSession{kSecond, SessionEnd::tool_gone}));
   EXPECT_EQ(bench.above(kFirst), 0.0);
   EXPECT_NEAR(bench.above(kThird), 3.0, 1e-9);
   EXPECT_EQ(std::get<control::Refused>(bench.join(kSecond, "tip")).code, RefusalCode::unknown_tool);

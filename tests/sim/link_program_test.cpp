@@ -76,6 +76,14 @@ TEST_F(LinkProgram, FaultsAreOneLineAndANonZeroExit) {
   expect_fault({"wifi"}, "--to");
 }
 
+TEST(LabProgram, SaysWhatAWordMayHaveMeant) {
+  const auto said = [](std::vector<std::string> words) {
+    return Program(FELTWIRE_LAB_PROGRAM, std::move(words)).finish().error;
+  };
+  EXPECT_THAT(said({"tuch"}), HasSubstr("did you mean touch?"));
+  EXPECT_THAT(said({"link", "wifi", "--too", "x:1"}), HasSubstr("did you mean --to?"));
+}
+
 TEST(LabProgram, ExamplesNameFilesThatExist) {
   EXPECT_GE(test::expect_files_of_examples(FELTWIRE_LAB_PROGRAM, {"touch"}), 1);
   test::expect_files_of_examples(FELTWIRE_LAB_PROGRAM, {"bound"});

@@ -1,0 +1,62 @@
+#pragma once
+// What a command line may have meant that has a word nobody knows.
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace feltwire {
+
+/// How many letters must be put in, taken out, replaced, or swapped with their neighbour, to make
+/// one word of the other (optimal string alignment).
+inline std::size_t edit_distance(std::string_view a, std::string_view b) {
+  std::vector<std::size_t> before, last(b.size() + 1), row(b.size() + 1);
+  for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    before = last;
+    last = row;
+    row[0] = i;
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      const bool same = a[i - 1] == b[j - 1];
+      row[j] = std::min({last[j] + 1, row[j - 1] + 1, last[j - 1] + (same ? 0 : 1)});
+      if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1])
+        row[j] = std::min(row[j], before[j - 2] + 1);
+    }
+  }
+  return row.back();
+}
+
+/// The nearest of the words, where no more than a third of the letters differ; else empty.
+inline std::string nearest(std::string_view word, const std::vector<std::string>& words) {
+  std::string best;
+  std::size_t least = std::max<std::size_t>(1, word.size() / 3) + 1;
+  for (const std::string& known : words)
+    if (const std::size_t distance = edit_distance(word, known); distance < least) {
+      least = distance;
+      best = known;
+    }
+  return best;
+}
+
+/// Of a command line that could not be parsed: "; did you mean --duration?" where there was a word
+/// that is nearly an option, or nearly a subcommand; else empty. `app` has tried to parse it.
+inline std::string suggestion(const CLI::App& app) {
+  const CLI::App* asked = &app;  // the subcommand whose options count
+  while (!asked->get_subcommands().empty()) asked = asked->get_subcommands().front();
+  std::vector<std::string> options, commands;
+  for (const CLI::Option* option : asked->get_options())
+    for (const std::string& name : option->get_lnames()) options.push_back("--" + name);
+  for (const CLI::App* command : asked->get_subcommands(nullptr))
+    commands.push_back(command->get_name());
+  for (const std::string& word : app.remaining(true)) {
+    const bool option = word.starts_with("--");
+    const std::string name = word.substr(0, word.find('='));
+    if (const std::string meant = nearest(name, option ? options : commands); !meant.empty())
+      return "; did you mean " + meant + "?";
+  }
+  return {};
+}
+
+}  // namespace feltwire

@@ -1,0 +1,13 @@
+#pragma once
+
+#include <string>
+
+#include "protocol/session_parameters.hpp"
+
+namespace feltwire {
+
+/// What differs, for the log: "hold_time 0.1 -> 0.2, mode contact_frame -> none"; "nothing
+/// changed".
+std::string changes(const SessionParameters& before, const SessionParameters& after);
+
+}  // namespace feltwire

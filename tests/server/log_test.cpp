@@ -1,0 +1,243 @@
+// What the log and the counters say of sessions: who, why, how long. The program as it is run.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <fstream>
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <regex>
+#include <thread>
+
+#include "protocol/suggestion.hpp"
+#include "server/health.hpp"
+#include "server/parameter_changes.hpp"
+#include "server/server.hpp"
+#include "server/state_file.hpp"
+#include "server/summary.hpp"
+#include "tests/client/temporary_folder.hpp"
+#include "tests/protocol/sealed.hpp"
+#include "tests/server/make.hpp"
+#include "tests/server/raw_socket.hpp"
+#include "tests/support/program.hpp"
+
+namespace feltwire::log_test {
+namespace {
+
+using test::ControlClient;
+using test::RawSocket;
+using ::testing::ContainsRegex;
+using ::testing::HasSubstr;
+using ::testing::Not;
+using testing::TemporaryFolder;
+
+std::vector<Scene> room() {
+  std::vector<Scene> scenes;
+  scenes.push_back(test::room());
+  return scenes;
+}
+
+bool becomes(const std::function<bool()>& condition) {
+  const auto end = std::chrono::steady_clock::now() + std::chrono::milliseconds(test::kPatience);
+  while (!condition()) {
+    if (std::chrono::steady_clock::now() > end) return false;
+    std::this_thread::yield();
+  }
+  return true;
+}
+
+/// The next goodbye among what a socket receives; nothing where it falls silent.
+std::optional<GoodbyeReason> goodbye(RawSocket& socket, const SessionKeys& keys) {
+  for (;;) {
+    const auto bytes = socket.receive();
+    if (bytes.empty()) return std::nullopt;
+    GoodbyeReason reason;
+    if (bytes.size() > 3 && bytes[3] == static_cast<std::uint8_t>(DatagramKind::goodbye) &&
+        decode(test::opened(bytes, test::Way::down, keys), reason) == DropReason::none)
+      return reason;
+  }
+}
+
+/// A session that floods ends soon, though this server lets it be silent for an hour.
+TEST(SessionEnds, AFloodIsEndedWhateverTheSilenceTimeout) {
+  ServerConfig config = test::any_port();
+  config.silence_timeout = 3600.0;
+  config.sample_rate_limit = 1.1;
+  Server server(config, room(), test::security());
+  ControlClient control(server.control_port());
+  const auto joined = control.join(test::join_request());
+  RawSocket datagrams(SOCK_DGRAM, joined.udp_port);
+  test::SealedEncoder encoder(test::Way::up, joined.keys);
+  // Nine new samples a datagram; 2200 a second, and as many at once, are flooding.
+  constexpr std::uint64_t kEach = 9, kDatagrams = 5000;
+  for (std::uint64_t n = 1; n <= kDatagrams; ++n) {
+    datagrams.send(
+        encoder.samples(joined.accepted.session, n, test::hand_batch(kEach * n, kEach - 1)));
+    // Before more is sent than the server's socket holds.
+    if (n % 100 != 0) continue;
+    ASSERT_TRUE(becomes([&] { return server.summary()[0].counters.datagrams == n; })) << n;
+  }
+  EXPECT_EQ(goodbye(datagrams, joined.keys), GoodbyeReason::flooding);
+  EXPECT_EQ(server.summary()[0].counters.flooded, 1u);
+  const auto counted =
+      nlohmann::json::parse(summary_json(server.summary(), server.control_summary()));
+  EXPECT_EQ(counted["scenes"][0]["flooded"], 1);
+  EXPECT_EQ(counted["scenes"][0]["forged"], 0);
+  EXPECT_EQ(counted["scenes"][0]["evicted"], 0);
+  EXPECT_EQ(counted["control"]["connections"], 1);
+}
+
+/// A client says goodbye three times, as one may be lost; the server takes none of them for a
+/// fault.
+TEST(SessionEnds, GoodbyesThatComeAgainAreNotDropped) {
+  Server server(test::any_port(), room(), test::security());
+  ControlClient control(server.control_port());
+  const auto joined = control.join(test::join_request());
+  RawSocket datagrams(SOCK_DGRAM, joined.udp_port);
+  test::SealedEncoder encoder(test::Way::up, joined.keys);
+  const std::uint64_t id = joined.accepted.session;
+  for (std::uint64_t packet = 1; packet <= 3; ++packet)
+    datagrams.send(encoder.goodbye(id, packet, GoodbyeReason::leaving));
+  datagrams.send(encoder.goodbye(id ^ 0x100, 4, GoodbyeReason::leaving));  // never was
+  datagrams.send(encoder.samples(id, 5, test::hand_batch(1)));             // is gone
+  ASSERT_TRUE(becomes([&] { return server.summary()[0].counters.datagrams == 5; }));
+  const SceneCounters counters = server.summary()[0].counters;
+  EXPECT_EQ(counters.left, 1u);
+  EXPECT_EQ(counters.late_goodbyes, 2u);
+  EXPECT_EQ(counters.drops[static_cast<std::size_t>(DropReason::session)], 2u);
+}
+
+TEST(Health, LeavesNoTrace) {
+  Server server(test::any_port(), room(), test::security());
+  for (int i = 0; i < 5; ++i)
+    check_health("127.0.0.1", server.control_port(), std::chrono::milliseconds(test::kPatience));
+  server.stop();
+  const ControlSummary summary = server.control_summary();
+  EXPECT_EQ(summary.connections.accepted, 5u);
+  EXPECT_EQ(summary.connections.failed, 0u);
+  EXPECT_EQ(summary.connections.too_slow, 0u);
+  EXPECT_EQ(summary.requests.unauthenticated, 0u);
+}
+
+TEST(ParameterChanges, NameFieldAndBothValues) {
+  SessionParameters before, after;
+  EXPECT_EQ(changes(before, after), "nothing changed");
+  after.hold_time = 0.25;
+  after.mode = BoundingMode::none;
+  after.c1 = 100.0;
+  EXPECT_EQ(changes(before, after),
+            "mode contact_frame -> none, hold_time 0.1 -> 0.25, c1 usual -> 100");
+}
+
+constexpr const char* kScene =
+    R"({"name": "room", "materials": [{"name": "wood", "stiffness": 1000}],
+    "objects": [{"name": "floor", "plane": {}, "material": "wood"}]})";
+
+TEST(Log, SaysWhoDidWhatAndHowEachSessionEnded) {
+  const TemporaryFolder folder;
+  const std::string scene = folder / "room.json", tokens = folder / "tokens.json";
+  std::ofstream(scene) << kScene;
+  const IssuedToken boss = issue_token("boss", "*", Role::admin, std::nullopt);
+  const IssuedToken anna = issue_token("anna", "*", Role::operator_, std::nullopt);
+  write_state(tokens, json({boss.token, anna.token}), kPrivate);
+  test::Program program(FELTWIRE_SERVER_PROGRAM,
+                        {"--scene", scene, "--port", "0", "--state", folder / "state", "--tokens",
+                         tokens, "--log-level", "info"});
+  program.line();
+  unsigned port = 0;
+  ASSERT_EQ(std::sscanf(program.line().c_str(), "listening: control tcp %u", &port), 1);
+  {
+    const auto number = static_cast<std::uint16_t>(port);
+    ControlClient admin(number, AF_INET, boss.text), client(number, AF_INET, anna.text);
+    control::JoinRequest request = test::join_request();
+    request.client = "left hand";
+    const std::uint64_t first = client.join(request).accepted.session;
+    SessionParameters parameters = request.parameters;
+    parameters.velocity_cutoff = 50.0;
+    admin.ask<control::ParametersSet>(control::SetParameters{first, parameters});
+    admin.ask<control::SceneReloaded>(control::ReloadScene{"room"});
+    client.ask<control::Left>(control::LeaveRequest{first});
+    const std::uint64_t second = client.join(request).accepted.session;
+    admin.ask<control::Evicted>(control::Evict{second});
+    client.join(request);
+    // What was asked before has been answered: it is in the log.
+    admin.ask<control::SceneList>(control::ListScenes{});
+  }
+  program.signal(SIGTERM);
+  const test::Outcome outcome = program.finish();
+  EXPECT_EQ(outcome.status, 0);
+  const std::string who = "left hand \\(test arm, client anna, token " + anna.token.id + "\\)";
+  const std::string by = "client boss \\(token " + boss.token.id + "\\)";
+  const auto logged = [&](const std::string& line) {
+    EXPECT_TRUE(std::regex_search(outcome.error, std::regex(line))) << line << "\n"
+                                                                    << outcome.error;
+  };
+  logged(who + ": parameters set by " + by + ": velocity_cutoff 0 -> 50");
+  logged("scene room is reloaded by " + by);
+  logged(who + ": ended by client anna");
+  logged(who + " left scene room after [0-9.]+ s: a LeaveRequest ended it");
+  logged("evicted by client boss");
+  logged(who + " left scene room after [0-9.]+ s: it was evicted");
+  logged(who + " left scene room after [0-9.]+ s: the server shut down");
+}
+
+/// The line that is printed for other terminals works as it is typed.
+TEST(JoinLine, NamesAProgramThatIsThere) {
+  const TemporaryFolder folder;
+  const std::string scene = folder / "room.json";
+  std::ofstream(scene) << kScene;
+  // An installation of its own: the client beside the server, in a folder that no PATH has.
+  const auto bin = folder / "my bin";
+  std::filesystem::create_directory(bin);
+  std::filesystem::copy_file(FELTWIRE_SERVER_PROGRAM, bin / "feltwire-server");
+  std::ofstream(bin / "feltwire-client") << "#!/bin/sh\n";
+  std::filesystem::permissions(bin / "feltwire-client", std::filesystem::perms::owner_all);
+  const auto join_line = [&] {
+    test::Program program(bin / "feltwire-server",
+                          {"--scene", scene, "--port", "0", "--state", folder / "state"});
+    program.line();
+    program.line();
+    const std::string line = program.line();
+    program.signal(SIGTERM);
+    program.finish();
+    return line;
+  };
+  const std::string line = join_line();
+  EXPECT_THAT(
+      line, HasSubstr("join: '" + (canonical(bin) / "feltwire-client").string() + "' --connect "));
+  // As a shell takes it.
+  EXPECT_EQ(std::system((line.substr(std::string("join: ").size()) + " >/dev/null").c_str()), 0);
+
+  const std::string path = std::getenv("PATH");
+  ::setenv("PATH", (bin.string() + ":" + path).c_str(), 1);
+  EXPECT_THAT(join_line(), HasSubstr("join: feltwire-client --connect "));
+  ::setenv("PATH", path.c_str(), 1);
+}
+
+TEST(Suggestion, IsTheNearestWord) {
+  EXPECT_EQ(edit_distance("", "abc"), 3u);
+  EXPECT_EQ(edit_distance("abc", "abc"), 0u);
+  EXPECT_EQ(edit_distance("abcd", "acbd"), 1u);  // swapped
+  EXPECT_EQ(edit_distance("--duraton", "--duration"), 1u);
+  EXPECT_EQ(edit_distance("kitten", "sitting"), 3u);
+  const std::vector<std::string> words = {"--duration", "--device", "--rate"};
+  EXPECT_EQ(nearest("--duraton", words), "--duration");
+  EXPECT_EQ(nearest("--divice", words), "--device");
+  EXPECT_EQ(nearest("--raet", words), "--rate");
+  EXPECT_EQ(nearest("--something-else", words), "");
+}
+
+TEST(Suggestion, IsMadeByTheServer) {
+  const auto said = [](std::vector<std::string> words) {
+    return test::Program(FELTWIRE_SERVER_PROGRAM, std::move(words)).finish().error;
+  };
+  EXPECT_THAT(said({"--scen", "room.json"}), HasSubstr("did you mean --scene?"));
+  EXPECT_THAT(said({"--prot=1"}), HasSubstr("did you mean --port?"));
+  EXPECT_THAT(said({"--wholly-unknown"}), Not(HasSubstr("did you mean")));
+  EXPECT_THAT(said({"token", "ad"}), HasSubstr("did you mean add?"));
+  EXPECT_THAT(said({"token", "list", "--stat", "x"}), HasSubstr("did you mean --state?"));
+}
+
+}  // namespace
+}  // namespace feltwire::log_test
