@@ -195,10 +195,11 @@ void SceneHost::spin() {
 
 void SceneHost::await_datagrams() {
   waiting_ = true;
-  socket_.async_wait(asio::ip::udp::socket::wait_read, [this](const std::error_code& error) {
-    waiting_ = false;
-    if (!error) serve();
-  });
+  socket_.async_wait(asio::ip::udp::socket::wait_read,
+                     in(datagram_wait_, [this](const std::error_code& error) {
+                       waiting_ = false;
+                       if (!error) serve();
+                     }));
 }
 
 /// Takes what is waiting, up to a limit: then others have their turn, and what is left wakes the
@@ -250,12 +251,12 @@ void SceneHost::send(std::size_t count) noexcept {
 void SceneHost::await_silence() {
   // A session that floods ends as soon, however long it may be silent.
   silence_timer_.expires_after(std::clamp<Nanoseconds>(silence_timeout_ / 4, kSoonest, kLatest));
-  silence_timer_.async_wait([this](const std::error_code& error) {
+  silence_timer_.async_wait(in(silence_wait_, [this](const std::error_code& error) {
     if (error) return;
     say(sessions_.expire(monotonic_now()));
     publish();
     await_silence();
-  });
+  }));
 }
 
 /// Steps what moves when it is due, whether or not datagrams come; waits while somebody is here.
@@ -264,13 +265,13 @@ void SceneHost::await_tick() {
   if (!due || ticking_) return;
   ticking_ = true;
   tick_timer_.expires_at(asio::steady_timer::time_point(*due));
-  tick_timer_.async_wait([this](const std::error_code& error) {
+  tick_timer_.async_wait(in(tick_wait_, [this](const std::error_code& error) {
     ticking_ = false;
     if (error || sessions_.world() == nullptr) return;  // nothing moves in a scene reloaded since
     sessions_.tick(monotonic_now());
     tell_of_world();
     await_tick();
-  });
+  }));
 }
 
 /// What goes on and on is told when there is twice as much of it.

@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "protocol/busy_poll.hpp"
+#include "server/operation_memory.hpp"
 #include "server/scene_sessions.hpp"
 
 namespace feltwire {
@@ -102,6 +103,8 @@ class SceneHost {
   bool real_time_;
   std::function<void(std::vector<EndedSession>)> ended_;
   SceneSessions sessions_;
+  // What is begun again and again; they outlive what Asio still holds.
+  OperationMemory datagram_wait_, silence_wait_, tick_wait_;
   asio::io_context io_{1};
   asio::ip::udp::socket socket_{io_};
   asio::steady_timer silence_timer_{io_};

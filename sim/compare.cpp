@@ -1,12 +1,12 @@
 #include "sim/compare.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
 
 #include "core/parallel.hpp"
+#include "sim/cost.hpp"
 #include "sim/metrics.hpp"
 
 namespace feltwire {
@@ -41,34 +41,18 @@ double displayed_share(const std::vector<ExperimentSample>& samples,
   return whole > 0.0 ? rendered / whole : 0.0;
 }
 
-/// The quickest of some replays, so that what else the machine does counts little.
-double step_cost(const std::vector<ExperimentSample>& samples, const BoundingConfig& config) {
-  using Clock = std::chrono::steady_clock;
-  double best = std::numeric_limits<double>::infinity();
-  for (int replay = 0; replay < 5; ++replay) {
-    Bounding bounding(config);
-    double sum = 0.0;
-    const auto begin = Clock::now();
-    for (const ExperimentSample& s : samples) {
-      sum += bounding
-                 .step({.displacement = s.displacement,
-                        .rotation = Vec3::Zero(),
-                        .hold_time = config.period,
-                        .command = s.commanded})
-                 .rendered.elastic.x();
-      bounding.set_held(s.rendered);
-    }
-    const std::chrono::duration<double, std::nano> time = Clock::now() - begin;
-    // The sum is used, or the compiler might leave the steps out.
-    if (std::isfinite(sum)) best = std::min(best, time.count());
-  }
-  return best / static_cast<double>(samples.size());
-}
+/// What was run, to be replayed.
+struct Run {
+  std::vector<ExperimentSample> samples;
+  BoundingConfig bounding;
+};
 
-CompareRow run_task(const CompareTask& task, const std::string& label,
-                    const ExperimentSetup& setup) {
+/// All but the cost.
+CompareRow run_task(const CompareTask& task, const std::string& label, const ExperimentSetup& setup,
+                    Run& run) {
   const double period = setup.bounding.period;
-  const auto samples = run_experiment(task.touch, setup);
+  run = {run_experiment(task.touch, setup), setup.bounding};
+  const auto& samples = run.samples;
   const ExperimentMetrics metrics = measure(samples, {}, setup.bounding.damping, period);
   std::vector<double> distance;
   distance.reserve(samples.size());
@@ -80,33 +64,61 @@ CompareRow run_task(const CompareTask& task, const std::string& label,
           .direction_error = metrics.direction_error.mean,
           .displayed = displayed_share(samples, task.touch),
           // Not -0.
-          .energy_made = std::max(0.0, -metrics.min_port_margin),
-          .cost = step_cost(samples, setup.bounding)};
+          .energy_made = std::max(0.0, -metrics.min_port_margin)};
 }
 
 }  // namespace
 
+double step_cost(const std::vector<ExperimentSample>& samples, const BoundingConfig& config) {
+  // The quickest of some replays, so that what else the machine does counts little.
+  double best = std::numeric_limits<double>::infinity();
+  for (int replay = 0; replay < 5; ++replay) {
+    Bounding bounding(config);
+    double sum = 0.0;
+    const double begin = cpu_seconds();
+    for (const ExperimentSample& s : samples) {
+      sum += bounding
+                 .step({.displacement = s.displacement,
+                        .rotation = Vec3::Zero(),
+                        .hold_time = config.period,
+                        .command = s.commanded})
+                 .rendered.elastic.x();
+      bounding.set_held(s.rendered);
+    }
+    const double time = cpu_seconds() - begin;
+    // The sum is used, or the compiler might leave the steps out.
+    if (std::isfinite(sum)) best = std::min(best, time);
+  }
+  return 1e9 * best / static_cast<double>(samples.size());
+}
+
 std::vector<CompareRow> compare(const std::vector<CompareTask>& tasks,
-                                const std::vector<Method>& methods, const CompareLoop& loop) {
+                                const std::vector<Method>& methods, const CompareLoop& loop,
+                                const StepCost& step_cost) {
   if (!(loop.rate > 0.0) || !std::isfinite(loop.rate))
     throw std::invalid_argument("the servo rate must be finite and above zero [Hz]");
   if (!(loop.delay >= 0.0) || loop.delay > 1.0)
     throw std::invalid_argument("the round trip must be between 0 and 1 s");
   const std::size_t per_task = methods.size() + 1;
   std::vector<CompareRow> rows(tasks.size() * per_task);
+  std::vector<Run> runs(rows.size());
   parallel_for(rows.size(), [&](std::size_t i) {
     const CompareTask& task = tasks[i / per_task];
     if (i % per_task == 0) {
       ExperimentSetup setup = task_setup(task, {loop.damping, kReferenceRate, 0.0});
       setup.hand.spec.position_resolution = 0.0;
-      rows[i] = run_task(task, kReference, setup);
+      rows[i] = run_task(task, kReference, setup, runs[i]);
       return;
     }
     const Method& method = methods[i % per_task - 1];
     ExperimentSetup setup = task_setup(task, loop);
     method.configure(setup.bounding);
-    rows[i] = run_task(task, std::string(method.label), setup);
+    rows[i] = run_task(task, std::string(method.label), setup, runs[i]);
   });
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    rows[i].cost = step_cost(runs[i].samples, runs[i].bounding);
+    runs[i] = {};
+  }
   return rows;
 }
 

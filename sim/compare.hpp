@@ -2,6 +2,7 @@
 // Every method on the same things to touch, side by side.
 
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -27,17 +28,23 @@ struct CompareRow {
                              // and without delay
   double energy_made = 0.0;  // [J] the most that was delivered to the hand beyond what the device
                              // burned; 0 is passive
-  double cost = 0.0;         // [ns] a step of the bound: mean of the same run, replayed
+  double cost = 0.0;         // [ns] a step of the bound: mean over the same run, replayed alone
 };
 
 /// The row that says what the surface itself does to the numbers: no bound, 20 kHz, no encoder
 /// quantum, no delay.
 inline constexpr const char* kReference = "reference";
 
-/// Every task by every method, after the task's reference. All but `cost` is deterministic.
-/// Throws std::invalid_argument for a loop that cannot be run.
+/// [ns] of CPU that a step of this bound takes, the mean over a replay of the samples.
+double step_cost(const std::vector<ExperimentSample>& samples, const BoundingConfig& config);
+using StepCost = std::function<double(const std::vector<ExperimentSample>&, const BoundingConfig&)>;
+
+/// Every task by every method, after the task's reference. All but `cost` is deterministic. The
+/// runs share the machine's cores; then `step_cost` measures them one after the other, while no
+/// other thread works. Throws std::invalid_argument for a loop that cannot be run.
 std::vector<CompareRow> compare(const std::vector<CompareTask>& tasks,
-                                const std::vector<Method>& methods, const CompareLoop& loop);
+                                const std::vector<Method>& methods, const CompareLoop& loop,
+                                const StepCost& step_cost = feltwire::step_cost);
 
 /// Compares everything and writes compare.json, compare.csv, compare.png and, as it is never the
 /// same twice, compare_cost.csv apart, to `directory` (created). Throws std::runtime_error when

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "core/scene/mujoco_sort.hpp"
+
 namespace feltwire::mujoco {
 namespace {
 
@@ -102,6 +104,7 @@ Room first_room(const mjModel& model) {
 
 Simulation::Simulation(const mjModel& model, double most_memory)
     : model_(model), most_memory_(most_memory), fixed_(model.nconmax > 0) {
+  bring_own_sort();
   if (!fixed_) give(model_, first_room(model));
   data_ = make_data(model_);
   if (data_ == nullptr && !fixed_) {  // the stack that it may take later on, all at once

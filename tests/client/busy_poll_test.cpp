@@ -6,6 +6,7 @@
 #include <string>
 
 #include "tests/client/loopback.hpp"
+#include "tests/support/eventually.hpp"
 
 namespace feltwire::busy_poll_test {
 namespace {
@@ -79,9 +80,9 @@ TEST_P(BusyServer, StopsWithAGoodbye) {
   hand.transport.send(still(1));
   Reply reply;
   GoodbyeReason reason = GoodbyeReason::leaving;
-  const auto end = std::chrono::steady_clock::now() + kPatience;
-  while (hand.transport.receive(reply, reason) != Transport::Arrival::reply)
-    ASSERT_LT(std::chrono::steady_clock::now(), end);
+  test::eventually("the answer", [&] {
+    return hand.transport.receive(reply, reason) == Transport::Arrival::reply;
+  });
   served->stop();
   ASSERT_EQ(await_goodbye(hand.transport, reason), Transport::Arrival::goodbye);
   EXPECT_EQ(reason, GoodbyeReason::shutting_down);
@@ -101,8 +102,7 @@ TEST_P(BusyServer, AFloodKeepsNobodyOut) {
       if (!answered) answered = hand.transport.receive(reply, reason) == Transport::Arrival::reply;
     }
   });
-  const auto end = std::chrono::steady_clock::now() + kPatience;
-  while (!answered && std::chrono::steady_clock::now() < end) std::this_thread::yield();
+  EXPECT_TRUE(test::becomes([&] { return answered.load(); }));
   for (int i = 0; i < 5; ++i)
     EXPECT_NO_THROW(join(endpoint, {"other", "floor", hand.device.spec(), {}}, kPatience));
   served->stop();
@@ -191,8 +191,7 @@ TEST_P(BusyClient, EndsWhenAskedOrLeftAlone) {
   left.start({.silence_timeout = kPatience, .busy_poll = GetParam()});
   // The server must know where the one is that it will say goodbye to.
   TickRecord row;
-  const auto end = std::chrono::steady_clock::now() + kPatience;
-  while (!left.records.pop(row) || row.age < 0.0) ASSERT_LT(std::chrono::steady_clock::now(), end);
+  test::eventually("an answer", [&] { return left.records.pop(row) && row.age >= 0.0; });
   asked.stop.set();
   asked.finish();
   EXPECT_EQ(asked.result->end, EndReason::requested);

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/client/loopback.hpp"
+#include "tests/support/eventually.hpp"
 
 namespace feltwire::link_loopback_test {
 namespace {
@@ -49,7 +50,8 @@ TEST_F(LinkLoopback, WhatIsLostIsWhatTheModelLost) {
   EXPECT_GE(s.round_trip.quantile(0.0), 6e6 * 0.99);  // of a histogram
 
   // Its goodbyes are on the way: a server that stops first ends the session itself.
-  while (list_scenes(endpoint, testing::kPatience).at(0).sessions > 0) std::this_thread::yield();
+  test::eventually("the end of the session",
+                   [&] { return list_scenes(endpoint, testing::kPatience).at(0).sessions == 0; });
   server->stop();
   const auto summary = server->summary();
   EXPECT_EQ(summary[0].counters.left, 1u);  // goodbyes are not lost

@@ -10,6 +10,7 @@
 #include "client/devices/replay.hpp"
 #include "client/servo_loop.hpp"
 #include "server/server.hpp"
+#include "tests/support/eventually.hpp"
 #include "tests/support/security.hpp"
 
 namespace feltwire::testing {
@@ -56,7 +57,10 @@ struct Client {
                    joined.keys},
                   joined.accepted.parameters, false, std::move(link)),
         servo(device.spec(), joined.accepted.parameters) {}
-  ~Client() { finish(); }
+  ~Client() {
+    stop.set();  // a test that failed half-way must not wait for the end of the recording
+    finish();
+  }
 
   void start(LoopOptions options = {.silence_timeout = kPatience}) {
     thread = std::thread([this, options] {
@@ -66,6 +70,13 @@ struct Client {
   }
   void finish() {
     if (thread.joinable()) thread.join();
+  }
+  /// The next tick recorded of which it holds; older ones are dropped.
+  template <class Condition>
+  TickRecord next_tick(const std::string& what, Condition condition) {
+    TickRecord row;
+    test::eventually(what, [&] { return records.pop(row) && condition(row); });
+    return row;
   }
   static Recording recording(const char* rows) {
     std::istringstream in(rows);

@@ -10,6 +10,7 @@
 
 #include "client/rejoin.hpp"
 #include "tests/client/peer.hpp"
+#include "tests/support/eventually.hpp"
 
 namespace feltwire::loopback_test {
 namespace {
@@ -70,7 +71,8 @@ TEST_F(Loopback, TwoHandsFeelTheFloorAtOnce) {
   EXPECT_EQ(bounded.servo.port().violations(), 0u);
 
   // Their goodbyes are on the way: a server that stops first ends the sessions itself.
-  while (list_scenes(endpoint, kPatience).at(0).sessions > 0) std::this_thread::yield();
+  test::eventually("the end of the sessions",
+                   [&] { return list_scenes(endpoint, kPatience).at(0).sessions == 0; });
   server->stop();
   const auto summary = server->summary();
   ASSERT_EQ(summary.size(), 1u);
@@ -85,10 +87,7 @@ TEST_F(Loopback, AServerThatStopsSaysGoodbye) {
   client.start();
   // Stop the server only once it has answered something: the first record with a command's age
   // shows it.
-  TickRecord row;
-  while (row.age < 0.0) {
-    if (!client.records.pop(row)) std::this_thread::yield();
-  }
+  client.next_tick("an answer", [](const TickRecord& row) { return row.age >= 0.0; });
   server->stop();
   client.finish();
   EXPECT_EQ(client.result->end, EndReason::server_goodbye);
@@ -179,9 +178,9 @@ TEST_F(Loopback, AClientsAddressMayChange) {
   client.start();
   for (std::size_t mapping = 0; mapping < 4; ++mapping) {
     if (mapping > 0) translator.forget();
-    TickRecord row;
-    while (translator.answers(mapping) < 50 || row.held.z() <= 0.0)
-      if (!client.records.pop(row)) std::this_thread::yield();
+    client.next_tick("force by mapping " + std::to_string(mapping), [&](const TickRecord& row) {
+      return translator.answers(mapping) >= 50 && row.held.z() > 0.0;
+    });
   }
   client.stop.set();
   client.finish();
@@ -219,8 +218,7 @@ TEST_F(Loopback, AnotherServerTakesOver) {
   Ring<SessionAddress> sessions(4);
   client.start({.silence_timeout = kPatience, .patience = kPatience, .rejoined = &sessions});
   const auto felt = [&] {
-    for (TickRecord row; row.held.z() <= 0.0;)
-      if (!client.records.pop(row)) std::this_thread::yield();
+    client.next_tick("force", [](const TickRecord& row) { return row.held.z() > 0.0; });
   };
   felt();
 
@@ -231,15 +229,15 @@ TEST_F(Loopback, AnotherServerTakesOver) {
                     {"tester", "floor", client.device.spec(), client.joined.accepted.parameters},
                     sessions);
   server->stop();
-  TickRecord row;
-  do {  // until what the old one had commanded has faded
-    while (!client.records.pop(row)) std::this_thread::yield();
-  } while (row.age < client.servo.parameters().hold_time);
-  EXPECT_EQ(row.held, Vec3::Zero());
-  while (row.age >= client.servo.parameters().hold_time || row.held.z() <= 0.0) {
-    rejoiner.look(row.age < client.servo.parameters().hold_time, Rejoiner::Clock::now());
-    if (!client.records.pop(row)) std::this_thread::yield();
-  }
+  const double hold_time = client.servo.parameters().hold_time;
+  const TickRecord faded = client.next_tick(
+      "the end of the hold time", [&](const TickRecord& row) { return row.age >= hold_time; });
+  EXPECT_EQ(faded.held, Vec3::Zero());
+  TickRecord row = faded;
+  test::eventually("force by the successor", [&] {
+    rejoiner.look(row.age < hold_time, Rejoiner::Clock::now());
+    return client.records.pop(row) && row.age < hold_time && row.held.z() > 0.0;
+  });
   client.stop.set();
   client.finish();
   EXPECT_EQ(client.result->end, EndReason::requested);
@@ -255,8 +253,7 @@ TEST_F(Loopback, ALostSessionThatNobodyFindsEndsAfterItsPatience) {
   client.start({.silence_timeout = kPatience,
                 .patience = std::chrono::milliseconds(50),
                 .rejoined = &sessions});
-  for (TickRecord row; row.age < 0.0;)
-    if (!client.records.pop(row)) std::this_thread::yield();
+  client.next_tick("an answer", [](const TickRecord& row) { return row.age >= 0.0; });
   server->stop();
   client.finish();
   EXPECT_EQ(client.result->end, EndReason::server_goodbye);

@@ -5,6 +5,7 @@
 #include "client/seen_scene.hpp"
 #include "tests/client/loopback.hpp"
 #include "tests/core/moving.hpp"
+#include "tests/support/eventually.hpp"
 
 namespace feltwire::observer_test {
 namespace {
@@ -34,10 +35,10 @@ struct Eye {
     transport.send(sample);
     Reply reply;
     GoodbyeReason reason{};
-    do {
-      while (transport.receive(reply, reason) != Transport::Arrival::reply)
-        std::this_thread::yield();
-    } while (reply.sample_index < index);
+    test::eventually("the answer to the newest sample", [&] {
+      return transport.receive(reply, reason) == Transport::Arrival::reply &&
+             reply.sample_index >= index;
+    });
     EXPECT_EQ(reply.command, Command{});
     EXPECT_NE(transport.view(), nullptr);
     if (transport.view() != nullptr) scene.take(*transport.view());
@@ -68,23 +69,24 @@ TEST(Observing, TwoHandsAndWhatMoves) {
   left.start();
   right.start();
   Eye eye(access, "moving");
-  while (eye.look().hands().size() < 2) std::this_thread::yield();
+  test::eventually("both hands in sight", [&] { return eye.look().hands().size() >= 2; });
   EXPECT_EQ(eye.scene.hands().at(1).pose.position, Vec3(-0.25, 0, 0.125));
   EXPECT_EQ(eye.scene.hands().at(2).pose.position, Vec3(0.5, 0, 0.125));
   ASSERT_EQ(eye.scene.bodies().size(), 1u);
   EXPECT_EQ(eye.scene.bodies().begin()->first, 1u);
   // It falls, down its line; and the observer's hand in the floor holds nothing up.
   double height = eye.scene.bodies().at(1).pose.position.z();
-  while (height > 1.9) {
+  test::eventually("a fall of 0.1 m", [&] {
     const Vec3 at = eye.look().bodies().at(1).pose.position;
     EXPECT_LE(at.z(), height + 1e-6);
     EXPECT_NEAR(at.x(), 0.0, 1e-6);
     height = at.z();
-  }
+    return height <= 1.9;
+  });
 
   right.stop.set();
   right.finish();
-  while (eye.look().hands().size() > 1) std::this_thread::yield();
+  test::eventually("one hand gone", [&] { return eye.look().hands().size() <= 1; });
   EXPECT_EQ(eye.scene.hands().begin()->first, 1u);
   left.stop.set();
 }
@@ -104,19 +106,17 @@ TEST(Observing, TheLoopGivesItsViewsToWhoeverReads) {
   SeenScene scene;
   TimedView shown;
   double before = -1.0;
-  while (scene.hands().empty()) {
-    if (!eye.views.pop(shown)) {
-      std::this_thread::yield();
-      continue;
-    }
+  test::eventually("a hand in sight", [&] {
+    if (!eye.views.pop(shown)) return false;
     EXPECT_GT(shown.time, before);
     before = shown.time;
     scene.take(shown.view);
-  }
+    return !scene.hands().empty();
+  });
   EXPECT_EQ(scene.hands().at(1).pose.position, Vec3(0.25, 0, 0.125));
   const std::uint64_t enough = 16 + 1;  // more than there is room for
-  TickRecord row;
-  for (std::uint64_t rows = 0; rows < 20 * enough; rows += eye.records.pop(row) ? 1 : 0) {
+  for (std::uint64_t rows = 0; rows < 20 * enough; ++rows) {
+    const TickRecord row = eye.next_tick("a tick", [](const TickRecord&) { return true; });
     EXPECT_EQ(row.elastic, Vec3::Zero());
     EXPECT_EQ(row.held, Vec3::Zero());
   }

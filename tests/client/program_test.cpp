@@ -12,6 +12,7 @@
 #include "tests/client/loopback.hpp"
 #include "tests/client/peer.hpp"
 #include "tests/client/temporary_folder.hpp"
+#include "tests/support/eventually.hpp"
 
 namespace feltwire::program_test {
 namespace {
@@ -61,8 +62,7 @@ class ClientProgram : public ::testing::Test {
 TEST_F(ClientProgram, AnObserverSaysAndWritesDownWhatItSees) {
   testing::Client hand(access_, "t,x,y,z\n0,0.25,0,0.125\n1000,0.25,0,0.125\n", {}, "floor");
   hand.start();
-  for (TickRecord row; row.age < 0.0;)
-    if (!hand.records.pop(row)) std::this_thread::yield();
+  hand.next_tick("an answer", [](const TickRecord& row) { return row.age >= 0.0; });
   const std::string seen = folder_ / "seen.csv", report_file = folder_ / "report.json";
   test::Program program(FELTWIRE_CLIENT_PROGRAM,
                         words(eye_, {"--role", "observer", "--duration", "0.3", "--view", seen,
@@ -133,7 +133,7 @@ TEST_F(ClientProgram, ATokenThatIsRevokedEndsItAtOnce) {
   const std::string report_file = folder_ / "report.json";
   test::Program program(FELTWIRE_CLIENT_PROGRAM,
                         words(anna_, {"--reconnect", "10000", "--report", report_file}));
-  while (list_scenes(access_, kPatience)[0].sessions == 0) std::this_thread::yield();
+  test::eventually("the session", [&] { return list_scenes(access_, kPatience)[0].sessions > 0; });
   change_tokens(tokens_, [](Tokens& tokens) { tokens = {test::admin_token().token}; });
   const test::Outcome outcome = program.finish();
   EXPECT_EQ(outcome.status, 1);

@@ -8,6 +8,7 @@
 #include <set>
 
 #include "tests/client/peer.hpp"
+#include "tests/support/eventually.hpp"
 #include "tests/support/security.hpp"
 
 namespace feltwire::rejoin_test {
@@ -25,14 +26,15 @@ std::string given_up(const ServerAccess& access) {
   Ring<SessionAddress> sessions(2);
   Rejoiner rejoiner(access, anyone(), sessions, {.timeout = 10s});
   Rejoiner::Clock::time_point now{};
-  while (rejoiner.refusal().empty() && rejoiner.attempts() < 2) {
+  test::eventually("a refusal or a second attempt", [&] {
     rejoiner.look(false, now += 1h);
-    std::this_thread::yield();
-  }
-  while (rejoiner.asking()) {  // to its end, for it runs on its own
+    return !rejoiner.refusal().empty() || rejoiner.attempts() >= 2;
+  });
+  test::eventually("the end of the last attempt", [&] {  // it runs on its own
+    if (!rejoiner.asking()) return true;
     rejoiner.look(true, now);
-    std::this_thread::yield();
-  }
+    return false;
+  });
   SessionAddress none;
   EXPECT_FALSE(sessions.pop(none));
   if (rejoiner.refusal().empty()) return {};

@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <thread>
 
+#include "tests/support/eventually.hpp"
+
 namespace feltwire::ring_test {
 namespace {
 
@@ -54,8 +56,8 @@ TEST(Ring, OneThreadWritesAnotherReads) {
   };
   Ring<Pair> ring(64);
   constexpr std::uint64_t kCount = 100'000;
-  std::thread writer([&] {
-    for (std::uint64_t i = 1; i <= kCount;) {
+  std::jthread writer([&](const std::stop_token& stop) {
+    for (std::uint64_t i = 1; i <= kCount && !stop.stop_requested();) {
       if (ring.push({i, ~i})) {
         ++i;
       } else {
@@ -64,16 +66,12 @@ TEST(Ring, OneThreadWritesAnotherReads) {
     }
   });
   Pair pair;
-  for (std::uint64_t expected = 1; expected <= kCount;) {
-    if (!ring.pop(pair)) {
-      std::this_thread::yield();
-      continue;
-    }
+  for (std::uint64_t expected = 1; expected <= kCount; ++expected) {
+    test::eventually("the next pair", [&] { return ring.pop(pair); });
     ASSERT_EQ(pair.a, expected);
     ASSERT_EQ(pair.b, ~expected);
-    ++expected;
   }
-  writer.join();
+  EXPECT_FALSE(ring.pop(pair));
 }
 
 }  // namespace

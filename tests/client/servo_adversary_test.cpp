@@ -8,6 +8,7 @@
 
 #include "core/numeric.hpp"
 #include "tests/client/servo_bench.hpp"
+#include "tests/support/seeds.hpp"
 
 namespace feltwire::servo_adversary_test {
 namespace {
@@ -66,7 +67,7 @@ TEST(ServoAdversary, NoNetworkNoHandAndNoFaultGetsEnergyOutOfTheContactFrame) {
   for (const Projection projection : {Projection::joint, Projection::cone}) {
     SessionParameters p = parameters(BoundingMode::contact_frame);
     p.projection = projection;
-    for (std::uint64_t seed = 1; seed <= 40; ++seed)
+    for (const std::uint64_t seed : test::seeds(1, 40, 4))
       EXPECT_EQ(violations_against_an_adversary(p, seed, 4000), 0u) << seed;
   }
 }

@@ -2,7 +2,7 @@
 // delays, loses, doubles and reorders both ways, while the parameters change and the hand takes all
 // it can.
 //
-// ctest runs it with the seed 1; others as tests/core/script.hpp says.
+// ctest runs it with the seed 1 and with a random one; others as tests/core/script.hpp says.
 
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>

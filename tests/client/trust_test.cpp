@@ -9,6 +9,7 @@
 #include "tests/client/peer.hpp"
 #include "tests/client/temporary_folder.hpp"
 #include "tests/server/raw_socket.hpp"
+#include "tests/support/eventually.hpp"
 
 namespace feltwire::trust_test {
 namespace {
@@ -218,13 +219,15 @@ TEST_F(Roles, AdminsListAndEvict) {
   hand.transport.send(sample);
   Reply reply;
   GoodbyeReason reason = GoodbyeReason::leaving;
-  while (hand.transport.receive(reply, reason) != Transport::Arrival::reply)
-    std::this_thread::yield();
+  const auto arrives = [&](Transport::Arrival arrival) {
+    return [&, arrival] { return hand.transport.receive(reply, reason) == arrival; };
+  };
+  test::eventually("the answer", arrives(Transport::Arrival::reply));
   ask(with(admin), control::Evict{session}, kPatience);
-  while (hand.transport.receive(reply, reason) != Transport::Arrival::goodbye)
-    std::this_thread::yield();
+  test::eventually("the goodbye", arrives(Transport::Arrival::goodbye));
   EXPECT_EQ(reason, GoodbyeReason::evicted);
-  while (list_scenes(with(admin), kPatience)[0].sessions > 0) std::this_thread::yield();
+  test::eventually("the end of the session",
+                   [&] { return list_scenes(with(admin), kPatience)[0].sessions == 0; });
   EXPECT_THAT(error_of<SessionError>([&] { ask(with(admin), control::Evict{session}, kPatience); }),
               HasSubstr("no session"));
   server.stop();
@@ -306,8 +309,7 @@ TEST(Revocation, EndsASessionThatRuns) {
   test::ControlClient open(server.control_port());
   testing::Client hand(access, "t,x,y,z\n0,0,0,-0.001\n1000,0,0,-0.001\n", {}, "floor");
   hand.start();
-  for (TickRecord row; row.age < 0.0;)
-    if (!hand.records.pop(row)) std::this_thread::yield();
+  hand.next_tick("an answer", [](const TickRecord& row) { return row.age >= 0.0; });
   write_state(file, "broken", kPrivate);
   EXPECT_NO_THROW(list_scenes(access, kPatience));
   write_state(file, json({}), kPrivate);

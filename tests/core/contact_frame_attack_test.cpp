@@ -6,6 +6,7 @@
 #include <functional>
 
 #include "tests/core/contact_frame_fixture.hpp"
+#include "tests/support/seeds.hpp"
 
 namespace feltwire::contact_frame_attack_test {
 namespace {
@@ -114,7 +115,7 @@ const Attack kAttacks[] = {
 TEST(ContactFrame, NoHandTakesMoreThanTheDeviceBurned) {
   for (const Attack& a : kAttacks) {
     double worst = -1.0, rendered = 0.0;
-    for (std::uint64_t seed = 0; seed < 200; ++seed) {
+    for (const std::uint64_t seed : test::seeds(0, 200, 20)) {
       const Outcome o = attack(any_config(seed), a.hand, seed, 4000);
       worst = std::max(worst, o.worst);
       rendered += o.rendered;
@@ -202,7 +203,7 @@ struct Faults {
 };
 void no_force_on_credit(const Faults& faults) {
   int in_debt = 0, rendered = 0;
-  for (std::uint64_t seed = 0; seed < 60; ++seed) {
+  for (const std::uint64_t seed : test::seeds(0, 60, 6)) {
     Random random(seed);
     Bounding bounding(any_config(seed));
     Ledger force{kDamping}, torque{kRotationalDamping};

@@ -200,17 +200,37 @@ TEST(BunnyScene, IsTouchedWhereItsStartSays) {
   const Vec3 p = s.start().position, n = s.start().normal;
   EXPECT_EQ(s.touch({p + 0.01 * n, Vec3::Zero()}, memory), Command{});
   EXPECT_EQ(s.touch({p + 0.0005 * n, Vec3::Zero()}, memory), Command{});
-  const Command c = s.touch({p - 0.002 * n, Vec3::Zero()}, memory);
-  EXPECT_NEAR(c.elastic.norm(), 1.6, 0.3);
-  EXPECT_LT(test::angle(c.elastic, n), 0.3);
+  // The material's stiffness times the way to the nearest place of the surface, whatever tree the
+  // mesh has.
+  const Object& bunny = s.objects()[1];
+  const auto to_surface = [&](const Vec3& from) {
+    const Vec3 own = bunny.pose.orientation.conjugate() * (from - bunny.pose.position);
+    const TriangleMesh& mesh = std::get<Mesh>(bunny.shape).surface->mesh();
+    Vec3 shortest = Vec3::Constant(1.0);
+    for (std::uint32_t t = 0; t < mesh.triangles().size(); ++t) {
+      const Vec3 way =
+          mesh.origin() + nearest_on_triangle(mesh.corners(t), own - mesh.origin()).point - own;
+      if (way.norm() < shortest.norm()) shortest = way;
+    }
+    return Vec3(bunny.pose.orientation * shortest);
+  };
+  const Vec3 inside = p - 0.002 * n;
+  const Command c = s.touch({inside, Vec3::Zero()}, memory);
+  const Vec3 expected = bunny.material.stiffness * to_surface(inside);
+  EXPECT_GT(expected.dot(n), 1.0);
+  EXPECT_NEAR(c.elastic.norm(), expected.norm(), 1e-6);
+  EXPECT_LT(test::angle(c.elastic, expected), 0.1);  // "smooth" bends the direction, not the force
   // A fingertip stands off by its radius, on the same triangles.
   const Scene& finger = *s.held("finger");
   const double radius = finger.tool().radius;
   TouchMemory of_finger = finger.memory();
   EXPECT_EQ(finger.touch({p + (radius + 0.001) * n, Vec3::Zero()}, of_finger), Command{});
   const Command d = finger.touch({p + (radius - 0.002) * n, Vec3::Zero()}, of_finger);
-  EXPECT_NEAR(d.elastic.norm(), 1.6, 0.4);
-  EXPECT_LT(test::angle(d.elastic, n), 0.3);
+  const Vec3 middle = p + (radius - 0.002) * n, way = to_surface(middle);
+  const double depth = radius - way.norm();
+  EXPECT_GT(depth, 0.001);
+  EXPECT_NEAR(d.elastic.norm(), bunny.material.stiffness * depth, 1e-6);
+  EXPECT_LT(test::angle(d.elastic, -way), 0.1);
 }
 
 std::vector<Object> crowd(int count) {

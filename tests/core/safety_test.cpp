@@ -9,6 +9,7 @@
 
 #include "tests/core/contact_frame_fixture.hpp"
 #include "tests/support/allocation_counter.hpp"
+#include "tests/support/seeds.hpp"
 
 namespace feltwire::safety_test {
 namespace {
@@ -324,7 +325,7 @@ SafetyLimits any_limits(Random& random) {
 }
 
 TEST(Safety, OnlyEverScalesDownEachChannelByOneFactor) {
-  for (std::uint64_t seed = 0; seed < 100; ++seed) {
+  for (const std::uint64_t seed : test::seeds(0, 100, 10)) {
     Random random(seed);
     SafetyStage stage(any_limits(random));
     for (int n = 0; n < 500; ++n) {
@@ -402,7 +403,7 @@ void attack(std::uint64_t seed, Attack& sum) {
 
 TEST(Safety, BehindTheContactFrameNoHandTakesMoreThanTheDeviceBurned) {
   Attack all;
-  for (std::uint64_t seed = 0; seed < 400; ++seed) attack(seed, all);
+  for (const std::uint64_t seed : test::seeds(0, 400, 40)) attack(seed, all);
   EXPECT_EQ(all.violations, 0u);
   EXPECT_LE(all.worst, 1e-12);
   // And every limit had its part in it.

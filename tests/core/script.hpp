@@ -2,7 +2,8 @@
 // Scripts of the property tests: what a hand, a scene and a network do, tick by tick. RapidCheck
 // makes them at random and shrinks one that breaks a promise to the few ticks that matter.
 //
-// ctest runs every property with the seed 1, so that a run can be repeated. Others by hand:
+// ctest runs every property with the seed 1, and once more with a random seed that is printed
+// (tests/CMakeLists.txt). Others by hand:
 //   RC_PARAMS="seed=7 max_success=2000" build/release/tests/core/property_test
 
 // In this order: RapidCheck's header uses what GoogleTest's defines.

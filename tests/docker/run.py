@@ -77,8 +77,13 @@ def main():
             print(f"docker {name}: SKIPPED, {why}")
         return 0
     failed = [name for name in wanted if not passes(name, folder / name)]
-    # Hands at 1 kHz on a machine that others share: what it was about for a moment is not there again, a fault of ours is.
-    return 0 if all(passes(name, folder / f"{name}-again") for name in failed) else 1
+    # A second run tells what fails always from what fails now and then. Neither is a pass.
+    for name in failed:
+        again = passes(name, folder / f"{name}-again")
+        print(f"docker {name}: counts as FAILED; {'a second run passed, so it fails now and then' if again else 'twice'}")
+    if failed:
+        print(f"docker: {len(failed)} of {len(wanted)} tests failed: {', '.join(failed)}", flush=True)
+    return 1 if failed else 0
 
 
 if __name__ == "__main__":

@@ -16,6 +16,7 @@
 #include "tests/server/make.hpp"
 #include "tests/server/raw_socket.hpp"
 #include "tests/support/allocation_counter.hpp"
+#include "tests/support/eventually.hpp"
 
 namespace feltwire::tool_choice_test {
 namespace {
@@ -253,8 +254,9 @@ TEST(ToolChoice, AServersReloadTakesAToolAway) {
   const auto refused = client.ask<control::Refused>(request);
   EXPECT_EQ(refused.code, RefusalCode::unknown_tool);
   EXPECT_EQ(refused.reason, "there is no tool 'key' in scene 'room'; those there are: ball");
-  while (!client.ask<control::SessionList>(control::ListSessions{}).sessions.empty())
-    std::this_thread::yield();  // until the control thread has heard of it
+  test::eventually("the end of the session in the list", [&] {
+    return client.ask<control::SessionList>(control::ListSessions{}).sessions.empty();
+  });
 }
 
 }  // namespace

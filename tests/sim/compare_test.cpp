@@ -3,11 +3,13 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <numbers>
 #include <sstream>
 #include <stdexcept>
+#include <thread>
 
 #include "sim/surfaces.hpp"
 
@@ -129,6 +131,32 @@ TEST(Compare, ASofterTorusLetsItsBumpsIn) {
   const auto rows = compare({stiff, soft}, {}, {});
   ASSERT_EQ(rows.size(), 2u);
   EXPECT_GT(rows[1].oscillation, 2.0 * rows[0].oscillation);
+}
+
+/// Threads of this process.
+std::ptrdiff_t threads() {
+  const std::filesystem::directory_iterator all("/proc/self/task"), end;
+  return std::distance(all, end);
+}
+
+// What a step costs beside other runs says what the machine was about.
+TEST(Compare, EveryCostIsMeasuredAlone) {
+  const std::vector<CompareTask> tasks = {task("tap"), task("edge")};
+  const std::vector<Method> both = {method("none"), method("contact_frame")};
+  const std::ptrdiff_t alone = threads();
+  const auto caller = std::this_thread::get_id();
+  std::vector<BoundingMode> measured;
+  const auto rows = compare(tasks, both, {}, [&](const auto& samples, const BoundingConfig& bound) {
+    EXPECT_EQ(threads(), alone);
+    EXPECT_EQ(std::this_thread::get_id(), caller);
+    EXPECT_FALSE(samples.empty());
+    measured.push_back(bound.mode);
+    return static_cast<double>(measured.size());
+  });
+  using enum BoundingMode;
+  EXPECT_EQ(measured, (std::vector{none, none, contact_frame, none, none, contact_frame}));
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    EXPECT_EQ(rows[i].cost, static_cast<double>(i + 1)) << rows[i].method;
 }
 
 TEST(Compare, RefusesALoopThatCannotBeRun) {

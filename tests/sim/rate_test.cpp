@@ -85,8 +85,14 @@ TEST(Rate, TheSameBytesEveryTimeButForTheCost) {
   std::filesystem::remove_all(directory);
 }
 
-TEST(Rate, EverythingCostsSomething) {
-  for (const RateCost& cost : measure_rate_cost()) {
+TEST(Rate, EverySurfaceHasItsCost) {
+  const std::vector<RateCost> costs = measure_rate_cost();
+  std::vector<std::string> measured, ran;
+  for (const RateCost& cost : costs) measured.push_back(cost.surface);
+  for (const RateCell& c : cells())
+    if (ran.empty() || ran.back() != c.surface) ran.push_back(c.surface);
+  EXPECT_EQ(measured, ran);
+  for (const RateCost& cost : costs) {
     EXPECT_GT(cost.touch_ns, 0.0) << cost.surface;
     EXPECT_GT(cost.bound_double_ns, 0.0) << cost.surface;
     EXPECT_GT(cost.bound_float_ns, 0.0) << cost.surface;

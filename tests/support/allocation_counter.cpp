@@ -1,36 +1,77 @@
 #include "tests/support/allocation_counter.hpp"
 
+#include <atomic>
+#include <cerrno>
+#include <cstdint>
 #include <cstdlib>
-#include <new>
 
 namespace {
-thread_local std::size_t count = 0;
+// Initialized by a constant, so that its first use allocates nothing.
+constinit thread_local std::size_t own = 0;
+constinit std::atomic<std::size_t> all = 0;
+
+[[maybe_unused]] void count() {
+  ++own;
+  all.fetch_add(1, std::memory_order_relaxed);
 }
+}  // namespace
 
 namespace feltwire::test {
-std::size_t allocations() { return count; }
+std::size_t allocations() { return own; }
+std::size_t allocations_of_others() { return all.load() - own; }
 }  // namespace feltwire::test
 
 #ifndef FELTWIRE_SANITIZED
-// Not inlined: the compiler would see malloc and free through new and delete, and call them
-// mismatched.
-[[gnu::noinline]] void* operator new(std::size_t size) {
-  ++count;
-  if (void* memory = std::malloc(size == 0 ? 1 : size)) return memory;
-  throw std::bad_alloc();
+// glibc's own allocator under the names by which it can be reached when malloc is replaced. The
+// dynamic linker takes a program's malloc before libc's, so libraries are counted as well.
+extern "C" {
+void* __libc_malloc(std::size_t size) noexcept;
+void* __libc_calloc(std::size_t number, std::size_t size) noexcept;
+void* __libc_realloc(void* memory, std::size_t size) noexcept;
+void* __libc_memalign(std::size_t alignment, std::size_t size) noexcept;
+void __libc_free(void* memory) noexcept;
+
+void* malloc(std::size_t size) noexcept {
+  count();
+  return __libc_malloc(size);
 }
-[[gnu::noinline]] void* operator new(std::size_t size, std::align_val_t alignment) {
-  ++count;
-  const auto align = static_cast<std::size_t>(alignment);
-  if (void* memory = std::aligned_alloc(align, (size + align - 1) / align * align)) return memory;
-  throw std::bad_alloc();
+void* calloc(std::size_t number, std::size_t size) noexcept {
+  count();
+  return __libc_calloc(number, size);
 }
-[[gnu::noinline]] void operator delete(void* memory) noexcept { std::free(memory); }
-[[gnu::noinline]] void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
-[[gnu::noinline]] void operator delete(void* memory, std::align_val_t) noexcept {
-  std::free(memory);
+void* realloc(void* memory, std::size_t size) noexcept {
+  count();
+  return __libc_realloc(memory, size);
 }
-[[gnu::noinline]] void operator delete(void* memory, std::size_t, std::align_val_t) noexcept {
-  std::free(memory);
+void* reallocarray(void* memory, std::size_t number, std::size_t size) noexcept {
+  count();
+  std::size_t bytes = 0;
+  if (!__builtin_mul_overflow(number, size, &bytes)) return __libc_realloc(memory, bytes);
+  errno = ENOMEM;
+  return nullptr;
+}
+void* memalign(std::size_t alignment, std::size_t size) noexcept {
+  count();
+  return __libc_memalign(alignment, size);
+}
+void* aligned_alloc(std::size_t alignment, std::size_t size) noexcept {
+  count();
+  return __libc_memalign(alignment, size);
+}
+int posix_memalign(void** memory, std::size_t alignment, std::size_t size) noexcept {
+  count();
+  const bool power_of_two = alignment != 0 && (alignment & (alignment - 1)) == 0;
+  if (!power_of_two || alignment % sizeof(void*) != 0) return EINVAL;
+  void* const made = __libc_memalign(alignment, size);
+  if (made == nullptr) return ENOMEM;
+  *memory = made;
+  return 0;
+}
+// Returning memory takes the heap's lock as well. Freeing null does nothing.
+void free(void* memory) noexcept {
+  if (memory == nullptr) return;
+  count();
+  __libc_free(memory);
+}
 }
 #endif

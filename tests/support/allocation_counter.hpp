@@ -1,12 +1,17 @@
 #pragma once
-// Counts what the whole program allocates. Replaces the global operator new, which does nothing
-// useful under sanitizers: skip such tests there.
+// Counts every use of the heap in the whole program: malloc, calloc, realloc, the aligned ones and
+// free are replaced, so operator new and the libraries (MuJoCo, OpenSSL, libsodium, Embree, libc)
+// are counted too. A test program gets this by listing allocation_counter.cpp in its sources. Under
+// sanitizers, which replace malloc themselves, nothing is counted: skip such tests there.
+// tests/protocol/allocation_counter_test.cpp shows what is seen.
 
 #include <cstddef>
 
 namespace feltwire::test {
 
-/// Allocations of the calling thread so far.
+/// How often the calling thread took memory from the heap or gave it back so far.
 std::size_t allocations();
+/// Likewise all other threads of the program, those that have ended too.
+std::size_t allocations_of_others();
 
 }  // namespace feltwire::test

@@ -1,0 +1,81 @@
+#include "core/scene/mujoco_sort.hpp"
+
+#include <algorithm>
+#include <cstdlib>
+#include <cstring>
+
+namespace feltwire::mujoco {
+namespace {
+
+/// Room of a thread for half of what is sorted. It grows as scenes do, and stays.
+struct SortingRoom {
+  ~SortingRoom() { std::free(memory); }
+  std::byte* of(std::size_t bytes) noexcept {
+    if (bytes <= size) return memory;
+    auto* const larger = static_cast<std::byte*>(std::realloc(memory, 2 * bytes));
+    if (larger == nullptr) return nullptr;
+    memory = larger;
+    size = 2 * bytes;
+    return memory;
+  }
+  std::byte* memory = nullptr;
+  std::size_t size = 0;
+};
+
+/// Two sorted halves become one; of two that are equal the left one stays first.
+void merge_halves(std::byte* left, std::size_t of_left, std::size_t of_right, std::size_t size,
+                  Compare compare, void* context, std::byte* room) noexcept {
+  std::memcpy(room, left, of_left * size);
+  const std::byte *a = room, *const end_of_a = room + of_left * size;
+  const std::byte *b = left + of_left * size, *const end_of_b = b + of_right * size;
+  std::byte* out = left;
+  while (a != end_of_a && b != end_of_b) {
+    const bool take_a = compare(a, b, context) <= 0;
+    std::memcpy(out, take_a ? a : b, size);
+    (take_a ? a : b) += size;
+    out += size;
+  }
+  std::memcpy(out, a, static_cast<std::size_t>(end_of_a - a));  // what is left of b lies there
+}
+
+void sort_halves(std::byte* first, std::size_t count, std::size_t size, Compare compare,
+                 void* context, std::byte* room) noexcept {
+  if (count < 2) return;
+  const std::size_t of_left = count / 2;
+  sort_halves(first, of_left, size, compare, context, room);
+  sort_halves(first + of_left * size, count - of_left, size, compare, context, room);
+  merge_halves(first, of_left, count - of_left, size, compare, context, room);
+}
+
+/// For want of memory: slow, and as stable.
+void sort_in_place(std::byte* first, std::size_t count, std::size_t size, Compare compare,
+                   void* context) noexcept {
+  for (std::size_t n = 1; n < count; ++n)
+    for (std::byte* at = first + n * size; at != first && compare(at - size, at, context) > 0;
+         at -= size)
+      std::swap_ranges(at - size, at, at);
+}
+
+}  // namespace
+
+void sort_stably(void* base, std::size_t count, std::size_t size, Compare compare,
+                 void* context) noexcept {
+  static thread_local SortingRoom memory;
+  auto* const first = static_cast<std::byte*>(base);
+  if (count < 2 || size == 0) return;
+  if (std::byte* const room = memory.of(count / 2 * size))
+    sort_halves(first, count, size, compare, context, room);
+  else
+    sort_in_place(first, count, size, compare, context);
+}
+
+void bring_own_sort() noexcept {}
+
+}  // namespace feltwire::mujoco
+
+#ifndef FELTWIRE_SANITIZED  // a sanitizer brings its own
+extern "C" void qsort_r(void* base, std::size_t count, std::size_t size,
+                        feltwire::mujoco::Compare compare, void* context) {
+  feltwire::mujoco::sort_stably(base, count, size, compare, context);
+}
+#endif
