@@ -126,18 +126,19 @@ std::shared_ptr<Run> make_run(const ClientOptions& options, const control::JoinA
   return run;
 }
 
-/// A second time where the first fails: by then `reserve` has been given back.
 void write_report(const std::filesystem::path& file, const RunDescription& described,
-                  const Run& run, Reserve& reserve) {
-  const auto write = [&] {
-    write_whole(file, report_json(described, run.servo, run.transport->statistics(), run.result,
-                                  run.transport->link()));
-  };
+                  const Run& run) {
+  write_whole(file, report_json(described, run.servo, run.transport->statistics(), run.result,
+                                run.transport->link()));
+}
+
+/// A second time where the first fails: what the system refused once it may give now.
+void write_report_surely(const std::filesystem::path& file, const RunDescription& described,
+                         const Run& run) {
   try {
-    write();
+    write_report(file, described, run);
   } catch (const std::exception&) {
-    reserve.give_back();
-    write();
+    write_report(file, described, run);
   }
 }
 
@@ -198,13 +199,14 @@ int run(const ClientOptions& options) {
 
   all->records->finish();
   bool reported = false, failed = all->records->failed();
+  reserve.stand_in();
   try {
     if (options.report)
-      write_report(*options.report,
-                   {options.name, options.scene, to_string(options.server.endpoint),
-                    options.device_kind, real_time, joined.accepted.stiffness, options.busy_poll,
-                    all->records->sight(), joined.accepted.tool},
-                   *all, reserve);
+      write_report_surely(*options.report,
+                          {options.name, options.scene, to_string(options.server.endpoint),
+                           options.device_kind, real_time, joined.accepted.stiffness,
+                           options.busy_poll, all->records->sight(), joined.accepted.tool},
+                          *all);
     reported = options.report.has_value();
   } catch (const std::exception& error) {
     std::fprintf(stderr, "feltwire-client: the report is lost: %s\n",
@@ -222,6 +224,7 @@ int run(const ClientOptions& options) {
 
 int main(int argc, char** argv) {
   feltwire::forbid_core_dumps();
+  feltwire::end_without_random_numbers();
   std::signal(SIGPIPE, SIG_IGN);  // a closed terminal does not end a hand's session halfway
   std::signal(SIGXFSZ, SIG_IGN);  // nor does a file at its size limit: it is told as a full disk is
   try {

@@ -3,7 +3,10 @@
 #include <sys/eventfd.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <cerrno>
+#include <cstdlib>
+#include <new>
 #include <system_error>
 
 namespace feltwire {
@@ -11,18 +14,36 @@ namespace {
 
 constexpr std::size_t kMemory = 1 << 18;  // [bytes] a report is some ten thousand
 
-}  // namespace
+std::atomic<void*> put_by{nullptr};
 
-Reserve::Reserve()
-    : descriptor_(::eventfd(0, EFD_CLOEXEC)), memory_(std::make_unique<std::byte[]>(kMemory)) {
-  if (descriptor_ < 0)
-    throw std::system_error(errno, std::generic_category(), "cannot put a descriptor by");
+/// Of operator new, which tries again when this returns.
+void give_memory_back() {
+  void* memory = put_by.exchange(nullptr);
+  if (memory == nullptr) throw std::bad_alloc();
+  std::free(memory);
 }
 
-void Reserve::give_back() noexcept {
+}  // namespace
+
+Reserve::Reserve() : descriptor_(::eventfd(0, EFD_CLOEXEC)) {
+  if (descriptor_ < 0)
+    throw std::system_error(errno, std::generic_category(), "cannot put a descriptor by");
+  put_by.store(std::malloc(kMemory));
+  if (put_by.load() != nullptr) return;
+  ::close(descriptor_);
+  throw std::bad_alloc();
+}
+
+Reserve::~Reserve() {
+  std::set_new_handler(nullptr);
+  if (descriptor_ >= 0) ::close(descriptor_);
+  std::free(put_by.exchange(nullptr));
+}
+
+void Reserve::stand_in() noexcept {
   if (descriptor_ >= 0) ::close(descriptor_);
   descriptor_ = -1;
-  memory_.reset();
+  std::set_new_handler(give_memory_back);
 }
 
 }  // namespace feltwire

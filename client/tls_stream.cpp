@@ -29,7 +29,7 @@ int is_pinned(X509_STORE_CTX* judged, void* pin_of_stream) {
 /// What fails here where it went well before, when a lost session is looked for, fails for want of
 /// memory: no LastingError.
 asio::ssl::context client_context(const Credentials& credentials, TlsStream::Pin& pin) {
-  asio::ssl::context tls(asio::ssl::context::tls_client);
+  asio::ssl::context tls(new_tls_context(TLS_client_method()));
   try {
     require_tls_13(*tls.native_handle());
     tls.set_verify_mode(asio::ssl::verify_peer);
@@ -89,7 +89,8 @@ TlsStream::TlsStream(const ServerAccess& server, std::chrono::milliseconds timeo
     : server_(to_string(server.endpoint)),
       timeout_(timeout),
       tls_(client_context(server.credentials, pin_)),
-      stream_(io_, tls_) {
+      stream_(io_, new_tls_connection(*tls_.native_handle())) {
+  require_buffers(*stream_.native_handle());
   connect(server.endpoint);
   handshake(server);
 }

@@ -3,6 +3,10 @@
 #include <sodium.h>
 #include <sys/prctl.h>
 
+#include <cerrno>
+#include <cstdio>
+#include <cstdlib>
+
 #include "protocol/session_keys.hpp"
 
 namespace feltwire {
@@ -17,6 +21,14 @@ void wipe(std::string& text) noexcept {
 void wipe(std::vector<std::uint8_t>& bytes) noexcept {
   sodium_memzero(bytes.data(), bytes.size());
   bytes.clear();
+}
+
+void end_without_random_numbers() noexcept {
+  sodium_set_misuse_handler([] {
+    std::fprintf(stderr, "%s: the system gives no random numbers (getrandom)\n",
+                 program_invocation_short_name);
+    std::_Exit(1);
+  });
 }
 
 void forbid_core_dumps() noexcept { ::prctl(PR_SET_DUMPABLE, 0, 0, 0, 0); }

@@ -36,4 +36,8 @@ void wipe(std::vector<std::uint8_t>& bytes) noexcept;
 /// no other process of the same user may look into it (PR_SET_DUMPABLE).
 void forbid_core_dumps() noexcept;
 
+/// From now on a system that gives libsodium no random numbers ends the program with a message and
+/// exit status 1, where libsodium would have it abort.
+void end_without_random_numbers() noexcept;
+
 }  // namespace feltwire

@@ -6,6 +6,7 @@
 #include <sodium.h>
 
 #include <algorithm>
+#include <new>
 #include <stdexcept>
 
 #include "protocol/little_endian.hpp"
@@ -39,6 +40,23 @@ Fingerprint parse_fingerprint(std::string_view text) {
         "' is no fingerprint: 64 hex digits, the SHA-256 of the server's certificate; "
         "feltwire-server prints it at its start");
   return result;
+}
+
+ssl_ctx_st* new_tls_context(const ssl_method_st* method) {
+  SSL_CTX* context = SSL_CTX_new(method);
+  if (context == nullptr) throw std::bad_alloc();
+  return context;
+}
+
+ssl_st* new_tls_connection(ssl_ctx_st& context) {
+  SSL* connection = SSL_new(&context);
+  if (connection == nullptr) throw std::bad_alloc();
+  return connection;
+}
+
+void require_buffers(const ssl_st& connection) {
+  if (SSL_get_rbio(&connection) == nullptr || SSL_get_wbio(&connection) == nullptr)
+    throw std::bad_alloc();
 }
 
 void require_tls_13(ssl_ctx_st& context) {

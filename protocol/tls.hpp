@@ -11,6 +11,7 @@
 
 struct ssl_st;
 struct ssl_ctx_st;
+struct ssl_method_st;
 struct x509_st;
 
 namespace feltwire {
@@ -24,6 +25,14 @@ Fingerprint fingerprint(const x509_st& certificate);
 std::string to_string(const Fingerprint& fingerprint);
 /// Hex digits of either case, with or without colons. Throws std::invalid_argument.
 Fingerprint parse_fingerprint(std::string_view text);
+
+/// For Asio's ssl::context and ssl::stream, which take them over; std::bad_alloc where there is no
+/// memory for them. Asio's own take a failure of OpenSSL that left no word of it, because there was
+/// no memory for the word either, for success.
+ssl_ctx_st* new_tls_context(const ssl_method_st* method);
+ssl_st* new_tls_connection(ssl_ctx_st& context);
+/// That one of these became an ssl::stream in whole. Throws std::bad_alloc.
+void require_buffers(const ssl_st& connection);
 
 /// TLS 1.3 and nothing older, neither tickets nor early data: every connection has an exchange of
 /// keys of its own, so no two sessions have a key in common.

@@ -19,7 +19,7 @@ using Error = std::error_code;
 namespace {
 
 asio::ssl::context server_context(const Identity& identity, const std::string& client_authorities) {
-  asio::ssl::context tls(asio::ssl::context::tls_server);
+  asio::ssl::context tls(new_tls_context(TLS_server_method()));
   require_tls_13(*tls.native_handle());
   tls.use_certificate_chain(asio::buffer(identity.certificate));
   tls.use_private_key(asio::buffer(identity.key.text().data(), identity.key.text().size()),
@@ -40,7 +40,7 @@ class ControlEndpoint::Connection : public std::enable_shared_from_this<Connecti
              const asio::ip::address& address)
       : endpoint_(endpoint),
         id_(id),
-        stream_(std::move(socket), endpoint.tls_),
+        stream_(std::move(socket), new_tls_connection(*endpoint.tls_.native_handle())),
         deadline_(endpoint.io_) {
     peer_.address = address;
     peer_.keys = [this](std::uint64_t session, CipherSuite suite) {

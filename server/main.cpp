@@ -119,6 +119,7 @@ void serve(feltwire::Server& server, const sigset_t& signals, const std::string&
 
 int main(int argc, char** argv) {
   feltwire::forbid_core_dumps();
+  feltwire::end_without_random_numbers();
   if (argc > 1 && std::string_view(argv[1]) == "token")
     return feltwire::token_command(argc - 1, argv + 1);
   try {

@@ -5,10 +5,12 @@
 //   FELTWIRE_FAULT_LOG    file, as long as a Log, that gets what happens
 //   FELTWIRE_FAULT_PLACE  hash of the place that fails; none: places are counted
 //   FELTWIRE_FAULT_NTH    the how many-th call from there
+//   FELTWIRE_FAULT_TRACE  file that gets the calls that led to the one that fails
 //
 // It begins with main(): before, the dynamic loader and static initializers run.
 
 #include <dlfcn.h>
+#include <execinfo.h>
 #include <fcntl.h>
 #include <link.h>
 #include <poll.h>
@@ -47,6 +49,7 @@ Log* file = nullptr;
 std::atomic<bool> armed{false};
 std::uint64_t wanted_place = 0, wanted_nth = 1;
 std::atomic<std::uint64_t> calls_from_wanted{0};
+int trace_file = -1;
 // Nothing that the library calls itself is counted.
 thread_local bool inside __attribute__((tls_model("initial-exec"))) = false;
 
@@ -89,6 +92,13 @@ void count(std::uint64_t hash, std::uint64_t call) {
   ++file->overflow;
 }
 
+void trace() {
+  if (trace_file < 0) return;
+  constexpr int kDeepest = 40;
+  std::array<void*, kDeepest> calls{};
+  ::backtrace_symbols_fd(calls.data(), ::backtrace(calls.data(), kDeepest), trace_file);
+}
+
 /// Whether this call is to fail.
 [[gnu::noinline]] bool fails(std::uint64_t call) {
   if (!armed.load(std::memory_order_relaxed) || inside) return false;
@@ -104,6 +114,7 @@ void count(std::uint64_t hash, std::uint64_t call) {
     fail = true;
     file->injected_at = now();
     ++file->injected;
+    trace();
   }
   errno = error;
   inside = false;
@@ -183,6 +194,8 @@ int begin_with_main(int argc, char** argv, char** environment) {
     wanted_place = std::strtoull(place, nullptr, 16);
   if (const char* nth = std::getenv("FELTWIRE_FAULT_NTH"))
     wanted_nth = std::strtoull(nth, nullptr, 10);
+  if (const char* trace = std::getenv("FELTWIRE_FAULT_TRACE"))
+    trace_file = ::open(trace, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
   follow_device();
   ::unsetenv("LD_PRELOAD");
   inside = false;

@@ -81,6 +81,7 @@ class Bench:
         if place is not None:
             environment["FELTWIRE_FAULT_PLACE"] = place
         environment["FELTWIRE_FAULT_NTH"] = str(nth)
+        environment["FELTWIRE_FAULT_TRACE"] = str(log.path) + ".trace"
         return environment
 
     def start_server(self, scenes, port=0, environment=None):
@@ -164,7 +165,7 @@ class Bench:
             return "the client hangs"
         if code not in (0, 1, 2):
             return f"the client ends with {code}"
-        if code != 0 and "feltwire-client: " not in text:
+        if code != 0 and "feltwire-client" not in text:
             return "the client says nothing of what failed"
         if head.force != 0.0:
             return f"the client leaves {head.force} N on the hand"
@@ -200,7 +201,7 @@ class Bench:
             wrong = "the server hangs"
         elif code not in (0, 1, 2):
             wrong = f"the server ends with {code}"
-        elif code != 0 and "feltwire-server: " not in text and "[error]" not in text:
+        elif code != 0 and "feltwire-server" not in text and "[error]" not in text:
             wrong = "the server says nothing of what failed"
         return log, code, text, wrong
 
@@ -234,6 +235,8 @@ def main():
     parser.add_argument("--sample", type=int, default=0, help="so many points of each program, chosen at random; 0: all")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--jobs", type=int, default=2 * (os.cpu_count() or 1))
+    parser.add_argument("--place", help="this one only, as a failure names it; with --nth")
+    parser.add_argument("--nth", type=int, default=1)
     parser.add_argument("--only", choices=("client", "server"))
     parser.add_argument("--scenes", nargs="+", default=["plane.json", "room.json", "workshop.json"])
     parser.add_argument("--seconds", type=float, default=0.0, help="no new point after that; 0: no limit")
@@ -259,6 +262,9 @@ def main():
                 log, code, text, wrong = bench.session(point.target, f"{point.place:x}", point.nth)
                 if wrong is None or not wrong.startswith("TIMING"):
                     break
+            if wrong:
+                trace = Path(str(log.path) + ".trace").read_text() if log.head().injected else ""
+                text = text[-600:].strip() + "\n  " + trace.replace("\n", "\n  ")
             return point, log.head().injected, (code, text), wrong
         finally:
             with guard:
@@ -266,7 +272,8 @@ def main():
 
     failed = 0
     for target in (options.only,) if options.only else ("client", "server"):
-        points = points_of(benches[0], target)
+        points = ([Point(target, "malloc", int(options.place, 16), options.nth)] if options.place
+                  else points_of(benches[0], target))
         total = len(points)
         random.Random(options.seed).shuffle(points)
         points = points[:options.sample] if options.sample else points
@@ -285,7 +292,7 @@ def main():
                 if wrong:
                     failed += 1
                     print(f"FAILED {target}: {point.call} at {point.place:x}, call {point.nth}: {wrong}\n"
-                          f"  {end[1][-600:].strip()}", flush=True)
+                          f"  {end[1]}", flush=True)
         print(f"{target}: {total} points, {len(points) - left} played, {injected} injected "
               f"({kinds['memory']} of memory, {kinds['system calls']} of system calls), {missed} not reached again; "
               f"exit codes {dict(ends)}", flush=True)
