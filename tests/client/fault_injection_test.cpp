@@ -117,7 +117,7 @@ struct LostRun {
   std::shared_ptr<ServoTask> task;
   Ring<LiveStatus> statuses{16};
   Ring<SessionAddress> sessions{4};
-  Records records{folder / "felt.csv", false, std::nullopt};
+  Records records{{.recording = folder / "felt.csv", .view = {}, .observes = false}};
   Signals signals;
   std::thread answering;
   std::atomic<bool> over{false};
