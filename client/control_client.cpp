@@ -22,7 +22,7 @@ namespace {
 bool lasting(control::RefusalCode code) {
   using control::RefusalCode;
   return code != RefusalCode::full && code != RefusalCode::too_many &&
-         code != RefusalCode::shutting_down;
+         code != RefusalCode::shutting_down && code != RefusalCode::failed;
 }
 
 /// One question and its answer. A connection of its own: joining is rare, and nothing of it

@@ -69,6 +69,10 @@ int conclude(const ClientOptions& options, const Servo& servo, const LoopResult&
                    result.goodbye == GoodbyeReason::shutting_down ? ": it is shutting down"
                    : result.goodbye == GoodbyeReason::flooding
                        ? ": it was sent far more samples than it granted"
+                   : result.goodbye == GoodbyeReason::failed
+                       ? ": it failed in this scene; its log says why"
+                   : result.goodbye == GoodbyeReason::disturbing
+                       ? ": the hand broke the simulation of what moves; press and move more gently"
                        : "");
       return 1;
     case EndReason::server_silent:

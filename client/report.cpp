@@ -184,6 +184,10 @@ const char* name_of(GoodbyeReason reason) {
       return "evicted";
     case GoodbyeReason::flooding:
       return "flooding";
+    case GoodbyeReason::failed:
+      return "failed";
+    case GoodbyeReason::disturbing:
+      return "disturbing";
   }
   return "unknown";
 }

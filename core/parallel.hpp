@@ -8,19 +8,28 @@
 #include <thread>
 #include <vector>
 
+#include "core/long_work.hpp"
+
 namespace feltwire {
 
 /// Calls work(i) for every i < count, on as many threads as the machine has cores. The calls must
 /// not depend on each other; whatever they write by index does then not depend on the machine.
-/// Rethrows the first exception after all threads have ended.
+/// Rethrows the first exception after all threads have ended. Looks at check_cancelled() before
+/// each call.
 template <class Work>
 void parallel_for(std::size_t count, const Work& work) {
   std::atomic<std::size_t> next{0};
   std::exception_ptr failure;
   std::mutex failing;
+  LongWork* const whole = long_work();
   const auto worker = [&] {
+    const DoingWork part(whole);
     try {
-      for (std::size_t i = next++; i < count; i = next++) work(i);
+      for (std::size_t i = next++; i < count; i = next++) {
+        check_cancelled();
+        if (whole != nullptr) whole->advance(i, count);
+        work(i);
+      }
     } catch (...) {
       const std::lock_guard lock(failing);
       if (!failure) failure = std::current_exception();

@@ -148,7 +148,7 @@ struct BodyBuilder {
   }
   Offset<wire::Refused> operator()(const Refused& m) {
     return wire::CreateRefused(builder, wire_enum<wire::RefusalCode>(m.code),
-                               builder.CreateString(m.reason));
+                               builder.CreateString(shortened(m.reason, kMaxReason)));
   }
   Offset<wire::Authenticate> operator()(const Authenticate& m) {
     const std::string_view token = m.token.text();

@@ -19,7 +19,9 @@ namespace feltwire::control {
 
 inline constexpr std::size_t kMaxFrame = std::size_t{64} * 1024;  // [bytes] body of a frame
 inline constexpr std::size_t kFrameLengthSize = 4;                // [bytes] the u32 before it
-inline constexpr std::size_t kMaxName = 128;    // [bytes] of a client, scene, device or tool name
+inline constexpr std::size_t kMaxName = 128;  // [bytes] of a client, scene, device or tool name
+/// [bytes] of a refusal's reason; encode() cuts a longer one.
+inline constexpr std::size_t kMaxReason = 4096;
 inline constexpr std::size_t kMaxScenes = 256;  // of one server
 /// [bytes] body of a frame before the token was shown: strangers get no work done with a long one.
 inline constexpr std::size_t kMaxFirstFrame = 512;
@@ -84,7 +86,8 @@ enum class RefusalCode : std::uint8_t {
   too_many,
   not_supported,
   bad_scene,
-  unknown_tool
+  unknown_tool,
+  failed  // the server could not do it (no memory, say); nothing was changed
 };
 struct Refused {
   RefusalCode code = RefusalCode::malformed;
@@ -128,8 +131,13 @@ using Message = std::variant<JoinRequest, JoinAccepted, LeaveRequest, Left, List
 
 const char* name(RefusalCode code);
 
+/// At most `most` bytes of the text. A longer one is cut between two characters of UTF-8, and ends
+/// in " [...]". Precondition: most >= 6.
+std::string shortened(const std::string& text, std::size_t most);
+
 /// A whole frame: u32 length (little-endian, without itself), then the FlatBuffer.
-/// Throws std::length_error when the body would be longer than kMaxFrame.
+/// A refusal's reason longer than kMaxReason is shortened(). Throws std::length_error when the body
+/// would be longer than kMaxFrame.
 std::vector<std::uint8_t> encode(const Message& message);
 
 /// The length of the body that follows these bytes; check it against kMaxFrame before reading on.

@@ -25,7 +25,14 @@ inline constexpr double kMaxPosition = 1e3;        // [m] on each axis; beyond i
 inline constexpr double kUnitTolerance = 1e-3;     // of a quaternion's squared norm
 
 enum class DatagramKind : std::uint8_t { samples = 1, reply = 2, goodbye = 3 };
-enum class GoodbyeReason : std::uint8_t { leaving, shutting_down, evicted, flooding };
+enum class GoodbyeReason : std::uint8_t {
+  leaving,
+  shutting_down,
+  evicted,
+  flooding,
+  failed,     // the server could not go on with the session
+  disturbing  // what the hand did broke the simulation of what moves
+};
 
 /// What stands before every payload.
 struct Header {

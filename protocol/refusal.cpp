@@ -1,16 +1,33 @@
 #include <array>
+#include <string_view>
 
 #include "protocol/control.hpp"
 
 namespace feltwire::control {
 
 const char* name(RefusalCode code) {
-  static constexpr std::array<const char*, 13> names = {
+  static constexpr std::array<const char*, 14> names = {
       "malformed",     "unknown_scene", "unknown_session", "bad_device", "bad_parameters",
       "full",          "shutting_down", "unauthenticated", "forbidden",  "too_many",
-      "not_supported", "bad_scene",     "unknown_tool"};
+      "not_supported", "bad_scene",     "unknown_tool",    "failed"};
   const auto i = static_cast<std::size_t>(code);
   return i < names.size() ? names[i] : "unknown";
+}
+
+std::string shortened(const std::string& text, std::size_t most) {
+  constexpr std::string_view kCut = " [...]";
+  constexpr unsigned kContinues = 0x80, kContinuesMask = 0xc0;
+  constexpr std::size_t kLongest = 4;  // [bytes] of a character in UTF-8
+  if (text.size() <= most) return text;
+  std::size_t end = most - kCut.size();
+  // Back to the first byte of the character that the cut would split. What is no UTF-8 is cut
+  // anywhere.
+  std::size_t start = end;
+  while (start > 0 && end - start < kLongest &&
+         (static_cast<unsigned char>(text[start]) & kContinuesMask) == kContinues)
+    --start;
+  if (end - start < kLongest) end = start;
+  return text.substr(0, end).append(kCut);
 }
 
 }  // namespace feltwire::control

@@ -1,10 +1,13 @@
 #include "server/control.hpp"
 
+#include <spdlog/spdlog.h>
+
 #include <algorithm>
 #include <array>
 #include <asio/read.hpp>
 #include <asio/ssl/stream.hpp>
 #include <asio/write.hpp>
+#include <utility>
 #include <vector>
 
 #include "protocol/clock.hpp"
@@ -35,6 +38,21 @@ asio::ssl::context server_context(const Identity& identity, const std::string& c
 
 /// TLS, then one request, one answer, in turn.
 class ControlEndpoint::Connection : public std::enable_shared_from_this<Connection> {
+ private:
+  /// A handler that keeps this connection, does nothing once it is closed, and ends it, and nothing
+  /// else, when `work` throws.
+  template <class Work>
+  auto safely(Work work) {
+    return [self = shared_from_this(), work = std::move(work)](const auto&... results) {
+      if (self->closed_) return;
+      try {
+        work(results...);
+      } catch (const std::exception& error) {
+        self->fail(error);
+      }
+    };
+  }
+
  public:
   Connection(ControlEndpoint& endpoint, Places::Id id, tcp::socket socket,
              const asio::ip::address& address)
@@ -50,15 +68,13 @@ class ControlEndpoint::Connection : public std::enable_shared_from_this<Connecti
 
   void start() {
     set_deadline(endpoint_.options_.handshake_timeout);
-    stream_.async_handshake(asio::ssl::stream_base::server,
-                            [self = shared_from_this()](const Error& error) {
-                              if (self->closed_) return;
+    stream_.async_handshake(asio::ssl::stream_base::server, safely([this](const Error& error) {
                               if (error) {
-                                ++self->endpoint_.counters_.failed;
-                                return self->end();
+                                ++endpoint_.counters_.failed;
+                                return end();
                               }
-                              self->read_length();
-                            });
+                              read_length();
+                            }));
   }
 
   Places::Id id() const { return id_; }
@@ -81,17 +97,28 @@ class ControlEndpoint::Connection : public std::enable_shared_from_this<Connecti
     deadline_.cancel();
   }
 
+  /// After an exception: this connection ends, the others go on.
+  void fail(const std::exception& error) noexcept {
+    try {
+      spdlog::error("a control connection from {} ends, the server failed at it: {}",
+                    peer_.address.to_string(), error.what());
+    } catch (const std::exception&) {
+      // No memory for a line in the log; the connection ends all the same.
+    }
+    end();
+  }
+
  private:
   tcp::socket& socket() { return stream_.next_layer(); }
   bool stranger() const { return peer_.token.empty(); }
 
   void set_deadline(std::chrono::milliseconds timeout) {
     deadline_.expires_after(timeout);
-    deadline_.async_wait([self = shared_from_this()](const Error& error) {
-      if (error || self->closed_) return;
-      if (self->stranger() && !self->ends_after_answer_) ++self->endpoint_.counters_.too_slow;
-      self->end();
-    });
+    deadline_.async_wait(safely([this](const Error& error) {
+      if (error) return;
+      if (stranger() && !ends_after_answer_) ++endpoint_.counters_.too_slow;
+      end();
+    }));
   }
 
   void read_length() {
@@ -101,11 +128,10 @@ class ControlEndpoint::Connection : public std::enable_shared_from_this<Connecti
       endpoint_.known_.renew(id_);
     }
     asio::async_read(stream_, asio::buffer(length_),
-                     [self = shared_from_this()](const Error& error, std::size_t) {
-                       if (self->closed_) return;
-                       if (error) return self->end();
-                       self->read_body();
-                     });
+                     safely([this](const Error& error, std::size_t) {
+                       if (error) return end();
+                       read_body();
+                     }));
   }
 
   void read_body() {
@@ -115,26 +141,26 @@ class ControlEndpoint::Connection : public std::enable_shared_from_this<Connecti
       return refuse_malformed("a frame of " + std::to_string(length) + " bytes; 1 to " +
                               std::to_string(most) + " are read");
     body_.resize(length);
-    asio::async_read(stream_, asio::buffer(body_),
-                     [self = shared_from_this()](const Error& error, std::size_t) {
-                       if (self->closed_) return;
-                       if (error) return self->end();
-                       self->handle();
-                     });
+    asio::async_read(stream_, asio::buffer(body_), safely([this](const Error& error, std::size_t) {
+                       if (error) return end();
+                       handle();
+                     }));
   }
 
   void handle() {
     std::optional<control::Message> request = control::decode(body_);
     if (stranger()) wipe(body_);
     if (!request) return refuse_malformed("the frame holds no control message of this version");
-    endpoint_.handler_(
-        peer_, std::move(*request), [self = shared_from_this()](const control::Message& answer) {
-          if (self->closed_) return;
-          if (const auto* refused = std::get_if<control::Refused>(&answer))
-            self->ends_after_answer_ = self->stranger() || refused->code == RefusalCode::malformed;
-          if (!self->stranger()) self->endpoint_.make_known(*self);
-          self->write(answer);
-        });
+    endpoint_.handler_(peer_, std::move(*request), safely([this](const control::Message& answer) {
+                         if (const auto* refused = std::get_if<control::Refused>(&answer))
+                           ends_after_answer_ =
+                               stranger() || refused->code == RefusalCode::malformed;
+                         if (!stranger()) endpoint_.make_known(*this);
+                         if (std::exchange(peer_.waits, false))
+                           set_deadline(endpoint_.options_.idle_timeout);
+                         write(answer);
+                       }));
+    if (peer_.waits) deadline_.cancel();
   }
 
   void refuse_malformed(std::string reason) {
@@ -145,35 +171,31 @@ class ControlEndpoint::Connection : public std::enable_shared_from_this<Connecti
   void write(const control::Message& answer) {
     frame_ = control::encode(answer);
     asio::async_write(stream_, asio::buffer(frame_),
-                      [self = shared_from_this()](const Error& error, std::size_t) {
-                        if (self->closed_) return;
-                        if (error) return self->end();
-                        if (self->ends_after_answer_) return self->say_end();
-                        self->read_length();
-                      });
+                      safely([this](const Error& error, std::size_t) {
+                        if (error) return end();
+                        if (ends_after_answer_) return say_end();
+                        read_length();
+                      }));
   }
 
   /// Says that nothing more comes (TLS, then TCP) and reads on until the other side closes too, or
   /// the deadline ends it: closing over unread bytes would reset the connection and lose the
   /// refusal.
   void say_end() {
-    stream_.async_shutdown([self = shared_from_this()](const Error&) {
-      if (self->closed_) return;
+    stream_.async_shutdown(safely([this](const Error&) {
       Error ignored;
-      self->socket().shutdown(tcp::socket::shutdown_send, ignored);
-      self->discard();
-    });
+      socket().shutdown(tcp::socket::shutdown_send, ignored);
+      discard();
+    }));
   }
 
   void discard() {
     constexpr std::size_t kAtOnce = 4096;
     body_.resize(kAtOnce);
-    socket().async_read_some(asio::buffer(body_),
-                             [self = shared_from_this()](const Error& error, std::size_t) {
-                               if (self->closed_) return;
-                               if (error) return self->end();
-                               self->discard();
-                             });
+    socket().async_read_some(asio::buffer(body_), safely([this](const Error& error, std::size_t) {
+                               if (error) return end();
+                               discard();
+                             }));
   }
 
   ControlEndpoint& endpoint_;
@@ -222,18 +244,30 @@ void ControlEndpoint::start() { accept(); }
 
 void ControlEndpoint::accept() {
   acceptor_.async_accept([this](const Error& error, tcp::socket socket) {
+    accepting_ = false;
     if (error == asio::error::operation_aborted || !acceptor_.is_open()) return;
     if (error) {
       // Out of descriptors, say: what is open goes on, and a moment later there may be one.
       retry_.expires_after(std::chrono::milliseconds(100));
       retry_.async_wait([this](const Error& cancelled) {
+        accepting_ = false;
         if (!cancelled) accept();
       });
+      accepting_ = true;
       return;
     }
-    admit(std::move(socket));
+    try {
+      admit(std::move(socket));
+    } catch (const std::exception& failure) {
+      spdlog::error("a control connection could not be taken: {}", failure.what());
+    }
     accept();
   });
+  accepting_ = true;
+}
+
+void ControlEndpoint::keep_accepting() {
+  if (!accepting_ && acceptor_.is_open()) accept();
 }
 
 void ControlEndpoint::admit(tcp::socket socket) {
@@ -249,10 +283,14 @@ void ControlEndpoint::admit(tcp::socket socket) {
   socket.set_option(tcp::no_delay(true), gone);  // an answer waits for no acknowledgement
   ++counters_.accepted;
   const Places::Id id = next_id_++;
-  end(strangers_.take(id, network));
   auto connection = std::make_shared<Connection>(*this, id, std::move(socket), address);
   connections_.emplace(id, connection);
-  connection->start();
+  try {
+    end(strangers_.take(id, network));
+    connection->start();
+  } catch (const std::exception& error) {
+    connection->fail(error);
+  }
 }
 
 /// It has shown a good token. No stranger can take its place from now on; if places for such
@@ -265,8 +303,10 @@ void ControlEndpoint::make_known(const Connection& connection) {
 void ControlEndpoint::end(std::optional<Places::Id> crowded_out) {
   if (!crowded_out) return;
   ++counters_.crowded_out;
+  const auto found = connections_.find(*crowded_out);
+  if (found == connections_.end()) return;
   // A handle of its own: end() takes the connection out of the map.
-  const std::shared_ptr<Connection> connection = connections_.at(*crowded_out);
+  const std::shared_ptr<Connection> connection = found->second;
   connection->end();
 }
 

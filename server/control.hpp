@@ -43,14 +43,16 @@ struct ControlCounters {
 /// Who is at the other end of a connection.
 struct ControlPeer {
   asio::ip::address address;
-  std::string token;  // id of the one it has shown; empty: none yet
+  std::string token;   // id of the one it has shown; empty: none yet
+  bool waits = false;  // the answer may take long: the connection stays until it is given
   /// The keys of a session that is joined by this connection (protocol/tls.hpp).
   std::function<SessionKeys(std::uint64_t session, CipherSuite suite)> keys;
 };
 
 /// Answers requests; the answer may be called later, on the control thread, exactly once. `peer`
 /// lives until the answer is given. Until it has set peer.token a connection may send short frames
-/// only, and a refusal ends it.
+/// only, and a refusal ends it. Where the handler throws, or gives an answer that no frame holds,
+/// the connection ends, and no other.
 using ControlHandler = std::function<void(ControlPeer& peer, control::Message request,
                                           std::function<void(control::Message)> answer)>;
 
@@ -65,6 +67,9 @@ class ControlEndpoint {
 
   /// Begins to accept.
   void start();
+  /// Accepts again after an exception of an accepting handler; does nothing where it accepts
+  /// already. On the thread of `io`.
+  void keep_accepting();
   /// Closes the acceptor and every connection. On the thread of `io`.
   void close();
 
@@ -89,6 +94,7 @@ class ControlEndpoint {
   Places strangers_, known_;  // those without and with a good token; each connection is in one
   RateLimit<Network> handshakes_;
   Places::Id next_id_ = 0;
+  bool accepting_ = false;  // a handler waits for a connection, or for the next try
   ControlCounters counters_;
   std::uint16_t port_ = 0;
 };

@@ -69,7 +69,7 @@ void ControlService::handle(ControlPeer& peer, control::Message request, Answer 
   if (const auto* wanted = std::get_if<control::ListSessions>(&request))
     return asked.answer(list_sessions(asked, *wanted));
   if (const auto* wanted = std::get_if<control::ReloadScene>(&request))
-    return asked.answer(reload(asked, *wanted));
+    return reload(std::move(asked), *wanted);
   asked.answer(Refused{RefusalCode::malformed, "this message is an answer, not a request"});
 }
 
@@ -153,14 +153,21 @@ void ControlService::join(Asked asked, control::JoinRequest request) {
     }
     answer(std::move(message));
   };
-  host.ask(std::move(request), id, keys, io_, finish);
+  try {
+    host.ask(std::move(request), id, keys, io_, finish);
+  } catch (...) {
+    seated_.erase(id);
+    throw;
+  }
 }
 
 /// To the scene of a session that is the asker's own, or an admin asks.
 void ControlService::pass_on(Asked asked, std::uint64_t session, control::Message request) {
   const auto found = seated_.find(session);
-  const bool may = found != seated_.end() &&
-                   (found->second.token == asked.token.id || covers(asked.token.role, Role::admin));
+  const bool may =
+      found != seated_.end() &&
+      (found->second.token == asked.token.id ||
+       (covers(asked.token.role, Role::admin) && opens(asked.token, scene_name(found->second))));
   if (!may) return asked.answer(unknown_session(session));
   const std::string by = "client " + asked.token.client + " (token " + asked.token.id + ")";
   // A session that has left is forgotten before its answer comes.
@@ -201,7 +208,9 @@ std::optional<Refused> ControlService::refuse_hasty(const Asked& asked) {
 control::Message ControlService::evict(const Asked& asked, const control::Evict& request) {
   if (auto refused = refuse_below_admin(asked)) return *std::move(refused);
   const auto found = seated_.find(request.session);
-  if (found == seated_.end()) return unknown_session(request.session);
+  // What goes on in scenes that its token does not open is not for this admin to know.
+  if (found == seated_.end() || !opens(asked.token, scene_name(found->second)))
+    return unknown_session(request.session);
   hosts_[found->second.scene]->evict(request.session);
   spdlog::info("a session of client {} was evicted by client {}", visible(found->second.client),
                visible(asked.token.client));
@@ -224,34 +233,40 @@ control::Message ControlService::list_sessions(const Asked& asked,
   if (auto refused = refuse_below_admin(asked)) return *std::move(refused);
   control::SessionList list;
   for (auto at = seated_.upper_bound(request.after); at != seated_.end(); ++at) {
+    if (!opens(asked.token, scene_name(at->second))) continue;
     if (list.sessions.size() == control::kMaxSessionEntries) {
       list.more = true;
       break;
     }
     const Seated& seated = at->second;
-    list.sessions.push_back({at->first, seated.client, hosts_[seated.scene]->name(), seated.role});
+    list.sessions.push_back({at->first, seated.client, scene_name(seated), seated.role});
   }
   return list;
 }
 
-control::Message ControlService::reload(const Asked& asked, const control::ReloadScene& request) {
-  if (auto refused = refuse_below_admin(asked)) return *std::move(refused);
+void ControlService::reload(Asked asked, const control::ReloadScene& request) {
+  if (auto refused = refuse_below_admin(asked)) return asked.answer(*std::move(refused));
   const std::size_t scene = scene_of(request.scene);
   if (scene == hosts_.size() || !opens(asked.token, request.scene))
-    return Refused{RefusalCode::unknown_scene, "there is no scene '" + request.scene + "' here"};
-  if (auto refused = refuse_hasty(asked)) return *std::move(refused);
+    return asked.answer(
+        Refused{RefusalCode::unknown_scene, "there is no scene '" + request.scene + "' here"});
+  if (auto refused = refuse_hasty(asked)) return asked.answer(*std::move(refused));
   spdlog::info("scene {} is reloaded by client {} (token {})", request.scene,
                visible(asked.token.client), asked.token.id);
-  if (const auto wrong = reload_(scene)) return Refused{RefusalCode::bad_scene, *wrong};
-  return control::SceneReloaded{request.scene};
+  asked.peer.waits = true;
+  reload_(scene, [this, name = request.scene,
+                  answer = std::move(asked.answer)](std::optional<Refused> refused) {
+    if (!refused) return answer(control::SceneReloaded{name});
+    if (refused->code == RefusalCode::too_many) ++counters_.too_many;
+    answer(*std::move(refused));
+  });
 }
 
 void ControlService::look_after() {
   refresh_tokens();
   for (const auto& [id, seated] : seated_) {
     const Token* token = good_token(seated.token);
-    if (token != nullptr && covers(token->role, seated.role) &&
-        opens(*token, hosts_[seated.scene]->name()))
+    if (token != nullptr && covers(token->role, seated.role) && opens(*token, scene_name(seated)))
       continue;
     spdlog::info("a session of client {} ends: its token {} is good no more",
                  visible(seated.client), seated.token);
@@ -285,6 +300,10 @@ const Token* ControlService::good_token(const std::string& id) const {
 void ControlService::refresh_tokens() {
   if (const auto wrong = tokens_.refresh())
     spdlog::error("{}; the tokens stay as they were", *wrong);
+}
+
+const std::string& ControlService::scene_name(const Seated& seated) const {
+  return hosts_[seated.scene]->name();
 }
 
 std::size_t ControlService::scene_of(std::string_view name) const {

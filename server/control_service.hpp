@@ -33,8 +33,11 @@ class ControlService {
  public:
   using Hosts = std::vector<std::unique_ptr<SceneHost>>;
   using Answer = std::function<void(control::Message)>;
-  /// Puts a host's scene in place anew; what is wrong where it cannot, and then the old one stays.
-  using Reload = std::function<std::optional<std::string>(std::size_t host)>;
+  /// Why a scene was not put in place anew; nothing: it was.
+  using Reloaded = std::function<void(std::optional<control::Refused> refused)>;
+  /// Puts a host's scene in place anew, or leaves the old one there. Takes its time; `done` is
+  /// called on the control thread.
+  using Reload = std::function<void(std::size_t host, Reloaded done)>;
 
   /// `io` runs on the control thread; it and the hosts outlive this.
   ControlService(asio::io_context& io, Hosts& hosts, TokenFile tokens, const ServiceLimits& limits,
@@ -72,7 +75,7 @@ class ControlService {
   control::Message evict(const Asked& asked, const control::Evict& request);
   control::Message list_scenes(const Token& token) const;
   control::Message list_sessions(const Asked& asked, const control::ListSessions& request);
-  control::Message reload(const Asked& asked, const control::ReloadScene& request);
+  void reload(Asked asked, const control::ReloadScene& request);
   control::Refused refuse(control::RefusalCode code, std::string reason);
   std::optional<control::Refused> refuse_below_admin(const Asked& asked);
   std::optional<control::Refused> refuse_hasty(const Asked& asked);
@@ -80,6 +83,7 @@ class ControlService {
                                               const control::JoinRequest& request);
   const Token* good_token(const std::string& id) const;
   void refresh_tokens();
+  const std::string& scene_name(const Seated& seated) const;
   std::size_t scene_of(std::string_view name) const;
   std::uint64_t new_session_id(std::size_t scene);
 

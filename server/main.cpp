@@ -10,6 +10,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
+#include <optional>
 #include <sstream>
 #include <string_view>
 
@@ -20,6 +21,8 @@
 #include "server/log_format.hpp"
 #include "server/options.hpp"
 #include "server/server.hpp"
+#include "server/signals.hpp"
+#include "server/startup.hpp"
 #include "server/summary.hpp"
 #include "server/token_command.hpp"
 
@@ -87,32 +90,37 @@ void print_ready(const feltwire::ServerConfig& config, const feltwire::Server& s
   std::fflush(stdout);
 }
 
-/// Counts what was asked for before the end, too; a file that cannot be written ends nothing.
-void count(feltwire::Server& server, const std::string& file) {
+/// Until SIGINT or SIGTERM, which are blocked in every thread, as are SIGUSR1 and SIGHUP. False
+/// where a thread was left behind that reads a file and gets no answer.
+bool serve(feltwire::Server& server, const sigset_t& signals, const std::string& summary) {
+  const auto count = [&] {
+    if (!summary.empty()) write_summary(summary, server.summary(), server.control_summary());
+  };
+  const auto reload = [&] {
+    spdlog::info("SIGHUP: all scenes are reloaded");
+    server.reload([](const std::vector<std::string>& all) {
+      for (const std::string& wrong : all) spdlog::error("{}; the scene stays as it was", wrong);
+    });
+  };
+  const int signal = feltwire::wait_for_end(signals, {count, reload});
+  spdlog::info("{}: saying goodbye", signal == SIGINT ? "interrupted" : "terminated");
+  const bool ended = server.stop();
   try {
-    if (!file.empty()) write_summary(file, server.summary(), server.control_summary());
-  } catch (const std::runtime_error& error) {
+    count();
+  } catch (const std::exception& error) {
     spdlog::error("{}", error.what());
   }
-}
-
-/// Until SIGINT or SIGTERM, which are blocked in every thread, as are SIGUSR1 and SIGHUP.
-void serve(feltwire::Server& server, const sigset_t& signals, const std::string& summary) {
-  int signal = 0;
-  while (sigwait(&signals, &signal) == 0 && (signal == SIGUSR1 || signal == SIGHUP)) {
-    if (signal == SIGUSR1) count(server, summary);
-    if (signal == SIGHUP) {
-      spdlog::info("SIGHUP: all scenes are reloaded");
-      for (const std::string& wrong : server.reload())
-        spdlog::error("{}; the scene stays as it was", wrong);
-    }
-  }
-  spdlog::info("{}: saying goodbye", signal == SIGINT ? "interrupted" : "terminated");
-  server.stop();
-  count(server, summary);
   std::fputs(
       feltwire::visible_lines(text(server.summary()) + text(server.control_summary())).c_str(),
       stdout);
+  return ended;
+}
+
+/// Without the end of other threads, which may never come.
+[[noreturn]] void leave_now() {
+  spdlog::warn("a scene's file gives no answer: leaving without it");
+  std::fflush(stdout);
+  std::_Exit(0);
 }
 
 }  // namespace
@@ -147,12 +155,19 @@ int main(int argc, char** argv) {
     for (const int signal : {SIGINT, SIGTERM, SIGUSR1, SIGHUP}) sigaddset(&signals, signal);
     pthread_sigmask(SIG_BLOCK, &signals, nullptr);
 
-    feltwire::Server server(config);
+    feltwire::StartEnded start_ended;
+    std::optional<feltwire::Server> server = feltwire::start_server(config, start_ended);
+    if (!server) {
+      spdlog::info("{} before it served",
+                   start_ended.signal == SIGINT ? "interrupted" : "terminated");
+      if (start_ended.left_behind) leave_now();
+      return 0;
+    }
     // A file that cannot be written is said at once, not at the end of a long day.
     if (!asked.summary.empty())
-      write_summary(asked.summary, server.summary(), server.control_summary());
-    print_ready(config, server);
-    serve(server, signals, asked.summary);
+      write_summary(asked.summary, server->summary(), server->control_summary());
+    print_ready(config, *server);
+    if (!serve(*server, signals, asked.summary)) leave_now();
     return 0;
   } catch (const std::invalid_argument& error) {
     return fail(kBadUsage, error.what());

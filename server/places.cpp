@@ -5,8 +5,14 @@ namespace feltwire {
 std::optional<Places::Id> Places::take(Id id, const Network& network) {
   const std::optional<Id> loser = victim(network);
   if (loser) leave(*loser);
-  lines_[network].emplace(next_, id);
-  holders_.emplace(id, Holder{network, next_});
+  Line& line = lines_[network];
+  line.emplace(next_, id);
+  try {
+    holders_.emplace(id, Holder{network, next_});
+  } catch (...) {
+    line.erase(next_);
+    throw;
+  }
   ++next_;
   return loser;
 }

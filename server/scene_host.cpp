@@ -13,6 +13,7 @@
 #include "protocol/real_time.hpp"
 #include "protocol/udp_socket.hpp"
 #include "server/listen_error.hpp"
+#include "server/post.hpp"
 
 namespace feltwire {
 namespace {
@@ -107,33 +108,54 @@ void SceneHost::start() {
 void SceneHost::stop() {
   if (!thread_.joinable()) return;
   asio::post(io_, [this] {
-    closing_ = true;
+    closing_ = true;  // whatever fails from here on, the thread ends
     say(sessions_.shut_down());
     publish();
-    io_.stop();
   });
   thread_.join();
 }
 
+/// An answer on its way to whoever asked. Made where the question is, so that the scene's thread
+/// needs no memory for it.
+struct SceneHost::Asked {
+  control::Message request;
+  Completion completion;
+  control::Message answer = control::Refused{control::RefusalCode::shutting_down,
+                                             "the server is shutting down; join another"};
+  control::Message failure =
+      control::Refused{control::RefusalCode::failed, "the server failed at this; its log says why"};
+};
+
 void SceneHost::ask(control::Message request, std::uint64_t id, const SessionKeys& keys,
                     asio::io_context& back, Completion completion) {
-  asio::post(io_, [this, request = std::move(request), id, keys, &back,
-                   completion = std::move(completion)]() mutable {
-    control::Message answer = control::Refused{control::RefusalCode::shutting_down,
-                                               "the server is shutting down; join another"};
-    if (!closing_) answer = sessions_.answer(request, id, keys, monotonic_now());
+  auto asked = std::make_shared<Asked>(Asked{std::move(request), std::move(completion)});
+  asio::post(io_, [this, asked = std::move(asked), id, keys, &back] {
+    try {
+      if (!closing_) asked->answer = sessions_.answer(asked->request, id, keys, monotonic_now());
+    } catch (const std::exception& error) {
+      spdlog::error("scene {}: a request was refused, the server failed at it: {}", name_,
+                    error.what());
+      asked->answer = std::move(asked->failure);
+    }
+    publish_size();
+    post_patiently(back, [asked] { asked->completion(std::move(asked->answer)); });
     await_tick();
     publish();
-    asio::post(back, [completion = std::move(completion), answer = std::move(answer)]() mutable {
-      completion(std::move(answer));
-    });
   });
 }
 
 void SceneHost::reload(Scene scene) {
   asio::post(io_, [this, next = std::make_unique<const Scene>(std::move(scene))]() mutable {
     if (closing_) return;
-    const auto farewells = sessions_.enter(*next, monotonic_now());
+    std::vector<SceneSessions::Farewell> farewells;
+    try {
+      farewells = sessions_.enter(*next, monotonic_now());
+    } catch (const std::exception& error) {
+      return spdlog::error(
+          "scene {}: the server failed to enter the reloaded scene: {}; the scene "
+          "stays as it was",
+          name_, error.what());
+    }
     say(farewells);
     if (!farewells.empty())
       spdlog::info("scene {}: sessions that ended, for it has their tool no more: {}", name_,
@@ -165,15 +187,44 @@ void SceneHost::ask_for_real_time() {
     spdlog::warn("scene {}: answers may be late now and then: {}", name_, less);
 }
 
-/// The thread. The silence timer always waits, so Asio never runs out of work.
+/// The thread.
 void SceneHost::run() {
   if (real_time_) ask_for_real_time();
   while (!closing_) {
-    if (busy_poll_.count() > 0) spin();
-    if (closing_) return;
-    if (!waiting_) await_datagrams();
-    io_.run_one();
+    try {
+      turn();
+    } catch (const std::exception& error) {
+      recover(error);
+    }
   }
+}
+
+/// The silence timer always waits, so Asio never runs out of work.
+void SceneHost::turn() {
+  if (!watching_) await_silence();
+  await_tick();
+  if (busy_poll_.count() > 0) spin();
+  if (closing_) return;
+  if (!waiting_) await_datagrams();
+  io_.run_one();
+}
+
+/// After an exception nobody knows what a handler has left undone: the scene's sessions end, and
+/// the scene is there for the next ones. No other scene is touched.
+void SceneHost::recover(const std::exception& failure) noexcept {
+  constexpr std::chrono::milliseconds kPause{10};  // no busy loop where it fails again at once
+  try {
+    if (const auto times = failures_.count(1, monotonic_now()))
+      spdlog::error(
+          "scene {}: the server failed in it: {} ({} times since the last line); its sessions end, "
+          "the scene goes on",
+          name_, failure.what(), *times);
+    say(sessions_.fail());
+    publish();
+  } catch (const std::exception&) {
+    // The sessions ended without a goodbye, or the next turn says that they did.
+  }
+  std::this_thread::sleep_for(kPause);
 }
 
 /// Exchanges until nothing has come for the time of busy polling. What others post, and the timer,
@@ -194,12 +245,12 @@ void SceneHost::spin() {
 }
 
 void SceneHost::await_datagrams() {
-  waiting_ = true;
   socket_.async_wait(asio::ip::udp::socket::wait_read,
                      in(datagram_wait_, [this](const std::error_code& error) {
                        waiting_ = false;
                        if (!error) serve();
                      }));
+  waiting_ = true;
 }
 
 /// Takes what is waiting, up to a limit: then others have their turn, and what is left wakes the
@@ -252,18 +303,19 @@ void SceneHost::await_silence() {
   // A session that floods ends as soon, however long it may be silent.
   silence_timer_.expires_after(std::clamp<Nanoseconds>(silence_timeout_ / 4, kSoonest, kLatest));
   silence_timer_.async_wait(in(silence_wait_, [this](const std::error_code& error) {
+    watching_ = false;
     if (error) return;
+    await_silence();
     say(sessions_.expire(monotonic_now()));
     publish();
-    await_silence();
   }));
+  watching_ = true;
 }
 
 /// Steps what moves when it is due, whether or not datagrams come; waits while somebody is here.
 void SceneHost::await_tick() {
   const auto due = sessions_.next_tick();
   if (!due || ticking_) return;
-  ticking_ = true;
   tick_timer_.expires_at(asio::steady_timer::time_point(*due));
   tick_timer_.async_wait(in(tick_wait_, [this](const std::error_code& error) {
     ticking_ = false;
@@ -272,6 +324,7 @@ void SceneHost::await_tick() {
     tell_of_world();
     await_tick();
   }));
+  ticking_ = true;
 }
 
 /// What goes on and on is told when there is twice as much of it.
@@ -317,7 +370,13 @@ SceneSummary SceneHost::count() const {
 SceneSummary SceneHost::summary() {
   if (!thread_.joinable()) return count();
   std::promise<SceneSummary> counted;
-  asio::post(io_, [this, &counted] { counted.set_value(count()); });
+  asio::post(io_, [this, &counted] {
+    try {
+      counted.set_value(count());
+    } catch (const std::exception&) {
+      counted.set_exception(std::current_exception());
+    }
+  });
   return counted.get_future().get();
 }
 

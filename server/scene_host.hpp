@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "protocol/busy_poll.hpp"
+#include "server/log_limit.hpp"
 #include "server/operation_memory.hpp"
 #include "server/scene_sessions.hpp"
 
@@ -67,7 +68,8 @@ class SceneHost {
   void ask(control::Message request, std::uint64_t id, const SessionKeys& keys,
            asio::io_context& back, Completion completion);
   /// Has all sessions go on in another scene, which keeps this one's name; those end whose tool it
-  /// does not have. Their bounds go on, so that the change gives no hand energy. From any thread.
+  /// does not have. Their bounds go on, so that the change gives no hand energy. Where that fails
+  /// (no memory) the scene stays as it was, and the log says so. From any thread.
   void reload(Scene scene);
   /// Ends a session with a goodbye, if it is there. From any thread.
   void evict(std::uint64_t session);
@@ -78,6 +80,8 @@ class SceneHost {
  private:
   void ask_for_real_time();
   void run();
+  void turn();
+  void recover(const std::exception& failure) noexcept;
   void spin();
   void await_datagrams();
   void serve();
@@ -85,9 +89,13 @@ class SceneHost {
   void send(std::size_t count) noexcept;
   void await_silence();
   void await_tick();
-  void publish() {
+  struct Asked;
+  void publish_size() noexcept {
     published_sessions_.store(static_cast<std::uint32_t>(sessions_.size()),
                               std::memory_order_relaxed);
+  }
+  void publish() {
+    publish_size();
     if (!sessions_.ended().empty()) tell_ended();
   }
   void tell_ended();
@@ -109,8 +117,10 @@ class SceneHost {
   asio::ip::udp::socket socket_{io_};
   asio::steady_timer silence_timer_{io_};
   asio::steady_timer tick_timer_{io_};
-  bool ticking_ = false;  // it waits; the scene's thread only
-  struct Told {           // of the world, that the log has
+  bool ticking_ = false;   // it waits; the scene's thread only
+  bool watching_ = false;  // the silence timer waits; likewise
+  LogLimit failures_;
+  struct Told {  // of the world, that the log has
     std::uint64_t resets = 0, ticks_dropped = 0, warnings = 0;
   } told_;
   std::unique_ptr<Batch> batch_;  // buffers of one exchange

@@ -65,6 +65,8 @@ std::string_view text(SessionEnd how) {
       return "it was evicted";
     case SessionEnd::tool_gone:
       return "the reloaded scene does not have its tool";
+    case SessionEnd::failed:
+      return "the server failed in its scene";
     case SessionEnd::shut_down:
       return "the server shut down";
   }
@@ -115,27 +117,42 @@ SceneSessions::SceneSessions(const Scene& scene, Nanoseconds silence_timeout,
   seats_.reserve(max_sessions);
   hands_.reserve(max_sessions);
   ended_.reserve(max_sessions);
-  make_world();
+  take_over(scene, world_of(scene));
 }
 
-/// Where something moves in the scene.
-void SceneSessions::make_world() {
-  if (scene_->mechanism() == nullptr) return;
-  world_ = std::make_unique<World>(*scene_);
-  tick_ = from_seconds(world_->tick());
+/// Null where nothing moves in the scene.
+std::unique_ptr<World> SceneSessions::world_of(const Scene& scene) const {
+  return scene.mechanism() == nullptr ? nullptr : std::make_unique<World>(scene);
+}
+
+void SceneSessions::take_over(const Scene& scene, std::unique_ptr<World> world) {
+  scene_ = &scene;
+  world_ = std::move(world);
+  if (world_ != nullptr) tick_ = from_seconds(world_->tick());
 }
 
 std::vector<SceneSessions::Farewell> SceneSessions::enter(const Scene& scene, Nanoseconds now) {
+  // What may throw comes first; nothing has changed by then.
+  std::unique_ptr<World> world = world_of(scene);
+  std::vector<Session::Place> places(seats_.size());
   std::vector<Farewell> farewells;
   for (std::size_t i = seats_.size(); i-- > 0;)
-    if (scene.held(seats_[i]->tool) == nullptr)
-      farewells.push_back(take_away(*seats_[i], SessionEnd::tool_gone));
+    if (const Scene* held = scene.held(seats_[i]->tool); held == nullptr)
+      farewells.push_back(farewell(*seats_[i], GoodbyeReason::evicted));
+    else
+      places[i] = Session::Place(*held, world.get());
+
   if (world_ != nullptr) add(counters_.world, world_->counters());
   const std::unique_ptr<World> before = std::move(world_);  // until no session is in it any more
-  scene_ = &scene;
-  make_world();
+  take_over(scene, std::move(world));
   last_tick_ = now;
-  for (const auto& seat : seats_) seat->session.enter(*scene.held(seat->tool), world_.get());
+  for (std::size_t i = seats_.size(); i-- > 0;)
+    if (places[i].scene != nullptr) {
+      seats_[i]->session.enter(std::move(places[i]));
+    } else {
+      ++counters_.evicted;
+      end(*seats_[i], SessionEnd::tool_gone);
+    }
   return farewells;
 }
 
@@ -187,6 +204,9 @@ control::Message SceneSessions::join(control::JoinRequest request, std::uint64_t
   if (held == nullptr)
     return control::Refused{control::RefusalCode::unknown_tool,
                             no_such_tool(*scene_, request.tool)};
+  // With the text first: once the session is there nothing may throw.
+  control::JoinAccepted accepted;
+  accepted.tool = held->tool().name;
   try {
     request.parameters = granted(request.parameters);
     auto seat = std::make_unique<Seat>(
@@ -210,7 +230,6 @@ control::Message SceneSessions::join(control::JoinRequest request, std::uint64_t
   const Session& session = seats_.back()->session;
   if (!session.observes())
     hands_.push_back({static_cast<std::uint32_t>(counters_.sessions_served), &session});
-  control::JoinAccepted accepted;
   accepted.session = id;
   accepted.parameters = request.parameters;
   accepted.silence_timeout = std::chrono::duration<double>(silence_timeout_).count();
@@ -219,7 +238,6 @@ control::Message SceneSessions::join(control::JoinRequest request, std::uint64_t
   accepted.start_position = held->start().position;
   accepted.start_normal = held->start().normal;
   accepted.stiffness = held->requirements().stiffness;
-  accepted.tool = held->tool().name;
   return accepted;
 }
 
@@ -371,11 +389,17 @@ SceneSessions::Farewell SceneSessions::take_away(Seat& seat, SessionEnd how) {
   return goodbye;
 }
 
-std::vector<SceneSessions::Farewell> SceneSessions::shut_down() {
+std::vector<SceneSessions::Farewell> SceneSessions::end_all(GoodbyeReason reason) noexcept {
   std::vector<Farewell> farewells;
   while (!seats_.empty()) {
-    farewells.push_back(farewell(*seats_.front(), GoodbyeReason::shutting_down));
-    end(*seats_.front(), SessionEnd::shut_down);
+    Seat& seat = *seats_.front();
+    try {
+      farewells.push_back(farewell(seat, reason));
+    } catch (const std::exception&) {
+      // It hears nothing, and is lost by silence.
+    }
+    if (reason == GoodbyeReason::failed) ++counters_.failed;
+    end(seat, reason == GoodbyeReason::failed ? SessionEnd::failed : SessionEnd::shut_down);
   }
   return farewells;
 }

@@ -40,6 +40,7 @@ struct SceneCounters {
   // How they ended: by goodbye or request, by silence, by flooding, by too many forgeries, by an
   // admin or because their token is good no more or their tool is in the scene no more.
   std::uint64_t left = 0, silent = 0, flooded = 0, forged = 0, evicted = 0;
+  std::uint64_t failed = 0;         // ended as well, for the server failed in this scene
   std::uint64_t datagrams = 0;      // received
   std::uint64_t late_goodbyes = 0;  // of these, under the number of a session that had just ended
   SessionCounters samples;          // over all sessions
@@ -57,6 +58,7 @@ enum class SessionEnd : std::uint8_t {
   forged,
   evicted,
   tool_gone,
+  failed,
   shut_down
 };
 struct EndedSession {
@@ -108,7 +110,7 @@ class SceneSessions {
   };
   /// All sessions go on in another scene, where nothing has moved yet, with the tools that they
   /// asked for; those end whose tool it does not have. It must outlive this; the one before is not
-  /// looked at any more. Allocates.
+  /// looked at any more. Allocates; throws and changes nothing where there is no memory for it.
   std::vector<Farewell> enter(const Scene& scene, Nanoseconds now);
 
   /// Ends the sessions that have been silent for too long, that flooded, or under whose id too much
@@ -116,8 +118,10 @@ class SceneSessions {
   std::vector<Farewell> expire(Nanoseconds now);
   /// Ends one session, if it is there.
   std::vector<Farewell> evict(std::uint64_t id);
-  /// Ends all sessions.
-  std::vector<Farewell> shut_down();
+  /// Ends all sessions: the server does, or it failed in this scene. No goodbye goes to a session
+  /// where there is no memory for one.
+  std::vector<Farewell> shut_down() noexcept { return end_all(GoodbyeReason::shutting_down); }
+  std::vector<Farewell> fail() noexcept { return end_all(GoodbyeReason::failed); }
 
   /// Sessions that have ended since forget_ended().
   const std::vector<EndedSession>& ended() const { return ended_; }
@@ -131,7 +135,9 @@ class SceneSessions {
  private:
   struct Seat;
   struct Origin;
-  void make_world();
+  std::unique_ptr<World> world_of(const Scene& scene) const;
+  void take_over(const Scene& scene, std::unique_ptr<World> world);
+  std::vector<Farewell> end_all(GoodbyeReason reason) noexcept;
   control::Message join(control::JoinRequest request, std::uint64_t id, const SessionKeys& keys,
                         Nanoseconds now);
   SessionParameters granted(const SessionParameters& asked) const;

@@ -12,23 +12,16 @@
 
 #include "protocol/udp_socket.hpp"
 #include "server/control_service.hpp"
+#include "server/post.hpp"
 #include "server/scene_ports.hpp"
 
 namespace feltwire {
 namespace {
 
-/// With a word in the log on what is strange in it.
-Scene load(const std::filesystem::path& file) {
-  Scene scene = load_scene(file);
-  for (const std::string& warning : scene.warnings())
-    spdlog::warn("{}: {}", file.string(), warning);
-  return scene;
-}
-
 std::vector<Scene> load_scenes(const ServerConfig& config) {
   validate(config);
   std::vector<Scene> scenes;
-  for (const auto& file : config.scenes) scenes.push_back(load(file));
+  for (const auto& file : config.scenes) scenes.push_back(load_scene_and_warn(file));
   return scenes;
 }
 
@@ -98,14 +91,20 @@ struct Server::Parts {
   ControlService service;
   std::unique_ptr<ControlEndpoint> control;
   asio::steady_timer look{io};
+  bool looking = false;                            // the timer runs
   const std::vector<std::filesystem::path> files;  // of the scenes; none where they were at hand
+  SceneLoader loader;
   std::thread thread;
 
-  Parts(const ServerConfig& config, std::vector<Scene> scenes, Security security)
+  Parts(const ServerConfig& config, std::vector<Scene> scenes, Security security,
+        SceneLoader::Load load)
       : fingerprint(feltwire::fingerprint(security.identity)),
         service(io, hosts, std::move(security.tokens), service_limits(config),
-                [this](std::size_t host) { return reload(host); }),
-        files(config.scenes) {
+                [this](std::size_t host, ControlService::Reloaded done) {
+                  reload(host, std::move(done));
+                }),
+        files(config.scenes),
+        loader(scenes.size(), std::move(load)) {
     check_names(scenes);
     auto sockets = listen(config, security, scenes.size());
     SceneHostOptions options = host_options(config);
@@ -121,7 +120,7 @@ struct Server::Parts {
     for (auto& host : hosts) host->start();
     control->start();
     look_after();
-    thread = std::thread([this] { io.run(); });
+    thread = std::thread([this] { run(); });
   }
 
   ~Parts() { stop(); }
@@ -142,45 +141,106 @@ struct Server::Parts {
     });
   }
 
-  void look_after() {
-    look.expires_after(std::chrono::seconds(1));
-    look.async_wait([this](const std::error_code& cancelled) {
-      if (cancelled) return;
-      service.look_after();
-      look_after();
-    });
-  }
-
-  /// Its file anew, read in the calling thread. What is wrong with it, or nothing.
-  std::optional<std::string> reload(std::size_t host) {
-    if (files.size() != hosts.size()) return "this server has its scenes from no file";
-    try {
-      Scene scene = load(files[host]);
-      if (scene.name() != hosts[host]->name())
-        return files[host].string() + ": name: is '" + scene.name() + "' now, and clients know '" +
-               hosts[host]->name() + "'; keep the name";
-      hosts[host]->reload(std::move(scene));
-      spdlog::info("scene {} was reloaded", hosts[host]->name());
-      return std::nullopt;
-    } catch (const std::exception& error) {
-      return error.what();
+  /// The control thread. A connection's handlers catch for themselves; what escapes another handler
+  /// is logged, and all of them go on.
+  void run() {
+    constexpr std::chrono::milliseconds kPause{100};  // no busy loop where it fails again at once
+    for (bool ended = false; !ended;) {
+      try {
+        control->keep_accepting();
+        if (!looking) look_after();
+        io.run();
+        ended = true;
+      } catch (const std::exception& error) {
+        spdlog::error("control: {}; it goes on", error.what());
+        std::this_thread::sleep_for(kPause);
+      }
     }
   }
 
-  void stop() {
-    if (!thread.joinable()) return;
-    asio::post(io, [this] { control->close(); });
-    for (auto& host : hosts) host->stop();
-    // Behind what the scenes have said: which sessions ended with the server.
-    asio::post(io, [this] { io.stop(); });
-    thread.join();
+  void look_after() {
+    look.expires_after(std::chrono::seconds(1));
+    look.async_wait([this](const std::error_code& cancelled) {
+      looking = false;
+      if (cancelled) return;
+      look_after();
+      loader.tell();
+      service.look_after();
+    });
+    looking = true;
+  }
+
+  /// Its file anew, read in another thread. On the control thread, as `done` is.
+  void reload(std::size_t host, ControlService::Reloaded done) {
+    using control::RefusalCode;
+    if (files.size() != hosts.size())
+      return done(
+          control::Refused{RefusalCode::bad_scene, "this server has its scenes from no file"});
+    struct Ended {
+      ControlService::Reloaded done;
+      LoadedScene loaded;
+    };
+    const auto ended = std::make_shared<Ended>(Ended{std::move(done), std::string()});
+    const auto pass_on = [this, host, ended](LoadedScene loaded) {
+      ended->loaded = std::move(loaded);
+      post_patiently(io,
+                     [this, host, ended] { ended->done(enter(host, std::move(ended->loaded))); });
+    };
+    if (!loader.begin(host, files[host], pass_on))
+      ended->done(control::Refused{RefusalCode::too_many,
+                                   "scene '" + hosts[host]->name() +
+                                       "' is being loaded already; wait until that has ended"});
+  }
+
+  /// What is wrong with it, or nothing, and then it is in place.
+  std::optional<control::Refused> enter(std::size_t host, LoadedScene loaded) {
+    using control::RefusalCode;
+    if (auto* wrong = std::get_if<std::string>(&loaded))
+      return control::Refused{RefusalCode::bad_scene, std::move(*wrong)};
+    auto& scene = std::get<Scene>(loaded);
+    if (scene.name() != hosts[host]->name())
+      return control::Refused{RefusalCode::bad_scene, files[host].string() + ": name: is '" +
+                                                          scene.name() +
+                                                          "' now, and clients know '" +
+                                                          hosts[host]->name() + "'; keep the name"};
+    hosts[host]->reload(std::move(scene));
+    spdlog::info("scene {} was reloaded", hosts[host]->name());
+    return std::nullopt;
+  }
+
+  /// All files anew; `done` when each has ended.
+  void reload(std::function<void(std::vector<std::string>)> done) {
+    struct All {
+      std::size_t left;
+      std::vector<std::string> wrong;
+      std::function<void(std::vector<std::string>)> done;
+    };
+    const auto all = std::make_shared<All>(All{hosts.size(), {}, std::move(done)});
+    for (std::size_t i = 0; i < hosts.size(); ++i)
+      reload(i, [all](const std::optional<control::Refused>& refused) {
+        if (refused) all->wrong.push_back(refused->reason);
+        if (--all->left == 0 && all->done) all->done(std::move(all->wrong));
+      });
+  }
+
+  bool stop() {
+    if (thread.joinable()) {
+      asio::post(io, [this] { control->close(); });
+      for (auto& host : hosts) host->stop();
+      // Behind what the scenes have said: which sessions ended with the server.
+      asio::post(io, [this] { io.stop(); });
+      thread.join();
+    }
+    return loader.stop();
   }
 };
 
 Server::Server(const ServerConfig& config)
     : Server(config, load_scenes(config), open_security(config)) {}
-Server::Server(const ServerConfig& config, std::vector<Scene> scenes, Security security)
-    : parts_(std::make_unique<Parts>(config, std::move(scenes), std::move(security))) {}
+Server::Server(const ServerConfig& config, std::vector<Scene> scenes, Security security,
+               SceneLoader::Load load)
+    : parts_(std::make_unique<Parts>(config, std::move(scenes), std::move(security),
+                                     std::move(load))) {}
 Server::~Server() = default;
 Server::Server(Server&&) noexcept = default;
 Server& Server::operator=(Server&&) noexcept = default;
@@ -195,14 +255,13 @@ std::vector<Server::ScenePort> Server::scenes() const {
   return result;
 }
 
-std::vector<std::string> Server::reload() {
-  std::vector<std::string> wrong;
-  for (std::size_t i = 0; i < parts_->hosts.size(); ++i)
-    if (auto refusal = parts_->reload(i)) wrong.push_back(*std::move(refusal));
-  return wrong;
+void Server::reload(std::function<void(std::vector<std::string>)> done) {
+  asio::post(parts_->io, [parts = parts_.get(), done = std::move(done)]() mutable {
+    parts->reload(std::move(done));
+  });
 }
 
-void Server::stop() { parts_->stop(); }
+bool Server::stop() { return parts_->stop(); }
 
 std::vector<SceneSummary> Server::summary() const {
   std::vector<SceneSummary> result;
@@ -235,11 +294,11 @@ std::string text(const std::vector<SceneSummary>& summary) {
   for (const SceneSummary& scene : summary) {
     const SceneCounters& c = scene.counters;
     lines += fmt::format(
-        "scene {}: sessions {} (left {}, silent {}, flooded {}, forged {}, evicted {}), samples "
-        "{}, "
+        "scene {}: sessions {} (left {}, silent {}, flooded {}, forged {}, evicted {}, failed {}), "
+        "samples {}, "
         "replies {} ({} withheld), gaps {} "
         "({} samples missed), unsent {}\n",
-        scene.scene, c.sessions_served, c.left, c.silent, c.flooded, c.forged, c.evicted,
+        scene.scene, c.sessions_served, c.left, c.silent, c.flooded, c.forged, c.evicted, c.failed,
         c.samples.samples, c.samples.replies, c.samples.withheld, c.samples.gaps, c.samples.missed,
         scene.unsent);
     std::string drops;

@@ -1,6 +1,7 @@
 #pragma once
 // The whole server as a value: programs and tests start it alike.
 
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -9,6 +10,7 @@
 #include "server/config.hpp"
 #include "server/control_service.hpp"
 #include "server/scene_host.hpp"
+#include "server/scene_loader.hpp"
 #include "server/security.hpp"
 
 namespace feltwire {
@@ -26,7 +28,9 @@ class Server {
   /// clear line.
   explicit Server(const ServerConfig& config);
   /// The same with these at hand; the configuration's own are not read.
-  Server(const ServerConfig& config, std::vector<Scene> scenes, Security security);
+  /// `load` reads a scene's file anew at a reload.
+  Server(const ServerConfig& config, std::vector<Scene> scenes, Security security,
+         SceneLoader::Load load = load_scene_and_warn);
   /// Stops.
   ~Server();
   Server(Server&&) noexcept;
@@ -42,12 +46,15 @@ class Server {
   };
   std::vector<ScenePort> scenes() const;
 
-  /// Reads the scenes' files anew; clients go on in them. What is wrong, one line a file whose
-  /// scene stays as it was.
-  std::vector<std::string> reload();
+  /// Reads the scenes' files anew, beside what the server does; clients go on in them. Returns at
+  /// once. `done` is called on the control thread when all are read: what is wrong, one line a file
+  /// whose scene stays as it was. It is not called where the server stops before that.
+  void reload(std::function<void(std::vector<std::string> wrong)> done = {});
 
-  /// Ends connections, says goodbye to every client and joins all threads. May be called again.
-  void stop();
+  /// Ends connections, says goodbye to every client, cancels what is loaded and joins all threads.
+  /// False where a thread had to be left behind that reads a scene's file and gets no answer: then
+  /// the process should end with std::_Exit. May be called again.
+  bool stop();
 
   /// One entry a scene, up to now. Not while another thread stops the server.
   std::vector<SceneSummary> summary() const;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <stdexcept>
+#include <utility>
 
 #include "core/numeric.hpp"
 #include "core/scene/near.hpp"
@@ -177,12 +178,18 @@ void Session::step(const Sample& sample, bool rotation, Reply& reply) noexcept {
   ++counters_.samples;
 }
 
-void Session::enter(const Scene& scene, World* world) {
+Session::Place::Place(const Scene& entered, World* run)
+    : scene(&entered),
+      world(run),
+      contacts(entered.memory()),
+      grasp(run != nullptr ? run->grasp(entered) : Grasp{}) {}
+
+void Session::enter(Place place) noexcept {
   ++reloads_;
-  scene_ = &scene;
-  world_ = world;
-  contacts_ = scene.memory();
-  grasp_ = world != nullptr ? world->grasp(scene) : Grasp{};
+  scene_ = place.scene;
+  world_ = place.world;
+  contacts_ = std::move(place.contacts);
+  grasp_ = std::move(place.grasp);
   body_ = {};
   deadband_ = ReplyDeadband(parameters_);  // what was said of the old one is no more
 }

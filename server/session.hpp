@@ -49,9 +49,19 @@ class Session {
   /// command does. `age` [s] of that sample. Precondition: the session has a world.
   void push(double age) noexcept;
 
-  /// The hand is in another scene from its next sample on, as if it had touched nothing yet; what
-  /// it is given comes from the bound it had. Both must outlive the session. Allocates.
-  void enter(const Scene& scene, World* world);
+  /// A scene and its world for a hand that has touched nothing in them yet. Both must outlive the
+  /// sessions in them. Allocates.
+  struct Place {
+    Place() = default;
+    Place(const Scene& entered, World* run);
+    const Scene* scene = nullptr;
+    World* world = nullptr;
+    TouchMemory contacts;
+    Grasp grasp;
+  };
+  /// The hand is in another scene from its next sample on; what it is given comes from the bound it
+  /// had. Precondition: the place has a scene.
+  void enter(Place place) noexcept;
 
   /// Counts a datagram of this session whose packet number had been seen.
   void count_duplicate() noexcept { ++counters_.duplicates; }

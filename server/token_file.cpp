@@ -23,13 +23,22 @@ std::optional<std::string> TokenFile::refresh() {
   if (file_.empty()) return std::nullopt;
   const Stamp now = stamp();
   if (now == read_) return std::nullopt;
-  read_ = now;
+  bool whole = false;
   try {
-    tokens_ = read_tokens(file_);
+    if (const auto open = exposure(file_)) throw FileError(*open);
+    const std::string text = read_text(file_);
+    whole = true;
+    tokens_ = parse_tokens(text, file_.string());
+    read_ = now;
+    said_.clear();
+    return std::nullopt;
   } catch (const FileError& error) {
-    return error.what();
+    // What is wrong in its text stays wrong until it is written again. What kept it from being read
+    // (no descriptor is free, say) may pass at any moment.
+    if (whole) read_ = now;
+    if (said_ == error.what()) return std::nullopt;
+    return said_ = error.what();
   }
-  return std::nullopt;
 }
 
 TokenFile::Stamp TokenFile::stamp() const {

@@ -21,7 +21,8 @@ class TokenFile {
   explicit TokenFile(Tokens tokens) : tokens_(std::move(tokens)) {}
 
   /// Reads the file again if it is another than was read last. When that cannot be used the tokens
-  /// stay as they are; what is wrong with it is returned, once for each such file.
+  /// stay as they are; what is wrong with it is returned, once. A file that could not be read to
+  /// its end is tried again with the next call.
   std::optional<std::string> refresh();
 
   const Tokens& tokens() const { return tokens_; }
@@ -38,7 +39,8 @@ class TokenFile {
   Stamp stamp() const;
 
   std::filesystem::path file_;
-  Stamp read_;
+  Stamp read_;        // of the newest text that was looked at
+  std::string said_;  // of what is wrong; empty: nothing is
   Tokens tokens_;
 };
 

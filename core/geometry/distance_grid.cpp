@@ -164,8 +164,10 @@ void DistanceGrid<Real>::Builder::choose(std::size_t max_bytes) {
   const auto plane =
       static_cast<std::size_t>(grid.count_.x()) * static_cast<std::size_t>(grid.count_.y());
   parallel_for(static_cast<std::size_t>(grid.count_.z()), [&](std::size_t z) {
-    for (std::size_t at = z * plane; at < (z + 1) * plane; ++at)
+    for (std::size_t at = z * plane; at < (z + 1) * plane; ++at) {
+      check_cancelled();
       grid.centers_[at] = static_cast<Real>(solid.distance(grid.center_of(brick_of(at))));
+    }
   });
   const double reach = grid.band_ + kBrickReach * grid.h_;
   for (std::size_t at = 0; at < grid.slots_.size(); ++at) {

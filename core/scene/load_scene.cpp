@@ -1,6 +1,7 @@
 #include <utility>
 
 #include "core/guidance/load_guides.hpp"
+#include "core/long_work.hpp"
 #include "core/scene/load_mesh.hpp"
 #include "core/scene/read_bodies.hpp"
 #include "core/scene/read_fields.hpp"
@@ -125,6 +126,8 @@ Scene parse_scene(std::string_view json, const std::string& file) {
   if (!scene.objects()) document.fail("objects", "is missing; add it");
   for (const scene_file::Object* o : *scene.objects()) {
     const std::string path = element("objects", objects.size());
+    check_cancelled();
+    begin_stage(path);
     require_new_name(document, "objects", objects, o->name()->str());
     Object object;
     object.name = o->name()->str();

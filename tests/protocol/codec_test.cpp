@@ -134,8 +134,9 @@ TEST(Codec, TheFlagsOfAReplyAreTheProtocols) {
 
 TEST(Codec, GoodbyeRoundTrip) {
   Encoder encoder;
-  for (const auto reason : {GoodbyeReason::leaving, GoodbyeReason::shutting_down,
-                            GoodbyeReason::evicted, GoodbyeReason::flooding}) {
+  for (const auto reason :
+       {GoodbyeReason::leaving, GoodbyeReason::shutting_down, GoodbyeReason::evicted,
+        GoodbyeReason::flooding, GoodbyeReason::failed, GoodbyeReason::disturbing}) {
     GoodbyeReason received = GoodbyeReason::leaving;
     EXPECT_EQ(decode(encoder.goodbye(reason), received), DropReason::none);
     EXPECT_EQ(received, reason);

@@ -226,12 +226,42 @@ TEST(Control, OtherMessagesRoundTrip) {
   EXPECT_TRUE(sessions.more);
   EXPECT_EQ(round_trip(ReloadScene{"a"}).scene, "a");
   EXPECT_EQ(round_trip(SceneReloaded{"b"}).scene, "b");
-  for (int code = 0; code <= static_cast<int>(RefusalCode::unknown_tool); ++code) {
+  for (int code = 0; code <= static_cast<int>(RefusalCode::failed); ++code) {
     const Refused refused = round_trip(Refused{static_cast<RefusalCode>(code), "because"});
     EXPECT_EQ(static_cast<int>(refused.code), code);
     EXPECT_EQ(refused.reason, "because");
     EXPECT_STRNE(name(refused.code), "unknown");
   }
+}
+
+/// A reason may quote a whole file: no length of it makes a frame that cannot be sent.
+TEST(Control, AReasonOfAnyLengthIsSent) {
+  const auto sent = [](const std::string& reason) {
+    return round_trip(Refused{RefusalCode::bad_scene, reason}).reason;
+  };
+  const std::string fits(kMaxReason, 'x');
+  EXPECT_EQ(sent(fits), fits);
+  const std::string cut = std::string(kMaxReason - 6, 'x') + " [...]";
+  for (const std::size_t size : {kMaxReason + 1, kMaxFrame - 1, kMaxFrame, 10 * kMaxFrame})
+    EXPECT_EQ(sent(std::string(size, 'x')), cut) << size;
+}
+
+/// Characters of 1 to 4 bytes, at every place of the cut: none is split.
+TEST(Control, AReasonIsCutBetweenCharacters) {
+  for (const std::string character : {"a", "\u00e9", "\u20ac", "\U0001f44b"})
+    for (std::size_t before = 0; before < 4; ++before) {
+      std::string text(before, '.');
+      for (int n = 0; n < 20; ++n) text += character;
+      const std::string cut = shortened(text, 18);
+      EXPECT_LE(cut.size(), 18u);
+      EXPECT_GT(cut.size() + character.size(), 18u);
+      ASSERT_TRUE(cut.ends_with(" [...]"));
+      const std::string kept = cut.substr(0, cut.size() - 6);
+      EXPECT_TRUE(text.starts_with(kept));
+      EXPECT_EQ((kept.size() - before) % character.size(), 0u) << kept;
+    }
+  // Bytes that are no UTF-8 are cut anywhere, and not for ever.
+  EXPECT_EQ(shortened(std::string(100, '\x80'), 18), std::string(12, '\x80') + " [...]");
 }
 
 TEST(Control, FrameLengthIsLittleEndian) {
@@ -248,8 +278,9 @@ TEST(Control, LimitsOfNamesAndFrames) {
   EXPECT_TRUE(decode(body(encode(r))));
   r.client += 'x';
   EXPECT_FALSE(decode(body(encode(r))));
-  EXPECT_THROW(encode(Refused{RefusalCode::malformed, std::string(kMaxFrame, 'x')}),
-               std::length_error);
+  JoinRequest longest_request = request();
+  longest_request.client = std::string(kMaxFrame, 'x');
+  EXPECT_THROW(encode(longest_request), std::length_error);
   const std::vector<std::uint8_t> large(kMaxFrame + 1);
   EXPECT_FALSE(decode(large));
   SceneList most;
@@ -315,7 +346,7 @@ TEST(Control, ChoicesThatAreNoneAreRefused) {
     sealed.suite = static_cast<CipherSuite>(suite);
     EXPECT_FALSE(decode(body(encode(sealed)))) << suite;
   }
-  EXPECT_FALSE(decode(body(encode(Refused{static_cast<RefusalCode>(13), "x"}))));
+  EXPECT_FALSE(decode(body(encode(Refused{static_cast<RefusalCode>(14), "x"}))));
 }
 
 /// A list may point at one entry ever so often: a small frame that would grow without end.

@@ -4,6 +4,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 
 #include <thread>
@@ -187,6 +188,27 @@ TEST(TokenFile, ABadOneChangesNothing) {
   EXPECT_THROW(change_tokens(path, [](Tokens&) { throw std::invalid_argument("no"); }),
                std::invalid_argument);
   EXPECT_EQ(text_of(path), json({}));
+}
+
+/// No descriptor is free while a token is revoked: it is revoked when there is one again.
+TEST(TokenFile, IsReadAgainWhenItCouldNotBeReadOnce) {
+  const TemporaryFolder folder;
+  const auto path = folder / "tokens.json";
+  write_state(path, json({issue().token}), kPrivate);
+  TokenFile file(path);
+  write_state(path, json({}), kPrivate);
+  rlimit before{};
+  ASSERT_EQ(::getrlimit(RLIMIT_NOFILE, &before), 0);
+  const rlimit none{0, before.rlim_max};
+  ASSERT_EQ(::setrlimit(RLIMIT_NOFILE, &none), 0);
+  const auto first = file.refresh(), second = file.refresh();
+  ASSERT_EQ(::setrlimit(RLIMIT_NOFILE, &before), 0);
+  ASSERT_TRUE(first.has_value());
+  EXPECT_THAT(*first, HasSubstr("Too many open files"));
+  EXPECT_EQ(second, std::nullopt);  // said once
+  EXPECT_EQ(file.tokens().size(), 1u);
+  EXPECT_EQ(file.refresh(), std::nullopt);
+  EXPECT_TRUE(file.tokens().empty());
 }
 
 TEST(State, IsMadeOnceAndForItsOwnerAlone) {

@@ -15,6 +15,7 @@
 #include "tests/protocol/sealed.hpp"
 #include "tests/server/make.hpp"
 #include "tests/server/raw_socket.hpp"
+#include "tests/server/reload.hpp"
 #include "tests/support/allocation_counter.hpp"
 #include "tests/support/eventually.hpp"
 
@@ -246,7 +247,7 @@ TEST(ToolChoice, AServersReloadTakesAToolAway) {
   EXPECT_EQ(decode(test::opened(socket.receive(), test::Way::down, joined.keys), reply),
             DropReason::none);
   std::ofstream(file) << json(kBallTool);
-  EXPECT_THAT(server.reload(), ::testing::IsEmpty());
+  EXPECT_THAT(test::reload(server), ::testing::IsEmpty());
   GoodbyeReason reason = GoodbyeReason::leaving;
   EXPECT_EQ(decode(test::opened(socket.receive(), test::Way::down, joined.keys), reason),
             DropReason::none);

@@ -57,6 +57,12 @@ class Program {
     return text;
   }
   pid_t process() const { return process_; }
+  /// What it says on the way to `text` in its log, or to its end.
+  std::string error_until(const std::string& text) {
+    std::string said;
+    for (char c = 0; said.find(text) == std::string::npos && ::read(error_, &c, 1) == 1;) said += c;
+    return said;
+  }
   void signal(int number) { ::kill(process_, number); }
   Outcome finish() {
     Outcome outcome;

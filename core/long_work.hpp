@@ -1,0 +1,79 @@
+#pragma once
+// Work that takes seconds, such as loading a scene: how far it is, and whether to give it up.
+
+#include <atomic>
+#include <cstddef>
+#include <mutex>
+#include <string>
+#include <utility>
+
+namespace feltwire {
+
+/// Thrown by check_cancelled(). No std::exception, so that nobody takes it for a fault of what was
+/// worked on.
+struct Cancelled {};
+
+/// Any thread may look at it and cancel it.
+class LongWork {
+ public:
+  void cancel() noexcept { cancelled_.store(true, std::memory_order_relaxed); }
+  bool cancelled() const noexcept { return cancelled_.load(std::memory_order_relaxed); }
+
+  /// What is done now, for people: "objects[2].mesh".
+  void begin(std::string stage) {
+    const std::lock_guard lock(mutex_);
+    stage_ = std::move(stage);
+    done_ = of_ = 0;
+  }
+  /// So many parts of the stage are done.
+  void advance(std::size_t done, std::size_t of) noexcept {
+    done_.store(done, std::memory_order_relaxed);
+    of_.store(of, std::memory_order_relaxed);
+  }
+  /// "objects[2].mesh, 40 %"
+  std::string progress() const {
+    const std::size_t done = done_, of = of_;
+    const std::lock_guard lock(mutex_);
+    if (of == 0) return stage_;
+    return stage_ + ", " + std::to_string(100 * done / of) + " %";
+  }
+
+ private:
+  std::atomic<bool> cancelled_{false};
+  std::atomic<std::size_t> done_{0}, of_{0};
+  mutable std::mutex mutex_;
+  std::string stage_;
+};
+
+inline thread_local LongWork* long_work_of_this_thread = nullptr;
+/// Of the calling thread; null: nobody asks how far it is, and it cannot be cancelled.
+inline LongWork* long_work() noexcept { return long_work_of_this_thread; }
+
+/// While this lives, what the calling thread does is part of `work`, and what threads of
+/// parallel_for() do for it.
+class DoingWork {
+ public:
+  explicit DoingWork(LongWork* work) noexcept
+      : before_(std::exchange(long_work_of_this_thread, work)) {}
+  ~DoingWork() { long_work_of_this_thread = before_; }
+  DoingWork(const DoingWork&) = delete;
+  DoingWork& operator=(const DoingWork&) = delete;
+
+ private:
+  LongWork* before_;
+};
+
+/// To be called every few milliseconds in long loops. Throws Cancelled.
+inline void check_cancelled() {
+  if (const LongWork* work = long_work(); work != nullptr && work->cancelled()) throw Cancelled{};
+}
+/// The same every 4096th time.
+inline void check_cancelled(std::size_t iteration) {
+  constexpr std::size_t kMask = 4095;
+  if ((iteration & kMask) == 0) check_cancelled();
+}
+inline void begin_stage(std::string stage) {
+  if (LongWork* work = long_work(); work != nullptr) work->begin(std::move(stage));
+}
+
+}  // namespace feltwire

@@ -1,0 +1,31 @@
+#pragma once
+// A log line that an event may cause a thousand times a second.
+
+#include <cstdint>
+#include <optional>
+
+#include "protocol/datagram.hpp"
+
+namespace feltwire {
+
+/// Lets the first event through at once, and later ones at most once in kPause.
+class LogLimit {
+ public:
+  static constexpr Nanoseconds kPause = std::chrono::seconds(1);
+
+  /// So many events happened. How many have happened since the last line, when a line is due now.
+  std::optional<std::uint64_t> count(std::uint64_t events, Nanoseconds now) noexcept {
+    untold_ += events;
+    if (untold_ == 0 || (last_ && now - *last_ < kPause)) return std::nullopt;
+    last_ = now;
+    const std::uint64_t told = untold_;
+    untold_ = 0;
+    return told;
+  }
+
+ private:
+  std::uint64_t untold_ = 0;
+  std::optional<Nanoseconds> last_;  // line
+};
+
+}  // namespace feltwire

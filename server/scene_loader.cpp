@@ -1,0 +1,111 @@
+#include "server/scene_loader.hpp"
+
+#include <spdlog/spdlog.h>
+
+#include <condition_variable>
+#include <mutex>
+#include <thread>
+
+#include "core/long_work.hpp"
+
+namespace feltwire {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+constexpr std::chrono::seconds kFirstWord{5};  // on a load that goes on
+
+}  // namespace
+
+Scene load_scene_and_warn(const std::filesystem::path& file) {
+  spdlog::info("{}: loading", file.string());
+  Scene scene = load_scene(file);
+  for (const std::string& warning : scene.warnings())
+    spdlog::warn("{}: {}", file.string(), warning);
+  return scene;
+}
+
+/// One load. Its thread keeps it, so that it may outlive the loader.
+struct SceneLoader::Job {
+  std::filesystem::path file;
+  Load load;
+  LongWork work;
+  Clock::time_point since = Clock::now();
+  Clock::duration next_word = kFirstWord;  // since then
+
+  std::mutex mutex;
+  std::condition_variable ended;
+  Done done;  // empty: nobody wants to know
+  bool running = true;
+
+  void run() {
+    LoadedScene loaded = std::string("loading was cancelled");
+    try {
+      const DoingWork doing(&work);
+      loaded = load(file);
+    } catch (const Cancelled&) {
+      // As it says already.
+    } catch (const std::bad_alloc&) {
+      loaded = file.string() + ": does not fit into the memory; simplify the scene";
+    } catch (const std::exception& error) {
+      loaded = std::string(error.what());
+    }
+    const std::lock_guard lock(mutex);
+    try {
+      if (done) done(std::move(loaded));
+    } catch (const std::exception& error) {
+      spdlog::error("{}: {}", file.string(), error.what());
+    }
+    done = nullptr;
+    running = false;
+    ended.notify_all();
+  }
+};
+
+SceneLoader::SceneLoader(std::size_t scenes, Load load) : load_(std::move(load)), jobs_(scenes) {}
+
+SceneLoader::~SceneLoader() { stop(); }
+
+bool SceneLoader::begin(std::size_t scene, const std::filesystem::path& file, Done done) {
+  std::shared_ptr<Job>& job = jobs_[scene];
+  if (job != nullptr) {
+    const std::lock_guard lock(job->mutex);
+    if (job->running) return false;
+  }
+  auto next = std::make_shared<Job>();
+  next->file = file;
+  next->load = load_;
+  next->done = std::move(done);
+  std::thread([next] { next->run(); }).detach();
+  job = std::move(next);
+  return true;
+}
+
+void SceneLoader::tell() {
+  for (const auto& job : jobs_) {
+    if (job == nullptr) continue;
+    const std::lock_guard lock(job->mutex);
+    const auto past = Clock::now() - job->since;
+    if (!job->running || past < job->next_word) continue;
+    job->next_word *= 2;
+    spdlog::info("{}: still loading after {} s: {}", job->file.string(),
+                 std::chrono::duration_cast<std::chrono::seconds>(past).count(),
+                 job->work.progress());
+  }
+}
+
+bool SceneLoader::stop(std::chrono::milliseconds patience) {
+  const Clock::time_point end = Clock::now() + patience;
+  for (const auto& job : jobs_)
+    if (job != nullptr) job->work.cancel();
+  bool all = true;
+  for (const auto& job : jobs_) {
+    if (job == nullptr) continue;
+    std::unique_lock lock(job->mutex);
+    if (job->ended.wait_until(lock, end, [&] { return !job->running; })) continue;
+    job->done = nullptr;
+    all = false;
+  }
+  return all;
+}
+
+}  // namespace feltwire

@@ -1,0 +1,22 @@
+#include "server/signals.hpp"
+
+#include <spdlog/spdlog.h>
+
+#include <exception>
+
+namespace feltwire {
+
+int wait_for_end(const sigset_t& signals, const SignalHandlers& handlers) {
+  for (int signal = 0; sigwait(&signals, &signal) == 0;) {
+    if (signal != SIGUSR1 && signal != SIGHUP) return signal;
+    try {
+      (signal == SIGUSR1 ? handlers.count : handlers.reload)();
+    } catch (const std::exception& error) {
+      spdlog::error("signal {}: {}; the server goes on", signal == SIGUSR1 ? "USR1" : "HUP",
+                    error.what());
+    }
+  }
+  return 0;  // no such set of signals
+}
+
+}  // namespace feltwire

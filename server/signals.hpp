@@ -1,0 +1,19 @@
+#pragma once
+// What the program does with its signals.
+
+#include <csignal>
+#include <functional>
+
+namespace feltwire {
+
+struct SignalHandlers {
+  std::function<void()> count;   // SIGUSR1
+  std::function<void()> reload;  // SIGHUP
+};
+
+/// Waits in the calling thread until one of `signals` comes that has no handler here, and returns
+/// it. The signals are blocked in every thread. What a handler throws is logged, and the wait goes
+/// on.
+int wait_for_end(const sigset_t& signals, const SignalHandlers& handlers);
+
+}  // namespace feltwire

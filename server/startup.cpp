@@ -1,0 +1,99 @@
+#include "server/startup.hpp"
+
+#include <poll.h>
+#include <spdlog/spdlog.h>
+#include <sys/eventfd.h>
+#include <sys/signalfd.h>
+#include <unistd.h>
+
+#include <array>
+#include <chrono>
+#include <memory>
+#include <system_error>
+#include <thread>
+
+#include "core/long_work.hpp"
+
+namespace feltwire {
+namespace {
+
+constexpr std::chrono::milliseconds kPatience{1000};  // with a cancelled load
+constexpr std::chrono::milliseconds kBetweenLines{5000};
+
+class EventFile {
+ public:
+  explicit EventFile(int descriptor) : descriptor_(descriptor) {
+    if (descriptor_ < 0) throw std::system_error(errno, std::generic_category(), "startup");
+  }
+  ~EventFile() { ::close(descriptor_); }
+  EventFile(const EventFile&) = delete;
+  EventFile& operator=(const EventFile&) = delete;
+  int get() const { return descriptor_; }
+
+ private:
+  int descriptor_;
+};
+
+EventFile signal_file() {
+  sigset_t ending;
+  sigemptyset(&ending);
+  sigaddset(&ending, SIGINT);
+  sigaddset(&ending, SIGTERM);
+  return EventFile(::signalfd(-1, &ending, SFD_CLOEXEC));
+}
+
+/// The thread keeps it, so that it may outlive the caller.
+struct Launch {
+  explicit Launch(const ServerConfig& with) : config(with) {}
+  ServerConfig config;
+  LongWork work;
+  EventFile done{::eventfd(0, EFD_CLOEXEC)};
+  std::optional<Server> server;
+  std::exception_ptr failure;
+
+  void run() noexcept {
+    try {
+      const DoingWork doing(&work);
+      server.emplace(config);
+    } catch (const Cancelled&) {
+      // There is no server, as was asked for.
+    } catch (...) {
+      failure = std::current_exception();
+    }
+    ::eventfd_write(done.get(), 1);
+  }
+};
+
+/// Whether it is done by then.
+bool wait_for(const Launch& start, std::chrono::milliseconds time) {
+  pollfd done{start.done.get(), POLLIN, 0};
+  return ::poll(&done, 1, static_cast<int>(time.count())) == 1;
+}
+
+}  // namespace
+
+std::optional<Server> start_server(const ServerConfig& config, StartEnded& ended) {
+  const EventFile signals = signal_file();
+  const auto start = std::make_shared<Launch>(config);
+  std::thread([start] { start->run(); }).detach();
+  for (;;) {
+    std::array<pollfd, 2> files{{{start->done.get(), POLLIN, 0}, {signals.get(), POLLIN, 0}}};
+    const int ready = ::poll(files.data(), files.size(), static_cast<int>(kBetweenLines.count()));
+    if (ready < 0 && errno != EINTR)
+      throw std::system_error(errno, std::generic_category(), "startup");
+    signalfd_siginfo came{};
+    if (ready > 0 && files[1].revents != 0 &&
+        ::read(signals.get(), &came, sizeof came) == sizeof came) {
+      ended.signal = static_cast<int>(came.ssi_signo);
+      start->work.cancel();
+      ended.left_behind = !wait_for(*start, kPatience);
+      return std::nullopt;
+    }
+    if (ready > 0 && files[0].revents != 0) break;
+    if (ready == 0) spdlog::info("still loading: {}", start->work.progress());
+  }
+  if (start->failure) std::rethrow_exception(start->failure);
+  return std::move(start->server);
+}
+
+}  // namespace feltwire
