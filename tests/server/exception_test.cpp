@@ -23,8 +23,8 @@ using namespace std::chrono_literals;
 using control::RefusalCode;
 using control::Refused;
 using test::ControlClient;
-using testing::EndsWith;
-using testing::HasSubstr;
+using ::testing::EndsWith;
+using ::testing::HasSubstr;
 
 /// Answers a list of sessions with an exception, a list of scenes with an answer that no frame
 /// holds (at once, or after a turn of the loop), and an eviction as it should.
@@ -97,11 +97,11 @@ TEST(Exceptions, ARefusalLongerThanAFrameIsCutAndTheServerGoesOn) {
     std::ofstream out(file);
     out << R"({"name": "room", "materials": [)";
     for (int i = 0; i < 700; ++i)
-      out << (i > 0 ? "," : "") << R"({"name": "m)" << i << std::string(110, 'x')
+      out << (i > 0 ? "," : "") << R"({"name": "m)" << i << std::string(94, 'x')
           << R"(", "stiffness": 500})";
     out << R"(], "objects": [{"name": "floor", "plane": {}, "material": ")" << used << R"("}]})";
   };
-  write("m0" + std::string(110, 'x'));
+  write("m0" + std::string(94, 'x'));
   ServerConfig config = test::any_port();
   config.scenes = {file};
   std::vector<Scene> scenes;
@@ -222,7 +222,8 @@ TEST(Exceptions, OfEveryAllocationEndAtMostOneScene) {
 "objects": [{"name": "floor", "plane": {}, "material": "m"}]})";
   ServerConfig config = test::any_port();
   config.scenes = {file};
-  config.join_burst = config.join_rate = 1e6;
+  config.join_burst = config.join_rate = 1e9;
+  config.handshake_burst = config.handshake_rate = 1e9;
   std::vector<Scene> scenes;
   scenes.push_back(load_scene(file));
   Server server(config, std::move(scenes), test::security());

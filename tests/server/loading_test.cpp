@@ -23,8 +23,8 @@ namespace {
 using control::RefusalCode;
 using control::Refused;
 using test::ControlClient;
-using testing::HasSubstr;
-using testing::StartsWith;
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
 
 constexpr std::chrono::milliseconds kWait{test::kPatience};
 
@@ -209,7 +209,7 @@ TEST(Loading, OfTheProgramEndsAtSigterm) {
   program.signal(SIGTERM);
   const test::Outcome outcome = program.finish();
   EXPECT_EQ(outcome.status, 0);
-  EXPECT_THAT(outcome.error, testing::Not(HasSubstr("was reloaded")));
+  EXPECT_THAT(outcome.error, ::testing::Not(HasSubstr("was reloaded")));
 }
 
 TEST(Loading, OfTheProgramEndsAtSigtermBeforeItServes) {
