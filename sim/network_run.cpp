@@ -48,11 +48,12 @@ class TruePort {
  private:
   using Either = std::variant<SimulatedDevice, ReplayDevice, TakingHand>;
   static Either make(const NetworkRunOptions& options) {
-    if (options.taking) return TakingHand(*options.taking, options.hand.spec);
-    if (!options.recording) return SimulatedDevice(options.hand);
+    if (options.taking)
+      return Either(std::in_place_type<TakingHand>, *options.taking, options.hand.spec);
+    if (!options.recording) return Either(std::in_place_type<SimulatedDevice>, options.hand);
     Recording positions = *options.recording;
     positions.rotation = false;
-    return ReplayDevice(std::move(positions), options.hand.spec);
+    return Either(std::in_place_type<ReplayDevice>, std::move(positions), options.hand.spec);
   }
 
   Either device_;

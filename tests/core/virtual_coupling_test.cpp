@@ -11,7 +11,7 @@
 namespace feltwire::virtual_coupling_test {
 namespace {
 
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
 constexpr double kPeriod = test::kModePeriod;
 
