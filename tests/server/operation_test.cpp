@@ -15,6 +15,7 @@
 #include "server/summary.hpp"
 #include "tests/server/make.hpp"
 #include "tests/server/raw_socket.hpp"
+#include "tests/support/eventually.hpp"
 #include "tests/support/program.hpp"
 
 namespace feltwire::operation_test {
@@ -32,17 +33,6 @@ Server room_server() {
   std::vector<Scene> scenes;
   scenes.push_back(test::room());
   return {config, std::move(scenes), test::security()};
-}
-
-/// Asks until it is so, or for long enough to say that it never will be.
-template <class Condition>
-bool becomes(Condition condition) {
-  const auto end = std::chrono::steady_clock::now() + kWait;
-  while (!condition()) {
-    if (std::chrono::steady_clock::now() > end) return false;
-    std::this_thread::yield();
-  }
-  return true;
 }
 
 std::string path(const std::string& name) {
@@ -72,7 +62,7 @@ TEST(Operation, CountsWhileItRuns) {
   Server server = room_server();
   test::RawSocket stranger(SOCK_DGRAM, server.scenes().front().udp_port);
   stranger.send(std::vector<std::uint8_t>{1, 2, 3});
-  EXPECT_TRUE(becomes([&] { return server.summary().front().counters.datagrams == 1; }));
+  EXPECT_TRUE(test::becomes([&] { return server.summary().front().counters.datagrams == 1; }));
   const Json scene =
       Json::parse(summary_json(server.summary(), server.control_summary())).at("scenes").at(0);
   EXPECT_EQ(scene.at("scene"), server.scenes().front().scene);
@@ -134,7 +124,7 @@ TEST(Operation, TheProgramTakesItsOptionsFromTheEnvironmentAndCountsOnASignal) {
   EXPECT_THAT(content(summary), HasSubstr("wall"));
   ASSERT_EQ(::unlink(summary.c_str()), 0);
   program.signal(SIGUSR1);
-  EXPECT_TRUE(becomes([&] { return !content(summary).empty(); }));
+  EXPECT_TRUE(test::becomes([&] { return !content(summary).empty(); }));
   ASSERT_EQ(::unlink(summary.c_str()), 0);
   program.signal(SIGTERM);
   EXPECT_EQ(program.finish().status, 0);
