@@ -38,8 +38,8 @@ wire::Patch wire_patch(const SurfacePatch& p, const Vec3& center) {
           static_cast<float>(m.static_friction),
           static_cast<float>(m.dynamic_friction),
           static_cast<float>(m.viscous_friction),
-          p.object,
           p.feature,
+          p.object,
           static_cast<std::uint8_t>(flags)};
 }
 
@@ -133,6 +133,7 @@ bool read(const wire::LocalModel& from, LocalModel& to) {
     to.patches[i].offset = offsets != nullptr ? offsets->Get(i) : 0.0F;
   }
   to.count = static_cast<int>(count);
+  to.scene = from.scene();
   return true;
 }
 
@@ -172,7 +173,7 @@ flatbuffers::Offset<wire::LocalModel> build(flatbuffers::FlatBufferBuilder& buil
   const auto offset_vector = any ? builder.CreateVector(offsets.data(), count)
                                  : flatbuffers::Offset<flatbuffers::Vector<float>>{};
   return wire::CreateLocalModel(builder, &center, static_cast<float>(model.reach), vector,
-                                offset_vector);
+                                offset_vector, model.scene);
 }
 
 }  // namespace

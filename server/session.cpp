@@ -96,6 +96,7 @@ Taken Session::take(const SampleBatch& batch, Nanoseconds now) noexcept {
     reply.model = world_ != nullptr
                       ? local_model(*world_, last_.pose.position, contacts_, grasp_.held)
                       : local_model(*scene_, last_.pose.position, contacts_);
+  reply.model.scene = scenes_;
   reply.delivered = delivered();
   reply.reloads = reloads_;
   reply.recovering = world_ != nullptr && world_->recovering();
@@ -191,6 +192,7 @@ void Session::enter(Place place) noexcept {
   contacts_ = std::move(place.contacts);
   grasp_ = std::move(place.grasp);
   body_ = {};
+  ++scenes_;
   deadband_ = ReplyDeadband(parameters_);  // what was said of the old one is no more
 }
 

@@ -100,7 +100,8 @@ class Session {
   bool observes_;  // it feels nothing and acts on nothing
 
   const Scene* scene_;
-  World* world_;  // null: nothing moves
+  World* world_;              // null: nothing moves
+  std::uint32_t scenes_ = 1;  // that it has been in, this one too
   TouchMemory contacts_;
   Grasp grasp_;
   BodyMemory body_;

@@ -32,7 +32,7 @@ struct FittedPatch {
   double curvature = 0.0;
   double distance = 0.0;  // [m] from the position, where it begins to count
   double slack = 0.0;     // [m] beside kPatchSlope: what facets stand off what they are cut from
-  std::uint8_t feature = 0;
+  std::uint32_t feature = 0;
 };
 
 struct FittedPatches {

@@ -43,7 +43,8 @@ const LocalContact::Contact* LocalContact::contact_of(std::uint16_t object) cons
 /// model says of touching is older) and its face is still described, else the model's.
 LocalContact::Contact LocalContact::continued(const LocalModel& model,
                                               std::uint16_t object) const noexcept {
-  const Contact* own = last_weight_ > 0.0 ? contact_of(object) : nullptr;
+  const bool same_scene = model.scene == model_.scene;
+  const Contact* own = last_weight_ > 0.0 && same_scene ? contact_of(object) : nullptr;
   Contact others{.object = object, .memory = {}, .adopted = true};
   bool described = false;
   for (const SurfacePatch& patch : model.view()) {
@@ -123,7 +124,8 @@ Command LocalContact::touch_object(Contact& contact, const Tool& tool, double ag
                                    double& weight) const noexcept {
   ContactMemory& memory = contact.memory;
   if (memory.touching) bring_up(contact, age, elapsed);
-  const PatchProxy proxy = patch_proxy(model_, contact.object, tool.position, age, memory.feature);
+  const PatchProxy proxy =
+      patch_proxy(model_, contact.object, tool.position, age, memory.feature, from_);
   contact.rough_depth = 0.0;
   if (proxy.patch == nullptr) {
     contact = {.object = contact.object, .memory = {}};
@@ -157,6 +159,7 @@ double LocalContact::weight_at(const Vec3& position) const noexcept {
 LocalForce LocalContact::touch(const Tool& tool, double age, double elapsed) noexcept {
   LocalForce force;
   force.weight = weight_at(tool.position);
+  from_.elapsed = elapsed;
   for (int i = 0; i < count_; ++i) {
     const Command part =
         touch_object(contacts_[static_cast<std::size_t>(i)], tool, age, elapsed, force.weight);
@@ -170,6 +173,7 @@ LocalForce LocalContact::touch(const Tool& tool, double age, double elapsed) noe
   if (depth > 0.0 && texture_.depth > 0.0)
     force.command.elastic += std::min(1.0, depth / texture_.depth) * texture_.force;
   if (!force.command.finite()) force = {};
+  from_ = {.known = tool.position.allFinite(), .position = tool.position, .elapsed = 0.0};
   last_weight_ = force.weight;
   return force;
 }

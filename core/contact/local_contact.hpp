@@ -6,6 +6,7 @@
 
 #include "core/contact/contact_law.hpp"
 #include "core/contact/local_model.hpp"
+#include "core/contact/patch_proxy.hpp"
 #include "core/types.hpp"
 
 namespace feltwire {
@@ -76,6 +77,7 @@ class LocalContact {
   std::array<Contact, kMaxPatches> contacts_{};
   int count_ = 0;
   Texture texture_;
+  CameFrom from_;             // where touch() was asked last
   double last_weight_ = 0.0;  // of the last touch(): 0: the contacts may not be the scene's
 };
 

@@ -30,7 +30,7 @@ struct SurfacePatch {
   bool touching = false, slipping = false;
   // Which surface this is, the same from one model to the next.
   std::uint16_t object = 0;
-  std::uint8_t feature = 0;  // as FeatureMemory has it
+  std::uint32_t feature = 0;  // as FeatureMemory has it: no two surfaces of an object share one
   /// The solid is only where the tool is behind all joined patches of this object (a convex edge or
   /// corner), and pushes along the one it was entered by, or beyond an obtuse edge by the next;
   /// patches that are not joined are solids of their own, and push to the nearest place in front of
@@ -45,6 +45,9 @@ inline constexpr int kMaxPatches = 3;
 /// All surfaces within `reach` of `center`, if no more than kMaxPatches are; `reach` ends before
 /// another would begin.
 struct LocalModel {
+  /// Counts the scenes that the session has been in: what a reload brings shares no surface with
+  /// what was before, whatever its objects and features are called.
+  std::uint32_t scene = 0;
   Vec3 center = Vec3::Zero();  // [m] the tool position that it was made for
   double reach = 0.0;          // [m] 0: the model says nothing
   std::array<SurfacePatch, kMaxPatches> patches{};

@@ -109,13 +109,6 @@ SurfacePoint textured(const MeshOptions& options, const SurfacePoint& surface) {
 
 }  // namespace
 
-void approach_from(const MeshSurface& surface, const Vec3& position,
-                   FeatureMemory& memory) noexcept {
-  memory = {};
-  memory.proxy = position - surface.mesh().origin();
-  memory.tracked = true;
-}
-
 SurfacePoint mesh_surface_point(const MeshSurface& surface, Side felt_from, const Vec3& position,
                                 FeatureMemory& memory, double radius) noexcept {
   const Vec3 goal = position - surface.mesh().origin();

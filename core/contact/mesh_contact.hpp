@@ -18,11 +18,6 @@ namespace feltwire {
 SurfacePoint mesh_surface_point(const MeshSurface& surface, Side felt_from, const Vec3& position,
                                 FeatureMemory& memory, double radius = 0.0) noexcept;
 
-/// A mesh has no memory of where a tool was that was not asked about: this tells it. [m, object
-/// frame]
-void approach_from(const MeshSurface& surface, const Vec3& position,
-                   FeatureMemory& memory) noexcept;
-
 /// Where a proxy is.
 struct Stand {
   Vec3 point = Vec3::Zero();  // [m]

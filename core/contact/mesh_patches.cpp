@@ -95,19 +95,10 @@ MeshFit curved(const MeshSurface& surface, const Seat& seat) {
   return fit;
 }
 
-/// The same for all triangles of one plane, and seldom for another's: never for those of a box,
-/// with its edges and corners cut off.
-std::uint8_t feature_of(const MeshFit& fit) {
-  constexpr double kSteps = 64.0;
-  constexpr std::uint32_t kMultiplier = 0x85ebca6b, kMost = 254;  // mixed as MurmurHash3 does
-  constexpr int kShift = 16;
-  if (fit.curvature != 0.0) return 1;
-  std::uint32_t hash = 0;
-  for (const double x : fit.normal) {
-    hash = (hash ^ static_cast<std::uint32_t>(std::lround(kSteps * (x + 2.0)))) * kMultiplier;
-    hash ^= hash >> kShift;
-  }
-  return static_cast<std::uint8_t>(2 + hash % kMost);
+/// The flat face that it is fitted to, or all that is round: no two faces share one.
+std::uint32_t feature_of(const MeshSurface& surface, const MeshFit& fit) {
+  constexpr std::uint32_t kRound = 1, kFirstFace = 2;
+  return fit.curvature != 0.0 ? kRound : kFirstFace + surface.face(fit.triangle);
 }
 
 /// Beyond what was looked at triangle by triangle one patch is asked for at eight places of rings
@@ -160,7 +151,7 @@ FittedPatches found(const MeshSurface& surface, const MeshFits& fits, double end
   all.extent = extent;
   for (int i = 0; i < fits.count(); ++i) {
     const MeshFit& fit = fits[i];
-    const std::uint8_t feature = feature_of(fit);
+    const std::uint32_t feature = feature_of(surface, fit);
     for (int j = 0; j < i; ++j)
       if (all.patches[static_cast<std::size_t>(j)].feature == feature) {
         all.end = earlier(fit.distance);  // nobody could tell the two apart

@@ -19,6 +19,7 @@ struct Seen {
   const SurfacePatch* patch = nullptr;
   double height = 0.0;  // [m] of the tool above the patch itself
   Vec3 normal = Vec3::Zero();
+  double before = 0.0;  // [m] the height that it came from
 
   /// Above what pushes.
   double clearance() const { return height - patch->offset; }
@@ -121,21 +122,56 @@ const Seen* fallen(const SeenPatches& seen, const Vec3& tool, const FeatureMemor
   return best;
 }
 
-/// Joined patches: behind all of them, by the one that it entered by; by the nearest when it
-/// enters, and then by the same until it leaves (shapes.cpp).
-PatchProxy behind_all(const SeenPatches& seen, const Vec3& tool, double age,
-                      const FeatureMemory& before) {
+/// The patch by which the way of the tool went into what is behind all; null: it did not.
+const Seen* entry(const SeenPatches& seen) {
   const Seen* by = nullptr;
+  double in = 0.0, out = 1.0;
+  for (const Seen& one : seen.view()) {
+    const double part = one.before / (one.before - one.height);
+    if (!solid(one.before)) {
+      if (!solid(one.height)) return nullptr;
+      if (by != nullptr && !(part > in)) continue;
+      in = part;
+      by = &one;
+    } else if (!solid(one.height)) {
+      out = std::min(out, part);
+    }
+  }
+  return in < out ? by : nullptr;
+}
+
+/// Whether the way from the tool straight back to a face leads through what is behind all.
+bool holds(const SeenPatches& seen, const Seen& by) {
+  double from = 0.0, to = -by.height;  // [m] along its normal
+  for (const Seen& one : seen.view()) {
+    if (one.patch == by.patch) continue;
+    const double rises = one.normal.dot(by.normal);
+    if (rises < 0.0)
+      from = std::max(from, one.height / -rises);
+    else if (!solid(one.height))
+      return false;
+    else if (rises > 0.0)
+      to = std::min(to, -one.height / rises);
+  }
+  return from < to;
+}
+
+/// Joined patches: by the one that the tool entered by, the nearest where that is not known, as
+/// long as the solid is between (shapes.cpp).
+PatchProxy behind_all(const SeenPatches& seen, const Vec3& tool, double age,
+                      const FeatureMemory& before, bool came) {
   const Seen* highest = nullptr;
+  const Seen* by = nullptr;
   bool inside = true;
   for (const Seen& one : seen.view()) {
     inside &= solid(one.height);
     if (highest == nullptr || one.height > highest->height) highest = &one;
-    const bool entered = before.feature == one.patch->feature;
-    const bool held = by != nullptr && before.feature == by->patch->feature;
-    if (by == nullptr || entered || (!held && one.height > by->height)) by = &one;
+    if (before.feature == one.patch->feature) by = &one;
   }
-  if (by == nullptr) return {};
+  if (highest == nullptr) return {};
+  if (came && before.feature == 0) by = entry(seen);
+  if (by != nullptr) inside = holds(seen, *by);
+  if (by == nullptr) by = highest;
   if (!inside) {
     if (highest->patch->offset > 0.0) return round_edge(seen, *highest, tool);
     return {};
@@ -150,17 +186,20 @@ PatchProxy behind_all(const SeenPatches& seen, const Vec3& tool, double age,
 }  // namespace
 
 PatchProxy patch_proxy(const LocalModel& model, std::uint16_t object, const Vec3& tool, double age,
-                       const FeatureMemory& before) noexcept {
+                       const FeatureMemory& before, const CameFrom& from) noexcept {
   SeenPatches hollow, joined;
   for (const SurfacePatch& patch : model.view()) {
     if (patch.object != object) continue;
     const Height h = height_above(patch, age * patch.velocity, tool);
     const Vec3& undefined = before.feature != 0 ? before.normal : patch.normal;
     const Vec3 normal = h.normal.isZero(0.0) ? undefined : h.normal;
-    (patch.joined ? joined : hollow).add({&patch, h.height, normal});
+    const double then = age - from.elapsed;
+    const double came =
+        from.known ? height_above(patch, then * patch.velocity, from.position).height : 0.0;
+    (patch.joined ? joined : hollow).add({&patch, h.height, normal, came});
   }
   const PatchProxy open = before_all(hollow, tool);
-  const PatchProxy convex = behind_all(joined, tool, age, before);
+  const PatchProxy convex = behind_all(joined, tool, age, before, from.known);
   // An object has patches of one kind; of whatever else comes the deeper.
   return convex.surface.depth > open.surface.depth ? convex : open;
 }

@@ -8,29 +8,29 @@
 namespace feltwire {
 namespace {
 
-constexpr std::uint8_t kOnlyFeature = 1;
+constexpr std::uint32_t kOnlyFeature = 1;
 
 // What underflows here is a distance that is taken for nothing, which is on the safe side; a scene
 // has no lengths that would overflow.
 double root(double a, double b) { return std::sqrt(a * a + b * b); }
 
-std::uint8_t feature_of(int face) { return static_cast<std::uint8_t>(1 + face); }
-int face_of(std::uint8_t feature) { return feature - 1; }
+std::uint32_t feature_of(int face) { return static_cast<std::uint32_t>(1 + face); }
+int face_of(std::uint32_t feature) { return feature - 1; }
 double face_sign(int face) { return face % 2 == 0 ? 1.0 : -1.0; }
 
-void add(SurfaceParts& all, double distance, std::uint8_t feature, bool shown = true) {
+void add(SurfaceParts& all, double distance, std::uint32_t feature, bool shown = true) {
   all.parts[static_cast<std::size_t>(all.count++)] = {distance, feature, shown};
 }
 
 /// One of several faces that bound a convex solid together: it begins to count where the solid
 /// does, and where the tool could be beyond it and inside the others. The face that the tool stands
 /// on counts wherever it is.
-void add_convex(SurfaceParts& all, double beyond, double solid, int face, std::uint8_t entered) {
-  const std::uint8_t feature = feature_of(face);
+void add_convex(SurfaceParts& all, double beyond, double solid, int face, std::uint32_t entered) {
+  const std::uint32_t feature = feature_of(face);
   add(all, feature == entered ? 0.0 : std::max(beyond, solid), feature);
 }
 
-SurfaceParts parts(const Plane&, Side side, const Vec3& p, std::uint8_t) {
+SurfaceParts parts(const Plane&, Side side, const Vec3& p, std::uint32_t) {
   SurfaceParts all;
   add(all, std::max(0.0, side == Side::outside ? p.z() : -p.z()), kOnlyFeature);
   return all;
@@ -40,7 +40,7 @@ double height(Side side, double distance, double radius) {
   return side == Side::outside ? distance - radius : radius - distance;
 }
 
-SurfaceParts parts(const Sphere& sphere, Side side, const Vec3& p, std::uint8_t) {
+SurfaceParts parts(const Sphere& sphere, Side side, const Vec3& p, std::uint32_t) {
   SurfaceParts all;
   add(all, std::max(0.0, height(side, p.norm(), sphere.radius)), kOnlyFeature);
   return all;
@@ -48,7 +48,7 @@ SurfaceParts parts(const Sphere& sphere, Side side, const Vec3& p, std::uint8_t)
 
 /// Side and ends are one smooth surface, but no patch: the one that the point is nearest to is
 /// shown, the others begin behind their junction with it.
-SurfaceParts parts(const Capsule& capsule, Side side, const Vec3& p, std::uint8_t) {
+SurfaceParts parts(const Capsule& capsule, Side side, const Vec3& p, std::uint32_t) {
   SurfaceParts all;
   const double h = capsule.half_length;
   const Vec3 core(0.0, 0.0, std::clamp(p.z(), -h, h));
@@ -70,7 +70,7 @@ SurfaceParts parts(const Capsule& capsule, Side side, const Vec3& p, std::uint8_
   return all;
 }
 
-SurfaceParts parts(const Box& box, Side side, const Vec3& p, std::uint8_t entered) {
+SurfaceParts parts(const Box& box, Side side, const Vec3& p, std::uint32_t entered) {
   SurfaceParts all;
   const Vec3& h = box.half_extents;
   const Vec3 out = (p.cwiseAbs() - h).cwiseMax(0.0);
@@ -89,7 +89,7 @@ SurfaceParts parts(const Box& box, Side side, const Vec3& p, std::uint8_t entere
   return all;
 }
 
-SurfaceParts parts(const Cylinder& cylinder, Side side, const Vec3& p, std::uint8_t entered) {
+SurfaceParts parts(const Cylinder& cylinder, Side side, const Vec3& p, std::uint32_t entered) {
   SurfaceParts all;
   const double h = cylinder.half_length, distance = root(p.x(), p.y());
   const double to_side = std::max(0.0, cylinder.radius - distance);
@@ -178,7 +178,7 @@ Surface surface(const Cylinder& cylinder, Side side, const Vec3& p, int face,
 }
 
 /// touched: what a tool remembers that touches just this, else null.
-SurfacePatch in_world(const Object& object, const Surface& s, std::uint8_t feature,
+SurfacePatch in_world(const Object& object, const Surface& s, std::uint32_t feature,
                       const ContactMemory* touched) {
   const Quaternion& to_world = object.pose.orientation;
   SurfacePatch patch;
@@ -202,7 +202,7 @@ SurfacePatch in_world(const Object& object, const Surface& s, std::uint8_t featu
 }  // namespace
 
 SurfaceParts surface_parts(const Shape& shape, Side side, const Vec3& position,
-                           std::uint8_t entered) noexcept {
+                           std::uint32_t entered) noexcept {
   // get_if instead of visit: visit may throw.
   if (const auto* plane = std::get_if<Plane>(&shape)) return parts(*plane, side, position, entered);
   if (const auto* sphere = std::get_if<Sphere>(&shape))
@@ -215,7 +215,7 @@ SurfaceParts surface_parts(const Shape& shape, Side side, const Vec3& position,
   return {};
 }
 
-SurfacePatch surface_patch(const Object& object, const Vec3& position, std::uint8_t feature,
+SurfacePatch surface_patch(const Object& object, const Vec3& position, std::uint32_t feature,
                            const ContactMemory& memory) noexcept {
   const Quaternion& to_world = object.pose.orientation;
   const Vec3 p = to_world.conjugate() * (position - object.pose.position);

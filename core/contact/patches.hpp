@@ -12,8 +12,8 @@ namespace feltwire {
 
 /// A part of a shape's surface, seen from a point.
 struct SurfacePart {
-  double distance = 0.0;     // [m] within this of the point, leaving the part out changes nothing
-  std::uint8_t feature = 0;  // as FeatureMemory has it
+  double distance = 0.0;      // [m] within this of the point, leaving the part out changes nothing
+  std::uint32_t feature = 0;  // as FeatureMemory has it
   bool shown =
       true;  // false: no patch stands beside the others' for it (the far parts of a capsule)
 };
@@ -34,11 +34,11 @@ struct SurfaceParts {
 /// if all of these are shown. Only which of two convex faces a tool enters by may differ where it
 /// enters nearer to R than it is deep.
 SurfaceParts surface_parts(const Shape& shape, Side side, const Vec3& position,
-                           std::uint8_t entered) noexcept;
+                           std::uint32_t entered) noexcept;
 
 /// The shown part of that feature as a patch in the world frame, at its point nearest to `position`
 /// [m, world], with radius 0 and object 0: these are the caller's to say.
-SurfacePatch surface_patch(const Object& object, const Vec3& position, std::uint8_t feature,
+SurfacePatch surface_patch(const Object& object, const Vec3& position, std::uint32_t feature,
                            const ContactMemory& memory) noexcept;
 
 /// The same of a fitted patch.

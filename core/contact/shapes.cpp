@@ -5,6 +5,7 @@
 
 #include "core/contact/mesh_contact.hpp"
 #include "core/geometry/distance_grid.hpp"
+#include "core/geometry/mesh_surface.hpp"
 #include "core/numeric.hpp"
 
 namespace feltwire {
@@ -19,9 +20,40 @@ SurfacePoint free_point(FeatureMemory& memory) {
 
 SurfacePoint contact(const Vec3& point, const Vec3& normal, double depth, int feature,
                      FeatureMemory& memory) {
-  memory.feature = static_cast<std::uint8_t>(1 + feature);
+  memory.feature = static_cast<std::uint32_t>(1 + feature);
   memory.normal = normal;
   return {point, normal, depth};
+}
+
+/// Free of a solid that has a far side: where it is now is where it comes from next.
+SurfacePoint free_at(const Vec3& p, FeatureMemory& memory) {
+  memory = {};
+  memory.proxy = p;
+  memory.tracked = true;
+  return {};
+}
+
+/// On such a solid.
+SurfacePoint held(const SurfacePoint& on, int feature, FeatureMemory& memory) {
+  memory.side = 1;
+  memory.proxy = on.point;
+  memory.tracked = true;
+  return contact(on.point, on.normal, on.depth, feature, memory);
+}
+
+/// The part of a way, 0 to 1, that is within a radius of the origin: empty unless in < out.
+struct Span {
+  double in = 1.0, out = 0.0;
+};
+Span within(const Vec3& from, const Vec3& way, double radius) {
+  const double a = way.squaredNorm(), b = from.dot(way);
+  const double root = b * b - a * (from.squaredNorm() - radius * radius);
+  if (!(a > 0.0) || !(root > 0.0)) return {};
+  return {std::max(0.0, (-b - std::sqrt(root)) / a), std::min(1.0, (-b + std::sqrt(root)) / a)};
+}
+/// Who is farther `off` a solid than the way that he came cannot have been in it.
+bool cannot_have_met(double off, const Vec3& way) {
+  return off > 0.0 && way.squaredNorm() < off * off;
 }
 
 SurfacePoint surface(const Plane&, Side side, const Vec3& p, FeatureMemory& memory) {
@@ -57,23 +89,50 @@ SurfacePoint surface(const Capsule& capsule, Side side, const Vec3& p, FeatureMe
   return round_surface(side, p, core, capsule.radius, undefined, memory);
 }
 
-SurfacePoint box_from_outside(const Vec3& h, const Vec3& p, FeatureMemory& memory) {
-  const bool inside = std::abs(p.x()) < h.x() && std::abs(p.y()) < h.y() && std::abs(p.z()) < h.z();
-  if (!inside) return free_point(memory);
+/// The face by which the way from a free point goes in; -1: it does not.
+int box_entry(const Vec3& h, const Vec3& from, const Vec3& to) {
+  double in = 0.0, out = 1.0;
+  int entered = -1;
+  for (int face = 0; face < kBoxFaces; ++face) {
+    const int axis = face / 2;
+    const double sign = face % 2 == 0 ? 1.0 : -1.0;
+    const double before = sign * from[axis] - h[axis], after = sign * to[axis] - h[axis];
+    if (before >= 0.0 && after >= 0.0) return -1;
+    if (before >= 0.0) {
+      const double part = before / (before - after);
+      if (entered >= 0 && !(part > in)) continue;
+      in = part;
+      entered = face;
+    } else if (after >= 0.0) {
+      out = std::min(out, before / (before - after));
+    }
+  }
+  return in < out ? entered : -1;
+}
 
+SurfacePoint box_from_outside(const Vec3& h, const Vec3& p, FeatureMemory& memory) {
   // A convex solid holds the whole way between two points in it, so whoever is still inside has
-  // crossed no other face since he entered. Only at entry is the nearest face asked for.
-  int face = memory.feature - 1;
+  // crossed no other face since he entered. Only for who was never seen before is it the nearest.
+  int face = static_cast<int>(memory.feature) - 1;
   if (face < 0 || face >= kBoxFaces) {
-    Eigen::Index axis;
-    (h - p.cwiseAbs()).minCoeff(&axis);
-    face = 2 * static_cast<int>(axis) + (p[axis] < 0.0 ? 1 : 0);
+    face = memory.tracked ? box_entry(h, memory.proxy, p) : -1;
+    if (face < 0) {
+      const Vec3 deep = h - p.cwiseAbs();
+      if (!(deep.x() > 0.0 && deep.y() > 0.0 && deep.z() > 0.0)) return free_at(p, memory);
+      Eigen::Index axis;
+      deep.minCoeff(&axis);
+      face = 2 * static_cast<int>(axis) + (p[axis] < 0.0 ? 1 : 0);
+    }
   }
   const int axis = face / 2;
   const double sign = face % 2 == 0 ? 1.0 : -1.0;
+  const double depth = h[axis] - sign * p[axis];
+  for (int other = 0; other < 3; ++other)
+    if (other != axis && !(std::abs(p[other]) < h[other])) return free_at(p, memory);
+  if (!(depth > 0.0)) return free_at(p, memory);
   Vec3 point = p;
   point[axis] = sign * h[axis];
-  return contact(point, sign * Vec3::Unit(axis), h[axis] - sign * p[axis], face, memory);
+  return held({point, sign * Vec3::Unit(axis), depth}, face, memory);
 }
 
 /// Seen from within, the box is convex for the proxy: it is the clamped point, on one face, an edge
@@ -94,40 +153,79 @@ SurfacePoint surface(const Box& box, Side side, const Vec3& p, FeatureMemory& me
                                : box_from_inside(box.half_extents, p, memory);
 }
 
-SurfacePoint surface(const Cylinder& cylinder, Side side, const Vec3& p, FeatureMemory& memory) {
+/// Seen from within, the cylinder is convex for the proxy, as the box is.
+SurfacePoint cylinder_from_inside(const Cylinder& cylinder, const Vec3& p, FeatureMemory& memory) {
   const double h = cylinder.half_length;
   const Vec3 across(p.x(), p.y(), 0.0);
+  const double beyond_side = std::max(0.0, length(across) - cylinder.radius);
+  const double z = std::clamp(p.z(), -h, h);
+  const Vec3 beyond = beyond_side * direction(across) + (p.z() - z) * Vec3::UnitZ();
+  const double depth = length(beyond);
+  if (!(depth > 0.0)) return free_point(memory);
+  const Vec3 at_side = beyond_side > 0.0 ? Vec3(cylinder.radius * direction(across)) : across;
+  const int feature = beyond_side >= std::abs(p.z() - z) ? kCylinderSide
+                      : p.z() > 0.0                      ? kCylinderTop
+                                                         : kCylinderBottom;
+  return contact(at_side + z * Vec3::UnitZ(), -direction(beyond), depth, feature, memory);
+}
+
+/// The same of a cylinder.
+int cylinder_entry(const Cylinder& cylinder, const Vec3& from, const Vec3& to) {
+  const double h = cylinder.half_length, r = cylinder.radius;
+  const Vec3 flat(1.0, 1.0, 0.0);
+  if ((from.z() >= h && to.z() >= h) || (from.z() <= -h && to.z() <= -h)) return -1;
+  const Vec3 start = from.cwiseProduct(flat), end = to.cwiseProduct(flat);
+  Span side{0.0, 1.0};
+  if (!(length(start) < r && length(end) < r)) side = within(start, end - start, r);
+  int face = length(start) < r ? -1 : kCylinderSide;
+  const double down = to.z() - from.z();
+  for (const double sign : {1.0, -1.0}) {
+    const double before = sign * from.z() - h, after = sign * to.z() - h;
+    const double part = -before / (sign * down);
+    if (before >= 0.0) {
+      if (face >= 0 && !(part > side.in)) continue;
+      side.in = part;
+      face = sign > 0.0 ? kCylinderTop : kCylinderBottom;
+    } else if (after >= 0.0) {
+      side.out = std::min(side.out, part);
+    }
+  }
+  return side.in < side.out ? face : -1;
+}
+
+SurfacePoint surface(const Cylinder& cylinder, Side side, const Vec3& p, FeatureMemory& memory) {
+  if (side == Side::inside) return cylinder_from_inside(cylinder, p, memory);
+  const double h = cylinder.half_length, r = cylinder.radius;
+  const Vec3 across(p.x(), p.y(), 0.0);
   const double distance = length(across);
+  const bool inside = distance < r && std::abs(p.z()) < h;
 
-  if (side == Side::inside) {  // convex for the proxy, as the box is
-    const double beyond_side = std::max(0.0, distance - cylinder.radius);
-    const double z = std::clamp(p.z(), -h, h);
-    const Vec3 beyond = beyond_side * direction(across) + (p.z() - z) * Vec3::UnitZ();
-    const double depth = length(beyond);
-    if (!(depth > 0.0)) return free_point(memory);
-    const Vec3 at_side = beyond_side > 0.0 ? Vec3(cylinder.radius * direction(across)) : across;
-    const int feature = beyond_side >= std::abs(p.z() - z) ? kCylinderSide
-                        : p.z() > 0.0                      ? kCylinderTop
-                                                           : kCylinderBottom;
-    return contact(at_side + z * Vec3::UnitZ(), -direction(beyond), depth, feature, memory);
-  }
-
-  if (!(distance < cylinder.radius && std::abs(p.z()) < h)) return free_point(memory);
-  int feature = memory.feature - 1;
+  int feature = static_cast<int>(memory.feature) - 1;
   if (feature < kCylinderSide || feature > kCylinderBottom) {
-    const bool side_is_nearer = cylinder.radius - distance < h - std::abs(p.z());
-    feature = side_is_nearer ? kCylinderSide : p.z() < 0.0 ? kCylinderBottom : kCylinderTop;
+    const double off = std::max(distance - r, std::abs(p.z()) - h);
+    feature = memory.tracked && !cannot_have_met(off, p - memory.proxy)
+                  ? cylinder_entry(cylinder, memory.proxy, p)
+                  : -1;
+    if (feature < 0 && !inside) return free_at(p, memory);
+    if (feature < 0) {
+      const bool side_is_nearer = r - distance < h - std::abs(p.z());
+      feature = side_is_nearer ? kCylinderSide : p.z() < 0.0 ? kCylinderBottom : kCylinderTop;
+    }
   }
-  if (feature == kCylinderSide) {
-    Vec3 outward = distance > 0.0 ? direction(across) : memory.normal;
-    outward.z() = 0.0;  // a normal remembered from before the first contact is along z
-    if (outward.isZero(0.0)) outward = Vec3::UnitX();
-    return contact(cylinder.radius * outward + p.z() * Vec3::UnitZ(), outward,
-                   cylinder.radius - distance, feature, memory);
+
+  if (feature != kCylinderSide) {
+    const double sign = feature == kCylinderTop ? 1.0 : -1.0;
+    const double depth = h - sign * p.z();
+    if (!(distance < r) || !(depth > 0.0)) return free_at(p, memory);
+    const Vec3 point(p.x(), p.y(), sign * h);
+    return held({point, sign * Vec3::UnitZ(), depth}, feature, memory);
   }
-  const double sign = feature == kCylinderTop ? 1.0 : -1.0;
-  return contact(Vec3(p.x(), p.y(), sign * h), sign * Vec3::UnitZ(), h - sign * p.z(), feature,
-                 memory);
+  if (!inside) return free_at(p, memory);
+  Vec3 outward = distance > 0.0 ? direction(across) : memory.normal;
+  outward.z() = 0.0;  // a normal remembered from before the first contact is along z
+  if (outward.isZero(0.0)) outward = Vec3::UnitX();
+  const Vec3 point = r * outward + p.z() * Vec3::UnitZ();
+  return held({point, outward, r - distance}, feature, memory);
 }
 
 SurfacePoint surface(const Grid& grid, Side side, const Vec3& p, FeatureMemory& memory) {
@@ -159,6 +257,23 @@ SurfacePoint surface_point(const Shape& shape, Side side, const Vec3& position,
     return mesh_surface_point(*mesh->surface, side, position, memory);
   if (const auto* grid = std::get_if<Grid>(&shape)) return surface(*grid, side, position, memory);
   return free_point(memory);
+}
+
+bool follows_way(const Shape& shape, Side side) noexcept {
+  if (std::holds_alternative<Mesh>(shape)) return true;
+  return side == Side::outside &&
+         (std::holds_alternative<Box>(shape) || std::holds_alternative<Cylinder>(shape));
+}
+
+Vec3 origin_of(const Shape& shape) noexcept {
+  const auto* mesh = std::get_if<Mesh>(&shape);
+  return mesh != nullptr ? mesh->surface->mesh().origin() : Vec3(Vec3::Zero());
+}
+
+void approach_from(const Shape& shape, const Vec3& position, FeatureMemory& memory) noexcept {
+  memory = {};
+  memory.proxy = position - origin_of(shape);
+  memory.tracked = true;
 }
 
 }  // namespace feltwire

@@ -25,6 +25,32 @@ std::vector<Bounds> boxes_of(const TriangleMesh& mesh, double skin) {
   return boxes;
 }
 
+/// Of each triangle: the first of the flat face that it is part of.
+std::vector<std::uint32_t> faces_of(const TriangleMesh& mesh) {
+  constexpr double kFlat = 1e-3;  // [rad] more than coordinates in single precision are off by
+  constexpr std::uint32_t kNone = TriangleMesh::kNone;
+  std::vector<std::uint32_t> faces(mesh.triangles().size(), kNone), open;
+  for (std::uint32_t first = 0; first < faces.size(); ++first) {
+    if (faces[first] != kNone) continue;
+    faces[first] = first;
+    open.assign(1, first);
+    const Vec3 normal = triangle_normal(mesh.corners(first));
+    while (!open.empty()) {
+      const std::uint32_t t = open.back();
+      open.pop_back();
+      for (int k = 0; k < 3; ++k) {
+        const std::uint32_t next = mesh.neighbour(t, k);
+        if (next == kNone || faces[next] != kNone) continue;
+        // By the first one's normal: small turns do not add up.
+        if ((triangle_normal(mesh.corners(next)) - normal).squaredNorm() > kFlat * kFlat) continue;
+        faces[next] = first;
+        open.push_back(next);
+      }
+    }
+  }
+  return faces;
+}
+
 }  // namespace
 
 // Ericson, Real-Time Collision Detection (2005), 5.1.5: by the regions of face, edges and corners.
@@ -63,7 +89,8 @@ MeshSurface::MeshSurface(TriangleMesh mesh, const MeshOptions& options)
     : mesh_(std::move(mesh)),
       options_(options),
       skin_(kSkin * mesh_.half_extents().maxCoeff()),
-      tree_(boxes_of(mesh_, skin_)) {
+      tree_(boxes_of(mesh_, skin_)),
+      faces_(faces_of(mesh_)) {
   if (!options_.smooth) return;
   normals_.resize(mesh_.vertices().size());
   for (std::uint32_t v = 0; v < normals_.size(); ++v) normals_[v] = corner_normal(v);
@@ -163,7 +190,8 @@ double MeshSurface::side_of(const Vec3& p, const NearestTriangle& nearest) const
 }
 
 std::size_t MeshSurface::memory() const {
-  return mesh_.memory() + tree_.memory() + normals_.capacity() * sizeof(Vec3);
+  return mesh_.memory() + tree_.memory() + normals_.capacity() * sizeof(Vec3) +
+         faces_.capacity() * sizeof(std::uint32_t);
 }
 
 }  // namespace feltwire

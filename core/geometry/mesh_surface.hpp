@@ -54,6 +54,10 @@ class MeshSurface {
   /// what coordinates in single precision can tell apart at this size.
   double skin() const { return skin_; }
 
+  /// The flat face that a triangle is part of, as the lowest index of its triangles: those that
+  /// neighbours join and whose normals differ by no more than rounding from that one's.
+  std::uint32_t face(std::uint32_t t) const { return faces_[t]; }
+
   /// Normals at the corners, unit, weighted by the angles round them; only of smooth surfaces.
   const std::vector<Vec3>& normals() const { return normals_; }
   /// That normal at one corner, of any surface.
@@ -93,6 +97,7 @@ class MeshSurface {
   double skin_ = 0.0;
   BoxTree tree_;
   std::vector<Vec3> normals_;
+  std::vector<std::uint32_t> faces_;
 };
 
 }  // namespace feltwire

@@ -15,7 +15,7 @@ constexpr std::size_t kMostObjects = std::numeric_limits<std::uint16_t>::max();
 struct Near {
   double distance = 0.0;  // [m]
   std::size_t object = 0;
-  std::uint8_t feature = 0;
+  std::uint32_t feature = 0;
 };
 
 /// The nearest parts so far, in order; those of equal distance in the order they came.
@@ -54,7 +54,7 @@ class Nearest {
   double reach_;  // [m]
 };
 
-SurfaceParts parts_near(const Object& object, const Vec3& position, std::uint8_t entered) {
+SurfaceParts parts_near(const Object& object, const Vec3& position, std::uint32_t entered) {
   const Vec3 p = object.pose.orientation.conjugate() * (position - object.pose.position);
   return surface_parts(object.shape, object.felt_from, p, entered);
 }

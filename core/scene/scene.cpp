@@ -242,10 +242,9 @@ Command Scene::touch_near(const Tool& tool, TouchMemory& memory) const noexcept 
   };
   for (std::size_t n = static_cast<std::size_t>(known); n < asked.size(); ++n) {
     const Object& object = objects_[asked[n]];
-    const auto* mesh = std::get_if<Mesh>(&object.shape);
-    if (mesh == nullptr || !memory.tracked_ || is_live(asked[n])) continue;
-    approach_from(*mesh->surface,
-                  object.pose.orientation.conjugate() * (from - object.pose.position),
+    if (!memory.tracked_ || is_live(asked[n]) || !follows_way(object.shape, object.felt_from))
+      continue;
+    approach_from(object.shape, object.pose.orientation.conjugate() * (from - object.pose.position),
                   memory[asked[n]].feature);
   }
   std::sort(asked.begin(), asked.end());

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "core/geometry/mesh_surface.hpp"
 #include "core/numeric.hpp"
 #include "core/scene/mechanism.hpp"
 #include "core/scene/mujoco_room.hpp"
@@ -124,14 +123,13 @@ World::World(const Scene& scene)
       still_(mechanism_of(scene).still()),
       parts_(mechanism_of(scene).parts().size()),
       motions_(parts_),
-      meshes_(parts_),
+      followed_(parts_),
       run_(std::make_unique<Run>(mechanism_of(scene))) {
   const auto add = [&](const Scene& held) {
     const std::span<const Object> moving(held.objects().data() + still_, parts_);
     held_.push_back({&held, held.objects(), MovingReach(moving, held.tool().radius)});
     for (std::size_t i = 0; i < parts_; ++i)
-      if (const auto* mesh = std::get_if<Mesh>(&moving[i].shape))
-        meshes_[i].surface = mesh->surface.get();
+      followed_[i].way |= follows_way(moving[i].shape, moving[i].felt_from);
   };
   held_.reserve(1 + scene.others().size());
   add(scene);
@@ -147,7 +145,7 @@ void World::look() noexcept {
     const Mechanism::Part& part = run_->parts[i];
     const Quaternion turned = mujoco::quaternion(mujoco::entry<4>(run_->data()->xquat, part.body));
     const Vec3 arm = turned * part.in_body.position;
-    meshes_[i].before = objects()[still_ + i].pose;
+    followed_[i].before = objects()[still_ + i].pose;
     Pose pose;
     pose.position = mujoco::vector(mujoco::entry<3>(run_->data()->xpos, part.body)) + arm;
     pose.orientation = (turned * part.in_body.orientation).normalized();

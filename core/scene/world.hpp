@@ -124,12 +124,12 @@ class World {
     Vec3 angular = Vec3::Zero();  // [rad/s]
   };
   std::vector<Motion> motions_;  // of those that move
-  /// Likewise, where it is a mesh: that has to know where a tool comes from, seen from itself.
-  struct MeshPart {
-    const MeshSurface* surface = nullptr;  // null: none
-    Pose before;                           // a step ago
+  /// Likewise, of what has to know where a tool comes from, seen from itself (follows_way()).
+  struct Followed {
+    bool way = false;
+    Pose before;  // a step ago
   };
-  std::vector<MeshPart> meshes_;
+  std::vector<Followed> followed_;
   /// What hands meet that hold one of the tools: the same places, but what is triangles to a point
   /// is a grid to a body.
   struct Held {

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "core/contact/mesh_contact.hpp"
 #include "core/scene/world.hpp"
 
 namespace feltwire {
@@ -30,24 +29,24 @@ void World::forget_moving(Grasp& grasp, TouchMemory& memory) const noexcept {
   grasp.resets = counters_.resets;
 }
 
-/// Is the tool near a mesh, or has it come by it since it was asked for last, at grasp.tool? The
-/// way is that which the mesh sees. One that was in no list is told where the tool comes from:
-/// where that was a step ago; what of a longer silence is not known.
+/// Is the tool near what follows its way, or has it come by it since it was asked for last, at
+/// grasp.tool? The way is that which the object sees. One that was in no list is told where the
+/// tool comes from: where that was a step ago; what of a longer silence is not known.
 bool World::comes_near(const Held& held, std::size_t part, const Vec3& position, const Grasp& grasp,
                        FeatureMemory& memory) const noexcept {
   const bool is_near = held.reach.is_near(part, position), known = grasp.near.known();
   const Nearness before = grasp.nearness[part];
   if (before == Nearness::asked || !known) return before == Nearness::asked || is_near;
-  const MeshSurface& surface = *meshes_[part].surface;
-  const Vec3& middle = surface.mesh().origin();
+  const Shape& shape = held.objects[still_ + part].shape;
+  const Vec3 middle = origin_of(shape);
   const Pose& pose = held.objects[still_ + part].pose;
   Vec3 from = middle + memory.proxy;
   if (before == Nearness::far)
-    from = seen_from(grasp.steps == counters_.steps ? pose : meshes_[part].before,
+    from = seen_from(grasp.steps == counters_.steps ? pose : followed_[part].before,
                      grasp.tool.position);
   const Vec3 way_from = from - middle, way_to = seen_from(pose, position) - middle;
   if (!is_near && square_distance(way_from, way_to) > held.reach.square(part)) return false;
-  if (before == Nearness::far) approach_from(surface, from, memory);
+  if (before == Nearness::far) approach_from(shape, from, memory);
   return true;
 }
 
@@ -59,7 +58,7 @@ void World::look_round(const Held& held, const Vec3& position, TouchMemory& memo
   near.parts.clear();
   for (std::size_t i = 0; i < parts_; ++i) {
     const Nearness before = grasp.nearness[i];
-    const bool is_near = meshes_[i].surface != nullptr
+    const bool is_near = followed_[i].way
                              ? comes_near(held, i, position, grasp, memory[still_ + i].feature)
                              : before == Nearness::asked || held.reach.is_near(i, position);
     if (!is_near) {
@@ -72,17 +71,17 @@ void World::look_round(const Held& held, const Vec3& position, TouchMemory& memo
   held.reach.mark(near, position);
 }
 
-/// A tool out of reach of a mesh that does not hold it, whose way there was so too: the mesh
-/// remembers where it is now, as if it had been asked.
+/// A tool out of reach of what does not hold it, whose way there was so too: where it is now is
+/// remembered, as if it had been asked.
 bool World::passes_by(const Held& held, std::size_t part, const Vec3& position,
                       FeatureMemory& memory) const noexcept {
   if (memory.side != 0) return false;
-  const MeshSurface& surface = *meshes_[part].surface;
+  const Shape& shape = held.objects[still_ + part].shape;
   const Vec3 own = seen_from(held.objects[still_ + part].pose, position);
   if (memory.tracked &&
-      !(square_distance(memory.proxy, own - surface.mesh().origin()) > held.reach.square(part)))
+      !(square_distance(memory.proxy, own - origin_of(shape)) > held.reach.square(part)))
     return false;
-  approach_from(surface, own, memory);
+  approach_from(shape, own, memory);
   return true;
 }
 
@@ -92,18 +91,19 @@ void World::ask(const Held& held, std::size_t part, const Tool& tool, TouchMemor
                 Grasp& grasp, Command& sum) const noexcept {
   const std::size_t object = still_ + part;
   Nearness& nearness = grasp.nearness[part];
-  const bool is_mesh = meshes_[part].surface != nullptr;
+  const bool follows = followed_[part].way;
   const bool outside = held.reach.is_outside(part, tool.position);
-  if (outside && (is_mesh ? passes_by(held, part, tool.position, memory[object].feature)
+  if (outside && (follows ? passes_by(held, part, tool.position, memory[object].feature)
                           : nearness != Nearness::asked)) {
     nearness = Nearness::near;
     return;
   }
-  nearness = outside && !is_mesh ? Nearness::near : Nearness::asked;
+  nearness = outside && !follows ? Nearness::near : Nearness::asked;
   const Vec3 against = tool.velocity - velocity_at(object, tool.position);
   const Command answer = trust_ * feltwire::touch(held.objects[object], {tool.position, against},
                                                   memory[object], held.scene->tool().radius);
   grasp.forces[part] = answer.force();
+  if (outside && memory[object].feature.side == 0) nearness = Nearness::near;  // it has let go
   sum.elastic += answer.elastic;
   sum.frictional += answer.frictional;
 }

@@ -175,7 +175,10 @@ TEST(Shapes, ThinBoxDoesNotPopThrough) {
     EXPECT_EQ(s.point, Vec3(0.2, 0.3, 0.001));
     EXPECT_DOUBLE_EQ(s.depth, 0.001 - z);
   }
-  // Out through the bottom it is free, and back in from there it is the lower face.
+  // Out through the bottom too; only round the edge there is a way to the lower face.
+  EXPECT_DOUBLE_EQ(surface_point(sheet, Side::outside, Vec3(0.2, 0.3, -0.0011), memory).depth,
+                   0.0021);
+  EXPECT_EQ(surface_point(sheet, Side::outside, Vec3(1.1, 0.3, -0.0011), memory).depth, 0.0);
   EXPECT_EQ(surface_point(sheet, Side::outside, Vec3(0.2, 0.3, -0.0011), memory).depth, 0.0);
   EXPECT_EQ(surface_point(sheet, Side::outside, Vec3(0.2, 0.3, -0.0009), memory).normal,
             -Vec3::UnitZ());
@@ -226,6 +229,8 @@ TEST(Shapes, CylinderKeepsCapAndSide) {
   EXPECT_EQ(surface_point(disc, Side::outside, Vec3(0.5, 0, 0.0009), memory).normal, Vec3::UnitZ());
   EXPECT_EQ(surface_point(disc, Side::outside, Vec3(0.5, 0, -0.0009), memory).normal,
             Vec3::UnitZ());
+  EXPECT_DOUBLE_EQ(surface_point(disc, Side::outside, Vec3(0.5, 0, -0.0011), memory).depth, 0.0021);
+  EXPECT_EQ(surface_point(disc, Side::outside, Vec3(1.1, 0, -0.0011), memory).depth, 0.0);
   EXPECT_EQ(surface_point(disc, Side::outside, Vec3(0.5, 0, -0.0011), memory).depth, 0.0);
   EXPECT_EQ(surface_point(disc, Side::outside, Vec3(0.5, 0, -0.0009), memory).normal,
             -Vec3::UnitZ());

@@ -101,7 +101,7 @@ SurfacePatch patch(Input& in, const Vec3& center) {
   p.material.static_friction = p.material.dynamic_friction + at_least_zero(in, 1.0);
   p.material.viscous_friction = at_least_zero(in, 100.0);
   p.object = in.whole<std::uint16_t>();
-  p.feature = in.byte();
+  p.feature = in.whole<std::uint32_t>();
   p.touching = in.coin();
   p.slipping = in.coin();
   p.joined = in.coin();
@@ -112,6 +112,7 @@ LocalModel model(Input& in) {
   LocalModel m;
   m.center = in.vector(kMaxPosition);
   m.reach = at_least_zero(in, 1.0);
+  m.scene = in.whole<std::uint32_t>();
   m.count = in.byte() % (kMaxPatches + 1);
   for (int i = 0; i < m.count; ++i) m.patches[static_cast<std::size_t>(i)] = patch(in, m.center);
   return m;

@@ -74,7 +74,9 @@ inline bool near(const SurfacePatch& a, const SurfacePatch& b) {
          a.feature == b.feature;
 }
 inline bool near(const LocalModel& a, const LocalModel& b) {
-  if (a.count != b.count || !same(a.center, b.center) || !near(a.reach, b.reach)) return false;
+  if (a.count != b.count || a.scene != b.scene || !same(a.center, b.center) ||
+      !near(a.reach, b.reach))
+    return false;
   for (std::size_t i = 0; i < a.view().size(); ++i)
     if (!near(a.patches[i], b.patches[i])) return false;
   return true;

@@ -36,7 +36,7 @@ SurfacePatch random_patch(Generator& random, const Vec3& center) {
   p.material.static_friction = 0.5;
   p.material.viscous_friction = single(random, 10);
   p.object = static_cast<std::uint16_t>(random());
-  p.feature = static_cast<std::uint8_t>(random());
+  p.feature = static_cast<std::uint32_t>(random());
   p.touching = random() % 2 == 0;
   p.slipping = random() % 2 == 0;
   p.joined = random() % 2 == 0;
@@ -55,6 +55,7 @@ Reply random_reply(Generator& random, int patches) {
   reply.modelled = true;
   reply.model.center = Vec3(0.25, -0.5, 0.125);
   reply.model.reach = single(random, 0.1);
+  reply.model.scene = static_cast<std::uint32_t>(random());
   reply.model.count = patches;
   for (SurfacePatch& p : reply.model.patches) p = random_patch(random, reply.model.center);
   if (random() % 2 == 0) reply.model.patches[1].offset = single(random, 0.01);
@@ -106,6 +107,7 @@ TEST(ModelCodec, RoundTrip) {
     ASSERT_TRUE(received.modelled);
     EXPECT_EQ(received.model.center, sent.model.center);
     EXPECT_EQ(received.model.reach, sent.model.reach);
+    EXPECT_EQ(received.model.scene, sent.model.scene);
     ASSERT_EQ(received.model.count, patches);
     for (std::size_t i = 0; i < sent.model.view().size(); ++i)
       expect_same(received.model.patches[i], sent.model.patches[i]);

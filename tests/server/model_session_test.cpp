@@ -50,6 +50,17 @@ TEST(ModelSession, OnlyWhoAsksForItGetsOne) {
   EXPECT_FALSE(modelled.take(sample(2, over_table), {}).reply.modelled);
 }
 
+// A reload brings other surfaces of the same names: nothing on the client's side goes on.
+TEST(ModelSession, EachSceneThatItEntersHasANumberOfItsOwn) {
+  const Scene scene = room(), again = room();
+  Session session(request(true), scene);
+  const Vec3 over_table(0.0, 0.0, -0.045);
+  const std::uint32_t first = session.take(sample(1, over_table), {}).reply.model.scene;
+  EXPECT_EQ(session.take(sample(2, over_table), {}).reply.model.scene, first);
+  session.enter(again, nullptr);
+  EXPECT_NE(session.take(sample(3, over_table), {}).reply.model.scene, first);
+}
+
 // Hands about places on the room's surfaces, a model every 20 ms through the codec.
 TEST(ModelSession, OverTheWireItIsTheSceneToFloatPrecision) {
   const Scene scene = room();

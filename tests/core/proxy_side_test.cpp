@@ -1,0 +1,222 @@
+// The proxy of a solid remembers its side: what is thin holds, however hard and fast a hand comes.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "core/contact/local_contact.hpp"
+#include "core/scene/near.hpp"
+#include "core/splitmix.hpp"
+#include "tests/core/moving.hpp"
+
+namespace feltwire::proxy_side_test {
+namespace {
+
+using test::body;
+using test::Hand;
+using test::kWeightless;
+using test::moving;
+using test::object;
+
+/// Evenly from -most to most.
+class Random {
+ public:
+  explicit Random(std::uint64_t seed) : seed_(seed) {}
+  double operator()(double most) {
+    constexpr double kUnit = 0x1p-63;
+    return most * (kUnit * static_cast<double>(splitmix::draw(seed_, drawn_++)) - 1.0);
+  }
+  Vec3 vector(double most) {
+    const double x = (*this)(most), y = (*this)(most);
+    return {x, y, (*this)(most)};
+  }
+
+ private:
+  std::uint64_t seed_, drawn_ = 0;
+};
+
+struct Flat {
+  const char* name;
+  Shape shape;
+  Vec3 out;     // of the face
+  double half;  // [m] that the face is from the middle
+  Vec3 beside;  // [m] a place on it
+};
+
+/// Each flat face of what is 1 mm thin.
+std::vector<Flat> flat_faces() {
+  std::vector<Flat> all;
+  for (int axis = 0; axis < 3; ++axis) {
+    Vec3 half = Vec3::Constant(0.05);
+    half[axis] = 5e-4;
+    Vec3 beside(0.01, -0.02, 0.03);
+    beside[axis] = 0.0;
+    for (const double sign : {1.0, -1.0})
+      all.push_back({"box", Box{half}, sign * Vec3::Unit(axis), 5e-4, beside});
+  }
+  for (const double sign : {1.0, -1.0})
+    all.push_back({"disc", Cylinder{0.05, 5e-4}, sign * Vec3::UnitZ(), 5e-4, {0.01, -0.02, 0.0}});
+  return all;
+}
+
+TEST(ProxySide, AThinPlateHoldsAtAnyDepthAndLetsGoWhereItWasEntered) {
+  for (const Flat& face : flat_faces())
+    for (const double step : {1e-4, 1e-3, 1e-2}) {  // [m] a sample: at 1 kHz 0.1, 1 and 10 m/s
+      FeatureMemory memory;
+      const auto at = [&](double height) {
+        return surface_point(face.shape, Side::outside, face.beside + height * face.out, memory);
+      };
+      double height = 0.0123;
+      for (; height > -1.0; height -= step) {
+        const SurfacePoint s = at(height);
+        const double depth = std::max(0.0, face.half - height);
+        ASSERT_NEAR(s.depth, depth, 1e-12) << face.name << " " << height;
+        if (depth > 0.0) {
+          ASSERT_EQ(s.normal, face.out) << face.name;
+        }
+      }
+      for (; height < 0.0123; height += step)
+        ASSERT_NEAR(at(height).depth, std::max(0.0, face.half - height), 1e-12) << face.name;
+      // Beside the plate nothing holds it, and from below it is the other face.
+      const Vec3 out = 0.06 * (face.out.cross(Vec3(1, 2, 3))).normalized() * std::sqrt(2.0);
+      EXPECT_EQ(surface_point(face.shape, Side::outside, out, memory).depth, 0.0);
+      EXPECT_EQ(surface_point(face.shape, Side::outside, out - 0.03 * face.out, memory).depth, 0.0);
+      EXPECT_EQ(at(-0.03).depth, 0.0);
+      EXPECT_NEAR(at(0.01).depth, 0.01 + face.half, 1e-12);
+    }
+}
+
+struct Solid {
+  const char* name;
+  Shape shape;
+};
+const Solid kSolids[] = {{"box", Box{Vec3(0.02, 0.03, 5e-4)}}, {"ball", Sphere{0.004}},
+                         {"rod", Capsule{0.003, 0.02}},        {"can", Cylinder{0.01, 0.015}},
+                         {"disc", Cylinder{0.02, 5e-4}},       {"wire", Cylinder{5e-4, 0.02}}};
+
+/// Half way through the solid, from all sides, with steps as of 10 m/s at 1 kHz and less.
+TEST(ProxySide, NothingIsPassedStraightThroughItsMiddle) {
+  Random random(5);
+  for (const Solid& solid : {kSolids[0]})  // round sides let a hand slip round
+    for (int run = 0; run < 300; ++run) {
+      const Vec3 way = random.vector(1.0).normalized();
+      const double step = run % 3 == 0 ? 1e-2 : run % 3 == 1 ? 1e-3 : 1e-4;
+      FeatureMemory memory;
+      Vec3 p = (-0.1 - std::abs(random(step))) * way;
+      ASSERT_EQ(surface_point(solid.shape, Side::outside, p, memory).depth, 0.0);
+      double before = 0.0;
+      while (p.dot(way) < 5e-4) {
+        p += step * way;
+        const SurfacePoint s = surface_point(solid.shape, Side::outside, p, memory);
+        ASSERT_GE(s.depth, before - 1e-12) << solid.name << " run " << run;
+        before = s.depth;
+        if (s.depth > 0.0) {
+          ASSERT_LT(s.normal.dot(way), 0.0) << solid.name << " run " << run;
+        }
+      }
+      ASSERT_GT(before, 0.0) << solid.name << " run " << run;
+    }
+}
+
+/// A hand that goes to and fro at random never meets a force that its own way has not built up.
+TEST(ProxySide, NoForceRisesFasterThanTheHandMoves) {
+  for (const Solid& solid : kSolids) {
+    int touched = 0;
+    for (std::uint64_t run = 0; run < 40; ++run) {
+      Random random(run);
+      FeatureMemory memory;
+      Vec3 p(0.0, 0.0, 0.05), going = Vec3::Zero();
+      SurfacePoint before = surface_point(solid.shape, Side::outside, p, memory);
+      const double speed = run % 2 == 0 ? 1e-2 : 1e-3;
+      for (int n = 0; n < 4000; ++n) {
+        going = 0.8 * going + random.vector(speed) - 0.1 * p;
+        p += going;
+        const SurfacePoint s = surface_point(solid.shape, Side::outside, p, memory);
+        ASSERT_LE(s.depth, before.depth + going.norm() * (1.0 + 1e-9) + 1e-12)
+            << solid.name << " run " << run << " step " << n;
+        if (s.depth > 0.0) {
+          ASSERT_NEAR((s.point - p).norm(), s.depth, 1e-9);
+        }
+        before = s;
+        touched += s.depth > 0.0;
+      }
+    }
+    EXPECT_GT(touched, 500) << solid.name;
+  }
+}
+
+/// The same by the tree of a scene of many objects, for a ball as for a point.
+TEST(ProxySide, InScenesLargeAndSmallForPointsAndBalls) {
+  for (const int others : {0, 40})
+    for (const double radius : {0.0, 0.003}) {
+      std::vector<Object> objects = {
+          object("plate", Box{Vec3(0.05, 0.05, 5e-4)}, {.stiffness = 1.0})};
+      for (int i = 0; i < others; ++i)
+        objects.push_back(object(("o" + std::to_string(i)).c_str(), Sphere{0.01}, {},
+                                 Vec3(1.0 + 0.1 * i, 0.0, 0.0)));
+      Scene scene("s", objects);
+      scene.set_tools({{.radius = radius, .body = nullptr, .name = "tool"}});
+      TouchMemory memory = scene.memory();
+      for (const double z : {0.2, 0.0123, -0.0077, -0.3, -0.31, -0.0077, 0.0123, -0.0077}) {
+        const Command felt = scene.touch({{0.01, 0.02, z}, Vec3::Zero()}, memory);
+        const Vec3 held(0.0, 0.0, std::max(0.0, 5e-4 + radius - z));
+        EXPECT_LT((felt.elastic - held).norm(), 1e-12) << others << " " << radius << " " << z;
+      }
+    }
+}
+
+/// A plate of 1 mm that falls at the hand, up to 20 m/s fast: it takes the hand along.
+TEST(ProxySide, AThinPlateThatMovesNeverPassesAHand) {
+  for (const double speed : {0.0, 2.0, -10.0})
+    for (const double beside : {0.0, 0.03, 0.0495}) {  // [m] its edge is at 0.05
+      const Vec3 begin(0, 0, -0.5);
+      const Scene scene =
+          moving({object("plate", Box{Vec3(0.05, 0.05, 5e-4)}, {.stiffness = 1.0}, begin)}, {0},
+                 {body("plate", 0.3, begin)}, {.gravity = Vec3(0, 0, 200.0)});
+      World world(scene);
+      Hand hand(world);
+      int felt = 0;
+      for (int n = 0; n < 120; ++n) {
+        const Vec3 place(beside, 0.7 * beside, std::max(-0.3, 0.05 + speed * kDefaultTick * n));
+        const double above = place.z() - world.objects()[0].pose.position.z();
+        const double force = hand.touch(place).elastic.z();
+        ASSERT_NEAR(force, std::max(0.0, 5e-4 - above), 1e-9) << speed << " " << n;
+        world.step();
+        felt += force > 0.0 ? 1 : 0;
+      }
+      EXPECT_GT(felt, 10) << speed << " " << beside;
+    }
+}
+
+/// The client's own contact with a model of the plate holds as the server's does.
+TEST(ProxySide, HoldsInALocalModel) {
+  const Scene scene("s", {object("plate", Box{Vec3(0.05, 0.05, 5e-4)}, {.stiffness = 1000.0})});
+  for (const double first : {0.0015, 0.0045}) {
+    TouchMemory memory = scene.memory();
+    LocalContact local;
+    for (const double z : {first, first - 0.001, -0.0052, -0.0152, -0.002, 0.0001, first}) {
+      const Tool tool{{0.01, 0.02, z}, Vec3::Zero()};
+      const Command truth = scene.touch(tool, memory);
+      if (z == first) {  // what comes later does without
+        LocalModel model = local_model(scene, tool.position, memory);
+        ASSERT_GE(model.count, 1);
+        model.reach = 1.0;
+        for (SurfacePatch& patch : model.patches) patch.radius = 1.0;
+        local.take(model);
+      }
+      const LocalForce felt = local.touch(tool, 0.0, 1e-3);
+      EXPECT_LT((felt.command.elastic - truth.elastic).norm(), 1e-9) << first << " " << z;
+      EXPECT_NEAR(truth.elastic.z(), 1000.0 * std::max(0.0, 5e-4 - z), 1e-9);
+    }
+    // And who knows nothing but the model of a tool that is held takes that over.
+    scene.touch({{0.01, 0.02, 0.01}, Vec3::Zero()}, memory);
+    const Tool below{{0.01, 0.02, -0.005}, Vec3::Zero()};
+    const Command truth = scene.touch(below, memory);
+    LocalContact other;
+    other.take(local_model(scene, below.position, memory));
+    EXPECT_LT((other.touch(below, 0.0, 1e-3).command.elastic - truth.elastic).norm(), 1e-9);
+  }
+}
+
+}  // namespace
+}  // namespace feltwire::proxy_side_test
