@@ -14,6 +14,7 @@
 #include "client/options.hpp"
 #include "client/report.hpp"
 #include "client/reserve.hpp"
+#include "client/status_line.hpp"
 #include "core/visible_text.hpp"
 
 namespace feltwire {
@@ -56,12 +57,12 @@ int conclude(const ClientOptions& options, const Servo& servo, const LoopResult&
   const ServoStatistics& s = servo.statistics();
   std::printf(
       "%.1f s, %llu samples, %llu datagrams lost, round trip p50 %.0f us p99 %.0f us, largest "
-      "force %.2f N, "
-      "bound violations %llu%s%s\n",
+      "force %.2f N%s, bound violations %llu%s%s%s\n",
       result.duration, static_cast<unsigned long long>(s.samples),
       static_cast<unsigned long long>(servo.lost()), 1e-3 * s.round_trip.quantile(0.5),
-      1e-3 * s.round_trip.quantile(0.99), s.max_force,
-      static_cast<unsigned long long>(servo.port().violations()), reported ? ", report in " : "",
+      1e-3 * s.round_trip.quantile(0.99), s.max_force, no_force_text(s).c_str(),
+      static_cast<unsigned long long>(servo.port().violations()),
+      feel_text(servo.measures()).c_str(), reported ? ", report in " : "",
       reported ? visible(options.report->string()).c_str() : "");
   switch (result.end) {
     case EndReason::server_goodbye:

@@ -29,6 +29,11 @@ constexpr double kDegrees = 1e-6;       // of microdegrees
 Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 Json number(const std::optional<double>& value) { return value ? number(*value) : Json(nullptr); }
 
+Json micrometres(const std::optional<double>& metres) {
+  constexpr double kMicro = 1e6;
+  return metres ? number(kMicro * *metres) : Json(nullptr);
+}
+
 /// Null where nothing was recorded: a zero would be a claim.
 Json quantile(const Histogram& h, double q, double scale) {
   return h.count() > 0 ? number(scale * h.quantile(q)) : Json(nullptr);
@@ -150,6 +155,16 @@ Json local_model(const Servo& servo) {
           {"samples_from_model", s.modelled},
           {"samples_from_both", s.half_modelled},
           {"samples_beyond_reach", s.beyond_model}};
+}
+
+/// Ticks by why the hand was given no force, and the reason of a run that gave none at all.
+Json no_force(const ServoStatistics& s) {
+  Json samples = Json::object();
+  for (std::size_t i = 1; i < kNoForceReasons; ++i)
+    samples[name(static_cast<NoForce>(i))] = s.no_force[i];
+  const bool none = s.max_force < kFeltForce;
+  return {{"run", none ? Json(name(prevailing(s.no_force))) : Json(nullptr)},
+          {"samples", std::move(samples)}};
 }
 
 Json clock(const ClockEstimate& c, Nanoseconds now) {
@@ -299,6 +314,9 @@ std::string report_json(const RunDescription& run, const Servo& servo,
       {"least_energy_margin_j", number(port.least_margin())},
       {"bound_violations", port.violations()},
       {"max_force_n", number(s.max_force)},
+      {"no_force", no_force(s)},
+      {"oscillation_um", micrometres(servo.measures().oscillation())},
+      {"displayed_stiffness_n_per_m", number(servo.measures().displayed_stiffness())},
       {"direction_error_deg",
        {{"mean", mean_of(s.direction_error, kDegrees)},
         {"p99", quantile(s.direction_error, 0.99, kDegrees)},

@@ -115,6 +115,7 @@ Servo::Servo(const DeviceSpec& spec, const SessionParameters& parameters,
       admission_(admission_of(parameters, spec, guard_)),
       torque_(bounding_.config().rotation),
       period_(bounding_.config().period),
+      measures_(bounding_.config().period),
       velocity_(parameters.velocity_cutoff),
       sent_(kRemembered) {
   validate(options, parameters);
@@ -300,6 +301,13 @@ Command Servo::safeguard(const Command& bounded, const BoundingStep& step, bool 
                                           .displacement = step.displacement,
                                           .rotation = step.rotation,
                                           .hold_time = step.hold_time});
+  trail_.stage_waits = safety_.waiting();
+  trail_.refused |= safe.refused;
+  trail_.too_fast = safe.too_fast;
+  trail_.ramped = safe.ramped;
+  trail_.slewed = safe.slewed;
+  trail_.limited = safe.limited;
+  trail_.safe = safe.rendered;
   statistics_.waiting += safe.waiting ? 1 : 0;
   statistics_.ramped += safe.ramped ? 1 : 0;
   statistics_.slewed += safe.slewed ? 1 : 0;
@@ -346,14 +354,25 @@ Command Servo::render(const DeviceReading& reading, Nanoseconds now) noexcept {
 
   reserve_.saw(step.hold_time);
   const bool read = good(reading), usable = read && !device_ended_;
+  trail_ = {.observer = options_.observes,
+            .device_ended = device_ended_,
+            .released = released_,
+            .letting_go = letting_go_,
+            .read = read,
+            .answered = has_reply(),
+            .silent = !(command_age_ < parameters_.hold_time),
+            .recovering = newest_.recovering,
+            .server_bound = newest_.active || newest_.saturated || newest_.refused};
   if (read) {
     const Movement moved = moved_to(reading);
     step.displacement = moved.displacement;
     step.rotation = moved.rotation;
+    displacement_ = moved.displacement;
     port_.step(held_, moved.displacement, moved.rotation, step.hold_time);
   } else {
     ++statistics_.device_faults;
     position_known_ = false;
+    measures_.lose();
     begin_anew(sample_.index + (posed_ ? 1 : 0));  // this tick's sample has the old position
   }
 
@@ -368,6 +387,9 @@ Command Servo::render(const DeviceReading& reading, Nanoseconds now) noexcept {
     factor = fade_factor();
     if (factor < 1.0) ++statistics_.faded;
     step.command = faded(wanted_, factor);
+    trail_.asked = environment;
+    trail_.actuated = wanted_;
+    trail_.faded = step.command;
   }
 
   if (admission_) let_in(step);
@@ -379,12 +401,15 @@ Command Servo::render(const DeviceReading& reading, Nanoseconds now) noexcept {
   statistics_.saturated += bounded.saturated ? 1 : 0;
   statistics_.refused += bounded.refused ? 1 : 0;
 
+  trail_.bounded = bounded.rendered;
+  trail_.refused = bounded.refused;
   Command given = safeguard(bounded.rendered, step, original);
   if (guard_) {
     const Command affordable = guard_->apply(given, port_.margin(), reserve_.hold_time());
     statistics_.guarded += affordable == given ? 0 : 1;
     given = affordable;
   }
+  trail_.guarded = given;
   if (letting_go_ && !released_ && !(factor > 0.0)) {
     letting_go_ = false;
     newest_.command = {};
@@ -404,6 +429,7 @@ const Sample* Servo::hold(const Command& held) noexcept {
   safety_.set_held(held_);
   statistics_.max_force = std::max(statistics_.max_force, length(held_.force()));
   observe_direction(held_);
+  explain(held_);
   if (!posed_) return nullptr;
 
   sample_.held = held_;
@@ -411,6 +437,13 @@ const Sample* Servo::hold(const Command& held) noexcept {
   ++statistics_.samples;
   sent_[sample_.index % kRemembered] = {sample_.index, sample_.client_time, 0, false};
   return &sample_;
+}
+
+void Servo::explain(const Command& held) noexcept {
+  trail_.held = held;
+  no_force_ = why_no_force(trail_);
+  ++statistics_.no_force[static_cast<std::size_t>(no_force_)];
+  if (position_known_) measures_.take(displacement_, wanted_.elastic, held.force());
 }
 
 void Servo::observe_direction(const Command& held) noexcept {

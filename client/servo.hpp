@@ -11,7 +11,9 @@
 #include "client/admission.hpp"
 #include "client/clock_estimate.hpp"
 #include "client/device.hpp"
+#include "client/hand_measures.hpp"
 #include "client/histogram.hpp"
+#include "client/no_force.hpp"
 #include "core/bounding/bounding.hpp"
 #include "core/contact/local_contact.hpp"
 #include "core/port_energy.hpp"
@@ -27,6 +29,7 @@ struct ServoOptions {
   /// Between the bound and the device. None here, so that what is measured is the bound;
   /// protect_hand() gives those that a person's hand should have.
   SafetyLimits safety;
+  bool observes = false;  // given no force by its role: said where the reason is asked for
 };
 
 /// Throws std::invalid_argument naming the limit, its value and the remedy: a slew, ramp or speed
@@ -60,7 +63,8 @@ struct ServoStatistics {
   // With a local model: models that came, their surfaces, and ticks at which the command was the
   // model's alone, its and the reply's together, and the reply's alone for want of reach.
   std::uint64_t models = 0, patches = 0, modelled = 0, half_modelled = 0, beyond_model = 0;
-  double max_force = 0.0;     // [N] held
+  std::array<std::uint64_t, kNoForceReasons> no_force{};  // ticks by why there was none; felt too
+  double max_force = 0.0;                                 // [N] held
   Histogram round_trip;       // [ns] from the sample's reading to the reply's arrival
   Histogram direction_error;  // [1e-6 deg] force held against the command it came from
 };
@@ -140,6 +144,10 @@ class Servo {
     return parameters_.local_model ? environment_ : newest_.command;
   }
   const Command& held() const { return held_; }  // on the hand since the last tick
+  /// Why there is no force on the hand since the last tick; NoForce::felt: there is.
+  NoForce no_force() const { return no_force_; }
+  /// Oscillation and displayed stiffness so far.
+  const HandMeasures& measures() const { return measures_; }
   const Reply& newest_reply() const { return newest_; }
   bool has_reply() const { return newest_.sample_index > 0; }
   /// The scene was changed under the hand, and the bound still keeps some of its force back.
@@ -171,6 +179,7 @@ class Servo {
   void let_in(const BoundingStep& step) noexcept;
   Command safeguard(const Command& bounded, const BoundingStep& step, bool original) noexcept;
   void observe_direction(const Command& held) noexcept;
+  void explain(const Command& held) noexcept;
   void count_answer(const Reply& reply, Nanoseconds arrival) noexcept;
   Command reconstructed(Nanoseconds now) const noexcept;
 
@@ -197,6 +206,10 @@ class Servo {
   std::uint64_t anew_after_ = 0;         // replies to samples up to this one end no wait
   std::uint64_t stood_still_after_ = 0;  // replies to samples up to this one are out of date
   double command_age_ = 0.0;
+  ForceTrail trail_;  // of this tick
+  NoForce no_force_ = NoForce::no_reply;
+  HandMeasures measures_;
+  Vec3 displacement_ = Vec3::Zero();  // [m] of this tick
 
   // Of sessions with a local model only.
   LocalContact local_;

@@ -294,6 +294,9 @@ class Loop {
          .jitter_up = clock.jitter_up(),
          .jitter_down = clock.jitter_down(),
          .force = length(servo_.held().force()),
+         .no_force = servo_.no_force(),
+         .oscillation = servo_.measures().squares(),
+         .displayed_stiffness = servo_.measures().displayed_stiffness(),
          .energy = servo_.port().delivered().total(),
          .answered_lately =
              servo_.has_reply() && servo_.command_age() < 0.5 * servo_.parameters().hold_time,

@@ -65,6 +65,9 @@ struct LiveStatus {
   double delay_up = 0.0, delay_down = 0.0;            // [s] one way, of the last exchange
   double jitter_up = 0.0, jitter_down = 0.0;          // [s] their mean variation
   double force = 0.0;                                 // [N] held now
+  NoForce no_force = NoForce::no_reply;               // why there is none
+  HandMeasures::Squares oscillation;                  // so far
+  std::optional<double> displayed_stiffness;          // [N/m] so far
   double energy = 0.0;                                // [J] delivered to the hand so far
   bool answered_lately = false;                       // the command in use is not fading
   bool connected = true;                              // the session is not lost

@@ -29,8 +29,25 @@ double loss(const LiveStatus& status, const LiveStatus& before) {
   return samples > 0.0 ? kPercent * std::min(lost / samples, 1.0) : 0.0;
 }
 
-const char* ending(const LiveStatus& s) {
+/// "  oscillation 3 um  stiffness 487 N/m"; each only where it was measured.
+std::string feel(const LiveStatus& status, const LiveStatus& before) {
+  constexpr double kMicrometres = 1e6;
+  std::string line;
+  std::array<char, kLongest> part{};
+  if (const auto rms = status.oscillation.since(before.oscillation).rms()) {
+    std::snprintf(part.data(), part.size(), "  oscillation %.1f um", kMicrometres * *rms);
+    line += part.data();
+  }
+  if (status.displayed_stiffness) {
+    std::snprintf(part.data(), part.size(), "  stiffness %.0f N/m", *status.displayed_stiffness);
+    line += part.data();
+  }
+  return line;
+}
+
+std::string ending(const LiveStatus& s) {
   if (!s.connected) return "  reconnecting";
+  if (s.no_force != NoForce::felt) return "  no force: " + std::string(text(s.no_force));
   if (!s.answered_lately) return "  no answer";
   if (s.recovering) return "  what moves was put back";
   return s.withholds_change ? "  the scene has changed: let go and touch anew to feel all of it"
@@ -48,11 +65,31 @@ std::string text(const LiveStatus& s, const LiveStatus& before) {
   std::array<char, kLongest> line{};
   std::snprintf(line.data(), line.size(),
                 "%7.1f s %5.0f Hz  round trip %.0f/%.0f  %s  %s us  lost %.1f %%  force %5.2f N  "
-                "energy %+.4f J%s",
+                "energy %+.4f J",
                 s.time, rate, kNanosecondsInUs * s.round_trip_p50,
                 kNanosecondsInUs * s.round_trip_p99, up.c_str(), down.c_str(), loss(s, before),
-                s.force, s.energy, ending(s));
-  return line.data();
+                s.force, s.energy);
+  return line.data() + feel(s, before) + ending(s);
+}
+
+std::string no_force_text(const ServoStatistics& statistics) {
+  if (statistics.max_force >= kFeltForce) return {};
+  return " (no force: " + std::string(text(prevailing(statistics.no_force))) + ")";
+}
+
+std::string feel_text(const HandMeasures& measures) {
+  constexpr double kMicrometres = 1e6;
+  std::array<char, kLongest> part{};
+  std::string line;
+  if (const auto rms = measures.oscillation()) {
+    std::snprintf(part.data(), part.size(), ", oscillation %.1f um", kMicrometres * *rms);
+    line += part.data();
+  }
+  if (const auto stiffness = measures.displayed_stiffness()) {
+    std::snprintf(part.data(), part.size(), ", displayed stiffness %.0f N/m", *stiffness);
+    line += part.data();
+  }
+  return line;
 }
 
 StatusLine::StatusLine() : terminal_(::isatty(STDERR_FILENO) == 1) {}

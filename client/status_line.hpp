@@ -12,6 +12,12 @@ namespace feltwire {
 /// first; rate and loss: since `before`.
 std::string text(const LiveStatus& status, const LiveStatus& before);
 
+/// " (no force: the hand touches nothing)" for the last line of a run whose hand was given none;
+/// else empty.
+std::string no_force_text(const ServoStatistics& statistics);
+/// ", oscillation 3.1 um, displayed stiffness 487 N/m": what was measured of the two.
+std::string feel_text(const HandMeasures& measures);
+
 /// One line about a run on standard error: rewritten in place on a terminal, one line a second
 /// elsewhere.
 class StatusLine {

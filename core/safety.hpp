@@ -97,6 +97,8 @@ class SafetyStage {
   void set_held(const Command& held) noexcept;
 
   const SafetyLimits& limits() const { return limits_; }
+  /// Nothing is given yet: the environment has not yet asked for little.
+  bool waiting() const { return waiting_; }
 
  private:
   void wait(const SafetyStep& step, double force, double torque, double sinks) noexcept;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "core/centred_highpass.hpp"
 #include "core/port_energy.hpp"
 
 namespace feltwire {
@@ -36,14 +37,13 @@ Spread spread(std::vector<double> values) {
 }
 
 double highpass_rms(std::span<const double> values, int window) {
-  const auto half = static_cast<std::size_t>(window / 2);
-  if (values.size() < 2 * static_cast<std::size_t>(window)) return 0.0;
+  const auto wide = static_cast<std::size_t>(window), half = wide / 2;
+  if (values.size() < 2 * wide) return 0.0;
   const std::size_t begin = std::max(values.size() / 2, half), end = values.size() - half;
+  CentredHighPass filter(wide);
   double squares = 0.0;
-  for (std::size_t n = begin; n < end; ++n) {
-    double sum = 0.0;  // of differences from the middle, so that a far origin costs no digits
-    for (std::size_t k = n - half; k <= n + half; ++k) sum += values[k] - values[n];
-    const double fast = sum / window;
+  for (std::size_t n = begin - half; n < end + half; ++n) {
+    const double fast = filter.push(values[n]).value_or(0.0);
     squares += fast * fast;
   }
   return std::sqrt(squares / static_cast<double>(end - begin));

@@ -202,6 +202,22 @@ TEST(Report, WhatThereIsNoNumberForIsNull) {
   EXPECT_EQ(r["samples"], 0);
 }
 
+TEST(Report, SaysWhyThereWasNoForceAndHowItFelt) {
+  const json some = report(*used_servo());
+  EXPECT_TRUE(some["no_force"]["run"].is_null());
+  EXPECT_EQ(some["no_force"]["samples"]["no_reply"], 0);  // force was held, told or not
+  EXPECT_TRUE(some["oscillation_um"].is_null());
+  EXPECT_TRUE(some["displayed_stiffness_n_per_m"].is_null());
+  Servo idle(builtin_device("simulated"), {});
+  for (int i = 1; i <= 5; ++i) {
+    idle.render({}, std::chrono::milliseconds(i));
+    idle.hold({});
+  }
+  EXPECT_EQ(report(idle)["no_force"]["run"], "no_reply");
+  EXPECT_EQ(report(idle)["no_force"]["samples"]["no_reply"], 5);
+  EXPECT_EQ(report(idle)["no_force"]["samples"]["waiting"], 0);
+}
+
 TEST(Report, StaysJsonWhateverItIsTold) {
   const auto servo = used_servo();
   LoopResult result;

@@ -22,6 +22,9 @@ LiveStatus under_way() {
           .jitter_up = 3e-6,
           .jitter_down = 40e-6,
           .force = 1.5,
+          .no_force = NoForce::felt,
+          .oscillation = {},
+          .displayed_stiffness = {},
           .energy = -0.25,
           .answered_lately = true};
 }
@@ -40,7 +43,25 @@ TEST(StatusLine, SaysNothingOfWhatIsNotKnown) {
   LiveStatus first;
   EXPECT_THAT(text(first, {}), HasSubstr("up -  down - us"));
   EXPECT_THAT(text(first, {}), HasSubstr("lost 0.0 %"));
-  EXPECT_THAT(text(first, {}), EndsWith("no answer"));
+  EXPECT_THAT(text(first, {}), EndsWith("  no force: the server has not answered yet"));
+}
+
+/// Oscillation since the line before, stiffness of the run; nothing where nothing was measured.
+TEST(StatusLine, SaysHowItFeels) {
+  LiveStatus before = under_way(), now = before;
+  before.oscillation = {1.0, 1000};
+  now.oscillation = {1.0 + 100 * 9e-12, 1100};
+  now.displayed_stiffness = 486.6;
+  EXPECT_THAT(text(now, before), EndsWith("J  oscillation 3.0 um  stiffness 487 N/m"));
+  EXPECT_THAT(text(before, before), Not(HasSubstr("oscillation")));
+}
+
+TEST(StatusLine, SaysWhyThereIsNoForce) {
+  LiveStatus status = under_way();
+  status.force = 0.0;
+  status.no_force = NoForce::waiting;
+  EXPECT_THAT(text(status, {}),
+              EndsWith("  no force: waits, because the hand began in contact: move it out"));
 }
 
 TEST(StatusLine, LossIsAShareOfWhatWasSentSince) {

@@ -15,6 +15,7 @@ std::filesystem::path write(const std::string& name, const std::string& text) {
 
 constexpr const char* kReport = R"({"samples": 1234, "answered": 1230, "lost": 4, "late": 5,
   "round_trip_us": {"p50": 61.2, "p99": 300}, "servo_wakeup_late_us": {"p50": 7}, "max_force_n": 2.345,
+  "oscillation_um": 3.14, "displayed_stiffness_n_per_m": null,
   "direction_error_deg": {"mean": 0.125}, "energy_delivered_j": {"elastic": -0.01, "frictional": -0.02},
   "bound_violations": 0})";
 
@@ -23,6 +24,8 @@ TEST(ReportTable, ShowsClientsSideBySide) {
   EXPECT_THAT(table, testing::HasSubstr("ann"));
   EXPECT_THAT(table, testing::HasSubstr("bob"));
   EXPECT_THAT(table, testing::ContainsRegex("position samples +1234 +1234"));
+  EXPECT_THAT(table, testing::ContainsRegex("oscillation in contact, RMS .um. +3\\.1 +3\\.1"));
+  EXPECT_THAT(table, testing::ContainsRegex("displayed stiffness .N/m. +- +-"));
   EXPECT_THAT(table, testing::ContainsRegex("largest force on the hand .N. +2\\.3[45] +2\\.3[45]"));
 }
 

@@ -1,0 +1,86 @@
+#include "client/hand_measures.hpp"
+
+#include <cmath>
+
+#include "client/no_force.hpp"
+#include "core/numeric.hpp"
+
+namespace feltwire {
+
+HandMeasures::HandMeasures(double period)
+    : period_(period),
+      axes_{CentredHighPass(odd_window(kOscillationWindow, 1.0 / period)),
+            CentredHighPass(odd_window(kOscillationWindow, 1.0 / period)),
+            CentredHighPass(odd_window(kOscillationWindow, 1.0 / period))} {}
+
+void HandMeasures::take(const Vec3& displacement, const Vec3& elastic, const Vec3& held) noexcept {
+  const double asked = length(elastic);
+  const bool touches = asked >= kFeltForce;
+  if (!touches && !in_contact_) return;
+  if (touches) normal_ = direction(elastic);
+  if (!in_contact_) {
+    in_contact_ = true;
+    way_ = Vec3::Zero();  // this tick is the first place of the contact
+  } else {
+    way_ += displacement;
+    depth_ -= displacement.dot(normal_);
+  }
+  Vec3 fast = Vec3::Zero();
+  bool full = false;
+  for (int i = 0; i < 3; ++i) {
+    const auto value = axes_[static_cast<std::size_t>(i)].push(way_[i]);
+    full = value.has_value();
+    fast[i] = value.value_or(0.0);
+  }
+  if (full) {
+    const double along = fast.dot(normal_);
+    pending_.sum += along * along;
+    ++pending_.count;
+  }
+  if (touches) {
+    squares_.sum += pending_.sum;
+    squares_.count += pending_.count;
+    pending_ = {};
+    without_force_ = 0.0;
+    press(displacement, held);
+    return;
+  }
+  without_force_ += period_;
+  if (without_force_ >= 0.5 * kOscillationWindow) end_contact();
+}
+
+void HandMeasures::press(const Vec3& displacement, const Vec3& held) noexcept {
+  const double inwards = -displacement.dot(normal_), force = held.dot(normal_);
+  const bool deeper = depth_ > deepest_;
+  deepest_ = std::max(deepest_, depth_);
+  if (!deeper || force < kFeltForce || 2.0 * inwards * inwards < displacement.squaredNorm()) return;
+  // Welford's, of this contact; what it adds to the centred sums belongs to all.
+  ticks_ += 1.0;
+  const double from_mean = depth_ - mean_depth_;
+  mean_depth_ += from_mean / ticks_;
+  mean_force_ += (force - mean_force_) / ticks_;
+  all_ticks_ += 1.0;
+  depth_depth_ += from_mean * (depth_ - mean_depth_);
+  depth_force_ += from_mean * (force - mean_force_);
+}
+
+void HandMeasures::end_contact() noexcept {
+  if (!in_contact_) return;
+  in_contact_ = false;
+  pending_ = {};
+  without_force_ = depth_ = deepest_ = ticks_ = mean_depth_ = mean_force_ = 0.0;
+  for (CentredHighPass& axis : axes_) axis.begin_anew();
+}
+
+std::optional<double> HandMeasures::Squares::rms() const {
+  if (count == 0) return std::nullopt;
+  return std::sqrt(sum / static_cast<double>(count));
+}
+
+std::optional<double> HandMeasures::displayed_stiffness() const {
+  constexpr double kTicks = 32.0, kSpread = 20e-6;  // [m]
+  if (all_ticks_ < kTicks || depth_depth_ < all_ticks_ * kSpread * kSpread) return std::nullopt;
+  return depth_force_ / depth_depth_;
+}
+
+}  // namespace feltwire

@@ -1,0 +1,98 @@
+#include "client/no_force.hpp"
+
+#include <numeric>
+
+#include "core/numeric.hpp"
+
+namespace feltwire {
+namespace {
+
+struct Words {
+  std::string_view name, text;
+};
+
+constexpr std::array<Words, kNoForceReasons> kWords = {{
+    {"felt", ""},
+    {"observer", "an observer is given none"},
+    {"device_ended", "the recording is over"},
+    {"ending", "the run ends"},
+    {"device_fault", "the device gives no position"},
+    {"no_reply", "the server has not answered yet"},
+    {"reconnecting", "the session has just been found again"},
+    {"silent", "no fresh answer from the server"},
+    {"recovering", "the server has put back what moves"},
+    {"server_bound", "the server's energy bound lets none through"},
+    {"touches_nothing", "the hand touches nothing"},
+    {"too_little", "the scene asks for less than 0.005 N"},
+    {"not_actuated", "the device cannot give what the scene asks for"},
+    {"waiting", "waits, because the hand began in contact: move it out"},
+    {"refused", "the command or the movement was absurd"},
+    {"bound", "the energy bound lets none through"},
+    {"velocity_limit", "the hand is faster than --velocity-limit allows"},
+    {"ramp", "--ramp-up has just begun"},
+    {"slew", "--slew lets it rise slowly"},
+    {"force_limit", "--max-force allows less than 0.005 N"},
+    {"guard", "the device has not burned enough energy for it"},
+    {"not_held", "the device does not hold what it is given"},
+}};
+
+bool felt(const Command& c) {
+  return length(c.force()) >= kFeltForce || length(c.torque) >= kFeltTorque;
+}
+bool any(const Command& c) { return length(c.force()) > 0.0 || length(c.torque) > 0.0; }
+
+}  // namespace
+
+std::string_view name(NoForce reason) { return kWords[static_cast<std::size_t>(reason)].name; }
+std::string_view text(NoForce reason) { return kWords[static_cast<std::size_t>(reason)].text; }
+
+NoForce why_no_force(const ForceTrail& t) noexcept {
+  if (felt(t.held)) return NoForce::felt;
+  if (t.observer) return NoForce::observer;
+  if (t.device_ended) return NoForce::device_ended;
+  if (t.released) return NoForce::ending;
+  if (!t.read) return NoForce::device_fault;
+  if (!t.answered) return NoForce::no_reply;
+  if (t.letting_go) return NoForce::reconnecting;
+  if (t.silent) return NoForce::silent;
+  if (!felt(t.asked)) {
+    if (t.recovering) return NoForce::recovering;
+    if (t.server_bound) return NoForce::server_bound;
+    return any(t.asked) ? NoForce::too_little : NoForce::touches_nothing;
+  }
+  if (!felt(t.actuated)) return NoForce::not_actuated;
+  // Before the bound: with nothing held it may let nothing through, but that is not why.
+  if (t.stage_waits) return NoForce::waiting;
+  if (!felt(t.faded)) return NoForce::silent;
+  if (!felt(t.bounded)) return t.refused ? NoForce::refused : NoForce::bound;
+  if (!felt(t.safe)) {
+    if (t.refused) return NoForce::refused;
+    if (t.too_fast) return NoForce::velocity_limit;
+    if (t.ramped) return NoForce::ramp;
+    return t.slewed ? NoForce::slew : NoForce::force_limit;
+  }
+  return felt(t.guarded) ? NoForce::not_held : NoForce::guard;
+}
+
+NoForce prevailing(const std::array<std::uint64_t, kNoForceReasons>& ticks) noexcept {
+  // There was no force to be given, or the hand was on its way in or out.
+  constexpr std::array kNothingToGive = {
+      NoForce::felt,     NoForce::ending,          NoForce::device_ended,
+      NoForce::no_reply, NoForce::touches_nothing, NoForce::too_little};
+  constexpr std::uint64_t kShare = 100;
+  const std::uint64_t all = std::accumulate(ticks.begin(), ticks.end(), std::uint64_t{0});
+  auto rest = ticks;
+  for (const NoForce reason : kNothingToGive) rest[static_cast<std::size_t>(reason)] = 0;
+  const auto most = [](const auto& counts) {
+    std::size_t best = 0;
+    for (std::size_t i = 1; i < counts.size(); ++i)
+      if (counts[i] > counts[best]) best = i;
+    return best;
+  };
+  const std::size_t kept_away = most(rest);
+  if (rest[kept_away] > 0 && rest[kept_away] * kShare >= all)
+    return static_cast<NoForce>(kept_away);
+  return static_cast<NoForce>(most(ticks));
+}
+
+}  // namespace feltwire

@@ -1,0 +1,71 @@
+#pragma once
+// Why there is no force on the hand: one reason at every tick, in the servo's own words.
+
+#include <array>
+#include <cstdint>
+#include <string_view>
+
+#include "core/types.hpp"
+
+namespace feltwire {
+
+/// Below these a hand is said to be given none: what the status line prints as 0.00 N.
+inline constexpr double kFeltForce = 0.005;    // [N]
+inline constexpr double kFeltTorque = 0.0005;  // [N m] the same at an arm of 0.1 m
+
+/// In the order in which a force is looked for, from the device's reading to what it holds.
+enum class NoForce : std::uint8_t {
+  felt,             // there is force
+  observer,         // an observer is given none
+  device_ended,     // the recording is over
+  ending,           // the run ends and the hand is let go
+  device_fault,     // the device gave no usable position
+  no_reply,         // the server has not answered yet
+  reconnecting,     // the session was lost and goes on: what was held fades first
+  silent,           // the newest answer is too old: the command has faded
+  recovering,       // the server has put back what moves
+  server_bound,     // the server's bound lets none through
+  touches_nothing,  // the scene asks for none
+  too_little,       // the scene asks for less than kFeltForce
+  not_actuated,     // the device cannot give what the scene asks for
+  waiting,          // --wait-for-small-force: the hand began in contact
+  refused,          // the command or the movement was absurd
+  bound,            // this side's bound lets none through
+  velocity_limit,   // --velocity-limit
+  ramp,             // --ramp-up
+  slew,             // --slew
+  force_limit,      // --max-force
+  guard,            // the port has not burned enough (--bounding server)
+  not_held          // the device does not hold what it was given
+};
+inline constexpr std::size_t kNoForceReasons = static_cast<std::size_t>(NoForce::not_held) + 1;
+
+/// As the report has it: "touches_nothing".
+std::string_view name(NoForce reason);
+/// For people: "touches nothing"; empty for `felt`.
+std::string_view text(NoForce reason);
+
+/// What became of a command on its way to the hand in one tick.
+struct ForceTrail {
+  bool observer = false, device_ended = false, released = false, letting_go = false;
+  bool read = true;           // the device's position was usable
+  bool answered = false;      // some reply has come
+  bool silent = false;        // the newest is older than the hold time
+  bool recovering = false;    // as it says
+  bool server_bound = false;  // as it says, the server's bound took something off
+  bool stage_waits = false;   // the safety stage lets nothing through yet
+  bool refused = false, too_fast = false, ramped = false, slewed = false, limited = false;
+  Command asked{};     // by the scene
+  Command actuated{};  // of it, what the device can give
+  Command faded{};     // by its age
+  Command bounded{}, safe{}, guarded{}, held{};
+};
+
+/// The first place on the way at which there is nothing to feel any more.
+NoForce why_no_force(const ForceTrail& trail) noexcept;
+
+/// The reason of a whole run without force, from how many ticks had which. What kept a force away
+/// counts before there being none to give, if it did so at one tick in a hundred or more.
+NoForce prevailing(const std::array<std::uint64_t, kNoForceReasons>& ticks) noexcept;
+
+}  // namespace feltwire

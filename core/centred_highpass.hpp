@@ -1,0 +1,66 @@
+#pragma once
+// What is fast in a row of numbers: the measure of oscillation, one for the lab and the client.
+
+#include <cmath>
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+namespace feltwire {
+
+/// The window of the high-pass that oscillations are measured by [s].
+inline constexpr double kOscillationWindow = 0.051;
+
+/// An odd number of samples, as near as possible to `time` [s] at `rate` [Hz]; at least 3.
+inline std::size_t odd_window(double time, double rate) {
+  const auto half = static_cast<std::size_t>(std::llround(0.5 * (time * rate - 1.0)));
+  return 2 * (half > 0 ? half : 1) + 1;
+}
+
+/// y(n) = mean(x(n-h) ... x(n+h)) - x(n): a centred moving average of 2 h + 1 values less the value
+/// in their middle. Of a sinusoid of f [Hz] sampled every T it keeps the share
+///   |1 - sin(pi f W T) / (W sin(pi f T))|,  W = 2 h + 1,
+/// nothing of a value that rises evenly. Allocates when it is made, never again; a value costs the
+/// same whatever W is, but for every W-th, at which the sum is formed anew so that rounding does
+/// not gather.
+class CentredHighPass {
+ public:
+  /// `window` W, odd, at least 3.
+  explicit CentredHighPass(std::size_t window) : ring_(window) {}
+
+  /// The next value. Returns y of the value W / 2 before it, nothing until W have come.
+  std::optional<double> push(double value) noexcept {
+    const std::size_t window = ring_.size();
+    if (known_ < window) {
+      ring_[known_++] = value;
+      if (known_ < window) return std::nullopt;
+      sum_anew();
+    } else {
+      sum_ += value - ring_[at_];
+      ring_[at_] = value;
+      if (++at_ == window) {
+        at_ = 0;
+        sum_anew();
+      }
+    }
+    const std::size_t middle = (at_ + window / 2) % window;
+    return sum_ / static_cast<double>(window) - (ring_[middle] - origin_);
+  }
+
+  /// Forgets all values.
+  void begin_anew() noexcept { known_ = at_ = 0; }
+
+ private:
+  /// Of differences, so that a far origin costs no digits.
+  void sum_anew() noexcept {
+    origin_ = ring_[ring_.size() / 2];
+    sum_ = 0.0;
+    for (const double value : ring_) sum_ += value - origin_;
+  }
+
+  std::vector<double> ring_;
+  std::size_t known_ = 0, at_ = 0;  // values; place of the oldest
+  double origin_ = 0.0, sum_ = 0.0;
+};
+
+}  // namespace feltwire
