@@ -67,7 +67,7 @@ TEST(Admission, AHandThatRestsFeelsAStifferWallAsFarAsItsOwnWorkPays) {
     ASSERT_NEAR(hand.force, 100.0 * kDepth, 2e-3);
     EXPECT_FALSE(hand.bench.servo.withholds_change());
 
-    hand.session.enter(middle, nullptr);
+    hand.session.enter(Session::Place(middle, nullptr));
     hand.fastest = 0.0;
     hand.rest(kDepth);
     EXPECT_NEAR(hand.force, 250.0 * kDepth, 1e-6);  // 250 < sqrt(100 c) = 316
@@ -78,7 +78,7 @@ TEST(Admission, AHandThatRestsFeelsAStifferWallAsFarAsItsOwnWorkPays) {
     }
     EXPECT_GT(hand.fastest, 0.0);
 
-    hand.session.enter(stiff, nullptr);
+    hand.session.enter(Session::Place(stiff, nullptr));
     hand.rest(kDepth);
     EXPECT_NEAR(hand.force, std::sqrt(100.0 * c) * kDepth, 0.02 * std::sqrt(100.0 * c) * kDepth);
     EXPECT_TRUE(hand.bench.servo.withholds_change());
@@ -97,7 +97,7 @@ TEST(Admission, ASofterWallIsFeltAtOnce) {
   const Scene stiff = wall(900.0), soft = wall(100.0);
   Hand hand(parameters(BoundingMode::contact_frame), stiff);
   hand.press(kDepth);
-  hand.session.enter(soft, nullptr);
+  hand.session.enter(Session::Place(soft, nullptr));
   hand.rest(kDepth, 3);
   EXPECT_NEAR(hand.force, 100.0 * kDepth, 1e-6);
   EXPECT_FALSE(hand.bench.servo.withholds_change());
@@ -110,7 +110,7 @@ TEST(Admission, AHandThatASceneClosesRoundIsNotFlungOut) {
   for (int i = 0; i < 200; ++i) hand.tick(i % 2 == 0 ? -0.02 : -0.001);  // burns 0.07 J a time
   hand.press(kDepth);
   ASSERT_GT(hand.port().margin(), 1.0);
-  hand.session.enter(stiff, nullptr);
+  hand.session.enter(Session::Place(stiff, nullptr));
   hand.rest(kDepth);
   EXPECT_LE(hand.force, 1.01 * std::sqrt(1e-3 * 1000.0) * kDepth);
   EXPECT_TRUE(hand.bench.servo.withholds_change());
@@ -125,7 +125,7 @@ TEST(Admission, OnlyTheContactFrameOfThisSideThatCreditsTheDeviceAloneHasIt) {
         parameters(BoundingMode::contact_frame, BoundingSide::server)}) {
     Hand hand(p, soft);
     hand.press(kDepth);
-    hand.session.enter(stiff, nullptr);
+    hand.session.enter(Session::Place(stiff, nullptr));
     hand.rest(kDepth, 100);
     EXPECT_FALSE(hand.bench.servo.withholds_change());
   }

@@ -106,9 +106,11 @@ TEST(Records, OneFileThatFailsDoesNotEndTheOther) {
   {
     Records records(
         {.recording = folder / "run.csv", .view = folder / "seen.csv", .observes = true}, said);
+    Ring<TickRecord>* const rows = records.rows();
+    ASSERT_NE(rows, nullptr);
     {
       const FullDisk disk(60);
-      for (int i = 0; i < 4; ++i) records.rows()->push({});
+      for (int i = 0; i < 4; ++i) rows->push({});
       records.write();
       EXPECT_TRUE(records.failed());
     }
@@ -117,7 +119,7 @@ TEST(Records, OneFileThatFailsDoesNotEndTheOther) {
     view.hands_end = SceneView::kLastHand;
     view.hand[view.hand_count++].number = 7;
     records.views()->push({0.5, view});
-    records.rows()->push({});
+    rows->push({});
     records.write();
     records.finish();
     EXPECT_EQ(records.sight()->hands, 1u);

@@ -19,7 +19,7 @@ namespace {
 using test::config;
 using test::Random;
 using test::random_command;
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();

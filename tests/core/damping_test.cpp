@@ -13,7 +13,7 @@
 namespace feltwire::damping_test {
 namespace {
 
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
 constexpr double kPeriod = test::kModePeriod;
 

@@ -20,8 +20,8 @@ TEST(DeviceSpec, BuiltInDevicesAreValidAndFoundByName) {
         << device.name << " could render nothing under the bound";
     EXPECT_TRUE(names.insert(device.name).second);
   }
-  EXPECT_THAT(names, testing::UnorderedElementsAre("simulated", "impulse_engine_2000",
-                                                   "phantom_premium_1.5", "touch", "omega.7"));
+  EXPECT_THAT(names, ::testing::UnorderedElementsAre("simulated", "impulse_engine_2000",
+                                                     "phantom_premium_1.5", "touch", "omega.7"));
 }
 
 TEST(DeviceSpec, DegreesOfFreedom) {
@@ -83,7 +83,7 @@ TEST(DeviceSpec, EveryBrokenFieldIsNamed) {
       validate(spec);
       ADD_FAILURE() << field << " was let through";
     } catch (const std::invalid_argument& error) {
-      EXPECT_THAT(error.what(), testing::HasSubstr("': " + field + ": "));
+      EXPECT_THAT(error.what(), ::testing::HasSubstr("': " + field + ": "));
     }
   }
 }

@@ -22,7 +22,7 @@ namespace {
 
 using test::error_of;
 
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
 /// A scene of one object, its shape on line 4 and the scene's tool on line 5.
 std::string scene_text(const std::string& shape, const std::string& tool = "") {
@@ -54,7 +54,7 @@ TEST(FieldScene, AGridOfABallIsFeltAsTheBall) {
 }
 
 TEST(FieldScene, AGridOfAMeshFile) {
-  const auto folder = std::filesystem::path(testing::TempDir()) / "feltwire_field_scene";
+  const auto folder = std::filesystem::path(::testing::TempDir()) / "feltwire_field_scene";
   std::filesystem::create_directories(folder);
   std::ofstream(folder / "ball.obj") << obj_text(icosphere(30.0, 3));
   std::ofstream(folder / "s.json")
@@ -95,7 +95,7 @@ TEST(FieldScene, ABodyGivesForceAndTorque) {
 
 // A body touches a mesh by its distances, which are sampled when the scene is loaded.
 TEST(FieldScene, ABodyTouchesAMeshAsAGrid) {
-  const auto folder = std::filesystem::path(testing::TempDir()) / "feltwire_body_on_mesh";
+  const auto folder = std::filesystem::path(::testing::TempDir()) / "feltwire_body_on_mesh";
   std::filesystem::create_directories(folder);
   // Flat, for its grid is 128 steps across however little there is of it.
   std::ofstream(folder / "plate.obj")

@@ -19,8 +19,8 @@ namespace feltwire::height_map_test {
 namespace {
 
 using test::Random;
-using testing::AllOf;
-using testing::HasSubstr;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
 
 constexpr double kPi = std::numbers::pi;
 constexpr double kSize = 0.01, kAmplitude = 2e-4;  // [m]

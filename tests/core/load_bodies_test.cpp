@@ -18,9 +18,9 @@ namespace {
 
 using test::error_of;
 
-using testing::AllOf;
-using testing::HasSubstr;
-using testing::StartsWith;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
 
 /// The lines of a scene with one of them changed.
 std::string scene_text(const std::string& bodies, const std::string& more = "",
@@ -65,18 +65,18 @@ TEST(LoadBodies, AnAngleThatMayBeDegreesIsWarnedOf) {
         .warnings();
   };
   EXPECT_THAT(warnings(R"("range": [0, 90])"),
-              testing::Contains(AllOf(HasSubstr("body 'b': range: 90 rad are 14.3 turns"),
-                                      HasSubstr("in degrees, give 1.57 rad"))));
-  EXPECT_THAT(warnings(R"("range": [-45, 0])"), testing::Contains(HasSubstr("give -0.785 rad")));
+              ::testing::Contains(AllOf(HasSubstr("body 'b': range: 90 rad are 14.3 turns"),
+                                        HasSubstr("in degrees, give 1.57 rad"))));
+  EXPECT_THAT(warnings(R"("range": [-45, 0])"), ::testing::Contains(HasSubstr("give -0.785 rad")));
   EXPECT_THAT(warnings(R"("rest": 30, "stiffness": 0.1)"),
-              testing::Contains(HasSubstr("rest: 30 rad are 4.77 turns")));
+              ::testing::Contains(HasSubstr("rest: 30 rad are 4.77 turns")));
   for (const char* sane : {R"("range": [-6.28, 6.28])", R"("stiffness": 0.1)"})
-    EXPECT_THAT(warnings(sane), testing::Not(testing::Contains(HasSubstr("turns"))));
+    EXPECT_THAT(warnings(sane), ::testing::Not(::testing::Contains(HasSubstr("turns"))));
   const auto slide =
       parse_scene(scene_text(R"({ "name": "b", "mass": 2, "joint": "slide", "range": [0, 90] })"),
                   "s.json")
           .warnings();
-  EXPECT_THAT(slide, testing::Not(testing::Contains(HasSubstr("turns"))));
+  EXPECT_THAT(slide, ::testing::Not(::testing::Contains(HasSubstr("turns"))));
 }
 
 TEST(LoadBodies, NamesFileLineFieldAndRemedy) {
@@ -102,7 +102,7 @@ TEST(LoadBodies, TheWorkshopIsSound) {
   const Scene scene = load_scene(std::string(FELTWIRE_SOURCE_DIR) + "/scenes/workshop.json");
   ASSERT_NE(scene.mechanism(), nullptr);
   EXPECT_EQ(scene.mechanism()->bodies(), 6);
-  EXPECT_THAT(scene.mechanism()->warnings(), testing::IsEmpty());
+  EXPECT_THAT(scene.mechanism()->warnings(), ::testing::IsEmpty());
   // Left alone everything stays where it is.
   World world(scene);
   const auto before = world.objects();
@@ -112,7 +112,7 @@ TEST(LoadBodies, TheWorkshopIsSound) {
         << before[i].name;
 }
 
-class Mjcf : public testing::Test {
+class Mjcf : public ::testing::Test {
  protected:
   Mjcf() { std::filesystem::create_directories(folder); }
   ~Mjcf() override { std::filesystem::remove_all(folder); }
@@ -136,8 +136,8 @@ class Mjcf : public testing::Test {
     return load_scene(folder / "s.json");
   }
   std::filesystem::path folder =
-      std::filesystem::path(testing::TempDir()) /
-      ("mjcf_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
+      std::filesystem::path(::testing::TempDir()) /
+      ("mjcf_" + std::string(::testing::UnitTest::GetInstance()->current_test_info()->name()));
 };
 
 const char* const kRoom = R"(<mujoco>

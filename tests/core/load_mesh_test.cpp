@@ -16,12 +16,12 @@
 namespace feltwire::load_mesh_test {
 namespace {
 
-using testing::AllOf;
-using testing::ElementsAre;
-using testing::HasSubstr;
+using ::testing::AllOf;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
 
 /// A folder of its own for the files of a test.
-class LoadMesh : public testing::Test {
+class LoadMesh : public ::testing::Test {
  protected:
   LoadMesh()
       : folder_(std::filesystem::temp_directory_path() /

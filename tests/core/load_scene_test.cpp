@@ -14,8 +14,8 @@ namespace {
 
 using test::error_of;
 
-using testing::HasSubstr;
-using testing::StartsWith;
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
 
 const std::string kScenes = std::string(FELTWIRE_SOURCE_DIR) + "/scenes/";
 
@@ -99,9 +99,9 @@ TEST(LoadScene, StartIsWhereAHandBegins) {
   EXPECT_EQ(start.position, Vec3(1, 2, 3));
   EXPECT_EQ(start.normal, Vec3(0, -1, 0));
   EXPECT_THAT(error_of(with_start("\n\"start\": {\n\"normal\": [0, 0, 0]},")),
-              testing::StartsWith("s.json:3: start.normal: has no direction"));
+              ::testing::StartsWith("s.json:3: start.normal: has no direction"));
   EXPECT_THAT(error_of(with_start("\n\"start\": {\n\"position\": [0, 2e6, 0]},")),
-              testing::StartsWith("s.json:3: start.position.y: must lie within"));
+              ::testing::StartsWith("s.json:3: start.position.y: must lie within"));
 }
 
 TEST(LoadScene, EveryMistakeIsNamedWithLineAndField) {

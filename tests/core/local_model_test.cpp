@@ -101,7 +101,7 @@ TEST(LocalModel, IsTheObjectItWasMadeOf) {
           slipped += hand.memory()[0].slipping ? 1 : 0;
           expect_near(hand.said(), hand.truth(), 1e-9, felt.name);
         }
-        if (testing::Test::HasFailure()) FAIL() << felt.name << " run " << run << " tick " << n;
+        if (::testing::Test::HasFailure()) FAIL() << felt.name << " run " << run << " tick " << n;
       }
     }
     EXPECT_GT(touched, 1000) << felt.name;
@@ -144,7 +144,7 @@ Followed follow(const Scene& scene, Random& random, double width) {
         sum.together += count > 1 ? 1 : 0;
         expect_near(hand.said(), hand.truth(), 1e-9, scene.name().c_str());
       }
-      if (testing::Test::HasFailure()) {
+      if (::testing::Test::HasFailure()) {
         ADD_FAILURE() << "run " << run << " tick " << n;
         return sum;
       }
@@ -254,7 +254,7 @@ TEST(LocalModel, MovingSurfacesAreTheRestingOnesSeenInMotion) {
       tool.velocity += drift;
       expect_near(moving.touch(tool, age, 1e-3).command, truth, 1e-8, felt.name);
       age += 1e-3;
-      if (testing::Test::HasFailure()) FAIL() << felt.name << " run " << run << " tick " << n;
+      if (::testing::Test::HasFailure()) FAIL() << felt.name << " run " << run << " tick " << n;
     }
   }
 }

@@ -11,8 +11,8 @@
 namespace feltwire::mesh_file_test {
 namespace {
 
-using testing::HasSubstr;
-using testing::StartsWith;
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
 
 const std::string kSquareObj =
     "# a square\no square\nv -1 -1 0.5\nv 1 -1 0.5 1.0\r\nv\t+1 1 5e-1\nv -1 1 0.5\nvt 0 0\n"
@@ -180,8 +180,8 @@ TEST(MeshFile, WhatIsFartherThanASceneReachesIsRefusedWhereItStands) {
         ADD_FAILURE() << places[i] << " is read at a scale of " << scale;
       } catch (const FileError& error) {
         EXPECT_THAT(error.what(),
-                    testing::AllOf(StartsWith(places[i] + "vertex 3: x: "),
-                                   HasSubstr("must lie within 1e+06 m"), HasSubstr("scale")));
+                    ::testing::AllOf(StartsWith(places[i] + "vertex 3: x: "),
+                                     HasSubstr("must lie within 1e+06 m"), HasSubstr("scale")));
       }
     }
   }
@@ -210,7 +210,7 @@ TEST(MeshFile, ALineOfAnObjFileGoesOnAfterABackslash) {
   EXPECT_THAT(error_of(v + "f 1 \\\n2 \\\n7\n", "a.obj"), StartsWith("a.obj:6: face: vertex 7"));
   EXPECT_THAT(error_of(v + "f 1 2 \\\n", "a.obj"), StartsWith("a.obj:4: f: a face needs three"));
   EXPECT_THAT(error_of(v + "f 1 2 3 # here \\\nq\n", "a.obj"), StartsWith("a.obj:5: 'q'"));
-  EXPECT_THAT(error_of("v 0 0 0 \\ 1\n", "a.obj"), testing::Not(testing::Eq("no error")));
+  EXPECT_THAT(error_of("v 0 0 0 \\ 1\n", "a.obj"), ::testing::Not(::testing::Eq("no error")));
 }
 
 TEST(MeshFile, BinaryFilesThatWereCutShortSaySoWhereverTheyEnd) {

@@ -102,9 +102,9 @@ TEST(MeshSeam, WhatTheSeamAndThePolesMissIsJoinedAndSaid) {
     EXPECT_NEAR(report.volume, 4.0 / 3.0 * M_PI * std::pow(kRadius, 3),
                 2e-5 * report.volume + 5e-6);
     EXPECT_THAT(warnings(report, true),
-                testing::Contains(testing::HasSubstr("vertices of open edges were joined")));
+                ::testing::Contains(::testing::HasSubstr("vertices of open edges were joined")));
     EXPECT_THAT(warnings(report, true),
-                testing::Not(testing::Contains(testing::HasSubstr("hole"))));
+                ::testing::Not(::testing::Contains(::testing::HasSubstr("hole"))));
   }
 }
 
@@ -152,7 +152,7 @@ TEST(MeshSeam, HolesAreMeasured) {
   EXPECT_NEAR(ends.narrowest_hole, 0.04, 2e-3);
   EXPECT_NEAR(ends.widest_hole, 0.04, 2e-3);
   EXPECT_THAT(warnings(ends, true),
-              testing::ElementsAre(testing::HasSubstr("the surface has holes, 2 holes 0.0")));
+              ::testing::ElementsAre(::testing::HasSubstr("the surface has holes, 2 holes 0.0")));
 }
 
 // A corner of one side in the middle of an edge of the other: no neighbours there, and no way in.
@@ -196,7 +196,7 @@ TEST(MeshSeam, AVertexFarAwayLosesNoDetailAndIsNamed) {
   EXPECT_EQ(mesh.report().boundary_edges, 3u);  // the spike's own
   EXPECT_LT(mesh.report().joined_farthest, 1e-9);
   EXPECT_THAT(warnings(mesh.report(), true),
-              testing::Contains(testing::HasSubstr("a vertex lies far away from the others")));
+              ::testing::Contains(::testing::HasSubstr("a vertex lies far away from the others")));
 }
 
 // What is left out of the surface is said with its height, and not that nothing is missing.
@@ -209,7 +209,7 @@ TEST(MeshSeam, ATriangleThatIsLeftOutIsMeasured) {
   EXPECT_EQ(thin.degenerate, 1u);
   EXPECT_NEAR(thin.degenerate_height, 1e-10, 1e-12);
   EXPECT_THAT(warnings(thin, false),
-              testing::Contains(testing::HasSubstr("the highest is 1e-10 m high")));
+              ::testing::Contains(::testing::HasSubstr("the highest is 1e-10 m high")));
 }
 
 }  // namespace

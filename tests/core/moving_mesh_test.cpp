@@ -23,9 +23,9 @@ using test::kWeightless;
 using test::moving;
 using test::object;
 using test::Random;
-using testing::ElementsAre;
-using testing::HasSubstr;
-using testing::IsEmpty;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
 
 Shape mesh(const TriangleSoup& soup) { return test::mesh_object(soup).shape; }
 
@@ -105,7 +105,7 @@ TEST(MovingMesh, MovesAsTheBoxThatItIs) {
     EXPECT_LE((b.objects()[1].pose.position - a.objects()[1].pose.position).norm(), 1e-8);
     EXPECT_LE(b.objects()[1].pose.orientation.angularDistance(a.objects()[1].pose.orientation),
               1e-7);
-    if (testing::Test::HasFailure()) FAIL() << "step " << n;
+    if (::testing::Test::HasFailure()) FAIL() << "step " << n;
   }
   EXPECT_GT(felt, 1.0);
   EXPECT_GT(a.objects()[1].pose.orientation.angularDistance(Quaternion::Identity()), 0.5);

@@ -18,9 +18,9 @@ namespace feltwire::mujoco_load_test {
 namespace {
 
 using mujoco::load_text;
-using testing::AllOf;
-using testing::HasSubstr;
-using testing::Not;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::Not;
 
 const std::string kGood = "<mujoco><worldbody><geom size='1'/></worldbody></mujoco>";
 // The product of rows and columns overflows: MuJoCo 2.2 fails while it holds its loader's lock.
@@ -75,11 +75,11 @@ TEST(MujocoLoad, ManyThreadsLoadAtOnce) {
           error = "wrong";
     });
   for (std::thread& thread : threads) thread.join();
-  EXPECT_THAT(errors, testing::Each(std::string()));
+  EXPECT_THAT(errors, ::testing::Each(std::string()));
 }
 
 /// Scenes in a folder, and files outside of it that they name by links.
-class ShownErrors : public testing::Test {
+class ShownErrors : public ::testing::Test {
  protected:
   ShownErrors()
       : root_(std::filesystem::temp_directory_path() /
@@ -119,7 +119,7 @@ class ShownErrors : public testing::Test {
     return error_of("s.json");
   }
 
-  const testing::Matcher<std::string> hidden_ =
+  const ::testing::Matcher<std::string> hidden_ =
       AllOf(Not(HasSubstr("topsecret")), Not(HasSubstr("root")),
             HasSubstr("lies outside of the scene's folder"));
   std::filesystem::path root_;

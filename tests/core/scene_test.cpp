@@ -124,7 +124,7 @@ TEST(Scene, RefusesWhatBreaksARule) {
       Scene("s", {o});
       ADD_FAILURE() << field << " was let through";
     } catch (const std::invalid_argument& error) {
-      EXPECT_THAT(error.what(), testing::HasSubstr(": " + field + ": "));
+      EXPECT_THAT(error.what(), ::testing::HasSubstr(": " + field + ": "));
     }
   }
   EXPECT_THROW(Scene("s", {}), std::invalid_argument);

@@ -94,7 +94,7 @@ TEST(TriangleMesh, TurnedInsideOutItsVolumeIsNegativeAndNeighboursStay) {
       const Triangle& beyond = mesh.triangles()[mesh.neighbour(t, k)];
       for (const int corner : {k, (k + 1) % 3})
         EXPECT_THAT(beyond,
-                    testing::Contains(mesh.triangles()[t][static_cast<std::size_t>(corner)]));
+                    ::testing::Contains(mesh.triangles()[t][static_cast<std::size_t>(corner)]));
     }
   }
 }

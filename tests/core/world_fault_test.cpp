@@ -21,7 +21,7 @@ using test::Hand;
 using test::kWeightless;
 using test::moving;
 using test::object;
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
 TEST(MujocoGuard, AnErrorIsAnAnswerNotTheEndOfTheProcess) {
   ASSERT_NE(mujoco::load_text("<mujoco/>").model, nullptr);
@@ -143,8 +143,8 @@ TEST(WorldFaults, GoesFartherBackWhenThatWasNotGoodEnough) {
     went_back_to.push_back(std::find(fallen.begin(), fallen.end(), height()) - fallen.begin());
     EXPECT_EQ(world.velocity_at(1, Vec3::Zero()), Vec3::Zero());
   }
-  EXPECT_THAT(went_back_to, testing::ElementsAre(1200, 1100, 1000, 900, 800, 700, 600, 500, 400,
-                                                 300, 200, 100, 0, 0, 0));
+  EXPECT_THAT(went_back_to, ::testing::ElementsAre(1200, 1100, 1000, 900, 800, 700, 600, 500, 400,
+                                                   300, 200, 100, 0, 0, 0));
 }
 
 TEST(WorldFaults, AToolThatIsNotFinitePushesNothing) {

@@ -27,7 +27,7 @@ std::size_t uses(const Work& work) {
   return test::allocations() - before;
 }
 
-class AllocationCounter : public testing::Test {
+class AllocationCounter : public ::testing::Test {
  protected:
   void SetUp() override {
 #ifdef FELTWIRE_SANITIZED

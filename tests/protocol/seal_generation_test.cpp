@@ -17,7 +17,7 @@ using namespace test::sealing;
 using test::Generator;
 
 using SealGeneration = test::sealing::Fixture;
-INSTANTIATE_TEST_SUITE_P(Suites, SealGeneration, testing::ValuesIn(test::suites()),
+INSTANTIATE_TEST_SUITE_P(Suites, SealGeneration, ::testing::ValuesIn(test::suites()),
                          [](const auto& suite) {
                            return suite.param == CipherSuite::aes_256_gcm ? "Aes256Gcm"
                                                                           : "ChaCha20Poly1305";

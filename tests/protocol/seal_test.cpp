@@ -20,9 +20,11 @@ using namespace test::sealing;
 using test::keys;
 
 using Sealing = test::sealing::Fixture;
-INSTANTIATE_TEST_SUITE_P(Suites, Sealing, testing::ValuesIn(test::suites()), [](const auto& suite) {
-  return suite.param == CipherSuite::aes_256_gcm ? "Aes256Gcm" : "ChaCha20Poly1305";
-});
+INSTANTIATE_TEST_SUITE_P(Suites, Sealing, ::testing::ValuesIn(test::suites()),
+                         [](const auto& suite) {
+                           return suite.param == CipherSuite::aes_256_gcm ? "Aes256Gcm"
+                                                                          : "ChaCha20Poly1305";
+                         });
 
 std::string spaced_hex(Bytes bytes) {
   std::string text;

@@ -56,7 +56,7 @@ class Direction {
 };
 
 /// A test for every cipher suite: a session's keys, and its way up.
-class Fixture : public testing::TestWithParam<CipherSuite> {
+class Fixture : public ::testing::TestWithParam<CipherSuite> {
  protected:
   SessionKeys session_keys = keys(kSession, GetParam());
   Direction up{GetParam(), session_keys.up};

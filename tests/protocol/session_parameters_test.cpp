@@ -11,7 +11,7 @@
 namespace feltwire::session_parameters_test {
 namespace {
 
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
 struct Wrong {
   const char* field;
@@ -107,7 +107,7 @@ TEST(SessionParameters, EachFaultNamesItsField) {
       validate(p);
       ADD_FAILURE() << wrong.field << " was let through";
     } catch (const std::invalid_argument& error) {
-      EXPECT_THAT(error.what(), testing::StartsWith(wrong.field));
+      EXPECT_THAT(error.what(), ::testing::StartsWith(wrong.field));
     }
   }
 }

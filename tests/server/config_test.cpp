@@ -12,9 +12,9 @@
 namespace feltwire::config_test {
 namespace {
 
-using testing::AllOf;
-using testing::HasSubstr;
-using testing::StartsWith;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
 
 TEST(Config, EveryFieldIsRead) {
   const ServerConfig config = parse_config(R"({

@@ -116,7 +116,7 @@ TEST(Loopback, TwoClientsShareAScene) {
   EXPECT_EQ(summary[0].counters.samples.samples, 600u);
   EXPECT_EQ(summary[0].counters.samples.replies, 600u);
   EXPECT_EQ(summary[0].unsent, 0u);
-  EXPECT_THAT(text(summary), testing::HasSubstr("scene room: sessions 2"));
+  EXPECT_THAT(text(summary), ::testing::HasSubstr("scene room: sessions 2"));
 }
 
 /// A scene's thread steps what moves by its own timer, asleep or spinning.
@@ -141,7 +141,7 @@ TEST(Loopback, WhatMovesIsSteppedWhileNoDatagramComes) {
     // Some 200 of them; the datagram alone, and the stall behind it, would have been one at most.
     EXPECT_GT(server.summary()[0].counters.world.steps, 20u);
     EXPECT_EQ(server.summary()[0].counters.world.resets, 0u);
-    EXPECT_THAT(text(server.summary()), testing::HasSubstr("steps of what moves"));
+    EXPECT_THAT(text(server.summary()), ::testing::HasSubstr("steps of what moves"));
   }
 }
 
@@ -221,7 +221,7 @@ TEST(Loopback, RefusalsSayWhy) {
   request.scene = "nowhere";
   const auto unknown = control.ask<Refused>(request);
   EXPECT_EQ(unknown.code, RefusalCode::unknown_scene);
-  EXPECT_THAT(unknown.reason, testing::HasSubstr("nowhere"));
+  EXPECT_THAT(unknown.reason, ::testing::HasSubstr("nowhere"));
   request = test::join_request();
   request.device.max_force = -1;
   EXPECT_EQ(control.ask<Refused>(request).code, RefusalCode::bad_device);
@@ -296,9 +296,9 @@ TEST(Loopback, PortInUseIsOneClearLine) {
     Server second(config, two_scenes(), test::security());
     FAIL();
   } catch (const std::runtime_error& error) {
-    EXPECT_THAT(error.what(), testing::HasSubstr(std::to_string(server.control_port())));
-    EXPECT_THAT(error.what(), testing::HasSubstr("--port"));
-    EXPECT_THAT(error.what(), testing::Not(testing::HasSubstr("\n")));
+    EXPECT_THAT(error.what(), ::testing::HasSubstr(std::to_string(server.control_port())));
+    EXPECT_THAT(error.what(), ::testing::HasSubstr("--port"));
+    EXPECT_THAT(error.what(), ::testing::Not(::testing::HasSubstr("\n")));
   }
 }
 

@@ -57,7 +57,7 @@ TEST(ModelSession, EachSceneThatItEntersHasANumberOfItsOwn) {
   const Vec3 over_table(0.0, 0.0, -0.045);
   const std::uint32_t first = session.take(sample(1, over_table), {}).reply.model.scene;
   EXPECT_EQ(session.take(sample(2, over_table), {}).reply.model.scene, first);
-  session.enter(again, nullptr);
+  session.enter(Session::Place(again, nullptr));
   EXPECT_NE(session.take(sample(3, over_table), {}).reply.model.scene, first);
 }
 

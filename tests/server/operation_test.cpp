@@ -22,8 +22,8 @@ namespace feltwire::operation_test {
 namespace {
 
 using Json = nlohmann::json;
-using testing::HasSubstr;
-using testing::StartsWith;
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
 
 constexpr std::chrono::milliseconds kWait{test::kPatience};
 
@@ -36,7 +36,7 @@ Server room_server() {
 }
 
 std::string path(const std::string& name) {
-  return testing::TempDir() + "feltwire_" + std::to_string(::getpid()) + name;
+  return ::testing::TempDir() + "feltwire_" + std::to_string(::getpid()) + name;
 }
 
 std::string content(const std::string& file) {
@@ -83,7 +83,7 @@ TEST(Operation, ASummaryReplacesTheOneBefore) {
   EXPECT_EQ(Json::parse(content(file)).at("scenes"), Json::array());
   EXPECT_EQ(::access((file + ".part").c_str(), F_OK), -1);
   EXPECT_THAT([] { write_summary("/nonexistent/summary.json", {}, {}); },
-              testing::ThrowsMessage<std::runtime_error>(HasSubstr("/nonexistent/summary.json")));
+              ::testing::ThrowsMessage<std::runtime_error>(HasSubstr("/nonexistent/summary.json")));
 }
 
 TEST(Operation, HealthIsAnAnswerInTime) {
@@ -93,7 +93,7 @@ TEST(Operation, HealthIsAnAnswerInTime) {
   EXPECT_NO_THROW(check_health("0.0.0.0", port, kWait));  // every network: asked on this machine
   server.stop();
   EXPECT_THAT([&] { check_health("127.0.0.1", port, kWait); },
-              testing::ThrowsMessage<std::runtime_error>(HasSubstr("refused")));
+              ::testing::ThrowsMessage<std::runtime_error>(HasSubstr("refused")));
 }
 
 TEST(Operation, WhoListensAndSaysNothingIsNotWell) {
@@ -107,7 +107,7 @@ TEST(Operation, WhoListensAndSaysNothingIsNotWell) {
   ASSERT_EQ(::getsockname(silent, reinterpret_cast<sockaddr*>(&address), &size), 0);
   constexpr std::chrono::milliseconds kShort{20};
   EXPECT_THAT([&] { check_health("127.0.0.1", ntohs(address.sin_port), kShort); },
-              testing::ThrowsMessage<std::runtime_error>(HasSubstr("no answer")));
+              ::testing::ThrowsMessage<std::runtime_error>(HasSubstr("no answer")));
   ::close(silent);
 }
 

@@ -22,7 +22,7 @@ using test::join_request;
 
 constexpr std::uint64_t kId = 0x1234567800ull;
 
-class SceneSessionsTest : public testing::Test {
+class SceneSessionsTest : public ::testing::Test {
  protected:
   Scene scene = test::room();
   static constexpr SessionLimits kFast{.sample_rate = 1e6};  // tests do not wait
@@ -256,8 +256,9 @@ TEST_F(SceneSessionsTest, WhatAClientActsOnDoesNotChangeBehindItsBack) {
     const auto* refused = std::get_if<control::Refused>(&answer);
     if (refused == nullptr) continue;
     EXPECT_EQ(refused->code, control::RefusalCode::bad_parameters);
-    EXPECT_THAT(refused->reason, testing::AllOf(testing::StartsWith(change.field + ": in force "),
-                                                testing::HasSubstr("leave and join again")));
+    EXPECT_THAT(refused->reason,
+                ::testing::AllOf(::testing::StartsWith(change.field + ": in force "),
+                                 ::testing::HasSubstr("leave and join again")));
   }
   EXPECT_EQ(changed, 1u);
 }

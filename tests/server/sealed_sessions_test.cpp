@@ -57,8 +57,8 @@ struct World {
   }
 };
 
-class SealedSessions : public testing::TestWithParam<CipherSuite> {};
-INSTANTIATE_TEST_SUITE_P(Suites, SealedSessions, testing::ValuesIn(test::suites()));
+class SealedSessions : public ::testing::TestWithParam<CipherSuite> {};
+INSTANTIATE_TEST_SUITE_P(Suites, SealedSessions, ::testing::ValuesIn(test::suites()));
 
 /// The whole way with both suites, whatever the machine prefers.
 TEST_P(SealedSessions, BothEndsUnderstandEachOther) {

@@ -175,7 +175,7 @@ std::string contents(const std::filesystem::path& file) {
 }
 
 TEST(Compare, WritesEveryTaskByEveryMethodAndTheSameBytesEveryTime) {
-  const auto directory = std::filesystem::path(testing::TempDir()) / "feltwire_compare_test";
+  const auto directory = std::filesystem::path(::testing::TempDir()) / "feltwire_compare_test";
   std::filesystem::remove_all(directory);
   const auto rows = write_compare(directory, {});
   const std::string json = contents(directory / "compare.json");

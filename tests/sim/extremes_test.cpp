@@ -13,7 +13,7 @@
 namespace feltwire::extremes_test {
 namespace {
 
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
 const ExtremeRow& row(const std::vector<ExtremeRow>& rows, std::string_view strain,
                       std::string_view method) {
@@ -82,7 +82,7 @@ std::string text_of(const std::filesystem::path& file) {
 }
 
 TEST(Extremes, TheSameBytesEveryTime) {
-  const auto directory = std::filesystem::path(testing::TempDir()) / "feltwire_extremes_test";
+  const auto directory = std::filesystem::path(::testing::TempDir()) / "feltwire_extremes_test";
   for (const char* turn : {"a", "b"}) write_extremes(directory / turn, run_extremes(1.0, 1));
   for (const char* file : {"extremes.csv", "extremes.json", "extremes.png"}) {
     const std::string text = text_of(directory / "a" / file);
@@ -93,7 +93,7 @@ TEST(Extremes, TheSameBytesEveryTime) {
 }
 
 TEST(Extremes, TheCommandFailsWhenARowFails) {
-  const auto directory = std::filesystem::path(testing::TempDir()) / "feltwire_extremes_exit";
+  const auto directory = std::filesystem::path(::testing::TempDir()) / "feltwire_extremes_exit";
   const auto status = [&](const std::string& options) {
     const std::string command = std::string(FELTWIRE_LAB_PROGRAM) + " extremes --out " +
                                 directory.string() + " " + options + " > /dev/null 2>&1";

@@ -95,7 +95,7 @@ TEST(Figures, RunsAreDeterministic) {
 
 TEST(Figures, WritesEveryFigureInEveryModeAtEveryDamping) {
   const std::filesystem::path directory =
-      std::filesystem::path(testing::TempDir()) / "feltwire_figures_test";
+      std::filesystem::path(::testing::TempDir()) / "feltwire_figures_test";
   std::filesystem::remove_all(directory);
   write_figures(directory);
   std::ifstream in(directory / "figures.json");

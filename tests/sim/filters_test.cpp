@@ -10,8 +10,8 @@
 namespace feltwire::filters_test {
 namespace {
 
-using testing::HasSubstr;
-using testing::ThrowsMessage;
+using ::testing::HasSubstr;
+using ::testing::ThrowsMessage;
 
 std::vector<std::vector<double>> rows(const std::string& csv) {
   std::istringstream in(csv);
@@ -71,7 +71,7 @@ TEST(BoundFilter, SaysWhereTheInputIsNoNumber) {
   std::ostringstream output;
   EXPECT_THAT([&] { filter_bound(input, output, contact_frame(1.0)); },
               ThrowsMessage<CsvError>(
-                  testing::AllOf(HasSubstr("stdin:3"), HasSubstr("ex"), HasSubstr("oops"))));
+                  ::testing::AllOf(HasSubstr("stdin:3"), HasSubstr("ex"), HasSubstr("oops"))));
   EXPECT_EQ(rows(output.str()).size(), 1u) << "what was good before it is not lost";
 }
 

@@ -8,8 +8,8 @@
 namespace feltwire::hand_path_test {
 namespace {
 
-using testing::HasSubstr;
-using testing::ThrowsMessage;
+using ::testing::HasSubstr;
+using ::testing::ThrowsMessage;
 
 HandTask task(HandPath path) {
   HandTask t;

@@ -78,7 +78,7 @@ std::string text_of(const std::filesystem::path& file) {
 }
 
 TEST(LocalModelRun, TheSameBytesEveryTime) {
-  const auto directory = std::filesystem::path(testing::TempDir()) / "feltwire_local_model_test";
+  const auto directory = std::filesystem::path(::testing::TempDir()) / "feltwire_local_model_test";
   const LocalModelGrid grid{.round_trips = {0.0, 2e-3}, .rates = {1e3}};
   for (const char* turn : {"a", "b"}) write_local_model(directory / turn, run_local_model(grid));
   for (const char* file : {"local_model.csv", "local_model.json", "local_model.png"}) {

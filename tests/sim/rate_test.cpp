@@ -63,7 +63,7 @@ std::string text_of(const std::filesystem::path& file) {
 }
 
 TEST(Rate, TheSameBytesEveryTimeButForTheCost) {
-  const auto directory = std::filesystem::path(testing::TempDir()) / "feltwire_rate_test";
+  const auto directory = std::filesystem::path(::testing::TempDir()) / "feltwire_rate_test";
   const RateGrid grid{.rates = {500, 1000}, .dampings = {0.5}};
   double cost = 30.0;
   for (const char* turn : {"a", "b"}) {

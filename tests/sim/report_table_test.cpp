@@ -8,7 +8,7 @@ namespace feltwire::report_table_test {
 namespace {
 
 std::filesystem::path write(const std::string& name, const std::string& text) {
-  const auto file = std::filesystem::path(testing::TempDir()) / name;
+  const auto file = std::filesystem::path(::testing::TempDir()) / name;
   std::ofstream(file) << text;
   return file;
 }
@@ -21,17 +21,18 @@ constexpr const char* kReport = R"({"samples": 1234, "answered": 1230, "lost": 4
 
 TEST(ReportTable, ShowsClientsSideBySide) {
   const std::string table = report_table({write("ann.json", kReport), write("bob.json", kReport)});
-  EXPECT_THAT(table, testing::HasSubstr("ann"));
-  EXPECT_THAT(table, testing::HasSubstr("bob"));
-  EXPECT_THAT(table, testing::ContainsRegex("position samples +1234 +1234"));
-  EXPECT_THAT(table, testing::ContainsRegex("oscillation in contact, RMS .um. +3\\.1 +3\\.1"));
-  EXPECT_THAT(table, testing::ContainsRegex("displayed stiffness .N/m. +- +-"));
-  EXPECT_THAT(table, testing::ContainsRegex("largest force on the hand .N. +2\\.3[45] +2\\.3[45]"));
+  EXPECT_THAT(table, ::testing::HasSubstr("ann"));
+  EXPECT_THAT(table, ::testing::HasSubstr("bob"));
+  EXPECT_THAT(table, ::testing::ContainsRegex("position samples +1234 +1234"));
+  EXPECT_THAT(table, ::testing::ContainsRegex("oscillation in contact, RMS .um. +3\\.1 +3\\.1"));
+  EXPECT_THAT(table, ::testing::ContainsRegex("displayed stiffness .N/m. +- +-"));
+  EXPECT_THAT(table,
+              ::testing::ContainsRegex("largest force on the hand .N. +2\\.3[45] +2\\.3[45]"));
 }
 
 /// The column is as wide as its name, and numbers stand below its end.
 TEST(ReportTable, CutsNoNameAndTellsFilesOfOneNameApart) {
-  const auto folder = std::filesystem::path(testing::TempDir()) / "another-folder";
+  const auto folder = std::filesystem::path(::testing::TempDir()) / "another-folder";
   std::filesystem::create_directories(folder);
   const auto first = write("the-left-hand-of-a-long-experiment.json", kReport),
              second = write("another-folder/the-left-hand-of-a-long-experiment.json", kReport),
@@ -41,8 +42,8 @@ TEST(ReportTable, CutsNoNameAndTellsFilesOfOneNameApart) {
   for (const std::string& name :
        {first.string(), second.string(), std::string("the-left-hand-of-a-long-experience"),
         std::string("rechte-H\u00e4nde-\\x1b[31m-\u00e4\u00f6\u00fc")})
-    EXPECT_THAT(table, testing::HasSubstr("  " + name));
-  EXPECT_THAT(table, testing::Not(testing::HasSubstr("\x1b")));
+    EXPECT_THAT(table, ::testing::HasSubstr("  " + name));
+  EXPECT_THAT(table, ::testing::Not(::testing::HasSubstr("\x1b")));
   // Every line of the table is as wide as its head (which has four letters of two bytes).
   const std::size_t head = table.find('\n');
   EXPECT_EQ(table.find('\n', head + 1) - head - 1, head - 4);
@@ -51,11 +52,11 @@ TEST(ReportTable, CutsNoNameAndTellsFilesOfOneNameApart) {
 TEST(ReportTable, NamesTheFileAndTheMissingNumber) {
   const auto file = write("short.json", R"({"samples": 1})");
   EXPECT_THAT([&] { report_table({file}); },
-              testing::ThrowsMessage<std::runtime_error>(testing::AllOf(
-                  testing::HasSubstr("short.json"), testing::HasSubstr("/answered"))));
+              ::testing::ThrowsMessage<std::runtime_error>(::testing::AllOf(
+                  ::testing::HasSubstr("short.json"), ::testing::HasSubstr("/answered"))));
   EXPECT_THAT(
       [&] { report_table({"no-such-report.json"}); },
-      testing::ThrowsMessage<std::runtime_error>(testing::HasSubstr("no-such-report.json")));
+      ::testing::ThrowsMessage<std::runtime_error>(::testing::HasSubstr("no-such-report.json")));
 }
 
 }  // namespace

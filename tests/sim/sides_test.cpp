@@ -89,7 +89,7 @@ std::string text_of(const std::filesystem::path& file) {
 }
 
 TEST(Sides, TheSameBytesEveryTime) {
-  const auto directory = std::filesystem::path(testing::TempDir()) / "feltwire_sides_test";
+  const auto directory = std::filesystem::path(::testing::TempDir()) / "feltwire_sides_test";
   const SidesGrid grid{.round_trips = {10e-3}, .jitters = {0.0}, .losses = {{}, {0.1, 8.0}}};
   for (const char* turn : {"a", "b"}) write_sides(directory / turn, run_sides(grid));
   for (const char* file : {"sides.csv", "sides.json", "sides.png"}) {
@@ -103,10 +103,10 @@ TEST(Sides, TheSameBytesEveryTime) {
 TEST(Sides, TheTableHasEveryTaskAndTheVerdict) {
   const std::string table = sides_table(cells());
   for (const char* task : {"wall 40 kN/m", "sphere 1 kN/m", "taps 1 kN/m", "taking hand"})
-    EXPECT_THAT(table, testing::HasSubstr(task));
-  EXPECT_THAT(table, testing::HasSubstr("server      0 of 40, at most 0 J"));
-  EXPECT_THAT(table, testing::HasSubstr("client      0 of 40, at most 0 J"));
-  EXPECT_THAT(table, testing::HasSubstr("both        0 of 40, at most 0 J"));
+    EXPECT_THAT(table, ::testing::HasSubstr(task));
+  EXPECT_THAT(table, ::testing::HasSubstr("server      0 of 40, at most 0 J"));
+  EXPECT_THAT(table, ::testing::HasSubstr("client      0 of 40, at most 0 J"));
+  EXPECT_THAT(table, ::testing::HasSubstr("both        0 of 40, at most 0 J"));
 }
 
 TEST(Sides, RefusesADampingThatIsNone) {

@@ -125,8 +125,8 @@ TEST(SimulatedDevice, RefusesAMasslessHand) {
   SimulatedHandOptions o = still_hand();
   o.spec.apparent_mass = 0.0;
   o.hand.mass = 0.0;
-  EXPECT_THAT([&] { SimulatedDevice d(o); },
-              testing::ThrowsMessage<std::invalid_argument>(testing::HasSubstr("mass above zero")));
+  EXPECT_THAT([&] { SimulatedDevice d(o); }, ::testing::ThrowsMessage<std::invalid_argument>(
+                                                 ::testing::HasSubstr("mass above zero")));
 }
 
 }  // namespace

@@ -62,7 +62,7 @@ TEST(TradeGeometry, TheSolidIsExactAndTheRestErrsByItsOrder) {
 }
 
 TEST(TradeGeometry, TheSameBytesEveryTimeButForTheCost) {
-  const auto directory = std::filesystem::path(testing::TempDir()) / "feltwire_trade_geometry";
+  const auto directory = std::filesystem::path(::testing::TempDir()) / "feltwire_trade_geometry";
   const GeometryGrid grid{.levels = {2}, .resolutions = {8e-3}};
   write_trade_geometry(directory / "a", run_trade_geometry(grid));
   write_trade_geometry(directory / "b", run_trade_geometry(grid));
@@ -92,7 +92,7 @@ TEST(TradeTools, MorePointsErrLess) {
 }
 
 TEST(TradeTools, TheSameBytesEveryTimeButForTheCost) {
-  const auto directory = std::filesystem::path(testing::TempDir()) / "feltwire_trade_tools";
+  const auto directory = std::filesystem::path(::testing::TempDir()) / "feltwire_trade_tools";
   const ToolsGrid grid{.points = {100, 300}, .reference = 1000, .poses = 2, .steps = 5};
   write_trade_tools(directory / "a", run_trade_tools(grid));
   write_trade_tools(directory / "b", run_trade_tools(grid));

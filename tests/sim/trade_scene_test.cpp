@@ -71,7 +71,7 @@ TEST(TradeScene, IsWrittenWithARowACase) {
     EXPECT_GT(c.session_bytes, 1000.0) << c.what;
 #endif
   }
-  const auto directory = std::filesystem::path(testing::TempDir()) / "feltwire_trade_scene";
+  const auto directory = std::filesystem::path(::testing::TempDir()) / "feltwire_trade_scene";
   write_trade_scene(directory, cells, run_bare(1));
   std::ifstream csv(directory / "trade_scene.csv");
   std::size_t lines = 0;

@@ -82,7 +82,7 @@ std::string contents(const std::filesystem::path& file) {
 }
 
 TEST(ZWidth, WritesEveryCellAndTheSameBytesEveryTime) {
-  const auto directory = std::filesystem::path(testing::TempDir()) / "feltwire_zwidth_test";
+  const auto directory = std::filesystem::path(::testing::TempDir()) / "feltwire_zwidth_test";
   std::filesystem::remove_all(directory);
   const ZWidthGrid grid = small_grid();
   const auto cells = write_zwidth(directory, grid);
