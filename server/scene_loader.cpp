@@ -17,7 +17,6 @@ constexpr std::chrono::seconds kFirstWord{5};  // on a load that goes on
 }  // namespace
 
 Scene load_scene_and_warn(const std::filesystem::path& file) {
-  spdlog::info("{}: loading", file.string());
   Scene scene = load_scene(file);
   for (const std::string& warning : scene.warnings())
     spdlog::warn("{}: {}", file.string(), warning);
@@ -37,17 +36,27 @@ struct SceneLoader::Job {
   Done done;  // empty: nobody wants to know
   bool running = true;
 
-  void run() {
-    LoadedScene loaded = std::string("loading was cancelled");
+  /// The scene, or what is wrong with it. May throw std::bad_alloc where there is no memory for the
+  /// words.
+  LoadedScene outcome() {
     try {
       const DoingWork doing(&work);
-      loaded = load(file);
+      return load(file);
     } catch (const Cancelled&) {
-      // As it says already.
+      return std::string("loading was cancelled");
     } catch (const std::bad_alloc&) {
-      loaded = file.string() + ": does not fit into the memory; simplify the scene";
+      return file.string() + ": does not fit into the memory; simplify the scene";
     } catch (const std::exception& error) {
-      loaded = std::string(error.what());
+      return std::string(error.what());
+    }
+  }
+
+  void run() noexcept {
+    LoadedScene loaded = std::string("no memory");  // short enough to need none
+    try {
+      loaded = outcome();
+    } catch (const std::exception&) {
+      // As it says already.
     }
     const std::lock_guard lock(mutex);
     try {

@@ -133,6 +133,8 @@ TEST(Keys, WhatTheServerExportsTheClientHas) {
         control::JoinAccepted accepted;
         accepted.session = 0x1234;
         accepted.port_offset = 1;
+        accepted.parameters = wanted.parameters;
+        accepted.silence_timeout = 1.0;
         exported.set_value(peer.keys(accepted.session, accepted.suite));
         answer(accepted);
       });

@@ -195,7 +195,8 @@ class Exchange {
   }
 
   static void require_counters(const SceneCounters& counters) {
-    std::uint64_t accounted = counters.samples.replies + counters.samples.withheld;
+    std::uint64_t accounted =
+        counters.samples.replies + counters.samples.withheld + counters.late_goodbyes;
     for (const std::uint64_t dropped : counters.drops) accounted += dropped;
     require(accounted <= counters.datagrams && counters.datagrams <= accounted + counters.left,
             "every datagram is answered, withheld, a goodbye, or dropped and counted");

@@ -101,7 +101,7 @@ TEST(ViewCodec, WhoIsShownNothingPaysNoByte) {
   EXPECT_EQ(encoder.reply(reply).size(), 152u);
   reply.modelled = true;
   reply.model.count = kMaxPatches;
-  EXPECT_EQ(encoder.reply(reply).size(), 496u);
+  EXPECT_EQ(encoder.reply(reply).size(), 504u);
   SceneView view;
   view.present = true;
   EXPECT_EQ(decode(encoder.reply(reply), reply, &view), DropReason::none);

@@ -72,7 +72,8 @@ TEST(Program, ServesUntilItIsTold) {
               2)
         << listening;
     EXPECT_EQ(udp, control + 1);
-    EXPECT_THAT(program.line(), StartsWith("join: feltwire-client --connect 127.0.0.1:"));
+    EXPECT_THAT(program.line(),
+                ::testing::MatchesRegex("join: [^ ]*feltwire-client --connect 127.0.0.1:.*"));
     program.signal(ending);
     const Outcome outcome = program.finish();
     EXPECT_EQ(outcome.status, 0);

@@ -54,6 +54,7 @@ Server make_server(const Options& options) {
   // All of them are one client's, at one address.
   config.max_sessions_per_client = config.max_sessions_per_scene;
   config.join_rate = config.join_burst = 1e3;
+  config.handshake_rate = config.handshake_burst = 1e4;
   std::vector<Scene> scenes;
   scenes.push_back(load_scene(options.scene_file));
   return {config, std::move(scenes), test::security()};
