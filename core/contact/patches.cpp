@@ -15,7 +15,7 @@ constexpr std::uint32_t kOnlyFeature = 1;
 double root(double a, double b) { return std::sqrt(a * a + b * b); }
 
 std::uint32_t feature_of(int face) { return static_cast<std::uint32_t>(1 + face); }
-int face_of(std::uint32_t feature) { return feature - 1; }
+int face_of(std::uint32_t feature) { return static_cast<int>(feature) - 1; }
 double face_sign(int face) { return face % 2 == 0 ? 1.0 : -1.0; }
 
 void add(SurfaceParts& all, double distance, std::uint32_t feature, bool shown = true) {

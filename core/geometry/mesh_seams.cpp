@@ -158,9 +158,9 @@ Rim rim_of(std::span<const Vec3> vertices, const Ring& ring, double parts) {
   for (std::size_t i = 0; i < sides; ++i) {
     const Vec3 side = place(i + 1) - place(i);
     const double length = side.norm();
-    const double pieces = std::max(1.0, std::ceil(length / rim.whole * parts));
-    for (double n = 0.0; n < pieces; n += 1.0) {
-      rim.places.push_back(place(i) + n / pieces * side);
+    const int pieces = static_cast<int>(std::max(1.0, std::ceil(length / rim.whole * parts)));
+    for (int n = 0; n < pieces; ++n) {
+      rim.places.push_back(place(i) + static_cast<double>(n) / pieces * side);
       rim.along.push_back(rim.along.back() + length / pieces);
     }
   }
