@@ -43,7 +43,8 @@ class CentredHighPass {
         sum_anew();
       }
     }
-    const std::size_t middle = (at_ + window / 2) % window;
+    std::size_t middle = at_ + window / 2;
+    if (middle >= window) middle -= window;
     return sum_ / static_cast<double>(window) - (ring_[middle] - origin_);
   }
 
