@@ -171,7 +171,7 @@ void ControlService::pass_on(Asked asked, std::uint64_t session, control::Messag
   if (!may) return asked.answer(unknown_session(session));
   const std::string by = "client " + asked.token.client + " (token " + asked.token.id + ")";
   // A session that has left is forgotten before its answer comes.
-  const auto finish = [this, session, by, who = found->second.who,
+  const auto finish = [this, by, who = found->second.who,
                        answer = std::move(asked.answer)](control::Message said) {
     if (std::holds_alternative<control::Left>(said))
       spdlog::info("{}: ended by {}", who, visible(by));

@@ -127,8 +127,8 @@ TriangleMesh::TriangleMesh(const TriangleSoup& soup, std::optional<double> weld)
 /// What is open still. Triangles that lose their area by it can open others, which are joined in
 /// turn.
 std::vector<mesh_seams::Edge> TriangleMesh::join_open_edges(std::vector<mesh_seams::Edge> open) {
-  constexpr int kMostRounds = 8;
-  for (int round = 0; round < kMostRounds && !open.empty(); ++round) {
+  constexpr int kMostJoinRounds = 8;
+  for (int round = 0; round < kMostJoinRounds && !open.empty(); ++round) {
     const mesh_seams::Joined joined = mesh_seams::join(vertices_, triangles_, open, report_.weld);
     if (joined.count == 0) break;
     const std::vector<Triangle> before = triangles_;
