@@ -159,7 +159,7 @@ TEST(StateFolder, SaysWhatToRemove) {
     const ServerConfig config = config_for(folder / "state");
     open_security(config);
     fs::remove(config.state / gone);
-    EXPECT_THAT(error_of<FileError>([&, &lost = gone] { open_security(config); }),
+    EXPECT_THAT(error_of<FileError>([&] { open_security(config); }),
                 AllOf(HasSubstr((config.state / gone).string() + ": is missing"),
                       HasSubstr("remove " + (config.state / there).string())));
     fs::remove(config.state / there);
