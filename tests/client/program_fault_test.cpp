@@ -70,6 +70,9 @@ class ClientProgramFault : public ::testing::Test {
 /// Every attempt to join again fails for want of descriptors. Each is an attempt that failed; the
 /// run ends when its patience does.
 TEST_F(ClientProgramFault, WithoutDescriptorsALostSessionEndsInOrder) {
+#ifdef FELTWIRE_SANITIZED
+  GTEST_SKIP() << "the sanitizer itself needs descriptors to look at an object's type";
+#endif
   const auto program = start({"--hold-time", "1", "--reconnect", "1.5"});
   await_force();
   const rlim_t all = open_descriptors(program->process());

