@@ -84,6 +84,7 @@ bool SceneLoader::begin(std::size_t scene, const std::filesystem::path& file, Do
   next->file = file;
   next->load = load_;
   next->done = std::move(done);
+  spdlog::info("{}: loading", file.string());
   std::thread([next] { next->run(); }).detach();
   job = std::move(next);
   return true;
