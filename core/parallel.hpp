@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <exception>
 #include <mutex>
+#include <system_error>
 #include <thread>
 #include <vector>
 
@@ -12,7 +13,8 @@
 
 namespace feltwire {
 
-/// Calls work(i) for every i < count, on as many threads as the machine has cores. The calls must
+/// Calls work(i) for every i < count, on as many threads as the machine has cores; on fewer, this
+/// one at least, where the system gives no more. The calls must
 /// not depend on each other; whatever they write by index does then not depend on the machine.
 /// Rethrows the first exception after all threads have ended. Looks at check_cancelled() before
 /// each call.
@@ -37,9 +39,16 @@ void parallel_for(std::size_t count, const Work& work) {
     }
   };
   {
-    std::vector<std::jthread> threads(
-        std::min<std::size_t>(count, std::max(1u, std::thread::hardware_concurrency())));
-    for (auto& thread : threads) thread = std::jthread(worker);
+    const std::size_t wanted =
+        std::min<std::size_t>(count, std::max(1u, std::thread::hardware_concurrency()));
+    std::vector<std::jthread> threads;
+    threads.reserve(wanted);
+    try {
+      while (threads.size() < wanted) threads.emplace_back(worker);
+    } catch (const std::system_error&) {
+      // No memory for the stack of one more, or too many threads.
+    }
+    if (threads.empty()) worker();
   }
   if (failure) std::rethrow_exception(failure);
 }

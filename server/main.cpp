@@ -171,6 +171,9 @@ int main(int argc, char** argv) {
     return 0;
   } catch (const std::invalid_argument& error) {
     return fail(kBadUsage, error.what());
+  } catch (const std::bad_alloc&) {
+    return fail(kCannotRun,
+                "there is not enough memory; free some, or raise the limit (ulimit -v)");
   } catch (const std::exception& error) {
     return fail(kCannotRun, error.what());
   }

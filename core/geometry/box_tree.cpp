@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <mutex>
 #include <stdexcept>
 #include <string>
 #include <type_traits>
@@ -29,13 +30,23 @@ float above(double x) {
   return static_cast<double>(f) >= x ? f : std::nextafter(f, kInfinity);
 }
 
-/// One for the whole program: making it costs more than most trees.
+[[noreturn]] void fail_to_build(std::size_t boxes, RTCError error) {
+  throw std::runtime_error("a tree over " + std::to_string(boxes) +
+                           " boxes cannot be built, Embree's error " + std::to_string(error) +
+                           (error == RTC_ERROR_OUT_OF_MEMORY ? " (no memory)" : "") +
+                           "; free some memory, or raise the process's limit (ulimit -v)");
+}
+
+/// One for the whole program: making it costs more than most trees. Null where there is no memory
+/// for it; who asks later may get one.
 RTCDevice device() {
   struct Release {
     void operator()(RTCDevice d) const { rtcReleaseDevice(d); }
   };
-  static const std::unique_ptr<std::remove_pointer_t<RTCDevice>, Release> shared(
-      rtcNewDevice(nullptr));
+  static std::mutex making;
+  static std::unique_ptr<std::remove_pointer_t<RTCDevice>, Release> shared;
+  const std::lock_guard lock(making);
+  if (shared == nullptr) shared.reset(rtcNewDevice(nullptr));
   return shared.get();
 }
 
@@ -173,7 +184,10 @@ BoxTree::BoxTree(std::span<const Bounds> boxes) {
           (box.most.array().abs() <= kFarthest).all()))
       throw std::invalid_argument("boxes: must lie within 1e18 m, one does not; check the unit");
   using Handle = std::unique_ptr<std::remove_pointer_t<RTCBVH>, decltype(&rtcReleaseBVH)>;
-  const Handle bvh(rtcNewBVH(device()), &rtcReleaseBVH);
+  RTCDevice const embree = device();
+  if (embree == nullptr) fail_to_build(boxes.size(), rtcGetDeviceError(nullptr));
+  const Handle bvh(rtcNewBVH(embree), &rtcReleaseBVH);
+  if (bvh == nullptr) fail_to_build(boxes.size(), rtcGetDeviceError(embree));
   RTCBounds whole{};
   std::vector<RTCBuildPrimitive> things(boxes.size());
   const Built* root = nullptr;
@@ -185,10 +199,7 @@ BoxTree::BoxTree(std::span<const Bounds> boxes) {
     Building::fill(boxes, things, whole);
     root = Building::build(bvh.get(), things, RTC_BUILD_QUALITY_MEDIUM);
   }
-  if (root == nullptr)
-    throw std::runtime_error("a tree over " + std::to_string(boxes.size()) +
-                             " boxes cannot be built, Embree's error " +
-                             std::to_string(rtcGetDeviceError(device())) + "; free some memory");
+  if (root == nullptr) fail_to_build(boxes.size(), rtcGetDeviceError(embree));
 
   BuiltNode single;  // above a root that is a leaf
   single.children[0] = root;

@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <limits>
 #include <stdexcept>
+#include <tuple>
 #include <utility>
 
 #include "core/geometry/mesh_seams.hpp"
@@ -15,8 +16,8 @@
 namespace feltwire {
 namespace {
 
-constexpr std::size_t kMostTriangles = std::size_t{1} << 30;
-constexpr int kSides = 3;
+constexpr std::size_t kMostTriangles = std::size_t{1} << 30;  // three sides of each fit 32 bits
+constexpr std::uint32_t kSides = 3;
 
 /// Relative height under which the direction of a triangle is only rounding. Its corners are exact,
 /// their differences have half a unit in the last place.
@@ -86,6 +87,25 @@ Triangle sorted(Triangle t) {
   return t;
 }
 
+/// make(0), make(1), ... by their `low`, which is below `lows`, and those of the same by `less`.
+template <class Made, class Make, class Less>
+std::vector<Made> bucketed(std::size_t count, std::size_t lows, const Make& make,
+                           const Less& less) {
+  std::vector<std::size_t> first(lows + 1, 0);
+  for (std::size_t i = 0; i < count; ++i) ++first[make(i).low + 1];
+  for (std::size_t i = 1; i < first.size(); ++i) first[i] += first[i - 1];
+  std::vector<Made> all(count);
+  std::vector<std::size_t> next(first.begin(), first.end() - 1);
+  for (std::size_t i = 0; i < count; ++i) {
+    const Made made = make(i);
+    all[next[made.low]++] = made;
+  }
+  for (std::size_t low = 0; low < lows; ++low)
+    std::sort(all.begin() + static_cast<std::ptrdiff_t>(first[low]),
+              all.begin() + static_cast<std::ptrdiff_t>(first[low + 1]), less);
+  return all;
+}
+
 }  // namespace
 
 Vec3 triangle_normal(const std::array<Vec3, 3>& c) noexcept {
@@ -119,6 +139,9 @@ TriangleMesh::TriangleMesh(const TriangleSoup& soup, std::optional<double> weld)
   const auto open = join_open_edges(find_neighbours());
   const mesh_seams::Holes holes = mesh_seams::holes(vertices_, open);
   report_.holes = holes.count;
+  for (std::size_t v = 0; v + 1 < first_.size(); ++v)
+    report_.most_at_corner =
+        std::max<std::size_t>(report_.most_at_corner, first_[v + 1] - first_[v]);
   report_.narrowest_hole = holes.narrowest;
   report_.widest_hole = holes.widest;
   report_.volume = volume();
@@ -239,16 +262,28 @@ void TriangleMesh::index_vertices() {
 }
 
 void TriangleMesh::drop_duplicates() {
-  const auto is_duplicate = [&](std::uint32_t t) {
-    const Triangle corners = sorted(triangles_[t]);
-    return std::ranges::any_of(around(corners[0]), [&](std::uint32_t other) {
-      return other < t && sorted(triangles_[other]) == corners;
-    });
+  // By their lowest corner, then by the other two: a corner may have a hundred thousand triangles.
+  struct Corners {
+    std::uint32_t low, middle, high, triangle;
+    bool operator==(const Corners& other) const {
+      return low == other.low && middle == other.middle && high == other.high;
+    }
   };
+  std::vector<Corners> all = bucketed<Corners>(
+      triangles_.size(), vertices_.size(),
+      [&](std::size_t t) {
+        const Triangle c = sorted(triangles_[t]);
+        return Corners{c[0], c[1], c[2], static_cast<std::uint32_t>(t)};
+      },
+      [](const Corners& a, const Corners& b) {
+        return std::tie(a.middle, a.high, a.triangle) < std::tie(b.middle, b.high, b.triangle);
+      });
+  std::vector<bool> twice(triangles_.size());
+  for (std::size_t i = 1; i < all.size(); ++i) twice[all[i].triangle] = all[i] == all[i - 1];
   std::vector<Triangle> kept;
   kept.reserve(triangles_.size());
   for (std::size_t t = 0; t < triangles_.size(); ++t)
-    if (!is_duplicate(static_cast<std::uint32_t>(t))) kept.push_back(triangles_[t]);
+    if (!twice[t]) kept.push_back(triangles_[t]);
   if (kept.size() == triangles_.size()) return;
   report_.duplicate += triangles_.size() - kept.size();
   triangles_ = std::move(kept);
@@ -257,31 +292,45 @@ void TriangleMesh::drop_duplicates() {
 
 /// The edges that have one triangle.
 std::vector<mesh_seams::Edge> TriangleMesh::find_neighbours() {
-  std::vector<mesh_seams::Edge> open;
+  struct Side {
+    std::uint32_t low, high;  // the edge's ends
+    std::uint32_t side;       // kSides * triangle + number
+  };
+  const auto ends = [&](std::size_t side) {
+    const Triangle& t = triangles_[side / kSides];
+    return mesh_seams::Edge{t[side % kSides], t[corner_after(side % kSides)]};
+  };
+  const std::vector<Side> sides = bucketed<Side>(
+      kSides * triangles_.size(), vertices_.size(),
+      [&](std::size_t side) {
+        const auto [a, b] = ends(side);
+        return Side{std::min(a, b), std::max(a, b), static_cast<std::uint32_t>(side)};
+      },
+      [](const Side& a, const Side& b) {
+        return std::tie(a.high, a.side) < std::tie(b.high, b.side);
+      });
   report_.non_manifold_edges = report_.turned_edges = 0;
-  neighbours_.resize(triangles_.size());
-  for (std::size_t t = 0; t < triangles_.size(); ++t) {
-    for (std::size_t k = 0; k < kSides; ++k) {
-      const std::uint32_t a = triangles_[t][k], b = triangles_[t][corner_after(k)];
-      std::uint32_t other = kNone;
-      int sharing = 0;
-      bool agree = false, first = true;  // first: of the edge's triangles, so that it counts once
-      for (const std::uint32_t u : around(a)) {
-        const Triangle& c = triangles_[u];
-        if (u == t || std::find(c.begin(), c.end(), b) == c.end()) continue;
-        ++sharing;
-        first &= u > t;
-        other = u;
-        const auto at = static_cast<std::size_t>(std::find(c.begin(), c.end(), b) - c.begin());
-        agree = c[corner_after(at)] == a;
-      }
-      neighbours_[t][k] = sharing == 1 && agree ? other : kNone;
-      if (!first) continue;
-      if (sharing == 0) open.push_back({a, b});
-      report_.non_manifold_edges += sharing > 1 ? 1 : 0;
-      report_.turned_edges += sharing == 1 && !agree ? 1 : 0;
+  neighbours_.assign(triangles_.size(), {kNone, kNone, kNone});
+  std::vector<bool> is_open(sides.size());
+  for (std::size_t first = 0, end = 0; first < sides.size(); first = end) {
+    while (end < sides.size() && sides[end].low == sides[first].low &&
+           sides[end].high == sides[first].high)
+      ++end;
+    const std::uint32_t one = sides[first].side, other = sides[end - 1].side;
+    if (end - first == 1) {
+      is_open[one] = true;
+    } else if (end - first > 2) {
+      ++report_.non_manifold_edges;
+    } else if (ends(one)[0] == ends(other)[0]) {
+      ++report_.turned_edges;
+    } else {
+      neighbours_[one / kSides][one % kSides] = other / kSides;
+      neighbours_[other / kSides][other % kSides] = one / kSides;
     }
   }
+  std::vector<mesh_seams::Edge> open;
+  for (std::size_t side = 0; side < is_open.size(); ++side)
+    if (is_open[side]) open.push_back(ends(side));
   report_.boundary_edges = open.size();
   return open;
 }
@@ -336,6 +385,11 @@ std::vector<std::string> warnings(const MeshReport& report, bool closed) {
     say(report.boundary_edges,
         " edges have one triangle: the surface has holes" + holes_text(report) +
             "; close them, raise weld above narrow ones, or set double_sided");
+  constexpr std::size_t kCrowd = 1000;
+  if (report.most_at_corner > kCrowd)
+    found.push_back(std::to_string(report.most_at_corner) +
+                    " triangles meet at one corner; the hand is slower there, cut the face with so "
+                    "many corners into smaller ones");
   if (report.typical_side < TriangleMesh::kWeld * report.size)
     found.push_back("the surface is " + metres(report.size) + " large, its triangles are " +
                     metres(report.typical_side) +

@@ -37,6 +37,7 @@ struct MeshReport {
   std::size_t boundary_edges = 0;      // with one triangle
   std::size_t non_manifold_edges = 0;  // with more than two
   std::size_t turned_edges = 0;        // whose two triangles disagree about the outside
+  std::size_t most_at_corner = 0;      // triangles round one corner
   std::size_t holes = 0;               // rings of edges with one triangle
   double narrowest_hole = 0.0;         // [m] across
   double widest_hole = 0.0;            // [m] across

@@ -81,11 +81,12 @@ GuideAction read_action(const JsonDocument& document, const std::string& path,
 std::vector<Guide> read_guides(const JsonDocument& document, const scene_file::Scene& scene) {
   std::vector<Guide> guides;
   if (scene.guides() == nullptr) return guides;
+  Names names(document, "guides");
   for (const scene_file::Guide* g : *scene.guides()) {
     const std::string path = element("guides", guides.size());
     Guide guide;
     guide.name = g->name()->str();
-    require_new_name(document, "guides", guides, guide.name);
+    names.add(guide.name);
     guide.place = read_place(document, path, *g);
     guide.action = read_action(document, path, *g);
     guide.pose = pose_of(*g);

@@ -16,32 +16,32 @@ struct NamedMaterial {
   std::string name;
   Material material;
 };
+struct Materials {
+  Names names;
+  std::vector<NamedMaterial> all;
+};
 
-std::vector<NamedMaterial> read_materials(const JsonDocument& document,
-                                          const scene_file::Scene& scene) {
-  std::vector<NamedMaterial> materials;
+Materials read_materials(const JsonDocument& document, const scene_file::Scene& scene) {
+  Materials materials{Names(document, "materials"), {}};
   for (const scene_file::Material* m : *scene.materials()) {
-    require_new_name(document, "materials", materials, m->name()->str());
+    materials.names.add(m->name()->str());
     const Material material{.stiffness = m->stiffness(),
                             .damping = m->damping(),
                             .static_friction = m->static_friction(),
                             .dynamic_friction = m->dynamic_friction(),
                             .viscous_friction = m->viscous_friction()};
-    require(document, element("materials", materials.size()), broken_rule(material));
-    materials.push_back({m->name()->str(), material});
+    require(document, element("materials", materials.all.size()), broken_rule(material));
+    materials.all.push_back({m->name()->str(), material});
   }
   return materials;
 }
 
 const Material& find_material(const JsonDocument& document, const std::string& path,
-                              const std::vector<NamedMaterial>& materials,
-                              const std::string& name) {
+                              const Materials& materials, const std::string& name) {
   if (const auto broken = broken_name(name)) document.fail(path + ".material", broken->message);
+  if (const auto at = materials.names.find(name)) return materials.all[*at].material;
   std::string known;
-  for (const NamedMaterial& m : materials) {
-    if (m.name == name) return m.material;
-    known += (known.empty() ? "" : ", ") + m.name;
-  }
+  for (const NamedMaterial& m : materials.all) known += (known.empty() ? "" : ", ") + m.name;
   document.fail(path + ".material",
                 "there is no material '" + name + "'; " +
                     (known.empty() ? "add it to materials" : "those of this scene are: " + known));
@@ -92,7 +92,7 @@ Side side(scene_file::Side given) {
 }
 
 Scene mjcf_scene(const JsonDocument& document, const scene_file::Scene& scene,
-                 const std::vector<NamedMaterial>& materials, const std::string& file) {
+                 const Materials& materials, const std::string& file) {
   std::vector<Object> objects;
   const auto mechanism = read_mjcf(
       document, scene, std::filesystem::path(file).parent_path(),
@@ -117,18 +117,19 @@ Scene parse_scene(std::string_view json, const std::string& file) {
   const JsonDocument document(json, file, embedded::scene);
   const scene_file::Scene& scene = *scene_file::GetScene(document.buffer());
   require(document, "", broken_name(scene.name()->str()));
-  const std::vector<NamedMaterial> materials = read_materials(document, scene);
+  const Materials materials = read_materials(document, scene);
 
   const std::filesystem::path folder = std::filesystem::path(file).parent_path();
   MeshLoader meshes(document, folder);
   std::vector<Object> objects;
+  Names names(document, "objects");
   if (scene.mjcf()) return mjcf_scene(document, scene, materials, file);
   if (!scene.objects()) document.fail("objects", "is missing; add it");
   for (const scene_file::Object* o : *scene.objects()) {
     const std::string path = element("objects", objects.size());
     check_cancelled();
     begin_stage(path);
-    require_new_name(document, "objects", objects, o->name()->str());
+    names.add(o->name()->str());
     Object object;
     object.name = o->name()->str();
     object.shape = read_shape(document, path, *o, folder, meshes);
@@ -155,6 +156,12 @@ Scene load_scene(const std::filesystem::path& file) {
     return parse_scene(text, file.string());
   } catch (const FileError& error) {
     throw FileError(shown_error(error.what(), file, file.parent_path()));
+  } catch (const std::runtime_error& error) {  // no memory for a tree
+    throw FileError(file.string() + ": " + error.what());
+  } catch (const std::bad_alloc&) {
+    throw FileError(file.string() +
+                    ": does not fit into the memory that this process may have; simplify the "
+                    "scene, or raise the limit (ulimit -v)");
   }
 }
 

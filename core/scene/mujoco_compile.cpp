@@ -13,6 +13,7 @@
 #include "core/scene/mechanism.hpp"
 #include "core/scene/mujoco_check.hpp"
 #include "core/scene/mujoco_guard.hpp"
+#include "core/scene/mujoco_room.hpp"
 #include "core/scene/mujoco_text.hpp"
 
 namespace feltwire {
@@ -29,9 +30,8 @@ constexpr double kContactTicks = 5.0;
 /// (MuJoCo's solimp): as rigid as stays calm at the tick.
 constexpr const char* kImpedance = "0.99 0.999 0.0001";
 
-/// Newton's solver has matrices of all speeds of all bodies; beyond so many bodies, whatever they
-/// touch, conjugate gradients cost less.
-constexpr std::size_t kFewBodies = 200;
+/// MuJoCo's loader compares each body with each: so many take it most of a minute.
+constexpr std::size_t kMostBodies = 4000;
 
 // The model, as MJCF. Bodies are b0, b1, ..., geoms o0, o1, ... by object, meshes m0, m1, ...
 // alike.
@@ -139,22 +139,30 @@ std::string joint_text(const Body& b) {
                     attribute("springref", number_text(b.rest)) +
                     attribute("damping", number_text(b.damping)) +
                     attribute("frictionloss", number_text(b.friction));
-  const Body none;
-  if (b.low != none.low || b.high != none.high)
+  if (mujoco::has_range(b))
     out += attribute("limited", "true") +
            attribute("range", number_text(std::max(b.low, -kLargestTravel)) + " " +
                                   number_text(std::min(b.high, kLargestTravel)));
   return out + "/>\n";
 }
 
+/// Of each body, in their order.
+using ObjectsOfBodies = std::vector<std::vector<std::size_t>>;
+ObjectsOfBodies objects_of(const std::vector<int>& body_of, std::size_t bodies) {
+  ObjectsOfBodies all(bodies);
+  for (std::size_t i = 0; i < body_of.size(); ++i)
+    if (body_of[i] >= 0 && static_cast<std::size_t>(body_of[i]) < bodies)
+      all[static_cast<std::size_t>(body_of[i])].push_back(i);
+  return all;
+}
+
 /// Of the body's objects, in its frame.
 MassProperties solid_of(const Body& body, const std::vector<Object>& objects,
-                        const std::vector<int>& body_of, int index) {
+                        const std::vector<std::size_t>& own) {
   MassProperties all;
-  for (std::size_t i = 0; i < objects.size(); ++i)
-    if (body_of[i] == index)
-      all = together(
-          all, placed(mass_properties(objects[i].shape), inverse(body.pose) * objects[i].pose));
+  for (const std::size_t i : own)
+    all = together(all,
+                   placed(mass_properties(objects[i].shape), inverse(body.pose) * objects[i].pose));
   return all;
 }
 
@@ -201,14 +209,18 @@ std::string odd_angle(const Body& body) {
 }
 
 void check_bodies(const std::vector<Object>& objects, const std::vector<int>& body_of,
-                  const std::vector<Body>& bodies) {
+                  const ObjectsOfBodies& own_objects, const std::vector<Body>& bodies) {
+  if (bodies.size() > kMostBodies)
+    refuse("scene", {"bodies", "must be at most " + std::to_string(kMostBodies) +
+                                   " that move, are " + std::to_string(bodies.size()) +
+                                   "; have fewer, or fix those that need not move"});
   std::set<std::string> names;
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     const std::string whose = "body '" + bodies[i].name + "'";
     if (const auto broken = broken_rule(bodies[i])) refuse(whose, *broken);
     if (!names.insert(bodies[i].name).second)
       refuse(whose, {"name", "stands twice in the scene; rename one"});
-    if (std::find(body_of.begin(), body_of.end(), static_cast<int>(i)) == body_of.end())
+    if (own_objects[i].empty())
       refuse(whose,
              {"objects", "it has none, so nothing of it can be felt; give an object \"body\": \"" +
                              bodies[i].name + "\" or remove the body"});
@@ -243,18 +255,6 @@ std::string hulls_of(const std::vector<Object>& objects, std::vector<std::string
   return xml;
 }
 
-/// For MuJoCo's own trial step only: a Simulation chooses its room by itself.
-std::string trial_room(std::size_t objects, std::size_t bodies) {
-  constexpr std::size_t kContacts = 16, kRows = 3, kSpeeds = 6, kVectors = 64, kNewton = 3;
-  const std::size_t rows = kRows * (kContacts + bodies), speeds = kSpeeds * bodies;
-  const std::size_t solver = bodies <= kFewBodies ? kNewton * speeds * speeds : 0;
-  const std::size_t stack = solver + 2 * rows * rows + bodies * bodies +
-                            kVectors * (1 + rows + speeds + 2 * bodies + 7 * objects);
-  return "<size" + attribute("nconmax", std::to_string(kContacts)) +
-         attribute("njmax", std::to_string(rows)) + attribute("nstack", std::to_string(stack)) +
-         "/>\n";
-}
-
 std::string model_text(const std::vector<Object>& objects, const std::vector<int>& body_of,
                        const std::vector<Body>& bodies, const MechanismOptions& options,
                        std::vector<std::string>& warnings) {
@@ -267,34 +267,33 @@ std::string model_text(const std::vector<Object>& objects, const std::vector<int
                     // constraints taken out by the second solver.
                     attribute("cone", "elliptic") + attribute("impratio", "10") +
                     attribute("noslip_iterations", "5") +
-                    (bodies.size() > kFewBodies ? attribute("solver", "CG") : "") + ">" +
+                    (bodies.size() > mujoco::kFewBodies ? attribute("solver", "CG") : "") + ">" +
                     // Hulls lie flat on more than one point.
                     (hulls.empty() ? "" : "<flag multiccd=\"enable\"/>") + "</option>\n" +
-                    trial_room(objects.size(), bodies.size()) + "<default><geom" +
+                    mujoco::trial_room(objects.size(), bodies) + "<default><geom" +
                     attribute("solref", solref) + attribute("solimp", kImpedance) + "/><joint" +
                     attribute("solreflimit", solref) + attribute("solimplimit", kImpedance) +
                     attribute("solreffriction", solref) + "/></default>\n<asset>\n";
   xml += hulls;
   xml += "</asset>\n<worldbody>\n";
+  const ObjectsOfBodies own_objects = objects_of(body_of, bodies.size());
   for (std::size_t i = 0; i < objects.size(); ++i)
     if (body_of[i] < 0) xml += still_geom(i, objects[i], warnings);
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     const Body& body = bodies[b];
     xml += "<body" + attribute("name", "b" + std::to_string(b)) + place(body.pose) + ">" +
            joint_text(body);
-    const auto number = static_cast<int>(b);
-    const MassProperties solid = solid_of(body, objects, body_of, number);
+    const std::vector<std::size_t>& own = own_objects[b];
+    const MassProperties solid = solid_of(body, objects, own);
     const double density = body.mass ? *body.mass / solid.volume : *body.density;
-    bool has_mesh = false;
-    for (std::size_t i = 0; i < objects.size(); ++i)
-      has_mesh |= body_of[i] == number && triangles_of(objects[i].shape) != nullptr;
+    const bool has_mesh = std::ranges::any_of(
+        own, [&](std::size_t i) { return triangles_of(objects[i].shape) != nullptr; });
     if (has_mesh) xml += inertial(solid, density);
     std::string more = attribute("density", number_text(density));
     if (!body.collides) more += attribute("contype", "0") + attribute("conaffinity", "0");
-    for (std::size_t i = 0; i < objects.size(); ++i) {
-      if (body_of[i] != number) continue;
-      const Placed own = placed_geom(i, objects[i], inverse(body.pose) * objects[i].pose);
-      xml += geom(i, "", own.shape, own.pose, objects[i].material, more);
+    for (const std::size_t i : own) {
+      const Placed at = placed_geom(i, objects[i], inverse(body.pose) * objects[i].pose);
+      xml += geom(i, "", at.shape, at.pose, objects[i].material, more);
     }
     xml += "</body>\n";
   }
@@ -345,7 +344,7 @@ std::shared_ptr<const Mechanism> compile(std::vector<Object>& objects, std::vect
     o.pose.orientation.normalize();
   }
   std::vector<Body> bodies = given;
-  check_bodies(objects, body_of, bodies);
+  check_bodies(objects, body_of, objects_of(body_of, bodies.size()), bodies);
   for (Body& b : bodies) b.pose.orientation.normalize();
   put_still_first(objects, body_of);
 
@@ -356,7 +355,9 @@ std::shared_ptr<const Mechanism> compile(std::vector<Object>& objects, std::vect
       mujoco::load_text(model_text(objects, body_of, bodies, options, warnings));
   if (loaded.model == nullptr)
     throw std::invalid_argument("bodies: MuJoCo refuses them: " + loaded.error +
-                                "; check masses, sizes and places");
+                                (loaded.error.find("memory") == std::string::npos
+                                     ? "; check masses, sizes and places"
+                                     : ""));
   loaded.model->nconmax = 0;  // its room is open
   std::vector<Mechanism::Part> parts;
   std::size_t still = 0;

@@ -122,6 +122,11 @@ std::string reason(int status, const MemoryFile& error) {
   while (!words.empty() && words.back() == '\n') words.pop_back();
   for (char& c : words)
     if (static_cast<unsigned char>(c) < 0x20 || c == 0x7F) c = ' ';
+  if (words.find("could not create mjData") != std::string::npos)
+    return "it takes more memory than there is, or than the 2 GB that MuJoCo may take at once for "
+           "contacts, joints with limits or friction and its stack; have fewer bodies, or a "
+           "smaller "
+           "<size>";
   return words.empty() ? "MuJoCo gave up on it" : words;
 }
 

@@ -1,10 +1,13 @@
 #include "core/scene/mujoco_room.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdio>
 #include <stdexcept>
 
 #include "core/scene/mujoco_sort.hpp"
+#include "core/scene/mujoco_text.hpp"
 
 namespace feltwire::mujoco {
 namespace {
@@ -73,6 +76,13 @@ void give(mjModel& model, const Room& room) {
   model.nstack = room.stack;
 }
 
+std::string printed(double bytes) {
+  constexpr double kGigabyte = 1e9;
+  std::array<char, 32> text{};
+  std::snprintf(text.data(), text.size(), "%.3g GB", bytes / kGigabyte);
+  return text.data();
+}
+
 }  // namespace
 
 double bytes(const mjModel& model, const Room& room) {
@@ -100,6 +110,42 @@ Room first_room(const mjModel& model) {
   const double least = std::max(least_stack(model, room.rows), kFirstStack);
   room.stack = numbers(std::min(whole_stack(model, room.rows), least));
   return room;
+}
+
+bool has_range(const Body& body) {
+  const Body none;
+  return body.low != none.low || body.high != none.high;
+}
+
+std::string trial_room(std::size_t objects, const std::vector<Body>& bodies) {
+  constexpr std::size_t kContacts = 16, kRows = 3, kVectors = 64, kNewton = 3;
+  std::size_t rows = kRows * kContacts, speeds = 0, held = 0;
+  for (const Body& body : bodies) {
+    const bool is_free = body.joint == Joint::free;
+    speeds += is_free ? 6 : 1;
+    const std::size_t own = is_free ? 0 : (has_range(body) ? 2 : 0) + (body.friction > 0.0 ? 1 : 0);
+    rows += own;
+    held += own > 0 ? 1 : 0;
+  }
+  const std::size_t count = bodies.size();
+  const std::size_t solver = count <= kFewBodies ? kNewton * speeds * speeds : 0;
+  const std::size_t stack = solver + 2 * rows * rows + count * count +
+                            kVectors * (1 + rows + speeds + 2 * count + 7 * objects);
+  // The two blocks that mj_makeData() takes: constraints between all speeds and all rows, and the
+  // stack. It counts the bytes of each in an int.
+  constexpr double kMost = 2e9, kEntry = sizeof(mjtNum) + sizeof(int);  // [bytes]
+  const auto r = static_cast<double>(rows), v = static_cast<double>(speeds);
+  const double most =
+      std::max(kEntry * (2.0 * r * v + r * r), sizeof(mjtNum) * static_cast<double>(stack));
+  if (most > kMost)
+    throw std::invalid_argument("bodies: the " + std::to_string(count) + " bodies, " +
+                                std::to_string(held) + " of them with a range or friction, take " +
+                                printed(most) + " at once in MuJoCo, which takes at most " +
+                                printed(kMost) +
+                                "; have fewer bodies, or fewer with a range or friction");
+  return "<size" + attribute("nconmax", std::to_string(kContacts)) +
+         attribute("njmax", std::to_string(rows)) + attribute("nstack", std::to_string(stack)) +
+         "/>\n";
 }
 
 Simulation::Simulation(const mjModel& model, double most_memory)

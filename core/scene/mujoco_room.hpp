@@ -2,6 +2,10 @@
 // Internal to core/scene: one run of a model, in as much memory as it needs. MuJoCo takes all of
 // it beforehand, by three numbers; where these are too small it leaves contacts out or gives up.
 
+#include <string>
+#include <vector>
+
+#include "core/scene/mechanism.hpp"
 #include "core/scene/mujoco_guard.hpp"
 
 namespace feltwire::mujoco {
@@ -23,6 +27,17 @@ void leave_room_open(mjModel& model);
 /// What a model begins with: for every geom that moves as many contacts as it rests on, in no more
 /// than kFirstMemory.
 Room first_room(const mjModel& model);
+
+/// The body's joint has ends.
+bool has_range(const Body& body);
+
+/// Newton's solver has matrices of all speeds of all bodies; beyond so many bodies, whatever they
+/// touch, conjugate gradients cost less.
+inline constexpr std::size_t kFewBodies = 200;
+
+/// The <size> of a model made of these, for the one step that MuJoCo's loader tries; a Simulation
+/// chooses its room by itself. Throws std::invalid_argument where MuJoCo has no such room.
+std::string trial_room(std::size_t objects, const std::vector<Body>& bodies);
 
 /// [bytes]
 inline constexpr double kFirstMemory = 8e6, kMostMemory = 1e9;

@@ -8,14 +8,6 @@
 namespace feltwire {
 namespace {
 
-/// A name that stands in one place only.
-template <class List>
-int index_of(const List& list, const std::string& name) {
-  for (std::size_t i = 0; i < list.size(); ++i)
-    if (list[i].name == name) return static_cast<int>(i);
-  return -1;
-}
-
 Body read_body(const scene_file::Body& given) {
   Body body;
   body.name = given.name()->str();
@@ -39,16 +31,18 @@ Body read_body(const scene_file::Body& given) {
 }
 
 struct ReadBodies {
+  Names names;
   std::vector<Body> all;
   std::vector<bool> fixed;
 };
 
 ReadBodies read_list(const JsonDocument& document, const scene_file::Scene& scene) {
-  ReadBodies bodies;
+  ReadBodies bodies{Names(document, "bodies"), {}, {}};
+  if (scene.bodies() == nullptr) return bodies;
   for (const scene_file::Body* given : *scene.bodies()) {
     const std::string path = element("bodies", bodies.all.size());
     Body body = read_body(*given);
-    require_new_name(document, "bodies", bodies.all, body.name);
+    bodies.names.add(body.name);
     bodies.fixed.push_back(given->joint() == scene_file::Joint::fixed);
     if (bodies.fixed.back() && !body.mass && !body.density) body.mass = 1.0;  // it needs none
     require(document, path, broken_rule(body));
@@ -68,6 +62,13 @@ std::vector<int> numbered(ReadBodies& bodies, std::vector<Body>& moving) {
   return number;
 }
 
+/// What compile() says begins with the field too, or with whose field it is.
+std::string without_prefix(const std::string& words) {
+  for (const char* prefix : {"bodies: ", "scene: bodies: "})
+    if (words.starts_with(prefix)) return words.substr(std::string_view(prefix).size());
+  return words;
+}
+
 MechanismOptions read_options(const JsonDocument& document, const scene_file::Scene& scene) {
   MechanismOptions options;
   if (const auto* gravity = scene.gravity()) options.gravity = vector(*gravity);
@@ -82,8 +83,7 @@ std::shared_ptr<const Mechanism> read_bodies(const JsonDocument& document,
                                              const scene_file::Scene& scene,
                                              std::vector<Object>& objects) {
   const MechanismOptions options = read_options(document, scene);
-  ReadBodies bodies;
-  if (scene.bodies() != nullptr) bodies = read_list(document, scene);
+  ReadBodies bodies = read_list(document, scene);
   std::vector<Body> moving;
   const std::vector<int> number = numbered(bodies, moving);
 
@@ -91,22 +91,21 @@ std::shared_ptr<const Mechanism> read_bodies(const JsonDocument& document,
   for (std::size_t i = 0; i < objects.size(); ++i) {
     const auto* name = scene.objects()->Get(static_cast<flatbuffers::uoffset_t>(i))->body();
     if (name == nullptr) continue;
-    const int body = index_of(bodies.all, name->str());
-    if (body < 0)
+    const auto at = bodies.names.find(name->str());
+    if (!at)
       document.fail(element("objects", i) + ".body",
                     "there is no body '" + name->str() + "'; add it to bodies");
-    const auto at = static_cast<std::size_t>(body);
-    const Pose& frame = bodies.all[at].pose;
+    const Pose& frame = bodies.all[*at].pose;
     Pose& pose = objects[i].pose;
     pose = {frame.position + frame.orientation * pose.position,
             frame.orientation * pose.orientation};
-    body_of[i] = number[at];
+    body_of[i] = number[*at];
   }
   if (moving.empty()) return nullptr;
   try {
     return compile(objects, body_of, moving, options);
   } catch (const std::invalid_argument& error) {
-    document.fail("bodies", error.what());
+    document.fail("bodies", without_prefix(error.what()));
   }
 }
 

@@ -131,8 +131,9 @@ void read_tools(const JsonDocument& document, const scene_file::Scene& file,
     if (const auto* named = file.tools()) {
       require(document, "", broken_tools(named->size()));
       std::vector<HandTool> tools;
+      Names names(document, "tools");
       for (const scene_file::NamedTool* tool : *named) {
-        require_new_name(document, "tools", tools, tool->name()->str());
+        names.add(tool->name()->str());
         HandTool hand = read_tool(document, element("tools", tools.size()), *tool, folder, scene);
         hand.name = tool->name()->str();
         tools.push_back(std::move(hand));

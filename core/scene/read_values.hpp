@@ -1,7 +1,9 @@
 #pragma once
 // Internal to what reads a scene file: values that stand in more than one of its tables.
 
+#include <optional>
 #include <string>
+#include <unordered_map>
 
 #include "core/scene/rules.hpp"
 #include "core/scene/scene_generated.h"
@@ -18,17 +20,33 @@ inline void require(const JsonDocument& document, const std::string& path, const
     document.fail(path.empty() ? broken->field : path + "." + broken->field, broken->message);
 }
 
-/// Names of one list: good, and each only once.
-template <class List>
-void require_new_name(const JsonDocument& document, const char* list, const List& earlier,
-                      const std::string& name) {
-  const std::string path = element(list, earlier.size());
-  require(document, path, broken_name(name));
-  for (std::size_t i = 0; i < earlier.size(); ++i)
-    if (earlier[i].name == name)
-      document.fail(path + ".name",
-                    "'" + name + "' is the name of " + element(list, i) + " too; rename one");
-}
+/// The names of one list of the file, in its order. A scene may have some 100000 objects, so a name
+/// is found by its hash.
+class Names {
+ public:
+  Names(const JsonDocument& document, const char* list) : document_(document), list_(list) {}
+
+  /// The next name of the list. Fails unless it is a good one and new.
+  void add(const std::string& name) {
+    const std::string path = element(list_, places_.size());
+    require(document_, path, broken_name(name));
+    const auto [at, is_new] = places_.emplace(name, places_.size());
+    if (!is_new)
+      document_.fail(path + ".name", "'" + name + "' is the name of " + element(list_, at->second) +
+                                         " too; rename one");
+  }
+  /// Its place in the list.
+  std::optional<std::size_t> find(const std::string& name) const {
+    const auto at = places_.find(name);
+    if (at == places_.end()) return std::nullopt;
+    return at->second;
+  }
+
+ private:
+  const JsonDocument& document_;
+  const char* list_;
+  std::unordered_map<std::string, std::size_t> places_;
+};
 
 inline Vec3 vector(const scene_file::Vector& v) { return {v.x(), v.y(), v.z()}; }
 
