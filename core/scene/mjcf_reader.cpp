@@ -3,13 +3,20 @@
 // bad file, and neither may happen in a process that holds a hand.
 //   feltwire-mjcf FILE MODEL ERROR
 // Status 0: MODEL holds the binary model. Status 1: ERROR holds MuJoCo's words.
+//
+// An MJCF file names others: includes, meshes, height fields, textures. MuJoCo and its libraries
+// open all of them by fopen(). The dynamic linker takes this program's own fopen() before libc's,
+// and this one refuses what is no regular file: a pipe would be waited for, a device read for ever.
 
+#include <fcntl.h>
 #include <mujoco/mujoco.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <array>
+#include <cerrno>
 #include <csignal>
 #include <cstdio>
 #include <cstring>
@@ -26,6 +33,35 @@ const char* error_file = nullptr;
   _exit(1);  // no destructor of a half read model is run
 }
 
+[[noreturn]] void refuse_file(const char* name, mode_t mode) {
+  const char* kind = S_ISDIR(mode)    ? "a directory"
+                     : S_ISFIFO(mode) ? "a pipe"
+                     : S_ISSOCK(mode) ? "a socket"
+                                      : "a device";
+  std::array<char, 900> words{};
+  std::snprintf(words.data(), words.size(), "%s: is %s; name a regular file", name, kind);
+  refuse(words.data());
+}
+
+/// What fopen() does, for a regular file. It waits for nobody: a pipe is opened without a writer.
+FILE* open_regular(const char* name, const char* mode) {
+  const bool reads = mode[0] == 'r', also = std::strchr(mode, '+') != nullptr;
+  const int access = also ? O_RDWR : reads ? O_RDONLY : O_WRONLY;
+  const int made = reads ? 0 : O_CREAT | (mode[0] == 'a' ? O_APPEND : O_TRUNC);
+  constexpr mode_t kPermissions = 0600;
+  const int file = open(name, access | made | O_CLOEXEC | O_NONBLOCK | O_NOCTTY, kPermissions);
+  if (file < 0) {
+    // A pipe that is written without a reader, and a socket, cannot be opened.
+    struct stat status {};
+    if (errno == ENXIO && stat(name, &status) == 0) refuse_file(name, status.st_mode);
+    return nullptr;
+  }
+  struct stat status {};
+  if (fstat(file, &status) == 0 && S_ISREG(status.st_mode)) return fdopen(file, mode);
+  close(file);
+  refuse_file(name, status.st_mode);
+}
+
 /// Of a loader that never ends, or that takes all memory there is.
 void limit_resources() {
   constexpr rlim_t kSeconds = 600;
@@ -40,6 +76,9 @@ void limit_resources() {
 }
 
 }  // namespace
+
+extern "C" FILE* fopen(const char* name, const char* mode) { return open_regular(name, mode); }
+extern "C" FILE* fopen64(const char* name, const char* mode) { return open_regular(name, mode); }
 
 int main(int count, char** words) {
   if (count != 4) {

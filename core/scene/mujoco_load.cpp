@@ -1,9 +1,11 @@
 // MuJoCo's loader, in a process of its own (mjcf_reader.cpp).
 
 #include <fcntl.h>
+#include <poll.h>
 #include <spawn.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
+#include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -15,6 +17,7 @@
 #include <filesystem>
 #include <system_error>
 
+#include "core/long_work.hpp"
 #include "core/scene/mujoco_guard.hpp"
 
 namespace feltwire::mujoco {
@@ -73,6 +76,60 @@ std::string reader() {
 
 std::string place(int descriptor) { return "/proc/self/fd/" + std::to_string(descriptor); }
 
+/// Where it is not waited for to its end it is killed.
+class Child {
+ public:
+  explicit Child(pid_t id) : id_(id) {}
+  Child(const Child&) = delete;
+  Child& operator=(const Child&) = delete;
+  ~Child() {
+    if (ended_) return;
+    kill(id_, SIGKILL);
+    wait(0);
+  }
+
+  /// Its status as waitpid() gives it. Throws Cancelled where the work of this thread is.
+  int end() {
+    const int handle =
+        long_work() != nullptr ? static_cast<int>(syscall(SYS_pidfd_open, id_, 0)) : -1;
+    const MaybeDescriptor owned(handle);
+    while (long_work() != nullptr && !wait(WNOHANG)) {
+      constexpr int kLook = 20;        // [ms]
+      pollfd ends{handle, POLLIN, 0};  // a descriptor below zero is passed over: a nap
+      poll(&ends, 1, kLook);
+      check_cancelled();
+    }
+    if (!ended_) wait(0);
+    return status_;
+  }
+
+ private:
+  struct MaybeDescriptor {
+    explicit MaybeDescriptor(int given) : descriptor(given) {}
+    MaybeDescriptor(const MaybeDescriptor&) = delete;
+    MaybeDescriptor& operator=(const MaybeDescriptor&) = delete;
+    ~MaybeDescriptor() {
+      if (descriptor >= 0) close(descriptor);
+    }
+    int descriptor;
+  };
+
+  /// True when it has ended.
+  bool wait(int options) {
+    pid_t found = 0;
+    do found = waitpid(id_, &status_, options);
+    while (found < 0 && errno == EINTR);
+    ended_ = found != 0;
+    // Somebody else has waited for it: what became of it is not known.
+    if (found < 0) status_ = SIGKILL;
+    return ended_;
+  }
+
+  pid_t id_;
+  int status_ = 0;
+  bool ended_ = false;
+};
+
 /// The child's status as waitpid() gives it. Throws std::system_error where none can be started.
 int run_reader(const std::string& file, int input, int model, int error) {
   posix_spawn_file_actions_t actions;
@@ -103,11 +160,7 @@ int run_reader(const std::string& file, int input, int model, int error) {
   posix_spawn_file_actions_destroy(&actions);
   if (failed != 0)
     throw std::system_error(failed, std::generic_category(), program + " cannot be started");
-  int status = 0;
-  while (waitpid(child, &status, 0) < 0)
-    if (errno != EINTR)
-      throw std::system_error(errno, std::generic_category(), program + " is lost");
-  return status;
+  return Child(child).end();
 }
 
 /// Why there is no model.

@@ -2,15 +2,20 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
+#include <unistd.h>
 
+#include <atomic>
 #include <cerrno>
 #include <filesystem>
 #include <fstream>
 #include <random>
+#include <sstream>
 #include <thread>
 #include <vector>
 
+#include "core/long_work.hpp"
 #include "core/scene/mujoco_guard.hpp"
 #include "core/scene/scene.hpp"
 
@@ -80,6 +85,65 @@ TEST(MujocoLoad, ManyThreadsLoadAtOnce) {
     });
   for (std::thread& thread : threads) thread.join();
   EXPECT_THAT(errors, ::testing::Each(std::string()));
+}
+
+/// As slow to load as 10000 bodies are: some minutes.
+std::string slow_model() {
+  std::string text = "<mujoco><size nconmax='16' njmax='48' nstack='200000000'/><worldbody>";
+  for (int i = 0; i < 10000; ++i)
+    text += "<body name='b" + std::to_string(i) + "' pos='" + std::to_string(i) +
+            " 0 0'><freejoint/><geom size='0.1'/></body>";
+  return text + "</worldbody></mujoco>";
+}
+
+/// The processes that this one has started and not waited for.
+std::vector<pid_t> children() {
+  std::vector<pid_t> all;
+  for (const auto& process : std::filesystem::directory_iterator("/proc")) {
+    std::ifstream status(process.path() / "stat");  // "12 (name) S 3 ...": 3 is the parent
+    std::string text;
+    std::getline(status, text);
+    const std::size_t name_ends = text.rfind(')');
+    if (name_ends == std::string::npos) continue;
+    std::istringstream rest(text.substr(name_ends + 1));
+    char state = 0;
+    pid_t parent = 0;
+    if (rest >> state >> parent && parent == getpid()) all.push_back(std::stoi(text));
+  }
+  return all;
+}
+
+TEST(MujocoLoad, ALoadThatIsCancelledEndsItsProcess) {
+  const std::string slow = slow_model();
+  for (const bool at_once : {true, false}) {
+    LongWork work;
+    if (at_once) work.cancel();
+    std::atomic<bool> cancelled = false, ended = false;
+    std::thread loading([&] {
+      const DoingWork doing(&work);
+      try {
+        load_text(slow);
+      } catch (const Cancelled&) {
+        cancelled = true;
+      }
+      ended = true;
+    });
+    while (!at_once && children().empty() && !ended) std::this_thread::yield();
+    work.cancel();
+    loading.join();
+    EXPECT_TRUE(cancelled) << at_once;
+    EXPECT_THAT(children(), ::testing::IsEmpty());
+    EXPECT_EQ(waitpid(-1, nullptr, WNOHANG), -1);  // it has been waited for too
+    EXPECT_EQ(errno, ECHILD);
+  }
+}
+
+TEST(MujocoLoad, ALoadThatIsNotCancelledIsTheSame) {
+  LongWork work;
+  const DoingWork doing(&work);
+  const mujoco::Loaded good = load_text(kGood);
+  ASSERT_NE(good.model, nullptr) << good.error;
+  EXPECT_NE(load_text("no XML").error, "");
 }
 
 /// Scenes in a folder, and files outside of it that they name by links.
@@ -170,6 +234,33 @@ TEST_F(ShownErrors, NorThoseThatMuJoCoQuotesOfAnIncludedFile) {
     write("scenes/m.xml", model);
     EXPECT_THAT(error_of_mjcf("m.xml"), hidden_) << model;
   }
+}
+
+/// A file that nobody writes to, or that never ends, is not waited for, wherever it is named.
+TEST_F(ShownErrors, FilesThatAreNoRegularOnesAreRefused) {
+  for (const char* name : {"pipe.xml", "pipe.stl", "pipe.png", "pipe.bin"})
+    ASSERT_EQ(mkfifo((root_ / "scenes" / name).c_str(), 0600), 0);
+  std::filesystem::create_directory(root_ / "scenes" / "folder.stl");
+  const auto mjcf = [&](const std::string& inside) {
+    write("scenes/m.xml", "<mujoco>" + inside + "<worldbody><geom size='1'/></worldbody></mujoco>");
+    return error_of_mjcf("m.xml");
+  };
+  const std::pair<std::string, std::string> all[] = {
+      {"<include file='pipe.xml'/>", "pipe.xml"},
+      {"<asset><mesh name='m' file='pipe.stl'/></asset>", "pipe.stl"},
+      {"<asset><hfield name='h' file='pipe.png' size='1 1 1 1'/></asset>", "pipe.png"},
+      {"<asset><hfield name='h' file='pipe.bin' size='1 1 1 1'/></asset>", "pipe.bin"},
+      {"<asset><texture name='t' type='2d' file='pipe.png'/></asset>", "pipe.png"}};
+  for (const auto& [inside, file] : all)
+    EXPECT_THAT(mjcf(inside), HasSubstr(file + ": is a pipe; name a regular file")) << inside;
+  EXPECT_THAT(mjcf("<asset><mesh name='m' file='folder.stl'/></asset>"),
+              HasSubstr("folder.stl: is a directory; name a regular file"));
+  std::filesystem::create_symlink("/dev/zero", root_ / "scenes" / "zero.xml");
+  write("scenes/m.xml", "<mujoco><include file='zero.xml'/></mujoco>");
+  EXPECT_THAT(mujoco::load_file((root_ / "scenes/m.xml").string()).error,
+              HasSubstr("zero.xml: is a device; name a regular file"));
+  EXPECT_THAT(error_of_mjcf("m.xml"), HasSubstr("lies outside of the scene's folder"));
+  EXPECT_THAT(error_of_mjcf("pipe.xml"), HasSubstr("is a pipe"));
 }
 
 TEST_F(ShownErrors, WordsOfFilesInTheFolderAreShown) {
