@@ -15,6 +15,14 @@ SurfacePoint under(SurfacePoint centre, double radius) {
   return centre;
 }
 
+/// Likewise of a round solid, whose proxy may stand on another side than the centre.
+SurfacePoint under_round(SurfacePoint centre, double radius, const FeatureMemory& memory,
+                         bool outside) {
+  if (!outside) return under(centre, radius);
+  if (centre.depth > 0.0) centre.point -= radius * memory.normal;
+  return centre;
+}
+
 /// By the signed distance, where the centre is free; a solid's proxy where it is not.
 SurfacePoint rounded(const Shape& shape, Side side, const Vec3& p, double radius,
                      FeatureMemory& memory) {
@@ -51,10 +59,11 @@ SurfacePoint ball_surface(const Shape& shape, Side side, const Vec3& p, double r
   if (std::holds_alternative<Plane>(shape))
     return under(surface_point(shape, side, p - grown * Vec3::UnitZ(), memory), 0.0);
   if (const auto* s = std::get_if<Sphere>(&shape))
-    return under(surface_point(Sphere{s->radius + grown}, side, p, memory), radius);
+    return under_round(surface_point(Sphere{s->radius + grown}, side, p, memory), radius, memory,
+                       outside);
   if (const auto* c = std::get_if<Capsule>(&shape))
-    return under(surface_point(Capsule{c->radius + grown, c->half_length}, side, p, memory),
-                 radius);
+    return under_round(surface_point(Capsule{c->radius + grown, c->half_length}, side, p, memory),
+                       radius, memory, outside);
   if (const auto* grid = std::get_if<Grid>(&shape)) return sampled(*grid, side, p, radius, memory);
   if (const auto* mesh = std::get_if<Mesh>(&shape))
     return mesh_surface_point(*mesh->surface, side, p, memory, radius);

@@ -83,7 +83,7 @@ LocalContact::Texture LocalContact::texture_of(const Command& answered) const no
     FeatureMemory entered;
     const std::uint16_t object = contacts_[static_cast<std::size_t>(i)].object;
     for (const SurfacePatch& patch : model_.view())
-      if (patch.object == object && patch.touching) entered.feature = patch.feature;
+      if (patch.object == object && patch.touching) entered = {patch.feature, patch.normal};
     const PatchProxy proxy = patch_proxy(model_, object, model_.center, 0.0, entered);
     if (proxy.patch == nullptr) continue;
     const SurfacePoint& surface = proxy.surface;
@@ -123,9 +123,12 @@ void LocalContact::bring_up(Contact& contact, double age, double elapsed) const 
 Command LocalContact::touch_object(Contact& contact, const Tool& tool, double age, double elapsed,
                                    double& weight) const noexcept {
   ContactMemory& memory = contact.memory;
+  // A memory that is the model's is of its centre.
+  CameFrom from = from_;
+  if (memory.touching && contact.adopted) from = {true, model_.center, age};
   if (memory.touching) bring_up(contact, age, elapsed);
   const PatchProxy proxy =
-      patch_proxy(model_, contact.object, tool.position, age, memory.feature, from_);
+      patch_proxy(model_, contact.object, tool.position, age, memory.feature, from);
   contact.rough_depth = 0.0;
   if (proxy.patch == nullptr) {
     contact = {.object = contact.object, .memory = {}};

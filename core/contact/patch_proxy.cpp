@@ -4,6 +4,7 @@
 #include <span>
 
 #include "core/contact/local_contact.hpp"
+#include "core/contact/round_proxy.hpp"
 #include "core/geometry/half_spaces.hpp"
 #include "core/numeric.hpp"
 
@@ -183,6 +184,41 @@ PatchProxy behind_all(const SeenPatches& seen, const Vec3& tool, double age,
   return {on.patch, {tool + depth * on.normal, on.normal, depth}};
 }
 
+/// A round patch whose proxy was left behind on another side (round_proxy.hpp): seen from there. Of
+/// a tool that `before` does not hold on it, `from` says whether it has come through.
+void leave_behind(Seen& seen, const Vec3& moved, const Vec3& moved_then, const Vec3& tool,
+                  const FeatureMemory& before, const CameFrom& from) {
+  constexpr double kRounding = 1e-9;
+  const SurfacePatch& patch = *seen.patch;
+  const bool held = before.feature != 0 && before.feature == patch.feature;
+  if (!(patch.curvature > 0.0) || (!held && !from.known)) return;
+  // About the centre of curvature.
+  const auto about = [&](const Vec3& p, const Vec3& patch_moved) {
+    Vec3 d = p - (patch.point + patch_moved);
+    d -= along(d, patch.axis);
+    return Vec3(patch.normal / patch.curvature + d);
+  };
+  const RoundSolid solid{1.0 / patch.curvature + patch.offset, 0.0};
+  const Vec3 to = about(tool, moved), outward = direction(to);
+  const Vec3 origin = from.known ? about(from.position, moved_then) : to;
+  Vec3 normal = outward;
+  if (held) {
+    const Vec3 proxy = from.known ? direction(about(before.proxy, moved)) : before.normal;
+    if (!proxy.isZero(0.0)) normal = round_normal(solid, origin, to, proxy);
+  } else {
+    const Span in = within(solid, origin, to - origin);
+    if (!(in.in < in.out) || !(origin.norm() >= solid.radius)) return;
+    const Vec3 entry = origin + in.in * (to - origin);
+    normal = round_normal(solid, entry, to, direction(entry));
+  }
+  if (length(Vec3(normal - outward)) < kRounding) return;
+  if (!(length(to) < solid.radius) && !holds_behind(solid, normal, to)) return;
+  const Polar<double> back = polar(Vec3(solid.radius * normal - to));
+  if (!(back.length > 0.0)) return;
+  seen.normal = back.direction;
+  seen.height = patch.offset - back.length;
+}
+
 }  // namespace
 
 PatchProxy patch_proxy(const LocalModel& model, std::uint16_t object, const Vec3& tool, double age,
@@ -196,7 +232,9 @@ PatchProxy patch_proxy(const LocalModel& model, std::uint16_t object, const Vec3
     const double then = age - from.elapsed;
     const double came =
         from.known ? height_above(patch, then * patch.velocity, from.position).height : 0.0;
-    (patch.joined ? joined : hollow).add({&patch, h.height, normal, came});
+    Seen seen{&patch, h.height, normal, came};
+    leave_behind(seen, age * patch.velocity, then * patch.velocity, tool, before, from);
+    (patch.joined ? joined : hollow).add(seen);
   }
   const PatchProxy open = before_all(hollow, tool);
   const PatchProxy convex = behind_all(joined, tool, age, before, from.known);

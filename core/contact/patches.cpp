@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/contact/round_proxy.hpp"
 #include "core/numeric.hpp"
 
 namespace feltwire {
@@ -40,20 +41,26 @@ double height(Side side, double distance, double radius) {
   return side == Side::outside ? distance - radius : radius - distance;
 }
 
-SurfaceParts parts(const Sphere& sphere, Side side, const Vec3& p, std::uint32_t) {
+/// A proxy that was left behind holds the tool wherever it is.
+double unless_entered(double distance, Side side, std::uint32_t entered) {
+  return side == Side::outside && entered == kOnlyFeature ? 0.0 : distance;
+}
+
+SurfaceParts parts(const Sphere& sphere, Side side, const Vec3& p, std::uint32_t entered) {
   SurfaceParts all;
-  add(all, std::max(0.0, height(side, p.norm(), sphere.radius)), kOnlyFeature);
+  const double near = std::max(0.0, height(side, p.norm(), sphere.radius));
+  add(all, unless_entered(near, side, entered), kOnlyFeature);
   return all;
 }
 
 /// Side and ends are one smooth surface, but no patch: the one that the point is nearest to is
 /// shown, the others begin behind their junction with it.
-SurfaceParts parts(const Capsule& capsule, Side side, const Vec3& p, std::uint32_t) {
+SurfaceParts parts(const Capsule& capsule, Side side, const Vec3& p, std::uint32_t entered) {
   SurfaceParts all;
   const double h = capsule.half_length;
   const Vec3 core(0.0, 0.0, std::clamp(p.z(), -h, h));
   const double near = std::max(0.0, height(side, (p - core).norm(), capsule.radius));
-  add(all, near, kOnlyFeature);
+  add(all, unless_entered(near, side, entered), kOnlyFeature);
   if (!(h > 0.0)) return all;
   // From outside the way to the junction's plane and the way in are at right angles beside the
   // cylinder; from within only the longer of the two is sure.
@@ -125,12 +132,26 @@ Surface round(Side side, const Vec3& core, const Vec3& outward, double radius) {
   return {.point = core + radius * outward, .normal = sign * outward, .curvature = sign / radius};
 }
 
+/// The normal of a proxy that was left behind on another side than p; null: it is above p, or p
+/// does not touch this face.
+const Vec3* left_behind(Side side, int face, const Vec3& outward, const ContactMemory& memory) {
+  constexpr double kRounding = 1e-9;
+  const FeatureMemory& feature = memory.feature;
+  if (side != Side::outside || !memory.touching || face_of(feature.feature) != face ||
+      feature.side == 0 || length(Vec3(feature.normal - outward)) < kRounding)
+    return nullptr;
+  return &feature.normal;
+}
+
 Surface surface(const Plane&, Side side, const Vec3& p, int, const ContactMemory&) {
   return {.point = {p.x(), p.y(), 0.0}, .normal = {0.0, 0.0, side == Side::outside ? 1.0 : -1.0}};
 }
 
-Surface surface(const Sphere& sphere, Side side, const Vec3& p, int, const ContactMemory& memory) {
-  return round(side, Vec3::Zero(), or_else(direction(p), memory.feature.normal), sphere.radius);
+Surface surface(const Sphere& sphere, Side side, const Vec3& p, int face,
+                const ContactMemory& memory) {
+  const Vec3 outward = or_else(direction(p), memory.feature.normal);
+  const Vec3* behind = left_behind(side, face, outward, memory);
+  return round(side, Vec3::Zero(), behind != nullptr ? *behind : outward, sphere.radius);
 }
 
 Vec3 across_axis(const Vec3& p, const ContactMemory& memory) {
@@ -138,13 +159,18 @@ Vec3 across_axis(const Vec3& p, const ContactMemory& memory) {
   return or_else(direction(Vec3(p.x(), p.y(), 0.0)), or_else(direction(remembered), Vec3::UnitX()));
 }
 
-Surface surface(const Capsule& capsule, Side side, const Vec3& p, int,
+Surface surface(const Capsule& capsule, Side side, const Vec3& p, int face,
                 const ContactMemory& memory) {
   const double h = capsule.half_length;
-  const Vec3 core(0.0, 0.0, std::clamp(p.z(), -h, h));
-  const bool straight = h > 0.0 && std::abs(p.z()) <= h;
-  const Vec3 outward =
+  Vec3 core(0.0, 0.0, std::clamp(p.z(), -h, h));
+  bool straight = h > 0.0 && std::abs(p.z()) <= h;
+  Vec3 outward =
       straight ? across_axis(p, memory) : or_else(direction(Vec3(p - core)), memory.feature.normal);
+  if (const Vec3* behind = left_behind(side, face, outward, memory)) {
+    outward = *behind;
+    core = RoundSolid{capsule.radius, h}.core_of(outward, p);
+    straight = h > 0.0 && outward.z() == 0.0;
+  }
   Surface s = round(side, core, outward, capsule.radius);
   if (straight) s.axis = Vec3::UnitZ();
   return s;
@@ -164,7 +190,9 @@ Surface surface(const Cylinder& cylinder, Side side, const Vec3& p, int face,
   const double h = cylinder.half_length, z = std::clamp(p.z(), -h, h);
   Surface s;
   if (face == kCylinderSide) {
-    s = round(side, Vec3(0.0, 0.0, z), across_axis(p, memory), cylinder.radius);
+    const Vec3 outward = across_axis(p, memory);
+    const Vec3* behind = left_behind(side, face, outward, memory);
+    s = round(side, Vec3(0.0, 0.0, z), behind != nullptr ? *behind : outward, cylinder.radius);
     s.axis = Vec3::UnitZ();
   } else {
     const double up = face == kCylinderTop ? 1.0 : -1.0;

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "core/contact/mesh_contact.hpp"
+#include "core/contact/round_proxy.hpp"
 #include "core/geometry/distance_grid.hpp"
 #include "core/geometry/mesh_surface.hpp"
 #include "core/numeric.hpp"
@@ -41,16 +43,6 @@ SurfacePoint held(const SurfacePoint& on, int feature, FeatureMemory& memory) {
   return contact(on.point, on.normal, on.depth, feature, memory);
 }
 
-/// The part of a way, 0 to 1, that is within a radius of the origin: empty unless in < out.
-struct Span {
-  double in = 1.0, out = 0.0;
-};
-Span within(const Vec3& from, const Vec3& way, double radius) {
-  const double a = way.squaredNorm(), b = from.dot(way);
-  const double root = b * b - a * (from.squaredNorm() - radius * radius);
-  if (!(a > 0.0) || !(root > 0.0)) return {};
-  return {std::max(0.0, (-b - std::sqrt(root)) / a), std::min(1.0, (-b + std::sqrt(root)) / a)};
-}
 /// Who is farther `off` a solid than the way that he came cannot have been in it.
 bool cannot_have_met(double off, const Vec3& way) {
   return off > 0.0 && way.squaredNorm() < off * off;
@@ -62,31 +54,78 @@ SurfacePoint surface(const Plane&, Side side, const Vec3& p, FeatureMemory& memo
   return contact(Vec3(p.x(), p.y(), 0.0), Vec3(0.0, 0.0, up), -up * p.z(), 0, memory);
 }
 
-/// A surface at `radius` round `core`, the nearest point of the shape's core (centre, axis).
-/// `undefined` is the outward direction to take when p lies on the core itself.
-SurfacePoint round_surface(Side side, const Vec3& p, const Vec3& core, double radius,
-                           const Vec3& undefined, FeatureMemory& memory) {
+/// A hollow at `radius` round `core`, the nearest point of the shape's core (centre, axis).
+SurfacePoint hollow_surface(const Vec3& p, const Vec3& core, double radius, FeatureMemory& memory) {
   const Vec3 offset = p - core;
   const double distance = length(offset);
-  const bool free = side == Side::outside ? !(distance < radius) : !(distance > radius);
-  if (free) return free_point(memory);
-  const Vec3 outward = distance > 0.0 ? direction(offset) : undefined;
-  return contact(core + radius * outward, side == Side::outside ? outward : Vec3(-outward),
-                 std::abs(radius - distance), 0, memory);
+  if (!(distance > radius)) return free_point(memory);
+  const Vec3 outward = direction(offset);
+  return contact(core + radius * outward, -outward, std::abs(radius - distance), 0, memory);
+}
+
+/// Where the proxy with this normal holds a hand that has gone on from memory.proxy to p.
+SurfacePoint held_on_round(const RoundSolid& solid, const Vec3& p, const Vec3& normal,
+                           FeatureMemory& memory) {
+  const Vec3 core = solid.core(p), offset = p - core;
+  const double distance = length(offset);
+  SurfacePoint on;
+  if (normal == direction(offset)) {
+    if (!(distance < solid.radius)) return free_at(p, memory);
+    on = {core + solid.radius * normal, normal, std::abs(solid.radius - distance)};
+  } else {
+    if (!(distance < solid.radius) && !holds_behind(solid, normal, p)) return free_at(p, memory);
+    on.point = solid.core_of(normal, p) + solid.radius * normal;
+    const Polar<double> back = polar(Vec3(on.point - p));
+    on.normal = back.length > 0.0 ? back.direction : normal;
+    on.depth = back.length;
+  }
+  memory = {};
+  memory.feature = 1;
+  memory.side = 1;
+  memory.normal = normal;
+  memory.proxy = p;
+  memory.tracked = true;
+  return on;
+}
+
+/// `undefined` is the outward direction to take when p lies on the core itself.
+SurfacePoint round_from_outside(const RoundSolid& solid, const Vec3& p, const Vec3& undefined,
+                                FeatureMemory& memory) {
+  const Vec3 offset = p - solid.core(p);
+  const double off = length(offset) - solid.radius;
+  Vec3 normal = direction(offset);
+  if (normal.isZero(0.0)) normal = undefined;
+  if (memory.feature != 0) {
+    normal = round_normal(solid, memory.proxy, p, memory.normal);
+  } else {
+    Span in;
+    if (memory.tracked && !cannot_have_met(off, p - memory.proxy))
+      in = within(solid, memory.proxy, p - memory.proxy);
+    if (in.in < in.out) {
+      const Vec3 entry = memory.proxy + in.in * (p - memory.proxy);
+      const Vec3 outward = direction(Vec3(entry - solid.core(entry)));
+      if (!outward.isZero(0.0)) normal = round_normal(solid, entry, p, outward);
+    } else if (!(off < 0.0)) {
+      return free_at(p, memory);
+    }
+  }
+  return held_on_round(solid, p, normal, memory);
 }
 
 SurfacePoint surface(const Sphere& sphere, Side side, const Vec3& p, FeatureMemory& memory) {
-  return round_surface(side, p, Vec3::Zero(), sphere.radius, memory.normal, memory);
+  if (side == Side::inside) return hollow_surface(p, Vec3::Zero(), sphere.radius, memory);
+  return round_from_outside({sphere.radius, 0.0}, p, memory.normal, memory);
 }
 
 SurfacePoint surface(const Capsule& capsule, Side side, const Vec3& p, FeatureMemory& memory) {
   const double h = capsule.half_length;
-  const Vec3 core(0.0, 0.0, std::clamp(p.z(), -h, h));
+  if (side == Side::inside)
+    return hollow_surface(p, Vec3(0.0, 0.0, std::clamp(p.z(), -h, h)), capsule.radius, memory);
   // On the axis every direction across it is as near; beyond its ends so is the half sphere.
   Vec3 undefined = memory.normal;
   undefined.z() = std::clamp(undefined.z(), p.z() <= -h ? -1.0 : 0.0, p.z() >= h ? 1.0 : 0.0);
   undefined = undefined.isZero(0.0) ? Vec3::UnitX() : direction(undefined);
-  return round_surface(side, p, core, capsule.radius, undefined, memory);
+  return round_from_outside({capsule.radius, h}, p, undefined, memory);
 }
 
 /// The face by which the way from a free point goes in; -1: it does not.
@@ -193,6 +232,16 @@ int cylinder_entry(const Cylinder& cylinder, const Vec3& from, const Vec3& to) {
   return side.in < side.out ? face : -1;
 }
 
+/// Its side, as far as its ends, is part of an endless pipe's.
+SurfacePoint cylinder_side(const Cylinder& cylinder, const Vec3& p, FeatureMemory& memory) {
+  if (!(std::abs(p.z()) < cylinder.half_length)) return free_at(p, memory);
+  Vec3 undefined = memory.normal;
+  undefined.z() = 0.0;  // a normal remembered from before the first contact is along z
+  if (undefined.isZero(0.0)) undefined = Vec3::UnitX();
+  constexpr double kEndless = std::numeric_limits<double>::infinity();
+  return round_from_outside({cylinder.radius, kEndless}, p, undefined, memory);
+}
+
 SurfacePoint surface(const Cylinder& cylinder, Side side, const Vec3& p, FeatureMemory& memory) {
   if (side == Side::inside) return cylinder_from_inside(cylinder, p, memory);
   const double h = cylinder.half_length, r = cylinder.radius;
@@ -220,12 +269,7 @@ SurfacePoint surface(const Cylinder& cylinder, Side side, const Vec3& p, Feature
     const Vec3 point(p.x(), p.y(), sign * h);
     return held({point, sign * Vec3::UnitZ(), depth}, feature, memory);
   }
-  if (!inside) return free_at(p, memory);
-  Vec3 outward = distance > 0.0 ? direction(across) : memory.normal;
-  outward.z() = 0.0;  // a normal remembered from before the first contact is along z
-  if (outward.isZero(0.0)) outward = Vec3::UnitX();
-  const Vec3 point = r * outward + p.z() * Vec3::UnitZ();
-  return held({point, outward, r - distance}, feature, memory);
+  return cylinder_side(cylinder, p, memory);
 }
 
 SurfacePoint surface(const Grid& grid, Side side, const Vec3& p, FeatureMemory& memory) {
@@ -261,8 +305,8 @@ SurfacePoint surface_point(const Shape& shape, Side side, const Vec3& position,
 
 bool follows_way(const Shape& shape, Side side) noexcept {
   if (std::holds_alternative<Mesh>(shape)) return true;
-  return side == Side::outside &&
-         (std::holds_alternative<Box>(shape) || std::holds_alternative<Cylinder>(shape));
+  return side == Side::outside && !std::holds_alternative<Plane>(shape) &&
+         !std::holds_alternative<Grid>(shape);
 }
 
 Vec3 origin_of(const Shape& shape) noexcept {

@@ -61,10 +61,10 @@ inline constexpr int kCylinderSide = 0, kCylinderTop = 1, kCylinderBottom = 2;
 /// thin solid.
 struct FeatureMemory {
   std::uint32_t feature = 0;    // 0: not in contact; else 1 + index of the face the proxy stands on
-  Vec3 normal = Vec3::UnitZ();  // last normal: what is used where the geometry leaves it undefined
-                                // (a centre, an axis)
-  // Of a mesh, and of a box or a cylinder felt from outside: where the proxy was, free or not, so
-  // that the way to where the tool is now is followed and nothing on it is passed by.
+  Vec3 normal = Vec3::UnitZ();  // last one, of the surface at the proxy: what is used where the
+                                // geometry leaves it undefined (a centre, an axis)
+  // Of a mesh and a solid felt from outside: where the proxy was, free or not (on what is round,
+  // where the tool was), so that the way to where the tool is now is followed, passing nothing by.
   Vec3 proxy = Vec3::Zero();   // [m, object frame, from origin_of() the shape]
   std::uint32_t triangle = 0;  // of a mesh: that it stands on
   std::int8_t side = 0;        // 0: the proxy is free. Of a mesh's triangle: 1 where its normal
@@ -75,15 +75,15 @@ struct FeatureMemory {
 /// (Zilles & Salisbury's god-object): a proxy stays on the flat face that the way of the point went
 /// in by, also where one step goes through the whole solid. It stays until the point is in front of
 /// that face again, or beside it: as long as the way straight back to the face leads through the
-/// solid, however thin that is. On what is round it follows the point, which slips round it when it
-/// is pressed past the middle. Free points give depth 0 and clear the memory but for where they
-/// are. A grid remembers no face: depth times normal is -d grad d of its distance d, a force with a
-/// potential, which falls to zero where two surfaces are equally near. What is thinner than twice
-/// the depth is pushed through.
+/// solid, however thin that is. On what is round it follows the point, and stays behind where that
+/// is pressed through the middle (round_proxy.hpp). Free points give depth 0 and remember no more
+/// than where they are. A grid remembers no face: its depth times normal is -d grad d of its
+/// distance d, a force with a potential, which falls to zero where two surfaces are equally near.
+/// What is thinner than twice the depth is pushed through.
 SurfacePoint surface_point(const Shape& shape, Side side, const Vec3& position,
                            FeatureMemory& memory) noexcept;
 
-/// Whether it remembers where a free point was: a mesh, and each solid with flat faces.
+/// Whether it remembers where a free point was: a mesh, and each solid that has a far side.
 bool follows_way(const Shape& shape, Side side) noexcept;
 /// [m, object frame] What FeatureMemory::proxy counts from.
 Vec3 origin_of(const Shape& shape) noexcept;

@@ -70,7 +70,9 @@ void load_within_limits(const Load& load, bool little) {
   for (std::size_t more = 0; more <= 600 && loaded < 3; more += more < 24 ? 2 : 12)
     ASSERT_EXIT(load_with(more * kMegabyte, load), ended, "") << more << " MB";
   EXPECT_EQ(loaded, 3);
-  if (little) EXPECT_GT(refused, 0);
+  if (little) {
+    EXPECT_GT(refused, 0);
+  }
   std::cout << refused << " limits refused\n";
 }
 

@@ -148,8 +148,14 @@ TEST(Shapes, CapsuleAxisPushesAcross) {
   // Entered exactly there, and entered through the end and along the axis.
   EXPECT_EQ(fresh(capsule, Side::outside, Vec3::Zero()).normal.z(), 0.0);
   EXPECT_EQ(fresh(capsule, Side::outside, Vec3(0, 0, 1.0)).normal, Vec3::UnitZ());
-  memory = {.feature = 1, .normal = Vec3::UnitZ()};
-  EXPECT_EQ(surface_point(capsule, Side::outside, Vec3(0, 0, 0.9), memory).depth, 0.5);
+  // Of a hand that has come from nowhere nothing else is known; the end holds one that has come
+  // through it, as a cylinder's does.
+  EXPECT_EQ(fresh(capsule, Side::outside, Vec3(0, 0, 0.9)).depth, 0.5);
+  memory = {};
+  surface_point(capsule, Side::outside, Vec3(0, 0, 2.0), memory);
+  const SurfacePoint held = surface_point(capsule, Side::outside, Vec3(0, 0, 0.9), memory);
+  EXPECT_DOUBLE_EQ(held.depth, 0.6);
+  EXPECT_EQ(held.normal, Vec3::UnitZ());
 }
 
 TEST(Shapes, CapsuleWithoutLengthIsASphere) {

@@ -1,0 +1,118 @@
+#pragma once
+// The proxy on a round surface (a ball, a rod, a pipe felt from outside), which remembers the side
+// that it is on.
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "core/numeric.hpp"
+#include "core/types.hpp"
+
+namespace feltwire {
+
+/// A solid of all points within `radius` of a piece of the z axis, from -half_length to
+/// +half_length: a point (a ball), a segment (a capsule), or all of it (infinite: an endless pipe).
+struct RoundSolid {
+  double radius = 0.0;       // [m] > 0
+  double half_length = 0.0;  // [m] >= 0
+
+  Vec3 core(const Vec3& p) const {
+    return {0.0, 0.0, std::clamp(p.z(), -half_length, half_length)};
+  }
+  /// The point of the core below the proxy that has this normal.
+  Vec3 core_of(const Vec3& normal, const Vec3& p) const {
+    if (normal.z() > 0.0 && std::isfinite(half_length)) return {0.0, 0.0, half_length};
+    if (normal.z() < 0.0 && std::isfinite(half_length)) return {0.0, 0.0, -half_length};
+    return core(p);
+  }
+};
+
+/// The part of a way, 0 to 1, that is within a radius of the origin: empty unless in < out.
+struct Span {
+  double in = 1.0, out = 0.0;
+};
+inline Span within(const Vec3& from, const Vec3& way, double radius) {
+  const double a = way.squaredNorm(), b = from.dot(way);
+  const double root = b * b - a * (from.squaredNorm() - radius * radius);
+  if (!(a > 0.0) || !(root > 0.0)) return {};
+  return {std::max(0.0, (-b - std::sqrt(root)) / a), std::min(1.0, (-b + std::sqrt(root)) / a)};
+}
+/// The part of a way that is in the solid.
+inline Span within(const RoundSolid& solid, const Vec3& from, const Vec3& way) {
+  const double h = solid.half_length;
+  const Vec3 end(0.0, 0.0, h);
+  if (!(h > 0.0)) return within(from, way, solid.radius);
+  const Vec3 flat(1.0, 1.0, 0.0);
+  const Vec3 start = from.cwiseProduct(flat), across = way.cwiseProduct(flat);
+  Span side{0.0, 1.0};
+  if (across.isZero(0.0) ? !(start.squaredNorm() < solid.radius * solid.radius) : true)
+    side = within(start, across, solid.radius);
+  if (!std::isfinite(h)) return side;
+  const auto cut = [&](double before, double after) {  // to where the height is below zero
+    if (before >= 0.0 && after >= 0.0) side = {};
+    if (before >= 0.0) side.in = std::max(side.in, before / (before - after));
+    if (after >= 0.0) side.out = std::min(side.out, before / (before - after));
+  };
+  cut(from.z() - h, from.z() + way.z() - h);
+  cut(-from.z() - h, -from.z() - way.z() - h);
+  Span all;
+  for (const Span& part :
+       {side, within(from - end, way, solid.radius), within(from + end, way, solid.radius)}) {
+    if (!(part.in < part.out)) continue;
+    all = all.in < all.out ? Span{std::min(all.in, part.in), std::max(all.out, part.out)} : part;
+  }
+  return all;
+}
+
+/// The proxy goes down the distance to the hand, as on any surface, but in one step no farther
+/// over it than kMostTurning times as far as the hand goes about the core; and not at all while the
+/// hand is beyond the middle, as seen from it. A hand that is no deeper than the radius less
+/// radius / kMostTurning never goes about the core faster than that, and its proxy is the nearest
+/// point of the surface. One that is pressed on through the middle, or beside it by less than some
+/// 4 % of the radius, leaves its proxy behind, on the side that it has come from. Steps over a
+/// surface are what a proxy with dry friction does: they take energy, and give none.
+inline constexpr double kMostTurning = 4.0;
+
+/// The unit vector towards which `normal` turns by at most `most` [rad].
+inline Vec3 turned(const Vec3& normal, const Vec3& towards, double most) {
+  constexpr double kChordOfArc = 2.0 / std::numbers::pi;  // at least
+  const double chord = length(Vec3(towards - normal));
+  if (!(chord > kChordOfArc * most)) return towards;  // the angle is at most pi / 2 chords
+  if (2.0 * std::asin(std::min(1.0, 0.5 * chord)) <= most) return towards;
+  const Vec3 across = direction(Vec3(towards - towards.dot(normal) * normal));
+  return direction(Vec3(std::cos(most) * normal + std::sin(most) * across));
+}
+
+/// Whether a hand that is out of the solid on the far side of the proxy with this normal has the
+/// solid between: the way straight back along the normal leads through it.
+inline bool holds_behind(const RoundSolid& solid, const Vec3& normal, const Vec3& p) {
+  const Vec3 offset = p - solid.core_of(normal, p);
+  const double along_normal = normal.dot(offset);
+  return !(along_normal > 0.0) && length(Vec3(offset - along_normal * normal)) < solid.radius;
+}
+
+/// The normal of the proxy after the hand has gone straight from `from` to `to`, both within the
+/// solid or beyond it on the way through. `normal` before; unit.
+inline Vec3 round_normal(const RoundSolid& solid, const Vec3& from, const Vec3& to, Vec3 normal) {
+  constexpr double kSteps = 32.0;  // in a radius
+  constexpr int kMostSteps = 64;
+  const Vec3 way = to - from;
+  Vec3 before = from - solid.core(from);
+  // About the core: the way along it turns no normal.
+  const double steps =
+      std::ceil(kSteps * length(Vec3(to - solid.core(to) - before)) / solid.radius);
+  const int count = steps < kMostSteps ? std::max(1, static_cast<int>(steps)) : kMostSteps;
+  for (int n = 1; n <= count; ++n) {
+    const Vec3 p = n == count ? to : Vec3(from + (static_cast<double>(n) / count) * way);
+    const Vec3 offset = p - solid.core(p);
+    const double moved = length(Vec3(offset - before));
+    before = offset;
+    if (!(normal.dot(p - solid.core_of(normal, p)) > 0.0)) continue;  // beyond the middle
+    const Vec3 outward = direction(offset);
+    if (!outward.isZero(0.0)) normal = turned(normal, outward, kMostTurning * moved / solid.radius);
+  }
+  return normal;
+}
+
+}  // namespace feltwire
