@@ -340,7 +340,8 @@ void Servo::let_in(const BoundingStep& step) noexcept {
                                             .command = step.command,
                                             .margin = port_.margin()},
                                            *guard_);
-  if (energy > 0.0) bounding_.endow(energy);
+  // Elastic storage has kept what was pressed; it would have it twice.
+  if (energy > 0.0 && parameters_.storage != Storage::elastic) bounding_.endow(energy);
 }
 
 Command Servo::render(const DeviceReading& reading, Nanoseconds now) noexcept {

@@ -1,0 +1,182 @@
+// A scene that is changed under a hand, whatever it was and becomes: the force never jumps.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+#include "server/session.hpp"
+#include "tests/client/servo_bench.hpp"
+#include "tests/core/support.hpp"
+#include "tests/support/seeds.hpp"
+
+namespace feltwire::reload_force_test {
+namespace {
+
+using namespace testing::servo;
+using test::Random;
+
+constexpr double kTick = 1e-3;  // [s]
+
+Quaternion turn(Random& random, double most) {
+  return Quaternion(Eigen::AngleAxisd(random.uniform(-most, most), random.direction()));
+}
+
+Material material(Random& random) {
+  Material m;
+  m.stiffness = std::pow(10.0, random.uniform(1.0, 4.5));
+  if (random.chance(0.5)) {
+    m.static_friction = random.uniform(0.0, 1.5);
+    m.dynamic_friction = random.uniform(0.0, 1.0) * m.static_friction;
+  }
+  if (random.chance(0.3)) m.damping = random.uniform(0.0, 5.0);
+  if (random.chance(0.3)) m.viscous_friction = random.uniform(0.0, 5.0);
+  return m;
+}
+
+/// One to three solids, whose surfaces pass near the origin.
+Scene scene(Random& random) {
+  std::vector<Object> objects;
+  const int count = 1 + static_cast<int>(random.uniform(0.0, 2.999));
+  for (int i = 0; i < count; ++i) {
+    Object object;
+    object.name = "o" + std::to_string(i);
+    object.material = material(random);
+    const double size = random.uniform(0.01, 0.05), up = random.uniform(-0.006, 0.006);
+    object.pose.orientation = turn(random, 0.3);
+    object.pose.position = Vec3(0.0, 0.0, up - size);
+    if (random.chance(0.4)) {
+      object.shape = Plane{};
+      object.pose.position.z() = up;
+    } else if (random.chance(0.5)) {
+      object.shape = Sphere{size};
+    } else if (random.chance(0.5)) {
+      object.shape = Box{Vec3(0.05, 0.04, size)};
+    } else {
+      object.shape = Cylinder{0.05, size};
+    }
+    objects.push_back(object);
+  }
+  return Scene("s", objects);
+}
+
+/// The same solids, other stiffnesses, and surfaces a few millimetres away from where they were.
+Scene changed(const Scene& before, Random& random) {
+  if (random.chance(0.2)) return scene(random);
+  std::vector<Object> objects = before.objects();
+  for (Object& object : objects) {
+    if (random.chance(0.7))
+      object.material.stiffness = std::clamp(
+          object.material.stiffness * std::pow(10.0, random.uniform(-2.0, 2.0)), 1.0, 1e6);
+    if (random.chance(0.5)) object.pose.position += random.uniform(0.0, 0.005) * random.direction();
+    if (random.chance(0.2)) object.pose.orientation = turn(random, 0.3) * object.pose.orientation;
+  }
+  return Scene("s", objects);
+}
+
+/// A hand that goes to places near the surfaces, and rests there now and then.
+class Hand {
+ public:
+  explicit Hand(Random& random) : random_(random) {}
+  const Vec3& next() {
+    if (left_ == 0) {
+      rests_ = random_.chance(0.5);
+      left_ = 20 + static_cast<int>(random_.uniform(0.0, 150.0));
+      const Vec3 goal(random_.uniform(-0.01, 0.01), random_.uniform(-0.01, 0.01),
+                      random_.uniform(-0.012, 0.004));
+      step_ = rests_ ? Vec3::Zero() : Vec3((goal - at_) / left_);
+    }
+    --left_;
+    at_ += step_;
+    return at_;
+  }
+
+ private:
+  Random& random_;
+  Vec3 at_ = Vec3(0.0, 0.0, 0.02), step_ = Vec3::Zero();
+  int left_ = 0;
+  bool rests_ = false;
+};
+
+struct Seen {
+  int reloads = 0, risen = 0;
+  double steepest = 0.0;  // of what may be: 1 is the bound
+};
+
+/// Reloads at random under one hand.
+void play(std::uint64_t seed, Storage storage, Seen& seen) {
+  Random random(seed);
+  SessionParameters p = parameters(BoundingMode::contact_frame);
+  p.storage = storage;
+  Bench bench(p);
+  std::vector<std::unique_ptr<Scene>> all;  // the last one is the session's
+  all.push_back(std::make_unique<Scene>(scene(random)));
+  Session session({"tester", "s", bench.spec, p}, *all.back());
+  const double c = 2.0 * bench.spec.damping.least() / p.servo_period;  // [N/m]
+  const double slew = bench.spec.max_force / (0.5 * p.hold_time);      // [N/s]
+  const int every = 1 + static_cast<int>(random.uniform(0.0, 300.0));  // ticks between reloads
+  Hand hand(random);
+  Vec3 force = Vec3::Zero(), before = Vec3::Zero();
+  Command held;
+  double pressed = 0.0, rubbed = 0.0;  // [J] by the hand into the contact that it is in
+  Vec3 commanded = Vec3::Zero();
+  bool known = false;
+  for (int n = 0; n < 3000; ++n) {
+    if (n % every == every - 1) {
+      all.push_back(std::make_unique<Scene>(changed(*all.back(), random)));
+      session.enter(Session::Place(*all.back(), nullptr));
+      ++seen.reloads;
+    }
+    const Vec3 place = hand.next();
+    const double moved = known ? (place - before).norm() : 0.0;
+    const Command given = bench.tick(at(place.x(), place.y(), place.z()));
+    const Vec3 felt = given.force();
+    // (C) lets a force rise by c |dx| as the hand moves; a change adds the slew, however stiff and
+    // deep the new surface is. What elastic storage has kept is there at once, but no more than it.
+    if (storage == Storage::minimal) {
+      const double rise = felt.norm() - force.norm(), most = c * moved + slew * kTick;
+      ASSERT_LE(rise, 1.001 * most + 1e-9) << "seed " << seed << " tick " << n;
+      seen.steepest = std::max(seen.steepest, rise / most);
+      seen.risen += rise > 1e-6 && moved == 0.0 ? 1 : 0;
+    } else {
+      // By the channels of the bound: what goes along the surface is no press into it.
+      const Vec3 way = known ? Vec3(place - before) : Vec3::Zero();
+      pressed = std::max(0.0, pressed - held.elastic.dot(way)) + 0.5 * c * moved * moved;
+      rubbed = std::max(0.0, rubbed - held.frictional.dot(way));
+      ASSERT_LE(felt.squaredNorm() / (2.0 * c), 1.001 * (pressed + rubbed) + 1e-9)
+          << "seed " << seed << " tick " << n;
+      if (commanded.isZero(0.0)) pressed = rubbed = 0.0;  // the contact is lost
+    }
+    ASSERT_EQ(bench.servo.port().violations(), 0u) << "seed " << seed << " tick " << n;
+    SampleBatch batch;
+    batch.count = 1;
+    batch.samples[0] = bench.servo.sample();
+    const Reply reply = session.take(batch, bench.now).reply;
+    commanded = reply.command.elastic;
+    bench.servo.take(reply, bench.now);
+    held = given;
+    force = felt;
+    before = place;
+    known = true;
+  }
+}
+
+TEST(ReloadForce, NeverJumpsWhateverTheSceneBecomes) {
+  Seen seen;
+  for (const std::uint64_t seed : test::seeds(1, 60, 30))
+    ASSERT_NO_FATAL_FAILURE(play(seed, Storage::minimal, seen));
+  EXPECT_GT(seen.reloads, 1000);
+  EXPECT_GT(seen.risen, 100);     // changes are felt by hands that rest,
+  EXPECT_GT(seen.steepest, 0.9);  // and come as fast as they may
+}
+
+TEST(ReloadForce, NeverNeedsMoreThanTheHandHasPressedWhereElasticStorageKeepsIt) {
+  Seen seen;
+  for (const std::uint64_t seed : test::seeds(1001, 60, 30))
+    ASSERT_NO_FATAL_FAILURE(play(seed, Storage::elastic, seen));
+  EXPECT_GT(seen.reloads, 1000);
+}
+
+}  // namespace
+}  // namespace feltwire::reload_force_test
