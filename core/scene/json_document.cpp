@@ -162,22 +162,37 @@ std::string read_text(const std::filesystem::path& file) {
 struct JsonDocument::Parsed {
   std::string file;
   Node root;
-  flatbuffers::Parser parser;
+  std::unique_ptr<flatbuffers::Parser> parser = std::make_unique<flatbuffers::Parser>();
+
+  /// FlatBuffers 2.0.8 frees a value of an enumeration twice in the parser's destructor where
+  /// memory was refused while that value was entered. A parser that was interrupted is not
+  /// destroyed, then; its memory is lost.
+  template <class Work>
+  bool parse(Work work) {
+    try {
+      return work(*parser);
+    } catch (...) {
+      static_cast<void>(parser.release());
+      throw;
+    }
+  }
 };
 
 JsonDocument::JsonDocument(std::string_view text, std::string file, const char* schema)
     : parsed_(std::make_unique<Parsed>()) {
   Parsed& p = *parsed_;
   p.file = std::move(file);
-  if (!p.parser.Parse(schema) || !p.parser.root_struct_def_)
-    throw std::logic_error("the schema for " + p.file + " is wrong: " + p.parser.error_);
+  const auto good_schema = [&](auto& parser) { return parser.Parse(schema); };
+  if (!p.parse(good_schema) || !p.parser->root_struct_def_)
+    throw std::logic_error("the schema for " + p.file + " is wrong: " + p.parser->error_);
   p.root = json::outline(text, p.file);
-  SchemaCheck(p.file).object(p.root, *p.parser.root_struct_def_, "");
+  SchemaCheck(p.file).object(p.root, *p.parser->root_struct_def_, "");
 
   // What is left to FlatBuffers to refuse (halves of surrogate pairs) it says as "12: 5: error:
   // ...".
-  if (p.parser.ParseJson(std::string(text).c_str())) return;
-  const std::string& error = p.parser.error_;
+  const std::string terminated(text);
+  if (p.parse([&](auto& parser) { return parser.ParseJson(terminated.c_str()); })) return;
+  const std::string& error = p.parser->error_;
   const int line = std::max(1, std::atoi(error.c_str()));
   const auto at = error.find("error: ");
   std::string field;
@@ -190,7 +205,7 @@ JsonDocument::JsonDocument(std::string_view text, std::string file, const char* 
 JsonDocument::~JsonDocument() = default;
 
 const std::uint8_t* JsonDocument::buffer() const {
-  return parsed_->parser.builder_.GetBufferPointer();
+  return parsed_->parser->builder_.GetBufferPointer();
 }
 
 int JsonDocument::line_of(std::string_view path) const {

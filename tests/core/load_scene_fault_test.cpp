@@ -1,0 +1,55 @@
+// Scenes that are loaded while memory is short.
+
+#include <gtest/gtest.h>
+
+#include <cstdio>
+#include <thread>
+
+#include "core/scene/scene.hpp"
+#include "tests/support/failing_allocation.hpp"
+
+namespace feltwire::load_scene_fault_test {
+namespace {
+
+#ifndef FELTWIRE_SANITIZED
+/// Whether it loads, in a thread of its own: the one that asks is spared.
+bool loads(const std::string& file) {
+  bool loaded = false;
+  std::thread([&] {
+    try {
+      load_scene(file);
+      loaded = true;
+    } catch (const std::exception&) {
+      // That is how a load ends that has no memory.
+    }
+  }).join();
+  return loaded;
+}
+
+/// Every allocation of the loader is refused in turn: each ends in an exception, or is done
+/// without, and the next load is as good as the first.
+TEST(LoadSceneFaults, OfEveryAllocationEndTheLoadOnly) {
+  int injected = 0, ended = 0;
+  for (const std::string name : {"plane.json", "room.json", "workshop.json"}) {
+    const std::string file = FELTWIRE_SOURCE_DIR "/scenes/" + name;
+    for (int n = 1;; ++n) {
+      bool happened = false, loaded = false;
+      {
+        const test::FailingAllocation failing(n);
+        loaded = loads(file);
+        happened = failing.happened();
+      }
+      if (!happened) break;
+      ++injected;
+      ended += loaded ? 0 : 1;
+    }
+    EXPECT_TRUE(loads(file)) << file;
+  }
+  std::printf("%d allocations refused in turn, %d loads ended by it\n", injected, ended);
+  RecordProperty("injected", injected);
+  EXPECT_GT(ended, 1000);
+}
+#endif
+
+}  // namespace
+}  // namespace feltwire::load_scene_fault_test
