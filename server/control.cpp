@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "protocol/clock.hpp"
+#include "protocol/tls.hpp"
 #include "server/listen_error.hpp"
 
 namespace feltwire {
@@ -52,6 +53,14 @@ class ControlEndpoint::Connection : public std::enable_shared_from_this<Connecti
       }
     };
   }
+  /// The same for what the connection goes on with: one such handler is under way at a time, or
+  /// none ever comes again.
+  template <class Work>
+  auto then(Work work) {
+    return [going_on = going_on_, handler = safely(std::move(work))](const auto&... results) {
+      handler(results...);
+    };
+  }
 
  public:
   Connection(ControlEndpoint& endpoint, Places::Id id, tcp::socket socket,
@@ -60,6 +69,7 @@ class ControlEndpoint::Connection : public std::enable_shared_from_this<Connecti
         id_(id),
         stream_(std::move(socket), new_tls_connection(*endpoint.tls_.native_handle())),
         deadline_(endpoint.io_) {
+    require_buffers(*stream_.native_handle());
     peer_.address = address;
     peer_.keys = [this](std::uint64_t session, CipherSuite suite) {
       return export_keys(*stream_.native_handle(), session, suite);
@@ -68,7 +78,7 @@ class ControlEndpoint::Connection : public std::enable_shared_from_this<Connecti
 
   void start() {
     set_deadline(endpoint_.options_.handshake_timeout);
-    stream_.async_handshake(asio::ssl::stream_base::server, safely([this](const Error& error) {
+    stream_.async_handshake(asio::ssl::stream_base::server, then([this](const Error& error) {
                               if (error) {
                                 ++endpoint_.counters_.failed;
                                 return end();
@@ -76,6 +86,10 @@ class ControlEndpoint::Connection : public std::enable_shared_from_this<Connecti
                               read_length();
                             }));
   }
+
+  /// Whether its next handler was lost: an exception came between two steps of an operation, or an
+  /// answer was dropped. Not to be asked in a handler.
+  bool lost() const { return going_on_.use_count() == 1; }
 
   Places::Id id() const { return id_; }
   const asio::ip::address& address() const { return peer_.address; }
@@ -127,8 +141,7 @@ class ControlEndpoint::Connection : public std::enable_shared_from_this<Connecti
       set_deadline(endpoint_.options_.idle_timeout);
       endpoint_.known_.renew(id_);
     }
-    asio::async_read(stream_, asio::buffer(length_),
-                     safely([this](const Error& error, std::size_t) {
+    asio::async_read(stream_, asio::buffer(length_), then([this](const Error& error, std::size_t) {
                        if (error) return end();
                        read_body();
                      }));
@@ -141,7 +154,7 @@ class ControlEndpoint::Connection : public std::enable_shared_from_this<Connecti
       return refuse_malformed("a frame of " + std::to_string(length) + " bytes; 1 to " +
                               std::to_string(most) + " are read");
     body_.resize(length);
-    asio::async_read(stream_, asio::buffer(body_), safely([this](const Error& error, std::size_t) {
+    asio::async_read(stream_, asio::buffer(body_), then([this](const Error& error, std::size_t) {
                        if (error) return end();
                        handle();
                      }));
@@ -151,7 +164,7 @@ class ControlEndpoint::Connection : public std::enable_shared_from_this<Connecti
     std::optional<control::Message> request = control::decode(body_);
     if (stranger()) wipe(body_);
     if (!request) return refuse_malformed("the frame holds no control message of this version");
-    endpoint_.handler_(peer_, std::move(*request), safely([this](const control::Message& answer) {
+    endpoint_.handler_(peer_, std::move(*request), then([this](const control::Message& answer) {
                          if (const auto* refused = std::get_if<control::Refused>(&answer))
                            ends_after_answer_ =
                                stranger() || refused->code == RefusalCode::malformed;
@@ -170,8 +183,7 @@ class ControlEndpoint::Connection : public std::enable_shared_from_this<Connecti
 
   void write(const control::Message& answer) {
     frame_ = control::encode(answer);
-    asio::async_write(stream_, asio::buffer(frame_),
-                      safely([this](const Error& error, std::size_t) {
+    asio::async_write(stream_, asio::buffer(frame_), then([this](const Error& error, std::size_t) {
                         if (error) return end();
                         if (ends_after_answer_) return say_end();
                         read_length();
@@ -182,7 +194,7 @@ class ControlEndpoint::Connection : public std::enable_shared_from_this<Connecti
   /// the deadline ends it: closing over unread bytes would reset the connection and lose the
   /// refusal.
   void say_end() {
-    stream_.async_shutdown(safely([this](const Error&) {
+    stream_.async_shutdown(then([this](const Error&) {
       Error ignored;
       socket().shutdown(tcp::socket::shutdown_send, ignored);
       discard();
@@ -192,7 +204,7 @@ class ControlEndpoint::Connection : public std::enable_shared_from_this<Connecti
   void discard() {
     constexpr std::size_t kAtOnce = 4096;
     body_.resize(kAtOnce);
-    socket().async_read_some(asio::buffer(body_), safely([this](const Error& error, std::size_t) {
+    socket().async_read_some(asio::buffer(body_), then([this](const Error& error, std::size_t) {
                                if (error) return end();
                                discard();
                              }));
@@ -205,6 +217,7 @@ class ControlEndpoint::Connection : public std::enable_shared_from_this<Connecti
   ControlPeer peer_;
   std::array<std::uint8_t, control::kFrameLengthSize> length_{};
   std::vector<std::uint8_t> body_, frame_;
+  std::shared_ptr<const bool> going_on_ = std::make_shared<const bool>(true);  // in its handlers
   bool ends_after_answer_ = false;
   bool closed_ = false;
 };
@@ -232,6 +245,7 @@ ControlEndpoint::ControlEndpoint(asio::io_context& io, const ControlOptions& opt
     serve_both_families(acceptor_, options.address);
     acceptor_.bind(endpoint);
     acceptor_.listen();
+    acceptor_.non_blocking(true);
     port_ = acceptor_.local_endpoint().port();
   } catch (const std::system_error& error) {
     throw listen_error("tcp", options.address, options.port, error.code());
@@ -242,32 +256,52 @@ ControlEndpoint::~ControlEndpoint() = default;
 
 void ControlEndpoint::start() { accept(); }
 
+/// Waits for a connection, and takes it in a handler of ours: where Asio takes it itself and has no
+/// memory for it, no handler is called, and none would be taken any more.
 void ControlEndpoint::accept() {
-  acceptor_.async_accept([this](const Error& error, tcp::socket socket) {
+  acceptor_.async_wait(tcp::acceptor::wait_read, [this](const Error& error) {
     accepting_ = false;
     if (error == asio::error::operation_aborted || !acceptor_.is_open()) return;
-    if (error) {
-      // Out of descriptors, say: what is open goes on, and a moment later there may be one.
-      retry_.expires_after(std::chrono::milliseconds(100));
-      retry_.async_wait([this](const Error& cancelled) {
-        accepting_ = false;
-        if (!cancelled) accept();
-      });
-      accepting_ = true;
-      return;
-    }
-    try {
-      admit(std::move(socket));
-    } catch (const std::exception& failure) {
-      spdlog::error("a control connection could not be taken: {}", failure.what());
-    }
+    if (error || !take()) return accept_later();
     accept();
+  });
+  accepting_ = true;
+}
+
+/// False where the system has no connection to give, though one waits.
+bool ControlEndpoint::take() {
+  try {
+    Error error;
+    tcp::socket socket(io_);
+    acceptor_.accept(socket, error);
+    if (!error) admit(std::move(socket));
+    return !error || error == asio::error::would_block ||
+           error == asio::error::connection_aborted;  // it has gone meanwhile
+  } catch (const std::exception& failure) {
+    spdlog::error("a control connection could not be taken: {}", failure.what());
+    return true;
+  }
+}
+
+/// Out of descriptors, say: what is open goes on, and a moment later there may be one.
+void ControlEndpoint::accept_later() {
+  retry_.expires_after(std::chrono::milliseconds(100));
+  retry_.async_wait([this](const Error& cancelled) {
+    accepting_ = false;
+    if (!cancelled) accept();
   });
   accepting_ = true;
 }
 
 void ControlEndpoint::keep_accepting() {
   if (!accepting_ && acceptor_.is_open()) accept();
+}
+
+void ControlEndpoint::end_lost() {
+  std::vector<std::shared_ptr<Connection>> lost;
+  for (const auto& [id, connection] : connections_)
+    if (connection->lost()) lost.push_back(connection);
+  for (const auto& connection : lost) connection->end();
 }
 
 void ControlEndpoint::admit(tcp::socket socket) {

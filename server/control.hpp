@@ -70,6 +70,9 @@ class ControlEndpoint {
   /// Accepts again after an exception of an accepting handler; does nothing where it accepts
   /// already. On the thread of `io`.
   void keep_accepting();
+  /// Ends the connections that no handler will ever go on with: an exception (no memory) took it
+  /// away. Not in a handler of a connection; on the thread of `io`.
+  void end_lost();
   /// Closes the acceptor and every connection. On the thread of `io`.
   void close();
 
@@ -80,6 +83,8 @@ class ControlEndpoint {
  private:
   class Connection;
   void accept();
+  bool take();
+  void accept_later();
   void admit(asio::ip::tcp::socket socket);
   void make_known(const Connection& connection);
   void end(std::optional<Places::Id> crowded_out);

@@ -279,8 +279,12 @@ void ControlService::forget(const std::vector<EndedSession>& sessions) {
     const auto found = seated_.find(ended.id);
     if (found == seated_.end()) continue;
     const Seated& seated = found->second;
-    spdlog::info("{} left scene {} after {:.1f} s: {}", seated.who, hosts_[seated.scene]->name(),
-                 seconds(monotonic_now() - seated.since), text(ended.how));
+    try {
+      spdlog::info("{} left scene {} after {:.1f} s: {}", seated.who, hosts_[seated.scene]->name(),
+                   seconds(monotonic_now() - seated.since), text(ended.how));
+    } catch (const std::bad_alloc&) {
+      // No memory for a line in the log; the session has left all the same.
+    }
     seated_.erase(found);
   }
 }

@@ -147,6 +147,7 @@ struct Server::Parts {
     constexpr std::chrono::milliseconds kPause{100};  // no busy loop where it fails again at once
     for (bool ended = false; !ended;) {
       try {
+        control->end_lost();
         control->keep_accepting();
         if (!looking) look_after();
         io.run();
@@ -164,6 +165,7 @@ struct Server::Parts {
       looking = false;
       if (cancelled) return;
       look_after();
+      control->end_lost();
       loader.tell();
       service.look_after();
     });

@@ -1,5 +1,6 @@
 #include "server/state_file.hpp"
 
+#include <dirent.h>
 #include <fcntl.h>
 #include <sys/file.h>
 #include <sys/stat.h>
@@ -7,6 +8,7 @@
 
 #include <cerrno>
 #include <cstring>
+#include <memory>
 #include <string>
 
 #include "core/scene/json_document.hpp"
@@ -65,16 +67,19 @@ void write_state(const std::filesystem::path& file, std::string_view text, mode_
   PendingFile(file, text, mode).put_in_place();
 }
 
+/// With readdir(): where std::filesystem::directory_iterator is refused memory it may end the
+/// program (libstdc++ 12).
 void remove_leftovers(const std::filesystem::path& file) {
   const std::string beginning = file.filename().string() + std::string(kPart);
   const std::filesystem::path folder = file.has_parent_path() ? file.parent_path() : ".";
-  std::error_code failed;
-  for (const auto& entry : std::filesystem::directory_iterator(folder, failed)) {
-    const std::string name = entry.path().filename().string();
+  const auto close = [](DIR* open) { ::closedir(open); };
+  const std::unique_ptr<DIR, decltype(close)> open(::opendir(folder.c_str()), close);
+  if (open == nullptr) return;
+  while (const dirent* entry = ::readdir(open.get())) {
+    const std::string_view name = entry->d_name;
     constexpr std::size_t kRandom = 6;  // letters of mkostemp
     if (name.size() != beginning.size() + kRandom || !name.starts_with(beginning)) continue;
-    std::error_code ignored;
-    std::filesystem::remove(entry.path(), ignored);
+    ::unlink((folder / name).c_str());
   }
 }
 

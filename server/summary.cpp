@@ -1,58 +1,65 @@
 #include "server/summary.hpp"
 
 #include <fstream>
-#include <nlohmann/json.hpp>
 #include <stdexcept>
+
+#include "server/json_text.hpp"
 
 namespace feltwire {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using json_text::Member;
+using json_text::number;
 
-Json drops(const SceneCounters& counters) {
-  Json reasons = Json::object();
+std::string drops(const SceneCounters& counters) {
+  std::vector<Member> reasons;
   for (std::size_t i = 1; i < counters.drops.size(); ++i)
-    reasons[name(static_cast<DropReason>(i))] = counters.drops[i];
-  return reasons;
+    reasons.emplace_back(name(static_cast<DropReason>(i)), number(counters.drops[i]));
+  return json_text::object(reasons);
 }
 
-Json scene_json(const SceneSummary& scene) {
+std::string scene_json(const SceneSummary& scene) {
   const SceneCounters& c = scene.counters;
-  return {{"scene", scene.scene},
-          {"sessions", scene.sessions},
-          {"sessions_served", c.sessions_served},
-          {"left", c.left},
-          {"silent", c.silent},
-          {"flooded", c.flooded},
-          {"forged", c.forged},
-          {"evicted", c.evicted},
-          {"datagrams", c.datagrams},
-          {"late_goodbyes", c.late_goodbyes},
-          {"samples", c.samples.samples},
-          {"replies", c.samples.replies},
-          {"withheld", c.samples.withheld},
-          {"gaps", c.samples.gaps},
-          {"missed", c.samples.missed},
-          {"duplicates", c.samples.duplicates},
-          {"unsent", scene.unsent},
-          {"dropped", drops(c)}};
+  return json_text::object({{"scene", json_text::text(scene.scene)},
+                            {"sessions", number(std::uint64_t{scene.sessions})},
+                            {"sessions_served", number(c.sessions_served)},
+                            {"left", number(c.left)},
+                            {"silent", number(c.silent)},
+                            {"flooded", number(c.flooded)},
+                            {"forged", number(c.forged)},
+                            {"evicted", number(c.evicted)},
+                            {"datagrams", number(c.datagrams)},
+                            {"late_goodbyes", number(c.late_goodbyes)},
+                            {"samples", number(c.samples.samples)},
+                            {"replies", number(c.samples.replies)},
+                            {"withheld", number(c.samples.withheld)},
+                            {"gaps", number(c.samples.gaps)},
+                            {"missed", number(c.samples.missed)},
+                            {"duplicates", number(c.samples.duplicates)},
+                            {"unsent", number(scene.unsent)},
+                            {"dropped", drops(c)}});
 }
 
-Json control_json(const ControlSummary& control) {
+std::string control_json(const ControlSummary& control) {
   const auto& [connections, requests] = control;
-  return {{"connections", connections.accepted},    {"too_often", connections.too_often},
-          {"crowded_out", connections.crowded_out}, {"no_tls", connections.failed},
-          {"too_slow", connections.too_slow},       {"unauthenticated", requests.unauthenticated},
-          {"forbidden", requests.forbidden},        {"too_many", requests.too_many}};
+  return json_text::object({{"connections", number(connections.accepted)},
+                            {"too_often", number(connections.too_often)},
+                            {"crowded_out", number(connections.crowded_out)},
+                            {"no_tls", number(connections.failed)},
+                            {"too_slow", number(connections.too_slow)},
+                            {"unauthenticated", number(requests.unauthenticated)},
+                            {"forbidden", number(requests.forbidden)},
+                            {"too_many", number(requests.too_many)}});
 }
 
 }  // namespace
 
 std::string summary_json(const std::vector<SceneSummary>& summary, const ControlSummary& control) {
-  Json scenes = Json::array();
+  std::vector<std::string> scenes;
+  scenes.reserve(summary.size());
   for (const SceneSummary& scene : summary) scenes.push_back(scene_json(scene));
-  return Json{{"scenes", scenes}, {"control", control_json(control)}}.dump(
-             2, ' ', false, Json::error_handler_t::replace) +
+  return json_text::object(
+             {{"scenes", json_text::list(scenes)}, {"control", control_json(control)}}) +
          "\n";
 }
 

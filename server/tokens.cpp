@@ -5,12 +5,12 @@
 #include <algorithm>
 #include <charconv>
 #include <cstdio>
-#include <nlohmann/json.hpp>
 #include <set>
 #include <stdexcept>
 
 #include "core/scene/json_document.hpp"
 #include "protocol/control.hpp"
+#include "server/json_text.hpp"
 #include "server/tokens_generated.h"
 #include "server/tokens_text.hpp"
 
@@ -225,17 +225,20 @@ Tokens parse_tokens(std::string_view json, const std::string& file) {
 }
 
 std::string json(const Tokens& tokens) {
-  using Json = nlohmann::ordered_json;
-  Json list = Json::array();
+  using json_text::text;
+  std::vector<std::string> list;
+  list.reserve(tokens.size());
   for (const Token& token : tokens)
-    list.push_back({{"id", token.id},
-                    {"client", token.client},
-                    {"scene", token.scene},
-                    {"role", std::string(name(token.role))},
-                    {"expires", token.expires ? token.expires->time_since_epoch().count() : 0},
-                    {"salt", hex(token.salt)},
-                    {"hash", hex(token.hash)}});
-  return Json{{"tokens", list}}.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+    list.push_back(json_text::object(
+        {{"id", text(token.id)},
+         {"client", text(token.client)},
+         {"scene", text(token.scene)},
+         {"role", text(name(token.role))},
+         {"expires", json_text::number(std::int64_t{
+                         token.expires ? token.expires->time_since_epoch().count() : 0})},
+         {"salt", text(hex(token.salt))},
+         {"hash", text(hex(token.hash))}}));
+  return json_text::object({{"tokens", json_text::list(list)}}) + "\n";
 }
 
 }  // namespace feltwire

@@ -228,12 +228,24 @@ def points_of(bench, target):
     return points
 
 
+def listed_points(file, bench, target):
+    if file is not None and file.exists():
+        return [Point(*entry) for entry in json.loads(file.read_text())]
+    points = points_of(bench, target)
+    if file is not None:
+        file.write_text(json.dumps(points))
+    return points
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     for name in ("client", "server", "library"):
         parser.add_argument(f"--{name}", required=True, type=Path)
     parser.add_argument("--sample", type=int, default=0, help="so many points of each program, chosen at random; 0: all")
     parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--points", type=Path, help="of one program (--only): read from this file, or written there where it is not, so that"
+                        " a long list can be played in several runs")
+    parser.add_argument("--first", type=int, default=0, help="of the points in their random order, the first that is played")
     parser.add_argument("--jobs", type=int, default=2 * (os.cpu_count() or 1))
     parser.add_argument("--place", help="this one only, as a failure names it; with --nth")
     parser.add_argument("--nth", type=int, default=1)
@@ -273,15 +285,17 @@ def main():
     failed = 0
     for target in (options.only,) if options.only else ("client", "server"):
         points = ([Point(target, "malloc", int(options.place, 16), options.nth)] if options.place
-                  else points_of(benches[0], target))
+                  else listed_points(options.points, benches[0], target))
         total = len(points)
         random.Random(options.seed).shuffle(points)
-        points = points[:options.sample] if options.sample else points
+        points = points[options.first:options.first + options.sample if options.sample else None]
         injected, missed, left = 0, 0, 0
         ends = collections.Counter()
         kinds = collections.Counter()
         with concurrent.futures.ThreadPoolExecutor(options.jobs) as pool:
-            for point, reached, end, wrong in pool.map(play, points):
+            for number, (point, reached, end, wrong) in enumerate(pool.map(play, points), 1):
+                if number % 100 == 0:
+                    print(f"{target}: {number} of {len(points)}, {failed} failed, {time.monotonic() - begun:.0f} s", flush=True)
                 if end is None:
                     left += 1
                     continue
