@@ -1,5 +1,7 @@
 #include "core/scene/mujoco_sort.hpp"
 
+#include <pthread.h>
+
 #include <algorithm>
 #include <cstdlib>
 #include <cstring>
@@ -7,20 +9,33 @@
 namespace feltwire::mujoco {
 namespace {
 
-/// Room of a thread for half of what is sorted. It grows as scenes do, and stays.
-struct SortingRoom {
-  ~SortingRoom() { std::free(memory); }
-  std::byte* of(std::size_t bytes) noexcept {
-    if (bytes <= size) return memory;
-    auto* const larger = static_cast<std::byte*>(std::realloc(memory, 2 * bytes));
-    if (larger == nullptr) return nullptr;
-    memory = larger;
-    size = 2 * bytes;
-    return memory;
-  }
-  std::byte* memory = nullptr;
-  std::size_t size = 0;
-};
+// Room of a thread for half of what is sorted. It grows as scenes do, and stays until the thread
+// ends.
+thread_local std::byte* room_of_thread = nullptr;
+thread_local std::size_t size_of_room = 0;
+
+void give_room_back(void* memory) noexcept {
+  std::free(memory);
+  room_of_thread = nullptr;
+  size_of_room = 0;
+}
+
+// No object with a destructor: glibc ends the program where it has no memory to note one of a
+// thread.
+pthread_key_t end_of_thread{};
+const bool sees_end_of_thread = ::pthread_key_create(&end_of_thread, give_room_back) == 0;
+
+std::byte* room_for(std::size_t bytes) noexcept {
+  if (bytes <= size_of_room) return room_of_thread;
+  if (!sees_end_of_thread) return nullptr;
+  auto* const larger = static_cast<std::byte*>(std::realloc(room_of_thread, 2 * bytes));
+  if (larger == nullptr) return nullptr;
+  room_of_thread = larger;
+  size_of_room = 2 * bytes;
+  if (::pthread_setspecific(end_of_thread, larger) == 0) return larger;
+  give_room_back(larger);
+  return nullptr;
+}
 
 /// Two sorted halves become one; of two that are equal the left one stays first.
 void merge_halves(std::byte* left, std::size_t of_left, std::size_t of_right, std::size_t size,
@@ -60,10 +75,9 @@ void sort_in_place(std::byte* first, std::size_t count, std::size_t size, Compar
 
 void sort_stably(void* base, std::size_t count, std::size_t size, Compare compare,
                  void* context) noexcept {
-  static thread_local SortingRoom memory;
   auto* const first = static_cast<std::byte*>(base);
   if (count < 2 || size == 0) return;
-  if (std::byte* const room = memory.of(count / 2 * size))
+  if (std::byte* const room = room_for(count / 2 * size))
     sort_halves(first, count, size, compare, context, room);
   else
     sort_in_place(first, count, size, compare, context);

@@ -5,9 +5,14 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <string>
+#include <thread>
+#include <vector>
 
+#include "core/scene/mujoco_sort.hpp"
 #include "tests/core/moving.hpp"
 #include "tests/support/allocation_counter.hpp"
 
@@ -132,6 +137,32 @@ TEST(MujocoRoom, OnlyATickThatGrowsAllocates) {
   EXPECT_GE(grown, 1);
   EXPECT_LE(grown, 5);
 }
+
+#ifndef FELTWIRE_SANITIZED
+/// A thread's first sort takes its room, and nothing to have it freed by: where glibc has no memory
+/// for that it ends the program.
+TEST(MujocoSort, AThreadTakesMemoryOnceAndForItsRoomOnly) {
+  std::array<std::size_t, 2> taken{};
+  std::vector<int> numbers(1000);
+  std::thread([&] {
+    for (std::size_t& of_this_sort : taken) {
+      for (std::size_t i = 0; i < numbers.size(); ++i)
+        numbers[i] = static_cast<int>(numbers.size() - i);
+      const std::size_t before = test::allocations();
+      mujoco::sort_stably(
+          numbers.data(), numbers.size(), sizeof(int),
+          [](const void* a, const void* b, void*) {
+            return *static_cast<const int*>(a) - *static_cast<const int*>(b);
+          },
+          nullptr);
+      of_this_sort = test::allocations() - before;
+    }
+  }).join();
+  EXPECT_EQ(taken[0], 1u);
+  EXPECT_EQ(taken[1], 0u);
+  EXPECT_TRUE(std::is_sorted(numbers.begin(), numbers.end()));
+}
+#endif
 
 // One box comes down among a hundred in the air: Newton's matrices find the stack too small.
 TEST(MujocoRoom, AStackThatTheSolverFindsTooSmallGrows) {
