@@ -292,7 +292,7 @@ void TriangleMesh::drop_duplicates() {
 
 /// The edges that have one triangle.
 std::vector<mesh_seams::Edge> TriangleMesh::find_neighbours() {
-  struct Side {
+  struct EdgeSide {
     std::uint32_t low, high;  // the edge's ends
     std::uint32_t side;       // kSides * triangle + number
   };
@@ -300,13 +300,13 @@ std::vector<mesh_seams::Edge> TriangleMesh::find_neighbours() {
     const Triangle& t = triangles_[side / kSides];
     return mesh_seams::Edge{t[side % kSides], t[corner_after(side % kSides)]};
   };
-  const std::vector<Side> sides = bucketed<Side>(
+  const std::vector<EdgeSide> sides = bucketed<EdgeSide>(
       kSides * triangles_.size(), vertices_.size(),
       [&](std::size_t side) {
         const auto [a, b] = ends(side);
-        return Side{std::min(a, b), std::max(a, b), static_cast<std::uint32_t>(side)};
+        return EdgeSide{std::min(a, b), std::max(a, b), static_cast<std::uint32_t>(side)};
       },
-      [](const Side& a, const Side& b) {
+      [](const EdgeSide& a, const EdgeSide& b) {
         return std::tie(a.high, a.side) < std::tie(b.high, b.side);
       });
   report_.non_manifold_edges = report_.turned_edges = 0;
