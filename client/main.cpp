@@ -10,6 +10,7 @@
 #include "client/attend.hpp"
 #include "client/crash_release.hpp"
 #include "client/devices/replay.hpp"
+#include "client/emulated_link/emulated_port.hpp"
 #include "client/encoder.hpp"
 #include "client/options.hpp"
 #include "client/report.hpp"
@@ -40,6 +41,17 @@ std::unique_ptr<Device> make_hand_at_start(const ClientOptions& options, HandTas
   if (!options.center_given) task.center = accepted.start_position;
   if (!options.normal_given) set_normal(task, accepted.start_normal);
   return make_hand(options, task);
+}
+
+/// A UDP port, behind an emulated link where one was asked for; that lives as long as the port.
+std::unique_ptr<DatagramPort> open_port(const ClientOptions& options, const Address& server,
+                                        const TwoWayLink*& link) {
+  auto line = open_udp_port(server, options.dscp);
+  if (!options.link) return line;
+  auto emulated =
+      std::make_unique<EmulatedPort>(std::move(line), TwoWayLink(*options.link, 0, kLinkRoom));
+  link = &emulated->link();
+  return emulated;
 }
 
 int list(const ServerAccess& server) {
@@ -107,6 +119,7 @@ void warn_of_missing(const RealTime& granted, int priority) noexcept {
 struct Run : ServoTask {
   using ServoTask::ServoTask;
   static constexpr std::size_t kSessionRoom = 4, kStatusRoom = 16;
+  const TwoWayLink* link = nullptr;  // emulated, of the transport's port
   std::unique_ptr<Records> records;
   Ring<SessionAddress> sessions{kSessionRoom};
   Ring<LiveStatus> statuses{kStatusRoom};
@@ -133,8 +146,8 @@ std::shared_ptr<Run> make_run(const ClientOptions& options, const control::JoinA
 
 void write_report(const std::filesystem::path& file, const RunDescription& described,
                   const Run& run) {
-  write_whole(file, report_json(described, run.servo, run.transport->statistics(), run.result,
-                                run.transport->link()));
+  write_whole(file,
+              report_json(described, run.servo, run.transport->statistics(), run.result, run.link));
 }
 
 /// A second time where the first fails: what the system refused once it may give now.
@@ -169,11 +182,12 @@ int run(const ClientOptions& options) {
                               options.role};
   wanted.tool = options.tool;
   Joined joined = join(options.server, wanted, kControlTimeout);
+  const TwoWayLink* link = nullptr;
   const auto transport = std::make_shared<Transport>(
       SessionAddress{joined.datagrams, joined.accepted.session, joined.keys},
       joined.accepted.parameters, device->spec().rotation_sensed > 0,
-      options.link ? std::make_unique<TwoWayLink>(*options.link, 0, kLinkRoom) : nullptr,
-      PositionScale{device->spec().position_resolution, joined.accepted.stiffness}, options.dscp);
+      open_port(options, joined.datagrams, link),
+      PositionScale{device->spec().position_resolution, joined.accepted.stiffness});
   joined.keys = {};  // the transport has what is still needed of them
   // From here on the server knows of us: whatever fails, it is told.
   std::shared_ptr<Run> all;
@@ -186,6 +200,7 @@ int run(const ClientOptions& options) {
     if (const auto warning = encoder_warning(device->spec(), joined.accepted.stiffness))
       std::fprintf(stderr, "feltwire-client: warning: %s\n", warning->c_str());
     all = make_run(options, joined.accepted, std::move(device), transport);
+    all->link = link;
     wanted.parameters = joined.accepted.parameters;
     rejoiner.emplace(options.server, wanted, all->sessions);
     crash_release.emplace(all->guard);

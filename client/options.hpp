@@ -7,7 +7,7 @@
 #include <variant>
 
 #include "client/control_client.hpp"
-#include "client/link/link_options.hpp"
+#include "client/emulated_link/link_options.hpp"
 #include "client/servo.hpp"
 #include "sim/simulated_device.hpp"
 

@@ -13,8 +13,8 @@
 #include <system_error>
 #include <utility>
 
+#include "client/emulated_link/link_json.hpp"
 #include "client/encoder.hpp"
-#include "client/link/link_json.hpp"
 #include "client/output_files.hpp"
 
 namespace feltwire {

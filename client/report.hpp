@@ -6,6 +6,7 @@
 #include <string>
 #include <string_view>
 
+#include "client/emulated_link/link.hpp"
 #include "client/onlooker.hpp"
 #include "client/servo.hpp"
 #include "client/servo_loop.hpp"

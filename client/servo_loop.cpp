@@ -74,10 +74,11 @@ class Loop {
         stop_(stop),
         outputs_(outputs),
         result_(result),
-        linked_(transport.link() != nullptr),
+        port_(transport.port()),
+        delayed_(port_.delays()),
         start_(monotonic_now()),
         deadlines_(start_, from_seconds(servo.parameters().servo_period)),
-        waiting_{{{transport.descriptor(), POLLIN, 0}, {stop.descriptor(), POLLIN, 0}}},
+        waiting_{{{port_.descriptor(), POLLIN, 0}, {stop.descriptor(), POLLIN, 0}}},
         last_heard_(start_),
         next_status_(start_) {}
 
@@ -88,7 +89,7 @@ class Loop {
         break;
       }
       const Nanoseconds now = monotonic_now();
-      if (linked_) transport_.pass(now);
+      if (delayed_) port_.pass(now);
       running = step(now);
     }
     let_go();
@@ -101,7 +102,7 @@ class Loop {
   /// leave the emulated link: asleep while neither a reply nor a deadline is near. No timer but
   /// this sleep's, or its interrupt would come just when there is something to do.
   int wait(std::size_t count) noexcept {
-    const auto due = transport_.next_due();
+    const auto due = port_.next_due();
     while (true) {
       const Nanoseconds now = monotonic_now();
       const bool late = now >= deadlines_.next() || (due && *due <= now);
@@ -127,7 +128,7 @@ class Loop {
 
   /// What one wake-up brought. False when the loop is over.
   bool step(Nanoseconds now) noexcept {
-    if (waiting_[0].revents != 0 || linked_) take_replies(now);
+    if (waiting_[0].revents != 0 || delayed_) take_replies(now);
     if (server_left_ && !lose(now, EndReason::server_goodbye)) return false;
     if (stop_.is_set()) return end(EndReason::requested);
     if (!is_due(now)) return true;
@@ -175,7 +176,7 @@ class Loop {
     while (options_.rejoined->pop(to)) fresh = transport_.resume(to);
     if (lost_ && !fresh && now >= next_reroute_) {
       next_reroute_ = now + kReroutePeriod;
-      if (!server_left_) transport_.reroute();
+      if (!server_left_) port_.reroute();
     }
     // One that was asked for and comes late is taken too, or the server would keep it for nobody.
     if (fresh) last_heard_ = now;
@@ -234,7 +235,7 @@ class Loop {
     Nanoseconds now = monotonic_now();
     if (lost_) result_.disconnected += seconds(now - lost_at_);
     servo_.release();
-    if (linked_) transport_.pass(now);
+    if (delayed_) port_.pass(now);
     tick(now);
     constexpr std::size_t kWithoutStop = 1;
     // A device that goes on holding something whatever it is told is not waited for.
@@ -242,7 +243,7 @@ class Loop {
     while (!servo_.let_go() && now < latest) {
       if (wait(kWithoutStop) < 0 && errno != EINTR) return tick(latest);  // nothing to wait by
       now = monotonic_now();
-      if (linked_) transport_.pass(now);
+      if (delayed_) port_.pass(now);
       take_replies(now);
       if (is_due(now)) tick(now);
     }
@@ -253,13 +254,13 @@ class Loop {
     Nanoseconds latest = now + kFarewell;
     while (!server_left_ && servo_.awaits_answer() && now < latest) {
       // What leaves the link may still be answered.
-      const auto due = transport_.next_due();
+      const auto due = port_.next_due();
       if (due) latest = std::max(latest, *due + kFarewell);
       const Nanoseconds wake = due ? std::min(latest, *due) : latest;
       const timespec left = to_timespec(std::max(wake - now, Nanoseconds(0)));
       if (::ppoll(waiting_.data(), 1, &left, nullptr) < 0 && errno != EINTR) break;
       now = monotonic_now();
-      if (linked_) transport_.pass(now);
+      if (delayed_) port_.pass(now);
       take_replies(now);
     }
     transport_.goodbye();
@@ -312,7 +313,8 @@ class Loop {
   const Event& stop_;
   const LoopOutputs& outputs_;
   LoopResult& result_;
-  bool linked_;
+  DatagramPort& port_;
+  bool delayed_;
   Nanoseconds start_;
   Deadlines deadlines_;
   std::array<pollfd, 2> waiting_;  // replies, stop

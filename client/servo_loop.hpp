@@ -5,9 +5,9 @@
 #include <cstdint>
 #include <string_view>
 
-#include "client/recording.hpp"
 #include "client/ring.hpp"
 #include "client/servo.hpp"
+#include "client/tick_record.hpp"
 #include "client/transport.hpp"
 #include "protocol/busy_poll.hpp"
 

@@ -11,6 +11,7 @@
 #include "core/contact/local_model.hpp"
 #include "core/port_energy.hpp"
 #include "core/types.hpp"
+#include "protocol/session_parameters.hpp"
 
 namespace feltwire {
 
@@ -20,7 +21,6 @@ inline Nanoseconds from_seconds(double time) { return Nanoseconds(std::llround(t
 using Bytes = std::span<const std::uint8_t>;
 
 inline constexpr std::size_t kMaxDatagram = 1200;  // [bytes] header, payload and tag
-inline constexpr int kMaxRedundancy = 8;           // k: earlier samples repeated
 inline constexpr double kMaxPosition = 1e3;        // [m] on each axis; beyond it no hand is
 inline constexpr double kUnitTolerance = 1e-3;     // of a quaternion's squared norm
 

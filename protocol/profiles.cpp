@@ -4,8 +4,6 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "protocol/datagram.hpp"
-
 namespace feltwire {
 namespace {
 

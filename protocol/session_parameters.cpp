@@ -6,8 +6,6 @@
 #include <stdexcept>
 #include <string>
 
-#include "protocol/datagram.hpp"
-
 namespace feltwire {
 namespace {
 

@@ -6,19 +6,17 @@
 #include <vector>
 
 #include "protocol/ports.hpp"
+#include "server/security_options.hpp"
 
 namespace feltwire {
 
-struct ServerConfig {
+/// SecurityOptions::address: other machines on request only.
+struct ServerConfig : SecurityOptions {
   std::vector<std::filesystem::path> scenes;  // at least one
-  std::string address = "127.0.0.1";          // other machines on request only
   int port = kDefaultPort;  // control (tcp), the scenes' (udp) follow one by one; 0: a free place
   double silence_timeout = 2.0;  // [s]
   int max_sessions_per_scene = 64;
-  double sample_rate_limit = 1.5;  // of a session, times its servo rate
-  // Who gets in (server/security.hpp). Where not named, certificate, key and tokens are the state
-  // folder's.
-  std::filesystem::path state, certificate, key, client_ca, tokens;
+  double sample_rate_limit = 1.5;         // of a session, times its servo rate
   int max_sessions_per_client = 16;       // of all tokens with one client's name
   double join_rate = 20.0;                // [1/s] joins, changes and wrong tokens, for ever,
   double join_burst = 60.0;               // and at once (server/control_service.hpp)

@@ -24,12 +24,12 @@ constexpr const char* kKey = "key.pem";
 constexpr const char* kFingerprint = "fingerprint";
 constexpr const char* kLocalToken = "local.token";
 
-fs::path state_folder(const ServerConfig& config) {
+fs::path state_folder(const SecurityOptions& config) {
   if (config.state.empty()) return default_state_folder();
   return config.state.has_filename() ? config.state : config.state.parent_path();  // dir/
 }
 
-bool needs_state(const ServerConfig& config) {
+bool needs_state(const SecurityOptions& config) {
   return !config.state.empty() || config.certificate.empty() || config.tokens.empty();
 }
 
@@ -46,7 +46,7 @@ void make_folder(const fs::path& folder) {
 }
 
 /// What clients may call this server by.
-std::vector<std::string> own_names(const ServerConfig& config) {
+std::vector<std::string> own_names(const SecurityOptions& config) {
   std::vector<std::string> names = {"localhost", "127.0.0.1", "::1"};
   std::array<char, 256> host{};
   if (::gethostname(host.data(), host.size() - 1) == 0 && host[0] != '\0') {
@@ -64,7 +64,7 @@ std::vector<std::string> own_names(const ServerConfig& config) {
 
 /// The certificate is put in place after its key, and the fingerprint, by which it is known, after
 /// both. So a key without either is what an interrupted first start left, and is replaced.
-Identity own_identity(const ServerConfig& config, const fs::path& folder) {
+Identity own_identity(const SecurityOptions& config, const fs::path& folder) {
   const fs::path certificate = folder / kCertificate, key = folder / kKey;
   const bool has_certificate = fs::exists(certificate), has_key = fs::exists(key);
   const bool was_known = fs::exists(folder / kFingerprint);
@@ -83,14 +83,14 @@ Identity own_identity(const ServerConfig& config, const fs::path& folder) {
 
 /// The first token, so that whoever starts a server can feel something. Its text is put in place
 /// before tokens.json: where that is missing, both are made anew at the next start.
-void make_tokens(const ServerConfig& config) {
+void make_tokens(const SecurityOptions& config) {
   const IssuedToken local = issue_token("local", "*", Role::operator_, std::nullopt);
   write_state(local_token_file(config), local.text.text(), kPrivate);
   change_tokens(token_file(config), [&](Tokens& tokens) { tokens.push_back(local.token); });
 }
 
 /// What a start left that was ended in the middle. The folder's lock is held.
-void tidy(const ServerConfig& config, const fs::path& folder) {
+void tidy(const SecurityOptions& config, const fs::path& folder) {
   for (const char* name : {kCertificate, kKey, kFingerprint, kLocalToken})
     remove_leftovers(folder / name);
   if (!config.tokens.empty()) return;
@@ -110,19 +110,19 @@ std::filesystem::path default_state_folder() {
       "--state");
 }
 
-void make_state_folder(const ServerConfig& config) {
+void make_state_folder(const SecurityOptions& config) {
   if (needs_state(config)) make_folder(state_folder(config));
 }
 
-std::filesystem::path token_file(const ServerConfig& config) {
+std::filesystem::path token_file(const SecurityOptions& config) {
   return config.tokens.empty() ? state_folder(config) / "tokens.json" : config.tokens;
 }
 
-std::filesystem::path local_token_file(const ServerConfig& config) {
+std::filesystem::path local_token_file(const SecurityOptions& config) {
   return needs_state(config) ? state_folder(config) / kLocalToken : fs::path();
 }
 
-Security open_security(const ServerConfig& config) {
+Security open_security(const SecurityOptions& config) {
   std::string authorities;
   if (!config.client_ca.empty()) authorities = read_text(config.client_ca);
   if (!needs_state(config))

@@ -4,8 +4,8 @@
 #include <filesystem>
 #include <string>
 
-#include "server/config.hpp"
 #include "server/identity.hpp"
+#include "server/security_options.hpp"
 #include "server/token_file.hpp"
 
 namespace feltwire {
@@ -21,18 +21,18 @@ struct Security {
 std::filesystem::path default_state_folder();
 
 /// Where the tokens stand that a server with these options goes by.
-std::filesystem::path token_file(const ServerConfig& config);
+std::filesystem::path token_file(const SecurityOptions& config);
 /// The token of whoever started the server first, for programs of the same user.
-std::filesystem::path local_token_file(const ServerConfig& config);
+std::filesystem::path local_token_file(const SecurityOptions& config);
 
 /// Makes the state folder where one is needed and missing, for its owner alone. Throws FileError,
 /// also where others than its owner may write to it.
-void make_state_folder(const ServerConfig& config);
+void make_state_folder(const SecurityOptions& config);
 
 /// Reads what the configuration names. What it does not name lies in the state folder, and is made
 /// where it is missing: a certificate, and tokens with one for this machine's user in local.token;
 /// the certificate's fingerprint is written there. With a certificate and a token file named and no
 /// state folder, none is needed. Throws FileError, std::invalid_argument or std::runtime_error.
-Security open_security(const ServerConfig& config);
+Security open_security(const SecurityOptions& config);
 
 }  // namespace feltwire

@@ -8,7 +8,7 @@
 #include <stdexcept>
 #include <vector>
 
-#include "client/link/link_json.hpp"
+#include "client/emulated_link/link_json.hpp"
 #include "server/scene_ports.hpp"
 #include "sim/control_bridge.hpp"
 #include "sim/relay_client.hpp"

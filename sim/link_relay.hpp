@@ -7,7 +7,7 @@
 #include <string>
 
 #include "client/control_client.hpp"
-#include "client/link/link_options.hpp"
+#include "client/emulated_link/link_options.hpp"
 
 namespace feltwire {
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "client/devices/replay.hpp"
-#include "client/link/link.hpp"
+#include "client/emulated_link/link.hpp"
 #include "client/servo.hpp"
 #include "core/scene/scene.hpp"
 #include "server/scene_sessions.hpp"

@@ -8,7 +8,7 @@
 #include <memory>
 #include <optional>
 
-#include "client/link/link.hpp"
+#include "client/emulated_link/link.hpp"
 
 namespace feltwire {
 

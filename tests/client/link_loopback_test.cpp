@@ -39,8 +39,8 @@ TEST_F(LinkLoopback, WhatIsLostIsWhatTheModelLost) {
   EXPECT_EQ(client.servo.port().violations(), 0u);
   EXPECT_GT(s.max_force, 0.0);
 
-  const LinkStatistics up = client.transport.link()->up.statistics();
-  const LinkStatistics down = client.transport.link()->down.statistics();
+  const LinkStatistics up = client.link()->up.statistics();
+  const LinkStatistics down = client.link()->down.statistics();
   EXPECT_EQ(up.entered, s.samples);
   EXPECT_EQ(down.entered, up.delivered);  // an answer for each
   EXPECT_EQ(down.delivered, s.answered);
@@ -68,7 +68,7 @@ TEST_F(LinkLoopback, AHandOverAHostileLinkIsSafe) {
   EXPECT_EQ(client.servo.port().violations(), 0u);
   EXPECT_GT(s.answered, 0u);
   EXPECT_EQ(client.servo.held().force(), Vec3::Zero());
-  const LinkStatistics up = client.transport.link()->up.statistics();
+  const LinkStatistics up = client.link()->up.statistics();
   EXPECT_GT(up.lost, 0u);
   EXPECT_GT(up.duplicated, 0u);
   EXPECT_GT(up.reordered, 0u);

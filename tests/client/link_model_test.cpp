@@ -1,4 +1,4 @@
-#include "client/link/link_model.hpp"
+#include "client/emulated_link/link_model.hpp"
 
 #include <gmock/gmock.h>
 

@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "client/devices/replay.hpp"
+#include "client/emulated_link/emulated_port.hpp"
 #include "client/servo_loop.hpp"
 #include "server/server.hpp"
 #include "tests/support/eventually.hpp"
@@ -36,6 +37,13 @@ inline ServerConfig any_ports() {
 inline const char* const kStroke =
     "t,x,y,z\n0,0,0,0.005\n0.1,0,0,-0.004\n0.3,0.02,0,-0.004\n0.4,0.02,0,0.005\n";
 
+/// A port with an emulated link before it; null without a link.
+inline std::unique_ptr<DatagramPort> linked(const Address& server,
+                                            std::unique_ptr<TwoWayLink> link) {
+  if (link == nullptr) return nullptr;
+  return std::make_unique<EmulatedPort>(open_udp_port(server), std::move(*link));
+}
+
 /// One client with a device that replays rows.
 struct Client {
   ReplayDevice device;
@@ -55,7 +63,8 @@ struct Client {
         joined(join(server, {"tester", scene, device.spec(), parameters, role}, kPatience)),
         transport({by_way_of != nullptr ? *by_way_of : joined.datagrams, joined.accepted.session,
                    joined.keys},
-                  joined.accepted.parameters, false, std::move(link)),
+                  joined.accepted.parameters, false,
+                  linked(by_way_of != nullptr ? *by_way_of : joined.datagrams, std::move(link))),
         servo(device.spec(), joined.accepted.parameters) {}
   ~Client() {
     stop.set();  // a test that failed half-way must not wait for the end of the recording
@@ -67,6 +76,10 @@ struct Client {
       run_servo_loop(device, servo, transport, options, stop, {.record = &records, .views = &views},
                      *result);
     });
+  }
+  const TwoWayLink* link() const {
+    const auto* port = dynamic_cast<const EmulatedPort*>(&transport.port());
+    return port != nullptr ? &port->link() : nullptr;
   }
   void finish() {
     if (thread.joinable()) thread.join();

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <poll.h>
 
+#include "client/emulated_link/emulated_port.hpp"
 #include "client/transport.hpp"
 #include "tests/client/peer.hpp"
 
@@ -27,10 +28,14 @@ struct Linked {
 
   explicit Linked(const char* link)
       : transport(peer.session(), {}, false,
-                  std::make_unique<TwoWayLink>(parse_link(link), 0, 1024)) {}
+                  std::make_unique<EmulatedPort>(open_udp_port(peer.session().server),
+                                                 TwoWayLink(parse_link(link), 0, 1024))) {}
+  const TwoWayLink& link() const {
+    return dynamic_cast<const EmulatedPort&>(transport.port()).link();
+  }
   /// What the peer sent is in the transport's socket from then on.
   void await_arrival() const {
-    pollfd readable{transport.descriptor(), POLLIN, 0};
+    pollfd readable{transport.port().descriptor(), POLLIN, 0};
     ASSERT_EQ(::poll(&readable, 1, 10'000), 1);
   }
 };
@@ -38,22 +43,22 @@ struct Linked {
 TEST(TransportLink, SamplesLeaveAndRepliesArriveWhenTheyAreDue) {
   Linked linked("up.delay=20,down.delay=5");
   Transport& transport = linked.transport;
-  transport.pass(Milliseconds(100));
-  EXPECT_EQ(transport.next_due(), std::nullopt);
+  transport.port().pass(Milliseconds(100));
+  EXPECT_EQ(transport.port().next_due(), std::nullopt);
   transport.send(sample(1));
-  EXPECT_EQ(transport.next_due(), Milliseconds(120));
-  transport.pass(Milliseconds(119));
+  EXPECT_EQ(transport.port().next_due(), Milliseconds(120));
+  transport.port().pass(Milliseconds(119));
   EXPECT_EQ(transport.statistics().sent, 0u);
-  transport.pass(Milliseconds(120));
+  transport.port().pass(Milliseconds(120));
   EXPECT_EQ(transport.statistics().sent, 1u);
   EXPECT_EQ(linked.peer.receive().batch.samples[0].index, 1u);
 
   linked.peer.send(ScenePeer::reply_to(sample(1)));
   linked.await_arrival();
-  transport.pass(Milliseconds(130));
+  transport.port().pass(Milliseconds(130));
   EXPECT_EQ(linked.transport.receive(linked.reply, linked.reason), Arrival::nothing);
-  EXPECT_EQ(transport.next_due(), Milliseconds(135));
-  transport.pass(Milliseconds(135));
+  EXPECT_EQ(transport.port().next_due(), Milliseconds(135));
+  transport.port().pass(Milliseconds(135));
   EXPECT_EQ(linked.transport.receive(linked.reply, linked.reason), Arrival::reply);
   EXPECT_EQ(linked.reply.sample_index, 1u);
   EXPECT_EQ(linked.transport.receive(linked.reply, linked.reason), Arrival::nothing);
@@ -61,29 +66,29 @@ TEST(TransportLink, SamplesLeaveAndRepliesArriveWhenTheyAreDue) {
 
 TEST(TransportLink, WithoutDelayASampleLeavesAtOnce) {
   Linked linked("delay=0");
-  linked.transport.pass(Milliseconds(1));
+  linked.transport.port().pass(Milliseconds(1));
   linked.transport.send(sample(1));
   EXPECT_EQ(linked.peer.receive().batch.samples[0].index, 1u);
 }
 
 TEST(TransportLink, LossIsTheLinksNotTheSystems) {
   Linked linked("up.loss=100");
-  linked.transport.pass(Milliseconds(1));
+  linked.transport.port().pass(Milliseconds(1));
   for (std::uint64_t i = 1; i <= 5; ++i) linked.transport.send(sample(i));
-  EXPECT_EQ(linked.transport.next_due(), std::nullopt);
+  EXPECT_EQ(linked.transport.port().next_due(), std::nullopt);
   EXPECT_EQ(linked.transport.statistics().sent, 0u);
-  EXPECT_EQ(linked.transport.link()->up.statistics().lost, 5u);
+  EXPECT_EQ(linked.link().up.statistics().lost, 5u);
 }
 
 TEST(TransportLink, ADuplicateIsSentTwiceAndAReplyTakenOnce) {
   Linked linked("duplicate=100");
-  linked.transport.pass(Milliseconds(1));
+  linked.transport.port().pass(Milliseconds(1));
   linked.transport.send(sample(1));
   EXPECT_EQ(linked.peer.receive().header.packet_number, 1u);
   EXPECT_EQ(linked.peer.receive().header.packet_number, 1u);
   linked.peer.send(ScenePeer::reply_to(sample(1)));
   linked.await_arrival();
-  linked.transport.pass(Milliseconds(2));
+  linked.transport.port().pass(Milliseconds(2));
   EXPECT_EQ(linked.transport.receive(linked.reply, linked.reason), Arrival::reply);
   EXPECT_EQ(linked.transport.receive(linked.reply, linked.reason), Arrival::nothing);
   EXPECT_EQ(

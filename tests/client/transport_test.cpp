@@ -153,7 +153,8 @@ TEST(Transport, ForeignSendersAreNotHeard) {
   testing::LocalSocket stranger(SOCK_DGRAM);
   sockaddr_storage client{};
   socklen_t size = sizeof client;
-  ASSERT_EQ(::getsockname(link.transport.descriptor(), reinterpret_cast<sockaddr*>(&client), &size),
+  ASSERT_EQ(::getsockname(link.transport.port().descriptor(), reinterpret_cast<sockaddr*>(&client),
+                          &size),
             0);
   test::SealedEncoder encoder(test::Way::down);
   const Bytes forged = encoder.goodbye(ScenePeer::kSession, 1, GoodbyeReason::evicted);
@@ -171,16 +172,16 @@ TEST(Transport, ForeignSendersAreNotHeard) {
 
 TEST(Transport, AFloodIsTakenInPortions) {
   Link link;
-  for (int i = 0; i < Transport::kBurst + 10; ++i)
+  for (int i = 0; i < DatagramPort::kBurst + 10; ++i)
     link.peer.send_bytes(std::vector<std::uint8_t>{0});
   link.peer.send(ScenePeer::reply_to(sample(1)));
   EXPECT_EQ(link.receive(), Arrival::nothing);
-  EXPECT_EQ(link.dropped(DropReason::size), static_cast<std::uint64_t>(Transport::kBurst));
-  EXPECT_EQ(link.transport.statistics().received, static_cast<std::uint64_t>(Transport::kBurst));
+  EXPECT_EQ(link.dropped(DropReason::size), static_cast<std::uint64_t>(DatagramPort::kBurst));
+  EXPECT_EQ(link.transport.statistics().received, static_cast<std::uint64_t>(DatagramPort::kBurst));
   EXPECT_EQ(link.receive(), Arrival::reply);
-  EXPECT_EQ(link.dropped(), static_cast<std::uint64_t>(Transport::kBurst + 10));
+  EXPECT_EQ(link.dropped(), static_cast<std::uint64_t>(DatagramPort::kBurst + 10));
   EXPECT_EQ(link.transport.statistics().received,
-            static_cast<std::uint64_t>(Transport::kBurst + 11));
+            static_cast<std::uint64_t>(DatagramPort::kBurst + 11));
 }
 
 TEST(Transport, GoodbyeIsSaidThreeTimes) {
@@ -200,12 +201,13 @@ TEST(Transport, FromAnotherPortTheConversationGoesOn) {
   const auto port = [&] {
     sockaddr_in own{};
     socklen_t size = sizeof own;
-    EXPECT_EQ(::getsockname(link.transport.descriptor(), reinterpret_cast<sockaddr*>(&own), &size),
-              0);
+    EXPECT_EQ(
+        ::getsockname(link.transport.port().descriptor(), reinterpret_cast<sockaddr*>(&own), &size),
+        0);
     return own.sin_port;
   };
   const auto before = port();
-  EXPECT_TRUE(link.transport.reroute());
+  EXPECT_TRUE(link.transport.port().reroute());
   EXPECT_NE(port(), before);
   link.transport.send(sample(2));
   EXPECT_EQ(link.peer.receive().header.packet_number, 2u);
@@ -235,11 +237,12 @@ TEST(Transport, WhatPiledUpUnreadIsTakenOrLost) {
 TEST(Transport, DatagramsAreMarkedAndNeverCut) {
   const ScenePeer peer;
   for (const int mark : {0, 46, 40}) {
-    const Transport transport(peer.session(), {}, false, nullptr, {}, mark);
-    EXPECT_EQ(get_dscp(transport.descriptor()), mark);
+    const Transport transport(peer.session(), {}, false,
+                              open_udp_port(peer.session().server, mark));
+    EXPECT_EQ(get_dscp(transport.port().descriptor()), mark);
     int discover = -1;
     socklen_t size = sizeof discover;
-    ::getsockopt(transport.descriptor(), IPPROTO_IP, IP_MTU_DISCOVER, &discover, &size);
+    ::getsockopt(transport.port().descriptor(), IPPROTO_IP, IP_MTU_DISCOVER, &discover, &size);
     EXPECT_EQ(discover, IP_PMTUDISC_DO);
   }
 }

@@ -4,7 +4,7 @@
 #include <sstream>
 
 #include "client/csv.hpp"
-#include "client/link/link_model.hpp"
+#include "client/emulated_link/link_model.hpp"
 #include "tests/fuzz/fuzz.hpp"
 
 namespace feltwire::fuzz {

@@ -1,4 +1,4 @@
-#include "client/link/link_json.hpp"
+#include "client/emulated_link/link_json.hpp"
 
 namespace feltwire {
 namespace {

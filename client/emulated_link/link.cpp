@@ -1,4 +1,4 @@
-#include "client/link/link.hpp"
+#include "client/emulated_link/link.hpp"
 
 #include <algorithm>
 

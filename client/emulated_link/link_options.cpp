@@ -1,4 +1,4 @@
-#include "client/link/link_options.hpp"
+#include "client/emulated_link/link_options.hpp"
 
 #include <algorithm>
 #include <charconv>

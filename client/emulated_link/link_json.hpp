@@ -3,7 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "client/link/link.hpp"
+#include "client/emulated_link/link.hpp"
 
 namespace feltwire {
 

@@ -1,4 +1,4 @@
-#include "client/link/link_trace.hpp"
+#include "client/emulated_link/link_trace.hpp"
 
 #include <algorithm>
 #include <array>

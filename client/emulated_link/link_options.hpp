@@ -8,7 +8,7 @@
 #include <string>
 #include <string_view>
 
-#include "client/link/link_trace.hpp"
+#include "client/emulated_link/link_trace.hpp"
 
 namespace feltwire {
 

@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "client/link/link_options.hpp"
+#include "client/emulated_link/link_options.hpp"
 #include "protocol/datagram.hpp"
 
 namespace feltwire {

@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <optional>
 
-#include "client/link/delay_queue.hpp"
-#include "client/link/link_model.hpp"
+#include "client/emulated_link/delay_queue.hpp"
+#include "client/emulated_link/link_model.hpp"
 
 namespace feltwire {
 

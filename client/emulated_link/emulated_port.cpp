@@ -1,0 +1,24 @@
+#include "client/emulated_link/emulated_port.hpp"
+
+namespace feltwire {
+
+void EmulatedPort::send(Bytes datagram) noexcept {
+  link_.up.enter(datagram, now_);
+  send_due();
+}
+
+void EmulatedPort::send_due() noexcept {
+  while (const auto datagram = link_.up.leave(now_)) line_->send(*datagram);
+}
+
+void EmulatedPort::pass(Nanoseconds now) noexcept {
+  now_ = now;
+  send_due();
+  for (int i = 0; i < kBurst; ++i) {
+    const auto datagram = line_->receive();
+    if (!datagram) return;
+    link_.down.enter(*datagram, now_);
+  }
+}
+
+}  // namespace feltwire
