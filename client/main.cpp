@@ -16,6 +16,7 @@
 #include "client/report.hpp"
 #include "client/reserve.hpp"
 #include "client/status_line.hpp"
+#include "core/build_info/build_info.hpp"
 #include "core/visible_text.hpp"
 
 namespace feltwire {
@@ -181,6 +182,7 @@ int run(const ClientOptions& options) {
   control::JoinRequest wanted{options.name, options.scene, device->spec(), options.parameters,
                               options.role};
   wanted.tool = options.tool;
+  wanted.version = version();
   Joined joined = join(options.server, wanted, kControlTimeout);
   const TwoWayLink* link = nullptr;
   const auto transport = std::make_shared<Transport>(
@@ -222,11 +224,12 @@ int run(const ClientOptions& options) {
   reserve.stand_in();
   try {
     if (options.report)
-      write_report_surely(*options.report,
-                          {options.name, options.scene, to_string(options.server.endpoint),
-                           options.device_kind, real_time, joined.accepted.stiffness,
-                           options.busy_poll, all->records->sight(), joined.accepted.tool},
-                          *all);
+      write_report_surely(
+          *options.report,
+          {options.name, options.scene, to_string(options.server.endpoint), options.device_kind,
+           real_time, joined.accepted.stiffness, options.busy_poll, all->records->sight(),
+           joined.accepted.tool, joined.accepted.version},
+          *all);
     reported = options.report.has_value();
   } catch (const std::exception& error) {
     std::fprintf(stderr, "feltwire-client: the report is lost: %s\n",

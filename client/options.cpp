@@ -8,6 +8,7 @@
 
 #include "client/credential_options.hpp"
 #include "client/output_files.hpp"
+#include "core/build_info/build_info.hpp"
 #include "core/visible_text.hpp"
 #include "protocol/busy_poll.hpp"
 #include "protocol/control.hpp"
@@ -216,6 +217,9 @@ std::variant<ClientOptions, int> parse_options(int argc, char** argv) {
   app.failure_message([](const CLI::App* failed, const CLI::Error& error) {
     return "feltwire-client: " + visible(error.what() + suggestion(*failed)) + "; see --help\n";
   });
+  app.set_version_flag(
+      "--version", [] { return build_info("feltwire-client"); },
+      "Say version, commit, compiler and kind of build");
   app.add_option("--connect", words.connect,
                  "HOST:PORT of the server's control port; IPv6 as [::1]:PORT")
       ->required();

@@ -16,6 +16,7 @@
 #include "client/emulated_link/link_json.hpp"
 #include "client/encoder.hpp"
 #include "client/output_files.hpp"
+#include "core/build_info/build_info.hpp"
 
 namespace feltwire {
 namespace {
@@ -298,6 +299,8 @@ std::string report_json(const RunDescription& run, const Servo& servo,
       {"scene", run.scene},
       {"tool", run.tool.empty() ? Json(nullptr) : Json(run.tool)},
       {"server", run.server},
+      {"server_version", run.server_version.empty() ? Json(nullptr) : Json(run.server_version)},
+      {"feltwire", {{"version", version()}, {"compiler", compiler()}, {"build", build_type()}}},
       {"device", device(run.device_kind, servo.spec())},
       {"duration_s", number(loop.duration)},
       {"end", name(loop.end)},

@@ -24,6 +24,7 @@ struct RunDescription {
   double busy_poll = 0.0;        // [us] asked for; infinity: never asleep
   std::optional<SightCounts> sight = std::nullopt;  // of an observer
   std::string tool = {};                            // by its name; empty: it has none
+  std::string server_version = {};                  // empty: it did not say
 };
 
 /// The report's text. Every number in it is finite; what there is no number for is null. `link`:

@@ -116,17 +116,17 @@ struct BodyBuilder {
     const auto parameters = build(builder, m.parameters);
     // By length, here and below: a name may hold a zero byte, and is then no shorter.
     const auto client = builder.CreateString(m.client), scene = builder.CreateString(m.scene);
-    const auto tool = name_if_any(builder, m.tool);
+    const auto tool = name_if_any(builder, m.tool), version = name_if_any(builder, m.version);
     return wire::CreateJoinRequest(builder, client, scene, device, parameters,
-                                   wire_enum<wire::Role>(m.role), m.aes_256_gcm, tool);
+                                   wire_enum<wire::Role>(m.role), m.aes_256_gcm, tool, version);
   }
   Offset<wire::JoinAccepted> operator()(const JoinAccepted& m) {
     const wire::Vector position = vector(m.start_position), normal = vector(m.start_normal);
     const auto parameters = build(builder, m.parameters);
-    const auto tool = name_if_any(builder, m.tool);
-    return wire::CreateJoinAccepted(builder, m.session, m.port_offset, parameters,
-                                    m.silence_timeout, m.friction, m.rotation, &position, &normal,
-                                    m.stiffness, wire_enum<wire::CipherSuite>(m.suite), tool);
+    const auto tool = name_if_any(builder, m.tool), version = name_if_any(builder, m.version);
+    return wire::CreateJoinAccepted(
+        builder, m.session, m.port_offset, parameters, m.silence_timeout, m.friction, m.rotation,
+        &position, &normal, m.stiffness, wire_enum<wire::CipherSuite>(m.suite), tool, version);
   }
   Offset<wire::LeaveRequest> operator()(const LeaveRequest& m) {
     return wire::CreateLeaveRequest(builder, m.session);
@@ -226,9 +226,10 @@ bool read(const wire::SessionParameters& from, SessionParameters& to) {
 
 bool read(const wire::JoinRequest& from, JoinRequest& to) {
   to.aes_256_gcm = from.aes_256_gcm();
-  return read_name(from.tool(), to.tool) && read_name(from.client(), to.client) &&
-         read_name(from.scene(), to.scene) && read(*from.device(), to.device) &&
-         read(*from.parameters(), to.parameters) && read_enum(from.role(), to.role);
+  return read_name(from.tool(), to.tool) && read_name(from.version(), to.version) &&
+         read_name(from.client(), to.client) && read_name(from.scene(), to.scene) &&
+         read(*from.device(), to.device) && read(*from.parameters(), to.parameters) &&
+         read_enum(from.role(), to.role);
 }
 bool read(const wire::JoinAccepted& from, JoinAccepted& to) {
   to.session = from.session();
@@ -242,7 +243,8 @@ bool read(const wire::JoinAccepted& from, JoinAccepted& to) {
   to.suite = static_cast<CipherSuite>(from.suite());
   // Numbered from 1: there is no suite of number 0.
   return from.suite() >= wire::CipherSuite::MIN && from.suite() <= wire::CipherSuite::MAX &&
-         read_name(from.tool(), to.tool) && read(*from.parameters(), to.parameters);
+         read_name(from.tool(), to.tool) && read_name(from.version(), to.version) &&
+         read(*from.parameters(), to.parameters);
 }
 bool read(const wire::LeaveRequest& from, LeaveRequest& to) {
   to.session = from.session();

@@ -37,6 +37,8 @@ struct JoinRequest {
   Role role = Role::operator_;
   bool aes_256_gcm = false;  // this CPU does it well; ChaCha20-Poly1305 every client can
   std::string tool = {};     // that the hand holds; empty: the scene's first
+  std::string version =
+      {};  // of the client (core/build_info), for the server's log; empty: not said
 };
 struct JoinAccepted {
   std::uint64_t session = 0;
@@ -48,7 +50,8 @@ struct JoinAccepted {
   Vec3 start_normal = Vec3::UnitZ();   // unit, of the surface there
   double stiffness = 0.0;              // [N/m] of the scene's stiffest surface; 0: not said
   CipherSuite suite = CipherSuite::chacha20_poly1305;  // that the datagrams are sealed with
-  std::string tool;  // that the hand holds; empty: the scene's only one
+  std::string tool;     // that the hand holds; empty: the scene's only one
+  std::string version;  // of the server (core/build_info), for the report; empty: not said
 };
 struct LeaveRequest {
   std::uint64_t session = 0;

@@ -137,7 +137,7 @@ void ControlService::join(Asked asked, control::JoinRequest request) {
   }
   seated_[id] = {asked.token.id, asked.token.client, scene, request.role, who, monotonic_now(), {}};
   SceneHost& host = *hosts_[scene];
-  const auto finish = [this, id, scene, suite, who,
+  const auto finish = [this, id, scene, suite, who, version = visible(request.version),
                        answer = std::move(asked.answer)](control::Message message) {
     const std::string& scene_name = hosts_[scene]->name();
     if (auto* accepted = std::get_if<control::JoinAccepted>(&message)) {
@@ -145,7 +145,8 @@ void ControlService::join(Asked asked, control::JoinRequest request) {
       accepted->suite = suite;
       if (const auto seated = seated_.find(id); seated != seated_.end())
         seated->second.parameters = accepted->parameters;
-      spdlog::info("{} joined scene {}", who, scene_name);
+      spdlog::info("{} joined scene {} with feltwire {}", who, scene_name,
+                   version.empty() ? "of no known version" : version);
     } else {
       seated_.erase(id);
       if (const auto* no = std::get_if<Refused>(&message))

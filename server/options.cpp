@@ -7,6 +7,7 @@
 #include <type_traits>
 #include <vector>
 
+#include "core/build_info/build_info.hpp"
 #include "protocol/environment.hpp"
 #include "protocol/profiles.hpp"
 #include "protocol/suggestion.hpp"
@@ -44,9 +45,9 @@ Every option may come from the environment, --log-level from FELTWIRE_LOG_LEVEL.
 using Overrides = std::vector<std::function<void(ServerConfig&)>>;
 
 /// Adds an option for a field of the configuration; a flag for a bool.
-template <class Field>
-CLI::Option* add(CLI::App& app, Overrides& overrides, ServerConfig& given,
-                 Field ServerConfig::*field, const std::string& name, const std::string& help) {
+template <class Field, class Part>
+CLI::Option* add(CLI::App& app, Overrides& overrides, ServerConfig& given, Field Part::*field,
+                 const std::string& name, const std::string& help) {
   CLI::Option* option = nullptr;
   if constexpr (std::is_same_v<Field, bool>)
     option = app.add_flag(name, given.*field, help);
@@ -151,6 +152,9 @@ ServerTask server_task(int argc, char** argv) {
   CLI::App app("A networked haptic rendering server: hands come in over UDP, forces go back.",
                "feltwire-server");
   app.footer(examples());
+  app.set_version_flag(
+      "--version", [] { return build_info("feltwire-server"); },
+      "Say version, commit, compiler and kind of build");
   ServerTask asked;
   std::string file;
   app.add_option("--config", file, "Configuration file (JSON); options given here win over it");

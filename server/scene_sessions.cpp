@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "core/build_info/build_info.hpp"
 #include "protocol/grant.hpp"
 #include "server/sample_rate.hpp"
 
@@ -207,6 +208,7 @@ control::Message SceneSessions::join(control::JoinRequest request, std::uint64_t
   // With the text first: once the session is there nothing may throw.
   control::JoinAccepted accepted;
   accepted.tool = held->tool().name;
+  accepted.version = version();
   try {
     request.parameters = granted(request.parameters);
     auto seat = std::make_unique<Seat>(

@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "client/report.hpp"
+#include "core/build_info/build_info.hpp"
 #include "core/visible_text.hpp"
 #include "protocol/ports.hpp"
 #include "protocol/suggestion.hpp"
@@ -195,6 +196,9 @@ int main(int argc, char** argv) {
   app.failure_message([](const CLI::App*, const CLI::Error& error) {
     return "feltwire-lab: " + visible(error.what()) + "; see --help\n";
   });
+  app.set_version_flag(
+      "--version", [] { return build_info("feltwire-lab"); },
+      "Say version, commit, compiler and kind of build");
   app.require_subcommand(1);
   app.failure_message([](const CLI::App* failed, const CLI::Error& error) {
     return "feltwire-lab: " + std::string(error.what()) + suggestion(*failed) + "; see --help\n";

@@ -8,6 +8,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "core/build_info/build_info.hpp"
 #include "tests/client/temporary_folder.hpp"
 
 namespace feltwire::report_test {
@@ -56,6 +57,16 @@ TEST(Report, SaysWhatTheHandHeld) {
   RunDescription run{"anna", "wall", "localhost:6720", "simulated", {}};
   run.tool = "key";
   EXPECT_EQ(json::parse(report_json(run, *servo, {}, {}))["tool"], "key");
+}
+
+TEST(Report, SaysBothVersions) {
+  const auto servo = used_servo();
+  RunDescription run{"anna", "wall", "localhost:6720", "simulated", {}};
+  EXPECT_TRUE(json::parse(report_json(run, *servo, {}, {}))["server_version"].is_null());
+  run.server_version = "0.1.0 4d7d03fe1c52";
+  const json r = json::parse(report_json(run, *servo, {}, {}));
+  EXPECT_EQ(r["server_version"], "0.1.0 4d7d03fe1c52");
+  EXPECT_EQ(r["feltwire"]["version"], version());
 }
 
 TEST(Report, SaysWhatAnObserverSaw) {

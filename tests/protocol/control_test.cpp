@@ -156,6 +156,18 @@ std::uint64_t hash(const std::vector<std::uint8_t>& frame) {
   return sum;
 }
 
+TEST(Control, TheVersionsOfBothProgramsTravelWhereTheyAreSaid) {
+  JoinRequest wanted = request();
+  JoinAccepted got = accepted_with_all();
+  EXPECT_EQ(round_trip(wanted).version, "");
+  wanted.version = got.version = "0.1.0 4d7d03fe1c52";
+  EXPECT_EQ(round_trip(wanted).version, "0.1.0 4d7d03fe1c52");
+  EXPECT_EQ(round_trip(got).version, "0.1.0 4d7d03fe1c52");
+  wanted.version = got.version = std::string(kMaxName + 1, 'x');
+  EXPECT_FALSE(decode(body(encode(wanted))));
+  EXPECT_FALSE(decode(body(encode(got))));
+}
+
 // Who asks for no tool, and a scene of one, send byte for byte what was sent before there were any.
 TEST(Control, AToolIsSentOnlyWhereThereIsOne) {
   EXPECT_EQ(encode(request()).size(), 404u);

@@ -10,6 +10,7 @@
 #include <cstdio>
 #include <fstream>
 
+#include "core/build_info/build_info.hpp"
 #include "server/server.hpp"
 #include "tests/client/temporary_folder.hpp"
 #include "tests/server/make.hpp"
@@ -139,6 +140,13 @@ TEST(Program, PortInUse) {
   const Server server(config, std::move(scenes), test::security());
   const std::string port = std::to_string(server.control_port());
   expect_one_line(Program({"--scene", scene_file(), "--port", port}).finish(), port);
+}
+
+TEST(Program, SaysItsVersion) {
+  const Outcome outcome = Program({"--version"}).finish();
+  EXPECT_EQ(outcome.status, 0);
+  EXPECT_EQ(outcome.out, build_info("feltwire-server") + "\n");
+  EXPECT_THAT(outcome.out, HasSubstr(compiler()));
 }
 
 TEST(Program, HelpHasExamples) {

@@ -1,0 +1,21 @@
+#include "core/build_info/build_info.hpp"
+
+#include "core/build_info/commit.hpp"
+
+namespace feltwire {
+
+const std::string& version() {
+  static const std::string text = std::string(FELTWIRE_VERSION " ") + generated::kCommit;
+  return text;
+}
+
+const char* compiler() { return FELTWIRE_COMPILER; }
+const char* build_type() { return FELTWIRE_BUILD_TYPE; }
+
+std::string build_info(const std::string& program) {
+  const std::string sanitizers = FELTWIRE_SANITIZERS;
+  return program + " " + version() + ", " + compiler() + ", " + build_type() +
+         (sanitizers.empty() ? "" : ", sanitizers " + sanitizers);
+}
+
+}  // namespace feltwire
