@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Checks that what the documents tell people to type exists.
 
-Every command of README.md, SECURITY.md and docs/*.md that runs one of our programs or scripts, in a code block or
+Every command of README.md, SECURITY.md, CONTRIBUTING.md and docs/*.md that runs one of our programs or scripts, in a code block or
 with its options in a sentence: the program has that subcommand and those options (it is asked with --help), the files of the repository that it
 names are there, a filter of the benchmarks finds some, and a page that uses a program which the usual build
 leaves out says how to build it first. Every table has one number of cells in all its rows.
@@ -166,7 +166,7 @@ def main():
     source, folder = pathlib.Path(sys.argv[1]).resolve(), pathlib.Path(sys.argv[2])
     programs = Programs(folder)
     found, commands = [], 0
-    pages = [source / "README.md", source / "SECURITY.md", *sorted((source / "docs").glob("*.md"))]
+    pages = [source / "README.md", source / "SECURITY.md", source / "CONTRIBUTING.md", *sorted((source / "docs").glob("*.md"))]
     for page in (Page(path, source) for path in pages):
         built = set()
         for number, words, quoted in page.commands():
