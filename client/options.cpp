@@ -316,7 +316,7 @@ std::variant<ClientOptions, int> parse_options(int argc, char** argv) {
   const auto traffic = "Traffic (docs/network.md)";
   app.add_option("--profile", words.profile,
                  "Of the line to the server, " + network_profile_names() +
-                     ": how often what travels (docs/trade.md); options given beside it win")
+                     ": how often what travels (docs/lab/trade.md); options given beside it win")
       ->group(traffic);
   app.add_option(
          "--packet-rate", words.packet_rate,

@@ -29,7 +29,7 @@ const std::array<DeviceSpec, 5>& devices() {
        .coulomb_friction = 0.1,       // [S]
        .position_resolution = 23e-6,  // [S]
        .max_force = 8.9,  // the ImpulseEngine 2000's, assumption below: [S] does not say, and
-                          // this gives its figures (docs/figures.md)
+                          // this gives its figures (docs/lab/figures.md)
        .continuous_force = 8.9,        // assumption: a simulated motor does not heat up
        .max_torque = 0.0,              // no rotation
        .workspace = {0.4, 0.4, 0.4}},  // assumption: the room of scenes/room.json

@@ -1,6 +1,6 @@
 #pragma once
-// What travels how often over lines of a kind, by name. The numbers come from docs/trade.md, "The
-// network".
+// What travels how often over lines of a kind, by name. The numbers come from docs/lab/trade.md,
+// "The network".
 
 #include <array>
 #include <string>

@@ -18,7 +18,7 @@ struct CompareTask {
 };
 
 /// The paper's wall and sphere, a corner, a sharp edge, a bumpy torus, stick-slip, a tap
-/// (docs/laboratory.md has their numbers).
+/// (docs/lab/laboratory.md has their numbers).
 std::vector<CompareTask> compare_tasks();
 
 }  // namespace feltwire

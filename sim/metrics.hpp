@@ -33,7 +33,7 @@ struct ExperimentMetrics {
   double total_energy = 0.0;       // [J] at the end, over all axes
   // Flow-in as the port really exchanged it under the zero-order hold: sum of F_i(k-1) dx_i(k). The
   // two differ by what the hold creates: paired the first way a sampled spring is always positive,
-  // however it buzzes (docs/figures.md).
+  // however it buzzes (docs/lab/figures.md).
   Vec3 min_port_energy = Vec3::Zero();  // [J]
   double port_energy = 0.0;             // [J] at the end, over all axes
   double min_port_margin =

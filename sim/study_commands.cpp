@@ -64,7 +64,7 @@ void add_zwidth(CLI::App& app) {
   command->footer(
       "A simulated hand presses a wall with 3 N, by method x device damping x servo rate x delay.\n"
       "Writes zwidth.json, zwidth.csv and a picture a damping (zwidth_bB.png). A minute or two on "
-      "two cores;\ndeterministic. docs/laboratory.md says how to read it.");
+      "two cores;\ndeterministic. docs/lab/laboratory.md says how to read it.");
   add_out(*command, *out);
   command->callback([out] {
     const ZWidthGrid grid = full_zwidth_grid();
@@ -83,7 +83,8 @@ void add_compare(CLI::App& app) {
       app.add_subcommand("compare", "Every method on walls, edges, bumps, friction and a tap");
   command->footer(
       "Writes compare.json, compare.csv, compare.png and, measured on this machine,\n"
-      "compare_cost.csv. All but the cost is deterministic. docs/laboratory.md says how to read "
+      "compare_cost.csv. All but the cost is deterministic. docs/lab/laboratory.md says how to "
+      "read "
       "it.");
   add_out(*command, o->out);
   command->add_option("--damping", o->loop.damping, "b: the device's own damping [N s/m]")
@@ -110,7 +111,7 @@ void add_extremes(CLI::App& app, int& status) {
   command->footer(
       "Writes extremes.csv, extremes.json and extremes.png; deterministic. Exit status 1 when any "
       "row rendered\nNaN, Inf or more than the limit, or broke the energy promise of its method. "
-      "docs/precision.md says how to read it.");
+      "docs/lab/precision.md says how to read it.");
   add_out(*command, o->out);
   command
       ->add_option(
@@ -134,7 +135,7 @@ void add_rate(CLI::App& app) {
       app.add_subcommand("rate", "Speed against accuracy, by servo rate and by arithmetic");
   command->footer(
       "Writes rate.csv, rate.json and rate.png, the same bytes every time; and what this machine "
-      "took for it,\nrate_cost.csv and rate_cost.png. docs/trade.md is its page.");
+      "took for it,\nrate_cost.csv and rate_cost.png. docs/lab/trade.md is its page.");
   add_out(*command, *out);
   command->callback([out] {
     const RateGrid grid;
@@ -178,7 +179,7 @@ void add_trade_study(CLI::App& trade, const std::string& name, const std::string
                      const std::function<std::string(const std::string& out)>& run) {
   auto out = std::make_shared<std::string>("trade-" + name);
   CLI::App* study = trade.add_subcommand(name, question);
-  study->footer(footer + " docs/trade.md is its page.");
+  study->footer(footer + " docs/lab/trade.md is its page.");
   add_out(*study, *out);
   study->callback([out, run] { std::cout << run(*out) << placed("Tables and pictures", *out); });
 }

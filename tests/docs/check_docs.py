@@ -166,7 +166,7 @@ def main():
     source, folder = pathlib.Path(sys.argv[1]).resolve(), pathlib.Path(sys.argv[2])
     programs = Programs(folder)
     found, commands = [], 0
-    pages = [source / "README.md", source / "SECURITY.md", source / "CONTRIBUTING.md", *sorted((source / "docs").glob("*.md"))]
+    pages = [source / "README.md", source / "SECURITY.md", source / "CONTRIBUTING.md", *sorted((source / "docs").rglob("*.md"))]
     for page in (Page(path, source) for path in pages):
         built = set()
         for number, words, quoted in page.commands():

@@ -1,5 +1,5 @@
 // Honest clients while garbage comes as fast as a thread can send it: counts only, speed is
-// feltwire-netbench's (docs/benchmarks.md).
+// feltwire-netbench's (docs/lab/benchmarks.md).
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-// The paper's story, as numbers. The bars are wide about what was measured (docs/figures.md); a
+// The paper's story, as numbers. The bars are wide about what was measured (docs/lab/figures.md); a
 // method that stops doing its work misses them by far.
 
 #include "sim/figures.hpp"

@@ -127,7 +127,7 @@ int run(int argc, char** argv) {
   Settings settings;
   settings.scene = FELTWIRE_SOURCE_DIR "/scenes/room.json";
   std::vector<std::string> only;
-  CLI::App app("The server under load, beside bare echoes (docs/benchmarks.md).",
+  CLI::App app("The server under load, beside bare echoes (docs/lab/benchmarks.md).",
                "feltwire-netbench");
   app.add_option("--scene", settings.scene, "Scene file")->capture_default_str();
   app.add_option("--rounds", settings.rounds, "Runs of everything, in turns")
