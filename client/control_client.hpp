@@ -46,6 +46,11 @@ struct ServerAccess {
   Credentials credentials;
 };
 
+/// The server at HOST:PORT with the credentials that the environment names: FELTWIRE_FINGERPRINT,
+/// FELTWIRE_FINGERPRINT_FILE or FELTWIRE_CA; FELTWIRE_TOKEN_FILE or FELTWIRE_TOKEN;
+/// FELTWIRE_CERTIFICATE and FELTWIRE_KEY. Throws std::invalid_argument naming what is missing.
+ServerAccess access_from_environment(std::string_view server);
+
 /// An address as the sockets take it.
 struct Address {
   sockaddr_storage storage{};

@@ -22,4 +22,15 @@ struct Credentials {
   Secret token;
 };
 
+/// The same as it is asked for: of the server one of a fingerprint, a file with it, and a file
+/// (PEM) of authorities; for a server that asks for a certificate, its file and its key's; a file
+/// with the token.
+struct CredentialOptions {
+  std::string fingerprint, fingerprint_file, ca, certificate, key, token_file;
+};
+
+/// Reads the files, and the token from its file or the environment's FELTWIRE_TOKEN. Throws
+/// std::invalid_argument naming option and remedy.
+Credentials credentials(const CredentialOptions& options);
+
 }  // namespace feltwire

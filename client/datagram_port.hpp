@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <string>
 
 #include "client/control_client.hpp"
 #include "protocol/datagram.hpp"
@@ -19,7 +20,7 @@ struct PortStatistics {
   std::uint64_t received = 0;     // datagrams, before any check
 };
 
-/// One thread uses it. No call blocks, allocates or throws.
+/// One thread uses it. No call but report() blocks, allocates or throws.
 class DatagramPort {
  public:
   /// Datagrams that one call takes from the system at most, so that a flood costs no more than
@@ -52,6 +53,10 @@ class DatagramPort {
   /// Readable when something may be received.
   virtual int descriptor() const noexcept = 0;
   virtual PortStatistics statistics() const noexcept = 0;
+
+  /// JSON for the report of a run, beside the statistics; empty: there is nothing more to say.
+  /// May allocate.
+  virtual std::string report() const { return {}; }
 };
 
 /// A UDP socket. Datagrams are marked with `dscp` (protocol/udp_socket.hpp) and never cut into

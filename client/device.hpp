@@ -21,6 +21,11 @@ class Device {
   virtual ~Device() = default;
   virtual const DeviceSpec& spec() const = 0;
 
+  /// Told once, before the first read(), by the thread that joined: where a hand that knows nothing
+  /// of the scene does well to begin (a point [m] of a surface and its unit normal, world frame).
+  /// Simulated hands go there; a real device needs nothing of it. May throw: then there is no run.
+  virtual void begin(const Vec3& /*position*/, const Vec3& /*normal*/) {}
+
   /// Where the tool is at `now` (monotonic since the first call; simulated devices move up to it).
   virtual DeviceReading read(Nanoseconds now) noexcept = 0;
 

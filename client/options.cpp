@@ -49,7 +49,7 @@ struct Words {
   std::optional<std::array<double, 3>> center, normal;
   std::optional<double> wait_for_small_force, ramp_up, velocity_limit;
   std::string report, record, view, link, profile, dscp = "cs0", role = "operator";
-  CredentialWords credentials;
+  CredentialOptions credentials;
 };
 
 std::string short_text(double value) {
@@ -127,7 +127,7 @@ std::vector<NamedFile> written_files(const Words& words) {
 }
 
 std::vector<NamedFile> read_files(const Words& words) {
-  const CredentialWords& c = words.credentials;
+  const CredentialOptions& c = words.credentials;
   const bool replays = words.device.starts_with(kReplay);
   return named({{"--device", replays ? words.device.substr(kReplay.size()) : std::string()},
                 {"--fingerprint-file", c.fingerprint_file},

@@ -13,7 +13,6 @@
 #include <system_error>
 #include <utility>
 
-#include "client/emulated_link/link_json.hpp"
 #include "client/encoder.hpp"
 #include "client/output_files.hpp"
 #include "core/build_info/build_info.hpp"
@@ -291,7 +290,7 @@ class Part {
 
 std::string report_json(const RunDescription& run, const Servo& servo,
                         const TransportStatistics& transport, const LoopResult& loop,
-                        const TwoWayLink* link) {
+                        const std::string& link) {
   const ServoStatistics& s = servo.statistics();
   const PortEnergy& port = servo.port();
   Json report = {
@@ -351,7 +350,7 @@ std::string report_json(const RunDescription& run, const Servo& servo,
         {"rerouted", transport.rerouted},
         {"received", transport.received}}},
       {"dropped", dropped(transport, s)},
-      {"link", link != nullptr ? link_json(*link) : Json(nullptr)},
+      {"link", link.empty() ? Json(nullptr) : Json::parse(link)},
       {"busy_poll_us", number(run.busy_poll)},
       {"real_time",
        {{"scheduler", run.real_time.scheduler}, {"memory_locked", run.real_time.memory_locked}}},

@@ -6,7 +6,6 @@
 #include <string>
 #include <string_view>
 
-#include "client/emulated_link/link.hpp"
 #include "client/onlooker.hpp"
 #include "client/servo.hpp"
 #include "client/servo_loop.hpp"
@@ -28,10 +27,10 @@ struct RunDescription {
 };
 
 /// The report's text. Every number in it is finite; what there is no number for is null. `link`:
-/// the emulated one, null without.
+/// JSON of an emulated link (DatagramPort::report()), empty without.
 std::string report_json(const RunDescription& run, const Servo& servo,
                         const TransportStatistics& transport, const LoopResult& loop,
-                        const TwoWayLink* link = nullptr);
+                        const std::string& link = {});
 
 /// Throws std::runtime_error naming the file and the reason when write_whole() could not write it
 /// now. Leaves nothing.

@@ -21,6 +21,17 @@ SimulatedDevice::SimulatedDevice(const SimulatedHandOptions& options)
         "the hand's mass, damping and stiffness must be finite and not negative");
   if (!(options_.spec.apparent_mass + hand.mass > 0.0))
     throw std::invalid_argument("device and hand together must have a mass above zero [kg]");
+  go_to_start();
+}
+
+void SimulatedDevice::begin(const Vec3& position, const Vec3& normal) {
+  if (!options_.own_center) options_.task.center = position;
+  if (!options_.own_normal) set_normal(options_.task, normal);
+  motion_ = IntendedMotion(options_.task);
+  go_to_start();
+}
+
+void SimulatedDevice::go_to_start() {
   intended_ = position_ = motion_.position(0.0);
   if (options_.spec.translation_dof == 2) intended_.z() = position_.z() = 0.0;
 }

@@ -22,6 +22,7 @@ struct SimulatedHandOptions {
       spec;  // mass, damping, Coulomb friction, encoder quantum and maximum force are the device's
   Hand hand;
   HandTask task;
+  bool own_center = true, own_normal = true;  // false: begin() says the task's center, normal
 };
 
 /// m x'' = k (x_i - x) + b_h (x_i' - x') - B x' - f_c sign(x') + f, with m of device and hand
@@ -37,6 +38,7 @@ class SimulatedDevice final : public Device {
   explicit SimulatedDevice(const SimulatedHandOptions& options);
 
   const DeviceSpec& spec() const override { return options_.spec; }
+  void begin(const Vec3& position, const Vec3& normal) override;
   DeviceReading read(Nanoseconds now) noexcept override;
   Command write(const Command& on_hand) noexcept override;
   /// The hand moves on without the device's force.
@@ -46,6 +48,7 @@ class SimulatedDevice final : public Device {
   const Vec3& true_velocity() const { return velocity_; }  // [m/s]
 
  private:
+  void go_to_start();
   void integrate(double until) noexcept;
 
   SimulatedHandOptions options_;

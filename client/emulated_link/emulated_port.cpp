@@ -1,5 +1,7 @@
 #include "client/emulated_link/emulated_port.hpp"
 
+#include "client/emulated_link/link_json.hpp"
+
 namespace feltwire {
 
 void EmulatedPort::send(Bytes datagram) noexcept {
@@ -10,6 +12,8 @@ void EmulatedPort::send(Bytes datagram) noexcept {
 void EmulatedPort::send_due() noexcept {
   while (const auto datagram = link_.up.leave(now_)) line_->send(*datagram);
 }
+
+std::string EmulatedPort::report() const { return link_json(link_).dump(); }
 
 void EmulatedPort::pass(Nanoseconds now) noexcept {
   now_ = now;

@@ -27,6 +27,7 @@ class EmulatedPort final : public DatagramPort {
   std::optional<Nanoseconds> next_due() const noexcept override { return link_.next_due(); }
   int descriptor() const noexcept override { return line_->descriptor(); }
   PortStatistics statistics() const noexcept override { return line_->statistics(); }
+  std::string report() const override;
 
  private:
   void send_due() noexcept;

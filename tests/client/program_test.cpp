@@ -4,6 +4,8 @@
 
 #include <gmock/gmock.h>
 
+#include <cstdlib>
+#include <cstring>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
@@ -77,6 +79,30 @@ TEST_F(ClientProgram, AnObserverSaysAndWritesDownWhatItSees) {
   EXPECT_EQ(report()["view"]["hands"], 1);
   EXPECT_GT(report()["view"]["views"], 1);
   EXPECT_EQ(report()["max_force_n"], 0.0);
+}
+
+/// examples/my_device.cpp: a class and one call.
+TEST_F(ClientProgram, ADeviceMakersProgramFeelsTheFloor) {
+  const std::string token = folder_ / "token", print = folder_ / "fingerprint";
+  write_state(token, anna_.text.text(), kPrivate);
+  std::ofstream(print) << to_string(server_->fingerprint());
+  ::unsetenv("FELTWIRE_TOKEN_FILE");
+  const std::vector<std::string> words{to_string(access_.endpoint), "floor", "1"};
+  const test::Outcome lost = test::Program(FELTWIRE_MY_DEVICE, words).finish();
+  EXPECT_EQ(lost.status, 1);
+  EXPECT_THAT(lost.error, StartsWith("my_device: nothing says which server to trust"));
+  ::setenv("FELTWIRE_FINGERPRINT_FILE", print.c_str(), 1);
+  ::setenv("FELTWIRE_TOKEN_FILE", token.c_str(), 1);
+  const test::Outcome felt = test::Program(FELTWIRE_MY_DEVICE, words).finish();
+  ::unsetenv("FELTWIRE_FINGERPRINT_FILE");
+  ::unsetenv("FELTWIRE_TOKEN_FILE");
+  EXPECT_EQ(felt.status, 0) << felt.error;
+  double force = 0.0;
+  const char* found = std::strstr(felt.out.c_str(), "largest force ");
+  ASSERT_NE(found, nullptr) << felt.out;
+  ASSERT_EQ(std::sscanf(found, "largest force %lf N", &force), 1);
+  EXPECT_GT(force, 0.1);
+  EXPECT_THAT(felt.out, HasSubstr("bound violations 0"));
 }
 
 TEST_F(ClientProgram, HoldsTheToolThatItAsksFor) {

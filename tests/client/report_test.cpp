@@ -8,6 +8,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "client/emulated_link/link_json.hpp"
 #include "core/build_info/build_info.hpp"
 #include "tests/client/temporary_folder.hpp"
 
@@ -134,7 +135,7 @@ TEST(Report, TellsWhatAnEmulatedLinkDid) {
     one->leave(std::chrono::milliseconds(21));
   }
   const json r = json::parse(report_json({"anna", "wall", "localhost:6720", "simulated", {}},
-                                         *servo, {}, {}, &link))["link"];
+                                         *servo, {}, {}, link_json(link).dump()))["link"];
   EXPECT_EQ(r["given"], "delay=20,down.loss=100,seed=6");
   EXPECT_EQ(r["seed"], 6);
   EXPECT_DOUBLE_EQ(r["up"]["delay_ms"], 20.0);

@@ -1,0 +1,201 @@
+#include "client/run_client.hpp"
+
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
+#include <exception>
+#include <optional>
+
+#include "client/attend.hpp"
+#include "client/crash_release.hpp"
+#include "client/encoder.hpp"
+#include "client/report.hpp"
+#include "client/reserve.hpp"
+#include "client/status_line.hpp"
+#include "core/build_info/build_info.hpp"
+#include "core/visible_text.hpp"
+#include "protocol/busy_poll.hpp"
+
+namespace feltwire {
+namespace {
+
+/// What is left to say of a run; the exit code. `refusal`: why it ended where another session was
+/// refused for good.
+int conclude(const RunOptions& options, const Servo& servo, const LoopResult& result,
+             const std::string& refusal, bool reported) {
+  const ServoStatistics& s = servo.statistics();
+  std::printf(
+      "%.1f s, %llu samples, %llu datagrams lost, round trip p50 %.0f us p99 %.0f us, largest "
+      "force %.2f N%s, bound violations %llu%s%s%s\n",
+      result.duration, static_cast<unsigned long long>(s.samples),
+      static_cast<unsigned long long>(servo.lost()), 1e-3 * s.round_trip.quantile(0.5),
+      1e-3 * s.round_trip.quantile(0.99), s.max_force, no_force_text(s).c_str(),
+      static_cast<unsigned long long>(servo.port().violations()),
+      feel_text(servo.measures()).c_str(), reported ? ", report in " : "",
+      reported ? visible(options.report->string()).c_str() : "");
+  switch (result.end) {
+    case EndReason::server_goodbye:
+      std::fprintf(stderr, "feltwire-client: the server ended the session%s\n",
+                   result.goodbye == GoodbyeReason::shutting_down ? ": it is shutting down"
+                   : result.goodbye == GoodbyeReason::flooding
+                       ? ": it was sent far more samples than it granted"
+                   : result.goodbye == GoodbyeReason::failed
+                       ? ": it failed in this scene; its log says why"
+                   : result.goodbye == GoodbyeReason::disturbing
+                       ? ": the hand broke the simulation of what moves; press and move more gently"
+                       : "");
+      return 1;
+    case EndReason::server_silent:
+      std::fprintf(stderr, "feltwire-client: the server has fallen silent; is it still running?\n");
+      return 1;
+    case EndReason::refused:
+      std::fprintf(stderr, "feltwire-client: %s\n", visible(refusal).c_str());
+      return 1;
+    case EndReason::failed:
+      std::fprintf(stderr, "feltwire-client: the servo loop broke off: %s\n",
+                   result.stood_still
+                       ? "it stood still for the hold time, and the device was let go"
+                       : "the system gave no timer");
+      return 1;
+    default:
+      return 0;
+  }
+}
+
+/// Once, where the servo thread was not given what it asked for.
+void warn_of_missing(const RealTime& granted, int priority) noexcept {
+  try {
+    if (const std::string less = missing(granted, priority); !less.empty())
+      std::fprintf(stderr, "feltwire-client: warning: the servo may be late now and then: %s\n",
+                   less.c_str());
+  } catch (const std::exception&) {  // no memory to say so
+  }
+}
+
+/// What the threads of a run share.
+struct Run : ServoTask {
+  using ServoTask::ServoTask;
+  static constexpr std::size_t kSessionRoom = 4, kStatusRoom = 16;
+  std::unique_ptr<Records> records;
+  Ring<SessionAddress> sessions{kSessionRoom};
+  Ring<LiveStatus> statuses{kStatusRoom};
+};
+
+std::shared_ptr<Run> make_run(const RunOptions& options, const control::JoinAccepted& accepted,
+                              std::unique_ptr<Device> device,
+                              std::shared_ptr<Transport> transport) {
+  auto run = std::make_shared<Run>(std::move(device), std::move(transport), accepted.parameters,
+                                   options.servo);
+  run->records = std::make_unique<Records>(
+      Records::Files{options.record, options.view, options.role == Role::observer});
+  run->options = {.duration = from_seconds(options.duration),
+                  .silence_timeout = from_seconds(accepted.silence_timeout),
+                  .patience = from_seconds(options.patience),
+                  .rejoined = &run->sessions,
+                  .busy_poll = busy_poll_time(options.busy_poll)};
+  run->outputs = {
+      .status = &run->statuses, .record = run->records->rows(), .views = run->records->views()};
+  const Nanoseconds period = from_seconds(accepted.parameters.servo_period);
+  run->priority = never_sleeps(run->options.busy_poll, period) ? 0 : kServoPriority;
+  return run;
+}
+
+void write_report(const std::filesystem::path& file, const RunDescription& described,
+                  const Run& run) {
+  write_whole(file, report_json(described, run.servo, run.transport->statistics(), run.result,
+                                run.transport->port().report()));
+}
+
+/// A second time where the first fails: what the system refused once it may give now.
+void write_report_surely(const std::filesystem::path& file, const RunDescription& described,
+                         const Run& run) {
+  try {
+    write_report(file, described, run);
+  } catch (const std::exception&) {
+    write_report(file, described, run);
+  }
+}
+
+/// Ends the program where threads are left that nobody waits for: what is torn down at a proper
+/// exit, they may still use.
+[[noreturn]] void end_at_once(int code) {
+  std::fflush(stdout);
+  std::fflush(stderr);
+  std::_Exit(code);
+}
+
+}  // namespace
+
+int run_client(std::unique_ptr<Device> device, const RunOptions& options) {
+  forbid_core_dumps();
+  end_without_random_numbers();
+  std::signal(SIGPIPE, SIG_IGN);  // a closed terminal does not end a hand's session halfway
+  std::signal(SIGXFSZ, SIG_IGN);  // nor does a file at its size limit: it is told as a full disk is
+  // Whatever can go wrong on this side does so before the server is bothered.
+  if (options.report) check_writable(*options.report);
+  if (options.record) check_writable(*options.record);
+  if (options.view) check_writable(*options.view);
+  const Signals signals;
+  Reserve reserve;
+
+  control::JoinRequest wanted{options.name, options.scene, device->spec(), options.parameters,
+                              options.role};
+  wanted.tool = options.tool;
+  wanted.version = version();
+  Joined joined = join(options.server, wanted, kControlTimeout);
+  const auto transport = std::make_shared<Transport>(
+      SessionAddress{joined.datagrams, joined.accepted.session, joined.keys},
+      joined.accepted.parameters, device->spec().rotation_sensed > 0,
+      options.open_port ? options.open_port(joined.datagrams) : open_udp_port(joined.datagrams),
+      PositionScale{device->spec().position_resolution, joined.accepted.stiffness});
+  joined.keys = {};  // the transport has what is still needed of them
+  // From here on the server knows of us: whatever fails, it is told.
+  std::shared_ptr<Run> all;
+  std::optional<Rejoiner> rejoiner;
+  std::optional<CrashRelease> crash_release;
+  std::optional<ServoThread> thread;
+  try {
+    device->begin(joined.accepted.start_position, joined.accepted.start_normal);
+    if (const auto warning = encoder_warning(device->spec(), joined.accepted.stiffness))
+      std::fprintf(stderr, "feltwire-client: warning: %s\n", warning->c_str());
+    all = make_run(options, joined.accepted, std::move(device), transport);
+    wanted.parameters = joined.accepted.parameters;
+    rejoiner.emplace(options.server, wanted, all->sessions);
+    crash_release.emplace(all->guard);
+    thread.emplace(all);
+  } catch (...) {
+    transport->goodbye();
+    throw;
+  }
+  // From here on the hand may hold a force: nothing is thrown until the thread has ended.
+  RealTime real_time = thread->real_time();
+  warn_of_missing(real_time, all->priority);
+  attend(signals, *thread, all->statuses, *all->records, *rejoiner);
+  const bool ended = thread->end();
+  LoopResult& result = all->result;
+  if (!rejoiner->refusal().empty() && !result.stood_still) result.end = EndReason::refused;
+
+  all->records->finish();
+  bool reported = false, failed = all->records->failed();
+  reserve.stand_in();
+  try {
+    if (options.report)
+      write_report_surely(
+          *options.report,
+          {options.name, options.scene, to_string(options.server.endpoint), options.device_kind,
+           real_time, joined.accepted.stiffness, options.busy_poll, all->records->sight(),
+           joined.accepted.tool, joined.accepted.version},
+          *all);
+    reported = options.report.has_value();
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "feltwire-client: the report is lost: %s\n",
+                 visible(error.what()).c_str());
+    failed = true;
+  }
+  const int ending = conclude(options, all->servo, result, rejoiner->refusal(), reported);
+  const int code = failed ? 1 : ending;
+  if (!ended || rejoiner->asking()) end_at_once(code);
+  return code;
+}
+
+}  // namespace feltwire

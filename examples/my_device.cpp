@@ -1,0 +1,77 @@
+// A device of one's own in a scene: a class and one call.
+//
+//   feltwire-server --scene scenes/room.json
+//   export FELTWIRE_FINGERPRINT_FILE=~/.local/state/feltwire/fingerprint
+//   export FELTWIRE_TOKEN_FILE=~/.local/state/feltwire/local.token
+//   my_device localhost:6720 room 5          five seconds; 0: until Ctrl-C
+//
+// The device here is a handle on a spring, computed instead of built: replace the three lines that
+// move it by calls to the maker's library.
+
+#include <atomic>
+#include <cstdio>
+#include <cstdlib>
+
+#include "client/run_client.hpp"
+
+class MyDevice final : public feltwire::Device {
+ public:
+  MyDevice() {
+    spec_.name = "my_device";
+    spec_.damping = 2.0;           // b [N s/m], the device's own: measure it
+    spec_.apparent_mass = 0.2;     // [kg]
+    spec_.max_force = 6.0;         // [N]
+    spec_.continuous_force = 2.0;  // [N]
+    feltwire::validate(spec_);     // throws what is missing or contradictory
+  }
+
+  const feltwire::DeviceSpec& spec() const override { return spec_; }
+
+  /// Begins above the surface that the scene names, and is pulled 1 cm into it.
+  void begin(const feltwire::Vec3& position, const feltwire::Vec3& normal) override {
+    position_ = position + 0.01 * normal;
+    rest_ = position - 0.01 * normal;
+  }
+
+  feltwire::DeviceReading read(feltwire::Nanoseconds now) noexcept override {
+    const double h = feltwire::seconds(now - last_);  // [s]
+    if (last_.count() > 0 && h > 0.0 && h < 0.1) {
+      const feltwire::Vec3 spring = 100.0 * (rest_ - position_) - 2.0 * velocity_;
+      velocity_ += h / spec_.apparent_mass * (spring + force_);
+      position_ += h * velocity_;
+    }
+    last_ = now;
+    feltwire::DeviceReading reading;
+    reading.pose.position = position_;  // [m], world frame
+    return reading;
+  }
+
+  feltwire::Command write(const feltwire::Command& on_hand) noexcept override {
+    const feltwire::Command held = released_ ? feltwire::Command{} : on_hand;
+    force_ = held.force();  // [N]
+    return held;
+  }
+
+  /// Any thread and signal handlers may call it: it sets a flag.
+  void release() noexcept override { released_ = true; }
+
+ private:
+  feltwire::DeviceSpec spec_;
+  feltwire::Vec3 position_{0, 0, 0.01}, velocity_{0, 0, 0}, rest_{0, 0, -0.01}, force_{0, 0, 0};
+  feltwire::Nanoseconds last_{0};
+  std::atomic<bool> released_{false};
+};
+
+int main(int argc, char** argv) try {
+  if (argc != 4) return std::fprintf(stderr, "usage: my_device HOST:PORT SCENE SECONDS\n"), 2;
+  feltwire::RunOptions options;
+  options.server = feltwire::access_from_environment(argv[1]);
+  options.name = options.device_kind = "my_device";
+  options.scene = argv[2];
+  options.duration = std::atof(argv[3]);
+  options.servo = feltwire::protect_hand(options.parameters);
+  return feltwire::run_client(std::make_unique<MyDevice>(), options);
+} catch (const std::exception& error) {
+  std::fprintf(stderr, "my_device: %s\n", error.what());
+  return 1;
+}
