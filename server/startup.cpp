@@ -70,28 +70,44 @@ bool wait_for(const Launch& start, std::chrono::milliseconds time) {
   return ::poll(&done, 1, static_cast<int>(time.count())) == 1;
 }
 
+/// Waits for a while. True when the start has ended, or a signal has ended it.
+bool wait_for_end_of(Launch& start, const EventFile& signals, StartEnded& ended) {
+  std::array<pollfd, 2> files{{{start.done.get(), POLLIN, 0}, {signals.get(), POLLIN, 0}}};
+  const int ready = ::poll(files.data(), files.size(), static_cast<int>(kBetweenLines.count()));
+  if (ready < 0 && errno != EINTR)
+    throw std::system_error(errno, std::generic_category(), "startup");
+  signalfd_siginfo came{};
+  if (ready > 0 && files[1].revents != 0 &&
+      ::read(signals.get(), &came, sizeof came) == sizeof came) {
+    ended.signal = static_cast<int>(came.ssi_signo);
+    start.work.cancel();
+    ended.left_behind = !wait_for(start, kPatience);
+    return true;
+  }
+  return ready > 0 && files[0].revents != 0;
+}
+
 }  // namespace
 
 std::optional<Server> start_server(const ServerConfig& config, StartEnded& ended) {
   const EventFile signals = signal_file();
   const auto start = std::make_shared<Launch>(config);
-  std::thread([start] { start->run(); }).detach();
-  for (;;) {
-    std::array<pollfd, 2> files{{{start->done.get(), POLLIN, 0}, {signals.get(), POLLIN, 0}}};
-    const int ready = ::poll(files.data(), files.size(), static_cast<int>(kBetweenLines.count()));
-    if (ready < 0 && errno != EINTR)
-      throw std::system_error(errno, std::generic_category(), "startup");
-    signalfd_siginfo came{};
-    if (ready > 0 && files[1].revents != 0 &&
-        ::read(signals.get(), &came, sizeof came) == sizeof came) {
-      ended.signal = static_cast<int>(came.ssi_signo);
-      start->work.cancel();
-      ended.left_behind = !wait_for(*start, kPatience);
-      return std::nullopt;
+  std::thread thread([start] { start->run(); });
+  try {
+    while (!wait_for_end_of(*start, signals, ended)) {
+      spdlog::info("still loading: {}", start->work.progress());
     }
-    if (ready > 0 && files[0].revents != 0) break;
-    if (ready == 0) spdlog::info("still loading: {}", start->work.progress());
+  } catch (...) {
+    thread.detach();
+    throw;
   }
+  if (ended.left_behind) {
+    thread.detach();
+    return std::nullopt;
+  }
+  // Ended itself, so that nothing of it is left when this program ends.
+  thread.join();
+  if (ended.signal != 0) return std::nullopt;
   if (start->failure) std::rethrow_exception(start->failure);
   return std::move(start->server);
 }
