@@ -17,8 +17,10 @@ using namespace test;
 constexpr double kPeriod = 1e-3;  // [s]
 #ifdef FELTWIRE_SANITIZED
 constexpr int kDevices = 80;  // forty times as slow there
+constexpr double kShareOfExcess = 0.03;
 #else
 constexpr int kDevices = 800;
+constexpr double kShareOfExcess = 0.1;  // of all these, the worst reaches so far
 #endif
 
 /// What the account is told, as shares of the truth.
@@ -183,7 +185,7 @@ TEST(AccountAttack, AHandThatIsTooStrongOverdrawsOnceAndIsSeen) {
   EXPECT_GT(sum.overdrawn, 0u);
   EXPECT_GT(sum.strong_hand, 0u);
   EXPECT_FALSE(sum.force_in_debt);
-  EXPECT_GT(sum.share_of_excess, 0.03);
+  EXPECT_GT(sum.share_of_excess, kShareOfExcess);
   EXPECT_LE(sum.share_of_excess, 1.0);
 }
 
