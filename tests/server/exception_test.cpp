@@ -184,8 +184,8 @@ TEST(Exceptions, OfASceneEndItsSessionsAndNothingElse) {
   options.ended = [&](const std::vector<EndedSession>&) {
     if (throwing-- > 0) throw std::runtime_error("injected");
   };
+  Asker asker;  // outlives the threads of the hosts, which answer through it
   SceneHost failing(test::room(), options), other(test::room(), host_options());
-  Asker asker;
   failing.start();
   other.start();
   const auto joins = [&](SceneHost& host, std::uint64_t id) {
