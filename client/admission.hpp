@@ -32,17 +32,17 @@ class Admission {
     open_ = true;
     since_ = 0.0;
   }
-  /// Nobody knows what the hand has pressed, or into what.
+  /// Forgets how far the hand has pressed: the surface under it is unknown.
   void forget() noexcept {
     open_ = false;
     pressed_ = 0.0;
   }
 
-  /// What the bound's storage is to be raised by, for its next step [J]. To be given every tick.
+  /// The energy [J] to add to the bound's storage for its next step. Call it at every tick.
   double energy(const Tick& tick, const PortGuard& guard) noexcept;
 
-  /// What the bound made of the command's elastic part: where that is all of it, the change is
-  /// felt.
+  /// Tell it what the bound rendered of the command's elastic part. When the bound renders all of
+  /// it, the change of the scene is felt in full.
   void given(const Vec3& rendered, const Vec3& commanded) noexcept;
 
   /// The scene has changed, and the bound still keeps some of it from the hand.

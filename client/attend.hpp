@@ -1,5 +1,5 @@
 #pragma once
-// What the main thread does while the servo thread runs.
+// The main thread's loop while the servo thread runs: status lines, records, reconnection, signals.
 
 #include "client/records.hpp"
 #include "client/rejoin.hpp"

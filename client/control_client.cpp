@@ -83,8 +83,8 @@ bool unit(const Vec3& direction) {
   return std::abs(direction.squaredNorm() - 1.0) <= kUnitTolerance;  // false for NaN
 }
 
-/// What is wrong with the session that a server offers, in one line that names the field; nothing
-/// where it is what was asked for. No answer of a server takes the bound off a hand.
+/// Compares the session that a server offers with the one that was asked for. Returns one line that
+/// names the field that is wrong, or nothing. No answer of a server takes the bound off a hand.
 std::optional<std::string> broken_offer(const control::JoinAccepted& offered,
                                         const control::JoinRequest& wanted) {
   try {

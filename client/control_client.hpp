@@ -17,7 +17,7 @@
 
 namespace feltwire {
 
-/// What kept a session from being set up; what() is one line for people.
+/// A session could not be set up; what() says why, in one line for people.
 class SessionError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;

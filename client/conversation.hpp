@@ -39,7 +39,7 @@ class Conversation {
   /// `reply` or `reason`, as the result says.
   Arrival take(Bytes datagram, Reply& reply, GoodbyeReason& reason) noexcept;
 
-  /// What the reply taken last had for an observer's eyes; null: nothing. Lives until the next
+  /// The view in the last reply taken, for an observer; null: it had none. Valid until the next
   /// take().
   const SceneView* view() const { return view_.present ? &view_ : nullptr; }
 

@@ -1,6 +1,5 @@
 #pragma once
-// What a haptic device must do to be a client's hand. To attach one, implement this
-// (docs/devices.md).
+// The interface of a haptic device. Implement it to attach one (docs/devices.md).
 
 #include "core/device_spec.hpp"
 #include "core/types.hpp"

@@ -32,7 +32,7 @@ Command DeviceGuard::write(const Command& on_hand) noexcept {
     if (pulls) pulls_.store(true);
     held = device_.write(on_hand);
     if (!pulls) pulls_.store(false);  // not before: until then the last force is held
-    // Whoever released meanwhile may have done so before the write: it is taken back.
+    // Another thread may have released the device before this write; then the write is undone.
     if (released()) {
       device_.release();
       held = {};

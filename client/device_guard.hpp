@@ -22,7 +22,8 @@ class DeviceGuard final : public Device {
   void release() noexcept override;
 
   bool released() const noexcept { return released_.load(); }
-  /// What was written last, and not released since, pulls at the hand.
+  /// Whether the device holds a force: the last write was not zero and the device was not released
+  /// since.
   bool pulls() const noexcept { return pulls_.load() && !released(); }
   /// write() has returned so often.
   std::uint64_t writes() const noexcept { return writes_.load(std::memory_order_acquire); }

@@ -1,5 +1,5 @@
 #pragma once
-// What a device's encoders can stand: quantization against dry friction.
+// The stiffest surface that a device's encoders allow: quantization against dry friction.
 
 #include <optional>
 #include <string>

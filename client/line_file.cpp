@@ -48,7 +48,7 @@ void LineFile::put() {
     if (written < 0 && errno == EINTR) continue;
     if (written < 0) {
       const int error = errno;
-      // Half a line would make the whole file unreadable to whoever replays it. (A pipe has none.)
+      // A half line would make the whole file unreadable for a replay. (A pipe has none.)
       const std::size_t last = done > 0 ? lines_.rfind('\n', done - 1) : std::string::npos;
       if (last != std::string::npos) whole_ += static_cast<std::int64_t>(last) + 1;
       while (::ftruncate(descriptor_, whole_) != 0 && errno == EINTR) {
@@ -64,7 +64,7 @@ void LineFile::put() {
 
 void LineFile::finish() {
   const int descriptor = std::exchange(descriptor_, -1);
-  // What is no file on a disk cannot be synchronized, and need not be.
+  // Only a file on a disk can be synchronized, and needs to be.
   const bool lost = ::fsync(descriptor) != 0 && errno != EINVAL && errno != EROFS;
   int error = lost ? errno : 0;
   if (::close(descriptor) != 0 && error == 0 && errno != EINTR) error = errno;

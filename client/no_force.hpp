@@ -45,7 +45,7 @@ std::string_view name(NoForce reason);
 /// For people: "touches nothing"; empty for `felt`.
 std::string_view text(NoForce reason);
 
-/// What became of a command on its way to the hand in one tick.
+/// The stages of one command on its way to the hand in one tick.
 struct ForceTrail {
   bool observer = false, device_ended = false, released = false, letting_go = false;
   bool read = true;           // the device's position was usable

@@ -64,7 +64,8 @@ void require(bool good, const char* message) {
   if (!good) throw std::invalid_argument(message);
 }
 
-/// What the command line does not say protects the hand as far as the bounding mode allows.
+/// Sets the safety limits that the command line does not give to values that protect the hand, as
+/// far as the bounding mode allows.
 void choose_safety(const Words& words, ClientOptions& options) {
   SafetyLimits& given = options.servo.safety;
   const SafetyLimits usual = protect_hand(options.parameters).safety;
@@ -109,7 +110,7 @@ void choose_traffic(const Words& words, std::optional<double> rate, SessionParam
   if (!rate) return;
   require(*rate > 0.0 && *rate <= words.rate,
           "--packet-rate must be above 0 Hz and at most --rate");
-  // Never more often than was asked for; 1000 / 333.4 is three ticks for whoever rounded it.
+  // Never more often than was asked for. A rounded rate still gives whole ticks: 1000 / 333.4 is 3.
   constexpr double kRounded = 1e-3;
   const double ticks = std::ceil(words.rate / *rate - kRounded);
   require(ticks <= kMaxPacketInterval, "--packet-rate must be at least --rate / 1000");

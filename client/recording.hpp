@@ -1,5 +1,5 @@
 #pragma once
-// What happened at each tick, as a CSV file that stays readable however the run ends.
+// A recording of every tick, as a CSV file that stays readable however the run ends.
 
 #include <cstdint>
 #include <filesystem>
@@ -21,7 +21,7 @@ class RecordingFile {
   /// disk, say).
   void write(Ring<TickRecord>& rows);
 
-  /// Has all that was written be on the disk. Throws likewise.
+  /// Waits until all that was written is on the disk. Throws std::runtime_error.
   void finish() { file_.finish(); }
 
   std::uint64_t rows() const { return rows_; }

@@ -13,7 +13,7 @@ Rejoiner::Attempt Rejoiner::attempt(const ServerAccess& server, const control::J
                                     std::chrono::milliseconds timeout) {
   try {
     const Joined joined = join(server, request, timeout);
-    // What a join may bring cannot change while the hand's loop goes on.
+    // The servo loop goes on with the parameters that it has: a new session must have the same.
     const auto changed = difference(request.parameters, joined.accepted.parameters);
     if (!changed)
       return {SessionAddress{joined.datagrams, joined.accepted.session, joined.keys}, {}};
@@ -27,7 +27,7 @@ Rejoiner::Attempt Rejoiner::attempt(const ServerAccess& server, const control::J
   }
 }
 
-/// What an attempt came to; one that could not even end properly has failed.
+/// The result of an attempt. An attempt that could not end properly has failed.
 Rejoiner::Attempt Rejoiner::outcome() noexcept {
   try {
     return attempt_.get();
@@ -62,7 +62,7 @@ void Rejoiner::look(bool connected, Clock::time_point now) noexcept {
     return;
   }
   if (now < next_ || !refusal_.empty()) return;
-  // What was handed over may be lost again before it ever answered.
+  // The new session may be lost before it answered once. Wait before the next attempt.
   if (handed_over_ && now < handed_over_at_ + options_.longest_wait) return;
   ++attempts_;
   try {
@@ -84,8 +84,8 @@ void Rejoiner::begin() {
         return attempt(server, request, timeout);
       });
   attempt_ = task.get_future();
-  // On its own, with nothing of ours: the system may look for a name that is gone for many seconds,
-  // and whoever is told to end meanwhile does not wait for that.
+  // Detached, and it owns all that it uses: to look up a name can take many seconds, and the end of
+  // the program does not wait for that.
   std::thread(std::move(task)).detach();
 }
 

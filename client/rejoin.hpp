@@ -46,7 +46,7 @@ class Rejoiner {
   control::JoinRequest request_;
   Ring<SessionAddress>& out_;
   RejoinOptions options_;
-  /// What an attempt came to.
+  /// The result of an attempt.
   struct Attempt {
     std::optional<SessionAddress> session;  // none: not there yet, or full; the next may do better
     std::string refusal;                    // or it will not

@@ -220,7 +220,7 @@ fs::path beside(const fs::path& file) {
   return file.parent_path() / name;
 }
 
-/// Not regular, yet there: a pipe, a terminal. Renaming would replace it.
+/// Whether it exists and is no regular file: a pipe, a terminal. Renaming would replace it.
 bool is_special(const fs::path& file) {
   std::error_code error;
   const fs::file_status status = fs::status(file, error);

@@ -14,7 +14,7 @@
 
 namespace feltwire {
 
-/// What a report says besides the counted numbers.
+/// The part of a report that is not counted.
 struct RunDescription {
   std::string client, scene, server;
   std::string device_kind;  // as given to --device
@@ -36,8 +36,8 @@ std::string report_json(const RunDescription& run, const Servo& servo,
 /// now. Leaves nothing.
 void check_writable(const std::filesystem::path& file);
 
-/// Writes beside the file and renames, so that whoever looks sees the old text or the new one,
-/// never a part. What is there but no regular file (a pipe, /dev/stdout) is written to directly.
+/// Writes beside the file and renames, so that a reader sees the old text or the new one, never a
+/// part. Writes directly to a file that is not regular (a pipe, /dev/stdout).
 /// Throws std::runtime_error.
 void write_whole(const std::filesystem::path& file, std::string_view text);
 

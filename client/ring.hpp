@@ -31,7 +31,7 @@ class Ring {
     if (written_.load(std::memory_order_acquire) == read) return false;
     T& slot = values_[read & (values_.size() - 1)];
     value = slot;
-    // What wipes itself at its end (keys) is not left behind for a later one to overwrite.
+    // Keys wipe themselves when they are destroyed; so do not leave a copy in the slot.
     if constexpr (!std::is_trivially_destructible_v<T>) slot = T{};
     read_.store(read + 1, std::memory_order_release);
     return true;

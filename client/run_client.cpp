@@ -19,8 +19,8 @@
 namespace feltwire {
 namespace {
 
-/// What is left to say of a run; the exit code. `refusal`: why it ended where another session was
-/// refused for good.
+/// Prints the last line of a run and returns the exit code. `refusal`: the reason, where a new
+/// session was refused for good.
 int conclude(const RunOptions& options, const Servo& servo, const LoopResult& result,
              const std::string& refusal, bool reported) {
   const ServoStatistics& s = servo.statistics();
@@ -72,7 +72,7 @@ void warn_of_missing(const RealTime& granted, int priority) noexcept {
   }
 }
 
-/// What the threads of a run share.
+/// The data that the threads of a run share.
 struct Run : ServoTask {
   using ServoTask::ServoTask;
   static constexpr std::size_t kSessionRoom = 4, kStatusRoom = 16;
@@ -116,8 +116,8 @@ void write_report_surely(const std::filesystem::path& file, const RunDescription
   }
 }
 
-/// Ends the program where threads are left that nobody waits for: what is torn down at a proper
-/// exit, they may still use.
+/// Ends the program at once, for the case that a thread could not be waited for: it may still use
+/// objects that a normal exit destroys.
 [[noreturn]] void end_at_once(int code) {
   std::fflush(stdout);
   std::fflush(stderr);
@@ -131,7 +131,7 @@ int run_client(std::unique_ptr<Device> device, const RunOptions& options) {
   end_without_random_numbers();
   std::signal(SIGPIPE, SIG_IGN);  // a closed terminal does not end a hand's session halfway
   std::signal(SIGXFSZ, SIG_IGN);  // nor does a file at its size limit: it is told as a full disk is
-  // Whatever can go wrong on this side does so before the server is bothered.
+  // Check all files on this side before the server is asked.
   if (options.report) check_writable(*options.report);
   if (options.record) check_writable(*options.record);
   if (options.view) check_writable(*options.view);

@@ -10,7 +10,7 @@
 
 namespace feltwire {
 
-/// What a position deadband measures a movement by; 0: not known.
+/// The scale of a position deadband; 0: not known.
 struct PositionScale {
   double quantum = 0.0;    // [m] the device's encoder
   double stiffness = 0.0;  // [N/m] K of the scene's stiffest surface (JoinAccepted)

@@ -1,9 +1,9 @@
 #pragma once
-// What an observer knows of a scene, put together from the views that its replies bring. A program
-// that draws the scene needs this and a Ring of LoopOutputs::views.
+// The hands and bodies that an observer has been shown, put together from the views in its replies.
+// A program that draws the scene needs this and a Ring of LoopOutputs::views.
 //
-// A server numbers its hands as it likes, for ever anew if it means harm. So no more are kept than
-// are stated here, and what is left out is counted.
+// A hostile server can show new hands without end. So the number kept is limited, and those left
+// out are counted.
 
 #include <map>
 #include <vector>
@@ -23,7 +23,7 @@ class SeenScene {
 
   const std::map<std::uint32_t, SeenHand>& hands() const { return hands_; }    // by number
   const std::map<std::uint16_t, SeenBody>& bodies() const { return bodies_; }  // by object
-  /// What the last view made it forget.
+  /// The hands that are gone since the last view.
   const std::vector<std::uint32_t>& hands_gone() const { return hands_gone_; }
   const std::vector<std::uint16_t>& bodies_gone() const { return bodies_gone_; }
   /// How often a hand or a body was shown that there was no room for.

@@ -141,7 +141,7 @@ bool Servo::take(const Reply& reply, Nanoseconds arrival) noexcept {
   const Sent& sent = sent_[reply.sample_index % kRemembered];
   const bool remembered = sent.index == reply.sample_index;
   if (remembered && sent.datagram > 0) newest_datagram_ = sent.datagram;
-  // Whatever a server says, no more than was sent.
+  // A server may claim any number: never count more than were sent.
   statistics_.withheld = withheld_before_ + std::min(reply.withheld, statistics_.datagrams);
   if (letting_go_) {
     newest_.command = let_go;
@@ -153,8 +153,8 @@ bool Servo::take(const Reply& reply, Nanoseconds arrival) noexcept {
   newest_arrival_ = out_of_date ? arrival - from_seconds(parameters_.hold_time)
                                 : std::min(arrival, last_tick_ + 2 * from_seconds(period_));
   newest_sampled_ = remembered ? sent.time : arrival;
-  // What the server's bound has changed says nothing of how deep the hand is: at the first sample
-  // it lets nothing through, inside an object too.
+  // A command that the server's bound has changed does not tell how deep the hand is: at the first
+  // sample the bound lets nothing through, inside an object too.
   newest_original_ =
       reply.sample_index > anew_after_ && !reply.active && !reply.saturated && !reply.refused;
   if (parameters_.local_model) take_model(reply, newest_arrival_);

@@ -1,5 +1,5 @@
 #pragma once
-// What happens at one servo tick: where the device is goes in, what it holds until the next tick
+// One servo tick: the position of the device goes in, the command that it holds until the next tick
 // comes out. No socket, no clock, no thread: time is an argument, so that every property can be
 // tested and replayed.
 
@@ -36,9 +36,9 @@ struct ServoOptions {
 /// limit cannot follow a bound that does not admit reductions, on whichever side it stands.
 void validate(const ServoOptions& options, const SessionParameters& parameters);
 
-/// What protects a hand without being felt in normal use (docs/devices.md has what was measured):
-/// the wait for small force; the speed limit where the session's bound admits it; a ramp where the
-/// client does not bound.
+/// The safety limits that protect a hand and are not felt in normal use (docs/devices.md has the
+/// measurements): the wait for a small force; the speed limit, where the session's bound admits it;
+/// a ramp, where the client does not bound.
 ServoOptions protect_hand(const SessionParameters& parameters);
 
 /// Plain numbers of one run. Times in [ns], angles in [1e-6 deg] (whole numbers for the
@@ -159,7 +159,7 @@ class Servo {
   struct Movement {
     Vec3 displacement = Vec3::Zero(), rotation = Vec3::Zero();
   };
-  /// What is remembered of a sample until its reply comes.
+  /// A sample that waits for its reply.
   struct Sent {
     std::uint64_t index = 0;
     Nanoseconds time{0};

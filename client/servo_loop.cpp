@@ -126,7 +126,7 @@ class Loop {
     return reply_near || deadlines_.next() - now <= std::max(options_.busy_poll, deadlines_.lead());
   }
 
-  /// What one wake-up brought. False when the loop is over.
+  /// Handles one wake-up. False when the loop is over.
   bool step(Nanoseconds now) noexcept {
     if (waiting_[0].revents != 0 || delayed_) take_replies(now);
     if (server_left_ && !lose(now, EndReason::server_goodbye)) return false;
@@ -178,7 +178,7 @@ class Loop {
       next_reroute_ = now + kReroutePeriod;
       if (!server_left_) port_.reroute();
     }
-    // One that was asked for and comes late is taken too, or the server would keep it for nobody.
+    // Take a session that comes late, too: the server would keep it without a client.
     if (fresh) last_heard_ = now;
     const bool answered = lost_ && !server_left_ && last_heard_ > lost_at_;
     if (!fresh && !answered) return;
@@ -217,7 +217,7 @@ class Loop {
         server_left_ = true;
         return;
       }
-      // What answers nothing newer is no sign that the session goes on.
+      // A reply that answers no newer sample is no sign of life.
       if (!servo_.take(reply_, now)) continue;
       last_heard_ = now;
       if (outputs_.views != nullptr) show(now);
@@ -253,7 +253,7 @@ class Loop {
   void take_leave(Nanoseconds now) noexcept {
     Nanoseconds latest = now + kFarewell;
     while (!server_left_ && servo_.awaits_answer() && now < latest) {
-      // What leaves the link may still be answered.
+      // A datagram that leaves the port now may still be answered.
       const auto due = port_.next_due();
       if (due) latest = std::max(latest, *due + kFarewell);
       const Nanoseconds wake = due ? std::min(latest, *due) : latest;

@@ -55,7 +55,7 @@ struct LoopOptions {
   Nanoseconds busy_poll{0};
 };
 
-/// What the thread says while it runs, a few times a second.
+/// The state of the loop, which the thread publishes a few times a second.
 struct LiveStatus {
   double time = 0.0;  // [s] since the first tick
   std::uint64_t samples = 0;
@@ -75,14 +75,14 @@ struct LiveStatus {
   bool withholds_change = false;  // the scene was changed, and is not all felt yet
 };
 
-/// What an observer was shown, and when.
+/// A view that an observer was shown, and its time.
 struct TimedView {
   double time = 0.0;  // [s] since the first tick
   SceneView view;
 };
 
-/// Where the thread puts what others may want; null: nowhere. Full rings lose what comes, and count
-/// it.
+/// Rings for the output of the thread; null: not wanted. A full ring loses the newest entry, which
+/// is counted.
 struct LoopOutputs {
   Ring<LiveStatus>* status = nullptr;
   Ring<TickRecord>* record = nullptr;

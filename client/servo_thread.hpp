@@ -12,8 +12,8 @@
 
 namespace feltwire {
 
-/// What a servo loop works with. The threads share it, so that one that never comes back from its
-/// device has what it works with for as long as it lives.
+/// All that a servo loop uses. The threads share it: a thread that never comes back from its device
+/// keeps it alive.
 struct ServoTask {
   ServoTask(std::unique_ptr<Device> hand, std::shared_ptr<Transport> way,
             const SessionParameters& parameters, const ServoOptions& servo_options)
@@ -48,7 +48,7 @@ class ServoThread {
   RealTime real_time() const noexcept;
   /// Asks the loop to let go of the hand and end. Does not wait.
   void stop() noexcept;
-  /// The loop is over, or nobody waits for it any more.
+  /// Whether the loop is over, or is no longer waited for.
   bool over() const noexcept;
   /// Readable then, for waiting only.
   int over_descriptor() const noexcept;

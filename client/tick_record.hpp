@@ -1,5 +1,5 @@
 #pragma once
-// What happened at one servo tick.
+// The record of one servo tick.
 
 #include "core/types.hpp"
 

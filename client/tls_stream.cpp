@@ -26,8 +26,8 @@ int is_pinned(X509_STORE_CTX* judged, void* pin_of_stream) {
   return 0;
 }
 
-/// What fails here where it went well before, when a lost session is looked for, fails for want of
-/// memory: no LastingError.
+/// A failure here is no LastingError: when a lost session is looked for, the same call worked
+/// before, so only memory can be missing.
 asio::ssl::context client_context(const Credentials& credentials, TlsStream::Pin& pin) {
   asio::ssl::context tls(new_tls_context(TLS_client_method()));
   try {
@@ -129,7 +129,7 @@ void TlsStream::handshake(const ServerAccess& server) {
         "no TLS with ", "; is the port the control port of a feltwire-server?");
   } catch (const SessionError&) {
     const long verdict = SSL_get_verify_result(connection);
-    // Without a fingerprint nobody knows whom it is from: OpenSSL had no memory for it, say.
+    // No fingerprint was seen, for want of memory perhaps: then the server is not known.
     if (verdict == X509_V_OK || verdict == X509_V_ERR_OUT_OF_MEM || (pins && !pin_.seen)) throw;
     if (pins)
       throw LastingError(

@@ -17,8 +17,8 @@ namespace feltwire {
 
 class TlsStream {
  public:
-  /// Connects, and goes no further than finding out who it is where that is not whom the
-  /// credentials trust. Throws SessionError, likewise below.
+  /// Connects and checks the server's certificate against the credentials; sends nothing to a
+  /// server that they do not trust. Throws SessionError, as do the functions below.
   TlsStream(const ServerAccess& server, std::chrono::milliseconds timeout);
   TlsStream(const TlsStream&) = delete;
   TlsStream& operator=(const TlsStream&) = delete;

@@ -53,12 +53,12 @@ class Transport {
   /// `reason` is filled, as the result says.
   Arrival receive(Reply& reply, GoodbyeReason& reason) noexcept;
 
-  /// What the reply received last had for an observer's eyes; null: nothing. Lives until the next
+  /// The view in the last reply received, for an observer; null: it had none. Valid until the next
   /// receive().
   const SceneView* view() const { return conversation_.view(); }
 
-  /// Tells the server that this client leaves; three times, as no answer comes, and past what the
-  /// port holds back, as nobody may be there to wait for it.
+  /// Tells the server that this client leaves; three times, as no answer comes, and past the
+  /// datagrams that the port holds back, as the program may end before they leave.
   void goodbye() noexcept;
 
   TransportStatistics statistics() const { return {port_->statistics(), conversation_.dropped()}; }

@@ -56,8 +56,8 @@ class UdpPort final : public DatagramPort {
   }
 
   std::optional<Bytes> receive() noexcept override {
-    // What became of an earlier datagram (the server's port is closed, it was too long on the way)
-    // comes back here, once; an interruption too.
+    // The error of an earlier datagram (the server's port is closed, it was too long on the way) is
+    // returned here, once; an interruption too.
     for (int tries = 0; tries < kBurst; ++tries) {
       const ssize_t size = ::recv(socket_, buffer_.data(), buffer_.size(), 0);
       if (size >= 0) {

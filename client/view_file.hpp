@@ -1,5 +1,5 @@
 #pragma once
-// What an observer saw, as a CSV file that stays readable however the run ends.
+// The views of an observer, as a CSV file that stays readable however the run ends.
 
 #include <filesystem>
 
@@ -14,10 +14,11 @@ namespace feltwire {
 class ViewFile {
  public:
   /// Creates or replaces the file and writes the header. Throws std::runtime_error naming the file
-  /// and the reason, likewise write().
+  /// and the reason; so does write().
   explicit ViewFile(const std::filesystem::path& file);
 
-  /// What the view showed, and what `scene`, which has taken it, forgot for it.
+  /// Adds the rows of a view, and of the hands and bodies that `scene`, which has taken the view,
+  /// no longer has.
   void add(const TimedView& shown, const SeenScene& scene);
   void write() { file_.put(); }
   void finish() { file_.finish(); }

@@ -140,7 +140,7 @@ bool read(const wire::LocalModel& from, LocalModel& to) {
 }  // namespace
 
 struct Encoder::Builder {
-  // What is being built stands there twice: the fields of a table wait at the buffer's other end.
+  // Twice the size: the fields of a table under construction wait at the buffer's other end.
   flatbuffers::FlatBufferBuilder payload{2 * kMaxDatagram};
 
   /// For the next one; keeps its buffer.
@@ -281,7 +281,7 @@ DropReason check(const SampleBatch& batch) noexcept {
 
 namespace {
 
-/// A view that nobody wants has to be one, too.
+/// The view is checked also where it is not wanted.
 DropReason read_view(const wire::SceneView* from, SceneView* view) noexcept {
   if (view != nullptr) view->present = false;
   if (from == nullptr) return DropReason::none;

@@ -31,11 +31,11 @@ class Encoder {
 
 /// A payload that was opened. On anything but DropReason::none `out` is unspecified.
 DropReason decode(Bytes payload, SampleBatch& out) noexcept;
-/// What the reply has for an observer goes to `view`, if that is not null.
+/// The view in the reply goes to `view`, if that is not null.
 DropReason decode(Bytes payload, Reply& out, SceneView* view = nullptr) noexcept;
 DropReason decode(Bytes payload, GoodbyeReason& out) noexcept;
 
-/// The checks of PROTOCOL.md that a batch must pass whoever made it: count, order, not_finite.
+/// The checks of PROTOCOL.md on the samples of a batch: count, order, not_finite.
 DropReason check(const SampleBatch& batch) noexcept;
 
 }  // namespace feltwire

@@ -85,7 +85,7 @@ Offset<wire::DeviceSpec> build(FlatBufferBuilder& builder, const DeviceSpec& d) 
   const auto damping = tensor(builder, d.damping);
   const auto rotational_damping = tensor(builder, d.rotational_damping);
   const auto name = builder.CreateString(d.name);
-  // Who knows no tensor counts on the direction that is damped least.
+  // A peer that does not know the tensor uses the smallest damping of all directions.
   return wire::CreateDeviceSpec(builder, name, static_cast<std::uint8_t>(d.translation_dof),
                                 static_cast<std::uint8_t>(d.rotation_sensed),
                                 static_cast<std::uint8_t>(d.rotation_actuated), d.damping.least(),

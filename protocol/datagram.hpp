@@ -34,7 +34,7 @@ enum class GoodbyeReason : std::uint8_t {
   disturbing  // what the hand did broke the simulation of what moves
 };
 
-/// What stands before every payload.
+/// The header before every payload.
 struct Header {
   DatagramKind kind = DatagramKind::samples;
   std::uint64_t session = 0;

@@ -1,7 +1,7 @@
 #pragma once
-// What a server may change of the session parameters that a client asked for. A client holds every
-// grant against this, so that no server takes the bound off a hand; a server holds every request
-// to change a running session against it.
+// Which of the session parameters that a client asked for a server may change. A client checks
+// every grant with these rules, so that no server takes the bound off a hand. A server checks every
+// request to change a running session with them.
 
 #include <cstdint>
 #include <optional>
@@ -15,7 +15,7 @@ namespace feltwire {
 inline constexpr double kShortestUsualHold = 0.1;   // [s] a grant shortens hold_time no further
 inline constexpr double kLongestGrantedHold = 0.8;  // [s] and lengthens it no further
 
-/// Who acts on a parameter while a session runs, and so who has to know of a change.
+/// Which side uses a parameter while a session runs, and so must know of a change.
 enum class ActedOnBy : std::uint8_t {
   client,  // too: it cannot be changed, for nothing tells the client
   bound,   // whoever bounds: it can be changed where that is the server alone

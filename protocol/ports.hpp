@@ -1,5 +1,5 @@
 #pragma once
-// The ports that the programs use when nobody names one.
+// The default ports of the programs.
 
 #include <cstdint>
 

@@ -7,13 +7,13 @@
 
 namespace feltwire {
 
-/// What is wrong with the mode of a file that only its owner should read, and the remedy, in one
-/// line that names the file; nothing where it is good, or not there. A file of root's may be
-/// readable by a group, as the system's own keys are.
+/// Checks the mode of a file that only its owner should read. Returns one line that names the file,
+/// the fault and the remedy; nothing where the mode is good or there is no file. A file of root may
+/// be readable by a group, as the system's own keys are.
 std::optional<std::string> exposure(const std::filesystem::path& file);
 
-/// The same for a folder that only its owner should write to: whoever else may can put other files
-/// in the place of those there.
+/// The same for a folder that only its owner should write to. Others who may write there could
+/// replace its files.
 std::optional<std::string> open_folder(const std::filesystem::path& folder);
 
 }  // namespace feltwire

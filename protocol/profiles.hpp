@@ -1,6 +1,6 @@
 #pragma once
-// What travels how often over lines of a kind, by name. The numbers come from docs/lab/trade.md,
-// "The network".
+// Settings for kinds of lines, by name: how much travels, and how often. The numbers come from
+// docs/lab/trade.md, "The network".
 
 #include <array>
 #include <string>
@@ -50,8 +50,8 @@ std::string network_profile_names();
 /// local model has to be bounded beside the device.
 SessionParameters over(const NetworkProfile& line, SessionParameters parameters);
 
-/// What a server behind such a line grants: the parameters where they ask for no more datagrams
-/// than the line has room for, else over(line, parameters).
+/// The parameters that a server behind such a line grants: those asked for, where the line has room
+/// for that many datagrams, else over(line, parameters).
 SessionParameters granted(const NetworkProfile& line, const SessionParameters& parameters);
 
 }  // namespace feltwire

@@ -5,7 +5,8 @@
 
 namespace feltwire {
 
-/// What the system grants to the calling thread: each refused without harm but jitter.
+/// The real-time rights that the system granted to the calling thread. Without them it runs with
+/// more jitter.
 struct RealTime {
   bool scheduler = false;      // SCHED_FIFO
   bool memory_locked = false;  // what is mapped now stays in memory

@@ -1,5 +1,5 @@
 #pragma once
-// What a token lets its holder do.
+// The roles of a token: what its holder may do.
 
 #include <array>
 #include <cstdint>

@@ -1,5 +1,5 @@
 #pragma once
-// What an observer is shown of a scene, as values. Their bytes are PROTOCOL.md's.
+// The view of a scene that an observer is shown, as values. PROTOCOL.md has their bytes.
 
 #include <array>
 #include <cstddef>

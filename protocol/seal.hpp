@@ -55,8 +55,7 @@ class Sealer {
   std::uint64_t sent_;
 };
 
-/// What a datagram came to: its payload, within the buffer it was opened into, or why it is
-/// dropped.
+/// An opened datagram: its payload, within the buffer it was opened into, or the reason to drop it.
 struct Opened {
   DropReason drop = DropReason::none;
   Bytes payload;

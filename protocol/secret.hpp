@@ -1,5 +1,5 @@
 #pragma once
-// What must not be left behind in memory or in a core dump.
+// Secrets, which must not be left behind in memory or in a core dump.
 
 #include <cstdint>
 #include <string>
@@ -8,7 +8,7 @@
 
 namespace feltwire {
 
-/// Text for nobody else to read: every copy is wiped where it ends.
+/// A secret text: every copy is wiped when it is destroyed.
 class Secret {
  public:
   Secret() = default;
@@ -25,7 +25,7 @@ class Secret {
   bool empty() const { return bytes_.empty(); }
 
  private:
-  // No std::string: a short one lies in the object itself, and moving it leaves a copy behind.
+  // Not a std::string: a short one lies in the object itself, and a move leaves a copy behind.
   std::vector<char> bytes_;
 };
 

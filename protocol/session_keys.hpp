@@ -1,5 +1,5 @@
 #pragma once
-// What the two ends of a session share and nobody else knows.
+// The keys of a session, which only its two ends know.
 
 #include <array>
 #include <cstdint>

@@ -41,7 +41,7 @@ void known(const char* field, std::size_t value, std::size_t choices) {
                                 " there are; take one by its name");
 }
 
-/// What travels how often.
+/// The parameters of the traffic.
 void validate_traffic(const SessionParameters& p) {
   known("predictor", static_cast<std::size_t>(p.predictor), kPredictorNames.size());
   within("packet_interval", p.packet_interval, 1, kMaxPacketInterval, "servo ticks",

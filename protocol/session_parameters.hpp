@@ -12,7 +12,7 @@ namespace feltwire {
 
 enum class BoundingSide : std::uint8_t { server, client, both };
 inline constexpr std::array<std::string_view, 3> kBoundingSideNames = {"server", "client", "both"};
-/// What a deadband measures change against: the value sent last, or the line through it.
+/// The value that a deadband compares with: the one sent last, or the line through it.
 enum class Predictor : std::uint8_t { level, linear };
 inline constexpr std::array<std::string_view, 2> kPredictorNames = {"level", "linear"};
 
@@ -21,8 +21,8 @@ inline constexpr int kMaxPacketInterval = 1000;  // [servo ticks]
 inline constexpr double kMaxDeadband = 0.5;      // Weber fraction
 inline constexpr double kStiffest = 1e9;         // [N/m]
 
-/// What a client asks for and the server grants; all can be changed while the session runs but
-/// servo_period.
+/// The settings of a session: a client asks for them, the server grants them. All but servo_period
+/// can be changed while the session runs.
 struct SessionParameters {
   BoundingMode mode = BoundingMode::contact_frame;
   Projection projection = Projection::cone;  // measured: docs/bounding.md, "joint or cone"
@@ -40,7 +40,7 @@ struct SessionParameters {
   // virtual_coupling: [N/m] and [N s/m], by default the stiffest that is passive; [kg] of the tool
   std::optional<double> coupling_stiffness, coupling_damping;
   double tool_mass = 0.05;
-  // What travels how often. n T is at most hold_time, m + k at most kMaxRedundancy + 1.
+  // The traffic. n T is at most hold_time, m + k at most kMaxRedundancy + 1.
   int packet_interval = 1;  // n [servo ticks] from one datagram to the next, 1 to 1000
   int batch = 1;            // m: of these n samples so many travel, evenly spaced, 1 to n
   double position_deadband =

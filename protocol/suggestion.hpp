@@ -1,5 +1,5 @@
 #pragma once
-// What a command line may have meant that has a word nobody knows.
+// "Did you mean": the option that an unknown word on a command line may stand for.
 
 #include <CLI/CLI.hpp>
 #include <algorithm>

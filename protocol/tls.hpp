@@ -1,6 +1,6 @@
 #pragma once
-// What both ends of a control connection make of its TLS session: whose certificate it is, and the
-// keys of the datagrams.
+// Used by both ends of a control connection: the fingerprint of a certificate, and the datagram
+// keys of a TLS session.
 
 #include <array>
 #include <cstdint>
@@ -45,7 +45,7 @@ SessionKeys export_keys(ssl_st& connection, std::uint64_t session, CipherSuite s
 /// Whether this CPU has what makes AES-256-GCM fast, and safe against being timed.
 bool has_aes_256_gcm() noexcept;
 
-/// What OpenSSL says of the last failure in this thread, in one line.
+/// OpenSSL's text for the last failure in this thread, in one line.
 std::string last_tls_error();
 
 }  // namespace feltwire

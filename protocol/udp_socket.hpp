@@ -1,5 +1,5 @@
 #pragma once
-// What client and server ask of the system for their datagrams.
+// Socket options that client and server set for their datagrams.
 
 #include <optional>
 #include <string>
@@ -17,7 +17,7 @@ int dscp(std::string_view text);
 /// refuses.
 bool set_dscp(int descriptor, int dscp) noexcept;
 
-/// What the socket marks its datagrams with; of IPv6 where it is an IPv6 socket.
+/// The mark that the socket puts on its datagrams; of IPv6 where it is an IPv6 socket.
 std::optional<int> get_dscp(int descriptor) noexcept;
 
 /// Nothing that the socket sends is ever cut into fragments, here or on the way: what is too long

@@ -14,7 +14,7 @@ flatbuffers::Offset<wire::SceneView> build(flatbuffers::FlatBufferBuilder& build
 /// The checks of PROTOCOL.md, in their order: count, order, not_finite. On anything but none `out`
 /// is unspecified.
 DropReason read(const wire::SceneView& from, SceneView& out) noexcept;
-/// What is found first of two: the order of the reasons is the order of the checks.
+/// The reason that is found first of two: the order of the reasons is the order of the checks.
 constexpr DropReason first_of(DropReason a, DropReason b) noexcept {
   if (a == DropReason::none || b == DropReason::none) return a == DropReason::none ? b : a;
   return a < b ? a : b;

@@ -44,7 +44,7 @@ class ReplayDevice final : public Device {
   const DeviceSpec& spec() const override { return spec_; }
   /// The first call is the first recorded instant; `ended` from the last recorded instant on.
   DeviceReading read(Nanoseconds now) noexcept override;
-  /// Holds everything: nobody is there to feel it.
+  /// Returns the whole command as held: no hand feels it.
   Command write(const Command& on_hand) noexcept override {
     return released_.load() ? Command{} : on_hand;
   }

@@ -28,7 +28,7 @@ class DelayQueue {
   };
 
   explicit DelayQueue(std::size_t capacity)
-      // Not initialised: what is never used costs no memory.
+      // Not initialised: pages that are never used cost no memory.
       : bytes_(std::make_unique_for_overwrite<std::uint8_t[]>(capacity * kSlot)), free_(capacity) {
     std::iota(free_.rbegin(), free_.rend(), 0u);  // the lowest is used first
     heap_.reserve(capacity);

@@ -9,7 +9,7 @@
 
 namespace feltwire {
 
-/// What became of the datagrams of one direction: entered + duplicated = delivered + lost +
+/// Counts of the datagrams of one direction: entered + duplicated = delivered + lost +
 /// queue_dropped + overflowed + in_flight.
 struct LinkStatistics {
   std::uint64_t entered = 0;

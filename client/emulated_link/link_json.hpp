@@ -7,8 +7,8 @@
 
 namespace feltwire {
 
-/// What was asked for, and of each direction the parameters, in the units of that text, and the
-/// counters.
+/// The text that was given, and for each direction the parameters (in the units of that text) and
+/// the counters.
 nlohmann::ordered_json link_json(const TwoWayLink& link);
 
 }  // namespace feltwire

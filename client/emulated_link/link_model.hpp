@@ -1,5 +1,5 @@
 #pragma once
-// What happens to each datagram in one direction of a link. Pure: no socket, no clock.
+// The fate of each datagram in one direction of a link. Pure: no socket, no clock.
 
 #include <array>
 #include <cstddef>

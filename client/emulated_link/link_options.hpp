@@ -1,6 +1,5 @@
 #pragma once
-// What an emulated link does to datagrams: its numbers, from text or a profile. docs/link.md
-// explains each to the user.
+// The settings of an emulated link, from text or a profile. docs/link.md explains each to the user.
 
 #include <array>
 #include <cstdint>

@@ -21,7 +21,7 @@ struct LinkTrace {
   std::vector<Row> rows;  // at least one; times rise, the first is 0
   Nanoseconds period;     // after which it begins again: the last time and one mean step; > 0
 
-  /// What a datagram meets `since` after the first one entered: the newest row not after it.
+  /// The row that holds `since` after the first datagram entered: the newest row not after it.
   const Row& at(Nanoseconds since) const noexcept;
 };
 
