@@ -1,5 +1,5 @@
 #pragma once
-// What is fast in a row of numbers: the measure of oscillation, one for the lab and the client.
+// The fast part of a signal: the measure of oscillation, the same for the lab and the client.
 
 #include <cmath>
 #include <cstddef>

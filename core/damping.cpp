@@ -9,7 +9,7 @@
 namespace feltwire {
 namespace {
 
-// What a file or a wire that carries six digits leaves of an equality.
+// Tolerance of symmetry: a file may carry six digits only.
 constexpr double kAsymmetry = 1e-9;
 
 [[noreturn]] void refuse(const std::string& message) { throw std::invalid_argument(message); }

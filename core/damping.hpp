@@ -26,8 +26,8 @@ class Damping {
 
   /// In the direction that is damped least: the smallest eigenvalue.
   double least() const;
-  /// What each of the world's axes may count on whatever the others do: the damping along it, or
-  /// least() where a matrix couples them.
+  /// The damping that each world axis has in any case: the damping along it, or least() where a
+  /// matrix couples the axes.
   Vec3 per_axis() const;
   /// dx' B dx; over a hold of h, at least this / h is burned (Cauchy-Schwarz).
   double quadratic(const Vec3& dx) const noexcept {

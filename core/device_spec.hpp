@@ -1,5 +1,5 @@
 #pragma once
-// What the server and the bound must know about a haptic device.
+// The specification of a haptic device, for the server and the bound.
 
 #include <span>
 #include <string>

@@ -9,8 +9,8 @@
 
 namespace feltwire {
 
-/// Thrown by check_cancelled(). No std::exception, so that nobody takes it for a fault of what was
-/// worked on.
+/// Thrown by check_cancelled(). Not a std::exception, so that no handler takes it for an error of
+/// the work.
 struct Cancelled {};
 
 /// Any thread may look at it and cancel it.
@@ -19,7 +19,7 @@ class LongWork {
   void cancel() noexcept { cancelled_.store(true, std::memory_order_relaxed); }
   bool cancelled() const noexcept { return cancelled_.load(std::memory_order_relaxed); }
 
-  /// What is done now, for people: "objects[2].mesh".
+  /// Names the stage that begins, for people: "objects[2].mesh".
   void begin(std::string stage) {
     const std::lock_guard lock(mutex_);
     stage_ = std::move(stage);
@@ -46,7 +46,7 @@ class LongWork {
 };
 
 inline thread_local LongWork* long_work_of_this_thread = nullptr;
-/// Of the calling thread; null: nobody asks how far it is, and it cannot be cancelled.
+/// The work of the calling thread; null: it has no progress and cannot be cancelled.
 inline LongWork* long_work() noexcept { return long_work_of_this_thread; }
 
 /// While this lives, what the calling thread does is part of `work`, and what threads of

@@ -9,13 +9,13 @@ namespace feltwire {
 
 /// A force f held over h can give the hand at most f' B^-1 f h / 4 beyond what the device burns
 /// meanwhile (dx = B^-1 f h / 2, docs/bounding.md). So a port that has burned E more than it
-/// delivered keeps delivered <= burned, whatever the hand does and whoever made the force, while
+/// delivered keeps delivered <= burned, for every hand and every force, while
 ///   f' B^-1 f h / 4 + tau' B_r^-1 tau h / 4 <= E
 /// A command that asks for more is scaled down, force and torque alike. Only a hold longer than the
-/// h that was reckoned with (HoldReserve) can overdraw that; what it owes is in E from then on.
+/// assumed h (HoldReserve) can overdraw that; its debt is in E from then on.
 ///
-/// This is not a bound to feel by: it lets an oscillation live on what friction and damping
-/// gathered before (core/bounding/total_energy.hpp). It is for what must not happen.
+/// This is no bound for normal use: it lets an oscillation live on the energy that friction and
+/// damping burned before (core/bounding/total_energy.hpp). It is the last safeguard.
 class PortGuard {
  public:
   /// Damping [N s/m], [N m s/rad], of the device alone.
@@ -25,7 +25,8 @@ class PortGuard {
   /// Whether the device's damping says anything: every direction has some.
   static bool usable(const Damping& damping) { return damping.least() > 0.0; }
 
-  /// What may be held over `hold_time` h [s], with `energy` E [J]. Torque without damping is none.
+  /// The command that may be held over `hold_time` h [s], with `energy` E [J]. Without rotational
+  /// damping the torque is zero.
   Command apply(const Command& command, double energy, double hold_time) const noexcept;
 
   /// [J] the left side above: the most that the hand can take of a command.
@@ -35,8 +36,8 @@ class PortGuard {
   Metric<double> force_, torque_;
 };
 
-/// How long the force of this tick may have to be held: nobody knows before the next one comes.
-/// Reckoned with is T and twice what a hold of the last second or two was longer, at most 2 T. A
+/// The time that the force of this tick is assumed to be held, as the next tick may be late: T plus
+/// twice the largest lateness of the last second or two, at most 2 T. A
 /// tick that is a whole period late is an overrun, whose debt the port repays.
 class HoldReserve {
  public:

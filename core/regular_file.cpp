@@ -45,7 +45,8 @@ std::string size_text(std::size_t bytes) {
 std::string read_regular_file(const std::filesystem::path& file, std::size_t most,
                               std::string_view remedy) {
   const auto fail = [&](const std::string& what) { throw FileError(file.string() + ": " + what); };
-  // Opening a pipe that nobody writes to would wait; a terminal must not become the program's own.
+  // Non-blocking, as opening a pipe without a writer would wait; and no terminal may become the
+  // program's own.
   const Descriptor in(::open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY));
   if (in.value() < 0)
     fail(std::string("cannot be opened: ") + std::strerror(errno) + "; " + std::string(remedy));

@@ -44,7 +44,7 @@ double share_at(double speed, double limit) {
   return std::isfinite(limit) ? std::clamp(2.0 - speed / limit, 0.0, 1.0) : 1.0;
 }
 
-/// What is left of `bounded`, a magnitude, under the smallest of the limits; `who` took something.
+/// A magnitude, reduced to the smallest of the limits; `who` gets the flags of those that did.
 struct Reduction {
   const ChannelLimits& limits;
   double commanded, held;  // magnitudes
@@ -113,7 +113,7 @@ void SafetyStage::wait(const SafetyStep& step, double force, double torque, doub
   force_floor_ = torque_floor_ = 0.0;
 }
 
-/// The ramp likewise.
+/// Raises the ramp's limits.
 void SafetyStage::follow_ramp(double force, double torque, double time) noexcept {
   if (touched_)
     since_touch_ += time;

@@ -19,7 +19,7 @@ struct ChannelLimits {
   double small = kOff;  // [N] / [N m], >= 0: see SafetyLimits
 };
 
-/// What the stage holds back. Off unless set.
+/// The limits of the stage. Each is off unless set.
 struct SafetyLimits {
   ChannelLimits force{}, torque{};
   /// [s], 0 to 10: from the first contact on, the share of the command that may be given grows
@@ -39,7 +39,7 @@ struct SafetyLimits {
 /// Throws std::invalid_argument naming the limit, its value and the remedy.
 void validate(const SafetyLimits& limits);
 
-/// What one sample brings. Everything world frame, on the hand.
+/// The input of one sample. Everything in the world frame, on the hand.
 struct SafetyStep {
   Command commanded;     // the environment's; the shares of ramp and speed are shares of it
   bool original = true;  // nothing has been taken off `commanded` since the scene: it ends a wait
@@ -49,7 +49,7 @@ struct SafetyStep {
   double hold_time = 0.0;            // [s] since the last sample
 };
 
-/// What became of it, and which limits took something off.
+/// The limited command, and which limits reduced it.
 struct Safeguarded {
   Command rendered;
   bool limited = false;   // max

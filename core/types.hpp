@@ -22,7 +22,7 @@ struct Pose {
       Quaternion::Identity();  // unit; rotates the own frame into the world frame
 };
 
-/// What acts on the hand, kept in the parts that the energy bound needs apart.
+/// A force and torque on the hand, in the parts that the energy bound needs apart.
 /// Sign: f, the force that the environment puts ON THE HAND (docs/bounding.md); the paper's F is
 /// -f.
 template <class Real>

@@ -26,7 +26,7 @@ constexpr double kNeverSleeps = -1.0;                               // of busy_p
 constexpr std::array<const char*, 6> kLogLevels = {"trace",   "debug", "info",
                                                    "warning", "error", "off"};
 
-/// What is wrong with a field, as the file and the command line both say it.
+/// An error in a field, in words that fit the file and the command line.
 struct Complaint {
   const char* field;   // in the file
   const char* option;  // on the command line

@@ -21,7 +21,7 @@ namespace {
 using asio::ip::tcp;
 using Error = std::error_code;
 
-/// TLS with whoever it is: that something answers is asked here, not who.
+/// TLS without a check of the certificate: the question is only whether a server answers.
 asio::ssl::context any_server() {
   asio::ssl::context tls(asio::ssl::context::tls_client);
   require_tls_13(*tls.native_handle());
@@ -73,7 +73,7 @@ struct Question {
   }
 };
 
-/// Who listens on every network is asked on the loopback of its family.
+/// A server that listens on every network is asked on the loopback address of the same family.
 asio::ip::address reachable(const std::string& address) {
   asio::ip::address listening = asio::ip::make_address(address);
   if (!listening.is_unspecified()) return listening;

@@ -15,7 +15,7 @@ void serve_both_families(Socket& socket, const asio::ip::address& address) {
   if (address.is_v6() && address.is_unspecified()) socket.set_option(asio::ip::v6_only(false));
 }
 
-/// One line for whoever started the server on a port that cannot be had.
+/// The error for a port that cannot be opened, in one line with the remedy.
 inline std::runtime_error listen_error(const char* transport, const asio::ip::address& address,
                                        std::uint16_t port, const std::error_code& code,
                                        const char* port_option = "--port") {

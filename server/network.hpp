@@ -11,8 +11,8 @@ namespace feltwire {
 using Network = std::array<std::uint8_t, 8>;
 
 /// The network that an address lies in. IPv6: the first 64 bits, as every host is given so many
-/// addresses. IPv4: the first 24 bits, the smallest network that is routed on the internet, so that
-/// whoever rents a few addresses rents them there. An IPv4 address in IPv6 (::ffff:a.b.c.d) counts
+/// addresses. IPv4: the first 24 bits, the smallest network that is routed on the internet: a few
+/// rented addresses mostly lie in one. An IPv4 address in IPv6 (::ffff:a.b.c.d) counts
 /// as IPv4.
 Network network_of(const asio::ip::address& address);
 

@@ -1,5 +1,5 @@
 #pragma once
-// What feltwire-server is told on its command line, by its environment and in its file.
+// The options of feltwire-server: command line, environment and configuration file.
 
 #include <string>
 
@@ -7,7 +7,7 @@
 
 namespace feltwire {
 
-/// What this run is to do.
+/// The task of this run.
 struct ServerTask {
   ServerConfig config;
   std::string summary;  // file for the counters; empty: none
@@ -15,7 +15,7 @@ struct ServerTask {
   bool health = false;  // ask the server that runs, and no more
 };
 
-/// What was given on the command line stands over the environment, and both over the file. Ends the
+/// The command line wins over the environment, and both win over the file. Ends the
 /// program after --help. Throws std::invalid_argument, one line, and FileError.
 ServerTask server_task(int argc, char** argv);
 

@@ -6,7 +6,7 @@
 
 namespace feltwire {
 
-/// What differs, for the log: "hold_time 0.1 -> 0.2, mode contact_frame -> none"; "nothing
+/// The differences, for the log: "hold_time 0.1 -> 0.2, mode contact_frame -> none"; "nothing
 /// changed".
 std::string changes(const SessionParameters& before, const SessionParameters& after);
 

@@ -41,7 +41,7 @@ std::size_t Places::size(const Network& network) const {
   return found == lines_.end() ? 0 : found->second.size();
 }
 
-/// Who must go for one more of this network; nobody while there is room.
+/// The connection that must make room for one more of this network; none while there is room.
 std::optional<Places::Id> Places::victim(const Network& newcomer) const {
   const auto own = lines_.find(newcomer);
   if (own != lines_.end() && own->second.size() >= most_of_network_)

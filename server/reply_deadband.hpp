@@ -46,7 +46,7 @@ class ReplyDeadband {
 
   SessionParameters parameters_;
   CommandTrend trend_;
-  // What the client was sent last.
+  // The reply that was sent last.
   bool any_ = false, refused_ = false, saturated_ = false, recovering_ = false;
   Command command_, rates_;
   LocalModel model_;    // of reach 0: none

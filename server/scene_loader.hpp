@@ -1,6 +1,6 @@
 #pragma once
 // Loads scenes anew beside a server that runs: each in a thread of its own, so that a slow file or
-// a dead disk holds up nobody else.
+// a dead disk delays nothing else.
 
 #include <chrono>
 #include <filesystem>
@@ -42,7 +42,7 @@ class SceneLoader {
   void tell();
 
   /// Cancels what is loaded and waits for at most `patience`. A thread that does not end by then
-  /// (a read from a dead disk cannot be interrupted) is left behind and calls nobody any more;
+  /// (a read from a dead disk cannot be interrupted) is left behind and makes no more calls;
   /// false where there is one. May be called again.
   bool stop(std::chrono::milliseconds patience = std::chrono::seconds(1));
 

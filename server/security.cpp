@@ -45,7 +45,7 @@ void make_folder(const fs::path& folder) {
   if (const auto open = open_folder(folder)) throw FileError(*open);
 }
 
-/// What clients may call this server by.
+/// The names that clients may use for this server.
 std::vector<std::string> own_names(const SecurityOptions& config) {
   std::vector<std::string> names = {"localhost", "127.0.0.1", "::1"};
   std::array<char, 256> host{};
@@ -81,15 +81,15 @@ Identity own_identity(const SecurityOptions& config, const fs::path& folder) {
   return load_identity(certificate, key);
 }
 
-/// The first token, so that whoever starts a server can feel something. Its text is put in place
-/// before tokens.json: where that is missing, both are made anew at the next start.
+/// Makes the first token, so that the user who starts a server can join it. Its text is put in
+/// place before tokens.json: where that is missing, both are made anew at the next start.
 void make_tokens(const SecurityOptions& config) {
   const IssuedToken local = issue_token("local", "*", Role::operator_, std::nullopt);
   write_state(local_token_file(config), local.text.text(), kPrivate);
   change_tokens(token_file(config), [&](Tokens& tokens) { tokens.push_back(local.token); });
 }
 
-/// What a start left that was ended in the middle. The folder's lock is held.
+/// Removes the leftovers of a start that was interrupted. The folder's lock is held.
 void tidy(const SecurityOptions& config, const fs::path& folder) {
   for (const char* name : {kCertificate, kKey, kFingerprint, kLocalToken})
     remove_leftovers(folder / name);

@@ -1,5 +1,5 @@
 #pragma once
-// What a server proves itself with and lets clients in by.
+// The identity of a server, and the tokens that let clients in.
 
 #include <filesystem>
 #include <string>
@@ -22,7 +22,7 @@ std::filesystem::path default_state_folder();
 
 /// Where the tokens stand that a server with these options goes by.
 std::filesystem::path token_file(const SecurityOptions& config);
-/// The token of whoever started the server first, for programs of the same user.
+/// The token that the first start made, for programs of the same user.
 std::filesystem::path local_token_file(const SecurityOptions& config);
 
 /// Makes the state folder where one is needed and missing, for its owner alone. Throws FileError,

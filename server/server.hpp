@@ -15,7 +15,7 @@
 
 namespace feltwire {
 
-/// What came to the control port, for the summary.
+/// Counts of the control port, for the summary.
 struct ControlSummary {
   ControlCounters connections;
   ServiceCounters requests;

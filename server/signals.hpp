@@ -1,5 +1,5 @@
 #pragma once
-// What the program does with its signals.
+// The signals of the program.
 
 #include <csignal>
 #include <functional>

@@ -1,5 +1,5 @@
 #pragma once
-// What a server did, for programs to read.
+// The counters of a server as JSON, for programs to read.
 
 #include <filesystem>
 #include <string>

@@ -7,7 +7,7 @@
 namespace feltwire {
 namespace {
 
-/// A file that others may write to lets in whom they like; as for keys, nobody else may read it.
+/// Refuses a file that others may write to, as they could add tokens, or read, as for keys.
 Tokens read_tokens(const std::filesystem::path& file) {
   if (const auto open = exposure(file)) throw FileError(*open);
   return parse_tokens(read_text(file), file.string());
@@ -33,8 +33,8 @@ std::optional<std::string> TokenFile::refresh() {
     said_.clear();
     return std::nullopt;
   } catch (const FileError& error) {
-    // What is wrong in its text stays wrong until it is written again. What kept it from being read
-    // (no descriptor is free, say) may pass at any moment.
+    // An error in its text stays until the file is written again. An error of reading (no
+    // descriptor is free, say) may pass at any moment.
     if (whole) read_ = now;
     if (said_ == error.what()) return std::nullopt;
     return said_ = error.what();

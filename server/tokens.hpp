@@ -56,7 +56,7 @@ std::string expiry_text(const std::optional<CalendarTime>& expires);
 /// Reads the token file's text (JSON against tokens.fbs). Throws FileError "file:line: field: what
 /// is wrong; remedy".
 Tokens parse_tokens(std::string_view json, const std::string& file);
-/// What parse_tokens() reads.
+/// The text that parse_tokens() reads.
 std::string json(const Tokens& tokens);
 
 }  // namespace feltwire

@@ -1,5 +1,5 @@
 #pragma once
-// What an observer is shown of a scene, a part with each reply, in turns.
+// The view of a scene for an observer: a part with each reply, in turns.
 
 #include <span>
 

@@ -23,7 +23,7 @@ struct AccountConfig {
   double cap = std::numeric_limits<double>::infinity();
 };
 
-/// What the account has seen.
+/// Counts of the account.
 struct AccountStatistics {
   std::uint64_t reduced = 0;      // samples whose command was scaled down
   std::uint64_t overdrawn = 0;    // times that the balance fell below zero
@@ -60,7 +60,7 @@ class PortBalance {
   bool strong_hand() const noexcept { return strong_hand_; }
   /// The last movement is not known.
   void forget() noexcept;
-  /// What the next sample can take at most while a share of `wanted` is held.
+  /// The energy that the next sample can take at most while a share of `wanted` is held.
   EnergyNeed need(const Vec3& wanted) const noexcept;
 
  private:

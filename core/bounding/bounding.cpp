@@ -253,7 +253,7 @@ BasicBoundingStep<Real> BasicBounding<Real>::checked(const Step& given,
   if (!displacement_sane)
     s.displacement = translation_damping_.worst_movement(held_.force(), s.hold_time);
   if (!rotation_sane) s.rotation = rotational_damping_.worst_movement(held_.torque, s.hold_time);
-  // Nobody knows over how long a time the movement was spread: it is credited nothing.
+  // The time of the movement is not known: it is credited nothing.
   if (!hold_sane) s.hold_time = static_cast<Real>(kAbsurdHold);
   return s;
 }

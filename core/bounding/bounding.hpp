@@ -132,8 +132,8 @@ class BasicBounding {
   void set_held(const BasicCommand<Real>& held) noexcept;
 
   /// Of contact_frame: the next step's elastic channel may draw on `energy` [J] beside what it
-  /// stores. The bound takes it for granted that the port has it, so whoever says so also sees to
-  /// that (core/port_guard.hpp). Without effect in the other modes.
+  /// stores. The bound trusts that the port has that much: the caller sees to it
+  /// (core/port_guard.hpp). Without effect in the other modes.
   void endow(Real energy) noexcept;
 
   /// Where to ask the scene for the next step's command, relative to the device, which has moved by

@@ -66,8 +66,8 @@ inline Real allowed_magnitude(Real moved, const Distance& distance, Real hold_ti
   return 0;
 }
 
-/// What a force that was held has beyond what was allowed: the storage that it takes the place of
-/// is smaller than its own.
+/// The excess of a held force over the allowed one: the storage that it replaces is smaller than
+/// its own.
 template <class Real>
 inline Real excess(Real held, Real allowed) noexcept {
   // Splitting a held force into its channels again rounds by some ulps; that is no excess.

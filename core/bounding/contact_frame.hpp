@@ -5,14 +5,14 @@
 
 namespace feltwire {
 
-/// What happens to the other channels when one is bounded.
+/// How the other channels follow when one is bounded.
 enum class Projection {
   joint,  // one factor for elastic and frictional: the command's direction is kept exactly
   cone    // the elastic force keeps its own factor, friction takes the smaller: normal force is not
           // lost to friction
 };
 
-/// What the elastic channel keeps of the energy that the hand pressed into it.
+/// How much the elastic channel keeps of the energy that the hand pressed into it.
 enum class Storage {
   minimal,  // S(F) of the force held, the least that is safe: a spring softer than c fades on
             // release

@@ -24,7 +24,7 @@ inline ChannelCommand<Real> in_channels(const BasicCommand<Real>& command) noexc
   const Real along_normal = command.frictional.dot(elastic.direction);
   ChannelCommand<Real> c{elastic.direction, elastic.length, elastic.length + along_normal,
                          command.frictional - along_normal * elastic.direction};
-  // What the subtraction leaves by rounding is no friction; bounded, it could take the elastic
+  // The rest that rounding leaves is no friction. If it were bounded, it could take the elastic
   // force with it.
   constexpr Real kRounding = 64 * std::numeric_limits<Real>::epsilon();
   if (c.frictional.squaredNorm() <= kRounding * kRounding * command.frictional.squaredNorm())
@@ -56,7 +56,7 @@ struct ChannelScales {
   Real elastic, frictional;
 };
 
-/// What is left of the force, in the world again.
+/// The bounded force, in the world frame again.
 template <class Real>
 inline BasicCommand<Real> held_back(const ChannelCommand<Real>& command,
                                     const ChannelScales<Real>& scale,
@@ -87,9 +87,9 @@ struct HeldForce {
   Real magnitude() const noexcept { return hypotenuse(elastic, length(frictional)); }
 };
 
-/// What was held and how the device moved, in the frame u_p that was held. When no elastic force
-/// was held the frame is free: the new one is taken, and the held force is split in it. |F|^2 is
-/// the sum of both parts' squares in every frame, so no storage is made or lost.
+/// The held force and the movement of the device, in the frame u_p of the held force. When no
+/// elastic force was held the frame is free: the new one is taken, and the held force is split in
+/// it. |F|^2 is the sum of both parts' squares in every frame, so no storage is made or lost.
 template <class Real>
 struct HeldFrame {
   Real elastic;              // [N]

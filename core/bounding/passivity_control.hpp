@@ -13,7 +13,7 @@
 
 namespace feltwire {
 
-/// What the observed energy is compared with.
+/// The reference that the observed energy is compared with.
 enum class PassivityReference {
   zero,      // Hannaford & Ryu 2002
   following  // Ryu et al. 2005: what the environment would have taken in continuous time
@@ -49,7 +49,7 @@ class PassivityObserver {
   void settle(Real flow) noexcept {
     if (!following_) energy_ = before_ + flow;
   }
-  /// What was dissipated elsewhere.
+  /// Adds energy that was dissipated elsewhere.
   void add(Real dissipated) noexcept {
     energy_ += dissipated;
     before_ += dissipated;
@@ -61,15 +61,15 @@ class PassivityObserver {
   Real energy_ = 0, before_ = 0, wanted_ = 0;
 };
 
-/// What a controller is told of its port, force or torque.
+/// The input of a controller: one port, force or torque.
 template <class Real>
 struct PassivityPort {
   PassivityReference reference = PassivityReference::zero;
   Real max = std::numeric_limits<Real>::infinity();  // [N] of the device
   Real slope = 0;                                    // b/T [N/m]
 
-  /// What the device can do of a command: the environment that is observed is one that ends there.
-  /// Else energy that no motor could take in would be missing for ever.
+  /// The part of a command that the device can render. Only that part is observed, else energy that
+  /// no motor could take in would be missing for ever.
   Vector3<Real> possible(const Vector3<Real>& command) const noexcept {
     return command.squaredNorm() <= max * max
                ? command

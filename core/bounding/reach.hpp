@@ -8,10 +8,10 @@
 
 namespace feltwire {
 
-/// What is certain about one port (translation or rotation) of a device, and about what acts on it
-/// from outside. Every lower bound may be smaller and every upper bound larger than the truth: that
-/// costs force, never passivity. Units are those of translation; for rotation read rad, N m, kg
-/// m^2.
+/// Certain knowledge of one port (translation or rotation) of a device, and of the forces that act
+/// on it from outside. Every lower bound may be smaller and every upper bound larger than the
+/// truth: that costs force, never passivity. Units are those of translation; for rotation read rad,
+/// N m, kg m^2.
 struct PortKnowledge {
   Damping damping{};              // B [N s/m] lower bound of the device's own viscous damping
   double coulomb_friction = 0.0;  // f_c [N] lower bound of the device's own dry friction

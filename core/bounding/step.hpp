@@ -4,8 +4,8 @@
 
 namespace feltwire {
 
-/// What one bounding step is told: how the device moved while the last force was held, and what is
-/// wanted next.
+/// The input of one bounding step: the movement of the device while the last force was held, and
+/// the command for the next.
 template <class Real>
 struct BasicBoundingStep {
   Vector3<Real> displacement = Vector3<Real>::Zero();  // dx(n) = x(n) - x(n-1) [m]

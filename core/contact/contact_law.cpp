@@ -15,8 +15,8 @@ Vec3 stick_stretch(const Material& material, const SurfacePoint& surface,
     memory.slipping = false;
     return Vec3::Zero();
   }
-  // What an anchor on a curved surface pulls with is its part in the tangent plane of where the
-  // proxy now is; the rest is the surface's business.
+  // On a curved surface only the part of the anchor's pull in the proxy's tangent plane is
+  // friction; the contact force has the rest.
   const Vec3 chord = memory.anchor - surface.point;
   Vec3 stretch = chord - along(chord, surface.normal);
   const double stretched = length(stretch);

@@ -1,6 +1,6 @@
 #pragma once
-// What a surface answers where a tool stands behind it: the one law of contact, of the scene's
-// objects and of a local model's patches.
+// The law of contact: the force of a surface on a tool that is behind it. The objects of a scene
+// and the patches of a local model share it.
 
 #include <algorithm>
 
@@ -10,7 +10,7 @@
 
 namespace feltwire {
 
-/// What one tool remembers of one object between samples.
+/// The memory of one tool for one object, between samples.
 struct ContactMemory {
   FeatureMemory feature;
   bool touching = false;

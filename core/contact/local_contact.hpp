@@ -11,7 +11,7 @@
 
 namespace feltwire {
 
-/// What a model says at one place.
+/// The answer of a model at one position.
 struct LocalForce {
   Command command;  // on the hand, world frame; no torque
   /// 1: the model speaks; 0: it says nothing; between: the share of its command in the whole, on
@@ -52,7 +52,7 @@ class LocalContact {
   const LocalModel& model() const { return model_; }
 
  private:
-  /// What is remembered of one object; world frame.
+  /// The memory of one object; world frame.
   struct Contact {
     std::uint16_t object = 0;
     ContactMemory memory;

@@ -154,8 +154,8 @@ class Ball {
       const Vec3 way = aim.point - from;
       const double far = length(way);
       cut = far > reach;
-      // What is cut off the way may have left the planes: back to them, which is less than what
-      // gather() looked farther for.
+      // A shortened step may have left the planes. Go back to them: that is less than the margin of
+      // gather().
       Vec3 next = aim.point;
       if (cut) next = nearest_in(planes, from + reach / far * way, kTolerance * exact_).point;
       const bool still = length(Vec3(next - x)) <= exact_;

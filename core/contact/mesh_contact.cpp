@@ -57,8 +57,8 @@ Vec3 smooth_normal(const MeshSurface& surface, const Stand& stand) {
 
 constexpr std::size_t kWaves = 8;
 
-/// Directions spread evenly over a half ball (a Fibonacci lattice), phases likewise: no grain of
-/// the sum repeats.
+/// Directions spread evenly over a half ball (a Fibonacci lattice), and phases too, so that the sum
+/// has no grain that repeats.
 Vec3 wave_direction(std::size_t i) {
   constexpr double kGoldenAngle = 2.399963229728653;  // [rad]
   const double z = (static_cast<double>(i) + 0.5) / kWaves, r = std::sqrt(1.0 - z * z);

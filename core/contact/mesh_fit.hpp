@@ -1,8 +1,8 @@
 #pragma once
-// What is claimed of a mesh near a place, and where the claim ends.
+// The patches that stand for a mesh near a position, and the distance up to which they do.
 //
-// It is checked on every triangle near: it lies on a patch and is not cut off by another, or it is
-// hidden behind them, or the claim ends where it begins.
+// Every triangle near is checked: it lies on a patch and is not cut off by another, or it is hidden
+// behind them, or the patches hold only up to where it begins.
 
 #include <array>
 #include <cstdint>

@@ -256,7 +256,7 @@ double mesh_patch_radius(const MeshSurface& surface, const FittedPatches& fitted
     return fitted.patches[static_cast<std::size_t>(i)];
   };
   const double ball = surface.options().radius;
-  // What is beyond was asked for on rings.
+  // Beyond that, the surface was sampled on rings.
   if (fitted.alone && count == 1) return std::max(0.0, fitted.extent - ball);
   // Which side faces the tool, the patches' own normals say.
   const Vec3 foot = at(index).point - surface.mesh().origin();

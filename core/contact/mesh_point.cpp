@@ -1,7 +1,7 @@
 // A point's proxy. Where the surface is a plain one (every edge has two triangles) it walks from
 // triangle to neighbour, down the distance to the goal: no search, whatever the size of the mesh.
-// What it meets that is no neighbour (another part of the mesh that passes through), open and
-// crowded edges, and the way back into the open are gone by rays and up to three planes.
+// Rays and up to three planes handle the rest: another part of the mesh that passes through, open
+// and crowded edges, and the way back into free space.
 
 #include <array>
 #include <cmath>
@@ -187,7 +187,7 @@ class Walk {
       steepest = fall;
       best = t;
     }
-    // What is less than the rounding of the goal leads nowhere.
+    // A step below the rounding of the goal leads nowhere.
     if (!(steepest > kTouching * length(d)))
       return mean.dot(d) < 0.0 ? Outcome::standing : Outcome::leaving;
     at_.triangle = best;

@@ -16,7 +16,7 @@ using mesh_text::Words;
 
 constexpr std::size_t kMostVertices = std::numeric_limits<std::uint32_t>::max() - 1;
 
-/// What of an OBJ file is no surface: appearance, grouping, free-form curves' names.
+/// Words of an OBJ file that are no surface: appearance, grouping, names of free-form curves.
 bool is_no_surface(std::string_view word) {
   for (const std::string_view known :
        {"vt", "vn", "vp", "g", "o", "s", "usemtl", "mtllib", "l", "p", "mg", "lod", "bevel",

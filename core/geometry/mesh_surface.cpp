@@ -117,7 +117,7 @@ std::optional<Crossing> MeshSurface::crossing(std::uint32_t t, const Vec3& from,
   std::int8_t side = 0;
   if (sides > 0 && a >= 0.0 && b < 0.0) side = 1;
   if (sides < 0 && a <= 0.0 && b > 0.0) side = -1;
-  // Of a triangle felt from both sides nobody could tell where he came from who stood in it.
+  // A point within a triangle that is felt from both sides needs a side: choose one.
   if (sides == 0 && a > 0.0 && b <= 0.0) side = 1;
   if (sides == 0 && a < 0.0 && b >= 0.0) side = -1;
   if (side == 0) return std::nullopt;

@@ -12,7 +12,7 @@
 
 namespace feltwire {
 
-// What a guide is about, in its own frame.
+// The places that a guide can have, in its own frame.
 
 /// No place: it acts wherever the tool is.
 struct Everywhere {};
@@ -32,7 +32,7 @@ struct GuidePlane {};
 using GuidePlace = std::variant<Everywhere, GuidePoint, GuideLine, GuideCurve, GuidePlane, Sphere,
                                 Box, Capsule, Cylinder>;
 
-// What it does there; d [m] is the distance to the place, 0 inside a solid.
+// The forces of a guide; d [m] is the distance to the place, 0 inside a solid.
 
 /// A spring towards the place: stiffness * d, less from half of `range` on, nothing beyond it.
 struct Attract {

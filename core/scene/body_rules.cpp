@@ -1,4 +1,4 @@
-// What a body may be.
+// The rules for a body.
 
 #include <cmath>
 

@@ -25,7 +25,7 @@ class MeshLoader {
   /// Throws FileError naming the scene's field, and for a mesh file's own faults its line.
   Mesh load(const std::string& path, const scene_file::Mesh& mesh);
 
-  /// What is strange about the files, but no error.
+  /// Warnings about the files: strange, but no error.
   const std::vector<std::string>& warnings() const { return warnings_; }
 
  private:

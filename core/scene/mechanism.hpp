@@ -1,5 +1,5 @@
 #pragma once
-// What moves in a scene: bodies, their joints, and the MuJoCo model compiled from them.
+// The moving part of a scene: bodies, their joints, and the MuJoCo model compiled from them.
 
 #include <cstdint>
 #include <filesystem>
@@ -72,7 +72,7 @@ class Mechanism {
   /// A scene's objects are `still()` that stand, then one for each part.
   std::size_t still() const { return still_; }
   const std::vector<Part>& parts() const { return parts_; }
-  /// What is possible but cannot be meant: a line each, with the remedy.
+  /// Warnings about values that are possible but cannot be meant: a line each, with the remedy.
   const std::vector<std::string>& warnings() const { return warnings_; }
 
  private:

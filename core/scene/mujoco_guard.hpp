@@ -40,7 +40,7 @@ struct Loaded {
 Loaded load_text(const std::string& xml);
 Loaded load_file(const std::string& file);
 
-/// What mj_saveModel() wrote; null where it is none.
+/// Reads a file that mj_saveModel() wrote; null where it is no such file.
 Model read_binary(const std::string& file);
 
 /// A state of the model, evaluated; null where MuJoCo refuses.
@@ -50,7 +50,7 @@ Data make_data(const mjModel& model);
 /// C, and hold nothing that a destructor would have to give back: an error leaves it by longjmp.
 /// Not for MuJoCo's loader, which is C++.
 bool guarded(void (*call)(void*), void* argument) noexcept;
-/// What this thread's last call gave up with was that MuJoCo's stack is too small.
+/// Whether this thread's last call failed because MuJoCo's stack is too small.
 bool ran_out_of_stack() noexcept;
 template <class Call>
 bool guarded(Call call) noexcept {

@@ -15,7 +15,7 @@ std::string geom_name(const mjModel& model, int geom) {
   return name != nullptr ? name : "geom" + std::to_string(geom);
 }
 
-/// Where a geom stands among the file's, for whoever has to find one that has no name.
+/// The place of a geom among those of the file, to find one that has no name.
 std::string described(const mjModel& model, int geom) {
   const char* name = mj_id2name(&model, mjOBJ_GEOM, geom);
   const char* body = mj_id2name(&model, mjOBJ_BODY, model.geom_bodyid[geom]);

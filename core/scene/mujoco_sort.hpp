@@ -10,7 +10,7 @@ namespace feltwire::mujoco {
 
 using Compare = int (*)(const void*, const void*, void*);
 
-/// What qsort_r does. Its memory is the calling thread's own and grows only where more is sorted
+/// Replaces qsort_r(). Its memory is the calling thread's own and grows only where more is sorted
 /// than ever before; without memory it sorts in place, slowly.
 void sort_stably(void* base, std::size_t count, std::size_t size, Compare compare,
                  void* context) noexcept;

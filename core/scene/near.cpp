@@ -59,7 +59,7 @@ SurfaceParts parts_near(const Object& object, const Vec3& position, std::uint32_
   return surface_parts(object.shape, object.felt_from, p, entered);
 }
 
-/// What was fitted to the meshes and grids looked at last: those that are chosen are asked again.
+/// The patches that were fitted last to meshes and grids: those that are chosen are used again.
 class Fitted {
  public:
   const FittedPatches& of(const std::vector<Object>& objects, std::size_t object,

@@ -67,7 +67,7 @@ std::string tool_kind(const HandTool& tool) {
   return tool.radius > 0.0 ? "a ball of " + number_text(tool.radius) + " m" : "a point";
 }
 
-/// What there is to choose from.
+/// The names of the tools.
 std::string listed_tools(const Scene& scene) {
   std::string text;
   for (const Scene* held : all_held(scene))

@@ -1,5 +1,5 @@
 #pragma once
-// What a scene needs, and which of its parts need it: for people who wonder what it costs.
+// Which features a scene needs, and which of its parts need them: for people who ask what it costs.
 
 #include <string>
 #include <vector>
@@ -14,8 +14,8 @@ struct Need {
   std::vector<std::string> needed;  // names of the objects and guides that ask for it
 };
 
-/// Everything that a scene may need; what nobody asks for is there with nobody, and is neither
-/// allocated, stepped nor sent.
+/// Every feature that a scene may need, with the parts that need it. A feature without such parts
+/// is neither allocated, stepped nor sent.
 std::vector<Need> needs(const Scene& scene);
 
 /// The same for people: a line for each need, with names, and one for all that nothing is spent on.

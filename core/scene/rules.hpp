@@ -1,5 +1,5 @@
 #pragma once
-// What a scene may hold: one set of rules for scenes from files and scenes from code.
+// The rules for the values of a scene: one set for scenes from files and scenes from code.
 
 #include <initializer_list>
 #include <optional>
@@ -41,7 +41,7 @@ std::optional<Broken> broken_rule(const Start& start);
 /// Names of scenes, objects, materials.
 std::optional<Broken> broken_name(const std::string& name);
 
-/// What a hand holds, among these objects; fields relative to it ("sphere.radius").
+/// A tool, in a scene with these objects; fields relative to it ("sphere.radius").
 std::optional<Broken> broken_rule(const HandTool& tool, std::span<const Object> objects);
 /// How many to choose from.
 std::optional<Broken> broken_tools(std::size_t count);

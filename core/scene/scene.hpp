@@ -18,8 +18,8 @@ class Mechanism;
 class BodyTool;
 struct BodyMemory;
 
-/// What the objects of a scene need from whoever hosts it; what none needs is neither allocated,
-/// stepped nor sent.
+/// The features that the objects of a scene need from its host. A feature that none needs is
+/// neither allocated, stepped nor sent.
 struct Requirements {
   bool friction = false;  // a stick point per object and tool
   bool rotation = false;  // the tool has a body: orientation and torque
@@ -29,7 +29,7 @@ struct Requirements {
       0.0;  // [N/m] of the stiffest material or guide; a tool in two objects feels both
 };
 
-/// What one tool remembers of a scene between samples: one entry an object, allocated once.
+/// The memory of one tool for a scene, between samples: one entry an object, allocated once.
 class TouchMemory {
  public:
   TouchMemory() = default;
@@ -60,7 +60,7 @@ struct Start {
   Vec3 normal = Vec3::UnitZ();
 };
 
-/// What a hand in the scene holds: a point, unless radius or body is given.
+/// The tool of a hand in the scene: a point, unless radius or body is given.
 struct HandTool {
   double radius = 0.0;                   // [m] above zero: a ball about the point
   std::shared_ptr<const BodyTool> body;  // core/tool/body_tool.hpp
@@ -78,11 +78,11 @@ class Scene {
   const std::vector<Guide>& guides() const { return guides_; }
   const Requirements& requirements() const { return requirements_; }
   const Start& start() const { return start_; }
-  /// What was strange about the files that it came from and what moves, but no error.
+  /// Warnings about its files and its bodies: strange, but no error.
   const std::vector<std::string>& warnings() const { return warnings_; }
   void warn(std::vector<std::string> warnings) { warnings_ = std::move(warnings); }
 
-  /// What a hand holds that feels this scene.
+  /// The tool of the hands that feel this scene.
   const HandTool& tool() const { return tool_; }
   /// The objects that stand are found by a tree; else each is asked.
   bool by_tree() const { return broad_phase_.in_use(); }
@@ -124,13 +124,13 @@ class Scene {
     return touch(tool, memory, still_);
   }
 
-  /// What moves, and how; null: nothing does.
+  /// The moving part; null: nothing moves.
   const std::shared_ptr<const Mechanism>& mechanism() const { return mechanism_; }
   /// Precondition: made by compile() for these objects (core/scene/mechanism.hpp).
   void set_mechanism(std::shared_ptr<const Mechanism> mechanism);
 
-  /// What a tool with a body gives the hand that holds it at a pose, `elapsed` [s] after the one
-  /// before. Precondition: tool().body is not null, and nothing moves. Likewise for the rest.
+  /// The command of a tool with a body at a pose of the device, `elapsed` [s] after the one before.
+  /// Precondition: tool().body is not null, and nothing moves. The other arguments as above.
   Command touch(const Pose& device, const Vec3& velocity, double elapsed,
                 BodyMemory& memory) const noexcept;
   /// Adds what the guides do. Beside objects all of it is frictional: the elastic part is then the

@@ -1,9 +1,10 @@
 #pragma once
-// What an error may show of a file that a scene names. Whoever writes a scene decides which files
-// the server reads, by a path or by a link; the server's right to read a file must not become his.
+// How much an error may show of a file that a scene names. The writer of a scene chooses which
+// files the server reads, by a path or by a link; errors must not show the contents of other
+// files.
 //
-// The rule: words of a file are shown where the file, its links followed, lies in the folder of the
-// scene's file or below it. Of any other file only its name and the line or byte are shown.
+// The rule: an error quotes a file only if the file, its links followed, lies in the folder of the
+// scene's file or below it. Of any other file it gives only the name and the line or byte.
 
 #include <filesystem>
 #include <string>

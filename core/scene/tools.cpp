@@ -1,4 +1,4 @@
-// What the hands in a scene hold: one tool for all, or several to choose from.
+// The tools of a scene: one for all hands, or several to choose from.
 
 #include <algorithm>
 #include <set>

@@ -65,7 +65,7 @@ struct State {
   double energy() const { return pull.energy + contact.energy; }
 };
 
-/// What stays the same within a step.
+/// The values that stay the same within a step.
 struct Step {
   const BodyTool& tool;
   std::span<const Object> objects;

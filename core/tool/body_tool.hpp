@@ -36,7 +36,7 @@ class BodyTool {
 struct BodyMemory {
   bool placed = false;
   Pose pose;
-  /// What the solids answer at that pose. Where they have moved since, say so with known = false.
+  /// The contact at that pose. Set known = false when the solids have moved since.
   ShellContact contact;
   bool known = false;
   bool slipping = false;  // along what it touches: then dynamic friction holds it back
@@ -52,14 +52,14 @@ struct ObjectMotion {
   double share = 1.0;
 };
 
-/// What a step came to.
+/// The result of a step.
 struct BodyStep {
   Command command;                             // on the hand: force in its parts, and torque
   double stored = 0.0;                         // [J] in coupling and contact after the step
   std::size_t touching = 0;                    // points
   std::size_t evaluations = 0, looked_at = 0;  // of all contacts; nodes and points in them
-  /// What of the command comes from which object, about the tool's origin; their sum is the
-  /// command's, to rounding: what the tool is not yet in balance by is shared out by size.
+  /// The part of the command from each object, about the tool's origin. Their sum is the command,
+  /// to rounding: an imbalance that is left is shared out in proportion to their size.
   std::array<ObjectWrench, ShellContact::kGrips> parts;
   std::size_t part_count = 0;
 

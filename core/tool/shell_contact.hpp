@@ -26,7 +26,7 @@ struct Grip {
   std::uint32_t object = 0;
 };
 
-/// What one of the solids answers with.
+/// The force and torque of one of the solids.
 struct ObjectWrench {
   std::uint32_t object = 0;
   Vec6 wrench = Vec6::Zero();  // [N], [N m] on the tool
@@ -39,7 +39,7 @@ struct ObjectInStep {
   Vec6 carried = Vec6::Zero();  // Grip's
 };
 
-/// What resists a motion by its speed.
+/// A resistance in proportion to speed.
 struct Damper {
   Mat6 resistance = Mat6::Zero();  // [N s/m] ... minus the force over the velocity
   Vec6 driven = Vec6::Zero();      // the same times how the solids themselves moved in the step
@@ -50,8 +50,8 @@ struct Damper {
   }
 };
 
-/// What the solids answer a shell with. Generalised vectors are translation, then rotation, world
-/// frame, about the tool's origin.
+/// The contact of a shell with the solids. Generalised vectors are translation, then rotation,
+/// world frame, about the tool's origin.
 struct ShellContact {
   double energy = 0.0;            // [J] stored in the solids
   Vec6 wrench = Vec6::Zero();     // [N], [N m] on the tool: minus the gradient of the energy
