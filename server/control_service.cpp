@@ -106,6 +106,12 @@ std::optional<Refused> ControlService::refuse_join(const Asked& asked,
     return Refused{
         RefusalCode::unknown_scene,
         "there is no scene '" + request.scene + "' here; list the scenes to see which there are"};
+  const auto disturber = disturbers_.find({token.client, scene_of(request.scene)});
+  if (request.role != Role::observer && disturber != disturbers_.end() &&
+      monotonic_now() < disturber->second)
+    return refuse(RefusalCode::too_many,
+                  "a hand of client '" + token.client + "' broke the simulation of scene '" +
+                      request.scene + "' again and again; wait a minute, then move more gently");
   const auto same_client = [&](const auto& entry) { return entry.second.client == token.client; };
   const auto sessions = std::count_if(seated_.begin(), seated_.end(), same_client);
   if (static_cast<std::size_t>(sessions) >= limits_.sessions_per_client)
@@ -119,8 +125,10 @@ void ControlService::join(Asked asked, control::JoinRequest request) {
   const std::string who = visible(request.client + " (" + request.device.name + ", client " +
                                   asked.token.client + ", token " + asked.token.id + ")");
   if (const auto refused = refuse_join(asked, request)) {
-    spdlog::warn("{} could not join scene {}: {}", who, visible(request.scene),
-                 visible(refused->reason));
+    // Whoever asks a thousand times a second is refused as often, and not logged so.
+    if (refused_lines_.take(asked.token.client, monotonic_now()))
+      spdlog::warn("{} could not join scene {}: {}", who, visible(request.scene),
+                   visible(refused->reason));
     return asked.answer(*refused);
   }
   const std::size_t scene = scene_of(request.scene);
@@ -283,8 +291,11 @@ void ControlService::forget(const std::vector<EndedSession>& sessions) {
     try {
       spdlog::info("{} left scene {} after {:.1f} s: {}", seated.who, hosts_[seated.scene]->name(),
                    seconds(monotonic_now() - seated.since), text(ended.how));
+      if (ended.how == SessionEnd::disturbing)
+        disturbers_[{seated.client, seated.scene}] =
+            monotonic_now() + ServiceLimits::kDisturberPause;
     } catch (const std::bad_alloc&) {
-      // No memory for a line in the log; the session has left all the same.
+      // No memory for a line in the log, or to keep its client out; it has left all the same.
     }
     seated_.erase(found);
   }

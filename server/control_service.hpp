@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <random>
+#include <utility>
 #include <vector>
 
 #include "server/control.hpp"
@@ -21,6 +22,9 @@ struct ServiceLimits {
   /// [1/s] for ever, and at once: joins, changes of parameters and reloads, each for all tokens
   /// with one client's name; wrong tokens, for one network.
   double join_rate = 20.0, join_burst = 60.0;
+  /// A client whose hand broke what moves in a scene again and again (SessionEnd::disturbing) joins
+  /// that scene with no hand for so long.
+  static constexpr std::chrono::seconds kDisturberPause{60};
 };
 
 struct ServiceCounters {
@@ -92,9 +96,12 @@ class ControlService {
   TokenFile tokens_;
   ServiceLimits limits_;
   RateLimit<Network> wrong_tokens_;
-  RateLimit<std::string> joins_, changes_;  // of clients
+  RateLimit<std::string> joins_, changes_;           // of clients
+  RateLimit<std::string> refused_lines_{1.0, 20.0};  // likewise, of the log: joins refused at once
   Reload reload_;
   Directory seated_;
+  // Until when a client's hands are kept out of a scene whose simulation they broke.
+  std::map<std::pair<std::string, std::size_t>, Nanoseconds> disturbers_;
   ServiceCounters counters_;
   std::random_device random_;  // the operating system's
 };

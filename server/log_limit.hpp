@@ -28,4 +28,23 @@ class LogLimit {
   std::optional<Nanoseconds> last_;  // line
 };
 
+/// For a total that goes on growing: lets the first event through, and then a line when the total
+/// is at least twice that of the line before, at most one in kPause.
+class DoublingLimit {
+ public:
+  /// So many events have happened so far. Whether a line is due now.
+  bool due(std::uint64_t total, Nanoseconds now) noexcept {
+    if (total == 0 || total / 2 < told_ || (last_ && now - *last_ < LogLimit::kPause)) return false;
+    last_ = now;
+    told_ = total;
+    return true;
+  }
+  /// The events are counted from zero again.
+  void begin_anew() noexcept { told_ = 0; }
+
+ private:
+  std::uint64_t told_ = 0;
+  std::optional<Nanoseconds> last_;  // line
+};
+
 }  // namespace feltwire

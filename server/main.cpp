@@ -13,10 +13,12 @@
 #include <optional>
 #include <sstream>
 #include <string_view>
+#include <vector>
 
 #include "core/scene/needs.hpp"
 #include "core/visible_text.hpp"
 #include "protocol/secret.hpp"
+#include "server/answer_time.hpp"
 #include "server/health.hpp"
 #include "server/log_format.hpp"
 #include "server/options.hpp"
@@ -135,7 +137,9 @@ int main(int argc, char** argv) {
     const feltwire::ServerConfig& config = asked.config;
     if (!asked.explain.empty()) {
       const feltwire::Scene scene = feltwire::load_scene(asked.explain);
-      for (const std::string& warning : scene.warnings())
+      std::vector<std::string> warnings = scene.warnings();
+      if (auto slow = feltwire::warning_of_slow_answers(scene)) warnings.push_back(*slow);
+      for (const std::string& warning : warnings)
         std::fprintf(stderr, "%s\n", feltwire::visible(asked.explain + ": " + warning).c_str());
       std::fputs(feltwire::visible_lines(explain(scene)).c_str(), stdout);
       return 0;

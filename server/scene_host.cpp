@@ -14,58 +14,19 @@
 #include "protocol/udp_socket.hpp"
 #include "server/listen_error.hpp"
 #include "server/post.hpp"
+#include "server/scene_batch.hpp"
 
 namespace feltwire {
 namespace {
 
-constexpr std::size_t kBatch = 64;  // datagrams of one system call
-constexpr int kBatchesAtOnce = 16;  // then whoever posted has a turn: some 2 ms of work
 // Empty receives while polling busily before whoever posted has a turn: some 10 us.
 constexpr unsigned kTurnsBetweenLooks = 32;
-// More than a datagram may have, so that a longer one is seen to be longer.
-constexpr std::size_t kReceiveSize = kMaxDatagram + sizeof(std::uint64_t);
 // Between looks for sessions that must end.
 constexpr std::chrono::milliseconds kSoonest{10}, kLatest{100};
-constexpr double kMilliseconds = 1e3;  // of a second
 constexpr int kSocketBuffer =
     1 << 20;  // [bytes] a burst of some 5000 samples waits rather than is lost
 
 }  // namespace
-
-/// Wired once; an exchange only changes lengths.
-struct SceneHost::Batch {
-  alignas(std::uint64_t) std::array<std::array<std::uint8_t, kReceiveSize>, kBatch> received;
-  std::array<DatagramBuffer, kBatch> sent;
-  std::array<Peer, kBatch> peers;
-  std::array<iovec, kBatch> received_parts{}, sent_parts{};
-  std::array<mmsghdr, kBatch> incoming{}, outgoing{};
-
-  Batch() {
-    for (std::size_t i = 0; i < kBatch; ++i) {
-      received_parts[i] = {received[i].data(), kReceiveSize};
-      sent_parts[i] = {sent[i].bytes.data(), 0};
-      incoming[i].msg_hdr.msg_iov = &received_parts[i];
-      incoming[i].msg_hdr.msg_iovlen = 1;
-      incoming[i].msg_hdr.msg_name = &peers[i].address;
-      outgoing[i].msg_hdr.msg_iov = &sent_parts[i];
-      outgoing[i].msg_hdr.msg_iovlen = 1;
-    }
-    rearm(kBatch);
-  }
-
-  /// The kernel writes lengths over what it was told.
-  void rearm(std::size_t used) noexcept {
-    for (std::size_t i = 0; i < used; ++i)
-      incoming[i].msg_hdr.msg_namelen = sizeof(sockaddr_storage);
-  }
-
-  /// sent[at] has so many bytes now, for whom.
-  void put(std::size_t at, std::size_t size, Peer& to) noexcept {
-    sent_parts[at].iov_len = size;
-    outgoing[at].msg_hdr.msg_name = &to.address;
-    outgoing[at].msg_hdr.msg_namelen = to.length;
-  }
-};
 
 SceneHost::SceneHost(Scene scene, const SceneHostOptions& options)
     : name_(scene.name()),
@@ -74,6 +35,7 @@ SceneHost::SceneHost(Scene scene, const SceneHostOptions& options)
       silence_timeout_(options.silence_timeout),
       busy_poll_(options.busy_poll),
       real_time_(options.real_time),
+      clock_(options.clock),
       ended_(options.ended),
       sessions_(*scene_, options.silence_timeout, options.max_sessions, options.line,
                 options.limits),
@@ -100,6 +62,16 @@ SceneHost::SceneHost(Scene scene, const SceneHostOptions& options)
 
 SceneHost::~SceneHost() { stop(); }
 
+/// For the scene's thread, which sees between two answers that somebody waits.
+template <class Handler>
+void SceneHost::post(Handler handler) {
+  asio::post(io_, [this, handler = std::move(handler)]() mutable {
+    posts_.fetch_sub(1, std::memory_order_relaxed);
+    handler();
+  });
+  posts_.fetch_add(1, std::memory_order_relaxed);
+}
+
 void SceneHost::start() {
   await_silence();
   thread_ = std::thread([this] { run(); });
@@ -107,7 +79,7 @@ void SceneHost::start() {
 
 void SceneHost::stop() {
   if (!thread_.joinable()) return;
-  asio::post(io_, [this] {
+  post([this] {
     closing_ = true;  // whatever fails from here on, the thread ends
     say(sessions_.shut_down());
     publish();
@@ -129,9 +101,9 @@ struct SceneHost::Asked {
 void SceneHost::ask(control::Message request, std::uint64_t id, const SessionKeys& keys,
                     asio::io_context& back, Completion completion) {
   auto asked = std::make_shared<Asked>(Asked{std::move(request), std::move(completion)});
-  asio::post(io_, [this, asked = std::move(asked), id, keys, &back] {
+  post([this, asked = std::move(asked), id, keys, &back] {
     try {
-      if (!closing_) asked->answer = sessions_.answer(asked->request, id, keys, monotonic_now());
+      if (!closing_) asked->answer = sessions_.answer(asked->request, id, keys, clock_());
     } catch (const std::exception& error) {
       spdlog::error("scene {}: a request was refused, the server failed at it: {}", name_,
                     error.what());
@@ -145,11 +117,11 @@ void SceneHost::ask(control::Message request, std::uint64_t id, const SessionKey
 }
 
 void SceneHost::reload(Scene scene) {
-  asio::post(io_, [this, next = std::make_unique<const Scene>(std::move(scene))]() mutable {
+  post([this, next = std::make_unique<const Scene>(std::move(scene))]() mutable {
     if (closing_) return;
     std::vector<SceneSessions::Farewell> farewells;
     try {
-      farewells = sessions_.enter(*next, monotonic_now());
+      farewells = sessions_.enter(*next, clock_());
     } catch (const std::exception& error) {
       return spdlog::error(
           "scene {}: the server failed to enter the reloaded scene: {}; the scene "
@@ -163,13 +135,13 @@ void SceneHost::reload(Scene scene) {
     scene_ = std::move(next);
     objects_ = static_cast<std::uint32_t>(scene_->objects().size());
     publish();  // a session may have lost its tool
-    told_ = {.ticks_dropped = sessions_.ticks_dropped()};
+    world_log_.begin_anew();
     await_tick();
   });
 }
 
 void SceneHost::evict(std::uint64_t session) {
-  asio::post(io_, [this, session] {
+  post([this, session] {
     if (closing_) return;
     say(sessions_.evict(session));
     publish();
@@ -205,6 +177,11 @@ void SceneHost::turn() {
   await_tick();
   if (busy_poll_.count() > 0) spin();
   if (closing_) return;
+  if (has_datagrams()) {  // taken already, so that the socket wakes nobody for them
+    io_.poll();
+    if (!closing_) serve();
+    return;
+  }
   if (!waiting_) await_datagrams();
   io_.run_one();
 }
@@ -214,7 +191,7 @@ void SceneHost::turn() {
 void SceneHost::recover(const std::exception& failure) noexcept {
   constexpr std::chrono::milliseconds kPause{10};  // no busy loop where it fails again at once
   try {
-    if (const auto times = failures_.count(1, monotonic_now()))
+    if (const auto times = failures_.count(1, clock_()))
       spdlog::error(
           "scene {}: the server failed in it: {} ({} times since the last line); its sessions end, "
           "the scene goes on",
@@ -230,14 +207,16 @@ void SceneHost::recover(const std::exception& failure) noexcept {
 /// Exchanges until nothing has come for the time of busy polling. What others post, and the timer,
 /// has its turn in between.
 void SceneHost::spin() {
-  Nanoseconds quiet_since = monotonic_now();
+  Nanoseconds quiet_since = clock_();
   for (unsigned turn = 1; !closing_; ++turn) {
-    if (turn % kTurnsBetweenLooks == 0) io_.poll();
-    if (sessions_.next_tick()) sessions_.tick(monotonic_now());
-    if (exchange() > 0) {
+    if (turn % kTurnsBetweenLooks == 0 || posts_wait()) io_.poll();
+    if (closing_) return;
+    if (sessions_.next_tick()) sessions_.tick(clock_());
+    std::optional<Nanoseconds> until;
+    if (exchange(until) > 0) {
       quiet_since = kForever;
     } else if (busy_poll_ != kForever) {
-      const Nanoseconds now = monotonic_now();
+      const Nanoseconds now = clock_();
       quiet_since = std::min(quiet_since, now);
       if (now - quiet_since >= busy_poll_) return;
     }
@@ -253,52 +232,6 @@ void SceneHost::await_datagrams() {
   waiting_ = true;
 }
 
-/// Takes what is waiting, up to a limit: then others have their turn, and what is left wakes the
-/// socket again.
-void SceneHost::serve() {
-  for (int i = 0; i < kBatchesAtOnce; ++i)
-    if (exchange() < kBatch) return;
-}
-
-/// Takes up to a batch of datagrams and answers them in one go; says how many there were.
-std::size_t SceneHost::exchange() {
-  Batch& batch = *batch_;
-  const int count =
-      ::recvmmsg(socket_.native_handle(), batch.incoming.data(), kBatch, MSG_DONTWAIT, nullptr);
-  if (count <= 0) return 0;
-  const auto received = static_cast<std::size_t>(count);
-  const Nanoseconds now = monotonic_now();
-  std::size_t answers = 0;
-  for (std::size_t i = 0; i < received; ++i) {
-    Peer& peer = batch.peers[i];
-    peer.length = batch.incoming[i].msg_hdr.msg_namelen;
-    const Bytes datagram{batch.received[i].data(), batch.incoming[i].msg_len};
-    const Bytes answer = sessions_.receive(datagram, peer, now, batch.sent[answers]);
-    if (!answer.empty()) batch.put(answers++, answer.size(), peer);
-  }
-  send(answers);
-  batch.rearm(received);
-  publish();  // a goodbye may have been among them
-  return received;
-}
-
-void SceneHost::send(std::size_t count) noexcept {
-  for (std::size_t done = 0; done < count;) {
-    const int sent = ::sendmmsg(socket_.native_handle(), batch_->outgoing.data() + done,
-                                static_cast<unsigned>(count - done), MSG_DONTWAIT);
-    if (sent > 0) {
-      done += static_cast<std::size_t>(sent);
-    } else if (errno == EAGAIN || errno == EWOULDBLOCK || errno == ENOBUFS) {
-      // No room: the replies are lost like any datagram may be. The next samples are newer anyway.
-      unsent_ += count - done;
-      return;
-    } else if (errno != EINTR) {
-      ++unsent_;  // this one cannot be sent (no route, say); the others can
-      ++done;
-    }
-  }
-}
-
 void SceneHost::await_silence() {
   // A session that floods ends as soon, however long it may be silent.
   silence_timer_.expires_after(std::clamp<Nanoseconds>(silence_timeout_ / 4, kSoonest, kLatest));
@@ -306,8 +239,10 @@ void SceneHost::await_silence() {
     watching_ = false;
     if (error) return;
     await_silence();
-    say(sessions_.expire(monotonic_now()));
+    const Nanoseconds now = clock_();
+    say(sessions_.expire(now));
     publish();
+    tell_of_load(now);
   }));
   watching_ = true;
 }
@@ -320,37 +255,25 @@ void SceneHost::await_tick() {
   tick_timer_.async_wait(in(tick_wait_, [this](const std::error_code& error) {
     ticking_ = false;
     if (error || sessions_.world() == nullptr) return;  // nothing moves in a scene reloaded since
-    sessions_.tick(monotonic_now());
-    tell_of_world();
+    const Nanoseconds now = clock_();
+    sessions_.tick(now);
+    sessions_.spent_otherwise(clock_() - now);
+    tell_of_world(now);
     await_tick();
   }));
   ticking_ = true;
 }
 
-/// What goes on and on is told when there is twice as much of it.
-void SceneHost::tell_of_world() {
-  const WorldCounters& now = sessions_.world()->counters();
-  if (now.resets > told_.resets)
-    spdlog::warn(
-        "scene {}: a step of what moves came to nothing sane; it is back in its last good "
-        "state, at rest ({} times so far)",
-        name_, now.resets);
-  told_.resets = now.resets;
-  const std::uint64_t dropped = sessions_.ticks_dropped();
-  if (dropped >= std::max<std::uint64_t>(1, 2 * told_.ticks_dropped)) {
-    spdlog::warn(
-        "scene {}: what moves cannot keep up with time and goes slower: {} ticks of {} ms dropped "
-        "so far, of {}; fewer bodies that touch, or a longer tick, would help",
-        name_, dropped, kMilliseconds * sessions_.world()->tick(), dropped + now.steps);
-    told_.ticks_dropped = dropped;
-  }
-  if (now.warnings >= std::max<std::uint64_t>(1, 2 * told_.warnings)) {
-    spdlog::warn(
-        "scene {}: MuJoCo left out contacts that it had no room for, or met a singular inertia ({} "
-        "times so far); bodies may pass through each other",
-        name_, now.warnings);
-    told_.warnings = now.warnings;
-  }
+void SceneHost::tell_of_world(Nanoseconds now) {
+  const World& world = *sessions_.world();
+  const WorldNews news{world.counters(), sessions_.ticks_dropped(), world.tick()};
+  for (const std::string& line : world_log_.lines(news, now))
+    spdlog::warn("scene {}: {}", name_, line);
+}
+
+void SceneHost::tell_of_load(Nanoseconds now) {
+  for (const std::string& line : load_log_.lines(sessions_.share().slow(), sessions_.shed(), now))
+    spdlog::warn("scene {}: {}", name_, line);
 }
 
 void SceneHost::say(const std::vector<SceneSessions::Farewell>& farewells) noexcept {
@@ -370,7 +293,7 @@ SceneSummary SceneHost::count() const {
 SceneSummary SceneHost::summary() {
   if (!thread_.joinable()) return count();
   std::promise<SceneSummary> counted;
-  asio::post(io_, [this, &counted] {
+  post([this, &counted] {
     try {
       counted.set_value(count());
     } catch (const std::exception&) {

@@ -10,9 +10,12 @@
 #include <thread>
 
 #include "protocol/busy_poll.hpp"
+#include "protocol/clock.hpp"
+#include "server/load_log.hpp"
 #include "server/log_limit.hpp"
 #include "server/operation_memory.hpp"
 #include "server/scene_sessions.hpp"
+#include "server/world_log.hpp"
 
 namespace feltwire {
 
@@ -32,6 +35,8 @@ struct SceneHostOptions {
   /// Asks for SCHED_FIFO, unless the thread never sleeps, and for memory to be locked.
   bool real_time = false;
   int dscp = 0;  // of the replies (protocol/udp_socket.hpp)
+  /// What time it is; monotonic. Only the scene's thread asks. Tests bring their own.
+  std::function<Nanoseconds()> clock = monotonic_now;
 };
 
 /// What a scene's host did, for the summary.
@@ -85,7 +90,14 @@ class SceneHost {
   void spin();
   void await_datagrams();
   void serve();
-  std::size_t exchange();
+  std::size_t exchange(std::optional<Nanoseconds>& until);
+  bool receive();
+  Nanoseconds tick_apart(Nanoseconds now);
+  Nanoseconds account(Nanoseconds since);
+  bool has_datagrams() const noexcept;
+  bool posts_wait() const noexcept { return posts_.load(std::memory_order_relaxed) > 0; }
+  template <class Handler>
+  void post(Handler handler);
   void send(std::size_t count) noexcept;
   void await_silence();
   void await_tick();
@@ -99,7 +111,8 @@ class SceneHost {
     if (!sessions_.ended().empty()) tell_ended();
   }
   void tell_ended();
-  void tell_of_world();
+  void tell_of_world(Nanoseconds now);
+  void tell_of_load(Nanoseconds now);
   void say(const std::vector<SceneSessions::Farewell>& farewells) noexcept;
   SceneSummary count() const;
   struct Batch;
@@ -109,6 +122,7 @@ class SceneHost {
   std::unique_ptr<const Scene> scene_;
   Nanoseconds silence_timeout_, busy_poll_;
   bool real_time_;
+  std::function<Nanoseconds()> clock_;
   std::function<void(std::vector<EndedSession>)> ended_;
   SceneSessions sessions_;
   // What is begun again and again; they outlive what Asio still holds.
@@ -120,10 +134,12 @@ class SceneHost {
   bool ticking_ = false;   // it waits; the scene's thread only
   bool watching_ = false;  // the silence timer waits; likewise
   LogLimit failures_;
-  struct Told {  // of the world, that the log has
-    std::uint64_t resets = 0, ticks_dropped = 0, warnings = 0;
-  } told_;
+  WorldLog world_log_;
+  LoadLog load_log_;
   std::unique_ptr<Batch> batch_;  // buffers of one exchange
+  bool slow_ = false;             // answers take so long that the clock is read for each
+  Nanoseconds served_at_{0};      // when the newest exchange had its answers
+  std::atomic<int> posts_{0};     // that have not had their turn
   std::uint16_t port_ = 0;
   std::uint64_t unsent_ = 0;
   bool closing_ = false;  // the scene's thread only

@@ -7,6 +7,7 @@
 #include <thread>
 
 #include "core/long_work.hpp"
+#include "server/answer_time.hpp"
 
 namespace feltwire {
 namespace {
@@ -20,6 +21,8 @@ Scene load_scene_and_warn(const std::filesystem::path& file) {
   Scene scene = load_scene(file);
   for (const std::string& warning : scene.warnings())
     spdlog::warn("{}: {}", file.string(), warning);
+  if (const auto slow = warning_of_slow_answers(scene))
+    spdlog::warn("{}: {}", file.string(), *slow);
   return scene;
 }
 

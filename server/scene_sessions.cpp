@@ -5,7 +5,7 @@
 
 #include "core/build_info/build_info.hpp"
 #include "protocol/grant.hpp"
-#include "server/sample_rate.hpp"
+#include "server/seat.hpp"
 
 namespace feltwire {
 namespace {
@@ -62,6 +62,8 @@ std::string_view text(SessionEnd how) {
       return "the client sent far more samples than it may";
     case SessionEnd::forged:
       return "too many datagrams with its number were forged";
+    case SessionEnd::disturbing:
+      return "its hand broke the simulation of what moves again and again";
     case SessionEnd::evicted:
       return "it was evicted";
     case SessionEnd::tool_gone:
@@ -78,19 +80,6 @@ control::Refused unknown_session(std::uint64_t id) {
   return {control::RefusalCode::unknown_session,
           "there is no session " + std::to_string(id) + " here; it may have ended by silence"};
 }
-
-/// A session and what belongs to its transport.
-struct SceneSessions::Seat {
-  std::uint64_t id;
-  Session session;
-  Nanoseconds last_heard;
-  Opener opener;  // of what comes
-  Sealer sealer;  // of what goes
-  SampleRate rate;
-  Peer peer;         // of the newest datagram with a newer sample
-  Watch watch;       // of an observer
-  std::string tool;  // that was asked for; empty: the scene's first
-};
 
 /// Where and when a datagram came.
 struct SceneSessions::Origin {
@@ -114,7 +103,8 @@ SceneSessions::SceneSessions(const Scene& scene, Nanoseconds silence_timeout,
       max_sessions_(max_sessions),
       line_(line),
       limits_(limits),
-      by_id_(max_sessions) {
+      by_id_(max_sessions),
+      share_(max_sessions) {
   seats_.reserve(max_sessions);
   hands_.reserve(max_sessions);
   ended_.reserve(max_sessions);
@@ -141,7 +131,7 @@ std::vector<SceneSessions::Farewell> SceneSessions::enter(const Scene& scene, Na
     if (const Scene* held = scene.held(seats_[i]->tool); held == nullptr)
       farewells.push_back(farewell(*seats_[i], GoodbyeReason::evicted));
     else
-      places[i] = Session::Place(*held, world.get());
+      places[i] = Session::Place(*held, world.get(), seats_[i]->session.limits());
 
   if (world_ != nullptr) add(counters_.world, world_->counters());
   const std::unique_ptr<World> before = std::move(world_);  // until no session is in it any more
@@ -224,6 +214,8 @@ control::Message SceneSessions::join(control::JoinRequest request, std::uint64_t
     if (!by_id_.insert(id, seat.get()))
       return control::Refused{control::RefusalCode::full, "no session id is free; try again"};
     if (seats_.empty()) last_tick_ = now;
+    const SessionParameters& parameters = request.parameters;
+    seat->share = share_.add(parameters.packet_interval * parameters.servo_period);
     seats_.push_back(std::move(seat));
   } catch (const std::invalid_argument& error) {
     return control::Refused{refusal_code(request), error.what()};
@@ -258,32 +250,11 @@ Bytes SceneSessions::miss(const Header& header) noexcept {
   return {};
 }
 
-void SceneSessions::tick(Nanoseconds now) noexcept {
-  if (world_ == nullptr || seats_.empty()) return;
-  const auto due = (now - last_tick_) / tick_;
-  if (due == 0) return;
-  const auto late = due - most_ticks_;
-  if (late > 0) [[unlikely]] {
-    last_tick_ += late * tick_;
-    counters_.ticks_dropped += static_cast<std::uint64_t>(late);
-  }
-  most_ticks_ = late > 0 ? std::max(1, most_ticks_ / 2) : std::min(kMostTicks, 2 * most_ticks_);
-  while (now - last_tick_ >= tick_) {
-    for (const auto& seat : seats_) seat->session.push(seconds(last_tick_ - seat->last_heard));
-    world_->step();
-    last_tick_ += tick_;
-  }
-}
-
-std::optional<Nanoseconds> SceneSessions::next_tick() const {
-  if (world_ == nullptr || seats_.empty()) return std::nullopt;
-  return last_tick_ + tick_;
-}
-
 // The checks stand in the order of PROTOCOL.md.
 Bytes SceneSessions::receive(Bytes datagram, const Peer& from, Nanoseconds now,
                              DatagramBuffer& out) noexcept {
   ++counters_.datagrams;
+  share_.take_up();
   if (world_ != nullptr) tick(now);
   const Guarded guarded = guard(datagram, kReceived);
   if (guarded.drop != DropReason::none) return drop(guarded.drop);
@@ -294,8 +265,13 @@ Bytes SceneSessions::receive(Bytes datagram, const Peer& from, Nanoseconds now,
   const Opened opened = seat.opener.open(guarded.header, datagram, opened_);
   if (opened.drop == DropReason::packet_number) seat.session.count_duplicate();
   if (opened.drop != DropReason::none) return drop(opened.drop);
+  share_.attribute_to(seat.share);
   if (guarded.header.kind == DatagramKind::samples) {
     if (!seat.rate.admit(now)) return drop(DropReason::rate);
+    if (!share_.admit(seat.share)) [[unlikely]] {
+      ++counters_.shed;
+      return drop(DropReason::rate);
+    }
     const bool newest = guarded.header.packet_number == seat.opener.highest();
     return receive_samples(seat, opened.payload, {from, newest, now}, out);
   }
@@ -338,6 +314,7 @@ void SceneSessions::end(Seat& seat, SessionEnd how) noexcept {
   if (ended_.size() == ended_.capacity()) ended_.clear();
   ended_.push_back({seat.id, how});
   by_id_.erase(seat.id);
+  share_.remove(seat.share);
   gone_[next_gone_++ % gone_.size()] = seat.id;
   std::erase_if(hands_, [&](const ActingHand& hand) { return hand.session == &seat.session; });
   std::erase_if(seats_, [&](const auto& other) { return other.get() == &seat; });
@@ -354,6 +331,8 @@ std::optional<SceneSessions::Ending> SceneSessions::ending(const Seat& seat,
                                                            Nanoseconds now) const noexcept {
   if (seat.rate.flooding())
     return Ending{GoodbyeReason::flooding, &SceneCounters::flooded, SessionEnd::flooded};
+  if (seat.disturbing)
+    return Ending{GoodbyeReason::disturbing, &SceneCounters::disturbing, SessionEnd::disturbing};
   if (seat.opener.exhausted())
     return Ending{GoodbyeReason::evicted, &SceneCounters::forged, SessionEnd::forged};
   if (now - seat.last_heard >= silence_timeout_)

@@ -14,6 +14,7 @@
 #include "protocol/profiles.hpp"
 #include "protocol/scene_view.hpp"
 #include "protocol/seal.hpp"
+#include "server/fair_share.hpp"
 #include "server/id_map.hpp"
 #include "server/session.hpp"
 #include "server/watch.hpp"
@@ -33,6 +34,10 @@ struct SessionLimits {
   /// Datagrams under its id that were not sealed with its keys; never more than the cipher stands
   /// (forgery_limit).
   std::uint64_t forgeries = ~std::uint64_t{0};
+  /// Resets of what moves that its hand is blamed for: so many at once, and again within the time
+  /// [s]; with one more the session ends.
+  static constexpr int kResets = 5;
+  static constexpr double kResetTime = 10.0;
 };
 
 struct SceneCounters {
@@ -40,12 +45,15 @@ struct SceneCounters {
   // How they ended: by goodbye or request, by silence, by flooding, by too many forgeries, by an
   // admin or because their token is good no more or their tool is in the scene no more.
   std::uint64_t left = 0, silent = 0, flooded = 0, forged = 0, evicted = 0;
+  std::uint64_t disturbing = 0;     // ended as well, for they broke what moves again and again
   std::uint64_t failed = 0;         // ended as well, for the server failed in this scene
   std::uint64_t datagrams = 0;      // received
   std::uint64_t late_goodbyes = 0;  // of these, under the number of a session that had just ended
   SessionCounters samples;          // over all sessions
   WorldCounters world;              // zero where nothing moves
   std::uint64_t ticks_dropped = 0;  // of the world, when the thread could not keep up
+  std::uint64_t shed =
+      0;  // of the drops by rate, those of sessions above their share of the thread
   std::array<std::uint64_t, kDropReasons> drops{};
 };
 
@@ -56,6 +64,7 @@ enum class SessionEnd : std::uint8_t {
   silent,
   flooded,
   forged,
+  disturbing,
   evicted,
   tool_gone,
   failed,
@@ -89,6 +98,18 @@ class SceneSessions {
   /// when there is none. Never allocates.
   Bytes receive(Bytes datagram, const Peer& from, Nanoseconds now, DatagramBuffer& out) noexcept;
 
+  /// What was received since the last of these calls took so long together (FairShare). Never
+  /// allocates.
+  void spent(Nanoseconds time, Nanoseconds now) noexcept {
+    share_.charge(time);
+    share_.balance(now);
+  }
+  /// Something that no session caused, as a tick, took so long.
+  void spent_otherwise(Nanoseconds time) noexcept { share_.charge_other(time); }
+  const FairShare& share() const { return share_; }
+  /// So many datagrams of sessions above their share were dropped so far.
+  std::uint64_t shed() const { return counters_.shed; }
+
   /// Steps what moves up to `now`, each session's push with it; so does every datagram received.
   /// While nobody is here time stands still. After a stall at most kMostTicks are made up for, the
   /// rest of the time is dropped; where that happens again and again, as ticks take longer than
@@ -113,8 +134,8 @@ class SceneSessions {
   /// looked at any more. Allocates; throws and changes nothing where there is no memory for it.
   std::vector<Farewell> enter(const Scene& scene, Nanoseconds now);
 
-  /// Ends the sessions that have been silent for too long, that flooded, or under whose id too much
-  /// came that was not theirs.
+  /// Ends the sessions that have been silent for too long, that flooded, that broke what moves
+  /// again and again, or under whose id too much came that was not theirs.
   std::vector<Farewell> expire(Nanoseconds now);
   /// Ends one session, if it is there.
   std::vector<Farewell> evict(std::uint64_t id);
@@ -148,6 +169,7 @@ class SceneSessions {
   std::optional<Ending> ending(const Seat& seat, Nanoseconds now) const noexcept;
   void end(Seat& seat, SessionEnd how) noexcept;
   Farewell take_away(Seat& seat, SessionEnd how);
+  void blame(Nanoseconds now) noexcept;
   Bytes drop(DropReason reason) noexcept;
   Bytes miss(const Header& header) noexcept;
   Farewell farewell(Seat& seat, GoodbyeReason reason);
@@ -163,6 +185,7 @@ class SceneSessions {
   std::vector<std::unique_ptr<Seat>> seats_;  // in the order they joined
   std::vector<ActingHand> hands_;             // of those, without the observers'
   IdMap<Seat*> by_id_;
+  FairShare share_;
   std::array<std::uint64_t, 64> gone_{};  // the sessions that ended last
   std::size_t next_gone_ = 0;
   std::vector<EndedSession> ended_;  // no more than there were sessions between two joins

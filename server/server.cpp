@@ -296,13 +296,15 @@ std::string text(const std::vector<SceneSummary>& summary) {
   for (const SceneSummary& scene : summary) {
     const SceneCounters& c = scene.counters;
     lines += fmt::format(
-        "scene {}: sessions {} (left {}, silent {}, flooded {}, forged {}, evicted {}, failed {}), "
+        "scene {}: sessions {} (left {}, silent {}, flooded {}, forged {}, disturbing {}, evicted "
+        "{}, "
+        "failed {}), "
         "samples {}, "
         "replies {} ({} withheld), gaps {} "
         "({} samples missed), unsent {}\n",
-        scene.scene, c.sessions_served, c.left, c.silent, c.flooded, c.forged, c.evicted, c.failed,
-        c.samples.samples, c.samples.replies, c.samples.withheld, c.samples.gaps, c.samples.missed,
-        scene.unsent);
+        scene.scene, c.sessions_served, c.left, c.silent, c.flooded, c.forged, c.disturbing,
+        c.evicted, c.failed, c.samples.samples, c.samples.replies, c.samples.withheld,
+        c.samples.gaps, c.samples.missed, scene.unsent);
     std::string drops;
     for (std::size_t i = 1; i < c.drops.size(); ++i)
       if (c.drops[i] > 0)

@@ -64,7 +64,7 @@ Session::Session(const control::JoinRequest& request, const Scene& scene, World*
       scene_(&scene),
       world_(world),
       contacts_(scene.memory()),
-      grasp_(world != nullptr ? world->grasp(scene) : Grasp{}),
+      grasp_(world != nullptr ? world->grasp(scene, limits()) : Grasp{}),
       bounding_(bounding_config(parameters_, device_)),
       velocity_(parameters_.velocity_cutoff),
       observer_(device_.damping, device_.rotational_damping, parameters_.servo_period),
@@ -179,11 +179,11 @@ void Session::step(const Sample& sample, bool rotation, Reply& reply) noexcept {
   ++counters_.samples;
 }
 
-Session::Place::Place(const Scene& entered, World* run)
+Session::Place::Place(const Scene& entered, World* run, const HandLimits& limits)
     : scene(&entered),
       world(run),
       contacts(entered.memory()),
-      grasp(run != nullptr ? run->grasp(entered) : Grasp{}) {}
+      grasp(run != nullptr ? run->grasp(entered, limits) : Grasp{}) {}
 
 void Session::enter(Place place) noexcept {
   ++reloads_;

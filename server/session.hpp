@@ -23,6 +23,12 @@ struct SessionCounters {
   std::uint64_t duplicates = 0;  // datagrams that brought nothing new
 };
 
+/// What the hand at such a device may do to the moving objects: no more force than the device can
+/// give to the hand, and no more speed than a hand has.
+inline HandLimits hand_limits(const DeviceSpec& device) {
+  return {.force = device.max_force, .speed = kFastestHand};
+}
+
 /// What a batch came to: `reply` holds when `drop` is none, and goes out unless it is `withheld`.
 struct Taken {
   DropReason drop = DropReason::none;
@@ -49,11 +55,14 @@ class Session {
   /// command does. `age` [s] of that sample. Precondition: the session has a world.
   void push(double age) noexcept;
 
+  /// Of a step of the world that came to nothing: World::blame() of this hand.
+  double blame() const noexcept { return world_ == nullptr ? 0.0 : world_->blame(grasp_); }
+
   /// A scene and its world for a hand that has touched nothing in them yet. Both must outlive the
   /// sessions in them. Allocates.
   struct Place {
     Place() = default;
-    Place(const Scene& entered, World* run);
+    Place(const Scene& entered, World* run, const HandLimits& limits = {});
     const Scene* scene = nullptr;
     World* world = nullptr;
     TouchMemory contacts;
@@ -62,6 +71,8 @@ class Session {
   /// The hand is in another scene from its next sample on; what it is given comes from the bound it
   /// had. Precondition: the place has a scene.
   void enter(Place place) noexcept;
+  /// What the hand may do to the moving objects.
+  HandLimits limits() const { return hand_limits(device_); }
 
   /// Counts a datagram of this session whose packet number had been seen.
   void count_duplicate() noexcept { ++counters_.duplicates; }

@@ -27,6 +27,7 @@ std::string scene_json(const SceneSummary& scene) {
                             {"silent", number(c.silent)},
                             {"flooded", number(c.flooded)},
                             {"forged", number(c.forged)},
+                            {"disturbing", number(c.disturbing)},
                             {"evicted", number(c.evicted)},
                             {"datagrams", number(c.datagrams)},
                             {"late_goodbyes", number(c.late_goodbyes)},
@@ -36,6 +37,7 @@ std::string scene_json(const SceneSummary& scene) {
                             {"gaps", number(c.samples.gaps)},
                             {"missed", number(c.samples.missed)},
                             {"duplicates", number(c.samples.duplicates)},
+                            {"shed", number(c.shed)},
                             {"unsent", number(scene.unsent)},
                             {"dropped", drops(c)}});
 }

@@ -3,6 +3,7 @@
 // and objects have come far enough together (Verlet 1967, "Computer 'experiments' on classical
 // fluids"). So a scene of thousands costs what the few near the tool cost.
 
+#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <span>
@@ -42,6 +43,12 @@ class MovingReach {
   /// [m] from the middle of an object's ball, squared: the tool at `position` does not touch it.
   bool is_outside(std::size_t i, const Vec3& position) const noexcept {
     return (position - balls_[i].center).squaredNorm() > balls_[i].square;
+  }
+  /// The point of the object's ball that is nearest to `position`.
+  Vec3 nearest(std::size_t i, const Vec3& position) const noexcept {
+    const Vec3 way = position - balls_[i].center;
+    if (!(way.squaredNorm() > balls_[i].square)) return position;
+    return balls_[i].center + std::sqrt(balls_[i].square / way.squaredNorm()) * way;
   }
   /// [m^2] of the ball's radius.
   double square(std::size_t i) const { return balls_[i].square; }

@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "core/numeric.hpp"
+#include "core/scene/broken_trees.hpp"
 #include "core/scene/mechanism.hpp"
 #include "core/scene/mujoco_room.hpp"
 
@@ -36,6 +37,7 @@ struct World::Run {
   explicit Run(const Mechanism& mechanism)
       : simulation(simulation_of(mechanism)), parts(mechanism.parts()) {
     initial = snapshot_of(0);
+    broken_trees = BrokenTrees(model());
     ring.assign(kSnapshots, initial);
   }
 
@@ -97,6 +99,24 @@ struct World::Run {
     return count;
   }
 
+  /// Marks what MuJoCo's own warnings of the last step name. False where they name something that
+  /// is not known here.
+  bool mark_warned() noexcept {
+    const auto number = [&](int kind) { return data()->warning[kind].number; };
+    const auto index = [&](int kind) { return data()->warning[kind].lastinfo; };
+    for (const int kind : {mjWARN_BADQVEL, mjWARN_BADQACC}) {
+      if (number(kind) == 0) continue;
+      if (index(kind) < 0 || index(kind) >= model().nv) return false;
+      broken_trees.mark(model().dof_bodyid[index(kind)]);
+    }
+    if (number(mjWARN_BADQPOS) == 0) return true;
+    int joint = model().njnt - 1;
+    while (joint >= 0 && model().jnt_qposadr[joint] > index(mjWARN_BADQPOS)) --joint;
+    if (joint < 0) return false;
+    broken_trees.mark(model().jnt_bodyid[joint]);
+    return true;
+  }
+
   const mjModel& model() const { return simulation.model(); }
   mjData* data() const { return simulation.data(); }
 
@@ -105,9 +125,15 @@ struct World::Run {
   Snapshot initial;
   std::vector<Snapshot> ring;
   std::size_t newest = 0, kept = 0;
+  BrokenTrees broken_trees;  // of the last step that came to nothing
 };
 
 namespace {
+
+/// The share of so much force [N] that its limit lets a hand put on what moves.
+double allowed(const Grasp& grasp, double force) {
+  return force > grasp.most_force ? grasp.most_force / force : 1.0;
+}
 
 const Mechanism& mechanism_of(const Scene& scene) {
   if (scene.mechanism() == nullptr)
@@ -162,14 +188,18 @@ void World::look() noexcept {
   for (Held& held : held_) held.reach.placed();
 }
 
+bool World::sane(std::size_t part) const noexcept {
+  // Written so that a NaN is not sane.
+  if (!(length(motions_[part].linear) <= kLargestSpeed)) return false;
+  if (!(length(motions_[part].angular) <= kLargestTurn)) return false;
+  const Pose& pose = objects()[still_ + part].pose;
+  return pose.position.allFinite() && pose.orientation.coeffs().allFinite();
+}
+
 bool World::sane() const noexcept {
   if (run_->broken()) return false;
-  for (std::size_t i = 0; i < parts_; ++i) {  // written so that a NaN is not sane
-    if (!(length(motions_[i].linear) <= kLargestSpeed)) return false;
-    if (!(length(motions_[i].angular) <= kLargestTurn)) return false;
-    const Pose& pose = objects()[still_ + i].pose;
-    if (!pose.position.allFinite() || !pose.orientation.coeffs().allFinite()) return false;
-  }
+  for (std::size_t i = 0; i < parts_; ++i)
+    if (!sane(i)) return false;
   return true;
 }
 
@@ -185,9 +215,11 @@ bool World::step() noexcept {
   trust_ = std::min(1.0, trust_ + tick_ / kRecovery);
   if (done) look();
   if (!done || !sane()) {
+    find_broken(!done);
     go_back();
     return false;
   }
+  run_->broken_trees.remember(*run_->data());
   const auto interval = static_cast<std::uint64_t>(std::llround(kSnapshotInterval / tick_));
   if (counters_.steps % interval == 0) run_->keep(counters_.steps);
   return true;
@@ -205,6 +237,29 @@ void World::go_back() noexcept {
   for (Held& held : held_) held.reach.begin_anew();
   trust_ = 0.0;
   ++counters_.resets;
+  reset_before_ = last_reset_;
+  last_reset_ = counters_.steps;
+}
+
+void World::find_broken(bool gave_up) noexcept {
+  BrokenTrees& broken = run_->broken_trees;
+  broken.clear();
+  if (gave_up || !run_->mark_warned()) broken.mark_all();
+  for (std::size_t i = 0; i < parts_; ++i)
+    if (!sane(i)) broken.mark(run_->parts[i].body);
+  broken.spread();
+}
+
+double World::blame(const Grasp& grasp) const noexcept {
+  const auto age = static_cast<std::uint64_t>(std::llround(kBlameAge / tick_));
+  double hardest = 0.0;
+  for (std::size_t i = 0; i < grasp.strains.size(); ++i) {
+    const Strain& strain = grasp.strains[i];
+    const bool lately = strain.step > reset_before_ && strain.step + age >= last_reset_;
+    if (lately && run_->broken_trees.has(run_->parts[i].body))
+      hardest = std::max(hardest, strain.force);
+  }
+  return hardest;
 }
 
 Vec3 World::velocity_at(std::size_t object, const Vec3& point) const noexcept {
@@ -235,14 +290,24 @@ void World::push(Grasp& grasp, TouchMemory& memory, double share) noexcept {
     ask_near({grasp.tool.position, Vec3::Zero()}, memory, grasp, unused);
   }
   grasp.fresh = false;
-  for (const std::uint32_t part : grasp.near.parts) apply(part, grasp, share);
+  double force = 0.0;  // [N]
+  for (const std::uint32_t part : grasp.near.parts) force += length(grasp.forces[part]);
+  const double given = share * allowed(grasp, force);
+  const MovingReach& reach = held_[grasp.held].reach;
+  for (const std::uint32_t part : grasp.near.parts)
+    apply(part, grasp, reach.nearest(part, grasp.tool.position), given);
 }
 
-void World::apply(std::size_t part, const Grasp& grasp, double share) noexcept {
+void World::apply(std::size_t part, Grasp& grasp, const Vec3& at, double share) noexcept {
   const Vec3 force = -share * grasp.forces[part], torque = -share * grasp.torques[part];
   if ((force.isZero(0.0) && torque.isZero(0.0)) || !force.allFinite() || !torque.allFinite())
     return;
-  mj_applyFT(&run_->model(), run_->data(), force.data(), torque.data(), grasp.tool.position.data(),
+  Strain& strain = grasp.strains[part];
+  const std::uint64_t next = counters_.steps + 1;  // the step that takes this push
+  const auto age = static_cast<std::uint64_t>(std::llround(kBlameAge / tick_));
+  const double hard = length(force);
+  if (hard >= strain.force || strain.step + age < next) strain = {hard, next};
+  mj_applyFT(&run_->model(), run_->data(), force.data(), torque.data(), at.data(),
              run_->parts[part].body, run_->data()->qfrc_applied);
 }
 
@@ -252,7 +317,10 @@ void World::push(Grasp& grasp, BodyMemory& memory, double share) noexcept {
   // Where no sample came the hand is taken to stand.
   if (!grasp.fresh || grasp.resets != counters_.resets) hold(grasp.device, tick_, memory, grasp);
   grasp.fresh = false;
-  for (std::size_t i = 0; i < parts_; ++i) apply(i, grasp, share);
+  double force = 0.0;  // [N]
+  for (const Vec3& part : grasp.forces) force += length(part);
+  const double given = share * allowed(grasp, force);
+  for (std::size_t i = 0; i < parts_; ++i) apply(i, grasp, grasp.tool.position, given);
 }
 
 }  // namespace feltwire

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/contact/local_model.hpp"
+#include "core/scene/hand_pace.hpp"
 #include "core/scene/moving_reach.hpp"
 #include "core/scene/scene.hpp"
 #include "core/tool/body_tool.hpp"
@@ -16,16 +17,26 @@ namespace feltwire {
 /// Of a moving object to a tool: not in its list, in the list, or asked by its last sample.
 enum class Nearness : std::uint8_t { far, near, asked };
 
+/// The hardest that a hand pushed an object lately.
+struct Strain {
+  double force = 0.0;      // [N]
+  std::uint64_t step = 0;  // of the world, then
+};
+
 /// One tool's hold on the moving objects: what it put on them last.
 struct Grasp {
   std::size_t held = 0;  // which of the scene's tools it is: 0 its own, then its others()
   Tool tool;
   std::vector<Vec3> forces;  // [N] on the hand, one for each moving object
   NearMoving near;           // of a point or a ball: these alone are asked; others have no force
-  std::vector<Nearness> nearness;  // likewise, of each moving object
-  bool fresh = false;              // of the tool's newest sample, and no step since
-  std::uint64_t resets = 0;        // of the world, that the contact memory knows of
-  std::uint64_t steps = 0;         // of the world, when it was last asked
+  std::vector<Nearness> nearness;        // likewise, of each moving object
+  bool fresh = false;                    // of the tool's newest sample, and no step since
+  std::uint64_t resets = 0;              // of the world, that the contact memory knows of
+  std::uint64_t steps = 0;               // of the world, when it was last asked
+  double most_force = HandLimits::kOff;  // [N] on all moving objects together
+  HandPace pace;
+  bool placed = false;          // a sample has come
+  std::vector<Strain> strains;  // one for each moving object
 
   // Of a tool with a body; `tool` is then where the scene holds it.
   Pose device;                        // where the hand holds it
@@ -62,17 +73,21 @@ class World {
   bool recovering() const { return trust_ < 1.0; }
   /// Share of its force that an object is felt with: 1, of one that moves less while recovering().
   double trust(std::size_t object) const { return object < still_ ? 1.0 : trust_; }
+  /// So many ticks of time have passed that are not stepped (the server could not keep up): hands
+  /// have moved in them.
+  void let_pass(std::uint64_t ticks) noexcept { passed_ += ticks; }
   /// [N s] linear momentum of the bodies.
   Vec3 momentum() const noexcept;
 
   Grasp grasp() const { return grasp(scene()); }
   /// Of a hand that feels this scene: the world's or one of its others(), else
   /// std::invalid_argument.
-  Grasp grasp(const Scene& held) const;
+  Grasp grasp(const Scene& held, const HandLimits& limits = {}) const;
 
   /// As Scene::touch() of the scene that the grasp was made for, with the moving objects where they
   /// are and as fast as they are. What they put on the hand is kept in `grasp`; push() puts the
-  /// opposite on them.
+  /// opposite on them. A hand that is faster than its limit since its last sample lets go of what
+  /// moves, and both feel each other from nothing again, whole after kRecovery.
   Command touch(const Tool& tool, TouchMemory& memory, Grasp& grasp) const noexcept;
   /// Likewise as Scene::touch() of a tool with a body.
   Command touch(const Pose& device, const Vec3& velocity, double elapsed, BodyMemory& memory,
@@ -82,7 +97,10 @@ class World {
   /// sample takes exactly the forces that touch() answered with, negated, at the tool: Newton's
   /// third law, moments included. At a further one the hand is taken to stand where it was, and the
   /// forces are those that the bodies meet it with now: a force held on while the body moves would
-  /// be a spring that answers late, and gain energy.
+  /// be a spring that answers late, and gain energy. Where the forces are together more than the
+  /// hand's limit, all are scaled down alike, torques with them. A point or ball that has been
+  /// pushed out of an object's ball of reach, with the surface behind it, pushes at the nearest
+  /// point of that ball: no lever is longer than the object.
   void push(Grasp& grasp, TouchMemory& memory, double share) noexcept;
   void push(Grasp& grasp, BodyMemory& memory, double share) noexcept;
 
@@ -92,6 +110,13 @@ class World {
   /// good enough; and moving objects are felt from zero again, whole after kRecovery.
   bool step() noexcept;
 
+  /// After a step() that came to nothing: how hard [N] that hand has pushed what broke, since the
+  /// reset before and at most kBlameAge ago; 0: it had no part in it. What broke is each object
+  /// that is not sane, with all that it hangs together with by joints or contacts; where MuJoCo
+  /// gave up and does not say at what, it is everything.
+  double blame(const Grasp& grasp) const noexcept;
+
+  static constexpr double kBlameAge = 0.1;        // [s]
   static constexpr double kGoodAge = 0.2;         // [s]
   static constexpr double kRecovery = 0.5;        // [s]
   static constexpr double kLargestSpeed = 100.0;  // [m/s] of a body
@@ -103,10 +128,14 @@ class World {
   struct Held;
   void look() noexcept;
   bool sane() const noexcept;
+  bool sane(std::size_t part) const noexcept;
+  void find_broken(bool gave_up) noexcept;
   void go_back() noexcept;
   void forget_moving(Grasp& grasp, TouchMemory& memory) const noexcept;
+  std::uint64_t time() const noexcept { return counters_.steps + passed_; }
+  double way_of(const Grasp& grasp, const Pose& next) const noexcept;
   Command hold(const Pose& device, double elapsed, BodyMemory& memory, Grasp& grasp) const noexcept;
-  void apply(std::size_t part, const Grasp& grasp, double share) noexcept;
+  void apply(std::size_t part, Grasp& grasp, const Vec3& at, double share) noexcept;
   void look_round(const Held& held, const Vec3& position, TouchMemory& memory,
                   Grasp& grasp) const noexcept;
   void ask_near(const Tool& tool, TouchMemory& memory, Grasp& grasp, Command& sum) const noexcept;
@@ -140,6 +169,8 @@ class World {
   std::vector<Held> held_;  // never empty
   double trust_ = 1.0;      // share of a moving object's force that is felt
   WorldCounters counters_;
+  std::uint64_t passed_ = 0;                         // ticks that were not stepped
+  std::uint64_t last_reset_ = 0, reset_before_ = 0;  // [steps]
   std::unique_ptr<Run> run_;
 };
 

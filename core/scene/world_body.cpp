@@ -4,19 +4,31 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "core/numeric.hpp"
 #include "core/scene/world.hpp"
 
 namespace feltwire {
 
-Grasp World::grasp(const Scene& held) const {
+/// [m] that a point of a grasp's tool may have gone from its last pose to the next.
+double World::way_of(const Grasp& grasp, const Pose& next) const noexcept {
+  if (!grasp.placed) return 0.0;
+  const double radius = scene(grasp.held).tool().body->shell().radius;
+  return length(Vec3(next.position - grasp.device.position)) +
+         radius * length(rotation_between(grasp.device.orientation, next.orientation));
+}
+
+Grasp World::grasp(const Scene& held, const HandLimits& limits) const {
   const auto found = std::ranges::find(held_, &held, &Held::scene);
   if (found == held_.end())
     throw std::invalid_argument("scene '" + held.name() +
                                 "' is not this world's; ask for a grasp of one of its tools");
   Grasp grasp;
+  grasp.most_force = limits.force;
+  grasp.pace = HandPace(limits.speed, tick_, kRecovery);
   grasp.held = static_cast<std::size_t>(found - held_.begin());
   grasp.forces.assign(parts_, Vec3::Zero());
   grasp.torques.assign(parts_, Vec3::Zero());
+  grasp.strains.resize(parts_);
   grasp.near.parts.reserve(parts_);
   grasp.nearness.assign(parts_, Nearness::far);
   if (held.tool().body) grasp.motions.resize(held.objects().size());
@@ -31,9 +43,10 @@ Command World::hold(const Pose& device, double elapsed, BodyMemory& memory,
   }
   const double moved_for = tick_ * static_cast<double>(counters_.steps - grasp.steps);
   grasp.steps = counters_.steps;
+  const double trust = trust_ * grasp.pace.trust(time());
   for (std::size_t i = 0; i < parts_; ++i)
     grasp.motions[still_ + i] = {moved_for * motions_[i].linear, moved_for * motions_[i].angular,
-                                 trust_};
+                                 trust};
   memory.known = false;
   const Held& held = held_[grasp.held];
   const BodyStep step =
@@ -55,6 +68,8 @@ Command World::touch(const Pose& device, const Vec3& velocity, double elapsed, B
                      Grasp& grasp) const noexcept {
   if (grasp.motions.size() != objects().size() || !device.position.allFinite()) [[unlikely]]
     return {};
+  if (!grasp.pace.follow(way_of(grasp, device), time())) memory = {};
+  grasp.placed = true;
   Command command = hold(device, elapsed, memory, grasp);
   grasp.device = device;
   grasp.fresh = true;

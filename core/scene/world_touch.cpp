@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/numeric.hpp"
 #include "core/scene/world.hpp"
 
 namespace feltwire {
@@ -100,8 +101,9 @@ void World::ask(const Held& held, std::size_t part, const Tool& tool, TouchMemor
   }
   nearness = outside && !follows ? Nearness::near : Nearness::asked;
   const Vec3 against = tool.velocity - velocity_at(object, tool.position);
-  const Command answer = trust_ * feltwire::touch(held.objects[object], {tool.position, against},
-                                                  memory[object], held.scene->tool().radius);
+  const Command answer = trust_ * grasp.pace.trust(time()) *
+                         feltwire::touch(held.objects[object], {tool.position, against},
+                                         memory[object], held.scene->tool().radius);
   grasp.forces[part] = answer.force();
   if (outside && memory[object].feature.side == 0) nearness = Nearness::near;  // it has let go
   sum.elastic += answer.elastic;
@@ -121,7 +123,10 @@ Command World::touch(const Tool& tool, TouchMemory& memory, Grasp& grasp) const 
   if (!tool.position.allFinite() || !tool.velocity.allFinite() ||
       memory.size() != objects().size() || grasp.nearness.size() != parts_) [[unlikely]]
     return {};
-  if (grasp.resets != counters_.resets) forget_moving(grasp, memory);
+  const double way = grasp.placed ? length(Vec3(tool.position - grasp.tool.position)) : 0.0;
+  grasp.placed = true;
+  const bool jumped = !grasp.pace.follow(way, time());
+  if (jumped || grasp.resets != counters_.resets) forget_moving(grasp, memory);
   Command sum = scene(grasp.held).touch_still(tool, memory);
   ask_near(tool, memory, grasp, sum);
   if (!scene(grasp.held).guides().empty()) scene(grasp.held).add_guides(tool, sum);

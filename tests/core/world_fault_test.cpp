@@ -7,7 +7,9 @@
 #include <cmath>
 #include <vector>
 
+#include "core/scene/broken_trees.hpp"
 #include "core/scene/mujoco_guard.hpp"
+#include "core/scene/mujoco_room.hpp"
 #include "core/scene/near.hpp"
 #include "core/scene/world.hpp"
 #include "tests/core/moving.hpp"
@@ -113,6 +115,59 @@ TEST(WorldFaults, TheLocalModelGoesSoftWithTheScene) {
   for (int n = 0; n < 400; ++n) world.step();
   EXPECT_FALSE(world.recovering());
   EXPECT_EQ(stiffness(1), 1e7);
+}
+
+/// What a broken body touched before has to do with it, and what hangs on that by contacts; what
+/// stands ties nothing together.
+TEST(WorldFaults, WhatTouchesWhatBrokeBelongsToIt) {
+  const auto box = [](const char* name, const Vec3& at) {
+    return object(name, Box{Vec3::Constant(0.02)}, {.stiffness = 1000}, at);
+  };
+  const Vec3 low(0, 0, 0.0199), middle(0, 0, 0.0598), top(0, 0, 0.0997), apart(0.5, 0, 0.0199);
+  const Scene scene = moving({object("table", Plane{}), box("low", low), box("middle", middle),
+                              box("top", top), box("apart", apart)},
+                             {-1, 0, 1, 2, 3},
+                             {body("low", 1.0, low), body("middle", 1.0, middle),
+                              body("top", 1.0, top), body("apart", 1.0, apart)});
+  const mujoco::Simulation simulation(scene.mechanism()->model());
+  BrokenTrees broken(scene.mechanism()->model());
+  broken.remember(*simulation.data());
+  const auto& parts = scene.mechanism()->parts();
+  broken.mark(parts[2].body);
+  broken.spread();
+  EXPECT_TRUE(broken.has(parts[0].body));
+  EXPECT_TRUE(broken.has(parts[1].body));
+  EXPECT_TRUE(broken.has(parts[2].body));
+  EXPECT_FALSE(broken.has(parts[3].body));
+  broken.clear();
+  EXPECT_FALSE(broken.has(parts[2].body));
+}
+
+/// The hand that pushed what broke is blamed, with its force; one that holds another body is not,
+/// nor one that let go long before.
+TEST(WorldFaults, WhoPushedWhatBrokeIsToBlame) {
+  const Material soft{.stiffness = 1000};
+  const Scene scene = moving(
+      {object("table", Plane{}, soft),
+       object("ball", Sphere{0.03}, {.stiffness = 1e7}, {0, 0, 0.2}),
+       object("calm", Sphere{0.03}, soft, {1, 0, 0.2})},
+      {-1, 0, 1}, {body("ball", 1e-4, {0, 0, 0.2}), body("calm", 100.0, {1, 0, 0.2})}, kWeightless);
+  World world(scene);
+  Hand guilty(world), other(world), gone(world);
+  for (int n = 0; n < 500; ++n) {
+    if (n < 300) gone.touch({0, 0, 0.2 - 0.0299999999});
+    if (n < 300) world.push(gone.grasp, gone.memory, 1.0);
+    other.touch({1, 0, 0.171});
+    world.push(other.grasp, other.memory, 1.0);
+    if (n >= 450) guilty.touch(world.objects()[1].pose.position - Vec3(0, 0, 0.0295));
+    if (n >= 450) world.push(guilty.grasp, guilty.memory, 1.0);
+    world.step();
+    if (world.counters().resets > 0) break;
+  }
+  ASSERT_EQ(world.counters().resets, 1u);
+  EXPECT_GE(world.blame(guilty.grasp), 4999.0);
+  EXPECT_EQ(world.blame(other.grasp), 0.0);
+  EXPECT_EQ(world.blame(gone.grasp), 0.0);
 }
 
 // A ball that falls is at each step where it never was before: its height says how far back a reset

@@ -5,13 +5,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <map>
 
-#include "server/scene_sessions.hpp"
 #include "tests/core/moving.hpp"
-#include "tests/protocol/sealed.hpp"
-#include "tests/server/make.hpp"
-#include "tests/support/allocation_counter.hpp"
+#include "tests/server/moving_bench.hpp"
 
 namespace feltwire::moving_scene_test {
 namespace {
@@ -33,53 +29,8 @@ Scene box_on_table() {
                 {-1, 0}, {body("box", 0.1, {0, 0, 0.02})});
 }
 
-struct Bench {
-  explicit Bench(const Scene& of) : scene(of) {}
-
-  void join(std::uint64_t id, const SessionParameters& parameters = {}) {
-    control::JoinRequest request = test::join_request(parameters);
-    request.scene = scene.name();
-    ASSERT_TRUE(std::holds_alternative<control::JoinAccepted>(
-        sessions.answer(request, id, test::keys(id), now)));
-  }
-  /// The hand of session `id` is at `place` now; what it is answered.
-  Reply hand(std::uint64_t id, const Vec3& place) {
-    SampleBatch batch;
-    batch.count = 1;
-    Sample& sample = batch.samples[0];
-    sample.index = ++index[id];
-    sample.client_time = now;
-    sample.pose.position = place;
-    sample.held = held[id];
-    DatagramBuffer out;
-    const Bytes datagram = encoder.samples(id, sample.index, batch);
-    const std::size_t before = test::allocations();
-    const Bytes answer = sessions.receive(datagram, {}, now, out);
-    allocated += test::allocations() - before;
-    Reply reply;
-    EXPECT_EQ(decode(test::opened(answer, test::Way::down), reply), DropReason::none);
-    held[id] = reply.command;
-    return reply;
-  }
-  void advance(Nanoseconds by = 1ms) {
-    now += by;
-    const std::size_t before = test::allocations();
-    sessions.tick(now);
-    allocated += test::allocations() - before;
-  }
-  const World& world() const { return *sessions.world(); }
-  Vec3 place(std::size_t at) const { return world().objects()[at].pose.position; }
-
-  const Scene& scene;
-  SceneSessions sessions{scene, 2s, 4};
-  test::SealedEncoder encoder{test::Way::up};
-  Nanoseconds now{1s};
-  std::size_t allocated = 0;  // by the server's side
-  std::map<std::uint64_t, std::uint64_t> index;
-  std::map<std::uint64_t, Command> held;
-};
-
-constexpr std::uint64_t kLeft = 1 << 8, kRight = 2 << 8, kThird = 3 << 8, kFourth = 4 << 8;
+using test::kLeft, test::kRight, test::kThird, test::kFourth;
+using Bench = test::MovingBench;
 
 TEST(MovingScene, WhatTheHandsAreToldTheBodyTakesNegated) {
   const Scene scene =

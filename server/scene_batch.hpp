@@ -1,0 +1,52 @@
+#pragma once
+// The buffers that a scene's host exchanges datagrams by.
+
+#include <sys/socket.h>
+
+#include <array>
+
+#include "server/scene_host.hpp"
+
+namespace feltwire {
+
+/// Wired once; an exchange only changes lengths.
+struct SceneHost::Batch {
+  static constexpr std::size_t kMost = 64;  // datagrams of one system call
+  // [bytes] More than a datagram may have, so that a longer one is seen to be longer.
+  static constexpr std::size_t kReceiveSize = kMaxDatagram + sizeof(std::uint64_t);
+
+  std::size_t count = 0, next = 0;  // received, and of these the first that is not answered yet
+  alignas(std::uint64_t) std::array<std::array<std::uint8_t, kReceiveSize>, kMost> received;
+  std::array<DatagramBuffer, kMost> sent;
+  std::array<Peer, kMost> peers;
+  std::array<iovec, kMost> received_parts{}, sent_parts{};
+  std::array<mmsghdr, kMost> incoming{}, outgoing{};
+
+  Batch() {
+    for (std::size_t i = 0; i < kMost; ++i) {
+      received_parts[i] = {received[i].data(), kReceiveSize};
+      sent_parts[i] = {sent[i].bytes.data(), 0};
+      incoming[i].msg_hdr.msg_iov = &received_parts[i];
+      incoming[i].msg_hdr.msg_iovlen = 1;
+      incoming[i].msg_hdr.msg_name = &peers[i].address;
+      outgoing[i].msg_hdr.msg_iov = &sent_parts[i];
+      outgoing[i].msg_hdr.msg_iovlen = 1;
+    }
+    rearm(kMost);
+  }
+
+  /// The kernel writes lengths over what it was told.
+  void rearm(std::size_t used) noexcept {
+    for (std::size_t i = 0; i < used; ++i)
+      incoming[i].msg_hdr.msg_namelen = sizeof(sockaddr_storage);
+  }
+
+  /// sent[at] has so many bytes now, for whom.
+  void put(std::size_t at, std::size_t size, Peer& to) noexcept {
+    sent_parts[at].iov_len = size;
+    outgoing[at].msg_hdr.msg_name = &to.address;
+    outgoing[at].msg_hdr.msg_namelen = to.length;
+  }
+};
+
+}  // namespace feltwire

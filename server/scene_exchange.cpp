@@ -1,0 +1,106 @@
+// What a scene's host does with datagrams: takes them in batches, answers, accounts the time.
+
+#include <algorithm>
+#include <cerrno>
+
+#include "server/scene_batch.hpp"
+
+namespace feltwire {
+namespace {
+
+// Then timers have a turn. Who has posted waits for one answer at most.
+constexpr std::chrono::milliseconds kTurn{2};
+// [ns] of an answer: from here on a reading of the clock for each is no more than a thousandth
+// (20 to 50 ns where the kernel answers without a system call).
+constexpr Nanoseconds kSlowAnswer{100'000};
+
+}  // namespace
+
+bool SceneHost::has_datagrams() const noexcept { return batch_->next < batch_->count; }
+
+/// Takes what is waiting, for a while: then others have their turn, and what is left wakes the
+/// socket again.
+void SceneHost::serve() {
+  std::optional<Nanoseconds> until;
+  while (exchange(until) == Batch::kMost && !posts_wait() && served_at_ < *until) {
+  }
+}
+
+/// Takes a batch of datagrams; false where there are none.
+bool SceneHost::receive() {
+  Batch& batch = *batch_;
+  batch.rearm(batch.count);
+  batch.next = batch.count = 0;
+  const int count = ::recvmmsg(socket_.native_handle(), batch.incoming.data(), Batch::kMost,
+                               MSG_DONTWAIT, nullptr);
+  if (count <= 0) return false;
+  batch.count = static_cast<std::size_t>(count);
+  return true;
+}
+
+/// Answers what there is of a batch in one go, and takes another one before where there is none
+/// left. It stops before its end where somebody has posted, and where answers are slow and it is
+/// `until`, which it sets where it is not set. Says how many datagrams it took up.
+std::size_t SceneHost::exchange(std::optional<Nanoseconds>& until) {
+  if (!has_datagrams() && !receive()) return 0;
+  Batch& batch = *batch_;
+  const Nanoseconds begin = clock_();
+  if (!until) until = begin + kTurn;
+  const std::size_t first = batch.next;
+  std::size_t answers = 0;
+  Nanoseconds now = tick_apart(begin);
+  const Nanoseconds answering = now;
+  do {
+    const std::size_t i = batch.next++;
+    Peer& peer = batch.peers[i];
+    peer.length = batch.incoming[i].msg_hdr.msg_namelen;
+    const Bytes datagram{batch.received[i].data(), batch.incoming[i].msg_len};
+    if (slow_) now = tick_apart(now);
+    const Bytes answer = sessions_.receive(datagram, peer, now, batch.sent[answers]);
+    if (!answer.empty()) batch.put(answers++, answer.size(), peer);
+    if (slow_) now = account(now);
+  } while (has_datagrams() && !posts_wait() && !(slow_ && now >= *until));
+  const std::size_t taken = batch.next - first;
+  served_at_ = slow_ ? now : account(answering);
+  slow_ = served_at_ - answering > static_cast<Nanoseconds::rep>(taken) * kSlowAnswer;
+  send(answers);
+  publish();  // a goodbye may have been among them
+  return taken;
+}
+
+/// What moves takes its time apart from answers, so that no session is charged for it. The time
+/// after that.
+Nanoseconds SceneHost::tick_apart(Nanoseconds now) {
+  const auto due = sessions_.next_tick();
+  if (!due || *due > now) return now;
+  sessions_.tick(now);
+  const Nanoseconds after = clock_();
+  sessions_.spent_otherwise(after - now);
+  return after;
+}
+
+/// Says how long what was received since then took. The time now.
+Nanoseconds SceneHost::account(Nanoseconds since) {
+  const Nanoseconds now = clock_();
+  sessions_.spent(now - since, now);
+  return now;
+}
+
+void SceneHost::send(std::size_t count) noexcept {
+  for (std::size_t done = 0; done < count;) {
+    const int sent = ::sendmmsg(socket_.native_handle(), batch_->outgoing.data() + done,
+                                static_cast<unsigned>(count - done), MSG_DONTWAIT);
+    if (sent > 0) {
+      done += static_cast<std::size_t>(sent);
+    } else if (errno == EAGAIN || errno == EWOULDBLOCK || errno == ENOBUFS) {
+      // No room: the replies are lost like any datagram may be. The next samples are newer anyway.
+      unsent_ += count - done;
+      return;
+    } else if (errno != EINTR) {
+      ++unsent_;  // this one cannot be sent (no route, say); the others can
+      ++done;
+    }
+  }
+}
+
+}  // namespace feltwire

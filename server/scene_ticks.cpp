@@ -1,0 +1,45 @@
+// Steps of what moves in a scene, with what all hands do to it, and whose hand broke it.
+
+#include <algorithm>
+
+#include "server/seat.hpp"
+
+namespace feltwire {
+
+void SceneSessions::tick(Nanoseconds now) noexcept {
+  if (world_ == nullptr || seats_.empty()) return;
+  const auto due = (now - last_tick_) / tick_;
+  if (due == 0) return;
+  const auto late = due - most_ticks_;
+  if (late > 0) [[unlikely]] {
+    last_tick_ += late * tick_;
+    counters_.ticks_dropped += static_cast<std::uint64_t>(late);
+    world_->let_pass(static_cast<std::uint64_t>(late));
+  }
+  most_ticks_ = late > 0 ? std::max(1, most_ticks_ / 2) : std::min(kMostTicks, 2 * most_ticks_);
+  while (now - last_tick_ >= tick_) {
+    for (const auto& seat : seats_)
+      if (!seat->disturbing) seat->session.push(seconds(last_tick_ - seat->last_heard));
+    if (!world_->step()) blame(now);
+    last_tick_ += tick_;
+  }
+}
+
+std::optional<Nanoseconds> SceneSessions::next_tick() const {
+  if (world_ == nullptr || seats_.empty()) return std::nullopt;
+  return last_tick_ + tick_;
+}
+
+/// Whose hand it was that broke what moves: who pushed it hardest, and who did so at least half as
+/// hard. Who only held something else, or lay on it lightly, is not to blame.
+void SceneSessions::blame(Nanoseconds now) noexcept {
+  constexpr double kShare = 0.5;
+  double hardest = 0.0;
+  for (const auto& seat : seats_) hardest = std::max(hardest, seat->session.blame());
+  if (!(hardest > 0.0)) return;  // it broke by itself
+  for (const auto& seat : seats_)
+    if (seat->session.blame() >= kShare * hardest)
+      seat->disturbing = seat->disturbing || !seat->resets.take(now);
+}
+
+}  // namespace feltwire

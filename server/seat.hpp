@@ -1,0 +1,27 @@
+#pragma once
+
+#include <string>
+
+#include "server/sample_rate.hpp"
+#include "server/scene_sessions.hpp"
+
+namespace feltwire {
+
+/// A session and what belongs to its transport.
+struct SceneSessions::Seat {
+  std::uint64_t id;
+  Session session;
+  Nanoseconds last_heard;
+  Opener opener;  // of what comes
+  Sealer sealer;  // of what goes
+  SampleRate rate;
+  Peer peer;         // of the newest datagram with a newer sample
+  Watch watch;       // of an observer
+  std::string tool;  // that was asked for; empty: the scene's first
+  // Resets that its hand may still be blamed for.
+  TokenBucket resets{SessionLimits::kResets / SessionLimits::kResetTime, SessionLimits::kResetTime};
+  std::uint32_t share = 0;  // its number there
+  bool disturbing = false;  // it had none left: it pushes nothing any more, and ends
+};
+
+}  // namespace feltwire

@@ -1,0 +1,132 @@
+// Hands that do to moving objects what no hand can: the others are not hurt.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/core/moving.hpp"
+#include "tests/server/moving_bench.hpp"
+
+namespace feltwire::hand_limits_test {
+namespace {
+
+using namespace std::chrono_literals;
+using test::body;
+using test::kLeft;
+using test::kRight;
+using test::kWeightless;
+using test::moving;
+using test::MovingBench;
+using test::object;
+
+constexpr double kTick = kDefaultTick;
+const Material kGrippy{
+    .stiffness = 1000, .damping = 1.0, .static_friction = 0.9, .dynamic_friction = 0.7};
+
+Scene box_on_table(double mass = 0.1) {
+  return moving({object("table", Plane{}, kGrippy),
+                 object("box", Box{Vec3::Constant(0.02)}, kGrippy, {0, 0, 0.02})},
+                {-1, 0}, {body("box", mass, {0, 0, 0.02})});
+}
+
+/// One hand lies on the box; another is a kilometre to the one side of it at one sample, a
+/// kilometre to the other at the next.
+TEST(HandLimits, AHandThatJumpsAKilometreDisturbsNobody) {
+  const Scene scene = box_on_table();
+  const auto run = [&](bool disturbed) {
+    MovingBench bench(scene);
+    bench.join(kLeft);
+    bench.join(kRight);
+    std::vector<double> felt;
+    for (int n = 0; n < 3000; ++n) {
+      felt.push_back(bench.hand(kLeft, {0.005, 0, 0.039}).command.force().norm());
+      const double side = n % 2 == 0 ? 1.0 : -1.0;
+      bench.hand(kRight, {disturbed ? side * 1000.0 : 1.0, 0, 0.02});
+      bench.advance();
+    }
+    EXPECT_EQ(bench.sessions.counters().world.resets, 0u);
+    return felt;
+  };
+  EXPECT_EQ(run(true), run(false));
+}
+
+/// What a hand does to a ball in a tick is at most its device's force, however deep it presses.
+TEST(HandLimits, AHandPushesWithItsDevicesForceAtMost) {
+  const Scene scene = moving({object("ball", Sphere{0.1}, {.stiffness = 1000})}, {0},
+                             {body("ball", 2.0)}, kWeightless);
+  MovingBench bench(scene);
+  bench.join(kLeft);
+  const double most = test::device().max_force;
+  double momentum = 0.0, largest = 0.0, told = 0.0;
+  for (int n = 0; n < 200; ++n) {
+    const Vec3 place = bench.place(0) - Vec3(0.1 - 2.5e-4 * n, 0, 0);  // up to 5 cm deep: 50 N
+    told = bench.hand(kLeft, place).command.force().norm();
+    bench.advance();
+    const double now = bench.world().momentum().norm();
+    EXPECT_NEAR(now - momentum, kTick * std::min(most, told), 1e-12) << n;
+    largest = std::max(largest, (now - momentum) / kTick);
+    momentum = now;
+  }
+  EXPECT_NEAR(told, 49.75, 0.1);
+  EXPECT_NEAR(largest, most, 1e-9);
+}
+
+/// A hand that is always right behind the ball, however fast that is: ever again it goes the metre
+/// that a network may have held back, and then the ball is gone.
+TEST(HandLimits, AHandThatChasesABodyBreaksNothing) {
+  const Scene scene = moving({object("ball", Sphere{0.03}, {.stiffness = 1000})}, {0},
+                             {body("ball", 0.1)}, kWeightless);
+  MovingBench bench(scene);
+  bench.join(kLeft);
+  double fastest = 0.0;
+  for (int n = 0; n < 5000; ++n) {
+    bench.hand(kLeft, bench.place(0) - Vec3(0.01, 0, 0));
+    bench.advance();
+    fastest = std::max(fastest, bench.world().momentum().norm() / 0.1);
+  }
+  EXPECT_EQ(bench.sessions.counters().world.resets, 0u);
+  EXPECT_GT(fastest, 0.8 * kFastestHand);
+  EXPECT_LT(fastest, 0.5 * World::kLargestSpeed);
+}
+
+TEST(HandPace, CountsTheServersTimeAndForgivesWhatANetworkHeldBack) {
+  constexpr double kRecovery = 0.5;
+  HandPace pace(10.0, kTick, kRecovery);
+  std::uint64_t now = 0;
+  // A kilohertz at 9.9 m/s for ever.
+  for (; now < 5000; ++now) ASSERT_TRUE(pace.follow(9.9e-3, now)) << now;
+  // Nothing for 100 ms, then all of it at once.
+  now += 100;
+  for (int n = 0; n < 100; ++n) ASSERT_TRUE(pace.follow(9.9e-3, now)) << n;
+  EXPECT_EQ(pace.trust(now), 1.0);
+  EXPECT_FALSE(pace.follow(0.5, now));
+  EXPECT_EQ(pace.trust(now), 0.0);
+  EXPECT_NEAR(pace.trust(now + 250), 0.5, 1e-12);
+  EXPECT_EQ(pace.trust(now + 500), 1.0);
+  EXPECT_EQ(pace.trust(now + 5000), 1.0);
+}
+
+/// In a world that cannot keep up with time a hand is as fast as it is by the clock.
+TEST(HandLimits, AHandIsNotTooFastBecauseTheWorldIsSlow) {
+  const Material smooth{.stiffness = 1000};
+  const Vec3 half(0.2, 0.2, 0.02), low(0, 0, 0.02);
+  const Scene scene =
+      moving({object("table", Plane{}, smooth), object("plate", Box{half}, smooth, low)}, {-1, 0},
+             {body("plate", 5.0, low)});
+  MovingBench bench(scene);
+  bench.join(kLeft);
+  double least = 1e9;
+  for (int n = 0; n < 200; ++n) {
+    // Some 0.3 m/s by the clock, and up to 100 m/s by the world's steps.
+    const double x = 0.1 * std::sin(50.0 * n);
+    const double felt = bench.hand(kLeft, {x, 0, 0.039}).command.elastic.z();
+    if (n > 20) least = std::min(least, felt);
+    bench.advance(400ms);
+  }
+  EXPECT_GT(bench.sessions.counters().ticks_dropped, 10'000u);
+  EXPECT_GT(least, 0.5);
+}
+
+}  // namespace
+}  // namespace feltwire::hand_limits_test

@@ -1,0 +1,99 @@
+// How a scene's thread divides its time between datagrams and what others ask of it.
+
+#include "server/scene_host.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <asio/io_context.hpp>
+#include <memory>
+
+#include "tests/protocol/sealed.hpp"
+#include "tests/server/make.hpp"
+#include "tests/server/raw_socket.hpp"
+#include "tests/support/eventually.hpp"
+
+namespace feltwire::scene_host_test {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr std::uint64_t kId = 0x100;
+constexpr std::uint64_t kDatagrams = 100;  // more than a batch
+
+/// A host whose socket has a hundred samples before it starts, of a session that joins first.
+struct Crowded {
+  explicit Crowded(std::function<Nanoseconds()> clock, Nanoseconds busy_poll = 0ns) {
+    SceneHostOptions options;
+    options.address = asio::ip::make_address("127.0.0.1");
+    options.silence_timeout = 100s;
+    options.clock = std::move(clock);
+    options.busy_poll = busy_poll;
+    host = std::make_unique<SceneHost>(test::room(), options);
+    host->ask(test::join_request(), kId, test::keys(kId), io, [](const control::Message&) {});
+    socket = std::make_unique<test::RawSocket>(SOCK_DGRAM, host->port());
+    test::SealedEncoder encoder(test::Way::up);
+    for (std::uint64_t n = 1; n <= kDatagrams; ++n)
+      socket->send(encoder.samples(kId, n, test::hand_batch(n)));
+  }
+  SceneCounters counters() const { return host->summary().counters; }
+
+  asio::io_context io{1};
+  std::unique_ptr<SceneHost> host;
+  std::unique_ptr<test::RawSocket> socket;
+};
+
+/// Who posts something while a batch is answered waits for one answer, not for all of them: so does
+/// the end of the server, in a scene whose answers take long.
+TEST(SceneHost, WhatIsPostedWaitsForOneAnswer) {
+  for (const Nanoseconds busy_poll : {Nanoseconds(0), Nanoseconds(1ms)}) {
+    SceneHost* host = nullptr;
+    int looks = 0;
+    Crowded crowded(
+        [&] {
+          // The first look is the join's; at the next one, the batch has been taken.
+          if (++looks == 2) host->evict(kId);
+          return monotonic_now();
+        },
+        busy_poll);
+    host = crowded.host.get();
+    host->start();
+    ASSERT_TRUE(test::becomes([&] { return crowded.counters().datagrams == kDatagrams; }));
+    EXPECT_LE(crowded.counters().samples.samples, 1u);
+    EXPECT_EQ(crowded.counters().evicted, 1u);
+    host->stop();
+  }
+}
+
+/// What is left of a batch when somebody had a turn is answered all the same.
+TEST(SceneHost, NothingOfABatchIsLost) {
+  SceneHost* host = nullptr;
+  int looks = 0;
+  Crowded crowded([&] {
+    if (++looks % 3 == 2) host->evict(kId + 1);  // that is not there
+    return looks * 1us;
+  });
+  host = crowded.host.get();
+  host->start();
+  for (std::uint64_t n = 1; n <= kDatagrams; ++n)
+    ASSERT_FALSE(crowded.socket->receive().empty()) << n;
+  EXPECT_EQ(crowded.counters().samples.replies, kDatagrams);
+  host->stop();
+}
+
+/// A clock by which every answer takes long: the thread reads it for each of them, and timers have
+/// a turn in between.
+TEST(SceneHost, AnswersAllOfASlowScene) {
+  Nanoseconds now{0};
+  Crowded crowded([&] { return now += 10ms; });
+  crowded.host->start();
+  ASSERT_TRUE(test::becomes([&] { return crowded.counters().datagrams == kDatagrams; }));
+  const SceneCounters counters = crowded.counters();
+  EXPECT_GT(counters.samples.replies, 0u);
+  // By this clock the session takes all the time that there is: a tenth is kept from it.
+  EXPECT_EQ(counters.samples.replies + counters.shed, kDatagrams);
+  crowded.host->stop();
+}
+
+}  // namespace
+}  // namespace feltwire::scene_host_test
