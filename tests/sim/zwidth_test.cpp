@@ -1,4 +1,5 @@
-// The orderings that docs/lab/laboratory.md tells of, and that a map is complete and repeats itself.
+// The orderings that docs/lab/laboratory.md tells of, and that a map is complete and repeats
+// itself.
 
 #include "sim/zwidth.hpp"
 
