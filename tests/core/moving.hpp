@@ -39,10 +39,10 @@ inline Scene moving(std::vector<Object> objects, const std::vector<int>& body_of
 inline const MechanismOptions kWeightless{.gravity = Vec3::Zero()};
 
 /// A ball so light that the spring of the hand throws it farther each tick than it was deep.
-inline Scene explosive() {
+inline Scene explosive(double mass = 1e-4) {
   return moving({object("table", Plane{}, {.stiffness = 1000}),
                  object("ball", Sphere{0.03}, {.stiffness = 1e7}, {0, 0, 0.2})},
-                {-1, 0}, {body("ball", 1e-4, {0, 0, 0.2})}, kWeightless);
+                {-1, 0}, {body("ball", mass, {0, 0, 0.2})}, kWeightless);
 }
 
 /// A tool in a world: each step a sample of it, its push, and a tick.
