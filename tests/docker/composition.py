@@ -60,6 +60,7 @@ class Composition:
         self.up_before = False
         self.out.mkdir(parents=True)
         os.chmod(self.out, 0o777)  # the image's user is nobody here
+        self.remove_leftovers()
 
     # --- what there is -------------------------------------------------------------------------------------------
 
@@ -112,6 +113,12 @@ class Composition:
         for name in names:
             if self.services[name]["command"][0] in ("feltwire-server", "feltwire-lab"):
                 wait_until(f"{name} to be healthy", lambda: self.healthy(name), 30)
+
+    def remove_leftovers(self):
+        """Containers of a run that was killed: a composition would take them, with another folder, for its own."""
+        left = engine("ps", "-aq", "--filter", f"label=com.docker.compose.project={self.project}").split()
+        if left:
+            engine("rm", "--force", *left)
 
     def healthy(self, name):
         """Asked once: an engine that asks every second takes the processor from the hands every second."""
