@@ -1,5 +1,7 @@
 #include "core/build_info/build_info.hpp"
 
+#include <string_view>
+
 #include "core/build_info/commit.hpp"
 
 namespace feltwire {
@@ -13,9 +15,10 @@ const char* compiler() { return FELTWIRE_COMPILER; }
 const char* build_type() { return FELTWIRE_BUILD_TYPE; }
 
 std::string build_info(const std::string& program) {
-  const std::string sanitizers = FELTWIRE_SANITIZERS;
-  return program + " " + version() + ", " + compiler() + ", " + build_type() +
-         (sanitizers.empty() ? "" : ", sanitizers " + sanitizers);
+  constexpr std::string_view kSanitizers = FELTWIRE_SANITIZERS;
+  std::string text = program + " " + version() + ", " + compiler() + ", " + build_type();
+  if (!kSanitizers.empty()) text.append(", sanitizers ").append(kSanitizers);
+  return text;
 }
 
 }  // namespace feltwire
