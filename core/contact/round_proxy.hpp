@@ -102,7 +102,8 @@ inline Vec3 round_normal(const RoundSolid& solid, const Vec3& from, const Vec3& 
   // About the core: the way along it turns no normal.
   const double steps =
       std::ceil(kSteps * length(Vec3(to - solid.core(to) - before)) / solid.radius);
-  const int count = steps < kMostSteps ? std::max(1, static_cast<int>(steps)) : kMostSteps;
+  // A hostile local model may have a radius below zero, or none that is finite.
+  const int count = !(steps > 1.0) ? 1 : steps < kMostSteps ? static_cast<int>(steps) : kMostSteps;
   for (int n = 1; n <= count; ++n) {
     const Vec3 p = n == count ? to : Vec3(from + (static_cast<double>(n) / count) * way);
     const Vec3 offset = p - solid.core(p);
