@@ -280,7 +280,7 @@ TEST(MovingScene, AResetIsToldInTheReplies) {
   int told = 0;
   for (int n = 0; n < 600; ++n) {
     told += bench.hand(kRight, {0, 0, 0.5}).recovering ? 1 : 0;  // of all hands, of each
-    bench.hand(kLeft, {0, 0, 0.1});  // back out as it came
+    bench.hand(kLeft, {0, 0, 0.1});                              // back out as it came
     bench.advance();
   }
   EXPECT_EQ(bench.world().counters().resets, 1u);
