@@ -4,9 +4,8 @@
 
 #include <cmath>
 
-#include "core/contact/local_contact.hpp"
-#include "core/scene/near.hpp"
 #include "core/splitmix.hpp"
+#include "tests/core/model_side.hpp"
 #include "tests/core/moving.hpp"
 
 namespace feltwire::proxy_side_test {
@@ -192,29 +191,8 @@ TEST(ProxySide, AThinPlateThatMovesNeverPassesAHand) {
 TEST(ProxySide, HoldsInALocalModel) {
   const Scene scene("s", {object("plate", Box{Vec3(0.05, 0.05, 5e-4)}, {.stiffness = 1000.0})});
   for (const double first : {0.0015, 0.0045}) {
-    TouchMemory memory = scene.memory();
-    LocalContact local;
-    for (const double z : {first, first - 0.001, -0.0052, -0.0152, -0.002, 0.0001, first}) {
-      const Tool tool{{0.01, 0.02, z}, Vec3::Zero()};
-      const Command truth = scene.touch(tool, memory);
-      if (z == first) {  // what comes later does without
-        LocalModel model = local_model(scene, tool.position, memory);
-        ASSERT_GE(model.count, 1);
-        model.reach = 1.0;
-        for (SurfacePatch& patch : model.patches) patch.radius = 1.0;
-        local.take(model);
-      }
-      const LocalForce felt = local.touch(tool, 0.0, 1e-3);
-      EXPECT_LT((felt.command.elastic - truth.elastic).norm(), 1e-9) << first << " " << z;
-      EXPECT_NEAR(truth.elastic.z(), 1000.0 * std::max(0.0, 5e-4 - z), 1e-9);
-    }
-    // And who knows nothing but the model of a tool that is held takes that over.
-    scene.touch({{0.01, 0.02, 0.01}, Vec3::Zero()}, memory);
-    const Tool below{{0.01, 0.02, -0.005}, Vec3::Zero()};
-    const Command truth = scene.touch(below, memory);
-    LocalContact other;
-    other.take(local_model(scene, below.position, memory));
-    EXPECT_LT((other.touch(below, 0.0, 1e-3).command.elastic - truth.elastic).norm(), 1e-9);
+    const double heights[] = {first, first - 0.001, -0.0052, -0.0152, -0.002, 0.0001, first};
+    test::expect_side_kept(scene, {0.01, 0.02, 0.0}, Vec3::UnitZ(), 5e-4, heights, -0.005);
   }
 }
 

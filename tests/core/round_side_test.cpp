@@ -5,8 +5,8 @@
 
 #include <cmath>
 
-#include "core/contact/local_contact.hpp"
 #include "core/scene/near.hpp"
+#include "tests/core/model_side.hpp"
 #include "tests/core/moving.hpp"
 #include "tests/core/support.hpp"
 #include "tests/support/seeds.hpp"
@@ -220,30 +220,9 @@ TEST(RoundSide, HoldsInALocalModel) {
        {Shape(Sphere{kRadius}), Shape(Capsule{kRadius, 0.02}), Shape(Cylinder{kRadius, 0.02})}) {
     const Scene scene("s", {object("it", shape, {.stiffness = 1000.0})});
     for (const double first : {0.0065, 0.0045}) {
-      TouchMemory memory = scene.memory();
-      LocalContact local;
-      for (const double x : {first, first - 0.001, -0.0022, -0.0152, -0.002, 0.0001, first}) {
-        const Tool tool{{x, 0.0, 0.0}, Vec3::Zero()};
-        const Command truth = scene.touch(tool, memory);
-        if (x == first) {  // what comes later does without
-          LocalModel model = local_model(scene, tool.position, memory);
-          ASSERT_GE(model.count, 1);
-          model.reach = 1.0;
-          for (SurfacePatch& patch : model.patches) patch.radius = 1.0;
-          local.take(model);
-        }
-        const LocalForce felt = local.touch(tool, 0.0, 1e-3);
-        EXPECT_LT((felt.command.elastic - truth.elastic).norm(), 1e-9)
-            << shape.index() << " " << first << " " << x;
-        EXPECT_NEAR(truth.elastic.x(), 1000.0 * std::max(0.0, kRadius - x), 1e-9);
-      }
-      // And who knows nothing but the model of a tool that is held takes that over.
-      scene.touch({{0.01, 0.0, 0.0}, Vec3::Zero()}, memory);
-      const Tool beyond{{-0.002, 0.0, 0.0}, Vec3::Zero()};
-      const Command truth = scene.touch(beyond, memory);
-      LocalContact other;
-      other.take(local_model(scene, beyond.position, memory));
-      EXPECT_LT((other.touch(beyond, 0.0, 1e-3).command.elastic - truth.elastic).norm(), 1e-9);
+      const double heights[] = {first, first - 0.001, -0.0022, -0.0152, -0.002, 0.0001, first};
+      SCOPED_TRACE(shape.index());
+      test::expect_side_kept(scene, Vec3::Zero(), Vec3::UnitX(), kRadius, heights, -0.002);
     }
   }
 }

@@ -13,6 +13,8 @@ namespace {
 
 using namespace std::chrono_literals;
 using test::body;
+using test::box_on_table;
+using test::kGrippy;
 using test::kLeft;
 using test::kRight;
 using test::kWeightless;
@@ -21,14 +23,6 @@ using test::MovingBench;
 using test::object;
 
 constexpr double kTick = kDefaultTick;
-const Material kGrippy{
-    .stiffness = 1000, .damping = 1.0, .static_friction = 0.9, .dynamic_friction = 0.7};
-
-Scene box_on_table(double mass = 0.1) {
-  return moving({object("table", Plane{}, kGrippy),
-                 object("box", Box{Vec3::Constant(0.02)}, kGrippy, {0, 0, 0.02})},
-                {-1, 0}, {body("box", mass, {0, 0, 0.02})});
-}
 
 /// One hand lies on the box; another is a kilometre to the one side of it at one sample, a
 /// kilometre to the other at the next.

@@ -7,6 +7,7 @@
 #include <map>
 
 #include "server/scene_sessions.hpp"
+#include "tests/core/moving.hpp"
 #include "tests/protocol/sealed.hpp"
 #include "tests/server/make.hpp"
 #include "tests/support/allocation_counter.hpp"
@@ -14,6 +15,16 @@
 namespace feltwire::test {
 
 inline constexpr std::uint64_t kLeft = 1 << 8, kRight = 2 << 8, kThird = 3 << 8, kFourth = 4 << 8;
+
+inline const Material kGrippy{
+    .stiffness = 1000, .damping = 1.0, .static_friction = 0.9, .dynamic_friction = 0.7};
+
+/// A box of 4 cm and `mass` [kg] on a table at z = 0.
+inline Scene box_on_table(double mass = 0.1) {
+  return moving({object("table", Plane{}, kGrippy),
+                 object("box", Box{Vec3::Constant(0.02)}, kGrippy, {0, 0, 0.02})},
+                {-1, 0}, {body("box", mass, {0, 0, 0.02})});
+}
 
 struct MovingBench {
   explicit MovingBench(const Scene& of) : scene(of) {}

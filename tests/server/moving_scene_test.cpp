@@ -14,20 +14,13 @@ namespace {
 
 using namespace std::chrono_literals;
 using test::body;
+using test::box_on_table;
+using test::kGrippy;
 using test::kWeightless;
 using test::moving;
 using test::object;
 
 constexpr double kTick = kDefaultTick;
-const Material kGrippy{
-    .stiffness = 1000, .damping = 1.0, .static_friction = 0.9, .dynamic_friction = 0.7};
-
-/// A box of 4 cm and 100 g on a table at z = 0.
-Scene box_on_table() {
-  return moving({object("table", Plane{}, kGrippy),
-                 object("box", Box{Vec3::Constant(0.02)}, kGrippy, {0, 0, 0.02})},
-                {-1, 0}, {body("box", 0.1, {0, 0, 0.02})});
-}
 
 using test::kLeft, test::kRight, test::kThird, test::kFourth;
 using Bench = test::MovingBench;
