@@ -1,7 +1,5 @@
 #include "core/build_info/build_info.hpp"
 
-#include <string_view>
-
 #include "core/build_info/commit.hpp"
 
 namespace feltwire {
@@ -15,9 +13,9 @@ const char* compiler() { return FELTWIRE_COMPILER; }
 const char* build_type() { return FELTWIRE_BUILD_TYPE; }
 
 std::string build_info(const std::string& program) {
-  constexpr std::string_view kSanitizers = FELTWIRE_SANITIZERS;
+  constexpr bool kSanitized = sizeof(FELTWIRE_SANITIZERS) > 1;  // the text is empty without any
   std::string text = program + " " + version() + ", " + compiler() + ", " + build_type();
-  if (!kSanitizers.empty()) text.append(", sanitizers ").append(kSanitizers);
+  if (kSanitized) text += ", sanitizers " FELTWIRE_SANITIZERS;
   return text;
 }
 
