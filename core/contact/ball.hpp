@@ -1,7 +1,7 @@
 #pragma once
 // A tool that is a ball instead of a point.
 
-#include "core/contact/shapes.hpp"
+#include "core/contact/surface_point.hpp"
 
 namespace feltwire {
 

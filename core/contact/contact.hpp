@@ -7,7 +7,7 @@
 #include "core/contact/ball.hpp"
 #include "core/contact/contact_law.hpp"
 #include "core/contact/material.hpp"
-#include "core/contact/shapes.hpp"
+#include "core/contact/surface_point.hpp"
 #include "core/types.hpp"
 
 namespace feltwire {

@@ -1,11 +1,12 @@
 #pragma once
-// The proxy on a round surface (a ball, a rod, a pipe felt from outside), which remembers the side
-// that it is on.
+// The proxy on a round surface (a ball, a rod, a pipe), which remembers the side that it is on
+// where it is felt from outside.
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
+#include "core/contact/solid_proxy.hpp"
 #include "core/numeric.hpp"
 #include "core/types.hpp"
 
@@ -115,5 +116,12 @@ inline Vec3 round_normal(const RoundSolid& solid, const Vec3& from, const Vec3& 
   }
   return normal;
 }
+
+/// A hollow at `radius` round `core`, the nearest point of the shape's core (centre, axis).
+SurfacePoint hollow_surface(const Vec3& p, const Vec3& core, double radius, FeatureMemory& memory);
+/// A solid felt from outside. `undefined` is the outward direction to take when p lies on the core
+/// itself.
+SurfacePoint round_from_outside(const RoundSolid& solid, const Vec3& p, const Vec3& undefined,
+                                FeatureMemory& memory);
 
 }  // namespace feltwire

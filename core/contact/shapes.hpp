@@ -1,5 +1,5 @@
 #pragma once
-// Analytic solids in their own frame, and where a point inside them is pushed out.
+// Solids in their own frame, and where a point in one of them is pushed out.
 
 #include <cstdint>
 #include <memory>
@@ -71,24 +71,16 @@ struct FeatureMemory {
                                // points, -1 behind. Of a solid: 1
   bool tracked = false;        // proxy is known
 };
-/// The proxy of a point [m, object frame] against a shape felt from `side`. Contact is local
-/// (Zilles & Salisbury's god-object): a proxy stays on the flat face that the way of the point went
-/// in by, also where one step goes through the whole solid. It stays until the point is in front of
-/// that face again, or beside it: as long as the way straight back to the face leads through the
-/// solid, however thin that is. On what is round it follows the point, and stays behind where that
-/// is pressed through the middle (round_proxy.hpp). Free points give depth 0 and remember no more
-/// than where they are. A grid remembers no face: its depth times normal is -d grad d of its
-/// distance d, a force with a potential, which falls to zero where two surfaces are equally near.
-/// What is thinner than twice the depth is pushed through.
-SurfacePoint surface_point(const Shape& shape, Side side, const Vec3& position,
+/// The proxy of a point on one solid, as surface_point() of a Shape says (surface_point.hpp).
+SurfacePoint surface_point(const Plane& plane, Side side, const Vec3& position,
                            FeatureMemory& memory) noexcept;
-
-/// Whether it remembers where a free point was: a mesh, and each solid that has a far side.
-bool follows_way(const Shape& shape, Side side) noexcept;
-/// [m, object frame] What FeatureMemory::proxy counts from.
-Vec3 origin_of(const Shape& shape) noexcept;
-/// What was not asked about a tool does not know its way: this tells where it comes from [m, object
-/// frame].
-void approach_from(const Shape& shape, const Vec3& position, FeatureMemory& memory) noexcept;
+SurfacePoint surface_point(const Sphere& sphere, Side side, const Vec3& position,
+                           FeatureMemory& memory) noexcept;
+SurfacePoint surface_point(const Box& box, Side side, const Vec3& position,
+                           FeatureMemory& memory) noexcept;
+SurfacePoint surface_point(const Capsule& capsule, Side side, const Vec3& position,
+                           FeatureMemory& memory) noexcept;
+SurfacePoint surface_point(const Cylinder& cylinder, Side side, const Vec3& position,
+                           FeatureMemory& memory) noexcept;
 
 }  // namespace feltwire

@@ -1,16 +1,16 @@
-#include "core/contact/shapes.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <random>
+
+#include "core/contact/surface_point.hpp"
 
 namespace feltwire::shapes_test {
 namespace {
 
 double distance_to(const Mesh&, const Vec3&) { return 0.0; }  // has tests of its own
 
-// Exact signed distances, written without a look at shapes.cpp: negative inside.
+// Exact signed distances, written without a look at the code: negative inside.
 double distance_to(const Plane&, const Vec3& p) { return p.z(); }
 double distance_to(const Sphere& s, const Vec3& p) { return p.norm() - s.radius; }
 double distance_to(const Box& b, const Vec3& p) {
