@@ -15,6 +15,7 @@
 #include <string_view>
 #include <vector>
 
+#include "core/scene/load_scene.hpp"
 #include "core/scene/needs.hpp"
 #include "core/visible_text.hpp"
 #include "protocol/secret.hpp"

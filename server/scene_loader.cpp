@@ -7,6 +7,7 @@
 #include <thread>
 
 #include "core/long_work.hpp"
+#include "core/scene/load_scene.hpp"
 #include "server/answer_time.hpp"
 
 namespace feltwire {

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
+#include "core/scene/load_scene.hpp"
 #include "scenes/paper_sphere_text.hpp"
 #include "scenes/paper_wall_text.hpp"
 #include "sim/figure_plots.hpp"

@@ -8,6 +8,7 @@
 #include "core/geometry/signed_distance.hpp"
 #include "core/geometry/tessellation.hpp"
 #include "core/parallel.hpp"
+#include "core/scene/load_scene.hpp"
 #include "scenes/room_text.hpp"
 #include "sim/fidelity.hpp"
 

@@ -9,6 +9,7 @@
 
 #include "client/report.hpp"
 #include "core/build_info/build_info.hpp"
+#include "core/scene/load_scene.hpp"
 #include "core/visible_text.hpp"
 #include "protocol/ports.hpp"
 #include "protocol/suggestion.hpp"

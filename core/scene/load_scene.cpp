@@ -1,3 +1,5 @@
+#include "core/scene/load_scene.hpp"
+
 #include <utility>
 
 #include "core/guidance/load_guides.hpp"

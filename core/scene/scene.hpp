@@ -1,7 +1,6 @@
 #pragma once
 // A virtual environment: objects, and the force they answer a tool with.
 
-#include <filesystem>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -158,11 +157,5 @@ class Scene {
   std::vector<Sampled> sampled_;
   std::vector<std::shared_ptr<const Scene>> others_;
 };
-
-/// Reads a scene file (JSON against core/scene/scene.fbs). Throws FileError.
-Scene load_scene(const std::filesystem::path& file);
-
-/// The same from text; `file` is only what errors call it.
-Scene parse_scene(std::string_view json, const std::string& file);
 
 }  // namespace feltwire

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "core/contact/local_contact.hpp"
+#include "core/scene/load_scene.hpp"
 #include "core/scene/near.hpp"
 
 namespace feltwire::touch_bench {

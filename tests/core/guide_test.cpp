@@ -7,8 +7,8 @@
 #include <functional>
 #include <numbers>
 
+#include "core/scene/load_scene.hpp"
 #include "core/scene/near.hpp"
-#include "core/scene/scene.hpp"
 #include "core/splitmix.hpp"
 #include "tests/support/allocation_counter.hpp"
 

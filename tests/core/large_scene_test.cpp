@@ -11,8 +11,8 @@
 
 #include "core/geometry/mesh_file.hpp"
 #include "core/geometry/triangle_mesh.hpp"
+#include "core/scene/load_scene.hpp"
 #include "core/scene/mechanism.hpp"
-#include "core/scene/scene.hpp"
 #include "core/scene/world.hpp"
 #include "tests/core/scene_text.hpp"
 

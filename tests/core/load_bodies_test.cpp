@@ -7,8 +7,8 @@
 #include <fstream>
 
 #include "core/scene/json_document.hpp"
+#include "core/scene/load_scene.hpp"
 #include "core/scene/mechanism.hpp"
-#include "core/scene/scene.hpp"
 #include "core/scene/world.hpp"
 #include "tests/core/moving.hpp"
 #include "tests/core/scene_text.hpp"

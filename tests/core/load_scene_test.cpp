@@ -1,3 +1,5 @@
+#include "core/scene/load_scene.hpp"
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -6,7 +8,6 @@
 #include <random>
 
 #include "core/scene/json_document.hpp"
-#include "core/scene/scene.hpp"
 #include "tests/core/scene_text.hpp"
 
 namespace feltwire::load_scene_test {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/contact/local_contact.hpp"
+#include "core/scene/load_scene.hpp"
 #include "core/scene/near.hpp"
 #include "tests/core/support.hpp"
 #include "tests/support/allocation_counter.hpp"

@@ -13,7 +13,7 @@
 #include <new>
 #include <string>
 
-#include "core/scene/scene.hpp"
+#include "core/scene/load_scene.hpp"
 
 namespace feltwire::memory_limit_test {
 namespace {

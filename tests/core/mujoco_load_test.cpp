@@ -16,8 +16,8 @@
 #include <vector>
 
 #include "core/long_work.hpp"
+#include "core/scene/load_scene.hpp"
 #include "core/scene/mujoco_guard.hpp"
-#include "core/scene/scene.hpp"
 
 namespace feltwire::mujoco_load_test {
 namespace {

@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "core/scene/load_scene.hpp"
+
 namespace feltwire::needs_test {
 namespace {
 

@@ -1,5 +1,3 @@
-#include "core/scene/scene.hpp"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -7,6 +5,7 @@
 #include <functional>
 #include <limits>
 
+#include "core/scene/load_scene.hpp"
 #include "tests/support/allocation_counter.hpp"
 
 namespace feltwire::scene_test {

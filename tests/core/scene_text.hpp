@@ -4,6 +4,7 @@
 #include <string>
 
 #include "core/file_error.hpp"
+#include "core/scene/load_scene.hpp"
 #include "core/scene/scene.hpp"
 
 namespace feltwire::test {

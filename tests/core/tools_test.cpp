@@ -9,6 +9,7 @@
 
 #include "core/geometry/distance_grid.hpp"
 #include "core/geometry/mesh_file.hpp"
+#include "core/scene/load_scene.hpp"
 #include "core/scene/near.hpp"
 #include "core/scene/needs.hpp"
 #include "tests/core/held_tools.hpp"

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/scene/load_scene.hpp"
 #include "core/scene/near.hpp"
 #include "tests/core/moving.hpp"
 #include "tests/support/allocation_counter.hpp"

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "core/scene/load_scene.hpp"
 #include "protocol/codec.hpp"
 #include "protocol/guard.hpp"
 #include "server/session.hpp"

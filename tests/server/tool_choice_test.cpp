@@ -8,6 +8,7 @@
 #include <map>
 
 #include "core/geometry/tessellation.hpp"
+#include "core/scene/load_scene.hpp"
 #include "core/tool/body_tool.hpp"
 #include "server/server.hpp"
 #include "tests/client/temporary_folder.hpp"

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "core/scene/load_scene.hpp"
 #include "sim/choices.hpp"
 #include "sim/figures.hpp"
 

@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "client/csv.hpp"
+#include "core/scene/load_scene.hpp"
 
 namespace feltwire::filters_test {
 namespace {

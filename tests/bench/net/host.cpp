@@ -10,6 +10,7 @@
 #include <memory>
 #include <stdexcept>
 
+#include "core/scene/load_scene.hpp"
 #include "core/splitmix.hpp"
 #include "server/scene_host.hpp"
 #include "tests/bench/net/echo.hpp"
