@@ -1,8 +1,8 @@
 #pragma once
 // How the force of a scene that was changed under a hand comes through to a hand that presses.
 
+#include "core/base/types.hpp"
 #include "core/port_guard.hpp"
-#include "core/types.hpp"
 
 namespace feltwire {
 

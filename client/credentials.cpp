@@ -5,9 +5,9 @@
 #include <stdexcept>
 
 #include "client/control_client.hpp"
-#include "core/file_error.hpp"
-#include "core/regular_file.hpp"
-#include "core/visible_text.hpp"
+#include "core/base/file_error.hpp"
+#include "core/base/regular_file.hpp"
+#include "core/base/visible_text.hpp"
 #include "protocol/private_file.hpp"
 
 namespace feltwire {

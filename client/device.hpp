@@ -1,8 +1,8 @@
 #pragma once
 // The interface of a haptic device. Implement it to attach one (docs/devices.md).
 
+#include "core/base/types.hpp"
 #include "core/device_spec.hpp"
-#include "core/types.hpp"
 #include "protocol/datagram.hpp"
 
 namespace feltwire {

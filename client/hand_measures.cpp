@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "client/no_force.hpp"
-#include "core/numeric.hpp"
+#include "core/base/numeric.hpp"
 
 namespace feltwire {
 

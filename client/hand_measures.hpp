@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <optional>
 
-#include "core/centred_highpass.hpp"
-#include "core/types.hpp"
+#include "core/base/centred_highpass.hpp"
+#include "core/base/types.hpp"
 
 namespace feltwire {
 

@@ -8,7 +8,7 @@
 #include "client/emulated_link/emulated_port.hpp"
 #include "client/options.hpp"
 #include "client/run_client.hpp"
-#include "core/visible_text.hpp"
+#include "core/base/visible_text.hpp"
 
 namespace feltwire {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <numeric>
 
-#include "core/numeric.hpp"
+#include "core/base/numeric.hpp"
 
 namespace feltwire {
 namespace {

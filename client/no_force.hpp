@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <string_view>
 
-#include "core/types.hpp"
+#include "core/base/types.hpp"
 
 namespace feltwire {
 

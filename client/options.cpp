@@ -8,8 +8,8 @@
 
 #include "client/credential_options.hpp"
 #include "client/output_files.hpp"
+#include "core/base/visible_text.hpp"
 #include "core/build_info/build_info.hpp"
-#include "core/visible_text.hpp"
 #include "protocol/busy_poll.hpp"
 #include "protocol/control.hpp"
 #include "protocol/environment.hpp"

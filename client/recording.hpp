@@ -4,9 +4,9 @@
 #include <cstdint>
 #include <filesystem>
 
-#include "client/line_file.hpp"
-#include "client/ring.hpp"
 #include "client/tick_record.hpp"
+#include "core/base/line_file.hpp"
+#include "core/base/ring.hpp"
 
 namespace feltwire {
 

@@ -3,7 +3,7 @@
 #include <exception>
 #include <new>
 
-#include "core/visible_text.hpp"
+#include "core/base/visible_text.hpp"
 
 namespace feltwire {
 

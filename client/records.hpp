@@ -8,7 +8,7 @@
 
 #include "client/onlooker.hpp"
 #include "client/recording.hpp"
-#include "client/ring.hpp"
+#include "core/base/ring.hpp"
 
 namespace feltwire {
 

@@ -7,8 +7,8 @@
 #include <string>
 
 #include "client/control_client.hpp"
-#include "client/ring.hpp"
 #include "client/transport.hpp"
+#include "core/base/ring.hpp"
 
 namespace feltwire {
 

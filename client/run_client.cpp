@@ -12,8 +12,8 @@
 #include "client/report.hpp"
 #include "client/reserve.hpp"
 #include "client/status_line.hpp"
+#include "core/base/visible_text.hpp"
 #include "core/build_info/build_info.hpp"
-#include "core/visible_text.hpp"
 #include "protocol/busy_poll.hpp"
 
 namespace feltwire {

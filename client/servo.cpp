@@ -6,7 +6,7 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "core/numeric.hpp"
+#include "core/base/numeric.hpp"
 #include "protocol/deadband.hpp"
 
 namespace feltwire {

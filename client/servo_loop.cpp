@@ -11,7 +11,7 @@
 #include <ctime>
 #include <system_error>
 
-#include "core/numeric.hpp"
+#include "core/base/numeric.hpp"
 #include "protocol/clock.hpp"
 
 namespace feltwire {

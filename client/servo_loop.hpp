@@ -5,10 +5,10 @@
 #include <cstdint>
 #include <string_view>
 
-#include "client/ring.hpp"
 #include "client/servo.hpp"
 #include "client/tick_record.hpp"
 #include "client/transport.hpp"
+#include "core/base/ring.hpp"
 #include "protocol/busy_poll.hpp"
 
 namespace feltwire {

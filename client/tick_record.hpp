@@ -1,7 +1,7 @@
 #pragma once
 // The record of one servo tick.
 
-#include "core/types.hpp"
+#include "core/base/types.hpp"
 
 namespace feltwire {
 

@@ -3,9 +3,9 @@
 
 #include <filesystem>
 
-#include "client/line_file.hpp"
 #include "client/seen_scene.hpp"
 #include "client/servo_loop.hpp"
+#include "core/base/line_file.hpp"
 
 namespace feltwire {
 

@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "core/types.hpp"
+#include "core/base/types.hpp"
 
 namespace feltwire {
 

@@ -5,8 +5,8 @@
 #include <string>
 #include <string_view>
 
+#include "core/base/types.hpp"
 #include "core/damping.hpp"
-#include "core/types.hpp"
 
 namespace feltwire {
 

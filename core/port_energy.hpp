@@ -4,8 +4,8 @@
 
 #include <cstdint>
 
+#include "core/base/types.hpp"
 #include "core/damping.hpp"
-#include "core/types.hpp"
 
 namespace feltwire {
 

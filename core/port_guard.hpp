@@ -2,8 +2,8 @@
 // The last line of a hand whose forces are bounded elsewhere: never more than its device has
 // burned.
 
+#include "core/base/types.hpp"
 #include "core/bounding/metric.hpp"
-#include "core/types.hpp"
 
 namespace feltwire {
 

@@ -3,7 +3,7 @@
 
 #include <limits>
 
-#include "core/types.hpp"
+#include "core/base/types.hpp"
 #include "core/velocity.hpp"
 
 namespace feltwire {

@@ -6,9 +6,9 @@
 #include <limits>
 #include <stdexcept>
 
+#include "core/base/little_endian.hpp"
 #include "flatbuffers/flatbuffers.h"
 #include "protocol/aligned_vector.hpp"
-#include "protocol/little_endian.hpp"
 #include "protocol/schema/control_generated.h"
 
 namespace feltwire::control {

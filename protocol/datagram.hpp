@@ -8,9 +8,9 @@
 #include <cstdint>
 #include <span>
 
+#include "core/base/types.hpp"
 #include "core/contact/local_model.hpp"
 #include "core/port_energy.hpp"
-#include "core/types.hpp"
 #include "protocol/session_parameters.hpp"
 
 namespace feltwire {

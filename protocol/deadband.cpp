@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "core/numeric.hpp"
+#include "core/base/numeric.hpp"
 
 namespace feltwire {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "protocol/little_endian.hpp"
+#include "core/base/little_endian.hpp"
 
 namespace feltwire {
 namespace {

@@ -7,7 +7,7 @@
 #include <limits>
 #include <span>
 
-#include "core/types.hpp"
+#include "core/base/types.hpp"
 
 namespace feltwire {
 

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/base/little_endian.hpp"
 #include "protocol/hkdf.hpp"
-#include "protocol/little_endian.hpp"
 
 namespace feltwire {
 namespace {

@@ -9,7 +9,7 @@
 #include <new>
 #include <stdexcept>
 
-#include "protocol/little_endian.hpp"
+#include "core/base/little_endian.hpp"
 
 namespace feltwire {
 

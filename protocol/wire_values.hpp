@@ -1,7 +1,7 @@
 #pragma once
 // Vectors and rotations, as values and as the structs of the schema.
 
-#include "core/types.hpp"
+#include "core/base/types.hpp"
 #include "protocol/schema/datagram_generated.h"
 
 namespace feltwire {

@@ -7,9 +7,9 @@
 #include <memory>
 #include <vector>
 
+#include "core/base/splitmix.hpp"
 #include "core/scene/broad_phase.hpp"
 #include "core/scene/world.hpp"
-#include "core/splitmix.hpp"
 #include "server/session.hpp"
 
 namespace feltwire {

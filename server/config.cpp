@@ -8,7 +8,7 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "core/scene/json_document.hpp"
+#include "core/base/json_document.hpp"
 #include "protocol/busy_poll.hpp"
 #include "protocol/control.hpp"
 #include "protocol/profiles.hpp"

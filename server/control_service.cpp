@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "core/visible_text.hpp"
+#include "core/base/visible_text.hpp"
 #include "protocol/clock.hpp"
 #include "protocol/tls.hpp"
 #include "server/parameter_changes.hpp"

@@ -8,7 +8,7 @@
 #include <memory>
 #include <stdexcept>
 
-#include "core/scene/json_document.hpp"
+#include "core/base/json_document.hpp"
 #include "protocol/private_file.hpp"
 
 namespace feltwire {

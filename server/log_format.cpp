@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "core/visible_text.hpp"
+#include "core/base/visible_text.hpp"
 
 namespace feltwire {
 namespace {

@@ -15,9 +15,9 @@
 #include <string_view>
 #include <vector>
 
+#include "core/base/visible_text.hpp"
 #include "core/scene/load_scene.hpp"
 #include "core/scene/needs.hpp"
-#include "core/visible_text.hpp"
 #include "protocol/secret.hpp"
 #include "server/answer_time.hpp"
 #include "server/health.hpp"

@@ -6,7 +6,7 @@
 #include <mutex>
 #include <thread>
 
-#include "core/long_work.hpp"
+#include "core/base/long_work.hpp"
 #include "core/scene/load_scene.hpp"
 #include "server/answer_time.hpp"
 

@@ -4,7 +4,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "core/numeric.hpp"
+#include "core/base/numeric.hpp"
 #include "core/scene/near.hpp"
 
 namespace feltwire {

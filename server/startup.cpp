@@ -12,7 +12,7 @@
 #include <system_error>
 #include <thread>
 
-#include "core/long_work.hpp"
+#include "core/base/long_work.hpp"
 
 namespace feltwire {
 namespace {

@@ -11,7 +11,7 @@
 #include <memory>
 #include <string>
 
-#include "core/scene/json_document.hpp"
+#include "core/base/json_document.hpp"
 
 namespace feltwire {
 namespace {

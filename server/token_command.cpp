@@ -5,7 +5,7 @@
 #include <optional>
 #include <stdexcept>
 
-#include "core/visible_text.hpp"
+#include "core/base/visible_text.hpp"
 #include "protocol/suggestion.hpp"
 #include "server/security.hpp"
 #include "server/state_file.hpp"

@@ -1,6 +1,6 @@
 #include "server/token_file.hpp"
 
-#include "core/scene/json_document.hpp"
+#include "core/base/json_document.hpp"
 #include "protocol/private_file.hpp"
 #include "server/state_file.hpp"
 

@@ -8,7 +8,7 @@
 #include <set>
 #include <stdexcept>
 
-#include "core/scene/json_document.hpp"
+#include "core/base/json_document.hpp"
 #include "protocol/control.hpp"
 #include "server/json_text.hpp"
 #include "server/tokens_generated.h"

@@ -5,7 +5,7 @@
 #include <limits>
 #include <stdexcept>
 
-#include "core/parallel.hpp"
+#include "core/base/parallel.hpp"
 #include "sim/cost.hpp"
 #include "sim/metrics.hpp"
 

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
+#include "core/base/text.hpp"
 #include "sim/plot.hpp"
-#include "sim/text.hpp"
 
 namespace feltwire {
 namespace {

@@ -1,9 +1,9 @@
 #include <nlohmann/json.hpp>
 
+#include "core/base/text.hpp"
 #include "sim/compare.hpp"
 #include "sim/compare_plot.hpp"
 #include "sim/metrics.hpp"
-#include "sim/text.hpp"
 
 namespace feltwire {
 namespace {

@@ -1,9 +1,9 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "core/base/text.hpp"
 #include "sim/deadband_study.hpp"
 #include "sim/plot.hpp"
-#include "sim/text.hpp"
 
 namespace feltwire {
 namespace {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "core/parallel.hpp"
+#include "core/base/parallel.hpp"
 
 namespace feltwire {
 namespace {

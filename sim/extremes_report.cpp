@@ -1,8 +1,8 @@
 #include <nlohmann/json.hpp>
 
+#include "core/base/text.hpp"
 #include "sim/extremes.hpp"
 #include "sim/plot.hpp"
-#include "sim/text.hpp"
 
 namespace feltwire {
 namespace {

@@ -6,11 +6,11 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
+#include "core/base/text.hpp"
 #include "core/scene/load_scene.hpp"
 #include "scenes/paper_sphere_text.hpp"
 #include "scenes/paper_wall_text.hpp"
 #include "sim/figure_plots.hpp"
-#include "sim/text.hpp"
 
 namespace feltwire {
 namespace {

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "client/csv.hpp"
+#include "core/base/csv.hpp"
 #include "core/port_energy.hpp"
 #include "core/scene/world.hpp"
 #include "core/tool/body_tool.hpp"

@@ -6,7 +6,7 @@
 #include <numbers>
 #include <vector>
 
-#include "core/types.hpp"
+#include "core/base/types.hpp"
 
 namespace feltwire {
 

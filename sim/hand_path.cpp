@@ -6,7 +6,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "core/splitmix.hpp"
+#include "core/base/splitmix.hpp"
 
 namespace feltwire {
 namespace {

@@ -1,10 +1,10 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "core/base/text.hpp"
 #include "sim/local_model.hpp"
 #include "sim/metrics.hpp"
 #include "sim/plot.hpp"
-#include "sim/text.hpp"
 
 namespace feltwire {
 namespace {

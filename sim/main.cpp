@@ -8,9 +8,9 @@
 #include <thread>
 
 #include "client/report.hpp"
+#include "core/base/visible_text.hpp"
 #include "core/build_info/build_info.hpp"
 #include "core/scene/load_scene.hpp"
-#include "core/visible_text.hpp"
 #include "protocol/ports.hpp"
 #include "protocol/suggestion.hpp"
 #include "sim/filters.hpp"

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "core/centred_highpass.hpp"
+#include "core/base/centred_highpass.hpp"
 #include "core/port_energy.hpp"
 
 namespace feltwire {

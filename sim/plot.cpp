@@ -7,7 +7,7 @@
 #include <cerrno>
 #include <stdexcept>
 
-#include "sim/text.hpp"
+#include "core/base/text.hpp"
 
 namespace feltwire {
 

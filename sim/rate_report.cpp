@@ -1,9 +1,9 @@
 #include <nlohmann/json.hpp>
 
+#include "core/base/text.hpp"
 #include "sim/metrics.hpp"
 #include "sim/plot.hpp"
 #include "sim/rate.hpp"
-#include "sim/text.hpp"
 
 namespace feltwire {
 namespace {

@@ -6,8 +6,8 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
-#include "core/regular_file.hpp"
-#include "core/visible_text.hpp"
+#include "core/base/regular_file.hpp"
+#include "core/base/visible_text.hpp"
 
 namespace feltwire {
 namespace {

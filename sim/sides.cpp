@@ -5,7 +5,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "core/parallel.hpp"
+#include "core/base/parallel.hpp"
 #include "sim/fidelity.hpp"
 #include "sim/network_run.hpp"
 

@@ -2,10 +2,10 @@
 #include <array>
 #include <nlohmann/json.hpp>
 
+#include "core/base/text.hpp"
 #include "sim/metrics.hpp"
 #include "sim/plot.hpp"
 #include "sim/sides.hpp"
-#include "sim/text.hpp"
 
 namespace feltwire {
 namespace {

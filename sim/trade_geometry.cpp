@@ -4,11 +4,11 @@
 #include <cmath>
 #include <functional>
 
+#include "core/base/splitmix.hpp"
 #include "core/contact/mesh_contact.hpp"
 #include "core/geometry/mesh_distance.hpp"
 #include "core/geometry/signed_distance.hpp"
 #include "core/geometry/tessellation.hpp"
-#include "core/splitmix.hpp"
 #include "sim/cost.hpp"
 #include "sim/glide.hpp"
 #include "sim/metrics.hpp"

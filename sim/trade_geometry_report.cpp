@@ -1,8 +1,8 @@
 #include <nlohmann/json.hpp>
 
+#include "core/base/text.hpp"
 #include "sim/metrics.hpp"
 #include "sim/plot.hpp"
-#include "sim/text.hpp"
 #include "sim/trade_geometry.hpp"
 
 namespace feltwire {

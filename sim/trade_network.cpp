@@ -4,10 +4,10 @@
 #include <array>
 #include <cmath>
 
-#include "core/parallel.hpp"
+#include "core/base/parallel.hpp"
+#include "core/base/text.hpp"
 #include "sim/fidelity.hpp"
 #include "sim/network_run.hpp"
-#include "sim/text.hpp"
 
 namespace feltwire {
 namespace {

@@ -2,9 +2,9 @@
 #include <array>
 #include <nlohmann/json.hpp>
 
+#include "core/base/text.hpp"
 #include "sim/metrics.hpp"
 #include "sim/plot.hpp"
-#include "sim/text.hpp"
 #include "sim/trade_network.hpp"
 
 namespace feltwire {

@@ -4,9 +4,9 @@
 #include <memory>
 #include <numbers>
 
+#include "core/base/splitmix.hpp"
 #include "core/geometry/signed_distance.hpp"
 #include "core/geometry/tessellation.hpp"
-#include "core/splitmix.hpp"
 #include "core/tool/body_tool.hpp"
 #include "sim/cost.hpp"
 

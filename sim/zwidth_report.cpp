@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "sim/text.hpp"
+#include "core/base/text.hpp"
 #include "sim/zwidth.hpp"
 #include "sim/zwidth_plots.hpp"
 

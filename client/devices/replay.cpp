@@ -6,9 +6,9 @@
 #include <string>
 #include <utility>
 
-#include "client/csv.hpp"
-#include "core/file_error.hpp"
-#include "core/regular_file.hpp"
+#include "core/base/csv.hpp"
+#include "core/base/file_error.hpp"
+#include "core/base/regular_file.hpp"
 
 namespace feltwire {
 namespace {

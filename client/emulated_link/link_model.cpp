@@ -5,7 +5,7 @@
 #include <numbers>
 #include <utility>
 
-#include "core/splitmix.hpp"
+#include "core/base/splitmix.hpp"
 
 namespace feltwire {
 namespace {

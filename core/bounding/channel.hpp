@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "core/numeric.hpp"
+#include "core/base/numeric.hpp"
 
 namespace feltwire {
 

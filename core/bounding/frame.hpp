@@ -3,9 +3,9 @@
 
 #include <limits>
 
+#include "core/base/numeric.hpp"
 #include "core/bounding/metric.hpp"
 #include "core/bounding/step.hpp"
-#include "core/numeric.hpp"
 
 namespace feltwire {
 

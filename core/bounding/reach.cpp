@@ -5,7 +5,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "core/numeric.hpp"
+#include "core/base/numeric.hpp"
 
 namespace feltwire {
 namespace {

@@ -3,8 +3,8 @@
 
 #include <limits>
 
+#include "core/base/types.hpp"
 #include "core/damping.hpp"
-#include "core/types.hpp"
 
 namespace feltwire {
 

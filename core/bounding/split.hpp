@@ -1,7 +1,7 @@
 #pragma once
 
-#include "core/numeric.hpp"
-#include "core/types.hpp"
+#include "core/base/numeric.hpp"
+#include "core/base/types.hpp"
 
 namespace feltwire {
 

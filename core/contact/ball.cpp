@@ -2,9 +2,9 @@
 
 #include <algorithm>
 
+#include "core/base/numeric.hpp"
 #include "core/contact/mesh_contact.hpp"
 #include "core/geometry/signed_distance.hpp"
-#include "core/numeric.hpp"
 
 namespace feltwire {
 namespace {

@@ -1,8 +1,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/numeric.hpp"
 #include "core/contact/solid_proxy.hpp"
-#include "core/numeric.hpp"
 
 namespace feltwire {
 namespace {

@@ -4,11 +4,11 @@
 #include <cmath>
 #include <string>
 
+#include "core/base/types.hpp"
 #include "core/contact/ball.hpp"
 #include "core/contact/contact_law.hpp"
 #include "core/contact/material.hpp"
 #include "core/contact/surface_point.hpp"
-#include "core/types.hpp"
 
 namespace feltwire {
 

@@ -4,9 +4,9 @@
 
 #include <algorithm>
 
+#include "core/base/types.hpp"
 #include "core/contact/material.hpp"
 #include "core/contact/shapes.hpp"
-#include "core/types.hpp"
 
 namespace feltwire {
 

@@ -7,10 +7,10 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/base/numeric.hpp"
 #include "core/contact/fitted_patches.hpp"
 #include "core/contact/local_contact.hpp"
 #include "core/geometry/distance_grid.hpp"
-#include "core/numeric.hpp"
 
 namespace feltwire {
 namespace {

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
+#include "core/base/numeric.hpp"
 #include "core/contact/patch_proxy.hpp"
-#include "core/numeric.hpp"
 
 namespace feltwire {
 namespace {

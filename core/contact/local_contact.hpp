@@ -4,10 +4,10 @@
 #include <array>
 #include <cstdint>
 
+#include "core/base/types.hpp"
 #include "core/contact/contact_law.hpp"
 #include "core/contact/local_model.hpp"
 #include "core/contact/patch_proxy.hpp"
-#include "core/types.hpp"
 
 namespace feltwire {
 

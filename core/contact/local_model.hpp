@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <span>
 
+#include "core/base/types.hpp"
 #include "core/contact/material.hpp"
-#include "core/types.hpp"
 
 namespace feltwire {
 

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/base/numeric.hpp"
 #include "core/geometry/height_map.hpp"
-#include "core/numeric.hpp"
 
 namespace feltwire {
 namespace {

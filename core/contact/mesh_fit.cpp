@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <limits>
 
+#include "core/base/numeric.hpp"
 #include "core/contact/fitted_patches.hpp"
-#include "core/numeric.hpp"
 
 namespace feltwire {
 namespace {

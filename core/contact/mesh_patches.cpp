@@ -6,12 +6,12 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/base/numeric.hpp"
 #include "core/contact/fitted_patches.hpp"
 #include "core/contact/local_contact.hpp"
 #include "core/contact/mesh_fit.hpp"
 #include "core/geometry/height_map.hpp"
 #include "core/geometry/mesh_surface.hpp"
-#include "core/numeric.hpp"
 
 namespace feltwire {
 namespace {

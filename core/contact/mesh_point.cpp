@@ -6,9 +6,9 @@
 #include <array>
 #include <cmath>
 
+#include "core/base/numeric.hpp"
 #include "core/contact/mesh_contact.hpp"
 #include "core/geometry/half_spaces.hpp"
-#include "core/numeric.hpp"
 
 namespace feltwire {
 namespace {

@@ -3,10 +3,10 @@
 #include <array>
 #include <span>
 
+#include "core/base/numeric.hpp"
 #include "core/contact/local_contact.hpp"
 #include "core/contact/round_proxy.hpp"
 #include "core/geometry/half_spaces.hpp"
-#include "core/numeric.hpp"
 
 namespace feltwire {
 namespace {

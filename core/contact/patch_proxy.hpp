@@ -3,9 +3,9 @@
 
 #include <cstdint>
 
+#include "core/base/types.hpp"
 #include "core/contact/local_model.hpp"
 #include "core/contact/shapes.hpp"
-#include "core/types.hpp"
 
 namespace feltwire {
 

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/numeric.hpp"
 #include "core/contact/round_proxy.hpp"
-#include "core/numeric.hpp"
 
 namespace feltwire {
 namespace {

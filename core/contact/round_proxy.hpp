@@ -6,9 +6,9 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/base/numeric.hpp"
+#include "core/base/types.hpp"
 #include "core/contact/solid_proxy.hpp"
-#include "core/numeric.hpp"
-#include "core/types.hpp"
 
 namespace feltwire {
 

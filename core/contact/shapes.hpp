@@ -5,7 +5,7 @@
 #include <memory>
 #include <variant>
 
-#include "core/types.hpp"
+#include "core/base/types.hpp"
 
 namespace feltwire {
 

@@ -1,9 +1,9 @@
 #include "core/contact/surface_point.hpp"
 
+#include "core/base/numeric.hpp"
 #include "core/contact/mesh_contact.hpp"
 #include "core/geometry/distance_grid.hpp"
 #include "core/geometry/mesh_surface.hpp"
-#include "core/numeric.hpp"
 
 namespace feltwire {
 namespace {

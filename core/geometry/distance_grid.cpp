@@ -7,8 +7,8 @@
 #include <stdexcept>
 #include <string>
 
-#include "core/numeric.hpp"
-#include "core/parallel.hpp"
+#include "core/base/numeric.hpp"
+#include "core/base/parallel.hpp"
 
 namespace feltwire {
 namespace {

@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <span>
 
-#include "core/types.hpp"
+#include "core/base/types.hpp"
 
 namespace feltwire {
 

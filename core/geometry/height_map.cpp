@@ -6,7 +6,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "core/file_error.hpp"
+#include "core/base/file_error.hpp"
 
 namespace feltwire {
 namespace {

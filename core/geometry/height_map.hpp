@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "core/types.hpp"
+#include "core/base/types.hpp"
 
 namespace feltwire {
 

@@ -5,8 +5,8 @@
 #include <cstring>
 #include <limits>
 
+#include "core/base/regular_file.hpp"
 #include "core/geometry/mesh_text.hpp"
-#include "core/regular_file.hpp"
 
 namespace feltwire {
 namespace {

@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-#include "core/file_error.hpp"
+#include "core/base/file_error.hpp"
 #include "core/geometry/triangle_mesh.hpp"
 
 namespace feltwire {

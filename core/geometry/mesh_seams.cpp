@@ -6,7 +6,7 @@
 #include <limits>
 #include <unordered_map>
 
-#include "core/splitmix.hpp"
+#include "core/base/splitmix.hpp"
 
 namespace feltwire::mesh_seams {
 namespace {

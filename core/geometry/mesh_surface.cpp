@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "core/numeric.hpp"
+#include "core/base/numeric.hpp"
 
 namespace feltwire {
 namespace {

@@ -9,8 +9,8 @@
 #include <string>
 #include <string_view>
 
-#include "core/file_error.hpp"
-#include "core/types.hpp"
+#include "core/base/file_error.hpp"
+#include "core/base/types.hpp"
 
 namespace feltwire::mesh_text {
 

@@ -5,7 +5,7 @@
 #include <limits>
 #include <stdexcept>
 
-#include "core/numeric.hpp"
+#include "core/base/numeric.hpp"
 
 namespace feltwire {
 namespace {

@@ -9,9 +9,9 @@
 #include <tuple>
 #include <utility>
 
+#include "core/base/numeric.hpp"
+#include "core/base/splitmix.hpp"
 #include "core/geometry/mesh_seams.hpp"
-#include "core/numeric.hpp"
-#include "core/splitmix.hpp"
 
 namespace feltwire {
 namespace {

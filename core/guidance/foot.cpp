@@ -1,8 +1,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/numeric.hpp"
 #include "core/guidance/guide.hpp"
-#include "core/numeric.hpp"
 
 namespace feltwire {
 namespace {

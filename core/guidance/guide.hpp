@@ -7,8 +7,8 @@
 #include <variant>
 #include <vector>
 
+#include "core/base/types.hpp"
 #include "core/contact/shapes.hpp"
-#include "core/types.hpp"
 
 namespace feltwire {
 

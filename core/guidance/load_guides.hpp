@@ -3,8 +3,8 @@
 
 #include <vector>
 
+#include "core/base/json_document.hpp"
 #include "core/guidance/guide.hpp"
-#include "core/scene/json_document.hpp"
 
 namespace feltwire {
 

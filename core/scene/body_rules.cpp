@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "core/numeric.hpp"
+#include "core/base/numeric.hpp"
 #include "core/scene/mechanism.hpp"
 #include "core/scene/rules.hpp"
 

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "core/base/json_document.hpp"
 #include "core/contact/shapes.hpp"
-#include "core/scene/json_document.hpp"
 
 namespace feltwire {
 

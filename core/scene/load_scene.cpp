@@ -2,8 +2,8 @@
 
 #include <utility>
 
+#include "core/base/long_work.hpp"
 #include "core/guidance/load_guides.hpp"
-#include "core/long_work.hpp"
 #include "core/scene/load_mesh.hpp"
 #include "core/scene/read_bodies.hpp"
 #include "core/scene/read_fields.hpp"

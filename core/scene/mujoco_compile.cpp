@@ -7,8 +7,8 @@
 #include <set>
 #include <stdexcept>
 
+#include "core/base/numeric.hpp"
 #include "core/geometry/mesh_surface.hpp"
-#include "core/numeric.hpp"
 #include "core/scene/mass_properties.hpp"
 #include "core/scene/mechanism.hpp"
 #include "core/scene/mujoco_check.hpp"

@@ -8,7 +8,7 @@
 #include <memory>
 #include <string>
 
-#include "core/types.hpp"
+#include "core/base/types.hpp"
 
 namespace feltwire::mujoco {
 

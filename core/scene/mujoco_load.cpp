@@ -17,7 +17,7 @@
 #include <filesystem>
 #include <system_error>
 
-#include "core/long_work.hpp"
+#include "core/base/long_work.hpp"
 #include "core/scene/mujoco_guard.hpp"
 
 namespace feltwire::mujoco {

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "core/scene/json_document.hpp"
+#include "core/base/json_document.hpp"
 #include "core/scene/mechanism.hpp"
 
 namespace feltwire {

@@ -7,9 +7,9 @@
 #include <stdexcept>
 #include <utility>
 
+#include "core/base/numeric.hpp"
 #include "core/contact/mesh_contact.hpp"
 #include "core/geometry/mesh_surface.hpp"
-#include "core/numeric.hpp"
 #include "core/scene/mechanism.hpp"
 #include "core/scene/rules.hpp"
 #include "core/tool/body_tool.hpp"

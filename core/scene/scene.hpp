@@ -6,10 +6,10 @@
 #include <string_view>
 #include <vector>
 
+#include "core/base/json_document.hpp"
 #include "core/contact/contact.hpp"
 #include "core/guidance/guide.hpp"
 #include "core/scene/broad_phase.hpp"
-#include "core/scene/json_document.hpp"
 
 namespace feltwire {
 

@@ -7,9 +7,9 @@
 #include <string_view>
 #include <vector>
 
-#include "core/file_error.hpp"
+#include "core/base/file_error.hpp"
+#include "core/base/json_document.hpp"
 #include "core/geometry/mesh_file.hpp"
-#include "core/scene/json_document.hpp"
 
 namespace feltwire {
 namespace {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "core/numeric.hpp"
+#include "core/base/numeric.hpp"
 #include "core/scene/broken_trees.hpp"
 #include "core/scene/mechanism.hpp"
 #include "core/scene/mujoco_room.hpp"

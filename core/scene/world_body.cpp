@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <stdexcept>
 
-#include "core/numeric.hpp"
+#include "core/base/numeric.hpp"
 #include "core/scene/world.hpp"
 
 namespace feltwire {

@@ -7,7 +7,7 @@
 #include <string>
 #include <utility>
 
-#include "core/numeric.hpp"
+#include "core/base/numeric.hpp"
 #include "core/tool/sliding.hpp"
 
 namespace feltwire {

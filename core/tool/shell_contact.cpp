@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <array>
 
+#include "core/base/numeric.hpp"
 #include "core/geometry/signed_distance.hpp"
-#include "core/numeric.hpp"
 
 namespace feltwire {
 namespace {

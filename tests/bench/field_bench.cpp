@@ -9,9 +9,9 @@
 #include <string>
 #include <vector>
 
+#include "core/base/splitmix.hpp"
 #include "core/geometry/signed_distance.hpp"
 #include "core/geometry/tessellation.hpp"
-#include "core/splitmix.hpp"
 #include "core/tool/body_tool.hpp"
 
 namespace feltwire::field_bench {

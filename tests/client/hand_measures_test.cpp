@@ -30,7 +30,7 @@ struct Hand {
   void at(const Vec3& position, const Vec3& elastic = kUp) { at(position, elastic, elastic); }
 };
 
-/// The share of a sinusoid that the filter keeps (core/centred_highpass.hpp).
+/// The share of a sinusoid that the filter keeps (core/base/centred_highpass.hpp).
 double share(double frequency, std::size_t window, double period) {
   const double w = static_cast<double>(window);
   return std::abs(1.0 - std::sin(kPi * frequency * w * period) /

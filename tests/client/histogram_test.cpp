@@ -1,4 +1,4 @@
-#include "client/histogram.hpp"
+#include "core/base/histogram.hpp"
 
 #include <gtest/gtest.h>
 

@@ -4,7 +4,7 @@
 
 #include <sstream>
 
-#include "client/csv.hpp"
+#include "core/base/csv.hpp"
 #include "tests/client/temporary_folder.hpp"
 
 namespace feltwire::link_options_test {

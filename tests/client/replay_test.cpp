@@ -8,7 +8,7 @@
 #include <numbers>
 #include <sstream>
 
-#include "client/csv.hpp"
+#include "core/base/csv.hpp"
 #include "tests/client/temporary_folder.hpp"
 
 namespace feltwire::replay_test {

@@ -1,4 +1,4 @@
-#include "client/ring.hpp"
+#include "core/base/ring.hpp"
 
 #include <gtest/gtest.h>
 

@@ -6,7 +6,7 @@
 #include <deque>
 #include <random>
 
-#include "core/numeric.hpp"
+#include "core/base/numeric.hpp"
 #include "tests/client/servo_bench.hpp"
 #include "tests/support/seeds.hpp"
 

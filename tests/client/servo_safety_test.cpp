@@ -2,7 +2,7 @@
 
 #include <gmock/gmock.h>
 
-#include "core/numeric.hpp"
+#include "core/base/numeric.hpp"
 #include "tests/client/servo_bench.hpp"
 #include "tests/client/temporary_folder.hpp"
 

@@ -7,7 +7,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "client/csv.hpp"
+#include "core/base/csv.hpp"
 #include "core/scene/load_scene.hpp"
 #include "server/state_file.hpp"
 #include "tests/client/loopback.hpp"

@@ -9,7 +9,7 @@
 #include <stdexcept>
 #include <vector>
 
-#include "core/splitmix.hpp"
+#include "core/base/splitmix.hpp"
 
 namespace feltwire::box_tree_test {
 namespace {

@@ -7,10 +7,10 @@
 #include <cmath>
 #include <limits>
 
+#include "core/base/splitmix.hpp"
 #include "core/geometry/mesh_distance.hpp"
 #include "core/geometry/signed_distance.hpp"
 #include "core/geometry/tessellation.hpp"
-#include "core/splitmix.hpp"
 #include "tests/core/support.hpp"
 #include "tests/support/allocation_counter.hpp"
 

@@ -7,9 +7,9 @@
 #include <functional>
 #include <numbers>
 
+#include "core/base/splitmix.hpp"
 #include "core/scene/load_scene.hpp"
 #include "core/scene/near.hpp"
-#include "core/splitmix.hpp"
 #include "tests/support/allocation_counter.hpp"
 
 namespace feltwire::guide_test {

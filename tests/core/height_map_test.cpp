@@ -8,8 +8,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/base/file_error.hpp"
 #include "core/contact/contact.hpp"
-#include "core/file_error.hpp"
 #include "core/geometry/mesh_surface.hpp"
 #include "tests/core/support.hpp"
 #include "tests/support/allocation_counter.hpp"

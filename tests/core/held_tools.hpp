@@ -1,8 +1,8 @@
 #pragma once
 // What hands hold in tests, and what they touch with it.
 
+#include "core/base/numeric.hpp"
 #include "core/contact/contact.hpp"
-#include "core/numeric.hpp"
 #include "tests/core/support.hpp"
 
 namespace feltwire::test {

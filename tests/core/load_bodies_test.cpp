@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "core/scene/json_document.hpp"
+#include "core/base/json_document.hpp"
 #include "core/scene/load_scene.hpp"
 #include "core/scene/mechanism.hpp"
 #include "core/scene/world.hpp"

@@ -7,7 +7,7 @@
 #include <fstream>
 #include <random>
 
-#include "core/scene/json_document.hpp"
+#include "core/base/json_document.hpp"
 #include "tests/core/scene_text.hpp"
 
 namespace feltwire::load_scene_test {

@@ -15,7 +15,7 @@
 #include <thread>
 #include <vector>
 
-#include "core/long_work.hpp"
+#include "core/base/long_work.hpp"
 #include "core/scene/load_scene.hpp"
 #include "core/scene/mujoco_guard.hpp"
 

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "core/splitmix.hpp"
+#include "core/base/splitmix.hpp"
 #include "tests/core/model_side.hpp"
 #include "tests/core/moving.hpp"
 

@@ -1,4 +1,4 @@
-#include "core/regular_file.hpp"
+#include "core/base/regular_file.hpp"
 
 #include <gmock/gmock.h>
 #include <sys/stat.h>
@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "core/file_error.hpp"
+#include "core/base/file_error.hpp"
 #include "tests/client/temporary_folder.hpp"
 
 namespace feltwire::regular_file_test {

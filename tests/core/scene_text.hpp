@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "core/file_error.hpp"
+#include "core/base/file_error.hpp"
 #include "core/scene/load_scene.hpp"
 #include "core/scene/scene.hpp"
 

@@ -1,13 +1,13 @@
 // Rotation vectors, lengths and directions, and the velocity estimate.
 
-#include "core/types.hpp"
+#include "core/base/types.hpp"
 
 #include <gtest/gtest.h>
 
 #include <limits>
 #include <numbers>
 
-#include "core/numeric.hpp"
+#include "core/base/numeric.hpp"
 #include "core/velocity.hpp"
 #include "tests/core/support.hpp"
 

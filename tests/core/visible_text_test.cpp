@@ -1,4 +1,4 @@
-#include "core/visible_text.hpp"
+#include "core/base/visible_text.hpp"
 
 #include <gmock/gmock.h>
 

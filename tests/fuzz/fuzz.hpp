@@ -12,7 +12,7 @@
 #include <string>
 #include <string_view>
 
-#include "core/types.hpp"
+#include "core/base/types.hpp"
 #include "protocol/datagram.hpp"
 
 /// One input; what is wrong ends the program. The name and the linkage are libFuzzer's.

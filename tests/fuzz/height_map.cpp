@@ -5,8 +5,8 @@
 
 #include "core/geometry/height_map.hpp"
 
-#include "core/file_error.hpp"
-#include "core/splitmix.hpp"
+#include "core/base/file_error.hpp"
+#include "core/base/splitmix.hpp"
 #include "tests/fuzz/fuzz.hpp"
 
 namespace feltwire::fuzz {

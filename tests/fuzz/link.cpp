@@ -3,8 +3,8 @@
 
 #include <stdexcept>
 
-#include "client/csv.hpp"
 #include "client/emulated_link/link_model.hpp"
+#include "core/base/csv.hpp"
 #include "tests/fuzz/fuzz.hpp"
 
 namespace feltwire::fuzz {

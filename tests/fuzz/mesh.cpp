@@ -5,10 +5,10 @@
 //   byte 1   weld and how it is felt
 //   the rest the file
 
+#include "core/base/splitmix.hpp"
 #include "core/contact/contact.hpp"
 #include "core/geometry/mesh_file.hpp"
 #include "core/geometry/mesh_surface.hpp"
-#include "core/splitmix.hpp"
 #include "tests/fuzz/fuzz.hpp"
 
 namespace feltwire::fuzz {

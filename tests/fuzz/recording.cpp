@@ -3,8 +3,8 @@
 
 #include <sstream>
 
-#include "client/csv.hpp"
 #include "client/devices/replay.hpp"
+#include "core/base/csv.hpp"
 #include "tests/fuzz/fuzz.hpp"
 
 namespace feltwire::fuzz {

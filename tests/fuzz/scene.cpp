@@ -1,9 +1,9 @@
 // Arbitrary text as a scene file: it loads or says where it is wrong, and what loads answers a tool
 // anywhere with a finite force.
 
+#include "core/base/splitmix.hpp"
 #include "core/scene/load_scene.hpp"
 #include "core/scene/near.hpp"
-#include "core/splitmix.hpp"
 #include "tests/fuzz/fuzz.hpp"
 
 namespace feltwire::fuzz {

@@ -1,7 +1,7 @@
 // Arbitrary text as a server's configuration: it is read or says where it is wrong, and what is
 // read can be served.
 
-#include "core/scene/json_document.hpp"
+#include "core/base/json_document.hpp"
 #include "protocol/busy_poll.hpp"
 #include "server/config.hpp"
 #include "tests/fuzz/fuzz.hpp"

@@ -3,7 +3,7 @@
 
 #include "server/tokens.hpp"
 
-#include "core/scene/json_document.hpp"
+#include "core/base/json_document.hpp"
 #include "tests/fuzz/fuzz.hpp"
 
 namespace feltwire::fuzz {

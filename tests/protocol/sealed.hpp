@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "core/splitmix.hpp"
+#include "core/base/splitmix.hpp"
 #include "protocol/codec.hpp"
 #include "protocol/seal.hpp"
 

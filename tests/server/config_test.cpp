@@ -7,7 +7,7 @@
 #include <functional>
 #include <stdexcept>
 
-#include "core/scene/json_document.hpp"
+#include "core/base/json_document.hpp"
 
 namespace feltwire::config_test {
 namespace {

@@ -8,7 +8,7 @@
 #include <fstream>
 #include <future>
 
-#include "core/long_work.hpp"
+#include "core/base/long_work.hpp"
 #include "core/scene/load_scene.hpp"
 #include "server/health.hpp"
 #include "server/server.hpp"

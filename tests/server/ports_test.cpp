@@ -9,7 +9,7 @@
 #include <regex>
 #include <set>
 
-#include "core/scene/json_document.hpp"
+#include "core/base/json_document.hpp"
 #include "server/config.hpp"
 
 namespace feltwire::ports_test {

@@ -10,7 +10,7 @@
 
 #include <fstream>
 
-#include "core/scene/json_document.hpp"
+#include "core/base/json_document.hpp"
 #include "server/security.hpp"
 #include "server/state_file.hpp"
 #include "tests/client/temporary_folder.hpp"

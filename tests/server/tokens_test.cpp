@@ -9,7 +9,7 @@
 
 #include <thread>
 
-#include "core/scene/json_document.hpp"
+#include "core/base/json_document.hpp"
 #include "server/security.hpp"
 #include "server/state_file.hpp"
 #include "tests/client/temporary_folder.hpp"

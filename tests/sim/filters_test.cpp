@@ -5,7 +5,7 @@
 #include <cmath>
 #include <sstream>
 
-#include "client/csv.hpp"
+#include "core/base/csv.hpp"
 #include "core/scene/load_scene.hpp"
 
 namespace feltwire::filters_test {

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <sstream>
 
-#include "client/csv.hpp"
+#include "core/base/csv.hpp"
 #include "sim/filters.hpp"
 #include "sim/network_run.hpp"
 #include "tests/core/moving.hpp"

@@ -9,7 +9,7 @@
 #include "client/control_client.hpp"
 #include "client/conversation.hpp"
 #include "client/servo.hpp"
-#include "core/splitmix.hpp"
+#include "core/base/splitmix.hpp"
 #include "sim/simulated_device.hpp"
 #include "tests/server/raw_socket.hpp"
 

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "core/splitmix.hpp"
+#include "core/base/splitmix.hpp"
 
 namespace feltwire::test {
 

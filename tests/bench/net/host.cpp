@@ -10,8 +10,8 @@
 #include <memory>
 #include <stdexcept>
 
+#include "core/base/splitmix.hpp"
 #include "core/scene/load_scene.hpp"
-#include "core/splitmix.hpp"
 #include "server/scene_host.hpp"
 #include "tests/bench/net/echo.hpp"
 #include "tests/bench/net/machine.hpp"

@@ -9,7 +9,7 @@
 #include <numbers>
 
 #include "client/conversation.hpp"
-#include "core/splitmix.hpp"
+#include "core/base/splitmix.hpp"
 #include "protocol/guard.hpp"
 #include "server/id_map.hpp"
 #include "tests/bench/net/flood.hpp"

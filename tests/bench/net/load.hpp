@@ -4,7 +4,7 @@
 #include <memory>
 #include <vector>
 
-#include "client/histogram.hpp"
+#include "core/base/histogram.hpp"
 #include "tests/bench/net/host.hpp"
 #include "tests/bench/net/machine.hpp"
 

@@ -1,4 +1,4 @@
-#include "client/line_file.hpp"
+#include "core/base/line_file.hpp"
 
 #include <fcntl.h>
 #include <unistd.h>

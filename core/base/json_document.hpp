@@ -8,7 +8,7 @@
 #include <string>
 #include <string_view>
 
-#include "core/file_error.hpp"
+#include "core/base/file_error.hpp"
 
 namespace feltwire {
 

@@ -9,7 +9,7 @@
 #include <thread>
 #include <vector>
 
-#include "core/long_work.hpp"
+#include "core/base/long_work.hpp"
 
 namespace feltwire {
 

@@ -1,4 +1,4 @@
-#include "client/csv.hpp"
+#include "core/base/csv.hpp"
 
 #include <algorithm>
 #include <charconv>

@@ -1,4 +1,4 @@
-#include "sim/text.hpp"
+#include "core/base/text.hpp"
 
 #include <fstream>
 #include <stdexcept>

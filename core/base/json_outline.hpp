@@ -13,7 +13,7 @@
 #include <string_view>
 #include <vector>
 
-#include "core/scene/json_document.hpp"
+#include "core/base/json_document.hpp"
 #include "flatbuffers/util.h"
 
 namespace feltwire::json {

@@ -1,4 +1,4 @@
-#include "core/regular_file.hpp"
+#include "core/base/regular_file.hpp"
 
 #include <fcntl.h>
 #include <sys/stat.h>
@@ -8,7 +8,7 @@
 #include <cerrno>
 #include <cstring>
 
-#include "core/file_error.hpp"
+#include "core/base/file_error.hpp"
 
 namespace feltwire {
 namespace {

@@ -1,4 +1,4 @@
-#include "core/types.hpp"
+#include "core/base/types.hpp"
 
 #include <cmath>
 

@@ -1,4 +1,4 @@
-#include "core/scene/json_document.hpp"
+#include "core/base/json_document.hpp"
 
 #include <algorithm>
 #include <charconv>
@@ -6,8 +6,8 @@
 #include <cstdlib>
 #include <limits>
 
-#include "core/regular_file.hpp"
-#include "core/scene/json_outline.hpp"
+#include "core/base/json_outline.hpp"
+#include "core/base/regular_file.hpp"
 #include "flatbuffers/idl.h"
 
 namespace feltwire {
