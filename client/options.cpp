@@ -10,11 +10,11 @@
 #include "client/output_files.hpp"
 #include "core/base/visible_text.hpp"
 #include "core/build_info/build_info.hpp"
+#include "core/command_line/environment.hpp"
+#include "core/command_line/suggestion.hpp"
 #include "protocol/busy_poll.hpp"
 #include "protocol/control.hpp"
-#include "protocol/environment.hpp"
 #include "protocol/profiles.hpp"
-#include "protocol/suggestion.hpp"
 #include "protocol/udp_socket.hpp"
 
 namespace feltwire {

@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "core/build_info/build_info.hpp"
-#include "protocol/environment.hpp"
+#include "core/command_line/environment.hpp"
+#include "core/command_line/suggestion.hpp"
 #include "protocol/profiles.hpp"
-#include "protocol/suggestion.hpp"
 
 namespace feltwire {
 namespace {

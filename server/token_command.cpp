@@ -6,7 +6,7 @@
 #include <stdexcept>
 
 #include "core/base/visible_text.hpp"
-#include "protocol/suggestion.hpp"
+#include "core/command_line/suggestion.hpp"
 #include "server/security.hpp"
 #include "server/state_file.hpp"
 

@@ -10,7 +10,7 @@
 #include <regex>
 #include <thread>
 
-#include "protocol/suggestion.hpp"
+#include "core/command_line/suggestion.hpp"
 #include "server/health.hpp"
 #include "server/parameter_changes.hpp"
 #include "server/server.hpp"
