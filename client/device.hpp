@@ -2,7 +2,7 @@
 // The interface of a haptic device. Implement it to attach one (docs/devices.md).
 
 #include "core/base/types.hpp"
-#include "core/device_spec.hpp"
+#include "core/device/device_spec.hpp"
 #include "protocol/datagram.hpp"
 
 namespace feltwire {

@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "core/device_spec.hpp"
+#include "core/device/device_spec.hpp"
 
 namespace feltwire {
 

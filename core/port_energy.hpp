@@ -5,7 +5,7 @@
 #include <cstdint>
 
 #include "core/base/types.hpp"
-#include "core/damping.hpp"
+#include "core/device/damping.hpp"
 
 namespace feltwire {
 

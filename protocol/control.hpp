@@ -8,7 +8,7 @@
 #include <variant>
 #include <vector>
 
-#include "core/device_spec.hpp"
+#include "core/device/device_spec.hpp"
 #include "protocol/datagram.hpp"
 #include "protocol/role.hpp"
 #include "protocol/secret.hpp"

@@ -6,7 +6,7 @@
 #include <string_view>
 
 #include "core/bounding/bounding.hpp"
-#include "core/device_spec.hpp"
+#include "core/device/device_spec.hpp"
 
 namespace feltwire {
 

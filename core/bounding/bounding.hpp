@@ -20,7 +20,7 @@
 #include "core/bounding/step.hpp"
 #include "core/bounding/total_energy.hpp"
 #include "core/bounding/virtual_coupling.hpp"
-#include "core/damping.hpp"
+#include "core/device/damping.hpp"
 
 namespace feltwire {
 

@@ -4,7 +4,7 @@
 #include <Eigen/Cholesky>
 
 #include "core/bounding/step.hpp"
-#include "core/damping.hpp"
+#include "core/device/damping.hpp"
 
 namespace feltwire {
 

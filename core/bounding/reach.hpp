@@ -4,7 +4,7 @@
 #include <limits>
 
 #include "core/base/types.hpp"
-#include "core/damping.hpp"
+#include "core/device/damping.hpp"
 
 namespace feltwire {
 

@@ -16,9 +16,9 @@ struct HandLimits {
   double speed = kOff;  // [m/s] of the fastest point of its tool, over kHandHold and longer
 };
 
-/// [m/s] No hand at a haptic device is faster: the devices of core/device_spec.cpp reach 1 to 2
-/// m/s, an arm that swings freely some 5. A body that a hand hits bounces off with at most twice
-/// the hand's speed, so one that no hand can hit faster stays far below World::kLargestSpeed.
+/// [m/s] No hand at a haptic device is faster: the devices of core/device/device_spec.cpp reach 1
+/// to 2 m/s, an arm that swings freely some 5. A body that a hand hits bounces off with at most
+/// twice the hand's speed, so one that no hand can hit faster stays far below World::kLargestSpeed.
 inline constexpr double kFastestHand = 10.0;
 /// [s] A network may hold samples back for so long and let them go at once: within this time a hand
 /// may go its way in one sample. It is the usual hold_time, after which a hand has let go.

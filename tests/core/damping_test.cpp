@@ -1,6 +1,6 @@
 // Damping as a number, along the axes and as a matrix.
 
-#include "core/damping.hpp"
+#include "core/device/damping.hpp"
 
 #include <gmock/gmock.h>
 

@@ -6,7 +6,7 @@
 #include <string_view>
 
 #include "core/base/types.hpp"
-#include "core/damping.hpp"
+#include "core/device/damping.hpp"
 
 namespace feltwire {
 

@@ -1,4 +1,4 @@
-#include "core/damping.hpp"
+#include "core/device/damping.hpp"
 
 #include <Eigen/Eigenvalues>
 #include <cmath>
