@@ -6,7 +6,7 @@
 
 #include "core/base/types.hpp"
 #include "core/contact/material.hpp"
-#include "core/contact/shapes.hpp"
+#include "core/geometry/shapes.hpp"
 
 namespace feltwire {
 

@@ -5,8 +5,8 @@
 
 #include "core/base/numeric.hpp"
 #include "core/contact/local_contact.hpp"
-#include "core/contact/round_proxy.hpp"
 #include "core/geometry/half_spaces.hpp"
+#include "core/geometry/round_proxy.hpp"
 
 namespace feltwire {
 namespace {

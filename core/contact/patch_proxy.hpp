@@ -5,7 +5,7 @@
 
 #include "core/base/types.hpp"
 #include "core/contact/local_model.hpp"
-#include "core/contact/shapes.hpp"
+#include "core/geometry/shapes.hpp"
 
 namespace feltwire {
 

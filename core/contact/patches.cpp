@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "core/base/numeric.hpp"
-#include "core/contact/round_proxy.hpp"
+#include "core/geometry/round_proxy.hpp"
 
 namespace feltwire {
 namespace {

@@ -1,7 +1,7 @@
 #pragma once
 // Where a point inside any shape is pushed out.
 
-#include "core/contact/shapes.hpp"
+#include "core/geometry/shapes.hpp"
 
 namespace feltwire {
 

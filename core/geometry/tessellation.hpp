@@ -2,7 +2,7 @@
 // Analytic solids as triangles: what a tool's points are taken from, and what meshes are measured
 // against.
 
-#include "core/contact/shapes.hpp"
+#include "core/geometry/shapes.hpp"
 #include "core/geometry/triangle_mesh.hpp"
 
 namespace feltwire {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "core/base/types.hpp"
-#include "core/contact/shapes.hpp"
+#include "core/geometry/shapes.hpp"
 
 namespace feltwire {
 

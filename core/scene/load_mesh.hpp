@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "core/base/json_document.hpp"
-#include "core/contact/shapes.hpp"
+#include "core/geometry/shapes.hpp"
 
 namespace feltwire {
 

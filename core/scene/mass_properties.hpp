@@ -1,7 +1,7 @@
 #pragma once
 // Volume, centre and inertia of solids, in closed form; of meshes exactly that of their polyhedron.
 
-#include "core/contact/shapes.hpp"
+#include "core/geometry/shapes.hpp"
 #include "core/geometry/triangle_mesh.hpp"
 
 namespace feltwire {

@@ -1,4 +1,4 @@
-#include "core/contact/round_proxy.hpp"
+#include "core/geometry/round_proxy.hpp"
 
 namespace feltwire {
 namespace {

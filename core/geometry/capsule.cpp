@@ -1,7 +1,7 @@
 #include <algorithm>
 
-#include "core/contact/round_proxy.hpp"
-#include "core/contact/shapes.hpp"
+#include "core/geometry/round_proxy.hpp"
+#include "core/geometry/shapes.hpp"
 
 namespace feltwire {
 

@@ -1,5 +1,5 @@
-#include "core/contact/round_proxy.hpp"
-#include "core/contact/shapes.hpp"
+#include "core/geometry/round_proxy.hpp"
+#include "core/geometry/shapes.hpp"
 
 namespace feltwire {
 

@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "core/contact/shapes.hpp"
+#include "core/geometry/shapes.hpp"
 
 namespace feltwire {
 

@@ -1,4 +1,4 @@
-#include "core/contact/solid_proxy.hpp"
+#include "core/geometry/solid_proxy.hpp"
 
 namespace feltwire {
 

@@ -8,7 +8,7 @@
 
 #include "core/base/numeric.hpp"
 #include "core/base/types.hpp"
-#include "core/contact/solid_proxy.hpp"
+#include "core/geometry/solid_proxy.hpp"
 
 namespace feltwire {
 

@@ -2,7 +2,7 @@
 #include <cmath>
 
 #include "core/base/numeric.hpp"
-#include "core/contact/solid_proxy.hpp"
+#include "core/geometry/solid_proxy.hpp"
 
 namespace feltwire {
 namespace {

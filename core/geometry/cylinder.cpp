@@ -2,8 +2,8 @@
 #include <cmath>
 #include <limits>
 
-#include "core/contact/round_proxy.hpp"
-#include "core/contact/solid_proxy.hpp"
+#include "core/geometry/round_proxy.hpp"
+#include "core/geometry/solid_proxy.hpp"
 
 namespace feltwire {
 namespace {
