@@ -2,7 +2,7 @@
 // How the force of a scene that was changed under a hand comes through to a hand that presses.
 
 #include "core/base/types.hpp"
-#include "core/port_guard.hpp"
+#include "core/bounding/port_guard.hpp"
 
 namespace feltwire {
 

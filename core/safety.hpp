@@ -4,7 +4,7 @@
 #include <limits>
 
 #include "core/base/types.hpp"
-#include "core/velocity.hpp"
+#include "core/bounding/velocity.hpp"
 
 namespace feltwire {
 

@@ -9,8 +9,8 @@
 #include <span>
 
 #include "core/base/types.hpp"
+#include "core/bounding/port_energy.hpp"
 #include "core/contact/local_model.hpp"
-#include "core/port_energy.hpp"
 #include "protocol/session_parameters.hpp"
 
 namespace feltwire {

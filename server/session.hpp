@@ -2,11 +2,11 @@
 // One device in one scene: from its samples to the commands that answer them. No socket, no clock.
 
 #include "core/bounding/bounding.hpp"
-#include "core/port_energy.hpp"
+#include "core/bounding/port_energy.hpp"
+#include "core/bounding/velocity.hpp"
 #include "core/scene/scene.hpp"
 #include "core/scene/world.hpp"
 #include "core/tool/body_tool.hpp"
-#include "core/velocity.hpp"
 #include "protocol/codec.hpp"
 #include "protocol/control.hpp"
 #include "protocol/datagram.hpp"

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "core/velocity.hpp"
+#include "core/bounding/velocity.hpp"
 
 namespace feltwire {
 

@@ -12,10 +12,10 @@
 #include <vector>
 
 #include "core/base/csv.hpp"
-#include "core/port_energy.hpp"
+#include "core/bounding/port_energy.hpp"
+#include "core/bounding/velocity.hpp"
 #include "core/scene/world.hpp"
 #include "core/tool/body_tool.hpp"
-#include "core/velocity.hpp"
 
 namespace feltwire {
 namespace {

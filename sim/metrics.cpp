@@ -5,7 +5,7 @@
 #include <numeric>
 
 #include "core/base/centred_highpass.hpp"
-#include "core/port_energy.hpp"
+#include "core/bounding/port_energy.hpp"
 
 namespace feltwire {
 namespace {

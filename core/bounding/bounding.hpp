@@ -133,7 +133,7 @@ class BasicBounding {
 
   /// Of contact_frame: the next step's elastic channel may draw on `energy` [J] beside what it
   /// stores. The bound trusts that the port has that much: the caller sees to it
-  /// (core/port_guard.hpp). Without effect in the other modes.
+  /// (core/bounding/port_guard.hpp). Without effect in the other modes.
   void endow(Real energy) noexcept;
 
   /// Where to ask the scene for the next step's command, relative to the device, which has moved by

@@ -14,7 +14,7 @@
 
 #include "client/sample_packer.hpp"
 #include "client/servo.hpp"
-#include "core/port_energy.hpp"
+#include "core/bounding/port_energy.hpp"
 #include "server/session.hpp"
 #include "tests/core/support.hpp"
 

@@ -8,7 +8,7 @@
 #include <limits>
 
 #include "core/bounding/bounding.hpp"
-#include "core/port_energy.hpp"
+#include "core/bounding/port_energy.hpp"
 #include "tests/core/bodies.hpp"
 #include "tests/core/support.hpp"
 #include "tests/support/same_twice.hpp"

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "core/port_energy.hpp"
+#include "core/bounding/port_energy.hpp"
 #include "tests/core/support.hpp"
 
 namespace feltwire::bounding_test {

@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "core/bounding/bounding.hpp"
-#include "core/port_energy.hpp"
+#include "core/bounding/port_energy.hpp"
 #include "core/scene/load_scene.hpp"
 
 namespace feltwire::guide_bound_test {

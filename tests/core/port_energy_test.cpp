@@ -1,6 +1,6 @@
 // The observer against closed forms.
 
-#include "core/port_energy.hpp"
+#include "core/bounding/port_energy.hpp"
 
 #include <gtest/gtest.h>
 

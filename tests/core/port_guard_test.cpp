@@ -1,10 +1,10 @@
-#include "core/port_guard.hpp"
+#include "core/bounding/port_guard.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
-#include "core/port_energy.hpp"
+#include "core/bounding/port_energy.hpp"
 #include "tests/core/support.hpp"
 
 namespace feltwire::port_guard_test {

@@ -6,7 +6,7 @@
 #include <random>
 
 #include "core/bounding/bounding.hpp"
-#include "core/port_energy.hpp"
+#include "core/bounding/port_energy.hpp"
 
 namespace feltwire::test {
 

@@ -8,7 +8,7 @@
 #include <numbers>
 
 #include "core/base/numeric.hpp"
-#include "core/velocity.hpp"
+#include "core/bounding/velocity.hpp"
 #include "tests/core/support.hpp"
 
 namespace feltwire::types_test {

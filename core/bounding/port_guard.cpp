@@ -1,4 +1,4 @@
-#include "core/port_guard.hpp"
+#include "core/bounding/port_guard.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "core/port_energy.hpp"
+#include "core/bounding/port_energy.hpp"
 
 #include <algorithm>
 #include <cmath>
