@@ -6,9 +6,9 @@
 
 #include "core/base/types.hpp"
 #include "core/contact/ball.hpp"
-#include "core/contact/contact_law.hpp"
-#include "core/contact/material.hpp"
 #include "core/contact/surface_point.hpp"
+#include "core/material/contact_law.hpp"
+#include "core/material/material.hpp"
 
 namespace feltwire {
 

@@ -5,9 +5,9 @@
 #include <cstdint>
 
 #include "core/base/types.hpp"
-#include "core/contact/contact_law.hpp"
 #include "core/contact/local_model.hpp"
 #include "core/contact/patch_proxy.hpp"
+#include "core/material/contact_law.hpp"
 
 namespace feltwire {
 

@@ -7,7 +7,7 @@
 #include <span>
 
 #include "core/base/types.hpp"
-#include "core/contact/material.hpp"
+#include "core/material/material.hpp"
 
 namespace feltwire {
 

@@ -5,8 +5,8 @@
 #include <algorithm>
 
 #include "core/base/types.hpp"
-#include "core/contact/material.hpp"
 #include "core/geometry/shapes.hpp"
+#include "core/material/material.hpp"
 
 namespace feltwire {
 

@@ -1,4 +1,4 @@
-#include "core/contact/contact_law.hpp"
+#include "core/material/contact_law.hpp"
 
 #include <algorithm>
 
