@@ -19,7 +19,7 @@
 #include "core/bounding/port_guard.hpp"
 #include "core/bounding/velocity.hpp"
 #include "core/contact/local_contact.hpp"
-#include "core/safety.hpp"
+#include "core/safety/safety.hpp"
 #include "protocol/datagram.hpp"
 #include "protocol/session_parameters.hpp"
 
@@ -88,11 +88,11 @@ class Servo {
   /// server sends them (for keep_alive at most), or with a local model what that answers where the
   /// device is now, counts in full until it is hold_time / 2 old, falls linearly to nothing at
   /// hold_time, is then bounded (docs/bounding.md) and last goes through the safety stage
-  /// (core/safety.hpp). A fall by age or by release() takes at most the device's largest force off
-  /// in half the hold time; at its end there is none, whatever the bound would hold on to. A
-  /// reading that is faulty or not finite gives none at once (nobody knows what force would be safe
-  /// at an unknown place), and what follows begins anew as after reconnected(). A clock that was
-  /// set back is no reason to hold anything longer.
+  /// (core/safety/safety.hpp). A fall by age or by release() takes at most the device's largest
+  /// force off in half the hold time; at its end there is none, whatever the bound would hold on
+  /// to. A reading that is faulty or not finite gives none at once (nobody knows what force would
+  /// be safe at an unknown place), and what follows begins anew as after reconnected(). A clock
+  /// that was set back is no reason to hold anything longer.
   Command render(const DeviceReading& reading, Nanoseconds now) noexcept;
 
   /// Says what the device's write() returned, which is all that is accounted, and returns the

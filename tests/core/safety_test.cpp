@@ -1,4 +1,4 @@
-#include "core/safety.hpp"
+#include "core/safety/safety.hpp"
 
 #include <gtest/gtest.h>
 
