@@ -18,7 +18,7 @@
 #include "core/bounding/port_energy.hpp"
 #include "core/bounding/port_guard.hpp"
 #include "core/bounding/velocity.hpp"
-#include "core/contact/local_contact.hpp"
+#include "core/local_model/local_contact.hpp"
 #include "core/safety/safety.hpp"
 #include "protocol/datagram.hpp"
 #include "protocol/session_parameters.hpp"

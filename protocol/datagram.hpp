@@ -10,7 +10,7 @@
 
 #include "core/base/types.hpp"
 #include "core/bounding/port_energy.hpp"
-#include "core/contact/local_model.hpp"
+#include "core/local_model/local_model.hpp"
 #include "protocol/session_parameters.hpp"
 
 namespace feltwire {

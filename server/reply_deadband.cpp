@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "core/base/numeric.hpp"
-#include "core/contact/local_contact.hpp"
+#include "core/local_model/local_contact.hpp"
 
 namespace feltwire {
 namespace {

@@ -10,7 +10,7 @@
 #include <limits>
 
 #include "core/contact/contact.hpp"
-#include "core/contact/local_model.hpp"
+#include "core/local_model/local_model.hpp"
 
 namespace feltwire {
 

@@ -9,8 +9,8 @@
 
 #include "core/base/numeric.hpp"
 #include "core/contact/fitted_patches.hpp"
-#include "core/contact/local_contact.hpp"
 #include "core/geometry/distance_grid.hpp"
+#include "core/local_model/local_contact.hpp"
 
 namespace feltwire {
 namespace {

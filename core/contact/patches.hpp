@@ -6,7 +6,7 @@
 
 #include "core/contact/contact.hpp"
 #include "core/contact/fitted_patches.hpp"
-#include "core/contact/local_model.hpp"
+#include "core/local_model/local_model.hpp"
 
 namespace feltwire {
 

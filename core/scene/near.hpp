@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/contact/local_model.hpp"
+#include "core/local_model/local_model.hpp"
 #include "core/scene/scene.hpp"
 #include "core/scene/world.hpp"
 

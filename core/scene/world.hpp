@@ -6,7 +6,7 @@
 #include <memory>
 #include <vector>
 
-#include "core/contact/local_model.hpp"
+#include "core/local_model/local_model.hpp"
 #include "core/scene/hand_pace.hpp"
 #include "core/scene/moving_reach.hpp"
 #include "core/scene/scene.hpp"

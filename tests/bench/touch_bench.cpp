@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "core/contact/local_contact.hpp"
+#include "core/local_model/local_contact.hpp"
 #include "core/scene/load_scene.hpp"
 #include "core/scene/near.hpp"
 

@@ -7,10 +7,10 @@
 
 #include <cmath>
 
-#include "core/contact/local_contact.hpp"
 #include "core/geometry/distance_grid.hpp"
 #include "core/geometry/mesh_surface.hpp"
 #include "core/geometry/signed_distance.hpp"
+#include "core/local_model/local_contact.hpp"
 #include "core/scene/near.hpp"
 #include "tests/core/support.hpp"
 #include "tests/support/allocation_counter.hpp"

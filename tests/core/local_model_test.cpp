@@ -6,7 +6,7 @@
 #include <limits>
 #include <vector>
 
-#include "core/contact/local_contact.hpp"
+#include "core/local_model/local_contact.hpp"
 #include "core/scene/load_scene.hpp"
 #include "core/scene/near.hpp"
 #include "tests/core/support.hpp"

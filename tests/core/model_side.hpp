@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <span>
 
-#include "core/contact/local_contact.hpp"
+#include "core/local_model/local_contact.hpp"
 #include "core/scene/near.hpp"
 
 namespace feltwire::test {

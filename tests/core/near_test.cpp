@@ -7,7 +7,7 @@
 #include <cmath>
 #include <vector>
 
-#include "core/contact/local_contact.hpp"
+#include "core/local_model/local_contact.hpp"
 
 namespace feltwire::near_test {
 namespace {

@@ -5,7 +5,7 @@
 #include <map>
 
 #include "core/contact/fitted_patches.hpp"
-#include "core/contact/local_contact.hpp"
+#include "core/local_model/local_contact.hpp"
 #include "core/scene/near.hpp"
 #include "tests/support/meshes.hpp"
 

@@ -1,7 +1,7 @@
 #pragma once
 // A hand that a scene and a local model answer side by side.
 
-#include "core/contact/local_contact.hpp"
+#include "core/local_model/local_contact.hpp"
 #include "core/scene/near.hpp"
 #include "tests/core/support.hpp"
 

@@ -4,8 +4,8 @@
 #include <cstdint>
 
 #include "core/base/types.hpp"
-#include "core/contact/local_model.hpp"
 #include "core/geometry/shapes.hpp"
+#include "core/local_model/local_model.hpp"
 
 namespace feltwire {
 

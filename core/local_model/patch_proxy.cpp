@@ -1,12 +1,12 @@
-#include "core/contact/patch_proxy.hpp"
+#include "core/local_model/patch_proxy.hpp"
 
 #include <array>
 #include <span>
 
 #include "core/base/numeric.hpp"
-#include "core/contact/local_contact.hpp"
 #include "core/geometry/half_spaces.hpp"
 #include "core/geometry/round_proxy.hpp"
+#include "core/local_model/local_contact.hpp"
 
 namespace feltwire {
 namespace {

@@ -1,9 +1,9 @@
-#include "core/contact/local_contact.hpp"
+#include "core/local_model/local_contact.hpp"
 
 #include <algorithm>
 
 #include "core/base/numeric.hpp"
-#include "core/contact/patch_proxy.hpp"
+#include "core/local_model/patch_proxy.hpp"
 
 namespace feltwire {
 namespace {

@@ -5,8 +5,8 @@
 #include <cstdint>
 
 #include "core/base/types.hpp"
-#include "core/contact/local_model.hpp"
-#include "core/contact/patch_proxy.hpp"
+#include "core/local_model/local_model.hpp"
+#include "core/local_model/patch_proxy.hpp"
 #include "core/material/contact_law.hpp"
 
 namespace feltwire {
