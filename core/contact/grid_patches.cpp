@@ -9,7 +9,7 @@
 
 #include "core/base/numeric.hpp"
 #include "core/contact/fitted_patches.hpp"
-#include "core/geometry/distance_grid.hpp"
+#include "core/grid/distance_grid.hpp"
 #include "core/local_model/local_contact.hpp"
 
 namespace feltwire {

@@ -2,8 +2,8 @@
 
 #include "core/base/numeric.hpp"
 #include "core/contact/mesh_contact.hpp"
-#include "core/geometry/distance_grid.hpp"
 #include "core/geometry/mesh_surface.hpp"
+#include "core/grid/distance_grid.hpp"
 
 namespace feltwire {
 namespace {

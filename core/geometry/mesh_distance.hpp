@@ -3,8 +3,8 @@
 
 #include <memory>
 
-#include "core/geometry/distance_grid.hpp"
 #include "core/geometry/triangle_mesh.hpp"
+#include "core/grid/distance_grid.hpp"
 
 namespace feltwire {
 

@@ -36,7 +36,7 @@ struct Mesh {
 };
 template <class Real>
 class DistanceGrid;
-/// Whatever was sampled (core/geometry/distance_grid.hpp).
+/// Whatever was sampled (core/grid/distance_grid.hpp).
 struct Grid {
   std::shared_ptr<const DistanceGrid<float>> field;  // never null
 };

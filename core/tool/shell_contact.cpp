@@ -4,7 +4,7 @@
 #include <array>
 
 #include "core/base/numeric.hpp"
-#include "core/geometry/signed_distance.hpp"
+#include "core/grid/signed_distance.hpp"
 
 namespace feltwire {
 namespace {

@@ -6,7 +6,7 @@
 
 #include <cmath>
 
-#include "core/geometry/signed_distance.hpp"
+#include "core/grid/signed_distance.hpp"
 #include "core/scene/scene.hpp"
 #include "tests/core/support.hpp"
 

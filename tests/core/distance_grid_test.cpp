@@ -1,6 +1,6 @@
 // Grids of distances against closed forms.
 
-#include "core/geometry/distance_grid.hpp"
+#include "core/grid/distance_grid.hpp"
 
 #include <gtest/gtest.h>
 
@@ -9,8 +9,8 @@
 
 #include "core/base/splitmix.hpp"
 #include "core/geometry/mesh_distance.hpp"
-#include "core/geometry/signed_distance.hpp"
 #include "core/geometry/tessellation.hpp"
+#include "core/grid/signed_distance.hpp"
 #include "tests/core/support.hpp"
 #include "tests/support/allocation_counter.hpp"
 

@@ -6,8 +6,8 @@
 
 #include "core/contact/fitted_patches.hpp"
 #include "core/contact/mesh_fit.hpp"
-#include "core/geometry/distance_grid.hpp"
-#include "core/geometry/signed_distance.hpp"
+#include "core/grid/distance_grid.hpp"
+#include "core/grid/signed_distance.hpp"
 #include "core/scene/near.hpp"
 #include "tests/core/support.hpp"
 #include "tests/support/meshes.hpp"

@@ -7,9 +7,9 @@
 
 #include <cmath>
 
-#include "core/geometry/distance_grid.hpp"
 #include "core/geometry/mesh_surface.hpp"
-#include "core/geometry/signed_distance.hpp"
+#include "core/grid/distance_grid.hpp"
+#include "core/grid/signed_distance.hpp"
 #include "core/local_model/local_contact.hpp"
 #include "core/scene/near.hpp"
 #include "tests/core/support.hpp"

@@ -7,8 +7,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/geometry/signed_distance.hpp"
 #include "core/geometry/tessellation.hpp"
+#include "core/grid/signed_distance.hpp"
 #include "tests/core/support.hpp"
 
 namespace feltwire::mesh_distance_test {

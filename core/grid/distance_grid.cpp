@@ -1,4 +1,4 @@
-#include "core/geometry/distance_grid.hpp"
+#include "core/grid/distance_grid.hpp"
 
 #include <algorithm>
 #include <charconv>

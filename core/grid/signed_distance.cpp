@@ -1,4 +1,4 @@
-#include "core/geometry/signed_distance.hpp"
+#include "core/grid/signed_distance.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -5,7 +5,7 @@
 
 #include <cstring>
 
-#include "core/geometry/distance_grid.hpp"
+#include "core/grid/distance_grid.hpp"
 
 namespace feltwire {
 namespace {

@@ -2,8 +2,8 @@
 // How far a point is from a shape's surface, anywhere: exact for the analytic solids, of the grid
 // for a grid.
 
-#include "core/geometry/distance_grid.hpp"
 #include "core/geometry/shapes.hpp"
+#include "core/grid/distance_grid.hpp"
 
 namespace feltwire {
 
