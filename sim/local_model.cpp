@@ -4,10 +4,10 @@
 #include <cmath>
 
 #include "core/base/parallel.hpp"
-#include "core/geometry/mesh_surface.hpp"
-#include "core/geometry/tessellation.hpp"
 #include "core/grid/distance_grid.hpp"
 #include "core/grid/signed_distance.hpp"
+#include "core/mesh/mesh_surface.hpp"
+#include "core/mesh/tessellation.hpp"
 #include "core/scene/load_scene.hpp"
 #include "scenes/room_text.hpp"
 #include "sim/fidelity.hpp"

@@ -5,10 +5,10 @@
 #include <functional>
 
 #include "core/base/splitmix.hpp"
-#include "core/contact/mesh_contact.hpp"
-#include "core/geometry/mesh_distance.hpp"
-#include "core/geometry/tessellation.hpp"
 #include "core/grid/signed_distance.hpp"
+#include "core/mesh/mesh_contact.hpp"
+#include "core/mesh/mesh_distance.hpp"
+#include "core/mesh/tessellation.hpp"
 #include "sim/cost.hpp"
 #include "sim/glide.hpp"
 #include "sim/metrics.hpp"

@@ -2,10 +2,10 @@
 #include <optional>
 #include <utility>
 
-#include "core/geometry/mesh_surface.hpp"
-#include "core/geometry/tessellation.hpp"
 #include "core/grid/distance_grid.hpp"
 #include "core/grid/signed_distance.hpp"
+#include "core/mesh/mesh_surface.hpp"
+#include "core/mesh/tessellation.hpp"
 #include "core/scene/mechanism.hpp"
 #include "core/tool/body_tool.hpp"
 #include "sim/glide.hpp"

@@ -5,8 +5,8 @@
 #include <numbers>
 
 #include "core/base/splitmix.hpp"
-#include "core/geometry/tessellation.hpp"
 #include "core/grid/signed_distance.hpp"
+#include "core/mesh/tessellation.hpp"
 #include "core/tool/body_tool.hpp"
 #include "sim/cost.hpp"
 

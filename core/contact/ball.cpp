@@ -3,8 +3,8 @@
 #include <algorithm>
 
 #include "core/base/numeric.hpp"
-#include "core/contact/mesh_contact.hpp"
 #include "core/grid/signed_distance.hpp"
+#include "core/mesh/mesh_contact.hpp"
 
 namespace feltwire {
 namespace {

@@ -1,6 +1,6 @@
 #include "core/contact/contact.hpp"
 
-#include "core/geometry/mesh_surface.hpp"
+#include "core/mesh/mesh_surface.hpp"
 
 namespace feltwire {
 

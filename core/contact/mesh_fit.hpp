@@ -7,8 +7,8 @@
 #include <array>
 #include <cstdint>
 
-#include "core/geometry/mesh_surface.hpp"
 #include "core/local_model/local_model.hpp"
+#include "core/mesh/mesh_surface.hpp"
 
 namespace feltwire {
 

@@ -9,9 +9,9 @@
 #include "core/base/numeric.hpp"
 #include "core/contact/fitted_patches.hpp"
 #include "core/contact/mesh_fit.hpp"
-#include "core/geometry/height_map.hpp"
-#include "core/geometry/mesh_surface.hpp"
 #include "core/local_model/local_contact.hpp"
+#include "core/mesh/height_map.hpp"
+#include "core/mesh/mesh_surface.hpp"
 
 namespace feltwire {
 namespace {

@@ -1,9 +1,9 @@
 #include "core/contact/surface_point.hpp"
 
 #include "core/base/numeric.hpp"
-#include "core/contact/mesh_contact.hpp"
-#include "core/geometry/mesh_surface.hpp"
 #include "core/grid/distance_grid.hpp"
+#include "core/mesh/mesh_contact.hpp"
+#include "core/mesh/mesh_surface.hpp"
 
 namespace feltwire {
 namespace {

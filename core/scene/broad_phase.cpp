@@ -4,7 +4,7 @@
 #include <limits>
 #include <optional>
 
-#include "core/geometry/mesh_surface.hpp"
+#include "core/mesh/mesh_surface.hpp"
 
 namespace feltwire {
 namespace {

@@ -5,7 +5,7 @@
 #include <span>
 
 #include "core/contact/contact.hpp"
-#include "core/geometry/box_tree.hpp"
+#include "core/mesh/box_tree.hpp"
 
 namespace feltwire {
 

@@ -7,8 +7,8 @@
 #include <stdexcept>
 #include <utility>
 
-#include "core/geometry/height_map.hpp"
-#include "core/geometry/mesh_surface.hpp"
+#include "core/mesh/height_map.hpp"
+#include "core/mesh/mesh_surface.hpp"
 #include "core/scene/read_values.hpp"
 #include "core/scene/shown_error.hpp"
 

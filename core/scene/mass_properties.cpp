@@ -2,7 +2,7 @@
 
 #include <numbers>
 
-#include "core/geometry/mesh_surface.hpp"
+#include "core/mesh/mesh_surface.hpp"
 
 namespace feltwire {
 namespace {

@@ -2,7 +2,7 @@
 // Volume, centre and inertia of solids, in closed form; of meshes exactly that of their polyhedron.
 
 #include "core/geometry/shapes.hpp"
-#include "core/geometry/triangle_mesh.hpp"
+#include "core/mesh/triangle_mesh.hpp"
 
 namespace feltwire {
 

@@ -6,7 +6,7 @@
 #include <optional>
 #include <stdexcept>
 
-#include "core/geometry/mesh_surface.hpp"
+#include "core/mesh/mesh_surface.hpp"
 #include "core/scene/mujoco_room.hpp"
 
 namespace feltwire::mujoco {

@@ -8,7 +8,7 @@
 #include <stdexcept>
 
 #include "core/base/numeric.hpp"
-#include "core/geometry/mesh_surface.hpp"
+#include "core/mesh/mesh_surface.hpp"
 #include "core/scene/mass_properties.hpp"
 #include "core/scene/mechanism.hpp"
 #include "core/scene/mujoco_check.hpp"

@@ -2,7 +2,7 @@
 #include <map>
 
 #include "core/base/json_document.hpp"
-#include "core/geometry/mesh_surface.hpp"
+#include "core/mesh/mesh_surface.hpp"
 #include "core/scene/mechanism.hpp"
 #include "core/scene/mujoco_check.hpp"
 #include "core/scene/mujoco_room.hpp"

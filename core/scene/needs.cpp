@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <functional>
 
-#include "core/geometry/mesh_surface.hpp"
+#include "core/mesh/mesh_surface.hpp"
 #include "core/scene/mechanism.hpp"
 #include "core/scene/rules.hpp"
 #include "core/tool/body_tool.hpp"

@@ -3,9 +3,9 @@
 #include <optional>
 #include <utility>
 
-#include "core/geometry/mesh_distance.hpp"
-#include "core/geometry/tessellation.hpp"
 #include "core/grid/signed_distance.hpp"
+#include "core/mesh/mesh_distance.hpp"
+#include "core/mesh/tessellation.hpp"
 #include "core/scene/read_values.hpp"
 #include "core/scene/shown_error.hpp"
 #include "core/tool/body_tool.hpp"

@@ -8,8 +8,8 @@
 #include <utility>
 
 #include "core/base/numeric.hpp"
-#include "core/contact/mesh_contact.hpp"
-#include "core/geometry/mesh_surface.hpp"
+#include "core/mesh/mesh_contact.hpp"
+#include "core/mesh/mesh_surface.hpp"
 #include "core/scene/mechanism.hpp"
 #include "core/scene/rules.hpp"
 #include "core/tool/body_tool.hpp"

@@ -9,7 +9,7 @@
 
 #include "core/base/file_error.hpp"
 #include "core/base/json_document.hpp"
-#include "core/geometry/mesh_file.hpp"
+#include "core/mesh/mesh_file.hpp"
 
 namespace feltwire {
 namespace {

@@ -9,7 +9,7 @@
 #include <filesystem>
 #include <string>
 
-#include "core/geometry/triangle_mesh.hpp"
+#include "core/mesh/triangle_mesh.hpp"
 
 namespace feltwire {
 

@@ -6,8 +6,8 @@
 #include <utility>
 
 #include "core/contact/ball.hpp"
-#include "core/geometry/mesh_distance.hpp"
-#include "core/geometry/mesh_surface.hpp"
+#include "core/mesh/mesh_distance.hpp"
+#include "core/mesh/mesh_surface.hpp"
 #include "core/scene/rules.hpp"
 #include "core/scene/scene.hpp"
 #include "core/tool/body_tool.hpp"

@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "core/base/splitmix.hpp"
-#include "core/geometry/tessellation.hpp"
 #include "core/grid/signed_distance.hpp"
+#include "core/mesh/tessellation.hpp"
 #include "core/tool/body_tool.hpp"
 
 namespace feltwire::field_bench {

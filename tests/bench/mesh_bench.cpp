@@ -18,7 +18,7 @@
 #include <map>
 
 #include "core/contact/contact.hpp"
-#include "core/contact/mesh_contact.hpp"
+#include "core/mesh/mesh_contact.hpp"
 #include "core/scene/near.hpp"
 #include "core/scene/scene.hpp"
 #include "tests/support/meshes.hpp"

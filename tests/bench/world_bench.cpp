@@ -11,8 +11,8 @@
 #include <cmath>
 #include <string>
 
-#include "core/geometry/mesh_surface.hpp"
-#include "core/geometry/tessellation.hpp"
+#include "core/mesh/mesh_surface.hpp"
+#include "core/mesh/tessellation.hpp"
 #include "core/scene/mechanism.hpp"
 #include "core/scene/world.hpp"
 

@@ -1,8 +1,8 @@
 #pragma once
 // What the tests of tools with a body hold, and what they touch with it.
 
-#include "core/geometry/tessellation.hpp"
 #include "core/grid/signed_distance.hpp"
+#include "core/mesh/tessellation.hpp"
 #include "core/tool/body_tool.hpp"
 
 namespace feltwire::test {

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "core/geometry/tessellation.hpp"
+#include "core/mesh/tessellation.hpp"
 #include "tests/core/moving.hpp"
 #include "tests/support/allocation_counter.hpp"
 

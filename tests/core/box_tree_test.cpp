@@ -1,6 +1,6 @@
 // A tree over boxes misses none, however it was built.
 
-#include "core/geometry/box_tree.hpp"
+#include "core/mesh/box_tree.hpp"
 
 #include <gtest/gtest.h>
 

@@ -8,9 +8,9 @@
 #include <limits>
 
 #include "core/base/splitmix.hpp"
-#include "core/geometry/mesh_distance.hpp"
-#include "core/geometry/tessellation.hpp"
 #include "core/grid/signed_distance.hpp"
+#include "core/mesh/mesh_distance.hpp"
+#include "core/mesh/tessellation.hpp"
 #include "tests/core/support.hpp"
 #include "tests/support/allocation_counter.hpp"
 

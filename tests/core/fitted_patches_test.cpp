@@ -7,10 +7,10 @@
 
 #include <cmath>
 
-#include "core/geometry/mesh_surface.hpp"
 #include "core/grid/distance_grid.hpp"
 #include "core/grid/signed_distance.hpp"
 #include "core/local_model/local_contact.hpp"
+#include "core/mesh/mesh_surface.hpp"
 #include "core/scene/near.hpp"
 #include "tests/core/support.hpp"
 #include "tests/support/allocation_counter.hpp"

@@ -1,6 +1,6 @@
 // A picture as relief: the closed form of a wave, no seam, nothing for nothing, and bad pictures.
 
-#include "core/geometry/height_map.hpp"
+#include "core/mesh/height_map.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -10,7 +10,7 @@
 
 #include "core/base/file_error.hpp"
 #include "core/contact/contact.hpp"
-#include "core/geometry/mesh_surface.hpp"
+#include "core/mesh/mesh_surface.hpp"
 #include "tests/core/support.hpp"
 #include "tests/support/allocation_counter.hpp"
 #include "tests/support/meshes.hpp"

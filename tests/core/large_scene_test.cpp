@@ -9,8 +9,8 @@
 #include <fstream>
 #include <random>
 
-#include "core/geometry/mesh_file.hpp"
-#include "core/geometry/triangle_mesh.hpp"
+#include "core/mesh/mesh_file.hpp"
+#include "core/mesh/triangle_mesh.hpp"
 #include "core/scene/load_scene.hpp"
 #include "core/scene/mechanism.hpp"
 #include "core/scene/world.hpp"

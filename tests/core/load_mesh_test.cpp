@@ -5,8 +5,8 @@
 #include <fstream>
 #include <random>
 
-#include "core/contact/mesh_contact.hpp"
-#include "core/geometry/mesh_file.hpp"
+#include "core/mesh/mesh_contact.hpp"
+#include "core/mesh/mesh_file.hpp"
 #include "core/scene/load_scene.hpp"
 #include "core/scene/near.hpp"
 #include "tests/core/support.hpp"

@@ -1,4 +1,4 @@
-#include "core/contact/mesh_contact.hpp"
+#include "core/mesh/mesh_contact.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

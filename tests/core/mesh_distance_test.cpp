@@ -1,14 +1,14 @@
 // Signed distances to closed meshes: against closed forms and against every triangle by turn.
 
-#include "core/geometry/mesh_distance.hpp"
+#include "core/mesh/mesh_distance.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "core/geometry/tessellation.hpp"
 #include "core/grid/signed_distance.hpp"
+#include "core/mesh/tessellation.hpp"
 #include "tests/core/support.hpp"
 
 namespace feltwire::mesh_distance_test {

@@ -1,4 +1,4 @@
-#include "core/geometry/mesh_file.hpp"
+#include "core/mesh/mesh_file.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

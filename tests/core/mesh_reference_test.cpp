@@ -7,8 +7,8 @@
 #include <cmath>
 
 #include "core/contact/contact.hpp"
-#include "core/contact/mesh_contact.hpp"
 #include "core/geometry/half_spaces.hpp"
+#include "core/mesh/mesh_contact.hpp"
 #include "tests/core/support.hpp"
 #include "tests/support/meshes.hpp"
 

@@ -8,7 +8,7 @@
 #include <functional>
 
 #include "core/contact/contact.hpp"
-#include "core/geometry/mesh_file.hpp"
+#include "core/mesh/mesh_file.hpp"
 #include "tests/core/support.hpp"
 #include "tests/support/meshes.hpp"
 

@@ -5,8 +5,8 @@
 
 #include <cmath>
 
-#include "core/geometry/mesh_surface.hpp"
-#include "core/geometry/tessellation.hpp"
+#include "core/mesh/mesh_surface.hpp"
+#include "core/mesh/tessellation.hpp"
 #include "core/scene/mass_properties.hpp"
 #include "core/scene/near.hpp"
 #include "tests/core/moving.hpp"

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/geometry/height_map.hpp"
+#include "core/mesh/height_map.hpp"
 #include "core/scene/near.hpp"
 #include "tests/support/followed_hand.hpp"
 #include "tests/support/meshes.hpp"

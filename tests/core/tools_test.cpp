@@ -7,8 +7,8 @@
 #include <filesystem>
 #include <fstream>
 
-#include "core/geometry/mesh_file.hpp"
 #include "core/grid/distance_grid.hpp"
+#include "core/mesh/mesh_file.hpp"
 #include "core/scene/load_scene.hpp"
 #include "core/scene/near.hpp"
 #include "core/scene/needs.hpp"

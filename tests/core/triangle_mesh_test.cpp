@@ -1,4 +1,4 @@
-#include "core/geometry/triangle_mesh.hpp"
+#include "core/mesh/triangle_mesh.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -3,7 +3,7 @@
 //   bytes 0-15  amplitude and size [m], any doubles
 //   the rest    the file
 
-#include "core/geometry/height_map.hpp"
+#include "core/mesh/height_map.hpp"
 
 #include "core/base/file_error.hpp"
 #include "core/base/splitmix.hpp"

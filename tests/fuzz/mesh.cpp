@@ -7,8 +7,8 @@
 
 #include "core/base/splitmix.hpp"
 #include "core/contact/contact.hpp"
-#include "core/geometry/mesh_file.hpp"
-#include "core/geometry/mesh_surface.hpp"
+#include "core/mesh/mesh_file.hpp"
+#include "core/mesh/mesh_surface.hpp"
 #include "tests/fuzz/fuzz.hpp"
 
 namespace feltwire::fuzz {

@@ -7,7 +7,7 @@
 #include <fstream>
 #include <map>
 
-#include "core/geometry/tessellation.hpp"
+#include "core/mesh/tessellation.hpp"
 #include "core/scene/load_scene.hpp"
 #include "core/tool/body_tool.hpp"
 #include "server/server.hpp"

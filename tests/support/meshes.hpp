@@ -5,9 +5,9 @@
 #include <memory>
 
 #include "core/contact/contact.hpp"
-#include "core/geometry/mesh_surface.hpp"
-#include "core/geometry/tessellation.hpp"
-#include "core/geometry/triangle_mesh.hpp"
+#include "core/mesh/mesh_surface.hpp"
+#include "core/mesh/tessellation.hpp"
+#include "core/mesh/triangle_mesh.hpp"
 
 namespace feltwire::test {
 

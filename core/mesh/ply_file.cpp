@@ -5,8 +5,8 @@
 #include <limits>
 #include <optional>
 
-#include "core/geometry/mesh_file.hpp"
-#include "core/geometry/mesh_text.hpp"
+#include "core/mesh/mesh_file.hpp"
+#include "core/mesh/mesh_text.hpp"
 
 namespace feltwire {
 namespace {

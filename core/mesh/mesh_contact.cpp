@@ -1,11 +1,11 @@
-#include "core/contact/mesh_contact.hpp"
+#include "core/mesh/mesh_contact.hpp"
 
 #include <array>
 #include <cmath>
 #include <numbers>
 
 #include "core/base/numeric.hpp"
-#include "core/geometry/height_map.hpp"
+#include "core/mesh/height_map.hpp"
 
 namespace feltwire {
 namespace {

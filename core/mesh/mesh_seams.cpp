@@ -1,4 +1,4 @@
-#include "core/geometry/mesh_seams.hpp"
+#include "core/mesh/mesh_seams.hpp"
 
 #include <algorithm>
 #include <bit>

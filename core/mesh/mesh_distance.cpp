@@ -1,4 +1,4 @@
-#include "core/geometry/mesh_distance.hpp"
+#include "core/mesh/mesh_distance.hpp"
 
 #include <embree3/rtcore.h>
 #include <sys/types.h>

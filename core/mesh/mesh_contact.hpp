@@ -8,8 +8,8 @@
 //   goal      the tool [m, from the mesh's origin]
 //   sides     which sides of a triangle can be felt: 1 where its normal points, -1 behind, 0 both
 
-#include "core/geometry/mesh_surface.hpp"
 #include "core/geometry/shapes.hpp"
+#include "core/mesh/mesh_surface.hpp"
 
 namespace feltwire {
 

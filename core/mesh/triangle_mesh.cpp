@@ -1,4 +1,4 @@
-#include "core/geometry/triangle_mesh.hpp"
+#include "core/mesh/triangle_mesh.hpp"
 
 #include <algorithm>
 #include <bit>
@@ -11,7 +11,7 @@
 
 #include "core/base/numeric.hpp"
 #include "core/base/splitmix.hpp"
-#include "core/geometry/mesh_seams.hpp"
+#include "core/mesh/mesh_seams.hpp"
 
 namespace feltwire {
 namespace {

@@ -5,8 +5,8 @@
 #include <memory>
 #include <optional>
 
-#include "core/geometry/box_tree.hpp"
-#include "core/geometry/triangle_mesh.hpp"
+#include "core/mesh/box_tree.hpp"
+#include "core/mesh/triangle_mesh.hpp"
 
 namespace feltwire {
 

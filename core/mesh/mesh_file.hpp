@@ -6,7 +6,7 @@
 #include <string_view>
 
 #include "core/base/file_error.hpp"
-#include "core/geometry/triangle_mesh.hpp"
+#include "core/mesh/triangle_mesh.hpp"
 
 namespace feltwire {
 

@@ -1,4 +1,4 @@
-#include "core/geometry/tessellation.hpp"
+#include "core/mesh/tessellation.hpp"
 
 #include <cmath>
 #include <map>

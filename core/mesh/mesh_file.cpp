@@ -1,4 +1,4 @@
-#include "core/geometry/mesh_file.hpp"
+#include "core/mesh/mesh_file.hpp"
 
 #include <bit>
 #include <cctype>
@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "core/base/regular_file.hpp"
-#include "core/geometry/mesh_text.hpp"
+#include "core/mesh/mesh_text.hpp"
 
 namespace feltwire {
 namespace {

@@ -1,4 +1,4 @@
-#include "core/geometry/box_tree.hpp"
+#include "core/mesh/box_tree.hpp"
 
 #include <embree3/rtcore.h>
 

@@ -7,8 +7,8 @@
 #include <cmath>
 
 #include "core/base/numeric.hpp"
-#include "core/contact/mesh_contact.hpp"
 #include "core/geometry/half_spaces.hpp"
+#include "core/mesh/mesh_contact.hpp"
 
 namespace feltwire {
 namespace {

@@ -3,8 +3,8 @@
 
 #include <memory>
 
-#include "core/geometry/triangle_mesh.hpp"
 #include "core/grid/distance_grid.hpp"
+#include "core/mesh/triangle_mesh.hpp"
 
 namespace feltwire {
 

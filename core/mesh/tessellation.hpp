@@ -3,7 +3,7 @@
 // against.
 
 #include "core/geometry/shapes.hpp"
-#include "core/geometry/triangle_mesh.hpp"
+#include "core/mesh/triangle_mesh.hpp"
 
 namespace feltwire {
 

@@ -1,4 +1,4 @@
-#include "core/geometry/height_map.hpp"
+#include "core/mesh/height_map.hpp"
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-#include "core/geometry/mesh_surface.hpp"
+#include "core/mesh/mesh_surface.hpp"
 
 #include <algorithm>
 #include <cmath>
