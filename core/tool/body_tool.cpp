@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "core/base/numeric.hpp"
-#include "core/tool/sliding.hpp"
+#include "core/tool/friction_solver.hpp"
 
 namespace feltwire {
 namespace {

@@ -78,9 +78,10 @@ struct BodyStep {
 /// the tool through a solid. The first step places the tool at the device.
 ///
 /// What friction, contact damping and viscous friction cost on the way is part of what each move
-/// must make up for (core/tool/sliding.hpp): a tool that they hold stays exactly where it is, and
-/// they can only take energy. Damping counts from where the tool was at the beginning of the step,
-/// by what it touched there; leaving, the tool is held back by no more than what pushes it out.
+/// must make up for (core/tool/friction_solver.hpp): a tool that they hold stays exactly where it
+/// is, and they can only take energy. Damping counts from where the tool was at the beginning of
+/// the step, by what it touched there; leaving, the tool is held back by no more than what pushes
+/// it out.
 ///
 /// `elapsed` [s] since the step before; not above zero: nothing is damped. `motions`: of each
 /// object in that time; none: all stand.

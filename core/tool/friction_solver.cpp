@@ -1,4 +1,4 @@
-#include "core/tool/sliding.hpp"
+#include "core/tool/friction_solver.hpp"
 
 #include <Eigen/Cholesky>
 #include <algorithm>
