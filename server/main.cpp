@@ -17,7 +17,7 @@
 
 #include "core/base/visible_text.hpp"
 #include "core/scene/load_scene.hpp"
-#include "core/scene/needs.hpp"
+#include "core/scene/scene_cost_report.hpp"
 #include "protocol/secret.hpp"
 #include "server/answer_time.hpp"
 #include "server/health.hpp"

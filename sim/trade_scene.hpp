@@ -16,7 +16,7 @@ namespace feltwire {
 /// and a block, that every hand glides round, 2 mm deep, at 0.1 m/s, sampled at 1 kHz.
 struct SceneCase {
   std::string what;
-  /// What the scene needs beyond the base, as core/scene/needs.hpp names it.
+  /// What the scene needs beyond the base, as core/scene/scene_cost_report.hpp names it.
   std::vector<std::string> needs;
   std::function<Scene()> make;
   double radius = 0.0;  // [m] of the tool: so much farther out the hand is

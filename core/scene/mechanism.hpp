@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "core/contact/contact.hpp"
-#include "core/scene/rules.hpp"
+#include "core/scene/validation.hpp"
 
 struct mjModel_;
 

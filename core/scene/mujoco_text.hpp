@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "core/scene/rules.hpp"
+#include "core/scene/validation.hpp"
 
 namespace feltwire::mujoco {
 

@@ -11,7 +11,7 @@
 #include "core/mesh/mesh_contact.hpp"
 #include "core/mesh/mesh_surface.hpp"
 #include "core/scene/mechanism.hpp"
-#include "core/scene/rules.hpp"
+#include "core/scene/validation.hpp"
 #include "core/tool/body_tool.hpp"
 
 namespace feltwire {

@@ -8,8 +8,8 @@
 #include "core/contact/ball.hpp"
 #include "core/mesh/mesh_distance.hpp"
 #include "core/mesh/mesh_surface.hpp"
-#include "core/scene/rules.hpp"
 #include "core/scene/scene.hpp"
+#include "core/scene/validation.hpp"
 #include "core/tool/body_tool.hpp"
 
 namespace feltwire {

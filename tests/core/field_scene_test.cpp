@@ -11,7 +11,7 @@
 #include "core/mesh/tessellation.hpp"
 #include "core/scene/load_scene.hpp"
 #include "core/scene/near.hpp"
-#include "core/scene/needs.hpp"
+#include "core/scene/scene_cost_report.hpp"
 #include "core/tool/body_tool.hpp"
 #include "tests/core/scene_text.hpp"
 #include "tests/support/allocation_counter.hpp"

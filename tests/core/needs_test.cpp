@@ -1,9 +1,8 @@
-#include "core/scene/needs.hpp"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "core/scene/load_scene.hpp"
+#include "core/scene/scene_cost_report.hpp"
 
 namespace feltwire::needs_test {
 namespace {

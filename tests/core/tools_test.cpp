@@ -11,7 +11,7 @@
 #include "core/mesh/mesh_file.hpp"
 #include "core/scene/load_scene.hpp"
 #include "core/scene/near.hpp"
-#include "core/scene/needs.hpp"
+#include "core/scene/scene_cost_report.hpp"
 #include "tests/core/held_tools.hpp"
 #include "tests/core/moving.hpp"
 #include "tests/core/scene_text.hpp"

@@ -10,7 +10,7 @@
 #include <fstream>
 #include <set>
 
-#include "core/scene/needs.hpp"
+#include "core/scene/scene_cost_report.hpp"
 #include "sim/glide.hpp"
 
 namespace feltwire::trade_scene_test {

@@ -4,7 +4,7 @@
 
 #include "core/base/numeric.hpp"
 #include "core/scene/mechanism.hpp"
-#include "core/scene/rules.hpp"
+#include "core/scene/validation.hpp"
 
 namespace feltwire {
 namespace {

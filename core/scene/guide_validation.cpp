@@ -1,6 +1,6 @@
 #include <cmath>
 
-#include "core/scene/rules.hpp"
+#include "core/scene/validation.hpp"
 
 namespace feltwire {
 namespace {

@@ -1,11 +1,11 @@
-#include "core/scene/needs.hpp"
+#include "core/scene/scene_cost_report.hpp"
 
 #include <algorithm>
 #include <functional>
 
 #include "core/mesh/mesh_surface.hpp"
 #include "core/scene/mechanism.hpp"
-#include "core/scene/rules.hpp"
+#include "core/scene/validation.hpp"
 #include "core/tool/body_tool.hpp"
 
 namespace feltwire {
