@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "core/base/splitmix.hpp"
+#include "core/dynamics/world.hpp"
 #include "core/scene/broad_phase.hpp"
-#include "core/scene/world.hpp"
 #include "server/session.hpp"
 
 namespace feltwire {

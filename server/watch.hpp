@@ -3,7 +3,7 @@
 
 #include <span>
 
-#include "core/scene/world.hpp"
+#include "core/dynamics/world.hpp"
 #include "protocol/scene_view.hpp"
 #include "server/session.hpp"
 

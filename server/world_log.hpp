@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "core/scene/world.hpp"
+#include "core/dynamics/world.hpp"
 #include "server/log_limit.hpp"
 
 namespace feltwire {

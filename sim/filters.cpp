@@ -14,7 +14,7 @@
 #include "core/base/csv.hpp"
 #include "core/bounding/port_energy.hpp"
 #include "core/bounding/velocity.hpp"
-#include "core/scene/world.hpp"
+#include "core/dynamics/world.hpp"
 #include "core/tool/body_tool.hpp"
 
 namespace feltwire {

@@ -1,8 +1,8 @@
 #pragma once
 
+#include "core/dynamics/world.hpp"
 #include "core/local_model/local_model.hpp"
 #include "core/scene/scene.hpp"
-#include "core/scene/world.hpp"
 
 namespace feltwire {
 

@@ -117,7 +117,7 @@ class Scene {
     if (!guides_.empty()) add_guides(tool, sum);
     return sum.finite() ? sum : Command{};
   }
-  /// The same of the objects that stand alone: a World (core/scene/world.hpp) knows where the
+  /// The same of the objects that stand alone: a World (core/dynamics/world.hpp) knows where the
   /// others are, and adds the guides to the sum of all.
   Command touch_still(const Tool& tool, TouchMemory& memory) const noexcept {
     return touch(tool, memory, still_);

@@ -9,11 +9,11 @@
 #include <fstream>
 #include <random>
 
+#include "core/dynamics/world.hpp"
 #include "core/mesh/mesh_file.hpp"
 #include "core/mesh/triangle_mesh.hpp"
 #include "core/scene/load_scene.hpp"
 #include "core/scene/mechanism.hpp"
-#include "core/scene/world.hpp"
 #include "tests/core/scene_text.hpp"
 
 namespace feltwire::large_scene_test {

@@ -7,9 +7,9 @@
 #include <fstream>
 
 #include "core/base/json_document.hpp"
+#include "core/dynamics/world.hpp"
 #include "core/scene/load_scene.hpp"
 #include "core/scene/mechanism.hpp"
-#include "core/scene/world.hpp"
 #include "tests/core/moving.hpp"
 #include "tests/core/scene_text.hpp"
 

@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
+#include "core/dynamics/world.hpp"
 #include "core/scene/mechanism.hpp"
 #include "core/scene/scene.hpp"
-#include "core/scene/world.hpp"
 
 namespace feltwire::test {
 

@@ -5,9 +5,9 @@
 
 #include <cmath>
 
+#include "core/dynamics/mass_properties.hpp"
 #include "core/mesh/mesh_surface.hpp"
 #include "core/mesh/tessellation.hpp"
-#include "core/scene/mass_properties.hpp"
 #include "core/scene/near.hpp"
 #include "tests/core/moving.hpp"
 #include "tests/core/support.hpp"

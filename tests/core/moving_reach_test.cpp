@@ -1,7 +1,7 @@
 // A hand asks only the moving objects near it: the same bits as asking all of them always, and none
 // is passed through, however fast hand and object meet.
 
-#include "core/scene/moving_reach.hpp"
+#include "core/dynamics/moving_reach.hpp"
 
 #include <gtest/gtest.h>
 

@@ -16,8 +16,8 @@
 #include <vector>
 
 #include "core/base/long_work.hpp"
+#include "core/dynamics/mujoco_error_trap.hpp"
 #include "core/scene/load_scene.hpp"
-#include "core/scene/mujoco_guard.hpp"
 
 namespace feltwire::mujoco_load_test {
 namespace {

@@ -1,8 +1,6 @@
 // A simulation has room for what it needs, takes more where that is too little, and nobody can
 // tell.
 
-#include "core/scene/mujoco_room.hpp"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -12,7 +10,8 @@
 #include <thread>
 #include <vector>
 
-#include "core/scene/mujoco_sort.hpp"
+#include "core/dynamics/mujoco_buffers.hpp"
+#include "core/dynamics/mujoco_sort.hpp"
 #include "tests/core/moving.hpp"
 #include "tests/support/allocation_counter.hpp"
 

@@ -7,11 +7,11 @@
 #include <cmath>
 #include <vector>
 
-#include "core/scene/broken_trees.hpp"
-#include "core/scene/mujoco_guard.hpp"
-#include "core/scene/mujoco_room.hpp"
+#include "core/dynamics/broken_trees.hpp"
+#include "core/dynamics/mujoco_buffers.hpp"
+#include "core/dynamics/mujoco_error_trap.hpp"
+#include "core/dynamics/world.hpp"
 #include "core/scene/near.hpp"
-#include "core/scene/world.hpp"
 #include "tests/core/moving.hpp"
 
 namespace feltwire::world_fault_test {

@@ -1,4 +1,4 @@
-#include "core/scene/world.hpp"
+#include "core/dynamics/world.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -7,9 +7,9 @@
 #include <filesystem>
 #include <fstream>
 
+#include "core/dynamics/world.hpp"
 #include "core/scene/mechanism.hpp"
 #include "core/scene/scene.hpp"
-#include "core/scene/world.hpp"
 #include "tests/fuzz/fuzz.hpp"
 
 namespace feltwire::fuzz {

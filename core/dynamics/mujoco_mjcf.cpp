@@ -2,10 +2,10 @@
 #include <map>
 
 #include "core/base/json_document.hpp"
+#include "core/dynamics/mujoco_buffers.hpp"
+#include "core/dynamics/mujoco_check.hpp"
 #include "core/mesh/mesh_surface.hpp"
 #include "core/scene/mechanism.hpp"
-#include "core/scene/mujoco_check.hpp"
-#include "core/scene/mujoco_room.hpp"
 
 namespace feltwire {
 namespace {

@@ -1,4 +1,4 @@
-#include "core/scene/mujoco_sort.hpp"
+#include "core/dynamics/mujoco_sort.hpp"
 
 #include <pthread.h>
 

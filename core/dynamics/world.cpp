@@ -1,4 +1,4 @@
-#include "core/scene/world.hpp"
+#include "core/dynamics/world.hpp"
 
 #include <algorithm>
 #include <array>
@@ -6,9 +6,9 @@
 #include <stdexcept>
 
 #include "core/base/numeric.hpp"
-#include "core/scene/broken_trees.hpp"
+#include "core/dynamics/broken_trees.hpp"
+#include "core/dynamics/mujoco_buffers.hpp"
 #include "core/scene/mechanism.hpp"
-#include "core/scene/mujoco_room.hpp"
 
 namespace feltwire {
 namespace {

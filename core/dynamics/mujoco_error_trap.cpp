@@ -1,4 +1,4 @@
-#include "core/scene/mujoco_guard.hpp"
+#include "core/dynamics/mujoco_error_trap.hpp"
 
 #include <csetjmp>
 #include <cstdlib>

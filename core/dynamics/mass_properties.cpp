@@ -1,4 +1,4 @@
-#include "core/scene/mass_properties.hpp"
+#include "core/dynamics/mass_properties.hpp"
 
 #include <numbers>
 

@@ -18,7 +18,7 @@
 #include <system_error>
 
 #include "core/base/long_work.hpp"
-#include "core/scene/mujoco_guard.hpp"
+#include "core/dynamics/mujoco_error_trap.hpp"
 
 namespace feltwire::mujoco {
 namespace {

@@ -1,4 +1,4 @@
-#include "core/scene/mujoco_room.hpp"
+#include "core/dynamics/mujoco_buffers.hpp"
 
 #include <algorithm>
 #include <array>
@@ -6,8 +6,8 @@
 #include <cstdio>
 #include <stdexcept>
 
-#include "core/scene/mujoco_sort.hpp"
-#include "core/scene/mujoco_text.hpp"
+#include "core/dynamics/mujoco_sort.hpp"
+#include "core/dynamics/mujoco_text.hpp"
 
 namespace feltwire::mujoco {
 namespace {

@@ -8,13 +8,13 @@
 #include <stdexcept>
 
 #include "core/base/numeric.hpp"
+#include "core/dynamics/mass_properties.hpp"
+#include "core/dynamics/mujoco_buffers.hpp"
+#include "core/dynamics/mujoco_check.hpp"
+#include "core/dynamics/mujoco_error_trap.hpp"
+#include "core/dynamics/mujoco_text.hpp"
 #include "core/mesh/mesh_surface.hpp"
-#include "core/scene/mass_properties.hpp"
 #include "core/scene/mechanism.hpp"
-#include "core/scene/mujoco_check.hpp"
-#include "core/scene/mujoco_guard.hpp"
-#include "core/scene/mujoco_room.hpp"
-#include "core/scene/mujoco_text.hpp"
 
 namespace feltwire {
 namespace {

@@ -1,4 +1,4 @@
-#include "core/scene/mujoco_check.hpp"
+#include "core/dynamics/mujoco_check.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -6,8 +6,8 @@
 #include <optional>
 #include <stdexcept>
 
+#include "core/dynamics/mujoco_buffers.hpp"
 #include "core/mesh/mesh_surface.hpp"
-#include "core/scene/mujoco_room.hpp"
 
 namespace feltwire::mujoco {
 namespace {

@@ -1,4 +1,4 @@
-#include "core/scene/moving_reach.hpp"
+#include "core/dynamics/moving_reach.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -6,9 +6,9 @@
 #include <memory>
 #include <vector>
 
+#include "core/dynamics/hand_pace.hpp"
+#include "core/dynamics/moving_reach.hpp"
 #include "core/local_model/local_model.hpp"
-#include "core/scene/hand_pace.hpp"
-#include "core/scene/moving_reach.hpp"
 #include "core/scene/scene.hpp"
 #include "core/tool/body_tool.hpp"
 

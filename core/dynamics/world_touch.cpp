@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "core/base/numeric.hpp"
-#include "core/scene/world.hpp"
+#include "core/dynamics/world.hpp"
 
 namespace feltwire {
 namespace {

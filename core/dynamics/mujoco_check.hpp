@@ -1,8 +1,8 @@
 #pragma once
 // Internal to core/scene: what a compiled model gives reason to warn of.
 
+#include "core/dynamics/mujoco_error_trap.hpp"
 #include "core/scene/mechanism.hpp"
-#include "core/scene/mujoco_guard.hpp"
 
 namespace feltwire::mujoco {
 

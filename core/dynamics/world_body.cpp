@@ -5,7 +5,7 @@
 #include <stdexcept>
 
 #include "core/base/numeric.hpp"
-#include "core/scene/world.hpp"
+#include "core/dynamics/world.hpp"
 
 namespace feltwire {
 

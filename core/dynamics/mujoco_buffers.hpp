@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "core/dynamics/mujoco_error_trap.hpp"
 #include "core/scene/mechanism.hpp"
-#include "core/scene/mujoco_guard.hpp"
 
 namespace feltwire::mujoco {
 
