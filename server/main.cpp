@@ -16,8 +16,8 @@
 #include <vector>
 
 #include "core/base/visible_text.hpp"
-#include "core/scene/load_scene.hpp"
 #include "core/scene/scene_cost_report.hpp"
+#include "core/scene_file/load_scene.hpp"
 #include "protocol/secret.hpp"
 #include "server/answer_time.hpp"
 #include "server/health.hpp"

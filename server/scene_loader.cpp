@@ -7,7 +7,7 @@
 #include <thread>
 
 #include "core/base/long_work.hpp"
-#include "core/scene/load_scene.hpp"
+#include "core/scene_file/load_scene.hpp"
 #include "server/answer_time.hpp"
 
 namespace feltwire {

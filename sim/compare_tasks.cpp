@@ -1,6 +1,6 @@
 #include "sim/compare_tasks.hpp"
 
-#include "core/scene/load_scene.hpp"
+#include "core/scene_file/load_scene.hpp"
 #include "scenes/paper_sphere_text.hpp"
 #include "scenes/paper_wall_text.hpp"
 #include "sim/figures.hpp"

@@ -7,7 +7,7 @@
 #include <stdexcept>
 
 #include "core/base/text.hpp"
-#include "core/scene/load_scene.hpp"
+#include "core/scene_file/load_scene.hpp"
 #include "scenes/paper_sphere_text.hpp"
 #include "scenes/paper_wall_text.hpp"
 #include "sim/figure_plots.hpp"

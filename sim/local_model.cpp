@@ -8,7 +8,7 @@
 #include "core/grid/signed_distance.hpp"
 #include "core/mesh/mesh_surface.hpp"
 #include "core/mesh/tessellation.hpp"
-#include "core/scene/load_scene.hpp"
+#include "core/scene_file/load_scene.hpp"
 #include "scenes/room_text.hpp"
 #include "sim/fidelity.hpp"
 

@@ -11,7 +11,7 @@
 #include "core/base/visible_text.hpp"
 #include "core/build_info/build_info.hpp"
 #include "core/command_line/suggestion.hpp"
-#include "core/scene/load_scene.hpp"
+#include "core/scene_file/load_scene.hpp"
 #include "protocol/ports.hpp"
 #include "sim/filters.hpp"
 #include "sim/link_relay.hpp"

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "core/scene/load_scene.hpp"
+#include "core/scene_file/load_scene.hpp"
 #include "server/scene_sessions.hpp"
 
 namespace feltwire::seal_bench {

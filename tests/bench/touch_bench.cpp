@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "core/local_model/local_contact.hpp"
-#include "core/scene/load_scene.hpp"
 #include "core/scene/near.hpp"
+#include "core/scene_file/load_scene.hpp"
 
 namespace feltwire::touch_bench {
 namespace {

@@ -8,7 +8,7 @@
 #include <fstream>
 
 #include "core/base/csv.hpp"
-#include "core/scene/load_scene.hpp"
+#include "core/scene_file/load_scene.hpp"
 #include "server/state_file.hpp"
 #include "tests/client/loopback.hpp"
 #include "tests/client/temporary_folder.hpp"

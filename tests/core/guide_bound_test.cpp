@@ -7,7 +7,7 @@
 
 #include "core/bounding/bounding.hpp"
 #include "core/bounding/port_energy.hpp"
-#include "core/scene/load_scene.hpp"
+#include "core/scene_file/load_scene.hpp"
 
 namespace feltwire::guide_bound_test {
 namespace {

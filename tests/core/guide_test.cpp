@@ -8,8 +8,8 @@
 #include <numbers>
 
 #include "core/base/splitmix.hpp"
-#include "core/scene/load_scene.hpp"
 #include "core/scene/near.hpp"
+#include "core/scene_file/load_scene.hpp"
 #include "tests/support/allocation_counter.hpp"
 
 namespace feltwire::guide_test {

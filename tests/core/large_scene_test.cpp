@@ -12,8 +12,8 @@
 #include "core/dynamics/world.hpp"
 #include "core/mesh/mesh_file.hpp"
 #include "core/mesh/triangle_mesh.hpp"
-#include "core/scene/load_scene.hpp"
 #include "core/scene/mechanism.hpp"
+#include "core/scene_file/load_scene.hpp"
 #include "tests/core/scene_text.hpp"
 
 namespace feltwire::large_scene_test {

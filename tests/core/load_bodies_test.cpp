@@ -8,8 +8,8 @@
 
 #include "core/base/json_document.hpp"
 #include "core/dynamics/world.hpp"
-#include "core/scene/load_scene.hpp"
 #include "core/scene/mechanism.hpp"
+#include "core/scene_file/load_scene.hpp"
 #include "tests/core/moving.hpp"
 #include "tests/core/scene_text.hpp"
 

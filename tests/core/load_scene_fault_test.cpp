@@ -5,7 +5,7 @@
 #include <cstdio>
 #include <thread>
 
-#include "core/scene/load_scene.hpp"
+#include "core/scene_file/load_scene.hpp"
 #include "tests/support/failing_allocation.hpp"
 
 namespace feltwire::load_scene_fault_test {

@@ -1,4 +1,4 @@
-#include "core/scene/load_scene.hpp"
+#include "core/scene_file/load_scene.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "core/local_model/local_contact.hpp"
-#include "core/scene/load_scene.hpp"
 #include "core/scene/near.hpp"
+#include "core/scene_file/load_scene.hpp"
 #include "tests/core/support.hpp"
 #include "tests/support/allocation_counter.hpp"
 #include "tests/support/followed_hand.hpp"

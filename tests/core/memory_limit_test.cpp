@@ -13,7 +13,7 @@
 #include <new>
 #include <string>
 
-#include "core/scene/load_scene.hpp"
+#include "core/scene_file/load_scene.hpp"
 
 namespace feltwire::memory_limit_test {
 namespace {

@@ -17,7 +17,7 @@
 
 #include "core/base/long_work.hpp"
 #include "core/dynamics/mujoco_error_trap.hpp"
-#include "core/scene/load_scene.hpp"
+#include "core/scene_file/load_scene.hpp"
 
 namespace feltwire::mujoco_load_test {
 namespace {

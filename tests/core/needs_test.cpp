@@ -1,8 +1,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "core/scene/load_scene.hpp"
 #include "core/scene/scene_cost_report.hpp"
+#include "core/scene_file/load_scene.hpp"
 
 namespace feltwire::needs_test {
 namespace {

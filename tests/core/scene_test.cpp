@@ -5,7 +5,7 @@
 #include <functional>
 #include <limits>
 
-#include "core/scene/load_scene.hpp"
+#include "core/scene_file/load_scene.hpp"
 #include "tests/support/allocation_counter.hpp"
 
 namespace feltwire::scene_test {

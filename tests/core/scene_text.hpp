@@ -4,8 +4,8 @@
 #include <string>
 
 #include "core/base/file_error.hpp"
-#include "core/scene/load_scene.hpp"
 #include "core/scene/scene.hpp"
+#include "core/scene_file/load_scene.hpp"
 
 namespace feltwire::test {
 

@@ -9,9 +9,9 @@
 
 #include "core/grid/distance_grid.hpp"
 #include "core/mesh/mesh_file.hpp"
-#include "core/scene/load_scene.hpp"
 #include "core/scene/near.hpp"
 #include "core/scene/scene_cost_report.hpp"
+#include "core/scene_file/load_scene.hpp"
 #include "tests/core/held_tools.hpp"
 #include "tests/core/moving.hpp"
 #include "tests/core/scene_text.hpp"

@@ -7,8 +7,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/scene/load_scene.hpp"
 #include "core/scene/near.hpp"
+#include "core/scene_file/load_scene.hpp"
 #include "tests/core/moving.hpp"
 #include "tests/support/allocation_counter.hpp"
 

@@ -2,8 +2,8 @@
 // anywhere with a finite force.
 
 #include "core/base/splitmix.hpp"
-#include "core/scene/load_scene.hpp"
 #include "core/scene/near.hpp"
+#include "core/scene_file/load_scene.hpp"
 #include "tests/fuzz/fuzz.hpp"
 
 namespace feltwire::fuzz {

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/scene/load_scene.hpp"
+#include "core/scene_file/load_scene.hpp"
 #include "server/session.hpp"
 #include "tests/server/make.hpp"
 #include "tests/support/allocation_counter.hpp"

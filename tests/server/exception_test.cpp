@@ -8,7 +8,7 @@
 #include <future>
 #include <thread>
 
-#include "core/scene/load_scene.hpp"
+#include "core/scene_file/load_scene.hpp"
 #include "server/server.hpp"
 #include "server/signals.hpp"
 #include "tests/client/temporary_folder.hpp"

@@ -9,7 +9,7 @@
 #include <future>
 
 #include "core/base/long_work.hpp"
-#include "core/scene/load_scene.hpp"
+#include "core/scene_file/load_scene.hpp"
 #include "server/health.hpp"
 #include "server/server.hpp"
 #include "tests/client/temporary_folder.hpp"

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/scene/load_scene.hpp"
+#include "core/scene_file/load_scene.hpp"
 #include "protocol/codec.hpp"
 #include "protocol/guard.hpp"
 #include "server/session.hpp"

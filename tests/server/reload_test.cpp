@@ -8,7 +8,7 @@
 
 #include <fstream>
 
-#include "core/scene/load_scene.hpp"
+#include "core/scene_file/load_scene.hpp"
 #include "server/server.hpp"
 #include "tests/client/temporary_folder.hpp"
 #include "tests/core/moving.hpp"

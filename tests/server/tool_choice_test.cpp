@@ -8,7 +8,7 @@
 #include <map>
 
 #include "core/mesh/tessellation.hpp"
-#include "core/scene/load_scene.hpp"
+#include "core/scene_file/load_scene.hpp"
 #include "core/tool/body_tool.hpp"
 #include "server/server.hpp"
 #include "tests/client/temporary_folder.hpp"

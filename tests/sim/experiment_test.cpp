@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "core/scene/load_scene.hpp"
+#include "core/scene_file/load_scene.hpp"
 #include "sim/choices.hpp"
 #include "sim/figures.hpp"
 

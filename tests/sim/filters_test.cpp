@@ -6,7 +6,7 @@
 #include <sstream>
 
 #include "core/base/csv.hpp"
-#include "core/scene/load_scene.hpp"
+#include "core/scene_file/load_scene.hpp"
 
 namespace feltwire::filters_test {
 namespace {

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <thread>
 
-#include "core/scene/load_scene.hpp"
+#include "core/scene_file/load_scene.hpp"
 #include "protocol/clock.hpp"
 #include "server/server.hpp"
 #include "tests/soak/resources.hpp"

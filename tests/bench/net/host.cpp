@@ -11,7 +11,7 @@
 #include <stdexcept>
 
 #include "core/base/splitmix.hpp"
-#include "core/scene/load_scene.hpp"
+#include "core/scene_file/load_scene.hpp"
 #include "server/scene_host.hpp"
 #include "tests/bench/net/echo.hpp"
 #include "tests/bench/net/machine.hpp"

@@ -1,9 +1,9 @@
-#include "core/scene/read_bodies.hpp"
+#include "core/scene_file/read_bodies.hpp"
 
 #include <cmath>
 
-#include "core/scene/read_values.hpp"
-#include "core/scene/shown_error.hpp"
+#include "core/scene_file/read_values.hpp"
+#include "core/scene_file/shown_error.hpp"
 
 namespace feltwire {
 namespace {

@@ -1,15 +1,15 @@
-#include "core/scene/load_scene.hpp"
+#include "core/scene_file/load_scene.hpp"
 
 #include <utility>
 
 #include "core/base/long_work.hpp"
-#include "core/guidance/load_guides.hpp"
-#include "core/scene/load_mesh.hpp"
-#include "core/scene/read_bodies.hpp"
-#include "core/scene/read_fields.hpp"
-#include "core/scene/read_values.hpp"
-#include "core/scene/scene_text.hpp"
-#include "core/scene/shown_error.hpp"
+#include "core/scene_file/load_guides.hpp"
+#include "core/scene_file/load_mesh.hpp"
+#include "core/scene_file/read_bodies.hpp"
+#include "core/scene_file/read_fields.hpp"
+#include "core/scene_file/read_values.hpp"
+#include "core/scene_file/scene_text.hpp"
+#include "core/scene_file/shown_error.hpp"
 
 namespace feltwire {
 namespace {

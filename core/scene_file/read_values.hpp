@@ -5,8 +5,8 @@
 #include <string>
 #include <unordered_map>
 
-#include "core/scene/scene_generated.h"
 #include "core/scene/validation.hpp"
+#include "core/scene_file/scene_generated.h"
 
 namespace feltwire {
 

@@ -1,4 +1,4 @@
-#include "core/scene/load_mesh.hpp"
+#include "core/scene_file/load_mesh.hpp"
 
 #include <array>
 #include <cmath>
@@ -9,8 +9,8 @@
 
 #include "core/mesh/height_map.hpp"
 #include "core/mesh/mesh_surface.hpp"
-#include "core/scene/read_values.hpp"
-#include "core/scene/shown_error.hpp"
+#include "core/scene_file/read_values.hpp"
+#include "core/scene_file/shown_error.hpp"
 
 namespace feltwire {
 namespace {

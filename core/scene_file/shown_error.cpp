@@ -1,4 +1,4 @@
-#include "core/scene/shown_error.hpp"
+#include "core/scene_file/shown_error.hpp"
 
 #include <algorithm>
 #include <cctype>

@@ -1,9 +1,9 @@
-#include "core/guidance/load_guides.hpp"
+#include "core/scene_file/load_guides.hpp"
 
 #include <cmath>
 #include <limits>
 
-#include "core/scene/read_values.hpp"
+#include "core/scene_file/read_values.hpp"
 
 namespace feltwire {
 namespace {

@@ -1,4 +1,4 @@
-#include "core/scene/read_fields.hpp"
+#include "core/scene_file/read_fields.hpp"
 
 #include <optional>
 #include <utility>
@@ -6,8 +6,8 @@
 #include "core/grid/signed_distance.hpp"
 #include "core/mesh/mesh_distance.hpp"
 #include "core/mesh/tessellation.hpp"
-#include "core/scene/read_values.hpp"
-#include "core/scene/shown_error.hpp"
+#include "core/scene_file/read_values.hpp"
+#include "core/scene_file/shown_error.hpp"
 #include "core/tool/body_tool.hpp"
 
 namespace feltwire {

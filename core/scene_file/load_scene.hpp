@@ -9,7 +9,7 @@
 
 namespace feltwire {
 
-/// Reads a scene file (JSON against core/scene/scene.fbs). Throws FileError.
+/// Reads a scene file (JSON against core/scene_file/scene.fbs). Throws FileError.
 Scene load_scene(const std::filesystem::path& file);
 
 /// The same from text; `file` is only what errors call it.

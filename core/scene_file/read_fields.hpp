@@ -4,7 +4,7 @@
 #include <filesystem>
 
 #include "core/scene/scene.hpp"
-#include "core/scene/scene_generated.h"
+#include "core/scene_file/scene_generated.h"
 
 namespace feltwire {
 
