@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "core/base/numeric.hpp"
-#include "core/scene/near.hpp"
+#include "core/local_model_extraction/extract.hpp"
 
 namespace feltwire {
 namespace {

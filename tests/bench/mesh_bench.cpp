@@ -18,8 +18,8 @@
 #include <map>
 
 #include "core/contact/contact.hpp"
+#include "core/local_model_extraction/extract.hpp"
 #include "core/mesh/mesh_contact.hpp"
-#include "core/scene/near.hpp"
 #include "core/scene/scene.hpp"
 #include "tests/support/meshes.hpp"
 

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "core/local_model/local_contact.hpp"
-#include "core/scene/near.hpp"
+#include "core/local_model_extraction/extract.hpp"
 #include "core/scene_file/load_scene.hpp"
 
 namespace feltwire::touch_bench {

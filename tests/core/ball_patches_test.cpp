@@ -3,8 +3,8 @@
 
 #include <gtest/gtest.h>
 
-#include "core/contact/fitted_patches.hpp"
-#include "core/scene/near.hpp"
+#include "core/local_model_extraction/extract.hpp"
+#include "core/local_model_extraction/fitted_patches.hpp"
 #include "tests/support/followed_hand.hpp"
 #include "tests/support/meshes.hpp"
 

@@ -7,9 +7,9 @@
 #include <fstream>
 
 #include "core/grid/distance_grid.hpp"
+#include "core/local_model_extraction/extract.hpp"
 #include "core/mesh/mesh_file.hpp"
 #include "core/mesh/tessellation.hpp"
-#include "core/scene/near.hpp"
 #include "core/scene/scene_cost_report.hpp"
 #include "core/scene_file/load_scene.hpp"
 #include "core/tool/body_tool.hpp"

@@ -4,11 +4,11 @@
 
 #include <cmath>
 
-#include "core/contact/fitted_patches.hpp"
-#include "core/contact/mesh_fit.hpp"
 #include "core/grid/distance_grid.hpp"
 #include "core/grid/signed_distance.hpp"
-#include "core/scene/near.hpp"
+#include "core/local_model_extraction/extract.hpp"
+#include "core/local_model_extraction/fitted_patches.hpp"
+#include "core/local_model_extraction/mesh_fit.hpp"
 #include "tests/core/support.hpp"
 #include "tests/support/meshes.hpp"
 

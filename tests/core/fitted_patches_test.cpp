@@ -1,7 +1,7 @@
 // What a local model says of meshes and grids: exact where they are flat, within a share of the way
 // where they are fitted, and nothing where it would not hold.
 
-#include "core/contact/fitted_patches.hpp"
+#include "core/local_model_extraction/fitted_patches.hpp"
 
 #include <gtest/gtest.h>
 
@@ -10,8 +10,8 @@
 #include "core/grid/distance_grid.hpp"
 #include "core/grid/signed_distance.hpp"
 #include "core/local_model/local_contact.hpp"
+#include "core/local_model_extraction/extract.hpp"
 #include "core/mesh/mesh_surface.hpp"
-#include "core/scene/near.hpp"
 #include "tests/core/support.hpp"
 #include "tests/support/allocation_counter.hpp"
 #include "tests/support/followed_hand.hpp"

@@ -8,7 +8,7 @@
 #include <numbers>
 
 #include "core/base/splitmix.hpp"
-#include "core/scene/near.hpp"
+#include "core/local_model_extraction/extract.hpp"
 #include "core/scene_file/load_scene.hpp"
 #include "tests/support/allocation_counter.hpp"
 

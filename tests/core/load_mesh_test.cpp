@@ -5,9 +5,9 @@
 #include <fstream>
 #include <random>
 
+#include "core/local_model_extraction/extract.hpp"
 #include "core/mesh/mesh_contact.hpp"
 #include "core/mesh/mesh_file.hpp"
-#include "core/scene/near.hpp"
 #include "core/scene_file/load_scene.hpp"
 #include "tests/core/support.hpp"
 #include "tests/support/allocation_counter.hpp"

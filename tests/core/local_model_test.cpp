@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "core/local_model/local_contact.hpp"
-#include "core/scene/near.hpp"
+#include "core/local_model_extraction/extract.hpp"
 #include "core/scene_file/load_scene.hpp"
 #include "tests/core/support.hpp"
 #include "tests/support/allocation_counter.hpp"

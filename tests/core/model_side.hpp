@@ -7,7 +7,7 @@
 #include <span>
 
 #include "core/local_model/local_contact.hpp"
-#include "core/scene/near.hpp"
+#include "core/local_model_extraction/extract.hpp"
 
 namespace feltwire::test {
 

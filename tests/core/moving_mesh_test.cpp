@@ -6,9 +6,9 @@
 #include <cmath>
 
 #include "core/dynamics/mass_properties.hpp"
+#include "core/local_model_extraction/extract.hpp"
 #include "core/mesh/mesh_surface.hpp"
 #include "core/mesh/tessellation.hpp"
-#include "core/scene/near.hpp"
 #include "tests/core/moving.hpp"
 #include "tests/core/support.hpp"
 #include "tests/support/allocation_counter.hpp"

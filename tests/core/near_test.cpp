@@ -1,13 +1,12 @@
 // What a scene says of itself near a tool: which surfaces, and how far that holds.
 
-#include "core/scene/near.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <vector>
 
 #include "core/local_model/local_contact.hpp"
+#include "core/local_model_extraction/extract.hpp"
 
 namespace feltwire::near_test {
 namespace {

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/local_model_extraction/extract.hpp"
 #include "core/mesh/height_map.hpp"
-#include "core/scene/near.hpp"
 #include "tests/support/followed_hand.hpp"
 #include "tests/support/meshes.hpp"
 

@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "core/scene/near.hpp"
+#include "core/local_model_extraction/extract.hpp"
 #include "tests/core/model_side.hpp"
 #include "tests/core/moving.hpp"
 #include "tests/core/support.hpp"

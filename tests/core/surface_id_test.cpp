@@ -4,9 +4,9 @@
 
 #include <map>
 
-#include "core/contact/fitted_patches.hpp"
 #include "core/local_model/local_contact.hpp"
-#include "core/scene/near.hpp"
+#include "core/local_model_extraction/extract.hpp"
+#include "core/local_model_extraction/fitted_patches.hpp"
 #include "tests/support/meshes.hpp"
 
 namespace feltwire::surface_id_test {

@@ -11,7 +11,7 @@
 #include "core/dynamics/mujoco_buffers.hpp"
 #include "core/dynamics/mujoco_error_trap.hpp"
 #include "core/dynamics/world.hpp"
-#include "core/scene/near.hpp"
+#include "core/local_model_extraction/extract.hpp"
 #include "tests/core/moving.hpp"
 
 namespace feltwire::world_fault_test {

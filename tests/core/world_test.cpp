@@ -7,7 +7,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/scene/near.hpp"
+#include "core/local_model_extraction/extract.hpp"
 #include "core/scene_file/load_scene.hpp"
 #include "tests/core/moving.hpp"
 #include "tests/support/allocation_counter.hpp"

@@ -2,7 +2,7 @@
 // anywhere with a finite force.
 
 #include "core/base/splitmix.hpp"
-#include "core/scene/near.hpp"
+#include "core/local_model_extraction/extract.hpp"
 #include "core/scene_file/load_scene.hpp"
 #include "tests/fuzz/fuzz.hpp"
 

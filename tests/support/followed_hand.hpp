@@ -2,7 +2,7 @@
 // A hand that a scene and a local model answer side by side.
 
 #include "core/local_model/local_contact.hpp"
-#include "core/scene/near.hpp"
+#include "core/local_model_extraction/extract.hpp"
 #include "tests/core/support.hpp"
 
 namespace feltwire::test {

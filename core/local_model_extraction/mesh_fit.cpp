@@ -1,10 +1,10 @@
-#include "core/contact/mesh_fit.hpp"
+#include "core/local_model_extraction/mesh_fit.hpp"
 
 #include <algorithm>
 #include <limits>
 
 #include "core/base/numeric.hpp"
-#include "core/contact/fitted_patches.hpp"
+#include "core/local_model_extraction/fitted_patches.hpp"
 
 namespace feltwire {
 namespace {

@@ -8,9 +8,9 @@
 #include <numbers>
 
 #include "core/base/numeric.hpp"
-#include "core/contact/fitted_patches.hpp"
 #include "core/grid/distance_grid.hpp"
 #include "core/local_model/local_contact.hpp"
+#include "core/local_model_extraction/fitted_patches.hpp"
 
 namespace feltwire {
 namespace {

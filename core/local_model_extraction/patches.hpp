@@ -5,8 +5,8 @@
 #include <cstdint>
 
 #include "core/contact/contact.hpp"
-#include "core/contact/fitted_patches.hpp"
 #include "core/local_model/local_model.hpp"
+#include "core/local_model_extraction/fitted_patches.hpp"
 
 namespace feltwire {
 

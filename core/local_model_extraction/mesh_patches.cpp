@@ -7,9 +7,9 @@
 #include <numbers>
 
 #include "core/base/numeric.hpp"
-#include "core/contact/fitted_patches.hpp"
-#include "core/contact/mesh_fit.hpp"
 #include "core/local_model/local_contact.hpp"
+#include "core/local_model_extraction/fitted_patches.hpp"
+#include "core/local_model_extraction/mesh_fit.hpp"
 #include "core/mesh/height_map.hpp"
 #include "core/mesh/mesh_surface.hpp"
 

@@ -1,4 +1,4 @@
-#include "core/contact/fitted_patches.hpp"
+#include "core/local_model_extraction/fitted_patches.hpp"
 
 #include <cmath>
 

@@ -1,4 +1,4 @@
-#include "core/contact/patches.hpp"
+#include "core/local_model_extraction/patches.hpp"
 
 #include <algorithm>
 #include <cmath>

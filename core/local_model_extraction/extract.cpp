@@ -1,9 +1,9 @@
-#include "core/scene/near.hpp"
+#include "core/local_model_extraction/extract.hpp"
 
 #include <algorithm>
 #include <limits>
 
-#include "core/contact/patches.hpp"
+#include "core/local_model_extraction/patches.hpp"
 
 namespace feltwire {
 namespace {
