@@ -13,7 +13,7 @@
 
 #include "client/credentials.hpp"
 #include "protocol/control.hpp"
-#include "protocol/session_keys.hpp"
+#include "protocol/crypto/session_keys.hpp"
 
 namespace feltwire {
 

@@ -8,7 +8,7 @@
 #include "core/base/file_error.hpp"
 #include "core/base/regular_file.hpp"
 #include "core/base/visible_text.hpp"
-#include "protocol/private_file.hpp"
+#include "protocol/crypto/private_file.hpp"
 
 namespace feltwire {
 namespace {

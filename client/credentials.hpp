@@ -4,8 +4,8 @@
 #include <string>
 #include <variant>
 
-#include "protocol/secret.hpp"
-#include "protocol/tls.hpp"
+#include "protocol/crypto/secret.hpp"
+#include "protocol/crypto/tls.hpp"
 
 namespace feltwire {
 

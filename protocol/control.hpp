@@ -9,10 +9,10 @@
 #include <vector>
 
 #include "core/device/device_spec.hpp"
+#include "protocol/crypto/secret.hpp"
+#include "protocol/crypto/session_keys.hpp"
 #include "protocol/datagram.hpp"
 #include "protocol/role.hpp"
-#include "protocol/secret.hpp"
-#include "protocol/session_keys.hpp"
 #include "protocol/session_parameters.hpp"
 
 namespace feltwire::control {

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "protocol/aead.hpp"
+#include "protocol/crypto/aead.hpp"
 #include "protocol/datagram.hpp"
 
 namespace feltwire {

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "core/base/little_endian.hpp"
-#include "protocol/hkdf.hpp"
+#include "protocol/crypto/hkdf.hpp"
 
 namespace feltwire {
 namespace {

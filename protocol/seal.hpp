@@ -5,7 +5,7 @@
 #include <array>
 #include <optional>
 
-#include "protocol/aead.hpp"
+#include "protocol/crypto/aead.hpp"
 #include "protocol/datagram.hpp"
 #include "protocol/guard.hpp"
 #include "protocol/sequence.hpp"

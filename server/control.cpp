@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "protocol/clock.hpp"
-#include "protocol/tls.hpp"
+#include "protocol/crypto/tls.hpp"
 #include "server/listen_error.hpp"
 
 namespace feltwire {

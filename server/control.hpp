@@ -45,7 +45,7 @@ struct ControlPeer {
   asio::ip::address address;
   std::string token;   // id of the one it has shown; empty: none yet
   bool waits = false;  // the answer may take long: the connection stays until it is given
-  /// The keys of a session that is joined by this connection (protocol/tls.hpp).
+  /// The keys of a session that is joined by this connection (protocol/crypto/tls.hpp).
   std::function<SessionKeys(std::uint64_t session, CipherSuite suite)> keys;
 };
 

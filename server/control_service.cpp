@@ -6,7 +6,7 @@
 
 #include "core/base/visible_text.hpp"
 #include "protocol/clock.hpp"
-#include "protocol/tls.hpp"
+#include "protocol/crypto/tls.hpp"
 #include "server/parameter_changes.hpp"
 #include "server/scene_sessions.hpp"
 

@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "protocol/control.hpp"
-#include "protocol/tls.hpp"
+#include "protocol/crypto/tls.hpp"
 
 namespace feltwire {
 namespace {

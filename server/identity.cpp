@@ -9,7 +9,7 @@
 #include <stdexcept>
 
 #include "core/base/json_document.hpp"
-#include "protocol/private_file.hpp"
+#include "protocol/crypto/private_file.hpp"
 
 namespace feltwire {
 namespace {

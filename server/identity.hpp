@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "protocol/secret.hpp"
-#include "protocol/tls.hpp"
+#include "protocol/crypto/secret.hpp"
+#include "protocol/crypto/tls.hpp"
 
 namespace feltwire {
 

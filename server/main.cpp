@@ -18,7 +18,7 @@
 #include "core/base/visible_text.hpp"
 #include "core/scene/scene_cost_report.hpp"
 #include "core/scene_file/load_scene.hpp"
-#include "protocol/secret.hpp"
+#include "protocol/crypto/secret.hpp"
 #include "server/answer_time.hpp"
 #include "server/health.hpp"
 #include "server/log_format.hpp"

@@ -1,7 +1,7 @@
 #include "server/token_file.hpp"
 
 #include "core/base/json_document.hpp"
-#include "protocol/private_file.hpp"
+#include "protocol/crypto/private_file.hpp"
 #include "server/state_file.hpp"
 
 namespace feltwire {

@@ -9,8 +9,8 @@
 #include <string_view>
 #include <vector>
 
+#include "protocol/crypto/secret.hpp"
 #include "protocol/role.hpp"
-#include "protocol/secret.hpp"
 
 namespace feltwire {
 

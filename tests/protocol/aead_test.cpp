@@ -1,7 +1,7 @@
 // The ciphers and the key derivation against published vectors: what libsodium does is what the
 // standards say, called as we call it.
 
-#include "protocol/aead.hpp"
+#include "protocol/crypto/aead.hpp"
 
 #include <gtest/gtest.h>
 
@@ -11,7 +11,7 @@
 #include <string_view>
 #include <vector>
 
-#include "protocol/hkdf.hpp"
+#include "protocol/crypto/hkdf.hpp"
 
 namespace feltwire::aead_test {
 namespace {

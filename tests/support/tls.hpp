@@ -10,7 +10,7 @@
 #include <stdexcept>
 #include <vector>
 
-#include "protocol/tls.hpp"
+#include "protocol/crypto/tls.hpp"
 #include "tests/support/security.hpp"
 
 namespace feltwire::test {

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "protocol/aead.hpp"
 #include "protocol/control.hpp"
+#include "protocol/crypto/aead.hpp"
 
 namespace feltwire::netbench {
 

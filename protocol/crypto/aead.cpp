@@ -1,4 +1,4 @@
-#include "protocol/aead.hpp"
+#include "protocol/crypto/aead.hpp"
 
 #include <sodium.h>
 

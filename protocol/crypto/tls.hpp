@@ -7,7 +7,7 @@
 #include <string>
 #include <string_view>
 
-#include "protocol/session_keys.hpp"
+#include "protocol/crypto/session_keys.hpp"
 
 struct ssl_st;
 struct ssl_ctx_st;

@@ -1,4 +1,4 @@
-#include "protocol/hkdf.hpp"
+#include "protocol/crypto/hkdf.hpp"
 
 #include <sodium.h>
 

@@ -1,4 +1,4 @@
-#include "protocol/secret.hpp"
+#include "protocol/crypto/secret.hpp"
 
 #include <sodium.h>
 #include <sys/prctl.h>
@@ -7,7 +7,7 @@
 #include <cstdio>
 #include <cstdlib>
 
-#include "protocol/session_keys.hpp"
+#include "protocol/crypto/session_keys.hpp"
 
 namespace feltwire {
 

@@ -1,4 +1,4 @@
-#include "protocol/tls.hpp"
+#include "protocol/crypto/tls.hpp"
 
 #include <openssl/err.h>
 #include <openssl/ssl.h>

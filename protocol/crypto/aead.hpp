@@ -7,7 +7,7 @@
 #include <limits>
 #include <span>
 
-#include "protocol/session_keys.hpp"
+#include "protocol/crypto/session_keys.hpp"
 
 namespace feltwire {
 

@@ -1,4 +1,4 @@
-#include "protocol/private_file.hpp"
+#include "protocol/crypto/private_file.hpp"
 
 #include <sys/stat.h>
 #include <unistd.h>
