@@ -12,8 +12,8 @@
 #include <variant>
 
 #include "client/tls_stream.hpp"
-#include "protocol/grant.hpp"
 #include "protocol/ports.hpp"
+#include "protocol/session/grant.hpp"
 
 namespace feltwire {
 namespace {

@@ -25,7 +25,7 @@ class SessionError : public std::runtime_error {
 
 /// One that asking again would not mend: the token, the role, the scene, the tool, the device or
 /// the parameters are refused, one end's certificate is not good, or the server grants what it may
-/// not (protocol/grant.hpp). What is full, limited or away may be there again.
+/// not (protocol/session/grant.hpp). What is full, limited or away may be there again.
 class LastingError : public SessionError {
  public:
   using SessionError::SessionError;

@@ -14,7 +14,7 @@
 #include "core/command_line/suggestion.hpp"
 #include "protocol/busy_poll.hpp"
 #include "protocol/control.hpp"
-#include "protocol/profiles.hpp"
+#include "protocol/session/profiles.hpp"
 #include "protocol/udp_socket.hpp"
 
 namespace feltwire {

@@ -5,7 +5,7 @@
 #include <thread>
 #include <utility>
 
-#include "protocol/grant.hpp"
+#include "protocol/session/grant.hpp"
 
 namespace feltwire {
 

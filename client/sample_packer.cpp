@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "core/base/numeric.hpp"
-#include "protocol/deadband.hpp"
+#include "protocol/session/deadband.hpp"
 
 namespace feltwire {
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "protocol/datagram.hpp"
-#include "protocol/session_parameters.hpp"
+#include "protocol/session/session_parameters.hpp"
 
 namespace feltwire {
 

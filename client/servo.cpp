@@ -7,7 +7,7 @@
 #include <stdexcept>
 
 #include "core/base/numeric.hpp"
-#include "protocol/deadband.hpp"
+#include "protocol/session/deadband.hpp"
 
 namespace feltwire {
 namespace {

@@ -21,7 +21,7 @@
 #include "core/local_model/local_contact.hpp"
 #include "core/safety/safety.hpp"
 #include "protocol/datagram.hpp"
-#include "protocol/session_parameters.hpp"
+#include "protocol/session/session_parameters.hpp"
 
 namespace feltwire {
 

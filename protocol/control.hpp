@@ -12,8 +12,8 @@
 #include "protocol/crypto/secret.hpp"
 #include "protocol/crypto/session_keys.hpp"
 #include "protocol/datagram.hpp"
-#include "protocol/role.hpp"
-#include "protocol/session_parameters.hpp"
+#include "protocol/session/role.hpp"
+#include "protocol/session/session_parameters.hpp"
 
 namespace feltwire::control {
 

@@ -11,7 +11,7 @@
 #include "core/base/types.hpp"
 #include "core/bounding/port_energy.hpp"
 #include "core/local_model/local_model.hpp"
-#include "protocol/session_parameters.hpp"
+#include "protocol/session/session_parameters.hpp"
 
 namespace feltwire {
 

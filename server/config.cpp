@@ -11,7 +11,7 @@
 #include "core/base/json_document.hpp"
 #include "protocol/busy_poll.hpp"
 #include "protocol/control.hpp"
-#include "protocol/profiles.hpp"
+#include "protocol/session/profiles.hpp"
 #include "protocol/udp_socket.hpp"
 #include "server/server_config_generated.h"
 #include "server/server_config_text.hpp"

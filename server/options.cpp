@@ -10,7 +10,7 @@
 #include "core/build_info/build_info.hpp"
 #include "core/command_line/environment.hpp"
 #include "core/command_line/suggestion.hpp"
-#include "protocol/profiles.hpp"
+#include "protocol/session/profiles.hpp"
 
 namespace feltwire {
 namespace {

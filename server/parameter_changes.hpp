@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "protocol/session_parameters.hpp"
+#include "protocol/session/session_parameters.hpp"
 
 namespace feltwire {
 

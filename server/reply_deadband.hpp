@@ -2,8 +2,8 @@
 // Which replies need not be sent: the client already makes the same of the last one.
 
 #include "protocol/datagram.hpp"
-#include "protocol/deadband.hpp"
-#include "protocol/session_parameters.hpp"
+#include "protocol/session/deadband.hpp"
+#include "protocol/session/session_parameters.hpp"
 
 namespace feltwire {
 
@@ -13,8 +13,8 @@ namespace feltwire {
 bool describes(const LocalModel& sent, const LocalModel& now, double since, double force) noexcept;
 
 /// A force deadband: a reply is withheld while the command differs from what the client
-/// reconstructs by no more than a Weber fraction (protocol/deadband.hpp). Reconstructs with the
-/// client's own function, over the client's own sample times, so without losses the two agree.
+/// reconstructs by no more than a Weber fraction (protocol/session/deadband.hpp). Reconstructs with
+/// the client's own function, over the client's own sample times, so without losses the two agree.
 ///
 /// Replies get lost, and the server does not hear of it: what the client really holds may then be
 /// the reply before, and wrong by more. It is so for keep_alive at most, then a reply is sent

@@ -4,7 +4,7 @@
 #include <stdexcept>
 
 #include "core/build_info/build_info.hpp"
-#include "protocol/grant.hpp"
+#include "protocol/session/grant.hpp"
 #include "server/seat.hpp"
 
 namespace feltwire {

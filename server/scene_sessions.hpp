@@ -11,9 +11,9 @@
 
 #include "protocol/codec.hpp"
 #include "protocol/control.hpp"
-#include "protocol/profiles.hpp"
 #include "protocol/scene_view.hpp"
 #include "protocol/seal.hpp"
+#include "protocol/session/profiles.hpp"
 #include "server/fair_share.hpp"
 #include "server/id_map.hpp"
 #include "server/session.hpp"

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "protocol/crypto/secret.hpp"
-#include "protocol/role.hpp"
+#include "protocol/session/role.hpp"
 
 namespace feltwire {
 

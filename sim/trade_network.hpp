@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "protocol/profiles.hpp"
+#include "protocol/session/profiles.hpp"
 
 namespace feltwire {
 

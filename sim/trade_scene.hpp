@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "core/scene/scene.hpp"
-#include "protocol/role.hpp"
+#include "protocol/session/role.hpp"
 
 namespace feltwire {
 

@@ -9,7 +9,7 @@
 #include <fstream>
 #include <vector>
 
-#include "protocol/profiles.hpp"
+#include "protocol/session/profiles.hpp"
 #include "tests/client/temporary_folder.hpp"
 
 namespace feltwire::options_test {

@@ -9,7 +9,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "protocol/grant.hpp"
+#include "protocol/session/grant.hpp"
 #include "server/state_file.hpp"
 #include "tests/client/loopback.hpp"
 #include "tests/client/peer.hpp"

@@ -1,6 +1,6 @@
 // Weber's fraction and the lines that both sides draw.
 
-#include "protocol/deadband.hpp"
+#include "protocol/session/deadband.hpp"
 
 #include <gtest/gtest.h>
 

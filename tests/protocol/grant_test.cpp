@@ -1,12 +1,12 @@
 // What a server may grant of what a client asked for.
 
-#include "protocol/grant.hpp"
+#include "protocol/session/grant.hpp"
 
 #include <gmock/gmock.h>
 
 #include <set>
 
-#include "protocol/profiles.hpp"
+#include "protocol/session/profiles.hpp"
 #include "tests/protocol/parameter_changes.hpp"
 
 namespace feltwire::grant_test {

@@ -1,12 +1,12 @@
 #pragma once
-// One change of every field of SessionParameters, and what the rules of protocol/grant.hpp say of
-// it. Shared by the tests of the rules and by those of a server that lies.
+// One change of every field of SessionParameters, and what the rules of protocol/session/grant.hpp
+// say of it. Shared by the tests of the rules and by those of a server that lies.
 
 #include <string>
 #include <vector>
 
 #include "protocol/datagram.hpp"
-#include "protocol/grant.hpp"
+#include "protocol/session/grant.hpp"
 
 namespace feltwire::test {
 

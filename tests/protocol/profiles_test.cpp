@@ -1,4 +1,4 @@
-#include "protocol/profiles.hpp"
+#include "protocol/session/profiles.hpp"
 
 #include <gmock/gmock.h>
 

@@ -1,4 +1,4 @@
-#include "protocol/session_parameters.hpp"
+#include "protocol/session/session_parameters.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

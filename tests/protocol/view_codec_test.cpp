@@ -8,9 +8,9 @@
 
 #include "flatbuffers/flatbuffers.h"
 #include "protocol/codec.hpp"
-#include "protocol/profiles.hpp"
 #include "protocol/scene_view.hpp"
 #include "protocol/schema/datagram_generated.h"
+#include "protocol/session/profiles.hpp"
 #include "tests/protocol/make.hpp"
 #include "tests/support/allocation_counter.hpp"
 

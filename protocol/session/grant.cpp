@@ -1,4 +1,4 @@
-#include "protocol/grant.hpp"
+#include "protocol/session/grant.hpp"
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-#include "protocol/role.hpp"
+#include "protocol/session/role.hpp"
 
 #include <stdexcept>
 #include <string>

@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-#include "protocol/session_parameters.hpp"
+#include "protocol/session/session_parameters.hpp"
 
 namespace feltwire {
 

@@ -1,4 +1,4 @@
-#include "protocol/session_parameters.hpp"
+#include "protocol/session/session_parameters.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "protocol/deadband.hpp"
+#include "protocol/session/deadband.hpp"
 
 #include <algorithm>
 

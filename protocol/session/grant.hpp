@@ -8,7 +8,7 @@
 #include <string>
 #include <tuple>
 
-#include "protocol/session_parameters.hpp"
+#include "protocol/session/session_parameters.hpp"
 
 namespace feltwire {
 
