@@ -12,8 +12,8 @@
 #include <vector>
 
 #include "client/credentials.hpp"
-#include "protocol/control.hpp"
 #include "protocol/crypto/session_keys.hpp"
+#include "protocol/wire/control.hpp"
 
 namespace feltwire {
 

@@ -6,9 +6,9 @@
 #include <cstdint>
 
 #include "client/sample_packer.hpp"
-#include "protocol/codec.hpp"
-#include "protocol/scene_view.hpp"
-#include "protocol/seal.hpp"
+#include "protocol/wire/codec.hpp"
+#include "protocol/wire/scene_view.hpp"
+#include "protocol/wire/seal.hpp"
 
 namespace feltwire {
 

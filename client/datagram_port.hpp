@@ -8,7 +8,7 @@
 #include <string>
 
 #include "client/control_client.hpp"
-#include "protocol/datagram.hpp"
+#include "protocol/wire/datagram.hpp"
 
 namespace feltwire {
 

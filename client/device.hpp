@@ -3,7 +3,7 @@
 
 #include "core/base/types.hpp"
 #include "core/device/device_spec.hpp"
-#include "protocol/datagram.hpp"
+#include "protocol/wire/datagram.hpp"
 
 namespace feltwire {
 

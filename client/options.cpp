@@ -13,9 +13,9 @@
 #include "core/command_line/environment.hpp"
 #include "core/command_line/suggestion.hpp"
 #include "protocol/busy_poll.hpp"
-#include "protocol/control.hpp"
 #include "protocol/session/profiles.hpp"
 #include "protocol/udp_socket.hpp"
+#include "protocol/wire/control.hpp"
 
 namespace feltwire {
 namespace {

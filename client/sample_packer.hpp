@@ -5,8 +5,8 @@
 #include <cstddef>
 #include <vector>
 
-#include "protocol/datagram.hpp"
 #include "protocol/session/session_parameters.hpp"
+#include "protocol/wire/datagram.hpp"
 
 namespace feltwire {
 

@@ -8,7 +8,7 @@
 #include <map>
 #include <vector>
 
-#include "protocol/scene_view.hpp"
+#include "protocol/wire/scene_view.hpp"
 
 namespace feltwire {
 

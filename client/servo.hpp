@@ -20,8 +20,8 @@
 #include "core/bounding/velocity.hpp"
 #include "core/local_model/local_contact.hpp"
 #include "core/safety/safety.hpp"
-#include "protocol/datagram.hpp"
 #include "protocol/session/session_parameters.hpp"
+#include "protocol/wire/datagram.hpp"
 
 namespace feltwire {
 

@@ -4,7 +4,7 @@
 
 #include <cstdint>
 
-#include "protocol/datagram.hpp"
+#include "protocol/wire/datagram.hpp"
 
 namespace feltwire {
 

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "protocol/datagram.hpp"
+#include "protocol/wire/datagram.hpp"
 
 namespace feltwire {
 

@@ -2,7 +2,7 @@
 
 #include <chrono>
 
-#include "protocol/datagram.hpp"
+#include "protocol/wire/datagram.hpp"
 
 namespace feltwire {
 

@@ -10,9 +10,9 @@
 
 #include "core/base/json_document.hpp"
 #include "protocol/busy_poll.hpp"
-#include "protocol/control.hpp"
 #include "protocol/session/profiles.hpp"
 #include "protocol/udp_socket.hpp"
+#include "protocol/wire/control.hpp"
 #include "server/server_config_generated.h"
 #include "server/server_config_text.hpp"
 

@@ -1,5 +1,5 @@
 #pragma once
-// The control endpoint: TLS 1.3 over TCP, frames of protocol/control.hpp, one thread.
+// The control endpoint: TLS 1.3 over TCP, frames of protocol/wire/control.hpp, one thread.
 
 #include <asio/io_context.hpp>
 #include <asio/ip/tcp.hpp>
@@ -11,7 +11,7 @@
 #include <memory>
 #include <optional>
 
-#include "protocol/control.hpp"
+#include "protocol/wire/control.hpp"
 #include "server/identity.hpp"
 #include "server/places.hpp"
 #include "server/rate_limit.hpp"

@@ -9,7 +9,7 @@
 #include <optional>
 #include <vector>
 
-#include "protocol/datagram.hpp"
+#include "protocol/wire/datagram.hpp"
 
 namespace feltwire {
 

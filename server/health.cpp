@@ -12,8 +12,8 @@
 #include <stdexcept>
 #include <vector>
 
-#include "protocol/control.hpp"
 #include "protocol/crypto/tls.hpp"
+#include "protocol/wire/control.hpp"
 
 namespace feltwire {
 namespace {

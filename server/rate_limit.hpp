@@ -5,7 +5,7 @@
 #include <chrono>
 #include <map>
 
-#include "protocol/datagram.hpp"
+#include "protocol/wire/datagram.hpp"
 
 namespace feltwire {
 

@@ -1,9 +1,9 @@
 #pragma once
 // Which replies need not be sent: the client already makes the same of the last one.
 
-#include "protocol/datagram.hpp"
 #include "protocol/session/deadband.hpp"
 #include "protocol/session/session_parameters.hpp"
+#include "protocol/wire/datagram.hpp"
 
 namespace feltwire {
 

@@ -9,11 +9,11 @@
 #include <string_view>
 #include <vector>
 
-#include "protocol/codec.hpp"
-#include "protocol/control.hpp"
-#include "protocol/scene_view.hpp"
-#include "protocol/seal.hpp"
 #include "protocol/session/profiles.hpp"
+#include "protocol/wire/codec.hpp"
+#include "protocol/wire/control.hpp"
+#include "protocol/wire/scene_view.hpp"
+#include "protocol/wire/seal.hpp"
 #include "server/fair_share.hpp"
 #include "server/id_map.hpp"
 #include "server/session.hpp"

@@ -7,9 +7,9 @@
 #include "core/dynamics/world.hpp"
 #include "core/scene/scene.hpp"
 #include "core/tool/body_tool.hpp"
-#include "protocol/codec.hpp"
-#include "protocol/control.hpp"
-#include "protocol/datagram.hpp"
+#include "protocol/wire/codec.hpp"
+#include "protocol/wire/control.hpp"
+#include "protocol/wire/datagram.hpp"
 #include "server/reply_deadband.hpp"
 
 namespace feltwire {

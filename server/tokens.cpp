@@ -9,7 +9,7 @@
 #include <stdexcept>
 
 #include "core/base/json_document.hpp"
-#include "protocol/control.hpp"
+#include "protocol/wire/control.hpp"
 #include "server/json_text.hpp"
 #include "server/tokens_generated.h"
 #include "server/tokens_text.hpp"

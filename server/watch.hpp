@@ -4,7 +4,7 @@
 #include <span>
 
 #include "core/dynamics/world.hpp"
-#include "protocol/scene_view.hpp"
+#include "protocol/wire/scene_view.hpp"
 #include "server/session.hpp"
 
 namespace feltwire {

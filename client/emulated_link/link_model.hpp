@@ -6,7 +6,7 @@
 #include <cstdint>
 
 #include "client/emulated_link/link_options.hpp"
-#include "protocol/datagram.hpp"
+#include "protocol/wire/datagram.hpp"
 
 namespace feltwire {
 

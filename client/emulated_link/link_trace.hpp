@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "protocol/datagram.hpp"
+#include "protocol/wire/datagram.hpp"
 
 namespace feltwire {
 

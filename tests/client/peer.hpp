@@ -18,8 +18,8 @@
 
 #include "client/control_client.hpp"
 #include "client/transport.hpp"
-#include "protocol/codec.hpp"
-#include "protocol/guard.hpp"
+#include "protocol/wire/codec.hpp"
+#include "protocol/wire/guard.hpp"
 #include "tests/protocol/sealed.hpp"
 #include "tests/support/tls.hpp"
 

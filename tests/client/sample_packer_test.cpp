@@ -10,7 +10,7 @@
 #include <numbers>
 #include <set>
 
-#include "protocol/codec.hpp"
+#include "protocol/wire/codec.hpp"
 
 namespace feltwire::sample_packer_test {
 namespace {

@@ -8,7 +8,7 @@
 #include <random>
 
 #include "client/servo.hpp"
-#include "protocol/codec.hpp"
+#include "protocol/wire/codec.hpp"
 #include "server/session.hpp"
 
 namespace feltwire::sensed_orientation_test {

@@ -1,7 +1,7 @@
 // Arbitrary bytes as a control message: what is one says the same when it is sent again, and what
 // it asks of a device or a session is either possible or refused.
 
-#include "protocol/control.hpp"
+#include "protocol/wire/control.hpp"
 
 #include <stdexcept>
 

@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <vector>
 
-#include "protocol/codec.hpp"
-#include "protocol/guard.hpp"
-#include "protocol/scene_view.hpp"
-#include "protocol/seal.hpp"
+#include "protocol/wire/codec.hpp"
+#include "protocol/wire/guard.hpp"
+#include "protocol/wire/scene_view.hpp"
+#include "protocol/wire/seal.hpp"
 #include "tests/fuzz/same_datagram.hpp"
 
 namespace feltwire::fuzz {

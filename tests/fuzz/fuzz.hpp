@@ -13,7 +13,7 @@
 #include <string_view>
 
 #include "core/base/types.hpp"
-#include "protocol/datagram.hpp"
+#include "protocol/wire/datagram.hpp"
 
 /// One input; what is wrong ends the program. The name and the linkage are libFuzzer's.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size);

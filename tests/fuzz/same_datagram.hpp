@@ -1,7 +1,7 @@
 #pragma once
 // Whether two datagrams say the same, to the bit.
 
-#include "protocol/scene_view.hpp"
+#include "protocol/wire/scene_view.hpp"
 #include "tests/fuzz/fuzz.hpp"
 
 namespace feltwire::fuzz {

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <vector>
 
-#include "protocol/guard.hpp"
-#include "protocol/scene_view.hpp"
+#include "protocol/wire/guard.hpp"
+#include "protocol/wire/scene_view.hpp"
 #include "server/scene_sessions.hpp"
 #include "tests/fuzz/fuzz.hpp"
 #include "tests/protocol/sealed.hpp"

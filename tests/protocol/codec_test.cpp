@@ -1,4 +1,4 @@
-#include "protocol/codec.hpp"
+#include "protocol/wire/codec.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "flatbuffers/flatbuffers.h"
-#include "protocol/schema/datagram_generated.h"
+#include "protocol/wire/datagram_generated.h"
 #include "tests/protocol/make.hpp"
 #include "tests/protocol/misaligned.hpp"
 #include "tests/support/allocation_counter.hpp"

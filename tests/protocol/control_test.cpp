@@ -1,4 +1,4 @@
-#include "protocol/control.hpp"
+#include "protocol/wire/control.hpp"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <random>
 
 #include "flatbuffers/flatbuffers.h"
-#include "protocol/schema/control_generated.h"
+#include "protocol/wire/control_generated.h"
 #include "tests/protocol/misaligned.hpp"
 
 namespace feltwire::control {

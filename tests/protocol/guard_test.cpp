@@ -1,4 +1,4 @@
-#include "protocol/guard.hpp"
+#include "protocol/wire/guard.hpp"
 
 #include <gtest/gtest.h>
 

@@ -3,8 +3,8 @@
 
 #include <random>
 
-#include "protocol/codec.hpp"
-#include "protocol/guard.hpp"
+#include "protocol/wire/codec.hpp"
+#include "protocol/wire/guard.hpp"
 
 namespace feltwire::test {
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "flatbuffers/flatbuffers.h"
-#include "protocol/schema/datagram_generated.h"
+#include "protocol/wire/datagram_generated.h"
 #include "tests/protocol/make.hpp"
 
 namespace feltwire::model_codec_test {

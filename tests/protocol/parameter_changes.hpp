@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "protocol/datagram.hpp"
 #include "protocol/session/grant.hpp"
+#include "protocol/wire/datagram.hpp"
 
 namespace feltwire::test {
 

@@ -5,10 +5,10 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "protocol/codec.hpp"
-#include "protocol/datagram.hpp"
-#include "protocol/guard.hpp"
-#include "protocol/scene_view.hpp"
+#include "protocol/wire/codec.hpp"
+#include "protocol/wire/datagram.hpp"
+#include "protocol/wire/guard.hpp"
+#include "protocol/wire/scene_view.hpp"
 
 namespace feltwire::profiles_test {
 namespace {

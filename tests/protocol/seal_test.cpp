@@ -1,6 +1,6 @@
 // Sealed datagrams: the protocol's bytes, and what becomes of everything else.
 
-#include "protocol/seal.hpp"
+#include "protocol/wire/seal.hpp"
 
 #include <gtest/gtest.h>
 

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "core/base/splitmix.hpp"
-#include "protocol/codec.hpp"
-#include "protocol/seal.hpp"
+#include "protocol/wire/codec.hpp"
+#include "protocol/wire/seal.hpp"
 
 namespace feltwire::test {
 

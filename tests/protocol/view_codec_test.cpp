@@ -7,10 +7,10 @@
 #include <limits>
 
 #include "flatbuffers/flatbuffers.h"
-#include "protocol/codec.hpp"
-#include "protocol/scene_view.hpp"
-#include "protocol/schema/datagram_generated.h"
 #include "protocol/session/profiles.hpp"
+#include "protocol/wire/codec.hpp"
+#include "protocol/wire/datagram_generated.h"
+#include "protocol/wire/scene_view.hpp"
 #include "tests/protocol/make.hpp"
 #include "tests/support/allocation_counter.hpp"
 

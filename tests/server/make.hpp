@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "core/scene/scene.hpp"
-#include "protocol/control.hpp"
+#include "protocol/wire/control.hpp"
 #include "server/config.hpp"
 #include "tests/protocol/make.hpp"
 

@@ -4,8 +4,8 @@
 #include <gtest/gtest.h>
 
 #include "core/scene_file/load_scene.hpp"
-#include "protocol/codec.hpp"
-#include "protocol/guard.hpp"
+#include "protocol/wire/codec.hpp"
+#include "protocol/wire/guard.hpp"
 #include "server/session.hpp"
 #include "tests/support/followed_hand.hpp"
 

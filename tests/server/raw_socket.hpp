@@ -11,8 +11,8 @@
 #include <stdexcept>
 #include <vector>
 
-#include "protocol/control.hpp"
-#include "protocol/datagram.hpp"
+#include "protocol/wire/control.hpp"
+#include "protocol/wire/datagram.hpp"
 #include "tests/support/tls.hpp"
 
 namespace feltwire::test {

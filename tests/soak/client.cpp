@@ -3,7 +3,7 @@
 #include <array>
 #include <utility>
 
-#include "protocol/guard.hpp"
+#include "protocol/wire/guard.hpp"
 
 namespace feltwire::soak {
 namespace {

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "core/base/splitmix.hpp"
-#include "protocol/codec.hpp"
-#include "protocol/guard.hpp"
+#include "protocol/wire/codec.hpp"
+#include "protocol/wire/guard.hpp"
 
 namespace feltwire::test {
 

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "protocol/control.hpp"
 #include "protocol/crypto/aead.hpp"
+#include "protocol/wire/control.hpp"
 
 namespace feltwire::netbench {
 

@@ -10,7 +10,7 @@
 
 #include "client/conversation.hpp"
 #include "core/base/splitmix.hpp"
-#include "protocol/guard.hpp"
+#include "protocol/wire/guard.hpp"
 #include "server/id_map.hpp"
 #include "tests/bench/net/flood.hpp"
 

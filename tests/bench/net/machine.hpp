@@ -5,7 +5,7 @@
 
 #include <cstdint>
 
-#include "protocol/datagram.hpp"
+#include "protocol/wire/datagram.hpp"
 
 namespace feltwire::netbench {
 

@@ -1,12 +1,12 @@
-#include "protocol/codec.hpp"
+#include "protocol/wire/codec.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <cstring>
 
 #include "flatbuffers/flatbuffers.h"
-#include "protocol/aligned_vector.hpp"
-#include "protocol/view_codec.hpp"
+#include "protocol/wire/aligned_vector.hpp"
+#include "protocol/wire/view_codec.hpp"
 
 namespace feltwire {
 namespace {

@@ -1,7 +1,7 @@
 #include <array>
 #include <string_view>
 
-#include "protocol/control.hpp"
+#include "protocol/wire/control.hpp"
 
 namespace feltwire::control {
 

@@ -6,9 +6,9 @@
 #include <optional>
 
 #include "protocol/crypto/aead.hpp"
-#include "protocol/datagram.hpp"
-#include "protocol/guard.hpp"
-#include "protocol/sequence.hpp"
+#include "protocol/wire/datagram.hpp"
+#include "protocol/wire/guard.hpp"
+#include "protocol/wire/sequence.hpp"
 
 namespace feltwire {
 

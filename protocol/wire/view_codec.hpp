@@ -1,9 +1,10 @@
 #pragma once
-// The view in a reply to an observer (protocol/scene_view.hpp), to bytes and back; of the codec.
+// The view in a reply to an observer (protocol/wire/scene_view.hpp), to bytes and back; of the
+// codec.
 
-#include "protocol/datagram.hpp"
-#include "protocol/scene_view.hpp"
-#include "protocol/wire_values.hpp"
+#include "protocol/wire/datagram.hpp"
+#include "protocol/wire/scene_view.hpp"
+#include "protocol/wire/wire_values.hpp"
 
 namespace feltwire {
 

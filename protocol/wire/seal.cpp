@@ -1,4 +1,4 @@
-#include "protocol/seal.hpp"
+#include "protocol/wire/seal.hpp"
 
 #include <sodium.h>
 

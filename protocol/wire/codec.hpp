@@ -4,13 +4,13 @@
 #include <array>
 #include <memory>
 
-#include "protocol/datagram.hpp"
+#include "protocol/wire/datagram.hpp"
 
 namespace feltwire {
 
 struct SceneView;
 
-/// Builds payloads, to be sealed (protocol/seal.hpp). After the first of each kind it does not
+/// Builds payloads, to be sealed (protocol/wire/seal.hpp). After the first of each kind it does not
 /// allocate. The bytes returned live until the next call.
 class Encoder {
  public:

@@ -1,4 +1,4 @@
-#include "protocol/sequence.hpp"
+#include "protocol/wire/sequence.hpp"
 
 namespace feltwire {
 

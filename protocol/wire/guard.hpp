@@ -1,7 +1,7 @@
 #pragma once
 
 #include "protocol/crypto/aead.hpp"
-#include "protocol/datagram.hpp"
+#include "protocol/wire/datagram.hpp"
 
 namespace feltwire {
 

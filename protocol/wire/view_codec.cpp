@@ -1,4 +1,4 @@
-#include "protocol/view_codec.hpp"
+#include "protocol/wire/view_codec.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -2,7 +2,7 @@
 // Vectors and rotations, as values and as the structs of the schema.
 
 #include "core/base/types.hpp"
-#include "protocol/schema/datagram_generated.h"
+#include "protocol/wire/datagram_generated.h"
 
 namespace feltwire {
 

@@ -1,4 +1,4 @@
-#include "protocol/control.hpp"
+#include "protocol/wire/control.hpp"
 
 #include <sodium.h>
 
@@ -8,8 +8,8 @@
 
 #include "core/base/little_endian.hpp"
 #include "flatbuffers/flatbuffers.h"
-#include "protocol/aligned_vector.hpp"
-#include "protocol/schema/control_generated.h"
+#include "protocol/wire/aligned_vector.hpp"
+#include "protocol/wire/control_generated.h"
 
 namespace feltwire::control {
 namespace {

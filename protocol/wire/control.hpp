@@ -11,9 +11,9 @@
 #include "core/device/device_spec.hpp"
 #include "protocol/crypto/secret.hpp"
 #include "protocol/crypto/session_keys.hpp"
-#include "protocol/datagram.hpp"
 #include "protocol/session/role.hpp"
 #include "protocol/session/session_parameters.hpp"
+#include "protocol/wire/datagram.hpp"
 
 namespace feltwire::control {
 
