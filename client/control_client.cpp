@@ -12,7 +12,7 @@
 #include <variant>
 
 #include "client/tls_stream.hpp"
-#include "protocol/ports.hpp"
+#include "protocol/net/ports.hpp"
 #include "protocol/session/grant.hpp"
 
 namespace feltwire {

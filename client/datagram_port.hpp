@@ -59,7 +59,7 @@ class DatagramPort {
   virtual std::string report() const { return {}; }
 };
 
-/// A UDP socket. Datagrams are marked with `dscp` (protocol/udp_socket.hpp) and never cut into
+/// A UDP socket. Datagrams are marked with `dscp` (protocol/net/udp_socket.hpp) and never cut into
 /// fragments. Where sending fails because the address that the system chose is gone (another
 /// network, another cell), it chooses another one. Throws SessionError.
 std::unique_ptr<DatagramPort> open_udp_port(const Address& server, int dscp = 0);

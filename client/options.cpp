@@ -12,9 +12,9 @@
 #include "core/build_info/build_info.hpp"
 #include "core/command_line/environment.hpp"
 #include "core/command_line/suggestion.hpp"
-#include "protocol/busy_poll.hpp"
+#include "protocol/net/busy_poll.hpp"
+#include "protocol/net/udp_socket.hpp"
 #include "protocol/session/profiles.hpp"
-#include "protocol/udp_socket.hpp"
 #include "protocol/wire/control.hpp"
 
 namespace feltwire {

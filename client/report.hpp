@@ -10,7 +10,7 @@
 #include "client/servo.hpp"
 #include "client/servo_loop.hpp"
 #include "client/transport.hpp"
-#include "protocol/real_time.hpp"
+#include "protocol/net/real_time.hpp"
 
 namespace feltwire {
 

@@ -14,7 +14,7 @@
 #include "client/status_line.hpp"
 #include "core/base/visible_text.hpp"
 #include "core/build_info/build_info.hpp"
-#include "protocol/busy_poll.hpp"
+#include "protocol/net/busy_poll.hpp"
 
 namespace feltwire {
 namespace {

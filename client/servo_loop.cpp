@@ -12,7 +12,7 @@
 #include <system_error>
 
 #include "core/base/numeric.hpp"
-#include "protocol/clock.hpp"
+#include "protocol/net/clock.hpp"
 
 namespace feltwire {
 namespace {

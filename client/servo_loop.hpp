@@ -9,7 +9,7 @@
 #include "client/tick_record.hpp"
 #include "client/transport.hpp"
 #include "core/base/ring.hpp"
-#include "protocol/busy_poll.hpp"
+#include "protocol/net/busy_poll.hpp"
 
 namespace feltwire {
 

@@ -8,7 +8,7 @@
 
 #include "client/device_guard.hpp"
 #include "client/servo_loop.hpp"
-#include "protocol/real_time.hpp"
+#include "protocol/net/real_time.hpp"
 
 namespace feltwire {
 

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "client/datagram_port.hpp"
-#include "protocol/udp_socket.hpp"
+#include "protocol/net/udp_socket.hpp"
 
 namespace feltwire {
 namespace {

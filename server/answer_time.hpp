@@ -6,7 +6,7 @@
 #include <string>
 
 #include "core/scene/scene.hpp"
-#include "protocol/clock.hpp"
+#include "protocol/net/clock.hpp"
 
 namespace feltwire {
 

@@ -9,9 +9,9 @@
 #include <stdexcept>
 
 #include "core/base/json_document.hpp"
-#include "protocol/busy_poll.hpp"
+#include "protocol/net/busy_poll.hpp"
+#include "protocol/net/udp_socket.hpp"
 #include "protocol/session/profiles.hpp"
-#include "protocol/udp_socket.hpp"
 #include "protocol/wire/control.hpp"
 #include "server/server_config_generated.h"
 #include "server/server_config_text.hpp"

@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "protocol/ports.hpp"
+#include "protocol/net/ports.hpp"
 #include "server/security_options.hpp"
 
 namespace feltwire {
@@ -29,7 +29,7 @@ struct ServerConfig : SecurityOptions {
   std::string profile;       // of the line that sessions share, lan, wan or thin; empty: no limit
   double busy_poll = 0.0;    // [us] before a scene's thread sleeps; 0: at once, infinity: never
   bool real_time = false;    // scenes' threads are scheduled before all others
-  std::string dscp = "cs0";  // of replies: a name or a number, see protocol/udp_socket.hpp
+  std::string dscp = "cs0";  // of replies: a name or a number, see protocol/net/udp_socket.hpp
   std::string log_level = "info";
 };
 

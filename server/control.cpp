@@ -10,9 +10,9 @@
 #include <utility>
 #include <vector>
 
-#include "protocol/clock.hpp"
 #include "protocol/crypto/tls.hpp"
-#include "server/listen_error.hpp"
+#include "protocol/net/clock.hpp"
+#include "protocol/net/listen_error.hpp"
 
 namespace feltwire {
 

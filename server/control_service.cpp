@@ -5,8 +5,8 @@
 #include <algorithm>
 
 #include "core/base/visible_text.hpp"
-#include "protocol/clock.hpp"
 #include "protocol/crypto/tls.hpp"
+#include "protocol/net/clock.hpp"
 #include "server/parameter_changes.hpp"
 #include "server/scene_sessions.hpp"
 

@@ -9,10 +9,10 @@
 #include <future>
 #include <stdexcept>
 
-#include "protocol/clock.hpp"
-#include "protocol/real_time.hpp"
-#include "protocol/udp_socket.hpp"
-#include "server/listen_error.hpp"
+#include "protocol/net/clock.hpp"
+#include "protocol/net/listen_error.hpp"
+#include "protocol/net/real_time.hpp"
+#include "protocol/net/udp_socket.hpp"
 #include "server/post.hpp"
 #include "server/scene_batch.hpp"
 

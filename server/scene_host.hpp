@@ -9,8 +9,8 @@
 #include <functional>
 #include <thread>
 
-#include "protocol/busy_poll.hpp"
-#include "protocol/clock.hpp"
+#include "protocol/net/busy_poll.hpp"
+#include "protocol/net/clock.hpp"
 #include "server/load_log.hpp"
 #include "server/log_limit.hpp"
 #include "server/operation_memory.hpp"
@@ -34,7 +34,7 @@ struct SceneHostOptions {
   Nanoseconds busy_poll{0};
   /// Asks for SCHED_FIFO, unless the thread never sleeps, and for memory to be locked.
   bool real_time = false;
-  int dscp = 0;  // of the replies (protocol/udp_socket.hpp)
+  int dscp = 0;  // of the replies (protocol/net/udp_socket.hpp)
   /// What time it is; monotonic. Only the scene's thread asks. Tests bring their own.
   std::function<Nanoseconds()> clock = monotonic_now;
 };

@@ -5,7 +5,7 @@
 #include <asio/ip/udp.hpp>
 #include <vector>
 
-#include "server/listen_error.hpp"
+#include "protocol/net/listen_error.hpp"
 
 namespace feltwire {
 

@@ -10,7 +10,7 @@
 #include <stdexcept>
 #include <thread>
 
-#include "protocol/udp_socket.hpp"
+#include "protocol/net/udp_socket.hpp"
 #include "server/control_service.hpp"
 #include "server/post.hpp"
 #include "server/scene_ports.hpp"

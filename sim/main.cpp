@@ -12,7 +12,7 @@
 #include "core/build_info/build_info.hpp"
 #include "core/command_line/suggestion.hpp"
 #include "core/scene_file/load_scene.hpp"
-#include "protocol/ports.hpp"
+#include "protocol/net/ports.hpp"
 #include "sim/filters.hpp"
 #include "sim/link_relay.hpp"
 #include "sim/report_table.hpp"

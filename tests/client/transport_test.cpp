@@ -8,7 +8,7 @@
 
 #include <numeric>
 
-#include "protocol/udp_socket.hpp"
+#include "protocol/net/udp_socket.hpp"
 #include "tests/client/peer.hpp"
 
 namespace feltwire::transport_test {

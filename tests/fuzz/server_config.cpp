@@ -2,7 +2,7 @@
 // read can be served.
 
 #include "core/base/json_document.hpp"
-#include "protocol/busy_poll.hpp"
+#include "protocol/net/busy_poll.hpp"
 #include "server/config.hpp"
 #include "tests/fuzz/fuzz.hpp"
 

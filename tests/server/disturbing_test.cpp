@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "protocol/clock.hpp"
+#include "protocol/net/clock.hpp"
 #include "server/server.hpp"
 #include "server/summary.hpp"
 #include "tests/core/moving.hpp"

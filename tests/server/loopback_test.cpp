@@ -11,7 +11,7 @@
 #include <string>
 #include <thread>
 
-#include "protocol/real_time.hpp"
+#include "protocol/net/real_time.hpp"
 #include "server/server.hpp"
 #include "tests/core/moving.hpp"
 #include "tests/protocol/sealed.hpp"

@@ -5,7 +5,7 @@
 
 #include <array>
 
-#include "protocol/udp_socket.hpp"
+#include "protocol/net/udp_socket.hpp"
 #include "server/server.hpp"
 #include "tests/protocol/sealed.hpp"
 #include "tests/server/make.hpp"

@@ -1,6 +1,6 @@
 // The default ports stand in code, schema, documents and container files: all must say the same.
 
-#include "protocol/ports.hpp"
+#include "protocol/net/ports.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -6,7 +6,7 @@
 #include <thread>
 
 #include "core/scene_file/load_scene.hpp"
-#include "protocol/clock.hpp"
+#include "protocol/net/clock.hpp"
 #include "server/server.hpp"
 #include "tests/soak/resources.hpp"
 #include "tests/support/security.hpp"

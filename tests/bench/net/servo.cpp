@@ -13,7 +13,7 @@
 #include <thread>
 
 #include "client/servo_loop.hpp"
-#include "protocol/real_time.hpp"
+#include "protocol/net/real_time.hpp"
 #include "tests/bench/net/measures.hpp"
 
 namespace feltwire::netbench {

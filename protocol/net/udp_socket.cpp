@@ -1,4 +1,4 @@
-#include "protocol/udp_socket.hpp"
+#include "protocol/net/udp_socket.hpp"
 
 #include <netinet/in.h>
 #include <sys/socket.h>

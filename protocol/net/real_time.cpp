@@ -1,4 +1,4 @@
-#include "protocol/real_time.hpp"
+#include "protocol/net/real_time.hpp"
 
 #include <pthread.h>
 #include <sched.h>
