@@ -1,7 +1,7 @@
 #pragma once
 // Lets the device go when the program crashes.
 
-#include "client/device.hpp"
+#include "client/devices/device.hpp"
 
 namespace feltwire {
 

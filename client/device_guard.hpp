@@ -4,7 +4,7 @@
 #include <atomic>
 #include <cstdint>
 
-#include "client/device.hpp"
+#include "client/devices/device.hpp"
 
 namespace feltwire {
 

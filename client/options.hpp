@@ -5,9 +5,9 @@
 #include <optional>
 #include <variant>
 
+#include "client/devices/simulated_device.hpp"
 #include "client/emulated_link/link_options.hpp"
 #include "client/run_client.hpp"
-#include "sim/simulated_device.hpp"
 
 namespace feltwire {
 

@@ -10,7 +10,7 @@
 
 #include "client/control_client.hpp"
 #include "client/datagram_port.hpp"
-#include "client/device.hpp"
+#include "client/devices/device.hpp"
 #include "client/servo.hpp"
 
 namespace feltwire {

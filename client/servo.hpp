@@ -10,7 +10,7 @@
 
 #include "client/admission.hpp"
 #include "client/clock_estimate.hpp"
-#include "client/device.hpp"
+#include "client/devices/device.hpp"
 #include "client/hand_measures.hpp"
 #include "client/no_force.hpp"
 #include "core/base/histogram.hpp"

@@ -4,9 +4,9 @@
 #include <functional>
 #include <vector>
 
+#include "client/devices/simulated_device.hpp"
 #include "core/bounding/bounding.hpp"
 #include "core/scene/scene.hpp"
-#include "sim/simulated_device.hpp"
 
 namespace feltwire {
 

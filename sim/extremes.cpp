@@ -4,8 +4,8 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "client/devices/simulated_device.hpp"
 #include "core/scene/scene.hpp"
-#include "sim/simulated_device.hpp"
 #include "sim/strain.hpp"
 
 namespace feltwire {

@@ -6,11 +6,11 @@
 #include <vector>
 
 #include "client/devices/replay.hpp"
+#include "client/devices/simulated_device.hpp"
 #include "client/emulated_link/link.hpp"
 #include "client/servo.hpp"
 #include "core/scene/scene.hpp"
 #include "server/scene_sessions.hpp"
-#include "sim/simulated_device.hpp"
 #include "sim/taking_hand.hpp"
 
 namespace feltwire {

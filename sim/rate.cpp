@@ -4,11 +4,11 @@
 #include <array>
 #include <cmath>
 
+#include "client/devices/simulated_device.hpp"
 #include "core/bounding/bounding.hpp"
 #include "core/scene/scene.hpp"
 #include "sim/cost.hpp"
 #include "sim/metrics.hpp"
-#include "sim/simulated_device.hpp"
 
 namespace feltwire {
 namespace {

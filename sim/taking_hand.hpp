@@ -3,7 +3,7 @@
 
 #include <atomic>
 
-#include "client/device.hpp"
+#include "client/devices/device.hpp"
 
 namespace feltwire {
 

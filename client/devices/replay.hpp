@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-#include "client/device.hpp"
+#include "client/devices/device.hpp"
 
 namespace feltwire {
 

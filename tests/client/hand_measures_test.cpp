@@ -7,8 +7,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "client/devices/simulated_device.hpp"
 #include "client/servo.hpp"
-#include "sim/simulated_device.hpp"
 #include "tests/client/servo_bench.hpp"
 
 namespace feltwire::hand_measures_test {

@@ -31,7 +31,7 @@
 #include <cstdlib>
 #include <cstring>
 
-#include "client/device.hpp"
+#include "client/devices/device.hpp"
 #include "tests/fault/fault_log.hpp"
 
 extern "C" {

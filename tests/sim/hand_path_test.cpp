@@ -1,4 +1,4 @@
-#include "sim/hand_path.hpp"
+#include "client/devices/hand_path.hpp"
 
 #include <gmock/gmock.h>
 

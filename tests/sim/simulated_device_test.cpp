@@ -1,4 +1,4 @@
-#include "sim/simulated_device.hpp"
+#include "client/devices/simulated_device.hpp"
 
 #include <gmock/gmock.h>
 

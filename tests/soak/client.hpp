@@ -8,9 +8,9 @@
 
 #include "client/control_client.hpp"
 #include "client/conversation.hpp"
+#include "client/devices/simulated_device.hpp"
 #include "client/servo.hpp"
 #include "core/base/splitmix.hpp"
-#include "sim/simulated_device.hpp"
 #include "tests/server/raw_socket.hpp"
 
 namespace feltwire::soak {

@@ -4,8 +4,8 @@
 #include <atomic>
 #include <memory>
 
-#include "client/device.hpp"
-#include "sim/hand_path.hpp"
+#include "client/devices/device.hpp"
+#include "client/devices/hand_path.hpp"
 
 namespace feltwire {
 
