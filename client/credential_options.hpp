@@ -1,7 +1,7 @@
 #pragma once
 // The part of the command line that says whom to trust and who one is.
 
-#include "client/credentials.hpp"
+#include "client/transport/credentials.hpp"
 
 namespace CLI {
 class App;

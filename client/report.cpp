@@ -13,8 +13,8 @@
 #include <system_error>
 #include <utility>
 
-#include "client/encoder.hpp"
 #include "client/output_files.hpp"
+#include "client/transport/encoder.hpp"
 #include "core/build_info/build_info.hpp"
 
 namespace feltwire {

@@ -9,7 +9,7 @@
 #include "client/onlooker.hpp"
 #include "client/servo.hpp"
 #include "client/servo_loop.hpp"
-#include "client/transport.hpp"
+#include "client/transport/transport.hpp"
 #include "protocol/net/real_time.hpp"
 
 namespace feltwire {

@@ -8,10 +8,10 @@
 
 #include "client/attend.hpp"
 #include "client/crash_release.hpp"
-#include "client/encoder.hpp"
 #include "client/report.hpp"
 #include "client/reserve.hpp"
 #include "client/status_line.hpp"
+#include "client/transport/encoder.hpp"
 #include "core/base/visible_text.hpp"
 #include "core/build_info/build_info.hpp"
 #include "protocol/net/busy_poll.hpp"

@@ -8,10 +8,10 @@
 #include <optional>
 #include <string>
 
-#include "client/control_client.hpp"
-#include "client/datagram_port.hpp"
 #include "client/devices/device.hpp"
 #include "client/servo.hpp"
+#include "client/transport/control_client.hpp"
+#include "client/transport/datagram_port.hpp"
 
 namespace feltwire {
 

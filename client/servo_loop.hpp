@@ -7,7 +7,7 @@
 
 #include "client/servo.hpp"
 #include "client/tick_record.hpp"
-#include "client/transport.hpp"
+#include "client/transport/transport.hpp"
 #include "core/base/ring.hpp"
 #include "protocol/net/busy_poll.hpp"
 

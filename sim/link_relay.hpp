@@ -6,8 +6,8 @@
 #include <memory>
 #include <string>
 
-#include "client/control_client.hpp"
 #include "client/emulated_link/link_options.hpp"
+#include "client/transport/control_client.hpp"
 
 namespace feltwire {
 

@@ -6,7 +6,7 @@
 #include <stdexcept>
 #include <variant>
 
-#include "client/conversation.hpp"
+#include "client/transport/datagram_session.hpp"
 
 namespace feltwire {
 namespace {

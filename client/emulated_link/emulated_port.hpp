@@ -4,8 +4,8 @@
 #include <memory>
 #include <utility>
 
-#include "client/datagram_port.hpp"
 #include "client/emulated_link/link.hpp"
+#include "client/transport/datagram_port.hpp"
 
 namespace feltwire {
 

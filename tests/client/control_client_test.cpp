@@ -1,4 +1,4 @@
-#include "client/control_client.hpp"
+#include "client/transport/control_client.hpp"
 
 #include <gmock/gmock.h>
 

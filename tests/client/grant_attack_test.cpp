@@ -7,7 +7,7 @@
 #include <limits>
 #include <thread>
 
-#include "client/rejoin.hpp"
+#include "client/transport/reconnector.hpp"
 #include "tests/client/peer.hpp"
 #include "tests/client/temporary_folder.hpp"
 #include "tests/protocol/parameter_changes.hpp"

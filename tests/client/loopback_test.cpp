@@ -8,7 +8,7 @@
 #include <array>
 #include <atomic>
 
-#include "client/rejoin.hpp"
+#include "client/transport/reconnector.hpp"
 #include "tests/client/peer.hpp"
 #include "tests/support/eventually.hpp"
 

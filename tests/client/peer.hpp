@@ -16,8 +16,8 @@
 #include <thread>
 #include <vector>
 
-#include "client/control_client.hpp"
-#include "client/transport.hpp"
+#include "client/transport/control_client.hpp"
+#include "client/transport/transport.hpp"
 #include "protocol/wire/codec.hpp"
 #include "protocol/wire/guard.hpp"
 #include "tests/protocol/sealed.hpp"

@@ -1,12 +1,11 @@
 // Which refusals end a client at once, and which it waits out.
 
-#include "client/rejoin.hpp"
-
 #include <gmock/gmock.h>
 #include <sys/resource.h>
 
 #include <set>
 
+#include "client/transport/reconnector.hpp"
 #include "tests/client/peer.hpp"
 #include "tests/support/eventually.hpp"
 #include "tests/support/security.hpp"

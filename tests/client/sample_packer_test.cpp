@@ -1,6 +1,6 @@
 // What travels: by the clock of packet_interval, and by the deadband.
 
-#include "client/sample_packer.hpp"
+#include "client/transport/sample_packer.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -8,7 +8,7 @@
 
 #include "client/devices/replay.hpp"
 #include "client/servo.hpp"
-#include "client/transport.hpp"
+#include "client/transport/transport.hpp"
 #include "tests/client/peer.hpp"
 #include "tests/support/allocation_counter.hpp"
 

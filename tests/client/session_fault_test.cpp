@@ -8,8 +8,8 @@
 #include <optional>
 #include <vector>
 
-#include "client/conversation.hpp"
 #include "client/servo.hpp"
+#include "client/transport/datagram_session.hpp"
 #include "server/scene_sessions.hpp"
 #include "tests/core/support.hpp"
 #include "tests/protocol/sealed.hpp"

@@ -12,8 +12,8 @@
 #include <ostream>
 #include <vector>
 
-#include "client/sample_packer.hpp"
 #include "client/servo.hpp"
+#include "client/transport/sample_packer.hpp"
 #include "core/bounding/port_energy.hpp"
 #include "server/session.hpp"
 #include "tests/core/support.hpp"

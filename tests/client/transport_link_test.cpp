@@ -4,7 +4,7 @@
 #include <poll.h>
 
 #include "client/emulated_link/emulated_port.hpp"
-#include "client/transport.hpp"
+#include "client/transport/transport.hpp"
 #include "tests/client/peer.hpp"
 
 namespace feltwire::transport_link_test {

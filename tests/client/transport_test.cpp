@@ -1,4 +1,4 @@
-#include "client/transport.hpp"
+#include "client/transport/transport.hpp"
 
 #include <gtest/gtest.h>
 #include <net/if.h>

@@ -6,10 +6,10 @@
 #include <memory>
 #include <vector>
 
-#include "client/control_client.hpp"
-#include "client/conversation.hpp"
 #include "client/devices/simulated_device.hpp"
 #include "client/servo.hpp"
+#include "client/transport/control_client.hpp"
+#include "client/transport/datagram_session.hpp"
 #include "core/base/splitmix.hpp"
 #include "tests/server/raw_socket.hpp"
 

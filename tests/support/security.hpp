@@ -1,7 +1,7 @@
 #pragma once
 // A certificate and tokens for servers and clients in tests: made once a process, in no file.
 
-#include "client/control_client.hpp"
+#include "client/transport/control_client.hpp"
 #include "server/security.hpp"
 
 namespace feltwire::test {

@@ -8,7 +8,7 @@
 #include <deque>
 #include <numbers>
 
-#include "client/conversation.hpp"
+#include "client/transport/datagram_session.hpp"
 #include "core/base/splitmix.hpp"
 #include "protocol/wire/guard.hpp"
 #include "server/id_map.hpp"

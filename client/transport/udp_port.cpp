@@ -5,7 +5,7 @@
 #include <cstring>
 #include <string>
 
-#include "client/datagram_port.hpp"
+#include "client/transport/datagram_port.hpp"
 #include "protocol/net/udp_socket.hpp"
 
 namespace feltwire {

@@ -1,4 +1,4 @@
-#include "client/tls_stream.hpp"
+#include "client/transport/tls_stream.hpp"
 
 #include <openssl/x509v3.h>
 

@@ -11,7 +11,7 @@
 #include <string_view>
 #include <vector>
 
-#include "client/credentials.hpp"
+#include "client/transport/credentials.hpp"
 #include "protocol/crypto/session_keys.hpp"
 #include "protocol/wire/control.hpp"
 

@@ -7,9 +7,9 @@
 #include <memory>
 #include <optional>
 
-#include "client/control_client.hpp"
-#include "client/conversation.hpp"
-#include "client/datagram_port.hpp"
+#include "client/transport/control_client.hpp"
+#include "client/transport/datagram_port.hpp"
+#include "client/transport/datagram_session.hpp"
 
 namespace feltwire {
 

@@ -1,10 +1,10 @@
-#include "client/credentials.hpp"
+#include "client/transport/credentials.hpp"
 
 #include <cstdio>
 #include <cstdlib>
 #include <stdexcept>
 
-#include "client/control_client.hpp"
+#include "client/transport/control_client.hpp"
 #include "core/base/file_error.hpp"
 #include "core/base/regular_file.hpp"
 #include "core/base/visible_text.hpp"

@@ -1,4 +1,4 @@
-#include "client/sample_packer.hpp"
+#include "client/transport/sample_packer.hpp"
 
 #include <algorithm>
 #include <cmath>

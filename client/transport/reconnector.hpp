@@ -6,8 +6,8 @@
 #include <optional>
 #include <string>
 
-#include "client/control_client.hpp"
-#include "client/transport.hpp"
+#include "client/transport/control_client.hpp"
+#include "client/transport/transport.hpp"
 #include "core/base/ring.hpp"
 
 namespace feltwire {

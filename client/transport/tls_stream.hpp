@@ -11,7 +11,7 @@
 #include <span>
 #include <string>
 
-#include "client/control_client.hpp"
+#include "client/transport/control_client.hpp"
 
 namespace feltwire {
 

@@ -1,4 +1,4 @@
-#include "client/rejoin.hpp"
+#include "client/transport/reconnector.hpp"
 
 #include <algorithm>
 #include <future>

@@ -1,4 +1,4 @@
-#include "client/encoder.hpp"
+#include "client/transport/encoder.hpp"
 
 #include <sstream>
 

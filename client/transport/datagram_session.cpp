@@ -1,4 +1,4 @@
-#include "client/conversation.hpp"
+#include "client/transport/datagram_session.hpp"
 
 namespace feltwire {
 namespace {

@@ -5,7 +5,7 @@
 #include <array>
 #include <cstdint>
 
-#include "client/sample_packer.hpp"
+#include "client/transport/sample_packer.hpp"
 #include "protocol/wire/codec.hpp"
 #include "protocol/wire/scene_view.hpp"
 #include "protocol/wire/seal.hpp"
@@ -26,8 +26,8 @@ class Conversation {
   /// one is dropped. Precondition: their suite is supported.
   void resume(std::uint64_t session, const SessionKeys& keys) noexcept;
 
-  /// The datagram that is due with this sample (client/sample_packer.hpp), empty when none is. To
-  /// be given every sample. The bytes live until the next call of pack() or goodbye().
+  /// The datagram that is due with this sample (client/transport/sample_packer.hpp), empty when
+  /// none is. To be given every sample. The bytes live until the next call of pack() or goodbye().
   Bytes pack(const Sample& sample) noexcept;
   Bytes goodbye() noexcept;
 

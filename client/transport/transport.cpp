@@ -1,4 +1,4 @@
-#include "client/transport.hpp"
+#include "client/transport/transport.hpp"
 
 #include <utility>
 

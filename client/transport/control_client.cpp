@@ -1,4 +1,4 @@
-#include "client/control_client.hpp"
+#include "client/transport/control_client.hpp"
 
 #include <algorithm>
 #include <array>
@@ -11,7 +11,7 @@
 #include <utility>
 #include <variant>
 
-#include "client/tls_stream.hpp"
+#include "client/transport/tls_stream.hpp"
 #include "protocol/net/ports.hpp"
 #include "protocol/session/grant.hpp"
 

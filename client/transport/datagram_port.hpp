@@ -7,7 +7,7 @@
 #include <optional>
 #include <string>
 
-#include "client/control_client.hpp"
+#include "client/transport/control_client.hpp"
 #include "protocol/wire/datagram.hpp"
 
 namespace feltwire {
