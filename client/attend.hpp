@@ -2,7 +2,7 @@
 // The main thread's loop while the servo thread runs: status lines, records, reconnection, signals.
 
 #include "client/records.hpp"
-#include "client/servo_thread.hpp"
+#include "client/servo/servo_thread.hpp"
 #include "client/transport/reconnector.hpp"
 
 namespace feltwire {

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "client/seen_scene.hpp"
-#include "client/servo_loop.hpp"
+#include "client/servo/servo_loop.hpp"
 #include "client/view_file.hpp"
 
 namespace feltwire {

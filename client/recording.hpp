@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 
-#include "client/tick_record.hpp"
+#include "client/servo/tick_record.hpp"
 #include "core/base/line_file.hpp"
 #include "core/base/ring.hpp"
 

@@ -7,8 +7,8 @@
 #include <string_view>
 
 #include "client/onlooker.hpp"
-#include "client/servo.hpp"
-#include "client/servo_loop.hpp"
+#include "client/servo/servo.hpp"
+#include "client/servo/servo_loop.hpp"
 #include "client/transport/transport.hpp"
 #include "protocol/net/real_time.hpp"
 

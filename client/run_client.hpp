@@ -9,7 +9,7 @@
 #include <string>
 
 #include "client/devices/device.hpp"
-#include "client/servo.hpp"
+#include "client/servo/servo.hpp"
 #include "client/transport/control_client.hpp"
 #include "client/transport/datagram_port.hpp"
 

@@ -3,13 +3,13 @@
 #include <string>
 #include <string_view>
 
-#include "client/servo_loop.hpp"
+#include "client/servo/servo_loop.hpp"
 
 namespace feltwire {
 
 /// The line, without what moves a cursor. Round trip: median and 99th percentile of the run; up and
-/// down: of the last exchange, with its mean variation (client/clock_estimate.hpp), - before the
-/// first; rate and loss: since `before`.
+/// down: of the last exchange, with its mean variation (client/servo/clock_estimate.hpp), - before
+/// the first; rate and loss: since `before`.
 std::string text(const LiveStatus& status, const LiveStatus& before);
 
 /// " (no force: the hand touches nothing)" for the last line of a run whose hand was given none;

@@ -4,7 +4,7 @@
 #include <filesystem>
 
 #include "client/seen_scene.hpp"
-#include "client/servo_loop.hpp"
+#include "client/servo/servo_loop.hpp"
 #include "core/base/line_file.hpp"
 
 namespace feltwire {

@@ -8,7 +8,7 @@
 #include "client/devices/replay.hpp"
 #include "client/devices/simulated_device.hpp"
 #include "client/emulated_link/link.hpp"
-#include "client/servo.hpp"
+#include "client/servo/servo.hpp"
 #include "core/scene/scene.hpp"
 #include "server/scene_sessions.hpp"
 #include "sim/taking_hand.hpp"

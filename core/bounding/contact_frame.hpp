@@ -55,7 +55,7 @@ class ContactFrameBound {
   BasicCommand<Real> step(const BasicBoundingStep<Real>& s) noexcept;
   void set_held(const BasicCommand<Real>& held) noexcept;
   /// The next step's elastic channel may draw on `energy` [J] beside what it stores. Whoever says
-  /// so has it (client/admission.hpp).
+  /// so has it (client/servo/admission.hpp).
   void endow(Real energy) noexcept {
     constexpr Real kTwo = 2;
     endowed_ = std::sqrt(kTwo * force_law_.c * energy);

@@ -1,6 +1,6 @@
 // A scene that is changed under a hand which presses: what of it the hand feels.
 
-#include "client/admission.hpp"
+#include "client/servo/admission.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // Oscillation and displayed stiffness against closed forms.
 
-#include "client/hand_measures.hpp"
+#include "client/servo/hand_measures.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <numbers>
 
 #include "client/devices/simulated_device.hpp"
-#include "client/servo.hpp"
+#include "client/servo/servo.hpp"
 #include "tests/client/servo_bench.hpp"
 
 namespace feltwire::hand_measures_test {

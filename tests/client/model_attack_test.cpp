@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
-#include "client/servo.hpp"
+#include "client/servo/servo.hpp"
 #include "tests/client/servo_bench.hpp"
 #include "tests/core/support.hpp"
 

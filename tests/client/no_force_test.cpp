@@ -1,12 +1,12 @@
 // Each reason for which there is no force on a hand.
 
-#include "client/no_force.hpp"
+#include "client/servo/no_force.hpp"
 
 #include <gmock/gmock.h>
 
 #include <set>
 
-#include "client/servo.hpp"
+#include "client/servo/servo.hpp"
 #include "tests/client/servo_bench.hpp"
 
 namespace feltwire::no_force_test {

@@ -7,7 +7,7 @@
 #include <numbers>
 #include <random>
 
-#include "client/servo.hpp"
+#include "client/servo/servo.hpp"
 #include "protocol/wire/codec.hpp"
 #include "server/session.hpp"
 

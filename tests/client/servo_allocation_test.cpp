@@ -7,7 +7,7 @@
 #include <sstream>
 
 #include "client/devices/replay.hpp"
-#include "client/servo.hpp"
+#include "client/servo/servo.hpp"
 #include "client/transport/transport.hpp"
 #include "tests/client/peer.hpp"
 #include "tests/support/allocation_counter.hpp"

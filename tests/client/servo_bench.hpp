@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "client/servo.hpp"
+#include "client/servo/servo.hpp"
 
 namespace feltwire::testing::servo {
 

@@ -1,4 +1,4 @@
-#include "client/servo_loop.hpp"
+#include "client/servo/servo_loop.hpp"
 
 #include <gtest/gtest.h>
 

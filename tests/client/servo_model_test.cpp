@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "client/servo.hpp"
+#include "client/servo/servo.hpp"
 #include "tests/client/servo_bench.hpp"
 
 namespace feltwire::servo_model_test {

@@ -1,4 +1,4 @@
-#include "client/servo.hpp"
+#include "client/servo/servo.hpp"
 
 #include <gtest/gtest.h>
 

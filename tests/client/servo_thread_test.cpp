@@ -1,6 +1,6 @@
 // A servo thread that stands still, dies or crashes lets the device go.
 
-#include "client/servo_thread.hpp"
+#include "client/servo/servo_thread.hpp"
 
 #include <gtest/gtest.h>
 #include <sys/mman.h>
@@ -10,7 +10,7 @@
 #include <semaphore>
 
 #include "client/crash_release.hpp"
-#include "client/tick_watch.hpp"
+#include "client/servo/tick_watch.hpp"
 #include "tests/client/peer.hpp"
 
 namespace feltwire::servo_thread_test {

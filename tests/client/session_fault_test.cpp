@@ -8,7 +8,7 @@
 #include <optional>
 #include <vector>
 
-#include "client/servo.hpp"
+#include "client/servo/servo.hpp"
 #include "client/transport/datagram_session.hpp"
 #include "server/scene_sessions.hpp"
 #include "tests/core/support.hpp"

@@ -12,7 +12,7 @@
 #include <ostream>
 #include <vector>
 
-#include "client/servo.hpp"
+#include "client/servo/servo.hpp"
 #include "client/transport/sample_packer.hpp"
 #include "core/bounding/port_energy.hpp"
 #include "server/session.hpp"

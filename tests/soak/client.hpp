@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "client/devices/simulated_device.hpp"
-#include "client/servo.hpp"
+#include "client/servo/servo.hpp"
 #include "client/transport/control_client.hpp"
 #include "client/transport/datagram_session.hpp"
 #include "core/base/splitmix.hpp"

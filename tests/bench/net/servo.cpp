@@ -12,7 +12,7 @@
 #include <memory>
 #include <thread>
 
-#include "client/servo_loop.hpp"
+#include "client/servo/servo_loop.hpp"
 #include "protocol/net/real_time.hpp"
 #include "tests/bench/net/measures.hpp"
 

@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <string_view>
 
-#include "client/servo.hpp"
-#include "client/tick_record.hpp"
+#include "client/servo/servo.hpp"
+#include "client/servo/tick_record.hpp"
 #include "client/transport/transport.hpp"
 #include "core/base/ring.hpp"
 #include "protocol/net/busy_poll.hpp"

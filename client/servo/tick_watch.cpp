@@ -1,4 +1,4 @@
-#include "client/tick_watch.hpp"
+#include "client/servo/tick_watch.hpp"
 
 namespace feltwire {
 

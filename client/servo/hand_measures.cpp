@@ -1,8 +1,8 @@
-#include "client/hand_measures.hpp"
+#include "client/servo/hand_measures.hpp"
 
 #include <cmath>
 
-#include "client/no_force.hpp"
+#include "client/servo/no_force.hpp"
 #include "core/base/numeric.hpp"
 
 namespace feltwire {

@@ -1,4 +1,4 @@
-#include "client/device_guard.hpp"
+#include "client/servo/device_guard.hpp"
 
 #include <unistd.h>
 

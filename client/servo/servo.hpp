@@ -8,11 +8,11 @@
 #include <optional>
 #include <vector>
 
-#include "client/admission.hpp"
-#include "client/clock_estimate.hpp"
 #include "client/devices/device.hpp"
-#include "client/hand_measures.hpp"
-#include "client/no_force.hpp"
+#include "client/servo/admission.hpp"
+#include "client/servo/clock_estimate.hpp"
+#include "client/servo/hand_measures.hpp"
+#include "client/servo/no_force.hpp"
 #include "core/base/histogram.hpp"
 #include "core/bounding/bounding.hpp"
 #include "core/bounding/port_energy.hpp"

@@ -6,8 +6,8 @@
 #include <mutex>
 #include <thread>
 
-#include "client/device_guard.hpp"
-#include "client/servo_loop.hpp"
+#include "client/servo/device_guard.hpp"
+#include "client/servo/servo_loop.hpp"
 #include "protocol/net/real_time.hpp"
 
 namespace feltwire {

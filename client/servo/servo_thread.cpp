@@ -1,9 +1,9 @@
-#include "client/servo_thread.hpp"
+#include "client/servo/servo_thread.hpp"
 
 #include <chrono>
 #include <utility>
 
-#include "client/tick_watch.hpp"
+#include "client/servo/tick_watch.hpp"
 
 namespace feltwire {
 

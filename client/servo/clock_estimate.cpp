@@ -1,4 +1,4 @@
-#include "client/clock_estimate.hpp"
+#include "client/servo/clock_estimate.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "client/admission.hpp"
+#include "client/servo/admission.hpp"
 
 #include <algorithm>
 

@@ -1,4 +1,4 @@
-#include "client/no_force.hpp"
+#include "client/servo/no_force.hpp"
 
 #include <numeric>
 
