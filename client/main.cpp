@@ -7,7 +7,7 @@
 #include "client/devices/replay.hpp"
 #include "client/emulated_link/emulated_port.hpp"
 #include "client/options.hpp"
-#include "client/run_client.hpp"
+#include "client/run/run_client.hpp"
 #include "core/base/visible_text.hpp"
 
 namespace feltwire {

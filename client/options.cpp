@@ -7,7 +7,7 @@
 #include <string_view>
 
 #include "client/credential_options.hpp"
-#include "client/output_files.hpp"
+#include "client/run/output_files.hpp"
 #include "core/base/visible_text.hpp"
 #include "core/build_info/build_info.hpp"
 #include "core/command_line/environment.hpp"

@@ -7,7 +7,7 @@
 
 #include "client/devices/simulated_device.hpp"
 #include "client/emulated_link/link_options.hpp"
-#include "client/run_client.hpp"
+#include "client/run/run_client.hpp"
 
 namespace feltwire {
 

@@ -12,7 +12,7 @@
 #include <cstdio>
 #include <cstdlib>
 
-#include "client/run_client.hpp"
+#include "client/run/run_client.hpp"
 
 class MyDevice final : public feltwire::Device {
  public:

@@ -86,7 +86,7 @@ struct TimedView {
 struct LoopOutputs {
   Ring<LiveStatus>* status = nullptr;
   Ring<TickRecord>* record = nullptr;
-  Ring<TimedView>* views = nullptr;  // of an observer (client/seen_scene.hpp)
+  Ring<TimedView>* views = nullptr;  // of an observer (client/run/observed_scene.hpp)
 };
 
 struct LoopResult {

@@ -11,9 +11,9 @@
 #include <limits>
 #include <new>
 
-#include "client/attend.hpp"
-#include "client/report.hpp"
-#include "client/reserve.hpp"
+#include "client/run/attend.hpp"
+#include "client/run/report.hpp"
+#include "client/run/reserve.hpp"
 #include "tests/client/peer.hpp"
 #include "tests/client/temporary_folder.hpp"
 #include "tests/support/security.hpp"

@@ -2,7 +2,7 @@
 
 #include <gmock/gmock.h>
 
-#include "client/seen_scene.hpp"
+#include "client/run/observed_scene.hpp"
 #include "tests/client/loopback.hpp"
 #include "tests/core/moving.hpp"
 #include "tests/support/eventually.hpp"

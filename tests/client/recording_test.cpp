@@ -1,4 +1,4 @@
-#include "client/recording.hpp"
+#include "client/run/recording.hpp"
 
 #include <gmock/gmock.h>
 #include <signal.h>
@@ -9,7 +9,7 @@
 #include <fstream>
 
 #include "client/devices/replay.hpp"
-#include "client/records.hpp"
+#include "client/run/records.hpp"
 #include "tests/client/temporary_folder.hpp"
 
 namespace feltwire::recording_test {

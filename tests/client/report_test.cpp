@@ -1,4 +1,4 @@
-#include "client/report.hpp"
+#include "client/run/report.hpp"
 
 #include <fcntl.h>
 #include <gmock/gmock.h>

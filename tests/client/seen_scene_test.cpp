@@ -1,8 +1,7 @@
-#include "client/seen_scene.hpp"
-
 #include <gmock/gmock.h>
 
-#include "client/onlooker.hpp"
+#include "client/run/observed_scene.hpp"
+#include "client/run/observer_recorder.hpp"
 #include "tests/client/temporary_folder.hpp"
 
 namespace feltwire::seen_scene_test {

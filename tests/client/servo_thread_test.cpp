@@ -9,7 +9,7 @@
 #include <functional>
 #include <semaphore>
 
-#include "client/crash_release.hpp"
+#include "client/run/crash_release.hpp"
 #include "client/servo/tick_watch.hpp"
 #include "tests/client/peer.hpp"
 

@@ -1,4 +1,4 @@
-#include "client/status_line.hpp"
+#include "client/run/status_line.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "client/output_files.hpp"
+#include "client/run/output_files.hpp"
 
 #include <sys/stat.h>
 

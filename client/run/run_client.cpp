@@ -1,4 +1,4 @@
-#include "client/run_client.hpp"
+#include "client/run/run_client.hpp"
 
 #include <csignal>
 #include <cstdio>
@@ -6,11 +6,11 @@
 #include <exception>
 #include <optional>
 
-#include "client/attend.hpp"
-#include "client/crash_release.hpp"
-#include "client/report.hpp"
-#include "client/reserve.hpp"
-#include "client/status_line.hpp"
+#include "client/run/attend.hpp"
+#include "client/run/crash_release.hpp"
+#include "client/run/report.hpp"
+#include "client/run/reserve.hpp"
+#include "client/run/status_line.hpp"
 #include "client/transport/encoder.hpp"
 #include "core/base/visible_text.hpp"
 #include "core/build_info/build_info.hpp"

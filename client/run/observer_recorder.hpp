@@ -6,9 +6,9 @@
 #include <optional>
 #include <string>
 
-#include "client/seen_scene.hpp"
+#include "client/run/observed_scene.hpp"
+#include "client/run/view_file.hpp"
 #include "client/servo/servo_loop.hpp"
-#include "client/view_file.hpp"
 
 namespace feltwire {
 

@@ -1,4 +1,4 @@
-#include "client/recording.hpp"
+#include "client/run/recording.hpp"
 
 namespace feltwire {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <filesystem>
 
-#include "client/seen_scene.hpp"
+#include "client/run/observed_scene.hpp"
 #include "client/servo/servo_loop.hpp"
 #include "core/base/line_file.hpp"
 

@@ -1,4 +1,4 @@
-#include "client/seen_scene.hpp"
+#include "client/run/observed_scene.hpp"
 
 #include <span>
 

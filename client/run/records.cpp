@@ -1,4 +1,4 @@
-#include "client/records.hpp"
+#include "client/run/records.hpp"
 
 #include <exception>
 #include <new>

@@ -1,7 +1,7 @@
 #pragma once
 // The main thread's loop while the servo thread runs: status lines, records, reconnection, signals.
 
-#include "client/records.hpp"
+#include "client/run/records.hpp"
 #include "client/servo/servo_thread.hpp"
 #include "client/transport/reconnector.hpp"
 

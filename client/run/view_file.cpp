@@ -1,4 +1,4 @@
-#include "client/view_file.hpp"
+#include "client/run/view_file.hpp"
 
 namespace feltwire {
 namespace {

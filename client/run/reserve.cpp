@@ -1,4 +1,4 @@
-#include "client/reserve.hpp"
+#include "client/run/reserve.hpp"
 
 #include <sys/eventfd.h>
 #include <unistd.h>

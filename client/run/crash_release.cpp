@@ -1,4 +1,4 @@
-#include "client/crash_release.hpp"
+#include "client/run/crash_release.hpp"
 
 #include <array>
 #include <atomic>

@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-#include "client/onlooker.hpp"
+#include "client/run/observer_recorder.hpp"
 #include "client/servo/servo.hpp"
 #include "client/servo/servo_loop.hpp"
 #include "client/transport/transport.hpp"

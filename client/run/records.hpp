@@ -6,8 +6,8 @@
 #include <memory>
 #include <optional>
 
-#include "client/onlooker.hpp"
-#include "client/recording.hpp"
+#include "client/run/observer_recorder.hpp"
+#include "client/run/recording.hpp"
 #include "core/base/ring.hpp"
 
 namespace feltwire {

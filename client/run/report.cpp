@@ -1,4 +1,4 @@
-#include "client/report.hpp"
+#include "client/run/report.hpp"
 
 #include <fcntl.h>
 #include <unistd.h>
@@ -13,7 +13,7 @@
 #include <system_error>
 #include <utility>
 
-#include "client/output_files.hpp"
+#include "client/run/output_files.hpp"
 #include "client/transport/encoder.hpp"
 #include "core/build_info/build_info.hpp"
 

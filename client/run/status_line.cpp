@@ -1,4 +1,4 @@
-#include "client/status_line.hpp"
+#include "client/run/status_line.hpp"
 
 #include <unistd.h>
 

@@ -1,4 +1,4 @@
-#include "client/attend.hpp"
+#include "client/run/attend.hpp"
 
 #include <poll.h>
 #include <sys/signalfd.h>
@@ -9,7 +9,7 @@
 #include <csignal>
 #include <system_error>
 
-#include "client/status_line.hpp"
+#include "client/run/status_line.hpp"
 
 namespace feltwire {
 namespace {

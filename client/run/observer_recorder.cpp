@@ -1,4 +1,4 @@
-#include "client/onlooker.hpp"
+#include "client/run/observer_recorder.hpp"
 
 #include <algorithm>
 
