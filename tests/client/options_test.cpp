@@ -1,4 +1,4 @@
-#include "client/options.hpp"
+#include "client/app/options.hpp"
 
 #include <gmock/gmock.h>
 #include <sys/stat.h>

@@ -4,9 +4,9 @@
 #include <exception>
 #include <memory>
 
+#include "client/app/options.hpp"
 #include "client/devices/replay.hpp"
 #include "client/emulated_link/emulated_port.hpp"
-#include "client/options.hpp"
 #include "client/run/run_client.hpp"
 #include "core/base/visible_text.hpp"
 

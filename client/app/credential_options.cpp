@@ -1,4 +1,4 @@
-#include "client/credential_options.hpp"
+#include "client/app/credential_options.hpp"
 
 #include <CLI/CLI.hpp>
 

@@ -1,4 +1,4 @@
-#include "client/options.hpp"
+#include "client/app/options.hpp"
 
 #include <CLI/CLI.hpp>
 #include <array>
@@ -6,7 +6,7 @@
 #include <sstream>
 #include <string_view>
 
-#include "client/credential_options.hpp"
+#include "client/app/credential_options.hpp"
 #include "client/run/output_files.hpp"
 #include "core/base/visible_text.hpp"
 #include "core/build_info/build_info.hpp"
