@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "protocol/net/ports.hpp"
-#include "server/security_options.hpp"
+#include "server/access/security_options.hpp"
 
 namespace feltwire {
 

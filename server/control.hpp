@@ -12,9 +12,9 @@
 #include <optional>
 
 #include "protocol/wire/control.hpp"
-#include "server/identity.hpp"
-#include "server/places.hpp"
-#include "server/rate_limit.hpp"
+#include "server/access/identity.hpp"
+#include "server/access/places.hpp"
+#include "server/access/rate_limit.hpp"
 
 namespace feltwire {
 
@@ -26,7 +26,7 @@ struct ControlOptions {
   std::chrono::milliseconds idle_timeout{60'000};  // a connection that sends no request ends
   /// Half of them for those who have not shown a good token yet, half for those who have.
   std::size_t max_connections = 512;
-  std::size_t max_connections_per_network = 128;  // of either half (server/network.hpp)
+  std::size_t max_connections_per_network = 128;  // of either half (server/access/network.hpp)
   double handshake_rate = 50.0;                   // [1/s] connections of a network, for ever,
   double handshake_burst = 100.0;                 // and at once
 };

@@ -9,11 +9,11 @@
 #include <utility>
 #include <vector>
 
+#include "server/access/network.hpp"
+#include "server/access/rate_limit.hpp"
+#include "server/access/token_file.hpp"
 #include "server/control.hpp"
-#include "server/network.hpp"
-#include "server/rate_limit.hpp"
 #include "server/scene_host.hpp"
-#include "server/token_file.hpp"
 
 namespace feltwire {
 

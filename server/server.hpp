@@ -7,11 +7,11 @@
 #include <vector>
 
 #include "core/scene/scene.hpp"
+#include "server/access/security.hpp"
 #include "server/config.hpp"
 #include "server/control_service.hpp"
 #include "server/scene_host.hpp"
 #include "server/scene_loader.hpp"
-#include "server/security.hpp"
 
 namespace feltwire {
 

@@ -3,7 +3,7 @@
 #include <fstream>
 #include <stdexcept>
 
-#include "server/json_text.hpp"
+#include "server/access/json_text.hpp"
 
 namespace feltwire {
 namespace {

@@ -7,8 +7,8 @@
 
 #include "core/base/visible_text.hpp"
 #include "core/command_line/suggestion.hpp"
-#include "server/security.hpp"
-#include "server/state_file.hpp"
+#include "server/access/security.hpp"
+#include "server/access/state_file.hpp"
 
 namespace feltwire {
 namespace {

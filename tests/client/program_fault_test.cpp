@@ -6,7 +6,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "server/state_file.hpp"
+#include "server/access/state_file.hpp"
 #include "tests/client/loopback.hpp"
 #include "tests/client/temporary_folder.hpp"
 #include "tests/support/program.hpp"

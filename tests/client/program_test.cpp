@@ -10,7 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "protocol/session/grant.hpp"
-#include "server/state_file.hpp"
+#include "server/access/state_file.hpp"
 #include "tests/client/loopback.hpp"
 #include "tests/client/peer.hpp"
 #include "tests/client/temporary_folder.hpp"

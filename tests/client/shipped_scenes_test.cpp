@@ -9,7 +9,7 @@
 
 #include "core/base/csv.hpp"
 #include "core/scene_file/load_scene.hpp"
-#include "server/state_file.hpp"
+#include "server/access/state_file.hpp"
 #include "tests/client/loopback.hpp"
 #include "tests/client/temporary_folder.hpp"
 #include "tests/support/program.hpp"

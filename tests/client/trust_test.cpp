@@ -4,7 +4,7 @@
 
 #include <future>
 
-#include "server/state_file.hpp"
+#include "server/access/state_file.hpp"
 #include "tests/client/loopback.hpp"
 #include "tests/client/peer.hpp"
 #include "tests/client/temporary_folder.hpp"

@@ -1,7 +1,7 @@
 // Arbitrary text as a token file, and as what a client shows: it is read or says where it is wrong,
 // says the same when it is written again, and opens nothing by chance.
 
-#include "server/tokens.hpp"
+#include "server/access/tokens.hpp"
 
 #include "core/base/json_document.hpp"
 #include "tests/fuzz/fuzz.hpp"

@@ -7,8 +7,8 @@
 #include <random>
 #include <set>
 
-#include "server/places.hpp"
-#include "server/rate_limit.hpp"
+#include "server/access/places.hpp"
+#include "server/access/rate_limit.hpp"
 #include "tests/server/endpoint.hpp"
 
 namespace feltwire::access_test {

@@ -1,14 +1,14 @@
 // What a server writes as JSON: the summary, the tokens.
 
-#include "server/json_text.hpp"
+#include "server/access/json_text.hpp"
 
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "server/access/tokens.hpp"
 #include "server/summary.hpp"
-#include "server/tokens.hpp"
 #include "tests/support/failing_allocation.hpp"
 
 namespace feltwire::json_text_test {

@@ -11,10 +11,10 @@
 #include <thread>
 
 #include "core/command_line/suggestion.hpp"
+#include "server/access/state_file.hpp"
 #include "server/health.hpp"
 #include "server/parameter_changes.hpp"
 #include "server/server.hpp"
-#include "server/state_file.hpp"
 #include "server/summary.hpp"
 #include "tests/client/temporary_folder.hpp"
 #include "tests/protocol/sealed.hpp"

@@ -11,8 +11,8 @@
 #include <fstream>
 
 #include "core/base/json_document.hpp"
-#include "server/security.hpp"
-#include "server/state_file.hpp"
+#include "server/access/security.hpp"
+#include "server/access/state_file.hpp"
 #include "tests/client/temporary_folder.hpp"
 #include "tests/support/program.hpp"
 

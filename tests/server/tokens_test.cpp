@@ -1,6 +1,6 @@
 // Tokens: texts, files and who writes them at once.
 
-#include "server/tokens.hpp"
+#include "server/access/tokens.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -10,8 +10,8 @@
 #include <thread>
 
 #include "core/base/json_document.hpp"
-#include "server/security.hpp"
-#include "server/state_file.hpp"
+#include "server/access/security.hpp"
+#include "server/access/state_file.hpp"
 #include "tests/client/temporary_folder.hpp"
 
 namespace feltwire::tokens_test {

@@ -2,7 +2,7 @@
 // A certificate and tokens for servers and clients in tests: made once a process, in no file.
 
 #include "client/transport/control_client.hpp"
-#include "server/security.hpp"
+#include "server/access/security.hpp"
 
 namespace feltwire::test {
 

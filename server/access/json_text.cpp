@@ -1,4 +1,4 @@
-#include "server/json_text.hpp"
+#include "server/access/json_text.hpp"
 
 #include <nlohmann/json.hpp>
 

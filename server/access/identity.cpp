@@ -1,4 +1,4 @@
-#include "server/identity.hpp"
+#include "server/access/identity.hpp"
 
 #include <openssl/evp.h>
 #include <openssl/pem.h>

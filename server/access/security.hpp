@@ -4,9 +4,9 @@
 #include <filesystem>
 #include <string>
 
-#include "server/identity.hpp"
-#include "server/security_options.hpp"
-#include "server/token_file.hpp"
+#include "server/access/identity.hpp"
+#include "server/access/security_options.hpp"
+#include "server/access/token_file.hpp"
 
 namespace feltwire {
 

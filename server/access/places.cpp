@@ -1,4 +1,4 @@
-#include "server/places.hpp"
+#include "server/access/places.hpp"
 
 namespace feltwire {
 

@@ -1,8 +1,8 @@
-#include "server/token_file.hpp"
+#include "server/access/token_file.hpp"
 
 #include "core/base/json_document.hpp"
 #include "protocol/crypto/private_file.hpp"
-#include "server/state_file.hpp"
+#include "server/access/state_file.hpp"
 
 namespace feltwire {
 namespace {

@@ -1,4 +1,4 @@
-#include "server/network.hpp"
+#include "server/access/network.hpp"
 
 #include <algorithm>
 

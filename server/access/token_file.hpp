@@ -8,7 +8,7 @@
 #include <optional>
 #include <string>
 
-#include "server/tokens.hpp"
+#include "server/access/tokens.hpp"
 
 namespace feltwire {
 

@@ -1,4 +1,4 @@
-#include "server/state_file.hpp"
+#include "server/access/state_file.hpp"
 
 #include <dirent.h>
 #include <fcntl.h>

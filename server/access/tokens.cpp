@@ -1,4 +1,4 @@
-#include "server/tokens.hpp"
+#include "server/access/tokens.hpp"
 
 #include <sodium.h>
 
@@ -10,9 +10,9 @@
 
 #include "core/base/json_document.hpp"
 #include "protocol/wire/control.hpp"
-#include "server/json_text.hpp"
-#include "server/tokens_generated.h"
-#include "server/tokens_text.hpp"
+#include "server/access/json_text.hpp"
+#include "server/access/tokens_generated.h"
+#include "server/access/tokens_text.hpp"
 
 namespace feltwire {
 namespace {

@@ -1,4 +1,4 @@
-#include "server/security.hpp"
+#include "server/access/security.hpp"
 
 #include <sys/stat.h>
 #include <unistd.h>
@@ -12,7 +12,7 @@
 
 #include "core/base/json_document.hpp"
 #include "protocol/crypto/private_file.hpp"
-#include "server/state_file.hpp"
+#include "server/access/state_file.hpp"
 
 namespace feltwire {
 namespace {

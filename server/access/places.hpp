@@ -5,7 +5,7 @@
 #include <map>
 #include <optional>
 
-#include "server/network.hpp"
+#include "server/access/network.hpp"
 
 namespace feltwire {
 
