@@ -8,7 +8,7 @@
 #include "protocol/crypto/tls.hpp"
 #include "protocol/net/clock.hpp"
 #include "server/parameter_changes.hpp"
-#include "server/scene_sessions.hpp"
+#include "server/scene/scene_sessions.hpp"
 
 namespace feltwire {
 namespace {

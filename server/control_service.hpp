@@ -13,7 +13,7 @@
 #include "server/access/rate_limit.hpp"
 #include "server/access/token_file.hpp"
 #include "server/control.hpp"
-#include "server/scene_host.hpp"
+#include "server/scene/scene_host.hpp"
 
 namespace feltwire {
 

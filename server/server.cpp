@@ -12,8 +12,8 @@
 
 #include "protocol/net/udp_socket.hpp"
 #include "server/control_service.hpp"
-#include "server/post.hpp"
-#include "server/scene_ports.hpp"
+#include "server/scene/post.hpp"
+#include "server/scene/scene_ports.hpp"
 
 namespace feltwire {
 namespace {

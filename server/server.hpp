@@ -10,8 +10,8 @@
 #include "server/access/security.hpp"
 #include "server/config.hpp"
 #include "server/control_service.hpp"
-#include "server/scene_host.hpp"
-#include "server/scene_loader.hpp"
+#include "server/scene/scene_host.hpp"
+#include "server/scene/scene_loader.hpp"
 
 namespace feltwire {
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "client/emulated_link/link_json.hpp"
-#include "server/scene_ports.hpp"
+#include "server/scene/scene_ports.hpp"
 #include "sim/control_bridge.hpp"
 #include "sim/relay_client.hpp"
 

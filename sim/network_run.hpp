@@ -10,7 +10,7 @@
 #include "client/emulated_link/link.hpp"
 #include "client/servo/servo.hpp"
 #include "core/scene/scene.hpp"
-#include "server/scene_sessions.hpp"
+#include "server/scene/scene_sessions.hpp"
 #include "sim/taking_hand.hpp"
 
 namespace feltwire {

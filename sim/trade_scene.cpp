@@ -8,7 +8,7 @@
 #include <optional>
 #include <thread>
 
-#include "server/session.hpp"
+#include "server/scene/session.hpp"
 #include "sim/cost.hpp"
 #include "sim/glide.hpp"
 

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "core/scene_file/load_scene.hpp"
-#include "server/scene_sessions.hpp"
+#include "server/scene/scene_sessions.hpp"
 
 namespace feltwire::seal_bench {
 namespace {

@@ -6,7 +6,7 @@
 
 #include <cmath>
 
-#include "server/session.hpp"
+#include "server/scene/session.hpp"
 #include "tests/client/servo_bench.hpp"
 
 namespace feltwire::admission_test {

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <memory>
 
-#include "server/session.hpp"
+#include "server/scene/session.hpp"
 #include "tests/client/servo_bench.hpp"
 #include "tests/core/support.hpp"
 #include "tests/support/seeds.hpp"

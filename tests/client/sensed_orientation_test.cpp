@@ -9,7 +9,7 @@
 
 #include "client/servo/servo.hpp"
 #include "protocol/wire/codec.hpp"
-#include "server/session.hpp"
+#include "server/scene/session.hpp"
 
 namespace feltwire::sensed_orientation_test {
 namespace {

@@ -10,7 +10,7 @@
 
 #include "client/servo/servo.hpp"
 #include "client/transport/datagram_session.hpp"
-#include "server/scene_sessions.hpp"
+#include "server/scene/scene_sessions.hpp"
 #include "tests/core/support.hpp"
 #include "tests/protocol/sealed.hpp"
 

@@ -15,7 +15,7 @@
 #include "client/servo/servo.hpp"
 #include "client/transport/sample_packer.hpp"
 #include "core/bounding/port_energy.hpp"
-#include "server/session.hpp"
+#include "server/scene/session.hpp"
 #include "tests/core/support.hpp"
 
 namespace feltwire {

@@ -43,8 +43,8 @@ inline Command wall(const Script& script, const Vec3& position, const Vec3& disp
 }
 
 /// Calls judge(Played, BasicBounding) after every tick. A new law starts with nothing held and
-/// without the movement that led to its first sample, as in server/session.cpp: what the old law
-/// stored pays for that.
+/// without the movement that led to its first sample, as in server/scene/session.cpp: what the old
+/// law stored pays for that.
 template <class Real = double, class Judge>
 void play(const Script& script, const std::vector<BoundingConfig>& laws, const Port& port,
           Judge judge) {

@@ -6,7 +6,7 @@
 
 #include "protocol/wire/guard.hpp"
 #include "protocol/wire/scene_view.hpp"
-#include "server/scene_sessions.hpp"
+#include "server/scene/scene_sessions.hpp"
 #include "tests/fuzz/fuzz.hpp"
 #include "tests/protocol/sealed.hpp"
 #include "tests/server/make.hpp"

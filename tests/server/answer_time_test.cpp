@@ -1,6 +1,6 @@
 // A scene that takes long to answer says so when it is loaded. The clock is the test's.
 
-#include "server/answer_time.hpp"
+#include "server/scene/answer_time.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "core/scene_file/load_scene.hpp"
-#include "server/session.hpp"
+#include "server/scene/session.hpp"
 #include "tests/server/make.hpp"
 #include "tests/support/allocation_counter.hpp"
 

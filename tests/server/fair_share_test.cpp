@@ -1,6 +1,6 @@
 // Who gets a scene's thread when there is not enough of it. All times are the test's.
 
-#include "server/fair_share.hpp"
+#include "server/scene/fair_share.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,8 +9,8 @@
 #include <map>
 #include <utility>
 
-#include "server/load_log.hpp"
-#include "server/scene_sessions.hpp"
+#include "server/scene/load_log.hpp"
+#include "server/scene/scene_sessions.hpp"
 #include "tests/protocol/sealed.hpp"
 #include "tests/server/make.hpp"
 

@@ -1,4 +1,4 @@
-#include "server/id_map.hpp"
+#include "server/scene/id_map.hpp"
 
 #include <gtest/gtest.h>
 

@@ -6,7 +6,7 @@
 #include "core/scene_file/load_scene.hpp"
 #include "protocol/wire/codec.hpp"
 #include "protocol/wire/guard.hpp"
-#include "server/session.hpp"
+#include "server/scene/session.hpp"
 #include "tests/support/followed_hand.hpp"
 
 namespace feltwire::model_session_test {

@@ -6,7 +6,7 @@
 
 #include <map>
 
-#include "server/scene_sessions.hpp"
+#include "server/scene/scene_sessions.hpp"
 #include "tests/core/moving.hpp"
 #include "tests/protocol/sealed.hpp"
 #include "tests/server/make.hpp"

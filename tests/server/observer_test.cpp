@@ -8,7 +8,7 @@
 #include <set>
 
 #include "core/scene/mechanism.hpp"
-#include "server/scene_sessions.hpp"
+#include "server/scene/scene_sessions.hpp"
 #include "tests/core/moving.hpp"
 #include "tests/protocol/sealed.hpp"
 #include "tests/server/make.hpp"

@@ -1,6 +1,6 @@
 // What a server may withhold: what the client already makes of the reply before.
 
-#include "server/reply_deadband.hpp"
+#include "server/scene/reply_deadband.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <functional>
 #include <optional>
 
-#include "server/session.hpp"
+#include "server/scene/session.hpp"
 #include "tests/server/make.hpp"
 
 namespace feltwire::reply_deadband_test {

@@ -1,6 +1,6 @@
 // How a scene's thread divides its time between datagrams and what others ask of it.
 
-#include "server/scene_host.hpp"
+#include "server/scene/scene_host.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

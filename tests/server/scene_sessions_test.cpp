@@ -1,4 +1,4 @@
-#include "server/scene_sessions.hpp"
+#include "server/scene/scene_sessions.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -4,8 +4,8 @@
 #include <gtest/gtest.h>
 #include <netinet/in.h>
 
-#include "server/sample_rate.hpp"
-#include "server/scene_sessions.hpp"
+#include "server/scene/sample_rate.hpp"
+#include "server/scene/scene_sessions.hpp"
 #include "tests/protocol/sealed.hpp"
 #include "tests/server/make.hpp"
 #include "tests/support/allocation_counter.hpp"

@@ -1,4 +1,4 @@
-#include "server/session.hpp"
+#include "server/scene/session.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

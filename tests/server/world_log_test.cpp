@@ -1,6 +1,6 @@
 // What the log says of what moves: how often, by the test's clock.
 
-#include "server/world_log.hpp"
+#include "server/scene/world_log.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

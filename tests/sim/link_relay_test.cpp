@@ -6,7 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "server/scene_ports.hpp"
+#include "server/scene/scene_ports.hpp"
 #include "tests/client/loopback.hpp"
 #include "tests/client/peer.hpp"
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "server/scene_host.hpp"
+#include "server/scene/scene_host.hpp"
 #include "tests/soak/client.hpp"
 
 namespace feltwire::soak {

@@ -12,7 +12,7 @@
 
 #include "core/base/splitmix.hpp"
 #include "core/scene_file/load_scene.hpp"
-#include "server/scene_host.hpp"
+#include "server/scene/scene_host.hpp"
 #include "tests/bench/net/echo.hpp"
 #include "tests/bench/net/machine.hpp"
 

@@ -11,7 +11,7 @@
 #include "client/transport/datagram_session.hpp"
 #include "core/base/splitmix.hpp"
 #include "protocol/wire/guard.hpp"
-#include "server/id_map.hpp"
+#include "server/scene/id_map.hpp"
 #include "tests/bench/net/flood.hpp"
 
 namespace feltwire::netbench {

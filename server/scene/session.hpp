@@ -10,7 +10,7 @@
 #include "protocol/wire/codec.hpp"
 #include "protocol/wire/control.hpp"
 #include "protocol/wire/datagram.hpp"
-#include "server/reply_deadband.hpp"
+#include "server/scene/reply_deadband.hpp"
 
 namespace feltwire {
 

@@ -1,4 +1,4 @@
-#include "server/reply_deadband.hpp"
+#include "server/scene/reply_deadband.hpp"
 
 #include <algorithm>
 #include <cmath>

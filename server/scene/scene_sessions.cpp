@@ -1,11 +1,11 @@
-#include "server/scene_sessions.hpp"
+#include "server/scene/scene_sessions.hpp"
 
 #include <algorithm>
 #include <stdexcept>
 
 #include "core/build_info/build_info.hpp"
 #include "protocol/session/grant.hpp"
-#include "server/seat.hpp"
+#include "server/scene/session_slot.hpp"
 
 namespace feltwire {
 namespace {

@@ -1,4 +1,4 @@
-#include "server/session.hpp"
+#include "server/scene/session.hpp"
 
 #include <algorithm>
 #include <stdexcept>

@@ -1,4 +1,4 @@
-#include "server/scene_loader.hpp"
+#include "server/scene/scene_loader.hpp"
 
 #include <spdlog/spdlog.h>
 
@@ -8,7 +8,7 @@
 
 #include "core/base/long_work.hpp"
 #include "core/scene_file/load_scene.hpp"
-#include "server/answer_time.hpp"
+#include "server/scene/answer_time.hpp"
 
 namespace feltwire {
 namespace {

@@ -5,7 +5,7 @@
 
 #include "core/dynamics/world.hpp"
 #include "protocol/wire/scene_view.hpp"
-#include "server/session.hpp"
+#include "server/scene/session.hpp"
 
 namespace feltwire {
 

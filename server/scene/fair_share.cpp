@@ -1,4 +1,4 @@
-#include "server/fair_share.hpp"
+#include "server/scene/fair_share.hpp"
 
 #include <algorithm>
 #include <cmath>

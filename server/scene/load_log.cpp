@@ -1,4 +1,4 @@
-#include "server/load_log.hpp"
+#include "server/scene/load_log.hpp"
 
 #include <spdlog/fmt/fmt.h>
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "core/dynamics/world.hpp"
-#include "server/log_limit.hpp"
+#include "server/scene/log_limit.hpp"
 
 namespace feltwire {
 

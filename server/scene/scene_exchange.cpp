@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cerrno>
 
-#include "server/scene_batch.hpp"
+#include "server/scene/scene_batch.hpp"
 
 namespace feltwire {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "server/seat.hpp"
+#include "server/scene/session_slot.hpp"
 
 namespace feltwire {
 

@@ -14,10 +14,10 @@
 #include "protocol/wire/control.hpp"
 #include "protocol/wire/scene_view.hpp"
 #include "protocol/wire/seal.hpp"
-#include "server/fair_share.hpp"
-#include "server/id_map.hpp"
-#include "server/session.hpp"
-#include "server/watch.hpp"
+#include "server/scene/fair_share.hpp"
+#include "server/scene/id_map.hpp"
+#include "server/scene/observer_view.hpp"
+#include "server/scene/session.hpp"
 
 namespace feltwire {
 
@@ -30,7 +30,7 @@ struct Peer {
 /// What a session may do before it is slowed or ended.
 struct SessionLimits {
   static constexpr double kSampleRate = 1.5;
-  double sample_rate = kSampleRate;  // times its servo rate, > 1 (server/sample_rate.hpp)
+  double sample_rate = kSampleRate;  // times its servo rate, > 1 (server/scene/sample_rate.hpp)
   /// Datagrams under its id that were not sealed with its keys; never more than the cipher stands
   /// (forgery_limit).
   std::uint64_t forgeries = ~std::uint64_t{0};

@@ -2,8 +2,8 @@
 
 #include <string>
 
-#include "server/sample_rate.hpp"
-#include "server/scene_sessions.hpp"
+#include "server/scene/sample_rate.hpp"
+#include "server/scene/scene_sessions.hpp"
 
 namespace feltwire {
 

@@ -1,4 +1,4 @@
-#include "server/watch.hpp"
+#include "server/scene/observer_view.hpp"
 
 #include <algorithm>
 

@@ -1,4 +1,4 @@
-#include "server/scene_host.hpp"
+#include "server/scene/scene_host.hpp"
 
 #include <spdlog/spdlog.h>
 
@@ -13,8 +13,8 @@
 #include "protocol/net/listen_error.hpp"
 #include "protocol/net/real_time.hpp"
 #include "protocol/net/udp_socket.hpp"
-#include "server/post.hpp"
-#include "server/scene_batch.hpp"
+#include "server/scene/post.hpp"
+#include "server/scene/scene_batch.hpp"
 
 namespace feltwire {
 namespace {

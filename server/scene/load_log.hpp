@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "server/fair_share.hpp"
-#include "server/log_limit.hpp"
+#include "server/scene/fair_share.hpp"
+#include "server/scene/log_limit.hpp"
 
 namespace feltwire {
 

@@ -1,4 +1,4 @@
-#include "server/world_log.hpp"
+#include "server/scene/world_log.hpp"
 
 #include <spdlog/fmt/fmt.h>
 

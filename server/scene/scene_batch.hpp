@@ -5,7 +5,7 @@
 
 #include <array>
 
-#include "server/scene_host.hpp"
+#include "server/scene/scene_host.hpp"
 
 namespace feltwire {
 

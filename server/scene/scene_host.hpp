@@ -11,11 +11,11 @@
 
 #include "protocol/net/busy_poll.hpp"
 #include "protocol/net/clock.hpp"
-#include "server/load_log.hpp"
-#include "server/log_limit.hpp"
-#include "server/operation_memory.hpp"
-#include "server/scene_sessions.hpp"
-#include "server/world_log.hpp"
+#include "server/scene/load_log.hpp"
+#include "server/scene/log_limit.hpp"
+#include "server/scene/operation_memory.hpp"
+#include "server/scene/scene_sessions.hpp"
+#include "server/scene/world_log.hpp"
 
 namespace feltwire {
 

@@ -1,4 +1,4 @@
-#include "server/answer_time.hpp"
+#include "server/scene/answer_time.hpp"
 
 #include <spdlog/fmt/fmt.h>
 
@@ -10,7 +10,7 @@
 #include "core/base/splitmix.hpp"
 #include "core/dynamics/world.hpp"
 #include "core/scene/broad_phase.hpp"
-#include "server/session.hpp"
+#include "server/scene/session.hpp"
 
 namespace feltwire {
 namespace {
