@@ -11,7 +11,7 @@
 #include <thread>
 
 #include "protocol/net/udp_socket.hpp"
-#include "server/control_service.hpp"
+#include "server/control/control_service.hpp"
 #include "server/scene/post.hpp"
 #include "server/scene/scene_ports.hpp"
 

@@ -12,8 +12,8 @@
 
 #include "core/command_line/suggestion.hpp"
 #include "server/access/state_file.hpp"
+#include "server/control/parameter_changes.hpp"
 #include "server/health.hpp"
-#include "server/parameter_changes.hpp"
 #include "server/server.hpp"
 #include "server/summary.hpp"
 #include "tests/client/temporary_folder.hpp"

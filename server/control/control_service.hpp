@@ -12,7 +12,7 @@
 #include "server/access/network.hpp"
 #include "server/access/rate_limit.hpp"
 #include "server/access/token_file.hpp"
-#include "server/control.hpp"
+#include "server/control/control.hpp"
 #include "server/scene/scene_host.hpp"
 
 namespace feltwire {

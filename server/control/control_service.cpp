@@ -1,4 +1,4 @@
-#include "server/control_service.hpp"
+#include "server/control/control_service.hpp"
 
 #include <spdlog/spdlog.h>
 
@@ -7,7 +7,7 @@
 #include "core/base/visible_text.hpp"
 #include "protocol/crypto/tls.hpp"
 #include "protocol/net/clock.hpp"
-#include "server/parameter_changes.hpp"
+#include "server/control/parameter_changes.hpp"
 #include "server/scene/scene_sessions.hpp"
 
 namespace feltwire {

@@ -1,4 +1,4 @@
-#include "server/parameter_changes.hpp"
+#include "server/control/parameter_changes.hpp"
 
 #include <spdlog/fmt/fmt.h>
 
