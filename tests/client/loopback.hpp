@@ -10,7 +10,7 @@
 #include "client/devices/replay.hpp"
 #include "client/emulated_link/emulated_port.hpp"
 #include "client/servo/servo_loop.hpp"
-#include "server/server.hpp"
+#include "server/app/server.hpp"
 #include "tests/support/eventually.hpp"
 #include "tests/support/security.hpp"
 

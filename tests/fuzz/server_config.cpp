@@ -3,7 +3,7 @@
 
 #include "core/base/json_document.hpp"
 #include "protocol/net/busy_poll.hpp"
-#include "server/config.hpp"
+#include "server/app/config.hpp"
 #include "tests/fuzz/fuzz.hpp"
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "server/server.hpp"
+#include "server/app/server.hpp"
 #include "tests/server/make.hpp"
 #include "tests/server/raw_socket.hpp"
 

@@ -4,8 +4,8 @@
 #include <gtest/gtest.h>
 
 #include "protocol/net/clock.hpp"
-#include "server/server.hpp"
-#include "server/summary.hpp"
+#include "server/app/server.hpp"
+#include "server/app/summary.hpp"
 #include "tests/core/moving.hpp"
 #include "tests/server/moving_bench.hpp"
 #include "tests/server/raw_socket.hpp"

@@ -9,8 +9,8 @@
 #include <thread>
 
 #include "core/scene_file/load_scene.hpp"
-#include "server/server.hpp"
-#include "server/signals.hpp"
+#include "server/app/server.hpp"
+#include "server/app/signals.hpp"
 #include "tests/client/temporary_folder.hpp"
 #include "tests/protocol/sealed.hpp"
 #include "tests/server/make.hpp"

@@ -6,7 +6,7 @@
 #include <atomic>
 #include <thread>
 
-#include "server/server.hpp"
+#include "server/app/server.hpp"
 #include "tests/protocol/sealed.hpp"
 #include "tests/server/make.hpp"
 #include "tests/server/raw_socket.hpp"

@@ -8,7 +8,7 @@
 #include <thread>
 
 #include "server/access/tokens.hpp"
-#include "server/summary.hpp"
+#include "server/app/summary.hpp"
 #include "tests/support/failing_allocation.hpp"
 
 namespace feltwire::json_text_test {

@@ -10,8 +10,8 @@
 
 #include "core/base/long_work.hpp"
 #include "core/scene_file/load_scene.hpp"
-#include "server/health.hpp"
-#include "server/server.hpp"
+#include "server/app/health.hpp"
+#include "server/app/server.hpp"
 #include "tests/client/temporary_folder.hpp"
 #include "tests/server/make.hpp"
 #include "tests/server/raw_socket.hpp"

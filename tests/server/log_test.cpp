@@ -12,10 +12,10 @@
 
 #include "core/command_line/suggestion.hpp"
 #include "server/access/state_file.hpp"
+#include "server/app/health.hpp"
+#include "server/app/server.hpp"
+#include "server/app/summary.hpp"
 #include "server/control/parameter_changes.hpp"
-#include "server/health.hpp"
-#include "server/server.hpp"
-#include "server/summary.hpp"
 #include "tests/client/temporary_folder.hpp"
 #include "tests/protocol/sealed.hpp"
 #include "tests/server/make.hpp"

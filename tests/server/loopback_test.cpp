@@ -12,7 +12,7 @@
 #include <thread>
 
 #include "protocol/net/real_time.hpp"
-#include "server/server.hpp"
+#include "server/app/server.hpp"
 #include "tests/core/moving.hpp"
 #include "tests/protocol/sealed.hpp"
 #include "tests/server/make.hpp"

@@ -6,7 +6,7 @@
 #include <array>
 
 #include "protocol/net/udp_socket.hpp"
-#include "server/server.hpp"
+#include "server/app/server.hpp"
 #include "tests/protocol/sealed.hpp"
 #include "tests/server/make.hpp"
 #include "tests/server/raw_socket.hpp"

@@ -10,9 +10,9 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
-#include "server/health.hpp"
-#include "server/server.hpp"
-#include "server/summary.hpp"
+#include "server/app/health.hpp"
+#include "server/app/server.hpp"
+#include "server/app/summary.hpp"
 #include "tests/server/make.hpp"
 #include "tests/server/raw_socket.hpp"
 #include "tests/support/eventually.hpp"

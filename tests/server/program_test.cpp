@@ -11,7 +11,7 @@
 #include <fstream>
 
 #include "core/build_info/build_info.hpp"
-#include "server/server.hpp"
+#include "server/app/server.hpp"
 #include "tests/client/temporary_folder.hpp"
 #include "tests/server/make.hpp"
 #include "tests/support/help.hpp"

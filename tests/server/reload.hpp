@@ -2,7 +2,7 @@
 
 #include <future>
 
-#include "server/server.hpp"
+#include "server/app/server.hpp"
 
 namespace feltwire::test {
 

@@ -9,7 +9,7 @@
 #include <fstream>
 
 #include "core/scene_file/load_scene.hpp"
-#include "server/server.hpp"
+#include "server/app/server.hpp"
 #include "tests/client/temporary_folder.hpp"
 #include "tests/core/moving.hpp"
 #include "tests/protocol/sealed.hpp"

@@ -10,7 +10,7 @@
 #include "core/mesh/tessellation.hpp"
 #include "core/scene_file/load_scene.hpp"
 #include "core/tool/body_tool.hpp"
-#include "server/server.hpp"
+#include "server/app/server.hpp"
 #include "tests/client/temporary_folder.hpp"
 #include "tests/core/moving.hpp"
 #include "tests/protocol/sealed.hpp"

@@ -8,7 +8,7 @@
 #include <cstdlib>
 #include <exception>
 
-#include "server/server.hpp"
+#include "server/app/server.hpp"
 #include "tests/soak/soak.hpp"
 
 namespace feltwire::soak {

@@ -7,7 +7,7 @@
 
 #include "core/scene_file/load_scene.hpp"
 #include "protocol/net/clock.hpp"
-#include "server/server.hpp"
+#include "server/app/server.hpp"
 #include "tests/soak/resources.hpp"
 #include "tests/support/security.hpp"
 

@@ -1,4 +1,4 @@
-#include "server/startup.hpp"
+#include "server/app/startup.hpp"
 
 #include <poll.h>
 #include <spdlog/spdlog.h>

@@ -1,4 +1,4 @@
-#include "server/config.hpp"
+#include "server/app/config.hpp"
 
 #include <algorithm>
 #include <array>
@@ -13,8 +13,8 @@
 #include "protocol/net/udp_socket.hpp"
 #include "protocol/session/profiles.hpp"
 #include "protocol/wire/control.hpp"
-#include "server/server_config_generated.h"
-#include "server/server_config_text.hpp"
+#include "server/app/server_config_generated.h"
+#include "server/app/server_config_text.hpp"
 
 namespace feltwire {
 namespace {

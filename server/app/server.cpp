@@ -1,4 +1,4 @@
-#include "server/server.hpp"
+#include "server/app/server.hpp"
 
 #include <spdlog/spdlog.h>
 

@@ -1,4 +1,4 @@
-#include "server/token_command.hpp"
+#include "server/app/token_command.hpp"
 
 #include <CLI/CLI.hpp>
 #include <cstdio>

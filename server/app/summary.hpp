@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "server/server.hpp"
+#include "server/app/server.hpp"
 
 namespace feltwire {
 

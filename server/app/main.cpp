@@ -19,15 +19,15 @@
 #include "core/scene/scene_cost_report.hpp"
 #include "core/scene_file/load_scene.hpp"
 #include "protocol/crypto/secret.hpp"
-#include "server/health.hpp"
-#include "server/log_format.hpp"
-#include "server/options.hpp"
+#include "server/app/health.hpp"
+#include "server/app/log_format.hpp"
+#include "server/app/options.hpp"
+#include "server/app/server.hpp"
+#include "server/app/signals.hpp"
+#include "server/app/startup.hpp"
+#include "server/app/summary.hpp"
+#include "server/app/token_command.hpp"
 #include "server/scene/answer_time.hpp"
-#include "server/server.hpp"
-#include "server/signals.hpp"
-#include "server/startup.hpp"
-#include "server/summary.hpp"
-#include "server/token_command.hpp"
 
 namespace {
 

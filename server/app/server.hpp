@@ -8,7 +8,7 @@
 
 #include "core/scene/scene.hpp"
 #include "server/access/security.hpp"
-#include "server/config.hpp"
+#include "server/app/config.hpp"
 #include "server/control/control_service.hpp"
 #include "server/scene/scene_host.hpp"
 #include "server/scene/scene_loader.hpp"

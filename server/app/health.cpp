@@ -1,4 +1,4 @@
-#include "server/health.hpp"
+#include "server/app/health.hpp"
 
 #include <array>
 #include <asio/buffer.hpp>

@@ -1,4 +1,4 @@
-#include "server/signals.hpp"
+#include "server/app/signals.hpp"
 
 #include <spdlog/spdlog.h>
 

@@ -4,7 +4,7 @@
 #include <csignal>
 #include <optional>
 
-#include "server/server.hpp"
+#include "server/app/server.hpp"
 
 namespace feltwire {
 

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "server/config.hpp"
+#include "server/app/config.hpp"
 
 namespace feltwire {
 

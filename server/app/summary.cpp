@@ -1,4 +1,4 @@
-#include "server/summary.hpp"
+#include "server/app/summary.hpp"
 
 #include <fstream>
 #include <stdexcept>
