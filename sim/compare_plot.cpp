@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "core/base/text.hpp"
-#include "sim/plot.hpp"
+#include "sim/report/plot.hpp"
 
 namespace feltwire {
 namespace {

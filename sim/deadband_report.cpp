@@ -3,7 +3,7 @@
 
 #include "core/base/text.hpp"
 #include "sim/deadband_study.hpp"
-#include "sim/plot.hpp"
+#include "sim/report/plot.hpp"
 
 namespace feltwire {
 namespace {

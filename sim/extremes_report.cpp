@@ -2,7 +2,7 @@
 
 #include "core/base/text.hpp"
 #include "sim/extremes.hpp"
-#include "sim/plot.hpp"
+#include "sim/report/plot.hpp"
 
 namespace feltwire {
 namespace {

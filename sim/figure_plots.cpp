@@ -3,7 +3,7 @@
 #include <array>
 #include <cstdio>
 
-#include "sim/plot.hpp"
+#include "sim/report/plot.hpp"
 
 namespace feltwire {
 namespace {

@@ -4,7 +4,7 @@
 #include "core/base/text.hpp"
 #include "sim/local_model.hpp"
 #include "sim/metrics.hpp"
-#include "sim/plot.hpp"
+#include "sim/report/plot.hpp"
 
 namespace feltwire {
 namespace {

@@ -15,7 +15,7 @@
 #include "protocol/net/ports.hpp"
 #include "sim/filters.hpp"
 #include "sim/link_relay.hpp"
-#include "sim/report_table.hpp"
+#include "sim/report/report_table.hpp"
 #include "sim/study_commands.hpp"
 
 namespace {

@@ -2,8 +2,8 @@
 
 #include "core/base/text.hpp"
 #include "sim/metrics.hpp"
-#include "sim/plot.hpp"
 #include "sim/rate.hpp"
+#include "sim/report/plot.hpp"
 
 namespace feltwire {
 namespace {

@@ -2,7 +2,7 @@
 
 #include "core/base/text.hpp"
 #include "sim/metrics.hpp"
-#include "sim/plot.hpp"
+#include "sim/report/plot.hpp"
 #include "sim/trade_geometry.hpp"
 
 namespace feltwire {

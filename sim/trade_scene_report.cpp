@@ -1,7 +1,7 @@
 #include <algorithm>
 
 #include "core/base/text.hpp"
-#include "sim/plot.hpp"
+#include "sim/report/plot.hpp"
 #include "sim/trade_scene.hpp"
 
 namespace feltwire {

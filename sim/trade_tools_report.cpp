@@ -1,7 +1,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/base/text.hpp"
-#include "sim/plot.hpp"
+#include "sim/report/plot.hpp"
 #include "sim/trade_tools.hpp"
 
 namespace feltwire {

@@ -1,7 +1,7 @@
 #include "sim/zwidth_plots.hpp"
 
 #include "core/base/text.hpp"
-#include "sim/plot.hpp"
+#include "sim/report/plot.hpp"
 
 namespace feltwire {
 namespace {

@@ -1,4 +1,4 @@
-#include "sim/report_table.hpp"
+#include "sim/report/report_table.hpp"
 
 #include <algorithm>
 #include <array>
