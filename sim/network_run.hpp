@@ -11,7 +11,7 @@
 #include "client/servo/servo.hpp"
 #include "core/scene/scene.hpp"
 #include "server/scene/scene_sessions.hpp"
-#include "sim/taking_hand.hpp"
+#include "sim/hands/adversarial_hand.hpp"
 
 namespace feltwire {
 

@@ -1,4 +1,4 @@
-#include "sim/taking_hand.hpp"
+#include "sim/hands/adversarial_hand.hpp"
 
 namespace feltwire {
 namespace {
