@@ -13,8 +13,8 @@
 #include "core/command_line/suggestion.hpp"
 #include "core/scene_file/load_scene.hpp"
 #include "protocol/net/ports.hpp"
+#include "sim/emulator/link_relay.hpp"
 #include "sim/filters.hpp"
-#include "sim/link_relay.hpp"
 #include "sim/report/report_table.hpp"
 #include "sim/study_commands.hpp"
 

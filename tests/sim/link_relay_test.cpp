@@ -1,6 +1,6 @@
 // The relay between real sockets of this machine: clients and a server in one process.
 
-#include "sim/link_relay.hpp"
+#include "sim/emulator/link_relay.hpp"
 
 #include <gmock/gmock.h>
 

@@ -1,4 +1,4 @@
-#include "sim/control_bridge.hpp"
+#include "sim/emulator/control_bridge.hpp"
 
 #include <asio/buffer.hpp>
 #include <asio/write.hpp>

@@ -1,4 +1,4 @@
-#include "sim/link_relay.hpp"
+#include "sim/emulator/link_relay.hpp"
 
 #include <algorithm>
 #include <asio/buffer.hpp>
@@ -10,8 +10,8 @@
 
 #include "client/emulated_link/link_json.hpp"
 #include "server/scene/scene_ports.hpp"
-#include "sim/control_bridge.hpp"
-#include "sim/relay_client.hpp"
+#include "sim/emulator/control_bridge.hpp"
+#include "sim/emulator/relay_client.hpp"
 
 namespace feltwire {
 namespace {

@@ -1,4 +1,4 @@
-#include "sim/relay_client.hpp"
+#include "sim/emulator/relay_client.hpp"
 
 #include <asio/buffer.hpp>
 
