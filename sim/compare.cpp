@@ -6,8 +6,8 @@
 #include <stdexcept>
 
 #include "core/base/parallel.hpp"
-#include "sim/cost.hpp"
-#include "sim/metrics.hpp"
+#include "sim/measure/cost.hpp"
+#include "sim/measure/metrics.hpp"
 
 namespace feltwire {
 namespace {

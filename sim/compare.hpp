@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "sim/compare_tasks.hpp"
-#include "sim/methods.hpp"
+#include "sim/measure/methods.hpp"
 
 namespace feltwire {
 

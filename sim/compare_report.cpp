@@ -3,7 +3,7 @@
 #include "core/base/text.hpp"
 #include "sim/compare.hpp"
 #include "sim/compare_plot.hpp"
-#include "sim/metrics.hpp"
+#include "sim/measure/metrics.hpp"
 
 namespace feltwire {
 namespace {

@@ -4,7 +4,7 @@
 #include "scenes/paper_sphere_text.hpp"
 #include "scenes/paper_wall_text.hpp"
 #include "sim/figures.hpp"
-#include "sim/surfaces.hpp"
+#include "sim/measure/surfaces.hpp"
 
 namespace feltwire {
 namespace {

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "sim/experiment.hpp"
+#include "sim/measure/experiment.hpp"
 
 namespace feltwire {
 

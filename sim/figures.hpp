@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "sim/metrics.hpp"
+#include "sim/measure/metrics.hpp"
 
 namespace feltwire {
 

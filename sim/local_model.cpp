@@ -10,7 +10,7 @@
 #include "core/mesh/tessellation.hpp"
 #include "core/scene_file/load_scene.hpp"
 #include "scenes/room_text.hpp"
-#include "sim/fidelity.hpp"
+#include "sim/measure/fidelity.hpp"
 
 namespace feltwire {
 namespace {

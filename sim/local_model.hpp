@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "sim/network_run.hpp"
+#include "sim/measure/network_run.hpp"
 
 namespace feltwire {
 

@@ -3,7 +3,7 @@
 
 #include "core/base/text.hpp"
 #include "sim/local_model.hpp"
-#include "sim/metrics.hpp"
+#include "sim/measure/metrics.hpp"
 #include "sim/report/plot.hpp"
 
 namespace feltwire {

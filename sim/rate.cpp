@@ -7,8 +7,8 @@
 #include "client/devices/simulated_device.hpp"
 #include "core/bounding/bounding.hpp"
 #include "core/scene/scene.hpp"
-#include "sim/cost.hpp"
-#include "sim/metrics.hpp"
+#include "sim/measure/cost.hpp"
+#include "sim/measure/metrics.hpp"
 
 namespace feltwire {
 namespace {

@@ -6,8 +6,8 @@
 #include <stdexcept>
 
 #include "core/base/parallel.hpp"
-#include "sim/fidelity.hpp"
-#include "sim/network_run.hpp"
+#include "sim/measure/fidelity.hpp"
+#include "sim/measure/network_run.hpp"
 
 namespace feltwire {
 namespace {

@@ -3,7 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/base/text.hpp"
-#include "sim/metrics.hpp"
+#include "sim/measure/metrics.hpp"
 #include "sim/report/plot.hpp"
 #include "sim/sides.hpp"
 

@@ -9,9 +9,9 @@
 #include "core/mesh/mesh_contact.hpp"
 #include "core/mesh/mesh_distance.hpp"
 #include "core/mesh/tessellation.hpp"
-#include "sim/cost.hpp"
-#include "sim/glide.hpp"
-#include "sim/metrics.hpp"
+#include "sim/measure/cost.hpp"
+#include "sim/measure/glide.hpp"
+#include "sim/measure/metrics.hpp"
 
 namespace feltwire {
 namespace {

@@ -9,8 +9,8 @@
 #include <thread>
 
 #include "server/scene/session.hpp"
-#include "sim/cost.hpp"
-#include "sim/glide.hpp"
+#include "sim/measure/cost.hpp"
+#include "sim/measure/glide.hpp"
 
 namespace feltwire {
 namespace {

@@ -8,7 +8,7 @@
 #include "core/mesh/tessellation.hpp"
 #include "core/scene/mechanism.hpp"
 #include "core/tool/body_tool.hpp"
-#include "sim/glide.hpp"
+#include "sim/measure/glide.hpp"
 #include "sim/trade_scene.hpp"
 
 namespace feltwire {

@@ -8,7 +8,7 @@
 #include "core/grid/signed_distance.hpp"
 #include "core/mesh/tessellation.hpp"
 #include "core/tool/body_tool.hpp"
-#include "sim/cost.hpp"
+#include "sim/measure/cost.hpp"
 
 namespace feltwire {
 namespace {

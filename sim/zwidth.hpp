@@ -7,8 +7,8 @@
 #include <string_view>
 #include <vector>
 
-#include "sim/methods.hpp"
-#include "sim/stiffness_search.hpp"
+#include "sim/measure/methods.hpp"
+#include "sim/measure/stiffness_search.hpp"
 
 namespace feltwire {
 

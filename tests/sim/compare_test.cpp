@@ -11,7 +11,7 @@
 #include <stdexcept>
 #include <thread>
 
-#include "sim/surfaces.hpp"
+#include "sim/measure/surfaces.hpp"
 
 namespace feltwire::compare_test {
 namespace {

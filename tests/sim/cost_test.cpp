@@ -1,4 +1,4 @@
-#include "sim/cost.hpp"
+#include "sim/measure/cost.hpp"
 
 #include <gtest/gtest.h>
 

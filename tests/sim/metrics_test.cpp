@@ -1,4 +1,4 @@
-#include "sim/metrics.hpp"
+#include "sim/measure/metrics.hpp"
 
 #include <gtest/gtest.h>
 

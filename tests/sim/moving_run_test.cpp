@@ -8,7 +8,7 @@
 
 #include "core/base/csv.hpp"
 #include "sim/filters.hpp"
-#include "sim/network_run.hpp"
+#include "sim/measure/network_run.hpp"
 #include "tests/core/moving.hpp"
 
 namespace feltwire::moving_run_test {

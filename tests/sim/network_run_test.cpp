@@ -1,14 +1,14 @@
 // A session in virtual time is the session: the same forces as a loop without a network where the
 // network does nothing, the counters of what it does, the bound whatever it does.
 
-#include "sim/network_run.hpp"
+#include "sim/measure/network_run.hpp"
 
 #include <gmock/gmock.h>
 
 #include <algorithm>
 #include <numeric>
 
-#include "sim/experiment.hpp"
+#include "sim/measure/experiment.hpp"
 
 namespace feltwire::network_run_test {
 namespace {

@@ -1,4 +1,4 @@
-#include "sim/stiffness_search.hpp"
+#include "sim/measure/stiffness_search.hpp"
 
 #include <gtest/gtest.h>
 

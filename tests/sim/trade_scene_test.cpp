@@ -11,7 +11,7 @@
 #include <set>
 
 #include "core/scene/scene_cost_report.hpp"
-#include "sim/glide.hpp"
+#include "sim/measure/glide.hpp"
 
 namespace feltwire::trade_scene_test {
 namespace {

@@ -3,8 +3,8 @@
 
 #include <span>
 
-#include "sim/metrics.hpp"
-#include "sim/network_run.hpp"
+#include "sim/measure/metrics.hpp"
+#include "sim/measure/network_run.hpp"
 
 namespace feltwire {
 

@@ -1,4 +1,4 @@
-#include "sim/network_run.hpp"
+#include "sim/measure/network_run.hpp"
 
 #include <algorithm>
 #include <chrono>

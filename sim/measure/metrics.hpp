@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/bounding/per_axis.hpp"
-#include "sim/experiment.hpp"
+#include "sim/measure/experiment.hpp"
 
 namespace feltwire {
 

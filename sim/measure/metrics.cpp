@@ -1,4 +1,4 @@
-#include "sim/metrics.hpp"
+#include "sim/measure/metrics.hpp"
 
 #include <algorithm>
 #include <cmath>

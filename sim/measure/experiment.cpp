@@ -1,4 +1,4 @@
-#include "sim/experiment.hpp"
+#include "sim/measure/experiment.hpp"
 
 #include <cmath>
 #include <stdexcept>

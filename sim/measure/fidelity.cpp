@@ -1,4 +1,4 @@
-#include "sim/fidelity.hpp"
+#include "sim/measure/fidelity.hpp"
 
 #include <cmath>
 #include <vector>

@@ -1,4 +1,4 @@
-#include "sim/surfaces.hpp"
+#include "sim/measure/surfaces.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -2,7 +2,7 @@
 // Surfaces that the lab lets a hand touch, beyond those that a scene file can say, and how far a
 // point is from them.
 
-#include "sim/experiment.hpp"
+#include "sim/measure/experiment.hpp"
 
 namespace feltwire {
 

@@ -1,4 +1,4 @@
-#include "sim/methods.hpp"
+#include "sim/measure/methods.hpp"
 
 #include <array>
 #include <stdexcept>
