@@ -7,19 +7,19 @@
 #include <iostream>
 #include <memory>
 
-#include "sim/choices.hpp"
-#include "sim/compare.hpp"
 #include "sim/deadband_study.hpp"
-#include "sim/extremes.hpp"
-#include "sim/figures.hpp"
 #include "sim/local_model.hpp"
-#include "sim/rate.hpp"
 #include "sim/sides.hpp"
+#include "sim/studies/bound/compare.hpp"
+#include "sim/studies/bound/contact_frame_options.hpp"
+#include "sim/studies/bound/extremes.hpp"
+#include "sim/studies/bound/figures.hpp"
+#include "sim/studies/bound/rate.hpp"
+#include "sim/studies/bound/zwidth.hpp"
 #include "sim/trade_geometry.hpp"
 #include "sim/trade_network.hpp"
 #include "sim/trade_scene.hpp"
 #include "sim/trade_tools.hpp"
-#include "sim/zwidth.hpp"
 
 namespace feltwire {
 namespace {

@@ -5,8 +5,8 @@
 #include <algorithm>
 
 #include "core/scene_file/load_scene.hpp"
-#include "sim/choices.hpp"
-#include "sim/figures.hpp"
+#include "sim/studies/bound/contact_frame_options.hpp"
+#include "sim/studies/bound/figures.hpp"
 
 namespace feltwire::experiment_test {
 namespace {

@@ -1,6 +1,6 @@
 // The check of the extremes checks: it passes what keeps its promise and catches what does not.
 
-#include "sim/extremes.hpp"
+#include "sim/studies/bound/extremes.hpp"
 
 #include <gmock/gmock.h>
 

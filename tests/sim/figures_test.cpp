@@ -1,7 +1,7 @@
 // The paper's story, as numbers. The bars are wide about what was measured (docs/lab/figures.md); a
 // method that stops doing its work misses them by far.
 
-#include "sim/figures.hpp"
+#include "sim/studies/bound/figures.hpp"
 
 #include <gtest/gtest.h>
 

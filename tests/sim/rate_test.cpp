@@ -1,6 +1,6 @@
 // The trade of servo rate and arithmetic obeys what is known about it.
 
-#include "sim/rate.hpp"
+#include "sim/studies/bound/rate.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,7 @@
 // The orderings that docs/lab/laboratory.md tells of, and that a map is complete and repeats
 // itself.
 
-#include "sim/zwidth.hpp"
+#include "sim/studies/bound/zwidth.hpp"
 
 #include <gtest/gtest.h>
 

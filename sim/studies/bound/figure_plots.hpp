@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <string>
 
-#include "sim/figures.hpp"
+#include "sim/studies/bound/figures.hpp"
 
 namespace feltwire {
 

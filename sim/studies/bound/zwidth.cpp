@@ -1,4 +1,4 @@
-#include "sim/zwidth.hpp"
+#include "sim/studies/bound/zwidth.hpp"
 
 #include <algorithm>
 #include <cmath>

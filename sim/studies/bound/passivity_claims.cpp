@@ -1,4 +1,4 @@
-#include "sim/energy_promise.hpp"
+#include "sim/studies/bound/passivity_claims.hpp"
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>

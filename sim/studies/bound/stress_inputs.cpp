@@ -1,4 +1,4 @@
-#include "sim/strain.hpp"
+#include "sim/studies/bound/stress_inputs.hpp"
 
 #include <utility>
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "core/bounding/bounding.hpp"
-#include "sim/energy_promise.hpp"
+#include "sim/studies/bound/passivity_claims.hpp"
 
 namespace feltwire {
 

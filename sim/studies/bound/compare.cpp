@@ -1,4 +1,4 @@
-#include "sim/compare.hpp"
+#include "sim/studies/bound/compare.hpp"
 
 #include <algorithm>
 #include <cmath>

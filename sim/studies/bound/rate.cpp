@@ -1,4 +1,4 @@
-#include "sim/rate.hpp"
+#include "sim/studies/bound/rate.hpp"
 
 #include <algorithm>
 #include <array>

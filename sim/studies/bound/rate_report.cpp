@@ -2,8 +2,8 @@
 
 #include "core/base/text.hpp"
 #include "sim/measure/metrics.hpp"
-#include "sim/rate.hpp"
 #include "sim/report/plot.hpp"
+#include "sim/studies/bound/rate.hpp"
 
 namespace feltwire {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <filesystem>
 
-#include "sim/compare.hpp"
+#include "sim/studies/bound/compare.hpp"
 
 namespace feltwire {
 

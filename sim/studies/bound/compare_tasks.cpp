@@ -1,10 +1,10 @@
-#include "sim/compare_tasks.hpp"
+#include "sim/studies/bound/compare_tasks.hpp"
 
 #include "core/scene_file/load_scene.hpp"
 #include "scenes/paper_sphere_text.hpp"
 #include "scenes/paper_wall_text.hpp"
-#include "sim/figures.hpp"
 #include "sim/measure/surfaces.hpp"
+#include "sim/studies/bound/figures.hpp"
 
 namespace feltwire {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <filesystem>
 
-#include "sim/zwidth.hpp"
+#include "sim/studies/bound/zwidth.hpp"
 
 namespace feltwire {
 

@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "sim/energy_promise.hpp"
+#include "sim/studies/bound/passivity_claims.hpp"
 
 namespace feltwire {
 

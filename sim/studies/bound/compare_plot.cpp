@@ -1,4 +1,4 @@
-#include "sim/compare_plot.hpp"
+#include "sim/studies/bound/compare_plot.hpp"
 
 #include <algorithm>
 

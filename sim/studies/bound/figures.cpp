@@ -1,4 +1,4 @@
-#include "sim/figures.hpp"
+#include "sim/studies/bound/figures.hpp"
 
 #include <algorithm>
 #include <array>
@@ -10,7 +10,7 @@
 #include "core/scene_file/load_scene.hpp"
 #include "scenes/paper_sphere_text.hpp"
 #include "scenes/paper_wall_text.hpp"
-#include "sim/figure_plots.hpp"
+#include "sim/studies/bound/figure_plots.hpp"
 
 namespace feltwire {
 namespace {

@@ -1,4 +1,4 @@
-#include "sim/figure_plots.hpp"
+#include "sim/studies/bound/figure_plots.hpp"
 
 #include <array>
 #include <cstdio>

@@ -1,9 +1,9 @@
 #include <nlohmann/json.hpp>
 
 #include "core/base/text.hpp"
-#include "sim/compare.hpp"
-#include "sim/compare_plot.hpp"
 #include "sim/measure/metrics.hpp"
+#include "sim/studies/bound/compare.hpp"
+#include "sim/studies/bound/compare_plot.hpp"
 
 namespace feltwire {
 namespace {

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "sim/compare_tasks.hpp"
 #include "sim/measure/methods.hpp"
+#include "sim/studies/bound/compare_tasks.hpp"
 
 namespace feltwire {
 

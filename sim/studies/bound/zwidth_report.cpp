@@ -2,8 +2,8 @@
 #include <nlohmann/json.hpp>
 
 #include "core/base/text.hpp"
-#include "sim/zwidth.hpp"
-#include "sim/zwidth_plots.hpp"
+#include "sim/studies/bound/zwidth.hpp"
+#include "sim/studies/bound/zwidth_plots.hpp"
 
 namespace feltwire {
 namespace {

@@ -1,8 +1,8 @@
 #include <nlohmann/json.hpp>
 
 #include "core/base/text.hpp"
-#include "sim/extremes.hpp"
 #include "sim/report/plot.hpp"
+#include "sim/studies/bound/extremes.hpp"
 
 namespace feltwire {
 namespace {

@@ -1,9 +1,9 @@
-#include "sim/choices.hpp"
+#include "sim/studies/bound/contact_frame_options.hpp"
 
 #include <algorithm>
 
 #include "core/base/text.hpp"
-#include "sim/figures.hpp"
+#include "sim/studies/bound/figures.hpp"
 
 namespace feltwire {
 namespace {

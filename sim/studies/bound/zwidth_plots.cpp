@@ -1,4 +1,4 @@
-#include "sim/zwidth_plots.hpp"
+#include "sim/studies/bound/zwidth_plots.hpp"
 
 #include "core/base/text.hpp"
 #include "sim/report/plot.hpp"

@@ -1,4 +1,4 @@
-#include "sim/extremes.hpp"
+#include "sim/studies/bound/extremes.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -6,7 +6,7 @@
 
 #include "client/devices/simulated_device.hpp"
 #include "core/scene/scene.hpp"
-#include "sim/strain.hpp"
+#include "sim/studies/bound/stress_inputs.hpp"
 
 namespace feltwire {
 namespace {
