@@ -7,17 +7,17 @@
 #include <iostream>
 #include <memory>
 
-#include "sim/deadband_study.hpp"
-#include "sim/local_model.hpp"
-#include "sim/sides.hpp"
 #include "sim/studies/bound/compare.hpp"
 #include "sim/studies/bound/contact_frame_options.hpp"
 #include "sim/studies/bound/extremes.hpp"
 #include "sim/studies/bound/figures.hpp"
 #include "sim/studies/bound/rate.hpp"
 #include "sim/studies/bound/zwidth.hpp"
+#include "sim/studies/network/deadband_study.hpp"
+#include "sim/studies/network/local_model.hpp"
+#include "sim/studies/network/trade_network.hpp"
+#include "sim/studies/network/where_to_bound.hpp"
 #include "sim/trade_geometry.hpp"
-#include "sim/trade_network.hpp"
 #include "sim/trade_scene.hpp"
 #include "sim/trade_tools.hpp"
 

@@ -1,7 +1,7 @@
 // The study's own claims on a small grid: what a deadband saves, what it may cost, and that no hand
 // takes more than was burned.
 
-#include "sim/deadband_study.hpp"
+#include "sim/studies/network/deadband_study.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,7 @@
 // A local model makes a delay no matter: the bars of the laboratory's table, on the part of it that
 // is quick.
 
-#include "sim/local_model.hpp"
+#include "sim/studies/network/local_model.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,13 +1,13 @@
 // Who should bound: the measurement obeys what is known, and would notice a bound that is wrong.
 
-#include "sim/sides.hpp"
-
 #include <gmock/gmock.h>
 
 #include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <sstream>
+
+#include "sim/studies/network/where_to_bound.hpp"
 
 namespace feltwire::sides_test {
 namespace {

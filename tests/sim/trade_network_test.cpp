@@ -1,4 +1,4 @@
-#include "sim/trade_network.hpp"
+#include "sim/studies/network/trade_network.hpp"
 
 #include <gtest/gtest.h>
 

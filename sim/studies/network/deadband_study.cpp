@@ -1,4 +1,4 @@
-#include "sim/deadband_study.hpp"
+#include "sim/studies/network/deadband_study.hpp"
 
 #include <algorithm>
 #include <array>

@@ -5,7 +5,7 @@
 #include "core/base/text.hpp"
 #include "sim/measure/metrics.hpp"
 #include "sim/report/plot.hpp"
-#include "sim/trade_network.hpp"
+#include "sim/studies/network/trade_network.hpp"
 
 namespace feltwire {
 namespace {

@@ -1,4 +1,4 @@
-#include "sim/local_model.hpp"
+#include "sim/studies/network/local_model.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -2,8 +2,8 @@
 #include <nlohmann/json.hpp>
 
 #include "core/base/text.hpp"
-#include "sim/deadband_study.hpp"
 #include "sim/report/plot.hpp"
+#include "sim/studies/network/deadband_study.hpp"
 
 namespace feltwire {
 namespace {

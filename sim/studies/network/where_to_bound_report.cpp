@@ -5,7 +5,7 @@
 #include "core/base/text.hpp"
 #include "sim/measure/metrics.hpp"
 #include "sim/report/plot.hpp"
-#include "sim/sides.hpp"
+#include "sim/studies/network/where_to_bound.hpp"
 
 namespace feltwire {
 namespace {

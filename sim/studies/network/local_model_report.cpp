@@ -2,9 +2,9 @@
 #include <nlohmann/json.hpp>
 
 #include "core/base/text.hpp"
-#include "sim/local_model.hpp"
 #include "sim/measure/metrics.hpp"
 #include "sim/report/plot.hpp"
+#include "sim/studies/network/local_model.hpp"
 
 namespace feltwire {
 namespace {

@@ -1,4 +1,4 @@
-#include "sim/sides.hpp"
+#include "sim/studies/network/where_to_bound.hpp"
 
 #include <algorithm>
 #include <array>
