@@ -17,9 +17,9 @@
 #include "sim/studies/network/local_model.hpp"
 #include "sim/studies/network/trade_network.hpp"
 #include "sim/studies/network/where_to_bound.hpp"
-#include "sim/trade_geometry.hpp"
-#include "sim/trade_scene.hpp"
-#include "sim/trade_tools.hpp"
+#include "sim/studies/scene/trade_geometry.hpp"
+#include "sim/studies/scene/trade_scene.hpp"
+#include "sim/studies/scene/trade_tools.hpp"
 
 namespace feltwire {
 namespace {

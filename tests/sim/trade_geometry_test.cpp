@@ -1,6 +1,6 @@
 // What the pages of the trade study on geometry and tools say holds of small ones, too.
 
-#include "sim/trade_geometry.hpp"
+#include "sim/studies/scene/trade_geometry.hpp"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 #include <fstream>
 #include <sstream>
 
-#include "sim/trade_tools.hpp"
+#include "sim/studies/scene/trade_tools.hpp"
 
 namespace feltwire::trade_geometry_test {
 namespace {

@@ -1,7 +1,7 @@
 // The cases of the trade study on scenes leave nothing out, and what it compares with answers
 // alike.
 
-#include "sim/trade_scene.hpp"
+#include "sim/studies/scene/trade_scene.hpp"
 
 #include <gtest/gtest.h>
 

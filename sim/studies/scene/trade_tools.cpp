@@ -1,4 +1,4 @@
-#include "sim/trade_tools.hpp"
+#include "sim/studies/scene/trade_tools.hpp"
 
 #include <cmath>
 #include <memory>

@@ -3,7 +3,7 @@
 #include "core/base/text.hpp"
 #include "sim/measure/metrics.hpp"
 #include "sim/report/plot.hpp"
-#include "sim/trade_geometry.hpp"
+#include "sim/studies/scene/trade_geometry.hpp"
 
 namespace feltwire {
 namespace {

@@ -2,7 +2,7 @@
 
 #include "core/base/text.hpp"
 #include "sim/report/plot.hpp"
-#include "sim/trade_tools.hpp"
+#include "sim/studies/scene/trade_tools.hpp"
 
 namespace feltwire {
 namespace {

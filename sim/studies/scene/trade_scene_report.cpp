@@ -2,7 +2,7 @@
 
 #include "core/base/text.hpp"
 #include "sim/report/plot.hpp"
-#include "sim/trade_scene.hpp"
+#include "sim/studies/scene/trade_scene.hpp"
 
 namespace feltwire {
 namespace {

@@ -9,7 +9,7 @@
 #include "core/scene/mechanism.hpp"
 #include "core/tool/body_tool.hpp"
 #include "sim/measure/glide.hpp"
-#include "sim/trade_scene.hpp"
+#include "sim/studies/scene/trade_scene.hpp"
 
 namespace feltwire {
 namespace {

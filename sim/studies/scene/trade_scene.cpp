@@ -1,4 +1,4 @@
-#include "sim/trade_scene.hpp"
+#include "sim/studies/scene/trade_scene.hpp"
 
 #include <malloc.h>
 

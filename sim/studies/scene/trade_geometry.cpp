@@ -1,4 +1,4 @@
-#include "sim/trade_geometry.hpp"
+#include "sim/studies/scene/trade_geometry.hpp"
 
 #include <algorithm>
 #include <cmath>
