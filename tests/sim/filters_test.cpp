@@ -1,4 +1,4 @@
-#include "sim/filters.hpp"
+#include "sim/lab/filters.hpp"
 
 #include <gmock/gmock.h>
 

@@ -7,7 +7,7 @@
 #include <sstream>
 
 #include "core/base/csv.hpp"
-#include "sim/filters.hpp"
+#include "sim/lab/filters.hpp"
 #include "sim/measure/network_run.hpp"
 #include "tests/core/moving.hpp"
 

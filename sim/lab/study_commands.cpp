@@ -1,6 +1,6 @@
 // The studies of feltwire-lab: each runs in process and writes a folder.
 
-#include "sim/study_commands.hpp"
+#include "sim/lab/study_commands.hpp"
 
 #include <filesystem>
 #include <functional>

@@ -14,9 +14,9 @@
 #include "core/scene_file/load_scene.hpp"
 #include "protocol/net/ports.hpp"
 #include "sim/emulator/link_relay.hpp"
-#include "sim/filters.hpp"
+#include "sim/lab/filters.hpp"
+#include "sim/lab/study_commands.hpp"
 #include "sim/report/report_table.hpp"
-#include "sim/study_commands.hpp"
 
 namespace {
 
