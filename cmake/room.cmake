@@ -1,0 +1,36 @@
+# feltwire_room(FOLDER [USES room ...] [LINKS library ...] [PRIVATE library ...] [SOURCES file ...] [SCHEMAS file ...])
+#
+# The library of one folder of core/, protocol/, server/, client/ or sim/, whose CMakeLists.txt calls this: core/mesh is
+# feltwire_core_mesh. USES names the rooms whose headers it includes; LINKS what whoever includes its headers needs too;
+# PRIVATE what its sources alone need. A room without sources has headers only.
+function(feltwire_room folder)
+  cmake_parse_arguments(ARG "" "" "USES;LINKS;PRIVATE;SOURCES;SCHEMAS" ${ARGN})
+  file(RELATIVE_PATH path ${PROJECT_SOURCE_DIR} ${CMAKE_CURRENT_SOURCE_DIR}/${folder})
+  string(REPLACE "/" "_" name "feltwire_${path}")
+  set(uses)
+  foreach(room IN LISTS ARG_USES)
+    string(REPLACE "/" "_" used "feltwire_${room}")
+    list(APPEND uses ${used})
+  endforeach()
+  if(ARG_SOURCES)
+    list(TRANSFORM ARG_SOURCES PREPEND ${folder}/)
+    add_library(${name} STATIC ${ARG_SOURCES})
+    target_link_libraries(${name} PUBLIC feltwire_options ${uses} ${ARG_LINKS} PRIVATE ${ARG_PRIVATE})
+  else()
+    add_library(${name} INTERFACE)
+    target_link_libraries(${name} INTERFACE feltwire_options ${uses} ${ARG_LINKS})
+  endif()
+  if(ARG_SCHEMAS)
+    list(TRANSFORM ARG_SCHEMAS PREPEND ${folder}/)
+    feltwire_schema(${name} ${ARG_SCHEMAS})
+  endif()
+endfunction()
+
+# feltwire_rooms(NAME room ...): one name for several rooms.
+function(feltwire_rooms name)
+  add_library(${name} INTERFACE)
+  foreach(room IN LISTS ARGN)
+    string(REPLACE "/" "_" used "feltwire_${room}")
+    target_link_libraries(${name} INTERFACE ${used})
+  endforeach()
+endfunction()
