@@ -143,6 +143,10 @@ struct Encoder::Builder {
   // Twice the size: the fields of a table under construction wait at the buffer's other end.
   flatbuffers::FlatBufferBuilder payload{2 * kMaxDatagram};
 
+  /// FlatBuffers takes its buffer with the first byte. That is here, where memory may be refused,
+  /// and not in the first datagram.
+  Builder() { payload.PushElement(std::uint8_t{0}); }
+
   /// For the next one; keeps its buffer.
   flatbuffers::FlatBufferBuilder& begin() {
     payload.Clear();
