@@ -38,7 +38,7 @@ std::string device_names() {
 }
 
 /// The command line as it is written, before its words are understood.
-struct Words {
+struct WrittenOptions {
   std::string connect, scene, device = "simulated", spec = "simulated";
   std::string mode = std::string(name(SessionParameters{}.mode)),
               projection = std::string(name(SessionParameters{}.projection)), storage = "minimal",
@@ -66,7 +66,7 @@ void require(bool good, const char* message) {
 
 /// Sets the safety limits that the command line does not give to values that protect the hand, as
 /// far as the bounding mode allows.
-void choose_safety(const Words& words, ClientOptions& options) {
+void choose_safety(const WrittenOptions& words, ClientOptions& options) {
   SafetyLimits& given = options.servo.safety;
   const SafetyLimits usual = protect_hand(options.parameters).safety;
   given.force.small = words.wait_for_small_force.value_or(usual.force.small);
@@ -75,14 +75,14 @@ void choose_safety(const Words& words, ClientOptions& options) {
   given.ramp_up = words.ramp_up.value_or(usual.ramp_up);
 }
 
-double period_of(const Words& words) {
+double period_of(const WrittenOptions& words) {
   require(std::isfinite(words.rate) && words.rate > 0.0, "--rate must be above 0 Hz");
   return 1.0 / words.rate;
 }
 
 /// Begins with what a profile says; the command line is then read once more, and wins. Throws
 /// std::invalid_argument.
-void begin_with(const NetworkProfile& line, Words& words, SessionParameters& parameters) {
+void begin_with(const NetworkProfile& line, WrittenOptions& words, SessionParameters& parameters) {
   constexpr double kPercent = 100.0;
   parameters = {};
   parameters.mode = bounding_mode(words.mode);
@@ -95,14 +95,15 @@ void begin_with(const NetworkProfile& line, Words& words, SessionParameters& par
 
 /// [Hz] of datagrams to the server, if not one a tick. Who only looks does so at the rate of
 /// pictures, unless told otherwise.
-std::optional<double> packet_rate(const Words& words, Role role) {
+std::optional<double> packet_rate(const WrittenOptions& words, Role role) {
   constexpr double kPictures = 100.0;
   const bool usual = !words.packet_rate && words.profile.empty();
   return usual && role == Role::observer ? std::min(kPictures, words.rate) : words.packet_rate;
 }
 
 /// How often what travels. Throws std::invalid_argument.
-void choose_traffic(const Words& words, std::optional<double> rate, SessionParameters& parameters) {
+void choose_traffic(const WrittenOptions& words, std::optional<double> rate,
+                    SessionParameters& parameters) {
   constexpr double kPercent = 0.01;
   parameters.position_deadband = kPercent * words.position_deadband_percent;
   parameters.force_deadband = kPercent * words.force_deadband_percent;
@@ -123,11 +124,11 @@ std::vector<NamedFile> named(std::vector<NamedFile> files) {
   return files;
 }
 
-std::vector<NamedFile> written_files(const Words& words) {
+std::vector<NamedFile> written_files(const WrittenOptions& words) {
   return named({{"--report", words.report}, {"--record", words.record}, {"--view", words.view}});
 }
 
-std::vector<NamedFile> read_files(const Words& words) {
+std::vector<NamedFile> read_files(const WrittenOptions& words) {
   const CredentialOptions& c = words.credentials;
   const bool replays = words.device.starts_with(kReplay);
   return named({{"--device", replays ? words.device.substr(kReplay.size()) : std::string()},
@@ -147,7 +148,7 @@ void check_name(const char* option, const std::string& name) {
 }
 
 /// Throws std::invalid_argument.
-void understand(const Words& words, HandTask task, ClientOptions& options) {
+void understand(const WrittenOptions& words, HandTask task, ClientOptions& options) {
   options.server = {parse_endpoint(words.connect), credentials(words.credentials)};
   if (options.list) return;
   require(!words.scene.empty(), "--scene is required; --list shows the scenes there are");
@@ -211,7 +212,7 @@ std::variant<ClientOptions, int> parse_options(int argc, char** argv) {
   ClientOptions options;
   SessionParameters& parameters = options.parameters;
   HandTask task;
-  Words words;
+  WrittenOptions words;
 
   CLI::App app{
       "feltwire-client: a haptic device, simulated or replayed, in a scene of a feltwire server."};

@@ -55,7 +55,7 @@ bool Signals::take() const noexcept {
 }
 
 void attend(const Signals& signals, ServoThread& thread, Ring<LiveStatus>& statuses,
-            Records& records, Rejoiner& rejoiner) noexcept {
+            Records& records, Reconnector& reconnector) noexcept {
   StatusLine line;
   bool connected = true;
   std::array<pollfd, 2> waiting{
@@ -71,8 +71,8 @@ void attend(const Signals& signals, ServoThread& thread, Ring<LiveStatus>& statu
     records.write();
     if (fresh) show(line, status, records);
     if (fresh) connected = status.connected;
-    if (running) rejoiner.look(connected, Rejoiner::Clock::now());
-    if (!rejoiner.refusal().empty()) thread.stop();
+    if (running) reconnector.look(connected, Reconnector::Clock::now());
+    if (!reconnector.refusal().empty()) thread.stop();
   }
   line.end();
 }

@@ -28,6 +28,6 @@ class Signals {
 /// session, and has the loop end on a signal or when another session is refused for good. Nothing
 /// that fails in here ends the run: a status line that there is no memory for is not shown.
 void attend(const Signals& signals, ServoThread& thread, Ring<LiveStatus>& statuses,
-            Records& records, Rejoiner& rejoiner) noexcept;
+            Records& records, Reconnector& reconnector) noexcept;
 
 }  // namespace feltwire

@@ -39,7 +39,7 @@ std::uint64_t renew(std::map<Key, Seen>& known, std::size_t most, Key from, Key 
 
 }  // namespace
 
-void SeenScene::take(const SceneView& view) {
+void ObservedScene::take(const SceneView& view) {
   left_out_ +=
       renew(hands_, kMostHands, view.hands_from, view.hands_end, view.hands(), hands_gone_);
   left_out_ +=

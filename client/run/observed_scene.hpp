@@ -12,7 +12,7 @@
 
 namespace feltwire {
 
-class SeenScene {
+class ObservedScene {
  public:
   static constexpr std::size_t kMostHands = 1024;   // 16 times what a server admits by default
   static constexpr std::size_t kMostBodies = 4096;  // objects that move

@@ -10,10 +10,10 @@ std::string text(const SightCounts& counts) {
          (counts.left_out > 0 ? ", " + std::to_string(counts.left_out) + " left out" : "");
 }
 
-Onlooker::Onlooker(const std::optional<std::filesystem::path>& file)
+ObserverRecorder::ObserverRecorder(const std::optional<std::filesystem::path>& file)
     : file_(file ? std::make_unique<ViewFile>(*file) : nullptr) {}
 
-void Onlooker::look() {
+void ObserverRecorder::look() {
   while (views_.pop(shown_)) {
     scene_.take(shown_.view);
     ++counts_.views;
@@ -27,7 +27,7 @@ void Onlooker::look() {
   if (file_) file_->write();
 }
 
-void Onlooker::finish() {
+void ObserverRecorder::finish() {
   if (file_) file_->finish();
 }
 

@@ -16,16 +16,16 @@ struct SightCounts {
   std::uint64_t views = 0;                      // that came
   std::size_t hands = 0, bodies = 0;            // that there are, as far as is known
   std::size_t most_hands = 0, most_bodies = 0;  // at once
-  std::uint64_t left_out = 0;                   // times that there was no room for one (SeenScene)
+  std::uint64_t left_out = 0;  // times that there was no room for one (ObservedScene)
 };
 
 /// "  sees 2 hands, 1 body", and ", 3 left out" where there was no room for all.
 std::string text(const SightCounts& counts);
 
-class Onlooker {
+class ObserverRecorder {
  public:
   /// With a `file` that gets what is seen. Throws std::runtime_error naming it, likewise look().
-  explicit Onlooker(const std::optional<std::filesystem::path>& file);
+  explicit ObserverRecorder(const std::optional<std::filesystem::path>& file);
 
   /// Where the servo's thread puts views.
   Ring<TimedView>& views() { return views_; }
@@ -34,14 +34,14 @@ class Onlooker {
   /// Has the file, if there is one, be on the disk.
   void finish();
 
-  const SeenScene& scene() const { return scene_; }
+  const ObservedScene& scene() const { return scene_; }
   const SightCounts& counts() const { return counts_; }
 
  private:
   static constexpr std::size_t kRoom = 256;  // views: a look in 20 ms takes 200 at 10 kHz
   Ring<TimedView> views_{kRoom};
   TimedView shown_;
-  SeenScene scene_;
+  ObservedScene scene_;
   SightCounts counts_;
   std::unique_ptr<ViewFile> file_;
 };

@@ -9,7 +9,7 @@ namespace feltwire {
 
 Records::Records(const Files& files, std::FILE* errors) : errors_(errors) {
   if (files.recording) recording_ = std::make_unique<RecordingFile>(*files.recording);
-  if (files.observes) onlooker_ = std::make_unique<Onlooker>(files.view);
+  if (files.observes) observer_ = std::make_unique<ObserverRecorder>(files.view);
 }
 
 template <class Action>
@@ -34,13 +34,13 @@ void Records::tell(const char* what) const noexcept {
 
 void Records::write() noexcept {
   if (recording_) attempt(recording_failed_, [&] { recording_->write(rows_); });
-  if (onlooker_) attempt(view_failed_, [&] { onlooker_->look(); });
+  if (observer_) attempt(view_failed_, [&] { observer_->look(); });
 }
 
 void Records::finish() noexcept {
   write();
   if (recording_) attempt(recording_failed_, [&] { recording_->finish(); });
-  if (onlooker_) attempt(view_failed_, [&] { onlooker_->finish(); });
+  if (observer_) attempt(view_failed_, [&] { observer_->finish(); });
 }
 
 }  // namespace feltwire

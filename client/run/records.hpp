@@ -25,9 +25,9 @@ class Records {
   explicit Records(const Files& files, std::FILE* errors = stderr);
 
   Ring<TickRecord>* rows() { return recording_ ? &rows_ : nullptr; }
-  Ring<TimedView>* views() { return onlooker_ ? &onlooker_->views() : nullptr; }
+  Ring<TimedView>* views() { return observer_ ? &observer_->views() : nullptr; }
   std::optional<SightCounts> sight() const {
-    return onlooker_ ? std::optional(onlooker_->counts()) : std::nullopt;
+    return observer_ ? std::optional(observer_->counts()) : std::nullopt;
   }
 
   void write() noexcept;
@@ -44,7 +44,7 @@ class Records {
   static constexpr std::size_t kRecordRoom = 1 << 14;  // rows: more than a second at 10 kHz
   std::unique_ptr<RecordingFile> recording_;
   Ring<TickRecord> rows_{kRecordRoom};
-  std::unique_ptr<Onlooker> onlooker_;
+  std::unique_ptr<ObserverRecorder> observer_;
   std::FILE* errors_;
   bool recording_failed_ = false, view_failed_ = false;
 };

@@ -151,7 +151,7 @@ int run_client(std::unique_ptr<Device> device, const RunOptions& options) {
   joined.keys = {};  // the transport has what is still needed of them
   // From here on the server knows of us: whatever fails, it is told.
   std::shared_ptr<Run> all;
-  std::optional<Rejoiner> rejoiner;
+  std::optional<Reconnector> reconnector;
   std::optional<CrashRelease> crash_release;
   std::optional<ServoThread> thread;
   try {
@@ -160,7 +160,7 @@ int run_client(std::unique_ptr<Device> device, const RunOptions& options) {
       std::fprintf(stderr, "feltwire-client: warning: %s\n", warning->c_str());
     all = make_run(options, joined.accepted, std::move(device), transport);
     wanted.parameters = joined.accepted.parameters;
-    rejoiner.emplace(options.server, wanted, all->sessions);
+    reconnector.emplace(options.server, wanted, all->sessions);
     crash_release.emplace(all->guard);
     thread.emplace(all);
   } catch (...) {
@@ -170,10 +170,10 @@ int run_client(std::unique_ptr<Device> device, const RunOptions& options) {
   // From here on the hand may hold a force: nothing is thrown until the thread has ended.
   RealTime real_time = thread->real_time();
   warn_of_missing(real_time, all->priority);
-  attend(signals, *thread, all->statuses, *all->records, *rejoiner);
+  attend(signals, *thread, all->statuses, *all->records, *reconnector);
   const bool ended = thread->end();
   LoopResult& result = all->result;
-  if (!rejoiner->refusal().empty() && !result.stood_still) result.end = EndReason::refused;
+  if (!reconnector->refusal().empty() && !result.stood_still) result.end = EndReason::refused;
 
   all->records->finish();
   bool reported = false, failed = all->records->failed();
@@ -192,9 +192,9 @@ int run_client(std::unique_ptr<Device> device, const RunOptions& options) {
                  visible(error.what()).c_str());
     failed = true;
   }
-  const int ending = conclude(options, all->servo, result, rejoiner->refusal(), reported);
+  const int ending = conclude(options, all->servo, result, reconnector->refusal(), reported);
   const int code = failed ? 1 : ending;
-  if (!ended || rejoiner->asking()) end_at_once(code);
+  if (!ended || reconnector->asking()) end_at_once(code);
   return code;
 }
 

@@ -29,7 +29,7 @@ void append_pose(std::string& lines, const Pose& pose) {
 ViewFile::ViewFile(const std::filesystem::path& file)
     : file_(file, "the view", "--view", "t,kind,id,x,y,z,qw,qx,qy,qz,fx,fy,fz\n") {}
 
-void ViewFile::add(const TimedView& shown, const SeenScene& scene) {
+void ViewFile::add(const TimedView& shown, const ObservedScene& scene) {
   std::string& lines = file_.lines();
   for (const SeenHand& hand : shown.view.hands()) {
     begin_row(lines, shown.time, "hand", hand.number);

@@ -19,7 +19,7 @@ class ViewFile {
 
   /// Adds the rows of a view, and of the hands and bodies that `scene`, which has taken the view,
   /// no longer has.
-  void add(const TimedView& shown, const SeenScene& scene);
+  void add(const TimedView& shown, const ObservedScene& scene);
   void write() { file_.put(); }
   void finish() { file_.finish(); }
 

@@ -7,11 +7,11 @@
 namespace feltwire {
 namespace {
 
-struct Words {
+struct ReasonText {
   std::string_view name, text;
 };
 
-constexpr std::array<Words, kNoForceReasons> kWords = {{
+constexpr std::array<ReasonText, kNoForceReasons> kWords = {{
     {"felt", ""},
     {"observer", "an observer is given none"},
     {"device_ended", "the recording is over"},

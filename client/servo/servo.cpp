@@ -64,7 +64,7 @@ void refuse_beside(BoundingMode mode, const char* what, double value, const char
 /// Finite, and nothing that the bound would refuse.
 bool believable(const Command& c) {
   const auto small = [](const Vec3& v) {
-    return v.allFinite() && v.cwiseAbs().maxCoeff() <= kAbsurdForce;
+    return v.allFinite() && v.cwiseAbs().maxCoeff() <= kLargestForce;
   };
   return small(c.elastic) && small(c.frictional) && small(c.torque);
 }

@@ -8,9 +8,9 @@ constexpr unsigned kExpected = bit(DatagramKind::reply) | bit(DatagramKind::good
 
 }  // namespace
 
-Conversation::Conversation(std::uint64_t session, const SessionKeys& keys,
-                           const SessionParameters& parameters, bool rotation,
-                           const PositionScale& scale)
+DatagramSession::DatagramSession(std::uint64_t session, const SessionKeys& keys,
+                                 const SessionParameters& parameters, bool rotation,
+                                 const PositionScale& scale)
     : session_(session),
       packer_(parameters, rotation, scale),
       sealer_(keys.suite, keys.up),
@@ -28,26 +28,26 @@ Conversation::Conversation(std::uint64_t session, const SessionKeys& keys,
   encoder_.goodbye(GoodbyeReason::leaving);
 }
 
-void Conversation::resume(std::uint64_t session, const SessionKeys& keys) noexcept {
+void DatagramSession::resume(std::uint64_t session, const SessionKeys& keys) noexcept {
   session_ = session;
   sealer_ = Sealer(keys.suite, keys.up);
   opener_ = Opener(keys.suite, keys.down);
   packer_.restart();
 }
 
-Bytes Conversation::pack(const Sample& sample) noexcept {
+Bytes DatagramSession::pack(const Sample& sample) noexcept {
   const SampleBatch* batch = packer_.add(sample);
   if (batch == nullptr) return {};
   return sealer_.seal(DatagramKind::samples, session_, encoder_.samples(*batch), sealed_);
 }
 
-Bytes Conversation::goodbye() noexcept {
+Bytes DatagramSession::goodbye() noexcept {
   return sealer_.seal(DatagramKind::goodbye, session_, encoder_.goodbye(GoodbyeReason::leaving),
                       sealed_);
 }
 
-Conversation::Arrival Conversation::take(Bytes datagram, Reply& reply,
-                                         GoodbyeReason& reason) noexcept {
+DatagramSession::Arrival DatagramSession::take(Bytes datagram, Reply& reply,
+                                               GoodbyeReason& reason) noexcept {
   const Guarded guarded = guard(datagram, kExpected);
   DropReason drop = guarded.drop;
   if (drop == DropReason::none && guarded.header.session != session_) drop = DropReason::session;

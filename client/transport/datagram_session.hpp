@@ -12,15 +12,16 @@
 
 namespace feltwire {
 
-class Conversation {
+class DatagramSession {
  public:
   enum class Arrival { dropped, reply, goodbye };
 
   /// `keys` are of this session alone; `parameters` as the server granted them: how often datagrams
   /// are due and what is in them; `rotation`: orientation and torque travel too; `scale`: of a
   /// position deadband. Takes all its memory here.
-  Conversation(std::uint64_t session, const SessionKeys& keys, const SessionParameters& parameters,
-               bool rotation, const PositionScale& scale = {});
+  DatagramSession(std::uint64_t session, const SessionKeys& keys,
+                  const SessionParameters& parameters, bool rotation,
+                  const PositionScale& scale = {});
 
   /// Goes on with another session and its keys: numbers begin anew, and what still comes of the old
   /// one is dropped. Precondition: their suite is supported.

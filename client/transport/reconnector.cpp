@@ -9,8 +9,9 @@
 
 namespace feltwire {
 
-Rejoiner::Attempt Rejoiner::attempt(const ServerAccess& server, const control::JoinRequest& request,
-                                    std::chrono::milliseconds timeout) {
+Reconnector::Attempt Reconnector::attempt(const ServerAccess& server,
+                                          const control::JoinRequest& request,
+                                          std::chrono::milliseconds timeout) {
   try {
     const Joined joined = join(server, request, timeout);
     // The servo loop goes on with the parameters that it has: a new session must have the same.
@@ -28,7 +29,7 @@ Rejoiner::Attempt Rejoiner::attempt(const ServerAccess& server, const control::J
 }
 
 /// The result of an attempt. An attempt that could not end properly has failed.
-Rejoiner::Attempt Rejoiner::outcome() noexcept {
+Reconnector::Attempt Reconnector::outcome() noexcept {
   try {
     return attempt_.get();
   } catch (const std::exception&) {
@@ -36,15 +37,15 @@ Rejoiner::Attempt Rejoiner::outcome() noexcept {
   }
 }
 
-Rejoiner::Rejoiner(ServerAccess server, control::JoinRequest request, Ring<SessionAddress>& out,
-                   const RejoinOptions& options)
+Reconnector::Reconnector(ServerAccess server, control::JoinRequest request,
+                         Ring<SessionAddress>& out, const RejoinOptions& options)
     : server_(std::move(server)),
       request_(std::move(request)),
       out_(out),
       options_(options),
       wait_(options.first_wait) {}
 
-void Rejoiner::look(bool connected, Clock::time_point now) noexcept {
+void Reconnector::look(bool connected, Clock::time_point now) noexcept {
   if (attempt_.valid()) {
     if (attempt_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return;
     Attempt done = outcome();
@@ -73,12 +74,12 @@ void Rejoiner::look(bool connected, Clock::time_point now) noexcept {
   }
 }
 
-void Rejoiner::put_off(Clock::time_point now) noexcept {
+void Reconnector::put_off(Clock::time_point now) noexcept {
   next_ = now + wait_;
   wait_ = std::min(2 * wait_, options_.longest_wait);
 }
 
-void Rejoiner::begin() {
+void Reconnector::begin() {
   std::packaged_task<Attempt()> task(
       [server = server_, request = request_, timeout = options_.timeout] {
         return attempt(server, request, timeout);

@@ -22,14 +22,14 @@ struct RejoinOptions {
 /// For one thread that is not the servo's. Attempts run in a thread of their own, so that look()
 /// never blocks. One that fails for want of memory, descriptors or threads has failed like any
 /// other: it is tried again.
-class Rejoiner {
+class Reconnector {
  public:
   using Clock = std::chrono::steady_clock;
 
   /// `request` asks for the parameters that are in force: another session has to be the same. New
   /// sessions go to `out`.
-  Rejoiner(ServerAccess server, control::JoinRequest request, Ring<SessionAddress>& out,
-           const RejoinOptions& options = {});
+  Reconnector(ServerAccess server, control::JoinRequest request, Ring<SessionAddress>& out,
+              const RejoinOptions& options = {});
 
   /// Call now and then: `connected` is what the loop says of its session.
   void look(bool connected, Clock::time_point now) noexcept;

@@ -6,25 +6,25 @@ namespace feltwire {
 
 Transport::Transport(const SessionAddress& to, const SessionParameters& parameters, bool rotation,
                      std::unique_ptr<DatagramPort> port, const PositionScale& scale)
-    : conversation_(to.session, to.keys, parameters, rotation, scale),
+    : datagrams_(to.session, to.keys, parameters, rotation, scale),
       port_(port != nullptr ? std::move(port) : open_udp_port(to.server)) {}
 
 bool Transport::resume(const SessionAddress& to) noexcept {
   look_at_lengths();
   if (!supported(to.keys.suite) || !port_->connect(to.server)) return false;
-  conversation_.resume(to.session, to.keys);
+  datagrams_.resume(to.session, to.keys);
   return true;
 }
 
 /// Datagrams carry fewer samples from now on if the path took one that was too long.
 void Transport::look_at_lengths() noexcept {
   for (const std::uint64_t seen = port_->statistics().too_long; too_long_ < seen; ++too_long_)
-    conversation_.carry_fewer();
+    datagrams_.carry_fewer();
 }
 
 bool Transport::send(const Sample& sample) noexcept {
   look_at_lengths();
-  const Bytes datagram = conversation_.pack(sample);
+  const Bytes datagram = datagrams_.pack(sample);
   if (datagram.empty()) return false;
   port_->send(datagram);
   return true;
@@ -34,12 +34,12 @@ Transport::Arrival Transport::receive(Reply& reply, GoodbyeReason& reason) noexc
   for (int tries = 0; tries < DatagramPort::kBurst; ++tries) {
     const std::optional<Bytes> datagram = port_->receive();
     if (!datagram) return Arrival::nothing;
-    switch (conversation_.take(*datagram, reply, reason)) {
-      case Conversation::Arrival::reply:
+    switch (datagrams_.take(*datagram, reply, reason)) {
+      case DatagramSession::Arrival::reply:
         return Arrival::reply;
-      case Conversation::Arrival::goodbye:
+      case DatagramSession::Arrival::goodbye:
         return Arrival::goodbye;
-      case Conversation::Arrival::dropped:
+      case DatagramSession::Arrival::dropped:
         break;
     }
   }
@@ -48,7 +48,7 @@ Transport::Arrival Transport::receive(Reply& reply, GoodbyeReason& reason) noexc
 
 void Transport::goodbye() noexcept {
   constexpr int kTimes = 3;
-  for (int i = 0; i < kTimes; ++i) port_->send_now(conversation_.goodbye());
+  for (int i = 0; i < kTimes; ++i) port_->send_now(datagrams_.goodbye());
 }
 
 }  // namespace feltwire

@@ -55,18 +55,18 @@ class Transport {
 
   /// The view in the last reply received, for an observer; null: it had none. Valid until the next
   /// receive().
-  const SceneView* view() const { return conversation_.view(); }
+  const SceneView* view() const { return datagrams_.view(); }
 
   /// Tells the server that this client leaves; three times, as no answer comes, and past the
   /// datagrams that the port holds back, as the program may end before they leave.
   void goodbye() noexcept;
 
-  TransportStatistics statistics() const { return {port_->statistics(), conversation_.dropped()}; }
+  TransportStatistics statistics() const { return {port_->statistics(), datagrams_.dropped()}; }
 
  private:
   void look_at_lengths() noexcept;
 
-  Conversation conversation_;
+  DatagramSession datagrams_;
   std::unique_ptr<DatagramPort> port_;
   std::uint64_t too_long_ = 0;  // of the port's statistics, when it was last looked at
 };

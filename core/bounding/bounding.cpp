@@ -11,10 +11,10 @@ namespace {
 
 // Beyond these nothing is a force or a movement of a hand but a fault upstream; it also keeps every
 // product below finite, in float too.
-constexpr double kAbsurdMovement = 1e6;    // [m], [rad]
-constexpr double kAbsurdHold = 1e6;        // [s]
-constexpr double kAbsurdStiffness = 1e18;  // [N/m], [N m/rad]
-constexpr double kShortestPeriod = 1e-12;  // [s]
+constexpr double kLargestMovement = 1e6;    // [m], [rad]
+constexpr double kLargestHold = 1e6;        // [s]
+constexpr double kLargestStiffness = 1e18;  // [N/m], [N m/rad]
+constexpr double kShortestPeriod = 1e-12;   // [s]
 
 template <class Choice, class Names>
 Choice named(std::string_view what, std::string_view given, const Names& names) {
@@ -35,9 +35,9 @@ EbaConstants axis_constants(double damping, double period, std::optional<double>
   EbaConstants c;
   c.c1 = c1.value_or(damping / period);
   c.c2 = c2.value_or(c.c1);
-  require(c.c1 >= 0.0 && c.c1 <= kAbsurdStiffness,
+  require(c.c1 >= 0.0 && c.c1 <= kLargestStiffness,
           "c1" + suffix + " must be finite and not negative");
-  require(c.c2 >= 0.0 && c.c2 <= kAbsurdStiffness,
+  require(c.c2 >= 0.0 && c.c2 <= kLargestStiffness,
           "c2" + suffix + " must be finite and not negative");
   require(c.c2 <= c.c1,
           "c2" + suffix + " = " + std::to_string(c.c2) + " is above c1" + suffix + " = " +
@@ -68,7 +68,7 @@ template <class Real>
 Coupling<Real> coupling(const CouplingConfig& c, double b, double period,
                         const std::string& suffix) {
   const double stiffness = c.stiffness.value_or(b / period);
-  require(stiffness >= 0.0 && stiffness <= kAbsurdStiffness,
+  require(stiffness >= 0.0 && stiffness <= kLargestStiffness,
           "coupling stiffness" + suffix + " must be finite and not negative");
   const double damping = c.damping.value_or(std::max(0.0, b - 0.5 * stiffness * period));
   require(damping >= 0.0 && std::isfinite(damping),
@@ -89,9 +89,9 @@ void check(const BoundingConfig& c) {
   require(c.period >= kShortestPeriod, "period is too short; give seconds");
   validate(c.damping, "damping");
   validate(c.rotational_damping, "rotational damping");
-  require(2.0 * c.damping.matrix().cwiseAbs().maxCoeff() / c.period <= kAbsurdStiffness,
+  require(2.0 * c.damping.matrix().cwiseAbs().maxCoeff() / c.period <= kLargestStiffness,
           "damping over period is absurd; the period is too short for this damping");
-  require(2.0 * c.rotational_damping.matrix().cwiseAbs().maxCoeff() / c.period <= kAbsurdStiffness,
+  require(2.0 * c.rotational_damping.matrix().cwiseAbs().maxCoeff() / c.period <= kLargestStiffness,
           "rotational damping over period is absurd; the period is too short for this damping");
   if (c.mode == BoundingMode::contact_frame || c.mode == BoundingMode::energy_tank) {
     const std::string remedy = std::string(" must be above zero along every axis for the mode ") +
@@ -112,8 +112,8 @@ bool sane(const Vector3<Real>& v, double limit) {
 }
 template <class Real>
 bool sane(const BasicCommand<Real>& c) {
-  return sane(c.elastic, kAbsurdForce) && sane(c.frictional, kAbsurdForce) &&
-         sane(c.torque, kAbsurdForce);
+  return sane(c.elastic, kLargestForce) && sane(c.frictional, kLargestForce) &&
+         sane(c.torque, kLargestForce);
 }
 
 /// Beyond rounding. Sane vectors: no square overflows.
@@ -241,9 +241,9 @@ BasicBoundingStep<Real> BasicBounding<Real>::checked(const Step& given,
                                                      bool& refused) const noexcept {
   Step s = given;
   if (!rotation_) s.command.torque = s.rotation = Vector3<Real>::Zero();
-  const bool displacement_sane = sane(s.displacement, kAbsurdMovement);
-  const bool rotation_sane = sane(s.rotation, kAbsurdMovement);
-  const bool hold_sane = std::abs(s.hold_time) <= kAbsurdHold;
+  const bool displacement_sane = sane(s.displacement, kLargestMovement);
+  const bool rotation_sane = sane(s.rotation, kLargestMovement);
+  const bool hold_sane = std::abs(s.hold_time) <= kLargestHold;
   // A hold shorter than T earns no more credit than T.
   if (!hold_sane || s.hold_time < period_) s.hold_time = period_;
   refused = !sane(s.command) || !displacement_sane || !rotation_sane || !hold_sane;
@@ -254,7 +254,7 @@ BasicBoundingStep<Real> BasicBounding<Real>::checked(const Step& given,
     s.displacement = translation_damping_.worst_movement(held_.force(), s.hold_time);
   if (!rotation_sane) s.rotation = rotational_damping_.worst_movement(held_.torque, s.hold_time);
   // The time of the movement is not known: it is credited nothing.
-  if (!hold_sane) s.hold_time = static_cast<Real>(kAbsurdHold);
+  if (!hold_sane) s.hold_time = static_cast<Real>(kLargestHold);
   return s;
 }
 

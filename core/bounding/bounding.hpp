@@ -98,7 +98,7 @@ struct BoundingConfig {
 };
 
 /// [N], [N m] a command with a component beyond it is refused.
-inline constexpr double kAbsurdForce = 1e12;
+inline constexpr double kLargestForce = 1e12;
 
 /// One step's outcome.
 template <class Real>

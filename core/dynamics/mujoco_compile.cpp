@@ -183,7 +183,7 @@ std::string inertial(const MassProperties& solid, double density) {
 }
 
 /// Of a mesh why it cannot move.
-Broken no_volume(const TriangleMesh& mesh) {
+Violation no_volume(const TriangleMesh& mesh) {
   const MeshReport& report = mesh.report();
   if (!report.closed())
     return {"mesh", "its surface is not closed (" + std::to_string(report.boundary_edges) +
@@ -217,7 +217,7 @@ void check_bodies(const std::vector<Object>& objects, const std::vector<int>& bo
   std::set<std::string> names;
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     const std::string whose = "body '" + bodies[i].name + "'";
-    if (const auto broken = broken_rule(bodies[i])) refuse(whose, *broken);
+    if (const auto broken = check(bodies[i])) refuse(whose, *broken);
     if (!names.insert(bodies[i].name).second)
       refuse(whose, {"name", "stands twice in the scene; rename one"});
     if (own_objects[i].empty())
@@ -338,9 +338,9 @@ std::shared_ptr<const Mechanism> compile(std::vector<Object>& objects, std::vect
                                          const MechanismOptions& options) {
   if (body_of.size() != objects.size())
     throw std::invalid_argument("body_of: must have an entry for each object; give -1 for none");
-  if (const auto broken = broken_rule(options)) refuse("scene", *broken);
+  if (const auto broken = check(options)) refuse("scene", *broken);
   for (Object& o : objects) {
-    if (const auto broken = broken_rule(o.pose)) refuse("object '" + o.name + "'", *broken);
+    if (const auto broken = check(o.pose)) refuse("object '" + o.name + "'", *broken);
     o.pose.orientation.normalize();
   }
   std::vector<Body> bodies = given;

@@ -131,8 +131,8 @@ struct World::Run {
 namespace {
 
 /// The share of so much force [N] that its limit lets a hand put on what moves.
-double allowed(const Grasp& grasp, double force) {
-  return force > grasp.most_force ? grasp.most_force / force : 1.0;
+double allowed(const BodyContactState& contacts, double force) {
+  return force > contacts.most_force ? contacts.most_force / force : 1.0;
 }
 
 const Mechanism& mechanism_of(const Scene& scene) {
@@ -153,7 +153,7 @@ World::World(const Scene& scene)
       run_(std::make_unique<Run>(mechanism_of(scene))) {
   const auto add = [&](const Scene& held) {
     const std::span<const Object> moving(held.objects().data() + still_, parts_);
-    held_.push_back({&held, held.objects(), MovingReach(moving, held.tool().radius)});
+    held_.push_back({&held, held.objects(), NeighbourSearch(moving, held.tool().radius)});
     for (std::size_t i = 0; i < parts_; ++i)
       followed_[i].way |= follows_way(moving[i].shape, moving[i].felt_from);
   };
@@ -177,7 +177,7 @@ void World::look() noexcept {
     pose.orientation = (turned * part.in_body.orientation).normalized();
     std::array<mjtNum, 6> velocity{};  // of the body's frame, world axes: angular, linear
     mj_objectVelocity(&run_->model(), run_->data(), mjOBJ_XBODY, part.body, velocity.data(), 0);
-    for (Held& held : held_) {
+    for (ToolView& held : held_) {
       held.objects[still_ + i].pose = pose;
       held.reach.place(i, pose);
     }
@@ -185,7 +185,7 @@ void World::look() noexcept {
     motion.angular = mujoco::vector(velocity.data());
     motion.linear = mujoco::vector(velocity.data() + 3) + motion.angular.cross(arm);
   }
-  for (Held& held : held_) held.reach.placed();
+  for (ToolView& held : held_) held.reach.placed();
 }
 
 bool World::sane(std::size_t part) const noexcept {
@@ -234,7 +234,7 @@ void World::go_back() noexcept {
     run_->simulation.evaluate();
   }
   look();
-  for (Held& held : held_) held.reach.begin_anew();
+  for (ToolView& held : held_) held.reach.begin_anew();
   trust_ = 0.0;
   ++counters_.resets;
   reset_before_ = last_reset_;
@@ -250,11 +250,11 @@ void World::find_broken(bool gave_up) noexcept {
   broken.spread();
 }
 
-double World::blame(const Grasp& grasp) const noexcept {
+double World::blame(const BodyContactState& contacts) const noexcept {
   const auto age = static_cast<std::uint64_t>(std::llround(kBlameAge / tick_));
   double hardest = 0.0;
-  for (std::size_t i = 0; i < grasp.strains.size(); ++i) {
-    const Strain& strain = grasp.strains[i];
+  for (std::size_t i = 0; i < contacts.peak_pushes.size(); ++i) {
+    const PeakPush& strain = contacts.peak_pushes[i];
     const bool lately = strain.step > reset_before_ && strain.step + age >= last_reset_;
     if (lately && run_->broken_trees.has(run_->parts[i].body))
       hardest = std::max(hardest, strain.force);
@@ -278,31 +278,32 @@ Vec3 World::momentum() const noexcept {
   return sum;
 }
 
-void World::push(Grasp& grasp, TouchMemory& memory, double share) noexcept {
-  if (memory.size() != objects().size() || grasp.nearness.size() != parts_) [[unlikely]]
+void World::push(BodyContactState& contacts, TouchMemory& memory, double share) noexcept {
+  if (memory.size() != objects().size() || contacts.nearness.size() != parts_) [[unlikely]]
     return;
-  if (grasp.resets != counters_.resets) {
-    grasp.fresh = false;
-    forget_moving(grasp, memory);
+  if (contacts.resets != counters_.resets) {
+    contacts.fresh = false;
+    forget_moving(contacts, memory);
   }
-  if (!grasp.fresh) {
+  if (!contacts.fresh) {
     Command unused;
-    ask_near({grasp.tool.position, Vec3::Zero()}, memory, grasp, unused);
+    ask_near({contacts.tool.position, Vec3::Zero()}, memory, contacts, unused);
   }
-  grasp.fresh = false;
+  contacts.fresh = false;
   double force = 0.0;  // [N]
-  for (const std::uint32_t part : grasp.near.parts) force += length(grasp.forces[part]);
-  const double given = share * allowed(grasp, force);
-  const MovingReach& reach = held_[grasp.held].reach;
-  for (const std::uint32_t part : grasp.near.parts)
-    apply(part, grasp, reach.nearest(part, grasp.tool.position), given);
+  for (const std::uint32_t part : contacts.near.parts) force += length(contacts.forces[part]);
+  const double given = share * allowed(contacts, force);
+  const NeighbourSearch& reach = held_[contacts.held].reach;
+  for (const std::uint32_t part : contacts.near.parts)
+    apply(part, contacts, reach.nearest(part, contacts.tool.position), given);
 }
 
-void World::apply(std::size_t part, Grasp& grasp, const Vec3& at, double share) noexcept {
-  const Vec3 force = -share * grasp.forces[part], torque = -share * grasp.torques[part];
+void World::apply(std::size_t part, BodyContactState& contacts, const Vec3& at,
+                  double share) noexcept {
+  const Vec3 force = -share * contacts.forces[part], torque = -share * contacts.torques[part];
   if ((force.isZero(0.0) && torque.isZero(0.0)) || !force.allFinite() || !torque.allFinite())
     return;
-  Strain& strain = grasp.strains[part];
+  PeakPush& strain = contacts.peak_pushes[part];
   const std::uint64_t next = counters_.steps + 1;  // the step that takes this push
   const auto age = static_cast<std::uint64_t>(std::llround(kBlameAge / tick_));
   const double hard = length(force);
@@ -311,16 +312,17 @@ void World::apply(std::size_t part, Grasp& grasp, const Vec3& at, double share) 
              run_->parts[part].body, run_->data()->qfrc_applied);
 }
 
-void World::push(Grasp& grasp, BodyMemory& memory, double share) noexcept {
-  if (grasp.forces.size() != parts_) [[unlikely]]
+void World::push(BodyContactState& contacts, BodyMemory& memory, double share) noexcept {
+  if (contacts.forces.size() != parts_) [[unlikely]]
     return;
   // Where no sample came the hand is taken to stand.
-  if (!grasp.fresh || grasp.resets != counters_.resets) hold(grasp.device, tick_, memory, grasp);
-  grasp.fresh = false;
+  if (!contacts.fresh || contacts.resets != counters_.resets)
+    hold(contacts.device, tick_, memory, contacts);
+  contacts.fresh = false;
   double force = 0.0;  // [N]
-  for (const Vec3& part : grasp.forces) force += length(part);
-  const double given = share * allowed(grasp, force);
-  for (std::size_t i = 0; i < parts_; ++i) apply(i, grasp, grasp.tool.position, given);
+  for (const Vec3& part : contacts.forces) force += length(part);
+  const double given = share * allowed(contacts, force);
+  for (std::size_t i = 0; i < parts_; ++i) apply(i, contacts, contacts.tool.position, given);
 }
 
 }  // namespace feltwire

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "core/dynamics/hand_pace.hpp"
-#include "core/dynamics/moving_reach.hpp"
+#include "core/dynamics/neighbour_list.hpp"
 #include "core/local_model/local_model.hpp"
 #include "core/scene/scene.hpp"
 #include "core/tool/body_tool.hpp"
@@ -15,28 +15,28 @@
 namespace feltwire {
 
 /// Of a moving object to a tool: not in its list, in the list, or asked by its last sample.
-enum class Nearness : std::uint8_t { far, near, asked };
+enum class NeighbourState : std::uint8_t { far, near, asked };
 
 /// The hardest that a hand pushed an object lately.
-struct Strain {
+struct PeakPush {
   double force = 0.0;      // [N]
   std::uint64_t step = 0;  // of the world, then
 };
 
 /// One tool's hold on the moving objects: what it put on them last.
-struct Grasp {
+struct BodyContactState {
   std::size_t held = 0;  // which of the scene's tools it is: 0 its own, then its others()
   Tool tool;
   std::vector<Vec3> forces;  // [N] on the hand, one for each moving object
-  NearMoving near;           // of a point or a ball: these alone are asked; others have no force
-  std::vector<Nearness> nearness;        // likewise, of each moving object
+  NeighbourList near;        // of a point or a ball: these alone are asked; others have no force
+  std::vector<NeighbourState> nearness;  // likewise, of each moving object
   bool fresh = false;                    // of the tool's newest sample, and no step since
   std::uint64_t resets = 0;              // of the world, that the contact memory knows of
   std::uint64_t steps = 0;               // of the world, when it was last asked
   double most_force = HandLimits::kOff;  // [N] on all moving objects together
   HandPace pace;
-  bool placed = false;          // a sample has come
-  std::vector<Strain> strains;  // one for each moving object
+  bool placed = false;                // a sample has come
+  std::vector<PeakPush> peak_pushes;  // one for each moving object
 
   // Of a tool with a body; `tool` is then where the scene holds it.
   Pose device;                        // where the hand holds it
@@ -61,7 +61,7 @@ class World {
   World(const World&) = delete;
   World& operator=(const World&) = delete;
 
-  /// The scene for hands that hold one of its tools, by Grasp::held.
+  /// The scene for hands that hold one of its tools, by BodyContactState::held.
   const Scene& scene(std::size_t held = 0) const { return *held_[held].scene; }
   double tick() const { return tick_; }  // [s] of a step
   /// That scene's objects, those that move where they now are.
@@ -79,21 +79,21 @@ class World {
   /// [N s] linear momentum of the bodies.
   Vec3 momentum() const noexcept;
 
-  Grasp grasp() const { return grasp(scene()); }
+  BodyContactState contact_state() const { return contact_state(scene()); }
   /// Of a hand that feels this scene: the world's or one of its others(), else
   /// std::invalid_argument.
-  Grasp grasp(const Scene& held, const HandLimits& limits = {}) const;
+  BodyContactState contact_state(const Scene& held, const HandLimits& limits = {}) const;
 
-  /// As Scene::touch() of the scene that the grasp was made for, with the moving objects where they
-  /// are and as fast as they are. What they put on the hand is kept in `grasp`; push() puts the
-  /// opposite on them. A hand that is faster than its limit since its last sample lets go of what
-  /// moves, and both feel each other from nothing again, whole after kRecovery.
-  Command touch(const Tool& tool, TouchMemory& memory, Grasp& grasp) const noexcept;
+  /// As Scene::touch() of the scene that the contacts were made for, with the moving objects where
+  /// they are and as fast as they are. What they put on the hand is kept in `contacts`; push() puts
+  /// the opposite on them. A hand that is faster than its limit since its last sample lets go of
+  /// what moves, and both feel each other from nothing again, whole after kRecovery.
+  Command touch(const Tool& tool, TouchMemory& memory, BodyContactState& contacts) const noexcept;
   /// Likewise as Scene::touch() of a tool with a body.
   Command touch(const Pose& device, const Vec3& velocity, double elapsed, BodyMemory& memory,
-                Grasp& grasp) const noexcept;
+                BodyContactState& contacts) const noexcept;
 
-  /// Puts a share (0 to 1) of the grasp on the bodies for the next step. The first step after a
+  /// Puts a share (0 to 1) of the contacts on the bodies for the next step. The first step after a
   /// sample takes exactly the forces that touch() answered with, negated, at the tool: Newton's
   /// third law, moments included. At a further one the hand is taken to stand where it was, and the
   /// forces are those that the bodies meet it with now: a force held on while the body moves would
@@ -101,8 +101,8 @@ class World {
   /// hand's limit, all are scaled down alike, torques with them. A point or ball that has been
   /// pushed out of an object's ball of reach, with the surface behind it, pushes at the nearest
   /// point of that ball: no lever is longer than the object.
-  void push(Grasp& grasp, TouchMemory& memory, double share) noexcept;
-  void push(Grasp& grasp, BodyMemory& memory, double share) noexcept;
+  void push(BodyContactState& contacts, TouchMemory& memory, double share) noexcept;
+  void push(BodyContactState& contacts, BodyMemory& memory, double share) noexcept;
 
   /// Moves on by one tick, and takes the pushes away. False where the step came to nothing sane
   /// (MuJoCo gives up, numbers that are not finite, speeds that nothing here has): then the bodies
@@ -114,7 +114,7 @@ class World {
   /// reset before and at most kBlameAge ago; 0: it had no part in it. What broke is each object
   /// that is not sane, with all that it hangs together with by joints or contacts; where MuJoCo
   /// gave up and does not say at what, it is everything.
-  double blame(const Grasp& grasp) const noexcept;
+  double blame(const BodyContactState& contacts) const noexcept;
 
   static constexpr double kBlameAge = 0.1;        // [s]
   static constexpr double kGoodAge = 0.2;         // [s]
@@ -125,25 +125,27 @@ class World {
 
  private:
   struct Run;
-  struct Held;
+  struct ToolView;
   void look() noexcept;
   bool sane() const noexcept;
   bool sane(std::size_t part) const noexcept;
   void find_broken(bool gave_up) noexcept;
   void go_back() noexcept;
-  void forget_moving(Grasp& grasp, TouchMemory& memory) const noexcept;
+  void forget_moving(BodyContactState& contacts, TouchMemory& memory) const noexcept;
   std::uint64_t time() const noexcept { return counters_.steps + passed_; }
-  double way_of(const Grasp& grasp, const Pose& next) const noexcept;
-  Command hold(const Pose& device, double elapsed, BodyMemory& memory, Grasp& grasp) const noexcept;
-  void apply(std::size_t part, Grasp& grasp, const Vec3& at, double share) noexcept;
-  void look_round(const Held& held, const Vec3& position, TouchMemory& memory,
-                  Grasp& grasp) const noexcept;
-  void ask_near(const Tool& tool, TouchMemory& memory, Grasp& grasp, Command& sum) const noexcept;
-  void ask(const Held& held, std::size_t part, const Tool& tool, TouchMemory& memory, Grasp& grasp,
-           Command& sum) const noexcept;
-  bool comes_near(const Held& held, std::size_t part, const Vec3& position, const Grasp& grasp,
-                  FeatureMemory& memory) const noexcept;
-  bool passes_by(const Held& held, std::size_t part, const Vec3& position,
+  double way_of(const BodyContactState& contacts, const Pose& next) const noexcept;
+  Command hold(const Pose& device, double elapsed, BodyMemory& memory,
+               BodyContactState& contacts) const noexcept;
+  void apply(std::size_t part, BodyContactState& contacts, const Vec3& at, double share) noexcept;
+  void look_round(const ToolView& held, const Vec3& position, TouchMemory& memory,
+                  BodyContactState& contacts) const noexcept;
+  void ask_near(const Tool& tool, TouchMemory& memory, BodyContactState& contacts,
+                Command& sum) const noexcept;
+  void ask(const ToolView& held, std::size_t part, const Tool& tool, TouchMemory& memory,
+           BodyContactState& contacts, Command& sum) const noexcept;
+  bool comes_near(const ToolView& held, std::size_t part, const Vec3& position,
+                  const BodyContactState& contacts, FeatureMemory& memory) const noexcept;
+  bool passes_by(const ToolView& held, std::size_t part, const Vec3& position,
                  FeatureMemory& memory) const noexcept;
 
   double tick_;
@@ -161,13 +163,13 @@ class World {
   std::vector<Followed> followed_;
   /// What hands meet that hold one of the tools: the same places, but what is triangles to a point
   /// is a grid to a body.
-  struct Held {
+  struct ToolView {
     const Scene* scene;
     std::vector<Object> objects;
-    MovingReach reach;  // of those that move
+    NeighbourSearch reach;  // of those that move
   };
-  std::vector<Held> held_;  // never empty
-  double trust_ = 1.0;      // share of a moving object's force that is felt
+  std::vector<ToolView> held_;  // never empty
+  double trust_ = 1.0;          // share of a moving object's force that is felt
   WorldCounters counters_;
   std::uint64_t passed_ = 0;                         // ticks that were not stepped
   std::uint64_t last_reset_ = 0, reset_before_ = 0;  // [steps]

@@ -9,71 +9,72 @@
 
 namespace feltwire {
 
-/// [m] that a point of a grasp's tool may have gone from its last pose to the next.
-double World::way_of(const Grasp& grasp, const Pose& next) const noexcept {
-  if (!grasp.placed) return 0.0;
-  const double radius = scene(grasp.held).tool().body->shell().radius;
-  return length(Vec3(next.position - grasp.device.position)) +
-         radius * length(rotation_between(grasp.device.orientation, next.orientation));
+/// [m] that a point of a hand's tool may have gone from its last pose to the next.
+double World::way_of(const BodyContactState& contacts, const Pose& next) const noexcept {
+  if (!contacts.placed) return 0.0;
+  const double radius = scene(contacts.held).tool().body->shell().radius;
+  return length(Vec3(next.position - contacts.device.position)) +
+         radius * length(rotation_between(contacts.device.orientation, next.orientation));
 }
 
-Grasp World::grasp(const Scene& held, const HandLimits& limits) const {
-  const auto found = std::ranges::find(held_, &held, &Held::scene);
+BodyContactState World::contact_state(const Scene& held, const HandLimits& limits) const {
+  const auto found = std::ranges::find(held_, &held, &ToolView::scene);
   if (found == held_.end())
-    throw std::invalid_argument("scene '" + held.name() +
-                                "' is not this world's; ask for a grasp of one of its tools");
-  Grasp grasp;
-  grasp.most_force = limits.force;
-  grasp.pace = HandPace(limits.speed, tick_, kRecovery);
-  grasp.held = static_cast<std::size_t>(found - held_.begin());
-  grasp.forces.assign(parts_, Vec3::Zero());
-  grasp.torques.assign(parts_, Vec3::Zero());
-  grasp.strains.resize(parts_);
-  grasp.near.parts.reserve(parts_);
-  grasp.nearness.assign(parts_, Nearness::far);
-  if (held.tool().body) grasp.motions.resize(held.objects().size());
-  return grasp;
+    throw std::invalid_argument(
+        "scene '" + held.name() +
+        "' is not this world's; ask for a contact state of one of its tools");
+  BodyContactState contacts;
+  contacts.most_force = limits.force;
+  contacts.pace = HandPace(limits.speed, tick_, kRecovery);
+  contacts.held = static_cast<std::size_t>(found - held_.begin());
+  contacts.forces.assign(parts_, Vec3::Zero());
+  contacts.torques.assign(parts_, Vec3::Zero());
+  contacts.peak_pushes.resize(parts_);
+  contacts.near.parts.reserve(parts_);
+  contacts.nearness.assign(parts_, NeighbourState::far);
+  if (held.tool().body) contacts.motions.resize(held.objects().size());
+  return contacts;
 }
 
 Command World::hold(const Pose& device, double elapsed, BodyMemory& memory,
-                    Grasp& grasp) const noexcept {
-  if (grasp.resets != counters_.resets) {
+                    BodyContactState& contacts) const noexcept {
+  if (contacts.resets != counters_.resets) {
     memory = {};  // the tool is where the hand is, and feels what moves from zero again
-    grasp.resets = counters_.resets;
+    contacts.resets = counters_.resets;
   }
-  const double moved_for = tick_ * static_cast<double>(counters_.steps - grasp.steps);
-  grasp.steps = counters_.steps;
-  const double trust = trust_ * grasp.pace.trust(time());
+  const double moved_for = tick_ * static_cast<double>(counters_.steps - contacts.steps);
+  contacts.steps = counters_.steps;
+  const double trust = trust_ * contacts.pace.trust(time());
   for (std::size_t i = 0; i < parts_; ++i)
-    grasp.motions[still_ + i] = {moved_for * motions_[i].linear, moved_for * motions_[i].angular,
-                                 trust};
+    contacts.motions[still_ + i] = {moved_for * motions_[i].linear, moved_for * motions_[i].angular,
+                                    trust};
   memory.known = false;
-  const Held& held = held_[grasp.held];
+  const ToolView& held = held_[contacts.held];
   const BodyStep step =
-      step_body(*held.scene->tool().body, held.objects, device, elapsed, memory, grasp.motions);
-  grasp.tool = {memory.pose.position, Vec3::Zero()};
+      step_body(*held.scene->tool().body, held.objects, device, elapsed, memory, contacts.motions);
+  contacts.tool = {memory.pose.position, Vec3::Zero()};
   for (std::size_t i = 0; i < parts_; ++i) {
-    grasp.forces[i].setZero();
-    grasp.torques[i].setZero();
+    contacts.forces[i].setZero();
+    contacts.torques[i].setZero();
   }
   for (const ObjectWrench& part : step.touched()) {
     if (part.object < still_) continue;
-    grasp.forces[part.object - still_] += part.wrench.head<3>();
-    grasp.torques[part.object - still_] += part.wrench.tail<3>();
+    contacts.forces[part.object - still_] += part.wrench.head<3>();
+    contacts.torques[part.object - still_] += part.wrench.tail<3>();
   }
   return step.command;
 }
 
 Command World::touch(const Pose& device, const Vec3& velocity, double elapsed, BodyMemory& memory,
-                     Grasp& grasp) const noexcept {
-  if (grasp.motions.size() != objects().size() || !device.position.allFinite()) [[unlikely]]
+                     BodyContactState& contacts) const noexcept {
+  if (contacts.motions.size() != objects().size() || !device.position.allFinite()) [[unlikely]]
     return {};
-  if (!grasp.pace.follow(way_of(grasp, device), time())) memory = {};
-  grasp.placed = true;
-  Command command = hold(device, elapsed, memory, grasp);
-  grasp.device = device;
-  grasp.fresh = true;
-  scene(grasp.held).add_guides({device.position, velocity}, command);
+  if (!contacts.pace.follow(way_of(contacts, device), time())) memory = {};
+  contacts.placed = true;
+  Command command = hold(device, elapsed, memory, contacts);
+  contacts.device = device;
+  contacts.fresh = true;
+  scene(contacts.held).add_guides({device.position, velocity}, command);
   return command.finite() ? command : Command{};
 }
 

@@ -22,51 +22,51 @@ double square_distance(const Vec3& from, const Vec3& to) {
 
 }  // namespace
 
-void World::forget_moving(Grasp& grasp, TouchMemory& memory) const noexcept {
+void World::forget_moving(BodyContactState& contacts, TouchMemory& memory) const noexcept {
   for (std::size_t i = still_; i < memory.size(); ++i) memory[i] = {};
-  std::ranges::fill(grasp.forces, Vec3::Zero());
-  std::ranges::fill(grasp.nearness, Nearness::far);
-  grasp.near.forget();
-  grasp.resets = counters_.resets;
+  std::ranges::fill(contacts.forces, Vec3::Zero());
+  std::ranges::fill(contacts.nearness, NeighbourState::far);
+  contacts.near.forget();
+  contacts.resets = counters_.resets;
 }
 
 /// Is the tool near what follows its way, or has it come by it since it was asked for last, at
-/// grasp.tool? The way is that which the object sees. One that was in no list is told where the
+/// contacts.tool? The way is that which the object sees. One that was in no list is told where the
 /// tool comes from: where that was a step ago; what of a longer silence is not known.
-bool World::comes_near(const Held& held, std::size_t part, const Vec3& position, const Grasp& grasp,
-                       FeatureMemory& memory) const noexcept {
-  const bool is_near = held.reach.is_near(part, position), known = grasp.near.known();
-  const Nearness before = grasp.nearness[part];
-  if (before == Nearness::asked || !known) return before == Nearness::asked || is_near;
+bool World::comes_near(const ToolView& held, std::size_t part, const Vec3& position,
+                       const BodyContactState& contacts, FeatureMemory& memory) const noexcept {
+  const bool is_near = held.reach.is_near(part, position), known = contacts.near.known();
+  const NeighbourState before = contacts.nearness[part];
+  if (before == NeighbourState::asked || !known) return before == NeighbourState::asked || is_near;
   const Shape& shape = held.objects[still_ + part].shape;
   const Vec3 middle = origin_of(shape);
   const Pose& pose = held.objects[still_ + part].pose;
   Vec3 from = middle + memory.proxy;
-  if (before == Nearness::far)
-    from = seen_from(grasp.steps == counters_.steps ? pose : followed_[part].before,
-                     grasp.tool.position);
+  if (before == NeighbourState::far)
+    from = seen_from(contacts.steps == counters_.steps ? pose : followed_[part].before,
+                     contacts.tool.position);
   const Vec3 way_from = from - middle, way_to = seen_from(pose, position) - middle;
   if (!is_near && square_distance(way_from, way_to) > held.reach.square(part)) return false;
-  if (before == Nearness::far) approach_from(shape, from, memory);
+  if (before == NeighbourState::far) approach_from(shape, from, memory);
   return true;
 }
 
 /// Makes the list of the objects near the tool anew. What leaves it has no force: it has been asked
 /// since it came out of reach, or is in the list still.
-void World::look_round(const Held& held, const Vec3& position, TouchMemory& memory,
-                       Grasp& grasp) const noexcept {
-  NearMoving& near = grasp.near;
+void World::look_round(const ToolView& held, const Vec3& position, TouchMemory& memory,
+                       BodyContactState& contacts) const noexcept {
+  NeighbourList& near = contacts.near;
   near.parts.clear();
   for (std::size_t i = 0; i < parts_; ++i) {
-    const Nearness before = grasp.nearness[i];
+    const NeighbourState before = contacts.nearness[i];
     const bool is_near = followed_[i].way
-                             ? comes_near(held, i, position, grasp, memory[still_ + i].feature)
-                             : before == Nearness::asked || held.reach.is_near(i, position);
+                             ? comes_near(held, i, position, contacts, memory[still_ + i].feature)
+                             : before == NeighbourState::asked || held.reach.is_near(i, position);
     if (!is_near) {
-      grasp.nearness[i] = Nearness::far;
+      contacts.nearness[i] = NeighbourState::far;
       continue;
     }
-    if (before == Nearness::far) grasp.nearness[i] = Nearness::near;
+    if (before == NeighbourState::far) contacts.nearness[i] = NeighbourState::near;
     near.parts.push_back(static_cast<std::uint32_t>(i));
   }
   held.reach.mark(near, position);
@@ -74,7 +74,7 @@ void World::look_round(const Held& held, const Vec3& position, TouchMemory& memo
 
 /// A tool out of reach of what does not hold it, whose way there was so too: where it is now is
 /// remembered, as if it had been asked.
-bool World::passes_by(const Held& held, std::size_t part, const Vec3& position,
+bool World::passes_by(const ToolView& held, std::size_t part, const Vec3& position,
                       FeatureMemory& memory) const noexcept {
   if (memory.side != 0) return false;
   const Shape& shape = held.objects[still_ + part].shape;
@@ -86,52 +86,55 @@ bool World::passes_by(const Held& held, std::size_t part, const Vec3& position,
   return true;
 }
 
-/// Keeps what a moving object answers in the grasp and adds it to `sum`. One that has gone out of
-/// reach is asked once more, and lets go.
-void World::ask(const Held& held, std::size_t part, const Tool& tool, TouchMemory& memory,
-                Grasp& grasp, Command& sum) const noexcept {
+/// Keeps what a moving object answers in the contacts and adds it to `sum`. One that has gone out
+/// of reach is asked once more, and lets go.
+void World::ask(const ToolView& held, std::size_t part, const Tool& tool, TouchMemory& memory,
+                BodyContactState& contacts, Command& sum) const noexcept {
   const std::size_t object = still_ + part;
-  Nearness& nearness = grasp.nearness[part];
+  NeighbourState& nearness = contacts.nearness[part];
   const bool follows = followed_[part].way;
   const bool outside = held.reach.is_outside(part, tool.position);
   if (outside && (follows ? passes_by(held, part, tool.position, memory[object].feature)
-                          : nearness != Nearness::asked)) {
-    nearness = Nearness::near;
+                          : nearness != NeighbourState::asked)) {
+    nearness = NeighbourState::near;
     return;
   }
-  nearness = outside && !follows ? Nearness::near : Nearness::asked;
+  nearness = outside && !follows ? NeighbourState::near : NeighbourState::asked;
   const Vec3 against = tool.velocity - velocity_at(object, tool.position);
-  const Command answer = trust_ * grasp.pace.trust(time()) *
+  const Command answer = trust_ * contacts.pace.trust(time()) *
                          feltwire::touch(held.objects[object], {tool.position, against},
                                          memory[object], held.scene->tool().radius);
-  grasp.forces[part] = answer.force();
-  if (outside && memory[object].feature.side == 0) nearness = Nearness::near;  // it has let go
+  contacts.forces[part] = answer.force();
+  if (outside && memory[object].feature.side == 0)
+    nearness = NeighbourState::near;  // it has let go
   sum.elastic += answer.elastic;
   sum.frictional += answer.frictional;
 }
 
 /// The objects that move, as far as they are near.
-void World::ask_near(const Tool& tool, TouchMemory& memory, Grasp& grasp,
+void World::ask_near(const Tool& tool, TouchMemory& memory, BodyContactState& contacts,
                      Command& sum) const noexcept {
-  const Held& held = held_[grasp.held];
-  if (!held.reach.holds(grasp.near, tool.position)) look_round(held, tool.position, memory, grasp);
-  for (const std::uint32_t part : grasp.near.parts) ask(held, part, tool, memory, grasp, sum);
-  grasp.steps = counters_.steps;
+  const ToolView& held = held_[contacts.held];
+  if (!held.reach.holds(contacts.near, tool.position))
+    look_round(held, tool.position, memory, contacts);
+  for (const std::uint32_t part : contacts.near.parts) ask(held, part, tool, memory, contacts, sum);
+  contacts.steps = counters_.steps;
 }
 
-Command World::touch(const Tool& tool, TouchMemory& memory, Grasp& grasp) const noexcept {
+Command World::touch(const Tool& tool, TouchMemory& memory,
+                     BodyContactState& contacts) const noexcept {
   if (!tool.position.allFinite() || !tool.velocity.allFinite() ||
-      memory.size() != objects().size() || grasp.nearness.size() != parts_) [[unlikely]]
+      memory.size() != objects().size() || contacts.nearness.size() != parts_) [[unlikely]]
     return {};
-  const double way = grasp.placed ? length(Vec3(tool.position - grasp.tool.position)) : 0.0;
-  grasp.placed = true;
-  const bool jumped = !grasp.pace.follow(way, time());
-  if (jumped || grasp.resets != counters_.resets) forget_moving(grasp, memory);
-  Command sum = scene(grasp.held).touch_still(tool, memory);
-  ask_near(tool, memory, grasp, sum);
-  if (!scene(grasp.held).guides().empty()) scene(grasp.held).add_guides(tool, sum);
-  grasp.tool = tool;
-  grasp.fresh = true;
+  const double way = contacts.placed ? length(Vec3(tool.position - contacts.tool.position)) : 0.0;
+  contacts.placed = true;
+  const bool jumped = !contacts.pace.follow(way, time());
+  if (jumped || contacts.resets != counters_.resets) forget_moving(contacts, memory);
+  Command sum = scene(contacts.held).touch_still(tool, memory);
+  ask_near(tool, memory, contacts, sum);
+  if (!scene(contacts.held).guides().empty()) scene(contacts.held).add_guides(tool, sum);
+  contacts.tool = tool;
+  contacts.fresh = true;
   return sum.finite() ? sum : Command{};
 }
 

@@ -7,14 +7,14 @@
 namespace feltwire {
 namespace {
 
-Foot from(const Vec3& nearest, const Vec3& p) {
+ClosestPoint from(const Vec3& nearest, const Vec3& p) {
   const Polar<double> offset = polar(Vec3(p - nearest));
   return {offset.direction, offset.length};
 }
 
 /// A surface at `radius` round the nearest point of a solid's core.
-Foot round(const Vec3& core, double radius, const Vec3& p) {
-  Foot foot = from(core, p);
+ClosestPoint round(const Vec3& core, double radius, const Vec3& p) {
+  ClosestPoint foot = from(core, p);
   foot.distance -= radius;
   return foot;
 }
@@ -30,11 +30,12 @@ Vec3 on_segment(const Vec3& a, const Vec3& b, const Vec3& p) {
   return a + share * way;
 }
 
-Foot foot_of(const GuideCurve& curve, const Vec3& p) {
+ClosestPoint foot_of(const GuideCurve& curve, const Vec3& p) {
   const std::size_t count = curve.points.size();
-  Foot best{Vec3::Zero(), std::numeric_limits<double>::infinity()};
+  ClosestPoint best{Vec3::Zero(), std::numeric_limits<double>::infinity()};
   for (std::size_t i = 0; i + 1 < count || (curve.closed && i < count); ++i) {
-    const Foot here = from(on_segment(curve.points[i], curve.points[(i + 1) % count], p), p);
+    const ClosestPoint here =
+        from(on_segment(curve.points[i], curve.points[(i + 1) % count], p), p);
     if (here.distance < best.distance) best = here;
   }
   return best;
@@ -43,7 +44,7 @@ Foot foot_of(const GuideCurve& curve, const Vec3& p) {
 /// A convex solid that is `beyond` [m] along its axes, each < 0 where p is within: `axes` are the
 /// outward directions.
 template <std::size_t kAxes>
-Foot convex(const std::array<double, kAxes>& beyond, const std::array<Vec3, kAxes>& axes) {
+ClosestPoint convex(const std::array<double, kAxes>& beyond, const std::array<Vec3, kAxes>& axes) {
   Vec3 out = Vec3::Zero();
   std::size_t nearest = 0;
   for (std::size_t i = 0; i < kAxes; ++i) {
@@ -56,13 +57,13 @@ Foot convex(const std::array<double, kAxes>& beyond, const std::array<Vec3, kAxe
 
 Vec3 signed_axis(const Vec3& p, int axis) { return std::copysign(1.0, p[axis]) * Vec3::Unit(axis); }
 
-Foot foot_of(const Box& box, const Vec3& p) {
+ClosestPoint foot_of(const Box& box, const Vec3& p) {
   const Vec3 beyond = p.cwiseAbs() - box.half_extents;
   return convex<3>({beyond.x(), beyond.y(), beyond.z()},
                    {signed_axis(p, 0), signed_axis(p, 1), signed_axis(p, 2)});
 }
 
-Foot foot_of(const Cylinder& cylinder, const Vec3& p) {
+ClosestPoint foot_of(const Cylinder& cylinder, const Vec3& p) {
   const Polar<double> across = polar(Vec3(p.x(), p.y(), 0.0));
   return convex<2>({across.length - cylinder.radius, std::abs(p.z()) - cylinder.half_length},
                    {across.direction, signed_axis(p, 2)});
@@ -70,7 +71,7 @@ Foot foot_of(const Cylinder& cylinder, const Vec3& p) {
 
 }  // namespace
 
-Foot foot(const GuidePlace& place, const Vec3& p) noexcept {
+ClosestPoint closest_point(const GuidePlace& place, const Vec3& p) noexcept {
   // get_if instead of visit: visit may throw, and this is the servo loop.
   if (std::get_if<GuidePoint>(&place) != nullptr) return from(Vec3::Zero(), p);
   if (const auto* line = std::get_if<GuideLine>(&place))

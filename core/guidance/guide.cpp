@@ -27,13 +27,15 @@ double fade(double distance, double range) {
   return std::max(0.0, (1.0 - distance / range) / (1.0 - kWhole));
 }
 
-Command attract(const Attract& spring, const Foot& foot, const Vec3& velocity, double most) {
+Command attract(const Attract& spring, const ClosestPoint& foot, const Vec3& velocity,
+                double most) {
   const double share = fade(foot.distance, spring.range);
   return along_way(foot.away, -share * std::min(spring.stiffness * foot.distance, most),
                    share * spring.damping, velocity, most);
 }
 
-Command keep_out(const KeepOut& spring, const Foot& foot, const Vec3& velocity, double most) {
+Command keep_out(const KeepOut& spring, const ClosestPoint& foot, const Vec3& velocity,
+                 double most) {
   const double depth = spring.margin - foot.distance;
   if (!(depth > 0.0)) return {};
   Command command = along_way(foot.away, spring.stiffness * depth, spring.damping, velocity, most);
@@ -42,7 +44,7 @@ Command keep_out(const KeepOut& spring, const Foot& foot, const Vec3& velocity, 
   return command;
 }
 
-Command magnet(const Magnet& field, const Foot& foot, double most) {
+Command magnet(const Magnet& field, const ClosestPoint& foot, double most) {
   const double x = foot.distance / field.reach;
   return along_way(foot.away, -most * 2.0 * x / (1.0 + x * x), 0.0, Vec3::Zero(), most);
 }
@@ -62,10 +64,10 @@ Command constant(const ConstantForce& field, double most) {
 }
 
 /// The tool against the guide's place, world frame; everywhere is inside.
-Foot foot_at(const Guide& guide, const Vec3& position) {
+ClosestPoint foot_at(const Guide& guide, const Vec3& position) {
   if (std::get_if<Everywhere>(&guide.place) != nullptr) return {Vec3::Zero(), -1.0};
-  Foot at =
-      foot(guide.place, guide.pose.orientation.conjugate() * (position - guide.pose.position));
+  ClosestPoint at = closest_point(
+      guide.place, guide.pose.orientation.conjugate() * (position - guide.pose.position));
   at.away = guide.pose.orientation * at.away;
   return at;
 }
@@ -75,7 +77,7 @@ Foot foot_at(const Guide& guide, const Vec3& position) {
 Command guide_force(const Guide& guide, const Tool& tool) noexcept {
   if (!tool.position.allFinite() || !tool.velocity.allFinite()) [[unlikely]]
     return {};
-  Foot at = foot_at(guide, tool.position);
+  ClosestPoint at = foot_at(guide, tool.position);
   const Vec3& v = tool.velocity;
   const double most = guide.max_force;
   if (const auto* out = std::get_if<KeepOut>(&guide.action)) return keep_out(*out, at, v, most);

@@ -86,12 +86,12 @@ bool needs_velocity(const Guide& guide) noexcept;
 double stiffness(const Guide& guide) noexcept;
 
 /// The tool's place against a guide's.
-struct Foot {
+struct ClosestPoint {
   Vec3 away = Vec3::Zero();  // unit, from the nearest point of the place to the tool, or out of the
                              // solid; zero where it has no direction
   double distance = 0.0;     // [m] < 0 inside a solid, or below the plane
 };
 /// Precondition: the place is not Everywhere. `position` [m, the place's frame].
-Foot foot(const GuidePlace& place, const Vec3& position) noexcept;
+ClosestPoint closest_point(const GuidePlace& place, const Vec3& position) noexcept;
 
 }  // namespace feltwire

@@ -18,7 +18,7 @@ inline constexpr double kModelReach = 0.1;
 LocalModel local_model(const Scene& scene, const Vec3& position,
                        const TouchMemory& memory) noexcept;
 /// The same with the moving objects where they are; their patches have the velocity of the surface.
-/// `held`: which of the scene's tools (Grasp::held).
+/// `held`: which of the scene's tools (BodyContactState::held).
 LocalModel local_model(const World& world, const Vec3& position, const TouchMemory& memory,
                        std::size_t held = 0) noexcept;
 

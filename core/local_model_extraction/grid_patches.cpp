@@ -16,10 +16,10 @@ namespace feltwire {
 namespace {
 
 constexpr int kNewton = 4;          // steps to the surface
-constexpr int kPlaces = 8;          // of a ring
+constexpr int kGridPlaces = 8;      // of a ring
 constexpr double kFirstRing = 2.0;  // resolutions
-constexpr double kOpen = 0.75;      // of a height above the patch that must be free
-constexpr double kDeep = 0.25;      // of a ring's radius, below which the solid must be solid
+constexpr double kGridOpen = 0.75;  // of a height above the patch that must be free
+constexpr double kGridDeep = 0.25;  // of a ring's radius, below which the solid must be solid
 constexpr double kStraight = 1.1;   // times as far as the distance says a point may be found
 
 /// Where the way down the distance ends on the surface.
@@ -60,7 +60,7 @@ bool holds_along(const DistanceGrid<float>& field, double sign, const Vec3& on, 
                  double radius, double deep) {
   const double may = kPatchSlope * (radius + field.resolution());
   // Beyond its band a field says no more than that it is beyond.
-  const double open = std::min(kOpen * radius, field.band());
+  const double open = std::min(kGridOpen * radius, field.band());
   return std::abs(field.at(on).distance) <= may &&
          std::abs(sign * field.at(on - deep * normal).distance + deep) <= may &&
          sign * field.at(on + radius * normal).distance >= open;
@@ -70,10 +70,10 @@ bool holds_along(const DistanceGrid<float>& field, double sign, const Vec3& on, 
 bool holds(const DistanceGrid<float>& field, double sign, const SurfacePatch& patch, double radius,
            double depth) {
   const Vec3 u = patch.normal.unitOrthogonal(), v = patch.normal.cross(u);
-  const double deep = std::min(std::max(depth, kDeep * radius), kOpen * field.band());
+  const double deep = std::min(std::max(depth, kGridDeep * radius), kGridOpen * field.band());
   if (!holds_along(field, sign, patch.point, patch.normal, radius, deep)) return false;
-  for (int i = 0; i < kPlaces; ++i) {
-    const double turn = 2.0 * std::numbers::pi * i / kPlaces;
+  for (int i = 0; i < kGridPlaces; ++i) {
+    const double turn = 2.0 * std::numbers::pi * i / kGridPlaces;
     const Vec3 beside = patch.point + radius * (std::cos(turn) * u + std::sin(turn) * v);
     const Height off = height_above(patch, Vec3::Zero(), beside);
     if (!holds_along(field, sign, beside - off.height * off.normal, off.normal, radius, deep))
@@ -90,7 +90,7 @@ FittedPatches grid_patches(const Grid& grid, Side felt_from, const Vec3& positio
   FittedPatches all;
   all.end = std::max(0.0, field.at_least(position, sign, std::numeric_limits<double>::infinity()));
   const double distance = sign * field.at(position).distance;
-  if (!(distance < field.band() && -distance < kOpen * field.band())) return all;
+  if (!(distance < field.band() && -distance < kGridOpen * field.band())) return all;
   const GridFoot foot = foot_of(field, sign, position);
   const double height = length(Vec3(position - foot.point));
   if (!foot.found || height > kStraight * std::abs(distance) + field.resolution()) return all;
@@ -105,7 +105,7 @@ FittedPatches grid_patches(const Grid& grid, Side felt_from, const Vec3& positio
   for (double r = kFirstRing * field.resolution();
        r <= kMostFitted && holds(field, sign, patch, r, -distance); r *= 2.0)
     radius = r;
-  if (!(height < kOpen * radius)) return all;
+  if (!(height < kGridOpen * radius)) return all;
   all.end = all.extent = radius;
   all.count = 1;
   all.patches[0] = {

@@ -12,15 +12,16 @@ namespace {
 constexpr std::size_t kMostLooked = 256;  // triangles; where there are more, it is looked less far
 
 /// How a triangle lies to a patch: none of its corners before it, none behind it.
-struct Lie {
+struct TrianglePlacement {
   bool front = false, behind = false;  // some corner is; neither: it lies on the patch
   bool hidden = false;                 // all corners are behind, and what is between them
 };
 
 /// Whatever the patches are, a triangle's corners tell where it lies, and its middle, where patches
 /// are curved.
-Lie lie_of(const MeshFit& fit, const std::array<Vec3, 3>& corners, double skin) {
-  Lie lie{.front = false, .behind = false, .hidden = true};
+TrianglePlacement placement_of(const MeshFit& fit, const std::array<Vec3, 3>& corners,
+                               double skin) {
+  TrianglePlacement placement{.front = false, .behind = false, .hidden = true};
   // Between corners that are behind a hollow patch a triangle may come out of it.
   const double longest =
       std::max({(corners[1] - corners[0]).squaredNorm(), (corners[2] - corners[1]).squaredNorm(),
@@ -30,11 +31,11 @@ Lie lie_of(const MeshFit& fit, const std::array<Vec3, 3>& corners, double skin) 
   for (const Vec3& p : {corners[0], corners[1], corners[2], middle}) {
     const double height = fit.height(p),
                  may = kPatchSlope * (p - fit.point).norm() + fit.slack + skin;
-    lie.front |= height > may;
-    lie.behind |= height < -may;
-    lie.hidden &= height < -(may + bulge);
+    placement.front |= height > may;
+    placement.behind |= height < -may;
+    placement.hidden &= height < -(may + bulge);
   }
-  return lie;
+  return placement;
 }
 
 double distance_to_edge(const Vec3& a, const Vec3& b, const Vec3& p) {
@@ -49,8 +50,8 @@ bool MeshFits::join(const MeshFit& plane) {
   if (count_ == kMaxPatches) return false;
   for (int i = 0; i < count_; ++i) {
     const MeshFit& other = (*this)[i];
-    const Lie there = lie_of(other, corners(plane.triangle), surface_->skin());
-    const Lie here = lie_of(plane, corners(other.triangle), surface_->skin());
+    const TrianglePlacement there = placement_of(other, corners(plane.triangle), surface_->skin());
+    const TrianglePlacement here = placement_of(plane, corners(other.triangle), surface_->skin());
     const bool convex = there.behind && !there.front && !here.front;
     const bool hollow = there.front && !there.behind && !here.behind;
     if (!convex && !hollow) return false;
@@ -91,21 +92,22 @@ bool MeshFits::faces(const MeshFit& fit, const std::array<Vec3, 3>& c) const {
 MeshFits::Other MeshFits::beginning(std::uint32_t t, const Vec3& place) const {
   constexpr double kNever = std::numeric_limits<double>::infinity();
   const std::array<Vec3, 3> c = corners(t);
-  std::array<Lie, kMaxPatches> lies;
+  std::array<TrianglePlacement, kMaxPatches> lies;
   bool all_hidden = true, any_hidden = false;
   for (int i = 0; i < count_; ++i) {
-    const Lie lie = lies[static_cast<std::size_t>(i)] = lie_of((*this)[i], c, surface_->skin());
-    all_hidden &= lie.hidden;
-    any_hidden |= lie.hidden;
+    const TrianglePlacement placement = lies[static_cast<std::size_t>(i)] =
+        placement_of((*this)[i], c, surface_->skin());
+    all_hidden &= placement.hidden;
+    any_hidden |= placement.hidden;
   }
   // Nothing comes to where the patches are between it and the open.
   if (joined_ ? all_hidden : any_hidden) return {.distance = kNever};
   for (int i = 0; i < count_; ++i) {
-    const Lie& on = lies[static_cast<std::size_t>(i)];
+    const TrianglePlacement& on = lies[static_cast<std::size_t>(i)];
     if (on.front || on.behind || !faces((*this)[i], c)) continue;
     bool whole = true;
     for (int j = 0; j < count_; ++j) {
-      const Lie& to = lies[static_cast<std::size_t>(j)];
+      const TrianglePlacement& to = lies[static_cast<std::size_t>(j)];
       whole &= j == i || !(joined_ ? to.front : to.behind);
     }
     if (whole) return {.distance = border(t, c, place), .border = true};

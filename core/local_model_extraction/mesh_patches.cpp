@@ -25,7 +25,7 @@ constexpr double kMostHollow = 0.5;  // radius times curvature
 constexpr std::uint32_t kNone = TriangleMesh::kNone;
 
 /// Where a tool is to the surface.
-struct Seat {
+struct NearestSurface {
   Vec3 point = Vec3::Zero();
   std::uint32_t triangle = kNone;
   double side = 0.0;      // 0: none to speak of
@@ -33,8 +33,8 @@ struct Seat {
   double height = 0.0;    // [m] of the tool off the point, on either side
 };
 
-Seat seat_of(const MeshSurface& surface, Side felt_from, const Vec3& goal,
-             const FeatureMemory& memory) {
+NearestSurface nearest_surface(const MeshSurface& surface, Side felt_from, const Vec3& goal,
+                               const FeatureMemory& memory) {
   if (memory.side != 0) {
     // A ball's proxy is its middle: it touches below.
     const Vec3 foot =
@@ -43,15 +43,15 @@ Seat seat_of(const MeshSurface& surface, Side felt_from, const Vec3& goal,
             : memory.proxy;
     return {foot, memory.triangle, static_cast<double>(memory.side), 0.0, (goal - foot).norm()};
   }
-  const auto nearest = surface.nearest(goal, kMostFitted);
-  Seat seat{nearest.point, nearest.triangle, 0.0, nearest.distance, nearest.distance};
-  if (!(nearest.distance <= kMostFitted)) return seat;
-  const double off = surface.side_of(goal, nearest);
+  const auto found = surface.nearest(goal, kMostFitted);
+  NearestSurface nearest{found.point, found.triangle, 0.0, found.distance, found.distance};
+  if (!(found.distance <= kMostFitted)) return nearest;
+  const double off = surface.side_of(goal, found);
   if (surface.options().double_sided)
-    seat.side = off < 0.0 ? -1.0 : 1.0;
+    nearest.side = off < 0.0 ? -1.0 : 1.0;
   else if (const double side = felt_from == Side::outside ? 1.0 : -1.0; side * off >= 0.0)
-    seat.side = side;  // else it is behind, and nothing there holds it yet
-  return seat;
+    nearest.side = side;  // else it is behind, and nothing there holds it yet
+  return nearest;
 }
 
 MeshFit plane(const MeshSurface& surface, std::uint32_t t, double side, const Vec3& point) {
@@ -68,13 +68,13 @@ double side_of(const std::array<Vec3, 3>& c) {
 }
 
 /// As the normals of its corners turn (Rusinkiewicz 2004, of one triangle).
-MeshFit curved(const MeshSurface& surface, const Seat& seat) {
-  MeshFit fit = plane(surface, seat.triangle, seat.side, seat.point);
-  const std::array<Vec3, 3> c = surface.mesh().corners(seat.triangle);
-  const Triangle& corner = surface.mesh().triangles()[seat.triangle];
+MeshFit curved(const MeshSurface& surface, const NearestSurface& nearest) {
+  MeshFit fit = plane(surface, nearest.triangle, nearest.side, nearest.point);
+  const std::array<Vec3, 3> c = surface.mesh().corners(nearest.triangle);
+  const Triangle& corner = surface.mesh().triangles()[nearest.triangle];
   std::array<Vec3, 3> normals;
-  for (std::size_t k = 0; k < 3; ++k) normals[k] = seat.side * surface.normal_at(corner[k]);
-  const Vec3 weights = nearest_on_triangle(c, seat.point).weights;
+  for (std::size_t k = 0; k < 3; ++k) normals[k] = nearest.side * surface.normal_at(corner[k]);
+  const Vec3 weights = nearest_on_triangle(c, nearest.point).weights;
   const Vec3 normal =
       direction(Vec3(weights[0] * normals[0] + weights[1] * normals[1] + weights[2] * normals[2]));
   if (normal.isZero(0.0)) return fit;
@@ -173,15 +173,15 @@ double extent_of(const MeshSurface& surface, std::uint32_t t) {
 }
 
 /// One patch to which nothing near was an exception: how much farther it holds.
-FittedPatches reaching(const MeshSurface& surface, const MeshFits& fits, const Seat& seat,
-                       const MeshFits::Other& other) {
+FittedPatches reaching(const MeshSurface& surface, const MeshFits& fits,
+                       const NearestSurface& nearest, const MeshFits::Other& other) {
   FittedPatches all = found(surface, fits, other.distance, other.looked);
   constexpr double kLow = 0.75;  // of the radius: higher than that the rings do not look
   if (other.triangle != kNone || other.border || !(other.looked > 0.0)) return all;
   double radius = other.looked;
-  while (2.0 * radius <= kMostFitted && holds_at(surface, fits[0], seat.side, 2.0 * radius))
+  while (2.0 * radius <= kMostFitted && holds_at(surface, fits[0], nearest.side, 2.0 * radius))
     radius *= 2.0;
-  if (radius > other.looked && seat.height < kLow * radius) {
+  if (radius > other.looked && nearest.height < kLow * radius) {
     all.end = std::max(all.end, radius - surface.options().radius);
     all.extent = radius;
     all.alone = true;
@@ -201,46 +201,46 @@ FittedPatches mesh_patches(const MeshSurface& surface, Side felt_from, const Vec
   FittedPatches none;
   const Vec3 goal = position - surface.mesh().origin();
   const MeshOptions& options = surface.options();
-  const Seat seat = seat_of(surface, felt_from, goal, memory);
-  if (!(seat.distance <= kMostFitted)) return none;
-  none.end = std::max(0.0, seat.distance - options.radius);
-  if (seat.side == 0.0) return none;
+  const NearestSurface nearest = nearest_surface(surface, felt_from, goal, memory);
+  if (!(nearest.distance <= kMostFitted)) return none;
+  none.end = std::max(0.0, nearest.distance - options.radius);
+  if (nearest.side == 0.0) return none;
 
-  const double extent = extent_of(surface, seat.triangle);
-  MeshFits planes(surface, seat.side);
-  MeshFit first = plane(surface, seat.triangle, seat.side, seat.point);
-  first.distance = seat.distance;
+  const double extent = extent_of(surface, nearest.triangle);
+  MeshFits planes(surface, nearest.side);
+  MeshFit first = plane(surface, nearest.triangle, nearest.side, nearest.point);
+  first.distance = nearest.distance;
   planes.add(first);
-  MeshFits::Other other = planes.first_other(goal, seat.height, extent);
+  MeshFits::Other other = planes.first_other(goal, nearest.height, extent);
   FittedPatches flat;
   if (other.triangle == kNone && !options.smooth) {
-    flat = reaching(surface, planes, seat, other);
+    flat = reaching(surface, planes, nearest, other);
     if (other.border || 2.0 * flat.extent > kMostFitted) return flat;
   }
 
-  MeshFits ball(surface, seat.side);
-  MeshFit fit = curved(surface, seat);
-  fit.distance = seat.distance;
+  MeshFits ball(surface, nearest.side);
+  MeshFit fit = curved(surface, nearest);
+  fit.distance = nearest.distance;
   ball.add(fit);
   const bool round = rolls(surface, fit);
   if (options.smooth && !round) return none;
   MeshFits::Other beyond;
-  if (round) beyond = ball.first_other(goal, seat.height, extent);
+  if (round) beyond = ball.first_other(goal, nearest.height, extent);
   if (flat.count > 0) {  // facets so fine may be a curved surface's
     if (!round || fit.curvature == 0.0) return flat;
-    const FittedPatches bent = reaching(surface, ball, seat, beyond);
+    const FittedPatches bent = reaching(surface, ball, nearest, beyond);
     return bent.end > flat.end ? bent : flat;
   }
   if (options.smooth || (round && beyond.triangle == kNone && beyond.distance > other.distance))
-    return reaching(surface, ball, seat, beyond);
+    return reaching(surface, ball, nearest, beyond);
 
   while (other.triangle != kNone) {
     MeshFits more = planes;
-    MeshFit next = plane(surface, other.triangle, seat.side,
+    MeshFit next = plane(surface, other.triangle, nearest.side,
                          nearest_on_triangle(surface.mesh().corners(other.triangle), goal).point);
     next.distance = other.distance;
     if (!more.join(next)) break;
-    const MeshFits::Other after = more.first_other(goal, seat.height, extent);
+    const MeshFits::Other after = more.first_other(goal, nearest.height, extent);
     // At a corner that the tool is over all of its faces are as near.
     if (after.distance < other.distance) break;
     planes = more;

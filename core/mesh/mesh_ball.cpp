@@ -26,14 +26,15 @@ constexpr double kTolerance = 0.1;  // of planes, of what is exact
 
 class Ball {
  public:
-  Ball(const MeshSurface& surface, double radius, std::int8_t sides, const Vec3& goal, Stand& stand)
+  Ball(const MeshSurface& surface, double radius, std::int8_t sides, const Vec3& goal,
+       ProxyState& proxy)
       : surface_(surface),
         mesh_(surface.mesh()),
         radius_(radius),
         exact_(kExact * radius_),
         sides_(sides),
         goal_(goal),
-        stand_(stand) {}
+        stand_(proxy) {}
 
   void run() {
     double reach = kFirstReach * radius_;
@@ -170,7 +171,7 @@ class Ball {
       settled = still || (held_count_ == 0) || cut;
     }
     if (!settled) x = last_clear(from, x, kFarther * reach);
-    stand(x);
+    proxy(x);
     stand_.point = x;
     return cut && settled;
   }
@@ -188,7 +189,7 @@ class Ball {
     return from;
   }
 
-  void stand(const Vec3& x) {
+  void proxy(const Vec3& x) {
     if (x == goal_) return;
     std::uint32_t nearest = stand_.triangle;
     least_distance(x, nearest);
@@ -203,7 +204,7 @@ class Ball {
   const double radius_, exact_;  // [m]
   const std::int8_t sides_;
   const Vec3& goal_;
-  Stand& stand_;
+  ProxyState& stand_;
   struct Near {
     std::uint32_t triangle;
     double distance;  // [m] from where the step begins
@@ -218,8 +219,8 @@ class Ball {
 }  // namespace
 
 void move_ball(const MeshSurface& surface, double radius, std::int8_t sides, const Vec3& goal,
-               Stand& stand) noexcept {
-  Ball(surface, radius, sides, goal, stand).run();
+               ProxyState& proxy) noexcept {
+  Ball(surface, radius, sides, goal, proxy).run();
 }
 
 }  // namespace feltwire

@@ -17,42 +17,43 @@ std::int8_t sides_of(const MeshSurface& surface, Side felt_from) {
 
 /// Where a tool stands that was never seen before: in a closed surface at its nearest point, as if
 /// it had come in there.
-Stand first_stand(const MeshSurface& surface, std::int8_t sides, const Vec3& goal) {
-  Stand stand{.point = goal, .triangle = 0, .side = 0, .on_face = false};
-  if (sides == 0 || !surface.mesh().report().closed()) return stand;
+ProxyState first_stand(const MeshSurface& surface, std::int8_t sides, const Vec3& goal) {
+  ProxyState proxy{.point = goal, .triangle = 0, .side = 0, .on_face = false};
+  if (sides == 0 || !surface.mesh().report().closed()) return proxy;
   const auto nearest = surface.nearest(goal, std::numeric_limits<double>::infinity());
-  if (!(sides * surface.side_of(goal, nearest) < 0.0)) return stand;
+  if (!(sides * surface.side_of(goal, nearest) < 0.0)) return proxy;
   return {.point = nearest.point, .triangle = nearest.triangle, .side = sides, .on_face = false};
 }
 
 /// For a ball, a tool in the solid or nearer to it than its radius begins in front of the nearest
 /// point.
-Stand first_ball(const MeshSurface& surface, double radius, std::int8_t sides, const Vec3& goal) {
-  Stand stand = first_stand(surface, sides, goal);
-  if (stand.side != 0) {
-    stand.point += radius * stand.side * triangle_normal(surface.mesh().corners(stand.triangle));
-    return stand;
+ProxyState first_ball(const MeshSurface& surface, double radius, std::int8_t sides,
+                      const Vec3& goal) {
+  ProxyState proxy = first_stand(surface, sides, goal);
+  if (proxy.side != 0) {
+    proxy.point += radius * proxy.side * triangle_normal(surface.mesh().corners(proxy.triangle));
+    return proxy;
   }
   const auto nearest = surface.nearest(goal, radius);
-  if (!(nearest.distance < radius)) return stand;
+  if (!(nearest.distance < radius)) return proxy;
   const Vec3 normal = triangle_normal(surface.mesh().corners(nearest.triangle));
   const double side = normal.dot(goal - nearest.point) < 0.0 ? -1.0 : 1.0;
-  if (sides * side < 0.0) return stand;
+  if (sides * side < 0.0) return proxy;
   const Vec3 out =
       nearest.distance > 0.0 ? direction(Vec3(goal - nearest.point)) : Vec3(side * normal);
-  stand.point = nearest.point + radius * out;
-  stand.triangle = nearest.triangle;
-  stand.side = side < 0.0 ? -1 : 1;
-  return stand;
+  proxy.point = nearest.point + radius * out;
+  proxy.triangle = nearest.triangle;
+  proxy.side = side < 0.0 ? -1 : 1;
+  return proxy;
 }
 
-Vec3 smooth_normal(const MeshSurface& surface, const Stand& stand) {
-  const auto on = nearest_on_triangle(surface.mesh().corners(stand.triangle), stand.point);
-  const Triangle& corner = surface.mesh().triangles()[stand.triangle];
+Vec3 smooth_normal(const MeshSurface& surface, const ProxyState& proxy) {
+  const auto on = nearest_on_triangle(surface.mesh().corners(proxy.triangle), proxy.point);
+  const Triangle& corner = surface.mesh().triangles()[proxy.triangle];
   Vec3 sum = Vec3::Zero();
   for (std::size_t k = 0; k < 3; ++k)
     sum += on.weights[static_cast<Eigen::Index>(k)] * surface.normals()[corner[k]];
-  return stand.side * direction(sum);
+  return proxy.side * direction(sum);
 }
 
 constexpr std::size_t kWaves = 8;
@@ -116,33 +117,33 @@ SurfacePoint mesh_surface_point(const MeshSurface& surface, Side felt_from, cons
   const double around = surface.options().radius + radius;
   const bool ball = around > 0.0;
   const std::int8_t sides = sides_of(surface, felt_from);
-  Stand stand{memory.proxy, memory.triangle, memory.side, false};
+  ProxyState proxy{memory.proxy, memory.triangle, memory.side, false};
   if (!memory.tracked)
-    stand = ball ? first_ball(surface, around, sides, goal) : first_stand(surface, sides, goal);
+    proxy = ball ? first_ball(surface, around, sides, goal) : first_stand(surface, sides, goal);
   if (ball)
-    move_ball(surface, around, sides, goal, stand);
+    move_ball(surface, around, sides, goal, proxy);
   else
-    move_point(surface, sides, goal, stand);
+    move_point(surface, sides, goal, proxy);
 
-  memory.proxy = stand.point;
-  memory.triangle = stand.triangle;
-  memory.side = stand.side;
+  memory.proxy = proxy.point;
+  memory.triangle = proxy.triangle;
+  memory.side = proxy.side;
   memory.tracked = true;
-  const Vec3 beyond = stand.point - goal;
+  const Vec3 beyond = proxy.point - goal;
   const double depth = length(beyond);
-  if (stand.side == 0 || !(depth > 0.0)) {
+  if (proxy.side == 0 || !(depth > 0.0)) {
     memory.feature = 0;
     return {};
   }
   memory.feature = 1;
   Vec3 normal = direction(beyond);
-  if (stand.on_face && !ball)
-    normal = stand.side * triangle_normal(surface.mesh().corners(stand.triangle));
+  if (proxy.on_face && !ball)
+    normal = proxy.side * triangle_normal(surface.mesh().corners(proxy.triangle));
   if (surface.options().smooth) {
-    const Vec3 shaded = smooth_normal(surface, stand);
+    const Vec3 shaded = smooth_normal(surface, proxy);
     if (!shaded.isZero(0.0)) normal = shaded;
   }
-  const SurfacePoint smooth{surface.mesh().origin() + stand.point, normal, depth};
+  const SurfacePoint smooth{surface.mesh().origin() + proxy.point, normal, depth};
   SurfacePoint found = surface.options().rough() ? textured(surface.options(), smooth) : smooth;
   if (!(found.depth > 0.0)) {
     memory.feature = 0;

@@ -19,7 +19,7 @@ SurfacePoint mesh_surface_point(const MeshSurface& surface, Side felt_from, cons
                                 FeatureMemory& memory, double radius = 0.0) noexcept;
 
 /// Where a proxy is.
-struct Stand {
+struct ProxyState {
   Vec3 point = Vec3::Zero();  // [m]
   std::uint32_t triangle = 0;
   std::int8_t side = 0;  // of the triangle; 0: free
@@ -28,10 +28,10 @@ struct Stand {
 
 /// Moves a point's proxy towards the goal until it is there or nothing it may do brings it nearer.
 void move_point(const MeshSurface& surface, std::int8_t sides, const Vec3& goal,
-                Stand& stand) noexcept;
+                ProxyState& proxy) noexcept;
 
 /// The same for the middle of a ball of `radius` [m], > 0.
 void move_ball(const MeshSurface& surface, double radius, std::int8_t sides, const Vec3& goal,
-               Stand& stand) noexcept;
+               ProxyState& proxy) noexcept;
 
 }  // namespace feltwire

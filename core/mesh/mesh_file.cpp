@@ -12,11 +12,11 @@ namespace feltwire {
 namespace {
 
 using mesh_text::broken_vertex;
-using mesh_text::Words;
+using mesh_text::TokenReader;
 
 constexpr std::size_t kMostVertices = std::numeric_limits<std::uint32_t>::max() - 1;
 
-/// Words of an OBJ file that are no surface: appearance, grouping, names of free-form curves.
+/// TokenReader of an OBJ file that are no surface: appearance, grouping, names of free-form curves.
 bool is_no_surface(std::string_view word) {
   for (const std::string_view known :
        {"vt", "vn", "vp", "g", "o", "s", "usemtl", "mtllib", "l", "p", "mg", "lod", "bevel",
@@ -26,7 +26,7 @@ bool is_no_surface(std::string_view word) {
 }
 
 /// "7", "7/1", "7//3", "-1": the vertex, counted from 1, or back from the last.
-std::uint32_t obj_index(const Words& words, std::string_view word, std::size_t vertices) {
+std::uint32_t obj_index(const TokenReader& words, std::string_view word, std::size_t vertices) {
   const long long index = words.whole(word.substr(0, word.find('/')), "face");
   const auto count = static_cast<long long>(vertices);
   if (index == 0 || index > count || index < -count)
@@ -78,7 +78,7 @@ TriangleSoup parse_binary_stl(std::string_view bytes, const std::string& name, d
 }
 
 /// The next three words as a vertex.
-void add_vertex(Words& words, const char* what, double scale, TriangleSoup& soup) {
+void add_vertex(TokenReader& words, const char* what, double scale, TriangleSoup& soup) {
   soup.vertices.push_back(words.vector(what));
   if (const auto broken = broken_vertex(soup.vertices.size(), soup.vertices.back(), scale))
     words.fail(*broken);
@@ -86,7 +86,7 @@ void add_vertex(Words& words, const char* what, double scale, TriangleSoup& soup
 
 TriangleSoup parse_text_stl(std::string_view bytes, const std::string& name, double scale) {
   TriangleSoup soup;
-  Words words(bytes, name);
+  TokenReader words(bytes, name);
   std::vector<std::uint32_t> loop;
   bool in_loop = false;
   while (words.next_line()) {
@@ -106,7 +106,7 @@ TriangleSoup parse_text_stl(std::string_view bytes, const std::string& name, dou
       mesh_text::add_fan(loop, soup.triangles);
       in_loop = false;
     } else if (word != "solid" && word != "facet" && word != "endfacet" && word != "endsolid") {
-      words.fail(Words::shown(word) + ": is no word of an STL file; export the surface anew");
+      words.fail(TokenReader::shown(word) + ": is no word of an STL file; export the surface anew");
     }
   }
   if (in_loop) words.fail("the file ends within a face; it was cut short, copy it anew");
@@ -123,7 +123,7 @@ std::string ending(const std::string& name) {
 
 TriangleSoup parse_obj(std::string_view bytes, const std::string& name, double scale) {
   TriangleSoup soup;
-  Words words(bytes, name, true);
+  TokenReader words(bytes, name, true);
   std::vector<std::uint32_t> corners;
   while (words.next_line()) {
     if (words.rest().front() == '#') {
@@ -144,7 +144,7 @@ TriangleSoup parse_obj(std::string_view bytes, const std::string& name, double s
                    "; export the surface anew");
       mesh_text::add_fan(corners, soup.triangles);
     } else if (!is_no_surface(word)) {
-      words.fail(Words::shown(word) +
+      words.fail(TokenReader::shown(word) +
                  ": is nothing that can be touched; export triangles or polygons only");
     }
   }

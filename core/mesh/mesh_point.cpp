@@ -52,7 +52,7 @@ struct Piece {
 
 class Walk {
  public:
-  Walk(const MeshSurface& surface, const Vec3& goal, Stand& at)
+  Walk(const MeshSurface& surface, const Vec3& goal, ProxyState& at)
       : surface_(surface), mesh_(surface.mesh()), goal_(goal), at_(at) {}
 
   Outcome run() {
@@ -142,7 +142,7 @@ class Walk {
       at_.triangle = other;
       return std::nullopt;
     }
-    // Held by both, it slides along the edge.
+    // HoldingPlane by both, it slides along the edge.
     const Vec3 edge = face.corners[next(k)] - face.corners[k];
     const double part = edge.dot(goal_ - face.corners[k]) / edge.squaredNorm();
     if (part > 0.0 && part < 1.0) {
@@ -199,7 +199,7 @@ class Walk {
   const MeshSurface& surface_;
   const TriangleMesh& mesh_;
   const Vec3& goal_;
-  Stand& at_;
+  ProxyState& at_;
   std::array<Piece, kMostPieces> pieces_;
   std::size_t count_ = 0;
 };
@@ -229,14 +229,14 @@ bool is_barred(const MeshSurface& surface, std::int8_t sides, std::span<const Pi
 }
 
 /// A plane that holds the proxy, a skin in front of its triangle.
-struct Held {
+struct HoldingPlane {
   Face face;
   std::uint32_t triangle;
   std::int8_t side;
 };
 
 /// Edges without a neighbour reach a skin farther, as they do for ways that cross.
-bool is_over(const MeshSurface& surface, const Held& held, const Vec3& p) {
+bool is_over(const MeshSurface& surface, const HoldingPlane& held, const Vec3& p) {
   for (std::size_t k = 0; k < 3; ++k) {
     const Vec3 out = held.face.out_of(k);
     const bool ends =
@@ -248,26 +248,27 @@ bool is_over(const MeshSurface& surface, const Held& held, const Vec3& p) {
 }
 
 /// In front of the triangle it stands on, and of the neighbours it touches.
-Vec3 lifted(const MeshSurface& surface, const Stand& stand) {
-  const Face face(surface, stand.triangle, stand.side);
+Vec3 lifted(const MeshSurface& surface, const ProxyState& proxy) {
+  const Face face(surface, proxy.triangle, proxy.side);
   Vec3 up = face.normal;
   for (std::size_t k = 0; k < 3; ++k) {
-    const std::uint32_t other = surface.mesh().neighbour(stand.triangle, static_cast<int>(k));
+    const std::uint32_t other = surface.mesh().neighbour(proxy.triangle, static_cast<int>(k));
     const Vec3 out = face.out_of(k);
     if (other == TriangleMesh::kNone ||
-        out.dot(face.corners[k] - stand.point) > surface.skin() * length(out))
+        out.dot(face.corners[k] - proxy.point) > surface.skin() * length(out))
       continue;
-    up += Face(surface, other, stand.side).normal;
+    up += Face(surface, other, proxy.side).normal;
   }
-  return stand.point + surface.skin() * direction(up);
+  return proxy.point + surface.skin() * direction(up);
 }
 
 /// By rays and planes (Zilles & Salisbury), from a point in the open.
-void move_by_rays(const MeshSurface& surface, std::int8_t sides, const Vec3& goal, Stand& stand) {
+void move_by_rays(const MeshSurface& surface, std::int8_t sides, const Vec3& goal,
+                  ProxyState& proxy) {
   const double skin = surface.skin();
-  std::array<std::optional<Held>, 3> held;
+  std::array<std::optional<HoldingPlane>, 3> held;
   std::size_t count = 0;
-  Vec3 at = stand.point;
+  Vec3 at = proxy.point;
   for (int round = 0; round < kMostRounds; ++round) {
     std::array<HalfSpace, 3> spaces;
     for (std::size_t i = 0; i < count; ++i)
@@ -283,7 +284,7 @@ void move_by_rays(const MeshSurface& surface, std::int8_t sides, const Vec3& goa
       bool known = false;
       for (std::size_t i = 0; i < count; ++i) known = known || held[i]->triangle == hit->triangle;
       if (known || count == held.size()) break;  // held where it is
-      held[count++].emplace(Held{face, hit->triangle, hit->side});
+      held[count++].emplace(HoldingPlane{face, hit->triangle, hit->side});
       continue;
     }
     at = aim.point;
@@ -296,46 +297,46 @@ void move_by_rays(const MeshSurface& surface, std::int8_t sides, const Vec3& goa
     if (done) break;
   }
   if (count == 0) {
-    stand = {.point = at, .triangle = 0, .side = 0, .on_face = false};
+    proxy = {.point = at, .triangle = 0, .side = 0, .on_face = false};
     return;
   }
-  const Held& first = *held[0];
-  stand = {.point = at, .triangle = first.triangle, .side = first.side, .on_face = false};
+  const HoldingPlane& first = *held[0];
+  proxy = {.point = at, .triangle = first.triangle, .side = first.side, .on_face = false};
   if (count > 1) return;
   const double height = first.face.height(goal);
   const Vec3 below = goal - height * first.face.normal;
   if (height >= 0.0 || !is_over(surface, first, below)) return;
-  stand.point = below;
-  stand.on_face = true;
+  proxy.point = below;
+  proxy.on_face = true;
 }
 
 }  // namespace
 
 void move_point(const MeshSurface& surface, std::int8_t sides, const Vec3& goal,
-                Stand& stand) noexcept {
-  if (stand.side == 0) {
-    const auto hit = surface.first_crossing(stand.point, goal, sides);
+                ProxyState& proxy) noexcept {
+  if (proxy.side == 0) {
+    const auto hit = surface.first_crossing(proxy.point, goal, sides);
     if (!hit) {
-      stand.point = goal;
+      proxy.point = goal;
       return;
     }
-    stand = {.point = stand.point + hit->part * (goal - stand.point),
+    proxy = {.point = proxy.point + hit->part * (goal - proxy.point),
              .triangle = hit->triangle,
              .side = hit->side,
              .on_face = false};
   }
-  Walk walk(surface, goal, stand);
+  Walk walk(surface, goal, proxy);
   for (int leg = 0; leg < kMostLegs; ++leg) {
-    const Stand before = stand;
+    const ProxyState before = proxy;
     Outcome outcome = walk.run();
     if (is_barred(surface, sides, walk.pieces())) {
-      stand = before;
+      proxy = before;
       outcome = Outcome::crowded;
     }
     if (outcome == Outcome::going) continue;
     if (outcome != Outcome::standing) {
-      stand.point = lifted(surface, stand);
-      move_by_rays(surface, sides, goal, stand);
+      proxy.point = lifted(surface, proxy);
+      move_by_rays(surface, sides, goal, proxy);
     }
     return;
   }

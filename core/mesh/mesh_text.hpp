@@ -34,10 +34,10 @@ inline std::optional<std::string> broken_vertex(std::size_t number, const Vec3& 
 }
 
 /// A text cut into lines, these into words at white space.
-class Words {
+class TokenReader {
  public:
   /// `continued`: a backslash at the end of a line joins the next one to it.
-  Words(std::string_view text, const std::string& name, bool continued = false)
+  TokenReader(std::string_view text, const std::string& name, bool continued = false)
       : text_(text), name_(name), continued_(continued) {}
 
   [[noreturn]] void fail(const std::string& message) const {

@@ -11,7 +11,7 @@
 namespace feltwire {
 namespace {
 
-using mesh_text::Words;
+using mesh_text::TokenReader;
 
 enum class Scalar : std::uint8_t { i8, u8, i16, u16, i32, u32, f32, f64 };
 constexpr std::size_t kNotThere = std::numeric_limits<std::size_t>::max();
@@ -49,14 +49,15 @@ struct Header {
   std::vector<Element> elements;
 };
 
-Scalar scalar(Words& words) {
+Scalar scalar(TokenReader& words) {
   const std::string_view word = words.word();
   const auto type = scalar_named(word);
-  if (!type) words.fail("property: " + Words::shown(word) + " is no type of PLY; export it anew");
+  if (!type)
+    words.fail("property: " + TokenReader::shown(word) + " is no type of PLY; export it anew");
   return *type;
 }
 
-Header read_header(Words& words) {
+Header read_header(TokenReader& words) {
   Header header;
   if (!words.next_line() || words.word() != "ply")
     words.fail("does not begin with 'ply'; it is no PLY file");
@@ -75,7 +76,8 @@ Header read_header(Words& words) {
       else if (f == "binary_big_endian")
         header.format = Format::big;
       else if (f != "ascii")
-        words.fail("format: " + Words::shown(f) + " is unknown; export it as ascii or binary");
+        words.fail("format: " + TokenReader::shown(f) +
+                   " is unknown; export it as ascii or binary");
     } else if (word == "element") {
       Element element{.name = std::string(words.word()), .count = 0, .properties = {}};
       const long long count = words.whole(words.word(), "element");
@@ -98,7 +100,8 @@ Header read_header(Words& words) {
                    ": is a list, must be one number; export the surface anew");
       header.elements.back().properties.push_back(std::move(property));
     } else if (word != "comment" && word != "obj_info") {
-      words.fail(Words::shown(word) + ": is no word of a PLY header; export the surface anew");
+      words.fail(TokenReader::shown(word) +
+                 ": is no word of a PLY header; export the surface anew");
     }
   }
   words.fail("the file ends within its header; it was cut short, copy it anew");
@@ -107,7 +110,7 @@ Header read_header(Words& words) {
 /// Values of a text body: each element on its line.
 class TextValues {
  public:
-  explicit TextValues(Words& words) : words_(words) {}
+  explicit TextValues(TokenReader& words) : words_(words) {}
   [[noreturn]] void fail(const std::string& message) const { words_.fail(message); }
   void begin(const Element& element) {
     if (!words_.next_line())
@@ -118,7 +121,7 @@ class TextValues {
   std::size_t bound() const { return words_.rest().size(); }
 
  private:
-  Words& words_;
+  TokenReader& words_;
 };
 
 class BinaryValues {
@@ -232,7 +235,7 @@ void read_body(Values& values, const Header& header, double scale, TriangleSoup&
 }  // namespace
 
 TriangleSoup parse_ply(std::string_view bytes, const std::string& name, double scale) {
-  Words words(bytes, name);
+  TokenReader words(bytes, name);
   const Header header = read_header(words);
   TriangleSoup soup;
   if (header.format == Format::text) {

@@ -9,18 +9,18 @@ constexpr double kMaxGuideForce = 1e6;  // [N]
 constexpr const char* kMetres = " [m]";
 
 /// Infinity where the file said nothing.
-Found may_be_endless(const char* field, double value) {
+MaybeViolation may_be_endless(const char* field, double value) {
   if (value == std::numeric_limits<double>::infinity()) return std::nullopt;
   return positive(field, value, kMaxLength, kMetres);
 }
 
-Found broken_place(const GuidePlace& place) {
+MaybeViolation broken_place(const GuidePlace& place) {
   if (const auto* line = std::get_if<GuideLine>(&place))
     return may_be_endless("line.length", 2.0 * line->half_length);
   const auto solid = [](const char* name, const Shape& shape) {
-    Found broken = broken_rule(shape);
-    if (broken) broken->field = std::string(name) + "." + broken->field;
-    return broken;
+    MaybeViolation violation = check(shape);
+    if (violation) violation->field = std::string(name) + "." + violation->field;
+    return violation;
   };
   if (const auto* sphere = std::get_if<Sphere>(&place)) return solid("sphere", *sphere);
   if (const auto* box = std::get_if<Box>(&place)) return solid("box", *box);
@@ -29,11 +29,12 @@ Found broken_place(const GuidePlace& place) {
   const auto* curve = std::get_if<GuideCurve>(&place);
   if (curve == nullptr) return std::nullopt;
   if (curve->points.size() < 2)
-    return Broken{"curve.points", "are fewer than two; give the points that it runs through"};
+    return Violation{"curve.points", "are fewer than two; give the points that it runs through"};
   for (std::size_t i = 0; i < curve->points.size(); ++i)
     if (!(curve->points[i].cwiseAbs().maxCoeff() <= kMaxLength) || !curve->points[i].allFinite())
-      return Broken{"curve.points[" + std::to_string(i) + "]",
-                    "must lie within " + number_text(kMaxLength) + " m of the origin; give metres"};
+      return Violation{
+          "curve.points[" + std::to_string(i) + "]",
+          "must lie within " + number_text(kMaxLength) + " m of the origin; give metres"};
   return std::nullopt;
 }
 
@@ -42,17 +43,17 @@ bool has_inside(const GuidePlace& place) {
          std::get_if<GuideCurve>(&place) == nullptr;
 }
 
-Broken no_place(const char* action) {
+Violation no_place(const char* action) {
   return {action,
           "needs a place; give one of point, line, curve, plane, sphere, box, capsule, cylinder"};
 }
-Broken no_inside(const char* action) {
+Violation no_inside(const char* action) {
   return {action,
           "acts inside its place, and this has no inside; give none of them for everywhere, or "
           "plane, sphere, box, capsule or cylinder"};
 }
 
-Found broken_action(const Guide& guide) {
+MaybeViolation broken_action(const Guide& guide) {
   const bool everywhere = std::get_if<Everywhere>(&guide.place) != nullptr;
   const bool inside = has_inside(guide.place);
   if (const auto* a = std::get_if<Attract>(&guide.action)) {
@@ -79,16 +80,17 @@ Found broken_action(const Guide& guide) {
   const Vec3& force = std::get<ConstantForce>(guide.action).force;
   if (!inside) return no_inside("constant");
   if (force.allFinite() && force.cwiseAbs().maxCoeff() > 0.0) return std::nullopt;
-  return Broken{"constant.force",
-                "has no direction: all of [x, y, z] are zero, or one is not finite; give newtons"};
+  return Violation{
+      "constant.force",
+      "has no direction: all of [x, y, z] are zero, or one is not finite; give newtons"};
 }
 
 }  // namespace
 
-Found broken_rule(const Guide& guide) {
-  if (auto broken = broken_place(guide.place)) return broken;
-  if (auto broken = broken_rule(guide.pose)) return broken;
-  if (auto broken = broken_action(guide)) return broken;
+MaybeViolation check(const Guide& guide) {
+  if (auto violation = broken_place(guide.place)) return violation;
+  if (auto violation = check(guide.pose)) return violation;
+  if (auto violation = broken_action(guide)) return violation;
   return positive("max_force", guide.max_force, kMaxGuideForce, " [N]");
 }
 

@@ -39,7 +39,7 @@ struct Body {
 };
 
 /// The first rule that is broken, if any. Fields as in a scene file.
-std::optional<Broken> broken_rule(const Body& body);
+std::optional<Violation> check(const Body& body);
 
 inline constexpr double kDefaultTick = 1e-3;  // [s]
 inline constexpr double kLeastTick = 1e-4, kLargestTick = 1e-2;
@@ -48,7 +48,7 @@ struct MechanismOptions {
   Vec3 gravity{0.0, 0.0, -9.81};  // [m/s^2]
   double tick = kDefaultTick;     // [s] of simulated time a step
 };
-std::optional<Broken> broken_rule(const MechanismOptions& options);
+std::optional<Violation> check(const MechanismOptions& options);
 
 /// The moving half of a scene, immutable; a World is one run of it.
 class Mechanism {

@@ -18,30 +18,30 @@ namespace feltwire {
 namespace {
 
 /// `least` in words, with the unit in its brackets.
-Found out_of_range(const char* field, double value, const std::string& least, double most,
-                   const std::string& unit) {
-  if (std::isnan(value)) return Broken{field, "is not given; give a number " + least + unit};
+MaybeViolation out_of_range(const char* field, double value, const std::string& least, double most,
+                            const std::string& unit) {
+  if (std::isnan(value)) return Violation{field, "is not given; give a number " + least + unit};
   if (value > most)
-    return Broken{field, "must be at most " + number_text(most) + unit + ", is " +
-                             number_text(value) + "; check the unit"};
-  return Broken{
+    return Violation{field, "must be at most " + number_text(most) + unit + ", is " +
+                                number_text(value) + "; check the unit"};
+  return Violation{
       field, "must be " + least + unit + ", is " + number_text(value) + "; give a larger number"};
 }
 
 }  // namespace
 
-Found positive(const char* field, double value, double most, const char* unit) {
+MaybeViolation positive(const char* field, double value, double most, const char* unit) {
   if (value > 0.0 && value <= most) return std::nullopt;
   return out_of_range(field, value, "above zero", most, unit);
 }
 
-Found not_negative(const char* field, double value, double most, const char* unit) {
+MaybeViolation not_negative(const char* field, double value, double most, const char* unit) {
   if (value >= 0.0 && value <= most) return std::nullopt;
   return out_of_range(field, value, "at least zero", most, unit);
 }
 
-Found first(std::initializer_list<Found> found) {
-  for (const Found& f : found)
+MaybeViolation first(std::initializer_list<MaybeViolation> found) {
+  for (const MaybeViolation& f : found)
     if (f) return f;
   return std::nullopt;
 }
@@ -49,47 +49,47 @@ Found first(std::initializer_list<Found> found) {
 namespace {
 
 struct ShapeRules {
-  Found operator()(const Plane&) const { return std::nullopt; }
-  Found operator()(const Sphere& s) const {
+  MaybeViolation operator()(const Plane&) const { return std::nullopt; }
+  MaybeViolation operator()(const Sphere& s) const {
     return positive("radius", s.radius, kMaxLength, " [m]");
   }
-  Found operator()(const Box& b) const {
+  MaybeViolation operator()(const Box& b) const {
     return first({positive("size.x", 2.0 * b.half_extents.x(), kMaxLength, " [m]"),
                   positive("size.y", 2.0 * b.half_extents.y(), kMaxLength, " [m]"),
                   positive("size.z", 2.0 * b.half_extents.z(), kMaxLength, " [m]")});
   }
-  Found operator()(const Capsule& c) const {
+  MaybeViolation operator()(const Capsule& c) const {
     return first({positive("radius", c.radius, kMaxLength, " [m]"),
                   not_negative("length", 2.0 * c.half_length, kMaxLength, " [m]")});
   }
-  Found operator()(const Cylinder& c) const {
+  MaybeViolation operator()(const Cylinder& c) const {
     return first({positive("radius", c.radius, kMaxLength, " [m]"),
                   positive("length", 2.0 * c.half_length, kMaxLength, " [m]")});
   }
-  Found operator()(const Mesh& m) const {
-    if (!m.surface) return Broken{"mesh", "has no surface; load one"};
+  MaybeViolation operator()(const Mesh& m) const {
+    if (!m.surface) return Violation{"mesh", "has no surface; load one"};
     const TriangleMesh& mesh = m.surface->mesh();
     const double size = 2.0 * mesh.half_extents().maxCoeff();
     if (!(size <= kMaxLength && mesh.origin().cwiseAbs().maxCoeff() <= kMaxLength))
-      return Broken{"scale", "makes a surface of " + number_text(size) + " m at " +
-                                 number_text(mesh.origin().cwiseAbs().maxCoeff()) +
-                                 " m from the origin; check the unit"};
+      return Violation{"scale", "makes a surface of " + number_text(size) + " m at " +
+                                    number_text(mesh.origin().cwiseAbs().maxCoeff()) +
+                                    " m from the origin; check the unit"};
     return first({positive("scale: the size of the surface", size, kMaxLength, " [m]"),
                   not_negative("radius", m.surface->options().radius, kMaxLength, " [m]")});
   }
-  Found operator()(const Grid& g) const {
+  MaybeViolation operator()(const Grid& g) const {
     if (g.field) return std::nullopt;
-    return Broken{"grid", "has no field; sample a solid"};
+    return Violation{"grid", "has no field; sample a solid"};
   }
 };
 
-Found coordinate(const char* field, double value) {
+MaybeViolation coordinate(const char* field, double value) {
   if (std::abs(value) <= kMaxLength) return std::nullopt;
-  return Broken{field, "must lie within " + number_text(kMaxLength) + " m of the origin, is " +
-                           number_text(value) + "; give metres"};
+  return Violation{field, "must lie within " + number_text(kMaxLength) + " m of the origin, is " +
+                              number_text(value) + "; give metres"};
 }
 
-Found coordinates(const Vec3& position) {
+MaybeViolation coordinates(const Vec3& position) {
   return first({coordinate("position.x", position.x()), coordinate("position.y", position.y()),
                 coordinate("position.z", position.z())});
 }
@@ -123,45 +123,45 @@ std::string number_text(double value) {
   return {text, end};
 }
 
-Found broken_rule(const Shape& shape) { return std::visit(ShapeRules{}, shape); }
+MaybeViolation check(const Shape& shape) { return std::visit(ShapeRules{}, shape); }
 
-Found broken_rule(const Material& m) {
-  if (auto broken =
+MaybeViolation check(const Material& m) {
+  if (auto violation =
           first({positive("stiffness", m.stiffness, kMaxStiffness, " [N/m]"),
                  not_negative("damping", m.damping, kMaxDamping, " [N s/m]"),
                  not_negative("static_friction", m.static_friction, kMaxFrictionCoefficient, ""),
                  not_negative("dynamic_friction", m.dynamic_friction, kMaxFrictionCoefficient, ""),
                  not_negative("viscous_friction", m.viscous_friction, kMaxDamping, " [N s/m]")}))
-    return broken;
+    return violation;
   if (m.dynamic_friction <= m.static_friction) return std::nullopt;
-  return Broken{"dynamic_friction",
-                "must not exceed static_friction = " + number_text(m.static_friction) + ", is " +
-                    number_text(m.dynamic_friction) + "; lower it or raise the other"};
+  return Violation{"dynamic_friction",
+                   "must not exceed static_friction = " + number_text(m.static_friction) + ", is " +
+                       number_text(m.dynamic_friction) + "; lower it or raise the other"};
 }
 
-Found broken_rule(const Pose& pose) {
-  if (auto broken = coordinates(pose.position)) return broken;
+MaybeViolation check(const Pose& pose) {
+  if (auto violation = coordinates(pose.position)) return violation;
   const double largest = pose.orientation.coeffs().cwiseAbs().maxCoeff();
   if (pose.orientation.coeffs().allFinite() && largest > 0.0) return std::nullopt;
-  return Broken{"orientation",
-                "is no rotation: all of [w, x, y, z] are zero or one is not finite; "
-                "leave it out or give a quaternion"};
+  return Violation{"orientation",
+                   "is no rotation: all of [w, x, y, z] are zero or one is not finite; "
+                   "leave it out or give a quaternion"};
 }
 
-Found broken_rule(const Start& start) {
-  if (auto broken = coordinates(start.position)) return broken;
+MaybeViolation check(const Start& start) {
+  if (auto violation = coordinates(start.position)) return violation;
   if (start.normal.allFinite() && length(start.normal) > 0.0) return std::nullopt;
-  return Broken{"normal",
-                "has no direction: all of [x, y, z] are zero; leave it out or give a normal"};
+  return Violation{"normal",
+                   "has no direction: all of [x, y, z] are zero; leave it out or give a normal"};
 }
 
-Found broken_name(const std::string& name) {
+MaybeViolation broken_name(const std::string& name) {
   const auto is_control = [](unsigned char c) { return c < 0x20 || c == 0x7F; };
   if (std::any_of(name.begin(), name.end(), is_control))
-    return Broken{"name", "holds a line break or another control character; remove it"};
+    return Violation{"name", "holds a line break or another control character; remove it"};
   if (!name.empty() && name.size() <= kMaxNameLength) return std::nullopt;
-  return Broken{"name", "must be 1 to " + std::to_string(kMaxNameLength) + " bytes long, is " +
-                            std::to_string(name.size()) + "; choose a short name"};
+  return Violation{"name", "must be 1 to " + std::to_string(kMaxNameLength) + " bytes long, is " +
+                               std::to_string(name.size()) + "; choose a short name"};
 }
 
 Scene::Scene(std::string name, std::vector<Object> objects, const Start& start,
@@ -170,29 +170,29 @@ Scene::Scene(std::string name, std::vector<Object> objects, const Start& start,
       objects_(std::move(objects)),
       guides_(std::move(guides)),
       start_(start) {
-  if (auto broken = broken_name(name_)) refuse("scene", *broken);
-  if (auto broken = broken_rule(start_)) refuse("start", *broken);
+  if (auto violation = broken_name(name_)) refuse("scene", *violation);
+  if (auto violation = check(start_)) refuse("start", *violation);
   start_.normal = direction(start_.normal);
   if (objects_.empty() && guides_.empty())
     refuse("scene", {"objects", "there is none to touch, and no guide; add at least one"});
   std::set<std::string> names;
   for (Object& object : objects_) {
     const std::string whose = "object '" + object.name + "'";
-    if (auto broken = broken_name(object.name)) refuse(whose, *broken);
+    if (auto violation = broken_name(object.name)) refuse(whose, *violation);
     if (!names.insert(object.name).second)
       refuse(whose, {"name", "stands twice in the scene; rename one"});
-    if (auto broken = broken_rule(object.shape)) refuse(whose, *broken);
-    if (auto broken = broken_rule(object.material)) refuse(whose, *broken);
-    if (auto broken = broken_rule(object.pose)) refuse(whose, *broken);
+    if (auto violation = check(object.shape)) refuse(whose, *violation);
+    if (auto violation = check(object.material)) refuse(whose, *violation);
+    if (auto violation = check(object.pose)) refuse(whose, *violation);
     make_unit(object.pose.orientation);
   }
   names.clear();
   for (Guide& guide : guides_) {
     const std::string whose = "guide '" + guide.name + "'";
-    if (auto broken = broken_name(guide.name)) refuse(whose, *broken);
+    if (auto violation = broken_name(guide.name)) refuse(whose, *violation);
     if (!names.insert(guide.name).second)
       refuse(whose, {"name", "stands twice in the scene; rename one"});
-    if (auto broken = broken_rule(guide)) refuse(whose, *broken);
+    if (auto violation = check(guide)) refuse(whose, *violation);
     make_unit(guide.pose.orientation);
   }
   requirements_ = required_by(objects_, guides_);

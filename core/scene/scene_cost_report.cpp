@@ -104,7 +104,7 @@ std::string counted(std::size_t count, const char* one, const char* many) {
 
 }  // namespace
 
-std::vector<Need> needs(const Scene& scene) {
+std::vector<FeatureCost> feature_costs(const Scene& scene) {
   const auto objects = [&](const std::function<bool(const Object&)>& chosen) {
     return objects_if(scene, [&](const Scene&, const Object& o) { return chosen(o); });
   };
@@ -148,14 +148,14 @@ std::vector<Need> needs(const Scene& scene) {
   };
 }
 
-std::string explain(const Scene& scene) {
+std::string describe_costs(const Scene& scene) {
   std::string text =
       "scene " + scene.name() + ": " + counted(scene.objects().size(), "object", "objects") + ", " +
       counted(scene.guides().size(), "guide", "guides") + ", " +
       std::to_string(scene.objects().size() * sizeof(ContactMemory)) + " bytes a tool\n";
   if (!scene.tool().name.empty()) text += listed_tools(scene);
   std::string unused;
-  for (const Need& need : needs(scene)) {
+  for (const FeatureCost& need : feature_costs(scene)) {
     if (need.needed.empty())
       unused += (unused.empty() ? "" : ", ") + need.what;
     else

@@ -35,24 +35,25 @@ std::string whose(const HandTool& tool) {
 
 }  // namespace
 
-Found broken_rule(const HandTool& tool, std::span<const Object> objects) {
+MaybeViolation check(const HandTool& tool, std::span<const Object> objects) {
   if (tool.radius == 0.0) return std::nullopt;
-  if (tool.body) return Broken{"sphere", "is a second tool beside body; keep one of the two"};
-  if (auto broken = positive("sphere.radius", tool.radius, kMaxLength, " [m]")) return broken;
+  if (tool.body) return Violation{"sphere", "is a second tool beside body; keep one of the two"};
+  if (auto violation = positive("sphere.radius", tool.radius, kMaxLength, " [m]")) return violation;
   for (const Object& object : objects)
     if (!ball_fits(object.shape, object.felt_from, tool.radius))
-      return Broken{"sphere.radius",
-                    "is " + number_text(tool.radius) + " m, too large for object '" + object.name +
-                        "': a hollow has no room for it, or a grid's band is smaller; make the "
-                        "tool smaller or these larger"};
+      return Violation{"sphere.radius",
+                       "is " + number_text(tool.radius) + " m, too large for object '" +
+                           object.name +
+                           "': a hollow has no room for it, or a grid's band is smaller; make the "
+                           "tool smaller or these larger"};
   return std::nullopt;
 }
 
-Found broken_tools(std::size_t count) {
+MaybeViolation broken_tools(std::size_t count) {
   if (count >= 1 && count <= kMaxTools) return std::nullopt;
-  return Broken{"tools", "must be 1 to " + std::to_string(kMaxTools) + ", are " +
-                             std::to_string(count) + "; " +
-                             (count == 0 ? "name one, or leave them out" : "name fewer")};
+  return Violation{"tools", "must be 1 to " + std::to_string(kMaxTools) + ", are " +
+                                std::to_string(count) + "; " +
+                                (count == 0 ? "name one, or leave them out" : "name fewer")};
 }
 
 void Scene::find_by_tree() {
@@ -61,7 +62,7 @@ void Scene::find_by_tree() {
 }
 
 void Scene::set_tool(HandTool tool) {
-  if (auto broken = broken_rule(tool, objects_)) refuse(whose(tool), *broken);
+  if (auto violation = check(tool, objects_)) refuse(whose(tool), *violation);
   if (tool.body) {
     std::vector<Object> objects = objects_;
     std::vector<Sampled> sampled = sampled_;
@@ -78,10 +79,10 @@ void Scene::set_tool(HandTool tool) {
 }
 
 void Scene::set_tools(std::vector<HandTool> tools) {
-  if (auto broken = broken_tools(tools.size())) refuse("scene", *broken);
+  if (auto violation = broken_tools(tools.size())) refuse("scene", *violation);
   std::set<std::string> names;
   for (const HandTool& tool : tools) {
-    if (auto broken = broken_name(tool.name)) refuse(whose(tool), *broken);
+    if (auto violation = broken_name(tool.name)) refuse(whose(tool), *violation);
     if (!names.insert(tool.name).second)
       refuse(whose(tool), {"name", "stands twice in the scene; rename one"});
   }

@@ -12,16 +12,16 @@
 namespace feltwire {
 
 /// A value that breaks a rule: the field as the scene file names it, what is wrong, and the remedy.
-struct Broken {
+struct Violation {
   std::string field;
   std::string message;
 };
 
-using Found = std::optional<Broken>;
+using MaybeViolation = std::optional<Violation>;
 
 /// Throws std::invalid_argument that names whose rule is broken.
-[[noreturn]] inline void refuse(const std::string& whose, const Broken& broken) {
-  throw std::invalid_argument(whose + ": " + broken.field + ": " + broken.message);
+[[noreturn]] inline void refuse(const std::string& whose, const Violation& violation) {
+  throw std::invalid_argument(whose + ": " + violation.field + ": " + violation.message);
 }
 
 inline constexpr double kMaxLength = 1e6;     // [m] sizes and coordinates
@@ -32,28 +32,28 @@ inline constexpr double kLargestTravel = 1e3;       // [m], [rad] of a joint
 inline constexpr std::size_t kMaxNameLength = 100;  // [bytes]
 
 /// The first rule that is broken, if any. Fields are relative ("radius", "position.x").
-std::optional<Broken> broken_rule(const Shape& shape);
-std::optional<Broken> broken_rule(const Material& material);
+std::optional<Violation> check(const Shape& shape);
+std::optional<Violation> check(const Material& material);
 /// An orientation need not be unit, but it must have a direction.
-std::optional<Broken> broken_rule(const Pose& pose);
+std::optional<Violation> check(const Pose& pose);
 /// The normal need not be unit, but it must have a direction.
-std::optional<Broken> broken_rule(const Start& start);
+std::optional<Violation> check(const Start& start);
 /// Names of scenes, objects, materials.
-std::optional<Broken> broken_name(const std::string& name);
+std::optional<Violation> broken_name(const std::string& name);
 
 /// A tool, in a scene with these objects; fields relative to it ("sphere.radius").
-std::optional<Broken> broken_rule(const HandTool& tool, std::span<const Object> objects);
+std::optional<Violation> check(const HandTool& tool, std::span<const Object> objects);
 /// How many to choose from.
-std::optional<Broken> broken_tools(std::size_t count);
+std::optional<Violation> broken_tools(std::size_t count);
 inline constexpr std::size_t kMaxTools = 64;
 
 /// A guide's, fields relative to it ("attract.stiffness").
-std::optional<Broken> broken_rule(const Guide& guide);
+std::optional<Violation> check(const Guide& guide);
 
 /// 0 < value <= most; 0 <= value <= most. `unit` with the blank and brackets before and round it.
-Found positive(const char* field, double value, double most, const char* unit);
-Found not_negative(const char* field, double value, double most, const char* unit);
-Found first(std::initializer_list<Found> found);
+MaybeViolation positive(const char* field, double value, double most, const char* unit);
+MaybeViolation not_negative(const char* field, double value, double most, const char* unit);
+MaybeViolation first(std::initializer_list<MaybeViolation> found);
 
 /// Makes an orientation that breaks no rule unit, of whatever length it was.
 void make_unit(Quaternion& orientation);

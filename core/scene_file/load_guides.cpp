@@ -91,7 +91,7 @@ std::vector<Guide> read_guides(const JsonDocument& document, const scene_file::S
     guide.action = read_action(document, path, *g);
     guide.pose = pose_of(*g);
     guide.max_force = g->max_force();
-    require(document, path, broken_rule(guide));
+    require(document, path, check(guide));
     guides.push_back(std::move(guide));
   }
   return guides;

@@ -123,8 +123,8 @@ Mesh MeshLoader::load(const std::string& path, const scene_file::Mesh& mesh) {
       warnings_.push_back(name + ": its normals look inwards; the surface was turned");
     }
     Mesh made{std::make_shared<MeshSurface>(std::move(triangles), options)};
-    if (const auto broken = broken_rule(Shape(made)))
-      document_.fail(path + "." + broken->field, broken->message);
+    if (const auto violation = check(Shape(made)))
+      document_.fail(path + "." + violation->field, violation->message);
     known_.emplace(key, made);
     return made;
   } catch (const FileError& error) {

@@ -32,7 +32,7 @@ Materials read_materials(const JsonDocument& document, const scene_file::Scene& 
                             .static_friction = m->static_friction(),
                             .dynamic_friction = m->dynamic_friction(),
                             .viscous_friction = m->viscous_friction()};
-    require(document, element("materials", materials.all.size()), broken_rule(material));
+    require(document, element("materials", materials.all.size()), check(material));
     materials.all.push_back({m->name()->str(), material});
   }
   return materials;
@@ -40,7 +40,8 @@ Materials read_materials(const JsonDocument& document, const scene_file::Scene& 
 
 const Material& find_material(const JsonDocument& document, const std::string& path,
                               const Materials& materials, const std::string& name) {
-  if (const auto broken = broken_name(name)) document.fail(path + ".material", broken->message);
+  if (const auto violation = broken_name(name))
+    document.fail(path + ".material", violation->message);
   if (const auto at = materials.names.find(name)) return materials.all[*at].material;
   std::string known;
   for (const NamedMaterial& m : materials.all) known += (known.empty() ? "" : ", ") + m.name;
@@ -68,14 +69,14 @@ Shape read_shape(const JsonDocument& document, const std::string& path,
   if (const auto* g = object.grid()) take("grid", read_grid(document, path + ".grid", *g, folder));
   if (kind.empty())
     document.fail(path, std::string("has no shape; give exactly one of ") + kChoices);
-  require(document, path + "." + kind, broken_rule(shape));
+  require(document, path + "." + kind, check(shape));
   return shape;
 }
 
 Pose read_pose(const JsonDocument& document, const std::string& path,
                const scene_file::Object& object) {
   Pose pose = pose_of(object);
-  require(document, path, broken_rule(pose));
+  require(document, path, check(pose));
   return pose;
 }
 
@@ -84,7 +85,7 @@ Start read_start(const JsonDocument& document, const scene_file::Scene& scene) {
   if (const auto* s = scene.start()) {
     if (const auto* p = s->position()) start.position = vector(*p);
     if (const auto* n = s->normal()) start.normal = vector(*n);
-    require(document, "start", broken_rule(start));
+    require(document, "start", check(start));
   }
   return start;
 }

@@ -45,7 +45,7 @@ ReadBodies read_list(const JsonDocument& document, const scene_file::Scene& scen
     bodies.names.add(body.name);
     bodies.fixed.push_back(given->joint() == scene_file::Joint::fixed);
     if (bodies.fixed.back() && !body.mass && !body.density) body.mass = 1.0;  // it needs none
-    require(document, path, broken_rule(body));
+    require(document, path, check(body));
     make_unit(body.pose.orientation);
     bodies.all.push_back(std::move(body));
   }
@@ -73,7 +73,7 @@ MechanismOptions read_options(const JsonDocument& document, const scene_file::Sc
   MechanismOptions options;
   if (const auto* gravity = scene.gravity()) options.gravity = vector(*gravity);
   options.tick = scene.tick();
-  require(document, "", broken_rule(options));
+  require(document, "", check(options));
   return options;
 }
 

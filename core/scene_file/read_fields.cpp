@@ -36,7 +36,7 @@ Given read_solid(const JsonDocument& document, const std::string& path, const Ta
   };
   const auto take_shape = [&](const char* name, const Shape& shape) {
     take(name);
-    require(document, path + "." + name, broken_rule(shape));
+    require(document, path + "." + name, check(shape));
     given.shape = shape;
   };
   take_solids(document, path, table, take_shape);
@@ -69,7 +69,7 @@ TriangleSoup placed(TriangleSoup surface, const Pose& pose) {
 Pose read_place(const JsonDocument& document, const std::string& path,
                 const scene_file::ToolBody& body) {
   Pose pose = pose_of(body);
-  require(document, path, broken_rule(pose));
+  require(document, path, check(pose));
   make_unit(pose.orientation);
   return pose;
 }
@@ -97,12 +97,12 @@ HandTool read_tool(const JsonDocument& document, const std::string& path, const 
                    const std::filesystem::path& folder, const Scene& scene) {
   HandTool hand;
   if (const auto* sphere = tool.sphere()) {
-    require(document, path + ".sphere", broken_rule(Shape(Sphere{sphere->radius()})));
+    require(document, path + ".sphere", check(Shape(Sphere{sphere->radius()})));
     hand.radius = sphere->radius();
   }
   if (const auto* body = tool.body())
     hand.body = read_body(document, path + ".body", *body, folder);
-  require(document, path, broken_rule(hand, scene.objects()));
+  require(document, path, check(hand, scene.objects()));
   return hand;
 }
 

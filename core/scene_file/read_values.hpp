@@ -15,9 +15,11 @@ inline std::string element(const char* list, std::size_t index) {
 }
 
 /// Fails where a rule is broken; `path` is what the rule's field is relative to.
-inline void require(const JsonDocument& document, const std::string& path, const Found& broken) {
-  if (broken)
-    document.fail(path.empty() ? broken->field : path + "." + broken->field, broken->message);
+inline void require(const JsonDocument& document, const std::string& path,
+                    const MaybeViolation& violation) {
+  if (violation)
+    document.fail(path.empty() ? violation->field : path + "." + violation->field,
+                  violation->message);
 }
 
 /// The names of one list of the file, in its order. A scene may have some 100000 objects, so a name

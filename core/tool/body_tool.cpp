@@ -101,12 +101,12 @@ struct Step {
 
   /// Where the Gauss-Newton model of the energy, with what sliding and damping cost, has its
   /// minimum.
-  Slide model(const State& state, bool slipping) const {
+  FrictionSolution model(const State& state, bool slipping) const {
     Mat6 stiffness = state.contact.stiffness + damping;
     stiffness.diagonal().head<3>().array() += state.pull.stiffness;
     stiffness.diagonal().tail<3>().array() += state.pull.rotational_stiffness;
-    return slide(stiffness, state.pull.wrench + state.contact.wrench + damped(done),
-                 state.contact.gripping(), slipping);
+    return solve_friction(stiffness, state.pull.wrench + state.contact.wrench + damped(done),
+                          state.contact.gripping(), slipping);
   }
 
   /// No farther than the clearance allows.
@@ -141,20 +141,20 @@ struct Step {
 };
 
 /// Goes down from a state. Returns what the tool would do further, and what holds it.
-Slide descend(Step& step, State& state, bool& slipping) {
+FrictionSolution descend(Step& step, State& state, bool& slipping) {
   // Of the radius: what is not worth a look, and not worth another one in the same step.
   constexpr double kClose = 1e-5, kCloseEnough = 1e-4;
   const double radius = step.tool.shell().radius;
   const std::size_t before = step.result.evaluations;
   const auto next_slide = [&] {
-    Slide next = step.model(state, slipping);
+    FrictionSolution next = step.model(state, slipping);
     if (next.slips && !slipping) {
       slipping = true;
       next = step.model(state, slipping);
     }
     return next;
   };
-  Slide next = next_slide();
+  FrictionSolution next = next_slide();
   bool slips = next.slips;  // at any time in this step
   Vec6 way = step.allowed(state, next.motion);
   // Objects that move are followed however slow they are.
@@ -163,16 +163,16 @@ Slide descend(Step& step, State& state, bool& slipping) {
     const bool first = step.result.evaluations == before;
     if (!(step.length_of(way) > (first ? least : kCloseEnough * radius))) break;
     State tried = step.at(moved(state.pose, way.head<3>(), way.tail<3>()));
-    const std::span<const Grip> grips = state.contact.gripping();
-    const double cost = slide_work(grips, slipping, way) -
-                        slide_work(grips, slipping, Vec6::Zero()) +
+    const std::span<const FrictionPatch> patches = state.contact.gripping();
+    const double cost = friction_work(patches, slipping, way) -
+                        friction_work(patches, slipping, Vec6::Zero()) +
                         step.damping_work(step.done + way) - step.damping_work(step.done);
     if (tried.energy() + cost < state.energy()) {
       state = tried;
       step.done += way;
       // The tool has gone with what carries it; from here on it slips.
       for (std::size_t i = 0; i < state.contact.grip_count; ++i)
-        state.contact.grips[i].carried.setZero();
+        state.contact.patches[i].carried.setZero();
       next = next_slide();
       slips |= next.slips;
       way = step.allowed(state, next.motion);
@@ -190,7 +190,7 @@ bool good(const Pose& pose) {
 }
 
 /// The command's wrench among the objects that are touched.
-void share_out(const State& state, const Slide& last, BodyStep& result) {
+void share_out(const State& state, const FrictionSolution& last, BodyStep& result) {
   const ShellContact& contact = state.contact;
   const auto parts = std::span(result.parts).first(contact.part_count);
   std::copy_n(contact.parts.begin(), parts.size(), parts.begin());
@@ -198,7 +198,7 @@ void share_out(const State& state, const Slide& last, BodyStep& result) {
   double sizes = 0.0;
   for (ObjectWrench& part : parts) {
     for (std::size_t i = 0; i < contact.grip_count; ++i)
-      if (contact.grips[i].object == part.object) part.wrench += last.friction[i];
+      if (contact.patches[i].object == part.object) part.wrench += last.friction[i];
     rest -= part.wrench;
     sizes += part.wrench.head<3>().norm();
   }
@@ -250,7 +250,7 @@ BodyStep step_body(const BodyTool& tool, std::span<const Object> objects, const 
                     : step.at(memory.pose);
   bool slipping = memory.slipping;
   step.damp(state, slipping);
-  const Slide last = descend(step, state, slipping);
+  const FrictionSolution last = descend(step, state, slipping);
   if (!std::isfinite(state.energy()) || !state.pull.wrench.allFinite() || !good(state.pose))
       [[unlikely]]
     return result;  // poses beyond what products can hold

@@ -60,7 +60,7 @@ struct BodyStep {
   std::size_t evaluations = 0, looked_at = 0;  // of all contacts; nodes and points in them
   /// The part of the command from each object, about the tool's origin. Their sum is the command,
   /// to rounding: an imbalance that is left is shared out in proportion to their size.
-  std::array<ObjectWrench, ShellContact::kGrips> parts;
+  std::array<ObjectWrench, ShellContact::kFrictionPatches> parts;
   std::size_t part_count = 0;
 
   std::span<const ObjectWrench> touched() const { return {parts.data(), part_count}; }

@@ -7,47 +7,47 @@
 namespace feltwire {
 namespace {
 
-constexpr int kSweeps = 4;      // over the grips
+constexpr int kSweeps = 4;      // over the patches
 constexpr int kRootSteps = 12;  // for one of them
 constexpr double kCloseToCone = 1e-3;
 
-double limit_of(const Grip& grip, bool slipping) {
-  return (slipping ? grip.dynamic_friction : grip.static_friction) * grip.load;
+double limit_of(const FrictionPatch& patch, bool slipping) {
+  return (slipping ? patch.dynamic_friction : patch.static_friction) * patch.load;
 }
 
-double slip_of(const Grip& grip, const Vec6& motion) {
-  const Vec6 against = motion - grip.carried;
-  return std::sqrt(std::max(0.0, against.dot(grip.slip * against)));
+double slip_of(const FrictionPatch& patch, const Vec6& motion) {
+  const Vec6 against = motion - patch.carried;
+  return std::sqrt(std::max(0.0, against.dot(patch.slip * against)));
 }
 
-/// Each grip as a spring, whose stiffness is its limit over its slip: at the least of the sum these
-/// are the same forces.
+/// Each patch as a spring, whose stiffness is its limit over its slip: at the least of the sum
+/// these are the same forces.
 struct Springs {
   const Mat6& stiffness;
   const Vec6& wrench;
-  std::span<const Grip> grips;
-  std::array<double, ShellContact::kGrips> of{};  // [N/m]
+  std::span<const FrictionPatch> patches;
+  std::array<double, ShellContact::kFrictionPatches> of{};  // [N/m]
   Vec6 motion = Vec6::Zero();
 
   void solve() {
     Mat6 all = stiffness;
     Vec6 pull = wrench;
-    for (std::size_t i = 0; i < grips.size(); ++i) {
+    for (std::size_t i = 0; i < patches.size(); ++i) {
       if (of[i] == 0.0) continue;
-      all += of[i] * grips[i].slip;
-      pull += of[i] * (grips[i].slip * grips[i].carried);
+      all += of[i] * patches[i].slip;
+      pull += of[i] * (patches[i].slip * patches[i].carried);
     }
     motion = all.ldlt().solve(pull);
   }
 
-  /// limit / slip - spring of a grip: falls with the spring, about in a line, through the root.
+  /// limit / slip - spring of a patch: falls with the spring, about in a line, through the root.
   double excess(std::size_t i, double limit, double spring) {
     of[i] = spring;
     solve();
-    return limit / std::max(slip_of(grips[i], motion), kHeld * kHeld) - spring;
+    return limit / std::max(slip_of(patches[i], motion), kHeld * kHeld) - spring;
   }
 
-  /// The grip's spring, the others as they are.
+  /// The patch's spring, the others as they are.
   void find(std::size_t i, double limit) {
     double high = limit / kHeld, above = excess(i, limit, high);
     if (above >= 0.0 || limit == 0.0) return;  // it holds
@@ -72,9 +72,9 @@ struct Springs {
   }
 
   bool all_on_their_cones(bool slipping) const {
-    for (std::size_t i = 0; i < grips.size(); ++i) {
-      const double limit = limit_of(grips[i], slipping);
-      const double force = of[i] * slip_of(grips[i], motion);
+    for (std::size_t i = 0; i < patches.size(); ++i) {
+      const double limit = limit_of(patches[i], slipping);
+      const double force = of[i] * slip_of(patches[i], motion);
       const bool holds = of[i] >= limit / kHeld && force <= limit;
       if (!holds && std::abs(force - limit) > kCloseToCone * limit) return false;
     }
@@ -84,26 +84,29 @@ struct Springs {
 
 }  // namespace
 
-Slide slide(const Mat6& stiffness, const Vec6& wrench, std::span<const Grip> grips,
-            bool slipping) noexcept {
-  Springs springs{stiffness, wrench, grips};
-  if (grips.empty()) springs.solve();
+FrictionSolution solve_friction(const Mat6& stiffness, const Vec6& wrench,
+                                std::span<const FrictionPatch> patches, bool slipping) noexcept {
+  Springs springs{stiffness, wrench, patches};
+  if (patches.empty()) springs.solve();
   for (int sweep = 0; sweep < kSweeps; ++sweep) {
-    for (std::size_t i = 0; i < grips.size(); ++i) springs.find(i, limit_of(grips[i], slipping));
-    if (grips.size() < 2 || springs.all_on_their_cones(slipping)) break;
+    for (std::size_t i = 0; i < patches.size(); ++i)
+      springs.find(i, limit_of(patches[i], slipping));
+    if (patches.size() < 2 || springs.all_on_their_cones(slipping)) break;
   }
-  Slide result;
+  FrictionSolution result;
   result.motion = springs.motion;
-  for (std::size_t i = 0; i < grips.size(); ++i) {
-    result.friction[i] = springs.of[i] * (grips[i].slip * (grips[i].carried - springs.motion));
-    result.slips |= slip_of(grips[i], springs.motion) > kHeld;
+  for (std::size_t i = 0; i < patches.size(); ++i) {
+    result.friction[i] = springs.of[i] * (patches[i].slip * (patches[i].carried - springs.motion));
+    result.slips |= slip_of(patches[i], springs.motion) > kHeld;
   }
   return result;
 }
 
-double slide_work(std::span<const Grip> grips, bool slipping, const Vec6& motion) noexcept {
+double friction_work(std::span<const FrictionPatch> patches, bool slipping,
+                     const Vec6& motion) noexcept {
   double work = 0.0;
-  for (const Grip& grip : grips) work += limit_of(grip, slipping) * slip_of(grip, motion);
+  for (const FrictionPatch& patch : patches)
+    work += limit_of(patch, slipping) * slip_of(patch, motion);
   return work;
 }
 

@@ -42,8 +42,8 @@ struct Sums {
   }
 };
 
-/// Where a grip is: sums over its points, weighted by the load's d |grad d|.
-struct GripSums {
+/// Where a patch is: sums over its points, weighted by the load's d |grad d|.
+struct FrictionPatchSums {
   double weight = 0.0;
   Vec3 arm = Vec3::Zero(), normal = Vec3::Zero();
   Mat3 arms = Mat3::Zero();  // of arm arm^T, lower half
@@ -80,7 +80,7 @@ struct GripSums {
 };
 
 /// By the axis of the object's frame that the normal is nearest to: within 55 degrees of it.
-constexpr std::size_t kGripSides = 6;
+constexpr std::size_t kPatchSides = 6;
 std::size_t side_of(const Vec3& way) {
   Eigen::Index axis;
   way.cwiseAbs().maxCoeff(&axis);
@@ -97,7 +97,7 @@ Mat6 turned_by(const Mat3& to_world, const Mat6& m) {
 }
 
 /// One shell against one object, in the object's frame.
-struct Look {
+struct ShellQuery {
   const PointShell& shell;
   const Object& object;
   Mat3 turned;  // the tool's frame into the object's
@@ -105,7 +105,7 @@ struct Look {
   ShellContact& sum;
   bool slides;  // what slips where is asked for
   Sums sums = {};
-  std::array<GripSums, kGripSides> grips = {};
+  std::array<FrictionPatchSums, kPatchSides> patches = {};
 
   /// Whether the ball may come near; notes how far away it is where it does not.
   bool near(const ShellNode& node, double distance) {
@@ -162,11 +162,11 @@ struct Look {
     const Lanes length =
         (group.gradient_x.square() + group.gradient_y.square() + group.gradient_z.square()).sqrt();
     const Lanes load = -group.distance * length;
-    std::array<Lanes, kGripSides> weights;
+    std::array<Lanes, kPatchSides> weights;
     weights.fill(Lanes::Zero());
     std::array<Lanes, 3> normals;
     normals.fill(Lanes::Zero());
-    std::array<bool, kGripSides> there{};
+    std::array<bool, kPatchSides> there{};
     for (Eigen::Index l = 0; l < load.size(); ++l) {
       if (!(load[l] > 0.0)) continue;
       const Vec3 way(group.gradient_x[l], group.gradient_y[l], group.gradient_z[l]);
@@ -176,27 +176,27 @@ struct Look {
       for (std::size_t axis = 0; axis < normals.size(); ++axis)
         normals[axis][l] = way[static_cast<Eigen::Index>(axis)] / length[l];
     }
-    for (std::size_t side = 0; side < kGripSides; ++side)
-      if (there[side]) grips[side].add(weights[side], normals, arm);
+    for (std::size_t side = 0; side < kPatchSides; ++side)
+      if (there[side]) patches[side].add(weights[side], normals, arm);
   }
 
   /// `scale`: [N] of a load's unit.
-  void grip(const Mat3& to_world, double scale, const ObjectInStep& in) {
+  void patch(const Mat3& to_world, double scale, const ObjectInStep& in) {
     const Material& material = object.material;
     double whole = 0.0;
-    for (const GripSums& g : grips) whole += g.weight;
-    for (const GripSums& g : grips) {
+    for (const FrictionPatchSums& g : patches) whole += g.weight;
+    for (const FrictionPatchSums& g : patches) {
       if (!(g.weight > 0.0)) continue;
       const Mat6 slip = turned_by(to_world, g.slip());
       const double viscous = in.share * material.viscous_friction * g.weight / whole;
       sum.viscosity.add(viscous * slip, in.carried);
       if (!(material.static_friction > 0.0)) continue;
       const double load = scale * g.weight;
-      if (sum.grip_count == ShellContact::kGrips) {
-        sum.grips.back().load += load;
+      if (sum.grip_count == ShellContact::kFrictionPatches) {
+        sum.patches.back().load += load;
         continue;
       }
-      sum.grips[sum.grip_count++] = {
+      sum.patches[sum.grip_count++] = {
           load, material.static_friction, material.dynamic_friction, slip, in.carried, in.index};
     }
   }
@@ -237,12 +237,12 @@ void add_contact(const PointShell& shell, const Pose& tool, const Object& object
                  double contact_area, ShellContact& sum, const ObjectInStep& in) noexcept {
   const Material& material = object.material;
   const Mat3 to_world = object.pose.orientation.toRotationMatrix();
-  Look look{shell,
-            object,
-            to_world.transpose() * tool.orientation.toRotationMatrix(),
-            to_world.transpose() * (tool.position - object.pose.position),
-            sum,
-            material.static_friction > 0.0 || material.viscous_friction > 0.0};
+  ShellQuery look{shell,
+                  object,
+                  to_world.transpose() * tool.orientation.toRotationMatrix(),
+                  to_world.transpose() * (tool.position - object.pose.position),
+                  sum,
+                  material.static_friction > 0.0 || material.viscous_friction > 0.0};
   look.all();
   const Sums& sums = look.sums;
   if (!(sums.squares > 0.0)) return;
@@ -254,7 +254,7 @@ void add_contact(const PointShell& shell, const Pose& tool, const Object& object
   wrench << to_world * sums.wrench.head<3>(), to_world * sums.wrench.tail<3>();
   wrench *= scale;
   sum.wrench += wrench;
-  if (sum.part_count < ShellContact::kGrips)
+  if (sum.part_count < ShellContact::kFrictionPatches)
     sum.parts[sum.part_count++] = {in.index, wrench};
   else
     sum.parts.back().wrench += wrench;
@@ -262,7 +262,7 @@ void add_contact(const PointShell& shell, const Pose& tool, const Object& object
   sum.stiffness += scale * normal;
   if (material.damping > 0.0)
     sum.damping.add(in.share * material.damping * share * normal, in.carried);
-  if (look.slides) look.grip(to_world, scale, in);
+  if (look.slides) look.patch(to_world, scale, in);
 }
 
 }  // namespace feltwire

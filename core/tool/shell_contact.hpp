@@ -15,7 +15,7 @@ using Mat6 = Eigen::Matrix<double, 6, 6>;
 
 /// Where one object touches with normals that lie about one axis of its frame: what may hold the
 /// tool along the surface there.
-struct Grip {
+struct FrictionPatch {
   double load = 0.0;  // [N] sum of the points' forces, each by its magnitude
   double static_friction = 0.0, dynamic_friction = 0.0;
   /// m^T slip m of a motion m of the tool against the object is the mean square of how far the
@@ -36,7 +36,7 @@ struct ObjectWrench {
 struct ObjectInStep {
   std::uint32_t index = 0;      // in the scene
   double share = 1.0;           // of its answer that is felt
-  Vec6 carried = Vec6::Zero();  // Grip's
+  Vec6 carried = Vec6::Zero();  // FrictionPatch's
 };
 
 /// A resistance in proportion to speed.
@@ -61,14 +61,14 @@ struct ShellContact {
   std::size_t touching = 0;                                    // points inside a solid
   std::size_t looked_at = 0;  // nodes and points that a distance was asked for
 
-  static constexpr std::size_t kGrips = 8;
-  std::array<Grip, kGrips> grips;
-  std::array<ObjectWrench, kGrips> parts;  // of the wrench
+  static constexpr std::size_t kFrictionPatches = 8;
+  std::array<FrictionPatch, kFrictionPatches> patches;
+  std::array<ObjectWrench, kFrictionPatches> parts;  // of the wrench
   std::size_t grip_count = 0, part_count = 0;
   Damper damping;    // of the contact, along the normals
   Damper viscosity;  // along the surface
 
-  std::span<const Grip> gripping() const { return {grips.data(), grip_count}; }
+  std::span<const FrictionPatch> gripping() const { return {patches.data(), grip_count}; }
   std::span<const ObjectWrench> touched() const { return {parts.data(), part_count}; }
 };
 
@@ -81,8 +81,8 @@ struct ShellContact {
 /// of a grid; what friction and damping need is noted beside it, and costs nothing where the
 /// material has neither.
 ///
-/// Where there are more grips or touched objects than kGrips the last takes what is left. Poses
-/// must be finite. Never allocates.
+/// Where there are more patches or touched objects than kFrictionPatches the last takes what is
+/// left. Poses must be finite. Never allocates.
 void add_contact(const PointShell& shell, const Pose& tool, const Object& object,
                  double contact_area, ShellContact& sum, const ObjectInStep& in = {}) noexcept;
 

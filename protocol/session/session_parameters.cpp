@@ -16,7 +16,7 @@ constexpr double kLongestHold = 1.0;    // [s]
 constexpr double kLargestCouplingDamping = 1e6;              // [N s/m]
 constexpr double kLightestTool = 1e-6, kHeaviestTool = 1e3;  // [kg]
 
-std::string text(double number) {
+std::string short_text(double number) {
   std::string digits = std::to_string(number);
   if (std::abs(number) < 1e-3 || std::abs(number) > 1e6) {
     char buffer[32];
@@ -30,8 +30,9 @@ std::string text(double number) {
 void within(const char* field, double value, double low, double high, const char* unit,
             const char* remedy) {
   if (value >= low && value <= high) return;
-  throw std::invalid_argument(std::string(field) + " = " + text(value) + " is not within " +
-                              text(low) + " to " + text(high) + " " + unit + "; " + remedy);
+  throw std::invalid_argument(std::string(field) + " = " + short_text(value) + " is not within " +
+                              short_text(low) + " to " + short_text(high) + " " + unit + "; " +
+                              remedy);
 }
 
 void known(const char* field, std::size_t value, std::size_t choices) {
@@ -53,7 +54,8 @@ void validate_traffic(const SessionParameters& p) {
   const double interval = p.packet_interval * p.servo_period;
   if (!(interval <= p.hold_time))
     throw std::invalid_argument("packet_interval = " + std::to_string(p.packet_interval) +
-                                " ticks is longer than the hold_time of " + text(p.hold_time) +
+                                " ticks is longer than the hold_time of " +
+                                short_text(p.hold_time) +
                                 " s: the force would be gone before the next datagram; lower it "
                                 "or raise hold_time");
   within("keep_alive", p.keep_alive, 0.0, kLongestHold, "s", "0.02 suits most lines");
@@ -94,7 +96,8 @@ void validate(const SessionParameters& p) {
   if (p.c1) within("c1", *p.c1, 0.0, kStiffest, "N/m", "leave it out for b/T");
   if (p.c2) within("c2", *p.c2, 0.0, kStiffest, "N/m", "leave it out for c1");
   if (p.c1 && p.c2 && *p.c2 > *p.c1)
-    throw std::invalid_argument("c2 = " + text(*p.c2) + " is above c1 = " + text(*p.c1) +
+    throw std::invalid_argument("c2 = " + short_text(*p.c2) +
+                                " is above c1 = " + short_text(*p.c1) +
                                 " N/m: the bounding laws would contradict each other; lower c2 or "
                                 "raise c1");
   if (p.coupling_stiffness)

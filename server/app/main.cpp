@@ -142,7 +142,7 @@ int main(int argc, char** argv) {
       if (auto slow = feltwire::warning_of_slow_answers(scene)) warnings.push_back(*slow);
       for (const std::string& warning : warnings)
         std::fprintf(stderr, "%s\n", feltwire::visible(asked.explain + ": " + warning).c_str());
-      std::fputs(feltwire::visible_lines(explain(scene)).c_str(), stdout);
+      std::fputs(feltwire::visible_lines(describe_costs(scene)).c_str(), stdout);
       return 0;
     }
     if (asked.health) {

@@ -27,11 +27,11 @@ CalendarTime now() {
   return std::chrono::floor<std::chrono::seconds>(std::chrono::system_clock::now());
 }
 
-struct Words {
+struct TokenArguments {
   std::string client, scene = "*", role, expires, id, out;
 };
 
-void add(const ServerConfig& config, const Words& words) {
+void add(const ServerConfig& config, const TokenArguments& words) {
   const IssuedToken issued =
       issue_token(words.client, words.scene, role(words.role), parse_expiry(words.expires, now()));
   const std::string_view text = issued.text.text();
@@ -63,7 +63,7 @@ void list(const ServerConfig& config) {
                 visible(token.scene).c_str(), expired(token, now()) ? "  (expired)" : "");
 }
 
-void revoke(const ServerConfig& config, const Words& words) {
+void revoke(const ServerConfig& config, const TokenArguments& words) {
   change_tokens(token_file(config), [&](Tokens& tokens) {
     if (std::erase_if(tokens, [&](const Token& token) { return token.id == words.id; }) == 0)
       throw std::invalid_argument("there is no token " + words.id + " in " +
@@ -87,7 +87,7 @@ int token_command(int argc, char** argv) {
   app.require_subcommand(1);
   ServerConfig given;
   std::string config_file;
-  Words words;
+  TokenArguments words;
   CLI::App* adding = app.add_subcommand("add", "Make a token and print it");
   adding->add_option("--client", words.client, "Whom it is for")->required();
   adding->add_option("--scene", words.scene, "The scene that it opens; '*': any")->required();

@@ -27,7 +27,7 @@ CalendarTime calendar_now() {
 
 }  // namespace
 
-struct ControlService::Asked {
+struct ControlService::PendingRequest {
   ControlPeer& peer;
   const Token& token;
   Answer answer;
@@ -53,7 +53,7 @@ void ControlService::handle(ControlPeer& peer, control::Message request, Answer 
     peer.token.clear();  // revoked since: the connection ends with this answer
     return answer(refuse(RefusalCode::unauthenticated, kNoGoodToken));
   }
-  Asked asked{peer, *token, std::move(answer)};
+  PendingRequest asked{peer, *token, std::move(answer)};
   if (auto* wanted = std::get_if<control::JoinRequest>(&request))
     return join(std::move(asked), std::move(*wanted));
   if (const auto* wanted = std::get_if<control::LeaveRequest>(&request))
@@ -89,7 +89,7 @@ control::Message ControlService::authenticate(ControlPeer& peer,
   return refuse(RefusalCode::unauthenticated, kNoGoodToken);
 }
 
-std::optional<Refused> ControlService::refuse_join(const Asked& asked,
+std::optional<Refused> ControlService::refuse_join(const PendingRequest& asked,
                                                    const control::JoinRequest& request) {
   const Token& token = asked.token;
   if (!covers(token.role, request.role))
@@ -121,7 +121,7 @@ std::optional<Refused> ControlService::refuse_join(const Asked& asked,
   return std::nullopt;
 }
 
-void ControlService::join(Asked asked, control::JoinRequest request) {
+void ControlService::join(PendingRequest asked, control::JoinRequest request) {
   const std::string who = visible(request.client + " (" + request.device.name + ", client " +
                                   asked.token.client + ", token " + asked.token.id + ")");
   if (const auto refused = refuse_join(asked, request)) {
@@ -171,7 +171,8 @@ void ControlService::join(Asked asked, control::JoinRequest request) {
 }
 
 /// To the scene of a session that is the asker's own, or an admin asks.
-void ControlService::pass_on(Asked asked, std::uint64_t session, control::Message request) {
+void ControlService::pass_on(PendingRequest asked, std::uint64_t session,
+                             control::Message request) {
   const auto found = seated_.find(session);
   const bool may =
       found != seated_.end() &&
@@ -194,27 +195,27 @@ void ControlService::pass_on(Asked asked, std::uint64_t session, control::Messag
 void ControlService::tell_of(const control::ParametersSet& set, const std::string& by) {
   const auto found = seated_.find(set.session);
   if (found == seated_.end()) return;
-  Seated& seated = found->second;
+  ListedSession& seated = found->second;
   spdlog::info("{}: parameters set by {}: {}", seated.who, visible(by),
                changes(seated.parameters, set.parameters));
   seated.parameters = set.parameters;
 }
 
-std::optional<Refused> ControlService::refuse_below_admin(const Asked& asked) {
+std::optional<Refused> ControlService::refuse_below_admin(const PendingRequest& asked) {
   if (covers(asked.token.role, Role::admin)) return std::nullopt;
   return refuse(RefusalCode::forbidden,
                 "this is for admins; the token is for an " + std::string(name(asked.token.role)));
 }
 
 /// Each of these is work for a scene's thread, or for the machine.
-std::optional<Refused> ControlService::refuse_hasty(const Asked& asked) {
+std::optional<Refused> ControlService::refuse_hasty(const PendingRequest& asked) {
   if (changes_.take(asked.token.client, monotonic_now())) return std::nullopt;
   return refuse(
       RefusalCode::too_many,
       "client '" + asked.token.client + "' changes parameters or reloads too often; wait a moment");
 }
 
-control::Message ControlService::evict(const Asked& asked, const control::Evict& request) {
+control::Message ControlService::evict(const PendingRequest& asked, const control::Evict& request) {
   if (auto refused = refuse_below_admin(asked)) return *std::move(refused);
   const auto found = seated_.find(request.session);
   // What goes on in scenes that its token does not open is not for this admin to know.
@@ -237,7 +238,7 @@ control::Message ControlService::list_scenes(const Token& token) const {
   return result;
 }
 
-control::Message ControlService::list_sessions(const Asked& asked,
+control::Message ControlService::list_sessions(const PendingRequest& asked,
                                                const control::ListSessions& request) {
   if (auto refused = refuse_below_admin(asked)) return *std::move(refused);
   control::SessionList list;
@@ -247,13 +248,13 @@ control::Message ControlService::list_sessions(const Asked& asked,
       list.more = true;
       break;
     }
-    const Seated& seated = at->second;
+    const ListedSession& seated = at->second;
     list.sessions.push_back({at->first, seated.client, scene_name(seated), seated.role});
   }
   return list;
 }
 
-void ControlService::reload(Asked asked, const control::ReloadScene& request) {
+void ControlService::reload(PendingRequest asked, const control::ReloadScene& request) {
   if (auto refused = refuse_below_admin(asked)) return asked.answer(*std::move(refused));
   const std::size_t scene = scene_of(request.scene);
   if (scene == hosts_.size() || !opens(asked.token, request.scene))
@@ -287,7 +288,7 @@ void ControlService::forget(const std::vector<EndedSession>& sessions) {
   for (const EndedSession& ended : sessions) {
     const auto found = seated_.find(ended.id);
     if (found == seated_.end()) continue;
-    const Seated& seated = found->second;
+    const ListedSession& seated = found->second;
     try {
       spdlog::info("{} left scene {} after {:.1f} s: {}", seated.who, hosts_[seated.scene]->name(),
                    seconds(monotonic_now() - seated.since), text(ended.how));
@@ -318,7 +319,7 @@ void ControlService::refresh_tokens() {
     spdlog::error("{}; the tokens stay as they were", *wrong);
 }
 
-const std::string& ControlService::scene_name(const Seated& seated) const {
+const std::string& ControlService::scene_name(const ListedSession& seated) const {
   return hosts_[seated.scene]->name();
 }
 

@@ -61,7 +61,7 @@ class ControlService {
 
  private:
   /// A session, from the moment it was asked for.
-  struct Seated {
+  struct ListedSession {
     std::string token, client;  // the token's id, and whom it was given to
     std::size_t scene = 0;
     Role role = Role::observer;
@@ -69,25 +69,25 @@ class ControlService {
     Nanoseconds since{0};          // of the server's clock
     SessionParameters parameters;  // in force
   };
-  struct Asked;  // a request, and who asks
-  using Directory = std::map<std::uint64_t, Seated>;
+  struct PendingRequest;  // a request, and who asks
+  using Directory = std::map<std::uint64_t, ListedSession>;
 
   control::Message authenticate(ControlPeer& peer, const control::Authenticate& shown);
-  void join(Asked asked, control::JoinRequest request);
-  void pass_on(Asked asked, std::uint64_t session, control::Message request);
+  void join(PendingRequest asked, control::JoinRequest request);
+  void pass_on(PendingRequest asked, std::uint64_t session, control::Message request);
   void tell_of(const control::ParametersSet& set, const std::string& by);
-  control::Message evict(const Asked& asked, const control::Evict& request);
+  control::Message evict(const PendingRequest& asked, const control::Evict& request);
   control::Message list_scenes(const Token& token) const;
-  control::Message list_sessions(const Asked& asked, const control::ListSessions& request);
-  void reload(Asked asked, const control::ReloadScene& request);
+  control::Message list_sessions(const PendingRequest& asked, const control::ListSessions& request);
+  void reload(PendingRequest asked, const control::ReloadScene& request);
   control::Refused refuse(control::RefusalCode code, std::string reason);
-  std::optional<control::Refused> refuse_below_admin(const Asked& asked);
-  std::optional<control::Refused> refuse_hasty(const Asked& asked);
-  std::optional<control::Refused> refuse_join(const Asked& asked,
+  std::optional<control::Refused> refuse_below_admin(const PendingRequest& asked);
+  std::optional<control::Refused> refuse_hasty(const PendingRequest& asked);
+  std::optional<control::Refused> refuse_join(const PendingRequest& asked,
                                               const control::JoinRequest& request);
   const Token* good_token(const std::string& id) const;
   void refresh_tokens();
-  const std::string& scene_name(const Seated& seated) const;
+  const std::string& scene_name(const ListedSession& seated) const;
   std::size_t scene_of(std::string_view name) const;
   std::uint64_t new_session_id(std::size_t scene);
 

@@ -15,8 +15,8 @@ Vec3 shown_force(const Vec3& force) {
 
 }  // namespace
 
-void Watch::show(std::span<const ActingHand> hands, const World* world, std::size_t room,
-                 SceneView& view) noexcept {
+void ObserverView::show(std::span<const ActingHand> hands, const World* world, std::size_t room,
+                        SceneView& view) noexcept {
   view.present = true;
   view.hands_from = view.hands_end = 0;
   view.bodies_from = view.bodies_end = 0;
@@ -26,8 +26,8 @@ void Watch::show(std::span<const ActingHand> hands, const World* world, std::siz
 }
 
 /// Says how much room they took.
-std::size_t Watch::show_hands(std::span<const ActingHand> hands, std::size_t room,
-                              SceneView& view) noexcept {
+std::size_t ObserverView::show_hands(std::span<const ActingHand> hands, std::size_t room,
+                                     SceneView& view) noexcept {
   const std::size_t most = std::min(room / SceneView::kHandSize, SceneView::kMaxHands);
   auto next = std::ranges::lower_bound(hands, next_hand_, {}, &ActingHand::number);
   view.hands_from = next_hand_;
@@ -43,7 +43,7 @@ std::size_t Watch::show_hands(std::span<const ActingHand> hands, std::size_t roo
   return view.hand_count * SceneView::kHandSize;
 }
 
-void Watch::show_bodies(const World* world, std::size_t room, SceneView& view) noexcept {
+void ObserverView::show_bodies(const World* world, std::size_t room, SceneView& view) noexcept {
   const std::size_t most = std::min(room / SceneView::kBodySize, SceneView::kMaxBodies);
   std::size_t next = next_body_, end = next_body_;
   if (world != nullptr) {

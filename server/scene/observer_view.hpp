@@ -16,7 +16,7 @@ struct ActingHand {
 };
 
 /// How far one observer has been shown round: the hands, then what moves, then from the beginning.
-class Watch {
+class ObserverView {
  public:
   /// The next part, of no more than `room` [bytes]: at most one list of hands, from where the last
   /// part ended, and one of bodies. `hands` by rising number; `world` null where nothing moves. A

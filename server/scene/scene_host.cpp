@@ -119,19 +119,19 @@ void SceneHost::ask(control::Message request, std::uint64_t id, const SessionKey
 void SceneHost::reload(Scene scene) {
   post([this, next = std::make_unique<const Scene>(std::move(scene))]() mutable {
     if (closing_) return;
-    std::vector<SceneSessions::Farewell> farewells;
+    std::vector<SceneSessions::GoodbyeDatagram> goodbyes;
     try {
-      farewells = sessions_.enter(*next, clock_());
+      goodbyes = sessions_.enter(*next, clock_());
     } catch (const std::exception& error) {
       return spdlog::error(
           "scene {}: the server failed to enter the reloaded scene: {}; the scene "
           "stays as it was",
           name_, error.what());
     }
-    say(farewells);
-    if (!farewells.empty())
+    say(goodbyes);
+    if (!goodbyes.empty())
       spdlog::info("scene {}: sessions that ended, for it has their tool no more: {}", name_,
-                   farewells.size());
+                   goodbyes.size());
     scene_ = std::move(next);
     objects_ = static_cast<std::uint32_t>(scene_->objects().size());
     publish();  // a session may have lost its tool
@@ -276,12 +276,12 @@ void SceneHost::tell_of_load(Nanoseconds now) {
     spdlog::warn("scene {}: {}", name_, line);
 }
 
-void SceneHost::say(const std::vector<SceneSessions::Farewell>& farewells) noexcept {
-  for (const auto& farewell : farewells) {
-    if (farewell.to.length == 0) continue;  // never sent a sample: nobody knows where it is
+void SceneHost::say(const std::vector<SceneSessions::GoodbyeDatagram>& goodbyes) noexcept {
+  for (const auto& goodbye : goodbyes) {
+    if (goodbye.to.length == 0) continue;  // never sent a sample: nobody knows where it is
     const auto sent = ::sendto(
-        socket_.native_handle(), farewell.datagram.data(), farewell.datagram.size(), MSG_DONTWAIT,
-        reinterpret_cast<const sockaddr*>(&farewell.to.address), farewell.to.length);
+        socket_.native_handle(), goodbye.datagram.data(), goodbye.datagram.size(), MSG_DONTWAIT,
+        reinterpret_cast<const sockaddr*>(&goodbye.to.address), goodbye.to.length);
     if (sent < 0) ++unsent_;
   }
 }

@@ -113,7 +113,7 @@ class SceneHost {
   void tell_ended();
   void tell_of_world(Nanoseconds now);
   void tell_of_load(Nanoseconds now);
-  void say(const std::vector<SceneSessions::Farewell>& farewells) noexcept;
+  void say(const std::vector<SceneSessions::GoodbyeDatagram>& goodbyes) noexcept;
   SceneSummary count() const;
   struct Batch;
 

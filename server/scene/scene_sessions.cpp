@@ -105,7 +105,7 @@ SceneSessions::SceneSessions(const Scene& scene, Nanoseconds silence_timeout,
       limits_(limits),
       by_id_(max_sessions),
       share_(max_sessions) {
-  seats_.reserve(max_sessions);
+  slots_.reserve(max_sessions);
   hands_.reserve(max_sessions);
   ended_.reserve(max_sessions);
   take_over(scene, world_of(scene));
@@ -122,29 +122,30 @@ void SceneSessions::take_over(const Scene& scene, std::unique_ptr<World> world) 
   if (world_ != nullptr) tick_ = from_seconds(world_->tick());
 }
 
-std::vector<SceneSessions::Farewell> SceneSessions::enter(const Scene& scene, Nanoseconds now) {
+std::vector<SceneSessions::GoodbyeDatagram> SceneSessions::enter(const Scene& scene,
+                                                                 Nanoseconds now) {
   // What may throw comes first; nothing has changed by then.
   std::unique_ptr<World> world = world_of(scene);
-  std::vector<Session::Place> places(seats_.size());
-  std::vector<Farewell> farewells;
-  for (std::size_t i = seats_.size(); i-- > 0;)
-    if (const Scene* held = scene.held(seats_[i]->tool); held == nullptr)
-      farewells.push_back(farewell(*seats_[i], GoodbyeReason::evicted));
+  std::vector<Session::Place> places(slots_.size());
+  std::vector<GoodbyeDatagram> goodbyes;
+  for (std::size_t i = slots_.size(); i-- > 0;)
+    if (const Scene* held = scene.held(slots_[i]->tool); held == nullptr)
+      goodbyes.push_back(goodbye(*slots_[i], GoodbyeReason::evicted));
     else
-      places[i] = Session::Place(*held, world.get(), seats_[i]->session.limits());
+      places[i] = Session::Place(*held, world.get(), slots_[i]->session.limits());
 
   if (world_ != nullptr) add(counters_.world, world_->counters());
   const std::unique_ptr<World> before = std::move(world_);  // until no session is in it any more
   take_over(scene, std::move(world));
   last_tick_ = now;
-  for (std::size_t i = seats_.size(); i-- > 0;)
+  for (std::size_t i = slots_.size(); i-- > 0;)
     if (places[i].scene != nullptr) {
-      seats_[i]->session.enter(std::move(places[i]));
+      slots_[i]->session.enter(std::move(places[i]));
     } else {
       ++counters_.evicted;
-      end(*seats_[i], SessionEnd::tool_gone);
+      end(*slots_[i], SessionEnd::tool_gone);
     }
-  return farewells;
+  return goodbyes;
 }
 
 SceneSessions::~SceneSessions() = default;
@@ -155,16 +156,16 @@ control::Message SceneSessions::answer(const control::Message& request, std::uin
     return join(*wanted, id, keys, now);
 
   if (const auto* wanted = std::get_if<control::LeaveRequest>(&request)) {
-    Seat** seat = by_id_.find(wanted->session);
-    if (seat == nullptr) return unknown_session(wanted->session);
+    SessionSlot** slot = by_id_.find(wanted->session);
+    if (slot == nullptr) return unknown_session(wanted->session);
     ++counters_.left;
-    end(**seat, SessionEnd::asked);
+    end(**slot, SessionEnd::asked);
     return control::Left{wanted->session};
   }
   if (const auto* wanted = std::get_if<control::SetParameters>(&request)) {
-    Seat** seat = by_id_.find(wanted->session);
-    if (seat == nullptr) return unknown_session(wanted->session);
-    Session& session = (*seat)->session;
+    SessionSlot** slot = by_id_.find(wanted->session);
+    if (slot == nullptr) return unknown_session(wanted->session);
+    Session& session = (*slot)->session;
     if (auto wrong = forbidden_change(session.parameters(), wanted->parameters))
       return control::Refused{control::RefusalCode::bad_parameters, *std::move(wrong)};
     try {
@@ -187,7 +188,7 @@ SessionParameters SceneSessions::granted(const SessionParameters& asked) const {
 
 control::Message SceneSessions::join(control::JoinRequest request, std::uint64_t id,
                                      const SessionKeys& keys, Nanoseconds now) {
-  if (seats_.size() >= max_sessions_)
+  if (slots_.size() >= max_sessions_)
     return control::Refused{control::RefusalCode::full,
                             "scene '" + scene_->name() + "' has all its " +
                                 std::to_string(max_sessions_) + " sessions; try again later"};
@@ -201,27 +202,27 @@ control::Message SceneSessions::join(control::JoinRequest request, std::uint64_t
   accepted.version = version();
   try {
     request.parameters = granted(request.parameters);
-    auto seat = std::make_unique<Seat>(
-        Seat{id,
-             Session(request, *held, world_.get()),
-             now,
-             Opener(keys.suite, keys.up, 0, limits_.forgeries),
-             Sealer(keys.suite, keys.down),
-             SampleRate(request.parameters.servo_period, limits_.sample_rate),
-             {},
-             {},
-             request.tool});
-    if (!by_id_.insert(id, seat.get()))
+    auto slot = std::make_unique<SessionSlot>(
+        SessionSlot{id,
+                    Session(request, *held, world_.get()),
+                    now,
+                    Opener(keys.suite, keys.up, 0, limits_.forgeries),
+                    Sealer(keys.suite, keys.down),
+                    SampleRate(request.parameters.servo_period, limits_.sample_rate),
+                    {},
+                    {},
+                    request.tool});
+    if (!by_id_.insert(id, slot.get()))
       return control::Refused{control::RefusalCode::full, "no session id is free; try again"};
-    if (seats_.empty()) last_tick_ = now;
+    if (slots_.empty()) last_tick_ = now;
     const SessionParameters& parameters = request.parameters;
-    seat->share = share_.add(parameters.packet_interval * parameters.servo_period);
-    seats_.push_back(std::move(seat));
+    slot->share = share_.add(parameters.packet_interval * parameters.servo_period);
+    slots_.push_back(std::move(slot));
   } catch (const std::invalid_argument& error) {
     return control::Refused{refusal_code(request), error.what()};
   }
   ++counters_.sessions_served;
-  const Session& session = seats_.back()->session;
+  const Session& session = slots_.back()->session;
   if (!session.observes())
     hands_.push_back({static_cast<std::uint32_t>(counters_.sessions_served), &session});
   accepted.session = id;
@@ -259,142 +260,142 @@ Bytes SceneSessions::receive(Bytes datagram, const Peer& from, Nanoseconds now,
   const Guarded guarded = guard(datagram, kReceived);
   if (guarded.drop != DropReason::none) return drop(guarded.drop);
 
-  Seat** found = by_id_.find(guarded.header.session);
+  SessionSlot** found = by_id_.find(guarded.header.session);
   if (found == nullptr) return miss(guarded.header);
-  Seat& seat = **found;
-  const Opened opened = seat.opener.open(guarded.header, datagram, opened_);
-  if (opened.drop == DropReason::packet_number) seat.session.count_duplicate();
+  SessionSlot& slot = **found;
+  const Opened opened = slot.opener.open(guarded.header, datagram, opened_);
+  if (opened.drop == DropReason::packet_number) slot.session.count_duplicate();
   if (opened.drop != DropReason::none) return drop(opened.drop);
-  share_.attribute_to(seat.share);
+  share_.attribute_to(slot.share);
   if (guarded.header.kind == DatagramKind::samples) {
-    if (!seat.rate.admit(now)) return drop(DropReason::rate);
-    if (!share_.admit(seat.share)) [[unlikely]] {
+    if (!slot.rate.admit(now)) return drop(DropReason::rate);
+    if (!share_.admit(slot.share)) [[unlikely]] {
       ++counters_.shed;
       return drop(DropReason::rate);
     }
-    const bool newest = guarded.header.packet_number == seat.opener.highest();
-    return receive_samples(seat, opened.payload, {from, newest, now}, out);
+    const bool newest = guarded.header.packet_number == slot.opener.highest();
+    return receive_samples(slot, opened.payload, {from, newest, now}, out);
   }
 
   GoodbyeReason reason;
   if (const DropReason wrong = decode(opened.payload, reason); wrong != DropReason::none)
     return drop(wrong);
   ++counters_.left;
-  end(seat, SessionEnd::goodbye);
+  end(slot, SessionEnd::goodbye);
   return {};
 }
 
-Bytes SceneSessions::receive_samples(Seat& seat, Bytes payload, const Origin& origin,
+Bytes SceneSessions::receive_samples(SessionSlot& slot, Bytes payload, const Origin& origin,
                                      DatagramBuffer& out) noexcept {
   if (const DropReason wrong = decode(payload, batch_); wrong != DropReason::none)
     return drop(wrong);
-  const std::uint64_t before = seat.session.counters().samples;
-  const Taken taken = seat.session.take(batch_, origin.now);
+  const std::uint64_t before = slot.session.counters().samples;
+  const Taken taken = slot.session.take(batch_, origin.now);
   if (taken.drop != DropReason::none) return drop(taken.drop);
-  seat.rate.count(seat.session.counters().samples - before);
-  seat.last_heard = origin.now;
+  slot.rate.count(slot.session.counters().samples - before);
+  slot.last_heard = origin.now;
   // Whoever holds a datagram back and sends it on from elsewhere draws no goodbye there.
-  if (origin.newest) seat.peer = origin.from;
+  if (origin.newest) slot.peer = origin.from;
   if (taken.withheld) return {};
-  if (seat.session.observes()) return show(seat, taken.reply, out);
-  return seat.sealer.seal(DatagramKind::reply, seat.id, encoder_.reply(taken.reply), out);
+  if (slot.session.observes()) return show(slot, taken.reply, out);
+  return slot.sealer.seal(DatagramKind::reply, slot.id, encoder_.reply(taken.reply), out);
 }
 
 /// An observer's reply, with what there is to see.
-Bytes SceneSessions::show(Seat& seat, const Reply& reply, DatagramBuffer& out) noexcept {
-  const SessionParameters& parameters = seat.session.parameters();
+Bytes SceneSessions::show(SessionSlot& slot, const Reply& reply, DatagramBuffer& out) noexcept {
+  const SessionParameters& parameters = slot.session.parameters();
   const double between = parameters.packet_interval * parameters.servo_period;
-  seat.watch.show(hands_, world_.get(), view_room(between), view_);
-  return seat.sealer.seal(DatagramKind::reply, seat.id, encoder_.reply(reply, &view_), out);
+  slot.observer_view.show(hands_, world_.get(), view_room(between), view_);
+  return slot.sealer.seal(DatagramKind::reply, slot.id, encoder_.reply(reply, &view_), out);
 }
 
-void SceneSessions::end(Seat& seat, SessionEnd how) noexcept {
-  add(counters_, seat.session);
+void SceneSessions::end(SessionSlot& slot, SessionEnd how) noexcept {
+  add(counters_, slot.session);
   // Nobody may ask for them; then they are forgotten before they would take memory.
   if (ended_.size() == ended_.capacity()) ended_.clear();
-  ended_.push_back({seat.id, how});
-  by_id_.erase(seat.id);
-  share_.remove(seat.share);
-  gone_[next_gone_++ % gone_.size()] = seat.id;
-  std::erase_if(hands_, [&](const ActingHand& hand) { return hand.session == &seat.session; });
-  std::erase_if(seats_, [&](const auto& other) { return other.get() == &seat; });
+  ended_.push_back({slot.id, how});
+  by_id_.erase(slot.id);
+  share_.remove(slot.share);
+  gone_[next_gone_++ % gone_.size()] = slot.id;
+  std::erase_if(hands_, [&](const ActingHand& hand) { return hand.session == &slot.session; });
+  std::erase_if(slots_, [&](const auto& other) { return other.get() == &slot; });
 }
 
-SceneSessions::Farewell SceneSessions::farewell(Seat& seat, GoodbyeReason reason) {
+SceneSessions::GoodbyeDatagram SceneSessions::goodbye(SessionSlot& slot, GoodbyeReason reason) {
   DatagramBuffer out;
   const Bytes bytes =
-      seat.sealer.seal(DatagramKind::goodbye, seat.id, encoder_.goodbye(reason), out);
-  return {seat.peer, {bytes.begin(), bytes.end()}};
+      slot.sealer.seal(DatagramKind::goodbye, slot.id, encoder_.goodbye(reason), out);
+  return {slot.peer, {bytes.begin(), bytes.end()}};
 }
 
-std::optional<SceneSessions::Ending> SceneSessions::ending(const Seat& seat,
+std::optional<SceneSessions::Ending> SceneSessions::ending(const SessionSlot& slot,
                                                            Nanoseconds now) const noexcept {
-  if (seat.rate.flooding())
+  if (slot.rate.flooding())
     return Ending{GoodbyeReason::flooding, &SceneCounters::flooded, SessionEnd::flooded};
-  if (seat.disturbing)
+  if (slot.disturbing)
     return Ending{GoodbyeReason::disturbing, &SceneCounters::disturbing, SessionEnd::disturbing};
-  if (seat.opener.exhausted())
+  if (slot.opener.exhausted())
     return Ending{GoodbyeReason::evicted, &SceneCounters::forged, SessionEnd::forged};
-  if (now - seat.last_heard >= silence_timeout_)
+  if (now - slot.last_heard >= silence_timeout_)
     return Ending{GoodbyeReason::evicted, &SceneCounters::silent, SessionEnd::silent};
   return std::nullopt;
 }
 
-std::vector<SceneSessions::Farewell> SceneSessions::expire(Nanoseconds now) {
-  std::vector<Farewell> farewells;
-  for (std::size_t i = 0; i < seats_.size();) {
-    Seat& seat = *seats_[i];
-    const std::optional<Ending> why = ending(seat, now);
+std::vector<SceneSessions::GoodbyeDatagram> SceneSessions::expire(Nanoseconds now) {
+  std::vector<GoodbyeDatagram> goodbyes;
+  for (std::size_t i = 0; i < slots_.size();) {
+    SessionSlot& slot = *slots_[i];
+    const std::optional<Ending> why = ending(slot, now);
     if (!why) {
       ++i;
       continue;
     }
-    farewells.push_back(farewell(seat, why->reason));
+    goodbyes.push_back(goodbye(slot, why->reason));
     ++(counters_.*(why->counter));
-    end(seat, why->how);
+    end(slot, why->how);
   }
-  return farewells;
+  return goodbyes;
 }
 
-std::vector<SceneSessions::Farewell> SceneSessions::evict(std::uint64_t id) {
-  Seat** seat = by_id_.find(id);
-  if (seat == nullptr) return {};
-  return {take_away(**seat, SessionEnd::evicted)};
+std::vector<SceneSessions::GoodbyeDatagram> SceneSessions::evict(std::uint64_t id) {
+  SessionSlot** slot = by_id_.find(id);
+  if (slot == nullptr) return {};
+  return {take_away(**slot, SessionEnd::evicted)};
 }
 
 /// Ends a session, and says so to its client.
-SceneSessions::Farewell SceneSessions::take_away(Seat& seat, SessionEnd how) {
-  Farewell goodbye = farewell(seat, GoodbyeReason::evicted);
+SceneSessions::GoodbyeDatagram SceneSessions::take_away(SessionSlot& slot, SessionEnd how) {
+  GoodbyeDatagram datagram = goodbye(slot, GoodbyeReason::evicted);
   ++counters_.evicted;
-  end(seat, how);
-  return goodbye;
+  end(slot, how);
+  return datagram;
 }
 
-std::vector<SceneSessions::Farewell> SceneSessions::end_all(GoodbyeReason reason) noexcept {
-  std::vector<Farewell> farewells;
-  while (!seats_.empty()) {
-    Seat& seat = *seats_.front();
+std::vector<SceneSessions::GoodbyeDatagram> SceneSessions::end_all(GoodbyeReason reason) noexcept {
+  std::vector<GoodbyeDatagram> goodbyes;
+  while (!slots_.empty()) {
+    SessionSlot& slot = *slots_.front();
     try {
-      farewells.push_back(farewell(seat, reason));
+      goodbyes.push_back(goodbye(slot, reason));
     } catch (const std::exception&) {
       // It hears nothing, and is lost by silence.
     }
     if (reason == GoodbyeReason::failed) ++counters_.failed;
-    end(seat, reason == GoodbyeReason::failed ? SessionEnd::failed : SessionEnd::shut_down);
+    end(slot, reason == GoodbyeReason::failed ? SessionEnd::failed : SessionEnd::shut_down);
   }
-  return farewells;
+  return goodbyes;
 }
 
 SceneCounters SceneSessions::counters() const {
   SceneCounters sum = counters_;
-  for (const auto& seat : seats_) add(sum, seat->session);
+  for (const auto& slot : slots_) add(sum, slot->session);
   if (world_ != nullptr) add(sum.world, world_->counters());
   return sum;
 }
 
 const Session* SceneSessions::find(std::uint64_t id) {
-  Seat** seat = by_id_.find(id);
-  return seat == nullptr ? nullptr : &(*seat)->session;
+  SessionSlot** slot = by_id_.find(id);
+  return slot == nullptr ? nullptr : &(*slot)->session;
 }
 
 }  // namespace feltwire

@@ -125,54 +125,56 @@ class SceneSessions {
   const World* world() const { return world_.get(); }
 
   /// A goodbye and whom it is for.
-  struct Farewell {
+  struct GoodbyeDatagram {
     Peer to;
     std::vector<std::uint8_t> datagram;
   };
   /// All sessions go on in another scene, where nothing has moved yet, with the tools that they
   /// asked for; those end whose tool it does not have. It must outlive this; the one before is not
   /// looked at any more. Allocates; throws and changes nothing where there is no memory for it.
-  std::vector<Farewell> enter(const Scene& scene, Nanoseconds now);
+  std::vector<GoodbyeDatagram> enter(const Scene& scene, Nanoseconds now);
 
   /// Ends the sessions that have been silent for too long, that flooded, that broke what moves
   /// again and again, or under whose id too much came that was not theirs.
-  std::vector<Farewell> expire(Nanoseconds now);
+  std::vector<GoodbyeDatagram> expire(Nanoseconds now);
   /// Ends one session, if it is there.
-  std::vector<Farewell> evict(std::uint64_t id);
+  std::vector<GoodbyeDatagram> evict(std::uint64_t id);
   /// Ends all sessions: the server does, or it failed in this scene. No goodbye goes to a session
   /// where there is no memory for one.
-  std::vector<Farewell> shut_down() noexcept { return end_all(GoodbyeReason::shutting_down); }
-  std::vector<Farewell> fail() noexcept { return end_all(GoodbyeReason::failed); }
+  std::vector<GoodbyeDatagram> shut_down() noexcept {
+    return end_all(GoodbyeReason::shutting_down);
+  }
+  std::vector<GoodbyeDatagram> fail() noexcept { return end_all(GoodbyeReason::failed); }
 
   /// Sessions that have ended since forget_ended().
   const std::vector<EndedSession>& ended() const { return ended_; }
   void forget_ended() noexcept { ended_.clear(); }
 
-  std::size_t size() const { return seats_.size(); }
+  std::size_t size() const { return slots_.size(); }
   /// Running sessions included.
   SceneCounters counters() const;
   const Session* find(std::uint64_t id);
 
  private:
-  struct Seat;
+  struct SessionSlot;
   struct Origin;
   std::unique_ptr<World> world_of(const Scene& scene) const;
   void take_over(const Scene& scene, std::unique_ptr<World> world);
-  std::vector<Farewell> end_all(GoodbyeReason reason) noexcept;
+  std::vector<GoodbyeDatagram> end_all(GoodbyeReason reason) noexcept;
   control::Message join(control::JoinRequest request, std::uint64_t id, const SessionKeys& keys,
                         Nanoseconds now);
   SessionParameters granted(const SessionParameters& asked) const;
-  Bytes receive_samples(Seat& seat, Bytes payload, const Origin& origin,
+  Bytes receive_samples(SessionSlot& slot, Bytes payload, const Origin& origin,
                         DatagramBuffer& out) noexcept;
-  Bytes show(Seat& seat, const Reply& reply, DatagramBuffer& out) noexcept;
+  Bytes show(SessionSlot& slot, const Reply& reply, DatagramBuffer& out) noexcept;
   struct Ending;
-  std::optional<Ending> ending(const Seat& seat, Nanoseconds now) const noexcept;
-  void end(Seat& seat, SessionEnd how) noexcept;
-  Farewell take_away(Seat& seat, SessionEnd how);
+  std::optional<Ending> ending(const SessionSlot& slot, Nanoseconds now) const noexcept;
+  void end(SessionSlot& slot, SessionEnd how) noexcept;
+  GoodbyeDatagram take_away(SessionSlot& slot, SessionEnd how);
   void blame(Nanoseconds now) noexcept;
   Bytes drop(DropReason reason) noexcept;
   Bytes miss(const Header& header) noexcept;
-  Farewell farewell(Seat& seat, GoodbyeReason reason);
+  GoodbyeDatagram goodbye(SessionSlot& slot, GoodbyeReason reason);
 
   const Scene* scene_;
   Nanoseconds silence_timeout_;
@@ -180,11 +182,11 @@ class SceneSessions {
   const NetworkProfile* line_;
   SessionLimits limits_;
   std::unique_ptr<World> world_;
-  Nanoseconds tick_{0}, last_tick_{0};        // of the world: length, time
-  int most_ticks_ = kMostTicks;               // that are made up for now
-  std::vector<std::unique_ptr<Seat>> seats_;  // in the order they joined
-  std::vector<ActingHand> hands_;             // of those, without the observers'
-  IdMap<Seat*> by_id_;
+  Nanoseconds tick_{0}, last_tick_{0};               // of the world: length, time
+  int most_ticks_ = kMostTicks;                      // that are made up for now
+  std::vector<std::unique_ptr<SessionSlot>> slots_;  // in the order they joined
+  std::vector<ActingHand> hands_;                    // of those, without the observers'
+  IdMap<SessionSlot*> by_id_;
   FairShare share_;
   std::array<std::uint64_t, 64> gone_{};  // the sessions that ended last
   std::size_t next_gone_ = 0;

@@ -7,7 +7,7 @@
 namespace feltwire {
 
 void SceneSessions::tick(Nanoseconds now) noexcept {
-  if (world_ == nullptr || seats_.empty()) return;
+  if (world_ == nullptr || slots_.empty()) return;
   const auto due = (now - last_tick_) / tick_;
   if (due == 0) return;
   const auto late = due - most_ticks_;
@@ -18,15 +18,15 @@ void SceneSessions::tick(Nanoseconds now) noexcept {
   }
   most_ticks_ = late > 0 ? std::max(1, most_ticks_ / 2) : std::min(kMostTicks, 2 * most_ticks_);
   while (now - last_tick_ >= tick_) {
-    for (const auto& seat : seats_)
-      if (!seat->disturbing) seat->session.push(seconds(last_tick_ - seat->last_heard));
+    for (const auto& slot : slots_)
+      if (!slot->disturbing) slot->session.push(seconds(last_tick_ - slot->last_heard));
     if (!world_->step()) blame(now);
     last_tick_ += tick_;
   }
 }
 
 std::optional<Nanoseconds> SceneSessions::next_tick() const {
-  if (world_ == nullptr || seats_.empty()) return std::nullopt;
+  if (world_ == nullptr || slots_.empty()) return std::nullopt;
   return last_tick_ + tick_;
 }
 
@@ -35,11 +35,11 @@ std::optional<Nanoseconds> SceneSessions::next_tick() const {
 void SceneSessions::blame(Nanoseconds now) noexcept {
   constexpr double kShare = 0.5;
   double hardest = 0.0;
-  for (const auto& seat : seats_) hardest = std::max(hardest, seat->session.blame());
+  for (const auto& slot : slots_) hardest = std::max(hardest, slot->session.blame());
   if (!(hardest > 0.0)) return;  // it broke by itself
-  for (const auto& seat : seats_)
-    if (seat->session.blame() >= kShare * hardest)
-      seat->disturbing = seat->disturbing || !seat->resets.take(now);
+  for (const auto& slot : slots_)
+    if (slot->session.blame() >= kShare * hardest)
+      slot->disturbing = slot->disturbing || !slot->resets.take(now);
 }
 
 }  // namespace feltwire

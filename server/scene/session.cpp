@@ -64,7 +64,7 @@ Session::Session(const control::JoinRequest& request, const Scene& scene, World*
       scene_(&scene),
       world_(world),
       contacts_(scene.memory()),
-      grasp_(world != nullptr ? world->grasp(scene, limits()) : Grasp{}),
+      body_contacts_(world != nullptr ? world->contact_state(scene, limits()) : BodyContactState{}),
       bounding_(bounding_config(parameters_, device_)),
       velocity_(parameters_.velocity_cutoff),
       observer_(device_.damping, device_.rotational_damping, parameters_.servo_period),
@@ -94,7 +94,7 @@ Taken Session::take(const SampleBatch& batch, Nanoseconds now) noexcept {
   reply.modelled = parameters_.local_model && !observes_;
   if (reply.modelled)
     reply.model = world_ != nullptr
-                      ? local_model(*world_, last_.pose.position, contacts_, grasp_.held)
+                      ? local_model(*world_, last_.pose.position, contacts_, body_contacts_.held)
                       : local_model(*scene_, last_.pose.position, contacts_);
   reply.model.scene = scenes_;
   reply.delivered = delivered();
@@ -183,14 +183,14 @@ Session::Place::Place(const Scene& entered, World* run, const HandLimits& limits
     : scene(&entered),
       world(run),
       contacts(entered.memory()),
-      grasp(run != nullptr ? run->grasp(entered, limits) : Grasp{}) {}
+      body_contacts(run != nullptr ? run->contact_state(entered, limits) : BodyContactState{}) {}
 
 void Session::enter(Place place) noexcept {
   ++reloads_;
   scene_ = place.scene;
   world_ = place.world;
   contacts_ = std::move(place.contacts);
-  grasp_ = std::move(place.grasp);
+  body_contacts_ = std::move(place.body_contacts);
   body_ = {};
   ++scenes_;
   deadband_ = ReplyDeadband(parameters_);  // what was said of the old one is no more
@@ -199,9 +199,9 @@ void Session::enter(Place place) noexcept {
 Command Session::touch(const Pose& device, const Tool& tool, double elapsed) noexcept {
   if (observes_) return {};
   if (scene_->tool().body)
-    return world_ != nullptr ? world_->touch(device, tool.velocity, elapsed, body_, grasp_)
+    return world_ != nullptr ? world_->touch(device, tool.velocity, elapsed, body_, body_contacts_)
                              : scene_->touch(device, tool.velocity, elapsed, body_);
-  return world_ != nullptr ? world_->touch(tool, contacts_, grasp_)
+  return world_ != nullptr ? world_->touch(tool, contacts_, body_contacts_)
                            : scene_->touch(tool, contacts_);
 }
 
@@ -210,9 +210,9 @@ void Session::push(double age) noexcept {
   const double share = std::clamp(2.0 * (1.0 - age / parameters_.hold_time), 0.0, 1.0);
   if (!(share > 0.0)) return;
   if (scene_->tool().body)
-    world_->push(grasp_, body_, share);
+    world_->push(body_contacts_, body_, share);
   else
-    world_->push(grasp_, contacts_, share);
+    world_->push(body_contacts_, contacts_, share);
 }
 
 void Session::set_parameters(const SessionParameters& parameters) {

@@ -56,7 +56,7 @@ class Session {
   void push(double age) noexcept;
 
   /// Of a step of the world that came to nothing: World::blame() of this hand.
-  double blame() const noexcept { return world_ == nullptr ? 0.0 : world_->blame(grasp_); }
+  double blame() const noexcept { return world_ == nullptr ? 0.0 : world_->blame(body_contacts_); }
 
   /// A scene and its world for a hand that has touched nothing in them yet. Both must outlive the
   /// sessions in them. Allocates.
@@ -66,7 +66,7 @@ class Session {
     const Scene* scene = nullptr;
     World* world = nullptr;
     TouchMemory contacts;
-    Grasp grasp;
+    BodyContactState body_contacts;
   };
   /// The hand is in another scene from its next sample on; what it is given comes from the bound it
   /// had. Precondition: the place has a scene.
@@ -114,7 +114,7 @@ class Session {
   World* world_;              // null: nothing moves
   std::uint32_t scenes_ = 1;  // that it has been in, this one too
   TouchMemory contacts_;
-  Grasp grasp_;
+  BodyContactState body_contacts_;
   BodyMemory body_;
   Bounding bounding_;
   bool new_bound_ = false;            // it has not stepped yet, the session has

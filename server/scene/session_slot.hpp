@@ -8,16 +8,16 @@
 namespace feltwire {
 
 /// A session and what belongs to its transport.
-struct SceneSessions::Seat {
+struct SceneSessions::SessionSlot {
   std::uint64_t id;
   Session session;
   Nanoseconds last_heard;
   Opener opener;  // of what comes
   Sealer sealer;  // of what goes
   SampleRate rate;
-  Peer peer;         // of the newest datagram with a newer sample
-  Watch watch;       // of an observer
-  std::string tool;  // that was asked for; empty: the scene's first
+  Peer peer;                   // of the newest datagram with a newer sample
+  ObserverView observer_view;  // of an observer
+  std::string tool;            // that was asked for; empty: the scene's first
   // Resets that its hand may still be blamed for.
   TokenBucket resets{SessionLimits::kResets / SessionLimits::kResetTime, SessionLimits::kResetTime};
   std::uint32_t share = 0;  // its number there

@@ -8,7 +8,7 @@ constexpr double kGone = 1e-6;  // [N] a force that is not worth following
 }  // namespace
 
 /// A step of at most `step` [m]; true when it is there.
-bool TakingHand::go_to(const Vec3& goal, double step) noexcept {
+bool AdversarialHand::go_to(const Vec3& goal, double step) noexcept {
   const Vec3 way = goal - position_;
   const double length = way.norm();
   if (length <= step) {
@@ -19,7 +19,7 @@ bool TakingHand::go_to(const Vec3& goal, double step) noexcept {
   return false;
 }
 
-DeviceReading TakingHand::read(Nanoseconds now) noexcept {
+DeviceReading AdversarialHand::read(Nanoseconds now) noexcept {
   const double hold = started_ ? std::chrono::duration<double>(now - last_).count() : 0.0;
   started_ = true;
   last_ = now;
@@ -41,7 +41,7 @@ DeviceReading TakingHand::read(Nanoseconds now) noexcept {
   return reading;
 }
 
-Command TakingHand::write(const Command& on_hand) noexcept {
+Command AdversarialHand::write(const Command& on_hand) noexcept {
   Command held = actuated(spec_, on_hand);
   if (released_.load() || !held.finite()) held = {};
   const double magnitude = held.force().norm();

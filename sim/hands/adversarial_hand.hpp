@@ -19,10 +19,10 @@ struct TakingTask {
 /// of what it takes, f v h - b v^2 h, that is the most that one hold can give, f^2 h / (4 b), which
 /// is all that the contact frame stores for a force f. When the force is gone it goes back to its
 /// start, and in again. Kinematic: nothing moves it but itself, and it is read exactly.
-class TakingHand final : public Device {
+class AdversarialHand final : public Device {
  public:
   /// Precondition: the damping of `spec` is above zero in every direction.
-  TakingHand(const TakingTask& task, const DeviceSpec& spec)
+  AdversarialHand(const TakingTask& task, const DeviceSpec& spec)
       : task_(task), spec_(spec), position_(task.start) {}
 
   const DeviceSpec& spec() const override { return spec_; }

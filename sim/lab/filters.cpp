@@ -49,19 +49,19 @@ class Touched {
   Touched(const Scene& scene, const Scene& held) : held_(held), memory_(held.memory()) {
     if (scene.mechanism() == nullptr) return;
     world_ = std::make_unique<World>(scene);
-    grasp_ = world_->grasp(held);
+    body_contacts_ = world_->contact_state(held);
   }
   /// `elapsed` [s] since the answer before.
   Command answer(const Pose& device, const Vec3& velocity, double elapsed) {
     if (held_.tool().body != nullptr) {
       if (world_ == nullptr) return held_.touch(device, velocity, elapsed, body_memory_);
       advance(elapsed, body_memory_);
-      return world_->touch(device, velocity, elapsed, body_memory_, grasp_);
+      return world_->touch(device, velocity, elapsed, body_memory_, body_contacts_);
     }
     const Tool tool{device.position, velocity};
     if (world_ == nullptr) return held_.touch(tool, memory_);
     advance(elapsed, memory_);
-    return world_->touch(tool, memory_, grasp_);
+    return world_->touch(tool, memory_, body_contacts_);
   }
 
  private:
@@ -72,7 +72,7 @@ class Touched {
     time_ += elapsed;
     while (static_cast<double>(world_->counters().steps + 1) * world_->tick() <=
            time_ + kRounding) {
-      world_->push(grasp_, memory, 1.0);
+      world_->push(body_contacts_, memory, 1.0);
       world_->step();
     }
   }
@@ -81,7 +81,7 @@ class Touched {
   TouchMemory memory_;
   BodyMemory body_memory_;
   std::unique_ptr<World> world_;
-  Grasp grasp_;
+  BodyContactState body_contacts_;
   double time_ = 0.0;  // [s]
 };
 

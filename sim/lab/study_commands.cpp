@@ -102,7 +102,7 @@ void add_compare(CLI::App& app) {
 void add_extremes(CLI::App& app, int& status) {
   struct Options {
     std::string out = "extremes";
-    double told_damping = 1.0;
+    double assumed_damping = 1.0;
     int hands = 10;
   };
   auto o = std::make_shared<Options>();
@@ -115,14 +115,14 @@ void add_extremes(CLI::App& app, int& status) {
   add_out(*command, o->out);
   command
       ->add_option(
-          "--told-damping", o->told_damping,
+          "--told-damping", o->assumed_damping,
           "What the bounds are told over the damping there is. Above 1, say 1.05, the rows "
           "must fail")
       ->capture_default_str();
   command->add_option("--hands", o->hands, "Hands to a strain, five kinds in turn")
       ->capture_default_str();
   command->callback([o, &status] {
-    const auto rows = run_extremes(o->told_damping, o->hands);
+    const auto rows = run_extremes(o->assumed_damping, o->hands);
     write_extremes(o->out, rows);
     std::cout << extremes_table(rows) << placed("Table and picture", o->out);
     status = all_passed(rows) ? 0 : 1;
@@ -162,7 +162,7 @@ void add_sides(CLI::App& app, int& status) {
   add_out(*command, o->out);
   command
       ->add_option(
-          "--told-damping", o->grid.told_damping,
+          "--told-damping", o->grid.assumed_damping,
           "What the bounds are told over the damping there is. Above 1, say 1.05, it must fail")
       ->capture_default_str();
   command->callback([o, &status] {

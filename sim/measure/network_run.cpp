@@ -46,10 +46,10 @@ class TruePort {
   double friction_work() const { return friction_ * moved_.lpNorm<1>(); }
 
  private:
-  using Either = std::variant<SimulatedDevice, ReplayDevice, TakingHand>;
+  using Either = std::variant<SimulatedDevice, ReplayDevice, AdversarialHand>;
   static Either make(const NetworkRunOptions& options) {
     if (options.taking)
-      return Either(std::in_place_type<TakingHand>, *options.taking, options.hand.spec);
+      return Either(std::in_place_type<AdversarialHand>, *options.taking, options.hand.spec);
     if (!options.recording) return Either(std::in_place_type<SimulatedDevice>, options.hand);
     Recording positions = *options.recording;
     positions.rotation = false;
@@ -116,12 +116,13 @@ class NetworkRun {
         sessions_(scene, from_seconds(options.silence_timeout), kSessions),
         accepted_(join(sessions_, scene, told_, options.parameters)),
         servo_(told_, accepted_.parameters, options.servo),
-        conversation_(accepted_.session, keys(), accepted_.parameters, told_.rotation_sensed > 0,
-                      {told_.position_resolution, accepted_.stiffness}),
+        datagrams_(accepted_.session, keys(), accepted_.parameters, told_.rotation_sensed > 0,
+                   {told_.position_resolution, accepted_.stiffness}),
         link_(options.link, 0, kOnTheWay),
         port_(options),
         ideal_(scene.memory()),
-        ideal_grasp_(sessions_.world() != nullptr ? sessions_.world()->grasp() : Grasp{}),
+        ideal_contacts_(sessions_.world() != nullptr ? sessions_.world()->contact_state()
+                                                     : BodyContactState{}),
         timed_(options.timed),
         result_{.measured_port = port_of(options), .true_port = port_of(options)} {}
 
@@ -136,7 +137,7 @@ class NetworkRun {
     }
     result_.servo = servo_.statistics();
     result_.clock = servo_.server_clock();
-    result_.client_drops = conversation_.dropped();
+    result_.client_drops = datagrams_.dropped();
     result_.server = sessions_.counters();
     result_.up_link = link_.up.statistics();
     result_.down_link = link_.down.statistics();
@@ -154,8 +155,8 @@ class NetworkRun {
         take(*answer, *due);
     }
     sessions_.tick(until);
-    for (const auto& farewell : sessions_.expire(until))
-      send(link_.down, result_.down, farewell.datagram, until);
+    for (const auto& goodbye : sessions_.expire(until))
+      send(link_.down, result_.down, goodbye.datagram, until);
   }
 
   Bytes receive(Bytes datagram, Nanoseconds now) {
@@ -174,14 +175,14 @@ class NetworkRun {
     const Stopwatch stopwatch(timed_ ? &result_.client_time : nullptr);
     Reply reply;
     GoodbyeReason reason{};
-    switch (conversation_.take(datagram, reply, reason)) {
-      case Conversation::Arrival::reply:
+    switch (datagrams_.take(datagram, reply, reason)) {
+      case DatagramSession::Arrival::reply:
         servo_.take(reply, now);
         break;
-      case Conversation::Arrival::goodbye:
+      case DatagramSession::Arrival::goodbye:
         result_.goodbye = true;
         break;
-      case Conversation::Arrival::dropped:
+      case DatagramSession::Arrival::dropped:
         break;
     }
   }
@@ -221,7 +222,7 @@ class NetworkRun {
 
   Bytes pack(const Sample& sample) {
     const Stopwatch stopwatch(timed_ ? &result_.client_time : nullptr);
-    const Bytes datagram = conversation_.pack(sample);
+    const Bytes datagram = datagrams_.pack(sample);
     if (!datagram.empty()) servo_.sent();
     return datagram;
   }
@@ -229,7 +230,8 @@ class NetworkRun {
   Command ideal() {
     const Tool tool{port_.position(), port_.velocity()};
     const World* world = sessions_.world();
-    return world != nullptr ? world->touch(tool, ideal_, ideal_grasp_) : scene_.touch(tool, ideal_);
+    return world != nullptr ? world->touch(tool, ideal_, ideal_contacts_)
+                            : scene_.touch(tool, ideal_);
   }
 
   void account(const Command& acted, const Vec3& measured, double period) {
@@ -246,12 +248,12 @@ class NetworkRun {
   SceneSessions sessions_;
   control::JoinAccepted accepted_;
   Servo servo_;
-  Conversation conversation_;
+  DatagramSession datagrams_;
   TwoWayLink link_;
   TruePort port_;
   DatagramBuffer answer_;  // the server's
   TouchMemory ideal_;
-  Grasp ideal_grasp_;
+  BodyContactState ideal_contacts_;
   bool timed_;
   double friction_work_ = 0.0;  // [J]
   NetworkRunResult result_;

@@ -81,10 +81,10 @@ void touch(benchmark::State& state, int count) {
   const Scene scene = boxes(count, Layout::table);
   World world(scene);
   TouchMemory memory = scene.memory();
-  Grasp grasp = world.grasp();
+  BodyContactState contacts = world.contact_state();
   std::size_t n = 0;
   for (auto _ : state)
-    benchmark::DoNotOptimize(world.touch({wandering(n++), Vec3::Zero()}, memory, grasp));
+    benchmark::DoNotOptimize(world.touch({wandering(n++), Vec3::Zero()}, memory, contacts));
 }
 
 /// A box of 1200 triangles.
@@ -98,7 +98,7 @@ void stroke(benchmark::State& state, int count, const Shape& shape, double apart
   const Scene scene = boxes(count, Layout::apart, shape, apart);
   World world(scene);
   TouchMemory memory = scene.memory();
-  Grasp grasp = world.grasp();
+  BodyContactState contacts = world.contact_state();
   const auto middle = static_cast<std::size_t>(count / 2);
   const Vec3 at = world.objects()[1 + middle].pose.position + Vec3(0, 0, kHalf - 1e-3);
   std::size_t n = 0;
@@ -106,7 +106,7 @@ void stroke(benchmark::State& state, int count, const Shape& shape, double apart
   for (auto _ : state) {
     const double t = 1e-3 * static_cast<double>(n++ % 10000);
     const Vec3 place = at + Vec3(0.01 * std::sin(3 * t), 0.01 * std::sin(2 * t), 0.0);
-    felt += world.touch({place, Vec3::Zero()}, memory, grasp).elastic.z();
+    felt += world.touch({place, Vec3::Zero()}, memory, contacts).elastic.z();
   }
   if (!(felt > 0.0)) state.SkipWithError("nothing was touched");
 }
@@ -123,9 +123,9 @@ void push(benchmark::State& state, int count) {
   const Scene scene = boxes(count, Layout::table);
   World world(scene);
   TouchMemory memory = scene.memory();
-  Grasp grasp = world.grasp();
-  world.touch({Vec3(0, 0, 2 * kHalf - 1e-3), Vec3::Zero()}, memory, grasp);
-  for (auto _ : state) world.push(grasp, memory, 0.0);
+  BodyContactState contacts = world.contact_state();
+  world.touch({Vec3(0, 0, 2 * kHalf - 1e-3), Vec3::Zero()}, memory, contacts);
+  for (auto _ : state) world.push(contacts, memory, 0.0);
 }
 
 [[maybe_unused]] const bool registered = [] {

@@ -47,19 +47,19 @@ inline Scene explosive(double mass = 1e-4) {
 
 /// A tool in a world: each step a sample of it, its push, and a tick.
 struct Hand {
-  explicit Hand(World& in) : world(in), memory(in.scene().memory()), grasp(in.grasp()) {}
+  explicit Hand(World& in) : world(in), memory(in.scene().memory()), contacts(in.contact_state()) {}
   Command touch(const Vec3& position, const Vec3& velocity = Vec3::Zero()) {
-    return world.touch({position, velocity}, memory, grasp);
+    return world.touch({position, velocity}, memory, contacts);
   }
   Command step(const Vec3& position) {
     const Command felt = touch(position);
-    world.push(grasp, memory, 1.0);
+    world.push(contacts, memory, 1.0);
     world.step();
     return felt;
   }
   World& world;
   TouchMemory memory;
-  Grasp grasp;
+  BodyContactState contacts;
 };
 
 /// [N m s] about the world's origin, of a ball that is the only object: its orbit and its spin,

@@ -37,7 +37,7 @@ class Folder {
 void live(const Scene& scene) {
   World world(scene);
   TouchMemory memory = scene.memory();
-  Grasp grasp = world.grasp();
+  BodyContactState contacts = world.contact_state();
   for (int n = 0; n < kSteps; ++n) {
     world.step();
     for (const Object& object : world.objects())
@@ -45,9 +45,9 @@ void live(const Scene& scene) {
               "what moves is somewhere");
     const Object& touched = world.objects()[static_cast<std::size_t>(n) % world.objects().size()];
     const Command felt = world.touch(
-        {touched.pose.position + Vec3(0.01 * n, 0.0, 0.001), Vec3::Zero()}, memory, grasp);
+        {touched.pose.position + Vec3(0.01 * n, 0.0, 0.001), Vec3::Zero()}, memory, contacts);
     require(felt.finite(), "every touch is answered with a finite force");
-    world.push(grasp, memory, 1.0);
+    world.push(contacts, memory, 1.0);
   }
 }
 

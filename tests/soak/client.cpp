@@ -45,8 +45,8 @@ std::uint16_t scene_port(const Joined& joined) {
   return ntohs(reinterpret_cast<const sockaddr_in&>(joined.datagrams.storage).sin_port);
 }
 
-// The one place that knows how a conversation is made of an answered join.
-Conversation make_conversation(const Joined& joined) {
+// The one place that knows how a datagram session is made of an answered join.
+DatagramSession make_datagram_session(const Joined& joined) {
   return {joined.accepted.session, joined.keys, joined.accepted.parameters, false};
 }
 
@@ -55,7 +55,7 @@ Conversation make_conversation(const Joined& joined) {
 struct Client::Life {
   std::uint64_t session;
   std::uint16_t port;  // of the scene
-  Conversation conversation;
+  DatagramSession datagrams;
   SimulatedDevice device;
   Servo servo;
   std::unique_ptr<test::RawSocket> socket;
@@ -67,7 +67,7 @@ struct Client::Life {
   Life(const Joined& joined, const HandTask& task)
       : session(joined.accepted.session),
         port(scene_port(joined)),
-        conversation(make_conversation(joined)),
+        datagrams(make_datagram_session(joined)),
         device({.spec = builtin_device("simulated"), .hand = {}, .task = task}),
         servo(device.spec(), joined.accepted.parameters),
         socket(open_port(port)) {}
@@ -124,7 +124,7 @@ void Client::die(Nanoseconds now) {
   if (draw() < kDiesWithoutWord) {
     ++account_->died;
   } else {
-    for (int i = 0; i < kGoodbyes; ++i) life_->socket->send(life_->conversation.goodbye());
+    for (int i = 0; i < kGoodbyes; ++i) life_->socket->send(life_->datagrams.goodbye());
     ++account_->left;
   }
   keep(std::move(life_->socket), now);
@@ -138,18 +138,18 @@ void Client::receive(Nanoseconds now) {
   for (Bytes bytes = take(*life_->socket, buffer); !bytes.empty();
        bytes = take(*life_->socket, buffer)) {
     if (guard(bytes, kAnyKind).header.session != life_->session) ++account_->misaddressed;
-    switch (life_->conversation.take(bytes, life_->reply, reason)) {
-      case Conversation::Arrival::reply:
+    switch (life_->datagrams.take(bytes, life_->reply, reason)) {
+      case DatagramSession::Arrival::reply:
         ++account_->replies;
         if (life_->reply.command.elastic.squaredNorm() > 0.0) ++account_->with_force;
         account_->round_trip.record(
             (now - life_->sent[life_->reply.sample_index % kRemembered]).count());
         life_->servo.take(life_->reply, life_->clock);
         break;
-      case Conversation::Arrival::goodbye:
+      case DatagramSession::Arrival::goodbye:
         ++account_->sent_away;
         break;
-      case Conversation::Arrival::dropped:
+      case DatagramSession::Arrival::dropped:
         ++account_->dropped;
         break;
     }
@@ -170,7 +170,7 @@ void Client::tick(Nanoseconds now) {
   if (!held.finite() || held.force().norm() > life_->device.spec().max_force * (1.0 + kRounding))
     ++account_->faulty_forces;
   if (sample != nullptr) {
-    const Bytes datagram = life_->conversation.pack(*sample);
+    const Bytes datagram = life_->datagrams.pack(*sample);
     if (!datagram.empty()) {
       life_->socket->send(datagram);
       life_->sent[sample->index % kRemembered] = now;

@@ -16,7 +16,8 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr int kSteps = 1500;            // a hand
 constexpr int kSceneSteps = 2000;       // at a wall, but
 constexpr double kLongestScene = 20.0;  // [s] not longer than that
-constexpr double kAbsurd = 1e12;  // [N] above it a force is no force (core/bounding/bounding.cpp)
+constexpr double kLargestForceOfAll =
+    1e12;  // [N] above it a force is no force (core/bounding/bounding.cpp)
 
 /// The number in a narrower arithmetic; infinite beyond its largest.
 template <class Real>
@@ -70,8 +71,8 @@ Promise after_refusal(Promise kept) {
   return kept == Promise::port || kept == Promise::port_by_axis ? kept : Promise::none;
 }
 bool beyond(const Command& rendered) {
-  return (rendered.force().array().abs() > 0.5 * kAbsurd).any() ||
-         (rendered.torque.array().abs() > 0.5 * kAbsurd).any();
+  return (rendered.force().array().abs() > 0.5 * kLargestForceOfAll).any() ||
+         (rendered.torque.array().abs() > 0.5 * kLargestForceOfAll).any();
 }
 
 void judge_energy(const PromiseLedger& ledger, ExtremeOutcome& outcome) {
@@ -83,15 +84,15 @@ void judge_energy(const PromiseLedger& ledger, ExtremeOutcome& outcome) {
 
 BoundingConfig bound_config(BoundingMode mode, int variant, const Damping& damping,
                             const Damping& rotational_damping, double period, double max_force,
-                            double told_damping) {
+                            double assumed_damping) {
   BoundingConfig config;
   config.mode = mode;
   config.projection = variant % 2 ? Projection::joint : Projection::cone;
   config.storage = variant / 2 % 2 ? Storage::elastic : Storage::minimal;
   config.period = period;
   const auto told = [&](const Damping& b) {
-    return b.isotropic() ? Damping(told_damping * b.matrix()(0, 0))
-                         : Damping(Mat3(told_damping * b.matrix()));
+    return b.isotropic() ? Damping(assumed_damping * b.matrix()(0, 0))
+                         : Damping(Mat3(assumed_damping * b.matrix()));
   };
   config.damping = told(damping);
   config.rotational_damping = told(rotational_damping);
@@ -140,12 +141,12 @@ class ToolBook {
 };
 
 template <class Real>
-void attack(const Strain& strain, BoundingMode mode, Promise kept, int hand, double told_damping,
-            ExtremeOutcome& outcome) {
+void attack(const StressInputs& strain, BoundingMode mode, Promise kept, int hand,
+            double assumed_damping, ExtremeOutcome& outcome) {
   StrainRandom random(static_cast<std::uint64_t>(hand) + 1);
   const BoundingConfig config =
       bound_config(mode, hand / 5 + hand, strain.damping, strain.rotational_damping, strain.period,
-                   strain.max_force, told_damping);
+                   strain.max_force, assumed_damping);
   BasicBounding<Real> bounding(config);
   PromiseLedger ledger({kept, strain.damping, strain.rotational_damping, strain.period,
                         keeps_all(config), kArithmetic<Real>});
@@ -231,7 +232,7 @@ double wall_limit(BoundingMode mode) {
 
 template <class Real>
 void touch_wall(const WallStrain& strain, BoundingMode mode, Promise kept, int hand,
-                double told_damping, ExtremeOutcome& outcome) {
+                double assumed_damping, ExtremeOutcome& outcome) {
   const Vec3 place = Vec3::Constant(strain.origin);
   const Object wall{.name = "wall",
                     .shape = Plane{},
@@ -255,8 +256,8 @@ void touch_wall(const WallStrain& strain, BoundingMode mode, Promise kept, int h
                   .lead_in = 50.0 * strain.period};
   SimulatedDevice device(options);
   const double max_force = wall_limit(mode);
-  const BoundingConfig config =
-      bound_config(mode, hand, options.spec.damping, 2e-4, strain.period, max_force, told_damping);
+  const BoundingConfig config = bound_config(mode, hand, options.spec.damping, 2e-4, strain.period,
+                                             max_force, assumed_damping);
   BasicBounding<Real> bounding(config);
   PromiseLedger ledger(
       {kept, options.spec.damping, 2e-4, strain.period, keeps_all(config), kArithmetic<Real>});
@@ -297,8 +298,8 @@ void touch_wall(const WallStrain& strain, BoundingMode mode, Promise kept, int h
 
 }  // namespace
 
-std::vector<ExtremeRow> run_extremes(double told_damping, int hands) {
-  if (!(told_damping > 0.0) || !std::isfinite(told_damping))
+std::vector<ExtremeRow> run_extremes(double assumed_damping, int hands) {
+  if (!(assumed_damping > 0.0) || !std::isfinite(assumed_damping))
     throw std::invalid_argument(
         "the damping told must be finite and above zero times the real one");
   if (hands < 1) throw std::invalid_argument("there must be one hand or more to a strain");
@@ -312,16 +313,16 @@ std::vector<ExtremeRow> run_extremes(double told_damping, int hands) {
     }
     rows.push_back(std::move(r));
   };
-  for (const Strain& strain : strains())
+  for (const StressInputs& strain : strains())
     for (const auto known : kBoundingModeNames) {
       const BoundingMode mode = bounding_mode(known);
       row(
           strain.name, mode, strain.faults(), hands,
           [&](Promise p, int hand, ExtremeOutcome& o) {
-            attack<double>(strain, mode, p, hand, told_damping, o);
+            attack<double>(strain, mode, p, hand, assumed_damping, o);
           },
           [&](Promise p, int hand, ExtremeOutcome& o) {
-            attack<float>(strain, mode, p, hand, told_damping, o);
+            attack<float>(strain, mode, p, hand, assumed_damping, o);
           });
     }
   for (const WallStrain& strain : walls())
@@ -331,10 +332,10 @@ std::vector<ExtremeRow> run_extremes(double told_damping, int hands) {
       row(
           strain.name(), mode, {}, mode == BoundingMode::contact_frame ? 4 : 1,
           [&](Promise p, int hand, ExtremeOutcome& o) {
-            touch_wall<double>(strain, mode, p, hand, told_damping, o);
+            touch_wall<double>(strain, mode, p, hand, assumed_damping, o);
           },
           [&](Promise p, int hand, ExtremeOutcome& o) {
-            touch_wall<float>(strain, mode, p, hand, told_damping, o);
+            touch_wall<float>(strain, mode, p, hand, assumed_damping, o);
           });
     }
   return rows;

@@ -37,11 +37,11 @@ struct ExtremeRow {
 
 /// Runs everything: each strain against each method. Hands that know the force held and take all
 /// they can, and hands that move at random; and simulated hands at a scene's wall.
-/// `told_damping` is the damping that the bounds are told over the one the device has: above 1 the
-/// bounds are wrong and the rows must fail, which shows that they can. `hands` is how many hands
-/// each strain sends, five kinds in turn. Throws std::invalid_argument when either is not finite
-/// and above zero.
-std::vector<ExtremeRow> run_extremes(double told_damping = 1.0, int hands = 10);
+/// `assumed_damping` is the damping that the bounds are told over the one the device has: above 1
+/// the bounds are wrong and the rows must fail, which shows that they can. `hands` is how many
+/// hands each strain sends, five kinds in turn. Throws std::invalid_argument when either is not
+/// finite and above zero.
+std::vector<ExtremeRow> run_extremes(double assumed_damping = 1.0, int hands = 10);
 
 /// Whether every row passed: no NaN, no Inf, no force over the limit, every promise kept.
 bool all_passed(const std::vector<ExtremeRow>& rows);

@@ -4,47 +4,49 @@
 
 namespace feltwire {
 
-std::vector<Strain> strains() {
-  std::vector<Strain> all;
+std::vector<StressInputs> strains() {
+  std::vector<StressInputs> all;
   const auto add = [&](std::string name, auto change) {
-    Strain strain;
+    StressInputs strain;
     strain.name = std::move(name);
     change(strain);
     all.push_back(std::move(strain));
   };
-  add("an ordinary hand", [](Strain&) {});
-  add("period 1 us", [](Strain& s) { s.period = 1e-6; });
-  add("period 0.1 s", [](Strain& s) { s.period = 0.1; });
-  add("hand still; force held", [](Strain& s) { s.still = 0.98; });
-  add("movements denormal", [](Strain& s) { s.denormal_moves = true; });
-  add("movements 1e-300 to 1e3 m", [](Strain& s) { s.least_move = -300, s.largest_move = 3; });
-  add("forces 1e-300 to 1e300 N", [](Strain& s) { s.least_force = -300, s.largest_force = 300; });
-  add("forces 1 MN to 1 TN", [](Strain& s) { s.least_force = 6, s.largest_force = 11.99; });
-  add("damping 0", [](Strain& s) { s.damping = s.rotational_damping = 0.0; });
+  add("an ordinary hand", [](StressInputs&) {});
+  add("period 1 us", [](StressInputs& s) { s.period = 1e-6; });
+  add("period 0.1 s", [](StressInputs& s) { s.period = 0.1; });
+  add("hand still; force held", [](StressInputs& s) { s.still = 0.98; });
+  add("movements denormal", [](StressInputs& s) { s.denormal_moves = true; });
+  add("movements 1e-300 to 1e3 m",
+      [](StressInputs& s) { s.least_move = -300, s.largest_move = 3; });
+  add("forces 1e-300 to 1e300 N",
+      [](StressInputs& s) { s.least_force = -300, s.largest_force = 300; });
+  add("forces 1 MN to 1 TN", [](StressInputs& s) { s.least_force = 6, s.largest_force = 11.99; });
+  add("damping 0", [](StressInputs& s) { s.damping = s.rotational_damping = 0.0; });
   add("damping 1e6 N s/m",
-      [](Strain& s) { s.damping = 1e6, s.rotational_damping = 400.0, s.largest_force = 9; });
-  add("damping 1e6; period 1 us", [](Strain& s) {
+      [](StressInputs& s) { s.damping = 1e6, s.rotational_damping = 400.0, s.largest_force = 9; });
+  add("damping 1e6; period 1 us", [](StressInputs& s) {
     s.damping = 1e6, s.rotational_damping = 400.0, s.largest_force = 11.9, s.period = 1e-6;
     s.largest_move = 3;
   });
-  add("damping by direction 100:1", [](Strain& s) {
+  add("damping by direction 100:1", [](StressInputs& s) {
     s.damping = Mat3{{2.0, 0.3, 0.1}, {0.3, 0.5, 0.02}, {0.1, 0.02, 0.0252}};
     s.rotational_damping = Vec3(1e-3, 1e-4, 1e-5);
   });
-  add("1e6 m from the origin", [](Strain& s) { s.origin = 1e6; });
-  add("limit 0.3 N", [](Strain& s) { s.max_force = 0.3; });
-  add("fades", [](Strain& s) { s.fades = 0.5; });
-  add("holds up to 50 T", [](Strain& s) { s.longest_hold = 50.0; });
+  add("1e6 m from the origin", [](StressInputs& s) { s.origin = 1e6; });
+  add("limit 0.3 N", [](StressInputs& s) { s.max_force = 0.3; });
+  add("fades", [](StressInputs& s) { s.fades = 0.5; });
+  add("holds up to 50 T", [](StressInputs& s) { s.longest_hold = 50.0; });
   add("holds to 50 T; writes skipped",
-      [](Strain& s) { s.longest_hold = 50.0, s.skipped_writes = 0.2; });
-  add("NaN; Inf; absurd", [](Strain& s) { s.strange_inputs = 0.05, s.max_force = 5.0; });
+      [](StressInputs& s) { s.longest_hold = 50.0, s.skipped_writes = 0.2; });
+  add("NaN; Inf; absurd", [](StressInputs& s) { s.strange_inputs = 0.05, s.max_force = 5.0; });
   add("NaN; Inf; absurd; holds to 5 T",
-      [](Strain& s) { s.strange_inputs = 0.05, s.max_force = 5.0, s.longest_hold = 5.0; });
+      [](StressInputs& s) { s.strange_inputs = 0.05, s.max_force = 5.0, s.longest_hold = 5.0; });
   return all;
 }
 
-StrainedMovement move(int kind, StrainRandom& random, const Strain& strain, const Command& held,
-                      double hold_time, double least, double largest) {
+StrainedMovement move(int kind, StrainRandom& random, const StressInputs& strain,
+                      const Command& held, double hold_time, double least, double largest) {
   const auto restless = [&] {
     return StrainedMovement{random.vector(least, largest), random.vector(least, largest)};
   };
@@ -76,7 +78,7 @@ StrainedMovement move(int kind, StrainRandom& random, const Strain& strain, cons
   return m;
 }
 
-Command command(StrainRandom& random, const Strain& strain) {
+Command command(StrainRandom& random, const StressInputs& strain) {
   Command c;
   if (random.chance(0.1)) return c;
   const double lo = strain.least_force, hi = strain.largest_force;

@@ -37,7 +37,7 @@ class StrainRandom {
 };
 
 /// What one row of hands does to a bound.
-struct Strain {
+struct StressInputs {
   std::string name;
   Damping damping = 0.5;                       // [N s/m]
   Damping rotational_damping = 2e-4;           // [N m s/rad]
@@ -61,7 +61,7 @@ struct Strain {
 };
 
 /// Every strain, in the order of the table.
-std::vector<Strain> strains();
+std::vector<StressInputs> strains();
 
 struct StrainedMovement {
   Vec3 displacement = Vec3::Zero(), rotation = Vec3::Zero();
@@ -70,10 +70,10 @@ struct StrainedMovement {
 /// A hand that knows what it is given. Five kinds: exactly greedy and about so, pumping, taking
 /// from one channel, restless, and one that changes its mind.
 /// `least` and `largest` are decades [m], [rad].
-StrainedMovement move(int kind, StrainRandom& random, const Strain& strain, const Command& held,
-                      double hold_time, double least, double largest);
+StrainedMovement move(int kind, StrainRandom& random, const StressInputs& strain,
+                      const Command& held, double hold_time, double least, double largest);
 
 /// What a scene might ask for, and what none would.
-Command command(StrainRandom& random, const Strain& strain);
+Command command(StrainRandom& random, const StressInputs& strain);
 
 }  // namespace feltwire

@@ -109,11 +109,11 @@ void measure(const SidesTask& task, const NetworkRunResult& run, SidesCell& cell
       ratio(static_cast<double>(run.servo.answered), static_cast<double>(run.servo.samples));
 }
 
-void run_cell(const SidesTask& task, double told_damping, SidesCell& cell) {
+void run_cell(const SidesTask& task, double assumed_damping, SidesCell& cell) {
   NetworkRunOptions options = options_of(task);
-  if (told_damping != 1.0) {
+  if (assumed_damping != 1.0) {
     options.told = options.hand.spec;
-    options.told->damping = told_damping * kDamping;
+    options.told->damping = assumed_damping * kDamping;
   }
   if (cell.bound == kSidesBounds[0]) {
     options.parameters.mode = BoundingMode::none;
@@ -132,7 +132,7 @@ void run_cell(const SidesTask& task, double told_damping, SidesCell& cell) {
 }  // namespace
 
 std::vector<SidesCell> run_sides(const SidesGrid& grid) {
-  if (!(grid.told_damping > 0.0) || !std::isfinite(grid.told_damping))
+  if (!(grid.assumed_damping > 0.0) || !std::isfinite(grid.assumed_damping))
     throw std::invalid_argument("the told damping must be finite and above zero, 1 is the truth");
   std::vector<SidesCell> cells;
   for (const SidesTask& task : kTasks)
@@ -149,8 +149,9 @@ std::vector<SidesCell> run_sides(const SidesGrid& grid) {
             cells.push_back(cell);
           }
   const std::size_t per_task = cells.size() / kTasks.size();
-  parallel_for(cells.size(),
-               [&](std::size_t i) { run_cell(kTasks[i / per_task], grid.told_damping, cells[i]); });
+  parallel_for(cells.size(), [&](std::size_t i) {
+    run_cell(kTasks[i / per_task], grid.assumed_damping, cells[i]);
+  });
   return cells;
 }
 

@@ -22,7 +22,7 @@ struct SidesGrid {
                                    {0.01, 8.0}, {0.1, 8.0},  {0.3, 8.0}};
   /// What the bounds are told of the device's damping, over what it is: above 1 they are wrong, and
   /// the taking hand must find it out.
-  double told_damping = 1.0;
+  double assumed_damping = 1.0;
 };
 
 /// What there is to compare: no bound, and the session parameter's choices.

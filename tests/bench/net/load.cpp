@@ -44,7 +44,7 @@ class Path {
 };
 
 struct Client {
-  Conversation conversation;
+  DatagramSession datagrams;
   Opener echoes;  // of what it sent itself
   Sample sample;
   std::uint64_t phase = 0;     // along the path
@@ -88,7 +88,7 @@ struct Load::Clients {
     const SessionParameters parameters = join_request(options.redundancy).parameters;
     for (std::size_t i = 0; i < target.sessions.size(); ++i) {
       const SessionKeys keys = session_keys(target.sessions[i], options.suite);
-      all.push_back({Conversation(target.sessions[i], keys, parameters, false),
+      all.push_back({DatagramSession(target.sessions[i], keys, parameters, false),
                      Opener(keys.suite, keys.up),
                      {},
                      splitmix::draw(7, i),
@@ -109,7 +109,7 @@ struct Load::Clients {
     ++sample.index;
     sample.client_time = now();
     sample.pose.position = path.at(client.phase + sample.index);
-    const Bytes bytes = client.conversation.pack(sample);
+    const Bytes bytes = client.datagrams.pack(sample);
     std::copy(bytes.begin(), bytes.end(), out[queued].begin());
     out_parts[queued].iov_len = bytes.size();
     result.sample_size = bytes.size();
@@ -180,7 +180,7 @@ struct Load::Clients {
       answer = {batch.samples[0].index, batch.samples[0].client_time, {}};
     } else {
       GoodbyeReason ignored;
-      if (client.conversation.take(bytes, reply, ignored) != Conversation::Arrival::reply)
+      if (client.datagrams.take(bytes, reply, ignored) != DatagramSession::Arrival::reply)
         return false;
       answer = {reply.sample_index, reply.client_time, reply.command};
     }

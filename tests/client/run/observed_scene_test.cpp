@@ -1,0 +1,145 @@
+#include "client/run/observed_scene.hpp"
+
+#include <gmock/gmock.h>
+
+#include "client/run/observer_recorder.hpp"
+#include "tests/client/temporary_folder.hpp"
+
+namespace feltwire::observed_scene_test {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+using testing::text_of;
+
+/// Of the hands and bodies of these ids, somewhere.
+SceneView view_of(std::uint32_t from, std::uint32_t end, const std::vector<std::uint32_t>& hands,
+                  const std::vector<std::uint16_t>& bodies = {}) {
+  SceneView view;
+  view.present = true;
+  view.hands_from = from;
+  view.hands_end = end;
+  view.bodies_end = bodies.empty() ? 0 : SceneView::kLastBody;
+  for (const std::uint32_t number : hands)
+    view.hand[view.hand_count++] = {number, Pose{.position = {0.5, 0, -0.25}}, Vec3(0, 0, 1.5)};
+  for (const std::uint16_t object : bodies)
+    view.body[view.body_count++] = {object, Pose{.position = {1, 2, 3}}};
+  return view;
+}
+
+std::vector<std::uint32_t> numbers(const ObservedScene& scene) {
+  std::vector<std::uint32_t> all;
+  for (const auto& [number, hand] : scene.hands()) all.push_back(number);
+  return all;
+}
+
+TEST(ObservedScene, IsPutTogetherFromParts) {
+  ObservedScene scene;
+  scene.take(view_of(0, 5, {1, 3, 4}));
+  scene.take(view_of(5, SceneView::kLastHand, {5, 9}, {2, 3}));
+  EXPECT_THAT(numbers(scene), ElementsAre(1, 3, 4, 5, 9));
+  EXPECT_EQ(scene.bodies().size(), 2u);
+  EXPECT_EQ(scene.bodies().at(3).pose.position, Vec3(1, 2, 3));
+  EXPECT_THAT(scene.hands_gone(), IsEmpty());
+}
+
+TEST(ObservedScene, WhoWasPassedOverIsGone) {
+  ObservedScene scene;
+  scene.take(view_of(0, SceneView::kLastHand, {1, 3, 4, 9}, {2, 3}));
+  scene.take(view_of(2, 5, {4}));  // 1 and 9 are beyond what this one tells of
+  EXPECT_THAT(scene.hands_gone(), ElementsAre(3));
+  EXPECT_THAT(numbers(scene), ElementsAre(1, 4, 9));
+  EXPECT_EQ(scene.bodies().size(), 2u);
+  scene.take(view_of(5, SceneView::kLastHand, {}, {3}));
+  EXPECT_THAT(scene.hands_gone(), ElementsAre(9));
+  EXPECT_THAT(scene.bodies_gone(), ElementsAre(2));
+  scene.take(view_of(0, 5, {}));
+  EXPECT_THAT(scene.hands_gone(), ElementsAre(1, 4));
+  EXPECT_THAT(numbers(scene), IsEmpty());
+}
+
+TEST(ObservedScene, TheNewestPlaceCounts) {
+  ObservedScene scene;
+  SceneView view = view_of(0, SceneView::kLastHand, {7});
+  scene.take(view);
+  view.hand[0].pose.position.x() = 0.75;
+  scene.take(view);
+  EXPECT_EQ(scene.hands().at(7).pose.position.x(), 0.75);
+}
+
+/// A server that shows hands and bodies for ever, none of them twice.
+TEST(ObservedScene, KeepsNoMoreThanItsLimitsAndCountsTheRest) {
+  ObservedScene scene;
+  std::uint32_t number = 0;
+  std::uint16_t object = 0;
+  std::uint64_t shown = 0;
+  for (int round = 0; round < 2000; ++round) {
+    SceneView view;
+    view.present = true;
+    view.hands_from = number + 1;  // says nothing of those before, so none is gone
+    view.bodies_from = static_cast<std::uint16_t>(object + 1);
+    for (; view.hand_count < SceneView::kMaxHands; ++view.hand_count)
+      view.hand[view.hand_count].number = ++number;
+    for (; view.body_count < SceneView::kMaxBodies && object < SceneView::kLastBody - 1;
+         ++view.body_count)
+      view.body[view.body_count].object = ++object;
+    view.hands_end = number + 1;
+    view.bodies_end = static_cast<std::uint16_t>(object + 1);
+    shown += view.hand_count + view.body_count;
+    scene.take(view);
+    ASSERT_LE(scene.hands().size(), ObservedScene::kMostHands);
+    ASSERT_LE(scene.bodies().size(), ObservedScene::kMostBodies);
+  }
+  EXPECT_EQ(scene.left_out(), shown - ObservedScene::kMostHands - ObservedScene::kMostBodies);
+  // Who goes makes room again; who is known goes on being followed.
+  SceneView view = view_of(1, 11, {5, 6});
+  view.hand[0].pose.position.x() = 0.75;
+  scene.take(view);
+  EXPECT_EQ(scene.hands_gone().size(), 8u);
+  EXPECT_EQ(scene.hands().at(5).pose.position.x(), 0.75);
+  const std::uint64_t before = scene.left_out();
+  scene.take(view_of(number, number + 2, {number + 1}));
+  EXPECT_EQ(scene.hands().count(number + 1), 1u);
+  EXPECT_EQ(scene.left_out(), before);
+}
+
+TEST(ObserverRecorder, SaysWhatItHasNoRoomFor) {
+  EXPECT_EQ(text(SightCounts{.hands = 2, .bodies = 1, .left_out = 3}),
+            "  sees 2 hands, 1 body, 3 left out");
+}
+
+TEST(ObserverRecorder, CountsAndWritesDownWhatItSees) {
+  const testing::TemporaryFolder folder;
+  const auto file = folder / "view.csv";
+  ObserverRecorder observer(file);
+  observer.views().push({0.25, view_of(0, SceneView::kLastHand, {2, 7}, {4})});
+  observer.look();
+  EXPECT_EQ(text(observer.counts()), "  sees 2 hands, 1 body");
+  observer.views().push({0.5, view_of(0, SceneView::kLastHand, {7})});
+  SceneView empty = view_of(0, 0, {});
+  empty.bodies_end = SceneView::kLastBody;
+  observer.views().push({0.75, empty});
+  observer.look();
+  EXPECT_EQ(text_of(file),
+            "t,kind,id,x,y,z,qw,qx,qy,qz,fx,fy,fz\n"
+            "0.25,hand,2,0.5,0,-0.25,1,0,0,0,0,0,1.5\n"
+            "0.25,hand,7,0.5,0,-0.25,1,0,0,0,0,0,1.5\n"
+            "0.25,body,4,1,2,3,1,0,0,0,,,\n"
+            "0.5,hand,7,0.5,0,-0.25,1,0,0,0,0,0,1.5\n"
+            "0.5,hand_gone,2,,,,,,,,,,\n"
+            "0.75,body_gone,4,,,,,,,,,,\n");
+  EXPECT_EQ(text(observer.counts()), "  sees 1 hand, 0 bodies");
+  EXPECT_EQ(observer.counts().views, 3u);
+  EXPECT_EQ(observer.counts().most_hands, 2u);
+  EXPECT_EQ(observer.counts().most_bodies, 1u);
+}
+
+TEST(ObserverRecorder, SaysWhyItCannotWrite) {
+  EXPECT_THAT(
+      testing::error_of<std::runtime_error>([] { ObserverRecorder("/nowhere/at/all.csv"); }),
+      ::testing::AllOf(::testing::HasSubstr("/nowhere/at/all.csv: No such file"),
+                       ::testing::HasSubstr("--view")));
+}
+
+}  // namespace
+}  // namespace feltwire::observed_scene_test

@@ -1,0 +1,109 @@
+// Which refusals end a client at once, and which it waits out.
+
+#include "client/transport/reconnector.hpp"
+
+#include <gmock/gmock.h>
+#include <sys/resource.h>
+
+#include <set>
+
+#include "tests/client/peer.hpp"
+#include "tests/support/eventually.hpp"
+#include "tests/support/security.hpp"
+
+namespace feltwire::reconnector_test {
+namespace {
+
+using namespace std::chrono_literals;
+using control::RefusalCode;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+control::JoinRequest anyone() { return {"tester", "floor", builtin_device("simulated"), {}}; }
+
+/// Looks, hours apart by its clock, until it has given up or has asked once more; why it gave up.
+std::string given_up(const ServerAccess& access) {
+  Ring<SessionAddress> sessions(2);
+  Reconnector reconnector(access, anyone(), sessions, {.timeout = 10s});
+  Reconnector::Clock::time_point now{};
+  test::eventually("a refusal or a second attempt", [&] {
+    reconnector.look(false, now += 1h);
+    return !reconnector.refusal().empty() || reconnector.attempts() >= 2;
+  });
+  test::eventually("the end of the last attempt", [&] {  // it runs on its own
+    if (!reconnector.asking()) return true;
+    reconnector.look(true, now);
+    return false;
+  });
+  SessionAddress none;
+  EXPECT_FALSE(sessions.pop(none));
+  if (reconnector.refusal().empty()) return {};
+  EXPECT_EQ(reconnector.attempts(), 1u);
+  reconnector.look(false, now += 1h);
+  EXPECT_EQ(reconnector.attempts(), 1u);  // nothing more is asked
+  return reconnector.refusal();
+}
+
+TEST(Reconnector, WhatMayHealIsWaitedOutAndTheRestEndsIt) {
+  const std::set<RefusalCode> heals = {RefusalCode::full, RefusalCode::shutting_down,
+                                       RefusalCode::too_many};
+  for (std::uint8_t i = 0; i <= static_cast<std::uint8_t>(RefusalCode::unknown_tool); ++i) {
+    const auto code = static_cast<RefusalCode>(i);
+    testing::ControlPeer peer(control::encode(control::Refused{code, "for this reason"}));
+    const std::string said = given_up(peer.access());
+    if (heals.contains(code)) {
+      EXPECT_THAT(said, IsEmpty()) << control::name(code);
+    } else {
+      EXPECT_THAT(said, HasSubstr("refused: for this reason")) << control::name(code);
+    }
+  }
+}
+
+TEST(Reconnector, AServerThatIsAwayMayComeBack) {
+  std::uint16_t closed = 0;
+  {
+    const testing::LocalSocket socket(SOCK_STREAM);
+    closed = socket.port();
+  }
+  EXPECT_THAT(given_up(test::access(closed)), IsEmpty());
+  testing::ControlPeer silent({});
+  EXPECT_THAT(given_up(silent.access()), IsEmpty());
+}
+
+TEST(Reconnector, AnotherServerInItsPlaceEndsIt) {
+  testing::ControlPeer peer({});
+  ServerAccess access = peer.access();
+  access.credentials.trust = fingerprint(make_identity({"localhost"}));
+  EXPECT_THAT(given_up(access), HasSubstr("is not the server whose fingerprint was given"));
+}
+
+TEST(Reconnector, OtherParametersEndIt) {
+  control::JoinAccepted accepted;
+  accepted.session = 7;
+  accepted.port_offset = 1;
+  accepted.silence_timeout = 2.0;
+  accepted.parameters.redundancy = 2;
+  testing::ControlPeer peer(control::encode(accepted));
+  EXPECT_THAT(given_up(peer.access()),
+              HasSubstr("now grants other parameters than those of the session before (redundancy: "
+                        "asked 3, granted 2)"));
+}
+
+/// Attempts that the system has no descriptors for have failed like others, and go on.
+TEST(Reconnector, WithoutDescriptorsItIsTriedAgain) {
+#ifdef FELTWIRE_SANITIZED
+  GTEST_SKIP() << "the sanitizer itself needs descriptors to look at an object's type";
+#endif
+  const testing::LocalSocket lowest_free(SOCK_STREAM);
+  const ServerAccess access = test::access(lowest_free.port());
+  rlimit before{};
+  ASSERT_EQ(::getrlimit(RLIMIT_NOFILE, &before), 0);
+  const rlimit none{static_cast<rlim_t>(lowest_free.descriptor()) + 1, before.rlim_max};
+  ASSERT_EQ(::setrlimit(RLIMIT_NOFILE, &none), 0);
+  const std::string said = given_up(access);
+  ASSERT_EQ(::setrlimit(RLIMIT_NOFILE, &before), 0);
+  EXPECT_THAT(said, IsEmpty());
+}
+
+}  // namespace
+}  // namespace feltwire::reconnector_test

@@ -1,0 +1,199 @@
+// Hands that try to take more from the account than the device burned: random devices over three
+// decades, walls and commands as no scene would give them, encoders, delays and late ticks.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <deque>
+
+#include "core/bounding/account.hpp"
+#include "tests/core/handle.hpp"
+
+namespace feltwire::account_attack_test {
+namespace {
+
+using namespace test;
+
+constexpr double kPeriod = 1e-3;  // [s]
+#ifdef FELTWIRE_SANITIZED
+constexpr int kDevices = 80;  // forty times as slow there
+constexpr double kShareOfExcess = 0.03;
+#else
+constexpr int kDevices = 800;
+constexpr double kShareOfExcess = 0.1;  // of all these, the worst reaches so far
+#endif
+
+/// What the account is told, as shares of the truth.
+struct Told {
+  double mass = 1.0, hand = 1.0, quantum = 1.0;
+  double operator_damping = 0.0;  // [N s/m] told on top of the device's own
+};
+
+struct Device {
+  Handle handle;
+  PortKnowledge truth;
+
+  explicit Device(Random& random) {
+    handle.mass = std::abs(random.decades(-2.0, std::log10(0.5)));
+    handle.viscous = std::abs(random.decades(-2.0, std::log10(5.0)));
+    handle.dry = random.chance(0.5) ? std::abs(random.decades(-2.0, 0.0)) : 0.0;
+    truth.mass = handle.mass;
+    truth.damping = handle.viscous;
+    truth.outside_force = std::abs(random.decades(std::log10(0.3), std::log10(20.0)));
+    truth.quantum = random.chance(0.7) ? std::abs(random.decades(-6.0, -4.0)) : 0.0;
+    truth.coulomb_friction = random.chance(0.5) ? handle.dry : 0.0;
+  }
+  AccountConfig told(const Told& told) const {
+    AccountConfig config;
+    config.period = kPeriod;
+    config.translation = truth;
+    config.translation.mass *= told.mass;
+    config.translation.outside_force *= told.hand;
+    config.translation.quantum *= told.quantum;
+    config.translation.damping += told.operator_damping;
+    return config;
+  }
+};
+
+/// What asks for force: a stiff wall that answers late, or a command that nothing binds.
+struct Environment {
+  bool wall;
+  double stiffness;   // [N/m]
+  std::size_t delay;  // samples
+  std::deque<double> depth;
+
+  explicit Environment(Random& random)
+      : wall(random.chance(0.6)),
+        stiffness(std::abs(random.decades(2.0, 5.0))),
+        delay(static_cast<std::size_t>(random.uniform(0.0, 20.0))) {}
+  Command command(Random& random, const Vec3& position) {
+    if (!wall) return random_command(random);
+    depth.push_back(std::max(0.0, -position.x()));
+    if (depth.size() > delay + 1) depth.pop_front();
+    return {Vec3(std::min(30.0, stiffness * depth.front()), 0, 0), Vec3::Zero(), Vec3::Zero()};
+  }
+};
+
+struct Outcome {
+  double least = 0.0;      // [J] of the balance, by the truth's own sums
+  double exchanged = 0.0;  // [J]
+  double rendered = 0.0;   // [N] sum of magnitudes: an account that renders nothing proves nothing
+  AccountStatistics seen;
+  bool force_in_debt = false;
+  double share_of_excess = 0.0;  // largest debt over what a hand that is too strong can overdraw
+};
+
+/// `strength`: the hand's largest force, in shares of the device's outside_force.
+Outcome attack(std::uint64_t seed, const Told& told, double strength = 1.0, double longest = 1.0) {
+  Random random(seed);
+  Device device(random);
+  Environment environment(random);
+  PortAccount account(device.told(told));
+  const double q = device.truth.quantum;
+  const double b = device.truth.damping.matrix()(0, 0);
+  const double hand_force_limit = strength * device.truth.outside_force;
+  Outcome outcome;
+  Vec3 shown = encoded(device.handle.position, q);
+  Command held;
+  // The truth's own sums, from the whole path: what viscous damping burned at least as the encoder
+  // shows it, what dry friction burned, what was delivered.
+  double burned = 0.0, delivered = 0.0, dry_path = 0.0, strongest = 0.0;
+  FrictionPatch patch = FrictionPatch::none;
+  for (int n = 0; n < 1500; ++n) {
+    const double hold = kPeriod * (random.chance(0.8) ? 1.0 : random.uniform(0.1, longest));
+    if (random.chance(0.2)) patch = any_grip(random);
+    constexpr int kParts = 4;
+    for (int i = 0; i < kParts; ++i) {
+      const Vec3 before = device.handle.position;
+      const Vec3 hand =
+          hand_force(patch, random, held.force(), hand_force_limit, (i + 0.5) / kParts);
+      device.handle.move(held.force() + hand, hold / kParts);
+      dry_path += (device.handle.position - before).norm();
+    }
+    // A hand is not everywhere: it turns back at 0.1 m.
+    if (device.handle.position.norm() > 0.1) patch = FrictionPatch::push;
+    const Vec3 now = encoded(device.handle.position, q);
+    const Vec3 dx = now - shown;
+    shown = now;
+    delivered += held.force().dot(dx);
+    burned += b * dx.squaredNorm() / std::max(hold, kPeriod);
+    outcome.exchanged += std::abs(held.force().dot(dx)) + b * dx.squaredNorm() / kPeriod;
+    const double friction = device.truth.coulomb_friction * dry_path;
+    outcome.least = std::min(outcome.least, burned + friction - delivered);
+    const bool in_debt_before = account.balance() < 0.0;
+    held = account.step(
+        {.displacement = dx, .hold_time = hold, .command = environment.command(random, now)});
+    if (account.in_debt() && in_debt_before && held != Command{}) outcome.force_in_debt = true;
+    if (random.chance(0.1)) {  // a device that gives less
+      held = random.uniform(0.0, 1.0) * held;
+      account.set_held(held);
+    }
+    outcome.rendered += held.force().norm();
+    strongest = std::max(strongest, held.force().norm());
+  }
+  outcome.seen = account.statistics();
+  // f (F - F_h) 3 T^2 / (2 m): the reach that the hand has beyond the one that was told.
+  const double excess = hand_force_limit - device.truth.outside_force;
+  outcome.share_of_excess = outcome.seen.largest_debt /
+                            (strongest * excess * 1.5 * kPeriod * kPeriod / device.truth.mass);
+  return outcome;
+}
+
+struct Sum {
+  double worst = 0.0;  // least balance over what was exchanged
+  double share_of_excess = 0.0;
+  double rendered = 0.0;  // [N] mean
+  std::uint64_t overdrawn = 0, strong_hand = 0;
+  int losers = 0;  // devices at whose port energy was made
+  bool force_in_debt = false;
+};
+
+Sum attack_all(int devices, const Told& told, double strength = 1.0, double longest = 1.0) {
+  Sum sum;
+  for (int i = 1; i <= devices; ++i) {
+    const Outcome o = attack(static_cast<std::uint64_t>(i), told, strength, longest);
+    const double relative = o.least / std::max(1e-9, o.exchanged);
+    sum.worst = std::min(sum.worst, relative);
+    sum.share_of_excess = std::max(sum.share_of_excess, o.share_of_excess);
+    sum.losers += relative < -1e-9;
+    sum.rendered += o.rendered / (1500.0 * devices);
+    sum.overdrawn += o.seen.overdrawn;
+    sum.strong_hand += o.seen.strong_hand;
+    sum.force_in_debt |= o.force_in_debt;
+  }
+  return sum;
+}
+
+TEST(AccountAttack, NoHandTakesMoreThanTheDeviceBurned) {
+  const Sum sum = attack_all(kDevices, {});
+  EXPECT_EQ(sum.losers, 0);
+  EXPECT_GT(sum.worst, -1e-12);
+  EXPECT_EQ(sum.overdrawn, 0u);
+  EXPECT_EQ(sum.strong_hand, 0u);
+  EXPECT_GT(sum.rendered, 0.1);
+}
+
+TEST(AccountAttack, ToldWrongItLoses) {
+  EXPECT_GT(attack_all(kDevices / 2, {.mass = 1.25}).losers, 0);
+  EXPECT_GT(attack_all(kDevices / 2, {.hand = 0.8}).losers, 0);
+  EXPECT_GT(attack_all(kDevices / 2, {.quantum = 0.0}).losers, 0);
+  EXPECT_GT(attack_all(kDevices / 2, {.operator_damping = 1.2}).losers, 0);
+}
+
+TEST(AccountAttack, AHandThatIsTooStrongOverdrawsOnceAndIsSeen) {
+  const Sum sum = attack_all(kDevices / 2, {}, 1.5);
+  EXPECT_GT(sum.overdrawn, 0u);
+  EXPECT_GT(sum.strong_hand, 0u);
+  EXPECT_FALSE(sum.force_in_debt);
+  EXPECT_GT(sum.share_of_excess, kShareOfExcess);
+  EXPECT_LE(sum.share_of_excess, 1.0);
+}
+
+TEST(AccountAttack, AHoldThatIsTooLongIsADebt) {
+  const Sum sum = attack_all(kDevices / 4, {}, 1.0, 50.0);
+  EXPECT_GT(sum.overdrawn, 0u);
+  EXPECT_FALSE(sum.force_in_debt);
+}
+
+}  // namespace
+}  // namespace feltwire::account_attack_test

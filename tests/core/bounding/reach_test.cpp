@@ -1,0 +1,150 @@
+// How far the next sample reaches: closed forms, and handles that move as far as they can.
+
+#include "core/bounding/reach.hpp"
+
+#include <gtest/gtest.h>
+
+#include <stdexcept>
+
+#include "tests/core/handle.hpp"
+
+namespace feltwire::reach_test {
+namespace {
+
+using namespace test;
+
+constexpr double kPeriod = 1e-3;  // [s]
+#ifdef FELTWIRE_SANITIZED
+constexpr std::uint64_t kDevices = 80;  // forty times as slow there
+#else
+constexpr std::uint64_t kDevices = 400;
+#endif
+
+PortKnowledge knowledge(double mass, double outside, double quantum = 0.0) {
+  PortKnowledge k;
+  k.mass = mass;
+  k.outside_force = outside;
+  k.quantum = quantum;
+  return k;
+}
+
+TEST(Reach, IsNewtonsLawForAHandleWithoutFriction) {
+  Reach reach(knowledge(0.1, 5.0));
+  EXPECT_FALSE(reach.known());
+  reach.moved(Vec3(2e-4, 0, 0), Vec3(3, 0, 0), kPeriod, kPeriod);
+  ASSERT_TRUE(reach.known());
+  // dx(n+1) - dx(n) is the mean of both samples' largest accelerations times T^2.
+  const double mean = 0.5 * ((3.0 + 5.0) + (4.0 + 5.0)) / 0.1;
+  EXPECT_NEAR(reach.along(Vec3::UnitX(), 4.0, kPeriod), 2e-4 + mean * kPeriod * kPeriod, 1e-15);
+  EXPECT_NEAR(reach.along(Vec3::UnitX(), 5.0, kPeriod) - reach.along(Vec3::UnitX(), 4.0, kPeriod),
+              reach.per_newton(kPeriod), 1e-15);
+}
+
+TEST(Reach, AHandleThatFrictionStoppedStartsFromRestAtAnyTime) {
+  Reach reach(knowledge(0.1, 5.0));
+  reach.moved(Vec3(-1e-3, 0, 0), Vec3::Zero(), kPeriod, kPeriod);
+  // Friction may have stopped it at once: G0 T^2 + G T^2 / 2.
+  EXPECT_NEAR(reach.along(Vec3::UnitX(), 0.0, kPeriod), 1.5 * 50.0 * kPeriod * kPeriod, 1e-15);
+}
+
+TEST(Reach, NothingIsKnownWithoutAMassAForceOrAMovement) {
+  Reach none(knowledge(0.0, 5.0)), any(knowledge(0.1, std::numeric_limits<double>::infinity()));
+  Reach moved(knowledge(0.1, 5.0));
+  for (Reach* r : {&none, &any, &moved}) r->moved(Vec3::Zero(), Vec3::Zero(), kPeriod, kPeriod);
+  EXPECT_FALSE(none.known());
+  EXPECT_FALSE(any.known());
+  EXPECT_TRUE(moved.known());
+  moved.forget();
+  EXPECT_FALSE(moved.known());
+}
+
+TEST(Reach, KnowledgeThatCannotBeIsRefusedByName) {
+  const auto refused = [](const PortKnowledge& k) -> std::string {
+    try {
+      validate(k, "handle");
+    } catch (const std::invalid_argument& error) {
+      return error.what();
+    }
+    return "accepted";
+  };
+  EXPECT_EQ(refused(knowledge(0.1, 5.0)), "accepted");
+  EXPECT_NE(refused(knowledge(-0.1, 5.0)).find("handle: the mass is -0.1"), std::string::npos);
+  EXPECT_NE(refused(knowledge(0.1, -5.0)).find("the outside force"), std::string::npos);
+  EXPECT_NE(refused(knowledge(0.1, 5.0, NAN)).find("the encoder quantum"), std::string::npos);
+  PortKnowledge friction = knowledge(0.1, 5.0);
+  friction.coulomb_friction = INFINITY;
+  EXPECT_NE(refused(friction).find("the Coulomb friction"), std::string::npos);
+}
+
+/// The largest share of the reach that hands used along any direction, over random devices.
+struct Used {
+  double most = 0.0;
+  long broken = 0, samples = 0;
+};
+
+/// `told`: what of the mass, of the hand's force and of the quantum the reach is told.
+Used attack(std::uint64_t seed, double told_mass, double told_force, double told_quantum) {
+  Random random(seed);
+  Handle handle;
+  handle.mass = std::abs(random.decades(-2.0, -0.3));
+  handle.viscous = random.chance(0.5) ? std::abs(random.decades(-3.0, 1.5)) : 0.0;
+  handle.dry = random.chance(0.5) ? std::abs(random.decades(-2.0, 1.0)) : 0.0;
+  const double quantum = random.chance(0.7) ? std::abs(random.decades(-6.0, -4.0)) : 0.0;
+  const double strength = std::abs(random.decades(-0.5, 1.3));
+  Reach reach(knowledge(told_mass * handle.mass, told_force * strength, told_quantum * quantum));
+  Used used;
+  Vec3 shown = encoded(handle.position, quantum), held = Vec3::Zero();
+  bool even = random.chance(0.5);  // holds that last all the same
+  for (int n = 0; n < 400; ++n) {
+    const double hold = even ? kPeriod : kPeriod * random.uniform(0.05, 3.0);
+    held = random.chance(0.3) ? Vec3::Zero() : random.vector(-1.0, 1.0);
+    const FrictionPatch patch = any_grip(random);
+    constexpr int kParts = 8;
+    for (int i = 0; i < kParts; ++i) {
+      const Vec3 hand = hand_force(patch, random, held, strength, (i + 0.5) / kParts);
+      handle.move(held + hand, hold / kParts);
+    }
+    const Vec3 now = encoded(handle.position, quantum);
+    const Vec3 dx = now - shown;
+    if (reach.known()) {
+      for (const Vec3& along : {dx, held, random.direction()}) {
+        const Vec3 u = direction(along);
+        if (u.isZero(0.0)) continue;
+        const double share = dx.dot(u) / reach.along(u, held.dot(u), hold);
+        used.most = std::max(used.most, share);
+        used.broken += share > 1.0 + 1e-9;
+        ++used.samples;
+      }
+    }
+    shown = now;
+    reach.moved(dx, held, hold, kPeriod);
+  }
+  return used;
+}
+
+Used attack_all(double told_mass, double told_force, double told_quantum) {
+  Used all;
+  for (std::uint64_t seed = 1; seed <= kDevices; ++seed) {
+    const Used used = attack(seed, told_mass, told_force, told_quantum);
+    all.most = std::max(all.most, used.most);
+    all.broken += used.broken;
+    all.samples += used.samples;
+  }
+  return all;
+}
+
+TEST(Reach, NoHandGoesFarther) {
+  const Used used = attack_all(1.0, 1.0, 1.0);
+  EXPECT_EQ(used.broken, 0);
+  EXPECT_GT(used.samples, static_cast<long>(500 * kDevices));
+  EXPECT_GT(used.most, 0.98);  // sharp: some hand uses nearly all of it
+}
+
+TEST(Reach, IsBrokenWhenToldWrong) {
+  EXPECT_GT(attack_all(1.25, 1.0, 1.0).broken, 0) << "mass told a quarter too large";
+  EXPECT_GT(attack_all(1.0, 0.8, 1.0).broken, 0) << "hand told a fifth too weak";
+  EXPECT_GT(attack_all(1.0, 1.0, 0.0).broken, 0) << "the encoder's quantum left out";
+}
+
+}  // namespace
+}  // namespace feltwire::reach_test

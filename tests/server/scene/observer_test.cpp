@@ -1,0 +1,268 @@
+// Observers through SceneSessions, by the test's clock: what they are shown, and that nobody feels
+// them.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <map>
+#include <set>
+
+#include "core/scene/mechanism.hpp"
+#include "server/scene/scene_sessions.hpp"
+#include "tests/core/moving.hpp"
+#include "tests/protocol/sealed.hpp"
+#include "tests/server/make.hpp"
+#include "tests/support/allocation_counter.hpp"
+
+namespace feltwire::observer_test {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr std::uint64_t kAnna = 1 << 8, kBert = 2 << 8, kEye = 3 << 8;
+
+/// A scene with sessions that each send a sample when told.
+struct Stage {
+  explicit Stage(const Scene& of, std::size_t slots = 8)
+      : scene(of), sessions(scene, 2s, slots, nullptr, {.sample_rate = 1e6}) {}
+
+  void join(std::uint64_t id, Role role, const SessionParameters& parameters = {}) {
+    control::JoinRequest request = test::join_request(parameters);
+    request.role = role;
+    request.device.rotation_sensed = 3;
+    ASSERT_TRUE(std::holds_alternative<control::JoinAccepted>(
+        sessions.answer(request, id, test::keys(id), now)));
+  }
+  /// The answer's payload; empty when it was withheld.
+  std::vector<std::uint8_t> send(std::uint64_t id, const Pose& pose, const Command& held = {}) {
+    SampleBatch batch;
+    batch.count = 1;
+    batch.rotation = true;
+    Sample& sample = batch.samples[0];
+    sample.index = ++index[id];
+    sample.client_time = now;
+    sample.pose = pose;
+    sample.held = held;
+    const Bytes datagram = encoder.samples(id, sample.index, batch);
+    DatagramBuffer out;
+    const std::size_t before = test::allocations();
+    const Bytes answer = sessions.receive(datagram, {}, now, out);
+    allocated += test::allocations() - before;
+    length = answer.size();
+    return test::opened(answer, test::Way::down);
+  }
+  std::vector<std::uint8_t> send(std::uint64_t id, const Vec3& place, const Command& held = {}) {
+    return send(id, Pose{place, Quaternion::Identity()}, held);
+  }
+  /// What an observer at `place` is shown next.
+  SceneView look(std::uint64_t id = kEye, const Vec3& place = Vec3::Zero()) {
+    now += 1ms;
+    SceneView view;
+    Reply reply;
+    EXPECT_EQ(decode(send(id, place), reply, &view), DropReason::none);
+    EXPECT_EQ(reply.command, Command{});
+    EXPECT_TRUE(view.present);
+    return view;
+  }
+
+  Scene scene;
+  SceneSessions sessions;
+  test::SealedEncoder encoder{test::Way::up};
+  std::map<std::uint64_t, std::uint64_t> index;
+  Nanoseconds now{0};
+  std::size_t allocated = 0, length = 0;
+};
+
+Scene weightless_ball() {
+  return test::moving({test::object("floor", Plane{}, {.stiffness = 500}, {0, 0, -1}),
+                       test::object("ball", Sphere{0.03}, {.stiffness = 1000})},
+                      {-1, 0}, {test::body("ball", 0.2)}, test::kWeightless);
+}
+
+TEST(Observer, SeesTheHandsWhereTheyAre) {
+  Stage stage(test::room());
+  stage.join(kAnna, Role::operator_);
+  stage.join(kEye, Role::observer);
+  stage.join(kBert, Role::admin);
+  EXPECT_EQ(stage.look().hand_count, 0u);  // nobody has said yet where it is
+  const Quaternion turned(Eigen::AngleAxisd(0.7, Vec3(1, 2, 3).normalized()));
+  stage.send(kBert, Pose{{0.5, -0.25, 0.125}, turned},
+             {.elastic = {0, 0, 2}, .frictional = {1, 0, 0}});
+  SceneView view = stage.look();
+  ASSERT_EQ(view.hand_count, 1u);
+  EXPECT_EQ(view.hand[0].number, 3u);  // the third who joined
+  EXPECT_EQ(view.hand[0].pose.position, Vec3(0.5, -0.25, 0.125));
+  EXPECT_LE(view.hand[0].pose.orientation.angularDistance(turned), 1e-6);
+  EXPECT_EQ(view.hand[0].force, Vec3(1, 0, 2));
+
+  stage.send(kAnna, Vec3(0.1, 0.2, 0.3));
+  view = stage.look();
+  ASSERT_EQ(view.hand_count, 2u);
+  EXPECT_EQ(view.hand[0].number, 1u);
+  EXPECT_LE((view.hand[0].pose.position - Vec3(0.1, 0.2, 0.3)).norm(), 1e-7);
+  EXPECT_EQ(view.hand[1].number, 3u);
+  EXPECT_EQ(view.hands_from, 0u);
+  EXPECT_EQ(view.hands_end, SceneView::kLastHand);
+  EXPECT_EQ(view.body_count, 0u);
+  EXPECT_EQ(view.bodies_end, SceneView::kLastBody);
+
+  stage.sessions.answer(control::LeaveRequest{kAnna}, 0, {}, stage.now);
+  view = stage.look();
+  ASSERT_EQ(view.hand_count, 1u);
+  EXPECT_EQ(view.hand[0].number, 3u);
+  stage.join(kAnna, Role::operator_);
+  stage.index[kAnna] = 0;
+  stage.send(kAnna, Vec3(0, 0, 0));
+  EXPECT_EQ(stage.look().hand[1].number, 4u);  // a number is nobody else's
+}
+
+TEST(Observer, SeesWhatMoves) {
+  Stage stage(weightless_ball());
+  stage.join(kAnna, Role::operator_);
+  stage.join(kEye, Role::observer);
+  stage.look();
+  for (int n = 0; n < 200; ++n) {
+    stage.now += 1ms;
+    stage.send(kAnna, Vec3(-0.029, 0.005, 0));
+    if (n % 50 != 49) continue;
+    const SceneView view = stage.look();
+    const Object& ball = stage.sessions.world()->objects()[1];
+    ASSERT_EQ(view.body_count, 1u);
+    EXPECT_EQ(view.body[0].object, 1u);
+    EXPECT_LE((view.body[0].pose.position - ball.pose.position).norm(), 1e-7);
+    EXPECT_LE(view.body[0].pose.orientation.angularDistance(ball.pose.orientation), 1e-6);
+    EXPECT_GT(view.body[0].pose.position.x(), n < 100 ? 1e-6 : 1e-3);
+    EXPECT_EQ(view.hand_count, 1u);
+  }
+}
+
+/// More than fit into a datagram come one part after the other, and in each round all of them.
+TEST(Observer, IsShownAllInTurns) {
+  constexpr std::uint32_t kHands = 50;
+  constexpr int kBalls = 40;
+  std::vector<Object> objects = {test::object("floor", Plane{}, {}, {0, 0, -9})};
+  std::vector<int> body_of = {-1};
+  std::vector<Body> bodies;
+  for (int i = 0; i < kBalls; ++i) {
+    const std::string name = "ball" + std::to_string(i);
+    const Vec3 place(0.1 * i, 0, 0);
+    objects.push_back(test::object(name.c_str(), Sphere{0.01}, {}, place));
+    bodies.push_back(test::body(name.c_str(), 0.1, place));
+    body_of.push_back(i);
+  }
+  for (const double period : {0.001, 0.05}) {  // and over a thin line
+    Stage stage(test::moving(objects, body_of, bodies, test::kWeightless), kHands + 2);
+    SessionParameters parameters;
+    parameters.servo_period = period;
+    stage.join(kEye, Role::observer, parameters);
+    for (std::uint32_t i = 0; i < kHands; ++i) {
+      stage.join((100 + i) << 8, Role::operator_);
+      stage.send((100 + i) << 8, Vec3(0.01 * i, 0, 1));
+    }
+    std::map<std::uint32_t, int> hands;
+    std::map<std::uint16_t, int> seen_bodies;
+    std::size_t views = 0;
+    constexpr int kRounds = 3;
+    for (int rounds = 0; rounds < kRounds; ++views) {
+      ASSERT_LT(views, 100u);
+      const SceneView view = stage.look();
+      EXPECT_LE(stage.length, period < 0.04 ? kMaxDatagram : 600u);
+      for (const SeenHand& hand : view.hands()) {
+        ++hands[hand.number];
+        EXPECT_LE((hand.pose.position - Vec3(0.01 * (hand.number - 2), 0, 1)).norm(), 1e-7);
+      }
+      for (const SeenBody& body : view.bodies()) {
+        ++seen_bodies[body.object];
+        EXPECT_LE((body.pose.position - Vec3(0.1 * (body.object - 1), 0, 0)).norm(), 1e-6);
+      }
+      if (view.bodies_end == SceneView::kLastBody) ++rounds;
+    }
+    EXPECT_EQ(hands.size(), kHands);
+    EXPECT_EQ(seen_bodies.size(), std::size_t{kBalls});
+    for (const auto& [number, times] : hands) EXPECT_EQ(times, kRounds) << "hand " << number;
+    for (const auto& [object, times] : seen_bodies) EXPECT_EQ(times, kRounds) << "body " << object;
+    // No datagram more than there must be, but for the seam between the two.
+    const std::size_t bytes = kHands * SceneView::kHandSize + kBalls * SceneView::kBodySize;
+    EXPECT_LE(views, kRounds * (bytes / (view_room(period) - SceneView::kHandSize) + 1));
+  }
+}
+
+/// With and without observers among them, wherever these are: to the bit.
+TEST(Observer, IsFeltByNobody) {
+  Stage watched(weightless_ball()), alone(weightless_ball());
+  for (Stage* stage : {&watched, &alone}) {
+    stage->join(kAnna, Role::operator_);
+    stage->join(kBert, Role::operator_);
+  }
+  watched.join(kEye, Role::observer);
+  for (int n = 0; n < 300; ++n) {
+    for (Stage* stage : {&watched, &alone}) stage->now += 1ms;
+    watched.send(kEye, Vec3(0.02 * std::sin(0.1 * n), 0, 0.001 * (n % 7)), {.elastic = {0, 0, 9}});
+    const Vec3 push(-0.029, 0.001 * (n % 5), 0);
+    EXPECT_EQ(watched.send(kAnna, push), alone.send(kAnna, push));
+    EXPECT_EQ(watched.send(kBert, Vec3(0, 0, -0.999 - 0.002 * (n % 2))),
+              alone.send(kBert, Vec3(0, 0, -0.999 - 0.002 * (n % 2))));
+    EXPECT_EQ(watched.length, alone.length);
+  }
+  EXPECT_NE(alone.sessions.world()->momentum(), Vec3::Zero());
+  EXPECT_EQ(watched.sessions.world()->momentum(), alone.sessions.world()->momentum());
+}
+
+TEST(Observer, ClaimsOfOthersCannotSpoilItsReplies) {
+  constexpr double kHuge = std::numeric_limits<float>::max();
+  Stage stage(test::room());
+  stage.join(kAnna, Role::operator_);
+  stage.join(kEye, Role::observer);
+  stage.send(kAnna, Vec3(1000, -1000, 1000),
+             {.elastic = {kHuge, -kHuge, 1}, .frictional = {kHuge, -kHuge, 2}});
+  const SceneView view = stage.look();
+  ASSERT_EQ(view.hand_count, 1u);
+  EXPECT_NEAR(view.hand[0].force.x(), 1e12, 1e6);
+  EXPECT_NEAR(view.hand[0].force.y(), -1e12, 1e6);
+  EXPECT_EQ(view.hand[0].force.z(), 3.0);
+  EXPECT_EQ(view.hand[0].pose.position, Vec3(1000, -1000, 1000));
+}
+
+TEST(Observer, IsAnsweredAsOftenAsItAsked) {
+  Stage stage(test::room());
+  SessionParameters sparing;
+  sparing.force_deadband = 0.1;
+  stage.join(kEye, Role::observer, sparing);
+  int answers = 0;
+  for (int n = 0; n < 200; ++n) {
+    stage.now += 1ms;
+    answers += stage.send(kEye, Vec3::Zero()).empty() ? 0 : 1;
+  }
+  EXPECT_NEAR(answers, 10, 1);  // one every keep_alive, as there is no force to tell
+}
+
+TEST(Observer, SeesTheSceneThatWasReloaded) {
+  const Scene still = test::room(), moving = weightless_ball();
+  Stage stage(moving);
+  stage.join(kEye, Role::observer);
+  EXPECT_EQ(stage.look().body_count, 1u);
+  stage.sessions.enter(still, stage.now);
+  const SceneView after = stage.look();
+  EXPECT_EQ(after.body_count, 0u);
+  EXPECT_EQ(after.bodies_from, 0u);
+  EXPECT_EQ(after.bodies_end, SceneView::kLastBody);  // so none is there any more
+  stage.sessions.enter(moving, stage.now);
+  EXPECT_EQ(stage.look().body_count, 1u);
+}
+
+TEST(Observer, TakesNoMemoryOnTheWay) {
+#ifdef FELTWIRE_SANITIZED
+  GTEST_SKIP() << "sanitizers allocate";
+#endif
+  Stage stage(weightless_ball(), 60);
+  stage.join(kEye, Role::observer);
+  for (std::uint64_t i = 0; i < 50; ++i) stage.join((100 + i) << 8, Role::operator_);
+  for (std::uint64_t i = 0; i < 50; ++i) stage.send((100 + i) << 8, Vec3(0, 0, 0.1));
+  stage.look();
+  stage.allocated = 0;
+  for (int n = 0; n < 50; ++n) stage.look();
+  EXPECT_EQ(stage.allocated, 0u);
+}
+
+}  // namespace
+}  // namespace feltwire::observer_test

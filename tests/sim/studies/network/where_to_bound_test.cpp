@@ -1,0 +1,119 @@
+// Who should bound: the measurement obeys what is known, and would notice a bound that is wrong.
+
+#include "sim/studies/network/where_to_bound.hpp"
+
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <sstream>
+
+namespace feltwire::where_to_bound_test {
+namespace {
+
+SidesGrid small() {
+  return {.round_trips = {0.0, 20e-3}, .jitters = {0.0, 5e-3}, .losses = {{}, {0.3, 8.0}}};
+}
+const std::vector<SidesCell>& cells() {
+  static const auto all = run_sides(small());
+  return all;
+}
+const SidesCell& cell(std::string_view task, std::string_view bound, double round_trip,
+                      double jitter = 0.0, double loss = 0.0) {
+  return *std::find_if(cells().begin(), cells().end(), [&](const SidesCell& c) {
+    return c.task == task && c.bound == bound && c.round_trip == round_trip && c.jitter == jitter &&
+           c.loss.loss == loss;
+  });
+}
+
+TEST(Sides, EveryCellIsThereOnce) {
+  EXPECT_EQ(cells().size(), 5u * 4u * 2u * 2u * 2u);
+  EXPECT_EQ(cells().front().bound, "none");
+  EXPECT_EQ(cells().back().loss.burst, 8.0);
+}
+
+TEST(Sides, NoPortThatIsBoundedGivesMoreThanTheDeviceBurns) {
+  EXPECT_TRUE(bounds_hold(cells()));
+  for (const SidesCell& c : cells()) {
+    if (c.bound == "none") continue;
+    EXPECT_EQ(c.violations, 0u) << c.task << ' ' << c.bound;
+    EXPECT_GE(c.margin, -1e-9) << c.task << ' ' << c.bound;
+  }
+}
+
+TEST(Sides, AWrongDampingIsFoundOutAtEverySetting) {
+  SidesGrid grid = small();
+  grid.assumed_damping = 1.05;
+  const auto wrong = run_sides(grid);
+  EXPECT_FALSE(bounds_hold(wrong));
+  for (const SidesCell& c : wrong) {
+    if (c.task != "taking hand") continue;
+    EXPECT_GT(c.violations, 0u) << c.bound << ' ' << c.round_trip << ' ' << c.jitter << ' '
+                                << c.loss.loss;
+  }
+}
+
+// Under a server's bound the guard keeps the energy, and nothing else.
+TEST(Sides, AServerAloneLetsTheHandSwing) {
+  EXPECT_GT(cell("sphere 1 kN/m", "server", 20e-3).oscillation, 200e-6);
+  EXPECT_LT(cell("sphere 1 kN/m", "client", 20e-3).oscillation, 60e-6);
+  EXPECT_LT(cell("wall 1 kN/m", "none", 20e-3).margin, -0.1);  // [J]
+}
+
+TEST(Sides, WhatIsDisplayedAndHowOldTheDirectionIs) {
+  // min(k, 2 b / T), with the millisecond that a loop without delay still has.
+  EXPECT_NEAR(cell("wall 40 kN/m", "server", 0.0).displayed, 1000.0, 20.0);
+  EXPECT_NEAR(cell("wall 40 kN/m", "client", 0.0).displayed, 1000.0, 40.0);
+  EXPECT_NEAR(cell("wall 1 kN/m", "none", 0.0).displayed, 1000.0, 10.0);
+  // A quarter turn a second, for as long as the round trip.
+  EXPECT_NEAR(cell("sphere 1 kN/m", "client", 0.0).direction_mean, 1e-3 * 1.5708, 1e-4);
+  EXPECT_NEAR(cell("sphere 1 kN/m", "client", 20e-3).direction_mean, 20e-3 * 1.5708, 1e-3);
+}
+
+// Why the client bounds alone by default (docs/network.md).
+TEST(Sides, OverALossyLineAServersBoundBeforeTheClientsOnlyTakes) {
+  const SidesCell& client = cell("wall 40 kN/m", "client", 20e-3, 0.0, 0.3);
+  const SidesCell& both = cell("wall 40 kN/m", "both", 20e-3, 0.0, 0.3);
+  EXPECT_LT(both.displayed, 0.95 * client.displayed);
+  // And nothing where nothing is lost.
+  EXPECT_NEAR(cell("wall 40 kN/m", "client", 20e-3).displayed,
+              cell("wall 40 kN/m", "both", 20e-3).displayed, 1e-3);
+}
+
+std::string text_of(const std::filesystem::path& file) {
+  std::ifstream in(file);
+  std::ostringstream text;
+  text << in.rdbuf();
+  return text.str();
+}
+
+TEST(Sides, TheSameBytesEveryTime) {
+  const auto directory =
+      std::filesystem::path(::testing::TempDir()) / "feltwire_where_to_bound_test";
+  const SidesGrid grid{.round_trips = {10e-3}, .jitters = {0.0}, .losses = {{}, {0.1, 8.0}}};
+  for (const char* turn : {"a", "b"}) write_sides(directory / turn, run_sides(grid));
+  for (const char* file : {"sides.csv", "sides.json", "sides.png"}) {
+    const std::string text = text_of(directory / "a" / file);
+    EXPECT_GT(text.size(), 500u) << file;
+    EXPECT_EQ(text, text_of(directory / "b" / file)) << file;
+  }
+  std::filesystem::remove_all(directory);
+}
+
+TEST(Sides, TheTableHasEveryTaskAndTheVerdict) {
+  const std::string table = sides_table(cells());
+  for (const char* task : {"wall 40 kN/m", "sphere 1 kN/m", "taps 1 kN/m", "taking hand"})
+    EXPECT_THAT(table, ::testing::HasSubstr(task));
+  EXPECT_THAT(table, ::testing::HasSubstr("server      0 of 40, at most 0 J"));
+  EXPECT_THAT(table, ::testing::HasSubstr("client      0 of 40, at most 0 J"));
+  EXPECT_THAT(table, ::testing::HasSubstr("both        0 of 40, at most 0 J"));
+}
+
+TEST(Sides, RefusesADampingThatIsNone) {
+  EXPECT_THROW(run_sides({.assumed_damping = 0.0}), std::invalid_argument);
+  EXPECT_THROW(run_sides({.assumed_damping = NAN}), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace feltwire::where_to_bound_test
