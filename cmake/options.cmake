@@ -6,10 +6,10 @@ if(FELTWIRE_CCACHE AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
       ${FELTWIRE_CCACHE})
 endif()
 
-# Compiler settings every target of this project shares: link feltwire_options.
+# Compiler settings of our own targets: each links feltwire_options with PRIVATE, so that whoever links them keeps his.
 add_library(feltwire_options INTERFACE)
 target_compile_options(feltwire_options INTERFACE
-  -Wall -Wextra -Wpedantic -Werror -Wshadow -Wconversion -Wno-sign-conversion
+  -Wall -Wextra -Wpedantic $<$<BOOL:${FELTWIRE_WERROR}>:-Werror> -Wshadow -Wconversion -Wno-sign-conversion
   # Determinism: the same inputs give the same bits, so no contraction into fused multiply-adds.
   -ffp-contract=off)
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)

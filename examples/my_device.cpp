@@ -11,8 +11,7 @@
 #include <atomic>
 #include <cstdio>
 #include <cstdlib>
-
-#include "client/run/run_client.hpp"
+#include <feltwire/client/run/run_client.hpp>
 
 class MyDevice final : public feltwire::Device {
  public:

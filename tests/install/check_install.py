@@ -1,0 +1,100 @@
+#!/usr/bin/env python3
+"""Installs feltwire, moves the folder, and builds and runs programs against it: with find_package and with pkg-config.
+
+The installed my_device (examples/my_device.cpp) then feels a scene of a server that is started for it.
+
+usage: check_install.py SOURCE_FOLDER BUILD_FOLDER COMPILER
+"""
+
+import os
+import re
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+LONGEST = 60.0  # [s] that a program may take
+
+
+def run(*command, environment=None):
+    """Its output; ends the check where it fails."""
+    done = subprocess.run([str(word) for word in command], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+                          env=dict(os.environ, **(environment or {})))
+    if done.returncode != 0:
+        sys.exit(f"{' '.join(map(str, command))}\nended with {done.returncode}:\n{done.stdout}")
+    return done.stdout
+
+
+def check_names_no_folder(prefix, folders):
+    """What is installed can be moved: no text file names where it was made."""
+    for file in sorted(prefix.rglob("*")):
+        if file.suffix not in (".cmake", ".pc", ".hpp"):
+            continue
+        text = file.read_text(encoding="utf-8")
+        for folder in folders:
+            if str(folder) in text:
+                sys.exit(f"{file.relative_to(prefix)} names {folder}")
+
+
+def check_headers(prefix, compiler):
+    """Every header can be included, in one unit and with a stranger's warnings, and needs Eigen alone."""
+    headers = sorted(path.relative_to(prefix / "include") for path in (prefix / "include").rglob("*.hpp"))
+    if len(headers) < 50:
+        sys.exit(f"only {len(headers)} headers were installed")
+    unit = "".join(f"#include <{header}>\n" for header in headers)
+    flags = run("pkg-config", "--cflags", "eigen3").split()
+    done = subprocess.run([compiler, "-std=c++20", "-fsyntax-only", "-Wall", "-Wextra", "-Werror", "-x", "c++", "-",
+                           "-isystem", flags[0][2:], f"-I{prefix / 'include'}"], input=unit, text=True, capture_output=True)
+    if done.returncode != 0:
+        sys.exit(f"the installed headers do not compile:\n{done.stderr}")
+    return len(headers)
+
+
+def feel(program, server_program, source, folder):
+    """A second of the program in a scene of a server of its own."""
+    state = folder / "state"
+    out = folder / "server.out"
+    with open(out, "w") as stream:
+        server = subprocess.Popen([server_program, "--port", "0", "--state", state, "--scene", source / "scenes/plane.json"],
+                                  stdout=stream, stderr=subprocess.STDOUT)
+    try:
+        until = time.monotonic() + LONGEST
+        while "\njoin: " not in out.read_text() and server.poll() is None and time.monotonic() < until:
+            time.sleep(0.02)
+        listening = re.search(r"control tcp (\d+)", out.read_text())
+        if listening is None:
+            sys.exit(f"the server does not listen:\n{out.read_text()}")
+        return run(program, f"localhost:{listening[1]}", "plane", 1,
+                   environment={"FELTWIRE_FINGERPRINT_FILE": str(state / "fingerprint"),
+                                "FELTWIRE_TOKEN_FILE": str(state / "local.token")})
+    finally:
+        server.terminate()
+        server.wait()
+
+
+def main():
+    source, build, compiler = Path(sys.argv[1]).resolve(), Path(sys.argv[2]).resolve(), sys.argv[3]
+    with tempfile.TemporaryDirectory(prefix="feltwire-install-") as name:
+        folder = Path(name)
+        first, prefix = folder / "first", folder / "moved"
+        run("cmake", "--install", build, "--prefix", first)
+        first.rename(prefix)
+        check_names_no_folder(prefix, (source, build, first))
+        headers = check_headers(prefix, compiler)
+
+        example = source / "examples/my_device.cpp"
+        run("cmake", "-S", source / "tests/install/consumer", "-B", folder / "build", f"-DCMAKE_PREFIX_PATH={prefix}",
+            f"-DCMAKE_CXX_COMPILER={compiler}", f"-DMY_DEVICE={example}")
+        run("cmake", "--build", folder / "build", "--parallel", 2)
+        run(folder / "build/bound")
+        feel(folder / "build/my_device", build / "bin/feltwire-server", source, folder)
+
+        flags = run("pkg-config", "--cflags", "--libs", "feltwire",
+                    environment={"PKG_CONFIG_PATH": str(next(prefix.rglob("feltwire.pc")).parent)}).split()
+        run(compiler, "-std=c++20", example, *flags, "-o", folder / "my_device")
+        feel(folder / "my_device", build / "bin/feltwire-server", source, folder)
+        print(f"{headers} headers; my_device built with find_package and with pkg-config, each felt the plane")
+
+
+main()
