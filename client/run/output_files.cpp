@@ -1,10 +1,16 @@
 #include "client/run/output_files.hpp"
 
+#include <fcntl.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
+#include <cerrno>
+#include <cstring>
 #include <optional>
 #include <stdexcept>
 #include <tuple>
+
+#include "core/base/pending_file.hpp"
 
 namespace feltwire {
 namespace {
@@ -43,6 +49,12 @@ void require_different(const NamedFile& a, const NamedFile& b, const char* harm)
                               "; " + harm + "; give another path");
 }
 
+int open_for_writing(const fs::path& file, int flags) {
+  const int descriptor = ::open(file.c_str(), O_WRONLY | O_CLOEXEC | flags);
+  if (descriptor < 0) cannot_write(file, std::strerror(errno));
+  return descriptor;
+}
+
 }  // namespace
 
 void require_different(const std::vector<NamedFile>& written, const std::vector<NamedFile>& read) {
@@ -65,6 +77,22 @@ fs::path followed(const fs::path& file) {
   }
   fs::path whole = fs::weakly_canonical(target, error);
   return error ? target : whole;
+}
+
+void check_writable(const fs::path& file) {
+  if (is_special(file)) {
+    ::close(open_for_writing(file, O_NONBLOCK));  // does not wait for a reader
+  } else {
+    const PendingFile probe(followed(file), {}, kByUmask);
+  }
+}
+
+void write_whole(const fs::path& file, std::string_view text) {
+  if (!is_special(file)) return replace_file(followed(file), text, kByUmask);
+  const int descriptor = open_for_writing(file, 0);
+  const int reason = write_all(descriptor, text) ? 0 : errno;
+  ::close(descriptor);
+  if (reason != 0) cannot_write(file, std::strerror(reason));
 }
 
 }  // namespace feltwire

@@ -1,8 +1,9 @@
 #pragma once
-// Which files a run writes, checked before anything is written.
+// The files that a run writes, checked before anything is written.
 
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace feltwire {
@@ -22,5 +23,13 @@ void require_different(const std::vector<NamedFile>& written, const std::vector<
 /// The file that is meant: symbolic links followed to their end, also one whose file is not there
 /// yet.
 std::filesystem::path followed(const std::filesystem::path& file);
+
+/// Throws FileError naming the file and the reason when write_whole() could not write it now.
+/// Leaves nothing.
+void check_writable(const std::filesystem::path& file);
+
+/// Replaces the file in one step, or the one that a link means. Writes directly to a file that is
+/// not regular (a pipe, /dev/stdout). Throws FileError.
+void write_whole(const std::filesystem::path& file, std::string_view text);
 
 }  // namespace feltwire

@@ -1,19 +1,11 @@
 #include "client/run/report.hpp"
 
-#include <fcntl.h>
-#include <unistd.h>
-
 #include <algorithm>
-#include <cerrno>
 #include <cmath>
-#include <cstring>
 #include <nlohmann/json.hpp>
 #include <optional>
-#include <stdexcept>
-#include <system_error>
 #include <utility>
 
-#include "client/run/output_files.hpp"
 #include "client/transport/encoder.hpp"
 #include "core/build_info/build_info.hpp"
 
@@ -21,7 +13,6 @@ namespace feltwire {
 namespace {
 
 using Json = nlohmann::ordered_json;
-namespace fs = std::filesystem;
 
 constexpr double kMicroseconds = 1e-3;  // of nanoseconds
 constexpr double kDegrees = 1e-6;       // of microdegrees
@@ -207,85 +198,6 @@ const char* name_of(GoodbyeReason reason) {
   return "unknown";
 }
 
-[[noreturn]] void fail(const fs::path& file, const std::string& reason) {
-  throw std::runtime_error("cannot write " + file.string() + ": " + reason +
-                           "; choose another path");
-}
-
-/// Where a report comes to stand before it is renamed: the same folder, so that the rename is one
-/// step.
-fs::path beside(const fs::path& file) {
-  std::string name(1, '.');
-  name += file.filename().string() + "." + std::to_string(::getpid()) + ".part";
-  return file.parent_path() / name;
-}
-
-/// Whether it exists and is no regular file: a pipe, a terminal. Renaming would replace it.
-bool is_special(const fs::path& file) {
-  std::error_code error;
-  const fs::file_status status = fs::status(file, error);
-  if (fs::is_directory(status)) fail(file, "it is a directory");
-  return fs::exists(status) && !fs::is_regular_file(status);
-}
-
-int open_for_writing(const fs::path& file, const fs::path& meant, int flags) {
-  constexpr int kForAll = 0644;
-  const int descriptor = ::open(file.c_str(), O_WRONLY | O_CLOEXEC | flags, kForAll);
-  if (descriptor < 0) fail(meant, std::strerror(errno));
-  return descriptor;
-}
-
-void put(int descriptor, std::string_view text, const fs::path& meant) {
-  while (!text.empty()) {
-    const ssize_t written = ::write(descriptor, text.data(), text.size());
-    if (written < 0 && errno == EINTR) continue;
-    if (written < 0) fail(meant, std::strerror(errno));
-    text.remove_prefix(static_cast<std::size_t>(written));
-  }
-}
-
-/// Closes, and takes the file away unless it was kept.
-class Part {
- public:
-  explicit Part(const fs::path& meant)
-      : meant_(meant),
-        path_(beside(meant)),
-        descriptor_(open_for_writing(path_, meant, O_CREAT | O_TRUNC)) {}
-  ~Part() {
-    if (descriptor_ >= 0) ::close(descriptor_);
-    std::error_code ignored;
-    if (!kept_) fs::remove(path_, ignored);
-  }
-  Part(const Part&) = delete;
-  Part& operator=(const Part&) = delete;
-
-  void keep(std::string_view text) {
-    put(descriptor_, text, meant_);
-    if (::fsync(descriptor_) != 0) fail(meant_, std::strerror(errno));
-    // Some systems say only now that the disk took it not.
-    if (::close(std::exchange(descriptor_, -1)) != 0) fail(meant_, std::strerror(errno));
-    std::error_code error;
-    fs::rename(path_, meant_, error);
-    if (error) fail(meant_, error.message());
-    kept_ = true;
-    sync_folder();
-  }
-
- private:
-  /// The new name is on the disk, too. A file system that cannot say so has done what it can.
-  void sync_folder() const {
-    const fs::path folder = path_.has_parent_path() ? path_.parent_path() : fs::path(".");
-    const int descriptor = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-    if (descriptor < 0) return;
-    ::fsync(descriptor);
-    ::close(descriptor);
-  }
-
-  fs::path meant_, path_;
-  int descriptor_;
-  bool kept_ = false;
-};
-
 }  // namespace
 
 std::string report_json(const RunDescription& run, const Servo& servo,
@@ -365,26 +277,6 @@ std::string report_json(const RunDescription& run, const Servo& servo,
   if (loop.end == EndReason::server_goodbye) report["goodbye_reason"] = name_of(loop.goodbye);
   // A name may be any bytes; the report stays JSON.
   return report.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
-}
-
-void check_writable(const fs::path& file) {
-  if (is_special(file)) {
-    ::close(open_for_writing(file, file, O_NONBLOCK));
-  } else {
-    const Part probe(followed(file));
-  }
-}
-
-void write_whole(const fs::path& file, std::string_view text) {
-  if (!is_special(file)) return Part(followed(file)).keep(text);
-  const int descriptor = open_for_writing(file, file, 0);
-  try {
-    put(descriptor, text, file);
-  } catch (...) {
-    ::close(descriptor);
-    throw;
-  }
-  ::close(descriptor);
 }
 
 }  // namespace feltwire

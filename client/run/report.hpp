@@ -1,10 +1,8 @@
 #pragma once
 // The report of a run: JSON, every key with unit and meaning in docs/devices.md.
 
-#include <filesystem>
 #include <optional>
 #include <string>
-#include <string_view>
 
 #include "client/run/observer_recorder.hpp"
 #include "client/servo/servo.hpp"
@@ -31,14 +29,5 @@ struct RunDescription {
 std::string report_json(const RunDescription& run, const Servo& servo,
                         const TransportStatistics& transport, const LoopResult& loop,
                         const std::string& link = {});
-
-/// Throws std::runtime_error naming the file and the reason when write_whole() could not write it
-/// now. Leaves nothing.
-void check_writable(const std::filesystem::path& file);
-
-/// Writes beside the file and renames, so that a reader sees the old text or the new one, never a
-/// part. Writes directly to a file that is not regular (a pipe, /dev/stdout).
-/// Throws std::runtime_error.
-void write_whole(const std::filesystem::path& file, std::string_view text);
 
 }  // namespace feltwire

@@ -8,6 +8,7 @@
 
 #include "client/run/attend.hpp"
 #include "client/run/crash_release.hpp"
+#include "client/run/output_files.hpp"
 #include "client/run/report.hpp"
 #include "client/run/reserve.hpp"
 #include "client/run/status_line.hpp"

@@ -11,8 +11,9 @@
 #include <stdexcept>
 
 #include "core/base/json_document.hpp"
+#include "core/base/pending_file.hpp"
 #include "protocol/crypto/private_file.hpp"
-#include "server/access/state_file.hpp"
+#include "server/access/file_lock.hpp"
 
 namespace feltwire {
 namespace {
@@ -70,8 +71,8 @@ Identity own_identity(const SecurityOptions& config, const fs::path& folder) {
   const bool was_known = fs::exists(folder / kFingerprint);
   if (!has_certificate && (!has_key || !was_known)) {
     const Identity made = make_identity(own_names(config));
-    write_state(key, made.key.text(), kPrivate);
-    write_state(certificate, made.certificate, kPublic);
+    replace_file(key, made.key.text(), kPrivate);
+    replace_file(certificate, made.certificate, kPublic);
   } else if (has_certificate != has_key) {
     const fs::path& missing = has_key ? certificate : key;
     const fs::path& there = has_key ? key : certificate;
@@ -85,7 +86,7 @@ Identity own_identity(const SecurityOptions& config, const fs::path& folder) {
 /// place before tokens.json: where that is missing, both are made anew at the next start.
 void make_tokens(const SecurityOptions& config) {
   const IssuedToken local = issue_token("local", "*", Role::operator_, std::nullopt);
-  write_state(local_token_file(config), local.text.text(), kPrivate);
+  replace_file(local_token_file(config), local.text.text(), kPrivate);
   change_tokens(token_file(config), [&](Tokens& tokens) { tokens.push_back(local.token); });
 }
 
@@ -137,7 +138,7 @@ Security open_security(const SecurityOptions& config) {
   const std::string print = to_string(fingerprint(identity)) + "\n";
   const fs::path print_file = folder / kFingerprint;
   if (!fs::exists(print_file) || read_text(print_file) != print)
-    write_state(print_file, print, kPublic);
+    replace_file(print_file, print, kPublic);
   if (config.tokens.empty() && !fs::exists(token_file(config))) make_tokens(config);
   return {std::move(identity), authorities, TokenFile(token_file(config))};
 }

@@ -1,8 +1,9 @@
 #include "server/access/token_file.hpp"
 
 #include "core/base/json_document.hpp"
+#include "core/base/pending_file.hpp"
 #include "protocol/crypto/private_file.hpp"
-#include "server/access/state_file.hpp"
+#include "server/access/file_lock.hpp"
 
 namespace feltwire {
 namespace {
@@ -54,7 +55,7 @@ void change_tokens(const std::filesystem::path& file, const std::function<void(T
   Tokens tokens;
   if (std::filesystem::exists(file)) tokens = read_tokens(file);
   change(tokens);
-  write_state(file, json(tokens), kPrivate);
+  replace_file(file, json(tokens), kPrivate);
 }
 
 }  // namespace feltwire

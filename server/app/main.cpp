@@ -15,6 +15,7 @@
 #include <string_view>
 #include <vector>
 
+#include "core/base/pending_file.hpp"
 #include "core/base/visible_text.hpp"
 #include "core/scene/scene_cost_report.hpp"
 #include "core/scene_file/load_scene.hpp"
@@ -169,8 +170,10 @@ int main(int argc, char** argv) {
       return 0;
     }
     // A file that cannot be written is said at once, not at the end of a long day.
-    if (!asked.summary.empty())
+    if (!asked.summary.empty()) {
+      feltwire::remove_leftovers(asked.summary);
       write_summary(asked.summary, server->summary(), server->control_summary());
+    }
     print_ready(config, *server);
     if (!serve(*server, signals, asked.summary)) leave_now();
     return 0;

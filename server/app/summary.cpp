@@ -1,8 +1,6 @@
 #include "server/app/summary.hpp"
 
-#include <fstream>
-#include <stdexcept>
-
+#include "core/base/pending_file.hpp"
 #include "server/access/json_text.hpp"
 
 namespace feltwire {
@@ -67,15 +65,7 @@ std::string summary_json(const std::vector<SceneSummary>& summary, const Control
 
 void write_summary(const std::filesystem::path& file, const std::vector<SceneSummary>& summary,
                    const ControlSummary& control) {
-  const std::filesystem::path part = file.string() + ".part";
-  std::ofstream out(part, std::ios::trunc);
-  out << summary_json(summary, control);
-  out.close();
-  std::error_code error;
-  if (out) std::filesystem::rename(part, file, error);
-  if (!out || error)
-    throw std::runtime_error("cannot write " + file.string() +
-                             "; is its folder there, and may this user write to it?");
+  replace_file(file, summary_json(summary, control), kByUmask);
 }
 
 }  // namespace feltwire

@@ -12,8 +12,8 @@ namespace feltwire {
 /// The counters of every scene and of the control port as JSON (docs/server.md).
 std::string summary_json(const std::vector<SceneSummary>& summary, const ControlSummary& control);
 
-/// Writes beside the file and renames: readers see all of it, or what was there before. Throws
-/// std::runtime_error naming the file.
+/// Replaces the file in one step: readers see all of it, or what was there before. Throws
+/// FileError.
 void write_summary(const std::filesystem::path& file, const std::vector<SceneSummary>& summary,
                    const ControlSummary& control);
 

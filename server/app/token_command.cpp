@@ -5,10 +5,10 @@
 #include <optional>
 #include <stdexcept>
 
+#include "core/base/pending_file.hpp"
 #include "core/base/visible_text.hpp"
 #include "core/command_line/suggestion.hpp"
 #include "server/access/security.hpp"
-#include "server/access/state_file.hpp"
 
 namespace feltwire {
 namespace {

@@ -7,7 +7,7 @@
 #include <memory>
 #include <thread>
 
-#include "client/run/report.hpp"
+#include "client/run/output_files.hpp"
 #include "core/base/visible_text.hpp"
 #include "core/build_info/build_info.hpp"
 #include "core/command_line/suggestion.hpp"

@@ -308,12 +308,11 @@ FELTWIRE_FAIL(27, ENOTCONN, int, getpeername, (int a, sockaddr* b, socklen_t* c)
 FELTWIRE_FAIL(28, EIO, int, flock, (int a, int b), (a, b))
 #pragma GCC diagnostic pop
 FELTWIRE_FAIL(29, EIO, int, fchmod, (int a, mode_t b), (a, b))
-FELTWIRE_FAIL(30, EMFILE, int, mkostemp, (char* a, int b), (a, b))
-FELTWIRE_FAIL(31, ENOMEM, int, mlockall, (int a), (a))
+FELTWIRE_FAIL(30, ENOMEM, int, mlockall, (int a), (a))
 
 void* mmap(void* a, size_t b, int c, int d, int e, off_t f) {
   static auto* const original = real<void*(void*, size_t, int, int, int, off_t)>("mmap");
-  if (!fails(32)) return original(a, b, c, d, e, f);
+  if (!fails(31)) return original(a, b, c, d, e, f);
   errno = ENOMEM;
   return MAP_FAILED;
 }
@@ -325,7 +324,7 @@ void* mmap(void* a, size_t b, int c, int d, int e, off_t f) {
     const mode_t mode = va_arg(more, mode_t);                              \
     va_end(more);                                                          \
     static auto* const original = real<int(const char*, int, ...)>(#name); \
-    if (!fails(33)) return original(path, flags, mode);                    \
+    if (!fails(32)) return original(path, flags, mode);                    \
     errno = EMFILE;                                                        \
     return -1;                                                             \
   }
@@ -338,14 +337,14 @@ int openat(int folder, const char* path, int flags, ...) {
   const mode_t mode = va_arg(more, mode_t);
   va_end(more);
   static auto* const original = real<int(int, const char*, int, ...)>("openat");
-  if (!fails(33)) return original(folder, path, flags, mode);
+  if (!fails(32)) return original(folder, path, flags, mode);
   errno = EMFILE;
   return -1;
 }
 #define FELTWIRE_FOPEN(name)                                                    \
   FILE* name(const char* path, const char* how) {                               \
     static auto* const original = real<FILE*(const char*, const char*)>(#name); \
-    if (!fails(34)) return original(path, how);                                 \
+    if (!fails(33)) return original(path, how);                                 \
     errno = EMFILE;                                                             \
     return nullptr;                                                             \
   }
@@ -356,7 +355,7 @@ int pthread_create(pthread_t* thread, const pthread_attr_t* attributes, void* (*
                    void* argument) {
   static auto* const original =
       real<int(pthread_t*, const pthread_attr_t*, void* (*)(void*), void*)>("pthread_create");
-  if (fails(35)) return EAGAIN;
+  if (fails(34)) return EAGAIN;
   return original(thread, attributes, start, argument);
 }
 

@@ -6,7 +6,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "server/access/state_file.hpp"
+#include "core/base/pending_file.hpp"
 #include "tests/client/loopback.hpp"
 #include "tests/client/temporary_folder.hpp"
 #include "tests/support/program.hpp"
@@ -29,7 +29,7 @@ class ClientProgramFault : public ::testing::Test {
     change_tokens(tokens_, [&](Tokens& tokens) {
       tokens = {test::admin_token().token, anna_.token};
     });
-    write_state(folder_ / "token", anna_.text.text(), kPrivate);
+    replace_file(folder_ / "token", anna_.text.text(), kPrivate);
     start_server(0);
     access_ = test::access(server_->control_port());
   }

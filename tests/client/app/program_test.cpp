@@ -9,8 +9,8 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "core/base/pending_file.hpp"
 #include "protocol/session/grant.hpp"
-#include "server/access/state_file.hpp"
 #include "tests/client/loopback.hpp"
 #include "tests/client/peer.hpp"
 #include "tests/client/temporary_folder.hpp"
@@ -45,7 +45,7 @@ class ClientProgram : public ::testing::Test {
   /// The program's command line with a token of its own and these words.
   std::vector<std::string> words(const IssuedToken& token, std::vector<std::string> more) {
     const std::string file = folder_ / "token";
-    write_state(file, token.text.text(), kPrivate);
+    replace_file(file, token.text.text(), kPrivate);
     more.insert(more.begin(),
                 {"--connect", to_string(access_.endpoint), "--scene", "floor", "--token-file", file,
                  "--fingerprint", to_string(server_->fingerprint())});
@@ -84,7 +84,7 @@ TEST_F(ClientProgram, AnObserverSaysAndWritesDownWhatItSees) {
 /// examples/my_device.cpp: a class and one call.
 TEST_F(ClientProgram, ADeviceMakersProgramFeelsTheFloor) {
   const std::string token = folder_ / "token", print = folder_ / "fingerprint";
-  write_state(token, anna_.text.text(), kPrivate);
+  replace_file(token, anna_.text.text(), kPrivate);
   std::ofstream(print) << to_string(server_->fingerprint());
   ::unsetenv("FELTWIRE_TOKEN_FILE");
   const std::vector<std::string> words{to_string(access_.endpoint), "floor", "1"};

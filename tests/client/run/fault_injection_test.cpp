@@ -12,6 +12,7 @@
 #include <new>
 
 #include "client/run/attend.hpp"
+#include "client/run/output_files.hpp"
 #include "client/run/report.hpp"
 #include "client/run/reserve.hpp"
 #include "tests/client/peer.hpp"

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "client/emulated_link/link_json.hpp"
+#include "client/run/output_files.hpp"
 #include "core/build_info/build_info.hpp"
 #include "tests/client/temporary_folder.hpp"
 

@@ -8,8 +8,8 @@
 #include <fstream>
 
 #include "core/base/csv.hpp"
+#include "core/base/pending_file.hpp"
 #include "core/scene_file/load_scene.hpp"
-#include "server/access/state_file.hpp"
 #include "tests/client/loopback.hpp"
 #include "tests/client/temporary_folder.hpp"
 #include "tests/support/program.hpp"
@@ -66,7 +66,7 @@ TEST_P(ShippedScene, IsFelt) {
   Server server(testing::any_ports(), std::move(scenes), test::security());
   const ServerAccess access = test::access(server.control_port());
   const std::string token = folder / "token", record = folder / "record.csv";
-  write_state(token, test::admin_token().text.text(), kPrivate);
+  replace_file(token, test::admin_token().text.text(), kPrivate);
   // Answers that come late on a machine under load cost force: the best of some runs counts.
   Felt best;
   for (int run = 0; run < 5 && (best.peak < kLeastPeak || best.share < least_share); ++run) {

@@ -4,7 +4,7 @@
 
 #include <future>
 
-#include "server/access/state_file.hpp"
+#include "core/base/pending_file.hpp"
 #include "tests/client/loopback.hpp"
 #include "tests/client/peer.hpp"
 #include "tests/client/temporary_folder.hpp"
@@ -312,9 +312,9 @@ TEST(Revocation, EndsASessionThatRuns) {
   testing::Client hand(access, "t,x,y,z\n0,0,0,-0.001\n1000,0,0,-0.001\n", {}, "floor");
   hand.start();
   hand.next_tick("an answer", [](const TickRecord& row) { return row.age >= 0.0; });
-  write_state(file, "broken", kPrivate);
+  replace_file(file, "broken", kPrivate);
   EXPECT_NO_THROW(list_scenes(access, kPatience));
-  write_state(file, json({}), kPrivate);
+  replace_file(file, json({}), kPrivate);
   hand.finish();
   EXPECT_EQ(hand.result->end, EndReason::server_goodbye);
   EXPECT_EQ(hand.result->goodbye, GoodbyeReason::evicted);

@@ -11,8 +11,8 @@
 #include <fstream>
 
 #include "core/base/json_document.hpp"
+#include "core/base/pending_file.hpp"
 #include "server/access/security.hpp"
-#include "server/access/state_file.hpp"
 #include "tests/client/temporary_folder.hpp"
 #include "tests/support/program.hpp"
 

@@ -10,8 +10,8 @@
 #include <thread>
 
 #include "core/base/json_document.hpp"
+#include "core/base/pending_file.hpp"
 #include "server/access/security.hpp"
-#include "server/access/state_file.hpp"
 #include "tests/client/temporary_folder.hpp"
 
 namespace feltwire::tokens_test {
@@ -169,10 +169,10 @@ TEST(TokenFile, ABadOneChangesNothing) {
   const TemporaryFolder folder;
   const auto path = folder / "tokens.json";
   EXPECT_THROW(TokenFile{path}, FileError);
-  write_state(path, json({issue().token}), kPrivate);
+  replace_file(path, json({issue().token}), kPrivate);
   TokenFile file(path);
   EXPECT_EQ(file.refresh(), std::nullopt);
-  write_state(path, "{\n\"tokens\": 5}", kPrivate);
+  replace_file(path, "{\n\"tokens\": 5}", kPrivate);
   const auto wrong = file.refresh();
   ASSERT_TRUE(wrong.has_value());
   EXPECT_THAT(*wrong, AllOf(HasSubstr("tokens.json:2"), HasSubstr("tokens")));
@@ -181,7 +181,7 @@ TEST(TokenFile, ABadOneChangesNothing) {
   std::filesystem::remove(path);
   EXPECT_TRUE(file.refresh().has_value());
   EXPECT_EQ(file.tokens().size(), 1u);
-  write_state(path, json({}), kPrivate);
+  replace_file(path, json({}), kPrivate);
   EXPECT_EQ(file.refresh(), std::nullopt);
   EXPECT_TRUE(file.tokens().empty());
   // A change that throws writes nothing.
@@ -197,9 +197,9 @@ TEST(TokenFile, IsReadAgainWhenItCouldNotBeReadOnce) {
 #endif
   const TemporaryFolder folder;
   const auto path = folder / "tokens.json";
-  write_state(path, json({issue().token}), kPrivate);
+  replace_file(path, json({issue().token}), kPrivate);
   TokenFile file(path);
-  write_state(path, json({}), kPrivate);
+  replace_file(path, json({}), kPrivate);
   rlimit before{};
   ASSERT_EQ(::getrlimit(RLIMIT_NOFILE, &before), 0);
   const rlimit none{0, before.rlim_max};
@@ -242,24 +242,24 @@ TEST(State, IsNotNeededWhereAllIsNamed) {
   config.certificate = folder / "c.pem";
   config.key = folder / "k.pem";
   config.tokens = folder / "t.json";
-  write_state(config.certificate, identity.certificate, kPublic);
-  write_state(config.key, identity.key.text(), kPrivate);
+  replace_file(config.certificate, identity.certificate, kPublic);
+  replace_file(config.key, identity.key.text(), kPrivate);
   EXPECT_THROW(open_security(config), FileError);  // a token file that is named is never made
-  write_state(config.tokens, json({}), kPrivate);
+  replace_file(config.tokens, json({}), kPrivate);
   const Security security = open_security(config);
   EXPECT_EQ(fingerprint(security.identity), fingerprint(identity));
   EXPECT_EQ(folder.entries(), 3u);
 
-  write_state(config.key, identity.key.text(), kPublic);
+  replace_file(config.key, identity.key.text(), kPublic);
   EXPECT_THAT(
       error_of<FileError>([&] { open_security(config); }),
       ::testing::AllOf(HasSubstr("(mode 0644)"), HasSubstr("chmod 600 " + config.key.string())));
-  write_state(config.key, make_identity({"localhost"}).key.text(), kPrivate);
+  replace_file(config.key, make_identity({"localhost"}).key.text(), kPrivate);
   EXPECT_THAT(error_of<FileError>([&] { open_security(config); }),
               HasSubstr("is not the key of the certificate"));
-  write_state(config.key, "nonsense", kPrivate);
+  replace_file(config.key, "nonsense", kPrivate);
   EXPECT_THAT(error_of<FileError>([&] { open_security(config); }), HasSubstr("no private key"));
-  write_state(config.certificate, "nonsense", kPublic);
+  replace_file(config.certificate, "nonsense", kPublic);
   EXPECT_THAT(error_of<FileError>([&] { open_security(config); }), HasSubstr("no certificate"));
 }
 

@@ -10,8 +10,8 @@
 #include <regex>
 #include <thread>
 
+#include "core/base/pending_file.hpp"
 #include "core/command_line/suggestion.hpp"
-#include "server/access/state_file.hpp"
 #include "server/app/health.hpp"
 #include "server/app/server.hpp"
 #include "server/app/summary.hpp"
@@ -140,7 +140,7 @@ TEST(Log, SaysWhoDidWhatAndHowEachSessionEnded) {
   std::ofstream(scene) << kScene;
   const IssuedToken boss = issue_token("boss", "*", Role::admin, std::nullopt);
   const IssuedToken anna = issue_token("anna", "*", Role::operator_, std::nullopt);
-  write_state(tokens, json({boss.token, anna.token}), kPrivate);
+  replace_file(tokens, json({boss.token, anna.token}), kPrivate);
   test::Program program(FELTWIRE_SERVER_PROGRAM,
                         {"--scene", scene, "--port", "0", "--state", folder / "state", "--tokens",
                          tokens, "--log-level", "info"});

@@ -2,10 +2,12 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <chrono>
 #include <cstdlib>
+#include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <thread>
@@ -81,9 +83,26 @@ TEST(Operation, ASummaryReplacesTheOneBefore) {
   std::ofstream(file) << "old";
   write_summary(file, {}, {});
   EXPECT_EQ(Json::parse(content(file)).at("scenes"), Json::array());
-  EXPECT_EQ(::access((file + ".part").c_str(), F_OK), -1);
   EXPECT_THAT([] { write_summary("/nonexistent/summary.json", {}, {}); },
               ::testing::ThrowsMessage<std::runtime_error>(HasSubstr("/nonexistent/summary.json")));
+}
+
+TEST(Operation, ASummaryReplacesNoPipe) {
+  const std::string pipe = path("summary.pipe");
+  ::unlink(pipe.c_str());
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  EXPECT_THAT([&] { write_summary(pipe, {}, {}); },
+              ::testing::ThrowsMessage<std::runtime_error>(HasSubstr(pipe + ": it is no regular")));
+  EXPECT_TRUE(std::filesystem::is_fifo(pipe));
+}
+
+/// Whatever stands beside, of its own or of another program.
+TEST(Operation, ASummaryIsWrittenBesideWhatIsThere) {
+  const std::string file = path("beside.json"), other = file + ".part";
+  std::ofstream(other) << "another program's";
+  write_summary(file, {}, {});
+  EXPECT_EQ(content(other), "another program's");
+  EXPECT_EQ(Json::parse(content(file)).at("scenes"), Json::array());
 }
 
 TEST(Operation, HealthIsAnAnswerInTime) {
