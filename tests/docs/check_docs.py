@@ -4,7 +4,8 @@
 Every command of README.md, SECURITY.md, CONTRIBUTING.md and docs/*.md that runs one of our programs or scripts, in a code block or
 with its options in a sentence: the program has that subcommand and those options (it is asked with --help), the files of the repository that it
 names are there, a filter of the benchmarks finds some, and a page that uses a program which the usual build
-leaves out says how to build it first. Every table has one number of cells in all its rows.
+leaves out says how to build it first. Every table has one number of cells in all its rows. A link to a file or to a heading leads
+somewhere. A code block that is said to be of a file (```json scenes/tutorial/1_table.json) stands in that file, line by line.
 
 usage: check_docs.py SOURCE_FOLDER BIN_FOLDER
 """
@@ -162,6 +163,48 @@ def check_tables(page):
         cells = count
 
 
+def check_excerpts(source, page):
+    """A block whose first line names a file stands in it."""
+    begun, file, block = 0, None, []
+    for number, line in enumerate(page.lines, 1):
+        fence = re.match(r"^```\w*\s*(\S*)$", line.rstrip())
+        if fence and begun == 0:
+            begun, file, block = number, fence.group(1), []
+        elif fence:
+            if file and not (source / file).is_file():
+                yield begun, f"there is no {file}"
+            elif file and "\n".join(block) + "\n" not in (source / file).read_text(encoding="utf-8"):
+                yield begun, f"the block is not in {file}"
+            begun = 0
+        elif begun:
+            block.append(line)
+
+
+def anchors(path):
+    """Of the headings of a page, as GitHub names them."""
+    text = re.sub(r"```.*?```", "", path.read_text(encoding="utf-8"), flags=re.S)
+    names = []
+    for heading in re.findall(r"^#+ (.*)$", text, re.M):
+        name = re.sub(r"[^\w\- ]", "", heading.strip().lower()).replace(" ", "-")
+        names.append(name if name not in names else f"{name}-{names.count(name)}")
+    return names
+
+
+def check_links(source, page, path):
+    fenced = False
+    for number, line in enumerate(page.lines, 1):
+        fenced ^= line.strip().startswith("```")
+        for target in [] if fenced else re.findall(r"\]\(([^)\s]+)\)", line):
+            if re.match(r"^[a-z]+:", target):
+                continue
+            file, _, anchor = target.partition("#")
+            there = (path.parent / file).resolve() if file else path
+            if not there.exists() or source not in [there, *there.parents]:
+                yield number, f"the link to {target} leads nowhere"
+            elif anchor and there.suffix == ".md" and anchor not in anchors(there):
+                yield number, f"there is no heading {anchor} in {there.relative_to(source)}"
+
+
 def main():
     source, folder = pathlib.Path(sys.argv[1]).resolve(), pathlib.Path(sys.argv[2])
     programs = Programs(folder)
@@ -178,7 +221,8 @@ def main():
                     commands += 1
                     wrong += check_program(programs, part, built, quoted)
                 found += [f"{page.name}:{number}: {what}" for what in wrong]
-        found += [f"{page.name}:{number}: {what}" for number, what in check_tables(page)]
+        for number, what in [*check_tables(page), *check_excerpts(source, page), *check_links(source, page, source / page.name)]:
+            found.append(f"{page.name}:{number}: {what}")
     print("\n".join(found + [f"{commands} commands of our programs, {len(found)} wrong"]))
     if commands == 0:
         print("no command was found: the check reads nothing")

@@ -17,10 +17,11 @@
 namespace feltwire::shipped_scenes_test {
 namespace {
 
-/// A scene that is added to the folder is under the test by itself.
+/// A scene that is added to the folder, or to a folder in it, is under the test by itself.
 std::vector<std::filesystem::path> shipped() {
   std::vector<std::filesystem::path> files;
-  for (const auto& entry : std::filesystem::directory_iterator(FELTWIRE_SOURCE_DIR "/scenes"))
+  for (const auto& entry :
+       std::filesystem::recursive_directory_iterator(FELTWIRE_SOURCE_DIR "/scenes"))
     if (entry.path().extension() == ".json") files.push_back(entry.path());
   std::sort(files.begin(), files.end());
   return files;
