@@ -5,7 +5,7 @@ Every command of README.md, SECURITY.md, CONTRIBUTING.md and docs/*.md that runs
 with its options in a sentence: the program has that subcommand and those options (it is asked with --help), the files of the repository that it
 names are there, a filter of the benchmarks finds some, and a page that uses a program which the usual build
 leaves out says how to build it first. Every table has one number of cells in all its rows. A link to a file or to a heading leads
-somewhere. A code block that is said to be of a file (```json scenes/tutorial/1_table.json) stands in that file, line by line.
+somewhere. docs/README.md has a link to every page of docs. A code block that is said to be of a file (```json scenes/tutorial/1_table.json) stands in that file, line by line.
 
 usage: check_docs.py SOURCE_FOLDER BIN_FOLDER
 """
@@ -190,6 +190,16 @@ def anchors(path):
     return names
 
 
+def check_index(source):
+    """Every page stands in the list of all pages."""
+    index = source / "docs" / "README.md"
+    text = index.read_text(encoding="utf-8")
+    for path in sorted((source / "docs").rglob("*.md")):
+        page = path.relative_to(source / "docs")
+        if path != index and f"({page})" not in text:
+            yield f"docs/README.md does not list {page}"
+
+
 def check_links(source, page, path):
     fenced = False
     for number, line in enumerate(page.lines, 1):
@@ -223,6 +233,7 @@ def main():
                 found += [f"{page.name}:{number}: {what}" for what in wrong]
         for number, what in [*check_tables(page), *check_excerpts(source, page), *check_links(source, page, source / page.name)]:
             found.append(f"{page.name}:{number}: {what}")
+    found += check_index(source)
     print("\n".join(found + [f"{commands} commands of our programs, {len(found)} wrong"]))
     if commands == 0:
         print("no command was found: the check reads nothing")
