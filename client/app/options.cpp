@@ -12,6 +12,7 @@
 #include "core/build_info/build_info.hpp"
 #include "core/command_line/environment.hpp"
 #include "core/command_line/suggestion.hpp"
+#include "core/device/device_file.hpp"
 #include "protocol/net/busy_poll.hpp"
 #include "protocol/net/udp_socket.hpp"
 #include "protocol/session/profiles.hpp"
@@ -183,7 +184,7 @@ void understand(const WrittenOptions& words, HandTask task, ClientOptions& optio
   choose_safety(words, options);
   validate(options.servo, options.parameters);
 
-  options.spec = builtin_device(words.spec);
+  options.spec = device_spec(words.spec);
   options.device_kind = words.device;
   if (words.device == "simulated") {
     task.path = hand_path(words.path);
@@ -266,7 +267,8 @@ std::variant<ClientOptions, int> parse_options(int argc, char** argv) {
       ->capture_default_str();
 
   const auto session = "Session";
-  app.add_option("--spec", words.spec, "The device's specification: " + device_names())
+  app.add_option("--spec", words.spec,
+                 "The device's specification: " + device_names() + ", or FILE.json")
       ->capture_default_str()
       ->group(session);
   app.add_option("--mode", words.mode, "Energy bound: " + choices(kBoundingModeNames))

@@ -100,8 +100,7 @@ constexpr double kMaxExtent = 100.0;           // [m]
 constexpr std::size_t kMaxName = 100;          // [bytes]
 
 [[noreturn]] void refuse(const DeviceSpec& spec, const std::string& field, const std::string& why) {
-  throw std::invalid_argument("device '" + spec.name.substr(0, kMaxName) + "': " + field + ": " +
-                              why);
+  throw DeviceSpecError(spec.name.substr(0, kMaxName), field, why);
 }
 
 void check_range(const DeviceSpec& spec, const char* field, double value, double most,
@@ -117,8 +116,11 @@ void check_damping(const DeviceSpec& spec, const char* field, const Damping& dam
   const Mat3& m = damping.matrix();
   for (int i = 0; i < 9; ++i)
     check_range(spec, field, i % 4 == 0 ? m(i / 3, i % 3) : std::abs(m(i / 3, i % 3)), most, unit);
-  const std::string who = "device '" + spec.name.substr(0, kMaxName) + "': " + field + ":";
-  validate(damping, who.c_str());
+  try {
+    validate(damping, "the damping");
+  } catch (const std::invalid_argument& error) {
+    refuse(spec, field, error.what());
+  }
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 // The specification of a haptic device, for the server and the bound.
 
 #include <span>
+#include <stdexcept>
 #include <string>
 #include <string_view>
 
@@ -27,8 +28,17 @@ struct DeviceSpec {
   Vec3 workspace = Vec3::Zero();     // [m] full extent along x, y, z
 };
 
-/// Throws std::invalid_argument naming the field and the remedy when a number is not finite,
-/// negative or contradictory.
+/// A number of a specification that is not finite, negative or contradictory: what() names the
+/// device, the field and the remedy.
+struct DeviceSpecError : std::invalid_argument {
+  DeviceSpecError(const std::string& device, std::string in_field, std::string says)
+      : std::invalid_argument("device '" + device + "': " + in_field + ": " + says),
+        field(std::move(in_field)),
+        why(std::move(says)) {}
+  std::string field, why;
+};
+
+/// Throws DeviceSpecError.
 void validate(const DeviceSpec& spec);
 
 /// The built-in devices, in a fixed order.

@@ -7,6 +7,8 @@
 #include <iostream>
 #include <memory>
 
+#include "core/device/device_file.hpp"
+#include "core/scene_file/load_scene.hpp"
 #include "sim/studies/bound/compare.hpp"
 #include "sim/studies/bound/contact_frame_options.hpp"
 #include "sim/studies/bound/extremes.hpp"
@@ -15,6 +17,7 @@
 #include "sim/studies/bound/zwidth.hpp"
 #include "sim/studies/network/deadband_study.hpp"
 #include "sim/studies/network/local_model.hpp"
+#include "sim/studies/network/methods_over_link.hpp"
 #include "sim/studies/network/trade_network.hpp"
 #include "sim/studies/network/where_to_bound.hpp"
 #include "sim/studies/scene/trade_geometry.hpp"
@@ -77,25 +80,63 @@ void add_compare(CLI::App& app) {
     std::string out = "compare";
     CompareLoop loop;
     double delay_ms = 0.0;
+    std::string scene, link, device = "simulated", path = "press";
+    double press = 3.0, duration = 4.0;
   };
   auto o = std::make_shared<Options>();
-  CLI::App* command =
-      app.add_subcommand("compare", "Every method on walls, edges, bumps, friction and a tap");
+  CLI::App* command = app.add_subcommand(
+      "compare", "Every method on walls, edges, bumps, friction and a tap, or over your own scene");
   command->footer(
-      "Writes compare.json, compare.csv, compare.png and, measured on this machine,\n"
+      "Without --scene: writes compare.json, compare.csv, compare.png and, measured on this "
+      "machine,\n"
       "compare_cost.csv. All but the cost is deterministic. docs/lab/laboratory.md says how to "
       "read "
-      "it.");
+      "it.\n"
+      "With --scene: whole sessions over the link, in virtual time; writes methods_over_link.csv "
+      "and "
+      ".json,\n"
+      "the same bytes every time. Example:\n"
+      "  feltwire-lab compare --scene scenes/bunny.json --link delay=15,loss=2 --device simulated");
   add_out(*command, o->out);
-  command->add_option("--damping", o->loop.damping, "b: the device's own damping [N s/m]")
+  CLI::Option* scene = command->add_option("--scene", o->scene, "Scene file to feel");
+  command->add_option("--link", o->link, "Network to feel it over; docs/link.md")->needs(scene);
+  command->add_option("--device", o->device, "A built-in device, or FILE.json (docs/devices.md)")
+      ->needs(scene)
       ->capture_default_str();
+  command->add_option("--path", o->path, "What the hand does: press|slide|orbit|figure-eight|taps")
+      ->needs(scene)
+      ->capture_default_str();
+  command->add_option("--press", o->press, "How hard it presses [N]")
+      ->needs(scene)
+      ->check(CLI::Range(0.01, 100.0))
+      ->capture_default_str();
+  command->add_option("--duration", o->duration, "[s] of each session")
+      ->needs(scene)
+      ->capture_default_str();
+  command->add_option("--damping", o->loop.damping, "b: the device's own damping [N s/m]")
+      ->capture_default_str()
+      ->excludes(scene);
   command->add_option("--rate", o->loop.rate, "Servo rate [Hz]")->capture_default_str();
   command->add_option("--delay", o->delay_ms, "Round trip [ms], rounded up to whole samples")
-      ->capture_default_str();
+      ->capture_default_str()
+      ->excludes(scene);
   command->callback([o] {
-    o->loop.delay = o->delay_ms * 1e-3;
-    std::cout << compare_table(write_compare(o->out, o->loop))
-              << placed("Table and picture", o->out);
+    if (o->scene.empty()) {
+      o->loop.delay = o->delay_ms * 1e-3;
+      std::cout << compare_table(write_compare(o->out, o->loop))
+                << placed("Table and picture", o->out);
+      return;
+    }
+    const Scene felt = load_scene(o->scene);
+    OverLinkTask task{.hand = press_at_start(felt, o->press),
+                      .link = parse_link(o->link),
+                      .device = device_spec(o->device),
+                      .rate = o->loop.rate,
+                      .duration = o->duration};
+    task.hand.path = hand_path(o->path);
+    const auto rows = run_over_link(felt, task);
+    write_over_link(o->out, rows);
+    std::cout << over_link_table(rows) << placed("Tables", o->out);
   });
 }
 

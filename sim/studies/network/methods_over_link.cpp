@@ -1,0 +1,145 @@
+#include "sim/studies/network/methods_over_link.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+
+#include "core/base/parallel.hpp"
+#include "core/base/text.hpp"
+#include "sim/measure/fidelity.hpp"
+
+namespace feltwire {
+namespace {
+
+constexpr double kHighpass = 51e-3;                       // [s]
+constexpr double kLeastRate = 100.0, kLargestRate = 1e4;  // [Hz]
+constexpr double kLongest = 600.0;                        // [s]
+
+constexpr const char* kReference = "reference";
+constexpr double kReferenceRate = 1e4;  // [Hz]
+
+struct Row {
+  const char* label;
+  BoundingMode mode;
+  bool local_model = false, research = false;
+};
+// Methods that ask the scene elsewhere than at the device stand beside the scene, not over a link.
+constexpr std::array kRows = {
+    Row{kReference, BoundingMode::none},
+    Row{"none", BoundingMode::none},
+    Row{"total_energy", BoundingMode::total_energy},
+    Row{"per_axis", BoundingMode::per_axis},
+    Row{"per_axis_projected", BoundingMode::per_axis_projected},
+    Row{"contact_frame", BoundingMode::contact_frame},
+    Row{"contact_frame + local model", BoundingMode::contact_frame, true},
+    Row{"passivity_control", BoundingMode::passivity_control, false, true},
+    Row{"energy_tank", BoundingMode::energy_tank, false, true},
+};
+
+double oscillation(const std::vector<NetworkSample>& samples, double rate) {
+  const int window = 2 * static_cast<int>(std::llround(0.5 * kHighpass * rate)) + 1;
+  double most = 0.0;
+  for (int axis = 0; axis < 3; ++axis) {
+    std::vector<double> way;
+    way.reserve(samples.size());
+    for (const NetworkSample& s : samples) way.push_back(s.position[axis]);
+    most = std::max(most, highpass_rms(way, window));
+  }
+  return most;
+}
+
+OverLinkRow measure(const Scene& scene, const OverLinkTask& task, const Row& row) {
+  NetworkRunOptions options;
+  options.hand.spec = task.device;
+  options.hand.task = task.hand;
+  options.parameters.mode = row.mode;
+  const bool reference = row.label == kReference;
+  const double rate = reference ? kReferenceRate : task.rate;
+  options.parameters.servo_period = 1.0 / rate;
+  options.parameters.local_model = row.local_model;
+  if (!reference) options.link = task.link;
+  options.duration = task.duration;
+  const NetworkRunResult run = run_network(scene, options);
+  const Fidelity felt = fidelity(std::span(run.samples).subspan(run.samples.size() / 2));
+  return {.label = row.label,
+          .research = row.research,
+          .oscillation = oscillation(run.samples, rate),
+          .energy_made = std::max(0.0, -run.least_device_margin),
+          .felt = felt.ratio(),
+          .error = felt.error,
+          .direction_error = felt.direction.mean};
+}
+
+void check(const Scene& scene, const OverLinkTask& task) {
+  if (scene.requirements().rotation)
+    throw std::invalid_argument("scene '" + scene.name() +
+                                "': its tool has a body; the comparison feels with a point or a "
+                                "ball: remove the tool, or put a point first");
+  if (!(task.rate >= kLeastRate && task.rate <= kLargestRate))
+    throw std::invalid_argument("the servo rate must be from 100 to 10000 Hz");
+  if (!(task.duration >= 1.0 && task.duration <= kLongest))
+    throw std::invalid_argument("the duration must be from 1 to 600 s");
+}
+
+}  // namespace
+
+HandTask press_at_start(const Scene& scene, double force) {
+  HandTask task;
+  task.center = scene.start().position;
+  set_normal(task, scene.start().normal);
+  task.lead_in = 1.0;
+  task.depth = force / Hand{}.stiffness;
+  if (const double stiffness = scene.requirements().stiffness; stiffness > 0.0)
+    task.depth += force / stiffness;  // a spring in series
+  return task;
+}
+
+std::vector<OverLinkRow> run_over_link(const Scene& scene, const OverLinkTask& task) {
+  check(scene, task);
+  std::vector<OverLinkRow> rows(kRows.size());
+  parallel_for(rows.size(), [&](std::size_t i) { rows[i] = measure(scene, task, kRows[i]); });
+  return rows;
+}
+
+std::string over_link_table(const std::vector<OverLinkRow>& rows) {
+  std::string text;
+  append(text, "%-29s %14s %12s %10s %12s %10s\n", "bounding method", "oscillation", "energy made",
+         "force felt", "force error", "direction");
+  append(text, "%-29s %14s %12s %10s %12s %10s\n", "", "[um]", "[mJ]", "[%]", "[N]", "[deg]");
+  for (const OverLinkRow& row : rows)
+    append(text, "%-29s %14.1f %12.2f %10.0f %12.3f %10.1f\n",
+           (row.label + (row.research ? " (research)" : "")).c_str(), 1e6 * row.oscillation,
+           1e3 * row.energy_made, 100.0 * row.felt, row.error, kDegrees * row.direction_error);
+  text +=
+      "\nreference: no network, no bound, 10 kHz: what the surface itself does to the numbers.\n"
+      "Energy made is what the hand got beyond what the device burned: above zero, the loop can "
+      "shake by itself.\nForce felt is the force on the hand over the scene's own where the hand "
+      "really was. A passive bound\nwithholds the force that the device's damping does not cover "
+      "over this delay. With a local model surfaces\ntravel instead of forces, which helps where "
+      "they can be fitted.\n";
+  return text;
+}
+
+void write_over_link(const std::filesystem::path& directory, const std::vector<OverLinkRow>& rows) {
+  std::filesystem::create_directories(directory);
+  std::string csv =
+      "method,research,oscillation_m,energy_made_j,force_felt,force_error_n,direction_error_rad\n";
+  nlohmann::ordered_json json = nlohmann::ordered_json::array();
+  for (const OverLinkRow& row : rows) {
+    append(csv, "%s,%d,%.9g,%.9g,%.9g,%.9g,%.9g\n", row.label.c_str(), row.research ? 1 : 0,
+           row.oscillation, row.energy_made, row.felt, row.error, row.direction_error);
+    json.push_back({{"method", row.label},
+                    {"research", row.research},
+                    {"oscillation_m", row.oscillation},
+                    {"energy_made_j", row.energy_made},
+                    {"force_felt", row.felt},
+                    {"force_error_n", row.error},
+                    {"direction_error_rad", row.direction_error}});
+  }
+  write_text(directory / "methods_over_link.csv", csv);
+  write_text(directory / "methods_over_link.json", json.dump(2) + "\n");
+}
+
+}  // namespace feltwire

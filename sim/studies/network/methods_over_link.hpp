@@ -1,0 +1,48 @@
+#pragma once
+// A user's own scene, network and device: every bounding method over it, side by side, in whole
+// sessions in virtual time.
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "sim/measure/network_run.hpp"
+
+namespace feltwire {
+
+struct OverLinkTask {
+  HandTask hand;           // where it presses and what it does there
+  TwoWayLinkOptions link;  // the network
+  DeviceSpec device;
+  double rate = 1000.0;   // [Hz] of the servo
+  double duration = 4.0;  // [s]
+};
+
+struct OverLinkRow {
+  std::string label;         // of the table: the method, "+ local model" where the surfaces travel
+  bool research = false;     // for comparison only; the others are what a user would choose from
+  double oscillation = 0.0;  // [m] RMS of the axis that shakes most, over the second half, less a
+                             // centred moving average of 51 ms
+  double energy_made = 0.0;  // [J] the most that the hand was given beyond what the device burned,
+                             // over the true displacements; 0 is passive
+  double felt = 0.0;         // force on the hand over the scene's at the true position, both summed
+  double error = 0.0;        // [N] RMS of the two's difference
+  double direction_error = 0.0;  // [rad] mean angle between the two
+};
+
+/// A press of `force` [N] at the scene's start, by a hand that is as stiff as ours are.
+HandTask press_at_start(const Scene& scene, double force);
+
+/// The reference (no network, no bound, 10 kHz), then one row a method, in the order of the table.
+/// The runs share the machine's cores; deterministic.
+/// Throws std::invalid_argument for what a session refuses: a tool with a body, say.
+std::vector<OverLinkRow> run_over_link(const Scene& scene, const OverLinkTask& task);
+
+/// The rows as a table for people, and what it says in words.
+std::string over_link_table(const std::vector<OverLinkRow>& rows);
+
+/// Writes methods_over_link.csv and .json to `directory` (created). Throws std::runtime_error
+/// naming the file.
+void write_over_link(const std::filesystem::path& directory, const std::vector<OverLinkRow>& rows);
+
+}  // namespace feltwire

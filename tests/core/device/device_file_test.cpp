@@ -1,0 +1,100 @@
+#include "core/device/device_file.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "core/base/file_error.hpp"
+
+namespace feltwire::device_file_test {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+
+class DeviceFile : public ::testing::Test {
+ protected:
+  ~DeviceFile() override { std::filesystem::remove(file_); }
+
+  DeviceSpec load(const std::string& text) {
+    std::ofstream(file_) << text;
+    return load_device_spec(file_);
+  }
+  std::string error(const std::string& text) {
+    try {
+      load(text);
+    } catch (const FileError& found) {
+      return found.what();
+    }
+    return "none";
+  }
+
+  const std::filesystem::path file_ =
+      std::filesystem::path(::testing::TempDir()) / "feltwire_device_file_test.json";
+};
+
+TEST_F(DeviceFile, SaysEverythingThatABuiltInDeviceSays) {
+  const DeviceSpec spec = load(R"({
+    "name": "mine", "translation_dof": 3, "rotation_sensed": 3, "rotation_actuated": 3,
+    "damping": [0.1, 0.2, 0.3], "rotational_damping": [0.002], "apparent_mass": 0.05,
+    "coulomb_friction": 0.1, "position_resolution": 2e-5, "max_force": 9, "continuous_force": 2,
+    "max_torque": 0.5, "workspace": [0.2, 0.3, 0.4]})");
+  EXPECT_EQ(spec.name, "mine");
+  EXPECT_EQ(spec.rotation_actuated, 3);
+  EXPECT_EQ(spec.damping.matrix(), Mat3(Vec3(0.1, 0.2, 0.3).asDiagonal()));
+  EXPECT_EQ(spec.rotational_damping, 0.002);
+  EXPECT_EQ(spec.apparent_mass, 0.05);
+  EXPECT_EQ(spec.coulomb_friction, 0.1);
+  EXPECT_EQ(spec.position_resolution, 2e-5);
+  EXPECT_EQ(spec.max_force, 9.0);
+  EXPECT_EQ(spec.continuous_force, 2.0);
+  EXPECT_EQ(spec.max_torque, 0.5);
+  EXPECT_EQ(spec.workspace, Vec3(0.2, 0.3, 0.4));
+}
+
+TEST_F(DeviceFile, WhatIsNotGiven) {
+  const DeviceSpec spec =
+      load(R"({"name": "mine", "damping": [1], "max_force": 3, "workspace": [1, 1, 1]})");
+  EXPECT_EQ(spec.damping, 1.0);
+  EXPECT_EQ(spec.continuous_force, 3.0);
+  EXPECT_EQ(spec.translation_dof, 3);
+  EXPECT_EQ(spec.rotation_sensed, 0);
+  EXPECT_EQ(spec.max_torque, 0.0);
+}
+
+TEST_F(DeviceFile, ErrorsNameTheLineTheFieldAndTheRemedy) {
+  const auto with = [](const std::string& field) {
+    return "{\"name\": \"mine\",\n\"max_force\": 3, \"workspace\": [1, 1, 1],\n" + field + "}";
+  };
+  const std::string at = "feltwire_device_file_test.json:";
+  EXPECT_THAT(error(with("\"damping\": [-1]")),
+              AllOf(HasSubstr(at + "3: damping: "), HasSubstr("sign")));
+  EXPECT_THAT(error(with("\"damping\": [1, 2]")),
+              AllOf(HasSubstr(at + "3: damping: "), HasSubstr("three")));
+  EXPECT_THAT(error(with("\"damping\": [5000]")),
+              AllOf(HasSubstr(at + "3: damping: "), HasSubstr("check the unit")));
+  EXPECT_THAT(error(with("\"damping\": [1], \"continuous_force\": 4")),
+              AllOf(HasSubstr(at + "3: continuous_force: "), HasSubstr("lower it")));
+  EXPECT_THAT(error(with("\"damping\": [1], \"translation_dof\": 1")),
+              HasSubstr(at + "3: translation_dof: "));
+  EXPECT_THAT(error(with("\"damping\": [1], \"colour\": 1")), HasSubstr(at + "3: "));
+  EXPECT_THAT(
+      error("{\"name\": \"mine\", \"damping\": [1], \"max_force\": 3,\n\"workspace\": [1]}"),
+      HasSubstr(at + "2: workspace: "));
+  EXPECT_THAT(error("{\"name\": \"mine\", \"damping\": [1], \"workspace\": [1, 1, 1]}"),
+              HasSubstr("max_force: must be above zero"));
+  EXPECT_THAT(error("{\"name\": \"mine\"}"), HasSubstr(at));
+}
+
+TEST_F(DeviceFile, ACommandLineNamesADeviceOrAFile) {
+  EXPECT_EQ(device_spec("touch").name, "touch");
+  EXPECT_THROW(device_spec("tuch"), std::invalid_argument);
+  EXPECT_THROW(device_spec("not_there.json"), FileError);
+  load(R"({"name": "mine", "damping": [1], "max_force": 3, "workspace": [1, 1, 1]})");
+  EXPECT_EQ(device_spec(file_.string()).name, "mine");
+}
+
+}  // namespace
+}  // namespace feltwire::device_file_test
