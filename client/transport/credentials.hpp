@@ -15,22 +15,23 @@ struct Authorities {
 };
 
 struct Credentials {
-  /// The server's very certificate, whatever stands in it, or who signed it.
+  /// Which server is trusted: the one whose certificate has this fingerprint, whatever the
+  /// certificate says, or one whose certificate these authorities signed.
   std::variant<Fingerprint, Authorities> trust;
   std::string certificate;  // PEM, for a server that asks its clients for one; else empty
   Secret key;               // of that certificate
   Secret token;
 };
 
-/// The same as it is asked for: of the server one of a fingerprint, a file with it, and a file
-/// (PEM) of authorities; for a server that asks for a certificate, its file and its key's; a file
-/// with the token.
+/// Credentials as options name them; empty: not given. To know the server: its fingerprint, a file
+/// with the fingerprint, or a file (PEM) of authorities, one of the three. For a server that asks
+/// for a client certificate: the files of the certificate and of its key. A file with the token.
 struct CredentialOptions {
   std::string fingerprint, fingerprint_file, ca, certificate, key, token_file;
 };
 
-/// Reads the files, and the token from its file or the environment's FELTWIRE_TOKEN. Throws
-/// std::invalid_argument naming option and remedy.
+/// Reads the files. The token comes from its file or from the environment variable FELTWIRE_TOKEN.
+/// Throws std::invalid_argument that names the option and the remedy.
 Credentials credentials(const CredentialOptions& options);
 
 }  // namespace feltwire

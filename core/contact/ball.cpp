@@ -9,13 +9,16 @@
 namespace feltwire {
 namespace {
 
-/// The centre's proxy, less the radius: where the ball touches.
+/// Moves the proxy of the ball's centre back by the radius, to the point where the ball touches the
+/// surface.
 SurfacePoint under(SurfacePoint centre, double radius) {
   if (centre.depth > 0.0) centre.point -= radius * centre.normal;
   return centre;
 }
 
-/// Likewise of a round solid, whose proxy may stand on another side than the centre.
+/// The same for a round solid. The centre may have been pushed past the middle, so that the
+/// surface's normal there is not that of the side which the ball touches: use the remembered
+/// normal.
 SurfacePoint under_round(SurfacePoint centre, double radius, const FeatureMemory& memory,
                          bool outside) {
   if (!outside) return under(centre, radius);
@@ -23,7 +26,8 @@ SurfacePoint under_round(SurfacePoint centre, double radius, const FeatureMemory
   return centre;
 }
 
-/// By the signed distance, where the centre is free; a solid's proxy where it is not.
+/// Uses the signed distance while the centre is outside the solid, and the solid's own proxy while
+/// it is inside.
 SurfacePoint rounded(const Shape& shape, Side side, const Vec3& p, double radius,
                      FeatureMemory& memory) {
   const SurfacePoint inside = surface_point(shape, side, p, memory);

@@ -1,5 +1,5 @@
 #pragma once
-// Which bodies have to do with a step that came to nothing.
+// Finds the bodies that take part in a simulation step that failed.
 
 #include <mujoco/mujoco.h>
 
@@ -9,8 +9,8 @@
 
 namespace feltwire {
 
-/// Which trees of bodies, joined together, have to do with something that broke. By the number of
-/// their root.
+/// Marks the trees of bodies (a tree: bodies that joints connect) that take part in a failure. A
+/// tree is known by the number of its root body.
 class BrokenTrees {
  public:
   BrokenTrees() = default;
@@ -23,18 +23,19 @@ class BrokenTrees {
   void mark_all() noexcept { std::ranges::fill(marked_, 1); }
   void mark(int body) noexcept { marked_[root(body)] = 1; }
   bool has(int body) const noexcept { return marked_[root(body)] != 0; }
-  /// Keeps which bodies touch each other now: when something has broken they are apart already.
+  /// Stores which trees touch each other now. After a failure the bodies have moved apart, so it is
+  /// too late to ask.
   void remember(const mjData& data) noexcept {
     ties_.clear();
     for (int i = 0; i < data.ncon && ties_.size() < kMostTies; ++i) {
       const int one = model_->geom_bodyid[data.contact[i].geom1];
       const int other = model_->geom_bodyid[data.contact[i].geom2];
-      // What stands ties nothing together.
+      // A static body connects nothing.
       if (model_->body_weldid[one] == 0 || model_->body_weldid[other] == 0) continue;
       if (root(one) != root(other)) ties_.push_back({root(one), root(other)});
     }
   }
-  /// To everything that contacts tied together with what is marked.
+  /// Marks every tree that stored contacts connect to a marked one, directly or through others.
   void spread() noexcept {
     for (bool more = true; more;) {
       more = false;
@@ -50,7 +51,7 @@ class BrokenTrees {
   std::size_t root(int body) const noexcept {
     return static_cast<std::size_t>(model_->body_rootid[body]);
   }
-  static constexpr std::size_t kMostTies = 4096;  // beyond them a tick would have to allocate
+  static constexpr std::size_t kMostTies = 4096;  // more would have to be allocated in a tick
   const mjModel* model_ = nullptr;
   std::vector<char> marked_;
   std::vector<std::pair<std::size_t, std::size_t>> ties_;

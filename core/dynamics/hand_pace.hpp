@@ -1,5 +1,6 @@
 #pragma once
-// How fast a hand may be to what moves, and with how much of its force it is felt there.
+// Limits how fast a hand may move and still act on moving objects, and how much of its force they
+// get.
 
 #include <algorithm>
 #include <cstdint>
@@ -9,7 +10,7 @@
 
 namespace feltwire {
 
-/// What one hand may do to the moving objects; infinity switches each off.
+/// Limits of what one hand does to moving objects. Infinity switches a limit off.
 struct HandLimits {
   static constexpr double kOff = std::numeric_limits<double>::infinity();
   double force = kOff;  // [N] on all of them together: the sum of the magnitudes
@@ -20,20 +21,22 @@ struct HandLimits {
 /// to 2 m/s, an arm that swings freely some 5. A body that a hand hits bounces off with at most
 /// twice the hand's speed, so one that no hand can hit faster stays far below World::kLargestSpeed.
 inline constexpr double kFastestHand = 10.0;
-/// [s] A network may hold samples back for so long and let them go at once: within this time a hand
-/// may go its way in one sample. It is the usual hold_time, after which a hand has let go.
+/// [s] A network may hold samples back for this long and then deliver them at once. So a hand may
+/// use the way of this time in a single sample. It is the usual hold_time, after which a hand has
+/// let go.
 inline constexpr double kHandHold = 0.1;
 
-/// The way of one hand, held against its speed limit. What counts is the server's time, in ticks of
-/// the world: what a client says of its own clock would let it be as fast as it likes.
+/// Compares the way of one hand with its speed limit. Time is the server's, in ticks of the world.
+/// A client's own clock is not used, because a client could then claim any speed.
 class HandPace {
  public:
   HandPace() = default;
   HandPace(double speed, double tick, double recovery) noexcept
       : speed_(speed), tick_(tick), recovery_(recovery), left_(speed * kHandHold) {}
 
-  /// The hand has gone so far [m] since the sample before, and the world is at tick `now`. False
-  /// where that is too fast: the hand is then felt by what moves, and feels it, from nothing again.
+  /// The hand has moved by `way` [m] since the previous sample; the world is at tick `now`. Returns
+  /// false if that is too fast. The force between the hand and moving objects then begins again
+  /// from zero.
   bool follow(double way, std::uint64_t now) noexcept {
     if (speed_ == HandLimits::kOff) return true;
     left_ = std::min(speed_ * kHandHold, left_ + speed_ * tick_ * static_cast<double>(now - seen_));
@@ -47,7 +50,8 @@ class HandPace {
     was_fast_ = true;
     return false;
   }
-  /// Share of its force: 1, less until `recovery` after it was too fast.
+  /// The share of the force that is used: below 1 until `recovery` [s] after the hand was too fast,
+  /// else 1.
   double trust(std::uint64_t now) const noexcept {
     if (!was_fast_) return 1.0;
     return std::min(1.0, tick_ * static_cast<double>(now - slow_since_) / recovery_);
@@ -55,7 +59,7 @@ class HandPace {
 
  private:
   double speed_ = HandLimits::kOff, tick_ = 0.0, recovery_ = 1.0;
-  double left_ = 0.0;                        // [m] that it may go at once
+  double left_ = 0.0;                        // [m] the way that it may still use at once
   std::uint64_t seen_ = 0, slow_since_ = 0;  // [ticks]
   bool was_fast_ = false;
 };

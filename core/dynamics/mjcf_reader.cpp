@@ -43,7 +43,8 @@ const char* error_file = nullptr;
   refuse(words.data());
 }
 
-/// What fopen() does, for a regular file. It waits for nobody: a pipe is opened without a writer.
+/// fopen() for regular files only. It never blocks: a pipe opens without a writer, and is then
+/// refused.
 FILE* open_regular(const char* name, const char* mode) {
   const bool reads = mode[0] == 'r', also = std::strchr(mode, '+') != nullptr;
   const int access = also ? O_RDWR : reads ? O_RDONLY : O_WRONLY;
@@ -51,7 +52,8 @@ FILE* open_regular(const char* name, const char* mode) {
   constexpr mode_t kPermissions = 0600;
   const int file = open(name, access | made | O_CLOEXEC | O_NONBLOCK | O_NOCTTY, kPermissions);
   if (file < 0) {
-    // A pipe that is written without a reader, and a socket, cannot be opened.
+    // open() fails with ENXIO for a socket, and for a pipe that is opened to write and has no
+    // reader.
     struct stat status {};
     if (errno == ENXIO && stat(name, &status) == 0) refuse_file(name, status.st_mode);
     return nullptr;
@@ -62,7 +64,7 @@ FILE* open_regular(const char* name, const char* mode) {
   refuse_file(name, status.st_mode);
 }
 
-/// Of a loader that never ends, or that takes all memory there is.
+/// Limits this process, because MuJoCo's loader may never end or may take all memory.
 void limit_resources() {
   constexpr rlim_t kSeconds = 600;
   const rlimit time{kSeconds, kSeconds}, none{0, 0};

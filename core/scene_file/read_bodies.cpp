@@ -52,7 +52,7 @@ ReadBodies read_list(const JsonDocument& document, const scene_file::Scene& scen
   return bodies;
 }
 
-/// Of the bodies that move; -1 for the others.
+/// Copies the bodies that move to `moving`. Returns each body's index there, -1 for fixed bodies.
 std::vector<int> numbered(ReadBodies& bodies, std::vector<Body>& moving) {
   std::vector<int> number;
   for (std::size_t i = 0; i < bodies.all.size(); ++i) {
@@ -62,7 +62,8 @@ std::vector<int> numbered(ReadBodies& bodies, std::vector<Body>& moving) {
   return number;
 }
 
-/// What compile() says begins with the field too, or with whose field it is.
+/// Removes the prefix of a message of compile(). The error that is made of it names the field
+/// already.
 std::string without_prefix(const std::string& words) {
   for (const char* prefix : {"bodies: ", "scene: bodies: "})
     if (words.starts_with(prefix)) return words.substr(std::string_view(prefix).size());
