@@ -1,6 +1,6 @@
 #pragma once
-// A device in a scene of a server, from joining to the report: what the program of a device maker
-// calls.
+// Runs a device in a scene of a server, from joining to the report. This is the call that the
+// program of a device maker makes.
 
 #include <filesystem>
 #include <functional>
@@ -15,35 +15,39 @@
 
 namespace feltwire {
 
-inline constexpr std::chrono::milliseconds kControlTimeout{3000};  // of a request to the server
+/// How long a request to the server may take.
+inline constexpr std::chrono::milliseconds kControlTimeout{3000};
 
-/// One run. The options of feltwire-client fill it, which docs/devices.md explains.
+/// The options of one run. docs/devices.md explains them as options of feltwire-client.
 struct RunOptions {
-  ServerAccess server;
+  ServerAccess server;                   // where the server is, and how to be let in
   std::string name = "feltwire-client";  // of this client, for the server's log and the report
-  std::string scene;
-  std::string tool;             // that the hand holds; empty: the scene's first
-  Role role = Role::operator_;  // or observer
-  std::string device_kind;      // for the report
-  SessionParameters parameters;
-  ServoOptions servo;
+  std::string scene;                     // the name of the scene to join
+  std::string tool;                      // the name of the tool to hold; empty: the scene's first
+  Role role = Role::operator_;           // or observer
+  std::string device_kind;               // for the report
+  SessionParameters parameters;          // what to ask the server for
+  ServoOptions servo;      // safety limits; protect_hand(parameters) gives the usual ones
   double duration = 0.0;   // [s] 0: until stopped
-  double busy_poll = 0.0;  // [us] for replies and deadlines, infinity: for ever
-  double patience = 30.0;  // [s] to find a lost session again, 0: not at all
-  std::optional<std::filesystem::path> report, record, view;
-  /// How datagrams travel to the scene; empty: open_udp_port(). May throw SessionError.
+  double busy_poll = 0.0;  // [us] to poll for replies and deadlines; infinity: never sleep
+  double patience = 30.0;  // [s] to look for a lost session; 0: not at all
+  std::optional<std::filesystem::path> report, record, view;  // files to write; empty: none
+  /// Opens the way of datagrams to the scene; empty: open_udp_port(). May throw SessionError.
   std::function<std::unique_ptr<DatagramPort>(const Address& scene)> open_port = {};
 };
 
-/// Joins, runs the servo loop in a thread of its own until the duration is over, a signal comes
-/// (SIGINT, SIGTERM, SIGQUIT, SIGHUP), the device has ended or the session is lost for good; lets
-/// the hand go, tells the server, writes the report. Status lines go to stderr, the last line to
-/// stdout. Returns the exit code of a program: 0, or 1 when the server ended the session or
-/// something failed. From the call on SIGPIPE and SIGXFSZ are ignored and the process makes no core
-/// dump, which would hold keys. `device`: not null. Throws SessionError, std::runtime_error (a file
-/// that cannot be written) or std::system_error before the device was given any force; never
-/// afterwards. Where a thread is left that cannot be waited for, it ends the program with the exit
-/// code.
+/// Joins the scene and runs the servo loop in a thread of its own. The run ends when the duration
+/// is over, a signal comes (SIGINT, SIGTERM, SIGQUIT, SIGHUP), the device has ended, or the session
+/// is lost for good. Then it releases the hand, tells the server and writes the report. Status
+/// lines go to stderr, the last line to stdout.
+///
+/// Returns the exit code for the program: 0, or 1 if the server ended the session or something
+/// failed. Throws SessionError, std::runtime_error (a file cannot be written) or std::system_error
+/// only before the device gets any force. If a thread hangs and cannot be joined, the call ends the
+/// program with the exit code.
+///
+/// `device` must not be null. From the call on the process ignores SIGPIPE and SIGXFSZ and writes
+/// no core dump, because a core dump would hold keys.
 int run_client(std::unique_ptr<Device> device, const RunOptions& options);
 
 }  // namespace feltwire

@@ -1,5 +1,5 @@
 #pragma once
-// A text file that is written in whole lines, so that it stays readable however the run ends.
+// A text file that is written in whole lines. It stays readable even if the run is killed.
 
 #include <cstdint>
 #include <filesystem>
@@ -12,20 +12,21 @@ void append(std::string& line, double value);
 
 class LineFile {
  public:
-  /// Creates or replaces the file and writes the first line. `what` it is and which `option` named
-  /// it are for errors. Throws std::runtime_error naming the file and the reason, likewise put().
+  /// Creates or replaces the file and writes the first line. Errors use `what` (the kind of file)
+  /// and `option` (the option that named it). Throws std::runtime_error that names the file and the
+  /// reason; so does put().
   LineFile(std::filesystem::path file, std::string what, const std::string& option,
            std::string header);
   ~LineFile();
   LineFile(const LineFile&) = delete;
   LineFile& operator=(const LineFile&) = delete;
 
-  /// Lines, whole, to be written with the next put().
+  /// Adds whole lines, which the next put() writes.
   std::string& lines() { return lines_; }
-  /// Writes them, in as few calls as the system allows. Where it takes no more (a full disk), the
-  /// file ends with the last whole line.
+  /// Writes the lines, in as few system calls as possible. If the disk is full, the file ends with
+  /// the last whole line.
   void put();
-  /// Has what was written be on the disk; nothing can be written afterwards.
+  /// Flushes the file to the disk and closes it.
   void finish();
 
  private:

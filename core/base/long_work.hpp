@@ -1,5 +1,5 @@
 #pragma once
-// Work that takes seconds, such as loading a scene: how far it is, and whether to give it up.
+// Progress and cancellation of work that takes seconds, such as loading a scene.
 
 #include <atomic>
 #include <cstddef>
@@ -9,28 +9,28 @@
 
 namespace feltwire {
 
-/// Thrown by check_cancelled(). Not a std::exception, so that no handler takes it for an error of
-/// the work.
+/// Thrown by check_cancelled(). It is not a std::exception, so that no handler mistakes it for an
+/// error of the work.
 struct Cancelled {};
 
-/// Any thread may look at it and cancel it.
+/// The state of one piece of work. Any thread may read it and cancel the work.
 class LongWork {
  public:
   void cancel() noexcept { cancelled_.store(true, std::memory_order_relaxed); }
   bool cancelled() const noexcept { return cancelled_.load(std::memory_order_relaxed); }
 
-  /// Names the stage that begins, for people: "objects[2].mesh".
+  /// Starts a stage. The name is shown to people: "objects[2].mesh".
   void begin(std::string stage) {
     const std::lock_guard lock(mutex_);
     stage_ = std::move(stage);
     done_ = of_ = 0;
   }
-  /// So many parts of the stage are done.
+  /// Tells how many parts of the stage are done.
   void advance(std::size_t done, std::size_t of) noexcept {
     done_.store(done, std::memory_order_relaxed);
     of_.store(of, std::memory_order_relaxed);
   }
-  /// "objects[2].mesh, 40 %"
+  /// The stage and its progress: "objects[2].mesh, 40 %".
   std::string progress() const {
     const std::size_t done = done_, of = of_;
     const std::lock_guard lock(mutex_);
@@ -46,11 +46,11 @@ class LongWork {
 };
 
 inline thread_local LongWork* long_work_of_this_thread = nullptr;
-/// The work of the calling thread; null: it has no progress and cannot be cancelled.
+/// The work of the calling thread. Null: the thread reports no progress and cannot be cancelled.
 inline LongWork* long_work() noexcept { return long_work_of_this_thread; }
 
-/// While this lives, what the calling thread does is part of `work`, and what threads of
-/// parallel_for() do for it.
+/// While this object lives, the calling thread works on `work`, and so do the threads that
+/// parallel_for() starts for it.
 class DoingWork {
  public:
   explicit DoingWork(LongWork* work) noexcept
@@ -63,11 +63,11 @@ class DoingWork {
   LongWork* before_;
 };
 
-/// To be called every few milliseconds in long loops. Throws Cancelled.
+/// Throws Cancelled if the work was cancelled. Call it every few milliseconds in long loops.
 inline void check_cancelled() {
   if (const LongWork* work = long_work(); work != nullptr && work->cancelled()) throw Cancelled{};
 }
-/// The same every 4096th time.
+/// Calls check_cancelled() every 4096th time.
 inline void check_cancelled(std::size_t iteration) {
   constexpr std::size_t kMask = 4095;
   if ((iteration & kMask) == 0) check_cancelled();

@@ -1,6 +1,6 @@
 #pragma once
-// Vector lengths that neither overflow nor underflow, at the price of a plain norm where the
-// numbers are plain.
+// Vector lengths that neither overflow nor underflow. For ordinary numbers they cost as much as a
+// plain norm.
 
 #include <cmath>
 #include <limits>
@@ -9,7 +9,7 @@
 
 namespace feltwire {
 
-/// Between these a sum of squares has neither overflowed nor lost digits to denormals.
+/// A sum of squares between these limits has neither overflowed nor lost digits to denormals.
 template <class Real>
 inline constexpr Real kLeastSquare =
     std::numeric_limits<Real>::min() / std::numeric_limits<Real>::epsilon();
@@ -22,8 +22,8 @@ inline bool is_plain_square(Real squared) noexcept {
   return squared > kLeastSquare<Real> && squared < kLargestSquare<Real>;
 }
 
-/// v as components below one times 2^exponent, for what is too large or too small to be squared;
-/// zero for zero and for what is not finite.
+/// v as components below one times 2^exponent, for vectors that are too large or too small to be
+/// squared. Zero if v is zero or not finite.
 template <class Real>
 struct Scaled {
   Vector3<Real> v = Vector3<Real>::Zero();
@@ -37,7 +37,7 @@ Scaled<Real> scaled(const Vector3<Real>& v) noexcept {
   return {{std::ldexp(v.x(), -e), std::ldexp(v.y(), -e), std::ldexp(v.z(), -e)}, e};
 }
 
-/// |v|, right for every finite v up to the largest number; not finite when v is not.
+/// |v|, correct for every finite v up to the largest number; not finite if v is not finite.
 template <class Derived>
 inline typename Derived::Scalar length(const Eigen::MatrixBase<Derived>& expression) noexcept {
   using Real = typename Derived::Scalar;
@@ -50,7 +50,7 @@ inline typename Derived::Scalar length(const Eigen::MatrixBase<Derived>& express
   return std::ldexp(s.v.norm(), s.exponent);
 }
 
-/// sqrt(a^2 + b^2), right for every finite a and b.
+/// sqrt(a^2 + b^2), correct for every finite a and b.
 template <class Real>
 inline Real hypotenuse(Real a, Real b) noexcept {
   const Real squared = a * a + b * b;
@@ -59,7 +59,7 @@ inline Real hypotenuse(Real a, Real b) noexcept {
   return std::hypot(a, b);
 }
 
-/// v as length and unit vector; both zero for zero and for what is not finite.
+/// v as length and unit vector. Both are zero if v is zero or not finite.
 template <class Real>
 struct Polar {
   Real length = 0;
@@ -78,7 +78,7 @@ inline Polar<Real> polar(const Vector3<Real>& v) noexcept {
   return {std::ldexp(norm, s.exponent), s.v / norm};
 }
 
-/// v / |v|; zero for zero and for what is not finite.
+/// v / |v|. Zero if v is zero or not finite.
 template <class Derived>
 inline Vector3<typename Derived::Scalar> direction(
     const Eigen::MatrixBase<Derived>& expression) noexcept {

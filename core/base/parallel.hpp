@@ -13,11 +13,10 @@
 
 namespace feltwire {
 
-/// Calls work(i) for every i < count, on as many threads as the machine has cores; on fewer, this
-/// one at least, where the system gives no more. The calls must
-/// not depend on each other; whatever they write by index does then not depend on the machine.
-/// Rethrows the first exception after all threads have ended. Looks at check_cancelled() before
-/// each call.
+/// Calls work(i) for every i < count, on as many threads as the machine has cores. If the system
+/// refuses threads, it uses fewer, at least the calling one. The calls must not depend on each
+/// other; results that they write by index then do not depend on the number of threads. Rethrows
+/// the first exception after all threads have ended. Calls check_cancelled() before each call.
 template <class Work>
 void parallel_for(std::size_t count, const Work& work) {
   std::atomic<std::size_t> next{0};

@@ -1,5 +1,5 @@
 #pragma once
-// How every file that a user names is read.
+// Reads the files that users name.
 
 #include <cstddef>
 #include <filesystem>
@@ -8,10 +8,10 @@
 
 namespace feltwire {
 
-/// The bytes of a regular file of at most `most` bytes. A pipe, a device, a socket or a folder is
-/// refused without waiting for anybody at its other end, and a file that grows while it is read
-/// ends at the limit. Throws FileError "FILE: what is wrong; remedy", where `remedy` says what to
-/// do about a file that is not there.
+/// Reads a regular file of at most `most` bytes. It refuses a pipe, a device, a socket or a folder
+/// at once, without waiting for the other end. It reads a file that grows only up to the limit.
+/// Throws FileError "FILE: what is wrong; remedy". `remedy` is the advice for a file that does not
+/// exist.
 std::string read_regular_file(const std::filesystem::path& file, std::size_t most,
                               std::string_view remedy = "check the path");
 

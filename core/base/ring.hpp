@@ -8,8 +8,8 @@
 
 namespace feltwire {
 
-/// A queue from one thread to one other, without locks: the writer never waits, what finds no room
-/// is refused. T must copy without throwing. All memory is taken at construction.
+/// A queue from one thread to one other thread, without locks. The writer never waits: a full queue
+/// refuses the value. Copying T must not throw. All memory is allocated at construction.
 template <class T>
 class Ring {
  public:
@@ -38,7 +38,7 @@ class Ring {
   }
 
  private:
-  // A cache line each, so that the two threads do not take each other's.
+  // Each has a cache line of its own, so that the two threads do not invalidate each other's.
   static constexpr std::size_t kLine = 64;
   std::vector<T> values_;
   alignas(kLine) std::atomic<std::size_t> written_{0};

@@ -1,7 +1,7 @@
 #pragma once
 // SplitMix64 (Steele, Lea, Flood: Fast splittable pseudorandom number generators, OOPSLA 2014): a
-// counter through a mixing function. The same numbers on every machine, which std's distributions
-// do not promise, and draw i needs none of the draws before it.
+// mixing function of a counter. It gives the same numbers on every machine, which the standard
+// library's distributions do not promise. Draw i does not need the draws before it.
 
 #include <cstdint>
 

@@ -1,6 +1,6 @@
 #pragma once
-// The values that travel through feltwire. SI units; vectors are in the world frame unless a name
-// says otherwise.
+// The basic values: vectors, poses, commands. SI units. Vectors are in the world frame unless a
+// name says otherwise.
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
@@ -19,12 +19,12 @@ using Quaternion = Eigen::Quaterniond;
 struct Pose {
   Vec3 position = Vec3::Zero();  // [m]
   Quaternion orientation =
-      Quaternion::Identity();  // unit; rotates the own frame into the world frame
+      Quaternion::Identity();  // unit; rotates from the object's frame to the world frame
 };
 
-/// A force and torque on the hand, in the parts that the energy bound needs apart.
-/// Sign: f, the force that the environment puts ON THE HAND (docs/bounding.md); the paper's F is
-/// -f.
+/// A force and a torque on the hand. The elastic and the frictional part are separate, because the
+/// energy bound treats them differently. Sign: f, the force that the environment puts ON THE HAND
+/// (docs/bounding.md); the paper's F is -f.
 template <class Real>
 struct BasicCommand {
   Vector3<Real> elastic = Vector3<Real>::Zero();  // [N] resultant of the penalty / proxy forces
@@ -54,9 +54,9 @@ struct Tool {
   Vec3 velocity = Vec3::Zero();  // [m/s]
 };
 
-/// Rotation vector of `to * from^-1` in the world frame [rad], the short way round (norm <= pi).
-/// Neither quaternion has to be quite unit; q and -q are the same orientation. Anything not finite,
-/// and a quaternion of norm zero, gives zero.
+/// The rotation vector of `to * from^-1` in the world frame [rad], the short way round (norm <=
+/// pi). The quaternions need not be exactly unit; q and -q are the same orientation. Returns zero
+/// if a number is not finite or a quaternion has norm zero.
 Vec3 rotation_between(const Quaternion& from, const Quaternion& to);
 
 }  // namespace feltwire

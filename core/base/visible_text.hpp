@@ -1,5 +1,5 @@
 #pragma once
-// Text that somebody else wrote, made safe to print.
+// Makes text from outside safe to print.
 
 #include <string>
 #include <string_view>
@@ -11,10 +11,11 @@ namespace feltwire {
 /// of text or take no room are written as \x1b (below U+0100) or \u{202e}; bytes that are not UTF-8
 /// as \xff. All else stays as it is, a backslash too.
 ///
-/// Whatever a program prints or logs that came over the network or from a file goes through here.
+/// Programs pass every text from the network or from a file through this before they print or log
+/// it.
 std::string visible(std::string_view text);
 
-/// The same for text of several lines: each '\n' stays.
+/// The same for text of several lines: it keeps each '\n'.
 std::string visible_lines(std::string_view text);
 
 }  // namespace feltwire

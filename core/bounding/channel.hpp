@@ -1,5 +1,5 @@
 #pragma once
-// Law (C) of one channel of the contact-frame bound, and what happens when nature broke it.
+// Law (C) of one channel of the contact-frame bound, and the debt of a channel that broke it.
 
 #include <algorithm>
 #include <cmath>
@@ -9,7 +9,7 @@
 
 namespace feltwire {
 
-/// c = 2 b / T [N/m], and T itself for holds that last longer.
+/// c = 2 b / T [N/m], and T, which is needed for holds that last longer.
 template <class Real>
 struct ChannelLaw {
   Real c = 0;
@@ -22,9 +22,9 @@ inline Real root_difference(Real a, Real b) noexcept {
   return b > 0 ? std::sqrt(a - b) * std::sqrt(a + b) : a;
 }
 
-/// Energy E that a port delivered beyond its budget: a hold that lasted longer than T, or a force
-/// held that was never allowed. Kept as the force sqrt(4 b E / T) [N] whose storage it is, so that
-/// no square can overflow.
+/// The energy E that a port delivered beyond its budget, because a hold lasted longer than T or a
+/// force was held that the bound had not allowed. It is stored as the force sqrt(4 b E / T) [N]
+/// whose storage is E, so that no square can overflow.
 template <class Real>
 struct Debt {
   Real force = 0;  // [N]
@@ -33,8 +33,8 @@ struct Debt {
     if (more > 0) force = hypotenuse(force, more);
   }
 
-  /// Repays from what a channel would be allowed; returns what that leaves to the channel. No force
-  /// before all is repaid.
+  /// Repays the debt from the force that a channel would be allowed, and returns the rest. The rest
+  /// is zero until the whole debt is repaid.
   Real repay(Real allowed) noexcept {
     if (allowed < force) {
       force = root_difference(force, allowed);
@@ -46,7 +46,7 @@ struct Debt {
   }
 };
 
-/// The largest magnitude that a channel may hold next, debts apart.
+/// The largest magnitude that a channel may hold next, without regard to debts.
 ///
 /// (C) in energies, times 4 b / T, for a force held h >= T while the channel moved dx_ch (paper's
 /// sign F = -f):
@@ -66,11 +66,11 @@ inline Real allowed_magnitude(Real moved, const Distance& distance, Real hold_ti
   return 0;
 }
 
-/// The excess of a held force over the allowed one: the storage that it replaces is smaller than
-/// its own.
+/// The excess of a held force over the allowed one, as a debt: the held force has a larger storage
+/// than the allowed one that it replaced.
 template <class Real>
 inline Real excess(Real held, Real allowed) noexcept {
-  // Splitting a held force into its channels again rounds by some ulps; that is no excess.
+  // Splitting a held force into its channels rounds by some ulps. That is no excess.
   constexpr Real kRounding = 5 * std::numeric_limits<Real>::epsilon();
   return held > allowed * (1 + kRounding) ? root_difference(held, allowed) : Real(0);
 }

@@ -1,5 +1,5 @@
 #pragma once
-// A force in the channels of a contact: along its normal, and across it.
+// Splits a force into the channels of a contact: along the normal and across it.
 
 #include <limits>
 
@@ -24,16 +24,16 @@ inline ChannelCommand<Real> in_channels(const BasicCommand<Real>& command) noexc
   const Real along_normal = command.frictional.dot(elastic.direction);
   ChannelCommand<Real> c{elastic.direction, elastic.length, elastic.length + along_normal,
                          command.frictional - along_normal * elastic.direction};
-  // The rest that rounding leaves is no friction. If it were bounded, it could take the elastic
-  // force with it.
+  // What rounding leaves is not friction. If it were bounded as friction, it could reduce the
+  // elastic force, too.
   constexpr Real kRounding = 64 * std::numeric_limits<Real>::epsilon();
   if (c.frictional.squaredNorm() <= kRounding * kRounding * command.frictional.squaredNorm())
     c.frictional.setZero();
   return c;
 }
 
-/// The channels of a contact, in the coordinates of `metric`: a contact never pulls, and without an
-/// elastic force there is no normal, so that friction has the whole movement under any damping.
+/// The channels of a contact, in the coordinates of `metric`. A contact never pulls. Without an
+/// elastic force there is no normal, and the whole movement belongs to friction.
 template <class Real>
 inline ChannelCommand<Real> in_channels(const BasicCommand<Real>& command,
                                         const Metric<Real>& metric) noexcept {
@@ -41,8 +41,8 @@ inline ChannelCommand<Real> in_channels(const BasicCommand<Real>& command,
   c.elastic = std::max(Real(0), c.elastic);
   if (!(c.elastic > 0)) c.normal.setZero();
   if (metric.euclidean()) return c;
-  // In these coordinates friction may well have a part along u, and more of it than the spring:
-  // what is across the normal for the eye is not what the device damps apart.
+  // In these coordinates friction may have a part along u, even a larger one than the spring: two
+  // directions at right angles in space are not at right angles in the metric of the damping.
   const Real spring_share = c.elastic > 0 ? c.spring / c.elastic : Real(0);
   c = in_channels(BasicCommand<Real>{metric.force(c.elastic * c.normal), metric.force(c.frictional),
                                      Vector3<Real>::Zero()});
@@ -50,13 +50,13 @@ inline ChannelCommand<Real> in_channels(const BasicCommand<Real>& command,
   return c;
 }
 
-/// The factors that a bound applies to a command's channels.
+/// The factors by which a bound scales a command's channels.
 template <class Real>
 struct ChannelScales {
   Real elastic, frictional;
 };
 
-/// The bounded force, in the world frame again.
+/// The bounded force, back in the world frame.
 template <class Real>
 inline BasicCommand<Real> held_back(const ChannelCommand<Real>& command,
                                     const ChannelScales<Real>& scale,
@@ -65,14 +65,14 @@ inline BasicCommand<Real> held_back(const ChannelCommand<Real>& command,
           metric.force_back(scale.frictional * command.frictional), Vector3<Real>::Zero()};
 }
 
-/// A force that is held, in the frame it was commanded in.
+/// A held force, in the frame in which it was commanded.
 template <class Real>
 struct HeldForce {
   Vector3<Real> normal = Vector3<Real>::Zero();      // u_p; free while no elastic force is held
   Real elastic = 0;                                  // [N] along it, >= 0
   Vector3<Real> frictional = Vector3<Real>::Zero();  // [N]
 
-  /// The channels are found anew: whatever reports a held force may have bent it.
+  /// Splits the force again, because a report of a held force may have another direction.
   void set(const BasicCommand<Real>& held, const Metric<Real>& metric) noexcept {
     const ChannelCommand<Real> c = in_channels(
         BasicCommand<Real>{metric.force(held.elastic), metric.force(held.frictional), held.torque});
@@ -87,9 +87,10 @@ struct HeldForce {
   Real magnitude() const noexcept { return hypotenuse(elastic, length(frictional)); }
 };
 
-/// The held force and the movement of the device, in the frame u_p of the held force. When no
-/// elastic force was held the frame is free: the new one is taken, and the held force is split in
-/// it. |F|^2 is the sum of both parts' squares in every frame, so no storage is made or lost.
+/// The held force and the movement of the device, in the frame u_p of the held force. If no elastic
+/// force was held, the frame is free: then the new command's frame is used, and the held force is
+/// split in it. |F|^2 is the sum of the squares of both parts in every frame, so this neither makes
+/// nor loses storage.
 template <class Real>
 struct HeldFrame {
   Real elastic;              // [N]
@@ -109,7 +110,7 @@ struct HeldFrame {
   }
 };
 
-/// The factor that brings `wanted` under `allowed`.
+/// The factor, at most 1, that reduces `wanted` to `allowed`.
 template <class Real>
 inline Real reduction(Real allowed, Real wanted) noexcept {
   return wanted > allowed ? allowed / wanted : Real(1);

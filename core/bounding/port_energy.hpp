@@ -1,6 +1,6 @@
 #pragma once
-// The observer of what really crosses a haptic port. It bounds nothing; it is how every claim of
-// passivity is checked.
+// The observer of the energy that crosses a haptic port. It bounds nothing. Every claim of
+// passivity is checked with it.
 
 #include <cstdint>
 
@@ -17,20 +17,20 @@ struct ChannelEnergy {
   double total() const { return elastic + frictional + torque; }
 };
 
-/// Accounts, sample by sample, the energy that held forces delivered to the hand, f(n-1) . dx(n),
-/// against what the device's own damping B burned at least, dx' B dx / h over a hold of h. A port
-/// whose bound holds never delivers more than that, whatever the hand does: delivered <= burned. A
-/// sample after which this is broken, beyond rounding, is a violation.
+/// Compares, sample by sample, two energies: what held forces delivered to the hand, f(n-1) .
+/// dx(n), and the least that the device's own damping B burned, dx' B dx / h over a hold of h. A
+/// port whose bound works keeps delivered <= burned, whatever the hand does. A sample after which
+/// this does not hold, beyond rounding, is a violation.
 class PortEnergy {
  public:
   /// damping [N s/m], rotational_damping [N m s/rad], period T [s] (shorter holds count as T).
-  /// `rounding`: what a violation has to exceed, relative to all energy exchanged; sums of 1e8
-  /// samples in double stay well below the default.
+  /// `rounding`: a violation must exceed this share of all energy exchanged. Sums of 1e8 samples in
+  /// double stay well below the default.
   PortEnergy(const Damping& damping, const Damping& rotational_damping, double period,
              double rounding = 1e-9);
 
   /// The device moved by `displacement` [m], `rotation` [rad] over `hold_time` [s] while `held`
-  /// acted on the hand. A sample with anything not finite, products included, is left out and
+  /// acted on the hand. A sample in which a number or a product is not finite is left out and
   /// counted in `refused`.
   void step(const Command& held, const Vec3& displacement, const Vec3& rotation,
             double hold_time) noexcept;

@@ -1,6 +1,6 @@
 #pragma once
-// The last line of a hand whose forces are bounded elsewhere: never more than its device has
-// burned.
+// The port guard: the last check at the client, which keeps the energy delivered to the hand at
+// most what its device has burned.
 
 #include "core/base/types.hpp"
 #include "core/bounding/metric.hpp"
@@ -14,37 +14,37 @@ namespace feltwire {
 /// A command that asks for more is scaled down, force and torque alike. Only a hold longer than the
 /// assumed h (HoldReserve) can overdraw that; its debt is in E from then on.
 ///
-/// This is no bound for normal use: it lets an oscillation live on the energy that friction and
-/// damping burned before (core/bounding/total_energy.hpp). It is the last safeguard.
+/// This is not a bound for normal use: an oscillation may live on the energy that friction and
+/// damping burned earlier (core/bounding/total_energy.hpp). It is the last safeguard.
 class PortGuard {
  public:
   /// Damping [N s/m], [N m s/rad], of the device alone.
   PortGuard(const Damping& damping, const Damping& rotational_damping)
       : force_(damping), torque_(rotational_damping) {}
 
-  /// Whether the device's damping says anything: every direction has some.
+  /// Whether the guard can work: every direction of the device is damped.
   static bool usable(const Damping& damping) { return damping.least() > 0.0; }
 
   /// The command that may be held over `hold_time` h [s], with `energy` E [J]. Without rotational
   /// damping the torque is zero.
   Command apply(const Command& command, double energy, double hold_time) const noexcept;
 
-  /// [J] the left side above: the most that the hand can take of a command.
+  /// [J] the left side above: the most energy that a command can give to the hand.
   double needed(const Command& command, double hold_time) const noexcept;
 
  private:
   Metric<double> force_, torque_;
 };
 
-/// The time that the force of this tick is assumed to be held, as the next tick may be late: T plus
-/// twice the largest lateness of the last second or two, at most 2 T. A
-/// tick that is a whole period late is an overrun, whose debt the port repays.
+/// The time for which the force of this tick is assumed to be held. The next tick may be late, so
+/// it is T plus twice the largest lateness of the last second or two, at most 2 T. A tick that is a
+/// whole period late is an overrun, whose debt the port repays.
 class HoldReserve {
  public:
   /// T [s].
   explicit HoldReserve(double period) : period_(period) {}
 
-  /// The last force was held so long [s].
+  /// Tells how long the last force was held [s].
   void saw(double hold_time) noexcept;
   double hold_time() const noexcept;  // [s]
 

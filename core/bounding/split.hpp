@@ -5,9 +5,8 @@
 
 namespace feltwire {
 
-/// Parts of a force whose command had the elastic direction `elastic`: what lies along it is
-/// elastic, the rest frictional. Used by the modes that bound the whole force and must still report
-/// its parts.
+/// Splits a force: the part along the command's elastic direction `elastic` is elastic, the rest is
+/// frictional. For modes that bound the whole force and must still report its parts.
 template <class Real>
 inline BasicCommand<Real> split_along(const Vector3<Real>& force,
                                       const Vector3<Real>& elastic) noexcept {

@@ -1,5 +1,5 @@
 #pragma once
-// The contact with a local model's patches, at whatever rate the hand is asked.
+// Renders a local model: the contact of a tool with the model's patches, at the client's rate.
 
 #include <array>
 #include <cstdint>
@@ -14,39 +14,39 @@ namespace feltwire {
 /// The answer of a model at one position.
 struct LocalForce {
   Command command;  // on the hand, world frame; no torque
-  /// 1: the model speaks; 0: it says nothing; between: the share of its command in the whole, on
-  /// the way out of its reach.
+  /// The share of the model's command in the whole. 1: the model is valid here; 0: it says nothing;
+  /// between: the tool is about to leave the model's reach.
   double weight = 0.0;
 };
 
-/// How high a point is above a patch's surface, and the normal there.
+/// The height of a point above a patch's surface, and the normal there.
 struct Height {
   double height = 0.0;         // [m] < 0 in the solid
   Vec3 normal = Vec3::Zero();  // unit; zero where the surface leaves it undefined
 };
-/// The patch `moved` [m] on. Precondition: its axis is unit or zero.
+/// Above the patch, shifted by `moved` [m]. Precondition: its axis is unit or zero.
 Height height_above(const SurfacePatch& patch, const Vec3& moved, const Vec3& point) noexcept;
 
-/// Renders the newest model. What is remembered of a contact (entered face, stick point, slipping)
-/// is this side's own as long as it follows the surface, however old the model's state is. Nothing
-/// here allocates, throws or reads a clock.
+/// Renders the newest model. As long as it follows a surface, it keeps its own contact state
+/// (entered face, stick point, slipping) and ignores the older state of the model. Nothing here
+/// allocates, throws or reads a clock.
 class LocalContact {
  public:
-  /// Over this last share of a reach or a radius the weight falls linearly to zero.
+  /// In this last share of a reach or a radius the weight falls linearly to zero.
   static constexpr double kHandOver = 0.25;
 
   /// Forgets model and contacts.
   void clear() noexcept { *this = {}; }
 
-  /// Another model. Contacts go on with the surfaces that it still describes; what is remembered of
-  /// others is the model's own state. Whatever is in it (see PROTOCOL.md, not_finite, for what a
-  /// receiver lets pass), no force of touch() is other than finite.
-  /// `answered`: the command to the tool at the model's center, if known. What it has beside the
-  /// patches where these are rough (a texture) is given with them, as old as it is.
+  /// Takes a new model. A contact goes on if the model still describes its surface; for other
+  /// surfaces the state comes from the model. Every force of touch() is finite, whatever numbers
+  /// the model holds (PROTOCOL.md, not_finite, says what a receiver accepts). `answered`: the
+  /// server's command at the model's center, if known. Its part that comes from a texture on rough
+  /// patches is added to their force, although it is as old as the reply.
   void take(const LocalModel& model, const Command* answered = nullptr) noexcept;
 
-  /// The force on a tool. `age` [s] of the model's state: moving surfaces have moved on since, and
-  /// damping and viscosity are against them. `elapsed` [s] since the last call.
+  /// The force on a tool. `age` [s]: of the model's state; moving surfaces are moved on by it, and
+  /// damping and viscosity use the velocity relative to them. `elapsed` [s]: since the last call.
   LocalForce touch(const Tool& tool, double age, double elapsed) noexcept;
 
   const LocalModel& model() const { return model_; }

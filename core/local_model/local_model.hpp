@@ -1,6 +1,6 @@
 #pragma once
-// A scene near one tool, as few surfaces: what a server sends instead of a force alone, and a
-// client renders at its own servo rate (Adachi et al. 1995; Mark et al. 1996).
+// A local model: the surfaces of a scene near one tool. The server sends it besides the force, and
+// the client renders it at its own servo rate (Adachi et al. 1995; Mark et al. 1996).
 
 #include <array>
 #include <cstdint>
@@ -11,42 +11,43 @@
 
 namespace feltwire {
 
-/// One surface about the point of it that is nearest to the tool. World frame.
+/// One surface, described around its point nearest to the tool. World frame.
 struct SurfacePatch {
   Vec3 point = Vec3::Zero();    // [m] on the surface
   Vec3 normal = Vec3::UnitZ();  // unit, towards the free side
-  /// [1/m] of the surface at the point: > 0 where the solid bulges towards the free side (a ball
-  /// felt from outside), < 0 where the free side is the hollow one, 0: plane.
+  /// [1/m] of the surface at the point. > 0: the solid is convex there (a ball felt from outside).
+  /// < 0: the solid is hollow there (a ball felt from inside). 0: plane.
   double curvature = 0.0;
-  Vec3 axis = Vec3::Zero();  // unit: the surface is straight along it; zero: curved alike all ways
+  Vec3 axis = Vec3::Zero();  // unit: the surface is straight along it; zero: same curve all ways
   Vec3 velocity = Vec3::Zero();  // [m/s] of the surface
-  double radius = 0.0;           // [m] about the point: beyond it the surface may be another
-  /// [m] So far in front of it what pushes a tool stands: the radius of a tool that is a ball (by
-  /// which convex edges are round), less the mean depth of a texture.
+  double radius = 0.0;           // [m] the patch is valid within this distance of the point
+  /// [m] The surface that pushes the tool lies this far in front of the patch: the radius of a tool
+  /// that is a ball (it also rounds convex edges), less the mean depth of a texture.
   double offset = 0.0;
   Material material;
-  // Stick point, where the tool touches this surface.
-  Vec3 anchor = Vec3::Zero();  // [m]
+  // The state of friction, if the tool touches this surface.
+  Vec3 anchor = Vec3::Zero();  // [m] the stick point
   bool touching = false, slipping = false;
-  // Which surface this is, the same from one model to the next.
+  // The identity of the surface, the same from one model to the next.
   std::uint16_t object = 0;
-  std::uint32_t feature = 0;  // as FeatureMemory has it: no two surfaces of an object share one
-  /// The solid is only where the tool is behind all joined patches of this object (a convex edge or
-  /// corner), and pushes along the one it was entered by, or beyond an obtuse edge by the next;
-  /// patches that are not joined are solids of their own, and push to the nearest place in front of
-  /// all. Either way an object is one contact with one stick point.
+  std::uint32_t feature = 0;  // as in FeatureMemory; each surface of an object has its own
+  /// Joined patches of an object bound one convex solid (an edge or a corner): the tool is inside
+  /// only if it is behind all of them. It is pushed along the patch by which it entered, or by the
+  /// next one beyond an obtuse edge. Patches that are not joined are separate solids: the tool is
+  /// pushed to the nearest place in front of all of them. In both cases an object is one contact
+  /// with one stick point.
   bool joined = false;
-  bool faceted = false;  // cut into facets: the stick point turns with the normal, see carried()
-  bool rough = false;    // a texture is on it: what the reply's force has beside the patches
+  bool faceted = false;  // made of facets: the stick point turns with the normal, see carried()
+  bool rough = false;    // has a texture, whose force is only in the reply and not in the patches
 };
 
 inline constexpr int kMaxPatches = 3;
 
-/// All surfaces within `reach` of `center`, if no more than kMaxPatches are; `reach` ends before
-/// another would begin.
+/// All surfaces within `reach` of `center`. There are at most kMaxPatches: `reach` ends where the
+/// next surface would begin.
 struct LocalModel {
-  /// Counts the scenes that the session has been in: what a reload brings shares no surface with
-  /// what was before, whatever its objects and features are called.
+  /// Counts the scenes of the session. After a reload no surface is the same as before, even if its
+  /// object and feature have the same numbers.
   std::uint32_t scene = 0;
   Vec3 center = Vec3::Zero();  // [m] the tool position that it was made for
   double reach = 0.0;          // [m] 0: the model says nothing

@@ -1,5 +1,5 @@
 #pragma once
-// Where a tool stands on the patches of one object.
+// The proxy of a tool on the patches of one object.
 
 #include <cstdint>
 
@@ -9,12 +9,13 @@
 
 namespace feltwire {
 
+/// The proxy, and the patch it lies on.
 struct PatchProxy {
   const SurfacePatch* patch = nullptr;  // the deepest, or the one it was entered by; null: free
   SurfacePoint surface;                 // [world] depth > 0 unless free
 };
 
-/// Where the tool was a while ago, so that no thin solid is passed by.
+/// An earlier position of the tool. With it no thin solid is jumped over.
 struct CameFrom {
   bool known = false;
   Vec3 position = Vec3::Zero();  // [m, world]
@@ -22,9 +23,9 @@ struct CameFrom {
 };
 
 /// The proxy of a tool [m, world] on an object's patches, `age` [s] after the state that the model
-/// describes. Of `before`, feature, normal and proxy [m, world, by now]: the face it entered by,
-/// the edge it was on, and what is used where the geometry leaves the normal undefined. The patch
-/// is one of the model's.
+/// describes. Of `before` it uses the feature (the face by which the tool entered), the proxy [m,
+/// world, moved on to now] and the normal, which is needed where the geometry leaves it undefined.
+/// The returned patch is one of the model's.
 PatchProxy patch_proxy(const LocalModel& model, std::uint16_t object, const Vec3& tool, double age,
                        const FeatureMemory& before, const CameFrom& from = {}) noexcept;
 

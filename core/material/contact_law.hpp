@@ -1,6 +1,6 @@
 #pragma once
-// The law of contact: the force of a surface on a tool that is behind it. The objects of a scene
-// and the patches of a local model share it.
+// The law of contact: the force of a surface on a tool that has gone through it. Scenes and local
+// models share it.
 
 #include <algorithm>
 
@@ -10,7 +10,7 @@
 
 namespace feltwire {
 
-/// The memory of one tool for one object, between samples.
+/// The state of one tool's contact with one object, kept between samples.
 struct ContactMemory {
   FeatureMemory feature;
   bool touching = false;
@@ -19,21 +19,22 @@ struct ContactMemory {
                                // while it is dragged in the proxy's tangent plane
 };
 
-/// How far the stick spring is stretched along the surface [m, frame of the surface]; moves the
-/// anchor and the stick / slip state on by one sample. The spring's force is stiffness times this,
-/// kept inside the cone |F_t| <= mu |F_n|: mu_s until it breaks, then mu_d with the anchor dragged
-/// along, until the spring needs less than mu_d (Salisbury et al. 1995; Harwin & Melder 2002).
-/// Precondition: surface.depth > 0; memory.touching is still that of the sample before.
+/// Updates the anchor and the stick / slip state by one sample. Returns how far the stick spring is
+/// stretched along the surface [m, frame of the surface]. The spring's force is stiffness times
+/// this stretch and stays inside the cone |F_t| <= mu |F_n|. While the tool sticks, mu is mu_s.
+/// When the force leaves that cone the tool slips: mu is mu_d and the anchor is dragged along,
+/// until the spring needs less than mu_d (Salisbury et al. 1995; Harwin & Melder 2002).
+/// Precondition: surface.depth > 0; memory.touching is still that of the previous sample.
 Vec3 stick_stretch(const Material& material, const SurfacePoint& surface,
                    ContactMemory& memory) noexcept;
 
-/// A stick point that goes from facet to facet turns with the surface, so that its spring is as
-/// long after an edge as before: without that a hand would get round corners by each facet's cosine
-/// for nothing. `about` [m] the proxy of the sample before, `from` and `to` its normal and the new
-/// one, unit.
+/// Turns the stick point with the surface when it goes from one facet to the next. The stretch of
+/// the spring then stays the same. Without this each edge would shorten the spring by the cosine of
+/// its angle, and the hand would slide round corners too easily. `about` [m]: the proxy of the
+/// previous sample; `from` and `to`: its normal and the new one, unit.
 Vec3 carried(const Vec3& anchor, const Vec3& about, const Vec3& from, const Vec3& to) noexcept;
 
-/// The force on the hand, any one frame.
+/// The force on the hand. All vectors are in one frame.
 ///   elastic     stiffness * depth * normal
 ///   frictional  stick_force (of stick_stretch(); zero without static friction), plus
 ///               -viscous_friction * v_t, plus -damping * v_n, limited so that elastic + damping

@@ -10,7 +10,7 @@ struct Material {
   double dynamic_friction = 0.0;  // mu_d, >= 0
   double viscous_friction = 0.0;  // [N s/m], >= 0, against the tangential velocity
 
-  /// Nothing but elastic. None of the others is negative.
+  /// True if the surface is a spring only: no friction, no damping.
   bool is_spring() const { return !(static_friction + viscous_friction + damping > 0.0); }
 };
 

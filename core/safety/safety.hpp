@@ -1,5 +1,6 @@
 #pragma once
-// The last stage before a device: what protects a hand, whatever the bound lets through.
+// The safety stage: the last limits before a device. They protect the hand even if the bound is
+// wrong or off.
 
 #include <limits>
 
@@ -8,44 +9,45 @@
 
 namespace feltwire {
 
-/// Limits of one channel, force or torque; infinity switches each off. Units: force / torque.
+/// Limits of one channel, force or torque. Infinity switches a limit off. Units: force / torque.
 struct ChannelLimits {
   static constexpr double kOff = std::numeric_limits<double>::infinity();
   double max = kOff;   // [N] / [N m], > 0: largest magnitude
   double slew = kOff;  // [N/s] / [N m/s], > 0: fastest rise; falling is never limited
-  /// [m/s] / [rad/s], > 0: up to this speed of the device all that is commanded may be given,
-  /// falling linearly to nothing at twice this speed.
+  /// [m/s] / [rad/s], > 0: up to this speed of the device the full command may be given. Above it
+  /// the limit falls linearly to zero at twice this speed.
   double speed = kOff;
-  double small = kOff;  // [N] / [N m], >= 0: see SafetyLimits
+  double small = kOff;  // [N] / [N m], >= 0: ends the wait, see SafetyLimits
 };
 
-/// The limits of the stage. Each is off unless set.
+/// The limits of the stage. Each limit is off by default.
 struct SafetyLimits {
   ChannelLimits force{}, torque{};
-  /// [s], 0 to 10: from the first contact on, the share of the command that may be given grows
-  /// linearly from nothing to all of it over this time. 0: all at once.
+  /// [s], 0 to 10: after the first contact the share of the command that may be given grows
+  /// linearly from 0 to 1 over this time. 0: no ramp.
   double ramp_up = 0.0;
 
-  // Wait for small force: a device that connects inside an object is not kicked; it is moved out by
-  // its hand first. Until the environment's own command has once been at most force.small and
-  // torque.small, only what exceeds the smallest command so far (the floor) is given: nothing at
-  // first, and never a jump. Each kFloorWay or kFloorTurn that the hand moves takes `small` off the
-  // floor, so that a field that is never small (a magnet's tail, a constant force) is let in, and a
-  // device that rests is given nothing.
+  // Wait for small force. A device that connects inside an object must not be kicked: the hand
+  // first moves it out. The wait lasts until the environment's command has once been at most
+  // force.small and torque.small. During the wait only the part of the command above the floor is
+  // given. The floor is the smallest command so far, so the force starts at zero and never jumps.
+  // Each kFloorWay or kFloorTurn that the hand moves lowers the floor by `small`. So a field that
+  // is never small (a magnet's tail, a constant force) is let in step by step, and a resting device
+  // gets no force.
   static constexpr double kFloorWay = 5e-3;  // [m]
   static constexpr double kFloorTurn = 0.1;  // [rad]
 };
 
-/// Throws std::invalid_argument naming the limit, its value and the remedy.
+/// Throws std::invalid_argument that names the limit, its value and the remedy.
 void validate(const SafetyLimits& limits);
 
-/// The input of one sample. Everything in the world frame, on the hand.
+/// The input of one sample, in the world frame. Forces act on the hand.
 struct SafetyStep {
-  Command commanded;     // the environment's; the shares of ramp and speed are shares of it
-  bool original = true;  // nothing has been taken off `commanded` since the scene: it ends a wait
-  Command bounded;       // what the bound lets through
+  Command commanded;     // of the environment; ramp and speed limit a share of it
+  bool original = true;  // `commanded` is the scene's, not reduced; only such a command ends a wait
+  Command bounded;       // the command after the bound
   Vec3 displacement = Vec3::Zero();  // [m] since the last sample
-  Vec3 rotation = Vec3::Zero();      // [rad] likewise; zero where torque is not actuated
+  Vec3 rotation = Vec3::Zero();      // [rad] since the last sample; zero without actuated torque
   double hold_time = 0.0;            // [s] since the last sample
 };
 
@@ -56,48 +58,48 @@ struct Safeguarded {
   bool slewed = false;    // slew
   bool too_fast = false;  // speed
   bool ramped = false;    // ramp_up
-  bool waiting = false;   // small: more would have been given
-  bool refused = false;   // an input was not finite: nothing is given
+  bool waiting = false;   // small: the wait took something off
+  bool refused = false;   // an input was not finite: the command is zero
 };
 
-/// Scales what the bound lets through down to the smallest of the limits; force and torque apart,
-/// never up, never in another direction. A pure value: no clock, nothing allocated or thrown.
+/// Scales the bounded command down to the smallest of the limits. Force and torque are scaled
+/// separately, never up, and never turned. It reads no clock, allocates nothing and throws nothing.
 ///
-/// That is admissible behind a bound that limits magnitudes from above and is told what was held
-/// (contact_frame, energy_tank), and where there is nothing to break (none). It is not behind
-/// total_energy, per_axis and per_axis_projected, which bound a force from below too, nor behind
-/// virtual_coupling and passivity control: a damper that is held back dissipates less than was
-/// counted on. admits_reduction() (core/bounding/bounding.hpp) says which. `max` is for every mode,
-/// for every device has one; so is the wait, but behind these modes (`reduces` false) it gives
-/// nothing at all until the command has been small, for zero force is passive in every mode and a
-/// part of a force is not.
+/// A reduction is safe behind a bound that limits magnitudes from above and is told what was held
+/// (contact_frame, energy_tank), and where nothing is bounded (none). It is not safe behind
+/// total_energy, per_axis and per_axis_projected, because they also bound a force from below. It is
+/// not safe behind virtual_coupling and passivity control, because a reduced damper dissipates less
+/// than they count on. admits_reduction() (core/bounding/bounding.hpp) tells which. `max` applies
+/// to every mode, because every device has a largest force. The wait applies to every mode, too.
+/// Behind modes that do not admit reductions (`reduces` false) it gives zero until the command has
+/// been small: zero force is passive in every mode, a part of a force is not.
 ///
-/// Ramp and speed limit magnitudes to a share of the *command*, not of what the bound lets through:
-/// that follows from the force held before, so a share of a share of a share would be left, nothing
-/// after a few samples of a hand at rest.
+/// Ramp and speed limit the force to a share of the *command*, not of the bounded force. The
+/// bounded force depends on the force held before. A share of it would shrink again at each sample,
+/// and a hand at rest would soon feel nothing.
 ///
-/// The speed limit is for a device that its force throws out of the hand: a motor that goes on
-/// pushing is what hurts, so force is lost whichever way it points. It falls off over a range and
-/// sees a low-passed speed: a threshold on bare encoder differences, a quantum over T apart, would
-/// switch the force on and off from sample to sample.
+/// The speed limit is for a device that its own force throws out of the hand. A motor that goes on
+/// pushing is what hurts, so the force is reduced whatever its direction. The limit falls over a
+/// range and uses a low-passed speed. A threshold on plain encoder differences, which jump by a
+/// quantum / T, would switch the force on and off from sample to sample.
 class SafetyStage {
  public:
   /// Throws std::invalid_argument as validate() does.
   explicit SafetyStage(const SafetyLimits& limits = {}, bool reduces = true);
 
-  /// One servo sample. A time that is not above zero lets no ramp and no slew go on.
+  /// One servo sample. If its time is not above zero, ramp and slew do not advance.
   Safeguarded apply(const SafetyStep& step) noexcept;
 
-  /// Forgets everything but its limits, as after a connection that was lost: wait and ramp begin
-  /// anew, a slew limit starts from nothing.
+  /// Forgets all state except the limits, for example after a lost connection. Wait and ramp begin
+  /// again, and the slew limit starts from zero.
   void begin_anew() noexcept;
 
-  /// Says what the device really held, where that differs from `rendered`: the slew limit starts
-  /// from it. A report that is not finite is left out.
+  /// Tells what the device really held, if it differs from `rendered`. The slew limit starts from
+  /// it. A report that is not finite is ignored.
   void set_held(const Command& held) noexcept;
 
   const SafetyLimits& limits() const { return limits_; }
-  /// Nothing is given yet: the environment has not yet asked for little.
+  /// True during the wait: the environment's command has not been small yet.
   bool waiting() const { return waiting_; }
 
  private:

@@ -1,4 +1,5 @@
 #pragma once
+// The settings of a session, which a client asks for and a server grants.
 
 #include <array>
 #include <cstdint>
@@ -10,9 +11,11 @@
 
 namespace feltwire {
 
+/// Where the energy bound runs.
 enum class BoundingSide : std::uint8_t { server, client, both };
 inline constexpr std::array<std::string_view, 3> kBoundingSideNames = {"server", "client", "both"};
-/// The value that a deadband compares with: the one sent last, or the line through it.
+/// What a deadband compares a new value with: the value sent last, or the line through the last
+/// ones.
 enum class Predictor : std::uint8_t { level, linear };
 inline constexpr std::array<std::string_view, 2> kPredictorNames = {"level", "linear"};
 
@@ -21,8 +24,8 @@ inline constexpr int kMaxPacketInterval = 1000;  // [servo ticks]
 inline constexpr double kMaxDeadband = 0.5;      // Weber fraction
 inline constexpr double kStiffest = 1e9;         // [N/m]
 
-/// The settings of a session: a client asks for them, the server grants them. All but servo_period
-/// can be changed while the session runs.
+/// The settings of a session. A client asks for them, the server grants them. All except
+/// servo_period can be changed while the session runs.
 struct SessionParameters {
   BoundingMode mode = BoundingMode::contact_frame;
   Projection projection = Projection::cone;  // measured: docs/bounding.md, "joint or cone"
@@ -31,10 +34,10 @@ struct SessionParameters {
   double servo_period = 1e-3;                // T [s], 1e-5 to 0.1
   int redundancy = 3;                        // k, 0 to kMaxRedundancy
   double operator_damping =
-      0.0;  // [N s/m] a known minimum of the operator's own, credited to the bound, 0 to 100
+      0.0;  // [N s/m] the least damping of the operator's hand; the bound counts on it; 0 to 100
   double velocity_cutoff = 0.0;  // [Hz] of the server's velocity estimate, 0: none
   double hold_time =
-      0.1;  // [s] a command older than half of it fades, at all of it it is zero; T to 1
+      0.1;  // [s] from half of this age on a command fades, at this age it is zero; T to 1
   std::optional<double> c1, c2;                             // [N/m] the paper's modes; default b/T
   PassivityReference reference = PassivityReference::zero;  // passivity_control*
   // virtual_coupling: [N/m] and [N s/m], by default the stiffest that is passive; [kg] of the tool
@@ -42,14 +45,14 @@ struct SessionParameters {
   double tool_mass = 0.05;
   // The traffic. n T is at most hold_time, m + k at most kMaxRedundancy + 1.
   int packet_interval = 1;  // n [servo ticks] from one datagram to the next, 1 to 1000
-  int batch = 1;            // m: of these n samples so many travel, evenly spaced, 1 to n
+  int batch = 1;            // m: samples of these n that are sent, evenly spaced, 1 to n
   double position_deadband =
-      0.0;                      // Weber fraction that a datagram is sent for, 0 to 0.5; 0: always
-  double force_deadband = 0.0;  // likewise a reply
+      0.0;                      // Weber fraction: a smaller change is not sent; 0 to 0.5; 0: always
+  double force_deadband = 0.0;  // the same for replies
   Predictor predictor = Predictor::level;
   double keep_alive = 0.02;  // [s] longest silence of either deadband, 0 to 1; with one n T to
                              // hold_time / 2, with both n T to hold_time / 4
-  bool local_model = false;  // replies bring the surfaces near the tool; the client bounds them
+  bool local_model = false;  // replies bring the surfaces near the tool; the client renders them
 
   friend bool operator==(const SessionParameters&, const SessionParameters&) = default;
 };
@@ -61,11 +64,11 @@ std::string_view name(Predictor predictor);
 /// Throws std::invalid_argument naming the choices when there is no such predictor.
 Predictor predictor(std::string_view name);
 
-/// Throws std::invalid_argument naming the field, the range and the remedy. Methods that ask the
-/// scene elsewhere than at the device (moves_probe) run on the server only.
+/// Throws std::invalid_argument that names the field, the range and the remedy. A method that asks
+/// the scene at another place than the device's (moves_probe) runs on the server only.
 void validate(const SessionParameters& parameters);
 
-/// The bound that a session of this device runs with, on either side.
+/// The configuration of the bound for a session of this device, on either side.
 BoundingConfig bounding_config(const SessionParameters& parameters, const DeviceSpec& device);
 
 }  // namespace feltwire
