@@ -4,20 +4,13 @@
 
 #include "core/base/numeric.hpp"
 #include "core/dynamics/world.hpp"
+#include "core/geometry/segment.hpp"
 
 namespace feltwire {
 namespace {
 
 Vec3 seen_from(const Pose& pose, const Vec3& position) {
   return pose.orientation.conjugate() * (position - pose.position);
-}
-
-/// Of the way between two points to the origin.
-double square_distance(const Vec3& from, const Vec3& to) {
-  const Vec3 way = to - from;
-  const double length = way.squaredNorm();
-  const double part = length > 0.0 ? std::clamp(-from.dot(way) / length, 0.0, 1.0) : 0.0;
-  return (from + part * way).squaredNorm();
 }
 
 }  // namespace
@@ -46,7 +39,9 @@ bool World::comes_near(const ToolView& held, std::size_t part, const Vec3& posit
     from = seen_from(contacts.steps == counters_.steps ? pose : followed_[part].before,
                      contacts.tool.position);
   const Vec3 way_from = from - middle, way_to = seen_from(pose, position) - middle;
-  if (!is_near && square_distance(way_from, way_to) > held.reach.square(part)) return false;
+  if (!is_near && nearest_on_segment(way_from, way_to, Vec3::Zero()).point.squaredNorm() >
+                      held.reach.square(part))
+    return false;
   if (before == NeighbourState::far) approach_from(shape, from, memory);
   return true;
 }
@@ -80,7 +75,8 @@ bool World::passes_by(const ToolView& held, std::size_t part, const Vec3& positi
   const Shape& shape = held.objects[still_ + part].shape;
   const Vec3 own = seen_from(held.objects[still_ + part].pose, position);
   if (memory.tracked &&
-      !(square_distance(memory.proxy, own - origin_of(shape)) > held.reach.square(part)))
+      !(nearest_on_segment(memory.proxy, own - origin_of(shape), Vec3::Zero()).point.squaredNorm() >
+        held.reach.square(part)))
     return false;
   approach_from(shape, own, memory);
   return true;

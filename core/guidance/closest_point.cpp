@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "core/base/numeric.hpp"
+#include "core/geometry/segment.hpp"
 #include "core/guidance/guide.hpp"
 
 namespace feltwire {
@@ -23,19 +24,12 @@ Vec3 on_axis(double half_length, const Vec3& p) {
   return {0.0, 0.0, std::clamp(p.z(), -half_length, half_length)};
 }
 
-Vec3 on_segment(const Vec3& a, const Vec3& b, const Vec3& p) {
-  const Vec3 way = b - a;
-  const double squared = way.squaredNorm();
-  const double share = squared > 0.0 ? std::clamp((p - a).dot(way) / squared, 0.0, 1.0) : 0.0;
-  return a + share * way;
-}
-
 ClosestPoint foot_of(const GuideCurve& curve, const Vec3& p) {
   const std::size_t count = curve.points.size();
   ClosestPoint best{Vec3::Zero(), std::numeric_limits<double>::infinity()};
   for (std::size_t i = 0; i + 1 < count || (curve.closed && i < count); ++i) {
-    const ClosestPoint here =
-        from(on_segment(curve.points[i], curve.points[(i + 1) % count], p), p);
+    const Vec3 &a = curve.points[i], &b = curve.points[(i + 1) % count];
+    const ClosestPoint here = from(nearest_on_segment(a, b, p).point, p);
     if (here.distance < best.distance) best = here;
   }
   return best;

@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "core/base/numeric.hpp"
+#include "core/geometry/segment.hpp"
 #include "core/local_model_extraction/fitted_patches.hpp"
 
 namespace feltwire {
@@ -36,12 +37,6 @@ TrianglePlacement placement_of(const MeshFit& fit, const std::array<Vec3, 3>& co
     placement.hidden &= height < -(may + bulge);
   }
   return placement;
-}
-
-double distance_to_edge(const Vec3& a, const Vec3& b, const Vec3& p) {
-  const Vec3 edge = b - a;
-  const double part = std::clamp(edge.dot(p - a) / edge.squaredNorm(), 0.0, 1.0);
-  return (a + part * edge - p).norm();
 }
 
 }  // namespace
@@ -120,7 +115,8 @@ double MeshFits::border(std::uint32_t t, const std::array<Vec3, 3>& c, const Vec
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t k = 0; k < 3; ++k)
     if (surface_->mesh().neighbour(t, static_cast<int>(k)) == TriangleMesh::kNone)
-      least = std::min(least, distance_to_edge(c[k], c[(k + 1) % 3], place));
+      least =
+          std::min(least, (nearest_on_segment(c[k], c[(k + 1) % 3], place).point - place).norm());
   return least;
 }
 

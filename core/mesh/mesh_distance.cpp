@@ -10,6 +10,7 @@
 #include <string>
 
 #include "core/base/numeric.hpp"
+#include "core/mesh/mesh_surface.hpp"
 
 namespace feltwire {
 namespace {
@@ -22,35 +23,6 @@ struct DeviceRelease {
 struct SceneRelease {
   void operator()(RTCScene scene) const { rtcReleaseScene(scene); }
 };
-
-/// Where a triangle is nearest to a point, and on what part of it: 0 face, 1 + k edge k (from
-/// corner k to corner k + 1), 4 + k corner k.
-struct NearestPart {
-  Vec3 point = Vec3::Zero();
-  std::size_t part = 0;
-};
-
-/// Ericson, Real-Time Collision Detection, 5.1.5.
-NearestPart nearest_on(const std::array<Vec3, 3>& c, const Vec3& p) {
-  const Vec3 ab = c[1] - c[0], ac = c[2] - c[0], ap = p - c[0];
-  const double d1 = ab.dot(ap), d2 = ac.dot(ap);
-  if (d1 <= 0.0 && d2 <= 0.0) return {c[0], 4};
-  const Vec3 bp = p - c[1];
-  const double d3 = ab.dot(bp), d4 = ac.dot(bp);
-  if (d3 >= 0.0 && d4 <= d3) return {c[1], 5};
-  const double vc = d1 * d4 - d3 * d2;
-  if (vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0) return {c[0] + d1 / (d1 - d3) * ab, 1};
-  const Vec3 cp = p - c[2];
-  const double d5 = ab.dot(cp), d6 = ac.dot(cp);
-  if (d6 >= 0.0 && d5 <= d6) return {c[2], 6};
-  const double vb = d5 * d2 - d1 * d6;
-  if (vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0) return {c[0] + d2 / (d2 - d6) * ac, 3};
-  const double va = d3 * d6 - d5 * d4;
-  if (va <= 0.0 && d4 - d3 >= 0.0 && d5 - d6 >= 0.0)
-    return {c[1] + (d4 - d3) / ((d4 - d3) + (d5 - d6)) * (c[2] - c[1]), 2};
-  const double whole = va + vb + vc;
-  return {c[0] + vb / whole * ab + vc / whole * ac, 0};
-}
 
 double angle_at(const std::array<Vec3, 3>& c, std::size_t corner) {
   const Vec3 a = c[corner_after(corner)] - c[corner],
@@ -94,7 +66,7 @@ class MeshDistance {
     double squared = std::numeric_limits<double>::infinity();
     Vec3 way = Vec3::Zero();
     std::uint32_t triangle = 0;
-    std::size_t part = 0;
+    std::size_t part = 0;  // of it, as in NearestOnTriangle
   };
   static bool visit(RTCPointQueryFunctionArguments* arguments);
   void build_tree();
@@ -172,7 +144,7 @@ Vec3 MeshDistance::pseudo_normal(std::uint32_t t, std::size_t part) const {
 bool MeshDistance::visit(RTCPointQueryFunctionArguments* arguments) {
   Search& search = *static_cast<Search*>(arguments->userPtr);
   const std::uint32_t t = arguments->primID;
-  const NearestPart found = nearest_on(search.mesh->corners(t), search.position);
+  const NearestOnTriangle found = nearest_on_triangle(search.mesh->corners(t), search.position);
   const Vec3 way = search.position - found.point;
   const double squared = way.squaredNorm();
   // Of equals the first triangle, whatever the order of the tree.

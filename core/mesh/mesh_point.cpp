@@ -8,6 +8,7 @@
 
 #include "core/base/numeric.hpp"
 #include "core/geometry/half_spaces.hpp"
+#include "core/geometry/segment.hpp"
 #include "core/mesh/mesh_contact.hpp"
 
 namespace feltwire {
@@ -104,9 +105,7 @@ class Walk {
   }
 
   static Vec3 on_edge(const Face& face, std::size_t k, const Vec3& p) {
-    const Vec3& a = face.corners[k];
-    const Vec3 edge = face.corners[next(k)] - a;
-    return a + std::clamp(edge.dot(p - a) / edge.squaredNorm(), 0.0, 1.0) * edge;
+    return nearest_on_segment(face.corners[k], face.corners[next(k)], p).point;
   }
 
   /// The goal is in front of this triangle; of a neighbour that the proxy touches too it may not

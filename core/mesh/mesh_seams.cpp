@@ -7,6 +7,7 @@
 #include <unordered_map>
 
 #include "core/base/splitmix.hpp"
+#include "core/geometry/segment.hpp"
 
 namespace feltwire::mesh_seams {
 namespace {
@@ -175,12 +176,10 @@ double across(const Rim& rim, const Vec3& p, double at) {
   constexpr double kAlong = 1.49;
   double least = kInfinity;
   for (std::size_t k = 0; k + 1 < rim.along.size(); ++k) {
-    const Vec3& a = rim.places[k];
-    const Vec3 side = rim.places[(k + 1) % rim.places.size()] - a;
-    const double square = side.squaredNorm();
-    const double part = square > 0.0 ? std::clamp(side.dot(p - a) / square, 0.0, 1.0) : 0.0;
-    const double apart = (a + part * side - p).norm();
-    double way = std::abs(rim.along[k] + part * (rim.along[k + 1] - rim.along[k]) - at);
+    const Vec3 &a = rim.places[k], &b = rim.places[(k + 1) % rim.places.size()];
+    const auto [share, nearest] = nearest_on_segment(a, b, p);
+    const double apart = (nearest - p).norm();
+    double way = std::abs(rim.along[k] + share * (rim.along[k + 1] - rim.along[k]) - at);
     if (rim.closed) way = std::min(way, rim.whole - way);
     if (way > 0.0 && way >= kAlong * apart) least = std::min(least, apart);
   }

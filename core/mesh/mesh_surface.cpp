@@ -58,31 +58,31 @@ NearestOnTriangle nearest_on_triangle(const std::array<Vec3, 3>& corners, const 
   const auto& [a, b, c] = corners;
   const Vec3 ab = b - a, ac = c - a, ap = p - a;
   const double d1 = ab.dot(ap), d2 = ac.dot(ap);
-  if (d1 <= 0.0 && d2 <= 0.0) return {a, {1.0, 0.0, 0.0}};
+  if (d1 <= 0.0 && d2 <= 0.0) return {a, {1.0, 0.0, 0.0}, 4};
   const Vec3 bp = p - b;
   const double d3 = ab.dot(bp), d4 = ac.dot(bp);
-  if (d3 >= 0.0 && d4 <= d3) return {b, {0.0, 1.0, 0.0}};
+  if (d3 >= 0.0 && d4 <= d3) return {b, {0.0, 1.0, 0.0}, 5};
   const double vc = d1 * d4 - d3 * d2;
   if (vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0) {
     const double v = d1 / (d1 - d3);
-    return {a + v * ab, {1.0 - v, v, 0.0}};
+    return {a + v * ab, {1.0 - v, v, 0.0}, 1};
   }
   const Vec3 cp = p - c;
   const double d5 = ab.dot(cp), d6 = ac.dot(cp);
-  if (d6 >= 0.0 && d5 <= d6) return {c, {0.0, 0.0, 1.0}};
+  if (d6 >= 0.0 && d5 <= d6) return {c, {0.0, 0.0, 1.0}, 6};
   const double vb = d5 * d2 - d1 * d6;
   if (vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0) {
     const double w = d2 / (d2 - d6);
-    return {a + w * ac, {1.0 - w, 0.0, w}};
+    return {a + w * ac, {1.0 - w, 0.0, w}, 3};
   }
   const double va = d3 * d6 - d5 * d4;
   if (va <= 0.0 && d4 - d3 >= 0.0 && d5 - d6 >= 0.0) {
     const double w = (d4 - d3) / ((d4 - d3) + (d5 - d6));
-    return {b + w * (c - b), {0.0, 1.0 - w, w}};
+    return {b + w * (c - b), {0.0, 1.0 - w, w}, 2};
   }
   const double sum = va + vb + vc;
   const double v = vb / sum, w = vc / sum;
-  return {a + v * ab + w * ac, {1.0 - v - w, v, w}};
+  return {a + v * ab + w * ac, {1.0 - v - w, v, w}, 0};
 }
 
 MeshSurface::MeshSurface(TriangleMesh mesh, const MeshOptions& options)

@@ -32,6 +32,8 @@ struct MeshOptions {
 struct NearestOnTriangle {
   Vec3 point = Vec3::Zero();
   Vec3 weights = Vec3::Zero();  // >= 0, sum 1; zero where the point lies on an edge or a corner
+  // What it lies on: 0 the face, 1 + k edge k (from corner k to corner k + 1), 4 + k corner k.
+  std::size_t part = 0;
 };
 NearestOnTriangle nearest_on_triangle(const std::array<Vec3, 3>& corners, const Vec3& p) noexcept;
 

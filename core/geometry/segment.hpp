@@ -1,0 +1,23 @@
+#pragma once
+
+#include <algorithm>
+
+#include "core/base/types.hpp"
+
+namespace feltwire {
+
+/// The point of a segment that is nearest to a given one.
+struct NearestOnSegment {
+  double share = 0.0;  // of the way from the segment's beginning to its end, 0 to 1
+  Vec3 point = Vec3::Zero();
+};
+
+/// From a to b, which may be the same point.
+inline NearestOnSegment nearest_on_segment(const Vec3& a, const Vec3& b, const Vec3& p) noexcept {
+  const Vec3 way = b - a;
+  const double square = way.squaredNorm();
+  const double share = square > 0.0 ? std::clamp(way.dot(p - a) / square, 0.0, 1.0) : 0.0;
+  return {share, a + share * way};
+}
+
+}  // namespace feltwire
