@@ -14,49 +14,50 @@ namespace feltwire {
 
 // The places that a guide can have, in its own frame.
 
-/// No place: it acts wherever the tool is.
+/// No place: the guide acts everywhere.
 struct Everywhere {};
-/// The origin.
+/// The origin of its frame.
 struct GuidePoint {};
-/// Along z, centred.
+/// A line along z, centred.
 struct GuideLine {
   double half_length = std::numeric_limits<double>::infinity();  // [m], > 0
 };
-/// Straight from point to point.
+/// Straight lines from point to point.
 struct GuideCurve {
   std::vector<Vec3> points;  // [m], two or more
   bool closed = false;       // the last is joined to the first
 };
-/// z = 0; where an inside is asked for, z < 0.
+/// The plane z = 0. Its inside is z < 0.
 struct GuidePlane {};
 using GuidePlace = std::variant<Everywhere, GuidePoint, GuideLine, GuideCurve, GuidePlane, Sphere,
                                 Box, Capsule, Cylinder>;
 
 // The forces of a guide; d [m] is the distance to the place, 0 inside a solid.
 
-/// A spring towards the place: stiffness * d, less from half of `range` on, nothing beyond it.
+/// A spring towards the place: stiffness * d. It fades from half of `range` on and is zero beyond
+/// it.
 struct Attract {
   double stiffness = 0.0;                                  // [N/m], > 0
   double damping = 0.0;                                    // [N s/m], >= 0, along the pull
   double range = std::numeric_limits<double>::infinity();  // [m], > 0
 };
-/// A spring away from the place, and from within a solid: stiffness * (margin - d), d < 0 inside,
-/// never pulling. A tool right on a point, a line or a curve is in no direction from it and is not
-/// pushed.
+/// A spring away from the place, also from inside a solid: stiffness * (margin - d), d < 0 inside.
+/// It never pulls. A tool exactly on a point, a line or a curve is not pushed, because there is no
+/// direction.
 struct KeepOut {
   double stiffness = 0.0;  // [N/m], > 0
   double damping = 0.0;    // [N s/m], >= 0, along the push
   double margin = 0.0;     // [m], >= 0; > 0 for what has no inside
 };
-/// Towards the place, strongest at `reach`: max_force * 2 x / (1 + x^2), x = d / reach.
+/// A pull towards the place, strongest at `reach`: max_force * 2 x / (1 + x^2), x = d / reach.
 struct Magnet {
   double reach = 0.0;  // [m], > 0
 };
-/// Against every movement inside the place.
+/// A force against every movement inside the place.
 struct Viscosity {
   double damping = 0.0;  // [N s/m], > 0
 };
-/// The same force wherever the tool is inside the place: gravity, or what makes up for it.
+/// A constant force inside the place: gravity, or a compensation of gravity.
 struct ConstantForce {
   Vec3 force = Vec3::Zero();  // [N, world frame]
 };
@@ -70,22 +71,23 @@ struct Guide {
   double max_force = 0.0;  // [N], > 0: never more than this, damping included
 };
 
-/// The force on the hand (world frame). What depends on the position alone is elastic, and the
-/// gradient of a potential but for a ConstantForce with a border; damping and viscosity are
-/// frictional, and are what is cut off above max_force.
-/// A tool that is not finite is given nothing. Never allocates.
+/// The force on the hand (world frame). The part that depends only on the position is elastic. It
+/// is the gradient of a potential, except for a ConstantForce with a border. Damping and viscosity
+/// are frictional; they are cut first if the force exceeds max_force. A tool whose numbers are not
+/// finite gets zero. Never allocates.
 Command guide_force(const Guide& guide, const Tool& tool) noexcept;
 
-/// [m] nearer than this to `position` [m, world frame] it does nothing; 0 where it acts.
+/// [m] No tool within this distance of `position` [m, world frame] gets a force; 0 if the guide
+/// acts there.
 double begins(const Guide& guide, const Vec3& position) noexcept;
 
-/// Whether it asks how fast the tool is.
+/// Whether the force depends on the tool's velocity.
 bool needs_velocity(const Guide& guide) noexcept;
-/// [N/m] the steepest its force gets with the position, but at a border; 0 where it does not
-/// change.
+/// [N/m] the largest slope of the force over the position, borders excluded; 0 if the force is
+/// constant.
 double stiffness(const Guide& guide) noexcept;
 
-/// The tool's place against a guide's.
+/// The position of a tool relative to a guide's place.
 struct ClosestPoint {
   Vec3 away = Vec3::Zero();  // unit, from the nearest point of the place to the tool, or out of the
                              // solid; zero where it has no direction

@@ -1,6 +1,6 @@
 #pragma once
-// Which of many objects a tool can meet on its way: a scene of thousands costs what the few near
-// the tool cost.
+// Finds the objects that a tool can meet on its way. A scene of thousands of objects then costs
+// only as much as the few near the tool.
 
 #include <span>
 
@@ -9,27 +9,28 @@
 
 namespace feltwire {
 
-/// A ball that a point is outside of the object beyond, however the object is turned.
+/// A ball that holds the object however the object is turned.
 struct ReachBall {
   Vec3 middle = Vec3::Zero();  // [m, object frame]
-  double radius = 0.0;         // [m] infinite where there is none
+  double radius = 0.0;         // [m] infinite if no ball holds the object
 };
 ReachBall reach_ball(const Object& object);
 
 class BroadPhase {
  public:
-  /// Fewer objects than this are asked one by one, which is no dearer.
+  /// With fewer objects than this there is no tree: asking one by one costs no more.
   static constexpr std::size_t kFew = 16;
 
   BroadPhase() = default;
   /// For a tool that is a ball of `radius` [m], 0: a point.
   explicit BroadPhase(std::span<const Object> objects, double radius = 0.0);
 
-  /// There is one; without, every object is to be asked.
+  /// Whether there is a tree. Without one, ask every object.
   bool in_use() const { return !tree_.empty(); }
-  /// Objects that have no end, or that a tool is outside of everywhere: always to be asked.
+  /// Objects that have no end, or that are solid everywhere but in a hollow: always ask these.
   std::span<const std::uint32_t> everywhere() const { return everywhere_; }
-  /// Visits the others whose box the way between two points [m] meets, each once, in no order.
+  /// Visits the other objects whose box the way between two points [m] meets, each once, in no
+  /// order.
   template <class Visit>
   void along(const Vec3& from, const Vec3& to, Visit visit) const noexcept {
     tree_.along(from, to, [&](std::uint32_t i) { visit(bounded_[i]); });

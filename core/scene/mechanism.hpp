@@ -38,7 +38,7 @@ struct Body {
   double friction = 0.0;   // [N], [N m] dry friction of the joint, >= 0
 };
 
-/// The first rule that is broken, if any. Fields as in a scene file.
+/// Returns the first rule that is broken, if any. Fields are named as in a scene file.
 std::optional<Violation> check(const Body& body);
 
 inline constexpr double kDefaultTick = 1e-3;  // [s]
@@ -50,7 +50,7 @@ struct MechanismOptions {
 };
 std::optional<Violation> check(const MechanismOptions& options);
 
-/// The moving half of a scene, immutable; a World is one run of it.
+/// The moving part of a scene. Immutable; a World is one run of it.
 class Mechanism {
  public:
   /// An object that moves, by its body.
@@ -69,10 +69,10 @@ class Mechanism {
   const mjModel_& model() const { return *model_; }
   double tick() const;  // [s]
   int bodies() const;   // that move
-  /// A scene's objects are `still()` that stand, then one for each part.
+  /// The objects of a scene are `still()` static ones, followed by one for each part.
   std::size_t still() const { return still_; }
   const std::vector<Part>& parts() const { return parts_; }
-  /// Warnings about values that are possible but cannot be meant: a line each, with the remedy.
+  /// Warnings about values that are possible but hardly meant. One line each, with the remedy.
   const std::vector<std::string>& warnings() const { return warnings_; }
 
  private:
@@ -82,27 +82,27 @@ class Mechanism {
   std::vector<std::string> warnings_;
 };
 
-/// Compiles bodies and what they may run into. `body_of` says for each object which body it belongs
-/// to, -1: none. Object poses are at the start, world frame. Puts the objects that move behind the
-/// others, in the order they have, since a scene holds them so.
-/// Throws std::invalid_argument naming body or object, field, value and remedy.
+/// Compiles the bodies and the static objects that they may collide with. `body_of` gives the body
+/// of each object; -1: none. Object poses are those at the start, world frame. Moves the objects
+/// that belong to bodies behind the others and keeps their order, because a scene stores them so.
+/// Throws std::invalid_argument that names body or object, field, value and remedy.
 std::shared_ptr<const Mechanism> compile(std::vector<Object>& objects, std::vector<int> body_of,
                                          const std::vector<Body>& bodies,
                                          const MechanismOptions& options);
 
-/// How the geoms of an MJCF file feel.
+/// The materials for the geoms of an MJCF file.
 struct MjcfMaterials {
   struct Named {
     std::string name;  // of a geom or of a material of the file; a geom's own name goes first
     Material material;
   };
-  Material other;  // of all that is not named
+  Material other;  // of all other geoms
   std::vector<Named> named;
 };
 
-/// Reads an MJCF file: its colliding geoms become objects (added to `objects`, which must be
-/// empty). Geoms that collide with nothing are decoration and are not felt. Throws FileError naming
-/// the file and the geom, or with what MuJoCo says of it.
+/// Reads an MJCF file. Its colliding geoms become objects (added to `objects`, which must be
+/// empty). Geoms that collide with nothing are decoration and are not felt. Throws FileError that
+/// names the file and the geom, or quotes MuJoCo's message.
 std::shared_ptr<const Mechanism> load_mjcf(const std::filesystem::path& file,
                                            const MjcfMaterials& materials, double tick,
                                            std::vector<Object>& objects);

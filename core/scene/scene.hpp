@@ -1,5 +1,5 @@
 #pragma once
-// A virtual environment: objects, and the force they answer a tool with.
+// A scene: objects, guides and tools, and the force that they command at a tool.
 
 #include <memory>
 #include <string>
@@ -17,8 +17,8 @@ class Mechanism;
 class BodyTool;
 struct BodyMemory;
 
-/// The features that the objects of a scene need from its host. A feature that none needs is
-/// neither allocated, stepped nor sent.
+/// The features that the objects of a scene need. A feature that no object needs is neither
+/// allocated, stepped nor sent.
 struct Requirements {
   bool friction = false;  // a stick point per object and tool
   bool rotation = false;  // the tool has a body: orientation and torque
@@ -28,7 +28,8 @@ struct Requirements {
       0.0;  // [N/m] of the stiffest material or guide; a tool in two objects feels both
 };
 
-/// The memory of one tool for a scene, between samples: one entry an object, allocated once.
+/// The contact state of one tool in a scene, kept between samples. One entry for each object,
+/// allocated once.
 class TouchMemory {
  public:
   TouchMemory() = default;
@@ -45,15 +46,15 @@ class TouchMemory {
  private:
   friend class Scene;
   std::vector<ContactMemory> contacts_;
-  // Of a scene of many objects: where the tool was, and the objects that hold it or that it was
-  // near to; what is in no list is as new.
+  // In a scene of many objects: where the tool was, and the objects that hold it or were near it.
+  // The entries of all other objects are in their initial state.
   bool tracked_ = false;
   Vec3 position_ = Vec3::Zero();  // [m]
   std::vector<std::uint32_t> live_, asked_;
 };
 
-/// Where a hand that knows nothing of the scene does well to begin: a point on a surface, world
-/// frame, and the unit normal there towards the free side.
+/// Where a hand that does not know the scene should begin: a point on a surface, world frame, and
+/// the unit normal there towards the free side.
 struct Start {
   Vec3 position = Vec3::Zero();  // [m]
   Vec3 normal = Vec3::UnitZ();
@@ -63,7 +64,7 @@ struct Start {
 struct HandTool {
   double radius = 0.0;                   // [m] above zero: a ball about the point
   std::shared_ptr<const BodyTool> body;  // core/tool/body_tool.hpp
-  std::string name = {};                 // what hands ask for; empty: the scene's only one
+  std::string name = {};                 // by which hands choose it; empty: the scene's only tool
 };
 
 class Scene {
@@ -77,29 +78,29 @@ class Scene {
   const std::vector<Guide>& guides() const { return guides_; }
   const Requirements& requirements() const { return requirements_; }
   const Start& start() const { return start_; }
-  /// Warnings about its files and its bodies: strange, but no error.
+  /// Warnings about its files and bodies: suspicious values that are not errors.
   const std::vector<std::string>& warnings() const { return warnings_; }
   void warn(std::vector<std::string> warnings) { warnings_ = std::move(warnings); }
 
   /// The tool of the hands that feel this scene.
   const HandTool& tool() const { return tool_; }
-  /// The objects that stand are found by a tree; else each is asked.
+  /// Whether static objects are found by a tree. Else each one is asked.
   bool by_tree() const { return broad_phase_.in_use(); }
 
-  /// Puts a tool into all hands. For one with a body, meshes become grids: kMeshGridSteps along
-  /// their longest side. Throws std::invalid_argument naming the field and the remedy when it does
-  /// not fit what is there, and then changes nothing.
+  /// Gives all hands this tool. For a tool with a body, meshes become grids of kMeshGridSteps steps
+  /// along their longest side. Throws std::invalid_argument that names the field and the remedy if
+  /// the tool does not fit the objects; the scene is then unchanged.
   void set_tool(HandTool tool);
-  /// Lets each hand choose one of several, at least one, each of another name. This is then the
-  /// scene for hands that hold the first. Likewise.
+  /// Lets each hand choose one of these tools: at least one, all names different. This object is
+  /// then the scene for hands that hold the first tool. Throws as set_tool() does.
   void set_tools(std::vector<HandTool> tools);
-  /// The same scene for hands that hold the other tools; its triangles and grids are shared.
+  /// The scene for hands that hold the other tools. Triangles and grids are shared.
   const std::vector<std::shared_ptr<const Scene>>& others() const { return others_; }
-  /// The scene for a hand that asks for this tool; empty: for none, which is the first. Null: it
-  /// has no such tool. Lives as long as this.
+  /// The scene for a hand that asks for this tool; an empty name stands for the first. Null: there
+  /// is no such tool. Lives as long as this.
   const Scene* held(std::string_view tool) const noexcept;
 
-  /// A mesh that became a grid, and how fine.
+  /// A mesh that became a grid, and the grid's resolution.
   struct Sampled {
     std::string object;
     double resolution = 0.0;  // [m]
@@ -107,18 +108,19 @@ class Scene {
   const std::vector<Sampled>& sampled() const { return sampled_; }
   static constexpr double kMeshGridSteps = 128.0;
 
-  /// A memory for one tool; allocates.
+  /// Makes the memory for one tool. Allocates.
   TouchMemory memory() const;
 
-  /// The sum of what all objects and guides answer the tool with. `memory` must come from this
-  /// scene. A tool that is not finite gives zero and leaves the memory as it was. Never allocates.
+  /// The sum of the forces of all objects and guides on the tool. `memory` must come from this
+  /// scene. A tool whose numbers are not finite gets zero and leaves the memory unchanged. Never
+  /// allocates.
   Command touch(const Tool& tool, TouchMemory& memory) const noexcept {
     Command sum = touch(tool, memory, objects_.size());
     if (!guides_.empty()) add_guides(tool, sum);
     return sum.finite() ? sum : Command{};
   }
-  /// The same of the objects that stand alone: a World (core/dynamics/world.hpp) knows where the
-  /// others are, and adds the guides to the sum of all.
+  /// The same for the static objects only. A World (core/dynamics/world.hpp) knows where the others
+  /// are, and adds the guides at the end.
   Command touch_still(const Tool& tool, TouchMemory& memory) const noexcept {
     return touch(tool, memory, still_);
   }
@@ -128,13 +130,13 @@ class Scene {
   /// Precondition: made by compile() for these objects (core/scene/mechanism.hpp).
   void set_mechanism(std::shared_ptr<const Mechanism> mechanism);
 
-  /// The command of a tool with a body at a pose of the device, `elapsed` [s] after the one before.
-  /// Precondition: tool().body is not null, and nothing moves. The other arguments as above.
+  /// The command for a tool with a body at a pose of the device, `elapsed` [s] after the previous
+  /// call. Precondition: tool().body is not null, and nothing moves. The other arguments as above.
   Command touch(const Pose& device, const Vec3& velocity, double elapsed,
                 BodyMemory& memory) const noexcept;
-  /// Adds what the guides do. Beside objects all of it is frictional: the elastic part is then the
-  /// contacts' alone and keeps their normal, so that a guide shares no channel of the bound with
-  /// the surface (docs/bounding.md).
+  /// Adds the forces of the guides. If there are objects, the guides' forces all go into the
+  /// frictional part. The elastic part then comes from contacts only and keeps their normal, so a
+  /// guide shares no channel of the bound with a surface (docs/bounding.md).
   void add_guides(const Tool& tool, Command& sum) const noexcept;
 
  private:
