@@ -166,7 +166,6 @@ void understand(const WrittenOptions& words, HandTask task, ClientOptions& optio
           "--busy-poll must be from 0 to 1e6 us, or inf: never sleep");
 
   options.role = role(words.role);
-  options.servo.observes = options.role == Role::observer;
   require(options.role != Role::admin, "--role must be operator or observer");
   require(words.view.empty() || options.role == Role::observer,
           "--view is of observers; give --role observer, too");

@@ -1,6 +1,6 @@
 #pragma once
 // The hands and bodies that an observer has been shown, put together from the views in its replies.
-// A program that draws the scene needs this and a Ring of LoopOutputs::views.
+// A program that draws the scene gets it by RunOptions::on_view (run_client.hpp).
 //
 // A hostile server can show new hands without end. So the number kept is limited, and those left
 // out are counted.

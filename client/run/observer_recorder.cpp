@@ -10,8 +10,8 @@ std::string text(const SightCounts& counts) {
          (counts.left_out > 0 ? ", " + std::to_string(counts.left_out) + " left out" : "");
 }
 
-ObserverRecorder::ObserverRecorder(const std::optional<std::filesystem::path>& file)
-    : file_(file ? std::make_unique<ViewFile>(*file) : nullptr) {}
+ObserverRecorder::ObserverRecorder(const std::optional<std::filesystem::path>& file, OnView on_view)
+    : file_(file ? std::make_unique<ViewFile>(*file) : nullptr), on_view_(std::move(on_view)) {}
 
 void ObserverRecorder::look() {
   while (views_.pop(shown_)) {
@@ -23,6 +23,7 @@ void ObserverRecorder::look() {
     counts_.most_hands = std::max(counts_.most_hands, counts_.hands);
     counts_.most_bodies = std::max(counts_.most_bodies, counts_.bodies);
     if (file_) file_->add(shown_, scene_);
+    if (on_view_) on_view_(shown_.time, scene_);
   }
   if (file_) file_->write();
 }

@@ -2,6 +2,7 @@
 // The eyes of the program that observes: takes the views, counts, and writes them down.
 
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -22,10 +23,14 @@ struct SightCounts {
 /// "  sees 2 hands, 1 body", and ", 3 left out" where there was no room for all.
 std::string text(const SightCounts& counts);
 
+/// Gets the time [s] of a view since the first tick, and all that is known of the scene by then.
+using OnView = std::function<void(double time, const ObservedScene& scene)>;
+
 class ObserverRecorder {
  public:
-  /// With a `file` that gets what is seen. Throws std::runtime_error naming it, likewise look().
-  explicit ObserverRecorder(const std::optional<std::filesystem::path>& file);
+  /// A `file` gets what is seen; `on_view`, where it is not empty, is called with it. Throws
+  /// std::runtime_error naming the file; look() does too, and passes on what `on_view` throws.
+  explicit ObserverRecorder(const std::optional<std::filesystem::path>& file, OnView on_view = {});
 
   /// Where the servo's thread puts views.
   Ring<TimedView>& views() { return views_; }
@@ -44,6 +49,7 @@ class ObserverRecorder {
   ObservedScene scene_;
   SightCounts counts_;
   std::unique_ptr<ViewFile> file_;
+  OnView on_view_;
 };
 
 }  // namespace feltwire

@@ -9,7 +9,7 @@ namespace feltwire {
 
 Records::Records(const Files& files, std::FILE* errors) : errors_(errors) {
   if (files.recording) recording_ = std::make_unique<RecordingFile>(*files.recording);
-  if (files.observes) observer_ = std::make_unique<ObserverRecorder>(files.view);
+  if (files.observes) observer_ = std::make_unique<ObserverRecorder>(files.view, files.on_view);
 }
 
 template <class Action>

@@ -19,6 +19,7 @@ class Records {
   struct Files {
     std::optional<std::filesystem::path> recording, view;
     bool observes = false;  // views are taken, with or without a file
+    OnView on_view = {};
   };
 
   /// Throws std::runtime_error naming the file and the reason.

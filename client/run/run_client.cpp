@@ -85,10 +85,12 @@ struct Run : ServoTask {
 std::shared_ptr<Run> make_run(const RunOptions& options, const control::JoinAccepted& accepted,
                               std::unique_ptr<Device> device,
                               std::shared_ptr<Transport> transport) {
-  auto run = std::make_shared<Run>(std::move(device), std::move(transport), accepted.parameters,
-                                   options.servo);
+  ServoOptions servo = options.servo;
+  servo.observes = options.role == Role::observer;
+  auto run =
+      std::make_shared<Run>(std::move(device), std::move(transport), accepted.parameters, servo);
   run->records = std::make_unique<Records>(
-      Records::Files{options.record, options.view, options.role == Role::observer});
+      Records::Files{options.record, options.view, servo.observes, options.on_view});
   run->options = {.duration = from_seconds(options.duration),
                   .silence_timeout = from_seconds(accepted.silence_timeout),
                   .patience = from_seconds(options.patience),

@@ -9,6 +9,7 @@
 #include <string>
 
 #include "client/devices/device.hpp"
+#include "client/run/observer_recorder.hpp"
 #include "client/servo/servo.hpp"
 #include "client/transport/control_client.hpp"
 #include "client/transport/datagram_port.hpp"
@@ -32,6 +33,9 @@ struct RunOptions {
   double busy_poll = 0.0;  // [us] to poll for replies and deadlines; infinity: never sleep
   double patience = 30.0;  // [s] to look for a lost session; 0: not at all
   std::optional<std::filesystem::path> report, record, view;  // files to write; empty: none
+  /// Of an observer: called for each view that came, by the thread that called run_client(). What
+  /// it throws ends the calls; the run goes on, and returns 1.
+  OnView on_view = {};
   /// Opens the way of datagrams to the scene; empty: open_udp_port(). May throw SessionError.
   std::function<std::unique_ptr<DatagramPort>(const Address& scene)> open_port = {};
 };

@@ -85,7 +85,7 @@ def main():
 
         example = source / "examples/my_device.cpp"
         run("cmake", "-S", source / "tests/install/consumer", "-B", folder / "build", f"-DCMAKE_PREFIX_PATH={prefix}",
-            f"-DCMAKE_CXX_COMPILER={compiler}", f"-DMY_DEVICE={example}")
+            f"-DCMAKE_CXX_COMPILER={compiler}", f"-DEXAMPLES={source / 'examples'}")
         run("cmake", "--build", folder / "build", "--parallel", 2)
         run(folder / "build/bound")
         feel(folder / "build/my_device", build / "bin/feltwire-server", source, folder)

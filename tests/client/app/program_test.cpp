@@ -105,6 +105,32 @@ TEST_F(ClientProgram, ADeviceMakersProgramFeelsTheFloor) {
   EXPECT_THAT(felt.out, HasSubstr("bound violations 0"));
 }
 
+/// examples/my_scene_viewer.cpp: the hand stands where it is, on the map and in words.
+TEST_F(ClientProgram, AViewersProgramSeesTheHand) {
+  testing::Client hand(access_, "t,x,y,z\n0,0.1,0.05,0.125\n1000,0.1,0.05,0.125\n", {}, "floor");
+  hand.start();
+  hand.next_tick("an answer", [](const TickRecord& row) { return row.age >= 0.0; });
+  const std::string token = folder_ / "token", print = folder_ / "fingerprint";
+  replace_file(token, eye_.text.text(), kPrivate);
+  std::ofstream(print) << to_string(server_->fingerprint());
+  ::setenv("FELTWIRE_FINGERPRINT_FILE", print.c_str(), 1);
+  ::setenv("FELTWIRE_TOKEN_FILE", token.c_str(), 1);
+  const test::Outcome seen =
+      test::Program(FELTWIRE_MY_SCENE_VIEWER, {to_string(access_.endpoint), "floor", "0.4"})
+          .finish();
+  ::unsetenv("FELTWIRE_FINGERPRINT_FILE");
+  ::unsetenv("FELTWIRE_TOKEN_FILE");
+  hand.stop.set();
+  EXPECT_EQ(seen.status, 0) << seen.error;
+  EXPECT_THAT(seen.out, HasSubstr(" 1 hands, 0 bodies"));
+  // (0.1 / 0.4 + 0.5) * 60 = column 45; (0.5 - 0.05 / 0.4) * 20 = row 7.5.
+  const std::string empty(60, '.');
+  std::string with = empty;
+  with[45] = '1';
+  EXPECT_THAT(seen.out, HasSubstr(empty + "\n" + with + "\n" + empty));
+  EXPECT_THAT(seen.out, HasSubstr("hand 1: 0.00 N"));
+}
+
 TEST_F(ClientProgram, HoldsTheToolThatItAsksFor) {
   const std::string report_file = folder_ / "report.json", way = folder_ / "way.csv";
   std::ofstream(way) << "t,x,y,z\n0,0,0,0.02\n0.1,0,0,0.006\n0.2,0,0,0.006\n";
