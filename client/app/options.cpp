@@ -8,6 +8,7 @@
 
 #include "client/app/credential_options.hpp"
 #include "client/run/output_files.hpp"
+#include "core/base/choice.hpp"
 #include "core/base/visible_text.hpp"
 #include "core/build_info/build_info.hpp"
 #include "core/command_line/environment.hpp"
@@ -24,19 +25,6 @@ namespace {
 constexpr int kUsageError = 2;
 constexpr double kLongestDuration = 1e7;  // [s] some four months
 constexpr std::string_view kReplay = "replay:";
-
-template <class Names>
-std::string choices(const Names& names) {
-  std::string text;
-  for (const auto& n : names) text += (text.empty() ? "" : "|") + std::string(n);
-  return text;
-}
-
-std::string device_names() {
-  std::string text;
-  for (const DeviceSpec& spec : builtin_devices()) text += (text.empty() ? "" : "|") + spec.name;
-  return text;
-}
 
 /// The command line as it is written, before its words are understood.
 struct WrittenOptions {
@@ -267,7 +255,8 @@ std::variant<ClientOptions, int> parse_options(int argc, char** argv) {
 
   const auto session = "Session";
   app.add_option("--spec", words.spec,
-                 "The device's specification: " + device_names() + ", or FILE.json")
+                 "The device's specification: " +
+                     choices(builtin_devices(), "|", &DeviceSpec::name) + ", or FILE.json")
       ->capture_default_str()
       ->group(session);
   app.add_option("--mode", words.mode, "Energy bound: " + choices(kBoundingModeNames))

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
-#include <string>
 
+#include "core/base/choice.hpp"
 #include "core/base/splitmix.hpp"
 
 namespace feltwire {
@@ -25,11 +25,7 @@ double smoothstep(double s) {
 }  // namespace
 
 HandPath hand_path(std::string_view given) {
-  for (std::size_t i = 0; i < kHandPathNames.size(); ++i)
-    if (kHandPathNames[i] == given) return static_cast<HandPath>(i);
-  std::string message = "unknown path '" + std::string(given) + "'; choose one of:";
-  for (const auto& n : kHandPathNames) message += " " + std::string(n);
-  throw std::invalid_argument(message);
+  return chosen_value<HandPath>("path", given, kHandPathNames);
 }
 
 void go_round(HandTask& task, double radius) {

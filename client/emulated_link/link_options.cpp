@@ -6,6 +6,8 @@
 #include <stdexcept>
 #include <vector>
 
+#include "core/base/choice.hpp"
+
 namespace feltwire {
 namespace {
 
@@ -45,19 +47,8 @@ struct Directions {
 
 std::string in_quotes(std::string_view text) { return "'" + std::string(text) + "'"; }
 
-template <class Range, class Name>
-std::string names(const Range& range, Name name) {
-  std::string text;
-  for (const auto& entry : range) text += (text.empty() ? "" : ", ") + std::string(name(entry));
-  return text;
-}
-
-std::string keys() {
-  return names(kNumbers, [](const Number& n) { return n.key; }) + ", distribution, order, seed";
-}
-std::string profile_names() {
-  return names(kLinkProfiles, [](const LinkProfile& p) { return p.name; });
-}
+std::string keys() { return choices(kNumbers, ", ", &Number::key) + ", distribution, order, seed"; }
+std::string profile_names() { return choices(kLinkProfiles, ", ", &LinkProfile::name); }
 
 /// Without trailing zeros.
 std::string plain(double value) {
@@ -100,11 +91,11 @@ void set_seed(TwoWayLinkOptions& link, Directions directions, std::string_view t
 }
 
 void set_distribution(TwoWayLinkOptions& link, Directions directions, std::string_view text) {
-  const auto found = std::find(kJitterNames.begin(), kJitterNames.end(), text);
-  if (found == kJitterNames.end())
-    fail("distribution=" + std::string(text) + " is none; use normal, uniform or pareto");
+  const auto* found = find_choice(kJitterNames, text);
+  if (found == nullptr)
+    fail("distribution=" + std::string(text) + " is none; use " + choices(kJitterNames, ", "));
   apply(link, directions, [&](LinkOptions& one) {
-    one.distribution = static_cast<Jitter>(found - kJitterNames.begin());
+    one.distribution = static_cast<Jitter>(found - kJitterNames.data());
   });
 }
 
@@ -119,9 +110,8 @@ void set(TwoWayLinkOptions& link, Directions directions, std::string_view key,
   if (key == "seed") return set_seed(link, directions, value);
   if (key == "distribution") return set_distribution(link, directions, value);
   if (key == "order") return set_order(link, directions, value);
-  const auto found = std::find_if(kNumbers.begin(), kNumbers.end(),
-                                  [&](const Number& number) { return number.key == key; });
-  if (found == kNumbers.end()) fail("unknown key " + in_quotes(key) + "; keys are " + keys());
+  const Number* found = find_choice(kNumbers, key, &Number::key);
+  if (found == nullptr) fail("unknown key " + in_quotes(key) + "; keys are " + keys());
   set_number(link, directions, *found, value);
 }
 
@@ -143,10 +133,8 @@ void read_item(TwoWayLinkOptions& link, std::string_view item) {
   if (equals != std::string_view::npos)
     return set(link, directions, rest.substr(0, equals), rest.substr(equals + 1));
 
-  const auto profile =
-      std::find_if(kLinkProfiles.begin(), kLinkProfiles.end(),
-                   [&](const LinkProfile& candidate) { return candidate.name == rest; });
-  if (profile == kLinkProfiles.end())
+  const LinkProfile* profile = find_choice(kLinkProfiles, rest, &LinkProfile::name);
+  if (profile == nullptr)
     fail(in_quotes(item) + " is neither KEY=VALUE nor trace:FILE.csv nor a profile; profiles are " +
          profile_names() + ", keys are " + keys());
   TwoWayLinkOptions named;

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "client/transport/encoder.hpp"
+#include "core/base/choice.hpp"
 #include "core/build_info/build_info.hpp"
 
 namespace feltwire {
@@ -72,7 +73,7 @@ Json parameters(const SessionParameters& p) {
   return {{"mode", name(p.mode)},
           {"projection", name(p.projection)},
           {"storage", name(p.storage)},
-          {"side", kBoundingSideNames[static_cast<std::size_t>(p.side)]},
+          {"side", name(p.side)},
           {"servo_period_s", number(p.servo_period)},
           {"redundancy", p.redundancy},
           {"operator_damping", number(p.operator_damping)},
@@ -180,23 +181,8 @@ Json sight(const std::optional<SightCounts>& seen, const LoopResult& loop) {
           {"left_out", seen->left_out}};
 }
 
-const char* name_of(GoodbyeReason reason) {
-  switch (reason) {
-    case GoodbyeReason::leaving:
-      return "leaving";
-    case GoodbyeReason::shutting_down:
-      return "shutting_down";
-    case GoodbyeReason::evicted:
-      return "evicted";
-    case GoodbyeReason::flooding:
-      return "flooding";
-    case GoodbyeReason::failed:
-      return "failed";
-    case GoodbyeReason::disturbing:
-      return "disturbing";
-  }
-  return "unknown";
-}
+constexpr std::array<std::string_view, 6> kGoodbyeReasonNames = {
+    "leaving", "shutting_down", "evicted", "flooding", "failed", "disturbing"};
 
 }  // namespace
 
@@ -274,7 +260,8 @@ std::string report_json(const RunDescription& run, const Servo& servo,
       {"view", sight(run.sight, loop)},
       {"server_last_reply", server(servo)},
   };
-  if (loop.end == EndReason::server_goodbye) report["goodbye_reason"] = name_of(loop.goodbye);
+  if (loop.end == EndReason::server_goodbye)
+    report["goodbye_reason"] = name_among(kGoodbyeReasonNames, loop.goodbye);
   // A name may be any bytes; the report stays JSON.
   return report.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }

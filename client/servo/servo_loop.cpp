@@ -11,6 +11,7 @@
 #include <ctime>
 #include <system_error>
 
+#include "core/base/choice.hpp"
 #include "core/base/numeric.hpp"
 #include "protocol/net/clock.hpp"
 
@@ -341,23 +342,10 @@ void Event::set() noexcept {
 }
 
 std::string_view name(EndReason reason) {
-  switch (reason) {
-    case EndReason::duration:
-      return "duration";
-    case EndReason::device_ended:
-      return "device_ended";
-    case EndReason::requested:
-      return "requested";
-    case EndReason::server_goodbye:
-      return "server_goodbye";
-    case EndReason::server_silent:
-      return "server_silent";
-    case EndReason::refused:
-      return "refused";
-    case EndReason::failed:
-      break;
-  }
-  return "failed";
+  static constexpr std::array<std::string_view, 7> names = {
+      "duration",      "device_ended", "requested", "server_goodbye",
+      "server_silent", "refused",      "failed"};
+  return name_among(names, reason);
 }
 
 bool never_sleeps(Nanoseconds busy_poll, Nanoseconds period) noexcept {

@@ -6,6 +6,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "core/base/choice.hpp"
+
 namespace feltwire {
 namespace {
 
@@ -15,16 +17,6 @@ constexpr double kLargestMovement = 1e6;    // [m], [rad]
 constexpr double kLargestHold = 1e6;        // [s]
 constexpr double kLargestStiffness = 1e18;  // [N/m], [N m/rad]
 constexpr double kShortestPeriod = 1e-12;   // [s]
-
-template <class Choice, class Names>
-Choice named(std::string_view what, std::string_view given, const Names& names) {
-  for (std::size_t i = 0; i < names.size(); ++i)
-    if (names[i] == given) return static_cast<Choice>(i);
-  std::string message =
-      "unknown " + std::string(what) + " '" + std::string(given) + "'; choose one of:";
-  for (const auto& n : names) message.append(" ").append(n);
-  throw std::invalid_argument(message);
-}
 
 void require(bool good, const std::string& message) {
   if (!good) throw std::invalid_argument(message);
@@ -131,26 +123,22 @@ Real limit_factor(const Vector3<Real>& v, Real limit) {
 
 }  // namespace
 
-std::string_view name(BoundingMode mode) {
-  return kBoundingModeNames[static_cast<std::size_t>(mode)];
-}
-std::string_view name(Projection p) { return kProjectionNames[static_cast<std::size_t>(p)]; }
-
-std::string_view name(Storage s) { return kStorageNames[static_cast<std::size_t>(s)]; }
-
-std::string_view name(PassivityReference r) {
-  return kPassivityReferenceNames[static_cast<std::size_t>(r)];
-}
+std::string_view name(BoundingMode mode) { return name_among(kBoundingModeNames, mode); }
+std::string_view name(Projection p) { return name_among(kProjectionNames, p); }
+std::string_view name(Storage s) { return name_among(kStorageNames, s); }
+std::string_view name(PassivityReference r) { return name_among(kPassivityReferenceNames, r); }
 
 BoundingMode bounding_mode(std::string_view given) {
-  return named<BoundingMode>("bounding mode", given, kBoundingModeNames);
+  return chosen_value<BoundingMode>("bounding mode", given, kBoundingModeNames);
 }
 Projection projection(std::string_view given) {
-  return named<Projection>("projection", given, kProjectionNames);
+  return chosen_value<Projection>("projection", given, kProjectionNames);
 }
-Storage storage(std::string_view given) { return named<Storage>("storage", given, kStorageNames); }
+Storage storage(std::string_view given) {
+  return chosen_value<Storage>("storage", given, kStorageNames);
+}
 PassivityReference passivity_reference(std::string_view given) {
-  return named<PassivityReference>("passivity reference", given, kPassivityReferenceNames);
+  return chosen_value<PassivityReference>("passivity reference", given, kPassivityReferenceNames);
 }
 
 bool moves_probe(BoundingMode mode) {

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "core/base/choice.hpp"
+
 namespace feltwire {
 namespace {
 
@@ -167,11 +169,7 @@ void validate(const DeviceSpec& spec) {
 std::span<const DeviceSpec> builtin_devices() { return devices(); }
 
 const DeviceSpec& builtin_device(std::string_view name) {
-  for (const DeviceSpec& device : devices())
-    if (device.name == name) return device;
-  std::string message = "unknown device '" + std::string(name) + "'; choose one of:";
-  for (const DeviceSpec& device : devices()) message += " " + device.name;
-  throw std::invalid_argument(message);
+  return chosen("device", name, devices(), &DeviceSpec::name);
 }
 
 Command actuated(const DeviceSpec& spec, Command command) noexcept {

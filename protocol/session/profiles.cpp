@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
+
+#include "core/base/choice.hpp"
 
 namespace feltwire {
 namespace {
@@ -15,17 +16,11 @@ int interval(const NetworkProfile& line, double servo_period) {
 }  // namespace
 
 const NetworkProfile& network_profile(std::string_view given) {
-  for (const NetworkProfile& profile : kNetworkProfiles)
-    if (profile.name == given) return profile;
-  throw std::invalid_argument("unknown network profile '" + std::string(given) +
-                              "'; choose one of: " + network_profile_names());
+  return chosen("network profile", given, kNetworkProfiles, &NetworkProfile::name);
 }
 
 std::string network_profile_names() {
-  std::string names;
-  for (const NetworkProfile& profile : kNetworkProfiles)
-    names += (names.empty() ? "" : "|") + std::string(profile.name);
-  return names;
+  return choices(kNetworkProfiles, "|", &NetworkProfile::name);
 }
 
 SessionParameters over(const NetworkProfile& line, SessionParameters p) {

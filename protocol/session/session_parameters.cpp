@@ -6,6 +6,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "core/base/choice.hpp"
+
 namespace feltwire {
 namespace {
 
@@ -133,28 +135,14 @@ BoundingConfig bounding_config(const SessionParameters& p, const DeviceSpec& dev
   return config;
 }
 
-std::string_view name(BoundingSide side) {
-  const auto i = static_cast<std::size_t>(side);
-  return i < kBoundingSideNames.size() ? kBoundingSideNames[i] : "unknown";
-}
-
+std::string_view name(BoundingSide side) { return name_among(kBoundingSideNames, side); }
 BoundingSide bounding_side(std::string_view given) {
-  for (std::size_t i = 0; i < kBoundingSideNames.size(); ++i)
-    if (kBoundingSideNames[i] == given) return static_cast<BoundingSide>(i);
-  throw std::invalid_argument("unknown bounding side '" + std::string(given) +
-                              "'; choose one of: server client both");
+  return chosen_value<BoundingSide>("bounding side", given, kBoundingSideNames);
 }
 
-std::string_view name(Predictor predictor) {
-  const auto i = static_cast<std::size_t>(predictor);
-  return i < kPredictorNames.size() ? kPredictorNames[i] : "unknown";
-}
-
+std::string_view name(Predictor predictor) { return name_among(kPredictorNames, predictor); }
 Predictor predictor(std::string_view given) {
-  for (std::size_t i = 0; i < kPredictorNames.size(); ++i)
-    if (kPredictorNames[i] == given) return static_cast<Predictor>(i);
-  throw std::invalid_argument("unknown predictor '" + std::string(given) +
-                              "'; choose one of: level linear");
+  return chosen_value<Predictor>("predictor", given, kPredictorNames);
 }
 
 }  // namespace feltwire

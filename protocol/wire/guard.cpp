@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/base/choice.hpp"
 #include "core/base/little_endian.hpp"
 
 namespace feltwire {
@@ -55,8 +56,7 @@ const char* name(DropReason reason) {
   static constexpr std::array<const char*, kDropReasons> names = {
       "none",   "size", "magic",     "version", "kind",  "reserved",   "session", "packet_number",
       "sealed", "rate", "malformed", "count",   "order", "not_finite", "stale"};
-  const auto i = static_cast<std::size_t>(reason);
-  return i < names.size() ? names[i] : "unknown";
+  return name_among(names, reason);
 }
 
 }  // namespace feltwire

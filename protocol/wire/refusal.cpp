@@ -1,6 +1,7 @@
 #include <array>
 #include <string_view>
 
+#include "core/base/choice.hpp"
 #include "protocol/wire/control.hpp"
 
 namespace feltwire::control {
@@ -10,8 +11,7 @@ const char* name(RefusalCode code) {
       "malformed",     "unknown_scene", "unknown_session", "bad_device", "bad_parameters",
       "full",          "shutting_down", "unauthenticated", "forbidden",  "too_many",
       "not_supported", "bad_scene",     "unknown_tool",    "failed"};
-  const auto i = static_cast<std::size_t>(code);
-  return i < names.size() ? names[i] : "unknown";
+  return name_among(names, code);
 }
 
 std::string shortened(const std::string& text, std::size_t most) {

@@ -1,6 +1,5 @@
 #include "server/app/config.hpp"
 
-#include <algorithm>
 #include <array>
 #include <asio/ip/address.hpp>
 #include <functional>
@@ -8,6 +7,7 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "core/base/choice.hpp"
 #include "core/base/json_document.hpp"
 #include "protocol/net/busy_poll.hpp"
 #include "protocol/net/udp_socket.hpp"
@@ -32,12 +32,6 @@ struct Complaint {
   const char* option;  // on the command line
   std::string message;
 };
-
-std::string choices() {
-  std::string text;
-  for (const char* level : kLogLevels) text += std::string(text.empty() ? "" : ", ") + level;
-  return text;
-}
 
 std::optional<Complaint> out_of_range(const char* field, const char* option, double value,
                                       double least, double most) {
@@ -130,8 +124,9 @@ std::optional<Complaint> complaint(const ServerConfig& c) {
   } catch (const std::invalid_argument& wrong) {
     return Complaint{"dscp", "--dscp", wrong.what()};
   }
-  if (std::find(kLogLevels.begin(), kLogLevels.end(), c.log_level) == kLogLevels.end())
-    return Complaint{"log_level", "--log-level", "'" + c.log_level + "' is none of " + choices()};
+  if (find_choice(kLogLevels, c.log_level) == nullptr)
+    return Complaint{"log_level", "--log-level",
+                     "'" + c.log_level + "' is none of " + choices(kLogLevels, ", ")};
   return std::nullopt;
 }
 

@@ -1,8 +1,8 @@
 #include "sim/measure/methods.hpp"
 
 #include <array>
-#include <stdexcept>
-#include <string>
+
+#include "core/base/choice.hpp"
 
 namespace feltwire {
 namespace {
@@ -45,12 +45,7 @@ constexpr std::array kMethods = {
 std::span<const Method> methods() { return kMethods; }
 
 const Method& method(std::string_view label) {
-  std::string message = "unknown method '" + std::string(label) + "'; choose one of:";
-  for (const Method& m : kMethods) {
-    if (m.label == label) return m;
-    message.append(" ").append(m.label);
-  }
-  throw std::invalid_argument(message);
+  return chosen("method", label, kMethods, &Method::label);
 }
 
 }  // namespace feltwire

@@ -1,5 +1,6 @@
 #include <nlohmann/json.hpp>
 
+#include "core/base/choice.hpp"
 #include "core/base/text.hpp"
 #include "sim/report/plot.hpp"
 #include "sim/studies/bound/extremes.hpp"
@@ -135,7 +136,7 @@ void write_extremes(const std::filesystem::path& directory, const std::vector<Ex
       "energy_error,rounding,passed\n";
   auto document = nlohmann::ordered_json::array();
   for (const ExtremeRow& row : rows) {
-    const std::string_view promised = kPromiseNames[static_cast<std::size_t>(row.promise)];
+    const std::string_view promised = name_among(kPromiseNames, row.promise);
     for (const auto& [arithmetic, o] :
          {std::pair{"double", &row.in_double}, std::pair{"float", &row.in_float}})
       append(csv, "%s,%s,%s,%s,%llu,%llu,%llu,%llu,%llu,%llu,%.3g,%.3g,%d\n", row.strain.c_str(),

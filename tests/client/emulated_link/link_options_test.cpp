@@ -80,7 +80,7 @@ TEST(LinkOptions, ErrorsNameTheItemAndTheRemedy) {
   EXPECT_THAT(complaint("loss=100.1"), HasSubstr("0 to 100 %"));
   EXPECT_THAT(complaint("burst=0.5"), HasSubstr("from 1 to"));
   EXPECT_THAT(complaint("rate=0"), HasSubstr("0.001 to 100000 Mbit/s"));
-  EXPECT_THAT(complaint("distribution=cauchy"), HasSubstr("normal, uniform or pareto"));
+  EXPECT_THAT(complaint("distribution=cauchy"), HasSubstr("use normal, uniform, pareto"));
   EXPECT_THAT(complaint("order=maybe"), HasSubstr("keep"));
   EXPECT_THAT(complaint("seed=-1"), HasSubstr("seed=-1"));
   EXPECT_THAT(complaint("up.seed=1"), HasSubstr("both directions"));

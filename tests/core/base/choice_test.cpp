@@ -1,0 +1,53 @@
+#include "core/base/choice.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <array>
+
+#include "tests/client/temporary_folder.hpp"
+
+namespace feltwire::choice_test {
+namespace {
+
+using testing::error_of;
+
+enum class Colour { red, green, blue };
+constexpr std::array<std::string_view, 3> kColours = {"red", "green", "blue"};
+
+struct Line {
+  std::string_view name;
+  double rate;
+};
+constexpr std::array<Line, 2> kLines = {{{"lan", 1000.0}, {"wan", 100.0}}};
+
+TEST(Choice, EveryValueIsFoundByItsName) {
+  for (const Colour colour : {Colour::red, Colour::green, Colour::blue})
+    EXPECT_EQ(chosen_value<Colour>("colour", name_among(kColours, colour), kColours), colour);
+  EXPECT_EQ(chosen("line", "wan", kLines, &Line::name).rate, 100.0);
+  static_assert(name_among(kColours, Colour::blue) == "blue");
+}
+
+TEST(Choice, AnErrorListsTheChoices) {
+  EXPECT_EQ(
+      error_of<std::invalid_argument>([] { chosen_value<Colour>("colour", "pink", kColours); }),
+      "unknown colour 'pink'; choose one of: red green blue");
+  EXPECT_EQ(error_of<std::invalid_argument>([] { chosen("line", "", kLines, &Line::name); }),
+            "unknown line ''; choose one of: lan wan");
+  EXPECT_EQ(choices(kLines, "|", &Line::name), "lan|wan");
+}
+
+/// A name is the whole of it; case counts.
+TEST(Choice, WhatIsNearlyANameIsNone) {
+  for (const std::string_view given : {"", "re", "reds", " red", "Red", "red green"})
+    EXPECT_EQ(find_choice(kColours, given), nullptr) << given;
+}
+
+/// As one that was read from a datagram may be.
+TEST(Choice, AValueWithoutANameIsUnknown) {
+  EXPECT_EQ(name_among(kColours, static_cast<Colour>(3)), "unknown");
+  EXPECT_EQ(name_among(kColours, static_cast<Colour>(-1)), "unknown");
+}
+
+}  // namespace
+}  // namespace feltwire::choice_test
