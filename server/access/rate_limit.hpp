@@ -1,10 +1,9 @@
 #pragma once
 // How often somebody may do something.
 
-#include <algorithm>
-#include <chrono>
 #include <map>
 
+#include "core/base/token_bucket.hpp"
 #include "protocol/wire/datagram.hpp"
 
 namespace feltwire {
@@ -17,51 +16,25 @@ class RateLimit {
   static constexpr std::size_t kMost = 4096;
 
   /// `rate` [1/s] for ever, `burst` at once.
-  RateLimit(double rate, double burst) : rate_(rate), burst_(burst), shared_{burst, {}} {}
+  RateLimit(double rate, double burst) : new_(rate, burst), shared_(new_) {}
 
   /// Whether one more is allowed; counts it then. `now` never falls.
   bool take(const Key& key, Nanoseconds now) {
-    Bucket& found = bucket(key, now);
-    if (found.left < 1.0) return false;
-    found.left -= 1.0;
-    return true;
-  }
-
- private:
-  struct Bucket {
-    double left;
-    Nanoseconds at;
-  };
-
-  void fill(Bucket& bucket, Nanoseconds now) const {
-    const double elapsed = std::chrono::duration<double>(now - bucket.at).count();
-    bucket.left = std::min(burst_, bucket.left + rate_ * std::max(0.0, elapsed));
-    bucket.at = now;
-  }
-
-  Bucket& bucket(const Key& key, Nanoseconds now) {
     auto found = buckets_.find(key);
     if (found == buckets_.end()) {
       if (buckets_.size() >= kMost)
         // A full bucket says no more than none.
-        std::erase_if(buckets_, [&](const auto& entry) {
-          Bucket filled = entry.second;
-          fill(filled, now);
-          return filled.left >= burst_;
-        });
-      if (buckets_.size() >= kMost) {
-        fill(shared_, now);
-        return shared_;
-      }
-      found = buckets_.emplace(key, Bucket{burst_, now}).first;
+        std::erase_if(buckets_, [&](const auto& entry) { return entry.second.is_full(now); });
+      if (buckets_.size() >= kMost) return shared_.take(now);
+      found = buckets_.emplace(key, new_).first;
     }
-    fill(found->second, now);
-    return found->second;
+    return found->second.take(now);
   }
 
-  double rate_, burst_;
-  std::map<Key, Bucket> buckets_;
-  Bucket shared_;
+ private:
+  TokenBucket new_;  // of a key that is not remembered
+  TokenBucket shared_;
+  std::map<Key, TokenBucket> buckets_;
 };
 
 }  // namespace feltwire

@@ -19,7 +19,7 @@ struct SceneSessions::SessionSlot {
   ObserverView observer_view;  // of an observer
   std::string tool;            // that was asked for; empty: the scene's first
   // Resets that its hand may still be blamed for.
-  TokenBucket resets{SessionLimits::kResets / SessionLimits::kResetTime, SessionLimits::kResetTime};
+  TokenBucket resets{SessionLimits::kResets / SessionLimits::kResetTime, SessionLimits::kResets};
   std::uint32_t share = 0;  // its number there
   bool disturbing = false;  // it had none left: it pushes nothing any more, and ends
 };

@@ -151,6 +151,16 @@ TEST(RateLimit, IsABucketForEachNetwork) {
   EXPECT_TRUE(rate.take(a, 1h));
 }
 
+/// Whatever the rate: a burst is no product that was rounded.
+TEST(RateLimit, GivesTheWholeBurst) {
+  for (const double rate : {0.1, 1.0 / 3.0, 1.0, 7.0, 49.0})
+    for (const int burst : {1, 3, 7, 20, 49}) {
+      RateLimit<int> limit(rate, burst);
+      for (int i = 0; i < burst; ++i) EXPECT_TRUE(limit.take(0, 1s)) << rate << " " << burst;
+      EXPECT_FALSE(limit.take(0, 1s)) << rate << " " << burst;
+    }
+}
+
 /// A forger of many networks is remembered within bounds.
 TEST(RateLimit, IsNotOutnumbered) {
   RateLimit<std::uint32_t> rate(1.0, 1.0);

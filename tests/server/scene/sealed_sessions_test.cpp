@@ -279,7 +279,7 @@ TEST(SampleRate, SamplesAreCountedNotDatagrams) {
 }
 
 TEST(SampleRate, AClockThatRunsBackGivesNothingAway) {
-  TokenBucket bucket(10.0, 1.0);
+  TokenBucket bucket(10.0, 10.0);
   for (int i = 0; i < 10; ++i) EXPECT_TRUE(bucket.take(100s));
   EXPECT_FALSE(bucket.take(100s));
   EXPECT_FALSE(bucket.take(50s));
