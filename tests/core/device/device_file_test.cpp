@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
@@ -31,8 +32,9 @@ class DeviceFile : public ::testing::Test {
     return "none";
   }
 
-  const std::filesystem::path file_ =
-      std::filesystem::path(::testing::TempDir()) / "feltwire_device_file_test.json";
+  // Of this test alone: others run beside it.
+  const std::filesystem::path file_ = std::filesystem::path(::testing::TempDir()) /
+                                      ("feltwire_" + std::to_string(::getpid()) + "_device.json");
 };
 
 TEST_F(DeviceFile, SaysEverythingThatABuiltInDeviceSays) {
@@ -68,7 +70,7 @@ TEST_F(DeviceFile, ErrorsNameTheLineTheFieldAndTheRemedy) {
   const auto with = [](const std::string& field) {
     return "{\"name\": \"mine\",\n\"max_force\": 3, \"workspace\": [1, 1, 1],\n" + field + "}";
   };
-  const std::string at = "feltwire_device_file_test.json:";
+  const std::string at = file_.filename().string() + ":";
   EXPECT_THAT(error(with("\"damping\": [-1]")),
               AllOf(HasSubstr(at + "3: damping: "), HasSubstr("sign")));
   EXPECT_THAT(error(with("\"damping\": [1, 2]")),

@@ -164,7 +164,7 @@ TEST(RecordedPhysics, Floating) {
 }
 
 /// A drawer between its stops, with damping.
-TEST(RecordedPhysics, FrictionSolution) {
+TEST(RecordedPhysics, Slide) {
   Body drawer = body("drawer", 0.6);
   drawer.joint = Joint::slide;
   drawer.axis = Vec3::UnitX();

@@ -4,6 +4,7 @@
 #include "sim/studies/network/methods_over_link.hpp"
 
 #include <gmock/gmock.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <fstream>
@@ -80,7 +81,8 @@ TEST(MethodsOverLink, TableAndFilesHaveEveryRow) {
   const std::string table = over_link_table(rows());
   for (const OverLinkRow& r : rows()) EXPECT_THAT(table, HasSubstr("\n" + r.label));
   EXPECT_THAT(table, HasSubstr("energy_tank (research)"));
-  const auto folder = std::filesystem::path(::testing::TempDir()) / "feltwire_methods_over_link";
+  const auto folder = std::filesystem::path(::testing::TempDir()) /
+                      ("feltwire_methods_over_link_" + std::to_string(::getpid()));
   write_over_link(folder, rows());
   const auto json = nlohmann::json::parse(std::ifstream(folder / "methods_over_link.json"));
   ASSERT_EQ(json.size(), rows().size());
