@@ -19,4 +19,8 @@ struct Fidelity {
 };
 Fidelity fidelity(std::span<const NetworkSample> samples);
 
+/// [m] How the hand shakes: highpass_rms() of the true position, on the axis where it is largest,
+/// at a servo rate of `rate` [Hz].
+double oscillation(std::span<const NetworkSample> samples, double rate);
+
 }  // namespace feltwire

@@ -24,7 +24,6 @@ constexpr double kStiffness = 1000.0;  // [N/m]
 constexpr double kPress = 3.0;         // [N]
 constexpr double kDuration = 4.0;      // [s]
 constexpr double kSettled = 0.5;       // [s]
-constexpr double kHighpass = 51e-3;    // [s]
 
 struct Task {
   std::string name;
@@ -169,18 +168,6 @@ double onset(const std::vector<NetworkSample>& samples) {
       samples, [](const NetworkSample& s) { return s.held.force().norm() > 0.0; });
   if (touched == samples.end() || felt == samples.end()) return 0.0;
   return felt->time - touched->time;
-}
-
-double oscillation(const std::vector<NetworkSample>& samples, double rate) {
-  const int window = 2 * static_cast<int>(std::llround(0.5 * kHighpass * rate)) + 1;
-  double most = 0.0;
-  for (int axis = 0; axis < 3; ++axis) {
-    std::vector<double> way;
-    way.reserve(samples.size());
-    for (const NetworkSample& s : samples) way.push_back(s.position[axis]);
-    most = std::max(most, highpass_rms(way, window));
-  }
-  return most;
 }
 
 /// What comes once the first replies have: before, a session knows nothing.

@@ -13,7 +13,6 @@
 namespace feltwire {
 namespace {
 
-constexpr double kHighpass = 51e-3;                       // [s]
 constexpr double kLeastRate = 100.0, kLargestRate = 1e4;  // [Hz]
 constexpr double kLongest = 600.0;                        // [s]
 
@@ -37,18 +36,6 @@ constexpr std::array kRows = {
     Row{"passivity_control", BoundingMode::passivity_control, false, true},
     Row{"energy_tank", BoundingMode::energy_tank, false, true},
 };
-
-double oscillation(const std::vector<NetworkSample>& samples, double rate) {
-  const int window = 2 * static_cast<int>(std::llround(0.5 * kHighpass * rate)) + 1;
-  double most = 0.0;
-  for (int axis = 0; axis < 3; ++axis) {
-    std::vector<double> way;
-    way.reserve(samples.size());
-    for (const NetworkSample& s : samples) way.push_back(s.position[axis]);
-    most = std::max(most, highpass_rms(way, window));
-  }
-  return most;
-}
 
 OverLinkRow measure(const Scene& scene, const OverLinkTask& task, const Row& row) {
   NetworkRunOptions options;
