@@ -51,6 +51,19 @@ class ClientProgram : public ::testing::Test {
                  "--fingerprint", to_string(server_->fingerprint())});
     return more;
   }
+  /// What a program does that finds the server's fingerprint and this token in its environment.
+  test::Outcome outcome_with_access(const IssuedToken& token, const char* program,
+                                    const std::vector<std::string>& words) {
+    const std::string file = folder_ / "token", print = folder_ / "fingerprint";
+    replace_file(file, token.text.text(), kPrivate);
+    std::ofstream(print) << to_string(server_->fingerprint());
+    ::setenv("FELTWIRE_FINGERPRINT_FILE", print.c_str(), 1);
+    ::setenv("FELTWIRE_TOKEN_FILE", file.c_str(), 1);
+    const test::Outcome outcome = test::Program(program, words).finish();
+    ::unsetenv("FELTWIRE_FINGERPRINT_FILE");
+    ::unsetenv("FELTWIRE_TOKEN_FILE");
+    return outcome;
+  }
   nlohmann::json report() { return nlohmann::json::parse(text_of(folder_ / "report.json")); }
 
   testing::TemporaryFolder folder_;
@@ -83,19 +96,12 @@ TEST_F(ClientProgram, AnObserverSaysAndWritesDownWhatItSees) {
 
 /// examples/my_device.cpp: a class and one call.
 TEST_F(ClientProgram, ADeviceMakersProgramFeelsTheFloor) {
-  const std::string token = folder_ / "token", print = folder_ / "fingerprint";
-  replace_file(token, anna_.text.text(), kPrivate);
-  std::ofstream(print) << to_string(server_->fingerprint());
   ::unsetenv("FELTWIRE_TOKEN_FILE");
   const std::vector<std::string> words{to_string(access_.endpoint), "floor", "1"};
   const test::Outcome lost = test::Program(FELTWIRE_MY_DEVICE, words).finish();
   EXPECT_EQ(lost.status, 1);
   EXPECT_THAT(lost.error, StartsWith("my_device: nothing says which server to trust"));
-  ::setenv("FELTWIRE_FINGERPRINT_FILE", print.c_str(), 1);
-  ::setenv("FELTWIRE_TOKEN_FILE", token.c_str(), 1);
-  const test::Outcome felt = test::Program(FELTWIRE_MY_DEVICE, words).finish();
-  ::unsetenv("FELTWIRE_FINGERPRINT_FILE");
-  ::unsetenv("FELTWIRE_TOKEN_FILE");
+  const test::Outcome felt = outcome_with_access(anna_, FELTWIRE_MY_DEVICE, words);
   EXPECT_EQ(felt.status, 0) << felt.error;
   double force = 0.0;
   const char* found = std::strstr(felt.out.c_str(), "largest force ");
@@ -110,16 +116,8 @@ TEST_F(ClientProgram, AViewersProgramSeesTheHand) {
   testing::Client hand(access_, "t,x,y,z\n0,0.1,0.05,0.125\n1000,0.1,0.05,0.125\n", {}, "floor");
   hand.start();
   hand.next_tick("an answer", [](const TickRecord& row) { return row.age >= 0.0; });
-  const std::string token = folder_ / "token", print = folder_ / "fingerprint";
-  replace_file(token, eye_.text.text(), kPrivate);
-  std::ofstream(print) << to_string(server_->fingerprint());
-  ::setenv("FELTWIRE_FINGERPRINT_FILE", print.c_str(), 1);
-  ::setenv("FELTWIRE_TOKEN_FILE", token.c_str(), 1);
-  const test::Outcome seen =
-      test::Program(FELTWIRE_MY_SCENE_VIEWER, {to_string(access_.endpoint), "floor", "0.4"})
-          .finish();
-  ::unsetenv("FELTWIRE_FINGERPRINT_FILE");
-  ::unsetenv("FELTWIRE_TOKEN_FILE");
+  const test::Outcome seen = outcome_with_access(eye_, FELTWIRE_MY_SCENE_VIEWER,
+                                                 {to_string(access_.endpoint), "floor", "0.4"});
   hand.stop.set();
   EXPECT_EQ(seen.status, 0) << seen.error;
   EXPECT_THAT(seen.out, HasSubstr(" 1 hands, 0 bodies"));
