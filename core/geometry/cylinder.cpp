@@ -24,7 +24,7 @@ SurfacePoint cylinder_from_inside(const Cylinder& cylinder, const Vec3& p, Featu
   return stand_on(at_side + z * Vec3::UnitZ(), -direction(beyond), depth, feature, memory);
 }
 
-/// The same of a cylinder.
+/// The face by which the way from a free point goes in; -1: it does not.
 int cylinder_entry(const Cylinder& cylinder, const Vec3& from, const Vec3& to) {
   const double h = cylinder.half_length, r = cylinder.radius;
   const Vec3 flat(1.0, 1.0, 0.0);
