@@ -27,14 +27,12 @@ Fidelity fidelity(std::span<const NetworkSample> samples) {
 }
 
 double oscillation(std::span<const NetworkSample> samples, double rate) {
-  constexpr double kHighpass = 51e-3;  // [s]
-  const int window = 2 * static_cast<int>(std::llround(0.5 * kHighpass * rate)) + 1;
   double most = 0.0;
   for (int axis = 0; axis < 3; ++axis) {
     std::vector<double> way;
     way.reserve(samples.size());
     for (const NetworkSample& s : samples) way.push_back(s.position[axis]);
-    most = std::max(most, highpass_rms(way, window));
+    most = std::max(most, highpass_rms(way, rate));
   }
   return most;
 }

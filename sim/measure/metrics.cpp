@@ -36,8 +36,8 @@ Spread spread(std::vector<double> values) {
           values[std::max<std::size_t>(rank, 1) - 1], values.back()};
 }
 
-double highpass_rms(std::span<const double> values, int window) {
-  const auto wide = static_cast<std::size_t>(window), half = wide / 2;
+double highpass_rms(std::span<const double> values, double rate) {
+  const std::size_t wide = odd_window(kOscillationWindow, rate), half = wide / 2;
   if (values.size() < 2 * wide) return 0.0;
   const std::size_t begin = std::max(values.size() / 2, half), end = values.size() - half;
   CentredHighPass filter(wide);
@@ -76,7 +76,7 @@ ExperimentMetrics measure(std::span<const ExperimentSample> samples, EbaConstant
   std::vector<double> axis(samples.size());
   for (int i = 0; i < 3; ++i) {
     for (std::size_t n = 0; n < samples.size(); ++n) axis[n] = samples[n].position[i];
-    m.highpass_rms[i] = highpass_rms(axis);
+    m.highpass_rms[i] = highpass_rms(axis, 1.0 / period);
   }
   m.total_energy = energy.sum();
   m.port_energy = port_energy.sum();

@@ -21,9 +21,11 @@ struct Spread {
 /// Mean, 99th percentile (nearest rank) and maximum; zeros when there is no value.
 Spread spread(std::vector<double> values);
 
-/// RMS [unit of the values] of what is faster than a centred moving average of `window` samples
-/// (odd), over the second half of the run; the ends that the window does not cover are left out.
-double highpass_rms(std::span<const double> values, int window = 51);
+/// How much a value oscillates: the RMS [unit of the values] of the values less their centred
+/// moving average over kOscillationWindow, over the second half of the run. The values are sampled
+/// at `rate` [Hz]. The ends that the window does not cover are left out. 0 for a run shorter than
+/// two windows. The client's report measures the same (client/servo/hand_measures.hpp).
+double highpass_rms(std::span<const double> values, double rate);
 
 struct ExperimentMetrics {
   Vec3 highpass_rms = Vec3::Zero();  // [m] of the true position, axis by axis

@@ -12,7 +12,6 @@
 namespace feltwire {
 namespace {
 
-constexpr double kHighpass = 51e-3;         // [s]
 constexpr double kReferenceRate = 20000.0;  // [Hz]
 
 ExperimentSetup task_setup(const CompareTask& task, const CompareLoop& loop) {
@@ -57,10 +56,9 @@ CompareRow run_task(const CompareTask& task, const std::string& label, const Exp
   std::vector<double> distance;
   distance.reserve(samples.size());
   for (const ExperimentSample& s : samples) distance.push_back(task.distance(s.position));
-  const int window = 2 * static_cast<int>(kHighpass / 2.0 / period) + 1;
   return {.task = task.name,
           .method = label,
-          .oscillation = highpass_rms(distance, window),
+          .oscillation = highpass_rms(distance, 1.0 / period),
           .direction_error = metrics.direction_error.mean,
           .displayed = displayed_share(samples, task.touch),
           // Not -0.

@@ -14,7 +14,6 @@ namespace feltwire {
 namespace {
 
 constexpr double kPress = 3.0;                                // [N]
-constexpr double kHighpass = 51e-3;                           // [s]
 constexpr double kBall = 0.09;                                // [m] radius, the paper's
 constexpr double kPressDuration = 1.5, kSlideDuration = 6.0;  // [s]
 
@@ -162,7 +161,7 @@ RateCell measure_cell(const Surface& surface, double damping, double rate,
     angles.push_back(angle_between(s.acted, s.ideal));
   }
   cell.direction_error = spread(std::move(angles)).mean;
-  cell.oscillation = highpass_rms(heights, 2 * static_cast<int>(0.5 * kHighpass * rate) + 1);
+  cell.oscillation = highpass_rms(heights, rate);
   return cell;
 }
 

@@ -9,12 +9,11 @@
 namespace feltwire {
 namespace {
 
-constexpr double kPress = 3.0;       // [N]
-constexpr double kDeepest = 0.03;    // [m] of wall that a hand goes through to press so
-constexpr double kLeadIn = 0.5;      // [s]
-constexpr double kAtRest = 1.0;      // [s]
-constexpr double kDuration = 2.0;    // [s]
-constexpr double kHighpass = 51e-3;  // [s]
+constexpr double kPress = 3.0;     // [N]
+constexpr double kDeepest = 0.03;  // [m] of wall that a hand goes through to press so
+constexpr double kLeadIn = 0.5;    // [s]
+constexpr double kAtRest = 1.0;    // [s]
+constexpr double kDuration = 2.0;  // [s]
 
 ExperimentSetup press_setup(const Method& method, double damping, double rate, double delay,
                             double stiffness) {
@@ -65,7 +64,7 @@ Press press_wall(const Method& method, double damping, double rate, double delay
     force += s.rendered.force().z();
   }
   Press press;
-  press.oscillation = highpass_rms(height, 2 * static_cast<int>(kHighpass / 2.0 * rate) + 1);
+  press.oscillation = highpass_rms(height, rate);
   if (press.calm() && depth > 0.0) press.displayed = force / depth;
   return press;
 }

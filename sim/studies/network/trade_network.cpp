@@ -15,7 +15,6 @@ namespace {
 constexpr double kBegin = 1.0;       // [s] within which the hand comes in; what follows is counted
 constexpr double kClearance = 0.03;  // [m] from which: the first reply comes before the contact
 constexpr double kBall = 0.09;       // [m] radius
-constexpr double kWindow = 0.051;    // [s] of the moving average
 
 struct TradeTask {
   double stiffness;  // [N/m]
@@ -66,7 +65,7 @@ double oscillation(const TradeTask& task, const std::vector<NetworkSample>& samp
   heights.reserve(samples.size());
   for (const NetworkSample& s : samples)
     heights.push_back(task.ball ? s.position.norm() - kBall : s.position.z());
-  return highpass_rms(heights, static_cast<int>(std::lround(kWindow / period)) | 1);
+  return highpass_rms(heights, 1.0 / period);
 }
 
 void add(const DatagramCount& count, double duration, double& kbit, double& datagrams) {

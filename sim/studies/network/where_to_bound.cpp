@@ -15,7 +15,6 @@ namespace {
 constexpr double kPress = 3.0;      // [N]
 constexpr double kDamping = 0.5;    // b [N s/m]
 constexpr double kBall = 0.09;      // [m] radius
-constexpr int kHighpass = 51;       // [samples] at 1 kHz
 constexpr double kRounding = 1e-9;  // [J]
 
 struct SidesTask {
@@ -88,7 +87,7 @@ void measure(const SidesTask& task, const NetworkRunResult& run, SidesCell& cell
     sums.depth_squared += depth * depth;
   }
   const auto ratio = [](double a, double b) { return b > 0.0 ? a / b : 0.0; };
-  cell.oscillation = highpass_rms(heights, kHighpass);
+  cell.oscillation = highpass_rms(heights, 1.0 / SessionParameters{}.servo_period);
   const double mean = sums.height / static_cast<double>(heights.size() - half);
   double squares = 0.0;
   for (std::size_t n = half; n < heights.size(); ++n)

@@ -15,14 +15,14 @@ TEST(Metrics, HighpassOfAFastSineIsItsRmsAndOfASlowLineIsNothing) {
     fast.push_back(5.0 + 2.0 * std::sin(2.0 * std::numbers::pi * n / 17.0));
     line.push_back(1e6 + 0.25 * n);
   }
-  EXPECT_NEAR(highpass_rms(fast), 2.0 / std::sqrt(2.0), 1e-3);
-  EXPECT_NEAR(highpass_rms(line), 0.0, 1e-9);
+  EXPECT_NEAR(highpass_rms(fast, 1e3), 2.0 / std::sqrt(2.0), 1e-3);
+  EXPECT_NEAR(highpass_rms(line, 1e3), 0.0, 1e-9);
 }
 
 TEST(Metrics, HighpassLooksAtTheSecondHalfOnly) {
   std::vector<double> values(4000, 0.0);
   for (std::size_t n = 0; n < 1900; ++n) values[n] = n % 2 == 0 ? 1.0 : -1.0;
-  EXPECT_EQ(highpass_rms(values), 0.0);
+  EXPECT_EQ(highpass_rms(values, 1e3), 0.0);
 }
 
 TEST(Metrics, SpreadIsMeanNearestRankAndMaximum) {
