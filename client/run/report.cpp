@@ -8,6 +8,7 @@
 
 #include "client/transport/encoder.hpp"
 #include "core/base/choice.hpp"
+#include "core/base/visible_text.hpp"
 #include "core/build_info/build_info.hpp"
 
 namespace feltwire {
@@ -181,6 +182,13 @@ Json sight(const std::optional<SightCounts>& seen, const LoopResult& loop) {
           {"left_out", seen->left_out}};
 }
 
+/// A port may be the user's own: text that is no JSON must not cost the rest of the report.
+Json port_json(const std::string& text) {
+  if (text.empty()) return nullptr;
+  Json parsed = Json::parse(text, nullptr, false);
+  return parsed.is_discarded() ? Json(visible_lines(text)) : parsed;
+}
+
 constexpr std::array<std::string_view, 6> kGoodbyeReasonNames = {
     "leaving", "shutting_down", "evicted", "flooding", "failed", "disturbing"};
 
@@ -248,7 +256,7 @@ std::string report_json(const RunDescription& run, const Servo& servo,
         {"rerouted", transport.rerouted},
         {"received", transport.received}}},
       {"dropped", dropped(transport, s)},
-      {"link", link.empty() ? Json(nullptr) : Json::parse(link)},
+      {"link", port_json(link)},
       {"busy_poll_us", number(run.busy_poll)},
       {"real_time",
        {{"scheduler", run.real_time.scheduler}, {"memory_locked", run.real_time.memory_locked}}},

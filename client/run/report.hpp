@@ -25,7 +25,7 @@ struct RunDescription {
 };
 
 /// The report's text. Every number in it is finite; what there is no number for is null. `link`:
-/// JSON of an emulated link (DatagramPort::report()), empty without.
+/// DatagramPort::report(). JSON is put in as it is, other text as a string, an empty text as null.
 std::string report_json(const RunDescription& run, const Servo& servo,
                         const TransportStatistics& transport, const LoopResult& loop,
                         const std::string& link = {});

@@ -103,10 +103,19 @@ std::shared_ptr<Run> make_run(const RunOptions& options, const control::JoinAcce
   return run;
 }
 
+/// A port is the user's own code: if it fails here, the report says so and the rest is written.
+std::string port_report(const DatagramPort& port) {
+  try {
+    return port.report();
+  } catch (const std::exception& error) {
+    return std::string("the port failed to report: ") + error.what();
+  }
+}
+
 void write_report(const std::filesystem::path& file, const RunDescription& described,
                   const Run& run) {
   write_whole(file, report_json(described, run.servo, run.transport->statistics(), run.result,
-                                run.transport->port().report()));
+                                port_report(run.transport->port())));
 }
 
 /// A second time where the first fails: what the system refused once it may give now.

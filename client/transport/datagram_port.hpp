@@ -55,7 +55,7 @@ class DatagramPort {
   virtual PortStatistics statistics() const noexcept = 0;
 
   /// JSON for the report of a run, beside the statistics; empty: there is nothing more to say.
-  /// May allocate.
+  /// Other text stands in the report as a string, and so does what it throws. May allocate.
   virtual std::string report() const { return {}; }
 };
 

@@ -183,7 +183,7 @@ class SceneSessions {
   SessionLimits limits_;
   std::unique_ptr<World> world_;
   Nanoseconds tick_{0}, last_tick_{0};               // of the world: length, time
-  int most_ticks_ = kMostTicks;                      // that are made up for now
+  int most_ticks_ = kMostTicks;                      // that one call makes up for at present
   std::vector<std::unique_ptr<SessionSlot>> slots_;  // in the order they joined
   std::vector<ActingHand> hands_;                    // of those, without the observers'
   IdMap<SessionSlot*> by_id_;

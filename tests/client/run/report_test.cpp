@@ -61,6 +61,18 @@ TEST(Report, SaysWhatTheHandHeld) {
   EXPECT_EQ(json::parse(report_json(run, *servo, {}, {}))["tool"], "key");
 }
 
+TEST(Report, TakesWhateverTheUsersOwnPortSays) {
+  const auto servo = used_servo();
+  const RunDescription run{"anna", "wall", "localhost:6720", "simulated", {}};
+  const auto link = [&](const std::string& said) {
+    return json::parse(report_json(run, *servo, {}, {}, said))["link"];
+  };
+  EXPECT_TRUE(link("").is_null());
+  EXPECT_EQ(link(R"({"lost": 3})")["lost"], 3);
+  EXPECT_EQ(link("{not JSON"), "{not JSON");
+  EXPECT_EQ(link("no \x1b[31mUTF-8 \xff"), "no \\x1b[31mUTF-8 \\xff");
+}
+
 TEST(Report, SaysBothVersions) {
   const auto servo = used_servo();
   RunDescription run{"anna", "wall", "localhost:6720", "simulated", {}};
