@@ -45,6 +45,27 @@ const Node* member(const Node& object, std::string_view key) {
   return nullptr;
 }
 
+/// Down a path as far as it is in the text; what is not stays in `path`.
+const Node& walk(const Node& root, std::string_view& path) {
+  const Node* node = &root;
+  while (!path.empty()) {
+    const Node* child = nullptr;
+    const std::size_t end = std::min(path.find_first_of(".[", 1), path.size());
+    if (path.front() == '[') {
+      const auto index = std::strtoul(std::string(path.substr(1, end - 1)).c_str(), nullptr, 10);
+      if (node->kind == Kind::array && index < node->children.size())
+        child = &node->children[index];
+    } else {
+      const std::size_t begin = path.front() == '.' ? 1 : 0;
+      child = member(*node, path.substr(begin, end - begin));
+    }
+    if (!child) break;
+    node = child;
+    path.remove_prefix(end);
+  }
+  return *node;
+}
+
 /// The shape of the text against the schema, so that every error has its field and its line.
 class SchemaCheck {
  public:
@@ -208,25 +229,18 @@ const std::uint8_t* JsonDocument::buffer() const {
   return parsed_->parser->builder_.GetBufferPointer();
 }
 
-int JsonDocument::line_of(std::string_view path) const {
-  const Node* node = &parsed_->root;
-  while (!path.empty()) {
-    const Node* child = nullptr;
-    const std::size_t end = std::min(path.find_first_of(".[", 1), path.size());
-    if (path.front() == '[') {
-      const auto index = std::strtoul(std::string(path.substr(1, end - 1)).c_str(), nullptr, 10);
-      if (node->kind == Kind::array && index < node->children.size())
-        child = &node->children[index];
-    } else {
-      const std::size_t begin = path.front() == '.' ? 1 : 0;
-      child = member(*node, path.substr(begin, end - begin));
-    }
-    if (!child) break;
-    node = child;
-    path.remove_prefix(end);
-  }
-  return node->line;
+bool JsonDocument::has(std::string_view path) const {
+  walk(parsed_->root, path);
+  return path.empty();
 }
+
+std::optional<double> JsonDocument::number(std::string_view path) const {
+  const Node& node = walk(parsed_->root, path);
+  if (!path.empty() || node.kind != Kind::number) return std::nullopt;
+  return node.number;
+}
+
+int JsonDocument::line_of(std::string_view path) const { return walk(parsed_->root, path).line; }
 
 void JsonDocument::fail(std::string_view path, std::string_view message) const {
   throw FileError(json::error_text(parsed_->file, line_of(path), path, message));

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -27,6 +28,11 @@ class JsonDocument {
 
   /// The FlatBuffer, built here from checked text; lives as long as this.
   const std::uint8_t* buffer() const;
+
+  /// Whether something stands in the text at a path like "objects[2].sphere".
+  bool has(std::string_view path) const;
+  /// The number at a path; none where there is no number.
+  std::optional<double> number(std::string_view path) const;
 
   /// The line (from 1) on which the value at a path like "objects[2].sphere.radius" begins; where
   /// the path is not in the text (a defaulted field), the line of the nearest parent that is.

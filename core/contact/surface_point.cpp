@@ -27,28 +27,22 @@ SurfacePoint surface(const Grid& grid, Side side, const Vec3& p, FeatureMemory& 
 
 SurfacePoint surface_point(const Shape& shape, Side side, const Vec3& position,
                            FeatureMemory& memory) noexcept {
-  // get_if instead of visit: visit may throw, and this is the servo loop.
-  if (const auto* plane = std::get_if<Plane>(&shape))
-    return surface_point(*plane, side, position, memory);
-  if (const auto* sphere = std::get_if<Sphere>(&shape))
-    return surface_point(*sphere, side, position, memory);
-  if (const auto* box = std::get_if<Box>(&shape))
-    return surface_point(*box, side, position, memory);
-  if (const auto* capsule = std::get_if<Capsule>(&shape))
-    return surface_point(*capsule, side, position, memory);
-  if (const auto* cylinder = std::get_if<Cylinder>(&shape))
-    return surface_point(*cylinder, side, position, memory);
   if (const auto* mesh = std::get_if<Mesh>(&shape))
     return mesh_surface_point(*mesh->surface, side, position, memory);
   if (const auto* grid = std::get_if<Grid>(&shape)) return surface(*grid, side, position, memory);
-  memory = {};
-  return {};
+  return on_primitive(
+      shape, [&](const auto& solid) { return solid.surface_point(side, position, memory); },
+      [&] {
+        memory = {};
+        return SurfacePoint{};
+      });
 }
 
 bool follows_way(const Shape& shape, Side side) noexcept {
   if (std::holds_alternative<Mesh>(shape)) return true;
-  return side == Side::outside && !std::holds_alternative<Plane>(shape) &&
-         !std::holds_alternative<Grid>(shape);
+  return side == Side::outside &&
+         on_primitive(
+             shape, [](const auto& solid) { return is_bounded(solid); }, [] { return false; });
 }
 
 Vec3 origin_of(const Shape& shape) noexcept {

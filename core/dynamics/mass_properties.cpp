@@ -1,63 +1,26 @@
 #include "core/dynamics/mass_properties.hpp"
 
-#include <numbers>
-
 #include "core/mesh/mesh_surface.hpp"
 
 namespace feltwire {
 namespace {
-
-double squared(double x) { return x * x; }
-double cubed(double x) { return x * x * x; }
-
-/// About an axis z of symmetry: `across` for x and y.
-Mat3 turned(double across, double along) { return Vec3(across, across, along).asDiagonal(); }
 
 /// Steiner: of a unit of volume at an offset.
 Mat3 offset_inertia(const Vec3& by) {
   return by.squaredNorm() * Mat3::Identity() - by * by.transpose();
 }
 
-MassProperties of(const Sphere& s) {
-  const double volume = 4.0 / 3.0 * std::numbers::pi * cubed(s.radius);
-  return {volume, Vec3::Zero(), 0.4 * volume * squared(s.radius) * Mat3::Identity()};
-}
-
-MassProperties of(const Box& b) {
-  const double volume = 8.0 * b.half_extents.prod();
-  const Vec3 square = b.half_extents.cwiseAbs2();
-  return {volume, Vec3::Zero(),
-          volume / 3.0 * Vec3(Vec3::Constant(square.sum()) - square).asDiagonal().toDenseMatrix()};
-}
-
-MassProperties of(const Cylinder& c) {
-  const double volume = 2.0 * std::numbers::pi * c.radius * c.radius * c.half_length;
-  const double r = squared(c.radius), h = squared(c.half_length);
-  return {volume, Vec3::Zero(), volume * turned(r / 4.0 + h / 3.0, r / 2.0)};
-}
-
-/// A cylinder and two half balls, each 3/8 r beyond its flat face.
-MassProperties of(const Capsule& c) {
-  const double middle = 2.0 * std::numbers::pi * c.radius * c.radius * c.half_length;
-  const double ends = 4.0 / 3.0 * std::numbers::pi * cubed(c.radius);
-  const double r = squared(c.radius), h = c.half_length;
-  const double across =
-      middle * (r / 4.0 + h * h / 3.0) + ends * (0.4 * r + h * h + 0.75 * c.radius * h);
-  return {middle + ends, Vec3::Zero(), turned(across, middle * r / 2.0 + ends * 0.4 * r)};
-}
-
 }  // namespace
 
 MassProperties mass_properties(const Shape& shape) {
-  if (const auto* s = std::get_if<Sphere>(&shape)) return of(*s);
-  if (const auto* b = std::get_if<Box>(&shape)) return of(*b);
-  if (const auto* c = std::get_if<Capsule>(&shape)) return of(*c);
-  if (const auto* c = std::get_if<Cylinder>(&shape)) return of(*c);
   if (const auto* m = std::get_if<Mesh>(&shape)) {
     const TriangleMesh& mesh = m->surface->mesh();
-    if (mesh.report().closed() && mesh.report().volume > 0.0) return mass_properties(mesh);
+    const bool solid = mesh.report().closed() && mesh.report().volume > 0.0;
+    return solid ? mass_properties(mesh) : MassProperties{};
   }
-  return {};
+  return on_primitive(
+      shape, [](const auto& solid) { return solid.mass_properties(); },
+      [] { return MassProperties{}; });
 }
 
 // The sum over tetrahedra from the origin to each triangle (Tonon 2004, "Explicit exact formulas
@@ -79,7 +42,7 @@ MassProperties mass_properties(const TriangleMesh& mesh) {
   }
   const Vec3 center = first / volume;
   second -= volume * center * center.transpose();
-  const double scale = cubed(size);
+  const double scale = size * size * size;
   return {scale * volume, mesh.origin() + size * center,
           scale * size * size * (second.trace() * Mat3::Identity() - second)};
 }

@@ -6,13 +6,6 @@
 
 namespace feltwire {
 
-/// Of a solid of density one.
-struct MassProperties {
-  double volume = 0.0;          // [m^3]
-  Vec3 center = Vec3::Zero();   // [m] of mass
-  Mat3 inertia = Mat3::Zero();  // [m^5] about the centre, along the frame's axes
-};
-
 /// In the shape's own frame. Volume zero: a plane, a grid, or a mesh that is not closed or has its
 /// normals inwards.
 MassProperties mass_properties(const Shape& shape);

@@ -24,14 +24,20 @@ std::string printed(const char* format, Numbers... numbers) {
   return text;
 }
 
+/// [m] Half of the box about a shape.
 Vec3 half_extents(const Shape& shape) {
-  if (const auto* s = std::get_if<Sphere>(&shape)) return Vec3::Constant(s->radius);
-  if (const auto* b = std::get_if<Box>(&shape)) return b->half_extents;
-  if (const auto* c = std::get_if<Capsule>(&shape))
-    return {c->radius, c->radius, c->half_length + c->radius};
-  if (const auto* c = std::get_if<Cylinder>(&shape)) return {c->radius, c->radius, c->half_length};
   if (const auto* m = std::get_if<Mesh>(&shape)) return m->surface->mesh().half_extents();
-  return Vec3::Zero();
+  return on_primitive(
+      shape,
+      [](const auto& solid) { return is_bounded(solid) ? solid.half_box() : Vec3(Vec3::Zero()); },
+      [] { return Vec3(Vec3::Zero()); });
+}
+
+/// Whether it reaches no farther than the sides of its box.
+bool is_ball(const Shape& shape) {
+  return on_primitive(
+      shape, [](const auto& solid) { return solid.reach() <= solid.half_box().minCoeff(); },
+      [] { return false; });
 }
 
 /// [m, object frame] of that box.
@@ -67,14 +73,13 @@ double most_yielding(const mjModel& model, mjData& data, const Object& object, i
   const Mobility moves = mobility(model, data, body);
   const Vec3 origin = vector(entry<3>(data.xpos, body));
   const Vec3 h = half_extents(object.shape);
+  const bool ball = is_ball(object.shape);
   for (int x = -1; x <= 1; ++x)
     for (int y = -1; y <= 1; ++y)
       for (int z = -1; z <= 1; ++z) {
         if (x == 0 && y == 0 && z == 0) continue;
         // A ball's corners are in the air; its poles are not.
-        if (std::holds_alternative<Sphere>(object.shape) &&
-            std::abs(x) + std::abs(y) + std::abs(z) > 1)
-          continue;
+        if (ball && std::abs(x) + std::abs(y) + std::abs(z) > 1) continue;
         const Vec3 own = middle(object.shape) + h.cwiseProduct(Vec3(x, y, z));
         const Vec3 point = object.pose.position + object.pose.orientation * own;
         for (int axis = 0; axis < 3; ++axis)

@@ -36,36 +36,55 @@ constexpr std::size_t kMostBodies = 4000;
 // The model, as MJCF. Bodies are b0, b1, ..., geoms o0, o1, ... by object, meshes m0, m1, ...
 // alike.
 
-/// Empty: no such geom.
-std::string geom_shape(const Shape& shape) {
-  const auto sized = [](const char* type, const std::string& size) {
-    return attribute("type", type) + attribute("size", size);
-  };
-  if (std::holds_alternative<Plane>(shape)) return sized("plane", "0 0 1");
-  if (const auto* s = std::get_if<Sphere>(&shape)) return sized("sphere", number_text(s->radius));
-  if (const auto* b = std::get_if<Box>(&shape)) return sized("box", text(b->half_extents));
-  if (const auto* c = std::get_if<Capsule>(&shape)) {
-    if (!(c->half_length > 0.0)) return sized("sphere", number_text(c->radius));
-    return sized("capsule", number_text(c->radius) + " " + number_text(c->half_length));
-  }
-  if (const auto* c = std::get_if<Cylinder>(&shape))
-    return sized("cylinder", number_text(c->radius) + " " + number_text(c->half_length));
-  return {};
-}
-
 const TriangleMesh* triangles_of(const Shape& shape) {
   const auto* mesh = std::get_if<Mesh>(&shape);
   return mesh != nullptr ? &mesh->surface->mesh() : nullptr;
 }
 
-/// Of a mesh that bounds a solid; MuJoCo makes its convex hull of it. Empty: it bounds none.
-std::string hull(std::size_t object, const Shape& shape) {
-  const TriangleMesh* mesh = triangles_of(shape);
-  if (mesh == nullptr || !(mass_properties(shape).volume > 0.0)) return {};
-  std::string vertices;
-  for (const Vec3& v : mesh->vertices()) vertices += text(v) + " ";
-  return "<mesh" + attribute("name", "m" + std::to_string(object)) + attribute("vertex", vertices) +
-         "/>\n";
+/// What bodies run into. Of a mesh that bounds a solid its convex hull, which MuJoCo makes of it;
+/// its vertices are about its middle.
+std::vector<PhysicsGeom> geoms_of(const Object& object) {
+  const TriangleMesh* mesh = triangles_of(object.shape);
+  if (mesh == nullptr)
+    return on_primitive(
+        object.shape, [&](const auto& solid) { return solid.geoms(object.felt_from); },
+        [] { return std::vector<PhysicsGeom>(); });
+  if (object.felt_from == Side::inside || !(mass_properties(object.shape).volume > 0.0)) return {};
+  return {{.pose = Pose{mesh->origin(), Quaternion::Identity()},
+           .hull = {mesh->vertices().begin(), mesh->vertices().end()}}};
+}
+
+/// Whether MuJoCo's own mass of the geoms is that of the object.
+bool is_exact(const std::vector<PhysicsGeom>& geoms) {
+  return geoms.size() == 1 && geoms[0].kind != PhysicsGeom::Kind::hull;
+}
+
+/// Of one of `count` geoms.
+std::string number_of(std::size_t object, std::size_t index, std::size_t count) {
+  return std::to_string(object) + (count > 1 ? "_" + std::to_string(index) : "");
+}
+
+/// `name`: of the mesh that a hull is.
+std::string geom_shape(const PhysicsGeom& geom, const std::string& name) {
+  const auto sized = [](const char* type, const std::string& size) {
+    return attribute("type", type) + attribute("size", size);
+  };
+  const Vec3& s = geom.size;
+  switch (geom.kind) {
+    case PhysicsGeom::Kind::plane:
+      return sized("plane", "0 0 1");
+    case PhysicsGeom::Kind::sphere:
+      return sized("sphere", number_text(s.x()));
+    case PhysicsGeom::Kind::box:
+      return sized("box", text(s));
+    case PhysicsGeom::Kind::capsule:
+      return sized("capsule", number_text(s.x()) + " " + number_text(s.y()));
+    case PhysicsGeom::Kind::cylinder:
+      return sized("cylinder", number_text(s.x()) + " " + number_text(s.y()));
+    case PhysicsGeom::Kind::hull:
+      break;
+  }
+  return attribute("type", "mesh") + attribute("mesh", name);
 }
 
 Pose operator*(const Pose& a, const Pose& b) {
@@ -76,59 +95,30 @@ Pose inverse(const Pose& p) {
   return {back * -p.position, back};
 }
 
-/// Shape and place of an object, empty where there is no such geom. A mesh's vertices are about its
-/// middle.
-struct Placed {
-  std::string shape;
-  Pose pose;
-};
-Placed placed_geom(std::size_t index, const Object& object, const Pose& pose) {
-  const TriangleMesh* mesh = triangles_of(object.shape);
-  if (mesh == nullptr) return {geom_shape(object.shape), pose};
-  if (!(mass_properties(object.shape).volume > 0.0)) return {};
-  return {attribute("type", "mesh") + attribute("mesh", "m" + std::to_string(index)),
-          pose * Pose{mesh->origin(), Quaternion::Identity()}};
-}
-
-std::string geom(std::size_t object, const char* suffix, const std::string& shape, const Pose& pose,
-                 const Material& material, const std::string& more) {
+/// The geoms of an object that stands at `pose` in its body.
+std::string geoms_text(std::size_t index, const std::vector<PhysicsGeom>& geoms, const Pose& pose,
+                       const Material& material, const std::string& more) {
   // MuJoCo's cone is that of sliding; without friction a contact is one-dimensional.
   const double friction = material.dynamic_friction;
-  return "<geom" + attribute("name", "o" + std::to_string(object) + suffix) + shape + place(pose) +
-         (friction > 0.0
-              ? attribute("condim", "3") + attribute("friction", number_text(friction) + " 0 0")
-              : attribute("condim", "1") + attribute("friction", "0 0 0")) +
-         more + "/>\n";
+  std::string xml;
+  for (std::size_t i = 0; i < geoms.size(); ++i) {
+    const std::string number = number_of(index, i, geoms.size());
+    xml += "<geom" + attribute("name", "o" + number) + geom_shape(geoms[i], "m" + number) +
+           place(geoms[i].pose ? pose * *geoms[i].pose : pose) +
+           (friction > 0.0
+                ? attribute("condim", "3") + attribute("friction", number_text(friction) + " 0 0")
+                : attribute("condim", "1") + attribute("friction", "0 0 0")) +
+           more + "/>\n";
+  }
+  return xml;
 }
 
-/// What bodies run into where nothing moves. A hollow box is six planes; other hollows, and shapes
-/// that MuJoCo has no geom for, let bodies through.
-std::string still_geom(std::size_t index, const Object& object,
-                       std::vector<std::string>& warnings) {
-  const Placed placed = placed_geom(index, object, object.pose);
-  if (!placed.shape.empty() && object.felt_from == Side::outside)
-    return geom(index, "", placed.shape, placed.pose, object.material, "");
-  const std::string plane = geom_shape(Plane{});
-  const auto facing = [&](const Vec3& place, const Vec3& normal, const char* suffix) {
-    const Pose own{place, Quaternion::FromTwoVectors(Vec3::UnitZ(), normal)};
-    return geom(index, suffix, plane, object.pose * own, object.material, "");
-  };
-  if (std::holds_alternative<Plane>(object.shape)) return facing(Vec3::Zero(), -Vec3::UnitZ(), "");
-  if (const auto* box = std::get_if<Box>(&object.shape)) {
-    constexpr std::array<const char*, 6> kSuffix{"_0", "_1", "_2", "_3", "_4", "_5"};
-    std::string walls;
-    for (std::size_t face = 0; face < kSuffix.size(); ++face) {
-      const Vec3 outward =
-          (face % 2 == 0 ? 1.0 : -1.0) * Vec3::Unit(static_cast<Eigen::Index>(face / 2));
-      walls += facing(outward.cwiseProduct(box->half_extents), -outward, kSuffix[face]);
-    }
-    return walls;
-  }
-  warnings.push_back(
-      "object '" + object.name +
-      "': hands feel it, but bodies pass through it: MuJoCo has no such solid; build "
-      "what bodies rest on from planes, boxes, spheres, capsules, cylinders and closed meshes");
-  return {};
+/// Of an object without geoms: a hollow other than a box, or what has no formula.
+std::string passed_through(const Object& object) {
+  return "object '" + object.name +
+         "': hands feel it, but bodies pass through it: MuJoCo has no such solid; build what "
+         "bodies rest on from closed meshes and solids felt from outside: " +
+         names_of_primitives(false);
 }
 
 std::string joint_text(const Body& b) {
@@ -172,7 +162,7 @@ std::string rounded(double value) {
   return text.data();
 }
 
-/// Where a mesh has a part in it: MuJoCo would take the hull for the solid.
+/// Where geoms that only stand for an object have a part in it: MuJoCo would take their mass.
 std::string inertial(const MassProperties& solid, double density) {
   const Mat3 inertia = density * solid.inertia;
   return "<inertial" + attribute("pos", text(solid.center)) +
@@ -234,23 +224,29 @@ void check_bodies(const std::vector<Object>& objects, const std::vector<int>& bo
                      "hollow from several objects"});
     if (mass_properties(objects[i].shape).volume > 0.0) continue;
     if (const TriangleMesh* mesh = triangles_of(objects[i].shape)) refuse(whose, no_volume(*mesh));
-    refuse(whose, {"body",
-                   "this shape has no volume and cannot move; use a sphere, a box, a capsule, a "
-                   "cylinder or a closed mesh"});
+    refuse(whose, {"body", "this shape has no volume and cannot move; use one of " +
+                               names_of_primitives(true) + " or a closed mesh"});
   }
 }
 
-/// The meshes that bodies may run into.
-std::string hulls_of(const std::vector<Object>& objects, std::vector<std::string>& warnings) {
+/// The hulls that bodies may run into.
+std::string hulls_of(const std::vector<Object>& objects,
+                     const std::vector<std::vector<PhysicsGeom>>& geoms,
+                     std::vector<std::string>& warnings) {
   std::string xml;
   for (std::size_t i = 0; i < objects.size(); ++i) {
-    if (objects[i].felt_from != Side::outside) continue;
-    const std::string mesh = hull(i, objects[i].shape);
-    if (!mesh.empty() && !is_convex(*triangles_of(objects[i].shape)))
+    const TriangleMesh* mesh = triangles_of(objects[i].shape);
+    if (mesh != nullptr && !geoms[i].empty() && !is_convex(*mesh))
       warnings.push_back("object '" + objects[i].name +
                          "': hands feel the mesh, but bodies run into its convex hull; where that "
                          "matters build it from several convex objects");
-    xml += mesh;
+    for (std::size_t k = 0; k < geoms[i].size(); ++k) {
+      if (geoms[i][k].kind != PhysicsGeom::Kind::hull) continue;
+      std::string vertices;
+      for (const Vec3& v : geoms[i][k].hull) vertices += text(v) + " ";
+      xml += "<mesh" + attribute("name", "m" + number_of(i, k, geoms[i].size())) +
+             attribute("vertex", vertices) + "/>\n";
+    }
   }
   return xml;
 }
@@ -259,7 +255,9 @@ std::string model_text(const std::vector<Object>& objects, const std::vector<int
                        const std::vector<Body>& bodies, const MechanismOptions& options,
                        std::vector<std::string>& warnings) {
   const std::string solref = number_text(kContactTicks * options.tick) + " 1";
-  const std::string hulls = hulls_of(objects, warnings);
+  std::vector<std::vector<PhysicsGeom>> geoms;
+  for (const Object& object : objects) geoms.push_back(geoms_of(object));
+  const std::string hulls = hulls_of(objects, geoms, warnings);
   std::string xml = "<mujoco><compiler angle=\"radian\"/>\n<option" +
                     attribute("timestep", number_text(options.tick)) +
                     attribute("gravity", text(options.gravity)) +
@@ -278,7 +276,10 @@ std::string model_text(const std::vector<Object>& objects, const std::vector<int
   xml += "</asset>\n<worldbody>\n";
   const ObjectsOfBodies own_objects = objects_of(body_of, bodies.size());
   for (std::size_t i = 0; i < objects.size(); ++i)
-    if (body_of[i] < 0) xml += still_geom(i, objects[i], warnings);
+    if (body_of[i] < 0) {
+      xml += geoms_text(i, geoms[i], objects[i].pose, objects[i].material, "");
+      if (geoms[i].empty()) warnings.push_back(passed_through(objects[i]));
+    }
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     const Body& body = bodies[b];
     xml += "<body" + attribute("name", "b" + std::to_string(b)) + place(body.pose) + ">" +
@@ -286,15 +287,13 @@ std::string model_text(const std::vector<Object>& objects, const std::vector<int
     const std::vector<std::size_t>& own = own_objects[b];
     const MassProperties solid = solid_of(body, objects, own);
     const double density = body.mass ? *body.mass / solid.volume : *body.density;
-    const bool has_mesh = std::ranges::any_of(
-        own, [&](std::size_t i) { return triangles_of(objects[i].shape) != nullptr; });
-    if (has_mesh) xml += inertial(solid, density);
+    if (!std::ranges::all_of(own, [&](std::size_t i) { return is_exact(geoms[i]); }))
+      xml += inertial(solid, density);
     std::string more = attribute("density", number_text(density));
     if (!body.collides) more += attribute("contype", "0") + attribute("conaffinity", "0");
-    for (const std::size_t i : own) {
-      const Placed at = placed_geom(i, objects[i], inverse(body.pose) * objects[i].pose);
-      xml += geom(i, "", at.shape, at.pose, objects[i].material, more);
-    }
+    for (const std::size_t i : own)
+      xml +=
+          geoms_text(i, geoms[i], inverse(body.pose) * objects[i].pose, objects[i].material, more);
     xml += "</body>\n";
   }
   return xml + "</worldbody></mujoco>\n";

@@ -1,11 +1,17 @@
+#include "core/geometry/box.hpp"
+
 #include <algorithm>
 #include <cmath>
 
 #include "core/base/numeric.hpp"
+#include "core/geometry/ball_proxy.hpp"
 #include "core/geometry/solid_proxy.hpp"
+#include "core/geometry/surface_parts.hpp"
 
 namespace feltwire {
 namespace {
+
+double face_sign(int face) { return face % 2 == 0 ? 1.0 : -1.0; }
 
 /// The face by which the way from a free point goes in; -1: it does not.
 int box_entry(const Vec3& h, const Vec3& from, const Vec3& to) {
@@ -13,7 +19,7 @@ int box_entry(const Vec3& h, const Vec3& from, const Vec3& to) {
   int entered = -1;
   for (int face = 0; face < kBoxFaces; ++face) {
     const int axis = face / 2;
-    const double sign = face % 2 == 0 ? 1.0 : -1.0;
+    const double sign = face_sign(face);
     const double before = sign * from[axis] - h[axis], after = sign * to[axis] - h[axis];
     if (before >= 0.0 && after >= 0.0) return -1;
     if (before >= 0.0) {
@@ -43,7 +49,7 @@ SurfacePoint box_from_outside(const Vec3& h, const Vec3& p, FeatureMemory& memor
     }
   }
   const int axis = face / 2;
-  const double sign = face % 2 == 0 ? 1.0 : -1.0;
+  const double sign = face_sign(face);
   const double depth = h[axis] - sign * p[axis];
   for (int other = 0; other < 3; ++other)
     if (other != axis && !(std::abs(p[other]) < h[other])) return free_at(p, memory);
@@ -68,10 +74,93 @@ SurfacePoint box_from_inside(const Vec3& h, const Vec3& p, FeatureMemory& memory
 
 }  // namespace
 
-SurfacePoint surface_point(const Box& box, Side side, const Vec3& p,
-                           FeatureMemory& memory) noexcept {
-  return side == Side::outside ? box_from_outside(box.half_extents, p, memory)
-                               : box_from_inside(box.half_extents, p, memory);
+SurfacePoint Box::surface_point(Side side, const Vec3& p, FeatureMemory& memory) const noexcept {
+  return side == Side::outside ? box_from_outside(half_extents, p, memory)
+                               : box_from_inside(half_extents, p, memory);
+}
+
+SurfacePoint Box::ball_surface(Side side, const Vec3& p, double radius,
+                               FeatureMemory& memory) const noexcept {
+  if (side == Side::outside) return rounded(*this, p, radius, memory);
+  return under(box_from_inside(half_extents - Vec3::Constant(radius), p, memory), radius);
+}
+
+double Box::room() const noexcept { return half_extents.minCoeff(); }
+
+FieldPoint Box::signed_distance(const Vec3& p) const noexcept {
+  const Vec3 beyond = p.cwiseAbs() - half_extents;
+  const auto sign = [&](Eigen::Index axis) { return p[axis] < 0.0 ? -1.0 : 1.0; };
+  Eigen::Index axis;
+  const double most = beyond.maxCoeff(&axis);
+  if (!(most > 0.0)) return {most, sign(axis) * Vec3::Unit(axis)};
+  Vec3 out = beyond.cwiseMax(0.0);
+  for (Eigen::Index i = 0; i < 3; ++i) out[i] *= sign(i);
+  const Polar<double> way = polar(out);
+  return {way.length, way.direction};
+}
+
+Vec3 Box::half_box() const noexcept { return half_extents; }
+
+double Box::reach() const noexcept { return half_extents.norm(); }
+
+MassProperties Box::mass_properties() const {
+  const double volume = 8.0 * half_extents.prod();
+  const Vec3 square = half_extents.cwiseAbs2();
+  return {volume, Vec3::Zero(),
+          volume / 3.0 * Vec3(Vec3::Constant(square.sum()) - square).asDiagonal().toDenseMatrix()};
+}
+
+TriangleSoup Box::triangles(int) const {
+  const Vec3& h = half_extents;
+  TriangleSoup soup;
+  for (int i = 0; i < 8; ++i)
+    soup.vertices.emplace_back((i & 1) != 0 ? h.x() : -h.x(), (i & 2) != 0 ? h.y() : -h.y(),
+                               (i & 4) != 0 ? h.z() : -h.z());
+  soup.triangles = {{1, 3, 7}, {1, 7, 5}, {0, 4, 6}, {0, 6, 2}, {2, 6, 7}, {2, 7, 3},
+                    {0, 1, 5}, {0, 5, 4}, {4, 5, 7}, {4, 7, 6}, {0, 2, 3}, {0, 3, 1}};
+  return soup;
+}
+
+/// A hollow box is six planes.
+std::vector<PhysicsGeom> Box::geoms(Side side) const {
+  if (side == Side::outside) return {{.kind = PhysicsGeom::Kind::box, .size = half_extents}};
+  std::vector<PhysicsGeom> walls;
+  for (int face = 0; face < kBoxFaces; ++face) {
+    const Vec3 outward = face_sign(face) * Vec3::Unit(face / 2);
+    walls.push_back({.kind = PhysicsGeom::Kind::plane,
+                     .pose = Pose{outward.cwiseProduct(half_extents),
+                                  Quaternion::FromTwoVectors(Vec3::UnitZ(), -outward)}});
+  }
+  return walls;
+}
+
+SurfaceParts Box::parts(Side side, const Vec3& p, std::uint32_t entered) const noexcept {
+  SurfaceParts all;
+  const Vec3& h = half_extents;
+  const Vec3 out = (p.cwiseAbs() - h).cwiseMax(0.0);
+  const double solid = out.norm();
+  for (int face = 0; face < kBoxFaces; ++face) {
+    const int axis = face / 2;
+    const double inward = std::max(0.0, h[axis] - face_sign(face) * p[axis]);
+    if (side == Side::inside) {
+      add(all, inward, feature_of(face));
+      continue;
+    }
+    Vec3 way = out;  // to what lies beyond this face and within the others
+    way[axis] = inward;
+    add_convex(all, way.norm(), solid, face, entered);
+  }
+  return all;
+}
+
+PatchGeometry Box::patch(Side side, const Vec3& p, int face, const FeatureMemory&,
+                         bool) const noexcept {
+  const Vec3& h = half_extents;
+  PatchGeometry s{.point = p.cwiseMax(-h).cwiseMin(h),
+                  .normal = outward_sign(side) * face_sign(face) * Vec3::Unit(face / 2),
+                  .joined = side == Side::outside};
+  s.point[face / 2] = face_sign(face) * h[face / 2];
+  return s;
 }
 
 }  // namespace feltwire

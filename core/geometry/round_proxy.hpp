@@ -8,6 +8,7 @@
 
 #include "core/base/numeric.hpp"
 #include "core/base/types.hpp"
+#include "core/geometry/primitive.hpp"
 #include "core/geometry/solid_proxy.hpp"
 
 namespace feltwire {
@@ -115,6 +116,14 @@ inline Vec3 round_normal(const RoundSolid& solid, const Vec3& from, const Vec3& 
     if (!outward.isZero(0.0)) normal = turned(normal, outward, kMostTurning * moved / solid.radius);
   }
   return normal;
+}
+
+/// The signed distance to what is within a radius of its core; `core` is the point of it that is
+/// nearest to p. `undefined`: the gradient on the core.
+inline FieldPoint round_distance(const Vec3& core, double radius, const Vec3& p,
+                                 const Vec3& undefined) {
+  const Polar<double> out = polar(Vec3(p - core));
+  return {out.length - radius, out.length > 0.0 ? out.direction : undefined};
 }
 
 /// A hollow at `radius` round `core`, the nearest point of the shape's core (centre, axis).

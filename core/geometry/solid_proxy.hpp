@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "core/geometry/shapes.hpp"
+#include "core/geometry/proxy.hpp"
 
 namespace feltwire {
 

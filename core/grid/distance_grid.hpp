@@ -11,14 +11,9 @@
 #include <vector>
 
 #include "core/base/types.hpp"
+#include "core/geometry/primitive.hpp"
 
 namespace feltwire {
-
-/// A signed distance and its gradient at a point.
-struct FieldPoint {
-  double distance = 0.0;         // [m] negative in the solid; NaN where the position is not finite
-  Vec3 gradient = Vec3::Zero();  // of the distance, the way out; of length 1 where that is exact
-};
 
 /// Eight places and what a field says there: what costs less together, being near to each other.
 struct FieldGroup {

@@ -72,6 +72,11 @@ ClosestPoint foot_at(const Guide& guide, const Vec3& position) {
   return at;
 }
 
+bool has_an_end(const GuidePlace& place) {
+  return on_primitive(
+      place, [](const auto& solid) { return is_bounded(solid); }, [] { return true; });
+}
+
 }  // namespace
 
 Command guide_force(const Guide& guide, const Tool& tool) noexcept {
@@ -87,8 +92,8 @@ Command guide_force(const Guide& guide, const Tool& tool) noexcept {
   if (const auto* field = std::get_if<ConstantForce>(&guide.action))
     return inside ? constant(*field, most) : Command{};
 
-  // To both sides of a plane, and to a solid from outside.
-  if (inside && std::get_if<GuidePlane>(&guide.place) == nullptr) return {};
+  // To a solid from outside, to what has no end (a plane) from both sides.
+  if (inside && has_an_end(guide.place)) return {};
   if (inside) at = {-at.away, -at.distance};
   if (const auto* spring = std::get_if<Attract>(&guide.action))
     return attract(*spring, at, v, most);

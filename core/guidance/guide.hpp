@@ -27,10 +27,8 @@ struct GuideCurve {
   std::vector<Vec3> points;  // [m], two or more
   bool closed = false;       // the last is joined to the first
 };
-/// The plane z = 0. Its inside is z < 0.
-struct GuidePlane {};
-using GuidePlace = std::variant<Everywhere, GuidePoint, GuideLine, GuideCurve, GuidePlane, Sphere,
-                                Box, Capsule, Cylinder>;
+/// A shape is a place too: a plane is z = 0 with the inside z < 0.
+using GuidePlace = Primitives::After<Everywhere, GuidePoint, GuideLine, GuideCurve>::And<>;
 
 // The forces of a guide; d [m] is the distance to the place, 0 inside a solid.
 

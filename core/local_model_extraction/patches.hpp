@@ -1,7 +1,6 @@
 #pragma once
 // An object's surface near a point, in parts that one SurfacePatch describes exactly.
 
-#include <array>
 #include <cstdint>
 
 #include "core/contact/contact.hpp"
@@ -9,22 +8,6 @@
 #include "core/local_model_extraction/fitted_patches.hpp"
 
 namespace feltwire {
-
-/// A part of a shape's surface, seen from a point.
-struct SurfacePart {
-  double distance = 0.0;      // [m] within this of the point, leaving the part out changes nothing
-  std::uint32_t feature = 0;  // as FeatureMemory has it
-  bool shown =
-      true;  // false: no patch stands beside the others' for it (the far parts of a capsule)
-};
-
-struct SurfaceParts {
-  std::array<SurfacePart, kBoxFaces> parts{};
-  int count = 0;
-  std::span<const SurfacePart> view() const {
-    return {parts.data(), static_cast<std::size_t>(count)};
-  }
-};
 
 /// All parts of an analytic shape's surface; none of a mesh or a grid, whose patches are fitted
 /// (fitted_patches.hpp). `position` [m, object frame]; `entered` is the feature that a

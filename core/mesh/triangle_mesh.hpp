@@ -9,20 +9,12 @@
 #include <vector>
 
 #include "core/base/types.hpp"
+#include "core/geometry/triangle_soup.hpp"
 
 namespace feltwire {
 
-/// Indices of the corners, counter-clockwise seen from the outside.
-using Triangle = std::array<std::uint32_t, 3>;
-
 /// The corner of a triangle that follows, round it: 0, 1, 2, 0.
 constexpr std::size_t corner_after(std::size_t corner) { return corner == 2 ? 0 : corner + 1; }
-
-/// Vertices and triangles as they come, nothing checked.
-struct TriangleSoup {
-  std::vector<Vec3> vertices;  // [m]
-  std::vector<Triangle> triangles;
-};
 
 /// What was found while a soup became a mesh. Nothing here is an error: a mesh of any of these can
 /// be touched.

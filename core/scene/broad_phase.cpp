@@ -1,6 +1,5 @@
 #include "core/scene/broad_phase.hpp"
 
-#include <cmath>
 #include <limits>
 #include <optional>
 
@@ -17,20 +16,18 @@ struct OwnBox {
 std::optional<OwnBox> own_box(const Object& object) {
   // Felt from inside, all that is beyond the walls is solid.
   if (object.felt_from == Side::inside) return std::nullopt;
-  if (const auto* sphere = std::get_if<Sphere>(&object.shape))
-    return OwnBox{Vec3::Zero(), Vec3::Constant(sphere->radius)};
-  if (const auto* box = std::get_if<Box>(&object.shape))
-    return OwnBox{Vec3::Zero(), box->half_extents};
-  if (const auto* c = std::get_if<Capsule>(&object.shape))
-    return OwnBox{Vec3::Zero(), {c->radius, c->radius, c->half_length + c->radius}};
-  if (const auto* c = std::get_if<Cylinder>(&object.shape))
-    return OwnBox{Vec3::Zero(), {c->radius, c->radius, c->half_length}};
   if (const auto* mesh = std::get_if<Mesh>(&object.shape)) {
     const TriangleMesh& triangles = mesh->surface->mesh();
     return OwnBox{triangles.origin(),
                   triangles.half_extents() + Vec3::Constant(mesh->surface->options().radius)};
   }
-  return std::nullopt;
+  return on_primitive(
+      object.shape,
+      [](const auto& solid) -> std::optional<OwnBox> {
+        if (!is_bounded(solid)) return std::nullopt;
+        return OwnBox{Vec3::Zero(), solid.half_box()};
+      },
+      [] { return std::optional<OwnBox>(); });
 }
 
 Bounds world_box(const Object& object, const OwnBox& own) {
@@ -48,11 +45,9 @@ ReachBall reach_ball(const Object& object) {
   constexpr double kRounding = 1e-12;  // of the size, generously
   const auto own = own_box(object);
   if (!own) return {Vec3::Zero(), std::numeric_limits<double>::infinity()};
-  double radius = own->half.norm();
-  if (const auto* s = std::get_if<Sphere>(&object.shape)) radius = s->radius;
-  if (const auto* c = std::get_if<Capsule>(&object.shape)) radius = c->radius + c->half_length;
-  if (const auto* c = std::get_if<Cylinder>(&object.shape))
-    radius = std::hypot(c->radius, c->half_length);
+  const double radius = on_primitive(
+      object.shape, [](const auto& solid) { return solid.reach(); },
+      [&] { return own->half.norm(); });
   return {own->middle, radius + kRounding * (own->middle.norm() + radius)};
 }
 

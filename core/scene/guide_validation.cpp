@@ -17,17 +17,16 @@ MaybeViolation may_be_endless(const char* field, double value) {
 MaybeViolation broken_place(const GuidePlace& place) {
   if (const auto* line = std::get_if<GuideLine>(&place))
     return may_be_endless("line.length", 2.0 * line->half_length);
-  const auto solid = [](const char* name, const Shape& shape) {
-    MaybeViolation violation = check(shape);
-    if (violation) violation->field = std::string(name) + "." + violation->field;
-    return violation;
-  };
-  if (const auto* sphere = std::get_if<Sphere>(&place)) return solid("sphere", *sphere);
-  if (const auto* box = std::get_if<Box>(&place)) return solid("box", *box);
-  if (const auto* capsule = std::get_if<Capsule>(&place)) return solid("capsule", *capsule);
-  if (const auto* cylinder = std::get_if<Cylinder>(&place)) return solid("cylinder", *cylinder);
   const auto* curve = std::get_if<GuideCurve>(&place);
-  if (curve == nullptr) return std::nullopt;
+  if (curve == nullptr)
+    return on_primitive(
+        place,
+        [](const auto& solid) {
+          MaybeViolation violation = check(Shape(solid));
+          if (violation) violation->field = std::string(solid.kName) + "." + violation->field;
+          return violation;
+        },
+        [] { return MaybeViolation(); });
   if (curve->points.size() < 2)
     return Violation{"curve.points", "are fewer than two; give the points that it runs through"};
   for (std::size_t i = 0; i < curve->points.size(); ++i)
@@ -44,13 +43,13 @@ bool has_inside(const GuidePlace& place) {
 }
 
 Violation no_place(const char* action) {
-  return {action,
-          "needs a place; give one of point, line, curve, plane, sphere, box, capsule, cylinder"};
+  return {action, "needs a place; give one of point, line, curve, " + names_of_primitives(false)};
 }
 Violation no_inside(const char* action) {
   return {action,
-          "acts inside its place, and this has no inside; give none of them for everywhere, or "
-          "plane, sphere, box, capsule or cylinder"};
+          "acts inside its place, and this has no inside; give none of them for everywhere, or one "
+          "of " +
+              names_of_primitives(false)};
 }
 
 MaybeViolation broken_action(const Guide& guide) {

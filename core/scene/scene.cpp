@@ -49,22 +49,15 @@ MaybeViolation first(std::initializer_list<MaybeViolation> found) {
 namespace {
 
 struct ShapeRules {
-  MaybeViolation operator()(const Plane&) const { return std::nullopt; }
-  MaybeViolation operator()(const Sphere& s) const {
-    return positive("radius", s.radius, kMaxLength, " [m]");
-  }
-  MaybeViolation operator()(const Box& b) const {
-    return first({positive("size.x", 2.0 * b.half_extents.x(), kMaxLength, " [m]"),
-                  positive("size.y", 2.0 * b.half_extents.y(), kMaxLength, " [m]"),
-                  positive("size.z", 2.0 * b.half_extents.z(), kMaxLength, " [m]")});
-  }
-  MaybeViolation operator()(const Capsule& c) const {
-    return first({positive("radius", c.radius, kMaxLength, " [m]"),
-                  not_negative("length", 2.0 * c.half_length, kMaxLength, " [m]")});
-  }
-  MaybeViolation operator()(const Cylinder& c) const {
-    return first({positive("radius", c.radius, kMaxLength, " [m]"),
-                  positive("length", 2.0 * c.half_length, kMaxLength, " [m]")});
+  MaybeViolation operator()(const Primitive auto& solid) const {
+    MaybeViolation violation;
+    solid.lengths(solid, [&](const Length& length, double value) {
+      if (violation) return;
+      const double given = value / length.share, most = std::min(length.most, kMaxLength);
+      violation = length.may_be_zero ? not_negative(length.name, given, most, " [m]")
+                                     : positive(length.name, given, most, " [m]");
+    });
+    return violation;
   }
   MaybeViolation operator()(const Mesh& m) const {
     if (!m.surface) return Violation{"mesh", "has no surface; load one"};

@@ -17,8 +17,8 @@ double endless(double value) {
 template <class Value>
 class OneOf {
  public:
-  OneOf(const JsonDocument& document, std::string path, const char* choices)
-      : document_(document), path_(std::move(path)), choices_(choices) {}
+  OneOf(const JsonDocument& document, std::string path, std::string choices)
+      : document_(document), path_(std::move(path)), choices_(std::move(choices)) {}
   void take(const char* name, Value value) {
     if (!name_.empty())
       document_.fail(path_ + "." + name, "stands beside " + name_ + "; keep one of " + choices_);
@@ -30,8 +30,7 @@ class OneOf {
 
  private:
   const JsonDocument& document_;
-  std::string path_, name_;
-  const char* choices_;
+  std::string path_, choices_, name_;
   Value value_;
 };
 
@@ -45,14 +44,12 @@ GuideCurve read_curve(const scene_file::Curve& given) {
 
 GuidePlace read_place(const JsonDocument& document, const std::string& path,
                       const scene_file::Guide& guide) {
-  OneOf<GuidePlace> place(document, path,
-                          "point, line, curve, plane, sphere, box, capsule, cylinder");
+  OneOf<GuidePlace> place(document, path, "point, line, curve, " + names_of_primitives(false));
   if (guide.point()) place.take("point", GuidePoint{});
   if (const auto* l = guide.line()) place.take("line", GuideLine{0.5 * endless(l->length())});
   if (const auto* c = guide.curve()) place.take("curve", read_curve(*c));
-  if (guide.plane()) place.take("plane", GuidePlane{});
-  take_solids(document, path, guide,
-              [&](const char* name, const auto& solid) { place.take(name, solid); });
+  take_primitives(document, path,
+                  [&](const char* name, const auto& solid) { place.take(name, solid); });
   return place.given() ? place.value() : GuidePlace(Everywhere{});
 }
 

@@ -53,22 +53,20 @@ const Material& find_material(const JsonDocument& document, const std::string& p
 Shape read_shape(const JsonDocument& document, const std::string& path,
                  const scene_file::Object& object, const std::filesystem::path& folder,
                  MeshLoader& meshes) {
-  constexpr const char* kChoices = "plane, sphere, box, capsule, cylinder, mesh, grid";
+  const std::string choices = names_of_primitives(false) + ", mesh, grid";
   Shape shape;
   std::string kind;
   const auto take = [&](const char* name, const Shape& given) {
     if (!kind.empty())
       document.fail(path + "." + name,
-                    "is a second shape beside " + kind + "; keep exactly one of " + kChoices);
+                    "is a second shape beside " + kind + "; keep exactly one of " + choices);
     kind = name;
     shape = given;
   };
-  if (object.plane()) take("plane", Plane{});
-  take_solids(document, path, object, take);
+  take_primitives(document, path, take);
   if (object.mesh()) take("mesh", meshes.load(path + ".mesh", *object.mesh()));
   if (const auto* g = object.grid()) take("grid", read_grid(document, path + ".grid", *g, folder));
-  if (kind.empty())
-    document.fail(path, std::string("has no shape; give exactly one of ") + kChoices);
+  if (kind.empty()) document.fail(path, "has no shape; give exactly one of " + choices);
   require(document, path + "." + kind, check(shape));
   return shape;
 }

@@ -13,7 +13,8 @@
 namespace feltwire {
 namespace {
 
-constexpr const char* kSolids = "sphere, box, capsule, cylinder, file";
+std::string solids() { return names_of_primitives(true) + ", file"; }
+
 constexpr int kSegments = 128;  // of a round body
 
 /// A shape, or the surface in a file.
@@ -31,7 +32,7 @@ Given read_solid(const JsonDocument& document, const std::string& path, const Ta
   const auto take = [&](const char* name) {
     if (!kind.empty())
       document.fail(path + "." + name,
-                    "is a second solid beside " + kind + "; keep exactly one of " + kSolids);
+                    "is a second solid beside " + kind + "; keep exactly one of " + solids());
     kind = name;
   };
   const auto take_shape = [&](const char* name, const Shape& shape) {
@@ -39,7 +40,7 @@ Given read_solid(const JsonDocument& document, const std::string& path, const Ta
     require(document, path + "." + name, check(shape));
     given.shape = shape;
   };
-  take_solids(document, path, table, take_shape);
+  take_primitives(document, path, take_shape);
   if (const auto* file = table.file()) {
     take("file");
     if (!(table.scale() > 0.0))
@@ -52,8 +53,7 @@ Given read_solid(const JsonDocument& document, const std::string& path, const Ta
                                          number_text(table.scale()) + "; check the unit");
     given.surface = read_scene_mesh(folder, file->str(), table.scale());
   }
-  if (kind.empty())
-    document.fail(path, std::string("has no solid; give exactly one of ") + kSolids);
+  if (kind.empty()) document.fail(path, "has no solid; give exactly one of " + solids());
   return given;
 }
 

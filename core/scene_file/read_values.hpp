@@ -1,6 +1,7 @@
 #pragma once
 // Internal to what reads a scene file: values that stand in more than one of its tables.
 
+#include <limits>
 #include <optional>
 #include <string>
 #include <unordered_map>
@@ -62,17 +63,23 @@ Pose pose_of(const Table& table) {
   return pose;
 }
 
-/// take(name, solid) for each that a table has of sphere, box, capsule, cylinder.
-template <class Table, class Take>
-void take_solids(const JsonDocument& document, const std::string& path, const Table& table,
-                 Take take) {
-  if (const auto* s = table.sphere()) take("sphere", Sphere{s->radius()});
-  if (const auto* b = table.box()) {
-    if (!b->size()) document.fail(path + ".box.size", "is missing; give [x, y, z] in metres");
-    take("box", Box{0.5 * vector(*b->size())});
-  }
-  if (const auto* c = table.capsule()) take("capsule", Capsule{c->radius(), 0.5 * c->length()});
-  if (const auto* c = table.cylinder()) take("cylinder", Cylinder{c->radius(), 0.5 * c->length()});
+/// take(name, primitive) for each primitive that the table at `path` has. They are read by the
+/// names that they give themselves: the schema says which tables may have which.
+template <class Take>
+void take_primitives(const JsonDocument& document, const std::string& path, Take take) {
+  Primitives::for_each([&](auto primitive) {
+    const std::string at = path + "." + primitive.kName;
+    if (!document.has(at)) return;
+    primitive.lengths(primitive, [&](const Length& length, double& value) {
+      const std::string name = length.name;
+      const std::string field = at + "." + name.substr(0, name.find('.'));
+      if (name.find('.') != std::string::npos && !document.has(field))
+        document.fail(field, "is missing; give [x, y, z] in metres");
+      const auto given = document.number(at + "." + name);
+      value = length.share * given.value_or(std::numeric_limits<double>::quiet_NaN());
+    });
+    take(primitive.kName, primitive);
+  });
 }
 
 }  // namespace feltwire

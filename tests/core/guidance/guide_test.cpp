@@ -41,8 +41,8 @@ TEST(Guide, SpringTowardsAPointALineACurveAPlane) {
   expect_near(elastic(guide(GuidePoint{}, spring), p), -200.0 * p);
   expect_near(elastic(guide(GuideLine{}, spring), p), -200.0 * Vec3(0.03, 0.04, 0.0));
   expect_near(elastic(guide(GuideLine{0.06}, spring), p), -200.0 * Vec3(0.03, 0.04, 0.04));
-  expect_near(elastic(guide(GuidePlane{}, spring), p), -200.0 * Vec3(0.0, 0.0, 0.1));
-  expect_near(elastic(guide(GuidePlane{}, spring), -p), 200.0 * Vec3(0.0, 0.0, 0.1));
+  expect_near(elastic(guide(Plane{}, spring), p), -200.0 * Vec3(0.0, 0.0, 0.1));
+  expect_near(elastic(guide(Plane{}, spring), -p), 200.0 * Vec3(0.0, 0.0, 0.1));
 
   GuideCurve corner{{{0.0, 0.0, 0.0}, {0.1, 0.0, 0.0}, {0.1, 0.1, 0.0}}, false};
   expect_near(elastic(guide(corner, spring), {0.05, -0.01, 0.0}), {0.0, 2.0, 0.0});
@@ -73,7 +73,7 @@ TEST(Guide, SolidsPullFromOutsideAndPushOutFromInside) {
   expect_near(elastic(guide(can, push), {0.0, 0.01, -0.19}), {0.0, 0.0, -2.0});
   const Capsule rod{0.02, 0.1};
   expect_near(elastic(guide(rod, pull), {0.0, 0.03, 0.14}), {0.0, -1.8, -2.4});
-  expect_near(elastic(guide(GuidePlane{}, push), {5.0, 5.0, -0.02}), {0.0, 0.0, 3.0});
+  expect_near(elastic(guide(Plane{}, push), {5.0, 5.0, -0.02}), {0.0, 0.0, 3.0});
 }
 
 TEST(Guide, MagnetFieldsAndMedia) {
@@ -97,7 +97,7 @@ TEST(Guide, MagnetFieldsAndMedia) {
 }
 
 TEST(Guide, ItsPoseTurnsAndMovesThePlaceButNotTheForceOfAField) {
-  Guide plane = guide(GuidePlane{}, KeepOut{.stiffness = 100.0, .damping = 0.0, .margin = 0.0});
+  Guide plane = guide(Plane{}, KeepOut{.stiffness = 100.0, .damping = 0.0, .margin = 0.0});
   plane.pose.position = {0.5, 0.0, 0.0};
   plane.pose.orientation =
       Quaternion(Eigen::AngleAxisd(std::numbers::pi / 2, Vec3::UnitY()));  // up becomes x
@@ -123,8 +123,7 @@ TEST(Guide, PullFadesToNothingAtItsRangeWithoutAStep) {
 }
 
 TEST(Guide, DampingActsAlongThePushAndNeverHoldsBack) {
-  const Guide wall =
-      guide(GuidePlane{}, KeepOut{.stiffness = 100.0, .damping = 10.0, .margin = 0.0});
+  const Guide wall = guide(Plane{}, KeepOut{.stiffness = 100.0, .damping = 10.0, .margin = 0.0});
   const Vec3 inside(0.0, 0.0, -0.02);
   expect_near(guide_force(wall, {inside, {3.0, 0.0, -0.1}}).frictional, {0.0, 0.0, 1.0});
   expect_near(guide_force(wall, {inside, {0.0, 0.0, 0.1}}).frictional, {0.0, 0.0, -1.0});
@@ -150,7 +149,7 @@ std::vector<Guide> conservative() {
   const Attract pull{.stiffness = 300.0, .damping = 2.0, .range = 0.3};
   const KeepOut push{.stiffness = 300.0, .damping = 2.0, .margin = 0.02};
   const std::vector<GuidePlace> places = {
-      GuidePoint{},        GuideLine{0.04},     GuidePlane{}, Sphere{0.05}, Box{{0.03, 0.04, 0.05}},
+      GuidePoint{},        GuideLine{0.04},     Plane{}, Sphere{0.05}, Box{{0.03, 0.04, 0.05}},
       Capsule{0.02, 0.04}, Cylinder{0.03, 0.05}};
   for (const GuidePlace& place : places)
     for (const GuideAction& action :

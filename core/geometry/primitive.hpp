@@ -1,0 +1,126 @@
+#pragma once
+// What a shape with a formula tells of itself. Each such shape is a struct in a file of its own
+// with the members that the concept Primitive lists; shapes.hpp lists the shapes. Nothing else in
+// the program knows one of them by name.
+
+#include <array>
+#include <concepts>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "core/base/types.hpp"
+#include "core/geometry/proxy.hpp"
+#include "core/geometry/triangle_soup.hpp"
+
+namespace feltwire {
+
+/// A signed distance and its gradient at a point.
+struct FieldPoint {
+  double distance = 0.0;         // [m] negative in the solid; NaN where the position is not finite
+  Vec3 gradient = Vec3::Zero();  // of the distance, the way out; of length 1 where that is exact
+};
+
+/// Of a solid of density one.
+struct MassProperties {
+  double volume = 0.0;          // [m^3]
+  Vec3 center = Vec3::Zero();   // [m] of mass
+  Mat3 inertia = Mat3::Zero();  // [m^5] about the centre, along the frame's axes
+};
+
+/// A length of a shape as a scene file has it.
+struct Length {
+  const char* name;          // of the field; "size.x" is the x of a field "size" with x, y and z
+  double share = 1.0;        // the shape's number is this share of the file's
+  bool may_be_zero = false;  // else it is above zero
+  double most = std::numeric_limits<double>::infinity();  // [m] of the file's number
+};
+
+/// A part of a shape's surface, seen from a point.
+struct SurfacePart {
+  double distance = 0.0;      // [m] within this of the point, leaving the part out changes nothing
+  std::uint32_t feature = 0;  // as FeatureMemory has it
+  bool shown =
+      true;  // false: no patch stands beside the others' for it (the far parts of a capsule)
+};
+
+struct SurfaceParts {
+  std::array<SurfacePart, 6> parts{};
+  int count = 0;
+  std::span<const SurfacePart> view() const {
+    return {parts.data(), static_cast<std::size_t>(count)};
+  }
+};
+
+/// A part of a surface as a plane, a ball or a cylinder, object frame. The members are those of a
+/// SurfacePatch (core/local_model/local_model.hpp).
+struct PatchGeometry {
+  Vec3 point = Vec3::Zero(), normal = Vec3::UnitZ(), axis = Vec3::Zero();
+  double curvature = 0.0;
+  bool joined = false;
+};
+
+/// What moving bodies run into: a geom that a physics engine has, or the convex hull of points.
+struct PhysicsGeom {
+  enum class Kind : std::uint8_t { plane, sphere, box, capsule, cylinder, hull };
+  Kind kind = Kind::hull;
+  /// [m] Of a sphere {radius, 0, 0}; of a capsule and a cylinder about z {radius, half length, 0};
+  /// of a box its half extents.
+  Vec3 size = Vec3::Zero();
+  std::optional<Pose> pose{};  // in the shape's frame; none: that frame itself
+  std::vector<Vec3> hull{};    // [m]
+};
+
+/// All of these are in the shape's own frame, whose origin is the middle of the shape's box. Those
+/// that are noexcept never allocate.
+template <class Shape>
+concept Primitive = requires(const Shape& shape, Shape& given, Side side, const Vec3& p,
+                             double number, FeatureMemory& memory, const FeatureMemory& remembered,
+                             std::uint32_t feature, int whole, bool touching) {
+  /// Of its field in a scene file.
+  { Shape::kName } -> std::convertible_to<const char*>;
+  /// Calls visit(Length, double&) for each of its numbers.
+  Shape::lengths(given, [](const Length&, double&) {});
+  Shape::lengths(shape, [](const Length&, double) {});
+
+  /// The proxy of a point, as surface_point() of a Shape says (core/contact/surface_point.hpp).
+  { shape.surface_point(side, p, memory) }
+  noexcept->std::same_as<SurfacePoint>;
+  /// That of a ball of a radius [m] > 0, as ball_surface() says (core/contact/ball.hpp).
+  { shape.ball_surface(side, p, number, memory) }
+  noexcept->std::same_as<SurfacePoint>;
+  /// [m] The radius of the largest ball within the solid.
+  { shape.room() }
+  noexcept->std::same_as<double>;
+  /// To the surface, negative in the solid; exact. Where several points of the surface are nearest,
+  /// the gradient is that of one of them.
+  { shape.signed_distance(p) }
+  noexcept->std::same_as<FieldPoint>;
+  /// [m] Half of the box about the solid; infinite where no box holds it.
+  { shape.half_box() }
+  noexcept->std::same_as<Vec3>;
+  /// [m] The radius of the ball about the origin that holds the solid.
+  { shape.reach() }
+  noexcept->std::same_as<double>;
+  /// Volume zero: it has no end.
+  { shape.mass_properties() } -> std::same_as<MassProperties>;
+  /// The surface, closed, outside out; a round side has `segments` (at least 3) flat ones, their
+  /// corners on the surface. Empty: it has no end.
+  { shape.triangles(whole) } -> std::same_as<TriangleSoup>;
+  /// What bodies run into; none: they pass through. More than one, or a hull, stands for the shape
+  /// with an error that the shape's header states.
+  { shape.geoms(side) } -> std::same_as<std::vector<PhysicsGeom>>;
+
+  /// All parts of the surface; `feature` is that which a tool at p stands on, 0: none. As
+  /// surface_parts() says (core/local_model_extraction/patches.hpp).
+  { shape.parts(side, p, feature) }
+  noexcept->std::same_as<SurfaceParts>;
+  /// The part with this index at its point nearest to p; a proxy that a touching tool has left
+  /// behind is `remembered`.
+  { shape.patch(side, p, whole, remembered, touching) }
+  noexcept->std::same_as<PatchGeometry>;
+};
+
+}  // namespace feltwire

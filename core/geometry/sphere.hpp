@@ -1,0 +1,32 @@
+#pragma once
+
+#include "core/geometry/primitive.hpp"
+
+namespace feltwire {
+
+/// Centred on the origin.
+struct Sphere {
+  double radius = 0.0;  // [m], > 0
+
+  static constexpr const char* kName = "sphere";
+  template <class Self, class Visit>
+  static void lengths(Self& self, Visit visit) {
+    visit(Length{.name = "radius"}, self.radius);
+  }
+
+  SurfacePoint surface_point(Side side, const Vec3& p, FeatureMemory& memory) const noexcept;
+  SurfacePoint ball_surface(Side side, const Vec3& p, double radius,
+                            FeatureMemory& memory) const noexcept;
+  double room() const noexcept;
+  FieldPoint signed_distance(const Vec3& p) const noexcept;
+  Vec3 half_box() const noexcept;
+  double reach() const noexcept;
+  MassProperties mass_properties() const;
+  TriangleSoup triangles(int segments) const;
+  std::vector<PhysicsGeom> geoms(Side side) const;
+  SurfaceParts parts(Side side, const Vec3& p, std::uint32_t entered) const noexcept;
+  PatchGeometry patch(Side side, const Vec3& p, int face, const FeatureMemory& memory,
+                      bool touching) const noexcept;
+};
+
+}  // namespace feltwire
