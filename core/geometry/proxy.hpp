@@ -26,7 +26,8 @@ struct FeatureMemory {
   // Of a mesh and a solid felt from outside: where the proxy was, free or not (on what is round,
   // where the tool was), so that the way to where the tool is now is followed, passing nothing by.
   Vec3 proxy = Vec3::Zero();   // [m, object frame, from origin_of() the shape]
-  std::uint32_t triangle = 0;  // of a mesh: that it stands on
+  std::uint32_t triangle = 0;  // of a mesh: that it stands on; of a ring: its part, where
+                               // that is not the part nearest to the tool (torus.cpp)
   std::int8_t side = 0;        // 0: the proxy is free. Of a mesh's triangle: 1 where its normal
                                // points, -1 behind. Of a solid: 1
   bool tracked = false;        // proxy is known

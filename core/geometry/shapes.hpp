@@ -7,9 +7,11 @@
 
 #include "core/geometry/box.hpp"
 #include "core/geometry/capsule.hpp"
+#include "core/geometry/cone.hpp"
 #include "core/geometry/cylinder.hpp"
 #include "core/geometry/plane.hpp"
 #include "core/geometry/sphere.hpp"
+#include "core/geometry/torus.hpp"
 
 namespace feltwire {
 
@@ -32,7 +34,7 @@ struct PrimitiveList {
 };
 
 /// The shapes that have a formula: each is a line here and a file that tells all of it.
-using Primitives = PrimitiveList<Plane, Sphere, Box, Capsule, Cylinder>;
+using Primitives = PrimitiveList<Plane, Sphere, Box, Capsule, Cylinder, Cone, Torus>;
 
 class MeshSurface;
 /// Triangles, with what a hand needs to find its way on them; shared, immutable.

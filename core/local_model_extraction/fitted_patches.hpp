@@ -1,30 +1,19 @@
 #pragma once
 // Surfaces that no patch describes exactly, meshes and grids, as few patches near a point: each
 // with how far it holds.
-//
-// A patch stands for the surface as far as that lies within kPatchSlope of the way from the
-// patch's point: what a client errs by is a share of how far it has gone since.
 
 #include <array>
 #include <cstdint>
 #include <limits>
 
 #include "core/contact/contact.hpp"
+#include "core/geometry/bend.hpp"
 #include "core/local_model/local_model.hpp"
 
 namespace feltwire {
 
-inline constexpr double kPatchSlope = 1.0 / 64.0;
 /// [m] Nothing is fitted farther away: no model reaches there (near.hpp).
 inline constexpr double kMostFitted = 0.1;
-
-/// The ball or the cylinder that a surface is most like whose normal turns by
-/// [uu uv; uv vv] [1/m] along the unit tangents u and v.
-struct Bend {
-  double curvature = 0.0;    // [1/m] as a SurfacePatch has it
-  Vec3 axis = Vec3::Zero();  // unit: straight along it; zero: a ball
-};
-Bend bend(const Vec3& u, const Vec3& v, double uu, double uv, double vv) noexcept;
 
 /// As a SurfacePatch, in the object's frame.
 struct FittedPatch {

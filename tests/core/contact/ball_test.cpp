@@ -21,8 +21,13 @@ SurfacePoint touch_once(const Shape& shape, Side side, const Vec3& p) {
 }
 
 TEST(Ball, IsAsDeepAsItsSurfaceIsInTheSolid) {
-  const std::vector<Shape> shapes = {Plane{}, Sphere{0.03}, Box{Vec3(0.03, 0.02, 0.025)},
-                                     Capsule{0.02, 0.02}, Cylinder{0.02, 0.03}};
+  const std::vector<Shape> shapes = {Plane{},
+                                     Sphere{0.03},
+                                     Box{Vec3(0.03, 0.02, 0.025)},
+                                     Capsule{0.02, 0.02},
+                                     Cylinder{0.02, 0.03},
+                                     Cone{0.02, 0.02},
+                                     Torus{0.03, 0.01}};
   test::Random random(1);
   for (const Shape& shape : shapes)
     for (int i = 0; i < 4000; ++i) {

@@ -91,7 +91,8 @@ struct Solid {
 };
 const Solid kSolids[] = {{"box", Box{Vec3(0.02, 0.03, 5e-4)}}, {"ball", Sphere{0.004}},
                          {"rod", Capsule{0.003, 0.02}},        {"can", Cylinder{0.01, 0.015}},
-                         {"disc", Cylinder{0.02, 5e-4}},       {"wire", Cylinder{5e-4, 0.02}}};
+                         {"disc", Cylinder{0.02, 5e-4}},       {"wire", Cylinder{5e-4, 0.02}},
+                         {"cone", Cone{0.01, 0.015}},          {"needle", Cone{2e-3, 0.03}}};
 
 /// Half way through the solid, from all sides, with steps as of 10 m/s at 1 kHz and less.
 TEST(ProxySide, NothingIsPassedStraightThroughItsMiddle) {

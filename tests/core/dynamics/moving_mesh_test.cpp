@@ -56,7 +56,8 @@ TEST(MassProperties, OfATessellatedBoxIsTheBoxs) {
 
 TEST(MassProperties, RoundSolidsAreTheLimitOfTheirTriangles) {
   for (const Shape& shape :
-       {Shape(Sphere{0.03}), Shape(Capsule{0.02, 0.05}), Shape(Cylinder{0.04, 0.03})})
+       {Shape(Sphere{0.03}), Shape(Capsule{0.02, 0.05}), Shape(Cylinder{0.04, 0.03}),
+        Shape(Cone{0.04, 0.03}), Shape(Torus{0.05, 0.02})})
     expect_same(mass_properties(mesh(tessellate(shape, 400))), mass_properties(shape), 3e-4);
 }
 
@@ -131,6 +132,22 @@ TEST(MovingMesh, RestsOnTheFloorByItsHull) {
   World c(on_mesh);
   for (int n = 0; n < 1500; ++n) ASSERT_TRUE(c.step());
   EXPECT_NEAR(c.objects()[1].pose.position.z(), half.z() - 0.1, 2e-4);
+}
+
+// What MuJoCo has no geom for rests on what stands for it.
+TEST(MovingMesh, ConesAndRingsLieOnTheFloor) {
+  const struct {
+    Shape shape;
+    double low;  // [m] of the shape under its origin
+  } cases[] = {{Cone{0.04, 0.03}, 0.03}, {Torus{0.05, 0.015}, 0.015}};
+  for (const auto& c : cases) {
+    const Scene scene = one_body(c.shape);
+    EXPECT_THAT(scene.mechanism()->warnings(), IsEmpty());
+    World world(scene);
+    for (int n = 0; n < 1500; ++n) ASSERT_TRUE(world.step());
+    EXPECT_NEAR(world.objects()[1].pose.position.z(), c.low - 0.1, 3e-4);
+    EXPECT_LT(world.objects()[1].pose.orientation.angularDistance(Quaternion::Identity()), 0.02);
+  }
 }
 
 // Newton's third law to rounding, and no tunnelling: two hands stroke and press a tumbling ring.

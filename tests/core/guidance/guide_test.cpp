@@ -149,8 +149,9 @@ std::vector<Guide> conservative() {
   const Attract pull{.stiffness = 300.0, .damping = 2.0, .range = 0.3};
   const KeepOut push{.stiffness = 300.0, .damping = 2.0, .margin = 0.02};
   const std::vector<GuidePlace> places = {
-      GuidePoint{},        GuideLine{0.04},     Plane{}, Sphere{0.05}, Box{{0.03, 0.04, 0.05}},
-      Capsule{0.02, 0.04}, Cylinder{0.03, 0.05}};
+      GuidePoint{},         GuideLine{0.04},         Plane{},
+      Sphere{0.05},         Box{{0.03, 0.04, 0.05}}, Capsule{0.02, 0.04},
+      Cylinder{0.03, 0.05}, Cone{0.03, 0.04}};
   for (const GuidePlace& place : places)
     for (const GuideAction& action :
          {GuideAction(pull), GuideAction(push), GuideAction(Magnet{0.05})})

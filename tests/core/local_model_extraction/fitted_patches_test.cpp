@@ -147,6 +147,28 @@ TEST(FittedPatches, GridsAreCurvedPatches) {
   EXPECT_GT(can.spoke, can.ticks / 3);
 }
 
+// Cones and rings bend in more ways than a patch does: as far as one holds.
+TEST(FittedPatches, ConesAndRingsAreCurvedPatches) {
+  Random random(4);
+  const auto shown = [](const Shape& shape, Side side) {
+    Object o;
+    o.name = "it";
+    o.shape = shape;
+    o.felt_from = side;
+    o.material = kSmooth;
+    return o;
+  };
+  for (const Side side : {Side::outside, Side::inside}) {
+    const Followed cone = follow(shown(Cone{0.05, 0.04}, side), random, 2.0 * kPatchSlope, 1e-9);
+    EXPECT_GT(cone.touched, 5000);
+    EXPECT_GT(cone.spoke, cone.ticks / 3);
+    const Followed ring = follow(shown(Torus{0.05, 0.02}, side), random, 2.0 * kPatchSlope, 1e-9,
+                                 Vec3(0.05, 0.0, 0.0));
+    EXPECT_GT(ring.touched, 1000);
+    EXPECT_GT(ring.spoke, ring.ticks / 5);
+  }
+}
+
 /// A hand led round a ball of facets at a steady depth, across 20 of them and more.
 TEST(FittedPatches, FrictionRoundFacetsIsTheScenes) {
   constexpr double kRadius = 0.05, kStep = 1e-4;  // [m]

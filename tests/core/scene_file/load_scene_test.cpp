@@ -59,11 +59,13 @@ TEST(LoadScene, ReadsEveryField) {
       { name: "4", box: { size: { z: 6, y: 4, x: 2 } }, material: "m" },
       { name: "5", capsule: { radius: 0.5, length: 2 }, orientation: [0, 0, 0, 2], material: "m" },
       { name: "6", cylinder: { radius: 0.5, length: 3 }, material: "m" },
+      { name: "7", cone: { radius: 0.5, length: 3 }, material: "m" },
+      { name: "8", torus: { major_radius: 0.5, minor_radius: 0.1 }, material: "m" },
     ] })",
                                   "all.json");
   EXPECT_EQ(scene.name(), "all");
   const auto& o = scene.objects();
-  ASSERT_EQ(o.size(), 6u);
+  ASSERT_EQ(o.size(), 8u);
   EXPECT_TRUE(std::holds_alternative<Plane>(o[0].shape));
   EXPECT_EQ(o[0].felt_from, Side::outside);
   EXPECT_EQ(o[0].pose.position, Vec3::Zero());
@@ -77,6 +79,10 @@ TEST(LoadScene, ReadsEveryField) {
   EXPECT_EQ(o[4].pose.orientation.z(), 1.0);  // made unit
   EXPECT_EQ(std::get<Cylinder>(o[5].shape).half_length, 1.5);
   EXPECT_EQ(std::get<Cylinder>(o[5].shape).radius, 0.5);
+  EXPECT_EQ(std::get<Cone>(o[6].shape).half_length, 1.5);
+  EXPECT_EQ(std::get<Cone>(o[6].shape).radius, 0.5);
+  EXPECT_EQ(std::get<Torus>(o[7].shape).major_radius, 0.5);
+  EXPECT_EQ(std::get<Torus>(o[7].shape).minor_radius, 0.1);
   const Material& m = o[5].material;
   EXPECT_EQ(m.stiffness, 1000);
   EXPECT_EQ(m.damping, 1);
@@ -126,6 +132,8 @@ TEST(LoadScene, EveryMistakeIsNamedWithLineAndField) {
        "s.json:11: objects[1].cylinder.radius: is not given"},
       {11, R"("cylinder": { "radius": 1, "length": 0 },)",
        "s.json:11: objects[1].cylinder.length: must be above zero"},
+      {11, R"("torus": { "major_radius": 1, "minor_radius": 1.5 },)",
+       "s.json:11: objects[1].torus.minor_radius: must be at most 1 [m], is 1.5"},
       {11, "", "s.json:9: objects[1]: has no shape; give exactly one of plane, sphere, box, "},
       {11, R"("sphere": { "radius": 1 }, "plane": {},)",
        "s.json:11: objects[1].sphere: is a second shape beside plane; keep exactly one of"},

@@ -1,0 +1,40 @@
+#pragma once
+
+#include "core/geometry/primitive.hpp"
+
+namespace feltwire {
+
+/// Its faces by index.
+inline constexpr int kConeSide = 0, kConeBase = 1;
+
+/// Around the z axis: a flat base at -half_length, the tip at +half_length.
+///
+/// Bodies run into the hull of the tip and 64 points on the base's rim, which lies within the cone
+/// by at most 0.13 % of the radius.
+struct Cone {
+  double radius = 0.0;       // [m] of the base, > 0
+  double half_length = 0.0;  // [m] half of the height, > 0
+
+  static constexpr const char* kName = "cone";
+  template <class Self, class Visit>
+  static void lengths(Self& self, Visit visit) {
+    visit(Length{.name = "radius"}, self.radius);
+    visit(Length{.name = "length", .share = 0.5}, self.half_length);
+  }
+
+  SurfacePoint surface_point(Side side, const Vec3& p, FeatureMemory& memory) const noexcept;
+  SurfacePoint ball_surface(Side side, const Vec3& p, double radius,
+                            FeatureMemory& memory) const noexcept;
+  double room() const noexcept;
+  FieldPoint signed_distance(const Vec3& p) const noexcept;
+  Vec3 half_box() const noexcept;
+  double reach() const noexcept;
+  MassProperties mass_properties() const;
+  TriangleSoup triangles(int segments) const;
+  std::vector<PhysicsGeom> geoms(Side side) const;
+  SurfaceParts parts(Side side, const Vec3& p, std::uint32_t entered) const noexcept;
+  PatchGeometry patch(Side side, const Vec3& p, int face, const FeatureMemory& memory,
+                      bool touching) const noexcept;
+};
+
+}  // namespace feltwire
