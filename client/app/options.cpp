@@ -29,7 +29,7 @@ constexpr std::string_view kReplay = "replay:";
 /// The command line as it is written, before its words are understood.
 struct WrittenOptions {
   std::string connect, scene, device = "simulated", spec = "simulated";
-  std::string mode = std::string(name(SessionParameters{}.mode)),
+  std::string mode = SessionParameters{}.mode,
               projection = std::string(name(SessionParameters{}.projection)), storage = "minimal",
               reference = "zero", side, path = "press", predictor = "level";
   double rate = 1000.0;
@@ -74,7 +74,7 @@ double period_of(const WrittenOptions& words) {
 void begin_with(const NetworkProfile& line, WrittenOptions& words, SessionParameters& parameters) {
   constexpr double kPercent = 100.0;
   parameters = {};
-  parameters.mode = bounding_mode(words.mode);
+  parameters.mode = bounding_method(words.mode).name;
   parameters.servo_period = period_of(words);
   parameters = over(line, parameters);
   words.position_deadband_percent = kPercent * parameters.position_deadband;
@@ -157,13 +157,13 @@ void understand(const WrittenOptions& words, HandTask task, ClientOptions& optio
   require(options.role != Role::admin, "--role must be operator or observer");
   require(words.view.empty() || options.role == Role::observer,
           "--view is of observers; give --role observer, too");
-  options.parameters.mode = bounding_mode(words.mode);
+  options.parameters.mode = bounding_method(words.mode).name;
   options.parameters.projection = projection(words.projection);
   options.parameters.storage = storage(words.storage);
   options.parameters.reference = passivity_reference(words.reference);
   if (!words.side.empty())
     options.parameters.side = bounding_side(words.side);
-  else if (moves_probe(options.parameters.mode))
+  else if (bounding_method(options.parameters.mode).moves_probe)
     options.parameters.side = BoundingSide::server;
   options.parameters.servo_period = period_of(words);
   choose_traffic(words, packet_rate(words, options.role), options.parameters);
@@ -259,7 +259,7 @@ std::variant<ClientOptions, int> parse_options(int argc, char** argv) {
                      choices(builtin_devices(), "|", &DeviceSpec::name) + ", or FILE.json")
       ->capture_default_str()
       ->group(session);
-  app.add_option("--mode", words.mode, "Energy bound: " + choices(kBoundingModeNames))
+  app.add_option("--mode", words.mode, "Energy bound: " + bounding_method_choices())
       ->capture_default_str()
       ->group(session);
   app.add_option("--projection", words.projection, "Of contact_frame: " + choices(kProjectionNames))
@@ -336,12 +336,15 @@ std::variant<ClientOptions, int> parse_options(int argc, char** argv) {
       ->capture_default_str()
       ->group(traffic);
 
-  const auto safety =
-      "Safety (--slew, --ramp-up, --velocity-limit: contact_frame, energy_tank and none only)";
+  std::vector<std::string_view> reducible;
+  for (const BoundingMethod* method : bounding_methods())
+    if (method->admits_reduction) reducible.push_back(method->name);
+  const std::string safety =
+      "Safety (--slew, --ramp-up, --velocity-limit: of the modes " + choices(reducible, ", ") + ")";
   // Their usual values depend on the mode, so the help names them in words.
   const SafetyLimits usual = protect_hand({}).safety;
   SessionParameters unbounded;
-  unbounded.mode = BoundingMode::none;
+  unbounded.mode = kUnbounded;
   app.add_option(
          "--wait-for-small-force", words.wait_for_small_force,
          "[N] until the scene has once asked for no more, only force beyond its smallest so "

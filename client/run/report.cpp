@@ -71,7 +71,7 @@ Json device(const std::string& kind, const DeviceSpec& spec) {
 }
 
 Json parameters(const SessionParameters& p) {
-  return {{"mode", name(p.mode)},
+  return {{"mode", p.mode},
           {"projection", name(p.projection)},
           {"storage", name(p.storage)},
           {"side", name(p.side)},

@@ -17,12 +17,16 @@ namespace {
 constexpr std::size_t kRemembered = 8192;
 constexpr double kSmallestForce = 1e-6;  // [N] below it a force has no direction worth measuring
 
+bool admits_reduction(const SessionParameters& parameters) {
+  return bounding_method(parameters.mode).admits_reduction;
+}
+
 BoundingConfig bound_of(const SessionParameters& parameters, const DeviceSpec& spec) {
   validate(spec);
   validate(parameters);
   BoundingConfig config = bounding_config(parameters, spec);
   // The server bounds: what stays here are the safety clamps, which every mode has.
-  if (parameters.side == BoundingSide::server) config.mode = BoundingMode::none;
+  if (parameters.side == BoundingSide::server) config.mode = kUnbounded;
   return config;
 }
 
@@ -32,8 +36,8 @@ BoundingConfig bound_of(const SessionParameters& parameters, const DeviceSpec& s
 /// credit the operator, which the guard does not.
 std::optional<PortGuard> guard_of(const SessionParameters& parameters, const DeviceSpec& spec) {
   const bool behind_bound = parameters.side != BoundingSide::server;
-  if (parameters.mode == BoundingMode::none || !PortGuard::usable(spec.damping) ||
-      (behind_bound && (!admits_reduction(parameters.mode) || parameters.operator_damping > 0.0)))
+  if (parameters.mode == kUnbounded || !PortGuard::usable(spec.damping) ||
+      (behind_bound && (!admits_reduction(parameters) || parameters.operator_damping > 0.0)))
     return std::nullopt;
   return PortGuard(spec.damping, spec.rotation_actuated > 0 ? spec.rotational_damping : Damping());
 }
@@ -45,18 +49,18 @@ PortEnergy observer_of(const DeviceSpec& spec, double period) {
 
 /// Nothing else withholds what a scene changes to, and nothing else sees to it that it is paid for.
 std::optional<Admission> admission_of(const SessionParameters& p, const DeviceSpec& spec,
+                                      const Bounding& bounding,
                                       const std::optional<PortGuard>& guard) {
-  if (p.mode != BoundingMode::contact_frame || p.side == BoundingSide::server || !guard)
-    return std::nullopt;
+  if (!bounding.takes_endowment() || !guard) return std::nullopt;
   return Admission(spec.max_force / (0.5 * p.hold_time));
 }
 
-void refuse_beside(BoundingMode mode, const char* what, double value, const char* unit,
+void refuse_beside(std::string_view mode, const char* what, double value, const char* unit,
                    double off) {
   if (value == off) return;
   std::ostringstream message;
   message << "a " << what << " of " << value << " " << unit << " cannot follow the bounding mode "
-          << name(mode) << ", which also bounds forces from below; use "
+          << mode << ", which also bounds forces from below; use "
           << "contact_frame or no " << what << " (" << off << ")";
   throw std::invalid_argument(message.str());
 }
@@ -80,7 +84,7 @@ bool good(const DeviceReading& reading) {
 void validate(const ServoOptions& options, const SessionParameters& parameters) {
   const SafetyLimits& s = options.safety;
   validate(s);
-  if (admits_reduction(parameters.mode)) return;
+  if (admits_reduction(parameters)) return;
   refuse_beside(parameters.mode, "slew limit", s.force.slew, "N/s", ChannelLimits::kOff);
   refuse_beside(parameters.mode, "slew limit", s.torque.slew, "N m/s", ChannelLimits::kOff);
   refuse_beside(parameters.mode, "velocity limit", s.force.speed, "m/s", ChannelLimits::kOff);
@@ -92,12 +96,12 @@ ServoOptions protect_hand(const SessionParameters& parameters) {
   ServoOptions options;
   options.safety.force.small = 0.05;   // [N] below what a resting hand feels
   options.safety.torque.small = 2e-3;  // [N m] the same at an arm of 40 mm
-  if (!admits_reduction(parameters.mode)) return options;
+  if (!admits_reduction(parameters)) return options;
   options.safety.force.speed = 1.5;  // [m/s]
   // A bound lets nothing through at first either, and what a ramp withheld behind it comes back
   // only as the hand presses deeper (measured).
   const bool client_bounds =
-      parameters.side != BoundingSide::server && parameters.mode != BoundingMode::none;
+      parameters.side != BoundingSide::server && parameters.mode != kUnbounded;
   if (!client_bounds) options.safety.ramp_up = 0.2;  // [s]
   return options;
 }
@@ -108,11 +112,11 @@ Servo::Servo(const DeviceSpec& spec, const SessionParameters& parameters,
       parameters_(parameters),
       options_(options),
       bounding_(bound_of(parameters, spec)),
-      safety_(options.safety, admits_reduction(parameters.mode)),
+      safety_(options.safety, admits_reduction(parameters)),
       port_(observer_of(spec, parameters.servo_period)),
       guard_(guard_of(parameters, spec)),
       reserve_(parameters.servo_period),
-      admission_(admission_of(parameters, spec, guard_)),
+      admission_(admission_of(parameters, spec, bounding_, guard_)),
       torque_(bounding_.config().rotation),
       period_(bounding_.config().period),
       measures_(bounding_.config().period),

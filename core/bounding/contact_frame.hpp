@@ -1,23 +1,10 @@
 #pragma once
 
 #include "core/bounding/channel.hpp"
+#include "core/bounding/config.hpp"
 #include "core/bounding/frame.hpp"
 
 namespace feltwire {
-
-/// How the other channels follow when one is bounded.
-enum class Projection {
-  joint,  // one factor for elastic and frictional: the command's direction is kept exactly
-  cone    // the elastic force keeps its own factor, friction takes the smaller: normal force is not
-          // lost to friction
-};
-
-/// How much the elastic channel keeps of the energy that the hand pressed into it.
-enum class Storage {
-  minimal,  // S(F) of the force held, the least that is safe: a spring softer than c fades on
-            // release
-  elastic   // and what a spring would hold beyond it: every spring up to c comes back whole
-};
 
 /// mode `contact_frame`, the default: direction and passivity together (docs/bounding.md,
 /// "contact_frame").
@@ -38,6 +25,7 @@ enum class Storage {
 /// then draw on it. Dissipation (the device's, the contact's, friction's) never enters, and a lost
 /// contact empties it, so nothing is gathered that a later oscillation could spend.
 /// Known weakness: a force once lost comes back only as the hand presses on.
+/// contact_frame_template.hpp has the definitions, for arithmetics other than double.
 template <class Real>
 class ContactFrameBound {
  public:
@@ -96,6 +84,5 @@ class ContactFrameBound {
 };
 
 extern template class ContactFrameBound<double>;
-extern template class ContactFrameBound<float>;
 
 }  // namespace feltwire

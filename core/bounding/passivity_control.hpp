@@ -7,17 +7,12 @@
 #include <cmath>
 #include <limits>
 
+#include "core/bounding/config.hpp"
 #include "core/bounding/frame.hpp"
 #include "core/bounding/split.hpp"
 #include "core/bounding/step.hpp"
 
 namespace feltwire {
-
-/// The reference that the observed energy is compared with.
-enum class PassivityReference {
-  zero,      // Hannaford & Ryu 2002
-  following  // Ryu et al. 2005: what the environment would have taken in continuous time
-};
 
 /// Energy that flowed into one port, W [J], and what it ought to be. Flows in the paper's sign,
 /// F.dx > 0 into the controller.
@@ -188,7 +183,9 @@ class PassivityControlParallel {
     force_.settle(-held.force());
     rotation_.settle(-held.torque);
   }
-  BasicProbe<Real> probe() const noexcept { return probe_; }
+  BasicProbe<Real> probe(const Vector3<Real>&, const Vector3<Real>&) const noexcept {
+    return probe_;
+  }
 
  private:
   static void hold_back(PassivityAxes<Real>& axes, const Vector3<Real>& wanted,

@@ -24,8 +24,4 @@ struct BasicProbe {
 };
 using Probe = BasicProbe<double>;
 
-// Every method here is a value with
-//   BasicCommand<Real> step(const BasicBoundingStep<Real>&)   and takes its result as held,
-//   void set_held(const BasicCommand<Real>&)                  where something else was held.
-
 }  // namespace feltwire

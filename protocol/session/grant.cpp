@@ -5,6 +5,8 @@
 #include <charconv>
 #include <type_traits>
 
+#include "core/base/visible_text.hpp"
+
 namespace feltwire {
 namespace {
 
@@ -17,6 +19,7 @@ std::string text(double value) {
   return {digits.data(), end};
 }
 std::string text(int value) { return std::to_string(value); }
+std::string text(const std::string& value) { return visible(value); }
 std::string text(bool value) { return value ? "on" : "off"; }
 std::string text(const std::optional<double>& value) { return value ? text(*value) : "not given"; }
 template <class Choice>

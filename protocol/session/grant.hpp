@@ -7,6 +7,8 @@
 #include <optional>
 #include <string>
 #include <tuple>
+#include <type_traits>
+#include <utility>
 
 #include "protocol/session/session_parameters.hpp"
 
@@ -78,16 +80,18 @@ inline constexpr auto kParameterRules = [] {
                     rule("local_model", &P::local_model, client, &grant::traffic)};
 }();
 
-inline constexpr std::size_t kParameterFields = [] {
+constexpr auto parameter_fields(const SessionParameters& p) {
   // A field that is added to SessionParameters, or taken away, does not compile here: give it a
   // rule above, then a name and a count here.
-  [[maybe_unused]] const auto [mode, projection, storage, side, servo_period, redundancy,
-                               operator_damping, velocity_cutoff, hold_time, c1, c2, reference,
-                               coupling_stiffness, coupling_damping, tool_mass, packet_interval,
-                               batch, position_deadband, force_deadband, predictor, keep_alive,
-                               local_model] = SessionParameters{};
-  return std::size_t{22};
-}();
+  [[maybe_unused]] const auto& [mode, projection, storage, side, servo_period, redundancy,
+                                operator_damping, velocity_cutoff, hold_time, c1, c2, reference,
+                                coupling_stiffness, coupling_damping, tool_mass, packet_interval,
+                                batch, position_deadband, force_deadband, predictor, keep_alive,
+                                local_model] = p;
+  return std::integral_constant<std::size_t, 22>{};
+}
+inline constexpr std::size_t kParameterFields =
+    decltype(parameter_fields(std::declval<SessionParameters>()))::value;
 static_assert(std::tuple_size_v<decltype(kParameterRules)> == kParameterFields,
               "each field of SessionParameters has one rule");
 

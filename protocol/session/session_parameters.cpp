@@ -82,7 +82,7 @@ void validate_traffic(const SessionParameters& p) {
 }  // namespace
 
 void validate(const SessionParameters& p) {
-  known("mode", static_cast<std::size_t>(p.mode), kBoundingModeNames.size());
+  const BoundingMethod& method = bounding_method(p.mode);
   known("projection", static_cast<std::size_t>(p.projection), kProjectionNames.size());
   known("storage", static_cast<std::size_t>(p.storage), kStorageNames.size());
   known("reference", static_cast<std::size_t>(p.reference), kPassivityReferenceNames.size());
@@ -109,8 +109,8 @@ void validate(const SessionParameters& p) {
     within("coupling_damping", *p.coupling_damping, 0.0, kLargestCouplingDamping, "N s/m",
            "leave it out for b - k T / 2");
   within("tool_mass", p.tool_mass, kLightestTool, kHeaviestTool, "kg", "0.05 is a light tool");
-  if (moves_probe(p.mode) && p.side != BoundingSide::server)
-    throw std::invalid_argument("the mode " + std::string(name(p.mode)) +
+  if (method.moves_probe && p.side != BoundingSide::server)
+    throw std::invalid_argument("the mode " + p.mode +
                                 " asks the scene at its own tool, which only the server can: "
                                 "use the side server");
   validate_traffic(p);
@@ -118,7 +118,7 @@ void validate(const SessionParameters& p) {
 
 BoundingConfig bounding_config(const SessionParameters& p, const DeviceSpec& device) {
   BoundingConfig config;
-  config.mode = p.mode;
+  config.mode = bounding_method(p.mode).name;
   config.projection = p.projection;
   config.storage = p.storage;
   config.period = p.servo_period;

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <string_view>
 
 #include "core/bounding/bounding.hpp"
@@ -27,7 +28,7 @@ inline constexpr double kStiffest = 1e9;         // [N/m]
 /// The settings of a session. A client asks for them, the server grants them. All except
 /// servo_period can be changed while the session runs.
 struct SessionParameters {
-  BoundingMode mode = BoundingMode::contact_frame;
+  std::string mode{kDefaultMethod};          // a method of the registry, core/bounding/method.hpp
   Projection projection = Projection::cone;  // measured: docs/bounding.md, "joint or cone"
   Storage storage = Storage::minimal;        // measured: the same page, "minimal or elastic"
   BoundingSide side = BoundingSide::client;  // measured: docs/network.md, "Who bounds"
@@ -64,8 +65,9 @@ std::string_view name(Predictor predictor);
 /// Throws std::invalid_argument naming the choices when there is no such predictor.
 Predictor predictor(std::string_view name);
 
-/// Throws std::invalid_argument that names the field, the range and the remedy. A method that asks
-/// the scene at another place than the device's (moves_probe) runs on the server only.
+/// Throws std::invalid_argument that names the field, the range and the remedy; for a mode that is
+/// not in the registry, the choices. A method that asks the scene at another place than the
+/// device's (moves_probe) runs on the server only.
 void validate(const SessionParameters& parameters);
 
 /// The configuration of the bound for a session of this device, on either side.

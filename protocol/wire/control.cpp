@@ -39,10 +39,10 @@ bool read_enum(Wire wire, Enum& out) {
   return true;
 }
 
-/// One that may be left out is empty where it is not there.
-bool read_name(const flatbuffers::String* text, std::string& out) {
+/// One that may be left out stays what it was where it is not there.
+bool read_name(const flatbuffers::String* text, std::string& out, std::size_t longest = kMaxName) {
   if (text == nullptr) return true;
-  if (text->size() > kMaxName) return false;
+  if (text->size() > longest) return false;
   out.assign(text->c_str(), text->size());
   return true;
 }
@@ -96,7 +96,7 @@ Offset<wire::DeviceSpec> build(FlatBufferBuilder& builder, const DeviceSpec& d) 
 
 Offset<wire::SessionParameters> build(FlatBufferBuilder& builder, const SessionParameters& p) {
   return wire::CreateSessionParameters(
-      builder, wire_enum<wire::BoundingMode>(p.mode), wire_enum<wire::Projection>(p.projection),
+      builder, builder.CreateString(p.mode), wire_enum<wire::Projection>(p.projection),
       wire_enum<wire::Storage>(p.storage), wire_enum<wire::BoundingSide>(p.side), p.servo_period,
       static_cast<std::uint8_t>(p.redundancy), p.operator_damping, p.velocity_cutoff, p.hold_time,
       p.c1.value_or(kNotGiven), p.c2.value_or(kNotGiven),
@@ -219,7 +219,8 @@ bool read(const wire::SessionParameters& from, SessionParameters& to) {
   to.force_deadband = from.force_deadband();
   to.keep_alive = from.keep_alive();
   to.local_model = from.local_model();
-  return read_enum(from.reference(), to.reference) && read_enum(from.mode(), to.mode) &&
+  return read_enum(from.reference(), to.reference) &&
+         read_name(from.mode(), to.mode, kLongestMethodName) &&
          read_enum(from.projection(), to.projection) && read_enum(from.storage(), to.storage) &&
          read_enum(from.side(), to.side) && read_enum(from.predictor(), to.predictor);
 }

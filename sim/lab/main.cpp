@@ -44,7 +44,7 @@ Damping damping_of(const std::vector<double>& n) {
 
 void add_bound(CLI::App& app) {
   struct Options {
-    std::string mode = "contact_frame", projection = "joint", storage = "minimal",
+    std::string mode = std::string(kDefaultMethod), projection = "joint", storage = "minimal",
                 reference = "zero";
     BoundingConfig config;
     double c1 = 0.0, c2 = 0.0;
@@ -63,11 +63,10 @@ void add_bound(CLI::App& app) {
       "             active    1 where the bound changed the command\n"
       "A row with nan or inf renders zero. Example:\n"
       "  printf 'dx,dy,dz,ex,ey,ez,fx,fy,fz\\n0,-1e-4,0,0,4,0,0,0,0\\n' | feltwire-lab bound "
-      "--period 0.001 --damping 0.5");
-  std::string modes;
-  for (const auto mode : kBoundingModeNames)
-    modes += (modes.empty() ? "" : ", ") + std::string(mode);
-  command->add_option("--mode", o->mode, modes)->capture_default_str();
+      "--period 0.001 --damping 0.5\n"
+      "Methods:\n" +
+      bounding_method_summaries());
+  command->add_option("--mode", o->mode, "The method, see below")->capture_default_str();
   command->add_option("--period", o->config.period, "T: time that one force is held [s]")
       ->required();
   command
@@ -90,7 +89,7 @@ void add_bound(CLI::App& app) {
   command->add_option("--reference", o->reference, "zero or following (passivity_control* only)")
       ->capture_default_str();
   command->callback([o, c1, c2] {
-    o->config.mode = bounding_mode(o->mode);
+    o->config.mode = bounding_method(o->mode).name;
     o->config.reference = passivity_reference(o->reference);
     o->config.damping = damping_of(o->damping);
     o->config.projection = projection(o->projection);

@@ -49,14 +49,14 @@ void step(benchmark::State& state, BoundingConfig config, int dof) {
 }
 
 [[maybe_unused]] const bool registered = [] {
-  for (const std::string_view method : kBoundingModeNames)
+  for (const std::string_view method : bounding_method_names())
     for (const int dof : {2, 3, 6}) {
       BoundingConfig config;
-      config.mode = bounding_mode(method);
+      config.mode = method;
       config.projection = Projection::cone;
       const std::string name = "bound/" + std::string(method) + "/" + std::to_string(dof);
       benchmark::RegisterBenchmark(name.c_str(), step, config, dof);
-      if (config.mode != BoundingMode::contact_frame) continue;
+      if (config.mode != "contact_frame") continue;
       config.storage = Storage::elastic;
       const std::string elastic = "bound/contact_frame_elastic/" + std::to_string(dof);
       benchmark::RegisterBenchmark(elastic.c_str(), step, config, dof);

@@ -14,7 +14,8 @@ inline constexpr Nanoseconds kPeriod = std::chrono::milliseconds(1);
 
 inline Nanoseconds seconds(double s) { return Nanoseconds(std::llround(s * 1e9)); }
 
-inline SessionParameters parameters(BoundingMode mode, BoundingSide side = BoundingSide::client) {
+inline SessionParameters parameters(std::string_view mode,
+                                    BoundingSide side = BoundingSide::client) {
   SessionParameters p;
   p.mode = mode;
   p.side = side;

@@ -12,7 +12,7 @@ inline constexpr double kColgate = 2.0 * kDamping / kPeriod;  // [N/m]
 
 inline BoundingConfig contact_frame(Projection projection = Projection::joint,
                                     Storage storage = Storage::minimal) {
-  return {.mode = BoundingMode::contact_frame,
+  return {.mode = "contact_frame",
           .projection = projection,
           .storage = storage,
           .period = kPeriod,

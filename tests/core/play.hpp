@@ -5,6 +5,7 @@
 #include <limits>
 #include <vector>
 
+#include "tests/core/in_arithmetic.hpp"
 #include "tests/core/script.hpp"
 
 namespace feltwire::test {
@@ -50,7 +51,7 @@ void play(const Script& script, const std::vector<BoundingConfig>& laws, const P
           Judge judge) {
   constexpr double kFarthest = 0.1;  // [m], [rad] a tick: no hand is faster
   const double period = laws[0].period;
-  BasicBounding<Real> bounding(laws[0]);
+  BasicBounding<Real> bounding = bounding_in<Real>(laws[0]);
   std::vector<Command> sent;
   Vec3 position = Vec3::Zero();
   Played<Real> p;
@@ -89,7 +90,7 @@ void play(const Script& script, const std::vector<BoundingConfig>& laws, const P
 
     p.new_law = t.law >= 0;
     if (p.new_law) {
-      bounding = BasicBounding<Real>(laws[static_cast<std::size_t>(t.law) % laws.size()]);
+      bounding = bounding_in<Real>(laws[static_cast<std::size_t>(t.law) % laws.size()]);
       p.told.displacement.setZero();
       p.told.rotation.setZero();
     }

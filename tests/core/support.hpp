@@ -38,7 +38,7 @@ class Random {
 inline constexpr double kModePeriod = 1e-3;  // [s]
 
 /// A bound of a mode with both damped, rotation rendered.
-inline BoundingConfig config(BoundingMode mode, double damping = 0.5) {
+inline BoundingConfig config(std::string_view mode, double damping = 0.5) {
   BoundingConfig c;
   c.mode = mode;
   c.period = kModePeriod;

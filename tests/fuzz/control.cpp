@@ -22,6 +22,7 @@ struct Texts {
     add(m.scene);
     add(m.tool);
     add(m.device.name);
+    add(m.parameters.mode);
   }
   void operator()(const control::JoinAccepted& m) { add(m.tool); }
   void operator()(const control::SceneList& m) {
@@ -44,6 +45,9 @@ void require_limits(const Message& message) {
                 join->tool.size() <= control::kMaxName &&
                 join->device.name.size() <= control::kMaxName,
             "names are no longer than the limit");
+  if (const auto* join = std::get_if<control::JoinRequest>(&message))
+    require(join->parameters.mode.size() <= kLongestMethodName,
+            "nor is the bounding method's name");
 }
 
 /// Throws nothing but std::invalid_argument, with a reason.

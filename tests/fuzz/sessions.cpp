@@ -117,7 +117,7 @@ class Exchange {
 
   void request(Input& in) {
     SessionParameters parameters;
-    parameters.mode = static_cast<BoundingMode>(in.byte() % kBoundingModeNames.size());
+    parameters.mode = bounding_method_names()[in.byte() % bounding_method_names().size()];
     parameters.side = static_cast<BoundingSide>(in.byte() % kBoundingSideNames.size());
     parameters.storage = static_cast<Storage>(in.byte() % 2);
     parameters.redundancy = in.byte() % (kMaxRedundancy + 1);

@@ -27,8 +27,8 @@ inline std::vector<ParameterChange> parameter_changes() {
     all.push_back({field, asked, granted, permitted});
   };
   using P = SessionParameters;
-  change("mode", false, [](P& p) { p.mode = BoundingMode::none; });
-  change("mode", false, [](P& p) { p.mode = BoundingMode::energy_tank; });
+  change("mode", false, [](P& p) { p.mode = "none"; });
+  change("mode", false, [](P& p) { p.mode = "energy_tank"; });
   change("projection", false, [](P& p) { p.projection = Projection::joint; });
   change("storage", false, [](P& p) { p.storage = Storage::elastic; });
   change("servo_period", false, [](P& p) { p.servo_period = 1e-4; });

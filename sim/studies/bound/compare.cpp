@@ -20,7 +20,7 @@ ExperimentSetup task_setup(const CompareTask& task, const CompareLoop& loop) {
   setup.hand.spec.damping = loop.damping;
   setup.hand.task = task.hand;
   setup.duration = task.duration;
-  setup.bounding.mode = BoundingMode::none;
+  setup.bounding.mode = kUnbounded;
   setup.bounding.period = 1.0 / loop.rate;
   setup.bounding.damping = loop.damping;
   setup.delay = delay_samples(loop.delay, setup.bounding.period);

@@ -14,14 +14,14 @@ constexpr double kStiffness = 5000.0;  // [N/m] of everything but the paper's wa
 CompareTask wall() {
   const Scene scene = parse_scene(embedded::paper_wall, "paper_wall.json");
   return {"wall", environment(scene.objects().front()), [](const Vec3& p) { return p.y(); },
-          figure_setup("wall", BoundingMode::none, 0.0).hand.task, 8.0};
+          figure_setup("wall", kUnbounded, 0.0).hand.task, 8.0};
 }
 
 CompareTask sphere() {
   const Scene scene = parse_scene(embedded::paper_sphere, "paper_sphere.json");
   return {"sphere", environment(scene.objects().front()),
           [](const Vec3& p) { return sphere_distance(p, 0.09).distance; },
-          figure_setup("sphere", BoundingMode::none, 0.0).hand.task, 16.0};
+          figure_setup("sphere", kUnbounded, 0.0).hand.task, 16.0};
 }
 
 /// Pressed into the corner by 3 N a wall and slid across, so that each of two walls is left and met

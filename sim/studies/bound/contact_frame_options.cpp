@@ -32,15 +32,14 @@ Scene sphere(double stiffness) {
 
 struct Method {
   const char* name;
-  BoundingMode mode;
+  std::string_view mode;
   Projection projection;
   Storage storage;
 };
-constexpr Method kNone{"none", BoundingMode::none, Projection::joint, Storage::minimal};
-constexpr Method kJoint{"joint", BoundingMode::contact_frame, Projection::joint, Storage::minimal};
-constexpr Method kCone{"cone", BoundingMode::contact_frame, Projection::cone, Storage::minimal};
-constexpr Method kElastic{"elastic", BoundingMode::contact_frame, Projection::cone,
-                          Storage::elastic};
+constexpr Method kNone{"none", kUnbounded, Projection::joint, Storage::minimal};
+constexpr Method kJoint{"joint", kDefaultMethod, Projection::joint, Storage::minimal};
+constexpr Method kCone{"cone", kDefaultMethod, Projection::cone, Storage::minimal};
+constexpr Method kElastic{"elastic", kDefaultMethod, Projection::cone, Storage::elastic};
 
 ExperimentSetup setup_of(const char* experiment, const Method& method, double damping) {
   ExperimentSetup setup = figure_setup(experiment, method.mode, damping, method.projection);

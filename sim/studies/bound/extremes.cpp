@@ -6,6 +6,7 @@
 
 #include "client/devices/simulated_device.hpp"
 #include "core/scene/scene.hpp"
+#include "sim/studies/bound/in_float.hpp"
 #include "sim/studies/bound/stress_inputs.hpp"
 
 namespace feltwire {
@@ -16,8 +17,6 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr int kSteps = 1500;            // a hand
 constexpr int kSceneSteps = 2000;       // at a wall, but
 constexpr double kLongestScene = 20.0;  // [s] not longer than that
-constexpr double kLargestForceOfAll =
-    1e12;  // [N] above it a force is no force (core/bounding/bounding.cpp)
 
 /// The number in a narrower arithmetic; infinite beyond its largest.
 template <class Real>
@@ -71,8 +70,8 @@ Promise after_refusal(Promise kept) {
   return kept == Promise::port || kept == Promise::port_by_axis ? kept : Promise::none;
 }
 bool beyond(const Command& rendered) {
-  return (rendered.force().array().abs() > 0.5 * kLargestForceOfAll).any() ||
-         (rendered.torque.array().abs() > 0.5 * kLargestForceOfAll).any();
+  return (rendered.force().array().abs() > 0.5 * kLargestForce).any() ||
+         (rendered.torque.array().abs() > 0.5 * kLargestForce).any();
 }
 
 void judge_energy(const PromiseLedger& ledger, ExtremeOutcome& outcome) {
@@ -82,7 +81,7 @@ void judge_energy(const PromiseLedger& ledger, ExtremeOutcome& outcome) {
   outcome.rounding = ledger.rounding();
 }
 
-BoundingConfig bound_config(BoundingMode mode, int variant, const Damping& damping,
+BoundingConfig bound_config(std::string_view mode, int variant, const Damping& damping,
                             const Damping& rotational_damping, double period, double max_force,
                             double assumed_damping) {
   BoundingConfig config;
@@ -102,11 +101,9 @@ BoundingConfig bound_config(BoundingMode mode, int variant, const Damping& dampi
   return config;
 }
 
-bool keeps_all(const BoundingConfig& config) {
-  return config.mode == BoundingMode::energy_tank ||
-         config.mode == BoundingMode::passivity_control ||
-         config.mode == BoundingMode::passivity_control_directional ||
-         config.storage == Storage::elastic;
+template <class Real>
+bool keeps_all(const BasicBoundingMethod<Real>& method, const BoundingConfig& config) {
+  return method.keeps_all || config.storage == Storage::elastic;
 }
 
 /// Books what the scene did to a coupling's tool, as far as the bound's arithmetic knows where the
@@ -141,15 +138,15 @@ class ToolBook {
 };
 
 template <class Real>
-void attack(const StressInputs& strain, BoundingMode mode, Promise kept, int hand,
-            double assumed_damping, ExtremeOutcome& outcome) {
+void attack(const StressInputs& strain, const BasicBoundingMethod<Real>& method, Promise kept,
+            int hand, double assumed_damping, ExtremeOutcome& outcome) {
   StrainRandom random(static_cast<std::uint64_t>(hand) + 1);
   const BoundingConfig config =
-      bound_config(mode, hand / 5 + hand, strain.damping, strain.rotational_damping, strain.period,
-                   strain.max_force, assumed_damping);
-  BasicBounding<Real> bounding(config);
+      bound_config(method.name, hand / 5 + hand, strain.damping, strain.rotational_damping,
+                   strain.period, strain.max_force, assumed_damping);
+  BasicBounding<Real> bounding(method, config);
   PromiseLedger ledger({kept, strain.damping, strain.rotational_damping, strain.period,
-                        keeps_all(config), kArithmetic<Real>});
+                        keeps_all(method, config), kArithmetic<Real>});
   ToolBook<Real> tool(config);
   using Limits = std::numeric_limits<Real>;
   const double least =
@@ -225,14 +222,15 @@ std::vector<WallStrain> walls() {
 }
 
 /// A coupling and the passivity controllers promise nothing behind a limit.
-double wall_limit(BoundingMode mode) {
+template <class Real>
+double wall_limit(const BasicBoundingMethod<Real>& method) {
   const Faults limited{.reductions = true};
-  return promise(mode, limited) == promise(mode, {}) ? 8.9 : kInfinity;
+  return promise(method, limited) == promise(method, {}) ? 8.9 : kInfinity;
 }
 
 template <class Real>
-void touch_wall(const WallStrain& strain, BoundingMode mode, Promise kept, int hand,
-                double assumed_damping, ExtremeOutcome& outcome) {
+void touch_wall(const WallStrain& strain, const BasicBoundingMethod<Real>& method, Promise kept,
+                int hand, double assumed_damping, ExtremeOutcome& outcome) {
   const Vec3 place = Vec3::Constant(strain.origin);
   const Object wall{.name = "wall",
                     .shape = Plane{},
@@ -255,12 +253,12 @@ void touch_wall(const WallStrain& strain, BoundingMode mode, Promise kept, int h
                   .clearance = 1e-4,
                   .lead_in = 50.0 * strain.period};
   SimulatedDevice device(options);
-  const double max_force = wall_limit(mode);
-  const BoundingConfig config = bound_config(mode, hand, options.spec.damping, 2e-4, strain.period,
-                                             max_force, assumed_damping);
-  BasicBounding<Real> bounding(config);
-  PromiseLedger ledger(
-      {kept, options.spec.damping, 2e-4, strain.period, keeps_all(config), kArithmetic<Real>});
+  const double max_force = wall_limit(method);
+  const BoundingConfig config = bound_config(method.name, hand, options.spec.damping, 2e-4,
+                                             strain.period, max_force, assumed_damping);
+  BasicBounding<Real> bounding(method, config);
+  PromiseLedger ledger({kept, options.spec.damping, 2e-4, strain.period, keeps_all(method, config),
+                        kArithmetic<Real>});
   ToolBook<Real> tool(config);
 
   const auto read = [&](int n) {
@@ -298,44 +296,38 @@ void touch_wall(const WallStrain& strain, BoundingMode mode, Promise kept, int h
 
 }  // namespace
 
-std::vector<ExtremeRow> run_extremes(double assumed_damping, int hands) {
+std::vector<ExtremeRow> run_extremes(double assumed_damping, int hands,
+                                     const std::vector<std::string_view>& methods) {
   if (!(assumed_damping > 0.0) || !std::isfinite(assumed_damping))
     throw std::invalid_argument(
         "the damping told must be finite and above zero times the real one");
   if (hands < 1) throw std::invalid_argument("there must be one hand or more to a strain");
+  if (methods.empty()) throw std::invalid_argument("there must be one method or more");
   std::vector<ExtremeRow> rows;
-  const auto row = [&](std::string name, BoundingMode mode, const Faults& faults, int count,
-                       auto in_double, auto in_float) {
-    ExtremeRow r{std::move(name), feltwire::name(mode), promise(mode, faults), {}, {}};
+  const auto row = [&](std::string strain, std::string_view name, const Faults& faults, int count,
+                       const auto& run) {
+    const BoundingMethod& method = bounding_method(name);
+    const BasicBoundingMethod<float>* in_float = method_in_float(name);
+    ExtremeRow r{std::move(strain), method.name, promise(method, faults), {}, {}};
     for (int hand = 0; hand < count; ++hand) {
-      in_double(r.promise, hand, r.in_double);
-      in_float(r.promise, hand, r.in_float);
+      run(method, r.promise, hand, r.in_double);
+      if (in_float != nullptr) run(*in_float, r.promise, hand, r.in_float);
     }
     rows.push_back(std::move(r));
   };
   for (const StressInputs& strain : strains())
-    for (const auto known : kBoundingModeNames) {
-      const BoundingMode mode = bounding_mode(known);
-      row(
-          strain.name, mode, strain.faults(), hands,
-          [&](Promise p, int hand, ExtremeOutcome& o) {
-            attack<double>(strain, mode, p, hand, assumed_damping, o);
-          },
-          [&](Promise p, int hand, ExtremeOutcome& o) {
-            attack<float>(strain, mode, p, hand, assumed_damping, o);
+    for (const std::string_view name : methods)
+      row(strain.name, name, strain.faults(), hands,
+          [&](const auto& method, Promise p, int hand, ExtremeOutcome& o) {
+            attack(strain, method, p, hand, assumed_damping, o);
           });
-    }
   for (const WallStrain& strain : walls())
-    for (const auto known : kBoundingModeNames) {
-      const BoundingMode mode = bounding_mode(known);
-      // Only contact_frame has variants.
-      row(
-          strain.name(), mode, {}, mode == BoundingMode::contact_frame ? 4 : 1,
-          [&](Promise p, int hand, ExtremeOutcome& o) {
-            touch_wall<double>(strain, mode, p, hand, assumed_damping, o);
-          },
-          [&](Promise p, int hand, ExtremeOutcome& o) {
-            touch_wall<float>(strain, mode, p, hand, assumed_damping, o);
+    for (const std::string_view name : methods) {
+      // Projection and storage make four variants.
+      const int variants = bounding_method(name).options.projection_storage ? 4 : 1;
+      row(strain.name(), name, {}, variants,
+          [&](const auto& method, Promise p, int hand, ExtremeOutcome& o) {
+            touch_wall(strain, method, p, hand, assumed_damping, o);
           });
     }
   return rows;

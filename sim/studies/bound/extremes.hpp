@@ -39,9 +39,12 @@ struct ExtremeRow {
 /// they can, and hands that move at random; and simulated hands at a scene's wall.
 /// `assumed_damping` is the damping that the bounds are told over the one the device has: above 1
 /// the bounds are wrong and the rows must fail, which shows that they can. `hands` is how many
-/// hands each strain sends, five kinds in turn. Throws std::invalid_argument when either is not
-/// finite and above zero.
-std::vector<ExtremeRow> run_extremes(double assumed_damping = 1.0, int hands = 10);
+/// hands each strain sends, five kinds in turn. `methods` are names of the registry; one that was
+/// added to it is judged in double only. Throws std::invalid_argument when the numbers are not
+/// finite and above zero, or there is no such method.
+std::vector<ExtremeRow> run_extremes(
+    double assumed_damping = 1.0, int hands = 10,
+    const std::vector<std::string_view>& methods = bounding_method_names());
 
 /// Whether every row passed: no NaN, no Inf, no force over the limit, every promise kept.
 bool all_passed(const std::vector<ExtremeRow>& rows);

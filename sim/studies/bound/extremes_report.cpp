@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "core/base/choice.hpp"
@@ -8,14 +9,76 @@
 namespace feltwire {
 namespace {
 
-/// The methods that promise something, as the tables' columns.
-constexpr std::array kColumns = {
-    BoundingMode::contact_frame,     BoundingMode::energy_tank,
-    BoundingMode::per_axis,          BoundingMode::virtual_coupling,
-    BoundingMode::passivity_control, BoundingMode::passivity_control_directional};
-constexpr const char* kHeads[] = {"contact_", "energy_",   "per_",
-                                  "virtual_", "passivity", "pass.ctrl"};
-constexpr const char* kHeads2[] = {"frame", "tank", "axis", "coupling", "control", "direction."};
+/// How many methods were judged: the rows go by strain, then by method.
+std::size_t method_count(const std::vector<ExtremeRow>& rows) {
+  const auto other = std::find_if(rows.begin(), rows.end(), [&](const ExtremeRow& r) {
+    return r.strain != rows.front().strain;
+  });
+  return static_cast<std::size_t>(other - rows.begin());
+}
+
+/// The methods that promise something, as the tables' columns: who promises most comes first.
+std::vector<std::string_view> columns(const std::vector<ExtremeRow>& rows) {
+  const auto promised = [](std::string_view method) { return bounding_method(method).promise; };
+  std::vector<std::string_view> methods;
+  for (std::size_t i = 0; i < method_count(rows); ++i)
+    if (promised(rows[i].method) != Promise::none) methods.push_back(rows[i].method);
+  std::stable_sort(methods.begin(), methods.end(), [&](std::string_view a, std::string_view b) {
+    return promised(a) < promised(b);
+  });
+  return methods;
+}
+
+constexpr std::size_t kWidth = 10;  // [characters] of a column
+
+/// A method's name on lines of a column, broken after its underscores.
+std::vector<std::string> head(std::string_view method) {
+  std::vector<std::string> lines;
+  while (!method.empty()) {
+    const std::string_view part = method.substr(0, method.find('_') + 1);
+    const std::string_view line = part.empty() ? method : part;
+    lines.emplace_back(line.size() <= kWidth ? line : line.substr(0, kWidth - 1));
+    if (line.size() > kWidth) lines.back() += '.';
+    method.remove_prefix(line.size());
+  }
+  return lines;
+}
+
+/// The heads of all columns, on as many lines as the longest needs.
+std::string heads(const std::vector<std::string_view>& methods) {
+  std::size_t height = 1;
+  for (const std::string_view method : methods) height = std::max(height, head(method).size());
+  std::string text;
+  for (std::size_t line = 0; line < height; ++line) {
+    append(text, "%-32s", "");
+    for (const std::string_view method : methods) {
+      const auto lines = head(method);
+      const std::size_t above = height - lines.size();
+      append(text, " %10s", line < above ? "" : lines[line - above].c_str());
+    }
+    text += line == 0 ? "    others\n" : "\n";
+  }
+  return text;
+}
+
+/// The methods that promise nothing, for a text.
+std::string others(const std::vector<ExtremeRow>& rows) {
+  std::vector<std::string_view> methods;
+  for (std::size_t i = 0; i < method_count(rows); ++i)
+    if (bounding_method(rows[i].method).promise == Promise::none) methods.push_back(rows[i].method);
+  return choices(methods, ", ");
+}
+
+/// What the table says of a method under a strain.
+std::string cell(const ExtremeRow& row, const ExtremeOutcome& o) {
+  std::string text;
+  if (!o.passed()) return "FAILED";
+  if (o.steps == 0) return "not run";
+  if (row.promise == Promise::none) return "-";
+  if (!(o.energy_error > 0.0)) return "0";
+  append(text, "%.0e", o.energy_error);
+  return text;
+}
 
 nlohmann::ordered_json json(const ExtremeOutcome& o) {
   return {{"steps", o.steps},
@@ -31,17 +94,18 @@ nlohmann::ordered_json json(const ExtremeOutcome& o) {
 
 /// Points of one method in one arithmetic: error over the strain's number. No error is drawn at the
 /// foot.
-std::string points(BoundingMode mode, const char* arithmetic, int method) {
+std::string points(std::string_view mode, const char* arithmetic, std::size_t method,
+                   std::size_t methods) {
   // Okabe and Ito's colours, told apart by colour-blind readers; points differ too.
   constexpr std::array kColors = {"#0072b2", "#e69f00", "#009e73", "#56b4e9", "#d55e00", "#cc79a7"};
   constexpr std::array kPoints = {7, 5, 9, 11, 13, 1};
-  const auto i = static_cast<std::size_t>(method);
-  const std::string label(name(mode));
+  const std::size_t i = method % kColors.size();
+  const std::string label(mode);
   std::string text;
   append(text,
          "'extremes.csv' skip 1 using (int($0/%zu)%+.2f):(strcol(2) eq '%s' && strcol(3) ne 'none' "
          "&& strcol(4) eq '%s' ? ($11 > 1e-17 ? $11 : 1e-17) : NaN) ",
-         2 * kBoundingModeNames.size(), 0.1 * (method - 2.5), label.c_str(), arithmetic);
+         2 * methods, 0.1 * (static_cast<double>(method) - 2.5), label.c_str(), arithmetic);
   append(text, "with points pt %d ps 1.1 lc rgb '%s' %s%s%s", kPoints[i], kColors[i],
          arithmetic[0] == 'd' ? "title '" : "notitle", arithmetic[0] == 'd' ? label.c_str() : "",
          arithmetic[0] == 'd' ? "' noenhanced" : "");
@@ -49,7 +113,8 @@ std::string points(BoundingMode mode, const char* arithmetic, int method) {
 }
 
 void draw(const std::filesystem::path& directory, const std::vector<ExtremeRow>& rows) {
-  const std::size_t strains = rows.size() / kBoundingModeNames.size();
+  const std::size_t methods = method_count(rows), strains = rows.size() / methods;
+  const auto drawn = columns(rows);
   std::string script =
       "set datafile separator ','\nset terminal pngcairo size 1300,820 font 'Sans,11'\n"
       "set output 'extremes.png'\n"
@@ -60,16 +125,14 @@ void draw(const std::filesystem::path& directory, const std::vector<ExtremeRow>&
       "set key outside top right vertical samplen 1 title 'method'\nset tics nomirror\n"
       "set xtics rotate by -50 left noenhanced (";
   for (std::size_t i = 0; i < strains; ++i)
-    append(script, "%s'%s' %zu", i ? ", " : "", rows[i * kBoundingModeNames.size()].strain.c_str(),
-           i);
+    append(script, "%s'%s' %zu", i ? ", " : "", rows[i * methods].strain.c_str(), i);
   append(script,
          ")\nset xrange [-1:%zu]\nplot %g with lines dt 2 lc rgb 'black' title 'epsilon of float', "
          "%g with lines dt 3 lc rgb 'black' title 'epsilon of double', \\\n",
          strains, kArithmetic<float>.epsilon, kArithmetic<double>.epsilon);
-  for (std::size_t m = 0; m < kColumns.size(); ++m)
-    script += points(kColumns[m], "double", static_cast<int>(m)) + ", \\\n" +
-              points(kColumns[m], "float", static_cast<int>(m)) +
-              (m + 1 < kColumns.size() ? ", \\\n" : "\n");
+  for (std::size_t m = 0; m < drawn.size(); ++m)
+    script += points(drawn[m], "double", m, methods) + ", \\\n" +
+              points(drawn[m], "float", m, methods) + (m + 1 < drawn.size() ? ", \\\n" : "\n");
   plot(directory, "extremes", script);
 }
 
@@ -77,44 +140,33 @@ void draw(const std::filesystem::path& directory, const std::vector<ExtremeRow>&
 
 std::string extremes_table(const std::vector<ExtremeRow>& rows) {
   std::string text;
+  const std::size_t methods = method_count(rows);
+  const auto shown = columns(rows);
   for (const bool in_float : {false, true}) {
     append(text, "%s: worst energy missing of what the method promises, over all exchanged\n",
            in_float ? "float" : "double");
-    append(text, "%-32s", "");
-    for (const char* head : kHeads) append(text, " %10s", head);
-    text += "    others\n";
-    append(text, "%-32s", "");
-    for (const char* head : kHeads2) append(text, " %10s", head);
-    text += '\n';
-    for (std::size_t first = 0; first < rows.size(); first += kBoundingModeNames.size()) {
+    text += heads(shown);
+    for (std::size_t first = 0; first < rows.size(); first += methods) {
       append(text, "%-32s", rows[first].strain.c_str());
       bool others = true;
-      std::array<std::string, kColumns.size()> cells;
-      for (std::size_t i = first; i < first + kBoundingModeNames.size(); ++i) {
-        const ExtremeRow& row = rows[i];
-        const ExtremeOutcome& o = in_float ? row.in_float : row.in_double;
-        std::string cell;
-        if (!o.passed())
-          cell = "FAILED";
-        else if (row.promise == Promise::none)
-          cell = "-";
-        else if (o.energy_error > 0.0)
-          append(cell, "%.0e", o.energy_error);
+      std::vector<std::string> cells(shown.size());
+      for (std::size_t i = first; i < first + methods; ++i) {
+        const ExtremeOutcome& o = in_float ? rows[i].in_float : rows[i].in_double;
+        const auto column = std::find(shown.begin(), shown.end(), rows[i].method);
+        if (column == shown.end())
+          others = others && o.passed();
         else
-          cell = "0";
-        bool shown = false;
-        for (std::size_t c = 0; c < kColumns.size(); ++c)
-          if (name(kColumns[c]) == row.method) cells[c] = cell, shown = true;
-        if (!shown) others = others && o.passed();
+          cells[static_cast<std::size_t>(column - shown.begin())] = cell(rows[i], o);
       }
-      for (const std::string& cell : cells) append(text, " %10s", cell.c_str());
+      for (const std::string& text_of : cells) append(text, " %10s", text_of.c_str());
       append(text, " %9s\n", others ? "ok" : "FAILED");
     }
     text += '\n';
   }
-  text +=
-      "-  promises no energy there; like the others (none, total_energy, per_axis_projected,\n"
-      "   passivity_control_parallel) judged on NaN, Inf and the limit only, as every row is\n";
+  const std::string unpromised = others(rows);
+  text += "-  promises no energy there";
+  if (!unpromised.empty()) text += "; like the others (" + unpromised + ")";
+  text += "\n   judged on NaN, Inf and the limit only, as every row is\n";
   for (const ExtremeRow& row : rows)
     for (const auto& [arithmetic, o] :
          {std::pair{"double", &row.in_double}, std::pair{"float", &row.in_float}})

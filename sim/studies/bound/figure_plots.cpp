@@ -79,7 +79,7 @@ constexpr std::array<const char*, 5> kModeTitles = {"none", "total_energy (Eq. 1
                                                     "per_axis_projected (Eq. 3)", "contact_frame"};
 
 std::string mode_run(const std::string& group, std::size_t mode) {
-  return group + "_" + std::string(kBoundingModeNames[mode]);
+  return group + "_" + std::string(kFigureModes[mode]);
 }
 
 std::string all_wall_modes(const std::string& group) {
@@ -120,9 +120,7 @@ std::string run_group(const FigureRun& run) {
   return run.experiment + damping.data();
 }
 
-std::string run_name(const FigureRun& run) {
-  return run_group(run) + "_" + std::string(name(run.mode));
-}
+std::string run_name(const FigureRun& run) { return run_group(run) + "_" + std::string(run.mode); }
 
 void draw_figures(const std::filesystem::path& directory) {
   plot(directory, "figure2",

@@ -23,10 +23,6 @@ struct Experiment {
 const std::array<Experiment, 2> kExperiments = {
     {{"wall", {2, 3}, {0.5, 2.0, 8.0}}, {"sphere", {5, 6}, {0.2, 0.5, 2.0}}}};
 
-constexpr std::array kModes = {BoundingMode::none, BoundingMode::total_energy,
-                               BoundingMode::per_axis, BoundingMode::per_axis_projected,
-                               BoundingMode::contact_frame};
-
 void write_samples(const std::filesystem::path& file,
                    const std::vector<ExperimentSample>& samples) {
   std::ofstream out(file);
@@ -59,7 +55,7 @@ nlohmann::ordered_json entry(int figure, const FigureRun& run) {
     return nlohmann::ordered_json::array({v.x() * unit, v.y() * unit, v.z() * unit});
   };
   return {{"figure", figure},
-          {"mode", name(run.mode)},
+          {"mode", run.mode},
           {"damping", run.damping},
           {"highpass_rms_um", axes(m.highpass_rms, 1e6)},
           {"min_energy_j", axes(m.min_energy, 1.0)},
@@ -77,7 +73,7 @@ nlohmann::ordered_json entry(int figure, const FigureRun& run) {
 
 }  // namespace
 
-ExperimentSetup figure_setup(const std::string& experiment, BoundingMode mode, double damping,
+ExperimentSetup figure_setup(const std::string& experiment, std::string_view mode, double damping,
                              Projection projection) {
   ExperimentSetup setup;
   setup.hand.spec = builtin_device("simulated");
@@ -108,7 +104,7 @@ ExperimentSetup figure_setup(const std::string& experiment, BoundingMode mode, d
   return setup;
 }
 
-FigureRun run_figure(const std::string& experiment, BoundingMode mode, double damping) {
+FigureRun run_figure(const std::string& experiment, std::string_view mode, double damping) {
   const Scene scene = experiment == "wall"
                           ? parse_scene(embedded::paper_wall, "paper_wall.json")
                           : parse_scene(embedded::paper_sphere, "paper_sphere.json");
@@ -126,7 +122,7 @@ std::vector<FigureRun> write_figures(const std::filesystem::path& directory) {
   for (const Experiment& experiment : kExperiments) {
     const std::size_t first = runs.size();
     for (const double damping : experiment.dampings) {
-      for (const BoundingMode mode : kModes) {
+      for (const std::string_view mode : kFigureModes) {
         FigureRun run = run_figure(experiment.name, mode, damping);
         write_samples(directory / (run_name(run) + ".csv"), run.samples);
         run.samples.clear();
@@ -160,9 +156,9 @@ std::string figures_table(const std::vector<FigureRun>& runs) {
                                    ? m.highpass_rms.y()
                                    : std::max(m.highpass_rms.x(), m.highpass_rms.y());
     append(table, "%-10s  %6.1f  %-18s %8.2f  %9.2f  %9.2f  %9.0f %%  %11.4f\n",
-           run.experiment.c_str(), run.damping, std::string(name(run.mode)).c_str(),
-           oscillation * 1e6, m.direction_error.mean * kDegrees, m.force_ratio,
-           100.0 * m.outside_bounds_share, m.min_port_energy.minCoeff());
+           run.experiment.c_str(), run.damping, std::string(run.mode).c_str(), oscillation * 1e6,
+           m.direction_error.mean * kDegrees, m.force_ratio, 100.0 * m.outside_bounds_share,
+           m.min_port_energy.minCoeff());
   }
   return table;
 }

@@ -1,18 +1,24 @@
 #pragma once
 // The paper's Figures 2, 3, 5 and 6, reproduced on a simulated hand.
 
+#include <array>
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "sim/measure/metrics.hpp"
 
 namespace feltwire {
 
+/// What is run: no bound, the paper's methods and ours.
+inline constexpr std::array<std::string_view, 5> kFigureModes = {
+    "none", "total_energy", "per_axis", "per_axis_projected", "contact_frame"};
+
 /// One run of the paper's wall (Figures 2 and 3) or sphere (5 and 6).
 struct FigureRun {
   std::string experiment;  // "wall" or "sphere"
-  BoundingMode mode = BoundingMode::none;
+  std::string_view mode = kUnbounded;
   double damping = 0.0;  // b [N s/m] of the device
   std::vector<ExperimentSample> samples;
   ExperimentMetrics metrics;
@@ -21,9 +27,9 @@ struct FigureRun {
 /// What the runs share: bounding.md's device, hand and movement.
 /// Wall: 40 kN/m, 10 N s/m viscous along it, normal +y, slid over by +-30 mm at 0.5 Hz. Sphere: r =
 /// 90 mm, 5 kN/m, glided round in the x-y plane.
-ExperimentSetup figure_setup(const std::string& experiment, BoundingMode mode, double damping,
+ExperimentSetup figure_setup(const std::string& experiment, std::string_view mode, double damping,
                              Projection projection = Projection::joint);
-FigureRun run_figure(const std::string& experiment, BoundingMode mode, double damping);
+FigureRun run_figure(const std::string& experiment, std::string_view mode, double damping);
 
 /// Runs every mode at every damping and writes figures.json, a CSV a run and the pictures to
 /// `directory` (created). Throws std::runtime_error when something cannot be written or drawn.

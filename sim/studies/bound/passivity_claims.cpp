@@ -22,29 +22,6 @@ bool own_sum(Promise promise) {
 
 }  // namespace
 
-Promise promise(BoundingMode mode, const Faults& faults) {
-  const bool told_all = !faults.reductions && !faults.unknown_inputs;
-  switch (mode) {
-    case BoundingMode::contact_frame:
-    case BoundingMode::energy_tank:
-      return Promise::port;
-    case BoundingMode::per_axis:
-      return faults.overlong_holds ? Promise::none : Promise::port_by_axis;
-    case BoundingMode::virtual_coupling:
-      return told_all && !faults.overlong_holds ? Promise::coupling : Promise::none;
-    case BoundingMode::passivity_control:
-      return told_all ? Promise::own_sum_by_axis : Promise::none;
-    case BoundingMode::passivity_control_directional:
-      return told_all ? Promise::own_sum : Promise::none;
-    case BoundingMode::none:
-    case BoundingMode::total_energy:
-    case BoundingMode::per_axis_projected:
-    case BoundingMode::passivity_control_parallel:
-      break;
-  }
-  return Promise::none;
-}
-
 PromiseLedger::PromiseLedger(const Setup& setup) : setup_(setup) {
   const auto open = [&](Port& port, const Damping& damping) {
     // The per-axis laws count on what each axis has by itself.

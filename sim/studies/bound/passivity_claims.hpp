@@ -1,34 +1,13 @@
 #pragma once
-// What each bounding method promises about energy, and a ledger that holds it to that.
+// A ledger that holds a bounding method to what it promises about energy
+// (core/bounding/method.hpp).
 
 #include <array>
 #include <limits>
-#include <string_view>
 
-#include "core/bounding/bounding.hpp"
+#include "core/bounding/method.hpp"
 
 namespace feltwire {
-
-/// What must not become negative, for every hand. "At stake" is the most that the hand can take
-/// while the force held now lasts for T: f' B^-1 f T / 4.
-enum class Promise {
-  none,             // nothing; the force is still finite, limited, and zero for what is not finite
-  port,             // burned - delivered - at stake, whenever a force is rendered
-  port_by_axis,     // the same on every axis by itself
-  coupling,         // burned - delivered + work of the scene on the tool
-  own_sum_by_axis,  // sum of F(n).dx(n) on every axis: the observer's, not the real port's
-  own_sum           // the same over all axes, torque included
-};
-inline constexpr std::array<std::string_view, 6> kPromiseNames = {
-    "none", "port", "port_by_axis", "coupling", "own_sum_by_axis", "own_sum"};
-
-/// What is done to a bound that some methods promise nothing about.
-struct Faults {
-  bool overlong_holds = false;  // held for longer than T, or held although not rendered
-  bool reductions = false;      // less is held than was rendered: a limit, a fade
-  bool unknown_inputs = false;  // the bound is told NaN or Inf
-};
-Promise promise(BoundingMode mode, const Faults& faults);
 
 /// How finely an arithmetic counts.
 struct Arithmetic {

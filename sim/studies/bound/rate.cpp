@@ -9,6 +9,7 @@
 #include "core/scene/scene.hpp"
 #include "sim/measure/cost.hpp"
 #include "sim/measure/metrics.hpp"
+#include "sim/studies/bound/in_float.hpp"
 
 namespace feltwire {
 namespace {
@@ -85,7 +86,7 @@ std::vector<RateSample> run(const Surface& surface, const SimulatedHandOptions& 
   config.period = 1.0 / rate;
   config.damping = hand.spec.damping;
   config.max_force = hand.spec.max_force;
-  BasicBounding<Real> bounding(config);
+  BasicBounding<Real> bounding = bounding_in<Real>(config);
   const Scene scene = scene_of(surface);
   TouchMemory memory = scene.memory(), ideal_memory = scene.memory();
   SimulatedDevice device(hand);
@@ -173,7 +174,7 @@ double bound_cost_ns(const std::vector<RateSample>& samples, const BoundingConfi
   for (const RateSample& s : samples)
     steps.push_back({s.told.displacement.cast<Real>(), Vector3<Real>::Zero(),
                      static_cast<Real>(s.told.hold_time), s.told.command.cast<Real>()});
-  BasicBounding<Real> bounding(config);
+  BasicBounding<Real> bounding = bounding_in<Real>(config);
   return cost_ns(steps.size(),
                  [&](std::size_t i) { sink += bounding.step(steps[i]).rendered.elastic.z(); });
 }

@@ -21,20 +21,20 @@ constexpr double kReferenceRate = 1e4;  // [Hz]
 
 struct Row {
   const char* label;
-  BoundingMode mode;
+  std::string_view mode;
   bool local_model = false, research = false;
 };
 // Methods that ask the scene elsewhere than at the device stand beside the scene, not over a link.
 constexpr std::array kRows = {
-    Row{kReference, BoundingMode::none},
-    Row{"none", BoundingMode::none},
-    Row{"total_energy", BoundingMode::total_energy},
-    Row{"per_axis", BoundingMode::per_axis},
-    Row{"per_axis_projected", BoundingMode::per_axis_projected},
-    Row{"contact_frame", BoundingMode::contact_frame},
-    Row{"contact_frame + local model", BoundingMode::contact_frame, true},
-    Row{"passivity_control", BoundingMode::passivity_control, false, true},
-    Row{"energy_tank", BoundingMode::energy_tank, false, true},
+    Row{kReference, "none"},
+    Row{"none", "none"},
+    Row{"total_energy", "total_energy"},
+    Row{"per_axis", "per_axis"},
+    Row{"per_axis_projected", "per_axis_projected"},
+    Row{"contact_frame", "contact_frame"},
+    Row{"contact_frame + local model", "contact_frame", true},
+    Row{"passivity_control", "passivity_control", false, true},
+    Row{"energy_tank", "energy_tank", false, true},
 };
 
 OverLinkRow measure(const Scene& scene, const OverLinkTask& task, const Row& row) {

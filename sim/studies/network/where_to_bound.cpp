@@ -115,7 +115,7 @@ void run_cell(const SidesTask& task, double assumed_damping, SidesCell& cell) {
     options.told->damping = assumed_damping * kDamping;
   }
   if (cell.bound == kSidesBounds[0]) {
-    options.parameters.mode = BoundingMode::none;
+    options.parameters.mode = kUnbounded;
   } else {
     options.parameters.side = bounding_side(cell.bound);
   }

@@ -195,7 +195,7 @@ TEST_F(ClientProgram, ATokenThatIsRevokedEndsItAtOnce) {
 // Each of these once gave a hand 27 J at its device's full force.
 TEST_F(ClientProgram, AServerThatTakesTheBoundOffGetsNoHand) {
   SessionParameters none, elsewhere, credited;
-  none.mode = BoundingMode::none;
+  none.mode = "none";
   elsewhere.side = BoundingSide::server;
   credited.operator_damping = 100.0;
   for (const SessionParameters& granted : {none, elsewhere, credited}) {

@@ -125,7 +125,7 @@ struct LostRun {
 
   LostRun() {
     SessionParameters p;
-    p.mode = BoundingMode::none;
+    p.mode = "none";
     p.hold_time = 0.2;
     task = std::make_shared<ServoTask>(std::unique_ptr<Device>(hand),
                                        std::make_shared<Transport>(peer.session(), p, false), p,

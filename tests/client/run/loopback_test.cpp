@@ -39,7 +39,7 @@ TEST_F(Loopback, AnUnknownSceneIsRefusedByName) {
 TEST_F(Loopback, TwoHandsFeelTheFloorAtOnce) {
   Client bounded(endpoint, kStroke, {}, "floor");
   SessionParameters bare;
-  bare.mode = BoundingMode::none;
+  bare.mode = "none";
   Client unbounded(endpoint, kStroke, bare, "floor");
   EXPECT_NE(bounded.joined.accepted.session, unbounded.joined.accepted.session);
   bounded.start();

@@ -25,7 +25,7 @@ using testing::text_of;
 /// A servo that has made three samples, of which two were answered.
 std::unique_ptr<Servo> used_servo() {
   SessionParameters p;
-  p.mode = BoundingMode::none;
+  p.mode = "none";
   auto servo = std::make_unique<Servo>(builtin_device("simulated"), p);
   Nanoseconds now{0};
   for (std::uint64_t i = 1; i <= 3; ++i) {
@@ -254,7 +254,7 @@ TEST(Report, StaysJsonWhateverItIsTold) {
 
 TEST(Report, SaysWhatTheSafetyStageDid) {
   SessionParameters p;
-  p.mode = BoundingMode::none;
+  p.mode = "none";
   Servo servo(builtin_device("simulated"), p,
               {.safety = {.force = {.max = 1.0, .slew = 400.0, .small = 0.1}, .ramp_up = 0.0}});
   Nanoseconds now{0};

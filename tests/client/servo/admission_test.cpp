@@ -57,7 +57,7 @@ struct Hand {
 TEST(Admission, AHandThatRestsFeelsAStifferWallAsFarAsItsOwnWorkPays) {
   const Scene soft = wall(100.0), stiff = wall(900.0), middle = wall(250.0);
   for (const Storage storage : {Storage::minimal, Storage::elastic}) {
-    SessionParameters p = parameters(BoundingMode::contact_frame);
+    SessionParameters p = parameters("contact_frame");
     p.storage = storage;
     const double c = 2.0 * builtin_device("simulated").damping.least() / p.servo_period;
     Hand hand(p, soft);
@@ -95,7 +95,7 @@ TEST(Admission, AHandThatRestsFeelsAStifferWallAsFarAsItsOwnWorkPays) {
 
 TEST(Admission, ASofterWallIsFeltAtOnce) {
   const Scene stiff = wall(900.0), soft = wall(100.0);
-  Hand hand(parameters(BoundingMode::contact_frame), stiff);
+  Hand hand(parameters("contact_frame"), stiff);
   hand.press(kDepth);
   hand.session.enter(Session::Place(soft, nullptr));
   hand.rest(kDepth, 3);
@@ -106,7 +106,7 @@ TEST(Admission, ASofterWallIsFeltAtOnce) {
 /// Whatever the device burned before in free space, however much the hand moved about.
 TEST(Admission, AHandThatASceneClosesRoundIsNotFlungOut) {
   const Scene nothing = wall(1e-3), stiff = wall(900.0);
-  Hand hand(parameters(BoundingMode::contact_frame), nothing);
+  Hand hand(parameters("contact_frame"), nothing);
   for (int i = 0; i < 200; ++i) hand.tick(i % 2 == 0 ? -0.02 : -0.001);  // burns 0.07 J a time
   hand.press(kDepth);
   ASSERT_GT(hand.port().margin(), 1.0);
@@ -118,11 +118,10 @@ TEST(Admission, AHandThatASceneClosesRoundIsNotFlungOut) {
 
 TEST(Admission, OnlyTheContactFrameOfThisSideThatCreditsTheDeviceAloneHasIt) {
   const Scene soft = wall(100.0), stiff = wall(900.0);
-  SessionParameters credited = parameters(BoundingMode::contact_frame);
+  SessionParameters credited = parameters("contact_frame");
   credited.operator_damping = 0.1;
-  for (const SessionParameters& p :
-       {parameters(BoundingMode::energy_tank), parameters(BoundingMode::per_axis), credited,
-        parameters(BoundingMode::contact_frame, BoundingSide::server)}) {
+  for (const SessionParameters& p : {parameters("energy_tank"), parameters("per_axis"), credited,
+                                     parameters("contact_frame", BoundingSide::server)}) {
     Hand hand(p, soft);
     hand.press(kDepth);
     hand.session.enter(Session::Place(stiff, nullptr));

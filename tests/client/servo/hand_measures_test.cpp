@@ -164,7 +164,7 @@ TEST(DisplayedStiffness, StandsEncoderQuanta) {
 /// The whole servo: a simulated hand presses a spring of 400 N/m without bound and without delay.
 TEST(DisplayedStiffness, OfAServoOnASpring) {
   SimulatedDevice device({.spec = builtin_device("simulated"), .hand = {}, .task = {}});
-  Servo servo(device.spec(), testing::servo::parameters(BoundingMode::none));
+  Servo servo(device.spec(), testing::servo::parameters("none"));
   Nanoseconds now{0};
   for (int n = 0; n < 4000; ++n) {
     now += std::chrono::milliseconds(1);

@@ -22,7 +22,7 @@ std::vector<SessionParameters> laws() {
     all[i].storage = i / 2 == 0 ? Storage::minimal : Storage::elastic;
   }
   SessionParameters tank;
-  tank.mode = BoundingMode::energy_tank;
+  tank.mode = "energy_tank";
   all.push_back(tank);
   for (SessionParameters& p : all) {
     p.side = BoundingSide::client;
@@ -124,7 +124,7 @@ RC_GTEST_PROP(ModelAttack, NoModelGivesTheHandMoreThanWasBurned, ()) {
 // The same hands win where nothing bounds: else the property above is blind.
 TEST(ModelAttackMutant, WithoutABoundTheSameModelsOverdraw) {
   SessionParameters bounded = laws()[0], unbounded = laws()[0];
-  unbounded.mode = BoundingMode::none;
+  unbounded.mode = "none";
   Attack kept, lost, jumped;
   const auto add = [](Attack& sum, const Attack& a) {
     sum.violations += a.violations;

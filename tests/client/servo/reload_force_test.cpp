@@ -107,7 +107,7 @@ struct Seen {
 /// Reloads at random under one hand.
 void play(std::uint64_t seed, Storage storage, Seen& seen) {
   Random random(seed);
-  SessionParameters p = parameters(BoundingMode::contact_frame);
+  SessionParameters p = parameters("contact_frame");
   p.storage = storage;
   Bench bench(p);
   std::vector<std::unique_ptr<Scene>> all;  // the last one is the session's

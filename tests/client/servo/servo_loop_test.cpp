@@ -65,7 +65,7 @@ struct LoopRun {
   }
   static SessionParameters unbounded() {
     SessionParameters p;
-    p.mode = BoundingMode::none;
+    p.mode = "none";
     p.servo_period = 2e-3;
     return p;
   }

@@ -10,7 +10,7 @@ namespace {
 
 using namespace testing::servo;
 
-SessionParameters modelled(BoundingMode mode = BoundingMode::none) {
+SessionParameters modelled(std::string_view mode = "none") {
   SessionParameters p = parameters(mode);
   p.local_model = true;
   return p;
@@ -106,7 +106,7 @@ TEST(ServoModel, AReplyWithoutOneEndsIt) {
 }
 
 TEST(ServoModel, WithoutLocalModelItIsNotLookedAt) {
-  Bench bench(parameters(BoundingMode::none));
+  Bench bench(parameters("none"));
   bench.tick();
   bench.servo.take(floor_reply(1, 0.0), bench.now);
   EXPECT_EQ(bench.tick(at(0, 0, -1e-3)).elastic.z(), 7.0);

@@ -14,7 +14,7 @@ namespace {
 using namespace testing::servo;
 
 TEST(Servo, SamplesAreCountedFromOneAndCarryWhatIsHeld) {
-  Bench bench(parameters(BoundingMode::none));
+  Bench bench(parameters("none"));
   bench.now += kPeriod;
   const Command given = bench.servo.render(at(1, 2, 3), bench.now);
   EXPECT_EQ(given.force(), Vec3::Zero());
@@ -36,7 +36,7 @@ TEST(Servo, SamplesAreCountedFromOneAndCarryWhatIsHeld) {
 
 /// The server sends a line: 2 N that fall by 40 N/s, and never below zero.
 TEST(Servo, ACommandIsCarriedOnAlongItsRatesForKeepAliveAtMost) {
-  SessionParameters p = parameters(BoundingMode::none);
+  SessionParameters p = parameters("none");
   p.keep_alive = 0.02;
   for (const auto& [ahead, expected] : std::vector<std::pair<double, double>>{
            {0.001, 1.96}, {0.01, 1.6}, {0.02, 1.2}, {0.03, 1.2}, {0.045, 1.2}}) {
@@ -60,7 +60,7 @@ TEST(Servo, ACommandIsCarriedOnAlongItsRatesForKeepAliveAtMost) {
 }
 
 TEST(Servo, WithheldIsNotLost) {
-  SessionParameters p = parameters(BoundingMode::none);
+  SessionParameters p = parameters("none");
   p.force_deadband = 0.1;
   p.keep_alive = 0.005;
   Bench bench(p);
@@ -93,7 +93,7 @@ TEST(Servo, WithheldIsNotLost) {
 }
 
 TEST(Servo, CommandsFadeLinearlyFromHalfTheHoldTimeOn) {
-  SessionParameters p = parameters(BoundingMode::none);
+  SessionParameters p = parameters("none");
   p.hold_time = 0.1;
   for (const auto& [age, factor] : std::vector<std::pair<double, double>>{{0.0, 1.0},
                                                                           {0.03, 1.0},
@@ -115,7 +115,7 @@ TEST(Servo, CommandsFadeLinearlyFromHalfTheHoldTimeOn) {
 }
 
 TEST(Servo, OnlyAFreshReplyMakesACommandYoungAgain) {
-  SessionParameters p = parameters(BoundingMode::none);
+  SessionParameters p = parameters("none");
   Bench bench(p);
   bench.tick();
   bench.tick();
@@ -133,7 +133,7 @@ TEST(Servo, OnlyAFreshReplyMakesACommandYoungAgain) {
 }
 
 TEST(Servo, AnswersToSamplesNeverMadeAreRefused) {
-  Bench bench(parameters(BoundingMode::none));
+  Bench bench(parameters("none"));
   EXPECT_FALSE(bench.servo.take(reply(1, elastic(0, 0, 5)), bench.now));
   bench.tick();
   EXPECT_FALSE(bench.servo.take(reply(0, elastic(0, 0, 5)), bench.now));
@@ -151,8 +151,7 @@ TEST(Servo, AnswersToSamplesNeverMadeAreRefused) {
 TEST(Servo, NotFiniteOrAbsurdRepliesGiveNoForce) {
   for (const double bad : {kNan, kInfinity, -kInfinity, 1e300}) {
     for (const BoundingSide side : {BoundingSide::client, BoundingSide::server}) {
-      for (const BoundingMode mode :
-           {BoundingMode::none, BoundingMode::contact_frame, BoundingMode::per_axis}) {
+      for (const std::string_view mode : {"none", "contact_frame", "per_axis"}) {
         Bench bench(parameters(mode, side));
         bench.tick();
         bench.servo.take(reply(1, {.elastic = Vec3(0, 0, 1), .frictional = Vec3(bad, 0, 0)}),
@@ -175,7 +174,7 @@ TEST(Servo, FaultyReadingsGiveNoForceAndTheLastGoodPose) {
       {.pose = {.position = Vec3::Zero(), .orientation = nan_rotation}},
   };
   for (const DeviceReading& reading : faulty) {
-    Bench bench(parameters(BoundingMode::none));
+    Bench bench(parameters("none"));
     bench.tick(at(1, 2, 3));
     bench.servo.take(reply(1, elastic(0, 0, 2)), bench.now);
     EXPECT_EQ(bench.tick(at(1, 2, 3)).force(), Vec3(0, 0, 2));
@@ -191,7 +190,7 @@ TEST(Servo, FaultyReadingsGiveNoForceAndTheLastGoodPose) {
 }
 
 TEST(Servo, AJumpAcrossAFaultEarnsNoForce) {
-  Bench bench(parameters(BoundingMode::contact_frame));
+  Bench bench(parameters("contact_frame"));
   bench.tick(at(0, 0, 0));
   bench.servo.take(reply(1, elastic(0, 0, 50)), bench.now);
   bench.tick({.pose = {}, .ok = false});
@@ -200,7 +199,7 @@ TEST(Servo, AJumpAcrossAFaultEarnsNoForce) {
 }
 
 TEST(Servo, SaysNothingBeforeTheFirstGoodReading) {
-  Bench bench(parameters(BoundingMode::none));
+  Bench bench(parameters("none"));
   bench.servo.render({.pose = {}, .ok = false}, bench.now);
   EXPECT_EQ(bench.servo.hold({}), nullptr);
   bench.servo.render(at(1, 0, 0), bench.now + kPeriod);
@@ -210,7 +209,7 @@ TEST(Servo, SaysNothingBeforeTheFirstGoodReading) {
 }
 
 TEST(Servo, WhatADeviceCannotSayItHoldsIsAFault) {
-  Bench bench(parameters(BoundingMode::contact_frame));
+  Bench bench(parameters("contact_frame"));
   bench.tick(at(0, 0, 0));
   bench.servo.render(at(0, 0, 0), bench.now += kPeriod);
   const Sample* sample = bench.servo.hold(elastic(kNan, 0, 0));
@@ -220,7 +219,7 @@ TEST(Servo, WhatADeviceCannotSayItHoldsIsAFault) {
 
 TEST(Servo, WhatTheDeviceReallyHeldIsWhatTheBoundBuildsOn) {
   for (const double share : {1.0, 0.25, 0.0}) {
-    Bench bench(parameters(BoundingMode::contact_frame));
+    Bench bench(parameters("contact_frame"));
     bench.tick(at(0, 0, 0));
     bench.servo.take(reply(1, elastic(0, 0, 2)), bench.now);
     const Command given = bench.servo.render(at(0, 0, -1e-3), bench.now += kPeriod);
@@ -232,7 +231,7 @@ TEST(Servo, WhatTheDeviceReallyHeldIsWhatTheBoundBuildsOn) {
 }
 
 TEST(Servo, TheDevicesEndGivesNoForce) {
-  Bench ended(parameters(BoundingMode::none));
+  Bench ended(parameters("none"));
   ended.tick();
   ended.servo.take(reply(1, elastic(0, 0, 2)), ended.now);
   EXPECT_EQ(ended.tick().force(), Vec3(0, 0, 2));
@@ -244,7 +243,7 @@ TEST(Servo, TheDevicesEndGivesNoForce) {
 
 TEST(Servo, ASpringAtTheLimitIsRenderedUndiminished) {
   // k = c = 2 b / T: pressed and let go again along the same normal.
-  Bench bench(parameters(BoundingMode::contact_frame));
+  Bench bench(parameters("contact_frame"));
   constexpr double kStiffness = 1000.0;
   double z = 0.0;
   bench.tick(at(0, 0, z));
@@ -258,7 +257,7 @@ TEST(Servo, ASpringAtTheLimitIsRenderedUndiminished) {
 }
 
 TEST(Servo, OnTheServersSideTheGuardAndTheSafetyClampsStay) {
-  Bench bench(parameters(BoundingMode::contact_frame, BoundingSide::server));
+  Bench bench(parameters("contact_frame", BoundingSide::server));
   bench.tick();
   bench.servo.take(reply(1, elastic(0, 0, 7)), bench.now);
   EXPECT_EQ(bench.tick().force(), Vec3::Zero());  // nothing has been burned yet
@@ -273,8 +272,8 @@ TEST(Servo, OnTheServersSideTheGuardAndTheSafetyClampsStay) {
 }
 
 TEST(Servo, WhatTheDeviceDoesNotActuateIsNotGiven) {
-  Bench bench(parameters(BoundingMode::none));
-  Servo flat(builtin_device("impulse_engine_2000"), parameters(BoundingMode::none));
+  Bench bench(parameters("none"));
+  Servo flat(builtin_device("impulse_engine_2000"), parameters("none"));
   flat.render({}, bench.now);
   flat.hold({});
   flat.take(reply(1, {.elastic = Vec3(1, 0, 5), .torque = Vec3(1, 1, 1)}), bench.now);
@@ -286,7 +285,7 @@ TEST(Servo, WhatTheDeviceDoesNotActuateIsNotGiven) {
 }
 
 TEST(Servo, CountsEachAnswerOnceAndMeasuresFromTheSample) {
-  Bench bench(parameters(BoundingMode::none));
+  Bench bench(parameters("none"));
   for (int i = 0; i < 4; ++i) bench.tick();
   const Nanoseconds last = bench.now;
   bench.servo.take(reply(4, {}), last + std::chrono::microseconds(200));
@@ -303,7 +302,7 @@ TEST(Servo, CountsEachAnswerOnceAndMeasuresFromTheSample) {
 }
 
 TEST(Servo, DirectionErrorIsTheAngleToTheCommand) {
-  Bench bench(parameters(BoundingMode::none));
+  Bench bench(parameters("none"));
   bench.tick();
   bench.servo.take(reply(1, elastic(0, 0, 2)), bench.now);
   bench.servo.render({}, bench.now += kPeriod);
@@ -316,7 +315,7 @@ TEST(Servo, DirectionErrorIsTheAngleToTheCommand) {
 }
 
 TEST(Servo, EnergyIsThatOfTheHeldForceOverTheMovement) {
-  Bench bench(parameters(BoundingMode::none));
+  Bench bench(parameters("none"));
   bench.tick(at(0, 0, 0));
   bench.servo.take(reply(1, {.elastic = Vec3(0, 0, 2), .frictional = Vec3(-1, 0, 0)}), bench.now);
   bench.tick(at(0, 0, 0));
@@ -328,7 +327,7 @@ TEST(Servo, EnergyIsThatOfTheHeldForceOverTheMovement) {
 
 TEST(Servo, TheSameInputsGiveTheSameBits) {
   const auto run = [] {
-    Bench bench(parameters(BoundingMode::contact_frame));
+    Bench bench(parameters("contact_frame"));
     std::mt19937_64 random(3);
     std::uniform_real_distribution<double> spread(-1e-3, 1e-3);
     Vec3 sum = Vec3::Zero();

@@ -128,7 +128,7 @@ struct StuckRun {
 
   StuckRun() {
     SessionParameters p;
-    p.mode = BoundingMode::none;
+    p.mode = "none";
     p.hold_time = 1.0;  // longer than a busy machine keeps a thread waiting
     task = std::make_shared<ServoTask>(std::unique_ptr<Device>(driver),
                                        std::make_shared<Transport>(peer.session(), p, false), p,

@@ -51,7 +51,7 @@ TEST(Join, AsksForWhatWasWantedAndFindsTheScenePort) {
   accepted.session = 77;
   accepted.port_offset = 21;
   accepted.silence_timeout = 2.0;
-  accepted.parameters.mode = BoundingMode::per_axis;
+  accepted.parameters.mode = "per_axis";
   accepted.parameters.redundancy = 5;
   ControlPeer peer(control::encode(accepted));
 
@@ -73,7 +73,7 @@ TEST(Join, AsksForWhatWasWantedAndFindsTheScenePort) {
   EXPECT_EQ(join_request->client, "tester");
   EXPECT_EQ(join_request->scene, "wall");
   EXPECT_EQ(join_request->device.damping, wanted.device.damping);
-  EXPECT_EQ(join_request->parameters.mode, BoundingMode::per_axis);
+  EXPECT_EQ(join_request->parameters.mode, "per_axis");
 }
 
 // A server of before there were tools takes no notice of the wish.

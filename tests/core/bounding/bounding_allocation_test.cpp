@@ -5,6 +5,7 @@
 #include <limits>
 #include <vector>
 
+#include "tests/core/in_arithmetic.hpp"
 #include "tests/core/support.hpp"
 #include "tests/support/allocation_counter.hpp"
 
@@ -18,12 +19,12 @@ std::vector<BoundingConfig> every_config() {
   coupled << 0.5, 0.1, 0.0, 0.1, 0.4, 0.0, 0.0, 0.0, 0.6;
   const Damping dampings[] = {0.5, Vec3(0.5, 0.3, 0.7), coupled};
   std::vector<BoundingConfig> all;
-  for (const auto mode : kBoundingModeNames)
+  for (const BoundingMethod& method : built_in_methods<double>())
     for (const Damping& damping : dampings)
       for (const auto projected : kProjectionNames)
         for (const auto stored : kStorageNames)
           for (const auto reference : kPassivityReferenceNames) {
-            BoundingConfig c = config(bounding_mode(mode));
+            BoundingConfig c = config(method.name);
             c.damping = damping;
             c.rotational_damping = Damping(Mat3(2e-3 * damping.matrix()));
             c.projection = projection(projected);
@@ -46,7 +47,7 @@ void never_allocates() {
     if (n % 100 == 0) steps.back().displacement.x() = std::numeric_limits<Real>::quiet_NaN();
   }
   for (const BoundingConfig& c : every_config()) {
-    BasicBounding<Real> bounding(c);
+    BasicBounding<Real> bounding = bounding_in<Real>(c);
     PortEnergy port(c.damping, c.rotational_damping, kModePeriod);
     const std::size_t before = allocations();
     int n = 0;
@@ -57,7 +58,7 @@ void never_allocates() {
       port.step(held.template cast<double>(), s.displacement.template cast<double>(),
                 probe.rotation.template cast<double>(), static_cast<double>(s.hold_time));
     }
-    EXPECT_EQ(allocations(), before) << name(c.mode);
+    EXPECT_EQ(allocations(), before) << c.mode;
   }
 }
 

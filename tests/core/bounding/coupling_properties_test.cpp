@@ -14,7 +14,7 @@ using namespace test;
 /// The stiffest coupling of that share of the largest stiffness 2 b / T, and all the damping that
 /// is left: b = k T / 2 + b_c.
 BoundingConfig coupling(double share, double mass, double factor = 1.0) {
-  BoundingConfig c = config(BoundingMode::virtual_coupling, factor * 0.5);
+  BoundingConfig c = config("virtual_coupling", factor * 0.5);
   c.rotational_damping = factor * 1e-3;
   c.coupling = {share * factor * 2.0 * 0.5 / kModePeriod, {}, mass};
   c.coupling_rotation = {share * factor * 2.0 * 1e-3 / kModePeriod, {}, 1e-3 * mass};

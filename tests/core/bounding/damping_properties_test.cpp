@@ -15,10 +15,10 @@ constexpr double kWorstCondition = 1e4;
 /// The four contact frames and the tank.
 constexpr int kLaws = 5;
 BoundingConfig law_of(int which, const Damping& damping, const Damping& rotational) {
-  BoundingConfig c = config(BoundingMode::contact_frame);
+  BoundingConfig c = config("contact_frame");
   c.projection = which % 2 ? Projection::cone : Projection::joint;
   c.storage = which / 2 % 2 ? Storage::elastic : Storage::minimal;
-  if (which == 4) c.mode = BoundingMode::energy_tank;
+  if (which == 4) c.mode = "energy_tank";
   c.damping = damping;
   c.rotational_damping = rotational;
   return c;
@@ -72,7 +72,7 @@ RC_GTEST_PROP(DampingProperty, AlongTheAxesToo, ()) {
 RC_GTEST_PROP(DampingProperty, PerAxisIsPassiveUnderAMatrix, ()) {
   const Port port = random_port();
   BoundingConfig c = law_of(0, port.damping, port.rotational_damping);
-  c.mode = BoundingMode::per_axis;
+  c.mode = "per_axis";
   never_more_than_burned<double>(*scripts({.reduces = true}), c, port);
 }
 

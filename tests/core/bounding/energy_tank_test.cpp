@@ -13,7 +13,7 @@ using namespace test;
 
 BoundingConfig tank() {
   BoundingConfig c = contact_frame(Projection::cone);
-  c.mode = BoundingMode::energy_tank;
+  c.mode = "energy_tank";
   return c;
 }
 /// `in` into the surface z < 0, along x; elastic and frictional force commanded.

@@ -38,7 +38,7 @@ constexpr double kUlps = 64.0 * std::numeric_limits<Real>::epsilon();
 
 template <class Real>
 void identity(const Script& script) {
-  play<Real>(script, {config(BoundingMode::none)}, kPort, [](const Played<Real>& p, const auto&) {
+  play<Real>(script, {config("none")}, kPort, [](const Played<Real>& p, const auto&) {
     RC_ASSERT(p.out.rendered == p.told.command);
     RC_ASSERT(!p.out.active);
   });
@@ -63,19 +63,16 @@ PerAxisBound<Real> per_axis_reference(const Command& held) {
 
 template <class Real>
 void along_the_command(const Script& script) {
-  play<Real>(script, {config(BoundingMode::per_axis_projected)}, kPort,
-             [](const Played<Real>& p, const auto&) {
-               const Command wanted = commanded(p), got = p.out.rendered.template cast<double>();
-               const Command bounded =
-                   per_axis_reference<Real>(p.before).step(p.told).template cast<double>();
-               const double ulp = kUlps<Real> * (longest(wanted) + longest(bounded));
-               const double torque_ulp =
-                   kUlps<Real> * (wanted.torque.norm() + bounded.torque.norm());
-               RC_ASSERT(in_line(got.force(), wanted.force(), ulp));
-               RC_ASSERT(in_line(got.torque, wanted.torque, torque_ulp));
-               RC_ASSERT(got.force().norm() <= bounded.force().norm() + ulp);
-               RC_ASSERT(got.torque.norm() <= bounded.torque.norm() + torque_ulp);
-             });
+  play<Real>(script, {config("per_axis_projected")}, kPort, [](const Played<Real>& p, const auto&) {
+    const Command wanted = commanded(p), got = p.out.rendered.template cast<double>();
+    const Command bounded = per_axis_reference<Real>(p.before).step(p.told).template cast<double>();
+    const double ulp = kUlps<Real> * (longest(wanted) + longest(bounded));
+    const double torque_ulp = kUlps<Real> * (wanted.torque.norm() + bounded.torque.norm());
+    RC_ASSERT(in_line(got.force(), wanted.force(), ulp));
+    RC_ASSERT(in_line(got.torque, wanted.torque, torque_ulp));
+    RC_ASSERT(got.force().norm() <= bounded.force().norm() + ulp);
+    RC_ASSERT(got.torque.norm() <= bounded.torque.norm() + torque_ulp);
+  });
 }
 // |f| = |f_a . u| <= |f_a|, f_a the per-axis bound from the same held force.
 RC_GTEST_PROP(Property, ProjectedIsAlongTheCommandAndNoLongerThanPerAxis, ()) {
@@ -87,21 +84,19 @@ RC_GTEST_PROP(Property, ProjectedIsAlongTheCommandAndNoLongerThanPerAxis, ()) {
 template <class Real>
 void identity_while_passive(const Script& script) {
   Sum total;
-  play<Real>(script, {config(BoundingMode::total_energy)}, kPort,
-             [&](const Played<Real>& p, const auto&) {
-               const auto inflow = [&](const Command& c) {
-                 return -c.force().dot(p.displacement) - c.torque.dot(p.rotation);
-               };
-               Sum would_be = total;
-               would_be.add(-commanded(p).force(), p.displacement);
-               would_be.add(-commanded(p).torque, p.rotation);
-               if (would_be.value > would_be.rounding<Real>())
-                 RC_ASSERT(p.out.rendered == p.told.command);
-               if (would_be.value < -would_be.rounding<Real>())
-                 RC_ASSERT(p.out.rendered == per_axis_reference<Real>(p.before).step(p.told));
-               total.add(inflow(p.held));
-               total.magnitudes = std::max(total.magnitudes, would_be.magnitudes);
-             });
+  play<Real>(script, {config("total_energy")}, kPort, [&](const Played<Real>& p, const auto&) {
+    const auto inflow = [&](const Command& c) {
+      return -c.force().dot(p.displacement) - c.torque.dot(p.rotation);
+    };
+    Sum would_be = total;
+    would_be.add(-commanded(p).force(), p.displacement);
+    would_be.add(-commanded(p).torque, p.rotation);
+    if (would_be.value > would_be.rounding<Real>()) RC_ASSERT(p.out.rendered == p.told.command);
+    if (would_be.value < -would_be.rounding<Real>())
+      RC_ASSERT(p.out.rendered == per_axis_reference<Real>(p.before).step(p.told));
+    total.add(inflow(p.held));
+    total.magnitudes = std::max(total.magnitudes, would_be.magnitudes);
+  });
 }
 RC_GTEST_PROP(Property, TotalEnergyIsTheIdentityWhileEquationOneHoldsElsePerAxis, ()) {
   const Script script = *scripts({.reduces = true});
@@ -134,7 +129,7 @@ struct Observed {
   }
 };
 
-BoundingConfig controller(BoundingMode mode, PassivityReference reference) {
+BoundingConfig controller(std::string_view mode, PassivityReference reference) {
   BoundingConfig c = config(mode);
   c.reference = reference;
   return c;
@@ -159,7 +154,7 @@ void series_axes_never_stay_below(const Script& script, PassivityReference refer
   bool broken = false;
   Command commanded_before;
   play<Real>(
-      script, {controller(BoundingMode::passivity_control, reference)}, kPort,
+      script, {controller("passivity_control", reference)}, kPort,
       [&](const Played<Real>& p, const auto&) {
         if (broken = broken || beyond_any_force(p.held); broken) return;
         const Command wanted = commanded(p);
@@ -207,7 +202,7 @@ void directional_never_stays_below(const Script& script, PassivityReference refe
   double magnitudes = 0.0;
   bool broken = false;
   play<Real>(
-      script, {controller(BoundingMode::passivity_control_directional, reference)}, kPort,
+      script, {controller("passivity_control_directional", reference)}, kPort,
       [&](const Played<Real>& p, const auto&) {
         if (broken = broken || beyond_any_force(p.held); broken) return;
         const Command wanted = commanded(p);
@@ -251,7 +246,7 @@ void parallel_shifts_no_more_than_the_hand(const Script& script, PassivityRefere
   Command commanded_before;
   Vec3 offset = Vec3::Zero(), turned = Vec3::Zero();
   play<Real>(
-      script, {controller(BoundingMode::passivity_control_parallel, reference)}, kPort,
+      script, {controller("passivity_control_parallel", reference)}, kPort,
       [&](const Played<Real>& p, const auto& bounding) {
         RC_ASSERT(p.out.rendered == p.told.command);  // the force is never touched
         const auto probe = bounding.probe(Vector3<Real>(p.told.displacement), p.told.rotation);

@@ -26,7 +26,7 @@ double square(double x) { return x * x; }
 
 TEST(PerAxis, EveryAxisPaysForItselfInTheSignOnTheHand) {
   Random random(21);
-  Bounding bounding(config(BoundingMode::per_axis));
+  Bounding bounding(config("per_axis"));
   const double c2 = 0.5 / kPeriod, c2_rotation = 1e-3 / kPeriod;
   Vec3 energy = Vec3::Zero(), twist = Vec3::Zero(), exchanged = Vec3::Zero();
   for (int n = 0; n < 50000; ++n) {
@@ -45,7 +45,7 @@ TEST(PerAxis, EveryAxisPaysForItselfInTheSignOnTheHand) {
 }
 
 TEST(PerAxis, TheWholeForceIsBoundedAndReportedInItsParts) {
-  Bounding bounding(config(BoundingMode::per_axis));
+  Bounding bounding(config("per_axis"));
   BoundingStep s;
   s.displacement = Vec3(-1e-3, -1e-3, 0);
   s.command = {Vec3(0, 0.2, 0), Vec3(0.1, 0.1, 0), Vec3::Zero()};
@@ -62,7 +62,7 @@ TEST(PerAxis, TheWholeForceIsBoundedAndReportedInItsParts) {
 }
 
 TEST(PerAxis, WhatWasHeldIsWhatCounts) {
-  Bounding bounding(config(BoundingMode::per_axis));
+  Bounding bounding(config("per_axis"));
   BoundingStep s;
   s.displacement = Vec3(-1e-3, 0, 0);
   s.command.elastic = Vec3(9, 0, 0);
@@ -78,7 +78,7 @@ TEST(TotalEnergy, IsTheIdentityWhileEquationOneHoldsAndClampsAtTheFirstSampleItW
   Random random(22);
   int identical = 0, clamped = 0;
   for (int run = 0; run < 200; ++run) {
-    Bounding bounding(config(BoundingMode::total_energy));
+    Bounding bounding(config("total_energy"));
     double total = 0.0, exchanged = 0.0;
     PerAxisBound<double> reference{.translation = kForce, .rotation = kTorque, .torque = true};
     for (int n = 0; n < 500; ++n) {
@@ -115,7 +115,7 @@ TEST(TotalEnergy, IsTheIdentityWhileEquationOneHoldsAndClampsAtTheFirstSampleItW
 // with friction.
 TEST(TotalEnergy, FrictionOnXKeepsItSilentWhileYOscillates) {
   for (const bool friction : {true, false}) {
-    Bounding total(config(BoundingMode::total_energy)), axes(config(BoundingMode::per_axis));
+    Bounding total(config("total_energy")), axes(config("per_axis"));
     double energy_y = 0.0;
     int active_total = 0, active_axes = 0;
     for (int n = 0; n < 1000; ++n) {
@@ -140,7 +140,7 @@ TEST(TotalEnergy, FrictionOnXKeepsItSilentWhileYOscillates) {
 }
 
 TEST(TotalEnergy, CountsWhatWasHeldNotWhatWasRendered) {
-  Bounding bounding(config(BoundingMode::total_energy));
+  Bounding bounding(config("total_energy"));
   BoundingStep s;
   s.displacement = Vec3(1e-3, 0, 0);
   s.command.elastic = Vec3(-2, 0, 0);
@@ -155,7 +155,7 @@ TEST(TotalEnergy, CountsWhatWasHeldNotWhatWasRendered) {
 
 TEST(Projected, IsParallelToTheCommandAndEquationThree) {
   Random random(23);
-  Bounding bounding(config(BoundingMode::per_axis_projected));
+  Bounding bounding(config("per_axis_projected"));
   Command held;
   int cut = 0;
   for (int n = 0; n < 50000; ++n) {
@@ -183,8 +183,7 @@ TEST(Projected, IsParallelToTheCommandAndEquationThree) {
 // Known weakness, worked: friction on x is free (the hand moves against it), force on y is not. The
 // per-axis bound takes all of y; the projection gives a half of it back.
 TEST(Projected, TheProjectedForceLeavesItsPerAxisInterval) {
-  Bounding axes(config(BoundingMode::per_axis)),
-      projected(config(BoundingMode::per_axis_projected));
+  Bounding axes(config("per_axis")), projected(config("per_axis_projected"));
   BoundingStep s;
   s.displacement = Vec3(-1e-2, 1e-5, 0);
   s.command = {Vec3(0, 1, 0), Vec3(1, 0, 0), Vec3::Zero()};

@@ -6,6 +6,7 @@
 
 #include <stdexcept>
 
+#include "core/base/numeric.hpp"
 #include "tests/core/handle.hpp"
 
 namespace feltwire::reach_test {

@@ -16,7 +16,7 @@ using ::testing::HasSubstr;
 constexpr double kPeriod = test::kModePeriod;
 
 BoundingConfig coupling(const CouplingConfig& c) {
-  BoundingConfig config = test::config(BoundingMode::virtual_coupling);
+  BoundingConfig config = test::config("virtual_coupling");
   config.coupling = c;
   return config;
 }

@@ -71,7 +71,7 @@ Felt solve_friction(const Scene& scene, const BoundingConfig& config) {
 
 BoundingConfig contact_frame() {
   BoundingConfig config;
-  config.mode = BoundingMode::contact_frame;
+  config.mode = "contact_frame";
   config.projection = Projection::cone;
   config.damping = kDamping;
   config.period = kPeriod;

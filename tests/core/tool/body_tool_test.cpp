@@ -140,7 +140,7 @@ TEST(BodyTool, BehindTheBoundNoHandGainsEnergy) {
   const BodyTool body = tool(300, {.stiffness = 5000.0});
   const std::vector<Object> objects = {object(grid_of(Sphere{0.03}, 1e-3)),
                                        object(Plane{}, Vec3(0, 0, -0.02))};
-  BoundingConfig config = test::config(BoundingMode::contact_frame);
+  BoundingConfig config = test::config("contact_frame");
   for (const std::uint64_t seed : {1u, 2u, 3u}) {
     Bounding bounding(config);
     PortEnergy port(config.damping, config.rotational_damping, config.period, 1e-12);

@@ -61,8 +61,10 @@ TEST(Grant, ADifferenceIsNamedWithBothValues) {
   granted.c1 = 400.5;
   EXPECT_EQ(forbidden_grant(asked, granted), "c1: asked not given, granted 400.5");
   granted = {};
-  granted.mode = BoundingMode::none;
+  granted.mode = "none";
   EXPECT_EQ(forbidden_grant(asked, granted), "mode: asked contact_frame, granted none");
+  granted.mode = "none\x1b[2J";  // of a server that is not ours
+  EXPECT_EQ(forbidden_grant(asked, granted), "mode: asked contact_frame, granted none\\x1b[2J");
   granted = {};
   granted.local_model = true;
   EXPECT_EQ(difference(asked, granted), "local_model: asked off, granted on");
@@ -83,18 +85,18 @@ TEST(Grant, AForbiddenFieldIsFoundAmongThoseThatMayDiffer) {
 TEST(Grant, WhatOurServersGrantIsPermitted) {
   for (const NetworkProfile& line : kNetworkProfiles)
     for (const double rate : {10.0, 100.0, 250.0, 1000.0, 4000.0, 1e4, 1e5})
-      for (std::size_t mode = 0; mode < kBoundingModeNames.size(); ++mode)
+      for (const std::string_view mode : bounding_method_names())
         for (const BoundingSide side :
              {BoundingSide::server, BoundingSide::client, BoundingSide::both})
           for (const double hold_time : {0.02, 0.1, 0.3, 1.0}) {
             SessionParameters asked;
-            asked.mode = static_cast<BoundingMode>(mode);
-            asked.side = moves_probe(asked.mode) ? BoundingSide::server : side;
+            asked.mode = mode;
+            asked.side = bounding_method(asked.mode).moves_probe ? BoundingSide::server : side;
             asked.servo_period = 1.0 / rate;
             asked.hold_time = std::max(hold_time, asked.servo_period);
             const SessionParameters given = granted(line, asked);
             EXPECT_EQ(forbidden_grant(asked, given), std::nullopt)
-                << line.name << ' ' << rate << ' ' << name(asked.mode) << ' ' << hold_time;
+                << line.name << ' ' << rate << ' ' << asked.mode << ' ' << hold_time;
             // And what it grants is what it grants once more, to a client that lost its session.
             EXPECT_EQ(granted(line, given), given);
           }

@@ -28,14 +28,14 @@ TEST(Profiles, HaveNames) {
 TEST(Profiles, AreGoodAtEveryServoRateAndMode) {
   for (const NetworkProfile& profile : kNetworkProfiles)
     for (const double rate : {10.0, 100.0, 250.0, 1000.0, 4000.0, 1e4, 1e5})
-      for (std::size_t mode = 0; mode < kBoundingModeNames.size(); ++mode) {
+      for (const std::string_view mode : bounding_method_names()) {
         SessionParameters p;
-        p.mode = static_cast<BoundingMode>(mode);
-        if (moves_probe(p.mode)) p.side = BoundingSide::server;
+        p.mode = mode;
+        if (bounding_method(p.mode).moves_probe) p.side = BoundingSide::server;
         p.servo_period = 1.0 / rate;
         p.hold_time = std::max(p.hold_time, p.servo_period);
         const SessionParameters there = over(profile, p);
-        EXPECT_NO_THROW(validate(there)) << profile.name << ' ' << rate << ' ' << name(p.mode);
+        EXPECT_NO_THROW(validate(there)) << profile.name << ' ' << rate << ' ' << p.mode;
         EXPECT_EQ(there.servo_period, p.servo_period);
         EXPECT_EQ(there.mode, p.mode);
         // No more datagrams than the line has room for, as far as whole ticks and 1000 of them go.

@@ -124,7 +124,7 @@ TEST(ParameterChanges, NameFieldAndBothValues) {
   SessionParameters before, after;
   EXPECT_EQ(changes(before, after), "nothing changed");
   after.hold_time = 0.25;
-  after.mode = BoundingMode::none;
+  after.mode = "none";
   after.c1 = 100.0;
   EXPECT_EQ(changes(before, after),
             "mode contact_frame -> none, hold_time 0.1 -> 0.25, c1 usual -> 100");

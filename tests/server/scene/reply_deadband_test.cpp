@@ -19,7 +19,7 @@ constexpr double kPeriod = 1e-3;  // [s]
 SessionParameters deadband(double fraction, Predictor predictor = Predictor::level,
                            double keep_alive = 0.05) {
   SessionParameters p;
-  p.mode = BoundingMode::none;
+  p.mode = "none";
   p.force_deadband = fraction;
   p.predictor = predictor;
   p.keep_alive = keep_alive;

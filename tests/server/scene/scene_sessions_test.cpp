@@ -194,6 +194,17 @@ TEST_F(SceneSessionsTest, RequestsThatCannotBeAreRefused) {
   request.parameters.c2 = 1e8;  // above this device's b/T: only both together show it
   EXPECT_EQ(refusal(request), RefusalCode::bad_parameters);
   EXPECT_EQ(sessions.size(), 0u);
+  // A method that this program does not know: the answer names those that it does.
+  request = join_request();
+  request.parameters.mode = "no_such_method";
+  const auto unknown = sessions.answer(request, kId, test::keys(kId), 0s);
+  ASSERT_TRUE(std::holds_alternative<control::Refused>(unknown));
+  EXPECT_EQ(std::get<control::Refused>(unknown).code, RefusalCode::bad_parameters);
+  EXPECT_THAT(std::get<control::Refused>(unknown).reason,
+              ::testing::AllOf(::testing::HasSubstr("'no_such_method'"),
+                               ::testing::HasSubstr(" per_axis_projected contact_frame "),
+                               ::testing::HasSubstr(" energy_tank")));
+  EXPECT_EQ(sessions.size(), 0u);
 
   EXPECT_EQ(refusal(control::LeaveRequest{kId}), RefusalCode::unknown_session);
   EXPECT_EQ(refusal(control::SetParameters{kId, {}}), RefusalCode::unknown_session);
@@ -227,7 +238,7 @@ TEST_F(SceneSessionsTest, ParametersChangeAndSessionsLeave) {
   SessionParameters parameters = join_request().parameters;
   parameters.side = BoundingSide::server;
   sessions.answer(join_request(parameters), kId, test::keys(kId), 0s);
-  parameters.mode = BoundingMode::per_axis;
+  parameters.mode = "per_axis";
   parameters.velocity_cutoff = 50.0;
   const auto set = sessions.answer(control::SetParameters{kId, parameters}, 0, {}, 0s);
   EXPECT_EQ(std::get<control::ParametersSet>(set).parameters, parameters);

@@ -22,7 +22,7 @@ Scene plane(double stiffness, double friction) {
                      "plane.json");
 }
 
-double mean_normal_force(const Scene& scene, BoundingMode mode, Projection projection) {
+double mean_normal_force(const Scene& scene, std::string_view mode, Projection projection) {
   double sum = 0.0;
   int count = 0;
   for (const ExperimentSample& s :
@@ -37,7 +37,7 @@ double mean_normal_force(const Scene& scene, BoundingMode mode, Projection proje
 TEST(Experiment, ACommandIsAsOldAsTheDelay) {
   constexpr double kStiffness = 1000.0;
   for (const int delay : {0, 1, 37}) {
-    ExperimentSetup setup = figure_setup("wall", BoundingMode::contact_frame, 0.5);
+    ExperimentSetup setup = figure_setup("wall", "contact_frame", 0.5);
     setup.delay = delay;
     const auto samples = run_experiment(plane(kStiffness, 0.0), setup);
     std::vector<double> y;  // as measured; the hand begins 10 mm above, on a whole quantum
@@ -68,7 +68,7 @@ TEST(Experiment, EveryRunBeginsWithTheEnvironmentAsItWasGiven) {
     asked = ++own;
     return Command{};
   };
-  ExperimentSetup setup = figure_setup("wall", BoundingMode::none, 0.5);
+  ExperimentSetup setup = figure_setup("wall", "none", 0.5);
   setup.duration = 0.01;
   for (int run = 0; run < 2; ++run) {
     run_experiment(counting, setup);
@@ -77,7 +77,7 @@ TEST(Experiment, EveryRunBeginsWithTheEnvironmentAsItWasGiven) {
 }
 
 TEST(Experiment, RefusesWhatCannotBeRun) {
-  ExperimentSetup setup = figure_setup("wall", BoundingMode::none, 0.5);
+  ExperimentSetup setup = figure_setup("wall", "none", 0.5);
   setup.delay = -1;
   EXPECT_THROW(run_experiment(plane(1000.0, 0.0), setup), std::invalid_argument);
   setup.delay = 0;
@@ -88,9 +88,9 @@ TEST(Experiment, RefusesWhatCannotBeRun) {
 // Why sessions use cone (docs/bounding.md, "Measured").
 TEST(Experiment, JointLosesTheNormalForceToDryFrictionConeDoesNot) {
   const Scene scene = plane(1000.0, 0.3);
-  const double whole = mean_normal_force(scene, BoundingMode::none, Projection::joint);
-  EXPECT_GT(mean_normal_force(scene, BoundingMode::contact_frame, Projection::cone), 0.95 * whole);
-  EXPECT_LT(mean_normal_force(scene, BoundingMode::contact_frame, Projection::joint), 0.2 * whole);
+  const double whole = mean_normal_force(scene, "none", Projection::joint);
+  EXPECT_GT(mean_normal_force(scene, "contact_frame", Projection::cone), 0.95 * whole);
+  EXPECT_LT(mean_normal_force(scene, "contact_frame", Projection::joint), 0.2 * whole);
 }
 
 TEST(Choices, TablesHaveEveryRow) {

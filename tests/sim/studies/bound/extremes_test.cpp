@@ -36,7 +36,7 @@ TEST(Extremes, EveryMethodKeepsWhatItPromises) {
     EXPECT_GT(r.in_float.rendering, 100u) << r.strain << ' ' << r.method;
   }
   EXPECT_GE(strains.size(), 30u);
-  EXPECT_EQ(rows.size(), strains.size() * kBoundingModeNames.size());
+  EXPECT_EQ(rows.size(), strains.size() * bounding_method_names().size());
   EXPECT_TRUE(all_passed(rows));
 }
 

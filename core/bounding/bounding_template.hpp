@@ -1,0 +1,138 @@
+#pragma once
+// The definitions of BasicBounding, for whoever needs another arithmetic than double.
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "core/bounding/bounding.hpp"
+#include "core/bounding/frame.hpp"
+
+namespace feltwire {
+namespace bounding_detail {
+
+/// What holds for every method. Throws std::invalid_argument.
+void check(const BoundingConfig& config, std::string_view method, bool needs_every_axis_damped);
+
+/// False for NaN too: it compares with nothing.
+template <class Real>
+bool sane(const Vector3<Real>& v, double limit) {
+  return std::abs(v.x()) <= limit && std::abs(v.y()) <= limit && std::abs(v.z()) <= limit;
+}
+template <class Real>
+bool sane(const BasicCommand<Real>& c) {
+  return sane(c.elastic, kLargestForce) && sane(c.frictional, kLargestForce) &&
+         sane(c.torque, kLargestForce);
+}
+
+/// Beyond rounding. Sane vectors: no square overflows.
+template <class Real>
+bool differs(const Vector3<Real>& a, const Vector3<Real>& b) {
+  constexpr Real kRounding = 256 * std::numeric_limits<Real>::epsilon();
+  return (a - b).squaredNorm() > kRounding * kRounding * b.squaredNorm();
+}
+
+/// Squares are enough to see that nothing is to be done. Returns the factor.
+template <class Real>
+Real limit_factor(const Vector3<Real>& v, Real limit) {
+  return v.squaredNorm() <= limit * limit ? Real(1) : reduction(limit, length(v));
+}
+
+}  // namespace bounding_detail
+
+template <class Real>
+BasicBounding<Real>::BasicBounding(const BoundingConfig& config) requires std::same_as<Real, double>
+    : BasicBounding(bounding_method(config.mode), config) {}
+
+template <class Real>
+BasicBounding<Real>::BasicBounding(const BasicBoundingMethod<Real>& method,
+                                   const BoundingConfig& config)
+    : config_(
+          (bounding_detail::check(config, method.name, method.needs_every_axis_damped), config)),
+      period_(static_cast<Real>(config.period)),
+      max_force_(static_cast<Real>(config.max_force)),
+      max_torque_(static_cast<Real>(config.max_torque)),
+      rotation_(config.rotation),
+      translation_damping_(config.damping),
+      rotational_damping_(config.rotational_damping),
+      law_(method.make(config)) {
+  config_.mode = method.name;
+}
+
+/// The step with everything in it usable: what was not is replaced by the worst that it can have
+/// been.
+template <class Real>
+BasicBoundingStep<Real> BasicBounding<Real>::checked(const Step& given,
+                                                     bool& refused) const noexcept {
+  using bounding_detail::sane;
+  Step s = given;
+  if (!rotation_) s.command.torque = s.rotation = Vector3<Real>::Zero();
+  const bool displacement_sane = sane(s.displacement, kLargestMovement);
+  const bool rotation_sane = sane(s.rotation, kLargestMovement);
+  const bool hold_sane = std::abs(s.hold_time) <= kLargestHold;
+  // A hold shorter than T earns no more credit than T.
+  if (!hold_sane || s.hold_time < period_) s.hold_time = period_;
+  refused = !sane(s.command) || !displacement_sane || !rotation_sane || !hold_sane;
+  if (!refused) [[likely]]
+    return s;
+  s.command = {};
+  if (!displacement_sane)
+    s.displacement = translation_damping_.worst_movement(held_.force(), s.hold_time);
+  if (!rotation_sane) s.rotation = rotational_damping_.worst_movement(held_.torque, s.hold_time);
+  // The time of the movement is not known: it is credited nothing.
+  if (!hold_sane) s.hold_time = static_cast<Real>(kLargestHold);
+  return s;
+}
+
+template <class Real>
+bool BasicBounding<Real>::saturate(BasicCommand<Real>& rendered) const noexcept {
+  using bounding_detail::limit_factor;
+  const Real force_factor = limit_factor<Real>(rendered.force(), max_force_);
+  const Real torque_factor = rotation_ ? limit_factor(rendered.torque, max_torque_) : Real(1);
+  if (force_factor == 1 && torque_factor == 1) return false;
+  rendered.elastic *= force_factor;
+  rendered.frictional *= force_factor;
+  rendered.torque *= torque_factor;
+  return true;
+}
+
+template <class Real>
+BasicBounded<Real> BasicBounding<Real>::step(const Step& given) noexcept {
+  BasicBounded<Real> result;
+  using namespace bounding_detail;
+  const Step s = checked(given, result.refused);
+  const BasicLawAnswer<Real> answer = law_.step(s);
+  result.rendered = answer.rendered;
+  result.in_debt = answer.in_debt;
+  // The paper's laws would hold on to a part of the last force; zero is passive too, for the stored
+  // energy pays for the worst that the hand did.
+  if (result.refused) [[unlikely]]
+    result.rendered = {};
+  result.active = differs<Real>(result.rendered.force(), s.command.force()) ||
+                  (rotation_ && differs(result.rendered.torque, s.command.torque));
+  result.saturated = saturate(result.rendered);
+  held_ = result.rendered;
+  if (result.refused || result.saturated) law_.set_held(held_);
+  return result;
+}
+
+template <class Real>
+void BasicBounding<Real>::set_held(const BasicCommand<Real>& held) noexcept {
+  if (held == held_ || !bounding_detail::sane(held)) return;
+  held_ = held;
+  law_.set_held(held);
+}
+
+template <class Real>
+void BasicBounding<Real>::endow(Real energy) noexcept {
+  if (energy > 0 && std::isfinite(energy)) law_.endow(energy);
+}
+
+template <class Real>
+BasicProbe<Real> BasicBounding<Real>::probe(const Vector3<Real>& displacement,
+                                            const Vector3<Real>& rotation) const noexcept {
+  return law_.probe(displacement, rotation);
+}
+
+}  // namespace feltwire

@@ -1,0 +1,77 @@
+#pragma once
+// What a bound is told when it is made: the method, its options, and the device.
+
+#include <array>
+#include <limits>
+#include <optional>
+#include <string_view>
+
+#include "core/device/damping.hpp"
+
+namespace feltwire {
+
+/// Of contact_frame: how the other channels follow when one is bounded.
+enum class Projection {
+  joint,  // one factor for elastic and frictional: the command's direction is kept exactly
+  cone    // the elastic force keeps its own factor, friction takes the smaller: normal force is not
+          // lost to friction
+};
+
+/// Of contact_frame: how much the elastic channel keeps of the energy that the hand pressed into
+/// it.
+enum class Storage {
+  minimal,  // S(F) of the force held, the least that is safe: a spring softer than c fades on
+            // release
+  elastic   // and what a spring would hold beyond it: every spring up to c comes back whole
+};
+
+/// Of passivity_control*: the reference that the observed energy is compared with.
+enum class PassivityReference {
+  zero,      // Hannaford & Ryu 2002
+  following  // Ryu et al. 2005: what the environment would have taken in continuous time
+};
+
+inline constexpr std::array<std::string_view, 2> kProjectionNames = {"joint", "cone"};
+inline constexpr std::array<std::string_view, 2> kStorageNames = {"minimal", "elastic"};
+inline constexpr std::array<std::string_view, 2> kPassivityReferenceNames = {"zero", "following"};
+
+std::string_view name(Projection projection);
+std::string_view name(Storage storage);
+std::string_view name(PassivityReference reference);
+/// Throw std::invalid_argument naming the choices when there is no such projection, storage,
+/// reference.
+Projection projection(std::string_view name);
+Storage storage(std::string_view name);
+PassivityReference passivity_reference(std::string_view name);
+
+/// The method that changes no command, and the one that is used when nothing else is said.
+inline constexpr std::string_view kUnbounded = "none", kDefaultMethod = "contact_frame";
+
+/// The virtual coupling of one port; what is not given is the stiffest that is passive.
+struct CouplingConfig {
+  std::optional<double> stiffness;  // k [N/m]; default b/T
+  std::optional<double> damping;    // b_c [N s/m]; default b - k T / 2, all that is allowed
+  double mass = 0.05;               // [kg] of the tool, > 0
+};
+
+struct BoundingConfig {
+  /// A method of the registry (core/bounding/method.hpp). The text must outlive the configuration:
+  /// a literal, or the name in the registry.
+  std::string_view mode = kDefaultMethod;
+  Projection projection = Projection::joint;                // contact_frame only
+  Storage storage = Storage::minimal;                       // contact_frame only
+  PassivityReference reference = PassivityReference::zero;  // passivity_control* only
+  CouplingConfig coupling{};                                // virtual_coupling only
+  CouplingConfig coupling_rotation{{}, {}, 5e-5};           // [N m/rad], [N m s/rad], [kg m^2]
+  double period = 1e-3;  // T [s], > 0: the longest time that one force is meant to be held
+  Damping damping{};     // B [N s/m]: the device's own, plus any operator credit. contact_frame and
+                         // energy_tank need every direction damped, or none
+  Damping rotational_damping{};      // B_r [N m s/rad]
+  std::optional<double> c1{}, c2{};  // [N/m] translation, paper's modes; default b/T; 0 <= c2 <= c1
+  std::optional<double> c1_rotation{}, c2_rotation{};           // [N m/rad] default b_r/T
+  double max_force = std::numeric_limits<double>::infinity();   // [N], > 0: peak of the device
+  double max_torque = std::numeric_limits<double>::infinity();  // [N m], >= 0
+  bool rotation = false;  // false: torque is neither computed nor rendered
+};
+
+}  // namespace feltwire
