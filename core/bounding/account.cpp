@@ -88,21 +88,21 @@ double PortBalance::earned(const Vec3& displacement, const Vec3& held, double ho
          known_.coulomb_friction * path(displacement) - held.dot(displacement);
 }
 
-// max of F y - (b/T) y^2 over 0 <= y <= d(F) = d0 + k F, with F = s |wanted|: the free maximum
-// F^2 T/(4b) at y = F T/(2b) while that is within reach, and the value at d(F) beyond.
-EnergyNeed PortBalance::need(const Vec3& wanted) const noexcept {
+// max of F y - (b/h) y^2 over 0 <= y <= d(F) = d0 + k F, with F = s |wanted|: the free maximum
+// F^2 h/(4b) at y = F h/(2b) while that is within reach, and the value at d(F) beyond.
+EnergyNeed PortBalance::need(const Vec3& wanted, double hold_time) const noexcept {
   const Polar<double> force = polar(wanted);
   EnergyNeed need;
   if (!(force.length > 0.0)) return need;
   const double f = force.length;
   const double b = damping_along(force.direction);
-  const double free = b > 0.0 ? period_ / (2.0 * b) : std::numeric_limits<double>::infinity();
+  const double free = b > 0.0 ? hold_time / (2.0 * b) : std::numeric_limits<double>::infinity();
   need.first = 0.5 * free * f * f;
   if (!reach_.known()) return need;
-  const double k = reach_.per_newton(period_);
+  const double k = reach_.per_newton(hold_time);
   if (!(k < free)) return need;  // so well damped that no force moves the handle that far
-  const double d0 = reach_.along(force.direction, 0.0, period_);
-  const double burned = b / period_;
+  const double d0 = reach_.along(force.direction, 0.0, hold_time);
+  const double burned = b / hold_time;
   need.turn = std::isfinite(free) ? d0 / ((free - k) * f) : 0.0;
   need.second = k * f * f * (1.0 - burned * k);
   need.linear = f * d0 * (1.0 - 2.0 * burned * k);
@@ -113,12 +113,16 @@ EnergyNeed PortBalance::need(const Vec3& wanted) const noexcept {
 PortAccount::PortAccount(const AccountConfig& config)
     : cap_(checked(config).cap),
       translation_(config.translation, config.period),
-      rotation_(config.rotation, config.period) {}
+      rotation_(config.rotation, config.period),
+      period_(config.period) {}
 
-void PortAccount::take_in(const BoundingStep& s) noexcept {
+/// Returns the balance that the next force is cut to: the present one, or the one half a sample
+/// ahead if the motion goes on, whichever is less.
+double PortAccount::take_in(const BoundingStep& s) noexcept {
   const bool was_in_debt = in_debt();
   const bool known = s.displacement.allFinite() && s.rotation.allFinite() &&
                      std::isfinite(s.hold_time) && s.hold_time > 0.0;
+  const double delivered = held_.force().dot(s.displacement) + held_.torque.dot(s.rotation);
   const double earned = known ? translation_.earned(s.displacement, held_.force(), s.hold_time) +
                                     rotation_.earned(s.rotation, held_.torque, s.hold_time)
                               : std::numeric_limits<double>::quiet_NaN();
@@ -134,6 +138,9 @@ void PortAccount::take_in(const BoundingStep& s) noexcept {
   const bool nothing_held = held_.force().isZero(0.0) && held_.torque.isZero(0.0);
   if (nothing_held) balance_ = std::min(balance_, cap_);
   count_debt(was_in_debt);
+  if (!std::isfinite(earned)) return balance_;
+  const double per_period = delivered * period_ / std::max(period_, s.hold_time);
+  return balance_ - 0.5 * std::max(0.0, per_period);
 }
 
 void PortAccount::count_debt(bool was_in_debt) noexcept {
@@ -142,13 +149,14 @@ void PortAccount::count_debt(bool was_in_debt) noexcept {
   statistics_.largest_debt = std::max(statistics_.largest_debt, -balance_);
 }
 
-Command PortAccount::step(const BoundingStep& s) noexcept {
-  take_in(s);
+Command PortAccount::step(const BoundingStep& s, double next_hold) noexcept {
+  const double left = take_in(s);
   held_ = {};
   if (!s.command.finite()) return held_;
   Command wanted = s.command;
-  EnergyNeed force = translation_.need(wanted.force());
-  EnergyNeed torque = rotation_.need(wanted.torque);
+  const double hold = std::max(period_, next_hold);
+  EnergyNeed force = translation_.need(wanted.force(), hold);
+  EnergyNeed torque = rotation_.need(wanted.torque, hold);
   if (!force.limited()) {
     wanted.elastic.setZero();
     wanted.frictional.setZero();
@@ -158,7 +166,7 @@ Command PortAccount::step(const BoundingStep& s) noexcept {
     wanted.torque.setZero();
     torque = {};
   }
-  const double share = affordable(force, torque, balance_);
+  const double share = affordable(force, torque, left);
   held_ = share < 1.0 ? share * wanted : wanted;
   if (held_ != s.command) ++statistics_.reduced;
   return held_;
@@ -169,7 +177,7 @@ double need_at_rest(const AccountConfig& config, const Command& command) {
   const auto need = [&](const PortKnowledge& known, const Vec3& force) {
     PortBalance balance(known, config.period);
     balance.earned(Vec3::Zero(), force, config.period);
-    return balance.need(force).at(1.0);
+    return balance.need(force, config.period).at(1.0);
   };
   return need(config.translation, command.force()) + need(config.rotation, command.torque);
 }

@@ -60,8 +60,9 @@ class PortBalance {
   bool strong_hand() const noexcept { return strong_hand_; }
   /// The last movement is not known.
   void forget() noexcept;
-  /// The energy that the next sample can take at most while a share of `wanted` is held.
-  EnergyNeed need(const Vec3& wanted) const noexcept;
+  /// The energy that the next sample can take at most while a share of `wanted` is held, if it is
+  /// held for `hold_time` h [s], T or longer. A longer hold burns less for the same way: b/h.
+  EnergyNeed need(const Vec3& wanted, double hold_time) const noexcept;
 
  private:
   double damping_along(const Vec3& unit) const noexcept;
@@ -79,8 +80,13 @@ class PortBalance {
 /// Force and torque as one port:
 ///
 ///   M(n) = M(n-1) + earned by translation and rotation,      at most `cap` while nothing is held
-///   f(n) = s f_e(n), the largest 0 <= s <= 1 with need(f(n)) <= M(n)
+///   f(n) = s f_e(n), the largest 0 <= s <= 1 with need(f(n)) <= min(M(n), A(n))
+///   A(n) = M(n) - (T/h) f(n-1).dx / 2,  h = max(T, hold time): M half a sample ahead
 ///   need(f) = max of f.y - b_u y^2 / T over 0 <= y <= reach     b_u = 1 / (u' B^-1 u), u = f / |f|
+///
+/// A(n) is no part of the proof: a smaller force is always admissible. A force that only followed
+/// M(n) would be a spring that is always half a sample late, and would shake (docs/bounding.md,
+/// "The cut looks ahead").
 ///
 /// The needs of force and torque add up and one s scales both, so that the direction stays. A part
 /// whose need has no limit (no damping and no mass is known) is not rendered.
@@ -97,10 +103,11 @@ class PortAccount {
   /// Throws std::invalid_argument naming the parameter and the remedy.
   explicit PortAccount(const AccountConfig& config);
 
-  /// One servo sample: how the device moved while the last force was held, and what is wanted next.
-  /// Returns what may be held and takes that as held. A sample with anything not finite, or that
+  /// One servo sample: how the device moved while the last force was held, and what is wanted next,
+  /// to be held for `next_hold` [s] at most; T where it is shorter. Returns what may be held and
+  /// takes that as held. A sample with anything not finite, or that
   /// did not take any time, loses the balance and renders nothing.
-  Command step(const BoundingStep& step) noexcept;
+  Command step(const BoundingStep& step, double next_hold = 0.0) noexcept;
 
   /// Says what was really held after the last step, where that differs.
   void set_held(const Command& held) noexcept { held_ = held; }
@@ -110,11 +117,12 @@ class PortAccount {
   const AccountStatistics& statistics() const noexcept { return statistics_; }
 
  private:
-  void take_in(const BoundingStep& step) noexcept;
+  double take_in(const BoundingStep& step) noexcept;
   void count_debt(bool was_in_debt) noexcept;
 
   double cap_;
   PortBalance translation_, rotation_;
+  double period_;
   Command held_;
   double balance_ = 0.0;
   AccountStatistics statistics_;

@@ -50,7 +50,7 @@ TEST(Account, NeedOfAnUnknownHandIsTheStorageOfTheContactFrame) {
   known.damping = 0.5;
   const PortBalance balance(known, kPeriod);
   const double f = 3.0;
-  EXPECT_NEAR(balance.need(Vec3(f, 0, 0)).at(1.0), f * f * kPeriod / (4.0 * 0.5), 1e-15);
+  EXPECT_NEAR(balance.need(Vec3(f, 0, 0), kPeriod).at(1.0), f * f * kPeriod / (4.0 * 0.5), 1e-15);
 }
 
 TEST(Account, NeedIsTheMostThatAMovementWithinReachTakes) {
@@ -65,7 +65,7 @@ TEST(Account, NeedIsTheMostThatAMovementWithinReachTakes) {
     balance.earned(dx, held, kPeriod);
     reach.moved(dx, held, kPeriod, kPeriod);
     const Vec3 f = random.vector(-1.0, 1.5);
-    const EnergyNeed need = balance.need(f);
+    const EnergyNeed need = balance.need(f, kPeriod);
     for (const double s : {0.01, 0.3, 1.0}) {
       const double magnitude = s * f.norm();
       const double expected = searched_need(magnitude, known.damping.matrix()(0, 0),
@@ -78,7 +78,7 @@ TEST(Account, NeedIsTheMostThatAMovementWithinReachTakes) {
 TEST(Account, NeedIsSmoothAndConvexWhereItsFormTurns) {
   PortBalance balance(handle(0.5).translation, kPeriod);
   balance.earned(Vec3::Zero(), Vec3::Zero(), kPeriod);
-  const EnergyNeed need = balance.need(Vec3(20, 0, 0));
+  const EnergyNeed need = balance.need(Vec3(20, 0, 0), kPeriod);
   ASSERT_GT(need.turn, 0.0);
   ASSERT_LT(need.turn, 1.0);
   const double below = need.first * need.turn * need.turn;
@@ -94,12 +94,13 @@ TEST(Account, TheNeedAlongADirectionCountsItsOwnDamping) {
   const PortBalance balance(known, kPeriod);
   for (int axis = 0; axis < 3; ++axis) {
     const double b = known.damping.matrix()(axis, axis);
-    EXPECT_NEAR(balance.need(2.0 * Vec3::Unit(axis)).at(1.0), 4.0 * kPeriod / (4.0 * b), 1e-15);
+    EXPECT_NEAR(balance.need(2.0 * Vec3::Unit(axis), kPeriod).at(1.0), 4.0 * kPeriod / (4.0 * b),
+                1e-15);
   }
   // f' B^-1 f T / 4 in any direction.
   const Vec3 f(1.0, -2.0, 0.5);
-  EXPECT_NEAR(balance.need(f).at(1.0), f.dot(known.damping.matrix().inverse() * f) * kPeriod / 4.0,
-              1e-15);
+  EXPECT_NEAR(balance.need(f, kPeriod).at(1.0),
+              f.dot(known.damping.matrix().inverse() * f) * kPeriod / 4.0, 1e-15);
 }
 
 TEST(Account, RendersTheLargestShareThatTheBalancePaysFor) {
@@ -118,8 +119,8 @@ TEST(Account, RendersTheLargestShareThatTheBalancePaysFor) {
     const Command given = account.step(sample(Vec3::Zero(), wanted));
     translation.earned(Vec3::Zero(), Vec3::Zero(), kPeriod);
     rotation.earned(Vec3::Zero(), Vec3::Zero(), kPeriod);
-    const EnergyNeed force = translation.need(wanted.force());
-    const EnergyNeed torque = rotation.need(wanted.torque);
+    const EnergyNeed force = translation.need(wanted.force(), kPeriod);
+    const EnergyNeed torque = rotation.need(wanted.torque, kPeriod);
     if (force.at(1.0) + torque.at(1.0) <= balance) {
       EXPECT_EQ(given, wanted);
       continue;
@@ -132,6 +133,42 @@ TEST(Account, RendersTheLargestShareThatTheBalancePaysFor) {
     EXPECT_LT((given.frictional - s * wanted.frictional).norm(), 1e-12 * wanted.frictional.norm());
   }
   EXPECT_GT(reduced, 100);
+}
+
+TEST(Account, AForceOnItsWayOutIsCutToTheBalanceHalfASampleAhead) {
+  for (const double hold : {kPeriod, 3.0 * kPeriod}) {
+    const AccountConfig config = handle();
+    PortAccount account(config);
+    account.step(sample(Vec3(5e-3, 0, 0), push(Vec3(0.5, 0, 0))));
+    const Vec3 out(6e-5, 0, 0), in = -out;
+    for (const Vec3& dx : {out, in}) {
+      PortAccount now = account;
+      const Command given = now.step(sample(dx, push(Vec3(1e3, 0, 0)), hold));
+      const double delivered = 0.5 * dx.x() * kPeriod / hold;
+      PortBalance port(config.translation, kPeriod);
+      port.earned(dx, Vec3(0.5, 0, 0), hold);
+      const double need = port.need(Vec3(1e3, 0, 0), kPeriod).at(given.elastic.x() / 1e3);
+      EXPECT_NEAR(need, now.balance() - 0.5 * std::max(0.0, delivered), 1e-9 * need);
+    }
+  }
+}
+
+TEST(Account, AForceThatWillBeHeldLongerNeedsMore) {
+  const AccountConfig config = handle(0.5);
+  PortAccount account(config);
+  account.step(sample(Vec3(3e-4, 0, 0), {}));
+  double before = 1e9;
+  for (const double hold : {0.5 * kPeriod, kPeriod, 2.0 * kPeriod, 10.0 * kPeriod}) {
+    PortAccount now = account;
+    const double given = now.step(sample(Vec3::Zero(), push(Vec3(1e3, 0, 0))), hold).elastic.x();
+    PortBalance port(config.translation, kPeriod);
+    port.earned(Vec3::Zero(), Vec3::Zero(), kPeriod);
+    const double longest = std::max(kPeriod, hold);
+    EXPECT_NEAR(port.need(Vec3(1e3, 0, 0), longest).at(given / 1e3), now.balance(),
+                1e-9 * now.balance());
+    EXPECT_LE(given, before);
+    before = given;
+  }
 }
 
 TEST(Account, APartAboutWhichNothingIsKnownIsNotRendered) {
