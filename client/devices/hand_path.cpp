@@ -43,10 +43,11 @@ void set_normal(HandTask& task, const Vec3& normal) {
 }
 
 IntendedMotion::IntendedMotion(const HandTask& task) : task_(task) {
-  const bool finite =
-      task.center.allFinite() && task.normal.allFinite() && task.along.allFinite() &&
-      std::isfinite(task.radius) && std::isfinite(task.frequency) && std::isfinite(task.depth) &&
-      std::isfinite(task.clearance) && std::isfinite(task.tremor) && std::isfinite(task.speed);
+  const bool finite = task.center.allFinite() && task.normal.allFinite() &&
+                      task.along.allFinite() && std::isfinite(task.radius) &&
+                      std::isfinite(task.frequency) && std::isfinite(task.depth) &&
+                      std::isfinite(task.clearance) && std::isfinite(task.tremor) &&
+                      std::isfinite(task.speed) && std::isfinite(task.air);
   if (!finite) throw std::invalid_argument("the hand's task has a number that is not finite");
   if (!(task.lead_in > 0.0))
     throw std::invalid_argument("the hand's lead-in must be above zero [s]");
@@ -62,7 +63,27 @@ IntendedMotion::IntendedMotion(const HandTask& task) : task_(task) {
     for (auto& tone : axis) tone = {8.0 + 4.0 * uniform(state), kTurn * uniform(state)};
 }
 
+/// Before it comes in, the hand goes out and back once a second.
 Vec3 IntendedMotion::position(double t) const noexcept {
+  if (t >= task_.air) return with_tremor(on_path(t - task_.air), t);
+  constexpr double kOut = 0.06;  // [m]
+  const bool from_circle = task_.path == HandPath::orbit && task_.depth == 0.0;
+  const Vec3& outward = from_circle ? task_.along : task_.normal;
+  const double out = 0.5 * kOut * (1.0 - std::cos(kTurn * t));
+  return with_tremor(on_path(0.0) + out * outward, t);
+}
+
+/// Three equal tones of amplitude a have RMS a sqrt(3/2).
+Vec3 IntendedMotion::with_tremor(Vec3 p, double t) const noexcept {
+  if (!(task_.tremor > 0.0)) return p;
+  const double amplitude = task_.tremor * std::sqrt(2.0 / kTones);
+  for (int i = 0; i < 3; ++i)
+    for (const Tone& tone : tremor_[static_cast<std::size_t>(i)])
+      p[i] += amplitude * std::sin(kTurn * tone.frequency * t + tone.phase);
+  return p;
+}
+
+Vec3 IntendedMotion::on_path(double t) const noexcept {
   const double angle = kTurn * task_.frequency * t;
   const double outside = task_.clearance * (1.0 - smoothstep(t / task_.lead_in));
   const double in = smoothstep(t / task_.lead_in);
@@ -101,13 +122,6 @@ Vec3 IntendedMotion::position(double t) const noexcept {
       p += std::max(-task_.depth, start - way) * task_.normal;
       break;
     }
-  }
-  if (task_.tremor > 0.0) {
-    // Three equal tones of amplitude a have RMS a sqrt(3/2).
-    const double amplitude = task_.tremor * std::sqrt(2.0 / kTones);
-    for (int i = 0; i < 3; ++i)
-      for (const Tone& tone : tremor_[static_cast<std::size_t>(i)])
-        p[i] += amplitude * std::sin(kTurn * tone.frequency * t + tone.phase);
   }
   return p;
 }

@@ -28,6 +28,7 @@ struct HandTask {
   double depth = 0.01;          // [m] how far below the surface the hand means to be
   double clearance = 0.01;      // [m]
   double lead_in = 0.5;         // [s]
+  double air = 0.0;             // [s] that it moves outside the surface before it comes in
   double speed = 1.0;           // [m/s] of strike
   double tremor = 0.0;          // [m] RMS an axis, 8 to 12 Hz
   std::uint64_t seed = 1;       // of the tremor
@@ -57,6 +58,8 @@ class IntendedMotion {
   Vec3 position(double t) const noexcept;
 
  private:
+  Vec3 on_path(double t) const noexcept;
+  Vec3 with_tremor(Vec3 p, double t) const noexcept;
   struct Tone {
     double frequency, phase;  // [Hz], [rad]
   };
