@@ -63,6 +63,7 @@ struct BoundingConfig {
   PassivityReference reference = PassivityReference::zero;  // passivity_control* only
   CouplingConfig coupling{};                                // virtual_coupling only
   CouplingConfig coupling_rotation{{}, {}, 5e-5};           // [N m/rad], [N m s/rad], [kg m^2]
+  double quantum = 0.0;  // [m] of the encoder; `credited` and `shaped` only
   double period = 1e-3;  // T [s], > 0: the longest time that one force is meant to be held
   Damping damping{};     // B [N s/m]: the device's own, plus any operator credit. contact_frame and
                          // energy_tank need every direction damped, or none

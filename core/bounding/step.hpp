@@ -13,6 +13,7 @@ struct BasicBoundingStep {
       Vector3<Real>::Zero();  // dtheta(n), rotation vector of q(n) q(n-1)^-1 [rad]
   Real hold_time = 0;  // [s] how long the last force was really held; shorter than T counts as T
   BasicCommand<Real> command;  // f_e(n), on the hand
+  bool local = false;  // the command was made at the device, half a sample ahead (midpoint.hpp)
 };
 using BoundingStep = BasicBoundingStep<double>;
 

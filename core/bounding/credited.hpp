@@ -1,0 +1,129 @@
+#pragma once
+
+#include "core/bounding/frame.hpp"
+#include "core/bounding/midpoint.hpp"
+#include "core/bounding/swing_counter.hpp"
+
+namespace feltwire {
+
+/// What `credited` counts on. Translation; for rotation read rad, N m.
+struct CreditedLaw {
+  double damping = 0.0;  // b [N s/m] of the device, its least
+  double credit = 0.0;   // a [N s/m] at the beginning, expected of the hand
+};
+
+/// mode `credited`: the channels of contact_frame, with the damping that a hand is expected to have
+/// beside that of the device. With c' = 2 (b + a) / T, channel by channel,
+///   |F(n)| <= |F(n-1) + c' dx_ch(n)|
+/// so that a force rises and falls by c' or more for every metre. It keeps no storage and repays no
+/// debt, as contact_frame does. A hand that swings (swing_counter.hpp) has less damping than a: a
+/// is halved then, and grows again by kGrowth.
+///
+/// This is shaping, and no bound: a hand without damping makes it generate energy. The account
+/// behind it makes the port passive for every hand (core/bounding/account.hpp). It is made for
+/// commands that come late, over a network.
+/// Known weakness: the force of a wall stiffer than c' rises as slowly as that of one of c'.
+template <class Real>
+class Credited {
+ public:
+  static constexpr double kGrowth = 0.05;       // [1/s] of a
+  static constexpr double kLeastSwing = 50e-6;  // [m] 10 um RMS is what a finger feels
+  static constexpr double kQuanta = 4.0;        // of the encoder, that a swing has at least
+
+  /// `period` is T [s], `quantum` [m] that of the encoder.
+  Credited(const CreditedLaw& translation, const CreditedLaw& rotation, double period,
+           double quantum, bool torque)
+      : translation_(translation),
+        rotation_(rotation),
+        period_(period),
+        full_credit_(translation.credit),
+        swings_(std::max(kLeastSwing, kQuanta * quantum)),
+        torque_(torque) {}
+
+  BasicCommand<Real> step(const BasicBoundingStep<Real>& s) noexcept {
+    adapt(s);
+    const ChannelCommand<Real> command = in_channels(s.command, plain_);
+    const HeldFrame<Real> f(held_, command.normal, s.displacement);
+    const Real c = stiffness(translation_);
+    const Real elastic = std::abs(f.elastic - c * f.dx_elastic);
+    const Real friction = length(f.frictional - c * f.dx_frictional);
+    ChannelScales<Real> scale{reduction(elastic, std::abs(command.elastic)),
+                              reduction(friction, length(command.frictional))};
+    scale.frictional = std::min(scale.frictional, scale.elastic);
+    held_.set(command.normal, scale.elastic * command.elastic,
+              scale.frictional * command.frictional);
+    BasicCommand<Real> rendered = held_back(command, scale, plain_);
+    if (torque_) {
+      const Real allowed = length(held_torque_ - stiffness(rotation_) * s.rotation);
+      rendered.torque = s.command.torque * reduction(allowed, length(s.command.torque));
+      held_torque_ = rendered.torque;
+    }
+    return rendered;
+  }
+
+  void set_held(const BasicCommand<Real>& held) noexcept {
+    held_.set(held, plain_);
+    if (torque_) held_torque_ = held.torque;
+  }
+
+  double credit() const noexcept { return translation_.credit; }  // a [N s/m] now
+  std::uint64_t steps_down() const noexcept { return steps_down_; }
+
+ private:
+  Real stiffness(const CreditedLaw& law) const noexcept {  // c' [N/m] [N m/rad]
+    return static_cast<Real>(2.0 * (law.damping + law.credit) / period_);
+  }
+
+  void adapt(const BasicBoundingStep<Real>& s) noexcept {
+    const double time = static_cast<double>(s.hold_time);
+    const Vector3<Real> normal = direction(s.command.elastic);
+    if (normal.isZero(0)) {
+      swings_.forget();
+    } else if (swings_.moved(static_cast<double>(s.displacement.dot(normal)), time)) {
+      constexpr double kHalf = 0.5;
+      translation_.credit *= kHalf;
+      rotation_.credit *= kHalf;
+      ++steps_down_;
+    }
+    if (!(translation_.credit < full_credit_)) return;
+    const double growth = std::min(full_credit_ / translation_.credit, std::exp(kGrowth * time));
+    translation_.credit *= growth;
+    rotation_.credit *= growth;
+  }
+
+  CreditedLaw translation_, rotation_;
+  double period_, full_credit_;
+  SwingCounter swings_;
+  bool torque_;
+  std::uint64_t steps_down_ = 0;
+  Metric<Real> plain_{Damping(1.0)};
+  HeldForce<Real> held_;
+  Vector3<Real> held_torque_ = Vector3<Real>::Zero();  // [N m]
+};
+
+/// mode `shaped`, which chooses by itself: a command that was made at the device, half a sample
+/// ahead (BasicBoundingStep::local), is rendered as it is (core/bounding/midpoint.hpp); one that
+/// comes late goes through Credited.
+template <class Real>
+class Shaped {
+ public:
+  explicit Shaped(const Credited<Real>& late) : late_(late) {}
+
+  BasicCommand<Real> step(const BasicBoundingStep<Real>& s) noexcept {
+    if (!s.local) return late_.step(s);
+    late_.set_held(s.command);
+    return s.command;
+  }
+  void set_held(const BasicCommand<Real>& held) noexcept { late_.set_held(held); }
+  /// As Midpoint's: for commands that are made at the device.
+  BasicProbe<Real> probe(const Vector3<Real>& displacement,
+                         const Vector3<Real>& rotation) const noexcept {
+    return Midpoint<Real>{}.probe(displacement, rotation);
+  }
+  const Credited<Real>& late() const noexcept { return late_; }
+
+ private:
+  Credited<Real> late_;
+};
+
+}  // namespace feltwire

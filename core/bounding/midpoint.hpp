@@ -1,0 +1,31 @@
+#pragma once
+
+#include "core/bounding/step.hpp"
+
+namespace feltwire {
+
+/// mode `midpoint`: asks the environment half a sample ahead, at x(n) + dx(n)/2, and renders what
+/// it answers. A zero-order hold of a spring k gives the hand k/2 |dx|^2 in a sample; asked half a
+/// sample ahead it gives k/4 (|dx(n)|^2 - 2 dx(n).dx(n-1) + |dx(n-1)|^2), which is nothing for an
+/// even motion and eight times less for a hand that swings at 80 Hz with T = 1 ms.
+///
+/// This is shaping, and no bound: it makes the hand calm, and the account behind it makes the port
+/// passive (core/bounding/account.hpp). It works where the command is made at the device: in
+/// process, or from a local contact model.
+/// Sources: R. E. Ellis, N. Sarkar, M. A. Jenkins, "Numerical methods for the force reflection of
+/// contact", ASME J. Dynamic Systems, Measurement and Control 119, 1997; R. B. Gillespie,
+/// M. R. Cutkosky, "Stable user-specific haptic rendering of the virtual wall", ASME IMECE 1996.
+template <class Real>
+struct Midpoint {
+  BasicCommand<Real> step(const BasicBoundingStep<Real>& s) noexcept { return s.command; }
+  void set_held(const BasicCommand<Real>&) noexcept {}
+  /// Where the environment is to be asked, relative to the device, which has moved by
+  /// `displacement`, `rotation` since the last step.
+  BasicProbe<Real> probe(const Vector3<Real>& displacement,
+                         const Vector3<Real>& rotation) const noexcept {
+    constexpr Real kHalf = 0.5;
+    return {kHalf * displacement, kHalf * rotation};
+  }
+};
+
+}  // namespace feltwire

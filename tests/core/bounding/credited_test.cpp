@@ -1,0 +1,141 @@
+// credited and shaped in closed form: how steeply a force may rise and fall, when the credit is
+// taken back, and which commands pass.
+
+#include "core/bounding/credited.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "core/bounding/midpoint.hpp"
+
+namespace feltwire::credited_test {
+namespace {
+
+constexpr double kPeriod = 1e-3;    // [s]
+constexpr double kQuantum = 20e-6;  // [m]
+constexpr CreditedLaw kForce{.damping = 0.5, .credit = 1.2};
+constexpr CreditedLaw kTorque{.damping = 1e-3, .credit = 2e-3};
+constexpr double kStiffness = 2.0 * (0.5 + 1.2) / kPeriod;  // c' [N/m]
+
+Credited<double> law(bool torque = false) { return {kForce, kTorque, kPeriod, kQuantum, torque}; }
+
+BoundingStep step(const Vec3& dx, const Command& command) {
+  return {.displacement = dx, .hold_time = kPeriod, .command = command};
+}
+Command push(double force) { return {.elastic = Vec3(0, 0, force)}; }
+
+TEST(Credited, AStiffWallRisesAndFallsByTheStiffnessThatIsCredited) {
+  auto credited = law();
+  double expected = 0.0;
+  for (int n = 0; n < 10; ++n) {
+    expected += kStiffness * 1e-5;
+    const Command given = credited.step(step(Vec3(0, 0, -1e-5), push(50.0)));
+    EXPECT_NEAR(given.elastic.z(), expected, 1e-12);
+  }
+  for (int n = 0; n < 5; ++n) {
+    expected -= kStiffness * 1e-5;
+    const Command given = credited.step(step(Vec3(0, 0, 1e-5), push(50.0)));
+    EXPECT_NEAR(given.elastic.z(), expected, 1e-12);
+  }
+}
+
+TEST(Credited, ASoftWallIsRenderedAsItIs) {
+  auto credited = law();
+  for (int n = 1; n <= 50; ++n) {
+    const double force = 1000.0 * 1e-5 * n;
+    EXPECT_DOUBLE_EQ(credited.step(step(Vec3(0, 0, -1e-5), push(force))).elastic.z(), force);
+  }
+}
+
+TEST(Credited, WhatWasHeldIsWhatTheNextStepBeginsFrom) {
+  auto credited = law();
+  credited.step(step(Vec3(0, 0, -1e-3), push(3.0)));
+  credited.set_held(push(1.0));
+  const Command given = credited.step(step(Vec3(0, 0, -1e-5), push(50.0)));
+  EXPECT_NEAR(given.elastic.z(), 1.0 + kStiffness * 1e-5, 1e-12);
+}
+
+TEST(Credited, FrictionHasAChannelOfItsOwnAndNeverMoreThanTheContactsShare) {
+  auto credited = law();
+  const Command wanted{.elastic = Vec3(0, 0, 10.0), .frictional = Vec3(-4.0, 0, 0)};
+  const Vec3 dx(2e-3, 0, -1e-3);
+  const Command given = credited.step(step(dx, wanted));
+  const double share = kStiffness * 1e-3 / 10.0;
+  EXPECT_NEAR(given.elastic.z(), 10.0 * share, 1e-12);
+  EXPECT_NEAR(given.frictional.x(), -4.0 * share, 1e-12) << "its own channel would allow 6.8 N";
+}
+
+TEST(Credited, TorqueRisesWithItsOwnCredit) {
+  auto credited = law(true);
+  BoundingStep s = step(Vec3::Zero(), {.torque = Vec3(0, 0, 1.0)});
+  s.rotation = Vec3(0, 0, -1e-2);
+  EXPECT_NEAR(credited.step(s).torque.z(), 2.0 * 3e-3 / kPeriod * 1e-2, 1e-12);
+}
+
+/// A hand that swings by `amplitude` [m] at `frequency` [Hz] in a contact.
+template <class Law>
+void swing(Law& law, double amplitude, double frequency, double time) {
+  double before = 0.0;
+  for (int n = 1; n <= std::lround(time / kPeriod); ++n) {
+    const double z = amplitude * std::sin(2.0 * std::numbers::pi * frequency * n * kPeriod);
+    law.step(step(Vec3(0, 0, z - before), push(5.0)));
+    before = z;
+  }
+}
+
+TEST(Credited, AHandThatSwingsLosesHalfOfItsCredit) {
+  auto fast = law();
+  swing(fast, 1e-4, 40.0, 0.5);
+  EXPECT_GT(fast.steps_down(), 2u);
+  EXPECT_NEAR(fast.credit(), 1.2 * std::pow(0.5, fast.steps_down()), 0.1 * fast.credit());
+  auto slow = law();  // as a hand moves by itself
+  swing(slow, 5e-3, 10.0, 2.0);
+  EXPECT_EQ(slow.steps_down(), 0u);
+  auto small = law();  // what an encoder shows of a hand that rests
+  swing(small, 1.9 * kQuantum, 100.0, 2.0);
+  EXPECT_EQ(small.steps_down(), 0u);
+}
+
+TEST(Credited, TheCreditGrowsBackToWhatItWas) {
+  auto credited = law();
+  swing(credited, 1e-4, 40.0, 0.2);
+  const double low = credited.credit();
+  ASSERT_LT(low, 1.2);
+  for (int n = 0; n < 10'000; ++n) credited.step(step(Vec3::Zero(), push(5.0)));
+  EXPECT_NEAR(credited.credit(), low * std::exp(10.0 * Credited<double>::kGrowth), 1e-6);
+  for (int n = 0; n < 100'000; ++n) credited.step(step(Vec3::Zero(), push(5.0)));
+  EXPECT_NEAR(credited.credit(), 1.2, 1e-12);
+}
+
+TEST(Credited, SwingsInTheAirDoNotCount) {
+  auto credited = law();
+  double before = 0.0;
+  for (int n = 1; n <= 1000; ++n) {
+    const double z = 1e-3 * std::sin(2.0 * std::numbers::pi * 40.0 * n * kPeriod);
+    credited.step(step(Vec3(0, 0, z - before), {}));
+    before = z;
+  }
+  EXPECT_EQ(credited.steps_down(), 0u);
+}
+
+TEST(Shaped, ACommandMadeAtTheDevicePassesAndALateOneIsCredited) {
+  Shaped<double> shaped(law());
+  BoundingStep s = step(Vec3(0, 0, -1e-5), push(8.0));
+  s.local = true;
+  EXPECT_EQ(shaped.step(s), s.command);
+  s.local = false;  // it goes on from what was held
+  s.command = push(50.0);
+  EXPECT_NEAR(shaped.step(s).elastic.z(), 8.0 + kStiffness * 1e-5, 1e-12);
+}
+
+TEST(Midpoint, AsksHalfASampleAhead) {
+  const Midpoint<double> midpoint;
+  const Probe probe = midpoint.probe(Vec3(2e-4, 0, 0), Vec3(0, 4e-3, 0));
+  EXPECT_EQ(probe.offset, Vec3(1e-4, 0, 0));
+  EXPECT_EQ(probe.rotation, Vec3(0, 2e-3, 0));
+}
+
+}  // namespace
+}  // namespace feltwire::credited_test
