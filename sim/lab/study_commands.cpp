@@ -13,6 +13,7 @@
 #include "sim/studies/bound/contact_frame_options.hpp"
 #include "sim/studies/bound/extremes.hpp"
 #include "sim/studies/bound/figures.hpp"
+#include "sim/studies/bound/frontier.hpp"
 #include "sim/studies/bound/rate.hpp"
 #include "sim/studies/bound/zwidth.hpp"
 #include "sim/studies/network/deadband_study.hpp"
@@ -72,6 +73,21 @@ void add_zwidth(CLI::App& app) {
   command->callback([out] {
     const ZWidthGrid grid = full_zwidth_grid();
     std::cout << zwidth_table(write_zwidth(*out, grid), grid) << placed("Map and pictures", *out);
+  });
+}
+
+void add_frontier(CLI::App& app) {
+  auto out = std::make_shared<std::string>("frontier");
+  CLI::App* command = app.add_subcommand(
+      "frontier", "Map what each law displays on real devices, by what is known of the hand");
+  command->footer(
+      "Eight hands at walls, a corner, an edge, a sphere, a torus, friction and taps, by law x "
+      "device damping x wall x delay.\nWrites frontier.json, frontier.csv and three pictures. Some "
+      "minutes on two cores; all but the cost is\ndeterministic. docs/lab/frontier.md says how to "
+      "read it.");
+  add_out(*command, *out);
+  command->callback([out] {
+    std::cout << frontier_table(write_frontier(*out, frontier_cases())) << placed("Table and pictures", *out);
   });
 }
 
@@ -340,6 +356,7 @@ void add_studies(CLI::App& app, int& status) {
   add_figures(app);
   add_choices(app);
   add_zwidth(app);
+  add_frontier(app);
   add_compare(app);
   add_extremes(app, status);
   add_rate(app);

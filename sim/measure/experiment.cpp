@@ -27,6 +27,8 @@ std::vector<ExperimentSample> run_experiment(const Environment& environment,
   const Environment touch = environment;  // its memory is this run's own
   const double period = setup.bounding.period;
   Bounding bounding(setup.bounding);
+  std::optional<PortAccount> account;
+  if (setup.account) account.emplace(*setup.account);
   if (!(setup.duration > period) || !std::isfinite(setup.duration))
     throw std::invalid_argument("the duration must be finite and longer than one period [s]");
 
@@ -59,14 +61,19 @@ std::vector<ExperimentSample> run_experiment(const Environment& environment,
     last_offset = offset;
     under_way[n % under_way.size()] = actuated(device.spec(), touch(tool));
     s.commanded = under_way[(n + 1) % under_way.size()];
-    s.rendered = bounding
-                     .step({.displacement = s.displacement,
-                            .rotation = Vec3::Zero(),
-                            .hold_time = period,
-                            .command = s.commanded})
-                     .rendered;
+    BoundingStep step{.displacement = s.displacement,
+                      .rotation = Vec3::Zero(),
+                      .hold_time = period,
+                      .command = s.commanded,
+                      .local = setup.delay == 0};
+    s.rendered = step.command = bounding.step(step).rendered;
+    if (account) {
+      s.rendered = account->step(step);
+      s.in_debt = account->in_debt();
+    }
     held = device.write(s.rendered);
     bounding.set_held(held);
+    if (account) account->set_held(held);
     s.rendered = held;
     samples.push_back(s);
   }

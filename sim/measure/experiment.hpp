@@ -2,9 +2,11 @@
 // One simulated hand in one scene behind one bounding method, in process and deterministic.
 
 #include <functional>
+#include <optional>
 #include <vector>
 
 #include "client/devices/simulated_device.hpp"
+#include "core/bounding/account.hpp"
 #include "core/bounding/bounding.hpp"
 #include "core/scene/scene.hpp"
 
@@ -13,6 +15,7 @@ namespace feltwire {
 struct ExperimentSetup {
   SimulatedHandOptions hand;
   BoundingConfig bounding;
+  std::optional<AccountConfig> account;  // behind the bound; none where it is not given
   int delay = 0;          // [T] a round trip: age of the position that a command was computed from
   double duration = 8.0;  // [s]
   double velocity_cutoff =
@@ -26,6 +29,7 @@ struct ExperimentSample {
   Vec3 displacement = Vec3::Zero();  // [m] as the encoders say
   Command commanded, rendered;       // f_e(n), f_d(n)
   Vec3 held = Vec3::Zero();          // [N] f_d(n-1), what acted during the displacement
+  bool in_debt = false;              // of the account
 };
 
 /// What a hand touches: the force on the hand that answers a tool, once a sample in their order. It

@@ -1,0 +1,28 @@
+#pragma once
+// The hands that a bound is judged by: what is calm for one may swing for another.
+
+#include <array>
+#include <string_view>
+
+#include "client/devices/simulated_device.hpp"
+
+namespace feltwire {
+
+struct NamedHand {
+  std::string_view name;
+  Hand hand;
+};
+
+/// From a firm grip to a tool that hangs on a thread. The numbers are chosen to span what is
+/// published of fingers and wrists, and beyond it: no hand has no damping.
+inline constexpr std::array<NamedHand, 8> kEightHands = {
+    {{"usual", {.mass = 0.1, .damping = 5.0, .stiffness = 300.0}},
+     {"light", {.mass = 0.02, .damping = 0.5, .stiffness = 50.0}},
+     {"finger", {.mass = 0.01, .damping = 1.0, .stiffness = 150.0}},
+     {"tether", {.mass = 0.0, .damping = 0.0, .stiffness = 30.0}},
+     {"limp", {.mass = 0.1, .damping = 0.5, .stiffness = 30.0}},
+     {"heavy", {.mass = 0.5, .damping = 2.0, .stiffness = 300.0}},
+     {"strong", {.mass = 0.2, .damping = 10.0, .stiffness = 1000.0}},
+     {"undamped", {.mass = 0.1, .damping = 0.0, .stiffness = 300.0}}}};
+
+}  // namespace feltwire

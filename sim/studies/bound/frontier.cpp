@@ -1,0 +1,204 @@
+#include "sim/studies/bound/frontier.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "core/base/parallel.hpp"
+#include "core/scene_file/load_scene.hpp"
+#include "scenes/paper_wall_text.hpp"
+#include "sim/measure/metrics.hpp"
+#include "sim/measure/surfaces.hpp"
+#include "sim/studies/bound/figures.hpp"
+#include "sim/studies/bound/shaping_methods.hpp"
+
+namespace feltwire {
+namespace {
+
+constexpr double kPeriod = 1e-3;         // [s]
+constexpr double kPress = 3.0;           // [N]
+constexpr double kAir = 2.0;             // [s] of a warm start
+constexpr double kFrictionShare = 0.75;  // of the dry friction, that the account is told
+constexpr double kCap = 3.0;             // times the need of the device's largest force
+
+/// The paper's wall with another stiffness. The hand slides as in its Figure 2, or taps.
+CompareTask wall(const FrontierCase& c) {
+  const Scene scene = parse_scene(embedded::paper_wall, "paper_wall.json");
+  Object object = scene.objects().front();
+  object.material.stiffness = c.wall;
+  CompareTask task{c.task, environment(object), [](const Vec3& p) { return p.y(); },
+                   figure_setup("wall", kUnbounded, 0.0).hand.task, 4.0};
+  task.hand.lead_in = 0.5;
+  task.hand.depth = kPress / c.hand.hand.stiffness + kPress / c.wall;
+  if (c.task == "tap") {
+    task.hand.path = HandPath::taps;
+    task.hand.frequency = 2.0;
+  }
+  if (c.task == "press" || c.task == "tremor") task.hand.path = HandPath::press;
+  if (c.task == "tremor") {
+    task.hand.tremor = 1e-4;
+    task.duration = 30.0;
+  }
+  return task;
+}
+
+bool on_wall(const std::string& task) {
+  return task == "wall" || task == "press" || task == "tap" || task == "tremor";
+}
+
+CompareTask task_of(const FrontierCase& c) {
+  if (on_wall(c.task)) return wall(c);
+  for (CompareTask& task : compare_tasks())
+    if (task.name == c.task) return std::move(task);
+  throw std::invalid_argument("the frontier has no task '" + c.task + "'");
+}
+
+AccountConfig account_of(const FrontierCase& c) {
+  AccountConfig account;
+  account.period = kPeriod;
+  account.translation.damping = c.damping;
+  account.translation.quantum = c.device.quantum;
+  if (c.need == Need::inertia || c.need == Need::inertia_friction) {
+    account.translation.mass = c.device.mass;
+    account.translation.outside_force = kHandForce;
+  }
+  if (c.need == Need::inertia_friction)
+    account.translation.coulomb_friction = kFrictionShare * c.device.friction;
+  account.cap = kCap * need_at_rest(account, {.elastic = Vec3(c.device.max_force, 0.0, 0.0)});
+  return account;
+}
+
+ExperimentSetup setup_of(const FrontierCase& c, const CompareTask& task) {
+  ExperimentSetup setup;
+  DeviceSpec& spec = setup.hand.spec;
+  spec = builtin_device("simulated");
+  spec.damping = c.damping;
+  spec.apparent_mass = c.device.mass;
+  spec.coulomb_friction = c.device.friction;
+  spec.position_resolution = c.device.quantum;
+  spec.max_force = spec.continuous_force = c.device.max_force;
+  setup.hand.hand = c.hand.hand;
+  setup.hand.task = task.hand;
+  if (!c.cold) setup.hand.task.air = kAir;
+  setup.duration = task.duration + setup.hand.task.air;
+  setup.bounding.mode = c.law;
+  setup.bounding.projection = Projection::cone;
+  setup.bounding.period = kPeriod;
+  setup.bounding.damping = c.damping;
+  setup.bounding.quantum = c.device.quantum;
+  setup.bounding.max_force = c.device.max_force;
+  setup.delay = delay_samples(c.delay, kPeriod);
+  if (c.need != Need::no_account) setup.account = account_of(c);
+  return setup;
+}
+
+/// [J] the most that was delivered to the hand beyond what was burned: by the damping as the
+/// encoder shows it and, where the account is told of friction, by that on the true way.
+double energy_made(const FrontierCase& c, const std::vector<ExperimentSample>& samples) {
+  double left = 0.0, least = 0.0;
+  Vec3 before = samples.front().position;
+  for (const ExperimentSample& s : samples) {
+    left += c.damping * s.displacement.squaredNorm() / kPeriod - s.held.dot(s.displacement);
+    if (c.need == Need::inertia_friction)
+      left += c.device.friction * (s.position - before).lpNorm<1>();
+    before = s.position;
+    least = std::min(least, left);
+  }
+  return -least;
+}
+
+FrontierRow run_case(const FrontierCase& c) {
+  const CompareTask task = task_of(c);
+  const ExperimentSetup setup = setup_of(c, task);
+  const auto samples = run_experiment(task.touch, setup);
+  FrontierRow row{.made = c, .energy_made = energy_made(c, samples)};
+  row.direction_error = measure(samples, {}, setup.bounding.damping, kPeriod).direction_error.mean;
+  const Environment own = task.touch;
+  double rendered = 0.0, whole = 0.0;
+  std::vector<double> distance;
+  for (std::size_t n = 0; n < samples.size(); ++n) {
+    const ExperimentSample& s = samples[n];
+    distance.push_back(task.distance(s.position));
+    row.excess += s.in_debt ? 1 : 0;
+    const Vec3 e = own(Tool{s.position, Vec3::Zero()}).elastic;
+    if (2 * n < samples.size()) continue;
+    rendered += s.rendered.elastic.dot(e);
+    whole += e.squaredNorm();
+  }
+  row.displayed = whole > 0.0 ? rendered / whole : 0.0;
+  // A hand that taps is meant to move.
+  if (c.task != "tap") row.oscillation = highpass_rms(distance, 1.0 / kPeriod);
+  return row;
+}
+
+struct Law {
+  const char* name;
+  Need need;
+};
+constexpr std::array kNear = {Law{"midpoint", Need::unknown_hand}, Law{"midpoint", Need::inertia},
+                              Law{"midpoint", Need::inertia_friction}};
+constexpr std::array kEverywhere = {
+    Law{"none", Need::no_account}, Law{"contact_frame", Need::no_account},
+    Law{"credited", Need::inertia}, Law{"credited", Need::inertia_friction}};
+
+/// All laws at this place of the grid. Midpoint asks where the device is: not over a network.
+void add_laws(std::vector<FrontierCase>& cases, FrontierCase c) {
+  const auto add = [&](const auto& laws) {
+    for (const Law& law : laws) {
+      c.law = law.name;
+      c.need = law.need;
+      cases.push_back(c);
+    }
+  };
+  add(kEverywhere);
+  if (c.delay == 0.0) add(kNear);
+}
+
+}  // namespace
+
+std::vector<FrontierCase> frontier_cases() {
+  constexpr std::array kDampings = {0.005, 0.05, 0.2, 0.5, 2.0, 8.0};
+  constexpr std::array kDelays = {0.0, 5e-3, 20e-3, 50e-3};
+  constexpr std::array kWalls = {1e3, 5e3, 4e4};
+  std::vector<FrontierCase> cases;
+  FrontierCase c;
+  for (const char* task : {"wall", "press", "tap", "tremor"})
+    for (const FrontierDevice& device : kFrontierDevices)
+      for (const double damping : kDampings)
+        for (const double wall : kWalls)
+          for (const double delay : kDelays)
+            for (const NamedHand& hand : kEightHands)
+              for (const bool cold : {true, false}) {
+                c = {.task = task,
+                     .damping = damping,
+                     .device = device,
+                     .wall = wall,
+                     .delay = delay,
+                     .hand = hand,
+                     .cold = cold};
+                // Half a minute each: only what the bar is about.
+                const bool pressed_long = c.task == "tremor";
+                if (pressed_long && (wall != 4e4 || delay > 0.0 || damping < 0.5)) continue;
+                add_laws(cases, c);
+              }
+  // The hands that press these with 3 N and still reach round them.
+  constexpr double kStiffEnough = 150.0;  // [N/m]
+  for (const char* task : {"sphere", "corner", "edge", "torus", "stick_slip"})
+    for (const double damping : kDampings)
+      for (const double delay : kDelays)
+        for (const NamedHand& hand : kEightHands) {
+          if (hand.hand.stiffness < kStiffEnough) continue;
+          add_laws(cases,
+                   {.task = task, .damping = damping, .wall = 5e3, .delay = delay, .hand = hand});
+        }
+  return cases;
+}
+
+std::vector<FrontierRow> run_frontier(const std::vector<FrontierCase>& cases) {
+  add_shaping_methods();
+  std::vector<FrontierRow> rows(cases.size());
+  parallel_for(cases.size(), [&](std::size_t i) { rows[i] = run_case(cases[i]); });
+  return rows;
+}
+
+}  // namespace feltwire

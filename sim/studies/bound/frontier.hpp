@@ -1,0 +1,71 @@
+#pragma once
+// How stiff a wall each law shows on real devices, and what each assumption about the hand buys:
+// the frontier between stiffness and guarantee.
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "sim/hands/eight_hands.hpp"
+#include "sim/studies/bound/compare_tasks.hpp"
+
+namespace feltwire {
+
+/// What the account knows of the port beside the device's damping (core/bounding/account.hpp).
+enum class Need {
+  no_account,        // the law stands alone
+  unknown_hand,      // nothing: any hand
+  inertia,           // the handle's mass and a hand of at most kHandForce
+  inertia_friction,  // and three quarters of the device's dry friction
+};
+inline constexpr std::array<std::string_view, 4> kNeedNames = {"none", "unknown_hand", "inertia",
+                                                               "inertia_friction"};
+inline constexpr double kHandForce = 10.0;  // F_h [N]
+
+struct FrontierDevice {
+  std::string_view name;
+  double mass, friction, quantum, max_force;  // [kg], [N], [m], [N]
+};
+/// The simulated device of the other studies, and a cable-driven one with the figures usually
+/// quoted of a PHANToM Premium 1.5.
+inline constexpr std::array<FrontierDevice, 2> kFrontierDevices = {
+    {{"simulated", 0.05, 0.1, 23e-6, 8.9}, {"cable_driven", 0.075, 0.04, 30e-6, 8.5}}};
+
+struct FrontierCase {
+  std::string task = "wall";
+  std::string law = "none";  // a method of the registry
+  Need need = Need::no_account;
+  double damping = 0.5;  // b [N s/m]
+  FrontierDevice device = kFrontierDevices[0];
+  double wall = 4e4;   // [N/m]
+  double delay = 0.0;  // [s] a round trip
+  NamedHand hand = kEightHands[0];
+  bool cold = true;  // else the hand moves 2 s in the air first, which fills the account
+};
+
+struct FrontierRow {
+  FrontierCase made;
+  double oscillation = 0.0;      // [m] highpass_rms() of the true distance to the surface
+  double displayed = 0.0;        // share of the surface's own force that is rendered, second half
+  double direction_error = 0.0;  // [rad] mean, rendered against commanded
+  double energy_made = 0.0;      // [J] delivered beyond what was burned, as the encoder shows it
+  std::uint64_t excess = 0;      // samples in debt
+};
+
+/// The cases of the whole study.
+std::vector<FrontierCase> frontier_cases();
+
+/// Runs every case, deterministic; rows in the order of the cases.
+std::vector<FrontierRow> run_frontier(const std::vector<FrontierCase>& cases);
+
+/// Runs and writes frontier.json, frontier.csv and pictures to `directory` (created). Throws
+/// std::runtime_error when something cannot be written or drawn.
+std::vector<FrontierRow> write_frontier(const std::filesystem::path& directory,
+                                        const std::vector<FrontierCase>& cases);
+
+/// For people: the displayed share and how many hands are calm, by law, damping and delay.
+std::string frontier_table(const std::vector<FrontierRow>& rows);
+
+}  // namespace feltwire

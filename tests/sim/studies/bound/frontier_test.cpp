@@ -1,0 +1,126 @@
+// What docs/lab/frontier.md claims of the account and of shaping, on the cases that decide.
+
+#include "sim/studies/bound/frontier.hpp"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+namespace feltwire::frontier_test {
+namespace {
+
+constexpr double kCalm = 10e-6;  // [m] RMS
+
+std::vector<FrontierRow> over_all_hands(FrontierCase c) {
+  std::vector<FrontierCase> cases;
+  for (const NamedHand& hand : kEightHands) {
+    c.hand = hand;
+    cases.push_back(c);
+  }
+  return run_frontier(cases);
+}
+FrontierRow row(const FrontierCase& c) { return run_frontier({c}).front(); }
+
+FrontierCase near(const char* task, double damping) {
+  return {.task = task, .law = "midpoint", .need = Need::inertia_friction, .damping = damping};
+}
+
+TEST(Frontier, AFirstPressOnACableDrivenDeviceIsFeltInFullByEveryHand) {
+  for (const double damping : {0.005, 0.05, 0.5}) {
+    FrontierCase c = near("press", damping);
+    c.device = kFrontierDevices[1];
+    c.wall = 5e3;
+    for (const FrontierRow& r : over_all_hands(c)) {
+      EXPECT_GT(r.displayed, 0.95) << damping << ' ' << r.made.hand.name;
+      EXPECT_LT(r.oscillation, kCalm) << damping << ' ' << r.made.hand.name;
+      EXPECT_EQ(r.energy_made, 0.0) << damping << ' ' << r.made.hand.name;
+    }
+    c.law = "contact_frame";
+    c.need = Need::no_account;
+    EXPECT_NEAR(row(c).displayed * c.wall, 2.0 * damping / 1e-3, 0.05 * 2.0 * damping / 1e-3);
+  }
+}
+
+TEST(Frontier, ThePapersWallIsFeltAfterTwoSecondsInTheAir) {
+  for (const double damping : {0.5, 2.0, 8.0}) {
+    FrontierCase c = near("wall", damping);
+    c.cold = false;
+    const FrontierRow usual = row(c);
+    EXPECT_GT(usual.displayed, 0.95) << damping;
+    EXPECT_LT(usual.oscillation, kCalm) << damping;
+    c.hand = kEightHands[7];
+    ASSERT_EQ(c.hand.name, "undamped");
+    EXPECT_LT(row(c).oscillation, kCalm) << damping;
+  }
+}
+
+TEST(Frontier, LateForcesShowTwiceWhatTheContactFrameShows) {
+  for (const auto& [delay, times] : {std::pair{0.0, 2.5}, {5e-3, 2.5}, {20e-3, 2.0}}) {
+    FrontierCase c{.task = "press", .law = "credited", .need = Need::inertia_friction};
+    c.delay = delay;
+    const FrontierRow credited = row(c);
+    c.law = "contact_frame";
+    c.need = Need::no_account;
+    EXPECT_GT(credited.displayed, times * row(c).displayed) << delay;
+    EXPECT_LT(credited.oscillation, kCalm) << delay;
+  }
+}
+
+TEST(Frontier, NothingBehindAnAccountMakesEnergy) {
+  // A prime step goes through all laws, hands, walls and delays.
+  const auto all = frontier_cases();
+  std::vector<FrontierCase> some;
+  for (std::size_t i = 0; i < all.size(); i += 211)
+    if (all[i].need != Need::no_account && all[i].task != "tremor") some.push_back(all[i]);
+  ASSERT_GT(some.size(), 50u);
+  double displayed = 0.0;
+  for (const FrontierRow& r : run_frontier(some)) {
+    EXPECT_EQ(r.energy_made, 0.0) << r.made.task << ' ' << r.made.law << ' ' << r.made.hand.name;
+    EXPECT_EQ(r.excess, 0u);
+    displayed += r.displayed;
+  }
+  EXPECT_GT(displayed, 5.0) << "an account that renders nothing proves nothing";
+}
+
+TEST(Frontier, WithoutTheAccountThatIsNotSo) {
+  FrontierCase c{.task = "press", .law = "none", .damping = 0.05};
+  EXPECT_GT(row(c).energy_made, 1e-3);
+  c.law = "credited";
+  c.hand = kEightHands[3];
+  ASSERT_EQ(c.hand.name, "tether");
+  EXPECT_GT(row(c).energy_made, 1e-6) << "shaping alone is no bound";
+}
+
+TEST(Frontier, WritesEveryRowWithItsKeysAndThePictures) {
+  const auto directory =
+      std::filesystem::temp_directory_path() / ("frontier_test_" + std::to_string(getpid()));
+  std::vector<FrontierCase> cases;
+  for (const char* law : {"contact_frame", "midpoint"})
+    for (const bool cold : {true, false})
+      cases.push_back({.task = "press",
+                       .law = law,
+                       .need = law[0] == 'm' ? Need::inertia_friction : Need::no_account,
+                       .cold = cold});
+  const auto rows = write_frontier(directory, cases);
+  const auto again = run_frontier(cases);
+  std::ifstream file(directory / "frontier.json");
+  const auto json = nlohmann::json::parse(file);
+  ASSERT_EQ(json.size(), cases.size());
+  for (std::size_t i = 0; i < json.size(); ++i) {
+    for (const char* key :
+         {"task", "law", "b", "mass", "wall", "delay_ms", "hand", "need", "cold", "oscillation_um",
+          "displayed_share", "direction_error_deg", "energy_made_j", "excess_count", "cost_ns"})
+      EXPECT_TRUE(json[i].contains(key)) << key;
+    EXPECT_EQ(json[i]["displayed_share"], rows[i].displayed);
+    EXPECT_EQ(again[i].displayed, rows[i].displayed) << "the same each time";
+  }
+  for (const char* picture : {"frontier_warm.png", "frontier_cold.png", "frontier_late.png"})
+    EXPECT_GT(std::filesystem::file_size(directory / picture), 5000u) << picture;
+  std::filesystem::remove_all(directory);
+  EXPECT_NE(frontier_table(rows).find("round trip 5 ms"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace feltwire::frontier_test
