@@ -24,8 +24,8 @@ inline ChannelCommand<Real> in_channels(const BasicCommand<Real>& command) noexc
   const Real along_normal = command.frictional.dot(elastic.direction);
   ChannelCommand<Real> c{elastic.direction, elastic.length, elastic.length + along_normal,
                          command.frictional - along_normal * elastic.direction};
-  // What rounding leaves is not friction. If it were bounded as friction, it could reduce the
-  // elastic force, too.
+  // A remainder of rounding is no friction. Bounded as friction, it could reduce the elastic force,
+  // too.
   constexpr Real kRounding = 64 * std::numeric_limits<Real>::epsilon();
   if (c.frictional.squaredNorm() <= kRounding * kRounding * command.frictional.squaredNorm())
     c.frictional.setZero();

@@ -17,12 +17,13 @@ namespace feltwire {
 SurfacePoint surface_point(const Shape& shape, Side side, const Vec3& position,
                            FeatureMemory& memory) noexcept;
 
-/// Whether it remembers where a free point was: a mesh, and each solid that has a far side.
+/// Whether the memory of this shape keeps the position of a free point: that of a mesh does, and
+/// that of each solid that has a far side.
 bool follows_way(const Shape& shape, Side side) noexcept;
-/// [m, object frame] What FeatureMemory::proxy counts from.
+/// The origin of FeatureMemory::proxy [m, object frame].
 Vec3 origin_of(const Shape& shape) noexcept;
-/// What was not asked about a tool does not know its way: this tells where it comes from [m, object
-/// frame].
+/// Seeds the memory of a shape that was not asked in the sample before: the tool was at `position`
+/// then [m, object frame].
 void approach_from(const Shape& shape, const Vec3& position, FeatureMemory& memory) noexcept;
 
 }  // namespace feltwire

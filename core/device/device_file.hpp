@@ -12,8 +12,8 @@ namespace feltwire {
 /// file, the line, the field and the remedy.
 DeviceSpec load_device_spec(const std::filesystem::path& file);
 
-/// What a command line names: a built-in device by its name, or a file by a path that ends in
-/// .json. Throws std::invalid_argument listing the built-in names, or FileError.
+/// Finds a device as a command line names it: a built-in one by its name, or a file by a path that
+/// ends in .json. Throws std::invalid_argument listing the built-in names, or FileError.
 DeviceSpec device_spec(std::string_view name_or_file);
 
 }  // namespace feltwire

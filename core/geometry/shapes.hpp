@@ -43,7 +43,7 @@ struct Mesh {
 };
 template <class Real>
 class DistanceGrid;
-/// Whatever was sampled (core/grid/distance_grid.hpp).
+/// A distance field in samples (core/grid/distance_grid.hpp).
 struct Grid {
   std::shared_ptr<const DistanceGrid<float>> field;  // never null
 };

@@ -1,5 +1,5 @@
 #pragma once
-// What the proxies of all solids do with their memory.
+// How the proxies of all solids use their memory.
 
 #include <cstdint>
 
@@ -21,7 +21,7 @@ inline SurfacePoint stand_on(const Vec3& point, const Vec3& normal, double depth
   return {point, normal, depth};
 }
 
-/// Free of a solid that has a far side: where it is now is where it comes from next.
+/// The point is free of a solid that has a far side. The next sample begins its way here.
 inline SurfacePoint free_at(const Vec3& p, FeatureMemory& memory) {
   memory = {};
   memory.proxy = p;
@@ -29,7 +29,7 @@ inline SurfacePoint free_at(const Vec3& p, FeatureMemory& memory) {
   return {};
 }
 
-/// On such a solid.
+/// The proxy stands on such a solid.
 inline SurfacePoint held_on(const SurfacePoint& on, int feature, FeatureMemory& memory) {
   memory.side = 1;
   memory.proxy = on.point;
@@ -37,7 +37,8 @@ inline SurfacePoint held_on(const SurfacePoint& on, int feature, FeatureMemory& 
   return stand_on(on.point, on.normal, on.depth, feature, memory);
 }
 
-/// Who is farther `off` a solid than the way that he came cannot have been in it.
+/// Whether a point that is `off` [m] outside a solid, after a movement of `way` [m], cannot have
+/// been inside it on that way: it moved less than the distance.
 inline bool cannot_have_met(double off, const Vec3& way) {
   return off > 0.0 && way.squaredNorm() < off * off;
 }
