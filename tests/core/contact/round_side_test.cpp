@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "core/base/numeric.hpp"
 #include "core/local_model_extraction/extract.hpp"
 #include "tests/core/model_side.hpp"
 #include "tests/core/moving.hpp"
