@@ -87,7 +87,8 @@ void add_frontier(CLI::App& app) {
       "read it.");
   add_out(*command, *out);
   command->callback([out] {
-    std::cout << frontier_table(write_frontier(*out, frontier_cases())) << placed("Table and pictures", *out);
+    std::cout << frontier_table(write_frontier(*out, frontier_cases()))
+              << placed("Table and pictures", *out);
   });
 }
 

@@ -3,8 +3,8 @@
 
 namespace feltwire {
 
-/// Adds `midpoint`, `credited` and `shaped` to the registry (core/bounding/method.hpp), once. Call it
-/// before other threads use the registry.
+/// Adds `midpoint`, `credited` and `shaped` to the registry (core/bounding/method.hpp), once. Call
+/// it before other threads use the registry.
 void add_shaping_methods();
 
 }  // namespace feltwire
