@@ -256,6 +256,7 @@ std::string model_text(const std::vector<Object>& objects, const std::vector<int
                        std::vector<std::string>& warnings) {
   const std::string solref = number_text(kContactTicks * options.tick) + " 1";
   std::vector<std::vector<PhysicsGeom>> geoms;
+  geoms.reserve(objects.size());
   for (const Object& object : objects) geoms.push_back(geoms_of(object));
   const std::string hulls = hulls_of(objects, geoms, warnings);
   std::string xml = "<mujoco><compiler angle=\"radian\"/>\n<option" +

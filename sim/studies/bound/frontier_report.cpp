@@ -177,7 +177,7 @@ void draw(const std::filesystem::path& directory, const std::vector<FrontierRow>
   std::string styles =
       "set datafile separator ','\nset grid lt 1 lc rgb '#dddddd'\nset logscale y\n"
       "set ylabel 'displayed stiffness [N/m]; 1: it swings'\nset key top left maxrows 2 samplen 2\n"
-      "set yrange [0.8:1e5]\nset title noenhanced\nset key noenhanced\n";
+      "set yrange [0.8:5e5]\nset title noenhanced\nset key noenhanced\n";
   append(styles, "set xlabel '%s'\n", x_label.c_str());
   if (x_label.find("damping") != std::string::npos) styles += "set logscale x\n";
   plot_pair(directory, name, 520, styles, title, panel("median of eight hands", 2),
