@@ -57,6 +57,10 @@ void bounding_detail::check(const BoundingConfig& c, std::string_view method,
   check_constants(c.rotational_damping, c.period, c.c1_rotation, c.c2_rotation, " (rotation)");
 }
 
+template <>
+BasicBounding<double>::BasicBounding(const BoundingConfig& config)
+    : BasicBounding(bounding_method(config.mode), config) {}
+
 template class BasicBounding<double>;
 
 }  // namespace feltwire

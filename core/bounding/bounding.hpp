@@ -5,8 +5,6 @@
 // for Multiple Degree-of-Freedom Haptic Interaction". One file a method beside this one,
 // with its entry in built_in_methods.hpp; conventions in docs/bounding.md.
 
-#include <concepts>
-
 #include "core/bounding/limits.hpp"
 #include "core/bounding/method.hpp"
 #include "core/bounding/metric.hpp"
@@ -34,9 +32,9 @@ class BasicBounding {
  public:
   using Step = BasicBoundingStep<Real>;
 
-  /// The method that config.mode names in the registry. Throws std::invalid_argument naming the
-  /// parameter and the remedy.
-  explicit BasicBounding(const BoundingConfig& config) requires std::same_as<Real, double>;
+  /// The method that config.mode names in the registry, which is for double only. Throws
+  /// std::invalid_argument naming the parameter and the remedy.
+  explicit BasicBounding(const BoundingConfig& config);
   /// A method that need not be in the registry; config.mode is not read. Throws likewise.
   BasicBounding(const BasicBoundingMethod<Real>& method, const BoundingConfig& config);
 
@@ -76,6 +74,8 @@ class BasicBounding {
   BasicBoundingLaw<Real> law_;
 };
 
+template <>
+BasicBounding<double>::BasicBounding(const BoundingConfig& config);
 extern template class BasicBounding<double>;
 using Bounding = BasicBounding<double>;
 

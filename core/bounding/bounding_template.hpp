@@ -42,10 +42,6 @@ Real limit_factor(const Vector3<Real>& v, Real limit) {
 }  // namespace bounding_detail
 
 template <class Real>
-BasicBounding<Real>::BasicBounding(const BoundingConfig& config) requires std::same_as<Real, double>
-    : BasicBounding(bounding_method(config.mode), config) {}
-
-template <class Real>
 BasicBounding<Real>::BasicBounding(const BasicBoundingMethod<Real>& method,
                                    const BoundingConfig& config)
     : config_(
