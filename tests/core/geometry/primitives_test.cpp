@@ -12,6 +12,12 @@
 namespace feltwire::primitives_test {
 namespace {
 
+#ifdef FELTWIRE_SANITIZED
+constexpr int kEach = 1, kWays = 3;  // forty times as slow there
+#else
+constexpr int kEach = 6, kWays = 10;  // solids of each kind, ways through each of them
+#endif
+
 using test::Random;
 
 /// Calls f with shapes of each kind, of several proportions.
@@ -20,7 +26,7 @@ void for_each_solid(Call f) {
   Random random(1);
   Primitives::for_each([&](auto solid) {
     if (!is_bounded(solid)) return;
-    for (int n = 0; n < 6; ++n) {
+    for (int n = 0; n < kEach; ++n) {
       double largest = 0.0;
       solid.lengths(solid, [&](const Length& length, double& value) {
         value = random.uniform(0.005, 0.05);
@@ -299,7 +305,7 @@ TEST(Primitives, NoForceRisesFasterThanTheHandMoves) {
 /// On its way to and fro through a solid a hand never gets more work out of it than it has put in.
 TEST(Primitives, NoWayThroughASolidGivesEnergy) {
   for_each_solid([](const auto& solid, Random& random) {
-    for (int run = 0; run < 10; ++run) {
+    for (int run = 0; run < kWays; ++run) {
       FeatureMemory memory;
       Vec3 p = 2.0 * solid.reach() * random.direction(), force = Vec3::Zero();
       solid.surface_point(Side::outside, p, memory);
