@@ -89,7 +89,7 @@ class Programs:
     def output(self, *command):
         if command not in self.asked:
             done = subprocess.run([str(self.folder / command[0]), *command[1:]], stdin=subprocess.DEVNULL,
-                                  stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, timeout=60, check=False)
+                                  stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, timeout=120, check=False)
             self.asked[command] = (done.returncode, done.stdout)
         return self.asked[command]
 
