@@ -66,8 +66,8 @@ void Servo::take_model(const Reply& reply, Nanoseconds arrival) noexcept {
   local_.take(reply.model, newest_original_ ? &reply.command : nullptr);
   ++statistics_.models;
   statistics_.patches += reply.model.view().size();
-  // What moves has moved on since the server looked, by the way back as the clocks say, which are
-  // believed no farther than a command lives.
+  // Moving objects have moved on since the server looked. The clocks give the time of the way back;
+  // they are believed up to the hold time of a command.
   const double since = std::clamp(server_clock_.delay_down(), 0.0, parameters_.hold_time);
   model_time_ = arrival - from_seconds(since);
 }

@@ -59,7 +59,7 @@ class BasicBounding {
   BasicProbe<Real> probe(const Vector3<Real>& displacement,
                          const Vector3<Real>& rotation) const noexcept;
 
-  /// What it was told; `mode` is the method's name.
+  /// The configuration that it was made with; `mode` is the method's name.
   const BoundingConfig& config() const { return config_; }
 
  private:

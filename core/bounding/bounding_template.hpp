@@ -12,7 +12,7 @@
 namespace feltwire {
 namespace bounding_detail {
 
-/// What holds for every method. Throws std::invalid_argument.
+/// Checks a configuration by the rules that every method has. Throws std::invalid_argument.
 void check(const BoundingConfig& config, std::string_view method, bool needs_every_axis_damped);
 
 /// False for NaN too: it compares with nothing.

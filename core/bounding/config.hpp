@@ -1,5 +1,5 @@
 #pragma once
-// What a bound is told when it is made: the method, its options, and the device.
+// The configuration of a bound: the method, its options, and the device.
 
 #include <array>
 #include <limits>

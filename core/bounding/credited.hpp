@@ -6,7 +6,7 @@
 
 namespace feltwire {
 
-/// What `credited` counts on. Translation; for rotation read rad, N m.
+/// The damping that `credited` counts on. For translation; for rotation read rad, N m.
 struct CreditedLaw {
   double damping = 0.0;  // b [N s/m] of the device, its least
   double credit = 0.0;   // a [N s/m] at the beginning, expected of the hand

@@ -10,7 +10,8 @@
 
 namespace feltwire {
 
-/// What a law lets through, and whether it owes energy (it renders no force until that is repaid).
+/// The command that a law lets through, and whether the law owes energy. While it owes energy it
+/// renders no force.
 template <class Real>
 struct BasicLawAnswer {
   BasicCommand<Real> rendered;

@@ -12,8 +12,8 @@
 
 namespace feltwire {
 
-/// What a method promises about energy: what must not become negative, for every hand. "At stake"
-/// is the most that the hand can take while the force held now lasts for T: f' B^-1 f T / 4.
+/// The promise of a method about energy: a sum that must not become negative, for every hand. "At
+/// stake" is the most that the hand can take while the force held now lasts for T: f' B^-1 f T / 4.
 enum class Promise {
   none,             // nothing; the force is still finite, limited, and zero for what is not finite
   port,             // burned - delivered - at stake, whenever a force is rendered
@@ -25,7 +25,7 @@ enum class Promise {
 inline constexpr std::array<std::string_view, 6> kPromiseNames = {
     "none", "port", "port_by_axis", "coupling", "own_sum_by_axis", "own_sum"};
 
-/// What is done to a bound that some methods promise nothing about.
+/// Faults of a session. Some methods promise nothing when they happen.
 struct Faults {
   bool overlong_holds = false;  // held for longer than T, or held although not rendered
   bool reductions = false;      // less is held than was rendered: a limit, a fade
@@ -51,8 +51,8 @@ struct BasicBoundingMethod {
   Promise promise = Promise::none;
   Faults kept_despite{};   // the promise is kept although these happen
   bool keeps_all = false;  // it stores all energy that it ever took in, not only what is at stake
-  /// What it lets through may be reduced further, by whatever factor and for whatever reason, and
-  /// the port stays passive when the bound is told (set_held). True of bounds on magnitudes from
+  /// A command that it lets through may be reduced further, by any factor, and the port stays
+  /// passive when the bound is told (set_held). True of bounds on magnitudes from
   /// above, and where nothing is bounded.
   bool admits_reduction = false;
   /// It asks the scene elsewhere than at the device (Bounding::probe), and so has to stand beside
@@ -82,7 +82,7 @@ std::string bounding_method_choices();
 /// For --help: a line for each method, its name and summary, those of research last.
 std::string bounding_method_summaries();
 
-/// What the method promises when these faults happen.
+/// The promise that is left when these faults happen.
 template <class Real>
 Promise promise(const BasicBoundingMethod<Real>& method, const Faults& faults) {
   const Faults& kept = method.kept_despite;
