@@ -2,11 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <stdexcept>
 
 #include "core/base/parallel.hpp"
-#include "sim/measure/cost.hpp"
 #include "sim/measure/metrics.hpp"
 
 namespace feltwire {
@@ -43,14 +41,14 @@ double displayed_share(const std::vector<ExperimentSample>& samples,
 /// What was run, to be replayed.
 struct Run {
   std::vector<ExperimentSample> samples;
-  BoundingConfig bounding;
+  ExperimentSetup setup;
 };
 
 /// All but the cost.
 CompareRow run_task(const CompareTask& task, const std::string& label, const ExperimentSetup& setup,
                     Run& run) {
   const double period = setup.bounding.period;
-  run = {run_experiment(task.touch, setup), setup.bounding};
+  run = {run_experiment(task.touch, setup), setup};
   const auto& samples = run.samples;
   const ExperimentMetrics metrics = measure(samples, {}, setup.bounding.damping, period);
   std::vector<double> distance;
@@ -66,29 +64,6 @@ CompareRow run_task(const CompareTask& task, const std::string& label, const Exp
 }
 
 }  // namespace
-
-double step_cost(const std::vector<ExperimentSample>& samples, const BoundingConfig& config) {
-  // The quickest of some replays, so that what else the machine does counts little.
-  double best = std::numeric_limits<double>::infinity();
-  for (int replay = 0; replay < 5; ++replay) {
-    Bounding bounding(config);
-    double sum = 0.0;
-    const double begin = cpu_seconds();
-    for (const ExperimentSample& s : samples) {
-      sum += bounding
-                 .step({.displacement = s.displacement,
-                        .rotation = Vec3::Zero(),
-                        .hold_time = config.period,
-                        .command = s.commanded})
-                 .rendered.elastic.x();
-      bounding.set_held(s.rendered);
-    }
-    const double time = cpu_seconds() - begin;
-    // The sum is used, or the compiler might leave the steps out.
-    if (std::isfinite(sum)) best = std::min(best, time);
-  }
-  return 1e9 * best / static_cast<double>(samples.size());
-}
 
 std::vector<CompareRow> compare(const std::vector<CompareTask>& tasks,
                                 const std::vector<Method>& methods, const CompareLoop& loop,
@@ -114,7 +89,7 @@ std::vector<CompareRow> compare(const std::vector<CompareTask>& tasks,
     rows[i] = run_task(task, std::string(method.label), setup, runs[i]);
   });
   for (std::size_t i = 0; i < rows.size(); ++i) {
-    rows[i].cost = step_cost(runs[i].samples, runs[i].bounding);
+    rows[i].cost = step_cost(runs[i].samples, runs[i].setup);
     runs[i] = {};
   }
   return rows;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "sim/measure/methods.hpp"
+#include "sim/measure/step_cost.hpp"
 #include "sim/studies/bound/compare_tasks.hpp"
 
 namespace feltwire {
@@ -35,9 +36,9 @@ struct CompareRow {
 /// quantum, no delay.
 inline constexpr const char* kReference = "reference";
 
-/// [ns] of CPU that a step of this bound takes, the mean over a replay of the samples.
-double step_cost(const std::vector<ExperimentSample>& samples, const BoundingConfig& config);
-using StepCost = std::function<double(const std::vector<ExperimentSample>&, const BoundingConfig&)>;
+/// As step_cost().
+using StepCost =
+    std::function<double(const std::vector<ExperimentSample>&, const ExperimentSetup&)>;
 
 /// Every task by every method, after the task's reference. All but `cost` is deterministic. The
 /// runs share the machine's cores; then `step_cost` measures them one after the other, while no

@@ -21,10 +21,14 @@ constexpr double kAir = 2.0;             // [s] of a warm start
 constexpr double kFrictionShare = 0.75;  // of the dry friction, that the account is told
 constexpr double kCap = 3.0;             // times the need of the device's largest force
 
+/// The tasks of all cases. Made once: a scene takes long to parse.
+struct TaskSource {
+  Object paper_wall = parse_scene(embedded::paper_wall, "paper_wall.json").objects().front();
+  std::vector<CompareTask> compared = compare_tasks();
+};
+
 /// The paper's wall with another stiffness. The hand slides as in its Figure 2, or taps.
-CompareTask wall(const FrontierCase& c) {
-  const Scene scene = parse_scene(embedded::paper_wall, "paper_wall.json");
-  Object object = scene.objects().front();
+CompareTask wall(Object object, const FrontierCase& c) {
   object.material.stiffness = c.wall;
   CompareTask task{c.task, environment(object), [](const Vec3& p) { return p.y(); },
                    figure_setup("wall", kUnbounded, 0.0).hand.task, 4.0};
@@ -46,10 +50,10 @@ bool on_wall(const std::string& task) {
   return task == "wall" || task == "press" || task == "tap" || task == "tremor";
 }
 
-CompareTask task_of(const FrontierCase& c) {
-  if (on_wall(c.task)) return wall(c);
-  for (CompareTask& task : compare_tasks())
-    if (task.name == c.task) return std::move(task);
+CompareTask task_of(const FrontierCase& c, const TaskSource& source) {
+  if (on_wall(c.task)) return wall(source.paper_wall, c);
+  for (const CompareTask& task : source.compared)
+    if (task.name == c.task) return task;
   throw std::invalid_argument("the frontier has no task '" + c.task + "'");
 }
 
@@ -107,8 +111,8 @@ double energy_made(const FrontierCase& c, const std::vector<ExperimentSample>& s
   return -least;
 }
 
-FrontierRow run_case(const FrontierCase& c) {
-  const CompareTask task = task_of(c);
+FrontierRow run_case(const FrontierCase& c, const TaskSource& source) {
+  const CompareTask task = task_of(c, source);
   const ExperimentSetup setup = setup_of(c, task);
   const auto samples = run_experiment(task.touch, setup);
   FrontierRow row{.made = c, .energy_made = energy_made(c, samples)};
@@ -196,8 +200,9 @@ std::vector<FrontierCase> frontier_cases() {
 
 std::vector<FrontierRow> run_frontier(const std::vector<FrontierCase>& cases) {
   add_shaping_methods();
+  const TaskSource source;
   std::vector<FrontierRow> rows(cases.size());
-  parallel_for(cases.size(), [&](std::size_t i) { rows[i] = run_case(cases[i]); });
+  parallel_for(cases.size(), [&](std::size_t i) { rows[i] = run_case(cases[i], source); });
   return rows;
 }
 

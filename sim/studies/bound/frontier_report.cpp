@@ -5,9 +5,8 @@
 #include <nlohmann/json.hpp>
 
 #include "core/base/text.hpp"
-#include "core/bounding/account.hpp"
-#include "sim/measure/cost.hpp"
 #include "sim/measure/metrics.hpp"
+#include "sim/measure/step_cost.hpp"
 #include "sim/report/plot.hpp"
 #include "sim/studies/bound/frontier.hpp"
 
@@ -54,38 +53,24 @@ std::string csv(const std::vector<FrontierRow>& rows) {
   return text;
 }
 
-/// [ns] of a step of law and account, the quickest of some runs over a hand that swings in a wall.
-double step_cost(const std::string& law, Need need) {
-  BoundingConfig config;
-  config.mode = law;
-  config.damping = 0.5;
-  AccountConfig knows;
-  knows.translation.damping = 0.5;
-  knows.translation.mass = need == Need::unknown_hand ? 0.0 : kFrontierDevices[0].mass;
-  knows.translation.outside_force = kHandForce;
-  constexpr int kSteps = 20000;
-  double best = std::numeric_limits<double>::infinity();
-  for (int run = 0; run < 5; ++run) {
-    Bounding bounding(config);
-    PortAccount account(knows);
-    double sum = 0.0;
-    const double begin = cpu_seconds();
-    for (int n = 0; n < kSteps; ++n) {
-      BoundingStep step{.displacement = Vec3(0.0, 1e-5 * ((n & 7) - 3.5), 2e-6),
-                        .hold_time = config.period,
-                        .command = {.elastic = Vec3(0.0, 2.0 + (n & 7), 0.1)},
-                        .local = true};
-      step.command = bounding.step(step).rendered;
-      if (need != Need::no_account) {
-        step.command = account.step(step);
-        bounding.set_held(step.command);
-      }
-      sum += step.command.elastic.y();
-    }
-    const double time = cpu_seconds() - begin;
-    if (std::isfinite(sum)) best = std::min(best, time / kSteps);
+/// [ns] of a step of law and account, over a hand that swings in a wall.
+double swing_cost(const std::string& law, Need need) {
+  ExperimentSetup setup;
+  setup.bounding.mode = law;
+  setup.bounding.damping = 0.5;
+  if (need != Need::no_account) {
+    PortKnowledge& known = setup.account.emplace().translation;
+    known.damping = setup.bounding.damping;
+    known.mass = need == Need::unknown_hand ? 0.0 : kFrontierDevices[0].mass;
+    known.outside_force = kHandForce;
   }
-  return 1e9 * best;
+  constexpr int kSteps = 20000;
+  std::vector<ExperimentSample> samples(kSteps);
+  for (int n = 0; n < kSteps; ++n) {
+    samples[n].displacement = {0.0, 1e-5 * ((n & 7) - 3.5), 2e-6};
+    samples[n].commanded.elastic = {0.0, 2.0 + (n & 7), 0.1};
+  }
+  return step_cost(samples, setup);
 }
 
 using Costs = std::map<std::pair<std::string, Need>, double>;
@@ -94,7 +79,7 @@ Costs step_costs(const std::vector<FrontierRow>& rows) {
   Costs costs;
   for (const FrontierRow& row : rows) {
     const std::pair key{row.made.law, row.made.need};
-    if (!costs.contains(key)) costs[key] = step_cost(key.first, key.second);
+    if (!costs.contains(key)) costs[key] = swing_cost(key.first, key.second);
   }
   return costs;
 }

@@ -146,13 +146,14 @@ TEST(Compare, EveryCostIsMeasuredAlone) {
   const std::ptrdiff_t alone = threads();
   const auto caller = std::this_thread::get_id();
   std::vector<std::string_view> measured;
-  const auto rows = compare(tasks, both, {}, [&](const auto& samples, const BoundingConfig& bound) {
-    EXPECT_EQ(threads(), alone);
-    EXPECT_EQ(std::this_thread::get_id(), caller);
-    EXPECT_FALSE(samples.empty());
-    measured.push_back(bound.mode);
-    return static_cast<double>(measured.size());
-  });
+  const auto rows =
+      compare(tasks, both, {}, [&](const auto& samples, const ExperimentSetup& setup) {
+        EXPECT_EQ(threads(), alone);
+        EXPECT_EQ(std::this_thread::get_id(), caller);
+        EXPECT_FALSE(samples.empty());
+        measured.push_back(setup.bounding.mode);
+        return static_cast<double>(measured.size());
+      });
   EXPECT_EQ(measured, (std::vector<std::string_view>{"none", "none", "contact_frame", "none",
                                                      "none", "contact_frame"}));
   for (std::size_t i = 0; i < rows.size(); ++i)
