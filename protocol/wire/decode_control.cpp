@@ -1,21 +1,15 @@
-#include "protocol/wire/control.hpp"
-
-#include <sodium.h>
+// Control messages from bytes.
 
 #include <cmath>
-#include <limits>
-#include <stdexcept>
 
 #include "core/base/little_endian.hpp"
 #include "flatbuffers/flatbuffers.h"
 #include "protocol/wire/aligned_vector.hpp"
+#include "protocol/wire/control.hpp"
 #include "protocol/wire/control_generated.h"
 
 namespace feltwire::control {
 namespace {
-
-using flatbuffers::FlatBufferBuilder;
-using flatbuffers::Offset;
 
 constexpr flatbuffers::uoffset_t kMaxDepth = 8;
 // Tables of one message. Each entry of a list may point at the same bytes, so this also limits what
@@ -23,15 +17,7 @@ constexpr flatbuffers::uoffset_t kMaxDepth = 8;
 constexpr flatbuffers::uoffset_t kMaxTables = kMaxScenes + 8;
 constexpr std::size_t kSmallestBuffer = 8;  // [bytes] a root offset and an empty table
 
-constexpr double kNotGiven = std::numeric_limits<double>::quiet_NaN();
-
-// The values' enums are the wire's: same order, checked when read.
-template <class Wire, class Enum>
-Wire wire_enum(Enum value) {
-  return static_cast<Wire>(value);
-}
-
-/// False when there is no such enumerator.
+/// The enums of the values have the order of the wire. False when there is no such enumerator.
 template <class Enum, class Wire>
 bool read_enum(Wire wire, Enum& out) {
   if (wire > Wire::MAX) return false;
@@ -47,22 +33,7 @@ bool read_name(const flatbuffers::String* text, std::string& out, std::size_t lo
   return true;
 }
 
-Offset<flatbuffers::String> name_if_any(FlatBufferBuilder& builder, const std::string& text) {
-  return text.empty() ? 0 : builder.CreateString(text);
-}
-
-wire::Vector vector(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
 Vec3 vector(const wire::Vector& v) { return {v.x(), v.y(), v.z()}; }
-
-/// Nothing for an isotropic damping, 3 numbers along the axes, 6 for a matrix.
-Offset<flatbuffers::Vector<double>> tensor(FlatBufferBuilder& builder, const Damping& damping) {
-  if (damping.isotropic()) return 0;
-  const Mat3& m = damping.matrix();
-  std::vector<double> entries{m(0, 0), m(1, 1), m(2, 2)};
-  if (damping.kind() == Damping::Kind::matrix)
-    entries.insert(entries.end(), {m(0, 1), m(0, 2), m(1, 2)});
-  return builder.CreateVector(entries);
-}
 
 bool read(double isotropic, const flatbuffers::Vector<double>* entries, Damping& to) {
   constexpr flatbuffers::uoffset_t kAxes = 3, kMatrix = 6;
@@ -78,112 +49,6 @@ bool read(double isotropic, const flatbuffers::Vector<double>* entries, Damping&
     return false;
   }
   return true;
-}
-
-Offset<wire::DeviceSpec> build(FlatBufferBuilder& builder, const DeviceSpec& d) {
-  const wire::Vector workspace = vector(d.workspace);
-  const auto damping = tensor(builder, d.damping);
-  const auto rotational_damping = tensor(builder, d.rotational_damping);
-  const auto name = builder.CreateString(d.name);
-  // A peer that does not know the tensor uses the smallest damping of all directions.
-  return wire::CreateDeviceSpec(builder, name, static_cast<std::uint8_t>(d.translation_dof),
-                                static_cast<std::uint8_t>(d.rotation_sensed),
-                                static_cast<std::uint8_t>(d.rotation_actuated), d.damping.least(),
-                                d.rotational_damping.least(), d.apparent_mass, d.coulomb_friction,
-                                d.position_resolution, d.max_force, d.continuous_force,
-                                d.max_torque, &workspace, damping, rotational_damping);
-}
-
-Offset<wire::SessionParameters> build(FlatBufferBuilder& builder, const SessionParameters& p) {
-  return wire::CreateSessionParameters(
-      builder, builder.CreateString(p.mode), wire_enum<wire::Projection>(p.projection),
-      wire_enum<wire::Storage>(p.storage), wire_enum<wire::BoundingSide>(p.side), p.servo_period,
-      static_cast<std::uint8_t>(p.redundancy), p.operator_damping, p.velocity_cutoff, p.hold_time,
-      p.c1.value_or(kNotGiven), p.c2.value_or(kNotGiven),
-      wire_enum<wire::PassivityReference>(p.reference), p.coupling_stiffness.value_or(kNotGiven),
-      p.coupling_damping.value_or(kNotGiven), p.tool_mass,
-      static_cast<std::uint16_t>(p.packet_interval), static_cast<std::uint8_t>(p.batch),
-      p.position_deadband, p.force_deadband, wire_enum<wire::Predictor>(p.predictor), p.keep_alive,
-      p.local_model);
-}
-
-/// The union's member of each message.
-struct BodyBuilder {
-  FlatBufferBuilder& builder;
-
-  Offset<wire::JoinRequest> operator()(const JoinRequest& m) {
-    const auto device = build(builder, m.device);
-    const auto parameters = build(builder, m.parameters);
-    // By length, here and below: a name may hold a zero byte, and is then no shorter.
-    const auto client = builder.CreateString(m.client), scene = builder.CreateString(m.scene);
-    const auto tool = name_if_any(builder, m.tool), version = name_if_any(builder, m.version);
-    return wire::CreateJoinRequest(builder, client, scene, device, parameters,
-                                   wire_enum<wire::Role>(m.role), m.aes_256_gcm, tool, version);
-  }
-  Offset<wire::JoinAccepted> operator()(const JoinAccepted& m) {
-    const wire::Vector position = vector(m.start_position), normal = vector(m.start_normal);
-    const auto parameters = build(builder, m.parameters);
-    const auto tool = name_if_any(builder, m.tool), version = name_if_any(builder, m.version);
-    return wire::CreateJoinAccepted(
-        builder, m.session, m.port_offset, parameters, m.silence_timeout, m.friction, m.rotation,
-        &position, &normal, m.stiffness, wire_enum<wire::CipherSuite>(m.suite), tool, version);
-  }
-  Offset<wire::LeaveRequest> operator()(const LeaveRequest& m) {
-    return wire::CreateLeaveRequest(builder, m.session);
-  }
-  Offset<wire::Left> operator()(const Left& m) { return wire::CreateLeft(builder, m.session); }
-  Offset<wire::ListScenes> operator()(const ListScenes&) { return wire::CreateListScenes(builder); }
-  Offset<wire::SceneList> operator()(const SceneList& m) {
-    std::vector<Offset<wire::SceneEntry>> entries;
-    for (const SceneEntry& scene : m.scenes)
-      entries.push_back(wire::CreateSceneEntry(builder, builder.CreateString(scene.name),
-                                               scene.port_offset, scene.objects, scene.sessions));
-    return wire::CreateSceneList(builder, builder.CreateVector(entries));
-  }
-  Offset<wire::SetParameters> operator()(const SetParameters& m) {
-    return wire::CreateSetParameters(builder, m.session, build(builder, m.parameters));
-  }
-  Offset<wire::ParametersSet> operator()(const ParametersSet& m) {
-    return wire::CreateParametersSet(builder, m.session, build(builder, m.parameters));
-  }
-  Offset<wire::Refused> operator()(const Refused& m) {
-    return wire::CreateRefused(builder, wire_enum<wire::RefusalCode>(m.code),
-                               builder.CreateString(shortened(m.reason, kMaxReason)));
-  }
-  Offset<wire::Authenticate> operator()(const Authenticate& m) {
-    const std::string_view token = m.token.text();
-    return wire::CreateAuthenticate(builder, builder.CreateString(token.data(), token.size()));
-  }
-  Offset<wire::Authenticated> operator()(const Authenticated& m) {
-    return wire::CreateAuthenticatedDirect(builder, m.client.c_str(), m.scene.c_str(),
-                                           wire_enum<wire::Role>(m.role));
-  }
-  Offset<wire::Evict> operator()(const Evict& m) { return wire::CreateEvict(builder, m.session); }
-  Offset<wire::Evicted> operator()(const Evicted& m) {
-    return wire::CreateEvicted(builder, m.session);
-  }
-  Offset<wire::ListSessions> operator()(const ListSessions& m) {
-    return wire::CreateListSessions(builder, m.after);
-  }
-  Offset<wire::SessionList> operator()(const SessionList& m) {
-    std::vector<Offset<wire::SessionEntry>> entries;
-    for (const SessionEntry& entry : m.sessions)
-      entries.push_back(wire::CreateSessionEntryDirect(builder, entry.session, entry.client.c_str(),
-                                                       entry.scene.c_str(),
-                                                       wire_enum<wire::Role>(entry.role)));
-    return wire::CreateSessionList(builder, builder.CreateVector(entries), m.more);
-  }
-  Offset<wire::ReloadScene> operator()(const ReloadScene& m) {
-    return wire::CreateReloadSceneDirect(builder, m.scene.c_str());
-  }
-  Offset<wire::SceneReloaded> operator()(const SceneReloaded& m) {
-    return wire::CreateSceneReloadedDirect(builder, m.scene.c_str());
-  }
-};
-
-/// The union counts from 1 in the order of Message.
-wire::Body body_type(const Message& message) {
-  return static_cast<wire::Body>(message.index() + 1);
 }
 
 bool read(const wire::DeviceSpec& from, DeviceSpec& to) {
@@ -325,22 +190,6 @@ std::optional<Message> message(const Table& table) {
 }
 
 }  // namespace
-
-std::vector<std::uint8_t> encode(const Message& message) {
-  FlatBufferBuilder builder;
-  const Offset<void> body =
-      std::visit([&](const auto& m) { return BodyBuilder{builder}(m).Union(); }, message);
-  builder.Finish(wire::CreateControlMessage(builder, body_type(message), body));
-  if (builder.GetSize() > kMaxFrame)
-    throw std::length_error("a control message of " + std::to_string(builder.GetSize()) +
-                            " bytes is longer than a frame may be (" + std::to_string(kMaxFrame) +
-                            "); shorten its names");
-  std::vector<std::uint8_t> frame(kFrameLengthSize + builder.GetSize());
-  put_little_endian(frame.data(), static_cast<std::uint32_t>(builder.GetSize()));
-  std::copy_n(builder.GetBufferPointer(), builder.GetSize(), frame.data() + kFrameLengthSize);
-  sodium_memzero(builder.GetBufferPointer(), builder.GetSize());  // a token may have been in it
-  return frame;
-}
 
 std::uint32_t frame_length(std::span<const std::uint8_t, kFrameLengthSize> bytes) noexcept {
   return get_little_endian<std::uint32_t>(bytes.data());
