@@ -1,197 +1,27 @@
 #include "client/app/options.hpp"
 
 #include <CLI/CLI.hpp>
-#include <array>
-#include <cmath>
+#include <iostream>
 #include <sstream>
 #include <string_view>
 
-#include "client/app/credential_options.hpp"
-#include "client/run/output_files.hpp"
+#include "client/app/written_options.hpp"
 #include "core/base/choice.hpp"
 #include "core/base/visible_text.hpp"
 #include "core/build_info/build_info.hpp"
 #include "core/command_line/environment.hpp"
 #include "core/command_line/suggestion.hpp"
-#include "core/device/device_file.hpp"
-#include "protocol/net/busy_poll.hpp"
-#include "protocol/net/udp_socket.hpp"
 #include "protocol/session/profiles.hpp"
-#include "protocol/wire/control.hpp"
 
 namespace feltwire {
 namespace {
 
 constexpr int kUsageError = 2;
-constexpr double kLongestDuration = 1e7;  // [s] some four months
-constexpr std::string_view kReplay = "replay:";
-
-/// The command line as it is written, before its words are understood.
-struct WrittenOptions {
-  std::string connect, scene, device = "simulated", spec = "simulated";
-  std::string mode = SessionParameters{}.mode,
-              projection = std::string(name(SessionParameters{}.projection)), storage = "minimal",
-              reference = "zero", side, path = "press", predictor = "level";
-  double rate = 1000.0;
-  std::optional<double> packet_rate;  // [Hz]
-  double position_deadband_percent = 0.0, force_deadband_percent = 0.0;
-  std::optional<std::array<double, 3>> center, normal;
-  std::optional<double> wait_for_small_force, ramp_up, velocity_limit;
-  std::string report, record, view, link, profile, dscp = "cs0", role = "operator";
-  CredentialOptions credentials;
-};
 
 std::string short_text(double value) {
   std::ostringstream text;
   text << value;
   return text.str();
-}
-
-Vec3 vector(const std::array<double, 3>& v) { return {v[0], v[1], v[2]}; }
-
-void require(bool good, const char* message) {
-  if (!good) throw std::invalid_argument(message);
-}
-
-/// Sets the safety limits that the command line does not give to values that protect the hand, as
-/// far as the bounding mode allows.
-void choose_safety(const WrittenOptions& words, ClientOptions& options) {
-  SafetyLimits& given = options.servo.safety;
-  const SafetyLimits usual = protect_hand(options.parameters).safety;
-  given.force.small = words.wait_for_small_force.value_or(usual.force.small);
-  given.torque.small = std::isfinite(given.force.small) ? usual.torque.small : given.force.small;
-  given.force.speed = words.velocity_limit.value_or(usual.force.speed);
-  given.ramp_up = words.ramp_up.value_or(usual.ramp_up);
-}
-
-double period_of(const WrittenOptions& words) {
-  require(std::isfinite(words.rate) && words.rate > 0.0, "--rate must be above 0 Hz");
-  return 1.0 / words.rate;
-}
-
-/// Begins with what a profile says; the command line is then read once more, and wins. Throws
-/// std::invalid_argument.
-void begin_with(const NetworkProfile& line, WrittenOptions& words, SessionParameters& parameters) {
-  constexpr double kPercent = 100.0;
-  parameters = {};
-  parameters.mode = bounding_method(words.mode).name;
-  parameters.servo_period = period_of(words);
-  parameters = over(line, parameters);
-  words.position_deadband_percent = kPercent * parameters.position_deadband;
-  words.force_deadband_percent = kPercent * parameters.force_deadband;
-  words.predictor = name(parameters.predictor);
-}
-
-/// [Hz] of datagrams to the server, if not one a tick. Who only looks does so at the rate of
-/// pictures, unless told otherwise.
-std::optional<double> packet_rate(const WrittenOptions& words, Role role) {
-  constexpr double kPictures = 100.0;
-  const bool usual = !words.packet_rate && words.profile.empty();
-  return usual && role == Role::observer ? std::min(kPictures, words.rate) : words.packet_rate;
-}
-
-/// How often what travels. Throws std::invalid_argument.
-void choose_traffic(const WrittenOptions& words, std::optional<double> rate,
-                    SessionParameters& parameters) {
-  constexpr double kPercent = 0.01;
-  parameters.position_deadband = kPercent * words.position_deadband_percent;
-  parameters.force_deadband = kPercent * words.force_deadband_percent;
-  parameters.predictor = predictor(words.predictor);
-  if (!rate) return;
-  require(*rate > 0.0 && *rate <= words.rate,
-          "--packet-rate must be above 0 Hz and at most --rate");
-  // Never more often than was asked for. A rounded rate still gives whole ticks: 1000 / 333.4 is 3.
-  constexpr double kRounded = 1e-3;
-  const double ticks = std::ceil(words.rate / *rate - kRounded);
-  require(ticks <= kMaxPacketInterval, "--packet-rate must be at least --rate / 1000");
-  parameters.packet_interval = std::max(1, static_cast<int>(ticks));
-}
-
-/// Those that an option names.
-std::vector<NamedFile> named(std::vector<NamedFile> files) {
-  std::erase_if(files, [](const NamedFile& file) { return file.path.empty(); });
-  return files;
-}
-
-std::vector<NamedFile> written_files(const WrittenOptions& words) {
-  return named({{"--report", words.report}, {"--record", words.record}, {"--view", words.view}});
-}
-
-std::vector<NamedFile> read_files(const WrittenOptions& words) {
-  const CredentialOptions& c = words.credentials;
-  const bool replays = words.device.starts_with(kReplay);
-  return named({{"--device", replays ? words.device.substr(kReplay.size()) : std::string()},
-                {"--fingerprint-file", c.fingerprint_file},
-                {"--ca", c.ca},
-                {"--certificate", c.certificate},
-                {"--key", c.key},
-                {"--token-file", c.token_file}});
-}
-
-/// Throws std::invalid_argument where the server would refuse the name without saying which.
-void check_name(const char* option, const std::string& name) {
-  if (name.size() <= control::kMaxName) return;
-  throw std::invalid_argument(std::string(option) + ": the name has " +
-                              std::to_string(name.size()) + " bytes; at most " +
-                              std::to_string(control::kMaxName) + " can be sent");
-}
-
-/// Throws std::invalid_argument.
-void understand(const WrittenOptions& words, HandTask task, ClientOptions& options) {
-  options.server = {parse_endpoint(words.connect), credentials(words.credentials)};
-  if (options.list) return;
-  require(!words.scene.empty(), "--scene is required; --list shows the scenes there are");
-  options.scene = words.scene;
-  check_name("--scene", options.scene);
-  check_name("--tool", options.tool);
-  check_name("--name", options.name);
-  require(options.duration >= 0.0 && options.duration <= kLongestDuration,
-          "--duration must be from 0 to 1e7 s; 0 runs until it is stopped");
-  require(options.patience >= 0.0 && options.patience <= kLongestDuration,
-          "--reconnect must be from 0 to 1e7 s; 0 ends when the session is lost");
-
-  require(possible_busy_poll(options.busy_poll),
-          "--busy-poll must be from 0 to 1e6 us, or inf: never sleep");
-
-  options.role = role(words.role);
-  require(options.role != Role::admin, "--role must be operator or observer");
-  require(words.view.empty() || options.role == Role::observer,
-          "--view is of observers; give --role observer, too");
-  options.parameters.mode = bounding_method(words.mode).name;
-  options.parameters.projection = projection(words.projection);
-  options.parameters.storage = storage(words.storage);
-  options.parameters.reference = passivity_reference(words.reference);
-  if (!words.side.empty())
-    options.parameters.side = bounding_side(words.side);
-  else if (bounding_method(options.parameters.mode).moves_probe)
-    options.parameters.side = BoundingSide::server;
-  options.parameters.servo_period = period_of(words);
-  choose_traffic(words, packet_rate(words, options.role), options.parameters);
-  validate(options.parameters);
-  choose_safety(words, options);
-  validate(options.servo, options.parameters);
-
-  options.spec = device_spec(words.spec);
-  options.device_kind = words.device;
-  if (words.device == "simulated") {
-    task.path = hand_path(words.path);
-    if (words.center) task.center = vector(*words.center);
-    if (words.normal) set_normal(task, vector(*words.normal));
-    options.center_given = words.center.has_value();
-    options.normal_given = words.normal.has_value();
-    options.device = task;
-  } else if (words.device.starts_with(kReplay) && words.device.size() > kReplay.size()) {
-    options.device = ReplayFile{words.device.substr(kReplay.size())};
-  } else {
-    throw std::invalid_argument("unknown device '" + words.device +
-                                "'; use simulated or replay:FILE.csv");
-  }
-  if (!words.report.empty()) options.report = words.report;
-  if (!words.record.empty()) options.record = words.record;
-  if (!words.view.empty()) options.view = words.view;
-  require_different(written_files(words), read_files(words));
-  options.dscp = dscp(words.dscp);
-  if (!words.link.empty()) options.link = parse_link(words.link);
 }
 
 }  // namespace

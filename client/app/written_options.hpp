@@ -1,0 +1,37 @@
+#pragma once
+// The command line as it is written, and what it means.
+
+#include <array>
+#include <optional>
+#include <string>
+
+#include "client/app/credential_options.hpp"
+#include "client/app/options.hpp"
+#include "protocol/session/profiles.hpp"
+
+namespace feltwire {
+
+/// The command line as it is written, before its words are understood.
+struct WrittenOptions {
+  std::string connect, scene, device = "simulated", spec = "simulated";
+  std::string mode = SessionParameters{}.mode,
+              projection = std::string(name(SessionParameters{}.projection)), storage = "minimal",
+              reference = "zero", side, path = "press", predictor = "level";
+  double rate = 1000.0;
+  std::optional<double> packet_rate;  // [Hz]
+  double position_deadband_percent = 0.0, force_deadband_percent = 0.0;
+  std::optional<std::array<double, 3>> center, normal;
+  std::optional<double> wait_for_small_force, ramp_up, velocity_limit;
+  std::string report, record, view, link, profile, dscp = "cs0", role = "operator";
+  CredentialOptions credentials;
+};
+
+/// Begins with the values of a network profile, before the command line is read once more: the
+/// options given there win. Throws std::invalid_argument.
+void begin_with(const NetworkProfile& line, WrittenOptions& words, SessionParameters& parameters);
+
+/// Checks the words and sets the options that they mean. `task`: of the simulated hand. Throws
+/// std::invalid_argument with the option's name.
+void understand(const WrittenOptions& words, HandTask task, ClientOptions& options);
+
+}  // namespace feltwire
