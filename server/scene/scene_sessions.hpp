@@ -6,7 +6,6 @@
 #include <array>
 #include <memory>
 #include <optional>
-#include <string_view>
 #include <vector>
 
 #include "protocol/session/profiles.hpp"
@@ -18,6 +17,7 @@
 #include "server/scene/id_map.hpp"
 #include "server/scene/observer_view.hpp"
 #include "server/scene/session.hpp"
+#include "server/scene/session_end.hpp"
 
 namespace feltwire {
 
@@ -56,27 +56,6 @@ struct SceneCounters {
       0;  // of the drops by rate, those of sessions above their share of the thread
   std::array<std::uint64_t, kDropReasons> drops{};
 };
-
-/// How a session ended, for the log.
-enum class SessionEnd : std::uint8_t {
-  goodbye,
-  asked,
-  silent,
-  flooded,
-  forged,
-  disturbing,
-  evicted,
-  tool_gone,
-  failed,
-  shut_down
-};
-struct EndedSession {
-  std::uint64_t id = 0;
-  SessionEnd how = SessionEnd::goodbye;
-  friend bool operator==(const EndedSession&, const EndedSession&) = default;
-};
-/// In words that go on after a colon.
-std::string_view text(SessionEnd how);
 
 /// A session that is not there, or not any more.
 control::Refused unknown_session(std::uint64_t id);
