@@ -38,20 +38,28 @@ std::string placed(const std::string& what, const std::string& out) {
          "\n";
 }
 
+/// A study without options: it runs into a folder, writes its files there and returns the text that
+/// is printed, before `files` says where those are.
+void add_study(CLI::App& app, const std::string& name, const std::string& folder,
+               const std::string& question, const std::string& footer, const std::string& files,
+               const std::function<std::string(const std::string& out)>& run) {
+  auto out = std::make_shared<std::string>(folder);
+  CLI::App* study = app.add_subcommand(name, question);
+  study->footer(footer);
+  add_out(*study, *out);
+  study->callback([out, files, run] { std::cout << run(*out) << placed(files, *out); });
+}
+
 void add_figures(CLI::App& app) {
-  auto out = std::make_shared<std::string>("figures");
-  CLI::App* command = app.add_subcommand("figures", "Reproduce the paper's Figures 2, 3, 5 and 6");
-  command->footer(
+  add_study(
+      app, "figures", "figures", "Reproduce the paper's Figures 2, 3, 5 and 6",
       "Writes figures.json, one CSV a run (t [s], x,y,z [m], ex..ez and fx..fz commanded elastic "
       "and frictional,\n"
       "rx..rz rendered [N on the hand], energy_x..z flow-in [J]) and PNG pictures with the gnuplot "
       "scripts that drew\n"
-      "them. In process and deterministic: the same build writes the same numbers.");
-  add_out(*command, *out);
-  command->callback([out] {
-    const auto runs = write_figures(*out);
-    std::cout << figures_table(runs) << placed("Pictures, data and figures.json", *out);
-  });
+      "them. In process and deterministic: the same build writes the same numbers.",
+      "Pictures, data and figures.json",
+      [](const std::string& out) { return figures_table(write_figures(out)); });
 }
 
 void add_choices(CLI::App& app) {
@@ -62,34 +70,28 @@ void add_choices(CLI::App& app) {
 }
 
 void add_zwidth(CLI::App& app) {
-  auto out = std::make_shared<std::string>("zwidth");
-  CLI::App* command = app.add_subcommand(
-      "zwidth", "Map the stiffest wall without oscillation, by method, device and loop");
-  command->footer(
+  add_study(
+      app, "zwidth", "zwidth",
+      "Map the stiffest wall without oscillation, by method, device and loop",
       "A simulated hand presses a wall with 3 N, by method x device damping x servo rate x delay.\n"
       "Writes zwidth.json, zwidth.csv and a picture a damping (zwidth_bB.png). A minute or two on "
-      "two cores;\ndeterministic. docs/lab/laboratory.md says how to read it.");
-  add_out(*command, *out);
-  command->callback([out] {
-    const ZWidthGrid grid = full_zwidth_grid();
-    std::cout << zwidth_table(write_zwidth(*out, grid), grid) << placed("Map and pictures", *out);
-  });
+      "two cores;\ndeterministic. docs/lab/laboratory.md says how to read it.",
+      "Map and pictures", [](const std::string& out) {
+        const ZWidthGrid grid = full_zwidth_grid();
+        return zwidth_table(write_zwidth(out, grid), grid);
+      });
 }
 
 void add_frontier(CLI::App& app) {
-  auto out = std::make_shared<std::string>("frontier");
-  CLI::App* command = app.add_subcommand(
-      "frontier", "Map what each law displays on real devices, by what is known of the hand");
-  command->footer(
+  add_study(
+      app, "frontier", "frontier",
+      "Map what each law displays on real devices, by what is known of the hand",
       "Eight hands at walls, a corner, an edge, a sphere, a torus, friction and taps, by law x "
       "device damping x wall x delay.\nWrites frontier.json, frontier.csv and three pictures. Some "
       "minutes on two cores; all but the cost is\ndeterministic. docs/lab/frontier.md says how to "
-      "read it.");
-  add_out(*command, *out);
-  command->callback([out] {
-    std::cout << frontier_table(write_frontier(*out, frontier_cases()))
-              << placed("Table and pictures", *out);
-  });
+      "read it.",
+      "Table and pictures",
+      [](const std::string& out) { return frontier_table(write_frontier(out, frontier_cases())); });
 }
 
 void add_compare(CLI::App& app) {
@@ -188,21 +190,17 @@ void add_extremes(CLI::App& app, int& status) {
 }
 
 void add_rate(CLI::App& app) {
-  auto out = std::make_shared<std::string>("rate");
-  CLI::App* command =
-      app.add_subcommand("rate", "Speed against accuracy, by servo rate and by arithmetic");
-  command->footer(
+  add_study(
+      app, "rate", "rate", "Speed against accuracy, by servo rate and by arithmetic",
       "Writes rate.csv, rate.json and rate.png, the same bytes every time; and what this machine "
-      "took for it,\nrate_cost.csv and rate_cost.png. docs/lab/trade.md is its page.");
-  add_out(*command, *out);
-  command->callback([out] {
-    const RateGrid grid;
-    const auto cells = run_rate(grid);
-    const auto costs = measure_rate_cost();
-    write_rate(*out, grid, cells, costs);
-    std::cout << rate_table(cells) << '\n'
-              << rate_cost_table(grid, costs) << placed("Tables and pictures", *out);
-  });
+      "took for it,\nrate_cost.csv and rate_cost.png. docs/lab/trade.md is its page.",
+      "Tables and pictures", [](const std::string& out) {
+        const RateGrid grid;
+        const auto cells = run_rate(grid);
+        const auto costs = measure_rate_cost();
+        write_rate(out, grid, cells, costs);
+        return rate_table(cells) + '\n' + rate_cost_table(grid, costs);
+      });
 }
 
 void add_sides(CLI::App& app, int& status) {
@@ -229,17 +227,6 @@ void add_sides(CLI::App& app, int& status) {
     std::cout << sides_table(cells) << placed("Table and picture", o->out);
     status = bounds_hold(cells) ? 0 : 1;
   });
-}
-
-/// What the subcommands of `trade` share: a folder, what they print, and where the rest is.
-void add_trade_study(CLI::App& trade, const std::string& name, const std::string& question,
-                     const std::string& footer,
-                     const std::function<std::string(const std::string& out)>& run) {
-  auto out = std::make_shared<std::string>("trade-" + name);
-  CLI::App* study = trade.add_subcommand(name, question);
-  study->footer(footer + " docs/lab/trade.md is its page.");
-  add_out(*study, *out);
-  study->callback([out, run] { std::cout << run(*out) << placed("Tables and pictures", *out); });
 }
 
 std::string trade_geometry(const std::string& out) {
@@ -274,26 +261,26 @@ std::string trade_network(const std::string& out) {
 void add_trade(CLI::App& app) {
   CLI::App* trade = app.add_subcommand("trade", "What more of one thing costs in another");
   trade->require_subcommand(1);
-  add_trade_study(
-      *trade, "geometry", "Analytic solid, mesh or grid of distances: error, time and memory",
+  const auto add = [&](const std::string& name, const std::string& question,
+                       const std::string& footer, const auto& run) {
+    add_study(*trade, name, "trade-" + name, question, footer + " docs/lab/trade.md is its page.",
+              "Tables and pictures", run);
+  };
+  add("geometry", "Analytic solid, mesh or grid of distances: error, time and memory",
       "Writes trade_geometry.csv, trade_geometry.json and trade_geometry.png, the same bytes every "
       "time, and what\nthis machine took for it, trade_geometry_cost.csv and "
       "trade_geometry_cost.png. A minute of CPU time.\n",
       trade_geometry);
-  add_trade_study(
-      *trade, "tools", "How many points a tool's body needs: force and torque error against time",
+  add("tools", "How many points a tool's body needs: force and torque error against time",
       "Writes trade_tools.csv, trade_tools.json and trade_tools.png, the same bytes every time, "
       "and what this machine\ntook for it, trade_tools_cost.csv and trade_tools_cost.png. A minute "
       "of CPU time.",
       trade_tools);
-  add_trade_study(
-      *trade, "scene", "What each thing that a scene may need costs a sample, alone",
+  add("scene", "What each thing that a scene may need costs a sample, alone",
       "Writes trade_scene.csv, trade_scene_bare.csv and trade_scene.png, what this machine took. "
       "Half a minute of CPU\ntime.",
       trade_scene);
-  add_trade_study(
-      *trade, "network",
-      "Bandwidth against force error, direction error and delay, over three links",
+  add("network", "Bandwidth against force error, direction error and delay, over three links",
       "Writes trade_network.csv, trade_network.json and trade_network.png, the same bytes every "
       "time.\nSome minutes of CPU time.",
       trade_network);
@@ -337,18 +324,16 @@ void add_deadband(CLI::App& app) {
 }
 
 void add_local_model(CLI::App& app) {
-  auto out = std::make_shared<std::string>("local_model");
-  CLI::App* command = app.add_subcommand(
-      "local-model", "A local contact model against forces alone, over round trips and rates");
-  command->footer(
+  add_study(
+      app, "local-model", "local_model",
+      "A local contact model against forces alone, over round trips and rates",
       "Writes local_model.csv, local_model.json and local_model.png, the same bytes every time.\n"
-      "docs/network.md says how to read it.");
-  add_out(*command, *out);
-  command->callback([out] {
-    const auto cells = run_local_model();
-    write_local_model(*out, cells);
-    std::cout << local_model_table(cells) << placed("Table and picture", *out);
-  });
+      "docs/network.md says how to read it.",
+      "Table and picture", [](const std::string& out) {
+        const auto cells = run_local_model();
+        write_local_model(out, cells);
+        return local_model_table(cells);
+      });
 }
 
 }  // namespace
