@@ -4,9 +4,11 @@
 #include <stdlib.h>
 
 #include <filesystem>
-#include <fstream>
 #include <iterator>
+#include <stdexcept>
 #include <string>
+
+#include "tests/support/text_of.hpp"
 
 namespace feltwire::testing {
 
@@ -35,10 +37,7 @@ class TemporaryFolder {
   std::filesystem::path path_;
 };
 
-inline std::string text_of(const std::filesystem::path& file) {
-  std::ifstream in(file);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
+using test::text_of;
 
 /// What `action` throws as Error; empty and a failure when it throws nothing.
 template <class Error, class Action>

@@ -19,6 +19,7 @@
 #include "tests/server/raw_socket.hpp"
 #include "tests/support/eventually.hpp"
 #include "tests/support/program.hpp"
+#include "tests/support/text_of.hpp"
 
 namespace feltwire::operation_test {
 namespace {
@@ -39,11 +40,6 @@ Server room_server() {
 
 std::string path(const std::string& name) {
   return ::testing::TempDir() + "feltwire_" + std::to_string(::getpid()) + name;
-}
-
-std::string content(const std::string& file) {
-  std::ifstream in(file);
-  return {std::istreambuf_iterator<char>(in), {}};
 }
 
 /// A variable for as long as this lives.
@@ -82,7 +78,7 @@ TEST(Operation, ASummaryReplacesTheOneBefore) {
   const std::string file = path("summary.json");
   std::ofstream(file) << "old";
   write_summary(file, {}, {});
-  EXPECT_EQ(Json::parse(content(file)).at("scenes"), Json::array());
+  EXPECT_EQ(Json::parse(test::text_of(file)).at("scenes"), Json::array());
   EXPECT_THAT([] { write_summary("/nonexistent/summary.json", {}, {}); },
               ::testing::ThrowsMessage<std::runtime_error>(HasSubstr("/nonexistent/summary.json")));
 }
@@ -101,8 +97,8 @@ TEST(Operation, ASummaryIsWrittenBesideWhatIsThere) {
   const std::string file = path("beside.json"), other = file + ".part";
   std::ofstream(other) << "another program's";
   write_summary(file, {}, {});
-  EXPECT_EQ(content(other), "another program's");
-  EXPECT_EQ(Json::parse(content(file)).at("scenes"), Json::array());
+  EXPECT_EQ(test::text_of(other), "another program's");
+  EXPECT_EQ(Json::parse(test::text_of(file)).at("scenes"), Json::array());
 }
 
 TEST(Operation, HealthIsAnAnswerInTime) {
@@ -140,14 +136,14 @@ TEST(Operation, TheProgramTakesItsOptionsFromTheEnvironmentAndCountsOnASignal) {
   test::Program program(FELTWIRE_SERVER_PROGRAM, {"--port", "0"});  // the command line wins
   EXPECT_THAT(program.line(), StartsWith("fingerprint: "));
   EXPECT_THAT(program.line(), StartsWith("listening: control tcp "));
-  EXPECT_THAT(content(summary), HasSubstr("wall"));
+  EXPECT_THAT(test::text_of(summary), HasSubstr("wall"));
   ASSERT_EQ(::unlink(summary.c_str()), 0);
   program.signal(SIGUSR1);
-  EXPECT_TRUE(test::becomes([&] { return !content(summary).empty(); }));
+  EXPECT_TRUE(test::becomes([&] { return !test::text_of(summary).empty(); }));
   ASSERT_EQ(::unlink(summary.c_str()), 0);
   program.signal(SIGTERM);
   EXPECT_EQ(program.finish().status, 0);
-  EXPECT_EQ(Json::parse(content(summary)).at("scenes").at(0).at("scene"), "wall");
+  EXPECT_EQ(Json::parse(test::text_of(summary)).at("scenes").at(0).at("scene"), "wall");
 }
 
 TEST(Operation, TheProgramSaysWhetherItIsWell) {

@@ -4,17 +4,18 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <numbers>
-#include <sstream>
 #include <stdexcept>
 #include <thread>
 
 #include "sim/measure/surfaces.hpp"
+#include "tests/support/text_of.hpp"
 
 namespace feltwire::compare_test {
 namespace {
+
+using test::text_of;
 
 constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr double kFelt = 10e-6;  // [m]
@@ -168,28 +169,21 @@ TEST(Compare, RefusesALoopThatCannotBeRun) {
   EXPECT_THROW(compare(tasks, one, {.damping = -1.0}), std::invalid_argument);
 }
 
-std::string contents(const std::filesystem::path& file) {
-  std::ifstream in(file);
-  std::ostringstream text;
-  text << in.rdbuf();
-  return text.str();
-}
-
 TEST(Compare, WritesEveryTaskByEveryMethodAndTheSameBytesEveryTime) {
   const auto directory = std::filesystem::path(::testing::TempDir()) / "feltwire_compare_test";
   std::filesystem::remove_all(directory);
   const auto rows = write_compare(directory, {});
-  const std::string json = contents(directory / "compare.json");
-  const std::string csv = contents(directory / "compare.csv");
+  const std::string json = text_of(directory / "compare.json");
+  const std::string csv = text_of(directory / "compare.csv");
   EXPECT_EQ(nlohmann::json::parse(json)["rows"].size(), 7u * (methods().size() + 1));
   EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), static_cast<std::ptrdiff_t>(rows.size() + 1));
-  const std::string cost = contents(directory / "compare_cost.csv");
+  const std::string cost = text_of(directory / "compare_cost.csv");
   EXPECT_EQ(std::count(cost.begin(), cost.end(), '\n'),
             static_cast<std::ptrdiff_t>(rows.size() + 1));
   EXPECT_GT(std::filesystem::file_size(directory / "compare.png"), 20000u);
   write_compare(directory, {});
-  EXPECT_EQ(contents(directory / "compare.json"), json);
-  EXPECT_EQ(contents(directory / "compare.csv"), csv);
+  EXPECT_EQ(text_of(directory / "compare.json"), json);
+  EXPECT_EQ(text_of(directory / "compare.csv"), csv);
   EXPECT_NE(compare_table(rows).find("stick_slip"), std::string::npos);
   std::filesystem::remove_all(directory);
 }

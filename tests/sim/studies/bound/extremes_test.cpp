@@ -6,13 +6,14 @@
 
 #include <cmath>
 #include <cstdlib>
-#include <fstream>
 #include <set>
-#include <sstream>
+
+#include "tests/support/text_of.hpp"
 
 namespace feltwire::extremes_test {
 namespace {
 
+using test::text_of;
 using ::testing::HasSubstr;
 
 const ExtremeRow& row(const std::vector<ExtremeRow>& rows, std::string_view strain,
@@ -72,13 +73,6 @@ TEST(Extremes, WhatIsToldMustBeADamping) {
   for (const double bad : {0.0, -1.0, std::nan(""), HUGE_VAL})
     EXPECT_THROW(run_extremes(bad), std::invalid_argument) << bad;
   EXPECT_THROW(run_extremes(1.0, 0), std::invalid_argument);
-}
-
-std::string text_of(const std::filesystem::path& file) {
-  std::ifstream in(file);
-  std::ostringstream text;
-  text << in.rdbuf();
-  return text.str();
 }
 
 TEST(Extremes, TheSameBytesEveryTime) {

@@ -5,11 +5,13 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <fstream>
-#include <sstream>
+
+#include "tests/support/text_of.hpp"
 
 namespace feltwire::rate_test {
 namespace {
+
+using test::text_of;
 
 const std::vector<RateCell>& cells() {
   static const auto all = run_rate({.rates = {500, 1000, 4000}, .dampings = {0.5, 2.0}});
@@ -53,13 +55,6 @@ TEST(Rate, FloatIsAsGoodAsTheEncoder) {
   // And yet it is float: some number differs.
   EXPECT_NE(cell("wall 40 kN/m", 2.0, 4000, "float 1 m").displayed,
             cell("wall 40 kN/m", 2.0, 4000, "double").displayed);
-}
-
-std::string text_of(const std::filesystem::path& file) {
-  std::ifstream in(file);
-  std::ostringstream text;
-  text << in.rdbuf();
-  return text.str();
 }
 
 TEST(Rate, TheSameBytesEveryTimeButForTheCost) {

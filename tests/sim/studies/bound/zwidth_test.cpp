@@ -5,13 +5,15 @@
 
 #include <gtest/gtest.h>
 
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <set>
-#include <sstream>
+
+#include "tests/support/text_of.hpp"
 
 namespace feltwire::zwidth_test {
 namespace {
+
+using test::text_of;
 
 TEST(Methods, LabelsAreDistinctAndFound) {
   std::set<std::string_view> labels;
@@ -75,20 +77,13 @@ TEST(ZWidth, DelayCostsAndRateAndDampingGiveStiffness) {
   for (std::size_t i = 8; i < 16; ++i) EXPECT_TRUE(cells[i].limit.above_range) << "contact_frame";
 }
 
-std::string contents(const std::filesystem::path& file) {
-  std::ifstream in(file);
-  std::ostringstream text;
-  text << in.rdbuf();
-  return text.str();
-}
-
 TEST(ZWidth, WritesEveryCellAndTheSameBytesEveryTime) {
   const auto directory = std::filesystem::path(::testing::TempDir()) / "feltwire_zwidth_test";
   std::filesystem::remove_all(directory);
   const ZWidthGrid grid = small_grid();
   const auto cells = write_zwidth(directory, grid);
   ASSERT_EQ(cells.size(), 16u);
-  const std::string text = contents(directory / "zwidth.json");
+  const std::string text = text_of(directory / "zwidth.json");
   const auto json = nlohmann::json::parse(text);
   ASSERT_EQ(json["cells"].size(), 16u);
   EXPECT_NEAR(json["quantum_limit"].get<double>(), 0.2 / 23e-6, 1e-6);
@@ -98,11 +93,11 @@ TEST(ZWidth, WritesEveryCellAndTheSameBytesEveryTime) {
   for (const char* picture : {"zwidth_b0.5.png", "zwidth_b2.png"})
     EXPECT_GT(std::filesystem::file_size(directory / picture), 10000u);
 
-  const std::string csv = contents(directory / "zwidth.csv");
+  const std::string csv = text_of(directory / "zwidth.csv");
   EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 17);
   write_zwidth(directory, grid);
-  EXPECT_EQ(contents(directory / "zwidth.json"), text);
-  EXPECT_EQ(contents(directory / "zwidth.csv"), csv);
+  EXPECT_EQ(text_of(directory / "zwidth.json"), text);
+  EXPECT_EQ(text_of(directory / "zwidth.csv"), csv);
   const std::string table = zwidth_table(cells, grid);
   EXPECT_NE(table.find("contact_frame                    8 of 8     8 of 8\n"), std::string::npos)
       << table;

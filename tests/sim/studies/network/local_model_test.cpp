@@ -6,11 +6,13 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <fstream>
-#include <sstream>
+
+#include "tests/support/text_of.hpp"
 
 namespace feltwire::local_model_test {
 namespace {
+
+using test::text_of;
 
 constexpr double kMilli = 1e-3;
 
@@ -68,13 +70,6 @@ TEST(LocalModelRun, FourKilohertzWithTwoHundredDatagramsASecond) {
   EXPECT_LT(5.0 * model.error, forces.error);
   EXPECT_LT(model.error, 0.05 * model.felt);
   EXPECT_LE(model.error, 1.1 * cell("ball", 0.0, false, 4e3).error);
-}
-
-std::string text_of(const std::filesystem::path& file) {
-  std::ifstream in(file);
-  std::ostringstream text;
-  text << in.rdbuf();
-  return text.str();
 }
 
 TEST(LocalModelRun, TheSameBytesEveryTime) {

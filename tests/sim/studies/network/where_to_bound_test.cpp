@@ -6,11 +6,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
-#include <sstream>
+
+#include "tests/support/text_of.hpp"
 
 namespace feltwire::where_to_bound_test {
 namespace {
+
+using test::text_of;
 
 SidesGrid small() {
   return {.round_trips = {0.0, 20e-3}, .jitters = {0.0, 5e-3}, .losses = {{}, {0.3, 8.0}}};
@@ -79,13 +81,6 @@ TEST(Sides, OverALossyLineAServersBoundBeforeTheClientsOnlyTakes) {
   // And nothing where nothing is lost.
   EXPECT_NEAR(cell("wall 40 kN/m", "client", 20e-3).displayed,
               cell("wall 40 kN/m", "both", 20e-3).displayed, 1e-3);
-}
-
-std::string text_of(const std::filesystem::path& file) {
-  std::ifstream in(file);
-  std::ostringstream text;
-  text << in.rdbuf();
-  return text.str();
 }
 
 TEST(Sides, TheSameBytesEveryTime) {

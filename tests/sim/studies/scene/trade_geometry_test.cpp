@@ -6,20 +6,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
-#include <sstream>
 
 #include "sim/studies/scene/trade_tools.hpp"
+#include "tests/support/text_of.hpp"
 
 namespace feltwire::trade_geometry_test {
 namespace {
 
-std::string text_of(const std::filesystem::path& file) {
-  std::ifstream in(file);
-  std::ostringstream text;
-  text << in.rdbuf();
-  return text.str();
-}
+using test::text_of;
 
 const std::vector<GeometryCell>& cells() {
   static const auto all = run_trade_geometry({.levels = {2, 3}, .resolutions = {8e-3, 4e-3}});
