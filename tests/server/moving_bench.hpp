@@ -6,11 +6,9 @@
 
 #include <map>
 
-#include "server/scene/scene_sessions.hpp"
 #include "tests/core/moving.hpp"
-#include "tests/protocol/sealed.hpp"
 #include "tests/server/make.hpp"
-#include "tests/support/allocation_counter.hpp"
+#include "tests/server/sample_exchange.hpp"
 
 namespace feltwire::test {
 
@@ -26,8 +24,8 @@ inline Scene box_on_table(double mass = 0.1) {
                 {-1, 0}, {body("box", mass, {0, 0, 0.02})});
 }
 
-struct MovingBench {
-  explicit MovingBench(const Scene& of) : scene(of) {}
+struct MovingBench : SampleExchange {
+  using SampleExchange::SampleExchange;
 
   void join(std::uint64_t id, const SessionParameters& parameters = {},
             const DeviceSpec& held_by = device()) {
@@ -39,20 +37,11 @@ struct MovingBench {
   }
   /// The hand of session `id` is at `place` now; what it is answered.
   Reply hand(std::uint64_t id, const Vec3& place) {
-    SampleBatch batch;
-    batch.count = 1;
-    Sample& sample = batch.samples[0];
-    sample.index = ++index[id];
-    sample.client_time = now;
+    Sample sample;
     sample.pose.position = place;
     sample.held = held[id];
-    DatagramBuffer out;
-    const Bytes datagram = encoder.samples(id, sample.index, batch);
-    const std::size_t before = test::allocations();
-    const Bytes answer = sessions.receive(datagram, {}, now, out);
-    allocated += test::allocations() - before;
     Reply reply;
-    EXPECT_EQ(decode(test::opened(answer, test::Way::down), reply), DropReason::none);
+    EXPECT_EQ(decode(send(id, sample, false), reply), DropReason::none);
     held[id] = reply.command;
     return reply;
   }
@@ -65,12 +54,6 @@ struct MovingBench {
   const World& world() const { return *sessions.world(); }
   Vec3 place(std::size_t at) const { return world().objects()[at].pose.position; }
 
-  const Scene& scene;
-  SceneSessions sessions{scene, std::chrono::seconds(2), 4};
-  test::SealedEncoder encoder{test::Way::up};
-  Nanoseconds now{std::chrono::seconds(1)};
-  std::size_t allocated = 0;  // by the server's side
-  std::map<std::uint64_t, std::uint64_t> index;
   std::map<std::uint64_t, Command> held;
 };
 

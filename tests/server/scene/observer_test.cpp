@@ -8,11 +8,9 @@
 #include <set>
 
 #include "core/scene/mechanism.hpp"
-#include "server/scene/scene_sessions.hpp"
 #include "tests/core/moving.hpp"
-#include "tests/protocol/sealed.hpp"
 #include "tests/server/make.hpp"
-#include "tests/support/allocation_counter.hpp"
+#include "tests/server/sample_exchange.hpp"
 
 namespace feltwire::observer_test {
 namespace {
@@ -22,9 +20,9 @@ using namespace std::chrono_literals;
 constexpr std::uint64_t kAnna = 1 << 8, kBert = 2 << 8, kEye = 3 << 8;
 
 /// A scene with sessions that each send a sample when told.
-struct Stage {
+struct Stage : test::SampleExchange {
   explicit Stage(const Scene& of, std::size_t slots = 8)
-      : scene(of), sessions(scene, 2s, slots, nullptr, {.sample_rate = 1e6}) {}
+      : SampleExchange(of, slots, {.sample_rate = 1e6}) {}
 
   void join(std::uint64_t id, Role role, const SessionParameters& parameters = {}) {
     control::JoinRequest request = test::join_request(parameters);
@@ -35,21 +33,10 @@ struct Stage {
   }
   /// The answer's payload; empty when it was withheld.
   std::vector<std::uint8_t> send(std::uint64_t id, const Pose& pose, const Command& held = {}) {
-    SampleBatch batch;
-    batch.count = 1;
-    batch.rotation = true;
-    Sample& sample = batch.samples[0];
-    sample.index = ++index[id];
-    sample.client_time = now;
+    Sample sample;
     sample.pose = pose;
     sample.held = held;
-    const Bytes datagram = encoder.samples(id, sample.index, batch);
-    DatagramBuffer out;
-    const std::size_t before = test::allocations();
-    const Bytes answer = sessions.receive(datagram, {}, now, out);
-    allocated += test::allocations() - before;
-    length = answer.size();
-    return test::opened(answer, test::Way::down);
+    return SampleExchange::send(id, sample, true);
   }
   std::vector<std::uint8_t> send(std::uint64_t id, const Vec3& place, const Command& held = {}) {
     return send(id, Pose{place, Quaternion::Identity()}, held);
@@ -64,13 +51,6 @@ struct Stage {
     EXPECT_TRUE(view.present);
     return view;
   }
-
-  Scene scene;
-  SceneSessions sessions;
-  test::SealedEncoder encoder{test::Way::up};
-  std::map<std::uint64_t, std::uint64_t> index;
-  Nanoseconds now{0};
-  std::size_t allocated = 0, length = 0;
 };
 
 Scene weightless_ball() {

@@ -13,10 +13,10 @@
 #include "server/app/server.hpp"
 #include "tests/client/temporary_folder.hpp"
 #include "tests/core/moving.hpp"
-#include "tests/protocol/sealed.hpp"
 #include "tests/server/make.hpp"
 #include "tests/server/raw_socket.hpp"
 #include "tests/server/reload.hpp"
+#include "tests/server/sample_exchange.hpp"
 #include "tests/support/allocation_counter.hpp"
 #include "tests/support/eventually.hpp"
 
@@ -57,8 +57,8 @@ Scene ball_for_all() {
   return scene;
 }
 
-struct Bench {
-  explicit Bench(const Scene& of) : scene(of) {}
+struct Bench : test::SampleExchange {
+  using SampleExchange::SampleExchange;
 
   control::Message join(std::uint64_t id, const std::string& tool = {},
                         Role role = Role::operator_) {
@@ -75,21 +75,10 @@ struct Bench {
     return std::get<JoinAccepted>(join(id, tool));
   }
   Reply hand(std::uint64_t id, const Pose& pose) {
-    SampleBatch batch;
-    batch.count = 1;
-    batch.rotation = true;
-    Sample& sample = batch.samples[0];
-    sample.index = ++index[id];
-    sample.client_time = now;
+    Sample sample;
     sample.pose = pose;
-    batch.previous = sample.index - 1;
-    DatagramBuffer out;
-    const Bytes datagram = encoder.samples(id, sample.index, batch);
-    const std::size_t before = test::allocations();
-    const Bytes answer = sessions.receive(datagram, peer, now, out);
-    allocated += test::allocations() - before;
     Reply reply;
-    EXPECT_EQ(decode(test::opened(answer, test::Way::down), reply), DropReason::none);
+    EXPECT_EQ(decode(send(id, sample, true), reply), DropReason::none);
     return reply;
   }
   Reply hand(std::uint64_t id, const Vec3& place) {
@@ -97,14 +86,6 @@ struct Bench {
   }
   /// What a hand feels that stands 1 mm above the floor.
   double above(std::uint64_t id) { return hand(id, Vec3(0, 0, 0.001)).command.elastic.z(); }
-
-  const Scene& scene;
-  SceneSessions sessions{scene, 2s, 4};
-  test::SealedEncoder encoder{test::Way::up};
-  Peer peer{.address = {}, .length = 1};
-  Nanoseconds now{1s};
-  std::size_t allocated = 0;
-  std::map<std::uint64_t, std::uint64_t> index;
 };
 
 TEST(ToolChoice, EachHandHoldsWhatItAsksFor) {

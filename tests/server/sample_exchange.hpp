@@ -1,0 +1,48 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <map>
+#include <vector>
+
+#include "server/scene/scene_sessions.hpp"
+#include "tests/protocol/sealed.hpp"
+#include "tests/support/allocation_counter.hpp"
+
+namespace feltwire::test {
+
+/// The sessions of one scene, and a client of each: datagrams with one sample go in, payloads come
+/// out, by the test's clock.
+struct SampleExchange {
+  explicit SampleExchange(const Scene& of, std::size_t slots = 4, const SessionLimits& limits = {})
+      : scene(of), sessions(scene, std::chrono::seconds(2), slots, nullptr, limits) {}
+
+  /// The next sample of session `id`, made now. The answer's payload; empty when it was withheld.
+  std::vector<std::uint8_t> send(std::uint64_t id, Sample sample, bool rotation) {
+    sample.index = ++index[id];
+    sample.client_time = now;
+    SampleBatch batch;
+    batch.count = 1;
+    batch.rotation = rotation;
+    batch.previous = sample.index - 1;
+    batch.samples[0] = sample;
+    const Bytes datagram = encoder.samples(id, sample.index, batch);
+    DatagramBuffer out;
+    const std::size_t before = allocations();
+    const Bytes answer = sessions.receive(datagram, peer, now, out);
+    allocated += allocations() - before;
+    length = answer.size();
+    return opened(answer, Way::down);
+  }
+
+  Scene scene;
+  SceneSessions sessions;
+  SealedEncoder encoder{Way::up};
+  Peer peer{.address = {}, .length = 1};
+  Nanoseconds now{std::chrono::seconds(1)};
+  std::size_t allocated = 0;  // by the server's side
+  std::size_t length = 0;     // [bytes] of the last answer
+  std::map<std::uint64_t, std::uint64_t> index;
+};
+
+}  // namespace feltwire::test
