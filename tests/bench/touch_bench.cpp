@@ -35,27 +35,30 @@ std::array<Tool, kPlaces> hand_in(const Scene& scene) {
   return hand;
 }
 
-void touch(benchmark::State& state, const std::string& file) {
+/// Calls call(scene, tool, memory) for one place of the hand after the other.
+template <class Call>
+void lap(benchmark::State& state, const std::string& file, const Call& call) {
   const Scene scene = scene_of(file);
   TouchMemory memory = scene.memory();
   const auto hand = hand_in(scene);
   std::size_t n = 0;
   for (auto _ : state) {
-    benchmark::DoNotOptimize(scene.touch(hand[n], memory));
+    call(scene, hand[n], memory);
     n = (n + 1) % kPlaces;
   }
 }
 
+void touch(benchmark::State& state, const std::string& file) {
+  lap(state, file, [](const Scene& scene, const Tool& tool, TouchMemory& memory) {
+    benchmark::DoNotOptimize(scene.touch(tool, memory));
+  });
+}
+
 void model(benchmark::State& state, const std::string& file) {
-  const Scene scene = scene_of(file);
-  TouchMemory memory = scene.memory();
-  const auto hand = hand_in(scene);
-  std::size_t n = 0;
-  for (auto _ : state) {
-    benchmark::DoNotOptimize(scene.touch(hand[n], memory));
-    benchmark::DoNotOptimize(local_model(scene, hand[n].position, memory));
-    n = (n + 1) % kPlaces;
-  }
+  lap(state, file, [](const Scene& scene, const Tool& tool, TouchMemory& memory) {
+    benchmark::DoNotOptimize(scene.touch(tool, memory));
+    benchmark::DoNotOptimize(local_model(scene, tool.position, memory));
+  });
 }
 
 void contact(benchmark::State& state, const std::string& file) {
