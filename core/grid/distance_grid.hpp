@@ -1,9 +1,9 @@
 #pragma once
-// Signed distance on a grid: what a solid is to a query that must cost the same whatever the solid.
+// Signed distance on a grid. A query costs the same for every solid.
 //
-// Samples stand in bricks of 8 x 8 x 8, kept only near the surface; elsewhere one value a brick
-// says how far the surface is. A brick has an apron, so that a query reads one brick and nothing
-// else.
+// The samples lie in bricks of 8 x 8 x 8. Only the bricks near the surface are kept; elsewhere one
+// value a brick says how far the surface is. A brick repeats the samples around it (its apron), so
+// that a query reads one brick and nothing else.
 
 #include <array>
 #include <cstdint>
@@ -15,7 +15,7 @@
 
 namespace feltwire {
 
-/// Eight places and what a field says there: what costs less together, being near to each other.
+/// Eight places and the values of a field there. Places near each other cost less together.
 struct FieldGroup {
   static constexpr std::size_t kSize = 8;
   using Lanes = Eigen::Array<double, kSize, 1>;
@@ -41,14 +41,15 @@ struct FieldGroup {
   }
 };
 
-/// A solid as its box and its signed distance [m], both in one frame. The distance must be exact
-/// (no larger step than the way taken), may be called from several threads and must not throw.
+/// A solid as its box and its signed distance [m], both in one frame. The distance must be exact:
+/// between two places it changes by no more than the way between them. It is called from several
+/// threads and must not throw.
 struct Solid {
   Vec3 low = Vec3::Zero(), high = Vec3::Zero();  // [m] the solid lies between them
   std::function<double(const Vec3&)> distance;
 };
 
-/// How a value comes of the samples around it.
+/// How a value is computed from the samples around it.
 enum class Interpolation : std::uint8_t {
   linear,    // 8 samples; the gradient jumps from cell to cell
   quadratic  // 27 coefficients of a B-spline; the gradient is continuous
@@ -69,16 +70,17 @@ class DistanceGrid {
   /// are not possible or the grid would be too large.
   DistanceGrid(const Solid& solid, const GridOptions& options);
 
-  /// Distance and gradient, the latter exactly of the former where samples stand. Beyond the band
-  /// the distance is coarse (one value a brick, never below the band), and so is the gradient.
-  /// Never allocates.
+  /// Distance and gradient at a position. Where there are samples, the gradient is exactly that of
+  /// the interpolated distance. Beyond the band both are coarse: one value a brick, never below the
+  /// band. Never allocates.
   FieldPoint at(const Vec3& position) const noexcept;
 
-  /// [m] A number that sign * distance is not below at the position; sign 1 or -1. Reads one value,
-  /// and only where that says less than `wanted` looks closer.
+  /// [m] A lower bound of sign * distance at the position; `sign` is 1 or -1. Reads one value, and
+  /// looks closer only where that value is below `wanted`.
   double at_least(const Vec3& position, double sign, double wanted) const noexcept;
 
-  /// at() and at_least() of eight places, the same but for Real's rounding; `wanted` one a place.
+  /// at() and at_least() of eight places. The results are the same up to Real's rounding. `wanted`
+  /// has one number for each place.
   void at(FieldGroup& group) const noexcept;
   void at_least(FieldGroup& group, double sign, const FieldGroup::Lanes& wanted) const noexcept;
 
@@ -86,7 +88,7 @@ class DistanceGrid {
   double band() const { return band_; }
   const Vec3& low() const { return low_; }
   const Vec3& high() const { return high_; }
-  std::size_t bricks() const { return values_.size() / kStored; }  // that have samples
+  std::size_t bricks() const { return values_.size() / kStored; }  // those with samples
   std::size_t bytes() const;
 
  private:

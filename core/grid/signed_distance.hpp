@@ -1,30 +1,29 @@
 #pragma once
-// How far a point is from a shape's surface, anywhere: exact for the analytic solids, of the grid
-// for a grid.
+// How far any point is from a shape's surface: exact for analytic solids, interpolated for grids.
 
 #include "core/geometry/shapes.hpp"
 #include "core/grid/distance_grid.hpp"
 
 namespace feltwire {
 
-/// Signed distance of a position [m, object frame] to the shape felt from `side`: above zero where
-/// it is free. Where several points of the surface are nearest the gradient is that of one of them.
-/// Never allocates.
+/// Signed distance [m] of a position [m, object frame] to the shape felt from `side`; above zero
+/// where the position is free. Where several points of the surface are equally near, the gradient
+/// is that of one of them. Never allocates.
 FieldPoint signed_distance(const Shape& shape, Side side, const Vec3& position) noexcept;
 
-/// [m] A number that the signed distance is not below, where that is enough to know, `wanted`, at
-/// the least cost (DistanceGrid::at_least).
+/// [m] A lower bound of the signed distance. It costs least where it is `wanted` or more
+/// (DistanceGrid::at_least).
 double distance_at_least(const Shape& shape, Side side, const Vec3& position,
                          double wanted) noexcept;
 
-/// Both of eight places [m, object frame], for less than one after the other where the shape is a
-/// grid; the second fills in the distances alone.
+/// Both for eight places [m, object frame]. For a grid this costs less than one place after the
+/// other. The second fills in the distances only.
 void signed_distance(const Shape& shape, Side side, FieldGroup& group) noexcept;
 void distance_at_least(const Shape& shape, Side side, FieldGroup& group,
                        const FieldGroup::Lanes& wanted) noexcept;
 
-/// A shape as something to sample. The shape is copied. Throws std::invalid_argument for a plane,
-/// which has no bounds.
+/// A shape as a solid that a grid can sample. The shape is copied. Throws std::invalid_argument for
+/// a plane, which has no bounds.
 Solid solid_of(const Shape& shape);
 
 }  // namespace feltwire
