@@ -15,11 +15,11 @@ struct ToolCoupling {
   double max_torque = 0.0;            // [N m]; 0: max_force times the shell's radius
 };
 
-/// A tool's body, fit to be used.
+/// A tool's body and its coupling, with no value left open.
 class BodyTool {
  public:
-  /// `contact_area` [m^2] of ShellContact; 0: a sixth of the body's surface, a cube's face. Throws
-  /// std::invalid_argument naming the field and the remedy.
+  /// `contact_area` [m^2]: A_c of add_contact(); 0 takes a sixth of the body's surface, which is
+  /// the face of a cube. Throws std::invalid_argument naming the field and the remedy.
   BodyTool(PointShell shell, const ToolCoupling& coupling, double contact_area);
 
   const PointShell& shell() const { return shell_; }
@@ -32,20 +32,21 @@ class BodyTool {
   double contact_area_;
 };
 
-/// Where the tool is held up by what it touches; of one tool in one scene.
+/// The state of one tool in one scene: where the tool is. What it touches may keep it from the
+/// device's pose.
 struct BodyMemory {
   bool placed = false;
   Pose pose;
   /// The contact at that pose. Set known = false when the solids have moved since.
   ShellContact contact;
   bool known = false;
-  bool slipping = false;  // along what it touches: then dynamic friction holds it back
+  bool slipping = false;  // along a surface; then dynamic friction acts
 };
 
 /// A pose moved by [m] and turned by a rotation vector [rad], world frame.
 Pose moved(const Pose& pose, const Vec3& by, const Vec3& turn) noexcept;
 
-/// How an object that moves did so since the step before, and how much of it is felt.
+/// How an object moved since the step before, and the share of its force that is felt.
 struct ObjectMotion {
   Vec3 linear = Vec3::Zero();   // [m] of the object's origin
   Vec3 angular = Vec3::Zero();  // [rad]
@@ -59,32 +60,32 @@ struct BodyStep {
   std::size_t touching = 0;                    // points
   std::size_t evaluations = 0, looked_at = 0;  // of all contacts; nodes and points in them
   /// The part of the command from each object, about the tool's origin. Their sum is the command,
-  /// to rounding: an imbalance that is left is shared out in proportion to their size.
+  /// to rounding: an imbalance that is left is divided among them in proportion to their size.
   std::array<ObjectWrench, ShellContact::kFrictionPatches> parts;
   std::size_t part_count = 0;
 
   std::span<const ObjectWrench> touched() const { return {parts.data(), part_count}; }
 };
 
-/// Moves the tool towards where coupling and contact are in balance and says what the coupling
-/// gives the hand.
+/// Moves the tool towards the balance of coupling and contact. Returns the force and torque of the
+/// coupling on the hand.
 ///
 /// The tool has no mass. Its pose goes down the energy
 ///   E(tool) = E_coupling(device, tool) + sum over objects of E_contact(tool)
 /// by Gauss-Newton steps with the analytic Jacobian (McNeely, Puterbaugh & Troy 2006, Voxel-based
-/// 6-dof haptic rendering improvements; Barbic & James 2008), a step that does not go down being
-/// halved: E never grows but by what the hand does against the coupling's force. No point goes
-/// farther than the clearance and kToolAdvance in one evaluation, so that a fast hand does not take
-/// the tool through a solid. The first step places the tool at the device.
+/// 6-dof haptic rendering improvements; Barbic & James 2008). A step that does not lower E is
+/// halved, so E grows only by the hand's work against the coupling's force. In one evaluation no
+/// point moves farther than the clearance plus kToolAdvance, so that a fast hand does not take the
+/// tool through a solid. The first step places the tool at the device.
 ///
-/// What friction, contact damping and viscous friction cost on the way is part of what each move
-/// must make up for (core/tool/friction_solver.hpp): a tool that they hold stays exactly where it
-/// is, and they can only take energy. Damping counts from where the tool was at the beginning of
-/// the step, by what it touched there; leaving, the tool is held back by no more than what pushes
-/// it out.
+/// A move must also pay for the friction, contact damping and viscous friction on its way
+/// (core/tool/friction_solver.hpp). So a tool that they hold stays exactly where it is, and they
+/// can only take energy. Damping is that of the contact at the beginning of the step, for the way
+/// since then. On a tool that leaves a surface it is no stronger than the force that pushes the
+/// tool out.
 ///
-/// `elapsed` [s] since the step before; not above zero: nothing is damped. `motions`: of each
-/// object in that time; none: all stand.
+/// `elapsed`: [s] since the step before; at zero or less nothing is damped. `motions`: one for each
+/// object in that time; empty: all stand still.
 ///
 /// A pose that is not finite gives zero and leaves the memory as it was. Never allocates.
 BodyStep step_body(const BodyTool& tool, std::span<const Object> objects, const Pose& device,

@@ -1,7 +1,7 @@
 #pragma once
 // A tool's body as points on its surface (McNeely, Puterbaugh & Troy, Six degree-of-freedom haptic
-// rendering using voxel sampling, SIGGRAPH 1999), in a tree of balls, so that those far from
-// everything are left out together.
+// rendering using voxel sampling, SIGGRAPH 1999). The points lie in a tree of balls, so that a
+// query leaves out whole groups of points that are far from everything.
 
 #include <vector>
 

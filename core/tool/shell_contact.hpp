@@ -13,14 +13,14 @@ namespace feltwire {
 using Vec6 = Eigen::Matrix<double, 6, 1>;
 using Mat6 = Eigen::Matrix<double, 6, 6>;
 
-/// Where one object touches with normals that lie about one axis of its frame: what may hold the
-/// tool along the surface there.
+/// The points at which one object touches the tool with normals near one axis of its frame.
+/// Friction there may hold the tool along the surface.
 struct FrictionPatch {
   double load = 0.0;  // [N] sum of the points' forces, each by its magnitude
   double static_friction = 0.0, dynamic_friction = 0.0;
-  /// m^T slip m of a motion m of the tool against the object is the mean square of how far the
-  /// points slip [m^2], weighted by their load, taken for points of a plane: across the mean
-  /// normal, and about it. So what only rocks does not slip.
+  /// For a motion m of the tool against the object, m^T slip m is the mean square of the points'
+  /// slip [m^2], weighted by their load. The points count as those of a plane: only motion across
+  /// the mean normal and about it is slip. So a tool that only rocks does not slip.
   Mat6 slip = Mat6::Zero();
   Vec6 carried = Vec6::Zero();  // how the object itself moved in the step, about the tool's origin
   std::uint32_t object = 0;
@@ -35,14 +35,14 @@ struct ObjectWrench {
 /// One object in one step.
 struct ObjectInStep {
   std::uint32_t index = 0;      // in the scene
-  double share = 1.0;           // of its answer that is felt
-  Vec6 carried = Vec6::Zero();  // FrictionPatch's
+  double share = 1.0;           // of its force that is felt
+  Vec6 carried = Vec6::Zero();  // as FrictionPatch::carried
 };
 
 /// A resistance in proportion to speed.
 struct Damper {
   Mat6 resistance = Mat6::Zero();  // [N s/m] ... minus the force over the velocity
-  Vec6 driven = Vec6::Zero();      // the same times how the solids themselves moved in the step
+  Vec6 driven = Vec6::Zero();      // resistance times the motion of the solids in the step
 
   void add(const Mat6& more, const Vec6& carried) noexcept {
     resistance += more;
@@ -59,7 +59,7 @@ struct ShellContact {
   double clearance = std::numeric_limits<double>::infinity();  // [m] no free point is nearer to a
                                                                // surface than this
   std::size_t touching = 0;                                    // points inside a solid
-  std::size_t looked_at = 0;  // nodes and points that a distance was asked for
+  std::size_t looked_at = 0;  // nodes and points whose distance was computed
 
   static constexpr std::size_t kFrictionPatches = 8;
   std::array<FrictionPatch, kFrictionPatches> patches;
@@ -72,17 +72,17 @@ struct ShellContact {
   std::span<const ObjectWrench> touched() const { return {parts.data(), part_count}; }
 };
 
-/// Adds what one object answers. Each point inside, at signed distance d < 0, stores
+/// Adds the contact with one object. Each point inside, at signed distance d < 0, stores
 ///   U = k / (2 A_c) * (A / N) * d^2,    force = -k A / (A_c N) * d * grad d,
 /// k the material's stiffness, A / N the area that the point stands for, A_c the contact area
 /// [m^2], > 0: where that much of the tool presses flat on a solid, it meets the stiffness k. So
 /// the force is an integral over the tool's surface (a bed of springs, Winkler 1867): more points
-/// make it more exact, not larger. It is the gradient of a potential wherever the distance is that
-/// of a grid; what friction and damping need is noted beside it, and costs nothing where the
-/// material has neither.
+/// make it more exact, not larger. The force is the gradient of a potential wherever the distance
+/// is that of a grid. Values for friction and damping are stored beside it; a material without
+/// them costs nothing more.
 ///
-/// Where there are more patches or touched objects than kFrictionPatches the last takes what is
-/// left. Poses must be finite. Never allocates.
+/// With more patches or touched objects than kFrictionPatches, the last one takes all further ones.
+/// Poses must be finite. Never allocates.
 void add_contact(const PointShell& shell, const Pose& tool, const Object& object,
                  double contact_area, ShellContact& sum, const ObjectInStep& in = {}) noexcept;
 
