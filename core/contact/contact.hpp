@@ -20,13 +20,12 @@ struct Object {
   Material material;
 };
 
-/// The force on the hand (world frame) that the object answers the tool with, by contact_law.hpp;
-/// zero and a cleared memory when free. The tool is a point, or a ball where `radius` [m] is above
-/// zero.
+/// The object's force on the hand [N, world], by contact_law.hpp. A free tool gets zero and a
+/// cleared memory. The tool is a point, or a ball where `radius` [m] is above zero.
 Command touch(const Object& object, const Tool& tool, ContactMemory& memory,
               double radius = 0.0) noexcept;
 
-/// The proxy in the object's frame.
+/// The proxy in the object's frame, for a tool at `tool` [m, world].
 inline SurfacePoint surface_point(const Object& object, const Vec3& tool, double radius,
                                   FeatureMemory& memory) noexcept {
   const Vec3 position = object.pose.orientation.conjugate() * (tool - object.pose.position);
@@ -34,12 +33,12 @@ inline SurfacePoint surface_point(const Object& object, const Vec3& tool, double
                       : surface_point(object.shape, object.felt_from, position, memory);
 }
 
-/// touch() in two parts. False when free, and then nothing is written to them.
+/// touch() with the two forces apart. Returns false for a free tool, and then writes neither.
 bool touch(const Object& object, const Tool& tool, ContactMemory& memory, double radius,
            Vec3& elastic, Vec3& frictional) noexcept;
 
-/// touch(), added to `sum`. Each object of a scene comes by here with each sample; most are springs
-/// and are not touched, and cost a look.
+/// Adds touch() to `sum`. Every object of a scene is asked here with every sample. Most of them are
+/// plain springs that are not touched, so these cost no more than a look at their surface.
 inline void add_touch(const Object& object, const Tool& tool, ContactMemory& memory, double radius,
                       Command& sum) noexcept {
   if (!object.material.is_spring()) {

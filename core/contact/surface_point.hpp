@@ -6,19 +6,21 @@
 namespace feltwire {
 
 /// The proxy of a point [m, object frame] against a shape felt from `side`. Contact is local
-/// (Zilles & Salisbury's god-object): a proxy stays on the flat face that the way of the point went
-/// in by, also where one step goes through the whole solid. It stays until the point is in front of
-/// that face again, or beside it: as long as the way straight back to the face leads through the
-/// solid, however thin that is. On what is round it follows the point, and stays behind where that
-/// is pressed through the middle (round_proxy.hpp). Free points give depth 0 and remember no more
-/// than where they are. A grid remembers no face: its depth times normal is -d grad d of its
-/// distance d, a force with a potential, which falls to zero where two surfaces are equally near. A
-/// hand is pushed through what is thinner than twice its depth in the grid.
+/// (Zilles & Salisbury's god-object): the proxy stays on the flat face through which the point came
+/// in, even where one step leads through the whole solid. It stays there while the straight way
+/// back to the face leads through the solid, however thin that is; that is, until the point is in
+/// front of the face again, or beside it. On a round surface the proxy follows the point; where the
+/// point is pressed through the middle, the proxy stays behind (round_proxy.hpp). A free point
+/// gives depth 0, and the memory keeps no more than its position.
+///
+/// A grid remembers no face: depth times normal is -d grad d of its distance d. This force has a
+/// potential and falls to zero where two surfaces are equally near. So a hand is pushed through a
+/// part of a grid that is thinner than twice the hand's depth.
 SurfacePoint surface_point(const Shape& shape, Side side, const Vec3& position,
                            FeatureMemory& memory) noexcept;
 
-/// Whether the memory of this shape keeps the position of a free point: that of a mesh does, and
-/// that of each solid that has a far side.
+/// Whether the memory of this shape keeps the position of a free point. A mesh's memory does, and
+/// that of every solid with a far side.
 bool follows_way(const Shape& shape, Side side) noexcept;
 /// The origin of FeatureMemory::proxy [m, object frame].
 Vec3 origin_of(const Shape& shape) noexcept;
