@@ -1,6 +1,6 @@
 #pragma once
-// Surfaces that no patch describes exactly, meshes and grids, as few patches near a point: each
-// with how far it holds.
+// Meshes and grids near a point as a few patches, each with the distance up to which it holds. No
+// patch describes these surfaces exactly.
 
 #include <array>
 #include <cstdint>
@@ -12,7 +12,7 @@
 
 namespace feltwire {
 
-/// [m] Nothing is fitted farther away: no model reaches there (near.hpp).
+/// [m] Nothing is fitted farther away: no model reaches there (kModelReach, extract.hpp).
 inline constexpr double kMostFitted = 0.1;
 
 /// As a SurfacePatch, in the object's frame.
@@ -20,7 +20,7 @@ struct FittedPatch {
   Vec3 point = Vec3::Zero(), normal = Vec3::UnitZ(), axis = Vec3::Zero();
   double curvature = 0.0;
   double distance = 0.0;  // [m] from the position, where it begins to count
-  double slack = 0.0;     // [m] beside kPatchSlope: what facets stand off what they are cut from
+  double slack = 0.0;     // [m] beside kPatchSlope: how far facets are off the true surface
   std::uint32_t feature = 0;
 };
 
@@ -28,11 +28,11 @@ struct FittedPatches {
   std::array<FittedPatch, kMaxPatches> patches{};  // nearest first
   int count = 0;
   bool joined = false;                                   // as SurfacePatch has it
-  double end = std::numeric_limits<double>::infinity();  // [m] from the position: from here on
-                                                         // there is what they do not describe
-  double extent = 0.0;  // [m] about their points: beyond, nothing was looked at
-  bool alone = false;   // within that extent nothing but this one patch was found
-  double offset = 0.0;  // [m] these, too, as SurfacePatch has them
+  double end = std::numeric_limits<double>::infinity();  // [m] from the position: here begins
+                                                         // something that they do not describe
+  double extent = 0.0;  // [m] about their points, that was searched
+  bool alone = false;   // within that extent there is nothing but this one patch
+  double offset = 0.0;  // [m] as SurfacePatch has it, and so the next two
   bool faceted = false, rough = false;
 };
 
@@ -40,11 +40,13 @@ inline bool is_fitted(const Shape& shape) noexcept {
   return std::holds_alternative<Mesh>(shape) || std::holds_alternative<Grid>(shape);
 }
 
-/// A mesh or a grid near a position [m, object frame]. `memory` as contact left it there.
+/// The patches of a mesh or a grid near a position [m, object frame]. `memory` is that of the
+/// contact at this position.
 FittedPatches fitted_patches(const Object& object, const Vec3& position,
                              const FeatureMemory& memory) noexcept;
 
-/// [m] about a patch's point: beyond, what the first `count` patches do not describe may begin.
+/// [m] about the point of patch `index`. Only beyond this radius may a surface begin that the first
+/// `count` patches do not describe.
 double fitted_radius(const Object& object, const FittedPatches& fitted, int count,
                      int index) noexcept;
 

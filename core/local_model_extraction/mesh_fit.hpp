@@ -19,16 +19,16 @@ inline constexpr double kFacing = 0.5;
 struct MeshFit {
   Vec3 point = Vec3::Zero(), normal = Vec3::UnitZ(), axis = Vec3::Zero();
   double curvature = 0.0;
-  double slack = 0.0;                            // [m] that facets stand off what they are cut from
+  double slack = 0.0;                            // [m] that facets are off the true surface
   double distance = 0.0;                         // [m]
   std::uint32_t triangle = TriangleMesh::kNone;  // that it was fitted to
 
-  /// From the point, less what is along the axis.
+  /// The vector from the patch's point to p, without its part along the axis.
   Vec3 way(const Vec3& p) const {
     const Vec3 d = p - point;
     return d - axis.dot(d) * axis;
   }
-  /// As height_above() (local_contact.hpp), but for the root, which is near one where this is
+  /// [m] height_above() (local_contact.hpp) without its root, which is near one where the height is
   /// small.
   double height(const Vec3& p) const {
     const Vec3 d = way(p);
@@ -49,19 +49,20 @@ class MeshFits {
   void set_joined(bool joined) { joined_ = joined; }
   /// Precondition: fewer than kMaxPatches.
   void add(const MeshFit& fit) { fits_[static_cast<std::size_t>(count_++)] = fit; }
-  /// One plane more, if they meet in convex edges all or in hollow ones all; else false.
+  /// Adds a plane if all edges between the patches are then convex, or all are hollow. Else it adds
+  /// nothing and returns false.
   bool join(const MeshFit& plane);
 
-  /// Where a triangle begins that the patches do not describe.
+  /// Where something begins that the patches do not describe.
   struct Other {
     double distance = 0.0;  // [m] from the place
     std::uint32_t triangle =
-        TriangleMesh::kNone;  // kNone: the border of the surface, or of what was looked at
-    double looked = 0.0;      // [m] how far along the surface was looked
+        TriangleMesh::kNone;  // kNone: the border of the surface, or of the part searched
+    double looked = 0.0;      // [m] along the surface that was searched
     bool border = false;      // the surface ends
   };
-  /// The nearest of a place `height` [m] off the surface, over an extent [m] of it; less where
-  /// there are too many triangles.
+  /// The nearest such beginning to a place `height` [m] off the surface. Searches the surface
+  /// within `extent` [m], or less where there are too many triangles.
   Other first_other(const Vec3& place, double height, double extent) const;
 
  private:

@@ -1,5 +1,5 @@
 #pragma once
-// An object's surface near a point, in parts that one SurfacePatch describes exactly.
+// An object's surface near a point, in parts. One SurfacePatch describes one part exactly.
 
 #include <cstdint>
 
@@ -9,22 +9,22 @@
 
 namespace feltwire {
 
-/// All parts of an analytic shape's surface; none of a mesh or a grid, whose patches are fitted
-/// (fitted_patches.hpp). `position` [m, object frame]; `entered` is the feature that a
-/// tool there stands on, 0: none.
+/// All parts of an analytic shape's surface. A mesh or a grid has none: its patches are fitted
+/// (fitted_patches.hpp). `position` [m, object frame]; `entered` is the feature that a tool there
+/// stands on, 0: none.
 ///
-/// For every R: within R of the position, the shape is what the parts with distance < R make of it,
-/// if all of these are shown. Only which of two convex faces a tool enters by may differ where it
-/// enters nearer to R than it is deep.
+/// For every R: if all parts with distance < R are shown, they make up the whole shape within R of
+/// the position. One thing may differ: a tool that enters nearer to R than it is deep may enter by
+/// another of two convex faces.
 SurfaceParts surface_parts(const Shape& shape, Side side, const Vec3& position,
                            std::uint32_t entered) noexcept;
 
 /// The shown part of that feature as a patch in the world frame, at its point nearest to `position`
-/// [m, world], with radius 0 and object 0: these are the caller's to say.
+/// [m, world]. Radius and object are 0; the caller sets them.
 SurfacePatch surface_patch(const Object& object, const Vec3& position, std::uint32_t feature,
                            const ContactMemory& memory) noexcept;
 
-/// The same of a fitted patch.
+/// The same for a fitted patch.
 SurfacePatch surface_patch(const Object& object, const FittedPatches& fitted, int index,
                            const ContactMemory& memory) noexcept;
 
