@@ -1,6 +1,6 @@
 #pragma once
-// Internal to core/scene: one run of a model, in as much memory as it needs. MuJoCo takes all of
-// it beforehand, by three numbers; where these are too small it leaves contacts out or gives up.
+// Internal to core/dynamics: one run of a model, in as much memory as it needs. MuJoCo allocates
+// all memory beforehand, by three numbers. Where these are too small it drops contacts or gives up.
 
 #include <string>
 #include <vector>
@@ -10,54 +10,56 @@
 
 namespace feltwire::mujoco {
 
-/// What MuJoCo's three numbers are (mjModel: nconmax, njmax, nstack).
+/// MuJoCo's three numbers (mjModel: nconmax, njmax, nstack).
 struct Room {
   int contacts = 0;
-  int rows = 0;   // of constraints: of a contact as many as its friction has dimensions
+  int rows = 0;   // of constraints: a contact has one for each dimension of its friction
   int stack = 0;  // numbers
 };
 
-/// [bytes] that contacts and constraints take.
+/// [bytes] The memory of the contacts and constraints.
 double bytes(const mjModel& model, const Room& room);
 
-/// Says in a model just loaded (nconmax 0) that its room is to be chosen, unless its file has a
-/// <size>. Nothing but a Simulation may run it then.
+/// Marks a model just loaded, so that a Simulation chooses its room (nconmax 0); a <size> in its
+/// file stays. After that only a Simulation may run it.
 void leave_room_open(mjModel& model);
 
-/// What a model begins with: for every geom that moves as many contacts as it rests on, in no more
-/// than kFirstMemory.
+/// The room that a model begins with: for every moving geom as many contacts as it takes to rest,
+/// in at most kFirstMemory.
 Room first_room(const mjModel& model);
 
-/// The body's joint has ends.
+/// Whether the body's joint has a limited range.
 bool has_range(const Body& body);
 
-/// Newton's solver has matrices of all speeds of all bodies; beyond so many bodies, whatever they
-/// touch, conjugate gradients cost less.
+/// Newton's solver has matrices over the speeds of all bodies. With more bodies than this,
+/// conjugate gradients cost less, whatever the bodies touch.
 inline constexpr std::size_t kFewBodies = 200;
 
-/// The <size> of a model made of these, for the one step that MuJoCo's loader tries; a Simulation
-/// chooses its room by itself. Throws std::invalid_argument where MuJoCo has no such room.
+/// The <size> of a model of these objects and bodies, for the one step that MuJoCo's loader tries.
+/// A Simulation chooses its room by itself. Throws std::invalid_argument where MuJoCo's numbers
+/// cannot be so large.
 std::string trial_room(std::size_t objects, const std::vector<Body>& bodies);
 
 /// [bytes]
 inline constexpr double kFirstMemory = 8e6, kMostMemory = 1e9;
 
-/// A state of a model, and its steps. Where room runs out it takes twice as much and does the step
-/// again, as if it had had it before; at kMostMemory it leaves out what does not fit, and counts.
+/// A state of a model, and its steps. When a step runs out of room, the room is doubled and the
+/// step is done again, with the same result as if it had been there before. At `most_memory` the
+/// contacts that do not fit are left out and counted.
 class Simulation {
  public:
-  /// Evaluated where the model begins. Throws std::runtime_error where MuJoCo cannot. The model
-  /// must outlive it. Where the model's file gives sizes of its own these stay.
+  /// Evaluates the model's first state. Throws std::runtime_error where MuJoCo cannot. The model
+  /// must outlive it. Sizes given in the model's file stay.
   explicit Simulation(const mjModel& model, double most_memory = kMostMemory);
 
   const mjModel& model() const { return model_; }
   mjData* data() const { return data_.get(); }
-  /// It has more contacts than there may be memory for.
+  /// Whether there are more contacts than the memory may hold.
   bool is_full() const { return full_; }
   Room room() const { return {model_.nconmax, model_.njmax, model_.nstack}; }
 
-  /// mj_step1() and mj_step2(): what the state means, and a step of it. False where MuJoCo gave up.
-  /// Allocate only to grow.
+  /// mj_step1() computes what follows from the state, mj_step2() does a step. They return false
+  /// where MuJoCo gave up, and allocate only to grow.
   bool evaluate() noexcept;
   bool advance() noexcept;
 

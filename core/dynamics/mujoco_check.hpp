@@ -1,12 +1,12 @@
 #pragma once
-// Internal to core/scene: what a compiled model gives reason to warn of.
+// Internal to core/dynamics: warnings about a compiled model.
 
 #include "core/dynamics/mujoco_error_trap.hpp"
 #include "core/scene/mechanism.hpp"
 
 namespace feltwire::mujoco {
 
-/// `object_of` says for each geom which object it is, -1: none.
+/// `object_of`: for each geom its object, or -1. `still`: how many objects stand still.
 std::vector<std::string> warnings_of(const mjModel& model, const std::vector<Object>& objects,
                                      const std::vector<int>& object_of, std::size_t still,
                                      const std::vector<Mechanism::Part>& parts);

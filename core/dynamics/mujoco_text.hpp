@@ -1,5 +1,5 @@
 #pragma once
-// Internal to core/scene: values as MJCF writes them.
+// Internal to core/dynamics: values as MJCF writes them.
 
 #include <string>
 

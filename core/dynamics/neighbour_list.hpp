@@ -1,7 +1,7 @@
 #pragma once
-// Which of the objects that move a tool could meet: a list of those near it, which holds until tool
-// and objects have come far enough together (Verlet 1967, "Computer 'experiments' on classical
-// fluids"). So a scene of thousands costs what the few near the tool cost.
+// The moving objects that a tool could meet: a list of those near it. The list holds until tool and
+// objects may have come together by its margin (Verlet 1967, "Computer 'experiments' on classical
+// fluids"). So a scene of thousands of objects costs as much as the few near the tool.
 
 #include <cmath>
 #include <cstdint>
@@ -13,11 +13,12 @@
 
 namespace feltwire {
 
-/// Of one tool. One that has not looked yet knows of none, and its list holds nowhere.
+/// The list of one tool. Before the first search it is empty and holds nowhere.
 struct NeighbourList {
-  std::vector<std::uint32_t> parts;                         // rising
-  Vec3 from = Vec3::Zero();                                 // [m] where the tool was
-  double until = -std::numeric_limits<double>::infinity();  // [m] of all that has moved
+  std::vector<std::uint32_t> parts;  // moving objects, rising
+  Vec3 from = Vec3::Zero();          // [m] where the tool was when the list was made
+  /// [m] The list ends when the way of the objects (the fastest of each step) reaches this.
+  double until = -std::numeric_limits<double>::infinity();
 
   bool known() const { return until > -std::numeric_limits<double>::infinity(); }
   void forget() noexcept {
@@ -32,15 +33,17 @@ class NeighbourSearch {
   /// The tool is a point, or a ball where `tool_radius` [m] is above zero.
   NeighbourSearch(std::span<const Object> moving, double tool_radius);
 
-  /// Object `i` is there now.
+  /// Object `i` is at `pose` now.
   void place(std::size_t i, const Pose& pose) noexcept;
-  /// All have been placed: one more step in which they moved.
+  /// Ends a step: every object has been placed.
   void placed() noexcept;
-  /// No list holds any more. What is not finite has been placed since, or may have been.
+  /// Counts the way of the objects from zero again, after a pose that may not have been finite. The
+  /// caller must forget every list.
   void begin_anew() noexcept { drift_ = largest_ = 0.0; }
 
   std::size_t size() const { return balls_.size(); }
-  /// [m] from the middle of an object's ball, squared: the tool at `position` does not touch it.
+  /// Whether a tool at `position` [m, world] is outside the ball of object `i`: it does not touch
+  /// the object.
   bool is_outside(std::size_t i, const Vec3& position) const noexcept {
     return (position - balls_[i].center).squaredNorm() > balls_[i].square;
   }
@@ -50,20 +53,20 @@ class NeighbourSearch {
     if (!(way.squaredNorm() > balls_[i].square)) return position;
     return balls_[i].center + std::sqrt(balls_[i].square / way.squaredNorm()) * way;
   }
-  /// [m^2] of the ball's radius.
+  /// [m^2] The square of the ball's radius.
   double square(std::size_t i) const { return balls_[i].square; }
-  /// Nearer to the ball than the margin that a list has.
+  /// Whether `position` is in the ball of object `i`, or nearer to it than the margin of a list.
   bool is_near(std::size_t i, const Vec3& position) const noexcept {
     return !((position - balls_[i].center).squaredNorm() > balls_[i].wide_square);
   }
 
-  /// What is_near() said of all objects when the list was made still covers all that the tool at
-  /// `position` could be in, and the straight way there.
+  /// Whether the list still has every object that a tool at `position`, or on the straight way
+  /// there, could touch.
   bool holds(const NeighbourList& near, const Vec3& position) const noexcept {
     const double left = near.until - drift_;
     return left > 0.0 && (position - near.from).squaredNorm() < left * left;
   }
-  /// A list made now, of a tool at `position`.
+  /// Marks a list as made now, for a tool at `position`.
   void mark(NeighbourList& near, const Vec3& position) const noexcept {
     near.from = position;
     near.until = drift_ + margin_;
@@ -75,11 +78,11 @@ class NeighbourSearch {
     double square = 0.0;         // [m^2] of its radius
     double wide_square = 0.0;    // [m^2] of its radius and the margin
   };
-  std::vector<Ball> balls_;    // side by side, for a tool passes by most of them
+  std::vector<Ball> balls_;    // side by side in memory: every tool looks at all of them
   std::vector<Vec3> middles_;  // [m, object frame]
   double margin_ = 0.0;        // [m]
-  double drift_ = 0.0;         // [m] the fastest of each step, all steps together
-  double largest_ = 0.0;       // [m^2] of this step's, squared
+  double drift_ = 0.0;         // [m] the way of the fastest object of each step, summed up
+  double largest_ = 0.0;       // [m^2] the square of this step's largest way so far
 };
 
 }  // namespace feltwire
