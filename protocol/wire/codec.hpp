@@ -10,8 +10,8 @@ namespace feltwire {
 
 struct SceneView;
 
-/// Builds payloads, to be sealed (protocol/wire/seal.hpp). After the first of each kind it does not
-/// allocate. The bytes returned live until the next call.
+/// Builds payloads that a Sealer then seals (protocol/wire/seal.hpp). It allocates only for the
+/// first payload of each kind. The returned bytes live until the next call.
 class Encoder {
  public:
   Encoder();
@@ -20,7 +20,7 @@ class Encoder {
   Encoder& operator=(Encoder&&) noexcept;
 
   Bytes samples(const SampleBatch& batch);
-  /// With a `view` for an observer, whose replies have no model.
+  /// `view`: for an observer's reply, which then has no model.
   Bytes reply(const Reply& reply, const SceneView* view = nullptr);
   Bytes goodbye(GoodbyeReason reason);
 
@@ -29,9 +29,9 @@ class Encoder {
   std::unique_ptr<Builder> builder_;
 };
 
-/// A payload that was opened. On anything but DropReason::none `out` is unspecified.
+/// Reads a payload that an Opener opened. On anything but DropReason::none `out` is unspecified.
 DropReason decode(Bytes payload, SampleBatch& out) noexcept;
-/// The view in the reply goes to `view`, if that is not null.
+/// Writes the view in the reply to `view`, unless that is null.
 DropReason decode(Bytes payload, Reply& out, SceneView* view = nullptr) noexcept;
 DropReason decode(Bytes payload, GoodbyeReason& out) noexcept;
 

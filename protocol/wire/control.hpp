@@ -27,7 +27,7 @@ inline constexpr std::size_t kMaxScenes = 256;  // of one server
 inline constexpr std::size_t kMaxFirstFrame = 512;
 inline constexpr std::size_t kMaxSessionEntries = 200;  // of one SessionList
 inline constexpr double kShortestSilence = 0.1;         // [s] of a silence timeout
-inline constexpr double kLongestSilence = 3600.0;       // [s] likewise
+inline constexpr double kLongestSilence = 3600.0;       // [s] of a silence timeout
 
 struct JoinRequest {
   std::string client;
@@ -35,7 +35,7 @@ struct JoinRequest {
   DeviceSpec device;
   SessionParameters parameters;
   Role role = Role::operator_;
-  bool aes_256_gcm = false;  // this CPU does it well; ChaCha20-Poly1305 every client can
+  bool aes_256_gcm = false;  // this CPU does it well; every client has ChaCha20-Poly1305
   std::string tool = {};     // that the hand holds; empty: the scene's first
   std::string version =
       {};  // of the client (core/build_info), for the server's log; empty: not said
@@ -46,7 +46,7 @@ struct JoinAccepted {
   SessionParameters parameters;   // in force
   double silence_timeout = 0.0;   // [s]
   bool friction = false, rotation = false;
-  Vec3 start_position = Vec3::Zero();  // [m] where a hand that knows nothing of the scene begins
+  Vec3 start_position = Vec3::Zero();  // [m] where a hand begins that does not know the scene
   Vec3 start_normal = Vec3::UnitZ();   // unit, of the surface there
   double stiffness = 0.0;              // [N/m] of the scene's stiffest surface; 0: not said
   CipherSuite suite = CipherSuite::chacha20_poly1305;  // that the datagrams are sealed with
@@ -100,7 +100,7 @@ struct Authenticate {
   Secret token;
 };
 struct Authenticated {
-  std::string client, scene;  // whom the token was given to and the scene that it opens, *: any
+  std::string client, scene;  // the token's client, and the scene that it opens; *: any
   Role role = Role::observer;
 };
 struct Evict {
@@ -110,7 +110,7 @@ struct Evicted {
   std::uint64_t session = 0;
 };
 struct ListSessions {
-  std::uint64_t after = 0;  // those with greater ids; 0: from the first
+  std::uint64_t after = 0;  // lists sessions with greater ids; 0: from the first
 };
 struct SessionEntry {
   std::uint64_t session = 0;
@@ -119,7 +119,7 @@ struct SessionEntry {
 };
 struct SessionList {
   std::vector<SessionEntry> sessions;  // at most kMaxSessionEntries, by rising id
-  bool more = false;                   // there are others behind
+  bool more = false;                   // there are sessions with greater ids
 };
 struct ReloadScene {
   std::string scene;

@@ -1,5 +1,5 @@
 #pragma once
-// The datagrams as values. Their bytes are PROTOCOL.md's; codec.hpp goes between.
+// The datagrams as values. PROTOCOL.md has their bytes; codec.hpp converts.
 
 #include <array>
 #include <chrono>
@@ -21,7 +21,7 @@ inline Nanoseconds from_seconds(double time) { return Nanoseconds(std::llround(t
 using Bytes = std::span<const std::uint8_t>;
 
 inline constexpr std::size_t kMaxDatagram = 1200;  // [bytes] header, payload and tag
-inline constexpr double kMaxPosition = 1e3;        // [m] on each axis; beyond it no hand is
+inline constexpr double kMaxPosition = 1e3;        // [m] on each axis; no hand is farther away
 inline constexpr double kUnitTolerance = 1e-3;     // of a quaternion's squared norm
 
 enum class DatagramKind : std::uint8_t { samples = 1, reply = 2, goodbye = 3 };
@@ -31,7 +31,7 @@ enum class GoodbyeReason : std::uint8_t {
   evicted,
   flooding,
   failed,     // the server could not go on with the session
-  disturbing  // what the hand did broke the simulation of what moves
+  disturbing  // the hand broke the simulation of the moving objects
 };
 
 /// The header before every payload.
@@ -54,8 +54,8 @@ struct SampleBatch {
   std::array<Sample, kMaxRedundancy + 1> samples;
   int count = 0;
   bool rotation = false;  // orientation and torque travel too
-  /// Index of the sample that travelled before the oldest one here, 0: none. What lies between was
-  /// left out by the client, not lost on the way.
+  /// Index of the sample that travelled before the oldest one here, 0: none. The client left out
+  /// the samples between these two; they were not lost on the way.
   std::uint64_t previous = 0;
   std::span<const Sample> view() const { return {samples.data(), static_cast<std::size_t>(count)}; }
 };
@@ -69,8 +69,8 @@ struct Reply {
   ChannelEnergy delivered;  // [J] at the real port so far, from the held forces the client reported
   double ratio = 1.0;       // |rendered| / |commanded|, float32 on the wire
   bool active = false, saturated = false, refused = false, gap = false;
-  bool recovering = false;  // what moves was put back to a good state, and is felt in part
-  /// Modulo 256, how often the scene was reloaded under this session.
+  bool recovering = false;  // moving objects were put back to a good state and are felt in part
+  /// How often the scene was reloaded during this session, modulo 256.
   std::uint8_t reloads = 0;
   std::uint64_t withheld = 0;  // datagrams that needed no reply (deadband), so far
   bool predicted = false;      // `rates` travel too

@@ -17,8 +17,8 @@ struct Guarded {
   Header header;
 };
 
-/// Size and header, in the order of PROTOCOL.md; touches nothing behind the header.
-/// `expected_kinds` are those this side receives, as bits 1 << kind.
+/// Checks size and header, in the order of PROTOCOL.md. Reads nothing behind the header.
+/// `expected_kinds`: the kinds that this side receives, as bits 1 << kind.
 Guarded guard(Bytes datagram, unsigned expected_kinds) noexcept;
 
 /// Writes the header into the first kHeaderSize bytes of `datagram`, which must be that long.

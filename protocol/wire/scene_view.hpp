@@ -11,29 +11,29 @@
 
 namespace feltwire {
 
-/// Where another's tool is, and what its device gives it. World frame, float32 on the wire.
+/// The tool of another session, and the force of its device. World frame, float32 on the wire.
 struct SeenHand {
   std::uint32_t number = 0;   // from 1 in the order they joined the scene, never used again
   Pose pose;                  // of its newest sample
   Vec3 force = Vec3::Zero();  // [N] on the hand, as its client says that the device holds it
 };
 
-/// Where an object is that moves. Likewise.
+/// The pose of a moving object. World frame, float32 on the wire.
 struct SeenBody {
   std::uint16_t object = 0;  // its place among the scene's objects, as in SurfacePatch
   Pose pose;
 };
 
-/// A part of what there is to see: all hands with hands_from <= number < hands_end, and all moving
-/// objects with bodies_from <= object < bodies_end. Who is not among them is not there, or not any
-/// more. What does not fit comes with the next views, in turns.
+/// A part of the scene: all hands with hands_from <= number < hands_end, and all moving objects
+/// with bodies_from <= object < bodies_end. A hand or object of these ranges that is not listed
+/// does not exist, or not any more. The next views bring the other ranges, in turns.
 struct SceneView {
   static constexpr std::size_t kHandSize = 44, kBodySize = 32;   // [bytes] on the wire
   static constexpr std::size_t kMaxHands = 19, kMaxBodies = 27;  // of one
   static constexpr std::uint32_t kLastHand = std::numeric_limits<std::uint32_t>::max();
   static constexpr std::uint16_t kLastBody = std::numeric_limits<std::uint16_t>::max();
 
-  bool present = false;  // else a reply brought none, and nothing below counts
+  bool present = false;  // else the reply had no view, and the values below mean nothing
   std::uint32_t hands_from = 0, hands_end = 0;
   std::uint16_t bodies_from = 0, bodies_end = 0;
   std::size_t hand_count = 0, body_count = 0;
@@ -44,9 +44,9 @@ struct SceneView {
   std::span<const SeenBody> bodies() const { return {body.data(), body_count}; }
 };
 
-/// [bytes] that the hands and bodies of a view may take together, so that every reply fits a
-/// datagram; with datagrams so far apart [s] that the line must be a thin one, so that the reply is
-/// no longer than one with a model.
+/// [bytes] The room for the hands and bodies of a view together, so that every reply fits a
+/// datagram. Where the client sends datagrams so rarely [s] that its line must be a thin one, there
+/// is less room, so that a reply is no longer than one with a model.
 constexpr std::size_t view_room(double between_datagrams) {
   constexpr std::size_t kRoom = 864, kThinRoom = 264;
   constexpr double kThin = 0.04;  // [s]

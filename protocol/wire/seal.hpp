@@ -1,6 +1,6 @@
 #pragma once
-// Datagrams sealed and opened: the header stays readable and is authenticated, the payload is
-// encrypted. PROTOCOL.md, "Sealing", says the same in bytes.
+// Seals and opens datagrams: the header stays readable and is authenticated, the payload is
+// encrypted. PROTOCOL.md, "Sealing", has the bytes.
 
 #include <array>
 #include <optional>
@@ -12,14 +12,14 @@
 
 namespace feltwire {
 
-/// Room for one datagram, or for its payload laid out so that it can be read in place.
+/// Room for one datagram, or for its payload, aligned so that it can be read in place.
 struct DatagramBuffer {
   alignas(std::uint64_t) std::array<std::uint8_t, kMaxDatagram> bytes;
 };
 
-/// A secret is used for 2^22 packet numbers, its generation; then comes the next, by the number
-/// alone. Limits for datagrams of l = 75 blocks of 16 bytes and an advantage of 2^-57 (RFC 9001,
-/// B.1): AES-GCM seals 2^35 / l = 2^28.8 with one key, 2^23 whatever their length;
+/// A secret is used for 2^22 packet numbers, its generation. The packet number alone says which
+/// generation it is of. Limits for datagrams of l = 75 blocks of 16 bytes and an advantage of 2^-57
+/// (RFC 9001, B.1): AES-GCM seals 2^35 / l = 2^28.8 with one key, 2^23 whatever their length;
 /// ChaCha20-Poly1305 has no limit below the number of packets.
 inline constexpr int kGenerationBits = 22;
 inline constexpr std::uint64_t kLastPacketNumber = ~std::uint64_t{0};
@@ -27,23 +27,24 @@ constexpr std::uint64_t generation(std::uint64_t packet_number) noexcept {
   return packet_number >> kGenerationBits;
 }
 
-/// From a generation's secret: the next one's, and the key that seals. Neither leads back.
+/// From the secret of a generation: that of the next generation, and the key that seals. The secret
+/// cannot be computed from either.
 Key next_secret(const Key& secret) noexcept;
 Key sealing_key(const Key& secret) noexcept;
 
-/// One direction's sender. It counts the packet numbers itself, so that none is used twice: it does
-/// not copy, and one that was moved from seals no more.
+/// The sender of one direction. It counts the packet numbers itself, so that none is used twice.
+/// For the same reason it cannot be copied, and one that was moved from seals nothing more.
 class Sealer {
  public:
-  /// Goes on after `sent`; `secret` is of that number's generation. Throws std::invalid_argument
-  /// where the suite is not supported.
+  /// Continues after packet number `sent`; `secret` is that of its generation. Throws
+  /// std::invalid_argument where the suite is not supported.
   Sealer(CipherSuite suite, const Key& secret, std::uint64_t sent = 0);
   ~Sealer();
   Sealer(Sealer&& other) noexcept;
   Sealer& operator=(Sealer&& other) noexcept;
 
-  /// Writes the datagram into `out` and returns it: header, sealed payload, tag. Empty, and no
-  /// number is used, where the payload has more than kMaxPayload bytes or no number is left.
+  /// Writes the datagram into `out` and returns it: header, sealed payload, tag. Where the payload
+  /// has more than kMaxPayload bytes or no number is left, it returns nothing and uses no number.
   Bytes seal(DatagramKind kind, std::uint64_t session, Bytes payload, DatagramBuffer& out) noexcept;
 
   std::uint64_t sent() const { return sent_; }
@@ -55,34 +56,35 @@ class Sealer {
   std::uint64_t sent_;
 };
 
-/// An opened datagram: its payload, within the buffer it was opened into, or the reason to drop it.
+/// An opened datagram: its payload, in the buffer that it was opened into, or the reason to drop
+/// it.
 struct Opened {
   DropReason drop = DropReason::none;
   Bytes payload;
 };
 
-/// The other direction's receiver: replay window and keys. Nothing moves but by a datagram that was
-/// sealed with this direction's key.
+/// The receiver of one direction: replay window and keys. Only a datagram that was sealed with this
+/// direction's key changes its state.
 class Opener {
  public:
-  /// Goes on after `highest`, whose generation `secret` is of. After `forgeries` datagrams that
-  /// were not sealed with its keys it opens nothing more; never more than forgery_limit(suite).
-  /// Throws std::invalid_argument where the suite is not supported.
+  /// Continues after packet number `highest`; `secret` is that of its generation. After `forgeries`
+  /// datagrams that were not sealed with its keys, at most forgery_limit(suite), it opens nothing
+  /// more. Throws std::invalid_argument where the suite is not supported.
   Opener(CipherSuite suite, const Key& secret, std::uint64_t highest = 0,
          std::uint64_t forgeries = kLastPacketNumber);
   ~Opener();
   Opener(const Opener&) = default;
   Opener& operator=(const Opener&) = default;
 
-  /// Window, seal, and then the number counts as seen. `header` is what guard() read from
-  /// `datagram`, which has kMinDatagram bytes at least.
+  /// Checks the window, then the seal; a good number then counts as seen. `header` is what guard()
+  /// read from `datagram`. Precondition: the datagram has at least kMinDatagram bytes.
   Opened open(const Header& header, Bytes datagram, DatagramBuffer& out) noexcept;
 
-  /// Of what was opened, 0: nothing yet.
+  /// The highest packet number that was opened, 0: none yet.
   std::uint64_t highest() const { return window_.highest(); }
   /// Datagrams whose tag was wrong.
   std::uint64_t forgeries() const { return forgeries_; }
-  /// As many as may be.
+  /// Whether the limit of forgeries is reached.
   bool exhausted() const { return forgeries_ >= forgery_limit_; }
 
  private:

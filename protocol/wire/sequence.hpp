@@ -5,16 +5,16 @@
 
 namespace feltwire {
 
-/// Which packet numbers were seen: a window behind the highest, so that each is taken once and
-/// reordering is no loss.
+/// The packet numbers that were seen, in a window behind the highest. So each is taken once, and a
+/// reordered datagram is not lost.
 class PacketWindow {
  public:
   static constexpr std::uint64_t kWidth = 1024;
-  /// As if `highest` was the highest seen, and none below it; 0: none at all.
+  /// Begins as if only `highest` had been seen; 0: none.
   explicit PacketWindow(std::uint64_t highest = 0) noexcept;
-  /// Whether the number is neither 0, nor seen, nor kWidth and more behind the highest.
+  /// Whether the number is not 0, not seen, and less than kWidth behind the highest.
   bool fresh(std::uint64_t number) const noexcept;
-  /// It is seen from now on. Precondition: it is fresh.
+  /// Marks the number as seen. Precondition: fresh(number).
   void mark(std::uint64_t number) noexcept;
   std::uint64_t highest() const { return highest_; }
 

@@ -1,6 +1,6 @@
 #pragma once
-// The view in a reply to an observer (protocol/wire/scene_view.hpp), to bytes and back; of the
-// codec.
+// Internal to the codec: the view in a reply to an observer (protocol/wire/scene_view.hpp), to
+// bytes and back.
 
 #include "protocol/wire/datagram.hpp"
 #include "protocol/wire/scene_view.hpp"
@@ -8,14 +8,14 @@
 
 namespace feltwire {
 
-/// Does not allocate where the builder has room.
+/// Writes the view. Does not allocate where the builder has room.
 flatbuffers::Offset<wire::SceneView> build(flatbuffers::FlatBufferBuilder& builder,
                                            const SceneView& view);
 
-/// The checks of PROTOCOL.md, in their order: count, order, not_finite. On anything but none `out`
-/// is unspecified.
+/// Reads the view, with the checks of PROTOCOL.md in their order: count, order, not_finite. On
+/// anything but DropReason::none `out` is unspecified.
 DropReason read(const wire::SceneView& from, SceneView& out) noexcept;
-/// The reason that is found first of two: the order of the reasons is the order of the checks.
+/// The reason of two whose check comes first: the reasons have the order of the checks.
 constexpr DropReason first_of(DropReason a, DropReason b) noexcept {
   if (a == DropReason::none || b == DropReason::none) return a == DropReason::none ? b : a;
   return a < b ? a : b;
