@@ -1,5 +1,5 @@
 #pragma once
-// Setting a session up: the control messages over TLS, and where its datagrams go.
+// Sets up a session: control messages over TLS, and the address for its datagrams.
 
 #include <netinet/in.h>
 #include <sys/socket.h>
@@ -23,9 +23,10 @@ class SessionError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// One that asking again would not mend: the token, the role, the scene, the tool, the device or
-/// the parameters are refused, one end's certificate is not good, or the server grants what it may
-/// not (protocol/session/grant.hpp). What is full, limited or away may be there again.
+/// An error that stays when the client asks again: the token, role, scene, tool, device or
+/// parameters are refused, a certificate of either end is not good, or the server grants what it
+/// may not (protocol/session/grant.hpp). A server that is full, limits its clients or is away is no
+/// such error.
 class LastingError : public SessionError {
  public:
   using SessionError::SessionError;
@@ -40,7 +41,7 @@ struct Endpoint {
 Endpoint parse_endpoint(std::string_view text);
 std::string to_string(const Endpoint& endpoint);
 
-/// A server, and how it lets a client in.
+/// A server, and the credentials to use with it.
 struct ServerAccess {
   Endpoint endpoint;
   Credentials credentials;
@@ -51,7 +52,7 @@ struct ServerAccess {
 /// FELTWIRE_CERTIFICATE and FELTWIRE_KEY. Throws std::invalid_argument naming what is missing.
 ServerAccess access_from_environment(std::string_view server);
 
-/// An address as the sockets take it.
+/// An address in the form that sockets take.
 struct Address {
   sockaddr_storage storage{};
   socklen_t size = 0;
@@ -63,19 +64,19 @@ struct Joined {
   SessionKeys keys;   // of the datagrams
 };
 
-/// Asks the server for a session and waits at most `timeout` for each of connecting, TLS and
-/// answering. Which ciphers this machine has is said here, whatever `request` says. Blocks; throws
-/// SessionError: the host is not known or not reachable, it is not the one to be trusted, it
-/// refuses (with its reason), its answer makes no sense, or it grants another session than the one
-/// that was asked for.
+/// Asks the server for a session. Blocks, at most `timeout` for each of connecting, TLS and the
+/// answer. Tells the server the ciphers of this machine, whatever `request` says. Throws
+/// SessionError where the host is not known, not reachable or not trusted, where the server refuses
+/// (with its reason), and where its answer makes no sense or grants another session than the one
+/// asked for.
 Joined join(const ServerAccess& server, const control::JoinRequest& request,
             std::chrono::milliseconds timeout);
 
-/// The scenes that the server has for this token. Likewise.
+/// The scenes that the server has for this token. Blocks and throws as join() does.
 std::vector<control::SceneEntry> list_scenes(const ServerAccess& server,
                                              std::chrono::milliseconds timeout);
 
-/// Any other request and its answer; a refusal throws. Likewise.
+/// Sends any other request and returns the answer. Blocks and throws as join() does.
 control::Message ask(const ServerAccess& server, const control::Message& request,
                      std::chrono::milliseconds timeout);
 

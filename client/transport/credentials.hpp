@@ -1,5 +1,5 @@
 #pragma once
-// By what a client knows its server, and by what the server lets it in.
+// How a client recognises its server, and what it shows to be let in.
 
 #include <string>
 #include <variant>
@@ -9,7 +9,8 @@
 
 namespace feltwire {
 
-/// Who may sign a server's certificate (PEM); it must be for the host that was asked for.
+/// Authorities (PEM) that may sign a server's certificate. The certificate must be for the host
+/// that the client asked for.
 struct Authorities {
   std::string certificates;
 };
@@ -23,9 +24,10 @@ struct Credentials {
   Secret token;
 };
 
-/// Credentials as options name them; empty: not given. To know the server: its fingerprint, a file
-/// with the fingerprint, or a file (PEM) of authorities, one of the three. For a server that asks
-/// for a client certificate: the files of the certificate and of its key. A file with the token.
+/// Credentials as options name them; an empty one is not given. The server is known by one of
+/// three: its fingerprint, a file with the fingerprint, or a file (PEM) of authorities. A server
+/// that asks for a client certificate needs the files of the certificate and of its key. The token
+/// is in a file.
 struct CredentialOptions {
   std::string fingerprint, fingerprint_file, ca, certificate, key, token_file;
 };

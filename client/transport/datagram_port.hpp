@@ -1,6 +1,6 @@
 #pragma once
-// How the datagrams of a session travel: a UDP socket, or something that stands before one, such as
-// an emulated link.
+// The way of a session's datagrams: a UDP socket, or something in front of one, such as an emulated
+// link.
 
 #include <cstdint>
 #include <memory>
@@ -16,46 +16,46 @@ struct PortStatistics {
   std::uint64_t sent = 0;         // datagrams that the system took
   std::uint64_t send_failed = 0;  // the system took none: buffer full, peer's port closed, no route
   std::uint64_t too_long = 0;     // longer than the path to the server takes
-  std::uint64_t rerouted = 0;     // times that another way to the server was looked for
+  std::uint64_t rerouted = 0;     // times that the port looked for another way to the server
   std::uint64_t received = 0;     // datagrams, before any check
 };
 
-/// One thread uses it. No call but report() blocks, allocates or throws.
+/// One thread uses it. Only report() may block, allocate or throw.
 class DatagramPort {
  public:
-  /// Datagrams that one call takes from the system at most, so that a flood costs no more than
-  /// that.
+  /// The most datagrams that one call takes from the system, so that a flood costs no more.
   static constexpr int kBurst = 64;
 
   virtual ~DatagramPort() = default;
 
-  /// Sends to this server from now on, of the same address family, and receives from it alone.
-  /// False when the system has no way there; then nothing has changed.
+  /// From now on sends to this server and receives from it alone. The address family must be the
+  /// same. Returns false when the system has no way there; then nothing has changed.
   virtual bool connect(const Address& server) noexcept = 0;
-  /// Has the system choose anew by which of its addresses the server is reached. False when there
-  /// is none now.
+  /// Lets the system choose anew from which of its addresses it reaches the server. Returns false
+  /// when there is none now.
   virtual bool reroute() noexcept = 0;
 
-  /// Sends a datagram. What the system refuses is counted, and lost like any datagram may be.
+  /// Sends a datagram. One that the system refuses is counted and lost, as any datagram may be.
   virtual void send(Bytes datagram) noexcept = 0;
-  /// Sends a datagram past all that this port holds back.
+  /// Sends a datagram at once, before those that this port holds back.
   virtual void send_now(Bytes datagram) noexcept { send(datagram); }
-  /// The next datagram that has come; its bytes stay until the next call.
+  /// The next datagram that has arrived. Its bytes stay until the next call.
   virtual std::optional<Bytes> receive() noexcept = 0;
 
-  /// Whether datagrams are held back here: then pass() must be told the time.
+  /// Whether this port holds datagrams back; then it needs the time by pass().
   virtual bool delays() const noexcept { return false; }
-  /// It is `now`, for this and the calls that follow: what is due leaves, what has come enters.
+  /// Sets the time, for this and the following calls. Datagrams that are due leave, and arrived
+  /// ones enter.
   virtual void pass(Nanoseconds /*now*/) noexcept {}
-  /// When a datagram is due next: pass() and receive() are to be called then.
+  /// When the next datagram is due. Call pass() and receive() then.
   virtual std::optional<Nanoseconds> next_due() const noexcept { return std::nullopt; }
 
   /// Readable when something may be received.
   virtual int descriptor() const noexcept = 0;
   virtual PortStatistics statistics() const noexcept = 0;
 
-  /// JSON for the report of a run, beside the statistics; empty: there is nothing more to say.
-  /// Other text stands in the report as a string, and so does what it throws. May allocate.
+  /// JSON for the report of a run, beside the statistics; empty: nothing to add. The report takes
+  /// other text, and the message of an exception, as a string. May allocate.
   virtual std::string report() const { return {}; }
 };
 

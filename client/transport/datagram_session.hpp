@@ -16,32 +16,31 @@ class DatagramSession {
  public:
   enum class Arrival { dropped, reply, goodbye };
 
-  /// `keys` are of this session alone; `parameters` as the server granted them: how often datagrams
-  /// are due and what is in them; `rotation`: orientation and torque travel too; `scale`: of a
-  /// position deadband. Takes all its memory here.
+  /// `keys`: of this session alone. `parameters`: as the server granted them; they say how often
+  /// datagrams are due and what is in them. `rotation`: orientation and torque travel too. `scale`:
+  /// of a position deadband. Only this constructor allocates.
   DatagramSession(std::uint64_t session, const SessionKeys& keys,
                   const SessionParameters& parameters, bool rotation,
                   const PositionScale& scale = {});
 
-  /// Goes on with another session and its keys: numbers begin anew, and what still comes of the old
-  /// one is dropped. Precondition: their suite is supported.
+  /// Continues with another session and its keys. Packet numbers begin anew, and late datagrams of
+  /// the old session are dropped. Precondition: the suite of the keys is supported.
   void resume(std::uint64_t session, const SessionKeys& keys) noexcept;
 
-  /// The datagram that is due with this sample (client/transport/sample_packer.hpp), empty when
-  /// none is. To be given every sample. The bytes live until the next call of pack() or goodbye().
+  /// The datagram that is due with this sample (client/transport/sample_packer.hpp); empty when
+  /// none is. Call it with every sample. The bytes live until the next call of pack() or goodbye().
   Bytes pack(const Sample& sample) noexcept;
   Bytes goodbye() noexcept;
 
-  /// From now on one sample less in a datagram, until the next session: the path takes no longer
-  /// ones. False when one alone is left.
+  /// Puts one sample less into each datagram until the next session, as the path takes no longer
+  /// ones. Returns false when only one is left.
   bool carry_fewer() noexcept { return packer_.carry_fewer(); }
 
-  /// Reads a datagram, all checks of PROTOCOL.md in their order; what fails one is counted. Fills
-  /// `reply` or `reason`, as the result says.
+  /// Reads a datagram, with all checks of PROTOCOL.md in their order, and counts the dropped ones.
+  /// Fills `reply` or `reason`, as the result says.
   Arrival take(Bytes datagram, Reply& reply, GoodbyeReason& reason) noexcept;
 
-  /// The view in the last reply taken, for an observer; null: it had none. Valid until the next
-  /// take().
+  /// An observer's view in the last reply; null: it had none. Valid until the next take().
   const SceneView* view() const { return view_.present ? &view_ : nullptr; }
 
   const std::array<std::uint64_t, kDropReasons>& dropped() const { return dropped_; }
@@ -50,8 +49,8 @@ class DatagramSession {
   std::uint64_t session_;
   Encoder encoder_;
   SamplePacker packer_;
-  Sealer sealer_;  // of what goes
-  Opener opener_;  // of what comes
+  Sealer sealer_;  // of datagrams to the server
+  Opener opener_;  // of datagrams from it
   DatagramBuffer sealed_, opened_;
   SceneView view_;
   std::array<std::uint64_t, kDropReasons> dropped_{};

@@ -1,5 +1,5 @@
 #pragma once
-// Joins again when a session was lost, while the hand's loop goes on.
+// Joins again after a session was lost, while the servo loop goes on.
 
 #include <chrono>
 #include <future>
@@ -12,33 +12,33 @@
 
 namespace feltwire {
 
-/// Waits between attempts [RFC 8085 asks for care with what does not answer]: doubling, from the
-/// first to the longest.
+/// The waits between attempts double, from the first to the longest: RFC 8085 asks for care with a
+/// peer that does not answer.
 struct RejoinOptions {
   std::chrono::milliseconds first_wait{250}, longest_wait{4000};
   std::chrono::milliseconds timeout{1000};  // of each attempt
 };
 
 /// For one thread that is not the servo's. Attempts run in a thread of their own, so that look()
-/// never blocks. One that fails for want of memory, descriptors or threads has failed like any
-/// other: it is tried again.
+/// never blocks. An attempt that fails for want of memory, descriptors or threads is repeated like
+/// any other.
 class Reconnector {
  public:
   using Clock = std::chrono::steady_clock;
 
-  /// `request` asks for the parameters that are in force: another session has to be the same. New
-  /// sessions go to `out`.
+  /// `request` must ask for the parameters in force, because the new session has to be the same.
+  /// New sessions go to `out`.
   Reconnector(ServerAccess server, control::JoinRequest request, Ring<SessionAddress>& out,
               const RejoinOptions& options = {});
 
-  /// Call now and then: `connected` is what the loop says of its session.
+  /// Call it now and then. `connected`: whether the loop has a session.
   void look(bool connected, Clock::time_point now) noexcept;
 
-  /// Why there will be no other session, in one line: asking again would not mend it, and nothing
-  /// more is asked. Empty while there may be one.
+  /// Why there will be no other session, in one line (LastingError); then the reconnector has
+  /// stopped asking. Empty while there may be one.
   const std::string& refusal() const { return refusal_; }
   std::uint64_t attempts() const { return attempts_; }
-  /// An attempt has begun whose outcome look() has not taken yet.
+  /// Whether an attempt has begun whose outcome look() has not taken yet.
   bool asking() const { return attempt_.valid(); }
 
  private:
@@ -48,8 +48,8 @@ class Reconnector {
   RejoinOptions options_;
   /// The result of an attempt.
   struct Attempt {
-    std::optional<SessionAddress> session;  // none: not there yet, or full; the next may do better
-    std::string refusal;                    // or it will not
+    std::optional<SessionAddress> session;  // none: the server is away or full; ask again
+    std::string refusal;                    // else: why asking again is of no use
   };
   static Attempt attempt(const ServerAccess& server, const control::JoinRequest& request,
                          std::chrono::milliseconds timeout);

@@ -1,6 +1,6 @@
 #pragma once
-// Which samples travel: one servo tick after another goes in, now and then a datagram's samples
-// come out. No socket, no clock.
+// Chooses the samples that travel: every servo sample goes in, and now and then the samples of a
+// datagram come out. No socket, no clock.
 
 #include <cstddef>
 #include <vector>
@@ -16,44 +16,48 @@ struct PositionScale {
   double stiffness = 0.0;  // [N/m] K of the scene's stiffest surface (JoinAccepted)
 };
 
-/// A datagram is due every `packet_interval` ticks, n; the first sample of a session, at once. It
-/// brings `batch` of the newest n samples, evenly spaced, the newest among them, and the
-/// `redundancy` that travelled before once more.
+/// A datagram is due every `packet_interval` ticks, n, and with the first sample of a session. It
+/// has `batch` of the newest n samples, evenly spaced, with the newest among them. It repeats the
+/// `redundancy` samples that travelled before.
 ///
-/// With a `position_deadband` k a datagram that is due stays away while the server still knows well
-/// enough where the tool is. A position has no Weber fraction of its own: nobody feels where the
-/// world's origin is. What is felt is the force that comes of it, so the fraction is one of force:
+/// With a `position_deadband` k, a datagram that is due is not sent while the server still knows
+/// the tool's position well enough. A position has no Weber fraction of its own: nobody feels where
+/// the world's origin is. The hand feels the force that follows, so k is a fraction of the force:
 ///
-///   in contact, |f| held: |x - x_known| <= k |f| / K: the elastic force of no surface is wrong by
-///     more than k of what is felt. K not known: as in free space, the smaller way to be wrong.
-///   in free space: |x - x_known| <= k |v| tau. There the hand feels nothing yet, and what must not
-///     suffer is the onset: moving on at v it leaves the deadband k tau after the position known,
-///     so the server learns of a wall at most k tau + n T late (10 %: 2 ms + n T), and the tool is
-///     by then at most k |v| tau + |v| n T deeper than the server knew, a step of K times that.
-///   ever: one encoder quantum, which says nothing.
+///   in contact, |f| held: |x - x_known| <= k |f| / K. So the elastic force of no surface is wrong
+///     by more than k of the force felt. Where K is not known, the limit of free space holds, which
+///     is the smaller error.
+///   in free space: |x - x_known| <= k |v| tau. There the hand feels nothing yet, and only the
+///   onset
+///     of a contact must not suffer. A tool that moves on at v leaves the deadband k tau after the
+///     known position. So the server learns of a wall at most k tau + n T late (10 %: 2 ms + n T).
+///     By then the tool is at most k |v| tau + |v| n T deeper than the server knew, and the force
+///     steps by K times that.
+///   always: a difference of one encoder quantum, which says nothing.
 ///
-/// It is sent all the same where force begins or ends, and when the server would else hear nothing
-/// for longer than `keep_alive`. Rotation: 1 mrad, or k times what the tool turns within tau.
+/// The datagram is sent all the same where force begins or ends, and before the server has heard
+/// nothing for longer than `keep_alive`. The limit of a rotation is 1 mrad, or k times the tool's
+/// turn within tau.
 ///
-/// Memory is taken at construction; nothing is allocated or thrown afterwards.
+/// All memory is taken at construction. Nothing is allocated or thrown afterwards.
 class SamplePacker {
  public:
-  /// tau [s]: the age of a position in free space that counts as all of it.
+  /// tau [s]: in free space the deadband is the share k of the way in this time.
   static constexpr double kFreeAge = 0.02;
   static constexpr double kUnfeltAngle = 1e-3;  // [rad]
 
   /// `parameters` must be valid; `rotation`: orientation and torque travel too.
   SamplePacker(const SessionParameters& parameters, bool rotation, const PositionScale& scale = {});
 
-  /// The samples of the datagram that is due with this one, null when none is. They live until the
-  /// next call. Precondition: indices rise.
+  /// The samples of the datagram that is due with this sample; null when none is due. They live
+  /// until the next call. Precondition: indices rise.
   const SampleBatch* add(const Sample& sample) noexcept;
 
-  /// A new session: it has missed nothing of the old one.
+  /// Begins a new session, which needs no sample of the old one.
   void restart() noexcept;
 
-  /// The path does not take datagrams as long as these: from now on they bring one sample less.
-  /// False when they bring one only.
+  /// Puts one sample less into each datagram, as the path takes no longer ones. Returns false when
+  /// they have only one.
   bool carry_fewer() noexcept;
 
  private:

@@ -1,5 +1,5 @@
 #pragma once
-// A TLS connection to a server that is known; blocking, each step with a time limit.
+// A blocking TLS connection to a trusted server. Each step has a time limit.
 
 #include <asio/io_context.hpp>
 #include <asio/ip/address.hpp>
@@ -17,7 +17,7 @@ namespace feltwire {
 
 class TlsStream {
  public:
-  /// Connects and checks the server's certificate against the credentials; sends nothing to a
+  /// Connects and checks the server's certificate against the credentials. Sends nothing to a
   /// server that they do not trust. Throws SessionError, as do the functions below.
   TlsStream(const ServerAccess& server, std::chrono::milliseconds timeout);
   TlsStream(const TlsStream&) = delete;
@@ -27,7 +27,7 @@ class TlsStream {
   /// Fills `bytes`.
   void read(std::span<std::uint8_t> bytes);
 
-  /// The certificate that will do, and the one that came.
+  /// The certificate that the client wants, and the one that the server showed.
   struct Pin {
     std::optional<Fingerprint> wanted, seen;
   };
@@ -38,7 +38,8 @@ class TlsStream {
  private:
   void connect(const Endpoint& server);
   void handshake(const ServerAccess& server);
-  /// Runs an operation to its end or the time limit; the remedy is for both kinds of failure.
+  /// Runs an operation until it ends or its time is over. `what` and `remedy` are for the message
+  /// of either failure.
   template <class Start>
   void await(Start start, const std::string& what, const std::string& remedy);
 

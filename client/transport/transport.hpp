@@ -1,6 +1,6 @@
 #pragma once
-// The datagrams of one session: samples out, replies in. Never blocks, allocates or throws once it
-// stands.
+// The datagrams of one session: samples out, replies in. After its construction it never blocks,
+// allocates or throws.
 
 #include <array>
 #include <cstdint>
@@ -17,7 +17,7 @@ struct TransportStatistics : PortStatistics {
   std::array<std::uint64_t, kDropReasons> dropped{};
 };
 
-/// Where a session's datagrams go, and how.
+/// The address and the keys of a session's datagrams.
 struct SessionAddress {
   Address server;
   std::uint64_t session = 0;
@@ -28,37 +28,36 @@ class Transport {
  public:
   enum class Arrival { nothing, reply, goodbye };
 
-  /// `parameters` as granted; `rotation`: orientation and torque travel too. `port`: connected to
-  /// `to.server`; null opens a UDP port there. Where the path takes no datagrams as long, they
-  /// carry fewer samples. `scale`: of a position deadband. Throws SessionError.
+  /// `parameters`: as granted. `rotation`: orientation and torque travel too. `port`: connected to
+  /// `to.server`; null opens a UDP port there. `scale`: of a position deadband. Where the path does
+  /// not take such long datagrams, they carry fewer samples. Throws SessionError.
   Transport(const SessionAddress& to, const SessionParameters& parameters, bool rotation,
             std::unique_ptr<DatagramPort> port = nullptr, const PositionScale& scale = {});
   Transport(const Transport&) = delete;
   Transport& operator=(const Transport&) = delete;
 
-  /// Goes on with another session, of the same address family, through the same port: numbers begin
-  /// anew, what was on its way is no longer listened to. False when the system has no way there or
-  /// cannot do its cipher suite; then the old session stays.
+  /// Continues with another session, of the same address family, through the same port. Packet
+  /// numbers begin anew, and datagrams of the old session are ignored. Returns false when the
+  /// system has no way there or does not have the cipher suite; then the old session stays.
   bool resume(const SessionAddress& to) noexcept;
 
-  /// How its datagrams travel: what to wait on, when to pass() the time.
+  /// The port of the datagrams: its descriptor to wait on, and whether it needs the time.
   DatagramPort& port() noexcept { return *port_; }
   const DatagramPort& port() const noexcept { return *port_; }
 
-  /// To be given every sample: sends the datagram that is due with it. False when none is.
+  /// Call it with every sample. Sends the datagram that is due with it; returns false when none is.
   bool send(const Sample& sample) noexcept;
 
-  /// Takes the next datagram that has arrived and is good; bad ones are counted and skipped, up to
-  /// DatagramPort::kBurst of them, so that a flood costs the loop no more than that. `reply` or
-  /// `reason` is filled, as the result says.
+  /// Takes the next good datagram that has arrived. Bad ones are counted and skipped, up to
+  /// DatagramPort::kBurst of them, so that a flood costs the loop no more. Fills `reply` or
+  /// `reason`, as the result says.
   Arrival receive(Reply& reply, GoodbyeReason& reason) noexcept;
 
-  /// The view in the last reply received, for an observer; null: it had none. Valid until the next
-  /// receive().
+  /// An observer's view in the last reply; null: it had none. Valid until the next receive().
   const SceneView* view() const { return datagrams_.view(); }
 
-  /// Tells the server that this client leaves; three times, as no answer comes, and past the
-  /// datagrams that the port holds back, as the program may end before they leave.
+  /// Tells the server that this client leaves. Sends it three times, because no answer comes, and
+  /// before the datagrams that the port holds back, because the program may end before they leave.
   void goodbye() noexcept;
 
   TransportStatistics statistics() const { return {port_->statistics(), datagrams_.dropped()}; }
@@ -68,7 +67,7 @@ class Transport {
 
   DatagramSession datagrams_;
   std::unique_ptr<DatagramPort> port_;
-  std::uint64_t too_long_ = 0;  // of the port's statistics, when it was last looked at
+  std::uint64_t too_long_ = 0;  // of the port's statistics, at the last look
 };
 
 }  // namespace feltwire
