@@ -13,9 +13,10 @@
 
 namespace feltwire {
 
-/// Holds at most `capacity` datagrams and gives them by the time they are due, those due at once as
-/// they were pushed. Nothing is allocated after construction. A datagram longer than kMaxDatagram
-/// is cut to one byte more, so that its receiver still sees that it is too long.
+/// Holds at most `capacity` datagrams and returns them in the order in which they are due. Those
+/// due at the same time keep the order of push(). Nothing is allocated after construction. A
+/// datagram longer than kMaxDatagram is cut to one byte more than that, so that its receiver still
+/// sees that it is too long.
 class DelayQueue {
  public:
   struct Entry {
@@ -34,7 +35,7 @@ class DelayQueue {
     heap_.reserve(capacity);
   }
 
-  /// False when full.
+  /// Returns false when the queue is full.
   bool push(Bytes datagram, Nanoseconds due, Nanoseconds entered, std::uint64_t ordinal) noexcept {
     if (free_.empty()) return false;
     const std::uint32_t slot = free_.back();

@@ -1,5 +1,5 @@
 #pragma once
-// An emulated link before a port: every datagram goes through it, each way.
+// A port with an emulated link in front of it. Every datagram of both directions passes the link.
 
 #include <memory>
 #include <utility>

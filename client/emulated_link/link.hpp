@@ -1,5 +1,6 @@
 #pragma once
-// The model at work on datagrams: they enter, and leave when they are due. Time is an argument.
+// An emulated link for datagrams: they enter, and they leave when they are due. Time is an
+// argument.
 
 #include <cstdint>
 #include <optional>
@@ -13,10 +14,10 @@ namespace feltwire {
 /// queue_dropped + overflowed + in_flight.
 struct LinkStatistics {
   std::uint64_t entered = 0;
-  std::uint64_t delivered = 0;      // copies, too
+  std::uint64_t delivered = 0;      // with copies
   std::uint64_t lost = 0;           // on the line
   std::uint64_t queue_dropped = 0;  // before the line of a bit rate
-  std::uint64_t overflowed = 0;     // more on the way than the emulator has memory for
+  std::uint64_t overflowed = 0;     // dropped because the emulator had no memory for more
   std::uint64_t duplicated = 0;     // copies made
   std::uint64_t reordered = 0;      // came after one that entered later (RFC 4737)
   std::uint64_t in_flight = 0;
@@ -28,10 +29,10 @@ class OneWayLink {
   OneWayLink(const LinkOptions& options, std::uint64_t key, std::size_t capacity)
       : model_(options, key), queue_(capacity) {}
 
-  /// Takes a datagram, whatever becomes of it. Times must not fall from call to call.
+  /// Takes a datagram; the model may lose it. Times must not fall from call to call.
   void enter(Bytes datagram, Nanoseconds now) noexcept;
 
-  /// When the next one leaves; nothing is on its way where there is none.
+  /// When the next datagram leaves; no value when none is on its way.
   std::optional<Nanoseconds> next_due() const noexcept { return queue_.next_due(); }
 
   /// The next datagram that is due by now; its bytes stay until the next enter().
@@ -48,12 +49,12 @@ class OneWayLink {
 };
 
 struct TwoWayLink {
-  std::string text;  // as it was asked for
+  std::string text;  // of the options, as the user gave it
   std::uint64_t seed;
   OneWayLink up, down;
 
-  /// The link of the client with this number, counted from 0. `capacity`: datagrams on their way
-  /// in each direction.
+  /// The link of the client with this number, counted from 0. `capacity`: the most datagrams on
+  /// their way in each direction.
   TwoWayLink(const TwoWayLinkOptions& options, std::uint64_t client, std::size_t capacity)
       : text(options.text),
         seed(options.seed),

@@ -1,5 +1,6 @@
 #pragma once
-// A link in a report. Includes nlohmann's JSON: for .cpp files that write one.
+// A link in a report. It includes nlohmann's JSON, so only .cpp files that write a report include
+// it.
 
 #include <nlohmann/json.hpp>
 
@@ -7,7 +8,7 @@
 
 namespace feltwire {
 
-/// The text that was given, and for each direction the parameters (in the units of that text) and
+/// The text that the user gave; for each direction the parameters, in the units of that text, and
 /// the counters.
 nlohmann::ordered_json link_json(const TwoWayLink& link);
 

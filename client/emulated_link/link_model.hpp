@@ -10,30 +10,31 @@
 
 namespace feltwire {
 
-/// UDP and IPv4 headers, that travel with each payload and take their share of a bit rate.
+/// The UDP and IPv4 headers of each payload. They count for the bit rate.
 inline constexpr std::size_t kHeadersOnTheWire = 28;  // [bytes]
 
 struct LinkFate {
   enum class Loss : std::uint8_t { none, line, queue };
-  Loss loss = Loss::none;                 // on the line, or no room in the queue before it
+  Loss loss = Loss::none;                 // on the line, or in the full queue before it
   int copies = 0;                         // that arrive: 0, 1 or 2
   std::array<Nanoseconds, 2> arrivals{};  // of these, not necessarily in order
 };
 
-/// The fate of datagram n is a function of the key, n and the options alone, but for what depends
-/// on when and how large the others were: the queue, a trace, and the order that is kept. In its
-/// order on the way:
-///   1. the queue and the line of a bit rate: a datagram that finds more than `queue` bytes waiting
-///      or being sent is dropped (tail drop), else it leaves (size + headers) / rate after those;
-///   2. loss: a Gilbert chain (Gilbert 1960; Elliott's with loss 1 in the bad state and 0 in the
-///      good one), which begins in its stationary state and moves on with each datagram, also with
-///      those that the queue dropped;
-///   3. the delay: mean + jitter X, X of zero mean and unit variance, not below 0;
-///   4. a share is held back by reorder_delay behind the others, a share arrives twice, the copy
-///      with a delay of its own (it takes no bit rate).
+/// The fate of datagram n is a function of the key, n and the options alone, with three exceptions:
+/// the queue, a trace and keep_order depend on when and how large the other datagrams were. The
+/// steps, in their order on the way:
+///   1. The queue and the line of a bit rate. A datagram that finds more than `queue` bytes waiting
+///      or being sent is dropped (tail drop). Else it leaves (size + headers) / rate after those.
+///   2. Loss: a Gilbert chain (Gilbert 1960; Elliott's with loss 1 in the bad state and 0 in the
+///      good one). It begins in its stationary state and moves on with each datagram, also with
+///      those that the queue dropped.
+///   3. The delay: mean + jitter X, X of zero mean and unit variance, not below 0.
+///   4. A share of the datagrams is held back by reorder_delay. A share arrives twice; the copy has
+///   a
+///      delay of its own and takes no bit rate.
 class LinkModel {
  public:
-  /// `key` makes the random numbers; see link_key(). Precondition: validate(options) passes.
+  /// `key`: the seed of the random numbers (link_key()). Precondition: validate(options) passes.
   LinkModel(LinkOptions options, std::uint64_t key);
 
   /// The fate of the next datagram, of `size` bytes of payload, that enters `now`. Times must not
@@ -56,7 +57,7 @@ class LinkModel {
   bool bad_ = false;
   Nanoseconds start_{0};           // the first datagram's, where a trace begins
   Nanoseconds line_free_{0};       // when the last byte of the last datagram has left
-  Nanoseconds newest_arrival_{0};  // that none in order may precede
+  Nanoseconds newest_arrival_{0};  // with keep_order no later datagram arrives before this
 };
 
 enum class LinkDirection : std::uint8_t { up, down };

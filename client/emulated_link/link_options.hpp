@@ -11,24 +11,24 @@
 
 namespace feltwire {
 
-/// How a delay scatters about its mean; all three with the same standard deviation.
+/// The distribution of a delay about its mean. All three have the same standard deviation.
 enum class Jitter : std::uint8_t { normal, uniform, pareto };
 inline constexpr std::array<std::string_view, 3> kJitterNames = {"normal", "uniform", "pareto"};
 
-/// One direction of a link. All zero: datagrams pass at once and all of them.
+/// One direction of a link. With all zero, every datagram passes at once.
 struct LinkOptions {
   double delay = 0.0;   // [s] mean
   double jitter = 0.0;  // [s] standard deviation
   Jitter distribution = Jitter::normal;
-  bool keep_order = true;       // none overtakes another, except by `reorder`
+  bool keep_order = true;       // no datagram overtakes another, except by `reorder`
   double loss = 0.0;            // share of datagrams lost on the way, 0 to 1
   double burst = 0.0;           // [datagrams] mean run of losses, >= 1; 0: losses are independent
   double reorder = 0.0;         // share held back while others pass, 0 to 1
   double reorder_delay = 5e-3;  // [s] how long these are held back
   double duplicate = 0.0;       // share that arrives twice, 0 to 1
   double rate = 0.0;            // [bit/s] of the slowest line; 0: no limit
-  double queue = 64e3;          // [bytes] that fit in front of that line
-  std::shared_ptr<const LinkTrace> trace;  // gives delay and loss instead of the above; may be null
+  double queue = 64e3;          // [bytes] of the queue in front of that line
+  std::shared_ptr<const LinkTrace> trace;  // delay and loss, in place of those above; may be null
 };
 
 /// Both directions. The same seed gives the same fate to the same datagrams.
@@ -38,13 +38,13 @@ struct TwoWayLinkOptions {
   LinkOptions up, down;  // client to server, and back
 };
 
-/// Throws std::invalid_argument naming what contradicts what: a loss that bursts so short cannot
-/// reach, a trace beside delay, jitter or loss.
+/// Throws std::invalid_argument naming the options that contradict each other: a loss that bursts
+/// this short cannot reach, or a trace beside delay, jitter or loss.
 void validate(const LinkOptions& options);
 
 /// Reads "delay=25,jitter=5,loss=10,seed=3", a profile's name, "trace:FILE.csv", or a list of
-/// these; "up." or "down." before an item confines it to one direction, and later items win. Throws
-/// std::invalid_argument naming the item and the remedy, CsvError for what a trace holds.
+/// these. "up." or "down." before an item limits it to one direction. Later items win. Throws
+/// std::invalid_argument naming the item and the remedy, and CsvError for a fault in a trace.
 TwoWayLinkOptions parse_link(std::string_view text);
 
 /// A name for a list of items.

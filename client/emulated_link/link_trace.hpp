@@ -1,5 +1,5 @@
 #pragma once
-// A recorded link: what happened to probes, as a CSV file with the columns t,delay,lost.
+// A recorded link: the fate of probes, from a CSV file with the columns t,delay,lost.
 
 #include <cmath>
 #include <filesystem>
@@ -19,9 +19,9 @@ struct LinkTrace {
   };
   std::string file;
   std::vector<Row> rows;  // at least one; times rise, the first is 0
-  Nanoseconds period;     // after which it begins again: the last time and one mean step; > 0
+  Nanoseconds period;     // > 0, then it begins again: the last time plus one mean step
 
-  /// The row that holds `since` after the first datagram entered: the newest row not after it.
+  /// The row for the time `since` after the first datagram entered: the newest one not after it.
   const Row& at(Nanoseconds since) const noexcept;
 };
 
