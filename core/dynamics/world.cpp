@@ -151,15 +151,12 @@ World::World(const Scene& scene)
       motions_(parts_),
       followed_(parts_),
       run_(std::make_unique<Run>(mechanism_of(scene))) {
-  const auto add = [&](const Scene& held) {
-    const std::span<const Object> moving(held.objects().data() + still_, parts_);
-    held_.push_back({&held, held.objects(), NeighbourSearch(moving, held.tool().radius)});
+  for (const ToolView& view : scene.views()) {
+    const std::span<const Object> moving(view.objects().data() + still_, parts_);
+    held_.push_back({&view, view.objects(), NeighbourSearch(moving, view.tool().radius)});
     for (std::size_t i = 0; i < parts_; ++i)
       followed_[i].way |= follows_way(moving[i].shape, moving[i].felt_from);
-  };
-  held_.reserve(1 + scene.others().size());
-  add(scene);
-  for (const auto& other : scene.others()) add(*other);
+  }
   look();
 }
 
@@ -177,7 +174,7 @@ void World::look() noexcept {
     pose.orientation = (turned * part.in_body.orientation).normalized();
     std::array<mjtNum, 6> velocity{};  // of the body's frame, world axes: angular, linear
     mj_objectVelocity(&run_->model(), run_->data(), mjOBJ_XBODY, part.body, velocity.data(), 0);
-    for (ToolView& held : held_) {
+    for (MovedView& held : held_) {
       held.objects[still_ + i].pose = pose;
       held.reach.place(i, pose);
     }
@@ -185,7 +182,7 @@ void World::look() noexcept {
     motion.angular = mujoco::vector(velocity.data());
     motion.linear = mujoco::vector(velocity.data() + 3) + motion.angular.cross(arm);
   }
-  for (ToolView& held : held_) held.reach.placed();
+  for (MovedView& held : held_) held.reach.placed();
 }
 
 bool World::sane(std::size_t part) const noexcept {
@@ -234,7 +231,7 @@ void World::go_back() noexcept {
     run_->simulation.evaluate();
   }
   look();
-  for (ToolView& held : held_) held.reach.begin_anew();
+  for (MovedView& held : held_) held.reach.begin_anew();
   trust_ = 0.0;
   ++counters_.resets;
   reset_before_ = last_reset_;

@@ -25,7 +25,7 @@ struct PeakPush {
 
 /// One tool's hold on the moving objects: what it put on them last.
 struct BodyContactState {
-  std::size_t held = 0;  // which of the scene's tools it is: 0 its own, then its others()
+  std::size_t held = 0;  // which of the scene's tools it is (Scene::views())
   Tool tool;
   std::vector<Vec3> forces;  // [N] on the hand, one for each moving object
   NeighbourList near;        // of a point or a ball: these alone are asked; others have no force
@@ -61,10 +61,10 @@ class World {
   World(const World&) = delete;
   World& operator=(const World&) = delete;
 
-  /// The scene for hands that hold one of its tools, by BodyContactState::held.
-  const Scene& scene(std::size_t held = 0) const { return *held_[held].scene; }
+  /// The scene as one of its tools touches it, by BodyContactState::held.
+  const ToolView& view(std::size_t held = 0) const { return *held_[held].view; }
   double tick() const { return tick_; }  // [s] of a step
-  /// That scene's objects, those that move where they now are.
+  /// That view's objects, those that move where they now are.
   const std::vector<Object>& objects(std::size_t held = 0) const { return held_[held].objects; }
   /// [m/s] of the material point of an object that is at `point` [m, world].
   Vec3 velocity_at(std::size_t object, const Vec3& point) const noexcept;
@@ -79,17 +79,17 @@ class World {
   /// [N s] linear momentum of the bodies.
   Vec3 momentum() const noexcept;
 
-  BodyContactState contact_state() const { return contact_state(scene()); }
-  /// Of a hand that feels this scene: the world's or one of its others(), else
-  /// std::invalid_argument.
-  BodyContactState contact_state(const Scene& held, const HandLimits& limits = {}) const;
+  BodyContactState contact_state() const { return contact_state(view()); }
+  /// Of a hand with the tool of this view. Throws std::invalid_argument where the view is not one
+  /// of this world's scene.
+  BodyContactState contact_state(const ToolView& view, const HandLimits& limits = {}) const;
 
-  /// As Scene::touch() of the scene that the contacts were made for, with the moving objects where
-  /// they are and as fast as they are. What they put on the hand is kept in `contacts`; push() puts
-  /// the opposite on them. A hand that is faster than its limit since its last sample lets go of
-  /// what moves, and both feel each other from nothing again, whole after kRecovery.
+  /// As ToolView::touch() of the view that the contacts were made for, with the moving objects
+  /// where they are and as fast as they are. What they put on the hand is kept in `contacts`;
+  /// push() puts the opposite on them. A hand that is faster than its limit since its last sample
+  /// lets go of what moves, and both feel each other from nothing again, whole after kRecovery.
   Command touch(const Tool& tool, TouchMemory& memory, BodyContactState& contacts) const noexcept;
-  /// Likewise as Scene::touch() of a tool with a body.
+  /// Likewise as ToolView::touch() of a tool with a body.
   Command touch(const Pose& device, const Vec3& velocity, double elapsed, BodyMemory& memory,
                 BodyContactState& contacts) const noexcept;
 
@@ -125,7 +125,7 @@ class World {
 
  private:
   struct Run;
-  struct ToolView;
+  struct MovedView;
   void look() noexcept;
   bool sane() const noexcept;
   bool sane(std::size_t part) const noexcept;
@@ -137,15 +137,15 @@ class World {
   Command hold(const Pose& device, double elapsed, BodyMemory& memory,
                BodyContactState& contacts) const noexcept;
   void apply(std::size_t part, BodyContactState& contacts, const Vec3& at, double share) noexcept;
-  void look_round(const ToolView& held, const Vec3& position, TouchMemory& memory,
+  void look_round(const MovedView& held, const Vec3& position, TouchMemory& memory,
                   BodyContactState& contacts) const noexcept;
   void ask_near(const Tool& tool, TouchMemory& memory, BodyContactState& contacts,
                 Command& sum) const noexcept;
-  void ask(const ToolView& held, std::size_t part, const Tool& tool, TouchMemory& memory,
+  void ask(const MovedView& held, std::size_t part, const Tool& tool, TouchMemory& memory,
            BodyContactState& contacts, Command& sum) const noexcept;
-  bool comes_near(const ToolView& held, std::size_t part, const Vec3& position,
+  bool comes_near(const MovedView& held, std::size_t part, const Vec3& position,
                   const BodyContactState& contacts, FeatureMemory& memory) const noexcept;
-  bool passes_by(const ToolView& held, std::size_t part, const Vec3& position,
+  bool passes_by(const MovedView& held, std::size_t part, const Vec3& position,
                  FeatureMemory& memory) const noexcept;
 
   double tick_;
@@ -161,15 +161,15 @@ class World {
     Pose before;  // a step ago
   };
   std::vector<Followed> followed_;
-  /// What hands meet that hold one of the tools: the same places, but what is triangles to a point
-  /// is a grid to a body.
-  struct ToolView {
-    const Scene* scene;
+  /// What hands meet that hold one of the tools: the same places for all, but what is triangles to
+  /// a point is a grid to a body.
+  struct MovedView {
+    const ToolView* view;
     std::vector<Object> objects;
     NeighbourSearch reach;  // of those that move
   };
-  std::vector<ToolView> held_;  // never empty
-  double trust_ = 1.0;          // share of a moving object's force that is felt
+  std::vector<MovedView> held_;  // never empty
+  double trust_ = 1.0;           // share of a moving object's force that is felt
   WorldCounters counters_;
   std::uint64_t passed_ = 0;                         // ticks that were not stepped
   std::uint64_t last_reset_ = 0, reset_before_ = 0;  // [steps]

@@ -12,17 +12,16 @@ namespace feltwire {
 /// [m] that a point of a hand's tool may have gone from its last pose to the next.
 double World::way_of(const BodyContactState& contacts, const Pose& next) const noexcept {
   if (!contacts.placed) return 0.0;
-  const double radius = scene(contacts.held).tool().body->shell().radius;
+  const double radius = view(contacts.held).tool().body->shell().radius;
   return length(Vec3(next.position - contacts.device.position)) +
          radius * length(rotation_between(contacts.device.orientation, next.orientation));
 }
 
-BodyContactState World::contact_state(const Scene& held, const HandLimits& limits) const {
-  const auto found = std::ranges::find(held_, &held, &ToolView::scene);
+BodyContactState World::contact_state(const ToolView& view, const HandLimits& limits) const {
+  const auto found = std::ranges::find(held_, &view, &MovedView::view);
   if (found == held_.end())
     throw std::invalid_argument(
-        "scene '" + held.name() +
-        "' is not this world's; ask for a contact state of one of its tools");
+        "tool: is of another scene than this world; ask for a contact state of one of its tools");
   BodyContactState contacts;
   contacts.most_force = limits.force;
   contacts.pace = HandPace(limits.speed, tick_, kRecovery);
@@ -32,7 +31,7 @@ BodyContactState World::contact_state(const Scene& held, const HandLimits& limit
   contacts.peak_pushes.resize(parts_);
   contacts.near.parts.reserve(parts_);
   contacts.nearness.assign(parts_, NeighbourState::far);
-  if (held.tool().body) contacts.motions.resize(held.objects().size());
+  if (view.tool().body) contacts.motions.resize(view.objects().size());
   return contacts;
 }
 
@@ -49,9 +48,9 @@ Command World::hold(const Pose& device, double elapsed, BodyMemory& memory,
     contacts.motions[still_ + i] = {moved_for * motions_[i].linear, moved_for * motions_[i].angular,
                                     trust};
   memory.known = false;
-  const ToolView& held = held_[contacts.held];
+  const MovedView& held = held_[contacts.held];
   const BodyStep step =
-      step_body(*held.scene->tool().body, held.objects, device, elapsed, memory, contacts.motions);
+      step_body(*held.view->tool().body, held.objects, device, elapsed, memory, contacts.motions);
   contacts.tool = {memory.pose.position, Vec3::Zero()};
   for (std::size_t i = 0; i < parts_; ++i) {
     contacts.forces[i].setZero();
@@ -74,7 +73,7 @@ Command World::touch(const Pose& device, const Vec3& velocity, double elapsed, B
   Command command = hold(device, elapsed, memory, contacts);
   contacts.device = device;
   contacts.fresh = true;
-  scene(contacts.held).add_guides({device.position, velocity}, command);
+  view(contacts.held).add_guides({device.position, velocity}, command);
   return command.finite() ? command : Command{};
 }
 

@@ -26,7 +26,7 @@ void World::forget_moving(BodyContactState& contacts, TouchMemory& memory) const
 /// Is the tool near what follows its way, or has it come by it since it was asked for last, at
 /// contacts.tool? The way is that which the object sees. One that was in no list is told where the
 /// tool comes from: where that was a step ago; what of a longer silence is not known.
-bool World::comes_near(const ToolView& held, std::size_t part, const Vec3& position,
+bool World::comes_near(const MovedView& held, std::size_t part, const Vec3& position,
                        const BodyContactState& contacts, FeatureMemory& memory) const noexcept {
   const bool is_near = held.reach.is_near(part, position), known = contacts.near.known();
   const NeighbourState before = contacts.nearness[part];
@@ -48,7 +48,7 @@ bool World::comes_near(const ToolView& held, std::size_t part, const Vec3& posit
 
 /// Makes the list of the objects near the tool anew. What leaves it has no force: it has been asked
 /// since it came out of reach, or is in the list still.
-void World::look_round(const ToolView& held, const Vec3& position, TouchMemory& memory,
+void World::look_round(const MovedView& held, const Vec3& position, TouchMemory& memory,
                        BodyContactState& contacts) const noexcept {
   NeighbourList& near = contacts.near;
   near.parts.clear();
@@ -69,7 +69,7 @@ void World::look_round(const ToolView& held, const Vec3& position, TouchMemory& 
 
 /// A tool out of reach of what does not hold it, whose way there was so too: where it is now is
 /// remembered, as if it had been asked.
-bool World::passes_by(const ToolView& held, std::size_t part, const Vec3& position,
+bool World::passes_by(const MovedView& held, std::size_t part, const Vec3& position,
                       FeatureMemory& memory) const noexcept {
   if (memory.side != 0) return false;
   const Shape& shape = held.objects[still_ + part].shape;
@@ -84,7 +84,7 @@ bool World::passes_by(const ToolView& held, std::size_t part, const Vec3& positi
 
 /// Keeps what a moving object answers in the contacts and adds it to `sum`. One that has gone out
 /// of reach is asked once more, and lets go.
-void World::ask(const ToolView& held, std::size_t part, const Tool& tool, TouchMemory& memory,
+void World::ask(const MovedView& held, std::size_t part, const Tool& tool, TouchMemory& memory,
                 BodyContactState& contacts, Command& sum) const noexcept {
   const std::size_t object = still_ + part;
   NeighbourState& nearness = contacts.nearness[part];
@@ -99,7 +99,7 @@ void World::ask(const ToolView& held, std::size_t part, const Tool& tool, TouchM
   const Vec3 against = tool.velocity - velocity_at(object, tool.position);
   const Command answer = trust_ * contacts.pace.trust(time()) *
                          feltwire::touch(held.objects[object], {tool.position, against},
-                                         memory[object], held.scene->tool().radius);
+                                         memory[object], held.view->tool().radius);
   contacts.forces[part] = answer.force();
   if (outside && memory[object].feature.side == 0)
     nearness = NeighbourState::near;  // it has let go
@@ -110,7 +110,7 @@ void World::ask(const ToolView& held, std::size_t part, const Tool& tool, TouchM
 /// The objects that move, as far as they are near.
 void World::ask_near(const Tool& tool, TouchMemory& memory, BodyContactState& contacts,
                      Command& sum) const noexcept {
-  const ToolView& held = held_[contacts.held];
+  const MovedView& held = held_[contacts.held];
   if (!held.reach.holds(contacts.near, tool.position))
     look_round(held, tool.position, memory, contacts);
   for (const std::uint32_t part : contacts.near.parts) ask(held, part, tool, memory, contacts, sum);
@@ -126,9 +126,9 @@ Command World::touch(const Tool& tool, TouchMemory& memory,
   contacts.placed = true;
   const bool jumped = !contacts.pace.follow(way, time());
   if (jumped || contacts.resets != counters_.resets) forget_moving(contacts, memory);
-  Command sum = scene(contacts.held).touch_still(tool, memory);
+  Command sum = view(contacts.held).touch_still(tool, memory);
   ask_near(tool, memory, contacts, sum);
-  if (!scene(contacts.held).guides().empty()) scene(contacts.held).add_guides(tool, sum);
+  if (!view(contacts.held).guides().empty()) view(contacts.held).add_guides(tool, sum);
   contacts.tool = tool;
   contacts.fresh = true;
   return sum.finite() ? sum : Command{};

@@ -113,17 +113,17 @@ double radius_of(const Object& object, const SurfacePatch& patch, std::size_t in
   return radius;
 }
 
-/// The scene's objects where they now are.
-LocalModel model_of(const Scene& scene, const std::vector<Object>& objects, const Vec3& position,
+/// The view's objects where they now are.
+LocalModel model_of(const ToolView& view, const std::vector<Object>& objects, const Vec3& position,
                     const TouchMemory& memory) noexcept {
   LocalModel model;
-  if (scene.tool().body || scene.tool().radius > 0.0) return model;  // its patches are for a point
+  if (view.tool().body || view.tool().radius > 0.0) return model;  // its patches are for a point
   if (!position.allFinite() || memory.size() != objects.size()) [[unlikely]]
     return model;
   model.center = position;
 
   double reach = kModelReach;
-  for (const Guide& guide : scene.guides())  // a model has no word for them
+  for (const Guide& guide : view.guides())  // a model has no word for them
     reach = std::min(reach, begins(guide, position));
   Nearest nearest(reach);
   Fitted fits;
@@ -161,14 +161,14 @@ LocalModel model_of(const Scene& scene, const std::vector<Object>& objects, cons
 
 }  // namespace
 
-LocalModel local_model(const Scene& scene, const Vec3& position,
+LocalModel local_model(const ToolView& view, const Vec3& position,
                        const TouchMemory& memory) noexcept {
-  return model_of(scene, scene.objects(), position, memory);
+  return model_of(view, view.objects(), position, memory);
 }
 
 LocalModel local_model(const World& world, const Vec3& position, const TouchMemory& memory,
                        std::size_t held) noexcept {
-  LocalModel model = model_of(world.scene(held), world.objects(held), position, memory);
+  LocalModel model = model_of(world.view(held), world.objects(held), position, memory);
   for (int i = 0; i < model.count; ++i) {
     SurfacePatch& patch = model.patches[static_cast<std::size_t>(i)];
     patch.velocity = world.velocity_at(patch.object, patch.point);

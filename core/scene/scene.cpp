@@ -12,7 +12,6 @@
 #include "core/mesh/mesh_surface.hpp"
 #include "core/scene/mechanism.hpp"
 #include "core/scene/validation.hpp"
-#include "core/tool/body_tool.hpp"
 
 namespace feltwire {
 namespace {
@@ -87,21 +86,6 @@ MaybeViolation coordinates(const Vec3& position) {
                 coordinate("position.z", position.z())});
 }
 
-Requirements required_by(const std::vector<Object>& objects, const std::vector<Guide>& guides) {
-  Requirements r;
-  for (const Object& o : objects) {
-    r.friction |= o.material.static_friction > 0.0;
-    r.velocity |= o.material.damping > 0.0 || o.material.viscous_friction > 0.0;
-    r.stiffness = std::max(r.stiffness, o.material.stiffness);
-  }
-  r.guides = !guides.empty();
-  for (const Guide& guide : guides) {
-    r.velocity |= needs_velocity(guide);
-    r.stiffness = std::max(r.stiffness, stiffness(guide));
-  }
-  return r;
-}
-
 }  // namespace
 
 void make_unit(Quaternion& orientation) {
@@ -159,17 +143,14 @@ MaybeViolation broken_name(const std::string& name) {
 
 Scene::Scene(std::string name, std::vector<Object> objects, const Start& start,
              std::vector<Guide> guides)
-    : name_(std::move(name)),
-      objects_(std::move(objects)),
-      guides_(std::move(guides)),
-      start_(start) {
+    : name_(std::move(name)), start_(start) {
   if (auto violation = broken_name(name_)) refuse("scene", *violation);
   if (auto violation = check(start_)) refuse("start", *violation);
   start_.normal = direction(start_.normal);
-  if (objects_.empty() && guides_.empty())
+  if (objects.empty() && guides.empty())
     refuse("scene", {"objects", "there is none to touch, and no guide; add at least one"});
   std::set<std::string> names;
-  for (Object& object : objects_) {
+  for (Object& object : objects) {
     const std::string whose = "object '" + object.name + "'";
     if (auto violation = broken_name(object.name)) refuse(whose, *violation);
     if (!names.insert(object.name).second)
@@ -180,7 +161,7 @@ Scene::Scene(std::string name, std::vector<Object> objects, const Start& start,
     make_unit(object.pose.orientation);
   }
   names.clear();
-  for (Guide& guide : guides_) {
+  for (Guide& guide : guides) {
     const std::string whose = "guide '" + guide.name + "'";
     if (auto violation = broken_name(guide.name)) refuse(whose, *violation);
     if (!names.insert(guide.name).second)
@@ -188,114 +169,21 @@ Scene::Scene(std::string name, std::vector<Object> objects, const Start& start,
     if (auto violation = check(guide)) refuse(whose, *violation);
     make_unit(guide.pose.orientation);
   }
-  requirements_ = required_by(objects_, guides_);
-  still_ = objects_.size();
-  find_by_tree();
+  views_.push_back(ToolView(std::make_shared<const std::vector<Object>>(std::move(objects)),
+                            std::make_shared<const std::vector<Guide>>(std::move(guides))));
 }
 
 void Scene::set_mechanism(std::shared_ptr<const Mechanism> mechanism) {
-  if (mechanism != nullptr && mechanism->still() + mechanism->parts().size() != objects_.size())
-    refuse(
-        "scene",
-        {"mechanism",
-         "was compiled for " + std::to_string(mechanism->still() + mechanism->parts().size()) +
-             " objects, here are " + std::to_string(objects_.size()) + "; compile it for these"});
+  const std::size_t count = objects().size();
+  if (mechanism != nullptr && mechanism->still() + mechanism->parts().size() != count)
+    refuse("scene",
+           {"mechanism",
+            "was compiled for " + std::to_string(mechanism->still() + mechanism->parts().size()) +
+                " objects, here are " + std::to_string(count) + "; compile it for these"});
   mechanism_ = std::move(mechanism);
   if (mechanism_ != nullptr)
     warnings_.insert(warnings_.end(), mechanism_->warnings().begin(), mechanism_->warnings().end());
-  still_ = mechanism_ != nullptr ? mechanism_->still() : objects_.size();
-  find_by_tree();
-}
-
-TouchMemory Scene::memory() const {
-  TouchMemory memory(objects_.size());
-  if (!broad_phase_.in_use()) return memory;
-  memory.live_.reserve(objects_.size());
-  memory.asked_.reserve(2 * objects_.size());
-  return memory;
-}
-
-/// Of the objects that the tool's way meets or that hold it; in the order of the objects, so that
-/// the sum has the same bits whatever the tree looks like.
-Command Scene::touch_near(const Tool& tool, TouchMemory& memory) const noexcept {
-  const Vec3 from = memory.tracked_ ? memory.position_ : tool.position;
-  std::vector<std::uint32_t>& asked = memory.asked_;
-  asked.assign(memory.live_.begin(), memory.live_.end());
-  const auto ask = [&](std::uint32_t i) {
-    if (asked.size() == asked.capacity()) [[unlikely]]
-      return;  // never: each comes twice at most
-    asked.push_back(i);
-  };
-  for (const std::uint32_t i : broad_phase_.everywhere()) ask(i);
-  const auto known = static_cast<std::ptrdiff_t>(memory.live_.size());
-  broad_phase_.along(from, tool.position, ask);
-  // Whose memory is not of the sample before is told where the tool comes from.
-  const auto is_live = [&](std::uint32_t i) {
-    return std::find(asked.begin(), asked.begin() + known, i) != asked.begin() + known;
-  };
-  for (std::size_t n = static_cast<std::size_t>(known); n < asked.size(); ++n) {
-    const Object& object = objects_[asked[n]];
-    if (!memory.tracked_ || is_live(asked[n]) || !follows_way(object.shape, object.felt_from))
-      continue;
-    approach_from(object.shape, object.pose.orientation.conjugate() * (from - object.pose.position),
-                  memory[asked[n]].feature);
-  }
-  std::sort(asked.begin(), asked.end());
-  asked.erase(std::unique(asked.begin(), asked.end()), asked.end());
-
-  Command sum;
-  memory.live_.clear();
-  for (const std::uint32_t i : asked) {
-    add_touch(objects_[i], tool, memory[i], tool_.radius, sum);
-    if (memory[i].touching || memory[i].feature.side != 0)
-      memory.live_.push_back(i);
-    else
-      memory[i] = {};
-  }
-  memory.tracked_ = true;
-  memory.position_ = tool.position;
-  return sum;
-}
-
-void Scene::add_guides(const Tool& tool, Command& sum) const noexcept {
-  Command guides;
-  for (const Guide& guide : guides_) {
-    const Command part = guide_force(guide, tool);
-    guides.elastic += part.elastic;
-    guides.frictional += part.frictional;
-  }
-  if (objects_.empty()) {
-    sum.elastic += guides.elastic;
-    sum.frictional += guides.frictional;
-    return;
-  }
-  const Vec3 all = guides.force();
-  if (all.isZero(0.0)) return;
-  sum.frictional += all;
-  // Guides that pull harder into a surface than it pushes would make a contact pull, which no bound
-  // lets through.
-  if (sum.force().dot(sum.elastic) > 0.0) return;
-  sum.frictional += sum.elastic;
-  sum.elastic.setZero();
-}
-
-Command Scene::touch(const Pose& device, const Vec3& velocity, double elapsed,
-                     BodyMemory& memory) const noexcept {
-  Command command = step_body(*tool_.body, objects_, device, elapsed, memory).command;
-  add_guides({device.position, velocity}, command);
-  return command.finite() ? command : Command{};
-}
-
-Command Scene::touch(const Tool& tool, TouchMemory& memory, std::size_t count) const noexcept {
-  if (!tool.position.allFinite() || !tool.velocity.allFinite() || memory.size() != objects_.size())
-      [[unlikely]]
-    return {};
-  Command sum;
-  const bool by_tree = broad_phase_.in_use();
-  if (by_tree) sum = touch_near(tool, memory);
-  for (std::size_t i = by_tree ? still_ : 0; i < count; ++i)
-    add_touch(objects_[i], tool, memory[i], tool_.radius, sum);
-  return sum;
+  for (ToolView& view : views_) view.set_still(mechanism_ != nullptr ? mechanism_->still() : count);
 }
 
 }  // namespace feltwire

@@ -4,7 +4,6 @@
 #include <functional>
 
 #include "core/mesh/mesh_surface.hpp"
-#include "core/scene/mechanism.hpp"
 #include "core/scene/validation.hpp"
 #include "core/tool/body_tool.hpp"
 
@@ -27,16 +26,8 @@ const MeshOptions* mesh_of(const Object& object) {
 }
 
 /// The objects that move stand behind the others.
-bool moves(const Scene& scene, const Object& object) {
-  return scene.mechanism() != nullptr &&
-         static_cast<std::size_t>(&object - scene.objects().data()) >= scene.mechanism()->still();
-}
-
-/// For each tool.
-std::vector<const Scene*> all_held(const Scene& scene) {
-  std::vector<const Scene*> all{&scene};
-  for (const auto& other : scene.others()) all.push_back(other.get());
-  return all;
+bool moves(const ToolView& view, const Object& object) {
+  return static_cast<std::size_t>(&object - view.objects().data()) >= view.still();
 }
 
 /// A tool that all hands hold has no name of its own.
@@ -45,19 +36,18 @@ std::string tool_name(const HandTool& tool) { return tool.name.empty() ? "tool" 
 std::vector<std::string> tools_if(const Scene& scene,
                                   const std::function<bool(const HandTool&)>& chosen) {
   std::vector<std::string> names;
-  for (const Scene* held : all_held(scene))
-    if (chosen(held->tool())) names.push_back(tool_name(held->tool()));
+  for (const ToolView& view : scene.views())
+    if (chosen(view.tool())) names.push_back(tool_name(view.tool()));
   return names;
 }
 
 /// Of the objects of which that is so for one tool at least.
 std::vector<std::string> objects_if(
-    const Scene& scene, const std::function<bool(const Scene&, const Object&)>& chosen) {
-  const std::vector<const Scene*> all = all_held(scene);
+    const Scene& scene, const std::function<bool(const ToolView&, const Object&)>& chosen) {
   std::vector<std::string> names;
   for (std::size_t i = 0; i < scene.objects().size(); ++i)
-    if (std::ranges::any_of(all,
-                            [&](const Scene* held) { return chosen(*held, held->objects()[i]); }))
+    if (std::ranges::any_of(scene.views(),
+                            [&](const ToolView& view) { return chosen(view, view.objects()[i]); }))
       names.push_back(scene.objects()[i].name);
   return names;
 }
@@ -70,16 +60,16 @@ std::string tool_kind(const HandTool& tool) {
 /// The names of the tools.
 std::string listed_tools(const Scene& scene) {
   std::string text;
-  for (const Scene* held : all_held(scene))
-    text += (text.empty() ? "  tools: " : ", ") + held->tool().name + " (" +
-            tool_kind(held->tool()) + (held == &scene ? "; of hands that ask for none)" : ")");
+  for (const ToolView& view : scene.views())
+    text += (text.empty() ? "  tools: " : ", ") + view.tool().name + " (" + tool_kind(view.tool()) +
+            (&view == scene.view("") ? "; of hands that ask for none)" : ")");
   return text + "\n";
 }
 
 /// Bodies share them.
-std::vector<Scene::Sampled> grids_for_bodies(const Scene& scene) {
-  for (const Scene* held : all_held(scene))
-    if (!held->sampled().empty()) return held->sampled();
+std::vector<ToolView::Sampled> grids_for_bodies(const Scene& scene) {
+  for (const ToolView& view : scene.views())
+    if (!view.sampled().empty()) return view.sampled();
   return {};
 }
 
@@ -106,7 +96,7 @@ std::string counted(std::size_t count, const char* one, const char* many) {
 
 std::vector<FeatureCost> feature_costs(const Scene& scene) {
   const auto objects = [&](const std::function<bool(const Object&)>& chosen) {
-    return objects_if(scene, [&](const Scene&, const Object& o) { return chosen(o); });
+    return objects_if(scene, [&](const ToolView&, const Object& o) { return chosen(o); });
   };
   const auto guides = [&](const std::function<bool(const Guide&)>& chosen) {
     return names<Guide>(scene.guides(), chosen);
@@ -127,8 +117,8 @@ std::vector<FeatureCost> feature_costs(const Scene& scene) {
        objects([](const Object& o) { return mesh_of(o) != nullptr; })},
       {"triangles about a ball", "distances to all that are near",
        objects_if(scene,
-                  [](const Scene& held, const Object& o) {
-                    return mesh_of(o) != nullptr && mesh_of(o)->radius + held.tool().radius > 0.0;
+                  [](const ToolView& view, const Object& o) {
+                    return mesh_of(o) != nullptr && mesh_of(o)->radius + view.tool().radius > 0.0;
                   })},
       {"smooth normals", "a normal a corner",
        objects([](const Object& o) { return mesh_of(o) != nullptr && mesh_of(o)->smooth; })},
@@ -143,8 +133,8 @@ std::vector<FeatureCost> feature_costs(const Scene& scene) {
        tools_if(scene, [](const HandTool& tool) { return tool.body != nullptr; })},
       {"motion", "a tick of MuJoCo's, places and forces of what moves", objects_if(scene, moves)},
       {"a tree over the objects", "boxes along the hand's way",
-       objects_if(scene, [](const Scene& held,
-                            const Object& o) { return held.by_tree() && !moves(held, o); })},
+       objects_if(scene, [](const ToolView& view,
+                            const Object& o) { return view.by_tree() && !moves(view, o); })},
   };
 }
 
@@ -161,10 +151,10 @@ std::string describe_costs(const Scene& scene) {
     else
       text += "  " + need.what + " (" + need.cost + "): " + listed(need.needed) + "\n";
   }
-  for (const Scene::Sampled& mesh : grids_for_bodies(scene))
+  for (const ToolView::Sampled& mesh : grids_for_bodies(scene))
     text += "  grid of distances for the tool's body: mesh " + mesh.object + ", a sample every " +
             number_text(mesh.resolution) + " m (its longest side over " +
-            number_text(Scene::kMeshGridSteps) + "); give it as a grid to choose\n";
+            number_text(ToolView::kMeshGridSteps) + "); give it as a grid to choose\n";
   if (!unused.empty()) text += "  nothing is spent on: " + unused + "\n";
   const double k = scene.requirements().stiffness;
   if (k > 0.0)

@@ -16,10 +16,11 @@ namespace feltwire {
 namespace {
 
 /// A body touches distances; a mesh that was not given as a grid becomes one.
-Scene::Sampled sample_for_body(Object& object, const Mesh& mesh) {
-  const TriangleMesh& triangles = mesh.surface->mesh();
+ToolView::Sampled sample_for_body(Object& object) {
+  const auto surface = std::get<Mesh>(object.shape).surface;
+  const TriangleMesh& triangles = surface->mesh();
   GridOptions options;
-  options.resolution = 2.0 * triangles.half_extents().maxCoeff() / Scene::kMeshGridSteps;
+  options.resolution = 2.0 * triangles.half_extents().maxCoeff() / ToolView::kMeshGridSteps;
   try {
     object.shape = Grid{std::make_shared<const DistanceGrid<float>>(solid_of(triangles), options)};
   } catch (const std::invalid_argument& error) {
@@ -56,27 +57,25 @@ MaybeViolation broken_tools(std::size_t count) {
                                 (count == 0 ? "name one, or leave them out" : "name fewer")};
 }
 
-void Scene::find_by_tree() {
-  broad_phase_ = tool_.body ? BroadPhase{}  // it touches by itself
-                            : BroadPhase({objects_.data(), still_}, tool_.radius);
+ToolView ToolView::with(HandTool tool) const {
+  if (auto violation = check(tool, *objects_)) refuse(whose(tool), *violation);
+  ToolView view = *this;
+  const auto is_mesh = [](const Object& object) {
+    return std::holds_alternative<Mesh>(object.shape);
+  };
+  if (tool.body && std::ranges::any_of(*objects_, is_mesh)) {
+    const auto objects = std::make_shared<std::vector<Object>>(*objects_);
+    for (Object& object : *objects)
+      if (is_mesh(object)) view.sampled_.push_back(sample_for_body(object));
+    view.objects_ = objects;
+  }
+  view.requirements_.rotation = tool.body != nullptr;
+  view.tool_ = std::move(tool);
+  view.set_still(still_);
+  return view;
 }
 
-void Scene::set_tool(HandTool tool) {
-  if (auto violation = check(tool, objects_)) refuse(whose(tool), *violation);
-  if (tool.body) {
-    std::vector<Object> objects = objects_;
-    std::vector<Sampled> sampled = sampled_;
-    for (Object& object : objects)
-      if (const auto* mesh = std::get_if<Mesh>(&object.shape))
-        sampled.push_back(sample_for_body(object, Mesh(*mesh)));
-    objects_ = std::move(objects);
-    sampled_ = std::move(sampled);
-  }
-  requirements_.rotation = tool.body != nullptr;
-  tool_ = std::move(tool);
-  others_.clear();
-  find_by_tree();
-}
+void Scene::set_tool(HandTool tool) { views_ = {views_.front().with(std::move(tool))}; }
 
 void Scene::set_tools(std::vector<HandTool> tools) {
   if (auto violation = broken_tools(tools.size())) refuse("scene", *violation);
@@ -87,23 +86,28 @@ void Scene::set_tools(std::vector<HandTool> tools) {
       refuse(whose(tool), {"name", "stands twice in the scene; rename one"});
   }
   // Bodies share the grids that one of them needed first.
-  std::vector<std::shared_ptr<Scene>> scenes;
-  const Scene* sampled = nullptr;
+  std::vector<ToolView> views;
+  views.reserve(tools.size());
+  const ToolView* sampled = nullptr;
   for (HandTool& tool : tools) {
     const bool body = tool.body != nullptr;
-    scenes.push_back(std::make_shared<Scene>(body && sampled != nullptr ? *sampled : *this));
-    scenes.back()->set_tool(std::move(tool));
-    if (body) sampled = scenes.back().get();
+    views.push_back((body && sampled != nullptr ? *sampled : views_.front()).with(std::move(tool)));
+    if (body) sampled = &views.back();
   }
-  *this = std::move(*scenes.front());
-  others_.assign(scenes.begin() + 1, scenes.end());
+  views_ = std::move(views);
 }
 
-const Scene* Scene::held(std::string_view tool) const noexcept {
-  if (tool.empty() || tool == tool_.name) return this;
-  const auto found = std::ranges::find(
-      others_, tool, [](const auto& other) { return std::string_view(other->tool_.name); });
-  return found != others_.end() ? found->get() : nullptr;
+const ToolView* Scene::view(std::string_view tool) const noexcept {
+  if (tool.empty()) return &views_.front();
+  const auto found =
+      std::ranges::find_if(views_, [&](const ToolView& view) { return view.tool().name == tool; });
+  return found != views_.end() ? &*found : nullptr;
+}
+
+std::string Scene::tool_names() const {
+  std::string names;
+  for (const ToolView& view : views_) names += (names.empty() ? "" : ", ") + view.tool().name;
+  return names;
 }
 
 }  // namespace feltwire

@@ -27,9 +27,8 @@ double probe_draw(std::uint64_t i) {  // -1 to 1
 }
 
 /// The place of probe `i`.
-Vec3 probe_place(const Scene& scene, std::size_t i) {
-  const auto& objects = scene.objects();
-  if (objects.empty()) return scene.start().position;
+Vec3 probe_place(const Start& start, const std::vector<Object>& objects, std::size_t i) {
+  if (objects.empty()) return start.position;
   const Object& object = objects[i * objects.size() / kProbes];
   const ReachBall ball = reach_ball(object);
   const double radius = std::isfinite(ball.radius) ? ball.radius : kProbeAround;
@@ -47,7 +46,9 @@ control::JoinRequest probe_request(const Scene& scene) {
 
 }  // namespace
 
-AnswerTime measure_answers(const Scene& scene, const std::function<Nanoseconds()>& clock) {
+AnswerTime measure_answers(const Scene& scene, const std::function<Nanoseconds()>& clock,
+                           std::string_view tool) {
+  const ToolView& view = *scene.view(tool);
   const auto world = scene.mechanism() == nullptr ? nullptr : std::make_unique<World>(scene);
   std::vector<double> times;
   const Nanoseconds begin = clock();
@@ -56,7 +57,7 @@ AnswerTime measure_answers(const Scene& scene, const std::function<Nanoseconds()
     // In another order than the objects', so that a few hands are near different ones.
     constexpr std::size_t kStride = 23;
     const std::size_t at = i * kStride % kProbes;
-    Session session(probe_request(scene), scene, world.get());
+    Session session(probe_request(scene), view, world.get());
     for (std::uint64_t n = 1; n <= kProbeSamples; ++n) {
       SampleBatch batch;
       batch.count = 1;
@@ -65,8 +66,8 @@ AnswerTime measure_answers(const Scene& scene, const std::function<Nanoseconds()
       Sample& sample = batch.samples[0];
       sample.index = n;
       sample.client_time = std::chrono::milliseconds(n);
-      sample.pose.position =
-          probe_place(scene, at) + Vec3(0, 0, -kProbeWay * static_cast<double>(n));
+      sample.pose.position = probe_place(scene.start(), view.objects(), at) +
+                             Vec3(0, 0, -kProbeWay * static_cast<double>(n));
       const Nanoseconds before = clock();
       session.take(batch, before);
       if (n > 1) times.push_back(seconds(clock() - before));
@@ -80,22 +81,19 @@ std::optional<std::string> warning_of_slow_answers(const Scene& scene,
                                                    const std::function<Nanoseconds()>& clock) {
   constexpr double kMilliseconds = 1e3;  // of a second
   const double period = SessionParameters{}.servo_period;
-  const auto warning = [&](const Scene& held) -> std::optional<std::string> {
-    const AnswerTime time = measure_answers(held, clock);
-    if (!(time.slow > period)) return std::nullopt;
+  for (const ToolView& view : scene.views()) {
+    const AnswerTime time = measure_answers(scene, clock, view.tool().name);
+    if (!(time.slow > period)) continue;
     const std::string tool =
-        held.tool().name.empty() ? "" : " to a hand with tool '" + held.tool().name + "'";
+        view.tool().name.empty() ? "" : " to a hand with tool '" + view.tool().name + "'";
     return fmt::format(
         "an answer{} near its objects takes {:.2g} ms on this machine now ({:.2g} ms one in ten of "
         "{} asked), longer than the usual servo period of {} ms: forces come late, and not every "
         "sample is answered; simplify the scene, or have clients ask for a longer servo period",
         tool, kMilliseconds * time.usual, kMilliseconds * time.slow, time.answers,
         kMilliseconds * period);
-  };
-  auto found = warning(scene);
-  for (const auto& other : scene.others())
-    if (!found) found = warning(*other);
-  return found;
+  }
+  return std::nullopt;
 }
 
 }  // namespace feltwire

@@ -16,11 +16,12 @@ struct AnswerTime {
   std::size_t answers = 0;         // measured
 };
 
-/// Of hands near the scene's objects, in contact or not, that hold the scene's own tool: at points
+/// Of hands near the scene's objects, in contact or not, with this tool (Scene::view): at points
 /// drawn evenly from the balls around them, the same ones each time, each with a way of 1 mm a
 /// sample. Takes some 0.2 s, and longer only where a few answers alone do.
 AnswerTime measure_answers(const Scene& scene,
-                           const std::function<Nanoseconds()>& clock = monotonic_now);
+                           const std::function<Nanoseconds()>& clock = monotonic_now,
+                           std::string_view tool = {});
 
 /// What there is to warn of: a tool with which one answer in ten takes longer than the usual servo
 /// period.

@@ -47,7 +47,7 @@ void ObserverView::show_bodies(const World* world, std::size_t room, SceneView& 
   const std::size_t most = std::min(room / SceneView::kBodySize, SceneView::kMaxBodies);
   std::size_t next = next_body_, end = next_body_;
   if (world != nullptr) {
-    next = std::max(next, world->scene().mechanism()->still());
+    next = std::max(next, world->view().still());
     end = std::min<std::size_t>(world->objects().size(), SceneView::kLastBody);
   }
   view.bodies_from = next_body_;

@@ -43,9 +43,7 @@ control::RefusalCode refusal_code(const control::JoinRequest& request) {
 std::string no_such_tool(const Scene& scene, const std::string& asked) {
   const std::string what = "there is no tool '" + asked + "' in scene '" + scene.name() + "'; ";
   if (scene.tool().name.empty()) return what + "all hands hold the same there: ask for none";
-  std::string names = scene.tool().name;
-  for (const auto& other : scene.others()) names += ", " + other->tool().name;
-  return what + "those there are: " + names;
+  return what + "those there are: " + scene.tool_names();
 }
 
 }  // namespace
@@ -103,17 +101,17 @@ std::vector<SceneSessions::GoodbyeDatagram> SceneSessions::enter(const Scene& sc
   std::vector<Session::Place> places(slots_.size());
   std::vector<GoodbyeDatagram> goodbyes;
   for (std::size_t i = slots_.size(); i-- > 0;)
-    if (const Scene* held = scene.held(slots_[i]->tool); held == nullptr)
+    if (const ToolView* view = scene.view(slots_[i]->tool); view == nullptr)
       goodbyes.push_back(goodbye(*slots_[i], GoodbyeReason::evicted));
     else
-      places[i] = Session::Place(*held, world.get(), slots_[i]->session.limits());
+      places[i] = Session::Place(*view, world.get(), slots_[i]->session.limits());
 
   if (world_ != nullptr) add(counters_.world, world_->counters());
   const std::unique_ptr<World> before = std::move(world_);  // until no session is in it any more
   take_over(scene, std::move(world));
   last_tick_ = now;
   for (std::size_t i = slots_.size(); i-- > 0;)
-    if (places[i].scene != nullptr) {
+    if (places[i].view != nullptr) {
       slots_[i]->session.enter(std::move(places[i]));
     } else {
       ++counters_.evicted;
@@ -166,19 +164,19 @@ control::Message SceneSessions::join(control::JoinRequest request, std::uint64_t
     return control::Refused{control::RefusalCode::full,
                             "scene '" + scene_->name() + "' has all its " +
                                 std::to_string(max_sessions_) + " sessions; try again later"};
-  const Scene* held = scene_->held(request.tool);
-  if (held == nullptr)
+  const ToolView* view = scene_->view(request.tool);
+  if (view == nullptr)
     return control::Refused{control::RefusalCode::unknown_tool,
                             no_such_tool(*scene_, request.tool)};
   // With the text first: once the session is there nothing may throw.
   control::JoinAccepted accepted;
-  accepted.tool = held->tool().name;
+  accepted.tool = view->tool().name;
   accepted.version = version();
   try {
     request.parameters = granted(request.parameters);
     auto slot = std::make_unique<SessionSlot>(
         SessionSlot{id,
-                    Session(request, *held, world_.get()),
+                    Session(request, *view, world_.get()),
                     now,
                     Opener(keys.suite, keys.up, 0, limits_.forgeries),
                     Sealer(keys.suite, keys.down),
@@ -202,11 +200,11 @@ control::Message SceneSessions::join(control::JoinRequest request, std::uint64_t
   accepted.session = id;
   accepted.parameters = request.parameters;
   accepted.silence_timeout = std::chrono::duration<double>(silence_timeout_).count();
-  accepted.friction = held->requirements().friction;
-  accepted.rotation = held->requirements().rotation;
-  accepted.start_position = held->start().position;
-  accepted.start_normal = held->start().normal;
-  accepted.stiffness = held->requirements().stiffness;
+  accepted.friction = view->requirements().friction;
+  accepted.rotation = view->requirements().rotation;
+  accepted.start_position = scene_->start().position;
+  accepted.start_normal = scene_->start().normal;
+  accepted.stiffness = view->requirements().stiffness;
   return accepted;
 }
 

@@ -56,15 +56,15 @@ struct Session::Movement {
   double elapsed = 0.0;              // [s] by the client's clock
 };
 
-Session::Session(const control::JoinRequest& request, const Scene& scene, World* world)
+Session::Session(const control::JoinRequest& request, const ToolView& view, World* world)
     : client_(checked(request).client),
       device_(request.device),
       parameters_(request.parameters),
       observes_(request.role == Role::observer),
-      scene_(&scene),
+      view_(&view),
       world_(world),
-      contacts_(scene.memory()),
-      body_contacts_(world != nullptr ? world->contact_state(scene, limits()) : BodyContactState{}),
+      contacts_(view.memory()),
+      body_contacts_(world != nullptr ? world->contact_state(view, limits()) : BodyContactState{}),
       bounding_(bounding_config(parameters_, device_)),
       velocity_(parameters_.velocity_cutoff),
       observer_(device_.damping, device_.rotational_damping, parameters_.servo_period),
@@ -95,7 +95,7 @@ Taken Session::take(const SampleBatch& batch, Nanoseconds now) noexcept {
   if (reply.modelled)
     reply.model = world_ != nullptr
                       ? local_model(*world_, last_.pose.position, contacts_, body_contacts_.held)
-                      : local_model(*scene_, last_.pose.position, contacts_);
+                      : local_model(*view_, last_.pose.position, contacts_);
   reply.model.scene = scenes_;
   reply.delivered = delivered();
   reply.reloads = reloads_;
@@ -156,7 +156,7 @@ void Session::step(const Sample& sample, bool rotation, Reply& reply) noexcept {
     tool_moved += offset - probe_offset_;
     probe_offset_ = offset;
   }
-  if (scene_->requirements().velocity) tool.velocity = velocity_.update(tool_moved, hold_time);
+  if (view_->requirements().velocity) tool.velocity = velocity_.update(tool_moved, hold_time);
 
   const Command command = actuated(device_, touch(pose, tool, hold_time));
   reply.command = command;
@@ -179,15 +179,15 @@ void Session::step(const Sample& sample, bool rotation, Reply& reply) noexcept {
   ++counters_.samples;
 }
 
-Session::Place::Place(const Scene& entered, World* run, const HandLimits& limits)
-    : scene(&entered),
+Session::Place::Place(const ToolView& entered, World* run, const HandLimits& limits)
+    : view(&entered),
       world(run),
       contacts(entered.memory()),
       body_contacts(run != nullptr ? run->contact_state(entered, limits) : BodyContactState{}) {}
 
 void Session::enter(Place place) noexcept {
   ++reloads_;
-  scene_ = place.scene;
+  view_ = place.view;
   world_ = place.world;
   contacts_ = std::move(place.contacts);
   body_contacts_ = std::move(place.body_contacts);
@@ -198,18 +198,18 @@ void Session::enter(Place place) noexcept {
 
 Command Session::touch(const Pose& device, const Tool& tool, double elapsed) noexcept {
   if (observes_) return {};
-  if (scene_->tool().body)
+  if (view_->tool().body)
     return world_ != nullptr ? world_->touch(device, tool.velocity, elapsed, body_, body_contacts_)
-                             : scene_->touch(device, tool.velocity, elapsed, body_);
+                             : view_->touch(device, tool.velocity, elapsed, body_);
   return world_ != nullptr ? world_->touch(tool, contacts_, body_contacts_)
-                           : scene_->touch(tool, contacts_);
+                           : view_->touch(tool, contacts_);
 }
 
 void Session::push(double age) noexcept {
   if (last_.index == 0 || observes_) return;  // nobody knows where the hand is, or there is none
   const double share = std::clamp(2.0 * (1.0 - age / parameters_.hold_time), 0.0, 1.0);
   if (!(share > 0.0)) return;
-  if (scene_->tool().body)
+  if (view_->tool().body)
     world_->push(body_contacts_, body_, share);
   else
     world_->push(body_contacts_, contacts_, share);

@@ -38,11 +38,11 @@ struct Taken {
 
 class Session {
  public:
-  /// The scene as it is for the tool that the hand holds (Scene::held) must outlive the session,
-  /// and so must the `world`, the one run of it where something moves. Throws std::invalid_argument
-  /// naming the field, the value and the remedy when the device, the parameters or both together
-  /// are not possible.
-  Session(const control::JoinRequest& request, const Scene& scene, World* world = nullptr);
+  /// The scene's view for the tool that the hand holds (Scene::view) must outlive the session, and
+  /// so must the `world`, the one run of the scene where something moves. Throws
+  /// std::invalid_argument naming the field, the value and the remedy when the device, the
+  /// parameters or both together are not possible.
+  Session(const control::JoinRequest& request, const ToolView& view, World* world = nullptr);
 
   /// Takes the samples that are new, oldest first, and answers the newest. `now` [ns] is the
   /// server's monotonic clock and only travels into the reply: what is computed depends on the
@@ -62,14 +62,14 @@ class Session {
   /// sessions in them. Allocates.
   struct Place {
     Place() = default;
-    Place(const Scene& entered, World* run, const HandLimits& limits = {});
-    const Scene* scene = nullptr;
+    Place(const ToolView& entered, World* run, const HandLimits& limits = {});
+    const ToolView* view = nullptr;
     World* world = nullptr;
     TouchMemory contacts;
     BodyContactState body_contacts;
   };
   /// The hand is in another scene from its next sample on; what it is given comes from the bound it
-  /// had. Precondition: the place has a scene.
+  /// had. Precondition: the place has a view.
   void enter(Place place) noexcept;
   /// What the hand may do to the moving objects.
   HandLimits limits() const { return hand_limits(device_); }
@@ -110,7 +110,7 @@ class Session {
   SessionParameters parameters_;
   bool observes_;  // it feels nothing and acts on nothing
 
-  const Scene* scene_;
+  const ToolView* view_;
   World* world_;              // null: nothing moves
   std::uint32_t scenes_ = 1;  // that it has been in, this one too
   TouchMemory contacts_;

@@ -45,21 +45,21 @@ void emit(std::istream& in, std::ostream& out, std::string& line) {
 /// A scene as one tool meets it at growing times; what moves is stepped from the first on.
 class Touched {
  public:
-  /// `held`: the scene, or one of its others() for another tool.
-  Touched(const Scene& scene, const Scene& held) : held_(held), memory_(held.memory()) {
+  /// `view`: that of the tool, in the scene.
+  Touched(const Scene& scene, const ToolView& view) : view_(view), memory_(view.memory()) {
     if (scene.mechanism() == nullptr) return;
     world_ = std::make_unique<World>(scene);
-    body_contacts_ = world_->contact_state(held);
+    body_contacts_ = world_->contact_state(view);
   }
   /// `elapsed` [s] since the answer before.
   Command answer(const Pose& device, const Vec3& velocity, double elapsed) {
-    if (held_.tool().body != nullptr) {
-      if (world_ == nullptr) return held_.touch(device, velocity, elapsed, body_memory_);
+    if (view_.tool().body != nullptr) {
+      if (world_ == nullptr) return view_.touch(device, velocity, elapsed, body_memory_);
       advance(elapsed, body_memory_);
       return world_->touch(device, velocity, elapsed, body_memory_, body_contacts_);
     }
     const Tool tool{device.position, velocity};
-    if (world_ == nullptr) return held_.touch(tool, memory_);
+    if (world_ == nullptr) return view_.touch(tool, memory_);
     advance(elapsed, memory_);
     return world_->touch(tool, memory_, body_contacts_);
   }
@@ -77,7 +77,7 @@ class Touched {
     }
   }
 
-  const Scene& held_;
+  const ToolView& view_;
   TouchMemory memory_;
   BodyMemory body_memory_;
   std::unique_ptr<World> world_;
@@ -85,10 +85,9 @@ class Touched {
   double time_ = 0.0;  // [s]
 };
 
-const Scene& held_by(const Scene& scene, const std::string& tool) {
-  if (const Scene* held = scene.held(tool)) return *held;
-  std::string names = scene.tool().name;
-  for (const auto& other : scene.others()) names += ", " + other->tool().name;
+const ToolView& view_of(const Scene& scene, const std::string& tool) {
+  if (const ToolView* view = scene.view(tool)) return *view;
+  const std::string names = scene.tool_names();
   throw std::invalid_argument(
       "--tool: the scene has no tool '" + tool + "'; " +
       (names.empty() ? "it names none, leave --tool out" : "those that there are: " + names));
@@ -127,12 +126,12 @@ std::size_t filter_bound(std::istream& in, std::ostream& out, const BoundingConf
 
 std::size_t filter_touch(std::istream& in, std::ostream& out, const Scene& scene,
                          const std::string& tool) {
-  const Scene& held = held_by(scene, tool);
-  const bool body = held.tool().body != nullptr;
+  const ToolView& view = view_of(scene, tool);
+  const bool body = view.tool().body != nullptr;
   std::vector<std::string> columns = {"t", "x", "y", "z"};
   if (body) columns.insert(columns.end(), {"qw", "qx", "qy", "qz"});
   CsvReader reader(in, "stdin", columns, {}, CsvReader::NotFinite::accept);
-  Touched touched(scene, held);
+  Touched touched(scene, view);
   VelocityEstimate velocity;
   out << "ex,ey,ez,fx,fy,fz" << (body ? ",tx,ty,tz\n" : "\n");
   std::array<double, 8> row{0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0};

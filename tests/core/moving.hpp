@@ -47,7 +47,7 @@ inline Scene explosive(double mass = 1e-4) {
 
 /// A tool in a world: each step a sample of it, its push, and a tick.
 struct Hand {
-  explicit Hand(World& in) : world(in), memory(in.scene().memory()), contacts(in.contact_state()) {}
+  explicit Hand(World& in) : world(in), memory(in.view().memory()), contacts(in.contact_state()) {}
   Command touch(const Vec3& position, const Vec3& velocity = Vec3::Zero()) {
     return world.touch({position, velocity}, memory, contacts);
   }

@@ -120,7 +120,7 @@ TEST(BallOnMesh, AmongManyObjectsIsTheSumOfThem) {
   }
   Scene scene("s", objects);
   scene.set_tool({.radius = kBall, .body = nullptr});
-  ASSERT_TRUE(scene.by_tree());
+  ASSERT_TRUE(scene.views()[0].by_tree());
   TouchMemory memory = scene.memory();
   std::vector<ContactMemory> each(objects.size());
   int touched = 0;

@@ -111,8 +111,8 @@ TEST(FieldScene, ABodyTouchesAMeshAsAGrid) {
   std::ofstream(folder / "s.json") << text("plate.obj");
   std::ofstream(folder / "open.json") << text("open.obj");
   const Scene scene = load_scene(folder / "s.json");
-  ASSERT_EQ(scene.sampled().size(), 1u);
-  EXPECT_NEAR(scene.sampled()[0].resolution, 0.06 / 128.0, 1e-5);
+  ASSERT_EQ(scene.views()[0].sampled().size(), 1u);
+  EXPECT_NEAR(scene.views()[0].sampled()[0].resolution, 0.06 / 128.0, 1e-5);
   EXPECT_THAT(describe_costs(scene), HasSubstr("grid of distances for the tool's body: mesh o"));
   BodyMemory memory;
   Command c;

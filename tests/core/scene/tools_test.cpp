@@ -55,11 +55,11 @@ Scene ring_for_all() {
 TEST(Tools, OfManyKindsMoveOneMesh) {
   const Scene scene = ring_for_all();
   World world(scene);
-  const Scene &ball_scene = *scene.held("ball"), &brick_scene = *scene.held("brick");
-  TouchMemory tip = scene.memory(), ball = ball_scene.memory();
+  const ToolView &ball_view = *scene.view("ball"), &brick_view = *scene.view("brick");
+  TouchMemory tip = scene.memory(), ball = ball_view.memory();
   BodyMemory block;
-  BodyContactState by_tip = world.contact_state(), by_ball = world.contact_state(ball_scene),
-                   by_brick = world.contact_state(brick_scene);
+  BodyContactState by_tip = world.contact_state(), by_ball = world.contact_state(ball_view),
+                   by_brick = world.contact_state(brick_view);
   std::array<double, 3> pushed{};  // [N s]
   Vec3 given = Vec3::Zero();
   std::size_t allocated = 0;
@@ -112,13 +112,13 @@ TEST(Tools, AHandFeelsASceneOfItsToolAlone) {
   ball.set_tool({.radius = kBall, .body = nullptr});
   block.set_tool({.radius = 0.0, .body = brick()});
   const Scene point("s", objects);
-  EXPECT_EQ(scene.held(""), &scene);
-  EXPECT_EQ(scene.held("ball"), &scene);
-  EXPECT_EQ(scene.held("key"), nullptr);
-  EXPECT_EQ(point.held(""), &point);
-  EXPECT_EQ(point.held("ball"), nullptr);
-  const std::array<std::pair<const Scene*, const Scene*>, 2> points = {
-      {{scene.held("ball"), &ball}, {scene.held("tip"), &point}}};
+  EXPECT_EQ(scene.view(""), &scene.views().front());
+  EXPECT_EQ(scene.view("ball"), scene.view(""));
+  EXPECT_EQ(scene.view("key"), nullptr);
+  EXPECT_EQ(point.view(""), &point.views().front());
+  EXPECT_EQ(point.view("ball"), nullptr);
+  const std::array<std::pair<const ToolView*, const ToolView*>, 2> points = {
+      {{scene.view("ball"), ball.view("")}, {scene.view("tip"), point.view("")}}};
   for (const auto& [one, alone] : points) {
     EXPECT_FALSE(one->requirements().rotation);
     TouchMemory a = one->memory(), b = alone->memory();
@@ -128,7 +128,7 @@ TEST(Tools, AHandFeelsASceneOfItsToolAlone) {
       ASSERT_EQ(one->touch(tool, a), alone->touch(tool, b));
     }
   }
-  const Scene& held = *scene.held("brick");
+  const ToolView& held = *scene.view("brick");
   EXPECT_TRUE(held.requirements().rotation);
   BodyMemory a, b;
   Wanderer hand(6, 0.09, 0.02);
@@ -138,8 +138,8 @@ TEST(Tools, AHandFeelsASceneOfItsToolAlone) {
   }
   // A point among other tools has its local model; the others have none.
   const Vec3 above(0.0, 0.01, 0.02);
-  TouchMemory memory = scene.held("tip")->memory();
-  EXPECT_GT(local_model(*scene.held("tip"), above, memory).reach, 0.0);
+  TouchMemory memory = scene.view("tip")->memory();
+  EXPECT_GT(local_model(*scene.view("tip"), above, memory).reach, 0.0);
   EXPECT_EQ(local_model(scene, above, memory).reach, 0.0);
 }
 
@@ -149,11 +149,15 @@ TEST(Tools, ShareWhatIsLarge) {
   scene.set_tools({{.radius = 0.0, .body = brick(), .name = "large"},
                    {.radius = kBall, .body = nullptr, .name = "ball"},
                    {.radius = 0.0, .body = brick(100), .name = "small"}});
-  const auto surface = [](const Scene& s) { return std::get<Mesh>(s.objects()[0].shape).surface; };
-  const auto field = [](const Scene& s) { return std::get<Grid>(s.objects()[0].shape).field; };
-  EXPECT_EQ(surface(*scene.held("ball")), std::get<Mesh>(mesh.shape).surface);
-  EXPECT_EQ(field(*scene.held("small")), field(scene));
-  EXPECT_EQ(scene.sampled().size(), 1u);
+  const auto surface = [](const ToolView& s) {
+    return std::get<Mesh>(s.objects()[0].shape).surface;
+  };
+  const auto field = [](const ToolView& s) { return std::get<Grid>(s.objects()[0].shape).field; };
+  EXPECT_EQ(surface(*scene.view("ball")), std::get<Mesh>(mesh.shape).surface);
+  EXPECT_EQ(field(*scene.view("small")), field(scene));
+  EXPECT_EQ(&scene.view("small")->objects(), &scene.objects());
+  EXPECT_EQ(&scene.view("ball")->guides(), &scene.guides());
+  EXPECT_EQ(scene.views().front().sampled().size(), 1u);
 }
 
 TEST(Tools, ThatCannotBeAreRefusedAndChangeNothing) {
@@ -181,8 +185,8 @@ TEST(Tools, ThatCannotBeAreRefusedAndChangeNothing) {
   EXPECT_THAT(error({tip, {.radius = 0.0, .body = brick(), .name = "brick"}}),
               HasSubstr("object 'mesh': mesh: is touched by a body, as a grid of distances"));
   EXPECT_EQ(scene.tool().radius, kBall);
-  EXPECT_TRUE(scene.others().empty());
-  EXPECT_TRUE(scene.sampled().empty());
+  EXPECT_EQ(scene.views().size(), 1u);
+  EXPECT_TRUE(scene.views().front().sampled().empty());
   EXPECT_EQ(error({tip}), "let through");
 }
 
@@ -204,10 +208,10 @@ TEST(Tools, AreReadFromAFile) {
       "s.json");
   EXPECT_EQ(scene.tool().name, "finger");
   EXPECT_EQ(scene.tool().radius, 0.008);
-  ASSERT_NE(scene.held("brick"), nullptr);
-  EXPECT_EQ(scene.held("brick")->tool().body->shell().points.size(), 300u);
-  ASSERT_NE(scene.held("tip"), nullptr);
-  EXPECT_EQ(scene.held("tip")->tool().radius, 0.0);
+  ASSERT_NE(scene.view("brick"), nullptr);
+  EXPECT_EQ(scene.view("brick")->tool().body->shell().points.size(), 300u);
+  ASSERT_NE(scene.view("tip"), nullptr);
+  EXPECT_EQ(scene.view("tip")->tool().radius, 0.0);
   EXPECT_THAT(describe_costs(scene),
               AllOf(HasSubstr("  tools: finger (a ball of 0.008 m; of hands that ask for none), "
                               "brick (a body of 300 points), tip (a point)\n"),

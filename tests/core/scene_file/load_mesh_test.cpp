@@ -221,7 +221,7 @@ TEST(BunnyScene, IsTouchedWhereItsStartSays) {
   EXPECT_NEAR(c.elastic.norm(), expected.norm(), 1e-6);
   EXPECT_LT(test::angle(c.elastic, expected), 0.1);  // "smooth" bends the direction, not the force
   // A fingertip stands off by its radius, on the same triangles.
-  const Scene& finger = *s.held("finger");
+  const ToolView& finger = *s.view("finger");
   const double radius = finger.tool().radius;
   TouchMemory of_finger = finger.memory();
   EXPECT_EQ(finger.touch({p + (radius + 0.001) * n, Vec3::Zero()}, of_finger), Command{});
