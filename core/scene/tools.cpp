@@ -22,7 +22,7 @@ ToolView::Sampled sample_for_body(Object& object) {
   GridOptions options;
   options.resolution = 2.0 * triangles.half_extents().maxCoeff() / ToolView::kMeshGridSteps;
   try {
-    object.shape = Grid{std::make_shared<const DistanceGrid<float>>(solid_of(triangles), options)};
+    object.shape = Grid{std::make_shared<const DistanceGrid<float>>(solid_of(surface), options)};
   } catch (const std::invalid_argument& error) {
     refuse("object '" + object.name + "'",
            {"mesh", std::string("is touched by a body, as a grid of distances: ") + error.what()});

@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <limits>
 
 #include "core/base/splitmix.hpp"
 #include "core/grid/signed_distance.hpp"
 #include "core/mesh/mesh_contact.hpp"
-#include "core/mesh/mesh_distance.hpp"
 #include "core/mesh/tessellation.hpp"
 #include "sim/measure/cost.hpp"
 #include "sim/measure/glide.hpp"
@@ -115,10 +115,18 @@ GeometryCell nearest_on_mesh(int level) {
   const TriangleSoup soup = icosphere(kGlideBall, level);
   GeometryCell cell = mesh_cell("mesh, nearest", soup);
   const double start = process_seconds();
-  const MeshField field = field_of(TriangleMesh(soup));
+  const MeshSurface surface{TriangleMesh(soup)};
   cell.build = process_seconds() - start;
-  cell.bytes = static_cast<double>(field.bytes);
-  measure(field.at, cell);
+  cell.bytes = static_cast<double>(surface.memory());
+  measure(
+      [&](const Vec3& position) {
+        const Vec3 p = position - surface.mesh().origin();
+        const auto nearest = surface.nearest(p, std::numeric_limits<double>::infinity());
+        const double distance =
+            surface.side_of(p, nearest) < 0.0 ? -nearest.distance : nearest.distance;
+        return FieldPoint{distance, Vec3((p - nearest.point) / distance)};
+      },
+      cell);
   return cell;
 }
 

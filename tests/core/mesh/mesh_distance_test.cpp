@@ -152,6 +152,17 @@ TEST(MeshDistance, RefusesWhatIsNoSolid) {
   EXPECT_NE(error_of(finned), "let through");
 }
 
+TEST(MeshDistance, OfASurfaceIsThatOfItsMesh) {
+  const auto surface = std::make_shared<const MeshSurface>(TriangleMesh(crumpled(2)));
+  const Solid solid = solid_of(surface), own = solid_of(TriangleMesh(crumpled(2)));
+  EXPECT_EQ(surface.use_count(), 2);  // its tree is asked, no copy of it
+  test::Random random(8);
+  for (int i = 0; i < 500; ++i) {
+    const Vec3 p = random.uniform(0.0, 2.0) * random.direction();
+    EXPECT_EQ(solid.distance(p), own.distance(p));
+  }
+}
+
 TEST(MeshDistance, AGridOfAMeshIsTheMesh) {
   const Solid solid = solid_of(TriangleMesh(icosphere(0.03, 3)));
   const DistanceGrid<float> grid(solid, {.resolution = 1e-3});
