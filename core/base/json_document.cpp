@@ -5,6 +5,9 @@
 #include <cmath>
 #include <cstdlib>
 #include <limits>
+#include <stdexcept>
+#include <utility>
+#include <vector>
 
 #include "core/base/json_outline.hpp"
 #include "core/base/regular_file.hpp"
@@ -13,6 +16,9 @@
 namespace feltwire {
 namespace {
 
+using flatbuffers::FieldDef;
+using flatbuffers::StructDef;
+using flatbuffers::Type;
 using json::Node;
 using Kind = Node::Kind;
 
@@ -66,88 +72,199 @@ const Node& walk(const Node& root, std::string_view& path) {
   return *node;
 }
 
-/// The shape of the text against the schema, so that every error has its field and its line.
-class SchemaCheck {
- public:
-  explicit SchemaCheck(const std::string& file) : file_(file) {}
+/// Puts the characters in place of the escapes of a text. Precondition: the scanner accepted them.
+/// Returns the reason if a half of a surrogate pair stands alone.
+std::optional<std::string_view> unescape(std::string_view written, std::string& text) {
+  constexpr std::string_view kUnpairedHigh = "illegal Unicode sequence (unpaired high surrogate)";
+  constexpr std::uint32_t kHigh = 0xD800, kLow = 0xDC00, kEnd = 0xE000, kPairs = 0x10000;
+  constexpr std::string_view kLetters = "bfnrt", kControls = "\b\f\n\r\t";
+  std::uint32_t high = 0;  // the first half of a pair, 0: none
+  for (std::size_t at = 0; at < written.size();) {
+    const bool escape = written[at] == '\\';
+    const char c = written[escape ? at + 1 : at];
+    at += escape ? 2 : 1;
+    if (!escape || c != 'u') {
+      if (high != 0) return kUnpairedHigh;
+      const std::size_t letter = escape ? kLetters.find(c) : std::string_view::npos;
+      text += letter == std::string_view::npos ? c : kControls[letter];
+      continue;
+    }
+    constexpr std::size_t kDigits = 4;
+    constexpr int kHexadecimal = 16;
+    std::uint32_t code = 0;
+    std::from_chars(&written[at], &written[at] + kDigits, code, kHexadecimal);
+    at += kDigits;
+    const bool is_high = code >= kHigh && code < kLow, is_low = code >= kLow && code < kEnd;
+    if (is_high && high != 0) return "illegal Unicode sequence (multiple high surrogates)";
+    if (is_low && high == 0) return "illegal Unicode sequence (unpaired low surrogate)";
+    if (!is_low && high != 0) return kUnpairedHigh;
+    if (is_low) code = kPairs + ((high - kHigh) << 10) + (code - kLow);
+    high = is_high ? code : 0;
+    if (!is_high) flatbuffers::ToUTF8(code, &text);
+  }
+  if (high != 0) return kUnpairedHigh;
+  return std::nullopt;
+}
 
-  void object(Node& node, const flatbuffers::StructDef& definition, const std::string& path) const {
-    const auto& fields = definition.fields.vec;
-    const std::string prefix = path.empty() ? "" : path + ".";
-    if (definition.fixed && node.kind == Kind::array) {
-      if (node.children.size() != fields.size())
-        fail(node, path,
-             "must have " + std::to_string(fields.size()) + " elements, is " + describe(node) +
-                 "; give [" + names_of(fields) + "]");
-      for (std::size_t i = 0; i < fields.size(); ++i) {
-        node.children[i].key = fields[i]->name;  // so that line_of() finds "position.y"
-        value(node.children[i], fields[i]->value.type, prefix + fields[i]->name);
-      }
-      return;
-    }
-    if (node.kind != Kind::object)
-      fail(node, path, "must be an object, is " + describe(node) + "; write { ... }");
-    for (Node& child : node.children) {
-      const flatbuffers::FieldDef* field = definition.fields.Lookup(child.key);
-      if (!field || field->deprecated)
-        fail(child, prefix + json::shown(child.key),
-             "is no field here; the fields are: " + names_of(fields));
-      value(child, field->value.type, prefix + child.key);
-    }
-    for (const flatbuffers::FieldDef* field : fields)
-      if ((field->IsRequired() || definition.fixed) && !member(node, field->name))
-        fail(node, prefix + field->name, "is missing; add it");
+/// Checks the outline of a text against a schema, so that every error has its field and its line,
+/// and builds the FlatBuffer on the way.
+class Builder {
+ public:
+  explicit Builder(const std::string& file) : file_(file) {}
+
+  flatbuffers::DetachedBuffer build(Node& root, const StructDef& definition) {
+    buffer_.Finish(flatbuffers::Offset<void>(table(root, definition, "")));
+    return buffer_.Release();
   }
 
  private:
+  /// Of a field or an element: what stands in its place, or where in the buffer it is.
+  struct Value {
+    std::vector<std::uint8_t> bytes;
+    flatbuffers::uoffset_t offset = 0;  // above zero: it is a text, a list or a table
+  };
+
   [[noreturn]] void fail(const Node& node, const std::string& path, const std::string& why) const {
     throw FileError(json::error_text(file_, node.line, path, why));
   }
 
-  void value(Node& node, const flatbuffers::Type& type, const std::string& path) const {
+  flatbuffers::uoffset_t table(Node& node, const StructDef& definition, const std::string& path) {
+    std::vector<std::pair<const FieldDef*, Value>> values;
+    members(node, definition, path, [&](Node& child, const FieldDef& field, const auto& name) {
+      values.emplace_back(&field, value(child, field.value.type, name));
+    });
+    const flatbuffers::uoffset_t start = buffer_.StartTable();
+    for (const auto& [field, value] : values) {
+      if (value.offset != 0) {
+        buffer_.AddOffset(field->value.offset, flatbuffers::Offset<void>(value.offset));
+        continue;
+      }
+      buffer_.Align(flatbuffers::InlineAlignment(field->value.type));
+      buffer_.PushBytes(value.bytes.data(), value.bytes.size());
+      buffer_.AddStructOffset(field->value.offset, buffer_.GetSize());
+    }
+    return buffer_.EndTable(start);
+  }
+
+  /// A struct, given as an object or as a list of all its fields.
+  void fixed(Node& node, const StructDef& definition, const std::string& path,
+             std::uint8_t* place) const {
+    const auto& fields = definition.fields.vec;
+    if (node.kind == Kind::array) {
+      if (node.children.size() != fields.size())
+        fail(node, path,
+             "must have " + std::to_string(fields.size()) + " elements, is " + describe(node) +
+                 "; give [" + names_of(fields) + "]");
+      for (std::size_t i = 0; i < fields.size(); ++i)
+        node.children[i].key = fields[i]->name;  // so that line_of() finds "position.y"
+    }
+    members(node, definition, path, [&](Node& child, const FieldDef& field, const auto& name) {
+      in_place(child, field.value.type, name, place + field.value.offset);
+    });
+  }
+
+  /// Hands each member with its field and its path to `take`.
+  template <class Take>
+  void members(Node& node, const StructDef& definition, const std::string& path, Take take) const {
+    const auto& fields = definition.fields.vec;
+    const std::string prefix = path.empty() ? "" : path + ".";
+    if (node.kind != Kind::object && !(definition.fixed && node.kind == Kind::array))
+      fail(node, path, "must be an object, is " + describe(node) + "; write { ... }");
+    for (Node& child : node.children) {
+      const FieldDef* field = definition.fields.Lookup(child.key);
+      if (!field || field->deprecated)
+        fail(child, prefix + json::shown(child.key),
+             "is no field here; the fields are: " + names_of(fields));
+      take(child, *field, prefix + child.key);
+    }
+    for (const FieldDef* field : fields)
+      if ((field->IsRequired() || definition.fixed) && !member(node, field->name))
+        fail(node, prefix + field->name, "is missing; add it");
+  }
+
+  Value value(Node& node, const Type& type, const std::string& path) {
+    if (type.base_type == flatbuffers::BASE_TYPE_STRUCT && !type.struct_def->fixed)
+      return {{}, table(node, *type.struct_def, path)};
+    if (type.base_type == flatbuffers::BASE_TYPE_VECTOR) return {{}, list(node, type, path)};
+    if (type.base_type == flatbuffers::BASE_TYPE_STRING) return {{}, string(node, path)};
+    Value value{std::vector<std::uint8_t>(flatbuffers::InlineSize(type))};
+    in_place(node, type, path, value.bytes.data());
+    return value;
+  }
+
+  flatbuffers::uoffset_t list(Node& node, const Type& type, const std::string& path) {
+    if (node.kind != Kind::array)
+      fail(node, path, "must be a list, is " + describe(node) + "; write [ ... ]");
+    const Type element = type.VectorType();
+    const std::size_t count = node.children.size();
+    std::vector<flatbuffers::Offset<void>> offsets;
+    std::vector<std::uint8_t> bytes;
+    for (std::size_t i = 0; i < count; ++i) {
+      const Value v = value(node.children[i], element, path + "[" + std::to_string(i) + "]");
+      if (v.offset != 0) offsets.emplace_back(v.offset);
+      bytes.insert(bytes.end(), v.bytes.begin(), v.bytes.end());
+    }
+    if (!offsets.empty()) return buffer_.CreateVector(offsets).o;
+    const std::size_t alignment = flatbuffers::InlineAlignment(element);
+    buffer_.StartVector(bytes.size() / alignment, alignment);
+    buffer_.PushBytes(bytes.data(), bytes.size());
+    return buffer_.EndVector(count);
+  }
+
+  flatbuffers::uoffset_t string(const Node& node, const std::string& path) {
+    if (node.kind != Kind::string)
+      fail(node, path, "must be a text, is " + describe(node) + "; put it in quotes");
+    std::string text;
+    if (const auto wrong = unescape(node.text, text))
+      fail(node, path, std::string(*wrong) + "; correct the text");
+    return buffer_.CreateString(text).o;
+  }
+
+  void in_place(Node& node, const Type& type, const std::string& path, std::uint8_t* place) const {
     using namespace flatbuffers;
     if (type.base_type == BASE_TYPE_STRUCT) {
-      object(node, *type.struct_def, path);
-    } else if (type.base_type == BASE_TYPE_VECTOR) {
-      if (node.kind != Kind::array)
-        fail(node, path, "must be a list, is " + describe(node) + "; write [ ... ]");
-      for (std::size_t i = 0; i < node.children.size(); ++i)
-        value(node.children[i], type.VectorType(), path + "[" + std::to_string(i) + "]");
-    } else if (type.base_type == BASE_TYPE_STRING) {
-      if (node.kind != Kind::string)
-        fail(node, path, "must be a text, is " + describe(node) + "; put it in quotes");
-    } else if (type.enum_def && type.base_type != BASE_TYPE_UNION) {
-      if (node.kind != Kind::string || !type.enum_def->Lookup(node.text))
+      fixed(node, *type.struct_def, path, place);
+    } else if (type.enum_def) {
+      const EnumVal* named = node.kind == Kind::string ? type.enum_def->Lookup(node.text) : nullptr;
+      if (!named)
         fail(node, path,
              "must be one of: " + names_of(type.enum_def->Vals()) + "; is " + describe(node));
+      put(named->GetAsUInt64(), type.base_type, place);
     } else if (type.base_type == BASE_TYPE_BOOL) {
       if (node.kind != Kind::word || (node.text != "true" && node.text != "false"))
         fail(node, path, "must be true or false, is " + describe(node) + "; write one of them");
-    } else if (IsScalar(type.base_type)) {
-      number(node, type.base_type, path);
+      put(node.text == "true" ? 1 : 0, type.base_type, place);
+    } else {
+      number(node, type.base_type, path, place);
     }
   }
 
-  void number(const Node& node, flatbuffers::BaseType type, const std::string& path) const {
+  void number(const Node& node, flatbuffers::BaseType type, const std::string& path,
+              std::uint8_t* place) const {
     if (node.kind != Kind::number)
       fail(node, path, "must be a number, is " + describe(node) + "; write it plainly, like 12.5");
-    if (type == flatbuffers::BASE_TYPE_FLOAT &&
-        std::abs(node.number) > std::numeric_limits<float>::max())
-      fail(node, path, "is too large, " + describe(node) + "; lower it");
-    if (!flatbuffers::IsInteger(type)) return;
+    if (type == flatbuffers::BASE_TYPE_DOUBLE) return flatbuffers::WriteScalar(place, node.number);
+    if (type == flatbuffers::BASE_TYPE_FLOAT) {
+      if (std::abs(node.number) > std::numeric_limits<float>::max())
+        fail(node, path, "is too large, " + describe(node) + "; lower it");
+      return flatbuffers::WriteScalar(place, static_cast<float>(node.number));
+    }
     if (node.text.find_first_of(".eE") != std::string::npos)
       fail(node, path, "must be a whole number, is " + describe(node) + "; round it");
     const int unused_bits = 64 - 8 * static_cast<int>(flatbuffers::SizeOf(type));
     if (flatbuffers::IsUnsigned(type)) {
-      whole<std::uint64_t>(node, path, 0, std::numeric_limits<std::uint64_t>::max() >> unused_bits);
+      put(whole<std::uint64_t>(node, path, 0,
+                               std::numeric_limits<std::uint64_t>::max() >> unused_bits),
+          type, place);
     } else {
       const std::int64_t most = std::numeric_limits<std::int64_t>::max() >> unused_bits;
-      whole<std::int64_t>(node, path, -most - 1, most);
+      put(static_cast<std::uint64_t>(whole<std::int64_t>(node, path, -most - 1, most)), type,
+          place);
     }
   }
 
   template <class Integer>
-  void whole(const Node& node, const std::string& path, Integer least, Integer most) const {
+  Integer whole(const Node& node, const std::string& path, Integer least, Integer most) const {
     Integer value = 0;
     const char* end = node.text.data() + node.text.size();
     const auto read = std::from_chars(node.text.data(), end, value);
@@ -155,23 +272,34 @@ class SchemaCheck {
       fail(node, path,
            "does not fit, is " + describe(node) + "; choose a number from " +
                std::to_string(least) + " to " + std::to_string(most));
+    return value;
+  }
+
+  /// The low bytes of a whole number, the lowest first.
+  static void put(std::uint64_t value, flatbuffers::BaseType type, std::uint8_t* place) {
+    for (std::size_t i = 0; i < flatbuffers::SizeOf(type); ++i, value >>= 8)
+      place[i] = static_cast<std::uint8_t>(value);
   }
 
   const std::string& file_;
+  flatbuffers::FlatBufferBuilder buffer_;
 };
 
-/// The path of the last value that begins on or before `line`.
-void last_path(const Node& node, int line, const std::string& path, std::string& found) {
-  if (node.line > line) return;
-  found = path;
-  for (std::size_t i = 0; i < node.children.size(); ++i) {
-    const Node& child = node.children[i];
-    last_path(child, line,
-              node.kind == Kind::array ? path + "[" + std::to_string(i) + "]"
-              : path.empty()           ? child.key
-                                       : path + "." + child.key,
-              found);
+/// FlatBuffers 2.0.8 frees a value of an enumeration twice in the parser's destructor where memory
+/// was refused while that value was entered. A parser that was interrupted is not destroyed, then;
+/// its memory is lost.
+std::unique_ptr<flatbuffers::Parser> parsed_schema(const char* schema, const std::string& file) {
+  auto parser = std::make_unique<flatbuffers::Parser>();
+  bool good = false;
+  try {
+    good = parser->Parse(schema);
+  } catch (...) {
+    static_cast<void>(parser.release());
+    throw;
   }
+  if (!good || !parser->root_struct_def_)
+    throw std::logic_error("the schema for " + file + " is wrong: " + parser->error_);
+  return parser;
 }
 
 }  // namespace
@@ -183,51 +311,21 @@ std::string read_text(const std::filesystem::path& file) {
 struct JsonDocument::Parsed {
   std::string file;
   Node root;
-  std::unique_ptr<flatbuffers::Parser> parser = std::make_unique<flatbuffers::Parser>();
-
-  /// FlatBuffers 2.0.8 frees a value of an enumeration twice in the parser's destructor where
-  /// memory was refused while that value was entered. A parser that was interrupted is not
-  /// destroyed, then; its memory is lost.
-  template <class Work>
-  bool parse(Work work) {
-    try {
-      return work(*parser);
-    } catch (...) {
-      static_cast<void>(parser.release());
-      throw;
-    }
-  }
+  flatbuffers::DetachedBuffer buffer;
 };
 
 JsonDocument::JsonDocument(std::string_view text, std::string file, const char* schema)
     : parsed_(std::make_unique<Parsed>()) {
   Parsed& p = *parsed_;
   p.file = std::move(file);
-  const auto good_schema = [&](auto& parser) { return parser.Parse(schema); };
-  if (!p.parse(good_schema) || !p.parser->root_struct_def_)
-    throw std::logic_error("the schema for " + p.file + " is wrong: " + p.parser->error_);
+  const auto parser = parsed_schema(schema, p.file);
   p.root = json::outline(text, p.file);
-  SchemaCheck(p.file).object(p.root, *p.parser->root_struct_def_, "");
-
-  // What is left to FlatBuffers to refuse (halves of surrogate pairs) it says as "12: 5: error:
-  // ...".
-  const std::string terminated(text);
-  if (p.parse([&](auto& parser) { return parser.ParseJson(terminated.c_str()); })) return;
-  const std::string& error = p.parser->error_;
-  const int line = std::max(1, std::atoi(error.c_str()));
-  const auto at = error.find("error: ");
-  std::string field;
-  last_path(p.root, line, "", field);
-  throw FileError(json::error_text(
-      p.file, line, field,
-      (at == std::string::npos ? error : error.substr(at + 7)) + "; correct the text"));
+  p.buffer = Builder(p.file).build(p.root, *parser->root_struct_def_);
 }
 
 JsonDocument::~JsonDocument() = default;
 
-const std::uint8_t* JsonDocument::buffer() const {
-  return parsed_->parser->builder_.GetBufferPointer();
-}
+const std::uint8_t* JsonDocument::buffer() const { return parsed_->buffer.data(); }
 
 bool JsonDocument::has(std::string_view path) const {
   walk(parsed_->root, path);

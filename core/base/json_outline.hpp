@@ -1,10 +1,10 @@
 #pragma once
 // Internal to json_document.cpp: the structure of a JSON text with the line of every value.
 //
-// FlatBuffers' parser builds the buffer, but it names neither the field of an error nor, because it
-// reads one token ahead, always the right line, and it takes much that is no JSON (nan, numbers in
-// quotes, calls of functions). So every text passes through here first. Accepted: JSON, and what
-// people add to it: // and /* */ comments, a comma after the last element, keys without quotes.
+// FlatBuffers' own parser is not used: it names no field in an error, reads one token ahead and so
+// names a wrong line at times, and accepts much that is no JSON (nan, numbers in quotes, calls of
+// functions). Accepted here: JSON, and what people add to it: // and /* */ comments, a comma after
+// the last element, keys without quotes.
 
 #include <algorithm>
 #include <charconv>

@@ -7,7 +7,6 @@
 #include <fstream>
 #include <random>
 
-#include "core/base/json_document.hpp"
 #include "tests/core/scene_text.hpp"
 
 namespace feltwire::load_scene_test {
@@ -197,7 +196,16 @@ TEST(LoadScene, EveryMistakeIsNamedWithLineAndField) {
       {10, R"("name": "b\q",)", "s.json:10: objects[1].name: a text holds an unknown escape"},
       {10, R"("name": "b\u00",)", "s.json:10: objects[1].name: \\u in a text needs four"},
       {10, "\"name\": \"b\xC3\",", "s.json:10: objects[1].name: a text is not UTF-8"},
-      {10, R"("name": "b\uD800",)", "s.json:10: objects[1].name: "},  // FlatBuffers' own refusal
+      {10, R"("name": "b\uD800",)",
+       "s.json:10: objects[1].name: illegal Unicode sequence (unpaired high surrogate); correct"},
+      {10, R"("name": "\uD800b",)",
+       "s.json:10: objects[1].name: illegal Unicode sequence (unpaired high surrogate); correct"},
+      {10, R"("name": "\uD800\u0041",)",
+       "s.json:10: objects[1].name: illegal Unicode sequence (unpaired high surrogate); correct"},
+      {10, R"("name": "\uD800\uD800",)",
+       "s.json:10: objects[1].name: illegal Unicode sequence (multiple high surrogates); correct"},
+      {10, R"("name": "b\uDC00",)",
+       "s.json:10: objects[1].name: illegal Unicode sequence (unpaired low surrogate); correct"},
       {10, R"(,"name": "ball")", "s.json:10: objects[1]: expected a field name, found ','"},
       {16, "",
        "s.json:17: document: the file ends before the '}' to the bracket of line 1; add it"},
@@ -329,67 +337,6 @@ TEST(LoadScene, RandomBytesNeverCrashAndErrorsPointIntoTheFile) {
   }
   EXPECT_GT(loaded, 100);  // hits in comments and digits
   EXPECT_GT(refused, 5000);
-}
-
-// The document by itself, with another schema than the scene's.
-constexpr const char* kSchema = R"(
-  enum Level: ubyte { quiet, loud }
-  table Part { port: ushort; offset: int; ratio: float; level: Level; on: bool; names: [string]; }
-  table Whole { title: string (required); part: Part; parts: [Part]; large: ulong; }
-  root_type Whole;)";
-
-std::string document_error(const std::string& json) {
-  try {
-    const JsonDocument document(json, "c.json", kSchema);
-  } catch (const FileError& error) {
-    return error.what();
-  }
-  return "no error";
-}
-
-TEST(JsonDocument, ChecksScalarsAgainstTheirTypes) {
-  const auto part = [](const std::string& inner) {
-    return document_error("{\"title\": \"t\",\n\"part\": {" + inner + "}}");
-  };
-  EXPECT_EQ(part(R"("port": 65535, "offset": -2147483648, "ratio": 0.5, "level": "loud", "on": true,
-                     "names": ["a", "b"])"),
-            "no error");
-  EXPECT_THAT(part(R"("port": 65536)"), StartsWith("c.json:2: part.port: does not fit, is '65536'; "
-                                                   "choose a number from 0 to 65535"));
-  EXPECT_THAT(part(R"("port": -1)"), StartsWith("c.json:2: part.port: does not fit"));
-  EXPECT_THAT(part(R"("port": 1.0)"), StartsWith("c.json:2: part.port: must be a whole number"));
-  EXPECT_THAT(part(R"("offset": 2147483648)"), StartsWith("c.json:2: part.offset: does not fit"));
-  EXPECT_THAT(part(R"("ratio": 1e39)"), StartsWith("c.json:2: part.ratio: is too large"));
-  EXPECT_THAT(part(R"("on": 1)"), StartsWith("c.json:2: part.on: must be true or false"));
-  EXPECT_THAT(part(R"("level": "silent")"),
-              StartsWith("c.json:2: part.level: must be one of: quiet, "
-                         "loud; is the text"));
-  EXPECT_THAT(part(R"("names": ["a", 1])"), StartsWith("c.json:2: part.names[1]: must be a text"));
-  EXPECT_THAT(part(R"("names": "a")"), StartsWith("c.json:2: part.names: must be a list"));
-  EXPECT_EQ(document_error(R"({"title": "t", "large": 18446744073709551615})"), "no error");
-  EXPECT_THAT(document_error(R"({"title": "t", "large": 18446744073709551616})"),
-              HasSubstr("large: does not fit"));
-}
-
-TEST(JsonDocument, KnowsTheLineOfEveryValue) {
-  const JsonDocument document(
-      "{\n\"title\":\n\"t\", /* two\n lines */ \"parts\": [\n{},\n{ \"port\": 1,\n\"offset\": 2 "
-      "}]}",
-      "c.json", kSchema);
-  EXPECT_EQ(document.line_of(""), 1);
-  EXPECT_EQ(document.line_of("title"), 3);
-  EXPECT_EQ(document.line_of("parts"), 4);
-  EXPECT_EQ(document.line_of("parts[0]"), 5);
-  EXPECT_EQ(document.line_of("parts[1].offset"), 7);
-  EXPECT_EQ(document.line_of("parts[1].ratio"), 6);  // not in the text: its nearest parent
-  EXPECT_EQ(document.line_of("parts[7].ratio"), 4);
-  EXPECT_EQ(document.line_of("nothing.at.all"), 1);
-  EXPECT_EQ(document.line_of("parts[].[..]"), 5);  // nonsense is survived
-  try {
-    document.fail("parts[1].offset", "is odd; make it even");
-  } catch (const FileError& error) {
-    EXPECT_STREQ(error.what(), "c.json:7: parts[1].offset: is odd; make it even");
-  }
 }
 
 }  // namespace

@@ -1,0 +1,117 @@
+#include "core/base/json_document.hpp"
+
+#include <flatbuffers/idl.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace feltwire::json_document_test {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+constexpr const char* kSchema = R"(
+  enum Level: ubyte { quiet, loud }
+  struct Place { x: double; y: double; tag: ubyte; }
+  table Part { port: ushort; offset: int; ratio: float; level: Level; on: bool; names: [string];
+               place: Place; }
+  table Whole { title: string (required); part: Part; parts: [Part]; large: ulong;
+                places: [Place]; flags: [bool]; levels: [Level]; }
+  root_type Whole;)";
+
+std::string document_error(const std::string& json) {
+  try {
+    const JsonDocument document(json, "c.json", kSchema);
+  } catch (const FileError& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+TEST(JsonDocument, ChecksScalarsAgainstTheirTypes) {
+  const auto part = [](const std::string& inner) {
+    return document_error("{\"title\": \"t\",\n\"part\": {" + inner + "}}");
+  };
+  EXPECT_EQ(part(R"("port": 65535, "offset": -2147483648, "ratio": 0.5, "level": "loud", "on": true,
+                     "names": ["a", "b"])"),
+            "no error");
+  EXPECT_THAT(part(R"("port": 65536)"), StartsWith("c.json:2: part.port: does not fit, is '65536'; "
+                                                   "choose a number from 0 to 65535"));
+  EXPECT_THAT(part(R"("port": -1)"), StartsWith("c.json:2: part.port: does not fit"));
+  EXPECT_THAT(part(R"("port": 1.0)"), StartsWith("c.json:2: part.port: must be a whole number"));
+  EXPECT_THAT(part(R"("offset": 2147483648)"), StartsWith("c.json:2: part.offset: does not fit"));
+  EXPECT_THAT(part(R"("ratio": 1e39)"), StartsWith("c.json:2: part.ratio: is too large"));
+  EXPECT_THAT(part(R"("on": 1)"), StartsWith("c.json:2: part.on: must be true or false"));
+  EXPECT_THAT(part(R"("level": "silent")"),
+              StartsWith("c.json:2: part.level: must be one of: quiet, "
+                         "loud; is the text"));
+  EXPECT_THAT(part(R"("names": ["a", 1])"), StartsWith("c.json:2: part.names[1]: must be a text"));
+  EXPECT_THAT(part(R"("names": "a")"), StartsWith("c.json:2: part.names: must be a list"));
+  EXPECT_EQ(document_error(R"({"title": "t", "large": 18446744073709551615})"), "no error");
+  EXPECT_THAT(document_error(R"({"title": "t", "large": 18446744073709551616})"),
+              HasSubstr("large: does not fit"));
+}
+
+TEST(JsonDocument, WritesWhatTheTextSays) {
+  flatbuffers::Parser parser;
+  ASSERT_TRUE(parser.Parse(kSchema));
+  parser.opts.strict_json = true;
+  parser.opts.indent_step = -1;
+  const auto written = [&](const std::string& json) {
+    const JsonDocument document(json, "c.json", kSchema);
+    std::string text;
+    EXPECT_TRUE(flatbuffers::GenerateText(parser, document.buffer(), &text));
+    return text;
+  };
+  // As FlatBuffers itself reads and writes them.
+  for (const char* same : {
+           R"({"title": "", "parts": [], "large": 18446744073709551615,
+               "part": {"port": 65535, "offset": -2147483648, "ratio": 0.1, "level": "loud",
+                        "on": true, "names": ["a", "", "bc"]}})",
+           R"({"title": "t", "flags": [true, false, true], "levels": ["loud", "quiet"],
+               "parts": [{}, {"offset": -1, "names": []},
+                         {"place": {"x": 1.5, "y": -2.5, "tag": 7}}],
+               "places": [{"x": 0.1, "y": 1e-300, "tag": 1}, {"x": 3.0, "y": 4.0, "tag": 2}]})"}) {
+    ASSERT_TRUE(parser.Parse(same)) << parser.error_;
+    std::string theirs;
+    ASSERT_TRUE(flatbuffers::GenerateText(parser, parser.builder_.GetBufferPointer(), &theirs));
+    EXPECT_EQ(written(same), theirs);
+  }
+}
+
+TEST(JsonDocument, ReadsEscapes) {
+  const auto title = [](const std::string& written) {
+    const JsonDocument document("{\"title\": \"" + written + "\"}", "c.json", kSchema);
+    const auto* whole = flatbuffers::GetRoot<flatbuffers::Table>(document.buffer());
+    return whole->GetPointer<const flatbuffers::String*>(flatbuffers::FieldIndexToOffset(0))->str();
+  };
+  EXPECT_EQ(title(R"(\"\\\/\b\f\n\r\t\u0041bf)"), "\"\\/\b\f\n\r\tAbf");
+  EXPECT_EQ(title(R"(\u00e9\u20AC\uD83D\ude00\uFFFF)"),
+            "\xC3\xA9\xE2\x82\xAC\xF0\x9F\x98\x80\xEF\xBF\xBF");
+  EXPECT_EQ(title("\xF0\x9F\x98\x80"), "\xF0\x9F\x98\x80");
+  EXPECT_EQ(title(R"(a\u0000b)"), std::string("a\0b", 3));
+}
+
+TEST(JsonDocument, KnowsTheLineOfEveryValue) {
+  const JsonDocument document(
+      "{\n\"title\":\n\"t\", /* two\n lines */ \"parts\": [\n{},\n{ \"port\": 1,\n\"offset\": 2 "
+      "}]}",
+      "c.json", kSchema);
+  EXPECT_EQ(document.line_of(""), 1);
+  EXPECT_EQ(document.line_of("title"), 3);
+  EXPECT_EQ(document.line_of("parts"), 4);
+  EXPECT_EQ(document.line_of("parts[0]"), 5);
+  EXPECT_EQ(document.line_of("parts[1].offset"), 7);
+  EXPECT_EQ(document.line_of("parts[1].ratio"), 6);  // not in the text: its nearest parent
+  EXPECT_EQ(document.line_of("parts[7].ratio"), 4);
+  EXPECT_EQ(document.line_of("nothing.at.all"), 1);
+  EXPECT_EQ(document.line_of("parts[].[..]"), 5);  // nonsense is survived
+  try {
+    document.fail("parts[1].offset", "is odd; make it even");
+  } catch (const FileError& error) {
+    EXPECT_STREQ(error.what(), "c.json:7: parts[1].offset: is odd; make it even");
+  }
+}
+
+}  // namespace
+}  // namespace feltwire::json_document_test
