@@ -1,6 +1,6 @@
 #pragma once
-// A tree of boxes: which of many things could be near. Embree builds it; what it answers are
-// candidates, never a decision.
+// A tree of axis-aligned boxes, which finds the few of many things that can be near a place. Embree
+// builds it. It answers with candidates; the caller decides.
 
 #include <array>
 #include <cstdint>
@@ -12,7 +12,7 @@
 
 namespace feltwire {
 
-/// From the least to the largest corner [m].
+/// An axis-aligned box, from its least to its largest corner [m]. Empty at first.
 struct Bounds {
   Vec3 least = Vec3::Constant(std::numeric_limits<double>::infinity());
   Vec3 most = Vec3::Constant(-std::numeric_limits<double>::infinity());
@@ -28,16 +28,16 @@ struct Bounds {
   }
 };
 
-/// Immutable. Boxes are kept in float, rounded outwards, so no question misses a thing whose box
-/// (in double) answers it; some that do not may be visited. In what order is not said.
+/// Immutable. Boxes are kept in float and rounded outwards. A query therefore misses no thing whose
+/// box (in double) fits it, but may visit a few others. The order of the visits is not defined.
 class BoxTree {
  public:
-  /// [m] Embree ends the process for boxes that it takes for infinite, from 1.8e18 on.
+  /// [m] Embree takes a box for infinite from 1.8e18 on, and then ends the process.
   static constexpr double kFarthest = 1e18;
 
   BoxTree() = default;
-  /// Thing i has boxes[i]; at most 2^30. Throws std::invalid_argument where a box is not finite or
-  /// reaches farther than kFarthest, std::runtime_error where Embree cannot build (no memory).
+  /// Thing i has boxes[i]; at most 2^30. Throws std::invalid_argument if a box is not finite or
+  /// reaches farther than kFarthest, and std::runtime_error if Embree has no memory.
   explicit BoxTree(std::span<const Bounds> boxes);
 
   /// Visits every i whose box has a point in common with `box`.
@@ -47,7 +47,7 @@ class BoxTree {
     descend([&](const Node& node, int child) { return overlaps(node, child, q); }, visit);
   }
 
-  /// Visits every i whose box the way between two points could meet.
+  /// Visits every i whose box the straight way between two points can meet.
   template <class Visit>
   void along(const Vec3& from, const Vec3& to, Visit visit) const noexcept {
     Bounds box;
@@ -62,8 +62,8 @@ class BoxTree {
         visit);
   }
 
-  /// Visits every i whose box is within the radius that `radius()` gives now [m]; it may shrink
-  /// between visits, nearer boxes come sooner.
+  /// Visits every i whose box is at most `radius()` [m] from the center. `radius()` is asked again
+  /// before each box and may shrink between visits. Nearer boxes tend to come first.
   template <class Radius, class Visit>
   void within(const Vec3& center, Radius radius, Visit visit) const noexcept;
 

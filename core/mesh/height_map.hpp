@@ -1,5 +1,5 @@
 #pragma once
-// A picture as the relief of a surface.
+// A grey image that is the relief of a surface.
 
 #include <string>
 #include <string_view>
@@ -9,35 +9,37 @@
 
 namespace feltwire {
 
-/// Row by row from the top, 0 (black) to 1 (white).
+/// The values of the pixels, row by row from the top, from 0 (black) to 1 (white).
 struct GreyImage {
   int width = 0, height = 0;
   std::vector<float> values;
 };
 
-/// A portable graymap (PGM: P5 binary of 8 or 16 bits, or P2 text). `name` is what errors call it.
-/// Throws FileError naming the byte, what is wrong and the remedy.
+/// Reads a portable graymap (PGM: P5 binary of 8 or 16 bits, or P2 text). Errors call it `name`.
+/// Throws FileError that names the byte, what is wrong and the remedy.
 GreyImage parse_pgm(std::string_view bytes, const std::string& name);
 
-/// A surface lower by `cut` [m] at a place, and how that grows with the place.
+/// How deep the relief is at a place.
 struct Relief {
-  double cut = 0.0;           // [m], >= 0
+  double cut = 0.0;           // [m] below the surface, >= 0
   Vec3 slope = Vec3::Zero();  // gradient of cut
 };
 
-/// The image's brightest places are the surface itself, black would lie `amplitude` under white.
-/// The image repeats without a seam, and is looked at along x, y and z each, mixed as the squares
-/// of the normal's parts: the same scale on every side of a body, with no coordinates in its file.
+/// The brightest pixels lie on the surface itself; black lies `amplitude` below white. The image
+/// repeats without a seam. It is projected along x, y and z, and the three are mixed by the squares
+/// of the normal's components. All sides of a body so have the same scale, and its file needs no
+/// texture coordinates.
 class HeightMap {
  public:
-  /// amplitude [m] > 0; size [m] > 0 of the image's width, its pixels are square. Throws
+  /// amplitude [m] > 0. size [m] > 0: the width of the image; pixels are square. Throws
   /// std::invalid_argument for an image without pixels.
   HeightMap(const GreyImage& image, double amplitude, double size);
 
-  /// At a point of a surface with this unit normal, one frame. Between pixels it is a quadratic
-  /// B-spline: its slope is continuous and exactly that of its cut (the normal taken for constant).
+  /// At a point of a surface with this unit normal, both in one frame. Between pixels the relief is
+  /// a quadratic B-spline. Its slope is continuous and is the exact gradient of its cut, with the
+  /// normal held constant.
   Relief at(const Vec3& point, const Vec3& normal) const noexcept;
-  /// [m] of the cut, everywhere alike.
+  /// [m] The mean of the cut.
   double mean() const { return mean_; }
 
  private:

@@ -3,8 +3,8 @@
 // the ball of Ruspini, Kolarov & Khatib (1997) for a tool with a radius.
 //
 // The proxy is where the tool would be if it could not pass the surface. It follows the tool along
-// the shortest way that stays in front of all triangles, so a tool is felt however fast it was, and
-// a sheet keeps it on the side it came from. What is told here holds for both:
+// the shortest way that stays in front of all triangles. A tool is therefore felt at any speed, and
+// a sheet keeps it on the side that it came from. Arguments of both:
 //   goal      the tool [m, from the mesh's origin]
 //   sides     which sides of a triangle can be felt: 1 where its normal points, -1 behind, 0 both
 
@@ -13,8 +13,8 @@
 
 namespace feltwire {
 
-/// The proxy of a point [m, object frame], see surface_point(); or of a ball of `radius` [m] about
-/// it, beside the radius that the surface has of its own: the proxy is then the ball's middle.
+/// The proxy of a point [m, object frame], as surface_point() says. With a `radius` [m], the proxy
+/// is the middle of a ball; the radius is added to that of the surface's own options.
 SurfacePoint mesh_surface_point(const MeshSurface& surface, Side felt_from, const Vec3& position,
                                 FeatureMemory& memory, double radius = 0.0) noexcept;
 
@@ -26,7 +26,8 @@ struct ProxyState {
   bool on_face = false;  // held by this one triangle alone
 };
 
-/// Moves a point's proxy towards the goal until it is there or nothing it may do brings it nearer.
+/// Moves the proxy of a point towards the goal, until it is there or no allowed movement brings it
+/// nearer.
 void move_point(const MeshSurface& surface, std::int8_t sides, const Vec3& goal,
                 ProxyState& proxy) noexcept;
 

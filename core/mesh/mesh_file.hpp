@@ -10,22 +10,23 @@
 
 namespace feltwire {
 
-/// The surface in a file, its format by the file's ending, coordinates as written times `scale` [m
-/// per unit of the file]. Polygons of more than three corners are cut into a fan. Throws FileError
-/// with file, line (in binary files: byte) and remedy for whatever does not fit, a vertex farther
-/// than 1e6 m from the origin included, and never reads past a field that it does not understand:
-/// nothing of a surface is left out silently.
+/// Reads the surface in a file. The file's ending says the format. Coordinates are multiplied by
+/// `scale` [m per unit of the file]. Polygons of more than three corners are cut into a fan. Throws
+/// FileError with the file, the line (in binary files: the byte) and the remedy if anything does
+/// not fit, such as a vertex more than 1e6 m from the origin. No part of a surface is left out
+/// silently: a field that is not understood is an error.
 TriangleSoup read_mesh(const std::filesystem::path& file, double scale);
 
-/// The same from bytes; `name` is what errors call them and its ending the format.
+/// The same from bytes. Errors call them `name`; its ending says the format.
 TriangleSoup parse_mesh(std::string_view bytes, const std::string& name, double scale);
 
-// The formats, in units of the file; `scale` [m per unit] says how far a vertex may lie.
+// One function a format. The result is in units of the file; `scale` [m per unit] only serves the
+// check of how far a vertex lies.
 TriangleSoup parse_obj(std::string_view bytes, const std::string& name, double scale = 1.0);
 TriangleSoup parse_stl(std::string_view bytes, const std::string& name, double scale = 1.0);
 TriangleSoup parse_ply(std::string_view bytes, const std::string& name, double scale = 1.0);
 
-/// A surface as an OBJ file [m], as many digits as a double has.
+/// A surface as the text of an OBJ file [m], with all digits of a double.
 std::string obj_text(const TriangleSoup& soup);
 
 }  // namespace feltwire

@@ -1,6 +1,6 @@
 #pragma once
-// Edges of a surface that have one triangle: joining them where they miss each other by rounding,
-// and how wide the holes between them are.
+// Open edges of a surface, which have one triangle only: joins those that miss each other by
+// rounding, and measures the holes that remain.
 
 #include <array>
 #include <cstdint>
@@ -14,27 +14,26 @@ namespace feltwire::mesh_seams {
 /// Two vertices.
 using Edge = std::array<std::uint32_t, 2>;
 
-/// For each vertex the one that takes its place.
 struct Joined {
-  std::vector<std::uint32_t> renamed;
-  std::size_t count = 0;  // vertices that another one takes the place of
-  double farthest = 0.0;  // [m] between the two
+  std::vector<std::uint32_t> renamed;  // for each vertex, the one that replaces it
+  std::size_t count = 0;               // vertices that another one replaces
+  double farthest = 0.0;               // [m] largest distance between two that were joined
 };
 
-/// Joins ends of open edges that are at most `weld` [m] apart, the nearest first of those that
-/// stand. No vertex goes farther than a quarter of the shortest side of its triangles, so that no
-/// detail is lost, however far away another vertex lies.
+/// Joins ends of open edges that are at most `weld` [m] apart, the nearest pairs first. A vertex
+/// moves by at most a quarter of the shortest side of its triangles, so no detail is lost, even if
+/// `weld` is large.
 Joined join(std::span<const Vec3> vertices, std::span<const Triangle> triangles,
             std::span<const Edge> open, double weld);
 
 struct Holes {
   std::size_t count = 0;
-  double narrowest = 0.0, widest = 0.0;  // [m] the size of a ball that passes, about
+  double narrowest = 0.0, widest = 0.0;  // [m] about the size of a ball that passes
 };
 
-/// Open edges form rings; each is a hole, or the border of a sheet. Its width: from places of the
-/// ring to the nearest other that is 1.49 times as far away along the ring, three of four are at
-/// most that.
+/// Open edges form rings. Each ring is a hole, or the border of a sheet. Its width is the upper
+/// quartile, over places of the ring, of the distance to the nearest place that is at least 1.49
+/// times as far away along the ring.
 Holes holes(std::span<const Vec3> vertices, std::span<const Edge> open);
 
 }  // namespace feltwire::mesh_seams

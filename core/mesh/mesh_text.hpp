@@ -1,5 +1,5 @@
 #pragma once
-// Internal to the mesh files: words of a text line by line, with errors that name the line.
+// Internal to the mesh files: reads a text line by line and word by word. Errors name the line.
 
 #include <array>
 #include <charconv>
@@ -14,10 +14,10 @@
 
 namespace feltwire::mesh_text {
 
-/// [m] How far coordinates of a scene reach.
+/// [m] The largest coordinate of a scene.
 inline constexpr double kFarthest = 1e6;
 
-/// What is wrong with the `number`-th vertex (from 1), if anything. `scale`: metres per unit.
+/// The error of vertex `number` (from 1), if it has one. `scale`: metres per unit.
 inline std::optional<std::string> broken_vertex(std::size_t number, const Vec3& v, double scale) {
   for (Eigen::Index axis = 0; axis < 3; ++axis) {
     const std::string which =
@@ -33,7 +33,7 @@ inline std::optional<std::string> broken_vertex(std::size_t number, const Vec3& 
   return std::nullopt;
 }
 
-/// A text cut into lines, these into words at white space.
+/// Cuts a text into lines, and lines into words at white space.
 class TokenReader {
  public:
   /// `continued`: a backslash at the end of a line joins the next one to it.
@@ -44,8 +44,8 @@ class TokenReader {
     throw FileError(name_ + ":" + std::to_string(line_) + ": " + message);
   }
 
-  /// The next line that is not empty; false at the end. What the line before is continued by is
-  /// passed over.
+  /// Goes to the next line that is not empty; false at the end. Skips the rest of the line before,
+  /// with the lines that continue it.
   bool next_line() {
     while (goes_on_) cut_line();
     while (at_ < text_.size()) {
@@ -56,13 +56,13 @@ class TokenReader {
     rest_ = {};
     return false;
   }
-  /// The line ends here, whatever it ends with: it is a comment.
+  /// Ends the line here, also where a backslash would continue it: the rest is a comment.
   void end_line() {
     rest_ = {};
     goes_on_ = false;
   }
 
-  /// The next word of the line, empty at its end.
+  /// The next word of the line; empty at the line's end.
   std::string_view word() {
     std::size_t end = 0;
     while (end < rest_.size() && !is_space(rest_[end])) ++end;
@@ -121,7 +121,7 @@ class TokenReader {
       cut_line();
     }
   }
-  /// The next line as it stands, without the backslash that continues it.
+  /// Takes the next line of the text, without the backslash that continues it.
   void cut_line() {
     goes_on_ = false;
     rest_ = {};

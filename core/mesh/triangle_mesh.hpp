@@ -1,5 +1,5 @@
 #pragma once
-// A surface of triangles: what a mesh file holds, made fit to be touched.
+// A surface of triangles with their neighbours, made from the triangles of a mesh file.
 
 #include <array>
 #include <cstdint>
@@ -13,18 +13,17 @@
 
 namespace feltwire {
 
-/// The corner of a triangle that follows, round it: 0, 1, 2, 0.
+/// The next corner round a triangle: 0, 1, 2, 0.
 constexpr std::size_t corner_after(std::size_t corner) { return corner == 2 ? 0 : corner + 1; }
 
-/// What was found while a soup became a mesh. Nothing here is an error: a mesh of any of these can
-/// be touched.
+/// The findings of TriangleMesh's constructor. None is an error: every such mesh can be touched.
 struct MeshReport {
-  std::size_t welded = 0;              // vertices at exactly the place of another: now one
-  std::size_t joined = 0;              // vertices of open edges close to another: now one
-  double weld = 0.0;                   // [m] they were at most that far apart,
-  double joined_farthest = 0.0;        // [m] and in fact that far
+  std::size_t welded = 0;              // vertices at exactly the place of another, made one
+  std::size_t joined = 0;              // vertices of open edges close to another, made one
+  double weld = 0.0;                   // [m] largest distance that is joined
+  double joined_farthest = 0.0;        // [m] largest distance that was joined
   std::size_t degenerate = 0;          // triangles without an area: left out
-  double degenerate_height = 0.0;      // [m] of the highest of them
+  double degenerate_height = 0.0;      // [m] largest height of these
   std::size_t duplicate = 0;           // triangles on the corners of an earlier one: left out
   std::size_t boundary_edges = 0;      // with one triangle
   std::size_t non_manifold_edges = 0;  // with more than two
@@ -33,9 +32,9 @@ struct MeshReport {
   std::size_t holes = 0;               // rings of edges with one triangle
   double narrowest_hole = 0.0;         // [m] across
   double widest_hole = 0.0;            // [m] across
-  double volume = 0.0;                 // [m^3] enclosed; < 0 where the normals look inwards
+  double volume = 0.0;                 // [m^3] enclosed; < 0 if the normals point inwards
   double size = 0.0;                   // [m] the longest side of the box about it
-  double typical_side = 0.0;           // [m] of the triangles' longest sides the middle one
+  double typical_side = 0.0;           // [m] median of the triangles' longest sides
 
   /// Every edge has two triangles that agree about the outside.
   bool closed() const {
@@ -43,25 +42,24 @@ struct MeshReport {
   }
 };
 
-/// Triangles with their neighbours. Immutable; coordinates are relative to `origin`, the middle of
-/// the surface, so that they have all digits wherever it lies.
+/// Triangles with their neighbours. Coordinates are relative to `origin`, the middle of the
+/// surface, so that they keep all digits wherever the surface lies.
 class TriangleMesh {
  public:
-  /// No triangle beyond an edge that the surface crosses smoothly: the edge has one triangle, more
-  /// than two, or two that disagree about the outside.
+  /// Stands for a missing neighbour: the edge has one triangle, more than two, or two that disagree
+  /// about the outside.
   static constexpr std::uint32_t kNone = 0xFFFFFFFF;
 
-  /// Of the longest side of the box about a surface: ends of open edges closer than this are
-  /// joined. Below what six decimals of a coordinate tell apart.
+  /// Ends of open edges are joined if they are closer than this share of the longest side of the
+  /// box about the surface. Six decimals of a coordinate do not tell such ends apart.
   static constexpr double kWeld = 1e-6;
 
   TriangleMesh() = default;
-  /// Welds equal vertices and ends of open edges that are at most `weld` [m] apart (kWeld of the
-  /// size where it is not given; 0: none), leaves out degenerate triangles (no height above the
-  /// rounding of their own corners: a relative measure, no size is too small) and duplicates, finds
-  /// the neighbours.
-  /// Throws std::invalid_argument for an index that has no vertex, a coordinate that is not finite,
-  /// more than 2^30 triangles, or when no triangle is left.
+  /// Joins equal vertices, and ends of open edges that are at most `weld` [m] apart (by default:
+  /// kWeld times the size; 0: none). Leaves out duplicate triangles, and degenerate ones, whose
+  /// height is within the rounding of their own corners; no size is too small. Finds the
+  /// neighbours. Throws std::invalid_argument for an index without a vertex, a coordinate that is
+  /// not finite, more than 2^30 triangles, or if no triangle is left.
   explicit TriangleMesh(const TriangleSoup& soup, std::optional<double> weld = {});
 
   const Vec3& origin() const { return origin_; }  // [m]
@@ -69,11 +67,11 @@ class TriangleMesh {
   const Vec3& half_extents() const { return half_extents_; }
   const std::vector<Vec3>& vertices() const { return vertices_; }  // [m] from the origin
   const std::vector<Triangle>& triangles() const { return triangles_; }
-  /// Beyond edge k (from corner k to corner k + 1) of triangle t.
+  /// The triangle beyond edge k (from corner k to corner k + 1) of triangle t, or kNone.
   std::uint32_t neighbour(std::uint32_t t, int k) const {
     return neighbours_[t][static_cast<std::size_t>(k)];
   }
-  /// Triangles round a vertex, in ascending order.
+  /// The triangles round a vertex, in ascending order.
   std::span<const std::uint32_t> around(std::uint32_t vertex) const {
     return std::span(around_).subspan(first_[vertex], first_[vertex + 1] - first_[vertex]);
   }
@@ -84,7 +82,7 @@ class TriangleMesh {
   }
   std::size_t memory() const;  // [bytes]
 
-  /// The same surface with its outside turned in.
+  /// Turns the outside in: all normals point the other way.
   void turn();
 
  private:
@@ -106,14 +104,14 @@ class TriangleMesh {
   MeshReport report_;
 };
 
-/// What a person should know of it, one line a finding, with the remedy; none for a clean closed
-/// surface. `closed`: whether it is meant to bound a solid.
+/// The findings that a person should know, one line each, with the remedy. Empty for a clean closed
+/// surface. `closed`: whether the surface is meant to bound a solid.
 std::vector<std::string> warnings(const MeshReport& report, bool closed);
 
-/// ", 2 holes 1e-05 m to 0.02 m across", empty where there is none.
+/// ", 2 holes 1e-05 m to 0.02 m across"; empty if there is none.
 std::string holes_text(const MeshReport& report);
 
-/// Unit normal of a triangle, right for every size; zero for a degenerate one.
+/// The unit normal of a triangle of any size; zero for a degenerate one.
 Vec3 triangle_normal(const std::array<Vec3, 3>& corners) noexcept;
 
 }  // namespace feltwire

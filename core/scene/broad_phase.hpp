@@ -9,28 +9,29 @@
 
 namespace feltwire {
 
-/// A ball that holds the object however the object is turned.
+/// A ball that contains the object.
 struct ReachBall {
   Vec3 middle = Vec3::Zero();  // [m, object frame]
   double radius = 0.0;         // [m] infinite if no ball holds the object
 };
 ReachBall reach_ball(const Object& object);
 
+/// Immutable.
 class BroadPhase {
  public:
-  /// With fewer objects than this there is no tree: asking one by one costs no more.
+  /// Fewer objects than this have no tree: to ask each one costs no more.
   static constexpr std::size_t kFew = 16;
 
   BroadPhase() = default;
-  /// For a tool that is a ball of `radius` [m], 0: a point.
+  /// For a tool that is a ball of `radius` [m]; 0: a point.
   explicit BroadPhase(std::span<const Object> objects, double radius = 0.0);
 
   /// Whether there is a tree. Without one, ask every object.
   bool in_use() const { return !tree_.empty(); }
-  /// Objects that have no end, or that are solid everywhere but in a hollow: always ask these.
+  /// Objects without bounds, such as planes and hollows: ask these at every sample.
   std::span<const std::uint32_t> everywhere() const { return everywhere_; }
-  /// Visits the other objects whose box the way between two points [m] meets, each once, in no
-  /// order.
+  /// Visits each other object whose box the straight way between two points [m] meets, once. The
+  /// order is not defined.
   template <class Visit>
   void along(const Vec3& from, const Vec3& to, Visit visit) const noexcept {
     tree_.along(from, to, [&](std::uint32_t i) { visit(bounded_[i]); });

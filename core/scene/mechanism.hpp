@@ -18,17 +18,17 @@ namespace feltwire {
 
 enum class Joint : std::uint8_t { free, hinge, slide };
 
-/// A rigid body that one or more objects are the surface of.
+/// A rigid body. One or more objects are its surface.
 struct Body {
   std::string name;
   Pose pose;  // at the start, world frame; hinge and slide pass through the position
   Joint joint = Joint::free;
-  // Exactly one of the two; objects that overlap count twice.
+  // Exactly one of mass and density is given. Where objects overlap, the volume counts twice.
   std::optional<double> mass;     // [kg], > 0, spread evenly over the objects' volume
   std::optional<double> density;  // [kg/m^3], > 0
   bool collides = true;           // with other bodies and still objects; hands feel it either way
 
-  // Of hinge [rad] and slide [m] only; the pose above is at 0.
+  // Only for hinge [rad] and slide [m]. At 0 the body has the pose above.
   Vec3 axis = Vec3::UnitZ();  // own frame
   double low = -std::numeric_limits<double>::infinity();
   double high = std::numeric_limits<double>::infinity();
@@ -53,7 +53,7 @@ std::optional<Violation> check(const MechanismOptions& options);
 /// The moving part of a scene. Immutable; a World is one run of it.
 class Mechanism {
  public:
-  /// An object that moves, by its body.
+  /// An object that moves with a body.
   struct Part {
     int body = 0;  // MuJoCo's number
     Pose in_body;  // of the object
@@ -72,7 +72,7 @@ class Mechanism {
   /// The objects of a scene are `still()` static ones, followed by one for each part.
   std::size_t still() const { return still_; }
   const std::vector<Part>& parts() const { return parts_; }
-  /// Warnings about values that are possible but hardly meant. One line each, with the remedy.
+  /// Warnings about values that are valid but look like mistakes. One line each, with the remedy.
   const std::vector<std::string>& warnings() const { return warnings_; }
 
  private:
@@ -93,7 +93,7 @@ std::shared_ptr<const Mechanism> compile(std::vector<Object>& objects, std::vect
 /// The materials for the geoms of an MJCF file.
 struct MjcfMaterials {
   struct Named {
-    std::string name;  // of a geom or of a material of the file; a geom's own name goes first
+    std::string name;  // of a geom, or of a material of the file; a geom's own name wins
     Material material;
   };
   Material other;  // of all other geoms

@@ -1,5 +1,5 @@
 #pragma once
-// Which features a scene needs, and which of its parts need them: for people who ask what it costs.
+// What a scene costs: which features it needs, and which of its parts need them.
 
 #include <string>
 #include <vector>
@@ -10,15 +10,15 @@ namespace feltwire {
 
 struct FeatureCost {
   std::string what;                 // "stick points"
-  std::string cost;                 // what it makes a sample do, or what is kept for it
-  std::vector<std::string> needed;  // names of the objects and guides that ask for it
+  std::string cost;                 // the work of a sample, or the memory that is kept
+  std::vector<std::string> needed;  // names of the objects, guides and tools that need it
 };
 
-/// Every feature that a scene may need, with the parts that need it. A feature without such parts
-/// is neither allocated, stepped nor sent.
+/// All features that a scene can need, each with the parts that need it. A feature that no part
+/// needs is neither allocated, stepped nor sent.
 std::vector<FeatureCost> feature_costs(const Scene& scene);
 
-/// The same for people: a line for each need, with names, and one for all that nothing is spent on.
+/// The same as text: one line for each feature that is needed, and one that lists all others.
 std::string describe_costs(const Scene& scene);
 
 }  // namespace feltwire

@@ -1,5 +1,5 @@
 #pragma once
-// The rules for the values of a scene: one set for scenes from files and scenes from code.
+// The rules for the values of a scene. Scenes from files and scenes from code obey the same rules.
 
 #include <initializer_list>
 #include <optional>
@@ -19,7 +19,7 @@ struct Violation {
 
 using MaybeViolation = std::optional<Violation>;
 
-/// Throws std::invalid_argument that names whose rule is broken.
+/// Throws std::invalid_argument "whose: field: message". `whose`: "object 'ball'".
 [[noreturn]] inline void refuse(const std::string& whose, const Violation& violation) {
   throw std::invalid_argument(whose + ": " + violation.field + ": " + violation.message);
 }
@@ -31,31 +31,34 @@ inline constexpr double kMaxFrictionCoefficient = 100.0;
 inline constexpr double kLargestTravel = 1e3;       // [m], [rad] of a joint
 inline constexpr std::size_t kMaxNameLength = 100;  // [bytes]
 
-/// The first rule that is broken, if any. Fields are relative ("radius", "position.x").
+/// Each check returns the first rule that is broken, if any. Fields are relative to the argument
+/// ("radius", "position.x").
 std::optional<Violation> check(const Shape& shape);
 std::optional<Violation> check(const Material& material);
 /// An orientation need not be unit, but it must have a direction.
 std::optional<Violation> check(const Pose& pose);
 /// The normal need not be unit, but it must have a direction.
 std::optional<Violation> check(const Start& start);
-/// Names of scenes, objects, materials.
+/// Of a scene, an object, a material, a guide or a tool.
 std::optional<Violation> broken_name(const std::string& name);
 
-/// A tool, in a scene with these objects; fields relative to it ("sphere.radius").
+/// Of a tool in a scene with these objects.
 std::optional<Violation> check(const HandTool& tool, std::span<const Object> objects);
-/// How many to choose from.
+/// Of the number of tools to choose from.
 std::optional<Violation> broken_tools(std::size_t count);
 inline constexpr std::size_t kMaxTools = 64;
 
-/// A guide's, fields relative to it ("attract.stiffness").
+/// Of a guide.
 std::optional<Violation> check(const Guide& guide);
 
-/// 0 < value <= most; 0 <= value <= most. `unit` with the blank and brackets before and round it.
+/// 0 < value <= most. `unit` with a blank and brackets: " [m]".
 MaybeViolation positive(const char* field, double value, double most, const char* unit);
+/// 0 <= value <= most.
 MaybeViolation not_negative(const char* field, double value, double most, const char* unit);
+/// The first violation of these, if any.
 MaybeViolation first(std::initializer_list<MaybeViolation> found);
 
-/// Makes an orientation that breaks no rule unit, of whatever length it was.
+/// Scales an orientation to unit length. Precondition: check() found nothing.
 void make_unit(Quaternion& orientation);
 
 /// A number as people write it: the shortest text that reads back as the same double.

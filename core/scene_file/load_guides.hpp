@@ -12,7 +12,7 @@ namespace scene_file {
 struct Scene;
 }
 
-/// Throws FileError.
+/// Reads all guides of the file. Throws FileError that names the file, the line and the field.
 std::vector<Guide> read_guides(const JsonDocument& document, const scene_file::Scene& scene);
 
 }  // namespace feltwire

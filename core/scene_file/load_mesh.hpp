@@ -15,17 +15,18 @@ namespace scene_file {
 struct Mesh;
 }
 
-/// Reads each file once, however many objects are made of it.
+/// Loads meshes. A file that several objects name is read once.
 class MeshLoader {
  public:
-  /// `folder`: what the files' paths are relative to. The document must outlive this.
+  /// Paths of files are relative to `folder`. The document must outlive this.
   MeshLoader(const JsonDocument& document, std::filesystem::path folder)
       : document_(document), folder_(std::move(folder)) {}
 
-  /// Throws FileError naming the scene's field, and for a mesh file's own faults its line.
+  /// The mesh of the field at `path`. Throws FileError that names this field, or the mesh file and
+  /// its line.
   Mesh load(const std::string& path, const scene_file::Mesh& mesh);
 
-  /// Warnings about the files: strange, but no error.
+  /// Warnings about the files that were read: values that are valid but look like mistakes.
   const std::vector<std::string>& warnings() const { return warnings_; }
 
  private:

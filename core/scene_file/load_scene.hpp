@@ -1,5 +1,5 @@
 #pragma once
-// A scene from its file.
+// Loads a scene from its file.
 
 #include <filesystem>
 #include <string>
@@ -9,10 +9,11 @@
 
 namespace feltwire {
 
-/// Reads a scene file (JSON against core/scene_file/scene.fbs). Throws FileError.
+/// Reads a scene file (JSON, checked against core/scene_file/scene.fbs) and the files that it
+/// names. Throws FileError that names the file, the line, the field and the remedy.
 Scene load_scene(const std::filesystem::path& file);
 
-/// The same from text; `file` is only what errors call it.
+/// The same from text. Errors call it `file`; the files that it names are relative to its folder.
 Scene parse_scene(std::string_view json, const std::string& file);
 
 }  // namespace feltwire

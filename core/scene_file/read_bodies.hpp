@@ -1,5 +1,5 @@
 #pragma once
-// Internal to load_scene.cpp: what moves, out of a scene file.
+// Internal to load_scene.cpp: reads the bodies of a scene file, or its MJCF file.
 
 #include <functional>
 #include <memory>
@@ -15,16 +15,18 @@ namespace scene_file {
 struct Scene;
 }
 
-/// The scene's material of that name; fails naming `path` where there is none.
+/// Finds the scene's material of a name. Throws FileError that names `path` if there is none.
 using FindMaterial = std::function<const Material&(const std::string& path, const std::string&)>;
 
-/// Compiles the bodies of the file, and places their objects, which stand in `objects` as the file
-/// has them and are put behind the others. Null: nothing moves.
+/// Compiles the bodies of the file. `objects` holds the objects in the order of the file; those of
+/// bodies are placed in the world and moved behind the others. Null: nothing moves. Throws
+/// FileError.
 std::shared_ptr<const Mechanism> read_bodies(const JsonDocument& document,
                                              const scene_file::Scene& scene,
                                              std::vector<Object>& objects);
 
-/// Loads the MJCF file that the scene names, relative to `folder`.
+/// Loads the MJCF file that the scene names, relative to `folder`, and adds its objects to
+/// `objects`. Throws FileError.
 std::shared_ptr<const Mechanism> read_mjcf(const JsonDocument& document,
                                            const scene_file::Scene& scene,
                                            const std::filesystem::path& folder,

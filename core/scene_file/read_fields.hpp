@@ -1,5 +1,5 @@
 #pragma once
-// Internal to load_scene.cpp: grids and tools from a scene file.
+// Internal to load_scene.cpp: reads the grids and the tools of a scene file.
 
 #include <filesystem>
 
@@ -8,12 +8,11 @@
 
 namespace feltwire {
 
-/// The grid of an object; `path` is the field's, `folder` what file names are relative to. Throws
-/// FileError.
+/// The grid of the field at `path`. File names are relative to `folder`. Throws FileError.
 Grid read_grid(const JsonDocument& document, const std::string& path, const scene_file::Grid& grid,
                const std::filesystem::path& folder);
 
-/// Puts what the file says of tools into the scene's hands. Throws FileError.
+/// Gives the scene the tool or the tools of the file, if it has any. Throws FileError.
 void read_tools(const JsonDocument& document, const scene_file::Scene& file,
                 const std::filesystem::path& folder, Scene& scene);
 

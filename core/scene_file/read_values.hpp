@@ -1,5 +1,5 @@
 #pragma once
-// Internal to what reads a scene file: values that stand in more than one of its tables.
+// Internal to the readers of a scene file: values that several of its tables have.
 
 #include <limits>
 #include <optional>
@@ -15,7 +15,7 @@ inline std::string element(const char* list, std::size_t index) {
   return std::string(list) + "[" + std::to_string(index) + "]";
 }
 
-/// Fails where a rule is broken; `path` is what the rule's field is relative to.
+/// Throws FileError if a rule is broken. The violation's field is relative to `path`.
 inline void require(const JsonDocument& document, const std::string& path,
                     const MaybeViolation& violation) {
   if (violation)
@@ -23,13 +23,13 @@ inline void require(const JsonDocument& document, const std::string& path,
                   violation->message);
 }
 
-/// The names of one list of the file, in its order. A scene may have some 100000 objects, so a name
-/// is found by its hash.
+/// The names in one list of the file. A scene may have some 100000 objects, so a name is found by
+/// its hash.
 class Names {
  public:
   Names(const JsonDocument& document, const char* list) : document_(document), list_(list) {}
 
-  /// The next name of the list. Fails unless it is a good one and new.
+  /// Adds the next name of the list. Throws FileError if it breaks a rule or is there already.
   void add(const std::string& name) {
     const std::string path = element(list_, places_.size());
     require(document_, path, broken_name(name));
@@ -53,7 +53,7 @@ class Names {
 
 inline Vec3 vector(const scene_file::Vector& v) { return {v.x(), v.y(), v.z()}; }
 
-/// `position` and `orientation` of a table, as they stand there.
+/// The `position` and `orientation` of a table, unchecked.
 template <class Table>
 Pose pose_of(const Table& table) {
   Pose pose;
@@ -63,8 +63,9 @@ Pose pose_of(const Table& table) {
   return pose;
 }
 
-/// take(name, primitive) for each primitive that the table at `path` has. They are read by the
-/// names that they give themselves: the schema says which tables may have which.
+/// Calls take(name, primitive) for each primitive that the table at `path` has. Each primitive says
+/// its own name; the schema says which tables may have which. Throws FileError if a length of
+/// several parts is missing; a missing number is NaN.
 template <class Take>
 void take_primitives(const JsonDocument& document, const std::string& path, Take take) {
   Primitives::for_each([&](auto primitive) {

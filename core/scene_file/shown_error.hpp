@@ -13,16 +13,17 @@
 
 namespace feltwire {
 
-/// `message` as it is, or where `file` lies outside of `folder` only as far as its line or byte.
+/// Returns `message`. If `file` lies outside of `folder`, it is cut after the line or byte.
 /// Messages about a file begin with its name; those that name neither line nor byte quote nothing.
 std::string shown_error(const std::string& message, const std::filesystem::path& file,
                         const std::filesystem::path& folder);
 
-/// The same of an error about an MJCF file: it may quote any file that the MJCF file names.
+/// The same for an error about an MJCF file, which may quote any file that the MJCF file names.
 std::string shown_mjcf_error(const std::string& message, const std::filesystem::path& file,
                              const std::filesystem::path& folder);
 
-/// A mesh that a scene in `folder` names. Throws FileError as read_mesh() does, shown by the rule.
+/// Reads a mesh that a scene in `folder` names. Throws FileError as read_mesh() does, cut by the
+/// rule above.
 TriangleSoup read_scene_mesh(const std::filesystem::path& folder, const std::string& name,
                              double scale);
 
