@@ -9,6 +9,7 @@
 #include "core/base/visible_text.hpp"
 #include "core/command_line/suggestion.hpp"
 #include "server/access/security.hpp"
+#include "server/app/config.hpp"
 
 namespace feltwire {
 namespace {
