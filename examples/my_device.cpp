@@ -19,6 +19,7 @@ class MyDevice final : public feltwire::Device {
     spec_.name = "my_device";
     spec_.damping = 2.0;           // b [N s/m], the device's own: measure it
     spec_.apparent_mass = 0.2;     // [kg]
+    spec_.least_mass = 0.15;       // [kg] that it surely has, in every direction
     spec_.max_force = 6.0;         // [N]
     spec_.continuous_force = 2.0;  // [N]
     feltwire::validate(spec_);     // throws what is missing or contradictory

@@ -1,6 +1,7 @@
 #include "client/app/options.hpp"
 
 #include <CLI/CLI.hpp>
+#include <cstdint>
 #include <iostream>
 #include <sstream>
 #include <string_view>
@@ -89,8 +90,10 @@ std::variant<ClientOptions, int> parse_options(int argc, char** argv) {
                      choices(builtin_devices(), "|", &DeviceSpec::name) + ", or FILE.json")
       ->capture_default_str()
       ->group(session);
-  app.add_option("--mode", words.mode, "Energy bound: " + bounding_method_choices())
-      ->capture_default_str()
+  app.add_option("--mode", words.mode,
+                 "Energy bound: " + bounding_method_choices() +
+                     ". When not given: " + std::string(kSessionMethod) +
+                     ", with --bounding server or both " + std::string(kDefaultMethod))
       ->group(session);
   app.add_option("--projection", words.projection, "Of contact_frame: " + choices(kProjectionNames))
       ->capture_default_str()
@@ -123,16 +126,19 @@ std::variant<ClientOptions, int> parse_options(int argc, char** argv) {
       ->capture_default_str()
       ->group(session);
   app.add_option("--operator-damping", parameters.operator_damping,
-                 "[N s/m] that the operator's hand is known to add, credited to the bound")
+                 "[N s/m] that the operator's hand is known to add: the bound counts on it, the "
+                 "account behind it never does")
       ->capture_default_str()
       ->group(session);
   app.add_option("--hold-time", parameters.hold_time,
                  "[s] a command older than half of it fades, at all of it it is zero")
       ->capture_default_str()
       ->group(session);
-  app.add_flag("--local-model", parameters.local_model,
-               "Replies bring the surfaces near the tool, and this side renders them at its own "
-               "rate (docs/network.md); not with --bounding server")
+  app.add_flag_function(
+         "--local-model,!--no-local-model",
+         [&words](std::int64_t times) { words.local_model = times > 0; },
+         "Replies bring the surfaces near the tool, and this side renders them at its own rate "
+         "(docs/network.md); not with --bounding server. When not given: with the modes that shape")
       ->group(session);
 
   const auto traffic = "Traffic (docs/network.md)";

@@ -63,6 +63,22 @@ void choose_traffic(const WrittenOptions& words, std::optional<double> rate,
   parameters.packet_interval = std::max(1, static_cast<int>(ticks));
 }
 
+/// What bounds the force, and where. What is not given is chosen by the rest: a method that shapes
+/// stands at the client and has the surfaces there. Throws std::invalid_argument.
+void choose_bound(const WrittenOptions& words, SessionParameters& parameters) {
+  if (!words.side.empty()) parameters.side = bounding_side(words.side);
+  const bool here = parameters.side == BoundingSide::client;
+  const std::string_view usual = here ? kSessionMethod : kDefaultMethod;
+  parameters.mode = words.mode.empty() ? usual : bounding_method(words.mode).name;
+  const BoundingMethod& method = bounding_method(parameters.mode);
+  if (words.side.empty() && stands_beside_scene(method)) parameters.side = BoundingSide::server;
+  parameters.projection = projection(words.projection);
+  parameters.storage = storage(words.storage);
+  parameters.reference = passivity_reference(words.reference);
+  const bool by_profile = !words.profile.empty() && parameters.local_model;
+  parameters.local_model = words.local_model.value_or(by_profile || method.shapes);
+}
+
 /// Those that an option names.
 std::vector<NamedFile> named(std::vector<NamedFile> files) {
   std::erase_if(files, [](const NamedFile& file) { return file.path.empty(); });
@@ -97,7 +113,7 @@ void check_name(const char* option, const std::string& name) {
 void begin_with(const NetworkProfile& line, WrittenOptions& words, SessionParameters& parameters) {
   constexpr double kPercent = 100.0;
   parameters = {};
-  parameters.mode = bounding_method(words.mode).name;
+  parameters.mode = words.mode.empty() ? kSessionMethod : bounding_method(words.mode).name;
   parameters.servo_period = period_of(words);
   parameters = over(line, parameters);
   words.position_deadband_percent = kPercent * parameters.position_deadband;
@@ -125,14 +141,7 @@ void understand(const WrittenOptions& words, HandTask task, ClientOptions& optio
   require(options.role != Role::admin, "--role must be operator or observer");
   require(words.view.empty() || options.role == Role::observer,
           "--view is of observers; give --role observer, too");
-  options.parameters.mode = bounding_method(words.mode).name;
-  options.parameters.projection = projection(words.projection);
-  options.parameters.storage = storage(words.storage);
-  options.parameters.reference = passivity_reference(words.reference);
-  if (!words.side.empty())
-    options.parameters.side = bounding_side(words.side);
-  else if (bounding_method(options.parameters.mode).moves_probe)
-    options.parameters.side = BoundingSide::server;
+  choose_bound(words, options.parameters);
   options.parameters.servo_period = period_of(words);
   choose_traffic(words, packet_rate(words, options.role), options.parameters);
   validate(options.parameters);

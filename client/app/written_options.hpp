@@ -14,9 +14,10 @@ namespace feltwire {
 /// The command line as it is written, before its words are understood.
 struct WrittenOptions {
   std::string connect, scene, device = "simulated", spec = "simulated";
-  std::string mode = SessionParameters{}.mode,
-              projection = std::string(name(SessionParameters{}.projection)), storage = "minimal",
-              reference = "zero", side, path = "press", predictor = "level";
+  std::string mode, projection = std::string(name(SessionParameters{}.projection)),
+                    storage = "minimal", reference = "zero", side, path = "press",
+                    predictor = "level";
+  std::optional<bool> local_model;
   double rate = 1000.0;
   std::optional<double> packet_rate;  // [Hz]
   double position_deadband_percent = 0.0, force_deadband_percent = 0.0;

@@ -147,7 +147,24 @@ Json local_model(const Servo& servo) {
                         : Json(nullptr)},
           {"samples_from_model", s.modelled},
           {"samples_from_both", s.half_modelled},
-          {"samples_beyond_reach", s.beyond_model}};
+          {"samples_beyond_reach", s.beyond_model},
+          {"hand_overs", s.hand_overs}};
+}
+
+/// What stood last before the device.
+Json account(const Servo& servo) {
+  if (!servo.account()) return nullptr;
+  const AccountStatistics& s = servo.account()->statistics();
+  return {{"balance_j", number(servo.account()->balance())},
+          {"overdrawn", s.overdrawn},
+          {"largest_debt_j", number(s.largest_debt)},
+          {"strong_hand_samples", s.strong_hand}};
+}
+
+/// The damping of the hand that the method counts on.
+Json hand_credit(const std::optional<HandCredit>& credit) {
+  if (!credit) return nullptr;
+  return {{"damping_n_s_per_m", number(credit->damping)}, {"steps_down", credit->steps_down}};
 }
 
 /// Ticks by why the hand was given no force, and the reason of a run that gave none at all.
@@ -234,7 +251,7 @@ std::string report_json(const RunDescription& run, const Servo& servo,
       {"missed_deadlines", loop.missed_deadlines},
       {"faded_samples", s.faded},
       {"bound_active_samples", s.bound_active},
-      {"guarded_samples", s.guarded},
+      {"account_cut_samples", s.account_cut},
       {"saturated_samples", s.saturated},
       {"waiting_samples", s.waiting},
       {"ramped_samples", s.ramped},
@@ -264,6 +281,8 @@ std::string report_json(const RunDescription& run, const Servo& servo,
       {"safety", safety(servo.options().safety)},
       {"encoder", encoder(servo.spec(), run.scene_stiffness)},
       {"local_model", local_model(servo)},
+      {"account", account(servo)},
+      {"hand_credit", hand_credit(servo.hand_credit())},
       {"role", run.sight ? name(Role::observer) : name(Role::operator_)},
       {"view", sight(run.sight, loop)},
       {"server_last_reply", server(servo)},

@@ -87,6 +87,7 @@ std::shared_ptr<Run> make_run(const RunOptions& options, const control::JoinAcce
                               std::shared_ptr<Transport> transport) {
   ServoOptions servo = options.servo;
   servo.observes = options.role == Role::observer;
+  servo.scene_stiffness = accepted.stiffness;
   auto run =
       std::make_shared<Run>(std::move(device), std::move(transport), accepted.parameters, servo);
   run->records = std::make_unique<Records>(

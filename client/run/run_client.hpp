@@ -27,7 +27,7 @@ struct RunOptions {
   std::string tool;                      // the name of the tool to hold; empty: the scene's first
   Role role = Role::operator_;           // or observer
   std::string device_kind;               // for the report
-  SessionParameters parameters;          // what to ask the server for
+  SessionParameters parameters = usual_parameters();  // what to ask the server for
   ServoOptions servo;      // safety limits; protect_hand(parameters) gives the usual ones
   double duration = 0.0;   // [s] 0: until stopped
   double busy_poll = 0.0;  // [us] to poll for replies and deadlines; infinity: never sleep

@@ -45,6 +45,16 @@ std::string feel(const LiveStatus& status, const LiveStatus& before) {
   return line;
 }
 
+/// "  shaped late, 1.20 N s/m of the hand"
+std::string shaping(const LiveStatus& s) {
+  if (!s.shapes) return {};
+  if (s.near) return "  shaped near";
+  if (!s.hand_damping) return "  shaped late";
+  std::array<char, kLongest> part{};
+  std::snprintf(part.data(), part.size(), "  shaped late, %.2f N s/m of the hand", *s.hand_damping);
+  return part.data();
+}
+
 std::string ending(const LiveStatus& s) {
   if (!s.connected) return "  reconnecting";
   if (s.no_force != NoForce::felt) return "  no force: " + std::string(text(s.no_force));
@@ -69,7 +79,7 @@ std::string text(const LiveStatus& s, const LiveStatus& before) {
                 s.time, rate, kNanosecondsInUs * s.round_trip_p50,
                 kNanosecondsInUs * s.round_trip_p99, up.c_str(), down.c_str(), loss(s, before),
                 s.force, s.energy);
-  return line.data() + feel(s, before) + ending(s);
+  return line.data() + feel(s, before) + shaping(s) + ending(s);
 }
 
 std::string no_force_text(const ServoStatistics& statistics) {

@@ -6,7 +6,7 @@
 
 namespace feltwire {
 
-double Admission::energy(const Tick& tick, const PortGuard& guard) noexcept {
+double Admission::energy(const Tick& tick, const PortAccount& account) noexcept {
   const double wanted = length(tick.command.elastic);
   if (!(wanted > 0.0)) {  // the contact is lost: what was pressed into it is gone
     forget();
@@ -20,9 +20,10 @@ double Admission::energy(const Tick& tick, const PortGuard& guard) noexcept {
   const double next = std::min(wanted, length(tick.held.elastic) + slew_ * tick.hold_time);
   const Command risen{.elastic = next * direction(tick.command.elastic)};
   const Command now{.elastic = tick.held.elastic};
-  const double stored = guard.needed(tick.held, tick.hold_time);
+  const double stored = account.need_of_any_hand(tick.held, tick.hold_time);
   const double spare = std::min(pressed_, tick.margin) - stored;
-  const double needed = guard.needed(risen, tick.hold_time) - guard.needed(now, tick.hold_time);
+  const double needed = account.need_of_any_hand(risen, tick.hold_time) -
+                        account.need_of_any_hand(now, tick.hold_time);
   return std::max(0.0, std::min(spare, needed));
 }
 

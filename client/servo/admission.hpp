@@ -2,7 +2,7 @@
 // How the force of a scene that was changed under a hand comes through to a hand that presses.
 
 #include "core/base/types.hpp"
-#include "core/bounding/port_guard.hpp"
+#include "core/bounding/account.hpp"
 
 namespace feltwire {
 
@@ -13,7 +13,8 @@ namespace feltwire {
 /// than a fade falls.
 ///
 /// The energy that is let in never exceeds what the hand has pressed into the contact it is in, nor
-/// what the port has to spare. That the port stays passive is the guard's doing, behind the bound.
+/// what the port has to spare. That the port stays passive is the account's doing, behind the
+/// bound.
 class Admission {
  public:
   struct Tick {
@@ -39,7 +40,7 @@ class Admission {
   }
 
   /// The energy [J] to add to the bound's storage for its next step. Call it at every tick.
-  double energy(const Tick& tick, const PortGuard& guard) noexcept;
+  double energy(const Tick& tick, const PortAccount& account) noexcept;
 
   /// Tell it what the bound rendered of the command's elastic part. When the bound renders all of
   /// it, the change of the scene is felt in full.

@@ -32,7 +32,7 @@ constexpr std::array<ReasonText, kNoForceReasons> kWords = {{
     {"ramp", "--ramp-up has just begun"},
     {"slew", "--slew lets it rise slowly"},
     {"force_limit", "--max-force allows less than 0.005 N"},
-    {"guard", "the device has not burned enough energy for it"},
+    {"account", "the device has not burned enough energy for it"},
     {"not_held", "the device does not hold what it is given"},
 }};
 
@@ -71,7 +71,7 @@ NoForce why_no_force(const ForceTrail& t) noexcept {
     if (t.ramped) return NoForce::ramp;
     return t.slewed ? NoForce::slew : NoForce::force_limit;
   }
-  return felt(t.guarded) ? NoForce::not_held : NoForce::guard;
+  return felt(t.paid) ? NoForce::not_held : NoForce::account;
 }
 
 NoForce prevailing(const std::array<std::uint64_t, kNoForceReasons>& ticks) noexcept {

@@ -35,7 +35,7 @@ enum class NoForce : std::uint8_t {
   ramp,             // --ramp-up
   slew,             // --slew
   force_limit,      // --max-force
-  guard,            // the port has not burned enough (--bounding server)
+  account,          // the port has not burned enough
   not_held          // the device does not hold what it was given
 };
 inline constexpr std::size_t kNoForceReasons = static_cast<std::size_t>(NoForce::not_held) + 1;
@@ -58,7 +58,7 @@ struct ForceTrail {
   Command asked{};     // by the scene
   Command actuated{};  // of it, what the device can give
   Command faded{};     // by its age
-  Command bounded{}, safe{}, guarded{}, held{};
+  Command bounded{}, safe{}, paid{}, held{};
 };
 
 /// The first place on the way at which there is nothing to feel any more.

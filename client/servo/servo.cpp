@@ -2,67 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
-#include <sstream>
-#include <stdexcept>
 
 #include "core/base/numeric.hpp"
 
 namespace feltwire {
 namespace {
 
-// Samples remembered for their reply: 8 s at 1 kHz, 0.8 s at 10 kHz. A later reply still counts as
-// answered and late.
-constexpr std::size_t kRemembered = 8192;
 constexpr double kSmallestForce = 1e-6;  // [N] below it a force has no direction worth measuring
-
-bool admits_reduction(const SessionParameters& parameters) {
-  return bounding_method(parameters.mode).admits_reduction;
-}
-
-BoundingConfig bound_of(const SessionParameters& parameters, const DeviceSpec& spec) {
-  validate(spec);
-  validate(parameters);
-  BoundingConfig config = bounding_config(parameters, spec);
-  // The server bounds: what stays here are the safety clamps, which every mode has.
-  if (parameters.side == BoundingSide::server) config.mode = kUnbounded;
-  return config;
-}
-
-/// Where the server bounds, for its bound knows nothing of delay, of loss and of late ticks; and
-/// behind a bound at this side that may be reduced, for that one counts on holds of T. None where
-/// nothing bounds, where no damping of the device is known, and where this side's bound was told to
-/// credit the operator, which the guard does not.
-std::optional<PortGuard> guard_of(const SessionParameters& parameters, const DeviceSpec& spec) {
-  const bool behind_bound = parameters.side != BoundingSide::server;
-  if (parameters.mode == kUnbounded || !PortGuard::usable(spec.damping) ||
-      (behind_bound && (!admits_reduction(parameters) || parameters.operator_damping > 0.0)))
-    return std::nullopt;
-  return PortGuard(spec.damping, spec.rotation_actuated > 0 ? spec.rotational_damping : Damping());
-}
-
-/// Of what the device burns by itself: whatever the bound is told to credit, that is the truth.
-PortEnergy observer_of(const DeviceSpec& spec, double period) {
-  return {spec.damping, spec.rotation_actuated > 0 ? spec.rotational_damping : Damping(), period};
-}
-
-/// Nothing else withholds what a scene changes to, and nothing else sees to it that it is paid for.
-std::optional<Admission> admission_of(const SessionParameters& p, const DeviceSpec& spec,
-                                      const Bounding& bounding,
-                                      const std::optional<PortGuard>& guard) {
-  if (!bounding.takes_endowment() || !guard) return std::nullopt;
-  return Admission(spec.max_force / (0.5 * p.hold_time));
-}
-
-void refuse_beside(std::string_view mode, const char* what, double value, const char* unit,
-                   double off) {
-  if (value == off) return;
-  std::ostringstream message;
-  message << "a " << what << " of " << value << " " << unit << " cannot follow the bounding mode "
-          << mode << ", which also bounds forces from below; use "
-          << "contact_frame or no " << what << " (" << off << ")";
-  throw std::invalid_argument(message.str());
-}
 
 bool good(const DeviceReading& reading) {
   const Quaternion& q = reading.pose.orientation;
@@ -71,50 +19,6 @@ bool good(const DeviceReading& reading) {
 }
 
 }  // namespace
-
-void validate(const ServoOptions& options, const SessionParameters& parameters) {
-  const SafetyLimits& s = options.safety;
-  validate(s);
-  if (admits_reduction(parameters)) return;
-  refuse_beside(parameters.mode, "slew limit", s.force.slew, "N/s", ChannelLimits::kOff);
-  refuse_beside(parameters.mode, "slew limit", s.torque.slew, "N m/s", ChannelLimits::kOff);
-  refuse_beside(parameters.mode, "velocity limit", s.force.speed, "m/s", ChannelLimits::kOff);
-  refuse_beside(parameters.mode, "velocity limit", s.torque.speed, "rad/s", ChannelLimits::kOff);
-  refuse_beside(parameters.mode, "ramp-up", s.ramp_up, "s", 0.0);
-}
-
-ServoOptions protect_hand(const SessionParameters& parameters) {
-  ServoOptions options;
-  options.safety.force.small = 0.05;   // [N] below what a resting hand feels
-  options.safety.torque.small = 2e-3;  // [N m] the same at an arm of 40 mm
-  if (!admits_reduction(parameters)) return options;
-  options.safety.force.speed = 1.5;  // [m/s]
-  // A bound lets nothing through at first either, and what a ramp withheld behind it comes back
-  // only as the hand presses deeper (measured).
-  const bool client_bounds =
-      parameters.side != BoundingSide::server && parameters.mode != kUnbounded;
-  if (!client_bounds) options.safety.ramp_up = 0.2;  // [s]
-  return options;
-}
-
-Servo::Servo(const DeviceSpec& spec, const SessionParameters& parameters,
-             const ServoOptions& options)
-    : spec_(spec),
-      parameters_(parameters),
-      options_(options),
-      bounding_(bound_of(parameters, spec)),
-      safety_(options.safety, admits_reduction(parameters)),
-      port_(observer_of(spec, parameters.servo_period)),
-      guard_(guard_of(parameters, spec)),
-      reserve_(parameters.servo_period),
-      admission_(admission_of(parameters, spec, bounding_, guard_)),
-      torque_(bounding_.config().rotation),
-      period_(bounding_.config().period),
-      measures_(bounding_.config().period),
-      velocity_(parameters.velocity_cutoff),
-      sent_(kRemembered) {
-  validate(options, parameters);
-}
 
 void Servo::release() noexcept {
   released_ = true;
@@ -140,6 +44,7 @@ void Servo::start_letting_go() noexcept {
 void Servo::begin_anew(std::uint64_t last_sample_before) noexcept {
   safety_.begin_anew();
   local_.clear();
+  last_offset_.setZero();
   if (admission_) admission_->forget();
   anew_after_ = last_sample_before;
   newest_original_ = false;  // what was said before says nothing of where the hand is now
@@ -181,6 +86,7 @@ Command Servo::faded(const Command& command, double factor) const noexcept {
 /// of the force that was held covers the worst of it (bounding.md), and that force has become zero.
 Servo::Movement Servo::moved_to(const DeviceReading& reading) noexcept {
   Movement moved;
+  moved.known = position_known_;
   if (position_known_) {
     moved.displacement = reading.pose.position - sample_.pose.position;
     if (torque_)
@@ -214,12 +120,16 @@ Command Servo::safeguard(const Command& bounded, const BoundingStep& step, bool 
   return safe.rendered;
 }
 
-/// Asks the local model at the device's position; what it does not know of stays the reply's, given
-/// as `command`. True when the model spoke alone.
+/// Asks the local model at the device's position, or where the method asks; what it does not know
+/// of stays the reply's, given as `command`. True when the model spoke alone.
 bool Servo::follow_model(const BoundingStep& step, Nanoseconds now, Command& command) noexcept {
-  const Vec3& velocity = velocity_.update(step.displacement, step.hold_time);
+  const Vec3 offset = bounding_.probe(step.displacement, step.rotation).offset;
+  model_moved_ = step.displacement + offset - last_offset_;
+  const Vec3& velocity = velocity_.update(model_moved_, step.hold_time);
+  last_offset_ = offset;
   const double age = seconds(now - model_time_);
-  const LocalForce force = local_.touch({sample_.pose.position, velocity}, age, step.hold_time);
+  const LocalForce force =
+      local_.touch({sample_.pose.position + offset, velocity}, age, step.hold_time);
   const double w = force.weight;
   command.elastic = w * force.command.elastic + (1.0 - w) * command.elastic;
   command.frictional = w * force.command.frictional + (1.0 - w) * command.frictional;
@@ -230,6 +140,15 @@ bool Servo::follow_model(const BoundingStep& step, Nanoseconds now, Command& com
   return w >= 1.0;
 }
 
+/// What the scene commands by now, by the newest reply or by the local model.
+Command Servo::environment(BoundingStep& step, Nanoseconds now) noexcept {
+  Command command = reconstructed(now);
+  if (parameters_.local_model) step.local = follow_model(step, now, command);
+  statistics_.hand_overs += step.local == near_ ? 0 : 1;
+  near_ = step.local;
+  return command;
+}
+
 /// Of a scene that was changed, what the hand has paid for.
 void Servo::let_in(const BoundingStep& step) noexcept {
   const double energy = admission_->energy({.held = held_,
@@ -237,13 +156,26 @@ void Servo::let_in(const BoundingStep& step) noexcept {
                                             .hold_time = reserve_.hold_time(),
                                             .command = step.command,
                                             .margin = port_.margin()},
-                                           *guard_);
+                                           *account_);
   // Elastic storage has kept what was pressed; it would have it twice.
   if (energy > 0.0 && parameters_.storage != Storage::elastic) bounding_.endow(energy);
 }
 
+/// What the port has energy for. `moved_known`: the movement of the step is.
+Command Servo::paid_for(const Command& command, BoundingStep step, bool moved_known) noexcept {
+  if (!account_) return command;
+  constexpr double kInstant = 1e-9;  // [s] where the clock stood still
+  step.command = command;
+  step.hold_time = std::max(step.hold_time, kInstant);
+  if (!moved_known) step.displacement.setConstant(std::numeric_limits<double>::quiet_NaN());
+  const Command given = account_->step(step, reserve_.hold_time());
+  statistics_.account_cut += given == command ? 0 : 1;
+  return given;
+}
+
 Command Servo::render(const DeviceReading& reading, Nanoseconds now) noexcept {
   BoundingStep step;
+  bool moved_known = false;
   step.hold_time = time_since_last_tick(now);
   ticked_ = true;
   last_tick_ = now;
@@ -266,6 +198,7 @@ Command Servo::render(const DeviceReading& reading, Nanoseconds now) noexcept {
     const Movement moved = moved_to(reading);
     step.displacement = moved.displacement;
     step.rotation = moved.rotation;
+    moved_known = moved.known;
     displacement_ = moved.displacement;
     port_.step(held_, moved.displacement, moved.rotation, step.hold_time);
   } else {
@@ -279,16 +212,21 @@ Command Servo::render(const DeviceReading& reading, Nanoseconds now) noexcept {
   double factor = 0.0;  // of the command
   bool original = newest_original_;
   if (usable && has_reply()) {
-    Command environment = reconstructed(now);
-    if (parameters_.local_model && follow_model(step, now, environment)) original = true;
+    const Command asked = environment(step, now);
+    original |= near_;
     // Only what the device can do goes into the bound, so that it accounts what it gives.
-    wanted_ = actuated(spec_, environment);
+    wanted_ = actuated(spec_, asked);
     factor = fade_factor();
     if (factor < 1.0) ++statistics_.faded;
     step.command = faded(wanted_, factor);
-    trail_.asked = environment;
+    if (near_ && shapes_)
+      step.command =
+          rise_.apply(step.command, local_.model(), length(model_moved_), step.hold_time);
+    trail_.asked = asked;
     trail_.actuated = wanted_;
     trail_.faded = step.command;
+  } else {
+    near_ = false;
   }
 
   if (admission_) let_in(step);
@@ -302,13 +240,9 @@ Command Servo::render(const DeviceReading& reading, Nanoseconds now) noexcept {
 
   trail_.bounded = bounded.rendered;
   trail_.refused = bounded.refused;
-  Command given = safeguard(bounded.rendered, step, original);
-  if (guard_) {
-    const Command affordable = guard_->apply(given, port_.margin(), reserve_.hold_time());
-    statistics_.guarded += affordable == given ? 0 : 1;
-    given = affordable;
-  }
-  trail_.guarded = given;
+  const Command safe = safeguard(bounded.rendered, step, original);
+  const Command given = paid_for(safe, step, moved_known);
+  trail_.paid = given;
   if (letting_go_ && !released_ && !(factor > 0.0)) {
     letting_go_ = false;
     newest_.command = {};
@@ -326,6 +260,8 @@ const Sample* Servo::hold(const Command& held) noexcept {
   }
   bounding_.set_held(held_);
   safety_.set_held(held_);
+  if (account_) account_->set_held(held_);
+  if (!near_) rise_.given(held_.force());
   statistics_.max_force = std::max(statistics_.max_force, length(held_.force()));
   observe_direction(held_);
   explain(held_);
@@ -334,7 +270,7 @@ const Sample* Servo::hold(const Command& held) noexcept {
   sample_.held = held_;
   ++sample_.index;
   ++statistics_.samples;
-  sent_[sample_.index % kRemembered] = {sample_.index, sample_.client_time, 0, false};
+  sent_[sample_.index % sent_.size()] = {sample_.index, sample_.client_time, 0, false};
   return &sample_;
 }
 

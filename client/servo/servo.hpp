@@ -13,10 +13,12 @@
 #include "client/servo/clock_estimate.hpp"
 #include "client/servo/hand_measures.hpp"
 #include "client/servo/no_force.hpp"
+#include "client/servo/rise_limit.hpp"
 #include "core/base/histogram.hpp"
+#include "core/bounding/account.hpp"
 #include "core/bounding/bounding.hpp"
+#include "core/bounding/hold_reserve.hpp"
 #include "core/bounding/port_energy.hpp"
-#include "core/bounding/port_guard.hpp"
 #include "core/bounding/velocity.hpp"
 #include "core/local_model/local_contact.hpp"
 #include "core/safety/safety.hpp"
@@ -29,7 +31,9 @@ struct ServoOptions {
   /// Between the bound and the device. None here, so that what is measured is the bound;
   /// protect_hand() gives those that a person's hand should have.
   SafetyLimits safety;
-  bool observes = false;  // given no force by its role: said where the reason is asked for
+  bool observes = false;         // given no force by its role: said where the reason is asked for
+  double scene_stiffness = 0.0;  // [N/m] of the stiffest surface, for methods that shape; 0: not
+                                 // known
 };
 
 /// Throws std::invalid_argument naming the limit, its value and the remedy: a slew, ramp or speed
@@ -55,7 +59,7 @@ struct ServoStatistics {
   std::uint64_t device_faults = 0;    // readings or held forces that were faulty or not finite
   std::uint64_t bound_active = 0;     // ticks at which the bound changed the command
   std::uint64_t saturated = 0;        // ticks at which the device's limits did
-  std::uint64_t guarded = 0;          // ticks at which the port had no energy for all of it
+  std::uint64_t account_cut = 0;      // ticks at which the port had no energy for all of it
   std::uint64_t refused = 0;          // ticks at which the bound met an absurd command or movement
   // Ticks at which these safety limits took something off what the bound let through.
   std::uint64_t waiting = 0, ramped = 0, slewed = 0, too_fast = 0, force_limited = 0;
@@ -63,6 +67,7 @@ struct ServoStatistics {
   // With a local model: models that came, their surfaces, and ticks at which the command was the
   // model's alone, its and the reply's together, and the reply's alone for want of reach.
   std::uint64_t models = 0, patches = 0, modelled = 0, half_modelled = 0, beyond_model = 0;
+  std::uint64_t hand_overs = 0;  // times that the model's alone began or ended
   std::array<std::uint64_t, kNoForceReasons> no_force{};  // ticks by why there was none; felt too
   double max_force = 0.0;                                 // [N] held
   Histogram round_trip;       // [ns] from the sample's reading to the reply's arrival
@@ -135,6 +140,13 @@ class Servo {
   const ServoOptions& options() const { return options_; }
   const ServoStatistics& statistics() const { return statistics_; }
   const PortEnergy& port() const { return port_; }
+  /// What stands last before the device; none: what the bound and the safety stage let through is
+  /// given.
+  const std::optional<PortAccount>& account() const { return account_; }
+  /// The command of the last tick was made here, from the local model alone.
+  bool near() const { return near_; }
+  /// Of the methods `credited` and `shaped`.
+  std::optional<HandCredit> hand_credit() const { return bounding_.hand_credit(); }
   const ClockEstimate& server_clock() const { return server_clock_; }
 
   const Sample& sample() const { return sample_; }  // the last one made
@@ -158,6 +170,7 @@ class Servo {
  private:
   struct Movement {
     Vec3 displacement = Vec3::Zero(), rotation = Vec3::Zero();
+    bool known = false;
   };
   /// A sample that waits for its reply.
   struct Sent {
@@ -171,13 +184,16 @@ class Servo {
   double time_since_last_tick(Nanoseconds now) noexcept;
   Movement moved_to(const DeviceReading& reading) noexcept;
   void take_model(const Reply& reply, Nanoseconds arrival) noexcept;
+  void scene_changed() noexcept;
   bool follow_model(const BoundingStep& step, Nanoseconds now, Command& command) noexcept;
+  Command environment(BoundingStep& step, Nanoseconds now) noexcept;
   double fade_factor() const noexcept;
   Command faded(const Command& command, double factor) const noexcept;
   void start_letting_go() noexcept;
   void begin_anew(std::uint64_t last_sample_before) noexcept;
   void let_in(const BoundingStep& step) noexcept;
   Command safeguard(const Command& bounded, const BoundingStep& step, bool original) noexcept;
+  Command paid_for(const Command& command, BoundingStep step, bool moved_known) noexcept;
   void observe_direction(const Command& held) noexcept;
   void explain(const Command& held) noexcept;
   void count_answer(const Reply& reply, Nanoseconds arrival) noexcept;
@@ -189,10 +205,10 @@ class Servo {
   Bounding bounding_;
   SafetyStage safety_;
   PortEnergy port_;
-  std::optional<PortGuard> guard_;
+  std::optional<PortAccount> account_;
   HoldReserve reserve_;
   std::optional<Admission> admission_;  // where this side bounds by contact_frame
-  bool torque_;
+  bool torque_, shapes_;
   double period_;  // T [s]
 
   ClockEstimate server_clock_;
@@ -214,8 +230,12 @@ class Servo {
   // Of sessions with a local model only.
   LocalContact local_;
   VelocityEstimate velocity_;
-  Nanoseconds model_time_{0};  // our time of the state that the model describes
-  Command environment_;        // command(), model and reply together
+  RiseLimit rise_;  // where the method shapes
+  bool near_ = false;
+  Vec3 model_moved_ = Vec3::Zero();  // [m] the place where the model was asked
+  Vec3 last_offset_ = Vec3::Zero();  // [m] of where the model was asked, to the device
+  Nanoseconds model_time_{0};        // our time of the state that the model describes
+  Command environment_;              // command(), model and reply together
 
   Nanoseconds last_tick_{0};
   bool ticked_ = false;          // last_tick_ counts

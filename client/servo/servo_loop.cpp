@@ -279,6 +279,11 @@ class Loop {
     if (!outputs_.record->push(row)) ++result_.records_dropped;
   }
 
+  std::optional<double> hand_damping() const noexcept {
+    const std::optional<HandCredit> credit = servo_.hand_credit();
+    return credit ? std::optional(credit->damping) : std::nullopt;
+  }
+
   void report_status(Nanoseconds now) noexcept {
     next_status_ = now + kStatusPeriod;
     if (outputs_.status == nullptr) return;
@@ -304,7 +309,10 @@ class Loop {
              servo_.has_reply() && servo_.command_age() < 0.5 * servo_.parameters().hold_time,
          .connected = !lost_,
          .recovering = servo_.newest_reply().recovering,
-         .withholds_change = servo_.withholds_change()});
+         .withholds_change = servo_.withholds_change(),
+         .shapes = bounding_method(servo_.parameters().mode).shapes,
+         .near = servo_.near(),
+         .hand_damping = hand_damping()});
   }
 
   Device& device_;

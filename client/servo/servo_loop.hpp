@@ -73,6 +73,9 @@ struct LiveStatus {
   bool connected = true;                              // the session is not lost
   bool recovering = false;        // what moves was put back, and is felt in part
   bool withholds_change = false;  // the scene was changed, and is not all felt yet
+  bool shapes = false;            // the method shapes, and the two below say how
+  bool near = false;              // the force of this tick was made here, from the local model
+  std::optional<double> hand_damping{};  // [N s/m] that it counts on, where it does
 };
 
 /// A view that an observer was shown, and its time.

@@ -1,6 +1,7 @@
 // How the replies of the server reach the servo: which one counts, and what was lost.
 
 #include <algorithm>
+#include <limits>
 
 #include "client/servo/servo.hpp"
 #include "protocol/session/deadband.hpp"
@@ -32,7 +33,7 @@ bool Servo::take(const Reply& reply, Nanoseconds arrival) noexcept {
   const Command let_go = newest_.command, rates = newest_.rates;
   const bool predicted = newest_.predicted;
   statistics_.scene_resets += reply.recovering && !newest_.recovering ? 1 : 0;
-  if (admission_ && has_reply() && !fresh_ && reply.reloads != newest_.reloads) admission_->begin();
+  if (has_reply() && !fresh_ && reply.reloads != newest_.reloads) scene_changed();
   fresh_ = false;
   newest_ = reply;
   const Sent& sent = sent_[reply.sample_index % sent_.size()];
@@ -56,6 +57,15 @@ bool Servo::take(const Reply& reply, Nanoseconds arrival) noexcept {
       reply.sample_index > anew_after_ && !reply.active && !reply.saturated && !reply.refused;
   if (parameters_.local_model) take_model(reply, newest_arrival_);
   return true;
+}
+
+void Servo::scene_changed() noexcept {
+  if (admission_) admission_->begin();
+  if (!bounding_method(parameters_.mode).shapes) return;
+  BoundingConfig config = bounding_.config();
+  config.stiffness = std::numeric_limits<double>::infinity();
+  bounding_ = Bounding(config);
+  bounding_.set_held(held_);
 }
 
 void Servo::take_model(const Reply& reply, Nanoseconds arrival) noexcept {

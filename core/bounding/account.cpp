@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <stdexcept>
 #include <string>
 
@@ -29,7 +28,9 @@ const AccountConfig& checked(const AccountConfig& config) {
 double affordable(const EnergyNeed& force, const EnergyNeed& torque, double balance) noexcept {
   if (!(balance > 0.0)) return 0.0;
   const auto both = [&](double s) { return force.at(s) + torque.at(s); };
-  if (both(1.0) <= balance) return 1.0;
+  // A command at its own bound's limit is off by some roundings: it is not scaled for that.
+  constexpr double kRounding = 1e-12;
+  if (both(1.0) <= balance * (1.0 + kRounding)) return 1.0;
   // Both grow with s, so the answer lies beyond a turn exactly when the turn costs less.
   double square = 0.0, linear = 0.0, constant = 0.0;
   for (const EnergyNeed* need : {&force, &torque}) {
@@ -43,8 +44,7 @@ double affordable(const EnergyNeed& force, const EnergyNeed& torque, double bala
   const double left = balance - constant;
   const double s = 2.0 * left / (linear + std::sqrt(linear * linear + 4.0 * square * left));
   // Rounding must not overdraw.
-  constexpr double kRounding = 1.0 - 1e-12;
-  return std::isfinite(s) ? std::clamp(s * kRounding, 0.0, 1.0) : 0.0;
+  return std::isfinite(s) ? std::clamp(s * (1.0 - kRounding), 0.0, 1.0) : 0.0;
 }
 
 }  // namespace
@@ -53,7 +53,8 @@ PortBalance::PortBalance(const PortKnowledge& known, double period)
     : known_(known),
       period_(period),
       directional_(!known.damping.isotropic() && known.damping.least() > 0.0),
-      reach_(known) {
+      reach_(known),
+      path_(known.quantum) {
   if (directional_) inverse_damping_ = known.damping.matrix().inverse();
 }
 
@@ -63,19 +64,9 @@ double PortBalance::damping_along(const Vec3& unit) const noexcept {
   return directional_ ? 1.0 / unit.dot(inverse_damping_ * unit) : 0.0;
 }
 
-/// [m] a lower bound of the true path: a play of half-width q follows each axis, and a path is at
-/// least (|x| + |y| + |z|) / sqrt(3).
-double PortBalance::path(const Vec3& displacement) noexcept {
-  slack_ += displacement;
-  const Vec3 kept = slack_.cwiseMax(-known_.quantum).cwiseMin(known_.quantum);
-  const double followed = (slack_ - kept).lpNorm<1>() * std::numbers::inv_sqrt3;
-  slack_ = kept;
-  return followed;
-}
-
 void PortBalance::forget() noexcept {
   reach_.forget();
-  slack_.setZero();
+  path_.forget();
   strong_hand_ = false;
 }
 
@@ -85,7 +76,7 @@ double PortBalance::earned(const Vec3& displacement, const Vec3& held, double ho
                  way.length > reach_.along(way.direction, held.dot(way.direction), hold_time);
   reach_.moved(displacement, held, hold_time, period_);
   return known_.damping.quadratic(displacement) / std::max(period_, hold_time) +
-         known_.coulomb_friction * path(displacement) - held.dot(displacement);
+         known_.coulomb_friction * path_.moved(displacement) - held.dot(displacement);
 }
 
 // max of F y - (b/h) y^2 over 0 <= y <= d(F) = d0 + k F, with F = s |wanted|: the free maximum
@@ -112,6 +103,7 @@ EnergyNeed PortBalance::need(const Vec3& wanted, double hold_time) const noexcep
 
 PortAccount::PortAccount(const AccountConfig& config)
     : cap_(checked(config).cap),
+      looks_ahead_(config.looks_ahead),
       translation_(config.translation, config.period),
       rotation_(config.rotation, config.period),
       period_(config.period) {}
@@ -138,7 +130,7 @@ double PortAccount::take_in(const BoundingStep& s) noexcept {
   const bool nothing_held = held_.force().isZero(0.0) && held_.torque.isZero(0.0);
   if (nothing_held) balance_ = std::min(balance_, cap_);
   count_debt(was_in_debt);
-  if (!std::isfinite(earned)) return balance_;
+  if (!std::isfinite(earned) || !looks_ahead_) return balance_;
   const double per_period = delivered * period_ / std::max(period_, s.hold_time);
   return balance_ - 0.5 * std::max(0.0, per_period);
 }

@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <limits>
 
+#include "core/bounding/certain_path.hpp"
 #include "core/bounding/reach.hpp"
 #include "core/bounding/step.hpp"
 
@@ -21,6 +22,9 @@ struct AccountConfig {
   /// larger cap gives the full force at the first touch. A smaller cap takes less energy from the
   /// hand when a command is wrong.
   double cap = std::numeric_limits<double>::infinity();
+  /// A force that follows the balance must look half a sample ahead. One whose bound is passive by
+  /// itself is cut only where that bound was wrong, and needs no look ahead.
+  bool looks_ahead = true;
 };
 
 /// Counts of the account.
@@ -31,9 +35,10 @@ struct AccountStatistics {
   std::uint64_t strong_hand = 0;  // samples that only a force beyond outside_force explains
 };
 
-/// need(s f) of one port over the scale s of a wanted force f [J]: first s^2 up to s = turn, then
-/// second s^2 + linear s + constant. Continuous, with a continuous slope, increasing and convex.
-/// Infinite for every s > 0 where nothing is known that would limit it.
+/// need(s f) of one port over the scale s of a wanted force f [J]: first s^2 up to s = turn, as for
+/// a hand that may move the handle any distance, then second s^2 + linear s + constant. Continuous,
+/// with a continuous slope, increasing and convex. Infinite for every s > 0 where nothing is known
+/// that would limit it.
 struct EnergyNeed {
   double first = 0.0, turn = std::numeric_limits<double>::infinity();
   double second = 0.0, linear = 0.0, constant = 0.0;
@@ -66,14 +71,13 @@ class PortBalance {
 
  private:
   double damping_along(const Vec3& unit) const noexcept;
-  double path(const Vec3& displacement) noexcept;
 
   PortKnowledge known_;
   double period_;
   bool directional_;  // the damping differs by direction, and every direction has some
   Mat3 inverse_damping_ = Mat3::Zero();
   Reach reach_;
-  Vec3 slack_ = Vec3::Zero();  // [m] of the play that the path is counted by, per axis
+  CertainPath path_;
   bool strong_hand_ = false;
 };
 
@@ -81,7 +85,8 @@ class PortBalance {
 ///
 ///   M(n) = M(n-1) + earned by translation and rotation,      at most `cap` while nothing is held
 ///   f(n) = s f_e(n), the largest 0 <= s <= 1 with need(f(n)) <= min(M(n), A(n))
-///   A(n) = M(n) - (T/h) f(n-1).dx / 2,  h = max(T, hold time): M half a sample ahead
+///   A(n) = M(n) - (T/h) f(n-1).dx / 2,  h = max(T, hold time): M half a sample ahead; M(n)
+///          where it does not look ahead
 ///   need(f) = max of f.y - b_u y^2 / T over 0 <= y <= reach     b_u = 1 / (u' B^-1 u), u = f / |f|
 ///
 /// A(n) is no part of the proof: a smaller force is always admissible. A force that only followed
@@ -112,6 +117,13 @@ class PortAccount {
   /// Says what was really held after the last step, where that differs.
   void set_held(const Command& held) noexcept { held_ = held; }
 
+  /// [J] f'B^-1 f h / 4: what holding `command` for h [s] can give to a hand that may move the
+  /// handle any distance.
+  double need_of_any_hand(const Command& command, double hold_time) const noexcept {
+    return translation_.need(command.force(), hold_time).first +
+           rotation_.need(command.torque, hold_time).first;
+  }
+
   double balance() const noexcept { return balance_; }  // M [J]
   bool in_debt() const noexcept { return balance_ < 0.0; }
   const AccountStatistics& statistics() const noexcept { return statistics_; }
@@ -121,6 +133,7 @@ class PortAccount {
   void count_debt(bool was_in_debt) noexcept;
 
   double cap_;
+  bool looks_ahead_;
   PortBalance translation_, rotation_;
   double period_;
   Command held_;

@@ -49,15 +49,18 @@ class BasicBounding {
 
   /// Of contact_frame: the next step's elastic channel may draw on `energy` [J] beside what it
   /// stores. The bound trusts that the port has that much: the caller sees to it
-  /// (core/bounding/port_guard.hpp). Without effect in the other modes.
+  /// (core/bounding/account.hpp). Without effect in the other modes.
   void endow(Real energy) noexcept;
   /// Whether endow() has an effect.
   bool takes_endowment() const noexcept { return law_.takes_endowment(); }
 
   /// Where to ask the scene for the next step's command, relative to the device, which has moved by
-  /// `displacement`, `rotation` since the last step. Zero but for the modes that moves_probe().
+  /// `displacement`, `rotation` since the last step. Zero but for the modes that move the probe.
   BasicProbe<Real> probe(const Vector3<Real>& displacement,
                          const Vector3<Real>& rotation) const noexcept;
+
+  /// Of `credited` and `shaped`.
+  std::optional<HandCredit> hand_credit() const noexcept { return law_.hand_credit(); }
 
   /// The configuration that it was made with; `mode` is the method's name.
   const BoundingConfig& config() const { return config_; }

@@ -11,9 +11,11 @@
 
 #include "core/base/choice.hpp"
 #include "core/bounding/contact_frame.hpp"
+#include "core/bounding/credited.hpp"
 #include "core/bounding/energy_tank.hpp"
 #include "core/bounding/limits.hpp"
 #include "core/bounding/method.hpp"
+#include "core/bounding/midpoint.hpp"
 #include "core/bounding/none.hpp"
 #include "core/bounding/passivity_control.hpp"
 #include "core/bounding/per_axis.hpp"
@@ -76,6 +78,16 @@ PassivityPort<Real> port(const BoundingConfig& c, const Damping& damping, double
   return {c.reference, static_cast<Real>(max), static_cast<Real>(damping.least() / c.period)};
 }
 
+template <class Real>
+Credited<Real> credited(const BoundingConfig& c) {
+  constexpr double kArmSquared = 0.04 * 0.04;  // [m^2] of the arm at which a wrist turns a tool
+  return {{.damping = c.damping.least(), .credit = c.hand_damping, .stiffness = c.stiffness},
+          {.damping = c.rotational_damping.least(), .credit = kArmSquared * c.hand_damping},
+          c.period,
+          c.quantum,
+          c.rotation};
+}
+
 /// A passivity controller of either kind.
 template <class Real, template <class> class Controller>
 BasicBoundingLaw<Real> controller(const BoundingConfig& c) {
@@ -85,9 +97,9 @@ BasicBoundingLaw<Real> controller(const BoundingConfig& c) {
 
 }  // namespace built_in
 
-/// The paper's methods and contact_frame first, then those of research.
+/// The paper's methods, contact_frame and those that shape first, then those of research.
 template <class Real>
-std::array<BasicBoundingMethod<Real>, 10> built_in_methods() {
+std::array<BasicBoundingMethod<Real>, 13> built_in_methods() {
   using namespace built_in;
   using Law = BasicBoundingLaw<Real>;
   using Config = const BoundingConfig&;
@@ -117,7 +129,7 @@ std::array<BasicBoundingMethod<Real>, 10> built_in_methods() {
        .research = false,
        .options = {.c1_c2 = true}},
       {.name = kDefaultMethod,
-       .summary = "passive and true to the direction; the default",
+       .summary = "passive by itself, for every hand, and true to the direction",
        .make = [](Config c) -> Law {
          return ContactFrameBound<Real>(Metric<Real>(c.damping), Metric<Real>(c.rotational_damping),
                                         static_cast<Real>(c.period), c.projection, c.storage,
@@ -129,6 +141,24 @@ std::array<BasicBoundingMethod<Real>, 10> built_in_methods() {
        .kept_despite = kAllFaults,
        .admits_reduction = true,
        .needs_every_axis_damped = true},
+      {.name = kSessionMethod,
+       .summary = "calm by its shaping, passive by the account behind it; a session's default",
+       .make = [](Config c) -> Law { return Shaped<Real>(credited<Real>(c)); },
+       .research = false,
+       .admits_reduction = true,
+       .moves_probe = true,
+       .shapes = true},
+      {.name = "midpoint",
+       .summary = "asks the client's surfaces half a sample ahead; an account behind it",
+       .make = [](Config) -> Law { return Midpoint<Real>{}; },
+       .admits_reduction = true,
+       .moves_probe = true,
+       .shapes = true},
+      {.name = "credited",
+       .summary = "contact_frame with the damping of a hand; an account behind it",
+       .make = [](Config c) -> Law { return credited<Real>(c); },
+       .admits_reduction = true,
+       .shapes = true},
       {.name = "virtual_coupling",
        .summary = "a spring and a damper to a simulated tool",
        .make = [](Config c) -> Law {

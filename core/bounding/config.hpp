@@ -44,8 +44,10 @@ Projection projection(std::string_view name);
 Storage storage(std::string_view name);
 PassivityReference passivity_reference(std::string_view name);
 
-/// The method that changes no command, and the one that is used when nothing else is said.
-inline constexpr std::string_view kUnbounded = "none", kDefaultMethod = "contact_frame";
+/// The method that changes no command; the one where nothing else is said, which bounds by itself
+/// on either side; and a client's usual one, which has an account behind it.
+inline constexpr std::string_view kUnbounded = "none", kDefaultMethod = "contact_frame",
+                                  kSessionMethod = "shaped";
 
 /// The virtual coupling of one port; what is not given is the stiffest that is passive.
 struct CouplingConfig {
@@ -63,7 +65,10 @@ struct BoundingConfig {
   PassivityReference reference = PassivityReference::zero;  // passivity_control* only
   CouplingConfig coupling{};                                // virtual_coupling only
   CouplingConfig coupling_rotation{{}, {}, 5e-5};           // [N m/rad], [N m s/rad], [kg m^2]
-  double quantum = 0.0;  // [m] of the encoder; `credited` and `shaped` only
+  double hand_damping = 1.2;  // a [N s/m] expected of the hand; `credited` and `shaped` only
+  double quantum = 0.0;       // [m] of the encoder; the same
+  double stiffness = std::numeric_limits<double>::infinity();  // [N/m] of the stiffest surface,
+                                                               // where it is known; the same
   double period = 1e-3;  // T [s], > 0: the longest time that one force is meant to be held
   Damping damping{};     // B [N s/m]: the device's own, plus any operator credit. contact_frame and
                          // energy_tank need every direction damped, or none

@@ -1,6 +1,10 @@
 #pragma once
 
+#include <algorithm>
+#include <limits>
+
 #include "core/bounding/frame.hpp"
+#include "core/bounding/law.hpp"
 #include "core/bounding/midpoint.hpp"
 #include "core/bounding/swing_counter.hpp"
 
@@ -10,10 +14,13 @@ namespace feltwire {
 struct CreditedLaw {
   double damping = 0.0;  // b [N s/m] of the device, its least
   double credit = 0.0;   // a [N s/m] at the beginning, expected of the hand
+  /// k [N/m] of the stiffest surface: no force need rise or fall faster.
+  double stiffness = std::numeric_limits<double>::infinity();
 };
 
 /// mode `credited`: the channels of contact_frame, with the damping that a hand is expected to have
-/// beside that of the device. With c' = 2 (b + a) / T, channel by channel,
+/// beside that of the device. With c' = 2 (b + a) / T, or k of the stiffest surface where that is
+/// between 2 b / T and c', channel by channel,
 ///   |F(n)| <= |F(n-1) + c' dx_ch(n)|
 /// so that a force rises and falls by c' or more for every metre. It keeps no storage and repays no
 /// debt, as contact_frame does. A hand that swings (swing_counter.hpp) has less damping than a: a
@@ -22,7 +29,8 @@ struct CreditedLaw {
 /// This is shaping, and no bound: a hand without damping makes it generate energy. The account
 /// behind it makes the port passive for every hand (core/bounding/account.hpp). It is made for
 /// commands that come late, over a network.
-/// Known weakness: the force of a wall stiffer than c' rises as slowly as that of one of c'.
+/// Known weakness: the force of a wall stiffer than c' rises as slowly as that of one of c', and
+/// the force of a surface softer than c' falls as fast.
 template <class Real>
 class Credited {
  public:
@@ -66,12 +74,13 @@ class Credited {
     if (torque_) held_torque_ = held.torque;
   }
 
-  double credit() const noexcept { return translation_.credit; }  // a [N s/m] now
-  std::uint64_t steps_down() const noexcept { return steps_down_; }
+  HandCredit hand_credit() const noexcept { return {translation_.credit, steps_down_}; }
 
  private:
   Real stiffness(const CreditedLaw& law) const noexcept {  // c' [N/m] [N m/rad]
-    return static_cast<Real>(2.0 * (law.damping + law.credit) / period_);
+    const double least = 2.0 * law.damping / period_;
+    const double most = least + 2.0 * law.credit / period_;
+    return static_cast<Real>(std::min(most, std::max(least, law.stiffness)));
   }
 
   void adapt(const BasicBoundingStep<Real>& s) noexcept {
@@ -120,7 +129,7 @@ class Shaped {
                          const Vector3<Real>& rotation) const noexcept {
     return Midpoint<Real>{}.probe(displacement, rotation);
   }
-  const Credited<Real>& late() const noexcept { return late_; }
+  HandCredit hand_credit() const noexcept { return late_.hand_credit(); }
 
  private:
   Credited<Real> late_;

@@ -3,7 +3,9 @@
 
 #include <concepts>
 #include <cstddef>
+#include <cstdint>
 #include <new>
+#include <optional>
 #include <type_traits>
 
 #include "core/bounding/step.hpp"
@@ -18,13 +20,20 @@ struct BasicLawAnswer {
   bool in_debt = false;
 };
 
+/// The damping a [N s/m] of the hand that a law counts on now, and how often it had to lower it.
+struct HandCredit {
+  double damping = 0.0;
+  std::uint64_t steps_down = 0;
+};
+
 /// Holds a value of any type that has, all noexcept,
 ///   BasicCommand<Real> step(const BasicBoundingStep<Real>&)   and takes its result as held,
 ///   void set_held(const BasicCommand<Real>&)                  where something else was held,
 /// and, where the law needs them,
 ///   bool in_debt() const                    it renders no force until a debt of energy is repaid,
 ///   void endow(Real energy)                 the next step may draw on energy [J] from elsewhere,
-///   BasicProbe<Real> probe(displacement, rotation) const      it asks the scene elsewhere.
+///   BasicProbe<Real> probe(displacement, rotation) const      it asks the scene elsewhere,
+///   HandCredit hand_credit() const                            it counts on the hand's damping.
 /// The steps are described at BasicBounding (core/bounding/bounding.hpp), which calls them.
 template <class Real>
 class BasicBoundingLaw {
@@ -64,6 +73,10 @@ class BasicBoundingLaw {
     if (functions_->probe == nullptr) return {};
     return functions_->probe(memory_, displacement, rotation);
   }
+  std::optional<HandCredit> hand_credit() const noexcept {
+    if (functions_->hand_credit == nullptr) return std::nullopt;
+    return functions_->hand_credit(memory_);
+  }
 
  private:
   struct Functions {
@@ -74,6 +87,7 @@ class BasicBoundingLaw {
     void (*endow)(std::byte*, Real) noexcept;
     BasicProbe<Real> (*probe)(const std::byte*, const Vector3<Real>&,
                               const Vector3<Real>&) noexcept;
+    HandCredit (*hand_credit)(const std::byte*) noexcept;
   };
 
   template <class Law>
@@ -112,6 +126,10 @@ class BasicBoundingLaw {
       f.probe = [](const std::byte* memory, const Vector3<Real>& displacement,
                    const Vector3<Real>& rotation) noexcept {
         return in<Law>(memory).probe(displacement, rotation);
+      };
+    if constexpr (requires(const Law law) { law.hand_credit(); })
+      f.hand_credit = [](const std::byte* memory) noexcept {
+        return in<Law>(memory).hand_credit();
       };
     return f;
   }

@@ -55,9 +55,11 @@ struct BasicBoundingMethod {
   /// passive when the bound is told (set_held). True of bounds on magnitudes from
   /// above, and where nothing is bounded.
   bool admits_reduction = false;
-  /// It asks the scene elsewhere than at the device (Bounding::probe), and so has to stand beside
-  /// the scene: at the server.
+  /// It asks the scene elsewhere than at the device (Bounding::probe).
   bool moves_probe = false;
+  /// It promises nothing and makes the force calm. The account behind it, at the client, makes the
+  /// port passive (core/bounding/account.hpp).
+  bool shapes = false;
   bool needs_every_axis_damped = false;  // or none at all
 };
 using BoundingMethod = BasicBoundingMethod<double>;
@@ -81,6 +83,13 @@ void add_bounding_method(const BoundingMethod& method);
 std::string bounding_method_choices();
 /// For --help: a line for each method, its name and summary, those of research last.
 std::string bounding_method_summaries();
+
+/// Whether a method can stand at the server only: it asks the scene elsewhere than at the device. A
+/// method that shapes asks the client's own local model there.
+template <class Real>
+bool stands_beside_scene(const BasicBoundingMethod<Real>& method) {
+  return method.moves_probe && !method.shapes;
+}
 
 /// The promise that is left when these faults happen.
 template <class Real>

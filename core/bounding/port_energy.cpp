@@ -6,11 +6,13 @@
 namespace feltwire {
 
 PortEnergy::PortEnergy(const Damping& damping, const Damping& rotational_damping, double period,
-                       double rounding)
+                       double rounding, double friction, double quantum)
     : damping_(damping),
       rotational_damping_(rotational_damping),
       period_(period),
-      rounding_(rounding) {}
+      rounding_(rounding),
+      friction_(friction),
+      path_(quantum) {}
 
 void PortEnergy::step(const Command& held, const Vec3& displacement, const Vec3& rotation,
                       double hold_time) noexcept {
@@ -30,7 +32,7 @@ void PortEnergy::step(const Command& held, const Vec3& displacement, const Vec3&
   delivered_.elastic += elastic;
   delivered_.frictional += frictional;
   delivered_.torque += torque;
-  burned_ += burned;
+  burned_ += burned + friction_ * path_.moved(displacement);
   exchanged_ += exchange;
 
   least_margin_ = std::min(least_margin_, margin());

@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "core/base/types.hpp"
+#include "core/bounding/certain_path.hpp"
 #include "core/device/damping.hpp"
 
 namespace feltwire {
@@ -18,16 +19,19 @@ struct ChannelEnergy {
 };
 
 /// Compares, sample by sample, two energies: what held forces delivered to the hand, f(n-1) .
-/// dx(n), and the least that the device's own damping B burned, dx' B dx / h over a hold of h. A
-/// port whose bound works keeps delivered <= burned, whatever the hand does. A sample after which
-/// this does not hold, beyond rounding, is a violation.
+/// dx(n), and the least that the device itself burned: by its damping B dx' B dx / h over a hold of
+/// h, and by its dry friction where that is known. A port whose bound works keeps delivered <=
+/// burned, whatever the hand does. A sample after which this does not hold, beyond rounding, is a
+/// violation.
 class PortEnergy {
  public:
   /// damping [N s/m], rotational_damping [N m s/rad], period T [s] (shorter holds count as T).
   /// `rounding`: a violation must exceed this share of all energy exchanged. Sums of 1e8 samples in
   /// double stay well below the default.
+  /// `friction` [N]: a lower bound of the device's dry friction, counted over the path that its
+  /// encoder of `quantum` [m] shows for certain.
   PortEnergy(const Damping& damping, const Damping& rotational_damping, double period,
-             double rounding = 1e-9);
+             double rounding = 1e-9, double friction = 0.0, double quantum = 0.0);
 
   /// The device moved by `displacement` [m], `rotation` [rad] over `hold_time` [s] while `held`
   /// acted on the hand. A sample in which a number or a product is not finite is left out and
@@ -35,8 +39,8 @@ class PortEnergy {
   void step(const Command& held, const Vec3& displacement, const Vec3& rotation,
             double hold_time) noexcept;
 
-  const ChannelEnergy& delivered() const { return delivered_; }  // to the hand so far
-  double burned() const { return burned_; }  // [J] by the device's damping, at least
+  const ChannelEnergy& delivered() const { return delivered_; }   // to the hand so far
+  double burned() const { return burned_; }                       // [J] by the device, at least
   double margin() const { return burned_ - delivered_.total(); }  // [J]
   /// [J] minimum over time of burned - delivered
   double least_margin() const { return least_margin_; }
@@ -45,7 +49,8 @@ class PortEnergy {
 
  private:
   Damping damping_, rotational_damping_;
-  double period_, rounding_;
+  double period_, rounding_, friction_;
+  CertainPath path_;
   ChannelEnergy delivered_;
   double burned_ = 0.0;
   double exchanged_ = 0.0;  // [J] sum of magnitudes: the scale that rounding is measured against

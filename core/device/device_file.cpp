@@ -42,7 +42,10 @@ DeviceSpec load_device_spec(const std::filesystem::path& file) {
           given.continuous_force() < 0.0 ? given.max_force() : given.continuous_force(),
       .max_torque = given.max_torque(),
       .workspace =
-          Vec3(given.workspace()->Get(0), given.workspace()->Get(1), given.workspace()->Get(2))};
+          Vec3(given.workspace()->Get(0), given.workspace()->Get(1), given.workspace()->Get(2)),
+      .least_mass = given.least_mass(),
+      .least_friction = given.least_friction(),
+      .hand_force = given.hand_force()};
   try {
     validate(spec);
   } catch (const DeviceSpecError& error) {

@@ -16,8 +16,9 @@ namespace {
 // [C] CHAI3D's device classes (cPhantomDevice, cDeltaDevice): the specification they state.
 // [P] Kim, Kim, Seo, Ryu, "Directionally Transparent Energy Bounding Approach ...": a commercial
 //     2-dof device, the ImpulseEngine 2000, and "the 3-dof PHANToM"; no other numbers.
-// assumption: no source found. Damping decides what the bound lets through (c = 2 b / T), so
-//     measure b of your own device before you trust it (docs/devices.md).
+// assumption: no source found. The account lets the hand have what the device is sure to have
+//     burned, so a damping that is assumed is small on purpose: too small costs little stiffness,
+//     too large makes energy. Measure that of your own device (docs/devices.md).
 
 const std::array<DeviceSpec, 5>& devices() {
   static const std::array<DeviceSpec, 5> list = {{
@@ -32,27 +33,33 @@ const std::array<DeviceSpec, 5>& devices() {
        .position_resolution = 23e-6,  // [S]
        .max_force = 8.9,  // the ImpulseEngine 2000's, assumption below: [S] does not say, and
                           // this gives its figures (docs/lab/figures.md)
-       .continuous_force = 8.9,        // assumption: a simulated motor does not heat up
-       .max_torque = 0.0,              // no rotation
-       .workspace = {0.4, 0.4, 0.4}},  // assumption: the room of scenes/room.json
+       .continuous_force = 8.9,       // assumption: a simulated motor does not heat up
+       .max_torque = 0.0,             // no rotation
+       .workspace = {0.4, 0.4, 0.4},  // assumption: the room of scenes/room.json
+       .least_mass = 0.05,            // [S]
+       .least_friction = 0.075,       // three quarters of [S]
+       .hand_force = 10.0},           // assumption: fingers that press and pull
       {.name = "impulse_engine_2000",
-       .translation_dof = 2,               // [P]
-       .rotation_sensed = 0,               // [P]
-       .rotation_actuated = 0,             // [P]
-       .damping = 0.5,                     // assumption: as simulated
-       .rotational_damping = 0.0,          // no rotation
-       .apparent_mass = 0.05,              // assumption: as simulated
-       .coulomb_friction = 0.1,            // assumption: as simulated
-       .position_resolution = 20e-6,       // assumption
-       .max_force = 8.9,                   // assumption (2 lbf)
-       .continuous_force = 8.9,            // assumption
-       .max_torque = 0.0,                  // no rotation
-       .workspace = {0.152, 0.152, 0.0}},  // assumption (6 in by 6 in)
+       .translation_dof = 2,              // [P]
+       .rotation_sensed = 0,              // [P]
+       .rotation_actuated = 0,            // [P]
+       .damping = 0.05,                   // assumption, small on purpose
+       .rotational_damping = 0.0,         // no rotation
+       .apparent_mass = 0.05,             // assumption: as simulated
+       .coulomb_friction = 0.1,           // assumption: as simulated
+       .position_resolution = 20e-6,      // assumption
+       .max_force = 8.9,                  // assumption (2 lbf)
+       .continuous_force = 8.9,           // assumption
+       .max_torque = 0.0,                 // no rotation
+       .workspace = {0.152, 0.152, 0.0},  // assumption (6 in by 6 in)
+       .least_mass = 0.0375,              // assumption: a good deal below the apparent mass
+       .least_friction = 0.05,            // assumption: half of the usual
+       .hand_force = 10.0},               // assumption: fingers that press and pull
       {.name = "phantom_premium_1.5",
        .translation_dof = 3,          // [P]
        .rotation_sensed = 0,          // [P] the 3-dof version
        .rotation_actuated = 0,        // [P]
-       .damping = 0.2,                // assumption: a light cable drive
+       .damping = 0.005,              // assumption, small on purpose: a light cable drive
        .rotational_damping = 0.0,     // no rotation
        .apparent_mass = 0.075,        // assumption: the figure usually quoted, source not found
        .coulomb_friction = 0.04,      // assumption: likewise (backdrive friction)
@@ -60,12 +67,15 @@ const std::array<DeviceSpec, 5>& devices() {
        .max_force = 8.5,         // [D]; [C] 8.5 for the 6-dof version, 4.0 in an earlier release
        .continuous_force = 1.4,  // [D]
        .max_torque = 0.0,        // no rotation
-       .workspace = {0.381, 0.267, 0.191}},  // [D]
+       .workspace = {0.381, 0.267, 0.191},  // [D]
+       .least_mass = 0.05,                  // assumption: a good deal below the apparent mass
+       .least_friction = 0.02,              // assumption: half of the usual
+       .hand_force = 10.0},                 // assumption: fingers that press and pull
       {.name = "touch",
        .translation_dof = 3,          // [D] [C]
        .rotation_sensed = 3,          // [D] [C]
        .rotation_actuated = 0,        // [D] [C]
-       .damping = 0.3,                // assumption
+       .damping = 0.05,               // assumption, small on purpose
        .rotational_damping = 0.0,     // not actuated: no torque to bound
        .apparent_mass = 0.045,        // assumption: the figure usually quoted, source not found
        .coulomb_friction = 0.26,      // assumption: likewise (backdrive friction)
@@ -73,12 +83,15 @@ const std::array<DeviceSpec, 5>& devices() {
        .max_force = 3.3,              // [D] [C]
        .continuous_force = 0.88,      // [D]
        .max_torque = 0.0,             // not actuated
-       .workspace = {0.160, 0.120, 0.070}},  // [D]
+       .workspace = {0.160, 0.120, 0.070},  // [D]
+       .least_mass = 0.03,                  // assumption: a good deal below the apparent mass
+       .least_friction = 0.13,              // assumption: half of the usual
+       .hand_force = 10.0},                 // assumption: fingers that press and pull
       {.name = "omega.7",
        .translation_dof = 3,          // [C]
        .rotation_sensed = 3,          // [C]
        .rotation_actuated = 0,        // [C] (the gripper is no part of this)
-       .damping = 0.5,                // assumption
+       .damping = 0.05,               // assumption, small on purpose
        .rotational_damping = 0.0,     // not actuated: no torque to bound
        .apparent_mass = 0.25,         // assumption
        .coulomb_friction = 0.2,       // assumption
@@ -86,7 +99,10 @@ const std::array<DeviceSpec, 5>& devices() {
        .max_force = 12.0,             // [C]
        .continuous_force = 12.0,      // assumption: [C] gives one figure only
        .max_torque = 0.0,             // not actuated
-       .workspace = {0.110, 0.160, 0.160}},  // assumption: a disc of 160 mm, 110 mm deep along x
+       .workspace = {0.110, 0.160, 0.160},  // assumption: a disc of 160 mm, 110 mm deep along x
+       .least_mass = 0.15,                  // assumption: a good deal below the apparent mass
+       .least_friction = 0.1,               // assumption: half of the usual
+       .hand_force = 10.0},                 // assumption: fingers that press and pull
   }};
   return list;
 }
@@ -157,9 +173,21 @@ void validate(const DeviceSpec& spec) {
   check_range(spec, "workspace.y", spec.workspace.y(), kMaxExtent, "m");
   check_range(spec, "workspace.z", spec.workspace.z(), kMaxExtent, "m");
 
+  check_range(spec, "least_mass", spec.least_mass, kMaxMass, "kg");
+  check_range(spec, "least_friction", spec.least_friction, kMaxForce, "N");
+  check_range(spec, "hand_force", spec.hand_force, kMaxForce, "N");
+
   if (!(spec.max_force > 0.0)) refuse(spec, "max_force", "must be above zero [N]; give the peak");
   if (spec.continuous_force > spec.max_force)
     refuse(spec, "continuous_force", "must not exceed max_force; swap them or lower it");
+  const auto below = [&](const char* field, double least, const char* typical, double value) {
+    if (value > 0.0 && least > value)
+      refuse(spec, field, std::string("must not exceed ") + typical + ", whose lower bound it is");
+  };
+  below("least_mass", spec.least_mass, "apparent_mass", spec.apparent_mass);
+  below("least_friction", spec.least_friction, "coulomb_friction", spec.coulomb_friction);
+  if (!(spec.hand_force > 0.0))
+    refuse(spec, "hand_force", "must be above zero [N]; 10 is more than most hands give");
   if (spec.rotation_actuated == 0 && spec.max_torque > 0.0)
     refuse(spec, "max_torque", "must be 0 where rotation_actuated is 0; set either");
   if (spec.rotation_actuated > 0 && !(spec.max_torque > 0.0))

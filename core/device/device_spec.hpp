@@ -26,6 +26,13 @@ struct DeviceSpec {
   double continuous_force = 0.0;     // [N]
   double max_torque = 0.0;           // [N m] peak, 0 when torque is not actuated
   Vec3 workspace = Vec3::Zero();     // [m] full extent along x, y, z
+
+  // What the account of the port counts on (core/bounding/account.hpp). It stays at the client.
+  double least_mass = 0.0;      // [kg] lower bound of the apparent mass in every direction, the
+                                // least eigenvalue of its matrix; 0: not known
+  double least_friction = 0.0;  // [N] lower bound of the dry friction; 0: not known
+  double hand_force = 10.0;     // [N] upper bound of the force from outside: of the hand, and of
+                                // gravity that is not compensated
 };
 
 /// A number of a specification that is not finite, negative or contradictory: what() names the

@@ -35,7 +35,7 @@ SessionParameters over(const NetworkProfile& line, SessionParameters p) {
   p.keep_alive = std::max(line.keep_alive, between);
   p.hold_time = std::max(line.hold_time, 2.0 * between);
   // Methods that ask the scene elsewhere than at the device stay beside it, without a model.
-  p.local_model = line.local_model && !bounding_method(p.mode).moves_probe;
+  p.local_model = line.local_model && !stands_beside_scene(bounding_method(p.mode));
   if (p.local_model && p.side == BoundingSide::server) p.side = BoundingSide::client;
   return p;
 }

@@ -109,21 +109,37 @@ void validate(const SessionParameters& p) {
     within("coupling_damping", *p.coupling_damping, 0.0, kLargestCouplingDamping, "N s/m",
            "leave it out for b - k T / 2");
   within("tool_mass", p.tool_mass, kLightestTool, kHeaviestTool, "kg", "0.05 is a light tool");
-  if (method.moves_probe && p.side != BoundingSide::server)
+  if (method.shapes && p.side != BoundingSide::client)
+    throw std::invalid_argument("the mode " + p.mode +
+                                " bounds nothing by itself: the account behind it stands at the "
+                                "client; use the side client");
+  if (stands_beside_scene(method) && p.side != BoundingSide::server)
     throw std::invalid_argument("the mode " + p.mode +
                                 " asks the scene at its own tool, which only the server can: "
                                 "use the side server");
   validate_traffic(p);
 }
 
+SessionParameters usual_parameters() {
+  SessionParameters parameters;
+  parameters.mode = kSessionMethod;
+  parameters.local_model = true;
+  return parameters;
+}
+
 BoundingConfig bounding_config(const SessionParameters& p, const DeviceSpec& device) {
   BoundingConfig config;
-  config.mode = bounding_method(p.mode).name;
+  const BoundingMethod& method = bounding_method(p.mode);
+  config.mode = method.name;
   config.projection = p.projection;
   config.storage = p.storage;
   config.period = p.servo_period;
   config.damping = device.damping;
-  config.damping += p.operator_damping;
+  if (!method.shapes)
+    config.damping += p.operator_damping;
+  else if (p.operator_damping > 0.0)
+    config.hand_damping = p.operator_damping;
+  config.quantum = device.position_resolution;
   config.rotational_damping = device.rotational_damping;
   config.c1 = p.c1;
   config.c2 = p.c2;

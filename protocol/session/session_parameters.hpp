@@ -34,9 +34,9 @@ struct SessionParameters {
   BoundingSide side = BoundingSide::client;  // measured: docs/network.md, "Who bounds"
   double servo_period = 1e-3;                // T [s], 1e-5 to 0.1
   int redundancy = 3;                        // k, 0 to kMaxRedundancy
-  double operator_damping =
-      0.0;  // [N s/m] the least damping of the operator's hand; the bound counts on it; 0 to 100
-  double velocity_cutoff = 0.0;  // [Hz] of the server's velocity estimate, 0: none
+  double operator_damping = 0.0;  // [N s/m] damping of the operator's hand that the bound counts
+                                  // on, 0 to 100; the account does not
+  double velocity_cutoff = 0.0;   // [Hz] of the server's velocity estimate, 0: none
   double hold_time =
       0.1;  // [s] from half of this age on a command fades, at this age it is zero; T to 1
   std::optional<double> c1, c2;                             // [N/m] the paper's modes; default b/T
@@ -66,9 +66,13 @@ std::string_view name(Predictor predictor);
 Predictor predictor(std::string_view name);
 
 /// Throws std::invalid_argument that names the field, the range and the remedy; for a mode that is
-/// not in the registry, the choices. A method that asks the scene at another place than the
-/// device's (moves_probe) runs on the server only.
+/// not in the registry, the choices. A method that stands beside the scene runs on the server only,
+/// one that shapes on the client only.
 void validate(const SessionParameters& parameters);
+
+/// What a hand at a device asks for where nothing else is said: kSessionMethod, and the surfaces
+/// near its tool beside the forces, so that it feels them where it is now.
+SessionParameters usual_parameters();
 
 /// The configuration of the bound for a session of this device, on either side.
 BoundingConfig bounding_config(const SessionParameters& parameters, const DeviceSpec& device);

@@ -10,7 +10,6 @@
 #include "sim/measure/metrics.hpp"
 #include "sim/measure/surfaces.hpp"
 #include "sim/studies/bound/figures.hpp"
-#include "sim/studies/bound/shaping_methods.hpp"
 
 namespace feltwire {
 namespace {
@@ -79,6 +78,7 @@ ExperimentSetup setup_of(const FrontierCase& c, const CompareTask& task) {
   spec.damping = c.damping;
   spec.apparent_mass = c.device.mass;
   spec.coulomb_friction = c.device.friction;
+  spec.least_mass = spec.least_friction = 0.0;  // the account is told what its need says
   spec.position_resolution = c.device.quantum;
   spec.max_force = spec.continuous_force = c.device.max_force;
   setup.hand.hand = c.hand.hand;
@@ -199,7 +199,6 @@ std::vector<FrontierCase> frontier_cases() {
 }
 
 std::vector<FrontierRow> run_frontier(const std::vector<FrontierCase>& cases) {
-  add_shaping_methods();
   const TaskSource source;
   std::vector<FrontierRow> rows(cases.size());
   parallel_for(cases.size(), [&](std::size_t i) { rows[i] = run_case(cases[i], source); });

@@ -24,7 +24,7 @@ struct Row {
   std::string_view mode;
   bool local_model = false, research = false;
 };
-// Methods that ask the scene elsewhere than at the device stand beside the scene, not over a link.
+// A method that stands beside the scene is none to have over a link.
 constexpr std::array kRows = {
     Row{kReference, "none"},
     Row{"none", "none"},
@@ -33,6 +33,8 @@ constexpr std::array kRows = {
     Row{"per_axis_projected", "per_axis_projected"},
     Row{"contact_frame", "contact_frame"},
     Row{"contact_frame + local model", "contact_frame", true},
+    Row{"shaped", "shaped"},
+    Row{"shaped + local model", "shaped", true},
     Row{"passivity_control", "passivity_control", false, true},
     Row{"energy_tank", "energy_tank", false, true},
 };

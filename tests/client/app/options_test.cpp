@@ -75,8 +75,26 @@ TEST(Options, ALocalModelIsForASideThatBoundsHere) {
   const auto options = parsed({"--local-model"});
   ASSERT_TRUE(std::holds_alternative<ClientOptions>(options));
   EXPECT_TRUE(std::get<ClientOptions>(options).parameters.local_model);
-  EXPECT_FALSE(std::get<ClientOptions>(parsed({})).parameters.local_model);
+  EXPECT_FALSE(std::get<ClientOptions>(parsed({"--mode", "contact_frame"})).parameters.local_model);
   EXPECT_THAT(refusal({"--local-model", "--bounding", "server"}), HasSubstr("local_model"));
+}
+
+TEST(Options, WhatIsNotSaidOfTheBoundFollowsFromTheRest) {
+  const auto asked = [](const std::vector<std::string>& words) {
+    return std::get<ClientOptions>(parsed(words)).parameters;
+  };
+  EXPECT_EQ(asked({}), usual_parameters());
+  EXPECT_EQ(asked({}).mode, "shaped");
+  EXPECT_FALSE(asked({"--no-local-model"}).local_model);
+  EXPECT_EQ(asked({"--no-local-model"}).mode, "shaped");
+  for (const char* side : {"server", "both"}) {
+    EXPECT_EQ(asked({"--bounding", side}).mode, "contact_frame");
+    EXPECT_FALSE(asked({"--bounding", side}).local_model);
+  }
+  EXPECT_TRUE(asked({"--mode", "credited"}).local_model);
+  EXPECT_TRUE(asked({"--mode", "contact_frame", "--profile", "wan"}).local_model);
+  EXPECT_EQ(asked({"--mode", "virtual_coupling"}).side, BoundingSide::server);
+  EXPECT_THAT(refusal({"--mode", "shaped", "--bounding", "server"}), HasSubstr("at the client"));
 }
 
 TEST(Options, AHandMayAskForATool) {
@@ -170,13 +188,13 @@ TEST(Options, ControlCharactersAreShownNotObeyed) {
 
 TEST(Options, AProfileIsWhereItBegins) {
   const NetworkProfile& thin = network_profile("thin");
-  EXPECT_EQ(asked({"--profile", "thin"}), over(thin, {}));
-  SessionParameters quick;
+  EXPECT_EQ(asked({"--profile", "thin"}), over(thin, usual_parameters()));
+  SessionParameters quick = usual_parameters();
   quick.servo_period = 1.0 / 4000.0;
   EXPECT_EQ(asked({"--rate", "4000", "--profile", "thin"}), over(thin, quick));
-  EXPECT_EQ(asked({"--profile", "lan"}), SessionParameters{});
+  EXPECT_EQ(asked({"--profile", "lan"}), usual_parameters());
 
-  SessionParameters more = over(thin, {});
+  SessionParameters more = over(thin, usual_parameters());
   more.packet_interval = 50;
   more.force_deadband = 0.2;
   more.redundancy = 2;

@@ -206,7 +206,8 @@ TEST_F(ClientProgram, AServerThatTakesTheBoundOffGetsNoHand) {
     offered.parameters = granted;
     testing::ControlPeer liar(control::encode(offered));
     access_ = liar.access();
-    test::Program program(FELTWIRE_CLIENT_PROGRAM, words(anna_, {"--duration", "0.3"}));
+    test::Program program(FELTWIRE_CLIENT_PROGRAM,
+                          words(anna_, {"--duration", "0.3", "--mode", "contact_frame"}));
     const test::Outcome outcome = program.finish();
     EXPECT_EQ(outcome.status, 1);
     EXPECT_THAT(outcome.error, AllOf(HasSubstr("granted other parameters than a server may: "),

@@ -56,6 +56,16 @@ TEST(StatusLine, SaysHowItFeels) {
   EXPECT_THAT(text(before, before), Not(HasSubstr("oscillation")));
 }
 
+TEST(StatusLine, SaysHowTheForceIsShaped) {
+  LiveStatus now = under_way();
+  now.shapes = true;
+  EXPECT_THAT(text(now, now), EndsWith("J  shaped late"));
+  now.hand_damping = 0.6;
+  EXPECT_THAT(text(now, now), EndsWith("J  shaped late, 0.60 N s/m of the hand"));
+  now.near = true;
+  EXPECT_THAT(text(now, now), EndsWith("J  shaped near"));
+}
+
 TEST(StatusLine, SaysWhyThereIsNoForce) {
   LiveStatus status = under_way();
   status.force = 0.0;

@@ -132,7 +132,7 @@ TEST(NoForce, WhatTheServerSays) {
 }
 
 TEST(NoForce, TheGuardOfAServersForce) {
-  EXPECT_EQ(Told(kTwo, {}, "contact_frame", BoundingSide::server).why(), NoForce::guard);
+  EXPECT_EQ(Told(kTwo, {}, "contact_frame", BoundingSide::server).why(), NoForce::account);
 }
 
 TEST(NoForce, AnAbsurdMovementIsRefused) {

@@ -261,7 +261,7 @@ TEST(Servo, OnTheServersSideTheGuardAndTheSafetyClampsStay) {
   bench.tick();
   bench.servo.take(reply(1, elastic(0, 0, 7)), bench.now);
   EXPECT_EQ(bench.tick().force(), Vec3::Zero());  // nothing has been burned yet
-  EXPECT_EQ(bench.servo.statistics().guarded, 1u);
+  EXPECT_EQ(bench.servo.statistics().account_cut, 1u);
   for (const double x : {0.02, 0.0, 0.02}) bench.tick(at(x, 0, 0));
   EXPECT_EQ(bench.tick(at(0.02, 0, 0)).force(),
             Vec3(0, 0, 7));  // a client's bound would allow nothing at rest

@@ -4,8 +4,10 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <stdexcept>
 
+#include "core/bounding/device_account.hpp"
 #include "tests/core/support.hpp"
 #include "tests/support/allocation_counter.hpp"
 
@@ -151,6 +153,66 @@ TEST(Account, AForceOnItsWayOutIsCutToTheBalanceHalfASampleAhead) {
       EXPECT_NEAR(need, now.balance() - 0.5 * std::max(0.0, delivered), 1e-9 * need);
     }
   }
+}
+
+TEST(Account, BehindABoundThatIsPassiveByItselfItLooksAtTheBalanceOnly) {
+  AccountConfig config = handle();
+  config.looks_ahead = false;
+  PortAccount account(config);
+  account.step(sample(Vec3(5e-3, 0, 0), push(Vec3(0.5, 0, 0))));
+  const Vec3 out(6e-5, 0, 0);
+  const Command given = account.step(sample(out, push(Vec3(1e3, 0, 0))));
+  PortBalance port(config.translation, kPeriod);
+  port.earned(out, Vec3(0.5, 0, 0), kPeriod);
+  const double need = port.need(Vec3(1e3, 0, 0), kPeriod).at(given.elastic.x() / 1e3);
+  EXPECT_NEAR(need, account.balance(), 1e-9 * need);
+}
+
+TEST(Account, ACommandAtTheLimitIsNotScaledForItsRounding) {
+  AccountConfig config;
+  config.period = kPeriod;
+  config.translation.damping = 0.5;
+  PortAccount account(config);
+  account.step(sample(Vec3(2e-3, 0, 0), {}));
+  const double most = std::sqrt(4.0 * 0.5 * account.balance() / kPeriod);
+  const Command above = push(Vec3((1.0 + 1e-13) * most, 0, 0));
+  EXPECT_EQ(account.step(sample(Vec3::Zero(), above)), above);
+  EXPECT_EQ(account.statistics().reduced, 0u);
+}
+
+TEST(Account, TheNeedOfAnyHandKnowsNothingOfTheMass) {
+  const AccountConfig config = handle(0.05);
+  PortAccount account(config);
+  account.step(sample(Vec3::Zero(), {}));
+  EXPECT_NEAR(account.need_of_any_hand(push(Vec3(0, 3, 0)), 2e-3), 9.0 * 2e-3 / (4.0 * 0.05),
+              1e-15);
+  EXPECT_EQ(account.need_of_any_hand({}, kPeriod), 0.0);
+}
+
+TEST(DeviceAccount, CountsOnWhatTheSpecificationIsSureOf) {
+  DeviceSpec spec = builtin_device("phantom_premium_1.5");
+  const AccountConfig known = account_config(spec, kPeriod);
+  EXPECT_EQ(known.translation.mass, spec.least_mass);
+  EXPECT_EQ(known.translation.coulomb_friction, spec.least_friction);
+  EXPECT_EQ(known.translation.outside_force, spec.hand_force);
+  EXPECT_EQ(known.translation.quantum, spec.position_resolution);
+  EXPECT_EQ(known.translation.damping.least(), 0.005);
+  EXPECT_TRUE(known.looks_ahead);
+  EXPECT_NEAR(known.cap, kAccountCap * need_at_rest(known, push(Vec3(spec.max_force, 0, 0))),
+              1e-15);
+  const AccountConfig any = any_hand_account(spec, kPeriod);
+  EXPECT_EQ(any.translation.mass, 0.0);
+  EXPECT_EQ(any.translation.coulomb_friction, 0.0);
+  EXPECT_FALSE(any.looks_ahead);
+  EXPECT_TRUE(std::isinf(any.cap));
+  // Torque counts where it is actuated and damped.
+  spec.rotational_damping = 1e-3;
+  EXPECT_EQ(account_config(spec, kPeriod).rotation.damping.least(), 0.0);
+  spec.rotation_sensed = spec.rotation_actuated = 3;
+  spec.max_torque = 0.1;
+  EXPECT_EQ(account_config(spec, kPeriod).rotation.damping.least(), 1e-3);
+  EXPECT_NEAR(account_config(spec, kPeriod).cap - known.cap,
+              kAccountCap * 0.1 * 0.1 * kPeriod / (4.0 * 1e-3), 1e-12);
 }
 
 TEST(Account, AForceThatWillBeHeldLongerNeedsMore) {

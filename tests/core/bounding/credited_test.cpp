@@ -88,25 +88,27 @@ void swing(Law& law, double amplitude, double frequency, double time) {
 TEST(Credited, AHandThatSwingsLosesHalfOfItsCredit) {
   auto fast = law();
   swing(fast, 1e-4, 40.0, 0.5);
-  EXPECT_GT(fast.steps_down(), 2u);
-  EXPECT_NEAR(fast.credit(), 1.2 * std::pow(0.5, fast.steps_down()), 0.1 * fast.credit());
+  EXPECT_GT(fast.hand_credit().steps_down, 2u);
+  EXPECT_NEAR(fast.hand_credit().damping, 1.2 * std::pow(0.5, fast.hand_credit().steps_down),
+              0.1 * fast.hand_credit().damping);
   auto slow = law();  // as a hand moves by itself
   swing(slow, 5e-3, 10.0, 2.0);
-  EXPECT_EQ(slow.steps_down(), 0u);
+  EXPECT_EQ(slow.hand_credit().steps_down, 0u);
   auto small = law();  // what an encoder shows of a hand that rests
   swing(small, 1.9 * kQuantum, 100.0, 2.0);
-  EXPECT_EQ(small.steps_down(), 0u);
+  EXPECT_EQ(small.hand_credit().steps_down, 0u);
 }
 
 TEST(Credited, TheCreditGrowsBackToWhatItWas) {
   auto credited = law();
   swing(credited, 1e-4, 40.0, 0.2);
-  const double low = credited.credit();
+  const double low = credited.hand_credit().damping;
   ASSERT_LT(low, 1.2);
   for (int n = 0; n < 10'000; ++n) credited.step(step(Vec3::Zero(), push(5.0)));
-  EXPECT_NEAR(credited.credit(), low * std::exp(10.0 * Credited<double>::kGrowth), 1e-6);
+  EXPECT_NEAR(credited.hand_credit().damping, low * std::exp(10.0 * Credited<double>::kGrowth),
+              1e-6);
   for (int n = 0; n < 100'000; ++n) credited.step(step(Vec3::Zero(), push(5.0)));
-  EXPECT_NEAR(credited.credit(), 1.2, 1e-12);
+  EXPECT_NEAR(credited.hand_credit().damping, 1.2, 1e-12);
 }
 
 TEST(Credited, SwingsInTheAirDoNotCount) {
@@ -117,7 +119,7 @@ TEST(Credited, SwingsInTheAirDoNotCount) {
     credited.step(step(Vec3(0, 0, z - before), {}));
     before = z;
   }
-  EXPECT_EQ(credited.steps_down(), 0u);
+  EXPECT_EQ(credited.hand_credit().steps_down, 0u);
 }
 
 TEST(Shaped, ACommandMadeAtTheDevicePassesAndALateOneIsCredited) {

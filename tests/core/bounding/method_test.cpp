@@ -73,8 +73,9 @@ TEST(BoundingMethods, OwnMethodsAreEachFoundByNameWithSomethingToSay) {
 
 TEST(BoundingMethods, HelpNamesThoseForProductsFirst) {
   const std::string choices = bounding_method_choices();
-  EXPECT_THAT(choices, HasSubstr("none|total_energy|per_axis|per_axis_projected|contact_frame; for "
-                                 "research: virtual_coupling|passivity_control|"));
+  EXPECT_THAT(choices,
+              HasSubstr("none|total_energy|per_axis|per_axis_projected|contact_frame|shaped; "
+                        "for research: midpoint|credited|virtual_coupling|"));
   const std::string lines = bounding_method_summaries();
   EXPECT_EQ(static_cast<std::size_t>(std::count(lines.begin(), lines.end(), '\n')),
             bounding_methods().size());

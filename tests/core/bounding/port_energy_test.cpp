@@ -24,6 +24,16 @@ TEST(PortEnergy, AHeldForceDeliversForceTimesWay) {
   EXPECT_DOUBLE_EQ(port.burned(), 2.0 * 6e-6 / kPeriod + 0.1 * (1e-4 + 50.0) / kPeriod);
 }
 
+TEST(PortEnergy, DryFrictionBurnsOverThePathThatIsCertain) {
+  constexpr double kRounding = 1e-9, kFriction = 0.3, kQuantum = 2e-5;
+  PortEnergy port(0.0, 0.0, kPeriod, kRounding, kFriction, kQuantum);
+  for (int n = 0; n < 100; ++n)  // a quantum to and fro is no movement
+    port.step({}, Vec3(n % 2 == 0 ? kQuantum : -kQuantum, 0, 0), Vec3::Zero(), kPeriod);
+  EXPECT_EQ(port.burned(), 0.0);
+  port.step({}, Vec3(1e-3, 0, 0), Vec3::Zero(), kPeriod);
+  EXPECT_NEAR(port.burned(), kFriction * (1e-3 - kQuantum) / std::sqrt(3.0), 1e-15);
+}
+
 // A spring k sampled and held, pressed by `depth` in equal steps and released: every sample acts
 // with the force of the one before, so each step d delivers k d^2 / 2 beyond the spring's own
 // energy, both ways.

@@ -42,7 +42,8 @@ TEST_F(DeviceFile, SaysEverythingThatABuiltInDeviceSays) {
     "name": "mine", "translation_dof": 3, "rotation_sensed": 3, "rotation_actuated": 3,
     "damping": [0.1, 0.2, 0.3], "rotational_damping": [0.002], "apparent_mass": 0.05,
     "coulomb_friction": 0.1, "position_resolution": 2e-5, "max_force": 9, "continuous_force": 2,
-    "max_torque": 0.5, "workspace": [0.2, 0.3, 0.4]})");
+    "max_torque": 0.5, "workspace": [0.2, 0.3, 0.4],
+    "least_mass": 0.04, "least_friction": 0.06, "hand_force": 15})");
   EXPECT_EQ(spec.name, "mine");
   EXPECT_EQ(spec.rotation_actuated, 3);
   EXPECT_EQ(spec.damping.matrix(), Mat3(Vec3(0.1, 0.2, 0.3).asDiagonal()));
@@ -54,6 +55,9 @@ TEST_F(DeviceFile, SaysEverythingThatABuiltInDeviceSays) {
   EXPECT_EQ(spec.continuous_force, 2.0);
   EXPECT_EQ(spec.max_torque, 0.5);
   EXPECT_EQ(spec.workspace, Vec3(0.2, 0.3, 0.4));
+  EXPECT_EQ(spec.least_mass, 0.04);
+  EXPECT_EQ(spec.least_friction, 0.06);
+  EXPECT_EQ(spec.hand_force, 15.0);
 }
 
 TEST_F(DeviceFile, WhatIsNotGiven) {
@@ -64,6 +68,9 @@ TEST_F(DeviceFile, WhatIsNotGiven) {
   EXPECT_EQ(spec.translation_dof, 3);
   EXPECT_EQ(spec.rotation_sensed, 0);
   EXPECT_EQ(spec.max_torque, 0.0);
+  EXPECT_EQ(spec.least_mass, 0.0);  // of which nothing is known
+  EXPECT_EQ(spec.least_friction, 0.0);
+  EXPECT_EQ(spec.hand_force, 10.0);
 }
 
 TEST_F(DeviceFile, ErrorsNameTheLineTheFieldAndTheRemedy) {

@@ -74,6 +74,12 @@ TEST(DeviceSpec, EveryBrokenFieldIsNamed) {
       {"continuous_force", [](DeviceSpec& d) { d.continuous_force = 2 * d.max_force; }},
       {"max_torque", [](DeviceSpec& d) { d.max_torque = 1; }},  // not actuated
       {"max_torque", [](DeviceSpec& d) { d.rotation_sensed = d.rotation_actuated = 3; }},
+      {"least_mass", [](DeviceSpec& d) { d.least_mass = 2 * d.apparent_mass; }},
+      {"least_mass", [](DeviceSpec& d) { d.least_mass = -0.1; }},
+      {"least_friction", [](DeviceSpec& d) { d.least_friction = 2 * d.coulomb_friction; }},
+      {"least_friction", [&](DeviceSpec& d) { d.least_friction = nan; }},
+      {"hand_force", [](DeviceSpec& d) { d.hand_force = 0; }},
+      {"hand_force", [&](DeviceSpec& d) { d.hand_force = infinity; }},
       {"workspace.y", [&](DeviceSpec& d) { d.workspace.y() = nan; }},
   };
   for (const auto& [field, make] : broken) {

@@ -91,7 +91,10 @@ TEST(Grant, WhatOurServersGrantIsPermitted) {
           for (const double hold_time : {0.02, 0.1, 0.3, 1.0}) {
             SessionParameters asked;
             asked.mode = mode;
-            asked.side = bounding_method(asked.mode).moves_probe ? BoundingSide::server : side;
+            const BoundingMethod& method = bounding_method(mode);
+            asked.side = stands_beside_scene(method) ? BoundingSide::server
+                         : method.shapes             ? BoundingSide::client
+                                                     : side;
             asked.servo_period = 1.0 / rate;
             asked.hold_time = std::max(hold_time, asked.servo_period);
             const SessionParameters given = granted(line, asked);

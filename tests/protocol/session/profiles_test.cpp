@@ -31,7 +31,7 @@ TEST(Profiles, AreGoodAtEveryServoRateAndMode) {
       for (const std::string_view mode : bounding_method_names()) {
         SessionParameters p;
         p.mode = mode;
-        if (bounding_method(p.mode).moves_probe) p.side = BoundingSide::server;
+        if (stands_beside_scene(bounding_method(p.mode))) p.side = BoundingSide::server;
         p.servo_period = 1.0 / rate;
         p.hold_time = std::max(p.hold_time, p.servo_period);
         const SessionParameters there = over(profile, p);

@@ -97,6 +97,8 @@ TEST(SessionParameters, EachFaultNamesItsField) {
       {"predictor linear",
        [](auto& p) { p.position_deadband = 0.1, p.predictor = Predictor::linear; }},
       {"local_model", [](auto& p) { p.local_model = true, p.side = BoundingSide::server; }},
+      {"the mode shaped", [](auto& p) { p.mode = "shaped", p.side = BoundingSide::server; }},
+      {"the mode credited", [](auto& p) { p.mode = "credited", p.side = BoundingSide::both; }},
       {"the mode virtual_coupling", [](auto& p) { p.mode = "virtual_coupling"; }},
       {"the mode passivity_control_parallel",
        [](auto& p) { p.mode = "passivity_control_parallel"; }},

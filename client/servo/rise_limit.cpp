@@ -1,0 +1,24 @@
+#include "client/servo/rise_limit.hpp"
+
+#include <algorithm>
+
+#include "core/bounding/frame.hpp"
+
+namespace feltwire {
+
+Command RiseLimit::apply(const Command& command, const LocalModel& model, double way,
+                         double elapsed) noexcept {
+  double allowed = last_ + slew_ * elapsed;
+  for (const SurfacePatch& patch : model.view()) {
+    const Material& m = patch.material;
+    const double over = way + length(patch.velocity) * elapsed;
+    // The normal's spring and the stick spring, each with its damper.
+    allowed += 2.0 * m.stiffness * over;
+    if (elapsed > 0.0) allowed += (m.damping + m.viscous_friction) * over / elapsed;
+  }
+  const double wanted = length(command.force());
+  last_ = std::min(wanted, allowed);
+  return reduction(allowed, wanted) * command;
+}
+
+}  // namespace feltwire

@@ -1,0 +1,31 @@
+#pragma once
+// Keeps a force that is made at the device from stepping where surfaces change under the hand.
+
+#include "core/base/numeric.hpp"
+#include "core/base/types.hpp"
+#include "core/local_model/local_model.hpp"
+
+namespace feltwire {
+
+/// The force of a local model may rise as the tool moves over its surfaces, and beyond that no
+/// faster than a slew. So a hand that rests feels no step when the scene is changed, when a surface
+/// comes into the model, or when the model says something again. A bound like contact_frame does
+/// that by itself; shaping renders what the model says.
+class RiseLimit {
+ public:
+  /// `slew` [N/s].
+  explicit RiseLimit(double slew) : slew_(slew) {}
+
+  /// The command, scaled down where it rose faster. The tool moved by `way` [m] over `elapsed` [s].
+  Command apply(const Command& command, const LocalModel& model, double way,
+                double elapsed) noexcept;
+
+  /// What is on the hand instead, at a tick without apply().
+  void given(const Vec3& force) noexcept { last_ = length(force); }
+
+ private:
+  double slew_;
+  double last_ = 0.0;  // [N]
+};
+
+}  // namespace feltwire

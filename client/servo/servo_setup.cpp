@@ -1,0 +1,136 @@
+// What the parameters of a session mean for the servo: its bound, its account, its observer, its
+// limits.
+
+#include <sstream>
+#include <stdexcept>
+
+#include "client/servo/servo.hpp"
+#include "core/bounding/device_account.hpp"
+
+namespace feltwire {
+namespace {
+
+// Samples remembered for their reply: 8 s at 1 kHz, 0.8 s at 10 kHz. A later reply still counts as
+// answered and late.
+constexpr std::size_t kRemembered = 8192;
+
+bool admits_reduction(const SessionParameters& parameters) {
+  return bounding_method(parameters.mode).admits_reduction;
+}
+
+BoundingConfig bound_of(const SessionParameters& parameters, const DeviceSpec& spec,
+                        double scene_stiffness) {
+  validate(spec);
+  validate(parameters);
+  BoundingConfig config = bounding_config(parameters, spec);
+  if (scene_stiffness > 0.0) config.stiffness = scene_stiffness;
+  // The server bounds: what stays here are the safety clamps, which every mode has.
+  if (parameters.side == BoundingSide::server) config.mode = kUnbounded;
+  return config;
+}
+
+/// Whether the account counts on the device's mass and dry friction, and on the hand's largest
+/// force: behind a method that shapes, or that was told of the operator's damping.
+bool counts_on_mass(const SessionParameters& p) {
+  return p.mode != kUnbounded && p.side != BoundingSide::server && admits_reduction(p) &&
+         (bounding_method(p.mode).shapes || p.operator_damping > 0.0);
+}
+
+/// Behind a method that only shapes, or that counts on the operator's damping, the account is what
+/// makes the port passive. Elsewhere it stands where the server bounds, for its bound knows nothing
+/// of delay, of loss and of late ticks, and behind a bound at this side that may be reduced, for
+/// that one counts on holds of T. None where nothing bounds, behind the paper's laws, which a
+/// reduction would break, and where nothing of the device is known.
+std::optional<PortAccount> account_of(const SessionParameters& p, const DeviceSpec& spec) {
+  if (p.mode == kUnbounded) return std::nullopt;
+  if (counts_on_mass(p)) return PortAccount(account_config(spec, p.servo_period));
+  const bool behind_bound = p.side != BoundingSide::server;
+  if ((behind_bound && !admits_reduction(p)) || !(spec.damping.least() > 0.0)) return std::nullopt;
+  return PortAccount(any_hand_account(spec, p.servo_period));
+}
+
+/// Of what the device burns by itself: whatever the bound is told to credit, that is the truth. Dry
+/// friction counts where the account counts on it.
+PortEnergy observer_of(const DeviceSpec& spec, const SessionParameters& p) {
+  constexpr double kRounding = 1e-9;
+  return {spec.damping,
+          spec.rotation_actuated > 0 ? spec.rotational_damping : Damping(),
+          p.servo_period,
+          kRounding,
+          counts_on_mass(p) ? spec.least_friction : 0.0,
+          spec.position_resolution};
+}
+
+/// [N/s] of a force that nothing but a change of the scene makes: all of it in half the hold time,
+/// as a fade takes it off.
+double largest_slew(const DeviceSpec& spec, const SessionParameters& p) {
+  return spec.max_force / (0.5 * p.hold_time);
+}
+
+/// Nothing else withholds what a scene changes to, and nothing else sees to it that it is paid for.
+std::optional<Admission> admission_of(const SessionParameters& p, const DeviceSpec& spec,
+                                      const Bounding& bounding,
+                                      const std::optional<PortAccount>& account) {
+  if (!bounding.takes_endowment() || !account || p.operator_damping > 0.0) return std::nullopt;
+  return Admission(largest_slew(spec, p));
+}
+
+void refuse_beside(std::string_view mode, const char* what, double value, const char* unit,
+                   double off) {
+  if (value == off) return;
+  std::ostringstream message;
+  message << "a " << what << " of " << value << " " << unit << " cannot follow the bounding mode "
+          << mode << ", which also bounds forces from below; use "
+          << "contact_frame or no " << what << " (" << off << ")";
+  throw std::invalid_argument(message.str());
+}
+
+}  // namespace
+
+void validate(const ServoOptions& options, const SessionParameters& parameters) {
+  const SafetyLimits& s = options.safety;
+  validate(s);
+  if (admits_reduction(parameters)) return;
+  refuse_beside(parameters.mode, "slew limit", s.force.slew, "N/s", ChannelLimits::kOff);
+  refuse_beside(parameters.mode, "slew limit", s.torque.slew, "N m/s", ChannelLimits::kOff);
+  refuse_beside(parameters.mode, "velocity limit", s.force.speed, "m/s", ChannelLimits::kOff);
+  refuse_beside(parameters.mode, "velocity limit", s.torque.speed, "rad/s", ChannelLimits::kOff);
+  refuse_beside(parameters.mode, "ramp-up", s.ramp_up, "s", 0.0);
+}
+
+ServoOptions protect_hand(const SessionParameters& parameters) {
+  ServoOptions options;
+  options.safety.force.small = 0.05;   // [N] below what a resting hand feels
+  options.safety.torque.small = 2e-3;  // [N m] the same at an arm of 40 mm
+  if (!admits_reduction(parameters)) return options;
+  options.safety.force.speed = 1.5;  // [m/s]
+  // A bound lets nothing through at first either, and what a ramp withheld behind it comes back
+  // only as the hand presses deeper (measured).
+  const bool client_bounds =
+      parameters.side != BoundingSide::server && parameters.mode != kUnbounded;
+  if (!client_bounds) options.safety.ramp_up = 0.2;  // [s]
+  return options;
+}
+
+Servo::Servo(const DeviceSpec& spec, const SessionParameters& parameters,
+             const ServoOptions& options)
+    : spec_(spec),
+      parameters_(parameters),
+      options_(options),
+      bounding_(bound_of(parameters, spec, options.scene_stiffness)),
+      safety_(options.safety, admits_reduction(parameters)),
+      port_(observer_of(spec, parameters)),
+      account_(account_of(parameters, spec)),
+      reserve_(parameters.servo_period),
+      admission_(admission_of(parameters, spec, bounding_, account_)),
+      torque_(bounding_.config().rotation),
+      shapes_(bounding_method(parameters.mode).shapes),
+      period_(bounding_.config().period),
+      measures_(bounding_.config().period),
+      velocity_(parameters.velocity_cutoff),
+      rise_(largest_slew(spec, parameters)),
+      sent_(kRemembered) {
+  validate(options, parameters);
+}
+
+}  // namespace feltwire

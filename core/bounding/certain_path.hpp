@@ -1,0 +1,33 @@
+#pragma once
+// How far a handle has certainly moved, from an encoder that rounds.
+
+#include <numbers>
+
+#include "core/base/types.hpp"
+
+namespace feltwire {
+
+/// A lower bound of the true path: a play of half-width q follows each axis, whose way is never
+/// longer than the true one, and a path is at least (|x| + |y| + |z|) / sqrt(3).
+class CertainPath {
+ public:
+  /// q [m], the encoder quantum of each world axis.
+  explicit CertainPath(double quantum) : quantum_(quantum) {}
+
+  /// [m] of the path that this displacement [m] adds.
+  double moved(const Vec3& displacement) noexcept {
+    slack_ += displacement;
+    const Vec3 kept = slack_.cwiseMax(-quantum_).cwiseMin(quantum_);
+    const double followed = (slack_ - kept).lpNorm<1>() * std::numbers::inv_sqrt3;
+    slack_ = kept;
+    return followed;
+  }
+  /// A displacement was not seen.
+  void forget() noexcept { slack_.setZero(); }
+
+ private:
+  double quantum_;
+  Vec3 slack_ = Vec3::Zero();  // [m] of the play, per axis
+};
+
+}  // namespace feltwire

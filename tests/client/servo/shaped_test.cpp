@@ -1,0 +1,176 @@
+// The servo behind a method that shapes: it asks the local model half a sample ahead, the account
+// stands last, and nothing makes the force step.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "client/servo/servo.hpp"
+#include "tests/client/servo_bench.hpp"
+
+namespace feltwire::shaped_test {
+namespace {
+
+using namespace testing::servo;
+
+constexpr double kStiffness = 200.0;  // [N/m]
+
+SessionParameters modelled(std::string_view mode = "shaped") {
+  SessionParameters p = parameters(mode);
+  p.local_model = true;
+  return p;
+}
+
+/// A floor at z = 0, felt within `reach` of the origin.
+Reply floor_reply(std::uint64_t index, double stiffness = kStiffness, double reach = 0.04) {
+  Reply r = reply(index, elastic(0, 0, 1));
+  r.modelled = true;
+  r.model.reach = reach;
+  r.model.count = 1;
+  r.model.patches[0].radius = 0.1;
+  r.model.patches[0].material.stiffness = stiffness;
+  return r;
+}
+
+/// The hand moves to and fro in the air, so that the device burns energy, and ends at z = 0.
+void burn(Bench& bench) {
+  for (int n = 0; n < 400; ++n) bench.tick(at(0, 0, 0.01 * (1.0 + std::cos(0.05 * n))));
+  for (int n = 100; n > 0; --n) bench.tick(at(0, 0, 1e-4 * n));
+  bench.tick(at(0, 0, 0));
+}
+
+TEST(Shaped, AsksTheLocalModelHalfASampleAhead) {
+  for (const char* mode : {"shaped", "midpoint"}) {
+    Bench bench(modelled(mode));
+    burn(bench);
+    bench.servo.take(floor_reply(bench.servo.sample().index), bench.now);
+    double z = 0.0;
+    for (const double way : {-1e-4, -2e-4, -5e-5, -1e-4, 3e-5, 1e-4}) {
+      z += way;
+      EXPECT_NEAR(bench.tick(at(0, 0, z)).elastic.z(), -kStiffness * (z + 0.5 * way), 1e-12);
+      EXPECT_TRUE(bench.servo.near());
+    }
+    EXPECT_EQ(bench.servo.statistics().account_cut, 0u);
+    EXPECT_EQ(bench.servo.port().violations(), 0u);
+  }
+  // A method that bounds by itself asks where the device is.
+  Bench plain(modelled("none"));
+  plain.tick();
+  plain.servo.take(floor_reply(1), plain.now);
+  EXPECT_NEAR(plain.tick(at(0, 0, -1e-3)).elastic.z(), 1e-3 * kStiffness, 1e-12);
+}
+
+TEST(Shaped, ADeviceThatHasBurnedNothingGivesNothing) {
+  Bench bench(modelled());
+  bench.tick(at(0, 0, 1e-6));
+  bench.servo.take(floor_reply(1, 4e4), bench.now);
+  bench.tick(at(0, 0, 1e-6));
+  EXPECT_LT(bench.tick(at(0, 0, -2e-6)).force().norm(), 0.01);  // 0.14 N are asked for
+  EXPECT_EQ(bench.servo.statistics().account_cut, 1u);
+  EXPECT_EQ(bench.servo.account()->statistics().overdrawn, 0u);
+}
+
+TEST(Shaped, BeyondTheModelItIsCreditedWithTheDampingOfAHand) {
+  Bench bench(modelled());
+  burn(bench);
+  bench.servo.take(floor_reply(bench.servo.sample().index, kStiffness, 1e-3), bench.now);
+  bench.tick(at(0, 0, 0));
+  EXPECT_TRUE(bench.servo.near());
+  const std::uint64_t before = bench.servo.statistics().hand_overs;
+  // The reply's 1 N alone, which rises by 2 (b + a) / T for every metre.
+  const double c = 2.0 * (0.5 + 1.2) / 1e-3;
+  EXPECT_EQ(bench.tick(at(0.01, 0, 0)).elastic.z(), 0.0);
+  EXPECT_FALSE(bench.servo.near());
+  EXPECT_EQ(bench.tick(at(0.01, 0, 0)).elastic.z(), 0.0);
+  EXPECT_NEAR(bench.tick(at(0.01, 0, -1e-4)).elastic.z(), 1e-4 * c, 1e-12);
+  EXPECT_EQ(bench.servo.statistics().hand_overs, before + 1);
+  ASSERT_TRUE(bench.servo.hand_credit());
+  EXPECT_EQ(bench.servo.hand_credit()->damping, 1.2);
+}
+
+TEST(Shaped, TheStiffestSurfaceLimitsHowFastALateForceRises) {
+  ServoOptions options;
+  options.scene_stiffness = 1500.0;
+  for (const bool reloaded : {false, true}) {
+    Bench bench(parameters("credited"), options);
+    burn(bench);
+    bench.servo.take(reply(bench.servo.sample().index, elastic(0, 0, 1)), bench.now);
+    bench.tick(at(0, 0, 0));
+    if (reloaded) {  // nothing is known of the new surfaces
+      Reply next = reply(bench.servo.sample().index, elastic(0, 0, 1));
+      next.reloads = 1;
+      bench.servo.take(next, bench.now);
+    }
+    const double c = reloaded ? 3400.0 : 1500.0;
+    EXPECT_NEAR(bench.tick(at(0, 0, -1e-4)).elastic.z(), 1e-4 * c, 1e-12);
+  }
+}
+
+TEST(Shaped, AWallThatBecomesStifferUnderAHandThatRestsRisesSlowly) {
+  Bench bench(modelled());
+  burn(bench);
+  bench.servo.take(floor_reply(bench.servo.sample().index), bench.now);
+  for (int n = 1; n <= 25; ++n) bench.tick(at(0, 0, -2e-4 * n));
+  bench.tick(at(0, 0, -5e-3));
+  const double soft = bench.tick(at(0, 0, -5e-3)).elastic.z();
+  EXPECT_NEAR(soft, 5e-3 * kStiffness, 1e-12);
+  Reply harder = floor_reply(bench.servo.sample().index, 5.0 * kStiffness);
+  harder.reloads = 1;
+  harder.model.scene = 1;
+  bench.servo.take(harder, bench.now);
+  const double slew = bench.spec.max_force / (0.5 * bench.servo.parameters().hold_time);
+  double before = soft;
+  bool whole = false;
+  for (int n = 0; n < 40; ++n) {
+    const double now = bench.tick(at(0, 0, -5e-3)).elastic.z();
+    EXPECT_LE(now - before, slew * 1e-3 + 1e-9);
+    before = now;
+    whole = whole || now > 4.9 * soft;
+  }
+  EXPECT_TRUE(whole);
+}
+
+TEST(Shaped, AFaultLosesTheBalance) {
+  Bench bench(modelled());
+  burn(bench);
+  EXPECT_GT(bench.servo.account()->balance(), 1e-4);
+  DeviceReading lost = at(0, 0, 0);
+  lost.ok = false;
+  bench.tick(lost);
+  EXPECT_EQ(bench.servo.account()->balance(), 0.0);
+  bench.tick(at(0, 0, 0.2));  // where it went meanwhile, nobody saw
+  EXPECT_EQ(bench.servo.account()->balance(), 0.0);
+  bench.tick(at(0, 0, 0.2001));
+  EXPECT_GT(bench.servo.account()->balance(), 0.0);
+}
+
+TEST(Shaped, TheAccountKnowsNothingOfTheOperatorsDamping) {
+  SessionParameters claimed = modelled();
+  claimed.operator_damping = 5.0;
+  Bench bench(modelled()), told(claimed);
+  burn(bench);
+  burn(told);
+  EXPECT_EQ(told.servo.hand_credit()->damping, 5.0);
+  EXPECT_EQ(told.servo.account()->balance(), bench.servo.account()->balance());
+  EXPECT_EQ(told.servo.port().burned(), bench.servo.port().burned());
+  // Nor does it behind a bound that counts on it.
+  claimed.mode = "contact_frame";
+  Bench bound(claimed);
+  burn(bound);
+  EXPECT_EQ(bound.servo.account()->balance(), bench.servo.account()->balance());
+}
+
+TEST(Shaped, TheAccountStandsEverywhereButWhereAReductionWouldBreakTheLaw) {
+  const auto stands = [](std::string_view mode, BoundingSide side = BoundingSide::client) {
+    return Bench(parameters(mode, side)).servo.account().has_value();
+  };
+  for (const char* mode : {"shaped", "midpoint", "credited", "contact_frame", "energy_tank"})
+    EXPECT_TRUE(stands(mode)) << mode;
+  for (const char* mode : {"none", "total_energy", "per_axis", "per_axis_projected"})
+    EXPECT_FALSE(stands(mode)) << mode;
+  EXPECT_TRUE(stands("per_axis", BoundingSide::server));
+}
+
+}  // namespace
+}  // namespace feltwire::shaped_test
