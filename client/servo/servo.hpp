@@ -208,7 +208,7 @@ class Servo {
   std::optional<PortAccount> account_;
   HoldReserve reserve_;
   std::optional<Admission> admission_;  // where this side bounds by contact_frame
-  bool torque_, shapes_;
+  bool torque_, shapes_, counts_on_mass_;
   double period_;  // T [s]
 
   ClockEstimate server_clock_;

@@ -131,6 +131,32 @@ TEST(Shaped, AWallThatBecomesStifferUnderAHandThatRestsRisesSlowly) {
   EXPECT_TRUE(whole);
 }
 
+// A balance that is spent to its limit would pay for a hold of 2 T with most of the force, for the
+// seconds that a late tick is remembered.
+TEST(Shaped, ALateTickCostsLittleForce) {
+  Bench bench(modelled());
+  bench.tick(at(0, 0, 1e-3));
+  double z = 1e-3;
+  const auto rest = [&](int ticks, Nanoseconds after = kPeriod) {
+    double force = 0.0;
+    for (int n = 0; n < ticks; ++n) {
+      bench.servo.take(floor_reply(bench.servo.sample().index, 4e4), bench.now);
+      force = bench.tick(at(0, 0, z), after).force().norm();
+    }
+    return force;
+  };
+  while (z > -2e-3) {  // cold, so that the account cuts
+    z -= 2e-5;
+    rest(1);
+  }
+  const double before = rest(20);
+  EXPECT_GT(before, 0.5);
+  EXPECT_LT(before, 40.0);  // of 80 N
+  rest(1, 3 * kPeriod / 2);
+  EXPECT_GT(rest(5), 0.85 * before);
+  EXPECT_EQ(bench.servo.account()->statistics().overdrawn, 0u);
+}
+
 TEST(Shaped, AFaultLosesTheBalance) {
   Bench bench(modelled());
   burn(bench);
