@@ -23,11 +23,12 @@ endfunction()
 
 set(core_rooms ${FELTWIRE_THIN_CORE})
 set(client_rooms protocol/crypto protocol/session protocol/wire protocol/net client/devices client/transport client/servo
-  client/run)
+  core/recording client/run)
 feltwire_installed(core ${core_rooms})
 feltwire_installed(client ${client_rooms})
 target_link_libraries(feltwire_installed_core INTERFACE Eigen3::Eigen flatbuffers::flatbuffers)
-target_link_libraries(feltwire_installed_client INTERFACE feltwire_installed_core OpenSSL::SSL sodium Threads::Threads)
+target_link_libraries(feltwire_installed_client INTERFACE feltwire_installed_core OpenSSL::SSL sodium zstd ZLIB::ZLIB
+  Threads::Threads)
 
 set(config ${CMAKE_INSTALL_LIBDIR}/cmake/feltwire)
 install(EXPORT feltwire NAMESPACE feltwire:: FILE feltwireTargets.cmake DESTINATION ${config})

@@ -42,3 +42,29 @@ function(feltwire_schema target)
   add_custom_target(${target}_schema DEPENDS ${outputs})
   add_dependencies(${target} ${target}_schema)
 endfunction()
+
+# feltwire_descriptors(TARGET file.proto ...): FILE_descriptors.hpp with what protoc says of the file and of all that it
+# imports (a FileDescriptorSet) as feltwire::embedded::FILE_descriptors. Paths as of feltwire_schema().
+function(feltwire_descriptors target)
+  find_program(FELTWIRE_PROTOC protoc REQUIRED)
+  file(RELATIVE_PATH folder ${PROJECT_SOURCE_DIR} ${CMAKE_CURRENT_SOURCE_DIR})
+  set(outputs)
+  foreach(proto IN LISTS ARGN)
+    get_filename_component(name ${proto} NAME_WE)
+    get_filename_component(sub ${proto} DIRECTORY)
+    set(source ${CMAKE_CURRENT_SOURCE_DIR}/${proto})
+    get_filename_component(root ${source} DIRECTORY)
+    set(out ${PROJECT_BINARY_DIR}/generated/${folder}/${sub}/${name}_descriptors)
+    file(MAKE_DIRECTORY ${PROJECT_BINARY_DIR}/generated/${folder}/${sub})
+    file(GLOB_RECURSE imported ${root}/*.proto)
+    add_custom_command(
+      OUTPUT ${out}.hpp
+      COMMAND ${FELTWIRE_PROTOC} -I${root} --include_imports --descriptor_set_out=${out}.bin ${source}
+      COMMAND ${CMAKE_COMMAND} -DSOURCE=${out}.bin -DNAME=${name}_descriptors -DOUT=${out}.hpp
+              -P ${PROJECT_SOURCE_DIR}/cmake/embed_bytes.cmake
+      DEPENDS ${imported} ${PROJECT_SOURCE_DIR}/cmake/embed_bytes.cmake VERBATIM)
+    list(APPEND outputs ${out}.hpp)
+  endforeach()
+  add_custom_target(${target}_descriptors DEPENDS ${outputs})
+  add_dependencies(${target} ${target}_descriptors)
+endfunction()

@@ -61,7 +61,12 @@ std::variant<ClientOptions, int> parse_options(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--report", words.report,
                  "FILE.json that gets the run's numbers (docs/devices.md)");
-  app.add_option("--record", words.record, "FILE.csv that gets every tick");
+  app.add_option("--record", words.record,
+                 "FILE.csv or FILE.mcap that gets every tick (docs/recording.md)");
+  app.add_option("--record-max-mib", words.record_limits.mebibytes,
+                 "[MiB] of each file of an MCAP recording; the files are FILE-0001.mcap and so on");
+  app.add_option("--record-max-seconds", words.record_limits.seconds,
+                 "[s] that each file of an MCAP recording lasts, likewise");
   app.add_option("--view", words.view,
                  "FILE.csv that gets what an observer sees (docs/devices.md)");
   app.add_option("--link", words.link,

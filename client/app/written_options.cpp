@@ -63,8 +63,9 @@ void choose_traffic(const WrittenOptions& words, std::optional<double> rate,
   parameters.packet_interval = std::max(1, static_cast<int>(ticks));
 }
 
-/// What bounds the force, and where. What is not given is chosen by the rest: a method that shapes
-/// stands at the client and has the surfaces there. Throws std::invalid_argument.
+/// Chooses the method, its side and the local model. The options that were given decide the others:
+/// a method that shapes stands at the client and uses the local model. Throws
+/// std::invalid_argument.
 void choose_bound(const WrittenOptions& words, SessionParameters& parameters) {
   if (!words.side.empty()) parameters.side = bounding_side(words.side);
   const bool here = parameters.side == BoundingSide::client;
@@ -86,7 +87,9 @@ std::vector<NamedFile> named(std::vector<NamedFile> files) {
 }
 
 std::vector<NamedFile> written_files(const WrittenOptions& words) {
-  return named({{"--report", words.report}, {"--record", words.record}, {"--view", words.view}});
+  std::string record = words.record;
+  if (words.record_limits.any()) record = numbered({record, words.record_limits}, 1).string();
+  return named({{"--report", words.report}, {"--record", record}, {"--view", words.view}});
 }
 
 std::vector<NamedFile> read_files(const WrittenOptions& words) {
@@ -98,6 +101,17 @@ std::vector<NamedFile> read_files(const WrittenOptions& words) {
                 {"--certificate", c.certificate},
                 {"--key", c.key},
                 {"--token-file", c.token_file}});
+}
+
+/// Throws std::invalid_argument.
+void choose_recording(const WrittenOptions& words, ClientOptions& options) {
+  const RecordingLimits& limits = words.record_limits;
+  options.record_limits = limits;
+  require(limits.mebibytes >= 1.0, "--record-max-mib must be 1 MiB or more");
+  require(limits.seconds >= 1.0, "--record-max-seconds must be 1 s or more");
+  require(
+      !limits.any() || is_mcap(words.record),
+      "--record-max-mib and --record-max-seconds are of MCAP recordings; give --record FILE.mcap");
 }
 
 /// Throws std::invalid_argument where the server would refuse the name without saying which.
@@ -165,6 +179,7 @@ void understand(const WrittenOptions& words, HandTask task, ClientOptions& optio
   }
   if (!words.report.empty()) options.report = words.report;
   if (!words.record.empty()) options.record = words.record;
+  choose_recording(words, options);
   if (!words.view.empty()) options.view = words.view;
   require_different(written_files(words), read_files(words));
   options.dscp = dscp(words.dscp);

@@ -24,6 +24,7 @@ struct WrittenOptions {
   std::optional<std::array<double, 3>> center, normal;
   std::optional<double> wait_for_small_force, ramp_up, velocity_limit;
   std::string report, record, view, link, profile, dscp = "cs0", role = "operator";
+  RecordingLimits record_limits;
   CredentialOptions credentials;
 };
 

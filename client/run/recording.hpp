@@ -1,28 +1,64 @@
 #pragma once
-// A recording of every tick, as a CSV file that stays readable however the run ends.
+// A recording of every tick, in a file that stays readable however the run ends.
 
 #include <cstdint>
 #include <filesystem>
+#include <limits>
+#include <map>
+#include <memory>
+#include <string>
 
+#include "client/run/observed_scene.hpp"
 #include "client/servo/tick_record.hpp"
 #include "core/base/line_file.hpp"
 #include "core/base/ring.hpp"
 
 namespace feltwire {
 
-/// Writes rows from a ring to a file: whole lines only, each batch in one write.
-class RecordingFile {
+/// How much of a recording goes to one file of several.
+struct RecordingLimits {
+  double mebibytes = std::numeric_limits<double>::infinity();
+  double seconds = std::numeric_limits<double>::infinity();
+  bool any() const;
+};
+
+/// Where to record, and what an MCAP file says of the run.
+struct RecordingTarget {
+  std::filesystem::path file;
+  RecordingLimits limits{};
+  std::map<std::string, std::string> about{};
+};
+
+/// Whether the name means an MCAP file; all others are CSV.
+bool is_mcap(const std::filesystem::path& file);
+/// FILE.mcap, or with limits FILE-0001.mcap for number 1.
+std::filesystem::path numbered(const RecordingTarget& target, int number);
+
+/// Writes rows from a ring to a file.
+class Recorder {
+ public:
+  virtual ~Recorder() = default;
+  /// Writes all rows that wait. Throws std::runtime_error when the system takes no more (a full
+  /// disk, say).
+  virtual void write(Ring<TickRecord>& rows) = 0;
+  /// What an observer sees, at a time [s] since the first tick; where the format has pictures.
+  virtual void see(double /*time*/, const ObservedScene& /*scene*/) {}
+  /// Waits until all that was written is on the disk. Throws std::runtime_error.
+  virtual void finish() = 0;
+};
+
+/// A CsvRecording or an McapRecording, by the name of the file.
+std::unique_ptr<Recorder> open_recording(const RecordingTarget& target);
+
+/// Whole lines only, each batch in one write.
+class CsvRecording final : public Recorder {
  public:
   /// Creates or replaces the file and writes the header. Throws std::runtime_error naming the file
   /// and the reason.
-  explicit RecordingFile(const std::filesystem::path& file);
+  explicit CsvRecording(const std::filesystem::path& file);
 
-  /// Writes all rows that wait. Throws std::runtime_error when the system takes no more (a full
-  /// disk, say).
-  void write(Ring<TickRecord>& rows);
-
-  /// Waits until all that was written is on the disk. Throws std::runtime_error.
-  void finish() { file_.finish(); }
+  void write(Ring<TickRecord>& rows) override;
+  void finish() override { file_.finish(); }
 
   std::uint64_t rows() const { return rows_; }
 

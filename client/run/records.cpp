@@ -7,11 +7,6 @@
 
 namespace feltwire {
 
-Records::Records(const Files& files, std::FILE* errors) : errors_(errors) {
-  if (files.recording) recording_ = std::make_unique<RecordingFile>(*files.recording);
-  if (files.observes) observer_ = std::make_unique<ObserverRecorder>(files.view, files.on_view);
-}
-
 template <class Action>
 void Records::attempt(bool& failed, Action action) noexcept {
   if (failed) return;
@@ -21,6 +16,16 @@ void Records::attempt(bool& failed, Action action) noexcept {
     failed = true;
     tell(error.what());
   }
+}
+
+Records::Records(const Files& files, std::FILE* errors) : errors_(errors) {
+  if (files.recording) recording_ = open_recording(*files.recording);
+  if (!files.observes) return;
+  observer_ = std::make_unique<ObserverRecorder>(
+      files.view, [this, on_view = files.on_view](double time, const ObservedScene& scene) {
+        if (recording_) attempt(recording_failed_, [&] { recording_->see(time, scene); });
+        if (on_view) on_view(time, scene);
+      });
 }
 
 /// A hand may hold a force meanwhile: that there is no memory to say it nicely ends nothing.

@@ -17,7 +17,8 @@ namespace feltwire {
 class Records {
  public:
   struct Files {
-    std::optional<std::filesystem::path> recording, view;
+    std::optional<RecordingTarget> recording;
+    std::optional<std::filesystem::path> view;
     bool observes = false;  // views are taken, with or without a file
     OnView on_view = {};
   };
@@ -43,7 +44,7 @@ class Records {
   void tell(const char* what) const noexcept;
 
   static constexpr std::size_t kRecordRoom = 1 << 14;  // rows: more than a second at 10 kHz
-  std::unique_ptr<RecordingFile> recording_;
+  std::unique_ptr<Recorder> recording_;
   Ring<TickRecord> rows_{kRecordRoom};
   std::unique_ptr<ObserverRecorder> observer_;
   std::FILE* errors_;

@@ -151,7 +151,7 @@ Json local_model(const Servo& servo) {
           {"hand_overs", s.hand_overs}};
 }
 
-/// What stood last before the device.
+/// The account's balance and its counts; null where no account stands.
 Json account(const Servo& servo) {
   if (!servo.account()) return nullptr;
   const AccountStatistics& s = servo.account()->statistics();
@@ -161,7 +161,7 @@ Json account(const Servo& servo) {
           {"strong_hand_samples", s.strong_hand}};
 }
 
-/// The damping of the hand that the method counts on.
+/// The hand's damping that the method counts on; null where it counts on none.
 Json hand_credit(const std::optional<HandCredit>& credit) {
   if (!credit) return nullptr;
   return {{"damping_n_s_per_m", number(credit->damping)}, {"steps_down", credit->steps_down}};

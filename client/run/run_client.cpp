@@ -82,6 +82,18 @@ struct Run : ServoTask {
   Ring<LiveStatus> statuses{kStatusRoom};
 };
 
+std::optional<RecordingTarget> recording_target(const RunOptions& options) {
+  if (!options.record) return std::nullopt;
+  return RecordingTarget{.file = *options.record,
+                         .limits = options.record_limits,
+                         .about = {{"client", options.name},
+                                   {"device", options.device_kind},
+                                   {"mode", std::string(options.parameters.mode)},
+                                   {"scene", options.scene},
+                                   {"server", to_string(options.server.endpoint)},
+                                   {"version", version()}}};
+}
+
 std::shared_ptr<Run> make_run(const RunOptions& options, const control::JoinAccepted& accepted,
                               std::unique_ptr<Device> device,
                               std::shared_ptr<Transport> transport) {
@@ -91,7 +103,7 @@ std::shared_ptr<Run> make_run(const RunOptions& options, const control::JoinAcce
   auto run =
       std::make_shared<Run>(std::move(device), std::move(transport), accepted.parameters, servo);
   run->records = std::make_unique<Records>(
-      Records::Files{options.record, options.view, servo.observes, options.on_view});
+      Records::Files{recording_target(options), options.view, servo.observes, options.on_view});
   run->options = {.duration = from_seconds(options.duration),
                   .silence_timeout = from_seconds(accepted.silence_timeout),
                   .patience = from_seconds(options.patience),
@@ -146,7 +158,7 @@ int run_client(std::unique_ptr<Device> device, const RunOptions& options) {
   std::signal(SIGXFSZ, SIG_IGN);  // nor does a file at its size limit: it is told as a full disk is
   // Check all files on this side before the server is asked.
   if (options.report) check_writable(*options.report);
-  if (options.record) check_writable(*options.record);
+  if (const auto target = recording_target(options)) check_writable(numbered(*target, 1));
   if (options.view) check_writable(*options.view);
   const Signals signals;
   Reserve reserve;

@@ -10,6 +10,7 @@
 
 #include "client/devices/device.hpp"
 #include "client/run/observer_recorder.hpp"
+#include "client/run/recording.hpp"
 #include "client/servo/servo.hpp"
 #include "client/transport/control_client.hpp"
 #include "client/transport/datagram_port.hpp"
@@ -33,6 +34,7 @@ struct RunOptions {
   double busy_poll = 0.0;  // [us] to poll for replies and deadlines; infinity: never sleep
   double patience = 30.0;  // [s] to look for a lost session; 0: not at all
   std::optional<std::filesystem::path> report, record, view;  // files to write; empty: none
+  RecordingLimits record_limits;                              // of each file of an MCAP recording
   /// Of an observer: called for each view that came, by the thread that called run_client(). What
   /// it throws ends the calls; the run goes on, and returns 1.
   OnView on_view = {};

@@ -20,7 +20,7 @@ class RiseLimit {
   Command apply(const Command& command, const LocalModel& model, double way,
                 double elapsed) noexcept;
 
-  /// What is on the hand instead, at a tick without apply().
+  /// Tells the force that the hand holds after a tick that did not call apply().
   void given(const Vec3& force) noexcept { last_ = length(force); }
 
  private:

@@ -140,12 +140,13 @@ bool Servo::follow_model(const BoundingStep& step, Nanoseconds now, Command& com
   return w >= 1.0;
 }
 
-/// What the scene commands by now, by the newest reply or by the local model.
+/// Computes the scene's command for this tick, from the newest reply and the local model.
 Command Servo::environment(BoundingStep& step, Nanoseconds now) noexcept {
   Command command = reconstructed(now);
   if (parameters_.local_model) step.local = follow_model(step, now, command);
   statistics_.hand_overs += step.local == near_ ? 0 : 1;
   near_ = step.local;
+  step.normals = &newest_.normals;
   return command;
 }
 
@@ -161,7 +162,8 @@ void Servo::let_in(const BoundingStep& step) noexcept {
   if (energy > 0.0 && parameters_.storage != Storage::elastic) bounding_.endow(energy);
 }
 
-/// What the port has energy for. `moved_known`: the movement of the step is.
+/// Returns the part of the command that the account has energy for. `moved_known`: the step's
+/// movement was measured.
 Command Servo::paid_for(const Command& command, BoundingStep step, bool moved_known) noexcept {
   if (!account_) return command;
   constexpr double kInstant = 1e-9;  // [s] where the clock stood still
@@ -277,6 +279,42 @@ const Sample* Servo::hold(const Command& held) noexcept {
   ++statistics_.samples;
   sent_[sample_.index % sent_.size()] = {sample_.index, sample_.client_time, 0, false};
   return &sample_;
+}
+
+HandReport Servo::report() const noexcept {
+  // A shaped force is never quite the one that was asked for: only what is felt is worth a word.
+  constexpr double kMuchLess = 0.95;
+  const auto takes_off = [](const Command& before, const Command& after) {
+    const double was = length(before.force());
+    return was > kFeltForce && length(after.force()) < kMuchLess * was;
+  };
+  HandReport report;
+  const auto put = [&](HandReason reason, bool holds) {
+    if (holds) report.reasons |= bit(reason);
+  };
+  const bool felt = length(trail_.asked.force()) > kFeltForce;
+  put(HandReason::near, felt && near_);
+  put(HandReason::late, felt && !near_);
+  put(HandReason::saturated, takes_off(trail_.asked, trail_.actuated));
+  put(HandReason::faded, takes_off(trail_.actuated, trail_.faded) && !letting_go_);
+  put(HandReason::bound, takes_off(trail_.faded, trail_.bounded));
+  put(HandReason::limits, takes_off(trail_.bounded, trail_.safe));
+  put(HandReason::account, takes_off(trail_.safe, trail_.paid));
+  put(HandReason::reconnecting, letting_go_);
+  put(HandReason::scene_change, withholds_change());
+  put(HandReason::device_fault, !trail_.read || takes_off(trail_.paid, trail_.held));
+  report.has_account = account_.has_value();
+  report.balance = account_ ? account_->balance() : 0.0;
+  report.round_trip = has_reply() ? seconds(newest_arrival_ - newest_sampled_) : 0.0;
+  report.hand_damping = hand_credit() ? hand_credit()->damping : 0.0;
+  return report;
+}
+
+/// One scale for force and torque, so that either tells it.
+double Servo::account_cut() const noexcept {
+  const double force = length(trail_.safe.force()), torque = length(trail_.safe.torque);
+  if (force > 0.0) return std::clamp(1.0 - length(trail_.paid.force()) / force, 0.0, 1.0);
+  return torque > 0.0 ? std::clamp(1.0 - length(trail_.paid.torque) / torque, 0.0, 1.0) : 0.0;
 }
 
 void Servo::explain(const Command& held) noexcept {

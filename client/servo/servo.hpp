@@ -140,13 +140,19 @@ class Servo {
   const ServoOptions& options() const { return options_; }
   const ServoStatistics& statistics() const { return statistics_; }
   const PortEnergy& port() const { return port_; }
-  /// What stands last before the device; none: what the bound and the safety stage let through is
-  /// given.
+  /// The account stands last before the device. Empty: the device is given what the bound and the
+  /// safety stage let through.
   const std::optional<PortAccount>& account() const { return account_; }
+  /// The share of the last tick's command that it took off, 0 to 1.
+  double account_cut() const noexcept;
   /// The command of the last tick was made here, from the local model alone.
   bool near() const { return near_; }
-  /// Of the methods `credited` and `shaped`.
+  /// The session's method shapes the force (BoundingMethod::shapes).
+  bool shapes() const { return shapes_; }
+  /// The hand's damping that the methods `credited` and `shaped` count on; empty in other modes.
   std::optional<HandCredit> hand_credit() const { return bounding_.hand_credit(); }
+  /// The state of the last tick, for observers of the scene.
+  HandReport report() const noexcept;
   const ClockEstimate& server_clock() const { return server_clock_; }
 
   const Sample& sample() const { return sample_; }  // the last one made

@@ -204,10 +204,20 @@ class Loop {
     // To a server that said goodbye nothing is sent; to one that is silent it is, for it may be the
     // way back only.
     const Sample* sample = servo_.tick(device_, now);
-    if (sample != nullptr && !server_left_ && transport_.send(*sample)) servo_.sent();
+    if (sample != nullptr && !server_left_) send(*sample);
     result_.duration = seconds(now - first_tick_);
     record(now);
     if (now >= next_status_) report_status(now);
+  }
+
+  /// Now and then with a report for those who look on.
+  void send(const Sample& sample) noexcept {
+    std::optional<HandReport> report;
+    if (seconds(sample.client_time - reported_) >= kBetweenReports && !servo_.options().observes)
+      report = servo_.report();
+    if (!transport_.send(sample, report)) return;
+    servo_.sent();
+    if (report) reported_ = sample.client_time;
   }
 
   void take_replies(Nanoseconds now) noexcept {
@@ -270,12 +280,19 @@ class Loop {
 
   void record(Nanoseconds now) noexcept {
     if (outputs_.record == nullptr) return;
-    const TickRecord row{.time = seconds(now - first_tick_),
-                         .position = servo_.sample().pose.position,
-                         .elastic = servo_.command().elastic,
-                         .frictional = servo_.command().frictional,
-                         .held = servo_.held().force(),
-                         .age = servo_.has_reply() ? servo_.command_age() : -1.0};
+    const TickRecord row{
+        .time = seconds(now - first_tick_),
+        .position = servo_.sample().pose.position,
+        .elastic = servo_.command().elastic,
+        .frictional = servo_.command().frictional,
+        .held = servo_.held().force(),
+        .age = servo_.has_reply() ? servo_.command_age() : -1.0,
+        .clock = now.count(),
+        .orientation = servo_.sample().pose.orientation,
+        .torque = servo_.held().torque,
+        .balance = servo_.account() ? std::optional(servo_.account()->balance()) : std::nullopt,
+        .account_cut = servo_.account_cut(),
+        .no_force = servo_.no_force()};
     if (!outputs_.record->push(row)) ++result_.records_dropped;
   }
 
@@ -310,7 +327,7 @@ class Loop {
          .connected = !lost_,
          .recovering = servo_.newest_reply().recovering,
          .withholds_change = servo_.withholds_change(),
-         .shapes = bounding_method(servo_.parameters().mode).shapes,
+         .shapes = servo_.shapes(),
          .near = servo_.near(),
          .hand_damping = hand_damping()});
   }
@@ -332,7 +349,7 @@ class Loop {
   bool lost_ = false;
   Nanoseconds lost_at_{0}, next_reroute_{0};
   EndReason lost_by_ = EndReason::server_silent;
-  Nanoseconds first_tick_{0}, last_tick_{0}, last_heard_, next_status_;
+  Nanoseconds first_tick_{0}, last_tick_{0}, last_heard_, next_status_, reported_{0};
 };
 
 }  // namespace

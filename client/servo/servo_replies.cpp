@@ -61,7 +61,7 @@ bool Servo::take(const Reply& reply, Nanoseconds arrival) noexcept {
 
 void Servo::scene_changed() noexcept {
   if (admission_) admission_->begin();
-  if (!bounding_method(parameters_.mode).shapes) return;
+  if (!shapes_) return;
   BoundingConfig config = bounding_.config();
   config.stiffness = std::numeric_limits<double>::infinity();
   bounding_ = Bounding(config);

@@ -1,5 +1,4 @@
-// What the parameters of a session mean for the servo: its bound, its account, its observer, its
-// limits.
+// Makes a servo from the parameters of a session: chooses its bound, account, observer and limits.
 
 #include <sstream>
 #include <stdexcept>
@@ -42,23 +41,21 @@ bool counts_on_mass(const SessionParameters& p) {
 /// that one counts on holds of T. None where nothing bounds, behind the paper's laws, which a
 /// reduction would break, and where nothing of the device is known.
 std::optional<PortAccount> account_of(const SessionParameters& p, const DeviceSpec& spec) {
-  if (p.mode == kUnbounded) return std::nullopt;
   if (counts_on_mass(p)) return PortAccount(account_config(spec, p.servo_period));
   const bool behind_bound = p.side != BoundingSide::server;
-  if ((behind_bound && !admits_reduction(p)) || !(spec.damping.least() > 0.0)) return std::nullopt;
+  if (p.mode == kUnbounded || (behind_bound && !admits_reduction(p)) ||
+      !(spec.damping.least() > 0.0))
+    return std::nullopt;
   return PortAccount(any_hand_account(spec, p.servo_period));
 }
 
-/// Of what the device burns by itself: whatever the bound is told to credit, that is the truth. Dry
-/// friction counts where the account counts on it.
+/// The observer counts what the device itself burns, whatever the bound is told to credit. It
+/// counts dry friction where the account does.
 PortEnergy observer_of(const DeviceSpec& spec, const SessionParameters& p) {
-  constexpr double kRounding = 1e-9;
   return {spec.damping,
           spec.rotation_actuated > 0 ? spec.rotational_damping : Damping(),
           p.servo_period,
-          kRounding,
-          counts_on_mass(p) ? spec.least_friction : 0.0,
-          spec.position_resolution};
+          {counts_on_mass(p) ? spec.least_friction : 0.0, spec.position_resolution}};
 }
 
 /// [N/s] of a force that nothing but a change of the scene makes: all of it in half the hold time,

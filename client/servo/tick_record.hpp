@@ -1,11 +1,15 @@
 #pragma once
 // The record of one servo tick.
 
+#include <cstdint>
+#include <optional>
+
+#include "client/servo/no_force.hpp"
 #include "core/base/types.hpp"
 
 namespace feltwire {
 
-/// One row of a recording: t,x,y,z,ex,ey,ez,fx,fy,fz,rx,ry,rz,age.
+/// One row of a recording. A CSV has t,x,y,z,ex,ey,ez,fx,fy,fz,rx,ry,rz,age; an MCAP file has all.
 struct TickRecord {
   double time = 0.0;               // t [s] since the first tick
   Vec3 position = Vec3::Zero();    // x,y,z [m]
@@ -13,6 +17,12 @@ struct TickRecord {
   Vec3 frictional = Vec3::Zero();  // fx.. [N] likewise
   Vec3 held = Vec3::Zero();        // rx.. [N] what the hand was given from here on
   double age = -1.0;               // [s] of the command; -1 before the first
+  std::int64_t clock = 0;          // [ns] of the tick, by the servo's clock
+  Quaternion orientation = Quaternion::Identity();
+  Vec3 torque = Vec3::Zero();                   // [N m] that the hand was given with `held`
+  std::optional<double> balance{};              // [J] of the account; empty: there is none
+  double account_cut = 0.0;                     // share of the command that the account took off
+  NoForce no_force = NoForce::touches_nothing;  // why the hand was given none
 };
 
 }  // namespace feltwire

@@ -21,6 +21,7 @@ DatagramSession::DatagramSession(std::uint64_t session, const SessionKeys& keys,
   largest.rotation = rotation;
   largest.count = parameters.batch + parameters.redundancy;
   largest.previous = 1;
+  largest.report = HandReport{};
   for (int i = 0; i < largest.count; ++i)
     largest.samples[static_cast<std::size_t>(i)].index =
         static_cast<std::uint64_t>(largest.count - i) + 1;
@@ -35,8 +36,9 @@ void DatagramSession::resume(std::uint64_t session, const SessionKeys& keys) noe
   packer_.restart();
 }
 
-Bytes DatagramSession::pack(const Sample& sample) noexcept {
-  const SampleBatch* batch = packer_.add(sample);
+Bytes DatagramSession::pack(const Sample& sample,
+                            const std::optional<HandReport>& report) noexcept {
+  const SampleBatch* batch = packer_.add(sample, report);
   if (batch == nullptr) return {};
   return sealer_.seal(DatagramKind::samples, session_, encoder_.samples(*batch), sealed_);
 }

@@ -29,7 +29,8 @@ class DatagramSession {
 
   /// The datagram that is due with this sample (client/transport/sample_packer.hpp); empty when
   /// none is. Call it with every sample. The bytes live until the next call of pack() or goodbye().
-  Bytes pack(const Sample& sample) noexcept;
+  /// The report travels with it.
+  Bytes pack(const Sample& sample, const std::optional<HandReport>& report = {}) noexcept;
   Bytes goodbye() noexcept;
 
   /// Puts one sample less into each datagram until the next session, as the path takes no longer

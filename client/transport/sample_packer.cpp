@@ -34,7 +34,8 @@ const Sample& SamplePacker::recent(std::uint64_t ago) const noexcept {
   return recent_[(fed_ - 1 - ago) % recent_.size()];
 }
 
-const SampleBatch* SamplePacker::add(const Sample& sample) noexcept {
+const SampleBatch* SamplePacker::add(const Sample& sample,
+                                     const std::optional<HandReport>& report) noexcept {
   recent_[fed_ % recent_.size()] = sample;
   ++fed_;
   if (!due(sample)) return nullptr;
@@ -50,6 +51,7 @@ const SampleBatch* SamplePacker::add(const Sample& sample) noexcept {
   }
   make(std::min(interval, fed_ - fed_at_last_));
   fed_at_last_ = fed_;
+  batch_.report = report;
   return &batch_;
 }
 

@@ -49,9 +49,10 @@ class SamplePacker {
   /// `parameters` must be valid; `rotation`: orientation and torque travel too.
   SamplePacker(const SessionParameters& parameters, bool rotation, const PositionScale& scale = {});
 
-  /// The samples of the datagram that is due with this sample; null when none is due. They live
-  /// until the next call. Precondition: indices rise.
-  const SampleBatch* add(const Sample& sample) noexcept;
+  /// The samples of the datagram that is due with this sample, and the report with them; null when
+  /// none is due. They live until the next call. Precondition: indices rise.
+  const SampleBatch* add(const Sample& sample,
+                         const std::optional<HandReport>& report = {}) noexcept;
 
   /// Begins a new session, which needs no sample of the old one.
   void restart() noexcept;

@@ -22,9 +22,9 @@ void Transport::look_at_lengths() noexcept {
     datagrams_.carry_fewer();
 }
 
-bool Transport::send(const Sample& sample) noexcept {
+bool Transport::send(const Sample& sample, const std::optional<HandReport>& report) noexcept {
   look_at_lengths();
-  const Bytes datagram = datagrams_.pack(sample);
+  const Bytes datagram = datagrams_.pack(sample, report);
   if (datagram.empty()) return false;
   port_->send(datagram);
   return true;

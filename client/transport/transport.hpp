@@ -45,8 +45,9 @@ class Transport {
   DatagramPort& port() noexcept { return *port_; }
   const DatagramPort& port() const noexcept { return *port_; }
 
-  /// Call it with every sample. Sends the datagram that is due with it; returns false when none is.
-  bool send(const Sample& sample) noexcept;
+  /// Call it with every sample. Sends the datagram that is due with it, and the report in it;
+  /// returns false when none is due.
+  bool send(const Sample& sample, const std::optional<HandReport>& report = {}) noexcept;
 
   /// Takes the next good datagram that has arrived. Bad ones are counted and skipped, up to
   /// DatagramPort::kBurst of them, so that a flood costs the loop no more. Fills `reply` or

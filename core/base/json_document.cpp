@@ -118,7 +118,7 @@ class Builder {
   }
 
  private:
-  /// Of a field or an element: what stands in its place, or where in the buffer it is.
+  /// The value of a field or an element: its bytes, or the offset of its text, list or table.
   struct Value {
     std::vector<std::uint8_t> bytes;
     flatbuffers::uoffset_t offset = 0;  // above zero: it is a text, a list or a table

@@ -1,9 +1,10 @@
 #pragma once
 // A text file that is written in whole lines. It stays readable even if the run is killed.
 
-#include <cstdint>
 #include <filesystem>
 #include <string>
+
+#include "core/base/appended_file.hpp"
 
 namespace feltwire {
 
@@ -17,9 +18,6 @@ class LineFile {
   /// reason; so does put().
   LineFile(std::filesystem::path file, std::string what, const std::string& option,
            std::string header);
-  ~LineFile();
-  LineFile(const LineFile&) = delete;
-  LineFile& operator=(const LineFile&) = delete;
 
   /// Adds whole lines, which the next put() writes.
   std::string& lines() { return lines_; }
@@ -27,16 +25,11 @@ class LineFile {
   /// the last whole line.
   void put();
   /// Flushes the file to the disk and closes it.
-  void finish();
+  void finish() { file_.finish(); }
 
  private:
-  [[noreturn]] void fail(int error);
-
-  std::filesystem::path file_;
-  std::string what_;
-  int descriptor_ = -1;
+  AppendedFile file_;
   std::string lines_;
-  std::int64_t whole_ = 0;  // [bytes] of the file up to the end of its last whole line
 };
 
 }  // namespace feltwire

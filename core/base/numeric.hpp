@@ -45,6 +45,7 @@ inline typename Derived::Scalar length(const Eigen::MatrixBase<Derived>& express
   const Real squared = v.squaredNorm();
   if (is_plain_square(squared)) [[likely]]
     return std::sqrt(squared);
+  if (v.isZero(0)) return 0;
   if (!v.allFinite()) return std::abs(v.sum());
   const Scaled<Real> s = scaled(v);
   return std::ldexp(s.v.norm(), s.exponent);
@@ -72,6 +73,7 @@ inline Polar<Real> polar(const Vector3<Real>& v) noexcept {
     const Real norm = std::sqrt(squared);
     return {norm, v * (1 / norm)};
   }
+  if (v.isZero(0)) return {};
   const Scaled<Real> s = scaled(v);
   const Real norm = s.v.norm();
   if (!(norm > 0)) return {};

@@ -71,10 +71,12 @@ void PortBalance::forget() noexcept {
 }
 
 double PortBalance::earned(const Vec3& displacement, const Vec3& held, double hold_time) noexcept {
-  const Polar<double> way = polar(displacement);
-  strong_hand_ = reach_.known() && way.length > 0.0 &&
-                 way.length > reach_.along(way.direction, held.dot(way.direction), hold_time);
-  reach_.moved(displacement, held, hold_time, period_);
+  if (reach_.bounds()) {
+    const Polar<double> way = polar(displacement);
+    strong_hand_ = reach_.known() && way.length > 0.0 &&
+                   way.length > reach_.along(way.direction, held.dot(way.direction), hold_time);
+    reach_.moved(displacement, held, hold_time, period_);
+  }
   return known_.damping.quadratic(displacement) / std::max(period_, hold_time) +
          known_.coulomb_friction * path_.moved(displacement) - held.dot(displacement);
 }

@@ -56,7 +56,8 @@ Coupling<Real> coupling(const CouplingConfig& c, double b, double period,
     std::snprintf(text.data(), text.size(), "%g", value);
     return std::string(text.data());
   };
-  const double stiffness = c.stiffness.value_or(b / period);
+  const double stiffness =
+      c.stiffness.value_or(std::max(0.0, 2.0 * (b - c.damping.value_or(0.0)) / period));
   require(stiffness >= 0.0 && stiffness <= kLargestStiffness,
           "coupling stiffness" + suffix + " must be finite and not negative");
   const double damping = c.damping.value_or(std::max(0.0, b - 0.5 * stiffness * period));
@@ -143,14 +144,14 @@ std::array<BasicBoundingMethod<Real>, 13> built_in_methods() {
        .needs_every_axis_damped = true},
       {.name = kSessionMethod,
        .summary = "calm by its shaping, passive by the account behind it; a session's default",
-       .make = [](Config c) -> Law { return Shaped<Real>(credited<Real>(c)); },
+       .make = [](Config c) -> Law { return Shaped<Real>(credited<Real>(c), c.quantum); },
        .research = false,
        .admits_reduction = true,
        .moves_probe = true,
        .shapes = true},
       {.name = "midpoint",
        .summary = "asks the client's surfaces half a sample ahead; an account behind it",
-       .make = [](Config) -> Law { return Midpoint<Real>{}; },
+       .make = [](Config c) -> Law { return Midpoint<Real>(c.quantum); },
        .admits_reduction = true,
        .moves_probe = true,
        .shapes = true},

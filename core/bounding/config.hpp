@@ -51,8 +51,8 @@ inline constexpr std::string_view kUnbounded = "none", kDefaultMethod = "contact
 
 /// The virtual coupling of one port; what is not given is the stiffest that is passive.
 struct CouplingConfig {
-  std::optional<double> stiffness;  // k [N/m]; default b/T
-  std::optional<double> damping;    // b_c [N s/m]; default b - k T / 2, all that is allowed
+  std::optional<double> stiffness;  // k [N/m]; default 2 (b - b_c) / T
+  std::optional<double> damping;    // b_c [N s/m]; default b - k T / 2, all that is left
   double mass = 0.05;               // [kg] of the tool, > 0
 };
 

@@ -7,6 +7,7 @@
 #include "core/bounding/law.hpp"
 #include "core/bounding/midpoint.hpp"
 #include "core/bounding/swing_counter.hpp"
+#include "core/bounding/wall_frame.hpp"
 
 namespace feltwire {
 
@@ -50,17 +51,8 @@ class Credited {
 
   BasicCommand<Real> step(const BasicBoundingStep<Real>& s) noexcept {
     adapt(s);
-    const ChannelCommand<Real> command = in_channels(s.command, plain_);
-    const HeldFrame<Real> f(held_, command.normal, s.displacement);
-    const Real c = stiffness(translation_);
-    const Real elastic = std::abs(f.elastic - c * f.dx_elastic);
-    const Real friction = length(f.frictional - c * f.dx_frictional);
-    ChannelScales<Real> scale{reduction(elastic, std::abs(command.elastic)),
-                              reduction(friction, length(command.frictional))};
-    scale.frictional = std::min(scale.frictional, scale.elastic);
-    held_.set(command.normal, scale.elastic * command.elastic,
-              scale.frictional * command.frictional);
-    BasicCommand<Real> rendered = held_back(command, scale, plain_);
+    const bool corner = s.normals != nullptr && s.normals->count > 1;
+    BasicCommand<Real> rendered = corner ? at_walls(s) : at_contact(s);
     if (torque_) {
       const Real allowed = length(held_torque_ - stiffness(rotation_) * s.rotation);
       rendered.torque = s.command.torque * reduction(allowed, length(s.command.torque));
@@ -81,6 +73,45 @@ class Credited {
     const double least = 2.0 * law.damping / period_;
     const double most = least + 2.0 * law.credit / period_;
     return static_cast<Real>(std::min(most, std::max(least, law.stiffness)));
+  }
+
+  BasicCommand<Real> at_contact(const BasicBoundingStep<Real>& s) noexcept {
+    const ChannelCommand<Real> command = in_channels(s.command, plain_);
+    const HeldFrame<Real> f(held_, command.normal, s.displacement);
+    const Real c = stiffness(translation_);
+    const Real elastic = std::abs(f.elastic - c * f.dx_elastic);
+    const Real friction = length(f.frictional - c * f.dx_frictional);
+    ChannelScales<Real> scale{reduction(elastic, std::abs(command.elastic)),
+                              reduction(friction, length(command.frictional))};
+    scale.frictional = std::min(scale.frictional, scale.elastic);
+    held_.set(command.normal, scale.elastic * command.elastic,
+              scale.frictional * command.frictional);
+    return held_back(command, scale, plain_);
+  }
+
+  /// A channel for each wall. The held force is split anew by the walls of this command, so that
+  /// nothing need be remembered of each.
+  BasicCommand<Real> at_walls(const BasicBoundingStep<Real>& s) noexcept {
+    const WallFrame<Real> walls(*s.normals);
+    const Vector3<Real> held = held_.elastic * held_.normal + held_.frictional;
+    const Vector3<Real> wanted = s.command.force();
+    const Real c = stiffness(translation_);
+    BasicCommand<Real> rendered;
+    Vector3<Real> elastic = Vector3<Real>::Zero();  // wanted
+    for (int i = 0; i < walls.count(); ++i) {
+      const Vector3<Real> normal = walls.normal(i);
+      const Real before = std::max(Real(0), walls.part(i, held));
+      const Real force = std::max(Real(0), walls.part(i, wanted));
+      const Real allowed = std::abs(before - c * walls.weight(i) * normal.dot(s.displacement));
+      elastic += force * normal;
+      rendered.elastic += std::min(force, allowed) * normal;
+    }
+    const Vector3<Real> friction = walls.across(wanted);
+    const Real allowed = length(walls.across(held) - c * walls.across(s.displacement));
+    const Real share = reduction(length(rendered.elastic), length(elastic));
+    rendered.frictional = std::min(share, reduction(allowed, length(friction))) * friction;
+    held_.set(rendered, plain_);
+    return rendered;
   }
 
   void adapt(const BasicBoundingStep<Real>& s) noexcept {
@@ -116,9 +147,11 @@ class Credited {
 template <class Real>
 class Shaped {
  public:
-  explicit Shaped(const Credited<Real>& late) : late_(late) {}
+  /// `quantum` [m] of the encoder.
+  Shaped(const Credited<Real>& late, double quantum) : late_(late), near_(quantum) {}
 
   BasicCommand<Real> step(const BasicBoundingStep<Real>& s) noexcept {
+    near_.step(s);
     if (!s.local) return late_.step(s);
     late_.set_held(s.command);
     return s.command;
@@ -127,12 +160,13 @@ class Shaped {
   /// As Midpoint's: for commands that are made at the device.
   BasicProbe<Real> probe(const Vector3<Real>& displacement,
                          const Vector3<Real>& rotation) const noexcept {
-    return Midpoint<Real>{}.probe(displacement, rotation);
+    return near_.probe(displacement, rotation);
   }
   HandCredit hand_credit() const noexcept { return late_.hand_credit(); }
 
  private:
   Credited<Real> late_;
+  Midpoint<Real> near_;
 };
 
 }  // namespace feltwire

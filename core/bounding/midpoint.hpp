@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/bounding/resting_place.hpp"
 #include "core/bounding/step.hpp"
 
 namespace feltwire {
@@ -15,17 +16,30 @@ namespace feltwire {
 /// Sources: R. E. Ellis, N. Sarkar, M. A. Jenkins, "Numerical methods for the force reflection of
 /// contact", ASME J. Dynamic Systems, Measurement and Control 119, 1997; R. B. Gillespie,
 /// M. R. Cutkosky, "Stable user-specific haptic rendering of the virtual wall", ASME IMECE 1996.
+///
+/// A hand that rests is asked for at one place (core/bounding/resting_place.hpp).
 template <class Real>
-struct Midpoint {
-  BasicCommand<Real> step(const BasicBoundingStep<Real>& s) noexcept { return s.command; }
+class Midpoint {
+ public:
+  /// `quantum` [m] of the encoder.
+  explicit Midpoint(double quantum) : resting_(quantum) {}
+
+  BasicCommand<Real> step(const BasicBoundingStep<Real>& s) noexcept {
+    resting_.moved(s.displacement.template cast<double>(), static_cast<double>(s.hold_time));
+    return s.command;
+  }
   void set_held(const BasicCommand<Real>&) noexcept {}
   /// Where the environment is to be asked, relative to the device, which has moved by
   /// `displacement`, `rotation` since the last step.
   BasicProbe<Real> probe(const Vector3<Real>& displacement,
                          const Vector3<Real>& rotation) const noexcept {
     constexpr Real kHalf = 0.5;
-    return {kHalf * displacement, kHalf * rotation};
+    return {resting_.offset(displacement.template cast<double>()).template cast<Real>(),
+            kHalf * rotation};
   }
+
+ private:
+  RestingPlace resting_;
 };
 
 }  // namespace feltwire

@@ -6,13 +6,13 @@
 namespace feltwire {
 
 PortEnergy::PortEnergy(const Damping& damping, const Damping& rotational_damping, double period,
-                       double rounding, double friction, double quantum)
+                       const DryFriction& friction, double rounding)
     : damping_(damping),
       rotational_damping_(rotational_damping),
       period_(period),
       rounding_(rounding),
-      friction_(friction),
-      path_(quantum) {}
+      friction_(friction.force),
+      path_(friction.quantum) {}
 
 void PortEnergy::step(const Command& held, const Vec3& displacement, const Vec3& rotation,
                       double hold_time) noexcept {

@@ -18,6 +18,12 @@ struct ChannelEnergy {
   double total() const { return elastic + frictional + torque; }
 };
 
+/// A lower bound of a device's dry friction [N], and the quantum of its encoder [m], by which the
+/// path is certain (core/bounding/certain_path.hpp).
+struct DryFriction {
+  double force = 0.0, quantum = 0.0;
+};
+
 /// Compares, sample by sample, two energies: what held forces delivered to the hand, f(n-1) .
 /// dx(n), and the least that the device itself burned: by its damping B dx' B dx / h over a hold of
 /// h, and by its dry friction where that is known. A port whose bound works keeps delivered <=
@@ -28,10 +34,8 @@ class PortEnergy {
   /// damping [N s/m], rotational_damping [N m s/rad], period T [s] (shorter holds count as T).
   /// `rounding`: a violation must exceed this share of all energy exchanged. Sums of 1e8 samples in
   /// double stay well below the default.
-  /// `friction` [N]: a lower bound of the device's dry friction, counted over the path that its
-  /// encoder of `quantum` [m] shows for certain.
   PortEnergy(const Damping& damping, const Damping& rotational_damping, double period,
-             double rounding = 1e-9, double friction = 0.0, double quantum = 0.0);
+             const DryFriction& friction = {}, double rounding = 1e-9);
 
   /// The device moved by `displacement` [m], `rotation` [rad] over `hold_time` [s] while `held`
   /// acted on the hand. A sample in which a number or a product is not finite is left out and

@@ -49,11 +49,12 @@ class Reach {
   /// Nothing is known of the handle's speed any more.
   void forget() noexcept { time_ = 0.0; }
 
-  /// Whether anything bounds the next displacement.
-  bool known() const noexcept {
-    return time_ > 0.0 && known_.mass > 0.0 &&
-           known_.outside_force < std::numeric_limits<double>::infinity();
+  /// Whether the mass and the force from outside are known: else no displacement is bounded.
+  bool bounds() const noexcept {
+    return known_.mass > 0.0 && known_.outside_force < std::numeric_limits<double>::infinity();
   }
+  /// Whether anything bounds the next displacement.
+  bool known() const noexcept { return time_ > 0.0 && bounds(); }
   /// [m] along the unit vector u over the next `hold_time` [s], with the component `force` [N]
   /// along u held meanwhile. Precondition: known().
   double along(const Vec3& u, double force, double hold_time) const noexcept;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/base/contact_normals.hpp"
 #include "core/base/types.hpp"
 
 namespace feltwire {
@@ -14,6 +15,9 @@ struct BasicBoundingStep {
   Real hold_time = 0;  // [s] how long the last force was really held; shorter than T counts as T
   BasicCommand<Real> command;  // f_e(n), on the hand
   bool local = false;  // the command was made at the device, half a sample ahead (midpoint.hpp)
+  /// The normals of the contacts whose forces add up to command.elastic, if there are several.
+  /// Null: one contact, or not known.
+  const ContactNormals* normals = nullptr;
 };
 using BoundingStep = BasicBoundingStep<double>;
 

@@ -31,6 +31,17 @@ Height height_above(const SurfacePatch& patch, const Vec3& moved, const Vec3& p)
           s > 0.0 ? Vec3(bent / s) : Vec3::Zero()};
 }
 
+ContactNormals pushing_normals(const LocalModel& model, const Vec3& point) noexcept {
+  ContactNormals normals;
+  for (const SurfacePatch& patch : model.view()) {
+    const Height above = height_above(patch, Vec3::Zero(), point);
+    if (!(above.height < patch.offset)) continue;
+    if (patch.joined) return {};
+    if (above.normal.squaredNorm() > 0.0) normals.add(above.normal);
+  }
+  return normals;
+}
+
 const LocalContact::Contact* LocalContact::contact_of(std::uint16_t object) const noexcept {
   for (int i = 0; i < count_; ++i) {
     const Contact& contact = contacts_[static_cast<std::size_t>(i)];

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 
+#include "core/base/contact_normals.hpp"
 #include "core/base/types.hpp"
 #include "core/local_model/local_model.hpp"
 #include "core/local_model/patch_proxy.hpp"
@@ -26,6 +27,10 @@ struct Height {
 };
 /// Above the patch, shifted by `moved` [m]. Precondition: its axis is unit or zero.
 Height height_above(const SurfacePatch& patch, const Vec3& moved, const Vec3& point) noexcept;
+
+/// The normals of the patches that push a tool at `point`. None where a solid of several joined
+/// faces may be among them: which of its faces pushes is not said. Precondition as above.
+ContactNormals pushing_normals(const LocalModel& model, const Vec3& point) noexcept;
 
 /// Renders the newest model. As long as it follows a surface, it keeps its own contact state
 /// (entered face, stick point, slipping) and ignores the older state of the model. Nothing here

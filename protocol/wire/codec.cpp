@@ -17,6 +17,8 @@ constexpr std::size_t kSmallestBuffer = 8;  // [bytes] a root offset and an empt
 
 constexpr std::uint32_t kFlagActive = 1u << 0, kFlagSaturated = 1u << 1, kFlagRefused = 1u << 2,
                         kFlagGap = 1u << 3, kFlagRecovering = 1u << 4;
+constexpr std::uint32_t kFlagAccount = 1u << 0;
+constexpr std::uint32_t kAllHandReasons = (1u << kHandReasons) - 1;
 constexpr unsigned kReloadsShift = 8;  // of the byte of flags that counts reloads
 constexpr std::uint8_t kFlagTouching = 1u << 0, kFlagSlipping = 1u << 1, kFlagJoined = 1u << 2,
                        kFlagFaceted = 1u << 3, kFlagRough = 1u << 4;
@@ -137,6 +139,28 @@ bool read(const wire::LocalModel& from, LocalModel& to) {
   return true;
 }
 
+/// False when there are too few or too many.
+bool read(const flatbuffers::Vector<const wire::Vec3f*>* from, ContactNormals& to) {
+  to = {};
+  if (from == nullptr) return true;
+  if (from->size() < 2 || from->size() > to.unit.size()) return false;
+  for (flatbuffers::uoffset_t i = 0; i < from->size(); ++i) to.unit[i] = value(*from->Get(i));
+  to.count = static_cast<int>(from->size());
+  return true;
+}
+
+bool plausible(const ContactNormals& normals) {
+  return std::all_of(normals.unit.begin(), normals.unit.begin() + normals.count, unit);
+}
+
+/// Without those that hardly stand out, and exactly unit.
+ContactNormals usable(const ContactNormals& told) {
+  ContactNormals normals;
+  for (int i = 0; i < told.count; ++i)
+    normals.add(told.unit[static_cast<std::size_t>(i)].normalized());
+  return normals;
+}
+
 }  // namespace
 
 struct Encoder::Builder {
@@ -180,6 +204,15 @@ flatbuffers::Offset<wire::LocalModel> build(flatbuffers::FlatBufferBuilder& buil
                                 offset_vector, model.scene);
 }
 
+flatbuffers::Offset<flatbuffers::Vector<const wire::Vec3f*>> build(
+    flatbuffers::FlatBufferBuilder& builder, const ContactNormals& normals) {
+  if (normals.count < 2) return {};
+  std::array<wire::Vec3f, ContactNormals::kMost> unit;
+  const auto count = static_cast<std::size_t>(std::min(normals.count, ContactNormals::kMost));
+  for (std::size_t i = 0; i < count; ++i) unit[i] = wire_float(normals.unit[i]);
+  return builder.CreateVectorOfStructs(unit.data(), count);
+}
+
 }  // namespace
 
 Encoder::Encoder() : builder_(std::make_unique<Builder>()) {}
@@ -202,8 +235,12 @@ Bytes Encoder::samples(const SampleBatch& batch) {
   const auto wire_rotations =
       batch.rotation ? builder.CreateVectorOfStructs(rotations.data(), count)
                      : flatbuffers::Offset<flatbuffers::Vector<const wire::Rotation*>>{};
-  return builder_->finish(
-      wire::CreateSamples(builder, wire_samples, wire_rotations, batch.previous));
+  const HandReport said = batch.report.value_or(HandReport{});
+  const wire::HandReport report(
+      said.reasons, said.has_account ? kFlagAccount : 0, static_cast<float>(said.balance),
+      static_cast<float>(said.round_trip), static_cast<float>(said.hand_damping));
+  return builder_->finish(wire::CreateSamples(builder, wire_samples, wire_rotations, batch.previous,
+                                              batch.report ? &report : nullptr));
 }
 
 Bytes Encoder::reply(const Reply& reply, const SceneView* view) {
@@ -224,10 +261,11 @@ Bytes Encoder::reply(const Reply& reply, const SceneView* view) {
       reply.modelled ? build(builder, reply.model) : flatbuffers::Offset<wire::LocalModel>{};
   const auto seen =
       view != nullptr ? build(builder, *view) : flatbuffers::Offset<wire::SceneView>{};
+  const auto normals = build(builder, reply.normals);
   return builder_->finish(wire::CreateReply(
       builder, reply.sample_index, reply.client_time.count(), reply.server_receive_time.count(),
       reply.server_send_time.count(), &elastic, &frictional, reply.rotation ? &torque : nullptr,
-      &report, reply.withheld, reply.predicted ? &rates : nullptr, model, seen));
+      &report, reply.withheld, reply.predicted ? &rates : nullptr, model, seen, normals));
 }
 
 Bytes Encoder::goodbye(GoodbyeReason reason) {
@@ -251,6 +289,13 @@ DropReason decode(Bytes payload, SampleBatch& out) noexcept {
   out.count = static_cast<int>(samples.size());
   out.rotation = rotations != nullptr;
   out.previous = root->previous();
+  out.report.reset();
+  if (const wire::HandReport* said = root->report(); said != nullptr)
+    out.report = HandReport{.reasons = said->reasons() & kAllHandReasons,
+                            .has_account = (said->flags() & kFlagAccount) != 0,
+                            .balance = static_cast<double>(said->balance()),
+                            .round_trip = static_cast<double>(said->round_trip()),
+                            .hand_damping = static_cast<double>(said->hand_damping())};
   for (flatbuffers::uoffset_t i = 0; i < samples.size(); ++i) {
     const wire::Sample& from = *samples.Get(i);
     Sample& to = out.samples[i];
@@ -280,6 +325,7 @@ DropReason check(const SampleBatch& batch) noexcept {
   }
   for (const Sample& sample : samples)
     if (!plausible(sample, batch.rotation)) return DropReason::not_finite;
+  if (batch.report && !batch.report->finite()) return DropReason::not_finite;
   return DropReason::none;
 }
 
@@ -326,6 +372,7 @@ DropReason decode(Bytes payload, Reply& out, SceneView* view) noexcept {
     out.rates = {value(rates->elastic()), value(rates->frictional()), value(rates->torque())};
   out.modelled = root->model() != nullptr;
   if (out.modelled && !read(*root->model(), out.model)) return DropReason::count;
+  if (!read(root->normals(), out.normals)) return DropReason::count;
   const DropReason seen = read_view(root->view(), view);
   if (seen == DropReason::count) return seen;
 
@@ -333,8 +380,9 @@ DropReason decode(Bytes payload, Reply& out, SceneView* view) noexcept {
   if (seen != DropReason::none) return seen;
   if (!out.command.finite() || !std::isfinite(out.ratio) || !std::isfinite(out.delivered.elastic) ||
       !std::isfinite(out.delivered.frictional) || !std::isfinite(out.delivered.torque) ||
-      !out.rates.finite() || (out.modelled && !plausible(out.model)))
+      !out.rates.finite() || (out.modelled && !plausible(out.model)) || !plausible(out.normals))
     return DropReason::not_finite;
+  out.normals = usable(out.normals);
   return DropReason::none;
 }
 

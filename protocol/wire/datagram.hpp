@@ -6,12 +6,15 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 
+#include "core/base/contact_normals.hpp"
 #include "core/base/types.hpp"
 #include "core/bounding/port_energy.hpp"
 #include "core/local_model/local_model.hpp"
 #include "protocol/session/session_parameters.hpp"
+#include "protocol/wire/hand_report.hpp"
 
 namespace feltwire {
 
@@ -57,6 +60,7 @@ struct SampleBatch {
   /// Index of the sample that travelled before the oldest one here, 0: none. The client left out
   /// the samples between these two; they were not lost on the way.
   std::uint64_t previous = 0;
+  std::optional<HandReport> report;  // of the newest sample; mostly nothing is said
   std::span<const Sample> view() const { return {samples.data(), static_cast<std::size_t>(count)}; }
 };
 
@@ -75,8 +79,11 @@ struct Reply {
   std::uint64_t withheld = 0;  // datagrams that needed no reply (deadband), so far
   bool predicted = false;      // `rates` travel too
   Command rates;               // [N/s], [N m/s] of the command, float32 on the wire
-  bool modelled = false;       // `model` travels too
-  LocalModel model;            // its lengths relative to its center float32 on the wire
+  /// Of the walls whose forces add up to command.elastic, float32 on the wire; they travel where
+  /// they are two or more.
+  ContactNormals normals;
+  bool modelled = false;  // `model` travels too
+  LocalModel model;       // its lengths relative to its center float32 on the wire
 };
 
 /// Why a datagram was dropped; each has a counter. The order is the order of the checks in

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <asio/ip/address.hpp>
+#include <charconv>
 #include <functional>
 #include <optional>
 #include <sstream>
@@ -124,6 +125,13 @@ std::optional<Complaint> complaint(const ServerConfig& c) {
   } catch (const std::invalid_argument& wrong) {
     return Complaint{"dscp", "--dscp", wrong.what()};
   }
+  if (!c.web.empty()) {
+    try {
+      web_place(c.web);
+    } catch (const std::invalid_argument& wrong) {
+      return Complaint{"web", "--web", wrong.what()};
+    }
+  }
   if (find_choice(kLogLevels, c.log_level) == nullptr)
     return Complaint{"log_level", "--log-level",
                      "'" + c.log_level + "' is none of " + choices(kLogLevels, ", ")};
@@ -176,9 +184,37 @@ ServerConfig parse_config(std::string_view json, const std::filesystem::path& fi
   config.busy_poll = root->busy_poll() == kNeverSleeps ? HUGE_VAL : root->busy_poll();
   config.real_time = root->real_time();
   if (root->dscp() != nullptr) config.dscp = root->dscp()->str();
+  if (root->web() != nullptr) config.web = root->web()->str();
+  if (root->web_names() != nullptr)
+    for (const auto* name : *root->web_names()) config.web_names.push_back(name->str());
   if (root->log_level() != nullptr) config.log_level = root->log_level()->str();
   if (const auto wrong = complaint(config)) document.fail(wrong->field, wrong->message);
   return config;
+}
+
+WebPlace web_place(std::string_view text) {
+  const std::string said = "'" + std::string(text) + "' ";
+  const auto colon = text.rfind(':');
+  WebPlace place;
+  std::string_view port = text;
+  if (colon != std::string_view::npos) {
+    std::string_view address = text.substr(0, colon);
+    port = text.substr(colon + 1);
+    const bool bracketed = address.starts_with('[') && address.ends_with(']');
+    if (bracketed) address = address.substr(1, address.size() - 2);
+    place.address = address;
+    std::error_code bad_address;
+    const auto parsed = asio::ip::make_address(place.address, bad_address);
+    if (bad_address || parsed.is_v6() != bracketed)
+      throw std::invalid_argument(said +
+                                  "has no IP address before its port; write 6760, 0.0.0.0:6760 or "
+                                  "[::]:6760");
+  }
+  const auto end = std::from_chars(port.data(), port.data() + port.size(), place.port);
+  if (end.ec != std::errc() || end.ptr != port.data() + port.size())
+    throw std::invalid_argument(said +
+                                "has no port of 0 to 65535; write 6760, or 0 for a free one");
+  return place;
 }
 
 void validate(const ServerConfig& config) {

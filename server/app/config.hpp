@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <string_view>
@@ -30,6 +31,8 @@ struct ServerConfig : SecurityOptions {
   double busy_poll = 0.0;    // [us] before a scene's thread sleeps; 0: at once, infinity: never
   bool real_time = false;    // scenes' threads are scheduled before all others
   std::string dscp = "cs0";  // of replies: a name or a number, see protocol/net/udp_socket.hpp
+  std::string web;           // of the live page: "PORT" or "ADDRESS:PORT"; empty: there is none
+  std::vector<std::string> web_names;  // of hosts that browsers may ask for the page by
   std::string log_level = "info";
 };
 
@@ -39,6 +42,18 @@ ServerConfig load_config(const std::filesystem::path& file);
 
 /// The same from text; scene paths are taken relative to the folder of `file`.
 ServerConfig parse_config(std::string_view json, const std::filesystem::path& file);
+
+/// The port that examples serve the live page on: of those that nobody else has, as kDefaultPort.
+inline constexpr std::uint16_t kExamplePagePort = 6760;
+
+/// Where the live page is served.
+struct WebPlace {
+  std::string address = "127.0.0.1";
+  std::uint16_t port = 0;  // 0: the operating system chooses
+};
+/// Reads "6760", "0.0.0.0:6760" or "[::]:6760". Throws std::invalid_argument with what is wrong and
+/// the remedy.
+WebPlace web_place(std::string_view text);
 
 /// Throws std::invalid_argument naming the option, its range and the remedy.
 void validate(const ServerConfig& config);

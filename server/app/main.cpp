@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <asio/ip/address.hpp>
+#include <cctype>
 #include <chrono>
 #include <csignal>
 #include <cstdio>
@@ -15,6 +16,7 @@
 #include <string_view>
 #include <vector>
 
+#include "core/base/json_document.hpp"
 #include "core/base/pending_file.hpp"
 #include "core/base/visible_text.hpp"
 #include "core/scene/scene_cost_report.hpp"
@@ -84,6 +86,17 @@ std::string join_line(const feltwire::ServerConfig& config, const feltwire::Serv
          (has_token ? shell_word(std::filesystem::absolute(token).string()) : "FILE");
 }
 
+/// The token of this machine's user, for the address line of a browser, which sends it nowhere
+/// (RFC 3986, 3.5). Only to a terminal: what is written to a file or a journal is read by others.
+std::string token_for_page(const feltwire::ServerConfig& config) {
+  const auto token = feltwire::local_token_file(config);
+  if (::isatty(STDOUT_FILENO) == 0 || token.empty() || !std::filesystem::exists(token)) return {};
+  std::string text = feltwire::read_text(token);
+  while (!text.empty() && std::isspace(static_cast<unsigned char>(text.back())) != 0)
+    text.pop_back();
+  return "#token=" + text;
+}
+
 void print_ready(const feltwire::ServerConfig& config, const feltwire::Server& server) {
   std::printf("fingerprint: %s\n", feltwire::to_string(server.fingerprint()).c_str());
   std::printf("listening: control tcp %u", unsigned{server.control_port()});
@@ -91,6 +104,8 @@ void print_ready(const feltwire::ServerConfig& config, const feltwire::Server& s
     std::printf(", scene %s udp %u", feltwire::visible(scene.scene).c_str(),
                 unsigned{scene.udp_port});
   std::printf("\njoin: %s\n", join_line(config, server).c_str());
+  if (const std::string page = server.web_url(); !page.empty())
+    std::printf("live page: %s%s\n", page.c_str(), token_for_page(config).c_str());
   std::fflush(stdout);
 }
 

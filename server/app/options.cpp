@@ -86,6 +86,15 @@ void add_serving(CLI::App& app, Overrides& overrides, ServerConfig& given) {
   add(app, overrides, given, &Config::dscp, "--dscp",
       "Mark of the replies for the network: cs0 to cs7, af11 to af43, ef, va or 0 to 63")
       ->capture_default_str();
+  add(app, overrides, given, &Config::web, "--web",
+      "PORT of the live page, which shows the scenes in a browser on this machine; ADDRESS:PORT "
+      "for "
+      "other machines too, by HTTPS; 0: a free port; none when not given");
+  add(app, overrides, given, &Config::web_names, "--web-name",
+      "Host name that browsers may ask for the live page by, beside IP addresses and localhost; "
+      "repeat for several")
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   add(app, overrides, given, &Config::log_level, "--log-level",
       "trace, debug, info, warning, error or off")
       ->capture_default_str();

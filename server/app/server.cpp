@@ -11,9 +11,11 @@
 #include <thread>
 
 #include "protocol/net/udp_socket.hpp"
+#include "server/app/metrics.hpp"
 #include "server/control/control_service.hpp"
 #include "server/scene/post.hpp"
 #include "server/scene/scene_ports.hpp"
+#include "server/web/web_server.hpp"
 
 namespace feltwire {
 namespace {
@@ -64,6 +66,15 @@ ControlOptions control_options(const ServerConfig& config) {
   return options;
 }
 
+web::WebOptions web_options(const ServerConfig& config) {
+  const WebPlace place = web_place(config.web);
+  web::WebOptions options;
+  options.address = asio::ip::make_address(place.address);
+  options.port = place.port;
+  options.names = config.web_names;
+  return options;
+}
+
 ServiceLimits service_limits(const ServerConfig& config) {
   return {static_cast<std::size_t>(config.max_sessions_per_client), config.join_rate,
           config.join_burst};
@@ -90,6 +101,7 @@ struct Server::Parts {
   std::vector<std::unique_ptr<SceneHost>> hosts;
   ControlService service;
   std::unique_ptr<ControlEndpoint> control;
+  std::unique_ptr<web::WebServer> web;  // null: there is no live page
   asio::steady_timer look{io};
   bool looking = false;                            // the timer runs
   const std::vector<std::filesystem::path> files;  // of the scenes; none where they were at hand
@@ -99,7 +111,7 @@ struct Server::Parts {
   Parts(const ServerConfig& config, std::vector<Scene> scenes, Security security,
         SceneLoader::Load load)
       : fingerprint(feltwire::fingerprint(security.identity)),
-        service(io, hosts, std::move(security.tokens), service_limits(config),
+        service(io, hosts, security.tokens, service_limits(config),
                 [this](std::size_t host, ControlService::Reloaded done) {
                   reload(host, std::move(done));
                 }),
@@ -116,14 +128,39 @@ struct Server::Parts {
       options.socket = sockets[i].release();
       hosts.push_back(std::make_unique<SceneHost>(std::move(scenes[i]), options));
     }
+    if (!config.web.empty()) open_page(config, std::move(security));
     // Every port is bound: from here on nothing fails.
     for (auto& host : hosts) host->start();
     control->start();
+    if (web != nullptr) web->start();
     look_after();
     thread = std::thread([this] { run(); });
   }
 
   ~Parts() { stop(); }
+
+  void open_page(const ServerConfig& config, Security security) {
+    web::WebOptions page = web_options(config);
+    page.metrics = [this](const web::AudienceCounters& counters) {
+      return metrics_text(summary(), control_summary(), counters);
+    };
+    web = std::make_unique<web::WebServer>(page, hosts, std::move(security.tokens),
+                                           security.identity);
+  }
+
+  std::vector<SceneSummary> summary() {
+    std::vector<SceneSummary> result;
+    for (const auto& host : hosts) result.push_back(host->summary());
+    return result;
+  }
+
+  ControlSummary control_summary() {
+    const auto count = [this] { return ControlSummary{control->counters(), service.counters()}; };
+    if (!thread.joinable()) return count();
+    std::promise<ControlSummary> counted;  // the counters are the control thread's
+    asio::post(io, [&] { counted.set_value(count()); });
+    return counted.get_future().get();
+  }
 
   /// The control port, and the scenes' ports behind it one by one, so that a firewall can open them
   /// and a relay can stand in between.
@@ -226,6 +263,7 @@ struct Server::Parts {
   }
 
   bool stop() {
+    if (web != nullptr) web->stop();  // it asks the hosts
     if (thread.joinable()) {
       asio::post(io, [this] { control->close(); });
       for (auto& host : hosts) host->stop();
@@ -249,6 +287,13 @@ Server& Server::operator=(Server&&) noexcept = default;
 
 std::uint16_t Server::control_port() const { return parts_->control->port(); }
 
+std::string Server::web_url() const {
+  if (parts_->web == nullptr) return {};
+  const web::WebServer& web = *parts_->web;
+  return (web.secure() ? "https://" : "http://") + web.host() + ":" + std::to_string(web.port()) +
+         "/";
+}
+
 const Fingerprint& Server::fingerprint() const { return parts_->fingerprint; }
 
 std::vector<Server::ScenePort> Server::scenes() const {
@@ -265,21 +310,9 @@ void Server::reload(std::function<void(std::vector<std::string>)> done) {
 
 bool Server::stop() { return parts_->stop(); }
 
-std::vector<SceneSummary> Server::summary() const {
-  std::vector<SceneSummary> result;
-  for (const auto& host : parts_->hosts) result.push_back(host->summary());
-  return result;
-}
+std::vector<SceneSummary> Server::summary() const { return parts_->summary(); }
 
-ControlSummary Server::control_summary() const {
-  const auto count = [this] {
-    return ControlSummary{parts_->control->counters(), parts_->service.counters()};
-  };
-  if (!parts_->thread.joinable()) return count();
-  std::promise<ControlSummary> counted;  // the counters are the control thread's
-  asio::post(parts_->io, [&] { counted.set_value(count()); });
-  return counted.get_future().get();
-}
+ControlSummary Server::control_summary() const { return parts_->control_summary(); }
 
 std::string text(const ControlSummary& summary) {
   const auto& [connections, requests] = summary;

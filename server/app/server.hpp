@@ -46,6 +46,9 @@ class Server {
   };
   std::vector<ScenePort> scenes() const;
 
+  /// The live page, "http://127.0.0.1:6760/"; empty where none is served.
+  std::string web_url() const;
+
   /// Reads the scenes' files anew, beside what the server does; clients go on in them. Returns at
   /// once. `done` is called on the control thread when all are read: what is wrong, one line a file
   /// whose scene stays as it was. It is not called where the server stops before that.

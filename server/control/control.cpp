@@ -12,7 +12,7 @@
 
 #include "protocol/crypto/tls.hpp"
 #include "protocol/net/clock.hpp"
-#include "protocol/net/listen_error.hpp"
+#include "server/access/listening.hpp"
 
 namespace feltwire {
 
@@ -23,11 +23,7 @@ using Error = std::error_code;
 namespace {
 
 asio::ssl::context server_context(const Identity& identity, const std::string& client_authorities) {
-  asio::ssl::context tls(new_tls_context(TLS_server_method()));
-  require_tls_13(*tls.native_handle());
-  tls.use_certificate_chain(asio::buffer(identity.certificate));
-  tls.use_private_key(asio::buffer(identity.key.text().data(), identity.key.text().size()),
-                      asio::ssl::context::pem);
+  asio::ssl::context tls = server_tls(identity);
   if (!client_authorities.empty()) {
     tls.add_certificate_authority(asio::buffer(client_authorities));
     tls.set_verify_mode(asio::ssl::verify_peer | asio::ssl::verify_fail_if_no_peer_cert);
@@ -236,20 +232,7 @@ ControlEndpoint::ControlEndpoint(asio::io_context& io, const ControlOptions& opt
       known_(std::max<std::size_t>(1, options.max_connections - options.max_connections / 2),
              options.max_connections_per_network),
       handshakes_(options.handshake_rate, options.handshake_burst) {
-  const tcp::endpoint endpoint(options.address, options.port);
-  try {
-    acceptor_.open(endpoint.protocol());
-    // Connections of a server that ended a moment ago must not keep the port; a living one still
-    // does.
-    acceptor_.set_option(tcp::acceptor::reuse_address(true));
-    serve_both_families(acceptor_, options.address);
-    acceptor_.bind(endpoint);
-    acceptor_.listen();
-    acceptor_.non_blocking(true);
-    port_ = acceptor_.local_endpoint().port();
-  } catch (const std::system_error& error) {
-    throw listen_error("tcp", options.address, options.port, error.code());
-  }
+  port_ = listen_on(acceptor_, {options.address, options.port});
 }
 
 ControlEndpoint::~ControlEndpoint() = default;

@@ -64,6 +64,7 @@ std::size_t SceneHost::exchange(std::optional<Nanoseconds>& until) {
   served_at_ = slow_ ? now : account(answering);
   slow_ = served_at_ - answering > static_cast<Nanoseconds::rep>(taken) * kSlowAnswer;
   send(answers);
+  draw(served_at_);
   publish();  // a goodbye may have been among them
   return taken;
 }

@@ -31,7 +31,8 @@ constexpr int kSocketBuffer =
 SceneHost::SceneHost(Scene scene, const SceneHostOptions& options)
     : name_(scene.name()),
       objects_(static_cast<std::uint32_t>(scene.objects().size())),
-      scene_(std::make_unique<const Scene>(std::move(scene))),
+      scene_(std::make_shared<const Scene>(std::move(scene))),
+      current_{scene_, version_},
       silence_timeout_(options.silence_timeout),
       busy_poll_(options.busy_poll),
       real_time_(options.real_time),
@@ -117,7 +118,7 @@ void SceneHost::ask(control::Message request, std::uint64_t id, const SessionKey
 }
 
 void SceneHost::reload(Scene scene) {
-  post([this, next = std::make_unique<const Scene>(std::move(scene))]() mutable {
+  post([this, next = std::make_shared<const Scene>(std::move(scene))]() mutable {
     if (closing_) return;
     std::vector<SceneSessions::GoodbyeDatagram> goodbyes;
     try {
@@ -133,6 +134,11 @@ void SceneHost::reload(Scene scene) {
       spdlog::info("scene {}: sessions that ended, for it has their tool no more: {}", name_,
                    goodbyes.size());
     scene_ = std::move(next);
+    ++version_;
+    {
+      const std::lock_guard lock(published_);
+      current_ = {scene_, version_};
+    }
     objects_ = static_cast<std::uint32_t>(scene_->objects().size());
     publish();  // a session may have lost its tool
     world_log_.begin_anew();
@@ -146,6 +152,33 @@ void SceneHost::evict(std::uint64_t session) {
     say(sessions_.evict(session));
     publish();
   });
+}
+
+SceneHost::CurrentScene SceneHost::current_scene() const {
+  const std::lock_guard lock(published_);
+  return current_;
+}
+
+void SceneHost::describe(asio::io_context& back,
+                         std::function<void(std::vector<HandDescription>)> done) {
+  post([this, &back, done = std::move(done)]() mutable {
+    if (closing_) return;
+    asio::post(back, [hands = sessions_.describe(), done = std::move(done)]() mutable {
+      done(std::move(hands));
+    });
+  });
+}
+
+/// Where a viewer waits for a picture. Without memory for it there is none.
+void SceneHost::draw(Nanoseconds now) noexcept {
+  if (!pictures_.wanted()) return;
+  try {
+    Picture& picture = pictures_.picture();
+    picture.version = version_;
+    sessions_.draw(picture, now);
+    pictures_.give();
+  } catch (const std::exception&) {
+  }
 }
 
 void SceneHost::tell_ended() {
@@ -243,6 +276,7 @@ void SceneHost::await_silence() {
     say(sessions_.expire(now));
     publish();
     tell_of_load(now);
+    draw(now);
   }));
   watching_ = true;
 }

@@ -7,6 +7,8 @@
 #include <asio/steady_timer.hpp>
 #include <atomic>
 #include <functional>
+#include <memory>
+#include <mutex>
 #include <thread>
 
 #include "protocol/net/busy_poll.hpp"
@@ -79,6 +81,19 @@ class SceneHost {
   /// Ends a session with a goodbye, if it is there. From any thread.
   void evict(std::uint64_t session);
 
+  /// The scene as it is now, from any thread. Its version is 1, and one more with each reload.
+  struct CurrentScene {
+    std::shared_ptr<const Scene> scene;
+    std::uint32_t version = 0;
+  };
+  CurrentScene current_scene() const;
+  /// Pictures of the scene for one viewer's thread. While pictures are wanted, one is given with
+  /// the next datagrams, and within 0.1 s where none come.
+  PictureExchange& pictures() { return pictures_; }
+  /// Has the scene's thread describe its hands, and posts that to `back`, which must outlive this
+  /// host's thread. From any thread.
+  void describe(asio::io_context& back, std::function<void(std::vector<HandDescription>)> done);
+
   /// Up to now; a running thread is asked. Not from that thread, nor while another stops it.
   SceneSummary summary();
 
@@ -113,13 +128,18 @@ class SceneHost {
   void tell_ended();
   void tell_of_world(Nanoseconds now);
   void tell_of_load(Nanoseconds now);
+  void draw(Nanoseconds now) noexcept;
   void say(const std::vector<SceneSessions::GoodbyeDatagram>& goodbyes) noexcept;
   SceneSummary count() const;
   struct Batch;
 
   std::string name_;
   std::atomic<std::uint32_t> objects_;
-  std::unique_ptr<const Scene> scene_;
+  std::shared_ptr<const Scene> scene_;
+  std::uint32_t version_ = 1;     // of the scene
+  mutable std::mutex published_;  // guards the next one, which the scene's thread writes
+  CurrentScene current_;          // at a reload only
+  PictureExchange pictures_;
   Nanoseconds silence_timeout_, busy_poll_;
   bool real_time_;
   std::function<Nanoseconds()> clock_;

@@ -194,9 +194,9 @@ control::Message SceneSessions::join(control::JoinRequest request, std::uint64_t
     return control::Refused{refusal_code(request), error.what()};
   }
   ++counters_.sessions_served;
-  const Session& session = slots_.back()->session;
-  if (!session.observes())
-    hands_.push_back({static_cast<std::uint32_t>(counters_.sessions_served), &session});
+  SessionSlot& slot = *slots_.back();
+  slot.number = static_cast<std::uint32_t>(counters_.sessions_served);
+  if (!slot.session.observes()) hands_.push_back({slot.number, &slot.session});
   accepted.session = id;
   accepted.parameters = request.parameters;
   accepted.silence_timeout = std::chrono::duration<double>(silence_timeout_).count();

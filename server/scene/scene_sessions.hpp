@@ -16,6 +16,7 @@
 #include "server/scene/fair_share.hpp"
 #include "server/scene/id_map.hpp"
 #include "server/scene/observer_view.hpp"
+#include "server/scene/picture.hpp"
 #include "server/scene/session.hpp"
 #include "server/scene/session_end.hpp"
 
@@ -128,6 +129,12 @@ class SceneSessions {
   /// Sessions that have ended since forget_ended().
   const std::vector<EndedSession>& ended() const { return ended_; }
   void forget_ended() noexcept { ended_.clear(); }
+
+  /// Where all hands and moving objects are. May allocate; throws nothing else than
+  /// std::bad_alloc.
+  void draw(Picture& picture, Nanoseconds now) const;
+  /// Of all hands. Allocates.
+  std::vector<HandDescription> describe() const;
 
   std::size_t size() const { return slots_.size(); }
   /// Running sessions included.

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/base/numeric.hpp"
+#include "core/local_model/local_contact.hpp"
 #include "core/local_model_extraction/extract.hpp"
 
 namespace feltwire {
@@ -40,6 +41,11 @@ double seconds_between(Nanoseconds earlier, Nanoseconds later) {
   return 1e-9 * static_cast<double>(static_cast<std::int64_t>(difference));
 }
 
+/// Whether what comes late is shaped at the client, wall by wall.
+bool shapes_at_client(const SessionParameters& parameters) {
+  return parameters.side == BoundingSide::client && bounding_method(parameters.mode).shapes;
+}
+
 /// |rendered| / |commanded|, 1 when nothing was commanded.
 double force_ratio(const Command& rendered, const Command& commanded) {
   const double wanted = length(commanded.force());
@@ -61,6 +67,7 @@ Session::Session(const control::JoinRequest& request, const ToolView& view, Worl
       device_(request.device),
       parameters_(request.parameters),
       observes_(request.role == Role::observer),
+      sends_normals_(shapes_at_client(parameters_)),
       view_(&view),
       world_(world),
       contacts_(view.memory()),
@@ -86,17 +93,21 @@ Taken Session::take(const SampleBatch& batch, Nanoseconds now) noexcept {
     const Sample& sample = batch.samples[static_cast<std::size_t>(i)];
     if (sample.index > last_.index) step(sample, batch.rotation, taken.reply);
   }
+  if (batch.report) report_ = batch.report;
   Reply& reply = taken.reply;
+  outcome_.bounded = reply.active;
+  outcome_.saturated = reply.saturated;
+  outcome_.refused = reply.refused;
+  outcome_.gap = reply.gap;
   reply.sample_index = last_.index;
   reply.client_time = last_.client_time;
   reply.server_receive_time = reply.server_send_time = now;
   reply.rotation = device_.rotation_actuated > 0;
   reply.modelled = parameters_.local_model && !observes_;
-  if (reply.modelled)
-    reply.model = world_ != nullptr
-                      ? local_model(*world_, last_.pose.position, contacts_, body_contacts_.held)
-                      : local_model(*view_, last_.pose.position, contacts_);
+  if (reply.modelled) reply.model = model();
   reply.model.scene = scenes_;
+  if (sends_normals_ && !reply.command.elastic.isZero(0.0))
+    reply.normals = pushing_normals(reply.modelled ? reply.model : model(), last_.pose.position);
   reply.delivered = delivered();
   reply.reloads = reloads_;
   reply.recovering = world_ != nullptr && world_->recovering();
@@ -159,6 +170,7 @@ void Session::step(const Sample& sample, bool rotation, Reply& reply) noexcept {
   if (view_->requirements().velocity) tool.velocity = velocity_.update(tool_moved, hold_time);
 
   const Command command = actuated(device_, touch(pose, tool, hold_time));
+  outcome_.asked = command;
   reply.command = command;
   reply.active = reply.saturated = reply.refused = false;
   reply.ratio = 1.0;
@@ -196,6 +208,12 @@ void Session::enter(Place place) noexcept {
   deadband_ = ReplyDeadband(parameters_);  // what was said of the old one is no more
 }
 
+LocalModel Session::model() const noexcept {
+  return world_ != nullptr
+             ? local_model(*world_, last_.pose.position, contacts_, body_contacts_.held)
+             : local_model(*view_, last_.pose.position, contacts_);
+}
+
 Command Session::touch(const Pose& device, const Tool& tool, double elapsed) noexcept {
   if (observes_) return {};
   if (view_->tool().body)
@@ -203,6 +221,28 @@ Command Session::touch(const Pose& device, const Tool& tool, double elapsed) noe
                              : view_->touch(device, tool.velocity, elapsed, body_);
   return world_ != nullptr ? world_->touch(tool, contacts_, body_contacts_)
                            : view_->touch(tool, contacts_);
+}
+
+ProxyPlace Session::proxy() const noexcept {
+  const Vec3& tool = last_.pose.position;
+  if (observes_) return {tool, 0.0};
+  if (view_->tool().body) {
+    const Vec3& held = body_.placed ? body_.pose.position : tool;
+    return {held, (held - tool).norm()};
+  }
+  ProxyPlace proxy{tool, 0.0};
+  const std::vector<Object>& objects =
+      world_ != nullptr ? world_->objects(body_contacts_.held) : view_->objects();
+  for (std::size_t i = 0; i < objects.size(); ++i) {
+    if (!contacts_[i].touching) continue;
+    FeatureMemory memory = contacts_[i].feature;
+    const SurfacePoint surface = surface_point(objects[i], tool, view_->tool().radius, memory);
+    const Vec3 out = surface.depth * (objects[i].pose.orientation * surface.normal);
+    if (!out.allFinite()) continue;
+    proxy.position += out;
+    proxy.depth = std::max(proxy.depth, surface.depth);
+  }
+  return proxy;
 }
 
 void Session::push(double age) noexcept {
@@ -229,6 +269,7 @@ void Session::set_parameters(const SessionParameters& parameters) {
   if (parameters.velocity_cutoff != parameters_.velocity_cutoff)
     velocity_ = VelocityEstimate(parameters.velocity_cutoff);
   parameters_ = parameters;
+  sends_normals_ = shapes_at_client(parameters);
   deadband_ = ReplyDeadband(parameters);
 }
 

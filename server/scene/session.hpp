@@ -1,6 +1,8 @@
 #pragma once
 // One device in one scene: from its samples to the commands that answer them. No socket, no clock.
 
+#include <optional>
+
 #include "core/bounding/bounding.hpp"
 #include "core/bounding/port_energy.hpp"
 #include "core/bounding/velocity.hpp"
@@ -28,6 +30,19 @@ struct SessionCounters {
 inline HandLimits hand_limits(const DeviceSpec& device) {
   return {.force = device.max_force, .speed = kFastestHand};
 }
+
+/// What became of the newest sample, for a picture of the scene. World frame.
+struct SampleOutcome {
+  Command asked;  // by the scene, before the server's bound
+  bool bounded = false, saturated = false, refused = false, gap = false;  // as in Reply
+};
+
+/// Where a tool would be if it could enter no surface [m, world], and how deep [m] it is in the
+/// object that it is deepest in.
+struct ProxyPlace {
+  Vec3 position = Vec3::Zero();
+  double depth = 0.0;
+};
 
 /// What a batch came to: `reply` holds when `drop` is none, and goes out unless it is `withheld`.
 struct Taken {
@@ -94,12 +109,23 @@ class Session {
   /// The newest sample taken; its index is 0 before the first.
   const Sample& newest() const { return last_; }
 
+  /// All false and zero before the first sample.
+  const SampleOutcome& outcome() const { return outcome_; }
+  /// The newest that its client has said of the hand; empty: nothing yet.
+  const std::optional<HandReport>& report() const { return report_; }
+  /// Of the newest sample. Asks the surfaces that it touches once more, so it is not for every
+  /// sample. Precondition: there is one.
+  ProxyPlace proxy() const noexcept;
+
+  /// [J] that the device burned so far, at least.
+  double burned() const { return observer_.burned(); }
   /// At the real port, from the held forces that the client reported. An estimate: of samples that
   /// did not travel the server knows nothing. Whether a bound held, only its client can tell.
   const ChannelEnergy& delivered() const { return observer_.delivered(); }
 
  private:
   struct Movement;
+  LocalModel model() const noexcept;
   Command touch(const Pose& device, const Tool& tool, double elapsed) noexcept;
   Movement movement_to(const Sample& sample, bool rotation) const noexcept;
   void count_gap(const SampleBatch& batch, Reply& reply) noexcept;
@@ -108,7 +134,8 @@ class Session {
   std::string client_;
   DeviceSpec device_;
   SessionParameters parameters_;
-  bool observes_;  // it feels nothing and acts on nothing
+  bool observes_;       // it feels nothing and acts on nothing
+  bool sends_normals_;  // the client shapes what comes late, wall by wall
 
   const ToolView* view_;
   World* world_;              // null: nothing moves
@@ -123,8 +150,10 @@ class Session {
   PortEnergy observer_;
   ReplyDeadband deadband_;
 
-  std::uint8_t reloads_ = 0;    // of the scene, modulo 256
-  Sample last_;                 // index 0: none taken yet
+  std::uint8_t reloads_ = 0;  // of the scene, modulo 256
+  Sample last_;               // index 0: none taken yet
+  SampleOutcome outcome_;     // of that one
+  std::optional<HandReport> report_;
   bool last_rotation_ = false;  // it carried an orientation
   SessionCounters counters_;
 };

@@ -20,8 +20,9 @@ struct SceneSessions::SessionSlot {
   std::string tool;            // that was asked for; empty: the scene's first
   // Resets that its hand may still be blamed for.
   TokenBucket resets{SessionLimits::kResets / SessionLimits::kResetTime, SessionLimits::kResets};
-  std::uint32_t share = 0;  // its number there
-  bool disturbing = false;  // it had none left: it pushes nothing any more, and ends
+  std::uint32_t number = 0;  // from 1 in the order they joined, as ActingHand has it
+  std::uint32_t share = 0;   // its number in SceneSessions::share_
+  bool disturbing = false;   // it had none left: it pushes nothing any more, and ends
 };
 
 }  // namespace feltwire

@@ -15,6 +15,7 @@
 #include "protocol/net/ports.hpp"
 #include "sim/emulator/link_relay.hpp"
 #include "sim/lab/filters.hpp"
+#include "sim/lab/recording_tables.hpp"
 #include "sim/lab/study_commands.hpp"
 #include "sim/report/report_table.hpp"
 
@@ -133,6 +134,46 @@ void add_summary(CLI::App& app) {
   command->callback([files] { std::cout << report_table(*files); });
 }
 
+void add_export(CLI::App& app) {
+  struct Options {
+    std::vector<std::filesystem::path> files;
+    std::string csv, npz;
+  };
+  auto o = std::make_shared<Options>();
+  CLI::App* command =
+      app.add_subcommand("export", "Turn MCAP recordings into CSV files or arrays of numpy");
+  command->footer(
+      "The files of one recording, in their order, give one table a topic. docs/recording.md has "
+      "the columns. Examples:\n"
+      "  feltwire-lab export hand.mcap --csv hand\n"
+      "  feltwire-lab export hand-0001.mcap hand-0002.mcap --npz hand.npz");
+  command->add_option("FILE", o->files, "MCAP files that feltwire-client --record wrote")
+      ->required();
+  CLI::Option* csv = command->add_option("--csv", o->csv,
+                                         "Folder that gets a CSV file a topic; made when missing");
+  command->add_option("--npz", o->npz, "FILE.npz that gets an array a column")->excludes(csv);
+  command->callback([o] {
+    if (o->csv.empty() && o->npz.empty())
+      throw std::invalid_argument("export needs --csv DIR or --npz FILE");
+    std::vector<NamedFile> read;
+    for (const auto& file : o->files) read.push_back({"FILE", file});
+    if (!o->npz.empty()) require_different({{"--npz", o->npz}}, read);
+    RecordingTables tables;
+    for (const auto& file : o->files)
+      if (const auto cut = add_recording(file, tables))
+        std::cerr << "feltwire-lab: " << visible(file.string()) << " was cut at byte " << *cut
+                  << ": its last second may be missing\n";
+    if (tables.empty())
+      throw std::runtime_error(
+          "no servo tick is in there; give what feltwire-client --record wrote");
+    for (const auto& [topic, table] : tables)
+      std::cout << visible(topic) << ": " << table.log_time.size() << " rows\n";
+    if (!o->npz.empty()) return write_npz(tables, o->npz);
+    for (const auto& file : write_csv_files(tables, o->csv))
+      std::cout << "wrote " << visible(file.string()) << '\n';
+  });
+}
+
 /// Relays until SIGINT or SIGTERM.
 void relay(const LinkRelayOptions& options, const std::string& report) {
   if (!report.empty()) check_writable(report);
@@ -208,6 +249,7 @@ int main(int argc, char** argv) {
   add_bound(app);
   add_touch(app);
   add_summary(app);
+  add_export(app);
   add_link(app);
   try {
     app.parse(argc, argv);

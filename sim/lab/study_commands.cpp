@@ -74,11 +74,15 @@ void add_zwidth(CLI::App& app) {
       app, "zwidth", "zwidth",
       "Map the stiffest wall without oscillation, by method, device and loop",
       "A simulated hand presses a wall with 3 N, by method x device damping x servo rate x delay.\n"
-      "Writes zwidth.json, zwidth.csv and a picture a damping (zwidth_bB.png). A minute or two on "
-      "two cores;\ndeterministic. docs/lab/laboratory.md says how to read it.",
+      "Writes zwidth.json, zwidth.csv, zwidth_hands.csv (eight hands at 1 kHz) and a picture a "
+      "damping (zwidth_bB.png).\nSome minutes on two cores; deterministic. docs/lab/laboratory.md "
+      "says how to read it.",
       "Map and pictures", [](const std::string& out) {
         const ZWidthGrid grid = full_zwidth_grid();
-        return zwidth_table(write_zwidth(out, grid), grid);
+        const std::string table = zwidth_table(write_zwidth(out, grid), grid);
+        const auto by_hands = map_zwidth(hands_zwidth_grid());
+        write_zwidth_hands(out, by_hands);
+        return table + zwidth_hands_table(by_hands);
       });
 }
 
@@ -87,11 +91,13 @@ void add_frontier(CLI::App& app) {
       app, "frontier", "frontier",
       "Map what each law displays on real devices, by what is known of the hand",
       "Eight hands at walls, a corner, an edge, a sphere, a torus, friction and taps, by law x "
-      "device damping x wall x delay.\nWrites frontier.json, frontier.csv and three pictures. Some "
-      "minutes on two cores; all but the cost is\ndeterministic. docs/lab/frontier.md says how to "
-      "read it.",
-      "Table and pictures",
-      [](const std::string& out) { return frontier_table(write_frontier(out, frontier_cases())); });
+      "device damping x wall x delay;\nand laws of other papers at some of them. Writes "
+      "frontier.json, frontier.csv and three pictures. Some minutes\non two cores; all but the "
+      "cost is deterministic. docs/lab/frontier.md says how to read it.",
+      "Table and pictures", [](const std::string& out) {
+        const auto rows = write_frontier(out, frontier_cases());
+        return frontier_table(rows) + published_table(rows);
+      });
 }
 
 void add_compare(CLI::App& app) {
@@ -106,9 +112,9 @@ void add_compare(CLI::App& app) {
   CLI::App* command = app.add_subcommand(
       "compare", "Every method on walls, edges, bumps, friction and a tap, or over your own scene");
   command->footer(
-      "Without --scene: writes compare.json, compare.csv, compare.png and, measured on this "
-      "machine,\n"
-      "compare_cost.csv. All but the cost is deterministic. docs/lab/laboratory.md says how to "
+      "Without --scene: writes compare.json, compare.csv, compare.png, compare_hands.csv (eight "
+      "hands) and, measured on\nthis machine, compare_cost.csv. All but the cost is deterministic. "
+      "docs/lab/laboratory.md says how to "
       "read "
       "it.\n"
       "With --scene: whole sessions over the link, in virtual time; writes methods_over_link.csv "
@@ -142,8 +148,9 @@ void add_compare(CLI::App& app) {
   command->callback([o] {
     if (o->scene.empty()) {
       o->loop.delay = o->delay_ms * 1e-3;
-      std::cout << compare_table(write_compare(o->out, o->loop))
-                << placed("Table and picture", o->out);
+      const Comparison result = write_compare(o->out, o->loop);
+      std::cout << compare_table(result.rows) << compare_hands_table(result.hands)
+                << placed("Tables and picture", o->out);
       return;
     }
     const Scene felt = load_scene(o->scene);
@@ -192,14 +199,17 @@ void add_extremes(CLI::App& app, int& status) {
 void add_rate(CLI::App& app) {
   add_study(
       app, "rate", "rate", "Speed against accuracy, by servo rate and by arithmetic",
-      "Writes rate.csv, rate.json and rate.png, the same bytes every time; and what this machine "
-      "took for it,\nrate_cost.csv and rate_cost.png. docs/lab/trade.md is its page.",
+      "Writes rate.csv, rate.json, rate.png and rate_hands.csv (eight hands), the same bytes every "
+      "time; and what this\nmachine took for it, rate_cost.csv and rate_cost.png. "
+      "docs/lab/trade.md is its page.",
       "Tables and pictures", [](const std::string& out) {
         const RateGrid grid;
         const auto cells = run_rate(grid);
         const auto costs = measure_rate_cost();
         write_rate(out, grid, cells, costs);
-        return rate_table(cells) + '\n' + rate_cost_table(grid, costs);
+        const auto by_hands = run_rate(hands_rate_grid());
+        write_rate_hands(out, by_hands);
+        return rate_table(cells) + '\n' + rate_cost_table(grid, costs) + rate_hands_table(by_hands);
       });
 }
 
@@ -212,8 +222,9 @@ void add_sides(CLI::App& app, int& status) {
   CLI::App* command = app.add_subcommand(
       "sides", "Who should bound, server, client or both: over delay, jitter and loss");
   command->footer(
-      "Whole sessions in virtual time. Writes sides.csv, sides.json and sides.png, the same bytes "
-      "every time; half a\nminute of CPU. Exit status 1 when a port that is bounded delivered more "
+      "Whole sessions in virtual time. Writes sides.csv, sides.json, sides.png and sides_hands.csv "
+      "(eight hands), the\nsame bytes every time; a minute of CPU. Exit status 1 when a port that "
+      "is bounded delivered more "
       "energy than the device burned.\ndocs/network.md says how to read it.");
   add_out(*command, o->out);
   command
@@ -224,8 +235,13 @@ void add_sides(CLI::App& app, int& status) {
   command->callback([o, &status] {
     const auto cells = run_sides(o->grid);
     write_sides(o->out, cells);
-    std::cout << sides_table(cells) << placed("Table and picture", o->out);
-    status = bounds_hold(cells) ? 0 : 1;
+    SidesGrid hands = hands_sides_grid();
+    hands.assumed_damping = o->grid.assumed_damping;
+    const auto by_hands = run_sides(hands);
+    write_sides_hands(o->out, by_hands);
+    std::cout << sides_table(cells) << sides_hands_table(by_hands)
+              << placed("Tables and picture", o->out);
+    status = bounds_hold(cells) && bounds_hold(by_hands) ? 0 : 1;
   });
 }
 

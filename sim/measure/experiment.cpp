@@ -13,6 +13,10 @@ Environment environment(const Scene& scene) {
   };
 }
 
+Bounding bounding_of(const ExperimentSetup& setup) {
+  return setup.law == nullptr ? Bounding(setup.bounding) : Bounding(*setup.law, setup.bounding);
+}
+
 int delay_samples(double delay, double period) {
   // Less than rounding: 20 ms at 1 kHz are 20 samples, however the quotient rounds.
   return static_cast<int>(std::ceil(delay / period - 1e-9));
@@ -26,7 +30,7 @@ std::vector<ExperimentSample> run_experiment(const Environment& environment,
                                              const ExperimentSetup& setup) {
   const Environment touch = environment;  // its memory is this run's own
   const double period = setup.bounding.period;
-  Bounding bounding(setup.bounding);
+  Bounding bounding = bounding_of(setup);
   std::optional<PortAccount> account;
   if (setup.account) account.emplace(*setup.account);
   if (!(setup.duration > period) || !std::isfinite(setup.duration))
@@ -41,7 +45,11 @@ std::vector<ExperimentSample> run_experiment(const Environment& environment,
   samples.reserve(count);
 
   // Commands under way: the one asked for now is answered `delay` samples later.
-  std::vector<Command> under_way(static_cast<std::size_t>(setup.delay) + 1);
+  struct Answer {
+    Command command;
+    ContactNormals walls;
+  };
+  std::vector<Answer> under_way(static_cast<std::size_t>(setup.delay) + 1);
   Vec3 last_position = device.read(Nanoseconds{0}).pose.position;
   Vec3 last_offset = Vec3::Zero();
   Command held;
@@ -59,13 +67,17 @@ std::vector<ExperimentSample> run_experiment(const Environment& environment,
     const Tool tool{measured + offset,
                     velocity.update(s.displacement + offset - last_offset, period)};
     last_offset = offset;
-    under_way[n % under_way.size()] = actuated(device.spec(), touch(tool));
-    s.commanded = under_way[(n + 1) % under_way.size()];
+    Answer& asked = under_way[n % under_way.size()];
+    asked.command = actuated(device.spec(), touch(tool));
+    if (setup.walls) asked.walls = setup.walls(tool.position);
+    const Answer& arrived = under_way[(n + 1) % under_way.size()];
+    s.commanded = arrived.command;
     BoundingStep step{.displacement = s.displacement,
                       .rotation = Vec3::Zero(),
                       .hold_time = period,
                       .command = s.commanded,
-                      .local = setup.delay == 0};
+                      .local = setup.delay == 0,
+                      .normals = &arrived.walls};
     s.rendered = step.command = bounding.step(step).rendered;
     if (account) {
       s.rendered = account->step(step);

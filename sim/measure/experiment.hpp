@@ -12,14 +12,19 @@
 
 namespace feltwire {
 
+/// The walls whose forces add up to the one that a place [m] commands.
+using WallsTouched = std::function<ContactNormals(const Vec3&)>;
+
 struct ExperimentSetup {
   SimulatedHandOptions hand;
   BoundingConfig bounding;
+  const BoundingMethod* law = nullptr;   // in place of the method that bounding.mode names
   std::optional<AccountConfig> account;  // behind the bound; none where it is not given
   int delay = 0;          // [T] a round trip: age of the position that a command was computed from
   double duration = 8.0;  // [s]
   double velocity_cutoff =
-      0.0;  // [Hz] of the velocity that damping and viscous friction see; 0: none
+      0.0;                  // [Hz] of the velocity that damping and viscous friction see; 0: none
+  WallsTouched walls = {};  // empty: the bound is told nothing of them
 };
 
 /// One servo sample. Forces on the hand.
@@ -38,6 +43,9 @@ using Environment = std::function<Command(const Tool&)>;
 
 /// A scene as one tool's environment, in a fresh state. The scene must outlive it.
 Environment environment(const Scene& scene);
+
+/// The bound of a setup, in a fresh state. Throws std::invalid_argument.
+Bounding bounding_of(const ExperimentSetup& setup);
 
 /// A delay [s] in whole samples of `period` [s], rounded up: what is under way arrives at a sample.
 int delay_samples(double delay, double period);

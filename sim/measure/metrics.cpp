@@ -36,6 +36,13 @@ Spread spread(std::vector<double> values) {
           values[std::max<std::size_t>(rank, 1) - 1], values.back()};
 }
 
+double median(std::vector<double> values) {
+  if (values.empty()) return 0.0;
+  std::sort(values.begin(), values.end());
+  const std::size_t half = values.size() / 2;
+  return values.size() % 2 ? values[half] : 0.5 * (values[half - 1] + values[half]);
+}
+
 double highpass_rms(std::span<const double> values, double rate) {
   const std::size_t wide = odd_window(kOscillationWindow, rate), half = wide / 2;
   if (values.size() < 2 * wide) return 0.0;

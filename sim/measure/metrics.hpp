@@ -21,6 +21,9 @@ struct Spread {
 /// Mean, 99th percentile (nearest rank) and maximum; zeros when there is no value.
 Spread spread(std::vector<double> values);
 
+/// The mean of the two in the middle of an even number; 0 when there is no value.
+double median(std::vector<double> values);
+
 /// How much a value oscillates: the RMS [unit of the values] of the values less their centred
 /// moving average over kOscillationWindow, over the second half of the run. The values are sampled
 /// at `rate` [Hz]. The ends that the window does not cover are left out. 0 for a run shorter than

@@ -12,7 +12,7 @@ double step_cost(const std::vector<ExperimentSample>& samples, const ExperimentS
   constexpr int kReplays = 5;
   double best = std::numeric_limits<double>::infinity();
   for (int replay = 0; replay < kReplays; ++replay) {
-    Bounding bounding(setup.bounding);
+    Bounding bounding = bounding_of(setup);
     std::optional<PortAccount> account;
     if (setup.account) account.emplace(*setup.account);
     double sum = 0.0;

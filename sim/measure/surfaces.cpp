@@ -22,6 +22,13 @@ SurfaceDistance corner_distance(const Vec3& point) {
   return {distance, Vec3::Unit(axis)};
 }
 
+ContactNormals corner_walls(const Vec3& point) {
+  ContactNormals walls;
+  for (const Vec3& normal : {Vec3(Vec3::UnitX()), Vec3(Vec3::UnitY()), Vec3(Vec3::UnitZ())})
+    if (point.dot(normal) < 0.0) walls.add(normal);
+  return walls;
+}
+
 SurfaceDistance edge_distance(const Vec3& point) {
   const Vec3 out = Vec3(point.x(), point.y(), 0.0).cwiseMax(0.0);
   const double distance = out.norm();

@@ -20,6 +20,8 @@ SurfaceDistance sphere_distance(const Vec3& point, double radius);
 /// distance is to the nearest point of the free octant (Zilles and Salisbury's proxy), so a hand
 /// in the corner is pushed by two or three walls at once.
 SurfaceDistance corner_distance(const Vec3& point);
+/// The walls that push a point there.
+ContactNormals corner_walls(const Vec3& point);
 /// A sharp convex edge along z: solid where x and y are both negative. The distance is exact; the
 /// normal in the solid is that of the nearest face.
 SurfaceDistance edge_distance(const Vec3& point);

@@ -200,6 +200,17 @@ def check_index(source):
             yield f"docs/README.md does not list {page}"
 
 
+def check_metrics(source):
+    """Metrics that documents name and the server does not have."""
+    ours = set(re.findall(r'"(feltwire_[a-z_]+)"', (source / "server/app/metrics.cpp").read_text()))
+    for path in (source / "docs/grafana.json", source / "docs/live_page.md"):
+        named = set(re.findall(r"\bfeltwire_[a-z_]+\b", path.read_text()))
+        for metric in sorted(named - ours):
+            yield f"{path.relative_to(source)}: the server has no metric {metric}"
+        if not named:
+            yield f"{path.relative_to(source)}: names no metric: the check reads nothing"
+
+
 def check_links(source, page, path):
     fenced = False
     for number, line in enumerate(page.lines, 1):
@@ -233,7 +244,7 @@ def main():
                 found += [f"{page.name}:{number}: {what}" for what in wrong]
         for number, what in [*check_tables(page), *check_excerpts(source, page), *check_links(source, page, source / page.name)]:
             found.append(f"{page.name}:{number}: {what}")
-    found += check_index(source)
+    found += [*check_index(source), *check_metrics(source)]
     print("\n".join(found + [f"{commands} commands of our programs, {len(found)} wrong"]))
     if commands == 0:
         print("no command was found: the check reads nothing")

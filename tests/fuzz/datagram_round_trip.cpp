@@ -67,6 +67,12 @@ SampleBatch batch(Input& in) {
     s.held.torque = wild ? any_float_vector(in) : in.vector(10.0);
   }
   b.previous = wild ? in.whole<std::uint64_t>() : index;
+  if (in.coin())
+    b.report = HandReport{.reasons = in.whole<std::uint32_t>() & ((1u << kHandReasons) - 1),
+                          .has_account = in.coin(),
+                          .balance = wild ? in.any_float() : in.number(1.0),
+                          .round_trip = wild ? in.any_float() : in.number(1.0),
+                          .hand_damping = in.number(8.0)};
   return b;
 }
 
@@ -140,6 +146,9 @@ Reply reply(Input& in) {
   if (r.predicted) r.rates = {any_float_vector(in), any_float_vector(in), any_float_vector(in)};
   r.modelled = in.coin();
   if (r.modelled) r.model = model(in);
+  for (int i = in.byte() % 4; i > 0; --i)
+    r.normals.add((in.coin() ? 1.0 : -1.0) * Vec3::Unit(in.byte() % 3));
+  if (r.normals.count < 2) r.normals = {};  // one says nothing
   return r;
 }
 
@@ -208,8 +217,9 @@ void try_reply(Input& in, const Header& header) {
   static Encoder encoder;
   static Reply again;
   static SceneView seen;
-  const Reply sent = reply(in);
-  const bool shows = !sent.modelled && in.coin();  // the replies to observers have no model
+  Reply sent = reply(in);
+  const bool shows = !sent.modelled && in.coin();
+  if (shows) sent.normals = {};  // an observer feels nothing: neither a model nor walls are for it
   const SceneView shown = shows ? view(in) : SceneView{};
   const Bytes payload = carried(encoder.reply(sent, shows ? &shown : nullptr), header);
   const DropReason drop = decode(payload, again, &seen);

@@ -7,7 +7,15 @@
 namespace feltwire::fuzz {
 
 inline bool same(const SampleBatch& a, const SampleBatch& b) {
-  if (a.count != b.count || a.rotation != b.rotation || a.previous != b.previous) return false;
+  if (a.count != b.count || a.rotation != b.rotation || a.previous != b.previous ||
+      a.report.has_value() != b.report.has_value())
+    return false;
+  if (a.report &&
+      !(a.report->reasons == b.report->reasons && a.report->has_account == b.report->has_account &&
+        same(a.report->balance, b.report->balance) &&
+        same(a.report->round_trip, b.report->round_trip) &&
+        same(a.report->hand_damping, b.report->hand_damping)))
+    return false;
   for (int i = 0; i < a.count; ++i) {
     const Sample &x = a.samples[static_cast<std::size_t>(i)],
                  &y = b.samples[static_cast<std::size_t>(i)];
@@ -29,7 +37,8 @@ inline bool same_but_model(const Reply& a, const Reply& b) {
          same(a.delivered.torque, b.delivered.torque) && same(a.ratio, b.ratio) &&
          a.active == b.active && a.saturated == b.saturated && a.refused == b.refused &&
          a.gap == b.gap && a.reloads == b.reloads && a.withheld == b.withheld &&
-         a.predicted == b.predicted && same(a.rates, b.rates) && a.modelled == b.modelled;
+         a.predicted == b.predicted && same(a.rates, b.rates) && a.modelled == b.modelled &&
+         a.normals.count == b.normals.count && a.normals.unit == b.normals.unit;
 }
 
 inline bool same(const Pose& a, const Pose& b) {

@@ -16,6 +16,7 @@ ExperimentSetup task_setup(const CompareTask& task, const CompareLoop& loop) {
   ExperimentSetup setup;
   setup.hand.spec = builtin_device("simulated");
   setup.hand.spec.damping = loop.damping;
+  setup.hand.hand = loop.hand;
   setup.hand.task = task.hand;
   setup.duration = task.duration;
   setup.bounding.mode = kUnbounded;
@@ -36,6 +37,13 @@ double displayed_share(const std::vector<ExperimentSample>& samples,
     whole += e.squaredNorm();
   }
   return whole > 0.0 ? rendered / whole : 0.0;
+}
+
+void check(const CompareLoop& loop) {
+  if (!(loop.rate > 0.0) || !std::isfinite(loop.rate))
+    throw std::invalid_argument("the servo rate must be finite and above zero [Hz]");
+  if (!(loop.delay >= 0.0) || loop.delay > 1.0)
+    throw std::invalid_argument("the round trip must be between 0 and 1 s");
 }
 
 /// What was run, to be replayed.
@@ -68,17 +76,14 @@ CompareRow run_task(const CompareTask& task, const std::string& label, const Exp
 std::vector<CompareRow> compare(const std::vector<CompareTask>& tasks,
                                 const std::vector<Method>& methods, const CompareLoop& loop,
                                 const StepCost& step_cost) {
-  if (!(loop.rate > 0.0) || !std::isfinite(loop.rate))
-    throw std::invalid_argument("the servo rate must be finite and above zero [Hz]");
-  if (!(loop.delay >= 0.0) || loop.delay > 1.0)
-    throw std::invalid_argument("the round trip must be between 0 and 1 s");
+  check(loop);
   const std::size_t per_task = methods.size() + 1;
   std::vector<CompareRow> rows(tasks.size() * per_task);
   std::vector<Run> runs(rows.size());
   parallel_for(rows.size(), [&](std::size_t i) {
     const CompareTask& task = tasks[i / per_task];
     if (i % per_task == 0) {
-      ExperimentSetup setup = task_setup(task, {loop.damping, kReferenceRate, 0.0});
+      ExperimentSetup setup = task_setup(task, {loop.damping, kReferenceRate, 0.0, loop.hand});
       setup.hand.spec.position_resolution = 0.0;
       rows[i] = run_task(task, kReference, setup, runs[i]);
       return;
@@ -91,6 +96,41 @@ std::vector<CompareRow> compare(const std::vector<CompareTask>& tasks,
   for (std::size_t i = 0; i < rows.size(); ++i) {
     rows[i].cost = step_cost(runs[i].samples, runs[i].setup);
     runs[i] = {};
+  }
+  return rows;
+}
+
+std::vector<CompareHandsRow> compare_hands(const std::vector<CompareTask>& tasks,
+                                           const std::vector<Method>& methods,
+                                           const CompareLoop& loop) {
+  check(loop);
+  constexpr std::size_t kHands = kEightHands.size();
+  std::vector<CompareRow> runs(tasks.size() * methods.size() * kHands);
+  parallel_for(runs.size(), [&](std::size_t i) {
+    const CompareTask& task = tasks[i / kHands / methods.size()];
+    const Method& method = methods[i / kHands % methods.size()];
+    CompareLoop with = loop;
+    with.hand = kEightHands[i % kHands].hand;
+    ExperimentSetup setup = task_setup(task, with);
+    method.configure(setup.bounding);
+    Run run;
+    runs[i] = run_task(task, std::string(method.label), setup, run);
+  });
+  std::vector<CompareHandsRow> rows;
+  for (std::size_t i = 0; i < runs.size(); i += kHands) {
+    CompareHandsRow row{.task = runs[i].task, .method = runs[i].method};
+    std::vector<double> oscillations, displayed;
+    for (std::size_t hand = 0; hand < kHands; ++hand) {
+      const CompareRow& run = runs[i + hand];
+      oscillations.push_back(run.oscillation);
+      displayed.push_back(run.displayed);
+      row.energy_made = std::max(row.energy_made, run.energy_made);
+    }
+    row.oscillation = median(oscillations);
+    row.worst_oscillation = std::ranges::max(oscillations);
+    row.displayed = median(displayed);
+    row.least_displayed = std::ranges::min(displayed);
+    rows.push_back(row);
   }
   return rows;
 }

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "sim/hands/eight_hands.hpp"
 #include "sim/measure/methods.hpp"
 #include "sim/measure/step_cost.hpp"
 #include "sim/studies/bound/compare_tasks.hpp"
@@ -17,6 +18,7 @@ struct CompareLoop {
   double damping = 0.5;  // b [N s/m] of the device, >= 0
   double rate = 1000.0;  // [Hz], > 0
   double delay = 0.0;    // [s] a round trip, >= 0; rounded up to whole samples
+  Hand hand = kEightHands[0].hand;
 };
 
 struct CompareRow {
@@ -47,13 +49,30 @@ std::vector<CompareRow> compare(const std::vector<CompareTask>& tasks,
                                 const std::vector<Method>& methods, const CompareLoop& loop,
                                 const StepCost& step_cost = feltwire::step_cost);
 
-/// Compares everything and writes compare.json, compare.csv, compare.png and, as it is never the
-/// same twice, compare_cost.csv apart, to `directory` (created). Throws std::runtime_error when
-/// something cannot be written or drawn.
-std::vector<CompareRow> write_compare(const std::filesystem::path& directory,
-                                      const CompareLoop& loop);
+/// One task by one method, over all eight hands on the same path: a soft arm presses less.
+struct CompareHandsRow {
+  std::string task, method;
+  double oscillation = 0.0, worst_oscillation = 0.0;  // [m] median of the hands, largest
+  double displayed = 0.0, least_displayed = 0.0;      // median, least
+  double energy_made = 0.0;                           // [J] the most
+};
+/// Every task by every method, without a reference. Deterministic. Throws as compare(); `loop.hand`
+/// is not read.
+std::vector<CompareHandsRow> compare_hands(const std::vector<CompareTask>& tasks,
+                                           const std::vector<Method>& methods,
+                                           const CompareLoop& loop);
 
-/// The rows as a table for people.
+/// Compares everything and writes compare.json, compare.csv, compare.png, compare_hands.csv
+/// and, as it is never the same twice, compare_cost.csv apart, to `directory` (created). Throws
+/// std::runtime_error when something cannot be written or drawn.
+struct Comparison {
+  std::vector<CompareRow> rows;        // by loop.hand
+  std::vector<CompareHandsRow> hands;  // by all eight
+};
+Comparison write_compare(const std::filesystem::path& directory, const CompareLoop& loop);
+
+/// The rows as tables for people.
 std::string compare_table(const std::vector<CompareRow>& rows);
+std::string compare_hands_table(const std::vector<CompareHandsRow>& rows);
 
 }  // namespace feltwire

@@ -35,7 +35,10 @@ CompareTask corner() {
   hand.radius = 0.02;
   return {"corner",
           [](const Tool& tool) { return penalty(corner_distance(tool.position), kStiffness); },
-          [](const Vec3& p) { return corner_distance(p).distance; }, hand, 8.0};
+          [](const Vec3& p) { return corner_distance(p).distance; },
+          hand,
+          8.0,
+          corner_walls};
 }
 
 /// Glided over: up one face of a box to its edge, pressed by 4 N there, off it, and onto the other

@@ -14,7 +14,8 @@ struct CompareTask {
   Environment touch;                            // in a fresh state
   std::function<double(const Vec3&)> distance;  // [m] from the surface, negative inside
   HandTask hand;
-  double duration = 8.0;  // [s]
+  double duration = 8.0;    // [s]
+  WallsTouched walls = {};  // where there are several
 };
 
 /// The paper's wall and sphere, a corner, a sharp edge, a bumpy torus, stick-slip, a tap

@@ -1,8 +1,10 @@
 #include "sim/studies/bound/figure_plots.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cstdio>
 
+#include "core/base/text.hpp"
 #include "sim/report/plot.hpp"
 
 namespace feltwire {
@@ -11,7 +13,7 @@ namespace {
 constexpr const char* kPreamble =
     "set datafile separator ','\n"
     "set grid lc rgb '#dddddd'\n"
-    "set key top right opaque\n"
+    "set key top right\n"
     "set style line 1 lc rgb '#1f4e79' lw 1.4\n"
     "set style line 2 lc rgb '#c0392b' lw 1.2\n"
     "set style line 3 lc rgb '#7f8c8d' lw 1.0\n";
@@ -21,35 +23,43 @@ std::string output(const std::string& file, int width, int height) {
          " font 'Sans,11'\nset output '" + file + ".png'\n" + kPreamble;
 }
 
+/// The damping that Figures 2 and 3 are drawn at: the least of the three at which the wall only
+/// trembles and the port's total stays positive, as in the paper.
+constexpr const char* kWallFigures = "wall_b8_";
+
 /// The wall in the paper's form: position and force of both axes over time, and the energy that Eq.
-/// (1) and (2) watch.
-std::string wall_script(int figure, const std::string& run, const std::string& title) {
+/// (1) and (2) watch. `depth` [um] is the least y of the position's panel.
+std::string wall_script(int figure, const std::string& run, int depth, const std::string& title) {
   const std::string csv = "'" + run + ".csv' skip 1 using 1:";
-  return output("figure" + std::to_string(figure), 1100, 950) +
-         "set multiplot layout 3,2 title \"" + title +
-         "\"\n"
-         "set xlabel 'time [s]'\nset xrange [3:7]\nunset key\n"
-         "set ylabel 'x position [mm]'\nplot " +
-         csv +
-         "($2*1e3) with lines ls 1\n"
-         "set ylabel 'y position [mm]'\nset yrange [-4:1]\nplot " +
-         csv +
-         "($3*1e3) with lines ls 1\nset yrange [*:*]\n"
-         "set key top right opaque\n"
-         "set ylabel 'x force on the hand [N]'\nplot " +
-         csv + "($5+$8) with lines ls 3 title 'commanded', " + csv +
-         "11 with lines ls 2 title 'rendered'\n"
-         "set ylabel 'y force on the hand [N]'\nplot " +
-         csv + "($6+$9) with lines ls 3 title 'commanded', " + csv +
-         "12 with lines ls 2 title 'rendered'\n"
-         "set key top left\n"
-         "set ylabel 'y energy flow-in [J]'\nplot " +
-         csv + "15 with lines ls 1 title 'as Eq. (2) counts', " + csv +
-         "18 with lines ls 2 title 'as the port exchanged'\n"
-         "set ylabel 'total energy flow-in [J]'\nplot " +
-         csv + "($14+$15+$16) with lines ls 1 title 'as Eq. (1) counts', " + csv +
-         "($17+$18+$19) with lines ls 2 title 'as the port exchanged'\n"
-         "unset multiplot\n";
+  std::string script = output("figure" + std::to_string(figure), 1100, 950);
+  script += "set multiplot layout 3,2 title \"" + title +
+            "\"\nset xlabel 'time [s]'\nset xrange [3:7]\nunset key\n"
+            "set ylabel 'x position [mm]'\nset yrange [-35:35]\nplot " +
+            csv + "($2*1e3) with lines ls 1\n";
+  constexpr int kSpan = 150;  // [um] the same in both figures: one buzz can be held to the other
+  append(script, "set ylabel 'y position [um]'\nset yrange [%d:%d]\nplot ", depth, depth + kSpan);
+  script += csv + "($3*1e6) with lines ls 1\nset key top right\n";
+  const auto forces = [&](const char* axis, const char* range, const char* commanded, int column) {
+    append(script, "set ylabel '%s force on the hand [N]'\nset yrange %s\nplot ", axis, range);
+    script += csv + commanded + " with lines ls 3 title 'commanded', " + csv;
+    append(script, "%d with lines ls 2 title 'rendered'\n", column);
+  };
+  forces("x", "[-1.5:2.2]", "($5+$8)", 11);
+  forces("y", "[0:20]", "($6+$9)", 12);
+  script += "set key top left\n";
+  const auto energy = [&](const char* label, const char* range, const char* equation,
+                          const char* counted, const char* exchanged) {
+    append(script,
+           "set ylabel '%s energy flow-in [mJ]'\nset yrange %s\nplot 0 lc 'black' notitle, ", label,
+           range);
+    script += csv;
+    append(script, "(1e3*(%s)) with lines ls 1 title 'as %s counts', ", counted, equation);
+    script += csv;
+    append(script, "(1e3*(%s)) with lines ls 2 title 'as the port exchanged'\n", exchanged);
+  };
+  energy("y", "[-15:25]", "Eq. (2)", "$15", "$18");
+  energy("total", "[-50:400]", "Eq. (1)", "$14+$15+$16", "$17+$18+$19");
+  return script + "unset multiplot\n";
 }
 
 /// Force arrows round the sphere, one every 80 ms of the second turn; the dashed rays are the true
@@ -58,7 +68,7 @@ std::string sphere_panel(const std::string& run, const std::string& title) {
   const std::string from = "'" + run + ".csv' skip 1 every 80::8000 using ";
   return "set title \"" + title +
          "\"\n"
-         "set size ratio -1\nset xrange [-150:150]\nset yrange [-150:150]\n"
+         "set size ratio -1\nset xrange [-170:170]\nset yrange [-170:170]\n"
          "set xlabel 'x [mm]'\nset ylabel 'y [mm]'\n"
          "set object 1 circle at 0,0 size 90 fc rgb '#eef3f8' fs solid border lc rgb '#1f4e79' "
          "behind\n"
@@ -74,40 +84,67 @@ std::string sphere_script(int figure, const std::string& run, const std::string&
   return output("figure" + std::to_string(figure), 800, 800) + sphere_panel(run, title);
 }
 
-constexpr std::array<const char*, 5> kModeTitles = {"none", "total_energy (Eq. 1)",
-                                                    "per_axis (Eq. 2)",
-                                                    "per_axis_projected (Eq. 3)", "contact_frame"};
+constexpr std::array<const char*, kFigureModes.size()> kModeTitles = {
+    "none",          "total_energy (Eq. 1)", "per_axis (Eq. 2)", "per_axis_projected (Eq. 3)",
+    "contact_frame", "shaped + account"};
 
 std::string mode_run(const std::string& group, std::size_t mode) {
   return group + "_" + std::string(kFigureModes[mode]);
 }
 
-std::string all_wall_modes(const std::string& group) {
-  std::string script =
-      output("wall_modes", 1100, 1250) +
-      "set multiplot layout 5,2 title 'The wall, 40 kN/m, b = 2 N s/m: depth and normal force'\n"
-      "set xrange [3:7]\nset xlabel 'time [s]'\n";
-  for (std::size_t i = 0; i < kModeTitles.size(); ++i) {
-    const std::string csv = "'" + mode_run(group, i) + ".csv' skip 1 using 1:";
-    script += "unset key\nset title '" + std::string(kModeTitles[i]) + "' noenhanced\n" +
-              "set ylabel 'y position [mm]'\nset yrange [-1.4:0.6]\nplot " + csv +
-              "($3*1e3) with lines ls 1\nset yrange [*:*]\nset key top right opaque\n" +
-              "set ylabel 'y force [N]'\nplot " + csv +
-              "($6+$9) with lines ls 3 title 'commanded', " + csv +
-              "12 with lines ls 2 title 'rendered'\n";
-  }
-  return script + "unset multiplot\n";
+/// What gnuplot shows as it is between double quotes.
+std::string plain(const std::string& text) {
+  std::string escaped;
+  for (const char c : text) escaped += c == '_' ? "\\\\_" : std::string(1, c);
+  return escaped;
 }
 
 std::string all_sphere_modes(const std::string& group) {
   std::string script =
       output("sphere_modes", 1500, 1050) +
       "set multiplot layout 2,3 title 'The sphere, 5 kN/m, b = 0.5 N s/m: force on the hand'\n";
+  for (std::size_t i = 0; i < kModeTitles.size(); ++i)
+    script += sphere_panel(mode_run(group, i), plain(kModeTitles[i]));
+  return script + "unset multiplot\n";
+}
+
+/// Every mode in a column: the wall's depth and force over half a second, and the force round the
+/// sphere, each with what was measured.
+std::string summary(const std::vector<FigureRun>& runs) {
+  const std::string wall = "wall_b2", sphere = "sphere_b0.5";
+  const auto run_of = [&](const std::string& group, std::size_t mode) -> const FigureRun& {
+    return *std::find_if(runs.begin(), runs.end(), [&](const FigureRun& run) {
+      return run_name(run) == mode_run(group, mode);
+    });
+  };
+  std::string script =
+      output("summary", 2100, 1060) +
+      "set multiplot layout 3,6 title 'What each law makes of the wall (40 kN/m with friction, b = "
+      "2 N s/m) and of the sphere (5 kN/m, b = 0.5 N s/m)' font 'Sans,14'\n"
+      "set xrange [4:4.5]\nset xtics 0.1\nset xlabel 'time [s]'\n"
+      "set yrange [-1.4:0.6]\nset ylabel 'wall: y position [mm]'\nunset key\n";
   for (std::size_t i = 0; i < kModeTitles.size(); ++i) {
+    append(script, "set title \"%s\\noscillates by %.0f um\"\nplot ",
+           ("{/:Bold " + plain(kModeTitles[i]) + "}").c_str(),
+           run_of(wall, i).metrics.highpass_rms.y() * 1e6);
+    script += "'" + mode_run(wall, i) + ".csv' skip 1 using 1:($3*1e3) with lines ls 1\n";
+  }
+  script += "set yrange [0:60]\nset ylabel 'wall: y force on the hand [N]'\n";
+  for (std::size_t i = 0; i < kModeTitles.size(); ++i) {
+    append(script, "set title '%.0f %% of the commanded force'\n",
+           100.0 * run_of(wall, i).metrics.force_ratio);
+    const std::string csv = "'" + mode_run(wall, i) + ".csv' skip 1 using 1:";
+    script += std::string(i == 0 ? "set key top right\n" : "unset key\n") + "plot " + csv +
+              "($6+$9) with lines ls 3 title 'commanded', " + csv +
+              "12 with lines ls 2 title 'rendered'\n";
+  }
+  script += "set xtics 100\nset ytics 100\nunset key\n";
+  for (std::size_t i = 0; i < kModeTitles.size(); ++i) {
+    const ExperimentMetrics& m = run_of(sphere, i).metrics;
     std::string title;
-    for (const char c : std::string(kModeTitles[i]))
-      title += c == '_' ? "\\\\_" : std::string(1, c);
-    script += sphere_panel(mode_run(group, i), title);
+    append(title, "%.0f %% of the force, %.0f degrees off", 100.0 * m.force_ratio,
+           m.direction_error.mean * kDegrees);
+    script += sphere_panel(mode_run(sphere, i), title);
   }
   return script + "unset multiplot\n";
 }
@@ -122,22 +159,22 @@ std::string run_group(const FigureRun& run) {
 
 std::string run_name(const FigureRun& run) { return run_group(run) + "_" + std::string(run.mode); }
 
-void draw_figures(const std::filesystem::path& directory) {
+void draw_figures(const std::filesystem::path& directory, const std::vector<FigureRun>& runs) {
+  const std::string wall = kWallFigures;
   plot(directory, "figure2",
-       wall_script(2, "wall_b0.5_total_energy",
-                   "Figure 2: stiff wall with friction, bounded by the total energy only, Eq. (1): "
-                   "y buzzes, and "
-                   "nothing acts"));
+       wall_script(2, wall + "total_energy", -150,
+                   "Figure 2: stiff wall with friction (b = 8 N s/m), bounded by the total energy "
+                   "only, Eq. (1): y trembles, and nothing acts"));
   plot(directory, "figure3",
-       wall_script(3, "wall_b0.5_per_axis",
+       wall_script(3, wall + "per_axis", -450,
                    "Figure 3: the same wall, every axis passive by itself, Eq. (2)"));
   plot(directory, "figure5",
        sphere_script(5, "sphere_b0.5_per_axis", "Figure 5: per axis, before the projection"));
   plot(directory, "figure6",
        sphere_script(6, "sphere_b0.5_per_axis_projected",
                      "Figure 6: projected onto the commanded direction, Eq. (3)"));
-  plot(directory, "wall_modes", all_wall_modes("wall_b2"));
   plot(directory, "sphere_modes", all_sphere_modes("sphere_b0.5"));
+  plot(directory, "summary", summary(runs));
 }
 
 }  // namespace feltwire

@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "core/base/text.hpp"
+#include "core/bounding/device_account.hpp"
 #include "core/scene_file/load_scene.hpp"
 #include "scenes/paper_sphere_text.hpp"
 #include "scenes/paper_wall_text.hpp"
@@ -101,6 +102,8 @@ ExperimentSetup figure_setup(const std::string& experiment, std::string_view mod
   setup.bounding.projection = projection;
   setup.bounding.period = 1e-3;
   setup.bounding.damping = damping;
+  if (mode == kSessionMethod)
+    setup.account = account_config(setup.hand.spec, setup.bounding.period);
   return setup;
 }
 
@@ -135,7 +138,7 @@ std::vector<FigureRun> write_figures(const std::filesystem::path& directory) {
       for (std::size_t i = first; i < runs.size(); ++i) json.push_back(entry(figure, runs[i]));
   }
   write_text(directory / "figures.json", json.dump(1) + '\n');
-  draw_figures(directory);
+  draw_figures(directory, runs);
   return runs;
 }
 

@@ -11,9 +11,10 @@
 
 namespace feltwire {
 
-/// What is run: no bound, the paper's methods and ours.
-inline constexpr std::array<std::string_view, 5> kFigureModes = {
-    "none", "total_energy", "per_axis", "per_axis_projected", "contact_frame"};
+/// What is run: no bound, the paper's methods and ours. The last has the device's account behind
+/// it, as in a session.
+inline constexpr std::array<std::string_view, 6> kFigureModes = {
+    kUnbounded, "total_energy", "per_axis", "per_axis_projected", kDefaultMethod, kSessionMethod};
 
 /// One run of the paper's wall (Figures 2 and 3) or sphere (5 and 6).
 struct FigureRun {

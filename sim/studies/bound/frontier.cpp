@@ -1,14 +1,17 @@
 #include "sim/studies/bound/frontier.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <stdexcept>
 
 #include "core/base/parallel.hpp"
+#include "core/bounding/device_account.hpp"
 #include "core/scene_file/load_scene.hpp"
 #include "scenes/paper_wall_text.hpp"
 #include "sim/measure/metrics.hpp"
 #include "sim/measure/surfaces.hpp"
+#include "sim/published_laws/published_laws.hpp"
 #include "sim/studies/bound/figures.hpp"
 
 namespace feltwire {
@@ -17,8 +20,8 @@ namespace {
 constexpr double kPeriod = 1e-3;         // [s]
 constexpr double kPress = 3.0;           // [N]
 constexpr double kAir = 2.0;             // [s] of a warm start
+constexpr double kStiffEnough = 150.0;   // [N/m] of hands that press round things with 3 N
 constexpr double kFrictionShare = 0.75;  // of the dry friction, that the account is told
-constexpr double kCap = 3.0;             // times the need of the device's largest force
 
 /// The tasks of all cases. Made once: a scene takes long to parse.
 struct TaskSource {
@@ -56,21 +59,6 @@ CompareTask task_of(const FrontierCase& c, const TaskSource& source) {
   throw std::invalid_argument("the frontier has no task '" + c.task + "'");
 }
 
-AccountConfig account_of(const FrontierCase& c) {
-  AccountConfig account;
-  account.period = kPeriod;
-  account.translation.damping = c.damping;
-  account.translation.quantum = c.device.quantum;
-  if (c.need == Need::inertia || c.need == Need::inertia_friction) {
-    account.translation.mass = c.device.mass;
-    account.translation.outside_force = kHandForce;
-  }
-  if (c.need == Need::inertia_friction)
-    account.translation.coulomb_friction = kFrictionShare * c.device.friction;
-  account.cap = kCap * need_at_rest(account, {.elastic = Vec3(c.device.max_force, 0.0, 0.0)});
-  return account;
-}
-
 ExperimentSetup setup_of(const FrontierCase& c, const CompareTask& task) {
   ExperimentSetup setup;
   DeviceSpec& spec = setup.hand.spec;
@@ -78,21 +66,27 @@ ExperimentSetup setup_of(const FrontierCase& c, const CompareTask& task) {
   spec.damping = c.damping;
   spec.apparent_mass = c.device.mass;
   spec.coulomb_friction = c.device.friction;
-  spec.least_mass = spec.least_friction = 0.0;  // the account is told what its need says
+  const bool friction = c.need == Need::inertia_friction;
+  spec.least_mass = friction || c.need == Need::inertia ? c.device.mass : 0.0;
+  spec.least_friction = friction ? kFrictionShare * c.device.friction : 0.0;
+  spec.hand_force = kHandForce;
   spec.position_resolution = c.device.quantum;
   spec.max_force = spec.continuous_force = c.device.max_force;
   setup.hand.hand = c.hand.hand;
   setup.hand.task = task.hand;
   if (!c.cold) setup.hand.task.air = kAir;
   setup.duration = task.duration + setup.hand.task.air;
-  setup.bounding.mode = c.law;
+  setup.law = &law(c.law);
+  setup.walls = task.walls;
   setup.bounding.projection = Projection::cone;
   setup.bounding.period = kPeriod;
   setup.bounding.damping = c.damping;
   setup.bounding.quantum = c.device.quantum;
   setup.bounding.max_force = c.device.max_force;
   setup.delay = delay_samples(c.delay, kPeriod);
-  if (c.need != Need::no_account) setup.account = account_of(c);
+  if (c.need == Need::no_account) return setup;
+  setup.account = account_config(spec, kPeriod);
+  setup.account->cap *= c.cap / kAccountCap;
   return setup;
 }
 
@@ -135,6 +129,32 @@ FrontierRow run_case(const FrontierCase& c, const TaskSource& source) {
   return row;
 }
 
+/// A hand that has filled its account rests in the air and is pushed on as it goes.
+void push_on(const FrontierCase& c, const TaskSource& source, CapRow& row) {
+  constexpr double kRest = 1.0, kPush = 1.0;  // [s]
+  ExperimentSetup setup = setup_of(c, task_of(c, source));
+  setup.hand.task.path = HandPath::press;
+  setup.hand.task.depth = -setup.hand.task.clearance;
+  setup.duration = kAir + kRest + kPush;
+  constexpr auto begin = static_cast<std::size_t>((kAir + kRest) / kPeriod);
+  const auto samples = run_experiment(
+      [n = std::size_t{0}, f = c.device.max_force](const Tool& tool) mutable {
+        Command wrong;
+        if (n++ >= begin)
+          wrong.elastic = f * (tool.velocity.isZero(0.0) ? Vec3(Vec3::UnitY())
+                                                         : Vec3(tool.velocity.normalized()));
+        return wrong;
+      },
+      setup);
+  double given = 0.0;
+  for (std::size_t n = begin; n < samples.size(); ++n) {
+    const ExperimentSample& s = samples[n];
+    given += s.held.dot(s.displacement) - c.damping * s.displacement.squaredNorm() / kPeriod;
+    row.given = std::max(row.given, given);
+    row.speed = std::max(row.speed, (s.position - samples[n - 1].position).norm() / kPeriod);
+  }
+}
+
 struct Law {
   const char* name;
   Need need;
@@ -158,7 +178,48 @@ void add_laws(std::vector<FrontierCase>& cases, FrontierCase c) {
   if (c.delay == 0.0) add(kNear);
 }
 
+/// The laws of other papers, and the virtual coupling. They stand alone, as published.
+void add_published(std::vector<FrontierCase>& cases, FrontierCase c) {
+  c.need = Need::no_account;
+  for (const BoundingMethod& published : published_laws()) {
+    c.law = published.name;
+    cases.push_back(c);
+  }
+  c.law = "virtual_coupling";
+  cases.push_back(c);
+}
+
 }  // namespace
+
+std::vector<FrontierCase> published_cases() {
+  struct Where {
+    const char* task;
+    double delay;  // [s]
+  };
+  constexpr std::array kOnWalls = {Where{"wall", 0.0}, Where{"tap", 0.0}, Where{"press", 5e-3},
+                                   Where{"press", 20e-3}};
+  std::vector<FrontierCase> cases;
+  for (const Where& where : kOnWalls)
+    for (const double damping : {0.05, 0.5, 2.0, 8.0})
+      for (const double wall : {5e3, 4e4})
+        for (const NamedHand& hand : kEightHands)
+          for (const bool cold : {true, false})
+            add_published(cases, {.task = where.task,
+                                  .damping = damping,
+                                  .wall = wall,
+                                  .delay = where.delay,
+                                  .hand = hand,
+                                  .cold = cold});
+  for (const double damping : {0.05, 0.5, 2.0, 8.0})
+    for (const double delay : {0.0, 5e-3})
+      for (const NamedHand& hand : kEightHands) {
+        if (hand.hand.stiffness < kStiffEnough) continue;
+        add_published(
+            cases,
+            {.task = "sphere", .damping = damping, .wall = 5e3, .delay = delay, .hand = hand});
+      }
+  return cases;
+}
 
 std::vector<FrontierCase> frontier_cases() {
   constexpr std::array kDampings = {0.005, 0.05, 0.2, 0.5, 2.0, 8.0};
@@ -185,8 +246,6 @@ std::vector<FrontierCase> frontier_cases() {
                 if (pressed_long && (wall != 4e4 || delay > 0.0 || damping < 0.5)) continue;
                 add_laws(cases, c);
               }
-  // The hands that press these with 3 N and still reach round them.
-  constexpr double kStiffEnough = 150.0;  // [N/m]
   for (const char* task : {"sphere", "corner", "edge", "torus", "stick_slip"})
     for (const double damping : kDampings)
       for (const double delay : kDelays)
@@ -195,7 +254,26 @@ std::vector<FrontierCase> frontier_cases() {
           add_laws(cases,
                    {.task = task, .damping = damping, .wall = 5e3, .delay = delay, .hand = hand});
         }
+  const auto published = published_cases();
+  cases.insert(cases.end(), published.begin(), published.end());
   return cases;
+}
+
+std::vector<CapRow> cap_trade() {
+  constexpr std::array kCaps = {0.5, 1.0, 3.0, 10.0, 30.0};
+  const TaskSource source;
+  std::vector<CapRow> rows(kCaps.size());
+  parallel_for(kCaps.size(), [&](std::size_t i) {
+    FrontierCase c{
+        .law = "midpoint", .need = Need::inertia_friction, .cold = false, .cap = kCaps[i]};
+    rows[i].cap = c.cap;
+    rows[i].energy = setup_of(c, task_of(c, source)).account->cap;
+    push_on(c, source, rows[i]);
+    rows[i].wall = run_case(c, source).displayed;
+    c.task = "tap";
+    rows[i].taps = run_case(c, source).displayed;
+  });
+  return rows;
 }
 
 std::vector<FrontierRow> run_frontier(const std::vector<FrontierCase>& cases) {

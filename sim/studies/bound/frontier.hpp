@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "core/bounding/device_account.hpp"
 #include "sim/hands/eight_hands.hpp"
 #include "sim/studies/bound/compare_tasks.hpp"
 
@@ -35,14 +36,15 @@ inline constexpr std::array<FrontierDevice, 2> kFrontierDevices = {
 
 struct FrontierCase {
   std::string task = "wall";
-  std::string law = "none";  // a method of the registry
+  std::string law = "none";  // of the registry or of other papers
   Need need = Need::no_account;
   double damping = 0.5;  // b [N s/m]
   FrontierDevice device = kFrontierDevices[0];
   double wall = 4e4;   // [N/m]
   double delay = 0.0;  // [s] a round trip
   NamedHand hand = kEightHands[0];
-  bool cold = true;  // else the hand moves 2 s in the air first, which fills the account
+  bool cold = true;          // else the hand moves 2 s in the air first, which fills the account
+  double cap = kAccountCap;  // of the account, in needs of the device's largest force at rest
 };
 
 struct FrontierRow {
@@ -56,6 +58,9 @@ struct FrontierRow {
 
 /// The cases of the whole study.
 std::vector<FrontierCase> frontier_cases();
+/// Those of them that the laws of other papers run: the paper's wall, taps, the sphere, and a press
+/// on a wall that answers late.
+std::vector<FrontierCase> published_cases();
 
 /// Runs every case, deterministic; rows in the order of the cases.
 std::vector<FrontierRow> run_frontier(const std::vector<FrontierCase>& cases);
@@ -65,7 +70,19 @@ std::vector<FrontierRow> run_frontier(const std::vector<FrontierCase>& cases);
 std::vector<FrontierRow> write_frontier(const std::filesystem::path& directory,
                                         const std::vector<FrontierCase>& cases);
 
-/// For people: the displayed share and how many hands are calm, by law, damping and delay.
+/// What a wrong command gives to a hand, and what a right one shows, by the cap of the account.
+struct CapRow {
+  double cap = 0.0;               // in needs of the device's largest force at rest
+  double energy = 0.0;            // [J] the cap
+  double given = 0.0;             // [J] by a command that pushes on whatever way the hand goes
+  double speed = 0.0;             // [m/s] that the hand reaches by it
+  double wall = 0.0, taps = 0.0;  // displayed share, usual hand, warm
+};
+std::vector<CapRow> cap_trade();
+
+/// For people: the displayed share and how many hands are calm, by law, damping and delay; then
+/// what the laws of other papers make of the same things beside ours.
 std::string frontier_table(const std::vector<FrontierRow>& rows);
+std::string published_table(const std::vector<FrontierRow>& rows);
 
 }  // namespace feltwire

@@ -7,13 +7,14 @@
 #include "core/base/text.hpp"
 #include "sim/measure/metrics.hpp"
 #include "sim/measure/step_cost.hpp"
+#include "sim/published_laws/published_laws.hpp"
 #include "sim/report/plot.hpp"
 #include "sim/studies/bound/frontier.hpp"
+#include "sim/studies/bound/over_hands.hpp"
 
 namespace feltwire {
 namespace {
 
-constexpr double kCalm = 10e-6;  // [m] RMS, below it a finger feels no oscillation
 constexpr double kMilli = 1e3, kMicro = 1e6;
 
 using Json = nlohmann::ordered_json;
@@ -54,9 +55,9 @@ std::string csv(const std::vector<FrontierRow>& rows) {
 }
 
 /// [ns] of a step of law and account, over a hand that swings in a wall.
-double swing_cost(const std::string& law, Need need) {
+double swing_cost(const std::string& name, Need need) {
   ExperimentSetup setup;
-  setup.bounding.mode = law;
+  setup.law = &law(name);
   setup.bounding.damping = 0.5;
   if (need != Need::no_account) {
     PortKnowledge& known = setup.account.emplace().translation;
@@ -82,36 +83,6 @@ Costs step_costs(const std::vector<FrontierRow>& rows) {
     if (!costs.contains(key)) costs[key] = swing_cost(key.first, key.second);
   }
   return costs;
-}
-
-/// Over the hands: what is displayed where the hand is calm, else nothing.
-struct OverHands {
-  std::size_t hands = 0, calm = 0;
-  double median = 0.0, worst = 0.0;
-};
-using Picks = std::function<bool(const FrontierCase&)>;
-
-/// Over a curved surface the hand is meant to move: what of that is too fast is not judged here.
-bool is_flat(const std::string& task) {
-  return task == "wall" || task == "press" || task == "tremor";
-}
-
-OverHands over_hands(const std::vector<FrontierRow>& rows, const Picks& picks) {
-  std::vector<double> shares;
-  OverHands result;
-  for (const FrontierRow& row : rows) {
-    if (!picks(row.made)) continue;
-    const bool calm = !is_flat(row.made.task) || row.oscillation < kCalm;
-    result.calm += calm ? 1 : 0;
-    shares.push_back(calm ? row.displayed : 0.0);
-  }
-  result.hands = shares.size();
-  if (shares.empty()) return result;
-  std::sort(shares.begin(), shares.end());
-  const std::size_t half = shares.size() / 2;
-  result.median = shares.size() % 2 ? shares[half] : 0.5 * (shares[half - 1] + shares[half]);
-  result.worst = shares.front();
-  return result;
 }
 
 struct Curve {
@@ -286,6 +257,14 @@ std::string frontier_table(const std::vector<FrontierRow>& rows) {
     }
     text += '\n';
   }
+  text +=
+      "\nThe cap of the account, simulated device, b = 0.5: what a command gives that pushes the "
+      "hand "
+      "on\nwhatever way it goes, and what the usual hand is shown of 40 kN/m\n"
+      "  cap [needs, mJ] | given [mJ] | speed [m/s] | wall  | taps\n";
+  for (const CapRow& row : cap_trade())
+    append(text, "  %5g   %6.1f | %10.1f | %11.2f | %5.3f | %5.3f\n", row.cap, row.energy * kMilli,
+           row.given * kMilli, row.speed, row.wall, row.taps);
   return text;
 }
 

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 
 #include "client/devices/simulated_device.hpp"
+#include "core/base/parallel.hpp"
 #include "core/bounding/bounding.hpp"
 #include "core/scene/scene.hpp"
 #include "sim/measure/cost.hpp"
@@ -48,8 +50,10 @@ Vec3 normal(const Surface& surface, const Vec3& position) {
   return surface.ball ? position.normalized() : Vec3::UnitZ();
 }
 
-SimulatedHandOptions hand_of(const Surface& surface, double damping, bool slides) {
+SimulatedHandOptions hand_of(const Surface& surface, const Hand& hand, double damping,
+                             bool slides) {
   SimulatedHandOptions options;
+  options.hand = hand;
   options.spec = builtin_device("simulated");
   options.spec.damping = damping;
   HandTask& task = options.task;
@@ -147,13 +151,15 @@ double pressing_slope(const Surface& surface, const std::vector<RateSample>& sam
 }
 
 RateCell measure_cell(const Surface& surface, double damping, double rate,
-                      const RateArithmetic& arithmetic) {
-  RateCell cell{surface.name, damping, rate, arithmetic.name, 0.0, 0.0, 0.0};
+                      const RateArithmetic& arithmetic, const NamedHand& named) {
+  RateCell cell{surface.name, damping, rate, arithmetic.name, named.name, 0.0, 0.0, 0.0};
+  const Hand& hand = named.hand;
   cell.displayed = pressing_slope(
-      surface, run(arithmetic, surface, hand_of(surface, damping, false), rate, kPressDuration));
+      surface,
+      run(arithmetic, surface, hand_of(surface, hand, damping, false), rate, kPressDuration));
 
   const auto samples =
-      run(arithmetic, surface, hand_of(surface, damping, true), rate, kSlideDuration);
+      run(arithmetic, surface, hand_of(surface, hand, damping, true), rate, kSlideDuration);
   std::vector<double> heights, angles;
   for (std::size_t n = 0; n < samples.size(); ++n) {
     const RateSample& s = samples[n];
@@ -181,13 +187,26 @@ double bound_cost_ns(const std::vector<RateSample>& samples, const BoundingConfi
 
 }  // namespace
 
+RateGrid hands_rate_grid() {
+  RateGrid grid;
+  grid.hands.assign(kEightHands.begin(), kEightHands.end());
+  grid.float_too = false;
+  return grid;
+}
+
 std::vector<RateCell> run_rate(const RateGrid& grid) {
-  std::vector<RateCell> cells;
+  const std::size_t arithmetics = grid.float_too ? std::size(kRateArithmetics) : 1;
+  std::vector<std::function<RateCell()>> todo;
   for (const Surface& surface : kSurfaces)
     for (const double damping : grid.dampings)
       for (const double rate : grid.rates)
-        for (const RateArithmetic& arithmetic : kRateArithmetics)
-          cells.push_back(measure_cell(surface, damping, rate, arithmetic));
+        for (std::size_t a = 0; a < arithmetics; ++a)
+          for (const NamedHand& hand : grid.hands)
+            todo.push_back([&surface, damping, rate, a, &hand] {
+              return measure_cell(surface, damping, rate, kRateArithmetics[a], hand);
+            });
+  std::vector<RateCell> cells(todo.size());
+  parallel_for(todo.size(), [&](std::size_t i) { cells[i] = todo[i](); });
   return cells;
 }
 
@@ -197,7 +216,7 @@ std::vector<RateCost> measure_rate_cost() {
   // What is computed must be wanted by somebody, or the compiler leaves it out.
   volatile double kept = 0.0;
   for (const Surface& surface : kSurfaces) {
-    const SimulatedHandOptions hand = hand_of(surface, kDamping, true);
+    const SimulatedHandOptions hand = hand_of(surface, kEightHands[0].hand, kDamping, true);
     const auto samples = run(kRateArithmetics[0], surface, hand, kRate, kSlideDuration);
     BoundingConfig config;
     config.projection = Projection::cone;

@@ -6,6 +6,8 @@
 #include <string_view>
 #include <vector>
 
+#include "sim/hands/eight_hands.hpp"
+
 namespace feltwire {
 
 /// How the numbers of a loop are held. In float: the position that the device reports, rounded to
@@ -23,12 +25,16 @@ inline constexpr RateArithmetic kRateArithmetics[] = {
 struct RateGrid {
   std::vector<double> rates = {250, 500, 1000, 2000, 4000, 1e4, 2e4};  // [Hz]
   std::vector<double> dampings = {0.5, 2.0};                           // b [N s/m]
+  std::vector<NamedHand> hands = {kEightHands[0]};
+  bool float_too = true;  // else in double only
 };
+/// All rates and dampings in double, by all eight hands.
+RateGrid hands_rate_grid();
 
 struct RateCell {
   std::string surface;               // "wall 40 kN/m", "wall 1 kN/m", "sphere 5 kN/m"
   double damping = 0.0, rate = 0.0;  // [N s/m], [Hz]
-  std::string_view arithmetic;
+  std::string_view arithmetic, hand;
   /// [N/m] least-squares slope of the rendered normal force over the true depth, while the depth
   /// of a hand that presses up to 3 N within a second grows.
   double displayed = 0.0;
@@ -39,8 +45,8 @@ struct RateCell {
   double oscillation = 0.0;
 };
 
-/// Every cell: surfaces, dampings, rates, arithmetics, the last fastest. contact_frame with cone
-/// projection on the built-in simulated device. Deterministic.
+/// Every cell: surfaces, dampings, rates, arithmetics, hands, the last fastest. contact_frame with
+/// cone projection on the built-in simulated device. Deterministic.
 std::vector<RateCell> run_rate(const RateGrid& grid);
 
 /// CPU time of one step on this machine, on the inputs of the sliding runs at 1 kHz.
@@ -55,6 +61,11 @@ std::vector<RateCost> measure_rate_cost();
 /// std::runtime_error when something cannot be written or drawn.
 void write_rate(const std::filesystem::path& directory, const RateGrid& grid,
                 const std::vector<RateCell>& cells, const std::vector<RateCost>& costs);
+
+/// Writes rate_hands.csv to `directory`, which exists: a cell by each of the eight hands.
+void write_rate_hands(const std::filesystem::path& directory, const std::vector<RateCell>& cells);
+/// Cells of all eight hands as a table for people: the median of the hands and the worst.
+std::string rate_hands_table(const std::vector<RateCell>& cells);
 
 /// Both as tables for people.
 std::string rate_table(const std::vector<RateCell>& cells);

@@ -16,8 +16,9 @@ constexpr double kAtRest = 1.0;    // [s]
 constexpr double kDuration = 2.0;  // [s]
 
 ExperimentSetup press_setup(const Method& method, double damping, double rate, double delay,
-                            double stiffness) {
+                            double stiffness, const Hand& hand) {
   ExperimentSetup setup;
+  setup.hand.hand = hand;
   setup.hand.spec = builtin_device("simulated");
   setup.hand.spec.damping = damping;
   setup.hand.task.path = HandPath::press;
@@ -40,20 +41,28 @@ ZWidthGrid full_zwidth_grid() {
   return grid;
 }
 
+ZWidthGrid hands_zwidth_grid() {
+  ZWidthGrid grid = full_zwidth_grid();
+  grid.rates = {1000.0};
+  grid.hands.assign(kEightHands.begin(), kEightHands.end());
+  return grid;
+}
+
 double quantum_limit() {
   const DeviceSpec& spec = builtin_device("simulated");
   return 2.0 * spec.coulomb_friction / spec.position_resolution;
 }
 
-Press press_wall(const Method& method, double damping, double rate, double delay,
-                 double stiffness) {
+Press press_wall(const Method& method, double damping, double rate, double delay, double stiffness,
+                 const Hand& hand) {
   // The half space below z = 0.
   const Environment wall = [stiffness](const Tool& tool) {
     Command command;
     command.elastic.z() = stiffness * std::max(0.0, -tool.position.z());
     return command;
   };
-  const auto samples = run_experiment(wall, press_setup(method, damping, rate, delay, stiffness));
+  const auto samples =
+      run_experiment(wall, press_setup(method, damping, rate, delay, stiffness, hand));
 
   std::vector<double> height;
   double depth = 0.0, force = 0.0;  // sums at rest
@@ -72,23 +81,27 @@ Press press_wall(const Method& method, double damping, double rate, double delay
 std::vector<ZWidthCell> map_zwidth(const ZWidthGrid& grid) {
   std::vector<ZWidthCell> cells;
   std::vector<const Method*> method_of;
+  std::vector<Hand> hand_of;
   for (const Method& method : grid.methods)
     for (const double damping : grid.dampings)
       for (const double rate : grid.rates)
-        for (const double delay : grid.delays) {
-          ZWidthCell cell;
-          cell.method = method.label;
-          cell.damping = damping;
-          cell.rate = rate;
-          cell.delay = delay;
-          cell.samples = delay_samples(delay, 1.0 / rate);
-          cells.push_back(cell);
-          method_of.push_back(&method);
-        }
+        for (const double delay : grid.delays)
+          for (const NamedHand& hand : grid.hands) {
+            ZWidthCell cell;
+            cell.method = method.label;
+            cell.hand = hand.name;
+            cell.damping = damping;
+            cell.rate = rate;
+            cell.delay = delay;
+            cell.samples = delay_samples(delay, 1.0 / rate);
+            cells.push_back(cell);
+            method_of.push_back(&method);
+            hand_of.push_back(hand.hand);
+          }
   parallel_for(cells.size(), [&](std::size_t i) {
     ZWidthCell& cell = cells[i];
     const auto press = [&](double stiffness) {
-      return press_wall(*method_of[i], cell.damping, cell.rate, cell.delay, stiffness);
+      return press_wall(*method_of[i], cell.damping, cell.rate, cell.delay, stiffness, hand_of[i]);
     };
     cell.limit = largest_calm(grid.range, [&](double k) { return press(k).calm(); });
     if (cell.limit.stiffness > 0.0) cell.at_limit = press(cell.limit.stiffness);

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "sim/hands/eight_hands.hpp"
 #include "sim/measure/methods.hpp"
 #include "sim/measure/stiffness_search.hpp"
 
@@ -18,10 +19,13 @@ struct ZWidthGrid {
   std::vector<double> dampings = {0.5, 2.0, 8.0};            // b [N s/m] of the device
   std::vector<double> rates = {500, 1000, 2000, 4000, 1e4};  // [Hz] of servo loop and wall
   std::vector<double> delays = {0.0, 1e-3, 5e-3, 20e-3};     // [s] a round trip
+  std::vector<NamedHand> hands = {kEightHands[0]};
   StiffnessRange range;
 };
-/// All methods, everywhere.
+/// All methods, everywhere, by one hand.
 ZWidthGrid full_zwidth_grid();
+/// All methods at 1 kHz, by all eight hands.
+ZWidthGrid hands_zwidth_grid();
 
 /// The stiffness that every method is asked for beside its own largest [N/m].
 inline constexpr double kFixedStiffness = 5000.0;
@@ -38,10 +42,12 @@ struct Press {
                                     // when the hand oscillates, or does not touch
   bool calm() const { return oscillation <= kFeltOscillation; }
 };
-Press press_wall(const Method& method, double damping, double rate, double delay, double stiffness);
+Press press_wall(const Method& method, double damping, double rate, double delay, double stiffness,
+                 const Hand& hand = kEightHands[0].hand);
 
 struct ZWidthCell {
   std::string_view method;
+  std::string_view hand;
   double damping = 0.0, rate = 0.0, delay = 0.0;  // [N s/m], [Hz], [s]
   int samples = 0;                                // the delay in whole samples, rounded up
   StiffnessLimit limit;  // of presses that move the hand by kFeltOscillation or less
@@ -49,7 +55,7 @@ struct ZWidthCell {
   Press at_fixed;        // kFixedStiffness
 };
 
-/// Every cell, delays fastest, then rates, dampings, methods.
+/// Every cell, hands fastest, then delays, rates, dampings, methods.
 std::vector<ZWidthCell> map_zwidth(const ZWidthGrid& grid);
 
 /// Above 2 f_c / quantum [N/m] one encoder step moves the wall's force by more than the device's
@@ -60,6 +66,12 @@ double quantum_limit();
 /// std::runtime_error when something cannot be written or drawn.
 std::vector<ZWidthCell> write_zwidth(const std::filesystem::path& directory,
                                      const ZWidthGrid& grid);
+
+/// Writes zwidth_hands.csv to `directory`, which exists.
+void write_zwidth_hands(const std::filesystem::path& directory,
+                        const std::vector<ZWidthCell>& cells);
+/// Cells of all eight hands as a table for people: the median of the hands and the worst.
+std::string zwidth_hands_table(const std::vector<ZWidthCell>& cells);
 
 /// The map as tables for people: all rates at the grid's first delay, all delays at its second
 /// rate.

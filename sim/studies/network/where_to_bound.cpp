@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <span>
 #include <stdexcept>
 
 #include "core/base/parallel.hpp"
@@ -49,11 +50,12 @@ Vec3 normal(const SidesTask& task, const Vec3& position) {
   return task.ball ? direction(position) : Vec3(Vec3::UnitZ());
 }
 
-NetworkRunOptions options_of(const SidesTask& task) {
+NetworkRunOptions options_of(const SidesTask& task, const Hand& arm) {
   NetworkRunOptions options;
   options.duration = task.duration;
   options.hand.spec = builtin_device("simulated");
   options.hand.spec.damping = kDamping;
+  options.hand.hand = arm;
   HandTask& hand = options.hand.task;
   hand.path = task.path;
   hand.depth = kPress / options.hand.hand.stiffness;
@@ -108,8 +110,8 @@ void measure(const SidesTask& task, const NetworkRunResult& run, SidesCell& cell
       ratio(static_cast<double>(run.servo.answered), static_cast<double>(run.servo.samples));
 }
 
-void run_cell(const SidesTask& task, double assumed_damping, SidesCell& cell) {
-  NetworkRunOptions options = options_of(task);
+void run_cell(const SidesTask& task, const Hand& hand, double assumed_damping, SidesCell& cell) {
+  NetworkRunOptions options = options_of(task, hand);
   if (assumed_damping != 1.0) {
     options.told = options.hand.spec;
     options.told->damping = assumed_damping * kDamping;
@@ -130,26 +132,39 @@ void run_cell(const SidesTask& task, double assumed_damping, SidesCell& cell) {
 
 }  // namespace
 
+SidesGrid hands_sides_grid() {
+  SidesGrid grid;
+  grid.jitters = {0.0};
+  grid.losses = {{0.0, 0.0}, {0.1, 0.0}};
+  grid.hands.assign(kEightHands.begin(), kEightHands.end());
+  grid.taking_hand = false;
+  return grid;
+}
+
 std::vector<SidesCell> run_sides(const SidesGrid& grid) {
   if (!(grid.assumed_damping > 0.0) || !std::isfinite(grid.assumed_damping))
     throw std::invalid_argument("the told damping must be finite and above zero, 1 is the truth");
   std::vector<SidesCell> cells;
-  for (const SidesTask& task : kTasks)
+  const std::size_t tasks = kTasks.size() - (grid.taking_hand ? 0 : 1);
+  for (const SidesTask& task : std::span(kTasks).first(tasks))
     for (const std::string_view bound : kSidesBounds)
       for (const double round_trip : grid.round_trips)
         for (const double jitter : grid.jitters)
-          for (const SidesLoss& loss : grid.losses) {
-            SidesCell cell;
-            cell.task = task.name;
-            cell.bound = bound;
-            cell.round_trip = round_trip;
-            cell.jitter = jitter;
-            cell.loss = loss;
-            cells.push_back(cell);
-          }
-  const std::size_t per_task = cells.size() / kTasks.size();
+          for (const SidesLoss& loss : grid.losses)
+            for (const NamedHand& hand : grid.hands) {
+              SidesCell cell;
+              cell.task = task.name;
+              cell.bound = bound;
+              cell.hand = hand.name;
+              cell.round_trip = round_trip;
+              cell.jitter = jitter;
+              cell.loss = loss;
+              cells.push_back(cell);
+            }
+  const std::size_t per_task = cells.size() / tasks;
   parallel_for(cells.size(), [&](std::size_t i) {
-    run_cell(kTasks[i / per_task], grid.assumed_damping, cells[i]);
+    run_cell(kTasks[i / per_task], grid.hands[i % grid.hands.size()].hand, grid.assumed_damping,
+             cells[i]);
   });
   return cells;
 }

@@ -6,6 +6,8 @@
 #include <string_view>
 #include <vector>
 
+#include "sim/hands/eight_hands.hpp"
+
 namespace feltwire {
 
 /// How datagrams are lost, in each direction.
@@ -20,10 +22,15 @@ struct SidesGrid {
   std::vector<double> jitters = {0.0, 1e-3, 5e-3, 20e-3};  // [s] of each direction
   std::vector<SidesLoss> losses = {{0.0, 0.0},  {0.01, 0.0}, {0.1, 0.0}, {0.3, 0.0},
                                    {0.01, 8.0}, {0.1, 8.0},  {0.3, 8.0}};
+  std::vector<NamedHand> hands = {kEightHands[0]};
+  bool taking_hand = true;  // that task too, which no hand of these does
   /// What the bounds are told of the device's damping, over what it is: above 1 they are wrong, and
   /// the taking hand must find it out.
   double assumed_damping = 1.0;
 };
+
+/// All eight hands over all round trips, without loss and with 10 %, without jitter.
+SidesGrid hands_sides_grid();
 
 /// What there is to compare: no bound, and the session parameter's choices.
 inline constexpr std::string_view kSidesBounds[] = {"none", "server", "client", "both"};
@@ -31,7 +38,7 @@ inline constexpr std::string_view kSidesBounds[] = {"none", "server", "client", 
 /// One task under one bound over one link. Numbers of the second half of the run but for the
 /// energies.
 struct SidesCell {
-  std::string_view task, bound;
+  std::string_view task, bound, hand;
   double round_trip = 0.0, jitter = 0.0;  // [s]
   SidesLoss loss;
   /// [m] RMS of the true height over the surface less a centred moving average of 51 ms.
@@ -53,8 +60,8 @@ struct SidesCell {
   double answered = 0.0;         // share of the samples
 };
 
-/// Every cell: tasks, bounds, round trips, jitters, losses, the last fastest. 1 kHz, b = 0.5 N s/m,
-/// contact_frame, redundancy 3; the same fate for the same datagrams under all bounds.
+/// Every cell: tasks, bounds, round trips, jitters, losses, hands, the last fastest. 1 kHz, b = 0.5
+/// N s/m, contact_frame, redundancy 3; the same fate for the same datagrams under all bounds.
 /// Deterministic. Throws std::invalid_argument for a grid that cannot be run.
 std::vector<SidesCell> run_sides(const SidesGrid& grid);
 
@@ -65,6 +72,12 @@ bool bounds_hold(const std::vector<SidesCell>& cells);
 /// Writes sides.csv, sides.json and sides.png, the same bytes every time. `directory` is created.
 /// Throws std::runtime_error when something cannot be written or drawn.
 void write_sides(const std::filesystem::path& directory, const std::vector<SidesCell>& cells);
+
+/// Writes sides_hands.csv to `directory`, which exists.
+void write_sides_hands(const std::filesystem::path& directory, const std::vector<SidesCell>& cells);
+/// Cells of all eight hands over a clean line as tables for people: the median of the hands and the
+/// worst.
+std::string sides_hands_table(const std::vector<SidesCell>& cells);
 
 /// By round trip over a clean line, and the worst and mean over all jitters and losses; for people.
 std::string sides_table(const std::vector<SidesCell>& cells);

@@ -172,6 +172,27 @@ TEST(Options, NoFileIsWrittenTwiceNorOverWhatIsRead) {
       std::holds_alternative<int>(parsed({"--record", "/dev/null", "--report", "/dev/null"})));
 }
 
+TEST(Options, TheLimitsOfARecordingsFilesAreOfMcapFiles) {
+  const testing::TemporaryFolder folder;
+  const std::string file = folder / "hand.mcap";
+  const auto options = std::get<ClientOptions>(
+      parsed({"--record", file, "--record-max-mib", "64", "--record-max-seconds", "600"}));
+  EXPECT_EQ(options.record_limits.mebibytes, 64.0);
+  EXPECT_EQ(options.record_limits.seconds, 600.0);
+  EXPECT_FALSE(std::get<ClientOptions>(parsed({"--record", file})).record_limits.any());
+  EXPECT_THAT(refusal({"--record", folder / "hand.csv", "--record-max-mib", "64"}),
+              HasSubstr("give --record FILE.mcap"));
+  EXPECT_THAT(refusal({"--record-max-seconds", "60"}), HasSubstr("give --record FILE.mcap"));
+  EXPECT_THAT(refusal({"--record", file, "--record-max-mib", "0.5"}),
+              HasSubstr("--record-max-mib must be 1 MiB or more"));
+  EXPECT_THAT(refusal({"--record", file, "--record-max-seconds", "nan"}),
+              HasSubstr("--record-max-seconds must be 1 s or more"));
+  // The file that is written has a number.
+  EXPECT_THAT(
+      refusal({"--record", file, "--record-max-mib", "64", "--report", folder / "hand-0001.mcap"}),
+      HasSubstr("--report and --record name the same file"));
+}
+
 TEST(Options, WhatIsReadIsARegularFile) {
   const testing::TemporaryFolder folder;
   const auto pipe = folder / "pipe";

@@ -118,12 +118,13 @@ struct LostRun {
   std::shared_ptr<ServoTask> task;
   Ring<LiveStatus> statuses{16};
   Ring<SessionAddress> sessions{4};
-  Records records{{.recording = folder / "felt.csv", .view = {}, .observes = false}};
+  std::filesystem::path file;
+  Records records{{.recording = RecordingTarget{file}, .view = {}, .observes = false}};
   Signals signals;
   std::thread answering;
   std::atomic<bool> over{false};
 
-  LostRun() {
+  explicit LostRun(const char* name) : file(folder / name) {
     SessionParameters p;
     p.mode = "none";
     p.hold_time = 0.2;
@@ -158,7 +159,7 @@ struct LostRun {
     EXPECT_EQ(hand->largest, 3.0) << nth;
     EXPECT_EQ(task->result.end, EndReason::server_goodbye) << nth;
     if (!records.failed()) {
-      EXPECT_GT(testing::text_of(folder / "felt.csv").size(), 100u) << nth;
+      EXPECT_GT(testing::text_of(file).size(), 100u) << nth;
     }
   }
 };
@@ -169,12 +170,12 @@ ServerAccess nobody() {
 }
 control::JoinRequest anyone() { return {"tester", "floor", builtin_device("simulated"), {}}; }
 
-TEST(FaultInjection, EachAllocationOfTheMainThreadFailsAndTheRunEndsInOrder) {
+void fail_each_allocation_of_the_main_thread(const char* recording) {
   const ServerAccess access = nobody();
   long points = 0;
   bool reached = true;
   for (long nth = 0; reached; ++nth) {
-    LostRun run;
+    LostRun run(recording);
     Reconnector reconnector(access, anyone(), run.sessions, {.first_wait = 10ms});
     ServoThread thread(run.task);
     failed_once.store(false);
@@ -189,6 +190,13 @@ TEST(FaultInjection, EachAllocationOfTheMainThreadFailsAndTheRunEndsInOrder) {
   }
   EXPECT_GT(points, 10);
   std::printf("%ld allocations of the main thread failed in turn\n", points);
+}
+
+TEST(FaultInjection, EachAllocationOfTheMainThreadFailsAndTheRunEndsInOrder) {
+  fail_each_allocation_of_the_main_thread("felt.csv");
+}
+TEST(FaultInjection, EachAllocationOfAnMcapRecordingFailsAndTheRunEndsInOrder) {
+  fail_each_allocation_of_the_main_thread("felt.mcap");
 }
 
 /// An attempt that has no memory is no refusal.
@@ -237,7 +245,7 @@ TEST(FaultInjection, AnAttemptThatGetsNoThreadIsTriedAgain) {
 /// The watch's thread, the servo's.
 TEST(FaultInjection, AServoThatGetsNoThreadTellsItsDeviceNothing) {
   for (const int which : {0, 1}) {
-    LostRun run;
+    LostRun run("felt.csv");
     run.over.store(true);
     if (which == 0) {
       threads_refused.store(1);

@@ -17,11 +17,11 @@ namespace {
 
 using testing::text_of;
 
-TEST(RecordingFile, HoldsWholeLinesAfterEachBatchAndReplays) {
+TEST(CsvRecording, HoldsWholeLinesAfterEachBatchAndReplays) {
   testing::TemporaryFolder folder;
   const auto path = folder / "run.csv";
   Ring<TickRecord> rows(8);
-  RecordingFile file(path);
+  CsvRecording file(path);
   EXPECT_EQ(text_of(path), "t,x,y,z,ex,ey,ez,fx,fy,fz,rx,ry,rz,age\n");
 
   rows.push({.time = 0.0, .position = {0.01, -0.02, 1e-7}});
@@ -45,14 +45,14 @@ TEST(RecordingFile, HoldsWholeLinesAfterEachBatchAndReplays) {
   EXPECT_EQ(recording.poses[1].pose.position, Vec3(0.011, -0.02, 0.0));
 }
 
-TEST(RecordingFile, SaysWhyItCannotBeWritten) {
-  EXPECT_THAT(testing::error_of<std::runtime_error>([] { RecordingFile("/nowhere/at/all.csv"); }),
+TEST(CsvRecording, SaysWhyItCannotBeWritten) {
+  EXPECT_THAT(testing::error_of<std::runtime_error>([] { CsvRecording("/nowhere/at/all.csv"); }),
               ::testing::HasSubstr("/nowhere/at/all.csv: No such file or directory"));
 }
 
-TEST(RecordingFile, AFullDiskIsSaid) {
+TEST(CsvRecording, AFullDiskIsSaid) {
   Ring<TickRecord> rows(2);
-  EXPECT_THAT(testing::error_of<std::runtime_error>([&] { RecordingFile file("/dev/full"); }),
+  EXPECT_THAT(testing::error_of<std::runtime_error>([&] { CsvRecording file("/dev/full"); }),
               ::testing::HasSubstr("No space left"));
 }
 
@@ -77,7 +77,7 @@ class FullDisk {
 };
 
 /// Wherever in a line the disk ends, what is there can be replayed.
-TEST(RecordingFile, OnAFullDiskEndsWithAWholeLine) {
+TEST(CsvRecording, OnAFullDiskEndsWithAWholeLine) {
   const testing::TemporaryFolder folder;
   for (rlim_t most = 100; most < 190; ++most) {
     const auto path = folder / "run.csv";
@@ -85,7 +85,7 @@ TEST(RecordingFile, OnAFullDiskEndsWithAWholeLine) {
     std::string error;
     {
       const FullDisk disk(most);
-      RecordingFile file(path);
+      CsvRecording file(path);
       for (int i = 0; i < 8; ++i) rows.push({.time = 0.001 * i, .position = {0.01, -0.02, 0.25}});
       error = testing::error_of<std::runtime_error>([&] { file.write(rows); });
     }
@@ -104,8 +104,10 @@ TEST(Records, OneFileThatFailsDoesNotEndTheOther) {
   const testing::TemporaryFolder folder;
   std::FILE* said = std::tmpfile();
   {
-    Records records(
-        {.recording = folder / "run.csv", .view = folder / "seen.csv", .observes = true}, said);
+    Records records({.recording = RecordingTarget{folder / "run.csv"},
+                     .view = folder / "seen.csv",
+                     .observes = true},
+                    said);
     Ring<TickRecord>* const rows = records.rows();
     ASSERT_NE(rows, nullptr);
     {

@@ -262,9 +262,11 @@ TEST(Servo, OnTheServersSideTheGuardAndTheSafetyClampsStay) {
   bench.servo.take(reply(1, elastic(0, 0, 7)), bench.now);
   EXPECT_EQ(bench.tick().force(), Vec3::Zero());  // nothing has been burned yet
   EXPECT_EQ(bench.servo.statistics().account_cut, 1u);
+  EXPECT_EQ(bench.servo.account_cut(), 1.0);
   for (const double x : {0.02, 0.0, 0.02}) bench.tick(at(x, 0, 0));
   EXPECT_EQ(bench.tick(at(0.02, 0, 0)).force(),
             Vec3(0, 0, 7));  // a client's bound would allow nothing at rest
+  EXPECT_EQ(bench.servo.account_cut(), 0.0);
   bench.servo.take(reply(2, elastic(300, 0, 400)), bench.now);
   EXPECT_TRUE(
       bench.tick(at(0.02, 0, 0)).force().isApprox(bench.spec.max_force * Vec3(0.6, 0, 0.8)));

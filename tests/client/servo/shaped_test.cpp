@@ -68,6 +68,8 @@ TEST(Shaped, ADeviceThatHasBurnedNothingGivesNothing) {
   bench.tick(at(0, 0, 1e-6));
   EXPECT_LT(bench.tick(at(0, 0, -2e-6)).force().norm(), 0.01);  // 0.14 N are asked for
   EXPECT_EQ(bench.servo.statistics().account_cut, 1u);
+  EXPECT_GT(bench.servo.account_cut(), 0.9);
+  EXPECT_LE(bench.servo.account_cut(), 1.0);
   EXPECT_EQ(bench.servo.account()->statistics().overdrawn, 0u);
 }
 
@@ -105,6 +107,26 @@ TEST(Shaped, TheStiffestSurfaceLimitsHowFastALateForceRises) {
     const double c = reloaded ? 3400.0 : 1500.0;
     EXPECT_NEAR(bench.tick(at(0, 0, -1e-4)).elastic.z(), 1e-4 * c, 1e-12);
   }
+}
+
+TEST(Shaped, ALateCornerRisesWallByWall) {
+  const auto force_of = [](bool told) {
+    Bench bench(parameters("shaped"));
+    burn(bench);
+    Reply corner = reply(bench.servo.sample().index, elastic(1, 0, 1));
+    if (told) {
+      corner.normals.add(Vec3::UnitX());
+      corner.normals.add(Vec3::UnitZ());
+    }
+    bench.servo.take(corner, bench.now);
+    bench.tick(at(0, 0, 0));
+    bench.tick(at(0, 0, -1e-4));
+    return bench.tick(at(-1e-5, 0, -1e-4)).elastic;
+  };
+  const double c = 2.0 * (0.5 + 1.2) / 1e-3;
+  EXPECT_NEAR(force_of(true).z(), 1e-4 * c, 1e-12);
+  EXPECT_NEAR(force_of(true).x(), 1e-5 * c, 1e-12);
+  EXPECT_EQ(force_of(false).x(), force_of(false).z()) << "one channel keeps the direction";
 }
 
 TEST(Shaped, AWallThatBecomesStifferUnderAHandThatRestsRisesSlowly) {

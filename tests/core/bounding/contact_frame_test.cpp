@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/base/numeric.hpp"
 #include "tests/core/contact_frame_fixture.hpp"
 
 namespace feltwire::contact_frame_test {

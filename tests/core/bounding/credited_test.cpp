@@ -123,7 +123,7 @@ TEST(Credited, SwingsInTheAirDoNotCount) {
 }
 
 TEST(Shaped, ACommandMadeAtTheDevicePassesAndALateOneIsCredited) {
-  Shaped<double> shaped(law());
+  Shaped<double> shaped(law(), kQuantum);
   BoundingStep s = step(Vec3(0, 0, -1e-5), push(8.0));
   s.local = true;
   EXPECT_EQ(shaped.step(s), s.command);
@@ -133,7 +133,7 @@ TEST(Shaped, ACommandMadeAtTheDevicePassesAndALateOneIsCredited) {
 }
 
 TEST(Midpoint, AsksHalfASampleAhead) {
-  const Midpoint<double> midpoint;
+  const Midpoint<double> midpoint(kQuantum);
   const Probe probe = midpoint.probe(Vec3(2e-4, 0, 0), Vec3(0, 4e-3, 0));
   EXPECT_EQ(probe.offset, Vec3(1e-4, 0, 0));
   EXPECT_EQ(probe.rotation, Vec3(0, 2e-3, 0));

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "core/bounding/bounding.hpp"
+#include "core/bounding/per_axis.hpp"
 #include "tests/core/support.hpp"
 
 namespace feltwire::paper_modes_test {

@@ -25,8 +25,8 @@ TEST(PortEnergy, AHeldForceDeliversForceTimesWay) {
 }
 
 TEST(PortEnergy, DryFrictionBurnsOverThePathThatIsCertain) {
-  constexpr double kRounding = 1e-9, kFriction = 0.3, kQuantum = 2e-5;
-  PortEnergy port(0.0, 0.0, kPeriod, kRounding, kFriction, kQuantum);
+  constexpr double kFriction = 0.3, kQuantum = 2e-5;
+  PortEnergy port(0.0, 0.0, kPeriod, {kFriction, kQuantum});
   for (int n = 0; n < 100; ++n)  // a quantum to and fro is no movement
     port.step({}, Vec3(n % 2 == 0 ? kQuantum : -kQuantum, 0, 0), Vec3::Zero(), kPeriod);
   EXPECT_EQ(port.burned(), 0.0);

@@ -57,10 +57,16 @@ TEST(VirtualCoupling, AStillHandHoldsTheScenesForceAtStretchFOverK) {
 }
 
 TEST(VirtualCoupling, WhatIsNotGivenIsTheStiffestThatIsPassive) {
-  // k = b/T = 500, b_c = b - kT/2 = 0.25; a tool too heavy to move answers (k + b_c / h) dx.
+  // k = 2 b/T = 1000, which leaves no damping; a tool too heavy to move answers k dx.
   Bounding bounding(coupling({{}, {}, 1e12}));
-  EXPECT_NEAR(bounding.step(step(1e-3)).rendered.force().x(), -(500.0 + 250.0) * 1e-3, 1e-12);
-  EXPECT_NEAR(bounding.step(step(0.0)).rendered.force().x(), -500.0 * 1e-3, 1e-12);
+  EXPECT_NEAR(bounding.step(step(1e-3)).rendered.force().x(), -1000.0 * 1e-3, 1e-12);
+  // With b_c given, k = 2 (b - b_c) / T = 600 is left: (k + b_c / h) dx.
+  Bounding damped(coupling({{}, 0.2, 1e12}));
+  EXPECT_NEAR(damped.step(step(1e-3)).rendered.force().x(), -(600.0 + 200.0) * 1e-3, 1e-12);
+  // With k given, b_c = b - kT/2 = 0.25 is what is left: (k + b_c / h) dx.
+  Bounding softer(coupling({500.0, {}, 1e12}));
+  EXPECT_NEAR(softer.step(step(1e-3)).rendered.force().x(), -(500.0 + 250.0) * 1e-3, 1e-12);
+  EXPECT_NEAR(softer.step(step(0.0)).rendered.force().x(), -500.0 * 1e-3, 1e-12);
 }
 
 TEST(VirtualCoupling, ADroppedForceBringsTheToolToTheDevice) {

@@ -143,7 +143,7 @@ TEST(BodyTool, BehindTheBoundNoHandGainsEnergy) {
   BoundingConfig config = test::config("contact_frame");
   for (const std::uint64_t seed : {1u, 2u, 3u}) {
     Bounding bounding(config);
-    PortEnergy port(config.damping, config.rotational_damping, config.period, 1e-12);
+    PortEnergy port(config.damping, config.rotational_damping, config.period, {}, 1e-12);
     BodyMemory memory;
     test::Random random(seed);
     Pose device{Vec3(0, 0, 0.042), Quaternion::Identity()};

@@ -158,6 +158,67 @@ TEST(ModelCodec, ModelsThatAreNoneAreDropped) {
   }
 }
 
+ContactNormals walls(std::initializer_list<Vec3> normals) {
+  ContactNormals n;
+  for (const Vec3& normal : normals) n.unit[static_cast<std::size_t>(n.count++)] = normal;
+  return n;
+}
+
+TEST(ModelCodec, TheNormalsOfTwoWallsOrThreeTravel) {
+  Generator random(16);
+  Encoder encoder;
+  Reply sent = random_reply(random, 0), received;
+  sent.modelled = false;
+  const std::size_t without = encoder.reply(sent).size();
+  sent.normals = walls({Vec3::UnitZ()});
+  EXPECT_EQ(encoder.reply(sent).size(), without) << "one wall says nothing";
+  const Vec3 oblique = Vec3(1.0, 2.0, 3.0).normalized();
+  for (const ContactNormals& normals :
+       {walls({Vec3::UnitX(), Vec3::UnitZ()}), walls({oblique, -Vec3::UnitX(), Vec3::UnitY()})}) {
+    sent.normals = normals;
+    const Bytes payload = encoder.reply(sent);
+    EXPECT_LE(payload.size(), without + 48u);
+    ASSERT_EQ(decode(payload, received), DropReason::none);
+    ASSERT_EQ(received.normals.count, normals.count);
+    for (std::size_t i = 0; i < 3; ++i) {
+      if (static_cast<int>(i) >= normals.count) continue;
+      EXPECT_LT((received.normals.unit[i] - normals.unit[i]).norm(), 1e-7);
+      EXPECT_NEAR(received.normals.unit[i].squaredNorm(), 1.0, 1e-15);
+    }
+  }
+  sent.normals = {};
+  ASSERT_EQ(verdict(sent, received), DropReason::none);
+  EXPECT_EQ(received.normals.count, 0) << "none of the reply before";
+}
+
+TEST(ModelCodec, NormalsThatAreNoneAreDropped) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  Generator random(17);
+  Reply sent = random_reply(random, 1), received;
+  for (const Vec3& bad : {Vec3(nan, 0, 0), Vec3(0, 0, 1.01), Vec3(Vec3::Zero())}) {
+    sent.normals = walls({Vec3::UnitX(), bad});
+    EXPECT_EQ(verdict(sent, received), DropReason::not_finite);
+  }
+  // What hardly stands out is no error of the sender, and no wall of its own.
+  sent.normals = walls({Vec3::UnitX(), Vec3::UnitX(), Vec3::UnitZ()});
+  ASSERT_EQ(verdict(sent, received), DropReason::none);
+  EXPECT_EQ(received.normals.count, 2);
+}
+
+TEST(ModelCodec, OneNormalOrFourAreACountThatIsWrong) {
+  for (const std::size_t count : {std::size_t{0}, std::size_t{1}, std::size_t{4}}) {
+    flatbuffers::FlatBufferBuilder builder;
+    const wire::Vec3d zero;
+    const wire::BoundingReport report;
+    const std::vector<wire::Vec3f> normals(count, wire::Vec3f(0, 0, 1));
+    const auto vector = builder.CreateVectorOfStructs(normals);
+    builder.Finish(wire::CreateReply(builder, 1, 0, 0, 0, &zero, &zero, nullptr, &report, 0,
+                                     nullptr, 0, 0, vector));
+    Reply out;
+    EXPECT_EQ(decode(Bytes(builder.GetBufferPointer(), builder.GetSize()), out), DropReason::count);
+  }
+}
+
 TEST(ModelCodec, MorePatchesThanAModelMayHave) {
   flatbuffers::FlatBufferBuilder builder;
   const std::vector<wire::Patch> patches(kMaxPatches + 1);

@@ -51,7 +51,7 @@ TEST(Ports, TheSchemaHasTheSame) {
 
 /// Every port in a command line or an address that the documents show.
 TEST(Ports, DocumentsShowTheSame) {
-  const std::set<int> ours = {kDefaultPort, kDefaultRelayPort};
+  const std::set<int> ours = {kDefaultPort, kDefaultRelayPort, kExamplePagePort};
   std::vector<fs::path> pages = {kRoot / "README.md", kRoot / "protocol/PROTOCOL.md"};
   for (const auto& entry : fs::directory_iterator(kRoot / "docs"))
     if (entry.path().extension() == ".md") pages.push_back(entry.path());

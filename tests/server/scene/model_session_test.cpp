@@ -62,6 +62,53 @@ TEST(ModelSession, EachSceneThatItEntersHasANumberOfItsOwn) {
   EXPECT_NE(session.take(sample(3, over_table), {}).reply.model.scene, first);
 }
 
+Object wall(const char* name, const Vec3& normal) {
+  Object plane;
+  plane.name = name;
+  plane.shape = Plane{};
+  plane.pose.orientation = Quaternion::FromTwoVectors(Vec3::UnitZ(), normal);
+  return plane;
+}
+
+Object hollow_box() {
+  Object box;
+  box.name = "room";
+  box.shape = Box{Vec3::Constant(0.1)};
+  box.felt_from = Side::inside;
+  box.pose.position = Vec3::Constant(0.1);
+  return box;
+}
+
+TEST(ModelSession, WhoShapesIsToldTheWallsOfACorner) {
+  const Scene planes(
+      "planes", {wall("x", Vec3::UnitX()), wall("y", Vec3::UnitY()), wall("z", Vec3::UnitZ())});
+  const Scene hollow("hollow", {hollow_box()});
+  for (const Scene* scene : {&planes, &hollow}) {
+    control::JoinRequest asked = request(false);
+    asked.parameters.mode = kSessionMethod;
+    Session session(asked, *scene);
+    EXPECT_EQ(session.take(sample(1, Vec3::Constant(0.05)), {}).reply.normals.count, 0);
+    const Reply two = session.take(sample(2, {-1e-3, -2e-3, 0.05}), {}).reply;
+    ASSERT_EQ(two.normals.count, 2);
+    const Reply three = session.take(sample(3, {-1e-3, -2e-3, -3e-3}), {}).reply;
+    ASSERT_EQ(three.normals.count, 3);
+    for (const Reply* reply : {&two, &three}) {
+      Vec3 across = reply->command.elastic;  // less what the walls explain
+      for (int i = 0; i < reply->normals.count; ++i) {
+        const Vec3& normal = reply->normals.unit[static_cast<std::size_t>(i)];
+        EXPECT_NEAR(normal.maxCoeff(), 1.0, 1e-12);
+        EXPECT_GT(normal.dot(reply->command.elastic), 0.0);
+        across -= normal.dot(reply->command.elastic) * normal;
+      }
+      EXPECT_LT(across.norm(), 1e-9);
+    }
+    SessionParameters bounds = asked.parameters;
+    bounds.mode = kDefaultMethod;
+    session.set_parameters(bounds);
+    EXPECT_EQ(session.take(sample(4, {-1e-3, -2e-3, -3e-3}), {}).reply.normals.count, 0);
+  }
+}
+
 // Hands about places on the room's surfaces, a model every 20 ms through the codec.
 TEST(ModelSession, OverTheWireItIsTheSceneToFloatPrecision) {
   const Scene scene = room();

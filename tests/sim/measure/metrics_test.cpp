@@ -25,6 +25,12 @@ TEST(Metrics, HighpassLooksAtTheSecondHalfOnly) {
   EXPECT_EQ(highpass_rms(values, 1e3), 0.0);
 }
 
+TEST(Metrics, MedianIsTheMiddleOrTheMeanOfTheTwoInIt) {
+  EXPECT_EQ(median({}), 0.0);
+  EXPECT_EQ(median({3.0, 1.0, 2.0}), 2.0);
+  EXPECT_EQ(median({4.0, 1.0, 3.0, 2.0}), 2.5);
+}
+
 TEST(Metrics, SpreadIsMeanNearestRankAndMaximum) {
   std::vector<double> values;
   for (int i = 200; i >= 1; --i) values.push_back(i);

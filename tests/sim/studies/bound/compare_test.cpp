@@ -161,22 +161,47 @@ TEST(Compare, EveryCostIsMeasuredAlone) {
     EXPECT_EQ(rows[i].cost, static_cast<double>(i + 1)) << rows[i].method;
 }
 
+// The rows by one hand and over eight are of the same runs.
+TEST(Compare, OverEightHandsTheMedianAndTheWorst) {
+  const std::vector<CompareTask> wall = {task("wall")};
+  const std::vector<Method> one = {method("none")};
+  std::vector<double> oscillations;
+  for (const NamedHand& hand : kEightHands) {
+    CompareLoop loop;
+    loop.hand = hand.hand;
+    oscillations.push_back(row(compare(wall, one, loop), "wall", "none").oscillation);
+  }
+  const auto rows = compare_hands(wall, one, {});
+  ASSERT_EQ(rows.size(), 1u);
+  EXPECT_EQ(rows[0].worst_oscillation, std::ranges::max(oscillations));
+  EXPECT_GT(rows[0].worst_oscillation, 2.0 * oscillations[0]) << "one hand tells too little";
+  std::sort(oscillations.begin(), oscillations.end());
+  EXPECT_EQ(rows[0].oscillation, 0.5 * (oscillations[3] + oscillations[4]));
+  EXPECT_LE(rows[0].least_displayed, rows[0].displayed);
+}
+
 TEST(Compare, RefusesALoopThatCannotBeRun) {
   const std::vector<CompareTask> tasks = {task("tap")};
   const std::vector<Method> one = {method("none")};
   EXPECT_THROW(compare(tasks, one, {.rate = 0.0}), std::invalid_argument);
   EXPECT_THROW(compare(tasks, one, {.delay = -1e-3}), std::invalid_argument);
+  EXPECT_THROW(compare_hands(tasks, one, {.delay = -1e-3}), std::invalid_argument);
   EXPECT_THROW(compare(tasks, one, {.damping = -1.0}), std::invalid_argument);
 }
 
 TEST(Compare, WritesEveryTaskByEveryMethodAndTheSameBytesEveryTime) {
   const auto directory = std::filesystem::path(::testing::TempDir()) / "feltwire_compare_test";
   std::filesystem::remove_all(directory);
-  const auto rows = write_compare(directory, {});
+  const auto [rows, hands] = write_compare(directory, {});
   const std::string json = text_of(directory / "compare.json");
   const std::string csv = text_of(directory / "compare.csv");
   EXPECT_EQ(nlohmann::json::parse(json)["rows"].size(), 7u * (methods().size() + 1));
   EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), static_cast<std::ptrdiff_t>(rows.size() + 1));
+  ASSERT_EQ(hands.size(), 7u * methods().size());
+  const std::string hands_csv = text_of(directory / "compare_hands.csv");
+  EXPECT_EQ(std::count(hands_csv.begin(), hands_csv.end(), '\n'),
+            static_cast<std::ptrdiff_t>(hands.size() + 1));
+  EXPECT_NE(compare_hands_table(hands).find("stick_slip"), std::string::npos);
   const std::string cost = text_of(directory / "compare_cost.csv");
   EXPECT_EQ(std::count(cost.begin(), cost.end(), '\n'),
             static_cast<std::ptrdiff_t>(rows.size() + 1));

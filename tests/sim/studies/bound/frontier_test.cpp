@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
@@ -91,6 +92,39 @@ TEST(Frontier, WithoutTheAccountThatIsNotSo) {
   c.hand = kEightHands[3];
   ASSERT_EQ(c.hand.name, "tether");
   EXPECT_GT(row(c).energy_made, 1e-6) << "shaping alone is no bound";
+}
+
+TEST(Frontier, ThePapersOfOthersCalmASoftWallWhereNoBoundDoesNot) {
+  FrontierCase c{.task = "wall", .damping = 0.05};
+  c.wall = 5e3;
+  const auto calm = [&](const char* name) {
+    c.law = name;
+    const auto rows = over_all_hands(c);
+    return std::count_if(rows.begin(), rows.end(),
+                         [](const FrontierRow& r) { return r.oscillation < kCalm; });
+  };
+  EXPECT_EQ(calm("none"), 4);
+  EXPECT_EQ(calm("tdpc_exact"), 8);
+  EXPECT_EQ(calm("position_memory"), 8);
+}
+
+TEST(Frontier, TheVirtualCouplingShowsTwoDampingsOverThePeriod) {
+  FrontierCase c{.task = "wall", .law = "virtual_coupling"};
+  EXPECT_NEAR(row(c).displayed * c.wall, 2.0 * c.damping / 1e-3, 50.0);
+}
+
+TEST(Frontier, TheTableOfPapersNamesEveryLawAtEveryPlace) {
+  std::vector<FrontierCase> some;
+  for (const FrontierCase& c : published_cases())
+    if (c.hand.name == kEightHands[0].name && c.damping == 0.5) some.push_back(c);
+  const std::string table = published_table(run_frontier(some));
+  for (const char* name : {"tdpc_exact", "bounded_output", "force_augmentation", "position_memory",
+                           "two_layer_tank", "virtual_coupling"}) {
+    int lines = 0;
+    for (auto at = table.find(name); at != std::string::npos; at = table.find(name, at + 1))
+      ++lines;
+    EXPECT_EQ(lines, 8) << name;
+  }
 }
 
 TEST(Frontier, WritesEveryRowWithItsKeysAndThePictures) {

@@ -57,6 +57,21 @@ TEST(Rate, FloatIsAsGoodAsTheEncoder) {
             cell("wall 40 kN/m", 2.0, 4000, "double").displayed);
 }
 
+TEST(Rate, OverEightHandsTheSameStiffnessIsDisplayed) {
+  RateGrid grid = hands_rate_grid();
+  EXPECT_EQ(grid.hands.size(), 8u);
+  grid.rates = {1000};
+  grid.dampings = {2.0};
+  const auto by_hands = run_rate(grid);
+  ASSERT_EQ(by_hands.size(), 3u * 8u);
+  for (std::size_t i = 0; i < by_hands.size(); ++i)
+    EXPECT_EQ(by_hands[i].hand, kEightHands[i % 8].name);
+  EXPECT_EQ(by_hands[0].displayed, cell("wall 40 kN/m", 2.0, 1000, "double").displayed);
+  const std::string table = rate_hands_table(by_hands);
+  EXPECT_NE(table.find("sphere 5 kN/m"), std::string::npos);
+  EXPECT_EQ(std::count(table.begin(), table.end(), '\n'), 4 + 3 + 2);
+}
+
 TEST(Rate, TheSameBytesEveryTimeButForTheCost) {
   const auto directory = std::filesystem::path(::testing::TempDir()) / "feltwire_rate_test";
   const RateGrid grid{.rates = {500, 1000}, .dampings = {0.5}};

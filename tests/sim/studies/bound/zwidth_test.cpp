@@ -53,6 +53,26 @@ TEST(ZWidth, NoneOscillatesOnAStiffOrDelayedWallContactFrameDoesNot) {
       << "an oscillating wall has no stiffness to speak of";
 }
 
+TEST(ZWidth, OverEightHandsTheMedianAndTheWorst) {
+  ZWidthGrid grid = hands_zwidth_grid();
+  EXPECT_EQ(grid.hands.size(), 8u);
+  grid.methods = {method("none"), method("contact_frame")};
+  grid.dampings = {0.5};
+  grid.delays = {0.0};
+  grid.range = {.lowest = 1000.0, .highest = 1e4, .per_decade = 2, .tolerance = 0.5};
+  const auto cells = map_zwidth(grid);
+  ASSERT_EQ(cells.size(), 16u);
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    EXPECT_EQ(cells[i].hand, kEightHands[i % 8].name);
+    const Press same = press_wall(method(cells[i].method), 0.5, 1000.0, 0.0, kFixedStiffness,
+                                  grid.hands[i % 8].hand);
+    EXPECT_EQ(cells[i].at_fixed.oscillation, same.oscillation) << cells[i].hand;
+  }
+  const std::string table = zwidth_hands_table(cells);
+  EXPECT_NE(table.find("8/8"), std::string::npos) << "contact_frame: every hand is calm\n" << table;
+  EXPECT_NE(table.find("4/8"), std::string::npos) << "none: four of them are not\n" << table;
+}
+
 ZWidthGrid small_grid() {
   ZWidthGrid grid;
   grid.methods = {method("none"), method("contact_frame")};

@@ -44,6 +44,24 @@ TEST(Sides, NoPortThatIsBoundedGivesMoreThanTheDeviceBurns) {
   }
 }
 
+TEST(Sides, OverEightHandsNoPortThatIsBoundedGivesMore) {
+  SidesGrid grid = hands_sides_grid();
+  EXPECT_EQ(grid.hands.size(), 8u);
+  grid.round_trips = {20e-3};
+  const auto by_hands = run_sides(grid);
+  ASSERT_EQ(by_hands.size(), 4u * 4u * 2u * 8u);
+  EXPECT_TRUE(bounds_hold(by_hands));
+  const SidesCell& usual = cell("wall 40 kN/m", "client", 20e-3);
+  const auto same = std::find_if(by_hands.begin(), by_hands.end(), [](const SidesCell& c) {
+    return c.task == "wall 40 kN/m" && c.bound == "client" && c.hand == kEightHands[0].name;
+  });
+  EXPECT_EQ(same->displayed, usual.displayed);
+  const std::string table = sides_hands_table(by_hands);
+  EXPECT_NE(table.find("taps 1 kN/m"), std::string::npos);
+  EXPECT_EQ(table.find("taking hand"), std::string::npos);
+  EXPECT_NE(table.find("both        0 of 64"), std::string::npos) << table;
+}
+
 TEST(Sides, AWrongDampingIsFoundOutAtEverySetting) {
   SidesGrid grid = small();
   grid.assumed_damping = 1.05;

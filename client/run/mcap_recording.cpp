@@ -1,0 +1,136 @@
+#include "client/run/mcap_recording.hpp"
+
+#include <chrono>
+#include <utility>
+
+#include "core/build_info/build_info.hpp"
+#include "core/recording/messages.hpp"
+#include "protocol/net/clock.hpp"
+
+namespace feltwire {
+namespace {
+
+constexpr std::uint64_t kPicture = 1'000'000'000 / 60;  // [ns]
+
+/// Whether the next picture is due; then the one after it is set, on a grid, so that the rate is
+/// right, unless there was a gap.
+bool is_due(std::uint64_t& next, std::uint64_t now) {
+  if (now < next) return false;
+  next += kPicture;
+  if (next <= now) next = now + kPicture;
+  return true;
+}
+
+RecordedSample sample_of(const TickRecord& row) {
+  return {.time = row.time,
+          .pose = {row.position, row.orientation},
+          .elastic = row.elastic,
+          .frictional = row.frictional,
+          .held = row.held,
+          .torque = row.torque,
+          .age = row.age};
+}
+
+RecordedAccount account_of(const TickRecord& row) {
+  return {.time = row.time,
+          .balance = row.balance,
+          .cut = row.account_cut,
+          .no_force = static_cast<std::uint32_t>(row.no_force)};
+}
+
+}  // namespace
+
+std::int64_t clock_offset() {
+  const auto since_1970 = std::chrono::system_clock::now().time_since_epoch();
+  return (std::chrono::duration_cast<Nanoseconds>(since_1970) - monotonic_now()).count();
+}
+
+McapRecording::Part::Part(const RecordingTarget& target, int number)
+    : file(numbered(target, number), "the recording", "--record"),
+      writer({.library = "feltwire " + version()}) {
+  const auto channel = [this](std::uint16_t schema, const char* topic) {
+    return writer.add(mcap::Channel{schema, topic, std::string(kProtobuf)});
+  };
+  sample = channel(writer.add(sample_schema()), "/hand/sample");
+  account = channel(writer.add(account_schema()), "/hand/account");
+  pose = channel(writer.add(pose_schema()), "/hand/pose");
+  const std::uint16_t pictures = writer.add(picture_schema());
+  picture = channel(pictures, "/hand/picture");
+  scene = channel(pictures, "/scene/picture");
+  auto about = target.about;
+  about["part"] = std::to_string(number);
+  writer.add(mcap::Metadata{"feltwire", about});
+  flush();
+}
+
+McapRecording::McapRecording(RecordingTarget target, std::int64_t offset)
+    : target_(std::move(target)), offset_(offset), part_(std::make_unique<Part>(target_, 1)) {}
+
+bool McapRecording::part_is_over(std::uint64_t time) const {
+  constexpr double kMebibyte = 1 << 20, kSecond = 1e9;
+  if (part_->writer.messages() == 0) return false;
+  return static_cast<double>(part_->writer.size()) >= target_.limits.mebibytes * kMebibyte ||
+         static_cast<double>(time - part_start_) >= target_.limits.seconds * kSecond;
+}
+
+void McapRecording::write(Ring<TickRecord>& rows) {
+  TickRecord row;
+  while (rows.pop(row)) {
+    const auto time = static_cast<std::uint64_t>(row.clock + offset_);
+    if (part_is_over(time)) {
+      finish();
+      part_ = std::make_unique<Part>(target_, ++number_);
+    }
+    add(row, time);
+  }
+  part_->flush();
+}
+
+void McapRecording::finish() {
+  part_->writer.finish();
+  part_->flush();
+  part_->file.finish();
+}
+
+void McapRecording::add(const TickRecord& row, std::uint64_t time) {
+  mcap::Writer& writer = part_->writer;
+  if (writer.messages() == 0) part_start_ = time;
+  message_.clear();
+  append(message_, sample_of(row));
+  writer.write(part_->sample, time, message_);
+  message_.clear();
+  append(message_, account_of(row));
+  writer.write(part_->account, time, message_);
+  if (!first_tick_) first_tick_ = time - static_cast<std::uint64_t>(from_seconds(row.time).count());
+  if (is_due(next_picture_, time)) add_picture(row, time);
+}
+
+void McapRecording::add_picture(const TickRecord& row, std::uint64_t time) {
+  const Pose pose{row.position, row.orientation};
+  message_.clear();
+  append_pose(message_, time, pose);
+  part_->writer.write(part_->pose, time, message_);
+  message_.clear();
+  append_hand(message_, time, "hand", pose, row.held);
+  part_->writer.write(part_->picture, time, message_);
+}
+
+/// Writes deletions at once, and the hands and bodies that are there 60 times a second.
+void McapRecording::see(double time, const ObservedScene& scene) {
+  if (!first_tick_) return;
+  const std::uint64_t now = *first_tick_ + static_cast<std::uint64_t>(from_seconds(time).count());
+  message_.clear();
+  for (const std::uint32_t hand : scene.hands_gone())
+    append_deletion(message_, now, "hand " + std::to_string(hand));
+  for (const std::uint16_t body : scene.bodies_gone())
+    append_deletion(message_, now, "body " + std::to_string(body));
+  if (is_due(next_view_, now)) {
+    for (const auto& [number, hand] : scene.hands())
+      append_hand(message_, now, "hand " + std::to_string(number), hand.pose, hand.force);
+    for (const auto& [object, body] : scene.bodies())
+      append_body(message_, now, "body " + std::to_string(object), body.pose);
+  }
+  if (!message_.empty()) part_->writer.write(part_->scene, now, message_);
+}
+
+}  // namespace feltwire

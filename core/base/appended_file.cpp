@@ -1,0 +1,58 @@
+#include "core/base/appended_file.hpp"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <stdexcept>
+#include <utility>
+
+namespace feltwire {
+
+AppendedFile::AppendedFile(std::filesystem::path file, std::string what, const std::string& option)
+    : file_(std::move(file)), what_(std::move(what)) {
+  constexpr int kForAll = 0644;
+  descriptor_ = ::open(file_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, kForAll);
+  if (descriptor_ < 0)
+    throw std::runtime_error("cannot write " + what_ + " " + file_.string() + ": " +
+                             std::strerror(errno) + "; check the path in " + option);
+}
+
+AppendedFile::~AppendedFile() {
+  if (descriptor_ >= 0) ::close(descriptor_);
+}
+
+void AppendedFile::append(std::string_view piece, Whole whole) {
+  std::size_t done = 0;
+  while (done < piece.size()) {
+    const ssize_t written = ::write(descriptor_, piece.data() + done, piece.size() - done);
+    if (written < 0 && errno == EINTR) continue;
+    if (written < 0) {
+      const int error = errno;
+      // Half a piece would make the whole file unreadable. (A pipe cannot be cut.)
+      size_ += static_cast<std::int64_t>(whole(piece.substr(0, done)));
+      while (::ftruncate(descriptor_, size_) != 0 && errno == EINTR) {
+      }
+      fail(error);
+    }
+    done += static_cast<std::size_t>(written);
+  }
+  size_ += static_cast<std::int64_t>(piece.size());
+}
+
+void AppendedFile::finish() {
+  const int descriptor = std::exchange(descriptor_, -1);
+  // Only a file on a disk can be synchronized, and needs to be.
+  const bool lost = ::fsync(descriptor) != 0 && errno != EINVAL && errno != EROFS;
+  int error = lost ? errno : 0;
+  if (::close(descriptor) != 0 && error == 0 && errno != EINTR) error = errno;
+  if (error != 0) fail(error);
+}
+
+void AppendedFile::fail(int error) {
+  throw std::runtime_error(what_ + " " + file_.string() + " ends here: " + std::strerror(error) +
+                           "; make room on its disk, or choose another path");
+}
+
+}  // namespace feltwire

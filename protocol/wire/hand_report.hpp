@@ -1,0 +1,63 @@
+#pragma once
+// What a client says of the hand that it renders to, for those who look on. No force depends on it.
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <string_view>
+#include <utility>
+
+namespace feltwire {
+
+/// Why the hand feels what it feels, as its client knows. Several may hold at once. The order is
+/// that of the bits on the wire.
+enum class HandReason : std::uint8_t {
+  near,          // the force is computed beside the device, from the local model
+  late,          // it comes from the server, as late as the network
+  bound,         // the client's bound took something off
+  account,       // its account did: the device had not burned enough
+  limits,        // its safety limits did
+  saturated,     // the device cannot give so much
+  faded,         // the newest answer is old, so the force fades
+  reconnecting,  // the session was lost; what was held fades
+  scene_change,  // the scene changed under the hand, and the force comes back little by little
+  device_fault,  // the device gave no usable position, or did not hold what it was given
+  count_of_reasons
+};
+inline constexpr std::size_t kHandReasons = static_cast<std::size_t>(HandReason::count_of_reasons);
+constexpr std::uint32_t bit(HandReason reason) { return 1u << static_cast<unsigned>(reason); }
+
+/// By HandReason: a name, and a sentence for people.
+inline constexpr std::array<std::pair<std::string_view, std::string_view>, kHandReasons>
+    kHandReasonTexts = {{
+        {"near", "The force is computed beside the device, from a local model of the surface."},
+        {"late", "The force comes from the server, as late as the network is."},
+        {"bound", "The client's energy bound takes something off the force."},
+        {"account",
+         "The energy account takes something off the force: the device has not burned enough yet."},
+        {"limits", "A safety limit of the client takes something off the force."},
+        {"saturated", "The device cannot give so much force."},
+        {"faded", "The server's newest answer is old, so the force fades."},
+        {"reconnecting", "The session was lost. The force fades until it goes on."},
+        {"scene_change",
+         "The scene changed under the hand. The force comes back little by little."},
+        {"device_fault", "The device gave no usable position, or did not hold its force."},
+    }};
+
+struct HandReport {
+  std::uint32_t reasons = 0;  // bits of HandReason
+  bool has_account = false;
+  double balance = 0.0;       // [J] of its account: what may still leave; 0 where it has none
+  double round_trip = 0.0;    // [s] of the newest answer; 0: none has come
+  double hand_damping = 0.0;  // [N s/m] of the hand that its shaping counts on now
+
+  bool finite() const noexcept {
+    return std::isfinite(balance) && std::isfinite(round_trip) && std::isfinite(hand_damping);
+  }
+};
+
+/// [s] At most once in this time a report travels.
+inline constexpr double kBetweenReports = 0.03;
+
+}  // namespace feltwire

@@ -1,0 +1,75 @@
+#!/usr/bin/env node
+// Makes a picture of the live page in headless Chromium, once hands are on it:
+//   scripts/page-picture.mjs URL FILE.png [HANDS [SECONDS]]
+// waits until HANDS (default 1) are shown, for half a minute at most, and SECONDS (default 3) more, for the plots. It speaks to
+// Chromium by a pipe (the DevTools protocol) and needs no package of npm.
+
+import {spawn} from 'node:child_process';
+import {mkdtempSync, rmSync, writeFileSync} from 'node:fs';
+import {tmpdir} from 'node:os';
+import {join} from 'node:path';
+import {setTimeout as pause} from 'node:timers/promises';
+
+const PATIENCE = 30_000;  // [ms]
+const [url, file, hands = '1', seconds = '3'] = process.argv.slice(2);
+if (!file) {
+  console.error('usage: scripts/page-picture.mjs URL FILE.png [HANDS [SECONDS]]');
+  process.exit(2);
+}
+
+const folder = mkdtempSync(join(tmpdir(), 'feltwire-page-'));
+const sandbox = process.getuid() === 0 ? ['--no-sandbox'] : [];
+const browser = spawn(
+  process.env.FELTWIRE_CHROMIUM ?? 'chromium',
+  ['--headless', ...sandbox, '--remote-debugging-pipe', `--user-data-dir=${folder}`, '--window-size=1360,860', 'about:blank'],
+  {stdio: ['ignore', 'ignore', 'ignore', 'pipe', 'pipe']});
+const [toBrowser, fromBrowser] = [browser.stdio[3], browser.stdio[4]];
+const answers = new Map();
+let next = 0;
+let came = '';
+fromBrowser.setEncoding('utf8').on('data', (text) => {
+  const messages = (came + text).split('\0');
+  came = messages.pop();
+  for (const {id, result, error} of messages.map((message) => JSON.parse(message))) {
+    const answer = answers.get(id);
+    if (error) answer?.reject(new Error(error.message));
+    else answer?.resolve(result);
+  }
+});
+const failed = new Promise((_, reject) => {
+  browser.on('error', reject).on('exit', () => reject(new Error('Chromium ended')));
+});
+
+/** Sends a command of the DevTools protocol and waits for its answer. */
+function ask(method, params = {}, sessionId = undefined) {
+  const id = ++next;
+  const answer = new Promise((resolve, reject) => answers.set(id, {resolve, reject}));
+  toBrowser.write(`${JSON.stringify({id, method, params, sessionId})}\0`);
+  return Promise.race([answer, failed]);
+}
+
+try {
+  const {targetId} = await ask('Target.createTarget', {url});
+  const {sessionId} = await ask('Target.attachToTarget', {targetId, flatten: true});
+  await ask('Emulation.setDeviceMetricsOverride', {width: 1360, height: 860, deviceScaleFactor: 1, mobile: false}, sessionId);
+  const expression = `window.feltwire ? window.feltwire().hands.length : 0`;
+  const latest = Date.now() + PATIENCE;
+  for (let shown = 0; shown < Number(hands); await pause(100)) {
+    if (Date.now() > latest) throw new Error(`the page shows ${shown} of ${hands} hands after 30 s`);
+    // Before the page is there, there is nothing to ask.
+    const answer = await ask('Runtime.evaluate', {expression}, sessionId).catch(() => undefined);
+    shown = answer?.result?.value ?? 0;
+    if (browser.exitCode !== null) throw new Error('Chromium ended');
+  }
+  await pause(1000 * Number(seconds));
+  const {data} = await ask('Page.captureScreenshot', {format: 'png'}, sessionId);
+  writeFileSync(file, Buffer.from(data, 'base64'));
+} catch (error) {
+  console.error(`page-picture: ${error.message}`);
+  process.exitCode = 1;
+} finally {
+  failed.catch(() => {});
+  browser.kill();
+  await new Promise((resolve) => (browser.exitCode ?? browser.signalCode) !== null ? resolve() : browser.once('exit', resolve));
+  rmSync(folder, {recursive: true, force: true, maxRetries: 5});
+}

@@ -1,0 +1,149 @@
+#include "server/app/metrics.hpp"
+
+#include <array>
+#include <string_view>
+
+namespace feltwire {
+namespace {
+
+/// A label's value, as the format wants it.
+std::string escaped(std::string_view text) {
+  std::string result;
+  for (const char c : text) {
+    if (c == '\n') {
+      result += "\\n";
+      continue;
+    }
+    if (c == '\\' || c == '"') result += '\\';
+    result += c;
+  }
+  return result;
+}
+
+/// The lines before a metric's first value.
+void begin(std::string& text, std::string_view name, std::string_view kind, std::string_view help) {
+  text.append("# HELP ").append(name).append(" ").append(help).append("\n# TYPE ");
+  text.append(name).append(" ").append(kind).append("\n");
+}
+
+void value(std::string& text, std::string_view name, const std::string& labels,
+           std::uint64_t number) {
+  text.append(name);
+  if (!labels.empty()) text.append("{").append(labels).append("}");
+  text.append(" ").append(std::to_string(number)).append("\n");
+}
+
+struct SceneMetric {
+  std::string_view name, kind, help;
+  std::uint64_t (*of)(const SceneSummary& scene);
+};
+
+constexpr auto kSceneMetrics = std::to_array<SceneMetric>({
+    {"feltwire_sessions", "gauge", "Sessions at this moment.",
+     [](const SceneSummary& s) { return std::uint64_t{s.sessions}; }},
+    {"feltwire_sessions_served_total", "counter", "Sessions that have joined.",
+     [](const SceneSummary& s) { return s.counters.sessions_served; }},
+    {"feltwire_datagrams_total", "counter", "Datagrams received.",
+     [](const SceneSummary& s) { return s.counters.datagrams; }},
+    {"feltwire_samples_total", "counter", "Servo samples taken.",
+     [](const SceneSummary& s) { return s.counters.samples.samples; }},
+    {"feltwire_samples_missed_total", "counter", "Servo samples lost on the way.",
+     [](const SceneSummary& s) { return s.counters.samples.missed; }},
+    {"feltwire_gaps_total", "counter", "Places where samples were lost on the way.",
+     [](const SceneSummary& s) { return s.counters.samples.gaps; }},
+    {"feltwire_duplicates_total", "counter", "Datagrams that brought nothing new.",
+     [](const SceneSummary& s) { return s.counters.samples.duplicates; }},
+    {"feltwire_replies_total", "counter", "Commands sent.",
+     [](const SceneSummary& s) { return s.counters.samples.replies; }},
+    {"feltwire_replies_withheld_total", "counter", "Commands that a deadband kept back.",
+     [](const SceneSummary& s) { return s.counters.samples.withheld; }},
+    {"feltwire_replies_unsent_total", "counter", "Replies that the operating system did not take.",
+     [](const SceneSummary& s) { return s.unsent; }},
+    {"feltwire_shed_total", "counter",
+     "Datagrams of sessions above their share that were dropped for want of time.",
+     [](const SceneSummary& s) { return s.counters.shed; }},
+    {"feltwire_world_steps_total", "counter", "Steps of the moving objects.",
+     [](const SceneSummary& s) { return s.counters.world.steps; }},
+    {"feltwire_world_resets_total", "counter", "Steps that came to nothing sane.",
+     [](const SceneSummary& s) { return s.counters.world.resets; }},
+    {"feltwire_world_ticks_dropped_total", "counter",
+     "Steps of the moving objects that were left out, as the thread could not keep up.",
+     [](const SceneSummary& s) { return s.counters.ticks_dropped; }},
+});
+
+struct End {
+  std::string_view how;
+  std::uint64_t SceneCounters::*count;
+};
+constexpr auto kEnds = std::to_array<End>({
+    {"left", &SceneCounters::left},
+    {"silent", &SceneCounters::silent},
+    {"flooded", &SceneCounters::flooded},
+    {"forged", &SceneCounters::forged},
+    {"evicted", &SceneCounters::evicted},
+    {"disturbing", &SceneCounters::disturbing},
+    {"failed", &SceneCounters::failed},
+});
+
+std::string scene_label(const SceneSummary& scene) {
+  return "scene=\"" + escaped(scene.scene) + "\"";
+}
+
+void add_scenes(std::string& text, const std::vector<SceneSummary>& scenes) {
+  for (const SceneMetric& metric : kSceneMetrics) {
+    begin(text, metric.name, metric.kind, metric.help);
+    for (const SceneSummary& scene : scenes)
+      value(text, metric.name, scene_label(scene), metric.of(scene));
+  }
+  constexpr std::string_view kEnded = "feltwire_sessions_ended_total";
+  begin(text, kEnded, "counter", "Sessions that have ended, by how.");
+  for (const SceneSummary& scene : scenes)
+    for (const End& end : kEnds)
+      value(text, kEnded, scene_label(scene) + ",how=\"" + std::string(end.how) + "\"",
+            scene.counters.*end.count);
+  constexpr std::string_view kDropped = "feltwire_datagrams_dropped_total";
+  begin(text, kDropped, "counter", "Datagrams that were dropped, by the check that they failed.");
+  for (const SceneSummary& scene : scenes)
+    for (std::size_t i = 1; i < kDropReasons; ++i)
+      value(text, kDropped,
+            scene_label(scene) + ",reason=\"" + name(static_cast<DropReason>(i)) + "\"",
+            scene.counters.drops[i]);
+}
+
+void add(std::string& text, std::string_view name, std::string_view help, std::uint64_t number) {
+  begin(text, name, "counter", help);
+  value(text, name, {}, number);
+}
+
+}  // namespace
+
+std::string metrics_text(const std::vector<SceneSummary>& scenes, const ControlSummary& control,
+                         const web::AudienceCounters& page) {
+  std::string text;
+  add_scenes(text, scenes);
+  const auto& [connections, requests] = control;
+  add(text, "feltwire_control_connections_total", "Control connections accepted.",
+      connections.accepted);
+  add(text, "feltwire_control_too_often_total",
+      "Control connections closed, as their network connects too often.", connections.too_often);
+  add(text, "feltwire_control_crowded_out_total", "Control connections closed for newer ones.",
+      connections.crowded_out);
+  add(text, "feltwire_control_no_tls_total", "Control connections that came to no TLS.",
+      connections.failed);
+  add(text, "feltwire_control_too_slow_total", "Control connections whose token came too late.",
+      connections.too_slow);
+  add(text, "feltwire_requests_unauthenticated_total", "Requests without a good token.",
+      requests.unauthenticated);
+  add(text, "feltwire_requests_forbidden_total", "Requests beyond their token's role or scene.",
+      requests.forbidden);
+  add(text, "feltwire_requests_too_many_total", "Requests above a limit.", requests.too_many);
+  add(text, "feltwire_viewers_total", "Viewers of the live page.", page.viewers);
+  add(text, "feltwire_viewers_refused_total", "Viewers without a good token, or too many.",
+      page.refused);
+  add(text, "feltwire_pictures_total", "Pictures sent to viewers.", page.pictures);
+  add(text, "feltwire_pictures_skipped_total", "Turns at which a slow viewer was sent nothing.",
+      page.skipped);
+  return text;
+}
+
+}  // namespace feltwire

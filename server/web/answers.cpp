@@ -1,0 +1,151 @@
+#include "server/web/answers.hpp"
+
+#include <algorithm>
+#include <asio/ip/address.hpp>
+#include <optional>
+#include <utility>
+
+namespace feltwire::web {
+namespace {
+
+struct Status {
+  int code;
+  const char* text;
+};
+constexpr Status kOk{200, "OK"}, kNotModified{304, "Not Modified"}, kBad{400, "Bad Request"},
+    kUnauthorized{401, "Unauthorized"}, kForbidden{403, "Forbidden"}, kNotFound{404, "Not Found"},
+    kNotAllowed{405, "Method Not Allowed"}, kUpgrade{426, "Upgrade Required"},
+    kUnavailable{503, "Service Unavailable"};
+
+// No script, style, picture or connection but this server's own, and no frame around the page.
+constexpr std::string_view kPolicy =
+    "Content-Security-Policy: default-src 'none'; script-src 'self'; style-src 'self'; "
+    "img-src 'self' data:; connect-src 'self'; base-uri 'none'; form-action 'none'; "
+    "frame-ancestors 'none'\r\n"
+    "X-Content-Type-Options: nosniff\r\n"
+    "Referrer-Policy: no-referrer\r\n"
+    "Cross-Origin-Opener-Policy: same-origin\r\n"
+    "Cross-Origin-Resource-Policy: same-origin\r\n";
+
+constexpr std::string_view kNoStore = "Cache-Control: no-store\r\n";
+
+std::vector<std::uint8_t> bytes_of(const std::string& head, std::string_view body = {}) {
+  std::vector<std::uint8_t> bytes(head.begin(), head.end());
+  bytes.insert(bytes.end(), body.begin(), body.end());
+  return bytes;
+}
+
+std::string head(const Status& status, std::string_view type, std::size_t length,
+                 std::string_view more = {}) {
+  std::string text = "HTTP/1.1 " + std::to_string(status.code) + " " + status.text + "\r\n";
+  text += "Content-Type: " + std::string(type) + "\r\n";
+  text += "Content-Length: " + std::to_string(length) + "\r\n";
+  text += "Connection: close\r\n";
+  text += kPolicy;
+  text += more;
+  return text + "\r\n";
+}
+
+Answer plain(const Status& status, const std::string& text, std::string_view more = {}) {
+  return {bytes_of(head(status, "text/plain; charset=utf-8", text.size(), more), text), false};
+}
+
+/// "host", "host:port", "[::1]" or "[::1]:port" without the port and the brackets.
+std::string_view host_of(std::string_view authority) {
+  if (authority.starts_with('[')) {
+    const auto end = authority.find(']');
+    return end == std::string_view::npos ? std::string_view{} : authority.substr(1, end - 1);
+  }
+  return authority.substr(0, authority.find(':'));
+}
+
+bool is_ours(std::string_view authority, std::span<const std::string> names) {
+  const std::string host(host_of(authority));
+  std::error_code no_address;
+  asio::ip::make_address(host, no_address);
+  return !no_address || host == "localhost" || std::ranges::find(names, host) != names.end();
+}
+
+/// Whether the page that opens the WebSocket was served by this server.
+bool same_origin(const HttpRequest& request, const std::string& authority, bool secure) {
+  const std::string* origin = request.header("origin");
+  return origin != nullptr && *origin == (secure ? "https://" : "http://") + authority;
+}
+
+Answer upgrade(const HttpRequest& request, const std::string& authority, bool secure) {
+  const std::string* upgrade = request.header("upgrade");
+  const std::string* connection = request.header("connection");
+  const std::string* key = request.header("sec-websocket-key");
+  const std::string* version = request.header("sec-websocket-version");
+  const std::string* protocols = request.header("sec-websocket-protocol");
+  if (upgrade == nullptr || connection == nullptr || !has_member(*upgrade, "websocket") ||
+      !has_member(*connection, "upgrade"))
+    return plain(kUpgrade, "this is a WebSocket\n", "Upgrade: websocket\r\n");
+  if (version == nullptr || *version != "13")
+    return plain(kUpgrade, "WebSocket version 13 is spoken here\n",
+                 "Sec-WebSocket-Version: 13\r\n");
+  if (!same_origin(request, authority, secure))
+    return plain(kForbidden, "a page of another site may not look on\n");
+  if (protocols == nullptr || !has_member(*protocols, kLiveProtocol))
+    return plain(kBad, "the subprotocol is " + std::string(kLiveProtocol) + "\n");
+  const auto accept = websocket_accept(key == nullptr ? std::string_view{} : *key);
+  if (!accept) return plain(kBad, "Sec-WebSocket-Key is not 16 bytes in base64\n");
+  return {
+      bytes_of("HTTP/1.1 101 Switching Protocols\r\nUpgrade: websocket\r\nConnection: "
+               "Upgrade\r\nSec-WebSocket-Accept: " +
+               *accept + "\r\nSec-WebSocket-Protocol: " + std::string(kLiveProtocol) + "\r\n\r\n"),
+      true};
+}
+
+Answer asset(const HttpRequest& request, std::span<const PageAsset> page) {
+  if (page.empty())
+    return plain(kUnavailable,
+                 "This server was built without the live page. Install the Debian packages nodejs "
+                 "and npm, and build it again.\n");
+  const auto found = std::ranges::find(page, std::string_view(request.path), &PageAsset::path);
+  if (found == page.end()) return plain(kNotFound, "there is no such file\n");
+  const std::string tag = "\"" + std::string(found->sha256) + "\"";
+  const std::string caching = "ETag: " + tag + "\r\nCache-Control: no-cache\r\n";
+  if (const std::string* known = request.header("if-none-match"); known != nullptr && *known == tag)
+    return {bytes_of(head(kNotModified, found->type, 0, caching)), false};
+  Answer answer;
+  answer.bytes =
+      bytes_of(head(kOk, found->type, found->gzip.size(), "Content-Encoding: gzip\r\n" + caching));
+  if (request.method == "GET")
+    answer.bytes.insert(answer.bytes.end(), found->gzip.begin(), found->gzip.end());
+  return answer;
+}
+
+/// Counters tell who is here: on a network they are for those who have a token.
+Answer metrics(const HttpRequest& request, const Site& site) {
+  if (site.secure) {
+    constexpr std::string_view kScheme = "Bearer ";
+    const std::string* shown = request.header("authorization");
+    if (shown == nullptr || !shown->starts_with(kScheme) || !site.opens ||
+        !site.opens(std::string_view(*shown).substr(kScheme.size())))
+      return plain(kUnauthorized, "show a token: Authorization: Bearer fw_...\n",
+                   "WWW-Authenticate: Bearer\r\n");
+  }
+  const std::string text = site.metrics();
+  return {
+      bytes_of(head(kOk, "text/plain; version=0.0.4; charset=utf-8", text.size(), kNoStore), text),
+      false};
+}
+
+}  // namespace
+
+Answer answer(const HttpRequest* request, const Site& site) {
+  if (request == nullptr) return plain(kBad, "this is no HTTP/1.1 request that is read here\n");
+  const std::string* authority = request->header("host");
+  if (authority == nullptr || !is_ours(*authority, site.names))
+    return plain(kForbidden, "this server is not known by that name; use its IP address\n");
+  if (request->method != "GET" && request->method != "HEAD")
+    return plain(kNotAllowed, "only GET and HEAD are answered\n", "Allow: GET, HEAD\r\n");
+  if (request->path == kLivePath) return upgrade(*request, *authority, site.secure);
+  // Every port is open, and every scene is there, before this one answers.
+  if (request->path == "/health" || request->path == "/ready") return plain(kOk, "ok\n", kNoStore);
+  if (request->path == "/metrics" && site.metrics) return metrics(*request, site);
+  return asset(*request, site.page);
+}
+
+}  // namespace feltwire::web

@@ -1,0 +1,244 @@
+#include "server/web/audience.hpp"
+
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <chrono>
+#include <utility>
+
+#include "core/base/visible_text.hpp"
+#include "protocol/net/clock.hpp"
+#include "server/web/viewer_message.hpp"
+
+namespace feltwire::web {
+namespace {
+
+constexpr Nanoseconds kBetweenDescriptions = std::chrono::milliseconds(500);
+constexpr Nanoseconds kBetweenTokenLooks = std::chrono::seconds(1);
+constexpr double kMessageRate = 20.0, kMessageBurst = 40.0;  // [1/s] of one viewer, and at once
+
+CalendarTime calendar_now() {
+  return std::chrono::floor<std::chrono::seconds>(std::chrono::system_clock::now());
+}
+
+}  // namespace
+
+/// One scene as it is shown.
+struct Audience::Stage {
+  SceneHost* host;
+  // Of the version that is shown, made once for all viewers.
+  std::uint32_t version = 0;
+  std::string text;
+  std::vector<Bytes> geometry;
+  Picture picture;
+  std::vector<HandRates> rates;  // by rising number
+  Picture counted;               // the picture that the rates begin at
+  std::vector<HandDescription> hands;
+  Nanoseconds described{0};
+  bool describing = false;
+};
+
+struct Audience::Seat {
+  Seat(Id number, Viewer* way, const Network& from) : id(number), viewer(way), network(from) {}
+  Id id;
+  Viewer* viewer;
+  Network network;
+  std::string token;  // its id; empty: none was shown yet
+  Stage* stage = nullptr;
+  std::uint32_t version = 0;  // of the scene that was sent
+  TokenBucket messages{kMessageRate, kMessageBurst};
+};
+
+Audience::Audience(asio::io_context& io, const Hosts& hosts, TokenFile tokens)
+    : io_(io), tokens_(std::move(tokens)), begin_(monotonic_now()) {
+  for (const auto& host : hosts) {
+    stages_.push_back(std::make_unique<Stage>());
+    stages_.back()->host = host.get();
+  }
+}
+
+Audience::~Audience() = default;
+
+Audience::Id Audience::join(Viewer& viewer, const asio::ip::address& address) {
+  const Id id = next_id_++;
+  seats_.try_emplace(id, id, &viewer, network_of(address));
+  return id;
+}
+
+void Audience::leave(Id id) { seats_.erase(id); }
+
+void Audience::refuse(Id id, WebSocketClose code, const std::string& reason) {
+  const auto found = seats_.find(id);
+  if (found == seats_.end()) return;
+  Viewer* viewer = found->second.viewer;
+  seats_.erase(found);
+  viewer->close(code, reason);
+}
+
+void Audience::receive(Id id, std::string_view message) {
+  const auto found = seats_.find(id);
+  if (found == seats_.end()) return;
+  Seat& seat = found->second;
+  if (!seat.messages.take(monotonic_now()))
+    return refuse(id, WebSocketClose::bad_message, "too many messages");
+  const std::optional<ViewerMessage> said = parse_viewer_message(message);
+  if (!said) return refuse(id, WebSocketClose::bad_message, "a message is no JSON object");
+  if (!seat.token.empty()) {
+    if (said->watch) watch(seat, *said->watch);
+  } else if (said->token) {
+    admit(seat, *said->token);
+  } else {
+    refuse(id, WebSocketClose::bad_token, "the first message has no token");
+  }
+}
+
+void Audience::admit(Seat& seat, std::string_view text) {
+  const auto known =
+      std::ranges::count_if(seats_, [](const auto& entry) { return !entry.second.token.empty(); });
+  if (static_cast<std::size_t>(known) >= kMostViewers) {
+    ++counters_.refused;
+    return refuse(seat.id, WebSocketClose::too_many,
+                  "this server has as many viewers as it may have; close another page");
+  }
+  if (const auto wrong = tokens_.refresh()) spdlog::error("{}", visible(*wrong));
+  const Token* token = authenticate(tokens_.tokens(), text, calendar_now());
+  if (token == nullptr) {
+    ++counters_.refused;
+    if (!wrong_tokens_.take(seat.network, monotonic_now()))
+      return refuse(seat.id, WebSocketClose::too_many,
+                    "too many wrong tokens from this network; wait a minute");
+    return refuse(seat.id, WebSocketClose::bad_token,
+                  "the token is not good: it is unknown, revoked or expired");
+  }
+  std::vector<std::string> scenes;
+  for (const auto& stage : stages_)
+    if (opens(*token, stage->host->name())) scenes.push_back(stage->host->name());
+  if (scenes.empty()) {
+    ++counters_.refused;
+    return refuse(seat.id, WebSocketClose::bad_token, "the token opens no scene of this server");
+  }
+  ++counters_.viewers;
+  seat.token = token->id;
+  seat.viewer->admitted();
+  spdlog::debug("live page: {} looks on", visible(token->client));
+  seat.viewer->send(hello(scenes, token->role));
+  watch(seat, scenes.front());
+}
+
+bool Audience::opens_something(std::string_view text, const asio::ip::address& address) {
+  if (const auto wrong = tokens_.refresh()) spdlog::error("{}", visible(*wrong));
+  if (authenticate(tokens_.tokens(), text, calendar_now()) != nullptr) return true;
+  wrong_tokens_.take(network_of(address), monotonic_now());
+  return false;
+}
+
+void Audience::watch(Seat& seat, std::string_view scene) {
+  const Token* token = find_token(tokens_.tokens(), seat.token);
+  for (const auto& stage : stages_) {
+    if (stage->host->name() != scene || token == nullptr || !opens(*token, scene)) continue;
+    seat.stage = stage.get();
+    seat.version = 0;
+    return;
+  }
+  refuse(seat.id, WebSocketClose::bad_message,
+         "there is no such scene, or the token does not open it");
+}
+
+bool Audience::watched(const Stage& stage) const {
+  return std::ranges::any_of(seats_,
+                             [&](const auto& entry) { return entry.second.stage == &stage; });
+}
+
+/// Revoked and expired tokens end what they opened.
+void Audience::look_after_tokens(Nanoseconds now) {
+  if (now - looked_at_tokens_ < kBetweenTokenLooks) return;
+  looked_at_tokens_ = now;
+  if (const auto wrong = tokens_.refresh()) spdlog::error("{}", visible(*wrong));
+  std::vector<Id> gone;
+  for (const auto& [id, seat] : seats_) {
+    if (seat.token.empty()) continue;
+    const Token* token = find_token(tokens_.tokens(), seat.token);
+    if (token == nullptr || expired(*token, calendar_now())) gone.push_back(id);
+  }
+  for (const Id id : gone)
+    refuse(id, WebSocketClose::bad_token, "the token has been revoked or has expired");
+}
+
+void Audience::tick(Nanoseconds now) {
+  look_after_tokens(now);
+  for (const auto& stage : stages_)
+    if (watched(*stage)) show(*stage, now);
+}
+
+void Audience::show(Stage& stage, Nanoseconds now) {
+  const SceneHost::CurrentScene current = stage.host->current_scene();
+  if (current.version != stage.version) {
+    stage.text = scene_text(*current.scene, current.version);
+    stage.geometry = geometry(*current.scene, current.version);
+    stage.version = current.version;
+  }
+  // A viewer that has not taken what it was sent before is sent nothing now.
+  std::vector<Seat*> ready;
+  for (auto& [id, seat] : seats_) {
+    if (seat.stage != &stage) continue;
+    if (seat.viewer->ready())
+      ready.push_back(&seat);
+    else
+      ++counters_.skipped;
+  }
+  for (Seat* seat : ready)
+    if (seat->version != stage.version) show_scene(stage, *seat);
+
+  const bool news = stage.host->pictures().take(stage.picture);
+  if (news && stage.picture.version == stage.version) {
+    const Bytes shown = picture(stage.picture, stage.rates, begin_);
+    for (Seat* seat : ready) seat->viewer->send(shown);
+    counters_.pictures += ready.size();
+  }
+  if (now - stage.described < kBetweenDescriptions || stage.describing) return;
+  stage.described = now;
+  stage.describing = true;
+  count_rates(stage);
+  const std::string text = sessions(stage.hands, stage.picture, stage.rates, seconds(now - begin_));
+  for (Seat* seat : ready) seat->viewer->send(text);
+  stage.host->describe(io_,
+                       [&stage, alive = std::weak_ptr(alive_)](std::vector<HandDescription> hands) {
+                         if (alive.expired()) return;
+                         stage.hands = std::move(hands);
+                         stage.describing = false;
+                       });
+}
+
+void Audience::show_scene(Stage& stage, Seat& seat) {
+  seat.version = stage.version;
+  seat.viewer->send(stage.text);
+  for (const Bytes& object : stage.geometry) seat.viewer->send(object);
+}
+
+/// From the counters of the newest picture and of the one half a second before.
+void Audience::count_rates(Stage& stage) {
+  const double elapsed = seconds(stage.picture.time - stage.counted.time);
+  stage.rates.clear();
+  for (const PictureHand& hand : stage.picture.hands) {
+    HandRates rates;
+    rates.number = hand.number;
+    const auto before = std::ranges::find(stage.counted.hands, hand.number, &PictureHand::number);
+    if (before != stage.counted.hands.end() && elapsed > 0.0) {
+      const auto taken = static_cast<double>(hand.samples - before->samples);
+      const auto missed = static_cast<double>(hand.missed - before->missed);
+      rates.samples = taken / elapsed;
+      rates.loss = taken + missed > 0.0 ? missed / (taken + missed) : 0.0;
+    }
+    stage.rates.push_back(rates);
+  }
+  std::ranges::sort(stage.rates, {}, &HandRates::number);
+  stage.counted = stage.picture;
+}
+
+void Audience::close_all() {
+  std::vector<Id> all;
+  for (const auto& [id, seat] : seats_) all.push_back(id);
+  for (const Id id : all) refuse(id, WebSocketClose::going_away, "the server ends");
+}
+
+}  // namespace feltwire::web

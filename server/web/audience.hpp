@@ -1,0 +1,94 @@
+#pragma once
+// All viewers of the live page: who may see what, and what they are shown. No socket.
+
+#include <asio/io_context.hpp>
+#include <asio/ip/address.hpp>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/base/token_bucket.hpp"
+#include "server/access/network.hpp"
+#include "server/access/rate_limit.hpp"
+#include "server/access/token_file.hpp"
+#include "server/scene/scene_host.hpp"
+#include "server/web/messages.hpp"
+#include "server/web/websocket.hpp"
+
+namespace feltwire::web {
+
+/// The way to one viewer.
+class Viewer {
+ public:
+  virtual ~Viewer() = default;
+  virtual void send(const std::string& text) = 0;
+  virtual void send(const Bytes& binary) = 0;
+  /// Whether all that was sent has left. Who is not ready is shown no picture.
+  virtual bool ready() const = 0;
+  /// It may be gone when this returns.
+  virtual void close(WebSocketClose code, std::string_view reason) = 0;
+  /// Its token is good: it may stay.
+  virtual void admitted() = 0;
+};
+
+struct AudienceCounters {
+  std::uint64_t viewers = 0;   // whose token was good
+  std::uint64_t refused = 0;   // whose was not, or who were too many
+  std::uint64_t pictures = 0;  // sent
+  std::uint64_t skipped = 0;   // turns at which a slow viewer was sent nothing
+};
+
+class Audience {
+ public:
+  using Hosts = std::vector<std::unique_ptr<SceneHost>>;
+  static constexpr std::size_t kMostViewers = 32;
+  static constexpr std::size_t kMostMessage = 4096;  // [bytes] from a viewer
+
+  /// `io` runs on the thread that calls everything here; it and the hosts outlive this.
+  Audience(asio::io_context& io, const Hosts& hosts, TokenFile tokens);
+  ~Audience();
+
+  using Id = std::uint64_t;
+  /// A connection from `address`. The viewer must leave before it is gone.
+  Id join(Viewer& viewer, const asio::ip::address& address);
+  void leave(Id id);
+  /// A text message of a viewer. It may have left when this returns.
+  void receive(Id id, std::string_view message);
+
+  /// Whether a text from this address is a good token. Wrong ones are limited.
+  bool opens_something(std::string_view token, const asio::ip::address& address);
+
+  /// Shows everybody what is new. To be called 60 times a second while somebody is there.
+  void tick(Nanoseconds now);
+  bool empty() const { return seats_.empty(); }
+  /// The server ends.
+  void close_all();
+  const AudienceCounters& counters() const { return counters_; }
+
+ private:
+  struct Seat;
+  struct Stage;
+  void admit(Seat& seat, std::string_view token);
+  void watch(Seat& seat, std::string_view scene);
+  void refuse(Id id, WebSocketClose code, const std::string& reason);
+  void look_after_tokens(Nanoseconds now);
+  void show(Stage& stage, Nanoseconds now);
+  void count_rates(Stage& stage);
+  void show_scene(Stage& stage, Seat& seat);
+  bool watched(const Stage& stage) const;
+
+  asio::io_context& io_;
+  TokenFile tokens_;
+  RateLimit<Network> wrong_tokens_{0.2, 10.0};
+  std::vector<std::unique_ptr<Stage>> stages_;  // one a scene
+  std::map<Id, Seat> seats_;
+  Id next_id_ = 1;
+  Nanoseconds begin_, looked_at_tokens_{0};
+  AudienceCounters counters_;
+  std::shared_ptr<const bool> alive_ = std::make_shared<const bool>(true);
+};
+
+}  // namespace feltwire::web

@@ -1,0 +1,289 @@
+#include "server/web/messages.hpp"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <charconv>
+#include <cmath>
+#include <limits>
+#include <utility>
+#include <variant>
+
+#include "core/base/little_endian.hpp"
+#include "core/build_info/build_info.hpp"
+#include "core/grid/isosurface.hpp"
+#include "core/mesh/mesh_surface.hpp"
+#include "server/access/json_text.hpp"
+
+namespace feltwire::web {
+namespace {
+
+static_assert(kHandStates + kHandReasons <= 32, "both are bits of one word");
+
+using json_text::text;
+constexpr int kSegments = 32;       // of a round side
+constexpr int kGridSteps = 64;      // along a grid's longest side
+constexpr double kPlaneView = 0.2;  // [m] of a plane that is worth looking at, about its point
+
+// The first byte of a binary message.
+enum class Kind : std::uint8_t { geometry = 1, picture = 2 };
+
+/// JSON has no word for what is not finite.
+std::string number(double value) {
+  if (!std::isfinite(value)) return "null";
+  std::array<char, 32> text{};
+  return {text.data(), std::to_chars(text.data(), text.data() + text.size(), value).ptr};
+}
+std::string number(std::uint64_t value) { return json_text::number(value); }
+std::string flag(bool value) { return value ? "true" : "false"; }
+std::string vector(const Vec3& v) {
+  return "[" + number(v.x()) + "," + number(v.y()) + "," + number(v.z()) + "]";
+}
+
+/// Writes a binary message from its beginning to its end.
+class Writer {
+ public:
+  Writer(Kind kind, std::size_t size) {
+    bytes_.reserve(size);
+    bytes_.assign({static_cast<std::uint8_t>(kind), 0, 0, 0});
+  }
+  void put(std::uint32_t value) { append(value); }
+  void put(double value) { append(std::bit_cast<std::uint32_t>(static_cast<float>(value))); }
+  void put_time(double value) { append(std::bit_cast<std::uint64_t>(value)); }
+  void put(const Vec3& v) {
+    for (const double value : v) put(value);
+  }
+  void put(const Quaternion& q) {
+    for (const double value : {q.w(), q.x(), q.y(), q.z()}) put(value);
+  }
+  Bytes take() { return std::move(bytes_); }
+
+ private:
+  template <class Unsigned>
+  void append(Unsigned value) {
+    const std::size_t at = bytes_.size();
+    bytes_.resize(at + sizeof(Unsigned));
+    put_little_endian(bytes_.data() + at, value);
+  }
+  Bytes bytes_;
+};
+
+/// The triangles of a shape in its own frame; none where it has no end.
+TriangleSoup triangles_of(const Shape& shape) {
+  if (const auto* mesh = std::get_if<Mesh>(&shape)) {
+    const TriangleMesh& surface = mesh->surface->mesh();
+    TriangleSoup soup{surface.vertices(), surface.triangles()};
+    for (Vec3& vertex : soup.vertices) vertex += surface.origin();
+    return soup;
+  }
+  if (const auto* grid = std::get_if<Grid>(&shape)) return isosurface(*grid->field, kGridSteps);
+  return on_primitive(
+      shape, [](const auto& primitive) { return primitive.triangles(kSegments); },
+      [] { return TriangleSoup{}; });
+}
+
+/// Grows with the points that it is given.
+struct Box {
+  Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity()), high = -low;
+  void add(const Vec3& point) {
+    low = low.cwiseMin(point);
+    high = high.cwiseMax(point);
+  }
+};
+
+Vec3 in_world(const Pose& pose, const Vec3& point) {
+  return pose.position + pose.orientation * point;
+}
+
+std::string object_text(const Object& object, std::size_t index, bool moves) {
+  std::vector<json_text::Member> members = {
+      {"index", number(std::uint64_t{index})},
+      {"name", text(object.name)},
+      {"moves", flag(moves)},
+      {"stiffness", number(object.material.stiffness)},
+      {"felt_from", text(object.felt_from == Side::outside ? "outside" : "inside")}};
+  if (std::holds_alternative<Plane>(object.shape))
+    members.emplace_back(
+        "plane", json_text::object({{"point", vector(object.pose.position)},
+                                    {"normal", vector(object.pose.orientation * Vec3::UnitZ())}}));
+  return json_text::object(members);
+}
+
+const char* kind_of(const GuideAction& action) {
+  constexpr std::array<const char*, 5> kKinds = {"attract", "keep_out", "magnet", "viscosity",
+                                                 "constant_force"};
+  return kKinds[action.index()];
+}
+
+/// A guide without a place is only named.
+std::string guide_text(const Guide& guide) {
+  std::vector<Vec3> points;
+  bool closed = false;
+  if (std::holds_alternative<GuidePoint>(guide.place)) {
+    points = {Vec3::Zero()};
+  } else if (const auto* line = std::get_if<GuideLine>(&guide.place)) {
+    constexpr double kFarthest = 1.0;  // [m] of a line without an end
+    const Vec3 end(0.0, 0.0, std::min(line->half_length, kFarthest));
+    points = {-end, end};
+  } else if (const auto* curve = std::get_if<GuideCurve>(&guide.place)) {
+    points = curve->points;
+    closed = curve->closed;
+  }
+  std::vector<std::string> places;
+  places.reserve(points.size());
+  for (const Vec3& point : points) places.push_back(vector(in_world(guide.pose, point)));
+  return json_text::object({{"name", text(guide.name)},
+                            {"kind", text(kind_of(guide.action))},
+                            {"closed", flag(closed)},
+                            {"points", json_text::list(places)}});
+}
+
+/// Whether it keeps something of the force from the hand.
+bool takes_off(HandReason reason) {
+  return reason != HandReason::near && reason != HandReason::late;
+}
+
+const HandRates* rates_of(std::span<const HandRates> rates, std::uint32_t hand) {
+  const auto found = std::ranges::lower_bound(rates, hand, {}, &HandRates::number);
+  return found != rates.end() && found->number == hand ? &*found : nullptr;
+}
+
+}  // namespace
+
+std::string hello(std::span<const std::string> scenes, Role role) {
+  std::vector<std::string> names, reasons;
+  for (const std::string& scene : scenes) names.push_back(text(scene));
+  const auto add = [&](std::string_view reason, std::string_view sentence, bool cuts) {
+    reasons.push_back(json_text::object(
+        {{"name", text(reason)}, {"text", text(sentence)}, {"cuts", flag(cuts)}}));
+  };
+  for (std::size_t i = 0; i < kHandStates; ++i) {
+    const auto state = static_cast<HandState>(i);
+    add(name(state), feltwire::text(state), feltwire::takes_off(state));
+  }
+  for (std::size_t i = 0; i < kHandReasons; ++i)
+    add(kHandReasonTexts[i].first, kHandReasonTexts[i].second,
+        takes_off(static_cast<HandReason>(i)));
+  return json_text::object({{"type", text("hello")},
+                            {"version", text(version())},
+                            {"scenes", json_text::list(names)},
+                            {"role", text(name(role))},
+                            {"reasons", json_text::list(reasons)}});
+}
+
+std::string scene_text(const Scene& scene, std::uint32_t version) {
+  const std::vector<Object>& objects = scene.objects();
+  const std::size_t still = scene.views().front().still();
+  std::vector<std::string> entries, guides;
+  Box box;
+  box.add(scene.start().position);
+  for (std::size_t i = 0; i < objects.size(); ++i) {
+    const Object& object = objects[i];
+    entries.push_back(object_text(object, i, i >= still));
+    const TriangleSoup soup = triangles_of(object.shape);
+    for (const Vec3& vertex : soup.vertices) box.add(in_world(object.pose, vertex));
+    if (std::holds_alternative<Plane>(object.shape)) {
+      const Vec3 normal = object.pose.orientation * Vec3::UnitZ();
+      const Vec3& start = scene.start().position;
+      const Vec3 near = start - normal * normal.dot(start - object.pose.position);
+      box.add(near + object.pose.orientation * Vec3(kPlaneView, kPlaneView, 0.0));
+      box.add(near - object.pose.orientation * Vec3(kPlaneView, kPlaneView, 0.0));
+    }
+  }
+  for (const Guide& guide : scene.guides()) guides.push_back(guide_text(guide));
+  return json_text::object({{"type", text("scene")},
+                            {"name", text(scene.name())},
+                            {"version", number(std::uint64_t{version})},
+                            {"objects", json_text::list(entries)},
+                            {"guides", json_text::list(guides)},
+                            {"box", "[" + vector(box.low) + "," + vector(box.high) + "]"}});
+}
+
+std::vector<Bytes> geometry(const Scene& scene, std::uint32_t version) {
+  std::vector<Bytes> messages;
+  const std::vector<Object>& objects = scene.objects();
+  const std::size_t still = scene.views().front().still();
+  for (std::size_t i = 0; i < objects.size(); ++i) {
+    const TriangleSoup soup = triangles_of(objects[i].shape);
+    if (soup.triangles.empty()) continue;
+    constexpr std::size_t kHead = 20, kCorners = 12;
+    Writer writer(Kind::geometry,
+                  kHead + kCorners * (soup.vertices.size() + soup.triangles.size()));
+    writer.put(static_cast<std::uint32_t>(i));
+    writer.put(version);
+    writer.put(static_cast<std::uint32_t>(soup.vertices.size()));
+    writer.put(static_cast<std::uint32_t>(soup.triangles.size()));
+    for (const Vec3& vertex : soup.vertices)
+      writer.put(i < still ? in_world(objects[i].pose, vertex) : vertex);
+    for (const Triangle& triangle : soup.triangles)
+      for (const std::uint32_t corner : triangle) writer.put(corner);
+    messages.push_back(writer.take());
+  }
+  return messages;
+}
+
+Bytes picture(const Picture& picture, std::span<const HandRates> rates, Nanoseconds begin) {
+  constexpr std::size_t kHead = 24, kHand = 112, kBody = 32;
+  constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+  Writer writer(Kind::picture,
+                kHead + kHand * picture.hands.size() + kBody * picture.bodies.size());
+  writer.put(static_cast<std::uint32_t>(picture.hands.size()));
+  writer.put(static_cast<std::uint32_t>(picture.bodies.size()));
+  writer.put(picture.version);
+  writer.put_time(seconds(picture.time - begin));
+  for (const PictureHand& hand : picture.hands) {
+    const HandRates* rate = rates_of(rates, hand.number);
+    writer.put(hand.number);
+    writer.put(hand.states | (hand.report ? hand.report->reasons << kHandStates : 0u));
+    writer.put(hand.pose.position);
+    writer.put(hand.pose.orientation);
+    for (const Vec3* v : {&hand.proxy, &hand.elastic, &hand.frictional, &hand.held}) writer.put(*v);
+    writer.put(hand.depth);
+    writer.put(hand.delivered);
+    writer.put(hand.burned);
+    writer.put(hand.report && hand.report->has_account ? hand.report->balance : kUnknown);
+    writer.put(rate != nullptr ? rate->samples : 0.0);
+    writer.put(rate != nullptr ? rate->loss : 0.0);
+    writer.put(hand.report && hand.report->round_trip > 0.0 ? hand.report->round_trip : kUnknown);
+  }
+  for (const PictureBody& body : picture.bodies) {
+    writer.put(body.object);
+    writer.put(body.pose.position);
+    writer.put(body.pose.orientation);
+  }
+  return writer.take();
+}
+
+std::string sessions(std::span<const HandDescription> hands, const Picture& picture,
+                     std::span<const HandRates> rates, double time) {
+  std::vector<std::string> entries;
+  for (const HandDescription& hand : hands) {
+    const HandRates* rate = rates_of(rates, hand.number);
+    const auto seen = std::ranges::find(picture.hands, hand.number, &PictureHand::number);
+    const bool known = seen != picture.hands.end();
+    const double period = hand.parameters.servo_period;
+    entries.push_back(json_text::object(
+        {{"number", number(std::uint64_t{hand.number})},
+         {"session", text(std::to_string(hand.session))},  // JavaScript's numbers are too short
+         {"client", text(hand.client)},
+         {"device", text(hand.device)},
+         {"tool", text(hand.tool)},
+         {"mode", text(hand.parameters.mode)},
+         {"side", text(name(hand.parameters.side))},
+         {"local_model", flag(hand.parameters.local_model)},
+         {"rate_hz", number(1.0 / period)},
+         {"packet_hz", number(1.0 / (period * hand.parameters.packet_interval))},
+         {"samples_per_s", rate != nullptr ? number(rate->samples) : "null"},
+         {"loss", rate != nullptr ? number(rate->loss) : "null"},
+         {"round_trip_ms", known && seen->report && seen->report->round_trip > 0.0
+                               ? number(1e3 * seen->report->round_trip)
+                               : "null"},
+         {"delivered_j", known ? number(seen->delivered) : "null"},
+         {"burned_j", known ? number(seen->burned) : "null"},
+         {"samples", known ? number(seen->samples) : "null"}}));
+  }
+  return json_text::object(
+      {{"type", text("sessions")}, {"time", number(time)}, {"sessions", json_text::list(entries)}});
+}
+
+}  // namespace feltwire::web

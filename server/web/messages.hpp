@@ -1,0 +1,41 @@
+#pragma once
+// What the live page is told: texts (JSON) and binary messages, as docs/live_page.md lists them. No
+// socket.
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/scene/scene.hpp"
+#include "protocol/session/role.hpp"
+#include "server/scene/picture.hpp"
+
+namespace feltwire::web {
+
+using Bytes = std::vector<std::uint8_t>;
+
+/// The first answer to a viewer whose token is good.
+std::string hello(std::span<const std::string> scenes, Role role);
+
+/// A scene without its triangles.
+std::string scene_text(const Scene& scene, std::uint32_t version);
+/// The triangles of each object but planes, which the text tells. Allocates, and may take some 10
+/// ms.
+std::vector<Bytes> geometry(const Scene& scene, std::uint32_t version);
+
+/// How a hand's line does, over the time since the last description.
+struct HandRates {
+  std::uint32_t number = 0;
+  double samples = 0.0;  // [1/s] taken
+  double loss = 0.0;     // share of the samples that were sent, 0 to 1
+};
+/// Both in rising order of the hands' numbers; a hand without rates has zeros. `begin`: time 0 of
+/// the page's clock.
+Bytes picture(const Picture& picture, std::span<const HandRates> rates, Nanoseconds begin);
+
+/// `time` [s] of the page's clock.
+std::string sessions(std::span<const HandDescription> hands, const Picture& picture,
+                     std::span<const HandRates> rates, double time);
+
+}  // namespace feltwire::web

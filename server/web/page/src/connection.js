@@ -1,0 +1,135 @@
+// The WebSocket to the server: the token, the state in words, and new attempts with growing pauses.
+
+const FIRST_PAUSE = 0.5;  // [s]
+const LONGEST_PAUSE = 10;  // [s]
+const SILENCE = 3;  // [s] without any message before the page says so
+const TOKEN_KEY = 'feltwire-token';
+
+const CLOSED = {
+  1001: 'The server stopped.',
+  4400: 'The server closed the connection.',
+  4401: 'The server refused the token.',
+  4429: 'The server has as many viewers as it allows.',
+};
+
+/** Moves a token from the URL's fragment to the session's storage, so that it stays in no history and no screenshot. */
+export function takeToken() {
+  const given = new URLSearchParams(location.hash.slice(1)).get('token');
+  if (given) {
+    sessionStorage.setItem(TOKEN_KEY, given);
+    history.replaceState(null, '', location.pathname + location.search);
+  }
+  return sessionStorage.getItem(TOKEN_KEY);
+}
+
+/**
+ * Keeps one connection up.
+ * States: `token` (one is asked for), `connecting`, `live`, `silent` (no message for some seconds), `waiting` (for the next attempt).
+ */
+export class Connection {
+  /**
+   * @param {{text: (message: object) => void, binary: (buffer: ArrayBuffer) => void,
+   *          state: (state: string, words: string) => void}} on what to call
+   */
+  constructor(on) {
+    this.on = on;
+    this.state = 'connecting';
+    this.attempts = 0;
+    this.nextAttempt = 0;
+    this.reason = '';
+    this.heard = 0;
+    this.socket = null;
+    setInterval(() => this.#tick(), 250);
+    addEventListener('hashchange', () => {
+      if (takeToken()) this.connect();
+    });
+  }
+
+  /** Connects, or asks for a token if there is none. */
+  connect() {
+    const token = takeToken();
+    this.socket?.close();
+    this.socket = null;
+    if (!token) {
+      this.#become('token', 'This page needs the token that the server printed.');
+      return;
+    }
+    this.#become('connecting', 'Connecting…');
+    const socket = new WebSocket(`${location.protocol === 'https:' ? 'wss' : 'ws'}://${location.host}/live`, 'feltwire.live.v1');
+    socket.binaryType = 'arraybuffer';
+    this.socket = socket;
+    socket.onopen = () => socket.send(JSON.stringify({token}));
+    socket.onmessage = (event) => socket === this.socket && this.#message(event.data);
+    socket.onclose = (event) => socket === this.socket && this.#closed(event);
+  }
+
+  /** @param {string} token what the user typed */
+  useToken(token) {
+    sessionStorage.setItem(TOKEN_KEY, token);
+    this.attempts = 0;
+    this.connect();
+  }
+
+  /** @param {object} message sent if the connection stands */
+  send(message) {
+    if (this.socket?.readyState === WebSocket.OPEN) this.socket.send(JSON.stringify(message));
+  }
+
+  #message(data) {
+    this.heard = performance.now();
+    if (typeof data !== 'string') {
+      this.on.binary(data);
+      return;
+    }
+    let message;
+    try {
+      message = JSON.parse(data);
+    } catch {
+      return;  // A later server may send what this page does not know.
+    }
+    if (message?.type === 'hello') {
+      this.attempts = 0;
+      this.#become('live', 'Live');
+    }
+    if (message) this.on.text(message);
+  }
+
+  #closed(event) {
+    this.socket = null;
+    const words = CLOSED[event.code] ?? (this.state === 'live' || this.state === 'silent' ? 'The connection was lost.' : 'The server does not answer.');
+    this.reason = event.reason ? `${words} (${event.reason})` : words;
+    if (event.code === 4401) {
+      sessionStorage.removeItem(TOKEN_KEY);
+      this.#become('token', this.reason);
+      return;
+    }
+    const pause = Math.min(FIRST_PAUSE * 2 ** this.attempts, LONGEST_PAUSE) * (1 + 0.2 * Math.random());
+    this.attempts += 1;
+    this.nextAttempt = performance.now() + 1000 * pause;
+    this.#waiting();
+  }
+
+  #waiting() {
+    const left = Math.max(0, Math.ceil((this.nextAttempt - performance.now()) / 1000));
+    this.#become('waiting', `${this.reason} Next attempt in ${left} s.`);
+  }
+
+  #tick() {
+    const now = performance.now();
+    if (this.state === 'waiting') {
+      if (now >= this.nextAttempt) this.connect();
+      else this.#waiting();
+    }
+    const quiet = (now - this.heard) / 1000;
+    if ((this.state === 'live' || this.state === 'silent') && quiet > SILENCE) {
+      this.#become('silent', `No message for ${Math.floor(quiet)} s`);
+    } else if (this.state === 'silent') {
+      this.#become('live', 'Live');
+    }
+  }
+
+  #become(state, words) {
+    this.state = state;
+    this.on.state(state, words);
+  }
+}

@@ -1,0 +1,158 @@
+// Hands in the 3D view: tool, proxy, the way between them, contact, forces and trails.
+
+import {
+  BufferAttribute, BufferGeometry, CircleGeometry, DynamicDrawUsage, Group, LatheGeometry, Line, LineBasicMaterial, MeshBasicMaterial,
+  MeshLambertMaterial, Quaternion, SphereGeometry, Vector2, Vector3,
+} from 'three';
+import {Arrows, rodShape} from './arrows.js';
+import {AT, length3} from './messages.js';
+import {Pool} from './pool.js';
+
+const TOUCH = 1e-3;  // [N] from which a hand counts as touching
+const TRAIL = 180;  // points
+
+// A pen whose tip is at the origin and whose body is along z, in pixels.
+const pen = new LatheGeometry([[0, 0], [4.5, 16], [4.5, 74], [3.5, 76], [0, 76]].map(([x, y]) => new Vector2(x, y)), 16).rotateX(Math.PI / 2);
+const ball = new SphereGeometry(1, 16, 12);
+const disc = new CircleGeometry(1, 32);
+
+const [proxy, tool, vector, normal, scale] = Array.from({length: 5}, () => new Vector3());
+const up = new Vector3(0, 0, 1);
+const turn = new Quaternion();
+const still = new Quaternion();
+
+/** All hands of a picture. */
+export class HandView {
+  constructor() {
+    this.group = new Group();
+    const flat = (opacity) => new MeshBasicMaterial({transparent: true, opacity, depthTest: false, depthWrite: false});
+    this.discs = new Pool(disc, new MeshBasicMaterial({transparent: true, opacity: 0.28, depthTest: false, depthWrite: false, side: 2}), this.group, 2);
+    this.pens = new Pool(pen, new MeshLambertMaterial(), this.group, 3);
+    this.rods = new Pool(rodShape, flat(1), this.group, 4);
+    this.tips = new Pool(ball, flat(1), this.group, 8);
+    this.proxies = new Pool(ball, flat(0.85), this.group, 4);
+    this.arrows = {
+      rendered: new Arrows(this.group, {width: 10, opacity: 0.45, order: 5}),
+      elastic: new Arrows(this.group, {width: 4.5, opacity: 1, order: 6}),
+      friction: new Arrows(this.group, {width: 4.5, opacity: 1, order: 7}),
+    };
+    this.pools = [this.discs, this.pens, this.rods, this.tips, this.proxies, ...Object.values(this.arrows)];
+    this.trails = new Map();
+    this.trailMaterial = new LineBasicMaterial({vertexColors: true, transparent: true, depthWrite: false});
+    this.colors = {};
+    this.longest = 0;  // [m] of all arrows of the last picture, as drawn
+  }
+
+  /** @param {{ink: string, muted: string, chosen: string, elastic: string, friction: string, rendered: string}} colors */
+  paint(colors) {
+    this.colors = colors;
+    this.discs.material.color.set(colors.elastic);
+    this.rods.material.color.set(colors.ink);
+    this.proxies.material.color.set(colors.muted);
+    this.trailMaterial.color.set(colors.muted);
+    for (const [kind, arrows] of Object.entries(this.arrows)) arrows.material.color.set(colors[kind]);
+  }
+
+  /**
+   * @param {import('./messages.js').Picture} picture
+   * @param {{chosen: number | null, perNewton: number, depthFactor: number, pixel: number}} how perNewton in metres, pixel in metres
+   */
+  show(picture, how) {
+    for (const pool of this.pools) pool.clear();
+    this.longest = 0;
+    for (let i = 0; i < picture.hands; ++i) this.#showHand(picture, picture.handAt(i), how);
+    for (const pool of this.pools) pool.done();
+  }
+
+  /** Adds the place of each hand to its trail, and forgets the trails of hands that left. */
+  trail(picture) {
+    for (const trail of this.trails.values()) trail.userData.seen = false;
+    for (let i = 0; i < picture.hands; ++i) {
+      const at = picture.handAt(i);
+      const number = picture.words[at + AT.number];
+      let trail = this.trails.get(number);
+      if (!trail) {
+        trail = makeTrail(picture.floats, at + AT.proxy, this.trailMaterial);
+        this.trails.set(number, trail);
+        this.group.add(trail);
+      }
+      trail.userData.seen = true;
+      const places = trail.geometry.attributes.position;
+      places.array.copyWithin(0, 3);
+      for (let axis = 0; axis < 3; ++axis) places.array[3 * (TRAIL - 1) + axis] = picture.floats[at + AT.proxy + axis];
+      places.needsUpdate = true;
+    }
+    for (const [number, trail] of this.trails) {
+      if (trail.userData.seen) continue;
+      this.group.remove(trail);
+      trail.geometry.dispose();
+      this.trails.delete(number);
+    }
+  }
+
+  clearTrails() {
+    for (const trail of this.trails.values()) {
+      this.group.remove(trail);
+      trail.geometry.dispose();
+    }
+    this.trails.clear();
+  }
+
+  /** @param {boolean} shown */
+  showTrails(shown) {
+    this.trailMaterial.visible = shown;
+  }
+
+  #showHand(picture, at, how) {
+    const {floats} = picture;
+    const chosen = picture.words[at + AT.number] === how.chosen;
+    const pixel = how.pixel;
+    drawnPlace(floats, at, how.depthFactor, tool);
+    const q = at + AT.orientation;
+    turn.set(floats[q + 1], floats[q + 2], floats[q + 3], floats[q]);
+    const tint = chosen ? this.colors.chosen : this.colors.muted;
+    this.pens.add(tool, turn, scale.setScalar(pixel), tint);
+    this.tips.add(tool, still, scale.setScalar(3 * pixel), tint);
+    if (tool.distanceTo(proxy) > pixel) {
+      this.rods.addAlong(proxy, vector.copy(tool).sub(proxy), 0.8 * pixel);
+    }
+    if (length3(floats, at + AT.elastic) > TOUCH) {
+      this.proxies.add(proxy, still, scale.setScalar(3.5 * pixel));
+      normal.fromArray(floats, at + AT.elastic).normalize();
+      turn.setFromUnitVectors(up, normal);
+      this.discs.add(proxy, turn, scale.setScalar(18 * pixel));
+    }
+    for (const kind of ['rendered', 'elastic', 'friction']) {
+      vector.fromArray(floats, at + AT[kind]).multiplyScalar(how.perNewton);
+      this.longest = Math.max(this.longest, vector.length());
+      this.arrows[kind].add(proxy, vector, pixel);
+    }
+  }
+}
+
+/** Where a tool is drawn: as deep in the surface as it is, times a factor. Leaves the proxy in `proxy`. */
+function drawnPlace(floats, at, depthFactor, result) {
+  proxy.fromArray(floats, at + AT.proxy);
+  return result.fromArray(floats, at + AT.position).sub(proxy).multiplyScalar(depthFactor).add(proxy);
+}
+
+/** The same for others: labels and picking. */
+export function toolPlace(picture, i, depthFactor, result) {
+  return drawnPlace(picture.floats, picture.handAt(i), depthFactor, result);
+}
+
+function makeTrail(floats, at, material) {
+  const places = new Float32Array(3 * TRAIL);
+  const colors = new Float32Array(4 * TRAIL);
+  for (let i = 0; i < TRAIL; ++i) {
+    places.set([floats[at], floats[at + 1], floats[at + 2]], 3 * i);
+    colors.set([1, 1, 1, 0.8 * (i / TRAIL) ** 1.5], 4 * i);
+  }
+  const geometry = new BufferGeometry();
+  geometry.setAttribute('position', new BufferAttribute(places, 3).setUsage(DynamicDrawUsage));
+  geometry.setAttribute('color', new BufferAttribute(colors, 4));
+  const line = new Line(geometry, material);
+  line.frustumCulled = false;
+  line.renderOrder = 2;
+  return line;
+}

@@ -1,0 +1,252 @@
+// The live page: connects, keeps the newest picture, and draws.
+
+import {Connection} from './connection.js';
+import {Hands} from './hands.js';
+import {Labels} from './labels.js';
+import {KIND, Picture, readGeometry} from './messages.js';
+import {bindKeys, followTheme, makeSplit} from './panels.js';
+import {Plots} from './plots.js';
+import {Sessions} from './sessions.js';
+import {View} from './view.js';
+import {Why} from './why.js';
+import * as words from './words.js';
+
+const PLOT_PERIOD = 50;  // [ms]
+const TEXT_PERIOD = 200;  // [ms]
+
+const element = (id) => document.getElementById(id);
+const view = makeView();
+const hands = new Hands();
+const plots = new Plots(element('plots'));
+const why = new Why(element('sentence'), element('reasons'));
+const sessions = new Sessions(document.querySelector('#sessions table'), choose);
+const labels = new Labels(element('labels'));
+const page = {scene: '', pictures: 0, unread: 0, held: false, chosen: null, connection: ''};
+let latest = new Picture();  // the newest that came
+let spare = new Picture();  // the one that is read next
+let arrived = false;  // whether `latest` has not been drawn yet
+
+const connection = new Connection({
+  text: takeText,
+  binary: takeBinary,
+  state(state, said) {
+    page.connection = state;
+    element('state').dataset.state = state;
+    const text = element('state').querySelector('span');
+    if (text.textContent !== said) text.textContent = said;
+    element('retry').hidden = state !== 'waiting';
+    element('token-words').textContent = said;
+    const dialog = element('token');
+    if (state === 'token' && !dialog.open) dialog.showModal();
+    if (state !== 'token' && dialog.open) dialog.close();
+    document.body.classList.toggle('old', state !== 'live');
+  },
+});
+
+function takeText(message) {
+  switch (message.type) {
+    case 'hello':
+      view.hands.clearTrails();
+      why.setReasons(message.reasons ?? []);
+      sessions.reasons = message.reasons ?? [];
+      showScenes(message.scenes ?? []);
+      element('version').textContent = `feltwire ${message.version ?? ''}`;
+      break;
+    case 'scene':
+      if (message.name !== page.scene) forget();
+      page.scene = message.name;
+      element('scenes').value = message.name;
+      document.title = `${message.name} – feltwire`;
+      view.setScene(message);
+      showScales();
+      break;
+    case 'sessions':
+      sessions.set(message.sessions ?? []);
+      break;
+    case 'log':
+      element('log').hidden = false;
+      element('log').dataset.level = message.level ?? '';
+      element('log').querySelector('span').textContent = message.text ?? '';
+      break;
+  }
+}
+
+function takeBinary(buffer) {
+  const kind = new Uint8Array(buffer)[0];
+  if (kind === KIND.geometry) {
+    const geometry = readGeometry(buffer);
+    if (geometry) view.addGeometry(geometry);
+  } else if (kind === KIND.picture) {
+    if (!spare.read(buffer)) {
+      page.unread += 1;
+      return;
+    }
+    page.pictures += 1;
+    if (page.held) return;
+    [latest, spare] = [spare, latest];
+    arrived = true;
+    hands.update(latest);
+  }
+}
+
+function makeView() {
+  try {
+    return new View(element('canvas'));
+  } catch (error) {
+    element('state').querySelector('span').textContent = 'This browser gives no WebGL 2, without which nothing can be drawn.';
+    throw error;
+  }
+}
+
+/** Another scene is watched: nothing of the last one holds. */
+function forget() {
+  hands.clear();
+  sessions.set([]);
+  choose(null);
+}
+
+function showScenes(names) {
+  element('scene-choice').hidden = names.length < 2;
+  element('scenes').replaceChildren(...names.map((name) => new Option(name)));
+  if (page.scene && names.includes(page.scene)) {
+    element('scenes').value = page.scene;
+    if (names[0] !== page.scene) connection.send({watch: page.scene});  // A new connection begins with the first scene.
+  }
+}
+
+/** @param {number | null} number of a hand, or null for none */
+function choose(number) {
+  page.chosen = number;
+  view.chosen = number;
+  view.stale = true;
+  writeTexts();
+}
+
+function chooseNext(step) {
+  const numbers = hands.numbers();
+  if (numbers.length === 0) return;
+  choose(numbers[(numbers.indexOf(page.chosen) + step + numbers.length) % numbers.length]);
+}
+
+function writeTexts() {
+  if (page.chosen === null || (!hands.all.has(page.chosen) && !sessions.sessions.has(page.chosen))) {
+    page.chosen = view.chosen = hands.numbers()[0] ?? null;
+  }
+  const hand = hands.all.get(page.chosen);
+  const name = page.chosen === null ? 'No hand' : sessions.name(page.chosen);
+  const title = name === `hand ${page.chosen}` || page.chosen === null ? name : `${name}, hand ${page.chosen}`;
+  for (const id of ['chosen', 'why-name']) if (element(id).textContent !== title) element(id).textContent = title;
+  why.show(hand, page.pictures > 0);
+  sessions.show(hands.all, page.chosen);
+  labels.write(hands.all, (number) => sessions.name(number), page.chosen);
+  plots.writeValues();
+  element('empty').hidden = hands.all.size > 0 || page.pictures === 0;
+  element('empty').textContent = 'No hand is in this scene yet.';
+}
+
+function showScales() {
+  element('arrow-scale').textContent = `1 N = ${words.distance(view.perNewton)}`;
+  element('depth-scale').textContent = view.depthFactor === 1 ? 'drawn as it is' : `drawn × ${view.depthFactor}`;
+  element('grid-scale').textContent = words.distance(view.spacing);
+  view.stale = true;
+}
+
+function scaleArrows(steps) {
+  view.perNewton = words.stepped(view.perNewton, steps);
+  showScales();
+}
+
+function scaleDepth(steps) {
+  view.depthFactor = Math.min(Math.max(words.stepped(view.depthFactor, steps), 1), 50);
+  showScales();
+}
+
+function hold() {
+  page.held = !page.held;
+  element('hold').setAttribute('aria-pressed', String(page.held));
+  element('hold').textContent = page.held ? 'Go on' : 'Hold';
+}
+
+let plotted = 0;
+let written = 0;
+
+function step(now) {
+  requestAnimationFrame(step);
+  if (arrived) {
+    arrived = false;
+    view.show(latest);
+  }
+  if (hands.changed || now - written > TEXT_PERIOD) {
+    hands.changed = false;
+    written = now;
+    writeTexts();
+  }
+  if (view.render()) labels.move(view);
+  if (now - plotted > PLOT_PERIOD && !page.held) {
+    plotted = now;
+    plots.update(hands.all.get(page.chosen)?.history ?? null);
+  }
+}
+
+let pressed = null;
+element('canvas').addEventListener('pointerdown', (event) => (pressed = {x: event.clientX, y: event.clientY}));
+element('canvas').addEventListener('pointerup', (event) => {
+  if (!pressed || Math.hypot(event.clientX - pressed.x, event.clientY - pressed.y) > 5) return;  // That was a turn of the camera.
+  const corner = element('canvas').getBoundingClientRect();
+  const found = labels.at(event.clientX, event.clientY) ?? view.handAt(event.clientX - corner.left, event.clientY - corner.top);
+  if (found !== null) choose(found);
+});
+element('scenes').onchange = (event) => connection.send({watch: event.target.value});
+element('seconds').onchange = (event) => (plots.seconds = Number(event.target.value));
+element('retry').onclick = () => connection.connect();
+element('hold').onclick = hold;
+element('help-open').onclick = () => element('help').showModal();
+element('previous').onclick = () => chooseNext(-1);
+element('next').onclick = () => chooseNext(1);
+element('arrow-less').onclick = () => scaleArrows(-1);
+element('arrow-more').onclick = () => scaleArrows(1);
+element('depth-less').onclick = () => scaleDepth(-1);
+element('depth-more').onclick = () => scaleDepth(1);
+element('log').querySelector('button').onclick = () => (element('log').hidden = true);
+element('token').addEventListener('cancel', (event) => event.preventDefault());
+element('token').querySelector('form').onsubmit = (event) => {
+  event.preventDefault();
+  connection.useToken(element('token-text').value.trim());
+  element('token-text').value = '';
+};
+
+bindKeys(element('keys'), [
+  {keys: ['n', 'p'], shown: 'n, p', text: 'next, previous hand', act: (key) => chooseNext(key === 'n' ? 1 : -1)},
+  {keys: [...'1234567890'], shown: '1 … 9, 0', text: 'first … tenth hand', act: (key) => choose(hands.numbers()[(Number(key) + 9) % 10] ?? page.chosen)},
+  {keys: ['ArrowLeft', 'ArrowRight'], shown: '← →', text: 'turn the camera about the vertical', act: (key) => view.turn(key === 'ArrowLeft' ? -0.1 : 0.1, 0)},
+  {keys: ['ArrowUp', 'ArrowDown'], shown: '↑ ↓', text: 'raise, lower the camera', act: (key) => view.turn(0, key === 'ArrowUp' ? -0.1 : 0.1)},
+  {keys: ['+', '=', '-'], shown: '+ −', text: 'zoom in, out', act: (key) => view.zoom(key === '-' ? 1 / 1.2 : 1.2)},
+  {keys: ['f'], text: 'show the whole scene', act: () => view.lookAtAll()},
+  {keys: ['c'], text: 'put the chosen hand in the middle', act: () => view.lookAtHand(page.chosen)},
+  {keys: ['x', 'y', 'z'], shown: 'x, y, z', text: 'look along an axis', act: (key) => view.lookAlong(key)},
+  {keys: [',', '.'], shown: ', .', text: 'shorter, longer arrows', act: (key) => scaleArrows(key === '.' ? 1 : -1)},
+  {keys: [';', "'"], shown: "; '", text: 'less, more exaggeration of depth', act: (key) => scaleDepth(key === "'" ? 1 : -1)},
+  {keys: ['t'], text: 'trails on or off', act: () => {
+    view.hands.showTrails(!view.hands.trailMaterial.visible);
+    view.stale = true;
+  }},
+  {keys: [' '], shown: 'space', text: 'hold the picture, go on', act: hold},
+  {keys: ['l'], text: 'light or dark', act: () => element('theme').click()},
+  {keys: ['?'], text: 'this list', act: () => element('help').showModal()},
+]);
+makeSplit(element('split-x'), '--side-width', {axis: 'x', least: 220, most: () => innerWidth - 320});
+makeSplit(element('split-y'), '--table-height', {axis: 'y', least: 60, most: () => innerHeight - 320});
+followTheme(element('theme'), (colors) => {
+  view.paint(colors);
+  plots.paint(colors);
+});
+showScales();
+connection.connect();
+requestAnimationFrame(step);
+
+/** What tests and a curious user read in the console: a copy, so that nothing can be changed by it. */
+window.feltwire = () => ({
+  ...page, frames: view.frames, hands: hands.numbers(), longestArrow: view.hands.longest, perNewton: view.perNewton,
+  bodies: view.objects?.bodies.size ?? 0, plotted: {points: plots.points, last: plots.panes.map((pane) => pane.plot?.data.slice(1).map((column) => column.at?.(-1)))},
+  places: view.places(),
+});

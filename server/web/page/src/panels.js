@@ -1,0 +1,80 @@
+// The page around the scene: theme, sizes of the panels, and the keys.
+
+const NAMES = ['view', 'surface', 'line', 'grid', 'ink', 'muted', 'chosen', 'guide', 'elastic', 'friction', 'rendered', 'limit'];
+const root = document.documentElement;
+
+/** Colors of the theme, as the style sheet gives them. */
+function colors() {
+  const style = getComputedStyle(root);
+  return Object.fromEntries(NAMES.map((name) => [name, style.getPropertyValue(`--${name}`).trim()]));
+}
+
+/** Follows the system's theme until the user chooses one. @param {HTMLElement} button @param {(colors: object) => void} paint */
+export function followTheme(button, paint) {
+  const system = matchMedia('(prefers-color-scheme: dark)');
+  const apply = () => {
+    const dark = (localStorage.getItem('feltwire-theme') ?? (system.matches ? 'dark' : 'light')) === 'dark';
+    root.dataset.theme = dark ? 'dark' : 'light';
+    button.textContent = dark ? 'Light' : 'Dark';
+    paint(colors());
+  };
+  button.onclick = () => {
+    localStorage.setItem('feltwire-theme', root.dataset.theme === 'dark' ? 'light' : 'dark');
+    apply();
+  };
+  system.addEventListener('change', apply);
+  apply();
+}
+
+/**
+ * A bar between two panels that can be dragged, or moved by the arrow keys.
+ * @param {HTMLElement} bar @param {string} property of the style sheet: the size of the panel after the bar
+ * @param {{axis: 'x' | 'y', least: number, most: () => number}} limits
+ */
+export function makeSplit(bar, property, {axis, least, most}) {
+  const key = `feltwire${property}`;
+  const set = (size) => {
+    const fit = Math.round(Math.min(Math.max(size, least), most()));
+    root.style.setProperty(property, `${fit}px`);
+    localStorage.setItem(key, String(fit));
+  };
+  const panel = () => bar.nextElementSibling.getBoundingClientRect()[axis === 'x' ? 'width' : 'height'];
+  const stored = Number(localStorage.getItem(key));
+  if (stored > 0) set(stored);
+  bar.onpointerdown = (event) => {
+    bar.setPointerCapture(event.pointerId);
+    const from = (axis === 'x' ? event.clientX : event.clientY) + panel();
+    bar.onpointermove = (move) => set(from - (axis === 'x' ? move.clientX : move.clientY));
+  };
+  bar.onpointerup = bar.onpointercancel = () => (bar.onpointermove = null);
+  bar.onkeydown = (event) => {
+    const step = {ArrowLeft: 20, ArrowUp: 20, ArrowRight: -20, ArrowDown: -20}[event.key];
+    if (!step) return;
+    event.stopPropagation();
+    event.preventDefault();
+    set(panel() + step);
+  };
+}
+
+/**
+ * Binds keys and lists them in the help.
+ * @param {HTMLElement} list @param {{keys: string[], shown?: string, text: string, act: (key: string) => void}[]} bindings
+ */
+export function bindKeys(list, bindings) {
+  const acts = new Map();
+  for (const {keys, shown, text, act} of bindings) {
+    const [term, meaning] = ['dt', 'dd'].map((tag) => document.createElement(tag));
+    term.textContent = shown ?? keys.join(' ');
+    meaning.textContent = text;
+    list.append(term, meaning);
+    for (const key of keys) acts.set(key, act);
+  }
+  addEventListener('keydown', (event) => {
+    if (event.ctrlKey || event.metaKey || event.altKey || event.target.closest?.('input, select, dialog')) return;
+    if (event.target.closest?.('button') && [' ', 'Enter'].includes(event.key)) return;
+    const act = acts.get(event.key);
+    if (!act) return;
+    event.preventDefault();
+    act(event.key);
+  });
+}

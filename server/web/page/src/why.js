@@ -1,0 +1,56 @@
+// Says in words why a hand feels what it feels.
+
+import {AT} from './messages.js';
+import * as words from './words.js';
+
+const TOUCH = 1e-3;  // [N]
+
+/** @param {import('./hands.js').Hand} hand @returns {string} one sentence on what the hand does and feels */
+export function sentence(hand) {
+  if (hand.commanded < TOUCH && hand.rendered < TOUCH) return 'It moves freely and touches nothing.';
+  if (hand.commanded < TOUCH) return `The scene asks for no force, but the device still holds ${words.force(hand.rendered)}.`;
+  const where = hand.floats[AT.depth] > 0 ? `It presses ${words.depth(hand.floats[AT.depth])} deep. ` : '';
+  const share = hand.rendered / hand.commanded;
+  const held = `The scene asks for ${words.force(hand.commanded)}, and the device renders ${words.force(hand.rendered)}`;
+  if (share > 0.98 && share < 1.02) return `${where}${held}: all of it.`;
+  return `${where}${held}: ${Math.round(100 * share)} %.`;
+}
+
+/** The strip below the scene. Elements are made once for each reason and then shown or hidden. */
+export class Why {
+  /** @param {HTMLElement} text for the sentence @param {HTMLElement} list for the reasons */
+  constructor(text, list) {
+    this.text = text;
+    this.list = list;
+    this.items = [];
+  }
+
+  /** @param {{name: string, text: string, cuts?: boolean}[]} reasons of the server's hello; cuts: it takes force off */
+  setReasons(reasons) {
+    this.list.replaceChildren();
+    this.items = reasons.map((reason) => {
+      const [item, text, share] = ['li', 'span', 'b'].map((tag) => document.createElement(tag));
+      text.textContent = reason.text;
+      item.title = reason.name;
+      item.hidden = true;
+      item.classList.toggle('state', reason.cuts === false);
+      item.append(text, ' ', share);
+      this.list.append(item);
+      return {item, share};
+    });
+  }
+
+  /** @param {import('./hands.js').Hand | undefined} hand @param {boolean} seen whether any picture came */
+  show(hand, seen) {
+    this.#write(this.text, hand ? sentence(hand) : seen ? 'No hand is in this scene yet.' : 'Nothing has come from the server yet.');
+    const active = hand?.activeReasons() ?? [];
+    this.items.forEach(({item, share}, bit) => {
+      item.hidden = !active.includes(bit);
+      if (!item.hidden) this.#write(share, `${Math.max(1, Math.round(100 * hand.share[bit]))} % of the time`);
+    });
+  }
+
+  #write(element, text) {
+    if (element.textContent !== text) element.textContent = text;
+  }
+}

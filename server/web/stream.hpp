@@ -1,0 +1,38 @@
+#pragma once
+// A connection of the live page as bytes: TCP, or TLS over it.
+
+#include <array>
+#include <asio/ip/tcp.hpp>
+#include <asio/ssl/context.hpp>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <span>
+#include <system_error>
+#include <vector>
+
+namespace feltwire::web {
+
+/// One reading and one writing may be under way at a time; handlers are called on the thread of the
+/// socket's io_context.
+class Stream {
+ public:
+  using Done = std::function<void(const std::error_code&)>;
+  using Read = std::function<void(const std::error_code&, std::span<const std::uint8_t>)>;
+
+  virtual ~Stream() = default;
+  /// Before all else.
+  virtual void handshake(Done done) = 0;
+  /// What comes next; at least one byte where there is no error.
+  virtual void read(Read done) = 0;
+  /// All of it.
+  virtual void write(std::vector<std::uint8_t> bytes, Done done) = 0;
+  /// Says that nothing more is written; reading goes on.
+  virtual void end_writing() = 0;
+  virtual void close() noexcept = 0;
+};
+
+/// `tls` null: plain TCP.
+std::unique_ptr<Stream> make_stream(asio::ip::tcp::socket socket, asio::ssl::context* tls);
+
+}  // namespace feltwire::web

@@ -1,0 +1,57 @@
+#include "server/web/viewer_message.hpp"
+
+#include <nlohmann/json.hpp>
+
+namespace feltwire::web {
+namespace {
+
+/// Keeps the members of the outermost object. No tree is made: the destructor of one allocates, and
+/// ends the program where there is no memory.
+class Members : public nlohmann::json_sax<nlohmann::json> {
+ public:
+  ViewerMessage message;
+
+  bool null() override { return value(); }
+  bool boolean(bool) override { return value(); }
+  bool number_integer(number_integer_t) override { return value(); }
+  bool number_unsigned(number_unsigned_t) override { return value(); }
+  bool number_float(number_float_t, const string_t&) override { return value(); }
+  bool binary(binary_t&) override { return false; }
+  bool string(string_t& text) override {
+    if (depth_ == 1 && key_ == "token") message.token = text;
+    if (depth_ == 1 && key_ == "watch") message.watch = text;
+    return value();
+  }
+  bool key(string_t& text) override {
+    if (depth_ == 1) key_ = text;
+    return true;
+  }
+  bool start_object(std::size_t) override { return enter(); }
+  bool end_object() override { return leave(); }
+  bool start_array(std::size_t) override { return depth_ > 0 && enter(); }
+  bool end_array() override { return leave(); }
+  bool parse_error(std::size_t, const std::string&, const nlohmann::json::exception&) override {
+    return false;
+  }
+
+ private:
+  static constexpr int kDeepest = 8;
+  bool value() const { return depth_ > 0; }
+  bool enter() { return ++depth_ <= kDeepest; }
+  bool leave() {
+    --depth_;
+    return true;
+  }
+  int depth_ = 0;
+  std::string key_;
+};
+
+}  // namespace
+
+std::optional<ViewerMessage> parse_viewer_message(std::string_view text) {
+  Members members;
+  if (!nlohmann::json::sax_parse(text, &members)) return std::nullopt;
+  return std::move(members.message);
+}
+
+}  // namespace feltwire::web

@@ -1,0 +1,19 @@
+#pragma once
+// What a viewer of the live page says.
+
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace feltwire::web {
+
+/// One JSON object; what it leaves out is not there, what else it has is not read.
+struct ViewerMessage {
+  std::optional<std::string> token;  // the first message: who it is
+  std::optional<std::string> watch;  // the name of the scene that it wants to see
+};
+
+/// Nothing where the text is no JSON object, or nested deeper than a message of this kind is.
+std::optional<ViewerMessage> parse_viewer_message(std::string_view text);
+
+}  // namespace feltwire::web

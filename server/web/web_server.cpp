@@ -1,0 +1,159 @@
+#include "server/web/web_server.hpp"
+
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <asio/post.hpp>
+#include <chrono>
+#include <utility>
+
+#include "protocol/net/clock.hpp"
+#include "server/access/listening.hpp"
+#include "server/web/connection.hpp"
+
+namespace feltwire::web {
+namespace {
+
+using asio::ip::tcp;
+constexpr std::chrono::microseconds kFrame{16'667};  // between pictures
+constexpr std::chrono::milliseconds kLastWords{250};
+
+std::optional<asio::ssl::context> tls_for(const asio::ip::address& address,
+                                          const Identity& identity) {
+  if (address.is_loopback()) return std::nullopt;
+  return server_tls(identity);
+}
+
+}  // namespace
+
+WebServer::WebServer(const WebOptions& options, const Audience::Hosts& hosts, TokenFile tokens,
+                     const Identity& identity)
+    : options_(options),
+      tls_(tls_for(options.address, identity)),
+      audience_(io_, hosts, std::move(tokens)),
+      places_(options.max_connections, options.max_connections_per_network) {
+  port_ = listen_on(acceptor_, {options.address, options.port}, "--web");
+}
+
+WebServer::~WebServer() { stop(); }
+
+void WebServer::start() {
+  accept();
+  thread_ = std::thread([this] { run(); });
+}
+
+void WebServer::stop() {
+  if (!thread_.joinable()) return;
+  asio::post(io_, [this] {
+    std::error_code ignored;
+    acceptor_.close(ignored);
+    retry_.cancel();
+    audience_.close_all();
+    // Viewers have a moment to hear why.
+    frame_.expires_after(kLastWords);
+    frame_.async_wait([this](const std::error_code&) { end_all(); });
+    leave_if_empty();
+  });
+  thread_.join();
+}
+
+void WebServer::end_all() {
+  while (!connections_.empty()) {
+    // A handle of its own: end() takes the connection out of the map.
+    const std::shared_ptr<Connection> connection = connections_.begin()->second;
+    connection->end();
+  }
+  io_.stop();
+}
+
+void WebServer::leave_if_empty() {
+  if (!acceptor_.is_open() && connections_.empty()) io_.stop();
+}
+
+std::string WebServer::host() const {
+  if (options_.address.is_unspecified()) return "127.0.0.1";
+  const std::string text = options_.address.to_string();
+  return options_.address.is_v6() ? "[" + text + "]" : text;
+}
+
+/// A connection's handlers catch for themselves; what escapes another handler is logged, and all
+/// goes on.
+void WebServer::run() {
+  constexpr std::chrono::milliseconds kPause{100};  // no busy loop where it fails again at once
+  for (bool ended = false; !ended;) {
+    try {
+      io_.run();
+      ended = true;
+    } catch (const std::exception& error) {
+      spdlog::error("live page: {}; it goes on", error.what());
+      std::this_thread::sleep_for(kPause);
+      if (acceptor_.is_open()) accept_later();
+      showing_ = false;
+      show();
+    }
+  }
+}
+
+void WebServer::accept() {
+  acceptor_.async_wait(tcp::acceptor::wait_read, [this](const std::error_code& error) {
+    if (error == asio::error::operation_aborted || !acceptor_.is_open()) return;
+    if (error) return accept_later();
+    take();
+  });
+}
+
+/// Out of descriptors, say: what is open goes on, and a moment later there may be one.
+void WebServer::accept_later() {
+  retry_.expires_after(std::chrono::milliseconds(100));
+  retry_.async_wait([this](const std::error_code& cancelled) {
+    if (!cancelled) accept();
+  });
+}
+
+void WebServer::take() {
+  std::error_code error;
+  tcp::socket socket(io_);
+  acceptor_.accept(socket, error);
+  const bool gone = error == asio::error::would_block || error == asio::error::connection_aborted;
+  if (error && !gone) return accept_later();
+  accept();
+  if (error) return;
+  const asio::ip::address address = socket.remote_endpoint(error).address();
+  if (error) return;
+  socket.set_option(tcp::no_delay(true), error);
+  const Places::Id id = next_id_++;
+  const auto crowded_out = places_.take(id, network_of(address));
+  const auto connection = std::make_shared<Connection>(
+      *this, id, make_stream(std::move(socket), tls_ ? &*tls_ : nullptr), address);
+  connections_.emplace(id, connection);
+  if (crowded_out)
+    if (const auto found = connections_.find(*crowded_out); found != connections_.end()) {
+      const std::shared_ptr<Connection> other = found->second;
+      other->end();
+    }
+  connection->start();
+}
+
+Site WebServer::site(const asio::ip::address& asked_from) {
+  Site site{page_assets(), options_.names, secure()};
+  if (options_.metrics) site.metrics = [this] { return options_.metrics(audience_.counters()); };
+  site.opens = [this, asked_from](std::string_view token) {
+    return audience_.opens_something(token, asked_from);
+  };
+  return site;
+}
+
+/// Pictures while somebody is there.
+void WebServer::show() {
+  if (showing_ || !acceptor_.is_open()) return;
+  showing_ = true;
+  frame_.expires_after(kFrame);
+  frame_.async_wait([this](const std::error_code& cancelled) {
+    showing_ = false;
+    if (cancelled || audience_.empty()) return;
+    audience_.tick(monotonic_now());
+    show();
+  });
+}
+
+}  // namespace feltwire::web

@@ -1,0 +1,82 @@
+#pragma once
+// The live page's port: HTTP for the page, WebSockets for what it shows, one thread.
+
+#include <asio/io_context.hpp>
+#include <asio/ip/tcp.hpp>
+#include <asio/ssl/context.hpp>
+#include <asio/steady_timer.hpp>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "server/access/identity.hpp"
+#include "server/access/places.hpp"
+#include "server/web/answers.hpp"
+#include "server/web/audience.hpp"
+
+namespace feltwire::web {
+
+struct WebOptions {
+  asio::ip::address address;  // to listen on
+  std::uint16_t port = 0;     // 0: the operating system chooses
+  /// From connecting to a whole request, and from there to a good token.
+  std::chrono::milliseconds patience{5'000};
+  std::size_t max_connections = 128;
+  std::size_t max_connections_per_network = 64;
+  std::vector<std::string> names = {};  // that pages may be asked for by, beside IP addresses
+  /// What `/metrics` answers (docs/live_page.md), asked on the page's thread; empty: nothing.
+  std::function<std::string(const AudienceCounters& counters)> metrics = {};
+};
+
+class WebServer {
+ public:
+  /// Binds and listens. On a loopback address it speaks HTTP, on all others HTTPS with the
+  /// identity. Throws std::runtime_error in one line when it cannot. The hosts outlive this.
+  WebServer(const WebOptions& options, const Audience::Hosts& hosts, TokenFile tokens,
+            const Identity& identity);
+  ~WebServer();
+  WebServer(const WebServer&) = delete;
+  WebServer& operator=(const WebServer&) = delete;
+
+  /// Starts the thread. Call once.
+  void start();
+  /// Ends all connections and joins the thread. May be called again.
+  void stop();
+
+  std::uint16_t port() const { return port_; }
+  /// That a browser on this machine reaches it by.
+  std::string host() const;
+  bool secure() const { return tls_.has_value(); }
+  /// Of a server that is stopped, or on its thread.
+  const AudienceCounters& counters() const { return audience_.counters(); }
+
+ private:
+  class Connection;
+  void run();
+  void accept();
+  void accept_later();
+  void take();
+  Site site(const asio::ip::address& asked_from);
+  void end_all();
+  void leave_if_empty();
+  void show();
+
+  WebOptions options_;
+  asio::io_context io_{1};
+  std::optional<asio::ssl::context> tls_;
+  asio::ip::tcp::acceptor acceptor_{io_};
+  asio::steady_timer retry_{io_}, frame_{io_};
+  Audience audience_;
+  std::map<Places::Id, std::shared_ptr<Connection>> connections_;
+  Places places_;
+  Places::Id next_id_ = 0;
+  bool showing_ = false;  // the timer of pictures waits
+  std::uint16_t port_ = 0;
+  std::thread thread_;
+};
+
+}  // namespace feltwire::web

@@ -1,0 +1,67 @@
+#pragma once
+// One end of a WebSocket, the server's (RFC 6455): bytes to messages and back. No socket. The
+// frames are wslay's.
+
+#include <cstddef>
+#include <cstdint>
+#include <exception>
+#include <functional>
+#include <memory>
+#include <span>
+#include <string_view>
+#include <vector>
+
+struct wslay_event_context;
+
+namespace feltwire {
+
+/// Why a connection is closed: a code of RFC 6455, or one of the page's own (4000 and above).
+enum class WebSocketClose : std::uint16_t {
+  going_away = 1001,
+  bad_message = 4400,
+  bad_token = 4401,
+  too_many = 4429
+};
+
+class WebSocket {
+ public:
+  /// `take` gets every text message; binary ones close the connection. A message longer than
+  /// `most` [bytes] does so too.
+  WebSocket(std::size_t most, std::function<void(std::string_view)> take);
+  ~WebSocket();
+  WebSocket(const WebSocket&) = delete;
+  WebSocket& operator=(const WebSocket&) = delete;
+
+  /// What came from the other end. Answers pings and closes. False where it cannot be a WebSocket's
+  /// bytes: nothing more should be read. Passes on what `take` throws.
+  bool receive(std::span<const std::uint8_t> bytes);
+  /// Throws std::bad_alloc. Nothing happens after close().
+  void send_text(std::string_view message) { send(false, {bytes_of(message), message.size()}); }
+  void send_binary(std::span<const std::uint8_t> message) { send(true, message); }
+  /// Says why nothing more comes; of the reason no more than 120 bytes are sent.
+  void close(WebSocketClose code, std::string_view reason);
+  /// Whether both ends have said so.
+  bool closed() const noexcept;
+
+  /// What is to be sent to the other end, in bytes; they are gone from here then.
+  std::vector<std::uint8_t> take_output();
+  bool has_output() const noexcept;
+
+ private:
+  static const std::uint8_t* bytes_of(std::string_view text) {
+    return reinterpret_cast<const std::uint8_t*>(text.data());
+  }
+  void send(bool binary, std::span<const std::uint8_t> message);
+  struct Callbacks;
+  struct Free {
+    void operator()(wslay_event_context* context) const noexcept;
+  };
+
+  std::function<void(std::string_view)> take_;
+  std::unique_ptr<wslay_event_context, Free> context_;
+  std::span<const std::uint8_t> input_;  // that is being read
+  std::vector<std::uint8_t> output_;
+  std::exception_ptr failure_;  // thrown in a callback of C code
+};
+
+}  // namespace feltwire

@@ -1,0 +1,58 @@
+#pragma once
+// What the tests of recordings share: whole files in memory, and files that are kept for another
+// reader (tests/recording).
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <optional>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "core/recording/mcap_reader.hpp"
+#include "core/recording/mcap_writer.hpp"
+
+namespace feltwire::test {
+
+struct ReadMessage {
+  std::string topic, data;
+  std::uint32_t sequence = 0;
+  std::uint64_t time = 0;
+  bool operator==(const ReadMessage&) const = default;
+};
+
+struct ReadFile {
+  std::vector<ReadMessage> messages;
+  std::optional<std::uint64_t> cut_at;
+  std::vector<mcap::Metadata> metadata;
+  std::vector<mcap::Attachment> attachments;
+  std::map<std::uint16_t, mcap::Schema> schemas;
+  std::map<std::uint16_t, mcap::Channel> channels;
+  std::optional<mcap::Statistics> statistics;
+};
+
+/// Throws FileError.
+inline ReadFile read_mcap(const std::string& bytes, mcap::ReaderLimits limits = {}) {
+  std::istringstream in(bytes);
+  mcap::Reader reader(in, "file.mcap", limits);
+  ReadFile file;
+  while (const auto message = reader.next())
+    file.messages.push_back({reader.channels().at(message->channel).topic,
+                             std::string(message->data), message->sequence, message->log_time});
+  file.cut_at = reader.cut_at();
+  file.metadata = reader.metadata();
+  file.attachments = reader.attachments();
+  file.schemas = reader.schemas();
+  file.channels = reader.channels();
+  file.statistics = reader.statistics();
+  return file;
+}
+
+/// Where FELTWIRE_KEEP_RECORDINGS names a folder, leaves the file there.
+inline void keep_recording(const std::string& name, const std::string& bytes) {
+  if (const char* folder = std::getenv("FELTWIRE_KEEP_RECORDINGS"))
+    std::ofstream(std::filesystem::path(folder) / name, std::ios::binary) << bytes;
+}
+
+}  // namespace feltwire::test

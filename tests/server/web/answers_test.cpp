@@ -1,0 +1,134 @@
+// What requests are answered: the page's files, who may look on, and the policy on every answer.
+
+#include "server/web/answers.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <array>
+
+namespace feltwire::web::answers_test {
+namespace {
+
+using ::testing::EndsWith;
+using ::testing::HasSubstr;
+using ::testing::Not;
+using ::testing::StartsWith;
+
+constexpr std::array<unsigned char, 3> kFile = {'a', 'b', 'c'};
+const std::array<PageAsset, 1> kPage = {{{"/", "text/html", "1234", kFile}}};
+
+std::string text(const Answer& answer) { return {answer.bytes.begin(), answer.bytes.end()}; }
+
+std::string asked(const std::string& head, bool secure = false,
+                  std::vector<std::string> names = {}) {
+  const auto request = parse_http_head(head + "\r\n");
+  Site site{kPage, names, secure};
+  site.metrics = [] { return std::string("feltwire_sessions 1\n"); };
+  site.opens = [](std::string_view token) { return token == "fw_good"; };
+  return text(answer(request ? &*request : nullptr, site));
+}
+std::string get(const std::string& path, const std::string& headers,
+                const std::string& host = "127.0.0.1:7480") {
+  return "GET " + path + " HTTP/1.1\r\nHost: " + host + "\r\n" + headers;
+}
+
+const std::string kUpgrade =
+    "Connection: keep-alive, Upgrade\r\nUpgrade: websocket\r\nSec-WebSocket-Version: 13\r\n"
+    "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n"
+    "Sec-WebSocket-Protocol: feltwire.live.v1\r\n";
+const std::string kOrigin = "Origin: http://127.0.0.1:7480\r\n";
+
+TEST(Answers, TheFileAsItWasCompressed) {
+  const std::string whole = asked(get("/", ""));
+  EXPECT_THAT(whole, StartsWith("HTTP/1.1 200 OK\r\n"));
+  EXPECT_THAT(whole, HasSubstr("Content-Type: text/html\r\n"));
+  EXPECT_THAT(whole, HasSubstr("Content-Encoding: gzip\r\n"));
+  EXPECT_THAT(whole, HasSubstr("Content-Length: 3\r\n"));
+  EXPECT_THAT(whole, EndsWith("\r\n\r\nabc"));
+  EXPECT_THAT(asked("HEAD / HTTP/1.1\r\nHost: 127.0.0.1\r\n"), EndsWith("\r\n\r\n"));
+  EXPECT_THAT(asked(get("/", "If-None-Match: \"1234\"\r\n")), StartsWith("HTTP/1.1 304 "));
+  EXPECT_THAT(asked(get("/", "If-None-Match: \"123\"\r\n")), StartsWith("HTTP/1.1 200 "));
+}
+
+TEST(Answers, EveryAnswerHasThePolicy) {
+  for (const std::string& answer :
+       {asked(get("/", "")), asked(get("/none", "")), asked("nonsense"), asked(get("/live", "")),
+        asked(get("/", "", "evil.example")), asked(get("/health", ""))}) {
+    EXPECT_THAT(answer, HasSubstr("Content-Security-Policy: default-src 'none'; "
+                                  "script-src 'self'; style-src 'self';"));
+    EXPECT_THAT(answer, Not(HasSubstr("unsafe")));
+    EXPECT_THAT(answer, HasSubstr("X-Content-Type-Options: nosniff\r\n"));
+    EXPECT_THAT(answer, HasSubstr("Connection: close\r\n"));
+  }
+}
+
+TEST(Answers, WhatIsNotThere) {
+  EXPECT_THAT(asked(get("/none", "")), StartsWith("HTTP/1.1 404 "));
+  EXPECT_THAT(asked("POST / HTTP/1.1\r\nHost: 127.0.0.1\r\n"), StartsWith("HTTP/1.1 405 "));
+  EXPECT_THAT(asked("nonsense"), StartsWith("HTTP/1.1 400 "));
+  EXPECT_THAT(asked(get("/health", "")), EndsWith("ok\n"));
+  const auto request = parse_http_head(get("/", "") + "\r\n");
+  EXPECT_THAT(text(answer(&*request, {})), HasSubstr("nodejs and npm"));
+}
+
+/// On this machine for everybody, on a network for those with a token.
+TEST(Answers, Metrics) {
+  EXPECT_THAT(asked(get("/metrics", "")), EndsWith("\r\n\r\nfeltwire_sessions 1\n"));
+  EXPECT_THAT(asked(get("/metrics", ""), true), StartsWith("HTTP/1.1 401 "));
+  EXPECT_THAT(asked(get("/metrics", "Authorization: Bearer fw_bad\r\n"), true),
+              StartsWith("HTTP/1.1 401 "));
+  EXPECT_THAT(asked(get("/metrics", "Authorization: fw_good\r\n"), true),
+              StartsWith("HTTP/1.1 401 "));
+  EXPECT_THAT(asked(get("/metrics", "Authorization: Bearer fw_good\r\n"), true),
+              EndsWith("feltwire_sessions 1\n"));
+  const auto request = parse_http_head(get("/metrics", "") + "\r\n");
+  EXPECT_THAT(text(answer(&*request, {kPage, {}, false})), StartsWith("HTTP/1.1 404 "));
+}
+
+/// A name that was made to lead to this machine (DNS rebinding) is not answered.
+TEST(Answers, OnlyByItsOwnNames) {
+  for (const std::string ours :
+       {"127.0.0.1", "127.0.0.1:7480", "localhost:1", "[::1]:7480", "192.168.1.5"})
+    EXPECT_THAT(asked(get("/", "", ours)), StartsWith("HTTP/1.1 200 ")) << ours;
+  for (const std::string other : {"evil.example", "evil.example:7480", "127.0.0.1.evil.example",
+                                  "localhost.evil.example", "", "[", "[::1"})
+    EXPECT_THAT(asked(get("/", "", other)), StartsWith("HTTP/1.1 403 ")) << other;
+  EXPECT_THAT(asked("GET / HTTP/1.1\r\n"), StartsWith("HTTP/1.1 403 "));
+  EXPECT_THAT(asked(get("/", "", "lab.example:1"), false, {"lab.example"}),
+              StartsWith("HTTP/1.1 200 "));
+}
+
+TEST(Answers, AWebSocketOfItsOwnPage) {
+  const std::string accepted = asked(get("/live", kUpgrade + kOrigin));
+  EXPECT_THAT(accepted, StartsWith("HTTP/1.1 101 "));
+  EXPECT_THAT(accepted, HasSubstr("Sec-WebSocket-Accept: s3pPLMBiTxaQ9kYGzzhZRbK+xOo=\r\n"));
+  EXPECT_THAT(accepted, HasSubstr("Sec-WebSocket-Protocol: feltwire.live.v1\r\n\r\n"));
+  const auto request = parse_http_head(get("/live", kUpgrade + kOrigin) + "\r\n");
+  EXPECT_TRUE(answer(&*request, {kPage, {}, false}).upgraded);
+  EXPECT_FALSE(answer(&*request, {kPage, {}, true}).upgraded);  // http is not https
+}
+
+TEST(Answers, NoWebSocketOfAnotherPage) {
+  for (const std::string origin :
+       {"", "Origin: null\r\n", "Origin: http://evil.example\r\n", "Origin: http://127.0.0.1\r\n",
+        "Origin: https://127.0.0.1:7480\r\n", "Origin: http://127.0.0.1:7481\r\n",
+        "Origin: http://127.0.0.1:7480.evil.example\r\n"})
+    EXPECT_THAT(asked(get("/live", kUpgrade + origin)), StartsWith("HTTP/1.1 403 ")) << origin;
+}
+
+TEST(Answers, NoHalfAWebSocket) {
+  const auto without = [](const std::string& line) {
+    std::string headers = kUpgrade + kOrigin;
+    const auto at = headers.find(line);
+    return asked(get("/live", headers.erase(at, headers.find("\r\n", at) + 2 - at)));
+  };
+  EXPECT_THAT(without("Connection"), StartsWith("HTTP/1.1 426 "));
+  EXPECT_THAT(without("Upgrade:"), StartsWith("HTTP/1.1 426 "));
+  EXPECT_THAT(without("Sec-WebSocket-Version"), StartsWith("HTTP/1.1 426 "));
+  EXPECT_THAT(without("Sec-WebSocket-Key"), StartsWith("HTTP/1.1 400 "));
+  EXPECT_THAT(without("Sec-WebSocket-Protocol"), StartsWith("HTTP/1.1 400 "));
+}
+
+}  // namespace
+}  // namespace feltwire::web::answers_test

@@ -1,0 +1,256 @@
+// The live page of a whole server, over real sockets.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <nlohmann/json.hpp>
+
+#include "server/app/server.hpp"
+#include "tests/protocol/sealed.hpp"
+#include "tests/server/make.hpp"
+#include "tests/server/raw_socket.hpp"
+#include "tests/server/web/frames.hpp"
+#include "tests/support/eventually.hpp"
+
+namespace feltwire::live_page_test {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+using Json = nlohmann::json;
+
+ServerConfig with_page() {
+  ServerConfig config = test::any_port();
+  config.web = "0";
+  return config;
+}
+
+std::uint16_t page_port(const Server& server) {
+  const std::string url = server.web_url();
+  return static_cast<std::uint16_t>(std::stoi(url.substr(url.rfind(':') + 1)));
+}
+
+std::vector<std::uint8_t> bytes(std::string_view text) { return {text.begin(), text.end()}; }
+
+/// All that comes until the other side closes.
+std::string rest(test::RawSocket& socket) {
+  std::string all;
+  for (auto more = socket.receive(); !more.empty(); more = socket.receive())
+    all.append(more.begin(), more.end());
+  return all;
+}
+
+/// A browser's end of the WebSocket.
+class Page {
+ public:
+  explicit Page(const Server& server) : socket_(SOCK_STREAM, page_port(server)) {
+    const std::string host = "127.0.0.1:" + std::to_string(page_port(server));
+    socket_.send(bytes("GET /live HTTP/1.1\r\nHost: " + host + "\r\nOrigin: http://" + host +
+                       "\r\nConnection: Upgrade\r\nUpgrade: websocket\r\nSec-WebSocket-Version: 13"
+                       "\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n"
+                       "Sec-WebSocket-Protocol: feltwire.live.v1\r\n\r\n"));
+    const std::string end = "\r\n\r\n";
+    for (;;) {
+      const auto found = std::search(input_.begin(), input_.end(), end.begin(), end.end());
+      if (found != input_.end()) {
+        head_.assign(input_.begin(), found);
+        input_.erase(input_.begin(), found + 4);
+        break;
+      }
+      if (!more()) break;
+    }
+  }
+  Page(const Server& server, const std::string& token) : Page(server) {
+    say(Json{{"token", token}});
+  }
+
+  const std::string& head() const { return head_; }
+  void say(const Json& message) { socket_.send(test::client_frame(1, message.dump())); }
+
+  /// The next frame; of opcode 0 where the connection has ended.
+  test::Frame next() {
+    for (;;) {
+      if (auto frame = test::take_frame(input_)) return *frame;
+      if (!more()) return {};
+    }
+  }
+  /// The next text of this type; of no type where the connection ends before.
+  Json text(const std::string& type) {
+    for (test::Frame frame = next(); frame.opcode != 0; frame = next())
+      if (frame.opcode == 1)
+        if (Json said = Json::parse(frame.text()); said["type"] == type) return said;
+    return {};
+  }
+  /// The next picture.
+  std::vector<std::uint8_t> picture() {
+    for (test::Frame frame = next(); frame.opcode != 0; frame = next())
+      if (frame.opcode == 2 && !frame.payload.empty() && frame.payload[0] == 2)
+        return frame.payload;
+    return {};
+  }
+  test::Frame close() {
+    for (test::Frame frame = next(); frame.opcode != 0; frame = next())
+      if (frame.opcode == 8) return frame;
+    return {};
+  }
+
+ private:
+  bool more() {
+    const auto came = socket_.receive(65536);
+    input_.insert(input_.end(), came.begin(), came.end());
+    return !came.empty();
+  }
+  test::RawSocket socket_;
+  std::vector<std::uint8_t> input_;
+  std::string head_;
+};
+
+std::string good_token() { return std::string(test::admin_token().text.text()); }
+
+template <class Value>
+Value at(const std::vector<std::uint8_t>& bytes, std::size_t place) {
+  Value value{};
+  EXPECT_LE(place + sizeof value, bytes.size());
+  std::memcpy(&value, bytes.data() + place, sizeof value);
+  return value;
+}
+
+TEST(LivePage, IsOffUnlessAsked) {
+  const Server server(test::any_port(), {test::room()}, test::security());
+  EXPECT_EQ(server.web_url(), "");
+}
+
+TEST(LivePage, ShowsAHandThatPresses) {
+  Server server(with_page(), {test::room(0.0)}, test::security());
+  test::ControlClient control(server.control_port());
+  const test::JoinedBy joined = control.join(test::join_request(SessionParameters{}));
+  test::RawSocket hand(SOCK_DGRAM, joined.udp_port);
+  test::SealedEncoder encoder(test::Way::up, joined.keys);
+  std::uint64_t packet = 0;
+  const auto press = [&](double z) {
+    SampleBatch batch;
+    batch.count = 1;
+    batch.samples[0] = test::hand(++packet);
+    batch.samples[0].pose.position = {-0.05, 0, z};
+    batch.previous = packet - 1;
+    hand.send(encoder.samples(joined.accepted.session, packet, batch));
+    ASSERT_FALSE(hand.receive().empty());
+  };
+  press(0.001);
+
+  Page page(server, good_token());
+  EXPECT_THAT(page.head(), StartsWith("HTTP/1.1 101 "));
+  EXPECT_EQ(page.text("hello")["scenes"], Json({"room"}));
+  EXPECT_EQ(page.text("scene")["objects"][1]["name"], "ball");
+  const test::Frame ball = page.next();
+  ASSERT_EQ(ball.opcode, 2);
+  EXPECT_EQ(at<std::uint8_t>(ball.payload, 0), 1);
+
+  const auto seen_at = [&](float z) {
+    test::eventually("a picture of the hand at " + std::to_string(z), [&] {
+      const auto picture = page.picture();
+      return at<std::uint32_t>(picture, 4) == 1 && at<float>(picture, 24 + 16) == z;
+    });
+  };
+  seen_at(0.001f);
+  press(-0.002);
+  test::eventually("a picture with force", [&] {
+    const auto picture = page.picture();
+    constexpr std::size_t kHand = 24, kElasticZ = kHand + 8 + 4 * (3 + 4 + 3 + 2);
+    return std::abs(at<float>(picture, kElasticZ) - 4.0f) < 1e-4f;  // 2000 N/m
+  });
+  test::eventually("the sessions' table", [&] {
+    const Json said = page.text("sessions");
+    return said["sessions"].size() == 1 && said["sessions"][0]["client"] == "tester";
+  });
+}
+
+TEST(LivePage, RefusesAWrongToken) {
+  Server server(with_page(), {test::room()}, test::security());
+  const test::Frame wrong = Page(server, "fw_123456789012_wrong").close();
+  EXPECT_EQ(wrong.code(), 4401);
+  EXPECT_THAT(wrong.reason(), HasSubstr("token"));
+  Page silent(server);
+  silent.say({{"watch", "room"}});
+  EXPECT_EQ(silent.close().code(), 4401);
+  // Who guesses is slowed down.
+  int slowed = 0;
+  for (int i = 0; i < 12; ++i)
+    if (Page(server, "fw_123456789012_wrong").close().code() == 4429) ++slowed;
+  EXPECT_GE(slowed, 1);
+  // Who knows a good one is not.
+  EXPECT_EQ(Page(server, good_token()).text("hello")["role"], "admin");
+}
+
+TEST(LivePage, ShowsOnlyWhatTheTokenOpens) {
+  const IssuedToken narrow = issue_token("eye", "ball", Role::observer, std::nullopt);
+  std::vector<Scene> scenes;
+  scenes.push_back(test::room());
+  scenes.push_back(Scene("ball", {test::room().objects()[1]}));
+  Server server(with_page(), std::move(scenes), test::security({narrow.token}));
+  Page page(server, std::string(narrow.text.text()));
+  EXPECT_EQ(page.text("hello")["scenes"], Json({"ball"}));
+  EXPECT_EQ(page.text("scene")["name"], "ball");
+  page.say({{"watch", "room"}});
+  EXPECT_EQ(page.close().code(), 4400);
+
+  Page all(server, good_token());
+  EXPECT_EQ(all.text("scene")["name"], "room");
+  all.say({{"watch", "ball"}});
+  EXPECT_EQ(all.text("scene")["name"], "ball");
+}
+
+TEST(LivePage, AnswersRequests) {
+  Server server(with_page(), {test::room()}, test::security());
+  test::RawSocket health(SOCK_STREAM, page_port(server));
+  health.send(bytes("GET /health HTTP/1.1\r\nHost: 127.0.0.1\r\n\r\n"));
+  EXPECT_THAT(rest(health), StartsWith("HTTP/1.1 200 "));
+  test::RawSocket garbage(SOCK_STREAM, page_port(server));
+  garbage.send(bytes("\x16\x03\x01 hello\r\n\r\n"));
+  EXPECT_THAT(rest(garbage), StartsWith("HTTP/1.1 400 "));
+  test::RawSocket long_head(SOCK_STREAM, page_port(server));
+  long_head.send(bytes("GET / HTTP/1.1\r\nA: " + std::string(9000, 'a')));
+  EXPECT_THAT(rest(long_head), StartsWith("HTTP/1.1 400 "));
+}
+
+TEST(LivePage, CountsForPrometheus) {
+  Server server(with_page(), {test::room()}, test::security());
+  test::ControlClient control(server.control_port());
+  control.join(test::join_request());
+  test::RawSocket asked(SOCK_STREAM, page_port(server));
+  asked.send(bytes("GET /metrics HTTP/1.1\r\nHost: 127.0.0.1\r\n\r\n"));
+  const std::string said = rest(asked);
+  EXPECT_THAT(said,
+              HasSubstr("# TYPE feltwire_sessions gauge\nfeltwire_sessions{scene=\"room\"} 1\n"));
+  EXPECT_THAT(said, HasSubstr("feltwire_sessions_ended_total{scene=\"room\",how=\"flooded\"} 0\n"));
+  EXPECT_THAT(said,
+              HasSubstr("feltwire_datagrams_dropped_total{scene=\"room\",reason=\"sealed\"} 0\n"));
+  EXPECT_THAT(said, HasSubstr("\nfeltwire_control_connections_total 1\n"));
+}
+
+TEST(LivePage, EndsWhoDoesNotSpeakItsProtocol) {
+  Server server(with_page(), {test::room()}, test::security());
+  Page page(server, good_token());
+  page.text("hello");
+  page.say(Json::array());
+  EXPECT_EQ(page.close().code(), 4400);
+}
+
+TEST(LivePage, SaysThatTheServerEnds) {
+  auto server =
+      std::make_unique<Server>(with_page(), std::vector<Scene>{test::room()}, test::security());
+  Page page(*server, good_token());
+  page.text("hello");
+  server.reset();
+  EXPECT_EQ(page.close().code(), 1001);
+}
+
+TEST(LivePage, ManyComeAndGo) {
+  Server server(with_page(), {test::room()}, test::security());
+  for (int i = 0; i < 200; ++i) Page(server, good_token()).text("hello");
+  EXPECT_EQ(Page(server, good_token()).text("hello")["type"], "hello");
+}
+
+}  // namespace
+}  // namespace feltwire::live_page_test

@@ -1,0 +1,161 @@
+// The bytes of the page's messages, read by the text of docs/live_page.md.
+
+#include "server/web/messages.hpp"
+
+#include <gtest/gtest.h>
+
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <nlohmann/json.hpp>
+
+#include "tests/server/make.hpp"
+
+namespace feltwire::web::messages_test {
+namespace {
+
+using Json = nlohmann::json;
+
+/// Reads a binary message from its front.
+struct Reader {
+  const Bytes& bytes;
+  std::size_t at = 0;
+  template <class Value>
+  Value take() {
+    Value value;
+    EXPECT_LE(at + sizeof value, bytes.size());
+    std::memcpy(&value, bytes.data() + at, sizeof value);
+    at += sizeof value;
+    return value;
+  }
+  std::uint32_t whole() { return take<std::uint32_t>(); }
+  double number() { return static_cast<double>(take<float>()); }
+  Vec3 vector() {
+    const double x = number(), y = number(), z = number();
+    return {x, y, z};
+  }
+};
+
+TEST(Messages, HelloNamesScenesAndReasons) {
+  const std::vector<std::string> scenes = {"room", "a \"b\""};
+  const Json hello = Json::parse(web::hello(scenes, Role::observer));
+  EXPECT_EQ(hello["type"], "hello");
+  EXPECT_EQ(hello["scenes"], Json(scenes));
+  EXPECT_EQ(hello["role"], "observer");
+  ASSERT_EQ(hello["reasons"].size(), kHandStates + kHandReasons);
+  EXPECT_EQ(hello["reasons"][kHandStates + static_cast<std::size_t>(HandReason::account)]["name"],
+            "account");
+  EXPECT_EQ(hello["reasons"][static_cast<std::size_t>(HandState::touching)]["name"], "touching");
+  EXPECT_EQ(hello["reasons"][static_cast<std::size_t>(HandState::touching)]["cuts"], false);
+  EXPECT_EQ(hello["reasons"][static_cast<std::size_t>(HandState::server_bound)]["cuts"], true);
+  EXPECT_EQ(hello["reasons"][kHandStates]["cuts"], false);
+  for (const Json& reason : hello["reasons"])
+    EXPECT_FALSE(reason["text"].get<std::string>().empty());
+}
+
+TEST(Messages, ASceneHasItsObjects) {
+  Object upside = test::room().objects()[0];
+  upside.name = "ceiling";
+  upside.pose = {{0, 0, 0.1}, Quaternion(Eigen::AngleAxisd(M_PI, Vec3::UnitX()))};
+  const Guide rail{.name = "rail",
+                   .place = GuideLine{0.05},
+                   .pose = {{0, 0, 0.02}, Quaternion(Eigen::AngleAxisd(M_PI / 2, Vec3::UnitY()))},
+                   .action = Attract{.stiffness = 10.0},
+                   .max_force = 1.0};
+  const Scene scene("room", {test::room().objects()[1], upside}, {}, {rail});
+  const Json said = Json::parse(scene_text(scene, 7));
+  EXPECT_EQ(said["type"], "scene");
+  EXPECT_EQ(said["version"], 7);
+  ASSERT_EQ(said["objects"].size(), 2u);
+  EXPECT_EQ(said["objects"][0]["name"], "ball");
+  EXPECT_EQ(said["objects"][0]["moves"], false);
+  EXPECT_FALSE(said["objects"][0].contains("plane"));
+  EXPECT_NEAR(said["objects"][1]["plane"]["normal"][2].get<double>(), -1.0, 1e-12);
+  EXPECT_EQ(said["guides"][0]["kind"], "attract");
+  EXPECT_NEAR(said["guides"][0]["points"][1][0].get<double>(), 0.05, 1e-12);
+  // The ball, and a piece of the plane.
+  EXPECT_NEAR(said["box"][0][0].get<double>(), -0.2, 1e-9);
+  EXPECT_NEAR(said["box"][1][2].get<double>(), 0.1, 1e-9);
+
+  const std::vector<Bytes> shown = geometry(scene, 7);
+  ASSERT_EQ(shown.size(), 1u);  // the plane has none
+  Reader reader{shown[0]};
+  EXPECT_EQ(reader.whole(), 1u);  // the kind
+  EXPECT_EQ(reader.whole(), 0u);  // the object
+  EXPECT_EQ(reader.whole(), 7u);
+  const std::uint32_t vertices = reader.whole(), triangles = reader.whole();
+  ASSERT_GT(vertices, 100u);
+  for (std::uint32_t i = 0; i < vertices; ++i)  // of the ball, in the world
+    EXPECT_NEAR((reader.vector() - Vec3(0.05, 0, 0.01)).norm(), 0.02, 1e-6);
+  for (std::uint32_t i = 0; i < 3 * triangles; ++i) EXPECT_LT(reader.whole(), vertices);
+  EXPECT_EQ(reader.at, shown[0].size());
+}
+
+TEST(Messages, APictureHasHandsAndBodies) {
+  Picture picture;
+  picture.time = from_seconds(12.5);
+  picture.version = 3;
+  PictureHand hand;
+  hand.number = 9;
+  hand.states = bit(HandState::touching);
+  hand.pose = {{1, 2, 3}, Quaternion(0.5, 0.5, 0.5, 0.5)};
+  hand.proxy = {4, 5, 6};
+  hand.elastic = {7, 8, 9};
+  hand.frictional = {10, 11, 12};
+  hand.held = {13, 14, 15};
+  hand.depth = 0.25;
+  hand.delivered = -0.5;
+  hand.burned = 2.0;
+  hand.report = HandReport{
+      .reasons = bit(HandReason::near), .has_account = true, .balance = 0.75, .round_trip = 0.0625};
+  picture.hands = {hand};
+  picture.bodies = {{6, {{1, 1, 2}, Quaternion::Identity()}}};
+  const std::vector<HandRates> rates = {{8, 1.0, 1.0}, {9, 1000.0, 0.125}};
+  const Bytes bytes = web::picture(picture, rates, from_seconds(2.0));
+
+  Reader reader{bytes};
+  EXPECT_EQ(reader.whole(), 2u);
+  EXPECT_EQ(reader.whole(), 1u);
+  EXPECT_EQ(reader.whole(), 1u);
+  EXPECT_EQ(reader.whole(), 3u);
+  EXPECT_EQ(reader.take<double>(), 10.5);
+  const std::size_t begin = reader.at;
+  EXPECT_EQ(reader.whole(), 9u);
+  EXPECT_EQ(reader.whole(), bit(HandState::touching) | bit(HandReason::near) << kHandStates);
+  EXPECT_EQ(reader.vector(), Vec3(1, 2, 3));
+  for (int i = 0; i < 4; ++i) EXPECT_EQ(reader.number(), 0.5);
+  EXPECT_EQ(reader.vector(), Vec3(4, 5, 6));
+  EXPECT_EQ(reader.vector(), Vec3(7, 8, 9));
+  EXPECT_EQ(reader.vector(), Vec3(10, 11, 12));
+  EXPECT_EQ(reader.vector(), Vec3(13, 14, 15));
+  EXPECT_EQ(reader.number(), 0.25);
+  EXPECT_EQ(reader.number(), -0.5);
+  EXPECT_EQ(reader.number(), 2.0);
+  EXPECT_EQ(reader.number(), 0.75);
+  EXPECT_EQ(reader.number(), 1000.0);
+  EXPECT_EQ(reader.number(), 0.125);
+  EXPECT_EQ(reader.number(), 0.0625);
+  EXPECT_EQ(reader.at - begin, 112u);
+  EXPECT_EQ(reader.whole(), 6u);
+  EXPECT_EQ(reader.vector(), Vec3(1, 1, 2));
+  EXPECT_EQ(reader.number(), 1.0);
+  EXPECT_EQ(reader.at + 12, bytes.size());
+}
+
+TEST(Messages, SessionsSayWhatTheyAskedFor) {
+  HandDescription hand;
+  hand.number = 2;
+  hand.session = (std::uint64_t{1} << 63) + 1;  // no number of JavaScript's
+  hand.client = "anna\n";
+  hand.parameters.packet_interval = 4;
+  const Json said = Json::parse(sessions({&hand, 1}, {}, {}, 1.5));
+  EXPECT_EQ(said["time"], 1.5);
+  const Json& entry = said["sessions"][0];
+  EXPECT_EQ(entry["session"], "9223372036854775809");
+  EXPECT_EQ(entry["client"], "anna\n");
+  EXPECT_EQ(entry["packet_hz"], 250.0);
+  EXPECT_TRUE(entry["loss"].is_null());
+}
+
+}  // namespace
+}  // namespace feltwire::web::messages_test

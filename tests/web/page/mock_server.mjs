@@ -1,0 +1,148 @@
+// A server that speaks feltwire.live.v1 and plays hands: some press a floor and rub it, some press a ball.
+// By hand: node mock_server.mjs PAGE_FOLDER [HANDS] [BODIES] prints the link to open.
+
+import {createHash} from 'node:crypto';
+import {readFileSync} from 'node:fs';
+import {createServer} from 'node:http';
+import {join} from 'node:path';
+import {geometryMessage, Play} from './play.mjs';
+
+export const TOKEN = 'an-open-secret';
+const HEADERS = {
+  'Content-Security-Policy': "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data:; connect-src 'self'; " +
+    "base-uri 'none'; form-action 'none'; frame-ancestors 'none'",
+  'X-Content-Type-Options': 'nosniff', 'Referrer-Policy': 'no-referrer', 'Cross-Origin-Opener-Policy': 'same-origin',
+  'Cross-Origin-Resource-Policy': 'same-origin', 'Cache-Control': 'no-store', 'Content-Encoding': 'gzip',
+};
+const REASONS = [
+  ['account', 'The energy account cut the force: more energy would have gone to the hand than the device burns.'],
+  ['saturated', 'The device gives no more force than this.'],
+  ['fading', 'The command is old, and the force fades.'],
+  ['gap', 'Samples are missing.'],
+].map(([name, text]) => ({name, text}));
+
+/** @param {Buffer} payload @param {number} opcode 1 text, 2 binary, 8 close @returns {Buffer} a frame as a server sends it */
+function frame(payload, opcode) {
+  const {length} = payload;
+  const head = length < 126 ? Buffer.alloc(2) : Buffer.alloc(length < 65536 ? 4 : 10);
+  head[0] = 0x80 | opcode;
+  head[1] = length < 126 ? length : length < 65536 ? 126 : 127;
+  if (head[1] === 126) head.writeUInt16BE(length, 2);
+  if (head[1] === 127) head.writeBigUInt64BE(BigInt(length), 2);
+  return Buffer.concat([head, payload]);
+}
+
+/** One viewer. Its messages are short, so a frame has at most 125 bytes or a length of two bytes. */
+class Viewer {
+  constructor(socket, onText) {
+    this.socket = socket;
+    let rest = Buffer.alloc(0);
+    socket.on('error', () => {});
+    socket.on('data', (data) => {
+      rest = Buffer.concat([rest, data]);
+      while (rest.length >= 6) {
+        const long = (rest[1] & 127) === 126;
+        const at = long ? 8 : 6;
+        const length = long ? rest.readUInt16BE(2) : rest[1] & 127;
+        if (rest.length < at + length) return;
+        const mask = rest.subarray(at - 4, at);
+        const text = Buffer.from(rest.subarray(at, at + length).map((byte, i) => byte ^ mask[i % 4]));
+        const opcode = rest[0] & 15;
+        rest = rest.subarray(at + length);
+        if (opcode === 1) onText(JSON.parse(text.toString()));
+        if (opcode === 8) socket.end(frame(text, 8));
+      }
+    });
+  }
+
+  json(message) {
+    this.socket.write(frame(Buffer.from(JSON.stringify(message)), 1));
+  }
+
+  binary(buffer) {
+    if (this.socket.writableLength < 1 << 20) this.socket.write(frame(buffer, 2));  // A slow viewer skips pictures.
+  }
+
+  close(code, reason = '') {
+    const payload = Buffer.alloc(2 + Buffer.byteLength(reason));
+    payload.writeUInt16BE(code);
+    payload.write(reason, 2);
+    this.socket.end(frame(payload, 8));
+  }
+}
+
+/**
+ * @param {{folder: string, port?: number, hands?: number, bodies?: number, token?: string}} options
+ * @returns {Promise<{url: string, port: number, watched: string[], requests: string[], play: Play, drop: Function, send: Function, log: Function, stop: Function}>}
+ */
+export async function startServer({folder, port = 0, hands = 2, bodies = 1, token = TOKEN}) {
+  const assets = JSON.parse(readFileSync(join(folder, 'assets.json'), 'utf8'));
+  const play = new Play(hands, bodies);
+  const viewers = new Set();
+  const requests = [];
+  const watched = [];
+  const server = createServer((request, response) => {
+    requests.push(request.url);
+    const asset = assets.find(({path}) => path === request.url);
+    if (!asset) return response.writeHead(404).end();
+    const name = asset.path === '/' ? 'index.html' : asset.path.slice(1);
+    return response.writeHead(200, {...HEADERS, 'Content-Type': asset.type}).end(readFileSync(join(folder, `${name}.gz`)));
+  });
+
+  const sendScene = (viewer, name) => {
+    viewer.json(play.scene(name));
+    for (const {index, shape} of play.shapes) viewer.binary(geometryMessage(index, play.version, shape));
+  };
+  const welcome = (viewer, message) => {
+    if (!viewers.has(viewer)) {
+      if (message.token !== token) return viewer.close(4401, 'unknown token');
+      viewers.add(viewer);
+      viewer.json({type: 'hello', version: 'mock', scenes: ['room', 'other'], role: 'observer', reasons: REASONS});
+      sendScene(viewer, 'room');
+    }
+    if (message.watch) {
+      watched.push(message.watch);
+      sendScene(viewer, message.watch);
+    }
+  };
+  server.on('upgrade', (request, socket) => {
+    requests.push(request.url);
+    const accept = createHash('sha1').update(`${request.headers['sec-websocket-key']}258EAFA5-E914-47DA-95CA-C5AB0DC85B11`).digest('base64');
+    socket.write(`HTTP/1.1 101 Switching Protocols\r\nUpgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Accept: ${accept}\r\n` +
+      'Sec-WebSocket-Protocol: feltwire.live.v1\r\n\r\n');
+    const viewer = new Viewer(socket, (message) => welcome(viewer, message));
+    socket.on('close', () => viewers.delete(viewer));
+  });
+
+  const pictures = setInterval(() => {
+    const picture = play.picture();
+    for (const viewer of viewers) viewer.binary(picture);
+  }, 1000 / 60);
+  const tables = setInterval(() => {
+    for (const viewer of viewers) viewer.json(play.sessions());
+  }, 500);
+  const drop = (code, reason) => {
+    for (const viewer of viewers) viewer.close(code, reason);
+    viewers.clear();
+  };
+  await new Promise((resolve) => server.listen(port, '127.0.0.1', resolve));
+  const taken = server.address().port;
+  return {
+    url: `http://127.0.0.1:${taken}/`, port: taken, watched, requests, play, drop,
+    send: (bytes) => viewers.forEach((viewer) => viewer.binary(bytes)),
+    log: (level, text) => viewers.forEach((viewer) => viewer.json({type: 'log', level, time: play.time, text})),
+    stop: () => new Promise((resolve) => {
+      clearInterval(pictures);
+      clearInterval(tables);
+      drop(1001, '');
+      server.close(resolve);
+      server.closeAllConnections();
+    }),
+  };
+}
+
+if (process.argv[1] === new URL(import.meta.url).pathname) {
+  const [folder, hands, bodies] = process.argv.slice(2);
+  const server = await startServer({folder, hands: Number(hands ?? 2), bodies: Number(bodies ?? 1)});
+  console.log(`${server.url}#token=${TOKEN}`);
+}

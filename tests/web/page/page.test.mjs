@@ -1,0 +1,259 @@
+// The live page in a browser. Every wait is for a condition.
+
+import assert from 'node:assert/strict';
+import {after, afterEach, before, beforeEach, test} from 'node:test';
+import {chromium} from 'playwright-core';
+import {startServer, TOKEN} from './mock_server.mjs';
+
+const folder = process.env.FELTWIRE_PAGE;
+const PATIENCE = 60_000;  // [ms] for a machine that draws in software and has more to do
+let browser;
+let server;
+let page;
+let complaints;
+let foreign;
+
+before(async () => {
+  const executablePath = process.env.FELTWIRE_CHROMIUM ?? '/usr/bin/chromium';
+  browser = await chromium.launch({executablePath, args: ['--no-sandbox']});
+});
+after(() => browser.close());
+
+beforeEach(async () => {
+  server = await startServer({folder});
+  complaints = [];
+  foreign = [];
+  page = await newPage();
+});
+
+afterEach(async () => {
+  await page.context().close();
+  await server.stop();
+  assert.deepEqual(complaints, []);
+  assert.deepEqual(foreign, [], 'requests to other hosts');
+});
+
+async function newPage(options = {}) {
+  const context = await browser.newContext({viewport: {width: 900, height: 640}, ...options});
+  const made = await context.newPage();
+  made.setDefaultTimeout(PATIENCE);
+  made.on('pageerror', (error) => complaints.push(error.stack));
+  made.on('console', (message) => {
+    const text = message.text();
+    // Without a server a connection fails, and Chromium says so.
+    if (message.type() === 'error' && !/WebSocket connection to .* failed/.test(text)) complaints.push(text);
+  });
+  made.on('request', (request) => {
+    if (!request.url().startsWith(server.url) && !request.url().startsWith('data:')) foreign.push(request.url());
+  });
+  return made;
+}
+
+const open = async (token = TOKEN) => page.goto(`${server.url}#token=${token}`);
+const until = (condition, argument) => page.waitForFunction(condition, argument);
+const state = () => page.evaluate(() => window.feltwire());
+const press = (key) => page.keyboard.press(key);
+
+/** Holds the picture, and waits until the last that came before is drawn. */
+async function hold() {
+  await press(' ');
+  await until(() => window.feltwire().held);
+  await page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
+}
+
+/** Pixels of the 3D view that have nearly this color of the theme. */
+async function pixels(name) {
+  const picture = await page.locator('#canvas').screenshot();
+  return page.evaluate(async ([base64, variable]) => {
+    const image = new Image();
+    image.src = `data:image/png;base64,${base64}`;
+    await image.decode();
+    const canvas = document.createElement('canvas');
+    [canvas.width, canvas.height] = [image.width, image.height];
+    const context = canvas.getContext('2d');
+    context.drawImage(image, 0, 0);
+    const {data} = context.getImageData(0, 0, image.width, image.height);
+    const wanted = getComputedStyle(document.documentElement).getPropertyValue(variable).trim();
+    const [r, g, b] = [1, 3, 5].map((at) => parseInt(wanted.slice(at, at + 2), 16));
+    let count = 0;
+    for (let i = 0; i < data.length; i += 4) {
+      if (Math.abs(data[i] - r) + Math.abs(data[i + 1] - g) + Math.abs(data[i + 2] - b) < 24) count += 1;
+    }
+    return count;
+  }, [picture.toString('base64'), `--${name}`]);
+}
+
+test('the first picture comes, and the token leaves the address', async () => {
+  await open();
+  await until(() => window.feltwire().pictures > 5 && window.feltwire().frames > 2);
+  assert.equal(await page.textContent('#state span'), 'Live');
+  assert.equal(new URL(page.url()).hash, '');
+  assert.deepEqual((await state()).hands, [1, 2]);
+  assert.equal((await state()).bodies, 1);
+  assert.ok(server.requests.every((path) => !path.includes(TOKEN)));
+  await page.reload();  // The token is remembered for the session.
+  await until(() => window.feltwire().pictures > 0);
+});
+
+test('arrows move and are seen', async () => {
+  server.play.still = true;
+  await open();
+  await until(() => window.feltwire().pictures > 5 && window.feltwire().frames > 2 && window.feltwire().longestArrow === 0);
+  const legend = await pixels('elastic');
+  server.play.still = false;
+  await until(() => window.feltwire().longestArrow > 0.03);
+  await hold();
+  const short = await pixels('elastic') - legend;
+  assert.ok(short > 30, `${short} pixels`);
+  const {frames} = await state();
+  await press('.');
+  await until((before) => window.feltwire().frames > before, frames);
+  assert.equal(await page.textContent('#arrow-scale'), '1 N = 5 cm');
+  const long = await pixels('elastic') - legend;
+  assert.ok(long > 1.3 * short, `${long} pixels after ${short}`);
+});
+
+test('choosing a hand changes plots, strip and table', async () => {
+  await open();
+  await until(() => window.feltwire().plotted.points > 5 && document.querySelector('tbody tr'));
+  await until(() => document.querySelector('#chosen').textContent.includes('alice'));
+  await press('2');
+  await until(() => window.feltwire().chosen === 2 && document.querySelector('#chosen').textContent.includes('bob'));
+  await until(() => Math.abs(window.feltwire().plotted.last[3][1] - 1.3) < 1e-3);  // bob's loss
+  assert.equal(await page.textContent('tr[aria-selected="true"] td:nth-child(2)'), 'bob');
+  await page.locator('tbody tr').first().click();
+  await until(() => window.feltwire().chosen === 1 && Math.abs(window.feltwire().plotted.last[3][1]) < 1e-3);
+  await hold();  // Hands stand still for the click.
+  const {places} = await state();
+  const bob = places.find(({number}) => number === 2);
+  await page.locator('#canvas').click({position: {x: bob.x, y: bob.y}});
+  await until(() => window.feltwire().chosen === 2);
+  const name = await page.locator('#labels div', {hasText: 'alice'}).boundingBox();
+  await page.mouse.click(name.x + 5, name.y + 5);
+  await until(() => window.feltwire().chosen === 1);
+});
+
+test('the strip says why', async () => {
+  await open();
+  await until(() => [...document.querySelectorAll('#reasons li')].some((item) => !item.hidden && /no more force/.test(item.textContent)));
+  await until(() => /The scene asks for .* N, and the device renders .* N/.test(document.querySelector('#sentence').textContent));
+  await until(() => /touches nothing/.test(document.querySelector('#sentence').textContent));
+});
+
+test('a refused token is said in words, and another can be given', async () => {
+  await open('wrong');
+  await page.locator('#token').waitFor({state: 'visible'});
+  await until(() => document.querySelector('#token-words').textContent.includes('refused'));
+  assert.equal(await page.textContent('#token-words'), 'The server refused the token. (unknown token)');
+  await page.fill('#token-text', TOKEN);
+  await page.click('#token button');
+  await until(() => window.feltwire().connection === 'live' && !document.querySelector('#token').open);
+});
+
+test('without a token the page asks for one', async () => {
+  await page.goto(server.url);
+  await page.locator('#token').waitFor({state: 'visible'});
+  assert.ok(!server.requests.includes('/live'));
+});
+
+test('the page connects again after a server stopped', async () => {
+  await open();
+  await until(() => window.feltwire().pictures > 3);
+  const {port} = server;
+  await server.stop();
+  await until(() => window.feltwire().connection === 'waiting');
+  await until(() => /does not answer.*Next attempt in \d+ s/.test(document.querySelector('#state span').textContent));
+  server = await startServer({folder, port});
+  const {pictures} = await state();
+  await page.click('#retry', {timeout: 1000}).catch(() => {});  // It may have connected by itself.
+  await until((before) => window.feltwire().connection === 'live' && window.feltwire().pictures > before + 3, pictures);
+});
+
+test('a viewer too many is told, and tries again', async () => {
+  await open();
+  await until(() => window.feltwire().pictures > 3);
+  server.drop(4429, '8 viewers');
+  await until(() => /as many viewers as it allows. \(8 viewers\)/.test(document.querySelector('#state span').textContent));
+  await until(() => window.feltwire().connection === 'live');
+});
+
+test('another scene, a reload, and a message of the log', async () => {
+  await open();
+  await until(() => window.feltwire().pictures > 3);
+  await page.selectOption('#scenes', 'other');
+  await until(() => window.feltwire().scene === 'other' && window.feltwire().bodies === 1);
+  assert.deepEqual(server.watched, ['other']);
+  server.log('error', 'scene.json:12: "stifness" is no field');
+  await page.locator('#log').waitFor({state: 'visible'});
+  assert.match(await page.textContent('#log span'), /scene.json:12/);
+});
+
+test('hostile bytes are ignored', async () => {
+  await open();
+  await until(() => window.feltwire().pictures > 3);
+  const cut = server.play.picture().subarray(0, 60);
+  const wild = Buffer.alloc(24);
+  wild.writeUInt32LE(2, 0);
+  wild.writeUInt32LE(0xffffffff, 4);
+  for (const bytes of [cut, wild, Buffer.alloc(0), Buffer.from([1, 0, 0, 0]), Buffer.from([77, 1])]) server.send(bytes);
+  server.log('info', '<img src=x>');
+  await until(() => window.feltwire().unread === 2);
+  assert.equal(await page.locator('#log img').count(), 0);
+  const {pictures} = await state();
+  await until((before) => window.feltwire().pictures > before + 3, pictures);
+});
+
+test('keys are listed, the theme changes, and no panel leaves a phone', async () => {
+  await open();
+  await until(() => window.feltwire().frames > 2);
+  await press('?');
+  await page.locator('#help').waitFor({state: 'visible'});
+  assert.ok(await page.locator('#keys dt').count() > 10);
+  await press('Escape');
+  const light = await pixels('view');
+  assert.ok(light > 1000);
+  await press('l');
+  await until(() => document.documentElement.dataset.theme === 'dark');
+  await page.context().close();
+  page = await newPage({viewport: {width: 390, height: 800}, isMobile: true, hasTouch: true});
+  await open();
+  await until(() => window.feltwire().frames > 2);
+  assert.equal(await page.evaluate(() => document.documentElement.scrollWidth), 390);
+});
+
+test('the camera turns by keys and by mouse, and panels can be resized', async () => {
+  await open();
+  await until(() => window.feltwire().places.length === 2 && window.feltwire().frames > 2);
+  await hold();
+  const first = (await state()).places[0];
+  const moved = ([x, y]) => Math.hypot(window.feltwire().places[0].x - x, window.feltwire().places[0].y - y) > 5;
+  await press('ArrowLeft');
+  await press('ArrowUp');
+  await until(moved, [first.x, first.y]);
+  const second = (await state()).places[0];
+  const name = await page.locator('#labels div', {hasText: 'alice'}).boundingBox();  // A label does not stop the drag.
+  await page.mouse.move(name.x + 5, name.y + 5);
+  await page.mouse.down();
+  await page.mouse.move(name.x + 65, name.y + 25, {steps: 3});
+  await page.mouse.up();
+  await until(moved, [second.x, second.y]);
+  await press('f');
+  await until(([x, y]) => Math.hypot(window.feltwire().places[0].x - x, window.feltwire().places[0].y - y) < 0.5, [first.x, first.y]);
+  const width = () => page.evaluate(() => document.querySelector('#side').getBoundingClientRect().width);
+  const before = await width();
+  await page.focus('#split-x');
+  await press('ArrowRight');
+  assert.equal(await width(), before - 20);
+  await page.reload();
+  assert.equal(await width(), before - 20);
+});
+
+test('16 hands and 1000 bodies are shown', async () => {
+  await server.stop();
+  server = await startServer({folder, hands: 16, bodies: 1000});
+  await open();
+  await until(() => window.feltwire().bodies === 1000 && window.feltwire().frames > 5 && window.feltwire().hands.length === 16);
+  await press('4');  // Its round trip is unknown.
+  await until(() => window.feltwire().chosen === 4 && window.feltwire().plotted.points > 5);
+  await until(() => /round trip –/.test(document.querySelector('#plots .plot:last-child .legend').textContent));
+});

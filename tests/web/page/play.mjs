@@ -1,0 +1,137 @@
+// What the mock server plays: a floor, a ramp, balls that move, and hands that press them.
+
+const STIFFNESS = 1000;  // [N/m]
+const STRONGEST = 2.2;  // [N] of the device
+const RADIUS = 0.03;  // [m] of the first ball
+
+/** @returns {{positions: number[], corners: number[]}} */
+export function boxShape([x, y, z], [cx, cy, cz] = [0, 0, 0]) {
+  const positions = [];
+  for (let i = 0; i < 8; ++i) positions.push(cx + (i & 1 ? x : -x), cy + (i & 2 ? y : -y), cz + (i & 4 ? z : -z));
+  const corners = [0, 2, 3, 0, 3, 1, 4, 5, 7, 4, 7, 6, 0, 1, 5, 0, 5, 4, 2, 6, 7, 2, 7, 3, 0, 4, 6, 0, 6, 2, 1, 3, 7, 1, 7, 5];
+  return {positions, corners};
+}
+
+/** @returns {{positions: number[], corners: number[]}} */
+export function ballShape(radius, rings = 16) {
+  const positions = [];
+  const corners = [];
+  const around = 2 * rings;
+  for (let i = 0; i <= rings; ++i) {
+    for (let j = 0; j < around; ++j) {
+      const [polar, turn] = [(Math.PI * i) / rings, (2 * Math.PI * j) / around];
+      positions.push(radius * Math.sin(polar) * Math.cos(turn), radius * Math.sin(polar) * Math.sin(turn), radius * Math.cos(polar));
+      if (i === rings) continue;
+      const [a, b] = [i * around + j, i * around + ((j + 1) % around)];
+      if (i > 0) corners.push(a, a + around, b);
+      if (i < rings - 1) corners.push(b, a + around, b + around);
+    }
+  }
+  return {positions, corners};
+}
+
+/** @returns {Buffer} a message of kind 1 */
+export function geometryMessage(index, version, {positions, corners}) {
+  const buffer = Buffer.alloc(20 + 4 * positions.length + 4 * corners.length);
+  [1, index, version, positions.length / 3, corners.length / 3].forEach((word, i) => buffer.writeUInt32LE(word, 4 * i));
+  positions.forEach((value, i) => buffer.writeFloatLE(value, 20 + 4 * i));
+  corners.forEach((corner, i) => buffer.writeUInt32LE(corner, 20 + 4 * positions.length + 4 * i));
+  return buffer;
+}
+
+export class Play {
+  constructor(hands, bodies) {
+    this.hands = hands;
+    this.bodies = bodies;
+    this.version = 1;
+    this.still = false;  // whether no hand touches anything
+    this.began = process.hrtime.bigint();
+    this.energy = Array.from({length: hands}, () => ({delivered: 0, burned: 0, force: 0, depth: 0}));
+    const ball = ballShape(RADIUS);
+    const small = ballShape(0.006, 8);
+    this.shapes = [{index: 1, shape: boxShape([0.02, 0.05, 0.012], [-0.07, 0.03, 0.012])}];
+    for (let i = 0; i < bodies; ++i) this.shapes.push({index: 2 + i, shape: i === 0 ? ball : small});
+  }
+
+  get time() {
+    return Number(process.hrtime.bigint() - this.began) / 1e9 + 100;
+  }
+
+  scene(name) {
+    const objects = [
+      {index: 0, name: 'floor', moves: false, stiffness: STIFFNESS, color: [0.6, 0.6, 0.7], plane: {point: [0, 0, 0], normal: [0, 0, 1]}},
+      {index: 1, name: 'block', moves: false, stiffness: STIFFNESS, color: [0.55, 0.62, 0.55]},
+    ];
+    for (let i = 0; i < this.bodies; ++i) {
+      objects.push({index: 2 + i, name: `ball ${i}`, moves: true, stiffness: STIFFNESS, ...(i % 3 === 0 ? {color: [0.8, 0.62, 0.42]} : {})});
+    }
+    return {
+      type: 'scene', name, version: this.version, objects, box: [[-0.1, -0.08, 0], [0.1, 0.08, 0.1]],
+      guides: [{name: 'rail', kind: 'line', points: [[-0.09, -0.06, 0.03], [0.09, -0.06, 0.03]], radius: 0.004}],
+    };
+  }
+
+  sessions() {
+    const sessions = Array.from({length: this.hands}, (_, i) => ({
+      number: i + 1, client: ['alice', 'bob', 'carol', 'dave'][i] ?? `guest${i}`, device: i === 1 ? 'simulated' : 'falcon', mode: 'shaped', side: 'client', rate_hz: 1000,
+      packet_hz: 500, round_trip_ms: i === 3 ? null : 3.1 + i, loss: i === 1 ? 0.013 : 0, delivered_j: this.energy[i].delivered,
+      samples: Math.floor(1000 * (this.time - 100)), seconds: this.time - 100,
+    }));
+    return {type: 'sessions', time: this.time, sessions};
+  }
+
+  /** @returns {Buffer} a message of kind 2 */
+  picture() {
+    const {time} = this;
+    const buffer = Buffer.alloc(24 + 112 * this.hands + 32 * this.bodies);
+    [2, this.hands, this.bodies, this.version].forEach((word, i) => buffer.writeUInt32LE(word, 4 * i));
+    buffer.writeDoubleLE(time, 16);
+    for (let i = 0; i < this.hands; ++i) this.#hand(i, time, buffer, 24 + 112 * i);
+    for (let i = 0; i < this.bodies; ++i) {
+      const at = 24 + 112 * this.hands + 32 * i;
+      buffer.writeUInt32LE(2 + i, at);
+      const angle = 0.3 * time + i;
+      const place = i === 0 ? this.#ball(time) : [0.09 * Math.cos(i * 2.4), 0.07 * Math.sin(i * 1.7), 0.006 + 0.09 * ((i * 0.618) % 1) + 0.004 * Math.sin(angle)];
+      [...place, Math.cos(angle / 2), 0, 0, Math.sin(angle / 2)].forEach((value, j) => buffer.writeFloatLE(value, at + 4 + 4 * j));
+    }
+    return buffer;
+  }
+
+  #ball(time) {
+    return [0.05 + 0.005 * Math.sin(0.5 * time), 0.01, RADIUS];
+  }
+
+  #hand(i, time, buffer, at) {
+    const phase = 1.7 * i;
+    const press = this.still ? -1 : Math.sin(0.9 * time + phase);
+    const deep = Math.max(0, 0.0026 * press + 0.001);  // [m]
+    const above = Math.max(0, -0.02 * press - 0.008);
+    const onBall = i % 2 === 1;
+    const turn = 0.7 * time + phase;
+    const normal = onBall ? [Math.sin(0.5) * Math.cos(turn), Math.sin(0.5) * Math.sin(turn), Math.cos(0.5)] : [0, 0, 1];
+    const reach = 0.02 + 0.006 * (i >> 1);
+    const way = [-Math.sin(turn), Math.cos(turn), 0];
+    const ball = this.#ball(time);
+    const surface = onBall ? normal.map((n, k) => ball[k] + RADIUS * n) : [-0.02 + reach * Math.cos(turn), reach * Math.sin(turn) - 0.01 * (i >> 1), 0];
+    const proxy = surface.map((x, k) => x + above * normal[k]);
+    const position = proxy.map((x, k) => x - deep * normal[k]);
+    const elastic = normal.map((n) => STIFFNESS * deep * n);
+    const friction = way.map((w) => -0.35 * STIFFNESS * deep * w);
+    const sum = elastic.map((e, k) => e + friction[k]);
+    const size = Math.hypot(...sum);
+    const fit = size > STRONGEST ? STRONGEST / size : 1;
+    const cut = deep > 0 && Math.sin(3 * time + i) > 0.6 ? 0.8 : 1;
+    const rendered = sum.map((f) => fit * cut * f);
+    const own = this.energy[i];
+    own.delivered += -STIFFNESS * deep * (deep - own.depth) - 0.0002 * size;
+    own.burned += 0.00012 * size;
+    own.depth = deep;
+    const reasons = (cut < 1 ? 1 : 0) | (fit < 1 ? 2 : 0);
+    buffer.writeUInt32LE(i + 1, at);
+    buffer.writeUInt32LE(reasons, at + 4);
+    const tilt = 0.35;
+    [...position, Math.cos(tilt / 2), Math.sin(tilt / 2) * Math.sin(turn / 3), Math.sin(tilt / 2) * Math.cos(turn / 3), 0, ...proxy, ...elastic,
+      ...friction, ...rendered, deep, own.delivered, own.burned, 0.004 + 0.002 * Math.sin(time), 1000, i === 1 ? 0.013 : 0,
+      i === 3 ? NaN : 0.0031 + 0.001 * i + 0.0004 * Math.sin(7 * time)].forEach((value, k) => buffer.writeFloatLE(value, at + 8 + 4 * k));
+  }
+}
