@@ -208,6 +208,11 @@ std::variant<ClientOptions, int> parse_options(int argc, char** argv) {
   app.add_option("--max-force", options.servo.safety.force.max,
                  "[N] where less than the device's own is wanted")
       ->group(safety);
+  app.add_flag(
+         "--learn-hand-force", options.servo.learns_hand_force,
+         "The account counts on the largest force from outside that it saw lately, and a half "
+         "more, where that is less than the device's hand_force")
+      ->group(safety);
 
   const auto hand = "Simulated hand";
   app.add_option("--path", words.path, "What it does: " + choices(kHandPathNames))

@@ -158,7 +158,8 @@ Json account(const Servo& servo) {
   return {{"balance_j", number(servo.account()->balance())},
           {"overdrawn", s.overdrawn},
           {"largest_debt_j", number(s.largest_debt)},
-          {"strong_hand_samples", s.strong_hand}};
+          {"strong_hand_samples", s.strong_hand},
+          {"hand_force_n", number(servo.account()->outside_force())}};
 }
 
 /// The hand's damping that the method counts on; null where it counts on none.

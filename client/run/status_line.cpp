@@ -20,10 +20,11 @@ std::string one_way(const char* way, double delay, double jitter, bool known) {
   return part.data();
 }
 
+constexpr double kPercent = 100.0;
+
 /// [%] of the samples between the two that were lost; late answers may make it too much for a
 /// while.
 double loss(const LiveStatus& status, const LiveStatus& before) {
-  constexpr double kPercent = 100.0;
   const double samples = static_cast<double>(status.samples - before.samples);
   const double lost = static_cast<double>(status.lost - std::min(status.lost, before.lost));
   return samples > 0.0 ? kPercent * std::min(lost / samples, 1.0) : 0.0;
@@ -55,6 +56,22 @@ std::string shaping(const LiveStatus& s) {
   return part.data();
 }
 
+/// "  account +0.0120 J, cuts 34 % of the ticks"
+std::string account(const LiveStatus& s, const LiveStatus& before) {
+  if (!s.balance) return {};
+  std::array<char, kLongest> part{};
+  std::snprintf(part.data(), part.size(), "  account %+.4f J", *s.balance);
+  std::string line = part.data();
+  if (s.account_cuts > before.account_cuts && s.samples > before.samples) {
+    const double cut = static_cast<double>(s.account_cuts - before.account_cuts);
+    const double ticks = static_cast<double>(s.samples - before.samples);
+    std::snprintf(part.data(), part.size(), ", cuts %.0f %% of the ticks",
+                  kPercent * std::min(cut / ticks, 1.0));
+    line += part.data();
+  }
+  return line;
+}
+
 std::string ending(const LiveStatus& s) {
   if (!s.connected) return "  reconnecting";
   if (s.no_force != NoForce::felt) return "  no force: " + std::string(text(s.no_force));
@@ -79,7 +96,7 @@ std::string text(const LiveStatus& s, const LiveStatus& before) {
                 s.time, rate, kNanosecondsInUs * s.round_trip_p50,
                 kNanosecondsInUs * s.round_trip_p99, up.c_str(), down.c_str(), loss(s, before),
                 s.force, s.energy);
-  return line.data() + feel(s, before) + shaping(s) + ending(s);
+  return line.data() + feel(s, before) + shaping(s) + account(s, before) + ending(s);
 }
 
 std::string no_force_text(const ServoStatistics& statistics) {

@@ -31,9 +31,11 @@ struct ServoOptions {
   /// Between the bound and the device. None here, so that what is measured is the bound;
   /// protect_hand() gives those that a person's hand should have.
   SafetyLimits safety;
-  bool observes = false;         // given no force by its role: said where the reason is asked for
-  double scene_stiffness = 0.0;  // [N/m] of the stiffest surface, for methods that shape; 0: not
-                                 // known
+  bool observes = false;           // given no force by its role: said where the reason is asked for
+  bool learns_hand_force = false;  // the account counts on the largest force from outside that it
+                                   // saw lately (core/bounding/outside_force.hpp)
+  double scene_stiffness = 0.0;    // [N/m] of the stiffest surface, for methods that shape; 0: not
+                                   // known
 };
 
 /// Throws std::invalid_argument naming the limit, its value and the remedy: a slew, ramp or speed

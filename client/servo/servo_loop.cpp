@@ -280,25 +280,28 @@ class Loop {
 
   void record(Nanoseconds now) noexcept {
     if (outputs_.record == nullptr) return;
-    const TickRecord row{
-        .time = seconds(now - first_tick_),
-        .position = servo_.sample().pose.position,
-        .elastic = servo_.command().elastic,
-        .frictional = servo_.command().frictional,
-        .held = servo_.held().force(),
-        .age = servo_.has_reply() ? servo_.command_age() : -1.0,
-        .clock = now.count(),
-        .orientation = servo_.sample().pose.orientation,
-        .torque = servo_.held().torque,
-        .balance = servo_.account() ? std::optional(servo_.account()->balance()) : std::nullopt,
-        .account_cut = servo_.account_cut(),
-        .no_force = servo_.no_force()};
+    const TickRecord row{.time = seconds(now - first_tick_),
+                         .position = servo_.sample().pose.position,
+                         .elastic = servo_.command().elastic,
+                         .frictional = servo_.command().frictional,
+                         .held = servo_.held().force(),
+                         .age = servo_.has_reply() ? servo_.command_age() : -1.0,
+                         .clock = now.count(),
+                         .orientation = servo_.sample().pose.orientation,
+                         .torque = servo_.held().torque,
+                         .balance = balance(),
+                         .account_cut = servo_.account_cut(),
+                         .no_force = servo_.no_force()};
     if (!outputs_.record->push(row)) ++result_.records_dropped;
   }
 
   std::optional<double> hand_damping() const noexcept {
     const std::optional<HandCredit> credit = servo_.hand_credit();
     return credit ? std::optional(credit->damping) : std::nullopt;
+  }
+
+  std::optional<double> balance() const noexcept {
+    return servo_.account() ? std::optional(servo_.account()->balance()) : std::nullopt;
   }
 
   void report_status(Nanoseconds now) noexcept {
@@ -329,7 +332,9 @@ class Loop {
          .withholds_change = servo_.withholds_change(),
          .shapes = servo_.shapes(),
          .near = servo_.near(),
-         .hand_damping = hand_damping()});
+         .hand_damping = hand_damping(),
+         .balance = balance(),
+         .account_cuts = s.account_cut});
   }
 
   Device& device_;

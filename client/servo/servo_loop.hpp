@@ -76,6 +76,8 @@ struct LiveStatus {
   bool shapes = false;            // the method shapes, and the two below say how
   bool near = false;              // the force of this tick was made here, from the local model
   std::optional<double> hand_damping{};  // [N s/m] that it counts on, where it does
+  std::optional<double> balance{};       // [J] of the energy account; empty: there is none
+  std::uint64_t account_cuts = 0;        // ticks at which the account took something off
 };
 
 /// A view that an observer was shown, and its time.

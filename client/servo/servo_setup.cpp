@@ -40,8 +40,13 @@ bool counts_on_mass(const SessionParameters& p) {
 /// of delay, of loss and of late ticks, and behind a bound at this side that may be reduced, for
 /// that one counts on holds of T. None where nothing bounds, behind the paper's laws, which a
 /// reduction would break, and where nothing of the device is known.
-std::optional<PortAccount> account_of(const SessionParameters& p, const DeviceSpec& spec) {
-  if (counts_on_mass(p)) return PortAccount(account_config(spec, p.servo_period));
+std::optional<PortAccount> account_of(const SessionParameters& p, const DeviceSpec& spec,
+                                      const ServoOptions& options) {
+  if (counts_on_mass(p)) {
+    AccountConfig config = account_config(spec, p.servo_period);
+    config.learns_outside_force = options.learns_hand_force;
+    return PortAccount(config);
+  }
   const bool behind_bound = p.side != BoundingSide::server;
   if (p.mode == kUnbounded || (behind_bound && !admits_reduction(p)) ||
       !(spec.damping.least() > 0.0))
@@ -117,7 +122,7 @@ Servo::Servo(const DeviceSpec& spec, const SessionParameters& parameters,
       bounding_(bound_of(parameters, spec, options.scene_stiffness)),
       safety_(options.safety, admits_reduction(parameters)),
       port_(observer_of(spec, parameters)),
-      account_(account_of(parameters, spec)),
+      account_(account_of(parameters, spec, options)),
       reserve_(parameters.servo_period),
       admission_(admission_of(parameters, spec, bounding_, account_)),
       torque_(bounding_.config().rotation),

@@ -49,13 +49,15 @@ double affordable(const EnergyNeed& force, const EnergyNeed& torque, double bala
 
 }  // namespace
 
-PortBalance::PortBalance(const PortKnowledge& known, double period)
+PortBalance::PortBalance(const PortKnowledge& known, double period, bool learns)
     : known_(known),
       period_(period),
       directional_(!known.damping.isotropic() && known.damping.least() > 0.0),
       reach_(known),
-      path_(known.quantum) {
+      path_(known.quantum),
+      limits_speed_(known.speed < std::numeric_limits<double>::infinity()) {
   if (directional_) inverse_damping_ = known.damping.matrix().inverse();
+  if (learns && reach_.bounds()) learned_.emplace(known, period);
 }
 
 double PortBalance::damping_along(const Vec3& unit) const noexcept {
@@ -67,14 +69,24 @@ double PortBalance::damping_along(const Vec3& unit) const noexcept {
 void PortBalance::forget() noexcept {
   reach_.forget();
   path_.forget();
+  if (learned_) learned_->forget();
   strong_hand_ = false;
+  too_fast_ = false;
 }
 
 double PortBalance::earned(const Vec3& displacement, const Vec3& held, double hold_time) noexcept {
-  if (reach_.bounds()) {
+  if (reach_.bounds() || limits_speed_) {
     const Polar<double> way = polar(displacement);
-    strong_hand_ = reach_.known() && way.length > 0.0 &&
-                   way.length > reach_.along(way.direction, held.dot(way.direction), hold_time);
+    too_fast_ = limits_speed_ && way.length > reach_.at_full_speed(way.direction, hold_time);
+    const bool too_far =
+        reach_.known() && way.length > 0.0 &&
+        way.length > reach_.along(way.direction, held.dot(way.direction), hold_time);
+    strong_hand_ = too_far || too_fast_;
+    if (learned_) {
+      learned_->moved(displacement, held, hold_time);
+      if (too_far) learned_->exceeded();
+      reach_.set_outside_force(learned_->bound());
+    }
     reach_.moved(displacement, held, hold_time, period_);
   }
   return known_.damping.quadratic(displacement) / std::max(period_, hold_time) +
@@ -87,27 +99,48 @@ EnergyNeed PortBalance::need(const Vec3& wanted, double hold_time) const noexcep
   const Polar<double> force = polar(wanted);
   EnergyNeed need;
   if (!(force.length > 0.0)) return need;
-  const double f = force.length;
   const double b = damping_along(force.direction);
-  const double free = b > 0.0 ? hold_time / (2.0 * b) : std::numeric_limits<double>::infinity();
-  need.first = 0.5 * free * f * f;
-  if (!reach_.known()) return need;
+  need.first = b > 0.0 ? 0.5 * (hold_time / (2.0 * b)) * force.length * force.length
+                       : std::numeric_limits<double>::infinity();
+  if (reach_.known()) limit_by_inertia(need, force, b, hold_time);
+  // A handle that was just faster than was told may be so again.
+  if (limits_speed_ && !too_fast_) limit_by_speed(need, force, b, hold_time);
+  return need;
+}
+
+void PortBalance::limit_by_inertia(EnergyNeed& need, const Polar<double>& force, double damping,
+                                   double hold_time) const noexcept {
+  const double f = force.length;
+  const double free = damping > 0.0 ? hold_time / (2.0 * damping)  // [m/N]
+                                    : std::numeric_limits<double>::infinity();
   const double k = reach_.per_newton(hold_time);
-  if (!(k < free)) return need;  // so well damped that no force moves the handle that far
+  if (!(k < free)) return;  // so well damped that no force moves the handle that far
   const double d0 = reach_.along(force.direction, 0.0, hold_time);
-  const double burned = b / hold_time;
+  const double burned = damping / hold_time;
   need.turn = std::isfinite(free) ? d0 / ((free - k) * f) : 0.0;
   need.second = k * f * f * (1.0 - burned * k);
   need.linear = f * d0 * (1.0 - 2.0 * burned * k);
   need.constant = -burned * d0 * d0;
-  return need;
+}
+
+/// Both limits are true at every share of the force, so the one that is less at the whole of it is
+/// taken; the maximum within both at once would be a little less still.
+void PortBalance::limit_by_speed(EnergyNeed& need, const Polar<double>& force, double damping,
+                                 double hold_time) const noexcept {
+  const double way = reach_.at_full_speed(force.direction, hold_time);
+  const double burned = damping / hold_time;
+  EnergyNeed by_speed{.first = need.first,
+                      .turn = 2.0 * burned * way / force.length,
+                      .linear = force.length * way,
+                      .constant = -burned * way * way};
+  if (by_speed.at(1.0) < need.at(1.0)) need = by_speed;
 }
 
 PortAccount::PortAccount(const AccountConfig& config)
     : cap_(checked(config).cap),
       looks_ahead_(config.looks_ahead),
-      translation_(config.translation, config.period),
-      rotation_(config.rotation, config.period),
+      translation_(config.translation, config.period, config.learns_outside_force),
+      rotation_(config.rotation, config.period, config.learns_outside_force),
       period_(config.period) {}
 
 /// Returns the balance that the next force is cut to: the present one, or the one half a sample

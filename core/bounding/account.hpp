@@ -8,8 +8,11 @@
 
 #include <cstdint>
 #include <limits>
+#include <optional>
 
+#include "core/base/numeric.hpp"
 #include "core/bounding/certain_path.hpp"
+#include "core/bounding/outside_force.hpp"
 #include "core/bounding/reach.hpp"
 #include "core/bounding/step.hpp"
 
@@ -25,6 +28,9 @@ struct AccountConfig {
   /// A force that follows the balance must look half a sample ahead. One whose bound is passive by
   /// itself is cut only where that bound was wrong, and needs no look ahead.
   bool looks_ahead = true;
+  /// Takes the largest force from outside that was seen lately instead of the one that was told,
+  /// where that is less (core/bounding/outside_force.hpp).
+  bool learns_outside_force = false;
 };
 
 /// Counts of the account.
@@ -32,7 +38,8 @@ struct AccountStatistics {
   std::uint64_t reduced = 0;      // samples whose command was scaled down
   std::uint64_t overdrawn = 0;    // times that the balance fell below zero
   double largest_debt = 0.0;      // [J] its largest depth below zero
-  std::uint64_t strong_hand = 0;  // samples that only a force beyond outside_force explains
+  std::uint64_t strong_hand = 0;  // samples that only a force beyond outside_force, or a speed
+                                  // beyond the one that was told, explains
 };
 
 /// need(s f) of one port over the scale s of a wanted force f [J]: first s^2 up to s = turn, as for
@@ -56,13 +63,17 @@ struct EnergyNeed {
 class PortBalance {
  public:
   /// Precondition: validate(known) passed, period > 0.
-  PortBalance(const PortKnowledge& known, double period);
+  PortBalance(const PortKnowledge& known, double period, bool learns = false);
 
   /// [J] what one sample adds: dx'B dx / h + f_c |path| - f(n-1).dx, h = max(T, hold_time).
   double earned(const Vec3& displacement, const Vec3& held, double hold_time) noexcept;
   /// Whether the sample that earned() was told last shows a force from outside beyond what was
-  /// told.
+  /// told, or a speed beyond it.
   bool strong_hand() const noexcept { return strong_hand_; }
+  /// [N] the bound of the force from outside that it reckons with.
+  double outside_force() const noexcept {
+    return learned_ ? learned_->bound() : known_.outside_force;
+  }
   /// The last movement is not known.
   void forget() noexcept;
   /// The energy that the next sample can take at most while a share of `wanted` is held, if it is
@@ -71,6 +82,10 @@ class PortBalance {
 
  private:
   double damping_along(const Vec3& unit) const noexcept;
+  void limit_by_inertia(EnergyNeed& need, const Polar<double>& force, double damping,
+                        double hold_time) const noexcept;
+  void limit_by_speed(EnergyNeed& need, const Polar<double>& force, double damping,
+                      double hold_time) const noexcept;
 
   PortKnowledge known_;
   double period_;
@@ -78,6 +93,9 @@ class PortBalance {
   Mat3 inverse_damping_ = Mat3::Zero();
   Reach reach_;
   CertainPath path_;
+  std::optional<OutsideForce> learned_;
+  bool limits_speed_;
+  bool too_fast_ = false;  // the last sample was faster than was told
   bool strong_hand_ = false;
 };
 
@@ -88,6 +106,8 @@ class PortBalance {
 ///   A(n) = M(n) - (T/h) f(n-1).dx / 2,  h = max(T, hold time): M half a sample ahead; M(n)
 ///          where it does not look ahead
 ///   need(f) = max of f.y - b_u y^2 / T over 0 <= y <= reach     b_u = 1 / (u' B^-1 u), u = f / |f|
+///   reach   = the less of what mass and force from outside allow (core/bounding/reach.hpp) and
+///             v h + q |u|_1, where these are known
 ///
 /// A(n) is no part of the proof: a smaller force is always admissible. A force that only followed
 /// M(n) would be a spring that is always half a sample late, and would shake (docs/bounding.md,
@@ -125,6 +145,8 @@ class PortAccount {
   }
 
   double balance() const noexcept { return balance_; }  // M [J]
+  /// [N] the bound of the force from outside that it reckons with: told, or learned.
+  double outside_force() const noexcept { return translation_.outside_force(); }
   bool in_debt() const noexcept { return balance_ < 0.0; }
   const AccountStatistics& statistics() const noexcept { return statistics_; }
 

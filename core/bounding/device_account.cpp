@@ -10,8 +10,14 @@ AccountConfig account_config(const DeviceSpec& spec, double period) {
                          .quantum = spec.position_resolution,
                          .mass = spec.least_mass,
                          .outside_force = spec.hand_force};
-  if (spec.rotation_actuated > 0) account.rotation.damping = spec.rotational_damping;
-  const bool turns = account.rotation.damping.least() > 0.0;
+  if (spec.hand_speed > 0.0) account.translation.speed = spec.hand_speed;
+  if (spec.rotation_actuated > 0) {
+    account.rotation.damping = spec.rotational_damping;
+    account.rotation.quantum = spec.rotational_resolution;
+    account.rotation.mass = spec.least_inertia;
+    if (spec.hand_torque > 0.0) account.rotation.outside_force = spec.hand_torque;
+  }
+  const bool turns = account.rotation.damping.least() > 0.0 || account.rotation.mass > 0.0;
   const Command largest{.elastic = Vec3(spec.max_force, 0.0, 0.0),
                         .torque = Vec3(turns ? spec.max_torque : 0.0, 0.0, 0.0)};
   account.cap = kAccountCap * need_at_rest(account, largest);

@@ -10,8 +10,8 @@ namespace feltwire {
 inline constexpr double kAccountCap = 3.0;
 
 /// For a force whose shaping promises nothing, at a servo period T [s]: the device's damping, the
-/// lower bounds of its mass and dry friction, and the largest force from outside. Of rotation only
-/// the damping is known.
+/// lower bounds of its mass and dry friction, the largest force from outside and speed. Of rotation
+/// the damping, the inertia and the largest torque from outside.
 AccountConfig account_config(const DeviceSpec& spec, double period);
 
 /// For a force whose bound is passive by itself: the device's damping and nothing of the hand, no

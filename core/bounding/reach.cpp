@@ -29,6 +29,9 @@ void validate(const PortKnowledge& port, const char* field) {
   if (!(port.outside_force >= 0.0))  // infinity: unknown
     refuse(field, "the outside force", port.outside_force,
            "give an upper bound in N (N m), infinity when none is known");
+  if (!(port.speed > 0.0))  // infinity: unknown
+    refuse(field, "the speed", port.speed,
+           "give an upper bound in m/s (rad/s) above 0, infinity when none is known");
 }
 
 void Reach::moved(const Vec3& displacement, const Vec3& held, double hold_time,

@@ -22,6 +22,8 @@ struct PortKnowledge {
   /// F_h [N] upper bound of the force from outside: the hand, gravity that is not compensated, and
   /// what the mechanics of the handle push from one direction into another.
   double outside_force = std::numeric_limits<double>::infinity();
+  /// v [m/s] upper bound of the handle's speed, of which nothing else need be known.
+  double speed = std::numeric_limits<double>::infinity();
 };
 
 /// Throws std::invalid_argument that begins with `field` and names the remedy.
@@ -55,6 +57,12 @@ class Reach {
   }
   /// Whether anything bounds the next displacement.
   bool known() const noexcept { return time_ > 0.0 && bounds(); }
+  /// A smaller or larger bound of the force from outside [N].
+  void set_outside_force(double force) noexcept { known_.outside_force = force; }
+  /// [m] along the unit vector u over `hold_time` [s], of a handle that is no faster than was told.
+  double at_full_speed(const Vec3& u, double hold_time) const noexcept {
+    return known_.speed * hold_time + known_.quantum * u.lpNorm<1>();
+  }
   /// [m] along the unit vector u over the next `hold_time` [s], with the component `force` [N]
   /// along u held meanwhile. Precondition: known().
   double along(const Vec3& u, double force, double hold_time) const noexcept;

@@ -114,6 +114,9 @@ constexpr double kMaxMass = 1e3;               // [kg]
 constexpr double kMaxForce = 1e4;              // [N]
 constexpr double kMaxTorque = 1e3;             // [N m]
 constexpr double kMaxResolution = 0.01;        // [m]
+constexpr double kMaxInertia = 1e2;            // [kg m^2]
+constexpr double kMaxSpeed = 1e3;              // [m/s]
+constexpr double kMaxAngle = 0.1;              // [rad]
 constexpr double kMaxExtent = 100.0;           // [m]
 constexpr std::size_t kMaxName = 100;          // [bytes]
 
@@ -176,6 +179,10 @@ void validate(const DeviceSpec& spec) {
   check_range(spec, "least_mass", spec.least_mass, kMaxMass, "kg");
   check_range(spec, "least_friction", spec.least_friction, kMaxForce, "N");
   check_range(spec, "hand_force", spec.hand_force, kMaxForce, "N");
+  check_range(spec, "hand_speed", spec.hand_speed, kMaxSpeed, "m/s");
+  check_range(spec, "rotational_resolution", spec.rotational_resolution, kMaxAngle, "rad");
+  check_range(spec, "least_inertia", spec.least_inertia, kMaxInertia, "kg m^2");
+  check_range(spec, "hand_torque", spec.hand_torque, kMaxTorque, "N m");
 
   if (!(spec.max_force > 0.0)) refuse(spec, "max_force", "must be above zero [N]; give the peak");
   if (spec.continuous_force > spec.max_force)
@@ -188,6 +195,9 @@ void validate(const DeviceSpec& spec) {
   below("least_friction", spec.least_friction, "coulomb_friction", spec.coulomb_friction);
   if (!(spec.hand_force > 0.0))
     refuse(spec, "hand_force", "must be above zero [N]; 10 is more than most hands give");
+  if ((spec.least_inertia > 0.0) != (spec.hand_torque > 0.0))
+    refuse(spec, spec.least_inertia > 0.0 ? "hand_torque" : "least_inertia",
+           "is not given: the account needs least_inertia and hand_torque together, or neither");
   if (spec.rotation_actuated == 0 && spec.max_torque > 0.0)
     refuse(spec, "max_torque", "must be 0 where rotation_actuated is 0; set either");
   if (spec.rotation_actuated > 0 && !(spec.max_torque > 0.0))

@@ -33,6 +33,12 @@ struct DeviceSpec {
   double least_friction = 0.0;  // [N] lower bound of the dry friction; 0: not known
   double hand_force = 10.0;     // [N] upper bound of the force from outside: of the hand, and of
                                 // gravity that is not compensated
+  double hand_speed = 0.0;      // [m/s] upper bound of the handle's speed; 0: not known
+  // Likewise of rotation.
+  double rotational_resolution = 0.0;  // [rad] encoder quantum
+  double least_inertia = 0.0;  // [kg m^2] lower bound of the apparent inertia about every axis, the
+                               // least eigenvalue of its matrix; 0: not known
+  double hand_torque = 0.0;    // [N m] upper bound of the torque from outside; 0: not known
 };
 
 /// A number of a specification that is not finite, negative or contradictory: what() names the

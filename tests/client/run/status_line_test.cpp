@@ -66,6 +66,19 @@ TEST(StatusLine, SaysHowTheForceIsShaped) {
   EXPECT_THAT(text(now, now), EndsWith("J  shaped near"));
 }
 
+/// The balance, and how often since the line before the account took something off.
+TEST(StatusLine, SaysWhatTheAccountHas) {
+  LiveStatus before = under_way(), now = before;
+  EXPECT_THAT(text(now, before), Not(HasSubstr("account")));
+  before.account_cuts = 400;
+  now.account_cuts = 400;
+  now.balance = 0.012;
+  EXPECT_THAT(text(now, before), EndsWith("J  account +0.0120 J"));
+  now.samples += 1000;
+  now.account_cuts += 340;
+  EXPECT_THAT(text(now, before), EndsWith("J  account +0.0120 J, cuts 34 % of the ticks"));
+}
+
 TEST(StatusLine, SaysWhyThereIsNoForce) {
   LiveStatus status = under_way();
   status.force = 0.0;

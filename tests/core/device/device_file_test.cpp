@@ -43,7 +43,8 @@ TEST_F(DeviceFile, SaysEverythingThatABuiltInDeviceSays) {
     "damping": [0.1, 0.2, 0.3], "rotational_damping": [0.002], "apparent_mass": 0.05,
     "coulomb_friction": 0.1, "position_resolution": 2e-5, "max_force": 9, "continuous_force": 2,
     "max_torque": 0.5, "workspace": [0.2, 0.3, 0.4],
-    "least_mass": 0.04, "least_friction": 0.06, "hand_force": 15})");
+    "least_mass": 0.04, "least_friction": 0.06, "hand_force": 15, "hand_speed": 2,
+    "rotational_resolution": 1e-4, "least_inertia": 2e-5, "hand_torque": 0.4})");
   EXPECT_EQ(spec.name, "mine");
   EXPECT_EQ(spec.rotation_actuated, 3);
   EXPECT_EQ(spec.damping.matrix(), Mat3(Vec3(0.1, 0.2, 0.3).asDiagonal()));
@@ -58,6 +59,35 @@ TEST_F(DeviceFile, SaysEverythingThatABuiltInDeviceSays) {
   EXPECT_EQ(spec.least_mass, 0.04);
   EXPECT_EQ(spec.least_friction, 0.06);
   EXPECT_EQ(spec.hand_force, 15.0);
+  EXPECT_EQ(spec.hand_speed, 2.0);
+  EXPECT_EQ(spec.rotational_resolution, 1e-4);
+  EXPECT_EQ(spec.least_inertia, 2e-5);
+  EXPECT_EQ(spec.hand_torque, 0.4);
+}
+
+/// What differs by direction: the account counts on the least.
+TEST_F(DeviceFile, OfAMatrixTheLeastEigenvalueIsTaken) {
+  const std::string rest = R"("name": "mine", "max_force": 3, "workspace": [1, 1, 1], )";
+  // Two eigenvalues of [[0.05, 0.01], [0.01, 0.05]]: 0.04 and 0.06.
+  const DeviceSpec spec = load("{" + rest + R"("damping": [0.5, 0.1, 0, 0.1, 0.5, 0, 0, 0, 0.7],
+      "least_mass_matrix": [0.05, 0.01, 0, 0.01, 0.05, 0, 0, 0, 0.09],
+      "least_inertia_matrix": [3e-5, 2e-5, 4e-5], "hand_torque": 0.4})");
+  EXPECT_NEAR(spec.damping.least(), 0.4, 1e-12);
+  EXPECT_NEAR(spec.least_mass, 0.04, 1e-12);
+  EXPECT_NEAR(spec.least_inertia, 2e-5, 1e-16);
+  const auto with = [&](const std::string& field) {
+    return error("{" + rest + "\"damping\": [1],\n" + field + "}");
+  };
+  EXPECT_THAT(with(R"("least_mass_matrix": [1, 2])"),
+              AllOf(HasSubstr(":2: least_mass_matrix: "), HasSubstr("nine")));
+  EXPECT_THAT(with(R"("least_mass_matrix": [1, 2, 0, 2, 1, 0, 0, 0, 1])"),
+              AllOf(HasSubstr(":2: least_mass_matrix: "), HasSubstr("positive definite")));
+  EXPECT_THAT(with(R"("least_mass_matrix": [1, 0.5, 0, 0.2, 1, 0, 0, 0, 1])"),
+              HasSubstr("symmetric"));
+  EXPECT_THAT(with(R"("least_mass": 1, "least_mass_matrix": [1, 1, 1])"),
+              HasSubstr("give one of the two"));
+  EXPECT_THAT(with(R"("least_inertia": 1e-5)"),
+              AllOf(HasSubstr("hand_torque: "), HasSubstr("together")));
 }
 
 TEST_F(DeviceFile, WhatIsNotGiven) {
@@ -71,6 +101,8 @@ TEST_F(DeviceFile, WhatIsNotGiven) {
   EXPECT_EQ(spec.least_mass, 0.0);  // of which nothing is known
   EXPECT_EQ(spec.least_friction, 0.0);
   EXPECT_EQ(spec.hand_force, 10.0);
+  EXPECT_EQ(spec.hand_speed, 0.0);
+  EXPECT_EQ(spec.least_inertia, 0.0);
 }
 
 TEST_F(DeviceFile, ErrorsNameTheLineTheFieldAndTheRemedy) {

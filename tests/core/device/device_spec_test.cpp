@@ -80,6 +80,10 @@ TEST(DeviceSpec, EveryBrokenFieldIsNamed) {
       {"least_friction", [&](DeviceSpec& d) { d.least_friction = nan; }},
       {"hand_force", [](DeviceSpec& d) { d.hand_force = 0; }},
       {"hand_force", [&](DeviceSpec& d) { d.hand_force = infinity; }},
+      {"hand_speed", [](DeviceSpec& d) { d.hand_speed = -1; }},
+      {"rotational_resolution", [](DeviceSpec& d) { d.rotational_resolution = 1; }},
+      {"hand_torque", [](DeviceSpec& d) { d.least_inertia = 1e-5; }},
+      {"least_inertia", [](DeviceSpec& d) { d.hand_torque = 1; }},
       {"workspace.y", [&](DeviceSpec& d) { d.workspace.y() = nan; }},
   };
   for (const auto& [field, make] : broken) {

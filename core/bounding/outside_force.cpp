@@ -1,0 +1,48 @@
+#include "core/bounding/outside_force.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/numeric.hpp"
+
+namespace feltwire {
+
+void OutsideForce::moved(const Vec3& displacement, const Vec3& held, double hold_time) noexcept {
+  pass(hold_time);
+  // The weights are those of samples that last a period.
+  if (hold_time < 0.5 * period_ || hold_time > 1.5 * period_) return forget();
+  const double late = (block_.samples + 0.5) / kSamples;
+  block_.way += displacement;
+  block_.rising += late * held;
+  block_.falling += (1.0 - late) * held;
+  if (++block_.samples < kSamples) return;
+  if (known_before_) look();
+  begin(block_, true);
+}
+
+void OutsideForce::look() noexcept {
+  const double block_time = kSamples * period_;
+  const double per_metre = mass_ / (block_time * block_time);
+  const Vec3 force = per_metre * (block_.way - before_.way) -
+                     (before_.rising + block_.falling) / static_cast<double>(kSamples);
+  const double most_axes = std::sqrt(3.0);  // |u|_1
+  largest_ = std::max(largest_, length(force) + 2.0 * most_axes * per_metre * quantum_);
+}
+
+void OutsideForce::pass(double time) noexcept {
+  time_ += time;
+  if (time_ < kWindow - 0.5 * period_) return;  // a sum of periods is off by some roundings
+  const double seen = kMargin * std::max(largest_, largest_before_);
+  bound_ = std::clamp(seen, kLeastShare * told_, told_);
+  largest_before_ = largest_;
+  largest_ = 0.0;
+  time_ = 0.0;
+}
+
+void OutsideForce::exceeded() noexcept {
+  bound_ = largest_before_ = told_;
+  largest_ = 0.0;
+  time_ = 0.0;
+}
+
+}  // namespace feltwire
