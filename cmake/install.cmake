@@ -47,4 +47,8 @@ install(CODE "
   set(OUT \"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_INCLUDEDIR}\")
   include(${PROJECT_SOURCE_DIR}/cmake/install_headers.cmake)")
 install(TARGETS feltwire-client RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+# The page that shows recordings without a server; it is there once the server has been built.
+if(FELTWIRE_WEB)
+  install(FILES ${PROJECT_BINARY_DIR}/page/feltwire-replay.html DESTINATION ${CMAKE_INSTALL_DATADIR}/feltwire OPTIONAL)
+endif()
 install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})

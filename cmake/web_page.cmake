@@ -21,8 +21,8 @@ function(feltwire_web_page target)
       message(FATAL_ERROR "FELTWIRE_WEB needs node and npm. Install the Debian packages nodejs and npm, or set FELTWIRE_WEB=OFF.")
     endif()
     set(packages ${source}/package.json ${source}/package-lock.json)
-    file(GLOB modules CONFIGURE_DEPENDS ${source}/src/*.js)
-    set(files ${source}/build.mjs ${source}/index.html ${source}/style.css ${source}/icon.svg)
+    file(GLOB modules CONFIGURE_DEPENDS ${source}/src/*.js ${source}/src/replay/*.js)
+    set(files ${source}/build.mjs ${source}/index.html ${source}/style.css ${source}/replay.css ${source}/icon.svg)
     add_custom_command(
       OUTPUT ${copy}/node_modules/.package-lock.json
       COMMAND ${CMAKE_COMMAND} -E make_directory ${copy}
@@ -33,9 +33,9 @@ function(feltwire_web_page target)
       DEPENDS ${packages} WORKING_DIRECTORY ${copy} COMMENT "Installing the live page's packages from npm's registry (-DFELTWIRE_WEB=OFF does without)" VERBATIM)
     add_custom_command(
       OUTPUT ${assets}
+      BYPRODUCTS ${copy}/feltwire-replay.html
       COMMAND ${CMAKE_COMMAND} -E rm -rf ${copy}/src
-      COMMAND ${CMAKE_COMMAND} -E make_directory ${copy}/src
-      COMMAND ${CMAKE_COMMAND} -E copy ${modules} ${copy}/src
+      COMMAND ${CMAKE_COMMAND} -E copy_directory ${source}/src ${copy}/src
       COMMAND ${CMAKE_COMMAND} -E copy ${files} ${copy}
       COMMAND ${FELTWIRE_NODE} build.mjs .
       DEPENDS ${modules} ${files} ${copy}/node_modules/.package-lock.json

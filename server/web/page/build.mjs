@@ -18,11 +18,16 @@ async function bundle(entry) {
   return Buffer.from(made.outputFiles[0].contents);
 }
 
-const licenses = ['three', 'uplot'].map((name) => `${name}\n\n${readFileSync(`node_modules/${name}/LICENSE`, 'utf8')}`);
+const licenses = ['fzstd', 'three', 'uplot'].map((name) => `${name}\n\n${readFileSync(`node_modules/${name}/LICENSE`, 'utf8')}`);
+const text = (content) => content.toString('utf8');
+const page = text(readFileSync('index.html'));
+const script = text(await bundle('src/main.js'));
+const style = text(await bundle('style.css'));
 const assets = [
-  ['/', 'text/html; charset=utf-8', readFileSync('index.html')],
-  ['/app.js', 'text/javascript; charset=utf-8', await bundle('src/main.js')],
-  ['/style.css', 'text/css; charset=utf-8', await bundle('style.css')],
+  ['/', 'text/html; charset=utf-8', Buffer.from(page)],
+  ['/replay', 'text/html; charset=utf-8', Buffer.from(page)],  // The same page, which asks for no token there.
+  ['/app.js', 'text/javascript; charset=utf-8', Buffer.from(script)],
+  ['/style.css', 'text/css; charset=utf-8', Buffer.from(style)],
   ['/icon.svg', 'image/svg+xml', readFileSync('icon.svg')],
   ['/licenses.txt', 'text/plain; charset=utf-8', Buffer.from(licenses.join('\n\n'))],
 ].map(([path, type, content]) => {
@@ -50,6 +55,29 @@ std::span<const PageAsset> page_assets() noexcept { return assets; }
 
 }  // namespace feltwire
 `);
+writeFileSync(join(out, 'feltwire-replay.html'), wholePage());
 // The same for tests without a server.
 for (const {path, gzip} of assets) writeFileSync(join(out, `${path === '/' ? 'index.html' : path.slice(1)}.gz`), gzip);
 writeFileSync(join(out, 'assets.json'), JSON.stringify(assets.map(({path, type, gzip}) => ({path, type, bytes: gzip.length})), null, 1));
+
+/** The page as one file, which a browser opens without any server. Its policy allows its own script and style, and no connection. */
+function wholePage() {
+  const inner = script.replaceAll('</script', '<\\/script');
+  const hash = (content) => `'sha256-${createHash('sha256').update(content).digest('base64')}'`;
+  const policy = `default-src 'none'; script-src ${hash(inner)}; style-src ${hash(style)}; img-src data:; base-uri 'none'; form-action 'none'`;
+  const icon = `data:image/svg+xml;base64,${readFileSync('icon.svg').toString('base64')}`;
+  const escaped = licenses.join('\n\n').replaceAll('&', '&amp;').replaceAll('<', '&lt;');
+  const parts = [
+    ['<meta charset="utf-8">', `<meta charset="utf-8">\n<meta http-equiv="Content-Security-Policy" content="${policy}">`],
+    ['<link rel="icon" href="icon.svg">', `<link rel="icon" href="${icon}">`],
+    ['<link rel="stylesheet" href="style.css">', `<style>${style}</style>`],
+    ['<script type="module" src="app.js"></script>', `<script type="module">${inner}</script>`],
+    ['<a href="licenses.txt" target="_blank" rel="noopener">Licences</a>', `<details><summary>Licences</summary><pre>${escaped}</pre></details>`],
+  ];
+  let whole = page;
+  for (const [from, to] of parts) {
+    if (whole.split(from).length !== 2) throw new Error(`index.html has not once: ${from}`);
+    whole = whole.replace(from, () => to);
+  }
+  return whole;
+}

@@ -24,7 +24,8 @@ export function takeToken() {
 
 /**
  * Keeps one connection up.
- * States: `token` (one is asked for), `connecting`, `live`, `silent` (no message for some seconds), `waiting` (for the next attempt).
+ * States: `token` (one is asked for), `connecting`, `live`, `silent` (no message for some seconds), `waiting` (for the next attempt),
+ * `ended` (for good).
  */
 export class Connection {
   /**
@@ -41,7 +42,7 @@ export class Connection {
     this.socket = null;
     setInterval(() => this.#tick(), 250);
     addEventListener('hashchange', () => {
-      if (takeToken()) this.connect();
+      if (this.state !== 'ended' && takeToken()) this.connect();
     });
   }
 
@@ -68,6 +69,14 @@ export class Connection {
     sessionStorage.setItem(TOKEN_KEY, token);
     this.attempts = 0;
     this.connect();
+  }
+
+  /** Ends the connection for good. @param {string} words what is said of it */
+  end(words) {
+    const {socket} = this;
+    this.socket = null;
+    socket?.close();
+    this.#become('ended', words);
   }
 
   /** @param {object} message sent if the connection stands */

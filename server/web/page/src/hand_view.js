@@ -90,6 +90,17 @@ export class HandView {
     }
   }
 
+  /** Draws a way as a hand's trail, until the next picture. @param {number} number @param {number[]} places x, y, z of each, the oldest first */
+  setTrail(number, places) {
+    const trail = this.trails.get(number);
+    if (!trail || places.length < 3) return;
+    const {position} = trail.geometry.attributes;
+    const kept = places.slice(-3 * TRAIL);
+    for (let i = 0; i < TRAIL - kept.length / 3; ++i) position.array.set(kept.slice(0, 3), 3 * i);
+    position.array.set(kept, 3 * TRAIL - kept.length);
+    position.needsUpdate = true;
+  }
+
   clearTrails() {
     for (const trail of this.trails.values()) {
       this.group.remove(trail);

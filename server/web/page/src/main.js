@@ -6,6 +6,7 @@ import {Labels} from './labels.js';
 import {KIND, Picture, readGeometry} from './messages.js';
 import {bindKeys, followTheme, makeSplit} from './panels.js';
 import {Plots} from './plots.js';
+import {Replay, standsAlone} from './replay/replay.js';
 import {Sessions} from './sessions.js';
 import {View} from './view.js';
 import {Why} from './why.js';
@@ -22,6 +23,7 @@ const why = new Why(element('sentence'), element('reasons'));
 const sessions = new Sessions(document.querySelector('#sessions table'), choose);
 const labels = new Labels(element('labels'));
 const page = {scene: '', pictures: 0, unread: 0, held: false, chosen: null, connection: ''};
+const replay = new Replay(() => connection.end('Recordings are read on this machine; nothing is sent.'));
 let latest = new Picture();  // the newest that came
 let spare = new Picture();  // the one that is read next
 let arrived = false;  // whether `latest` has not been drawn yet
@@ -171,6 +173,7 @@ let plotted = 0;
 let written = 0;
 
 function step(now) {
+  if (replay.active) return;
   requestAnimationFrame(step);
   if (arrived) {
     arrived = false;
@@ -231,22 +234,25 @@ bindKeys(element('keys'), [
     view.stale = true;
   }},
   {keys: [' '], shown: 'space', text: 'hold the picture, go on', act: hold},
+  {keys: ['o'], text: 'open a recording', act: () => element('recording-files').click()},
   {keys: ['l'], text: 'light or dark', act: () => element('theme').click()},
   {keys: ['?'], text: 'this list', act: () => element('help').showModal()},
-]);
+], () => !replay.active);
 makeSplit(element('split-x'), '--side-width', {axis: 'x', least: 220, most: () => innerWidth - 320});
 makeSplit(element('split-y'), '--table-height', {axis: 'y', least: 60, most: () => innerHeight - 320});
 followTheme(element('theme'), (colors) => {
   view.paint(colors);
   plots.paint(colors);
+  replay.paint(colors);
 });
 showScales();
-connection.connect();
+if (standsAlone()) replay.start();
+else connection.connect();
 requestAnimationFrame(step);
 
 /** What tests and a curious user read in the console: a copy, so that nothing can be changed by it. */
 window.feltwire = () => ({
   ...page, frames: view.frames, hands: hands.numbers(), longestArrow: view.hands.longest, perNewton: view.perNewton,
   bodies: view.objects?.bodies.size ?? 0, plotted: {points: plots.points, last: plots.panes.map((pane) => pane.plot?.data.slice(1).map((column) => column.at?.(-1)))},
-  places: view.places(),
+  places: view.places(), replay: replay.state(),
 });

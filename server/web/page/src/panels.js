@@ -58,9 +58,10 @@ export function makeSplit(bar, property, {axis, least, most}) {
 
 /**
  * Binds keys and lists them in the help.
- * @param {HTMLElement} list @param {{keys: string[], shown?: string, text: string, act: (key: string) => void}[]} bindings
+ * @param {HTMLElement} list @param {{keys: string[], shown?: string, text: string, act: (key: string, event: KeyboardEvent) => void}[]} bindings
+ * @param {() => boolean} active whether they hold now
  */
-export function bindKeys(list, bindings) {
+export function bindKeys(list, bindings, active = () => true) {
   const acts = new Map();
   for (const {keys, shown, text, act} of bindings) {
     const [term, meaning] = ['dt', 'dd'].map((tag) => document.createElement(tag));
@@ -70,11 +71,11 @@ export function bindKeys(list, bindings) {
     for (const key of keys) acts.set(key, act);
   }
   addEventListener('keydown', (event) => {
-    if (event.ctrlKey || event.metaKey || event.altKey || event.target.closest?.('input, select, dialog')) return;
+    if (!active() || event.ctrlKey || event.metaKey || event.altKey || event.target.closest?.('input, select, dialog')) return;
     if (event.target.closest?.('button') && [' ', 'Enter'].includes(event.key)) return;
     const act = acts.get(event.key);
     if (!act) return;
     event.preventDefault();
-    act(event.key);
+    act(event.key, event);
   });
 }

@@ -15,13 +15,13 @@ function roundUp(value) {
 }
 
 /** A range from zero, or from below it, with round ends, so that the axis is calm. @param {number} least of the upper end */
-const range = (least) => (plot, low, high) => {
+export const range = (least) => (plot, low, high) => {
   const top = Number.isFinite(high) ? Math.max(high, least) : least;
   return [Number.isFinite(low) && low < -0.02 * least ? -roundUp(-low) : 0, roundUp(top)];
 };
 
-const tick = (unit) => (plot, ticks) => ticks.map((value) => `${+value.toPrecision(4)} ${unit}`.replace('-', '−'));
-const energyTick = (plot, ticks) => {
+export const tick = (unit) => (plot, ticks) => ticks.map((value) => `${+value.toPrecision(4)} ${unit}`.replace('-', '−'));
+export const energyTick = (plot, ticks) => {
   const small = Math.max(...ticks.map(Math.abs)) < 1;
   return tick(small ? 'mJ' : 'J')(plot, small ? ticks.map((value) => 1000 * value) : ticks);
 };

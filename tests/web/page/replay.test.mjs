@@ -1,0 +1,277 @@
+// Recordings in a browser, made by a real client (tests/web/run-replay-tests). Every wait is for a condition.
+
+import assert from 'node:assert/strict';
+import {readFileSync} from 'node:fs';
+import {after, afterEach, before, beforeEach, test} from 'node:test';
+import {join} from 'node:path';
+import {pathToFileURL} from 'node:url';
+import {chromium} from 'playwright-core';
+import {startServer, TOKEN} from './mock_server.mjs';
+
+const page_folder = process.env.FELTWIRE_PAGE;
+const recordings = process.env.FELTWIRE_RECORDINGS;
+const PATIENCE = 60_000;  // [ms] for a machine that draws in software and has more to do
+const recording = (name) => ({name: `${name}.mcap`, mimeType: 'application/octet-stream', buffer: readFileSync(join(recordings, `${name}.mcap`))});
+let browser;
+let server;
+let page;
+let complaints;
+let requests;
+
+before(async () => {
+  const executablePath = process.env.FELTWIRE_CHROMIUM ?? '/usr/bin/chromium';
+  browser = await chromium.launch({executablePath, args: ['--no-sandbox']});
+});
+after(() => browser.close());
+
+beforeEach(async () => {
+  server = await startServer({folder: page_folder});
+  complaints = [];
+  requests = [];
+  const context = await browser.newContext({viewport: {width: 1000, height: 700}});
+  page = await context.newPage();
+  page.setDefaultTimeout(PATIENCE);
+  page.on('pageerror', (error) => complaints.push(error.stack));
+  page.on('console', (message) => {
+    if (message.type() === 'error') complaints.push(message.text());
+  });
+  page.on('request', (request) => {
+    if (!request.url().startsWith('data:')) requests.push(request.url());
+  });
+});
+
+afterEach(async () => {
+  await page.context().close();
+  await server.stop();
+  assert.deepEqual(complaints, []);
+});
+
+const until = (condition, argument) => page.waitForFunction(condition, argument);
+const state = () => page.evaluate(() => window.feltwire().replay);
+const settled = (count) => until((wanted) => {
+  const {stages} = window.feltwire().replay;
+  return stages.length === wanted && stages.every((stage) => stage.read && stage.whole);
+}, count);
+
+/** Opens files where no server is needed, and waits until all of them is read. */
+async function open(...files) {
+  await page.goto(`${server.url}replay`);
+  await page.setInputFiles('#recording-files', files);
+  await settled(files.length);
+}
+
+/** Goes to a time by the keys, and waits until it is shown. */
+async function seek(time) {
+  await page.focus('#replay-bar');
+  await page.keyboard.press('Home');
+  for (let i = 0; i < Math.floor(time); ++i) await page.keyboard.press('ArrowRight');
+  for (let i = 0; i < Math.round(100 * (time % 1)); ++i) await page.keyboard.press('ArrowUp');
+  await until((wanted) => Math.abs(window.feltwire().replay.time - wanted) < 1e-6 && window.feltwire().replay.stages.every((stage) => stage.whole), time);
+  await page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
+}
+
+/** The rows that feltwire-lab exported, as numbers by their columns' names; `at` [s] since the first. */
+function exported() {
+  const [head, ...lines] = readFileSync(join(recordings, 'slide', 'hand_sample.csv'), 'utf8').trim().split('\n');
+  const names = head.split(',');
+  const times = lines.map((line) => BigInt(line.split(',').at(-1)));
+  assert.equal(names.at(-1), 'log_time_ns');
+  return lines.map((line, i) => ({...Object.fromEntries(line.split(',').map((text, k) => [names[k], Number(text)])), at: Number(times[i] - times[0]) / 1e9}));
+}
+
+/** Where the chunks lie, by the heads of all records. */
+function chunksOf(buffer) {
+  const chunks = [];
+  for (let at = 8; at + 9 < buffer.length;) {
+    const length = 9 + Number(buffer.readBigUInt64LE(at + 1));
+    if (buffer[at] === 6) chunks.push({at, length});
+    at += length;
+  }
+  return chunks;
+}
+
+const near = (shown, wanted, what) => shown.forEach((value, i) => assert.ok(Math.abs(value - wanted[i]) <= 1e-6 * Math.max(1, Math.abs(wanted[i])), `${what}: ${shown} is not ${wanted}`));
+
+test('a recording is shown as the laboratory reads it, and nothing is asked of the server', async () => {
+  await open(recording('slide'));
+  assert.ok(!(await page.locator('#token').isVisible()));
+  const before = requests.length;
+  const rows = exported();
+  for (const time of [0.5, 1.25, 3.1, 4.73]) {
+    await seek(time);
+    const {first} = (await state()).stages[0];
+    const row = rows.findLast(({at}) => at <= time + 1e-9);
+    near(first.position, [row.x, row.y, row.z], `position at ${time}`);
+    near(first.elastic, [row.ex, row.ey, row.ez], `elastic force at ${time}`);
+    near(first.friction, [row.fx, row.fy, row.fz], `friction at ${time}`);
+    near(first.held, [row.rx, row.ry, row.rz], `held force at ${time}`);
+  }
+  assert.equal(requests.length, before);
+  assert.ok(!server.requests.includes('/live'));
+  assert.deepEqual((await state()).stages[0].troubles, []);
+});
+
+test('the hand moves, arrows and plots are there, and the reason is said', async () => {
+  await open(recording('slide'));
+  await seek(2);
+  const [first] = (await state()).stages;
+  await seek(2.6);
+  const [second] = (await state()).stages;
+  assert.ok(Math.hypot(...first.first.position.map((x, i) => x - second.first.position[i])) > 1e-3);
+  assert.ok(second.longestArrow > 1e-3);
+  assert.ok(second.points.every((points) => points > 100), `${second.points}`);
+  assert.match(await page.textContent('[data-part="sentence"]'), /The scene asks for .* N, and the device renders .* N/);
+  assert.match(await page.textContent('[data-part="reason"]'), /^felt: /);
+  await seek(0);
+  assert.match(await page.textContent('[data-part="reason"]'), /^(no_reply|touches_nothing|ramp|felt): /);
+});
+
+test('it plays, repeats and stops at the end', async () => {
+  await open(recording('taps'));
+  await page.selectOption('#replay-speed', '10');
+  await page.keyboard.press(' ');
+  await until(() => window.feltwire().replay.playing === false && window.feltwire().replay.time === window.feltwire().replay.to);
+  await page.check('#replay-loop');
+  await page.focus('#replay-bar');
+  await page.keyboard.press(' ');
+  await until(() => window.feltwire().replay.time < 0.5 * window.feltwire().replay.to);
+  assert.ok((await state()).playing);
+  await page.click('#replay-play');
+  assert.ok(!(await state()).playing);
+});
+
+test('the pointer seeks on the bar and in the plots', async () => {
+  await open(recording('taps'));
+  const bar = await page.locator('#replay-bar').boundingBox();
+  await page.mouse.click(bar.x + bar.width / 2, bar.y + 10);
+  const {time, to} = await state();
+  assert.ok(Math.abs(time - to / 2) < 0.02 * to, `${time} of ${to}`);
+  const plot = await page.locator('.stage .u-over').first().boundingBox();
+  await page.mouse.click(plot.x + 0.75 * plot.width, plot.y + 0.5 * plot.height);
+  const later = (await state()).time;
+  assert.ok(Math.abs(later - time - 0.25 * 5) < 0.05, `${later} after ${time}`);
+});
+
+test('an observer\'s recording has the hands of the scene', async () => {
+  await open(recording('seen'));
+  await seek(2.5);
+  const [stage] = (await state()).stages;
+  assert.equal(stage.shown.length, 1);
+  assert.ok(stage.shown[0] > 0);
+  assert.ok(Math.hypot(...stage.first.held) > 0.01);
+});
+
+test('a cut file is shown up to where it was cut', async () => {
+  const whole = recording('slide');
+  const cut = {...whole, name: 'cut.mcap', buffer: whole.buffer.subarray(0, Math.floor(0.6 * whole.buffer.length))};
+  await open(cut);
+  const [stage] = (await state()).stages;
+  const duration = exported().at(-1).at;
+  assert.ok(stage.duration > 0.3 * duration && stage.duration < 0.8 * duration, `${stage.duration} of ${duration}`);
+  assert.match(stage.troubles.join(), /cut\.mcap: it has no end: it was cut at byte \d+/);
+  await seek(1);
+  assert.ok((await state()).stages[0].first);
+});
+
+test('damage is said with its place and what to do, and the rest is shown', async () => {
+  const {buffer} = recording('slide');
+  const chunk = chunksOf(buffer)[2];
+  const damaged = Buffer.from(buffer);
+  damaged[chunk.at + Math.floor(chunk.length / 2)] ^= 0x10;
+  await open({name: 'damaged.mcap', mimeType: '', buffer: damaged});
+  const [stage] = (await state()).stages;
+  assert.equal(stage.troubles.length, 1);
+  assert.match(stage.troubles[0], /^damaged\.mcap: byte \d+: .*; the file is damaged: copy it anew from where it was recorded$/);
+  assert.ok(stage.troubles[0].includes(`byte ${chunk.at}: `));
+  await seek(5);
+  assert.ok((await state()).stages[0].first);
+  assert.match(await page.textContent('[data-part="trouble"]'), /copy it anew/);
+});
+
+test('a damaged index is said, and the file is searched without it', async () => {
+  const {buffer} = recording('slide');
+  const damaged = Buffer.from(buffer);
+  damaged[buffer.length - 60] ^= 1;
+  await open({name: 'index.mcap', mimeType: '', buffer: damaged});
+  const [stage] = (await state()).stages;
+  assert.match(stage.troubles[0], /the CRC of the summary is wrong/);
+  assert.ok(Math.abs(stage.duration - exported().at(-1).at) < 1e-3);
+});
+
+test('what is no recording is refused in words', async () => {
+  await page.goto(`${server.url}replay`);
+  for (const [name, buffer, said] of [
+    ['text.mcap', Buffer.from('t,x,y,z\n'), /text\.mcap: byte 0: this is no MCAP file; choose one that --record FILE\.mcap wrote/],
+    ['empty.mcap', Buffer.alloc(0), /empty\.mcap: byte 0: this is no MCAP file/],
+    ['begin.mcap', recording('taps').buffer.subarray(0, 600), /begin\.mcap: byte \d+: there is no message in it; record for longer/],
+  ]) {
+    await page.setInputFiles('#recording-files', {name, mimeType: '', buffer});
+    await until((pattern) => new RegExp(pattern).test(document.querySelector('#log span').textContent), said.source);
+  }
+  assert.equal((await state()).stages.length, 0);
+});
+
+test('every byte may be wrong: the page never fails', async () => {
+  const {buffer} = recording('taps');
+  await page.goto(`${server.url}replay`);
+  for (let i = 0; i < 12; ++i) {
+    const wild = Buffer.from(buffer);
+    for (let k = 0; k < 40; ++k) wild[(7919 * (k + 41 * i) + 13 * k * k) % wild.length] ^= 1 << (k % 8);
+    await page.setInputFiles('#recording-files', {name: `wild${i}.mcap`, mimeType: '', buffer: wild});
+    await until((name) => {
+      const {stages} = window.feltwire().replay;
+      return document.querySelector('#log span').textContent.includes(name) || stages.some((stage) => stage.name === name && stage.read);
+    }, `wild${i}.mcap`);
+  }
+  await page.setInputFiles('#recording-files', recording('taps'));
+  await until(() => window.feltwire().replay.stages.some((stage) => stage.name === 'taps.mcap' && stage.read && stage.troubles.length === 0));
+});
+
+test('two recordings share the bar, side by side', async () => {
+  await open(recording('slide'), recording('taps'));
+  await seek(2);
+  const both = (await state()).stages;
+  const [left, right] = await Promise.all([0, 1].map((i) => page.locator('.stage').nth(i).boundingBox()));
+  assert.ok(right.x >= left.x + left.width - 1 && Math.abs(right.y - left.y) < 1);
+  assert.ok(both.every(({first}) => first));
+  await page.fill('#replay-offset', '3');
+  await until(() => window.feltwire().replay.to > 6.5);
+  const [, second] = (await state()).stages;
+  assert.equal(second.first, null);  // It has not begun at 2 s.
+  await seek(5);  // The second is now where it was at 2 s before.
+  near((await state()).stages[1].first.position, both[1].first.position, 'the second');
+  await page.click('#replay-clock');
+  const {offset} = (await state()).stages[1];
+  assert.ok(offset > 3, `the second was recorded ${offset} s after the first`);  // One after the other.
+  await page.locator('[data-part="close"]').first().click();
+  await until(() => window.feltwire().replay.stages.length === 1 && window.feltwire().replay.stages[0].name === 'taps.mcap');
+  assert.equal((await state()).stages[0].offset, 0);
+});
+
+test('a file that is dropped on the live page ends it', async () => {
+  await page.goto(`${server.url}#token=${TOKEN}`);
+  await until(() => window.feltwire().pictures > 3);
+  const content = recording('taps').buffer.toString('base64');
+  await page.evaluate(async (base64) => {
+    const bytes = Uint8Array.from(atob(base64), (letter) => letter.charCodeAt(0));
+    const transfer = new DataTransfer();
+    transfer.items.add(new File([bytes], 'dropped.mcap'));
+    dispatchEvent(new DragEvent('drop', {dataTransfer: transfer}));
+  }, content);
+  await settled(1);
+  assert.equal((await state()).stages[0].name, 'dropped.mcap');
+  assert.ok(!(await page.locator('#panels').isVisible()));
+  assert.equal(await page.evaluate(() => window.feltwire().connection), 'ended');
+  await page.click('#live-page');
+  await until(() => window.feltwire().pictures > 3 && !window.feltwire().replay.active);
+});
+
+test('the page as one file needs no server and may reach none', async () => {
+  await page.goto(pathToFileURL(join(page_folder, 'feltwire-replay.html')).href);
+  await page.setInputFiles('#recording-files', recording('taps'));
+  await settled(1);
+  assert.equal(requests.length, 1);
+  const refused = await page.evaluate((url) => fetch(url).then(() => false, () => true), server.url);
+  assert.ok(refused);
+  assert.ok(complaints.splice(0).every((text) => /Content Security Policy/.test(text)));
+});
