@@ -67,6 +67,9 @@ std::variant<ClientOptions, int> parse_options(int argc, char** argv) {
                  "[MiB] of each file of an MCAP recording; the files are FILE-0001.mcap and so on");
   app.add_option("--record-max-seconds", words.record_limits.seconds,
                  "[s] that each file of an MCAP recording lasts, likewise");
+  app.add_option("--flight-recorder", words.flight_recorder,
+                 "Folder that gets the last ten seconds where the run ends with an error, or its "
+                 "account was overdrawn");
   app.add_option("--view", words.view,
                  "FILE.csv that gets what an observer sees (docs/devices.md)");
   app.add_option("--link", words.link,

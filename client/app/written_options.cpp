@@ -180,6 +180,7 @@ void understand(const WrittenOptions& words, HandTask task, ClientOptions& optio
   if (!words.report.empty()) options.report = words.report;
   if (!words.record.empty()) options.record = words.record;
   choose_recording(words, options);
+  if (!words.flight_recorder.empty()) options.flight_recorder = words.flight_recorder;
   if (!words.view.empty()) options.view = words.view;
   require_different(written_files(words), read_files(words));
   options.dscp = dscp(words.dscp);

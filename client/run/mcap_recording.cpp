@@ -1,25 +1,12 @@
 #include "client/run/mcap_recording.hpp"
 
-#include <chrono>
 #include <utility>
 
 #include "core/build_info/build_info.hpp"
 #include "core/recording/messages.hpp"
-#include "protocol/net/clock.hpp"
 
 namespace feltwire {
 namespace {
-
-constexpr std::uint64_t kPicture = 1'000'000'000 / 60;  // [ns]
-
-/// Whether the next picture is due; then the one after it is set, on a grid, so that the rate is
-/// right, unless there was a gap.
-bool is_due(std::uint64_t& next, std::uint64_t now) {
-  if (now < next) return false;
-  next += kPicture;
-  if (next <= now) next = now + kPicture;
-  return true;
-}
 
 RecordedSample sample_of(const TickRecord& row) {
   return {.time = row.time,
@@ -39,11 +26,6 @@ RecordedAccount account_of(const TickRecord& row) {
 }
 
 }  // namespace
-
-std::int64_t clock_offset() {
-  const auto since_1970 = std::chrono::system_clock::now().time_since_epoch();
-  return (std::chrono::duration_cast<Nanoseconds>(since_1970) - monotonic_now()).count();
-}
 
 McapRecording::Part::Part(const RecordingTarget& target, int number)
     : file(numbered(target, number), "the recording", "--record"),
@@ -67,10 +49,8 @@ McapRecording::McapRecording(RecordingTarget target, std::int64_t offset)
     : target_(std::move(target)), offset_(offset), part_(std::make_unique<Part>(target_, 1)) {}
 
 bool McapRecording::part_is_over(std::uint64_t time) const {
-  constexpr double kMebibyte = 1 << 20, kSecond = 1e9;
-  if (part_->writer.messages() == 0) return false;
-  return static_cast<double>(part_->writer.size()) >= target_.limits.mebibytes * kMebibyte ||
-         static_cast<double>(time - part_start_) >= target_.limits.seconds * kSecond;
+  return part_->writer.messages() > 0 &&
+         target_.limits.reached(part_->writer.size(), time - part_start_);
 }
 
 void McapRecording::write(Ring<TickRecord>& rows) {
@@ -102,7 +82,7 @@ void McapRecording::add(const TickRecord& row, std::uint64_t time) {
   append(message_, account_of(row));
   writer.write(part_->account, time, message_);
   if (!first_tick_) first_tick_ = time - static_cast<std::uint64_t>(from_seconds(row.time).count());
-  if (is_due(next_picture_, time)) add_picture(row, time);
+  if (pictures_.is_due(time)) add_picture(row, time);
 }
 
 void McapRecording::add_picture(const TickRecord& row, std::uint64_t time) {
@@ -124,7 +104,7 @@ void McapRecording::see(double time, const ObservedScene& scene) {
     append_deletion(message_, now, "hand " + std::to_string(hand));
   for (const std::uint16_t body : scene.bodies_gone())
     append_deletion(message_, now, "body " + std::to_string(body));
-  if (is_due(next_view_, now)) {
+  if (views_.is_due(now)) {
     for (const auto& [number, hand] : scene.hands())
       append_hand(message_, now, "hand " + std::to_string(number), hand.pose, hand.force);
     for (const auto& [object, body] : scene.bodies())

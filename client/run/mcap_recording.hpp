@@ -9,11 +9,9 @@
 #include "client/run/recording.hpp"
 #include "core/base/appended_file.hpp"
 #include "core/recording/mcap_writer.hpp"
+#include "protocol/net/clock.hpp"
 
 namespace feltwire {
-
-/// [ns] from the servo's clock to the time since 1970, now.
-std::int64_t clock_offset();
 
 /// Each tick as feltwire.Sample and feltwire.Account, and 60 times a second a picture of the hand
 /// and its force, or of all that an observer sees. What is written waits in memory for about a
@@ -44,9 +42,9 @@ class McapRecording final : public Recorder {
   std::int64_t offset_;
   int number_ = 1;
   std::unique_ptr<Part> part_;
-  std::uint64_t part_start_ = 0;                    // [ns]
-  std::optional<std::uint64_t> first_tick_{};       // [ns]
-  std::uint64_t next_picture_ = 0, next_view_ = 0;  // [ns]
+  std::uint64_t part_start_ = 0;               // [ns]
+  std::optional<std::uint64_t> first_tick_{};  // [ns]
+  PictureRate pictures_, views_;
   std::string message_;
 };
 

@@ -1,7 +1,5 @@
 #include "client/run/recording.hpp"
 
-#include <cmath>
-
 #include "client/run/mcap_recording.hpp"
 
 namespace feltwire {
@@ -21,19 +19,6 @@ void append_row(std::string& lines, const TickRecord& row) {
 }
 
 }  // namespace
-
-bool RecordingLimits::any() const { return std::isfinite(mebibytes) || std::isfinite(seconds); }
-
-bool is_mcap(const std::filesystem::path& file) { return file.extension() == ".mcap"; }
-
-std::filesystem::path numbered(const RecordingTarget& target, int number) {
-  if (!target.limits.any()) return target.file;
-  constexpr std::size_t kDigits = 4;
-  std::string digits = std::to_string(number);
-  if (digits.size() < kDigits) digits.insert(0, kDigits - digits.size(), '0');
-  return target.file.parent_path() /
-         (target.file.stem().string() + '-' + digits + target.file.extension().string());
-}
 
 std::unique_ptr<Recorder> open_recording(const RecordingTarget& target) {
   if (is_mcap(target.file)) return std::make_unique<McapRecording>(target);

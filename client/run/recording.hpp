@@ -3,7 +3,6 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <limits>
 #include <map>
 #include <memory>
 #include <string>
@@ -12,15 +11,9 @@
 #include "client/servo/tick_record.hpp"
 #include "core/base/line_file.hpp"
 #include "core/base/ring.hpp"
+#include "core/recording/recording_files.hpp"
 
 namespace feltwire {
-
-/// How much of a recording goes to one file of several.
-struct RecordingLimits {
-  double mebibytes = std::numeric_limits<double>::infinity();
-  double seconds = std::numeric_limits<double>::infinity();
-  bool any() const;
-};
 
 /// Where to record, and what an MCAP file says of the run.
 struct RecordingTarget {
@@ -29,10 +22,9 @@ struct RecordingTarget {
   std::map<std::string, std::string> about{};
 };
 
-/// Whether the name means an MCAP file; all others are CSV.
-bool is_mcap(const std::filesystem::path& file);
-/// FILE.mcap, or with limits FILE-0001.mcap for number 1.
-std::filesystem::path numbered(const RecordingTarget& target, int number);
+inline std::filesystem::path numbered(const RecordingTarget& target, int number) {
+  return numbered(target.file, target.limits, number);
+}
 
 /// Writes rows from a ring to a file.
 class Recorder {

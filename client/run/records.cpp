@@ -20,6 +20,8 @@ void Records::attempt(bool& failed, Action action) noexcept {
 
 Records::Records(const Files& files, std::FILE* errors) : errors_(errors) {
   if (files.recording) recording_ = open_recording(*files.recording);
+  if (files.flight) flight_ = std::make_unique<FlightRecord>(*files.flight, files.servo_period);
+  if (recording_ && flight_) copied_ = std::make_unique<Ring<TickRecord>>(kRecordRoom);
   if (!files.observes) return;
   observer_ = std::make_unique<ObserverRecorder>(
       files.view, [this, on_view = files.on_view](double time, const ObservedScene& scene) {
@@ -37,8 +39,37 @@ void Records::tell(const char* what) const noexcept {
   }
 }
 
+void Records::write_rows() noexcept {
+  if (!flight_) return attempt(recording_failed_, [&] { recording_->write(rows_); });
+  TickRecord row;
+  while (rows_.pop(row)) {
+    flight_->add(row);
+    if (copied_ && !recording_failed_ && !copied_->push(row)) {
+      attempt(recording_failed_, [&] { recording_->write(*copied_); });
+      copied_->push(row);
+    }
+  }
+  if (copied_) attempt(recording_failed_, [&] { recording_->write(*copied_); });
+}
+
+std::optional<std::filesystem::path> Records::write_flight_record(
+    const std::string& reason) noexcept {
+  if (!flight_) return std::nullopt;
+  try {
+    return flight_->write(reason);
+  } catch (const std::exception& error) {
+    tell(error.what());
+    return std::nullopt;
+  }
+}
+
 void Records::write() noexcept {
-  if (recording_) attempt(recording_failed_, [&] { recording_->write(rows_); });
+  if (recording_ || flight_) write_rows();
+  if (flight_ && flight_->debt()) {
+    const char* reason = "the account was overdrawn";
+    if (const auto file = write_flight_record(reason))
+      std::fprintf(errors_, "feltwire-client: %s; flight record: %s\n", reason, file->c_str());
+  }
   if (observer_) attempt(view_failed_, [&] { observer_->look(); });
 }
 

@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 
+#include "client/run/flight_record.hpp"
 #include "client/run/observer_recorder.hpp"
 #include "client/run/recording.hpp"
 #include "core/base/ring.hpp"
@@ -21,12 +22,14 @@ class Records {
     std::optional<std::filesystem::path> view;
     bool observes = false;  // views are taken, with or without a file
     OnView on_view = {};
+    std::optional<FlightTarget> flight = {};
+    double servo_period = 0.0;  // [s] of the flight record's ticks
   };
 
   /// Throws std::runtime_error naming the file and the reason.
   explicit Records(const Files& files, std::FILE* errors = stderr);
 
-  Ring<TickRecord>* rows() { return recording_ ? &rows_ : nullptr; }
+  Ring<TickRecord>* rows() { return recording_ || flight_ ? &rows_ : nullptr; }
   Ring<TimedView>* views() { return observer_ ? &observer_->views() : nullptr; }
   std::optional<SightCounts> sight() const {
     return observer_ ? std::optional(observer_->counts()) : std::nullopt;
@@ -35,10 +38,13 @@ class Records {
   void write() noexcept;
   /// The last of it, and until it is on the disk.
   void finish() noexcept;
+  /// Writes the last seconds to a file of their own, and says where; empty: there is none.
+  std::optional<std::filesystem::path> write_flight_record(const std::string& reason) noexcept;
   /// A file lacks something.
   bool failed() const { return recording_failed_ || view_failed_; }
 
  private:
+  void write_rows() noexcept;
   template <class Action>
   void attempt(bool& failed, Action action) noexcept;
   void tell(const char* what) const noexcept;
@@ -46,6 +52,8 @@ class Records {
   static constexpr std::size_t kRecordRoom = 1 << 14;  // rows: more than a second at 10 kHz
   std::unique_ptr<Recorder> recording_;
   Ring<TickRecord> rows_{kRecordRoom};
+  std::unique_ptr<FlightRecord> flight_;
+  std::unique_ptr<Ring<TickRecord>> copied_;  // for the recording, where there are both
   std::unique_ptr<ObserverRecorder> observer_;
   std::FILE* errors_;
   bool recording_failed_ = false, view_failed_ = false;

@@ -20,10 +20,43 @@
 namespace feltwire {
 namespace {
 
-/// Prints the last line of a run and returns the exit code. `refusal`: the reason, where a new
-/// session was refused for good.
+std::string goodbye_error(GoodbyeReason reason) {
+  switch (reason) {
+    case GoodbyeReason::shutting_down:
+      return ": it is shutting down";
+    case GoodbyeReason::flooding:
+      return ": it was sent far more samples than it granted";
+    case GoodbyeReason::failed:
+      return ": it failed in this scene; its log says why";
+    case GoodbyeReason::disturbing:
+      return ": the hand broke the simulation of what moves; press and move more gently";
+    default:
+      return "";
+  }
+}
+
+/// What ended the run too early; empty: nothing did. `refusal`: the reason, where a new session was
+/// refused for good.
+std::string error_of(const LoopResult& result, const std::string& refusal) {
+  switch (result.end) {
+    case EndReason::server_goodbye:
+      return "the server ended the session" + goodbye_error(result.goodbye);
+    case EndReason::server_silent:
+      return "the server has fallen silent; is it still running?";
+    case EndReason::refused:
+      return refusal;
+    case EndReason::failed:
+      return std::string("the servo loop broke off: ") +
+             (result.stood_still ? "it stood still for the hold time, and the device was let go"
+                                 : "the system gave no timer");
+    default:
+      return "";
+  }
+}
+
+/// Prints the last lines of a run and returns the exit code. `error`: what ended it too early.
 int conclude(const RunOptions& options, const Servo& servo, const LoopResult& result,
-             const std::string& refusal, bool reported) {
+             const std::string& error, bool reported) {
   const ServoStatistics& s = servo.statistics();
   std::printf(
       "%.1f s, %llu samples, %llu datagrams lost, round trip p50 %.0f us p99 %.0f us, largest "
@@ -34,33 +67,9 @@ int conclude(const RunOptions& options, const Servo& servo, const LoopResult& re
       static_cast<unsigned long long>(servo.port().violations()),
       feel_text(servo.measures()).c_str(), reported ? ", report in " : "",
       reported ? visible(options.report->string()).c_str() : "");
-  switch (result.end) {
-    case EndReason::server_goodbye:
-      std::fprintf(stderr, "feltwire-client: the server ended the session%s\n",
-                   result.goodbye == GoodbyeReason::shutting_down ? ": it is shutting down"
-                   : result.goodbye == GoodbyeReason::flooding
-                       ? ": it was sent far more samples than it granted"
-                   : result.goodbye == GoodbyeReason::failed
-                       ? ": it failed in this scene; its log says why"
-                   : result.goodbye == GoodbyeReason::disturbing
-                       ? ": the hand broke the simulation of what moves; press and move more gently"
-                       : "");
-      return 1;
-    case EndReason::server_silent:
-      std::fprintf(stderr, "feltwire-client: the server has fallen silent; is it still running?\n");
-      return 1;
-    case EndReason::refused:
-      std::fprintf(stderr, "feltwire-client: %s\n", visible(refusal).c_str());
-      return 1;
-    case EndReason::failed:
-      std::fprintf(stderr, "feltwire-client: the servo loop broke off: %s\n",
-                   result.stood_still
-                       ? "it stood still for the hold time, and the device was let go"
-                       : "the system gave no timer");
-      return 1;
-    default:
-      return 0;
-  }
+  if (error.empty()) return 0;
+  std::fprintf(stderr, "feltwire-client: %s\n", visible(error).c_str());
+  return 1;
 }
 
 /// Once, where the servo thread was not given what it asked for.
@@ -82,16 +91,25 @@ struct Run : ServoTask {
   Ring<LiveStatus> statuses{kStatusRoom};
 };
 
+/// For the metadata of MCAP files.
+std::map<std::string, std::string> about(const RunOptions& options) {
+  return {{"client", options.name},
+          {"device", options.device_kind},
+          {"mode", std::string(options.parameters.mode)},
+          {"scene", options.scene},
+          {"server", to_string(options.server.endpoint)},
+          {"version", version()}};
+}
+
 std::optional<RecordingTarget> recording_target(const RunOptions& options) {
   if (!options.record) return std::nullopt;
-  return RecordingTarget{.file = *options.record,
-                         .limits = options.record_limits,
-                         .about = {{"client", options.name},
-                                   {"device", options.device_kind},
-                                   {"mode", std::string(options.parameters.mode)},
-                                   {"scene", options.scene},
-                                   {"server", to_string(options.server.endpoint)},
-                                   {"version", version()}}};
+  return RecordingTarget{
+      .file = *options.record, .limits = options.record_limits, .about = about(options)};
+}
+
+std::optional<FlightTarget> flight_target(const RunOptions& options) {
+  if (!options.flight_recorder) return std::nullopt;
+  return FlightTarget{*options.flight_recorder, about(options)};
 }
 
 std::shared_ptr<Run> make_run(const RunOptions& options, const control::JoinAccepted& accepted,
@@ -103,7 +121,8 @@ std::shared_ptr<Run> make_run(const RunOptions& options, const control::JoinAcce
   auto run =
       std::make_shared<Run>(std::move(device), std::move(transport), accepted.parameters, servo);
   run->records = std::make_unique<Records>(
-      Records::Files{recording_target(options), options.view, servo.observes, options.on_view});
+      Records::Files{recording_target(options), options.view, servo.observes, options.on_view,
+                     flight_target(options), accepted.parameters.servo_period});
   run->options = {.duration = from_seconds(options.duration),
                   .silence_timeout = from_seconds(accepted.silence_timeout),
                   .patience = from_seconds(options.patience),
@@ -201,6 +220,10 @@ int run_client(std::unique_ptr<Device> device, const RunOptions& options) {
   if (!reconnector->refusal().empty() && !result.stood_still) result.end = EndReason::refused;
 
   all->records->finish();
+  std::string fault = error_of(result, reconnector->refusal());
+  if (!fault.empty())
+    if (const auto file = all->records->write_flight_record(fault))
+      fault += "; flight record: " + file->string();
   bool reported = false, failed = all->records->failed();
   reserve.stand_in();
   try {
@@ -217,7 +240,7 @@ int run_client(std::unique_ptr<Device> device, const RunOptions& options) {
                  visible(error.what()).c_str());
     failed = true;
   }
-  const int ending = conclude(options, all->servo, result, reconnector->refusal(), reported);
+  const int ending = conclude(options, all->servo, result, fault, reported);
   const int code = failed ? 1 : ending;
   if (!ended || reconnector->asking()) end_at_once(code);
   return code;

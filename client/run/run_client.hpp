@@ -35,6 +35,9 @@ struct RunOptions {
   double patience = 30.0;  // [s] to look for a lost session; 0: not at all
   std::optional<std::filesystem::path> report, record, view;  // files to write; empty: none
   RecordingLimits record_limits;                              // of each file of an MCAP recording
+  /// Folder that gets the last ten seconds where the run ends with an error, or its account was
+  /// overdrawn; empty: none.
+  std::optional<std::filesystem::path> flight_recorder;
   /// Of an observer: called for each view that came, by the thread that called run_client(). What
   /// it throws ends the calls; the run goes on, and returns 1.
   OnView on_view = {};

@@ -9,6 +9,7 @@
 #include <cstring>
 
 #include "core/base/file_error.hpp"
+#include "core/base/kept_files.hpp"
 
 namespace feltwire {
 namespace {
@@ -45,6 +46,12 @@ std::string size_text(std::size_t bytes) {
 std::string read_regular_file(const std::filesystem::path& file, std::size_t most,
                               std::string_view remedy) {
   const auto fail = [&](const std::string& what) { throw FileError(file.string() + ": " + what); };
+  const FileReading& reading = file_reading_of_this_thread;
+  if (reading.given != nullptr) {
+    const auto at = reading.given->find(kept_name(file));
+    if (at == reading.given->end()) fail("is not among the files that were kept");
+    return at->second;
+  }
   // Non-blocking, as opening a pipe without a writer would wait; and no terminal may become the
   // program's own.
   const Descriptor in(::open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY));
@@ -74,6 +81,7 @@ std::string read_regular_file(const std::filesystem::path& file, std::size_t mos
     if (size > most) too_large();
   }
   text.resize(size);
+  if (reading.keep != nullptr) reading.keep->insert_or_assign(kept_name(file), text);
   return text;
 }
 

@@ -1,8 +1,10 @@
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 #include <bit>
 #include <cstddef>
+#include <span>
 #include <type_traits>
 #include <vector>
 
@@ -22,6 +24,33 @@ class Ring {
     if (written - read_.load(std::memory_order_acquire) == values_.size()) return false;
     values_[written & (values_.size() - 1)] = value;
     written_.store(written + 1, std::memory_order_release);
+    return true;
+  }
+
+  /// Writer only. All of them, or none where there is no room for all.
+  bool push(std::span<const T> values) noexcept {
+    const std::size_t written = written_.load(std::memory_order_relaxed);
+    const std::size_t used = written - read_.load(std::memory_order_acquire);
+    if (values.size() > values_.size() - used) return false;
+    const std::size_t at = written & (values_.size() - 1);
+    const std::size_t first = std::min(values.size(), values_.size() - at);
+    std::copy_n(values.begin(), first, values_.begin() + static_cast<std::ptrdiff_t>(at));
+    std::copy(values.begin() + static_cast<std::ptrdiff_t>(first), values.end(), values_.begin());
+    written_.store(written + values.size(), std::memory_order_release);
+    return true;
+  }
+
+  /// Reader only. As many as `values` has, or none where there are fewer. For values that need no
+  /// end.
+  bool pop(std::span<T> values) noexcept requires std::is_trivially_destructible_v<T> {
+    const std::size_t read = read_.load(std::memory_order_relaxed);
+    if (written_.load(std::memory_order_acquire) - read < values.size()) return false;
+    const std::size_t at = read & (values_.size() - 1);
+    const std::size_t first = std::min(values.size(), values_.size() - at);
+    std::copy_n(values_.begin() + static_cast<std::ptrdiff_t>(at), first, values.begin());
+    std::copy_n(values_.begin(), values.size() - first,
+                values.begin() + static_cast<std::ptrdiff_t>(first));
+    read_.store(read + values.size(), std::memory_order_release);
     return true;
   }
 

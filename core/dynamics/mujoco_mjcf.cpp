@@ -2,6 +2,7 @@
 #include <map>
 
 #include "core/base/json_document.hpp"
+#include "core/base/kept_files.hpp"
 #include "core/dynamics/mujoco_buffers.hpp"
 #include "core/dynamics/mujoco_check.hpp"
 #include "core/mesh/mesh_surface.hpp"
@@ -106,6 +107,10 @@ std::shared_ptr<const Mechanism> load_mjcf(const std::filesystem::path& file,
                                            std::vector<Object>& objects) {
   const std::string name = file.string();
   read_text(file);  // MuJoCo's own words for a file that cannot be read say less
+  if (file_reading_of_this_thread.given != nullptr)
+    throw FileError(name +
+                    ": MuJoCo reads this file and those that it names from the disk, so they are "
+                    "in no recording; name the scene's own file");
   mujoco::Loaded loaded = mujoco::load_file(name);
   if (loaded.model == nullptr) throw FileError(name + ": " + loaded.error);
   mjModel& model = *loaded.model;

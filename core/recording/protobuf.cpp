@@ -25,6 +25,10 @@ void put(std::string& out, std::uint32_t field, double value) {
   if (std::bit_cast<std::uint64_t>(value) != 0) put_optional(out, field, value);
 }
 
+void put_fixed(std::string& out, std::uint32_t field, std::uint64_t value) {
+  put(out, field, std::bit_cast<double>(value));
+}
+
 void put_optional(std::string& out, std::uint32_t field, double value) {
   put_tag(out, field, kFixed64);
   mcap::put(out, std::bit_cast<std::uint64_t>(value));

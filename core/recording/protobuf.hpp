@@ -16,6 +16,8 @@ void put_varint(std::string& out, std::uint64_t value);
 void put(std::string& out, std::uint32_t field, double value);
 void put(std::string& out, std::uint32_t field, std::uint64_t value);
 void put_optional(std::string& out, std::uint32_t field, double value);
+/// A field of type fixed64.
+void put_fixed(std::string& out, std::uint32_t field, std::uint64_t value);
 /// A field of text or bytes.
 void put(std::string& out, std::uint32_t field, std::string_view text);
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/base/json_document.hpp"
+#include "core/base/kept_files.hpp"
 #include "core/scene/tool_view.hpp"
 
 namespace feltwire {
@@ -36,6 +37,10 @@ class Scene {
   const std::shared_ptr<const Mechanism>& mechanism() const { return mechanism_; }
   /// Precondition: made by compile() for these objects (core/scene/mechanism.hpp).
   void set_mechanism(std::shared_ptr<const Mechanism> mechanism);
+
+  /// What it was loaded from; null: nobody has kept that.
+  const std::shared_ptr<const KeptFiles>& files() const { return files_; }
+  void keep_files(std::shared_ptr<const KeptFiles> files) { files_ = std::move(files); }
 
   /// Gives all hands this tool. For a tool with a body, meshes become grids of kMeshGridSteps steps
   /// along their longest side. Throws std::invalid_argument that names the field and the remedy if
@@ -72,6 +77,7 @@ class Scene {
   Start start_;
   std::shared_ptr<const Mechanism> mechanism_;
   std::vector<std::string> warnings_;
+  std::shared_ptr<const KeptFiles> files_;
   std::vector<ToolView> views_;
 };
 

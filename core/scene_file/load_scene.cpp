@@ -166,4 +166,26 @@ Scene load_scene(const std::filesystem::path& file) {
   }
 }
 
+Scene load_scene_and_keep(const std::filesystem::path& file) {
+  FileBytes read;
+  const ReadingFiles reading({.keep = &read});
+  Scene scene = load_scene(file);
+  KeptFiles kept{file.filename().generic_string(), {}};
+  const std::filesystem::path folder = kept_name(file.parent_path());
+  for (auto& [name, bytes] : read) {
+    const std::filesystem::path inside = std::filesystem::path(name).lexically_relative(folder);
+    kept.files.emplace(folder.empty() || inside.empty() ? name : inside.generic_string(),
+                       std::move(bytes));
+  }
+  scene.keep_files(std::make_shared<const KeptFiles>(std::move(kept)));
+  return scene;
+}
+
+Scene load_kept_scene(const KeptFiles& files) {
+  const ReadingFiles reading({.given = &files.files});
+  Scene scene = load_scene(files.main);
+  scene.keep_files(std::make_shared<const KeptFiles>(files));
+  return scene;
+}
+
 }  // namespace feltwire

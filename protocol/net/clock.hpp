@@ -13,4 +13,10 @@ inline Nanoseconds monotonic_now() noexcept {
       std::chrono::steady_clock::now().time_since_epoch());
 }
 
+/// [ns] from that clock to the time since 1970, now.
+inline std::int64_t clock_offset() {
+  const auto since_1970 = std::chrono::system_clock::now().time_since_epoch();
+  return (std::chrono::duration_cast<Nanoseconds>(since_1970) - monotonic_now()).count();
+}
+
 }  // namespace feltwire

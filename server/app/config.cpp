@@ -10,6 +10,7 @@
 
 #include "core/base/choice.hpp"
 #include "core/base/json_document.hpp"
+#include "core/recording/recording_files.hpp"
 #include "protocol/net/busy_poll.hpp"
 #include "protocol/net/udp_socket.hpp"
 #include "protocol/session/profiles.hpp"
@@ -74,6 +75,19 @@ std::optional<Complaint> security_complaint(const ServerConfig& c) {
   return out_of_range("handshake_burst", "--handshake-burst", c.handshake_burst, 1, kFastest);
 }
 
+std::optional<Complaint> recording_complaint(const ServerConfig& c) {
+  if (!c.record.empty() && !is_mcap(c.record))
+    return Complaint{"record", "--record",
+                     "'" + c.record.string() + "' is no MCAP file's name; write FILE.mcap"};
+  if (!(c.record_max_mib >= 1.0))
+    return Complaint{"record_max_mib", "--record-max-mib",
+                     std::to_string(c.record_max_mib) + " MiB is too little; give 1 or more"};
+  if (!(c.record_max_seconds >= 1.0))
+    return Complaint{"record_max_seconds", "--record-max-seconds",
+                     std::to_string(c.record_max_seconds) + " s is too little; give 1 or more"};
+  return std::nullopt;
+}
+
 std::optional<Complaint> complaint(const ServerConfig& c) {
   const int scenes = static_cast<int>(c.scenes.size());
   if (scenes > static_cast<int>(control::kMaxScenes))
@@ -132,6 +146,7 @@ std::optional<Complaint> complaint(const ServerConfig& c) {
       return Complaint{"web", "--web", wrong.what()};
     }
   }
+  if (auto wrong = recording_complaint(c)) return wrong;
   if (find_choice(kLogLevels, c.log_level) == nullptr)
     return Complaint{"log_level", "--log-level",
                      "'" + c.log_level + "' is none of " + choices(kLogLevels, ", ")};
@@ -187,6 +202,11 @@ ServerConfig parse_config(std::string_view json, const std::filesystem::path& fi
   if (root->web() != nullptr) config.web = root->web()->str();
   if (root->web_names() != nullptr)
     for (const auto* name : *root->web_names()) config.web_names.push_back(name->str());
+  config.record = path(root->record());
+  // As busy_poll: no limit.
+  if (root->record_max_mib() > 0.0) config.record_max_mib = root->record_max_mib();
+  if (root->record_max_seconds() > 0.0) config.record_max_seconds = root->record_max_seconds();
+  config.flight_recorder = path(root->flight_recorder());
   if (root->log_level() != nullptr) config.log_level = root->log_level()->str();
   if (const auto wrong = complaint(config)) document.fail(wrong->field, wrong->message);
   return config;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <filesystem>
 #include <string>
@@ -32,7 +33,11 @@ struct ServerConfig : SecurityOptions {
   bool real_time = false;    // scenes' threads are scheduled before all others
   std::string dscp = "cs0";  // of replies: a name or a number, see protocol/net/udp_socket.hpp
   std::string web;           // of the live page: "PORT" or "ADDRESS:PORT"; empty: there is none
-  std::vector<std::string> web_names;  // of hosts that browsers may ask for the page by
+  std::vector<std::string> web_names;     // of hosts that browsers may ask for the page by
+  std::filesystem::path record;           // FILE.mcap of what happens in a scene; empty: none
+  double record_max_mib = HUGE_VAL;       // of one file of several
+  double record_max_seconds = HUGE_VAL;   // likewise
+  std::filesystem::path flight_recorder;  // folder of flight records; empty: none
   std::string log_level = "info";
 };
 

@@ -115,13 +115,17 @@ bool serve(feltwire::Server& server, const sigset_t& signals, const std::string&
   const auto count = [&] {
     if (!summary.empty()) write_summary(summary, server.summary(), server.control_summary());
   };
+  const auto write_all = [&] {
+    server.write_flight_records();
+    count();
+  };
   const auto reload = [&] {
     spdlog::info("SIGHUP: all scenes are reloaded");
     server.reload([](const std::vector<std::string>& all) {
       for (const std::string& wrong : all) spdlog::error("{}; the scene stays as it was", wrong);
     });
   };
-  const int signal = feltwire::wait_for_end(signals, {count, reload});
+  const int signal = feltwire::wait_for_end(signals, {write_all, reload});
   spdlog::info("{}: saying goodbye", signal == SIGINT ? "interrupted" : "terminated");
   const bool ended = server.stop();
   try {

@@ -95,6 +95,15 @@ void add_serving(CLI::App& app, Overrides& overrides, ServerConfig& given) {
       "repeat for several")
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  add(app, overrides, given, &Config::record, "--record",
+      "FILE.mcap that gets all that decides the scene's replies, for feltwire-lab replay, and "
+      "pictures of it; with several scenes FILE-SCENE.mcap each");
+  add(app, overrides, given, &Config::record_max_mib, "--record-max-mib",
+      "[MiB] then the next file begins: FILE-0001.mcap, FILE-0002.mcap");
+  add(app, overrides, given, &Config::record_max_seconds, "--record-max-seconds", "[s] likewise");
+  add(app, overrides, given, &Config::flight_recorder, "--flight-recorder",
+      "Folder that gets the last ten seconds of a scene where a session ends that its client did "
+      "not end, and whenever SIGUSR1 comes");
   add(app, overrides, given, &Config::log_level, "--log-level",
       "trace, debug, info, warning, error or off")
       ->capture_default_str();

@@ -13,6 +13,7 @@
 #include "protocol/net/udp_socket.hpp"
 #include "server/app/metrics.hpp"
 #include "server/control/control_service.hpp"
+#include "server/recording/recorder.hpp"
 #include "server/scene/post.hpp"
 #include "server/scene/scene_ports.hpp"
 #include "server/web/web_server.hpp"
@@ -20,10 +21,21 @@
 namespace feltwire {
 namespace {
 
+/// A recording needs the scenes' files.
+SceneLoader::Load loader_of(const ServerConfig& config) {
+  return config.record.empty() ? load_scene_and_warn : load_scene_keep_and_warn;
+}
+
+RecorderOptions recorder_options(const ServerConfig& config) {
+  return {.file = config.record,
+          .limits = {config.record_max_mib, config.record_max_seconds},
+          .flight_folder = config.flight_recorder};
+}
+
 std::vector<Scene> load_scenes(const ServerConfig& config) {
   validate(config);
   std::vector<Scene> scenes;
-  for (const auto& file : config.scenes) scenes.push_back(load_scene_and_warn(file));
+  for (const auto& file : config.scenes) scenes.push_back(loader_of(config)(file));
   return scenes;
 }
 
@@ -98,6 +110,7 @@ SceneHostOptions host_options(const ServerConfig& config) {
 struct Server::Parts {
   asio::io_context io{1};
   Fingerprint fingerprint;
+  std::unique_ptr<Recorder> recorder;  // null: nothing is recorded
   std::vector<std::unique_ptr<SceneHost>> hosts;
   ControlService service;
   std::unique_ptr<ControlEndpoint> control;
@@ -124,13 +137,18 @@ struct Server::Parts {
       asio::post(io, [this, sessions = std::move(sessions)] { service.forget(sessions); });
     };
     warn_of_spinning(options.busy_poll, scenes.size());
+    if (const RecorderOptions recorded = recorder_options(config); recorded.any())
+      recorder = std::make_unique<Recorder>(recorded, scenes);
     for (std::size_t i = 0; i < scenes.size(); ++i) {
       options.socket = sockets[i].release();
+      if (recorder != nullptr) options.events = &recorder->log(i);
       hosts.push_back(std::make_unique<SceneHost>(std::move(scenes[i]), options));
+      if (recorder != nullptr) recorder->see(i, hosts[i]->recorded_pictures());
     }
     if (!config.web.empty()) open_page(config, std::move(security));
     // Every port is bound: from here on nothing fails.
     for (auto& host : hosts) host->start();
+    if (recorder != nullptr) recorder->start();
     control->start();
     if (web != nullptr) web->start();
     look_after();
@@ -267,6 +285,7 @@ struct Server::Parts {
     if (thread.joinable()) {
       asio::post(io, [this] { control->close(); });
       for (auto& host : hosts) host->stop();
+      if (recorder != nullptr) recorder->stop();
       // Behind what the scenes have said: which sessions ended with the server.
       asio::post(io, [this] { io.stop(); });
       thread.join();
@@ -276,7 +295,7 @@ struct Server::Parts {
 };
 
 Server::Server(const ServerConfig& config)
-    : Server(config, load_scenes(config), open_security(config)) {}
+    : Server(config, load_scenes(config), open_security(config), loader_of(config)) {}
 Server::Server(const ServerConfig& config, std::vector<Scene> scenes, Security security,
                SceneLoader::Load load)
     : parts_(std::make_unique<Parts>(config, std::move(scenes), std::move(security),
@@ -306,6 +325,10 @@ void Server::reload(std::function<void(std::vector<std::string>)> done) {
   asio::post(parts_->io, [parts = parts_.get(), done = std::move(done)]() mutable {
     parts->reload(std::move(done));
   });
+}
+
+void Server::write_flight_records() {
+  if (parts_->recorder != nullptr) parts_->recorder->ask_for_flight_records();
 }
 
 bool Server::stop() { return parts_->stop(); }

@@ -54,6 +54,10 @@ class Server {
   /// whose scene stays as it was. It is not called where the server stops before that.
   void reload(std::function<void(std::vector<std::string> wrong)> done = {});
 
+  /// Has the last ten seconds of each scene be written to the folder for flight records, if there
+  /// is one. Returns at once.
+  void write_flight_records();
+
   /// Ends connections, says goodbye to every client, cancels what is loaded and joins all threads.
   /// False where a thread had to be left behind that reads a scene's file and gets no answer: then
   /// the process should end with std::_Exit. May be called again.

@@ -33,6 +33,7 @@ SceneHost::SceneHost(Scene scene, const SceneHostOptions& options)
       objects_(static_cast<std::uint32_t>(scene.objects().size())),
       scene_(std::make_shared<const Scene>(std::move(scene))),
       current_{scene_, version_},
+      recorded_(options.events != nullptr),
       silence_timeout_(options.silence_timeout),
       busy_poll_(options.busy_poll),
       real_time_(options.real_time),
@@ -41,6 +42,7 @@ SceneHost::SceneHost(Scene scene, const SceneHostOptions& options)
       sessions_(*scene_, options.silence_timeout, options.max_sessions, options.line,
                 options.limits),
       batch_(std::make_unique<Batch>()) {
+  sessions_.log_to(options.events);
   const asio::ip::udp::endpoint endpoint(options.address, options.port);
   try {
     if (options.socket >= 0) {
@@ -170,15 +172,23 @@ void SceneHost::describe(asio::io_context& back,
 }
 
 /// Where a viewer waits for a picture. Without memory for it there is none.
-void SceneHost::draw(Nanoseconds now) noexcept {
-  if (!pictures_.wanted()) return;
+void SceneHost::draw(PictureExchange& pictures, Nanoseconds now) noexcept {
+  if (!pictures.wanted()) return;
   try {
-    Picture& picture = pictures_.picture();
+    Picture& picture = pictures.picture();
     picture.version = version_;
     sessions_.draw(picture, now);
-    pictures_.give();
+    pictures.give();
   } catch (const std::exception&) {
   }
+}
+
+/// Once a second, for a replay to compare.
+void SceneHost::check(Nanoseconds now) noexcept {
+  constexpr std::chrono::seconds kBetween{1};
+  if (!recorded_ || now - checked_at_ < kBetween) return;
+  checked_at_ = now;
+  sessions_.check(now);
 }
 
 void SceneHost::tell_ended() {
@@ -276,6 +286,7 @@ void SceneHost::await_silence() {
     say(sessions_.expire(now));
     publish();
     tell_of_load(now);
+    check(now);
     draw(now);
   }));
   watching_ = true;

@@ -37,6 +37,8 @@ struct SceneHostOptions {
   /// Asks for SCHED_FIFO, unless the thread never sleeps, and for memory to be locked.
   bool real_time = false;
   int dscp = 0;  // of the replies (protocol/net/udp_socket.hpp)
+  /// Gets what decides the scene's replies; it outlives the host. Null: nothing is recorded.
+  EventLog* events = nullptr;
   /// What time it is; monotonic. Only the scene's thread asks. Tests bring their own.
   std::function<Nanoseconds()> clock = monotonic_now;
 };
@@ -90,6 +92,8 @@ class SceneHost {
   /// Pictures of the scene for one viewer's thread. While pictures are wanted, one is given with
   /// the next datagrams, and within 0.1 s where none come.
   PictureExchange& pictures() { return pictures_; }
+  /// Likewise for a recorder's thread.
+  PictureExchange& recorded_pictures() { return recorded_pictures_; }
   /// Has the scene's thread describe its hands, and posts that to `back`, which must outlive this
   /// host's thread. From any thread.
   void describe(asio::io_context& back, std::function<void(std::vector<HandDescription>)> done);
@@ -128,7 +132,12 @@ class SceneHost {
   void tell_ended();
   void tell_of_world(Nanoseconds now);
   void tell_of_load(Nanoseconds now);
-  void draw(Nanoseconds now) noexcept;
+  void draw(Nanoseconds now) noexcept {
+    draw(pictures_, now);
+    if (recorded_) draw(recorded_pictures_, now);
+  }
+  void draw(PictureExchange& pictures, Nanoseconds now) noexcept;
+  void check(Nanoseconds now) noexcept;
   void say(const std::vector<SceneSessions::GoodbyeDatagram>& goodbyes) noexcept;
   SceneSummary count() const;
   struct Batch;
@@ -139,7 +148,9 @@ class SceneHost {
   std::uint32_t version_ = 1;     // of the scene
   mutable std::mutex published_;  // guards the next one, which the scene's thread writes
   CurrentScene current_;          // at a reload only
-  PictureExchange pictures_;
+  PictureExchange pictures_, recorded_pictures_;
+  bool recorded_;
+  Nanoseconds checked_at_{0};
   Nanoseconds silence_timeout_, busy_poll_;
   bool real_time_;
   std::function<Nanoseconds()> clock_;

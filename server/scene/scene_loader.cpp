@@ -18,13 +18,24 @@ constexpr std::chrono::seconds kFirstWord{5};  // on a load that goes on
 
 }  // namespace
 
-Scene load_scene_and_warn(const std::filesystem::path& file) {
-  Scene scene = load_scene(file);
+namespace {
+
+Scene warned(Scene scene, const std::filesystem::path& file) {
   for (const std::string& warning : scene.warnings())
     spdlog::warn("{}: {}", file.string(), warning);
   if (const auto slow = warning_of_slow_answers(scene))
     spdlog::warn("{}: {}", file.string(), *slow);
   return scene;
+}
+
+}  // namespace
+
+Scene load_scene_and_warn(const std::filesystem::path& file) {
+  return warned(load_scene(file), file);
+}
+
+Scene load_scene_keep_and_warn(const std::filesystem::path& file) {
+  return warned(load_scene_and_keep(file), file);
 }
 
 /// One load. Its thread keeps it, so that it may outlive the loader.

@@ -20,6 +20,8 @@ using LoadedScene = std::variant<Scene, std::string>;
 /// A scene from its file, with a line in the log for each thing in it that is strange. Throws
 /// FileError.
 Scene load_scene_and_warn(const std::filesystem::path& file);
+/// The same, and keeps the files in the scene for a recording.
+Scene load_scene_keep_and_warn(const std::filesystem::path& file);
 
 class SceneLoader {
  public:

@@ -40,6 +40,13 @@ control::RefusalCode refusal_code(const control::JoinRequest& request) {
   return control::RefusalCode::bad_parameters;
 }
 
+/// Of its frame, for the log.
+std::vector<std::uint8_t> body(const control::Message& message) {
+  std::vector<std::uint8_t> frame = control::encode(message);
+  frame.erase(frame.begin(), frame.begin() + control::kFrameLengthSize);
+  return frame;
+}
+
 std::string no_such_tool(const Scene& scene, const std::string& asked) {
   const std::string what = "there is no tool '" + asked + "' in scene '" + scene.name() + "'; ";
   if (scene.tool().name.empty()) return what + "all hands hold the same there: ask for none";
@@ -52,13 +59,6 @@ control::Refused unknown_session(std::uint64_t id) {
   return {control::RefusalCode::unknown_session,
           "there is no session " + std::to_string(id) + " here; it may have ended by silence"};
 }
-
-/// Where and when a datagram came.
-struct SceneSessions::Origin {
-  const Peer& from;
-  bool newest;  // of its session
-  Nanoseconds now;
-};
 
 /// Why a session ends that nobody ended, and where that is counted.
 struct SceneSessions::Ending {
@@ -105,11 +105,13 @@ std::vector<SceneSessions::GoodbyeDatagram> SceneSessions::enter(const Scene& sc
       goodbyes.push_back(goodbye(*slots_[i], GoodbyeReason::evicted));
     else
       places[i] = Session::Place(*view, world.get(), slots_[i]->session.limits());
+  if (log_ != nullptr) log_->announce(scene.files());
 
   if (world_ != nullptr) add(counters_.world, world_->counters());
   const std::unique_ptr<World> before = std::move(world_);  // until no session is in it any more
   take_over(scene, std::move(world));
   last_tick_ = now;
+  log({.kind = EventKind::reload, .time = now});
   for (std::size_t i = slots_.size(); i-- > 0;)
     if (places[i].view != nullptr) {
       slots_[i]->session.enter(std::move(places[i]));
@@ -140,11 +142,14 @@ control::Message SceneSessions::answer(const control::Message& request, std::uin
     Session& session = (*slot)->session;
     if (auto wrong = forbidden_change(session.parameters(), wanted->parameters))
       return control::Refused{control::RefusalCode::bad_parameters, *std::move(wrong)};
+    std::vector<std::uint8_t> logged;
+    if (log_ != nullptr) logged = body(control::SetParameters{(*slot)->number, wanted->parameters});
     try {
       session.set_parameters(wanted->parameters);
     } catch (const std::invalid_argument& error) {
       return control::Refused{control::RefusalCode::bad_parameters, error.what()};
     }
+    log({.kind = EventKind::parameters, .hand = (*slot)->number, .time = now, .payload = logged});
     return control::ParametersSet{wanted->session, session.parameters()};
   }
   return control::Refused{control::RefusalCode::malformed,
@@ -172,8 +177,10 @@ control::Message SceneSessions::join(control::JoinRequest request, std::uint64_t
   control::JoinAccepted accepted;
   accepted.tool = view->tool().name;
   accepted.version = version();
+  std::vector<std::uint8_t> logged;
   try {
     request.parameters = granted(request.parameters);
+    if (log_ != nullptr) logged = body(request);
     auto slot = std::make_unique<SessionSlot>(
         SessionSlot{id,
                     Session(request, *view, world_.get()),
@@ -197,6 +204,7 @@ control::Message SceneSessions::join(control::JoinRequest request, std::uint64_t
   SessionSlot& slot = *slots_.back();
   slot.number = static_cast<std::uint32_t>(counters_.sessions_served);
   if (!slot.session.observes()) hands_.push_back({slot.number, &slot.session});
+  log({.kind = EventKind::join, .hand = slot.number, .time = now, .payload = logged});
   accepted.session = id;
   accepted.parameters = request.parameters;
   accepted.silence_timeout = std::chrono::duration<double>(silence_timeout_).count();
@@ -257,31 +265,9 @@ Bytes SceneSessions::receive(Bytes datagram, const Peer& from, Nanoseconds now,
   return {};
 }
 
-Bytes SceneSessions::receive_samples(SessionSlot& slot, Bytes payload, const Origin& origin,
-                                     DatagramBuffer& out) noexcept {
-  if (const DropReason wrong = decode(payload, batch_); wrong != DropReason::none)
-    return drop(wrong);
-  const std::uint64_t before = slot.session.counters().samples;
-  const Taken taken = slot.session.take(batch_, origin.now);
-  if (taken.drop != DropReason::none) return drop(taken.drop);
-  slot.rate.count(slot.session.counters().samples - before);
-  slot.last_heard = origin.now;
-  // Whoever holds a datagram back and sends it on from elsewhere draws no goodbye there.
-  if (origin.newest) slot.peer = origin.from;
-  if (taken.withheld) return {};
-  if (slot.session.observes()) return show(slot, taken.reply, out);
-  return slot.sealer.seal(DatagramKind::reply, slot.id, encoder_.reply(taken.reply), out);
-}
-
-/// An observer's reply, with what there is to see.
-Bytes SceneSessions::show(SessionSlot& slot, const Reply& reply, DatagramBuffer& out) noexcept {
-  const SessionParameters& parameters = slot.session.parameters();
-  const double between = parameters.packet_interval * parameters.servo_period;
-  slot.observer_view.show(hands_, world_.get(), view_room(between), view_);
-  return slot.sealer.seal(DatagramKind::reply, slot.id, encoder_.reply(reply, &view_), out);
-}
-
 void SceneSessions::end(SessionSlot& slot, SessionEnd how) noexcept {
+  const auto said = static_cast<std::uint8_t>(how);
+  log({.kind = EventKind::end, .hand = slot.number, .time = logged_at_, .payload = {&said, 1}});
   add(counters_, slot.session);
   // Nobody may ask for them; then they are forgotten before they would take memory.
   if (ended_.size() == ended_.capacity()) ended_.clear();

@@ -13,6 +13,7 @@
 #include "protocol/wire/control.hpp"
 #include "protocol/wire/scene_view.hpp"
 #include "protocol/wire/seal.hpp"
+#include "server/scene/event_log.hpp"
 #include "server/scene/fair_share.hpp"
 #include "server/scene/id_map.hpp"
 #include "server/scene/observer_view.hpp"
@@ -136,6 +137,22 @@ class SceneSessions {
   /// Of all hands. Allocates.
   std::vector<HandDescription> describe() const;
 
+  /// From now on, all that decides a reply goes into the log, which must outlive this; null: no
+  /// more. A log can be replayed only where it has been there since before the first session.
+  void log_to(EventLog* log) noexcept { log_ = log; }
+  /// Notes where everything is that moves, for a replay to compare. Never allocates.
+  void check(Nanoseconds now) noexcept;
+  /// Another live change than by answer() and enter(), for the log: call it where the change takes
+  /// place, in the scene's thread. Without a log nothing happens.
+  void note_change(Bytes what, Nanoseconds now, std::uint32_t hand = 0) noexcept;
+
+  // For a replay (server/recording/replay.hpp).
+  /// What receive() does with the payload of an accepted datagram: the answer's payload, empty
+  /// where there is none or no such session.
+  Bytes replay_samples(std::uint64_t id, Bytes payload, Nanoseconds now) noexcept;
+  /// Ends a session, if it is there, without a goodbye.
+  void replay_end(std::uint64_t id, SessionEnd how) noexcept;
+
   std::size_t size() const { return slots_.size(); }
   /// Running sessions included.
   SceneCounters counters() const;
@@ -152,7 +169,13 @@ class SceneSessions {
   SessionParameters granted(const SessionParameters& asked) const;
   Bytes receive_samples(SessionSlot& slot, Bytes payload, const Origin& origin,
                         DatagramBuffer& out) noexcept;
-  Bytes show(SessionSlot& slot, const Reply& reply, DatagramBuffer& out) noexcept;
+  Bytes answer_samples(SessionSlot& slot, Bytes payload, const Origin& origin) noexcept;
+  Bytes show(SessionSlot& slot, const Reply& reply) noexcept;
+  void log(SceneEvent event) noexcept {
+    if (log_ == nullptr) return;
+    logged_at_ = event.time;
+    log_->put(event);
+  }
   struct Ending;
   std::optional<Ending> ending(const SessionSlot& slot, Nanoseconds now) const noexcept;
   void end(SessionSlot& slot, SessionEnd how) noexcept;
@@ -182,6 +205,8 @@ class SceneSessions {
   SampleBatch batch_;      // what it brings
   SceneView view_;         // for the observer that sent it
   SceneCounters counters_;
+  EventLog* log_ = nullptr;
+  Nanoseconds logged_at_{0};  // the newest event's time
 };
 
 }  // namespace feltwire

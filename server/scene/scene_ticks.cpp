@@ -10,6 +10,7 @@ void SceneSessions::tick(Nanoseconds now) noexcept {
   if (world_ == nullptr || slots_.empty()) return;
   const auto due = (now - last_tick_) / tick_;
   if (due == 0) return;
+  log({.kind = EventKind::tick, .time = now});
   const auto late = due - most_ticks_;
   if (late > 0) [[unlikely]] {
     last_tick_ += late * tick_;

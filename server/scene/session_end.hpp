@@ -5,7 +5,7 @@
 
 namespace feltwire {
 
-/// How a session ended, for the log.
+/// How a session ended, for the log. Recordings have the number: a new one comes last.
 enum class SessionEnd : std::uint8_t {
   goodbye,
   asked,

@@ -7,6 +7,13 @@
 
 namespace feltwire {
 
+/// Where and when a datagram came.
+struct SceneSessions::Origin {
+  const Peer& from;
+  bool newest;  // of its session
+  Nanoseconds now;
+};
+
 /// A session and what belongs to its transport.
 struct SceneSessions::SessionSlot {
   std::uint64_t id;

@@ -17,6 +17,7 @@
 #include "sim/lab/filters.hpp"
 #include "sim/lab/recording_tables.hpp"
 #include "sim/lab/study_commands.hpp"
+#include "sim/replay/replay_command.hpp"
 #include "sim/report/report_table.hpp"
 
 namespace {
@@ -250,6 +251,7 @@ int main(int argc, char** argv) {
   add_touch(app);
   add_summary(app);
   add_export(app);
+  add_replay(app, std::cout, status);
   add_link(app);
   try {
     app.parse(argc, argv);

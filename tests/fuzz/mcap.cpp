@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/base/file_error.hpp"
+#include "core/recording/event_message.hpp"
 #include "core/recording/mcap_reader.hpp"
 #include "core/recording/mcap_writer.hpp"
 #include "core/recording/messages.hpp"
@@ -60,6 +61,14 @@ void decode(const std::string& data) {
     require(same_account.has_value() && same_account->no_force == account->no_force &&
                 same_account->balance.has_value() == account->balance.has_value(),
             "an account that is read is written the same");
+  }
+  again.clear();
+  if (const auto event = read_event(data)) {
+    append(again, *event);
+    const auto same_event = read_event(again);
+    require(same_event.has_value() && same_event->number == event->number &&
+                same_event->digest == event->digest && same_event->payload == event->payload,
+            "an event that is read is written the same");
   }
 }
 

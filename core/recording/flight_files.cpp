@@ -1,0 +1,55 @@
+#include "core/recording/flight_files.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <ctime>
+#include <vector>
+
+#include "core/base/file_error.hpp"
+
+namespace feltwire {
+namespace {
+
+namespace fs = std::filesystem;
+constexpr std::string_view kBegin = "flight-", kStampLike = "20261123T070259.123Z";
+
+/// Names sort by time.
+std::string stamp(std::uint64_t time) {
+  constexpr std::uint64_t kMillisecond = 1'000'000, kInSecond = 1000;
+  const std::uint64_t milliseconds = time / kMillisecond;
+  const auto since_1970 = static_cast<std::time_t>(milliseconds / kInSecond);
+  std::tm parts{};
+  ::gmtime_r(&since_1970, &parts);
+  std::array<char, kStampLike.size() + 1> text{};
+  const std::size_t length = std::strftime(text.data(), text.size(), "%Y%m%dT%H%M%S", &parts);
+  std::snprintf(text.data() + length, text.size() - length, ".%03uZ",
+                static_cast<unsigned>(milliseconds % kInSecond));
+  return text.data();
+}
+
+}  // namespace
+
+void make_flight_folder(const fs::path& folder) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error)
+    throw FileError(folder.string() + ": cannot be made: " + error.message() +
+                    "; check the path in " + kFlightOption);
+}
+
+fs::path next_flight_file(const fs::path& folder, const std::string& name, std::uint64_t time) {
+  const std::string end = '-' + name + ".mcap";
+  std::vector<fs::path> files;
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    const std::string other = entry.path().filename().string();
+    if (other.size() == kBegin.size() + kStampLike.size() + end.size() &&
+        other.starts_with(kBegin) && other.ends_with(end))
+      files.push_back(entry.path());
+  }
+  std::ranges::sort(files);
+  for (std::size_t i = 0; i + kMostFlightFiles <= files.size(); ++i) fs::remove(files[i]);
+  return folder / (std::string(kBegin) + stamp(time) + end);
+}
+
+}  // namespace feltwire

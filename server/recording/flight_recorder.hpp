@@ -1,0 +1,53 @@
+#pragma once
+// The last seconds of a scene, in memory, and on the disk where something went wrong.
+
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+
+#include "core/recording/mcap_writer.hpp"
+#include "server/scene/event_log.hpp"
+#include "server/scene/session_end.hpp"
+
+namespace feltwire {
+
+/// Keeps what the recorder's thread takes from the scene's log. When a session ends that its client
+/// did not end, or somebody asks, it writes all that it has to a file. All memory is allocated at
+/// construction.
+class FlightRecorder {
+ public:
+  static constexpr Nanoseconds kKept = std::chrono::seconds(10);
+  static constexpr std::size_t kRoom = std::size_t{32} << 20;  // [bytes] less time where it is full
+  /// A file waits for so long, so that what happens together is in one.
+  static constexpr Nanoseconds kTogether = std::chrono::milliseconds(200);
+
+  /// Makes the folder where it is missing. Throws FileError naming it and the reason.
+  FlightRecorder(std::filesystem::path folder, std::string name,
+                 std::map<std::string, std::string> about, std::int64_t offset);
+
+  void add(const SceneEvent& event);
+  /// Writes a file where one is due or `asked` for, and says in the log which. A failure is said
+  /// there too.
+  void write_if_due(bool asked, Nanoseconds now) noexcept;
+
+ private:
+  std::filesystem::path write(const std::string& reason);
+  void write_events(mcap::Writer& writer);
+
+  std::filesystem::path folder_;
+  std::string name_;
+  std::map<std::string, std::string> about_;
+  std::int64_t offset_;
+  EventQueue kept_{kRoom};
+  std::size_t count_ = 0;  // of events in it
+  Nanoseconds newest_{0};
+  std::string reason_;  // of the file that is due
+  std::optional<Nanoseconds> due_;
+};
+
+/// Whether a session that ended so was not ended by its own client or by the server's end.
+bool is_fault(SessionEnd how);
+
+}  // namespace feltwire

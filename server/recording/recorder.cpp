@@ -1,0 +1,127 @@
+#include "server/recording/recorder.hpp"
+
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <chrono>
+#include <utility>
+
+#include "protocol/net/busy_poll.hpp"
+#include "protocol/net/clock.hpp"
+
+namespace feltwire {
+namespace {
+
+constexpr std::chrono::milliseconds kBetweenLooks{10};
+// [bytes] Three seconds of 16 hands at 1 kHz.
+constexpr std::size_t kLogRoom = std::size_t{8} << 20;
+
+bool is_plain(char c) {
+  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' ||
+         c == '_';
+}
+
+}  // namespace
+
+std::filesystem::path recording_file(const std::filesystem::path& file,
+                                     const std::vector<std::string>& scenes, std::size_t place) {
+  if (scenes.size() == 1) return file;
+  std::string name = scenes[place];
+  if (!std::ranges::all_of(name, is_plain)) {
+    std::ranges::replace_if(
+        name, [](char c) { return !is_plain(c); }, '_');
+    name += '-' + std::to_string(place + 1);
+  }
+  return file.parent_path() / (file.stem().string() + '-' + name + file.extension().string());
+}
+
+Recorder::OneScene::OneScene(std::string scene, std::shared_ptr<const KeptFiles> kept)
+    : name(std::move(scene)), files(std::move(kept)), log(kLogRoom) {}
+
+Recorder::Recorder(const RecorderOptions& options, const std::vector<Scene>& scenes) {
+  std::vector<std::string> names;
+  for (const Scene& scene : scenes) names.push_back(scene.name());
+  const std::int64_t offset = clock_offset();
+  for (std::size_t i = 0; i < scenes.size(); ++i) {
+    OneScene& scene =
+        *scenes_.emplace_back(std::make_unique<OneScene>(names[i], scenes[i].files()));
+    if (!options.file.empty())
+      scene.recording = std::make_unique<SceneRecording>(
+          SceneRecordingTarget{recording_file(options.file, names, i), options.limits,
+                               about_recording(names[i])},
+          scene.files.get(), offset);
+    if (!options.flight_folder.empty())
+      scene.flight = std::make_unique<FlightRecorder>(
+          options.flight_folder, recording_file("scene.mcap", names, i).stem().string(),
+          about_recording(names[i]), offset);
+  }
+}
+
+Recorder::~Recorder() { stop(); }
+
+void Recorder::start() {
+  thread_ = std::thread([this] { run(); });
+}
+
+void Recorder::stop() {
+  if (!thread_.joinable()) return;
+  {
+    const std::lock_guard lock(mutex_);
+    stopping_ = true;
+  }
+  wake_.notify_all();
+  thread_.join();
+}
+
+void Recorder::run() {
+  std::unique_lock lock(mutex_);
+  while (!wake_.wait_for(lock, kBetweenLooks, [this] { return stopping_; })) {
+    lock.unlock();
+    look();
+    lock.lock();
+  }
+  look();
+  for (const auto& scene : scenes_) {
+    write(*scene, [](SceneRecording& recording) { recording.finish(); });
+    if (scene->flight != nullptr) scene->flight->write_if_due(false, kForever);
+  }
+}
+
+/// A file that fails is not written any more.
+template <class Action>
+void Recorder::write(OneScene& scene, Action action) {
+  if (scene.recording == nullptr) return;
+  try {
+    action(*scene.recording);
+  } catch (const std::exception& error) {
+    scene.recording.reset();
+    spdlog::error("scene {}: {}; the server goes on", scene.name, error.what());
+  }
+}
+
+void Recorder::look() {
+  const bool asked = asked_.exchange(false, std::memory_order_relaxed);
+  for (const auto& scene : scenes_) look(*scene, asked);
+}
+
+void Recorder::look(OneScene& scene, bool asked) {
+  while (const auto event = scene.log.take()) {
+    const auto files =
+        event->kind == EventKind::reload ? scene.log.files_of(event->number) : nullptr;
+    write(scene, [&](SceneRecording& recording) { recording.add(*event, files.get()); });
+    if (scene.flight != nullptr) scene.flight->add(*event);
+  }
+  if (scene.pictures != nullptr && scene.pictures->take(scene.picture))
+    write(scene, [&](SceneRecording& recording) { recording.see(scene.picture); });
+  write(scene, [](SceneRecording& recording) { recording.flush(); });
+  if (scene.flight != nullptr) scene.flight->write_if_due(asked, monotonic_now());
+  if (const std::uint64_t lost = scene.log.lost(); lost > scene.told_lost / 2 * 3) {
+    scene.told_lost = lost;
+    spdlog::warn(
+        "scene {}: the recorder cannot keep up: {} events are missing so far, and no replay can be "
+        "complete; use a faster disk, or record fewer hands",
+        scene.name, lost);
+  }
+}
+
+}  // namespace feltwire

@@ -1,0 +1,81 @@
+#pragma once
+// Records the scenes of a server in a thread of its own.
+
+#include <atomic>
+#include <condition_variable>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "core/scene/scene.hpp"
+#include "server/recording/flight_recorder.hpp"
+#include "server/recording/scene_recording.hpp"
+
+namespace feltwire {
+
+struct RecorderOptions {
+  std::filesystem::path file;  // of the only scene; empty: none is written
+  RecordingLimits limits{};
+  std::filesystem::path flight_folder;  // for flight records; empty: none is written
+  bool any() const { return !file.empty() || !flight_folder.empty(); }
+};
+
+/// FILE.mcap of a server with one scene, FILE-SCENE.mcap of one with several. What of a name is no
+/// letter, digit, '-' or '_' becomes '_', and `place` then keeps two names apart.
+std::filesystem::path recording_file(const std::filesystem::path& file,
+                                     const std::vector<std::string>& scenes, std::size_t place);
+
+/// Takes what scenes' threads leave in their logs, and pictures, and writes both down. A file that
+/// cannot be written any more is named once in the log; the server goes on.
+class Recorder {
+ public:
+  /// Creates the files. Throws std::runtime_error that names the file and the reason.
+  Recorder(const RecorderOptions& options, const std::vector<Scene>& scenes);
+  /// Stops.
+  ~Recorder();
+  Recorder(const Recorder&) = delete;
+  Recorder& operator=(const Recorder&) = delete;
+
+  /// Of the scene at this place. It lives as long as the recorder.
+  EventLog& log(std::size_t scene) { return scenes_[scene]->log; }
+  /// Where the scene's pictures come from, which outlives the thread. Before start().
+  void see(std::size_t scene, PictureExchange& pictures) { scenes_[scene]->pictures = &pictures; }
+
+  void start();
+  /// Writes the last of it and joins the thread. After the scenes' threads have ended. May be
+  /// called again.
+  void stop();
+
+  /// Has the flight record of each scene be written soon. From any thread.
+  void ask_for_flight_records() noexcept { asked_.store(true, std::memory_order_relaxed); }
+
+ private:
+  struct OneScene {
+    OneScene(std::string scene, std::shared_ptr<const KeptFiles> kept);
+    std::string name;
+    std::shared_ptr<const KeptFiles> files;  // of the scene as it was at first
+    EventLog log;
+    PictureExchange* pictures = nullptr;
+    Picture picture;
+    std::unique_ptr<SceneRecording> recording;  // null: none, or it failed
+    std::unique_ptr<FlightRecorder> flight;     // null: none
+    std::uint64_t told_lost = 0;
+  };
+
+  void run();
+  void look();
+  void look(OneScene& scene, bool asked);
+  template <class Action>
+  void write(OneScene& scene, Action action);
+
+  std::vector<std::unique_ptr<OneScene>> scenes_;
+  std::atomic<bool> asked_{false};
+  std::mutex mutex_;
+  std::condition_variable wake_;
+  bool stopping_ = false;  // guarded
+  std::thread thread_;
+};
+
+}  // namespace feltwire

@@ -1,0 +1,299 @@
+#include "server/recording/replay.hpp"
+
+#include <algorithm>
+#include <cstring>
+#include <deque>
+#include <fstream>
+#include <memory>
+
+#include "core/base/file_error.hpp"
+#include "core/build_info/build_info.hpp"
+#include "core/recording/event_message.hpp"
+#include "core/recording/mcap_reader.hpp"
+#include "core/scene_file/load_scene.hpp"
+#include "server/scene/scene_sessions.hpp"
+
+namespace feltwire {
+namespace {
+
+constexpr const char* kRemedy = "give what feltwire-server --record wrote";
+constexpr std::uint64_t kLatest = std::uint64_t{1} << 62;  // [ns] differences do not overflow
+
+/// Bytes where FlatBuffers may read them.
+class AlignedBytes {
+ public:
+  Bytes put(std::string_view bytes) {
+    words_.resize((bytes.size() + sizeof(std::uint64_t) - 1) / sizeof(std::uint64_t));
+    if (!bytes.empty()) std::memcpy(words_.data(), bytes.data(), bytes.size());
+    return {reinterpret_cast<const std::uint8_t*>(words_.data()), bytes.size()};
+  }
+
+ private:
+  std::vector<std::uint64_t> words_;
+};
+
+/// Any other number than 0, and always the same.
+std::uint64_t id_of(std::uint32_t hand) { return std::uint64_t{hand} << 8; }
+
+SceneEvent event_of(const RecordedEvent& read, AlignedBytes& bytes) {
+  return {.kind = static_cast<EventKind>(read.kind),
+          .outcome = static_cast<EventOutcome>(read.outcome),
+          .hand = static_cast<std::uint32_t>(read.hand),
+          .time = Nanoseconds(static_cast<std::int64_t>(read.time)),
+          .digest = read.digest,
+          .payload = bytes.put(read.payload),
+          .number = read.number};
+}
+
+/// Whether the numbers are possible, so that event_of() may be asked.
+bool is_possible(const RecordedEvent& read) {
+  return read.kind > 0 && read.kind < static_cast<std::uint64_t>(EventKind::count_of_kinds) &&
+         read.outcome < static_cast<std::uint64_t>(EventOutcome::count_of_outcomes) &&
+         read.hand <= ~std::uint32_t{0} && read.time < kLatest &&
+         read.payload.size() <= EventQueue::kMostPayload &&
+         (read.kind != static_cast<std::uint64_t>(EventKind::end) ||
+          (read.payload.size() == 1 && static_cast<std::uint8_t>(read.payload[0]) <=
+                                           static_cast<std::uint8_t>(SessionEnd::shut_down)));
+}
+
+std::string value(const mcap::Metadata& metadata, const std::string& key) {
+  const auto at = metadata.values.find(key);
+  return at == metadata.values.end() ? std::string() : at->second;
+}
+
+/// One event after the other, into sessions that have a log of their own, which must say the same.
+class Replayer {
+ public:
+  Replayer(std::shared_ptr<const Scene> scene, std::shared_ptr<const Scene> given)
+      : given_(std::move(given)),
+        scene_(std::move(scene)),
+        sessions_(*scene_, kNever, kMostSessions) {
+    sessions_.log_to(&log_);
+  }
+
+  /// What is different, or nothing. `mcap` has the attachments so far.
+  std::optional<std::string> take(const SceneEvent& recorded, const mcap::Reader& mcap,
+                                  const std::string& file) {
+    std::optional<SceneEvent> computed = log_.take();
+    if (!computed) {
+      if (auto wrong = apply(recorded, mcap, file)) return wrong;
+      computed = log_.take();
+    }
+    if (!computed)
+      return std::string(
+          "nothing came of it, because there is no such session or because it was "
+          "refused");
+    return difference(recorded, *computed);
+  }
+  /// After the last one: whether there was one more to come.
+  bool has_more() { return log_.take().has_value(); }
+
+ private:
+  static constexpr Nanoseconds kNever{kLatest};
+  static constexpr std::size_t kMostSessions = 4096, kLogRoom = std::size_t{1} << 20;
+
+  std::optional<std::string> apply(const SceneEvent& event, const mcap::Reader& mcap,
+                                   const std::string& file) {
+    switch (event.kind) {
+      case EventKind::join:
+      case EventKind::parameters:
+        return ask(event);
+      case EventKind::samples:
+        sessions_.replay_samples(id_of(event.hand), event.payload, event.time);
+        return std::nullopt;
+      case EventKind::tick:
+        sessions_.tick(event.time);
+        return std::nullopt;
+      case EventKind::end:
+        sessions_.replay_end(id_of(event.hand), static_cast<SessionEnd>(event.payload[0]));
+        return std::nullopt;
+      case EventKind::reload:
+        return reload(event, mcap, file);
+      case EventKind::check:
+        sessions_.check(event.time);
+        return std::nullopt;
+      case EventKind::change:
+      case EventKind::none:
+      case EventKind::count_of_kinds:
+        break;
+    }
+    return std::string("this version does not know how to do it again");
+  }
+
+  std::optional<std::string> ask(const SceneEvent& event) {
+    std::optional<control::Message> request = control::decode(event.payload);
+    if (!request) return std::string("its request cannot be read");
+    const bool join = std::holds_alternative<control::JoinRequest>(*request);
+    if (auto* set = std::get_if<control::SetParameters>(&*request)) {
+      set->session = id_of(event.hand);
+    } else if (!join || event.kind != EventKind::join) {
+      return std::string("its request is another one");
+    }
+    const control::Message answer =
+        sessions_.answer(*request, id_of(event.hand), SessionKeys{}, event.time);
+    if (const auto* refused = std::get_if<control::Refused>(&answer))
+      return "its request was refused: " + refused->reason;
+    return std::nullopt;
+  }
+
+  std::optional<std::string> reload(const SceneEvent& event, const mcap::Reader& mcap,
+                                    const std::string& file);
+
+  static std::optional<std::string> difference(const SceneEvent& recorded,
+                                               const SceneEvent& computed) {
+    if (recorded.kind != computed.kind || recorded.hand != computed.hand ||
+        recorded.time != computed.time)
+      return std::string("a ") + name(computed.kind) + " of hand " + std::to_string(computed.hand) +
+             " came before it";
+    if (recorded.outcome != computed.outcome)
+      return std::string(computed.outcome == EventOutcome::answered
+                             ? "there is a reply now, and there was none"
+                             : "there is no reply now, and there was one");
+    if (recorded.digest != computed.digest)
+      return std::string(recorded.kind == EventKind::check ? "the moving bodies are elsewhere"
+                                                           : "the reply has other bytes");
+    if (!std::ranges::equal(recorded.payload, computed.payload))
+      return std::string("it came into force with other values");
+    return std::nullopt;
+  }
+
+  std::shared_ptr<const Scene> given_;
+  std::shared_ptr<const Scene> scene_;
+  EventLog log_{kLogRoom};
+  SceneSessions sessions_;
+};
+
+/// The scene whose files the recording has under this number; null: it has none.
+std::shared_ptr<const Scene> kept_scene(const mcap::Reader& mcap, std::uint64_t number,
+                                        const std::string& file) {
+  const std::string prefix = "scene-" + std::to_string(number);
+  KeptFiles kept;
+  for (const mcap::Metadata& metadata : mcap.metadata())
+    if (metadata.name == prefix) kept.main = value(metadata, "main");
+  for (const mcap::Attachment& attachment : mcap.attachments())
+    if (attachment.name.starts_with(prefix + '/'))
+      kept.files.emplace(attachment.name.substr(prefix.size() + 1), attachment.data);
+  if (kept.files.empty()) return nullptr;
+  try {
+    return std::make_shared<const Scene>(load_kept_scene(kept));
+  } catch (const std::exception& error) {
+    throw FileError(file + ": its scene " + prefix + ": " + error.what() +
+                    "; name the scene's file with --scene");
+  }
+}
+
+std::optional<std::string> Replayer::reload(const SceneEvent& event, const mcap::Reader& mcap,
+                                            const std::string& file) {
+  std::shared_ptr<const Scene> next =
+      given_ != nullptr ? given_ : kept_scene(mcap, event.number, file);
+  if (next == nullptr) return std::string("the reloaded scene is not in the recording");
+  sessions_.enter(*next, event.time);
+  scene_ = std::move(next);
+  return std::nullopt;
+}
+
+/// The files of a recording, one after the other.
+class Reading {
+ public:
+  Reading(const std::vector<std::filesystem::path>& files, std::shared_ptr<const Scene> given)
+      : given_(std::move(given)) {
+    result_.replayed_by = build_info("feltwire-server");
+    for (const auto& file : files) {
+      if (result_.difference || result_.lost > 0) break;
+      read(file);
+    }
+    if (replayer_ == nullptr)
+      throw FileError(files.back().string() + ": has no input log of a server; " + kRemedy);
+  }
+  Replay result() && { return std::move(result_); }
+
+ private:
+  void read(const std::filesystem::path& path) {
+    const std::string file = path.string();
+    std::ifstream in(path, std::ios::binary);
+    if (!in) throw FileError(file + ": cannot be read; check the path");
+    mcap::Reader mcap(in, file);
+    while (const auto message = mcap.next()) {
+      const mcap::Channel& channel = mcap.channels().at(message->channel);
+      if (channel.schema == 0 || mcap.schemas().at(channel.schema).name != "feltwire.Event")
+        continue;
+      const auto read = read_event(message->data);
+      if (!read || !is_possible(*read))
+        throw FileError(file + ": event " + std::to_string(message->sequence) +
+                        " of it is no feltwire.Event; " + kRemedy);
+      if (!take(event_of(*read, bytes_), mcap, file)) return;
+    }
+    result_.cut_at = mcap.cut_at();
+  }
+
+  /// False: there is no more to compute.
+  bool take(const SceneEvent& event, const mcap::Reader& mcap, const std::string& file) {
+    if (replayer_ == nullptr) begin(event, mcap, file);
+    if (event.number != next_) {
+      result_.lost = event.number - std::min(next_, event.number);
+      if (result_.lost == 0)
+        throw FileError(file + ": event " + std::to_string(event.number) + " comes after event " +
+                        std::to_string(next_ - 1) +
+                        "; give the files of one recording in their order, each once");
+      return false;
+    }
+    ++next_;
+    result_.time = seconds(event.time - first_);
+    if (auto wrong = replayer_->take(event, mcap, file)) {
+      result_.difference = {.event = event.number,
+                            .time = result_.time,
+                            .hand = event.hand,
+                            .sample = sample_of(event),
+                            .what = std::string(name(event.kind)) + ": " + *std::move(wrong)};
+      return false;
+    }
+    count(event);
+    return true;
+  }
+
+  void begin(const SceneEvent& event, const mcap::Reader& mcap, const std::string& file) {
+    if (event.number != 1)
+      throw FileError(file + ": begins with event " + std::to_string(event.number) +
+                      ", and a replay needs all from the first; give all files of the recording. "
+                      "A flight record is there to be looked at");
+    for (const mcap::Metadata& metadata : mcap.metadata()) {
+      if (metadata.name != "feltwire") continue;
+      result_.scene = value(metadata, "scene");
+      result_.recorded_by = value(metadata, "build");
+    }
+    auto scene = given_ != nullptr ? given_ : kept_scene(mcap, 0, file);
+    if (scene == nullptr)
+      throw FileError(file + ": has no scene in it; name the scene's file with --scene");
+    replayer_ = std::make_unique<Replayer>(std::move(scene), given_);
+    first_ = event.time;
+  }
+
+  void count(const SceneEvent& event) {
+    ++result_.events;
+    result_.replies += event.outcome == EventOutcome::answered ? 1 : 0;
+    result_.sessions += event.kind == EventKind::join ? 1 : 0;
+    result_.ticks += event.kind == EventKind::tick ? 1 : 0;
+  }
+
+  static std::uint64_t sample_of(const SceneEvent& event) {
+    SampleBatch batch;
+    if (event.kind != EventKind::samples || decode(event.payload, batch) != DropReason::none)
+      return 0;
+    return batch.count > 0 ? batch.samples[0].index : 0;
+  }
+
+  std::shared_ptr<const Scene> given_;
+  std::unique_ptr<Replayer> replayer_;
+  AlignedBytes bytes_;
+  Replay result_;
+  std::uint64_t next_ = 1;
+  Nanoseconds first_{0};
+};
+
+}  // namespace
+
+Replay replay(const std::vector<std::filesystem::path>& files, std::shared_ptr<const Scene> given) {
+  return Reading(files, std::move(given)).result();
+}
+
+}  // namespace feltwire

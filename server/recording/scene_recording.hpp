@@ -1,0 +1,72 @@
+#pragma once
+// The MCAP files of one scene: what decides its replies, and pictures of it (docs/recording.md).
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <set>
+#include <string>
+
+#include "core/base/appended_file.hpp"
+#include "core/base/kept_files.hpp"
+#include "core/recording/mcap_writer.hpp"
+#include "core/recording/recording_files.hpp"
+#include "server/scene/event_log.hpp"
+#include "server/scene/picture.hpp"
+
+namespace feltwire {
+
+/// Where a scene is recorded, and what the files say of the server.
+struct SceneRecordingTarget {
+  std::filesystem::path file;
+  RecordingLimits limits{};
+  std::map<std::string, std::string> about{};
+  std::string option = "--record";  // that named the file
+};
+
+/// Says whose the files are, and which version and build computed what they have.
+std::map<std::string, std::string> about_recording(const std::string& scene);
+/// Appends the feltwire.Event of it.
+void append_event(std::string& out, const SceneEvent& event);
+
+/// Puts the scene's files into an MCAP file, so that replay() can load the scene again: `number` is
+/// 0 for the first scene, else that of the reload.
+void attach_scene(mcap::Writer& writer, const KeptFiles& files, std::uint64_t number,
+                  std::uint64_t time);
+
+/// What is written waits in memory for about a second, until its chunk is full.
+class SceneRecording {
+ public:
+  /// Creates or replaces the first file. `files`: of the scene; null: nobody has kept them, and no
+  /// replay can load it. Throws std::runtime_error that names the file and the reason; so do the
+  /// others.
+  SceneRecording(SceneRecordingTarget target, const KeptFiles* files, std::int64_t offset);
+
+  /// `files`: of a reload.
+  void add(const SceneEvent& event, const KeptFiles* files = nullptr);
+  void see(const Picture& picture);
+  void flush() { part_->flush(); }
+  /// Until all is on the disk.
+  void finish();
+
+ private:
+  struct Part {
+    Part(const SceneRecordingTarget& target, int number);
+    void flush() { file.append(writer.take()); }
+    AppendedFile file;
+    mcap::Writer writer;
+    std::uint16_t events = 0, pictures = 0;  // channels
+  };
+  mcap::Writer& part_for(std::uint64_t time);
+
+  SceneRecordingTarget target_;
+  std::int64_t offset_;
+  int number_ = 1;
+  std::unique_ptr<Part> part_;
+  std::uint64_t part_start_ = 0;  // [ns]
+  PictureRate rate_;
+  std::set<std::string> shown_, gone_;  // what the last picture had
+  std::string message_;
+};
+
+}  // namespace feltwire

@@ -1,0 +1,12 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <ostream>
+
+namespace feltwire {
+
+/// Adds the subcommand `replay` (docs/recording.md), which writes to `out`. `status` becomes the
+/// exit status: 0 where all was computed again to the same bits, else 1.
+void add_replay(CLI::App& app, std::ostream& out, int& status);
+
+}  // namespace feltwire

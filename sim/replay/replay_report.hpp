@@ -1,0 +1,15 @@
+#pragma once
+// What a replay came to, for people and for programs.
+
+#include <string>
+
+#include "server/recording/replay.hpp"
+
+namespace feltwire {
+
+/// Whole lines. `took` [s]: the replay.
+std::string replay_text(const Replay& replay, double took);
+/// One JSON object; docs/recording.md explains its fields.
+std::string replay_json(const Replay& replay, double took);
+
+}  // namespace feltwire

@@ -1,0 +1,140 @@
+// The last seconds of a servo's ticks, written where something went wrong.
+
+#include "client/run/flight_record.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstdio>
+#include <fstream>
+
+#include "client/run/records.hpp"
+#include "core/recording/flight_files.hpp"
+#include "core/recording/mcap_reader.hpp"
+#include "core/recording/messages.hpp"
+#include "tests/client/temporary_folder.hpp"
+
+namespace feltwire::flight_record_test {
+namespace {
+
+using ::testing::IsEmpty;
+using ::testing::SizeIs;
+
+constexpr double kPeriod = 1e-3;  // [s]
+
+TickRecord tick(int n, std::optional<double> balance = std::nullopt) {
+  TickRecord row;
+  row.time = kPeriod * n;
+  row.clock = 1'000'000LL * n;
+  row.position.x() = n;
+  row.balance = balance;
+  return row;
+}
+
+std::vector<std::filesystem::path> files_in(const std::filesystem::path& folder) {
+  std::vector<std::filesystem::path> files;
+  for (const auto& entry : std::filesystem::directory_iterator(folder))
+    files.push_back(entry.path());
+  std::ranges::sort(files);
+  return files;
+}
+
+struct Read {
+  std::map<std::string, std::string> about;
+  std::vector<double> times;  // [s] of its samples
+};
+Read read(const std::filesystem::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  mcap::Reader reader(in, file.string());
+  Read result;
+  while (const auto message = reader.next())
+    if (reader.channels().at(message->channel).topic == "/hand/sample")
+      result.times.push_back(read_sample(message->data)->time);
+  result.about = reader.metadata().front().values;
+  return result;
+}
+
+class FlightRecordTest : public ::testing::Test {
+ protected:
+  testing::TemporaryFolder folder;
+  FlightTarget target{folder / "flights", {{"scene", "plane"}}};
+};
+
+TEST_F(FlightRecordTest, HasTheLastTenSecondsInTheirOrder) {
+  FlightRecord flight(target, kPeriod);
+  EXPECT_FALSE(flight.write("nothing has come").has_value());
+  for (int n = 0; n < 12'345; ++n) flight.add(tick(n));
+  const auto file = flight.write("the server has fallen silent");
+  ASSERT_TRUE(file.has_value());
+  const Read seen = read(*file);
+  EXPECT_EQ(seen.about.at("reason"), "the server has fallen silent");
+  EXPECT_EQ(seen.about.at("scene"), "plane");
+  ASSERT_THAT(seen.times, SizeIs(10'000));
+  EXPECT_DOUBLE_EQ(seen.times.front(), kPeriod * 2345);
+  EXPECT_DOUBLE_EQ(seen.times.back(), kPeriod * 12'344);
+  EXPECT_TRUE(std::ranges::is_sorted(seen.times));
+}
+
+/// A debt that lasts is one, and so are those within ten seconds of a file.
+TEST_F(FlightRecordTest, OverdrawnAccountIsADebtOnce) {
+  FlightRecord flight(target, kPeriod);
+  flight.add(tick(0));
+  flight.add(tick(1, 0.0));
+  flight.add(tick(2, 1e-3));
+  EXPECT_FALSE(flight.debt());
+  flight.add(tick(3, -1e-9));
+  EXPECT_TRUE(flight.debt());
+  flight.write("debt");
+  for (int n = 4; n < 9000; ++n) flight.add(tick(n, n % 2 == 0 ? -1.0 : 1.0));
+  EXPECT_FALSE(flight.debt());
+  flight.add(tick(10'003, 1.0));
+  flight.add(tick(10'004, -1.0));
+  EXPECT_TRUE(flight.debt());
+}
+
+TEST_F(FlightRecordTest, RecordsWriteADebtAndAnError) {
+  std::FILE* said = std::tmpfile();
+  Records records({.flight = target, .servo_period = kPeriod}, said);
+  ASSERT_NE(records.rows(), nullptr);
+  for (int n = 0; n < 100; ++n) records.rows()->push(tick(n, 1.0));
+  records.write();
+  EXPECT_THAT(files_in(target.folder), IsEmpty());
+  records.rows()->push(tick(100, -1.0));
+  records.write();
+  ASSERT_THAT(files_in(target.folder), SizeIs(1));
+  EXPECT_THAT(read(files_in(target.folder).front()).times, SizeIs(101));
+  records.rows()->push(tick(200, 1.0));
+  records.finish();
+  const auto file = records.write_flight_record("the servo loop broke off");
+  ASSERT_TRUE(file.has_value());
+  EXPECT_THAT(read(*file).times, SizeIs(102));
+  EXPECT_FALSE(records.failed());
+  EXPECT_GT(std::ftell(said), 0);
+  std::fclose(said);
+}
+
+/// Each tick is in both.
+TEST_F(FlightRecordTest, RecordingGoesOnBesideIt) {
+  const auto recording = folder / "hand.mcap";
+  Records records(
+      {.recording = RecordingTarget{.file = recording}, .flight = target, .servo_period = kPeriod});
+  for (int n = 0; n < 500; ++n) {
+    records.rows()->push(tick(n));
+    if (n % 50 == 0) records.write();
+  }
+  records.finish();
+  EXPECT_THAT(read(recording).times, SizeIs(500));
+  EXPECT_THAT(read(*records.write_flight_record("asked")).times, SizeIs(500));
+}
+
+TEST_F(FlightRecordTest, OldestFilesAreRemoved) {
+  FlightRecord flight(target, kPeriod);
+  for (int n = 0; n < static_cast<int>(kMostFlightFiles) + 5; ++n) {
+    flight.add(tick(n));
+    flight.write("asked");
+  }
+  EXPECT_THAT(files_in(target.folder), SizeIs(kMostFlightFiles));
+}
+
+}  // namespace
+}  // namespace feltwire::flight_record_test

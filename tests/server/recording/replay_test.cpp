@@ -1,0 +1,283 @@
+// A recorded scene is computed again to the same bits; whatever was changed in the file is found.
+
+#include "server/recording/replay.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/base/file_error.hpp"
+#include "core/base/splitmix.hpp"
+#include "tests/server/recording/recorded_scene.hpp"
+
+namespace feltwire::replay_test {
+namespace {
+
+using test::RecordedScene;
+using test::repository_scene;
+using ::testing::HasSubstr;
+
+constexpr std::uint64_t kA = 0x100, kB = 0x200, kC = 0x300;
+constexpr auto kSamples = static_cast<std::uint64_t>(EventKind::samples);
+
+control::JoinRequest observer() {
+  control::JoinRequest request = test::join_request();
+  request.role = Role::observer;
+  return request;
+}
+
+/// Hands come, change, see a reload, and go.
+void live(RecordedScene& scene, const std::filesystem::path& reloaded) {
+  SceneSessions& sessions = scene.exchange.sessions;
+  SessionParameters parameters = test::server_bounds();
+  parameters.force_deadband = 0.1;
+  scene.join(kA, test::join_request(parameters));
+  scene.run(150);
+  scene.join(kB);
+  scene.join(kC, observer());
+  scene.run(150);
+  parameters.velocity_cutoff = 50.0;
+  ASSERT_TRUE(std::holds_alternative<control::ParametersSet>(
+      sessions.answer(control::SetParameters{kA, parameters}, 0, {}, scene.exchange.now)));
+  scene.run(150);
+  static std::vector<std::unique_ptr<Scene>> entered;  // outlive the sessions
+  entered.push_back(std::make_unique<Scene>(load_scene_and_keep(reloaded)));
+  sessions.enter(*entered.back(), scene.exchange.now);
+  scene.run(100);
+  sessions.evict(kB);
+  std::erase(scene.ids, kB);
+  scene.run(50);
+}
+
+class RecordedIn : public ::testing::TestWithParam<const char*> {};
+
+TEST_P(RecordedIn, IsBitEqual) {
+  RecordedScene scene(repository_scene(GetParam()));
+  live(scene, repository_scene(GetParam()));
+  const SceneCounters counters = scene.exchange.sessions.counters();
+  const Replay result = replay({scene.finish()});
+  ASSERT_TRUE(result.bit_equal()) << result.difference->what << " at event "
+                                  << result.difference->event;
+  EXPECT_EQ(result.scene, scene.exchange.scene.name());
+  EXPECT_EQ(result.replies, counters.samples.replies);
+  EXPECT_GT(counters.samples.withheld, 0u);
+  EXPECT_EQ(result.sessions, 3u);
+  EXPECT_EQ(result.recorded_by, result.replayed_by);
+  EXPECT_EQ(result.ticks > 0, scene.exchange.sessions.world() != nullptr);
+  EXPECT_FALSE(result.cut_at.has_value());
+}
+
+INSTANTIATE_TEST_SUITE_P(Replay, RecordedIn,
+                         ::testing::Values("plane.json", "room.json", "bunny.json", "guided.json",
+                                           "workshop.json"));
+
+class ReplayTest : public ::testing::Test {
+ protected:
+  RecordedScene scene{repository_scene("room.json")};
+  std::filesystem::path record() {
+    scene.join(kA);
+    scene.join(kB);
+    scene.run(300);
+    return scene.finish();
+  }
+};
+
+TEST_F(ReplayTest, ChangedDigestIsFoundWhereItIs) {
+  const auto file = record();
+  std::uint64_t changed = 0;
+  test::rewrite(file, [&](RecordedEvent& event, std::string&) {
+    if (changed == 0 && event.kind == kSamples && event.number > 200) {
+      event.digest ^= 1;
+      changed = event.number;
+    }
+    return true;
+  });
+  const Replay result = replay({file});
+  ASSERT_TRUE(result.difference.has_value());
+  EXPECT_FALSE(result.bit_equal());
+  EXPECT_EQ(result.difference->event, changed);
+  EXPECT_GT(result.difference->hand, 0u);
+  EXPECT_GT(result.difference->sample, 0u);
+  EXPECT_GT(result.difference->time, 0.0);
+  EXPECT_THAT(result.difference->what, HasSubstr("the reply has other bytes"));
+}
+
+/// One bit of a hand's place.
+TEST_F(ReplayTest, ChangedSampleIsFound) {
+  const auto file = record();
+  std::uint64_t seen = 0;
+  test::rewrite(file, [&](RecordedEvent& event, std::string& payload) {
+    if (event.kind != kSamples || ++seen != 100) return true;
+    Encoder encoder;
+    SampleBatch batch;
+    std::vector<std::uint64_t> aligned(payload.size() / 8 + 1);
+    std::memcpy(aligned.data(), payload.data(), payload.size());
+    const Bytes bytes{reinterpret_cast<const std::uint8_t*>(aligned.data()), payload.size()};
+    EXPECT_EQ(decode(bytes, batch), DropReason::none);
+    batch.samples[0].client_time += Nanoseconds(1);
+    const Bytes other = encoder.samples(batch);
+    payload.assign(other.begin(), other.end());
+    return true;
+  });
+  EXPECT_TRUE(replay({file}).difference.has_value());
+}
+
+TEST_F(ReplayTest, ChangedSceneIsFound) {
+  const auto file = record();
+  EXPECT_TRUE(
+      replay({file}, std::make_shared<const Scene>(load_scene(repository_scene("room.json"))))
+          .bit_equal());
+  std::ifstream in(repository_scene("room.json"));
+  std::ostringstream text;
+  text << in.rdbuf();
+  std::string changed = text.str();
+  const auto at = changed.find("\"stiffness\": 900,");  // of the table, where the hands are
+  ASSERT_NE(at, std::string::npos);
+  changed.replace(at, std::string_view("\"stiffness\": 900,").size(), "\"stiffness\": 901,");
+  const auto other =
+      std::make_shared<const Scene>(parse_scene(changed, repository_scene("room.json").string()));
+  EXPECT_FALSE(replay({file}, other).bit_equal());
+}
+
+TEST_F(ReplayTest, CutFileIsReplayedUpToTheCut) {
+  scene.join(kA);
+  scene.run(4000);
+  const auto file = scene.finish();
+  const Replay whole = replay({file});
+  const auto size = std::filesystem::file_size(file);
+  std::filesystem::resize_file(file, size * 6 / 10);
+  const Replay cut = replay({file});
+  EXPECT_TRUE(cut.cut_at.has_value());
+  EXPECT_FALSE(cut.difference.has_value());
+  EXPECT_TRUE(cut.bit_equal());
+  EXPECT_LT(cut.events, whole.events);
+  EXPECT_GT(cut.events, whole.events / 4);
+}
+
+TEST_F(ReplayTest, MissingEventIsSaid) {
+  const auto file = record();
+  test::rewrite(file, [](RecordedEvent& event, std::string&) { return event.number != 100; });
+  const Replay result = replay({file});
+  EXPECT_EQ(result.lost, 1u);
+  EXPECT_EQ(result.events, 99u);
+  EXPECT_FALSE(result.bit_equal());
+}
+
+/// A hand at the server's side is answered all the same.
+TEST(Replay, FullLogIsCountedAndMarkedInTheFile) {
+  RecordedScene scene(repository_scene("plane.json"), 1 << 12);
+  scene.join(kA);
+  scene.run(20);
+  for (int n = 0; n < 100; ++n) {  // nobody takes events
+    scene.exchange.now += std::chrono::milliseconds(1);
+    EXPECT_FALSE(scene.exchange.send(kA, test::hand(1), false).empty());
+  }
+  EXPECT_GT(scene.log.lost(), 0u);
+  scene.run(20);
+  const Replay result = replay({scene.finish()});
+  EXPECT_EQ(result.lost, scene.log.lost());
+  EXPECT_FALSE(result.bit_equal());
+}
+
+TEST(Replay, PartsGoTogetherInTheirOrder) {
+  RecordedScene scene(repository_scene("plane.json"), 1 << 20, {.seconds = 0.1});
+  scene.join(kA);
+  scene.run(250);
+  scene.finish();
+  const auto part = [&](int n) { return numbered(scene.file, {.seconds = 1.0}, n); };
+  EXPECT_TRUE(replay({part(1), part(2), part(3)}).bit_equal());
+  EXPECT_TRUE(replay({part(1)}).bit_equal());
+  EXPECT_GT(replay({part(1), part(3)}).lost, 0u);
+  const auto refusal = [](const std::vector<std::filesystem::path>& files) {
+    try {
+      replay(files);
+    } catch (const FileError& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  EXPECT_THAT(refusal({part(2)}), HasSubstr("give all files of the recording"));
+  EXPECT_THAT(refusal({part(1), part(1)}), HasSubstr("each once"));
+}
+
+/// Not even the keys of a session, of which the server has no longer-lived copy.
+TEST_F(ReplayTest, KeysAreNotInTheFile) {
+  const auto file = record();
+  std::ifstream in(file, std::ios::binary);
+  mcap::Reader reader(in, file.string());
+  std::string all;
+  while (const auto message = reader.next()) all += message->data;
+  for (const auto& attachment : reader.attachments()) all += attachment.data;
+  ASSERT_THAT(all, HasSubstr("tester"));  // the client's name
+  for (const std::uint64_t id : {kA, kB}) {
+    const SessionKeys keys = test::keys(id);
+    for (const Key* key : {&keys.up, &keys.down})
+      EXPECT_EQ(all.find(std::string(key->begin(), key->begin() + 8)), std::string::npos);
+  }
+}
+
+/// Numbers that no server writes: a replay says so, or finds a difference.
+TEST_F(ReplayTest, HostileEventsHarmNothing) {
+  const auto file = record();
+  const auto original = file.string() + ".original";
+  std::filesystem::copy_file(file, original);
+  int refused = 0, different = 0;
+  for (std::uint64_t seed = 0; seed < 60; ++seed) {
+    std::filesystem::copy_file(original, file, std::filesystem::copy_options::overwrite_existing);
+    const std::uint64_t at = 1 + splitmix::draw(seed, 0) % 40;
+    const std::uint64_t value = splitmix::draw(seed, 1) >> (splitmix::draw(seed, 2) % 64);
+    test::rewrite(file, [&](RecordedEvent& event, std::string& payload) {
+      if (event.number != at) return true;
+      switch (seed % 6) {
+        case 0:
+          event.kind = value % 16;
+          break;
+        case 1:
+          event.time = value;
+          break;
+        case 2:
+          event.hand = value;
+          break;
+        case 3:
+          event.outcome = value % 8;
+          break;
+        case 4:
+          for (char& byte : payload) byte = static_cast<char>(byte ^ static_cast<char>(value));
+          break;
+        default:
+          payload.resize(value % 100);
+          break;
+      }
+      return true;
+    });
+    try {
+      different += replay({file}).bit_equal() ? 0 : 1;
+    } catch (const FileError&) {
+      ++refused;
+    }
+  }
+  EXPECT_GT(refused, 0);
+  EXPECT_GT(different, 20);
+}
+
+TEST(Replay, FilesWithoutAnInputLogAreRefused) {
+  const testing::TemporaryFolder folder;
+  const auto file = folder / "no.mcap";
+  mcap::Writer writer;
+  writer.finish();
+  std::ofstream(file, std::ios::binary) << writer.take();
+  EXPECT_THROW(replay({file}), FileError);
+  EXPECT_THROW(replay({folder / "missing.mcap"}), FileError);
+}
+
+/// The scene's thread needs no memory to tell the recorder.
+TEST(Replay, RecordingAllocatesNothingOnTheServoPath) {
+  RecordedScene scene(repository_scene("room.json"));
+  scene.join(kA);
+  scene.run(100);
+  scene.exchange.allocated = 0;
+  scene.run(100);
+  EXPECT_EQ(scene.exchange.allocated, 0u);
+}
+
+}  // namespace
+}  // namespace feltwire::replay_test
