@@ -1,7 +1,8 @@
 #!/usr/bin/env node
 // Makes a picture of the live page in headless Chromium, once hands are on it:
 //   scripts/page-picture.mjs URL FILE.png [HANDS [SECONDS]]
-// waits until HANDS (default 1) are shown, for half a minute at most, and SECONDS (default 3) more, for the plots. It speaks to
+// waits until HANDS (default 1) are shown, for half a minute at most, and SECONDS (default 3) more, for the plots. It prints how
+// long the page took from its request to the first picture that was drawn. It speaks to
 // Chromium by a pipe (the DevTools protocol) and needs no package of npm.
 
 import {spawn} from 'node:child_process';
@@ -62,6 +63,8 @@ try {
     if (browser.exitCode !== null) throw new Error('Chromium ended');
   }
   await pause(1000 * Number(seconds));
+  const first = await ask('Runtime.evaluate', {expression: 'window.feltwire().firstPicture'}, sessionId);
+  console.log(`first picture: ${Math.round(first.result.value)} ms after the page was asked for`);
   const {data} = await ask('Page.captureScreenshot', {format: 'png'}, sessionId);
   writeFileSync(file, Buffer.from(data, 'base64'));
 } catch (error) {

@@ -84,6 +84,7 @@ void SceneSessions::draw(Picture& picture, Nanoseconds now) const {
       hand.held = session.newest().held.force();
       hand.delivered = session.delivered().total();
       hand.burned = session.burned();
+      if (picture.hands.size() < kMostPictureSurfaces) hand.surfaces = session.surfaces();
     }
     picture.hands.push_back(hand);
   }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/base/types.hpp"
+#include "core/local_model/local_model.hpp"
 #include "protocol/wire/datagram.hpp"
 
 namespace feltwire {
@@ -35,6 +36,9 @@ const char* text(HandState state) noexcept;
 /// Whether it keeps something of the force from the hand.
 bool takes_off(HandState state) noexcept;
 
+/// Hands of one picture whose surfaces are looked up. More hands have none in it.
+inline constexpr std::size_t kMostPictureSurfaces = 16;
+
 /// One hand. World frame; forces act on the hand.
 struct PictureHand {
   std::uint32_t number = 0;          // from 1 in the order they joined, never used again
@@ -50,6 +54,7 @@ struct PictureHand {
   double burned = 0.0;               // [J] by the device so far, at least
   std::uint64_t samples = 0;         // taken so far
   std::uint64_t missed = 0;          // lost on the way so far
+  LocalModel surfaces;               // near the tool, as its client is told them; of reach 0: none
 };
 
 struct PictureBody {

@@ -214,6 +214,10 @@ LocalModel Session::model() const noexcept {
              : local_model(*view_, last_.pose.position, contacts_);
 }
 
+LocalModel Session::surfaces() const noexcept {
+  return parameters_.local_model && !observes_ ? model() : LocalModel{};
+}
+
 Command Session::touch(const Pose& device, const Tool& tool, double elapsed) noexcept {
   if (observes_) return {};
   if (view_->tool().body)

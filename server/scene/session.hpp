@@ -117,6 +117,10 @@ class Session {
   /// sample. Precondition: there is one.
   ProxyPlace proxy() const noexcept;
 
+  /// The surfaces near the tool at the newest sample, as its client is told them. Of reach 0 where
+  /// the session has no local model. Precondition: there is a sample.
+  LocalModel surfaces() const noexcept;
+
   /// [J] that the device burned so far, at least.
   double burned() const { return observer_.burned(); }
   /// At the real port, from the held forces that the client reported. An estimate: of samples that

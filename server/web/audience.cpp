@@ -192,7 +192,11 @@ void Audience::show(Stage& stage, Nanoseconds now) {
   const bool news = stage.host->pictures().take(stage.picture);
   if (news && stage.picture.version == stage.version) {
     const Bytes shown = picture(stage.picture, stage.rates, begin_);
-    for (Seat* seat : ready) seat->viewer->send(shown);
+    const Bytes near = surfaces(stage.picture);
+    for (Seat* seat : ready) {
+      seat->viewer->send(shown);
+      if (!near.empty()) seat->viewer->send(near);
+    }
     counters_.pictures += ready.size();
   }
   if (now - stage.described < kBetweenDescriptions || stage.describing) return;

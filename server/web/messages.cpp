@@ -12,7 +12,9 @@
 #include "core/base/little_endian.hpp"
 #include "core/build_info/build_info.hpp"
 #include "core/grid/isosurface.hpp"
+#include "core/local_model/local_model.hpp"
 #include "core/mesh/mesh_surface.hpp"
+#include "core/tool/body_tool.hpp"
 #include "server/access/json_text.hpp"
 
 namespace feltwire::web {
@@ -26,7 +28,7 @@ constexpr int kGridSteps = 64;      // along a grid's longest side
 constexpr double kPlaneView = 0.2;  // [m] of a plane that is worth looking at, about its point
 
 // The first byte of a binary message.
-enum class Kind : std::uint8_t { geometry = 1, picture = 2 };
+enum class Kind : std::uint8_t { geometry = 1, picture = 2, surfaces = 3 };
 
 /// JSON has no word for what is not finite.
 std::string number(double value) {
@@ -138,6 +140,20 @@ std::string guide_text(const Guide& guide) {
                             {"points", json_text::list(places)}});
 }
 
+/// A tool with a body has points all over it; a part of them is enough to draw it.
+std::string tool_text(const HandTool& tool) {
+  constexpr std::size_t kMostPoints = 400;
+  std::vector<std::string> points;
+  if (tool.body) {
+    const std::vector<Vec3>& shell = tool.body->shell().points;
+    const std::size_t step = (shell.size() + kMostPoints - 1) / kMostPoints;
+    for (std::size_t i = 0; i < shell.size(); i += step) points.push_back(vector(shell[i]));
+  }
+  return json_text::object({{"name", text(tool.name)},
+                            {"radius", number(tool.radius)},
+                            {"points", json_text::list(points)}});
+}
+
 /// Whether it keeps something of the force from the hand.
 bool takes_off(HandReason reason) {
   return reason != HandReason::near && reason != HandReason::late;
@@ -174,7 +190,7 @@ std::string hello(std::span<const std::string> scenes, Role role) {
 std::string scene_text(const Scene& scene, std::uint32_t version) {
   const std::vector<Object>& objects = scene.objects();
   const std::size_t still = scene.views().front().still();
-  std::vector<std::string> entries, guides;
+  std::vector<std::string> entries, guides, tools;
   Box box;
   box.add(scene.start().position);
   for (std::size_t i = 0; i < objects.size(); ++i) {
@@ -191,11 +207,13 @@ std::string scene_text(const Scene& scene, std::uint32_t version) {
     }
   }
   for (const Guide& guide : scene.guides()) guides.push_back(guide_text(guide));
+  for (const ToolView& view : scene.views()) tools.push_back(tool_text(view.tool()));
   return json_text::object({{"type", text("scene")},
                             {"name", text(scene.name())},
                             {"version", number(std::uint64_t{version})},
                             {"objects", json_text::list(entries)},
                             {"guides", json_text::list(guides)},
+                            {"tools", json_text::list(tools)},
                             {"box", "[" + vector(box.low) + "," + vector(box.high) + "]"}});
 }
 
@@ -250,6 +268,28 @@ Bytes picture(const Picture& picture, std::span<const HandRates> rates, Nanoseco
     writer.put(body.object);
     writer.put(body.pose.position);
     writer.put(body.pose.orientation);
+  }
+  return writer.take();
+}
+
+Bytes surfaces(const Picture& picture) {
+  constexpr std::size_t kHead = 12, kPatch = 60;
+  std::size_t count = 0;
+  for (const PictureHand& hand : picture.hands) count += hand.surfaces.view().size();
+  if (count == 0) return {};
+  Writer writer(Kind::surfaces, kHead + kPatch * count);
+  writer.put(picture.version);
+  writer.put(static_cast<std::uint32_t>(count));
+  for (const PictureHand& hand : picture.hands) {
+    for (const SurfacePatch& patch : hand.surfaces.view()) {
+      writer.put(hand.number);
+      writer.put((patch.touching ? 1u : 0u) | (patch.slipping ? 2u : 0u));
+      for (const Vec3* v : {&patch.point, &patch.normal, &patch.axis}) writer.put(*v);
+      writer.put(patch.curvature);
+      writer.put(patch.radius);
+      writer.put(hand.surfaces.reach);
+      writer.put(patch.offset);
+    }
   }
   return writer.take();
 }

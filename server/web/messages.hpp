@@ -34,6 +34,9 @@ struct HandRates {
 /// the page's clock.
 Bytes picture(const Picture& picture, std::span<const HandRates> rates, Nanoseconds begin);
 
+/// The surfaces near the hands, of those that have a local model. Empty where none has.
+Bytes surfaces(const Picture& picture);
+
 /// `time` [s] of the page's clock.
 std::string sessions(std::span<const HandDescription> hands, const Picture& picture,
                      std::span<const HandRates> rates, double time);

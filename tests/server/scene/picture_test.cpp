@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <thread>
 
 #include "core/scene/mechanism.hpp"
@@ -73,6 +74,25 @@ TEST(Picture, ShowsTheProxyAndWhatTheSceneAsksFor) {
   hand = stage.hand();
   EXPECT_NEAR(hand.delivered, 0.002, 1e-9);
   EXPECT_GT(hand.burned, 0.0);
+}
+
+/// What its client is told, and only where it renders such a model.
+TEST(Picture, HasTheSurfacesOfALocalModel) {
+  SessionParameters parameters;
+  for (const bool modelled : {true, false}) {
+    parameters.local_model = modelled;
+    Stage stage(test::room(0.0));
+    stage.join(kAnna, Role::operator_, parameters);
+    EXPECT_EQ(stage.hand().surfaces.count, 0);  // before its first sample
+    stage.put({-0.05, 0, 0.001});
+    const LocalModel surfaces = stage.hand().surfaces;
+    const auto floor =
+        std::ranges::find(surfaces.view(), Vec3(Vec3::UnitZ()), &SurfacePatch::normal);
+    ASSERT_EQ(floor != surfaces.view().end(), modelled);
+    if (!modelled) continue;
+    EXPECT_NEAR((floor->point - Vec3(-0.05, 0, 0)).norm(), 0.0, 1e-12);
+    EXPECT_GT(surfaces.reach, 0.0);
+  }
 }
 
 /// In the ball and the floor at once: the proxy is out of both.

@@ -9,6 +9,7 @@
 #include <cstring>
 #include <nlohmann/json.hpp>
 
+#include "core/tool/body_tool.hpp"
 #include "tests/server/make.hpp"
 
 namespace feltwire::web::messages_test {
@@ -140,6 +141,69 @@ TEST(Messages, APictureHasHandsAndBodies) {
   EXPECT_EQ(reader.vector(), Vec3(1, 1, 2));
   EXPECT_EQ(reader.number(), 1.0);
   EXPECT_EQ(reader.at + 12, bytes.size());
+}
+
+TEST(Messages, ASceneHasItsTools) {
+  Scene scene("room", test::room().objects(), {}, {});
+  scene.set_tools({{.radius = 0.004, .body = nullptr, .name = "ball"},
+                   {.radius = 0.0, .body = nullptr, .name = "tip"}});
+  Json tools = Json::parse(scene_text(scene, 1))["tools"];
+  ASSERT_EQ(tools.size(), 2u);
+  EXPECT_EQ(tools[0]["name"], "ball");
+  EXPECT_EQ(tools[0]["radius"], 0.004);
+  EXPECT_EQ(tools[1]["radius"], 0.0);
+  EXPECT_TRUE(tools[1]["points"].empty());
+
+  // A cube of 20 mm, of whose 3000 points some are told.
+  constexpr double kHalf = 0.01;
+  const TriangleSoup cube = Box{Vec3::Constant(kHalf)}.triangles(1);
+  scene.set_tool(
+      {.body = std::make_shared<BodyTool>(point_shell(cube, 3000), ToolCoupling{}, 0.0)});
+  tools = Json::parse(scene_text(scene, 2))["tools"];
+  ASSERT_EQ(tools.size(), 1u);
+  ASSERT_GT(tools[0]["points"].size(), 300u);
+  EXPECT_LE(tools[0]["points"].size(), 400u);
+  for (const Json& point : tools[0]["points"]) {
+    const Vec3 place(point[0].get<double>(), point[1].get<double>(), point[2].get<double>());
+    EXPECT_NEAR(place.cwiseAbs().maxCoeff(), kHalf, 1e-9);
+  }
+}
+
+TEST(Messages, SurfacesAreThoseOfEachHand) {
+  Picture picture;
+  picture.version = 3;
+  picture.hands.resize(3);
+  EXPECT_TRUE(surfaces(picture).empty());
+  picture.hands[1].number = 5;
+  LocalModel& model = picture.hands[1].surfaces;
+  model.reach = 0.5;
+  model.count = 2;
+  SurfacePatch& patch = model.patches[0];
+  patch.point = {1, 2, 3};
+  patch.normal = {0, 1, 0};
+  patch.axis = {1, 0, 0};
+  patch.curvature = 4.0;
+  patch.radius = 0.25;
+  patch.offset = 0.125;
+  model.patches[1].touching = model.patches[1].slipping = true;
+  const Bytes bytes = surfaces(picture);
+
+  Reader reader{bytes};
+  EXPECT_EQ(reader.whole(), 3u);  // the kind
+  EXPECT_EQ(reader.whole(), 3u);
+  EXPECT_EQ(reader.whole(), 2u);
+  EXPECT_EQ(reader.whole(), 5u);
+  EXPECT_EQ(reader.whole(), 0u);
+  EXPECT_EQ(reader.vector(), Vec3(1, 2, 3));
+  EXPECT_EQ(reader.vector(), Vec3(0, 1, 0));
+  EXPECT_EQ(reader.vector(), Vec3(1, 0, 0));
+  EXPECT_EQ(reader.number(), 4.0);
+  EXPECT_EQ(reader.number(), 0.25);
+  EXPECT_EQ(reader.number(), 0.5);
+  EXPECT_EQ(reader.number(), 0.125);
+  EXPECT_EQ(reader.whole(), 5u);
+  EXPECT_EQ(reader.whole(), 3u);
+  EXPECT_EQ(bytes.size(), 12u + 2u * 60u);
 }
 
 TEST(Messages, SessionsSayWhatTheyAskedFor) {

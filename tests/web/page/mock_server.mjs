@@ -115,8 +115,11 @@ export async function startServer({folder, port = 0, hands = 2, bodies = 1, toke
   });
 
   const pictures = setInterval(() => {
-    const picture = play.picture();
-    for (const viewer of viewers) viewer.binary(picture);
+    const [picture, surfaces] = [play.picture(), play.surfaces()];
+    for (const viewer of viewers) {
+      viewer.binary(picture);
+      if (play.modelled) viewer.binary(surfaces);
+    }
   }, 1000 / 60);
   const tables = setInterval(() => {
     for (const viewer of viewers) viewer.json(play.sessions());

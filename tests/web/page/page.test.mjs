@@ -113,6 +113,17 @@ test('arrows move and are seen', async () => {
   assert.ok(long > 1.3 * short, `${long} pixels after ${short}`);
 });
 
+test('tools and local models are drawn', async () => {
+  await open();
+  await until(() => window.feltwire().toolBalls === 1 && window.feltwire().toolPoints === 60 && window.feltwire().surfaces === 1);
+  await press('s');
+  await until(() => window.feltwire().surfaces === 0);
+  await press('s');
+  await until(() => window.feltwire().surfaces === 1);
+  server.play.modelled = false;
+  await until(() => window.feltwire().surfaces === 0);
+});
+
 test('choosing a hand changes plots, strip and table', async () => {
   await open();
   await until(() => window.feltwire().plotted.points > 5 && document.querySelector('tbody tr'));
@@ -195,9 +206,9 @@ test('hostile bytes are ignored', async () => {
   const wild = Buffer.alloc(24);
   wild.writeUInt32LE(2, 0);
   wild.writeUInt32LE(0xffffffff, 4);
-  for (const bytes of [cut, wild, Buffer.alloc(0), Buffer.from([1, 0, 0, 0]), Buffer.from([77, 1])]) server.send(bytes);
+  for (const bytes of [cut, wild, Buffer.alloc(0), Buffer.from([1, 0, 0, 0]), Buffer.from([77, 1]), Buffer.from([3, 0, 0, 0, 1, 0, 0, 0, 255, 255, 255, 255])]) server.send(bytes);
   server.log('info', '<img src=x>');
-  await until(() => window.feltwire().unread === 2);
+  await until(() => window.feltwire().unread === 3);
   assert.equal(await page.locator('#log img').count(), 0);
   const {pictures} = await state();
   await until((before) => window.feltwire().pictures > before + 3, pictures);
@@ -227,11 +238,10 @@ test('the camera turns by keys and by mouse, and panels can be resized', async (
   await hold();
   const first = (await state()).places[0];
   const moved = ([x, y]) => Math.hypot(window.feltwire().places[0].x - x, window.feltwire().places[0].y - y) > 5;
-  await press('ArrowLeft');
-  await press('ArrowUp');
+  for (const key of ['ArrowLeft', 'ArrowLeft', 'ArrowLeft', 'ArrowLeft', 'ArrowUp']) await press(key);  // A hand may be near the axis.
   await until(moved, [first.x, first.y]);
   const second = (await state()).places[0];
-  const name = await page.locator('#labels div', {hasText: 'alice'}).boundingBox();  // A label does not stop the drag.
+  const name = await page.locator('#labels div', {hasText: 'bob'}).boundingBox();  // A label does not stop the drag. This one is beside the legend.
   await page.mouse.move(name.x + 5, name.y + 5);
   await page.mouse.down();
   await page.mouse.move(name.x + 65, name.y + 25, {steps: 3});

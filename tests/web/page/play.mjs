@@ -45,6 +45,7 @@ export class Play {
     this.bodies = bodies;
     this.version = 1;
     this.still = false;  // whether no hand touches anything
+    this.modelled = true;  // whether clients have local models
     this.began = process.hrtime.bigint();
     this.energy = Array.from({length: hands}, () => ({delivered: 0, burned: 0, force: 0, depth: 0}));
     const ball = ballShape(RADIUS);
@@ -67,13 +68,17 @@ export class Play {
     }
     return {
       type: 'scene', name, version: this.version, objects, box: [[-0.1, -0.08, 0], [0.1, 0.08, 0.1]],
+      tools: [
+        {name: 'tip', radius: 0.004, points: []},
+        {name: 'peg', radius: 0, points: Array.from({length: 60}, (_, i) => [0.004 * Math.cos(i), 0.004 * Math.sin(i), 0.0005 * i])},
+      ],
       guides: [{name: 'rail', kind: 'line', points: [[-0.09, -0.06, 0.03], [0.09, -0.06, 0.03]], radius: 0.004}],
     };
   }
 
   sessions() {
     const sessions = Array.from({length: this.hands}, (_, i) => ({
-      number: i + 1, client: ['alice', 'bob', 'carol', 'dave'][i] ?? `guest${i}`, device: i === 1 ? 'simulated' : 'falcon', mode: 'shaped', side: 'client', rate_hz: 1000,
+      number: i + 1, tool: i === 1 ? 'peg' : 'tip', client: ['alice', 'bob', 'carol', 'dave'][i] ?? `guest${i}`, device: i === 1 ? 'simulated' : 'falcon', mode: 'shaped', side: 'client', rate_hz: 1000,
       packet_hz: 500, round_trip_ms: i === 3 ? null : 3.1 + i, loss: i === 1 ? 0.013 : 0, delivered_j: this.energy[i].delivered,
       samples: Math.floor(1000 * (this.time - 100)), seconds: this.time - 100,
     }));
@@ -94,6 +99,23 @@ export class Play {
       const place = i === 0 ? this.#ball(time) : [0.09 * Math.cos(i * 2.4), 0.07 * Math.sin(i * 1.7), 0.006 + 0.09 * ((i * 0.618) % 1) + 0.004 * Math.sin(angle)];
       [...place, Math.cos(angle / 2), 0, 0, Math.sin(angle / 2)].forEach((value, j) => buffer.writeFloatLE(value, at + 4 + 4 * j));
     }
+    return buffer;
+  }
+
+  /** @returns {Buffer} a message of kind 3: a flat piece under each hand that is on the floor */
+  surfaces() {
+    const [picture, patches] = [this.picture(), []];
+    for (let i = 0; i < this.hands; i += 2) {
+      const proxy = 24 + 112 * i + 36;
+      patches.push([i + 1, picture.readFloatLE(proxy), picture.readFloatLE(proxy + 4)]);
+    }
+    const buffer = Buffer.alloc(12 + 60 * patches.length);
+    [3, this.version, patches.length].forEach((word, i) => buffer.writeUInt32LE(word, 4 * i));
+    patches.forEach(([hand, x, y], k) => {
+      buffer.writeUInt32LE(hand, 12 + 60 * k);
+      buffer.writeUInt32LE(1, 16 + 60 * k);
+      [x, y, 0, 0, 0, 1, 0, 0, 0, 0, 0.02, 0.05, 0].forEach((value, j) => buffer.writeFloatLE(value, 20 + 60 * k + 4 * j));
+    });
     return buffer;
   }
 

@@ -6,6 +6,7 @@ import {after, afterEach, before, beforeEach, test} from 'node:test';
 import {join} from 'node:path';
 import {pathToFileURL} from 'node:url';
 import {chromium} from 'playwright-core';
+import {growRecording} from './grow_recording.mjs';
 import {startServer, TOKEN} from './mock_server.mjs';
 
 const page_folder = process.env.FELTWIRE_PAGE;
@@ -246,6 +247,36 @@ test('two recordings share the bar, side by side', async () => {
   await page.locator('[data-part="close"]').first().click();
   await until(() => window.feltwire().replay.stages.length === 1 && window.feltwire().replay.stages[0].name === 'taps.mcap');
   assert.equal((await state()).stages[0].offset, 0);
+});
+
+test('of a large file only the parts that are shown are read at first', async () => {
+  const path = join(recordings, 'long.mcap');
+  await growRecording(join(recordings, 'slide.mcap'), path, 48);
+  await page.addInitScript(() => {
+    const {slice} = Blob.prototype;
+    window.bytesRead = 0;
+    Blob.prototype.slice = function counted(from, to) {
+      const part = slice.call(this, from, to);
+      window.bytesRead += part.size;
+      return part;
+    };
+    new MutationObserver((changes, watcher) => {  // The first words on the hand.
+      if (!/The scene asks|It moves freely/.test(document.querySelector('[data-part="sentence"]')?.textContent)) return;
+      window.bytesAtFirst = window.bytesRead;
+      watcher.disconnect();
+    }).observe(document, {subtree: true, childList: true, characterData: true});
+  });
+  await page.goto(`${server.url}replay`);
+  await page.setInputFiles('#recording-files', path);
+  await until(() => window.bytesAtFirst > 0);
+  const first = await page.evaluate(() => window.bytesAtFirst);
+  assert.ok(first < 8 * 2 ** 20, `${first} bytes`);
+  await settled(1);  // All of it, in the end.
+  assert.ok(await page.evaluate(() => window.bytesRead) > 48 * 2 ** 20);
+  const {duration, kept} = (await state()).stages[0];
+  assert.ok(duration > 60 && kept <= 96 * 2 ** 20, `${duration} s, ${kept} bytes`);
+  await page.keyboard.press('End');
+  await until(() => window.feltwire().replay.stages[0].whole && window.feltwire().replay.time > 60);
 });
 
 test('a file that is dropped on the live page ends it', async () => {

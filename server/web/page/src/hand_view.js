@@ -55,7 +55,8 @@ export class HandView {
 
   /**
    * @param {import('./messages.js').Picture} picture
-   * @param {{chosen: number | null, perNewton: number, depthFactor: number, pixel: number}} how perNewton in metres, pixel in metres
+   * @param {{chosen: number | null, perNewton: number, depthFactor: number, pixel: number, tools: import('./tools.js').Tools}} how
+   *   perNewton in metres, pixel in metres
    */
   show(picture, how) {
     for (const pool of this.pools) pool.clear();
@@ -122,7 +123,7 @@ export class HandView {
     const q = at + AT.orientation;
     turn.set(floats[q + 1], floats[q + 2], floats[q + 3], floats[q]);
     const tint = chosen ? this.colors.chosen : this.colors.muted;
-    this.pens.add(tool, turn, scale.setScalar(pixel), tint);
+    if (!how.tools.hasBody(picture.words[at + AT.number])) this.pens.add(tool, turn, scale.setScalar(pixel), tint);
     this.tips.add(tool, still, scale.setScalar(3 * pixel), tint);
     if (tool.distanceTo(proxy) > pixel) {
       this.rods.addAlong(proxy, vector.copy(tool).sub(proxy), 0.8 * pixel);

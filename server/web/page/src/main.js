@@ -22,7 +22,7 @@ const plots = new Plots(element('plots'));
 const why = new Why(element('sentence'), element('reasons'));
 const sessions = new Sessions(document.querySelector('#sessions table'), choose);
 const labels = new Labels(element('labels'));
-const page = {scene: '', pictures: 0, unread: 0, held: false, chosen: null, connection: ''};
+const page = {scene: '', pictures: 0, firstPicture: null, unread: 0, held: false, chosen: null, connection: ''};
 const replay = new Replay(() => connection.end('Recordings are read on this machine; nothing is sent.'));
 let latest = new Picture();  // the newest that came
 let spare = new Picture();  // the one that is read next
@@ -64,6 +64,7 @@ function takeText(message) {
       break;
     case 'sessions':
       sessions.set(message.sessions ?? []);
+      view.tools.setSessions(message.sessions ?? []);
       break;
     case 'log':
       element('log').hidden = false;
@@ -78,6 +79,8 @@ function takeBinary(buffer) {
   if (kind === KIND.geometry) {
     const geometry = readGeometry(buffer);
     if (geometry) view.addGeometry(geometry);
+  } else if (kind === KIND.surfaces) {
+    if (!page.held && !view.surfaces.read(buffer)) page.unread += 1;
   } else if (kind === KIND.picture) {
     if (!spare.read(buffer)) {
       page.unread += 1;
@@ -184,7 +187,10 @@ function step(now) {
     written = now;
     writeTexts();
   }
-  if (view.render()) labels.move(view);
+  if (view.render()) {
+    labels.move(view);
+    if (page.pictures > 0) page.firstPicture ??= performance.now();  // [ms] since the page was asked for
+  }
   if (now - plotted > PLOT_PERIOD && !page.held) {
     plotted = now;
     plots.update(hands.all.get(page.chosen)?.history ?? null);
@@ -234,6 +240,10 @@ bindKeys(element('keys'), [
     view.stale = true;
   }},
   {keys: [' '], shown: 'space', text: 'hold the picture, go on', act: hold},
+  {keys: ['s'], text: 'surfaces of local models on or off', act: () => {
+    view.surfaces.shown = !view.surfaces.shown;
+    view.stale = true;
+  }},
   {keys: ['o'], text: 'open a recording', act: () => element('recording-files').click()},
   {keys: ['l'], text: 'light or dark', act: () => element('theme').click()},
   {keys: ['?'], text: 'this list', act: () => element('help').showModal()},
@@ -254,5 +264,6 @@ requestAnimationFrame(step);
 window.feltwire = () => ({
   ...page, frames: view.frames, hands: hands.numbers(), longestArrow: view.hands.longest, perNewton: view.perNewton,
   bodies: view.objects?.bodies.size ?? 0, plotted: {points: plots.points, last: plots.panes.map((pane) => pane.plot?.data.slice(1).map((column) => column.at?.(-1)))},
-  places: view.places(), replay: replay.state(),
+  places: view.places(), surfaces: view.surfaces.mesh.visible ? view.surfaces.count : 0,
+  toolBalls: view.tools.balls.count, toolPoints: view.tools.dots.count, replay: replay.state(),
 });

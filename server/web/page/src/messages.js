@@ -1,7 +1,7 @@
 // The binary messages of feltwire.live.v1. All numbers are little-endian, as is every machine that runs a browser.
 
 /** First byte of a binary message. */
-export const KIND = {geometry: 1, picture: 2};
+export const KIND = {geometry: 1, picture: 2, surfaces: 3};
 
 const HEADER_WORDS = 6;
 const HAND_WORDS = 28;

@@ -8,6 +8,8 @@ import {OrbitControls} from 'three/addons/controls/OrbitControls.js';
 import {HandView, toolPlace} from './hand_view.js';
 import {AT} from './messages.js';
 import {Objects} from './objects.js';
+import {Surfaces} from './surfaces.js';
+import {Tools} from './tools.js';
 import {roundDown} from './words.js';
 
 const START = new Vector3(0.55, -1, 0.5).normalize();  // from where the camera looks at first
@@ -29,7 +31,9 @@ export class View {
     this.camera.add(sun, sun.target);  // Light comes from beside the viewer, so that no side is ever black.
     this.scene.add(this.camera, new AmbientLight(0xffffff, 1.3));
     this.hands = new HandView();
-    this.scene.add(this.hands.group);
+    this.tools = new Tools();
+    this.surfaces = new Surfaces();
+    this.scene.add(this.hands.group, this.tools.group, this.surfaces.mesh);
     this.axes = new LineSegments(new BufferGeometry(), new LineBasicMaterial());
     this.scene.add(this.axes);
     this.axisEnds = ['x', 'y', 'z'].map((name) => ({name, point: new Vector3()}));
@@ -61,6 +65,9 @@ export class View {
     }
     this.objects = new Objects(message, this.frame, this.spacing);
     this.objects.name = message.name;
+    this.tools.setTools(message.tools ?? []);
+    this.surfaces.count = 0;
+    this.surfaces.size = this.frame.size;
     this.scene.add(this.objects.group);
     this.#showAxes(from);
     if (this.colors) this.objects.paint(this.colors);
@@ -85,6 +92,7 @@ export class View {
     this.picture = picture;
     if (this.objects && picture.version === this.objects.version) this.objects.place(picture);
     this.hands.trail(picture);
+    this.surfaces.grow();
     this.stale = true;
   }
 
@@ -93,6 +101,8 @@ export class View {
     this.colors = colors;
     this.scene.background = new Color(colors.view);
     this.hands.paint(colors);
+    this.tools.paint(colors);
+    this.surfaces.paint(colors);
     this.axes.material.color.set(colors.ink);
     this.objects?.paint(colors);
     this.stale = true;
@@ -102,7 +112,12 @@ export class View {
   render() {
     if (!this.stale) return false;
     this.stale = false;
-    if (this.picture) this.hands.show(this.picture, this.#how());
+    if (this.picture) {
+      const how = this.#how();
+      this.hands.show(this.picture, how);
+      this.tools.show(this.picture, how);
+      this.surfaces.show(this.chosen);
+    }
     this.renderer.render(this.scene, this.camera);
     this.frames += 1;
     return true;
@@ -217,7 +232,7 @@ export class View {
   }
 
   #how() {
-    return {chosen: this.chosen, perNewton: this.perNewton, depthFactor: this.depthFactor, pixel: this.pixel};
+    return {chosen: this.chosen, perNewton: this.perNewton, depthFactor: this.depthFactor, pixel: this.pixel, tools: this.tools};
   }
 
   #indexOf(number) {

@@ -7,7 +7,7 @@ const KEPT = 96 * 2 ** 20;  // [bytes] of segments
 const AT_ONCE = 4;  // chunks that are being read
 
 export class Recording {
-  /** Throws a RecordingError. @param {File} file @param {() => void} changed something new has been read */
+  /** Throws a RecordingError. @param {File} file @param {() => void} changed something that is shown has been read */
   static async open(file, changed) {
     const mcap = await McapFile.open(file);
     if (mcap.chunks.length === 0) {
@@ -26,7 +26,7 @@ export class Recording {
     const end = mcap.chunks.reduce((last, {to}) => (to > last ? to : last), this.start);
     this.duration = Number(end - this.start) / 1e9;
     this.chunks = mcap.chunks.map((chunk) => ({
-      ...chunk, begin: Number(chunk.from - this.start) / 1e9, end: Number(chunk.to - this.start) / 1e9, segment: null, failed: false, reading: null,
+      ...chunk, begin: Number(chunk.from - this.start) / 1e9, end: Number(chunk.to - this.start) / 1e9, segment: null, failed: false, reading: null, shown: false,
     }));
     this.troubles = [...mcap.troubles];
     if (mcap.cutAt !== null) {
@@ -48,6 +48,7 @@ export class Recording {
    */
   segments(from, to) {
     const wanted = this.between(from, to);
+    for (const chunk of wanted) chunk.shown = true;
     for (const chunk of wanted) if (!chunk.segment && !chunk.failed && !chunk.reading && this.reading < AT_ONCE) this.read(chunk);
     const there = wanted.filter((chunk) => chunk.segment);
     for (const {segment} of there) segment.used = ++this.clock;
@@ -61,7 +62,8 @@ export class Recording {
     chunk.reading ??= this.#read(chunk).finally(() => {
       chunk.reading = null;
       this.reading -= 1;
-      this.changed();
+      if (chunk.shown) this.changed();  // What only the overview reads changes no picture.
+      chunk.shown = false;
     });
     return chunk.reading;
   }

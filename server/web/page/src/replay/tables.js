@@ -113,7 +113,7 @@ function take(segment, topic, time, view, at, end) {
   if (topic === '/hand/account') takeAccount(segment.accounts, time, new Fields(view, at, end));
   if (topic === '/scene/picture') {
     segment.pictures.push({time, bytes: new DataView(view.buffer, view.byteOffset + at, end - at)});
-    segment.kept += end - at;
+    segment.kept = view.byteLength;  // A view of a part keeps the whole chunk.
     takeHands(segment.hands, time, new Fields(view, at, end));
   }
 }
