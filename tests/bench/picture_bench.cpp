@@ -1,5 +1,6 @@
 // picture/N: what the scene's thread spends on one picture for the live page, of N hands that press
-// the room's table. picture/not_wanted: what it spends where nobody looks.
+// the room's table. picture/modelled/N: the same with the surfaces near them, for clients with a
+// local model. picture/not_wanted: what it spends where nobody looks.
 
 #include <benchmark/benchmark.h>
 
@@ -13,14 +14,15 @@ namespace {
 
 const Key kUp = {1}, kDown = {2};
 
-void picture(benchmark::State& state, std::uint64_t hands) {
+void picture(benchmark::State& state, std::uint64_t hands, bool modelled) {
   const Scene scene = load_scene(std::string(FELTWIRE_SOURCE_DIR) + "/scenes/room.json");
   SceneSessions sessions(scene, std::chrono::hours(1), 64);
   Encoder encoder;
   DatagramBuffer sent, answer;
   for (std::uint64_t hand = 1; hand <= hands; ++hand) {
     const std::uint64_t session = hand << 8;
-    const control::JoinRequest request{"bench", scene.name(), builtin_device("simulated"), {}};
+    control::JoinRequest request{"bench", scene.name(), builtin_device("simulated"), {}};
+    request.parameters.local_model = modelled;
     sessions.answer(request, session, {preferred_suite(), kUp, kDown}, {});
     Sealer client(preferred_suite(), kUp);
     SampleBatch batch;
@@ -50,8 +52,11 @@ void not_wanted(benchmark::State& state) {
 }
 
 const bool registered = [] {
-  for (const std::uint64_t hands : {1, 16, 64})
-    benchmark::RegisterBenchmark(("picture/" + std::to_string(hands)).c_str(), picture, hands);
+  for (const std::uint64_t hands : {1, 16, 64}) {
+    const std::string number = std::to_string(hands);
+    benchmark::RegisterBenchmark(("picture/" + number).c_str(), picture, hands, false);
+    benchmark::RegisterBenchmark(("picture/modelled/" + number).c_str(), picture, hands, true);
+  }
   benchmark::RegisterBenchmark("picture/not_wanted", not_wanted);
   return true;
 }();
