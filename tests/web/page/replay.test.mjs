@@ -189,6 +189,16 @@ test('damage is said with its place and what to do, and the rest is shown', asyn
   assert.match(await page.textContent('[data-part="trouble"]'), /copy it anew/);
 });
 
+test('a wrong CRC is damage', async () => {
+  const {buffer} = recording('slide');
+  const chunk = chunksOf(buffer)[1];
+  const damaged = Buffer.from(buffer);
+  damaged[chunk.at + 9 + 24] ^= 1;  // After opcode, length, two times and a size.
+  await open({name: 'crc.mcap', mimeType: '', buffer: damaged});
+  assert.deepEqual((await state()).stages[0].troubles, [
+    `crc.mcap: byte ${chunk.at}: the CRC of a chunk is wrong; the file is damaged: copy it anew from where it was recorded`]);
+});
+
 test('a damaged index is said, and the file is searched without it', async () => {
   const {buffer} = recording('slide');
   const damaged = Buffer.from(buffer);
