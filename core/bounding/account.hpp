@@ -6,6 +6,7 @@
 // are laws for a contact. This is no law for a contact: it is the last bound before the safety
 // stage, behind any of them.
 
+#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <optional>
@@ -136,6 +137,13 @@ class PortAccount {
 
   /// Says what was really held after the last step, where that differs.
   void set_held(const Command& held) noexcept { held_ = held; }
+
+  /// Adds `energy` >= 0 [J] that another port of the same system took in and that this one may give
+  /// to the hand. The guarantee is then: delivered to the hand <= burned + all that was added. The
+  /// caller sees to it that the other port has it (core/teleoperation/energy_counters.hpp).
+  void credit(double energy) noexcept {
+    if (energy > 0.0 && std::isfinite(energy)) balance_ += energy;
+  }
 
   /// [J] f'B^-1 f h / 4: what holding `command` for h [s] can give to a hand that may move the
   /// handle any distance.

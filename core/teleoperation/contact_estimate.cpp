@@ -1,0 +1,130 @@
+#include "core/teleoperation/contact_estimate.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "core/base/numeric.hpp"
+
+namespace feltwire {
+namespace {
+
+constexpr double kTwoPi = 2.0 * std::numbers::pi;
+constexpr double kSoftest = 50.0, kStiffest = 1e6;  // [N/m] that are believed
+
+/// The share of the way to a new value in one sample of a low pass.
+double share(double cutoff, double elapsed) noexcept {
+  return 1.0 - std::exp(-kTwoPi * cutoff * elapsed);
+}
+
+}  // namespace
+
+const RemoteContact& ContactEstimate::step(const Sample& s) noexcept {
+  if (!s.position.allFinite() || !s.velocity.allFinite() || !s.force.allFinite() ||
+      !(s.elapsed > 0.0))
+    return contact_;
+  const double force = length(s.force);
+  const bool pressed = force > (pressed_ ? config_.off : config_.on);
+  if (pressed && !pressed_) begin(s);
+  pressed_ = pressed;
+  contact_.touching = pressed;
+  if (!pressed) {
+    recede(s);
+    return contact_;
+  }
+  estimate_normal(s, force);
+  const double along_normal = std::max(0.0, s.force.dot(contact_.normal));
+  touched_ += s.elapsed;
+  estimate_stiffness(s, along_normal);
+  estimate_place(s, along_normal);
+  return contact_;
+}
+
+/// No force: the surface is not in front of the tip.
+void ContactEstimate::recede(const Sample& s) noexcept {
+  contact_.velocity.setZero();
+  const double inside = (contact_.point - s.position).dot(contact_.normal);
+  if (contact_.surface == 0 || !(inside > 0.0)) return;
+  contact_.point -= inside * contact_.normal;
+  receded_ += inside;
+  if (receded_ > kSame) contact_.surface = 0;
+}
+
+/// The first sample of a touch: the last surface again, or another.
+void ContactEstimate::begin(const Sample& s) noexcept {
+  constexpr double kSameWay = 0.7;  // cosine of 45 degrees
+  const Vec3 normal = direction(s.force);
+  const double away = std::abs((s.position - contact_.point).dot(contact_.normal));
+  const bool same = contact_.surface != 0 && away < kSame && normal.dot(contact_.normal) > kSameWay;
+  if (!same) {
+    contact_ = {};
+    contact_.surface = ++counted_;
+    contact_.normal = normal;
+    contact_.stiffness = config_.first_stiffness;
+  }
+  fit_.clear();
+  touched_ = receded_ = 0.0;
+  origin_ = s.position;
+  last_height_ = s.position.dot(contact_.normal) + 1.0;  // the first sample is always taken
+  place_ = s.position.dot(contact_.normal) + length(s.force) / contact_.stiffness;
+  tracked_ = place_;
+  speed_ = 0.0;
+}
+
+void ContactEstimate::estimate_normal(const Sample& s, double force) noexcept {
+  constexpr double kSlides = 2e-3;                            // [m/s]
+  constexpr double kAcross = 0.5;                             // cosine of 60 degrees
+  constexpr double kQuick = 30.0, kSlow = 3.0, kYoung = 0.1;  // [Hz], [Hz], [s]
+  const double speed = length(s.velocity);
+  const Vec3 way = speed > kSlides ? Vec3(s.velocity / speed) : Vec3::Zero();
+  const bool slides = speed > kSlides && std::abs(way.dot(contact_.normal)) < kAcross;
+  Vec3 pushes = s.force;
+  if (slides) {
+    pushes -= along(s.force, way);
+    const double normal_force = length(pushes);
+    if (normal_force > config_.on) {
+      const double mu = std::max(0.0, -s.force.dot(way)) / normal_force;
+      contact_.friction += share(kSlow, s.elapsed) * (mu - contact_.friction);
+    }
+  }
+  if (!(force > config_.on)) return;
+  const double rate = touched_ < kYoung ? kQuick : kSlow;
+  const Vec3 turned =
+      direction(contact_.normal + share(rate, s.elapsed) * (direction(pushes) - contact_.normal));
+  if (turned.isZero(0.0)) return;
+  // The place is a height along the normal: it is carried along when that turns.
+  place_ += (turned - contact_.normal).dot(contact_.point);
+  tracked_ += (turned - contact_.normal).dot(contact_.point);
+  contact_.normal = turned;
+}
+
+void ContactEstimate::estimate_stiffness(const Sample& s, double force) noexcept {
+  constexpr double kLearns = 0.5;      // [s]
+  constexpr double kExcited = 0.1e-3;  // [m]
+  constexpr double kMoved = 5e-6;      // [m] a resting tip would only add noise
+  constexpr double kExplained = 0.98;
+  if (touched_ > kLearns) return;
+  const double height = s.position.dot(contact_.normal);
+  if (std::abs(height - last_height_) < kMoved) return;
+  last_height_ = height;
+  fit_.add((origin_ - s.position).dot(contact_.normal), -s.velocity.dot(contact_.normal), force);
+  if (fit_.excitation() < kExcited) return;
+  const LineFit::Line line = fit_.line();
+  if (line.explained < kExplained || !(line.slope > kSoftest) || !(line.slope < kStiffest)) return;
+  contact_.stiffness = line.slope;
+}
+
+void ContactEstimate::estimate_place(const Sample& s, double force) noexcept {
+  const double height = s.position.dot(contact_.normal) + force / contact_.stiffness;
+  place_ += share(kQuickPlace, s.elapsed) * (height - place_);
+  // A critically damped tracker follows an even motion without lag.
+  const double rate = kTwoPi * kTracker;
+  const double ahead = height - tracked_;
+  speed_ += s.elapsed * rate * rate * ahead;
+  tracked_ += s.elapsed * (speed_ + 2.0 * rate * ahead);
+  const double over = std::max(0.0, std::abs(speed_) - kStandsStill);
+  contact_.velocity = std::copysign(over, speed_) * contact_.normal;
+  contact_.point = s.position + (place_ - s.position.dot(contact_.normal)) * contact_.normal;
+}
+
+}  // namespace feltwire

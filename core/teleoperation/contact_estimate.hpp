@@ -1,0 +1,80 @@
+#pragma once
+// What a robot touches, from the wrench at its tool and the way of the tool.
+
+#include <cstdint>
+
+#include "core/base/types.hpp"
+#include "core/teleoperation/line_fit.hpp"
+
+namespace feltwire {
+
+/// One surface that a robot touches, or touched last. World frame of the robot.
+struct RemoteContact {
+  std::uint32_t surface = 0;  // counts surfaces; 0: none is known
+  bool touching = false;
+  Vec3 point = Vec3::Zero();     // [m] on the surface where no force would act
+  Vec3 normal = Vec3::UnitX();   // unit, towards the free side
+  double stiffness = 0.0;        // [N/m] > 0 of the surface, along the normal
+  double friction = 0.0;         // mu, from the force while the tool slid; 0: it did not yet
+  Vec3 velocity = Vec3::Zero();  // [m/s] of the surface along its normal
+};
+
+struct ContactEstimateConfig {
+  /// [N/m] assumed until the force over the way shows another; the robot's own controller, say.
+  double first_stiffness = 1000.0;
+  double on = 0.2, off = 0.1;  // [N] a contact begins, ends; above the sensor's noise
+};
+
+/// Estimates the surface. At each sample
+///   normal     the direction of the force, without its part along a sliding motion
+///   stiffness  slope of the force over the depth, with the depth's speed beside it (a damper),
+///   over
+///              the first samples of each touch that show at least 0.1 mm and explain 98 % of the
+///              force. Later a moving wall changes force and depth, too, and would be taken for a
+///              stiffness; so it is kept from then on.
+///   place      tip + normal F / k, low-passed at 35 Hz
+///   velocity   of the place, from a tracker of second order
+/// Where the tool finds no force the surface recedes to the tool, and after kSame it is forgotten.
+/// A touch within kSame of the last surface is the same surface again.
+///
+/// Nothing here allocates, throws or reads a clock. A sample that is not finite is left out.
+class ContactEstimate {
+ public:
+  static constexpr double kSame = 20e-3;        // [m]
+  static constexpr double kQuickPlace = 35.0;   // [Hz]
+  static constexpr double kTracker = 5.0;       // [Hz] of the velocity
+  static constexpr double kStandsStill = 2e-3;  // [m/s] slower surfaces are taken as still
+
+  explicit ContactEstimate(const ContactEstimateConfig& config) : config_(config) {}
+
+  struct Sample {
+    Vec3 position = Vec3::Zero();  // [m] of the tool's tip
+    Vec3 velocity = Vec3::Zero();  // [m/s]
+    Vec3 force = Vec3::Zero();     // [N] of the environment on the tool
+    double elapsed = 1e-3;         // [s] > 0 since the last sample
+  };
+  const RemoteContact& step(const Sample& sample) noexcept;
+
+  const RemoteContact& contact() const noexcept { return contact_; }
+
+ private:
+  void begin(const Sample& sample) noexcept;
+  void recede(const Sample& sample) noexcept;
+  void estimate_normal(const Sample& sample, double force) noexcept;
+  void estimate_stiffness(const Sample& sample, double force) noexcept;
+  void estimate_place(const Sample& sample, double force) noexcept;
+
+  ContactEstimateConfig config_;
+  RemoteContact contact_;
+  LineFit fit_;
+  std::uint32_t counted_ = 0;
+  bool pressed_ = false;                // beyond the thresholds, known to be a surface or not
+  double touched_ = 0.0;                // [s] in this touch
+  double receded_ = 0.0;                // [m] since the last touch
+  Vec3 origin_ = Vec3::Zero();          // [m] the tip where this touch began
+  double last_height_ = 0.0;            // [m] of the last sample that the fit took
+  double place_ = 0.0;                  // [m] along the normal
+  double tracked_ = 0.0, speed_ = 0.0;  // [m], [m/s] of the tracker
+};
+
+}  // namespace feltwire

@@ -1,0 +1,65 @@
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+
+#include "core/base/numeric.hpp"
+#include "core/base/types.hpp"
+#include "core/teleoperation/contact_estimate.hpp"
+
+namespace feltwire {
+
+/// The leader's index: the robot's target is the hand's position less `offset()`.
+///
+/// The first touch of a surface is known at the leader one round trip late, when the hand is
+/// already far inside. Then the offset is moved along the normal until the surface is where the
+/// hand is, so that it meets it there, without a force that jumps. For kYoung after that the
+/// surface stays at the hand while the estimate of its place settles; the offset takes up the
+/// change. Later the offset is given back by a share of the hand's free movement that is hardly
+/// noticed.
+///
+/// The offset is sent in every sample, so that both sides have the same. Nothing here allocates,
+/// throws or reads a clock.
+class SurfaceIndex {
+ public:
+  static constexpr double kYoung = 0.1;       // [s]
+  static constexpr double kGivenBack = 0.2;   // of free movement
+  static constexpr double kFreeAbove = 5e-3;  // [m] from the surface
+
+  /// The hand moved by `displacement` [m] to `hand` in `elapsed` [s]; `seen` is the newest contact
+  /// that the leader knows. All finite.
+  void step(const Vec3& hand, const Vec3& displacement, const RemoteContact& seen,
+            double elapsed) noexcept {
+    const double height = (hand - offset_ - seen.point).dot(seen.normal);
+    if (seen.surface == 0) {
+      give_back(displacement);
+    } else if (seen.surface != known_) {
+      if (height < 0.0) offset_ += height * seen.normal;
+      age_ = 0.0;
+    } else if (age_ < kYoung) {
+      if (height < kFreeAbove) offset_ -= along(seen.point - place_, seen.normal);
+      age_ += elapsed;
+    } else if (height > kFreeAbove && !seen.touching) {
+      give_back(displacement);
+    }
+    known_ = seen.surface;
+    place_ = seen.point;
+  }
+
+  const Vec3& offset() const noexcept { return offset_; }          // [m]
+  std::uint32_t known_surface() const noexcept { return known_; }  // 0: none
+
+ private:
+  void give_back(const Vec3& displacement) noexcept {
+    const Polar<double> left = polar(offset_);
+    const double back = std::min(left.length, kGivenBack * length(displacement));
+    offset_ -= back * left.direction;
+  }
+
+  Vec3 offset_ = Vec3::Zero();
+  std::uint32_t known_ = 0;
+  double age_ = 0.0;           // [s] since the surface became known
+  Vec3 place_ = Vec3::Zero();  // [m] of the surface in the last step
+};
+
+}  // namespace feltwire

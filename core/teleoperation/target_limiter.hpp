@@ -1,0 +1,55 @@
+#pragma once
+
+#include <cstdint>
+
+#include "core/base/types.hpp"
+
+namespace feltwire {
+
+struct TargetLimits {
+  double stiffness = 1000.0;  // K [N/m] of the robot's own controller, > 0
+  double speed = 0.25;        // [m/s]
+  double leash = 20.0;        // [N] the most that the controller's spring may pull
+  double first_touch = 3.0;   // [N] while the hand does not know of the contact
+  double unfelt = 3.0;        // [N] that the hand need not have paid for
+};
+
+/// The target of a robot's impedance controller, from what the leader wants. In this order:
+///  1. speed: the target moves by at most speed x elapsed.
+///  2. first touch: in a contact that the leader's newest sample does not know, the spring holds at
+///     most first_touch.
+///  3. felt: in contact the spring's energy S(e) = K |e|^2 / 2, e = target - robot, rises only by
+///     what the hand paid and what is below `unfelt`:
+///       S(e) <= max(S(e') + paid, unfelt^2 / (2 K)),     e' = the old target - robot
+///     `paid` is the hand's cumulative work, which the sample carries as a total, less what was
+///     spent here in this contact. So a sample that is lost loses nothing.
+///  4. leash: |e| <= leash / K.
+/// A target that is refused stays where it was, shortened towards the robot where a limit asks for
+/// it: the limits hold for whatever the leader sends. What is not finite leaves the target.
+///
+/// Nothing here allocates, throws after construction or reads a clock.
+class TargetLimiter {
+ public:
+  /// Throws std::invalid_argument naming the limit and the remedy.
+  explicit TargetLimiter(const TargetLimits& limits);
+
+  struct Sample {
+    Vec3 wanted = Vec3::Zero();  // [m] by the leader's newest sample
+    Vec3 robot = Vec3::Zero();   // [m] the tool now
+    std::uint32_t surface = 0;   // that the robot touches; 0: none
+    std::uint32_t known = 0;     // that the leader's newest sample knows
+    double hand_work = 0.0;      // [J] total, what the hand paid since the session began
+    double elapsed = 1e-3;       // [s]
+  };
+  /// The target until the next sample [m]. The first call takes the robot's own position.
+  const Vec3& step(const Sample& sample) noexcept;
+
+ private:
+  TargetLimits limits_;
+  Vec3 target_ = Vec3::Zero();
+  bool begun_ = false, touched_ = false;
+  double work_seen_ = 0.0;  // [J]
+  double paid_ = 0.0;       // [J] that is left in this contact
+};
+
+}  // namespace feltwire

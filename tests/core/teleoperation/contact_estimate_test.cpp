@@ -1,0 +1,197 @@
+// What a robot's wrench says of the surface, how the leader meets it, and where the target may go.
+
+#include "core/teleoperation/contact_estimate.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "core/teleoperation/surface_index.hpp"
+#include "core/teleoperation/target_limiter.hpp"
+
+namespace feltwire::contact_estimate_test {
+namespace {
+
+constexpr double kPeriod = 1e-3;  // [s]
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+
+/// A spring wall with a damper, its normal along n; the tip goes in along -n.
+struct Wall {
+  Vec3 normal = Vec3::UnitZ();
+  double stiffness = 2000.0, damping = 0.0, place = 0.0;  // [m] along n
+  Vec3 force(const Vec3& tip, const Vec3& velocity) const {
+    const double depth = place - tip.dot(normal);
+    if (!(depth > 0.0)) return Vec3::Zero();
+    return std::max(0.0, stiffness * depth - damping * velocity.dot(normal)) * normal;
+  }
+};
+
+/// Goes in from 2 mm in front to `depth` within `time` and stays there as long.
+const RemoteContact& press(ContactEstimate& estimate, const Wall& wall, double depth, double time) {
+  const int steps = static_cast<int>(time / kPeriod);
+  double before = 2e-3;
+  for (int n = 0; n <= 2 * steps; ++n) {
+    const double u = std::min(1.0, static_cast<double>(n) / steps);
+    const double now = 2e-3 - (depth + 2e-3) * u * u * (3.0 - 2.0 * u);
+    const Vec3 tip = (wall.place + now) * wall.normal;
+    const Vec3 velocity = (now - before) / kPeriod * wall.normal;
+    estimate.step({tip, velocity, wall.force(tip, velocity), kPeriod});
+    before = now;
+  }
+  return estimate.contact();
+}
+
+TEST(ContactEstimate, FindsPlaceNormalAndStiffnessOfASpringInEveryDirection) {
+  for (const double stiffness : {300.0, 2000.0, 20000.0})
+    for (const Vec3& normal : {Vec3(0, 0, 1), Vec3(-1, 0, 0), Vec3(Vec3(1, 2, -2) / 3.0)}) {
+      ContactEstimate estimate({});
+      const Wall wall{.normal = normal, .stiffness = stiffness, .place = 0.1};
+      const RemoteContact& seen = press(estimate, wall, 4e-3, 0.2);
+      EXPECT_EQ(seen.surface, 1u);
+      EXPECT_TRUE(seen.touching);
+      EXPECT_NEAR(seen.stiffness, stiffness, 1e-3 * stiffness);
+      EXPECT_NEAR(seen.point.dot(normal), 0.1, 1e-6);
+      EXPECT_NEAR((seen.normal - normal).norm(), 0.0, 1e-9);
+      EXPECT_TRUE(seen.velocity.isZero(1e-12));
+    }
+}
+
+TEST(ContactEstimate, ADamperOfTheWallIsNotTakenForStiffness) {
+  ContactEstimate estimate({});
+  const RemoteContact& seen = press(estimate, {.damping = 20.0}, 4e-3, 0.1);
+  EXPECT_NEAR(seen.stiffness, 2000.0, 40.0);
+}
+
+TEST(ContactEstimate, ASurfaceThatIsNotThereRecedesAndIsForgotten) {
+  ContactEstimate estimate({});
+  press(estimate, {}, 4e-3, 0.2);
+  Vec3 tip = Vec3::Zero();
+  for (int n = 0; n < 100; ++n) {
+    tip.z() -= 1e-4;
+    estimate.step({tip, Vec3(0, 0, -0.1), Vec3::Zero(), kPeriod});
+    EXPECT_LE(estimate.contact().point.z(), tip.z() + 1e-12);
+  }
+  EXPECT_EQ(estimate.contact().surface, 1u);
+  for (int n = 0; n < 200; ++n) {
+    tip.z() -= 1e-4;
+    estimate.step({tip, Vec3(0, 0, -0.1), Vec3::Zero(), kPeriod});
+  }
+  EXPECT_EQ(estimate.contact().surface, 0u);
+}
+
+TEST(ContactEstimate, AWallThatMovesHasItsSpeed) {
+  ContactEstimate estimate({});
+  Wall wall;
+  press(estimate, wall, 4e-3, 0.4);  // the stiffness is learnt in the first half second
+  for (int n = 0; n < 1000; ++n) {
+    wall.place += 0.02 * kPeriod;
+    const Vec3 tip(0, 0, wall.place - 4e-3);
+    estimate.step({tip, Vec3(0, 0, 0.02), wall.force(tip, Vec3::Zero()), kPeriod});
+  }
+  EXPECT_NEAR(estimate.contact().velocity.z(), 0.02 - ContactEstimate::kStandsStill, 1e-4);
+  EXPECT_NEAR(estimate.contact().stiffness, 2000.0, 2.0);
+}
+
+TEST(ContactEstimate, SlidingShowsFrictionAndKeepsTheNormal) {
+  ContactEstimate estimate({});
+  press(estimate, {}, 4e-3, 0.2);
+  for (int n = 0; n < 500; ++n)
+    estimate.step(
+        {Vec3(0.05 * n * kPeriod, 0, -4e-3), Vec3(0.05, 0, 0), Vec3(-2.4, 0, 8), kPeriod});
+  EXPECT_NEAR(estimate.contact().friction, 0.3, 0.01);
+  EXPECT_NEAR(estimate.contact().normal.z(), 1.0, 1e-6);
+}
+
+TEST(ContactEstimate, WhatIsNotFiniteIsLeftOut) {
+  ContactEstimate estimate({});
+  const RemoteContact before = press(estimate, {}, 4e-3, 0.2);
+  estimate.step({Vec3(kNan, 0, 0), Vec3::Zero(), Vec3(0, 0, 1), kPeriod});
+  estimate.step({Vec3::Zero(), Vec3::Zero(), Vec3(0, kNan, 1), kPeriod});
+  estimate.step({Vec3::Zero(), Vec3::Zero(), Vec3(0, 0, 1), 0.0});
+  EXPECT_EQ(estimate.contact().point, before.point);
+}
+
+RemoteContact surface_at(double place) {
+  return {.surface = 1, .touching = true, .point = Vec3(0, 0, place), .normal = Vec3::UnitZ()};
+}
+
+TEST(SurfaceIndex, TheFirstTouchMeetsTheHandWhereItIs) {
+  SurfaceIndex index;
+  const Vec3 hand(0.01, 0.0, -0.017);
+  index.step(hand, Vec3::Zero(), surface_at(0.0), kPeriod);
+  EXPECT_EQ(index.known_surface(), 1u);
+  EXPECT_NEAR((hand - index.offset()).z(), 0.0, 1e-15);  // the target is on the surface
+  EXPECT_EQ(index.offset().x(), 0.0);
+  // The estimate settles: the surface stays at the hand.
+  index.step(hand, Vec3::Zero(), surface_at(-0.002), kPeriod);
+  EXPECT_NEAR((hand - index.offset()).z(), -0.002, 1e-15);
+  // Later a change of the place is felt.
+  for (int n = 0; n < 150; ++n) index.step(hand, Vec3::Zero(), surface_at(-0.002), kPeriod);
+  const Vec3 settled = index.offset();
+  index.step(hand, Vec3::Zero(), surface_at(-0.001), kPeriod);
+  EXPECT_EQ(index.offset(), settled);
+}
+
+TEST(SurfaceIndex, AHandInTheAirKeepsItsIndexAndFreeMotionGivesBack) {
+  SurfaceIndex index;
+  index.step(Vec3(0, 0, 0.01), Vec3::Zero(), surface_at(0.0), kPeriod);
+  EXPECT_TRUE(index.offset().isZero(0.0));
+  SurfaceIndex deep;
+  deep.step(Vec3(0, 0, -0.01), Vec3::Zero(), surface_at(0.0), kPeriod);
+  for (int n = 0; n < 200; ++n)
+    deep.step(Vec3(0, 0, -0.01), Vec3::Zero(), surface_at(0.0), kPeriod);
+  RemoteContact left = surface_at(0.0);
+  left.touching = false;
+  deep.step(Vec3(0, 0, 0.02), Vec3(0, 0, 0.01), left, kPeriod);
+  EXPECT_NEAR(deep.offset().z(), -0.01 + SurfaceIndex::kGivenBack * 0.01, 1e-15);
+  for (int n = 0; n < 20; ++n) deep.step(Vec3(0, 0, 0.02), Vec3(0, 0, 0.01), left, kPeriod);
+  EXPECT_NEAR(deep.offset().norm(), 0.0, 1e-15);
+}
+
+TEST(TargetLimiter, SaysWhichLimitIsWrong) {
+  EXPECT_THROW(TargetLimiter({.stiffness = 0.0}), std::invalid_argument);
+  EXPECT_THROW(TargetLimiter({.speed = kNan}), std::invalid_argument);
+  EXPECT_THROW(TargetLimiter({.leash = -1.0}), std::invalid_argument);
+}
+
+TEST(TargetLimiter, HoldsWhatTheHandDoesNotKnowAndWhatItDidNotPay) {
+  const TargetLimits limits;
+  const Vec3 robot(0, 0, 0), wanted(0, 0, -0.05);
+  const auto settle = [&](TargetLimiter& limiter, TargetLimiter::Sample s) {
+    Vec3 target;
+    for (int n = 0; n < 1000; ++n) target = limiter.step(s);
+    return limits.stiffness * (target - s.robot).norm();
+  };
+  TargetLimiter unknown(limits), unpaid(limits), paid(limits), free(limits);
+  EXPECT_NEAR(
+      settle(unknown,
+             {.wanted = wanted, .robot = robot, .surface = 1, .known = 0, .hand_work = 0.0}),
+      limits.first_touch, 1e-9);
+  EXPECT_NEAR(settle(unpaid, {.wanted = wanted, .robot = robot, .surface = 1, .known = 1}),
+              limits.unfelt, 1e-9);
+  paid.step({.wanted = robot, .robot = robot, .surface = 1, .known = 1});
+  EXPECT_NEAR(
+      settle(paid, {.wanted = wanted, .robot = robot, .surface = 1, .known = 1, .hand_work = 0.05}),
+      std::sqrt(2.0 * limits.stiffness * 0.05), 1e-6);
+  EXPECT_NEAR(settle(free, {.wanted = wanted, .robot = robot}), limits.leash, 1e-9);
+}
+
+TEST(TargetLimiter, TheFirstStepIsZeroAndNoStepIsFasterThanTheLimit) {
+  const TargetLimits limits;
+  TargetLimiter limiter(limits);
+  const Vec3 robot(0.3, -0.2, 0.1);
+  Vec3 before = limiter.step({.wanted = robot, .robot = robot});
+  EXPECT_EQ(before, robot);
+  for (const Vec3& wanted : {Vec3(9, 0, 0), Vec3(kNan, 0, 0), Vec3(-1e9, 1e9, 0), Vec3(robot)})
+    for (int n = 0; n < 10; ++n) {
+      const Vec3 target = limiter.step({.wanted = wanted, .robot = robot, .hand_work = kNan});
+      ASSERT_TRUE(target.allFinite());
+      EXPECT_LE((target - before).norm(), limits.speed * kPeriod * (1.0 + 1e-9));
+      before = target;
+    }
+}
+
+}  // namespace
+}  // namespace feltwire::contact_estimate_test
