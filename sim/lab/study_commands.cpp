@@ -24,6 +24,7 @@
 #include "sim/studies/scene/trade_geometry.hpp"
 #include "sim/studies/scene/trade_scene.hpp"
 #include "sim/studies/scene/trade_tools.hpp"
+#include "sim/studies/teleop/teleop.hpp"
 
 namespace feltwire {
 namespace {
@@ -352,6 +353,27 @@ void add_local_model(CLI::App& app) {
       });
 }
 
+void add_teleop(CLI::App& app) {
+  struct Options {
+    std::string out = "teleop";
+    bool quick = false;
+  };
+  auto o = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand(
+      "teleop", "Every law of bilateral teleoperation on one bench, over delay, jitter and loss");
+  command->footer(
+      "A hand, a robot and what it touches, in one degree of freedom and virtual time. Writes "
+      "teleop.json, teleop.csv\nand teleop.png, the same bytes every time. docs/teleoperation.md "
+      "says how to read it.");
+  add_out(*command, o->out);
+  command->add_flag("--quick", o->quick, "Two round trips and two links only");
+  command->callback([o] {
+    const auto rows = teleop::run_teleop(teleop::teleop_cases(o->quick));
+    teleop::write_teleop(o->out, rows);
+    std::cout << teleop::teleop_table(rows) << placed("Table and picture", o->out);
+  });
+}
+
 }  // namespace
 
 void add_studies(CLI::App& app, int& status) {
@@ -365,6 +387,7 @@ void add_studies(CLI::App& app, int& status) {
   add_sides(app, status);
   add_deadband(app);
   add_local_model(app);
+  add_teleop(app);
   add_trade(app);
 }
 

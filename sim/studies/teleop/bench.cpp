@@ -1,0 +1,175 @@
+#include "sim/studies/teleop/bench.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "client/emulated_link/link_model.hpp"
+#include "core/base/splitmix.hpp"
+
+namespace feltwire::teleop {
+namespace {
+
+constexpr double kTwoPi = 2.0 * std::numbers::pi;
+constexpr double kGravity = 9.81;         // [m/s^2]
+constexpr int kParts = 10;                // of a servo sample, for the integration
+constexpr double kVelocityCutoff = 60.0;  // [Hz]
+
+/// One direction of the network.
+class Way {
+ public:
+  Way(const LinkOptions& options, std::uint64_t key) : model_(options, key) {}
+
+  void send(const Datagram& datagram, double now, bool cut) {
+    constexpr std::size_t kSize = 100;  // [bytes] of a datagram; no bit rate is limited here
+    const Nanoseconds entered(std::llround(now * 1e9));
+    const LinkFate fate = model_.next(kSize, entered);
+    if (cut) return;
+    for (int i = 0; i < fate.copies; ++i)
+      waiting_.push_back({fate.arrivals[static_cast<std::size_t>(i)], datagram});
+  }
+
+  /// Those that have arrived since the last call, in the order of arrival.
+  std::span<const Datagram> receive(double now) {
+    const Nanoseconds time(std::llround(now * 1e9));
+    const auto first = std::stable_partition(waiting_.begin(), waiting_.end(),
+                                             [&](const Waiting& w) { return w.due > time; });
+    std::stable_sort(first, waiting_.end(),
+                     [](const Waiting& a, const Waiting& b) { return a.due < b.due; });
+    arrived_.clear();
+    std::for_each(first, waiting_.end(), [&](const Waiting& w) { arrived_.push_back(w.datagram); });
+    waiting_.erase(first, waiting_.end());
+    return arrived_;
+  }
+
+ private:
+  struct Waiting {
+    Nanoseconds due;
+    Datagram datagram;
+  };
+  LinkModel model_;
+  std::vector<Waiting> waiting_;
+  std::vector<Datagram> arrived_;
+};
+
+struct Mass {
+  double position = 0.0, velocity = 0.0;
+};
+
+class World {
+ public:
+  explicit World(const Surroundings& around) : around_(around) {}
+
+  /// [m] the surface that the robot meets.
+  double surface(double time) const {
+    if (around_.kind == Surroundings::Kind::weight) return weight_.position;
+    if (time < around_.moves_from) return 0.0;
+    return around_.swing * std::sin(kTwoPi * around_.frequency * (time - around_.moves_from));
+  }
+
+  /// [N] against the robot at this place; moves the weight on by `step` [s].
+  double touch(const Mass& robot, double time, double step) {
+    if (around_.kind == Surroundings::Kind::nothing || time >= around_.vanishes) return 0.0;
+    const bool weight = around_.kind == Surroundings::Kind::weight;
+    const double speed = weight ? weight_.velocity : surface_speed(time);
+    const double depth = robot.position - surface(time);
+    double force = 0.0;
+    if (depth > 0.0)
+      force = std::max(0.0, around_.stiffness * depth + around_.damping * (robot.velocity - speed));
+    if (weight) {
+      // The weight rests on the ground at 0 and may only be lifted from it.
+      weight_.velocity += step * (force / around_.mass - kGravity);
+      weight_.position += step * weight_.velocity;
+      if (weight_.position < 0.0) weight_ = {};
+    }
+    return force;
+  }
+
+ private:
+  double surface_speed(double time) const {
+    if (time < around_.moves_from) return 0.0;
+    const double rate = kTwoPi * around_.frequency;
+    return around_.swing * rate * std::cos(rate * (time - around_.moves_from));
+  }
+  Surroundings around_;
+  Mass weight_;
+};
+
+/// Zero mean, variance 1, from four uniform numbers.
+double noise(std::uint64_t seed, std::uint64_t n) {
+  constexpr int kDraws = 4;
+  constexpr double kUnit = 1.0 / 18446744073709551616.0;  // 2^-64
+  double sum = 0.0;
+  for (int i = 0; i < kDraws; ++i)
+    sum += static_cast<double>(splitmix::draw(seed, kDraws * n + static_cast<std::uint64_t>(i))) *
+           kUnit;
+  return (sum - 0.5 * kDraws) * std::sqrt(12.0 / kDraws);
+}
+
+double rounded(double value, double quantum) {
+  return quantum > 0.0 ? quantum * std::round(value / quantum) : value;
+}
+
+}  // namespace
+
+std::vector<BenchSample> run_bench(TeleoperationLaw& law, const BenchSetup& setup) {
+  const Plant& plant = setup.plant;
+  const double period = plant.period, part = period / kParts;
+  Way forth(setup.link, link_key(setup.seed, 0, LinkDirection::up));
+  Way back(setup.link, link_key(setup.seed, 0, LinkDirection::down));
+  World world(setup.around);
+  const double start = setup.intention(0.0);
+  Mass hand{start}, robot{start};
+  const double hand_mass = setup.hand.mass + plant.leader_mass;
+  const double smooth = 1.0 - std::exp(-kTwoPi * kVelocityCutoff * period);
+  double shown = rounded(start, plant.leader_quantum), velocity = 0.0;
+  double held = 0.0, contact = 0.0, given = 0.0, most = 0.0, pushed = 0.0;
+  std::vector<BenchSample> samples;
+  const auto count = static_cast<std::uint64_t>(std::llround(setup.duration / period));
+  samples.reserve(count);
+  for (std::uint64_t n = 0; n < count; ++n) {
+    const double now = static_cast<double>(n) * period;
+    const bool cut = now >= setup.cut_from && now < setup.cut_until;
+    const double before = shown;
+    shown = rounded(hand.position, plant.leader_quantum);
+    velocity += smooth * ((shown - before) / period - velocity);
+    samples.push_back({hand.position, shown, held, robot.position, law.offset(), world.surface(now),
+                       contact, pushed});
+
+    Datagram sent{.index = n, .time = now};
+    held = std::clamp(law.lead({now, shown, velocity}, back.receive(now), sent),
+                      -plant.leader_force, plant.leader_force);
+    forth.send(sent, now, cut);
+    const double sensed = -contact + setup.wrench_noise * noise(setup.seed + 1, n);
+    Datagram answer{.index = n, .time = now};
+    const FollowerForce servo =
+        law.follow({now, robot.position, robot.velocity, sensed}, forth.receive(now), answer);
+    back.send(answer, now, cut);
+
+    for (int i = 0; i < kParts; ++i) {
+      const double time = now + (i + 0.5) * part;
+      const double meant = setup.intention(time);
+      const double pace = (setup.intention(time + part) - meant) / part;
+      const double grip =
+          setup.hand.stiffness * (meant - hand.position) + setup.hand.damping * pace - held;
+      // Damping is implicit: it never turns a motion round.
+      hand.velocity = (hand.velocity + part * grip / hand_mass) /
+                      (1.0 + part * (setup.hand.damping + plant.leader_damping) / hand_mass);
+      hand.position += part * hand.velocity;
+
+      contact = world.touch(robot, time, part);
+      const double drive = servo.force + servo.damping * servo.reference - contact;
+      robot.velocity =
+          (robot.velocity + part * drive / plant.follower_mass) /
+          (1.0 + part * (servo.damping + plant.follower_damping) / plant.follower_mass);
+      robot.position += part * robot.velocity;
+      given = contact > 0.0 ? given - contact * part * robot.velocity : 0.0;
+      most = contact > 0.0 ? most : 0.0;
+      pushed += std::max(0.0, given - most);
+      most = std::max(most, given);
+    }
+  }
+  return samples;
+}
+
+}  // namespace feltwire::teleop

@@ -1,0 +1,38 @@
+#pragma once
+// What each law of bilateral teleoperation shows and costs, over tasks and networks, on one bench.
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "sim/studies/teleop/tasks.hpp"
+
+namespace feltwire::teleop {
+
+struct TeleopCase {
+  std::string law = "feltwire", task = "press_first";
+  double round_trip = 0.1;  // [s]
+  double jitter = 0.0;      // [s] of each way
+  double loss = 0.0;        // share of each way
+};
+
+struct TeleopRow {
+  TeleopCase made;
+  Measured measured;
+};
+
+/// The cases of the whole study; quick: two round trips and two links.
+std::vector<TeleopCase> teleop_cases(bool quick);
+
+/// Runs every case; rows in the order of the cases. Deterministic. Throws std::invalid_argument for
+/// a law or a task that there is not.
+std::vector<TeleopRow> run_teleop(const std::vector<TeleopCase>& cases);
+
+/// Writes teleop.json, teleop.csv and teleop.png to `directory` (created). Throws
+/// std::runtime_error when something cannot be written or drawn.
+void write_teleop(const std::filesystem::path& directory, const std::vector<TeleopRow>& rows);
+
+/// For people: what each law shows over a perfect link and over a bad one.
+std::string teleop_table(const std::vector<TeleopRow>& rows);
+
+}  // namespace feltwire::teleop

@@ -1,0 +1,94 @@
+#pragma once
+// What a bilateral teleoperation law of one degree of freedom sees and says, at both ends.
+
+#include <cstdint>
+#include <span>
+
+namespace feltwire::teleop {
+
+/// The hardware that a law is told of.
+struct Plant {
+  double period = 1e-3;              // T [s] of both servos
+  double leader_damping = 0.5;       // b [N s/m] of the device, for certain
+  double leader_mass = 0.05;         // [kg] of its handle
+  double leader_quantum = 23e-6;     // [m] of its encoder
+  double leader_force = 20.0;        // [N] its largest
+  double hand_force = 10.0;          // F_h [N] the most that a hand puts on it
+  double follower_damping = 2.0;     // b_f [N s/m] of the robot, for certain
+  double follower_mass = 2.0;        // [kg]
+  double stiffness = 1000.0;         // K_f [N/m] of the robot's own impedance controller
+  double controller_damping = 60.0;  // B_f [N s/m] of it
+  double wrench_noise = 0.035;       // [N] the most that its force sensor is wrong by
+};
+
+/// All that a law may send; each uses some of it. Forces as F at the leader (resists the hand).
+struct Datagram {
+  std::uint64_t index = 0;  // of the sender's servo sample
+  double time = 0.0;        // [s] when it was sent; the clocks of both ends agree
+  double position = 0.0, velocity = 0.0, force = 0.0;
+  double wave = 0.0, wave_integral = 0.0;                // [sqrt W], [sqrt W s]
+  double energy = 0.0, energy_back = 0.0, pushed = 0.0;  // [J] totals, by the law
+  // Of a contact that the follower estimates, and what the leader knows of it.
+  std::uint32_t surface = 0;
+  bool touching = false;
+  double place = 0.0, stiffness = 0.0, surface_velocity = 0.0;
+};
+
+struct LeaderSample {
+  double time = 0.0;      // [s]
+  double position = 0.0;  // [m] as the encoder says
+  double velocity = 0.0;  // [m/s] low-passed at 60 Hz
+};
+struct FollowerSample {
+  double time = 0.0;
+  double position = 0.0, velocity = 0.0;  // [m], [m/s] of the robot's tip
+  double force = 0.0;                     // [N] on the robot, from its wrench sensor
+};
+
+/// What a robot's servo does until the next sample: force + damping (reference - v), where the
+/// damper runs in the robot's own fast loop.
+struct FollowerForce {
+  double force = 0.0;      // [N]
+  double damping = 0.0;    // [N s/m]
+  double reference = 0.0;  // [m/s]
+};
+
+/// One law, both ends. The bench calls lead() and follow() once a sample each, with the datagrams
+/// that arrived since the last one in the order of arrival, and `out` filled with index and time.
+class TeleoperationLaw {
+ public:
+  TeleoperationLaw() = default;
+  TeleoperationLaw(const TeleoperationLaw&) = delete;
+  TeleoperationLaw& operator=(const TeleoperationLaw&) = delete;
+  virtual ~TeleoperationLaw() = default;
+  /// The force F [N] that resists the hand until the next sample.
+  virtual double lead(const LeaderSample& sample, std::span<const Datagram> arrived,
+                      Datagram& out) = 0;
+  virtual FollowerForce follow(const FollowerSample& sample, std::span<const Datagram> arrived,
+                               Datagram& out) = 0;
+  /// [m] the robot is meant to be where the hand is, less this.
+  virtual double offset() const { return 0.0; }
+};
+
+/// Keeps the newest datagram by index.
+class Newest {
+ public:
+  /// Returns whether one is newer than what was known.
+  bool take(std::span<const Datagram> arrived) {
+    bool newer = false;
+    for (const Datagram& d : arrived) {
+      if (known_ && d.index <= datagram_.index) continue;
+      datagram_ = d;
+      known_ = newer = true;
+    }
+    return newer;
+  }
+  bool known() const { return known_; }
+  const Datagram* operator->() const { return &datagram_; }
+
+ private:
+  Datagram datagram_;
+  bool known_ = false;
+};
+
+}  // namespace feltwire::teleop

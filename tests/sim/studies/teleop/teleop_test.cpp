@@ -1,0 +1,110 @@
+// What docs/teleoperation.md claims of the laws on the bench, on the cases that decide.
+
+#include "sim/studies/teleop/teleop.hpp"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "sim/teleoperation_laws/laws.hpp"
+
+namespace feltwire::teleop {
+namespace {
+
+constexpr double kCalm = 10e-6;  // [m] RMS
+
+Measured run(const char* law, const char* task, double trip, double jitter = 0.0,
+             double loss = 0.0) {
+  return run_teleop({{law, task, trip, jitter, loss}}).front().measured;
+}
+
+TEST(Teleop, AStillWallIsShownInFullFromTheFirstTouch) {
+  for (const double trip : {0.0, 0.05, 0.1})
+    for (const bool bad : {false, true})
+      for (const char* task : {"press_first", "press_second"}) {
+        const Measured m = run("feltwire", task, trip, bad ? 5e-3 : 0.0, bad ? 0.05 : 0.0);
+        ASSERT_TRUE(m.displayed) << task << ' ' << trip;
+        EXPECT_NEAR(*m.displayed, 1.0, 0.05) << task << ' ' << trip;
+        EXPECT_LT(*m.oscillation, kCalm) << task << ' ' << trip;
+        EXPECT_EQ(m.energy_made, 0.0) << task << ' ' << trip;
+      }
+}
+
+TEST(Teleop, ABoundedForceFadesAndAnUnboundedOneSwings) {
+  EXPECT_LT(*run("contact_frame", "press_second", 0.1).displayed, 0.3);
+  EXPECT_GT(*run("position_force", "press_second", 0.1).oscillation, 1e-3);
+  EXPECT_GT(run("position_force", "press_second", 0.1).energy_made, 1.0);
+  EXPECT_EQ(run("contact_frame", "press_second", 0.1).energy_made, 0.0);
+}
+
+TEST(Teleop, FreeMotionHasNoDragAndLossNoDrift) {
+  const Measured free = run("feltwire", "free", 0.1);
+  EXPECT_LT(*free.drag, 0.05);
+  EXPECT_NEAR(*free.tracking, *run("feltwire", "free", 0.0).tracking, 1e-5);
+  EXPECT_LT(*run("feltwire", "drift", 0.1, 5e-3, 0.05).drift, 0.05e-3);
+}
+
+TEST(Teleop, TapsOverTwoHundredMilliseconds) {
+  EXPECT_LT(*run("feltwire", "taps", 0.2).force_error, 0.15);
+  EXPECT_LT(*run("feltwire", "taps", 0.2, 5e-3, 0.05).force_error, 0.15);
+}
+
+TEST(Teleop, WaveVariablesShowWhatTheirLineSays) {
+  // 1/K = 1/K_s + d/b at rest: Niemeyer and Slotine 2004.
+  const double series = 1000.0 * 2000.0 / 3000.0, one_way = 0.05;
+  for (const auto& [law, b] : {std::pair{"wave_b10", 10.0}, {"wave_b30", 30.0}}) {
+    const double line = 1.0 / (1.0 / series + one_way / b);
+    EXPECT_NEAR(*run(law, "press_second", 2.0 * one_way).displayed * series, line, 0.1 * line);
+  }
+}
+
+TEST(Teleop, BoundedPortsMakeNoEnergyOnAnyTask) {
+  std::vector<TeleopCase> cases;
+  for (const TeleopCase& c : teleop_cases(true))
+    if (c.task != "drift" &&
+        (c.law == "feltwire" || c.law == "contact_frame" || c.law == "energy_bounding"))
+      cases.push_back(c);
+  for (const TeleopRow& row : run_teleop(cases))
+    EXPECT_EQ(row.measured.energy_made, 0.0) << row.made.law << ' ' << row.made.task << ' '
+                                             << row.made.round_trip << ' ' << row.made.loss;
+}
+
+TEST(Teleop, TheSameBitsEveryRun) {
+  for (const std::string_view law : law_names()) {
+    const std::string name(law);
+    const Measured a = run(name.c_str(), "taps", 0.05, 5e-3, 0.05);
+    const Measured b = run(name.c_str(), "taps", 0.05, 5e-3, 0.05);
+    EXPECT_EQ(*a.force_error, *b.force_error) << law;
+    EXPECT_EQ(a.peak_force, b.peak_force) << law;
+  }
+}
+
+TEST(Teleop, WritesEveryFieldAndSaysWhatThereIsNot) {
+  const auto folder =
+      std::filesystem::temp_directory_path() / ("teleop_test." + std::to_string(getpid()));
+  std::vector<TeleopCase> cases;
+  for (const char* task : {"press_first", "free", "press_second", "taps", "moving_wall"})
+    cases.push_back({"feltwire", task, 0.05, 0.0, 0.0});
+  const auto rows = run_teleop(cases);
+  write_teleop(folder, rows);
+  std::ifstream file(folder / "teleop.json");
+  const auto read = nlohmann::json::parse(file);
+  ASSERT_EQ(read.size(), cases.size());
+  for (const char* field :
+       {"law", "task", "rtt_ms", "jitter_ms", "loss", "displayed_over_series", "oscillation_um",
+        "drag_n", "tracking_mm", "force_error_n", "drift_mm", "energy_made_j", "peak_force_n"})
+    EXPECT_TRUE(read[0].contains(field)) << field;
+  EXPECT_NEAR(read[0]["displayed_over_series"].get<double>(), *rows[0].measured.displayed, 1e-12);
+  EXPECT_TRUE(read[0]["drag_n"].is_null());
+  EXPECT_TRUE(read[1]["displayed_over_series"].is_null());
+  EXPECT_TRUE(std::filesystem::exists(folder / "teleop.png"));
+  std::filesystem::remove_all(folder);
+  EXPECT_THROW(make_law("none", Plant{}), std::invalid_argument);
+  EXPECT_THROW(run("feltwire", "nothing", 0.0), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace feltwire::teleop
