@@ -18,8 +18,8 @@ namespace feltwire {
 class Records {
  public:
   struct Files {
-    std::optional<RecordingTarget> recording;
-    std::optional<std::filesystem::path> view;
+    std::optional<RecordingTarget> recording = {};
+    std::optional<std::filesystem::path> view = {};
     bool observes = false;  // views are taken, with or without a file
     OnView on_view = {};
     std::optional<FlightTarget> flight = {};

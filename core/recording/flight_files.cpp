@@ -12,11 +12,12 @@ namespace feltwire {
 namespace {
 
 namespace fs = std::filesystem;
+constexpr std::uint64_t kMillisecond = 1'000'000;  // [ns]
 constexpr std::string_view kBegin = "flight-", kStampLike = "20261123T070259.123Z";
 
 /// Names sort by time.
 std::string stamp(std::uint64_t time) {
-  constexpr std::uint64_t kMillisecond = 1'000'000, kInSecond = 1000;
+  constexpr std::uint64_t kInSecond = 1000;
   const std::uint64_t milliseconds = time / kMillisecond;
   const auto since_1970 = static_cast<std::time_t>(milliseconds / kInSecond);
   std::tm parts{};
@@ -49,7 +50,9 @@ fs::path next_flight_file(const fs::path& folder, const std::string& name, std::
   }
   std::ranges::sort(files);
   for (std::size_t i = 0; i + kMostFlightFiles <= files.size(); ++i) fs::remove(files[i]);
-  return folder / (std::string(kBegin) + stamp(time) + end);
+  const auto named = [&] { return folder / (std::string(kBegin) + stamp(time) + end); };
+  while (fs::exists(named())) time += kMillisecond;  // an earlier one stays
+  return named();
 }
 
 }  // namespace feltwire

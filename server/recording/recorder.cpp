@@ -23,16 +23,19 @@ bool is_plain(char c) {
 
 }  // namespace
 
+std::string name_in_files(const std::string& scene, std::size_t place) {
+  if (std::ranges::all_of(scene, is_plain)) return scene;
+  std::string name = scene;
+  std::ranges::replace_if(
+      name, [](char c) { return !is_plain(c); }, '_');
+  return name + '-' + std::to_string(place + 1);
+}
+
 std::filesystem::path recording_file(const std::filesystem::path& file,
                                      const std::vector<std::string>& scenes, std::size_t place) {
   if (scenes.size() == 1) return file;
-  std::string name = scenes[place];
-  if (!std::ranges::all_of(name, is_plain)) {
-    std::ranges::replace_if(
-        name, [](char c) { return !is_plain(c); }, '_');
-    name += '-' + std::to_string(place + 1);
-  }
-  return file.parent_path() / (file.stem().string() + '-' + name + file.extension().string());
+  return file.parent_path() / (file.stem().string() + '-' + name_in_files(scenes[place], place) +
+                               file.extension().string());
 }
 
 Recorder::OneScene::OneScene(std::string scene, std::shared_ptr<const KeptFiles> kept)
@@ -52,8 +55,7 @@ Recorder::Recorder(const RecorderOptions& options, const std::vector<Scene>& sce
           scene.files.get(), offset);
     if (!options.flight_folder.empty())
       scene.flight = std::make_unique<FlightRecorder>(
-          options.flight_folder, recording_file("scene.mcap", names, i).stem().string(),
-          about_recording(names[i]), offset);
+          options.flight_folder, name_in_files(names[i], i), about_recording(names[i]), offset);
   }
 }
 

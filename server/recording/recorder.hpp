@@ -16,14 +16,16 @@
 namespace feltwire {
 
 struct RecorderOptions {
-  std::filesystem::path file;  // of the only scene; empty: none is written
+  std::filesystem::path file = {};  // of the only scene; empty: none is written
   RecordingLimits limits{};
-  std::filesystem::path flight_folder;  // for flight records; empty: none is written
+  std::filesystem::path flight_folder = {};  // for flight records; empty: none is written
   bool any() const { return !file.empty() || !flight_folder.empty(); }
 };
 
-/// FILE.mcap of a server with one scene, FILE-SCENE.mcap of one with several. What of a name is no
-/// letter, digit, '-' or '_' becomes '_', and `place` then keeps two names apart.
+/// A scene's name as names of files have it: what is no letter, digit, '-' or '_' becomes '_', and
+/// `place` then keeps two names apart.
+std::string name_in_files(const std::string& scene, std::size_t place);
+/// FILE.mcap of a server with one scene, FILE-SCENE.mcap of one with several.
 std::filesystem::path recording_file(const std::filesystem::path& file,
                                      const std::vector<std::string>& scenes, std::size_t place);
 

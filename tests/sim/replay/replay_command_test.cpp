@@ -35,7 +35,7 @@ class ReplayCommand : public ::testing::Test {
  protected:
   ReplayCommand() {
     recorded.join(0x100);
-    recorded.run(100);
+    recorded.run(600);
     file = recorded.finish().string();
   }
   test::RecordedScene recorded{test::repository_scene("plane.json")};
@@ -46,7 +46,7 @@ TEST_F(ReplayCommand, EqualIsZero) {
   const Said said = run({file});
   EXPECT_EQ(said.status, 0);
   EXPECT_THAT(said.text, HasSubstr("\nbit-equal\n"));
-  EXPECT_THAT(said.text, HasSubstr("scene plane: 0.100 s, 1 sessions, "));
+  EXPECT_THAT(said.text, HasSubstr("scene plane: 0.600 s, 1 sessions, "));
 }
 
 TEST_F(ReplayCommand, DifferenceIsOneWithItsPlace) {

@@ -1,0 +1,132 @@
+// A scene that is served by its own thread is recorded by another one.
+
+#include "server/recording/recorder.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <asio/io_context.hpp>
+
+#include "core/scene_file/load_scene.hpp"
+#include "server/recording/replay.hpp"
+#include "server/scene/scene_host.hpp"
+#include "tests/server/raw_socket.hpp"
+#include "tests/server/recording/recorded_scene.hpp"
+#include "tests/support/eventually.hpp"
+
+namespace feltwire::recorder_test {
+namespace {
+
+using namespace std::chrono_literals;
+using ::testing::HasSubstr;
+
+constexpr std::uint64_t kId = 0x100;
+constexpr std::uint64_t kSamples = 300;
+
+std::vector<Scene> scenes() {
+  std::vector<Scene> all;
+  all.push_back(load_scene_and_keep(test::repository_scene("room.json")));
+  return all;
+}
+
+/// A host on a port of its own, and a session in it.
+struct Served {
+  explicit Served(const RecorderOptions& options) : loaded(scenes()), recorder(options, loaded) {
+    SceneHostOptions host_options;
+    host_options.address = asio::ip::make_address("127.0.0.1");
+    host_options.silence_timeout = 100s;
+    host_options.limits.sample_rate = 1e6;
+    host_options.events = &recorder.log(0);
+    host = std::make_unique<SceneHost>(std::move(loaded.front()), host_options);
+    recorder.see(0, host->recorded_pictures());
+    host->start();
+    recorder.start();
+    host->ask(test::join_request(), kId, test::keys(kId), io, [](const control::Message&) {});
+    socket = std::make_unique<test::RawSocket>(SOCK_DGRAM, host->port());
+  }
+  ~Served() { stop(); }
+  Served(const Served&) = delete;
+  Served& operator=(const Served&) = delete;
+
+  /// One after the other, each answered.
+  void exchange(std::uint64_t samples) {
+    for (std::uint64_t n = 0; n < samples; ++n) {
+      ++packet;
+      socket->send(encoder.samples(kId, packet, test::hand_batch(packet)));
+      ASSERT_FALSE(socket->receive().empty()) << packet;
+    }
+  }
+  void stop() {
+    host->stop();
+    recorder.stop();
+  }
+
+  std::vector<Scene> loaded;
+  asio::io_context io{1};
+  Recorder recorder;
+  std::unique_ptr<SceneHost> host;
+  std::unique_ptr<test::RawSocket> socket;
+  test::SealedEncoder encoder{test::Way::up};
+  std::uint64_t packet = 0;
+};
+
+std::size_t messages_of(const std::filesystem::path& file, const std::string& topic) {
+  std::ifstream in(file, std::ios::binary);
+  mcap::Reader reader(in, file.string());
+  std::size_t count = 0;
+  while (const auto message = reader.next())
+    count += reader.channels().at(message->channel).topic == topic ? 1 : 0;
+  return count;
+}
+
+TEST(Recorder, ServedSceneIsReplayedBitEqual) {
+  const testing::TemporaryFolder folder;
+  const auto file = folder / "room.mcap";
+  Served served({.file = file});
+  served.exchange(kSamples);
+  served.host->reload(load_scene_and_keep(test::repository_scene("room.json")));
+  served.exchange(kSamples);
+  served.stop();
+  const Replay result = replay({file});
+  EXPECT_TRUE(result.bit_equal()) << (result.difference ? result.difference->what : "");
+  EXPECT_EQ(result.replies, 2 * kSamples);
+  EXPECT_EQ(result.sessions, 1u);
+  EXPECT_EQ(result.lost, 0u);
+  EXPECT_GT(messages_of(file, "/scene/picture"), 0u);
+}
+
+TEST(Recorder, EvictionGivesAFlightRecord) {
+  const testing::TemporaryFolder folder;
+  Served served({.flight_folder = folder / "flights"});
+  served.exchange(kSamples);
+  const auto flights = [&] {
+    return std::distance(std::filesystem::directory_iterator(folder / "flights"),
+                         std::filesystem::directory_iterator());
+  };
+  served.recorder.ask_for_flight_records();
+  ASSERT_TRUE(test::becomes([&] { return flights() == 1; }));
+  served.host->evict(kId);
+  served.stop();  // which writes what is due
+  EXPECT_EQ(flights(), 2);
+}
+
+TEST(Recorder, FileThatCannotBeWrittenIsNamed) {
+  try {
+    const Recorder recorder({.file = "/dev/null/room.mcap"}, scenes());
+    FAIL();
+  } catch (const std::runtime_error& error) {
+    EXPECT_THAT(error.what(), HasSubstr("/dev/null/room.mcap"));
+    EXPECT_THAT(error.what(), HasSubstr("--record"));
+  }
+}
+
+TEST(Recorder, EachSceneHasAFile) {
+  EXPECT_EQ(recording_file("a/b.mcap", {"room"}, 0), "a/b.mcap");
+  EXPECT_EQ(recording_file("a/b.mcap", {"room", "wall"}, 1), "a/b-wall.mcap");
+  EXPECT_EQ(recording_file("b.mcap", {"../x", "__/x"}, 0), "b-___x-1.mcap");
+  EXPECT_EQ(recording_file("b.mcap", {"../x", "__/x"}, 1), "b-___x-2.mcap");
+}
+
+}  // namespace
+}  // namespace feltwire::recorder_test
