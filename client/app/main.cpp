@@ -3,10 +3,14 @@
 #include <cstdio>
 #include <exception>
 #include <memory>
+#include <stdexcept>
+#include <string>
+#include <vector>
 
 #include "client/app/options.hpp"
 #include "client/devices/replay.hpp"
 #include "client/emulated_link/emulated_port.hpp"
+#include "client/run/check.hpp"
 #include "client/run/run_client.hpp"
 #include "core/base/visible_text.hpp"
 
@@ -41,10 +45,30 @@ int list(const ServerAccess& server) {
   return 0;
 }
 
+/// Where none was named.
+std::string first_scene(const ServerAccess& server) {
+  const auto scenes = list_scenes(server, kControlTimeout);
+  if (scenes.empty()) throw std::runtime_error("the server has no scene that this token opens");
+  return scenes.front().name;
+}
+
+/// A run that is judged. The exit code is 0 where nothing fails.
+int check(ClientOptions& options) {
+  if (options.scene.empty()) options.scene = first_scene(options.server);
+  std::vector<Finding> findings;
+  options.on_end = [&](const RunFigures& run) {
+    findings = judge(run, machine_facts(run.server));
+    return json(findings);
+  };
+  const int ran = run_client(make_device(options), options);
+  std::printf("%s", table(findings).c_str());
+  return ran == 0 && worst(findings) != Verdict::fail ? 0 : 1;
+}
+
 int run(ClientOptions options) {
   if (options.list) return list(options.server);
   options.open_port = [&options](const Address& scene) { return open_port(options, scene); };
-  return run_client(make_device(options), options);
+  return options.check ? check(options) : run_client(make_device(options), options);
 }
 
 }  // namespace

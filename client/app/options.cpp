@@ -46,6 +46,9 @@ std::variant<ClientOptions, int> parse_options(int argc, char** argv) {
       ->required();
   add_credential_options(app, words.credentials);
   app.add_flag("--list", options.list, "List the server's scenes and end");
+  app.add_flag("--check", options.check,
+               "Ten seconds with a simulated hand that touches nothing: is this machine, and the "
+               "network, fit for a session? (docs/troubleshooting.md)");
   app.add_option("--scene", words.scene, "Name of the scene to join");
   app.add_option("--tool", options.tool,
                  "Name of the tool to hold, of those that the scene has; its first when not given");

@@ -17,6 +17,7 @@ struct ReplayFile {
 
 struct ClientOptions : RunOptions {
   bool list = false;                                // list the scenes, nothing else
+  bool check = false;                               // judge machine and network, and end
   std::variant<HandTask, ReplayFile> device;        // simulated hand, or a recording
   bool center_given = false, normal_given = false;  // else they are the scene's to say
   DeviceSpec spec;

@@ -138,7 +138,8 @@ void begin_with(const NetworkProfile& line, WrittenOptions& words, SessionParame
 void understand(const WrittenOptions& words, HandTask task, ClientOptions& options) {
   options.server = {parse_endpoint(words.connect), credentials(words.credentials)};
   if (options.list) return;
-  require(!words.scene.empty(), "--scene is required; --list shows the scenes there are");
+  require(!words.scene.empty() || options.check,
+          "--scene is required; --list shows the scenes there are");
   options.scene = words.scene;
   check_name("--scene", options.scene);
   check_name("--tool", options.tool);
@@ -162,10 +163,17 @@ void understand(const WrittenOptions& words, HandTask task, ClientOptions& optio
   choose_safety(words, options);
   validate(options.servo, options.parameters);
 
+  if (options.check) {
+    constexpr double kUsual = 10.0;  // [s]
+    require(words.device == "simulated",
+            "--check is made with the simulated hand; leave out --device");
+    if (options.duration == 0.0) options.duration = kUsual;
+    task.depth = -task.clearance;  // it touches nothing
+  }
   options.spec = device_spec(words.spec);
   options.device_kind = words.device;
   if (words.device == "simulated") {
-    task.path = hand_path(words.path);
+    task.path = options.check ? HandPath::press : hand_path(words.path);
     if (words.center) task.center = vector(*words.center);
     if (words.normal) set_normal(task, vector(*words.normal));
     options.center_given = words.center.has_value();

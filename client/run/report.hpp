@@ -22,6 +22,7 @@ struct RunDescription {
   std::optional<SightCounts> sight = std::nullopt;  // of an observer
   std::string tool = {};                            // by its name; empty: it has none
   std::string server_version = {};                  // empty: it did not say
+  std::string check = {};                           // JSON of --check; empty: none was made
 };
 
 /// The report's text. Every number in it is finite; what there is no number for is null. `link`:

@@ -1,5 +1,6 @@
 #include "client/run/run_client.hpp"
 
+#include <algorithm>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
@@ -135,6 +136,27 @@ std::shared_ptr<Run> make_run(const RunOptions& options, const control::JoinAcce
   return run;
 }
 
+/// Of a run whose servo thread has ended.
+RunFigures figures_of(const Run& run, const RealTime& real_time, const Address& server) {
+  const ServoStatistics& s = run.servo.statistics();
+  RunFigures figures{.end = run.result.end,
+                     .duration = run.result.duration,
+                     .servo_period = run.servo.parameters().servo_period,
+                     .hold_time = run.servo.parameters().hold_time,
+                     .samples = s.samples,
+                     .missed_deadlines = run.result.missed_deadlines,
+                     .wakeup_late = run.result.wakeup_late,
+                     .datagrams = s.datagrams,
+                     .lost = run.servo.lost(),
+                     .too_long = run.transport->statistics().too_long,
+                     .round_trip = s.round_trip,
+                     .real_time = real_time,
+                     .server = server};
+  if (const ClockEstimate& clock = run.servo.server_clock(); clock.known())
+    figures.jitter = std::max(clock.jitter_up(), clock.jitter_down());
+  return figures;
+}
+
 /// A port is the user's own code: if it fails here, the report says so and the rest is written.
 std::string port_report(const DatagramPort& port) {
   try {
@@ -227,12 +249,14 @@ int run_client(std::unique_ptr<Device> device, const RunOptions& options) {
   bool reported = false, failed = all->records->failed();
   reserve.stand_in();
   try {
+    std::string check;
+    if (options.on_end) check = options.on_end(figures_of(*all, real_time, joined.datagrams));
     if (options.report)
       write_report_surely(
           *options.report,
           {options.name, options.scene, to_string(options.server.endpoint), options.device_kind,
            real_time, joined.accepted.stiffness, options.busy_poll, all->records->sight(),
-           joined.accepted.tool, joined.accepted.version},
+           joined.accepted.tool, joined.accepted.version, check},
           *all);
     reported = options.report.has_value();
   } catch (const std::exception& error) {

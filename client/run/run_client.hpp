@@ -11,6 +11,7 @@
 #include "client/devices/device.hpp"
 #include "client/run/observer_recorder.hpp"
 #include "client/run/recording.hpp"
+#include "client/run/run_figures.hpp"
 #include "client/servo/servo.hpp"
 #include "client/transport/control_client.hpp"
 #include "client/transport/datagram_port.hpp"
@@ -41,6 +42,9 @@ struct RunOptions {
   /// Of an observer: called for each view that came, by the thread that called run_client(). What
   /// it throws ends the calls; the run goes on, and returns 1.
   OnView on_view = {};
+  /// Called with what the run measured, after the servo thread has ended. The text that it returns
+  /// (JSON) is the report's `check`. What it throws fails the report.
+  std::function<std::string(const RunFigures&)> on_end = {};
   /// Opens the way of datagrams to the scene; empty: open_udp_port(). May throw SessionError.
   std::function<std::unique_ptr<DatagramPort>(const Address& scene)> open_port = {};
 };

@@ -74,6 +74,31 @@ class ClientProgram : public ::testing::Test {
   ServerAccess access_;
 };
 
+/// On this machine it may pass or fail: the exit status says which.
+TEST_F(ClientProgram, ChecksMachineAndNetworkWithAHandThatTouchesNothing) {
+  const std::string report_file = folder_ / "report.json";
+  const test::Outcome outcome =
+      outcome_with_access(anna_, FELTWIRE_CLIENT_PROGRAM,
+                          {"--connect", to_string(access_.endpoint), "--check", "--duration", "0.3",
+                           "--report", report_file});
+  const nlohmann::json said = report();
+  EXPECT_EQ(said["scene"], "floor") << "the first there is";
+  EXPECT_EQ(said["max_force_n"], 0.0);
+  EXPECT_GT(said["no_force"]["samples"]["touches_nothing"], 0);
+  std::vector<std::string> names;
+  bool fails = false;
+  for (const auto& finding : said["check"]) {
+    names.push_back(finding["what"]);
+    fails = fails || finding["verdict"] == "fail";
+    EXPECT_EQ(finding["remedy"] == "", finding["verdict"] == "pass");
+    EXPECT_THAT(outcome.out, HasSubstr(finding["figure"].get<std::string>()));
+  }
+  EXPECT_THAT(names, ::testing::ElementsAre("session", "rate", "late wake-ups", "permissions",
+                                            "processors", "clock", "answers", "round trip",
+                                            "jitter", "loss", "datagram size"));
+  EXPECT_EQ(outcome.status, fails ? 1 : 0) << outcome.out;
+}
+
 TEST_F(ClientProgram, AnObserverSaysAndWritesDownWhatItSees) {
   testing::Client hand(access_, "t,x,y,z\n0,0.25,0,0.125\n1000,0.25,0,0.125\n", {}, "floor");
   hand.start();

@@ -1,0 +1,199 @@
+#include "client/run/check.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "protocol/wire/datagram.hpp"
+
+namespace feltwire {
+namespace {
+
+constexpr double kNanoseconds = 1e9, kMicroseconds = 1e6, kMilliseconds = 1e3, kPercent = 100.0;
+
+std::string text(double value, int digits) {
+  std::array<char, 64> text{};
+  std::snprintf(text.data(), text.size(), "%.*f", digits, value);
+  return text.data();
+}
+
+/// Passes up to the first limit and fails above the second.
+Verdict rising(double value, double passes, double works) {
+  if (!(value <= works)) return Verdict::fail;
+  return value <= passes ? Verdict::pass : Verdict::warn;
+}
+
+Finding found(std::string_view what, Verdict verdict, std::string figure, std::string remedy) {
+  if (verdict == Verdict::pass) remedy.clear();
+  return {what, verdict, std::move(figure), std::move(remedy)};
+}
+
+const char* const kQuietMachine =
+    "give the client a machine with less to do, the rights of docs/devices.md (real-time "
+    "scheduling), or a lower --rate";
+
+Finding session(const RunFigures& run) {
+  const bool whole = run.end == EndReason::duration || run.end == EndReason::requested;
+  return found("session", whole ? Verdict::pass : Verdict::fail,
+               whole ? text(run.duration, 1) + " s" : "ended early: " + std::string(name(run.end)),
+               "the last lines of the client and the server's log say why");
+}
+
+Finding rate(const RunFigures& run) {
+  constexpr double kPasses = 0.001, kWorks = 0.05;  // of the ticks
+  const double wanted = 1.0 / run.servo_period;
+  const auto due = static_cast<double>(run.samples + run.missed_deadlines);
+  const double missing = due > 0.0 ? static_cast<double>(run.missed_deadlines) / due : 1.0;
+  return found("rate", rising(missing, kPasses, kWorks),
+               text((1.0 - missing) * wanted, 1) + " of " + text(wanted, 0) + " ticks a second",
+               kQuietMachine);
+}
+
+Finding wakeups(const RunFigures& run) {
+  constexpr double kPasses = 0.1, kWorks = 0.5;  // of a servo period
+  const double late = run.wakeup_late.quantile(0.99) / kNanoseconds;
+  return found(
+      "late wake-ups", rising(late / run.servo_period, kPasses, kWorks),
+      "99 % of ticks within " + text(kMicroseconds * late, 0) + " us, the worst " +
+          text(static_cast<double>(run.wakeup_late.max()) / (kNanoseconds / kMicroseconds), 0) +
+          " us",
+      kQuietMachine);
+}
+
+Finding permissions(const RunFigures& run) {
+  const std::string less = missing(run.real_time, kServoPriority);
+  return found("permissions", less.empty() ? Verdict::pass : Verdict::warn,
+               std::string("real-time scheduling ") + (run.real_time.scheduler ? "yes" : "no") +
+                   ", memory locked " + (run.real_time.memory_locked ? "yes" : "no"),
+               less);
+}
+
+/// Deep sleep matters where ticks are late.
+Finding processors(const RunFigures& run, const MachineFacts& machine) {
+  constexpr int kShort = 50;  // [us]
+  const bool late = wakeups(run).verdict != Verdict::pass;
+  const bool deep = !machine.wake_latency || *machine.wake_latency > kShort;
+  const std::string figure = !machine.wake_latency ? "/dev/cpu_dma_latency may not be read"
+                             : *machine.wake_latency > kShort
+                                 ? "may sleep deeply"
+                                 : "wake within " + std::to_string(*machine.wake_latency) + " us";
+  return found("processors", late && deep ? Verdict::warn : Verdict::pass, figure,
+               "keep them from deep sleep: tuned-adm profile latency-performance, or a program "
+               "that holds /dev/cpu_dma_latency open with 0 in it");
+}
+
+Finding clock(const MachineFacts& machine) {
+  constexpr std::array<std::string_view, 3> kSlow = {"hpet", "acpi_pm", "jiffies"};
+  constexpr double kPasses = 1e-6, kWorks = 1e-4;  // [s]
+  const bool slow = std::ranges::find(kSlow, machine.clock_source) != kSlow.end();
+  const Verdict verdict = rising(machine.clock_resolution, kPasses, kWorks);
+  return found("clock", slow ? std::max(verdict, Verdict::warn) : verdict,
+               (machine.clock_source.empty() ? "unknown source" : machine.clock_source) + ", " +
+                   text(kNanoseconds * machine.clock_resolution, 0) + " ns",
+               "boot the kernel with clocksource=tsc where the processor has a steady one, or a "
+               "kernel with high resolution timers");
+}
+
+Finding answers(const RunFigures& run) {
+  return found("answers", run.round_trip.count() > 0 ? Verdict::pass : Verdict::fail,
+               std::to_string(run.round_trip.count()) + " of " + std::to_string(run.datagrams),
+               "the control port answers and the scene's does not: open its udp port, which the "
+               "server's listening: line names, in every firewall on the way");
+}
+
+const char* const kLongLine =
+    "a line with less to do, or --profile wan with the local model; a longer --hold-time lets "
+    "older commands count";
+
+Finding round_trip(const RunFigures& run) {
+  constexpr double kPasses = 0.25, kWorks = 0.5;  // of the hold time; then commands fade
+  const double p50 = run.round_trip.quantile(0.5) / kNanoseconds;
+  const double p99 = run.round_trip.quantile(0.99) / kNanoseconds;
+  return found("round trip", rising(p99 / run.hold_time, kPasses, kWorks),
+               "half within " + text(kMilliseconds * p50, 2) + " ms, 99 % within " +
+                   text(kMilliseconds * p99, 2) + " ms",
+               kLongLine);
+}
+
+Finding jitter(const RunFigures& run) {
+  constexpr double kWorks = 0.125;  // of the hold time
+  const double passes = std::max(run.servo_period, kWorks / 4.0 * run.hold_time);
+  return found("jitter", rising(*run.jitter, passes, kWorks * run.hold_time),
+               text(kMilliseconds * *run.jitter, 2) + " ms from one datagram to the next",
+               "a cable instead of radio; --dscp, where the network heeds it; --profile wifi");
+}
+
+Finding loss(const RunFigures& run) {
+  constexpr double kPasses = 0.001, kWorks = 0.05;
+  const double share = static_cast<double>(run.lost) / static_cast<double>(run.datagrams);
+  return found("loss", rising(share, kPasses, kWorks),
+               text(kPercent * share, 2) + " % of " + std::to_string(run.datagrams) + " datagrams",
+               "--redundancy 2 repeats samples; a cable instead of radio; less traffic beside it");
+}
+
+Finding datagram_size(const RunFigures& run, const MachineFacts& machine) {
+  constexpr int kUdp = 8, kIpv4 = 20, kIpv6 = 40;  // [bytes] of headers
+  const int needed = static_cast<int>(kMaxDatagram) + kUdp + (machine.ipv6 ? kIpv6 : kIpv4);
+  const bool small = !machine.path_mtu || *machine.path_mtu < needed;
+  return found("datagram size",
+               run.too_long > 0 ? Verdict::fail
+               : small          ? Verdict::warn
+                                : Verdict::pass,
+               (machine.path_mtu ? "packets of " + std::to_string(*machine.path_mtu) + " bytes"
+                                 : std::string("not known")) +
+                   ", " + std::to_string(needed) + " needed at most",
+               "an MTU of " + std::to_string(needed) +
+                   " or more on every interface and tunnel of the way; until then fewer samples a "
+                   "datagram (--batch, --redundancy)");
+}
+
+constexpr std::array<std::string_view, 3> kVerdicts = {"pass", "warn", "fail"};
+
+}  // namespace
+
+std::string_view name(Verdict verdict) { return kVerdicts[static_cast<std::size_t>(verdict)]; }
+
+std::vector<Finding> judge(const RunFigures& run, const MachineFacts& machine) {
+  std::vector<Finding> findings = {
+      session(run),   rate(run),   wakeups(run), permissions(run), processors(run, machine),
+      clock(machine), answers(run)};
+  if (run.round_trip.count() > 0) {
+    findings.push_back(round_trip(run));
+    if (run.jitter) findings.push_back(jitter(run));
+    findings.push_back(loss(run));
+  }
+  findings.push_back(datagram_size(run, machine));
+  return findings;
+}
+
+Verdict worst(const std::vector<Finding>& findings) {
+  const auto found = std::ranges::max_element(findings, {}, &Finding::verdict);
+  return found == findings.end() ? Verdict::pass : found->verdict;
+}
+
+std::string table(const std::vector<Finding>& findings) {
+  constexpr std::size_t kWidth = 14;
+  std::string text;
+  for (const Finding& finding : findings) {
+    std::string what(finding.what);
+    what.resize(std::max(kWidth, what.size()), ' ');
+    text += std::string(name(finding.verdict)) + "  " + what + "  " + finding.figure + "\n";
+    if (!finding.remedy.empty()) text += "      remedy: " + finding.remedy + "\n";
+  }
+  return text;
+}
+
+std::string json(const std::vector<Finding>& findings) {
+  auto list = nlohmann::ordered_json::array();
+  for (const Finding& finding : findings)
+    list.push_back({{"what", finding.what},
+                    {"verdict", name(finding.verdict)},
+                    {"figure", finding.figure},
+                    {"remedy", finding.remedy}});
+  return list.dump();
+}
+
+}  // namespace feltwire

@@ -1,0 +1,70 @@
+#include "client/run/machine_facts.hpp"
+
+#include <fcntl.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <array>
+#include <cstdint>
+#include <ctime>
+#include <fstream>
+
+namespace feltwire {
+namespace {
+
+std::string first_line(const char* file) {
+  std::ifstream stream(file);
+  std::string line;
+  std::getline(stream, line);
+  return line;
+}
+
+double resolution() {
+  constexpr double kNanosecond = 1e-9;
+  timespec resolution{};
+  if (::clock_getres(CLOCK_MONOTONIC, &resolution) != 0) return 0.0;
+  return static_cast<double>(resolution.tv_sec) +
+         kNanosecond * static_cast<double>(resolution.tv_nsec);
+}
+
+/// Documentation/power/pm_qos_interface.rst of the kernel: a signed 32 bit number of microseconds.
+/// To open the file asks for no latency of one's own until something is written.
+std::optional<int> wake_latency() {
+  const int file = ::open("/dev/cpu_dma_latency", O_RDONLY | O_CLOEXEC);
+  if (file < 0) return std::nullopt;
+  std::int32_t latency = 0;
+  const bool whole = ::read(file, &latency, sizeof latency) == sizeof latency;
+  ::close(file);
+  return whole ? std::optional<int>(latency) : std::nullopt;
+}
+
+bool is_ipv6(const Address& server) { return server.storage.ss_family == AF_INET6; }
+
+/// As the system knows it by now: a connected socket has the path's own.
+std::optional<int> path_mtu(const Address& server) {
+  const bool ipv6 = is_ipv6(server);
+  const int socket = ::socket(ipv6 ? AF_INET6 : AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+  if (socket < 0) return std::nullopt;
+  int mtu = 0;
+  socklen_t size = sizeof mtu;
+  const bool known =
+      ::connect(socket, reinterpret_cast<const sockaddr*>(&server.storage), server.size) == 0 &&
+      ::getsockopt(socket, ipv6 ? IPPROTO_IPV6 : IPPROTO_IP, ipv6 ? IPV6_MTU : IP_MTU, &mtu,
+                   &size) == 0;
+  ::close(socket);
+  return known ? std::optional<int>(mtu) : std::nullopt;
+}
+
+}  // namespace
+
+MachineFacts machine_facts(const Address& server) {
+  return {.clock_source =
+              first_line("/sys/devices/system/clocksource/clocksource0/current_clocksource"),
+          .clock_resolution = resolution(),
+          .wake_latency = wake_latency(),
+          .path_mtu = path_mtu(server),
+          .ipv6 = is_ipv6(server)};
+}
+
+}  // namespace feltwire
