@@ -2,7 +2,7 @@
 
 #include "core/recording/feltwire_descriptors.hpp"
 #include "core/recording/foxglove_descriptors.hpp"
-#include "core/recording/protobuf.hpp"
+#include "core/recording/message_fields.hpp"
 
 namespace feltwire {
 namespace {
@@ -10,61 +10,14 @@ namespace {
 using protobuf::Field;
 using protobuf::Fields;
 using protobuf::put;
+using protobuf::put_color;
+using protobuf::put_entity;
 using protobuf::put_message;
-
-// Both feltwire's and foxglove's have these field numbers.
-
-void put_vector(std::string& out, std::uint32_t field, const Vec3& v) {
-  put_message(out, field, [&](std::string& to) {
-    put(to, 1, v.x());
-    put(to, 2, v.y());
-    put(to, 3, v.z());
-  });
-}
-
-void put_quaternion(std::string& out, std::uint32_t field, const Quaternion& q) {
-  put_message(out, field, [&](std::string& to) {
-    put(to, 1, q.x());
-    put(to, 2, q.y());
-    put(to, 3, q.z());
-    put(to, 4, q.w());
-  });
-}
-
-void put_pose(std::string& out, std::uint32_t field, const Pose& pose) {
-  put_message(out, field, [&](std::string& to) {
-    put_vector(to, 1, pose.position);
-    put_quaternion(to, 2, pose.orientation);
-  });
-}
-
-void put_color(std::string& out, std::uint32_t field, double red, double green, double blue) {
-  put_message(out, field, [&](std::string& to) {
-    put(to, 1, red);
-    put(to, 2, green);
-    put(to, 3, blue);
-    put(to, 4, 1.0);
-  });
-}
-
-void put_time(std::string& out, std::uint32_t field, std::uint64_t time) {
-  constexpr std::uint64_t kSecond = 1'000'000'000;
-  put_message(out, field, [&](std::string& to) {
-    put(to, 1, time / kSecond);
-    put(to, 2, time % kSecond);
-  });
-}
-
-/// Of a SceneUpdate, at rest in the world.
-template <class Fill>
-void put_entity(std::string& out, std::uint64_t time, std::string_view id, Fill fill) {
-  put_message(out, 2, [&](std::string& entity) {
-    put_time(entity, 1, time);
-    put(entity, 2, "world");
-    put(entity, 3, id);
-    fill(entity);
-  });
-}
+using protobuf::put_pose;
+using protobuf::put_quaternion;
+using protobuf::put_time;
+using protobuf::put_vector;
+using protobuf::schema;
 
 /// Reads numbers of fields 1 to N. False where the bytes are no message.
 template <int N>
@@ -79,12 +32,6 @@ bool read_numbers(const Field& field, Eigen::Matrix<double, N, 1>& out) {
 
 bool read_quaternion(const Field& field, Quaternion& out) {
   return read_numbers<4>(field, out.coeffs());  // x, y, z, w here and there
-}
-
-template <std::size_t N>
-mcap::Schema schema(std::string name, const unsigned char (&descriptors)[N]) {
-  return {std::move(name), std::string(kProtobuf),
-          std::string(reinterpret_cast<const char*>(descriptors), N)};
 }
 
 }  // namespace

@@ -1,9 +1,12 @@
 #include "server/web/answers.hpp"
 
 #include <algorithm>
+#include <array>
 #include <asio/ip/address.hpp>
 #include <optional>
 #include <utility>
+
+#include "server/web/query.hpp"
 
 namespace feltwire::web {
 namespace {
@@ -26,6 +29,10 @@ constexpr std::string_view kPolicy =
     "Referrer-Policy: no-referrer\r\n"
     "Cross-Origin-Opener-Policy: same-origin\r\n"
     "Cross-Origin-Resource-Policy: same-origin\r\n";
+
+// The same bytes by two names: Foxglove of today asks for the first, older viewers for the second.
+constexpr std::array<std::string_view, 2> kFoxgloveProtocols = {"foxglove.sdk.v1",
+                                                                "foxglove.websocket.v1"};
 
 constexpr std::string_view kNoStore = "Cache-Control: no-store\r\n";
 
@@ -72,29 +79,82 @@ bool same_origin(const HttpRequest& request, const std::string& authority, bool 
   return origin != nullptr && *origin == (secure ? "https://" : "http://") + authority;
 }
 
-Answer upgrade(const HttpRequest& request, const std::string& authority, bool secure) {
+/// What is wrong with a request for a WebSocket, whoever asks.
+std::optional<Answer> refuse_upgrade(const HttpRequest& request) {
   const std::string* upgrade = request.header("upgrade");
   const std::string* connection = request.header("connection");
-  const std::string* key = request.header("sec-websocket-key");
   const std::string* version = request.header("sec-websocket-version");
-  const std::string* protocols = request.header("sec-websocket-protocol");
   if (upgrade == nullptr || connection == nullptr || !has_member(*upgrade, "websocket") ||
       !has_member(*connection, "upgrade"))
     return plain(kUpgrade, "this is a WebSocket\n", "Upgrade: websocket\r\n");
   if (version == nullptr || *version != "13")
     return plain(kUpgrade, "WebSocket version 13 is spoken here\n",
                  "Sec-WebSocket-Version: 13\r\n");
-  if (!same_origin(request, authority, secure))
-    return plain(kForbidden, "a page of another site may not look on\n");
-  if (protocols == nullptr || !has_member(*protocols, kLiveProtocol))
-    return plain(kBad, "the subprotocol is " + std::string(kLiveProtocol) + "\n");
+  return std::nullopt;
+}
+
+/// The WebSocket with the first of these subprotocols that is asked for.
+Answer switch_protocols(const HttpRequest& request, std::span<const std::string_view> protocols) {
+  const std::string* asked = request.header("sec-websocket-protocol");
+  const auto chosen = std::ranges::find_if(protocols, [&](std::string_view protocol) {
+    return asked != nullptr && has_member(*asked, protocol);
+  });
+  if (chosen == protocols.end())
+    return plain(kBad, "the subprotocol is " + std::string(protocols.front()) + "\n");
+  const std::string* key = request.header("sec-websocket-key");
   const auto accept = websocket_accept(key == nullptr ? std::string_view{} : *key);
   if (!accept) return plain(kBad, "Sec-WebSocket-Key is not 16 bytes in base64\n");
-  return {
-      bytes_of("HTTP/1.1 101 Switching Protocols\r\nUpgrade: websocket\r\nConnection: "
-               "Upgrade\r\nSec-WebSocket-Accept: " +
-               *accept + "\r\nSec-WebSocket-Protocol: " + std::string(kLiveProtocol) + "\r\n\r\n"),
-      true};
+  return {bytes_of("HTTP/1.1 101 Switching Protocols\r\nUpgrade: websocket\r\nConnection: "
+                   "Upgrade\r\nSec-WebSocket-Accept: " +
+                   *accept + "\r\nSec-WebSocket-Protocol: " + std::string(*chosen) + "\r\n\r\n"),
+          true};
+}
+
+Answer live(const HttpRequest& request, const std::string& authority, bool secure) {
+  if (auto refused = refuse_upgrade(request)) return *refused;
+  if (!same_origin(request, authority, secure))
+    return plain(kForbidden, "a page of another site may not look on\n");
+  return switch_protocols(request, {&kLiveProtocol, 1});
+}
+
+/// The ticket comes last: what fails before leaves it good.
+Answer foxglove(const HttpRequest& request, const Site& site) {
+  if (auto refused = refuse_upgrade(request)) return *refused;
+  Answer accepted = switch_protocols(request, kFoxgloveProtocols);
+  if (!accepted.upgraded) return accepted;
+  const auto shown = query_value(request.query, "ticket");
+  if (shown && site.redeem) accepted.ticket = site.redeem(*shown);
+  if (!accepted.ticket)
+    return plain(kForbidden,
+                 "the ticket is not good: each is for one connection, within a minute; take a new "
+                 "one\n");
+  return accepted;
+}
+
+/// The token of `Authorization: Bearer fw_...`; empty where none was shown.
+std::string_view bearer(const HttpRequest& request) {
+  constexpr std::string_view kScheme = "Bearer ";
+  const std::string* shown = request.header("authorization");
+  if (shown == nullptr || !shown->starts_with(kScheme)) return {};
+  return std::string_view(*shown).substr(kScheme.size());
+}
+
+Answer unauthorized() {
+  return plain(kUnauthorized, "show a token: Authorization: Bearer fw_...\n",
+               "WWW-Authenticate: Bearer\r\n");
+}
+
+/// Also on this machine for those with a token only: a ticket opens a scene.
+Answer ticket(const HttpRequest& request, const std::string& authority, const Site& site) {
+  const std::string_view token = bearer(request);
+  if (!site.opens || !site.mint || !site.opens(token)) return unauthorized();
+  const auto minted = site.mint(token, query_value(request.query, "scene").value_or(""));
+  if (!minted)
+    return plain(kNotFound, "there is no such scene, or the token does not open it\n", kNoStore);
+  return plain(kOk,
+               (site.secure ? "wss://" : "ws://") + authority + std::string(kFoxglovePath) +
+                   "?ticket=" + std::string(minted->text()) + "\n",
+               kNoStore);
 }
 
 Answer asset(const HttpRequest& request, std::span<const PageAsset> page) {
@@ -118,14 +178,7 @@ Answer asset(const HttpRequest& request, std::span<const PageAsset> page) {
 
 /// Counters tell who is here: on a network they are for those who have a token.
 Answer metrics(const HttpRequest& request, const Site& site) {
-  if (site.secure) {
-    constexpr std::string_view kScheme = "Bearer ";
-    const std::string* shown = request.header("authorization");
-    if (shown == nullptr || !shown->starts_with(kScheme) || !site.opens ||
-        !site.opens(std::string_view(*shown).substr(kScheme.size())))
-      return plain(kUnauthorized, "show a token: Authorization: Bearer fw_...\n",
-                   "WWW-Authenticate: Bearer\r\n");
-  }
+  if (site.secure && (!site.opens || !site.opens(bearer(request)))) return unauthorized();
   const std::string text = site.metrics();
   return {
       bytes_of(head(kOk, "text/plain; version=0.0.4; charset=utf-8", text.size(), kNoStore), text),
@@ -141,7 +194,9 @@ Answer answer(const HttpRequest* request, const Site& site) {
     return plain(kForbidden, "this server is not known by that name; use its IP address\n");
   if (request->method != "GET" && request->method != "HEAD")
     return plain(kNotAllowed, "only GET and HEAD are answered\n", "Allow: GET, HEAD\r\n");
-  if (request->path == kLivePath) return upgrade(*request, *authority, site.secure);
+  if (request->path == kLivePath) return live(*request, *authority, site.secure);
+  if (request->path == kFoxglovePath) return foxglove(*request, site);
+  if (request->path == kTicketPath) return ticket(*request, *authority, site);
   // Every port is open, and every scene is there, before this one answers.
   if (request->path == "/health" || request->path == "/ready") return plain(kOk, "ok\n", kNoStore);
   if (request->path == "/metrics" && site.metrics) return metrics(*request, site);

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -10,6 +11,7 @@
 
 #include "server/web/http_request.hpp"
 #include "server/web/page_assets.hpp"
+#include "server/web/view_tickets.hpp"
 
 namespace feltwire::web {
 
@@ -17,6 +19,9 @@ namespace feltwire::web {
 inline constexpr std::string_view kLivePath = "/live";
 /// Its subprotocol.
 inline constexpr std::string_view kLiveProtocol = "feltwire.live.v1";
+/// The path of the WebSocket for viewers of the Foxglove protocol, and where a ticket for it is
+/// had.
+inline constexpr std::string_view kFoxglovePath = "/foxglove", kTicketPath = "/ticket";
 
 /// What is asked for, and by which rules.
 struct Site {
@@ -25,21 +30,28 @@ struct Site {
   bool secure = false;                 // by TLS; else it is asked on this machine alone
   /// What `/metrics` answers; empty: there is none.
   std::function<std::string()> metrics = {};
-  /// Whether a text is a good token. Asked for `/metrics` where the site is secure.
+  /// Whether a text is a good token. Asked for `/ticket`, and for `/metrics` where the site is
+  /// secure.
   std::function<bool(std::string_view token)> opens = {};
+  /// A ticket for a scene that the token opens; nothing where it opens none of that name.
+  std::function<std::optional<Secret>(std::string_view token, std::string_view scene)> mint = {};
+  /// What a ticket opens, which is void from then on.
+  std::function<std::optional<ViewTicket>(std::string_view ticket)> redeem = {};
 };
 
 /// An answer as bytes. `upgraded`: the connection is a WebSocket from then on; else it ends.
 struct Answer {
   std::vector<std::uint8_t> bytes;
   bool upgraded = false;
+  std::optional<ViewTicket> ticket = {};  // that the viewer has shown
 };
 
 /// Answers a request; null: a malformed one.
 ///
 /// A request must name this server as an IP address or localhost, or by one of the site's names: a
-/// page of another site whose name was made to lead here (DNS rebinding) does not. A WebSocket must
-/// be opened by a page of this very server (Origin).
+/// page of another site whose name was made to lead here (DNS rebinding) does not. The page's
+/// WebSocket must be opened by a page of this very server (Origin). That of the Foxglove protocol
+/// may be opened by any page or program that shows a ticket: no browser adds one by itself.
 Answer answer(const HttpRequest* request, const Site& site);
 
 }  // namespace feltwire::web

@@ -8,6 +8,7 @@
 
 #include "core/base/visible_text.hpp"
 #include "protocol/net/clock.hpp"
+#include "server/web/foxglove_viewer.hpp"
 #include "server/web/viewer_message.hpp"
 
 namespace feltwire::web {
@@ -15,10 +16,17 @@ namespace {
 
 constexpr Nanoseconds kBetweenDescriptions = std::chrono::milliseconds(500);
 constexpr Nanoseconds kBetweenTokenLooks = std::chrono::seconds(1);
+constexpr const char* kFull = "this server has as many viewers as it may have; close another page";
 constexpr double kMessageRate = 20.0, kMessageBurst = 40.0;  // [1/s] of one viewer, and at once
 
 CalendarTime calendar_now() {
   return std::chrono::floor<std::chrono::seconds>(std::chrono::system_clock::now());
+}
+
+/// [ns] from the scenes' clock to the time since 1970.
+std::int64_t since_1970() {
+  const auto now = std::chrono::system_clock::now().time_since_epoch();
+  return (std::chrono::duration_cast<Nanoseconds>(now) - monotonic_now()).count();
 }
 
 }  // namespace
@@ -36,6 +44,7 @@ struct Audience::Stage {
   std::vector<HandDescription> hands;
   Nanoseconds described{0};
   bool describing = false;
+  FoxgloveScene foxglove{since_1970()};
 };
 
 struct Audience::Seat {
@@ -45,7 +54,8 @@ struct Audience::Seat {
   Network network;
   std::string token;  // its id; empty: none was shown yet
   Stage* stage = nullptr;
-  std::uint32_t version = 0;  // of the scene that was sent
+  std::uint32_t version = 0;               // of the scene that was sent
+  std::optional<FoxgloveViewer> foxglove;  // it speaks that protocol, not the page's
   TokenBucket messages{kMessageRate, kMessageBurst};
 };
 
@@ -81,10 +91,12 @@ void Audience::receive(Id id, std::string_view message) {
   Seat& seat = found->second;
   if (!seat.messages.take(monotonic_now()))
     return refuse(id, WebSocketClose::bad_message, "too many messages");
+  if (seat.foxglove) return seat.foxglove->receive(message);
   const std::optional<ViewerMessage> said = parse_viewer_message(message);
   if (!said) return refuse(id, WebSocketClose::bad_message, "a message is no JSON object");
   if (!seat.token.empty()) {
-    if (said->watch) watch(seat, *said->watch);
+    if (said->watch) return watch(seat, *said->watch);
+    if (said->ticket) return give_ticket(seat, *said->ticket);
   } else if (said->token) {
     admit(seat, *said->token);
   } else {
@@ -92,13 +104,16 @@ void Audience::receive(Id id, std::string_view message) {
   }
 }
 
-void Audience::admit(Seat& seat, std::string_view text) {
+bool Audience::is_full() const {
   const auto known =
       std::ranges::count_if(seats_, [](const auto& entry) { return !entry.second.token.empty(); });
-  if (static_cast<std::size_t>(known) >= kMostViewers) {
+  return static_cast<std::size_t>(known) >= kMostViewers;
+}
+
+void Audience::admit(Seat& seat, std::string_view text) {
+  if (is_full()) {
     ++counters_.refused;
-    return refuse(seat.id, WebSocketClose::too_many,
-                  "this server has as many viewers as it may have; close another page");
+    return refuse(seat.id, WebSocketClose::too_many, kFull);
   }
   if (const auto wrong = tokens_.refresh()) spdlog::error("{}", visible(*wrong));
   const Token* token = authenticate(tokens_.tokens(), text, calendar_now());
@@ -130,6 +145,56 @@ bool Audience::opens_something(std::string_view text, const asio::ip::address& a
   if (authenticate(tokens_.tokens(), text, calendar_now()) != nullptr) return true;
   wrong_tokens_.take(network_of(address), monotonic_now());
   return false;
+}
+
+void Audience::admit(Id id, const ViewTicket& ticket) {
+  const auto found = seats_.find(id);
+  if (found == seats_.end()) return;
+  if (is_full()) {
+    ++counters_.refused;
+    return refuse(id, WebSocketClose::too_many, kFull);
+  }
+  Seat& seat = found->second;
+  ++counters_.viewers;
+  seat.token = ticket.token;
+  seat.viewer->admitted();
+  watch(seat, ticket.scene);  // which refuses where the token was revoked in the meantime
+  if (const auto still = seats_.find(id); still != seats_.end())
+    still->second.foxglove.emplace(*still->second.viewer, ticket.scene);
+}
+
+std::optional<Secret> Audience::mint_ticket(const Token& by, std::string_view scene) {
+  const auto shown = std::ranges::find_if(stages_, [&](const auto& stage) {
+    const std::string& name = stage->host->name();
+    return (scene.empty() || name == scene) && opens(by, name);
+  });
+  if (shown == stages_.end()) return std::nullopt;
+  ++counters_.tickets;
+  return tickets_.mint(by, (*shown)->host->name(), calendar_now());
+}
+
+std::optional<Secret> Audience::mint_ticket(std::string_view text, std::string_view scene) {
+  const Token* token = authenticate(tokens_.tokens(), text, calendar_now());
+  return token != nullptr ? mint_ticket(*token, scene) : std::nullopt;
+}
+
+std::optional<ViewTicket> Audience::redeem_ticket(std::string_view text,
+                                                  const asio::ip::address& address) {
+  auto ticket = tickets_.redeem(text, calendar_now());
+  if (!ticket) {
+    ++counters_.refused;
+    wrong_tokens_.take(network_of(address), monotonic_now());
+  }
+  return ticket;
+}
+
+void Audience::give_ticket(Seat& seat, std::string_view scene) {
+  const Token* token = find_token(tokens_.tokens(), seat.token);
+  const auto minted = token != nullptr ? mint_ticket(*token, scene) : std::nullopt;
+  if (!minted)
+    return refuse(seat.id, WebSocketClose::bad_message,
+                  "there is no such scene, or the token does not open it");
+  seat.viewer->send(ticket_text(scene, minted->text(), ViewTickets::kLife));
 }
 
 void Audience::watch(Seat& seat, std::string_view scene) {
@@ -180,7 +245,7 @@ void Audience::show(Stage& stage, Nanoseconds now) {
   // A viewer that has not taken what it was sent before is sent nothing now.
   std::vector<Seat*> ready;
   for (auto& [id, seat] : seats_) {
-    if (seat.stage != &stage) continue;
+    if (seat.stage != &stage || seat.foxglove) continue;
     if (seat.viewer->ready())
       ready.push_back(&seat);
     else
@@ -199,6 +264,7 @@ void Audience::show(Stage& stage, Nanoseconds now) {
     }
     counters_.pictures += ready.size();
   }
+  show_elsewhere(stage, now, news);
   if (now - stage.described < kBetweenDescriptions || stage.describing) return;
   stage.described = now;
   stage.describing = true;
@@ -211,6 +277,24 @@ void Audience::show(Stage& stage, Nanoseconds now) {
                          stage.hands = std::move(hands);
                          stage.describing = false;
                        });
+}
+
+/// To those who speak the Foxglove protocol.
+void Audience::show_elsewhere(Stage& stage, Nanoseconds now, bool news) {
+  bool encoded = false;
+  for (auto& [id, seat] : seats_) {
+    if (seat.stage != &stage || !seat.foxglove) continue;
+    if (!seat.viewer->ready()) {
+      ++counters_.skipped;
+      continue;
+    }
+    if (!std::exchange(encoded, true)) {
+      stage.foxglove.set(*stage.host->current_scene().scene, stage.version, now);
+      if (news && stage.picture.version == stage.version) stage.foxglove.set(stage.picture);
+    }
+    seat.foxglove->show(stage.foxglove);
+    if (news) ++counters_.pictures;
+  }
 }
 
 void Audience::show_scene(Stage& stage, Seat& seat) {

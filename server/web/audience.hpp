@@ -15,28 +15,15 @@
 #include "server/access/rate_limit.hpp"
 #include "server/access/token_file.hpp"
 #include "server/scene/scene_host.hpp"
-#include "server/web/messages.hpp"
-#include "server/web/websocket.hpp"
+#include "server/web/view_tickets.hpp"
+#include "server/web/viewer.hpp"
 
 namespace feltwire::web {
-
-/// The way to one viewer.
-class Viewer {
- public:
-  virtual ~Viewer() = default;
-  virtual void send(const std::string& text) = 0;
-  virtual void send(const Bytes& binary) = 0;
-  /// Whether all that was sent has left. Who is not ready is shown no picture.
-  virtual bool ready() const = 0;
-  /// It may be gone when this returns.
-  virtual void close(WebSocketClose code, std::string_view reason) = 0;
-  /// Its token is good: it may stay.
-  virtual void admitted() = 0;
-};
 
 struct AudienceCounters {
   std::uint64_t viewers = 0;   // whose token was good
   std::uint64_t refused = 0;   // whose was not, or who were too many
+  std::uint64_t tickets = 0;   // for viewers of the Foxglove protocol, minted
   std::uint64_t pictures = 0;  // sent
   std::uint64_t skipped = 0;   // turns at which a slow viewer was sent nothing
 };
@@ -55,11 +42,21 @@ class Audience {
   /// A connection from `address`. The viewer must leave before it is gone.
   Id join(Viewer& viewer, const asio::ip::address& address);
   void leave(Id id);
+  /// It has shown a ticket, and speaks the Foxglove protocol. It may have left when this returns.
+  void admit(Id id, const ViewTicket& ticket);
   /// A text message of a viewer. It may have left when this returns.
   void receive(Id id, std::string_view message);
 
   /// Whether a text from this address is a good token. Wrong ones are limited.
   bool opens_something(std::string_view token, const asio::ip::address& address);
+
+  /// A ticket for a scene, by its name; an empty name is the first that the token opens. Nothing
+  /// where the token is not good, or opens no such scene.
+  std::optional<Secret> mint_ticket(std::string_view token, std::string_view scene);
+  /// What a ticket from this address opens; it is void from then on. Wrong ones count as
+  /// wrong tokens of that network.
+  std::optional<ViewTicket> redeem_ticket(std::string_view ticket,
+                                          const asio::ip::address& address);
 
   /// Shows everybody what is new. To be called 60 times a second while somebody is there.
   void tick(Nanoseconds now);
@@ -73,16 +70,21 @@ class Audience {
   struct Stage;
   void admit(Seat& seat, std::string_view token);
   void watch(Seat& seat, std::string_view scene);
+  void give_ticket(Seat& seat, std::string_view scene);
+  bool is_full() const;
+  std::optional<Secret> mint_ticket(const Token& by, std::string_view scene);
   void refuse(Id id, WebSocketClose code, const std::string& reason);
   void look_after_tokens(Nanoseconds now);
   void show(Stage& stage, Nanoseconds now);
   void count_rates(Stage& stage);
   void show_scene(Stage& stage, Seat& seat);
+  void show_elsewhere(Stage& stage, Nanoseconds now, bool news);
   bool watched(const Stage& stage) const;
 
   asio::io_context& io_;
   TokenFile tokens_;
   RateLimit<Network> wrong_tokens_{0.2, 10.0};
+  ViewTickets tickets_;
   std::vector<std::unique_ptr<Stage>> stages_;  // one a scene
   std::map<Id, Seat> seats_;
   Id next_id_ = 1;

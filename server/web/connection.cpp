@@ -79,19 +79,21 @@ void WebServer::Connection::answer_head(std::size_t length) {
   Answer answered = answer(request ? &*request : nullptr, server_.site(address_));
   if (!answered.upgraded) return write_last(std::move(answered.bytes));
   head_.erase(0, length);
-  become_viewer(std::move(answered.bytes));
+  become_viewer(std::move(answered));
 }
 
-void WebServer::Connection::become_viewer(std::vector<std::uint8_t> accepted) {
+void WebServer::Connection::become_viewer(Answer accepted) {
   socket_ = std::make_unique<WebSocket>(Audience::kMostMessage, [this](std::string_view message) {
     if (seat_) server_.audience_.receive(*seat_, message);
   });
   writing_ = true;
   stream_->write(
-      std::move(accepted), safely([this](const std::error_code& error) {
+      std::move(accepted.bytes),
+      safely([this, ticket = accepted.ticket](const std::error_code& error) {
         writing_ = false;
         if (error) return end();
         seat_ = server_.audience_.join(*this, address_);
+        if (ticket) server_.audience_.admit(*seat_, *ticket);
         const std::string early = std::exchange(head_, {});
         take_messages({reinterpret_cast<const std::uint8_t*>(early.data()), early.size()});
         if (!ended_) read_messages();

@@ -32,7 +32,7 @@ class WebServer::Connection : public Viewer, public std::enable_shared_from_this
   void set_deadline(std::chrono::milliseconds patience);
   void read_head();
   void answer_head(std::size_t length);
-  void become_viewer(std::vector<std::uint8_t> accepted);
+  void become_viewer(Answer accepted);
   void read_messages();
   void take_messages(std::span<const std::uint8_t> bytes);
   void pump();

@@ -11,11 +11,10 @@
 
 #include "core/base/little_endian.hpp"
 #include "core/build_info/build_info.hpp"
-#include "core/grid/isosurface.hpp"
 #include "core/local_model/local_model.hpp"
-#include "core/mesh/mesh_surface.hpp"
 #include "core/tool/body_tool.hpp"
 #include "server/access/json_text.hpp"
+#include "server/web/object_triangles.hpp"
 
 namespace feltwire::web {
 namespace {
@@ -23,9 +22,6 @@ namespace {
 static_assert(kHandStates + kHandReasons <= 32, "both are bits of one word");
 
 using json_text::text;
-constexpr int kSegments = 32;       // of a round side
-constexpr int kGridSteps = 64;      // along a grid's longest side
-constexpr double kPlaneView = 0.2;  // [m] of a plane that is worth looking at, about its point
 
 // The first byte of a binary message.
 enum class Kind : std::uint8_t { geometry = 1, picture = 2, surfaces = 3 };
@@ -69,20 +65,6 @@ class Writer {
   }
   Bytes bytes_;
 };
-
-/// The triangles of a shape in its own frame; none where it has no end.
-TriangleSoup triangles_of(const Shape& shape) {
-  if (const auto* mesh = std::get_if<Mesh>(&shape)) {
-    const TriangleMesh& surface = mesh->surface->mesh();
-    TriangleSoup soup{surface.vertices(), surface.triangles()};
-    for (Vec3& vertex : soup.vertices) vertex += surface.origin();
-    return soup;
-  }
-  if (const auto* grid = std::get_if<Grid>(&shape)) return isosurface(*grid->field, kGridSteps);
-  return on_primitive(
-      shape, [](const auto& primitive) { return primitive.triangles(kSegments); },
-      [] { return TriangleSoup{}; });
-}
 
 /// Grows with the points that it is given.
 struct Box {
@@ -185,6 +167,14 @@ std::string hello(std::span<const std::string> scenes, Role role) {
                             {"scenes", json_text::list(names)},
                             {"role", text(name(role))},
                             {"reasons", json_text::list(reasons)}});
+}
+
+std::string ticket_text(std::string_view scene, std::string_view ticket,
+                        std::chrono::seconds life) {
+  return json_text::object({{"type", text("ticket")},
+                            {"scene", text(scene)},
+                            {"path", text("/foxglove?ticket=" + std::string(ticket))},
+                            {"seconds", json_text::number(std::int64_t{life.count()})}});
 }
 
 std::string scene_text(const Scene& scene, std::uint32_t version) {

@@ -2,9 +2,11 @@
 // What the live page is told: texts (JSON) and binary messages, as docs/live_page.md lists them. No
 // socket.
 
+#include <chrono>
 #include <cstdint>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/scene/scene.hpp"
@@ -17,6 +19,9 @@ using Bytes = std::vector<std::uint8_t>;
 
 /// The first answer to a viewer whose token is good.
 std::string hello(std::span<const std::string> scenes, Role role);
+
+/// Where another program may look on with a ticket, and for how long it may be used.
+std::string ticket_text(std::string_view scene, std::string_view ticket, std::chrono::seconds life);
 
 /// A scene without its triangles.
 std::string scene_text(const Scene& scene, std::uint32_t version);

@@ -20,6 +20,7 @@ class Members : public nlohmann::json_sax<nlohmann::json> {
   bool string(string_t& text) override {
     if (depth_ == 1 && key_ == "token") message.token = text;
     if (depth_ == 1 && key_ == "watch") message.watch = text;
+    if (depth_ == 1 && key_ == "ticket") message.ticket = text;
     return value();
   }
   bool key(string_t& text) override {

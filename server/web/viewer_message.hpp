@@ -9,8 +9,9 @@ namespace feltwire::web {
 
 /// One JSON object; what it leaves out is not there, what else it has is not read.
 struct ViewerMessage {
-  std::optional<std::string> token;  // the first message: who it is
-  std::optional<std::string> watch;  // the name of the scene that it wants to see
+  std::optional<std::string> token;   // the first message: who it is
+  std::optional<std::string> watch;   // the name of the scene that it wants to see
+  std::optional<std::string> ticket;  // the name of a scene that another program shall see
 };
 
 /// Nothing where the text is no JSON object, or nested deeper than a message of this kind is.

@@ -140,6 +140,12 @@ Site WebServer::site(const asio::ip::address& asked_from) {
   site.opens = [this, asked_from](std::string_view token) {
     return audience_.opens_something(token, asked_from);
   };
+  site.mint = [this](std::string_view token, std::string_view scene) {
+    return audience_.mint_ticket(token, scene);
+  };
+  site.redeem = [this, asked_from](std::string_view ticket) {
+    return audience_.redeem_ticket(ticket, asked_from);
+  };
   return site;
 }
 

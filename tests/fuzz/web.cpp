@@ -2,6 +2,7 @@
 // answered but by the rules, and what is read is within its limits.
 
 #include "server/web/answers.hpp"
+#include "server/web/foxglove_messages.hpp"
 #include "server/web/viewer_message.hpp"
 #include "server/web/websocket.hpp"
 #include "tests/fuzz/fuzz.hpp"
@@ -14,7 +15,14 @@ constexpr std::size_t kMostMessage = 512;
 void read_head(std::string_view text) {
   const auto length = http_head_length(text);
   const auto request = parse_http_head(text.substr(0, length ? *length : text.size()));
-  const web::Answer answer = web::answer(request ? &*request : nullptr, {});
+  const std::string ticket = "good";
+  web::Site site;
+  site.redeem = [&](std::string_view shown) {
+    return shown == ticket ? std::optional(web::ViewTicket{"id", "room"}) : std::nullopt;
+  };
+  site.opens = [&](std::string_view token) { return token == ticket; };
+  site.mint = [&](std::string_view, std::string_view) { return Secret(ticket); };
+  const web::Answer answer = web::answer(request ? &*request : nullptr, site);
   const std::string said(answer.bytes.begin(), answer.bytes.end());
   require(said.starts_with("HTTP/1.1 "), "every request has an answer");
   require(said.find("\r\n\r\n") != std::string::npos, "an answer's head ends");
@@ -24,7 +32,10 @@ void read_head(std::string_view text) {
   }
   require(request->path.starts_with('/'), "a path begins with a slash");
   require(request->path.find("..") == std::string::npos, "a path leads to no other folder");
-  if (answer.upgraded) {
+  if (answer.upgraded && answer.ticket) {
+    require(request->path == "/foxglove", "a ticket opens one path");
+    require(request->query.find("ticket=") != std::string::npos, "a ticket was shown");
+  } else if (answer.upgraded) {
     const std::string* origin = request->header("origin");
     require(origin != nullptr && origin->ends_with(*request->header("host")),
             "only a page of this server opens a WebSocket");
@@ -35,6 +46,8 @@ void read_frames(Input& input) {
   WebSocket socket(kMostMessage, [](std::string_view message) {
     require(message.size() <= kMostMessage, "a message is within its limit");
     web::parse_viewer_message(message);
+    const auto request = web::parse_foxglove_request(message);
+    require(!request || !request->operation.empty(), "a request has an operation");
   });
   while (!input.empty()) {
     const Bytes piece = input.bytes(1u + input.byte() % 64u);

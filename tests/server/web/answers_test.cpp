@@ -26,6 +26,12 @@ std::string asked(const std::string& head, bool secure = false,
   Site site{kPage, names, secure};
   site.metrics = [] { return std::string("feltwire_sessions 1\n"); };
   site.opens = [](std::string_view token) { return token == "fw_good"; };
+  site.mint = [](std::string_view, std::string_view scene) {
+    return scene == "a room" ? std::optional(Secret("fw_ticket")) : std::nullopt;
+  };
+  site.redeem = [](std::string_view ticket) {
+    return ticket == "fw_ticket" ? std::optional(ViewTicket{"id", "a room"}) : std::nullopt;
+  };
   return text(answer(request ? &*request : nullptr, site));
 }
 std::string get(const std::string& path, const std::string& headers,
@@ -115,6 +121,43 @@ TEST(Answers, NoWebSocketOfAnotherPage) {
         "Origin: https://127.0.0.1:7480\r\n", "Origin: http://127.0.0.1:7481\r\n",
         "Origin: http://127.0.0.1:7480.evil.example\r\n"})
     EXPECT_THAT(asked(get("/live", kUpgrade + origin)), StartsWith("HTTP/1.1 403 ")) << origin;
+}
+
+std::string foxglove(std::string_view protocols) {
+  std::string headers = kUpgrade;
+  const std::string ours = "feltwire.live.v1";
+  return headers.replace(headers.find(ours), ours.size(), protocols);
+}
+
+/// A ticket is the proof, so any page and any program may show one.
+TEST(Answers, AWebSocketForATicket) {
+  for (const std::string origin :
+       {"", "Origin: https://app.foxglove.dev\r\n", "Origin: file://\r\n"})
+    EXPECT_THAT(asked(get("/foxglove?ticket=fw_ticket", foxglove("foxglove.sdk.v1") + origin)),
+                HasSubstr("\r\nSec-WebSocket-Protocol: foxglove.sdk.v1\r\n\r\n"))
+        << origin;
+  EXPECT_THAT(asked(get("/foxglove?a=1&ticket=fw_ticket", foxglove("foxglove.websocket.v1"))),
+              EndsWith("\r\nSec-WebSocket-Protocol: foxglove.websocket.v1\r\n\r\n"));
+  for (const std::string query : {"", "?ticket=", "?ticket=fw_other", "?tickets=fw_ticket"})
+    EXPECT_THAT(asked(get("/foxglove" + query, foxglove("foxglove.sdk.v1"))),
+                StartsWith("HTTP/1.1 403 "))
+        << query;
+  EXPECT_THAT(asked(get("/foxglove?ticket=fw_ticket", kUpgrade)), StartsWith("HTTP/1.1 400 "));
+  EXPECT_THAT(asked(get("/foxglove?ticket=fw_ticket", "")), StartsWith("HTTP/1.1 426 "));
+  EXPECT_THAT(asked(get("/foxglove?ticket=fw_ticket", foxglove("foxglove.sdk.v1"), "evil.example")),
+              StartsWith("HTTP/1.1 403 "));
+}
+
+TEST(Answers, ATicketForAToken) {
+  const std::string shown = "Authorization: Bearer fw_good\r\n";
+  EXPECT_THAT(asked(get("/ticket?scene=a%20room", shown)),
+              EndsWith("\r\n\r\nws://127.0.0.1:7480/foxglove?ticket=fw_ticket\n"));
+  EXPECT_THAT(asked(get("/ticket?scene=a%20room", shown), true), HasSubstr("\nwss://"));
+  EXPECT_THAT(asked(get("/ticket?scene=a%20room", shown)), HasSubstr("Cache-Control: no-store"));
+  EXPECT_THAT(asked(get("/ticket?scene=cellar", shown)), StartsWith("HTTP/1.1 404 "));
+  EXPECT_THAT(asked(get("/ticket?scene=a%20room", "")), StartsWith("HTTP/1.1 401 "));
+  EXPECT_THAT(asked(get("/ticket?scene=a%20room", "Authorization: Bearer fw_bad\r\n")),
+              StartsWith("HTTP/1.1 401 "));
 }
 
 TEST(Answers, NoHalfAWebSocket) {

@@ -44,12 +44,15 @@ std::string rest(test::RawSocket& socket) {
 /// A browser's end of the WebSocket.
 class Page {
  public:
-  explicit Page(const Server& server) : socket_(SOCK_STREAM, page_port(server)) {
+  explicit Page(const Server& server) : Page(server, "/live", "feltwire.live.v1") {}
+  Page(const Server& server, const std::string& path, const std::string& protocol)
+      : socket_(SOCK_STREAM, page_port(server)) {
     const std::string host = "127.0.0.1:" + std::to_string(page_port(server));
-    socket_.send(bytes("GET /live HTTP/1.1\r\nHost: " + host + "\r\nOrigin: http://" + host +
+    socket_.send(bytes("GET " + path + " HTTP/1.1\r\nHost: " + host + "\r\nOrigin: http://" + host +
                        "\r\nConnection: Upgrade\r\nUpgrade: websocket\r\nSec-WebSocket-Version: 13"
                        "\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n"
-                       "Sec-WebSocket-Protocol: feltwire.live.v1\r\n\r\n"));
+                       "Sec-WebSocket-Protocol: " +
+                       protocol + "\r\n\r\n"));
     const std::string end = "\r\n\r\n";
     for (;;) {
       const auto found = std::search(input_.begin(), input_.end(), end.begin(), end.end());
@@ -227,6 +230,30 @@ TEST(LivePage, CountsForPrometheus) {
   EXPECT_THAT(said,
               HasSubstr("feltwire_datagrams_dropped_total{scene=\"room\",reason=\"sealed\"} 0\n"));
   EXPECT_THAT(said, HasSubstr("\nfeltwire_control_connections_total 1\n"));
+}
+
+TEST(LivePage, LetsAnotherProgramLookOnWithATicket) {
+  Server server(with_page(), {test::room()}, test::security());
+  Page page(server, good_token());
+  page.text("hello");
+  page.say({{"ticket", "room"}});
+  const Json ticket = page.text("ticket");
+  EXPECT_EQ(ticket["seconds"], 60);
+  const std::string path = ticket["path"];
+  Page other(server, path, "foxglove.websocket.v1");
+  EXPECT_THAT(other.head(), StartsWith("HTTP/1.1 101 "));
+  EXPECT_EQ(Json::parse(other.next().text())["op"], "serverInfo");
+  EXPECT_EQ(Json::parse(other.next().text())["op"], "advertise");
+  other.say({{"op", "subscribe"}, {"subscriptions", Json::array({{{"id", 3}, {"channelId", 0}}})}});
+  const test::Frame geometry = other.next();
+  EXPECT_EQ(geometry.opcode, 2);
+  EXPECT_EQ(at<std::uint32_t>(geometry.payload, 1), 3u);
+  EXPECT_THAT(Page(server, path, "foxglove.websocket.v1").head(), StartsWith("HTTP/1.1 403 "));
+  // What a viewer publishes is not read.
+  other.say({{"op", "advertise"}});
+  EXPECT_EQ(Json::parse(other.next().text())["op"], "status");
+  page.say({{"ticket", "cellar"}});
+  EXPECT_EQ(page.close().code(), 4400);
 }
 
 TEST(LivePage, EndsWhoDoesNotSpeakItsProtocol) {

@@ -1,0 +1,52 @@
+#pragma once
+// Messages of the Foxglove WebSocket protocol, as far as a server needs them that only shows
+// (docs/live_page.md). No socket.
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "server/web/messages.hpp"
+
+namespace feltwire::web {
+
+/// What may be subscribed to. The number of a channel on the wire is its place here.
+enum class FoxgloveChannel : std::uint8_t {
+  geometry,    // what the scene's objects look like, at a change
+  transforms,  // where what moves is
+  picture,     // the hands, and the force on each
+  hands,       // their figures
+  count_of_channels
+};
+inline constexpr std::size_t kFoxgloveChannels =
+    static_cast<std::size_t>(FoxgloveChannel::count_of_channels);
+
+/// The first message to a viewer: what this server is.
+std::string foxglove_server_info(std::string_view scene);
+/// The second: all channels, with their schemas.
+std::string foxglove_advertisement();
+
+enum class FoxgloveLevel : std::uint8_t { info = 0, warning = 1, error = 2 };
+/// For the viewer's list of problems.
+std::string foxglove_status(FoxgloveLevel level, std::string_view message);
+
+/// A message of a channel, for one subscription. `time` [ns] since 1970.
+Bytes foxglove_data(std::uint32_t subscription, std::uint64_t time, std::string_view payload);
+
+/// What a viewer says. What its operation does not need is not read.
+struct FoxgloveRequest {
+  struct Subscription {
+    std::uint32_t id = 0, channel = 0;
+  };
+  std::string operation;                      // "subscribe"
+  std::vector<Subscription> subscriptions{};  // of subscribe
+  std::vector<std::uint32_t> ended{};         // of unsubscribe: subscriptions' ids
+};
+
+/// Nothing where the text is no JSON object with an operation, is nested deeper than such a message
+/// is, or has an id that is no 32 bit number.
+std::optional<FoxgloveRequest> parse_foxglove_request(std::string_view text);
+
+}  // namespace feltwire::web

@@ -1,0 +1,54 @@
+#pragma once
+// A scene as viewers of the Foxglove protocol are shown it: encoded once for all of them. No
+// socket.
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "core/scene/scene.hpp"
+#include "server/scene/picture.hpp"
+#include "server/web/foxglove_messages.hpp"
+
+namespace feltwire::web {
+
+/// The newest message of a channel.
+struct FoxgloveTopic {
+  std::string payload;         // Protobuf
+  std::uint64_t time = 0;      // [ns] since 1970
+  std::uint64_t revision = 0;  // 0: there was none yet; rises with each message
+};
+
+class FoxgloveScene {
+ public:
+  /// `since_1970` [ns]: from the scenes' clock to the time since 1970.
+  explicit FoxgloveScene(std::int64_t since_1970) : since_1970_(since_1970) {}
+
+  /// Another version of the scene. Bodies are where the file says until a picture says otherwise.
+  /// Nothing happens where this version is known. Allocates, and may take some 10 ms.
+  void set(const Scene& scene, std::uint32_t version, Nanoseconds now);
+  /// A picture of this version.
+  void set(const Picture& picture);
+
+  const FoxgloveTopic& topic(FoxgloveChannel channel) const {
+    return topics_[static_cast<std::size_t>(channel)];
+  }
+  /// The hands of the newest picture, by rising number.
+  const std::vector<std::uint32_t>& hands() const { return hands_; }
+
+ private:
+  std::uint64_t time_of(Nanoseconds clock) const {
+    return static_cast<std::uint64_t>(clock.count() + since_1970_);
+  }
+  void put(FoxgloveChannel channel, std::uint64_t time, std::string payload);
+  std::int64_t since_1970_;
+  std::uint32_t version_ = 0;
+  std::array<FoxgloveTopic, kFoxgloveChannels> topics_;
+  std::vector<std::uint32_t> hands_;
+};
+
+/// By which a hand is known in /scene/picture: "hand 3".
+std::string foxglove_hand_id(std::uint32_t number);
+
+}  // namespace feltwire::web
