@@ -1,6 +1,7 @@
 #include "server/app/metrics.hpp"
 
 #include <array>
+#include <charconv>
 #include <string_view>
 
 namespace feltwire {
@@ -110,6 +111,40 @@ void add_scenes(std::string& text, const std::vector<SceneSummary>& scenes) {
             scene.counters.drops[i]);
 }
 
+std::string in_seconds(std::uint64_t nanoseconds) {
+  constexpr double kNanoseconds = 1e9;
+  std::array<char, 32> text{};
+  return {text.data(), std::to_chars(text.data(), text.data() + text.size(),
+                                     static_cast<double>(nanoseconds) / kNanoseconds)
+                           .ptr};
+}
+
+/// Each class has those below it, too.
+void value(std::string& text, const std::string& name, const std::string& labels,
+           const TimeCounts& times) {
+  std::uint64_t below = 0;
+  for (std::size_t i = 0; i < TimeCounts::kClasses; ++i) {
+    below += times.counts()[i];
+    const std::string limit = i < TimeCounts::kLimits.size()
+                                  ? in_seconds(static_cast<std::uint64_t>(TimeCounts::kLimits[i]))
+                                  : "+Inf";
+    value(text, name + "_bucket", labels + ",le=\"" + limit + "\"", below);
+  }
+  text.append(name).append("_sum{").append(labels).append("} ");
+  text.append(in_seconds(times.sum())).append("\n");
+  value(text, name + "_count", labels, below);
+}
+
+void add_times(std::string& text, const std::vector<SceneSummary>& scenes) {
+  const std::string answers = "feltwire_answer_seconds", late = "feltwire_world_late_seconds";
+  begin(text, answers, "histogram",
+        "From when a datagram was taken up to its answer, those taken up with it included.");
+  for (const SceneSummary& scene : scenes) value(text, answers, scene_label(scene), scene.answers);
+  begin(text, late, "histogram", "How late the thread woke for the moving objects.");
+  for (const SceneSummary& scene : scenes)
+    value(text, late, scene_label(scene), scene.counters.world_late);
+}
+
 void add(std::string& text, std::string_view name, std::string_view help, std::uint64_t number) {
   begin(text, name, "counter", help);
   value(text, name, {}, number);
@@ -121,6 +156,7 @@ std::string metrics_text(const std::vector<SceneSummary>& scenes, const ControlS
                          const web::AudienceCounters& page) {
   std::string text;
   add_scenes(text, scenes);
+  add_times(text, scenes);
   const auto& [connections, requests] = control;
   add(text, "feltwire_control_connections_total", "Control connections accepted.",
       connections.accepted);
@@ -140,6 +176,8 @@ std::string metrics_text(const std::vector<SceneSummary>& scenes, const ControlS
   add(text, "feltwire_viewers_total", "Viewers of the live page.", page.viewers);
   add(text, "feltwire_viewers_refused_total", "Viewers without a good token, or too many.",
       page.refused);
+  add(text, "feltwire_tickets_total", "Tickets given for viewers of the Foxglove protocol.",
+      page.tickets);
   add(text, "feltwire_pictures_total", "Pictures sent to viewers.", page.pictures);
   add(text, "feltwire_pictures_skipped_total", "Turns at which a slow viewer was sent nothing.",
       page.skipped);

@@ -62,6 +62,7 @@ std::size_t SceneHost::exchange(std::optional<Nanoseconds>& until) {
   } while (has_datagrams() && !posts_wait() && !(slow_ && now >= *until));
   const std::size_t taken = batch.next - first;
   served_at_ = slow_ ? now : account(answering);
+  answers_.record((served_at_ - begin).count(), taken);
   slow_ = served_at_ - answering > static_cast<Nanoseconds::rep>(taken) * kSlowAnswer;
   send(answers);
   draw(served_at_);

@@ -332,7 +332,8 @@ void SceneHost::say(const std::vector<SceneSessions::GoodbyeDatagram>& goodbyes)
 }
 
 SceneSummary SceneHost::count() const {
-  return {name_, sessions_.counters(), unsent_, static_cast<std::uint32_t>(sessions_.size())};
+  return {name_, sessions_.counters(), unsent_, static_cast<std::uint32_t>(sessions_.size()),
+          answers_};
 }
 
 SceneSummary SceneHost::summary() {

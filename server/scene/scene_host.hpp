@@ -49,6 +49,7 @@ struct SceneSummary {
   SceneCounters counters;
   std::uint64_t unsent = 0;    // replies that the operating system did not take
   std::uint32_t sessions = 0;  // that there are
+  TimeCounts answers;          // of each datagram: from when it was taken up to its answer
 };
 
 class SceneHost {
@@ -173,6 +174,7 @@ class SceneHost {
   std::atomic<int> posts_{0};     // that have not had their turn
   std::uint16_t port_ = 0;
   std::uint64_t unsent_ = 0;
+  TimeCounts answers_;
   bool closing_ = false;  // the scene's thread only
   bool waiting_ = false;  // for the socket to be readable; likewise
   std::atomic<std::uint32_t> published_sessions_{0};

@@ -8,6 +8,7 @@
 #include <optional>
 #include <vector>
 
+#include "core/base/time_counts.hpp"
 #include "protocol/session/profiles.hpp"
 #include "protocol/wire/codec.hpp"
 #include "protocol/wire/control.hpp"
@@ -57,6 +58,7 @@ struct SceneCounters {
   std::uint64_t shed =
       0;  // of the drops by rate, those of sessions above their share of the thread
   std::array<std::uint64_t, kDropReasons> drops{};
+  TimeCounts world_late;  // of each waking for the world: after its time
 };
 
 /// A session that is not there, or not any more.

@@ -11,6 +11,7 @@ void SceneSessions::tick(Nanoseconds now) noexcept {
   const auto due = (now - last_tick_) / tick_;
   if (due == 0) return;
   log({.kind = EventKind::tick, .time = now});
+  counters_.world_late.record((now - last_tick_ - tick_).count());
   const auto late = due - most_ticks_;
   if (late > 0) [[unlikely]] {
     last_tick_ += late * tick_;

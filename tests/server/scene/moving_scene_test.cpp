@@ -179,6 +179,21 @@ TEST(MovingScene, AStallIsNoBurst) {
   EXPECT_EQ(bench.world().counters().steps, 27u);
 }
 
+TEST(MovingScene, CountsHowLateItsTicksAre) {
+  const Scene scene = moving({object("ball", Sphere{0.03})}, {0}, {body("ball", 1.0)});
+  Bench bench(scene);
+  bench.join(kLeft);
+  bench.advance(1ms);     // on time
+  bench.advance(1200us);  // 0.2 ms late
+  bench.advance(100us);   // too soon for another
+  bench.advance(5900us);  // 5.2 ms late for the first of six
+  const TimeCounts late = bench.sessions.counters().world_late;
+  EXPECT_EQ(late.sum(), 5'400'000u);
+  EXPECT_EQ(late.counts()[0], 1u);
+  EXPECT_EQ(late.counts()[4], 1u) << "up to 0.2 ms";
+  EXPECT_EQ(late.counts()[9], 1u) << "up to 10 ms";
+}
+
 /// A world whose ticks take three times as long as they last: soon no call takes more than one.
 TEST(MovingScene, AWorldThatCannotKeepUpGoesSlowerInSmallSteps) {
   const Scene scene = moving({object("ball", Sphere{0.03})}, {0}, {body("ball", 1.0)});

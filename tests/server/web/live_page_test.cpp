@@ -230,6 +230,8 @@ TEST(LivePage, CountsForPrometheus) {
   EXPECT_THAT(said,
               HasSubstr("feltwire_datagrams_dropped_total{scene=\"room\",reason=\"sealed\"} 0\n"));
   EXPECT_THAT(said, HasSubstr("\nfeltwire_control_connections_total 1\n"));
+  EXPECT_THAT(said, HasSubstr("# TYPE feltwire_answer_seconds histogram\n"
+                              "feltwire_answer_seconds_bucket{scene=\"room\",le=\"1e-05\"} "));
 }
 
 TEST(LivePage, LetsAnotherProgramLookOnWithATicket) {
