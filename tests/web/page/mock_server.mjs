@@ -71,6 +71,13 @@ class Viewer {
   }
 }
 
+/** A histogram to which each reading adds 5 times up to 10 us and 20 longer than all; another scene's says something else. */
+function times(readings) {
+  const line = (scene, limit, count) => `feltwire_answer_seconds_bucket{scene="${scene}",le="${limit}"} ${count}\n`;
+  return ['room', 'other'].map((scene, i) => line(scene, '1e-05', 100 + (i + 1) * 5 * readings) + line(scene, '0.0001', 100 + (i + 1) * 5 * readings) +
+    line(scene, '+Inf', 100 + (i + 1) * 25 * readings)).join('');
+}
+
 /**
  * @param {{folder: string, port?: number, hands?: number, bodies?: number, token?: string}} options
  * @returns {Promise<{url: string, port: number, watched: string[], requests: string[], play: Play, drop: Function, send: Function, log: Function, stop: Function}>}
@@ -81,8 +88,10 @@ export async function startServer({folder, port = 0, hands = 2, bodies = 1, toke
   const viewers = new Set();
   const requests = [];
   const watched = [];
+  let readings = 0;
   const server = createServer((request, response) => {
     requests.push(request.url);
+    if (request.url === '/metrics') return response.writeHead(200, {'Content-Type': 'text/plain'}).end(times(++readings));
     const asset = assets.find(({path}) => path === request.url);
     if (!asset) return response.writeHead(404).end();
     const name = asset.path === '/' ? 'index.html' : asset.path.slice(1);
@@ -100,6 +109,7 @@ export async function startServer({folder, port = 0, hands = 2, bodies = 1, toke
       viewer.json({type: 'hello', version: 'mock', scenes: ['room', 'other'], role: 'observer', reasons: REASONS});
       sendScene(viewer, 'room');
     }
+    if (message.ticket) viewer.json({type: 'ticket', scene: message.ticket, path: `/foxglove?ticket=fw_${message.ticket}`, seconds: 60});
     if (message.watch) {
       watched.push(message.watch);
       sendScene(viewer, message.watch);

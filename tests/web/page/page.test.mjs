@@ -267,3 +267,29 @@ test('16 hands and 1000 bodies are shown', async () => {
   await until(() => window.feltwire().chosen === 4 && window.feltwire().plotted.points > 5);
   await until(() => /round trip –/.test(document.querySelector('#plots .plot:last-child .legend').textContent));
 });
+
+test('gives an address for Foxglove, and forgets it', async () => {
+  await open();
+  await until(() => window.feltwire().scene === 'room');
+  await press('?');
+  await page.click('#foxglove-open');
+  await page.waitForSelector('#foxglove[open]');
+  assert.equal(await page.inputValue('#foxglove input'), `ws://127.0.0.1:${server.port}/foxglove?ticket=fw_room`);
+  await page.keyboard.press('Escape');
+  await until(() => document.querySelector('#foxglove input').value === '');
+  await press('h');  // Keys work again.
+  await page.waitForSelector('#times[open]');
+});
+
+test('shows how long answers take since it was asked', async () => {
+  await open();
+  await until(() => window.feltwire().scene === 'room');
+  await press('h');
+  const rows = () => [...document.querySelectorAll('#times tr')].map((row) => [...row.cells].map((cell) => cell.textContent));
+  await until(() => Number(document.querySelector('#times tr:last-child td:last-child')?.textContent) >= 20);
+  const [first, second, last] = await page.evaluate(`(${rows})()`);
+  assert.deepEqual([first[0], second[0], last[0]], ['≤ 10 µs', '≤ 100 µs', '> 100 µs']);
+  assert.equal(second[2], '0');
+  assert.equal(Number(last[2]), 4 * Number(first[2]));
+  await press('Escape');
+});

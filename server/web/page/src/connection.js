@@ -3,7 +3,7 @@
 const FIRST_PAUSE = 0.5;  // [s]
 const LONGEST_PAUSE = 10;  // [s]
 const SILENCE = 3;  // [s] without any message before the page says so
-const TOKEN_KEY = 'feltwire-token';
+export const TOKEN_KEY = 'feltwire-token';  // of the session's storage
 
 const CLOSED = {
   1001: 'The server stopped.',

@@ -1,6 +1,7 @@
 // The live page: connects, keeps the newest picture, and draws.
 
 import {Connection} from './connection.js';
+import {Foxglove} from './foxglove.js';
 import {Hands} from './hands.js';
 import {Labels} from './labels.js';
 import {KIND, Picture, readGeometry} from './messages.js';
@@ -8,6 +9,7 @@ import {bindKeys, followTheme, makeSplit} from './panels.js';
 import {Plots} from './plots.js';
 import {Replay, standsAlone} from './replay/replay.js';
 import {Sessions} from './sessions.js';
+import {Times} from './times.js';
 import {View} from './view.js';
 import {Why} from './why.js';
 import * as words from './words.js';
@@ -22,6 +24,8 @@ const plots = new Plots(element('plots'));
 const why = new Why(element('sentence'), element('reasons'));
 const sessions = new Sessions(document.querySelector('#sessions table'), choose);
 const labels = new Labels(element('labels'));
+const foxglove = new Foxglove(element('foxglove'));
+const times = new Times(element('times'), () => page.scene);
 const page = {scene: '', pictures: 0, firstPicture: null, unread: 0, held: false, chosen: null, connection: ''};
 const replay = new Replay(() => connection.end('Recordings are read on this machine; nothing is sent.'));
 let latest = new Picture();  // the newest that came
@@ -65,6 +69,9 @@ function takeText(message) {
     case 'sessions':
       sessions.set(message.sessions ?? []);
       view.tools.setSessions(message.sessions ?? []);
+      break;
+    case 'ticket':
+      foxglove.show(message);
       break;
     case 'log':
       element('log').hidden = false;
@@ -210,6 +217,10 @@ element('seconds').onchange = (event) => (plots.seconds = Number(event.target.va
 element('retry').onclick = () => connection.connect();
 element('hold').onclick = hold;
 element('help-open').onclick = () => element('help').showModal();
+element('foxglove-open').onclick = () => {
+  element('help').close();
+  connection.send({ticket: page.scene});
+};
 element('previous').onclick = () => chooseNext(-1);
 element('next').onclick = () => chooseNext(1);
 element('arrow-less').onclick = () => scaleArrows(-1);
@@ -245,6 +256,7 @@ bindKeys(element('keys'), [
     view.stale = true;
   }},
   {keys: ['o'], text: 'open a recording', act: () => element('recording-files').click()},
+  {keys: ['h'], text: 'times of the server, as histograms', act: () => times.open()},
   {keys: ['l'], text: 'light or dark', act: () => element('theme').click()},
   {keys: ['?'], text: 'this list', act: () => element('help').showModal()},
 ], () => !replay.active);

@@ -71,7 +71,7 @@ export function bindKeys(list, bindings, active = () => true) {
     for (const key of keys) acts.set(key, act);
   }
   addEventListener('keydown', (event) => {
-    if (!active() || event.ctrlKey || event.metaKey || event.altKey || event.target.closest?.('input, select, dialog')) return;
+    if (!active() || event.ctrlKey || event.metaKey || event.altKey || event.target.closest?.('input, select, dialog[open]')) return;
     if (event.target.closest?.('button') && [' ', 'Enter'].includes(event.key)) return;
     const act = acts.get(event.key);
     if (!act) return;

@@ -1,0 +1,31 @@
+// The address by which another viewer may look on at the scene: the server gives a ticket for each.
+
+export class Foxglove {
+  /** @param {HTMLDialogElement} dialog what shows an address */
+  constructor(dialog) {
+    this.dialog = dialog;
+    this.address = dialog.querySelector('input');
+    this.address.onfocus = () => this.address.select();
+    const copy = dialog.querySelector('button[type=button]');
+    copy.onclick = async () => {
+      this.address.select();
+      try {
+        await navigator.clipboard.writeText(this.address.value);
+        copy.textContent = 'Copied';
+      } catch {
+        copy.textContent = 'Press Ctrl+C';  // The browser lets this page write no clipboard.
+      }
+    };
+    dialog.addEventListener('close', () => {
+      this.address.value = '';
+      copy.textContent = 'Copy';
+    });
+  }
+
+  /** @param {{path: string, seconds: number}} ticket what the server said */
+  show(ticket) {
+    this.address.value = `${location.protocol === 'https:' ? 'wss' : 'ws'}://${location.host}${ticket.path}`;
+    this.dialog.querySelector('output').textContent = String(ticket.seconds);
+    if (!this.dialog.open) this.dialog.showModal();
+  }
+}
