@@ -1,101 +1,17 @@
 #include "client/devices/simulated_device.hpp"
 
-#include <algorithm>
-#include <cmath>
-#include <stdexcept>
-
 namespace feltwire {
-namespace {
-
-constexpr double kLongestStep = 20e-6;  // [s]
-
-}  // namespace
 
 SimulatedDevice::SimulatedDevice(const SimulatedHandOptions& options)
-    : options_(options), motion_(options.task) {
-  validate(options_.spec);
-  const auto usable = [](double v) { return std::isfinite(v) && v >= 0.0; };
-  const Hand& hand = options_.hand;
-  if (!usable(hand.mass) || !usable(hand.damping) || !usable(hand.stiffness))
-    throw std::invalid_argument(
-        "the hand's mass, damping and stiffness must be finite and not negative");
-  if (!(options_.spec.apparent_mass + hand.mass > 0.0))
-    throw std::invalid_argument("device and hand together must have a mass above zero [kg]");
-  go_to_start();
+    : HandDevice(options.spec, options.hand), options_(options), motion_(options.task) {
+  place(motion_.position(0.0));
 }
 
 void SimulatedDevice::begin(const Vec3& position, const Vec3& normal) {
   if (!options_.own_center) options_.task.center = position;
   if (!options_.own_normal) set_normal(options_.task, normal);
   motion_ = IntendedMotion(options_.task);
-  go_to_start();
-}
-
-void SimulatedDevice::go_to_start() {
-  intended_ = position_ = motion_.position(0.0);
-  if (options_.spec.translation_dof == 2) intended_.z() = position_.z() = 0.0;
-}
-
-DeviceReading SimulatedDevice::read(Nanoseconds now) noexcept {
-  if (!started_) {
-    started_ = true;
-    start_ = now;
-  }
-  integrate(std::chrono::duration<double>(now - start_).count());
-  DeviceReading reading;
-  const double quantum = options_.spec.position_resolution;
-  for (int i = 0; i < 3; ++i)
-    reading.pose.position[i] =
-        quantum > 0.0 ? std::round(position_[i] / quantum) * quantum : position_[i];
-  return reading;
-}
-
-Command SimulatedDevice::write(const Command& on_hand) noexcept {
-  Command held = actuated(options_.spec, on_hand);
-  if (released_.load() || !held.finite())
-    held = {};  // an amplifier that gets nonsense gives nothing
-  const double magnitude = held.force().norm();
-  const double limit = options_.spec.max_force;
-  if (limit > 0.0 && magnitude > limit) {
-    held.elastic *= limit / magnitude;
-    held.frictional *= limit / magnitude;
-  }
-  force_ = held.force();
-  return held;
-}
-
-void SimulatedDevice::integrate(double until) noexcept {
-  const double span = until - time_;
-  if (!(span > 0.0)) return;
-  if (released_.load()) force_ = Vec3::Zero();
-  const int steps = std::max(1, static_cast<int>(std::ceil(span / kLongestStep)));
-  const double h = span / steps;
-
-  // Within one reading the intended motion is straight: it has nothing above some 12 Hz.
-  Vec3 target = motion_.position(until);
-  if (options_.spec.translation_dof == 2) target.z() = 0.0;
-  const Vec3 intended_velocity = (target - intended_) / span;
-
-  const Hand& hand = options_.hand;
-  const double mass = options_.spec.apparent_mass + hand.mass;
-  Damping damping = options_.spec.damping;
-  damping += hand.damping;
-  const double scale = 1.0 / (1.0 + h / mass * damping.least());
-  const Mat3 solve = (Mat3::Identity() + h / mass * damping.matrix()).inverse();
-  const double friction_impulse =
-      options_.spec.coulomb_friction * h / mass;  // [m/s] at most, a step
-  for (int i = 0; i < steps; ++i) {
-    intended_ += h * intended_velocity;
-    const Vec3 pull =
-        hand.stiffness * (intended_ - position_) + hand.damping * intended_velocity + force_;
-    const Vec3 driven = velocity_ + h / mass * pull;
-    velocity_ = damping.isotropic() ? Vec3(scale * driven) : Vec3(solve * driven);
-    for (double& v : velocity_)
-      v = std::abs(v) > friction_impulse ? v - std::copysign(friction_impulse, v) : 0.0;
-    position_ += h * velocity_;
-  }
-  intended_ = target;
-  time_ = until;
+  place(motion_.position(0.0));
 }
 
 }  // namespace feltwire

@@ -43,7 +43,7 @@ ServoThread::~ServoThread() { end(); }
 
 void ServoThread::run_loop(Shared& shared) noexcept {
   ServoTask& task = *shared.task;
-  shared.real_time = request_real_time(task.priority);
+  if (task.priority != ServoTask::kNoRealTime) shared.real_time = request_real_time(task.priority);
   shared.change(&Shared::started);
   run_servo_loop(task.guard, task.servo, *task.transport, task.options, shared.stop, task.outputs,
                  task.result);

@@ -28,7 +28,10 @@ struct ServoTask {
   Servo servo;
   LoopOptions options;
   LoopOutputs outputs;
-  int priority = 0;  // request_real_time()
+  /// Of request_real_time(); kNoRealTime: nothing is asked of the system, as beside threads that
+  /// are to come first.
+  static constexpr int kNoRealTime = -1;
+  int priority = 0;
   LoopResult result;
 };
 
