@@ -153,7 +153,7 @@ void understand(const WrittenOptions& words, HandTask task, ClientOptions& optio
           "--busy-poll must be from 0 to 1e6 us, or inf: never sleep");
 
   options.role = role(words.role);
-  require(options.role != Role::admin, "--role must be operator or observer");
+  require(options.role != Role::admin, "--role must be operator, pointer or observer");
   require(words.view.empty() || options.role == Role::observer,
           "--view is of observers; give --role observer, too");
   choose_bound(words, options.parameters);

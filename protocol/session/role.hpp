@@ -2,21 +2,29 @@
 // The roles of a token: what its holder may do.
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <string_view>
 
 namespace feltwire {
 
-/// Each may what those before it may: an observer is shown the scene, feels nothing and moves
-/// nothing, an operator acts, an admin lists and evicts sessions and reloads scenes.
-enum class Role : std::uint8_t { observer, operator_, admin };
+/// The numbers are the wire's. Each may what those below it in rank() may: an observer is shown the
+/// scene, feels nothing and moves nothing; a pointer holds a small hand, that of the live page; an
+/// operator acts with any device; an admin lists and evicts sessions and reloads scenes.
+enum class Role : std::uint8_t { observer, operator_, admin, pointer };
 
-inline constexpr std::array<std::string_view, 3> kRoleNames = {"observer", "operator", "admin"};
+inline constexpr std::array<std::string_view, 4> kRoleNames = {"observer", "operator", "admin",
+                                                               "pointer"};
 
 std::string_view name(Role role);
 /// Throws std::invalid_argument naming the choices when there is no such role.
 Role role(std::string_view name);
 
-constexpr bool covers(Role granted, Role wanted) { return granted >= wanted; }
+/// From 0. The pointer has the last number and stands above the observer alone.
+constexpr int rank(Role role) {
+  constexpr std::array<int, 4> kRanks = {0, 2, 3, 1};
+  return kRanks[static_cast<std::size_t>(role)];
+}
+constexpr bool covers(Role granted, Role wanted) { return rank(granted) >= rank(wanted); }
 
 }  // namespace feltwire

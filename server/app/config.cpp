@@ -23,6 +23,7 @@ namespace {
 
 constexpr int kLastPort = 65535;
 constexpr int kMostSessions = 4096;
+constexpr int kMostWebHands = 64;  // each has threads of its own in the server
 constexpr double kLeastSampleRate = 1.1, kLargestSampleRate = 1e6;  // times the servo rate
 constexpr double kNeverSleeps = -1.0;                               // of busy_poll, in a file
 constexpr std::array<const char*, 6> kLogLevels = {"trace",   "debug", "info",
@@ -147,6 +148,8 @@ std::optional<Complaint> complaint(const ServerConfig& c) {
     }
   }
   if (auto wrong = recording_complaint(c)) return wrong;
+  if (auto wrong = out_of_range("web_hands", "--web-hands", c.web_hands, 0, kMostWebHands))
+    return wrong;
   if (find_choice(kLogLevels, c.log_level) == nullptr)
     return Complaint{"log_level", "--log-level",
                      "'" + c.log_level + "' is none of " + choices(kLogLevels, ", ")};
@@ -207,6 +210,7 @@ ServerConfig parse_config(std::string_view json, const std::filesystem::path& fi
   if (root->record_max_mib() > 0.0) config.record_max_mib = root->record_max_mib();
   if (root->record_max_seconds() > 0.0) config.record_max_seconds = root->record_max_seconds();
   config.flight_recorder = path(root->flight_recorder());
+  config.web_hands = root->web_hands();
   if (root->log_level() != nullptr) config.log_level = root->log_level()->str();
   if (const auto wrong = complaint(config)) document.fail(wrong->field, wrong->message);
   return config;

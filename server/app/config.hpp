@@ -38,6 +38,7 @@ struct ServerConfig : SecurityOptions {
   double record_max_mib = HUGE_VAL;       // of one file of several
   double record_max_seconds = HUGE_VAL;   // likewise
   std::filesystem::path flight_recorder;  // folder of flight records; empty: none
+  int web_hands = 4;  // sessions of role pointer: hands that viewers of the page hold, at once
   std::string log_level = "info";
 };
 

@@ -25,6 +25,7 @@
 #include "server/app/health.hpp"
 #include "server/app/log_format.hpp"
 #include "server/app/options.hpp"
+#include "server/app/page_hands.hpp"
 #include "server/app/server.hpp"
 #include "server/app/signals.hpp"
 #include "server/app/startup.hpp"
@@ -181,7 +182,8 @@ int main(int argc, char** argv) {
     pthread_sigmask(SIG_BLOCK, &signals, nullptr);
 
     feltwire::StartEnded start_ended;
-    std::optional<feltwire::Server> server = feltwire::start_server(config, start_ended);
+    std::optional<feltwire::Server> server =
+        feltwire::start_server(config, start_ended, feltwire::make_page_hands);
     if (!server) {
       spdlog::info("{} before it served",
                    start_ended.signal == SIGINT ? "interrupted" : "terminated");

@@ -181,6 +181,11 @@ std::string metrics_text(const std::vector<SceneSummary>& scenes, const ControlS
   add(text, "feltwire_pictures_total", "Pictures sent to viewers.", page.pictures);
   add(text, "feltwire_pictures_skipped_total", "Turns at which a slow viewer was sent nothing.",
       page.skipped);
+  add(text, "feltwire_page_hands_total", "Hands that viewers asked for.", page.hands);
+  add(text, "feltwire_page_points_total", "Places that viewers pointed their hands to.",
+      page.points);
+  add(text, "feltwire_page_points_refused_total", "Places too far away, or that are none.",
+      page.points_refused);
   return text;
 }
 

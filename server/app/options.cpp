@@ -104,6 +104,9 @@ void add_serving(CLI::App& app, Overrides& overrides, ServerConfig& given) {
   add(app, overrides, given, &Config::flight_recorder, "--flight-recorder",
       "Folder that gets the last ten seconds of a scene where a session ends that its client did "
       "not end, and whenever SIGUSR1 comes");
+  add(app, overrides, given, &Config::web_hands, "--web-hands",
+      "Hands that viewers of the live page may hold at once, by mouse or touch; 0: none")
+      ->capture_default_str();
   add(app, overrides, given, &Config::log_level, "--log-level",
       "trace, debug, info, warning, error or off")
       ->capture_default_str();

@@ -88,8 +88,15 @@ web::WebOptions web_options(const ServerConfig& config) {
 }
 
 ServiceLimits service_limits(const ServerConfig& config) {
-  return {static_cast<std::size_t>(config.max_sessions_per_client), config.join_rate,
-          config.join_burst};
+  return {static_cast<std::size_t>(config.max_sessions_per_client),
+          static_cast<std::size_t>(config.web_hands), config.join_rate, config.join_burst};
+}
+
+/// Where this machine reaches a server that listens on this address.
+std::string own_host(const std::string& listens_on) {
+  const auto address = asio::ip::make_address(listens_on);
+  if (!address.is_unspecified()) return listens_on;
+  return address.is_v6() ? "::1" : "127.0.0.1";
 }
 
 SceneHostOptions host_options(const ServerConfig& config) {
@@ -114,7 +121,8 @@ struct Server::Parts {
   std::vector<std::unique_ptr<SceneHost>> hosts;
   ControlService service;
   std::unique_ptr<ControlEndpoint> control;
-  std::unique_ptr<web::WebServer> web;  // null: there is no live page
+  std::unique_ptr<web::PageHands> page_hands;  // null: viewers hold none
+  std::unique_ptr<web::WebServer> web;         // null: there is no live page
   asio::steady_timer look{io};
   bool looking = false;                            // the timer runs
   const std::vector<std::filesystem::path> files;  // of the scenes; none where they were at hand
@@ -122,7 +130,7 @@ struct Server::Parts {
   std::thread thread;
 
   Parts(const ServerConfig& config, std::vector<Scene> scenes, Security security,
-        SceneLoader::Load load)
+        SceneLoader::Load load, const web::MakePageHands& hands)
       : fingerprint(feltwire::fingerprint(security.identity)),
         service(io, hosts, security.tokens, service_limits(config),
                 [this](std::size_t host, ControlService::Reloaded done) {
@@ -145,7 +153,7 @@ struct Server::Parts {
       hosts.push_back(std::make_unique<SceneHost>(std::move(scenes[i]), options));
       if (recorder != nullptr) recorder->see(i, hosts[i]->recorded_pictures());
     }
-    if (!config.web.empty()) open_page(config, std::move(security));
+    if (!config.web.empty()) open_page(config, std::move(security), hands);
     // Every port is bound: from here on nothing fails.
     for (auto& host : hosts) host->start();
     if (recorder != nullptr) recorder->start();
@@ -157,8 +165,13 @@ struct Server::Parts {
 
   ~Parts() { stop(); }
 
-  void open_page(const ServerConfig& config, Security security) {
+  /// Where clients show a certificate no page holds a hand, for it has none to show.
+  void open_page(const ServerConfig& config, Security security, const web::MakePageHands& hands) {
     web::WebOptions page = web_options(config);
+    if (hands && config.web_hands > 0 && security.client_authorities.empty())
+      page_hands = hands({own_host(config.address), control->port(), fingerprint,
+                          static_cast<std::size_t>(config.web_hands)});
+    page.hands = page_hands.get();
     page.metrics = [this](const web::AudienceCounters& counters) {
       return metrics_text(summary(), control_summary(), counters);
     };
@@ -282,6 +295,7 @@ struct Server::Parts {
 
   bool stop() {
     if (web != nullptr) web->stop();  // it asks the hosts
+    page_hands.reset();               // their clients take leave
     if (thread.joinable()) {
       asio::post(io, [this] { control->close(); });
       for (auto& host : hosts) host->stop();
@@ -294,12 +308,12 @@ struct Server::Parts {
   }
 };
 
-Server::Server(const ServerConfig& config)
-    : Server(config, load_scenes(config), open_security(config), loader_of(config)) {}
+Server::Server(const ServerConfig& config, const web::MakePageHands& hands)
+    : Server(config, load_scenes(config), open_security(config), loader_of(config), hands) {}
 Server::Server(const ServerConfig& config, std::vector<Scene> scenes, Security security,
-               SceneLoader::Load load)
+               SceneLoader::Load load, const web::MakePageHands& hands)
     : parts_(std::make_unique<Parts>(config, std::move(scenes), std::move(security),
-                                     std::move(load))) {}
+                                     std::move(load), hands)) {}
 Server::~Server() = default;
 Server::Server(Server&&) noexcept = default;
 Server& Server::operator=(Server&&) noexcept = default;

@@ -12,6 +12,7 @@
 #include "server/control/control_service.hpp"
 #include "server/scene/scene_host.hpp"
 #include "server/scene/scene_loader.hpp"
+#include "server/web/page_hands.hpp"
 
 namespace feltwire {
 
@@ -25,12 +26,13 @@ class Server {
  public:
   /// Loads the scenes, the certificate and the tokens of the configuration, binds every port and
   /// starts the threads. Throws FileError, std::invalid_argument or std::runtime_error, each one
-  /// clear line.
-  explicit Server(const ServerConfig& config);
+  /// clear line. `hands` makes the hands that viewers of the live page may hold
+  /// (server/app/page_hands.hpp); empty: none.
+  explicit Server(const ServerConfig& config, const web::MakePageHands& hands = {});
   /// The same with these at hand; the configuration's own are not read.
   /// `load` reads a scene's file anew at a reload.
   Server(const ServerConfig& config, std::vector<Scene> scenes, Security security,
-         SceneLoader::Load load = load_scene_and_warn);
+         SceneLoader::Load load = load_scene_and_warn, const web::MakePageHands& hands = {});
   /// Stops.
   ~Server();
   Server(Server&&) noexcept;

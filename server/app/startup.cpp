@@ -44,8 +44,9 @@ EventFile signal_file() {
 
 /// The thread keeps it, so that it may outlive the caller.
 struct Launch {
-  explicit Launch(const ServerConfig& with) : config(with) {}
+  Launch(const ServerConfig& with, const web::MakePageHands& lent) : config(with), hands(lent) {}
   ServerConfig config;
+  web::MakePageHands hands;
   LongWork work;
   EventFile done{::eventfd(0, EFD_CLOEXEC)};
   std::optional<Server> server;
@@ -54,7 +55,7 @@ struct Launch {
   void run() noexcept {
     try {
       const DoingWork doing(&work);
-      server.emplace(config);
+      server.emplace(config, hands);
     } catch (const Cancelled&) {
       // There is no server, as was asked for.
     } catch (...) {
@@ -89,9 +90,10 @@ bool wait_for_end_of(Launch& start, const EventFile& signals, StartEnded& ended)
 
 }  // namespace
 
-std::optional<Server> start_server(const ServerConfig& config, StartEnded& ended) {
+std::optional<Server> start_server(const ServerConfig& config, StartEnded& ended,
+                                   const web::MakePageHands& hands) {
   const EventFile signals = signal_file();
-  const auto start = std::make_shared<Launch>(config);
+  const auto start = std::make_shared<Launch>(config, hands);
   std::thread thread([start] { start->run(); });
   try {
     while (!wait_for_end_of(*start, signals, ended)) {

@@ -16,6 +16,7 @@ struct StartEnded {
   int signal = 0;
   bool left_behind = false;
 };
-std::optional<Server> start_server(const ServerConfig& config, StartEnded& ended);
+std::optional<Server> start_server(const ServerConfig& config, StartEnded& ended,
+                                   const web::MakePageHands& hands = {});
 
 }  // namespace feltwire

@@ -92,7 +92,7 @@ int token_command(int argc, char** argv) {
   CLI::App* adding = app.add_subcommand("add", "Make a token and print it");
   adding->add_option("--client", words.client, "Whom it is for")->required();
   adding->add_option("--scene", words.scene, "The scene that it opens; '*': any")->required();
-  adding->add_option("--role", words.role, "observer, operator or admin")->required();
+  adding->add_option("--role", words.role, "observer, pointer, operator or admin")->required();
   adding->add_option("--expires", words.expires, "30d, 12h, a day like 2026-12-31 (UTC), or never")
       ->required();
   adding->add_option("--out", words.out,

@@ -8,6 +8,7 @@
 #include "protocol/crypto/tls.hpp"
 #include "protocol/net/clock.hpp"
 #include "server/control/parameter_changes.hpp"
+#include "server/control/pointer_limits.hpp"
 #include "server/scene/scene_sessions.hpp"
 
 namespace feltwire {
@@ -23,6 +24,11 @@ constexpr const char* kNoGoodToken =
 
 CalendarTime calendar_now() {
   return std::chrono::floor<std::chrono::seconds>(std::chrono::system_clock::now());
+}
+
+/// "an observer"
+std::string holder(Role role) {
+  return (role == Role::pointer ? "a " : "an ") + std::string(name(role));
 }
 
 }  // namespace
@@ -93,7 +99,7 @@ std::optional<Refused> ControlService::refuse_join(const PendingRequest& asked,
                                                    const control::JoinRequest& request) {
   const Token& token = asked.token;
   if (!covers(token.role, request.role))
-    return refuse(RefusalCode::forbidden, "this token is for an " + std::string(name(token.role)) +
+    return refuse(RefusalCode::forbidden, "this token is for " + holder(token.role) +
                                               ", it does not join as " +
                                               std::string(name(request.role)));
   // Whether there is such a scene is not for this token to know.
@@ -118,7 +124,19 @@ std::optional<Refused> ControlService::refuse_join(const PendingRequest& asked,
     return refuse(RefusalCode::too_many, "client '" + token.client + "' has all its " +
                                              std::to_string(limits_.sessions_per_client) +
                                              " sessions; end one first");
-  return std::nullopt;
+  return refuse_pointer(request);
+}
+
+std::optional<Refused> ControlService::refuse_pointer(const control::JoinRequest& request) {
+  if (request.role != Role::pointer) return std::nullopt;
+  if (auto wrong = beyond_pointer(request))
+    return refuse(RefusalCode::forbidden, *std::move(wrong));
+  const auto pointers = std::ranges::count_if(
+      seated_, [](const auto& entry) { return entry.second.role == Role::pointer; });
+  if (static_cast<std::size_t>(pointers) < limits_.pointers) return std::nullopt;
+  return refuse(RefusalCode::too_many, "this server has all its " +
+                                           std::to_string(limits_.pointers) +
+                                           " pointers (--web-hands); wait until one lets go");
 }
 
 void ControlService::join(PendingRequest asked, control::JoinRequest request) {
@@ -204,7 +222,7 @@ void ControlService::tell_of(const control::ParametersSet& set, const std::strin
 std::optional<Refused> ControlService::refuse_below_admin(const PendingRequest& asked) {
   if (covers(asked.token.role, Role::admin)) return std::nullopt;
   return refuse(RefusalCode::forbidden,
-                "this is for admins; the token is for an " + std::string(name(asked.token.role)));
+                "this is for admins; the token is for " + holder(asked.token.role));
 }
 
 /// Each of these is work for a scene's thread, or for the machine.

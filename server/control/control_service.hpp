@@ -19,6 +19,7 @@ namespace feltwire {
 
 struct ServiceLimits {
   std::size_t sessions_per_client = 16;
+  std::size_t pointers = 4;  // sessions of role pointer, of all clients together
   /// [1/s] for ever, and at once: joins, changes of parameters and reloads, each for all tokens
   /// with one client's name; wrong tokens, for one network.
   double join_rate = 20.0, join_burst = 60.0;
@@ -85,6 +86,7 @@ class ControlService {
   std::optional<control::Refused> refuse_hasty(const PendingRequest& asked);
   std::optional<control::Refused> refuse_join(const PendingRequest& asked,
                                               const control::JoinRequest& request);
+  std::optional<control::Refused> refuse_pointer(const control::JoinRequest& request);
   const Token* good_token(const std::string& id) const;
   void refresh_tokens();
   const std::string& scene_name(const ListedSession& seated) const;

@@ -9,7 +9,7 @@
 #include "core/base/visible_text.hpp"
 #include "protocol/net/clock.hpp"
 #include "server/web/foxglove_viewer.hpp"
-#include "server/web/viewer_message.hpp"
+#include "server/web/viewers_hand.hpp"
 
 namespace feltwire::web {
 namespace {
@@ -18,6 +18,7 @@ constexpr Nanoseconds kBetweenDescriptions = std::chrono::milliseconds(500);
 constexpr Nanoseconds kBetweenTokenLooks = std::chrono::seconds(1);
 constexpr const char* kFull = "this server has as many viewers as it may have; close another page";
 constexpr double kMessageRate = 20.0, kMessageBurst = 40.0;  // [1/s] of one viewer, and at once
+constexpr double kPointRate = 120.0;  // [1/s] besides, and at once, of one that may hold a hand
 
 CalendarTime calendar_now() {
   return std::chrono::floor<std::chrono::seconds>(std::chrono::system_clock::now());
@@ -57,10 +58,11 @@ struct Audience::Seat {
   std::uint32_t version = 0;               // of the scene that was sent
   std::optional<FoxgloveViewer> foxglove;  // it speaks that protocol, not the page's
   TokenBucket messages{kMessageRate, kMessageBurst};
+  ViewersHand hand;
 };
 
-Audience::Audience(asio::io_context& io, const Hosts& hosts, TokenFile tokens)
-    : io_(io), tokens_(std::move(tokens)), begin_(monotonic_now()) {
+Audience::Audience(asio::io_context& io, const Hosts& hosts, TokenFile tokens, PageHands* hands)
+    : io_(io), tokens_(std::move(tokens)), hands_(hands), begin_(monotonic_now()) {
   for (const auto& host : hosts) {
     stages_.push_back(std::make_unique<Stage>());
     stages_.back()->host = host.get();
@@ -95,13 +97,24 @@ void Audience::receive(Id id, std::string_view message) {
   const std::optional<ViewerMessage> said = parse_viewer_message(message);
   if (!said) return refuse(id, WebSocketClose::bad_message, "a message is no JSON object");
   if (!seat.token.empty()) {
-    if (said->watch) return watch(seat, *said->watch);
-    if (said->ticket) return give_ticket(seat, *said->ticket);
+    follow(seat, *said);
   } else if (said->token) {
     admit(seat, *said->token);
   } else {
     refuse(id, WebSocketClose::bad_token, "the first message has no token");
   }
+}
+
+/// Of a viewer that was admitted. It may have left when this returns.
+void Audience::follow(Seat& seat, const ViewerMessage& said) {
+  if (said.point) ++(seat.hand.point(*said.point) ? counters_.points : counters_.points_refused);
+  if (said.hand == "release") seat.hand.release();
+  if (said.hand == "take" && seat.stage != nullptr) {
+    ++counters_.hands;
+    seat.hand.take(seat.stage->host->name());
+  }
+  if (said.watch) return watch(seat, *said.watch);
+  if (said.ticket) give_ticket(seat, *said.ticket);
 }
 
 bool Audience::is_full() const {
@@ -137,6 +150,10 @@ void Audience::admit(Seat& seat, std::string_view text) {
   seat.viewer->admitted();
   spdlog::debug("live page: {} looks on", visible(token->client));
   seat.viewer->send(hello(scenes, token->role));
+  if (hands_ != nullptr && covers(token->role, Role::pointer)) {
+    seat.hand = ViewersHand(*hands_, token->client, Secret(text));
+    seat.messages = TokenBucket(kMessageRate + kPointRate, kMessageBurst + kPointRate);
+  }
   watch(seat, scenes.front());
 }
 
@@ -201,6 +218,7 @@ void Audience::watch(Seat& seat, std::string_view scene) {
   const Token* token = find_token(tokens_.tokens(), seat.token);
   for (const auto& stage : stages_) {
     if (stage->host->name() != scene || token == nullptr || !opens(*token, scene)) continue;
+    if (seat.stage != stage.get()) seat.hand.release();
     seat.stage = stage.get();
     seat.version = 0;
     return;
@@ -231,6 +249,8 @@ void Audience::look_after_tokens(Nanoseconds now) {
 
 void Audience::tick(Nanoseconds now) {
   look_after_tokens(now);
+  for (auto& [id, seat] : seats_)
+    if (const auto news = seat.hand.news()) seat.viewer->send(*news);
   for (const auto& stage : stages_)
     if (watched(*stage)) show(*stage, now);
 }

@@ -15,17 +15,21 @@
 #include "server/access/rate_limit.hpp"
 #include "server/access/token_file.hpp"
 #include "server/scene/scene_host.hpp"
+#include "server/web/page_hands.hpp"
 #include "server/web/view_tickets.hpp"
 #include "server/web/viewer.hpp"
+#include "server/web/viewer_message.hpp"
 
 namespace feltwire::web {
 
 struct AudienceCounters {
-  std::uint64_t viewers = 0;   // whose token was good
-  std::uint64_t refused = 0;   // whose was not, or who were too many
-  std::uint64_t tickets = 0;   // for viewers of the Foxglove protocol, minted
-  std::uint64_t pictures = 0;  // sent
-  std::uint64_t skipped = 0;   // turns at which a slow viewer was sent nothing
+  std::uint64_t viewers = 0;                     // whose token was good
+  std::uint64_t refused = 0;                     // whose was not, or who were too many
+  std::uint64_t tickets = 0;                     // for viewers of the Foxglove protocol, minted
+  std::uint64_t pictures = 0;                    // sent
+  std::uint64_t skipped = 0;                     // turns at which a slow viewer was sent nothing
+  std::uint64_t hands = 0;                       // asked for by viewers
+  std::uint64_t points = 0, points_refused = 0;  // targets of hands: taken; too far or no place
 };
 
 class Audience {
@@ -34,8 +38,9 @@ class Audience {
   static constexpr std::size_t kMostViewers = 32;
   static constexpr std::size_t kMostMessage = 4096;  // [bytes] from a viewer
 
-  /// `io` runs on the thread that calls everything here; it and the hosts outlive this.
-  Audience(asio::io_context& io, const Hosts& hosts, TokenFile tokens);
+  /// `io` runs on the thread that calls everything here; it, the hosts and `hands` outlive this.
+  /// `hands`: those that viewers may hold; null: none.
+  Audience(asio::io_context& io, const Hosts& hosts, TokenFile tokens, PageHands* hands = nullptr);
   ~Audience();
 
   using Id = std::uint64_t;
@@ -73,6 +78,7 @@ class Audience {
   void give_ticket(Seat& seat, std::string_view scene);
   bool is_full() const;
   std::optional<Secret> mint_ticket(const Token& by, std::string_view scene);
+  void follow(Seat& seat, const ViewerMessage& said);
   void refuse(Id id, WebSocketClose code, const std::string& reason);
   void look_after_tokens(Nanoseconds now);
   void show(Stage& stage, Nanoseconds now);
@@ -83,6 +89,7 @@ class Audience {
 
   asio::io_context& io_;
   TokenFile tokens_;
+  PageHands* hands_;
   RateLimit<Network> wrong_tokens_{0.2, 10.0};
   ViewTickets tickets_;
   std::vector<std::unique_ptr<Stage>> stages_;  // one a scene

@@ -316,4 +316,21 @@ std::string sessions(std::span<const HandDescription> hands, const Picture& pict
       {{"type", text("sessions")}, {"time", number(time)}, {"sessions", json_text::list(entries)}});
 }
 
+std::string hand_text(const PageHand::Status& status) {
+  if (status.state == PageHand::State::joining) return hand_text("joining");
+  if (status.state == PageHand::State::released) return hand_text("released", status.reason);
+  return json_text::object({{"type", text("hand")},
+                            {"state", text("held")},
+                            {"session", text(std::to_string(status.session))},
+                            {"start", vector(status.start)},
+                            {"stiffness", number(status.stiffness)},
+                            {"reach", number(status.reach)}});
+}
+
+std::string hand_text(std::string_view state, std::string_view reason) {
+  std::vector<json_text::Member> members = {{"type", text("hand")}, {"state", text(state)}};
+  if (!reason.empty()) members.emplace_back("reason", text(reason));
+  return json_text::object(members);
+}
+
 }  // namespace feltwire::web

@@ -12,6 +12,7 @@
 #include "core/scene/scene.hpp"
 #include "protocol/session/role.hpp"
 #include "server/scene/picture.hpp"
+#include "server/web/page_hands.hpp"
 
 namespace feltwire::web {
 
@@ -45,5 +46,10 @@ Bytes surfaces(const Picture& picture);
 /// `time` [s] of the page's clock.
 std::string sessions(std::span<const HandDescription> hands, const Picture& picture,
                      std::span<const HandRates> rates, double time);
+
+/// What has become of a viewer's own hand.
+std::string hand_text(const PageHand::Status& status);
+/// Where it has none: `free` (it may take one) or `refused`, for this reason.
+std::string hand_text(std::string_view state, std::string_view reason = {});
 
 }  // namespace feltwire::web

@@ -28,6 +28,7 @@ struct WebOptions {
   std::size_t max_connections = 128;
   std::size_t max_connections_per_network = 64;
   std::vector<std::string> names = {};  // that pages may be asked for by, beside IP addresses
+  PageHands* hands = nullptr;           // that viewers may hold; outlives the server; null: none
   /// What `/metrics` answers (docs/live_page.md), asked on the page's thread; empty: nothing.
   std::function<std::string(const AudienceCounters& counters)> metrics = {};
 };

@@ -86,6 +86,8 @@ TEST(Tokens, RolesCoverWhatStandsBelow) {
   EXPECT_TRUE(covers(Role::admin, Role::operator_) && covers(Role::operator_, Role::observer) &&
               covers(Role::observer, Role::observer));
   EXPECT_FALSE(covers(Role::observer, Role::operator_) || covers(Role::operator_, Role::admin));
+  EXPECT_TRUE(covers(Role::operator_, Role::pointer) && covers(Role::pointer, Role::observer));
+  EXPECT_FALSE(covers(Role::observer, Role::pointer) || covers(Role::pointer, Role::operator_));
   EXPECT_EQ(role("operator"), Role::operator_);
   EXPECT_THAT(error_of<std::invalid_argument>([] { role("king"); }), HasSubstr("observer"));
 }

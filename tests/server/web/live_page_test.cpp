@@ -10,7 +10,7 @@
 #include "tests/protocol/sealed.hpp"
 #include "tests/server/make.hpp"
 #include "tests/server/raw_socket.hpp"
-#include "tests/server/web/frames.hpp"
+#include "tests/server/web/page_client.hpp"
 #include "tests/support/eventually.hpp"
 
 namespace feltwire::live_page_test {
@@ -19,19 +19,15 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
 using Json = nlohmann::json;
+using test::bytes;
+using test::Page;
+using test::page_port;
 
 ServerConfig with_page() {
   ServerConfig config = test::any_port();
   config.web = "0";
   return config;
 }
-
-std::uint16_t page_port(const Server& server) {
-  const std::string url = server.web_url();
-  return static_cast<std::uint16_t>(std::stoi(url.substr(url.rfind(':') + 1)));
-}
-
-std::vector<std::uint8_t> bytes(std::string_view text) { return {text.begin(), text.end()}; }
 
 /// All that comes until the other side closes.
 std::string rest(test::RawSocket& socket) {
@@ -40,74 +36,6 @@ std::string rest(test::RawSocket& socket) {
     all.append(more.begin(), more.end());
   return all;
 }
-
-/// A browser's end of the WebSocket.
-class Page {
- public:
-  explicit Page(const Server& server) : Page(server, "/live", "feltwire.live.v1") {}
-  Page(const Server& server, const std::string& path, const std::string& protocol)
-      : socket_(SOCK_STREAM, page_port(server)) {
-    const std::string host = "127.0.0.1:" + std::to_string(page_port(server));
-    socket_.send(bytes("GET " + path + " HTTP/1.1\r\nHost: " + host + "\r\nOrigin: http://" + host +
-                       "\r\nConnection: Upgrade\r\nUpgrade: websocket\r\nSec-WebSocket-Version: 13"
-                       "\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n"
-                       "Sec-WebSocket-Protocol: " +
-                       protocol + "\r\n\r\n"));
-    const std::string end = "\r\n\r\n";
-    for (;;) {
-      const auto found = std::search(input_.begin(), input_.end(), end.begin(), end.end());
-      if (found != input_.end()) {
-        head_.assign(input_.begin(), found);
-        input_.erase(input_.begin(), found + 4);
-        break;
-      }
-      if (!more()) break;
-    }
-  }
-  Page(const Server& server, const std::string& token) : Page(server) {
-    say(Json{{"token", token}});
-  }
-
-  const std::string& head() const { return head_; }
-  void say(const Json& message) { socket_.send(test::client_frame(1, message.dump())); }
-
-  /// The next frame; of opcode 0 where the connection has ended.
-  test::Frame next() {
-    for (;;) {
-      if (auto frame = test::take_frame(input_)) return *frame;
-      if (!more()) return {};
-    }
-  }
-  /// The next text of this type; of no type where the connection ends before.
-  Json text(const std::string& type) {
-    for (test::Frame frame = next(); frame.opcode != 0; frame = next())
-      if (frame.opcode == 1)
-        if (Json said = Json::parse(frame.text()); said["type"] == type) return said;
-    return {};
-  }
-  /// The next picture.
-  std::vector<std::uint8_t> picture() {
-    for (test::Frame frame = next(); frame.opcode != 0; frame = next())
-      if (frame.opcode == 2 && !frame.payload.empty() && frame.payload[0] == 2)
-        return frame.payload;
-    return {};
-  }
-  test::Frame close() {
-    for (test::Frame frame = next(); frame.opcode != 0; frame = next())
-      if (frame.opcode == 8) return frame;
-    return {};
-  }
-
- private:
-  bool more() {
-    const auto came = socket_.receive(65536);
-    input_.insert(input_.end(), came.begin(), came.end());
-    return !came.empty();
-  }
-  test::RawSocket socket_;
-  std::vector<std::uint8_t> input_;
-  std::string head_;
-};
 
 std::string good_token() { return std::string(test::admin_token().text.text()); }
 

@@ -15,6 +15,22 @@ TEST(ViewerMessage, ReadsItsMembers) {
   EXPECT_FALSE(parse_viewer_message("{}")->watch);
 }
 
+TEST(ViewerMessage, ReadsWhereTheHandShallBe) {
+  const auto point = [](const std::string& text) { return parse_viewer_message(text)->point; };
+  EXPECT_EQ(point(R"({"point":[0.5,-1,2e-3]})"), Vec3(0.5, -1, 2e-3));
+  EXPECT_EQ(point(R"({"more":[1,2,3,4],"point":[1,2,3],"other":[7]})"), Vec3(1, 2, 3));
+  EXPECT_FALSE(point(R"({"a":{"point":[1,2,3]}})"));
+  EXPECT_FALSE(point(R"({"point":7})"));
+  for (const char* wrong : {R"({"point":[]})", R"({"point":[1,2]})", R"({"point":[1,2,3,4]})",
+                            R"({"point":["1","2","3"]})", R"({"point":[[1,2,3]]})"}) {
+    ASSERT_TRUE(point(wrong)) << wrong;
+    EXPECT_FALSE(point(wrong)->allFinite()) << wrong;
+  }
+  EXPECT_FALSE(parse_viewer_message(R"({"point":[NaN,0,0]})"));
+  EXPECT_FALSE(parse_viewer_message(R"({"point":[1e999,0,0]})"));
+  EXPECT_EQ(parse_viewer_message(R"({"hand":"take"})")->hand, "take");
+}
+
 TEST(ViewerMessage, RefusesWhatIsNoObject) {
   for (const std::string& wrong :
        {std::string(), std::string("7"), std::string("\"token\""), std::string("[]"),

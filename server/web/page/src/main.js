@@ -5,6 +5,7 @@ import {Foxglove} from './foxglove.js';
 import {Hands} from './hands.js';
 import {Labels} from './labels.js';
 import {KIND, Picture, readGeometry} from './messages.js';
+import {OwnHand} from './own_hand.js';
 import {bindKeys, followTheme, makeSplit} from './panels.js';
 import {Plots} from './plots.js';
 import {Replay, standsAlone} from './replay/replay.js';
@@ -43,9 +44,19 @@ const connection = new Connection({
     element('retry').hidden = state !== 'waiting';
     element('token-words').textContent = said;
     const dialog = element('token');
+    if (state !== 'live' && state !== 'silent') own.reset();
     if (state === 'token' && !dialog.open) dialog.showModal();
     if (state !== 'token' && dialog.open) dialog.close();
     document.body.classList.toggle('old', state !== 'live');
+  },
+});
+
+const own = new OwnHand({
+  view, stage: element('stage'), button: element('take'), text: element('own-state'), values: element('own-values'),
+  send: (message) => connection.send(message), found: choose,
+  scale(factor) {
+    view.depthFactor = factor;
+    showScales();
   },
 });
 
@@ -69,9 +80,13 @@ function takeText(message) {
     case 'sessions':
       sessions.set(message.sessions ?? []);
       view.tools.setSessions(message.sessions ?? []);
+      own.find(sessions.sessions);
       break;
     case 'ticket':
       foxglove.show(message);
+      break;
+    case 'hand':
+      own.take(message);
       break;
     case 'log':
       element('log').hidden = false;
@@ -152,6 +167,7 @@ function writeTexts() {
   sessions.show(hands.all, page.chosen);
   labels.write(hands.all, (number) => sessions.name(number), page.chosen);
   plots.writeValues();
+  own.write(hands.all.get(own.number));
   element('empty').hidden = hands.all.size > 0 || page.pictures === 0;
   element('empty').textContent = 'No hand is in this scene yet.';
 }
@@ -194,6 +210,7 @@ function step(now) {
     written = now;
     writeTexts();
   }
+  own.step(now);
   if (view.render()) {
     labels.move(view);
     if (page.pictures > 0) page.firstPicture ??= performance.now();  // [ms] since the page was asked for
@@ -246,6 +263,7 @@ bindKeys(element('keys'), [
   {keys: ['x', 'y', 'z'], shown: 'x, y, z', text: 'look along an axis', act: (key) => view.lookAlong(key)},
   {keys: [',', '.'], shown: ', .', text: 'shorter, longer arrows', act: (key) => scaleArrows(key === '.' ? 1 : -1)},
   {keys: [';', "'"], shown: "; '", text: 'less, more exaggeration of depth', act: (key) => scaleDepth(key === "'" ? 1 : -1)},
+  {keys: ['h'], text: 'take a hand, let it go', act: () => own.toggle()},
   {keys: ['t'], text: 'trails on or off', act: () => {
     view.hands.showTrails(!view.hands.trailMaterial.visible);
     view.stale = true;
@@ -266,6 +284,7 @@ followTheme(element('theme'), (colors) => {
   view.paint(colors);
   plots.paint(colors);
   replay.paint(colors);
+  own.paint(colors);
 });
 showScales();
 if (standsAlone()) replay.start();
@@ -277,5 +296,5 @@ window.feltwire = () => ({
   ...page, frames: view.frames, hands: hands.numbers(), longestArrow: view.hands.longest, perNewton: view.perNewton,
   bodies: view.objects?.bodies.size ?? 0, plotted: {points: plots.points, last: plots.panes.map((pane) => pane.plot?.data.slice(1).map((column) => column.at?.(-1)))},
   places: view.places(), surfaces: view.surfaces.mesh.visible ? view.surfaces.count : 0,
-  toolBalls: view.tools.balls.count, toolPoints: view.tools.dots.count, replay: replay.state(),
+  toolBalls: view.tools.balls.count, toolPoints: view.tools.dots.count, replay: replay.state(), own: own.look(hands.all.get(own.number)),
 });

@@ -215,6 +215,11 @@ export class View {
     return found;
   }
 
+  /** @param {number | null} number of a hand @returns {number} its place in the picture; negative: it is not there */
+  placeOf(number) {
+    return number === null ? -1 : this.#indexOf(number);
+  }
+
   /** Size of a pixel [m] at the distance of what the camera looks at. */
   get pixel() {
     const distance = this.camera.position.distanceTo(this.controls.target);

@@ -1,0 +1,169 @@
+#include "sim/page_hand/page_hand.hpp"
+
+#include <poll.h>
+
+#include <cerrno>
+#include <utility>
+
+#include "client/servo/servo_thread.hpp"
+#include "client/transport/transport.hpp"
+#include "core/build_info/build_info.hpp"
+
+namespace feltwire {
+namespace {
+
+constexpr std::chrono::milliseconds kJoinTime{3000};
+constexpr const char* kName = "page hand";
+
+/// A device that keeps what it reads from alive.
+class OwnPointings final : public Device {
+ public:
+  OwnPointings(const PointedHandOptions& options, std::shared_ptr<Ring<Pointing>> pointings)
+      : pointings_(std::move(pointings)), device_(options, *pointings_) {}
+  const DeviceSpec& spec() const override { return device_.spec(); }
+  void begin(const Vec3& position, const Vec3& normal) override { device_.begin(position, normal); }
+  DeviceReading read(Nanoseconds now) noexcept override { return device_.read(now); }
+  Command write(const Command& on_hand) noexcept override { return device_.write(on_hand); }
+  void release() noexcept override { device_.release(); }
+  const PointedDevice& device() const { return device_; }
+
+ private:
+  std::shared_ptr<Ring<Pointing>> pointings_;
+  PointedDevice device_;
+};
+
+std::string why(const LoopResult& result, bool neglected) {
+  switch (result.end) {
+    case EndReason::device_ended:
+      return neglected ? "the page said nothing for a second, so the hand let go"
+                       : "the page let go of the hand";
+    case EndReason::server_goodbye:
+      return result.goodbye == GoodbyeReason::shutting_down ? "the server is shutting down"
+             : result.goodbye == GoodbyeReason::evicted
+                 ? "an admin ended the hand's session, or its token was revoked"
+             : result.goodbye == GoodbyeReason::disturbing
+                 ? "the hand broke the simulation of what moves; press and move more gently"
+                 : "the server ended the hand's session; its log says why";
+    case EndReason::server_silent:
+      return "the scene gave no answer";
+    default:
+      return "the hand's thread came to a stop; the machine may be overloaded";
+  }
+}
+
+control::JoinRequest request_of(const std::string& client, const std::string& scene,
+                                const DeviceSpec& spec) {
+  control::JoinRequest request{client, scene, spec, usual_parameters(), Role::pointer};
+  request.version = version();
+  return request;
+}
+
+/// Until the loop is over, whoever ends it.
+void wait_for_end_of(const ServoThread& thread) {
+  pollfd over{thread.over_descriptor(), POLLIN, 0};
+  while (!thread.over())
+    if (::poll(&over, 1, -1) < 0 && errno != EINTR) std::this_thread::yield();
+}
+
+}  // namespace
+
+PointedHandOptions page_hand_options() {
+  PointedHandOptions options;
+  options.spec = builtin_device("simulated");
+  options.spec.name = kName;
+  return options;
+}
+
+ClientPageHand::ClientPageHand(const ServerAccess& server, const web::PageHandRequest& request)
+    : server_(server), scene_(request.scene), client_(request.client) {
+  server_.credentials.token = request.token;
+}
+
+ClientPageHand::~ClientPageHand() {
+  release();
+  if (thread_.joinable()) thread_.join();
+}
+
+void ClientPageHand::start() noexcept {
+  try {
+    thread_ = std::thread([this] { run(); });
+  } catch (const std::exception& error) {
+    end(error.what());
+  }
+}
+
+web::PageHand::Status ClientPageHand::status() const {
+  const std::lock_guard lock(mutex_);
+  return status_;
+}
+
+void ClientPageHand::point(const Vec3& target) noexcept {
+  // What does not fit is not missed: the next says where the hand shall be then.
+  pointings_->push({.kind = Pointing::Kind::to, .target = target});
+}
+
+void ClientPageHand::release() noexcept {
+  // Where the ring is full no servo reads it, or a pause of a second ends the hand.
+  pointings_->push({.kind = Pointing::Kind::let_go});
+}
+
+void ClientPageHand::become(Status status) noexcept {
+  const std::lock_guard lock(mutex_);
+  status_ = std::move(status);
+}
+
+void ClientPageHand::end(const char* reason) noexcept {
+  try {
+    become({.state = State::released, .reason = reason});
+  } catch (const std::exception&) {  // no memory for the reason
+    become({.state = State::released});
+  }
+  over_.store(true);
+}
+
+void ClientPageHand::run() noexcept {
+  try {
+    end(hold().c_str());
+  } catch (const std::exception& error) {
+    end(error.what());
+  }
+}
+
+/// Until the session has ended. Returns why it has.
+std::string ClientPageHand::hold() {
+  const PointedHandOptions options = page_hand_options();
+  auto device = std::make_unique<OwnPointings>(options, pointings_);
+  const PointedDevice& hand = device->device();
+  const Joined joined = join(server_, request_of(client_, scene_, device->spec()), kJoinTime);
+  server_.credentials.token = {};  // needed no more
+  const SessionParameters& parameters = joined.accepted.parameters;
+  const auto transport = std::make_shared<Transport>(
+      SessionAddress{joined.datagrams, joined.accepted.session, joined.keys}, parameters,
+      options.spec.rotation_sensed > 0, open_udp_port(joined.datagrams),
+      PositionScale{options.spec.position_resolution, joined.accepted.stiffness});
+  std::shared_ptr<ServoTask> task;
+  std::optional<ServoThread> thread;
+  try {
+    device->begin(joined.accepted.start_position, joined.accepted.start_normal);
+    ServoOptions servo = protect_hand(parameters);
+    servo.scene_stiffness = joined.accepted.stiffness;
+    task = std::make_shared<ServoTask>(std::move(device), transport, parameters, servo);
+    task->options.silence_timeout = from_seconds(joined.accepted.silence_timeout);
+    task->priority = ServoTask::kNoRealTime;
+    thread.emplace(task);
+    become({.state = State::held,
+            .session = joined.accepted.session,
+            .start = hand.start(),
+            .stiffness = options.hand.stiffness,
+            .reach = options.reach});
+  } catch (...) {
+    thread.reset();
+    transport->goodbye();
+    throw;
+  }
+  wait_for_end_of(*thread);
+  thread->end();
+  return why(task->result, hand.neglected());
+}
+
+}  // namespace feltwire

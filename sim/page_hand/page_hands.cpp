@@ -1,0 +1,73 @@
+#include "server/app/page_hands.hpp"
+
+#include <algorithm>
+#include <condition_variable>
+#include <list>
+#include <mutex>
+
+#include "sim/page_hand/page_hand.hpp"
+
+namespace feltwire {
+namespace {
+
+/// Hands are asked for by the page's thread, which gives way to others, and what it starts would do
+/// so, too; a servo must not. So another thread starts them.
+class ClientPageHands final : public web::PageHands {
+ public:
+  explicit ClientPageHands(const web::PageHandsSetup& setup)
+      : server_{{setup.host, setup.port}, {setup.fingerprint, {}, {}, {}}}, most_(setup.most) {
+    starter_ = std::thread([this] { start_hands(); });
+  }
+
+  ~ClientPageHands() override {
+    {
+      const std::lock_guard lock(mutex_);
+      ended_ = true;
+    }
+    changed_.notify_all();
+    starter_.join();
+    // All at once, then one after the other is waited for.
+    for (const auto& hand : hands_) hand->release();
+  }
+
+  std::shared_ptr<web::PageHand> take(const web::PageHandRequest& request) override {
+    const auto hand = std::make_shared<ClientPageHand>(server_, request);
+    {
+      const std::lock_guard lock(mutex_);
+      // A viewer may have left while its hand still lets go: the hand is kept until it has.
+      std::erase_if(hands_, [](const auto& held) { return held->over(); });
+      if (hands_.size() + asked_.size() >= most_) return nullptr;
+      asked_.push_back(hand);
+    }
+    changed_.notify_all();
+    return hand;
+  }
+
+ private:
+  using Hands = std::list<std::shared_ptr<ClientPageHand>>;
+
+  void start_hands() noexcept {
+    std::unique_lock lock(mutex_);
+    while (!ended_) {
+      changed_.wait(lock, [this] { return ended_ || !asked_.empty(); });
+      for (const auto& hand : asked_) hand->start();
+      hands_.splice(hands_.end(), asked_);
+    }
+  }
+
+  const ServerAccess server_;
+  const std::size_t most_;
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  bool ended_ = false;   // with the mutex, as are these
+  Hands asked_, hands_;  // not started yet; the others that are not over
+  std::thread starter_;
+};
+
+}  // namespace
+
+std::unique_ptr<web::PageHands> make_page_hands(const web::PageHandsSetup& setup) {
+  return std::make_unique<ClientPageHands>(setup);
+}
+
+}  // namespace feltwire

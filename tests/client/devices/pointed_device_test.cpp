@@ -1,0 +1,119 @@
+#include "client/devices/pointed_device.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+namespace feltwire::pointed_device_test {
+namespace {
+
+using std::chrono::milliseconds;
+
+/// A hand without friction or encoder, at the origin.
+struct Pointed {
+  static PointedHandOptions options() {
+    PointedHandOptions o;
+    o.spec = builtin_device("simulated");
+    o.spec.coulomb_friction = 0.0;
+    o.spec.position_resolution = 0.0;
+    return o;
+  }
+  explicit Pointed(const PointedHandOptions& o = options()) : device(o, pointings) {
+    device.begin(Vec3(0, 0, -o.clearance), Vec3(0, 0, 3));
+  }
+  void point(const Vec3& target) { pointings.push({.kind = Pointing::Kind::to, .target = target}); }
+  /// One tick of 1 ms against a wall at z = 0 of this stiffness [N/m]; 0: none.
+  DeviceReading tick(double stiffness = 0.0) {
+    const DeviceReading reading = device.read(milliseconds(++ms));
+    force = stiffness * std::max(0.0, -reading.pose.position.z());
+    device.write({Vec3(0, 0, force), Vec3::Zero(), Vec3::Zero()});
+    return reading;
+  }
+  Ring<Pointing> pointings{64};
+  PointedDevice device;
+  int ms = 0;
+  double force = 0.0;  // [N] that the wall gives
+};
+
+TEST(PointedDevice, BeginsBeforeTheSurface) {
+  const Pointed pointed;
+  EXPECT_NEAR(pointed.device.start().norm(), 0.0, 1e-12);
+  EXPECT_NEAR(pointed.device.true_position().norm(), 0.0, 1e-12);
+}
+
+TEST(PointedDevice, GoesToTheTargetAtALimitedSpeedHoweverFarItJumps) {
+  Pointed pointed;
+  const Vec3 target(0.3, -0.2, 0.1);
+  double fastest = 0.0;
+  for (int i = 0; i < 3000; ++i) {
+    pointed.point(target);
+    pointed.tick();
+    fastest = std::max(fastest, pointed.device.true_velocity().norm());
+  }
+  EXPECT_NEAR((pointed.device.true_position() - target).norm(), 0.0, 1e-6);
+  EXPECT_GT(fastest, 0.4);
+  EXPECT_LT(fastest, 0.7);  // 0.5 m/s, and what the arm swings over
+}
+
+TEST(PointedDevice, PressesWithTheReachOfItsSpringAtMost) {
+  Pointed pointed;
+  double sum = 0.0;
+  for (int i = 0; i < 4000; ++i) {
+    pointed.point(Vec3(0, 0, -5.0));
+    pointed.tick(2000.0);
+    if (i >= 2000) sum += pointed.force;
+  }
+  EXPECT_NEAR(sum / 2000, 300.0 * 0.02, 0.5);  // an unbounded wall, so it trembles
+}
+
+TEST(PointedDevice, LetsGoWhenItIsToldNothing) {
+  Pointed pointed;
+  for (int i = 0; i < 5000; ++i) EXPECT_FALSE(pointed.tick().ended);  // its beginning
+  pointed.point(Vec3::Zero());
+  for (int i = 0; i < 800; ++i) EXPECT_FALSE(pointed.tick().ended);
+  pointed.point(Vec3::Zero());  // again, and the time begins anew
+  for (int i = 0; i < 1000; ++i) EXPECT_FALSE(pointed.tick().ended) << i;
+  for (int i = 0; i < 3; ++i) pointed.tick();
+  EXPECT_TRUE(pointed.tick().ended);
+  EXPECT_TRUE(pointed.device.neglected());
+  pointed.point(Vec3::Zero());  // too late
+  EXPECT_TRUE(pointed.tick().ended);
+}
+
+TEST(PointedDevice, LetsGoWhenItIsToldTo) {
+  Pointed pointed;
+  pointed.tick();
+  pointed.pointings.push({.kind = Pointing::Kind::let_go});
+  EXPECT_TRUE(pointed.tick().ended);
+  EXPECT_FALSE(pointed.device.neglected());
+}
+
+TEST(PointedDevice, StaysWhereTheTargetIsNoPlace) {
+  Pointed pointed;
+  constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();
+  constexpr double kForever = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < 400; ++i) {
+    pointed.point(Vec3(kNothing, 0, 0));
+    pointed.point(Vec3(0, kForever, 0));
+    EXPECT_FALSE(pointed.tick().ended);
+  }
+  EXPECT_NEAR(pointed.device.true_position().norm(), 0.0, 1e-12);
+}
+
+TEST(PointedDevice, RefusesNumbersThatAreOfNoUse) {
+  Ring<Pointing> pointings(4);
+  for (double PointedHandOptions::*field :
+       {&PointedHandOptions::speed, &PointedHandOptions::reach, &PointedHandOptions::smoothing,
+        &PointedHandOptions::patience, &PointedHandOptions::beginning,
+        &PointedHandOptions::clearance})
+    for (const double wrong : {0.0, -1.0, std::nan("")}) {
+      PointedHandOptions options = Pointed::options();
+      options.*field = wrong;
+      EXPECT_THROW(PointedDevice(options, pointings), std::invalid_argument) << wrong;
+    }
+}
+
+}  // namespace
+}  // namespace feltwire::pointed_device_test

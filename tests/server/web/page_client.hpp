@@ -1,0 +1,91 @@
+#pragma once
+// A browser's end of the live page's WebSocket, over a real socket.
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "server/app/server.hpp"
+#include "tests/server/raw_socket.hpp"
+#include "tests/server/web/frames.hpp"
+
+namespace feltwire::test {
+
+inline std::uint16_t page_port(const Server& server) {
+  const std::string url = server.web_url();
+  return static_cast<std::uint16_t>(std::stoi(url.substr(url.rfind(':') + 1)));
+}
+
+inline std::vector<std::uint8_t> bytes(std::string_view text) { return {text.begin(), text.end()}; }
+
+class Page {
+ public:
+  explicit Page(const Server& server) : Page(server, "/live", "feltwire.live.v1") {}
+  Page(const Server& server, const std::string& path, const std::string& protocol)
+      : socket_(SOCK_STREAM, page_port(server)) {
+    const std::string host = "127.0.0.1:" + std::to_string(page_port(server));
+    socket_.send(bytes("GET " + path + " HTTP/1.1\r\nHost: " + host + "\r\nOrigin: http://" + host +
+                       "\r\nConnection: Upgrade\r\nUpgrade: websocket\r\nSec-WebSocket-Version: 13"
+                       "\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n"
+                       "Sec-WebSocket-Protocol: " +
+                       protocol + "\r\n\r\n"));
+    const std::string end = "\r\n\r\n";
+    for (;;) {
+      const auto found = std::search(input_.begin(), input_.end(), end.begin(), end.end());
+      if (found != input_.end()) {
+        head_.assign(input_.begin(), found);
+        input_.erase(input_.begin(), found + 4);
+        break;
+      }
+      if (!more()) break;
+    }
+  }
+  Page(const Server& server, const std::string& token) : Page(server) {
+    say(nlohmann::json{{"token", token}});
+  }
+
+  const std::string& head() const { return head_; }
+  void say(const nlohmann::json& message) { socket_.send(client_frame(1, message.dump())); }
+
+  /// The next frame; of opcode 0 where the connection has ended.
+  Frame next() {
+    for (;;) {
+      if (auto frame = take_frame(input_)) return *frame;
+      if (!more()) return {};
+    }
+  }
+  /// The next text of this type; of no type where the connection ends before.
+  nlohmann::json text(const std::string& type) {
+    for (Frame frame = next(); frame.opcode != 0; frame = next())
+      if (frame.opcode == 1)
+        if (nlohmann::json said = nlohmann::json::parse(frame.text()); said["type"] == type)
+          return said;
+    return {};
+  }
+  /// The next picture.
+  std::vector<std::uint8_t> picture() {
+    for (Frame frame = next(); frame.opcode != 0; frame = next())
+      if (frame.opcode == 2 && !frame.payload.empty() && frame.payload[0] == 2)
+        return frame.payload;
+    return {};
+  }
+  Frame close() {
+    for (Frame frame = next(); frame.opcode != 0; frame = next())
+      if (frame.opcode == 8) return frame;
+    return {};
+  }
+
+ private:
+  bool more() {
+    const auto came = socket_.receive(65536);
+    input_.insert(input_.end(), came.begin(), came.end());
+    return !came.empty();
+  }
+  RawSocket socket_;
+  std::vector<std::uint8_t> input_;
+  std::string head_;
+};
+
+}  // namespace feltwire::test

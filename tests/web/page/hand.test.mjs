@@ -1,0 +1,168 @@
+// A viewer's own hand on the page of a real server. Every wait is for a condition.
+// FELTWIRE_PROGRAMS: the folder of feltwire-server. FELTWIRE_SCENE: a scene with a floor at z = 0.
+
+import assert from 'node:assert/strict';
+import {execFileSync, spawn} from 'node:child_process';
+import {mkdtempSync, readFileSync, rmSync} from 'node:fs';
+import {tmpdir} from 'node:os';
+import {join} from 'node:path';
+import {createInterface} from 'node:readline';
+import {after, before, beforeEach, afterEach, test} from 'node:test';
+import {chromium} from 'playwright-core';
+
+const PATIENCE = 60_000;  // [ms] for a machine that draws in software and has more to do
+const STIFFNESS = 600;  // [N/m] of the floor of scenes/plane.json
+const server = join(process.env.FELTWIRE_PROGRAMS, 'feltwire-server');
+let state;
+let served;
+let address;
+let browser;
+let page;
+let complaints;
+
+/** @param {string[]} more options @returns {Promise<void>} once the page is served */
+async function serve(...more) {
+  const options = ['--scene', process.env.FELTWIRE_SCENE, '--port', '0', '--web', '0', '--state', state, ...more];
+  served = spawn(server, options, {stdio: ['ignore', 'pipe', 'inherit']});
+  for await (const line of createInterface({input: served.stdout})) {
+    address = /^live page: (\S+)/.exec(line)?.[1];
+    if (address) return;
+  }
+  throw new Error('the server ended');
+}
+
+async function stopServing() {
+  const ended = new Promise((resolve) => served.once('exit', resolve));
+  served.kill();
+  await ended;
+}
+
+/** @param {string} role @returns {string} a new token of the server */
+function token(role) {
+  const words = ['token', 'add', '--client', role, '--role', role, '--scene', 'plane', '--expires', '1h', '--state', state];
+  return /fw_\S+/.exec(execFileSync(server, words, {encoding: 'utf8'}))[0];
+}
+
+before(async () => {
+  browser = await chromium.launch({executablePath: process.env.FELTWIRE_CHROMIUM ?? '/usr/bin/chromium', args: ['--no-sandbox']});
+});
+after(() => browser.close());
+
+beforeEach(() => {
+  state = mkdtempSync(join(tmpdir(), 'feltwire-hand-'));
+  complaints = [];
+});
+afterEach(async () => {
+  await page.context().close();
+  await stopServing();
+  rmSync(state, {recursive: true, force: true});
+  assert.deepEqual(complaints, []);
+});
+
+async function open(text, script) {
+  const context = await browser.newContext({viewport: {width: 700, height: 520}});
+  const made = await context.newPage();
+  made.setDefaultTimeout(PATIENCE);
+  made.on('pageerror', (error) => complaints.push(error.stack));
+  made.on('console', (message) => message.type() === 'error' && complaints.push(message.text()));
+  if (script) await made.addInitScript(script);
+  await made.goto(`${address}#token=${text}`);
+  await made.waitForFunction(() => window.feltwire?.().connection === 'live');
+  return made;
+}
+
+const until = (condition, argument) => page.waitForFunction(condition, argument);
+const own = () => page.evaluate(() => window.feltwire().own);
+
+/** Takes a hand and waits until it is seen. */
+async function take() {
+  await page.getByRole('button', {name: 'Take a hand'}).click();
+  await until(() => window.feltwire().own.number !== null && window.feltwire().own.position);
+}
+
+/** Where the target is on the page. */
+const place = () => page.evaluate(() => {
+  const {x, y} = window.feltwire().places.find(({number}) => number === window.feltwire().own.number);
+  const {left, top} = document.querySelector('#canvas').getBoundingClientRect();
+  return {x: x + left, y: y + top};
+});
+
+test('a drag presses the hand on the floor, which it feels', async () => {
+  await serve();
+  page = await open(readFileSync(join(state, 'local.token'), 'utf8').trim());
+  await take();
+  await page.keyboard.press('y');  // A look along the floor: up on the screen is up in the scene.
+  await page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
+  const from = await place();
+  assert.equal((await own()).depth, 0);
+  await page.mouse.move(from.x, from.y);
+  await page.mouse.down();
+  for (let i = 1; (await own()).target[2] > -0.012; ++i) await page.mouse.move(from.x, from.y + 3 * i);
+  await until(() => window.feltwire().own.felt > 1);
+  const pressed = await own();
+  assert.ok(pressed.position[2] > -0.009 && pressed.position[2] < 0, `the hand is at ${pressed.position}, its target at ${pressed.target}`);
+  assert.ok(Math.abs(pressed.proxy[2]) < 1e-4, 'the proxy stays on the floor');
+  assert.ok(pressed.felt < 1.15 * STIFFNESS * pressed.depth + 0.2, `${pressed.felt} N at ${pressed.depth} m`);
+  assert.ok(pressed.rods > 10, 'the spring is drawn');
+  await until(() => /It feels [\d.]+ N\. The spring pulls with [\d.]+ N over [\d.]+ mm/.test(document.querySelector('#own-values').textContent));
+  assert.equal(await page.textContent('#own-state'), 'You hold a hand.');
+
+  // Another viewer, who may hold none, sees it.
+  const other = await open(token('observer'));
+  await other.waitForFunction(() => window.feltwire().hands.length === 1 && window.feltwire().longestArrow > 0);
+  assert.ok(await other.locator('#take').isHidden());
+  await other.context().close();
+
+  await page.mouse.up();
+  await page.getByRole('button', {name: 'Let go'}).click();
+  await until(() => window.feltwire().own.state === 'free' && window.feltwire().hands.length === 0);
+  assert.match(await page.textContent('#own-state'), /let go: the page let go/);
+});
+
+test('keys, the wheel and a gamepad move it', async () => {
+  await serve();
+  page = await open(token('pointer'), () => {
+    window.pad = null;
+    navigator.getGamepads = () => [window.pad];
+  });
+  await until(() => window.feltwire().own.state === 'free');
+  await page.keyboard.press('h');
+  await until(() => window.feltwire().own.number !== null);
+  await page.keyboard.press('x');  // Right on the screen is +y in the scene.
+  await page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
+  const before = (await own()).target;
+  await page.keyboard.press('ArrowRight');
+  await page.keyboard.press('Shift+ArrowUp');
+  await page.keyboard.press('PageDown');
+  const after = (await own()).target;
+  for (const [axis, way] of [0.001, 0.001, 0.01].entries()) assert.ok(Math.abs(Math.abs(after[axis] - before[axis]) - way) < 1e-5, `${before} to ${after}`);
+  await until((z) => Math.abs(window.feltwire().own.position?.[2] - z) < 1e-3, after[2]);
+
+  const {x, y} = await place();
+  await page.mouse.move(x, y);
+  await page.mouse.wheel(0, 100);
+  await until((from) => Math.abs(Math.abs(window.feltwire().own.target[0] - from) - 0.002) < 1e-5, after[0]);
+
+  const [, , z] = (await own()).target;
+  await page.evaluate(() => (window.pad = {connected: true, axes: [0, -1], buttons: []}));
+  await until((from) => window.feltwire().own.target[2] > from + 0.005, z);
+  await page.evaluate(() => (window.pad = null));
+  await page.keyboard.press('Escape');
+  await until(() => window.feltwire().own.state === 'free');
+});
+
+test('a tab that loses the focus lets go', async () => {
+  await serve();
+  page = await open(token('operator'));
+  await take();
+  await page.evaluate(() => dispatchEvent(new Event('blur')));
+  await until(() => window.feltwire().own.state === 'free');
+  await until(() => window.feltwire().hands.length === 0);
+});
+
+test('a server that lends no hands shows no button', async () => {
+  await serve('--web-hands', '0');
+  page = await open(token('operator'));
+  await until(() => window.feltwire().scene !== '');
+  assert.ok(await page.locator('#take').isHidden());
+});
