@@ -4,6 +4,8 @@
 #include <sched.h>
 #include <sys/mman.h>
 #include <sys/prctl.h>
+#include <sys/resource.h>
+#include <unistd.h>
 
 namespace feltwire {
 
@@ -16,6 +18,12 @@ RealTime request_real_time(int priority) noexcept {
   granted.memory_locked = mlockall(MCL_CURRENT) == 0;
   prctl(PR_SET_TIMERSLACK, 1UL);  // [ns]; 50 us else
   return granted;
+}
+
+void give_way() noexcept {
+  constexpr int kNice = 10;
+  // On Linux a thread's own: its number stands for a process'.
+  ::setpriority(PRIO_PROCESS, static_cast<id_t>(::gettid()), kNice);
 }
 
 std::string missing(RealTime granted, int priority) {

@@ -20,6 +20,10 @@ inline constexpr int kServoPriority = 80, kScenePriority = 70;
 /// that never sleeps. Timers are as exact as there are, in any case.
 RealTime request_real_time(int priority) noexcept;
 
+/// The calling thread, and each that it starts from now on, comes after the others (nice 10): for
+/// what may be late. It cannot be taken back.
+void give_way() noexcept;
+
 /// Of what was asked for by that priority: what is not permitted, and the remedy; empty when all is
 /// granted.
 std::string missing(RealTime granted, int priority);

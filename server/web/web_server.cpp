@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "protocol/net/clock.hpp"
+#include "protocol/net/real_time.hpp"
 #include "server/access/listening.hpp"
 #include "server/web/connection.hpp"
 
@@ -30,7 +31,7 @@ WebServer::WebServer(const WebOptions& options, const Audience::Hosts& hosts, To
                      const Identity& identity)
     : options_(options),
       tls_(tls_for(options.address, identity)),
-      audience_(io_, hosts, std::move(tokens)),
+      audience_(io_, hosts, std::move(tokens), options.hands),
       places_(options.max_connections, options.max_connections_per_network) {
   port_ = listen_on(acceptor_, {options.address, options.port}, "--web");
 }
@@ -80,6 +81,7 @@ std::string WebServer::host() const {
 /// goes on.
 void WebServer::run() {
   constexpr std::chrono::milliseconds kPause{100};  // no busy loop where it fails again at once
+  give_way();                                       // to the scenes' threads
   for (bool ended = false; !ended;) {
     try {
       io_.run();
