@@ -2,7 +2,7 @@
 // Makes a picture of the live page in headless Chromium, once hands are on it:
 //   scripts/page-picture.mjs URL FILE.png [HANDS [SECONDS]]
 // waits until HANDS (default 1) are shown, for half a minute at most, and SECONDS (default 3) more, for the plots. It prints how
-// long the page took from its request to the first picture that was drawn. It speaks to
+// long the page took from its request to the first picture that was drawn, in a browser that has just begun and once more. It speaks to
 // Chromium by a pipe (the DevTools protocol) and needs no package of npm.
 
 import {spawn} from 'node:child_process';
@@ -49,24 +49,44 @@ function ask(method, params = {}, sessionId = undefined) {
   return Promise.race([answer, failed]);
 }
 
-try {
+/** Opens the page in a tab of its own. */
+async function open() {
   const {targetId} = await ask('Target.createTarget', {url});
   const {sessionId} = await ask('Target.attachToTarget', {targetId, flatten: true});
+  return {targetId, sessionId};
+}
+
+/** What an expression is in the page; undefined before the page is there. */
+async function evaluate(expression, sessionId) {
+  const answer = await ask('Runtime.evaluate', {expression}, sessionId).catch(() => undefined);
+  if (browser.exitCode !== null) throw new Error('Chromium ended');
+  return answer?.result?.value;
+}
+
+/** @returns {Promise<number>} [ms] from the page's request to the first picture that was drawn */
+async function firstPicture(sessionId) {
+  for (const latest = Date.now() + PATIENCE; Date.now() < latest; await pause(100)) {
+    const time = await evaluate('window.feltwire?.().firstPicture ?? 0', sessionId);
+    if (time > 0) return Math.round(time);
+  }
+  throw new Error('no picture was drawn in 30 s');
+}
+
+try {
+  const {targetId, sessionId} = await open();
   await ask('Emulation.setDeviceMetricsOverride', {width: 1360, height: 860, deviceScaleFactor: 1, mobile: false}, sessionId);
   const expression = `window.feltwire ? window.feltwire().hands.length : 0`;
   const latest = Date.now() + PATIENCE;
   for (let shown = 0; shown < Number(hands); await pause(100)) {
     if (Date.now() > latest) throw new Error(`the page shows ${shown} of ${hands} hands after 30 s`);
-    // Before the page is there, there is nothing to ask.
-    const answer = await ask('Runtime.evaluate', {expression}, sessionId).catch(() => undefined);
-    shown = answer?.result?.value ?? 0;
-    if (browser.exitCode !== null) throw new Error('Chromium ended');
+    shown = (await evaluate(expression, sessionId)) ?? 0;
   }
   await pause(1000 * Number(seconds));
-  const first = await ask('Runtime.evaluate', {expression: 'window.feltwire().firstPicture'}, sessionId);
-  console.log(`first picture: ${Math.round(first.result.value)} ms after the page was asked for`);
+  const first = await firstPicture(sessionId);
   const {data} = await ask('Page.captureScreenshot', {format: 'png'}, sessionId);
   writeFileSync(file, Buffer.from(data, 'base64'));
+  await ask('Target.closeTarget', {targetId});
+  console.log(`first picture: ${first} ms after the page was asked for; again: ${await firstPicture((await open()).sessionId)} ms`);
 } catch (error) {
   console.error(`page-picture: ${error.message}`);
   process.exitCode = 1;

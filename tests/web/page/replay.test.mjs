@@ -304,7 +304,7 @@ test('a file that is dropped on the live page ends it', async () => {
   assert.ok(!(await page.locator('#panels').isVisible()));
   assert.equal(await page.evaluate(() => window.feltwire().connection), 'ended');
   await page.click('#live-page');
-  await until(() => window.feltwire().pictures > 3 && !window.feltwire().replay.active);
+  await until(() => window.feltwire?.().pictures > 3 && !window.feltwire().replay.active);  // The page is asked for anew.
 });
 
 test('the page as one file needs no server and may reach none', async () => {
