@@ -5,8 +5,10 @@
 #include <memory>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <vector>
 
+#include "client/app/admin_command.hpp"
 #include "client/app/options.hpp"
 #include "client/devices/replay.hpp"
 #include "client/emulated_link/emulated_port.hpp"
@@ -77,6 +79,8 @@ int run(ClientOptions options) {
 int main(int argc, char** argv) {
   feltwire::forbid_core_dumps();
   feltwire::end_without_random_numbers();
+  if (argc > 1 && std::string_view(argv[1]) == "admin")
+    return feltwire::admin_command(argc - 1, argv + 1);
   try {
     const auto parsed = feltwire::parse_options(argc, argv);
     if (const int* code = std::get_if<int>(&parsed)) return *code;

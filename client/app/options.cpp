@@ -78,7 +78,9 @@ std::variant<ClientOptions, int> parse_options(int argc, char** argv) {
   app.add_option("--link", words.link,
                  "Try a bad network: a profile, e.g. wifi, or e.g. delay=25,jitter=5,loss=10 (see "
                  "below)");
-  app.footer(link_help());
+  app.footer(link_help() +
+             "\nCommands, with a --help of their own:\n"
+             "  admin   look at a server that runs, and change it (docs/admin.md)");
   app.add_option("--dscp", words.dscp,
                  "Mark of the datagrams for the network: cs0 to cs7, af11 to af43, ef, va or 0 to "
                  "63 (the server marks its own)")

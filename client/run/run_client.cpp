@@ -27,6 +27,10 @@ std::string goodbye_error(GoodbyeReason reason) {
       return ": it is shutting down";
     case GoodbyeReason::flooding:
       return ": it was sent far more samples than it granted";
+    case GoodbyeReason::evicted:
+      return ": it was evicted: by an admin, because its token is good no more or its tool is not "
+             "in "
+             "the scene, or because nothing was heard of it";
     case GoodbyeReason::failed:
       return ": it failed in this scene; its log says why";
     case GoodbyeReason::disturbing:

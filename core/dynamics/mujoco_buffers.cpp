@@ -161,6 +161,12 @@ Simulation::Simulation(const mjModel& model, double most_memory)
     throw std::runtime_error("MuJoCo cannot evaluate the bodies where they start");
 }
 
+Vec3 Simulation::gravity() const { return vector(model_.opt.gravity); }
+
+void Simulation::set_gravity(const Vec3& gravity) noexcept {
+  std::copy_n(gravity.data(), 3, model_.opt.gravity);
+}
+
 bool Simulation::is_crowded() const noexcept {
   return data_->warning[mjWARN_CONTACTFULL].number != 0 ||
          data_->warning[mjWARN_CNSTRFULL].number != 0;

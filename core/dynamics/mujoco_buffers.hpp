@@ -56,6 +56,9 @@ class Simulation {
   mjData* data() const { return data_.get(); }
   /// Whether there are more contacts than the memory may hold.
   bool is_full() const { return full_; }
+  Vec3 gravity() const;  // [m/s^2]
+  /// Of this run alone. The step under way is evaluated already, so it acts from the next one on.
+  void set_gravity(const Vec3& gravity) noexcept;
   Room room() const { return {model_.nconmax, model_.njmax, model_.nstack}; }
 
   /// mj_step1() computes what follows from the state, mj_step2() does a step. They return false

@@ -265,6 +265,19 @@ Vec3 World::velocity_at(std::size_t object, const Vec3& point) const noexcept {
   return motion.linear + motion.angular.cross(point - objects()[object].pose.position);
 }
 
+void World::adopt(const Scene& scene) noexcept {
+  for (std::size_t held = 0; held < held_.size(); ++held) {
+    MovedView& moved = held_[held];
+    moved.view = &scene.views()[held];
+    for (std::size_t i = 0; i < moved.objects.size(); ++i)
+      moved.objects[i].material = moved.view->objects()[i].material;
+  }
+}
+
+Vec3 World::gravity() const { return run_->simulation.gravity(); }
+
+void World::set_gravity(const Vec3& gravity) noexcept { run_->simulation.set_gravity(gravity); }
+
 Vec3 World::momentum() const noexcept {
   Vec3 sum = Vec3::Zero();
   for (int body = 1; body < run_->model().nbody; ++body) {

@@ -76,6 +76,13 @@ class World {
   /// So many ticks of time have passed that are not stepped (the server could not keep up): hands
   /// have moved in them.
   void let_pass(std::uint64_t ticks) noexcept { passed_ += ticks; }
+  /// Goes on in a scene that differs from this world's in the materials of its objects alone
+  /// (Scene::set_material). The scene must outlive it.
+  void adopt(const Scene& scene) noexcept;
+  /// [m/s^2] on the bodies.
+  Vec3 gravity() const;
+  /// From the step after the next one on; a World that is made anew has the scene's.
+  void set_gravity(const Vec3& gravity) noexcept;
   /// [N s] linear momentum of the bodies.
   Vec3 momentum() const noexcept;
 

@@ -173,6 +173,25 @@ Scene::Scene(std::string name, std::vector<Object> objects, const Start& start,
                             std::make_shared<const std::vector<Guide>>(std::move(guides))));
 }
 
+void Scene::set_material(std::size_t object, const Material& material) {
+  if (auto violation = check(material))
+    refuse("object '" + objects()[object].name + "'", *violation);
+  // Views that share a list of objects share the new one.
+  std::vector<std::pair<ToolView::Objects, ToolView::Objects>> lists;  // old, new
+  std::vector<ToolView> views;
+  views.reserve(views_.size());
+  for (const ToolView& view : views_) {
+    auto list = std::ranges::find(lists, view.objects_, &decltype(lists)::value_type::first);
+    if (list == lists.end()) {
+      const auto changed = std::make_shared<std::vector<Object>>(*view.objects_);
+      (*changed)[object].material = material;
+      list = lists.emplace(lists.end(), view.objects_, changed);
+    }
+    views.push_back(view.with(list->second));
+  }
+  views_ = std::move(views);
+}
+
 void Scene::set_mechanism(std::shared_ptr<const Mechanism> mechanism) {
   const std::size_t count = objects().size();
   if (mechanism != nullptr && mechanism->still() + mechanism->parts().size() != count)

@@ -49,6 +49,10 @@ class Scene {
   /// Lets each hand choose one of these tools: at least one, all names different. Throws as
   /// set_tool() does.
   void set_tools(std::vector<HandTool> tools);
+  /// Gives an object another material; views() are made anew, shapes and bodies stay. Throws
+  /// std::invalid_argument that names the object, the field and the remedy; the scene is then
+  /// unchanged. Precondition: there is an object of this index (objects()).
+  void set_material(std::size_t object, const Material& material);
   /// One for each tool. Never empty; they live as long as the scene, also where it is moved.
   const std::vector<ToolView>& views() const { return views_; }
   /// That of a hand that asks for this tool; an empty name stands for the first. Null: there is no

@@ -39,6 +39,14 @@ void ToolView::set_still(std::size_t count) {
                             : BroadPhase({objects_->data(), still_}, tool_.radius);
 }
 
+ToolView ToolView::with(Objects objects) const {
+  ToolView view = *this;
+  view.objects_ = std::move(objects);
+  view.requirements_ = required_by(*view.objects_, *guides_);
+  view.requirements_.rotation = requirements_.rotation;
+  return view;
+}
+
 TouchMemory ToolView::memory() const {
   TouchMemory memory(objects_->size());
   if (!broad_phase_.in_use()) return memory;

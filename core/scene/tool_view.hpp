@@ -114,6 +114,8 @@ class ToolView {
   ToolView(Objects objects, Guides guides);
   /// The same for another tool. Throws std::invalid_argument where it does not fit the objects.
   ToolView with(HandTool tool) const;
+  /// The same for objects that differ in their materials alone.
+  ToolView with(Objects objects) const;
   /// Only the first `count` objects stand.
   void set_still(std::size_t count);
 

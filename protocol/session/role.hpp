@@ -10,7 +10,8 @@ namespace feltwire {
 
 /// The numbers are the wire's. Each may what those below it in rank() may: an observer is shown the
 /// scene, feels nothing and moves nothing; a pointer holds a small hand, that of the live page; an
-/// operator acts with any device; an admin lists and evicts sessions and reloads scenes.
+/// operator acts with any device; an admin lists and evicts sessions, reloads scenes and changes
+/// them.
 enum class Role : std::uint8_t { observer, operator_, admin, pointer };
 
 inline constexpr std::array<std::string_view, 4> kRoleNames = {"observer", "operator", "admin",

@@ -11,6 +11,7 @@
 #include "core/device/device_spec.hpp"
 #include "protocol/crypto/secret.hpp"
 #include "protocol/crypto/session_keys.hpp"
+#include "protocol/session/material_change.hpp"
 #include "protocol/session/role.hpp"
 #include "protocol/session/session_parameters.hpp"
 #include "protocol/wire/datagram.hpp"
@@ -26,6 +27,7 @@ inline constexpr std::size_t kMaxScenes = 256;  // of one server
 /// [bytes] body of a frame before the token was shown: strangers get no work done with a long one.
 inline constexpr std::size_t kMaxFirstFrame = 512;
 inline constexpr std::size_t kMaxSessionEntries = 200;  // of one SessionList
+inline constexpr std::size_t kMaxDescriptions = 64;     // of one SessionDescriptions
 inline constexpr double kShortestSilence = 0.1;         // [s] of a silence timeout
 inline constexpr double kLongestSilence = 3600.0;       // [s] of a silence timeout
 
@@ -128,9 +130,57 @@ struct SceneReloaded {
   std::string scene;
 };
 
-using Message = std::variant<JoinRequest, JoinAccepted, LeaveRequest, Left, ListScenes, SceneList,
-                             SetParameters, ParametersSet, Refused, Authenticate, Authenticated,
-                             Evict, Evicted, ListSessions, SessionList, ReloadScene, SceneReloaded>;
+struct SetMaterial {
+  std::string scene;
+  MaterialChange change;
+};
+struct SetGravity {
+  std::string scene;
+  Vec3 gravity = Vec3::Zero();  // [m/s^2] on what moves
+};
+struct SceneChanged {
+  std::string scene;
+  std::string what;  // for people: from what to what
+};
+struct DescribeSessions {
+  std::string scene;
+  std::uint32_t after = 0;  // lists sessions with greater numbers; 0: from the first
+};
+struct SessionDescription {
+  std::uint32_t number = 0;  // from 1 in the order they joined the scene
+  std::uint64_t session = 0;
+  std::string client;  // as it calls itself
+  std::string device;
+  std::string tool;  // that it asked for; empty: the scene's first
+  Role role = Role::operator_;
+  SessionParameters parameters;
+  std::uint64_t samples = 0;         // taken so far
+  std::uint64_t missed = 0;          // lost on the way so far
+  std::optional<double> round_trip;  // [s] as its client says
+  double delivered = 0.0;            // [J] to the hand so far
+  double burned = 0.0;               // [J] by the device so far, at least
+  std::optional<double> balance;     // [J] of its client's account
+};
+struct SessionDescriptions {
+  std::vector<SessionDescription> sessions;  // at most kMaxDescriptions, by rising number
+  bool more = false;                         // there are sessions with greater numbers
+};
+struct GetCounters {
+  std::string scene;  // empty: of the control port
+};
+struct Counter {
+  std::string name;
+  std::uint64_t value = 0;
+};
+struct Counters {
+  std::vector<Counter> counters;
+};
+
+using Message =
+    std::variant<JoinRequest, JoinAccepted, LeaveRequest, Left, ListScenes, SceneList,
+                 SetParameters, ParametersSet, Refused, Authenticate, Authenticated, Evict, Evicted,
+                 ListSessions, SessionList, ReloadScene, SceneReloaded, SetMaterial, SetGravity,
+                 SceneChanged, DescribeSessions, SessionDescriptions, GetCounters, Counters>;
 
 const char* name(RefusalCode code);
 

@@ -182,6 +182,61 @@ bool read(const wire::SceneReloaded& from, SceneReloaded& to) {
   return read_name(from.scene(), to.scene);
 }
 
+std::optional<double> given(double value) {
+  return std::isnan(value) ? std::nullopt : std::optional(value);
+}
+
+bool read(const wire::SetMaterial& from, SetMaterial& to) {
+  to.change = {.stiffness = given(from.stiffness()),
+               .damping = given(from.damping()),
+               .static_friction = given(from.static_friction()),
+               .dynamic_friction = given(from.dynamic_friction()),
+               .viscous_friction = given(from.viscous_friction())};
+  return read_name(from.scene(), to.scene) && read_name(from.object(), to.change.object);
+}
+bool read(const wire::SetGravity& from, SetGravity& to) {
+  to.gravity = vector(*from.gravity());
+  return read_name(from.scene(), to.scene);
+}
+bool read(const wire::SceneChanged& from, SceneChanged& to) {
+  return read_name(from.scene(), to.scene) && read_name(from.what(), to.what, kMaxReason);
+}
+bool read(const wire::DescribeSessions& from, DescribeSessions& to) {
+  to.after = from.after();
+  return read_name(from.scene(), to.scene);
+}
+bool read(const wire::SessionDescriptions& from, SessionDescriptions& to) {
+  to.more = from.more();
+  for (const wire::SessionDescription* entry : *from.sessions()) {
+    SessionDescription session;
+    session.number = entry->number();
+    session.session = entry->session();
+    session.samples = entry->samples();
+    session.missed = entry->missed();
+    session.round_trip = given(entry->round_trip());
+    session.delivered = entry->delivered();
+    session.burned = entry->burned();
+    session.balance = given(entry->balance());
+    if (!read_name(entry->client(), session.client) ||
+        !read_name(entry->device(), session.device) || !read_name(entry->tool(), session.tool) ||
+        !read_enum(entry->role(), session.role) || !read(*entry->parameters(), session.parameters))
+      return false;
+    to.sessions.push_back(std::move(session));
+  }
+  return true;
+}
+bool read(const wire::GetCounters& from, GetCounters& to) {
+  return read_name(from.scene(), to.scene);
+}
+bool read(const wire::Counters& from, Counters& to) {
+  for (const wire::Counter* entry : *from.counters()) {
+    Counter counter{{}, entry->value()};
+    if (!read_name(entry->name(), counter.name)) return false;
+    to.counters.push_back(std::move(counter));
+  }
+  return true;
+}
+
 template <class Value, class Table>
 std::optional<Message> message(const Table& table) {
   Value value;
@@ -241,6 +296,20 @@ std::optional<Message> decode(Bytes body) {
       return message<ReloadScene>(*root->body_as_ReloadScene());
     case wire::Body::SceneReloaded:
       return message<SceneReloaded>(*root->body_as_SceneReloaded());
+    case wire::Body::SetMaterial:
+      return message<SetMaterial>(*root->body_as_SetMaterial());
+    case wire::Body::SetGravity:
+      return message<SetGravity>(*root->body_as_SetGravity());
+    case wire::Body::SceneChanged:
+      return message<SceneChanged>(*root->body_as_SceneChanged());
+    case wire::Body::DescribeSessions:
+      return message<DescribeSessions>(*root->body_as_DescribeSessions());
+    case wire::Body::SessionDescriptions:
+      return message<SessionDescriptions>(*root->body_as_SessionDescriptions());
+    case wire::Body::GetCounters:
+      return message<GetCounters>(*root->body_as_GetCounters());
+    case wire::Body::Counters:
+      return message<Counters>(*root->body_as_Counters());
     case wire::Body::NONE:
       break;
   }

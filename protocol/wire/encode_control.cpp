@@ -140,6 +140,50 @@ struct BodyBuilder {
   Offset<wire::SceneReloaded> operator()(const SceneReloaded& m) {
     return wire::CreateSceneReloadedDirect(builder, m.scene.c_str());
   }
+  Offset<wire::SetMaterial> operator()(const SetMaterial& m) {
+    const MaterialChange& c = m.change;
+    const auto scene = builder.CreateString(m.scene), object = builder.CreateString(c.object);
+    return wire::CreateSetMaterial(
+        builder, scene, object, c.stiffness.value_or(kNotGiven), c.damping.value_or(kNotGiven),
+        c.static_friction.value_or(kNotGiven), c.dynamic_friction.value_or(kNotGiven),
+        c.viscous_friction.value_or(kNotGiven));
+  }
+  Offset<wire::SetGravity> operator()(const SetGravity& m) {
+    const wire::Vector gravity = vector(m.gravity);
+    return wire::CreateSetGravity(builder, builder.CreateString(m.scene), &gravity);
+  }
+  Offset<wire::SceneChanged> operator()(const SceneChanged& m) {
+    const auto scene = builder.CreateString(m.scene);
+    return wire::CreateSceneChanged(builder, scene,
+                                    builder.CreateString(shortened(m.what, kMaxReason)));
+  }
+  Offset<wire::DescribeSessions> operator()(const DescribeSessions& m) {
+    return wire::CreateDescribeSessions(builder, builder.CreateString(m.scene), m.after);
+  }
+  Offset<wire::SessionDescription> entry(const SessionDescription& d) {
+    const auto client = builder.CreateString(d.client), device = builder.CreateString(d.device);
+    const auto tool = name_if_any(builder, d.tool);
+    const auto parameters = build(builder, d.parameters);
+    return wire::CreateSessionDescription(builder, d.number, d.session, client, device, tool,
+                                          wire_enum<wire::Role>(d.role), parameters, d.samples,
+                                          d.missed, d.round_trip.value_or(kNotGiven), d.delivered,
+                                          d.burned, d.balance.value_or(kNotGiven));
+  }
+  Offset<wire::SessionDescriptions> operator()(const SessionDescriptions& m) {
+    std::vector<Offset<wire::SessionDescription>> entries;
+    for (const SessionDescription& session : m.sessions) entries.push_back(entry(session));
+    return wire::CreateSessionDescriptions(builder, builder.CreateVector(entries), m.more);
+  }
+  Offset<wire::GetCounters> operator()(const GetCounters& m) {
+    return wire::CreateGetCounters(builder, name_if_any(builder, m.scene));
+  }
+  Offset<wire::Counters> operator()(const Counters& m) {
+    std::vector<Offset<wire::Counter>> entries;
+    for (const Counter& counter : m.counters)
+      entries.push_back(
+          wire::CreateCounter(builder, builder.CreateString(counter.name), counter.value));
+    return wire::CreateCounters(builder, builder.CreateVector(entries));
+  }
 };
 
 /// The union counts from 1 in the order of Message.

@@ -135,7 +135,8 @@ struct Server::Parts {
         service(io, hosts, security.tokens, service_limits(config),
                 [this](std::size_t host, ControlService::Reloaded done) {
                   reload(host, std::move(done));
-                }),
+                },
+                [this] { return control->counters(); }),
         files(config.scenes),
         loader(scenes.size(), std::move(load)) {
     check_names(scenes);

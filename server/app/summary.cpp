@@ -2,6 +2,7 @@
 
 #include "core/base/pending_file.hpp"
 #include "server/access/json_text.hpp"
+#include "server/scene/named_counters.hpp"
 
 namespace feltwire {
 namespace {
@@ -17,39 +18,20 @@ std::string drops(const SceneCounters& counters) {
 }
 
 std::string scene_json(const SceneSummary& scene) {
-  const SceneCounters& c = scene.counters;
-  return json_text::object({{"scene", json_text::text(scene.scene)},
-                            {"sessions", number(std::uint64_t{scene.sessions})},
-                            {"sessions_served", number(c.sessions_served)},
-                            {"left", number(c.left)},
-                            {"silent", number(c.silent)},
-                            {"flooded", number(c.flooded)},
-                            {"forged", number(c.forged)},
-                            {"disturbing", number(c.disturbing)},
-                            {"evicted", number(c.evicted)},
-                            {"datagrams", number(c.datagrams)},
-                            {"late_goodbyes", number(c.late_goodbyes)},
-                            {"samples", number(c.samples.samples)},
-                            {"replies", number(c.samples.replies)},
-                            {"withheld", number(c.samples.withheld)},
-                            {"gaps", number(c.samples.gaps)},
-                            {"missed", number(c.samples.missed)},
-                            {"duplicates", number(c.samples.duplicates)},
-                            {"shed", number(c.shed)},
-                            {"unsent", number(scene.unsent)},
-                            {"dropped", drops(c)}});
+  std::vector<Member> members = {{"scene", json_text::text(scene.scene)},
+                                 {"sessions", number(std::uint64_t{scene.sessions})}};
+  for (const auto& [name, value] : named_counters(scene.counters))
+    members.emplace_back(name, number(value));
+  members.emplace_back("unsent", number(scene.unsent));
+  members.emplace_back("dropped", drops(scene.counters));
+  return json_text::object(members);
 }
 
 std::string control_json(const ControlSummary& control) {
-  const auto& [connections, requests] = control;
-  return json_text::object({{"connections", number(connections.accepted)},
-                            {"too_often", number(connections.too_often)},
-                            {"crowded_out", number(connections.crowded_out)},
-                            {"no_tls", number(connections.failed)},
-                            {"too_slow", number(connections.too_slow)},
-                            {"unauthenticated", number(requests.unauthenticated)},
-                            {"forbidden", number(requests.forbidden)},
-                            {"too_many", number(requests.too_many)}});
+  std::vector<Member> members;
+  for (const auto& [name, value] : named_counters(control.connections, control.requests))
+    members.emplace_back(name, number(value));
+  return json_text::object(members);
 }
 
 }  // namespace

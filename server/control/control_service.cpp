@@ -7,8 +7,9 @@
 #include "core/base/visible_text.hpp"
 #include "protocol/crypto/tls.hpp"
 #include "protocol/net/clock.hpp"
-#include "server/control/parameter_changes.hpp"
+#include "server/control/pending_request.hpp"
 #include "server/control/pointer_limits.hpp"
+#include "server/scene/parameter_changes.hpp"
 #include "server/scene/scene_sessions.hpp"
 
 namespace feltwire {
@@ -26,21 +27,15 @@ CalendarTime calendar_now() {
   return std::chrono::floor<std::chrono::seconds>(std::chrono::system_clock::now());
 }
 
-/// "an observer"
+}  // namespace
+
 std::string holder(Role role) {
   return (role == Role::pointer ? "a " : "an ") + std::string(name(role));
 }
 
-}  // namespace
-
-struct ControlService::PendingRequest {
-  ControlPeer& peer;
-  const Token& token;
-  Answer answer;
-};
-
 ControlService::ControlService(asio::io_context& io, Hosts& hosts, TokenFile tokens,
-                               const ServiceLimits& limits, Reload reload)
+                               const ServiceLimits& limits, Reload reload,
+                               std::function<ControlCounters()> connections)
     : io_(io),
       hosts_(hosts),
       tokens_(std::move(tokens)),
@@ -48,7 +43,8 @@ ControlService::ControlService(asio::io_context& io, Hosts& hosts, TokenFile tok
       wrong_tokens_(limits.join_rate, limits.join_burst),
       joins_(limits.join_rate, limits.join_burst),
       changes_(limits.join_rate, limits.join_burst),
-      reload_(std::move(reload)) {}
+      reload_(std::move(reload)),
+      connections_(std::move(connections)) {}
 
 void ControlService::handle(ControlPeer& peer, control::Message request, Answer answer) {
   refresh_tokens();
@@ -70,12 +66,7 @@ void ControlService::handle(ControlPeer& peer, control::Message request, Answer 
   }
   if (std::holds_alternative<control::ListScenes>(request))
     return asked.answer(list_scenes(*token));
-  if (const auto* wanted = std::get_if<control::Evict>(&request))
-    return asked.answer(evict(asked, *wanted));
-  if (const auto* wanted = std::get_if<control::ListSessions>(&request))
-    return asked.answer(list_sessions(asked, *wanted));
-  if (const auto* wanted = std::get_if<control::ReloadScene>(&request))
-    return reload(std::move(asked), *wanted);
+  if (serve_admin(asked, request)) return;
   asked.answer(Refused{RefusalCode::malformed, "this message is an answer, not a request"});
 }
 
@@ -219,30 +210,12 @@ void ControlService::tell_of(const control::ParametersSet& set, const std::strin
   seated.parameters = set.parameters;
 }
 
-std::optional<Refused> ControlService::refuse_below_admin(const PendingRequest& asked) {
-  if (covers(asked.token.role, Role::admin)) return std::nullopt;
-  return refuse(RefusalCode::forbidden,
-                "this is for admins; the token is for " + holder(asked.token.role));
-}
-
 /// Each of these is work for a scene's thread, or for the machine.
 std::optional<Refused> ControlService::refuse_hasty(const PendingRequest& asked) {
   if (changes_.take(asked.token.client, monotonic_now())) return std::nullopt;
   return refuse(
       RefusalCode::too_many,
       "client '" + asked.token.client + "' changes parameters or reloads too often; wait a moment");
-}
-
-control::Message ControlService::evict(const PendingRequest& asked, const control::Evict& request) {
-  if (auto refused = refuse_below_admin(asked)) return *std::move(refused);
-  const auto found = seated_.find(request.session);
-  // What goes on in scenes that its token does not open is not for this admin to know.
-  if (found == seated_.end() || !opens(asked.token, scene_name(found->second)))
-    return unknown_session(request.session);
-  hosts_[found->second.scene]->evict(request.session);
-  spdlog::info("a session of client {} was evicted by client {}", visible(found->second.client),
-               visible(asked.token.client));
-  return control::Evicted{request.session};
 }
 
 control::Message ControlService::list_scenes(const Token& token) const {
@@ -254,40 +227,6 @@ control::Message ControlService::list_scenes(const Token& token) const {
         {host.name(), static_cast<std::uint16_t>(1 + i), host.objects(), host.sessions()});
   }
   return result;
-}
-
-control::Message ControlService::list_sessions(const PendingRequest& asked,
-                                               const control::ListSessions& request) {
-  if (auto refused = refuse_below_admin(asked)) return *std::move(refused);
-  control::SessionList list;
-  for (auto at = seated_.upper_bound(request.after); at != seated_.end(); ++at) {
-    if (!opens(asked.token, scene_name(at->second))) continue;
-    if (list.sessions.size() == control::kMaxSessionEntries) {
-      list.more = true;
-      break;
-    }
-    const ListedSession& seated = at->second;
-    list.sessions.push_back({at->first, seated.client, scene_name(seated), seated.role});
-  }
-  return list;
-}
-
-void ControlService::reload(PendingRequest asked, const control::ReloadScene& request) {
-  if (auto refused = refuse_below_admin(asked)) return asked.answer(*std::move(refused));
-  const std::size_t scene = scene_of(request.scene);
-  if (scene == hosts_.size() || !opens(asked.token, request.scene))
-    return asked.answer(
-        Refused{RefusalCode::unknown_scene, "there is no scene '" + request.scene + "' here"});
-  if (auto refused = refuse_hasty(asked)) return asked.answer(*std::move(refused));
-  spdlog::info("scene {} is reloaded by client {} (token {})", request.scene,
-               visible(asked.token.client), asked.token.id);
-  asked.peer.waits = true;
-  reload_(scene, [this, name = request.scene,
-                  answer = std::move(asked.answer)](std::optional<Refused> refused) {
-    if (!refused) return answer(control::SceneReloaded{name});
-    if (refused->code == RefusalCode::too_many) ++counters_.too_many;
-    answer(*std::move(refused));
-  });
 }
 
 void ControlService::look_after() {

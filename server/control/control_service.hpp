@@ -34,6 +34,10 @@ struct ServiceCounters {
   std::uint64_t too_many = 0;         // above a limit
 };
 
+/// Both with their names in the summary.
+std::vector<std::pair<std::string_view, std::uint64_t>> named_counters(
+    const ControlCounters& connections, const ServiceCounters& requests);
+
 class ControlService {
  public:
   using Hosts = std::vector<std::unique_ptr<SceneHost>>;
@@ -45,8 +49,9 @@ class ControlService {
   using Reload = std::function<void(std::size_t host, Reloaded done)>;
 
   /// `io` runs on the control thread; it and the hosts outlive this.
+  /// `connections` counts those of the control port, on its thread; empty: all zero.
   ControlService(asio::io_context& io, Hosts& hosts, TokenFile tokens, const ServiceLimits& limits,
-                 Reload reload);
+                 Reload reload, std::function<ControlCounters()> connections = {});
 
   /// A ControlHandler.
   void handle(ControlPeer& peer, control::Message request, Answer answer);
@@ -81,6 +86,12 @@ class ControlService {
   control::Message list_scenes(const Token& token) const;
   control::Message list_sessions(const PendingRequest& asked, const control::ListSessions& request);
   void reload(PendingRequest asked, const control::ReloadScene& request);
+  bool serve_admin(PendingRequest& asked, const control::Message& request);
+  std::variant<std::size_t, control::Refused> scene_of_admin(const PendingRequest& asked,
+                                                             const std::string& name);
+  void change(PendingRequest asked, const std::string& name, LiveChange change);
+  void ask_scene(PendingRequest asked, const std::string& name, control::Message request);
+  void count(PendingRequest asked, const control::GetCounters& request);
   control::Refused refuse(control::RefusalCode code, std::string reason);
   std::optional<control::Refused> refuse_below_admin(const PendingRequest& asked);
   std::optional<control::Refused> refuse_hasty(const PendingRequest& asked);
@@ -101,6 +112,7 @@ class ControlService {
   RateLimit<std::string> joins_, changes_;           // of clients
   RateLimit<std::string> refused_lines_{1.0, 20.0};  // likewise, of the log: joins refused at once
   Reload reload_;
+  std::function<ControlCounters()> connections_;
   Directory seated_;
   // Until when a client's hands are kept out of a scene whose simulation they broke.
   std::map<std::pair<std::string, std::size_t>, Nanoseconds> disturbers_;

@@ -113,6 +113,7 @@ class Replayer {
         sessions_.check(event.time);
         return std::nullopt;
       case EventKind::change:
+        return change(event);
       case EventKind::none:
       case EventKind::count_of_kinds:
         break;
@@ -133,6 +134,23 @@ class Replayer {
         sessions_.answer(*request, id_of(event.hand), SessionKeys{}, event.time);
     if (const auto* refused = std::get_if<control::Refused>(&answer))
       return "its request was refused: " + refused->reason;
+    return std::nullopt;
+  }
+
+  std::optional<std::string> change(const SceneEvent& event) {
+    const std::optional<control::Message> request = control::decode(event.payload);
+    if (!request) return std::string("its request cannot be read");
+    LiveChange wanted;
+    if (const auto* material = std::get_if<control::SetMaterial>(&*request))
+      wanted = material->change;
+    else if (const auto* gravity = std::get_if<control::SetGravity>(&*request))
+      wanted = GravityChange{gravity->gravity};
+    else
+      return std::string("its request is another one");
+    ChangeOutcome outcome = sessions_.change(wanted, event.time);
+    if (const auto* refused = std::get_if<control::Refused>(&outcome))
+      return "its request was refused: " + refused->reason;
+    if (auto& made = std::get<Changed>(outcome); made.scene != nullptr) scene_ = made.scene;
     return std::nullopt;
   }
 

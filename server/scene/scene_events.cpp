@@ -24,10 +24,6 @@ void SceneSessions::check(Nanoseconds now) noexcept {
   log({.kind = EventKind::check, .time = now, .digest = sum});
 }
 
-void SceneSessions::note_change(Bytes what, Nanoseconds now, std::uint32_t hand) noexcept {
-  log({.kind = EventKind::change, .hand = hand, .time = now, .payload = what});
-}
-
 void SceneSessions::replay_end(std::uint64_t id, SessionEnd how) noexcept {
   if (SessionSlot** slot = by_id_.find(id)) end(**slot, how);
 }

@@ -32,7 +32,6 @@ SceneHost::SceneHost(Scene scene, const SceneHostOptions& options)
     : name_(scene.name()),
       objects_(static_cast<std::uint32_t>(scene.objects().size())),
       scene_(std::make_shared<const Scene>(std::move(scene))),
-      current_{scene_, version_},
       recorded_(options.events != nullptr),
       silence_timeout_(options.silence_timeout),
       busy_poll_(options.busy_poll),
@@ -43,6 +42,7 @@ SceneHost::SceneHost(Scene scene, const SceneHostOptions& options)
                 options.limits),
       batch_(std::make_unique<Batch>()) {
   sessions_.log_to(options.events);
+  publish_scene();
   const asio::ip::udp::endpoint endpoint(options.address, options.port);
   try {
     if (options.socket >= 0) {
@@ -107,6 +107,8 @@ void SceneHost::ask(control::Message request, std::uint64_t id, const SessionKey
   post([this, asked = std::move(asked), id, keys, &back] {
     try {
       if (!closing_) asked->answer = sessions_.answer(asked->request, id, keys, clock_());
+      if (auto* named = std::get_if<control::Counters>(&asked->answer))
+        named->counters.push_back({"unsent", unsent_});
     } catch (const std::exception& error) {
       spdlog::error("scene {}: a request was refused, the server failed at it: {}", name_,
                     error.what());
@@ -137,15 +139,54 @@ void SceneHost::reload(Scene scene) {
                    goodbyes.size());
     scene_ = std::move(next);
     ++version_;
-    {
-      const std::lock_guard lock(published_);
-      current_ = {scene_, version_};
-    }
+    publish_scene();
     objects_ = static_cast<std::uint32_t>(scene_->objects().size());
     publish();  // a session may have lost its tool
     world_log_.begin_anew();
     await_tick();
   });
+}
+
+void SceneHost::change(LiveChange change, asio::io_context& back,
+                       std::function<void(std::variant<std::string, control::Refused>)> done) {
+  using control::Refused;
+  struct Wanted {
+    LiveChange change;
+    std::function<void(std::variant<std::string, Refused>)> done;
+    std::variant<std::string, Refused> outcome = Refused{
+        control::RefusalCode::shutting_down, "the server is shutting down; nothing changed"};
+    Refused failure{control::RefusalCode::failed,
+                    "the server failed at this; its log says why, and nothing changed"};
+  };
+  auto wanted = std::make_shared<Wanted>(Wanted{std::move(change), std::move(done)});
+  post([this, wanted = std::move(wanted), &back] {
+    try {
+      if (!closing_) wanted->outcome = make(wanted->change);
+    } catch (const std::exception& error) {
+      spdlog::error("scene {}: a change was refused, the server failed at it: {}", name_,
+                    error.what());
+      wanted->outcome = std::move(wanted->failure);
+    }
+    post_patiently(back, [wanted] { wanted->done(std::move(wanted->outcome)); });
+  });
+}
+
+/// What was changed, or why nothing was.
+std::variant<std::string, control::Refused> SceneHost::make(const LiveChange& change) {
+  ChangeOutcome outcome = sessions_.change(change, clock_());
+  if (auto* refused = std::get_if<control::Refused>(&outcome)) return std::move(*refused);
+  auto& made = std::get<Changed>(outcome);
+  if (made.scene != nullptr) scene_ = std::move(made.scene);
+  if (!std::holds_alternative<ParameterChange>(change)) {
+    ++changes_;
+    publish_scene();
+  }
+  return std::move(made.what);
+}
+
+void SceneHost::publish_scene() noexcept {
+  const std::lock_guard lock(published_);
+  current_ = {scene_, version_, changes_, sessions_.gravity()};
 }
 
 void SceneHost::evict(std::uint64_t session) {

@@ -81,6 +81,11 @@ class SceneHost {
   /// does not have. Their bounds go on, so that the change gives no hand energy. Where that fails
   /// (no memory) the scene stays as it was, and the log says so. From any thread.
   void reload(Scene scene);
+  /// Makes a live change in the scene's thread, between two datagrams (SceneSessions::change), and
+  /// posts what it came to to `back`, which must outlive this host's thread: what was changed, or
+  /// why it was refused. From any thread.
+  void change(LiveChange change, asio::io_context& back,
+              std::function<void(std::variant<std::string, control::Refused>)> done);
   /// Ends a session with a goodbye, if it is there. From any thread.
   void evict(std::uint64_t session);
 
@@ -88,6 +93,8 @@ class SceneHost {
   struct CurrentScene {
     std::shared_ptr<const Scene> scene;
     std::uint32_t version = 0;
+    std::uint32_t changes = 0;    // live ones of materials and gravity
+    std::optional<Vec3> gravity;  // [m/s^2]; nothing: nothing moves
   };
   CurrentScene current_scene() const;
   /// Pictures of the scene for one viewer's thread. While pictures are wanted, one is given with
@@ -131,6 +138,8 @@ class SceneHost {
     if (!sessions_.ended().empty()) tell_ended();
   }
   void tell_ended();
+  std::variant<std::string, control::Refused> make(const LiveChange& change);
+  void publish_scene() noexcept;
   void tell_of_world(Nanoseconds now);
   void tell_of_load(Nanoseconds now);
   void draw(Nanoseconds now) noexcept {
@@ -147,8 +156,9 @@ class SceneHost {
   std::atomic<std::uint32_t> objects_;
   std::shared_ptr<const Scene> scene_;
   std::uint32_t version_ = 1;     // of the scene
+  std::uint32_t changes_ = 0;     // live ones of materials and gravity
   mutable std::mutex published_;  // guards the next one, which the scene's thread writes
-  CurrentScene current_;          // at a reload only
+  CurrentScene current_;          // at a reload or a live change only
   PictureExchange pictures_, recorded_pictures_;
   bool recorded_;
   Nanoseconds checked_at_{0};

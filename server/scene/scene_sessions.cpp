@@ -40,13 +40,6 @@ control::RefusalCode refusal_code(const control::JoinRequest& request) {
   return control::RefusalCode::bad_parameters;
 }
 
-/// Of its frame, for the log.
-std::vector<std::uint8_t> body(const control::Message& message) {
-  std::vector<std::uint8_t> frame = control::encode(message);
-  frame.erase(frame.begin(), frame.begin() + control::kFrameLengthSize);
-  return frame;
-}
-
 std::string no_such_tool(const Scene& scene, const std::string& asked) {
   const std::string what = "there is no tool '" + asked + "' in scene '" + scene.name() + "'; ";
   if (scene.tool().name.empty()) return what + "all hands hold the same there: ask for none";
@@ -137,23 +130,16 @@ control::Message SceneSessions::answer(const control::Message& request, std::uin
     return control::Left{wanted->session};
   }
   if (const auto* wanted = std::get_if<control::SetParameters>(&request)) {
-    SessionSlot** slot = by_id_.find(wanted->session);
-    if (slot == nullptr) return unknown_session(wanted->session);
-    Session& session = (*slot)->session;
-    if (auto wrong = forbidden_change(session.parameters(), wanted->parameters))
-      return control::Refused{control::RefusalCode::bad_parameters, *std::move(wrong)};
-    std::vector<std::uint8_t> logged;
-    if (log_ != nullptr) logged = body(control::SetParameters{(*slot)->number, wanted->parameters});
-    try {
-      session.set_parameters(wanted->parameters);
-    } catch (const std::invalid_argument& error) {
-      return control::Refused{control::RefusalCode::bad_parameters, error.what()};
-    }
-    log({.kind = EventKind::parameters, .hand = (*slot)->number, .time = now, .payload = logged});
-    return control::ParametersSet{wanted->session, session.parameters()};
+    auto outcome = change(ParameterChange{wanted->session, wanted->parameters}, now);
+    if (auto* refused = std::get_if<control::Refused>(&outcome)) return std::move(*refused);
+    return control::ParametersSet{wanted->session, wanted->parameters};
   }
+  if (const auto* wanted = std::get_if<control::DescribeSessions>(&request))
+    return describe_after(wanted->after);
+  if (std::holds_alternative<control::GetCounters>(request)) return named_counters();
   return control::Refused{control::RefusalCode::malformed,
-                          "a scene answers join, leave and set parameters only"};
+                          "a scene answers join, leave, set parameters, and lists of its sessions "
+                          "and counters only"};
 }
 
 /// Throws std::invalid_argument when they are not possible.

@@ -17,6 +17,7 @@
 #include "server/scene/event_log.hpp"
 #include "server/scene/fair_share.hpp"
 #include "server/scene/id_map.hpp"
+#include "server/scene/live_change.hpp"
 #include "server/scene/observer_view.hpp"
 #include "server/scene/picture.hpp"
 #include "server/scene/session.hpp"
@@ -72,8 +73,9 @@ class SceneSessions {
                 const NetworkProfile* line = nullptr, const SessionLimits& limits = {});
   ~SceneSessions();
 
-  /// Join, leave, set parameters; anything else is refused as malformed. `id` and `keys` are the
-  /// new session's for a join, else unused. Numbers that are not possible come back as Refused.
+  /// Join, leave, set parameters, list sessions and counters; anything else is refused as
+  /// malformed. `id` and `keys` are the new session's for a join, else unused. Numbers that are not
+  /// possible come back as Refused.
   control::Message answer(const control::Message& request, std::uint64_t id,
                           const SessionKeys& keys, Nanoseconds now);
 
@@ -117,6 +119,14 @@ class SceneSessions {
   /// looked at any more. Allocates; throws and changes nothing where there is no memory for it.
   std::vector<GoodbyeDatagram> enter(const Scene& scene, Nanoseconds now);
 
+  /// Makes a change from the next sample on, or refuses it; a refused one changes nothing. Every
+  /// live change of a scene and of its sessions comes through here, on the scene's thread and
+  /// between two datagrams, and goes into the log. The scene that the outcome may have must outlive
+  /// this. Allocates; throws std::bad_alloc and changes nothing where there is no memory for it.
+  ChangeOutcome change(const LiveChange& change, Nanoseconds now);
+  /// [m/s^2] on what moves; nothing: nothing moves.
+  std::optional<Vec3> gravity() const;
+
   /// Ends the sessions that have been silent for too long, that flooded, that broke what moves
   /// again and again, or under whose id too much came that was not theirs.
   std::vector<GoodbyeDatagram> expire(Nanoseconds now);
@@ -139,14 +149,14 @@ class SceneSessions {
   /// Of all hands. Allocates.
   std::vector<HandDescription> describe() const;
 
+  /// All sessions with greater numbers, at most control::kMaxDescriptions. Allocates.
+  control::SessionDescriptions describe_after(std::uint32_t number) const;
+
   /// From now on, all that decides a reply goes into the log, which must outlive this; null: no
   /// more. A log can be replayed only where it has been there since before the first session.
   void log_to(EventLog* log) noexcept { log_ = log; }
   /// Notes where everything is that moves, for a replay to compare. Never allocates.
   void check(Nanoseconds now) noexcept;
-  /// Another live change than by answer() and enter(), for the log: call it where the change takes
-  /// place, in the scene's thread. Without a log nothing happens.
-  void note_change(Bytes what, Nanoseconds now, std::uint32_t hand = 0) noexcept;
 
   // For a replay (server/recording/replay.hpp).
   /// What receive() does with the payload of an accepted datagram: the answer's payload, empty
@@ -163,11 +173,13 @@ class SceneSessions {
  private:
   struct SessionSlot;
   struct Origin;
+  struct Change;
   std::unique_ptr<World> world_of(const Scene& scene) const;
   void take_over(const Scene& scene, std::unique_ptr<World> world);
   std::vector<GoodbyeDatagram> end_all(GoodbyeReason reason) noexcept;
   control::Message join(control::JoinRequest request, std::uint64_t id, const SessionKeys& keys,
                         Nanoseconds now);
+  control::Counters named_counters() const;
   SessionParameters granted(const SessionParameters& asked) const;
   Bytes receive_samples(SessionSlot& slot, Bytes payload, const Origin& origin,
                         DatagramBuffer& out) noexcept;

@@ -208,6 +208,19 @@ void Session::enter(Place place) noexcept {
   deadband_ = ReplyDeadband(parameters_);  // what was said of the old one is no more
 }
 
+void Session::adopt(const ToolView& view, std::size_t object) noexcept {
+  ++reloads_;
+  const double rubbed = view_->objects()[object].material.static_friction;
+  if (rubbed == 0.0 && view.objects()[object].material.static_friction > 0.0) {
+    contacts_[object].touching = contacts_[object].slipping = false;
+    ++scenes_;  // nor does a local model keep one
+  }
+  if (!view_->requirements().velocity) velocity_ = VelocityEstimate(parameters_.velocity_cutoff);
+  view_ = &view;
+  body_.known = false;  // it holds forces
+  deadband_ = ReplyDeadband(parameters_);
+}
+
 LocalModel Session::model() const noexcept {
   return world_ != nullptr
              ? local_model(*world_, last_.pose.position, contacts_, body_contacts_.held)

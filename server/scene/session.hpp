@@ -86,6 +86,11 @@ class Session {
   /// The hand is in another scene from its next sample on; what it is given comes from the bound it
   /// had. Precondition: the place has a view.
   void enter(Place place) noexcept;
+  /// The same scene with another material of one object, from the next sample on: what the hand
+  /// touches it goes on touching, and what it is given comes from the bound it has. The client is
+  /// told as of a reload, since the surface under its hand is another. A stick point begins anew
+  /// where a surface without friction gets some. Precondition: the view is of the same tool.
+  void adopt(const ToolView& view, std::size_t object) noexcept;
   /// What the hand may do to the moving objects.
   HandLimits limits() const { return hand_limits(device_); }
 

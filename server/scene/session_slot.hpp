@@ -14,6 +14,13 @@ struct SceneSessions::Origin {
   Nanoseconds now;
 };
 
+/// Of a message's frame, for the event log.
+inline std::vector<std::uint8_t> body(const control::Message& message) {
+  std::vector<std::uint8_t> frame = control::encode(message);
+  frame.erase(frame.begin(), frame.begin() + control::kFrameLengthSize);
+  return frame;
+}
+
 /// A session and what belongs to its transport.
 struct SceneSessions::SessionSlot {
   std::uint64_t id;

@@ -29,6 +29,28 @@ struct Texts {
     for (const control::SceneEntry& scene : m.scenes) add(scene.name);
   }
   void operator()(const control::Refused& m) { add(m.reason); }
+  void operator()(const control::SetMaterial& m) {
+    add(m.scene);
+    add(m.change.object);
+  }
+  void operator()(const control::SetGravity& m) { add(m.scene); }
+  void operator()(const control::SceneChanged& m) {
+    add(m.scene);
+    add(m.what);
+  }
+  void operator()(const control::DescribeSessions& m) { add(m.scene); }
+  void operator()(const control::SessionDescriptions& m) {
+    for (const control::SessionDescription& session : m.sessions) {
+      add(session.client);
+      add(session.device);
+      add(session.tool);
+      add(session.parameters.mode);
+    }
+  }
+  void operator()(const control::GetCounters& m) { add(m.scene); }
+  void operator()(const control::Counters& m) {
+    for (const control::Counter& counter : m.counters) add(counter.name);
+  }
   template <class Other>
   void operator()(const Other&) {}
 };
@@ -48,6 +70,10 @@ void require_limits(const Message& message) {
   if (const auto* join = std::get_if<control::JoinRequest>(&message))
     require(join->parameters.mode.size() <= kLongestMethodName,
             "nor is the bounding method's name");
+  if (const auto* set = std::get_if<control::SetMaterial>(&message))
+    require(
+        set->scene.size() <= control::kMaxName && set->change.object.size() <= control::kMaxName,
+        "nor are those of a scene and an object");
 }
 
 /// Throws nothing but std::invalid_argument, with a reason.

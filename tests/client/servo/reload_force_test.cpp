@@ -99,13 +99,22 @@ class Hand {
   bool rests_ = false;
 };
 
+/// The same scene with another material of one of its objects.
+Scene remade(const Scene& before, std::size_t object, Random& random) {
+  Scene next = before;
+  next.set_material(object, material(random));
+  return next;
+}
+
 struct Seen {
   int reloads = 0, risen = 0;
   double steepest = 0.0;  // of what may be: 1 is the bound
 };
 
-/// Reloads at random under one hand.
-void play(std::uint64_t seed, Storage storage, Seen& seen) {
+enum class By : std::uint8_t { reload, live_change };
+
+/// Reloads, or live changes of materials, at random under one hand.
+void play(std::uint64_t seed, Storage storage, Seen& seen, By by = By::reload) {
   Random random(seed);
   SessionParameters p = parameters("contact_frame");
   p.storage = storage;
@@ -124,8 +133,15 @@ void play(std::uint64_t seed, Storage storage, Seen& seen) {
   bool known = false;
   for (int n = 0; n < 3000; ++n) {
     if (n % every == every - 1) {
-      all.push_back(std::make_unique<Scene>(changed(*all.back(), random)));
-      session.enter(Session::Place(*all.back(), nullptr));
+      if (by == By::reload) {
+        all.push_back(std::make_unique<Scene>(changed(*all.back(), random)));
+        session.enter(Session::Place(*all.back(), nullptr));
+      } else {
+        const auto count = static_cast<double>(all.back()->objects().size());
+        const auto object = static_cast<std::size_t>(random.uniform(0.0, 0.999 * count));
+        all.push_back(std::make_unique<Scene>(remade(*all.back(), object, random)));
+        session.adopt(*all.back()->view(""), object);
+      }
       ++seen.reloads;
     }
     const Vec3 place = hand.next();
@@ -176,6 +192,57 @@ TEST(ReloadForce, NeverNeedsMoreThanTheHandHasPressedWhereElasticStorageKeepsIt)
   for (const std::uint64_t seed : test::seeds(1001, 60, 30))
     ASSERT_NO_FATAL_FAILURE(play(seed, Storage::elastic, seen));
   EXPECT_GT(seen.reloads, 1000);
+}
+
+TEST(ReloadForce, NeverJumpsWhateverALiveChangeMakesOfAMaterial) {
+  Seen seen;
+  for (const std::uint64_t seed : test::seeds(2001, 60, 30))
+    ASSERT_NO_FATAL_FAILURE(play(seed, Storage::minimal, seen, By::live_change));
+  EXPECT_GT(seen.reloads, 1000);
+  EXPECT_GT(seen.risen, 100);
+  EXPECT_GT(seen.steepest, 0.9);
+}
+
+/// A hand of a usual session, which shapes what its local model says, rests in a floor whose
+/// stiffness is changed up and down a hundredfold: its force rises no faster than a fade falls, and
+/// its port gets no more than it burns.
+TEST(ReloadForce, AShapedHandThatRestsFeelsAStiffnessComeInSteps) {
+  for (const std::uint64_t seed : test::seeds(3001, 20, 10)) {
+    Random random(seed);
+    const SessionParameters p = usual_parameters();
+    Bench bench(p);
+    Object floor;
+    floor.name = "floor";
+    floor.material.stiffness = 300.0;
+    floor.shape = Plane{};
+    std::vector<std::unique_ptr<Scene>> all;
+    all.push_back(std::make_unique<Scene>("s", std::vector<Object>{floor}));
+    Session session({"tester", "s", bench.spec, p}, *all.back());
+    const double slew = bench.spec.max_force / (0.5 * p.hold_time);  // [N/s]
+    double before = 0.0, largest = 0.0;
+    for (int n = 0; n < 3000; ++n) {
+      if (n > 500 && n % 200 == 0) {
+        Material m = all.back()->objects()[0].material;
+        m.stiffness = std::pow(10.0, random.uniform(1.5, 3.7));
+        all.push_back(std::make_unique<Scene>(*all.back()));
+        all.back()->set_material(0, m);
+        session.adopt(*all.back()->view(""), 0);
+      }
+      const double z = std::max(-0.002, 0.001 - 1e-5 * n);  // down into the floor, and there
+      const double felt = bench.tick(at(0.0, 0.0, z)).force().norm();
+      if (n > 500) {
+        ASSERT_LE(felt - before, 1.001 * slew * kTick + 1e-9) << "seed " << seed << " tick " << n;
+        largest = std::max(largest, felt);
+      }
+      ASSERT_EQ(bench.servo.port().violations(), 0u) << "seed " << seed << " tick " << n;
+      before = felt;
+      SampleBatch batch;
+      batch.count = 1;
+      batch.samples[0] = bench.servo.sample();
+      bench.servo.take(session.take(batch, bench.now).reply, bench.now);
+    }
+    EXPECT_GT(largest, 0.3) << "seed " << seed;
+  }
 }
 
 }  // namespace

@@ -151,12 +151,66 @@ TEST(Control, OtherMessagesRoundTrip) {
   EXPECT_TRUE(sessions.more);
   EXPECT_EQ(round_trip(ReloadScene{"a"}).scene, "a");
   EXPECT_EQ(round_trip(SceneReloaded{"b"}).scene, "b");
+  const MaterialChange change{.object = "o",
+                              .stiffness = 1.0,
+                              .damping = 2.0,
+                              .static_friction = 3.0,
+                              .dynamic_friction = 4.0,
+                              .viscous_friction = 5.0};
+  EXPECT_EQ(round_trip(SetMaterial{"a", change}).change, change);
+  EXPECT_EQ(round_trip(SetMaterial{"a", {.object = "o"}}).change, MaterialChange{.object = "o"});
+  EXPECT_EQ(round_trip(SetGravity{"a", {1, 2, 3}}).gravity, Vec3(1, 2, 3));
+  EXPECT_EQ(round_trip(SceneChanged{"a", "what"}).what, "what");
+  EXPECT_EQ(round_trip(DescribeSessions{"a", 7}).after, 7u);
+  EXPECT_EQ(round_trip(GetCounters{}).scene, "");
+  EXPECT_EQ(round_trip(GetCounters{"a"}).scene, "a");
+  EXPECT_EQ(round_trip(Counters{{{"a", 1}, {"b", 2}}}).counters[1].value, 2u);
   for (int code = 0; code <= static_cast<int>(RefusalCode::failed); ++code) {
     const Refused refused = round_trip(Refused{static_cast<RefusalCode>(code), "because"});
     EXPECT_EQ(static_cast<int>(refused.code), code);
     EXPECT_EQ(refused.reason, "because");
     EXPECT_STRNE(name(refused.code), "unknown");
   }
+}
+
+/// As long as each may be, and as many as one answer has, they fit a frame and its limits.
+TEST(Control, SessionDescriptionsAreReadAsWritten) {
+  SessionDescription one;
+  one.number = 7;
+  one.session = 0x0123456789abcdef;
+  one.client = std::string(kMaxName, 'c');
+  one.device = std::string(kMaxName, 'd');
+  one.tool = std::string(kMaxName, 't');
+  one.role = Role::observer;
+  one.parameters = unusual_parameters();
+  one.parameters.mode = std::string(kLongestMethodName, 'm');
+  one.samples = 8;
+  one.missed = 9;
+  one.round_trip = 0.25;
+  one.delivered = -0.5;
+  one.burned = 0.75;
+  one.balance = 1.5;
+  const auto read = round_trip(SessionDescriptions{std::vector(kMaxDescriptions, one), true});
+  EXPECT_TRUE(read.more);
+  ASSERT_EQ(read.sessions.size(), kMaxDescriptions);
+  const SessionDescription& last = read.sessions.back();
+  EXPECT_EQ(last.number, one.number);
+  EXPECT_EQ(last.session, one.session);
+  EXPECT_EQ(last.client, one.client);
+  EXPECT_EQ(last.device, one.device);
+  EXPECT_EQ(last.tool, one.tool);
+  EXPECT_EQ(last.role, one.role);
+  EXPECT_EQ(last.parameters, one.parameters);
+  EXPECT_EQ(last.samples, one.samples);
+  EXPECT_EQ(last.missed, one.missed);
+  EXPECT_EQ(last.round_trip, one.round_trip);
+  EXPECT_EQ(last.delivered, one.delivered);
+  EXPECT_EQ(last.burned, one.burned);
+  EXPECT_EQ(last.balance, one.balance);
+  one.round_trip = one.balance = std::nullopt;
+  const auto unknown = round_trip(SessionDescriptions{{one}, false});
+  EXPECT_EQ(unknown.sessions[0].round_trip, std::nullopt);
+  EXPECT_EQ(unknown.sessions[0].balance, std::nullopt);
 }
 
 /// A reason may quote a whole file: no length of it makes a frame that cannot be sent.

@@ -15,7 +15,7 @@
 #include "server/app/health.hpp"
 #include "server/app/server.hpp"
 #include "server/app/summary.hpp"
-#include "server/control/parameter_changes.hpp"
+#include "server/scene/parameter_changes.hpp"
 #include "tests/client/temporary_folder.hpp"
 #include "tests/protocol/sealed.hpp"
 #include "tests/server/make.hpp"

@@ -1,4 +1,4 @@
-#include "server/control/parameter_changes.hpp"
+#include "server/scene/parameter_changes.hpp"
 
 #include <spdlog/fmt/fmt.h>
 

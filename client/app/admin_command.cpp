@@ -1,0 +1,211 @@
+#include "client/app/admin_command.hpp"
+
+#include <CLI/CLI.hpp>
+#include <array>
+#include <cstdio>
+
+#include "client/app/admin_requests.hpp"
+#include "client/app/credential_options.hpp"
+#include "core/base/choice.hpp"
+#include "core/base/visible_text.hpp"
+#include "core/command_line/environment.hpp"
+#include "core/command_line/suggestion.hpp"
+
+namespace feltwire {
+namespace {
+
+constexpr int kBadUsage = 2, kCannotRun = 1;
+
+constexpr const char* kExamples = R"(
+Examples (with the credentials that the server's join: line names, and the token of an admin):
+  feltwire-client admin sessions --connect localhost:6720
+  feltwire-client admin set --connect localhost:6720 --object table --stiffness 500
+  feltwire-client admin set --connect localhost:6720 --gravity 0,0,-1.62
+  feltwire-client admin reload room --connect localhost:6720
+A change is felt at once and lasts until it is changed again or the scene is reloaded; the scene's
+file stays as it is (docs/admin.md).)";
+
+struct AdminWords {
+  std::string connect, scene, session;
+  CredentialOptions credentials;
+  bool json = false;
+  MaterialChange material;
+  std::optional<std::array<double, 3>> gravity;
+  SessionWords parameters;
+};
+
+void print(const std::string& text) { std::fputs(text.c_str(), stdout); }
+
+void list_sessions(const ServerAccess& server, const AdminWords& words) {
+  const std::vector<SeenSession> sessions = sessions_of(server, words.scene);
+  print(words.json ? session_json(sessions) : session_table(sessions));
+}
+
+void reload(const ServerAccess& server, const AdminWords& words) {
+  // Grids and meshes take their time; the server ends what is not given in it.
+  constexpr std::chrono::minutes kPatience{10};
+  ask(server, control::ReloadScene{words.scene}, kPatience);
+  print("scene " + visible(words.scene) + " is reloaded\n");
+}
+
+void evict(const ServerAccess& server, const AdminWords& words) {
+  const std::vector<SeenSession> sessions = sessions_of(server, words.scene);
+  const SeenSession& seen = session_named(sessions, words.session);
+  ask_for<control::Evicted>(server, control::Evict{seen.session.session});
+  print("session " + std::to_string(seen.session.number) + " of scene " + visible(seen.scene) +
+        " (" + visible(seen.session.client) + ") is evicted\n");
+}
+
+void set_session(const ServerAccess& server, const AdminWords& words) {
+  const std::vector<SeenSession> sessions = sessions_of(server, words.scene);
+  const SeenSession& seen = session_named(sessions, words.session);
+  const SessionParameters wanted = changed(seen.session.parameters, words.parameters);
+  if (wanted == seen.session.parameters)
+    throw std::invalid_argument("--session: nothing would change; give --mode, say, another value");
+  ask_for<control::ParametersSet>(server, control::SetParameters{seen.session.session, wanted});
+  print("session " + std::to_string(seen.session.number) + " of scene " + visible(seen.scene) +
+        " has the new parameters\n");
+}
+
+void set(const ServerAccess& server, const AdminWords& words) {
+  const bool object = words.material != MaterialChange{}, session = !words.session.empty();
+  if (int{object} + int{session} + int{words.gravity.has_value()} != 1)
+    throw std::invalid_argument("give one of --object, --gravity and --session");
+  if (session) return set_session(server, words);
+  const std::string scene = scene_named(server, words.scene);
+  control::Message request = control::SetMaterial{scene, words.material};
+  if (words.gravity)
+    request = control::SetGravity{
+        scene, Vec3((*words.gravity)[0], (*words.gravity)[1], (*words.gravity)[2])};
+  else if (words.material.object.empty())
+    throw std::invalid_argument("--object is required: whose material is it?");
+  print("scene " + visible(scene) + ": " +
+        visible(ask_for<control::SceneChanged>(server, request).what) + "\n");
+}
+
+void print_counters(const ServerAccess& server, const AdminWords& words) {
+  const std::vector<SeenCounters> counters = counters_of(server);
+  print(words.json ? counter_json(counters) : counter_lines(counters));
+}
+
+/// Where the server is and how to be let in: of every command.
+void add_access(CLI::App& command, AdminWords& words) {
+  command
+      .add_option("--connect", words.connect,
+                  "HOST:PORT of the server's control port; IPv6 as [::1]:PORT")
+      ->required();
+  add_credential_options(command, words.credentials);
+  read_environment(command);
+}
+
+void add_material(CLI::App& command, MaterialChange& material) {
+  const auto group = "Material of an object";
+  command.add_option("--object", material.object, "Its name")->group(group);
+  command.add_option("--stiffness", material.stiffness, "[N/m]")->group(group);
+  command.add_option("--damping", material.damping, "[N s/m]")->group(group);
+  command
+      .add_option("--static-friction", material.static_friction,
+                  "Coefficient; at least the dynamic one")
+      ->group(group);
+  command.add_option("--dynamic-friction", material.dynamic_friction, "Coefficient")->group(group);
+  command.add_option("--viscous-friction", material.viscous_friction, "[N s/m]")->group(group);
+}
+
+void add_parameters(CLI::App& command, AdminWords& words) {
+  const auto group = "Bound of a session (of one whose bound the server runs)";
+  SessionWords& w = words.parameters;
+  command
+      .add_option("--session", words.session, "Its number or id, as `admin sessions` shows them")
+      ->group(group);
+  command.add_option("--mode", w.mode, bounding_method_choices())->group(group);
+  command
+      .add_option("--projection", w.projection, "Of contact_frame: " + choices(kProjectionNames))
+      ->group(group);
+  command.add_option("--storage", w.storage, "Of contact_frame: " + choices(kStorageNames))
+      ->group(group);
+  command
+      .add_option("--reference", w.reference,
+                  "Of passivity_control*: " + choices(kPassivityReferenceNames))
+      ->group(group);
+  command.add_option("--operator-damping", w.operator_damping, "[N s/m] credited to the bound")
+      ->group(group);
+  command
+      .add_option("--velocity-cutoff", w.velocity_cutoff,
+                  "[Hz] of the server's velocity estimate, of any session; 0: none")
+      ->group(group);
+  command.add_option("--c1", w.c1, "[N/m] of the paper's modes")->group(group);
+  command.add_option("--c2", w.c2, "[N/m] of the paper's modes")->group(group);
+  command.add_option("--coupling-stiffness", w.coupling_stiffness, "[N/m] of virtual_coupling")
+      ->group(group);
+  command.add_option("--coupling-damping", w.coupling_damping, "[N s/m] of virtual_coupling")
+      ->group(group);
+  command.add_option("--tool-mass", w.tool_mass, "[kg] of virtual_coupling's tool")->group(group);
+}
+
+struct AdminCommand {
+  CLI::App* command;
+  void (*run)(const ServerAccess& server, const AdminWords& words);
+};
+
+CLI::App* add_command(CLI::App& app, AdminWords& words, const char* name, const char* does) {
+  CLI::App* command = app.add_subcommand(name, does);
+  add_access(*command, words);  // these alone may come from the environment
+  return command;
+}
+
+std::vector<AdminCommand> add_commands(CLI::App& app, AdminWords& words) {
+  CLI::App* sessions = add_command(app, words, "sessions", "List sessions and how they do");
+  sessions->add_option("--scene", words.scene, "Of this scene only");
+  sessions->add_flag("--json", words.json, "As JSON");
+  CLI::App* reloading = add_command(app, words, "reload", "Read a scene's file anew");
+  reloading->add_option("SCENE", words.scene, "Its name")->required();
+  CLI::App* evicting = add_command(app, words, "evict", "End a session with a goodbye");
+  evicting->add_option("SESSION", words.session, "Its number or id, as `admin sessions` shows them")
+      ->required();
+  evicting->add_option("--scene", words.scene, "That it is in; where numbers stand for several");
+  CLI::App* setting = add_command(
+      app, words, "set",
+      "Change what hands feel: the material of an object, gravity, the bound of a session");
+  setting->add_option("--scene", words.scene, "Not needed where the server has one only");
+  add_material(*setting, words.material);
+  setting->add_option("--gravity", words.gravity, "X,Y,Z [m/s^2] on what moves")->delimiter(',');
+  add_parameters(*setting, words);
+  CLI::App* counting = add_command(app, words, "stats", "Show the server's counters");
+  counting->add_flag("--json", words.json, "As JSON");
+  return {{sessions, &list_sessions},
+          {reloading, &reload},
+          {evicting, &evict},
+          {setting, &set},
+          {counting, &print_counters}};
+}
+
+int fail(const std::string& why, int status) {
+  std::fprintf(stderr, "feltwire-client admin: %s\n", visible(why).c_str());
+  return status;
+}
+
+}  // namespace
+
+int admin_command(int argc, char** argv) {
+  CLI::App app("Looks at a server that runs, and changes it", "feltwire-client admin");
+  app.footer(kExamples);
+  app.require_subcommand(1);
+  AdminWords words;
+  const std::vector<AdminCommand> commands = add_commands(app, words);
+  try {
+    app.parse(argc, argv);
+    const ServerAccess server{parse_endpoint(words.connect), credentials(words.credentials)};
+    for (const AdminCommand& command : commands)
+      if (command.command->parsed()) command.run(server, words);
+    return 0;
+  } catch (const CLI::ParseError& error) {
+    if (error.get_exit_code() == 0) return app.exit(error);
+    return fail(error.what() + suggestion(app) + "; see --help", kBadUsage);
+  } catch (const std::invalid_argument& error) {
+    return fail(error.what(), kBadUsage);
+  } catch (const std::exception& error) {
+    return fail(error.what(), kCannotRun);
+  }
+}
+
+}  // namespace feltwire

@@ -1,0 +1,203 @@
+#include "client/app/admin_requests.hpp"
+
+#include <algorithm>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+
+#include "core/base/visible_text.hpp"
+
+namespace feltwire {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr double kMilliseconds = 1e3, kMillijoules = 1e3;  // of one
+constexpr double kPercent = 100.0;
+
+double rate(const SessionParameters& parameters) { return 1.0 / parameters.servo_period; }
+
+/// Of the samples that were sent so far.
+std::optional<double> loss(const control::SessionDescription& session) {
+  const double sent = static_cast<double>(session.samples) + static_cast<double>(session.missed);
+  if (!(sent > 0.0)) return std::nullopt;
+  return static_cast<double>(session.missed) / sent;
+}
+
+/// "12.5", or "-" where it is not known.
+std::string cell(std::optional<double> value, int decimals) {
+  if (!value) return "-";
+  constexpr std::size_t kLongest = 400;  // of any double
+  std::string text(kLongest, '\0');
+  text.resize(
+      static_cast<std::size_t>(std::snprintf(text.data(), text.size(), "%.*f", decimals, *value)));
+  return text;
+}
+
+std::optional<double> scaled(double factor, std::optional<double> value) {
+  return value ? std::optional(factor * *value) : std::nullopt;
+}
+
+Json number(std::optional<double> value) { return value ? Json(*value) : Json(nullptr); }
+
+/// Columns as wide as their longest cell.
+std::string aligned(const std::vector<std::vector<std::string>>& rows) {
+  std::vector<std::size_t> widths(rows.front().size(), 0);
+  for (const auto& row : rows)
+    for (std::size_t i = 0; i < row.size(); ++i) widths[i] = std::max(widths[i], row[i].size());
+  std::string text;
+  for (const auto& row : rows) {
+    std::string line;
+    for (std::size_t i = 0; i < row.size(); ++i) {
+      line += row[i];
+      if (i + 1 < row.size()) line.append(widths[i] - row[i].size() + 2, ' ');
+    }
+    text += line + "\n";
+  }
+  return text;
+}
+
+std::vector<std::string> scene_names(const ServerAccess& server) {
+  std::vector<std::string> names;
+  for (const control::SceneEntry& scene : list_scenes(server, kControlTimeout))
+    names.push_back(scene.name);
+  return names;
+}
+
+}  // namespace
+
+SessionParameters changed(SessionParameters parameters, const SessionWords& words) {
+  if (words.mode) parameters.mode = bounding_method(*words.mode).name;
+  if (words.projection) parameters.projection = projection(*words.projection);
+  if (words.storage) parameters.storage = storage(*words.storage);
+  if (words.reference) parameters.reference = passivity_reference(*words.reference);
+  if (words.operator_damping) parameters.operator_damping = *words.operator_damping;
+  if (words.velocity_cutoff) parameters.velocity_cutoff = *words.velocity_cutoff;
+  if (words.c1) parameters.c1 = words.c1;
+  if (words.c2) parameters.c2 = words.c2;
+  if (words.coupling_stiffness) parameters.coupling_stiffness = words.coupling_stiffness;
+  if (words.coupling_damping) parameters.coupling_damping = words.coupling_damping;
+  if (words.tool_mass) parameters.tool_mass = *words.tool_mass;
+  return parameters;
+}
+
+std::string scene_named(const ServerAccess& server, const std::string& name) {
+  if (!name.empty()) return name;
+  const std::vector<std::string> names = scene_names(server);
+  if (names.size() == 1) return names.front();
+  std::string all;
+  for (const std::string& scene : names) all += (all.empty() ? "" : ", ") + scene;
+  throw std::invalid_argument(names.empty()
+                                  ? "the token opens no scene of this server; use another token"
+                                  : "--scene is required, there are several: " + all);
+}
+
+std::vector<SeenSession> sessions_of(const ServerAccess& server, const std::string& scene) {
+  std::vector<SeenSession> seen;
+  for (const std::string& name : scene.empty() ? scene_names(server) : std::vector{scene}) {
+    std::uint32_t after = 0;
+    for (bool more = true; more;) {
+      auto list =
+          ask_for<control::SessionDescriptions>(server, control::DescribeSessions{name, after});
+      more = list.more && !list.sessions.empty() && list.sessions.back().number > after;
+      if (more) after = list.sessions.back().number;
+      for (control::SessionDescription& session : list.sessions)
+        seen.push_back({name, std::move(session)});
+    }
+  }
+  return seen;
+}
+
+const SeenSession& session_named(const std::vector<SeenSession>& sessions,
+                                 const std::string& name) {
+  const SeenSession* found = nullptr;
+  for (const SeenSession& seen : sessions) {
+    if (std::to_string(seen.session.session) == name) return seen;
+    if (std::to_string(seen.session.number) != name) continue;
+    if (found != nullptr)
+      throw std::invalid_argument("there is a session " + name + " in scene " + found->scene +
+                                  " and in scene " + seen.scene + "; give --scene");
+    found = &seen;
+  }
+  if (found != nullptr) return *found;
+  throw std::invalid_argument("there is no session " + name +
+                              "; feltwire-client admin sessions lists those there are");
+}
+
+std::vector<SeenCounters> counters_of(const ServerAccess& server) {
+  std::vector<SeenCounters> seen;
+  std::vector<std::string> scenes = scene_names(server);
+  scenes.emplace_back();  // the control port
+  for (const std::string& scene : scenes)
+    seen.push_back(
+        {scene, ask_for<control::Counters>(server, control::GetCounters{scene}).counters});
+  return seen;
+}
+
+std::string session_table(const std::vector<SeenSession>& sessions) {
+  std::vector<std::vector<std::string>> rows = {
+      {"scene", "number", "client", "device", "mode", "side", "rate/Hz", "loss/%", "trip/ms",
+       "delivered/mJ", "burned/mJ", "balance/mJ", "session"}};
+  for (const auto& [scene, s] : sessions) {
+    const bool observes = s.role == Role::observer;
+    rows.push_back({visible(scene), std::to_string(s.number), visible(s.client), visible(s.device),
+                    observes ? "observer" : visible(s.parameters.mode),
+                    observes ? "-" : std::string(name(s.parameters.side)),
+                    cell(rate(s.parameters), 0), cell(scaled(kPercent, loss(s)), 2),
+                    cell(scaled(kMilliseconds, s.round_trip), 2),
+                    cell(kMillijoules * s.delivered, 2), cell(kMillijoules * s.burned, 2),
+                    cell(scaled(kMillijoules, s.balance), 2), std::to_string(s.session)});
+  }
+  return aligned(rows);
+}
+
+std::string session_json(const std::vector<SeenSession>& sessions) {
+  Json list = Json::array();
+  for (const auto& [scene, s] : sessions)
+    list.push_back({{"scene", visible(scene)},
+                    {"number", s.number},
+                    {"session", std::to_string(s.session)},  // longer than JSON's usual numbers
+                    {"client", visible(s.client)},
+                    {"device", visible(s.device)},
+                    {"tool", visible(s.tool)},
+                    {"role", name(s.role)},
+                    {"mode", visible(s.parameters.mode)},
+                    {"side", name(s.parameters.side)},
+                    {"local_model", s.parameters.local_model},
+                    {"rate_hz", rate(s.parameters)},
+                    {"samples", s.samples},
+                    {"missed", s.missed},
+                    {"loss", number(loss(s))},
+                    {"round_trip_ms", number(scaled(kMilliseconds, s.round_trip))},
+                    {"delivered_j", s.delivered},
+                    {"burned_j", s.burned},
+                    {"balance_j", number(s.balance)}});
+  return list.dump(2) + "\n";
+}
+
+std::string counter_lines(const std::vector<SeenCounters>& counters) {
+  std::string text;
+  for (const SeenCounters& seen : counters) {
+    text += seen.scene.empty() ? "control port\n" : "scene " + visible(seen.scene) + "\n";
+    for (const control::Counter& counter : seen.counters)
+      text += "  " + visible(counter.name) + " " + std::to_string(counter.value) + "\n";
+  }
+  return text;
+}
+
+std::string counter_json(const std::vector<SeenCounters>& counters) {
+  Json all = {{"scenes", Json::array()}, {"control", Json::object()}};
+  for (const SeenCounters& seen : counters) {
+    Json values = Json::object();
+    if (!seen.scene.empty()) values["scene"] = visible(seen.scene);
+    for (const control::Counter& counter : seen.counters)
+      values[visible(counter.name)] = counter.value;
+    if (seen.scene.empty())
+      all["control"] = std::move(values);
+    else
+      all["scenes"].push_back(std::move(values));
+  }
+  return all.dump(2) + "\n";
+}
+
+}  // namespace feltwire

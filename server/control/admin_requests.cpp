@@ -1,0 +1,152 @@
+// What admins ask: sessions, evictions, reloads, live changes and counters.
+
+#include <spdlog/spdlog.h>
+
+#include "core/base/visible_text.hpp"
+#include "server/control/pending_request.hpp"
+#include "server/scene/scene_sessions.hpp"
+
+namespace feltwire {
+
+using control::RefusalCode;
+using control::Refused;
+
+/// Answers what is for admins; false where it is no such request.
+bool ControlService::serve_admin(PendingRequest& asked, const control::Message& request) {
+  if (const auto* eviction = std::get_if<control::Evict>(&request)) {
+    asked.answer(evict(asked, *eviction));
+    return true;
+  }
+  if (const auto* list = std::get_if<control::ListSessions>(&request)) {
+    asked.answer(list_sessions(asked, *list));
+    return true;
+  }
+  if (const auto* anew = std::get_if<control::ReloadScene>(&request)) {
+    reload(std::move(asked), *anew);
+    return true;
+  }
+  if (const auto* material = std::get_if<control::SetMaterial>(&request)) {
+    change(std::move(asked), material->scene, material->change);
+    return true;
+  }
+  if (const auto* gravity = std::get_if<control::SetGravity>(&request)) {
+    change(std::move(asked), gravity->scene, GravityChange{gravity->gravity});
+    return true;
+  }
+  if (const auto* sessions = std::get_if<control::DescribeSessions>(&request)) {
+    ask_scene(std::move(asked), sessions->scene, request);
+    return true;
+  }
+  if (const auto* counters = std::get_if<control::GetCounters>(&request)) {
+    count(std::move(asked), *counters);
+    return true;
+  }
+  return false;
+}
+
+std::optional<Refused> ControlService::refuse_below_admin(const PendingRequest& asked) {
+  if (covers(asked.token.role, Role::admin)) return std::nullopt;
+  return refuse(RefusalCode::forbidden,
+                "this is for admins; the token is for " + holder(asked.token.role));
+}
+
+/// The scene of that name, which the token of an admin opens.
+std::variant<std::size_t, Refused> ControlService::scene_of_admin(const PendingRequest& asked,
+                                                                  const std::string& name) {
+  if (auto refused = refuse_below_admin(asked)) return *std::move(refused);
+  const std::size_t scene = scene_of(name);
+  if (scene == hosts_.size() || !opens(asked.token, name))
+    return Refused{RefusalCode::unknown_scene,
+                   "there is no scene '" + name + "' here; list the scenes to see which there are"};
+  return scene;
+}
+
+control::Message ControlService::evict(const PendingRequest& asked, const control::Evict& request) {
+  if (auto refused = refuse_below_admin(asked)) return *std::move(refused);
+  const auto found = seated_.find(request.session);
+  // What goes on in scenes that its token does not open is not for this admin to know.
+  if (found == seated_.end() || !opens(asked.token, scene_name(found->second)))
+    return unknown_session(request.session);
+  hosts_[found->second.scene]->evict(request.session);
+  spdlog::info("a session of client {} was evicted by client {}", visible(found->second.client),
+               visible(asked.token.client));
+  return control::Evicted{request.session};
+}
+
+control::Message ControlService::list_sessions(const PendingRequest& asked,
+                                               const control::ListSessions& request) {
+  if (auto refused = refuse_below_admin(asked)) return *std::move(refused);
+  control::SessionList list;
+  for (auto at = seated_.upper_bound(request.after); at != seated_.end(); ++at) {
+    if (!opens(asked.token, scene_name(at->second))) continue;
+    if (list.sessions.size() == control::kMaxSessionEntries) {
+      list.more = true;
+      break;
+    }
+    const ListedSession& seated = at->second;
+    list.sessions.push_back({at->first, seated.client, scene_name(seated), seated.role});
+  }
+  return list;
+}
+
+void ControlService::reload(PendingRequest asked, const control::ReloadScene& request) {
+  const auto scene = scene_of_admin(asked, request.scene);
+  if (const auto* refused = std::get_if<Refused>(&scene)) return asked.answer(*refused);
+  if (auto refused = refuse_hasty(asked)) return asked.answer(*std::move(refused));
+  spdlog::info("scene {} is reloaded by client {} (token {})", request.scene,
+               visible(asked.token.client), asked.token.id);
+  asked.peer.waits = true;
+  reload_(std::get<std::size_t>(scene),
+          [this, name = request.scene,
+           answer = std::move(asked.answer)](std::optional<Refused> refused) {
+            if (!refused) return answer(control::SceneReloaded{name});
+            if (refused->code == RefusalCode::too_many) ++counters_.too_many;
+            answer(*std::move(refused));
+          });
+}
+
+/// A change of what hands feel in a scene.
+void ControlService::change(PendingRequest asked, const std::string& name, LiveChange change) {
+  const auto scene = scene_of_admin(asked, name);
+  if (const auto* refused = std::get_if<Refused>(&scene)) return asked.answer(*refused);
+  if (auto refused = refuse_hasty(asked)) return asked.answer(*std::move(refused));
+  const std::string by =
+      visible("client " + asked.token.client + " (token " + asked.token.id + ")");
+  hosts_[std::get<std::size_t>(scene)]->change(
+      std::move(change), io_,
+      [name, by, answer = std::move(asked.answer)](std::variant<std::string, Refused> outcome) {
+        if (auto* refused = std::get_if<Refused>(&outcome)) return answer(std::move(*refused));
+        auto& what = std::get<std::string>(outcome);
+        spdlog::info("scene {}: changed by {}: {}", visible(name), by, visible(what));
+        answer(control::SceneChanged{name, std::move(what)});
+      });
+}
+
+/// What a scene's thread alone can say.
+void ControlService::ask_scene(PendingRequest asked, const std::string& name,
+                               control::Message request) {
+  const auto scene = scene_of_admin(asked, name);
+  if (const auto* refused = std::get_if<Refused>(&scene)) return asked.answer(*refused);
+  hosts_[std::get<std::size_t>(scene)]->ask(std::move(request), 0, {}, io_,
+                                            std::move(asked.answer));
+}
+
+void ControlService::count(PendingRequest asked, const control::GetCounters& request) {
+  if (!request.scene.empty()) return ask_scene(std::move(asked), request.scene, request);
+  if (auto refused = refuse_below_admin(asked)) return asked.answer(*std::move(refused));
+  const ControlCounters connections = connections_ ? connections_() : ControlCounters{};
+  control::Counters named;
+  for (const auto& [name, value] : named_counters(connections, counters_))
+    named.counters.push_back({std::string(name), value});
+  asked.answer(std::move(named));
+}
+
+std::vector<std::pair<std::string_view, std::uint64_t>> named_counters(
+    const ControlCounters& connections, const ServiceCounters& requests) {
+  return {{"connections", connections.accepted},    {"too_often", connections.too_often},
+          {"crowded_out", connections.crowded_out}, {"no_tls", connections.failed},
+          {"too_slow", connections.too_slow},       {"unauthenticated", requests.unauthenticated},
+          {"forbidden", requests.forbidden},        {"too_many", requests.too_many}};
+}
+
+}  // namespace feltwire

@@ -1,0 +1,52 @@
+// Sessions and counters of a scene, as admins are told of them.
+
+#include <algorithm>
+
+#include "server/scene/named_counters.hpp"
+#include "server/scene/session_slot.hpp"
+
+namespace feltwire {
+
+control::SessionDescriptions SceneSessions::describe_after(std::uint32_t number) const {
+  control::SessionDescriptions list;
+  for (const auto& slot : slots_) {
+    if (slot->number <= number) continue;
+    if (list.sessions.size() == control::kMaxDescriptions) {
+      list.more = true;
+      break;
+    }
+    const Session& session = slot->session;
+    const SessionCounters& counters = session.counters();
+    control::SessionDescription entry;
+    entry.number = slot->number;
+    entry.session = slot->id;
+    entry.client = session.client();
+    entry.device = session.device().name;
+    entry.tool = slot->tool;
+    entry.role = session.observes() ? Role::observer : Role::operator_;
+    entry.parameters = session.parameters();
+    entry.samples = counters.samples;
+    entry.missed = counters.missed;
+    entry.delivered = session.delivered().total();
+    entry.burned = session.burned();
+    if (const auto& report = session.report()) {
+      if (report->round_trip > 0.0) entry.round_trip = report->round_trip;
+      if (report->has_account) entry.balance = report->balance;
+    }
+    list.sessions.push_back(std::move(entry));
+  }
+  return list;
+}
+
+control::Counters SceneSessions::named_counters() const {
+  const SceneCounters now = counters();
+  control::Counters named;
+  for (const auto& [counter, value] : feltwire::named_counters(now))
+    named.counters.push_back({std::string(counter), value});
+  for (std::size_t i = 1; i < now.drops.size(); ++i)
+    named.counters.push_back(
+        {std::string("dropped.") + name(static_cast<DropReason>(i)), now.drops[i]});
+  return named;
+}
+
+}  // namespace feltwire

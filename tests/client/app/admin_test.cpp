@@ -1,0 +1,102 @@
+// feltwire-client admin as a user meets it.
+
+#include <gmock/gmock.h>
+
+#include <nlohmann/json.hpp>
+
+#include "core/base/pending_file.hpp"
+#include "tests/client/loopback.hpp"
+#include "tests/client/temporary_folder.hpp"
+#include "tests/support/program.hpp"
+
+namespace feltwire::admin_test {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+class AdminProgram : public ::testing::Test {
+ protected:
+  AdminProgram() {
+    std::vector<Scene> scenes;
+    scenes.push_back(testing::floor_scene());
+    server_ = std::make_unique<Server>(testing::any_ports(), std::move(scenes),
+                                       test::security({anna_.token}));
+    access_ = test::access(server_->control_port());
+  }
+  test::Outcome admin(std::vector<std::string> words, const Secret& token) {
+    const std::string file = folder_ / "token";
+    replace_file(file, token.text(), kPrivate);
+    words.insert(words.begin(), "admin");
+    words.insert(words.end(), {"--connect", to_string(access_.endpoint), "--token-file", file,
+                               "--fingerprint", to_string(server_->fingerprint())});
+    return test::Program(FELTWIRE_CLIENT_PROGRAM, words).finish();
+  }
+  test::Outcome admin(const std::vector<std::string>& words) {
+    return admin(words, test::admin_token().text);
+  }
+
+  testing::TemporaryFolder folder_;
+  IssuedToken anna_ = issue_token("anna", "*", Role::operator_, std::nullopt);
+  std::unique_ptr<Server> server_;
+  ServerAccess access_;
+};
+
+TEST_F(AdminProgram, ListsChangesAndEvictsAHand) {
+  testing::Client hand(access_, "t,x,y,z\n0,0.25,0,0.125\n1000,0.25,0,0.125\n", {}, "floor");
+  hand.start();
+  hand.next_tick("an answer", [](const TickRecord& row) { return row.age >= 0.0; });
+
+  const test::Outcome listed = admin({"sessions", "--json"});
+  EXPECT_EQ(listed.status, 0) << listed.error;
+  const nlohmann::json sessions = nlohmann::json::parse(listed.out);
+  ASSERT_EQ(sessions.size(), 1u);
+  EXPECT_EQ(sessions[0]["scene"], "floor");
+  EXPECT_EQ(sessions[0]["number"], 1);
+  EXPECT_EQ(sessions[0]["role"], "operator");
+  EXPECT_THAT(admin({"sessions"}).out,
+              AllOf(StartsWith("scene  number  client"), HasSubstr("contact_frame")));
+
+  const test::Outcome softer = admin({"set", "--object", "floor", "--stiffness", "123.5"});
+  EXPECT_EQ(softer.status, 0) << softer.error;
+  EXPECT_THAT(softer.out, AllOf(StartsWith("scene floor: object 'floor': stiffness "),
+                                HasSubstr("-> 123.5 [N/m]")));
+  const test::Outcome bound = admin({"set", "--session", "1", "--mode", "none"});
+  EXPECT_EQ(bound.status, 1);
+  EXPECT_THAT(bound.error, HasSubstr("client acts on it and is not told of changes"));
+
+  const test::Outcome counted = admin({"stats", "--json"});
+  EXPECT_EQ(counted.status, 0) << counted.error;
+  const nlohmann::json stats = nlohmann::json::parse(counted.out);
+  EXPECT_EQ(stats["scenes"][0]["scene"], "floor");
+  EXPECT_EQ(stats["scenes"][0]["sessions_served"], 1);
+  EXPECT_GE(stats["control"]["connections"], 5);
+
+  const test::Outcome evicted = admin({"evict", "1"});
+  EXPECT_EQ(evicted.status, 0) << evicted.error;
+  EXPECT_THAT(evicted.out, HasSubstr("is evicted"));
+  hand.stop.set();
+}
+
+TEST_F(AdminProgram, SaysWhatIsWrongInOneLine) {
+  const auto fails = [&](const test::Outcome& outcome, int status, const char* says) {
+    EXPECT_EQ(outcome.status, status) << says;
+    EXPECT_THAT(outcome.error, AllOf(StartsWith("feltwire-client admin: "), HasSubstr(says)));
+    EXPECT_EQ(std::ranges::count(outcome.error, '\n'), 1) << outcome.error;
+  };
+  fails(admin({"sessions"}, anna_.text), 1, "this is for admins");
+  fails(admin({"set", "--object", "floor", "--stiffness", "-1"}), 1,
+        "stiffness: must be above zero [N/m], is -1");
+  fails(admin({"set", "--object", "flor", "--stiffness", "1"}), 1, "name one of: floor");
+  fails(admin({"set", "--gravity", "0,0,-1"}), 1, "nothing moves in scene 'floor'");
+  fails(admin({"set"}), 2, "give one of --object, --gravity and --session");
+  fails(admin({"set", "--stiffness", "1"}), 2, "--object is required");
+  fails(admin({"set", "--object", "floor", "--gravity", "0,0,1"}), 2, "give one of");
+  fails(admin({"evict", "7"}), 2, "there is no session 7");
+  fails(admin({"reload", "attic"}), 1, "there is no scene 'attic'");
+  fails(admin({"sesions"}), 2, "see --help");
+}
+
+}  // namespace
+}  // namespace feltwire::admin_test

@@ -1,0 +1,114 @@
+// What an admin asks of a server that runs, over TLS: changes, lists, counters; and who may not.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "server/app/server.hpp"
+#include "tests/protocol/sealed.hpp"
+#include "tests/server/make.hpp"
+#include "tests/server/raw_socket.hpp"
+
+namespace feltwire::admin_request_test {
+namespace {
+
+using control::RefusalCode;
+using control::Refused;
+using test::ControlClient;
+using ::testing::HasSubstr;
+
+const control::SetMaterial kSofter{"room", {.object = "floor", .stiffness = 500.0}};
+
+class AdminRequest : public ::testing::Test {
+ protected:
+  AdminRequest()
+      : server_(test::any_port(), scenes(),
+                test::security({anna_.token, eye_.token, other_.token})) {}
+  static std::vector<Scene> scenes() {
+    std::vector<Scene> all;
+    all.push_back(test::room());
+    return all;
+  }
+
+  IssuedToken anna_ = issue_token("anna", "*", Role::operator_, std::nullopt),
+              eye_ = issue_token("eye", "*", Role::observer, std::nullopt),
+              other_ = issue_token("other admin", "theatre", Role::admin, std::nullopt);
+  Server server_;
+  ControlClient admin_{server_.control_port()};
+};
+
+TEST_F(AdminRequest, AChangeOfAMaterialIsFelt) {
+  const auto joined = admin_.join(test::join_request(SessionParameters{}));
+  test::RawSocket socket(SOCK_DGRAM, joined.udp_port);
+  test::SealedEncoder encoder(test::Way::up, joined.keys);
+  std::uint64_t n = 0;
+  const auto force = [&] {
+    SampleBatch batch = test::hand_batch(++n);
+    batch.samples[0].pose.position = {0, 0, -0.001};
+    socket.send(encoder.samples(joined.accepted.session, n, batch));
+    Reply reply;
+    EXPECT_EQ(decode(test::opened(socket.receive(), test::Way::down, joined.keys), reply),
+              DropReason::none);
+    return reply.command.elastic.z();
+  };
+  EXPECT_NEAR(force(), 2.0, 1e-9);
+  const auto changed = admin_.ask<control::SceneChanged>(kSofter);
+  EXPECT_EQ(changed.scene, "room");
+  EXPECT_EQ(changed.what, "object 'floor': stiffness 2000 -> 500 [N/m]");
+  EXPECT_NEAR(force(), 0.5, 1e-9);
+
+  const auto list =
+      admin_.ask<control::SessionDescriptions>(control::DescribeSessions{"room", 0}).sessions;
+  ASSERT_EQ(list.size(), 1u);
+  EXPECT_EQ(list[0].session, joined.accepted.session);
+  EXPECT_EQ(list[0].number, 1u);
+  EXPECT_EQ(list[0].samples, 2u);
+  EXPECT_EQ(list[0].balance, std::nullopt);
+
+  const auto counter = [&](const std::string& scene, const std::string& name) {
+    for (const control::Counter& c :
+         admin_.ask<control::Counters>(control::GetCounters{scene}).counters)
+      if (c.name == name) return c.value;
+    ADD_FAILURE() << name;
+    return std::uint64_t{0};
+  };
+  EXPECT_EQ(counter("room", "samples"), 2u);
+  EXPECT_EQ(counter("room", "sessions_served"), 1u);
+  EXPECT_EQ(counter("room", "unsent"), 0u);
+  EXPECT_EQ(counter("room", "dropped.sealed"), 0u);
+  EXPECT_EQ(counter("", "connections"), 1u);
+  EXPECT_EQ(counter("", "unauthenticated"), 0u);
+}
+
+TEST_F(AdminRequest, NobodyElseMay) {
+  for (const IssuedToken* token : {&anna_, &eye_}) {
+    ControlClient client(server_.control_port(), AF_INET, token->text);
+    for (const control::Message& request :
+         {control::Message(kSofter), control::Message(control::SetGravity{"room", Vec3::Zero()}),
+          control::Message(control::DescribeSessions{"room", 0}),
+          control::Message(control::GetCounters{"room"}),
+          control::Message(control::GetCounters{})}) {
+      const auto refused = client.ask<Refused>(request);
+      EXPECT_EQ(refused.code, RefusalCode::forbidden) << request.index();
+      EXPECT_THAT(refused.reason, HasSubstr("this is for admins"));
+    }
+  }
+  // An admin of another scene: to it there is no such scene.
+  ControlClient client(server_.control_port(), AF_INET, other_.text);
+  for (const control::Message& request :
+       {control::Message(kSofter), control::Message(control::DescribeSessions{"room", 0}),
+        control::Message(control::GetCounters{"room"})})
+    EXPECT_EQ(client.ask<Refused>(request).code, RefusalCode::unknown_scene);
+}
+
+TEST_F(AdminRequest, WhatCannotBeIsRefusedInWords) {
+  const auto refused =
+      admin_.ask<Refused>(control::SetMaterial{"room", {.object = "floor", .stiffness = -1.0}});
+  EXPECT_EQ(refused.code, RefusalCode::bad_parameters);
+  EXPECT_THAT(refused.reason, HasSubstr("object 'floor': stiffness: must be above zero [N/m]"));
+  EXPECT_THAT(admin_.ask<Refused>(control::SetGravity{"room", Vec3::Zero()}).reason,
+              HasSubstr("nothing moves"));
+  EXPECT_EQ(admin_.ask<Refused>(control::GetCounters{"attic"}).code, RefusalCode::unknown_scene);
+}
+
+}  // namespace
+}  // namespace feltwire::admin_request_test
