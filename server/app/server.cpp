@@ -132,11 +132,12 @@ struct Server::Parts {
   Parts(const ServerConfig& config, std::vector<Scene> scenes, Security security,
         SceneLoader::Load load, const web::MakePageHands& hands)
       : fingerprint(feltwire::fingerprint(security.identity)),
-        service(io, hosts, security.tokens, service_limits(config),
-                [this](std::size_t host, ControlService::Reloaded done) {
-                  reload(host, std::move(done));
-                },
-                [this] { return control->counters(); }),
+        service(
+            io, hosts, security.tokens, service_limits(config),
+            [this](std::size_t host, ControlService::Reloaded done) {
+              reload(host, std::move(done));
+            },
+            [this] { return control->counters(); }),
         files(config.scenes),
         loader(scenes.size(), std::move(load)) {
     check_names(scenes);
@@ -175,6 +176,11 @@ struct Server::Parts {
     page.hands = page_hands.get();
     page.metrics = [this](const web::AudienceCounters& counters) {
       return metrics_text(summary(), control_summary(), counters);
+    };
+    page.reload = [this](std::size_t host) {
+      asio::post(io, [this, host] {
+        reload(host, [](const std::optional<control::Refused>&) {});  // the page is told by itself
+      });
     };
     web = std::make_unique<web::WebServer>(page, hosts, std::move(security.tokens),
                                            security.identity);
@@ -241,9 +247,15 @@ struct Server::Parts {
     looking = true;
   }
 
-  /// Its file anew, read in another thread. On the control thread, as `done` is.
-  void reload(std::size_t host, ControlService::Reloaded done) {
+  /// Its file anew, read in another thread. On the control thread, as `done` is. The live page is
+  /// told how it ended.
+  void reload(std::size_t host, ControlService::Reloaded asked) {
     using control::RefusalCode;
+    const auto done = [this, host,
+                       asked = std::move(asked)](std::optional<control::Refused> refused) {
+      if (web != nullptr) web->tell(host, refused ? std::optional(refused->reason) : std::nullopt);
+      asked(std::move(refused));
+    };
     if (files.size() != hosts.size())
       return done(
           control::Refused{RefusalCode::bad_scene, "this server has its scenes from no file"});
@@ -251,7 +263,7 @@ struct Server::Parts {
       ControlService::Reloaded done;
       LoadedScene loaded;
     };
-    const auto ended = std::make_shared<Ended>(Ended{std::move(done), std::string()});
+    const auto ended = std::make_shared<Ended>(Ended{done, std::string()});
     const auto pass_on = [this, host, ended](LoadedScene loaded) {
       ended->loaded = std::move(loaded);
       post_patiently(io,

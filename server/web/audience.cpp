@@ -8,8 +8,7 @@
 
 #include "core/base/visible_text.hpp"
 #include "protocol/net/clock.hpp"
-#include "server/web/foxglove_viewer.hpp"
-#include "server/web/viewers_hand.hpp"
+#include "server/web/seat.hpp"
 
 namespace feltwire::web {
 namespace {
@@ -17,52 +16,17 @@ namespace {
 constexpr Nanoseconds kBetweenDescriptions = std::chrono::milliseconds(500);
 constexpr Nanoseconds kBetweenTokenLooks = std::chrono::seconds(1);
 constexpr const char* kFull = "this server has as many viewers as it may have; close another page";
-constexpr double kMessageRate = 20.0, kMessageBurst = 40.0;  // [1/s] of one viewer, and at once
 constexpr double kPointRate = 120.0;  // [1/s] besides, and at once, of one that may hold a hand
-
-CalendarTime calendar_now() {
-  return std::chrono::floor<std::chrono::seconds>(std::chrono::system_clock::now());
-}
-
-/// [ns] from the scenes' clock to the time since 1970.
-std::int64_t since_1970() {
-  const auto now = std::chrono::system_clock::now().time_since_epoch();
-  return (std::chrono::duration_cast<Nanoseconds>(now) - monotonic_now()).count();
-}
 
 }  // namespace
 
-/// One scene as it is shown.
-struct Audience::Stage {
-  SceneHost* host;
-  // Of the version that is shown, made once for all viewers.
-  std::uint32_t version = 0;
-  std::string text;
-  std::vector<Bytes> geometry;
-  Picture picture;
-  std::vector<HandRates> rates;  // by rising number
-  Picture counted;               // the picture that the rates begin at
-  std::vector<HandDescription> hands;
-  Nanoseconds described{0};
-  bool describing = false;
-  FoxgloveScene foxglove{since_1970()};
-};
-
-struct Audience::Seat {
-  Seat(Id number, Viewer* way, const Network& from) : id(number), viewer(way), network(from) {}
-  Id id;
-  Viewer* viewer;
-  Network network;
-  std::string token;  // its id; empty: none was shown yet
-  Stage* stage = nullptr;
-  std::uint32_t version = 0;               // of the scene that was sent
-  std::optional<FoxgloveViewer> foxglove;  // it speaks that protocol, not the page's
-  TokenBucket messages{kMessageRate, kMessageBurst};
-  ViewersHand hand;
-};
-
-Audience::Audience(asio::io_context& io, const Hosts& hosts, TokenFile tokens, PageHands* hands)
-    : io_(io), tokens_(std::move(tokens)), hands_(hands), begin_(monotonic_now()) {
+Audience::Audience(asio::io_context& io, const Hosts& hosts, TokenFile tokens, PageHands* hands,
+                   Reload reload)
+    : io_(io),
+      tokens_(std::move(tokens)),
+      hands_(hands),
+      reload_(std::move(reload)),
+      begin_(monotonic_now()) {
   for (const auto& host : hosts) {
     stages_.push_back(std::make_unique<Stage>());
     stages_.back()->host = host.get();
@@ -97,7 +61,7 @@ void Audience::receive(Id id, std::string_view message) {
   const std::optional<ViewerMessage> said = parse_viewer_message(message);
   if (!said) return refuse(id, WebSocketClose::bad_message, "a message is no JSON object");
   if (!seat.token.empty()) {
-    follow(seat, *said);
+    if (!act(seat, *said)) follow(seat, *said);
   } else if (said->token) {
     admit(seat, *said->token);
   } else {
@@ -261,6 +225,11 @@ void Audience::show(Stage& stage, Nanoseconds now) {
     stage.text = scene_text(*current.scene, current.version);
     stage.geometry = geometry(*current.scene, current.version);
     stage.version = current.version;
+    stage.materials.clear();
+  }
+  if (stage.materials.empty() || current.changes != stage.changes) {
+    stage.materials = materials_text(*current.scene, current.version, current.gravity);
+    stage.changes = current.changes;
   }
   // A viewer that has not taken what it was sent before is sent nothing now.
   std::vector<Seat*> ready;
@@ -272,7 +241,12 @@ void Audience::show(Stage& stage, Nanoseconds now) {
       ++counters_.skipped;
   }
   for (Seat* seat : ready)
-    if (seat->version != stage.version) show_scene(stage, *seat);
+    if (seat->version != stage.version) {
+      show_scene(stage, *seat);
+    } else if (seat->changes != stage.changes) {
+      seat->changes = stage.changes;
+      seat->viewer->send(stage.materials);
+    }
 
   const bool news = stage.host->pictures().take(stage.picture);
   if (news && stage.picture.version == stage.version) {
@@ -319,8 +293,10 @@ void Audience::show_elsewhere(Stage& stage, Nanoseconds now, bool news) {
 
 void Audience::show_scene(Stage& stage, Seat& seat) {
   seat.version = stage.version;
+  seat.changes = stage.changes;
   seat.viewer->send(stage.text);
   for (const Bytes& object : stage.geometry) seat.viewer->send(object);
+  seat.viewer->send(stage.materials);
 }
 
 /// From the counters of the newest picture and of the one half a second before.

@@ -3,6 +3,7 @@
 
 #include <asio/io_context.hpp>
 #include <asio/ip/address.hpp>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -38,9 +39,13 @@ class Audience {
   static constexpr std::size_t kMostViewers = 32;
   static constexpr std::size_t kMostMessage = 4096;  // [bytes] from a viewer
 
+  /// Has the scene of a host read anew; how that ended is told() later. Empty: no scene can be.
+  using Reload = std::function<void(std::size_t host)>;
+
   /// `io` runs on the thread that calls everything here; it, the hosts and `hands` outlive this.
   /// `hands`: those that viewers may hold; null: none.
-  Audience(asio::io_context& io, const Hosts& hosts, TokenFile tokens, PageHands* hands = nullptr);
+  Audience(asio::io_context& io, const Hosts& hosts, TokenFile tokens, PageHands* hands = nullptr,
+           Reload reload = {});
   ~Audience();
 
   using Id = std::uint64_t;
@@ -51,6 +56,10 @@ class Audience {
   void admit(Id id, const ViewTicket& ticket);
   /// A text message of a viewer. It may have left when this returns.
   void receive(Id id, std::string_view message);
+
+  /// A load of the scene of a host has ended: a line for those who watch it; what is wrong with its
+  /// file for admins alone.
+  void tell(std::size_t host, const std::optional<std::string>& wrong);
 
   /// Whether a text from this address is a good token. Wrong ones are limited.
   bool opens_something(std::string_view token, const asio::ip::address& address);
@@ -80,6 +89,14 @@ class Audience {
   std::optional<Secret> mint_ticket(const Token& by, std::string_view scene);
   void follow(Seat& seat, const ViewerMessage& said);
   void refuse(Id id, WebSocketClose code, const std::string& reason);
+  // server/web/admin_actions.cpp
+  const Token* admin_of(const Seat& seat) const;
+  bool act(Seat& seat, const struct ViewerMessage& message);
+  void become_admin(Seat& seat, std::string_view token);
+  void set(Seat& seat, const struct ViewerSet& wanted);
+  void change(Seat& seat, LiveChange change);
+  void evict(Seat& seat, const std::string& session);
+  void reload(Seat& seat);
   void look_after_tokens(Nanoseconds now);
   void show(Stage& stage, Nanoseconds now);
   void count_rates(Stage& stage);
@@ -90,6 +107,8 @@ class Audience {
   asio::io_context& io_;
   TokenFile tokens_;
   PageHands* hands_;
+  Reload reload_;
+  RateLimit<std::string> changes_{20.0, 60.0};  // of admins' clients
   RateLimit<Network> wrong_tokens_{0.2, 10.0};
   ViewTickets tickets_;
   std::vector<std::unique_ptr<Stage>> stages_;  // one a scene

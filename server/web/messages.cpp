@@ -10,6 +10,7 @@
 #include <variant>
 
 #include "core/base/little_endian.hpp"
+#include "core/bounding/method.hpp"
 #include "core/build_info/build_info.hpp"
 #include "core/local_model/local_model.hpp"
 #include "core/tool/body_tool.hpp"
@@ -149,7 +150,8 @@ const HandRates* rates_of(std::span<const HandRates> rates, std::uint32_t hand) 
 }  // namespace
 
 std::string hello(std::span<const std::string> scenes, Role role) {
-  std::vector<std::string> names, reasons;
+  std::vector<std::string> names, reasons, modes;
+  for (const BoundingMethod* method : bounding_methods()) modes.push_back(text(method->name));
   for (const std::string& scene : scenes) names.push_back(text(scene));
   const auto add = [&](std::string_view reason, std::string_view sentence, bool cuts) {
     reasons.push_back(json_text::object(
@@ -166,6 +168,7 @@ std::string hello(std::span<const std::string> scenes, Role role) {
                             {"version", text(version())},
                             {"scenes", json_text::list(names)},
                             {"role", text(name(role))},
+                            {"modes", json_text::list(modes)},
                             {"reasons", json_text::list(reasons)}});
 }
 
@@ -205,6 +208,39 @@ std::string scene_text(const Scene& scene, std::uint32_t version) {
                             {"guides", json_text::list(guides)},
                             {"tools", json_text::list(tools)},
                             {"box", "[" + vector(box.low) + "," + vector(box.high) + "]"}});
+}
+
+std::string materials_text(const Scene& scene, std::uint32_t version,
+                           const std::optional<Vec3>& gravity) {
+  std::vector<std::string> entries;
+  for (const Object& object : scene.objects()) {
+    const Material& m = object.material;
+    entries.push_back(json_text::object({{"stiffness", number(m.stiffness)},
+                                         {"damping", number(m.damping)},
+                                         {"static_friction", number(m.static_friction)},
+                                         {"dynamic_friction", number(m.dynamic_friction)},
+                                         {"viscous_friction", number(m.viscous_friction)}}));
+  }
+  return json_text::object({{"type", text("materials")},
+                            {"version", number(std::uint64_t{version})},
+                            {"gravity", gravity ? vector(*gravity) : "null"},
+                            {"objects", json_text::list(entries)}});
+}
+
+std::string changed_text(std::string_view what) {
+  return json_text::object({{"type", text("changed")}, {"text", text(what)}});
+}
+
+std::string refused(std::string_view reason) {
+  return json_text::object({{"type", text("refused")}, {"text", text(reason)}});
+}
+
+std::string admin_text() {
+  return json_text::object({{"type", text("admin")}, {"role", text(name(Role::admin))}});
+}
+
+std::string log_text(std::string_view level, std::string_view line) {
+  return json_text::object({{"type", text("log")}, {"level", text(level)}, {"text", text(line)}});
 }
 
 std::vector<Bytes> geometry(const Scene& scene, std::uint32_t version) {

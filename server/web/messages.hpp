@@ -4,6 +4,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -26,6 +27,16 @@ std::string ticket_text(std::string_view scene, std::string_view ticket, std::ch
 
 /// A scene without its triangles.
 std::string scene_text(const Scene& scene, std::uint32_t version);
+/// The materials of its objects as they are now, and gravity on what moves.
+std::string materials_text(const Scene& scene, std::uint32_t version,
+                           const std::optional<Vec3>& gravity);
+/// To an admin who asked for something: it was done, or why it was not.
+std::string changed_text(std::string_view what);
+std::string refused(std::string_view reason);
+/// A second token has made the viewer an admin.
+std::string admin_text();
+/// A line for people. Level: info, warning, error.
+std::string log_text(std::string_view level, std::string_view line);
 /// The triangles of each object but planes, which the text tells. Allocates, and may take some 10
 /// ms.
 std::vector<Bytes> geometry(const Scene& scene, std::uint32_t version);

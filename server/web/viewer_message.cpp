@@ -1,42 +1,75 @@
 #include "server/web/viewer_message.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
 namespace feltwire::web {
 namespace {
 
-/// Keeps the members of the outermost object. No tree is made: the destructor of one allocates, and
-/// ends the program where there is no memory.
+struct NumberMember {
+  std::string_view name;
+  std::optional<double> MaterialChange::*value;
+};
+constexpr std::array<NumberMember, 5> kNumbers = {{
+    {"stiffness", &MaterialChange::stiffness},
+    {"damping", &MaterialChange::damping},
+    {"static_friction", &MaterialChange::static_friction},
+    {"dynamic_friction", &MaterialChange::dynamic_friction},
+    {"viscous_friction", &MaterialChange::viscous_friction},
+}};
+
+/// Keeps the members of the outermost object, and those of its member `set`. No tree is made: the
+/// destructor of one allocates, and ends the program where there is no memory.
 class Members : public nlohmann::json_sax<nlohmann::json> {
  public:
   ViewerMessage message;
 
   bool null() override { return value(); }
-  bool boolean(bool) override { return value(); }
-  bool number_integer(number_integer_t v) override { return number(static_cast<double>(v)); }
-  bool number_unsigned(number_unsigned_t v) override { return number(static_cast<double>(v)); }
-  bool number_float(number_float_t v, const string_t&) override { return number(v); }
+  bool boolean(bool given) override {
+    if (depth_ == 1 && key_ == "reload") message.reload = given;
+    return value() && !in_set();
+  }
+  bool number_integer(number_integer_t given) override {
+    return number(static_cast<double>(given));
+  }
+  bool number_unsigned(number_unsigned_t given) override {
+    return number(static_cast<double>(given));
+  }
+  bool number_float(number_float_t given, const string_t&) override { return number(given); }
   bool binary(binary_t&) override { return false; }
   bool string(string_t& text) override {
     if (depth_ == 1 && key_ == "token") message.token = text;
     if (depth_ == 1 && key_ == "watch") message.watch = text;
     if (depth_ == 1 && key_ == "ticket") message.ticket = text;
     if (depth_ == 1 && key_ == "hand") message.hand = text;
-    return value();
+    if (depth_ == 1 && key_ == "admin") message.admin = text;
+    if (depth_ == 1 && key_ == "evict") message.evict = text;
+    return value() && (!in_set() || set_text(text));
   }
   bool key(string_t& text) override {
     if (depth_ == 1) key_ = text;
+    if (in_set()) member_ = text;
     return true;
   }
-  bool start_object(std::size_t) override { return enter(); }
+  bool start_object(std::size_t) override {
+    if (in_set()) return false;
+    if (depth_ == 1 && key_ == "set") message.set.emplace();
+    return enter();
+  }
   bool end_object() override { return leave(); }
   bool start_array(std::size_t) override {
+    if (in_set()) {
+      if (depth_ != 2 || member_ != "gravity") return false;
+      message.set->gravity = Vec3::Zero();
+      numbers_ = 0;
+    }
     if (depth_ == 1) coordinates_ = 0;
-    return depth_ > 0 && enter();
+    return value() && enter();
   }
   bool end_array() override {
+    if (in_set() && numbers_ != 3) return false;
     leave();
     if (depth_ == 1 && key_ == "point")
       message.point = coordinates_ == 3 ? point_ : Vec3::Constant(std::nan(""));
@@ -48,19 +81,53 @@ class Members : public nlohmann::json_sax<nlohmann::json> {
 
  private:
   static constexpr int kDeepest = 8;
-  bool value() const { return depth_ > 0; }
-  bool number(double v) {
-    if (depth_ == 2 && coordinates_ < 3) point_[coordinates_] = v;
-    if (depth_ == 2) coordinates_ = std::min(coordinates_ + 1, 4);
-    return value();
-  }
+  bool in_set() const { return depth_ > 1 && key_ == "set"; }
+  bool value() const { return depth_ > 0 && !(depth_ == 1 && key_ == "set"); }
   bool enter() { return ++depth_ <= kDeepest; }
   bool leave() {
     --depth_;
     return true;
   }
+  bool number(double given) {
+    if (!in_set()) return coordinate(given);
+    if (depth_ > 2) {  // of gravity
+      if (numbers_ == 3) return false;
+      (*message.set->gravity)[numbers_++] = given;
+      return true;
+    }
+    for (const NumberMember& member : kNumbers)
+      if (member.name == member_) {
+        message.set->material.*member.value = given;
+        return true;
+      }
+    return false;
+  }
+  bool coordinate(double given) {
+    if (depth_ == 2 && coordinates_ < 3) point_[coordinates_] = given;
+    if (depth_ == 2) coordinates_ = std::min(coordinates_ + 1, 4);
+    return value();
+  }
+  bool set_text(const std::string& text) {
+    ViewerSet& set = *message.set;
+    if (depth_ != 2) return false;
+    if (member_ == "object")
+      set.material.object = text;
+    else if (member_ == "session")
+      set.session = text;
+    else if (member_ == "mode")
+      set.mode = text;
+    else if (member_ == "projection")
+      set.projection = text;
+    else if (member_ == "storage")
+      set.storage = text;
+    else
+      return false;
+    return true;
+  }
+
   int depth_ = 0;
-  std::string key_;
+  std::string key_, member_;  // of the outermost object, and of `set`
+  int numbers_ = 0;           // of gravity
   Vec3 point_ = Vec3::Zero();
   int coordinates_ = 0;  // numbers of the array of the outermost object, 4: too many
 };

@@ -31,7 +31,7 @@ WebServer::WebServer(const WebOptions& options, const Audience::Hosts& hosts, To
                      const Identity& identity)
     : options_(options),
       tls_(tls_for(options.address, identity)),
-      audience_(io_, hosts, std::move(tokens), options.hands),
+      audience_(io_, hosts, std::move(tokens), options.hands, options.reload),
       places_(options.max_connections, options.max_connections_per_network) {
   port_ = listen_on(acceptor_, {options.address, options.port}, "--web");
 }
@@ -56,6 +56,10 @@ void WebServer::stop() {
     leave_if_empty();
   });
   thread_.join();
+}
+
+void WebServer::tell(std::size_t host, std::optional<std::string> wrong) {
+  asio::post(io_, [this, host, wrong = std::move(wrong)] { audience_.tell(host, wrong); });
 }
 
 void WebServer::end_all() {

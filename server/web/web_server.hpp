@@ -31,6 +31,8 @@ struct WebOptions {
   PageHands* hands = nullptr;           // that viewers may hold; outlives the server; null: none
   /// What `/metrics` answers (docs/live_page.md), asked on the page's thread; empty: nothing.
   std::function<std::string(const AudienceCounters& counters)> metrics = {};
+  /// Has a scene read anew (Audience::Reload), on the page's thread; empty: none can be.
+  Audience::Reload reload = {};
 };
 
 class WebServer {
@@ -47,6 +49,9 @@ class WebServer {
   void start();
   /// Ends all connections and joins the thread. May be called again.
   void stop();
+
+  /// A load of the scene of a host has ended (Audience::tell). From any thread.
+  void tell(std::size_t host, std::optional<std::string> wrong);
 
   std::uint16_t port() const { return port_; }
   /// That a browser on this machine reaches it by.

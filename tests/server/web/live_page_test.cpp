@@ -16,18 +16,13 @@
 namespace feltwire::live_page_test {
 namespace {
 
-using ::testing::HasSubstr;
-using ::testing::StartsWith;
-using Json = nlohmann::json;
 using test::bytes;
 using test::Page;
 using test::page_port;
-
-ServerConfig with_page() {
-  ServerConfig config = test::any_port();
-  config.web = "0";
-  return config;
-}
+using test::with_page;
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+using Json = nlohmann::json;
 
 /// All that comes until the other side closes.
 std::string rest(test::RawSocket& socket) {

@@ -1,5 +1,5 @@
 #pragma once
-// A browser's end of the live page's WebSocket, over a real socket.
+// A server with the live page, and a browser's end of its WebSocket.
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
@@ -8,10 +8,17 @@
 #include <vector>
 
 #include "server/app/server.hpp"
+#include "tests/server/make.hpp"
 #include "tests/server/raw_socket.hpp"
 #include "tests/server/web/frames.hpp"
 
 namespace feltwire::test {
+
+inline ServerConfig with_page() {
+  ServerConfig config = any_port();
+  config.web = "0";
+  return config;
+}
 
 inline std::uint16_t page_port(const Server& server) {
   const std::string url = server.web_url();
@@ -20,6 +27,7 @@ inline std::uint16_t page_port(const Server& server) {
 
 inline std::vector<std::uint8_t> bytes(std::string_view text) { return {text.begin(), text.end()}; }
 
+/// A browser's end of the WebSocket.
 class Page {
  public:
   explicit Page(const Server& server) : Page(server, "/live", "feltwire.live.v1") {}

@@ -8,6 +8,7 @@ import {join} from 'node:path';
 import {geometryMessage, Play} from './play.mjs';
 
 export const TOKEN = 'an-open-secret';
+export const ADMIN = 'the-token-of-an-admin';
 const HEADERS = {
   'Content-Security-Policy': "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data:; connect-src 'self'; " +
     "base-uri 'none'; form-action 'none'; frame-ancestors 'none'",
@@ -89,6 +90,7 @@ export async function startServer({folder, port = 0, hands = 2, bodies = 1, toke
   const requests = [];
   const watched = [];
   let readings = 0;
+  const asked = [];  // by admins
   const server = createServer((request, response) => {
     requests.push(request.url);
     if (request.url === '/metrics') return response.writeHead(200, {'Content-Type': 'text/plain'}).end(times(++readings));
@@ -98,18 +100,30 @@ export async function startServer({folder, port = 0, hands = 2, bodies = 1, toke
     return response.writeHead(200, {...HEADERS, 'Content-Type': asset.type}).end(readFileSync(join(folder, `${name}.gz`)));
   });
 
+  const materials = play.scene('room').objects.map(() => ({stiffness: 1000, damping: 0, static_friction: 0.5, dynamic_friction: 0.4, viscous_friction: 0}));
+  const sendMaterials = (viewer) => viewer.json({type: 'materials', version: play.version, gravity: [0, 0, -9.81], objects: materials});
   const sendScene = (viewer, name) => {
     viewer.json(play.scene(name));
+    sendMaterials(viewer);
     for (const {index, shape} of play.shapes) viewer.binary(geometryMessage(index, play.version, shape));
   };
   const welcome = (viewer, message) => {
     if (!viewers.has(viewer)) {
       if (message.token !== token) return viewer.close(4401, 'unknown token');
       viewers.add(viewer);
-      viewer.json({type: 'hello', version: 'mock', scenes: ['room', 'other'], role: 'observer', reasons: REASONS});
+      viewer.json({type: 'hello', version: 'mock', scenes: ['room', 'other'], role: 'observer', modes: ['contact_frame', 'per_axis'], reasons: REASONS});
       sendScene(viewer, 'room');
     }
     if (message.ticket) viewer.json({type: 'ticket', scene: message.ticket, path: `/foxglove?ticket=fw_${message.ticket}`, seconds: 60});
+    if (message.admin) viewer.json(message.admin === ADMIN ? {type: 'admin', role: 'admin'} : {type: 'refused', text: 'the token is not good'});
+    if (message.set || message.evict || message.reload) asked.push(message);
+    if (message.set?.stiffness > 1e9) {
+      viewer.json({type: 'refused', text: 'stiffness: must be at most 1e+09 [N/m]'});
+    } else if (message.set) {
+      Object.assign(materials[message.set.object === 'ball' ? 1 : 0], message.set);
+      viewer.json({type: 'changed', text: 'changed'});
+      sendMaterials(viewer);
+    }
     if (message.watch) {
       watched.push(message.watch);
       sendScene(viewer, message.watch);
@@ -141,7 +155,7 @@ export async function startServer({folder, port = 0, hands = 2, bodies = 1, toke
   await new Promise((resolve) => server.listen(port, '127.0.0.1', resolve));
   const taken = server.address().port;
   return {
-    url: `http://127.0.0.1:${taken}/`, port: taken, watched, requests, play, drop,
+    url: `http://127.0.0.1:${taken}/`, port: taken, watched, asked, requests, play, drop,
     send: (bytes) => viewers.forEach((viewer) => viewer.binary(bytes)),
     log: (level, text) => viewers.forEach((viewer) => viewer.json({type: 'log', level, time: play.time, text})),
     stop: () => new Promise((resolve) => {

@@ -3,7 +3,7 @@
 import assert from 'node:assert/strict';
 import {after, afterEach, before, beforeEach, test} from 'node:test';
 import {chromium} from 'playwright-core';
-import {startServer, TOKEN} from './mock_server.mjs';
+import {ADMIN, startServer, TOKEN} from './mock_server.mjs';
 
 const folder = process.env.FELTWIRE_PAGE;
 const PATIENCE = 60_000;  // [ms] for a machine that draws in software and has more to do
@@ -197,6 +197,50 @@ test('another scene, a reload, and a message of the log', async () => {
   server.log('error', 'scene.json:12: "stifness" is no field');
   await page.locator('#log').waitFor({state: 'visible'});
   assert.match(await page.textContent('#log span'), /scene.json:12/);
+});
+
+test('an admin turns knobs, and is told what is refused', async () => {
+  await open();
+  await until(() => window.feltwire().pictures > 3);
+  const said = () => page.textContent('#admin-said');
+  const asked = (count) => until(() => true).then(async () => {
+    for (let tries = 0; server.asked.length < count && tries < 600; ++tries) await page.evaluate(() => new Promise(requestAnimationFrame));
+    return server.asked.at(-1);
+  });
+  await page.click('#admin-open');
+  await page.fill('#admin input[type=password]', 'wrong');
+  await page.click('#admin form button');
+  await until(() => document.querySelector('#admin-said').dataset.level === 'error');
+  assert.match(await said(), /not good/);
+  assert.ok(!await page.getByLabel('Stiffness', {exact: true}).isVisible());  // An observer has no knobs.
+  await page.fill('#admin input[type=password]', ADMIN);
+  await page.click('#admin form button');
+  const stiffness = page.getByLabel(/^Stiffness ?N\/m$/);
+  await stiffness.waitFor({state: 'visible'});
+  assert.equal(await stiffness.inputValue(), '1000');
+  await stiffness.fill('250');
+  await stiffness.press('Enter');
+  assert.deepEqual((await asked(1)).set, {object: await page.locator('#admin select').first().inputValue(), stiffness: 250});
+  await until(() => document.querySelector('#admin-said').textContent === 'changed');
+  await stiffness.fill('2e9');
+  await stiffness.press('Enter');
+  await until(() => /at most/.test(document.querySelector('#admin-said').textContent));
+  await until(() => document.querySelector('#admin input[type=number]').value === '250');
+  const slider = page.locator('#admin input[type=range]');
+  await slider.focus();
+  await press('Home');
+  assert.deepEqual((await asked(3)).set.stiffness, 10);
+  await page.locator('tbody tr', {hasText: 'alice'}).click();
+  await until(() => document.querySelector('#admin select[aria-label="Mode of the bound"]').disabled);
+  await page.locator('tbody tr', {hasText: 'bob'}).click();
+  await until(() => !document.querySelector('#admin select[aria-label="Mode of the bound"]').disabled);
+  await page.selectOption('#admin select[aria-label="Mode of the bound"]', 'per_axis');
+  assert.deepEqual((await asked(4)).set, {session: '4712', mode: 'per_axis'});
+  await page.getByRole('button', {name: 'Evict'}).click();
+  assert.deepEqual(await asked(5), {evict: '4712'});
+  await page.getByRole('button', {name: /Reload/}).click();
+  assert.deepEqual(await asked(6), {reload: true});
+  assert.ok(server.requests.every((path) => !path.includes(ADMIN)));
 });
 
 test('hostile bytes are ignored', async () => {

@@ -78,7 +78,7 @@ export class Play {
 
   sessions() {
     const sessions = Array.from({length: this.hands}, (_, i) => ({
-      number: i + 1, tool: i === 1 ? 'peg' : 'tip', client: ['alice', 'bob', 'carol', 'dave'][i] ?? `guest${i}`, device: i === 1 ? 'simulated' : 'falcon', mode: 'shaped', side: 'client', rate_hz: 1000,
+      number: i + 1, tool: i === 1 ? 'peg' : 'tip', client: ['alice', 'bob', 'carol', 'dave'][i] ?? `guest${i}`, device: i === 1 ? 'simulated' : 'falcon', session: `${4711 + i}`, mode: i === 1 ? 'contact_frame' : 'shaped', side: i === 1 ? 'server' : 'client', rate_hz: 1000,
       packet_hz: 500, round_trip_ms: i === 3 ? null : 3.1 + i, loss: i === 1 ? 0.013 : 0, delivered_j: this.energy[i].delivered,
       samples: Math.floor(1000 * (this.time - 100)), seconds: this.time - 100,
     }));

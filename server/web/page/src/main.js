@@ -1,5 +1,6 @@
 // The live page: connects, keeps the newest picture, and draws.
 
+import {Admin} from './admin.js';
 import {Connection} from './connection.js';
 import {Foxglove} from './foxglove.js';
 import {Hands} from './hands.js';
@@ -25,6 +26,7 @@ const plots = new Plots(element('plots'));
 const why = new Why(element('sentence'), element('reasons'));
 const sessions = new Sessions(document.querySelector('#sessions table'), choose);
 const labels = new Labels(element('labels'));
+const admin = new Admin(element('admin'), element('admin-open'), (message) => connection.send(message));
 const foxglove = new Foxglove(element('foxglove'));
 const times = new Times(element('times'), () => page.scene);
 const page = {scene: '', pictures: 0, firstPicture: null, unread: 0, held: false, chosen: null, connection: ''};
@@ -67,6 +69,7 @@ function takeText(message) {
       why.setReasons(message.reasons ?? []);
       sessions.reasons = message.reasons ?? [];
       showScenes(message.scenes ?? []);
+      admin.hello(message);
       element('version').textContent = `feltwire ${message.version ?? ''}`;
       break;
     case 'scene':
@@ -75,6 +78,7 @@ function takeText(message) {
       element('scenes').value = message.name;
       document.title = `${message.name} – feltwire`;
       view.setScene(message);
+      admin.scene(message);
       showScales();
       break;
     case 'sessions':
@@ -87,6 +91,12 @@ function takeText(message) {
       break;
     case 'hand':
       own.take(message);
+      break;
+    case 'materials':
+    case 'admin':
+    case 'changed':
+    case 'refused':
+      admin.take(message);
       break;
     case 'log':
       element('log').hidden = false;
@@ -165,6 +175,7 @@ function writeTexts() {
   for (const id of ['chosen', 'why-name']) if (element(id).textContent !== title) element(id).textContent = title;
   why.show(hand, page.pictures > 0);
   sessions.show(hands.all, page.chosen);
+  admin.choose(sessions.sessions.get(page.chosen));
   labels.write(hands.all, (number) => sessions.name(number), page.chosen);
   plots.writeValues();
   own.write(hands.all.get(own.number));
@@ -274,7 +285,7 @@ bindKeys(element('keys'), [
     view.stale = true;
   }},
   {keys: ['o'], text: 'open a recording', act: () => element('recording-files').click()},
-  {keys: ['h'], text: 'times of the server, as histograms', act: () => times.open()},
+  {keys: ['m'], text: 'times of the server, as histograms', act: () => times.open()},
   {keys: ['l'], text: 'light or dark', act: () => element('theme').click()},
   {keys: ['?'], text: 'this list', act: () => element('help').showModal()},
 ], () => !replay.active);

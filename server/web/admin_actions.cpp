@@ -1,0 +1,156 @@
+// What an admin does from the page: changes, evictions, reloads. Each goes the way that the same
+// request of the control port goes.
+
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <charconv>
+#include <stdexcept>
+
+#include "core/base/visible_text.hpp"
+#include "protocol/net/clock.hpp"
+#include "server/web/seat.hpp"
+#include "server/web/viewer_message.hpp"
+
+namespace feltwire::web {
+namespace {
+
+std::string who(const Token& token) {
+  return visible("client " + token.client + " (token " + token.id + ", live page)");
+}
+
+/// The id of a session, from its digits; 0 where they are none.
+std::uint64_t session_id(std::string_view digits) {
+  std::uint64_t id = 0;
+  const char* end = digits.data() + digits.size();
+  const auto read = std::from_chars(digits.data(), end, id);
+  return read.ec == std::errc() && read.ptr == end ? id : 0;
+}
+
+/// The parameters with what is wanted of them. Throws std::invalid_argument.
+SessionParameters with(SessionParameters parameters, const ViewerSet& wanted) {
+  if (wanted.mode) parameters.mode = bounding_method(*wanted.mode).name;
+  if (wanted.projection) parameters.projection = projection(*wanted.projection);
+  if (wanted.storage) parameters.storage = storage(*wanted.storage);
+  return parameters;
+}
+
+}  // namespace
+
+/// The token by which the viewer is an admin of the scene that it watches; null: it is none.
+const Token* Audience::admin_of(const Seat& seat) const {
+  for (const std::string* id : {&seat.token, &seat.admin}) {
+    const Token* token = find_token(tokens_.tokens(), *id);
+    if (token != nullptr && seat.stage != nullptr && !expired(*token, calendar_now()) &&
+        covers(token->role, Role::admin) && opens(*token, seat.stage->host->name()))
+      return token;
+  }
+  return nullptr;
+}
+
+/// Does what is an admin's to ask; false where the message asks nothing of that kind.
+bool Audience::act(Seat& seat, const ViewerMessage& message) {
+  if (message.admin) {
+    become_admin(seat, *message.admin);
+    return true;
+  }
+  if (!message.set && !message.evict && !message.reload) return false;
+  if (const auto wrong = tokens_.refresh()) spdlog::error("{}", visible(*wrong));
+  const Token* admin = admin_of(seat);
+  if (admin == nullptr) {
+    seat.viewer->send(refused("this is for admins of the scene; enter the token of one"));
+  } else if (!changes_.take(admin->client, monotonic_now())) {
+    seat.viewer->send(
+        refused("client '" + admin->client + "' changes too much at once; wait a moment"));
+  } else if (message.set) {
+    set(seat, *message.set);
+  } else if (message.evict) {
+    evict(seat, *message.evict);
+  } else {
+    reload(seat);
+  }
+  return true;
+}
+
+void Audience::become_admin(Seat& seat, std::string_view text) {
+  if (const auto wrong = tokens_.refresh()) spdlog::error("{}", visible(*wrong));
+  const Token* token = authenticate(tokens_.tokens(), text, calendar_now());
+  if (token == nullptr) {
+    ++counters_.refused;
+    if (!wrong_tokens_.take(seat.network, monotonic_now()))
+      return refuse(seat.id, WebSocketClose::too_many,
+                    "too many wrong tokens from this network; wait a minute");
+    return seat.viewer->send(refused("the token is not good: it is unknown, revoked or expired"));
+  }
+  seat.admin = token->id;
+  if (admin_of(seat) == nullptr) {
+    seat.admin.clear();
+    return seat.viewer->send(refused("the token is not of an admin of this scene; its role is " +
+                                     std::string(name(token->role))));
+  }
+  seat.viewer->send(admin_text());
+}
+
+void Audience::set(Seat& seat, const ViewerSet& wanted) {
+  if (wanted.gravity) return change(seat, GravityChange{*wanted.gravity});
+  if (wanted.session.empty()) return change(seat, wanted.material);
+  const std::uint64_t id = session_id(wanted.session);
+  const auto& hands = seat.stage->hands;
+  const auto hand = std::ranges::find(hands, id, &HandDescription::session);
+  if (hand == hands.end())
+    return seat.viewer->send(refused("there is no session " + wanted.session + " here"));
+  try {
+    change(seat, ParameterChange{id, with(hand->parameters, wanted)});
+  } catch (const std::invalid_argument& error) {
+    seat.viewer->send(refused(error.what()));
+  }
+}
+
+/// In the scene's thread. A viewer that has left meanwhile hears nothing of it.
+void Audience::change(Seat& seat, LiveChange change) {
+  const std::string by = who(*admin_of(seat)), scene = seat.stage->host->name();
+  seat.stage->host->change(
+      std::move(change), io_,
+      [this, by, scene, id = seat.id,
+       alive = std::weak_ptr(alive_)](std::variant<std::string, control::Refused> outcome) {
+        const auto* no = std::get_if<control::Refused>(&outcome);
+        if (no == nullptr)
+          spdlog::info("scene {}: changed by {}: {}", visible(scene), by,
+                       visible(std::get<std::string>(outcome)));
+        if (alive.expired()) return;
+        if (const auto asker = seats_.find(id); asker != seats_.end())
+          asker->second.viewer->send(no != nullptr ? refused(no->reason)
+                                                   : changed_text(std::get<std::string>(outcome)));
+      });
+}
+
+void Audience::evict(Seat& seat, const std::string& session) {
+  const std::uint64_t id = session_id(session);
+  const auto& hands = seat.stage->hands;
+  if (std::ranges::find(hands, id, &HandDescription::session) == hands.end())
+    return seat.viewer->send(refused("there is no session " + session + " here"));
+  seat.stage->host->evict(id);
+  spdlog::info("scene {}: session {} was evicted by {}", visible(seat.stage->host->name()), id,
+               who(*admin_of(seat)));
+  seat.viewer->send(changed_text("the session is evicted"));
+}
+
+void Audience::reload(Seat& seat) {
+  if (!reload_) return seat.viewer->send(refused("this server has its scenes from no file"));
+  const auto stage = std::ranges::find(stages_, seat.stage, &std::unique_ptr<Stage>::get);
+  spdlog::info("scene {} is reloaded by {}", visible(seat.stage->host->name()),
+               who(*admin_of(seat)));
+  reload_(static_cast<std::size_t>(stage - stages_.begin()));
+}
+
+void Audience::tell(std::size_t host, const std::optional<std::string>& wrong) {
+  const Stage* stage = stages_.at(host).get();
+  const std::string line =
+      wrong ? log_text("error", *wrong)
+            : log_text("info", "Scene " + stage->host->name() + " was reloaded from its file.");
+  for (const auto& [id, seat] : seats_)
+    if (seat.stage == stage && !seat.foxglove && (!wrong || admin_of(seat) != nullptr))
+      seat.viewer->send(line);
+}
+
+}  // namespace feltwire::web

@@ -1,0 +1,209 @@
+// An admin on the live page: what it changes is felt, and others are refused.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "core/scene_file/load_scene.hpp"
+#include "server/web/viewer_message.hpp"
+#include "tests/client/temporary_folder.hpp"
+#include "tests/protocol/sealed.hpp"
+#include "tests/server/web/page_client.hpp"
+
+namespace feltwire::admin_page_test {
+namespace {
+
+using test::ControlClient;
+using test::Page;
+using ::testing::HasSubstr;
+using Json = nlohmann::json;
+
+Scene floor_of(double stiffness) {
+  Object floor;
+  floor.name = "floor";
+  floor.shape = Plane{};
+  floor.material.stiffness = stiffness;
+  return Scene("room", {floor});
+}
+
+class AdminPage : public ::testing::Test {
+ protected:
+  static std::vector<Scene> scenes() {
+    std::vector<Scene> all;
+    all.push_back(floor_of(500.0));
+    return all;
+  }
+  static std::string token_text(const IssuedToken& token) { return std::string(token.text.text()); }
+
+  IssuedToken eye_ = issue_token("eye", "*", Role::observer, std::nullopt),
+              other_ = issue_token("other", "theatre", Role::admin, std::nullopt);
+  Server server_{test::with_page(), scenes(), test::security({eye_.token, other_.token})};
+  const std::string admin_ = std::string(test::admin_token().text.text());
+};
+
+/// A hand that rests 1 mm below the floor, over the real way of datagrams.
+class RestingHand {
+ public:
+  explicit RestingHand(Server& server, const SessionParameters& parameters = {})
+      : client_(server.control_port()),
+        joined_(client_.join(test::join_request(parameters))),
+        socket_(SOCK_DGRAM, joined_.udp_port),
+        encoder_(test::Way::up, joined_.keys) {}
+  double force() {
+    SampleBatch batch = test::hand_batch(++index_);
+    batch.samples[0].pose.position = {0, 0, -0.001};
+    socket_.send(encoder_.samples(joined_.accepted.session, index_, batch));
+    Reply reply;
+    EXPECT_EQ(decode(test::opened(socket_.receive(), test::Way::down, joined_.keys), reply),
+              DropReason::none);
+    return reply.command.elastic.z();
+  }
+  std::string session() const { return std::to_string(joined_.accepted.session); }
+
+ private:
+  ControlClient client_;
+  test::JoinedBy joined_;
+  test::RawSocket socket_;
+  test::SealedEncoder encoder_;
+  std::uint64_t index_ = 0;
+};
+
+TEST_F(AdminPage, AKnobChangesTheForce) {
+  RestingHand hand(server_);
+  EXPECT_NEAR(hand.force(), 0.5, 1e-9);
+  Page page(server_, admin_), watcher(server_, token_text(eye_));
+  EXPECT_EQ(page.text("hello")["role"], "admin");
+  EXPECT_EQ(page.text("materials")["objects"][0]["stiffness"], 500.0);
+  watcher.text("materials");
+  page.say({{"set", {{"object", "floor"}, {"stiffness", 2000}}}});
+  EXPECT_EQ(page.text("changed")["text"], "object 'floor': stiffness 500 -> 2000 [N/m]");
+  EXPECT_NEAR(hand.force(), 2.0, 1e-9);
+  // Everybody who looks on sees the new value, without the scene being sent again.
+  const Json seen = watcher.text("materials");
+  EXPECT_EQ(seen["objects"][0]["stiffness"], 2000.0);
+  EXPECT_EQ(seen["version"], 1);
+  EXPECT_TRUE(seen["gravity"].is_null());
+  page.say({{"set", {{"object", "floor"}, {"stiffness", -1}}}});
+  EXPECT_THAT(page.text("refused")["text"].get<std::string>(),
+              HasSubstr("stiffness: must be above zero [N/m], is -1"));
+  page.say({{"set", {{"gravity", {0, 0, -1}}}}});
+  EXPECT_THAT(page.text("refused")["text"].get<std::string>(), HasSubstr("nothing moves"));
+  EXPECT_NEAR(hand.force(), 2.0, 1e-9);
+}
+
+TEST_F(AdminPage, OnlyAnAdminOfTheSceneMay) {
+  RestingHand hand(server_);
+  Page page(server_, token_text(eye_));
+  EXPECT_EQ(page.text("hello")["role"], "observer");
+  for (const Json& asked : {Json{{"set", {{"object", "floor"}, {"stiffness", 1}}}},
+                            Json{{"evict", hand.session()}}, Json{{"reload", true}}}) {
+    page.say(asked);
+    EXPECT_THAT(page.text("refused")["text"].get<std::string>(), HasSubstr("for admins"));
+  }
+  for (const auto& [token, says] : {std::pair{std::string("fw_wrong"), "unknown"},
+                                    std::pair{token_text(other_), "of this scene"},
+                                    std::pair{token_text(eye_), "its role is observer"}}) {
+    page.say({{"admin", token}});
+    EXPECT_THAT(page.text("refused")["text"].get<std::string>(), HasSubstr(says));
+  }
+  EXPECT_NEAR(hand.force(), 0.5, 1e-9);
+  page.say({{"admin", admin_}});
+  EXPECT_EQ(page.text("admin")["role"], "admin");
+  page.say({{"set", {{"object", "floor"}, {"stiffness", 1000}}}});
+  page.text("changed");
+  EXPECT_NEAR(hand.force(), 1.0, 1e-9);
+}
+
+TEST_F(AdminPage, SetsTheBoundOfASessionAndEvictsIt) {
+  SessionParameters parameters;
+  parameters.side = BoundingSide::server;
+  RestingHand hand(server_, parameters);
+  hand.force();
+  Page page(server_, admin_);
+  // Sessions are told twice a second: until one is there.
+  Json session;
+  while (session.is_null()) {
+    const Json told = page.text("sessions");
+    ASSERT_EQ(told["type"], "sessions");
+    if (!told["sessions"].empty()) session = told["sessions"][0];
+  }
+  EXPECT_EQ(session["session"], hand.session());
+  page.say({{"set", {{"session", hand.session()}, {"mode", "per_axis"}}}});
+  EXPECT_EQ(page.text("changed")["text"], "session 1 (tester): mode contact_frame -> per_axis");
+  page.say({{"set", {{"session", hand.session()}, {"mode", "no_such"}}}});
+  EXPECT_THAT(page.text("refused")["text"].get<std::string>(), HasSubstr("no_such"));
+  page.say({{"set", {{"session", "12"}, {"mode", "none"}}}});
+  EXPECT_THAT(page.text("refused")["text"].get<std::string>(), HasSubstr("no session 12"));
+  page.say({{"evict", hand.session()}});
+  page.text("changed");
+  const std::vector<SceneSummary> summary = server_.summary();
+  EXPECT_EQ(summary[0].counters.evicted, 1u);
+}
+
+/// A message that asks for something else than there is ends the connection: it is of no page.
+TEST(ViewerMessage, ReadsWhatAnAdminWants) {
+  using web::parse_viewer_message;
+  const auto all = parse_viewer_message(
+      R"({"set":{"object":"floor","stiffness":5,"damping":0.5,"static_friction":1e0}})");
+  ASSERT_TRUE(all && all->set);
+  EXPECT_EQ(all->set->material,
+            (MaterialChange{
+                .object = "floor", .stiffness = 5.0, .damping = 0.5, .static_friction = 1.0}));
+  EXPECT_FALSE(all->set->gravity);
+  const auto gravity = parse_viewer_message(R"({"set":{"gravity":[0,-1,2.5]}})");
+  ASSERT_TRUE(gravity && gravity->set);
+  EXPECT_EQ(gravity->set->gravity, Vec3(0, -1, 2.5));
+  const auto mode = parse_viewer_message(R"({"set":{"session":"7","mode":"none"},"reload":true})");
+  ASSERT_TRUE(mode && mode->set);
+  EXPECT_EQ(mode->set->session, "7");
+  EXPECT_EQ(mode->set->mode, "none");
+  EXPECT_TRUE(mode->reload);
+  EXPECT_EQ(parse_viewer_message(R"({"evict":"7"})")->evict, "7");
+  EXPECT_EQ(parse_viewer_message(R"({"admin":"fw_1"})")->admin, "fw_1");
+  for (const char* wrong :
+       {R"({"set":7})", R"({"set":"x"})", R"({"set":[1]})", R"({"set":null})",
+        R"({"set":{"gravity":[1,2]}})", R"({"set":{"gravity":[1,2,3,4]}})",
+        R"({"set":{"gravity":[1,2,"3"]}})", R"({"set":{"gravity":7}})",
+        R"({"set":{"stiffness":"5"}})", R"({"set":{"stiffness":[5]}})", R"({"set":{"stifness":5}})",
+        R"({"set":{"stiffness":true}})", R"({"set":{"object":7}})", R"({"set":{"object":{}}})",
+        R"({"set":{"gravity":[[1],2,3]}})", R"({"set":{"reload":true}})"})
+    EXPECT_FALSE(parse_viewer_message(wrong)) << wrong;
+}
+
+TEST(AdminPageReload, IsToldToThoseWhoWatchAndWhatIsWrongToAdminsAlone) {
+  const testing::TemporaryFolder folder;
+  const std::string file = folder / "room.json";
+  const std::string good = R"({"name": "room", "materials": [{"name": "m", "stiffness": 500}],
+"objects": [{"name": "floor", "plane": {}, "material": "m"}]})";
+  std::ofstream(file) << good;
+  const IssuedToken eye = issue_token("eye", "*", Role::observer, std::nullopt);
+  ServerConfig config = test::with_page();
+  config.scenes = {file};
+  std::vector<Scene> scenes;
+  scenes.push_back(load_scene(file));
+  Server server(config, std::move(scenes), test::security({eye.token}));
+  RestingHand hand(server);
+  Page page(server, std::string(test::admin_token().text.text())),
+      watcher(server, std::string(eye.text.text()));
+  page.text("materials");
+  watcher.text("materials");
+  page.say({{"set", {{"object", "floor"}, {"stiffness", 4000}}}});
+  page.text("changed");
+  EXPECT_NEAR(hand.force(), 4.0, 1e-9);
+  std::ofstream(file) << R"({"name": "room", "objects": [{"name": "floor", "plan": {}}]})";
+  page.say({{"reload", true}});
+  const Json wrong = page.text("log");
+  EXPECT_EQ(wrong["level"], "error");
+  EXPECT_THAT(wrong["text"].get<std::string>(), HasSubstr("room.json:1"));
+  EXPECT_NEAR(hand.force(), 4.0, 1e-9);
+  std::ofstream(file) << good;
+  page.say({{"reload", true}});
+  EXPECT_EQ(page.text("log")["level"], "info");
+  // The first line that the watcher sees: it was told of no file.
+  EXPECT_EQ(watcher.text("log")["text"], "Scene room was reloaded from its file.");
+  EXPECT_NEAR(hand.force(), 0.5, 1e-9);  // what the file says
+}
+
+}  // namespace
+}  // namespace feltwire::admin_page_test
