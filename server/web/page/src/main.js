@@ -285,7 +285,7 @@ bindKeys(element('keys'), [
     view.stale = true;
   }},
   {keys: ['o'], text: 'open a recording', act: () => element('recording-files').click()},
-  {keys: ['m'], text: 'times of the server, as histograms', act: () => times.open()},
+  {keys: ['h'], text: 'times of the server, as histograms', act: () => times.open()},
   {keys: ['l'], text: 'light or dark', act: () => element('theme').click()},
   {keys: ['?'], text: 'this list', act: () => element('help').showModal()},
 ], () => !replay.active);
