@@ -126,7 +126,7 @@ test('keys, the wheel and a gamepad move it', async () => {
     navigator.getGamepads = () => [window.pad];
   });
   await until(() => window.feltwire().own.state === 'free');
-  await page.keyboard.press('h');
+  await page.keyboard.press('g');
   await until(() => window.feltwire().own.number !== null);
   await page.keyboard.press('x');  // Right on the screen is +y in the scene.
   await page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));

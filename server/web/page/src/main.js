@@ -274,7 +274,7 @@ bindKeys(element('keys'), [
   {keys: ['x', 'y', 'z'], shown: 'x, y, z', text: 'look along an axis', act: (key) => view.lookAlong(key)},
   {keys: [',', '.'], shown: ', .', text: 'shorter, longer arrows', act: (key) => scaleArrows(key === '.' ? 1 : -1)},
   {keys: [';', "'"], shown: "; '", text: 'less, more exaggeration of depth', act: (key) => scaleDepth(key === "'" ? 1 : -1)},
-  {keys: ['h'], text: 'take a hand, let it go', act: () => own.toggle()},
+  {keys: ['g'], text: 'grasp: take a hand, let it go', act: () => own.toggle()},
   {keys: ['t'], text: 'trails on or off', act: () => {
     view.hands.showTrails(!view.hands.trailMaterial.visible);
     view.stale = true;

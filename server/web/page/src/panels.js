@@ -68,7 +68,10 @@ export function bindKeys(list, bindings, active = () => true) {
     term.textContent = shown ?? keys.join(' ');
     meaning.textContent = text;
     list.append(term, meaning);
-    for (const key of keys) acts.set(key, act);
+    for (const key of keys) {
+      if (acts.has(key)) throw new Error(`the key ${key} is bound twice`);
+      acts.set(key, act);
+    }
   }
   addEventListener('keydown', (event) => {
     if (!active() || event.ctrlKey || event.metaKey || event.altKey || event.target.closest?.('input, select, dialog[open]')) return;
