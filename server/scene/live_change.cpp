@@ -106,7 +106,7 @@ struct SceneSessions::Change {
     if (sessions.world_ == nullptr)
       throw std::invalid_argument("gravity: nothing moves in scene '" + sessions.scene_->name() +
                                   "'; it acts on bodies only");
-    if (const auto violation = check(MechanismOptions{.gravity = change.gravity}))
+    if (const auto violation = feltwire::check(MechanismOptions{.gravity = change.gravity}))
       refuse("scene '" + sessions.scene_->name() + "'", *violation);
     Changed made{
         "gravity " + text(sessions.world_->gravity()) + " -> " + text(change.gravity) + " [m/s^2]",

@@ -39,6 +39,19 @@ void live(RecordedScene& scene, const std::filesystem::path& reloaded) {
   ASSERT_TRUE(std::holds_alternative<control::ParametersSet>(
       sessions.answer(control::SetParameters{kA, parameters}, 0, {}, scene.exchange.now)));
   scene.run(150);
+  static std::vector<std::shared_ptr<const Scene>> changed;  // outlive the sessions
+  const auto change = [&](const LiveChange& wanted) {
+    ChangeOutcome outcome = sessions.change(wanted, scene.exchange.now);
+    ASSERT_TRUE(std::holds_alternative<Changed>(outcome));
+    changed.push_back(std::get<Changed>(outcome).scene);
+  };
+  if (!scene.exchange.scene.objects().empty())
+    change(MaterialChange{.object = scene.exchange.scene.objects()[0].name,
+                          .stiffness = 321.0,
+                          .static_friction = 0.3,
+                          .dynamic_friction = 0.2});
+  if (sessions.world() != nullptr) change(GravityChange{Vec3(0.5, 0.0, -3.0)});
+  scene.run(150);
   static std::vector<std::unique_ptr<Scene>> entered;  // outlive the sessions
   entered.push_back(std::make_unique<Scene>(load_scene_and_keep(reloaded)));
   sessions.enter(*entered.back(), scene.exchange.now);
