@@ -100,6 +100,12 @@ TEST(PointedDevice, StaysWhereTheTargetIsNoPlace) {
     EXPECT_FALSE(pointed.tick().ended);
   }
   EXPECT_NEAR(pointed.device.true_position().norm(), 0.0, 1e-12);
+  const Vec3 place(0.0, 0.01, 0.0);  // and none of it is left
+  for (int i = 0; i < 2000; ++i) {
+    pointed.point(place);
+    pointed.tick();
+  }
+  EXPECT_NEAR((pointed.device.true_position() - place).norm(), 0.0, 1e-6);
 }
 
 TEST(PointedDevice, RefusesNumbersThatAreOfNoUse) {
