@@ -19,6 +19,9 @@
 #include "server/web/web_server.hpp"
 
 namespace feltwire {
+
+using control::RefusalCode;
+using control::Refused;
 namespace {
 
 /// A recording needs the scenes' files.
@@ -179,7 +182,7 @@ struct Server::Parts {
     };
     page.reload = [this](std::size_t host) {
       asio::post(io, [this, host] {
-        reload(host, [](const std::optional<control::Refused>&) {});  // the page is told by itself
+        reload(host, [](const std::optional<Refused>&) {});  // the page is told by itself
       });
     };
     web = std::make_unique<web::WebServer>(page, hosts, std::move(security.tokens),
@@ -250,15 +253,12 @@ struct Server::Parts {
   /// Its file anew, read in another thread. On the control thread, as `done` is. The live page is
   /// told how it ended.
   void reload(std::size_t host, ControlService::Reloaded asked) {
-    using control::RefusalCode;
-    const auto done = [this, host,
-                       asked = std::move(asked)](std::optional<control::Refused> refused) {
+    const auto done = [this, host, asked = std::move(asked)](std::optional<Refused> refused) {
       if (web != nullptr) web->tell(host, refused ? std::optional(refused->reason) : std::nullopt);
       asked(std::move(refused));
     };
     if (files.size() != hosts.size())
-      return done(
-          control::Refused{RefusalCode::bad_scene, "this server has its scenes from no file"});
+      return done(Refused{RefusalCode::bad_scene, "this server has its scenes from no file"});
     struct Ended {
       ControlService::Reloaded done;
       LoadedScene loaded;
@@ -270,22 +270,20 @@ struct Server::Parts {
                      [this, host, ended] { ended->done(enter(host, std::move(ended->loaded))); });
     };
     if (!loader.begin(host, files[host], pass_on))
-      ended->done(control::Refused{RefusalCode::too_many,
-                                   "scene '" + hosts[host]->name() +
-                                       "' is being loaded already; wait until that has ended"});
+      ended->done(Refused{RefusalCode::too_many,
+                          "scene '" + hosts[host]->name() +
+                              "' is being loaded already; wait until that has ended"});
   }
 
   /// What is wrong with it, or nothing, and then it is in place.
-  std::optional<control::Refused> enter(std::size_t host, LoadedScene loaded) {
-    using control::RefusalCode;
+  std::optional<Refused> enter(std::size_t host, LoadedScene loaded) {
     if (auto* wrong = std::get_if<std::string>(&loaded))
-      return control::Refused{RefusalCode::bad_scene, std::move(*wrong)};
+      return Refused{RefusalCode::bad_scene, std::move(*wrong)};
     auto& scene = std::get<Scene>(loaded);
     if (scene.name() != hosts[host]->name())
-      return control::Refused{RefusalCode::bad_scene, files[host].string() + ": name: is '" +
-                                                          scene.name() +
-                                                          "' now, and clients know '" +
-                                                          hosts[host]->name() + "'; keep the name"};
+      return Refused{RefusalCode::bad_scene, files[host].string() + ": name: is '" + scene.name() +
+                                                 "' now, and clients know '" + hosts[host]->name() +
+                                                 "'; keep the name"};
     hosts[host]->reload(std::move(scene));
     spdlog::info("scene {} was reloaded", hosts[host]->name());
     return std::nullopt;
@@ -300,7 +298,7 @@ struct Server::Parts {
     };
     const auto all = std::make_shared<All>(All{hosts.size(), {}, std::move(done)});
     for (std::size_t i = 0; i < hosts.size(); ++i)
-      reload(i, [all](const std::optional<control::Refused>& refused) {
+      reload(i, [all](const std::optional<Refused>& refused) {
         if (refused) all->wrong.push_back(refused->reason);
         if (--all->left == 0 && all->done) all->done(std::move(all->wrong));
       });
