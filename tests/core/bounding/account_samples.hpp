@@ -7,12 +7,12 @@
 
 namespace feltwire::test {
 
-constexpr double kPeriod = 1e-3;  // [s]
+constexpr double kSamplePeriod = 1e-3;  // [s]
 
 /// A PHANToM-like handle: 75 g, 30 um, a hand of 10 N.
 inline AccountConfig handle(double damping = 0.05) {
   AccountConfig c;
-  c.period = kPeriod;
+  c.period = kSamplePeriod;
   c.translation.damping = damping;
   c.translation.mass = 0.075;
   c.translation.outside_force = 10.0;
@@ -22,13 +22,13 @@ inline AccountConfig handle(double damping = 0.05) {
 
 inline Command push(const Vec3& force) { return {force, Vec3::Zero(), Vec3::Zero()}; }
 
-inline BoundingStep sample(const Vec3& dx, const Command& command, double hold = kPeriod) {
+inline BoundingStep sample(const Vec3& dx, const Command& command, double hold = kSamplePeriod) {
   return {.displacement = dx, .hold_time = hold, .command = command};
 }
 
 /// max of f y - (b/T) y^2 over 0 <= y <= reach, by search.
 inline double searched_need(double f, double damping, double reach) {
-  const auto taken = [&](double y) { return f * y - damping / kPeriod * y * y; };
+  const auto taken = [&](double y) { return f * y - damping / kSamplePeriod * y * y; };
   double low = 0.0, high = reach;
   for (int i = 0; i < 200; ++i) {
     const double third = (high - low) / 3.0;

@@ -11,6 +11,8 @@ namespace {
 
 using namespace test;
 
+constexpr double kPeriod = kSamplePeriod;
+
 /// f v T - b v^2 T beyond 2 b v, the storage of any hand below, whatever else is not known.
 TEST(Account, AHandOfKnownSpeedTakesNoMoreThanItsWay) {
   PortKnowledge known;

@@ -16,6 +16,8 @@ namespace {
 
 using namespace test;
 
+constexpr double kPeriod = kSamplePeriod;
+
 TEST(Account, NeedOfAnUnknownHandIsTheStorageOfTheContactFrame) {
   PortKnowledge known;
   known.damping = 0.5;
