@@ -112,7 +112,7 @@ TEST(Records, OneFileThatFailsDoesNotEndTheOther) {
     ASSERT_NE(rows, nullptr);
     {
       const FullDisk disk(60);
-      for (int i = 0; i < 4; ++i) rows->push({});
+      for (int i = 0; i < 4; ++i) rows->push(TickRecord{});
       records.write();
       EXPECT_TRUE(records.failed());
     }
@@ -121,7 +121,7 @@ TEST(Records, OneFileThatFailsDoesNotEndTheOther) {
     view.hands_end = SceneView::kLastHand;
     view.hand[view.hand_count++].number = 7;
     records.views()->push({0.5, view});
-    rows->push({});
+    rows->push(TickRecord{});
     records.write();
     records.finish();
     EXPECT_EQ(records.sight()->hands, 1u);
