@@ -5,6 +5,7 @@
 #include <cmath>
 #include <functional>
 
+#include "core/base/numeric.hpp"
 #include "tests/core/contact_frame_fixture.hpp"
 #include "tests/support/seeds.hpp"
 
