@@ -159,9 +159,8 @@ void release_and_tell(void* self) {
 /// with --export-dynamic).
 void follow_device() {
   auto** table = static_cast<void**>(::dlsym(RTLD_DEFAULT, "_ZTVN8feltwire15SimulatedDeviceE"));
-  void* write =
-      ::dlsym(RTLD_DEFAULT, "_ZN8feltwire15SimulatedDevice5writeERKNS_12BasicCommandIdEE");
-  void* release = ::dlsym(RTLD_DEFAULT, "_ZN8feltwire15SimulatedDevice7releaseEv");
+  void* write = ::dlsym(RTLD_DEFAULT, "_ZN8feltwire10HandDevice5writeERKNS_12BasicCommandIdEE");
+  void* release = ::dlsym(RTLD_DEFAULT, "_ZN8feltwire10HandDevice7releaseEv");
   if (table == nullptr || write == nullptr || release == nullptr) return;
   device_write = reinterpret_cast<Write>(write);
   device_release = reinterpret_cast<Release>(release);

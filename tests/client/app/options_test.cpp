@@ -328,7 +328,7 @@ TEST(Options, AnObserverLooksAtTheRateOfPictures) {
   const auto usual = parsed({});
   EXPECT_EQ(std::get<ClientOptions>(usual).role, Role::operator_);
   EXPECT_EQ(std::get<ClientOptions>(usual).parameters.packet_interval, 1);
-  EXPECT_THAT(refusal({"--role", "admin"}), HasSubstr("operator or observer"));
+  EXPECT_THAT(refusal({"--role", "admin"}), HasSubstr("operator, pointer or observer"));
   EXPECT_THAT(refusal({"--role", "king"}), HasSubstr("observer"));
   EXPECT_THAT(refusal({"--view", "seen.csv"}), HasSubstr("--role observer"));
 }

@@ -70,7 +70,7 @@ TEST(ControlBadInput, ChoicesThatAreNoneAreRefused) {
     EXPECT_FALSE(decode(body(encode(SetParameters{1, p})))) << which;
   }
   JoinRequest nobody = request();
-  nobody.role = static_cast<Role>(3);
+  nobody.role = static_cast<Role>(kRoleNames.size());
   EXPECT_FALSE(decode(body(encode(nobody))));
   for (const int suite : {0, 3}) {
     JoinAccepted sealed;
