@@ -57,6 +57,7 @@ export class Pool {
     mesh.instanceMatrix.setUsage(DynamicDrawUsage);
     mesh.frustumCulled = false;
     mesh.renderOrder = this.renderOrder;
+    mesh.count = this.count;  // None is drawn before done().
     if (this.mesh) {
       for (let i = 0; i < this.count; ++i) {
         this.mesh.getMatrixAt(i, matrix);
