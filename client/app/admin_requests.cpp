@@ -128,6 +128,7 @@ std::vector<SeenCounters> counters_of(const ServerAccess& server) {
   std::vector<SeenCounters> seen;
   std::vector<std::string> scenes = scene_names(server);
   scenes.emplace_back();  // the control port
+  seen.reserve(scenes.size());
   for (const std::string& scene : scenes)
     seen.push_back(
         {scene, ask_for<control::Counters>(server, control::GetCounters{scene}).counters});

@@ -31,16 +31,17 @@ class SurfaceIndex {
   void step(const Vec3& hand, const Vec3& displacement, const RemoteContact& seen,
             double elapsed) noexcept {
     const double height = (hand - offset_ - seen.point).dot(seen.normal);
-    if (seen.surface == 0) {
+    const bool known = seen.surface != 0 && seen.surface == known_;
+    const bool young = known && age_ < kYoung;
+    const bool free = known && !young && height > kFreeAbove && !seen.touching;
+    if (seen.surface == 0 || free) {
       give_back(displacement);
-    } else if (seen.surface != known_) {
+    } else if (!known) {
       if (height < 0.0) offset_ += height * seen.normal;
       age_ = 0.0;
-    } else if (age_ < kYoung) {
+    } else if (young) {
       if (height < kFreeAbove) offset_ -= along(seen.point - place_, seen.normal);
       age_ += elapsed;
-    } else if (height > kFreeAbove && !seen.touching) {
-      give_back(displacement);
     }
     known_ = seen.surface;
     place_ = seen.point;

@@ -43,6 +43,7 @@ Recorder::OneScene::OneScene(std::string scene, std::shared_ptr<const KeptFiles>
 
 Recorder::Recorder(const RecorderOptions& options, const std::vector<Scene>& scenes) {
   std::vector<std::string> names;
+  names.reserve(scenes.size());
   for (const Scene& scene : scenes) names.push_back(scene.name());
   const std::int64_t offset = clock_offset();
   for (std::size_t i = 0; i < scenes.size(); ++i) {

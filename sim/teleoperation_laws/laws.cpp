@@ -49,6 +49,7 @@ const std::array kLaws = {
 
 std::vector<std::string_view> law_names() {
   std::vector<std::string_view> names;
+  names.reserve(kLaws.size());
   for (const Entry& entry : kLaws) names.push_back(entry.name);
   return names;
 }

@@ -19,7 +19,7 @@ DeviceSpec device(const Plant& plant) {
 }
 
 Vec3 moved(std::optional<Vec3>& before, const Vec3& now) {
-  const Vec3 displacement = before ? Vec3(now - *before) : Vec3::Zero();
+  Vec3 displacement = before ? Vec3(now - *before) : Vec3::Zero();
   before = now;
   return displacement;
 }
