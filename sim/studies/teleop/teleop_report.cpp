@@ -142,7 +142,7 @@ std::string teleop_table(const std::vector<TeleopRow>& rows) {
     };
     append(text, "\n%s\n", title);
     append(text, "  %-22s|   first   second swing um   drag N track mm   taps N moving N", "law");
-    append(text, " vanish N   lift N blackout  drift mm   made J\n");
+    text += " vanish N   lift N blackout  drift mm   made J\n";
     for (const std::string_view law : law_names()) {
       append(text, "  %-22s|", std::string(law).c_str());
       const auto add = [&](std::string_view task, auto field, double scale, int digits) {
