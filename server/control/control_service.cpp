@@ -189,11 +189,13 @@ void ControlService::pass_on(PendingRequest asked, std::uint64_t session,
        (covers(asked.token.role, Role::admin) && opens(asked.token, scene_name(found->second))));
   if (!may) return asked.answer(unknown_session(session));
   const std::string by = "client " + asked.token.client + " (token " + asked.token.id + ")";
-  // A session that has left is forgotten before its answer comes.
-  const auto finish = [this, by, who = found->second.who,
+  const auto finish = [this, session, by, who = found->second.who,
                        answer = std::move(asked.answer)](control::Message said) {
-    if (std::holds_alternative<control::Left>(said))
+    if (std::holds_alternative<control::Left>(said)) {
       spdlog::info("{}: ended by {}", who, visible(by));
+      // Its scene says so, too, but perhaps only after this answer, and its place is free from now.
+      forget({{session, SessionEnd::asked}});
+    }
     if (const auto* set = std::get_if<control::ParametersSet>(&said)) tell_of(*set, by);
     answer(std::move(said));
   };
