@@ -28,7 +28,7 @@ feltwire_installed(core ${core_rooms})
 feltwire_installed(client ${client_rooms})
 target_link_libraries(feltwire_installed_core INTERFACE Eigen3::Eigen flatbuffers::flatbuffers)
 target_link_libraries(feltwire_installed_client INTERFACE feltwire_installed_core OpenSSL::SSL sodium zstd ZLIB::ZLIB
-  Threads::Threads)
+  ${FELTWIRE_WSLAY} Threads::Threads)
 
 set(config ${CMAKE_INSTALL_LIBDIR}/cmake/feltwire)
 install(EXPORT feltwire NAMESPACE feltwire:: FILE feltwireTargets.cmake DESTINATION ${config})
@@ -38,6 +38,10 @@ write_basic_package_version_file(${PROJECT_BINARY_DIR}/feltwireConfigVersion.cma
 install(FILES ${PROJECT_BINARY_DIR}/feltwireConfig.cmake ${PROJECT_BINARY_DIR}/feltwireConfigVersion.cmake
   DESTINATION ${config})
 file(RELATIVE_PATH FELTWIRE_PC_PREFIX /prefix/${CMAKE_INSTALL_LIBDIR}/pkgconfig /prefix)
+set(FELTWIRE_WSLAY_LIB)
+if(FELTWIRE_WSLAY)
+  set(FELTWIRE_WSLAY_LIB " -lwslay")  # Debian's package has no .pc file
+endif()
 configure_file(cmake/feltwire.pc.in ${PROJECT_BINARY_DIR}/feltwire.pc @ONLY)
 install(FILES ${PROJECT_BINARY_DIR}/feltwire.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
 

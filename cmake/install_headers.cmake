@@ -5,7 +5,7 @@
 # include it.
 set(headers)
 foreach(room IN LISTS ROOMS)
-  file(GLOB found RELATIVE ${SOURCE} ${SOURCE}/${room}/*.hpp)
+  file(GLOB found RELATIVE ${SOURCE} ${SOURCE}/${room}/*.hpp ${SOURCE}/${room}/*.h)
   list(APPEND headers ${found})
 endforeach()
 

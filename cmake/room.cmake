@@ -1,6 +1,6 @@
 # feltwire_room(FOLDER [USES room ...] [LINKS library ...] [PRIVATE library ...] [SOURCES file ...] [SCHEMAS file ...])
 #
-# The library of one folder of core/, protocol/, server/, client/ or sim/, whose CMakeLists.txt calls this: core/mesh is
+# The library of one folder of core/, protocol/, server/, client/, gateway/ or sim/, whose CMakeLists.txt calls this: core/mesh is
 # feltwire_core_mesh. USES names the rooms whose headers it includes; LINKS what whoever includes its headers needs too;
 # PRIVATE what its sources alone need. A room without sources has headers only.
 function(feltwire_room folder)

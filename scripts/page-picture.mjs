@@ -1,7 +1,8 @@
 #!/usr/bin/env node
 // Makes a picture of the live page in headless Chromium, once hands are on it:
-//   scripts/page-picture.mjs URL FILE.png [HANDS [SECONDS]]
-// waits until HANDS (default 1) are shown, for half a minute at most, and SECONDS (default 3) more, for the plots. It prints how
+//   scripts/page-picture.mjs URL FILE.png [HANDS [SECONDS [MORE]]]
+// waits until HANDS (default 1) are shown, for half a minute at most, and SECONDS (default 3) more, for the plots. MORE
+// (default 0) pictures follow, FILE-1.png and so on, a quarter of a second apart. It prints how
 // long the page took from its request to the first picture that was drawn, in a browser that has just begun and once more. It speaks to
 // Chromium by a pipe (the DevTools protocol) and needs no package of npm.
 
@@ -12,9 +13,9 @@ import {join} from 'node:path';
 import {setTimeout as pause} from 'node:timers/promises';
 
 const PATIENCE = 30_000;  // [ms]
-const [url, file, hands = '1', seconds = '3'] = process.argv.slice(2);
+const [url, file, hands = '1', seconds = '3', more = '0'] = process.argv.slice(2);
 if (!file) {
-  console.error('usage: scripts/page-picture.mjs URL FILE.png [HANDS [SECONDS]]');
+  console.error('usage: scripts/page-picture.mjs URL FILE.png [HANDS [SECONDS [MORE]]]');
   process.exit(2);
 }
 
@@ -63,6 +64,12 @@ async function evaluate(expression, sessionId) {
   return answer?.result?.value;
 }
 
+/** Makes a picture of the page. @param {string} name of its file */
+async function take(name, sessionId) {
+  const {data} = await ask('Page.captureScreenshot', {format: 'png'}, sessionId);
+  writeFileSync(name, Buffer.from(data, 'base64'));
+}
+
 /** @returns {Promise<number>} [ms] from the page's request to the first picture that was drawn */
 async function firstPicture(sessionId) {
   for (const latest = Date.now() + PATIENCE; Date.now() < latest; await pause(100)) {
@@ -83,8 +90,11 @@ try {
   }
   await pause(1000 * Number(seconds));
   const first = await firstPicture(sessionId);
-  const {data} = await ask('Page.captureScreenshot', {format: 'png'}, sessionId);
-  writeFileSync(file, Buffer.from(data, 'base64'));
+  await take(file, sessionId);
+  for (let i = 1; i <= Number(more); ++i) {
+    await pause(250);
+    await take(file.replace(/(\.png)?$/, `-${i}$1`), sessionId);
+  }
   await ask('Target.closeTarget', {targetId});
   console.log(`first picture: ${first} ms after the page was asked for; again: ${await firstPicture((await open()).sessionId)} ms`);
 } catch (error) {
@@ -94,5 +104,8 @@ try {
   failed.catch(() => {});
   browser.kill();
   await new Promise((resolve) => (browser.exitCode ?? browser.signalCode) !== null ? resolve() : browser.once('exit', resolve));
-  rmSync(folder, {recursive: true, force: true, maxRetries: 5});
+  try {
+    rmSync(folder, {recursive: true, force: true, maxRetries: 5});
+  } catch {  // A child of the browser still writes to it: what is left is the system's to remove.
+  }
 }

@@ -3,10 +3,13 @@
 #include <CLI/CLI.hpp>
 #include <array>
 #include <cstdio>
+#include <stdexcept>
+#include <thread>
 
 #include "client/app/admin_requests.hpp"
-#include "client/app/credential_options.hpp"
+#include "client/command_line/credential_options.hpp"
 #include "core/base/choice.hpp"
+#include "core/base/units.hpp"
 #include "core/base/visible_text.hpp"
 #include "core/command_line/environment.hpp"
 #include "core/command_line/suggestion.hpp"
@@ -21,6 +24,8 @@ Examples (with the credentials that the server's join: line names, and the token
   feltwire-client admin sessions --connect localhost:6720
   feltwire-client admin set --connect localhost:6720 --object table --stiffness 500
   feltwire-client admin set --connect localhost:6720 --gravity 0,0,-1.62
+  feltwire-client admin set --connect localhost:6720 --session 1 --mode contact_frame
+  feltwire-client admin set --connect localhost:6720 --session 1 --delay 25 --loss 10
   feltwire-client admin reload room --connect localhost:6720
 A change is felt at once and lasts until it is changed again or the scene is reloaded; the scene's
 file stays as it is (docs/admin.md).)";
@@ -32,6 +37,9 @@ struct AdminWords {
   MaterialChange material;
   std::optional<std::array<double, 3>> gravity;
   SessionWords parameters;
+  std::optional<double> delay, jitter;  // [ms] of an emulated link
+  std::optional<double> loss;           // [%]
+  bool link() const { return delay || jitter || loss; }
 };
 
 void print(const std::string& text) { std::fputs(text.c_str(), stdout); }
@@ -56,13 +64,51 @@ void evict(const ServerAccess& server, const AdminWords& words) {
         " (" + visible(seen.session.client) + ") is evicted\n");
 }
 
+/// Until its client has answered to the change that it was asked for. Throws std::runtime_error
+/// where it refused, or says nothing.
+void await_client(const ServerAccess& server, const SeenSession& seen) {
+  constexpr int kLooks = 30;
+  constexpr std::chrono::milliseconds kBetween{100};
+  const std::string name = std::to_string(seen.session.session);
+  for (int look = 0; look < kLooks; ++look) {
+    const std::vector<SeenSession> sessions = sessions_of(server, seen.scene);
+    const control::SessionDescription& now = session_named(sessions, name).session;
+    const std::string who = "the client of session " + std::to_string(now.number) + " of scene " +
+                            visible(seen.scene) + " has ";
+    if (now.answer == ChangeAnswer::taken)
+      return print(who + "taken the change: " + visible(now.asked) + "\n");
+    if (now.answer == ChangeAnswer::refused)
+      throw std::runtime_error(who + "refused the change (" + now.asked +
+                               "): its own output says why (docs/admin.md)");
+    std::this_thread::sleep_for(kBetween);
+  }
+  throw std::runtime_error(
+      "the client has not answered for three seconds; the server goes on asking it, and admin "
+      "sessions shows what becomes of it");
+}
+
+/// Delay, jitter and loss that are not given become zero.
+void set_link(const ServerAccess& server, const AdminWords& words, const SeenSession& seen) {
+  if (words.parameters != SessionWords{})
+    throw std::invalid_argument(
+        "--delay, --jitter and --loss are of the link, the other options of the bound; give one "
+        "kind, then the other");
+  const LinkQuality link{words.delay.value_or(0.0) / kMilli, words.jitter.value_or(0.0) / kMilli,
+                         words.loss.value_or(0.0) / kPercent};
+  ask_for<control::SceneChanged>(server, control::SetLink{seen.session.session, link});
+  await_client(server, seen);
+}
+
 void set_session(const ServerAccess& server, const AdminWords& words) {
   const std::vector<SeenSession> sessions = sessions_of(server, words.scene);
   const SeenSession& seen = session_named(sessions, words.session);
+  if (words.link()) return set_link(server, words, seen);
   const SessionParameters wanted = changed(seen.session.parameters, words.parameters);
   if (wanted == seen.session.parameters)
     throw std::invalid_argument("--session: nothing would change; give --mode, say, another value");
-  ask_for<control::ParametersSet>(server, control::SetParameters{seen.session.session, wanted});
+  const auto set =
+      ask_for<control::ParametersSet>(server, control::SetParameters{seen.session.session, wanted});
+  if (set.parameters != wanted) return await_client(server, seen);
   print("session " + std::to_string(seen.session.number) + " of scene " + visible(seen.scene) +
         " has the new parameters\n");
 }
@@ -111,8 +157,16 @@ void add_material(CLI::App& command, MaterialChange& material) {
   command.add_option("--viscous-friction", material.viscous_friction, "[N s/m]")->group(group);
 }
 
+void add_link(CLI::App& command, AdminWords& words) {
+  const auto group = "Emulated link of a session (of a client with --link)";
+  command.add_option("--delay", words.delay, "[ms] mean, one way; 0 when not given")->group(group);
+  command.add_option("--jitter", words.jitter, "[ms] standard deviation; 0 when not given")
+      ->group(group);
+  command.add_option("--loss", words.loss, "[%] of the datagrams; 0 when not given")->group(group);
+}
+
 void add_parameters(CLI::App& command, AdminWords& words) {
-  const auto group = "Bound of a session (of one whose bound the server runs)";
+  const auto group = "Bound of a session (at the client: mode, projection and storage alone)";
   SessionWords& w = words.parameters;
   command
       .add_option("--session", words.session, "Its number or id, as `admin sessions` shows them")
@@ -165,11 +219,13 @@ std::vector<AdminCommand> add_commands(CLI::App& app, AdminWords& words) {
   evicting->add_option("--scene", words.scene, "That it is in; where numbers stand for several");
   CLI::App* setting = add_command(
       app, words, "set",
-      "Change what hands feel: the material of an object, gravity, the bound of a session");
+      "Change what hands feel: the material of an object, gravity, the bound or the emulated link "
+      "of a session");
   setting->add_option("--scene", words.scene, "Not needed where the server has one only");
   add_material(*setting, words.material);
   setting->add_option("--gravity", words.gravity, "X,Y,Z [m/s^2] on what moves")->delimiter(',');
   add_parameters(*setting, words);
+  add_link(*setting, words);
   CLI::App* counting = add_command(app, words, "stats", "Show the server's counters");
   counting->add_flag("--json", words.json, "As JSON");
   return {{sessions, &list_sessions},

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
+#include "core/base/units.hpp"
 #include "core/base/visible_text.hpp"
 
 namespace feltwire {
@@ -13,11 +14,10 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr double kMilliseconds = 1e3, kMillijoules = 1e3;  // of one
-constexpr double kPercent = 100.0;
 
 double rate(const SessionParameters& parameters) { return 1.0 / parameters.servo_period; }
 
-/// Of the samples that were sent so far.
+/// The share of the samples sent so far that was lost; nothing where none was sent.
 std::optional<double> loss(const control::SessionDescription& session) {
   const double sent = static_cast<double>(session.samples) + static_cast<double>(session.missed);
   if (!(sent > 0.0)) return std::nullopt;
@@ -172,7 +172,11 @@ std::string session_json(const std::vector<SeenSession>& sessions) {
                     {"round_trip_ms", number(scaled(kMilliseconds, s.round_trip))},
                     {"delivered_j", s.delivered},
                     {"burned_j", s.burned},
-                    {"balance_j", number(s.balance)}});
+                    {"balance_j", number(s.balance)},
+                    {"laws_taken", name(s.takes.laws)},
+                    {"link_taken", s.takes.link},
+                    {"asked", s.asked.empty() ? Json(nullptr) : Json(visible(s.asked))},
+                    {"answer", s.asked.empty() ? Json(nullptr) : Json(name(s.answer))}});
   return list.dump(2) + "\n";
 }
 

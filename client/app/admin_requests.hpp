@@ -1,5 +1,5 @@
 #pragma once
-// What `feltwire-client admin` asks a server, and how it prints the answers.
+// The requests of `feltwire-client admin` to a server, and the texts of their answers.
 
 #include <optional>
 #include <string>
@@ -18,6 +18,7 @@ struct SessionWords {
   std::optional<double> c1, c2, coupling_stiffness;  // [N/m]
   std::optional<double> coupling_damping;            // [N s/m]
   std::optional<double> tool_mass;                   // [kg]
+  friend bool operator==(const SessionWords&, const SessionWords&) = default;
 };
 
 /// The parameters with the changes made. Throws std::invalid_argument naming the choices where a
@@ -51,7 +52,7 @@ std::vector<SeenCounters> counters_of(const ServerAccess& server);
 
 /// One line a session under a heading; "-": not known.
 std::string session_table(const std::vector<SeenSession>& sessions);
-/// As JSON, with a line break at the end; null: not known.
+/// JSON with a line break at the end. Values that are not known are null.
 std::string session_json(const std::vector<SeenSession>& sessions);
 std::string counter_lines(const std::vector<SeenCounters>& counters);
 std::string counter_json(const std::vector<SeenCounters>& counters);

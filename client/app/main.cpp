@@ -6,11 +6,13 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "client/app/admin_command.hpp"
+#include "client/app/devices_command.hpp"
+#include "client/app/identify_command.hpp"
 #include "client/app/options.hpp"
-#include "client/devices/replay.hpp"
 #include "client/emulated_link/emulated_port.hpp"
 #include "client/run/check.hpp"
 #include "client/run/run_client.hpp"
@@ -21,15 +23,11 @@ namespace {
 
 constexpr std::size_t kLinkRoom = 1 << 13;  // datagrams on their way: 0.8 s at 10 kHz
 
-std::unique_ptr<Device> make_device(const ClientOptions& options) {
-  if (const auto* replay = std::get_if<ReplayFile>(&options.device))
-    return make_replay_device(replay->path, options.spec);
-  return std::make_unique<SimulatedDevice>(
-      SimulatedHandOptions{.spec = options.spec,
-                           .hand = {},
-                           .task = std::get<HandTask>(options.device),
-                           .own_center = options.center_given,
-                           .own_normal = options.normal_given});
+std::unique_ptr<Device> open_device(const ClientOptions& options) {
+  OpenedDevice opened = options.driver->open(options.device);
+  for (const std::string& note : opened.notes)
+    std::fprintf(stderr, "feltwire-client: note: %s\n", visible(note).c_str());
+  return std::move(opened.device);
 }
 
 /// A UDP port, behind an emulated link where one was asked for.
@@ -62,7 +60,7 @@ int check(ClientOptions& options) {
     findings = judge(run, machine_facts(run.server));
     return json(findings);
   };
-  const int ran = run_client(make_device(options), options);
+  const int ran = run_client(open_device(options), options);
   std::printf("%s", table(findings).c_str());
   return ran == 0 && worst(findings) != Verdict::fail ? 0 : 1;
 }
@@ -70,7 +68,7 @@ int check(ClientOptions& options) {
 int run(ClientOptions options) {
   if (options.list) return list(options.server);
   options.open_port = [&options](const Address& scene) { return open_port(options, scene); };
-  return options.check ? check(options) : run_client(make_device(options), options);
+  return options.check ? check(options) : run_client(open_device(options), options);
 }
 
 }  // namespace
@@ -81,6 +79,10 @@ int main(int argc, char** argv) {
   feltwire::end_without_random_numbers();
   if (argc > 1 && std::string_view(argv[1]) == "admin")
     return feltwire::admin_command(argc - 1, argv + 1);
+  if (argc > 1 && std::string_view(argv[1]) == "devices")
+    return feltwire::devices_command(argc - 1, argv + 1);
+  if (argc > 1 && std::string_view(argv[1]) == "identify")
+    return feltwire::identify_command(argc - 1, argv + 1);
   try {
     const auto parsed = feltwire::parse_options(argc, argv);
     if (const int* code = std::get_if<int>(&parsed)) return *code;

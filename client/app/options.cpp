@@ -12,6 +12,7 @@
 #include "core/build_info/build_info.hpp"
 #include "core/command_line/environment.hpp"
 #include "core/command_line/suggestion.hpp"
+#include "core/device/spec_text.hpp"
 #include "protocol/session/profiles.hpp"
 
 namespace feltwire {
@@ -23,6 +24,12 @@ std::string short_text(double value) {
   std::ostringstream text;
   text << value;
   return text.str();
+}
+
+void list_specs() {
+  for (const SourcedSpec& described : sourced_builtin_devices())
+    std::cout << spec_table(described) << "\n";
+  throw CLI::Success();
 }
 
 }  // namespace
@@ -40,91 +47,112 @@ std::variant<ClientOptions, int> parse_options(int argc, char** argv) {
   });
   app.set_version_flag(
       "--version", [] { return build_info("feltwire-client"); },
-      "Say version, commit, compiler and kind of build");
+      "Print version, commit, compiler and kind of build");
   app.add_option("--connect", words.connect,
                  "HOST:PORT of the server's control port; IPv6 as [::1]:PORT")
       ->required();
   add_credential_options(app, words.credentials);
   app.add_flag("--list", options.list, "List the server's scenes and end");
   app.add_flag("--check", options.check,
-               "Ten seconds with a simulated hand that touches nothing: is this machine, and the "
-               "network, fit for a session? (docs/troubleshooting.md)");
+               "Run for ten seconds with a simulated hand that touches nothing, and say whether "
+               "this machine and the network are fit for a session (docs/troubleshooting.md)");
   app.add_option("--scene", words.scene, "Name of the scene to join");
   app.add_option("--tool", options.tool,
-                 "Name of the tool to hold, of those that the scene has; its first when not given");
+                 "Name of the scene's tool to hold. When not given: the scene's first tool");
   app.add_option("--role", words.role,
-                 "operator, or observer: feels nothing, moves nothing and is shown the scene; what "
-                 "the token is for")
+                 "operator, or observer: an observer is shown the scene, feels nothing and moves "
+                 "nothing. The token must allow the role")
       ->capture_default_str();
-  app.add_option("--device", words.device,
-                 "simulated, or replay:FILE.csv (columns t,x,y,z and optionally qw,qx,qy,qz)")
+  app.add_option("--device", words.device, "KIND or KIND:NAME. " + driver_choices())
       ->capture_default_str();
+  app.add_option("--lead", words.lead,
+                 "[s] Lead the scene's robot and feel what it touches (docs/teleoperation.md). The "
+                 "simulated hand holds its enabling switch from this time on, 0.2 or later");
   app.add_option("--duration", options.duration,
-                 "[s] how long; 0 runs until stopped or the recording is over")
+                 "[s] Length of the run. 0: until it is stopped or the recording is over")
       ->capture_default_str();
   app.add_option("--report", words.report,
-                 "FILE.json that gets the run's numbers (docs/devices.md)");
+                 "FILE.json for the numbers of the run (docs/devices.md)");
   app.add_option("--record", words.record,
-                 "FILE.csv or FILE.mcap that gets every tick (docs/recording.md)");
+                 "FILE.csv or FILE.mcap for a recording of every tick (docs/recording.md)");
   app.add_option("--record-max-mib", words.record_limits.mebibytes,
-                 "[MiB] of each file of an MCAP recording; the files are FILE-0001.mcap and so on");
+                 "[MiB] Largest size of one file of an MCAP recording. Then the next file begins: "
+                 "FILE-0001.mcap, FILE-0002.mcap");
   app.add_option("--record-max-seconds", words.record_limits.seconds,
-                 "[s] that each file of an MCAP recording lasts, likewise");
+                 "[s] Longest time in one file of an MCAP recording. Then the next file begins");
   app.add_option("--flight-recorder", words.flight_recorder,
-                 "Folder that gets the last ten seconds where the run ends with an error, or its "
-                 "account was overdrawn");
-  app.add_option("--view", words.view,
-                 "FILE.csv that gets what an observer sees (docs/devices.md)");
+                 "Folder for a recording of the last ten seconds. It is written when the run ends "
+                 "with an error, when its account was overdrawn, and at SIGUSR1");
+  app.add_option("--view", words.view, "FILE.csv for what an observer sees (docs/devices.md)");
   app.add_option("--link", words.link,
-                 "Try a bad network: a profile, e.g. wifi, or e.g. delay=25,jitter=5,loss=10 (see "
-                 "below)");
-  app.footer(link_help() +
-             "\nCommands, with a --help of their own:\n"
-             "  admin   look at a server that runs, and change it (docs/admin.md)");
+                 "Emulate a bad network: a profile, as wifi, or numbers, as "
+                 "delay=25,jitter=5,loss=10 (see below)");
+  app.footer(
+      link_help() +
+      "\nCommands, each with its own --help:\n"
+      "  admin      look at a server that runs, and change it (docs/admin.md)\n"
+      "  devices    list the devices that are plugged in, and their problems (docs/devices.md)\n"
+      "  identify   measure a device's damping, friction and mass (docs/devices.md)");
+  app.add_flag("--fixed", words.fixed,
+               "Do not let an admin of the server change the law or the emulated link of this "
+               "client while it runs (docs/admin.md)");
   app.add_option("--dscp", words.dscp,
-                 "Mark of the datagrams for the network: cs0 to cs7, af11 to af43, ef, va or 0 to "
-                 "63 (the server marks its own)")
+                 "DSCP mark of the datagrams: cs0 to cs7, af11 to af43, ef, va or 0 to 63. The "
+                 "server sets its own")
       ->capture_default_str();
-  app.add_option("--name", options.name, "What the server calls this client")
+  app.add_option("--name", options.name, "Name of this client in the server")
       ->capture_default_str();
 
   app.add_option("--reconnect", options.patience,
-                 "[s] to look for a lost session, or a new one, before giving up; 0: not at all")
+                 "[s] How long to look for a lost session, or a new one, before the client gives "
+                 "up. 0: do not look")
       ->capture_default_str();
 
   app.add_option("--busy-poll", options.busy_poll,
-                 "[us] to look busily for the reply, and for the next deadline, instead of "
-                 "sleeping; inf: never sleep, which takes a core")
+                 "[us] Before a reply or a deadline, poll for this long and do not sleep. inf: "
+                 "never sleep, which takes a whole core")
       ->capture_default_str();
 
   const auto session = "Session";
-  app.add_option("--spec", words.spec,
-                 "The device's specification: " +
-                     choices(builtin_devices(), "|", &DeviceSpec::name) + ", or FILE.json")
-      ->capture_default_str()
+  app.add_option(
+         "--spec", words.spec,
+         "The device's specification: " + choices(builtin_devices(), "|", &DeviceSpec::name) +
+             ", or FILE.json. When not given: what the device itself says, else the specification "
+             "of its kind")
       ->group(session);
+  app.add_option("--damping", words.damping,
+                 "[N s/m] Damping of the device, in place of the specification's: B, or BX,BY,BZ")
+      ->delimiter(',')
+      ->group(session);
+  app.add_option("--mass", words.mass,
+                 "[kg] Mass that the device's handle has at least, in every direction, in place of "
+                 "the specification's")
+      ->group(session);
+  app.add_flag_callback("--list-specs", list_specs,
+                        "Print the built-in specifications, each number with its source, and end");
   app.add_option("--mode", words.mode,
                  "Energy bound: " + bounding_method_choices() +
                      ". When not given: " + std::string(kSessionMethod) +
-                     ", with --bounding server or both " + std::string(kDefaultMethod))
+                     "; with --bounding server or both: " + std::string(kDefaultMethod))
       ->group(session);
-  app.add_option("--projection", words.projection, "Of contact_frame: " + choices(kProjectionNames))
+  app.add_option("--projection", words.projection,
+                 "For contact_frame: " + choices(kProjectionNames))
       ->capture_default_str()
       ->group(session);
-  app.add_option("--storage", words.storage, "Of contact_frame: " + choices(kStorageNames))
+  app.add_option("--storage", words.storage, "For contact_frame: " + choices(kStorageNames))
       ->capture_default_str()
       ->group(session);
   app.add_option("--reference", words.reference,
-                 "Of passivity_control*: " + choices(kPassivityReferenceNames))
+                 "For passivity_control*: " + choices(kPassivityReferenceNames))
       ->capture_default_str()
       ->group(session);
   app.add_option("--coupling-stiffness", parameters.coupling_stiffness,
-                 "[N/m] of virtual_coupling; the stiffest that is passive when not given")
+                 "[N/m] For virtual_coupling. When not given: the stiffest that is passive")
       ->group(session);
   app.add_option("--coupling-damping", parameters.coupling_damping,
-                 "[N s/m] of virtual_coupling; all that is allowed when not given")
+                 "[N s/m] For virtual_coupling. When not given: all that is allowed")
       ->group(session);
-  app.add_option("--tool-mass", parameters.tool_mass, "[kg] of virtual_coupling's tool")
+  app.add_option("--tool-mass", parameters.tool_mass, "[kg] For virtual_coupling: mass of its tool")
       ->capture_default_str()
       ->group(session);
   app.add_option("--bounding", words.side,
@@ -132,124 +160,138 @@ std::variant<ClientOptions, int> parse_options(int argc, char** argv) {
                      "; client when not given (virtual_coupling and passivity_control_parallel: "
                      "server)")
       ->group(session);
-  app.add_option("--rate", words.rate, "[Hz] of the servo loop")
+  app.add_option("--rate", words.rate,
+                 "[Hz] Rate of the servo loop, where the device does not set the pace")
       ->capture_default_str()
       ->group(session);
-  app.add_option("--redundancy", parameters.redundancy, "Earlier samples repeated in each datagram")
+  app.add_option("--redundancy", parameters.redundancy,
+                 "Number of earlier samples that each datagram repeats")
       ->capture_default_str()
       ->group(session);
   app.add_option("--operator-damping", parameters.operator_damping,
-                 "[N s/m] that the operator's hand is known to add: the bound counts on it, the "
-                 "account behind it never does")
+                 "[N s/m] Damping that the operator's hand is known to add. The bound counts on "
+                 "it; the account behind the bound never does")
       ->capture_default_str()
       ->group(session);
-  app.add_option("--hold-time", parameters.hold_time,
-                 "[s] a command older than half of it fades, at all of it it is zero")
+  app.add_option(
+         "--hold-time", parameters.hold_time,
+         "[s] A command that is older than half of this time fades. At the full time it is zero")
       ->capture_default_str()
       ->group(session);
   app.add_flag_function(
          "--local-model,!--no-local-model",
          [&words](std::int64_t times) { words.local_model = times > 0; },
-         "Replies bring the surfaces near the tool, and this side renders them at its own rate "
-         "(docs/network.md); not with --bounding server. When not given: with the modes that shape")
+         "Ask for a local model: replies bring the surfaces near the tool, and the client renders "
+         "them at its own rate (docs/network.md). Not with --bounding server. When not given: only "
+         "with the modes that shape")
       ->group(session);
 
   const auto traffic = "Traffic (docs/network.md)";
   app.add_option("--profile", words.profile,
-                 "Of the line to the server, " + network_profile_names() +
-                     ": how often what travels (docs/lab/trade.md); options given beside it win")
+                 "Kind of line to the server, " + network_profile_names() +
+                     ": it sets the options of the traffic (docs/lab/trade.md). Options of the "
+                     "command line override it")
+      ->group(traffic);
+  app.add_option("--packet-rate", words.packet_rate,
+                 "[Hz] Datagrams to the server, at most --rate. The interval is a whole number of "
+                 "servo ticks. When not given: one datagram a tick")
       ->group(traffic);
   app.add_option(
-         "--packet-rate", words.packet_rate,
-         "[Hz] of datagrams to the server, at most --rate, in whole servo ticks; a datagram a "
-         "tick when not given")
-      ->group(traffic);
-  app.add_option("--batch", parameters.batch,
-                 "Samples of each datagram, evenly spaced; with the redundancy at most 9")
+         "--batch", parameters.batch,
+         "Samples in each datagram, evenly spaced. Batch and redundancy are together at most 9")
       ->capture_default_str()
       ->group(traffic);
   app.add_option("--position-deadband", words.position_deadband_percent,
-                 "[%] 0 to 50: send only what makes more than this difference to the force; 0: all")
+                 "[%] 0 to 50: send a sample only where it changes the force by more than this. 0: "
+                 "send all")
       ->capture_default_str()
       ->group(traffic);
   app.add_option("--force-deadband", words.force_deadband_percent,
-                 "[%] 0 to 50: be answered only when the force is off by more than this; 0: always")
+                 "[%] 0 to 50: the server answers only where the force has changed by more than "
+                 "this. 0: it answers always")
       ->capture_default_str()
       ->group(traffic);
   app.add_option("--predictor", words.predictor,
-                 "What it is off from: " + choices(kPredictorNames) +
-                     ", the value sent last or the line through it")
+                 "What a deadband compares with: " + choices(kPredictorNames) +
+                     ", the value sent last, or the line through the values sent last")
       ->capture_default_str()
       ->group(traffic);
-  app.add_option("--keep-alive", parameters.keep_alive, "[s] longest silence of either deadband")
+  app.add_option("--keep-alive", parameters.keep_alive, "[s] Longest silence of either deadband")
       ->capture_default_str()
       ->group(traffic);
 
   std::vector<std::string_view> reducible;
   for (const BoundingMethod* method : bounding_methods())
     if (method->admits_reduction) reducible.push_back(method->name);
-  const std::string safety =
-      "Safety (--slew, --ramp-up, --velocity-limit: of the modes " + choices(reducible, ", ") + ")";
+  const std::string safety = "Safety (--slew, --ramp-up, --velocity-limit: for the modes " +
+                             choices(reducible, ", ") + ")";
   // Their usual values depend on the mode, so the help names them in words.
   const SafetyLimits usual = protect_hand({}).safety;
   SessionParameters unbounded;
   unbounded.mode = kUnbounded;
-  app.add_option(
-         "--wait-for-small-force", words.wait_for_small_force,
-         "[N] until the scene has once asked for no more, only force beyond its smallest so "
-         "far; inf: at once; usually " +
-             short_text(usual.force.small))
+  app.add_option("--wait-for-small-force", words.wait_for_small_force,
+                 "[N] Safety at the start: until the scene has asked for no more than this force "
+                 "once, only the part above its smallest force so far is felt. inf: off. Usually " +
+                     short_text(usual.force.small))
       ->group(safety);
   app.add_option("--ramp-up", words.ramp_up,
-                 "[s] from the first contact to the full force; usually 0, and " +
+                 "[s] Time from the first contact to the full force. Usually 0, and " +
                      short_text(protect_hand(unbounded).safety.ramp_up) +
                      " where this side does not bound")
       ->group(safety);
   app.add_option("--velocity-limit", words.velocity_limit,
-                 "[m/s] a faster device loses its force, all of it at twice this; inf: never; "
-                 "usually " +
+                 "[m/s] Above this speed the force falls, to zero at twice the speed. inf: never. "
+                 "Usually " +
                      short_text(usual.force.speed))
       ->group(safety);
   app.add_option("--slew", options.servo.safety.force.slew,
-                 "[N/s] limit on how fast the force may rise; none when not given")
+                 "[N/s] Limit of how fast the force may rise. When not given: none")
       ->group(safety);
   app.add_option("--max-force", options.servo.safety.force.max,
-                 "[N] where less than the device's own is wanted")
+                 "[N] Limit of the force, where it shall be less than the device's own")
       ->group(safety);
-  app.add_flag(
-         "--learn-hand-force", options.servo.learns_hand_force,
-         "The account counts on the largest force from outside that it saw lately, and a half "
-         "more, where that is less than the device's hand_force")
+  app.add_flag("--learn-hand-force", options.servo.learns_hand_force,
+               "Let the account count on 1.5 times the largest hand force that it saw lately, "
+               "where that is less than the device's hand_force")
       ->group(safety);
 
   const auto hand = "Simulated hand";
-  app.add_option("--path", words.path, "What it does: " + choices(kHandPathNames))
+  app.add_option("--path", words.path, "Movement of the hand: " + choices(kHandPathNames))
       ->capture_default_str()
       ->group(hand);
-  app.add_option(
-         "--center", words.center,
-         "X,Y,Z [m] the surface point (orbit: centre of the circle); default: where the scene "
-         "says, else the origin")
+  app.add_option("--wrist", words.wrist,
+                 "Turning of the hand, where --spec senses rotation: " + choices(kWristPathNames))
+      ->capture_default_str()
+      ->group(hand);
+  app.add_option("--wrist-angle", words.wrist_angle, "[rad] How far the hand turns")
+      ->capture_default_str()
+      ->group(hand);
+  app.add_option("--center", words.center,
+                 "X,Y,Z [m] The point on the surface (orbit: centre of the circle). When not "
+                 "given: as the scene says, else 0,0,0")
       ->delimiter(',')
       ->group(hand);
   app.add_option(
          "--normal", words.normal,
-         "X,Y,Z outward normal of the surface there; default: as the scene says, else 0,0,1")
+         "X,Y,Z Outward normal of the surface there. When not given: as the scene says, else 0,0,1")
       ->delimiter(',')
       ->group(hand);
-  app.add_option("--radius", task.radius, "[m] amplitude along the surface")
+  app.add_option("--radius", task.radius, "[m] Amplitude of the movement along the surface")
       ->capture_default_str()
       ->group(hand);
-  app.add_option("--frequency", task.frequency, "[Hz] of the movement")
+  app.add_option("--frequency", task.frequency, "[Hz] Frequency of the movement")
       ->capture_default_str()
       ->group(hand);
-  app.add_option("--depth", task.depth, "[m] how far below the surface it means to be")
+  app.add_option("--depth", task.depth, "[m] How far below the surface the hand means to be")
       ->capture_default_str()
       ->group(hand);
-  app.add_option("--tremor", task.tremor, "[m] RMS an axis, 8 to 12 Hz")
+  app.add_option("--lead-in", task.lead_in, "[s] Time until the hand reaches its depth")
       ->capture_default_str()
       ->group(hand);
-  app.add_option("--seed", task.seed, "Of the tremor")->capture_default_str()->group(hand);
+  app.add_option("--tremor", task.tremor, "[m] RMS of the tremor on each axis, 8 to 12 Hz")
+      ->capture_default_str()
+      ->group(hand);
+  app.add_option("--seed", task.seed, "Seed of the tremor")->capture_default_str()->group(hand);
 
   read_environment(app);
   try {

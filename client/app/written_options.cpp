@@ -2,9 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <stdexcept>
+#include <utility>
 
 #include "client/run/output_files.hpp"
+#include "core/base/units.hpp"
 #include "core/device/device_file.hpp"
 #include "protocol/net/busy_poll.hpp"
 #include "protocol/net/udp_socket.hpp"
@@ -14,7 +17,6 @@ namespace feltwire {
 namespace {
 
 constexpr double kLongestDuration = 1e7;  // [s] some four months
-constexpr std::string_view kReplay = "replay:";
 
 Vec3 vector(const std::array<double, 3>& v) { return {v[0], v[1], v[2]}; }
 
@@ -49,9 +51,8 @@ std::optional<double> packet_rate(const WrittenOptions& words, Role role) {
 /// How often what travels. Throws std::invalid_argument.
 void choose_traffic(const WrittenOptions& words, std::optional<double> rate,
                     SessionParameters& parameters) {
-  constexpr double kPercent = 0.01;
-  parameters.position_deadband = kPercent * words.position_deadband_percent;
-  parameters.force_deadband = kPercent * words.force_deadband_percent;
+  parameters.position_deadband = words.position_deadband_percent / kPercent;
+  parameters.force_deadband = words.force_deadband_percent / kPercent;
   parameters.predictor = predictor(words.predictor);
   if (!rate) return;
   require(*rate > 0.0 && *rate <= words.rate,
@@ -94,8 +95,8 @@ std::vector<NamedFile> written_files(const WrittenOptions& words) {
 
 std::vector<NamedFile> read_files(const WrittenOptions& words) {
   const CredentialOptions& c = words.credentials;
-  const bool replays = words.device.starts_with(kReplay);
-  return named({{"--device", replays ? words.device.substr(kReplay.size()) : std::string()},
+  const DriverChoice device = chosen_driver(words.device);
+  return named({{"--device", device.driver->names_file ? device.name : std::string()},
                 {"--fingerprint-file", c.fingerprint_file},
                 {"--ca", c.ca},
                 {"--certificate", c.certificate},
@@ -114,6 +115,37 @@ void choose_recording(const WrittenOptions& words, ClientOptions& options) {
       "--record-max-mib and --record-max-seconds are of MCAP recordings; give --record FILE.mcap");
 }
 
+Damping damping(const std::vector<double>& numbers) {
+  require(numbers.size() == 1 || numbers.size() == 3,
+          "--damping must be one number [N s/m], or three along x, y and z: BX,BY,BZ");
+  return numbers.size() == 1 ? Damping(numbers[0])
+                             : Damping(Vec3(numbers[0], numbers[1], numbers[2]));
+}
+
+/// Which driver is asked for what. `task`: of the simulated hand. Throws std::invalid_argument.
+void choose_device(const WrittenOptions& words, HandTask task, ClientOptions& options) {
+  DriverChoice chosen = chosen_driver(words.device);
+  task.path = options.check ? HandPath::press : hand_path(words.path);
+  if (words.center) task.center = vector(*words.center);
+  if (words.normal) set_normal(task, vector(*words.normal));
+  require(std::abs(words.wrist_angle) < std::numbers::pi,
+          "--wrist-angle must be less than pi [rad]");
+  const WristTask wrist = {options.check ? WristPath::still : wrist_path(words.wrist),
+                           words.wrist_angle};
+  options.device_kind = words.device;
+  options.driver = chosen.driver;
+  options.device = {.name = std::move(chosen.name),
+                    .spec = {words.spec, {}, words.mass},
+                    .task = task,
+                    .wrist = wrist,
+                    .own_center = words.center.has_value(),
+                    .own_normal = words.normal.has_value(),
+                    .leads_from = words.lead};
+  if (words.damping) options.device.spec.damping = damping(*words.damping);
+  // Checks the spec before the device is opened, so that its error comes first.
+  requested_spec(options.device.spec, chosen.driver->spec);
+}
+
 /// Throws std::invalid_argument where the server would refuse the name without saying which.
 void check_name(const char* option, const std::string& name) {
   if (name.size() <= control::kMaxName) return;
@@ -122,10 +154,21 @@ void check_name(const char* option, const std::string& name) {
                               std::to_string(control::kMaxName) + " can be sent");
 }
 
+/// A robot's energy is believed by programs that know their robot, never by this one.
+void choose_lead(const WrittenOptions& words, ClientOptions& options) {
+  if (!words.lead) return;
+  constexpr double kShownReleased = 0.2;  // [s] the server wants to see the switch released first
+  require(*words.lead >= kShownReleased && *words.lead <= kLongestDuration,
+          "--lead must be from 0.2 to 1e7 s: the switch must be seen released first");
+  require(options.role != Role::observer, "--lead is not for observers; leave out --role");
+  require(options.parameters.local_model,
+          "--lead needs the local model; leave out --no-local-model");
+  options.servo.leads = RemoteTrust{.per_contact = 0.0, .power = 0.0};
+}
+
 }  // namespace
 
 void begin_with(const NetworkProfile& line, WrittenOptions& words, SessionParameters& parameters) {
-  constexpr double kPercent = 100.0;
   parameters = {};
   parameters.mode = words.mode.empty() ? kSessionMethod : bounding_method(words.mode).name;
   parameters.servo_period = period_of(words);
@@ -153,7 +196,8 @@ void understand(const WrittenOptions& words, HandTask task, ClientOptions& optio
           "--busy-poll must be from 0 to 1e6 us, or inf: never sleep");
 
   options.role = role(words.role);
-  require(options.role != Role::admin, "--role must be operator, pointer or observer");
+  require(options.role != Role::admin && options.role != Role::follower,
+          "--role must be operator, pointer or observer");
   require(words.view.empty() || options.role == Role::observer,
           "--view is of observers; give --role observer, too");
   choose_bound(words, options.parameters);
@@ -161,6 +205,7 @@ void understand(const WrittenOptions& words, HandTask task, ClientOptions& optio
   choose_traffic(words, packet_rate(words, options.role), options.parameters);
   validate(options.parameters);
   choose_safety(words, options);
+  choose_lead(words, options);
   validate(options.servo, options.parameters);
 
   if (options.check) {
@@ -170,21 +215,7 @@ void understand(const WrittenOptions& words, HandTask task, ClientOptions& optio
     if (options.duration == 0.0) options.duration = kUsual;
     task.depth = -task.clearance;  // it touches nothing
   }
-  options.spec = device_spec(words.spec);
-  options.device_kind = words.device;
-  if (words.device == "simulated") {
-    task.path = options.check ? HandPath::press : hand_path(words.path);
-    if (words.center) task.center = vector(*words.center);
-    if (words.normal) set_normal(task, vector(*words.normal));
-    options.center_given = words.center.has_value();
-    options.normal_given = words.normal.has_value();
-    options.device = task;
-  } else if (words.device.starts_with(kReplay) && words.device.size() > kReplay.size()) {
-    options.device = ReplayFile{words.device.substr(kReplay.size())};
-  } else {
-    throw std::invalid_argument("unknown device '" + words.device +
-                                "'; use simulated or replay:FILE.csv");
-  }
+  choose_device(words, task, options);
   if (!words.report.empty()) options.report = words.report;
   if (!words.record.empty()) options.record = words.record;
   choose_recording(words, options);
@@ -193,6 +224,9 @@ void understand(const WrittenOptions& words, HandTask task, ClientOptions& optio
   require_different(written_files(words), read_files(words));
   options.dscp = dscp(words.dscp);
   if (!words.link.empty()) options.link = parse_link(words.link);
+  if (words.fixed) return;
+  options.takes = {.laws = options.driver->held_by_person ? LawsTaken::safe : LawsTaken::any,
+                   .link = options.link.has_value()};
 }
 
 }  // namespace feltwire

@@ -4,24 +4,30 @@
 #include <array>
 #include <optional>
 #include <string>
+#include <vector>
 
-#include "client/app/credential_options.hpp"
 #include "client/app/options.hpp"
+#include "client/command_line/credential_options.hpp"
 #include "protocol/session/profiles.hpp"
 
 namespace feltwire {
 
 /// The command line as it is written, before its words are understood.
 struct WrittenOptions {
-  std::string connect, scene, device = "simulated", spec = "simulated";
+  std::string connect, scene, device = "simulated", spec;
   std::string mode, projection = std::string(name(SessionParameters{}.projection)),
-                    storage = "minimal", reference = "zero", side, path = "press",
+                    storage = "minimal", reference = "zero", side, path = "press", wrist = "still",
                     predictor = "level";
+  double wrist_angle = WristTask{}.angle;  // [rad]
+  std::optional<std::vector<double>> damping;
+  std::optional<double> mass;
   std::optional<bool> local_model;
+  bool fixed = false;
   double rate = 1000.0;
   std::optional<double> packet_rate;  // [Hz]
   double position_deadband_percent = 0.0, force_deadband_percent = 0.0;
   std::optional<std::array<double, 3>> center, normal;
+  std::optional<double> lead;  // [s]
   std::optional<double> wait_for_small_force, ramp_up, velocity_limit;
   std::string report, record, view, flight_recorder, link, profile, dscp = "cs0", role = "operator";
   RecordingLimits record_limits;

@@ -1,21 +1,34 @@
 #pragma once
 // The interface of a haptic device. Implement it to attach one (docs/devices.md).
 
+#include <optional>
+
 #include "core/base/types.hpp"
 #include "core/device/device_spec.hpp"
 #include "protocol/wire/datagram.hpp"
 
 namespace feltwire {
 
-/// What read() returns.
+/// A reading of a device.
 struct DeviceReading {
   Pose pose;           // of the tool, world frame
   bool ok = true;      // false: the device has a fault; the servo gives zero force and reports it
   bool ended = false;  // no more readings will come (a recording is over)
+  /// The enabling switch that lets the hand move a robot is held (docs/teleoperation.md).
+  bool deadman = false;
+  /// [m] the opening that the robot's gripper shall have, where the hand has a lever for it.
+  std::optional<double> gripper{};
+  /// False: the device has nothing newer than the last reading, and `pose` is not looked at. The
+  /// servo makes no tick of it: the force goes on being held, and write() is not called.
+  bool fresh = true;
+  /// The mean force on the hand since the last fresh reading, where the device knows that it was
+  /// another than write() gave it: it took the force up late, or cut it. Absent: as write() gave.
+  std::optional<Command> held{};
 };
 
 /// A haptic device. The servo thread calls read() and then write(), once each tick; no other thread
-/// calls them. Neither may block, allocate or throw.
+/// calls them. Neither may block, allocate or throw. The tick is the servo's own, or that of a
+/// device which sets the pace: then await_tick() comes before read(), and may block.
 class Device {
  public:
   virtual ~Device() = default;
@@ -28,13 +41,22 @@ class Device {
   /// run does not begin.
   virtual void begin(const Vec3& /*position*/, const Vec3& /*normal*/) {}
 
+  /// The longest time between two ticks that a device which sets the pace guarantees: the session's
+  /// servo period T. Zero: it sets no pace, and the servo's own timer does. It must not change.
+  virtual Nanoseconds longest_tick() const { return Nanoseconds(0); }
+
+  /// Waits for the next tick of a device that sets the pace, until `latest` (a monotonic time) at
+  /// most. False: none came by then, or none can come; the servo takes the force off.
+  virtual bool await_tick(Nanoseconds /*latest*/) noexcept { return false; }
+
   /// Returns where the tool is at `now`, a monotonic time. A simulated device moves up to that
   /// time.
   virtual DeviceReading read(Nanoseconds now) noexcept = 0;
 
   /// Holds this command on the hand until the next write(). It is within the spec's limits already.
-  /// Returns the command that is really held, which may be less (a fault, an amplifier's limit).
-  /// Only that is accounted.
+  /// Returns the command that is really held, which may be less (a fault, an amplifier's limit) or
+  /// still the one before (a force that comes too late for this tick). Only that is accounted,
+  /// unless the next reading says what was held instead.
   virtual Command write(const Command& on_hand) noexcept = 0;
 
   /// Takes the force off the hand for good. Later calls of write() must hold nothing. It is called

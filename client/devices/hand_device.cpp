@@ -9,14 +9,55 @@ namespace {
 
 constexpr double kLongestStep = 20e-6;  // [s]
 
+/// The velocity after a step of friction that can change it by `most` at most, axis by axis.
+void rub(Vec3& velocity, double most) noexcept {
+  for (double& v : velocity) v = std::abs(v) > most ? v - std::copysign(most, v) : 0.0;
+}
+
+/// One step of velocity under damping that is implicit. `scale` and `solve` are
+/// (1 + h/m B)^-1, as a number where it is one.
+struct ImplicitDamping {
+  ImplicitDamping(Damping device, double hand, double step_over_mass) {
+    device += hand;
+    isotropic = device.isotropic();
+    scale = 1.0 / (1.0 + step_over_mass * device.least());
+    solve = (Mat3::Identity() + step_over_mass * device.matrix()).inverse();
+  }
+  Vec3 operator()(const Vec3& driven) const noexcept {
+    return isotropic ? Vec3(scale * driven) : Vec3(solve * driven);
+  }
+  bool isotropic;
+  double scale;
+  Mat3 solve;
+};
+
+/// Scales `v` down to a length of `most`; returns by how much.
+double share_within(const Vec3& v, double most) noexcept {
+  const double length = v.norm();
+  return most > 0.0 && length > most ? most / length : 1.0;
+}
+
 }  // namespace
 
-HandDevice::HandDevice(const DeviceSpec& spec, const Hand& hand) : spec_(spec), hand_(hand) {
+Hand with_wrist(Hand hand) {
+  constexpr double kSquared = kWristArm * kWristArm;
+  hand.inertia = kSquared * hand.mass;
+  hand.rotational_damping = kSquared * hand.damping;
+  hand.rotational_stiffness = kSquared * hand.stiffness;
+  return hand;
+}
+
+HandDevice::HandDevice(const DeviceSpec& spec, const Hand& hand)
+    : spec_(spec),
+      hand_(hand),
+      turns_(spec.rotation_sensed > 0 && spec.apparent_inertia + hand.inertia > 0.0) {
   validate(spec_);
   const auto usable = [](double v) { return std::isfinite(v) && v >= 0.0; };
-  if (!usable(hand.mass) || !usable(hand.damping) || !usable(hand.stiffness))
+  if (!usable(hand.mass) || !usable(hand.damping) || !usable(hand.stiffness) ||
+      !usable(hand.inertia) || !usable(hand.rotational_damping) ||
+      !usable(hand.rotational_stiffness))
     throw std::invalid_argument(
-        "the hand's mass, damping and stiffness must be finite and not negative");
+        "the hand's mass, inertia, damping and stiffness must be finite and not negative");
   if (!(spec_.apparent_mass + hand.mass > 0.0))
     throw std::invalid_argument("device and hand together must have a mass above zero [kg]");
 }
@@ -37,53 +78,88 @@ DeviceReading HandDevice::read(Nanoseconds now) noexcept {
   for (int i = 0; i < 3; ++i)
     reading.pose.position[i] =
         quantum > 0.0 ? std::round(position_[i] / quantum) * quantum : position_[i];
+  if (turns_) reading.pose.orientation = measured_orientation();
   return reading;
+}
+
+/// Turns about two axes do not commute, so that a second round takes up what the first left of a
+/// long one.
+Quaternion HandDevice::measured_orientation() noexcept {
+  const double quantum = spec_.rotational_resolution;
+  if (!(quantum > 0.0)) return orientation_;
+  constexpr int kRounds = 4;
+  for (int i = 0; i < kRounds; ++i) {
+    const Vec3 quanta = (rotation_between(measured_, orientation_) / quantum).array().round();
+    if (quanta.isZero(0.0)) break;
+    measured_ = turned(measured_, quantum * quanta);
+  }
+  return measured_;
 }
 
 Command HandDevice::write(const Command& on_hand) noexcept {
   Command held = actuated(spec_, on_hand);
   if (released_.load() || !held.finite())
     held = {};  // an amplifier that gets nonsense gives nothing
-  const double magnitude = held.force().norm();
-  const double limit = spec_.max_force;
-  if (limit > 0.0 && magnitude > limit) {
-    held.elastic *= limit / magnitude;
-    held.frictional *= limit / magnitude;
+  const double share = share_within(held.force(), spec_.max_force);
+  if (share < 1.0) {
+    held.elastic *= share;
+    held.frictional *= share;
   }
+  held.torque *= share_within(held.torque, spec_.max_torque);
   force_ = held.force();
+  torque_ = held.torque;
   return held;
 }
 
 void HandDevice::integrate(double until) noexcept {
   const double span = until - time_;
   if (!(span > 0.0)) return;
-  if (released_.load()) force_ = Vec3::Zero();
+  if (released_.load()) force_ = torque_ = Vec3::Zero();
   const int steps = std::max(1, static_cast<int>(std::ceil(span / kLongestStep)));
-  const double h = span / steps;
+  move(until, span, steps);
+  if (turns_) turn(until, span, steps);
+  time_ = until;
+}
 
-  // Within one reading the intended motion is straight: it has nothing above some 12 Hz.
+/// Within one reading the intended motion is straight: it has nothing above some 12 Hz.
+void HandDevice::move(double until, double span, int steps) noexcept {
+  const double h = span / steps;
   Vec3 target = intended(until);
   if (spec_.translation_dof == 2) target.z() = 0.0;
   const Vec3 intended_velocity = (target - intended_) / span;
 
   const double mass = spec_.apparent_mass + hand_.mass;
-  Damping damping = spec_.damping;
-  damping += hand_.damping;
-  const double scale = 1.0 / (1.0 + h / mass * damping.least());
-  const Mat3 solve = (Mat3::Identity() + h / mass * damping.matrix()).inverse();
+  const ImplicitDamping damped(spec_.damping, hand_.damping, h / mass);
   const double friction_impulse = spec_.coulomb_friction * h / mass;  // [m/s] at most, a step
   for (int i = 0; i < steps; ++i) {
     intended_ += h * intended_velocity;
     const Vec3 pull =
         hand_.stiffness * (intended_ - position_) + hand_.damping * intended_velocity + force_;
-    const Vec3 driven = velocity_ + h / mass * pull;
-    velocity_ = damping.isotropic() ? Vec3(scale * driven) : Vec3(solve * driven);
-    for (double& v : velocity_)
-      v = std::abs(v) > friction_impulse ? v - std::copysign(friction_impulse, v) : 0.0;
+    velocity_ = damped(velocity_ + h / mass * pull);
+    rub(velocity_, friction_impulse);
     position_ += h * velocity_;
   }
   intended_ = target;
-  time_ = until;
+}
+
+void HandDevice::turn(double until, double span, int steps) noexcept {
+  const double h = span / steps;
+  const Quaternion target = turned(Quaternion::Identity(), intended_turn(until));
+  const Vec3 intended_velocity = rotation_between(intended_orientation_, target) / span;
+
+  const double inertia = spec_.apparent_inertia + hand_.inertia;
+  const ImplicitDamping damped(spec_.rotational_damping, hand_.rotational_damping, h / inertia);
+  const double friction_impulse = spec_.rotational_friction * h / inertia;  // [rad/s] likewise
+  for (int i = 0; i < steps; ++i) {
+    intended_orientation_ = turned(intended_orientation_, h * intended_velocity);
+    const Vec3 pull =
+        hand_.rotational_stiffness * rotation_between(orientation_, intended_orientation_) +
+        hand_.rotational_damping * intended_velocity + torque_;
+    angular_velocity_ = damped(angular_velocity_ + h / inertia * pull);
+    rub(angular_velocity_, friction_impulse);
+    orientation_ = turned(orientation_, h * angular_velocity_);
+  }
+  intended_orientation_ = target;
 }
 
 }  // namespace feltwire

@@ -17,12 +17,12 @@ double uniform(std::uint64_t& state) {
   return static_cast<double>(splitmix::mix(state += splitmix::kStep) >> 11) * 0x1.0p-53;
 }
 
-double smoothstep(double s) {
+}  // namespace
+
+double smoothstep(double s) noexcept {
   s = std::clamp(s, 0.0, 1.0);
   return s * s * (3.0 - 2.0 * s);
 }
-
-}  // namespace
 
 HandPath hand_path(std::string_view given) {
   return chosen_value<HandPath>("path", given, kHandPathNames);

@@ -10,7 +10,8 @@
 namespace feltwire {
 
 enum class HandPath { press, slide, orbit, figure_eight, taps, strike };
-/// What a command line offers: all but strike, whose run-up few workspaces have room for.
+/// The paths that a command line offers: all but strike, as few workspaces have room for its
+/// run-up.
 inline constexpr std::array<std::string_view, 5> kHandPathNames = {"press", "slide", "orbit",
                                                                    "figure-eight", "taps"};
 /// Throws std::invalid_argument naming the choices.
@@ -40,6 +41,9 @@ void set_normal(HandTask& task, const Vec3& normal);
 /// Makes it an orbit round a ball of `radius` [m] about the centre, `depth` below its surface, in
 /// the x-z plane, four seconds a turn.
 void go_round(HandTask& task, double radius);
+
+/// 3 s^2 - 2 s^3 between 0 and 1: how a task comes in.
+double smoothstep(double s) noexcept;
 
 /// press         to `depth`, and stay
 /// slide         press, and move along by radius * sin

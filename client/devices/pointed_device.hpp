@@ -7,7 +7,7 @@
 
 namespace feltwire {
 
-/// What the hand is told.
+/// A message to the hand: go to a target, or let go.
 struct Pointing {
   enum class Kind : std::uint8_t { to, let_go };
   Kind kind = Kind::to;

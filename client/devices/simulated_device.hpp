@@ -1,8 +1,11 @@
 #pragma once
 // A haptic device in a simulated hand that has a task.
 
+#include <optional>
+
 #include "client/devices/hand_device.hpp"
 #include "client/devices/hand_path.hpp"
+#include "client/devices/wrist_path.hpp"
 
 namespace feltwire {
 
@@ -11,7 +14,9 @@ struct SimulatedHandOptions {
       spec;  // mass, damping, Coulomb friction, encoder quantum and maximum force are the device's
   Hand hand;
   HandTask task;
+  WristTask wrist = {};                       // of a device that senses rotation
   bool own_center = true, own_normal = true;  // false: begin() says the task's center, normal
+  std::optional<double> leads_from = {};  // [s] from when on the switch is held that moves a robot
 };
 
 /// The hand means to be where its task is at that time. Deterministic: the same task, forces and
@@ -22,12 +27,20 @@ class SimulatedDevice final : public HandDevice {
   explicit SimulatedDevice(const SimulatedHandOptions& options);
 
   void begin(const Vec3& position, const Vec3& normal) override;
+  DeviceReading read(Nanoseconds now) noexcept override;
 
  private:
-  Vec3 intended(double time) noexcept override { return motion_.position(time); }
+  Vec3 intended(double time) noexcept override {
+    time_ = time;
+    return motion_.position(time);
+  }
+
+  Vec3 intended_turn(double time) noexcept override { return turn_.rotation(time); }
 
   SimulatedHandOptions options_;
   IntendedMotion motion_;
+  IntendedTurn turn_;
+  double time_ = 0.0;  // [s] of the newest reading
 };
 
 }  // namespace feltwire

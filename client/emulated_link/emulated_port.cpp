@@ -13,6 +13,18 @@ void EmulatedPort::send_due() noexcept {
   while (const auto datagram = link_.up.leave(now_)) line_->send(*datagram);
 }
 
+/// What it looks at never changes while the link is in use.
+std::optional<std::string> EmulatedPort::refuses_link(const LinkQuality& link) const {
+  for (const OneWayLink* way : {&link_.up, &link_.down})
+    if (auto no = way->refuses(link)) return no;
+  return std::nullopt;
+}
+
+void EmulatedPort::set_link(const LinkQuality& link) noexcept {
+  link_.up.set(link);
+  link_.down.set(link);
+}
+
 std::string EmulatedPort::report() const { return link_json(link_).dump(); }
 
 void EmulatedPort::pass(Nanoseconds now) noexcept {

@@ -25,6 +25,9 @@ class EmulatedPort final : public DatagramPort {
   bool delays() const noexcept override { return true; }
   void pass(Nanoseconds now) noexcept override;
   std::optional<Nanoseconds> next_due() const noexcept override { return link_.next_due(); }
+  bool emulates() const noexcept override { return true; }
+  std::optional<std::string> refuses_link(const LinkQuality& link) const override;
+  void set_link(const LinkQuality& link) noexcept override;
   int descriptor() const noexcept override { return line_->descriptor(); }
   PortStatistics statistics() const noexcept override { return line_->statistics(); }
   std::string report() const override;

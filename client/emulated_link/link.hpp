@@ -38,6 +38,12 @@ class OneWayLink {
   /// The next datagram that is due by now; its bytes stay until the next enter().
   std::optional<Bytes> leave(Nanoseconds now) noexcept;
 
+  /// Why delay, jitter and loss cannot become these; nothing where they can. The answer is the same
+  /// at any time, and any thread may ask.
+  std::optional<std::string> refuses(const LinkQuality& link) const { return model_.refuses(link); }
+  /// For what enters from now on. Precondition: refuses() refuses nothing.
+  void set(const LinkQuality& link) noexcept { model_.set(link); }
+
   LinkStatistics statistics() const noexcept;
   const LinkOptions& options() const { return model_.options(); }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <stdexcept>
 #include <utility>
 
 #include "core/base/splitmix.hpp"
@@ -37,11 +38,38 @@ double scatter(Jitter distribution, double u, double v) noexcept {
 
 LinkModel::LinkModel(LinkOptions options, std::uint64_t key)
     : options_(std::move(options)), key_(key) {
+  set_chain();
+}
+
+void LinkModel::set_chain() noexcept {
   // Runs of losses are geometric with mean 1 / recover; in balance loss * recover =
   // (1 - loss) * fall_ill. Independent losses are the chain that falls ill as often as it stays so.
   const double loss = options_.loss;
   recover_ = options_.burst > 0.0 ? 1.0 / options_.burst : 1.0 - loss;
   fall_ill_ = loss < 1.0 ? loss * recover_ / (1.0 - loss) : 1.0;
+}
+
+std::optional<std::string> LinkModel::refuses(const LinkQuality& link) const {
+  if (auto no = wrong(link)) return no;
+  LinkOptions next;
+  next.delay = link.delay;
+  next.jitter = link.jitter;
+  next.loss = link.loss;
+  next.burst = options_.burst;
+  next.trace = options_.trace;
+  try {
+    validate(next);
+  } catch (const std::invalid_argument& error) {
+    return error.what();
+  }
+  return std::nullopt;
+}
+
+void LinkModel::set(const LinkQuality& link) noexcept {
+  options_.delay = link.delay;
+  options_.jitter = link.jitter;
+  options_.loss = link.loss;
+  set_chain();
 }
 
 /// On (0, 1), both ends excluded.

@@ -6,6 +6,7 @@
 #include <cstdint>
 
 #include "client/emulated_link/link_options.hpp"
+#include "protocol/session/client_change.hpp"
 #include "protocol/wire/datagram.hpp"
 
 namespace feltwire {
@@ -41,10 +42,17 @@ class LinkModel {
   /// fall from call to call.
   LinkFate next(std::size_t size, Nanoseconds now) noexcept;
 
+  /// Why delay, jitter and loss cannot become these; nothing where they can. Reads only what set()
+  /// leaves as it is.
+  std::optional<std::string> refuses(const LinkQuality& link) const;
+  /// For the next datagrams. Precondition: refuses() refuses nothing.
+  void set(const LinkQuality& link) noexcept;
+
   const LinkOptions& options() const { return options_; }
 
  private:
   double uniform(std::uint64_t draw) const noexcept;
+  void set_chain() noexcept;
   bool next_is_lost() noexcept;
   bool leaves_queue(std::size_t size, Nanoseconds now, Nanoseconds& leaves) noexcept;
   Nanoseconds delay(std::uint64_t draw) const noexcept;

@@ -7,9 +7,11 @@
 #include <array>
 #include <cerrno>
 #include <csignal>
+#include <cstdio>
 #include <system_error>
 
 #include "client/run/status_line.hpp"
+#include "core/base/visible_text.hpp"
 
 namespace feltwire {
 namespace {
@@ -32,11 +34,29 @@ void show(StatusLine& line, const LiveStatus& status, const Records& records) no
   }
 }
 
+/// Says what an admin has changed, or what was refused, and writes it down.
+void tell_of(Changes& changes, StatusLine& line, Records& records,
+             Reconnector& reconnector) noexcept {
+  while (const Changes::Done* done = changes.next()) try {
+      line.end();
+      const bool taken = done->refusal.empty();
+      std::fprintf(stderr, "feltwire-client: an admin changes this session: %s%s%s\n",
+                   visible(done->what).c_str(),
+                   taken ? "" : "; refused: ", visible(done->refusal).c_str());
+      records.note({{"what", done->what},
+                    {"answer", taken ? "taken" : "refused"},
+                    {"refusal", done->refusal}});
+      if (taken && done->prepared.law) reconnector.put_law(changes.law());
+    } catch (const std::exception&) {  // no memory for the text
+    }
+}
+
 }  // namespace
 
-Signals::Signals() {
+Signals::Signals(bool records) {
   sigset_t set;
   sigemptyset(&set);
+  if (records) sigaddset(&set, SIGUSR1);
   for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT}) sigaddset(&set, signal);
   pthread_sigmask(SIG_BLOCK, &set, nullptr);
   descriptor_ = ::signalfd(-1, &set, SFD_NONBLOCK | SFD_CLOEXEC);
@@ -46,16 +66,16 @@ Signals::Signals() {
 
 Signals::~Signals() { ::close(descriptor_); }
 
-bool Signals::take() const noexcept {
-  bool came = false;
+Signals::Taken Signals::take() const noexcept {
+  Taken came;
   signalfd_siginfo signal;
   while (::read(descriptor_, &signal, sizeof signal) == static_cast<ssize_t>(sizeof signal))
-    came = true;
+    (signal.ssi_signo == SIGUSR1 ? came.record : came.end) = true;
   return came;
 }
 
 void attend(const Signals& signals, ServoThread& thread, Ring<LiveStatus>& statuses,
-            Records& records, Reconnector& reconnector) noexcept {
+            Records& records, Changes& changes, Reconnector& reconnector) noexcept {
   StatusLine line;
   bool connected = true;
   std::array<pollfd, 2> waiting{
@@ -63,12 +83,15 @@ void attend(const Signals& signals, ServoThread& thread, Ring<LiveStatus>& statu
   bool running = true;
   while (running) {
     wait(waiting);
-    if (signals.take()) thread.stop();
+    const Signals::Taken came = signals.take();
+    if (came.end) thread.stop();
     running = !thread.over();
     LiveStatus status;
     bool fresh = false;
     while (statuses.pop(status)) fresh = true;
     records.write();
+    if (came.record) records.tell_of_flight_record("asked for");
+    tell_of(changes, line, records, reconnector);
     if (fresh) show(line, status, records);
     if (fresh) connected = status.connected;
     if (running) reconnector.look(connected, Reconnector::Clock::now());

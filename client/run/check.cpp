@@ -7,12 +7,13 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "core/base/units.hpp"
 #include "protocol/wire/datagram.hpp"
 
 namespace feltwire {
 namespace {
 
-constexpr double kNanoseconds = 1e9, kMicroseconds = 1e6, kMilliseconds = 1e3, kPercent = 100.0;
+constexpr double kNanoseconds = 1e9;
 
 std::string text(double value, int digits) {
   std::array<char, 64> text{};
@@ -55,12 +56,10 @@ Finding rate(const RunFigures& run) {
 Finding wakeups(const RunFigures& run) {
   constexpr double kPasses = 0.1, kWorks = 0.5;  // of a servo period
   const double late = run.wakeup_late.quantile(0.99) / kNanoseconds;
-  return found(
-      "late wake-ups", rising(late / run.servo_period, kPasses, kWorks),
-      "99 % of ticks within " + text(kMicroseconds * late, 0) + " us, the worst " +
-          text(static_cast<double>(run.wakeup_late.max()) / (kNanoseconds / kMicroseconds), 0) +
-          " us",
-      kQuietMachine);
+  return found("late wake-ups", rising(late / run.servo_period, kPasses, kWorks),
+               "99 % of ticks within " + text(kMicro * late, 0) + " us, the worst " +
+                   text(static_cast<double>(run.wakeup_late.max()) / kMilli, 0) + " us",
+               kQuietMachine);
 }
 
 Finding permissions(const RunFigures& run) {
@@ -112,17 +111,17 @@ Finding round_trip(const RunFigures& run) {
   constexpr double kPasses = 0.25, kWorks = 0.5;  // of the hold time; then commands fade
   const double p50 = run.round_trip.quantile(0.5) / kNanoseconds;
   const double p99 = run.round_trip.quantile(0.99) / kNanoseconds;
-  return found("round trip", rising(p99 / run.hold_time, kPasses, kWorks),
-               "half within " + text(kMilliseconds * p50, 2) + " ms, 99 % within " +
-                   text(kMilliseconds * p99, 2) + " ms",
-               kLongLine);
+  return found(
+      "round trip", rising(p99 / run.hold_time, kPasses, kWorks),
+      "half within " + text(kMilli * p50, 2) + " ms, 99 % within " + text(kMilli * p99, 2) + " ms",
+      kLongLine);
 }
 
 Finding jitter(const RunFigures& run) {
   constexpr double kWorks = 0.125;  // of the hold time
   const double passes = std::max(run.servo_period, kWorks / 4.0 * run.hold_time);
   return found("jitter", rising(*run.jitter, passes, kWorks * run.hold_time),
-               text(kMilliseconds * *run.jitter, 2) + " ms from one datagram to the next",
+               text(kMilli * *run.jitter, 2) + " ms from one datagram to the next",
                "a cable instead of radio; --dscp, where the network heeds it; --profile wifi");
 }
 

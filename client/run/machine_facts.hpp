@@ -1,5 +1,5 @@
 #pragma once
-// What the system says of this machine that a servo loop depends on.
+// The properties of this machine and of its network path that limit a servo loop.
 
 #include <optional>
 #include <string>

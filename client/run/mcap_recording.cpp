@@ -66,6 +66,13 @@ void McapRecording::write(Ring<TickRecord>& rows) {
   part_->flush();
 }
 
+void McapRecording::note(const std::map<std::string, std::string>& values) {
+  auto noted = values;
+  noted["time"] = std::to_string(monotonic_now().count() + offset_);
+  part_->writer.add(mcap::Metadata{"change", noted});
+  part_->flush();
+}
+
 void McapRecording::finish() {
   part_->writer.finish();
   part_->flush();

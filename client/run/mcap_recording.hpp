@@ -23,6 +23,8 @@ class McapRecording final : public Recorder {
 
   void write(Ring<TickRecord>& rows) override;
   void see(double time, const ObservedScene& scene) override;
+  /// A metadata record, `change`, with the time in nanoseconds since 1970.
+  void note(const std::map<std::string, std::string>& values) override;
   void finish() override;
 
  private:

@@ -33,8 +33,11 @@ class Recorder {
   /// Writes all rows that wait. Throws std::runtime_error when the system takes no more (a full
   /// disk, say).
   virtual void write(Ring<TickRecord>& rows) = 0;
-  /// What an observer sees, at a time [s] since the first tick; where the format has pictures.
+  /// Writes what an observer sees at `time` [s] since the first tick. A format without pictures
+  /// writes nothing.
   virtual void see(double /*time*/, const ObservedScene& /*scene*/) {}
+  /// Something that happened now. A format without room for it writes nothing.
+  virtual void note(const std::map<std::string, std::string>& /*values*/) {}
   /// Waits until all that was written is on the disk. Throws std::runtime_error.
   virtual void finish() = 0;
 };

@@ -63,14 +63,19 @@ std::optional<std::filesystem::path> Records::write_flight_record(
   }
 }
 
+void Records::tell_of_flight_record(const char* reason) noexcept {
+  if (const auto file = write_flight_record(reason))
+    std::fprintf(errors_, "feltwire-client: %s; flight record: %s\n", reason, file->c_str());
+}
+
 void Records::write() noexcept {
   if (recording_ || flight_) write_rows();
-  if (flight_ && flight_->debt()) {
-    const char* reason = "the account was overdrawn";
-    if (const auto file = write_flight_record(reason))
-      std::fprintf(errors_, "feltwire-client: %s; flight record: %s\n", reason, file->c_str());
-  }
+  if (flight_ && flight_->debt()) tell_of_flight_record("the account was overdrawn");
   if (observer_) attempt(view_failed_, [&] { observer_->look(); });
+}
+
+void Records::note(const std::map<std::string, std::string>& values) noexcept {
+  if (recording_) attempt(recording_failed_, [&] { recording_->note(values); });
 }
 
 void Records::finish() noexcept {

@@ -36,10 +36,14 @@ class Records {
   }
 
   void write() noexcept;
+  /// Something that happened now, in the recording where its format has room for it.
+  void note(const std::map<std::string, std::string>& values) noexcept;
   /// The last of it, and until it is on the disk.
   void finish() noexcept;
   /// Writes the last seconds to a file of their own, and says where; empty: there is none.
   std::optional<std::filesystem::path> write_flight_record(const std::string& reason) noexcept;
+  /// The same, and tells the user where.
+  void tell_of_flight_record(const char* reason) noexcept;
   /// A file lacks something.
   bool failed() const { return recording_failed_ || view_failed_; }
 

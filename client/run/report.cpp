@@ -8,6 +8,7 @@
 
 #include "client/transport/encoder.hpp"
 #include "core/base/choice.hpp"
+#include "core/base/units.hpp"
 #include "core/base/visible_text.hpp"
 #include "core/build_info/build_info.hpp"
 
@@ -16,14 +17,13 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double kMicroseconds = 1e-3;  // of nanoseconds
-constexpr double kDegrees = 1e-6;       // of microdegrees
+constexpr double kNanosecond = 1e-3;   // [us]
+constexpr double kMicrodegree = 1e-6;  // [deg]
 
 Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 Json number(const std::optional<double>& value) { return value ? number(*value) : Json(nullptr); }
 
 Json micrometres(const std::optional<double>& metres) {
-  constexpr double kMicro = 1e6;
   return metres ? number(kMicro * *metres) : Json(nullptr);
 }
 
@@ -39,10 +39,10 @@ Json mean_of(const Histogram& h, double scale) {
 }
 
 Json times(const Histogram& h) {
-  return {{"p50", quantile(h, 0.5, kMicroseconds)},
-          {"p99", quantile(h, 0.99, kMicroseconds)},
-          {"p999", quantile(h, 0.999, kMicroseconds)},
-          {"max", max_of(h, kMicroseconds)}};
+  return {{"p50", quantile(h, 0.5, kNanosecond)},
+          {"p99", quantile(h, 0.99, kNanosecond)},
+          {"p999", quantile(h, 0.999, kNanosecond)},
+          {"max", max_of(h, kNanosecond)}};
 }
 
 Json energy(const ChannelEnergy& e) {
@@ -180,7 +180,6 @@ Json no_force(const ServoStatistics& s) {
 
 Json clock(const ClockEstimate& c, Nanoseconds now) {
   if (!c.known()) return nullptr;
-  constexpr double kMicro = 1e6;
   return {{"offset_s", number(c.offset(now))},
           {"error_bound_us", number(kMicro * c.error_bound())},
           {"drift_ppm", number(kMicro * c.drift())},
@@ -190,6 +189,18 @@ Json clock(const ClockEstimate& c, Nanoseconds now) {
           {"jitter_down_us", number(kMicro * c.jitter_down())},
           {"restarts", c.restarts()},
           {"impossible", c.impossible()}};
+}
+
+/// What admins changed, or wanted to, in its order.
+Json changes(const std::deque<Changes::Done>* done) {
+  Json list = Json::array();
+  if (done == nullptr) return list;
+  for (const Changes::Done& change : *done)
+    list.push_back(
+        {{"time_s", change.prepared.taken >= 0.0 ? number(change.prepared.taken) : Json(nullptr)},
+         {"what", visible(change.what)},
+         {"refused", change.refusal.empty() ? Json(nullptr) : Json(visible(change.refusal))}});
+  return list;
 }
 
 Json sight(const std::optional<SightCounts>& seen, const LoopResult& loop) {
@@ -244,9 +255,9 @@ std::string report_json(const RunDescription& run, const Servo& servo,
       {"oscillation_um", micrometres(servo.measures().oscillation())},
       {"displayed_stiffness_n_per_m", number(servo.measures().displayed_stiffness())},
       {"direction_error_deg",
-       {{"mean", mean_of(s.direction_error, kDegrees)},
-        {"p99", quantile(s.direction_error, 0.99, kDegrees)},
-        {"max", max_of(s.direction_error, kDegrees)}}},
+       {{"mean", mean_of(s.direction_error, kMicrodegree)},
+        {"p99", quantile(s.direction_error, 0.99, kMicrodegree)},
+        {"max", max_of(s.direction_error, kMicrodegree)}}},
       {"servo_wakeup_late_us", times(loop.wakeup_late)},
       {"overruns", loop.overruns},
       {"missed_deadlines", loop.missed_deadlines},
@@ -261,6 +272,8 @@ std::string report_json(const RunDescription& run, const Servo& servo,
       {"force_limited_samples", s.force_limited},
       {"refused_samples", s.refused},
       {"device_faults", s.device_faults},
+      {"stale_readings", s.stale_readings},
+      {"forces_corrected", s.forces_corrected},
       {"replies_refused", s.replies_refused},
       {"scene_resets", s.scene_resets},
       {"records_dropped", loop.records_dropped},
@@ -287,6 +300,7 @@ std::string report_json(const RunDescription& run, const Servo& servo,
       {"hand_credit", hand_credit(servo.hand_credit())},
       {"role", run.sight ? name(Role::observer) : name(Role::operator_)},
       {"view", sight(run.sight, loop)},
+      {"changes", changes(run.changes)},
       {"server_last_reply", server(servo)},
   };
   if (loop.end == EndReason::server_goodbye)

@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 
+#include "client/run/changes.hpp"
 #include "client/run/observer_recorder.hpp"
 #include "client/servo/servo.hpp"
 #include "client/servo/servo_loop.hpp"
@@ -19,10 +20,11 @@ struct RunDescription {
   RealTime real_time;
   double scene_stiffness = 0.0;  // [N/m] of the stiffest surface; 0: the server did not say
   double busy_poll = 0.0;        // [us] asked for; infinity: never asleep
-  std::optional<SightCounts> sight = std::nullopt;  // of an observer
-  std::string tool = {};                            // by its name; empty: it has none
-  std::string server_version = {};                  // empty: it did not say
-  std::string check = {};                           // JSON of --check; empty: none was made
+  std::optional<SightCounts> sight = std::nullopt;     // of an observer
+  std::string tool = {};                               // by its name; empty: it has none
+  std::string server_version = {};                     // empty: it did not say
+  std::string check = {};                              // JSON of --check; empty: none was made
+  const std::deque<Changes::Done>* changes = nullptr;  // that admins wanted; null: none could come
 };
 
 /// The report's text. Every number in it is finite; what there is no number for is null. `link`:

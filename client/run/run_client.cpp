@@ -40,8 +40,8 @@ std::string goodbye_error(GoodbyeReason reason) {
   }
 }
 
-/// What ended the run too early; empty: nothing did. `refusal`: the reason, where a new session was
-/// refused for good.
+/// The error that ended the run too early; empty if none did. `refusal` is the server's reason if
+/// it refused a new session for good.
 std::string error_of(const LoopResult& result, const std::string& refusal) {
   switch (result.end) {
     case EndReason::server_goodbye:
@@ -92,6 +92,7 @@ struct Run : ServoTask {
   using ServoTask::ServoTask;
   static constexpr std::size_t kSessionRoom = 4, kStatusRoom = 16;
   std::unique_ptr<Records> records;
+  std::optional<Changes> changes;  // that an admin wants
   Ring<SessionAddress> sessions{kSessionRoom};
   Ring<LiveStatus> statuses{kStatusRoom};
 };
@@ -122,25 +123,31 @@ std::shared_ptr<Run> make_run(const RunOptions& options, const control::JoinAcce
                               std::shared_ptr<Transport> transport) {
   ServoOptions servo = options.servo;
   servo.observes = options.role == Role::observer;
-  servo.scene_stiffness = accepted.stiffness;
+  // What a robot meets is stiffer than the scene, or softer: nobody knows.
+  servo.scene_stiffness = servo.leads ? 0.0 : accepted.stiffness;
   auto run =
       std::make_shared<Run>(std::move(device), std::move(transport), accepted.parameters, servo);
   run->records = std::make_unique<Records>(
       Records::Files{recording_target(options), options.view, servo.observes, options.on_view,
                      flight_target(options), accepted.parameters.servo_period});
+  run->changes.emplace(Changes::Client{run->device->spec(), accepted.parameters, servo,
+                                       run->transport->port(), options.takes});
   run->options = {.duration = from_seconds(options.duration),
                   .silence_timeout = from_seconds(accepted.silence_timeout),
                   .patience = from_seconds(options.patience),
                   .rejoined = &run->sessions,
+                  .changes = &run->changes->ready(),
                   .busy_poll = busy_poll_time(options.busy_poll)};
-  run->outputs = {
-      .status = &run->statuses, .record = run->records->rows(), .views = run->records->views()};
+  run->outputs = {.status = &run->statuses,
+                  .record = run->records->rows(),
+                  .views = run->records->views(),
+                  .wanted = &run->changes->wanted()};
   const Nanoseconds period = from_seconds(accepted.parameters.servo_period);
   run->priority = never_sleeps(run->options.busy_poll, period) ? 0 : kServoPriority;
   return run;
 }
 
-/// Of a run whose servo thread has ended.
+/// Precondition: the run's servo thread has ended.
 RunFigures figures_of(const Run& run, const RealTime& real_time, const Address& server) {
   const ServoStatistics& s = run.servo.statistics();
   RunFigures figures{.end = run.result.end,
@@ -205,13 +212,16 @@ int run_client(std::unique_ptr<Device> device, const RunOptions& options) {
   if (options.report) check_writable(*options.report);
   if (const auto target = recording_target(options)) check_writable(numbered(*target, 1));
   if (options.view) check_writable(*options.view);
-  const Signals signals;
+  const Signals signals(options.flight_recorder.has_value());
   Reserve reserve;
 
   control::JoinRequest wanted{options.name, options.scene, device->spec(), options.parameters,
                               options.role};
+  if (const Nanoseconds tick = device->longest_tick(); tick.count() > 0)
+    wanted.parameters.servo_period = seconds(tick);
   wanted.tool = options.tool;
   wanted.version = version();
+  if (options.role != Role::observer) wanted.takes = options.takes;
   Joined joined = join(options.server, wanted, kControlTimeout);
   const auto transport = std::make_shared<Transport>(
       SessionAddress{joined.datagrams, joined.accepted.session, joined.keys},
@@ -240,7 +250,7 @@ int run_client(std::unique_ptr<Device> device, const RunOptions& options) {
   // From here on the hand may hold a force: nothing is thrown until the thread has ended.
   RealTime real_time = thread->real_time();
   warn_of_missing(real_time, all->priority);
-  attend(signals, *thread, all->statuses, *all->records, *reconnector);
+  attend(signals, *thread, all->statuses, *all->records, *all->changes, *reconnector);
   const bool ended = thread->end();
   LoopResult& result = all->result;
   if (!reconnector->refusal().empty() && !result.stood_still) result.end = EndReason::refused;
@@ -260,7 +270,7 @@ int run_client(std::unique_ptr<Device> device, const RunOptions& options) {
           *options.report,
           {options.name, options.scene, to_string(options.server.endpoint), options.device_kind,
            real_time, joined.accepted.stiffness, options.busy_poll, all->records->sight(),
-           joined.accepted.tool, joined.accepted.version, check},
+           joined.accepted.tool, joined.accepted.version, check, &all->changes->done()},
           *all);
     reported = options.report.has_value();
   } catch (const std::exception& error) {

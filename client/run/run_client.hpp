@@ -30,17 +30,21 @@ struct RunOptions {
   Role role = Role::operator_;           // or observer
   std::string device_kind;               // for the report
   SessionParameters parameters = usual_parameters();  // what to ask the server for
-  ServoOptions servo;      // safety limits; protect_hand(parameters) gives the usual ones
+  ServoOptions servo;  // safety limits; protect_hand(parameters) gives the usual ones
+  /// What an admin may change while it runs (docs/admin.md); nothing unless the program says so.
+  /// Never LawsTaken::any where a person's hand may be at the device. A link is one that
+  /// `open_port` emulates.
+  ChangesTaken takes = {};
   double duration = 0.0;   // [s] 0: until stopped
   double busy_poll = 0.0;  // [us] to poll for replies and deadlines; infinity: never sleep
   double patience = 30.0;  // [s] to look for a lost session; 0: not at all
   std::optional<std::filesystem::path> report, record, view;  // files to write; empty: none
   RecordingLimits record_limits;                              // of each file of an MCAP recording
-  /// Folder that gets the last ten seconds where the run ends with an error, or its account was
-  /// overdrawn; empty: none.
+  /// Folder that gets the last ten seconds where the run ends with an error, its account was
+  /// overdrawn, or SIGUSR1 comes; empty: none, and SIGUSR1 ends the program.
   std::optional<std::filesystem::path> flight_recorder;
-  /// Of an observer: called for each view that came, by the thread that called run_client(). What
-  /// it throws ends the calls; the run goes on, and returns 1.
+  /// For an observer: called for each view that came, by the thread that called run_client(). Where
+  /// it throws, it is not called again; the run goes on, and returns 1.
   OnView on_view = {};
   /// Called with what the run measured, after the servo thread has ended. The text that it returns
   /// (JSON) is the report's `check`. What it throws fails the report.

@@ -1,5 +1,5 @@
 #pragma once
-// What a run measured, as far as the machine and the network are judged by it.
+// The measurements of a run that `feltwire-client --check` judges the machine and the network by.
 
 #include <cstdint>
 #include <optional>

@@ -6,6 +6,8 @@
 #include <array>
 #include <cstdio>
 
+#include "core/base/units.hpp"
+
 namespace feltwire {
 namespace {
 
@@ -19,8 +21,6 @@ std::string one_way(const char* way, double delay, double jitter, bool known) {
                 kSecondsInUs * jitter);
   return part.data();
 }
-
-constexpr double kPercent = 100.0;
 
 /// [%] of the samples between the two that were lost; late answers may make it too much for a
 /// while.

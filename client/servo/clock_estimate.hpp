@@ -20,8 +20,8 @@ struct Exchange {
 /// than nothing. A line is fitted through the buckets (offset and drift), each trusted the less the
 /// slower its fastest exchange was. All buckets together reach back kBuckets * kBucketTime.
 ///
-/// Such an estimate cannot see a path that is slower one way than the other. The offset is then
-/// wrong by half the difference. `error_bound` says how much that can be.
+/// An estimate of this kind cannot see that a path is slower one way than the other. The offset is
+/// then wrong by half the difference. `error_bound` says how much that can be.
 class ClockEstimate {
  public:
   static constexpr std::size_t kBuckets = 32;

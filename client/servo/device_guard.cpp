@@ -15,6 +15,14 @@ bool DeviceGuard::abandon() noexcept {
   return where_.compare_exchange_strong(expected, Where::abandoned);
 }
 
+bool DeviceGuard::await_tick(Nanoseconds latest) noexcept {
+  if (released()) return true;  // read() says that it has ended
+  enter();
+  const bool came = device_.await_tick(latest);
+  leave();
+  return came;
+}
+
 DeviceReading DeviceGuard::read(Nanoseconds now) noexcept {
   if (released()) return {.pose = {}, .ok = false, .ended = true};
   enter();

@@ -16,9 +16,11 @@ class DeviceGuard final : public Device {
   explicit DeviceGuard(Device& device) : device_(device) {}
 
   const DeviceSpec& spec() const override { return device_.spec(); }
+  Nanoseconds longest_tick() const override { return device_.longest_tick(); }
+  bool await_tick(Nanoseconds latest) noexcept override;
   DeviceReading read(Nanoseconds now) noexcept override;
   Command write(const Command& on_hand) noexcept override;
-  /// In any thread and in a signal handler, as often as one likes.
+  /// May be called in any thread and in a signal handler, and more than once.
   void release() noexcept override;
 
   bool released() const noexcept { return released_.load(); }

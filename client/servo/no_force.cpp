@@ -34,6 +34,7 @@ constexpr std::array<ReasonText, kNoForceReasons> kWords = {{
     {"force_limit", "--max-force allows less than 0.005 N"},
     {"account", "the device has not burned enough energy for it"},
     {"not_held", "the device does not hold what it is given"},
+    {"law_change", "an admin has just given the session another law"},
 }};
 
 bool felt(const Command& c) {
@@ -53,7 +54,7 @@ NoForce why_no_force(const ForceTrail& t) noexcept {
   if (t.released) return NoForce::ending;
   if (!t.read) return NoForce::device_fault;
   if (!t.answered) return NoForce::no_reply;
-  if (t.letting_go) return NoForce::reconnecting;
+  if (t.letting_go) return t.law_change ? NoForce::law_change : NoForce::reconnecting;
   if (t.silent) return NoForce::silent;
   if (!felt(t.asked)) {
     if (t.recovering) return NoForce::recovering;

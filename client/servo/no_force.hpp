@@ -13,7 +13,8 @@ namespace feltwire {
 inline constexpr double kFeltForce = 0.005;    // [N]
 inline constexpr double kFeltTorque = 0.0005;  // [N m] the same at an arm of 0.1 m
 
-/// In the order in which a force is looked for, from the device's reading to what it holds.
+/// The reasons for no force, in the order in which they are checked: from the device's reading to
+/// the force that it holds.
 enum class NoForce : std::uint8_t {
   felt,             // there is force
   observer,         // an observer is given none
@@ -36,11 +37,12 @@ enum class NoForce : std::uint8_t {
   slew,             // --slew
   force_limit,      // --max-force
   account,          // the port has not burned enough
-  not_held          // the device does not hold what it was given
+  not_held,         // the device does not hold what it was given
+  law_change        // an admin gave the session another law: what was held fades first
 };
-inline constexpr std::size_t kNoForceReasons = static_cast<std::size_t>(NoForce::not_held) + 1;
+inline constexpr std::size_t kNoForceReasons = static_cast<std::size_t>(NoForce::law_change) + 1;
 
-/// As the report has it: "touches_nothing".
+/// The name in the report: "touches_nothing".
 std::string_view name(NoForce reason);
 /// For people: "touches nothing"; empty for `felt`.
 std::string_view text(NoForce reason);
@@ -48,6 +50,7 @@ std::string_view text(NoForce reason);
 /// The stages of one command on its way to the hand in one tick.
 struct ForceTrail {
   bool observer = false, device_ended = false, released = false, letting_go = false;
+  bool law_change = false;    // that is why it lets go
   bool read = true;           // the device's position was usable
   bool answered = false;      // some reply has come
   bool silent = false;        // the newest is older than the hold time

@@ -6,9 +6,11 @@
 
 namespace feltwire {
 
-Command RiseLimit::apply(const Command& command, const LocalModel& model, double way,
-                         double elapsed) noexcept {
-  double allowed = last_ + slew_ * elapsed;
+namespace {
+
+/// [N] that the surfaces may add while the tool moves by `way` [m].
+double rise(const LocalModel& model, double way, double elapsed) noexcept {
+  double allowed = 0.0;
   for (const SurfacePatch& patch : model.view()) {
     const Material& m = patch.material;
     const double over = way + length(patch.velocity) * elapsed;
@@ -16,6 +18,15 @@ Command RiseLimit::apply(const Command& command, const LocalModel& model, double
     allowed += 2.0 * m.stiffness * over;
     if (elapsed > 0.0) allowed += (m.damping + m.viscous_friction) * over / elapsed;
   }
+  return allowed;
+}
+
+}  // namespace
+
+Command RiseLimit::apply(const Command& command, const LocalModel& model, double way,
+                         double elapsed, const LocalModel* more) noexcept {
+  double allowed = last_ + slew_ * elapsed + rise(model, way, elapsed);
+  if (more != nullptr) allowed += rise(*more, way, elapsed);
   const double wanted = length(command.force());
   last_ = std::min(wanted, allowed);
   return reduction(allowed, wanted) * command;

@@ -17,8 +17,9 @@ class RiseLimit {
   explicit RiseLimit(double slew) : slew_(slew) {}
 
   /// The command, scaled down where it rose faster. The tool moved by `way` [m] over `elapsed` [s].
-  Command apply(const Command& command, const LocalModel& model, double way,
-                double elapsed) noexcept;
+  /// `more`: surfaces beside the model's; null: none.
+  Command apply(const Command& command, const LocalModel& model, double way, double elapsed,
+                const LocalModel* more = nullptr) noexcept;
 
   /// Tells the force that the hand holds after a tick that did not call apply().
   void given(const Vec3& force) noexcept { last_ = length(force); }

@@ -14,8 +14,8 @@ constexpr double kSmallestForce = 1e-6;  // [N] below it a force has no directio
 
 bool good(const DeviceReading& reading) {
   const Quaternion& q = reading.pose.orientation;
-  return reading.ok && reading.pose.position.allFinite() && q.coeffs().allFinite() &&
-         q.squaredNorm() > 0.0;
+  return reading.ok && reading.fresh && (!reading.held || reading.held->finite()) &&
+         reading.pose.position.allFinite() && q.coeffs().allFinite() && q.squaredNorm() > 0.0;
 }
 
 }  // namespace
@@ -29,10 +29,12 @@ void Servo::reconnected(bool fresh) noexcept {
   if (fresh) withheld_before_ = statistics_.withheld;
   if (fresh) fresh_ = true;
   if (released_) return;
-  if (pulls(held_))
+  if (pulls(held_)) {
+    found_again_ = true;
     start_letting_go();
-  else
+  } else {
     begin_anew(sample_.index);
+  }
 }
 
 void Servo::start_letting_go() noexcept {
@@ -43,11 +45,40 @@ void Servo::start_letting_go() noexcept {
 
 void Servo::begin_anew(std::uint64_t last_sample_before) noexcept {
   safety_.begin_anew();
-  local_.clear();
-  last_offset_.setZero();
-  if (admission_) admission_->forget();
+  forget_surfaces();
   anew_after_ = last_sample_before;
   newest_original_ = false;  // what was said before says nothing of where the hand is now
+}
+
+/// Until the next reply.
+void Servo::forget_surfaces() noexcept {
+  local_.clear();
+  if (remote_) remote_->forget();
+  last_offset_.setZero();
+  if (law_.admission) law_.admission->forget();
+}
+
+bool Servo::waits_for_news(const DeviceReading& reading, Nanoseconds now) noexcept {
+  constexpr double kPatience = 0.25;  // of the hold time
+  if (reading.fresh || !reading.ok || reading.ended || !position_known_) return false;
+  ++statistics_.stale_readings;
+  return seconds(now - last_tick_) < kPatience * law_.parameters.hold_time;
+}
+
+const Sample* Servo::tick(Device& device, Nanoseconds now) noexcept {
+  const DeviceReading reading = device.read(now);
+  if (waits_for_news(reading, now)) return nullptr;
+  return hold(device.write(render(reading, now)));
+}
+
+/// Before the movement under it is accounted.
+void Servo::correct(const Command& held) noexcept {
+  if (held == held_) return;
+  statistics_.forces_corrected += length(held.force() - held_.force()) > kFeltForce ? 1 : 0;
+  held_ = held;
+  law_.bounding.set_held(held_);
+  safety_.set_held(held_);
+  if (law_.account) law_.account->set_held(held_);
 }
 
 /// [s]; the period where the clock says that none has passed.
@@ -60,13 +91,13 @@ double Servo::time_since_last_tick(Nanoseconds now) noexcept {
     let_go_from_ += elapsed - from_seconds(period_);
     return period_;
   }
-  if (seconds(elapsed) > parameters_.hold_time) stood_still_after_ = sample_.index;
+  if (seconds(elapsed) > law_.parameters.hold_time) stood_still_after_ = sample_.index;
   return seconds(elapsed);
 }
 
 double Servo::fade_factor() const noexcept {
-  const double half = 0.5 * parameters_.hold_time;
-  const double by_age = std::clamp((parameters_.hold_time - command_age_) / half, 0.0, 1.0);
+  const double half = 0.5 * law_.parameters.hold_time;
+  const double by_age = std::clamp((law_.parameters.hold_time - command_age_) / half, 0.0, 1.0);
   if (!letting_go_) return by_age;
   return std::clamp(1.0 - seconds(last_tick_ - let_go_from_) / half, 0.0, by_age);
 }
@@ -75,8 +106,8 @@ double Servo::fade_factor() const noexcept {
 Command Servo::faded(const Command& command, double factor) const noexcept {
   if (!(factor < 1.0)) return command;
   const double force = length(command.force()), torque = length(command.torque);
-  const double most_force = bounding_.config().max_force;
-  const double most_torque = bounding_.config().max_torque;
+  const double most_force = law_.bounding.config().max_force;
+  const double most_torque = law_.bounding.config().max_torque;
   const double of_force = force > most_force ? factor * (most_force / force) : factor;
   const double of_torque = torque > most_torque ? factor * (most_torque / torque) : factor;
   return {of_force * command.elastic, of_force * command.frictional, of_torque * command.torque};
@@ -123,16 +154,21 @@ Command Servo::safeguard(const Command& bounded, const BoundingStep& step, bool 
 /// Asks the local model at the device's position, or where the method asks; what it does not know
 /// of stays the reply's, given as `command`. True when the model spoke alone.
 bool Servo::follow_model(const BoundingStep& step, Nanoseconds now, Command& command) noexcept {
-  const Vec3 offset = bounding_.probe(step.displacement, step.rotation).offset;
+  const Vec3 offset = law_.bounding.probe(step.displacement, step.rotation).offset;
   model_moved_ = step.displacement + offset - last_offset_;
   const Vec3& velocity = velocity_.update(model_moved_, step.hold_time);
   last_offset_ = offset;
   const double age = seconds(now - model_time_);
-  const LocalForce force =
-      local_.touch({sample_.pose.position + offset, velocity}, age, step.hold_time);
+  const Tool tool{sample_.pose.position + offset, velocity};
+  const LocalForce force = local_.touch(tool, age, step.hold_time);
   const double w = force.weight;
   command.elastic = w * force.command.elastic + (1.0 - w) * command.elastic;
   command.frictional = w * force.command.frictional + (1.0 - w) * command.frictional;
+  if (remote_) {
+    const Command met = meet_robot(tool, command, now, step.hold_time);
+    command.elastic += met.elastic;
+    command.frictional += met.frictional;
+  }
   environment_ = command;
   ++(w >= 1.0  ? statistics_.modelled
      : w > 0.0 ? statistics_.half_modelled
@@ -140,10 +176,16 @@ bool Servo::follow_model(const BoundingStep& step, Nanoseconds now, Command& com
   return w >= 1.0;
 }
 
+/// What the robot touches, beside what the scene answers.
+Command Servo::meet_robot(const Tool& tool, const Command& scene, Nanoseconds now,
+                          double elapsed) noexcept {
+  return remote_->touch(tool, scene, seconds(now - remote_time_), elapsed);
+}
+
 /// Computes the scene's command for this tick, from the newest reply and the local model.
 Command Servo::environment(BoundingStep& step, Nanoseconds now) noexcept {
   Command command = reconstructed(now);
-  if (parameters_.local_model) step.local = follow_model(step, now, command);
+  if (law_.parameters.local_model) step.local = follow_model(step, now, command);
   statistics_.hand_overs += step.local == near_ ? 0 : 1;
   near_ = step.local;
   step.normals = &newest_.normals;
@@ -152,20 +194,20 @@ Command Servo::environment(BoundingStep& step, Nanoseconds now) noexcept {
 
 /// Of a scene that was changed, what the hand has paid for.
 void Servo::let_in(const BoundingStep& step) noexcept {
-  const double energy = admission_->energy({.held = held_,
-                                            .displacement = step.displacement,
-                                            .hold_time = reserve_.hold_time(),
-                                            .command = step.command,
-                                            .margin = port_.margin()},
-                                           *account_);
+  const double energy = law_.admission->energy({.held = held_,
+                                                .displacement = step.displacement,
+                                                .hold_time = reserve_.hold_time(),
+                                                .command = step.command,
+                                                .margin = port_.margin()},
+                                               *law_.account);
   // Elastic storage has kept what was pressed; it would have it twice.
-  if (energy > 0.0 && parameters_.storage != Storage::elastic) bounding_.endow(energy);
+  if (energy > 0.0 && law_.parameters.storage != Storage::elastic) law_.bounding.endow(energy);
 }
 
 /// Returns the part of the command that the account has energy for. `moved_known`: the step's
 /// movement was measured.
 Command Servo::paid_for(const Command& command, BoundingStep step, bool moved_known) noexcept {
-  if (!account_) return command;
+  if (!law_.account) return command;
   constexpr double kInstant = 1e-9;  // [s] where the clock stood still
   step.command = command;
   step.hold_time = std::max(step.hold_time, kInstant);
@@ -175,7 +217,7 @@ Command Servo::paid_for(const Command& command, BoundingStep step, bool moved_kn
   constexpr double kUsualHold = 1.1;  // [T]
   const double hold = reserve_.hold_time();
   Command given =
-      account_->step(step, counts_on_mass_ ? std::min(hold, kUsualHold * period_) : hold);
+      law_.account->step(step, law_.counts_on_mass ? std::min(hold, kUsualHold * period_) : hold);
   statistics_.account_cut += given == command ? 0 : 1;
   return given;
 }
@@ -191,23 +233,32 @@ Command Servo::render(const DeviceReading& reading, Nanoseconds now) noexcept {
   if (reading.ended) device_ended_ = released_ = true;
 
   reserve_.saw(step.hold_time);
+  deadman_ = reading.ok && reading.deadman && !released_;
+  if (reading.ok) gripper_ = reading.gripper;
   const bool read = good(reading), usable = read && !device_ended_;
   trail_ = {.observer = options_.observes,
             .device_ended = device_ended_,
             .released = released_,
             .letting_go = letting_go_,
+            .law_change = next_law_ != nullptr,
             .read = read,
             .answered = has_reply(),
-            .silent = !(command_age_ < parameters_.hold_time),
+            .silent = !(command_age_ < law_.parameters.hold_time),
             .recovering = newest_.recovering,
             .server_bound = newest_.active || newest_.saturated || newest_.refused};
   if (read) {
+    if (reading.held) correct(*reading.held);
     const Movement moved = moved_to(reading);
     step.displacement = moved.displacement;
     step.rotation = moved.rotation;
     moved_known = moved.known;
     displacement_ = moved.displacement;
     port_.step(held_, moved.displacement, moved.rotation, step.hold_time);
+    if (remote_) {
+      const double energy =
+          remote_->step(sample_.pose.position, moved.displacement, held_.force(), step.hold_time);
+      if (law_.account) law_.account->credit(energy);
+    }
   } else {
     ++statistics_.device_faults;
     position_known_ = false;
@@ -226,9 +277,9 @@ Command Servo::render(const DeviceReading& reading, Nanoseconds now) noexcept {
     factor = fade_factor();
     if (factor < 1.0) ++statistics_.faded;
     step.command = faded(wanted_, factor);
-    if (near_ && shapes_)
-      step.command =
-          rise_.apply(step.command, local_.model(), length(model_moved_), step.hold_time);
+    if (near_ && law_.shapes)
+      step.command = rise_.apply(step.command, local_.model(), length(model_moved_), step.hold_time,
+                                 remote_ ? &remote_->surface() : nullptr);
     trail_.asked = asked;
     trail_.actuated = wanted_;
     trail_.faded = step.command;
@@ -236,9 +287,9 @@ Command Servo::render(const DeviceReading& reading, Nanoseconds now) noexcept {
     near_ = false;
   }
 
-  if (admission_) let_in(step);
-  Bounded bounded = bounding_.step(step);
-  if (admission_) admission_->given(bounded.rendered.elastic, step.command.elastic);
+  if (law_.admission) let_in(step);
+  Bounded bounded = law_.bounding.step(step);
+  if (law_.admission) law_.admission->given(bounded.rendered.elastic, step.command.elastic);
   // The paper's laws would hold on to a part of the last force; zero is passive too.
   if (!(factor > 0.0)) bounded.rendered = {};
   statistics_.bound_active += bounded.active ? 1 : 0;
@@ -254,7 +305,10 @@ Command Servo::render(const DeviceReading& reading, Nanoseconds now) noexcept {
     letting_go_ = false;
     newest_.command = {};
     newest_.predicted = false;
-    begin_anew(sample_.index);
+    if (found_again_) begin_anew(sample_.index);
+    found_again_ = false;
+    given = {};  // the last of a fade is nothing, whatever a bound holds on to
+    if (next_law_ != nullptr) exchange_law();
   }
   return given;
 }
@@ -265,9 +319,9 @@ const Sample* Servo::hold(const Command& held) noexcept {
     ++statistics_.device_faults;
     held_ = {};
   }
-  bounding_.set_held(held_);
+  law_.bounding.set_held(held_);
   safety_.set_held(held_);
-  if (account_) account_->set_held(held_);
+  if (law_.account) law_.account->set_held(held_);
   if (!near_) rise_.given(held_.force());
   statistics_.max_force = std::max(statistics_.max_force, length(held_.force()));
   observe_direction(held_);
@@ -279,6 +333,11 @@ const Sample* Servo::hold(const Command& held) noexcept {
   ++statistics_.samples;
   sent_[sample_.index % sent_.size()] = {sample_.index, sample_.client_time, 0, false};
   return &sample_;
+}
+
+std::optional<Lead> Servo::lead() const noexcept {
+  if (!remote_) return std::nullopt;
+  return remote_->lead(deadman_, gripper_);
 }
 
 HandReport Servo::report() const noexcept {
@@ -300,11 +359,12 @@ HandReport Servo::report() const noexcept {
   put(HandReason::bound, takes_off(trail_.faded, trail_.bounded));
   put(HandReason::limits, takes_off(trail_.bounded, trail_.safe));
   put(HandReason::account, takes_off(trail_.safe, trail_.paid));
-  put(HandReason::reconnecting, letting_go_);
+  put(HandReason::reconnecting, letting_go_ && next_law_ == nullptr);
+  put(HandReason::law_change, next_law_ != nullptr);
   put(HandReason::scene_change, withholds_change());
   put(HandReason::device_fault, !trail_.read || takes_off(trail_.paid, trail_.held));
-  report.has_account = account_.has_value();
-  report.balance = account_ ? account_->balance() : 0.0;
+  report.has_account = law_.account.has_value();
+  report.balance = law_.account ? law_.account->balance() : 0.0;
   report.round_trip = has_reply() ? seconds(newest_arrival_ - newest_sampled_) : 0.0;
   report.hand_damping = hand_credit() ? hand_credit()->damping : 0.0;
   return report;

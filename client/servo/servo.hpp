@@ -13,6 +13,7 @@
 #include "client/servo/clock_estimate.hpp"
 #include "client/servo/hand_measures.hpp"
 #include "client/servo/no_force.hpp"
+#include "client/servo/remote_hand.hpp"
 #include "client/servo/rise_limit.hpp"
 #include "core/base/histogram.hpp"
 #include "core/bounding/account.hpp"
@@ -34,8 +35,11 @@ struct ServoOptions {
   bool observes = false;           // given no force by its role: said where the reason is asked for
   bool learns_hand_force = false;  // the account counts on the largest force from outside that it
                                    // saw lately (core/bounding/outside_force.hpp)
-  double scene_stiffness = 0.0;    // [N/m] of the stiffest surface, for methods that shape; 0: not
-                                   // known
+  /// The hand leads the scene's robot, and believes this much of what the robot says of energy.
+  /// Needs a local model.
+  std::optional<RemoteTrust> leads{};
+  double scene_stiffness = 0.0;  // [N/m] of the stiffest surface, for methods that shape; 0: not
+                                 // known
 };
 
 /// Throws std::invalid_argument naming the limit, its value and the remedy: a slew, ramp or speed
@@ -47,22 +51,37 @@ void validate(const ServoOptions& options, const SessionParameters& parameters);
 /// a ramp, where the client does not bound.
 ServoOptions protect_hand(const SessionParameters& parameters);
 
+/// What bounds the force of a servo, as one thing: a law is made where memory may be taken, and put
+/// into a servo that runs by exchange, which takes none (Servo::adopt()).
+struct ServoLaw {
+  /// Throws std::invalid_argument naming the parameter and the remedy.
+  ServoLaw(const DeviceSpec& spec, const SessionParameters& in_force, const ServoOptions& options);
+  SessionParameters parameters;  // in force with it
+  Bounding bounding;
+  std::optional<PortAccount> account;
+  std::optional<Admission> admission;  // where this side bounds by contact_frame
+  bool shapes, counts_on_mass;
+};
+
 /// Plain numbers of one run. Times in [ns], angles in [1e-6 deg] (whole numbers for the
 /// histograms).
 struct ServoStatistics {
-  std::uint64_t samples = 0;          // made by hold()
-  std::uint64_t datagrams = 0;        // of these, newest of a datagram that was due: sent()
-  std::uint64_t answered = 0;         // replies that came, each sample once
-  std::uint64_t withheld = 0;         // datagrams that the server says it needed not answer
-  std::uint64_t late = 0;             // of the answered, after more than kLate
-  std::uint64_t replies_stale = 0;    // not newer than the reply in use: ignored
-  std::uint64_t replies_refused = 0;  // answering no sample that was made, not finite or absurd
-  std::uint64_t faded = 0;            // ticks at which an old command was faded, wholly or in part
-  std::uint64_t device_faults = 0;    // readings or held forces that were faulty or not finite
-  std::uint64_t bound_active = 0;     // ticks at which the bound changed the command
-  std::uint64_t saturated = 0;        // ticks at which the device's limits did
-  std::uint64_t account_cut = 0;      // ticks at which the port had no energy for all of it
-  std::uint64_t refused = 0;          // ticks at which the bound met an absurd command or movement
+  std::uint64_t samples = 0;           // made by hold()
+  std::uint64_t datagrams = 0;         // of these, newest of a datagram that was due: sent()
+  std::uint64_t answered = 0;          // replies that came, each sample once
+  std::uint64_t withheld = 0;          // datagrams that the server says it needed not answer
+  std::uint64_t late = 0;              // of the answered, after more than kLate
+  std::uint64_t replies_stale = 0;     // not newer than the reply in use: ignored
+  std::uint64_t replies_refused = 0;   // answering no sample that was made, not finite or absurd
+  std::uint64_t faded = 0;             // ticks at which an old command was faded, wholly or in part
+  std::uint64_t device_faults = 0;     // readings or held forces that were faulty or not finite
+  std::uint64_t stale_readings = 0;    // that told nothing new: the force went on being held
+  std::uint64_t forces_corrected = 0;  // readings that told of a force held that differs, by more
+                                       // than is felt, from what write() had told
+  std::uint64_t bound_active = 0;      // ticks at which the bound changed the command
+  std::uint64_t saturated = 0;         // ticks at which the device's limits did
+  std::uint64_t account_cut = 0;       // ticks at which the port had no energy for all of it
+  std::uint64_t refused = 0;           // ticks at which the bound met an absurd command or movement
   // Ticks at which these safety limits took something off what the bound let through.
   std::uint64_t waiting = 0, ramped = 0, slewed = 0, too_fast = 0, force_limited = 0;
   std::uint64_t scene_resets = 0;  // times that replies began to say that what moves was put back
@@ -106,9 +125,15 @@ class Servo {
   /// sample to send; null until the first good reading. It stays valid until the next call.
   const Sample* hold(const Command& held) noexcept;
 
-  /// One whole tick.
-  const Sample* tick(Device& device, Nanoseconds now) noexcept {
-    return hold(device.write(render(device.read(now), now)));
+  /// One whole tick. Null, and no tick, where the device has nothing new to tell
+  /// (DeviceReading::fresh): what is held stays, and the tick that comes then is as much longer.
+  /// After a quarter of the hold time a device that tells nothing new has a fault.
+  const Sample* tick(Device& device, Nanoseconds now) noexcept;
+  /// The device's tick has not come: a tick whose reading is faulty.
+  const Sample* missed_tick(Device& device, Nanoseconds now) noexcept {
+    DeviceReading none;
+    none.ok = false;
+    return hold(device.write(render(none, now)));
   }
 
   /// The last sample made was the newest of a datagram that was sent: an answer to it is awaited.
@@ -121,7 +146,8 @@ class Servo {
   /// server withheld since its newest reply is not known; of those datagrams as many as keep_alive
   /// allows are taken for withheld.
   std::uint64_t lost() const noexcept;
-  /// Of the datagrams up to the newest answered one: what comes later may still be on its way.
+  /// Lost datagrams, up to the newest one that was answered: later answers may still be on their
+  /// way.
   std::uint64_t lost_so_far() const noexcept;
 
   /// The session was lost and goes on: the hand may be anywhere by now. What is still held fades to
@@ -129,6 +155,14 @@ class Servo {
   /// for small force, ramp-up) begin anew, a local model of before is forgotten and the replies
   /// count again. `fresh`: it is another session, whose server counts from zero.
   void reconnected(bool fresh) noexcept;
+
+  /// Another law bounds from now on. What is held fades to nothing within half the hold time; then
+  /// the new law begins from zero force, with nothing stored and an account of nothing, so that the
+  /// exchange can give the hand no energy: the force comes back as the hand presses on. Behind a
+  /// law without an account the wait for a small force begins anew as well. `next` gets the law
+  /// before; it must outlive the servo. Precondition: it was made for this device, with parameters
+  /// that differ in the law alone, and both methods admit reductions. Never allocates.
+  void adopt(ServoLaw& next) noexcept;
 
   /// The force fades to nothing within half the hold time, and stays there.
   void release() noexcept;
@@ -138,30 +172,36 @@ class Servo {
   bool device_ended() const { return device_ended_; }
 
   const DeviceSpec& spec() const { return spec_; }
-  const SessionParameters& parameters() const { return parameters_; }
+  const SessionParameters& parameters() const { return law_.parameters; }
   const ServoOptions& options() const { return options_; }
   const ServoStatistics& statistics() const { return statistics_; }
   const PortEnergy& port() const { return port_; }
   /// The account stands last before the device. Empty: the device is given what the bound and the
   /// safety stage let through.
-  const std::optional<PortAccount>& account() const { return account_; }
+  const std::optional<PortAccount>& account() const { return law_.account; }
   /// The share of the last tick's command that it took off, 0 to 1.
   double account_cut() const noexcept;
   /// The command of the last tick was made here, from the local model alone.
   bool near() const { return near_; }
+  /// A law that was adopted waits until the force has faded.
+  bool changes_law() const { return next_law_ != nullptr; }
   /// The session's method shapes the force (BoundingMethod::shapes).
-  bool shapes() const { return shapes_; }
+  bool shapes() const { return law_.shapes; }
   /// The hand's damping that the methods `credited` and `shaped` count on; empty in other modes.
-  std::optional<HandCredit> hand_credit() const { return bounding_.hand_credit(); }
+  std::optional<HandCredit> hand_credit() const { return law_.bounding.hand_credit(); }
+  /// The last tick's part for the robot that the hand leads; empty: the hand leads no robot.
+  std::optional<Lead> lead() const noexcept;
+  /// The robot as the replies tell of it; empty: the hand leads no robot.
+  const std::optional<RemoteHand>& remote() const { return remote_; }
   /// The state of the last tick, for observers of the scene.
   HandReport report() const noexcept;
   const ClockEstimate& server_clock() const { return server_clock_; }
 
   const Sample& sample() const { return sample_; }  // the last one made
-  /// Of the environment, before fade and bound: the newest reply's, or with a local model what that
-  /// made of it at the last tick.
+  /// The command of the scene, before fade and bound: that of the newest reply, or with a local
+  /// model what the model computed at the last tick.
   const Command& command() const {
-    return parameters_.local_model ? environment_ : newest_.command;
+    return law_.parameters.local_model ? environment_ : newest_.command;
   }
   const Command& held() const { return held_; }  // on the hand since the last tick
   /// Why there is no force on the hand since the last tick; NoForce::felt: there is.
@@ -171,7 +211,7 @@ class Servo {
   const Reply& newest_reply() const { return newest_; }
   bool has_reply() const { return newest_.sample_index > 0; }
   /// The scene was changed under the hand, and the bound still keeps some of its force back.
-  bool withholds_change() const { return admission_ && admission_->withheld(); }
+  bool withholds_change() const { return law_.admission && law_.admission->withheld(); }
   /// [s] since the newest reply came, at the last tick.
   double command_age() const { return command_age_; }
 
@@ -189,15 +229,21 @@ class Servo {
   };
 
   static bool pulls(const Command& c) { return !c.force().isZero(0.0) || !c.torque.isZero(0.0); }
+  bool waits_for_news(const DeviceReading& reading, Nanoseconds now) noexcept;
+  void correct(const Command& held) noexcept;
   double time_since_last_tick(Nanoseconds now) noexcept;
   Movement moved_to(const DeviceReading& reading) noexcept;
   void take_model(const Reply& reply, Nanoseconds arrival) noexcept;
   void scene_changed() noexcept;
   bool follow_model(const BoundingStep& step, Nanoseconds now, Command& command) noexcept;
+  Command meet_robot(const Tool& tool, const Command& scene, Nanoseconds now,
+                     double elapsed) noexcept;
   Command environment(BoundingStep& step, Nanoseconds now) noexcept;
   double fade_factor() const noexcept;
   Command faded(const Command& command, double factor) const noexcept;
   void start_letting_go() noexcept;
+  void exchange_law() noexcept;
+  void forget_surfaces() noexcept;
   void begin_anew(std::uint64_t last_sample_before) noexcept;
   void let_in(const BoundingStep& step) noexcept;
   Command safeguard(const Command& bounded, const BoundingStep& step, bool original) noexcept;
@@ -208,15 +254,14 @@ class Servo {
   Command reconstructed(Nanoseconds now) const noexcept;
 
   DeviceSpec spec_;
-  SessionParameters parameters_;
   ServoOptions options_;
-  Bounding bounding_;
+  ServoLaw law_;
+  ServoLaw* next_law_ = nullptr;    // waits until nothing is held
+  bool scene_was_changed_ = false;  // since the session was joined
   SafetyStage safety_;
   PortEnergy port_;
-  std::optional<PortAccount> account_;
   HoldReserve reserve_;
-  std::optional<Admission> admission_;  // where this side bounds by contact_frame
-  bool torque_, shapes_, counts_on_mass_;
+  bool torque_;
   double period_;  // T [s]
 
   ClockEstimate server_clock_;
@@ -238,7 +283,11 @@ class Servo {
   // Of sessions with a local model only.
   LocalContact local_;
   VelocityEstimate velocity_;
-  RiseLimit rise_;  // where the method shapes
+  RiseLimit rise_;                    // where the method shapes
+  std::optional<RemoteHand> remote_;  // where the hand leads
+  Nanoseconds remote_time_{0};        // our time of the robot's state
+  bool deadman_ = false;              // of the last tick
+  std::optional<double> gripper_;     // [m] likewise
   bool near_ = false;
   Vec3 model_moved_ = Vec3::Zero();  // [m] the place where the model was asked
   Vec3 last_offset_ = Vec3::Zero();  // [m] of where the model was asked, to the device
@@ -250,7 +299,8 @@ class Servo {
   bool position_known_ = false;  // sample_.pose was read at the last tick
   bool posed_ = false;           // some reading was good
   bool released_ = false, device_ended_ = false;
-  bool letting_go_ = false;  // no reply is used, what is held fades from let_go_from_ on
+  bool letting_go_ = false;   // no reply is used, what is held fades from let_go_from_ on
+  bool found_again_ = false;  // for the session was lost: then all begins anew
   Nanoseconds let_go_from_{0};
   Command wanted_;  // the device's part of the command that this tick's force comes from
   Command held_;    // on the hand since the last tick

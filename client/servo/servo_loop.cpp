@@ -1,16 +1,14 @@
 #include "client/servo/servo_loop.hpp"
 
 #include <poll.h>
-#include <sys/eventfd.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cmath>
 #include <ctime>
-#include <system_error>
 
+#include "client/servo/deadlines.hpp"
 #include "core/base/choice.hpp"
 #include "core/base/numeric.hpp"
 #include "protocol/net/clock.hpp"
@@ -32,38 +30,6 @@ timespec to_timespec(Nanoseconds time) noexcept {
           .tv_nsec = static_cast<long>((time - whole).count())};
 }
 
-/// Deadlines start + n T, n = 1, 2, ..., and when to wake for them.
-class Deadlines {
- public:
-  Deadlines(Nanoseconds start, Nanoseconds period) noexcept
-      : latest_(start), period_(period), longest_lead_(std::min(kLongestLead, period / 4)) {}
-
-  /// How many have passed by `now` since the last call; latest() is the last of them.
-  std::uint64_t passed(Nanoseconds now) noexcept {
-    if (now < next()) return 0;
-    const std::int64_t count = (now - latest_) / period_;
-    latest_ += count * period_;
-    return static_cast<std::uint64_t>(count);
-  }
-  Nanoseconds latest() const { return latest_; }
-  Nanoseconds next() const { return latest_ + period_; }
-
-  /// How long before a deadline the thread asks to be woken: as late as the machine wakes it nine
-  /// times in ten (a virtual one by 60 us, a tuned one by 3). What a sooner waking leaves is spun.
-  Nanoseconds lead() const { return lead_; }
-  /// The thread slept until then and found itself awake `late` after it.
-  void woken(Nanoseconds late) noexcept {
-    lead_ += late > lead_ ? 9 * kLeadStep : -kLeadStep;  // settles where one in ten is later
-    lead_ = std::clamp(lead_, Nanoseconds(0), longest_lead_);
-  }
-
- private:
-  static constexpr Nanoseconds kLongestLead = std::chrono::microseconds(100);
-  static constexpr Nanoseconds kLeadStep = Nanoseconds(200);
-  Nanoseconds latest_, period_, longest_lead_;
-  Nanoseconds lead_{0};
-};
-
 class Loop {
  public:
   Loop(Device& device, Servo& servo, Transport& transport, const LoopOptions& options,
@@ -78,8 +44,11 @@ class Loop {
         port_(transport.port()),
         delayed_(port_.delays()),
         start_(monotonic_now()),
-        deadlines_(start_, from_seconds(servo.parameters().servo_period)),
+        period_(from_seconds(servo.parameters().servo_period)),
+        paced_(device.longest_tick().count() > 0),
+        deadlines_(start_, period_),
         waiting_{{{port_.descriptor(), POLLIN, 0}, {stop.descriptor(), POLLIN, 0}}},
+        last_tick_(start_),
         last_heard_(start_),
         next_status_(start_) {}
 
@@ -103,6 +72,7 @@ class Loop {
   /// leave the emulated link: asleep while neither a reply nor a deadline is near. No timer but
   /// this sleep's, or its interrupt would come just when there is something to do.
   int wait(std::size_t count) noexcept {
+    if (paced_) return await_device(count);
     const auto due = port_.next_due();
     while (true) {
       const Nanoseconds now = monotonic_now();
@@ -120,6 +90,16 @@ class Loop {
       if (woken != 0 || due == wake) return woken;
     }
   }
+  /// Until the device's tick. Once it is overdue by a quarter of the hold time, it is taken for
+  /// missed. A device that has none to give is not asked without a rest.
+  int await_device(std::size_t count) noexcept {
+    constexpr double kPatience = 0.25;
+    overdue_at_ = last_tick_ + from_seconds(kPatience * servo_.parameters().hold_time);
+    device_ticked_ = device_.await_tick(overdue_at_);
+    const Nanoseconds left = device_ticked_ ? Nanoseconds(0) : overdue_at_ - monotonic_now();
+    const timespec rest = to_timespec(std::max(left, Nanoseconds(0)));
+    return ::ppoll(waiting_.data(), count, &rest, nullptr);
+  }
   bool looks_busily(Nanoseconds now) const noexcept {
     if (options_.busy_poll == kForever) return true;
     const bool reply_near = servo_.newest_reply().sample_index < servo_.sample().index &&
@@ -136,6 +116,7 @@ class Loop {
 
     // Before the tick: a hand that has just been found again must not feel what waited for it.
     if (options_.rejoined != nullptr) regain(now);
+    if (options_.changes != nullptr) change(now);
     tick(now);
     if (servo_.device_ended()) return end(EndReason::device_ended);
     if (options_.duration.count() > 0 && now - first_tick_ >= options_.duration)
@@ -146,8 +127,22 @@ class Loop {
     return !lost_ || now - lost_at_ < options_.patience || end(lost_by_);
   }
 
+  /// Whether the device has ticked, or should have by now. What is beyond T is late.
+  bool device_is_due(Nanoseconds now) noexcept {
+    if (!device_ticked_ && now < overdue_at_) return false;
+    const Nanoseconds interval = now - last_tick_;
+    if (!ticked_) return true;
+    if (interval >= 2 * period_) {
+      ++result_.overruns;
+      result_.missed_deadlines += static_cast<std::uint64_t>(interval / period_ - 1);
+    }
+    result_.wakeup_late.record(std::max(interval - period_, Nanoseconds(0)).count());
+    return true;
+  }
+
   /// Whether a deadline has passed.
   bool is_due(Nanoseconds now) noexcept {
+    if (paced_) return device_is_due(now);
     const std::uint64_t passed = deadlines_.passed(now);
     if (passed == 0) return false;
     if (passed > 1) {
@@ -184,12 +179,32 @@ class Loop {
     const bool answered = lost_ && !server_left_ && last_heard_ > lost_at_;
     if (!fresh && !answered) return;
     server_left_ = false;
+    if (fresh) heard_ = dealt_with_ = 0;  // another session counts from 1
     servo_.reconnected(fresh);
     next_status_ = now;
     if (!lost_) return;
     lost_ = false;
     ++result_.reconnections;
     result_.disconnected += seconds(now - lost_at_);
+  }
+
+  /// What an admin wants, and was made ready.
+  void change(Nanoseconds now) noexcept {
+    PreparedChange* next = nullptr;
+    while (options_.changes->pop(next)) {
+      if (!next->refused && next->link) port_.set_link(*next->link);
+      if (!next->refused && next->law) servo_.adopt(*next->law);
+      next->taken = ticked_ ? seconds(now - first_tick_) : 0.0;
+      dealt_with_ = next->number;
+      refused_ = next->refused;
+      reported_ = Nanoseconds{0};  // the server is told with the next sample
+    }
+  }
+
+  /// Replies bring a change until the server has heard of it.
+  void hear(const std::optional<ClientChange>& wanted) noexcept {
+    if (!wanted || wanted->number == heard_) return;
+    if (outputs_.wanted->push(*wanted)) heard_ = wanted->number;
   }
 
   bool end(EndReason reason) noexcept {
@@ -203,7 +218,8 @@ class Loop {
     last_tick_ = now;
     // To a server that said goodbye nothing is sent; to one that is silent it is, for it may be the
     // way back only.
-    const Sample* sample = servo_.tick(device_, now);
+    const Sample* sample =
+        paced_ && !device_ticked_ ? servo_.missed_tick(device_, now) : servo_.tick(device_, now);
     if (sample != nullptr && !server_left_) send(*sample);
     result_.duration = seconds(now - first_tick_);
     record(now);
@@ -214,10 +230,19 @@ class Loop {
   void send(const Sample& sample) noexcept {
     std::optional<HandReport> report;
     if (seconds(sample.client_time - reported_) >= kBetweenReports && !servo_.options().observes)
-      report = servo_.report();
-    if (!transport_.send(sample, report)) return;
+      report = told();
+    if (!transport_.send(sample, report, servo_.lead())) return;
     servo_.sent();
     if (report) reported_ = sample.client_time;
+  }
+
+  HandReport told() const noexcept {
+    constexpr std::uint64_t kCounted = (1u << 24) - 1u;
+    HandReport report = servo_.report();
+    report.late_ticks = static_cast<std::uint32_t>(result_.overruns & kCounted);
+    report.change = dealt_with_;
+    report.change_refused = refused_;
+    return report;
   }
 
   void take_replies(Nanoseconds now) noexcept {
@@ -231,6 +256,7 @@ class Loop {
       // A reply that answers no newer sample is no sign of life.
       if (!servo_.take(reply_, now)) continue;
       last_heard_ = now;
+      if (outputs_.wanted != nullptr) hear(reply_.change);
       if (outputs_.views != nullptr) show(now);
     }
   }
@@ -347,29 +373,23 @@ class Loop {
   DatagramPort& port_;
   bool delayed_;
   Nanoseconds start_;
+  Nanoseconds period_;
+  bool paced_;  // by the device; else by the deadlines
   Deadlines deadlines_;
+  bool device_ticked_ = false;
+  Nanoseconds overdue_at_{0};
   std::array<pollfd, 2> waiting_;  // replies, stop
   Reply reply_;
   bool ticked_ = false, server_left_ = false;
   bool lost_ = false;
   Nanoseconds lost_at_{0}, next_reroute_{0};
   EndReason lost_by_ = EndReason::server_silent;
-  Nanoseconds first_tick_{0}, last_tick_{0}, last_heard_, next_status_, reported_{0};
+  std::uint8_t heard_ = 0, dealt_with_ = 0;  // changes that an admin wants, by their numbers
+  bool refused_ = false;                     // the newest of those dealt with
+  Nanoseconds first_tick_{0}, last_tick_, last_heard_, next_status_, reported_{0};
 };
 
 }  // namespace
-
-Event::Event() : descriptor_(eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)) {
-  if (descriptor_ < 0)
-    throw std::system_error(errno, std::generic_category(), "cannot make an event");
-}
-Event::~Event() { ::close(descriptor_); }
-void Event::set() noexcept {
-  set_.store(true, std::memory_order_release);
-  const std::uint64_t one = 1;
-  [[maybe_unused]] const ssize_t written =
-      ::write(descriptor_, &one, sizeof one);  // fails only when set already
-}
 
 std::string_view name(EndReason reason) {
   static constexpr std::array<std::string_view, 7> names = {

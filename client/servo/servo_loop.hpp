@@ -1,10 +1,11 @@
 #pragma once
 // The thread that closes the loop: waits for deadlines and replies, and hands them to the servo.
 
-#include <atomic>
 #include <cstdint>
 #include <string_view>
 
+#include "client/servo/event.hpp"
+#include "client/servo/prepared_change.hpp"
 #include "client/servo/servo.hpp"
 #include "client/servo/tick_record.hpp"
 #include "client/transport/transport.hpp"
@@ -12,24 +13,6 @@
 #include "protocol/net/busy_poll.hpp"
 
 namespace feltwire {
-
-/// A flag to wait on. Both calls are safe in any thread and in a signal handler.
-class Event {
- public:
-  /// Throws std::system_error when the system has no more descriptors.
-  Event();
-  ~Event();
-  Event(const Event&) = delete;
-  Event& operator=(const Event&) = delete;
-  void set() noexcept;
-  bool is_set() const noexcept { return set_.load(std::memory_order_acquire); }
-  /// Readable once set, for ever. Where the system fails to tell, is_set() still does.
-  int descriptor() const { return descriptor_; }
-
- private:
-  int descriptor_ = -1;
-  std::atomic<bool> set_{false};
-};
 
 enum class EndReason : std::uint8_t {
   duration,        // the time asked for is over
@@ -49,6 +32,9 @@ struct LoopOptions {
   /// loop. Meanwhile the hand goes on and commands fade.
   Nanoseconds patience{0};
   Ring<SessionAddress>* rejoined = nullptr;
+  /// Changes that an admin wants, made ready: what LoopOutputs::wanted brought. They must outlive
+  /// the loop. Null: none comes.
+  Ring<PreparedChange*>* changes = nullptr;
   /// How long the thread looks busily for what it waits for, the reply after a sample was sent and
   /// the next deadline before it comes, instead of sleeping; kForever: it never sleeps. With 0 it
   /// only looks for the deadline when the machine has woken it sooner than it mostly does.
@@ -91,7 +77,8 @@ struct TimedView {
 struct LoopOutputs {
   Ring<LiveStatus>* status = nullptr;
   Ring<TickRecord>* record = nullptr;
-  Ring<TimedView>* views = nullptr;  // of an observer (client/run/observed_scene.hpp)
+  Ring<TimedView>* views = nullptr;      // of an observer (client/run/observed_scene.hpp)
+  Ring<ClientChange>* wanted = nullptr;  // changes that an admin wants, each once
 };
 
 struct LoopResult {
@@ -112,9 +99,11 @@ struct LoopResult {
 /// Whether a loop of these never sleeps.
 bool never_sleeps(Nanoseconds busy_poll, Nanoseconds period) noexcept;
 
-/// Runs the loop in the calling thread until one of the EndReasons. Deadlines are absolute, start +
-/// n T: one that is missed by a period or more is passed over, never made up for by a burst.
-/// Replies are taken when they come; the command is applied at the tick. At the end the force
+/// Runs the loop in the calling thread until one of the EndReasons. It ticks when the device does,
+/// where that sets the pace (Device::longest_tick). Else deadlines are absolute, start + n T: one
+/// that is missed by a period or more is passed over, never made up for by a burst. Replies are
+/// taken when they come (at the tick of a device that sets the pace); the command is applied at
+/// the tick. At the end the force
 /// fades within half the hold time, the replies on their way are waited for (at most 100 ms, and
 /// 100 ms after what an emulated link holds has left it), and the server is told goodbye. The
 /// device is released as soon as the force has faded.

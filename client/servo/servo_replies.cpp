@@ -1,7 +1,6 @@
 // How the replies of the server reach the servo: which one counts, and what was lost.
 
 #include <algorithm>
-#include <limits>
 
 #include "client/servo/servo.hpp"
 #include "protocol/session/deadband.hpp"
@@ -48,24 +47,21 @@ bool Servo::take(const Reply& reply, Nanoseconds arrival) noexcept {
     return true;
   }
   const bool out_of_date = reply.sample_index <= stood_still_after_;
-  newest_arrival_ = out_of_date ? arrival - from_seconds(parameters_.hold_time)
+  newest_arrival_ = out_of_date ? arrival - from_seconds(law_.parameters.hold_time)
                                 : std::min(arrival, last_tick_ + 2 * from_seconds(period_));
   newest_sampled_ = remembered ? sent.time : arrival;
   // A command that the server's bound has changed does not tell how deep the hand is: at the first
   // sample the bound lets nothing through, inside an object too.
   newest_original_ =
       reply.sample_index > anew_after_ && !reply.active && !reply.saturated && !reply.refused;
-  if (parameters_.local_model) take_model(reply, newest_arrival_);
+  if (law_.parameters.local_model) take_model(reply, newest_arrival_);
   return true;
 }
 
 void Servo::scene_changed() noexcept {
-  if (admission_) admission_->begin();
-  if (!shapes_) return;
-  BoundingConfig config = bounding_.config();
-  config.stiffness = std::numeric_limits<double>::infinity();
-  bounding_ = Bounding(config);
-  bounding_.set_held(held_);
+  if (law_.admission) law_.admission->begin();
+  law_.bounding.scene_changed();
+  scene_was_changed_ = true;
 }
 
 void Servo::take_model(const Reply& reply, Nanoseconds arrival) noexcept {
@@ -78,8 +74,12 @@ void Servo::take_model(const Reply& reply, Nanoseconds arrival) noexcept {
   statistics_.patches += reply.model.view().size();
   // Moving objects have moved on since the server looked. The clocks give the time of the way back;
   // they are believed up to the hold time of a command.
-  const double since = std::clamp(server_clock_.delay_down(), 0.0, parameters_.hold_time);
+  const double since = std::clamp(server_clock_.delay_down(), 0.0, law_.parameters.hold_time);
   model_time_ = arrival - from_seconds(since);
+  if (!remote_) return;
+  remote_->take(reply.remote.value_or(Remote{}));
+  const double robot = std::min(remote_->remote().age, law_.parameters.hold_time);
+  remote_time_ = model_time_ - from_seconds(robot);
 }
 
 void Servo::count_answer(const Reply& reply, Nanoseconds arrival) noexcept {
@@ -109,7 +109,7 @@ std::uint64_t Servo::lost_so_far() const noexcept {
 }
 
 std::uint64_t Servo::lost() const noexcept {
-  const SessionParameters& p = parameters_;
+  const SessionParameters& p = law_.parameters;
   const double silent = p.keep_alive / (p.packet_interval * p.servo_period);
   const auto allowed = p.force_deadband > 0.0 ? static_cast<std::uint64_t>(silent) : 0;
   const std::uint64_t since = statistics_.datagrams - newest_datagram_;
@@ -120,7 +120,7 @@ std::uint64_t Servo::lost() const noexcept {
 /// this is what it would have said.
 Command Servo::reconstructed(Nanoseconds now) const noexcept {
   if (!newest_.predicted) return newest_.command;
-  const double ahead = std::min(seconds(now - newest_sampled_), parameters_.keep_alive);
+  const double ahead = std::min(seconds(now - newest_sampled_), law_.parameters.keep_alive);
   const Command later = extrapolated(newest_.command, newest_.rates, ahead);
   return believable(later) ? later : newest_.command;
 }

@@ -1,7 +1,9 @@
 // Makes a servo from the parameters of a session: chooses its bound, account, observer and limits.
+// Puts another law into one that runs.
 
 #include <sstream>
 #include <stdexcept>
+#include <utility>
 
 #include "client/servo/servo.hpp"
 #include "core/bounding/device_account.hpp"
@@ -77,6 +79,15 @@ std::optional<Admission> admission_of(const SessionParameters& p, const DeviceSp
   return Admission(largest_slew(spec, p));
 }
 
+/// Its contact is rendered as the local model is.
+std::optional<RemoteHand> remote_of(const ServoOptions& options, const SessionParameters& p) {
+  if (!options.leads) return std::nullopt;
+  if (!p.local_model)
+    throw std::invalid_argument(
+        "a hand that leads a robot needs the local model: ask for local_model");
+  return RemoteHand(*options.leads, 0.5 * p.hold_time);
+}
+
 void refuse_beside(std::string_view mode, const char* what, double value, const char* unit,
                    double off) {
   if (value == off) return;
@@ -114,26 +125,52 @@ ServoOptions protect_hand(const SessionParameters& parameters) {
   return options;
 }
 
+ServoLaw::ServoLaw(const DeviceSpec& spec, const SessionParameters& in_force,
+                   const ServoOptions& options)
+    : parameters(in_force),
+      bounding(bound_of(in_force, spec, options.scene_stiffness)),
+      account(account_of(in_force, spec, options)),
+      admission(admission_of(in_force, spec, bounding, account)),
+      shapes(bounding_method(in_force.mode).shapes),
+      counts_on_mass(feltwire::counts_on_mass(in_force)) {}
+
 Servo::Servo(const DeviceSpec& spec, const SessionParameters& parameters,
              const ServoOptions& options)
     : spec_(spec),
-      parameters_(parameters),
       options_(options),
-      bounding_(bound_of(parameters, spec, options.scene_stiffness)),
+      law_(spec, parameters, options),
       safety_(options.safety, admits_reduction(parameters)),
       port_(observer_of(spec, parameters)),
-      account_(account_of(parameters, spec, options)),
       reserve_(parameters.servo_period),
-      admission_(admission_of(parameters, spec, bounding_, account_)),
-      torque_(bounding_.config().rotation),
-      shapes_(bounding_method(parameters.mode).shapes),
-      counts_on_mass_(counts_on_mass(parameters)),
-      period_(bounding_.config().period),
-      measures_(bounding_.config().period),
+      torque_(law_.bounding.config().rotation),
+      period_(law_.bounding.config().period),
+      measures_(law_.bounding.config().period),
       velocity_(parameters.velocity_cutoff),
       rise_(largest_slew(spec, parameters)),
+      remote_(remote_of(options, parameters)),
       sent_(kRemembered) {
   validate(options, parameters);
+}
+
+void Servo::adopt(ServoLaw& next) noexcept {
+  next_law_ = &next;
+  if (pulls(held_))
+    start_letting_go();
+  else
+    exchange_law();
+}
+
+/// Precondition: nothing is held.
+void Servo::exchange_law() noexcept {
+  std::swap(law_, *next_law_);
+  next_law_ = nullptr;
+  if (scene_was_changed_) law_.bounding.scene_changed();  // it was made with what the join said
+  rise_.given(Vec3::Zero());
+  forget_surfaces();
+  newest_.command = {};
+  newest_.predicted = false;
+  // Nothing else keeps a force away that is whole at once.
+  if (!law_.account) safety_.begin_anew();
 }
 
 }  // namespace feltwire

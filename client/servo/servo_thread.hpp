@@ -28,8 +28,8 @@ struct ServoTask {
   Servo servo;
   LoopOptions options;
   LoopOutputs outputs;
-  /// Of request_real_time(); kNoRealTime: nothing is asked of the system, as beside threads that
-  /// are to come first.
+  /// The priority for request_real_time(). kNoRealTime: none is asked for, where other threads are
+  /// to come first.
   static constexpr int kNoRealTime = -1;
   int priority = 0;
   LoopResult result;

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "client/transport/control_client.hpp"
+#include "protocol/session/client_change.hpp"
 #include "protocol/wire/datagram.hpp"
 
 namespace feltwire {
@@ -20,7 +21,7 @@ struct PortStatistics {
   std::uint64_t received = 0;     // datagrams, before any check
 };
 
-/// One thread uses it. Only report() may block, allocate or throw.
+/// One thread uses it. Only report() and refuses_link() may block, allocate or throw.
 class DatagramPort {
  public:
   /// The most datagrams that one call takes from the system, so that a flood costs no more.
@@ -49,6 +50,16 @@ class DatagramPort {
   virtual void pass(Nanoseconds /*now*/) noexcept {}
   /// When the next datagram is due. Call pass() and receive() then.
   virtual std::optional<Nanoseconds> next_due() const noexcept { return std::nullopt; }
+
+  /// Whether this port emulates a link that can be changed.
+  virtual bool emulates() const noexcept { return false; }
+  /// Why its link cannot become this one, with the remedy; nothing where it can. Any thread may
+  /// ask.
+  virtual std::optional<std::string> refuses_link(const LinkQuality& /*link*/) const {
+    return "it emulates no link: start the client with --link";
+  }
+  /// Datagrams that enter from now on meet this link. Precondition: refuses_link() refuses nothing.
+  virtual void set_link(const LinkQuality& /*link*/) noexcept {}
 
   /// Readable when something may be received.
   virtual int descriptor() const noexcept = 0;

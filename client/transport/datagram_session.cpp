@@ -3,8 +3,7 @@
 namespace feltwire {
 namespace {
 
-constexpr unsigned bit(DatagramKind kind) { return 1u << static_cast<unsigned>(kind); }
-constexpr unsigned kExpected = bit(DatagramKind::reply) | bit(DatagramKind::goodbye);
+constexpr unsigned kForDevices = set_of({DatagramKind::reply, DatagramKind::goodbye});
 
 }  // namespace
 
@@ -22,6 +21,7 @@ DatagramSession::DatagramSession(std::uint64_t session, const SessionKeys& keys,
   largest.count = parameters.batch + parameters.redundancy;
   largest.previous = 1;
   largest.report = HandReport{};
+  largest.lead = Lead{};
   for (int i = 0; i < largest.count; ++i)
     largest.samples[static_cast<std::size_t>(i)].index =
         static_cast<std::uint64_t>(largest.count - i) + 1;
@@ -36,9 +36,9 @@ void DatagramSession::resume(std::uint64_t session, const SessionKeys& keys) noe
   packer_.restart();
 }
 
-Bytes DatagramSession::pack(const Sample& sample,
-                            const std::optional<HandReport>& report) noexcept {
-  const SampleBatch* batch = packer_.add(sample, report);
+Bytes DatagramSession::pack(const Sample& sample, const std::optional<HandReport>& report,
+                            const std::optional<Lead>& lead) noexcept {
+  const SampleBatch* batch = packer_.add(sample, report, lead);
   if (batch == nullptr) return {};
   return sealer_.seal(DatagramKind::samples, session_, encoder_.samples(*batch), sealed_);
 }
@@ -50,18 +50,11 @@ Bytes DatagramSession::goodbye() noexcept {
 
 DatagramSession::Arrival DatagramSession::take(Bytes datagram, Reply& reply,
                                                GoodbyeReason& reason) noexcept {
-  const Guarded guarded = guard(datagram, kExpected);
-  DropReason drop = guarded.drop;
-  if (drop == DropReason::none && guarded.header.session != session_) drop = DropReason::session;
-  Bytes payload;
-  if (drop == DropReason::none) {
-    const Opened opened = opener_.open(guarded.header, datagram, opened_);
-    drop = opened.drop;
-    payload = opened.payload;
-  }
-  const bool is_reply = guarded.header.kind == DatagramKind::reply;
+  const Received got = receive(datagram, kForDevices, session_, opener_, opened_);
+  const bool is_reply = got.kind == DatagramKind::reply;
+  DropReason drop = got.drop;
   if (drop == DropReason::none)
-    drop = is_reply ? decode(payload, reply, &view_) : decode(payload, reason);
+    drop = is_reply ? decode(got.payload, reply, &view_) : decode(got.payload, reason);
   if (drop == DropReason::none) return is_reply ? Arrival::reply : Arrival::goodbye;
   ++dropped_[static_cast<std::size_t>(drop)];
   return Arrival::dropped;

@@ -29,8 +29,9 @@ class DatagramSession {
 
   /// The datagram that is due with this sample (client/transport/sample_packer.hpp); empty when
   /// none is. Call it with every sample. The bytes live until the next call of pack() or goodbye().
-  /// The report travels with it.
-  Bytes pack(const Sample& sample, const std::optional<HandReport>& report = {}) noexcept;
+  /// The report travels with it, and what a hand that leads says of the sample.
+  Bytes pack(const Sample& sample, const std::optional<HandReport>& report = {},
+             const std::optional<Lead>& lead = {}) noexcept;
   Bytes goodbye() noexcept;
 
   /// Puts one sample less into each datagram until the next session, as the path takes no longer

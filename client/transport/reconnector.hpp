@@ -9,6 +9,7 @@
 #include "client/transport/control_client.hpp"
 #include "client/transport/transport.hpp"
 #include "core/base/ring.hpp"
+#include "protocol/session/client_change.hpp"
 
 namespace feltwire {
 
@@ -33,6 +34,9 @@ class Reconnector {
 
   /// Call it now and then. `connected`: whether the loop has a session.
   void look(bool connected, Clock::time_point now) noexcept;
+
+  /// The law in force is another: the next session has to have it, too.
+  void put_law(const LawChoice& law) { request_.parameters = with_law(request_.parameters, law); }
 
   /// Why there will be no other session, in one line (LastingError); then the reconnector has
   /// stopped asking. Empty while there may be one.

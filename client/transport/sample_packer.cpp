@@ -34,11 +34,12 @@ const Sample& SamplePacker::recent(std::uint64_t ago) const noexcept {
   return recent_[(fed_ - 1 - ago) % recent_.size()];
 }
 
-const SampleBatch* SamplePacker::add(const Sample& sample,
-                                     const std::optional<HandReport>& report) noexcept {
+const SampleBatch* SamplePacker::add(const Sample& sample, const std::optional<HandReport>& report,
+                                     const std::optional<Lead>& lead) noexcept {
   recent_[fed_ % recent_.size()] = sample;
   ++fed_;
-  if (!due(sample)) return nullptr;
+  const bool switched = lead && batch_.lead && lead->deadman != batch_.lead->deadman;
+  if (!switched && !due(sample)) return nullptr;
   const std::uint64_t interval = static_cast<std::uint64_t>(parameters_.packet_interval);
   if (travelled_count_ > 0) {
     const Sample& before = travelled_[0];
@@ -52,6 +53,7 @@ const SampleBatch* SamplePacker::add(const Sample& sample,
   make(std::min(interval, fed_ - fed_at_last_));
   fed_at_last_ = fed_;
   batch_.report = report;
+  batch_.lead = lead;
   return &batch_;
 }
 

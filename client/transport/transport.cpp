@@ -22,9 +22,10 @@ void Transport::look_at_lengths() noexcept {
     datagrams_.carry_fewer();
 }
 
-bool Transport::send(const Sample& sample, const std::optional<HandReport>& report) noexcept {
+bool Transport::send(const Sample& sample, const std::optional<HandReport>& report,
+                     const std::optional<Lead>& lead) noexcept {
   look_at_lengths();
-  const Bytes datagram = datagrams_.pack(sample, report);
+  const Bytes datagram = datagrams_.pack(sample, report, lead);
   if (datagram.empty()) return false;
   port_->send(datagram);
   return true;

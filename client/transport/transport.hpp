@@ -46,8 +46,10 @@ class Transport {
   const DatagramPort& port() const noexcept { return *port_; }
 
   /// Call it with every sample. Sends the datagram that is due with it, and the report in it;
-  /// returns false when none is due.
-  bool send(const Sample& sample, const std::optional<HandReport>& report = {}) noexcept;
+  /// and what the
+  /// hand says to the robot that it leads; returns false when none is due.
+  bool send(const Sample& sample, const std::optional<HandReport>& report = {},
+            const std::optional<Lead>& lead = {}) noexcept;
 
   /// Takes the next good datagram that has arrived. Bad ones are counted and skipped, up to
   /// DatagramPort::kBurst of them, so that a flood costs the loop no more. Fills `reply` or

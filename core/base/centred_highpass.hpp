@@ -52,7 +52,7 @@ class CentredHighPass {
   void begin_anew() noexcept { known_ = at_ = 0; }
 
  private:
-  /// Of differences, so that a far origin costs no digits.
+  /// Sums differences to one of the values, so that a far origin costs no digits.
   void sum_anew() noexcept {
     origin_ = ring_[ring_.size() / 2];
     sum_ = 0.0;

@@ -41,7 +41,7 @@ class CsvReader {
   /// Whether the input has this column.
   bool has(std::string_view column) const;
 
-  /// Of the row that next() read last, from 1; the header is the first.
+  /// The number of the line that next() read last, from 1; the header is line 1.
   int line() const { return line_; }
 
   /// Throws CsvError for that row, naming the column (none when empty): "file:line: column 'x':

@@ -11,7 +11,8 @@ namespace feltwire {
 /// By the name that they were read by, normalized; the bytes.
 using FileBytes = std::map<std::string, std::string>;
 
-/// What read_regular_file() does in one thread.
+/// How read_regular_file() works in one thread: where it reads from, and whether it keeps the
+/// bytes.
 struct FileReading {
   FileBytes* keep = nullptr;         // gets what is read; null: it is not kept
   const FileBytes* given = nullptr;  // has what may be read; null: the disk has

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "core/base/numeric.hpp"
+
 namespace feltwire {
 
 Vec3 rotation_between(const Quaternion& from, const Quaternion& to) {
@@ -12,6 +14,12 @@ Vec3 rotation_between(const Quaternion& from, const Quaternion& to) {
   if (!(sine > 0.0) || !std::isfinite(sine) || !std::isfinite(difference.w())) return Vec3::Zero();
   const double angle = 2.0 * std::atan2(sine, std::abs(difference.w()));
   return (difference.w() < 0.0 ? -angle : angle) / sine * difference.vec();
+}
+
+Quaternion turned(const Quaternion& from, const Vec3& by) {
+  const Polar<double> angle = polar(by);
+  if (!(angle.length > 0.0)) return from;
+  return (Quaternion(Eigen::AngleAxisd(angle.length, angle.direction)) * from).normalized();
 }
 
 }  // namespace feltwire

@@ -74,13 +74,35 @@ void PortBalance::forget() noexcept {
   too_fast_ = false;
 }
 
+PortBalance::Hold PortBalance::hold_of(double damping, double hold_time) const noexcept {
+  return {
+      .time = hold_time,
+      .free = damping > 0.0 ? hold_time / (2.0 * damping) : std::numeric_limits<double>::infinity(),
+      .burned = damping / hold_time,
+      .per_newton = reach_.per_newton(hold_time)};
+}
+
+void PortBalance::prepare(double hold_time) noexcept {
+  if (directional_ || hold_.time == hold_time) return;
+  const bool same_everywhere = known_.damping.isotropic();
+  hold_ = hold_of(same_everywhere ? known_.damping.matrix()(0, 0) : 0.0, hold_time);
+}
+
+bool PortBalance::beyond_reach(const Vec3& displacement, const Vec3& held,
+                               double hold_time) const noexcept {
+  if (!reach_.known() || reach_.goes_on(displacement, hold_time)) return false;
+  const Polar<double> way = polar(displacement);
+  return way.length > 0.0 &&
+         way.length > reach_.along(way.direction, held.dot(way.direction), hold_time);
+}
+
 double PortBalance::earned(const Vec3& displacement, const Vec3& held, double hold_time) noexcept {
-  if (reach_.bounds() || limits_speed_) {
+  if (limits_speed_) {
     const Polar<double> way = polar(displacement);
-    too_fast_ = limits_speed_ && way.length > reach_.at_full_speed(way.direction, hold_time);
-    const bool too_far =
-        reach_.known() && way.length > 0.0 &&
-        way.length > reach_.along(way.direction, held.dot(way.direction), hold_time);
+    too_fast_ = way.length > reach_.at_full_speed(way.direction, hold_time);
+  }
+  if (reach_.bounds() || limits_speed_) {
+    const bool too_far = beyond_reach(displacement, held, hold_time);
     strong_hand_ = too_far || too_fast_;
     if (learned_) {
       learned_->moved(displacement, held, hold_time);
@@ -89,8 +111,10 @@ double PortBalance::earned(const Vec3& displacement, const Vec3& held, double ho
     }
     reach_.moved(displacement, held, hold_time, period_);
   }
-  return known_.damping.quadratic(displacement) / std::max(period_, hold_time) +
-         known_.coulomb_friction * path_.moved(displacement) - held.dot(displacement);
+  const double rubbed =
+      known_.coulomb_friction > 0.0 ? known_.coulomb_friction * path_.moved(displacement) : 0.0;
+  return known_.damping.quadratic(displacement) / std::max(period_, hold_time) + rubbed -
+         held.dot(displacement);
 }
 
 // max of F y - (b/h) y^2 over 0 <= y <= d(F) = d0 + k F, with F = s |wanted|: the free maximum
@@ -99,40 +123,43 @@ EnergyNeed PortBalance::need(const Vec3& wanted, double hold_time) const noexcep
   const Polar<double> force = polar(wanted);
   EnergyNeed need;
   if (!(force.length > 0.0)) return need;
-  const double b = damping_along(force.direction);
-  need.first = b > 0.0 ? 0.5 * (hold_time / (2.0 * b)) * force.length * force.length
-                       : std::numeric_limits<double>::infinity();
-  if (reach_.known()) limit_by_inertia(need, force, b, hold_time);
+  const bool prepared = !directional_ && hold_.time == hold_time;
+  const Hold hold = prepared ? hold_ : hold_of(damping_along(force.direction), hold_time);
+  need.first = 0.5 * hold.free * force.length * force.length;
+  if (reach_.known()) limit_by_inertia(need, force, hold);
   // A handle that was just faster than was told may be so again.
-  if (limits_speed_ && !too_fast_) limit_by_speed(need, force, b, hold_time);
+  if (limits_speed_ && !too_fast_) limit_by_speed(need, force, hold);
   return need;
 }
 
-void PortBalance::limit_by_inertia(EnergyNeed& need, const Polar<double>& force, double damping,
-                                   double hold_time) const noexcept {
-  const double f = force.length;
-  const double free = damping > 0.0 ? hold_time / (2.0 * damping)  // [m/N]
-                                    : std::numeric_limits<double>::infinity();
-  const double k = reach_.per_newton(hold_time);
-  if (!(k < free)) return;  // so well damped that no force moves the handle that far
-  const double d0 = reach_.along(force.direction, 0.0, hold_time);
-  const double burned = damping / hold_time;
-  need.turn = std::isfinite(free) ? d0 / ((free - k) * f) : 0.0;
-  need.second = k * f * f * (1.0 - burned * k);
-  need.linear = f * d0 * (1.0 - 2.0 * burned * k);
-  need.constant = -burned * d0 * d0;
+double PortBalance::need_of_any_hand(const Vec3& wanted, double hold_time) const noexcept {
+  const Polar<double> force = polar(wanted);
+  if (!(force.length > 0.0)) return 0.0;
+  const Hold hold = hold_of(damping_along(force.direction), hold_time);
+  return 0.5 * hold.free * force.length * force.length;
+}
+
+void PortBalance::limit_by_inertia(EnergyNeed& need, const Polar<double>& force,
+                                   const Hold& hold) const noexcept {
+  const double f = force.length, k = hold.per_newton;
+  if (!(k < hold.free)) return;  // so well damped that no force moves the handle that far
+  const double d0 = reach_.along(force.direction, hold.time);
+  need.turn =
+      hold.free < std::numeric_limits<double>::infinity() ? d0 / ((hold.free - k) * f) : 0.0;
+  need.second = k * f * f * (1.0 - hold.burned * k);
+  need.linear = f * d0 * (1.0 - 2.0 * hold.burned * k);
+  need.constant = -hold.burned * d0 * d0;
 }
 
 /// Both limits are true at every share of the force, so the one that is less at the whole of it is
 /// taken; the maximum within both at once would be a little less still.
-void PortBalance::limit_by_speed(EnergyNeed& need, const Polar<double>& force, double damping,
-                                 double hold_time) const noexcept {
-  const double way = reach_.at_full_speed(force.direction, hold_time);
-  const double burned = damping / hold_time;
+void PortBalance::limit_by_speed(EnergyNeed& need, const Polar<double>& force,
+                                 const Hold& hold) const noexcept {
+  const double way = reach_.at_full_speed(force.direction, hold.time);
   EnergyNeed by_speed{.first = need.first,
-                      .turn = 2.0 * burned * way / force.length,
+                      .turn = 2.0 * hold.burned * way / force.length,
                       .linear = force.length * way,
-                      .constant = -burned * way * way};
+                      .constant = -hold.burned * way * way};
   if (by_speed.at(1.0) < need.at(1.0)) need = by_speed;
 }
 
@@ -149,8 +176,9 @@ double PortAccount::take_in(const BoundingStep& s) noexcept {
   const bool was_in_debt = in_debt();
   const bool known = s.displacement.allFinite() && s.rotation.allFinite() &&
                      std::isfinite(s.hold_time) && s.hold_time > 0.0;
-  const double delivered = held_.force().dot(s.displacement) + held_.torque.dot(s.rotation);
-  const double earned = known ? translation_.earned(s.displacement, held_.force(), s.hold_time) +
+  const Vec3 force = held_.force();
+  const double delivered = force.dot(s.displacement) + held_.torque.dot(s.rotation);
+  const double earned = known ? translation_.earned(s.displacement, force, s.hold_time) +
                                     rotation_.earned(s.rotation, held_.torque, s.hold_time)
                               : std::numeric_limits<double>::quiet_NaN();
   if (std::isfinite(earned)) {
@@ -162,8 +190,7 @@ double PortAccount::take_in(const BoundingStep& s) noexcept {
     translation_.forget();
     rotation_.forget();
   }
-  const bool nothing_held = held_.force().isZero(0.0) && held_.torque.isZero(0.0);
-  if (nothing_held) balance_ = std::min(balance_, cap_);
+  if (balance_ > cap_ && force.isZero(0.0) && held_.torque.isZero(0.0)) balance_ = cap_;
   count_debt(was_in_debt);
   if (!std::isfinite(earned) || !looks_ahead_) return balance_;
   const double per_period = delivered * period_ / std::max(period_, s.hold_time);
@@ -180,22 +207,25 @@ Command PortAccount::step(const BoundingStep& s, double next_hold) noexcept {
   const double left = take_in(s);
   held_ = {};
   if (!s.command.finite()) return held_;
-  Command wanted = s.command;
+  held_ = s.command;
   const double hold = std::max(period_, next_hold);
-  EnergyNeed force = translation_.need(wanted.force(), hold);
-  EnergyNeed torque = rotation_.need(wanted.torque, hold);
+  translation_.prepare(hold);
+  rotation_.prepare(hold);
+  EnergyNeed force = translation_.need(held_.force(), hold);
+  EnergyNeed torque = rotation_.need(held_.torque, hold);
+  const bool all_limited = force.limited() && torque.limited();
   if (!force.limited()) {
-    wanted.elastic.setZero();
-    wanted.frictional.setZero();
+    held_.elastic.setZero();
+    held_.frictional.setZero();
     force = {};
   }
   if (!torque.limited()) {
-    wanted.torque.setZero();
+    held_.torque.setZero();
     torque = {};
   }
   const double share = affordable(force, torque, left);
-  held_ = share < 1.0 ? share * wanted : wanted;
-  if (held_ != s.command) ++statistics_.reduced;
+  if (share < 1.0) held_ = share * held_;
+  if ((share < 1.0 || !all_limited) && held_ != s.command) ++statistics_.reduced;
   return held_;
 }
 

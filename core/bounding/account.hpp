@@ -80,13 +80,27 @@ class PortBalance {
   /// The energy that the next sample can take at most while a share of `wanted` is held, if it is
   /// held for `hold_time` h [s], T or longer. A longer hold burns less for the same way: b/h.
   EnergyNeed need(const Vec3& wanted, double hold_time) const noexcept;
+  /// The next need() is asked for `hold_time` [s]: what follows from it alone is kept, for it
+  /// seldom changes.
+  void prepare(double hold_time) noexcept;
+  /// [J] the same of a hand that may move the handle any distance, of all of `wanted`.
+  double need_of_any_hand(const Vec3& wanted, double hold_time) const noexcept;
 
  private:
+  /// What a hold of some length makes of the damping and of the mass.
+  struct Hold {
+    double time = 0.0;        // h [s]
+    double free = 0.0;        // h / (2 b) [m/N] infinite without damping
+    double burned = 0.0;      // b / h [N/m]
+    double per_newton = 0.0;  // h^2 / (2 m) [m/N]
+  };
+  Hold hold_of(double damping, double hold_time) const noexcept;
   double damping_along(const Vec3& unit) const noexcept;
-  void limit_by_inertia(EnergyNeed& need, const Polar<double>& force, double damping,
-                        double hold_time) const noexcept;
-  void limit_by_speed(EnergyNeed& need, const Polar<double>& force, double damping,
-                      double hold_time) const noexcept;
+  bool beyond_reach(const Vec3& displacement, const Vec3& held, double hold_time) const noexcept;
+  void limit_by_inertia(EnergyNeed& need, const Polar<double>& force,
+                        const Hold& hold) const noexcept;
+  void limit_by_speed(EnergyNeed& need, const Polar<double>& force,
+                      const Hold& hold) const noexcept;
 
   PortKnowledge known_;
   double period_;
@@ -94,6 +108,7 @@ class PortBalance {
   Mat3 inverse_damping_ = Mat3::Zero();
   Reach reach_;
   CertainPath path_;
+  Hold hold_;  // that was prepared; without a use where the damping differs by direction
   std::optional<OutsideForce> learned_;
   bool limits_speed_;
   bool too_fast_ = false;  // the last sample was faster than was told
@@ -148,8 +163,8 @@ class PortAccount {
   /// [J] f'B^-1 f h / 4: what holding `command` for h [s] can give to a hand that may move the
   /// handle any distance.
   double need_of_any_hand(const Command& command, double hold_time) const noexcept {
-    return translation_.need(command.force(), hold_time).first +
-           rotation_.need(command.torque, hold_time).first;
+    return translation_.need_of_any_hand(command.force(), hold_time) +
+           rotation_.need_of_any_hand(command.torque, hold_time);
   }
 
   double balance() const noexcept { return balance_; }  // M [J]

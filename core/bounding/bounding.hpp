@@ -47,9 +47,9 @@ class BasicBounding {
   /// out.
   void set_held(const BasicCommand<Real>& held) noexcept;
 
-  /// Of contact_frame: the next step's elastic channel may draw on `energy` [J] beside what it
-  /// stores. The bound trusts that the port has that much: the caller sees to it
-  /// (core/bounding/account.hpp). Without effect in the other modes.
+  /// For contact_frame: the elastic channel of the next step may use `energy` [J] beside what it
+  /// stores. The caller must know that the port has that much (core/bounding/account.hpp). No
+  /// effect in the other modes.
   void endow(Real energy) noexcept;
   /// Whether endow() has an effect.
   bool takes_endowment() const noexcept { return law_.takes_endowment(); }
@@ -59,7 +59,11 @@ class BasicBounding {
   BasicProbe<Real> probe(const Vector3<Real>& displacement,
                          const Vector3<Real>& rotation) const noexcept;
 
-  /// Of `credited` and `shaped`.
+  /// The surfaces are others from the next step on. `credited` and `shaped` forget the stiffness
+  /// that they were told (BoundingConfig::stiffness), and nothing that they know of the hand.
+  void scene_changed() noexcept { law_.scene_changed(); }
+
+  /// The damping that is credited to the hand; only the methods `credited` and `shaped` have it.
   std::optional<HandCredit> hand_credit() const noexcept { return law_.hand_credit(); }
 
   /// The configuration that it was made with; `mode` is the method's name.

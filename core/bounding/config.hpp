@@ -10,22 +10,22 @@
 
 namespace feltwire {
 
-/// Of contact_frame: how the other channels follow when one is bounded.
+/// For contact_frame: what the other channels do when one is bounded.
 enum class Projection {
   joint,  // one factor for elastic and frictional: the command's direction is kept exactly
   cone    // the elastic force keeps its own factor, friction takes the smaller: normal force is not
           // lost to friction
 };
 
-/// Of contact_frame: how much the elastic channel keeps of the energy that the hand pressed into
-/// it.
+/// For contact_frame: how much of the energy that the hand pressed into the elastic channel stays
+/// there.
 enum class Storage {
   minimal,  // S(F) of the force held, the least that is safe: a spring softer than c fades on
             // release
   elastic   // and what a spring would hold beyond it: every spring up to c comes back whole
 };
 
-/// Of passivity_control*: the reference that the observed energy is compared with.
+/// For passivity_control*: the reference to which the observed energy is compared.
 enum class PassivityReference {
   zero,      // Hannaford & Ryu 2002
   following  // Ryu et al. 2005: what the environment would have taken in continuous time

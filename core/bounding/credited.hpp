@@ -50,12 +50,13 @@ class Credited {
         torque_(torque) {}
 
   BasicCommand<Real> step(const BasicBoundingStep<Real>& s) noexcept {
-    adapt(s);
+    const Polar<Real> elastic = polar(s.command.elastic);
+    adapt(s, elastic.direction);
     const bool corner = s.normals != nullptr && s.normals->count > 1;
-    BasicCommand<Real> rendered = corner ? at_walls(s) : at_contact(s);
+    BasicCommand<Real> rendered = corner ? at_walls(s) : at_contact(s, elastic);
     if (torque_) {
-      const Real allowed = length(held_torque_ - stiffness(rotation_) * s.rotation);
-      rendered.torque = s.command.torque * reduction(allowed, length(s.command.torque));
+      const Vector3<Real> allowed = held_torque_ - stiffness(rotation_) * s.rotation;
+      rendered.torque = s.command.torque * reduction(allowed, s.command.torque);
       held_torque_ = rendered.torque;
     }
     return rendered;
@@ -66,6 +67,9 @@ class Credited {
     if (torque_) held_torque_ = held.torque;
   }
 
+  void scene_changed() noexcept {
+    translation_.stiffness = std::numeric_limits<double>::infinity();
+  }
   HandCredit hand_credit() const noexcept { return {translation_.credit, steps_down_}; }
 
  private:
@@ -75,14 +79,15 @@ class Credited {
     return static_cast<Real>(std::min(most, std::max(least, law.stiffness)));
   }
 
-  BasicCommand<Real> at_contact(const BasicBoundingStep<Real>& s) noexcept {
-    const ChannelCommand<Real> command = in_channels(s.command, plain_);
+  BasicCommand<Real> at_contact(const BasicBoundingStep<Real>& s,
+                                const Polar<Real>& wanted) noexcept {
+    const ChannelCommand<Real> command = in_channels(s.command, wanted, plain_);
     const HeldFrame<Real> f(held_, command.normal, s.displacement);
     const Real c = stiffness(translation_);
     const Real elastic = std::abs(f.elastic - c * f.dx_elastic);
-    const Real friction = length(f.frictional - c * f.dx_frictional);
+    const Vector3<Real> friction = f.frictional - c * f.dx_frictional;
     ChannelScales<Real> scale{reduction(elastic, std::abs(command.elastic)),
-                              reduction(friction, length(command.frictional))};
+                              reduction(friction, command.frictional)};
     scale.frictional = std::min(scale.frictional, scale.elastic);
     held_.set(command.normal, scale.elastic * command.elastic,
               scale.frictional * command.frictional);
@@ -114,9 +119,8 @@ class Credited {
     return rendered;
   }
 
-  void adapt(const BasicBoundingStep<Real>& s) noexcept {
+  void adapt(const BasicBoundingStep<Real>& s, const Vector3<Real>& normal) noexcept {
     const double time = static_cast<double>(s.hold_time);
-    const Vector3<Real> normal = direction(s.command.elastic);
     if (normal.isZero(0)) {
       swings_.forget();
     } else if (swings_.moved(static_cast<double>(s.displacement.dot(normal)), time)) {
@@ -152,21 +156,31 @@ class Shaped {
 
   BasicCommand<Real> step(const BasicBoundingStep<Real>& s) noexcept {
     near_.step(s);
-    if (!s.local) return late_.step(s);
-    late_.set_held(s.command);
-    return s.command;
+    if (s.local) {
+      was_near_ = true;
+      return held_ = s.command;
+    }
+    if (was_near_) late_.set_held(held_);
+    was_near_ = false;
+    return late_.step(s);
   }
-  void set_held(const BasicCommand<Real>& held) noexcept { late_.set_held(held); }
-  /// As Midpoint's: for commands that are made at the device.
+  void set_held(const BasicCommand<Real>& held) noexcept {
+    was_near_ ? void(held_ = held) : late_.set_held(held);
+  }
+  /// As Midpoint::probe(), for commands that are made at the device.
   BasicProbe<Real> probe(const Vector3<Real>& displacement,
                          const Vector3<Real>& rotation) const noexcept {
     return near_.probe(displacement, rotation);
   }
+  void scene_changed() noexcept { late_.scene_changed(); }
   HandCredit hand_credit() const noexcept { return late_.hand_credit(); }
 
  private:
   Credited<Real> late_;
   Midpoint<Real> near_;
+  // Split into channels for `late_` once a command comes late again, not at every step.
+  BasicCommand<Real> held_;
+  bool was_near_ = false;
 };
 
 }  // namespace feltwire

@@ -18,9 +18,10 @@ struct ChannelCommand {
   Vector3<Real> frictional;  // [N]
 };
 
+/// `elastic` is polar(command.elastic).
 template <class Real>
-inline ChannelCommand<Real> in_channels(const BasicCommand<Real>& command) noexcept {
-  const Polar<Real> elastic = polar(command.elastic);
+inline ChannelCommand<Real> in_channels(const BasicCommand<Real>& command,
+                                        const Polar<Real>& elastic) noexcept {
   const Real along_normal = command.frictional.dot(elastic.direction);
   ChannelCommand<Real> c{elastic.direction, elastic.length, elastic.length + along_normal,
                          command.frictional - along_normal * elastic.direction};
@@ -32,22 +33,34 @@ inline ChannelCommand<Real> in_channels(const BasicCommand<Real>& command) noexc
   return c;
 }
 
+template <class Real>
+inline ChannelCommand<Real> in_channels(const BasicCommand<Real>& command) noexcept {
+  return in_channels(command, polar(command.elastic));
+}
+
 /// The channels of a contact, in the coordinates of `metric`. A contact never pulls. Without an
 /// elastic force there is no normal, and the whole movement belongs to friction.
 template <class Real>
 inline ChannelCommand<Real> in_channels(const BasicCommand<Real>& command,
+                                        const Polar<Real>& elastic,
                                         const Metric<Real>& metric) noexcept {
-  ChannelCommand<Real> c = in_channels(command);
+  ChannelCommand<Real> c = in_channels(command, elastic);
   c.elastic = std::max(Real(0), c.elastic);
   if (!(c.elastic > 0)) c.normal.setZero();
   if (metric.euclidean()) return c;
   // In these coordinates friction may have a part along u, even a larger one than the spring: two
   // directions at right angles in space are not at right angles in the metric of the damping.
   const Real spring_share = c.elastic > 0 ? c.spring / c.elastic : Real(0);
-  c = in_channels(BasicCommand<Real>{metric.force(c.elastic * c.normal), metric.force(c.frictional),
-                                     Vector3<Real>::Zero()});
+  const Vector3<Real> along = metric.force(c.elastic * c.normal);
+  c = in_channels(BasicCommand<Real>{along, metric.force(c.frictional), Vector3<Real>::Zero()},
+                  polar(along));
   c.spring *= spring_share;
   return c;
+}
+template <class Real>
+inline ChannelCommand<Real> in_channels(const BasicCommand<Real>& command,
+                                        const Metric<Real>& metric) noexcept {
+  return in_channels(command, polar(command.elastic), metric);
 }
 
 /// The factors by which a bound scales a command's channels.
@@ -74,8 +87,9 @@ struct HeldForce {
 
   /// Splits the force again, because a report of a held force may have another direction.
   void set(const BasicCommand<Real>& held, const Metric<Real>& metric) noexcept {
+    const Vector3<Real> along = metric.force(held.elastic);
     const ChannelCommand<Real> c = in_channels(
-        BasicCommand<Real>{metric.force(held.elastic), metric.force(held.frictional), held.torque});
+        BasicCommand<Real>{along, metric.force(held.frictional), held.torque}, polar(along));
     set(c.normal, c.elastic, c.frictional);
   }
   /// A negative `along_normal`, a pull, is an elastic channel opposite to its normal.
@@ -114,6 +128,13 @@ struct HeldFrame {
 template <class Real>
 inline Real reduction(Real allowed, Real wanted) noexcept {
   return wanted > allowed ? allowed / wanted : Real(1);
+}
+/// The same of the lengths of two vectors. No root is drawn where there is nothing to reduce.
+template <class Real>
+inline Real reduction(const Vector3<Real>& allowed, const Vector3<Real>& wanted) noexcept {
+  const Real least = wanted.squaredNorm(), most = allowed.squaredNorm();
+  if (is_plain_square(least) && is_plain_square(most) && least <= most) return Real(1);
+  return reduction(length(allowed), length(wanted));
 }
 
 }  // namespace feltwire

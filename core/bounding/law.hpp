@@ -33,6 +33,7 @@ struct HandCredit {
 ///   bool in_debt() const                    it renders no force until a debt of energy is repaid,
 ///   void endow(Real energy)                 the next step may draw on energy [J] from elsewhere,
 ///   BasicProbe<Real> probe(displacement, rotation) const      it asks the scene elsewhere,
+///   void scene_changed()                    the surfaces are others: it forgets what it was told,
 ///   HandCredit hand_credit() const                            it counts on the hand's damping.
 /// The steps are described at BasicBounding (core/bounding/bounding.hpp), which calls them.
 template <class Real>
@@ -73,6 +74,9 @@ class BasicBoundingLaw {
     if (functions_->probe == nullptr) return {};
     return functions_->probe(memory_, displacement, rotation);
   }
+  void scene_changed() noexcept {
+    if (functions_->scene_changed != nullptr) functions_->scene_changed(memory_);
+  }
   std::optional<HandCredit> hand_credit() const noexcept {
     if (functions_->hand_credit == nullptr) return std::nullopt;
     return functions_->hand_credit(memory_);
@@ -87,6 +91,7 @@ class BasicBoundingLaw {
     void (*endow)(std::byte*, Real) noexcept;
     BasicProbe<Real> (*probe)(const std::byte*, const Vector3<Real>&,
                               const Vector3<Real>&) noexcept;
+    void (*scene_changed)(std::byte*) noexcept;
     HandCredit (*hand_credit)(const std::byte*) noexcept;
   };
 
@@ -127,6 +132,8 @@ class BasicBoundingLaw {
                    const Vector3<Real>& rotation) noexcept {
         return in<Law>(memory).probe(displacement, rotation);
       };
+    if constexpr (requires(Law law) { law.scene_changed(); })
+      f.scene_changed = [](std::byte* memory) noexcept { in<Law>(memory).scene_changed(); };
     if constexpr (requires(const Law law) { law.hand_credit(); })
       f.hand_credit = [](const std::byte* memory) noexcept {
         return in<Law>(memory).hand_credit();

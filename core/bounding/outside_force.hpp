@@ -39,7 +39,7 @@ class OutsideForce {
   void forget() noexcept { begin(Block{}, false); }
 
   /// [N] of the force from outside.
-  double bound() const noexcept { return bound_ < told_ ? bound_ : told_; }
+  double bound() const noexcept { return bound_; }
 
  private:
   struct Block {

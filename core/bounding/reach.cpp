@@ -40,28 +40,17 @@ void Reach::moved(const Vec3& displacement, const Vec3& held, double hold_time,
   const bool too_short = hold_time < 0.5 * period;
   const bool join = too_short && time_ > 0.0 && time_ < 0.5 * period;
   if (join) {
+    if (!joined_) strongest_ = length(held_);
+    strongest_ = std::max(strongest_, length(held));
     displacement_ += displacement;
     time_ += hold_time;
-    strongest_ = std::max(strongest_, length(held));
     joined_ = true;
     return;
   }
   displacement_ = displacement;
   held_ = held;
   time_ = hold_time;
-  strongest_ = length(held);
   joined_ = false;
-}
-
-double Reach::along(const Vec3& u, double force, double hold_time) const noexcept {
-  const double quantum = known_.quantum * u.lpNorm<1>();
-  const double before =
-      ((joined_ ? strongest_ : held_.dot(u)) + known_.outside_force) / known_.mass;
-  const double during = std::max(0.0, force + known_.outside_force) / known_.mass;
-  const double from_rest = before * time_ * hold_time;
-  const double carried_on =
-      (displacement_.dot(u) + quantum) * (hold_time / time_) + 0.5 * from_rest;
-  return std::max({0.0, from_rest, carried_on}) + 0.5 * during * hold_time * hold_time + quantum;
 }
 
 }  // namespace feltwire

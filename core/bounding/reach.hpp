@@ -1,6 +1,7 @@
 #pragma once
 // How far the handle of a device can move within the next sample, whatever hand holds it.
 
+#include <algorithm>
 #include <limits>
 
 #include "core/base/types.hpp"
@@ -42,7 +43,9 @@ void validate(const PortKnowledge& port, const char* field);
 class Reach {
  public:
   /// Precondition: validate(known) passed.
-  explicit Reach(const PortKnowledge& known) : known_(known) {}
+  explicit Reach(const PortKnowledge& known) : known_(known) {
+    set_outside_force(known.outside_force);
+  }
 
   /// The handle moved by `displacement` over `hold_time` > 0 [s] while `held` acted. `period` [s]
   /// is what a sample normally takes: samples shorter than half of it are looked at together,
@@ -58,21 +61,52 @@ class Reach {
   /// Whether anything bounds the next displacement.
   bool known() const noexcept { return time_ > 0.0 && bounds(); }
   /// A smaller or larger bound of the force from outside [N].
-  void set_outside_force(double force) noexcept { known_.outside_force = force; }
+  void set_outside_force(double force) noexcept {
+    known_.outside_force = force;
+    from_outside_ = force / known_.mass;
+  }
   /// [m] along the unit vector u over `hold_time` [s], of a handle that is no faster than was told.
   double at_full_speed(const Vec3& u, double hold_time) const noexcept {
     return known_.speed * hold_time + known_.quantum * u.lpNorm<1>();
   }
   /// [m] along the unit vector u over the next `hold_time` [s], with the component `force` [N]
   /// along u held meanwhile. Precondition: known().
-  double along(const Vec3& u, double force, double hold_time) const noexcept;
+  double along(const Vec3& u, double force, double hold_time) const noexcept {
+    return reached(u, std::max(0.0, force + known_.outside_force) / known_.mass, hold_time);
+  }
+  /// The same with nothing held.
+  double along(const Vec3& u, double hold_time) const noexcept {
+    return reached(u, from_outside_, hold_time);
+  }
+  /// Whether a sample of `hold_time` [s] that showed `displacement` is within reach along its own
+  /// direction whatever was held, because it goes on as the one before to less than what the
+  /// encoder rounds. False says nothing. Spares a root and four divisions. Precondition: known().
+  bool goes_on(const Vec3& displacement, double hold_time) const noexcept {
+    // reach >= (u.dx + q1) h/h0 + q1, and q1 >= q. The rest of q is for rounding.
+    constexpr double kMost = 0.95;
+    const double rounded = kMost * known_.quantum * (hold_time + time_);
+    return (time_ * displacement - hold_time * displacement_).squaredNorm() < rounded * rounded &&
+           held_.squaredNorm() <= known_.outside_force * known_.outside_force;
+  }
   /// [m/N] how much each newton of `force` adds to that.
   double per_newton(double hold_time) const noexcept {
     return hold_time * hold_time / (2.0 * known_.mass);
   }
 
  private:
+  double reached(const Vec3& u, double acceleration, double hold_time) const noexcept {
+    const double quantum = known_.quantum * u.lpNorm<1>();
+    const double before =
+        ((joined_ ? strongest_ : held_.dot(u)) + known_.outside_force) / known_.mass;
+    const double from_rest = before * time_ * hold_time;
+    const double longer = hold_time == time_ ? 1.0 : hold_time / time_;
+    const double carried_on = (displacement_.dot(u) + quantum) * longer + 0.5 * from_rest;
+    return std::max(std::max(0.0, from_rest), carried_on) +
+           0.5 * acceleration * hold_time * hold_time + quantum;
+  }
+
   PortKnowledge known_;
+  double from_outside_ = 0.0;  // [m/s^2] F_h / m
   // The last movement that says something about the speed.
   Vec3 displacement_ = Vec3::Zero();  // [m]
   Vec3 held_ = Vec3::Zero();          // [N] meanwhile

@@ -40,8 +40,8 @@ inline std::string nearest(std::string_view word, const std::vector<std::string>
   return best;
 }
 
-/// Of a command line that could not be parsed: "; did you mean --duration?" where there was a word
-/// that is nearly an option, or nearly a subcommand; else empty. `app` has tried to parse it.
+/// For a command line that could not be parsed: "; did you mean --duration?" where a word is nearly
+/// an option or a subcommand; else empty. `app` has tried to parse it.
 inline std::string suggestion(const CLI::App& app) {
   const CLI::App* asked = &app;  // the subcommand whose options count
   while (!asked->get_subcommands().empty()) asked = asked->get_subcommands().front();

@@ -46,7 +46,7 @@ void validate(const Damping& damping, const char* field) {
   if (!(damping.least() > 0.0)) {
     std::ostringstream text;
     text << name << " matrix must be positive definite, its smallest eigenvalue is "
-         << damping.least() << "; every direction needs some damping";
+         << damping.least() << "; it must be above zero in every direction";
     refuse(text.str());
   }
 }

@@ -24,7 +24,7 @@ class Damping {
   bool isotropic() const { return kind_ == Kind::isotropic; }
   const Mat3& matrix() const { return matrix_; }
 
-  /// In the direction that is damped least: the smallest eigenvalue.
+  /// The damping in the direction that is damped least: the smallest eigenvalue.
   double least() const;
   /// The damping that each world axis has in any case: the damping along it, or least() where a
   /// matrix couples the axes.

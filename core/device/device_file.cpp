@@ -1,10 +1,21 @@
 #include "core/device/device_file.hpp"
 
-#include <string>
+#include <utility>
+#include <vector>
 
+#include "core/base/choice.hpp"
 #include "core/base/json_document.hpp"
 #include "core/device/device_spec_generated.h"
 #include "core/device/device_spec_text.hpp"
+#include "core/device/impulse_engine_2000_text.hpp"
+#include "core/device/omega_7_text.hpp"
+#include "core/device/phantom_premium_1_5_6dof_text.hpp"
+#include "core/device/phantom_premium_1_5_text.hpp"
+#include "core/device/sigma_7_text.hpp"
+#include "core/device/simulated_6dof_text.hpp"
+#include "core/device/simulated_text.hpp"
+#include "core/device/touch_text.hpp"
+#include "core/device/virtuose_6d_text.hpp"
 
 namespace feltwire {
 namespace {
@@ -30,7 +41,8 @@ Damping damping(const JsonDocument& document, const char* field, const Numbers* 
     if (!(values->Get(0) >= 0.0)) document.fail(field, "must be zero or more; check the sign");
     return values->Get(0);
   }
-  return matrix(document, field, *values);
+  const Mat3 given = matrix(document, field, *values);
+  return values->size() == 3 ? Damping(Vec3(given.diagonal())) : Damping(given);
 }
 
 /// The least in any direction of what one field gives as a number, or another as a matrix.
@@ -49,10 +61,41 @@ double least(const JsonDocument& document, const std::string& field, double numb
   return given.least();
 }
 
-}  // namespace
+SpecSources sources_of(const device_file::DeviceSpec& given) {
+  SpecSources sources;
+  const auto* said = given.sources();
+  if (said == nullptr) return sources;
+  using Said = device_file::Sources;
+  constexpr std::pair<const char*, const flatbuffers::String* (Said::*)() const> kFields[] = {
+      {"translation_dof", &Said::translation_dof},
+      {"rotation_sensed", &Said::rotation_sensed},
+      {"rotation_actuated", &Said::rotation_actuated},
+      {"damping", &Said::damping},
+      {"rotational_damping", &Said::rotational_damping},
+      {"apparent_mass", &Said::apparent_mass},
+      {"coulomb_friction", &Said::coulomb_friction},
+      {"position_resolution", &Said::position_resolution},
+      {"max_force", &Said::max_force},
+      {"continuous_force", &Said::continuous_force},
+      {"max_torque", &Said::max_torque},
+      {"workspace", &Said::workspace},
+      {"least_mass", &Said::least_mass},
+      {"least_friction", &Said::least_friction},
+      {"hand_force", &Said::hand_force},
+      {"hand_speed", &Said::hand_speed},
+      {"rotational_resolution", &Said::rotational_resolution},
+      {"least_inertia", &Said::least_inertia},
+      {"hand_torque", &Said::hand_torque},
+      {"apparent_inertia", &Said::apparent_inertia},
+      {"rotational_friction", &Said::rotational_friction},
+  };
+  for (const auto& [field, source] : kFields)
+    if (const auto* text = (said->*source)()) sources[field] = text->str();
+  return sources;
+}
 
-DeviceSpec load_device_spec(const std::filesystem::path& file) {
-  const JsonDocument document(read_text(file), file.string(), embedded::device_spec);
+SourcedSpec read_spec(std::string_view text, std::string file) {
+  const JsonDocument document(text, std::move(file), embedded::device_spec);
   const auto& given = *device_file::GetDeviceSpec(document.buffer());
   if (given.workspace()->size() != 3)
     document.fail("workspace", "give three numbers, the extent along x, y and z [m]");
@@ -79,18 +122,81 @@ DeviceSpec load_device_spec(const std::filesystem::path& file) {
       .rotational_resolution = given.rotational_resolution(),
       .least_inertia =
           least(document, "least_inertia", given.least_inertia(), given.least_inertia_matrix()),
-      .hand_torque = given.hand_torque()};
+      .hand_torque = given.hand_torque(),
+      .apparent_inertia = given.apparent_inertia(),
+      .rotational_friction = given.rotational_friction()};
   try {
     validate(spec);
   } catch (const DeviceSpecError& error) {
     document.fail(error.field, error.why);
   }
-  return spec;
+  return {std::move(spec), sources_of(given)};
 }
 
-DeviceSpec device_spec(std::string_view name_or_file) {
-  return name_or_file.ends_with(".json") ? load_device_spec(name_or_file)
-                                         : builtin_device(name_or_file);
+/// In a fixed order.
+const std::vector<SourcedSpec>& built_in() {
+  static const std::vector<SourcedSpec> list = [] {
+    std::vector<SourcedSpec> specs;
+    for (const char* text :
+         {embedded::simulated, embedded::impulse_engine_2000, embedded::phantom_premium_1_5,
+          embedded::touch, embedded::omega_7, embedded::sigma_7, embedded::virtuose_6d,
+          embedded::phantom_premium_1_5_6dof, embedded::simulated_6dof})
+      specs.push_back(read_spec(text, "a built-in device"));
+    return specs;
+  }();
+  return list;
+}
+
+}  // namespace
+
+SourcedSpec load_sourced_spec(const std::filesystem::path& file) {
+  return read_spec(read_text(file), file.string());
+}
+
+DeviceSpec load_device_spec(const std::filesystem::path& file) {
+  return load_sourced_spec(file).spec;
+}
+
+std::span<const DeviceSpec> builtin_devices() {
+  static const std::vector<DeviceSpec> list = [] {
+    std::vector<DeviceSpec> specs;
+    for (const SourcedSpec& one : built_in()) specs.push_back(one.spec);
+    return specs;
+  }();
+  return list;
+}
+
+const DeviceSpec& builtin_device(std::string_view name) {
+  return chosen("device", name, builtin_devices(), &DeviceSpec::name);
+}
+
+std::span<const SourcedSpec> sourced_builtin_devices() { return built_in(); }
+
+SourcedSpec sourced_spec(std::string_view name_or_file) {
+  if (name_or_file.ends_with(".json")) return load_sourced_spec(name_or_file);
+  const auto name = [](const SourcedSpec& one) -> const std::string& { return one.spec.name; };
+  return chosen("device", name_or_file, built_in(), name);
+}
+
+DeviceSpec device_spec(std::string_view name_or_file) { return sourced_spec(name_or_file).spec; }
+
+SourcedSpec requested_spec(const SpecRequest& request, std::string_view usual) {
+  SourcedSpec found =
+      sourced_spec(request.name_or_file.empty() ? usual : std::string_view(request.name_or_file));
+  return overruled(std::move(found), request);
+}
+
+SourcedSpec overruled(SourcedSpec found, const SpecRequest& request) {
+  if (request.damping) {
+    found.spec.damping = *request.damping;
+    found.sources["damping"] = "--damping";
+  }
+  if (request.mass) {
+    found.spec.apparent_mass = found.spec.least_mass = *request.mass;
+    found.sources["apparent_mass"] = found.sources["least_mass"] = "--mass";
+  }
+  validate(found.spec);
+  return found;
 }
 
 }  // namespace feltwire

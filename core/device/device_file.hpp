@@ -1,19 +1,52 @@
 #pragma once
-// A device's specification from a file.
+// A device's specification from a file, and where its numbers come from.
 
 #include <filesystem>
+#include <functional>
+#include <map>
+#include <optional>
+#include <span>
+#include <string>
 #include <string_view>
 
 #include "core/device/device_spec.hpp"
 
 namespace feltwire {
 
+/// Where the numbers of a specification come from, by the name of the field. A number whose source
+/// nobody told is not there. One that begins with "assumption" was neither measured nor found.
+using SpecSources = std::map<std::string, std::string, std::less<>>;
+
+struct SourcedSpec {
+  DeviceSpec spec;
+  SpecSources sources;
+};
+
+/// A specification as a command line asks for it.
+struct SpecRequest {
+  std::string name_or_file;        // a built-in name, or FILE.json; empty: what the driver says
+  std::optional<Damping> damping;  // [N s/m] in place of the specification's
+  std::optional<double> mass;      // [kg] likewise: the apparent mass, which is surely there
+};
+
 /// Reads a specification (JSON against core/device/device_spec.fbs). Throws FileError naming the
 /// file, the line, the field and the remedy.
+SourcedSpec load_sourced_spec(const std::filesystem::path& file);
 DeviceSpec load_device_spec(const std::filesystem::path& file);
 
 /// Finds a device as a command line names it: a built-in one by its name, or a file by a path that
 /// ends in .json. Throws std::invalid_argument listing the built-in names, or FileError.
+SourcedSpec sourced_spec(std::string_view name_or_file);
 DeviceSpec device_spec(std::string_view name_or_file);
+
+/// The specification that the request names, or else `usual` (a name or a file). Throws as
+/// sourced_spec() does, and DeviceSpecError where a number of the request is not possible.
+SourcedSpec requested_spec(const SpecRequest& request, std::string_view usual);
+
+/// The specification with the numbers of the request in it. Throws DeviceSpecError.
+SourcedSpec overruled(SourcedSpec found, const SpecRequest& request);
+
+/// The built-in devices with their sources, in the order of builtin_devices().
+std::span<const SourcedSpec> sourced_builtin_devices();
 
 }  // namespace feltwire

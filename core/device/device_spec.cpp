@@ -1,111 +1,10 @@
 #include "core/device/device_spec.hpp"
 
-#include <array>
 #include <cmath>
 #include <stdexcept>
 
-#include "core/base/choice.hpp"
-
 namespace feltwire {
 namespace {
-
-// Sources, cited below by their letter.
-// [S] the simulated device of docs/bounding.md: the parameters its tables were measured with.
-// [D] the maker's data sheet as repeated by others (tables of haptic devices in public notes); the
-//     sheet itself was not at hand.
-// [C] CHAI3D's device classes (cPhantomDevice, cDeltaDevice): the specification they state.
-// [P] Kim, Kim, Seo, Ryu, "Directionally Transparent Energy Bounding Approach ...": a commercial
-//     2-dof device, the ImpulseEngine 2000, and "the 3-dof PHANToM"; no other numbers.
-// assumption: no source found. The account lets the hand have what the device is sure to have
-//     burned, so a damping that is assumed is small on purpose: too small costs little stiffness,
-//     too large makes energy. Measure that of your own device (docs/devices.md).
-
-const std::array<DeviceSpec, 5>& devices() {
-  static const std::array<DeviceSpec, 5> list = {{
-      {.name = "simulated",
-       .translation_dof = 3,          // [S]
-       .rotation_sensed = 0,          // [S]
-       .rotation_actuated = 0,        // [S]
-       .damping = 0.5,                // [S]
-       .rotational_damping = 0.0,     // no rotation
-       .apparent_mass = 0.05,         // [S]
-       .coulomb_friction = 0.1,       // [S]
-       .position_resolution = 23e-6,  // [S]
-       .max_force = 8.9,  // the ImpulseEngine 2000's, assumption below: [S] does not say, and
-                          // this gives its figures (docs/lab/figures.md)
-       .continuous_force = 8.9,       // assumption: a simulated motor does not heat up
-       .max_torque = 0.0,             // no rotation
-       .workspace = {0.4, 0.4, 0.4},  // assumption: the room of scenes/room.json
-       .least_mass = 0.05,            // [S]
-       .least_friction = 0.075,       // three quarters of [S]
-       .hand_force = 10.0},           // assumption: fingers that press and pull
-      {.name = "impulse_engine_2000",
-       .translation_dof = 2,              // [P]
-       .rotation_sensed = 0,              // [P]
-       .rotation_actuated = 0,            // [P]
-       .damping = 0.05,                   // assumption, small on purpose
-       .rotational_damping = 0.0,         // no rotation
-       .apparent_mass = 0.05,             // assumption: as simulated
-       .coulomb_friction = 0.1,           // assumption: as simulated
-       .position_resolution = 20e-6,      // assumption
-       .max_force = 8.9,                  // assumption (2 lbf)
-       .continuous_force = 8.9,           // assumption
-       .max_torque = 0.0,                 // no rotation
-       .workspace = {0.152, 0.152, 0.0},  // assumption (6 in by 6 in)
-       .least_mass = 0.0375,              // assumption: a good deal below the apparent mass
-       .least_friction = 0.05,            // assumption: half of the usual
-       .hand_force = 10.0},               // assumption: fingers that press and pull
-      {.name = "phantom_premium_1.5",
-       .translation_dof = 3,          // [P]
-       .rotation_sensed = 0,          // [P] the 3-dof version
-       .rotation_actuated = 0,        // [P]
-       .damping = 0.005,              // assumption, small on purpose: a light cable drive
-       .rotational_damping = 0.0,     // no rotation
-       .apparent_mass = 0.075,        // assumption: the figure usually quoted, source not found
-       .coulomb_friction = 0.04,      // assumption: likewise (backdrive friction)
-       .position_resolution = 30e-6,  // [D]
-       .max_force = 8.5,         // [D]; [C] 8.5 for the 6-dof version, 4.0 in an earlier release
-       .continuous_force = 1.4,  // [D]
-       .max_torque = 0.0,        // no rotation
-       .workspace = {0.381, 0.267, 0.191},  // [D]
-       .least_mass = 0.05,                  // assumption: a good deal below the apparent mass
-       .least_friction = 0.02,              // assumption: half of the usual
-       .hand_force = 10.0},                 // assumption: fingers that press and pull
-      {.name = "touch",
-       .translation_dof = 3,          // [D] [C]
-       .rotation_sensed = 3,          // [D] [C]
-       .rotation_actuated = 0,        // [D] [C]
-       .damping = 0.05,               // assumption, small on purpose
-       .rotational_damping = 0.0,     // not actuated: no torque to bound
-       .apparent_mass = 0.045,        // assumption: the figure usually quoted, source not found
-       .coulomb_friction = 0.26,      // assumption: likewise (backdrive friction)
-       .position_resolution = 55e-6,  // [D]
-       .max_force = 3.3,              // [D] [C]
-       .continuous_force = 0.88,      // [D]
-       .max_torque = 0.0,             // not actuated
-       .workspace = {0.160, 0.120, 0.070},  // [D]
-       .least_mass = 0.03,                  // assumption: a good deal below the apparent mass
-       .least_friction = 0.13,              // assumption: half of the usual
-       .hand_force = 10.0},                 // assumption: fingers that press and pull
-      {.name = "omega.7",
-       .translation_dof = 3,          // [C]
-       .rotation_sensed = 3,          // [C]
-       .rotation_actuated = 0,        // [C] (the gripper is no part of this)
-       .damping = 0.05,               // assumption, small on purpose
-       .rotational_damping = 0.0,     // not actuated: no torque to bound
-       .apparent_mass = 0.25,         // assumption
-       .coulomb_friction = 0.2,       // assumption
-       .position_resolution = 10e-6,  // assumption: the figure usually quoted, source not found
-       .max_force = 12.0,             // [C]
-       .continuous_force = 12.0,      // assumption: [C] gives one figure only
-       .max_torque = 0.0,             // not actuated
-       .workspace = {0.110, 0.160, 0.160},  // assumption: a disc of 160 mm, 110 mm deep along x
-       .least_mass = 0.15,                  // assumption: a good deal below the apparent mass
-       .least_friction = 0.1,               // assumption: half of the usual
-       .hand_force = 10.0},                 // assumption: fingers that press and pull
-  }};
-  return list;
-}
 
 // Ceilings that no haptic device reaches; beyond them a unit has been mistaken.
 constexpr double kMaxDamping = 1e3;            // [N s/m]
@@ -183,6 +82,8 @@ void validate(const DeviceSpec& spec) {
   check_range(spec, "rotational_resolution", spec.rotational_resolution, kMaxAngle, "rad");
   check_range(spec, "least_inertia", spec.least_inertia, kMaxInertia, "kg m^2");
   check_range(spec, "hand_torque", spec.hand_torque, kMaxTorque, "N m");
+  check_range(spec, "apparent_inertia", spec.apparent_inertia, kMaxInertia, "kg m^2");
+  check_range(spec, "rotational_friction", spec.rotational_friction, kMaxTorque, "N m");
 
   if (!(spec.max_force > 0.0)) refuse(spec, "max_force", "must be above zero [N]; give the peak");
   if (spec.continuous_force > spec.max_force)
@@ -193,6 +94,7 @@ void validate(const DeviceSpec& spec) {
   };
   below("least_mass", spec.least_mass, "apparent_mass", spec.apparent_mass);
   below("least_friction", spec.least_friction, "coulomb_friction", spec.coulomb_friction);
+  below("least_inertia", spec.least_inertia, "apparent_inertia", spec.apparent_inertia);
   if (!(spec.hand_force > 0.0))
     refuse(spec, "hand_force", "must be above zero [N]; 10 is more than most hands give");
   if ((spec.least_inertia > 0.0) != (spec.hand_torque > 0.0))
@@ -202,12 +104,6 @@ void validate(const DeviceSpec& spec) {
     refuse(spec, "max_torque", "must be 0 where rotation_actuated is 0; set either");
   if (spec.rotation_actuated > 0 && !(spec.max_torque > 0.0))
     refuse(spec, "max_torque", "must be above zero where rotation is actuated; give the peak");
-}
-
-std::span<const DeviceSpec> builtin_devices() { return devices(); }
-
-const DeviceSpec& builtin_device(std::string_view name) {
-  return chosen("device", name, devices(), &DeviceSpec::name);
 }
 
 Command actuated(const DeviceSpec& spec, Command command) noexcept {

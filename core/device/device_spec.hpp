@@ -11,7 +11,8 @@
 
 namespace feltwire {
 
-/// Limits and physics of one device. Every built-in number carries its source in device_spec.cpp.
+/// Limits and physics of one device. The files of the built-in ones (core/device/*.json) say where
+/// each number comes from.
 struct DeviceSpec {
   std::string name;
   int translation_dof = 3;           // 2 (x, y) or 3 (x, y, z), sensed and actuated
@@ -34,11 +35,14 @@ struct DeviceSpec {
   double hand_force = 10.0;     // [N] upper bound of the force from outside: of the hand, and of
                                 // gravity that is not compensated
   double hand_speed = 0.0;      // [m/s] upper bound of the handle's speed; 0: not known
-  // Likewise of rotation.
-  double rotational_resolution = 0.0;  // [rad] encoder quantum
+  // The same for rotation.
+  double rotational_resolution = 0.0;  // [rad] encoder quantum about each world axis
   double least_inertia = 0.0;  // [kg m^2] lower bound of the apparent inertia about every axis, the
                                // least eigenvalue of its matrix; 0: not known
   double hand_torque = 0.0;    // [N m] upper bound of the torque from outside; 0: not known
+  // What a simulated device turns with. The account does not count on them.
+  double apparent_inertia = 0.0;     // [kg m^2] at the tool, the same about every axis
+  double rotational_friction = 0.0;  // [N m] dry friction about each world axis
 };
 
 /// A number of a specification that is not finite, negative or contradictory: what() names the

@@ -7,8 +7,8 @@
 
 namespace feltwire {
 
-/// In the shape's own frame. The volume is zero for a plane, a grid, and a mesh that is not closed
-/// or whose normals point inwards.
+/// The mass properties in the shape's own frame. The volume is zero for a plane, for a grid, and
+/// for a mesh that is not closed or whose normals point inwards.
 MassProperties mass_properties(const Shape& shape);
 
 /// Precondition: the mesh is closed.

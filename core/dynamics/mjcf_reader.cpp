@@ -1,8 +1,10 @@
 // feltwire-mjcf: reads one MJCF file with MuJoCo's loader and writes the compiled model. A server
 // runs it as a child process: MuJoCo's loader leaves its own C++ code by longjmp and may crash on a
 // bad file, and neither may happen in a process that holds a hand.
-//   feltwire-mjcf FILE MODEL ERROR
-// Status 0: MODEL holds the binary model. Status 1: ERROR holds MuJoCo's words.
+//   feltwire-mjcf FILE MODEL ERROR FILES ROOT
+// Status 0: MODEL holds the binary model, and FILES the names of what was read, each with a zero
+// byte behind it. Status 1: ERROR holds MuJoCo's words. Where ROOT is not empty, what lies outside
+// of that folder is refused.
 //
 // An MJCF file names others: includes, meshes, height fields, textures. MuJoCo and its libraries
 // open all of them by fopen(). The dynamic linker takes this program's own fopen() before libc's,
@@ -19,11 +21,14 @@
 #include <cerrno>
 #include <csignal>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 
 namespace {
 
 const char* error_file = nullptr;
+const char* root = "";
+int files = -1;  // descriptor of the list
 
 [[noreturn]] void refuse(const char* words) {
   if (FILE* out = std::fopen(error_file, "wb")) {
@@ -43,6 +48,23 @@ const char* error_file = nullptr;
   refuse(words.data());
 }
 
+/// Where it leads, without links.
+bool is_within_root(const char* name) {
+  const std::size_t length = std::strlen(root);
+  if (length == 0) return true;
+  char* place = realpath(name, nullptr);
+  const bool within =
+      place != nullptr && std::strncmp(place, root, length) == 0 && place[length] == '/';
+  std::free(place);
+  return within;
+}
+
+/// What cannot be noted would be missed in a recording, and the replay says so.
+void note(const char* name) {
+  const ssize_t ignored = write(files, name, std::strlen(name) + 1);
+  static_cast<void>(ignored);
+}
+
 /// fopen() for regular files only. It never blocks: a pipe opens without a writer, and is then
 /// refused.
 FILE* open_regular(const char* name, const char* mode) {
@@ -50,6 +72,10 @@ FILE* open_regular(const char* name, const char* mode) {
   const int access = also ? O_RDWR : reads ? O_RDONLY : O_WRONLY;
   const int made = reads ? 0 : O_CREAT | (mode[0] == 'a' ? O_APPEND : O_TRUNC);
   constexpr mode_t kPermissions = 0600;
+  if (reads && !is_within_root(name)) {
+    errno = ENOENT;
+    return nullptr;
+  }
   const int file = open(name, access | made | O_CLOEXEC | O_NONBLOCK | O_NOCTTY, kPermissions);
   if (file < 0) {
     // open() fails with ENXIO for a socket, and for a pipe that is opened to write and has no
@@ -59,7 +85,10 @@ FILE* open_regular(const char* name, const char* mode) {
     return nullptr;
   }
   struct stat status {};
-  if (fstat(file, &status) == 0 && S_ISREG(status.st_mode)) return fdopen(file, mode);
+  if (fstat(file, &status) == 0 && S_ISREG(status.st_mode)) {
+    if (reads && files >= 0) note(name);
+    return fdopen(file, mode);
+  }
   close(file);
   refuse_file(name, status.st_mode);
 }
@@ -83,13 +112,15 @@ extern "C" FILE* fopen(const char* name, const char* mode) { return open_regular
 extern "C" FILE* fopen64(const char* name, const char* mode) { return open_regular(name, mode); }
 
 int main(int count, char** words) {
-  if (count != 4) {
+  if (count != 6) {
     std::fputs("feltwire-mjcf: is run by feltwire-server to read an MJCF file\n", stderr);
     return 2;
   }
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   limit_resources();
   error_file = words[3];
+  root = words[5];
+  files = open(words[4], O_WRONLY | O_APPEND | O_CLOEXEC);
   mju_user_error = refuse;
   mju_user_warning = [](const char*) {};  // by itself it writes a file
   std::array<char, 1000> error{};

@@ -57,7 +57,8 @@ class Simulation {
   /// Whether there are more contacts than the memory may hold.
   bool is_full() const { return full_; }
   Vec3 gravity() const;  // [m/s^2]
-  /// Of this run alone. The step under way is evaluated already, so it acts from the next one on.
+  /// Changes gravity in this run alone. The step under way is evaluated already, so the change acts
+  /// from the next step on.
   void set_gravity(const Vec3& gravity) noexcept;
   Room room() const { return {model_.nconmax, model_.njmax, model_.nstack}; }
 

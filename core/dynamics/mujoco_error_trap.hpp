@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "core/base/types.hpp"
 
@@ -34,11 +35,13 @@ inline Quaternion quaternion(const mjtNum* q) { return {q[0], q[1], q[2], q[3]};
 struct Loaded {
   Model model;
   std::string error;
+  std::vector<std::string> files = {};  // that it was read from, as MuJoCo named them
 };
 /// Load a model in a child process (mjcf_reader.cpp), so that a fault of MuJoCo's loader on a bad
 /// file does not reach this process.
 Loaded load_text(const std::string& xml);
-Loaded load_file(const std::string& file);
+/// Reads only files below `root`, an absolute path without links; empty: any file.
+Loaded load_file(const std::string& file, const std::string& root = {});
 
 /// Reads a file that mj_saveModel() wrote; null for any other file.
 Model read_binary(const std::string& file);

@@ -26,7 +26,7 @@ namespace {
 constexpr const char* kReader = "feltwire-mjcf";
 
 // The child's descriptors: what it is told to read and write.
-constexpr int kInput = 3, kModel = 4, kError = 5, kFirstFree = 6;
+constexpr int kInput = 3, kModel = 4, kError = 5, kFiles = 6, kFirstFree = 7;
 
 /// A file in memory.
 class MemoryFile {
@@ -130,14 +130,21 @@ class Child {
   bool ended_ = false;
 };
 
+/// The child's ends.
+struct Ends {
+  int input = -1;  // -1: none
+  int model, error, files;
+};
+
 /// The child's status as waitpid() gives it. Throws std::system_error where none can be started.
-int run_reader(const std::string& file, int input, int model, int error) {
+int run_reader(const std::string& file, const std::string& root, const Ends& ends) {
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
-  posix_spawn_file_actions_adddup2(&actions, model, kModel);
-  posix_spawn_file_actions_adddup2(&actions, error, kError);
-  if (input >= 0) posix_spawn_file_actions_adddup2(&actions, input, kInput);
-  if (input < 0) posix_spawn_file_actions_addopen(&actions, kInput, "/dev/null", O_RDONLY, 0);
+  posix_spawn_file_actions_adddup2(&actions, ends.model, kModel);
+  posix_spawn_file_actions_adddup2(&actions, ends.error, kError);
+  posix_spawn_file_actions_adddup2(&actions, ends.files, kFiles);
+  if (ends.input >= 0) posix_spawn_file_actions_adddup2(&actions, ends.input, kInput);
+  if (ends.input < 0) posix_spawn_file_actions_addopen(&actions, kInput, "/dev/null", O_RDONLY, 0);
   posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
   for (const int chatter : {STDOUT_FILENO, STDERR_FILENO})  // Qhull's, of a flat mesh
     posix_spawn_file_actions_addopen(&actions, chatter, "/dev/null", O_WRONLY, 0);
@@ -150,9 +157,11 @@ int run_reader(const std::string& file, int input, int model, int error) {
   posix_spawnattr_setsigmask(&attributes, &none);
   posix_spawnattr_setsigdefault(&attributes, &all);
   posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF);
-  const std::string program = reader(), model_place = place(kModel), error_place = place(kError);
-  const std::array<const char*, 5> words = {program.c_str(), file.c_str(), model_place.c_str(),
-                                            error_place.c_str(), nullptr};
+  const std::string program = reader(), model_place = place(kModel), error_place = place(kError),
+                    files_place = place(kFiles);
+  const std::array<const char*, 7> words = {
+      program.c_str(), file.c_str(), model_place.c_str(), error_place.c_str(), files_place.c_str(),
+      root.c_str(),    nullptr};
   pid_t child = 0;
   const int failed = posix_spawn(&child, program.c_str(), &actions, &attributes,
                                  const_cast<char* const*>(words.data()), environ);
@@ -183,14 +192,28 @@ std::string reason(int status, const MemoryFile& error) {
   return words.empty() ? "MuJoCo gave up on it" : words;
 }
 
+/// Each ends with a zero byte.
+std::vector<std::string> names_in(const std::string& list) {
+  std::vector<std::string> names;
+  for (std::size_t at = 0, end = list.find('\0'); end != std::string::npos;
+       at = end + 1, end = list.find('\0', at))
+    if (std::string name = list.substr(at, end - at); std::ranges::find(names, name) == names.end())
+      names.push_back(std::move(name));
+  return names;
+}
+
 /// `text` where there is one, else the file.
-Loaded load(const std::string& file, const std::string* text) try {
-  const MemoryFile input("input"), model("model"), error("error");
+Loaded load(const std::string& file, const std::string* text, const std::string& root = {}) try {
+  constexpr std::size_t kMostNames = 1 << 20;  // [bytes]
+  const MemoryFile input("input"), model("model"), error("error"), files("files");
   if (text != nullptr) input.write(*text);
-  const int status = run_reader(file, text != nullptr ? input.descriptor() : -1, model.descriptor(),
-                                error.descriptor());
+  const int status = run_reader(file, root,
+                                {.input = text != nullptr ? input.descriptor() : -1,
+                                 .model = model.descriptor(),
+                                 .error = error.descriptor(),
+                                 .files = files.descriptor()});
   if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) return {nullptr, reason(status, error)};
-  Loaded loaded{read_binary(place(model.descriptor())), {}};
+  Loaded loaded{read_binary(place(model.descriptor())), {}, names_in(files.text(kMostNames))};
   if (loaded.model == nullptr) loaded.error = "MuJoCo's model of it cannot be read back";
   return loaded;
 } catch (const std::system_error& error) {
@@ -201,6 +224,8 @@ Loaded load(const std::string& file, const std::string* text) try {
 
 Loaded load_text(const std::string& xml) { return load(place(kInput), &xml); }
 
-Loaded load_file(const std::string& file) { return load(file, nullptr); }
+Loaded load_file(const std::string& file, const std::string& root) {
+  return load(file, nullptr, root);
+}
 
 }  // namespace feltwire::mujoco

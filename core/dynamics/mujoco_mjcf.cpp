@@ -3,8 +3,10 @@
 
 #include "core/base/json_document.hpp"
 #include "core/base/kept_files.hpp"
+#include "core/base/regular_file.hpp"
 #include "core/dynamics/mujoco_buffers.hpp"
 #include "core/dynamics/mujoco_check.hpp"
+#include "core/dynamics/unpacked_files.hpp"
 #include "core/mesh/mesh_surface.hpp"
 #include "core/scene/mechanism.hpp"
 
@@ -100,6 +102,25 @@ void check_names(const mjModel& model, const MjcfMaterials& materials, const std
                       "' that the scene gives a feel to; correct the name");
 }
 
+/// By MuJoCo, which reads files by itself: what was kept is put on the disk for it, and what it has
+/// read is kept.
+mujoco::Loaded read_model(const std::filesystem::path& file) {
+  constexpr std::size_t kMost = std::size_t{1} << 30;  // [bytes] of a file
+  const FileReading reading = file_reading_of_this_thread;
+  if (reading.given != nullptr) {
+    const UnpackedFiles unpacked(*reading.given);
+    mujoco::Loaded loaded =
+        mujoco::load_file(unpacked.place(file.string()).string(), unpacked.root().string());
+    if (loaded.model == nullptr)
+      loaded.error += "; where a file that it names was not kept, name the scene's own file";
+    return loaded;
+  }
+  mujoco::Loaded loaded = mujoco::load_file(file.string());
+  if (reading.keep != nullptr)
+    for (const std::string& name : loaded.files) read_regular_file(name, kMost);
+  return loaded;
+}
+
 }  // namespace
 
 std::shared_ptr<const Mechanism> load_mjcf(const std::filesystem::path& file,
@@ -107,11 +128,7 @@ std::shared_ptr<const Mechanism> load_mjcf(const std::filesystem::path& file,
                                            std::vector<Object>& objects) {
   const std::string name = file.string();
   read_text(file);  // MuJoCo's own words for a file that cannot be read say less
-  if (file_reading_of_this_thread.given != nullptr)
-    throw FileError(name +
-                    ": MuJoCo reads this file and those that it names from the disk, so they are "
-                    "in no recording; name the scene's own file");
-  mujoco::Loaded loaded = mujoco::load_file(name);
+  mujoco::Loaded loaded = read_model(file);
   if (loaded.model == nullptr) throw FileError(name + ": " + loaded.error);
   mjModel& model = *loaded.model;
   check_names(model, materials, name);

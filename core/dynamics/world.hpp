@@ -1,6 +1,6 @@
 #pragma once
-// One run of what moves in a scene. A world has one owner, the scene's host; nothing in it is
-// shared, and time is the number of its steps.
+// Simulates the moving objects of a scene. One thread owns a world; it shares nothing with other
+// threads, and its time is the number of its steps.
 
 #include <cstdint>
 #include <memory>
@@ -14,113 +14,117 @@
 
 namespace feltwire {
 
-/// Of a moving object to a tool: not in its list, in the list, or asked by its last sample.
+/// A moving object, as a tool sees it: too far to be in the tool's list of neighbours, in the list,
+/// or in the list and asked for its force at the tool's last sample.
 enum class NeighbourState : std::uint8_t { far, near, asked };
 
-/// The hardest that a hand pushed an object lately.
+/// The largest force of late by which a hand pushed an object.
 struct PeakPush {
   double force = 0.0;      // [N]
   std::uint64_t step = 0;  // of the world, then
 };
 
-/// One tool's hold on the moving objects: what it put on them last.
+/// The contacts of one tool with the moving objects, as its last sample left them.
 struct BodyContactState {
-  std::size_t held = 0;  // which of the scene's tools it is (Scene::views())
+  std::size_t held = 0;  // the tool's place in Scene::views()
   Tool tool;
   std::vector<Vec3> forces;  // [N] on the hand, one for each moving object
-  NeighbourList near;        // of a point or a ball: these alone are asked; others have no force
-  std::vector<NeighbourState> nearness;  // likewise, of each moving object
-  bool fresh = false;                    // of the tool's newest sample, and no step since
-  std::uint64_t resets = 0;              // of the world, that the contact memory knows of
-  std::uint64_t steps = 0;               // of the world, when it was last asked
-  double most_force = HandLimits::kOff;  // [N] on all moving objects together
+  NeighbourList near;        // of a point or a ball: only these are asked; others give no force
+  std::vector<NeighbourState> nearness;  // of a point or a ball: one for each moving object
+  bool fresh = false;                    // made by the newest sample, and no step came since
+  std::uint64_t resets = 0;              // the world's, when the contact memory was last valid
+  std::uint64_t steps = 0;               // the world's, when it was last asked
+  double most_force = HandLimits::kOff;  // [N] limit, on all moving objects together
   HandPace pace;
   bool placed = false;                // a sample has come
   std::vector<PeakPush> peak_pushes;  // one for each moving object
 
-  // Of a tool with a body; `tool` is then where the scene holds it.
-  Pose device;                        // where the hand holds it
-  std::vector<Vec3> torques;          // [N m] with the forces, about the tool's position
+  // The rest is for a tool with a body. `tool` is then the pose where the contacts hold it.
+  Pose device;                        // the pose of the device
+  std::vector<Vec3> torques;          // [N m] on the hand, about the tool's position
   std::vector<ObjectMotion> motions;  // of all objects, since it was last asked
 };
 
 struct WorldCounters {
   std::uint64_t steps = 0;
-  std::uint64_t resets = 0;    // back to the last good state, since a step was none
-  std::uint64_t returned = 0;  // free bodies that were lost and put back where they began
-  std::uint64_t warnings = 0;  // of MuJoCo: singular inertia, no room for a contact or constraint
+  std::uint64_t resets = 0;    // times that it went back to an older state after a bad step
+  std::uint64_t returned = 0;  // free bodies that went too far and were put back at their start
+  std::uint64_t warnings = 0;  // MuJoCo's: singular inertia, no room for a contact or constraint
 };
 
 class World {
  public:
-  /// Starts as the scene does. The scene must outlive it and have a mechanism, else
-  /// std::invalid_argument. Allocates; nothing else here does, but step() where what moves needs
-  /// more room than ever before.
+  /// Starts with the bodies where the scene puts them. The scene must outlive the world. Throws
+  /// std::invalid_argument where the scene has no mechanism. Allocates. No other function
+  /// allocates, except step() where the contacts need more room than ever before.
   explicit World(const Scene& scene);
   ~World();
   World(const World&) = delete;
   World& operator=(const World&) = delete;
 
-  /// The scene as one of its tools touches it, by BodyContactState::held.
+  /// The scene as one of its tools touches it; `held` as in BodyContactState.
   const ToolView& view(std::size_t held = 0) const { return *held_[held].view; }
-  double tick() const { return tick_; }  // [s] of a step
-  /// That view's objects, those that move where they now are.
+  double tick() const { return tick_; }  // [s] time of one step
+  /// The objects of that view; moving ones stand where they are now.
   const std::vector<Object>& objects(std::size_t held = 0) const { return held_[held].objects; }
   /// [m/s] of the material point of an object that is at `point` [m, world].
   Vec3 velocity_at(std::size_t object, const Vec3& point) const noexcept;
   const WorldCounters& counters() const { return counters_; }
-  /// The bodies were put back less than kRecovery ago.
+  /// True: the bodies were put back less than kRecovery ago.
   bool recovering() const { return trust_ < 1.0; }
-  /// Share of its force that an object is felt with: 1, of one that moves less while recovering().
+  /// The share (0 to 1) of its force by which an object is felt: 1, and less for a moving object
+  /// while recovering().
   double trust(std::size_t object) const { return object < still_ ? 1.0 : trust_; }
-  /// So many ticks of time have passed that are not stepped (the server could not keep up): hands
-  /// have moved in them.
+  /// Tells that so many ticks of time passed without a step, as the server could not keep up. The
+  /// hands moved in that time.
   void let_pass(std::uint64_t ticks) noexcept { passed_ += ticks; }
-  /// Goes on in a scene that differs from this world's in the materials of its objects alone
-  /// (Scene::set_material). The scene must outlive it.
+  /// Goes on in another scene that differs only in the materials of its objects
+  /// (Scene::set_material). The scene must outlive the world.
   void adopt(const Scene& scene) noexcept;
   /// [m/s^2] on the bodies.
   Vec3 gravity() const;
-  /// From the step after the next one on; a World that is made anew has the scene's.
+  /// Holds from the step after the next one on. A new World starts with the scene's gravity.
   void set_gravity(const Vec3& gravity) noexcept;
   /// [N s] linear momentum of the bodies.
   Vec3 momentum() const noexcept;
 
   BodyContactState contact_state() const { return contact_state(view()); }
-  /// Of a hand with the tool of this view. Throws std::invalid_argument where the view is not one
-  /// of this world's scene.
+  /// The contacts of a hand that has not touched yet, with the tool of this view. Throws
+  /// std::invalid_argument where the view is not one of this world's scene.
   BodyContactState contact_state(const ToolView& view, const HandLimits& limits = {}) const;
 
-  /// As ToolView::touch() of the view that the contacts were made for, with the moving objects
-  /// where they are and as fast as they are. What they put on the hand is kept in `contacts`;
-  /// push() puts the opposite on them. A hand that is faster than its limit since its last sample
-  /// lets go of what moves, and both feel each other from nothing again, whole after kRecovery.
+  /// As ToolView::touch() of the view that `contacts` was made for, with the moving objects at
+  /// their present poses and velocities. `contacts` keeps the force of each moving object on the
+  /// hand; push() puts the opposite force on the object. Where a hand moved faster than its limit
+  /// since its last sample, it lets go of the moving objects. The force between them then begins at
+  /// zero and is whole again after kRecovery.
   Command touch(const Tool& tool, TouchMemory& memory, BodyContactState& contacts) const noexcept;
-  /// Likewise as ToolView::touch() of a tool with a body.
+  /// The same for a tool with a body.
   Command touch(const Pose& device, const Vec3& velocity, double elapsed, BodyMemory& memory,
                 BodyContactState& contacts) const noexcept;
 
-  /// Puts a share (0 to 1) of the contacts on the bodies for the next step. The first step after a
-  /// sample takes exactly the forces that touch() answered with, negated, at the tool: Newton's
-  /// third law, moments included. At a further one the hand is taken to stand where it was, and the
-  /// forces are those that the bodies meet it with now: a force held on while the body moves would
-  /// be a spring that answers late, and gain energy. Where the forces are together more than the
-  /// hand's limit, all are scaled down alike, torques with them. A point or ball that has been
-  /// pushed out of an object's ball of reach, with the surface behind it, pushes at the nearest
-  /// point of that ball: no lever is longer than the object.
+  /// Puts a share (0 to 1) of the contacts on the bodies for the next step. In the first step after
+  /// a sample, these are exactly the forces that touch() answered with, negated, at the tool
+  /// (Newton's third law, with the moments). In each further step the hand is taken to stand still,
+  /// and the forces are computed anew from where the bodies are now: a force that is held while the
+  /// body moves would be a late spring, and a late spring makes energy. Where the sum of the forces
+  /// is more than the hand's limit, all forces and torques are scaled down by one factor. Where a
+  /// point or ball was pushed out of an object's ball of reach and the surface is behind it, it
+  /// pushes at the nearest point of that ball, so that no lever is longer than the object.
   void push(BodyContactState& contacts, TouchMemory& memory, double share) noexcept;
   void push(BodyContactState& contacts, BodyMemory& memory, double share) noexcept;
 
-  /// Moves on by one tick, and takes the pushes away. False where the step came to nothing sane
-  /// (MuJoCo gives up, numbers that are not finite, speeds that nothing here has): then the bodies
-  /// are, at rest, where they were at least kGoodAge before, and farther back each time that is not
-  /// good enough; and moving objects are felt from zero again, whole after kRecovery.
+  /// Simulates one tick, and then removes the pushes. False: the step was bad (MuJoCo gave up, a
+  /// number is not finite, or a body is faster than kLargestSpeed or kLargestTurn). Then the bodies
+  /// are put back, at rest, to where they were at least kGoodAge before, and farther back each time
+  /// that the step after it is bad again. The force of moving objects then begins at zero and is
+  /// whole again after kRecovery.
   bool step() noexcept;
 
-  /// After a step() that came to nothing: how hard [N] that hand has pushed what broke, since the
-  /// reset before and at most kBlameAge ago; 0: it had no part in it. What broke is each object
-  /// that is not sane, with all that it hangs together with by joints or contacts; where MuJoCo
-  /// gave up and does not say at what, it is everything.
+  /// After a bad step(): the largest force [N] by which that hand pushed an object that broke,
+  /// since the reset before and at most kBlameAge ago; 0: the hand had no part in it. The objects
+  /// that broke are those with bad numbers and all that are connected to them by joints or
+  /// contacts. Where MuJoCo gave up without saying where, they are all objects.
   double blame(const BodyContactState& contacts) const noexcept;
 
   static constexpr double kBlameAge = 0.1;        // [s]
@@ -162,14 +166,14 @@ class World {
     Vec3 angular = Vec3::Zero();  // [rad/s]
   };
   std::vector<Motion> motions_;  // of those that move
-  /// Likewise, of what has to know where a tool comes from, seen from itself (follows_way()).
+  /// For a shape that must know from where a tool comes, in the shape's own frame (follows_way()).
   struct Followed {
     bool way = false;
     Pose before;  // a step ago
   };
   std::vector<Followed> followed_;
-  /// What hands meet that hold one of the tools: the same places for all, but what is triangles to
-  /// a point is a grid to a body.
+  /// The objects as one of the tools meets them. They are at the same places for all tools, but a
+  /// mesh is triangles for a point and a grid for a body.
   struct MovedView {
     const ToolView* view;
     std::vector<Object> objects;

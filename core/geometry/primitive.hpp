@@ -23,7 +23,7 @@ struct FieldPoint {
   Vec3 gradient = Vec3::Zero();  // of the distance, the way out; of length 1 where that is exact
 };
 
-/// Of a solid of density one.
+/// The mass properties of a solid of density one.
 struct MassProperties {
   double volume = 0.0;          // [m^3]
   Vec3 center = Vec3::Zero();   // [m] of mass
@@ -62,7 +62,8 @@ struct PatchGeometry {
   bool joined = false;
 };
 
-/// What moving bodies run into: a geom that a physics engine has, or the convex hull of points.
+/// A shape that moving bodies collide with: a geom of the physics engine, or a convex hull of
+/// points.
 struct PhysicsGeom {
   enum class Kind : std::uint8_t { plane, sphere, box, capsule, cylinder, hull };
   Kind kind = Kind::hull;
@@ -79,7 +80,7 @@ template <class Shape>
 concept Primitive = requires(const Shape& shape, Shape& given, Side side, const Vec3& p,
                              double number, FeatureMemory& memory, const FeatureMemory& remembered,
                              std::uint32_t feature, int whole, bool touching) {
-  /// Of its field in a scene file.
+  /// The name of the shape's field in a scene file.
   { Shape::kName } -> std::convertible_to<const char*>;
   /// Calls visit(Length, double&) for each of its numbers.
   Shape::lengths(given, [](const Length&, double&) {});
@@ -88,14 +89,14 @@ concept Primitive = requires(const Shape& shape, Shape& given, Side side, const 
   /// The proxy of a point, as surface_point() of a Shape says (core/contact/surface_point.hpp).
   { shape.surface_point(side, p, memory) }
   noexcept->std::same_as<SurfacePoint>;
-  /// That of a ball of a radius [m] > 0, as ball_surface() says (core/contact/ball.hpp).
+  /// The surface that a ball of a radius [m] > 0 meets, as ball_surface() (core/contact/ball.hpp).
   { shape.ball_surface(side, p, number, memory) }
   noexcept->std::same_as<SurfacePoint>;
   /// [m] The radius of the largest ball within the solid.
   { shape.room() }
   noexcept->std::same_as<double>;
-  /// To the surface, negative in the solid; exact. Where several points of the surface are nearest,
-  /// the gradient is that of one of them.
+  /// The exact distance to the surface, negative in the solid. Where several points of the surface
+  /// are nearest, the gradient is that of one of them.
   { shape.signed_distance(p) }
   noexcept->std::same_as<FieldPoint>;
   /// [m] Half of the box about the solid; infinite where no box holds it.
@@ -109,8 +110,8 @@ concept Primitive = requires(const Shape& shape, Shape& given, Side side, const 
   /// The surface, closed, outside out; a round side has `segments` (at least 3) flat ones, their
   /// corners on the surface. Empty: it has no end.
   { shape.triangles(whole) } -> std::same_as<TriangleSoup>;
-  /// What bodies run into; none: they pass through. More than one, or a hull, stands for the shape
-  /// with an error that the shape's header states.
+  /// The geoms that bodies collide with; none: bodies pass through. Several geoms, or a hull, stand
+  /// for the shape with an error that the shape's header states.
   { shape.geoms(side) } -> std::same_as<std::vector<PhysicsGeom>>;
 
   /// All parts of the surface; `feature` is that which a tool at p stands on, 0: none. As

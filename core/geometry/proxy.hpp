@@ -17,8 +17,7 @@ struct SurfacePoint {
   double depth = 0.0;           // [m] |position - point|, 0 when free
 };
 
-/// What the proxy must remember of one shape between samples, so that it does not jump through a
-/// thin solid.
+/// The proxy's memory of one shape between samples, so that it does not jump through a thin solid.
 struct FeatureMemory {
   std::uint32_t feature = 0;    // 0: not in contact; else 1 + index of the face the proxy stands on
   Vec3 normal = Vec3::UnitZ();  // last one, of the surface at the proxy: what is used where the

@@ -37,7 +37,7 @@ ContactNormals pushing_normals(const LocalModel& model, const Vec3& point) noexc
 /// allocates, throws or reads a clock.
 class LocalContact {
  public:
-  /// In this last share of a reach or a radius the weight falls linearly to zero.
+  /// The last share of a reach or a radius, in which the weight falls linearly to zero.
   static constexpr double kHandOver = 0.25;
 
   /// Forgets model and contacts.

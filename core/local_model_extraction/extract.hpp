@@ -6,19 +6,19 @@
 
 namespace feltwire {
 
-/// [m] No model reaches farther: a hand at 1 m/s needs a tenth of a second for it, by when a
-/// command of the usual hold time is gone.
+/// [m] The largest reach of a model. A hand at 1 m/s passes it in 0.1 s. By then a command of the
+/// usual hold time has faded.
 inline constexpr double kModelReach = 0.1;
 
-/// The surfaces of the scene near a tool position [m, world], nearest first: those that the tool
-/// stands on before all, then those that would be met first. `memory` as touch() at that position
-/// left it. What is left out begins beyond the reach; in a place with more than kMaxPatches
-/// surfaces at once the reach is zero. A position that is not finite, or a memory of another view,
-/// gives a model that says nothing; so does a view whose tool is not a point. Never allocates.
+/// The surfaces of the scene near a tool position [m, world]: first those that the tool touches,
+/// then those that it would meet first. `memory`: as touch() at that position left it. All surfaces
+/// that are not in the model are farther away than its reach; where more than kMaxPatches surfaces
+/// are touched at once, the reach is zero. The model is empty where the position is not finite, the
+/// memory is of another view, or the view's tool is not a point. Never allocates.
 LocalModel local_model(const ToolView& view, const Vec3& position,
                        const TouchMemory& memory) noexcept;
-/// The same with the moving objects where they are; their patches have the velocity of the surface.
-/// `held`: which of the scene's tools (BodyContactState::held).
+/// The same, with the moving objects at their present poses. Their patches have the velocity of the
+/// surface. `held`: as in BodyContactState.
 LocalModel local_model(const World& world, const Vec3& position, const TouchMemory& memory,
                        std::size_t held = 0) noexcept;
 

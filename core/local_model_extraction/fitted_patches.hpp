@@ -15,7 +15,7 @@ namespace feltwire {
 /// [m] Nothing is fitted farther away: no model reaches there (kModelReach, extract.hpp).
 inline constexpr double kMostFitted = 0.1;
 
-/// As a SurfacePatch, in the object's frame.
+/// A SurfacePatch in the object's frame.
 struct FittedPatch {
   Vec3 point = Vec3::Zero(), normal = Vec3::UnitZ(), axis = Vec3::Zero();
   double curvature = 0.0;

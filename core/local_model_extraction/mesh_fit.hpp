@@ -44,7 +44,7 @@ class MeshFits {
 
   int count() const { return count_; }
   const MeshFit& operator[](int i) const { return fits_[static_cast<std::size_t>(i)]; }
-  /// As SurfacePatch has it.
+  /// As SurfacePatch::joined.
   bool joined() const { return joined_; }
   void set_joined(bool joined) { joined_ = joined; }
   /// Precondition: fewer than kMaxPatches.

@@ -31,13 +31,13 @@ struct LiveHand {
 /// feltwire.Hands. `time` [s].
 void append(std::string& out, double time, std::span<const LiveHand> hands);
 
-/// Of a foxglove.SceneUpdate: triangles, one colour. In the world, or, where a frame is named, in
-/// that frame and moving with it.
+/// Appends a foxglove.SceneUpdate with triangles of one colour, in the world frame, or in the named
+/// frame and moving with it.
 void append_triangles(std::string& out, std::uint64_t time, std::string_view id,
                       const TriangleSoup& soup, const Pose& pose, std::string_view frame = "world");
-/// Of a foxglove.SceneUpdate: all that was sent on its topic before is there no more.
+/// Appends a foxglove.SceneUpdate that deletes everything that was sent on its topic before.
 void append_deletion_of_all(std::string& out, std::uint64_t time);
-/// Of a foxglove.FrameTransforms: where a frame is in the world.
+/// Appends a foxglove.FrameTransforms with the pose of a frame in the world.
 void append_transform(std::string& out, std::uint64_t time, std::string_view frame,
                       const Pose& pose);
 

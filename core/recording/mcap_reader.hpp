@@ -41,7 +41,8 @@ class Reader {
   const std::map<std::uint16_t, Channel>& channels() const { return channels_; }
   const std::vector<Metadata>& metadata() const { return metadata_; }
   const std::vector<Attachment>& attachments() const { return attachments_; }
-  /// As the file says, which agrees with what came. Only of a whole file, after its end.
+  /// The file's own statistics, which agree with the messages that were read. They are there only
+  /// for a whole file, after its end.
   const std::optional<Statistics>& statistics() const { return statistics_; }
 
  private:

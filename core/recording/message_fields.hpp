@@ -54,8 +54,8 @@ inline void put_time(std::string& out, std::uint32_t field, std::uint64_t time) 
   });
 }
 
-/// Of a SceneUpdate, in this frame. `locked`: the entity moves with the frame; else it stays where
-/// the frame was.
+/// Appends an entity of a SceneUpdate in this frame. `locked`: the entity moves with the frame;
+/// else it stays where the frame was.
 template <class Fill>
 void put_entity(std::string& out, std::uint64_t time, std::string_view id, Fill fill,
                 std::string_view frame = "world", bool locked = false) {

@@ -132,6 +132,19 @@ MaybeViolation check(const Start& start) {
                    "has no direction: all of [x, y, z] are zero; leave it out or give a normal"};
 }
 
+MaybeViolation check(const RemoteSeat& seat) {
+  const struct {
+    const char* field;
+    double value, most;
+  } numbers[] = {
+      {"scale", seat.scale, 100.0}, {"speed", seat.speed, 10.0}, {"force", seat.force, 1e4}};
+  for (const auto& [field, value, most] : numbers)
+    if (!(value > 0.0 && value <= most))
+      return Violation{field, "is " + number_text(value) + "; give a number above 0, at most " +
+                                  number_text(most)};
+  return std::nullopt;
+}
+
 MaybeViolation broken_name(const std::string& name) {
   const auto is_control = [](unsigned char c) { return c < 0x20 || c == 0x7F; };
   if (std::any_of(name.begin(), name.end(), is_control))

@@ -2,6 +2,7 @@
 // A scene: objects, guides and the tools that hands touch them with. Each tool has a view of it.
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -21,6 +22,13 @@ struct Start {
   Vec3 normal = Vec3::UnitZ();
 };
 
+/// The seat of a robot that follows a hand in this scene (docs/teleoperation.md).
+struct RemoteSeat {
+  double scale = 1.0;   // > 0 [m of the robot per m of the hand]
+  double speed = 0.25;  // > 0 [m/s] that the robot is meant for; a hand that jumps is told by it
+  double force = 40.0;  // > 0 [N] on the robot's tool, above which it holds
+};
+
 class Scene {
  public:
   /// Throws std::invalid_argument naming the object, the field and the remedy.
@@ -38,7 +46,12 @@ class Scene {
   /// Precondition: made by compile() for these objects (core/scene/mechanism.hpp).
   void set_mechanism(std::shared_ptr<const Mechanism> mechanism);
 
-  /// What it was loaded from; null: nobody has kept that.
+  /// Nothing: no robot follows here.
+  const std::optional<RemoteSeat>& remote() const { return remote_; }
+  /// Precondition: check() finds nothing wrong with it.
+  void set_remote(const RemoteSeat& seat) { remote_ = seat; }
+
+  /// The files that the scene was loaded from; null: they were not kept.
   const std::shared_ptr<const KeptFiles>& files() const { return files_; }
   void keep_files(std::shared_ptr<const KeptFiles> files) { files_ = std::move(files); }
 
@@ -55,7 +68,7 @@ class Scene {
   void set_material(std::size_t object, const Material& material);
   /// One for each tool. Never empty; they live as long as the scene, also where it is moved.
   const std::vector<ToolView>& views() const { return views_; }
-  /// That of a hand that asks for this tool; an empty name stands for the first. Null: there is no
+  /// The view for a hand that asks for this tool. An empty name: the first tool. Null: there is no
   /// such tool.
   const ToolView* view(std::string_view tool) const noexcept;
   /// "tip, ball"
@@ -79,6 +92,7 @@ class Scene {
  private:
   std::string name_;
   Start start_;
+  std::optional<RemoteSeat> remote_;
   std::shared_ptr<const Mechanism> mechanism_;
   std::vector<std::string> warnings_;
   std::shared_ptr<const KeptFiles> files_;

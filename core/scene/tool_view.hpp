@@ -110,7 +110,7 @@ class ToolView {
   using Objects = std::shared_ptr<const std::vector<Object>>;
   using Guides = std::shared_ptr<const std::vector<Guide>>;
 
-  /// Of a point. Precondition: all are checked.
+  /// A view for a point tool. Precondition: the objects and guides are checked.
   ToolView(Objects objects, Guides guides);
   /// The same for another tool. Throws std::invalid_argument where it does not fit the objects.
   ToolView with(HandTool tool) const;
@@ -119,9 +119,9 @@ class ToolView {
   /// Only the first `count` objects stand.
   void set_still(std::size_t count);
 
-  /// Of the first `count` objects.
+  /// The force of the first `count` objects.
   Command touch(const Tool& tool, TouchMemory& memory, std::size_t count) const noexcept;
-  /// Of the objects that stand, by the tree over them.
+  /// The force of the objects that stand still, found by the tree over them.
   Command touch_near(const Tool& tool, TouchMemory& memory) const noexcept;
 
   Objects objects_;

@@ -39,16 +39,17 @@ std::optional<Violation> check(const Material& material);
 std::optional<Violation> check(const Pose& pose);
 /// The normal need not be unit, but it must have a direction.
 std::optional<Violation> check(const Start& start);
-/// Of a scene, an object, a material, a guide or a tool.
+std::optional<Violation> check(const RemoteSeat& seat);
+/// Checks the name of a scene, an object, a material, a guide or a tool.
 std::optional<Violation> broken_name(const std::string& name);
 
-/// Of a tool in a scene with these objects.
+/// Checks a tool in a scene with these objects.
 std::optional<Violation> check(const HandTool& tool, std::span<const Object> objects);
-/// Of the number of tools to choose from.
+/// Checks the number of tools to choose from.
 std::optional<Violation> broken_tools(std::size_t count);
 inline constexpr std::size_t kMaxTools = 64;
 
-/// Of a guide.
+/// Checks a guide.
 std::optional<Violation> check(const Guide& guide);
 
 /// 0 < value <= most. `unit` with a blank and brackets: " [m]".

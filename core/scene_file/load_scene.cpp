@@ -88,6 +88,14 @@ Start read_start(const JsonDocument& document, const scene_file::Scene& scene) {
   return start;
 }
 
+void read_remote(const JsonDocument& document, const scene_file::Scene& scene, Scene& result) {
+  const auto* r = scene.remote();
+  if (r == nullptr) return;
+  const RemoteSeat seat{.scale = r->scale(), .speed = r->speed(), .force = r->force()};
+  require(document, "remote", check(seat));
+  result.set_remote(seat);
+}
+
 Side side(scene_file::Side given) {
   return given == scene_file::Side::inside ? Side::inside : Side::outside;
 }
@@ -106,6 +114,7 @@ Scene mjcf_scene(const JsonDocument& document, const scene_file::Scene& scene,
                  read_guides(document, scene));
     result.set_mechanism(mechanism);
     read_tools(document, scene, std::filesystem::path(file).parent_path(), result);
+    read_remote(document, scene, result);
     return result;
   } catch (const std::invalid_argument& error) {
     document.fail("mjcf.file", error.what());
@@ -148,6 +157,7 @@ Scene parse_scene(std::string_view json, const std::string& file) {
   read.warn(meshes.warnings());
   read.set_mechanism(mechanism);
   read_tools(document, scene, folder, read);
+  read_remote(document, scene, read);
   return read;
 }
 

@@ -9,6 +9,7 @@
 
 #include "core/base/file_error.hpp"
 #include "core/base/json_document.hpp"
+#include "core/base/kept_files.hpp"
 #include "core/mesh/mesh_file.hpp"
 
 namespace feltwire {
@@ -17,6 +18,8 @@ namespace {
 namespace fs = std::filesystem;
 
 bool lies_outside(const fs::path& file, const fs::path& folder) {
+  // What was given was not read from this disk, so that an error shows nothing of it.
+  if (file_reading_of_this_thread.given != nullptr) return false;
   std::error_code error;
   const fs::path inner = fs::weakly_canonical(file, error);
   if (error) return true;
@@ -113,7 +116,7 @@ std::string shown_mjcf_error(const std::string& message, const fs::path& file,
   std::optional<fs::path> outside;
   if (lies_outside(file, folder))
     outside = file;
-  else
+  else if (file_reading_of_this_thread.given == nullptr)
     outside = NamedFiles(file).outside(folder);
   if (!outside) return message;
   return file.string() + ": MuJoCo cannot use it; what it says is not shown, because " +

@@ -25,17 +25,22 @@ const RemoteContact& ContactEstimate::step(const Sample& s) noexcept {
     return contact_;
   const double force = length(s.force);
   const bool pressed = force > (pressed_ ? config_.off : config_.on);
-  if (pressed && !pressed_) begin(s);
   pressed_ = pressed;
-  contact_.touching = pressed;
   if (!pressed) {
+    apart_ += s.elapsed;
+    // A tool that slides leaves the surface for some samples: it is the same touch.
+    if (contact_.touching && apart_ < kApart) return contact_;
+    contact_.touching = false;
     recede(s);
     return contact_;
   }
+  apart_ = 0.0;
+  if (!contact_.touching) begin(s);
+  contact_.touching = true;
   estimate_normal(s, force);
   const double along_normal = std::max(0.0, s.force.dot(contact_.normal));
   touched_ += s.elapsed;
-  estimate_stiffness(s, along_normal);
+  estimate_stiffness(s);
   estimate_place(s, along_normal);
   return contact_;
 }
@@ -62,9 +67,14 @@ void ContactEstimate::begin(const Sample& s) noexcept {
     contact_.normal = normal;
     contact_.stiffness = config_.first_stiffness;
   }
-  fit_.clear();
-  touched_ = receded_ = 0.0;
-  origin_ = s.position;
+  // A touch that bounces is one touch: until the stiffness is known its samples stay.
+  if (!same || known_) {
+    fit_.clear();
+    touched_ = 0.0;
+    origin_ = s.position;
+    known_ = false;
+  }
+  receded_ = 0.0;
   last_height_ = s.position.dot(contact_.normal) + 1.0;  // the first sample is always taken
   place_ = s.position.dot(contact_.normal) + length(s.force) / contact_.stiffness;
   tracked_ = place_;
@@ -72,23 +82,34 @@ void ContactEstimate::begin(const Sample& s) noexcept {
 }
 
 void ContactEstimate::estimate_normal(const Sample& s, double force) noexcept {
-  constexpr double kSlides = 2e-3;                            // [m/s]
-  constexpr double kAcross = 0.5;                             // cosine of 60 degrees
-  constexpr double kQuick = 30.0, kSlow = 3.0, kYoung = 0.1;  // [Hz], [Hz], [s]
+  constexpr double kSlides = 2e-3;                    // [m/s]
+  constexpr double kAcross = 0.5;                     // cosine of 60 degrees
+  constexpr double kMostFriction = 1.0, kCone = 0.7;  // mu, and the cosine of its cone
+  constexpr double kQuick = 30.0, kSlow = 3.0;        // [Hz]
+  constexpr double kYoung = 0.1, kSettled = 0.5;      // [s] in this touch
   const double speed = length(s.velocity);
   const Vec3 way = speed > kSlides ? Vec3(s.velocity / speed) : Vec3::Zero();
   const bool slides = speed > kSlides && std::abs(way.dot(contact_.normal)) < kAcross;
   Vec3 pushes = s.force;
+  bool rubs = false;
   if (slides) {
-    pushes -= along(s.force, way);
-    const double normal_force = length(pushes);
-    if (normal_force > config_.on) {
-      const double mu = std::max(0.0, -s.force.dot(way)) / normal_force;
-      contact_.friction += share(kSlow, s.elapsed) * (mu - contact_.friction);
+    const Vec3 across = s.force - along(s.force, way);
+    const double normal_force = length(across);
+    const double against = std::max(0.0, -s.force.dot(way));
+    // More than kMostFriction is no friction: a weight that is carried, or a normal that is wrong.
+    rubs = normal_force > config_.on && against < kMostFriction * normal_force;
+    if (rubs) {
+      pushes = across;
+      contact_.friction += share(kSlow, s.elapsed) * (against / normal_force - contact_.friction);
     }
   }
   if (!(force > config_.on)) return;
-  const double rate = touched_ < kYoung ? kQuick : kSlow;
+  // A tool that arrives and bounces slides by some tenths of a millimetre, too, and friction
+  // answers. Then the force says nothing of the normal, unless it is outside of any cone.
+  const bool young = touched_ < kYoung;
+  const bool bounces = touched_ < kSettled && speed > kSlides && !rubs;
+  if (!young && bounces && s.force.dot(contact_.normal) > kCone * force) return;
+  const double rate = young ? kQuick : kSlow;
   const Vec3 turned =
       direction(contact_.normal + share(rate, s.elapsed) * (direction(pushes) - contact_.normal));
   if (turned.isZero(0.0)) return;
@@ -98,20 +119,21 @@ void ContactEstimate::estimate_normal(const Sample& s, double force) noexcept {
   contact_.normal = turned;
 }
 
-void ContactEstimate::estimate_stiffness(const Sample& s, double force) noexcept {
+void ContactEstimate::estimate_stiffness(const Sample& s) noexcept {
   constexpr double kLearns = 0.5;      // [s]
   constexpr double kExcited = 0.1e-3;  // [m]
   constexpr double kMoved = 5e-6;      // [m] a resting tip would only add noise
   constexpr double kExplained = 0.98;
-  if (touched_ > kLearns) return;
+  if (touched_ > kLearns && known_) return;
   const double height = s.position.dot(contact_.normal);
   if (std::abs(height - last_height_) < kMoved) return;
   last_height_ = height;
-  fit_.add((origin_ - s.position).dot(contact_.normal), -s.velocity.dot(contact_.normal), force);
-  if (fit_.excitation() < kExcited) return;
-  const LineFit::Line line = fit_.line();
+  fit_.add(origin_ - s.position, -s.velocity, s.force);
+  if (fit_.excitation(contact_.normal) < kExcited) return;
+  const LineFit::Line line = fit_.line(contact_.normal);
   if (line.explained < kExplained || !(line.slope > kSoftest) || !(line.slope < kStiffest)) return;
   contact_.stiffness = line.slope;
+  known_ = true;
 }
 
 void ContactEstimate::estimate_place(const Sample& s, double force) noexcept {

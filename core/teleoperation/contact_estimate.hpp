@@ -10,8 +10,8 @@ namespace feltwire {
 
 /// One surface that a robot touches, or touched last. World frame of the robot.
 struct RemoteContact {
-  std::uint32_t surface = 0;  // counts surfaces; 0: none is known
-  bool touching = false;
+  std::uint32_t surface = 0;     // counts surfaces; 0: none is known
+  bool touching = false;         // now, or less than ContactEstimate::kApart ago
   Vec3 point = Vec3::Zero();     // [m] on the surface where no force would act
   Vec3 normal = Vec3::UnitX();   // unit, towards the free side
   double stiffness = 0.0;        // [N/m] > 0 of the surface, along the normal
@@ -26,21 +26,25 @@ struct ContactEstimateConfig {
 };
 
 /// Estimates the surface. At each sample
-///   normal     the direction of the force, without its part along a sliding motion
-///   stiffness  slope of the force over the depth, with the depth's speed beside it (a damper),
-///   over
-///              the first samples of each touch that show at least 0.1 mm and explain 98 % of the
-///              force. Later a moving wall changes force and depth, too, and would be taken for a
-///              stiffness; so it is kept from then on.
+///   normal     the direction of the force, without its part along a sliding motion; kept while a
+///              touch that is new still moves in or bounces, for friction leans that force
+///   stiffness  slope of the force over the depth along the normal that is known by then, with the
+///              depth's speed beside it (a damper), once the samples of a touch show at least
+///              0.1 mm and explain 98 % of the force; for half a second it gets better. Later a
+///              moving wall changes force and depth, too, and would be taken for a stiffness; so it
+///              is kept from then on. A touch that bounces before that is one touch.
 ///   place      tip + normal F / k, low-passed at 35 Hz
 ///   velocity   of the place, from a tracker of second order
-/// Where the tool finds no force the surface recedes to the tool, and after kSame it is forgotten.
+/// A touch goes on while the force is away for less than kApart: a tool that slides leaves the
+/// surface for some samples, and nothing changes meanwhile. After that the surface recedes to the
+/// tool where it finds no force, and after kSame it is forgotten.
 /// A touch within kSame of the last surface is the same surface again.
 ///
 /// Nothing here allocates, throws or reads a clock. A sample that is not finite is left out.
 class ContactEstimate {
  public:
   static constexpr double kSame = 20e-3;        // [m]
+  static constexpr double kApart = 20e-3;       // [s]
   static constexpr double kQuickPlace = 35.0;   // [Hz]
   static constexpr double kTracker = 5.0;       // [Hz] of the velocity
   static constexpr double kStandsStill = 2e-3;  // [m/s] slower surfaces are taken as still
@@ -61,15 +65,17 @@ class ContactEstimate {
   void begin(const Sample& sample) noexcept;
   void recede(const Sample& sample) noexcept;
   void estimate_normal(const Sample& sample, double force) noexcept;
-  void estimate_stiffness(const Sample& sample, double force) noexcept;
+  void estimate_stiffness(const Sample& sample) noexcept;
   void estimate_place(const Sample& sample, double force) noexcept;
 
   ContactEstimateConfig config_;
   RemoteContact contact_;
   LineFit fit_;
   std::uint32_t counted_ = 0;
+  bool known_ = false;                  // the stiffness, by this touch
   bool pressed_ = false;                // beyond the thresholds, known to be a surface or not
   double touched_ = 0.0;                // [s] in this touch
+  double apart_ = 0.0;                  // [s] without a force
   double receded_ = 0.0;                // [m] since the last touch
   Vec3 origin_ = Vec3::Zero();          // [m] the tip where this touch began
   double last_height_ = 0.0;            // [m] of the last sample that the fit took

@@ -27,36 +27,50 @@ TargetLimiter::TargetLimiter(const TargetLimits& limits) : limits_(limits) {
   check(limits.unfelt, "unfelt", true);
 }
 
+/// What the hand paid in this contact, less what went into the environment.
+void TargetLimiter::account(const Sample& s) noexcept {
+  double paid = 0.0;
+  if (std::isfinite(s.hand_work)) {
+    const double more = s.hand_work - work_seen_;
+    if (std::isfinite(more)) paid = more;
+    work_seen_ = s.hand_work;
+  }
+  const Vec3 way = s.robot - robot_;
+  robot_ = s.robot;
+  if (s.surface == 0 || !touched_) {
+    paid_ = 0.0;  // what was not spent in the contact before is gone
+  } else {
+    // Of a force only what is above `unfelt` counts, whoever gave the energy.
+    const double given = s.force.allFinite() ? s.force.dot(way) : 0.0;
+    const double free = limits_.unfelt * length(way);
+    paid_ += paid + std::copysign(std::max(0.0, std::abs(given) - free), given);
+    const double largest = limits_.leash * limits_.leash / (2.0 * limits_.stiffness);
+    paid_ = std::clamp(paid_, 0.0, largest);
+  }
+  touched_ = s.surface != 0;
+}
+
 const Vec3& TargetLimiter::step(const Sample& s) noexcept {
   if (!s.robot.allFinite()) return target_;
   if (!begun_) {
-    target_ = s.robot;
+    target_ = robot_ = s.robot;
     work_seen_ = std::isfinite(s.hand_work) ? s.hand_work : 0.0;
     begun_ = true;
   }
-  if (std::isfinite(s.hand_work)) {
-    paid_ = std::max(0.0, paid_ + s.hand_work - work_seen_);
-    work_seen_ = s.hand_work;
-  }
   const double k = limits_.stiffness;
   const Vec3 before = target_ - s.robot;  // e'
+  account(s);
   Vec3 way = s.wanted.allFinite() ? Vec3(s.wanted - target_) : Vec3::Zero();
   way *= std::min(1.0, limits_.speed * std::max(0.0, s.elapsed) / std::max(length(way), 1e-12));
   Vec3 after = before + way;  // e
   double most = limits_.leash / k;
   if (s.surface != 0) {
     if (s.known != s.surface) most = std::min(most, limits_.first_touch / k);
-    const double free = limits_.unfelt / k;
-    const double stored = before.squaredNorm();
-    most = std::min(most, std::max(free, std::sqrt(stored + 2.0 * paid_ / k)));
+    const double felt = limits_.unfelt / k + std::sqrt(2.0 * paid_ / k);
+    most = std::min(most, std::max(length(before), felt));
   }
   const double stretched = length(after);
   if (stretched > most) after *= most / stretched;
-  if (s.surface != 0)
-    paid_ = std::max(0.0, paid_ - 0.5 * k * (after.squaredNorm() - before.squaredNorm()));
-  else if (touched_ || s.known == 0)
-    paid_ = 0.0;  // the contact is left: what was not spent is gone
-  touched_ = s.surface != 0;
   target_ = s.robot + after;
   return target_;
 }

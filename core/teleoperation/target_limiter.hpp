@@ -18,11 +18,13 @@ struct TargetLimits {
 ///  1. speed: the target moves by at most speed x elapsed.
 ///  2. first touch: in a contact that the leader's newest sample does not know, the spring holds at
 ///     most first_touch.
-///  3. felt: in contact the spring's energy S(e) = K |e|^2 / 2, e = target - robot, rises only by
-///     what the hand paid and what is below `unfelt`:
-///       S(e) <= max(S(e') + paid, unfelt^2 / (2 K)),     e' = the old target - robot
-///     `paid` is the hand's cumulative work, which the sample carries as a total, less what was
-///     spent here in this contact. So a sample that is lost loses nothing.
+///  3. felt: in contact the spring's force K |e|, e = target - robot, rises only to
+///       unfelt + sqrt(2 K paid)
+///     `paid` is what the hand paid in this contact (its work is a total in the sample, so one that
+///     is lost loses nothing) less what went into the environment by forces above `unfelt`; never
+///     below zero, so that an impact leaves no debt. So the work on the environment is at most what
+///     the hand paid, and `unfelt` per metre of the tool's way, and the robot's own kinetic energy
+///     (docs/teleoperation.md).
 ///  4. leash: |e| <= leash / K.
 /// A target that is refused stays where it was, shortened towards the robot where a limit asks for
 /// it: the limits hold for whatever the leader sends. What is not finite leaves the target.
@@ -36,6 +38,7 @@ class TargetLimiter {
   struct Sample {
     Vec3 wanted = Vec3::Zero();  // [m] by the leader's newest sample
     Vec3 robot = Vec3::Zero();   // [m] the tool now
+    Vec3 force = Vec3::Zero();   // [N] of the environment on it
     std::uint32_t surface = 0;   // that the robot touches; 0: none
     std::uint32_t known = 0;     // that the leader's newest sample knows
     double hand_work = 0.0;      // [J] total, what the hand paid since the session began
@@ -45,11 +48,14 @@ class TargetLimiter {
   const Vec3& step(const Sample& sample) noexcept;
 
  private:
+  void account(const Sample& sample) noexcept;
+
   TargetLimits limits_;
   Vec3 target_ = Vec3::Zero();
   bool begun_ = false, touched_ = false;
-  double work_seen_ = 0.0;  // [J]
-  double paid_ = 0.0;       // [J] that is left in this contact
+  double work_seen_ = 0.0;     // [J]
+  double paid_ = 0.0;          // [J] that is left in this contact
+  Vec3 robot_ = Vec3::Zero();  // [m] in the last step
 };
 
 }  // namespace feltwire

@@ -210,10 +210,7 @@ void share_out(const State& state, const FrictionSolution& last, BodyStep& resul
 }  // namespace
 
 Pose moved(const Pose& pose, const Vec3& by, const Vec3& turn) noexcept {
-  const Polar<double> angle = polar(turn);
-  if (!(angle.length > 0.0)) return {pose.position + by, pose.orientation};
-  const Quaternion rotation(Eigen::AngleAxisd(angle.length, angle.direction));
-  return {pose.position + by, (rotation * pose.orientation).normalized()};
+  return {pose.position + by, turned(pose.orientation, turn)};
 }
 
 BodyTool::BodyTool(PointShell shell, const ToolCoupling& coupling, double contact_area)

@@ -12,8 +12,8 @@ enum class CipherSuite : std::uint8_t { aes_256_gcm = 1, chacha20_poly1305 = 2 }
 inline constexpr std::size_t kKeySize = 32;  // [bytes]
 using Key = std::array<std::uint8_t, kKeySize>;
 
-/// Of one session; never used for another, nor after the session's end. Every copy is wiped where
-/// it ends.
+/// The keys of one session. They are never used for another session or after the end of this one.
+/// Every copy is wiped when it is destroyed.
 struct SessionKeys {
   CipherSuite suite = CipherSuite::chacha20_poly1305;
   Key up{};    // client to server

@@ -31,7 +31,7 @@ Fingerprint parse_fingerprint(std::string_view text);
 /// no memory for the word either, for success.
 ssl_ctx_st* new_tls_context(const ssl_method_st* method);
 ssl_st* new_tls_connection(ssl_ctx_st& context);
-/// That one of these became an ssl::stream in whole. Throws std::bad_alloc.
+/// Checks that an ssl::stream was made from the connection in whole. Throws std::bad_alloc.
 void require_buffers(const ssl_st& connection);
 
 /// TLS 1.3 and nothing older, neither tickets nor early data: every connection has an exchange of

@@ -7,7 +7,7 @@
 
 namespace feltwire {
 
-/// Of a time: longer than any program runs.
+/// A time that is longer than any program runs.
 inline constexpr Nanoseconds kForever = Nanoseconds::max();
 inline constexpr double kLongestBusyPoll = 1e6;  // [us] short of infinity, which is for ever
 

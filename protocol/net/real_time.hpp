@@ -12,8 +12,8 @@ struct RealTime {
   bool memory_locked = false;  // what is mapped now stays in memory
 };
 
-/// Of SCHED_FIFO: above what else runs, below the kernel's own interrupt threads (docs of
-/// PREEMPT_RT). On one machine the hand comes before the scenes.
+/// Priorities of SCHED_FIFO: above other programs, below the kernel's own interrupt threads (docs
+/// of PREEMPT_RT). On one machine the hand comes before the scenes.
 inline constexpr int kServoPriority = 80, kScenePriority = 70;
 
 /// `priority` 0: not SCHED_FIFO, under which the kernel takes 50 ms of every second from a thread
@@ -24,7 +24,7 @@ RealTime request_real_time(int priority) noexcept;
 /// what may be late. It cannot be taken back.
 void give_way() noexcept;
 
-/// Of what was asked for by that priority: what is not permitted, and the remedy; empty when all is
+/// What was asked for by that priority and is not permitted, with the remedy; empty when all is
 /// granted.
 std::string missing(RealTime granted, int priority);
 

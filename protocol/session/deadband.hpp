@@ -20,8 +20,8 @@ inline constexpr double kUnfeltTorque = 4e-4;  // [N m]
 bool beyond_deadband(const Vec3& value, const Vec3& expected, double fraction,
                      double floor) noexcept;
 
-/// Likewise of a command: of its force, whatever its parts, or of its torque. True also where one
-/// of the two is nothing at all and the other is not: contact begins or ends.
+/// The same for a command: for its whole force, or for its torque. True also where one of the two
+/// commands is zero and the other is not: contact begins or ends.
 bool beyond_deadband(const Command& value, const Command& expected, double fraction) noexcept;
 
 /// Whether there is any force or torque.

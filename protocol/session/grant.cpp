@@ -73,8 +73,8 @@ std::optional<std::string> forbidden_change(const SessionParameters& running,
   });
   if (found)
     *found +=
-        "; this session's client acts on it and is not told of changes: have it leave and join "
-        "again with other parameters";
+        "; this session's client acts on it, and it cannot change while the session runs: have the "
+        "client leave and join again with other parameters";
   return found;
 }
 

@@ -19,8 +19,9 @@ inline constexpr double kLongestGrantedHold = 0.8;  // [s] and lengthens it no f
 
 /// Which side uses a parameter while a session runs, and so must know of a change.
 enum class ActedOnBy : std::uint8_t {
-  client,  // too: it cannot be changed, for nothing tells the client
-  bound,   // whoever bounds: it can be changed where that is the server alone
+  client,  // too: it cannot be changed
+  bound,   // whoever bounds: it can be changed where that is the server alone. The law of a client
+           // (mode, projection, storage) changes another way: client_change.hpp
   server   // alone: it can be changed
 };
 
@@ -106,7 +107,7 @@ std::optional<std::string> forbidden_grant(const SessionParameters& asked,
                                            const SessionParameters& granted);
 
 /// The first field that cannot change so at the server while a session runs, with the reason and
-/// the remedy: its client acts on it and is not told.
+/// the remedy: its client acts on it.
 std::optional<std::string> forbidden_change(const SessionParameters& running,
                                             const SessionParameters& wanted);
 

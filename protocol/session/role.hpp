@@ -11,21 +11,25 @@ namespace feltwire {
 /// The numbers are the wire's. Each may what those below it in rank() may: an observer is shown the
 /// scene, feels nothing and moves nothing; a pointer holds a small hand, that of the live page; an
 /// operator acts with any device; an admin lists and evicts sessions, reloads scenes and changes
-/// them.
-enum class Role : std::uint8_t { observer, operator_, admin, pointer };
+/// them. A follower stands apart: a robot sits on the robot's seat of a scene and does nothing
+/// else, and nobody else sits there.
+enum class Role : std::uint8_t { observer, operator_, admin, pointer, follower };
 
-inline constexpr std::array<std::string_view, 4> kRoleNames = {"observer", "operator", "admin",
-                                                               "pointer"};
+inline constexpr std::array<std::string_view, 5> kRoleNames = {"observer", "operator", "admin",
+                                                               "pointer", "follower"};
 
 std::string_view name(Role role);
 /// Throws std::invalid_argument naming the choices when there is no such role.
 Role role(std::string_view name);
 
-/// From 0. The pointer has the last number and stands above the observer alone.
+/// From 0. The pointer stands above the observer alone. Of a follower: no rank.
 constexpr int rank(Role role) {
-  constexpr std::array<int, 4> kRanks = {0, 2, 3, 1};
+  constexpr std::array<int, 5> kRanks = {0, 2, 3, 1, -1};
   return kRanks[static_cast<std::size_t>(role)];
 }
-constexpr bool covers(Role granted, Role wanted) { return rank(granted) >= rank(wanted); }
+constexpr bool covers(Role granted, Role wanted) {
+  if (granted == Role::follower || wanted == Role::follower) return granted == wanted;
+  return rank(granted) >= rank(wanted);
+}
 
 }  // namespace feltwire

@@ -15,8 +15,8 @@ namespace feltwire {
 /// Where the energy bound runs.
 enum class BoundingSide : std::uint8_t { server, client, both };
 inline constexpr std::array<std::string_view, 3> kBoundingSideNames = {"server", "client", "both"};
-/// What a deadband compares a new value with: the value sent last, or the line through the last
-/// ones.
+/// The value with which a deadband compares a new one: the value sent last, or the line through the
+/// values sent last.
 enum class Predictor : std::uint8_t { level, linear };
 inline constexpr std::array<std::string_view, 2> kPredictorNames = {"level", "linear"};
 
@@ -70,8 +70,8 @@ Predictor predictor(std::string_view name);
 /// one that shapes on the client only.
 void validate(const SessionParameters& parameters);
 
-/// What a hand at a device asks for where nothing else is said: kSessionMethod, and the surfaces
-/// near its tool beside the forces, so that it feels them where it is now.
+/// The parameters that a hand asks for by default: kSessionMethod, and a local model of the
+/// surfaces near its tool, so that it feels them where it is now.
 SessionParameters usual_parameters();
 
 /// The configuration of the bound for a session of this device, on either side.

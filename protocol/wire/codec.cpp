@@ -2,24 +2,21 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 
-#include "flatbuffers/flatbuffers.h"
 #include "protocol/wire/aligned_vector.hpp"
+#include "protocol/wire/payload.hpp"
+#include "protocol/wire/robot_codec.hpp"
 #include "protocol/wire/view_codec.hpp"
 
 namespace feltwire {
 namespace {
 
-// A datagram is one table and its vectors; whatever claims more is not ours.
-constexpr flatbuffers::uoffset_t kMaxDepth = 4, kMaxTables = 4;
-constexpr std::size_t kSmallestBuffer = 8;  // [bytes] a root offset and an empty table
-
 constexpr std::uint32_t kFlagActive = 1u << 0, kFlagSaturated = 1u << 1, kFlagRefused = 1u << 2,
                         kFlagGap = 1u << 3, kFlagRecovering = 1u << 4;
-constexpr std::uint32_t kFlagAccount = 1u << 0;
-constexpr std::uint32_t kAllHandReasons = (1u << kHandReasons) - 1;
-constexpr unsigned kReloadsShift = 8;  // of the byte of flags that counts reloads
+constexpr std::uint32_t kFlagAccount = 1u << 0, kFlagChangeRefused = 1u << 1;
+constexpr unsigned kChangeShift = 2;     // of the 6 bits of a report's flags with a change's number
+constexpr unsigned kLateTicksShift = 8;  // of the 24 bits of a report's flags that count late ticks
+constexpr unsigned kReloadsShift = 8;    // of the byte of flags that counts reloads
 constexpr std::uint8_t kFlagTouching = 1u << 0, kFlagSlipping = 1u << 1, kFlagJoined = 1u << 2,
                        kFlagFaceted = 1u << 3, kFlagRough = 1u << 4;
 
@@ -63,35 +60,6 @@ void read(const wire::Patch& from, const Vec3& center, SurfacePatch& to) {
   to.faceted = (from.flags() & kFlagFaceted) != 0;
   to.rough = (from.flags() & kFlagRough) != 0;
 }
-
-/// A payload that can be read in place: FlatBuffers reads eight bytes at a time.
-class Aligned {
- public:
-  explicit Aligned(Bytes payload) noexcept : data_(payload.data()), size_(payload.size()) {
-    if (size_ > copy_.size()) {
-      size_ = 0;
-    } else if (reinterpret_cast<std::uintptr_t>(data_) % alignof(std::uint64_t) != 0) {
-      std::memcpy(copy_.data(), data_, size_);
-      data_ = copy_.data();
-    }
-  }
-  Aligned(const Aligned&) = delete;
-  Aligned& operator=(const Aligned&) = delete;
-
-  /// The verified root, or null. The size is checked first: the verifier asserts on absurd sizes.
-  template <class Table>
-  const Table* root() const noexcept {
-    if (size_ < kSmallestBuffer) return nullptr;
-    flatbuffers::Verifier verifier(data_, size_, kMaxDepth, kMaxTables);
-    if (!verifier.VerifyBuffer<Table>(nullptr)) return nullptr;
-    return flatbuffers::GetRoot<Table>(data_);
-  }
-
- private:
-  const std::uint8_t* data_;
-  std::size_t size_;
-  alignas(std::uint64_t) std::array<std::uint8_t, kMaxDatagram> copy_;  // written when needed
-};
 
 bool plausible(const Sample& sample, bool rotation) {
   if (!sample.held.finite()) return false;
@@ -149,6 +117,29 @@ bool read(const flatbuffers::Vector<const wire::Vec3f*>* from, ContactNormals& t
   return true;
 }
 
+/// What is no change: a name that is too long, a number or a choice that is none, a link that
+/// cannot be.
+DropReason read(const wire::ClientChange* from, std::optional<ClientChange>& to) {
+  to.reset();
+  if (from == nullptr) return DropReason::none;
+  ClientChange& change = to.emplace();
+  change.number = from->number();
+  if (const auto* mode = from->mode()) {
+    if (mode->size() > kLongestMethodName) return DropReason::count;
+    if (from->projection() >= kProjectionNames.size() || from->storage() >= kStorageNames.size())
+      return DropReason::count;
+    change.law = LawChoice{MethodName({mode->c_str(), mode->size()}),
+                           static_cast<Projection>(from->projection()),
+                           static_cast<Storage>(from->storage())};
+  }
+  if (change.number == 0 || change.number > ClientChange::kLast) return DropReason::count;
+  if (const wire::LinkQuality* link = from->link()) {
+    change.link = LinkQuality{link->delay(), link->jitter(), link->loss()};
+    if (!possible(*change.link)) return DropReason::not_finite;
+  }
+  return DropReason::none;
+}
+
 bool plausible(const ContactNormals& normals) {
   return std::all_of(normals.unit.begin(), normals.unit.begin() + normals.count, unit);
 }
@@ -162,26 +153,6 @@ ContactNormals usable(const ContactNormals& told) {
 }
 
 }  // namespace
-
-struct Encoder::Builder {
-  // Twice the size: the fields of a table under construction wait at the buffer's other end.
-  flatbuffers::FlatBufferBuilder payload{2 * kMaxDatagram};
-
-  /// FlatBuffers takes its buffer with the first byte. That is here, where memory may be refused,
-  /// and not in the first datagram.
-  Builder() { payload.PushElement(std::uint8_t{0}); }
-
-  /// For the next one; keeps its buffer.
-  flatbuffers::FlatBufferBuilder& begin() {
-    payload.Clear();
-    return payload;
-  }
-  template <class Table>
-  Bytes finish(flatbuffers::Offset<Table> root) {
-    payload.Finish(root);
-    return {payload.GetBufferPointer(), payload.GetSize()};
-  }
-};
 
 namespace {
 
@@ -202,6 +173,22 @@ flatbuffers::Offset<wire::LocalModel> build(flatbuffers::FlatBufferBuilder& buil
                                  : flatbuffers::Offset<flatbuffers::Vector<float>>{};
   return wire::CreateLocalModel(builder, &center, static_cast<float>(model.reach), vector,
                                 offset_vector, model.scene);
+}
+
+flatbuffers::Offset<wire::ClientChange> build(flatbuffers::FlatBufferBuilder& builder,
+                                              const std::optional<ClientChange>& change) {
+  if (!change) return {};
+  const LawChoice law = change->law.value_or(LawChoice{});
+  const std::string_view mode = law.mode.view();
+  const auto name = change->law ? builder.CreateString(mode.data(), mode.size())
+                                : flatbuffers::Offset<flatbuffers::String>{};
+  const LinkQuality quality = change->link.value_or(LinkQuality{});
+  const wire::LinkQuality link(static_cast<float>(quality.delay),
+                               static_cast<float>(quality.jitter),
+                               static_cast<float>(quality.loss));
+  return wire::CreateClientChange(
+      builder, change->number, name, static_cast<std::uint8_t>(law.projection),
+      static_cast<std::uint8_t>(law.storage), change->link ? &link : nullptr);
 }
 
 flatbuffers::Offset<flatbuffers::Vector<const wire::Vec3f*>> build(
@@ -237,10 +224,15 @@ Bytes Encoder::samples(const SampleBatch& batch) {
                      : flatbuffers::Offset<flatbuffers::Vector<const wire::Rotation*>>{};
   const HandReport said = batch.report.value_or(HandReport{});
   const wire::HandReport report(
-      said.reasons, said.has_account ? kFlagAccount : 0, static_cast<float>(said.balance),
-      static_cast<float>(said.round_trip), static_cast<float>(said.hand_damping));
+      said.reasons,
+      (said.has_account ? kFlagAccount : 0) | (said.change_refused ? kFlagChangeRefused : 0) |
+          std::uint32_t{said.change} << kChangeShift | said.late_ticks << kLateTicksShift,
+      static_cast<float>(said.balance), static_cast<float>(said.round_trip),
+      static_cast<float>(said.hand_damping));
+  const wire::Lead lead = batch.lead ? wire_lead(*batch.lead) : wire::Lead();
   return builder_->finish(wire::CreateSamples(builder, wire_samples, wire_rotations, batch.previous,
-                                              batch.report ? &report : nullptr));
+                                              batch.report ? &report : nullptr,
+                                              batch.lead ? &lead : nullptr));
 }
 
 Bytes Encoder::reply(const Reply& reply, const SceneView* view) {
@@ -262,10 +254,13 @@ Bytes Encoder::reply(const Reply& reply, const SceneView* view) {
   const auto seen =
       view != nullptr ? build(builder, *view) : flatbuffers::Offset<wire::SceneView>{};
   const auto normals = build(builder, reply.normals);
+  const auto change = build(builder, reply.change);
+  const wire::Remote remote = reply.remote ? wire_remote(*reply.remote) : wire::Remote();
   return builder_->finish(wire::CreateReply(
       builder, reply.sample_index, reply.client_time.count(), reply.server_receive_time.count(),
       reply.server_send_time.count(), &elastic, &frictional, reply.rotation ? &torque : nullptr,
-      &report, reply.withheld, reply.predicted ? &rates : nullptr, model, seen, normals));
+      &report, reply.withheld, reply.predicted ? &rates : nullptr, model, seen, normals,
+      reply.remote ? &remote : nullptr, change));
 }
 
 Bytes Encoder::goodbye(GoodbyeReason reason) {
@@ -291,11 +286,17 @@ DropReason decode(Bytes payload, SampleBatch& out) noexcept {
   out.previous = root->previous();
   out.report.reset();
   if (const wire::HandReport* said = root->report(); said != nullptr)
-    out.report = HandReport{.reasons = said->reasons() & kAllHandReasons,
-                            .has_account = (said->flags() & kFlagAccount) != 0,
-                            .balance = static_cast<double>(said->balance()),
-                            .round_trip = static_cast<double>(said->round_trip()),
-                            .hand_damping = static_cast<double>(said->hand_damping())};
+    out.report = HandReport{
+        .reasons = said->reasons() & kAllHandReasons,
+        .has_account = (said->flags() & kFlagAccount) != 0,
+        .balance = static_cast<double>(said->balance()),
+        .round_trip = static_cast<double>(said->round_trip()),
+        .hand_damping = static_cast<double>(said->hand_damping()),
+        .late_ticks = said->flags() >> kLateTicksShift,
+        .change = static_cast<std::uint8_t>((said->flags() >> kChangeShift) & ClientChange::kLast),
+        .change_refused = (said->flags() & kFlagChangeRefused) != 0};
+  out.lead.reset();
+  if (const wire::Lead* said = root->lead(); said != nullptr) out.lead = value(*said);
   for (flatbuffers::uoffset_t i = 0; i < samples.size(); ++i) {
     const wire::Sample& from = *samples.Get(i);
     Sample& to = out.samples[i];
@@ -326,6 +327,7 @@ DropReason check(const SampleBatch& batch) noexcept {
   for (const Sample& sample : samples)
     if (!plausible(sample, batch.rotation)) return DropReason::not_finite;
   if (batch.report && !batch.report->finite()) return DropReason::not_finite;
+  if (batch.lead && !plausible(*batch.lead)) return DropReason::not_finite;
   return DropReason::none;
 }
 
@@ -373,14 +375,19 @@ DropReason decode(Bytes payload, Reply& out, SceneView* view) noexcept {
   out.modelled = root->model() != nullptr;
   if (out.modelled && !read(*root->model(), out.model)) return DropReason::count;
   if (!read(root->normals(), out.normals)) return DropReason::count;
+  out.remote.reset();
+  const bool remote_read = root->remote() == nullptr || read(*root->remote(), out.remote.emplace());
   const DropReason seen = read_view(root->view(), view);
   if (seen == DropReason::count) return seen;
+  const DropReason changed = read(root->change(), out.change);
+  if (changed == DropReason::count) return changed;
 
   if (out.sample_index == 0) return DropReason::order;
   if (seen != DropReason::none) return seen;
   if (!out.command.finite() || !std::isfinite(out.ratio) || !std::isfinite(out.delivered.elastic) ||
       !std::isfinite(out.delivered.frictional) || !std::isfinite(out.delivered.torque) ||
-      !out.rates.finite() || (out.modelled && !plausible(out.model)) || !plausible(out.normals))
+      !out.rates.finite() || (out.modelled && !plausible(out.model)) || !plausible(out.normals) ||
+      !remote_read || changed != DropReason::none)
     return DropReason::not_finite;
   out.normals = usable(out.normals);
   return DropReason::none;

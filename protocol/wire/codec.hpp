@@ -20,9 +20,12 @@ class Encoder {
   Encoder& operator=(Encoder&&) noexcept;
 
   Bytes samples(const SampleBatch& batch);
-  /// `view`: for an observer's reply, which then has no model.
+  /// `view`: for an observer's reply. Precondition: such a reply has no model, no normals and no
+  /// remote, so that it fits a datagram.
   Bytes reply(const Reply& reply, const SceneView* view = nullptr);
   Bytes goodbye(GoodbyeReason reason);
+  Bytes state(const RobotState& state);
+  Bytes target(const RobotTarget& target);
 
  private:
   struct Builder;
@@ -34,6 +37,8 @@ DropReason decode(Bytes payload, SampleBatch& out) noexcept;
 /// Writes the view in the reply to `view`, unless that is null.
 DropReason decode(Bytes payload, Reply& out, SceneView* view = nullptr) noexcept;
 DropReason decode(Bytes payload, GoodbyeReason& out) noexcept;
+DropReason decode(Bytes payload, RobotState& out) noexcept;
+DropReason decode(Bytes payload, RobotTarget& out) noexcept;
 
 /// The checks of PROTOCOL.md on the samples of a batch: count, order, not_finite.
 DropReason check(const SampleBatch& batch) noexcept;

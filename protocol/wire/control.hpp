@@ -11,6 +11,7 @@
 #include "core/device/device_spec.hpp"
 #include "protocol/crypto/secret.hpp"
 #include "protocol/crypto/session_keys.hpp"
+#include "protocol/session/client_change.hpp"
 #include "protocol/session/material_change.hpp"
 #include "protocol/session/role.hpp"
 #include "protocol/session/session_parameters.hpp"
@@ -40,7 +41,9 @@ struct JoinRequest {
   bool aes_256_gcm = false;  // this CPU does it well; every client has ChaCha20-Poly1305
   std::string tool = {};     // that the hand holds; empty: the scene's first
   std::string version =
-      {};  // of the client (core/build_info), for the server's log; empty: not said
+      {};                // of the client (core/build_info), for the server's log; empty: not said
+  bool figures = false;  // of an observer: views have the figures of hands (scene_view.hpp)
+  ChangesTaken takes = {};  // what an admin may change at the client while it runs
 };
 struct JoinAccepted {
   std::uint64_t session = 0;
@@ -138,6 +141,10 @@ struct SetGravity {
   std::string scene;
   Vec3 gravity = Vec3::Zero();  // [m/s^2] on what moves
 };
+struct SetLink {
+  std::uint64_t session = 0;
+  LinkQuality link;  // that its client emulates
+};
 struct SceneChanged {
   std::string scene;
   std::string what;  // for people: from what to what
@@ -160,6 +167,9 @@ struct SessionDescription {
   double delivered = 0.0;            // [J] to the hand so far
   double burned = 0.0;               // [J] by the device so far, at least
   std::optional<double> balance;     // [J] of its client's account
+  ChangesTaken takes;
+  std::string asked;  // for people: the newest change that its client was asked for; empty: none
+  ChangeAnswer answer = ChangeAnswer::waiting;  // of its client to that
 };
 struct SessionDescriptions {
   std::vector<SessionDescription> sessions;  // at most kMaxDescriptions, by rising number
@@ -176,11 +186,11 @@ struct Counters {
   std::vector<Counter> counters;
 };
 
-using Message =
-    std::variant<JoinRequest, JoinAccepted, LeaveRequest, Left, ListScenes, SceneList,
-                 SetParameters, ParametersSet, Refused, Authenticate, Authenticated, Evict, Evicted,
-                 ListSessions, SessionList, ReloadScene, SceneReloaded, SetMaterial, SetGravity,
-                 SceneChanged, DescribeSessions, SessionDescriptions, GetCounters, Counters>;
+using Message = std::variant<JoinRequest, JoinAccepted, LeaveRequest, Left, ListScenes, SceneList,
+                             SetParameters, ParametersSet, Refused, Authenticate, Authenticated,
+                             Evict, Evicted, ListSessions, SessionList, ReloadScene, SceneReloaded,
+                             SetMaterial, SetGravity, SceneChanged, DescribeSessions,
+                             SessionDescriptions, GetCounters, Counters, SetLink>;
 
 const char* name(RefusalCode code);
 

@@ -2,8 +2,6 @@
 // The datagrams as values. PROTOCOL.md has their bytes; codec.hpp converts.
 
 #include <array>
-#include <chrono>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -13,21 +11,26 @@
 #include "core/base/types.hpp"
 #include "core/bounding/port_energy.hpp"
 #include "core/local_model/local_model.hpp"
+#include "protocol/session/client_change.hpp"
 #include "protocol/session/session_parameters.hpp"
 #include "protocol/wire/hand_report.hpp"
+#include "protocol/wire/robot.hpp"
 
 namespace feltwire {
 
-using Nanoseconds = std::chrono::nanoseconds;
-inline double seconds(Nanoseconds time) { return std::chrono::duration<double>(time).count(); }
-inline Nanoseconds from_seconds(double time) { return Nanoseconds(std::llround(time * 1e9)); }
 using Bytes = std::span<const std::uint8_t>;
 
 inline constexpr std::size_t kMaxDatagram = 1200;  // [bytes] header, payload and tag
 inline constexpr double kMaxPosition = 1e3;        // [m] on each axis; no hand is farther away
 inline constexpr double kUnitTolerance = 1e-3;     // of a quaternion's squared norm
 
-enum class DatagramKind : std::uint8_t { samples = 1, reply = 2, goodbye = 3 };
+enum class DatagramKind : std::uint8_t {
+  samples = 1,
+  reply = 2,
+  goodbye = 3,
+  follower_state = 4,
+  follower_target = 5
+};
 enum class GoodbyeReason : std::uint8_t {
   leaving,
   shutting_down,
@@ -61,6 +64,7 @@ struct SampleBatch {
   /// the samples between these two; they were not lost on the way.
   std::uint64_t previous = 0;
   std::optional<HandReport> report;  // of the newest sample; mostly nothing is said
+  std::optional<Lead> lead;          // of the newest sample; none: this hand leads no robot
   std::span<const Sample> view() const { return {samples.data(), static_cast<std::size_t>(count)}; }
 };
 
@@ -79,11 +83,14 @@ struct Reply {
   std::uint64_t withheld = 0;  // datagrams that needed no reply (deadband), so far
   bool predicted = false;      // `rates` travel too
   Command rates;               // [N/s], [N m/s] of the command, float32 on the wire
-  /// Of the walls whose forces add up to command.elastic, float32 on the wire; they travel where
-  /// they are two or more.
+  /// The normals of the walls whose forces add up to command.elastic; float32 on the wire. They
+  /// travel where there are two or more.
   ContactNormals normals;
-  bool modelled = false;  // `model` travels too
-  LocalModel model;       // its lengths relative to its center float32 on the wire
+  bool modelled = false;         // `model` travels too
+  LocalModel model;              // its lengths relative to its center float32 on the wire
+  std::optional<Remote> remote;  // of a session that leads a robot
+  /// That the client has not acknowledged yet; float32 on the wire.
+  std::optional<ClientChange> change;
 };
 
 /// Why a datagram was dropped; each has a counter. The order is the order of the checks in

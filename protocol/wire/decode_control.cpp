@@ -91,11 +91,13 @@ bool read(const wire::SessionParameters& from, SessionParameters& to) {
 }
 
 bool read(const wire::JoinRequest& from, JoinRequest& to) {
+  to.figures = from.figures();
   to.aes_256_gcm = from.aes_256_gcm();
+  to.takes.link = from.link_taken();
   return read_name(from.tool(), to.tool) && read_name(from.version(), to.version) &&
          read_name(from.client(), to.client) && read_name(from.scene(), to.scene) &&
          read(*from.device(), to.device) && read(*from.parameters(), to.parameters) &&
-         read_enum(from.role(), to.role);
+         read_enum(from.role(), to.role) && read_enum(from.laws_taken(), to.takes.laws);
 }
 bool read(const wire::JoinAccepted& from, JoinAccepted& to) {
   to.session = from.session();
@@ -198,6 +200,11 @@ bool read(const wire::SetGravity& from, SetGravity& to) {
   to.gravity = vector(*from.gravity());
   return read_name(from.scene(), to.scene);
 }
+bool read(const wire::SetLink& from, SetLink& to) {
+  to.session = from.session();
+  to.link = {from.delay(), from.jitter(), from.loss()};
+  return true;
+}
 bool read(const wire::SceneChanged& from, SceneChanged& to) {
   return read_name(from.scene(), to.scene) && read_name(from.what(), to.what, kMaxReason);
 }
@@ -217,9 +224,14 @@ bool read(const wire::SessionDescriptions& from, SessionDescriptions& to) {
     session.delivered = entry->delivered();
     session.burned = entry->burned();
     session.balance = given(entry->balance());
+    session.takes.link = entry->link_taken();
     if (!read_name(entry->client(), session.client) ||
         !read_name(entry->device(), session.device) || !read_name(entry->tool(), session.tool) ||
-        !read_enum(entry->role(), session.role) || !read(*entry->parameters(), session.parameters))
+        !read_enum(entry->role(), session.role) ||
+        !read(*entry->parameters(), session.parameters) ||
+        !read_enum(entry->laws_taken(), session.takes.laws) ||
+        !read_name(entry->asked(), session.asked, kMaxReason) ||
+        !read_enum(entry->answer(), session.answer))
       return false;
     to.sessions.push_back(std::move(session));
   }
@@ -310,6 +322,8 @@ std::optional<Message> decode(Bytes body) {
       return message<GetCounters>(*root->body_as_GetCounters());
     case wire::Body::Counters:
       return message<Counters>(*root->body_as_Counters());
+    case wire::Body::SetLink:
+      return message<SetLink>(*root->body_as_SetLink());
     case wire::Body::NONE:
       break;
   }

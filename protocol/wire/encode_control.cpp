@@ -78,8 +78,9 @@ struct BodyBuilder {
     // By length, here and below: a name may hold a zero byte, and is then no shorter.
     const auto client = builder.CreateString(m.client), scene = builder.CreateString(m.scene);
     const auto tool = name_if_any(builder, m.tool), version = name_if_any(builder, m.version);
-    return wire::CreateJoinRequest(builder, client, scene, device, parameters,
-                                   wire_enum<wire::Role>(m.role), m.aes_256_gcm, tool, version);
+    return wire::CreateJoinRequest(
+        builder, client, scene, device, parameters, wire_enum<wire::Role>(m.role), m.aes_256_gcm,
+        tool, version, m.figures, wire_enum<wire::LawsTaken>(m.takes.laws), m.takes.link);
   }
   Offset<wire::JoinAccepted> operator()(const JoinAccepted& m) {
     const wire::Vector position = vector(m.start_position), normal = vector(m.start_normal);
@@ -152,6 +153,9 @@ struct BodyBuilder {
     const wire::Vector gravity = vector(m.gravity);
     return wire::CreateSetGravity(builder, builder.CreateString(m.scene), &gravity);
   }
+  Offset<wire::SetLink> operator()(const SetLink& m) {
+    return wire::CreateSetLink(builder, m.session, m.link.delay, m.link.jitter, m.link.loss);
+  }
   Offset<wire::SceneChanged> operator()(const SceneChanged& m) {
     const auto scene = builder.CreateString(m.scene);
     return wire::CreateSceneChanged(builder, scene,
@@ -162,12 +166,13 @@ struct BodyBuilder {
   }
   Offset<wire::SessionDescription> entry(const SessionDescription& d) {
     const auto client = builder.CreateString(d.client), device = builder.CreateString(d.device);
-    const auto tool = name_if_any(builder, d.tool);
+    const auto tool = name_if_any(builder, d.tool), asked = name_if_any(builder, d.asked);
     const auto parameters = build(builder, d.parameters);
-    return wire::CreateSessionDescription(builder, d.number, d.session, client, device, tool,
-                                          wire_enum<wire::Role>(d.role), parameters, d.samples,
-                                          d.missed, d.round_trip.value_or(kNotGiven), d.delivered,
-                                          d.burned, d.balance.value_or(kNotGiven));
+    return wire::CreateSessionDescription(
+        builder, d.number, d.session, client, device, tool, wire_enum<wire::Role>(d.role),
+        parameters, d.samples, d.missed, d.round_trip.value_or(kNotGiven), d.delivered, d.burned,
+        d.balance.value_or(kNotGiven), wire_enum<wire::LawsTaken>(d.takes.laws), d.takes.link,
+        asked, wire_enum<wire::ChangeAnswer>(d.answer));
   }
   Offset<wire::SessionDescriptions> operator()(const SessionDescriptions& m) {
     std::vector<Offset<wire::SessionDescription>> entries;

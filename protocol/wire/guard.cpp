@@ -30,7 +30,8 @@ Guarded guard(Bytes datagram, unsigned expected_kinds) noexcept {
 
   const unsigned kind = bytes[kKindAt];
   if (kind < static_cast<unsigned>(DatagramKind::samples) ||
-      kind > static_cast<unsigned>(DatagramKind::goodbye) || (expected_kinds >> kind & 1u) == 0)
+      kind > static_cast<unsigned>(DatagramKind::follower_target) ||
+      (expected_kinds >> kind & 1u) == 0)
     return dropped(DropReason::kind);
   if (get_little_endian<std::uint32_t>(bytes + kReservedAt) != 0)
     return dropped(DropReason::reserved);

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <initializer_list>
+
 #include "protocol/crypto/aead.hpp"
 #include "protocol/wire/datagram.hpp"
 
@@ -12,13 +14,20 @@ inline constexpr std::size_t kMaxPayload = kMaxDatagram - kOverhead;  // before 
 inline constexpr std::array<std::uint8_t, 2> kMagic = {'F', 'W'};
 inline constexpr std::uint8_t kProtocolVersion = 1;
 
+/// The set of these kinds, as bits 1 << kind.
+constexpr unsigned set_of(std::initializer_list<DatagramKind> kinds) {
+  unsigned bits = 0;
+  for (const DatagramKind kind : kinds) bits |= 1u << static_cast<unsigned>(kind);
+  return bits;
+}
+
 struct Guarded {
   DropReason drop = DropReason::none;
   Header header;
 };
 
 /// Checks size and header, in the order of PROTOCOL.md. Reads nothing behind the header.
-/// `expected_kinds`: the kinds that this side receives, as bits 1 << kind.
+/// `expected_kinds`: the kinds that this side receives, a set_of().
 Guarded guard(Bytes datagram, unsigned expected_kinds) noexcept;
 
 /// Writes the header into the first kHeaderSize bytes of `datagram`, which must be that long.

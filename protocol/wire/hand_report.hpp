@@ -23,9 +23,12 @@ enum class HandReason : std::uint8_t {
   reconnecting,  // the session was lost; what was held fades
   scene_change,  // the scene changed under the hand, and the force comes back little by little
   device_fault,  // the device gave no usable position, or did not hold what it was given
+  law_change,    // an admin gave the session another law; what was held fades first
   count_of_reasons
 };
 inline constexpr std::size_t kHandReasons = static_cast<std::size_t>(HandReason::count_of_reasons);
+/// The bits that are known.
+inline constexpr std::uint32_t kAllHandReasons = (1u << kHandReasons) - 1;
 constexpr std::uint32_t bit(HandReason reason) { return 1u << static_cast<unsigned>(reason); }
 
 /// By HandReason: a name, and a sentence for people.
@@ -43,6 +46,8 @@ inline constexpr std::array<std::pair<std::string_view, std::string_view>, kHand
         {"scene_change",
          "The scene changed under the hand. The force comes back little by little."},
         {"device_fault", "The device gave no usable position, or did not hold its force."},
+        {"law_change",
+         "An admin gave the session another law. The force fades, then the hand has to press on."},
     }};
 
 struct HandReport {
@@ -51,6 +56,12 @@ struct HandReport {
   double balance = 0.0;       // [J] of its account: what may still leave; 0 where it has none
   double round_trip = 0.0;    // [s] of the newest answer; 0: none has come
   double hand_damping = 0.0;  // [N s/m] of the hand that its shaping counts on now
+  /// Servo ticks so far that came a whole period late or more, modulo 2^24.
+  std::uint32_t late_ticks = 0;
+  /// The number of the newest change that the client has dealt with (ClientChange), and whether it
+  /// refused it; 0: none.
+  std::uint8_t change = 0;
+  bool change_refused = false;
 
   bool finite() const noexcept {
     return std::isfinite(balance) && std::isfinite(round_trip) && std::isfinite(hand_damping);

@@ -5,17 +5,35 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <span>
 
 #include "core/base/types.hpp"
+#include "protocol/wire/hand_report.hpp"
 
 namespace feltwire {
+
+/// What the server knows of a hand beside its pose, for an observer that draws it. World frame. All
+/// but the counts are float32 on the wire.
+struct HandFigures {
+  std::uint64_t samples = 0, missed = 0;  // taken so far; lost on the way so far
+  Vec3 proxy = Vec3::Zero();         // [m] where the tool would be if no surface could be entered
+  Vec3 elastic = Vec3::Zero();       // [N] that the scene asks for
+  Vec3 frictional = Vec3::Zero();    // [N] likewise
+  double depth = 0.0;                // [m] in the object that it is deepest in
+  double delivered = 0.0;            // [J] to the hand so far
+  double burned = 0.0;               // [J] by the device so far, at least
+  std::uint32_t states = 0;          // bits, as PROTOCOL.md has them
+  std::optional<HandReport> report;  // the newest of its client; its hand_damping is not told
+  std::uint16_t tool = 0;            // its place among the scene's tools
+};
 
 /// The tool of another session, and the force of its device. World frame, float32 on the wire.
 struct SeenHand {
   std::uint32_t number = 0;   // from 1 in the order they joined the scene, never used again
   Pose pose;                  // of its newest sample
   Vec3 force = Vec3::Zero();  // [N] on the hand, as its client says that the device holds it
+  std::optional<HandFigures> figures{};  // all hands of a view have them, or none
 };
 
 /// The pose of a moving object. World frame, float32 on the wire.
@@ -29,7 +47,9 @@ struct SeenBody {
 /// does not exist, or not any more. The next views bring the other ranges, in turns.
 struct SceneView {
   static constexpr std::size_t kHandSize = 44, kBodySize = 32;   // [bytes] on the wire
+  static constexpr std::size_t kFiguresSize = 88;                // likewise, of one hand
   static constexpr std::size_t kMaxHands = 19, kMaxBodies = 27;  // of one
+  static constexpr std::size_t kMaxFigures = 6;                  // and so hands that have them
   static constexpr std::uint32_t kLastHand = std::numeric_limits<std::uint32_t>::max();
   static constexpr std::uint16_t kLastBody = std::numeric_limits<std::uint16_t>::max();
 
@@ -52,5 +72,7 @@ constexpr std::size_t view_room(double between_datagrams) {
   constexpr double kThin = 0.04;  // [s]
   return between_datagrams > kThin ? kThinRoom : kRoom;
 }
+/// [bytes] That figures take of it beside their own size.
+inline constexpr std::size_t kFiguresOverhead = 32;
 
 }  // namespace feltwire

@@ -122,4 +122,13 @@ void Opener::advance_to(std::uint64_t packet_number) noexcept {
   if (previous_ && (highest() & kWithin) + 1 >= PacketWindow::kWidth) previous_.reset();
 }
 
+Received receive(Bytes datagram, unsigned expected_kinds, std::uint64_t session, Opener& opener,
+                 DatagramBuffer& out) noexcept {
+  const Guarded guarded = guard(datagram, expected_kinds);
+  if (guarded.drop != DropReason::none) return {.drop = guarded.drop, .payload = {}};
+  if (guarded.header.session != session) return {.drop = DropReason::session, .payload = {}};
+  const Opened opened = opener.open(guarded.header, datagram, out);
+  return {opened.drop, guarded.header.kind, opened.payload};
+}
+
 }  // namespace feltwire

@@ -99,4 +99,17 @@ class Opener {
   std::uint64_t generation_, forgeries_ = 0, forgery_limit_;
 };
 
+/// What a client receives: a payload of a known kind, in the buffer that it was opened into, or the
+/// reason to drop the datagram.
+struct Received {
+  DropReason drop = DropReason::none;
+  DatagramKind kind = DatagramKind::reply;
+  Bytes payload;
+};
+
+/// The checks of a client that has one session, in the order of PROTOCOL.md: guard(), the session,
+/// the seal. `expected_kinds`: a set_of().
+Received receive(Bytes datagram, unsigned expected_kinds, std::uint64_t session, Opener& opener,
+                 DatagramBuffer& out) noexcept;
+
 }  // namespace feltwire

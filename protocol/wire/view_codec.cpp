@@ -3,11 +3,16 @@
 #include <algorithm>
 #include <cmath>
 
+#include "protocol/wire/aligned_vector.hpp"
+
 namespace feltwire {
 namespace {
 
 static_assert(sizeof(wire::SeenHand) == SceneView::kHandSize);
 static_assert(sizeof(wire::SeenBody) == SceneView::kBodySize);
+static_assert(sizeof(wire::HandFigures) == SceneView::kFiguresSize);
+
+constexpr std::uint16_t kReported = 1, kHasAccount = 2;  // flags of figures
 
 wire::SeenHand wire_seen(const SeenHand& hand) {
   return {wire_float(hand.pose.position), wire_float(hand.pose.orientation), wire_float(hand.force),
@@ -17,10 +22,51 @@ wire::SeenBody wire_seen(const SeenBody& body) {
   return {wire_float(body.pose.position), wire_float(body.pose.orientation), body.object};
 }
 
+wire::HandFigures wire_figures(const HandFigures& f) {
+  const HandReport report = f.report.value_or(HandReport{});
+  const auto flags = static_cast<std::uint16_t>((f.report ? kReported : 0u) |
+                                                (report.has_account ? kHasAccount : 0u));
+  return {f.samples,
+          f.missed,
+          wire_float(f.proxy),
+          wire_float(f.elastic),
+          wire_float(f.frictional),
+          static_cast<float>(f.depth),
+          static_cast<float>(f.delivered),
+          static_cast<float>(f.burned),
+          static_cast<float>(report.balance),
+          static_cast<float>(report.round_trip),
+          f.states,
+          report.reasons,
+          f.tool,
+          flags,
+          report.late_ticks};
+}
+
 SeenHand value(const wire::SeenHand& hand) {
   return {hand.number(),
           {feltwire::value(hand.position()), feltwire::value(hand.orientation())},
           feltwire::value(hand.force())};
+}
+HandFigures value(const wire::HandFigures& f) {
+  HandFigures figures{.samples = f.samples(),
+                      .missed = f.missed(),
+                      .proxy = feltwire::value(f.proxy()),
+                      .elastic = feltwire::value(f.elastic()),
+                      .frictional = feltwire::value(f.frictional()),
+                      .depth = static_cast<double>(f.depth()),
+                      .delivered = static_cast<double>(f.delivered()),
+                      .burned = static_cast<double>(f.burned()),
+                      .states = f.states(),
+                      .report = {},
+                      .tool = f.tool()};
+  if ((f.flags() & kReported) != 0)
+    figures.report = HandReport{.reasons = f.reasons() & kAllHandReasons,
+                                .has_account = (f.flags() & kHasAccount) != 0,
+                                .balance = static_cast<double>(f.balance()),
+                                .round_trip = static_cast<double>(f.round_trip()),
+                                .late_ticks = f.late_ticks()};
+  return figures;
 }
 SeenBody value(const wire::SeenBody& body) {
   return {body.object(), {feltwire::value(body.position()), feltwire::value(body.orientation())}};
@@ -35,6 +81,11 @@ bool finite(const Pose& pose) {  // written so that NaN fails
 }
 bool finite(const SeenHand& hand) { return finite(hand.pose) && hand.force.allFinite(); }
 bool finite(const SeenBody& body) { return finite(body.pose); }
+bool finite(const HandFigures& f) {
+  return f.proxy.allFinite() && f.elastic.allFinite() && f.frictional.allFinite() &&
+         std::isfinite(f.depth) && std::isfinite(f.delivered) && std::isfinite(f.burned) &&
+         (!f.report || f.report->finite());
+}
 
 /// One of the two lists: in [begin, end), rising.
 template <class Seen, class Wire, std::size_t most>
@@ -50,6 +101,20 @@ DropReason read(const flatbuffers::Vector<const Wire*>* from, std::uint32_t begi
     if (at < least || at >= end) return DropReason::order;
     least = at + 1;
     if (!finite(out[i])) wrong = DropReason::not_finite;
+  }
+  return wrong;
+}
+
+/// Of the hands that have been read.
+DropReason read_figures(const flatbuffers::Vector<const wire::HandFigures*>& from,
+                        SceneView& view) noexcept {
+  if (!aligned(from, alignof(wire::HandFigures))) return DropReason::malformed;
+  if (from.size() != view.hand_count || view.hand_count > SceneView::kMaxFigures)
+    return DropReason::count;
+  DropReason wrong = DropReason::none;
+  for (std::size_t i = 0; i < view.hand_count; ++i) {
+    view.hand[i].figures = value(*from.Get(static_cast<flatbuffers::uoffset_t>(i)));
+    if (!finite(*view.hand[i].figures)) wrong = DropReason::not_finite;
   }
   return wrong;
 }
@@ -70,8 +135,16 @@ flatbuffers::Offset<wire::SceneView> build(flatbuffers::FlatBufferBuilder& build
     seen_hands = builder.CreateVectorOfStructs(hands.data(), view.hand_count);
   if (view.body_count > 0)
     seen_bodies = builder.CreateVectorOfStructs(bodies.data(), view.body_count);
+  flatbuffers::Offset<flatbuffers::Vector<const wire::HandFigures*>> figures;
+  if (view.hand_count > 0 && view.hand.front().figures) {
+    std::array<wire::HandFigures, SceneView::kMaxFigures> known;
+    const std::size_t count = std::min(view.hand_count, known.size());
+    for (std::size_t i = 0; i < count; ++i)
+      known[i] = wire_figures(view.hand[i].figures.value_or(HandFigures{}));
+    figures = builder.CreateVectorOfStructs(known.data(), count);
+  }
   return wire::CreateSceneView(builder, view.hands_from, view.hands_end, view.bodies_from,
-                               view.bodies_end, seen_hands, seen_bodies);
+                               view.bodies_end, seen_hands, seen_bodies, figures);
 }
 
 DropReason read(const wire::SceneView& from, SceneView& out) noexcept {
@@ -84,7 +157,9 @@ DropReason read(const wire::SceneView& from, SceneView& out) noexcept {
       read(from.hands(), out.hands_from, out.hands_end, out.hand, out.hand_count);
   const DropReason bodies =
       read(from.bodies(), out.bodies_from, out.bodies_end, out.body, out.body_count);
-  return first_of(hands, bodies);
+  const DropReason seen = first_of(hands, bodies);
+  if (from.figures() == nullptr || hands == DropReason::count) return seen;
+  return first_of(seen, read_figures(*from.figures(), out));
 }
 
 }  // namespace feltwire

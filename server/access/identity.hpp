@@ -22,7 +22,7 @@ Identity make_identity(const std::vector<std::string>& names);
 /// Reads both files. Throws FileError when one cannot be read or they do not belong together.
 Identity load_identity(const std::filesystem::path& certificate, const std::filesystem::path& key);
 
-/// Of the first certificate. Throws std::runtime_error.
+/// The fingerprint of the first certificate. Throws std::runtime_error.
 Fingerprint fingerprint(const Identity& identity);
 
 }  // namespace feltwire

@@ -10,12 +10,12 @@
 
 namespace feltwire::json_text {
 
-/// In quotes; what is no UTF-8 is replaced.
+/// A JSON string in quotes. Bytes that are not UTF-8 are replaced.
 std::string text(std::string_view text);
 inline std::string number(std::uint64_t value) { return std::to_string(value); }
 inline std::string number(std::int64_t value) { return std::to_string(value); }
 
-/// Of values that are JSON already, one a line.
+/// Objects and lists of values that are JSON text already, one a line.
 using Member = std::pair<std::string_view, std::string>;
 std::string object(const std::vector<Member>& members);
 std::string list(const std::vector<std::string>& entries);

@@ -110,6 +110,9 @@ IssuedToken issue_token(std::string client, std::string scene, Role role,
     throw std::invalid_argument("the client's name " + wrong);
   if (const std::string wrong = complaint(scene); !wrong.empty())
     throw std::invalid_argument("the scene's name " + wrong);
+  if (role == Role::follower && scene == "*")
+    throw std::invalid_argument(
+        "a token of the role follower is for the robot's seat of one scene; name the scene");
   IssuedToken issued;
   Token& token = issued.token;
   token.client = std::move(client);

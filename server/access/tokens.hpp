@@ -1,5 +1,6 @@
 #pragma once
-// Bearer tokens: what a server knows of each, and whether a text is one of them. No file, no clock.
+// Bearer tokens: what a server knows of each, and whether a text is one of them. No file; only
+// calendar_now() reads a clock.
 
 #include <array>
 #include <chrono>
@@ -14,8 +15,11 @@
 
 namespace feltwire {
 
-/// Of the calendar (UTC); a server's own.
+/// The server's calendar time (UTC).
 using CalendarTime = std::chrono::sys_seconds;
+inline CalendarTime calendar_now() {
+  return std::chrono::floor<std::chrono::seconds>(std::chrono::system_clock::now());
+}
 
 struct Token {
   std::string id;           // 12 hex digits; no secret

@@ -5,7 +5,6 @@
 #include <unistd.h>
 
 #include <asio/ip/address.hpp>
-#include <cctype>
 #include <chrono>
 #include <csignal>
 #include <cstdio>
@@ -16,7 +15,6 @@
 #include <string_view>
 #include <vector>
 
-#include "core/base/json_document.hpp"
 #include "core/base/pending_file.hpp"
 #include "core/base/visible_text.hpp"
 #include "core/scene/scene_cost_report.hpp"
@@ -25,6 +23,7 @@
 #include "server/app/health.hpp"
 #include "server/app/log_format.hpp"
 #include "server/app/options.hpp"
+#include "server/app/page_address.hpp"
 #include "server/app/page_hands.hpp"
 #include "server/app/server.hpp"
 #include "server/app/signals.hpp"
@@ -85,17 +84,6 @@ std::string join_line(const feltwire::ServerConfig& config, const feltwire::Serv
          shell_word(server.scenes().front().scene) + " --fingerprint " +
          feltwire::to_string(server.fingerprint()) + " --token-file " +
          (has_token ? shell_word(std::filesystem::absolute(token).string()) : "FILE");
-}
-
-/// The token of this machine's user, for the address line of a browser, which sends it nowhere
-/// (RFC 3986, 3.5). Only to a terminal: what is written to a file or a journal is read by others.
-std::string token_for_page(const feltwire::ServerConfig& config) {
-  const auto token = feltwire::local_token_file(config);
-  if (::isatty(STDOUT_FILENO) == 0 || token.empty() || !std::filesystem::exists(token)) return {};
-  std::string text = feltwire::read_text(token);
-  while (!text.empty() && std::isspace(static_cast<unsigned char>(text.back())) != 0)
-    text.pop_back();
-  return "#token=" + text;
 }
 
 void print_ready(const feltwire::ServerConfig& config, const feltwire::Server& server) {

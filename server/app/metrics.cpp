@@ -173,6 +173,11 @@ std::string metrics_text(const std::vector<SceneSummary>& scenes, const ControlS
   add(text, "feltwire_requests_forbidden_total", "Requests beyond their token's role or scene.",
       requests.forbidden);
   add(text, "feltwire_requests_too_many_total", "Requests above a limit.", requests.too_many);
+  return text + metrics_text(page);
+}
+
+std::string metrics_text(const web::AudienceCounters& page) {
+  std::string text;
   add(text, "feltwire_viewers_total", "Viewers of the live page.", page.viewers);
   add(text, "feltwire_viewers_refused_total", "Viewers without a good token, or too many.",
       page.refused);

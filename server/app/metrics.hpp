@@ -13,5 +13,7 @@ namespace feltwire {
 /// format of Prometheus 0.0.4 (docs/live_page.md).
 std::string metrics_text(const std::vector<SceneSummary>& scenes, const ControlSummary& control,
                          const web::AudienceCounters& page);
+/// Those of the live page alone.
+std::string metrics_text(const web::AudienceCounters& page);
 
 }  // namespace feltwire

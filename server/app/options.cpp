@@ -61,51 +61,54 @@ CLI::Option* add(CLI::App& app, Overrides& overrides, ServerConfig& given, Field
 
 void add_serving(CLI::App& app, Overrides& overrides, ServerConfig& given) {
   using Config = ServerConfig;
-  add(app, overrides, given, &Config::scenes, "--scene", "Scene file (JSON); repeat for several")
+  add(app, overrides, given, &Config::scenes, "--scene",
+      "Scene file (JSON). Repeat the option for several scenes")
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   add(app, overrides, given, &Config::port, "--port",
-      "Control port (tcp); the scenes have the udp ports after it; 0: a free place for all")
+      "Control port (TCP). The scenes have the UDP ports after it. 0: free ports")
       ->capture_default_str();
   add(app, overrides, given, &Config::address, "--address",
-      "IP address to listen on; every network: '::', with IPv4 alone: 0.0.0.0")
+      "IP address to listen on. '::' for every network; 0.0.0.0 for every IPv4 network")
       ->capture_default_str();
   add(app, overrides, given, &Config::silence_timeout, "--silence-timeout",
-      "[s] a session that sends nothing for so long ends")
+      "[s] A session that sends nothing for this time ends")
       ->capture_default_str();
   add(app, overrides, given, &Config::profile, "--profile",
-      "Of the line that the sessions share, " + network_profile_names() +
-          ": a client that asks for more datagrams gets the profile's");
+      "Kind of line that the sessions share, " + network_profile_names() +
+          ": a client that asks for more datagrams gets only the profile's rate");
   add(app, overrides, given, &Config::busy_poll, "--busy-poll",
-      "[us] a scene's thread asks for datagrams busily before it sleeps: faster answers for CPU "
-      "time; inf: it never sleeps and takes a core")
+      "[us] A scene's thread polls for datagrams for this time before it sleeps: faster answers "
+      "for more CPU time. inf: it never sleeps and takes a core")
       ->capture_default_str();
   add(app, overrides, given, &Config::real_time, "--real-time",
-      "Scenes' threads are scheduled before all others (SCHED_FIFO), and memory is locked: fewer "
-      "late answers; for machines that serve scenes and little else");
+      "Schedule the scenes' threads before all others (SCHED_FIFO) and lock the memory: fewer late "
+      "answers. For machines that serve scenes and little else");
   add(app, overrides, given, &Config::dscp, "--dscp",
-      "Mark of the replies for the network: cs0 to cs7, af11 to af43, ef, va or 0 to 63")
+      "DSCP mark of the replies: cs0 to cs7, af11 to af43, ef, va or 0 to 63")
       ->capture_default_str();
   add(app, overrides, given, &Config::web, "--web",
-      "PORT of the live page, which shows the scenes in a browser on this machine; ADDRESS:PORT "
-      "for "
-      "other machines too, by HTTPS; 0: a free port; none when not given");
+      "PORT of the live page, which shows the scenes in a browser on this machine. ADDRESS:PORT: "
+      "for other machines too, by HTTPS. 0: a free port. When not given: no page");
   add(app, overrides, given, &Config::web_names, "--web-name",
-      "Host name that browsers may ask for the live page by, beside IP addresses and localhost; "
-      "repeat for several")
+      "Host name by which browsers may ask for the live page, beside IP addresses and localhost. "
+      "Repeat the option for several names")
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   add(app, overrides, given, &Config::record, "--record",
-      "FILE.mcap that gets all that decides the scene's replies, for feltwire-lab replay, and "
-      "pictures of it; with several scenes FILE-SCENE.mcap each");
+      "FILE.mcap for a recording of all inputs of the scene, for feltwire-lab replay, and of its "
+      "pictures. With several scenes: FILE-SCENE.mcap for each");
   add(app, overrides, given, &Config::record_max_mib, "--record-max-mib",
-      "[MiB] then the next file begins: FILE-0001.mcap, FILE-0002.mcap");
-  add(app, overrides, given, &Config::record_max_seconds, "--record-max-seconds", "[s] likewise");
+      "[MiB] Largest size of one recording file. Then the next file begins: FILE-0001.mcap, "
+      "FILE-0002.mcap");
+  add(app, overrides, given, &Config::record_max_seconds, "--record-max-seconds",
+      "[s] Longest time in one recording file. Then the next file begins");
   add(app, overrides, given, &Config::flight_recorder, "--flight-recorder",
-      "Folder that gets the last ten seconds of a scene where a session ends that its client did "
-      "not end, and whenever SIGUSR1 comes");
+      "Folder for a recording of the last ten seconds of a scene. It is written when a session "
+      "ends that its client did not end, when an account is overdrawn, and at SIGUSR1");
   add(app, overrides, given, &Config::web_hands, "--web-hands",
-      "Hands that viewers of the live page may hold at once, by mouse or touch; 0: none")
+      "Largest number of hands that viewers of the live page hold at the same time, by mouse or "
+      "touch. 0: none")
       ->capture_default_str();
   add(app, overrides, given, &Config::log_level, "--log-level",
       "trace, debug, info, warning, error or off")
@@ -116,53 +119,54 @@ void add_security(CLI::App& app, Overrides& overrides, ServerConfig& given) {
   using Config = ServerConfig;
   const auto group = "Who gets in (SECURITY.md)";
   add(app, overrides, given, &Config::state, "--state",
-      "Folder of certificate, key and tokens, which are made where they are missing; "
-      "$XDG_STATE_HOME/feltwire or ~/.local/state/feltwire when not given")
+      "Folder of the certificate, its key and the tokens. Missing ones are made. When not given: "
+      "$XDG_STATE_HOME/feltwire or ~/.local/state/feltwire")
       ->group(group);
   add(app, overrides, given, &Config::certificate, "--certificate",
-      "FILE (PEM) instead of the state folder's")
+      "FILE (PEM) of the certificate, instead of the state folder's")
       ->group(group);
   add(app, overrides, given, &Config::key, "--key", "FILE (PEM) of the certificate's key")
       ->group(group);
   add(app, overrides, given, &Config::client_ca, "--client-ca",
-      "FILE (PEM): clients need a certificate of these authorities, too")
+      "FILE (PEM) of authorities. Clients then need a certificate of one of them, too")
       ->group(group);
   add(app, overrides, given, &Config::tokens, "--tokens",
-      "FILE of the tokens instead of the state folder's")
+      "FILE of the tokens, instead of the state folder's")
       ->group(group);
   add(app, overrides, given, &Config::max_sessions_per_client, "--max-sessions-per-client",
-      "Of all tokens with one client's name")
+      "Largest number of sessions at the same time of all tokens with one client's name")
       ->capture_default_str()
       ->group(group);
   add(app, overrides, given, &Config::join_rate, "--join-rate",
-      "[1/s] joins, changes of parameters and reloads of one client, and wrong tokens of one "
-      "network (IPv4 /24, IPv6 /64), for ever")
+      "[1/s] Lasting limit of joins, parameter changes and reloads of one client, and of wrong "
+      "tokens from one network (IPv4 /24, IPv6 /64)")
       ->capture_default_str()
       ->group(group);
-  add(app, overrides, given, &Config::join_burst, "--join-burst", "And at once")
+  add(app, overrides, given, &Config::join_burst, "--join-burst", "Largest number of these at once")
       ->capture_default_str()
       ->group(group);
   add(app, overrides, given, &Config::handshake_timeout, "--handshake-timeout",
-      "[s] from connecting to a good token")
+      "[s] Longest time from the connection to a good token")
       ->capture_default_str()
       ->group(group);
   add(app, overrides, given, &Config::idle_timeout, "--idle-timeout",
-      "[s] a control connection that asks nothing ends")
+      "[s] A control connection without a request for this time ends")
       ->capture_default_str()
       ->group(group);
   add(app, overrides, given, &Config::max_connections, "--max-connections",
-      "Control connections, half of them for those with a good token")
+      "Largest number of control connections. Half of them are kept for clients with a good token")
       ->capture_default_str()
       ->group(group);
   add(app, overrides, given, &Config::max_connections_per_network, "--max-connections-per-network",
-      "Of either half, from one network")
+      "Largest number of connections in either half from one network")
       ->capture_default_str()
       ->group(group);
   add(app, overrides, given, &Config::handshake_rate, "--handshake-rate",
-      "[1/s] control connections of one network, for ever")
+      "[1/s] Lasting limit of control connections from one network")
       ->capture_default_str()
       ->group(group);
-  add(app, overrides, given, &Config::handshake_burst, "--handshake-burst", "And at once")
+  add(app, overrides, given, &Config::handshake_burst, "--handshake-burst",
+      "Largest number of these at once")
       ->capture_default_str()
       ->group(group);
 }
@@ -175,19 +179,21 @@ ServerTask server_task(int argc, char** argv) {
   app.footer(examples());
   app.set_version_flag(
       "--version", [] { return build_info("feltwire-server"); },
-      "Say version, commit, compiler and kind of build");
+      "Print version, commit, compiler and kind of build");
   ServerTask asked;
   std::string file;
-  app.add_option("--config", file, "Configuration file (JSON); options given here win over it");
+  app.add_option("--config", file,
+                 "Configuration file (JSON). Options of the command line override it");
   Overrides overrides;
   add_serving(app, overrides, asked.config);
   add_security(app, overrides, asked.config);
   app.add_option("--summary", asked.summary,
-                 "FILE.json that gets the counters at the end, and whenever SIGUSR1 comes");
+                 "FILE.json for the counters, written at the end and at SIGUSR1");
   app.add_option("--explain", asked.explain,
                  "Print what this scene file needs, and which objects need it, and end");
-  app.add_flag("--health", asked.health,
-               "Ask the server that runs with these options here; exit status 0 when it answers");
+  app.add_flag(
+      "--health", asked.health,
+      "Ask the server that runs with these options on this machine. Exit status 0: it answers");
   read_environment(app);
   try {
     app.parse(argc, argv);

@@ -185,7 +185,9 @@ struct Server::Parts {
         reload(host, [](const std::optional<Refused>&) {});  // the page is told by itself
       });
     };
-    web = std::make_unique<web::WebServer>(page, hosts, std::move(security.tokens),
+    std::vector<SceneInView*> scenes;
+    for (const auto& host : hosts) scenes.push_back(host.get());
+    web = std::make_unique<web::WebServer>(page, scenes, std::move(security.tokens),
                                            security.identity);
   }
 
@@ -332,10 +334,7 @@ Server& Server::operator=(Server&&) noexcept = default;
 std::uint16_t Server::control_port() const { return parts_->control->port(); }
 
 std::string Server::web_url() const {
-  if (parts_->web == nullptr) return {};
-  const web::WebServer& web = *parts_->web;
-  return (web.secure() ? "https://" : "http://") + web.host() + ":" + std::to_string(web.port()) +
-         "/";
+  return parts_->web != nullptr ? parts_->web->url() : std::string();
 }
 
 const Fingerprint& Server::fingerprint() const { return parts_->fingerprint; }

@@ -39,7 +39,7 @@ class Server {
   Server& operator=(Server&&) noexcept;
 
   std::uint16_t control_port() const;
-  /// Of the certificate: what clients pin.
+  /// The certificate's fingerprint, which clients pin.
   const Fingerprint& fingerprint() const;
 
   struct ScenePort {
@@ -67,7 +67,7 @@ class Server {
 
   /// One entry a scene, up to now. Not while another thread stops the server.
   std::vector<SceneSummary> summary() const;
-  /// Likewise.
+  /// The control service's totals. Precondition: as for summary().
   ControlSummary control_summary() const;
 
  private:

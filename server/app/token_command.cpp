@@ -24,17 +24,13 @@ Examples:
   feltwire-server token revoke 0123456789ab
       a running server ends the sessions of that token within a second)";
 
-CalendarTime now() {
-  return std::chrono::floor<std::chrono::seconds>(std::chrono::system_clock::now());
-}
-
 struct TokenArguments {
   std::string client, scene = "*", role, expires, id, out;
 };
 
 void add(const ServerConfig& config, const TokenArguments& words) {
-  const IssuedToken issued =
-      issue_token(words.client, words.scene, role(words.role), parse_expiry(words.expires, now()));
+  const IssuedToken issued = issue_token(words.client, words.scene, role(words.role),
+                                         parse_expiry(words.expires, calendar_now()));
   const std::string_view text = issued.text.text();
   make_state_folder(config);
   // Written before the token is stored: its text stands nowhere else and cannot be had again.
@@ -61,7 +57,7 @@ void list(const ServerConfig& config) {
   for (const Token& token : file.tokens())
     std::printf("%-12s  %-8s  %-23s  %-20s  %s%s\n", token.id.c_str(), name(token.role).data(),
                 expiry_text(token.expires).c_str(), visible(token.client).c_str(),
-                visible(token.scene).c_str(), expired(token, now()) ? "  (expired)" : "");
+                visible(token.scene).c_str(), expired(token, calendar_now()) ? "  (expired)" : "");
 }
 
 void revoke(const ServerConfig& config, const TokenArguments& words) {
@@ -76,8 +72,10 @@ void revoke(const ServerConfig& config, const TokenArguments& words) {
 /// Where the tokens are: options that the server itself has, too.
 void add_place(CLI::App& command, std::string& config, ServerConfig& given) {
   command.add_option("--config", config, "The server's configuration file");
-  command.add_option("--state", given.state, "Its state folder")->envname("FELTWIRE_STATE");
-  command.add_option("--tokens", given.tokens, "Its token file")->envname("FELTWIRE_TOKENS");
+  command.add_option("--state", given.state, "The server's state folder")
+      ->envname("FELTWIRE_STATE");
+  command.add_option("--tokens", given.tokens, "The server's token file")
+      ->envname("FELTWIRE_TOKENS");
 }
 
 }  // namespace
@@ -90,16 +88,20 @@ int token_command(int argc, char** argv) {
   std::string config_file;
   TokenArguments words;
   CLI::App* adding = app.add_subcommand("add", "Make a token and print it");
-  adding->add_option("--client", words.client, "Whom it is for")->required();
-  adding->add_option("--scene", words.scene, "The scene that it opens; '*': any")->required();
-  adding->add_option("--role", words.role, "observer, pointer, operator or admin")->required();
-  adding->add_option("--expires", words.expires, "30d, 12h, a day like 2026-12-31 (UTC), or never")
+  adding->add_option("--client", words.client, "Name of the client that gets the token")
+      ->required();
+  adding->add_option("--scene", words.scene, "Scene that the token opens. '*': any scene")
+      ->required();
+  adding
+      ->add_option("--role", words.role, "observer, pointer, operator, admin or follower (a robot)")
+      ->required();
+  adding->add_option("--expires", words.expires, "30d, 12h, a day as 2026-12-31 (UTC), or never")
       ->required();
   adding->add_option("--out", words.out,
-                     "FILE that gets the token, for its owner alone to read, instead of stdout");
-  CLI::App* listing = app.add_subcommand("list", "Show the tokens that there are");
-  CLI::App* revoking = app.add_subcommand("revoke", "Make a token good no more");
-  revoking->add_option("ID", words.id, "Its id, as list shows it")->required();
+                     "FILE for the token, readable for its owner alone, instead of stdout");
+  CLI::App* listing = app.add_subcommand("list", "Show all tokens");
+  CLI::App* revoking = app.add_subcommand("revoke", "Revoke a token");
+  revoking->add_option("ID", words.id, "Id of the token, as list shows it")->required();
   for (CLI::App* command : {adding, listing, revoking}) add_place(*command, config_file, given);
   try {
     app.parse(argc, argv);

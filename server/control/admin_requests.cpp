@@ -33,6 +33,10 @@ bool ControlService::serve_admin(PendingRequest& asked, const control::Message& 
     change(std::move(asked), gravity->scene, GravityChange{gravity->gravity});
     return true;
   }
+  if (const auto* link = std::get_if<control::SetLink>(&request)) {
+    set_link(std::move(asked), *link);
+    return true;
+  }
   if (const auto* sessions = std::get_if<control::DescribeSessions>(&request)) {
     ask_scene(std::move(asked), sessions->scene, request);
     return true;
@@ -120,6 +124,15 @@ void ControlService::change(PendingRequest asked, const std::string& name, LiveC
         spdlog::info("scene {}: changed by {}: {}", visible(name), by, visible(what));
         answer(control::SceneChanged{name, std::move(what)});
       });
+}
+
+/// Of a session in a scene that the token of an admin opens.
+void ControlService::set_link(PendingRequest asked, const control::SetLink& request) {
+  if (auto refused = refuse_below_admin(asked)) return asked.answer(*std::move(refused));
+  const auto found = seated_.find(request.session);
+  if (found == seated_.end() || !opens(asked.token, scene_name(found->second)))
+    return asked.answer(unknown_session(request.session));
+  change(std::move(asked), scene_name(found->second), LinkChange{request.session, request.link});
 }
 
 /// What a scene's thread alone can say.

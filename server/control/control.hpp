@@ -31,7 +31,7 @@ struct ControlOptions {
   double handshake_burst = 100.0;                 // and at once
 };
 
-/// What became of connections, so far.
+/// Totals of connections.
 struct ControlCounters {
   std::uint64_t accepted = 0;
   std::uint64_t too_often = 0;    // closed at once: their network connects too often
@@ -40,7 +40,7 @@ struct ControlCounters {
   std::uint64_t too_slow = 0;     // TLS or token took too long
 };
 
-/// Who is at the other end of a connection.
+/// The other end of a connection.
 struct ControlPeer {
   asio::ip::address address;
   std::string token;   // id of the one it has shown; empty: none yet

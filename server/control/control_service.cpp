@@ -23,14 +23,10 @@ constexpr const char* kNoGoodToken =
     "this needs a token that the server knows and that is still good; feltwire-server token add "
     "makes one";
 
-CalendarTime calendar_now() {
-  return std::chrono::floor<std::chrono::seconds>(std::chrono::system_clock::now());
-}
-
 }  // namespace
 
 std::string holder(Role role) {
-  return (role == Role::pointer ? "a " : "an ") + std::string(name(role));
+  return (role == Role::pointer || role == Role::follower ? "a " : "an ") + std::string(name(role));
 }
 
 ControlService::ControlService(asio::io_context& io, Hosts& hosts, TokenFile tokens,
@@ -207,6 +203,10 @@ void ControlService::tell_of(const control::ParametersSet& set, const std::strin
   const auto found = seated_.find(set.session);
   if (found == seated_.end()) return;
   ListedSession& seated = found->second;
+  if (set.parameters == seated.parameters) {
+    spdlog::info("{}: its client is asked by {} for another law", seated.who, visible(by));
+    return;
+  }
   spdlog::info("{}: parameters set by {}: {}", seated.who, visible(by),
                changes(seated.parameters, set.parameters));
   seated.parameters = set.parameters;

@@ -56,8 +56,8 @@ class ControlService {
   /// A ControlHandler.
   void handle(ControlPeer& peer, control::Message request, Answer answer);
 
-  /// To be called once a second: reads the tokens if they have changed, and evicts the sessions of
-  /// those that are revoked or have expired.
+  /// Call it once a second. It reads the tokens again where they have changed, and evicts the
+  /// sessions of tokens that are revoked or have expired.
   void look_after();
 
   /// Sessions that the hosts say have ended.
@@ -90,6 +90,7 @@ class ControlService {
   std::variant<std::size_t, control::Refused> scene_of_admin(const PendingRequest& asked,
                                                              const std::string& name);
   void change(PendingRequest asked, const std::string& name, LiveChange change);
+  void set_link(PendingRequest asked, const control::SetLink& request);
   void ask_scene(PendingRequest asked, const std::string& name, control::Message request);
   void count(PendingRequest asked, const control::GetCounters& request);
   control::Refused refuse(control::RefusalCode code, std::string reason);

@@ -12,8 +12,8 @@ namespace feltwire {
 inline constexpr double kPointerForce = 10.0;   // [N] of the device, at most
 inline constexpr double kPointerRate = 1000.0;  // [1/s] samples, at most
 
-/// What is wrong with a request to join as pointer, and the remedy; nothing where it is within the
-/// limits or of another role.
+/// The error and the remedy, where a request to join as a pointer is beyond the limits. Nothing
+/// where it is within them, or of another role.
 std::optional<std::string> beyond_pointer(const control::JoinRequest& request);
 
 }  // namespace feltwire

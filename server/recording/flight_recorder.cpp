@@ -91,8 +91,31 @@ void FlightRecorder::add(const SceneEvent& event) {
     kept = kept_.push(event);
   }
   if (kept) ++count_;
-  if (event.kind != EventKind::end || !is_fault(static_cast<SessionEnd>(event.payload[0]))) return;
-  reason_ += (reason_.empty() ? "" : "; ") + reason_of(event);
+  if (event.kind == EventKind::samples) return note_debt(event);
+  if (event.kind != EventKind::end) return;
+  debts_.erase(event.hand);
+  if (is_fault(static_cast<SessionEnd>(event.payload[0]))) want(event, reason_of(event));
+}
+
+/// A debt that lasts is one, and those within the time of a file are in it or in the next.
+void FlightRecorder::note_debt(const SceneEvent& event) {
+  if (decode(event.payload, batch_) != DropReason::none || !batch_.report) return;
+  const bool owes = batch_.report->has_account && batch_.report->balance < 0.0;
+  const auto known = debts_.find(event.hand);
+  if (!owes) {
+    if (known != debts_.end()) known->second.stands = false;
+    return;
+  }
+  Debt& debt = debts_[event.hand];
+  const bool again = debt.stands || (known != debts_.end() && event.time - debt.written < kKept);
+  debt.stands = true;
+  if (again) return;
+  debt.written = event.time;
+  want(event, fmt::format("hand {}: its client says that the account is overdrawn", event.hand));
+}
+
+void FlightRecorder::want(const SceneEvent& event, const std::string& reason) {
+  reason_ += (reason_.empty() ? "" : "; ") + reason;
   if (!due_) due_ = event.time + kTogether;
 }
 

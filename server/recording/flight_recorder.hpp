@@ -8,14 +8,15 @@
 #include <string>
 
 #include "core/recording/mcap_writer.hpp"
+#include "protocol/wire/datagram.hpp"
 #include "server/scene/event_log.hpp"
 #include "server/scene/session_end.hpp"
 
 namespace feltwire {
 
 /// Keeps what the recorder's thread takes from the scene's log. When a session ends that its client
-/// did not end, or somebody asks, it writes all that it has to a file. All memory is allocated at
-/// construction.
+/// did not end, when a client says that its account is overdrawn, or when somebody asks, it writes
+/// all that it has to a file. The memory of what is kept is allocated at construction.
 class FlightRecorder {
  public:
   static constexpr Nanoseconds kKept = std::chrono::seconds(10);
@@ -34,6 +35,8 @@ class FlightRecorder {
 
  private:
   std::filesystem::path write(const std::string& reason);
+  void note_debt(const SceneEvent& event);
+  void want(const SceneEvent& event, const std::string& reason);
   void write_events(mcap::Writer& writer);
 
   std::filesystem::path folder_;
@@ -45,6 +48,12 @@ class FlightRecorder {
   Nanoseconds newest_{0};
   std::string reason_;  // of the file that is due
   std::optional<Nanoseconds> due_;
+  struct Debt {
+    bool stands = false;    // by the newest report
+    Nanoseconds written{};  // in a file that began to be due then
+  };
+  std::map<std::uint32_t, Debt> debts_;  // of the hands that had one
+  SampleBatch batch_;
 };
 
 /// Whether a session that ended so was not ended by its own client or by the server's end.

@@ -40,9 +40,10 @@ class Recorder {
   Recorder(const Recorder&) = delete;
   Recorder& operator=(const Recorder&) = delete;
 
-  /// Of the scene at this place. It lives as long as the recorder.
+  /// The event log of the scene at this place. It lives as long as the recorder.
   EventLog& log(std::size_t scene) { return scenes_[scene]->log; }
-  /// Where the scene's pictures come from, which outlives the thread. Before start().
+  /// Gives the source of the scene's pictures. It must outlive the recorder's thread. Call it
+  /// before start().
   void see(std::size_t scene, PictureExchange& pictures) { scenes_[scene]->pictures = &pictures; }
 
   void start();

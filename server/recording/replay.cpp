@@ -145,6 +145,8 @@ class Replayer {
       wanted = material->change;
     else if (const auto* gravity = std::get_if<control::SetGravity>(&*request))
       wanted = GravityChange{gravity->gravity};
+    else if (const auto* link = std::get_if<control::SetLink>(&*request))
+      wanted = LinkChange{id_of(event.hand), link->link};
     else
       return std::string("its request is another one");
     ChangeOutcome outcome = sessions_.change(wanted, event.time);

@@ -11,8 +11,8 @@
 #include "core/base/kept_files.hpp"
 #include "core/recording/mcap_writer.hpp"
 #include "core/recording/recording_files.hpp"
+#include "server/picture/picture.hpp"
 #include "server/scene/event_log.hpp"
-#include "server/scene/picture.hpp"
 
 namespace feltwire {
 
@@ -34,7 +34,7 @@ void append_event(std::string& out, const SceneEvent& event);
 void attach_scene(mcap::Writer& writer, const KeptFiles& files, std::uint64_t number,
                   std::uint64_t time);
 
-/// What is written waits in memory for about a second, until its chunk is full.
+/// Messages wait in memory for about a second, until their chunk is full.
 class SceneRecording {
  public:
   /// Creates or replaces the first file. `files`: of the scene; null: nobody has kept them, and no

@@ -64,8 +64,8 @@ class EventQueue {
   std::vector<std::uint64_t> written_, read_;  // one event each
 };
 
-/// What a scene's thread tells a recorder's. An event that finds no room is lost, and its number is
-/// missing in what is taken.
+/// A queue of events from a scene's thread to a recorder's thread. An event that finds no room is
+/// lost. The reader sees it by a missing number.
 class EventLog {
  public:
   explicit EventLog(std::size_t bytes) : queue_(bytes) {}

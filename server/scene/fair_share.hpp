@@ -46,9 +46,10 @@ class FairShare {
   void attribute_to(std::uint32_t session) noexcept {
     if (recent_count_ < kTogether) recent_[recent_count_++] = session;
   }
-  /// What was taken up since the last charge took so long together; each has the same part.
+  /// Tells how long all that was taken up since the last charge took together. Each sender is
+  /// charged the same part.
   void charge(Nanoseconds spent) noexcept;
-  /// Something else took so long.
+  /// Tells how long something else took.
   void charge_other(Nanoseconds spent) noexcept {
     other_.fresh += std::clamp(seconds(spent), 0.0, kLongest);
   }

@@ -5,12 +5,13 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
-#include <array>
 #include <stdexcept>
 
 #include "core/scene/mechanism.hpp"
 #include "core/scene/validation.hpp"
+#include "protocol/session/client_change.hpp"
 #include "protocol/session/grant.hpp"
+#include "protocol/session/material_fields.hpp"
 #include "server/scene/parameter_changes.hpp"
 #include "server/scene/session_slot.hpp"
 
@@ -20,23 +21,7 @@ namespace {
 using control::RefusalCode;
 using control::Refused;
 
-/// A field of a material that may be changed.
-struct MaterialField {
-  const char* name;
-  const char* unit;
-  double Material::*value;
-  std::optional<double> MaterialChange::*wanted;
-};
-constexpr std::array<MaterialField, 5> kMaterialFields = {{
-    {"stiffness", " [N/m]", &Material::stiffness, &MaterialChange::stiffness},
-    {"damping", " [N s/m]", &Material::damping, &MaterialChange::damping},
-    {"static_friction", "", &Material::static_friction, &MaterialChange::static_friction},
-    {"dynamic_friction", "", &Material::dynamic_friction, &MaterialChange::dynamic_friction},
-    {"viscous_friction", " [N s/m]", &Material::viscous_friction,
-     &MaterialChange::viscous_friction},
-}};
-
-std::string text(const Vec3& v) { return fmt::format("({}, {}, {})", v.x(), v.y(), v.z()); }
+std::string vector_text(const Vec3& v) { return fmt::format("({}, {}, {})", v.x(), v.y(), v.z()); }
 
 }  // namespace
 
@@ -60,8 +45,9 @@ Changed changed(const Scene& scene, const MaterialChange& change) {
   for (const MaterialField& field : kMaterialFields) {
     const std::optional<double>& wanted = change.*field.wanted;
     if (!wanted) continue;
-    what += fmt::format("{}{} {} -> {}{}", what.empty() ? "" : ", ", field.name,
-                        material.*field.value, *wanted, field.unit);
+    what += fmt::format("{}{} {} -> {}", what.empty() ? "" : ", ", field.name,
+                        material.*field.value, *wanted);
+    if (!field.unit.empty()) what += fmt::format(" [{}]", field.unit);
     material.*field.value = *wanted;
   }
   if (what.empty())
@@ -108,9 +94,9 @@ struct SceneSessions::Change {
                                   "'; it acts on bodies only");
     if (const auto violation = feltwire::check(MechanismOptions{.gravity = change.gravity}))
       refuse("scene '" + sessions.scene_->name() + "'", *violation);
-    Changed made{
-        "gravity " + text(sessions.world_->gravity()) + " -> " + text(change.gravity) + " [m/s^2]",
-        nullptr};
+    Changed made{"gravity " + vector_text(sessions.world_->gravity()) + " -> " +
+                     vector_text(change.gravity) + " [m/s^2]",
+                 nullptr};
     const auto event = logged(control::SetGravity{sessions.scene_->name(), change.gravity});
     sessions.world_->set_gravity(change.gravity);
     log(EventKind::change, event);
@@ -121,15 +107,66 @@ struct SceneSessions::Change {
     if (slot == nullptr) return unknown_session(change.session);
     Session& session = (*slot)->session;
     const SessionParameters before = session.parameters();
-    if (auto wrong = forbidden_change(before, change.parameters))
+    const SessionParameters wished =
+        (*slot)->waits_for_client() ? (*slot)->asked->parameters : before;
+    const LawChoice law = law_of(change.parameters);
+    const bool of_client =
+        before.side == BoundingSide::client && (law != law_of(before) || law != law_of(wished));
+    // What is not the client's to do.
+    const SessionParameters here =
+        of_client ? with_law(change.parameters, law_of(before)) : change.parameters;
+    if (auto wrong = forbidden_change(before, here))
       return Refused{RefusalCode::bad_parameters, *std::move(wrong)};
-    Changed made{fmt::format("session {} ({}): {}", (*slot)->number, session.client(),
-                             changes(before, change.parameters)),
+    std::optional<AskedChange> asked;
+    std::string what = changes(before, change.parameters);
+    if (of_client) {
+      const bool takes = (*slot)->takes.laws != LawsTaken::none;
+      if (auto no = refuses_law(before, law, takes ? LawsTaken::any : LawsTaken::none))
+        return Refused{RefusalCode::not_supported, *std::move(no)};
+      asked = next_for(**slot, ClientChange{.law = law, .link = {}});
+      asked->parameters = change.parameters;
+      what += "; its client is asked for the law";
+    }
+    Changed made{fmt::format("session {} ({}): {}", (*slot)->number, session.client(), what),
                  nullptr};
     const auto event = logged(control::SetParameters{(*slot)->number, change.parameters});
-    session.set_parameters(change.parameters);
+    if (here != before) session.set_parameters(here);
+    if (asked) (*slot)->asked = std::move(asked);
     log(EventKind::parameters, event, (*slot)->number);
     return made;
+  }
+  ChangeOutcome operator()(const LinkChange& change) {
+    SessionSlot** slot = sessions.by_id_.find(change.session);
+    if (slot == nullptr) return unknown_session(change.session);
+    if (auto no = wrong(change.link)) return Refused{RefusalCode::bad_parameters, *std::move(no)};
+    if (!(*slot)->takes.link)
+      return Refused{RefusalCode::not_supported,
+                     "its client has no emulated link to change; start it with --link, say "
+                     "--link delay=0, and without --fixed"};
+    AskedChange asked = next_for(**slot, ClientChange{.law = {}, .link = change.link});
+    Changed made{fmt::format("session {} ({}): its client is asked for: {}", (*slot)->number,
+                             (*slot)->session.client(), text(change.link)),
+                 nullptr};
+    const auto event = logged(control::SetLink{(*slot)->number, change.link});
+    (*slot)->asked = std::move(asked);
+    log(EventKind::change, event, (*slot)->number);
+    return made;
+  }
+
+  /// What waits for its answer goes along, as far as the new change says nothing of it.
+  static AskedChange next_for(const SessionSlot& slot, ClientChange change) {
+    AskedChange next{.change = change, .parameters = slot.session.parameters(), .what = {}};
+    const LawChoice before = law_of(next.parameters);
+    if (slot.waits_for_client()) {
+      const AskedChange& waits = *slot.asked;
+      next.parameters = waits.parameters;
+      if (!change.law) next.change.law = waits.change.law;
+      if (!change.link) next.change.link = waits.change.link;
+    }
+    if (next.change.law) next.what = difference(before, *next.change.law);
+    if (next.change.link) next.what += (next.what.empty() ? "" : ", ") + text(*next.change.link);
+    next.change.number = number_after(slot.asked ? slot.asked->change.number : std::uint8_t{0});
+    return next;
   }
 };
 

@@ -1,29 +1,15 @@
 #pragma once
-// What may be changed while a scene runs, as plain values: the same change in the same state has
-// the same result, bit for bit.
+// What becomes of a live change of a scene or a session (protocol/session/live_change.hpp).
 
-#include <cstdint>
 #include <memory>
 #include <string>
 #include <variant>
 
 #include "core/scene/scene.hpp"
-#include "protocol/session/material_change.hpp"
-#include "protocol/session/session_parameters.hpp"
+#include "protocol/session/live_change.hpp"
 #include "protocol/wire/control.hpp"
 
 namespace feltwire {
-
-/// Another gravity on what moves.
-struct GravityChange {
-  Vec3 gravity = Vec3::Zero();  // [m/s^2]
-};
-/// Other parameters of one session, of those that a running session can change (grant.hpp).
-struct ParameterChange {
-  std::uint64_t session = 0;
-  SessionParameters parameters;
-};
-using LiveChange = std::variant<MaterialChange, GravityChange, ParameterChange>;
 
 /// A change that was made.
 struct Changed {

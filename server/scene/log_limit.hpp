@@ -13,7 +13,7 @@ class LogLimit {
  public:
   static constexpr Nanoseconds kPause = std::chrono::seconds(1);
 
-  /// So many events happened. How many have happened since the last line, when a line is due now.
+  /// Counts `events` more. Returns the number since the last line, where a line is due now.
   std::optional<std::uint64_t> count(std::uint64_t events, Nanoseconds now) noexcept {
     untold_ += events;
     if (untold_ == 0 || (last_ && now - *last_ < kPause)) return std::nullopt;
@@ -32,7 +32,7 @@ class LogLimit {
 /// is at least twice that of the line before, at most one in kPause.
 class DoublingLimit {
  public:
-  /// So many events have happened so far. Whether a line is due now.
+  /// `total`: events since the start. True: a line is due now.
   bool due(std::uint64_t total, Nanoseconds now) noexcept {
     if (total == 0 || total / 2 < told_ || (last_ && now - *last_ < LogLimit::kPause)) return false;
     last_ = now;

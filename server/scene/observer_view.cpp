@@ -16,31 +16,32 @@ Vec3 shown_force(const Vec3& force) {
 }  // namespace
 
 void ObserverView::show(std::span<const ActingHand> hands, const World* world, std::size_t room,
-                        SceneView& view) noexcept {
+                        SceneView& view, std::size_t hand_size) noexcept {
   view.present = true;
   view.hands_from = view.hands_end = 0;
   view.bodies_from = view.bodies_end = 0;
   view.hand_count = view.body_count = 0;
-  if (!hands_shown_) room -= show_hands(hands, room, view);
+  if (!hands_shown_) room -= show_hands(hands, room, view, hand_size);
   if (hands_shown_) show_bodies(world, room, view);
 }
 
 /// Says how much room they took.
 std::size_t ObserverView::show_hands(std::span<const ActingHand> hands, std::size_t room,
-                                     SceneView& view) noexcept {
-  const std::size_t most = std::min(room / SceneView::kHandSize, SceneView::kMaxHands);
+                                     SceneView& view, std::size_t hand_size) noexcept {
+  const std::size_t most = std::min(room / hand_size, SceneView::kMaxHands);
   auto next = std::ranges::lower_bound(hands, next_hand_, {}, &ActingHand::number);
   view.hands_from = next_hand_;
   for (; next != hands.end(); ++next) {
     const Sample& sample = next->session->newest();
     if (sample.index == 0) continue;
     if (view.hand_count == most) break;
-    view.hand[view.hand_count++] = {next->number, sample.pose, shown_force(sample.held.force())};
+    view.hand[view.hand_count++] = {next->number, sample.pose, shown_force(sample.held.force()),
+                                    std::nullopt};
   }
   hands_shown_ = next == hands.end();
   view.hands_end = hands_shown_ ? SceneView::kLastHand : next->number;
   next_hand_ = hands_shown_ ? 0 : next->number;
-  return view.hand_count * SceneView::kHandSize;
+  return view.hand_count * hand_size;
 }
 
 void ObserverView::show_bodies(const World* world, std::size_t room, SceneView& view) noexcept {

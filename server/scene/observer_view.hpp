@@ -20,13 +20,13 @@ class ObserverView {
  public:
   /// The next part, of no more than `room` [bytes]: at most one list of hands, from where the last
   /// part ended, and one of bodies. `hands` by rising number; `world` null where nothing moves. A
-  /// hand that has sent nothing yet is nowhere. Never allocates.
+  /// hand takes `hand_size` [bytes]. One that has sent nothing yet is nowhere. Never allocates.
   void show(std::span<const ActingHand> hands, const World* world, std::size_t room,
-            SceneView& view) noexcept;
+            SceneView& view, std::size_t hand_size = SceneView::kHandSize) noexcept;
 
  private:
-  std::size_t show_hands(std::span<const ActingHand> hands, std::size_t room,
-                         SceneView& view) noexcept;
+  std::size_t show_hands(std::span<const ActingHand> hands, std::size_t room, SceneView& view,
+                         std::size_t hand_size) noexcept;
   void show_bodies(const World* world, std::size_t room, SceneView& view) noexcept;
 
   std::uint32_t next_hand_ = 0;

@@ -29,7 +29,7 @@ class SampleRate {
   bool flooding() const noexcept { return flooding_; }
 
  private:
-  /// What a second brings, at once.
+  /// A bucket that holds the tokens of one second.
   static TokenBucket of_rate(double rate) noexcept { return {rate, rate}; }
 
   TokenBucket granted_, tolerated_;

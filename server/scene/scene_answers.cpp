@@ -16,14 +16,22 @@ Bytes SceneSessions::answer_samples(SessionSlot& slot, Bytes payload,
   if (const DropReason wrong = decode(payload, batch_); wrong != DropReason::none)
     return drop(wrong);
   const std::uint64_t before = slot.session.counters().samples;
-  const Taken taken = slot.session.take(batch_, origin.now);
+  Taken taken = slot.session.take(batch_, origin.now);
   if (taken.drop != DropReason::none) return drop(taken.drop);
   slot.rate.count(slot.session.counters().samples - before);
+  if (slot.waits_for_client()) [[unlikely]] {
+    hear_answer(slot);
+    if (slot.waits_for_client()) taken.reply.change = slot.asked->change;
+  }
   slot.last_heard = origin.now;
   // Whoever holds a datagram back and sends it on from elsewhere draws no goodbye there.
   if (origin.newest) slot.peer = origin.from;
+  if (link_ && batch_.lead && covers(slot.role, Role::operator_)) {
+    link_->lead(slot.number, batch_, slot.session.parameters().servo_period, origin.now);
+    taken.reply.remote = link_->told(slot.number, origin.now);
+  }
   const Bytes answer = taken.withheld            ? Bytes{}
-                       : slot.session.observes() ? show(slot, taken.reply)
+                       : slot.session.observes() ? show(slot, taken.reply, origin.now)
                                                  : encoder_.reply(taken.reply);
   if (log_ != nullptr)
     log({.kind = EventKind::samples,
@@ -36,17 +44,51 @@ Bytes SceneSessions::answer_samples(SessionSlot& slot, Bytes payload,
 }
 
 /// An observer's reply, with what there is to see.
-Bytes SceneSessions::show(SessionSlot& slot, const Reply& reply) noexcept {
+Bytes SceneSessions::show(SessionSlot& slot, const Reply& reply, Nanoseconds now) noexcept {
   const SessionParameters& parameters = slot.session.parameters();
   const double between = parameters.packet_interval * parameters.servo_period;
-  slot.observer_view.show(hands_, world_.get(), view_room(between), view_);
+  const std::size_t room = view_room(between);
+  if (slot.figures) {
+    slot.observer_view.show(hands_, world_.get(), room - kFiguresOverhead, view_,
+                            SceneView::kHandSize + SceneView::kFiguresSize);
+    add_figures(view_, now);
+  } else {
+    slot.observer_view.show(hands_, world_.get(), room, view_);
+  }
   return encoder_.reply(reply, &view_);
 }
 
 Bytes SceneSessions::replay_samples(std::uint64_t id, Bytes payload, Nanoseconds now) noexcept {
   SessionSlot** slot = by_id_.find(id);
   if (slot == nullptr) return {};
-  return answer_samples(**slot, payload, {Peer{}, true, now});
+  const Origin origin{Peer{}, true, now};
+  if (*slot != robot_) return answer_samples(**slot, payload, origin);
+  receive_state(**slot, payload, origin);
+  return {};
+}
+
+/// What the datagram at hand says to the change that the session's client was asked for.
+void SceneSessions::hear_answer(SessionSlot& slot) noexcept {
+  AskedChange& asked = *slot.asked;
+  if (!batch_.report || batch_.report->change != asked.change.number) return;
+  asked.answer = batch_.report->change_refused ? ChangeAnswer::refused : ChangeAnswer::taken;
+  if (asked.answer == ChangeAnswer::taken && asked.change.law)
+    slot.session.put_law(asked.parameters);
+  asked.told = false;
+  has_answers_ = true;
+}
+
+std::vector<std::string> SceneSessions::answers() {
+  std::vector<std::string> lines;
+  has_answers_ = false;
+  for (const auto& slot : slots_) {
+    if (!slot->asked || slot->asked->told) continue;
+    slot->asked->told = true;
+    lines.push_back("session " + std::to_string(slot->number) + " (" + slot->session.client() +
+                    "): its client has " + std::string(name(slot->asked->answer)) +
+                    " the change: " + slot->asked->what);
+  }
+  return lines;
 }
 
 }  // namespace feltwire

@@ -17,18 +17,24 @@ struct SceneHost::Batch {
 
   std::size_t count = 0, next = 0;  // received, and of these the first that is not answered yet
   alignas(std::uint64_t) std::array<std::array<std::uint8_t, kReceiveSize>, kMost> received;
-  std::array<DatagramBuffer, kMost> sent;
+  // The answers, and one target for the scene's robot.
+  std::array<DatagramBuffer, kMost + 1> sent;
   std::array<Peer, kMost> peers;
-  std::array<iovec, kMost> received_parts{}, sent_parts{};
-  std::array<mmsghdr, kMost> incoming{}, outgoing{};
+  Peer robot;
+  std::array<iovec, kMost> received_parts{};
+  std::array<iovec, kMost + 1> sent_parts{};
+  std::array<mmsghdr, kMost> incoming{};
+  std::array<mmsghdr, kMost + 1> outgoing{};
 
   Batch() {
     for (std::size_t i = 0; i < kMost; ++i) {
       received_parts[i] = {received[i].data(), kReceiveSize};
-      sent_parts[i] = {sent[i].bytes.data(), 0};
       incoming[i].msg_hdr.msg_iov = &received_parts[i];
       incoming[i].msg_hdr.msg_iovlen = 1;
       incoming[i].msg_hdr.msg_name = &peers[i].address;
+    }
+    for (std::size_t i = 0; i < sent.size(); ++i) {
+      sent_parts[i] = {sent[i].bytes.data(), 0};
       outgoing[i].msg_hdr.msg_iov = &sent_parts[i];
       outgoing[i].msg_hdr.msg_iovlen = 1;
     }

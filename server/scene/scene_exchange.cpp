@@ -1,8 +1,11 @@
 // What a scene's host does with datagrams: takes them in batches, answers, accounts the time.
 
+#include <spdlog/spdlog.h>
+
 #include <algorithm>
 #include <cerrno>
 
+#include "core/base/visible_text.hpp"
 #include "server/scene/scene_batch.hpp"
 
 namespace feltwire {
@@ -60,6 +63,10 @@ std::size_t SceneHost::exchange(std::optional<Nanoseconds>& until) {
     if (!answer.empty()) batch.put(answers++, answer.size(), peer);
     if (slow_) now = account(now);
   } while (has_datagrams() && !posts_wait() && !(slow_ && now >= *until));
+  // Of all that came the newest target only: the robot has no use for those before.
+  if (const Bytes target = sessions_.forward(now, batch.robot, batch.sent[answers]);
+      !target.empty())
+    batch.put(answers++, target.size(), batch.robot);
   const std::size_t taken = batch.next - first;
   served_at_ = slow_ ? now : account(answering);
   answers_.record((served_at_ - begin).count(), taken);
@@ -68,6 +75,21 @@ std::size_t SceneHost::exchange(std::optional<Nanoseconds>& until) {
   draw(served_at_);
   publish();  // a goodbye may have been among them
   return taken;
+}
+
+/// Who may move the robot, and since when, is worth a line each time.
+void SceneHost::tell_of_link() {
+  const LinkState state = sessions_.link_state();
+  if (state == told_link_) return;
+  spdlog::info("scene {}: hand and robot are {} (were {})", name_, feltwire::name(state),
+               feltwire::name(told_link_));
+  told_link_ = state;
+}
+
+/// What clients say to the changes that they were asked for.
+void SceneHost::tell_of_answers() {
+  for (const std::string& line : sessions_.answers())
+    spdlog::info("scene {}: {}", name_, visible(line));
 }
 
 /// What moves takes its time apart from answers, so that no session is charged for it. The time

@@ -177,7 +177,8 @@ std::variant<std::string, control::Refused> SceneHost::make(const LiveChange& ch
   if (auto* refused = std::get_if<control::Refused>(&outcome)) return std::move(*refused);
   auto& made = std::get<Changed>(outcome);
   if (made.scene != nullptr) scene_ = std::move(made.scene);
-  if (!std::holds_alternative<ParameterChange>(change)) {
+  if (std::holds_alternative<MaterialChange>(change) ||
+      std::holds_alternative<GravityChange>(change)) {
     ++changes_;
     publish_scene();
   }
@@ -197,7 +198,7 @@ void SceneHost::evict(std::uint64_t session) {
   });
 }
 
-SceneHost::CurrentScene SceneHost::current_scene() const {
+SceneInView::CurrentScene SceneHost::current_scene() const {
   const std::lock_guard lock(published_);
   return current_;
 }

@@ -13,6 +13,7 @@
 
 #include "protocol/net/busy_poll.hpp"
 #include "protocol/net/clock.hpp"
+#include "server/picture/scene_in_view.hpp"
 #include "server/scene/load_log.hpp"
 #include "server/scene/log_limit.hpp"
 #include "server/scene/operation_memory.hpp"
@@ -39,11 +40,11 @@ struct SceneHostOptions {
   int dscp = 0;  // of the replies (protocol/net/udp_socket.hpp)
   /// Gets what decides the scene's replies; it outlives the host. Null: nothing is recorded.
   EventLog* events = nullptr;
-  /// What time it is; monotonic. Only the scene's thread asks. Tests bring their own.
+  /// The monotonic clock of the scene. Only the scene's thread reads it. Tests give their own.
   std::function<Nanoseconds()> clock = monotonic_now;
 };
 
-/// What a scene's host did, for the summary.
+/// The totals of a scene's host, for the summary.
 struct SceneSummary {
   std::string scene;
   SceneCounters counters;
@@ -52,11 +53,11 @@ struct SceneSummary {
   TimeCounts answers;          // of each datagram: from when it was taken up to its answer
 };
 
-class SceneHost {
+class SceneHost final : public SceneInView, public SceneControls {
  public:
   /// Binds the port. Throws std::runtime_error in one line when it cannot.
   SceneHost(Scene scene, const SceneHostOptions& options);
-  ~SceneHost();
+  ~SceneHost() override;
   SceneHost(const SceneHost&) = delete;
   SceneHost& operator=(const SceneHost&) = delete;
 
@@ -65,11 +66,11 @@ class SceneHost {
   /// Says goodbye to every client and joins the thread. May be called again.
   void stop();
 
-  const std::string& name() const { return name_; }
+  const std::string& name() const override { return name_; }
   std::uint16_t port() const { return port_; }
   /// Sessions at this moment, from any thread.
   std::uint32_t sessions() const { return published_sessions_.load(std::memory_order_relaxed); }
-  /// Of the scene, likewise.
+  /// The scene's objects at this moment, from any thread.
   std::uint32_t objects() const { return objects_.load(std::memory_order_relaxed); }
 
   using Completion = std::function<void(control::Message)>;
@@ -81,30 +82,21 @@ class SceneHost {
   /// does not have. Their bounds go on, so that the change gives no hand energy. Where that fails
   /// (no memory) the scene stays as it was, and the log says so. From any thread.
   void reload(Scene scene);
-  /// Makes a live change in the scene's thread, between two datagrams (SceneSessions::change), and
-  /// posts what it came to to `back`, which must outlive this host's thread: what was changed, or
-  /// why it was refused. From any thread.
+  /// Changes the scene in the scene's thread, between two datagrams (SceneSessions::change).
   void change(LiveChange change, asio::io_context& back,
-              std::function<void(std::variant<std::string, control::Refused>)> done);
-  /// Ends a session with a goodbye, if it is there. From any thread.
-  void evict(std::uint64_t session);
+              std::function<void(std::variant<std::string, control::Refused>)> done) override;
+  void evict(std::uint64_t session) override;
 
-  /// The scene as it is now, from any thread. Its version is 1, and one more with each reload.
-  struct CurrentScene {
-    std::shared_ptr<const Scene> scene;
-    std::uint32_t version = 0;
-    std::uint32_t changes = 0;    // live ones of materials and gravity
-    std::optional<Vec3> gravity;  // [m/s^2]; nothing: nothing moves
-  };
-  CurrentScene current_scene() const;
-  /// Pictures of the scene for one viewer's thread. While pictures are wanted, one is given with
-  /// the next datagrams, and within 0.1 s where none come.
-  PictureExchange& pictures() { return pictures_; }
-  /// Likewise for a recorder's thread.
+  CurrentScene current_scene() const override;
+  /// Takes the newest picture for viewers. While pictures are wanted, the scene makes one with the
+  /// next datagrams, or within 0.1 s where none come.
+  bool take_picture(Picture& picture) override { return pictures_.take(picture); }
+  /// Pictures for a recorder's thread.
   PictureExchange& recorded_pictures() { return recorded_pictures_; }
-  /// Has the scene's thread describe its hands, and posts that to `back`, which must outlive this
-  /// host's thread. From any thread.
-  void describe(asio::io_context& back, std::function<void(std::vector<HandDescription>)> done);
+  /// Describes the hands in the scene's thread, and posts the answer to `back`.
+  void describe(asio::io_context& back,
+                std::function<void(std::vector<HandDescription>)> done) override;
+  SceneControls* controls() override { return this; }
 
   /// Up to now; a running thread is asked. Not from that thread, nor while another stops it.
   SceneSummary summary();
@@ -135,6 +127,9 @@ class SceneHost {
   }
   void publish() {
     publish_size();
+    tell_of_link();
+    if (sessions_.has_answers()) [[unlikely]]
+      tell_of_answers();
     if (!sessions_.ended().empty()) tell_ended();
   }
   void tell_ended();
@@ -142,6 +137,8 @@ class SceneHost {
   void publish_scene() noexcept;
   void tell_of_world(Nanoseconds now);
   void tell_of_load(Nanoseconds now);
+  void tell_of_link();
+  void tell_of_answers();
   void draw(Nanoseconds now) noexcept {
     draw(pictures_, now);
     if (recorded_) draw(recorded_pictures_, now);
@@ -178,6 +175,7 @@ class SceneHost {
   LogLimit failures_;
   WorldLog world_log_;
   LoadLog load_log_;
+  LinkState told_link_ = LinkState::disabled;
   std::unique_ptr<Batch> batch_;  // buffers of one exchange
   bool slow_ = false;             // answers take so long that the clock is read for each
   Nanoseconds served_at_{0};      // when the newest exchange had its answers

@@ -29,7 +29,7 @@ class SceneLoader {
   /// Called in the thread that loaded.
   using Done = std::function<void(LoadedScene loaded)>;
 
-  /// So many scenes; `load` may be called by several threads at once.
+  /// `scenes`: how many there are. `load` may be called by several threads at once.
   explicit SceneLoader(std::size_t scenes, Load load = load_scene_and_warn);
   /// Stops.
   ~SceneLoader();

@@ -10,8 +10,8 @@
 namespace feltwire {
 namespace {
 
-constexpr unsigned bit(DatagramKind kind) { return 1u << static_cast<unsigned>(kind); }
-constexpr unsigned kReceived = bit(DatagramKind::samples) | bit(DatagramKind::goodbye);
+constexpr unsigned kReceived =
+    set_of({DatagramKind::samples, DatagramKind::goodbye, DatagramKind::follower_state});
 
 void add(SceneCounters& sum, const Session& session) {
   const SessionCounters& counters = session.counters();
@@ -85,6 +85,9 @@ void SceneSessions::take_over(const Scene& scene, std::unique_ptr<World> world) 
   scene_ = &scene;
   world_ = std::move(world);
   if (world_ != nullptr) tick_ = from_seconds(world_->tick());
+  link_.reset();
+  if (scene.remote()) link_.emplace(*scene.remote());
+  if (link_ && robot_ != nullptr) link_->sit(robot_->number);
 }
 
 std::vector<SceneSessions::GoodbyeDatagram> SceneSessions::enter(const Scene& scene,
@@ -94,7 +97,8 @@ std::vector<SceneSessions::GoodbyeDatagram> SceneSessions::enter(const Scene& sc
   std::vector<Session::Place> places(slots_.size());
   std::vector<GoodbyeDatagram> goodbyes;
   for (std::size_t i = slots_.size(); i-- > 0;)
-    if (const ToolView* view = scene.view(slots_[i]->tool); view == nullptr)
+    if (const ToolView* view = scene.view(slots_[i]->tool);
+        view == nullptr || (slots_[i].get() == robot_ && !scene.remote()))
       goodbyes.push_back(goodbye(*slots_[i], GoodbyeReason::evicted));
     else
       places[i] = Session::Place(*view, world.get(), slots_[i]->session.limits());
@@ -132,7 +136,7 @@ control::Message SceneSessions::answer(const control::Message& request, std::uin
   if (const auto* wanted = std::get_if<control::SetParameters>(&request)) {
     auto outcome = change(ParameterChange{wanted->session, wanted->parameters}, now);
     if (auto* refused = std::get_if<control::Refused>(&outcome)) return std::move(*refused);
-    return control::ParametersSet{wanted->session, wanted->parameters};
+    return control::ParametersSet{wanted->session, find(wanted->session)->parameters()};
   }
   if (const auto* wanted = std::get_if<control::DescribeSessions>(&request))
     return describe_after(wanted->after);
@@ -159,6 +163,7 @@ control::Message SceneSessions::join(control::JoinRequest request, std::uint64_t
   if (view == nullptr)
     return control::Refused{control::RefusalCode::unknown_tool,
                             no_such_tool(*scene_, request.tool)};
+  if (auto refused = refuse_robot(request)) return *std::move(refused);
   // With the text first: once the session is there nothing may throw.
   control::JoinAccepted accepted;
   accepted.tool = view->tool().name;
@@ -176,7 +181,9 @@ control::Message SceneSessions::join(control::JoinRequest request, std::uint64_t
                     SampleRate(request.parameters.servo_period, limits_.sample_rate),
                     {},
                     {},
-                    request.tool});
+                    request.tool,
+                    request.role});
+    if (!slot->session.observes()) slot->takes = request.takes;
     if (!by_id_.insert(id, slot.get()))
       return control::Refused{control::RefusalCode::full, "no session id is free; try again"};
     if (slots_.empty()) last_tick_ = now;
@@ -189,7 +196,12 @@ control::Message SceneSessions::join(control::JoinRequest request, std::uint64_t
   ++counters_.sessions_served;
   SessionSlot& slot = *slots_.back();
   slot.number = static_cast<std::uint32_t>(counters_.sessions_served);
+  slot.figures = request.figures && slot.session.observes();
   if (!slot.session.observes()) hands_.push_back({slot.number, &slot.session});
+  if (request.role == Role::follower) {
+    robot_ = &slot;
+    link_->sit(slot.number);
+  }
   log({.kind = EventKind::join, .hand = slot.number, .time = now, .payload = logged});
   accepted.session = id;
   accepted.parameters = request.parameters;
@@ -233,14 +245,19 @@ Bytes SceneSessions::receive(Bytes datagram, const Peer& from, Nanoseconds now,
   if (opened.drop == DropReason::packet_number) slot.session.count_duplicate();
   if (opened.drop != DropReason::none) return drop(opened.drop);
   share_.attribute_to(slot.share);
-  if (guarded.header.kind == DatagramKind::samples) {
+  const bool says_goodbye = guarded.header.kind == DatagramKind::goodbye;
+  const bool says_state = guarded.header.kind == DatagramKind::follower_state;
+  if (!says_goodbye && says_state != (&slot == robot_)) return drop(DropReason::kind);
+  if (!says_goodbye) {
     if (!slot.rate.admit(now)) return drop(DropReason::rate);
     if (!share_.admit(slot.share)) [[unlikely]] {
       ++counters_.shed;
       return drop(DropReason::rate);
     }
     const bool newest = guarded.header.packet_number == slot.opener.highest();
-    return receive_samples(slot, opened.payload, {from, newest, now}, out);
+    if (!says_state) return receive_samples(slot, opened.payload, {from, newest, now}, out);
+    receive_state(slot, opened.payload, {from, newest, now});
+    return {};
   }
 
   GoodbyeReason reason;
@@ -259,6 +276,8 @@ void SceneSessions::end(SessionSlot& slot, SessionEnd how) noexcept {
   if (ended_.size() == ended_.capacity()) ended_.clear();
   ended_.push_back({slot.id, how});
   by_id_.erase(slot.id);
+  if (link_) link_->leave(slot.number);
+  if (&slot == robot_) robot_ = nullptr;
   share_.remove(slot.share);
   gone_[next_gone_++ % gone_.size()] = slot.id;
   std::erase_if(hands_, [&](const ActingHand& hand) { return hand.session == &slot.session; });

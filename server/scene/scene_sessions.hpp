@@ -14,12 +14,13 @@
 #include "protocol/wire/control.hpp"
 #include "protocol/wire/scene_view.hpp"
 #include "protocol/wire/seal.hpp"
+#include "server/picture/picture.hpp"
 #include "server/scene/event_log.hpp"
 #include "server/scene/fair_share.hpp"
 #include "server/scene/id_map.hpp"
 #include "server/scene/live_change.hpp"
 #include "server/scene/observer_view.hpp"
-#include "server/scene/picture.hpp"
+#include "server/scene/remote_link.hpp"
 #include "server/scene/session.hpp"
 #include "server/scene/session_end.hpp"
 
@@ -31,7 +32,7 @@ struct Peer {
   socklen_t length = 0;  // [bytes] 0: not known yet
 };
 
-/// What a session may do before it is slowed or ended.
+/// The limits of a session. Beyond them it is slowed or ended.
 struct SessionLimits {
   static constexpr double kSampleRate = 1.5;
   double sample_rate = kSampleRate;  // times its servo rate, > 1 (server/scene/sample_rate.hpp)
@@ -83,8 +84,13 @@ class SceneSessions {
   /// when there is none. Never allocates.
   Bytes receive(Bytes datagram, const Peer& from, Nanoseconds now, DatagramBuffer& out) noexcept;
 
-  /// What was received since the last of these calls took so long together (FairShare). Never
-  /// allocates.
+  /// The newest target of the scene's robot, and where it goes; empty: none is due. Call it after
+  /// receive(), once for all that came together: older targets are of no use. Never allocates.
+  Bytes forward(Nanoseconds now, Peer& to, DatagramBuffer& out) noexcept;
+  /// The state between the scene's leading hand and its robot; `disabled` without a robot's seat.
+  LinkState link_state() const noexcept { return link_ ? link_->state() : LinkState::disabled; }
+
+  /// Tells how long all datagrams since the last call took together (FairShare). Never allocates.
   void spent(Nanoseconds time, Nanoseconds now) noexcept {
     share_.charge(time);
     share_.balance(now);
@@ -92,21 +98,22 @@ class SceneSessions {
   /// Something that no session caused, as a tick, took so long.
   void spent_otherwise(Nanoseconds time) noexcept { share_.charge_other(time); }
   const FairShare& share() const { return share_; }
-  /// So many datagrams of sessions above their share were dropped so far.
+  /// The number of datagrams that were dropped because their session was above its share.
   std::uint64_t shed() const { return counters_.shed; }
 
-  /// Steps what moves up to `now`, each session's push with it; so does every datagram received.
-  /// While nobody is here time stands still. After a stall at most kMostTicks are made up for, the
-  /// rest of the time is dropped; where that happens again and again, as ticks take longer than
-  /// they last, half as many each time, so that hands wait for one tick and not for twenty. Never
-  /// allocates, but where what moves needs more room than ever before (docs/moving.md).
+  /// Steps the moving objects up to `now`, with the push of each session. Every datagram that is
+  /// received does the same. Time stands still while there is no session. After a stall at most
+  /// kMostTicks ticks are made up for, and the rest of the time is dropped. Where that happens
+  /// again and again, because a tick takes longer than it lasts, the limit is halved each time, so
+  /// that hands wait for one tick and not for twenty. Allocates only where the contacts need more
+  /// room than ever before (docs/moving.md).
   void tick(Nanoseconds now) noexcept;
-  /// When there is something to step next; nothing moves, or nobody is here: never.
+  /// The time of the next step. Nothing: no object moves, or there is no session.
   std::optional<Nanoseconds> next_tick() const;
   static constexpr int kMostTicks = 20;
-  /// Of what moves, since there are sessions here.
+  /// Steps of the world that were left out because the server was too late.
   std::uint64_t ticks_dropped() const { return counters_.ticks_dropped; }
-  /// The run of what moves; null: nothing does.
+  /// The world of the moving objects; null: nothing moves.
   const World* world() const { return world_.get(); }
 
   /// A goodbye and whom it is for.
@@ -124,6 +131,10 @@ class SceneSessions {
   /// between two datagrams, and goes into the log. The scene that the outcome may have must outlive
   /// this. Allocates; throws std::bad_alloc and changes nothing where there is no memory for it.
   ChangeOutcome change(const LiveChange& change, Nanoseconds now);
+  /// What clients have answered to changes since the last call, a line each for the log. Allocates
+  /// where there is something to say.
+  std::vector<std::string> answers();
+  bool has_answers() const noexcept { return has_answers_; }
   /// [m/s^2] on what moves; nothing: nothing moves.
   std::optional<Vec3> gravity() const;
 
@@ -146,7 +157,7 @@ class SceneSessions {
   /// Where all hands and moving objects are. May allocate; throws nothing else than
   /// std::bad_alloc.
   void draw(Picture& picture, Nanoseconds now) const;
-  /// Of all hands. Allocates.
+  /// A description of each hand. Allocates.
   std::vector<HandDescription> describe() const;
 
   /// All sessions with greater numbers, at most control::kMaxDescriptions. Allocates.
@@ -159,8 +170,8 @@ class SceneSessions {
   void check(Nanoseconds now) noexcept;
 
   // For a replay (server/recording/replay.hpp).
-  /// What receive() does with the payload of an accepted datagram: the answer's payload, empty
-  /// where there is none or no such session.
+  /// Does what receive() does with the payload of an accepted datagram. Returns the payload of the
+  /// answer; empty where there is no answer or no such session.
   Bytes replay_samples(std::uint64_t id, Bytes payload, Nanoseconds now) noexcept;
   /// Ends a session, if it is there, without a goodbye.
   void replay_end(std::uint64_t id, SessionEnd how) noexcept;
@@ -174,6 +185,8 @@ class SceneSessions {
   struct SessionSlot;
   struct Origin;
   struct Change;
+  struct AskedChange;
+  void hear_answer(SessionSlot& slot) noexcept;
   std::unique_ptr<World> world_of(const Scene& scene) const;
   void take_over(const Scene& scene, std::unique_ptr<World> world);
   std::vector<GoodbyeDatagram> end_all(GoodbyeReason reason) noexcept;
@@ -184,7 +197,11 @@ class SceneSessions {
   Bytes receive_samples(SessionSlot& slot, Bytes payload, const Origin& origin,
                         DatagramBuffer& out) noexcept;
   Bytes answer_samples(SessionSlot& slot, Bytes payload, const Origin& origin) noexcept;
-  Bytes show(SessionSlot& slot, const Reply& reply) noexcept;
+  Bytes show(SessionSlot& slot, const Reply& reply, Nanoseconds now) noexcept;
+  std::optional<control::Refused> refuse_robot(const control::JoinRequest& request) const;
+  void receive_state(SessionSlot& slot, Bytes payload, const Origin& origin) noexcept;
+  void add_figures(SceneView& view, Nanoseconds now) const noexcept;
+  PictureHand picture_of(const SessionSlot& slot, Nanoseconds now) const noexcept;
   void log(SceneEvent event) noexcept {
     if (log_ == nullptr) return;
     logged_at_ = event.time;
@@ -210,6 +227,8 @@ class SceneSessions {
   std::vector<std::unique_ptr<SessionSlot>> slots_;  // in the order they joined
   std::vector<ActingHand> hands_;                    // of those, without the observers'
   IdMap<SessionSlot*> by_id_;
+  std::optional<RemoteLink> link_;  // where the scene has a robot's seat
+  SessionSlot* robot_ = nullptr;    // who sits there
   FairShare share_;
   std::array<std::uint64_t, 64> gone_{};  // the sessions that ended last
   std::size_t next_gone_ = 0;
@@ -218,7 +237,9 @@ class SceneSessions {
   DatagramBuffer opened_;  // the datagram at hand
   SampleBatch batch_;      // what it brings
   SceneView view_;         // for the observer that sent it
+  RobotState robot_state_;
   SceneCounters counters_;
+  bool has_answers_ = false;  // of clients, to changes
   EventLog* log_ = nullptr;
   Nanoseconds logged_at_{0};  // the newest event's time
 };

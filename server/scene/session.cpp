@@ -66,7 +66,7 @@ Session::Session(const control::JoinRequest& request, const ToolView& view, Worl
     : client_(checked(request).client),
       device_(request.device),
       parameters_(request.parameters),
-      observes_(request.role == Role::observer),
+      observes_(request.role == Role::observer || request.role == Role::follower),
       sends_normals_(shapes_at_client(parameters_)),
       view_(&view),
       world_(world),
@@ -111,7 +111,7 @@ Taken Session::take(const SampleBatch& batch, Nanoseconds now) noexcept {
   reply.delivered = delivered();
   reply.reloads = reloads_;
   reply.recovering = world_ != nullptr && world_->recovering();
-  taken.withheld = deadband_.withhold(reply);
+  taken.withheld = deadband_.withhold(reply) && !batch.lead;  // what a robot meets is news
   ++(taken.withheld ? counters_.withheld : counters_.replies);
   reply.withheld = counters_.withheld;
   return taken;
@@ -270,6 +270,11 @@ void Session::push(double age) noexcept {
     world_->push(body_contacts_, body_, share);
   else
     world_->push(body_contacts_, contacts_, share);
+}
+
+void Session::put_law(SessionParameters& parameters) noexcept {
+  std::swap(parameters_, parameters);
+  sends_normals_ = shapes_at_client(parameters_);
 }
 
 void Session::set_parameters(const SessionParameters& parameters) {

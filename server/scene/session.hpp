@@ -25,13 +25,13 @@ struct SessionCounters {
   std::uint64_t duplicates = 0;  // datagrams that brought nothing new
 };
 
-/// What the hand at such a device may do to the moving objects: no more force than the device can
-/// give to the hand, and no more speed than a hand has.
+/// The limits of a hand with this device on moving objects: the force that the device can give to
+/// the hand, and the speed of a fast hand.
 inline HandLimits hand_limits(const DeviceSpec& device) {
   return {.force = device.max_force, .speed = kFastestHand};
 }
 
-/// What became of the newest sample, for a picture of the scene. World frame.
+/// The outcome of the newest sample, for a picture of the scene. World frame.
 struct SampleOutcome {
   Command asked;  // by the scene, before the server's bound
   bool bounded = false, saturated = false, refused = false, gap = false;  // as in Reply
@@ -44,7 +44,7 @@ struct ProxyPlace {
   double depth = 0.0;
 };
 
-/// What a batch came to: `reply` holds when `drop` is none, and goes out unless it is `withheld`.
+/// The outcome of a batch. `reply` is valid where `drop` is none. It is sent unless `withheld`.
 struct Taken {
   DropReason drop = DropReason::none;
   bool withheld = false;
@@ -70,7 +70,7 @@ class Session {
   /// command does. `age` [s] of that sample. Precondition: the session has a world.
   void push(double age) noexcept;
 
-  /// Of a step of the world that came to nothing: World::blame() of this hand.
+  /// After a bad step of the world: World::blame() of this hand.
   double blame() const noexcept { return world_ == nullptr ? 0.0 : world_->blame(body_contacts_); }
 
   /// A scene and its world for a hand that has touched nothing in them yet. Both must outlive the
@@ -91,7 +91,7 @@ class Session {
   /// told as of a reload, since the surface under its hand is another. A stick point begins anew
   /// where a surface without friction gets some. Precondition: the view is of the same tool.
   void adopt(const ToolView& view, std::size_t object) noexcept;
-  /// What the hand may do to the moving objects.
+  /// The limits of this hand on moving objects.
   HandLimits limits() const { return hand_limits(device_); }
 
   /// Counts a datagram of this session whose packet number had been seen.
@@ -104,12 +104,16 @@ class Session {
   /// paid for it), so the change itself can give the hand no energy. Throws std::invalid_argument
   /// and changes nothing when they are not possible or the servo period differs.
   void set_parameters(const SessionParameters& parameters);
+  /// The client has taken another law. `parameters` are those in force with that law; it gets those
+  /// before. Precondition: the client bounds, before and after. Never allocates.
+  void put_law(SessionParameters& parameters) noexcept;
 
   const SessionParameters& parameters() const { return parameters_; }
   const DeviceSpec& device() const { return device_; }
   const std::string& client() const { return client_; }
   const SessionCounters& counters() const { return counters_; }
-  /// Whether it feels nothing, acts on nothing and is shown the scene instead.
+  /// Whether it feels nothing and acts on nothing: an observer is shown the scene instead, a robot
+  /// is told its targets.
   bool observes() const { return observes_; }
   /// The newest sample taken; its index is 0 before the first.
   const Sample& newest() const { return last_; }
@@ -118,8 +122,8 @@ class Session {
   const SampleOutcome& outcome() const { return outcome_; }
   /// The newest that its client has said of the hand; empty: nothing yet.
   const std::optional<HandReport>& report() const { return report_; }
-  /// Of the newest sample. Asks the surfaces that it touches once more, so it is not for every
-  /// sample. Precondition: there is one.
+  /// The proxy at the newest sample. It computes the touched surfaces again, so do not call it at
+  /// every sample. Precondition: there is a sample.
   ProxyPlace proxy() const noexcept;
 
   /// The surfaces near the tool at the newest sample, as its client is told them. Of reach 0 where

@@ -23,7 +23,7 @@ struct EndedSession {
   SessionEnd how = SessionEnd::goodbye;
   friend bool operator==(const EndedSession&, const EndedSession&) = default;
 };
-/// In words that go on after a colon.
+/// The reason in words, to stand after a colon.
 std::string_view text(SessionEnd how);
 
 }  // namespace feltwire

@@ -23,7 +23,7 @@ control::SessionDescriptions SceneSessions::describe_after(std::uint32_t number)
     entry.client = session.client();
     entry.device = session.device().name;
     entry.tool = slot->tool;
-    entry.role = session.observes() ? Role::observer : Role::operator_;
+    entry.role = slot->role;
     entry.parameters = session.parameters();
     entry.samples = counters.samples;
     entry.missed = counters.missed;
@@ -32,6 +32,11 @@ control::SessionDescriptions SceneSessions::describe_after(std::uint32_t number)
     if (const auto& report = session.report()) {
       if (report->round_trip > 0.0) entry.round_trip = report->round_trip;
       if (report->has_account) entry.balance = report->balance;
+    }
+    entry.takes = slot->takes;
+    if (slot->asked) {
+      entry.asked = slot->asked->what;
+      entry.answer = slot->asked->answer;
     }
     list.sessions.push_back(std::move(entry));
   }

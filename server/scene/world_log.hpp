@@ -9,7 +9,7 @@
 
 namespace feltwire {
 
-/// What a world and its scene have counted so far.
+/// The totals of a world and its scene since they began.
 struct WorldNews {
   WorldCounters counters = {};
   std::uint64_t ticks_dropped = 0;

@@ -42,7 +42,7 @@ const Token* Audience::admin_of(const Seat& seat) const {
   for (const std::string* id : {&seat.token, &seat.admin}) {
     const Token* token = find_token(tokens_.tokens(), *id);
     if (token != nullptr && seat.stage != nullptr && !expired(*token, calendar_now()) &&
-        covers(token->role, Role::admin) && opens(*token, seat.stage->host->name()))
+        covers(token->role, Role::admin) && opens(*token, seat.stage->scene->name()))
       return token;
   }
   return nullptr;
@@ -50,12 +50,13 @@ const Token* Audience::admin_of(const Seat& seat) const {
 
 /// Does what is an admin's to ask; false where the message asks nothing of that kind.
 bool Audience::act(Seat& seat, const ViewerMessage& message) {
+  if (!message.admin && !message.set && !message.evict && !message.reload) return false;
+  if (only_shown(seat)) return true;
   if (message.admin) {
     become_admin(seat, *message.admin);
     return true;
   }
-  if (!message.set && !message.evict && !message.reload) return false;
-  if (const auto wrong = tokens_.refresh()) spdlog::error("{}", visible(*wrong));
+  refresh_tokens();
   const Token* admin = admin_of(seat);
   if (admin == nullptr) {
     seat.viewer->send(refused("this is for admins of the scene; enter the token of one"));
@@ -73,14 +74,10 @@ bool Audience::act(Seat& seat, const ViewerMessage& message) {
 }
 
 void Audience::become_admin(Seat& seat, std::string_view text) {
-  if (const auto wrong = tokens_.refresh()) spdlog::error("{}", visible(*wrong));
-  const Token* token = authenticate(tokens_.tokens(), text, calendar_now());
+  const Token* token = good_token(text);
   if (token == nullptr) {
-    ++counters_.refused;
-    if (!wrong_tokens_.take(seat.network, monotonic_now()))
-      return refuse(seat.id, WebSocketClose::too_many,
-                    "too many wrong tokens from this network; wait a minute");
-    return seat.viewer->send(refused("the token is not good: it is unknown, revoked or expired"));
+    if (may_try_again(seat)) seat.viewer->send(refused(kNoGoodToken));
+    return;
   }
   seat.admin = token->id;
   if (admin_of(seat) == nullptr) {
@@ -91,6 +88,16 @@ void Audience::become_admin(Seat& seat, std::string_view text) {
   seat.viewer->send(admin_text());
 }
 
+/// The same for all who ask: whoever they are, nothing can be done here.
+bool Audience::only_shown(const Seat& seat) {
+  if (seat.stage == nullptr || seat.stage->scene->controls() != nullptr) return false;
+  seat.viewer->send(
+      refused("this page only looks on at the server; change the scene on the page of the server "
+              "itself, or "
+              "with feltwire-client admin"));
+  return true;
+}
+
 void Audience::set(Seat& seat, const ViewerSet& wanted) {
   if (wanted.gravity) return change(seat, GravityChange{*wanted.gravity});
   if (wanted.session.empty()) return change(seat, wanted.material);
@@ -99,8 +106,9 @@ void Audience::set(Seat& seat, const ViewerSet& wanted) {
   const auto hand = std::ranges::find(hands, id, &HandDescription::session);
   if (hand == hands.end())
     return seat.viewer->send(refused("there is no session " + wanted.session + " here"));
+  if (wanted.link) return change(seat, LinkChange{id, *wanted.link});
   try {
-    change(seat, ParameterChange{id, with(hand->parameters, wanted)});
+    change(seat, ParameterChange{id, with(hand->parameters.value_or(SessionParameters{}), wanted)});
   } catch (const std::invalid_argument& error) {
     seat.viewer->send(refused(error.what()));
   }
@@ -108,8 +116,8 @@ void Audience::set(Seat& seat, const ViewerSet& wanted) {
 
 /// In the scene's thread. A viewer that has left meanwhile hears nothing of it.
 void Audience::change(Seat& seat, LiveChange change) {
-  const std::string by = who(*admin_of(seat)), scene = seat.stage->host->name();
-  seat.stage->host->change(
+  const std::string by = who(*admin_of(seat)), scene = seat.stage->scene->name();
+  seat.stage->scene->controls()->change(
       std::move(change), io_,
       [this, by, scene, id = seat.id,
        alive = std::weak_ptr(alive_)](std::variant<std::string, control::Refused> outcome) {
@@ -129,8 +137,8 @@ void Audience::evict(Seat& seat, const std::string& session) {
   const auto& hands = seat.stage->hands;
   if (std::ranges::find(hands, id, &HandDescription::session) == hands.end())
     return seat.viewer->send(refused("there is no session " + session + " here"));
-  seat.stage->host->evict(id);
-  spdlog::info("scene {}: session {} was evicted by {}", visible(seat.stage->host->name()), id,
+  seat.stage->scene->controls()->evict(id);
+  spdlog::info("scene {}: session {} was evicted by {}", visible(seat.stage->scene->name()), id,
                who(*admin_of(seat)));
   seat.viewer->send(changed_text("the session is evicted"));
 }
@@ -138,16 +146,16 @@ void Audience::evict(Seat& seat, const std::string& session) {
 void Audience::reload(Seat& seat) {
   if (!reload_) return seat.viewer->send(refused("this server has its scenes from no file"));
   const auto stage = std::ranges::find(stages_, seat.stage, &std::unique_ptr<Stage>::get);
-  spdlog::info("scene {} is reloaded by {}", visible(seat.stage->host->name()),
+  spdlog::info("scene {} is reloaded by {}", visible(seat.stage->scene->name()),
                who(*admin_of(seat)));
   reload_(static_cast<std::size_t>(stage - stages_.begin()));
 }
 
-void Audience::tell(std::size_t host, const std::optional<std::string>& wrong) {
-  const Stage* stage = stages_.at(host).get();
+void Audience::tell(std::size_t scene, const std::optional<std::string>& wrong) {
+  const Stage* stage = stages_.at(scene).get();
   const std::string line =
       wrong ? log_text("error", *wrong)
-            : log_text("info", "Scene " + stage->host->name() + " was reloaded from its file.");
+            : log_text("info", "Scene " + stage->scene->name() + " was reloaded from its file.");
   for (const auto& [id, seat] : seats_)
     if (seat.stage == stage && !seat.foxglove && (!wrong || admin_of(seat) != nullptr))
       seat.viewer->send(line);

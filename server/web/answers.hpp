@@ -23,19 +23,19 @@ inline constexpr std::string_view kLiveProtocol = "feltwire.live.v1";
 /// had.
 inline constexpr std::string_view kFoxglovePath = "/foxglove", kTicketPath = "/ticket";
 
-/// What is asked for, and by which rules.
+/// The content of the site and the rules for its requests.
 struct Site {
   std::span<const PageAsset> page;
   std::span<const std::string> names;  // that it may be asked by, beside IP addresses
   bool secure = false;                 // by TLS; else it is asked on this machine alone
-  /// What `/metrics` answers; empty: there is none.
+  /// Makes the answer to `/metrics`; empty: there is no such page.
   std::function<std::string()> metrics = {};
   /// Whether a text is a good token. Asked for `/ticket`, and for `/metrics` where the site is
   /// secure.
   std::function<bool(std::string_view token)> opens = {};
   /// A ticket for a scene that the token opens; nothing where it opens none of that name.
   std::function<std::optional<Secret>(std::string_view token, std::string_view scene)> mint = {};
-  /// What a ticket opens, which is void from then on.
+  /// Redeems a ticket: it is void from then on.
   std::function<std::optional<ViewTicket>(std::string_view ticket)> redeem = {};
 };
 

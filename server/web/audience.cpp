@@ -20,16 +20,16 @@ constexpr double kPointRate = 120.0;  // [1/s] besides, and at once, of one that
 
 }  // namespace
 
-Audience::Audience(asio::io_context& io, const Hosts& hosts, TokenFile tokens, PageHands* hands,
+Audience::Audience(asio::io_context& io, const Scenes& scenes, TokenFile tokens, PageHands* hands,
                    Reload reload)
     : io_(io),
       tokens_(std::move(tokens)),
       hands_(hands),
       reload_(std::move(reload)),
       begin_(monotonic_now()) {
-  for (const auto& host : hosts) {
+  for (SceneInView* scene : scenes) {
     stages_.push_back(std::make_unique<Stage>());
-    stages_.back()->host = host.get();
+    stages_.back()->scene = scene;
   }
 }
 
@@ -75,7 +75,7 @@ void Audience::follow(Seat& seat, const ViewerMessage& said) {
   if (said.hand == "release") seat.hand.release();
   if (said.hand == "take" && seat.stage != nullptr) {
     ++counters_.hands;
-    seat.hand.take(seat.stage->host->name());
+    seat.hand.take(seat.stage->scene->name());
   }
   if (said.watch) return watch(seat, *said.watch);
   if (said.ticket) give_ticket(seat, *said.ticket);
@@ -87,24 +87,36 @@ bool Audience::is_full() const {
   return static_cast<std::size_t>(known) >= kMostViewers;
 }
 
+void Audience::refresh_tokens() {
+  if (const auto wrong = tokens_.refresh()) spdlog::error("{}", visible(*wrong));
+}
+
+const Token* Audience::good_token(std::string_view text) {
+  refresh_tokens();
+  return authenticate(tokens_.tokens(), text, calendar_now());
+}
+
+bool Audience::may_try_again(const Seat& seat) {
+  ++counters_.refused;
+  if (wrong_tokens_.take(seat.network, monotonic_now())) return true;
+  refuse(seat.id, WebSocketClose::too_many,
+         "too many wrong tokens from this network; wait a minute");
+  return false;
+}
+
 void Audience::admit(Seat& seat, std::string_view text) {
   if (is_full()) {
     ++counters_.refused;
     return refuse(seat.id, WebSocketClose::too_many, kFull);
   }
-  if (const auto wrong = tokens_.refresh()) spdlog::error("{}", visible(*wrong));
-  const Token* token = authenticate(tokens_.tokens(), text, calendar_now());
+  const Token* token = good_token(text);
   if (token == nullptr) {
-    ++counters_.refused;
-    if (!wrong_tokens_.take(seat.network, monotonic_now()))
-      return refuse(seat.id, WebSocketClose::too_many,
-                    "too many wrong tokens from this network; wait a minute");
-    return refuse(seat.id, WebSocketClose::bad_token,
-                  "the token is not good: it is unknown, revoked or expired");
+    if (may_try_again(seat)) refuse(seat.id, WebSocketClose::bad_token, kNoGoodToken);
+    return;
   }
   std::vector<std::string> scenes;
   for (const auto& stage : stages_)
-    if (opens(*token, stage->host->name())) scenes.push_back(stage->host->name());
+    if (opens(*token, stage->scene->name())) scenes.push_back(stage->scene->name());
   if (scenes.empty()) {
     ++counters_.refused;
     return refuse(seat.id, WebSocketClose::bad_token, "the token opens no scene of this server");
@@ -122,8 +134,7 @@ void Audience::admit(Seat& seat, std::string_view text) {
 }
 
 bool Audience::opens_something(std::string_view text, const asio::ip::address& address) {
-  if (const auto wrong = tokens_.refresh()) spdlog::error("{}", visible(*wrong));
-  if (authenticate(tokens_.tokens(), text, calendar_now()) != nullptr) return true;
+  if (good_token(text) != nullptr) return true;
   wrong_tokens_.take(network_of(address), monotonic_now());
   return false;
 }
@@ -146,12 +157,12 @@ void Audience::admit(Id id, const ViewTicket& ticket) {
 
 std::optional<Secret> Audience::mint_ticket(const Token& by, std::string_view scene) {
   const auto shown = std::ranges::find_if(stages_, [&](const auto& stage) {
-    const std::string& name = stage->host->name();
+    const std::string& name = stage->scene->name();
     return (scene.empty() || name == scene) && opens(by, name);
   });
   if (shown == stages_.end()) return std::nullopt;
   ++counters_.tickets;
-  return tickets_.mint(by, (*shown)->host->name(), calendar_now());
+  return tickets_.mint(by, (*shown)->scene->name(), calendar_now());
 }
 
 std::optional<Secret> Audience::mint_ticket(std::string_view text, std::string_view scene) {
@@ -181,7 +192,7 @@ void Audience::give_ticket(Seat& seat, std::string_view scene) {
 void Audience::watch(Seat& seat, std::string_view scene) {
   const Token* token = find_token(tokens_.tokens(), seat.token);
   for (const auto& stage : stages_) {
-    if (stage->host->name() != scene || token == nullptr || !opens(*token, scene)) continue;
+    if (stage->scene->name() != scene || token == nullptr || !opens(*token, scene)) continue;
     if (seat.stage != stage.get()) seat.hand.release();
     seat.stage = stage.get();
     seat.version = 0;
@@ -200,7 +211,7 @@ bool Audience::watched(const Stage& stage) const {
 void Audience::look_after_tokens(Nanoseconds now) {
   if (now - looked_at_tokens_ < kBetweenTokenLooks) return;
   looked_at_tokens_ = now;
-  if (const auto wrong = tokens_.refresh()) spdlog::error("{}", visible(*wrong));
+  refresh_tokens();
   std::vector<Id> gone;
   for (const auto& [id, seat] : seats_) {
     if (seat.token.empty()) continue;
@@ -220,7 +231,7 @@ void Audience::tick(Nanoseconds now) {
 }
 
 void Audience::show(Stage& stage, Nanoseconds now) {
-  const SceneHost::CurrentScene current = stage.host->current_scene();
+  const SceneInView::CurrentScene current = stage.scene->current_scene();
   if (current.version != stage.version) {
     stage.text = scene_text(*current.scene, current.version);
     stage.geometry = geometry(*current.scene, current.version);
@@ -231,6 +242,7 @@ void Audience::show(Stage& stage, Nanoseconds now) {
     stage.materials = materials_text(*current.scene, current.version, current.gravity);
     stage.changes = current.changes;
   }
+  tell_of_sight(stage);
   // A viewer that has not taken what it was sent before is sent nothing now.
   std::vector<Seat*> ready;
   for (auto& [id, seat] : seats_) {
@@ -248,7 +260,7 @@ void Audience::show(Stage& stage, Nanoseconds now) {
       seat->viewer->send(stage.materials);
     }
 
-  const bool news = stage.host->pictures().take(stage.picture);
+  const bool news = stage.scene->take_picture(stage.picture);
   if (news && stage.picture.version == stage.version) {
     const Bytes shown = picture(stage.picture, stage.rates, begin_);
     const Bytes near = surfaces(stage.picture);
@@ -265,12 +277,23 @@ void Audience::show(Stage& stage, Nanoseconds now) {
   count_rates(stage);
   const std::string text = sessions(stage.hands, stage.picture, stage.rates, seconds(now - begin_));
   for (Seat* seat : ready) seat->viewer->send(text);
-  stage.host->describe(io_,
-                       [&stage, alive = std::weak_ptr(alive_)](std::vector<HandDescription> hands) {
-                         if (alive.expired()) return;
-                         stage.hands = std::move(hands);
-                         stage.describing = false;
-                       });
+  stage.scene->describe(
+      io_, [&stage, alive = std::weak_ptr(alive_)](std::vector<HandDescription> hands) {
+        if (alive.expired()) return;
+        stage.hands = std::move(hands);
+        stage.describing = false;
+      });
+}
+
+/// A line for those who watch, when the scene is lost from sight and when it is there again.
+void Audience::tell_of_sight(Stage& stage) {
+  std::optional<std::string> hidden = stage.scene->out_of_sight();
+  if (hidden == stage.hidden) return;
+  const std::string line = hidden ? log_text("error", *hidden)
+                                  : log_text("info", "Scene " + stage.scene->name() + " is seen.");
+  stage.hidden = std::move(hidden);
+  for (const auto& [id, seat] : seats_)
+    if (seat.stage == &stage && !seat.foxglove && seat.version != 0) seat.viewer->send(line);
 }
 
 /// To those who speak the Foxglove protocol.
@@ -283,7 +306,7 @@ void Audience::show_elsewhere(Stage& stage, Nanoseconds now, bool news) {
       continue;
     }
     if (!std::exchange(encoded, true)) {
-      stage.foxglove.set(*stage.host->current_scene().scene, stage.version, now);
+      stage.foxglove.set(*stage.scene->current_scene().scene, stage.version, now);
       if (news && stage.picture.version == stage.version) stage.foxglove.set(stage.picture);
     }
     seat.foxglove->show(stage.foxglove);
@@ -297,6 +320,7 @@ void Audience::show_scene(Stage& stage, Seat& seat) {
   seat.viewer->send(stage.text);
   for (const Bytes& object : stage.geometry) seat.viewer->send(object);
   seat.viewer->send(stage.materials);
+  if (stage.hidden) seat.viewer->send(log_text("error", *stage.hidden));
 }
 
 /// From the counters of the newest picture and of the one half a second before.

@@ -15,7 +15,7 @@
 #include "server/access/network.hpp"
 #include "server/access/rate_limit.hpp"
 #include "server/access/token_file.hpp"
-#include "server/scene/scene_host.hpp"
+#include "server/picture/scene_in_view.hpp"
 #include "server/web/page_hands.hpp"
 #include "server/web/view_tickets.hpp"
 #include "server/web/viewer.hpp"
@@ -35,16 +35,17 @@ struct AudienceCounters {
 
 class Audience {
  public:
-  using Hosts = std::vector<std::unique_ptr<SceneHost>>;
+  using Scenes = std::vector<SceneInView*>;
   static constexpr std::size_t kMostViewers = 32;
   static constexpr std::size_t kMostMessage = 4096;  // [bytes] from a viewer
 
-  /// Has the scene of a host read anew; how that ended is told() later. Empty: no scene can be.
-  using Reload = std::function<void(std::size_t host)>;
+  /// Has a scene, by its place among them, read anew; how that ended is told() later. Empty: none
+  /// can be.
+  using Reload = std::function<void(std::size_t scene)>;
 
-  /// `io` runs on the thread that calls everything here; it, the hosts and `hands` outlive this.
+  /// `io` runs on the thread that calls everything here; it, the scenes and `hands` outlive this.
   /// `hands`: those that viewers may hold; null: none.
-  Audience(asio::io_context& io, const Hosts& hosts, TokenFile tokens, PageHands* hands = nullptr,
+  Audience(asio::io_context& io, const Scenes& scenes, TokenFile tokens, PageHands* hands = nullptr,
            Reload reload = {});
   ~Audience();
 
@@ -57,9 +58,9 @@ class Audience {
   /// A text message of a viewer. It may have left when this returns.
   void receive(Id id, std::string_view message);
 
-  /// A load of the scene of a host has ended: a line for those who watch it; what is wrong with its
-  /// file for admins alone.
-  void tell(std::size_t host, const std::optional<std::string>& wrong);
+  /// A load of a scene has ended: a line for those who watch it; what is wrong with its file for
+  /// admins alone.
+  void tell(std::size_t scene, const std::optional<std::string>& wrong);
 
   /// Whether a text from this address is a good token. Wrong ones are limited.
   bool opens_something(std::string_view token, const asio::ip::address& address);
@@ -67,8 +68,8 @@ class Audience {
   /// A ticket for a scene, by its name; an empty name is the first that the token opens. Nothing
   /// where the token is not good, or opens no such scene.
   std::optional<Secret> mint_ticket(std::string_view token, std::string_view scene);
-  /// What a ticket from this address opens; it is void from then on. Wrong ones count as
-  /// wrong tokens of that network.
+  /// Redeems a ticket that came from this address: it is void from then on. A wrong ticket counts
+  /// as a wrong token of that network.
   std::optional<ViewTicket> redeem_ticket(std::string_view ticket,
                                           const asio::ip::address& address);
 
@@ -83,6 +84,11 @@ class Audience {
   struct Seat;
   struct Stage;
   void admit(Seat& seat, std::string_view token);
+  void refresh_tokens();
+  /// The token with this text, of the file as it now is; null: there is none that is good.
+  const Token* good_token(std::string_view text);
+  /// Counts a wrong token. False: there were too many, and the viewer was refused for it.
+  bool may_try_again(const Seat& seat);
   void watch(Seat& seat, std::string_view scene);
   void give_ticket(Seat& seat, std::string_view scene);
   bool is_full() const;
@@ -92,6 +98,7 @@ class Audience {
   // server/web/admin_actions.cpp
   const Token* admin_of(const Seat& seat) const;
   bool act(Seat& seat, const struct ViewerMessage& message);
+  static bool only_shown(const Seat& seat);
   void become_admin(Seat& seat, std::string_view token);
   void set(Seat& seat, const struct ViewerSet& wanted);
   void change(Seat& seat, LiveChange change);
@@ -99,6 +106,7 @@ class Audience {
   void reload(Seat& seat);
   void look_after_tokens(Nanoseconds now);
   void show(Stage& stage, Nanoseconds now);
+  void tell_of_sight(Stage& stage);
   void count_rates(Stage& stage);
   void show_scene(Stage& stage, Seat& seat);
   void show_elsewhere(Stage& stage, Nanoseconds now, bool news);

@@ -12,7 +12,8 @@
 
 namespace feltwire::web {
 
-/// What may be subscribed to. The number of a channel on the wire is its place here.
+/// The channels that a viewer may subscribe to. The number of a channel on the wire is its place
+/// here.
 enum class FoxgloveChannel : std::uint8_t {
   geometry,    // what the scene's objects look like, at a change
   transforms,  // where what moves is
@@ -35,7 +36,7 @@ std::string foxglove_status(FoxgloveLevel level, std::string_view message);
 /// A message of a channel, for one subscription. `time` [ns] since 1970.
 Bytes foxglove_data(std::uint32_t subscription, std::uint64_t time, std::string_view payload);
 
-/// What a viewer says. What its operation does not need is not read.
+/// A request of a viewer. Members that its operation does not need are not read.
 struct FoxgloveRequest {
   struct Subscription {
     std::uint32_t id = 0, channel = 0;

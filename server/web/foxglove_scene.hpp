@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "core/scene/scene.hpp"
-#include "server/scene/picture.hpp"
+#include "server/picture/picture.hpp"
 #include "server/web/foxglove_messages.hpp"
 
 namespace feltwire::web {

@@ -21,7 +21,7 @@ struct HttpRequest {
   std::string query;   // behind '?', as it came; may be empty
   std::vector<HttpHeader> headers;
 
-  /// Of the only header of this name (lower case); null: there is none, or more than one.
+  /// The value of the one header of this name (lower case); null: there is none, or more than one.
   const std::string* header(std::string_view name) const noexcept;
 };
 

@@ -14,6 +14,7 @@
 #include "core/build_info/build_info.hpp"
 #include "core/local_model/local_model.hpp"
 #include "core/tool/body_tool.hpp"
+#include "protocol/session/material_fields.hpp"
 #include "server/access/json_text.hpp"
 #include "server/web/object_triangles.hpp"
 
@@ -27,6 +28,8 @@ using json_text::text;
 // The first byte of a binary message.
 enum class Kind : std::uint8_t { geometry = 1, picture = 2, surfaces = 3 };
 
+constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+
 /// JSON has no word for what is not finite.
 std::string number(double value) {
   if (!std::isfinite(value)) return "null";
@@ -34,6 +37,7 @@ std::string number(double value) {
   return {text.data(), std::to_chars(text.data(), text.data() + text.size(), value).ptr};
 }
 std::string number(std::uint64_t value) { return json_text::number(value); }
+std::string text_or_null(const std::string& value) { return value.empty() ? "null" : text(value); }
 std::string flag(bool value) { return value ? "true" : "false"; }
 std::string vector(const Vec3& v) {
   return "[" + number(v.x()) + "," + number(v.y()) + "," + number(v.z()) + "]";
@@ -214,12 +218,11 @@ std::string materials_text(const Scene& scene, std::uint32_t version,
                            const std::optional<Vec3>& gravity) {
   std::vector<std::string> entries;
   for (const Object& object : scene.objects()) {
-    const Material& m = object.material;
-    entries.push_back(json_text::object({{"stiffness", number(m.stiffness)},
-                                         {"damping", number(m.damping)},
-                                         {"static_friction", number(m.static_friction)},
-                                         {"dynamic_friction", number(m.dynamic_friction)},
-                                         {"viscous_friction", number(m.viscous_friction)}}));
+    std::vector<json_text::Member> fields;
+    fields.reserve(std::size(kMaterialFields));
+    for (const MaterialField& field : kMaterialFields)
+      fields.emplace_back(field.name, number(object.material.*field.value));
+    entries.push_back(json_text::object(fields));
   }
   return json_text::object({{"type", text("materials")},
                             {"version", number(std::uint64_t{version})},
@@ -268,7 +271,6 @@ std::vector<Bytes> geometry(const Scene& scene, std::uint32_t version) {
 
 Bytes picture(const Picture& picture, std::span<const HandRates> rates, Nanoseconds begin) {
   constexpr std::size_t kHead = 24, kHand = 112, kBody = 32;
-  constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
   Writer writer(Kind::picture,
                 kHead + kHand * picture.hands.size() + kBody * picture.bodies.size());
   writer.put(static_cast<std::uint32_t>(picture.hands.size()));
@@ -327,23 +329,32 @@ std::string sessions(std::span<const HandDescription> hands, const Picture& pict
     const HandRates* rate = rates_of(rates, hand.number);
     const auto seen = std::ranges::find(picture.hands, hand.number, &PictureHand::number);
     const bool known = seen != picture.hands.end();
-    const double period = hand.parameters.servo_period;
+    const auto& parameters = hand.parameters;
+    const double period = parameters ? parameters->servo_period : kUnknown;
     entries.push_back(json_text::object(
         {{"number", number(std::uint64_t{hand.number})},
          {"session", text(std::to_string(hand.session))},  // JavaScript's numbers are too short
-         {"client", text(hand.client)},
-         {"device", text(hand.device)},
+         {"client", text_or_null(hand.client)},
+         {"device", text_or_null(hand.device)},
          {"tool", text(hand.tool)},
-         {"mode", text(hand.parameters.mode)},
-         {"side", text(name(hand.parameters.side))},
-         {"local_model", flag(hand.parameters.local_model)},
+         {"mode", parameters ? text(parameters->mode) : "null"},
+         {"side", parameters ? text(name(parameters->side)) : "null"},
+         {"projection", parameters ? text(name(parameters->projection)) : "null"},
+         {"storage", parameters ? text(name(parameters->storage)) : "null"},
+         {"laws_taken", text(name(hand.takes.laws))},
+         {"link_taken", flag(hand.takes.link)},
+         {"asked", text_or_null(hand.asked)},
+         {"answer", hand.asked.empty() ? "null" : text(name(hand.answer))},
+         {"local_model", parameters ? flag(parameters->local_model) : "null"},
          {"rate_hz", number(1.0 / period)},
-         {"packet_hz", number(1.0 / (period * hand.parameters.packet_interval))},
+         {"packet_hz", parameters ? number(1.0 / (period * parameters->packet_interval)) : "null"},
          {"samples_per_s", rate != nullptr ? number(rate->samples) : "null"},
          {"loss", rate != nullptr ? number(rate->loss) : "null"},
          {"round_trip_ms", known && seen->report && seen->report->round_trip > 0.0
                                ? number(1e3 * seen->report->round_trip)
                                : "null"},
+         {"late_ticks",
+          known && seen->report ? number(std::uint64_t{seen->report->late_ticks}) : "null"},
          {"delivered_j", known ? number(seen->delivered) : "null"},
          {"burned_j", known ? number(seen->burned) : "null"},
          {"samples", known ? number(seen->samples) : "null"}}));

@@ -12,7 +12,7 @@
 
 #include "core/scene/scene.hpp"
 #include "protocol/session/role.hpp"
-#include "server/scene/picture.hpp"
+#include "server/picture/picture.hpp"
 #include "server/web/page_hands.hpp"
 
 namespace feltwire::web {
@@ -58,9 +58,9 @@ Bytes surfaces(const Picture& picture);
 std::string sessions(std::span<const HandDescription> hands, const Picture& picture,
                      std::span<const HandRates> rates, double time);
 
-/// What has become of a viewer's own hand.
+/// The state of a viewer's own hand.
 std::string hand_text(const PageHand::Status& status);
-/// Where it has none: `free` (it may take one) or `refused`, for this reason.
+/// For a viewer without a hand: `free` (it may take one) or `refused`, with the reason.
 std::string hand_text(std::string_view state, std::string_view reason = {});
 
 }  // namespace feltwire::web

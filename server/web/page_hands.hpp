@@ -51,7 +51,7 @@ class PageHands {
   virtual std::shared_ptr<PageHand> take(const PageHandRequest& request) = 0;
 };
 
-/// What page hands are made of.
+/// The settings of all page hands.
 struct PageHandsSetup {
   std::string host;  // where the server's control port is reached from this machine
   std::uint16_t port = 0;

@@ -1,8 +1,6 @@
 #pragma once
 // Internal to server/web: what an audience knows of a scene and of a viewer.
 
-#include <chrono>
-
 #include "protocol/net/clock.hpp"
 #include "server/web/audience.hpp"
 #include "server/web/foxglove_viewer.hpp"
@@ -10,21 +8,13 @@
 
 namespace feltwire::web {
 
+inline constexpr const char* kNoGoodToken =
+    "the token is not good: it is unknown, revoked or expired";
 inline constexpr double kMessageRate = 20.0, kMessageBurst = 40.0;  // [1/s] of one viewer, at once
-
-inline CalendarTime calendar_now() {
-  return std::chrono::floor<std::chrono::seconds>(std::chrono::system_clock::now());
-}
-
-/// [ns] from the scenes' clock to the time since 1970.
-inline std::int64_t since_1970() {
-  const auto now = std::chrono::system_clock::now().time_since_epoch();
-  return (std::chrono::duration_cast<Nanoseconds>(now) - monotonic_now()).count();
-}
 
 /// One scene as it is shown.
 struct Audience::Stage {
-  SceneHost* host;
+  SceneInView* scene;
   // Of the version that is shown, made once for all viewers.
   std::uint32_t version = 0, changes = 0;
   std::string text, materials;
@@ -35,7 +25,8 @@ struct Audience::Stage {
   std::vector<HandDescription> hands;
   Nanoseconds described{0};
   bool describing = false;
-  FoxgloveScene foxglove{since_1970()};
+  std::optional<std::string> hidden;  // why it cannot be seen, of which viewers were told
+  FoxgloveScene foxglove{clock_offset()};
 };
 
 struct Audience::Seat {

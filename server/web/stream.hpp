@@ -23,9 +23,9 @@ class Stream {
   virtual ~Stream() = default;
   /// Before all else.
   virtual void handshake(Done done) = 0;
-  /// What comes next; at least one byte where there is no error.
+  /// Reads the next bytes: at least one where there is no error.
   virtual void read(Read done) = 0;
-  /// All of it.
+  /// Writes all bytes.
   virtual void write(std::vector<std::uint8_t> bytes, Done done) = 0;
   /// Says that nothing more is written; reading goes on.
   virtual void end_writing() = 0;

@@ -12,7 +12,7 @@
 
 namespace feltwire::web {
 
-/// What a ticket opened: a scene, on behalf of a token.
+/// The right that a ticket gives: to look at one scene, on behalf of a token.
 struct ViewTicket {
   std::string token;  // its id
   std::string scene;
@@ -25,8 +25,8 @@ class ViewTickets {
 
   /// A ticket for a scene that the token opens. The text is written down nowhere.
   Secret mint(const Token& by, const std::string& scene, CalendarTime now);
-  /// What the text opens; it is void from then on. Nothing where it is no ticket, was used, or is
-  /// too old.
+  /// Redeems a ticket: it is void from then on. Nothing where the text is no ticket, or the ticket
+  /// was used or is too old.
   std::optional<ViewTicket> redeem(std::string_view text, CalendarTime now);
 
  private:

@@ -4,21 +4,17 @@
 #include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <utility>
+
+#include "protocol/session/material_fields.hpp"
 
 namespace feltwire::web {
 namespace {
 
-struct NumberMember {
-  std::string_view name;
-  std::optional<double> MaterialChange::*value;
-};
-constexpr std::array<NumberMember, 5> kNumbers = {{
-    {"stiffness", &MaterialChange::stiffness},
-    {"damping", &MaterialChange::damping},
-    {"static_friction", &MaterialChange::static_friction},
-    {"dynamic_friction", &MaterialChange::dynamic_friction},
-    {"viscous_friction", &MaterialChange::viscous_friction},
-}};
+constexpr std::array<std::pair<std::string_view, double LinkQuality::*>, 3> kLinkFields = {
+    {{"link_delay", &LinkQuality::delay},
+     {"link_jitter", &LinkQuality::jitter},
+     {"link_loss", &LinkQuality::loss}}};
 
 /// Keeps the members of the outermost object, and those of its member `set`. No tree is made: the
 /// destructor of one allocates, and ends the program where there is no memory.
@@ -95,9 +91,15 @@ class Members : public nlohmann::json_sax<nlohmann::json> {
       (*message.set->gravity)[numbers_++] = given;
       return true;
     }
-    for (const NumberMember& member : kNumbers)
-      if (member.name == member_) {
-        message.set->material.*member.value = given;
+    for (const auto& [name, field] : kLinkFields)
+      if (name == member_) {
+        if (!message.set->link) message.set->link.emplace();
+        (*message.set->link).*field = given;
+        return true;
+      }
+    for (const MaterialField& field : kMaterialFields)
+      if (field.name == member_) {
+        message.set->material.*field.wanted = given;
         return true;
       }
     return false;

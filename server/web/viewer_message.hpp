@@ -6,17 +6,19 @@
 #include <string_view>
 
 #include "core/base/types.hpp"
+#include "protocol/session/client_change.hpp"
 #include "protocol/session/material_change.hpp"
 
 namespace feltwire::web {
 
-/// What an admin wants to be otherwise: the material of an object, gravity, or the bound of a
-/// session, by which of the members is given.
+/// A change that an admin asks for: the material of an object, gravity, or the bound or the link of
+/// a session, by which of the members is given.
 struct ViewerSet {
   MaterialChange material;
   std::optional<Vec3> gravity;                           // [m/s^2]
   std::string session;                                   // its id, in decimal digits
   std::optional<std::string> mode, projection, storage;  // of that session
+  std::optional<LinkQuality> link;  // that its client emulates; what is not given is 0
 };
 
 /// One JSON object; what it leaves out is not there, what else it has is not read.

@@ -27,11 +27,11 @@ std::optional<asio::ssl::context> tls_for(const asio::ip::address& address,
 
 }  // namespace
 
-WebServer::WebServer(const WebOptions& options, const Audience::Hosts& hosts, TokenFile tokens,
+WebServer::WebServer(const WebOptions& options, const Audience::Scenes& scenes, TokenFile tokens,
                      const Identity& identity)
     : options_(options),
       tls_(tls_for(options.address, identity)),
-      audience_(io_, hosts, std::move(tokens), options.hands, options.reload),
+      audience_(io_, scenes, std::move(tokens), options.hands, options.reload),
       places_(options.max_connections, options.max_connections_per_network) {
   port_ = listen_on(acceptor_, {options.address, options.port}, "--web");
 }
@@ -58,8 +58,8 @@ void WebServer::stop() {
   thread_.join();
 }
 
-void WebServer::tell(std::size_t host, std::optional<std::string> wrong) {
-  asio::post(io_, [this, host, wrong = std::move(wrong)] { audience_.tell(host, wrong); });
+void WebServer::tell(std::size_t scene, std::optional<std::string> wrong) {
+  asio::post(io_, [this, scene, wrong = std::move(wrong)] { audience_.tell(scene, wrong); });
 }
 
 void WebServer::end_all() {
@@ -79,6 +79,10 @@ std::string WebServer::host() const {
   if (options_.address.is_unspecified()) return "127.0.0.1";
   const std::string text = options_.address.to_string();
   return options_.address.is_v6() ? "[" + text + "]" : text;
+}
+
+std::string WebServer::url() const {
+  return (secure() ? "https://" : "http://") + host() + ":" + std::to_string(port_) + "/";
 }
 
 /// A connection's handlers catch for themselves; what escapes another handler is logged, and all

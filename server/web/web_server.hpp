@@ -29,17 +29,18 @@ struct WebOptions {
   std::size_t max_connections_per_network = 64;
   std::vector<std::string> names = {};  // that pages may be asked for by, beside IP addresses
   PageHands* hands = nullptr;           // that viewers may hold; outlives the server; null: none
-  /// What `/metrics` answers (docs/live_page.md), asked on the page's thread; empty: nothing.
+  /// Makes the answer to `/metrics` (docs/live_page.md), on the page's thread; empty: there is no
+  /// such page.
   std::function<std::string(const AudienceCounters& counters)> metrics = {};
-  /// Has a scene read anew (Audience::Reload), on the page's thread; empty: none can be.
+  /// Reads a scene's file again (Audience::Reload), on the page's thread; empty: not possible here.
   Audience::Reload reload = {};
 };
 
 class WebServer {
  public:
   /// Binds and listens. On a loopback address it speaks HTTP, on all others HTTPS with the
-  /// identity. Throws std::runtime_error in one line when it cannot. The hosts outlive this.
-  WebServer(const WebOptions& options, const Audience::Hosts& hosts, TokenFile tokens,
+  /// identity. Throws std::runtime_error in one line when it cannot. The scenes outlive this.
+  WebServer(const WebOptions& options, const Audience::Scenes& scenes, TokenFile tokens,
             const Identity& identity);
   ~WebServer();
   WebServer(const WebServer&) = delete;
@@ -50,18 +51,19 @@ class WebServer {
   /// Ends all connections and joins the thread. May be called again.
   void stop();
 
-  /// A load of the scene of a host has ended (Audience::tell). From any thread.
-  void tell(std::size_t host, std::optional<std::string> wrong);
+  /// A load of a scene has ended (Audience::tell). From any thread.
+  void tell(std::size_t scene, std::optional<std::string> wrong);
 
   std::uint16_t port() const { return port_; }
-  /// That a browser on this machine reaches it by.
-  std::string host() const;
-  bool secure() const { return tls_.has_value(); }
-  /// Of a server that is stopped, or on its thread.
+  /// The page's address for a browser on this machine: "http://127.0.0.1:6760/".
+  std::string url() const;
+  /// Precondition: the server is stopped, or the caller is on its thread.
   const AudienceCounters& counters() const { return audience_.counters(); }
 
  private:
   class Connection;
+  bool secure() const { return tls_.has_value(); }
+  std::string host() const;
   void run();
   void accept();
   void accept_later();

@@ -32,8 +32,8 @@ class WebSocket {
   WebSocket(const WebSocket&) = delete;
   WebSocket& operator=(const WebSocket&) = delete;
 
-  /// What came from the other end. Answers pings and closes. False where it cannot be a WebSocket's
-  /// bytes: nothing more should be read. Passes on what `take` throws.
+  /// Takes bytes from the other end. Answers pings and closes. False: they are not a WebSocket's
+  /// bytes, and nothing more should be read. Passes on what `take` throws.
   bool receive(std::span<const std::uint8_t> bytes);
   /// Throws std::bad_alloc. Nothing happens after close().
   void send_text(std::string_view message) { send(false, {bytes_of(message), message.size()}); }
@@ -43,7 +43,7 @@ class WebSocket {
   /// Whether both ends have said so.
   bool closed() const noexcept;
 
-  /// What is to be sent to the other end, in bytes; they are gone from here then.
+  /// Moves out the bytes that are to be sent to the other end.
   std::vector<std::uint8_t> take_output();
   bool has_output() const noexcept;
 

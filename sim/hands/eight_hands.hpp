@@ -13,6 +13,7 @@ struct NamedHand {
   Hand hand;
 };
 
+/// Each has the wrist of its arm: with_wrist() of the hand.
 /// From a firm grip to a tool that hangs on a thread. The numbers are chosen to span what is
 /// published of fingers and wrists, and beyond it: no hand has no damping.
 inline constexpr std::array<NamedHand, 8> kEightHands = {

@@ -97,25 +97,29 @@ const ToolView& view_of(const Scene& scene, const std::string& tool) {
 
 std::size_t filter_bound(std::istream& in, std::ostream& out, const BoundingConfig& config) {
   Bounding bounding(config);
-  CsvReader reader(in, "stdin", {"dx", "dy", "dz", "ex", "ey", "ez", "fx", "fy", "fz"}, {},
-                   CsvReader::NotFinite::accept);
-  PortEnergy port(config.damping, 0.0, config.period);
-  out << "rx,ry,rz,energy,active\n";
-  std::array<double, 9> row{};
+  std::vector<std::string> columns = {"dx", "dy", "dz", "ex", "ey", "ez", "fx", "fy", "fz"};
+  if (config.rotation) columns.insert(columns.end(), {"ax", "ay", "az", "tx", "ty", "tz"});
+  CsvReader reader(in, "stdin", columns, {}, CsvReader::NotFinite::accept);
+  PortEnergy port(config.damping, config.rotational_damping, config.period);
+  out << (config.rotation ? "rx,ry,rz,rtx,rty,rtz,energy,active\n" : "rx,ry,rz,energy,active\n");
+  std::array<double, 15> row{};
   Command held;
   std::size_t refused = 0;
   std::string line;
-  while (reader.next(row)) {
+  while (reader.next(std::span(row).first(columns.size()))) {
     BoundingStep step;
     step.displacement = {row[0], row[1], row[2]};
     step.hold_time = config.period;
     step.command.elastic = {row[3], row[4], row[5]};
     step.command.frictional = {row[6], row[7], row[8]};
-    port.step(held, step.displacement, Vec3::Zero(), config.period);
+    step.rotation = {row[9], row[10], row[11]};
+    step.command.torque = {row[12], row[13], row[14]};
+    port.step(held, step.displacement, step.rotation, config.period);
     const Bounded bounded = bounding.step(step);
     held = bounded.rendered;
     refused += bounded.refused;
     append(line, held.force());
+    if (config.rotation) append(line, held.torque);
     append(line, port.delivered().total());
     line += bounded.active ? ",1" : ",0";
     emit(in, out, line);

@@ -11,8 +11,10 @@ namespace feltwire {
 
 /// `feltwire-lab bound`. In: dx,dy,dz [m], ex,ey,ez [N] elastic and fx,fy,fz [N] frictional
 /// command, on the hand. Out: rx,ry,rz [N] rendered, energy [J] delivered to the hand so far (sum
-/// of f(n-1).dx(n)), active (0/1). Numbers that are not finite are read, and render zero. Returns
-/// how many rows were so refused. Throws CsvError for anything that is no number.
+/// of f(n-1).dx(n)), active (0/1). Where the configuration has rotation, also in: ax,ay,az [rad]
+/// the rotation vector since the last row, tx,ty,tz [N m]; out: rtx,rty,rtz [N m] rendered, and
+/// energy is that of all six degrees of freedom. Numbers that are not finite are read, and render
+/// zero. Returns how many rows were so refused. Throws CsvError for anything that is no number.
 std::size_t filter_bound(std::istream& in, std::ostream& out, const BoundingConfig& config);
 
 /// `feltwire-lab touch`. In: t [s], x,y,z [m]; of a tool with a body also qw,qx,qy,qz, how it is

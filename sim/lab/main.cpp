@@ -39,7 +39,7 @@ Damping damping_of(const std::vector<double>& n) {
     case 6:
       return Mat3{{n[0], n[3], n[4]}, {n[3], n[1], n[5]}, {n[4], n[5], n[2]}};
     default:
-      throw std::invalid_argument("--damping takes 1, 3 or 6 numbers, got " +
+      throw std::invalid_argument("a damping takes 1, 3 or 6 numbers, got " +
                                   std::to_string(n.size()));
   }
 }
@@ -50,7 +50,7 @@ void add_bound(CLI::App& app) {
                 reference = "zero";
     BoundingConfig config;
     double c1 = 0.0, c2 = 0.0;
-    std::vector<double> damping;
+    std::vector<double> damping, rotational_damping;
   };
   auto o = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand(
@@ -63,6 +63,10 @@ void add_bound(CLI::App& app) {
       "stdout  CSV: rx,ry,rz  rendered force [N, on the hand]\n"
       "             energy    delivered to the hand so far [J], sum of f(n-1).dx(n)\n"
       "             active    1 where the bound changed the command\n"
+      "With --rotational-damping the device turns, too:\n"
+      "stdin   also ax,ay,az  rotation vector since the last row [rad]\n"
+      "             tx,ty,tz  torque command [N m, on the hand]\n"
+      "stdout  also rtx,rty,rtz  rendered torque [N m, on the hand], before energy\n"
       "A row with nan or inf renders zero. Example:\n"
       "  printf 'dx,dy,dz,ex,ey,ez,fx,fy,fz\\n0,-1e-4,0,0,4,0,0,0,0\\n' | feltwire-lab bound "
       "--period 0.001 --damping 0.5\n"
@@ -78,6 +82,14 @@ void add_bound(CLI::App& app) {
           "positive definite matrix xx,yy,zz,xy,xz,yz")
       ->delimiter(',')
       ->required();
+  CLI::Option* turns = command
+                           ->add_option("--rotational-damping", o->rotational_damping,
+                                        "The same about the axes [N m s/rad]; torque is bounded")
+                           ->delimiter(',');
+  command
+      ->add_option("--max-torque", o->config.max_torque,
+                   "Saturation of the torque after the bound [N m]; default none")
+      ->needs(turns);
   CLI::Option* c1 =
       command->add_option("--c1", o->c1, "The paper's c1 [N/m]; default b/T (paper's modes only)");
   CLI::Option* c2 = command->add_option(
@@ -91,6 +103,8 @@ void add_bound(CLI::App& app) {
   command->add_option("--reference", o->reference, "zero or following (passivity_control* only)")
       ->capture_default_str();
   command->callback([o, c1, c2] {
+    o->config.rotation = !o->rotational_damping.empty();
+    if (o->config.rotation) o->config.rotational_damping = damping_of(o->rotational_damping);
     o->config.mode = bounding_method(o->mode).name;
     o->config.reference = passivity_reference(o->reference);
     o->config.damping = damping_of(o->damping);
@@ -240,7 +254,7 @@ int main(int argc, char** argv) {
   });
   app.set_version_flag(
       "--version", [] { return build_info("feltwire-lab"); },
-      "Say version, commit, compiler and kind of build");
+      "Print version, commit, compiler and kind of build");
   app.require_subcommand(1);
   app.failure_message([](const CLI::App* failed, const CLI::Error& error) {
     return "feltwire-lab: " + std::string(error.what()) + suggestion(*failed) + "; see --help\n";

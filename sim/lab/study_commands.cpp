@@ -15,6 +15,7 @@
 #include "sim/studies/bound/figures.hpp"
 #include "sim/studies/bound/frontier.hpp"
 #include "sim/studies/bound/rate.hpp"
+#include "sim/studies/bound/torque_figures.hpp"
 #include "sim/studies/bound/zwidth.hpp"
 #include "sim/studies/network/deadband_study.hpp"
 #include "sim/studies/network/local_model.hpp"
@@ -24,6 +25,7 @@
 #include "sim/studies/scene/trade_geometry.hpp"
 #include "sim/studies/scene/trade_scene.hpp"
 #include "sim/studies/scene/trade_tools.hpp"
+#include "sim/studies/teleop/arm_bench.hpp"
 #include "sim/studies/teleop/teleop.hpp"
 
 namespace feltwire {
@@ -53,14 +55,18 @@ void add_study(CLI::App& app, const std::string& name, const std::string& folder
 
 void add_figures(CLI::App& app) {
   add_study(
-      app, "figures", "figures", "Reproduce the paper's Figures 2, 3, 5 and 6",
+      app, "figures", "figures",
+      "Reproduce the paper's Figures 2, 3, 5 and 6, and 5 and 6 of torque",
       "Writes figures.json, one CSV a run (t [s], x,y,z [m], ex..ez and fx..fz commanded elastic "
       "and frictional,\n"
       "rx..rz rendered [N on the hand], energy_x..z flow-in [J]) and PNG pictures with the gnuplot "
       "scripts that drew\n"
-      "them. In process and deterministic: the same build writes the same numbers.",
-      "Pictures, data and figures.json",
-      [](const std::string& out) { return figures_table(write_figures(out)); });
+      "them; and the same of torque (docs/lab/torque.md). In process and deterministic: the same "
+      "build writes the same\nnumbers.",
+      "Pictures, data, figures.json and torque_figures.json", [](const std::string& out) {
+        const std::string forces = figures_table(write_figures(out));
+        return forces + torque_figures_table(write_torque_figures(out));
+      });
 }
 
 void add_choices(CLI::App& app) {
@@ -97,7 +103,8 @@ void add_frontier(CLI::App& app) {
       "cost is deterministic. docs/lab/frontier.md says how to read it.",
       "Table and pictures", [](const std::string& out) {
         const auto rows = write_frontier(out, frontier_cases());
-        return frontier_table(rows) + published_table(rows);
+        return frontier_table(rows) + published_table(rows) +
+               learning_table(run_frontier(learning_cases()));
       });
 }
 
@@ -362,15 +369,19 @@ void add_teleop(CLI::App& app) {
   CLI::App* command = app.add_subcommand(
       "teleop", "Every law of bilateral teleoperation on one bench, over delay, jitter and loss");
   command->footer(
-      "A hand, a robot and what it touches, in one degree of freedom and virtual time. Writes "
-      "teleop.json, teleop.csv\nand teleop.png, the same bytes every time. docs/teleoperation.md "
-      "says how to read it.");
+      "A hand, a robot and what it touches, in one degree of freedom and virtual time; and our own "
+      "law with a simulated arm\nin three. Writes teleop.json, teleop.csv, teleop.png and "
+      "arm.json, "
+      "the same bytes every time.\ndocs/teleoperation.md says how to read it.");
   add_out(*command, o->out);
   command->add_flag("--quick", o->quick, "Two round trips and two links only");
   command->callback([o] {
     const auto rows = teleop::run_teleop(teleop::teleop_cases(o->quick));
     teleop::write_teleop(o->out, rows);
-    std::cout << teleop::teleop_table(rows) << placed("Table and picture", o->out);
+    const auto arm = teleop::with_arm::run_arm(teleop::with_arm::arm_cases(o->quick));
+    teleop::with_arm::write_arm(o->out, arm);
+    std::cout << teleop::teleop_table(rows) << teleop::with_arm::arm_table(arm)
+              << placed("Tables and picture", o->out);
   });
 }
 
@@ -381,6 +392,7 @@ void add_studies(CLI::App& app, int& status) {
   add_choices(app);
   add_zwidth(app);
   add_frontier(app);
+  add_torque(app, status);
   add_compare(app);
   add_extremes(app, status);
   add_rate(app);

@@ -7,6 +7,7 @@
 #include <variant>
 
 #include "client/transport/datagram_session.hpp"
+#include "core/tool/body_tool.hpp"
 
 namespace feltwire {
 namespace {
@@ -24,7 +25,8 @@ class TruePort {
   explicit TruePort(const NetworkRunOptions& options)
       : device_(make(options)),
         period_(options.parameters.servo_period),
-        friction_(options.hand.spec.coulomb_friction) {}
+        friction_(options.hand.spec.coulomb_friction),
+        rotational_friction_(options.hand.spec.rotational_friction) {}
 
   Device& device() {
     return std::visit([](auto& device) -> Device& { return device; }, device_);
@@ -36,14 +38,22 @@ class TruePort {
     moved_ = known_ ? Vec3(position - position_) : Vec3::Zero();
     velocity_ = hand != nullptr ? hand->true_velocity() : Vec3(moved_ / period_);
     position_ = position;
+    const Quaternion orientation =
+        hand != nullptr ? hand->true_orientation() : Quaternion::Identity();
+    turned_ = known_ ? rotation_between(orientation_, orientation) : Vec3::Zero();
+    orientation_ = orientation;
     known_ = true;
   }
 
   const Vec3& position() const { return position_; }
   const Vec3& velocity() const { return velocity_; }
-  const Vec3& moved() const { return moved_; }  // [m] since the tick before
+  const Quaternion& orientation() const { return orientation_; }
+  const Vec3& moved() const { return moved_; }          // [m] since the tick before
+  const Vec3& turned_since() const { return turned_; }  // [rad] likewise
   /// [J] that Coulomb friction burned at least meanwhile: it acts axis by axis.
-  double friction_work() const { return friction_ * moved_.lpNorm<1>(); }
+  double friction_work() const {
+    return friction_ * moved_.lpNorm<1>() + rotational_friction_ * turned_.lpNorm<1>();
+  }
 
  private:
   using Either = std::variant<SimulatedDevice, ReplayDevice, AdversarialHand>;
@@ -57,9 +67,11 @@ class TruePort {
   }
 
   Either device_;
-  double period_, friction_;
+  double period_, friction_, rotational_friction_;
   bool known_ = false;
   Vec3 position_ = Vec3::Zero(), velocity_ = Vec3::Zero(), moved_ = Vec3::Zero();
+  Quaternion orientation_ = Quaternion::Identity();
+  Vec3 turned_ = Vec3::Zero();
 };
 
 void check(const NetworkRunOptions& options) {
@@ -129,7 +141,9 @@ class NetworkRun {
         ideal_contacts_(sessions_.world() != nullptr ? sessions_.world()->contact_state()
                                                      : BodyContactState{}),
         timed_(options.timed),
-        result_{.measured_port = port_of(options), .true_port = port_of(options)} {}
+        result_{.measured_port = port_of(options),
+                .true_port = port_of(options),
+                .observed_port = servo_.port()} {}
 
   NetworkRunResult run(double duration) {
     const double period = accepted_.parameters.servo_period;
@@ -141,6 +155,7 @@ class NetworkRun {
       tick(now, static_cast<double>(n) * period, period);
     }
     result_.servo = servo_.statistics();
+    result_.observed_port = servo_.port();
     result_.clock = servo_.server_clock();
     result_.client_drops = datagrams_.dropped();
     result_.server = sessions_.counters();
@@ -194,19 +209,19 @@ class NetworkRun {
 
   void tick(Nanoseconds now, double time, double period) {
     const Command acted = servo_.held();
-    const Vec3 measured_before = servo_.sample().pose.position;
+    const Pose before = servo_.sample().pose;
     const Sample* sample = servo_tick(now);
     if (sample == nullptr) return;
-    const Vec3 measured = sample->pose.position;
-    port_.look(measured);
-    account(acted, result_.samples.empty() ? Vec3::Zero() : Vec3(measured - measured_before),
-            period);
+    port_.look(sample->pose.position);
+    account(acted, result_.samples.empty() ? sample->pose : before, sample->pose, period);
     result_.samples.push_back({.time = time,
                                .position = port_.position(),
                                .velocity = port_.velocity(),
                                .acted = acted.force(),
+                               .acted_torque = acted.torque,
+                               .orientation = port_.orientation(),
                                .held = servo_.held(),
-                               .ideal = ideal(),
+                               .ideal = ideal(period),
                                .command = servo_.command(),
                                .command_age = servo_.command_age(),
                                .sample_index = servo_.newest_reply().sample_index});
@@ -232,17 +247,24 @@ class NetworkRun {
     return datagram;
   }
 
-  Command ideal() {
+  Command ideal(double period) {
     const Tool tool{port_.position(), port_.velocity()};
     const World* world = sessions_.world();
+    if (scene_.tool().body != nullptr) {
+      const Pose pose{port_.position(), port_.orientation()};
+      return world != nullptr
+                 ? world->touch(pose, tool.velocity, period, ideal_body_, ideal_contacts_)
+                 : scene_.touch(pose, tool.velocity, period, ideal_body_);
+    }
     return world != nullptr ? world->touch(tool, ideal_, ideal_contacts_)
                             : scene_.touch(tool, ideal_);
   }
 
-  void account(const Command& acted, const Vec3& measured, double period) {
-    result_.measured_port.step(acted, measured, Vec3::Zero(), period);
+  void account(const Command& acted, const Pose& before, const Pose& now, double period) {
+    result_.measured_port.step(acted, now.position - before.position,
+                               rotation_between(before.orientation, now.orientation), period);
     PortEnergy& port = result_.true_port;
-    port.step(acted, port_.moved(), Vec3::Zero(), period);
+    port.step(acted, port_.moved(), port_.turned_since(), period);
     friction_work_ += port_.friction_work();
     result_.least_device_margin = std::min(
         result_.least_device_margin, port.burned() + friction_work_ - port.delivered().total());
@@ -258,6 +280,7 @@ class NetworkRun {
   TruePort port_;
   DatagramBuffer answer_;  // the server's
   TouchMemory ideal_;
+  BodyMemory ideal_body_;
   BodyContactState ideal_contacts_;
   bool timed_;
   double friction_work_ = 0.0;  // [J]

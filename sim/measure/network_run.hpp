@@ -34,12 +34,14 @@ struct NetworkRunOptions {
 
 /// One servo tick. Forces on the hand, world frame.
 struct NetworkSample {
-  double time = 0.0;               // [s] since the first tick
-  Vec3 position = Vec3::Zero();    // [m] true, whatever the encoders say
-  Vec3 velocity = Vec3::Zero();    // [m/s] true
-  Vec3 acted = Vec3::Zero();       // [N] what the hand was given from the tick before to this one
-  Command held;                    // what it is given from this tick on
-  Command ideal;                   // what the scene answers the true position and velocity
+  double time = 0.0;                 // [s] since the first tick
+  Vec3 position = Vec3::Zero();      // [m] true, whatever the encoders say
+  Vec3 velocity = Vec3::Zero();      // [m/s] true
+  Vec3 acted = Vec3::Zero();         // [N] what the hand was given from the tick before to this one
+  Vec3 acted_torque = Vec3::Zero();  // [N m] with it
+  Quaternion orientation = Quaternion::Identity();  // true; the identity where it does not turn
+  Command held;                                     // what it is given from this tick on
+  Command ideal;                   // what the scene answers the true pose and velocity
   Command command;                 // the newest that came from the server, before fade and bound
   double command_age = 0.0;        // [s] since it came
   std::uint64_t sample_index = 0;  // of the sample that it answers; 0: none has come
@@ -72,8 +74,11 @@ struct NetworkRunResult {
   /// displacements that the encoders measured, which is all that a bound can know; and over the
   /// true ones.
   PortEnergy measured_port, true_port;
+  /// What the client's own observer saw of it: as `measured_port`, with the dry friction that the
+  /// account counts on.
+  PortEnergy observed_port;
   /// [J] least value over time of what the device burned, its Coulomb friction included, less what
-  /// the hand was given, over the true displacements.
+  /// the hand was given, over the true displacements and turns.
   double least_device_margin = 0.0;
 };
 

@@ -14,12 +14,16 @@ namespace feltwire {
 /// Taken from its abstract: a feed-forward offset is added to the feedback force of a low
 /// stiffness, successively. Not at hand, decided here: k0 is 2 b / T, the stiffest that is passive.
 /// The offset grows where the hand turns to move in, by a tenth of what is missing. What would lift
-/// the force above F_e(n) is given up. Their extension, the full stiffness during the first
-/// transient, is left out. So this is a law after the abstract; it does not reproduce their
-/// experiments.
+/// the force above F_e(n) is given up. So this is a law after the abstract; it does not reproduce
+/// their experiments.
+///
+/// With `transient` their extension for rate-hardness, after the same abstract: the surface's own
+/// stiffness during the transient response, then as above. Decided here: the transient lasts from
+/// the begin of a contact until the hand turns to move out.
 class ForceAugmentation {
  public:
-  explicit ForceAugmentation(double low_stiffness) : low_stiffness_(low_stiffness) {}
+  explicit ForceAugmentation(double low_stiffness, bool transient = false)
+      : low_stiffness_(low_stiffness), transient_(transient), lands_(transient) {}
 
   Command step(const BoundingStep& s) noexcept {
     constexpr double kShare = 0.1;
@@ -27,7 +31,14 @@ class ForceAugmentation {
     if (!(contact.wanted > 0.0)) {
       force_ = 0.0;
       pressing_ = false;
+      lands_ = transient_;
       return {};
+    }
+    lands_ = lands_ && contact.inward >= 0.0;
+    if (lands_) {
+      force_ = contact.wanted;
+      pressing_ = true;
+      return contact.rendered(force_);
     }
     force_ += low_stiffness_ * contact.inward;
     const bool begins = contact.inward > 0.0 && !pressing_;
@@ -41,9 +52,10 @@ class ForceAugmentation {
   }
 
  private:
-  double low_stiffness_;   // k0 [N/m]
-  double force_ = 0.0;     // F(n-1) [N] along the normal
-  bool pressing_ = false;  // the hand moved in during the last sample
+  double low_stiffness_;    // k0 [N/m]
+  bool transient_, lands_;  // the surface's own stiffness at first; now
+  double force_ = 0.0;      // F(n-1) [N] along the normal
+  bool pressing_ = false;   // the hand moved in during the last sample
 };
 
 }  // namespace feltwire

@@ -30,6 +30,11 @@ const std::array kLaws = {
                    .make = [](Config c) -> BoundingLaw {
                      return ForceAugmentation(2.0 * c.damping.least() / c.period);
                    }},
+    BoundingMethod{.name = "force_augmentation_transient",
+                   .summary = "the same, after a landing on the surface's own stiffness",
+                   .make = [](Config c) -> BoundingLaw {
+                     return ForceAugmentation(2.0 * c.damping.least() / c.period, true);
+                   }},
     BoundingMethod{.name = "position_memory",
                    .summary = "memory-based passivation (Ryu & Yoon 2014)",
                    .make = [](Config c) -> BoundingLaw { return PositionMemory(c.quantum); }},

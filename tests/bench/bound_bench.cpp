@@ -1,4 +1,6 @@
 // bound/METHOD/DOF: one step of a bounding method on a hand that slides over a stiff wall.
+// account/METHOD/DOF: the method with the account of a session behind it, on the same hand.
+// account/METHOD/DOF/cut: the same, and the account takes something off at every step.
 
 #include <benchmark/benchmark.h>
 
@@ -7,6 +9,7 @@
 #include <string>
 
 #include "core/bounding/bounding.hpp"
+#include "core/bounding/device_account.hpp"
 
 namespace feltwire::bound_bench {
 namespace {
@@ -33,12 +36,17 @@ std::array<BoundingStep, kSteps> recorded_hand(int dof) {
   return steps;
 }
 
-void step(benchmark::State& state, BoundingConfig config, int dof) {
+BoundingConfig complete(BoundingConfig config, int dof) {
   config.damping = 0.5;
   config.rotational_damping = 1e-3;
   config.rotation = dof == 6;
   config.max_force = 8.9;
   config.max_torque = 0.5;
+  return config;
+}
+
+void step(benchmark::State& state, const BoundingConfig& incomplete, int dof) {
+  const BoundingConfig config = complete(incomplete, dof);
   const auto steps = recorded_hand(dof);
   Bounding bounding(config);
   std::size_t n = 0;
@@ -47,6 +55,66 @@ void step(benchmark::State& state, BoundingConfig config, int dof) {
     n = (n + 1) % kSteps;
   }
 }
+
+/// All that an account counts on is known: damping, dry friction, encoder, mass, the hand's force.
+DeviceSpec known_device(int dof) {
+  DeviceSpec spec = builtin_device("simulated");
+  spec.damping = 0.5;
+  spec.least_friction = 0.03;
+  spec.position_resolution = 3e-5;
+  spec.least_mass = 0.075;
+  spec.hand_force = 10.0;
+  spec.max_force = 8.9;
+  if (dof < 6) return spec;
+  spec.rotation_actuated = 3;
+  spec.rotational_damping = 1e-3;
+  spec.rotational_resolution = 1e-4;
+  spec.least_inertia = 1e-4;
+  spec.hand_torque = 0.5;
+  spec.max_torque = 0.5;
+  return spec;
+}
+
+/// With `cut` the commands pull with the hand, so that the account never has enough and cuts each.
+void step_with_account(benchmark::State& state, const BoundingConfig& incomplete, int dof,
+                       bool cut) {
+  const BoundingConfig config = complete(incomplete, dof);
+  auto steps = recorded_hand(dof);
+  for (BoundingStep& s : steps) {
+    s.local = true;
+    if (!cut) continue;
+    s.command = {};
+    s.command.elastic = 5.0 * s.displacement.normalized();
+    if (dof == 6) s.command.torque = 0.1 * s.rotation.normalized();
+  }
+  Bounding bounding(config);
+  PortAccount account(account_config(known_device(dof), config.period));
+  std::size_t n = 0;
+  for (auto _ : state) {
+    BoundingStep s = steps[n];
+    s.command = bounding.step(s).rendered;
+    s.command = account.step(s);
+    bounding.set_held(s.command);
+    benchmark::DoNotOptimize(s.command);
+    n = (n + 1) % kSteps;
+  }
+  state.counters["cut"] =
+      static_cast<double>(account.statistics().reduced) / static_cast<double>(state.iterations());
+}
+
+[[maybe_unused]] const bool account_registered = [] {
+  for (const char* method : {"shaped", "midpoint", "credited", "contact_frame"})
+    for (const int dof : {3, 6})
+      for (const bool cut : {false, true}) {
+        BoundingConfig config;
+        config.mode = method;
+        config.projection = Projection::cone;
+        const std::string name =
+            "account/" + std::string(method) + "/" + std::to_string(dof) + (cut ? "/cut" : "");
+        benchmark::RegisterBenchmark(name.c_str(), step_with_account, config, dof, cut);
+      }
+  return true;
+}();
 
 [[maybe_unused]] const bool registered = [] {
   for (const std::string_view method : bounding_method_names())

@@ -3,7 +3,6 @@
 // of a core; bytes_per_second is of one hand's file.
 
 #include <benchmark/benchmark.h>
-#include <stdlib.h>
 
 #include <cmath>
 #include <filesystem>
@@ -13,6 +12,7 @@
 
 #include "client/run/recording.hpp"
 #include "core/base/splitmix.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace feltwire::recording_bench {
 namespace {
@@ -44,30 +44,13 @@ TickRecord tick(std::int64_t n, std::uint64_t hand) {
           .no_force = force > 0.0 ? NoForce::felt : NoForce::touches_nothing};
 }
 
-/// A folder for the files, gone afterwards.
-class Folder {
- public:
-  Folder() {
-    std::string name = std::filesystem::temp_directory_path() / "feltwire-bench.XXXXXX";
-    if (::mkdtemp(name.data()) == nullptr) throw std::runtime_error("cannot make " + name);
-    path = name;
-  }
-  ~Folder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path, ignored);
-  }
-  Folder(const Folder&) = delete;
-  Folder& operator=(const Folder&) = delete;
-  std::filesystem::path path;
-};
-
 void record(benchmark::State& state, const std::string& ending) {
   const auto hands = static_cast<std::size_t>(state.range(0));
-  const Folder folder;
+  const test::TemporaryFolder folder;
   std::vector<std::unique_ptr<Recorder>> recorders;
   std::vector<std::vector<TickRecord>> ticks(hands);
   for (std::size_t hand = 0; hand < hands; ++hand) {
-    recorders.push_back(open_recording({.file = folder.path / (std::to_string(hand) + ending)}));
+    recorders.push_back(open_recording({.file = folder / (std::to_string(hand) + ending)}));
     for (int n = 0; n < kTicks; ++n) ticks[hand].push_back(tick(n, hand << 32));
   }
   Ring<TickRecord> ring(kAtOnce);
@@ -86,7 +69,7 @@ void record(benchmark::State& state, const std::string& ending) {
     seconds += 1.0;
   }
   recorders[0]->finish();
-  const auto bytes = std::filesystem::file_size(folder.path / ("0" + ending));
+  const auto bytes = std::filesystem::file_size(folder / ("0" + ending));
   state.counters["bytes_per_second"] = static_cast<double>(bytes) / seconds;
 }
 

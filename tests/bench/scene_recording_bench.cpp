@@ -4,7 +4,6 @@
 // over the recorded time is the share of a core.
 
 #include <benchmark/benchmark.h>
-#include <stdlib.h>
 
 #include <filesystem>
 #include <memory>
@@ -17,29 +16,13 @@
 #include "server/scene/scene_sessions.hpp"
 #include "tests/protocol/sealed.hpp"
 #include "tests/server/make.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace feltwire::scene_recording_bench {
 namespace {
 
 constexpr std::uint64_t kHands = 16;
 constexpr int kTicks = 1000, kBetweenLooks = 10;  // of a second
-
-/// A folder for a file, gone afterwards.
-class Folder {
- public:
-  Folder() {
-    std::string name = std::filesystem::temp_directory_path() / "feltwire-bench.XXXXXX";
-    if (::mkdtemp(name.data()) == nullptr) throw std::runtime_error("cannot make " + name);
-    path = name;
-  }
-  ~Folder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path, ignored);
-  }
-  Folder(const Folder&) = delete;
-  Folder& operator=(const Folder&) = delete;
-  std::filesystem::path path;
-};
 
 std::filesystem::path scene_file(const char* name) {
   return std::filesystem::path(FELTWIRE_SOURCE_DIR) / "scenes" / name;
@@ -112,10 +95,10 @@ void answer(benchmark::State& state, const char* scene) {
 }
 
 void record(benchmark::State& state, const char* scene) {
-  const Folder folder;
+  const test::TemporaryFolder folder;
   EventLog log(std::size_t{64} << 20);
   Hands hands(scene, &log);
-  SceneRecording recording({.file = folder.path / "scene.mcap"}, hands.scene.files().get(), 0);
+  SceneRecording recording({.file = folder / "scene.mcap"}, hands.scene.files().get(), 0);
   for (auto _ : state) {
     state.PauseTiming();
     hands.prepare(kTicks);
@@ -129,14 +112,14 @@ void record(benchmark::State& state, const char* scene) {
   }
   recording.finish();
   state.counters["bytes_per_second"] =
-      static_cast<double>(std::filesystem::file_size(folder.path / "scene.mcap")) /
+      static_cast<double>(std::filesystem::file_size(folder / "scene.mcap")) /
       static_cast<double>(state.iterations());
 }
 
 void replay_all(benchmark::State& state, const char* scene) {
   constexpr int kSeconds = 10;
-  const Folder folder;
-  const std::filesystem::path file = folder.path / "scene.mcap";
+  const test::TemporaryFolder folder;
+  const std::filesystem::path file = folder / "scene.mcap";
   {
     EventLog log(std::size_t{8} << 20);
     Hands hands(scene, &log);

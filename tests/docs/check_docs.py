@@ -16,7 +16,7 @@ import shlex
 import subprocess
 import sys
 
-USUALLY_BUILT = {"feltwire-server", "feltwire-client", "feltwire-lab"}
+USUALLY_BUILT = {"feltwire-server", "feltwire-client", "feltwire-lab", "feltwire-view", "feltwire-follower"}
 PROGRAM = re.compile(r"^(?:build/[a-z]+/bin/)?(feltwire-[a-z]+)$")
 
 

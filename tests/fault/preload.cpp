@@ -164,7 +164,7 @@ void follow_device() {
   if (table == nullptr || write == nullptr || release == nullptr) return;
   device_write = reinterpret_cast<Write>(write);
   device_release = reinterpret_cast<Release>(release);
-  constexpr int kEntries = 10;
+  constexpr int kEntries = 12;
   const auto page = static_cast<std::uintptr_t>(::sysconf(_SC_PAGESIZE));
   const auto begin = reinterpret_cast<std::uintptr_t>(table) & ~(page - 1);
   ::mprotect(reinterpret_cast<void*>(begin), 2 * page, PROT_READ | PROT_WRITE);

@@ -13,9 +13,10 @@
 namespace feltwire::fuzz {
 namespace {
 
-constexpr unsigned bit(DatagramKind kind) { return 1u << static_cast<unsigned>(kind); }
-constexpr unsigned kServerTakes = bit(DatagramKind::samples) | bit(DatagramKind::goodbye);
-constexpr unsigned kClientTakes = bit(DatagramKind::reply) | bit(DatagramKind::goodbye);
+constexpr unsigned kServerTakes =
+    set_of({DatagramKind::samples, DatagramKind::goodbye, DatagramKind::follower_state});
+constexpr unsigned kClientTakes =
+    set_of({DatagramKind::reply, DatagramKind::goodbye, DatagramKind::follower_target});
 
 /// A payload where nothing is aligned.
 class Unaligned {
@@ -66,6 +67,10 @@ void require_promises(const Reply& reply) {
   require(std::isfinite(reply.ratio) && std::isfinite(reply.delivered.elastic) &&
               std::isfinite(reply.delivered.frictional) && std::isfinite(reply.delivered.torque),
           "reports are finite");
+  if (reply.change)
+    require(reply.change->number >= 1 && reply.change->number <= ClientChange::kLast &&
+                (!reply.change->link || possible(*reply.change->link)),
+            "changes are possible");
   if (!reply.modelled) return;
   require(reply.model.count >= 0 && reply.model.count <= kMaxPatches, "0 to 3 patches");
   for (const SurfacePatch& patch : reply.model.view())
@@ -86,6 +91,12 @@ void require_promises(const SceneView& view) {
   std::uint64_t least = view.hands_from;
   for (const SeenHand& hand : view.hands()) {
     require(pose(hand.pose) && hand.force.allFinite(), "hands are somewhere");
+    if (const auto& f = hand.figures)
+      require(view.hand_count <= SceneView::kMaxFigures && f->proxy.allFinite() &&
+                  f->elastic.allFinite() && f->frictional.allFinite() && std::isfinite(f->depth) &&
+                  std::isfinite(f->delivered) && std::isfinite(f->burned) &&
+                  (!f->report || f->report->finite()),
+              "figures are finite");
     require(hand.number >= least && hand.number < view.hands_end, "hands rise within their range");
     least = std::uint64_t{hand.number} + 1;
   }
@@ -128,10 +139,26 @@ void try_goodbye(Bytes payload) {
           "a goodbye says the same when it is sent again");
 }
 
+/// A robot's state, or its target.
+template <class Said>
+void try_robot(Bytes payload, Bytes (Encoder::*encode)(const Said&)) {
+  static Encoder encoder;
+  Said said, again;
+  const DropReason drop = decode(payload, said);
+  require(decode(Unaligned(payload).payload(), again) == drop, "alignment changes nothing");
+  if (drop != DropReason::none) return;
+  require(same(said, again), "alignment changes no value");
+  require(said.index > 0 && said.pose.position.cwiseAbs().maxCoeff() <= kMaxPosition &&
+              std::abs(said.pose.orientation.squaredNorm() - 1.0) <= kUnitTolerance,
+          "robots and targets are somewhere");
+  require(decode((encoder.*encode)(said), again) == DropReason::none && same(said, again),
+          "what is said of a robot is the same when it is sent again");
+}
+
 void try_side(Bytes datagram, unsigned kinds) {
   const Guarded guarded = guard(datagram, kinds);
   if (guarded.drop != DropReason::none) return;
-  require((bit(guarded.header.kind) & kinds) != 0, "only expected kinds pass");
+  require((set_of({guarded.header.kind}) & kinds) != 0, "only expected kinds pass");
   std::array<std::uint8_t, kHeaderSize> header{};
   write_header(header, guarded.header);
   require(std::equal(header.begin(), header.end(), datagram.begin()), "one header, one reading");
@@ -147,6 +174,8 @@ void try_payload(Bytes payload) {
   try_samples(payload);
   try_reply(payload);
   try_goodbye(payload);
+  try_robot<RobotState>(payload, &Encoder::state);
+  try_robot<RobotTarget>(payload, &Encoder::target);
 }
 
 }  // namespace

@@ -72,8 +72,40 @@ SampleBatch batch(Input& in) {
                           .has_account = in.coin(),
                           .balance = wild ? in.any_float() : in.number(1.0),
                           .round_trip = wild ? in.any_float() : in.number(1.0),
-                          .hand_damping = in.number(8.0)};
+                          .hand_damping = in.number(8.0),
+                          .change = static_cast<std::uint8_t>(in.byte() & ClientChange::kLast),
+                          .change_refused = in.coin()};
+  if (in.coin())
+    b.lead = Lead{.deadman = in.coin(),
+                  .known_surface = in.whole<std::uint32_t>(),
+                  .offset = wild ? any_float_vector(in) : Vec3(Vec3::UnitX()),
+                  .hand_work = in.any_double(),
+                  .gripper = in.any_float()};
   return b;
+}
+
+/// Numbers that survive their float32 on the wire.
+RemoteContact contact(Input& in) {
+  RemoteContact c;
+  c.surface = in.byte();
+  if (c.surface == 0) return c;
+  c.touching = in.coin();
+  c.point = in.vector(kMaxPosition);
+  c.normal = (in.coin() ? 1.0 : -1.0) * Vec3::Unit(in.byte() % 3);
+  c.velocity = any_float_vector(in);
+  c.stiffness = in.any_float();
+  c.friction = in.any_float();
+  return c;
+}
+
+EnergyCounters energy(Input& in) { return {in.any_double(), in.any_double(), in.any_double()}; }
+
+/// One that arrives is the one that was sent.
+template <class Said>
+void require_carried(const Said& sent, Bytes payload) {
+  Said again;
+  if (decode(payload, again) == DropReason::none)
+    require(same(sent, again), "what is said of a robot arrives as it was");
 }
 
 void try_batch(Input& in, const Header& header) {
@@ -124,6 +156,30 @@ LocalModel model(Input& in) {
   return m;
 }
 
+/// Mostly one that can be: a name of any bytes, a link of any size.
+ClientChange change(Input& in) {
+  ClientChange c;
+  c.number = in.byte();
+  if (in.coin()) {
+    const Bytes name = in.bytes(in.byte() % (kLongestMethodName + 1));
+    c.law = LawChoice{MethodName({reinterpret_cast<const char*>(name.data()), name.size()}),
+                      static_cast<Projection>(in.byte() % 3), static_cast<Storage>(in.byte() % 3)};
+  }
+  if (in.coin())
+    c.link = LinkQuality{in.number(12.0), in.coin() ? in.any_float() : 0.25, in.number(1.0)};
+  return c;
+}
+DropReason expected(const ClientChange& c) {
+  if (c.number == 0 || c.number > 63) return DropReason::count;
+  if (c.law && (static_cast<int>(c.law->projection) > 1 || static_cast<int>(c.law->storage) > 1))
+    return DropReason::count;
+  if (!c.link) return DropReason::none;
+  const auto lies = [](double value, double most) { return value >= 0.0 && value <= most; };
+  return lies(c.link->delay, 10.0) && lies(c.link->jitter, 10.0) && lies(c.link->loss, 1.0)
+             ? DropReason::none
+             : DropReason::not_finite;
+}
+
 Reply reply(Input& in) {
   Reply r;
   r.sample_index = in.whole<std::uint64_t>();
@@ -146,15 +202,36 @@ Reply reply(Input& in) {
   if (r.predicted) r.rates = {any_float_vector(in), any_float_vector(in), any_float_vector(in)};
   r.modelled = in.coin();
   if (r.modelled) r.model = model(in);
+  if (in.coin())
+    r.remote = Remote{.state = static_cast<LinkState>(in.byte() % 7),
+                      .pose = {in.vector(kMaxPosition), orientation(in)},
+                      .contact = contact(in),
+                      .energy = energy(in),
+                      .gripper = in.any_float(),
+                      .gripper_force = in.any_float(),
+                      .age = in.any_float()};
   for (int i = in.byte() % 4; i > 0; --i)
     r.normals.add((in.coin() ? 1.0 : -1.0) * Vec3::Unit(in.byte() % 3));
   if (r.normals.count < 2) r.normals = {};  // one says nothing
+  if (in.coin()) r.change = change(in);
   return r;
 }
 
 Pose seen_pose(Input& in) {
   const Vec3 position = in.vector(kMaxPosition);
   return {position, orientation(in)};
+}
+
+HandFigures figures(Input& in) {
+  HandFigures f;
+  f.samples = in.whole<std::uint64_t>();
+  f.proxy = in.vector(kMaxPosition);
+  f.elastic = in.vector(100.0);
+  f.depth = in.vector(1.0).x();
+  f.states = in.whole<std::uint32_t>();
+  f.tool = in.whole<std::uint16_t>();
+  if (in.coin()) f.report = HandReport{.has_account = in.coin(), .balance = in.vector(1.0).x()};
+  return f;
 }
 
 /// As much as fits, mostly.
@@ -165,11 +242,16 @@ SceneView view(Input& in) {
   v.hands_from = in.whole<std::uint16_t>();
   v.bodies_from = in.byte();
   std::uint32_t number = v.hands_from;
-  for (std::size_t most = in.byte() % 32; most > 0 && room >= SceneView::kHandSize; --most) {
+  const bool figured = in.coin();
+  if (figured) room -= kFiguresOverhead;
+  const std::size_t hand_size = SceneView::kHandSize + (figured ? SceneView::kFiguresSize : 0);
+  for (std::size_t most = in.byte() % 32; most > 0 && room >= hand_size; --most) {
     number += 1 + in.byte();
     const Pose pose = seen_pose(in);
-    v.hand[v.hand_count++] = {number, pose, in.vector(100.0)};
-    room -= SceneView::kHandSize;
+    SeenHand& hand = v.hand[v.hand_count++];
+    hand = {number, pose, in.vector(100.0)};
+    if (figured) hand.figures = figures(in);
+    room -= hand_size;
   }
   std::uint32_t object = v.bodies_from;
   for (std::size_t most = in.byte() % 32; most > 0 && room >= SceneView::kBodySize; --most) {
@@ -195,7 +277,7 @@ void require_arrived(const SceneView& sent, const SceneView& got) {
   require(std::ranges::equal(sent.hands(), got.hands(),
                              [&](const SeenHand& a, const SeenHand& b) {
                                return a.number == b.number && near_pose(a.pose, b.pose) &&
-                                      near(a.force, b.force);
+                                      near(a.force, b.force) && near(a.figures, b.figures);
                              }),
           "hands arrive as they were");
   require(std::ranges::equal(sent.bodies(), got.bodies(),
@@ -206,11 +288,26 @@ void require_arrived(const SceneView& sent, const SceneView& got) {
 }
 
 DropReason expected(const Reply& r) {
+  if (r.change && expected(*r.change) == DropReason::count) return DropReason::count;
   if (r.sample_index == 0) return DropReason::order;
+  if (r.change && expected(*r.change) != DropReason::none) return DropReason::not_finite;
   const bool finite = r.command.finite() && r.rates.finite() && std::isfinite(r.ratio) &&
                       std::isfinite(r.delivered.elastic) && std::isfinite(r.delivered.frictional) &&
                       std::isfinite(r.delivered.torque);
-  return finite ? DropReason::none : DropReason::not_finite;
+  if (!finite) return DropReason::not_finite;
+  if (!r.remote) return DropReason::none;
+  const Remote& m = *r.remote;
+  const RemoteContact& c = m.contact;
+  const bool known = m.state <= kLastLinkState;
+  const bool surface =
+      c.surface == 0 ||
+      (c.velocity.allFinite() && c.velocity.cwiseAbs().maxCoeff() <= 100.0 && c.stiffness > 0.0 &&
+       c.stiffness <= 1e9 && c.friction >= 0.0 && c.friction <= 1e6);
+  const auto counts = [](double e) { return e >= 0.0 && std::isfinite(e); };
+  const bool counted = counts(m.energy.given) && counts(m.energy.taken) && counts(m.energy.pushed);
+  const bool gripper = std::isfinite(m.gripper) && std::isfinite(m.gripper_force);
+  return known && surface && counted && gripper && counts(m.age) ? DropReason::none
+                                                                 : DropReason::not_finite;
 }
 
 void try_reply(Input& in, const Header& header) {
@@ -219,7 +316,11 @@ void try_reply(Input& in, const Header& header) {
   static SceneView seen;
   Reply sent = reply(in);
   const bool shows = !sent.modelled && in.coin();
-  if (shows) sent.normals = {};  // an observer feels nothing: neither a model nor walls are for it
+  if (shows) {  // an observer feels nothing and leads nothing: that leaves the room for its view
+    sent.normals = {};
+    sent.remote.reset();
+    sent.change.reset();
+  }
   const SceneView shown = shows ? view(in) : SceneView{};
   const Bytes payload = carried(encoder.reply(sent, shows ? &shown : nullptr), header);
   const DropReason drop = decode(payload, again, &seen);
@@ -231,6 +332,39 @@ void try_reply(Input& in, const Header& header) {
   require(seen.present == shows, "a view arrives where there is one");
   if (shows) require_arrived(shown, seen);
   if (sent.modelled) require(near(sent.model, again.model), "a model arrives as it was");
+}
+
+void try_state(Input& in, const Header& header) {
+  static Encoder encoder;
+  RobotState s;
+  s.index = in.whole<std::uint64_t>();
+  s.time = Nanoseconds(in.whole<std::int64_t>());
+  s.pose = {in.vector(kMaxPosition), orientation(in)};
+  s.commanded = {any_vector(in), orientation(in)};
+  s.velocity = any_float_vector(in);
+  s.angular_velocity = any_float_vector(in);
+  if (in.coin()) s.force = any_float_vector(in);
+  s.torque = any_float_vector(in);
+  s.contact = contact(in);
+  s.energy = energy(in);
+  s.gripper = in.any_float();
+  s.gripper_force = in.any_float();
+  s.ok = in.coin();
+  s.stopped = in.coin();
+  require_carried(s, carried(encoder.state(s), header));
+}
+
+void try_target(Input& in, const Header& header) {
+  static Encoder encoder;
+  RobotTarget t;
+  t.index = in.whole<std::uint64_t>();
+  t.sample_index = in.whole<std::uint64_t>();
+  t.state = static_cast<LinkState>(in.byte() % 7);
+  t.pose = {any_vector(in), orientation(in)};
+  t.gripper = in.any_float();
+  t.known_surface = in.whole<std::uint32_t>();
+  t.hand_work = in.any_double();
+  require_carried(t, carried(encoder.target(t), header));
 }
 
 void try_goodbye(Input& in, const Header& header) {
@@ -250,13 +384,15 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   fuzz::Input in(data, size);
   while (!in.empty()) {
     Header header;
-    header.kind = static_cast<DatagramKind>(1 + in.byte() % 3);
+    header.kind = static_cast<DatagramKind>(1 + in.byte() % 5);
     header.session = in.whole<std::uint64_t>();
     // Of the first generation, whose secret is the session's; 0 is never sent.
     header.packet_number = 1 + in.whole<std::uint32_t>() % ((1u << kGenerationBits) - 1);
     if (header.kind == DatagramKind::samples) fuzz::try_batch(in, header);
     if (header.kind == DatagramKind::reply) fuzz::try_reply(in, header);
     if (header.kind == DatagramKind::goodbye) fuzz::try_goodbye(in, header);
+    if (header.kind == DatagramKind::follower_state) fuzz::try_state(in, header);
+    if (header.kind == DatagramKind::follower_target) fuzz::try_target(in, header);
   }
   return 0;
 }

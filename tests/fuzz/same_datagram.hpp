@@ -3,18 +3,22 @@
 
 #include "protocol/wire/scene_view.hpp"
 #include "tests/fuzz/fuzz.hpp"
+#include "tests/fuzz/same_robot.hpp"
 
 namespace feltwire::fuzz {
 
 inline bool same(const SampleBatch& a, const SampleBatch& b) {
   if (a.count != b.count || a.rotation != b.rotation || a.previous != b.previous ||
-      a.report.has_value() != b.report.has_value())
+      a.report.has_value() != b.report.has_value() || !same(a.lead, b.lead))
     return false;
   if (a.report &&
       !(a.report->reasons == b.report->reasons && a.report->has_account == b.report->has_account &&
         same(a.report->balance, b.report->balance) &&
         same(a.report->round_trip, b.report->round_trip) &&
-        same(a.report->hand_damping, b.report->hand_damping)))
+        same(a.report->hand_damping, b.report->hand_damping) &&
+        a.report->change == b.report->change &&
+        a.report->change_refused == b.report->change_refused &&
+        a.report->late_ticks == b.report->late_ticks))
     return false;
   for (int i = 0; i < a.count; ++i) {
     const Sample &x = a.samples[static_cast<std::size_t>(i)],
@@ -25,6 +29,16 @@ inline bool same(const SampleBatch& a, const SampleBatch& b) {
       return false;
   }
   return true;
+}
+
+inline bool same(const std::optional<ClientChange>& a, const std::optional<ClientChange>& b) {
+  if (a.has_value() != b.has_value()) return false;
+  if (!a) return true;
+  const auto same_link = [](const LinkQuality& x, const LinkQuality& y) {
+    return same(x.delay, y.delay) && same(x.jitter, y.jitter) && same(x.loss, y.loss);
+  };
+  return a->number == b->number && a->law == b->law && a->link.has_value() == b->link.has_value() &&
+         (!a->link || same_link(*a->link, *b->link));
 }
 
 /// All but the model.
@@ -38,18 +52,31 @@ inline bool same_but_model(const Reply& a, const Reply& b) {
          a.active == b.active && a.saturated == b.saturated && a.refused == b.refused &&
          a.gap == b.gap && a.reloads == b.reloads && a.withheld == b.withheld &&
          a.predicted == b.predicted && same(a.rates, b.rates) && a.modelled == b.modelled &&
-         a.normals.count == b.normals.count && a.normals.unit == b.normals.unit;
+         a.normals.count == b.normals.count && a.normals.unit == b.normals.unit &&
+         same(a.remote, b.remote) && same(a.change, b.change);
 }
 
 inline bool same(const Pose& a, const Pose& b) {
   return same(a.position, b.position) && same(a.orientation, b.orientation);
+}
+inline bool same(const HandFigures& a, const HandFigures& b) {
+  return a.samples == b.samples && a.missed == b.missed && same(a.proxy, b.proxy) &&
+         same(a.elastic, b.elastic) && same(a.frictional, b.frictional) && same(a.depth, b.depth) &&
+         same(a.delivered, b.delivered) && same(a.burned, b.burned) && a.states == b.states &&
+         a.tool == b.tool && a.report.has_value() == b.report.has_value() &&
+         (!a.report || (a.report->reasons == b.report->reasons &&
+                        a.report->has_account == b.report->has_account &&
+                        same(a.report->balance, b.report->balance) &&
+                        same(a.report->round_trip, b.report->round_trip)));
 }
 /// What there is of them.
 inline bool same(const SceneView& a, const SceneView& b) {
   if (a.present != b.present) return false;
   if (!a.present) return true;
   const auto hand = [](const SeenHand& x, const SeenHand& y) {
-    return x.number == y.number && same(x.pose, y.pose) && same(x.force, y.force);
+    return x.number == y.number && same(x.pose, y.pose) && same(x.force, y.force) &&
+           x.figures.has_value() == y.figures.has_value() &&
+           (!x.figures || same(*x.figures, *y.figures));
   };
   const auto body = [](const SeenBody& x, const SeenBody& y) {
     return x.object == y.object && same(x.pose, y.pose);
@@ -65,6 +92,15 @@ inline constexpr double kFloatRounding = 0x1p-23;  // relative, of what travels 
 inline bool near(double a, double b) { return std::abs(a - b) <= kFloatRounding * std::abs(a); }
 inline bool near(const Vec3& a, const Vec3& b) {
   return near(a.x(), b.x()) && near(a.y(), b.y()) && near(a.z(), b.z());
+}
+inline bool near(const std::optional<HandFigures>& a, const std::optional<HandFigures>& b) {
+  if (a.has_value() != b.has_value()) return false;
+  if (!a) return true;
+  return a->samples == b->samples && a->states == b->states && a->tool == b->tool &&
+         near(a->proxy, b->proxy) && near(a->elastic, b->elastic) && near(a->depth, b->depth) &&
+         a->report.has_value() == b->report.has_value() &&
+         (!a->report || (a->report->has_account == b->report->has_account &&
+                         near(a->report->balance, b->report->balance)));
 }
 /// Points within a few metres of a center within a few kilometres.
 inline bool near_point(const Vec3& a, const Vec3& b) {

@@ -29,7 +29,7 @@ def run(*command, environment=None):
 def check_names_no_folder(prefix, folders):
     """What is installed can be moved: no text file names where it was made."""
     for file in sorted(prefix.rglob("*")):
-        if file.suffix not in (".cmake", ".pc", ".hpp"):
+        if file.suffix not in (".cmake", ".pc", ".hpp", ".h"):
             continue
         text = file.read_text(encoding="utf-8")
         for folder in folders:
@@ -89,6 +89,9 @@ def main():
         run("cmake", "--build", folder / "build", "--parallel", 2)
         run(folder / "build/bound")
         feel(folder / "build/my_device", build / "bin/feltwire-server", source, folder)
+
+        run("cc", "-std=c99", "-shared", "-fPIC", "-Wall", "-Wextra", "-Wpedantic", "-Werror", f"-I{prefix / 'include'}",
+            source / "examples/my_plugin.c", "-o", folder / "my_plugin.so")
 
         flags = run("pkg-config", "--cflags", "--libs", "feltwire",
                     environment={"PKG_CONFIG_PATH": str(next(prefix.rglob("feltwire.pc")).parent)}).split()

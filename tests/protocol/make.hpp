@@ -45,6 +45,6 @@ inline SampleBatch random_batch(Generator& random, std::uint64_t newest, int cou
   return batch;
 }
 
-inline constexpr unsigned kAllKinds = 0b1110;
+inline constexpr unsigned kAllKinds = 0b111110;
 
 }  // namespace feltwire::test

@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <vector>
 
 #include "server/scene/scene_sessions.hpp"
@@ -26,6 +27,8 @@ struct SampleExchange {
     batch.rotation = rotation;
     batch.previous = sample.index - 1;
     batch.samples[0] = sample;
+    batch.report = report;
+    batch.lead = lead;
     const Bytes datagram = encoder.samples(id, sample.index, batch);
     DatagramBuffer out;
     const std::size_t before = allocations();
@@ -43,6 +46,8 @@ struct SampleExchange {
   std::size_t allocated = 0;  // by the server's side
   std::size_t length = 0;     // [bytes] of the last answer
   std::map<std::uint64_t, std::uint64_t> index;
+  std::optional<HandReport> report;  // that the samples bring
+  std::optional<Lead> lead;          // likewise
 };
 
 }  // namespace feltwire::test

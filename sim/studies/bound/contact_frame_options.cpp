@@ -30,18 +30,18 @@ Scene sphere(double stiffness) {
   return Scene("sphere", {object});
 }
 
-struct Method {
+struct Variant {
   const char* name;
   std::string_view mode;
   Projection projection;
   Storage storage;
 };
-constexpr Method kNone{"none", kUnbounded, Projection::joint, Storage::minimal};
-constexpr Method kJoint{"joint", kDefaultMethod, Projection::joint, Storage::minimal};
-constexpr Method kCone{"cone", kDefaultMethod, Projection::cone, Storage::minimal};
-constexpr Method kElastic{"elastic", kDefaultMethod, Projection::cone, Storage::elastic};
+constexpr Variant kNone{"none", kUnbounded, Projection::joint, Storage::minimal};
+constexpr Variant kJoint{"joint", kDefaultMethod, Projection::joint, Storage::minimal};
+constexpr Variant kCone{"cone", kDefaultMethod, Projection::cone, Storage::minimal};
+constexpr Variant kElastic{"elastic", kDefaultMethod, Projection::cone, Storage::elastic};
 
-ExperimentSetup setup_of(const char* experiment, const Method& method, double damping) {
+ExperimentSetup setup_of(const char* experiment, const Variant& method, double damping) {
   ExperimentSetup setup = figure_setup(experiment, method.mode, damping, method.projection);
   setup.bounding.storage = method.storage;
   return setup;
@@ -80,7 +80,7 @@ void projections(std::string& text) {
   for (const double stiffness : {500.0, 1000.0, 3000.0})
     for (const double friction : {0.3, 0.6})
       for (const double damping : {0.5, 2.0})
-        for (const Method& method : {kNone, kJoint, kCone}) {
+        for (const Variant& method : {kNone, kJoint, kCone}) {
           const auto samples =
               run_experiment(plane(stiffness, friction), setup_of("wall", method, damping));
           const ExperimentMetrics m = measure(samples, {}, damping, 1e-3);
@@ -99,7 +99,7 @@ void storages(std::string& text) {
   for (const double stiffness : {100.0, 350.0, 1000.0, 4000.0})
     for (const int delay : {0, 10, 50}) {
       append(text, "%9.0f  %10d", stiffness, delay);
-      for (const Method& method : {kCone, kElastic}) {
+      for (const Variant& method : {kCone, kElastic}) {
         ExperimentSetup setup = setup_of("wall", method, 0.5);
         setup.hand.task.path = HandPath::taps;
         setup.delay = delay;
@@ -115,7 +115,7 @@ void storages(std::string& text) {
       "round trip [ms]   none           minimal        elastic\n";
   for (const int delay : {0, 10, 50, 100}) {
     append(text, "%15d", delay);
-    for (const Method& method : {kNone, kCone, kElastic}) {
+    for (const Variant& method : {kNone, kCone, kElastic}) {
       ExperimentSetup setup = setup_of("sphere", method, 0.5);
       setup.delay = delay;
       const ExperimentMetrics m =

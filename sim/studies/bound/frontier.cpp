@@ -69,13 +69,13 @@ ExperimentSetup setup_of(const FrontierCase& c, const CompareTask& task) {
   const bool friction = c.need == Need::inertia_friction;
   spec.least_mass = friction || c.need == Need::inertia ? c.device.mass : 0.0;
   spec.least_friction = friction ? kFrictionShare * c.device.friction : 0.0;
-  spec.hand_force = kHandForce;
+  spec.hand_force = c.hand_force;
   spec.position_resolution = c.device.quantum;
   spec.max_force = spec.continuous_force = c.device.max_force;
   setup.hand.hand = c.hand.hand;
   setup.hand.task = task.hand;
   if (!c.cold) setup.hand.task.air = kAir;
-  setup.duration = task.duration + setup.hand.task.air;
+  setup.duration = (c.duration > 0.0 ? c.duration : task.duration) + setup.hand.task.air;
   setup.law = &law(c.law);
   setup.walls = task.walls;
   setup.bounding.projection = Projection::cone;
@@ -87,6 +87,7 @@ ExperimentSetup setup_of(const FrontierCase& c, const CompareTask& task) {
   if (c.need == Need::no_account) return setup;
   setup.account = account_config(spec, kPeriod);
   setup.account->cap *= c.cap / kAccountCap;
+  setup.account->learns_outside_force = c.learns;
   return setup;
 }
 

@@ -45,6 +45,9 @@ struct FrontierCase {
   NamedHand hand = kEightHands[0];
   bool cold = true;          // else the hand moves 2 s in the air first, which fills the account
   double cap = kAccountCap;  // of the account, in needs of the device's largest force at rest
+  double hand_force = kHandForce;  // F_h [N] that the account is told
+  bool learns = false;             // the account learns it (core/bounding/outside_force.hpp)
+  double duration = 0.0;           // [s] 0: that of the task
 };
 
 struct FrontierRow {
@@ -79,6 +82,11 @@ struct CapRow {
   double wall = 0.0, taps = 0.0;  // displayed share, usual hand, warm
 };
 std::vector<CapRow> cap_trade();
+
+/// What the account gains by learning the hand's force instead of counting on 10 N, beside one that
+/// is told the half of it: a minute of presses, slides and taps (frontier_learning.cpp).
+std::vector<FrontierCase> learning_cases();
+std::string learning_table(const std::vector<FrontierRow>& rows);
 
 /// For people: the displayed share and how many hands are calm, by law, damping and delay; then
 /// what the laws of other papers make of the same things beside ours.

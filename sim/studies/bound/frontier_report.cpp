@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/base/text.hpp"
+#include "core/base/units.hpp"
 #include "sim/measure/metrics.hpp"
 #include "sim/measure/step_cost.hpp"
 #include "sim/published_laws/published_laws.hpp"
@@ -14,8 +15,6 @@
 
 namespace feltwire {
 namespace {
-
-constexpr double kMilli = 1e3, kMicro = 1e6;
 
 using Json = nlohmann::ordered_json;
 
@@ -65,9 +64,9 @@ double swing_cost(const std::string& name, Need need) {
     known.mass = need == Need::unknown_hand ? 0.0 : kFrontierDevices[0].mass;
     known.outside_force = kHandForce;
   }
-  constexpr int kSteps = 20000;
-  std::vector<ExperimentSample> samples(kSteps);
-  for (int n = 0; n < kSteps; ++n) {
+  constexpr int kCostSteps = 20000;
+  std::vector<ExperimentSample> samples(kCostSteps);
+  for (int n = 0; n < kCostSteps; ++n) {
     samples[n].displacement = {0.0, 1e-5 * ((n & 7) - 3.5), 2e-6};
     samples[n].commanded.elastic = {0.0, 2.0 + (n & 7), 0.1};
   }

@@ -7,7 +7,7 @@
 namespace feltwire {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kUnlimited = std::numeric_limits<double>::infinity();
 
 // So that the squares of the smallest doubles are numbers, too.
 using Vector = Eigen::Matrix<long double, 3, 1>;
@@ -155,7 +155,7 @@ void PromiseLedger::judge(const Port& port, long double missing) {
       kEnergyRounding * setup_.arithmetic.epsilon * port.condition * port.through;
   broken_ = broken_ || missing > allowed;
   const auto share = [&](long double energy) {
-    return port.exchanged > 0.0L ? static_cast<double>(energy / port.exchanged) : kInfinity;
+    return port.exchanged > 0.0L ? static_cast<double>(energy / port.exchanged) : kUnlimited;
   };
   if (share(missing) <= error_) return;
   error_ = share(missing);

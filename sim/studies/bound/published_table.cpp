@@ -2,28 +2,29 @@
 #include <array>
 
 #include "core/base/text.hpp"
+#include "core/base/units.hpp"
 #include "sim/studies/bound/over_hands.hpp"
 
 namespace feltwire {
 namespace {
 
-constexpr double kMicro = 1e6, kMilli = 1e3;
-
-struct Law {
+struct PublishedLaw {
   const char *name, *title;
   Need need = Need::no_account;
 };
 /// Ours, then those of other papers.
-constexpr std::array kLaws = {Law{"none", "none"},
-                              Law{"contact_frame", "contact_frame"},
-                              Law{"midpoint", "shaped, near + account", Need::inertia_friction},
-                              Law{"credited", "shaped, late + account", Need::inertia_friction},
-                              Law{"tdpc_exact", "tdpc_exact"},
-                              Law{"bounded_output", "bounded_output"},
-                              Law{"force_augmentation", "force_augmentation"},
-                              Law{"position_memory", "position_memory"},
-                              Law{"two_layer_tank", "two_layer_tank"},
-                              Law{"virtual_coupling", "virtual_coupling"}};
+constexpr std::array kPublishedLaws = {
+    PublishedLaw{"none", "none"},
+    PublishedLaw{"contact_frame", "contact_frame"},
+    PublishedLaw{"midpoint", "shaped, near + account", Need::inertia_friction},
+    PublishedLaw{"credited", "shaped, late + account", Need::inertia_friction},
+    PublishedLaw{"tdpc_exact", "tdpc_exact"},
+    PublishedLaw{"bounded_output", "bounded_output"},
+    PublishedLaw{"force_augmentation", "force_augmentation"},
+    PublishedLaw{"force_augmentation_transient", "... with its transient"},
+    PublishedLaw{"position_memory", "position_memory"},
+    PublishedLaw{"two_layer_tank", "two_layer_tank"},
+    PublishedLaw{"virtual_coupling", "virtual_coupling"}};
 
 struct Place {
   const char *title, *task;
@@ -51,7 +52,7 @@ std::string published_table(const std::vector<FrontierRow>& rows) {
     append(text, "\n%s\n", place.title);
     append(text, "  b [N s/m]  %-22s  displayed       oscillation [um]    energy    calm\n", "law");
     for (const double damping : {0.05, 0.5, 2.0, 8.0})
-      for (const Law& law : kLaws) {
+      for (const PublishedLaw& law : kPublishedLaws) {
         const OverHands o = over_hands(rows, [&](const FrontierCase& c) {
           return c.task == place.task && c.wall == place.wall && c.delay == place.delay &&
                  c.cold == place.cold && c.damping == damping && c.law == law.name &&

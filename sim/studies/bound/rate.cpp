@@ -16,7 +16,7 @@
 namespace feltwire {
 namespace {
 
-constexpr double kPress = 3.0;                                // [N]
+constexpr double kRatePress = 3.0;                            // [N]
 constexpr double kBall = 0.09;                                // [m] radius, the paper's
 constexpr double kPressDuration = 1.5, kSlideDuration = 6.0;  // [s]
 
@@ -57,12 +57,12 @@ SimulatedHandOptions hand_of(const Surface& surface, const Hand& hand, double da
   options.spec = builtin_device("simulated");
   options.spec.damping = damping;
   HandTask& task = options.task;
-  task.depth = kPress / options.hand.stiffness;
+  task.depth = kRatePress / options.hand.stiffness;
   task.center = surface.ball ? Vec3(0, 0, kBall) : Vec3::Zero();
   task.lead_in = 1.0;
   task.clearance = 1e-3;
   // A spring in series: the hand goes in deeper by as much as the surface gives way.
-  if (!slides) task.depth += kPress / surface.stiffness;
+  if (!slides) task.depth += kRatePress / surface.stiffness;
   if (!slides) return options;
   if (surface.ball) {
     task.center = Vec3::Zero();

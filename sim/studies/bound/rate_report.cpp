@@ -32,14 +32,14 @@ std::string curve(const std::string& surface, double damping, const std::string&
   return text;
 }
 
-struct Panel {
+struct RatePanel {
   const char* label;
   const char* column;
   const char* range;
 };
-constexpr Panel kPanels[] = {{"displayed stiffness [kN/m]", "$5/1e3", "[0.1:60]"},
-                             {"direction error [deg]", "$6", "[0:*]"},
-                             {"oscillation [um RMS]", "$7", "[0:10]"}};
+constexpr RatePanel kRatePanels[] = {{"displayed stiffness [kN/m]", "$5/1e3", "[0.1:60]"},
+                                     {"direction error [deg]", "$6", "[0:*]"},
+                                     {"oscillation [um RMS]", "$7", "[0:10]"}};
 
 std::vector<std::string> surfaces(const std::vector<RateCell>& cells) {
   std::vector<std::string> names;
@@ -58,10 +58,10 @@ void draw_rate(const std::filesystem::path& directory, const RateGrid& grid,
       "(contact\\_frame; whole line: b = 2 N s/m, dashed: 0.5)'\n"
       "set logscale x\nset xtics (0.25, 0.5, 1, 2, 4, 10, 20)\nset xrange [0.2:25]\n"
       "set xlabel 'servo rate [kHz]'\nset key bottom right samplen 3\n";
-  for (const Panel& panel : kPanels)
+  for (const RatePanel& panel : kRatePanels)
     for (const std::string& surface : surfaces(cells)) {
       append(script, "set title '%s'\nset ylabel '%s'\n", surface.c_str(), panel.label);
-      const bool first = panel.column == kPanels[0].column;
+      const bool first = panel.column == kRatePanels[0].column;
       script += std::string(first ? "set logscale y" : "unset logscale y") + "\nset yrange " +
                 panel.range + "\n";
       script += first && surface == cells.front().surface ? "set key\nplot " : "unset key\nplot ";

@@ -9,11 +9,11 @@
 namespace feltwire {
 namespace {
 
-constexpr double kPress = 3.0;     // [N]
-constexpr double kDeepest = 0.03;  // [m] of wall that a hand goes through to press so
-constexpr double kLeadIn = 0.5;    // [s]
-constexpr double kAtRest = 1.0;    // [s]
-constexpr double kDuration = 2.0;  // [s]
+constexpr double kZwidthPress = 3.0;  // [N]
+constexpr double kDeepest = 0.03;     // [m] of wall that a hand goes through to press so
+constexpr double kLeadIn = 0.5;       // [s]
+constexpr double kAtRest = 1.0;       // [s]
+constexpr double kDuration = 2.0;     // [s]
 
 ExperimentSetup press_setup(const Method& method, double damping, double rate, double delay,
                             double stiffness, const Hand& hand) {
@@ -24,7 +24,7 @@ ExperimentSetup press_setup(const Method& method, double damping, double rate, d
   setup.hand.task.path = HandPath::press;
   setup.hand.task.lead_in = kLeadIn;
   setup.hand.task.depth =
-      kPress / setup.hand.hand.stiffness + std::min(kPress / stiffness, kDeepest);
+      kZwidthPress / setup.hand.hand.stiffness + std::min(kZwidthPress / stiffness, kDeepest);
   setup.duration = kDuration;
   setup.bounding.period = 1.0 / rate;
   setup.bounding.damping = damping;

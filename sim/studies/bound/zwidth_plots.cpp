@@ -9,11 +9,11 @@ namespace {
 constexpr std::size_t kColumns = 5;
 
 // Okabe and Ito's colours, told apart by colour-blind readers; points differ too.
-constexpr std::array kColors = {"#0072b2", "#009e73", "#e69f00", "#d55e00", "#cc79a7"};
+constexpr std::array kZwidthColors = {"#0072b2", "#009e73", "#e69f00", "#d55e00", "#cc79a7"};
 constexpr std::array kPoints = {7, 5, 9, 13, 11};
 
 std::string color(std::size_t delay) {
-  return std::string(" lc rgb '") + kColors[delay % kColors.size()] + "'";
+  return std::string(" lc rgb '") + kZwidthColors[delay % kZwidthColors.size()] + "'";
 }
 std::string marked(std::size_t delay) {
   std::string text = " with linespoints lw 1.8" + color(delay);

@@ -2,13 +2,12 @@
 #include <nlohmann/json.hpp>
 
 #include "core/base/text.hpp"
+#include "core/base/units.hpp"
 #include "sim/report/plot.hpp"
 #include "sim/studies/network/deadband_study.hpp"
 
 namespace feltwire {
 namespace {
-
-constexpr double kPercent = 100.0, kMilli = 1e3;
 
 std::string csv(const std::vector<DeadbandRow>& rows) {
   std::string text =

@@ -10,16 +10,17 @@
 namespace feltwire {
 namespace {
 
-constexpr double kStiffness = 1000.0;  // [N/m] of every surface
-constexpr double kBall = 0.04;         // [m] radius
-constexpr double kTremor = 1e-4;       // [m] RMS an axis
+constexpr double kDeadbandStiffness = 1000.0;  // [N/m] of every surface
+constexpr double kDeadbandBall = 0.04;         // [m] radius
+constexpr double kTremor = 1e-4;               // [m] RMS an axis
 
 Scene surface(const char* name, const Shape& shape, double friction) {
   Object object;
   object.name = name;
   object.shape = shape;
-  object.material = {
-      .stiffness = kStiffness, .static_friction = friction, .dynamic_friction = 0.75 * friction};
+  object.material = {.stiffness = kDeadbandStiffness,
+                     .static_friction = friction,
+                     .dynamic_friction = 0.75 * friction};
   return Scene(name, {object});
 }
 
@@ -85,8 +86,9 @@ std::vector<DeadbandTask> deadband_tasks(const std::optional<Recording>& recordi
   std::vector<DeadbandTask> tasks;
   tasks.push_back(task("wall press", surface("wall", Plane{}, 0.0), HandPath::press));
 
-  DeadbandTask glide = task("sphere glide", surface("ball", Sphere{kBall}, 0.0), HandPath::orbit);
-  glide.hand.task.radius = kBall - glide.hand.task.depth;
+  DeadbandTask glide =
+      task("sphere glide", surface("ball", Sphere{kDeadbandBall}, 0.0), HandPath::orbit);
+  glide.hand.task.radius = kDeadbandBall - glide.hand.task.depth;
   glide.hand.task.depth = 0.0;
   tasks.push_back(glide);
 

@@ -2,16 +2,13 @@
 #include <nlohmann/json.hpp>
 
 #include "core/base/text.hpp"
+#include "core/base/units.hpp"
 #include "sim/measure/metrics.hpp"
 #include "sim/report/plot.hpp"
 #include "sim/studies/network/local_model.hpp"
 
 namespace feltwire {
 namespace {
-
-constexpr double kMilli = 1e3;  // in a unit
-constexpr double kMicro = 1e6;  // in a unit
-constexpr double kPercent = 100.0;
 
 const char* source(const LocalModelCell& cell) { return cell.modelled ? "model" : "forces"; }
 

@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kBegin = 1.0;       // [s] within which the hand comes in; what follows is counted
 constexpr double kClearance = 0.03;  // [m] from which: the first reply comes before the contact
-constexpr double kBall = 0.09;       // [m] radius
+constexpr double kTrafficBall = 0.09;  // [m] radius
 
 struct TradeTask {
   double stiffness;  // [N/m]
@@ -22,7 +22,7 @@ struct TradeTask {
   bool ball = false;
   HandPath path = HandPath::slide;
 };
-constexpr std::array<TradeTask, 3> kTasks = {
+constexpr std::array<TradeTask, 3> kTrafficTasks = {
     {{.stiffness = 1000.0, .ball = true, .path = HandPath::orbit},
      {.stiffness = 500.0, .friction = 0.4},
      {.stiffness = 1000.0, .path = HandPath::taps}}};
@@ -32,7 +32,7 @@ Scene scene_of(const TradeTask& task) {
   object.material.stiffness = task.stiffness;
   object.material.static_friction = task.friction;
   object.material.dynamic_friction = 0.75 * task.friction;
-  if (task.ball) object.shape = Sphere{kBall};
+  if (task.ball) object.shape = Sphere{kTrafficBall};
   return Scene("trade", {object});
 }
 
@@ -43,7 +43,7 @@ HandTask hand_of(const TradeTask& task) {
   hand.clearance = kClearance;
   hand.lead_in = kBegin;
   if (task.path == HandPath::taps) hand.frequency = 2.0;
-  if (task.ball) go_round(hand, kBall);
+  if (task.ball) go_round(hand, kTrafficBall);
   return hand;
 }
 
@@ -64,23 +64,23 @@ double oscillation(const TradeTask& task, const std::vector<NetworkSample>& samp
   std::vector<double> heights;
   heights.reserve(samples.size());
   for (const NetworkSample& s : samples)
-    heights.push_back(task.ball ? s.position.norm() - kBall : s.position.z());
+    heights.push_back(task.ball ? s.position.norm() - kTrafficBall : s.position.z());
   return highpass_rms(heights, 1.0 / period);
 }
 
 void add(const DatagramCount& count, double duration, double& kbit, double& datagrams) {
-  kbit += count.kbit_per_second(duration) / kTasks.size();
-  datagrams += static_cast<double>(count.datagrams) / duration / kTasks.size();
+  kbit += count.kbit_per_second(duration) / kTrafficTasks.size();
+  datagrams += static_cast<double>(count.datagrams) / duration / kTrafficTasks.size();
 }
 
 double computing(Nanoseconds time, double duration) {
-  return std::chrono::duration<double>(time).count() / duration / kTasks.size();
+  return std::chrono::duration<double>(time).count() / duration / kTrafficTasks.size();
 }
 
-TradeNetworkCell run_cell(const SessionParameters& parameters, const TwoWayLinkOptions& link,
-                          double duration) {
+TradeNetworkCell run_traffic_cell(const SessionParameters& parameters,
+                                  const TwoWayLinkOptions& link, double duration) {
   TradeNetworkCell cell;
-  for (const TradeTask& task : kTasks) {
+  for (const TradeTask& task : kTrafficTasks) {
     NetworkRunOptions options;
     options.hand.spec = builtin_device("simulated");
     options.hand.task = hand_of(task);
@@ -94,9 +94,9 @@ TradeNetworkCell run_cell(const SessionParameters& parameters, const TwoWayLinkO
     const auto begin = std::min(run.samples.size(), static_cast<std::size_t>(kBegin / period));
     const auto counted = std::span(run.samples).subspan(begin);
     const Fidelity felt = fidelity(counted);
-    cell.force_error += felt.relative_error() / kTasks.size();
-    cell.direction_error += felt.direction.mean / kTasks.size();
-    cell.added_delay += mean_age(counted, period) / kTasks.size();
+    cell.force_error += felt.relative_error() / kTrafficTasks.size();
+    cell.direction_error += felt.direction.mean / kTrafficTasks.size();
+    cell.added_delay += mean_age(counted, period) / kTrafficTasks.size();
     if (task.path != HandPath::taps)
       cell.oscillation += oscillation(task, run.samples, period) / 2.0;
     cell.passive = cell.passive && run.measured_port.violations() == 0;
@@ -214,7 +214,7 @@ std::vector<TradeNetworkCell> run_trade_network(const std::vector<TrafficSetting
   std::vector<TradeNetworkCell> cells(settings.size() * links.size());
   parallel_for(cells.size(), [&](std::size_t i) {
     const std::size_t setting = i / links.size(), link = i % links.size();
-    cells[i] = run_cell(settings[setting].parameters, links[link], duration);
+    cells[i] = run_traffic_cell(settings[setting].parameters, links[link], duration);
     cells[i].setting = setting;
     cells[i].link = link;
   });

@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/base/text.hpp"
+#include "core/base/units.hpp"
 #include "sim/measure/metrics.hpp"
 #include "sim/report/plot.hpp"
 #include "sim/studies/network/trade_network.hpp"
@@ -10,13 +11,12 @@
 namespace feltwire {
 namespace {
 
-using Settings = std::vector<TrafficSetting>;
+using TrafficSettings = std::vector<TrafficSetting>;
 using Cells = std::vector<TradeNetworkCell>;
 
 constexpr std::size_t kLinks = std::size(kTradeLinks);
-constexpr double kPercent = 100.0, kMillis = 1e3, kMicros = 1e6;
 
-std::string csv(const Settings& settings, const Cells& cells) {
+std::string csv(const TrafficSettings& settings, const Cells& cells) {
   std::string text =
       "group,setting,link,servo_hz,packet_interval,batch,redundancy,position_deadband,"
       "force_deadband,predictor,local_model,up_kbit_s,down_kbit_s,up_datagrams_s,down_datagrams_s,"
@@ -30,17 +30,17 @@ std::string csv(const Settings& settings, const Cells& cells) {
            p.local_model ? 1 : 0);
     append(text, "%.6g,%.6g,%.6g,%.6g,%.6g,%.6g,%.6g,%.6g,%d\n", c.up_kbit, c.down_kbit,
            c.up_datagrams, c.down_datagrams, c.force_error, kDegrees * c.direction_error,
-           kMillis * c.added_delay, kMicros * c.oscillation, c.passive ? 1 : 0);
+           kMilli * c.added_delay, kMicro * c.oscillation, c.passive ? 1 : 0);
   }
   return text;
 }
 
-std::string cost_csv(const Settings& settings, const Cells& cells) {
+std::string cost_csv(const TrafficSettings& settings, const Cells& cells) {
   std::string text = "group,setting,link,server_us_per_s,client_us_per_s\n";
   for (const TradeNetworkCell& c : cells)
     append(text, "\"%s\",\"%s\",\"%s\",%.0f,%.0f\n", settings[c.setting].group.c_str(),
            settings[c.setting].name.c_str(), kTradeLinks[c.link].name.data(),
-           kMicros * c.server_time, kMicros * c.client_time);
+           kMicro * c.server_time, kMicro * c.client_time);
   return text;
 }
 
@@ -63,8 +63,8 @@ nlohmann::ordered_json json(const TrafficSetting& s, const TradeNetworkCell& c) 
           {"down_datagrams_per_s", c.down_datagrams},
           {"force_error", c.force_error},
           {"direction_error_deg", kDegrees * c.direction_error},
-          {"added_delay_ms", kMillis * c.added_delay},
-          {"oscillation_um", kMicros * c.oscillation},
+          {"added_delay_ms", kMilli * c.added_delay},
+          {"oscillation_um", kMicro * c.oscillation},
           {"passive", c.passive}};
 }
 
@@ -78,7 +78,7 @@ constexpr const char* kStyles =
 
 /// Inline data of one link's points: those for which `take` holds.
 template <class Take>
-std::string points(const char* block, const Settings& settings, const Cells& cells,
+std::string points(const char* block, const TrafficSettings& settings, const Cells& cells,
                    std::size_t link, const Take& take) {
   std::string text = std::string("$") + block + " << END\n";
   for (const TradeNetworkCell& c : cells)
@@ -88,7 +88,8 @@ std::string points(const char* block, const Settings& settings, const Cells& cel
   return text + "END\n";
 }
 
-void draw(const std::filesystem::path& directory, const Settings& settings, const Cells& cells) {
+void draw(const std::filesystem::path& directory, const TrafficSettings& settings,
+          const Cells& cells) {
   std::string script =
       "set terminal pngcairo size 1600,620 font 'Sans,11'\nset output 'trade_network.png'\n";
   script += kStyles;
@@ -136,13 +137,13 @@ constexpr const char* kHead =
 void append_row(std::string& table, const TrafficSetting& s, const TradeNetworkCell& c) {
   append(table, "  %-32s %8.0f  %8.0f  %4.0f / %4.0f  %8.1f  %8.2f  %7.1f  %7.1f%s\n",
          s.name.c_str(), c.up_kbit, c.down_kbit, c.up_datagrams, c.down_datagrams,
-         kPercent * c.force_error, kDegrees * c.direction_error, kMillis * c.added_delay,
-         kMicros * c.oscillation, c.passive ? "" : "  NOT PASSIVE");
+         kPercent * c.force_error, kDegrees * c.direction_error, kMilli * c.added_delay,
+         kMicro * c.oscillation, c.passive ? "" : "  NOT PASSIVE");
 }
 
 }  // namespace
 
-void write_trade_network(const std::filesystem::path& directory, const Settings& settings,
+void write_trade_network(const std::filesystem::path& directory, const TrafficSettings& settings,
                          const Cells& cells) {
   std::filesystem::create_directories(directory);
   write_text(directory / "trade_network.csv", csv(settings, cells));
@@ -153,7 +154,7 @@ void write_trade_network(const std::filesystem::path& directory, const Settings&
   draw(directory, settings, cells);
 }
 
-std::string trade_network_table(const Settings& settings, const Cells& cells) {
+std::string trade_network_table(const TrafficSettings& settings, const Cells& cells) {
   std::string table;
   for (std::size_t link = 0; link < kLinks; ++link) {
     append(table, "%s%s  (%s, each way)\n", link > 0 ? "\n" : "", kTradeLinks[link].name.data(),
@@ -174,7 +175,7 @@ std::string trade_network_table(const Settings& settings, const Cells& cells) {
   return table;
 }
 
-std::string trade_network_cost_table(const Settings& settings, const Cells& cells) {
+std::string trade_network_cost_table(const TrafficSettings& settings, const Cells& cells) {
   constexpr std::size_t kLink = 1;
   std::string table = "computing for a second of session, without system calls [us]\n";
   append(table, "  %-32s %8s  %8s\n", "", "server", "client");
@@ -184,8 +185,8 @@ std::string trade_network_cost_table(const Settings& settings, const Cells& cell
     if (cell.link != kLink || s.group == "all") continue;
     if (s.group != group) append(table, "%s\n", s.group.c_str());
     group = s.group;
-    append(table, "  %-32s %8.0f  %8.0f\n", s.name.c_str(), kMicros * cell.server_time,
-           kMicros * cell.client_time);
+    append(table, "  %-32s %8.0f  %8.0f\n", s.name.c_str(), kMicro * cell.server_time,
+           kMicro * cell.client_time);
   }
   return table;
 }

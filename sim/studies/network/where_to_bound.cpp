@@ -13,10 +13,10 @@
 namespace feltwire {
 namespace {
 
-constexpr double kPress = 3.0;      // [N]
-constexpr double kDamping = 0.5;    // b [N s/m]
-constexpr double kBall = 0.09;      // [m] radius
-constexpr double kRounding = 1e-9;  // [J]
+constexpr double kSidesPress = 3.0;  // [N]
+constexpr double kDamping = 0.5;     // b [N s/m]
+constexpr double kSidesBall = 0.09;  // [m] radius
+constexpr double kRounding = 1e-9;   // [J]
 
 struct SidesTask {
   std::string_view name;
@@ -25,7 +25,7 @@ struct SidesTask {
   HandPath path = HandPath::press;
   double duration = 3.0;  // [s]
 };
-const std::array<SidesTask, 5> kTasks = {
+const std::array<SidesTask, 5> kSidesTasks = {
     {{.name = "wall 40 kN/m", .stiffness = 4e4},
      {.name = "wall 1 kN/m", .stiffness = 1e3},
      {.name = "sphere 1 kN/m",
@@ -39,12 +39,12 @@ const std::array<SidesTask, 5> kTasks = {
 Scene scene_of(const SidesTask& task) {
   Object object{
       .name = "object", .shape = Plane{}, .pose = {}, .material = {.stiffness = task.stiffness}};
-  if (task.ball) object.shape = Sphere{kBall};
+  if (task.ball) object.shape = Sphere{kSidesBall};
   return Scene("sides", {object});
 }
 
 double height(const SidesTask& task, const Vec3& position) {
-  return task.ball ? position.norm() - kBall : position.z();
+  return task.ball ? position.norm() - kSidesBall : position.z();
 }
 Vec3 normal(const SidesTask& task, const Vec3& position) {
   return task.ball ? direction(position) : Vec3(Vec3::UnitZ());
@@ -58,14 +58,14 @@ NetworkRunOptions options_of(const SidesTask& task, const Hand& arm) {
   options.hand.hand = arm;
   HandTask& hand = options.hand.task;
   hand.path = task.path;
-  hand.depth = kPress / options.hand.hand.stiffness;
+  hand.depth = kSidesPress / options.hand.hand.stiffness;
   if (task.taking) options.taking = TakingTask{.start = {0, 0, 1e-3}, .depth = 8e-3};
-  if (task.path == HandPath::press) hand.depth += kPress / task.stiffness;
+  if (task.path == HandPath::press) hand.depth += kSidesPress / task.stiffness;
   if (task.path == HandPath::taps) {
     hand.frequency = 2.0;
     hand.clearance = 5e-3;
   }
-  if (task.ball) go_round(hand, kBall);
+  if (task.ball) go_round(hand, kSidesBall);
   return options;
 }
 
@@ -110,7 +110,8 @@ void measure(const SidesTask& task, const NetworkRunResult& run, SidesCell& cell
       ratio(static_cast<double>(run.servo.answered), static_cast<double>(run.servo.samples));
 }
 
-void run_cell(const SidesTask& task, const Hand& hand, double assumed_damping, SidesCell& cell) {
+void run_sides_cell(const SidesTask& task, const Hand& hand, double assumed_damping,
+                    SidesCell& cell) {
   NetworkRunOptions options = options_of(task, hand);
   if (assumed_damping != 1.0) {
     options.told = options.hand.spec;
@@ -145,8 +146,8 @@ std::vector<SidesCell> run_sides(const SidesGrid& grid) {
   if (!(grid.assumed_damping > 0.0) || !std::isfinite(grid.assumed_damping))
     throw std::invalid_argument("the told damping must be finite and above zero, 1 is the truth");
   std::vector<SidesCell> cells;
-  const std::size_t tasks = kTasks.size() - (grid.taking_hand ? 0 : 1);
-  for (const SidesTask& task : std::span(kTasks).first(tasks))
+  const std::size_t tasks = kSidesTasks.size() - (grid.taking_hand ? 0 : 1);
+  for (const SidesTask& task : std::span(kSidesTasks).first(tasks))
     for (const std::string_view bound : kSidesBounds)
       for (const double round_trip : grid.round_trips)
         for (const double jitter : grid.jitters)
@@ -163,8 +164,8 @@ std::vector<SidesCell> run_sides(const SidesGrid& grid) {
             }
   const std::size_t per_task = cells.size() / tasks;
   parallel_for(cells.size(), [&](std::size_t i) {
-    run_cell(kTasks[i / per_task], grid.hands[i % grid.hands.size()].hand, grid.assumed_damping,
-             cells[i]);
+    run_sides_cell(kSidesTasks[i / per_task], grid.hands[i % grid.hands.size()].hand,
+                   grid.assumed_damping, cells[i]);
   });
   return cells;
 }

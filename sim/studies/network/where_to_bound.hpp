@@ -59,6 +59,8 @@ struct SidesCell {
   std::uint64_t violations = 0;  // samples after which more was given than burned, as measured
   double answered = 0.0;         // share of the samples
 };
+/// Whether its line has neither jitter nor loss.
+inline bool clean(const SidesCell& cell) { return cell.jitter == 0.0 && cell.loss.loss == 0.0; }
 
 /// Every cell: tasks, bounds, round trips, jitters, losses, hands, the last fastest. 1 kHz, b = 0.5
 /// N s/m, contact_frame, redundancy 3; the same fate for the same datagrams under all bounds.

@@ -1,16 +1,14 @@
 #include <algorithm>
 
 #include "core/base/text.hpp"
+#include "core/base/units.hpp"
 #include "sim/measure/metrics.hpp"
 #include "sim/studies/network/where_to_bound.hpp"
 
 namespace feltwire {
 namespace {
 
-constexpr double kMicro = 1e6, kMilli = 1e3, kPercent = 100.0;
 constexpr std::size_t kHands = kEightHands.size();
-
-bool clean(const SidesCell& cell) { return cell.jitter == 0.0 && cell.loss.loss == 0.0; }
 
 std::vector<double> over_hands(const SidesCell* first, double SidesCell::*value) {
   std::vector<double> values;

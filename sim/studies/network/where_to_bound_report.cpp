@@ -3,16 +3,13 @@
 #include <nlohmann/json.hpp>
 
 #include "core/base/text.hpp"
+#include "core/base/units.hpp"
 #include "sim/measure/metrics.hpp"
 #include "sim/report/plot.hpp"
 #include "sim/studies/network/where_to_bound.hpp"
 
 namespace feltwire {
 namespace {
-
-constexpr double kMicro = 1e6, kMilli = 1e3, kPercent = 100.0;
-
-bool clean(const SidesCell& cell) { return cell.jitter == 0.0 && cell.loss.loss == 0.0; }
 
 template <class Get>
 auto distinct(const std::vector<SidesCell>& cells, const Get& get) {

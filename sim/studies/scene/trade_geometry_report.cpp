@@ -1,6 +1,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/base/text.hpp"
+#include "core/base/units.hpp"
 #include "sim/measure/metrics.hpp"
 #include "sim/report/plot.hpp"
 #include "sim/studies/scene/trade_geometry.hpp"
@@ -8,14 +9,14 @@
 namespace feltwire {
 namespace {
 
-constexpr double kMega = 1e6, kMilli = 1e-3, kPercent = 100.0;
-
 std::string size_text(const GeometryCell& cell) {
   std::string text;
   if (cell.size >= 1.0) append(text, "%.0f tri", cell.size);
-  if (cell.size > 0.0 && cell.size < 1.0) append(text, "%g mm", cell.size / kMilli);
+  if (cell.size > 0.0 && cell.size < 1.0) append(text, "%g mm", cell.size * kMilli);
   return text;
 }
+
+constexpr double kMega = 1e6;
 
 // Okabe and Ito's colours, told apart by colour-blind readers; points differ too.
 constexpr const char* kStyles =

@@ -1,16 +1,17 @@
 #include <nlohmann/json.hpp>
 
 #include "core/base/text.hpp"
+#include "core/base/units.hpp"
 #include "sim/report/plot.hpp"
 #include "sim/studies/scene/trade_tools.hpp"
 
 namespace feltwire {
 namespace {
 
-constexpr double kPercent = 100.0, kMicro = 1e-3;  // [us] in a nanosecond
+constexpr double kNanoToMicro = 1e-3;
 
 // Okabe and Ito's colours, told apart by colour-blind readers; points differ too.
-constexpr const char* kStyles =
+constexpr const char* kToolStyles =
     "set style line 1 lc rgb '#0072b2' pt 7 ps 1.3 lw 1.6\n"
     "set style line 2 lc rgb '#e69f00' pt 4 ps 1.7 lw 1.6\n"
     "set style line 3 lc rgb '#d55e00' pt 2 ps 1.5 lw 1.6\n"
@@ -33,13 +34,14 @@ std::string panel(const char* file, const char* column, const std::vector<ToolsC
 }
 
 void draw(const std::filesystem::path& directory, const std::vector<ToolsCell>& cells) {
-  constexpr int kHeight = 520;
+  constexpr int kToolHeight = 520;
   plot_pair(
-      directory, "trade_tools", kHeight, kStyles, "Points on a tool against a million of them",
+      directory, "trade_tools", kToolHeight, kToolStyles,
+      "Points on a tool against a million of them",
       "set key top right\nset ylabel 'force error [%]'\n" + panel("trade_tools.csv", "$3", cells),
       "set ylabel 'torque error [% of force times radius]'\n" +
           panel("trade_tools.csv", "$4", cells));
-  plot_pair(directory, "trade_tools_cost", kHeight, kStyles, "What a step takes",
+  plot_pair(directory, "trade_tools_cost", kToolHeight, kToolStyles, "What a step takes",
             "set key top left\nset ylabel 'a step in contact [us]'\n" +
                 panel("trade_tools_cost.csv", "$4", cells),
             "set nokey\nset ylabel 'a step 0.1 m away [us]'\nset yrange [0.01:1000]\n" +
@@ -58,10 +60,10 @@ std::string trade_tools_table(const std::vector<ToolsCell>& cells) {
            kPercent * c.force_error, kPercent * c.torque_error, c.looked_at, c.touching,
            c.evaluations);
     if (c.far_ns > 0.0)
-      append(text, " %9.2f", kMicro * c.far_ns);
+      append(text, " %9.2f", kNanoToMicro * c.far_ns);
     else
       append(text, " %9s", "-");
-    append(text, " %8.1f\n", kMicro * c.contact_ns);
+    append(text, " %8.1f\n", kNanoToMicro * c.contact_ns);
   }
   return text;
 }
@@ -77,8 +79,8 @@ void write_trade_tools(const std::filesystem::path& directory,
     append(csv, "%s,%zu,%.6g,%.6g,%.6g,%.6g,%.6g\n", c.task.c_str(), c.points,
            kPercent * c.force_error, kPercent * c.torque_error, c.looked_at, c.touching,
            c.evaluations);
-    append(cost, "%s,%zu,%.4g,%.4g\n", c.task.c_str(), c.points, kMicro * c.far_ns,
-           kMicro * c.contact_ns);
+    append(cost, "%s,%zu,%.4g,%.4g\n", c.task.c_str(), c.points, kNanoToMicro * c.far_ns,
+           kNanoToMicro * c.contact_ns);
     document.push_back({{"task", c.task},
                         {"points", c.points},
                         {"force_error_percent", kPercent * c.force_error},

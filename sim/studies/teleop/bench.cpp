@@ -4,53 +4,15 @@
 #include <cmath>
 #include <numbers>
 
-#include "client/emulated_link/link_model.hpp"
 #include "core/base/splitmix.hpp"
+#include "sim/studies/teleop/way.hpp"
 
 namespace feltwire::teleop {
 namespace {
 
 constexpr double kTwoPi = 2.0 * std::numbers::pi;
-constexpr double kGravity = 9.81;         // [m/s^2]
 constexpr int kParts = 10;                // of a servo sample, for the integration
 constexpr double kVelocityCutoff = 60.0;  // [Hz]
-
-/// One direction of the network.
-class Way {
- public:
-  Way(const LinkOptions& options, std::uint64_t key) : model_(options, key) {}
-
-  void send(const Datagram& datagram, double now, bool cut) {
-    constexpr std::size_t kSize = 100;  // [bytes] of a datagram; no bit rate is limited here
-    const Nanoseconds entered(std::llround(now * 1e9));
-    const LinkFate fate = model_.next(kSize, entered);
-    if (cut) return;
-    for (int i = 0; i < fate.copies; ++i)
-      waiting_.push_back({fate.arrivals[static_cast<std::size_t>(i)], datagram});
-  }
-
-  /// Those that have arrived since the last call, in the order of arrival.
-  std::span<const Datagram> receive(double now) {
-    const Nanoseconds time(std::llround(now * 1e9));
-    const auto first = std::stable_partition(waiting_.begin(), waiting_.end(),
-                                             [&](const Waiting& w) { return w.due > time; });
-    std::stable_sort(first, waiting_.end(),
-                     [](const Waiting& a, const Waiting& b) { return a.due < b.due; });
-    arrived_.clear();
-    std::for_each(first, waiting_.end(), [&](const Waiting& w) { arrived_.push_back(w.datagram); });
-    waiting_.erase(first, waiting_.end());
-    return arrived_;
-  }
-
- private:
-  struct Waiting {
-    Nanoseconds due;
-    Datagram datagram;
-  };
-  LinkModel model_;
-  std::vector<Waiting> waiting_;
-  std::vector<Datagram> arrived_;
-};
 
 struct Mass {
   double position = 0.0, velocity = 0.0;
@@ -115,8 +77,8 @@ double rounded(double value, double quantum) {
 std::vector<BenchSample> run_bench(TeleoperationLaw& law, const BenchSetup& setup) {
   const Plant& plant = setup.plant;
   const double period = plant.period, part = period / kParts;
-  Way forth(setup.link, link_key(setup.seed, 0, LinkDirection::up));
-  Way back(setup.link, link_key(setup.seed, 0, LinkDirection::down));
+  Way<Datagram> forth(setup.link, link_key(setup.seed, 0, LinkDirection::up));
+  Way<Datagram> back(setup.link, link_key(setup.seed, 0, LinkDirection::down));
   World world(setup.around);
   const double start = setup.intention(0.0);
   Mass hand{start}, robot{start};

@@ -14,6 +14,8 @@
 
 namespace feltwire::teleop {
 
+inline constexpr double kGravity = 9.81;  // [m/s^2]
+
 /// What the robot touches: a wall that may move and vanish, or a weight that stands on the ground.
 struct Surroundings {
   enum class Kind : std::uint8_t { nothing, wall, weight };

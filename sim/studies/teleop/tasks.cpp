@@ -9,7 +9,7 @@
 namespace feltwire::teleop {
 namespace {
 
-constexpr double kTwoPi = 2.0 * std::numbers::pi;
+constexpr double kTurn = 2.0 * std::numbers::pi;
 constexpr double kAir = -0.02;                 // [m] in front of the wall
 constexpr double kDeep = 0.03, kHeld = 0.025;  // [m] that the hand means to go in
 constexpr double kStroke = 0.05, kSlow = 0.5;  // [m], [Hz] of free motion
@@ -44,8 +44,8 @@ std::vector<Task> make_tasks() {
     if (t < kLeave) return go_in(kDeep, t);
     return t < kAgain ? move(kDeep, kAir, kLeave, kAway, t) : move(kAir, kDeep, kAgain, kThere, t);
   };
-  const Intention sine = [](double t) { return -0.1 + kStroke * std::sin(kTwoPi * kSlow * t); };
-  const Intention taps = [](double t) { return 0.0025 - 0.0125 * std::cos(kTwoPi * t); };
+  const Intention sine = [](double t) { return -0.1 + kStroke * std::sin(kTurn * kSlow * t); };
+  const Intention taps = [](double t) { return 0.0025 - 0.0125 * std::cos(kTurn * t); };
   const Intention hold = [](double t) { return go_in(kHeld, t); };
   const Intention carry = [](double t) {
     constexpr double kHigh = 0.04, kUp = 1.5, kDown = 4.0, kGround = 5.0;  // [m], [s]
@@ -72,7 +72,6 @@ std::vector<Task> make_tasks() {
 
 /// [N] that the series spring would give the hand at once, from where the robot is meant to be.
 double wanted_force(const Task& task, const BenchSample& s, double time) {
-  constexpr double kGravity = 9.81;  // [m/s^2]
   const Surroundings& around = task.setup.around;
   if (around.kind == Surroundings::Kind::nothing || time >= around.vanishes) return 0.0;
   // A weight that is carried slowly weighs what it weighs.

@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/base/text.hpp"
+#include "core/base/units.hpp"
 #include "sim/report/plot.hpp"
 #include "sim/studies/teleop/teleop.hpp"
 #include "sim/teleoperation_laws/laws.hpp"
@@ -11,7 +12,6 @@ namespace feltwire::teleop {
 namespace {
 
 using Json = nlohmann::ordered_json;
-constexpr double kMilli = 1e3, kMicro = 1e6;  // in a unit
 
 Json value(const std::optional<double>& measured, double scale = 1.0) {
   return measured ? Json(*measured * scale) : Json(nullptr);

@@ -2,6 +2,8 @@
 
 #include <gmock/gmock.h>
 
+#include <csignal>
+#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "core/base/pending_file.hpp"
@@ -64,7 +66,7 @@ TEST_F(AdminProgram, ListsChangesAndEvictsAHand) {
                                 HasSubstr("-> 123.5 [N/m]")));
   const test::Outcome bound = admin({"set", "--session", "1", "--mode", "none"});
   EXPECT_EQ(bound.status, 1);
-  EXPECT_THAT(bound.error, HasSubstr("client acts on it and is not told of changes"));
+  EXPECT_THAT(bound.error, HasSubstr("takes no other law"));
 
   const test::Outcome counted = admin({"stats", "--json"});
   EXPECT_EQ(counted.status, 0) << counted.error;
@@ -77,6 +79,65 @@ TEST_F(AdminProgram, ListsChangesAndEvictsAHand) {
   EXPECT_EQ(evicted.status, 0) << evicted.error;
   EXPECT_THAT(evicted.out, HasSubstr("is evicted"));
   hand.stop.set();
+}
+
+/// A client of another process, whose law and link change while it runs, and what it says of that.
+TEST_F(AdminProgram, ChangesTheLawAndTheLinkOfARunningClient) {
+  const std::string token = folder_ / "hand", report = folder_ / "report.json";
+  replace_file(token, anna_.text.text(), kPrivate);
+  const auto hand = [&](std::vector<std::string> more) {
+    std::vector<std::string> words = {"--connect",     to_string(access_.endpoint),
+                                      "--token-file",  token,
+                                      "--fingerprint", to_string(server_->fingerprint()),
+                                      "--scene",       "floor",
+                                      "--mode",        "shaped"};
+    words.insert(words.end(), more.begin(), more.end());
+    return std::make_unique<test::Program>(FELTWIRE_CLIENT_PROGRAM, words);
+  };
+  const auto session = [&](std::uint32_t number) {
+    nlohmann::json found;
+    test::eventually("a session that runs", [&] {
+      for (const nlohmann::json& one : nlohmann::json::parse(admin({"sessions", "--json"}).out))
+        if (one["number"] == number && one["samples"] > 100) found = one;
+      return !found.is_null();
+    });
+    return found;
+  };
+  auto client = hand({"--link", "delay=0", "--report", report});
+  EXPECT_EQ(session(1)["laws_taken"], "any");
+  EXPECT_EQ(session(1)["link_taken"], true);
+  const test::Outcome law =
+      admin({"set", "--session", "1", "--mode", "contact_frame", "--storage", "elastic"});
+  EXPECT_EQ(law.status, 0) << law.error;
+  EXPECT_THAT(law.out, HasSubstr("taken the change: mode shaped -> contact_frame"));
+  EXPECT_EQ(session(1)["mode"], "contact_frame");
+  const test::Outcome link =
+      admin({"set", "--session", "1", "--delay", "12.5", "--loss", "25", "--jitter", "1"});
+  EXPECT_EQ(link.status, 0) << link.error;
+  const test::Outcome below = admin({"set", "--session", "1", "--mode", "per_axis"});
+  EXPECT_EQ(below.status, 1);
+  EXPECT_THAT(below.error, HasSubstr("bounds forces from below"));
+  ::kill(client->process(), SIGTERM);
+  const test::Outcome ended = client->finish();
+  EXPECT_EQ(ended.status, 0) << ended.error;
+  EXPECT_THAT(ended.error,
+              HasSubstr("an admin changes this session: mode shaped -> contact_frame"));
+  std::ifstream file(report);
+  const nlohmann::json said = nlohmann::json::parse(file);
+  ASSERT_EQ(said["changes"].size(), 2u);
+  EXPECT_GT(said["changes"][1]["time_s"], said["changes"][0]["time_s"]);
+  EXPECT_TRUE(said["changes"][0]["refused"].is_null());
+  EXPECT_EQ(said["parameters"]["mode"], "contact_frame");
+  EXPECT_NEAR(said["link"]["up"]["delay_ms"], 12.5, 1e-5);  // float32 on the wire
+  EXPECT_DOUBLE_EQ(said["link"]["down"]["loss_percent"], 25.0);
+  EXPECT_GT(said["link"]["up"]["lost"], 0);
+
+  auto fixed = hand({"--link", "delay=0", "--fixed"});
+  EXPECT_EQ(session(2)["laws_taken"], "none");
+  EXPECT_THAT(admin({"set", "--session", "2", "--mode", "contact_frame"}).error,
+              HasSubstr("takes no other law"));
+  EXPECT_THAT(admin({"set", "--session", "2", "--delay", "1"}).error,
+              HasSubstr("no emulated link to change"));
 }
 
 TEST_F(AdminProgram, SaysWhatIsWrongInOneLine) {

@@ -116,6 +116,8 @@ TEST(Options, WhatTheCommandLineSaysCounts) {
   EXPECT_TRUE(std::isinf(off.force.small) && std::isinf(off.torque.small));
   EXPECT_TRUE(std::isinf(off.force.speed));
   EXPECT_EQ(off.ramp_up, 0.0);
+  const auto hand = std::get<ClientOptions>(parsed({"--lead-in", "3"}));
+  EXPECT_EQ(hand.device.task.lead_in, 3.0);
 }
 
 TEST(Options, LimitsThatCannotBeAreRefusedInOneLine) {
@@ -347,9 +349,48 @@ TEST(Options, WhatTheCommandLineLeavesOutMayBeAVariable) {
   const auto& given = std::get<ClientOptions>(options);
   EXPECT_EQ(given.duration, 7.0);
   EXPECT_TRUE(given.parameters.local_model);
-  EXPECT_TRUE(given.center_given);
-  EXPECT_EQ(std::get<HandTask>(given.device).center, Vec3(1, 2, 3));
+  EXPECT_TRUE(given.device.own_center);
+  EXPECT_EQ(given.device.task.center, Vec3(1, 2, 3));
   EXPECT_EQ(given.parameters.servo_period, 1.0 / 2000.0);
+}
+
+TEST(Options, ADriverIsChosenByItsKind) {
+  const auto usual = std::get<ClientOptions>(parsed({}));
+  EXPECT_EQ(usual.driver->kind, "simulated");
+  EXPECT_EQ(usual.device.name, "");
+  const auto replay = std::get<ClientOptions>(parsed({"--device", "replay:a:b.csv"}));
+  EXPECT_EQ(replay.driver->kind, "replay");
+  EXPECT_EQ(replay.device.name, "a:b.csv");
+  EXPECT_THAT(refusal({"--device", "pantograph"}),
+              AllOf(HasSubstr("unknown device 'pantograph'"), HasSubstr("simulated"),
+                    HasSubstr("replay:FILE.csv")));
+  EXPECT_THAT(refusal({"--device", "replay"}), HasSubstr("write it as replay:FILE.csv"));
+  EXPECT_THAT(refusal({"--device", "replay:"}), HasSubstr("write it as replay:FILE.csv"));
+  EXPECT_THAT(refusal({"--device", "simulated:2"}), HasSubstr("write it as simulated"));
+}
+
+TEST(Options, NumbersOfTheDeviceMayBeTold) {
+  const auto told =
+      std::get<ClientOptions>(parsed({"--damping", "0.1,0.2,0.3", "--mass", "0.04"})).device.spec;
+  EXPECT_EQ(told.damping, Damping(Vec3(0.1, 0.2, 0.3)));
+  EXPECT_EQ(told.mass, 0.04);
+  EXPECT_EQ(std::get<ClientOptions>(parsed({"--damping", "0.1"})).device.spec.damping,
+            Damping(0.1));
+  EXPECT_THAT(refusal({"--damping", "1,2"}), HasSubstr("BX,BY,BZ"));
+  EXPECT_THAT(refusal({"--damping", "-1"}), HasSubstr("damping"));
+  EXPECT_THAT(refusal({"--mass", "1e9"}), HasSubstr("check the unit"));
+  EXPECT_THAT(refusal({"--spec", "tuch"}), HasSubstr("touch"));
+}
+
+TEST(Options, SpecsAreListedWithoutAServer) {
+  std::string program = "feltwire-client", option = "--list-specs";
+  char* words[] = {program.data(), option.data()};
+  ::testing::internal::CaptureStdout();
+  const auto listed = parse_options(2, words);
+  const std::string text = ::testing::internal::GetCapturedStdout();
+  EXPECT_EQ(std::get<int>(listed), 0);
+  for (const DeviceSpec& spec : builtin_devices()) EXPECT_THAT(text, HasSubstr(spec.name));
+  EXPECT_THAT(text, HasSubstr("assumption, small on purpose"));
 }
 
 TEST(Options, ABadVariableIsRefusedAsABadOptionIs) {

@@ -10,6 +10,7 @@
 #include <cstdlib>
 #include <limits>
 #include <new>
+#include <optional>
 
 #include "client/run/attend.hpp"
 #include "client/run/output_files.hpp"
@@ -121,6 +122,7 @@ struct LostRun {
   std::filesystem::path file;
   Records records{{.recording = RecordingTarget{file}, .view = {}, .observes = false}};
   Signals signals;
+  std::optional<Changes> changes;
   std::thread answering;
   std::atomic<bool> over{false};
 
@@ -133,6 +135,8 @@ struct LostRun {
                                        ServoOptions{});
     task->options = {.patience = 400ms, .rejoined = &sessions};
     task->outputs = {.status = &statuses, .record = records.rows()};
+    const ServoOptions options;
+    changes.emplace(Changes::Client{hand->spec(), p, options, task->transport->port(), {}});
     answering = std::thread([this] { answer(); });
   }
   ~LostRun() {
@@ -180,7 +184,7 @@ void fail_each_allocation_of_the_main_thread(const char* recording) {
     ServoThread thread(run.task);
     failed_once.store(false);
     left = nth;
-    attend(run.signals, thread, run.statuses, run.records, reconnector);
+    attend(run.signals, thread, run.statuses, run.records, *run.changes, reconnector);
     left = kNever;
     run.expect_good_end(thread, nth);
     EXPECT_GE(reconnector.attempts(), 1u) << nth;

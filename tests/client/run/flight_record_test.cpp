@@ -5,9 +5,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <csignal>
 #include <cstdio>
 #include <fstream>
 
+#include "client/run/attend.hpp"
 #include "client/run/records.hpp"
 #include "core/recording/flight_files.hpp"
 #include "core/recording/mcap_reader.hpp"
@@ -17,6 +19,7 @@
 namespace feltwire::flight_record_test {
 namespace {
 
+using test::files_in;
 using ::testing::IsEmpty;
 using ::testing::SizeIs;
 
@@ -33,14 +36,6 @@ TickRecord tick(int n, std::optional<double> balance = std::nullopt) {
 
 void push(Records& records, const TickRecord& row) {
   if (Ring<TickRecord>* rows = records.rows()) rows->push(row);
-}
-
-std::vector<std::filesystem::path> files_in(const std::filesystem::path& folder) {
-  std::vector<std::filesystem::path> files;
-  for (const auto& entry : std::filesystem::directory_iterator(folder))
-    files.push_back(entry.path());
-  std::ranges::sort(files);
-  return files;
 }
 
 struct Read {
@@ -94,6 +89,28 @@ TEST_F(FlightRecordTest, OverdrawnAccountIsADebtOnce) {
   flight.add(tick(10'003, 1.0));
   flight.add(tick(10'004, -1.0));
   EXPECT_TRUE(flight.debt());
+}
+
+/// The program goes on: the signal ends nothing.
+TEST_F(FlightRecordTest, ASignalAsksForIt) {
+  std::FILE* said = std::tmpfile();
+  Records records({.flight = target, .servo_period = kPeriod}, said);
+  const Signals signals(true);
+  EXPECT_FALSE(signals.take().record);
+  ASSERT_EQ(::raise(SIGUSR1), 0);
+  const Signals::Taken came = signals.take();
+  EXPECT_TRUE(came.record);
+  EXPECT_FALSE(came.end);
+  ASSERT_EQ(::raise(SIGTERM), 0);
+  EXPECT_TRUE(signals.take().end);
+  EXPECT_FALSE(signals.take().record);
+  push(records, tick(0, 1.0));
+  records.write();
+  records.tell_of_flight_record("asked for");
+  ASSERT_THAT(files_in(target.folder), SizeIs(1));
+  EXPECT_EQ(read(files_in(target.folder).front()).about.at("reason"), "asked for");
+  EXPECT_GT(std::ftell(said), 0);
+  std::fclose(said);
 }
 
 TEST_F(FlightRecordTest, RecordsWriteADebtAndAnError) {

@@ -109,6 +109,28 @@ TEST(Shaped, TheStiffestSurfaceLimitsHowFastALateForceRises) {
   }
 }
 
+TEST(Shaped, AReloadForgetsNothingOfTheHand) {
+  Bench bench(parameters("shaped"));
+  burn(bench);
+  std::uint8_t reloads = 0;
+  const auto swing = [&](int ticks) {
+    for (int n = 0; n < ticks; ++n) {
+      Reply wall = reply(bench.servo.sample().index, elastic(0, 0, 2));
+      wall.reloads = reloads;
+      bench.servo.take(wall, bench.now);
+      bench.tick(at(0, 0, 2e-4 * std::sin(0.25 * n)));
+    }
+    return *bench.servo.hand_credit();
+  };
+  const HandCredit before = swing(500);
+  ASSERT_GT(before.steps_down, 1u);
+  ++reloads;
+  const HandCredit after = swing(1);
+  EXPECT_EQ(after.steps_down, before.steps_down);
+  EXPECT_NEAR(after.damping, before.damping, 1e-3 * before.damping);
+  EXPECT_GT(swing(500).steps_down, before.steps_down);
+}
+
 TEST(Shaped, ALateCornerRisesWallByWall) {
   const auto force_of = [](bool told) {
     Bench bench(parameters("shaped"));

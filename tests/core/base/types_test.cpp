@@ -141,5 +141,15 @@ TEST(Velocity, WhatIsNotFiniteDoesNotStayInTheFilter) {
   }
 }
 
+TEST(Turned, IsTheInverseOfTheRotationBetween) {
+  const Quaternion from = Quaternion(0.3, -0.5, 0.7, 0.2).normalized();
+  for (const Vec3& by : {Vec3(0.4, -1.2, 0.9), Vec3(1e-9, 0.0, -3e-9), Vec3(0.0, 3.0, 0.0)}) {
+    const Quaternion to = turned(from, by);
+    EXPECT_NEAR(to.norm(), 1.0, 1e-15);
+    EXPECT_NEAR((rotation_between(from, to) - by).norm(), 0.0, 1e-15 + 1e-14 * by.norm());
+  }
+  EXPECT_EQ(turned(from, Vec3::Zero()).coeffs(), from.coeffs());
+}
+
 }  // namespace
 }  // namespace feltwire::types_test

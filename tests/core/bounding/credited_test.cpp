@@ -8,6 +8,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/bounding/bounding.hpp"
 #include "core/bounding/midpoint.hpp"
 
 namespace feltwire::credited_test {
@@ -120,6 +121,28 @@ TEST(Credited, SwingsInTheAirDoNotCount) {
     before = z;
   }
   EXPECT_EQ(credited.hand_credit().steps_down, 0u);
+}
+
+TEST(Credited, AChangedSceneForgetsItsStiffnessAndNothingOfTheHand) {
+  BoundingConfig config;
+  config.mode = "shaped";
+  config.period = kPeriod;
+  config.damping = 0.5;
+  config.hand_damping = 1.2;
+  config.stiffness = 1200.0;
+  Bounding shaped(config);
+  swing(shaped, 2e-4, 40.0, 0.2);
+  const auto risen = [&] {
+    shaped.set_held(push(1.0));
+    return (shaped.step(step(Vec3(0, 0, -1e-5), push(5.0))).rendered.elastic.z() - 1.0) / 1e-5;
+  };
+  EXPECT_NEAR(risen(), 1200.0, 1e-6);
+  const HandCredit before = *shaped.hand_credit();
+  EXPECT_GT(before.steps_down, 0u);
+  shaped.scene_changed();
+  EXPECT_EQ(shaped.hand_credit()->steps_down, before.steps_down);
+  EXPECT_EQ(shaped.hand_credit()->damping, before.damping);
+  EXPECT_NEAR(risen(), 2.0 * (0.5 + before.damping) / kPeriod, 1.0);
 }
 
 TEST(Shaped, ACommandMadeAtTheDevicePassesAndALateOneIsCredited) {

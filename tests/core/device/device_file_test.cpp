@@ -8,6 +8,7 @@
 #include <fstream>
 
 #include "core/base/file_error.hpp"
+#include "core/device/spec_text.hpp"
 
 namespace feltwire::device_file_test {
 namespace {
@@ -47,7 +48,7 @@ TEST_F(DeviceFile, SaysEverythingThatABuiltInDeviceSays) {
     "rotational_resolution": 1e-4, "least_inertia": 2e-5, "hand_torque": 0.4})");
   EXPECT_EQ(spec.name, "mine");
   EXPECT_EQ(spec.rotation_actuated, 3);
-  EXPECT_EQ(spec.damping.matrix(), Mat3(Vec3(0.1, 0.2, 0.3).asDiagonal()));
+  EXPECT_EQ(spec.damping, Damping(Vec3(0.1, 0.2, 0.3)));
   EXPECT_EQ(spec.rotational_damping, 0.002);
   EXPECT_EQ(spec.apparent_mass, 0.05);
   EXPECT_EQ(spec.coulomb_friction, 0.1);
@@ -135,6 +136,53 @@ TEST_F(DeviceFile, ACommandLineNamesADeviceOrAFile) {
   EXPECT_THROW(device_spec("not_there.json"), FileError);
   load(R"({"name": "mine", "damping": [1], "max_force": 3, "workspace": [1, 1, 1]})");
   EXPECT_EQ(device_spec(file_.string()).name, "mine");
+}
+
+/// Every number of the built-in devices has a source, and those that were assumed say so.
+TEST_F(DeviceFile, BuiltInNumbersHaveSources) {
+  ASSERT_EQ(sourced_builtin_devices().size(), builtin_devices().size());
+  for (const SourcedSpec& described : sourced_builtin_devices()) {
+    EXPECT_THAT(spec_table(described), ::testing::Not(HasSubstr("no source told")));
+    EXPECT_EQ(described.sources.count("damping"), 1u) << described.spec.name;
+  }
+  EXPECT_THAT(assumptions(sourced_spec("simulated")), ::testing::IsEmpty());
+  EXPECT_THAT(
+      assumptions(sourced_spec("touch")),
+      ::testing::Contains(
+          "damping 0.05 N s/m is an assumption; measure yours with feltwire-client identify"));
+}
+
+TEST_F(DeviceFile, AFileSaysItsSources) {
+  load(R"({"name": "mine", "damping": [0.2, 0.3, 0.4], "max_force": 3, "workspace": [1, 1, 1],
+           "least_mass": 0.01, "sources": {"damping": "identify, 2026-11-23",
+                                           "least_mass": "assumption: the maker is silent"}})");
+  const SourcedSpec described = sourced_spec(file_.string());
+  EXPECT_EQ(described.sources.at("damping"), "identify, 2026-11-23");
+  EXPECT_THAT(assumptions(described), ::testing::ElementsAre(HasSubstr("least_mass 0.01 kg")));
+  const std::string table = spec_table(described);
+  EXPECT_THAT(table, HasSubstr("0.2, 0.3, 0.4"));
+  EXPECT_THAT(table, HasSubstr("N s/m     identify, 2026-11-23"));
+  EXPECT_THAT(table, HasSubstr("no source told"));  // of the largest force
+  EXPECT_THAT(error(R"({"name": "mine", "damping": [1], "max_force": 3, "workspace": [1, 1, 1],
+"sources": {"colour": "the maker"}})"),
+              HasSubstr(":2: "));
+}
+
+TEST_F(DeviceFile, ACommandLineOverrulesNumbers) {
+  const SourcedSpec usual = requested_spec({}, "touch");
+  EXPECT_EQ(usual.spec.name, "touch");
+  EXPECT_EQ(usual.spec.damping, 0.05);
+  const SourcedSpec told =
+      requested_spec({.name_or_file = "omega.7", .damping = 0.4, .mass = 0.2}, "touch");
+  EXPECT_EQ(told.spec.name, "omega.7");
+  EXPECT_EQ(told.spec.damping, 0.4);
+  EXPECT_EQ(told.spec.least_mass, 0.2);
+  EXPECT_EQ(told.spec.apparent_mass, 0.2);
+  EXPECT_EQ(told.sources.at("least_mass"), "--mass");
+  // Only what is still assumed is said.
+  EXPECT_THAT(assumptions(told), ::testing::ElementsAre(HasSubstr("least_friction")));
+  EXPECT_THROW(requested_spec({.name_or_file = {}, .damping = -1.0, .mass = {}}, "touch"),
+               DeviceSpecError);
 }
 
 }  // namespace

@@ -21,7 +21,9 @@ TEST(DeviceSpec, BuiltInDevicesAreValidAndFoundByName) {
     EXPECT_TRUE(names.insert(device.name).second);
   }
   EXPECT_THAT(names, ::testing::UnorderedElementsAre("simulated", "impulse_engine_2000",
-                                                     "phantom_premium_1.5", "touch", "omega.7"));
+                                                     "phantom_premium_1.5", "touch", "omega.7",
+                                                     "sigma.7", "virtuose_6d",
+                                                     "phantom_premium_1.5_6dof", "simulated_6dof"));
 }
 
 TEST(DeviceSpec, DegreesOfFreedom) {
@@ -30,6 +32,19 @@ TEST(DeviceSpec, DegreesOfFreedom) {
   EXPECT_EQ(builtin_device("touch").rotation_sensed, 3);
   EXPECT_EQ(builtin_device("touch").rotation_actuated, 0);
   EXPECT_EQ(builtin_device("omega.7").rotation_sensed, 3);
+}
+
+TEST(DeviceSpec, WhatActuatesTorqueCanRenderItUnderEveryBoundAndBehindTheAccount) {
+  for (const char* name :
+       {"sigma.7", "virtuose_6d", "phantom_premium_1.5_6dof", "simulated_6dof"}) {
+    const DeviceSpec& d = builtin_device(name);
+    EXPECT_EQ(d.rotation_actuated, 3) << name;
+    EXPECT_GT(d.rotational_damping.least(), 0.0) << name;
+    EXPECT_GT(d.least_inertia, 0.0) << name;
+    EXPECT_GT(d.apparent_inertia, 0.0) << name << " could not be simulated unheld";
+    EXPECT_GT(d.hand_torque, d.max_torque) << name << ": a hand can hold the motors' torque";
+    EXPECT_GT(d.rotational_resolution, 0.0) << name;
+  }
 }
 
 TEST(DeviceSpec, TheSimulatedDeviceIsTheOneOfTheMeasurements) {
@@ -47,7 +62,8 @@ TEST(DeviceSpec, UnknownDeviceListsThoseThereAre) {
   } catch (const std::invalid_argument& error) {
     EXPECT_STREQ(error.what(),
                  "unknown device 'falcon'; choose one of: simulated impulse_engine_2000 "
-                 "phantom_premium_1.5 touch omega.7");
+                 "phantom_premium_1.5 touch omega.7 sigma.7 virtuose_6d phantom_premium_1.5_6dof "
+                 "simulated_6dof");
   }
 }
 
@@ -84,6 +100,14 @@ TEST(DeviceSpec, EveryBrokenFieldIsNamed) {
       {"rotational_resolution", [](DeviceSpec& d) { d.rotational_resolution = 1; }},
       {"hand_torque", [](DeviceSpec& d) { d.least_inertia = 1e-5; }},
       {"least_inertia", [](DeviceSpec& d) { d.hand_torque = 1; }},
+      {"apparent_inertia", [&](DeviceSpec& d) { d.apparent_inertia = nan; }},
+      {"rotational_friction", [](DeviceSpec& d) { d.rotational_friction = -1; }},
+      {"least_inertia",
+       [](DeviceSpec& d) {
+         d.least_inertia = 2e-5;
+         d.hand_torque = 0.1;
+         d.apparent_inertia = 1e-5;
+       }},
       {"workspace.y", [&](DeviceSpec& d) { d.workspace.y() = nan; }},
   };
   for (const auto& [field, make] : broken) {

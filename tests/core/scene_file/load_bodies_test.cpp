@@ -193,6 +193,83 @@ TEST_F(Mjcf, MeshGeomsAreFelt) {
   EXPECT_GT(world.objects()[0].pose.position.x(), 0.0502);  // it rolls away from the hand
 }
 
+const char* const kWedge =
+    "v 0 0 0\nv 0.2 0 0\nv 0 0.2 0\nv 0 0 0.2\n"
+    "f 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
+
+/// With a file that it includes, and a mesh beside the scene's folder.
+std::string room_of_files(const std::string& mesh) {
+  return R"(<mujoco>
+  <asset><material name="steel"/><mesh name="wedge" file=")" +
+         mesh + R"("/></asset>
+  <worldbody><include file="parts/cart.xml"/></worldbody>
+</mujoco>)";
+}
+const char* const kCart = R"(<mujoco><body name="cart" pos="0 0 0.5">
+  <joint type="slide" axis="1 0 0"/><geom name="wedge" type="mesh" mesh="wedge"/></body></mujoco>)";
+
+TEST_F(Mjcf, KeptFilesAreReadAgainWithoutTheDisk) {
+  const std::filesystem::path all = folder;
+  folder = all / "scene";
+  std::filesystem::create_directories(folder / "parts");
+  std::filesystem::create_directories(all / "meshes");
+  write("room.xml", room_of_files("../meshes/wedge.obj"));
+  write("parts/cart.xml", kCart);
+  write("../meshes/wedge.obj", kWedge);
+  load();  // writes s.json
+  const Scene scene = load_scene_and_keep(folder / "s.json");
+  ASSERT_NE(scene.files(), nullptr);
+  std::vector<std::string> names;
+  for (const auto& [name, bytes] : scene.files()->files) names.push_back(name);
+  EXPECT_THAT(
+      names, ::testing::ElementsAre("../meshes/wedge.obj", "parts/cart.xml", "room.xml", "s.json"));
+  std::filesystem::remove_all(all);
+  const Scene again = load_kept_scene(*scene.files());
+  ASSERT_EQ(again.objects().size(), 1u);
+  EXPECT_EQ(again.objects()[0].pose.position, scene.objects()[0].pose.position);
+  // To the bit.
+  World first(scene), second(again);
+  test::Hand one(first), other(second);
+  for (int n = 0; n < 50; ++n)
+    EXPECT_EQ(one.step({0.001, 0.05, 0.55}), other.step({0.001, 0.05, 0.55}));
+  EXPECT_EQ(first.objects()[0].pose.position, second.objects()[0].pose.position);
+}
+
+TEST_F(Mjcf, KeptFilesReachNothingElseOnTheDisk) {
+  std::filesystem::create_directories(folder / "parts");
+  write("room.xml", room_of_files("wedge.obj"));
+  write("parts/cart.xml", kCart);
+  write("wedge.obj", kWedge);
+  load();
+  const Scene scene = load_scene_and_keep(folder / "s.json");
+  const auto wrong_with = [](const KeptFiles& files) -> std::string {
+    try {
+      load_kept_scene(files);
+      return "no error";
+    } catch (const FileError& error) {
+      return error.what();
+    }
+  };
+  KeptFiles files = *scene.files();
+  EXPECT_EQ(wrong_with(files), "no error");
+  // A recording of one who wants to know what else is on this disk.
+  const std::string place = (folder / "wedge.obj").string();
+  files.files["room.xml"] = room_of_files(place);
+  EXPECT_THAT(wrong_with(files), HasSubstr("was not kept, name the scene's own file"));
+  files.files[place] = kWedge;
+  EXPECT_THAT(wrong_with(files), HasSubstr("from the root of the file system"));
+  // Or to write to it.
+  files.files.erase(place);
+  const std::filesystem::path target = folder / "written";
+  files.files["../../../../../../../.." + target.string()] = "x";
+  files.files["parts/../../../../../.." + target.string()] = "x";
+  wrong_with(files);
+  EXPECT_FALSE(std::filesystem::exists(target));
+  files = *scene.files();
+  files.files.erase("wedge.obj");
+  EXPECT_THAT(wrong_with(files), HasSubstr("was not kept, name the scene's own file"));
+}
+
 TEST_F(Mjcf, ErrorsNameWhatIsWrong) {
   EXPECT_THAT(error(), AllOf(HasSubstr("s.json:3: mjcf.file: "), HasSubstr("room.xml: cannot be")));
   write("room.xml",

@@ -216,6 +216,27 @@ TEST(LoadScene, EveryMistakeIsNamedWithLineAndField) {
     EXPECT_THAT(error_of(text_with(m.line, m.changed)), StartsWith(m.error)) << m.changed;
 }
 
+TEST(LoadScene, ARobotMayFollow) {
+  const auto scene = [](const std::string& remote) {
+    return R"({"name": "s", "materials": [{"name": "m", "stiffness": 100}],
+      "objects": [{"name": "o", "plane": {}, "material": "m"}])" +
+           remote + "}";
+  };
+  EXPECT_FALSE(parse_scene(scene(""), "s.json").remote());
+  const Scene usual = parse_scene(scene(R"(, "remote": {})"), "s.json");
+  ASSERT_TRUE(usual.remote());
+  EXPECT_EQ(usual.remote()->scale, 1.0);
+  const Scene told =
+      parse_scene(scene(R"(, "remote": {"scale": 0.5, "speed": 1, "force": 10})"), "s.json");
+  EXPECT_EQ(told.remote()->scale, 0.5);
+  EXPECT_EQ(told.remote()->speed, 1.0);
+  EXPECT_EQ(told.remote()->force, 10.0);
+  EXPECT_THAT(error_of(scene(R"(, "remote": {"scale": 0})")),
+              HasSubstr("remote.scale: is 0; give a number above 0, at most 100"));
+  EXPECT_THAT(error_of(scene(R"(, "remote": {"speed": -1})")), HasSubstr("remote.speed"));
+  EXPECT_THAT(error_of(scene(R"(, "remote": {"force": 1e9})")), HasSubstr("remote.force"));
+}
+
 TEST(LoadScene, DocumentsThatAreNone) {
   EXPECT_EQ(error_of(""), "s.json:1: document: there is nothing in it; write an object { ... }");
   EXPECT_THAT(error_of("\n\n// only a comment\n"),

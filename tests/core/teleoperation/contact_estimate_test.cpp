@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <random>
 
 #include "core/teleoperation/surface_index.hpp"
 #include "core/teleoperation/target_limiter.hpp"
@@ -71,7 +72,11 @@ TEST(ContactEstimate, ASurfaceThatIsNotThereRecedesAndIsForgotten) {
   for (int n = 0; n < 100; ++n) {
     tip.z() -= 1e-4;
     estimate.step({tip, Vec3(0, 0, -0.1), Vec3::Zero(), kPeriod});
-    EXPECT_LE(estimate.contact().point.z(), tip.z() + 1e-12);
+    const bool waits = (n + 1) * kPeriod < ContactEstimate::kApart - 1e-9;
+    EXPECT_EQ(estimate.contact().touching, waits) << n;
+    if (!waits) {
+      EXPECT_LE(estimate.contact().point.z(), tip.z() + 1e-12);
+    }
   }
   EXPECT_EQ(estimate.contact().surface, 1u);
   for (int n = 0; n < 200; ++n) {
@@ -102,6 +107,87 @@ TEST(ContactEstimate, SlidingShowsFrictionAndKeepsTheNormal) {
         {Vec3(0.05 * n * kPeriod, 0, -4e-3), Vec3(0.05, 0, 0), Vec3(-2.4, 0, 8), kPeriod});
   EXPECT_NEAR(estimate.contact().friction, 0.3, 0.01);
   EXPECT_NEAR(estimate.contact().normal.z(), 1.0, 1e-6);
+}
+
+TEST(ContactEstimate, FrictionOfATouchThatArrivesDoesNotTurnTheNormal) {
+  ContactEstimate estimate({});
+  for (int n = 0; n < 110; ++n) estimate.step({Vec3::Zero(), Vec3::Zero(), Vec3(0, 0, 8), kPeriod});
+  // It moves in, and slides a little: the force leans by atan(0.3).
+  for (int n = 0; n < 300; ++n)
+    estimate.step({Vec3::Zero(), Vec3(0.005, 0, -0.02), Vec3(-2.4, 0, 8), kPeriod});
+  EXPECT_NEAR(estimate.contact().normal.z(), 1.0, 1e-6);
+}
+
+TEST(ContactEstimate, ATouchThatBouncesIsOneTouch) {
+  ContactEstimate estimate({});
+  const Wall wall;
+  double before = -1e-4;
+  for (int bounce = 0; bounce < 4; ++bounce)
+    for (const double depth : {0.2e-3, 0.6e-3, 0.4e-3, 0.15e-3, -0.1e-3, -0.1e-3}) {
+      const Vec3 tip(0, 0, -depth), velocity(0, 0, (before - depth) / kPeriod);
+      estimate.step({tip, velocity, wall.force(tip, velocity), kPeriod});
+      before = depth;
+    }
+  EXPECT_EQ(estimate.contact().surface, 1u);
+  EXPECT_NEAR(estimate.contact().stiffness, wall.stiffness, 1.0);
+}
+
+TEST(ContactEstimate, AToolThatSlidesAndLeavesForSomeSamplesTouchesOneSurfaceAtOnePlace) {
+  ContactEstimate estimate({});
+  press(estimate, {}, 4e-3, 0.2);
+  const Vec3 place = estimate.contact().point;
+  for (int n = 0; n < 1000; ++n) {
+    const bool away = n % 50 >= 35;  // 15 ms in the air, 0.2 mm above
+    const Vec3 tip(0.03 * n * kPeriod, 0, away ? 0.2e-3 : -4e-3);
+    const Vec3 force = away ? Vec3::Zero() : Vec3(-2.4, 0, 8);
+    estimate.step({tip, Vec3(0.03, 0, 0), force, kPeriod});
+    ASSERT_TRUE(estimate.contact().touching) << n;
+    ASSERT_EQ(estimate.contact().surface, 1u) << n;
+    ASSERT_NEAR(estimate.contact().point.z(), place.z(), 1e-6) << n;
+    ASSERT_NEAR(estimate.contact().stiffness, 2000.0, 2.0) << n;
+  }
+}
+
+TEST(ContactEstimate, FrictionThatLeansTheFirstForceLeavesTheStiffness) {
+  ContactEstimate estimate({});
+  const Wall wall{.stiffness = 5000.0};
+  // An arm that touches is pushed aside, to and fro: the force leans by atan(0.3) at first.
+  Vec3 before(0, 0, 1e-4);
+  for (int n = 0; n < 800; ++n) {
+    const double t = n * kPeriod;
+    const double swing = std::exp(-t / 0.1) * std::cos(2.0 * std::numbers::pi * 3.0 * t);
+    const Vec3 tip(0.4e-3 * swing, 0, -0.8e-3 * (1.0 - std::exp(-t / 0.1)));
+    const Vec3 velocity = (tip - before) / kPeriod;
+    Vec3 force = wall.force(tip, velocity);
+    if (std::abs(velocity.x()) > 1e-5) force.x() = std::copysign(0.3 * force.z(), -velocity.x());
+    estimate.step({tip, velocity, force, kPeriod});
+    before = tip;
+  }
+  EXPECT_NEAR(estimate.contact().stiffness, wall.stiffness, 0.1 * wall.stiffness);
+}
+
+TEST(ContactEstimate, ATouchThatIsSlowIsLearntWhenItHasShownEnough) {
+  ContactEstimate estimate({});
+  const Wall wall;
+  for (int n = 1; n <= 2000; ++n) {
+    const Vec3 tip(0, 0, -0.2e-3 - 0.3e-3 * n * kPeriod), velocity(0, 0, -0.3e-3);
+    estimate.step({tip, velocity, wall.force(tip, velocity), kPeriod});
+    if (n == 500) {
+      EXPECT_EQ(estimate.contact().stiffness, 1000.0);
+    }
+  }
+  EXPECT_NEAR(estimate.contact().stiffness, wall.stiffness, 1.0);
+}
+
+TEST(ContactEstimate, AWeightThatIsCarriedIsNoFriction) {
+  ContactEstimate estimate({});
+  // A gripper closes, with some force to the side; then it lifts.
+  for (int n = 0; n < 200; ++n)
+    estimate.step({Vec3::Zero(), Vec3::Zero(), Vec3(0.3, 0, 0), kPeriod});
+  for (int n = 0; n < 1500; ++n)
+    estimate.step({Vec3(0, 0, 0.05 * n * kPeriod), Vec3(0, 0, 0.05), Vec3(0.25, 0, -1.5), kPeriod});
+  EXPECT_LT(estimate.contact().normal.z(), -0.98);
+  EXPECT_LT(estimate.contact().friction, 1.0);
 }
 
 TEST(ContactEstimate, WhatIsNotFiniteIsLeftOut) {
@@ -174,8 +260,69 @@ TEST(TargetLimiter, HoldsWhatTheHandDoesNotKnowAndWhatItDidNotPay) {
   paid.step({.wanted = robot, .robot = robot, .surface = 1, .known = 1});
   EXPECT_NEAR(
       settle(paid, {.wanted = wanted, .robot = robot, .surface = 1, .known = 1, .hand_work = 0.05}),
-      std::sqrt(2.0 * limits.stiffness * 0.05), 1e-6);
+      limits.unfelt + std::sqrt(2.0 * limits.stiffness * 0.05), 1e-6);
   EXPECT_NEAR(settle(free, {.wanted = wanted, .robot = robot}), limits.leash, 1e-9);
+}
+
+/// A robot of 2 kg with the controller's spring, before a wall with friction and damping.
+struct PushedRobot {
+  static constexpr double kMass = 2.0, kSpring = 1000.0, kDamper = 60.0;
+  Vec3 at = Vec3(0, 0, 1e-3), velocity = Vec3::Zero(), force = Vec3::Zero();
+  void step(const Vec3& target, const Wall& wall) {
+    force = wall.force(at, velocity);
+    if (velocity.head<2>().norm() > 1e-6)
+      force -= 0.3 * force.z() * Vec3(velocity.x(), velocity.y(), 0).normalized();
+    velocity += kPeriod / kMass * (kSpring * (target - at) - kDamper * velocity + force);
+    at += kPeriod * velocity;
+  }
+};
+
+/// The claim of docs/teleoperation.md: whatever the leader wants, the environment gets no more than
+/// the hand paid, `unfelt` per metre, and what spring and mass of the robot bring along.
+TEST(TargetLimiter, TheEnvironmentGetsNoMoreThanTheHandPaid) {
+  const TargetLimits limits{.speed = 2.0};
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    std::mt19937_64 random(seed);
+    std::uniform_real_distribution<double> any(-1.0, 1.0);
+    TargetLimiter limiter(limits);
+    PushedRobot robot;
+    Vec3 wanted(0, 0, -0.05);
+    const Wall wall{.damping = 2.0};
+    double hand = 0.0, environment = 0.0, way = 0.0, fastest = 0.0, largest = 0.0, spring = 0.0;
+    for (int n = 0; n < 4000; ++n) {
+      if (n % 100 == 0)
+        wanted = Vec3(0.05 * any(random), 0.05 * any(random), -0.05 + 0.04 * any(random));
+      // It pays in bursts; in some runs nothing at all.
+      if (seed % 4 != 0 && n % 500 < 100) hand += 2e-4 * (1.0 + any(random));
+      const bool touches = robot.force.z() > 0.0;
+      const Vec3 target = limiter.step({.wanted = wanted,
+                                        .robot = robot.at,
+                                        .force = robot.force,
+                                        .surface = touches ? 1u : 0u,
+                                        .known = 1,
+                                        .hand_work = hand});
+      const Vec3 from = robot.at;
+      robot.step(target, wall);
+      const Vec3 moved = robot.at - from;
+      fastest = std::max(fastest, robot.velocity.norm());
+      if (!touches) {
+        environment = way = 0.0;
+        const double above =
+            std::max(0.0, PushedRobot::kSpring * (target - robot.at).norm() - limits.unfelt);
+        spring = 0.5 * above * above / PushedRobot::kSpring;
+        continue;
+      }
+      environment -= robot.force.dot(moved);
+      way += moved.norm();
+      largest = std::max(largest, robot.force.norm());
+      const double brought = 0.5 * PushedRobot::kMass * fastest * fastest;
+      ASSERT_LE(environment, hand + limits.unfelt * way + spring + brought + 1e-9)
+          << seed << ' ' << n;
+    }
+    if (seed % 4 != 0) {
+      EXPECT_GT(largest, 2.0 * limits.unfelt) << "what was paid for is there";
+    }
+  }
 }
 
 TEST(TargetLimiter, TheFirstStepIsZeroAndNoStepIsFasterThanTheLimit) {

@@ -103,6 +103,13 @@ TEST(Control, AToolIsSentOnlyWhereThereIsOne) {
   EXPECT_FALSE(decode(body(encode(got))));
 }
 
+TEST(Control, FiguresAreAskedForWhereTheyAreWanted) {
+  JoinRequest wanted = request();
+  EXPECT_FALSE(round_trip(wanted).figures);
+  wanted.figures = true;
+  EXPECT_TRUE(round_trip(wanted).figures);
+}
+
 TEST(Control, OtherMessagesRoundTrip) {
   const JoinAccepted accepted = accepted_with_all();
   const JoinAccepted joined = round_trip(accepted);

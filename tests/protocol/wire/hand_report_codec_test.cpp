@@ -19,7 +19,8 @@ TEST(HandReportCodec, TravelsWithTheSamples) {
                            .has_account = true,
                            .balance = -0.25,
                            .round_trip = 0.5,
-                           .hand_damping = 1.5};
+                           .hand_damping = 1.5,
+                           .late_ticks = 0xFEDCBA};
   SampleBatch received;
   ASSERT_EQ(decode(encoder.samples(sent), received), DropReason::none);
   ASSERT_TRUE(received.report);
@@ -28,6 +29,13 @@ TEST(HandReportCodec, TravelsWithTheSamples) {
   EXPECT_EQ(received.report->balance, -0.25);
   EXPECT_EQ(received.report->round_trip, 0.5);
   EXPECT_EQ(received.report->hand_damping, 1.5);
+  EXPECT_EQ(received.report->late_ticks, 0xFEDCBAu);
+
+  sent.report->late_ticks = 0x1000001;  // counted modulo 2^24
+  sent.report->has_account = false;
+  ASSERT_EQ(decode(encoder.samples(sent), received), DropReason::none);
+  EXPECT_EQ(received.report->late_ticks, 1u);
+  EXPECT_FALSE(received.report->has_account);
 
   sent.report->reasons = ~0u;  // of a newer client: those that are not known are not read
   ASSERT_EQ(decode(encoder.samples(sent), received), DropReason::none);

@@ -5,6 +5,7 @@
 
 #include <functional>
 #include <limits>
+#include <vector>
 
 #include "flatbuffers/flatbuffers.h"
 #include "protocol/session/profiles.hpp"
@@ -12,6 +13,7 @@
 #include "protocol/wire/datagram_generated.h"
 #include "protocol/wire/scene_view.hpp"
 #include "tests/protocol/make.hpp"
+#include "tests/protocol/misaligned.hpp"
 #include "tests/support/allocation_counter.hpp"
 
 namespace feltwire::view_codec_test {
@@ -88,6 +90,128 @@ TEST(ViewCodec, RoundTrip) {
     }
     EXPECT_EQ(decode(encoder.reply(longest_reply(), &sent), reply), DropReason::none);
   }
+}
+
+HandFigures figures_of(Generator& random) {
+  HandFigures f;
+  f.samples = ~std::uint64_t{0};
+  f.missed = 7;
+  f.proxy = float_vector(random, 1);
+  f.elastic = float_vector(random, 10);
+  f.frictional = float_vector(random, 10);
+  f.depth = 0.25;
+  f.delivered = -0.5;
+  f.burned = 2.0;
+  f.states = 0x80000003u;
+  f.tool = 65535;
+  return f;
+}
+
+SceneView view_with_figures(std::size_t hands, std::size_t bodies, Generator& random) {
+  SceneView view = view_of(hands, bodies, random);
+  for (std::size_t i = 0; i < hands; ++i) view.hand[i].figures = figures_of(random);
+  return view;
+}
+
+TEST(ViewCodec, FiguresOfHandsRoundTrip) {
+  Generator random(36);
+  Encoder encoder;
+  Reply reply;
+  SceneView got;
+  for (std::size_t hands = 0; hands <= SceneView::kMaxFigures; ++hands) {
+    SceneView sent = view_with_figures(hands, 2, random);
+    if (hands > 1)
+      sent.hand[1].figures->report = HandReport{
+          .reasons = 5, .has_account = true, .balance = 0.125, .round_trip = 0.5, .late_ticks = 77};
+    ASSERT_EQ(decode(encoder.reply(longest_reply(), &sent), reply, &got), DropReason::none);
+    ASSERT_EQ(got.hand_count, hands);
+    for (std::size_t i = 0; i < hands; ++i) {
+      const HandFigures &a = *sent.hand[i].figures, &b = got.hand[i].figures.value();
+      EXPECT_EQ(b.samples, a.samples);
+      EXPECT_EQ(b.missed, a.missed);
+      EXPECT_EQ(b.proxy, a.proxy);
+      EXPECT_EQ(b.elastic, a.elastic);
+      EXPECT_EQ(b.frictional, a.frictional);
+      EXPECT_EQ(b.depth, a.depth);
+      EXPECT_EQ(b.delivered, a.delivered);
+      EXPECT_EQ(b.burned, a.burned);
+      EXPECT_EQ(b.states, a.states);
+      EXPECT_EQ(b.tool, a.tool);
+      ASSERT_EQ(b.report.has_value(), a.report.has_value());
+      if (!a.report) continue;
+      EXPECT_EQ(b.report->reasons, a.report->reasons);
+      EXPECT_TRUE(b.report->has_account);
+      EXPECT_EQ(b.report->balance, a.report->balance);
+      EXPECT_EQ(b.report->round_trip, a.report->round_trip);
+      EXPECT_EQ(b.report->late_ticks, 77u);
+    }
+  }
+  // The next view without them leaves none behind.
+  const SceneView plain = view_of(3, 0, random);
+  ASSERT_EQ(decode(encoder.reply(longest_reply(), &plain), reply, &got), DropReason::none);
+  for (const SeenHand& hand : got.hands()) EXPECT_FALSE(hand.figures.has_value());
+}
+
+TEST(ViewCodec, FiguresFitTheRoomOfAView) {
+  Generator random(37);
+  Encoder encoder;
+  Reply modelled = longest_reply();
+  modelled.modelled = true;
+  modelled.model.count = kMaxPatches;
+  constexpr std::size_t kSize = SceneView::kHandSize + SceneView::kFiguresSize;
+  for (const double between : {0.001, 0.08}) {
+    const std::size_t room = view_room(between) - kFiguresOverhead;
+    EXPECT_LE(room / kSize, SceneView::kMaxFigures);
+    for (std::size_t hands = 0; hands <= room / kSize; ++hands) {
+      const SceneView view =
+          view_with_figures(hands, (room - hands * kSize) / SceneView::kBodySize, random);
+      EXPECT_LE(encoder.reply(longest_reply(), &view).size(),
+                between < 0.04 ? kMaxPayload : encoder.reply(modelled).size())
+          << between << " s, " << hands << " hands";
+    }
+  }
+}
+
+TEST(ViewCodec, FiguresThatAreNoneAreDropped) {
+  const std::vector<std::function<void(HandFigures&)>> spoils = {
+      [](HandFigures& f) { f.proxy.x() = kNotANumber; },
+      [](HandFigures& f) { f.elastic.y() = kInfinity; },
+      [](HandFigures& f) { f.frictional.z() = kNotANumber; },
+      [](HandFigures& f) { f.depth = kNotANumber; },
+      [](HandFigures& f) { f.delivered = kInfinity; },
+      [](HandFigures& f) { f.burned = kNotANumber; },
+      [](HandFigures& f) { f.report = HandReport{.balance = kNotANumber}; },
+      [](HandFigures& f) { f.report = HandReport{.round_trip = kInfinity}; },
+  };
+  Generator random(38);
+  Encoder encoder;
+  Reply reply;
+  SceneView got;
+  for (std::size_t which = 0; which < spoils.size(); ++which) {
+    SceneView view = view_with_figures(2, 1, random);
+    spoils[which](*view.hand[1].figures);
+    const Bytes bytes = encoder.reply(longest_reply(), &view);
+    EXPECT_EQ(decode(bytes, reply, &got), DropReason::not_finite) << "spoil " << which;
+    EXPECT_EQ(decode(bytes, reply), DropReason::not_finite) << "unread, spoil " << which;
+  }
+}
+
+/// FlatBuffers' verifier lets them through, and reading them is undefined.
+TEST(ViewCodec, FiguresOutOfPlaceAreDropped) {
+  Generator random(39);
+  Encoder encoder;
+  const SceneView view = view_with_figures(2, 1, random);
+  const Bytes sent = encoder.reply(longest_reply(), &view);
+  const std::vector<std::uint8_t> bytes(sent.begin(), sent.end());
+  const auto* seen = flatbuffers::GetRoot<wire::Reply>(bytes.data())->view();
+  const auto moved = test::with_misaligned_vector(
+      bytes, bytes.data(), seen, wire::SceneView::VT_FIGURES, 2 * sizeof(wire::HandFigures));
+  flatbuffers::Verifier verifier(moved.data(), moved.size());
+  ASSERT_TRUE(verifier.VerifyBuffer<wire::Reply>(nullptr));
+  Reply reply;
+  SceneView got;
+  EXPECT_EQ(decode(moved, reply, &got), DropReason::malformed);
+  EXPECT_EQ(decode(moved, reply), DropReason::malformed);
 }
 
 /// The bytes that replies had before there were observers to be shown anything.
@@ -188,6 +312,33 @@ TEST(ViewCodec, WhatIsNoViewIsDropped) {
     EXPECT_EQ(decode(bytes, reply, &got), spoils[which].drop) << "spoil " << which;
     EXPECT_EQ(decode(bytes, reply), spoils[which].drop) << "unread, spoil " << which;
   }
+}
+
+TEST(ViewCodec, AsManyFiguresAsHands) {
+  const auto verdict = [](std::size_t hands, std::size_t figures) {
+    flatbuffers::FlatBufferBuilder builder;
+    std::vector<wire::SeenHand> seen;
+    const wire::Vec3f at(0, 0, 0);
+    for (std::size_t i = 0; i < hands; ++i)
+      seen.emplace_back(at, wire::Quatf(1, 0, 0, 0), at, static_cast<std::uint32_t>(i));
+    const auto wire_hands = builder.CreateVectorOfStructs(seen);
+    const auto wire_figures =
+        builder.CreateVectorOfStructs(std::vector<wire::HandFigures>(figures));
+    const auto view = wire::CreateSceneView(builder, 0, 99, 0, 99, wire_hands, 0, wire_figures);
+    const wire::Vec3d zero;
+    const wire::BoundingReport report;
+    builder.Finish(wire::CreateReply(builder, 1, 0, 0, 0, &zero, &zero, nullptr, &report, 0,
+                                     nullptr, 0, view));
+    Reply reply;
+    SceneView got;
+    return decode(Bytes(builder.GetBufferPointer(), builder.GetSize()), reply, &got);
+  };
+  EXPECT_EQ(verdict(6, 6), DropReason::none);
+  EXPECT_EQ(verdict(0, 0), DropReason::none);
+  EXPECT_EQ(verdict(2, 1), DropReason::count);
+  EXPECT_EQ(verdict(1, 2), DropReason::count);
+  EXPECT_EQ(verdict(7, 7), DropReason::count);
+  EXPECT_EQ(verdict(SceneView::kMaxHands + 1, 1), DropReason::count);
 }
 
 TEST(ViewCodec, MoreThanAViewMayHave) {

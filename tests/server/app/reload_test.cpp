@@ -15,6 +15,7 @@
 #include "tests/protocol/sealed.hpp"
 #include "tests/server/make.hpp"
 #include "tests/server/raw_socket.hpp"
+#include "tests/server/resting_hand.hpp"
 #include "tests/support/program.hpp"
 
 namespace feltwire::reload_test {
@@ -126,27 +127,15 @@ TEST(Reload, AnAdminAsksForItAndABadFileChangesNothing) {
   scenes.push_back(load_scene(file));
   Server server(config, std::move(scenes), test::security({anna.token}));
   ControlClient admin(server.control_port());
-  const auto joined = admin.join(test::join_request(SessionParameters{}));
-  test::RawSocket socket(SOCK_DGRAM, joined.udp_port);
-  test::SealedEncoder encoder(test::Way::up, joined.keys);
-  std::uint64_t n = 0;
-  const auto force = [&] {
-    SampleBatch batch = test::hand_batch(++n);
-    batch.samples[0].pose.position = {0, 0, -0.001};
-    socket.send(encoder.samples(joined.accepted.session, n, batch));
-    Reply reply;
-    EXPECT_EQ(decode(test::opened(socket.receive(), test::Way::down, joined.keys), reply),
-              DropReason::none);
-    return reply.command.elastic.z();
-  };
+  test::RestingHand hand(admin);
   const auto refusal = [&](ControlClient& by, const std::string& scene = "room") {
     return by.ask<control::Refused>(control::ReloadScene{scene});
   };
-  EXPECT_NEAR(force(), 0.5, 1e-9);
+  EXPECT_NEAR(hand.force(), 0.5, 1e-9);
 
   std::ofstream(file) << json(1500);
   EXPECT_EQ(admin.ask<control::SceneReloaded>(control::ReloadScene{"room"}).scene, "room");
-  EXPECT_NEAR(force(), 1.5, 1e-9);
+  EXPECT_NEAR(hand.force(), 1.5, 1e-9);
 
   ControlClient no_admin(server.control_port(), AF_INET, anna.text);
   EXPECT_EQ(refusal(no_admin).code, control::RefusalCode::forbidden);
@@ -157,10 +146,10 @@ TEST(Reload, AnAdminAsksForItAndABadFileChangesNothing) {
   std::ofstream(file) << json(700, "attic");
   EXPECT_THAT(refusal(admin).reason, HasSubstr("keep the name"));
   EXPECT_THAT(test::reload(server), ::testing::ElementsAre(HasSubstr("keep the name")));
-  EXPECT_NEAR(force(), 1.5, 1e-9);
+  EXPECT_NEAR(hand.force(), 1.5, 1e-9);
   std::ofstream(file) << json(700);
   EXPECT_THAT(test::reload(server), ::testing::IsEmpty());
-  EXPECT_NEAR(force(), 0.7, 1e-9);
+  EXPECT_NEAR(hand.force(), 0.7, 1e-9);
 }
 
 TEST(Reload, TheProgramDoesItAtSighup) {

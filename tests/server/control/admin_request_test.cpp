@@ -4,9 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "server/app/server.hpp"
-#include "tests/protocol/sealed.hpp"
-#include "tests/server/make.hpp"
-#include "tests/server/raw_socket.hpp"
+#include "tests/server/resting_hand.hpp"
 
 namespace feltwire::admin_request_test {
 namespace {
@@ -37,29 +35,17 @@ class AdminRequest : public ::testing::Test {
 };
 
 TEST_F(AdminRequest, AChangeOfAMaterialIsFelt) {
-  const auto joined = admin_.join(test::join_request(SessionParameters{}));
-  test::RawSocket socket(SOCK_DGRAM, joined.udp_port);
-  test::SealedEncoder encoder(test::Way::up, joined.keys);
-  std::uint64_t n = 0;
-  const auto force = [&] {
-    SampleBatch batch = test::hand_batch(++n);
-    batch.samples[0].pose.position = {0, 0, -0.001};
-    socket.send(encoder.samples(joined.accepted.session, n, batch));
-    Reply reply;
-    EXPECT_EQ(decode(test::opened(socket.receive(), test::Way::down, joined.keys), reply),
-              DropReason::none);
-    return reply.command.elastic.z();
-  };
-  EXPECT_NEAR(force(), 2.0, 1e-9);
+  test::RestingHand hand(admin_);
+  EXPECT_NEAR(hand.force(), 2.0, 1e-9);
   const auto changed = admin_.ask<control::SceneChanged>(kSofter);
   EXPECT_EQ(changed.scene, "room");
   EXPECT_EQ(changed.what, "object 'floor': stiffness 2000 -> 500 [N/m]");
-  EXPECT_NEAR(force(), 0.5, 1e-9);
+  EXPECT_NEAR(hand.force(), 0.5, 1e-9);
 
   const auto list =
       admin_.ask<control::SessionDescriptions>(control::DescribeSessions{"room", 0}).sessions;
   ASSERT_EQ(list.size(), 1u);
-  EXPECT_EQ(list[0].session, joined.accepted.session);
+  EXPECT_EQ(list[0].session, hand.session());
   EXPECT_EQ(list[0].number, 1u);
   EXPECT_EQ(list[0].samples, 2u);
   EXPECT_EQ(list[0].balance, std::nullopt);

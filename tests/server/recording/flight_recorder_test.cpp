@@ -14,19 +14,12 @@ namespace feltwire::flight_recorder_test {
 namespace {
 
 using namespace std::chrono_literals;
+using test::files_in;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::SizeIs;
 
 constexpr std::uint64_t kA = 0x100, kB = 0x200;
-
-std::vector<std::filesystem::path> files_in(const std::filesystem::path& folder) {
-  std::vector<std::filesystem::path> files;
-  for (const auto& entry : std::filesystem::directory_iterator(folder))
-    files.push_back(entry.path());
-  std::ranges::sort(files);
-  return files;
-}
 
 struct Read {
   std::string reason;
@@ -91,6 +84,33 @@ TEST_F(FlightRecorderTest, EvictionIsWrittenWithTheLastTenSeconds) {
   EXPECT_EQ(file.events.front().time, newest - 10'000'000'000u);
   EXPECT_EQ(file.events.size(), 2u * 10'001u + 1u);
   EXPECT_NEAR(static_cast<double>(file.pictures), 600.0, 10.0);
+}
+
+/// A debt that lasts is one, and so are those within ten seconds of a file.
+TEST_F(FlightRecorderTest, ADebtThatAClientTellsOfIsWrittenOnce) {
+  const auto report = [&](double balance, bool has_account = true) {
+    scene.exchange.now += 1ms;
+    scene.exchange.report = HandReport{.has_account = has_account, .balance = balance};
+    scene.exchange.send(kB, test::hand(scene.exchange.index[kB] + 1), false);
+    scene.exchange.report.reset();
+    take();
+    flight.write_if_due(false, scene.exchange.now + FlightRecorder::kTogether);
+  };
+  report(0.0);
+  report(-1.0, false);
+  EXPECT_THAT(files_in(folder), IsEmpty());
+  report(-1e-6);
+  ASSERT_THAT(files_in(folder), SizeIs(1));
+  EXPECT_EQ(read(files_in(folder).front()).reason,
+            "hand 2: its client says that the account is overdrawn");
+  report(-1e-3);
+  report(1.0);
+  report(-1.0);
+  EXPECT_THAT(files_in(folder), SizeIs(1));
+  report(1.0);
+  run(10'000);
+  report(-1.0);
+  EXPECT_THAT(files_in(folder), SizeIs(2));
 }
 
 TEST_F(FlightRecorderTest, GoodbyeIsNoFault) {

@@ -77,9 +77,11 @@ struct RecordedScene {
   std::unique_ptr<SceneRecording> recording;
 };
 
-/// Writes the file anew with each event as `change` leaves it; false: it is left out.
+/// Writes the file anew with each event as `change` leaves it; false: it is left out. So is an
+/// attachment that `keep` does not keep.
 inline void rewrite(const std::filesystem::path& file,
-                    const std::function<bool(RecordedEvent& event, std::string& payload)>& change) {
+                    const std::function<bool(RecordedEvent& event, std::string& payload)>& change,
+                    const std::function<bool(const mcap::Attachment&)>& keep = {}) {
   std::ifstream in(file, std::ios::binary);
   mcap::Reader reader(in, file.string());
   struct Kept {
@@ -98,7 +100,8 @@ inline void rewrite(const std::filesystem::path& file,
   }
   mcap::Writer writer;
   for (const auto& metadata : reader.metadata()) writer.add(metadata);
-  for (const auto& attachment : reader.attachments()) writer.attach(attachment);
+  for (const auto& attachment : reader.attachments())
+    if (!keep || keep(attachment)) writer.attach(attachment);
   const auto channel =
       writer.add(mcap::Channel{writer.add(event_schema()), "/scene/events", "protobuf"});
   for (const Kept& event : events) writer.write(channel, event.time, event.data);

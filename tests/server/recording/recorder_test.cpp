@@ -87,13 +87,17 @@ TEST(Recorder, ServedSceneIsReplayedBitEqual) {
   served.exchange(kSamples);
   served.host->reload(load_scene_and_keep(test::repository_scene("room.json")));
   served.exchange(kSamples);
+  // The recorder looks for pictures when its own time has come.
+  ASSERT_TRUE(test::becomes([&] {
+    served.exchange(1);
+    return messages_of(file, "/scene/picture") > 0;
+  }));
   served.stop();
   const Replay result = replay({file});
   EXPECT_TRUE(result.bit_equal()) << (result.difference ? result.difference->what : "");
-  EXPECT_EQ(result.replies, 2 * kSamples);
+  EXPECT_EQ(result.replies, served.packet);
   EXPECT_EQ(result.sessions, 1u);
   EXPECT_EQ(result.lost, 0u);
-  EXPECT_GT(messages_of(file, "/scene/picture"), 0u);
 }
 
 TEST(Recorder, EvictionGivesAFlightRecord) {

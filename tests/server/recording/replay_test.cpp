@@ -83,6 +83,43 @@ INSTANTIATE_TEST_SUITE_P(Replay, RecordedIn,
                          ::testing::Values("plane.json", "room.json", "bunny.json", "guided.json",
                                            "workshop.json"));
 
+/// What a robot says decides what its hand is told.
+TEST(ReplayOfARobot, IsBitEqual) {
+  RecordedScene scene(repository_scene("teleoperation/seat.json"));
+  control::JoinRequest robot = test::join_request();
+  robot.role = Role::follower;
+  scene.join(kA);
+  scene.join(kB, robot);
+  SceneSessions& sessions = scene.exchange.sessions;
+  Encoder payload;
+  DatagramBuffer out;
+  int engaged = 0;
+  for (std::uint64_t n = 1; n <= 300; ++n) {
+    scene.exchange.now += std::chrono::milliseconds(1);
+    const Nanoseconds now = scene.exchange.now;
+    RobotState state;
+    state.index = n;
+    state.pose.position = state.commanded.position = Vec3(0.1, 0.2, 1e-3 * static_cast<double>(n));
+    sessions.receive(
+        scene.exchange.encoder.seal({DatagramKind::follower_state, kB, n}, payload.state(state)),
+        scene.exchange.peer, now, out);
+    SampleBatch batch;
+    batch.count = 1;
+    batch.previous = n - 1;
+    batch.samples[0].index = n;
+    batch.samples[0].client_time = now;
+    batch.lead = Lead{.deadman = n > 20};
+    sessions.receive(scene.exchange.encoder.samples(kA, n, batch), scene.exchange.peer, now, out);
+    engaged += sessions.link_state() == LinkState::engaged ? 1 : 0;
+    scene.write();
+  }
+  EXPECT_EQ(engaged, 280);
+  const Replay result = replay({scene.finish()});
+  ASSERT_TRUE(result.bit_equal()) << result.difference->what << " at event "
+                                  << result.difference->event;
+  EXPECT_EQ(result.replies, 300u);
+}
+
 class ReplayTest : public ::testing::Test {
  protected:
   RecordedScene scene{repository_scene("room.json")};

@@ -24,9 +24,11 @@ struct Stage : test::SampleExchange {
   explicit Stage(const Scene& of, std::size_t slots = 8)
       : SampleExchange(of, slots, {.sample_rate = 1e6}) {}
 
-  void join(std::uint64_t id, Role role, const SessionParameters& parameters = {}) {
+  void join(std::uint64_t id, Role role, const SessionParameters& parameters = {},
+            bool figures = false) {
     control::JoinRequest request = test::join_request(parameters);
     request.role = role;
+    request.figures = figures;
     request.device.rotation_sensed = 3;
     ASSERT_TRUE(std::holds_alternative<control::JoinAccepted>(
         sessions.answer(request, id, test::keys(id), now)));
@@ -167,6 +169,71 @@ TEST(Observer, IsShownAllInTurns) {
   }
 }
 
+/// What the page of the server itself draws.
+TEST(Observer, IsShownTheFiguresThatItAskedFor) {
+  Stage stage(weightless_ball());
+  stage.join(kAnna, Role::operator_);
+  stage.join(kBert, Role::operator_);
+  stage.join(kEye, Role::observer, {}, true);
+  constexpr std::uint64_t kOther = 4 << 8;
+  stage.join(kOther, Role::observer);
+  for (int n = 0; n < 20; ++n) {
+    stage.now += 1ms;
+    stage.send(kAnna, Vec3(0.2, 0, -1.0 - 1e-4 * n), {.elastic = {0, 0, 0.5}});
+    stage.send(kBert, Vec3(0.4, 0, 0));
+  }
+  Picture picture;
+  stage.look();
+  stage.look();
+  const SceneView view = stage.look();
+  stage.sessions.draw(picture, stage.now);
+  ASSERT_EQ(view.hand_count, 2u);
+  ASSERT_EQ(picture.hands.size(), 2u);
+  for (std::size_t i = 0; i < 2; ++i) {
+    const PictureHand& hand = picture.hands[i];
+    ASSERT_TRUE(view.hand[i].figures.has_value());
+    const HandFigures& figures = *view.hand[i].figures;
+    EXPECT_EQ(figures.states, hand.states);
+    EXPECT_EQ(figures.samples, hand.samples);
+    EXPECT_EQ(figures.missed, hand.missed);
+    EXPECT_LE((figures.proxy - hand.proxy).norm(), 1e-6);
+    EXPECT_LE((figures.elastic - hand.elastic).norm(), 1e-6);
+    EXPECT_NEAR(figures.depth, hand.depth, 1e-9);
+    EXPECT_NEAR(figures.delivered, hand.delivered, 1e-9);
+    EXPECT_NEAR(figures.burned, hand.burned, 1e-9);
+  }
+  EXPECT_GT(view.hand[0].figures->elastic.z(), 0.5);
+  EXPECT_EQ(view.hand[1].figures->states, bit(HandState::free_space));
+  const SceneView other = stage.look(kOther);
+  for (const SeenHand& hand : other.hands()) EXPECT_FALSE(hand.figures.has_value());
+}
+
+/// With figures, too, all come in turns, and no datagram is too long.
+TEST(Observer, IsShownTheFiguresOfManyInTurns) {
+  constexpr std::uint32_t kHands = 30;
+  for (const double period : {0.001, 0.05}) {
+    Stage stage(weightless_ball(), kHands + 1);
+    SessionParameters parameters;
+    parameters.servo_period = period;
+    stage.join(kEye, Role::observer, parameters, true);
+    for (std::uint32_t i = 0; i < kHands; ++i) {
+      stage.join((100 + i) << 8, Role::operator_);
+      stage.send((100 + i) << 8, Vec3(0.01 * i, 0, 1));
+    }
+    std::set<std::uint32_t> seen;
+    std::size_t bodies = 0;
+    for (int views = 0; views < 40; ++views) {
+      const SceneView view = stage.look();
+      EXPECT_LE(stage.length, period < 0.04 ? kMaxDatagram : 600u);
+      for (const SeenHand& hand : view.hands())
+        if (hand.figures) seen.insert(hand.number);
+      bodies += view.body_count;
+    }
+    EXPECT_EQ(seen.size(), kHands);
+    EXPECT_GT(bodies, 0u);
+  }
+}
+
 /// With and without observers among them, wherever these are: to the bit.
 TEST(Observer, IsFeltByNobody) {
   Stage watched(weightless_ball()), alone(weightless_ball());
@@ -228,6 +295,31 @@ TEST(Observer, SeesTheSceneThatWasReloaded) {
   EXPECT_EQ(after.bodies_end, SceneView::kLastBody);  // so none is there any more
   stage.sessions.enter(moving, stage.now);
   EXPECT_EQ(stage.look().body_count, 1u);
+}
+
+/// Its own token is worth less than an operator's, whatever its samples say.
+TEST(Observer, LeadsNoRobot) {
+  Scene scene = test::room();
+  scene.set_remote({});
+  for (const Role role : {Role::observer, Role::pointer, Role::operator_}) {
+    Stage stage(scene);
+    stage.lead = Lead{};  // the switch is open: who may lead is ready
+    stage.join(kAnna, role);
+    stage.join(kEye, Role::observer);
+    stage.join(kBert, Role::follower);
+    Encoder payload;
+    DatagramBuffer out;
+    RobotState state;
+    state.index = 1;
+    stage.sessions.receive(
+        stage.encoder.seal({DatagramKind::follower_state, kBert, 1}, payload.state(state)),
+        stage.peer, stage.now, out);
+    Reply reply;
+    ASSERT_EQ(decode(stage.send(kAnna, Vec3::Zero()), reply), DropReason::none);
+    EXPECT_EQ(reply.remote.has_value(), role == Role::operator_);
+    EXPECT_EQ(stage.sessions.link_state() == LinkState::disabled, role != Role::operator_);
+    EXPECT_TRUE(stage.look().present);  // its datagram has room for the view
+  }
 }
 
 TEST(Observer, TakesNoMemoryOnTheWay) {

@@ -1,7 +1,7 @@
 // Pictures of a scene: where hands and proxies are, what is said of each hand, and the way from the
 // scene's thread to a viewer's.
 
-#include "server/scene/picture.hpp"
+#include "server/picture/picture.hpp"
 
 #include <gtest/gtest.h>
 

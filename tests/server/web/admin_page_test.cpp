@@ -8,7 +8,7 @@
 #include "core/scene_file/load_scene.hpp"
 #include "server/web/viewer_message.hpp"
 #include "tests/client/temporary_folder.hpp"
-#include "tests/protocol/sealed.hpp"
+#include "tests/server/resting_hand.hpp"
 #include "tests/server/web/page_client.hpp"
 
 namespace feltwire::admin_page_test {
@@ -16,6 +16,7 @@ namespace {
 
 using test::ControlClient;
 using test::Page;
+using test::RestingHand;
 using ::testing::HasSubstr;
 using Json = nlohmann::json;
 
@@ -39,38 +40,12 @@ class AdminPage : public ::testing::Test {
   IssuedToken eye_ = issue_token("eye", "*", Role::observer, std::nullopt),
               other_ = issue_token("other", "theatre", Role::admin, std::nullopt);
   Server server_{test::with_page(), scenes(), test::security({eye_.token, other_.token})};
+  ControlClient client_{server_.control_port()};
   const std::string admin_ = std::string(test::admin_token().text.text());
 };
 
-/// A hand that rests 1 mm below the floor, over the real way of datagrams.
-class RestingHand {
- public:
-  explicit RestingHand(Server& server, const SessionParameters& parameters = {})
-      : client_(server.control_port()),
-        joined_(client_.join(test::join_request(parameters))),
-        socket_(SOCK_DGRAM, joined_.udp_port),
-        encoder_(test::Way::up, joined_.keys) {}
-  double force() {
-    SampleBatch batch = test::hand_batch(++index_);
-    batch.samples[0].pose.position = {0, 0, -0.001};
-    socket_.send(encoder_.samples(joined_.accepted.session, index_, batch));
-    Reply reply;
-    EXPECT_EQ(decode(test::opened(socket_.receive(), test::Way::down, joined_.keys), reply),
-              DropReason::none);
-    return reply.command.elastic.z();
-  }
-  std::string session() const { return std::to_string(joined_.accepted.session); }
-
- private:
-  ControlClient client_;
-  test::JoinedBy joined_;
-  test::RawSocket socket_;
-  test::SealedEncoder encoder_;
-  std::uint64_t index_ = 0;
-};
-
 TEST_F(AdminPage, AKnobChangesTheForce) {
-  RestingHand hand(server_);
+  RestingHand hand(client_);
   EXPECT_NEAR(hand.force(), 0.5, 1e-9);
   Page page(server_, admin_), watcher(server_, token_text(eye_));
   EXPECT_EQ(page.text("hello")["role"], "admin");
@@ -93,11 +68,12 @@ TEST_F(AdminPage, AKnobChangesTheForce) {
 }
 
 TEST_F(AdminPage, OnlyAnAdminOfTheSceneMay) {
-  RestingHand hand(server_);
+  RestingHand hand(client_);
   Page page(server_, token_text(eye_));
   EXPECT_EQ(page.text("hello")["role"], "observer");
-  for (const Json& asked : {Json{{"set", {{"object", "floor"}, {"stiffness", 1}}}},
-                            Json{{"evict", hand.session()}}, Json{{"reload", true}}}) {
+  for (const Json& asked :
+       {Json{{"set", {{"object", "floor"}, {"stiffness", 1}}}},
+        Json{{"evict", std::to_string(hand.session())}}, Json{{"reload", true}}}) {
     page.say(asked);
     EXPECT_THAT(page.text("refused")["text"].get<std::string>(), HasSubstr("for admins"));
   }
@@ -118,7 +94,7 @@ TEST_F(AdminPage, OnlyAnAdminOfTheSceneMay) {
 TEST_F(AdminPage, SetsTheBoundOfASessionAndEvictsIt) {
   SessionParameters parameters;
   parameters.side = BoundingSide::server;
-  RestingHand hand(server_, parameters);
+  RestingHand hand(client_, parameters);
   hand.force();
   Page page(server_, admin_);
   // Sessions are told twice a second: until one is there.
@@ -128,14 +104,14 @@ TEST_F(AdminPage, SetsTheBoundOfASessionAndEvictsIt) {
     ASSERT_EQ(told["type"], "sessions");
     if (!told["sessions"].empty()) session = told["sessions"][0];
   }
-  EXPECT_EQ(session["session"], hand.session());
-  page.say({{"set", {{"session", hand.session()}, {"mode", "per_axis"}}}});
+  EXPECT_EQ(session["session"], std::to_string(hand.session()));
+  page.say({{"set", {{"session", std::to_string(hand.session())}, {"mode", "per_axis"}}}});
   EXPECT_EQ(page.text("changed")["text"], "session 1 (tester): mode contact_frame -> per_axis");
-  page.say({{"set", {{"session", hand.session()}, {"mode", "no_such"}}}});
+  page.say({{"set", {{"session", std::to_string(hand.session())}, {"mode", "no_such"}}}});
   EXPECT_THAT(page.text("refused")["text"].get<std::string>(), HasSubstr("no_such"));
   page.say({{"set", {{"session", "12"}, {"mode", "none"}}}});
   EXPECT_THAT(page.text("refused")["text"].get<std::string>(), HasSubstr("no session 12"));
-  page.say({{"evict", hand.session()}});
+  page.say({{"evict", std::to_string(hand.session())}});
   page.text("changed");
   const std::vector<SceneSummary> summary = server_.summary();
   EXPECT_EQ(summary[0].counters.evicted, 1u);
@@ -183,7 +159,8 @@ TEST(AdminPageReload, IsToldToThoseWhoWatchAndWhatIsWrongToAdminsAlone) {
   std::vector<Scene> scenes;
   scenes.push_back(load_scene(file));
   Server server(config, std::move(scenes), test::security({eye.token}));
-  RestingHand hand(server);
+  ControlClient client(server.control_port());
+  RestingHand hand(client);
   Page page(server, std::string(test::admin_token().text.text())),
       watcher(server, std::string(eye.text.text()));
   page.text("materials");

@@ -211,7 +211,7 @@ TEST(Messages, SessionsSayWhatTheyAskedFor) {
   hand.number = 2;
   hand.session = (std::uint64_t{1} << 63) + 1;  // no number of JavaScript's
   hand.client = "anna\n";
-  hand.parameters.packet_interval = 4;
+  hand.parameters.emplace().packet_interval = 4;
   const Json said = Json::parse(sessions({&hand, 1}, {}, {}, 1.5));
   EXPECT_EQ(said["time"], 1.5);
   const Json& entry = said["sessions"][0];
@@ -219,6 +219,23 @@ TEST(Messages, SessionsSayWhatTheyAskedFor) {
   EXPECT_EQ(entry["client"], "anna\n");
   EXPECT_EQ(entry["packet_hz"], 250.0);
   EXPECT_TRUE(entry["loss"].is_null());
+  EXPECT_TRUE(entry["late_ticks"].is_null());
+}
+
+/// As a gateway knows them.
+TEST(Messages, SessionsSayWhatIsNotKnown) {
+  HandDescription hand;
+  hand.number = 2;
+  Picture picture;
+  picture.hands.emplace_back();
+  picture.hands[0].number = 2;
+  picture.hands[0].report = HandReport{.late_ticks = 12};
+  const Json said = Json::parse(sessions({&hand, 1}, picture, {}, 1.5));
+  const Json& entry = said["sessions"][0];
+  for (const char* unknown :
+       {"client", "device", "mode", "side", "local_model", "rate_hz", "packet_hz"})
+    EXPECT_TRUE(entry[unknown].is_null()) << unknown;
+  EXPECT_EQ(entry["late_ticks"], 12);
 }
 
 }  // namespace

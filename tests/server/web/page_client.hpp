@@ -20,8 +20,10 @@ inline ServerConfig with_page() {
   return config;
 }
 
-inline std::uint16_t page_port(const Server& server) {
-  const std::string url = server.web_url();
+/// Of a server or a gateway.
+template <class Site>
+std::uint16_t page_port(const Site& site) {
+  const std::string url = site.web_url();
   return static_cast<std::uint16_t>(std::stoi(url.substr(url.rfind(':') + 1)));
 }
 
@@ -30,10 +32,16 @@ inline std::vector<std::uint8_t> bytes(std::string_view text) { return {text.beg
 /// A browser's end of the WebSocket.
 class Page {
  public:
-  explicit Page(const Server& server) : Page(server, "/live", "feltwire.live.v1") {}
-  Page(const Server& server, const std::string& path, const std::string& protocol)
-      : socket_(SOCK_STREAM, page_port(server)) {
-    const std::string host = "127.0.0.1:" + std::to_string(page_port(server));
+  template <class Site>
+  explicit Page(const Site& site) : Page(site, "/live", "feltwire.live.v1") {}
+  template <class Site>
+  Page(const Site& site, const std::string& token) : Page(site) {
+    say(nlohmann::json{{"token", token}});
+  }
+  template <class Site>
+  Page(const Site& site, const std::string& path, const std::string& protocol)
+      : socket_(SOCK_STREAM, page_port(site)) {
+    const std::string host = "127.0.0.1:" + std::to_string(page_port(site));
     socket_.send(bytes("GET " + path + " HTTP/1.1\r\nHost: " + host + "\r\nOrigin: http://" + host +
                        "\r\nConnection: Upgrade\r\nUpgrade: websocket\r\nSec-WebSocket-Version: 13"
                        "\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n"
@@ -49,9 +57,6 @@ class Page {
       }
       if (!more()) break;
     }
-  }
-  Page(const Server& server, const std::string& token) : Page(server) {
-    say(nlohmann::json{{"token", token}});
   }
 
   const std::string& head() const { return head_; }

@@ -53,6 +53,30 @@ TEST(BoundFilter, RendersTheClosedFormOfASpringBeyondTheLimit) {
   }
 }
 
+TEST(BoundFilter, WithRotationATorqueIsBoundedAndItsEnergyCounted) {
+  // Turned by 1 mrad a row against 10 N m/rad with c_r = 2 b_r/T = 1 N m/rad: c_r dtheta a row.
+  std::string in = "dx,dy,dz,ex,ey,ez,fx,fy,fz,ax,ay,az,tx,ty,tz\n";
+  for (int n = 1; n <= 4; ++n)
+    in += "0,0,0,0,0,0,0,0,0,0,-1e-3,0,0," + std::to_string(0.01 * n) + ",0\n";
+  BoundingConfig config = contact_frame(0.5);
+  config.rotation = true;
+  config.rotational_damping = 5e-4;
+  std::istringstream input(in);
+  std::ostringstream output;
+  EXPECT_EQ(filter_bound(input, output, config), 0u);
+  EXPECT_THAT(output.str(), ::testing::StartsWith("rx,ry,rz,rtx,rty,rtz,energy,active\n"));
+  const auto out = rows(output.str());
+  ASSERT_EQ(out.size(), 4u);
+  double energy = 0.0;
+  for (std::size_t n = 0; n < out.size(); ++n) {
+    EXPECT_NEAR(out[n][4], 1e-3 * static_cast<double>(n + 1), 1e-12);
+    energy += 1e-3 * static_cast<double>(n) * -1e-3;
+    EXPECT_NEAR(out[n][6], energy, 1e-15);
+  }
+  std::istringstream missing("dx,dy,dz,ex,ey,ez,fx,fy,fz\n");
+  EXPECT_THROW(filter_bound(missing, output, config), CsvError);
+}
+
 TEST(BoundFilter, RowsThatAreNotFiniteRenderZero) {
   std::istringstream input(
       "dx,dy,dz,ex,ey,ez,fx,fy,fz\n-1e-3,0,0,0.5,0,0,0,0,0\nnan,0,0,1,0,0,0,0,0\n0,0,0,inf,0,0,0,0,"

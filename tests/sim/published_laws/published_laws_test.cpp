@@ -92,6 +92,17 @@ TEST(ForceAugmentation, RisesByItsLowStiffnessAndByATenthAtEveryPress) {
   EXPECT_EQ(press(bounding, 0.0, 5.0), 0.0) << "a new contact begins anew";
 }
 
+TEST(ForceAugmentation, WithItsTransientItLandsOnTheWholeStiffness) {
+  Bounding bounding(law("force_augmentation_transient"), config());  // k0 = 1 kN/m
+  EXPECT_EQ(press(bounding, 1e-4, 4.0), 4.0);
+  EXPECT_EQ(press(bounding, 1e-4, 5.0), 5.0);
+  EXPECT_EQ(press(bounding, 0.0, 5.0), 5.0) << "a rest is no turn";
+  EXPECT_NEAR(press(bounding, -1e-4, 8.0), 4.9, 1e-12) << "the transient is over";
+  EXPECT_NEAR(press(bounding, 1e-4, 8.0), 5.0 + 0.3, 1e-12) << "a press of the low stiffness";
+  EXPECT_EQ(press(bounding, 0.0, 0.0), 0.0);
+  EXPECT_EQ(press(bounding, 1e-4, 4.0), 4.0) << "a new contact lands anew";
+}
+
 TEST(PositionMemory, TheWayOutStaysBelowTheWayIn) {
   Bounding bounding(law("position_memory"), config());
   // In by ten cells, one a sample, on a spring: the force held over a cell is that of its begin.

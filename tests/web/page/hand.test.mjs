@@ -160,6 +160,45 @@ test('a tab that loses the focus lets go', async () => {
   await until(() => window.feltwire().hands.length === 0);
 });
 
+test('a tab that is hidden lets go', async () => {
+  await serve();
+  page = await open(token('operator'));
+  await take();
+  await page.evaluate(() => {
+    Object.defineProperty(document, 'hidden', {configurable: true, get: () => true});
+    document.dispatchEvent(new Event('visibilitychange'));
+  });
+  await until(() => window.feltwire().own.state === 'free');
+  await until(() => window.feltwire().hands.length === 0);
+  // One that is shown again takes none by itself.
+  await page.evaluate(() => {
+    delete document.hidden;
+    document.dispatchEvent(new Event('visibilitychange'));
+  });
+  assert.equal((await own()).state, 'free');
+});
+
+test('two fingers move it away and near', async () => {
+  await serve();
+  page = await open(token('operator'));
+  await take();
+  await page.keyboard.press('x');  // The camera looks along -x.
+  await page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
+  const {x, y} = await place();
+  const devtools = await page.context().newCDPSession(page);
+  const touch = (type, ...across) => devtools.send('Input.dispatchTouchEvent', {type, touchPoints: across.map((at, id) => ({x: x + at, y, id}))});
+  const [start] = (await own()).target;
+  await touch('touchStart', 0);
+  await touch('touchStart', 0, 30);
+  for (let apart = 30; apart <= 90; apart += 10) await touch('touchMove', 0, apart);
+  await until((from) => window.feltwire().own.target[0] < from - 1e-3, start);
+  const [away] = (await own()).target;
+  for (let apart = 90; apart >= 30; apart -= 10) await touch('touchMove', 0, apart);
+  await until(([from, to]) => window.feltwire().own.target[0] > from + 0.8 * (to - from), [away, start]);
+  await touch('touchEnd');
+  assert.equal((await own()).state, 'held');
+});
+
 test('a server that lends no hands shows no button', async () => {
   await serve('--web-hands', '0');
   page = await open(token('operator'));

@@ -139,6 +139,7 @@ export async function startServer({folder, port = 0, hands = 2, bodies = 1, toke
   });
 
   const pictures = setInterval(() => {
+    if (play.silent) return;
     const [picture, surfaces] = [play.picture(), play.surfaces()];
     for (const viewer of viewers) {
       viewer.binary(picture);

@@ -95,6 +95,36 @@ test('the first picture comes, and the token leaves the address', async () => {
   await until(() => window.feltwire().pictures > 0);
 });
 
+test('nothing is drawn before there is a scene', async () => {
+  await page.goto(server.url);
+  await page.locator('#token-text').waitFor();
+  await page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(() => requestAnimationFrame(done)))));
+  assert.equal((await state()).frames, 0);
+  await page.fill('#token-text', TOKEN);
+  await press('Enter');
+  await until(() => window.feltwire().firstPicture !== null);
+});
+
+test('a scene without pictures is drawn all the same', async () => {
+  server.play.silent = true;
+  await open();
+  await until(() => window.feltwire().frames > 0);
+  assert.equal((await state()).pictures, 0);
+});
+
+test('the view has the background of the theme', async () => {
+  await open();
+  await until(() => window.feltwire().firstPicture !== null);
+  const area = await page.evaluate(() => document.querySelector('#canvas').clientWidth * document.querySelector('#canvas').clientHeight);
+  for (let theme = 0; theme < 2; ++theme) {
+    const share = (await pixels('view')) / area;
+    assert.ok(share > 0.2, `${share} of the view`);
+    const frames = (await state()).frames;
+    await press('l');
+    await until((drawn) => window.feltwire().frames > drawn, frames);
+  }
+});
+
 test('arrows move and are seen', async () => {
   server.play.still = true;
   await open();
@@ -241,6 +271,36 @@ test('an admin turns knobs, and is told what is refused', async () => {
   await page.getByRole('button', {name: /Reload/}).click();
   assert.deepEqual(await asked(6), {reload: true});
   assert.ok(server.requests.every((path) => !path.includes(ADMIN)));
+});
+
+test('an admin changes the law and the link of a client that takes them', async () => {
+  await server.stop();
+  server = await startServer({folder, hands: 3});
+  await open();
+  await until(() => window.feltwire().pictures > 3);
+  const asked = async (count) => {
+    for (let tries = 0; server.asked.length < count && tries < 600; ++tries) await page.evaluate(() => new Promise(requestAnimationFrame));
+    return server.asked.at(-1).set;
+  };
+  await page.click('#admin-open');
+  await page.fill('#admin input[type=password]', ADMIN);
+  await page.click('#admin form button');
+  await page.locator('tbody tr', {hasText: 'alice'}).click();  // It takes nothing.
+  const delay = page.getByLabel(/^Delay ?ms$/);
+  await until(() => document.querySelector('#admin select[aria-label="Mode of the bound"]').disabled);
+  assert.ok(!await delay.isVisible());
+  await page.locator('tbody tr', {hasText: 'carol'}).click();
+  await until(() => !document.querySelector('#admin select[aria-label="Mode of the bound"]').disabled);
+  await until(() => /has refused: mode shaped -> none/.test(document.querySelector('#admin .answer').textContent));
+  await page.selectOption('#admin select[aria-label="Storage of contact_frame"]', 'elastic');
+  assert.deepEqual(await asked(1), {session: '4713', storage: 'elastic'});
+  await delay.fill('25');
+  await delay.press('Enter');
+  assert.deepEqual(await asked(2), {session: '4713', link_delay: 0.025, link_jitter: 0, link_loss: 0});
+  await page.getByLabel(/^Loss ?%$/).fill('10');
+  await page.getByLabel(/^Loss ?%$/).press('Enter');
+  assert.deepEqual(await asked(3), {session: '4713', link_delay: 0.025, link_jitter: 0, link_loss: 0.1});
+  if (process.env.FELTWIRE_SCREENSHOT) await page.screenshot({path: process.env.FELTWIRE_SCREENSHOT});
 });
 
 test('hostile bytes are ignored', async () => {

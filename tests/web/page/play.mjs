@@ -44,6 +44,7 @@ export class Play {
     this.hands = hands;
     this.bodies = bodies;
     this.version = 1;
+    this.silent = false;  // whether there are no pictures
     this.still = false;  // whether no hand touches anything
     this.modelled = true;  // whether clients have local models
     this.began = process.hrtime.bigint();
@@ -81,6 +82,8 @@ export class Play {
       number: i + 1, tool: i === 1 ? 'peg' : 'tip', client: ['alice', 'bob', 'carol', 'dave'][i] ?? `guest${i}`, device: i === 1 ? 'simulated' : 'falcon', session: `${4711 + i}`, mode: i === 1 ? 'contact_frame' : 'shaped', side: i === 1 ? 'server' : 'client', rate_hz: 1000,
       packet_hz: 500, round_trip_ms: i === 3 ? null : 3.1 + i, loss: i === 1 ? 0.013 : 0, delivered_j: this.energy[i].delivered,
       samples: Math.floor(1000 * (this.time - 100)), seconds: this.time - 100,
+      projection: 'cone', storage: 'minimal', laws_taken: i === 2 ? 'safe' : 'none', link_taken: i === 2,
+      asked: i === 2 ? 'mode shaped -> none' : null, answer: i === 2 ? 'refused' : null,
     }));
     return {type: 'sessions', time: this.time, sessions};
   }

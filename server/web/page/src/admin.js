@@ -12,6 +12,13 @@ const FIELDS = [
   ['viscous_friction', 'Viscous friction', 'N s/m', '0.1'],
 ];
 
+/** Of an emulated link: name in messages, label, unit, how many of the unit are one of the message. */
+const LINK = [
+  ['link_delay', 'Delay', 'ms', 1e3],
+  ['link_jitter', 'Jitter', 'ms', 1e3],
+  ['link_loss', 'Loss', '%', 100],
+];
+
 /** @param {string} tag @param {object} properties @param {...(Node | string)} children */
 function make(tag, properties, ...children) {
   const made = Object.assign(document.createElement(tag), properties);
@@ -34,6 +41,7 @@ export class Admin {
     this.session = null;  // of the chosen hand
     this.waiting = null;  // the newest value of a knob that is dragged, until it is sent
     this.inputs = new Map();
+    this.linkInputs = new Map();
     this.#build();
     button.onclick = () => {
       panel.hidden = !panel.hidden;
@@ -88,10 +96,16 @@ export class Admin {
     this.session = session ?? null;
     this.who.textContent = session ? `Hand ${session.number}, ${session.client ?? '–'}` : 'No hand is chosen';
     this.evict.disabled = !session;
-    const fixed = session?.side !== 'server';
-    this.mode.disabled = !session || fixed;
+    const atClient = session?.side === 'client' && ['safe', 'any'].includes(session.laws_taken);
+    const fixed = session?.side !== 'server' && !atClient;
+    for (const [field, input] of this.law) {
+      input.disabled = !session || fixed;
+      if (session?.session !== old?.session || session?.[field] !== old?.[field]) fill(input, session?.[field] ?? '');
+    }
     this.fixed.hidden = !session || !fixed;
-    if (session?.session !== old?.session || session?.mode !== old?.mode) fill(this.mode, session?.mode ?? '');
+    this.link.hidden = !session?.link_taken;
+    if (session?.session !== old?.session) for (const input of this.linkInputs.values()) input.value = '';
+    this.#showAnswer(session);
   }
 
   #build() {
@@ -122,13 +136,24 @@ export class Admin {
     this.gravity = make('div', {hidden: true}, make('h3', {}, 'Gravity'), make('p', {className: 'axes'}, ...this.axes, make('i', {}, 'm/s²')));
 
     this.who = make('h3', {});
-    this.mode = make('select', {ariaLabel: 'Mode of the bound', onchange: () => this.send({set: {session: this.session.session, mode: this.mode.value}})});
-    this.fixed = make('p', {}, 'Its client bounds: it must join again for another mode.');
+    this.mode = make('select', {ariaLabel: 'Mode of the bound', onchange: () => this.#setLaw('mode')});
+    this.projection = make('select', {ariaLabel: 'Projection of contact_frame', onchange: () => this.#setLaw('projection')}, new Option('cone'), new Option('joint'));
+    this.storage = make('select', {ariaLabel: 'Storage of contact_frame', onchange: () => this.#setLaw('storage')}, new Option('minimal'), new Option('elastic'));
+    this.law = new Map([['mode', this.mode], ['projection', this.projection], ['storage', this.storage]]);
+    this.fixed = make('p', {}, 'Its client bounds and takes no other law: start it anew with other options.');
+    const linkRows = LINK.map(([field, label, unit]) => {
+      const input = make('input', {type: 'number', step: 'any', min: 0, onchange: () => this.#setLink()});
+      this.linkInputs.set(field, input);
+      return make('label', {}, make('span', {}, label), input, make('i', {}, unit));
+    });
+    this.link = make('div', {hidden: true}, make('h3', {}, 'Emulated link, each way'), ...linkRows);
+    this.answer = make('p', {className: 'answer'});
     this.evict = make('button', {onclick: () => this.send({evict: this.session.session})}, 'Evict');
     this.reload = make('button', {onclick: () => this.send({reload: true})}, 'Reload the scene’s file');
 
     this.knobs = make('div', {}, make('h3', {}, 'Object'), this.object, ...rows, this.gravity, this.who,
-      make('p', {}, this.mode, ' ', this.evict), this.fixed, make('p', {}, this.reload));
+      make('p', {className: 'law'}, this.mode, ' ', this.projection, ' ', this.storage, ' ', this.evict), this.fixed, this.link, this.answer,
+      make('p', {}, this.reload));
     this.said = make('output', {id: 'admin-said'});
     panel.append(this.lock, this.knobs, this.said);
     this.#unlock(false);
@@ -161,6 +186,31 @@ export class Admin {
     if (field === 'static_friction' && value < other?.dynamic_friction) set.dynamic_friction = value;
     if (field === 'dynamic_friction' && value > other?.static_friction) set.static_friction = value;
     return this.send({set});
+  }
+
+  #setLaw(field) {
+    this.send({set: {session: this.session.session, [field]: this.law.get(field).value}});
+  }
+
+  /** What is not given is none. */
+  #setLink() {
+    const set = {session: this.session.session};
+    for (const [field, , , scale] of LINK) {
+      const value = this.linkInputs.get(field).valueAsNumber;
+      set[field] = Number.isNaN(value) ? 0 : value / scale;
+    }
+    this.send({set});
+  }
+
+  /** What the client of the chosen hand said to the newest change that it was asked for. */
+  #showAnswer(session) {
+    this.answer.hidden = !session?.asked;
+    if (!session?.asked) return;
+    const said = {waiting: 'is being asked for', taken: 'has taken', refused: 'has refused'}[session.answer];
+    this.answer.textContent = `Its client ${said}: ${session.asked}`;
+    this.answer.dataset.level = session.answer === 'refused' ? 'error' : '';
+    if (session.answer !== 'refused') return;
+    for (const [field, input] of this.law) fill(input, session[field] ?? '');
   }
 
   #setGravity() {

@@ -18,6 +18,7 @@ import * as words from './words.js';
 
 const PLOT_PERIOD = 50;  // [ms]
 const TEXT_PERIOD = 200;  // [ms]
+const PICTURE_PATIENCE = 1000;  // [ms] from a scene to its first picture, after which the scene alone is drawn
 
 const element = (id) => document.getElementById(id);
 const view = makeView();
@@ -29,7 +30,7 @@ const labels = new Labels(element('labels'));
 const admin = new Admin(element('admin'), element('admin-open'), (message) => connection.send(message));
 const foxglove = new Foxglove(element('foxglove'));
 const times = new Times(element('times'), () => page.scene);
-const page = {scene: '', pictures: 0, firstPicture: null, unread: 0, held: false, chosen: null, connection: ''};
+const page = {scene: '', pictures: 0, firstPicture: null, sceneAt: null, unread: 0, held: false, chosen: null, connection: ''};
 const replay = new Replay(() => connection.end('Recordings are read on this machine; nothing is sent.'));
 let latest = new Picture();  // the newest that came
 let spare = new Picture();  // the one that is read next
@@ -78,6 +79,7 @@ function takeText(message) {
       element('scenes').value = message.name;
       document.title = `${message.name} – feltwire`;
       view.setScene(message);
+      page.sceneAt ??= performance.now();
       admin.scene(message);
       showScales();
       break;
@@ -222,7 +224,8 @@ function step(now) {
     writeTexts();
   }
   own.step(now);
-  if (view.render()) {
+  // Where it is drawn in software, frames of an empty view would put off the first picture.
+  if ((page.pictures > 0 || (page.sceneAt !== null && now - page.sceneAt > PICTURE_PATIENCE)) && view.render()) {
     labels.move(view);
     if (page.pictures > 0) page.firstPicture ??= performance.now();  // [ms] since the page was asked for
   }

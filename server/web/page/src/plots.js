@@ -26,6 +26,32 @@ export const energyTick = (plot, ticks) => {
   return tick(small ? 'mJ' : 'J')(plot, small ? ticks.map((value) => 1000 * value) : ticks);
 };
 
+/**
+ * Adds the place of a plot: its title, its legend and the room that it is drawn in.
+ * @param {object} about what is plotted, with `title` and `lines` @param {HTMLElement} parent
+ */
+export function makePane(about, parent) {
+  const pane = document.createElement('section');
+  pane.className = 'plot';
+  const heading = document.createElement('h3');
+  heading.textContent = about.title;
+  const legend = document.createElement('p');
+  legend.className = 'legend';
+  const lines = about.lines.map((line) => {
+    const [item, mark, value] = ['span', 'i', 'b'].map((tag) => document.createElement(tag));
+    item.title = line.hint;
+    mark.className = line.dash ? 'dashed' : '';
+    item.append(mark, `${line.name} `, value);
+    legend.append(item);
+    return {mark, value};
+  });
+  const room = document.createElement('div');
+  room.className = 'drawing';
+  pane.append(heading, legend, room);
+  parent.append(pane);
+  return {about, root: pane, room, lines, plot: null};
+}
+
 /** What is plotted: a line has a name, an explanation, a column, a color of the theme, and how its value is written. */
 const PLOTS = [
   {
@@ -64,7 +90,7 @@ export class Plots {
     this.colors = null;
     this.history = null;
     this.points = 0;
-    this.panes = PLOTS.map((plot) => this.#makePane(plot, parent));
+    this.panes = PLOTS.map((plot) => makePane(plot, parent));
     const sizes = new ResizeObserver(() => this.#resize());
     for (const pane of this.panes) sizes.observe(pane.room);
   }
@@ -105,28 +131,6 @@ export class Plots {
         if (value.textContent !== text) value.textContent = text;
       });
     }
-  }
-
-  #makePane(about, parent) {
-    const pane = document.createElement('section');
-    pane.className = 'plot';
-    const heading = document.createElement('h3');
-    heading.textContent = about.title;
-    const legend = document.createElement('p');
-    legend.className = 'legend';
-    const lines = about.lines.map((line) => {
-      const [item, mark, value] = ['span', 'i', 'b'].map((tag) => document.createElement(tag));
-      item.title = line.hint;
-      mark.className = line.dash ? 'dashed' : '';
-      item.append(mark, `${line.name} `, value);
-      legend.append(item);
-      return {mark, value};
-    });
-    const room = document.createElement('div');
-    room.className = 'drawing';
-    pane.append(heading, legend, room);
-    parent.append(pane);
-    return {about, room, lines, plot: null};
   }
 
   #makePlot({about, room}) {

@@ -12,6 +12,7 @@ const COLUMNS = [
     hand?.activeReasons().map((bit) => reasons[bit]).filter((reason) => reason && reason.cuts !== false)
       .map((reason) => reason.name).sort().join(', ') ?? '')],
   ['Round trip', 'of a sample and its reply', (s) => words.number(s.round_trip_ms, 1, 'ms')],
+  ['Late', 'servo ticks that came a whole period late or more', (s) => (s.late_ticks ?? '–').toLocaleString('en')],
   ['Loss', 'of datagrams', (s) => words.percent(s.loss ?? null)],
   ['Delivered', 'energy to the hand; negative: the hand gave', (s) => words.energy(s.delivered_j)],
   ['Servo', 'rate of the device', (s) => words.number(s.rate_hz, 0, 'Hz')],

@@ -9,6 +9,8 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "sim/studies/bound/over_hands.hpp"
+
 namespace feltwire::frontier_test {
 namespace {
 
@@ -118,13 +120,31 @@ TEST(Frontier, TheTableOfPapersNamesEveryLawAtEveryPlace) {
   for (const FrontierCase& c : published_cases())
     if (c.hand.name == kEightHands[0].name && c.damping == 0.5) some.push_back(c);
   const std::string table = published_table(run_frontier(some));
-  for (const char* name : {"tdpc_exact", "bounded_output", "force_augmentation", "position_memory",
-                           "two_layer_tank", "virtual_coupling"}) {
+  for (const char* name :
+       {"tdpc_exact", "bounded_output", "force_augmentation", "with its transient",
+        "position_memory", "two_layer_tank", "virtual_coupling"}) {
     int lines = 0;
     for (auto at = table.find(name); at != std::string::npos; at = table.find(name, at + 1))
       ++lines;
     EXPECT_EQ(lines, 8) << name;
   }
+}
+
+TEST(Frontier, LearningTheHandsForceHelpsTapsOfAHardlyDampedDevice) {
+  std::vector<FrontierCase> taps;
+  for (const FrontierCase& c : learning_cases())
+    if (c.task == "tap" && c.damping == 0.005 && c.wall == 5e3) taps.push_back(c);
+  const auto rows = run_frontier(taps);
+  const auto median = [&](bool learns) {
+    return over_hands(rows,
+                      [&](const FrontierCase& c) {
+                        return c.learns == learns && c.hand_force == kHandForce;
+                      })
+        .median;
+  };
+  EXPECT_GT(median(true), 1.1 * median(false));
+  for (const FrontierRow& row : rows) EXPECT_EQ(row.excess, 0u) << row.made.hand.name;
+  EXPECT_NE(learning_table(rows).find("learns"), std::string::npos);
 }
 
 TEST(Frontier, WritesEveryRowWithItsKeysAndThePictures) {

@@ -2,7 +2,7 @@
 
 import uPlot from 'uplot';
 import {length3} from '../messages.js';
-import {energyTick, range, tick} from '../plots.js';
+import {energyTick, makePane, range, tick} from '../plots.js';
 import * as words from '../words.js';
 import {rowAt} from './recording.js';
 import {ACCOUNT, askedForce, FRESH, ROW} from './tables.js';
@@ -93,30 +93,12 @@ export class ReplayPlots {
   }
 
   #makePane(about, parent) {
-    const root = document.createElement('section');
-    root.className = 'plot';
-    const heading = document.createElement('h3');
-    heading.textContent = about.title;
-    const legend = document.createElement('p');
-    legend.className = 'legend';
-    const lines = about.lines.map((line) => {
-      const [item, mark, value] = ['span', 'i', 'b'].map((tag) => document.createElement(tag));
-      item.title = line.hint;
-      mark.className = line.dash ? 'dashed' : '';
-      item.append(mark, `${line.name} `, value);
-      legend.append(item);
-      return {mark, value};
-    });
-    const room = document.createElement('div');
-    room.className = 'drawing';
-    room.onclick = (event) => {
+    const pane = makePane(about, parent);
+    pane.room.onclick = (event) => {
       const {plot} = pane;
       const area = plot.over.getBoundingClientRect();
       this.seek(plot.posToVal(event.clientX - area.left, 'x'));
     };
-    root.append(heading, legend, room);
-    parent.append(root);
-    const pane = {about, root, room, lines, plot: null};
     return pane;
   }
 

@@ -24,6 +24,7 @@ export const REASONS = [
   ['force_limit', '--max-force allows less than 0.005 N.'],
   ['account', 'The device has not burned enough energy for it.'],
   ['not_held', 'The device does not hold what it is given.'],
+  ['law_change', 'An admin has just given the session another law.'],
 ];
 
 export const FELT = 0;

@@ -1,0 +1,198 @@
+#include "client/app/identify_command.hpp"
+
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <array>
+#include <atomic>
+#include <chrono>
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
+#include <ctime>
+#include <iostream>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <thread>
+
+#include "client/devices/drivers.hpp"
+#include "client/identify/identified_spec.hpp"
+#include "client/identify/measure.hpp"
+#include "client/run/crash_release.hpp"
+#include "core/base/pending_file.hpp"
+#include "core/base/visible_text.hpp"
+#include "core/command_line/suggestion.hpp"
+#include "core/device/spec_text.hpp"
+#include "protocol/net/real_time.hpp"
+
+namespace feltwire {
+namespace {
+
+constexpr int kWrongWords = 2, kGaveUp = 1;
+
+struct IdentifyWords {
+  std::string device, spec, out = "device.json";
+  std::optional<double> force;
+  bool yes = false;
+};
+
+MeasureStatus status_of_run;  // of the one measurement; a signal handler sets `stop`
+static_assert(std::atomic<bool>::is_always_lock_free);
+
+void stop_run(int) { status_of_run.stop.store(true); }
+
+std::string today() {
+  const std::time_t now = std::time(nullptr);
+  std::tm date{};
+  std::array<char, 16> text{};
+  ::gmtime_r(&now, &date);
+  std::strftime(text.data(), text.size(), "%Y-%m-%d", &date);
+  return text.data();
+}
+
+/// The specification that the device has, with the sources of those of its kind.
+SourcedSpec known_spec(const DeviceRequest& request, const Driver& driver, const DeviceSpec& spec) {
+  SourcedSpec usual = requested_spec(request.spec, driver.spec);
+  if (usual.spec.name != spec.name) usual.sources.clear();
+  usual.spec = spec;
+  return usual;
+}
+
+void tell(const IdentifyLimits& limits, const Identification& identification) {
+  std::printf(
+      "The device will move its handle by itself for %.0f s: up to %.0f mm to each side of where\n"
+      "it is now, up to %.2f m/s, with up to %.1f N. Nobody may hold it. Put on it what it is "
+      "used\n"
+      "with, switch its gravity compensation on and the maker's own damping off, and clear %.0f "
+      "mm\n"
+      "around it. It lets go on Ctrl-C and on anything odd.\n",
+      identification.duration(), 1e3 * limits.amplitude, limits.speed, limits.force,
+      1e3 * limits.travel);
+}
+
+void await_consent(bool yes) {
+  if (yes) return;
+  if (::isatty(STDIN_FILENO) == 0)
+    throw std::invalid_argument("--yes is required where nobody can press Enter");
+  std::printf("Press Enter to begin, Ctrl-C not to. ");
+  std::fflush(stdout);
+  std::string line;
+  if (!std::getline(std::cin, line)) throw std::runtime_error("nobody pressed Enter");
+}
+
+/// Shows how far it is until it is over. On a terminal the line is rewritten.
+void show_progress(const MeasureStatus& status) {
+  const bool terminal = ::isatty(STDERR_FILENO) != 0;
+  int shown = -1;
+  while (!status.over.load()) {
+    const int percent = static_cast<int>(100.0 * status.progress.load());
+    if (percent != shown && (terminal || percent % 10 == 0)) {
+      std::fprintf(stderr, terminal ? "\r%3d %%  line %d " : "%3d %%  line %d\n", percent,
+                   status.sweep.load() + 1);
+      shown = percent;
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  }
+  if (terminal) std::fprintf(stderr, "\r                    \r");
+}
+
+/// Measures, with the device let go at the end whatever happens.
+void run(Device& device, Identification& identification) {
+  MeasureStatus& status = status_of_run;
+  const CrashRelease crash_release(device);
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT}) std::signal(signal, stop_run);
+  device.begin(Vec3::Zero(), Vec3::UnitZ());
+  RealTime granted;
+  std::thread ticks([&] {
+    granted = request_real_time(kServoPriority);
+    measure(device, identification, status);
+  });
+  std::thread watching([&] {
+    if (watch(device, status)) return;
+    std::fputs("feltwire-client identify: the device's library hangs; the force was let go\n",
+               stderr);
+    std::_Exit(kGaveUp);
+  });
+  show_progress(status);
+  ticks.join();
+  watching.join();
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT}) std::signal(signal, SIG_DFL);
+  if (const std::string remedy = missing(granted, kServoPriority); !remedy.empty())
+    std::fprintf(stderr, "feltwire-client identify: note: %s\n", visible(remedy).c_str());
+}
+
+void identify(const IdentifyWords& words) {
+  const DriverChoice choice = chosen_driver(words.device);
+  if (choice.driver->kind == "replay")
+    throw std::invalid_argument("--device replay: a recording moves by itself; name a device");
+  DeviceRequest request;
+  request.name = choice.name;
+  request.spec.name_or_file = words.spec;
+  request.held = false;
+  if (is_special(words.out))
+    throw std::invalid_argument("--out " + words.out + ": name a regular file");
+
+  const OpenedDevice opened = choice.driver->open(request);
+  Device& device = *opened.device;
+  const SourcedSpec known = known_spec(request, *choice.driver, device.spec());
+  const IdentifyLimits limits = identify_limits(known.spec, words.force);
+  const double longest = std::chrono::duration<double>(device.longest_tick()).count();
+  // A device that sets the pace may tick faster than it guarantees, up to 4 kHz.
+  Identification identification(known.spec, limits, longest > 0.0 ? 0.25e-3 : kMeasurePeriod);
+  tell(limits, identification);
+  await_consent(words.yes);
+  run(device, identification);
+  if (identification.state() != Identification::State::done)
+    throw std::runtime_error("gave up: " + std::string(identification.why()));
+
+  const DeviceEstimate found = identification.estimate();
+  if (!found.doubts.empty())
+    throw std::runtime_error("no file is written: " + found.doubts.front());
+  const SourcedSpec described = identified_spec(known, found, today());
+  std::printf("%s", visible_lines(spec_table(described)).c_str());
+  std::printf("  delay of the loop     %.2f ms\n  largest force held    %.2f N\n",
+              1e3 * found.delay, identification.largest_force());
+  if (!(found.damping_bound.minCoeff() > 0.0))
+    std::printf(
+        "The damping is too small to be told from friction and noise: none is counted on.\n");
+  replace_file(words.out, device_file_text(described), kByUmask);
+  std::printf("%s is written; use it with --spec %s\n", visible(words.out).c_str(),
+              visible(words.out).c_str());
+}
+
+int failed(const std::string& why, int status) {
+  std::fprintf(stderr, "feltwire-client identify: %s\n", visible(why).c_str());
+  return status;
+}
+
+}  // namespace
+
+int identify_command(int argc, char** argv) {
+  CLI::App app("Measures a device that nobody holds, and writes a file for --spec",
+               "feltwire-client identify");
+  IdentifyWords words;
+  app.add_option("--device", words.device, "KIND or KIND:NAME. " + driver_choices())->required();
+  app.add_option(
+      "--spec", words.spec,
+      "What is known of it, a name or FILE.json; its greatest force and workspace count");
+  app.add_option("--out", words.out, "FILE.json that gets the specification")
+      ->capture_default_str();
+  app.add_option("--force", words.force,
+                 "[N] never more than this; 15 % of the greatest force when not given");
+  app.add_flag("--yes", words.yes, "Begin at once: nobody holds it, and its room is clear");
+  try {
+    app.parse(argc, argv);
+    identify(words);
+    return 0;
+  } catch (const CLI::ParseError& error) {
+    if (error.get_exit_code() == 0) return app.exit(error);
+    return failed(error.what() + suggestion(app) + "; see --help", kWrongWords);
+  } catch (const std::invalid_argument& error) {
+    return failed(error.what(), kWrongWords);
+  } catch (const std::exception& error) {
+    return failed(error.what(), kGaveUp);
+  }
+}
+
+}  // namespace feltwire

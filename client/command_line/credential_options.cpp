@@ -1,0 +1,26 @@
+#include "client/command_line/credential_options.hpp"
+
+#include <CLI/CLI.hpp>
+
+namespace feltwire {
+
+void add_credential_options(CLI::App& app, CredentialOptions& words,
+                            const CredentialWording& wording) {
+  const auto add = [&](const std::string& name, std::string& value, const std::string& text) {
+    app.add_option("--" + name, value, text)->group(wording.group);
+  };
+  add("fingerprint", words.fingerprint,
+      "Fingerprint of the server's certificate: 64 hex digits, which feltwire-server prints");
+  add("fingerprint-file", words.fingerprint_file,
+      "FILE with the fingerprint, for example `fingerprint` in the server's state folder");
+  add("ca", words.ca,
+      "FILE (PEM) of authorities. One of them must have signed the server's certificate, for the "
+      "host in --connect");
+  add("token-file", words.token_file,
+      std::string("FILE with ") + wording.token + ". Or set FELTWIRE_TOKEN in the environment");
+  add(wording.prefix + "certificate", words.certificate,
+      "FILE (PEM) of the client's certificate, for a server that asks for one");
+  add(wording.prefix + "key", words.key, "FILE (PEM) of that certificate's key");
+}
+
+}  // namespace feltwire

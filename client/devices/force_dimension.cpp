@@ -1,0 +1,336 @@
+#include "client/devices/force_dimension.hpp"
+
+#include <sys/utsname.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cstdlib>
+#include <stdexcept>
+#include <system_error>
+#include <utility>
+
+#include "client/devices/held_command.hpp"
+#include "client/devices/let_go.hpp"
+#include "client/devices/shared_library.hpp"
+#include "core/device/spec_text.hpp"
+
+namespace feltwire {
+namespace drd {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Values that the calls return beside 0 and -1: the reading is an old one, the force was cut.
+constexpr int kOld = 1, kSaturated = 2;
+// Places in dhdGetStatus(). SDKs differ in how many they fill.
+constexpr std::size_t kConnected = 1, kForce = 5, kStatuses = 32;
+constexpr int kNoDevice = 5;             // dhdErrorGetLast()
+constexpr unsigned char kWatchdog = 80;  // of 125 us: forces end 10 ms after the last call
+constexpr int kOldest = 3;               // version of the SDK
+
+[[noreturn]] void refuse(const std::string& why) {
+  throw std::runtime_error("forcedimension: " + why);
+}
+
+/// Where the SDK is looked for, libdrd first: it has all of libdhd in it.
+std::vector<fs::path> libraries() {
+  std::vector<fs::path> folders;
+  utsname machine{};
+  ::uname(&machine);
+  for (const char* variable : {"FDSDK", "FORCEDIM_SDK"})
+    if (const char* root = std::getenv(variable))
+      folders.push_back(fs::path(root) / "lib/release" /
+                        ("lin-" + std::string(machine.machine) + "-gcc"));
+  if (const char* home = std::getenv("HOME")) folders.push_back(fs::path(home) / ".local/lib");
+  folders.emplace_back("/usr/local/lib");
+  std::vector<fs::path> files;
+  for (const std::string name : {"libdrd.so", "libdhd.so"}) {
+    for (const fs::path& folder : folders) {
+      std::vector<fs::path> found;
+      std::error_code none;
+      for (const auto& entry : fs::directory_iterator(folder, none))
+        if (entry.path().filename().string().starts_with(name)) found.push_back(entry.path());
+      std::sort(found.rbegin(), found.rend());
+      files.insert(files.end(), found.begin(), found.end());
+    }
+    files.emplace_back(name);  // as the system's loader finds it
+    files.emplace_back(name + ".3");
+  }
+  return files;
+}
+
+SharedLibrary load() {
+  const std::vector<fs::path> files = libraries();
+  try {
+    return SharedLibrary::first_of(files);
+  } catch (const std::runtime_error& error) {
+    refuse(std::string("the maker's library cannot be loaded: ") + error.what() +
+           "; install the Force Dimension SDK and set FDSDK to its folder. It needs libusb-1.0-0");
+  }
+}
+
+/// The calls that are made, by the facts that others have published; the maker's header is not
+/// here.
+struct Calls {
+  explicit Calls(const SharedLibrary& l)
+      : version(l.get<void(int*, int*, int*, int*)>("dhdGetSDKVersion")),
+        open(l.get<int(char)>("dhdOpenID")),
+        close(l.get<int(char)>("dhdClose")),
+        stop(l.get<int(char)>("dhdStop")),
+        error(l.get<int()>("dhdErrorGetLast")),
+        error_text(l.get<const char*()>("dhdErrorGetLastStr")),
+        system_name(l.get<const char*(char)>("dhdGetSystemName")),
+        has_wrist(l.get<bool(char)>("dhdHasWrist")),
+        enable_force(l.get<int(unsigned char, char)>("dhdEnableForce")),
+        brakes(l.get<int(int, char)>("dhdSetBrakes")),
+        gravity(l.get<int(int, char)>("dhdSetGravityCompensation")),
+        max_force(l.get<int(double, char)>("dhdSetMaxForce")),
+        status(l.get<int(int*, char)>("dhdGetStatus")),
+        position(l.get<int(double*, double*, double*, char)>("dhdGetPosition")),
+        frame(l.get<int(double*, double*, double*, double (*)[3], char)>(
+            "dhdGetPositionAndOrientationFrame")),
+        set_force(l.get<int(double, double, double, char)>("dhdSetForce")),
+        get_force(l.get<int(double*, double*, double*, char)>("dhdGetForce")),
+        expert_on(l.find<int()>("dhdEnableExpertMode")),
+        expert_off(l.find<int()>("dhdDisableExpertMode")),
+        set_watchdog(l.find<int(unsigned char, char)>("dhdSetWatchdog")),
+        get_watchdog(l.find<int(unsigned char*, char)>("dhdGetWatchdog")),
+        initialized(l.find<bool(char)>("drdIsInitialized")) {}
+
+  void (*version)(int*, int*, int*, int*);
+  int (*open)(char);
+  int (*close)(char);
+  int (*stop)(char);
+  int (*error)();
+  const char* (*error_text)();
+  const char* (*system_name)(char);
+  bool (*has_wrist)(char);
+  int (*enable_force)(unsigned char, char);
+  int (*brakes)(int, char);
+  int (*gravity)(int, char);
+  int (*max_force)(double, char);
+  int (*status)(int*, char);
+  int (*position)(double*, double*, double*, char);
+  int (*frame)(double*, double*, double*, double (*)[3], char);
+  int (*set_force)(double, double, double, char);
+  int (*get_force)(double*, double*, double*, char);
+  // Not in every SDK; null where it is not.
+  int (*expert_on)();
+  int (*expert_off)();
+  int (*set_watchdog)(unsigned char, char);
+  int (*get_watchdog)(unsigned char*, char);
+  bool (*initialized)(char);
+};
+
+/// The specification by the name of the model: forces as CHAI3D states them, and where nothing is
+/// known of mass and friction nothing is counted on.
+SourcedSpec model(const std::string& name, bool wrist) {
+  SourcedSpec described = sourced_spec("omega.7");
+  DeviceSpec& spec = described.spec;
+  const bool omega = name.starts_with("omega");
+  spec.name = name;
+  spec.rotation_sensed = wrist ? 3 : 0;
+  described.sources["rotation_sensed"] = "the device";
+  if (omega) return described;
+  constexpr std::pair<const char*, double> kForces[] = {
+      {"delta", 20.0}, {"sigma", 12.0}, {"lambda", 12.0}, {"Falcon", 8.0}, {"falcon", 8.0}};
+  constexpr double kSmallest = 5.0;  // [N] of a model that is not known here
+  spec.max_force = kSmallest;
+  described.sources["max_force"] = "assumption: a model that is not known here";
+  for (const auto& [begins, force] : kForces)
+    if (name.find(begins) != std::string::npos) {
+      spec.max_force = force;
+      described.sources["max_force"] = "CHAI3D's device classes";
+    }
+  spec.continuous_force = spec.max_force;
+  spec.least_mass = spec.least_friction = 0.0;
+  described.sources.erase("least_mass");
+  described.sources.erase("least_friction");
+  for (const char* field :
+       {"apparent_mass", "coulomb_friction", "position_resolution", "workspace"})
+    described.sources[field] = "assumption: as the omega.7";
+  return described;
+}
+
+char device_number(const std::string& name) {
+  int number = 0;
+  const auto end = name.data() + name.size();
+  const auto parsed = std::from_chars(name.data(), end, number);
+  const bool whole = name.empty() || (parsed.ec == std::errc() && parsed.ptr == end);
+  constexpr int kMost = 15;
+  if (!whole || number < 0 || number > kMost)
+    refuse("'" + name + "' is no number of a device; give 0 to 15, or nothing for the first");
+  return static_cast<char>(number);
+}
+
+class ForceDimensionDevice final : public Device {
+ public:
+  ForceDimensionDevice(SharedLibrary library, const DeviceRequest& request)
+      : library_(std::move(library)), call_(library_) {
+    int major = 0, minor = 0, release = 0, revision = 0;
+    call_.version(&major, &minor, &release, &revision);
+    if (major < kOldest)
+      refuse(library_.file().string() + " is version " + std::to_string(major) + "." +
+             std::to_string(minor) + " of the SDK; install 3.14 or newer");
+    const int opened = call_.open(device_number(request.name));
+    if (opened < 0) refuse("the device cannot be opened: " + last_error());
+    id_ = static_cast<char>(opened);
+    try {
+      prepare(request);
+    } catch (...) {
+      call_.close(id_);
+      throw;
+    }
+  }
+  ~ForceDimensionDevice() override {
+    constexpr int kTries = 10;
+    let_go_.reset();  // its thread calls the library, too
+    call_.set_force(0.0, 0.0, 0.0, id_);
+    for (int n = 0; n < kTries && call_.stop(id_) < 0; ++n) continue;
+    call_.close(id_);
+  }
+  ForceDimensionDevice(const ForceDimensionDevice&) = delete;
+  ForceDimensionDevice& operator=(const ForceDimensionDevice&) = delete;
+
+  const DeviceSpec& spec() const override { return described_.spec; }
+  std::vector<std::string> notes() const { return notes_; }
+
+  DeviceReading read(Nanoseconds) noexcept override {
+    DeviceReading reading;
+    double x = 0.0, y = 0.0, z = 0.0;
+    double axes[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};  // columns: the tool's axes
+    const int answer =
+        wrist_ ? call_.frame(&x, &y, &z, axes, id_) : call_.position(&x, &y, &z, id_);
+    reading.ok = answer >= 0 && !lost_;
+    if (answer == kOld && reading.ok) {
+      // The firmware's watchdog waits for a force, too.
+      const Vec3 force = on_hand_.force();
+      lost_ = call_.set_force(force.x(), force.y(), force.z(), id_) < 0;
+      reading.ok = !lost_;
+      reading.fresh = false;
+      return reading;
+    }
+    reading.pose.position = {x, y, z};
+    if (wrist_) {
+      Mat3 turn;
+      for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j) turn(i, j) = axes[i][j];
+      reading.pose.orientation = Quaternion(turn);
+    }
+    return reading;
+  }
+
+  Command write(const Command& on_hand) noexcept override {
+    on_hand_ = {};
+    if (let_go_->asked()) return {};
+    const Vec3 force = on_hand.force();
+    const int answer = call_.set_force(force.x(), force.y(), force.z(), id_);
+    // A call that failed leaves who knows what on the hand: no movement is accounted until a force
+    // of zero has gone through.
+    lost_ = answer < 0 || (lost_ && !force.isZero(0.0));
+    if (lost_) return {};
+    std::array<int, kStatuses> status{};
+    if (call_.status(status.data(), id_) < 0 || status[kConnected] == 0) lost_ = true;
+    if (lost_ || status[kForce] == 0) return {};  // switched off: by the button, the speed guard
+    on_hand_ = on_hand;
+    if (answer != kSaturated || force.isZero(0.0)) return on_hand;
+    Vec3 real = Vec3::Zero();
+    if (call_.get_force(&real.x(), &real.y(), &real.z(), id_) < 0 || !real.allFinite()) {
+      lost_ = true;
+      return {};
+    }
+    // It keeps the direction. What else it tells of (gravity) is none of ours.
+    const double share = std::clamp(real.dot(force) / force.squaredNorm(), 0.0, 1.0);
+    return held_command(on_hand, share * force, Vec3::Zero());
+  }
+
+  void release() noexcept override { let_go_->now(); }
+
+ private:
+  std::string last_error() const {
+    const int code = call_.error();
+    const char* text = call_.error_text();
+    std::string said =
+        std::string(text != nullptr ? text : "no reason") + " (error " + std::to_string(code) + ")";
+    if (code == kNoDevice)
+      said +=
+          "; switch it on and plug it in. If lsusb shows 1451: or 0403:cb48, give yourself the "
+          "right to it: a file in /etc/udev/rules.d with SUBSYSTEM==\"usb\", "
+          "ATTRS{idVendor}==\"1451\", TAG+=\"uaccess\"";
+    return said;
+  }
+
+  void prepare(const DeviceRequest& request) {
+    const char* name = call_.system_name(id_);
+    wrist_ = call_.has_wrist(id_);
+    SourcedSpec found = model(name != nullptr && *name != '\0' ? name : "unknown", wrist_);
+    described_ = request.spec.name_or_file.empty() ? overruled(std::move(found), request.spec)
+                                                   : requested_spec(request.spec, "");
+    described_.spec.rotation_actuated = 0;
+    described_.spec.max_torque = 0.0;
+    wrist_ = wrist_ && described_.spec.rotation_sensed > 0;
+    notes_ = assumptions(described_);
+    if (call_.initialized == nullptr)
+      notes_.emplace_back("libdhd cannot tell whether the device is calibrated; libdrd can");
+    else if (!call_.initialized(id_))
+      refuse(
+          "the device is not calibrated; run the maker's HapticInit first (the arm moves by "
+          "itself, hands off)");
+    begin_watchdog();
+    // No force before the amplifiers are on, so that the start does not kick.
+    const bool ready = call_.max_force(described_.spec.max_force, id_) >= 0 &&
+                       call_.brakes(0, id_) >= 0 && call_.set_force(0.0, 0.0, 0.0, id_) >= 0 &&
+                       call_.enable_force(1, id_) >= 0 && call_.gravity(1, id_) >= 0;
+    if (!ready) refuse("the device cannot be made ready: " + last_error());
+    notes_.emplace_back(
+        "the maker's library compensates gravity: that force is not feltwire's, and is not "
+        "accounted");
+    let_go_ = std::make_unique<LetGo>([this] { call_.set_force(0.0, 0.0, 0.0, id_); });
+  }
+
+  /// Ends the force where this program does not: crashed, killed, its machine stopped.
+  void begin_watchdog() {
+    unsigned char set = 0;
+    const bool there = call_.expert_on != nullptr && call_.expert_off != nullptr &&
+                       call_.set_watchdog != nullptr && call_.get_watchdog != nullptr;
+    if (there && call_.expert_on() >= 0) {
+      if (call_.set_watchdog(kWatchdog, id_) < 0 || call_.get_watchdog(&set, id_) < 0) set = 0;
+      call_.expert_off();
+    }
+    if (set != kWatchdog)
+      notes_.emplace_back(
+          "the device's own watchdog could not be set: a program that is killed leaves its last "
+          "force on the hand");
+  }
+
+  SharedLibrary library_;
+  Calls call_;
+  char id_ = 0;
+  bool wrist_ = false;
+  bool lost_ = false;  // a call failed, and the force on the hand is not known
+  SourcedSpec described_;
+  std::vector<std::string> notes_;
+  Command on_hand_;
+  std::unique_ptr<LetGo> let_go_;
+};
+
+}  // namespace
+}  // namespace drd
+
+OpenedDevice open_force_dimension(const DeviceRequest& request) {
+  auto device = std::make_unique<drd::ForceDimensionDevice>(drd::load(), request);
+  std::vector<std::string> notes = device->notes();
+  return {std::move(device), std::move(notes)};
+}
+
+std::string force_dimension_library() {
+  const SharedLibrary library = drd::load();
+  int major = 0, minor = 0, release = 0, revision = 0;
+  library.get<void(int*, int*, int*, int*)>("dhdGetSDKVersion")(&major, &minor, &release,
+                                                                &revision);
+  return library.file().string() + ", version " + std::to_string(major) + "." +
+         std::to_string(minor) + "." + std::to_string(release);
+}
+
+}  // namespace feltwire

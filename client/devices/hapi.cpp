@@ -1,0 +1,240 @@
+#include "client/devices/hapi.hpp"
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <chrono>
+#include <memory>
+#include <stdexcept>
+#include <utility>
+
+#include "client/devices/hapi_board.hpp"
+#include "client/devices/held_command.hpp"
+#include "client/devices/lock_step.hpp"
+#include "client/devices/serial_port.hpp"
+#include "core/base/numeric.hpp"
+#include "core/device/spec_text.hpp"
+#include "protocol/net/clock.hpp"
+
+namespace feltwire {
+namespace hapi {
+namespace {
+
+using std::chrono::milliseconds;
+
+constexpr double kLongerTick = 1.25;               // longest tick over the usual one
+constexpr Nanoseconds kSlowest = milliseconds(8);  // that a board may usually take to answer
+constexpr Nanoseconds kWakesUp = milliseconds(3000);
+constexpr Nanoseconds kAsksAgain = milliseconds(300);
+constexpr int kTrials = 50;
+constexpr double kFastest = 400.0;   // [rad/s] of an arm
+constexpr double kMostTorque = 1.0;  // of the board's own unit: about 0.5 N m
+
+[[noreturn]] void refuse(const std::string& why) { throw std::runtime_error("hapi: " + why); }
+
+/// From the maker's axes (x along the shafts, y from them towards the user) to x towards the user
+/// and y right, from the middle of the workspace.
+constexpr double kAhead = 0.08, kBeside = 0.01;  // [m]
+Vec3 ours(const Vec2& theirs) { return {theirs.y() - kAhead, theirs.x() - kBeside, 0.0}; }
+Vec2 theirs(const Vec3& ours) { return {ours.y(), ours.x()}; }
+
+SourcedSpec usual_spec() {
+  SourcedSpec described;
+  DeviceSpec& spec = described.spec;
+  spec.name = "hapi_2dof";
+  spec.translation_dof = 2;
+  spec.damping = 0.02;
+  spec.apparent_mass = 0.05;
+  spec.position_resolution = 4e-5;
+  spec.max_force = 5.0;
+  spec.continuous_force = 2.0;
+  spec.workspace = {0.08, 0.1, 0.0};
+  described.sources = {
+      {"damping", "assumption, small on purpose"},
+      {"apparent_mass", "assumption"},
+      {"position_resolution", "computed: 13824 counts a turn, links of 50 and 70 mm"},
+      {"max_force", "CHAI3D's device class as repeated by others, not calibrated"},
+      {"continuous_force", "assumption"},
+      {"workspace", "computed from the links; it has no z"}};
+  return described;
+}
+
+class HapiDevice final : public LockStepDevice {
+ public:
+  explicit HapiDevice(const DeviceRequest& request) : port_(request.name) {
+    described_ = request.spec.name_or_file.empty() ? overruled(usual_spec(), request.spec)
+                                                   : requested_spec(request.spec, "");
+    described_.spec.translation_dof = 2;
+    described_.spec.rotation_sensed = described_.spec.rotation_actuated = 0;
+    described_.spec.max_torque = 0.0;
+    notes_ = assumptions(described_);
+    set_up();
+    measure_answers();
+    notes_.emplace_back(
+        "the board's torque is not calibrated: a newton of feltwire is some force on the handle");
+    notes_.emplace_back(
+        "the board is not known to have a watchdog: a program that is killed, or a cable that is "
+        "pulled, may leave the last force on the hand. Keep the power's switch at hand");
+  }
+  ~HapiDevice() override {
+    release();
+    port_.wait(monotonic_now() + kQuiet);
+  }
+  HapiDevice(const HapiDevice&) = delete;
+  HapiDevice& operator=(const HapiDevice&) = delete;
+
+  const DeviceSpec& spec() const override { return described_.spec; }
+  std::vector<std::string> notes() const { return notes_; }
+  Nanoseconds longest_tick() const override { return longest_tick_; }
+
+ private:
+  /// One system call, or two.
+  void let_go() noexcept override {
+    static constexpr std::array<std::uint8_t, kTorqueBytes> kZeros{};
+    if (const std::size_t torn = torn_.load(); torn > 0) {
+      const std::size_t filled = port_.write(std::span(kZeros).first(torn)).value_or(0);
+      torn_.store(torn - filled);
+      if (filled != torn) return;  // the board would take the zeros for the rest of that frame
+    }
+    const auto frame = torque_frame(Vec2::Zero());
+    port_.write(frame);
+  }
+
+  std::optional<Command> send(const Command& command) noexcept override {
+    const Vec3 force = command.force();
+    Vec2 torque = torque_of(tool_, theirs(force));
+    const double share = std::min(1.0, kMostTorque / std::max(torque.norm(), kMostTorque));
+    torque *= share;
+    const auto frame = torque_frame(torque);
+    if (!post(frame)) return std::nullopt;
+    return held_command(command, share * force, Vec3::Zero());
+  }
+
+  /// A frame that was torn off is filled up with zeros, which make its numbers small, before the
+  /// next begins.
+  bool post(std::span<const std::uint8_t> frame) noexcept {
+    static constexpr std::array<std::uint8_t, kSetupBytes> kZeros{};
+    reply_.clear();
+    const std::size_t torn = torn_.load();
+    const std::size_t filled =
+        torn > 0 ? port_.write(std::span(kZeros).first(torn)).value_or(0) : 0;
+    torn_.store(torn - filled);
+    if (filled != torn) return false;
+    const std::size_t written = port_.write(frame).value_or(0);
+    if (written > 0) torn_.store(frame.size() - written);
+    return written == frame.size();
+  }
+
+  /// Reads the board's answer: what has come already, and what comes by `latest`.
+  Answer collect(std::size_t expected, Nanoseconds latest) noexcept {
+    std::array<std::uint8_t, 64> room{};
+    while (true) {
+      const auto count = port_.read(room);
+      if (!count) return Answer::gone;
+      reply_.add(std::span(room).first(*count));
+      if (reply_.garbled(expected)) return Answer::garbled;
+      if (*count == room.size()) continue;
+      if (reply_.size() == expected) return Answer::whole;
+      if (monotonic_now() >= latest) return Answer::none;
+      port_.wait(latest);
+    }
+  }
+
+  Answer answer(const Command&, DeviceReading& reading, Nanoseconds latest) noexcept override {
+    const Answer got = collect(kAngleReplyBytes, latest);
+    if (got != Answer::whole) return got;
+    const auto angles = reply_.angles();
+    if (!angles || !take_angles(*angles)) return Answer::garbled;
+    reading.pose.position = ours(tool_.position);
+    return got;
+  }
+
+  /// False: no arm moves like this.
+  bool take_angles(const Vec2& angles) noexcept {
+    const Nanoseconds now = monotonic_now();
+    const double most = kFastest * seconds(now - taken_at_);
+    const bool possible =
+        taken_at_.count() == 0 || (angles - angles_).cwiseAbs().maxCoeff() <= most;
+    const auto tool = tool_point(angles);
+    if (!possible || !tool) return false;
+    taken_at_ = now;
+    angles_ = angles;
+    tool_ = *tool;
+    return true;
+  }
+
+  bool forget() noexcept override {
+    std::array<std::uint8_t, 256> room{};
+    taken_at_ = Nanoseconds(0);
+    for (int n = 0; n < kTrials; ++n) {
+      const auto count = port_.read(room);
+      if (!count) return false;
+      if (*count == 0) break;
+    }
+    reply_.clear();
+    return true;
+  }
+
+  void set_up() {
+    const Nanoseconds latest = monotonic_now() + kWakesUp;
+    bool answered = false;
+    while (monotonic_now() < latest) {
+      if (!forget()) refuse("the port was unplugged");
+      post(setup_frame());
+      const Answer got = collect(kSetupReplyBytes, monotonic_now() + kAsksAgain);
+      if (got == Answer::whole) return;
+      answered |= got == Answer::garbled;
+      if (got == Answer::garbled) rest(monotonic_now() + kQuiet);  // the rest of what it says
+    }
+    refuse(answered ? "what answers at the port is no board with hAPI firmware, or one of another "
+                      "version; feltwire speaks that of frames whose first byte is 0x03 and 0x13"
+                    : "no answer at the port within 3 s; is it the board's, and is its firmware "
+                      "the hAPI's (frames whose first byte is 0x03 and 0x13)?");
+  }
+
+  /// How long the board usually takes, without a force.
+  void measure_answers() {
+    std::array<Nanoseconds, kTrials> took{};
+    for (Nanoseconds& one : took) {
+      const Nanoseconds start = monotonic_now();
+      post(torque_frame(Vec2::Zero()));
+      if (collect(kAngleReplyBytes, start + kAsksAgain) != Answer::whole || !reply_.angles())
+        refuse("the board answered its setup, and then not a frame of torques; plug it in anew");
+      one = monotonic_now() - start;
+    }
+    if (!tool_point(*reply_.angles()))
+      refuse(
+          "the elbows of the pantograph meet, and where the tool is cannot be known; hold both "
+          "arms "
+          "straight out to the sides, away from each other, and start again");
+    auto* const middle = took.begin() + kTrials / 2;
+    std::nth_element(took.begin(), middle, took.end());
+    if (*middle > kSlowest)
+      refuse("the board takes " + std::to_string(*middle / milliseconds(1)) +
+             " ms to answer; plug it into a port of the machine itself");
+    longest_tick_ = from_seconds(kLongerTick * seconds(std::max(*middle, kPeriod)));
+  }
+
+  SerialPort port_;
+  SourcedSpec described_;
+  std::vector<std::string> notes_;
+  Nanoseconds longest_tick_{0};
+  std::atomic<std::size_t> torn_{0};  // bytes that are missing of the newest frame
+
+  // Only the servo's thread reads and writes these.
+  Reply reply_;
+  Nanoseconds taken_at_{0};
+  Vec2 angles_ = Vec2::Zero();  // [rad]
+  ToolPoint tool_{.position = Vec2::Zero(), .jacobian = Mat2::Zero()};
+};
+
+}  // namespace
+}  // namespace hapi
+
+OpenedDevice open_hapi(const DeviceRequest& request) {
+  auto device = std::make_unique<hapi::HapiDevice>(request);
+  std::vector<std::string> notes = device->notes();
+  return {std::move(device), std::move(notes)};
+}
+
+}  // namespace feltwire

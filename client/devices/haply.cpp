@@ -1,0 +1,303 @@
+#include "client/devices/haply.hpp"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <chrono>
+#include <memory>
+#include <stdexcept>
+#include <utility>
+
+#include "client/devices/haply_messages.hpp"
+#include "client/devices/held_command.hpp"
+#include "client/devices/lock_step.hpp"
+#include "client/devices/service_socket.hpp"
+#include "core/base/numeric.hpp"
+#include "core/base/visible_text.hpp"
+#include "core/device/spec_text.hpp"
+#include "protocol/net/clock.hpp"
+
+namespace feltwire {
+namespace haply {
+namespace {
+
+using std::chrono::milliseconds;
+
+constexpr std::uint16_t kUsualPort = 10001;
+constexpr std::size_t kLongestMessage = 65536;
+constexpr Nanoseconds kPatience = milliseconds(3000);  // of the start
+constexpr Nanoseconds kSlowestAnswer = milliseconds(8);
+constexpr double kTickMargin = 1.25;  // longest tick over the usual one
+constexpr int kAnswers = 50;          // at the start, to learn how long one takes
+constexpr double kFarthest = 1.0;     // [m] that a tool can be away
+constexpr double kSmallForce = 0.02;  // [N] that is no difference
+constexpr double kNeutral = 1e-6;     // [m], and of a scale
+constexpr double kDigits = 1e6;       // per newton, that are sent
+
+[[noreturn]] void refuse_service(const std::string& why) {
+  throw std::runtime_error("haply: " + why);
+}
+
+/// From x right, y away from the user, z up, to x towards the user, y right, z up, from the middle
+/// of the workspace.
+constexpr double kAway = -0.12, kUp = 0.15;  // [m] of that middle
+Vec3 turned_to_ours(const Vec3& v) { return {-v.y(), v.x(), v.z()}; }
+Vec3 turned_to_theirs(const Vec3& v) { return {v.y(), -v.x(), v.z()}; }
+
+struct Place {
+  std::string id;
+  std::uint16_t port = kUsualPort;
+};
+
+Place place_of(const std::string& name) {
+  const std::size_t at = name.find('@');
+  Place place{.id = name.substr(0, at)};
+  const auto plain = [](char c) {
+    return (c >= '0' && c <= '9') || (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || c == '-' ||
+           c == '_';
+  };
+  bool good = place.id.size() <= kMostId && std::all_of(place.id.begin(), place.id.end(), plain);
+  if (at != std::string::npos) {
+    const char* end = name.data() + name.size();
+    const auto read = std::from_chars(name.data() + at + 1, end, place.port);
+    good = good && read.ec == std::errc() && read.ptr == end && place.port != 0;
+  }
+  if (!good)
+    refuse_service("'" + visible(name) +
+                   "' is no device of the service; write haply, haply:ID, haply:@PORT or "
+                   "haply:ID@PORT, as haply:049D@10001");
+  return place;
+}
+
+SourcedSpec inverse3() {
+  SourcedSpec described;
+  DeviceSpec& spec = described.spec;
+  spec.name = "inverse3";
+  spec.damping = 0.05;
+  spec.apparent_mass = 0.2;
+  spec.position_resolution = 5e-5;
+  spec.max_force = 10.0;
+  spec.continuous_force = 3.0;
+  spec.workspace = {0.2, 0.2, 0.2};
+  described.sources = {{"damping", "assumption, small on purpose"},
+                       {"apparent_mass", "assumption"},
+                       {"position_resolution", "assumption"},
+                       {"max_force", "CHAI3D's device class, by its users"},
+                       {"continuous_force", "assumption"},
+                       {"workspace", "the maker's tutorials: 0.1 m about the middle"}};
+  return described;
+}
+
+class HaplyDevice final : public LockStepDevice {
+ public:
+  HaplyDevice(const Place& place, const DeviceRequest& request)
+      : socket_(place.port, kLongestMessage) {
+    described_ = request.spec.name_or_file.empty() ? overruled(inverse3(), request.spec)
+                                                   : requested_spec(request.spec, "");
+    described_.spec.rotation_sensed = described_.spec.rotation_actuated = 0;
+    described_.spec.max_torque = 0.0;
+    notes_ = assumptions(described_);
+    take_inventory(place.id);
+    measure_answers();
+  }
+  ~HaplyDevice() override { release(); }
+  HaplyDevice(const HaplyDevice&) = delete;
+  HaplyDevice& operator=(const HaplyDevice&) = delete;
+
+  const DeviceSpec& spec() const override { return described_.spec; }
+  std::vector<std::string> notes() const { return notes_; }
+  Nanoseconds longest_tick() const override { return longest_tick_; }
+
+ private:
+  void let_go() noexcept override { socket_.post(zero_); }
+
+  std::optional<Command> send(const Command& command) noexcept override {
+    // More than was asked for: every later answer would be that to the command before.
+    if (owed_ == 0 && socket_.receive(Nanoseconds(0)) != ServiceSocket::News::none) {
+      say(Vec3::Zero(), false);
+      return std::nullopt;
+    }
+    const Vec3 rounded = (kDigits * command.force()).array().round().matrix() / kDigits;
+    if (!say(turned_to_theirs(rounded), false)) return std::nullopt;
+    asked_for_ = rounded;
+    return held_command(command, rounded, Vec3::Zero());
+  }
+
+  bool say(const Vec3& force, bool first) noexcept {
+    std::array<char, kMostCommand> text{};
+    const std::size_t size = write_command(dialect_, id_, force, first, text);
+    ++owed_;
+    return socket_.send({text.data(), size});
+  }
+
+  /// The last of the answers that are owed.
+  Answer hear(Nanoseconds latest) noexcept {
+    while (owed_ > 0) {
+      switch (socket_.receive(latest)) {
+        case ServiceSocket::News::none:
+          return Answer::none;
+        case ServiceSocket::News::gone:
+          return Answer::gone;
+        case ServiceSocket::News::garbled:
+          return Answer::garbled;
+        case ServiceSocket::News::message:
+          --owed_;
+      }
+    }
+    return Answer::whole;
+  }
+
+  Answer answer(const Command& on_hand, DeviceReading& reading,
+                Nanoseconds latest) noexcept override {
+    if (const Answer heard = hear(latest); heard != Answer::whole) return heard;
+    const auto message = read_message(socket_.message(), id_);
+    if (!message || !message->told.position || message->told.calibrated == false ||
+        message->told.position->norm() > kFarthest)
+      return Answer::garbled;
+    reading.pose.position = turned_to_ours(*message->told.position - Vec3(0.0, kAway, kUp));
+    reading.deadman = message->buttons && message->buttons->front();
+    if (cut_) reading.held = held_command(on_hand, *cut_, Vec3::Zero());
+    return take_force(on_hand, message->told.force) ? Answer::whole : Answer::garbled;
+  }
+
+  /// Takes the force that the service says it applies: the newest command, a part of it, or still
+  /// the command before. False: it is another force, so another program commands the device, too.
+  bool take_force(const Command& on_hand, const std::optional<Vec3>& told) noexcept {
+    cut_.reset();
+    if (!told) return true;
+    const Vec3 applied = turned_to_ours(*told);
+    const auto near = [&](const Vec3& force) { return length(applied - force) <= kSmallForce; };
+    if (near(asked_for_) || near(on_hand.force())) return true;
+    const double square = asked_for_.squaredNorm();
+    const double share = square > 0.0 ? applied.dot(asked_for_) / square : -1.0;
+    if (share < 0.0 || share > 1.0 || !near(share * asked_for_)) return false;
+    cut_ = share * asked_for_;
+    return true;
+  }
+
+  bool forget() noexcept override {
+    for (int n = 0; n < kAnswers; ++n) {
+      const ServiceSocket::News news = socket_.receive(Nanoseconds(0));
+      if (news == ServiceSocket::News::gone) return false;
+      if (news == ServiceSocket::News::none) break;
+    }
+    owed_ = 0;
+    cut_.reset();
+    return true;
+  }
+
+  void take_inventory(const std::string& id) {
+    if (socket_.receive(monotonic_now() + kPatience) != ServiceSocket::News::message)
+      refuse_service("the service says nothing of its devices; restart it");
+    const auto message = read_message(socket_.message(), id);
+    if (!message)
+      refuse_service((id.empty() ? std::string("the service has no Inverse3 or Minverse")
+                                 : "the service has no device '" + id + "'") +
+                     "; plug it in and look for it in the Haply Hub");
+    const Told& told = message->told;
+    if (told.id.size() > kMostId || told.id.find_first_of("\"\\") != std::string_view::npos)
+      refuse_service("the service tells an id that is none");
+    id_ = told.id;
+    dialect_ = message->dialect;
+    if (dialect_ == Dialect::keyed)
+      refuse_service("the service speaks the JSON of version 3.0; install 3.1 or newer");
+    if (told.calibrated == false)
+      refuse_service(
+          "device " + id_ +
+          " is not calibrated; move it by hand as its quick start shows, and start again");
+    if (told.permutation != "XYZ" || !told.mount.isZero(kNeutral) || told.turned ||
+        !told.scale.isOnes(kNeutral))
+      refuse_service(
+          "the service turns, moves or scales the device's space; reset basis and mount of "
+          "the profile in the Haply Hub, and use feltwire's own mapping");
+    if (message->devices > 1 && id.empty())
+      notes_.push_back("the first of " + std::to_string(message->devices) +
+                       " devices of the service is used, " + visible(id_));
+    if (told.gate)
+      notes_.emplace_back(
+          "the service's force gate is on, by a law that is not known: what it says that it "
+          "applies "
+          "is accounted");
+    if (told.compensates_gravity)
+      notes_.emplace_back("the service compensates gravity: that force is not accounted");
+    std::array<char, kMostCommand> text{};
+    const std::size_t size = write_command(dialect_, id_, Vec3::Zero(), false, text);
+    zero_ = socket_.frame({text.data(), size});
+  }
+
+  void measure_answers() {
+    std::array<Nanoseconds, kAnswers> took{};
+    for (Nanoseconds& one : took) {
+      const Nanoseconds start = monotonic_now();
+      if (!say(Vec3::Zero(), &one == took.data()) || hear(start + kPatience) != Answer::whole)
+        refuse_service("the service does not answer a command; restart it");
+      one = monotonic_now() - start;
+    }
+    auto* const middle = took.begin() + kAnswers / 2;
+    std::nth_element(took.begin(), middle, took.end());
+    if (*middle > kSlowestAnswer)
+      refuse_service("the service takes " + std::to_string(*middle / milliseconds(1)) +
+                     " ms to answer; end other programs that use it");
+    longest_tick_ = from_seconds(kTickMargin * seconds(std::max(*middle, kPeriod)));
+  }
+
+  ServiceSocket socket_;
+  SourcedSpec described_;
+  std::vector<std::string> notes_;
+  std::string id_;
+  Dialect dialect_ = Dialect::values;
+  ServiceSocket::Frame zero_;
+  Nanoseconds longest_tick_{0};
+
+  // Only the servo's thread reads and writes these.
+  int owed_ = 0;                   // answers
+  Vec3 asked_for_ = Vec3::Zero();  // [N] by the newest command
+  std::optional<Vec3> cut_;        // [N] what is held of it, where that is less
+};
+
+}  // namespace
+}  // namespace haply
+
+namespace {
+
+/// The same, and of a service that is not there the remedy.
+template <class Ask>
+auto asked_of_service(Ask ask) {
+  try {
+    return ask();
+  } catch (const std::runtime_error& error) {
+    const std::string why = error.what();
+    if (why.starts_with("haply: ")) throw;
+    haply::refuse_service(why +
+                          "; is the service running (systemctl status haply-inverse-service)?");
+  }
+}
+
+}  // namespace
+
+OpenedDevice open_haply(const DeviceRequest& request) {
+  const haply::Place place = haply::place_of(request.name);
+  return asked_of_service([&]() -> OpenedDevice {
+    auto device = std::make_unique<haply::HaplyDevice>(place, request);
+    std::vector<std::string> notes = device->notes();
+    return {std::move(device), std::move(notes)};
+  });
+}
+
+std::string haply_service(std::uint16_t port) {
+  return asked_of_service([&]() -> std::string {
+    ServiceSocket socket(port, haply::kLongestMessage);
+    const std::string text = "service at port " + std::to_string(port) + ", ";
+    if (socket.receive(monotonic_now() + haply::kPatience) != ServiceSocket::News::message)
+      haply::refuse_service(text + "says nothing of its devices; restart it");
+    const auto message = haply::read_message(socket.message(), "");
+    if (!message) return text + "no device";
+    const bool waits = message->told.calibrated == false;
+    return text + "first device " + visible(message->told.id) + " of " +
+           std::to_string(message->devices) + (waits ? ", not calibrated" : "");
+  });
+}
+
+std::string haply_usual_service() { return haply_service(haply::kUsualPort); }
+
+}  // namespace feltwire

@@ -1,0 +1,340 @@
+#include "client/devices/haply_messages.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <system_error>
+
+namespace feltwire::haply {
+namespace {
+
+constexpr int kDeepest = 32;
+constexpr double kLargest = 1e6;  // of any number; what is larger is a mistake
+constexpr std::string_view kBlanks = " \t\r\n";
+
+/// Walks through JSON from left to right. Once something is wrong nothing more is read.
+class Scanner {
+ public:
+  explicit Scanner(std::string_view text) noexcept : rest_(text) {}
+
+  bool good() const noexcept { return good_; }
+  bool at_end() noexcept { return peek() == '\0' && rest_.empty(); }
+  /// The next character that is no blank; zero at the end.
+  char peek() noexcept {
+    rest_.remove_prefix(std::min(rest_.find_first_not_of(kBlanks), rest_.size()));
+    return rest_.empty() ? '\0' : rest_.front();
+  }
+
+  /// Calls take(key) at each value of an object; it must read the value.
+  template <class Take>
+  void object(Take take) noexcept {
+    list('{', '}', [&] {
+      const std::string_view key = string();
+      expect(':');
+      if (good_) take(key);
+    });
+  }
+  /// Calls take() at each element of an array.
+  template <class Take>
+  void array(Take take) noexcept {
+    list('[', ']', take);
+  }
+  /// As it stands between the quotes.
+  std::string_view string() noexcept {
+    if (!expect('"')) return {};
+    for (std::size_t n = 0; n < rest_.size(); ++n) {
+      if (static_cast<unsigned char>(rest_[n]) < ' ') break;
+      if (rest_[n] == '\\') {
+        ++n;
+      } else if (rest_[n] == '"') {
+        const std::string_view text = rest_.substr(0, n);
+        rest_.remove_prefix(n + 1);
+        return text;
+      }
+    }
+    good_ = false;
+    return {};
+  }
+  double number() noexcept {
+    peek();
+    double value = 0.0;
+    const auto [end, error] = std::from_chars(rest_.data(), rest_.data() + rest_.size(), value);
+    good_ &= error == std::errc() && std::abs(value) <= kLargest;
+    if (good_) rest_.remove_prefix(static_cast<std::size_t>(end - rest_.data()));
+    return good_ ? value : 0.0;
+  }
+  bool boolean() noexcept {
+    const bool value = peek() == 't';
+    word(value ? "true" : "false");
+    return value && good_;
+  }
+  /// Any value.
+  void skip() noexcept {
+    switch (peek()) {
+      case '{':
+        return object([this](std::string_view) { skip(); });
+      case '[':
+        return array([this] { skip(); });
+      case '"':
+        string();
+        return;
+      case 't':
+        return word("true");
+      case 'f':
+        return word("false");
+      case 'n':
+        return word("null");
+      default:
+        number();
+    }
+  }
+
+ private:
+  bool expect(char c) noexcept {
+    good_ = good_ && peek() == c;
+    if (good_) rest_.remove_prefix(1);
+    return good_;
+  }
+  void word(std::string_view text) noexcept {
+    good_ &= rest_.starts_with(text);
+    if (good_) rest_.remove_prefix(text.size());
+  }
+  template <class Take>
+  void list(char opens, char closes, Take take) noexcept {
+    expect(opens);
+    good_ &= ++depth_ <= kDeepest;
+    bool first = true;
+    while (good_ && peek() != closes) {
+      if (!first) expect(',');
+      first = false;
+      if (good_) take();
+    }
+    expect(closes);
+    --depth_;
+  }
+
+  std::string_view rest_;
+  int depth_ = 0;
+  bool good_ = true;
+};
+
+/// {"x": 1, "y": 2, "z": 3}; what is missing stays.
+Vec3 vector(Scanner& scan, Vec3 value) noexcept {
+  scan.object([&](std::string_view key) {
+    const std::size_t axis = key.size() == 1 ? std::string_view("xyz").find(key) : 3;
+    if (axis < 3)
+      value[static_cast<Eigen::Index>(axis)] = scan.number();
+    else
+      scan.skip();
+  });
+  return value;
+}
+
+/// Whether a quaternion is more than 1e-6 away from none.
+bool turns(Scanner& scan) noexcept {
+  bool turned = false;
+  scan.object([&](std::string_view key) {
+    if (key == "w")
+      scan.number();
+    else
+      turned |= std::abs(scan.number()) > 1e-6;
+  });
+  return turned;
+}
+
+void read_state(Scanner& scan, Told& told) noexcept {
+  scan.object([&](std::string_view key) {
+    if (key == "cursor_position")
+      told.position = vector(scan, Vec3::Constant(std::nan("")));
+    else if (key == "current_cursor_force")
+      told.force = vector(scan, Vec3::Constant(std::nan("")));
+    else
+      scan.skip();
+  });
+  // All of it, or none.
+  if (told.position && !told.position->allFinite()) told.position.reset();
+  if (told.force && !told.force->allFinite()) told.force.reset();
+}
+
+void read_filters(Scanner& scan, Told& told) noexcept {
+  const auto value_of = [&](std::string_view name, auto take) {
+    scan.object([&](std::string_view key) {
+      if (key == name)
+        take(scan.number());
+      else
+        scan.skip();
+    });
+  };
+  scan.object([&](std::string_view key) {
+    if (key == "damping")
+      value_of("scalar", [&](double d) { told.damping = d; });
+    else if (key == "force_gate")
+      value_of("gain", [&](double g) { told.gate = g; });
+    else
+      scan.skip();
+  });
+}
+
+void read_config(Scanner& scan, Told& told, bool& session) noexcept {
+  scan.object([&](std::string_view key) {
+    if (key == "filters") {
+      session = true;
+      read_filters(scan, told);
+    } else if (key == "basis") {
+      scan.object([&](std::string_view name) {
+        if (name == "permutation")
+          told.permutation = scan.string();
+        else
+          scan.skip();
+      });
+    } else if (key == "mount") {
+      scan.object([&](std::string_view name) {
+        if (name == "position")
+          told.mount = vector(scan, told.mount);
+        else if (name == "scale")
+          told.scale = vector(scan, told.scale);
+        else if (name == "rotation")
+          told.turned = turns(scan);
+        else
+          scan.skip();
+      });
+    } else if (key == "gravity_compensation") {
+      scan.object([&](std::string_view name) {
+        if (name == "enabled")
+          told.compensates_gravity = scan.boolean();
+        else
+          scan.skip();
+      });
+    } else {
+      scan.skip();
+    }
+  });
+}
+
+Told read_device(Scanner& scan, std::string_view id, bool& session) noexcept {
+  Told told;
+  told.id = id;
+  scan.object([&](std::string_view key) {
+    if (key == "device_id") {
+      told.id = scan.string();
+    } else if (key == "state") {
+      read_state(scan, told);
+    } else if (key == "config") {
+      read_config(scan, told, session);
+    } else if (key == "status") {
+      scan.object([&](std::string_view name) {
+        if (name == "calibrated")
+          told.calibrated = scan.boolean();
+        else
+          scan.skip();
+      });
+    } else {
+      scan.skip();
+    }
+  });
+  return told;
+}
+
+/// "buttons": {"a": true, ...} or "button": true, in its state.
+std::optional<std::array<bool, 3>> read_grip(Scanner& scan) noexcept {
+  std::optional<std::array<bool, 3>> buttons;
+  scan.object([&](std::string_view key) {
+    if (key != "state") return scan.skip();
+    scan.object([&](std::string_view name) {
+      if (name == "button") {
+        buttons = {scan.boolean(), false, false};
+      } else if (name == "buttons") {
+        buttons.emplace();
+        scan.object([&](std::string_view button) {
+          const std::size_t n = button.size() == 1 ? std::string_view("abc").find(button) : 3;
+          if (n < 3)
+            (*buttons)[n] = scan.boolean();
+          else
+            scan.skip();
+        });
+      } else {
+        scan.skip();
+      }
+    });
+  });
+  return buttons;
+}
+
+/// Writes at the front of what is left.
+struct Writer {
+  std::span<char> room;
+  std::size_t size = 0;
+
+  void put(std::string_view text) noexcept {
+    const std::size_t count = std::min(text.size(), room.size() - size);
+    std::copy_n(text.begin(), count, room.begin() + static_cast<std::ptrdiff_t>(size));
+    size += count;
+  }
+  void put(double value) noexcept {
+    std::array<char, 32> digits{};
+    const auto end =
+        std::to_chars(digits.begin(), digits.end(), value, std::chars_format::fixed, 6);
+    put({digits.data(), static_cast<std::size_t>(end.ptr - digits.data())});
+  }
+};
+
+}  // namespace
+
+std::optional<Message> read_message(std::string_view text, std::string_view id) noexcept {
+  Scanner scan(text);
+  Message message;
+  bool session = false, keyed = false, found = false;
+  const auto device = [&](std::string_view key) {
+    const Told told = read_device(scan, key, session);
+    ++message.devices;
+    if (found || told.id.empty() || !(id.empty() || told.id == id)) return;
+    found = true;
+    message.told = told;
+  };
+  const auto grip = [&] {
+    const auto buttons = read_grip(scan);
+    if (!message.buttons) message.buttons = buttons;
+  };
+  scan.object([&](std::string_view key) {
+    if (key == "session_id") {
+      session = true;
+      scan.skip();
+    } else if (key == "inverse3" && scan.peek() == '{') {
+      keyed = true;
+      scan.object(device);
+    } else if (key == "inverse3") {
+      scan.array([&] { device({}); });
+    } else if ((key == "verse_grip" || key == "wireless_verse_grip") && scan.peek() == '[') {
+      scan.array(grip);
+    } else {
+      scan.skip();
+    }
+  });
+  if (!scan.good() || !scan.at_end() || !found) return std::nullopt;
+  message.dialect = keyed ? Dialect::keyed : session ? Dialect::session : Dialect::values;
+  return message;
+}
+
+std::size_t write_command(Dialect dialect, std::string_view id, const Vec3& force, bool first,
+                          std::span<char, kMostCommand> text) noexcept {
+  Writer writer{text};
+  const bool names = first && dialect == Dialect::session;
+  writer.put("{");
+  if (names) writer.put(R"("session":{"configure":{"profile":{"name":"feltwire"}}},)");
+  writer.put(R"("inverse3":[{"device_id":")");
+  writer.put(id);
+  writer.put("\",");
+  if (names) writer.put(R"("configure":{"damping":{"scalar":0.0}},)");
+  writer.put(R"("commands":{"set_cursor_force":{")");
+  writer.put(dialect == Dialect::session ? "vector" : "values");
+  writer.put(R"(":{"x":)");
+  writer.put(force.x());
+  writer.put(R"(,"y":)");
+  writer.put(force.y());
+  writer.put(R"(,"z":)");
+  writer.put(force.z());
+  writer.put("}}}}]}");
+  return writer.size;
+}
+
+}  // namespace feltwire::haply

@@ -1,0 +1,48 @@
+#pragma once
+// Lets a device go whose library has no call that a signal handler may make.
+
+#include <atomic>
+#include <functional>
+#include <thread>
+
+#include "client/devices/handover.hpp"
+
+namespace feltwire {
+
+/// A thread that waits to take the force off. The call that does may block and lock: it is not made
+/// in the thread or the signal handler that asks for it.
+class LetGo {
+ public:
+  /// `take_off` must not throw. Throws std::system_error where the system gives no thread.
+  explicit LetGo(std::function<void()> take_off)
+      : take_off_(std::move(take_off)), thread_([this] { run(); }) {}
+  ~LetGo() {
+    over_.store(true);
+    wake_.set();
+    thread_.join();
+  }
+  LetGo(const LetGo&) = delete;
+  LetGo& operator=(const LetGo&) = delete;
+
+  /// Any thread, any signal handler; each call takes it off once more.
+  void now() noexcept {
+    asked_.store(true);
+    wake_.set();
+  }
+  bool asked() const noexcept { return asked_.load(); }
+
+ private:
+  void run() {
+    while (!over_.load()) {
+      wake_.wait();
+      if (asked_.load()) take_off_();
+    }
+  }
+
+  std::function<void()> take_off_;
+  Wake wake_;
+  std::atomic<bool> asked_{false}, over_{false};
+  std::thread thread_;
+};
+
+}  // namespace feltwire

@@ -1,0 +1,300 @@
+#include "client/devices/open_haptics.hpp"
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <chrono>
+#include <cstdlib>
+#include <stdexcept>
+#include <thread>
+#include <utility>
+
+#include "client/devices/handover.hpp"
+#include "client/devices/shared_library.hpp"
+#include "core/device/spec_text.hpp"
+
+namespace feltwire {
+namespace hd {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Numbers of the HD API that are used, by the facts that its users have published.
+constexpr unsigned kNoHandle = 0xFFFFFFFFu;
+constexpr unsigned kContinue = 1;
+constexpr unsigned short kUsualPriority = 32767;
+constexpr unsigned kForceOutput = 0x4000, kForceRamping = 0x4002;  // hdEnable
+constexpr unsigned kTransform = 0x2052, kModel = 0x2501, kNominalMaxForce = 0x2603,
+                   kUpdateRate = 0x2600;
+constexpr unsigned kCurrentForce = 0x2700;
+constexpr unsigned kCalibrated = 0x5000, kNeedsUpdate = 0x5001;  // hdCheckCalibration
+constexpr unsigned kAutomatic = 2;                               // style of calibration
+// Errors after which the amplifiers are off: warm motors, force, speed, and faults of the device.
+constexpr unsigned kFirstFault = 0x200, kLastFault = 0x303;
+
+constexpr Nanoseconds kPatience =
+    std::chrono::microseconds(300);  // for the servo, in the call back
+constexpr int kMostRepeated = 25;    // ticks for which a force may be repeated
+constexpr int kRampTicks = 1000;     // at the start and after an error the maker ramps the force up
+constexpr double kMillimetre = 1e-3;
+
+struct ErrorInfo {
+  unsigned code;
+  int internal;
+  unsigned device;
+};
+
+[[noreturn]] void refuse(const std::string& why) {
+  throw std::runtime_error("openhaptics: " + why);
+}
+
+SharedLibrary load() {
+  std::vector<fs::path> files;
+  if (const char* root = std::getenv("OH_SDK_BASE"))
+    for (const char* folder : {"lib", "usr/lib"})
+      files.push_back(fs::path(root) / folder / "libHD.so");
+  files.insert(files.end(), {"libHD.so", "libHD.so.3.4", "libHD.so.3.0"});
+  try {
+    return SharedLibrary::first_of(files);
+  } catch (const std::runtime_error& error) {
+    refuse(
+        std::string("the maker's library cannot be loaded: ") + error.what() +
+        "; install OpenHaptics and the Touch driver (libPhantomIOLib42.so comes with the driver; "
+        "libHD 3.0 needs libncurses5), and set OH_SDK_BASE where it is not in /usr/lib");
+  }
+}
+
+struct Calls {
+  using Callback = unsigned(void*);
+  explicit Calls(const SharedLibrary& l)
+      : init(l.get<unsigned(const char*)>("hdInitDevice")),
+        disable_device(l.get<void(unsigned)>("hdDisableDevice")),
+        make_current(l.get<void(unsigned)>("hdMakeCurrentDevice")),
+        begin(l.get<void(unsigned)>("hdBeginFrame")),
+        end(l.get<void(unsigned)>("hdEndFrame")),
+        error(l.get<ErrorInfo()>("hdGetError")),
+        error_text(l.get<const char*(unsigned)>("hdGetErrorString")),
+        enable(l.get<void(unsigned)>("hdEnable")),
+        disable(l.get<void(unsigned)>("hdDisable")),
+        get_doubles(l.get<void(unsigned, double*)>("hdGetDoublev")),
+        get_integers(l.get<void(unsigned, int*)>("hdGetIntegerv")),
+        get_string(l.get<const char*(unsigned)>("hdGetString")),
+        set_doubles(l.get<void(unsigned, const double*)>("hdSetDoublev")),
+        calibration(l.get<unsigned()>("hdCheckCalibration")),
+        calibration_style(l.get<unsigned()>("hdCheckCalibrationStyle")),
+        calibrate(l.get<void(unsigned)>("hdUpdateCalibration")),
+        start(l.get<void()>("hdStartScheduler")),
+        stop(l.get<void()>("hdStopScheduler")),
+        schedule(l.get<unsigned long(Callback*, void*, unsigned short)>("hdScheduleAsynchronous")),
+        unschedule(l.get<void(unsigned long)>("hdUnschedule")) {}
+
+  unsigned (*init)(const char*);
+  void (*disable_device)(unsigned);
+  void (*make_current)(unsigned);
+  void (*begin)(unsigned);
+  void (*end)(unsigned);
+  ErrorInfo (*error)();
+  const char* (*error_text)(unsigned);
+  void (*enable)(unsigned);
+  void (*disable)(unsigned);
+  void (*get_doubles)(unsigned, double*);
+  void (*get_integers)(unsigned, int*);
+  const char* (*get_string)(unsigned);
+  void (*set_doubles)(unsigned, const double*);
+  unsigned (*calibration)();
+  unsigned (*calibration_style)();
+  void (*calibrate)(unsigned);
+  void (*start)();
+  void (*stop)();
+  unsigned long (*schedule)(Callback*, void*, unsigned short);
+  void (*unschedule)(unsigned long);
+};
+
+/// From x right, y up, z towards the user, to x towards the user, y right, z up.
+Mat3 turned() {
+  Mat3 turn;
+  turn << 0, 0, 1, 1, 0, 0, 0, 1, 0;
+  return turn;
+}
+
+class OpenHapticsDevice final : public Device {
+ public:
+  OpenHapticsDevice(SharedLibrary library, const DeviceRequest& request)
+      : library_(std::move(library)), call_(library_), handover_(kMostRepeated), turn_(turned()) {
+    handle_ = opened(request.name);
+    try {
+      prepare(request);
+    } catch (...) {
+      call_.disable_device(handle_);
+      throw;
+    }
+  }
+  ~OpenHapticsDevice() override {
+    constexpr int kTicks = 50;
+    handover_.release();
+    for (int n = 0; n < kTicks && !let_go_; ++n)
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    call_.unschedule(task_);
+    call_.stop();
+    call_.disable(kForceOutput);
+    call_.disable_device(handle_);
+  }
+  OpenHapticsDevice(const OpenHapticsDevice&) = delete;
+  OpenHapticsDevice& operator=(const OpenHapticsDevice&) = delete;
+
+  const DeviceSpec& spec() const override { return described_.spec; }
+  std::vector<std::string> notes() const { return notes_; }
+  Nanoseconds longest_tick() const override { return longest_tick_; }
+
+  bool await_tick(Nanoseconds latest) noexcept override { return handover_.await(latest); }
+  DeviceReading read(Nanoseconds) noexcept override { return handover_.newest(); }
+  Command write(const Command& on_hand) noexcept override { return handover_.write(on_hand); }
+  /// The call back acts on it at its next tick.
+  void release() noexcept override { handover_.release(); }
+
+ private:
+  unsigned opened(const std::string& name) const {
+    while (call_.error().code != 0) continue;  // of others
+    std::vector<const char*> names = {nullptr, "Default Device", "Default PHANToM"};
+    if (!name.empty()) names = {name.c_str()};
+    std::string why = "no reason";
+    for (const char* one : names) {
+      const unsigned handle = call_.init(one);
+      const ErrorInfo error = call_.error();
+      if (handle != kNoHandle && error.code == 0) return handle;
+      const char* text = call_.error_text(error.code);
+      why = text != nullptr ? text : "no reason";
+      while (call_.error().code != 0) continue;
+    }
+    refuse("the device " + (name.empty() ? std::string("(the default one)") : "'" + name + "'") +
+           " cannot be opened: " + why +
+           "; run the maker's Touch Setup once, see that the node (/dev/ttyACM* or /dev/hidraw*) "
+           "may be "
+           "read and written by you, and delete ~/.3dsystems/config after a change of driver");
+  }
+
+  void prepare(const DeviceRequest& request) {
+    call_.make_current(handle_);
+    const char* name = call_.get_string(kModel);
+    const std::string model = name != nullptr ? name : "";
+    const bool premium = model.find("Premium") != std::string::npos;
+    SourcedSpec found = sourced_spec(premium ? "phantom_premium_1.5" : "touch");
+    double most = 0.0;
+    call_.get_doubles(kNominalMaxForce, &most);
+    if (most > 0.0) {
+      found.spec.max_force = most;
+      found.spec.continuous_force = std::min(found.spec.continuous_force, most);
+      found.sources["max_force"] = "the device";
+    }
+    described_ = request.spec.name_or_file.empty() ? overruled(std::move(found), request.spec)
+                                                   : requested_spec(request.spec, "");
+    described_.spec.rotation_sensed = 3;
+    described_.spec.rotation_actuated = 0;
+    described_.spec.max_torque = 0.0;
+    notes_ = assumptions(described_);
+    if (model.empty() || (!premium && model.find("Touch") == std::string::npos))
+      notes_.push_back("the model '" + model +
+                       "' is not known here; its specification is that of a Touch. Give --spec");
+    notes_.emplace_back(
+        "the maker's library ramps the force up at the start and after an error: no force is given "
+        "for a second then");
+    notes_.emplace_back(
+        "the maker promises no longest tick: 1.25 times the usual one is an assumption; a later "
+        "tick is an overrun in the report");
+    int rate = 0;
+    call_.get_integers(kUpdateRate, &rate);
+    constexpr int kUsualRate = 1000;
+    constexpr double kSlack = 1.25;  // of the period: its scheduler's own jitter
+    longest_tick_ = from_seconds(kSlack / (rate > 0 ? rate : kUsualRate));
+    calibrate();
+    call_.enable(kForceRamping);
+    call_.enable(kForceOutput);
+    task_ = call_.schedule(&OpenHapticsDevice::called_back, this, kUsualPriority);
+    call_.start();
+    const ErrorInfo error = call_.error();
+    if (error.code == 0) return;
+    const char* text = call_.error_text(error.code);
+    call_.unschedule(task_);
+    call_.stop();
+    refuse(std::string("its scheduler does not start: ") + (text != nullptr ? text : "no reason"));
+  }
+
+  void calibrate() const {
+    unsigned state = call_.calibration();
+    if (state == kNeedsUpdate && (call_.calibration_style() & kAutomatic) != 0) {
+      call_.calibrate(kAutomatic);
+      state = call_.calibration();
+    }
+    if (state != kCalibrated)
+      refuse(
+          "the device is not calibrated; put the stylus into its inkwell (Premium: hold all links "
+          "at right angles), run the maker's diagnosis program, and start again");
+  }
+
+  /// In the thread of the maker's scheduler.
+  static unsigned called_back(void* self) {
+    static_cast<OpenHapticsDevice*>(self)->frame();
+    return kContinue;
+  }
+
+  void frame() noexcept {
+    call_.begin(handle_);
+    std::array<double, 16> transform{};  // 4 x 4, the translation [mm] in the last column
+    call_.get_doubles(kTransform, transform.data());
+    DeviceReading reading;
+    reading.pose.position =
+        kMillimetre * (turn_ * Vec3(transform[12], transform[13], transform[14]));
+    const Eigen::Map<const Eigen::Matrix4d> placed(transform.data());  // column by column
+    const Mat3 axes = placed.topLeftCorner<3, 3>();
+    reading.pose.orientation = Quaternion(Mat3(turn_ * axes * turn_.transpose()));
+    reading.ok = ramping_ == 0;
+    Command given = handover_.exchange(reading, kPatience);
+    if (ramping_ > 0) {
+      given = {};
+      handover_.cut_to(given);
+    }
+    const Vec3 force = turn_.transpose() * given.force();
+    call_.set_doubles(kCurrentForce, force.data());
+    call_.end(handle_);
+    if (handover_.released()) let_go_.store(true);
+    look_for_errors();
+  }
+
+  /// While the maker ramps, what is on the hand is some part of what was asked for, nobody knows
+  /// which. So nothing is asked for.
+  void look_for_errors() noexcept {
+    constexpr int kMost = 32;
+    ramping_ = std::max(0, ramping_ - 1);
+    for (int n = 0; n < kMost; ++n) {
+      const unsigned code = call_.error().code;
+      if (code == 0) return;
+      if (code >= kFirstFault && code <= kLastFault) ramping_ = kRampTicks;
+    }
+  }
+
+  SharedLibrary library_;
+  Calls call_;
+  Handover handover_;
+  Mat3 turn_;
+  unsigned handle_ = kNoHandle;
+  unsigned long task_ = 0;
+  SourcedSpec described_;
+  std::vector<std::string> notes_;
+  Nanoseconds longest_tick_{0};
+  std::atomic<bool> let_go_{false};
+  // Only the scheduler's thread reads and writes it.
+  int ramping_ = kRampTicks;
+};
+
+}  // namespace
+}  // namespace hd
+
+OpenedDevice open_haptics(const DeviceRequest& request) {
+  auto device = std::make_unique<hd::OpenHapticsDevice>(hd::load(), request);
+  std::vector<std::string> notes = device->notes();
+  return {std::move(device), std::move(notes)};
+}
+
+std::string open_haptics_library() { return hd::load().file().string(); }
+
+}  // namespace feltwire

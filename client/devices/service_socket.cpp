@@ -1,0 +1,254 @@
+#include "client/devices/service_socket.hpp"
+
+#include <netinet/in.h>
+#include <netinet/tcp.h>
+#include <openssl/evp.h>
+#include <poll.h>
+#include <sys/random.h>
+#include <sys/socket.h>
+#include <unistd.h>
+#include <wslay/wslay.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <chrono>
+#include <ctime>
+#include <stdexcept>
+#include <system_error>
+
+#include "core/base/splitmix.hpp"
+#include "protocol/net/clock.hpp"
+
+namespace feltwire {
+namespace {
+
+constexpr Nanoseconds kHandshake = std::chrono::seconds(3);
+constexpr std::size_t kLongestHead = 4096;
+constexpr std::string_view kMagic = "258EAFA5-E914-47DA-95CA-C5AB0DC85B11";  // RFC 6455, 1.3
+
+[[noreturn]] void refuse(std::uint16_t port, const std::string& why) {
+  throw std::runtime_error("127.0.0.1:" + std::to_string(port) + ": " + why);
+}
+
+bool wait_for(int descriptor, short what, Nanoseconds latest) noexcept {
+  const Nanoseconds left = std::max(latest - monotonic_now(), Nanoseconds(0));
+  const auto whole = std::chrono::duration_cast<std::chrono::seconds>(left);
+  const timespec time{.tv_sec = static_cast<time_t>(whole.count()),
+                      .tv_nsec = static_cast<long>((left - whole).count())};
+  pollfd state{descriptor, what, 0};
+  return ::ppoll(&state, 1, &time, nullptr) > 0;
+}
+
+std::string base64(std::span<const unsigned char> bytes) {
+  std::string text(4 * ((bytes.size() + 2) / 3) + 1, '\0');
+  const int size = ::EVP_EncodeBlock(reinterpret_cast<unsigned char*>(text.data()), bytes.data(),
+                                     static_cast<int>(bytes.size()));
+  text.resize(static_cast<std::size_t>(size));
+  return text;
+}
+
+/// What a server must answer to a key.
+std::string accepted(const std::string& key) {
+  const std::string text = key + std::string(kMagic);
+  std::array<unsigned char, EVP_MAX_MD_SIZE> hash{};
+  unsigned size = 0;
+  ::EVP_Digest(text.data(), text.size(), hash.data(), &size, ::EVP_sha1(), nullptr);
+  return base64(std::span(hash).first(size));
+}
+
+}  // namespace
+
+void ServiceSocket::Free::operator()(wslay_frame_context* context) const noexcept {
+  ::wslay_frame_context_free(context);
+}
+
+ServiceSocket::ServiceSocket(std::uint16_t port, std::size_t longest_message)
+    : descriptor_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0)),
+      message_(longest_message) {
+  if (descriptor_ < 0) throw std::system_error(errno, std::generic_category(), "no socket");
+  try {
+    shake_hands(port);
+  } catch (...) {
+    ::close(descriptor_);
+    throw;
+  }
+}
+
+ServiceSocket::~ServiceSocket() {
+  post(framed(WSLAY_CONNECTION_CLOSE, {}));
+  ::close(descriptor_);
+}
+
+void ServiceSocket::shake_hands(std::uint16_t port) {
+  const Nanoseconds latest = monotonic_now() + kHandshake;
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_port = htons(port);
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  int error = 0;
+  if (::connect(descriptor_, reinterpret_cast<sockaddr*>(&address), sizeof address) != 0)
+    error = errno;
+  if (error == EINPROGRESS) {
+    socklen_t size = sizeof error;
+    if (!wait_for(descriptor_, POLLOUT, latest))
+      error = ETIMEDOUT;
+    else
+      ::getsockopt(descriptor_, SOL_SOCKET, SO_ERROR, &error, &size);
+  }
+  if (error != 0) refuse(port, "no service listens: " + std::generic_category().message(error));
+  const int on = 1;
+  ::setsockopt(descriptor_, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
+
+  std::array<unsigned char, 16> random{};
+  if (::getentropy(random.data(), random.size()) != 0 || ::getentropy(&masks_, sizeof masks_) != 0)
+    refuse(port, "the system gives no random numbers");
+  const std::string key = base64(random);
+  const std::string request = "GET / HTTP/1.1\r\nHost: 127.0.0.1:" + std::to_string(port) +
+                              "\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
+                              "Sec-WebSocket-Key: " +
+                              key + "\r\nSec-WebSocket-Version: 13\r\n\r\n";
+  post(std::span(reinterpret_cast<const std::uint8_t*>(request.data()), request.size()));
+
+  std::string head;
+  std::array<char, 1024> room{};
+  std::size_t end = std::string::npos;
+  while ((end = head.find("\r\n\r\n")) == std::string::npos) {
+    if (head.size() > kLongestHead || !wait_for(descriptor_, POLLIN, latest))
+      refuse(port, "what listens there is no WebSocket service");
+    const ssize_t count = ::recv(descriptor_, room.data(), room.size(), 0);
+    if (count <= 0) refuse(port, "the service closed the connection; is another program using it?");
+    head.append(room.data(), static_cast<std::size_t>(count));
+  }
+  early_ = head.substr(end + 4);
+  head.resize(end + 2);
+  if (!head.starts_with("HTTP/1.1 101") ||
+      head.find(": " + accepted(key) + "\r\n") == std::string::npos)
+    refuse(port, "what listens there is no WebSocket service");
+
+  const wslay_frame_callbacks calls{
+      .send_callback = keep, .recv_callback = read_more, .genmask_callback = mask};
+  wslay_frame_context* context = nullptr;
+  if (::wslay_frame_context_init(&context, &calls, this) != 0) throw std::bad_alloc();
+  context_.reset(context);
+}
+
+std::ptrdiff_t ServiceSocket::read_more(std::uint8_t* room, std::size_t size, int,
+                                        void* self) noexcept {
+  auto& socket = *static_cast<ServiceSocket*>(self);
+  if (socket.early_taken_ < socket.early_.size()) {
+    const std::size_t count = std::min(size, socket.early_.size() - socket.early_taken_);
+    std::copy_n(socket.early_.data() + socket.early_taken_, count, room);
+    socket.early_taken_ += count;
+    return static_cast<std::ptrdiff_t>(count);
+  }
+  const ssize_t count = ::recv(socket.descriptor_, room, size, MSG_DONTWAIT);
+  if (count > 0) return count;
+  socket.gone_ |= count == 0 || (errno != EAGAIN && errno != EWOULDBLOCK && errno != EINTR);
+  return -1;
+}
+
+std::ptrdiff_t ServiceSocket::keep(const std::uint8_t* data, std::size_t size, int,
+                                   void* self) noexcept {
+  auto& socket = *static_cast<ServiceSocket*>(self);
+  const std::size_t count = std::min(size, socket.out_.size() - socket.out_size_);
+  std::copy_n(data, count, socket.out_.begin() + static_cast<std::ptrdiff_t>(socket.out_size_));
+  socket.out_size_ += count;
+  return count > 0 ? static_cast<std::ptrdiff_t>(count) : -1;
+}
+
+int ServiceSocket::mask(std::uint8_t* room, std::size_t size, void* self) noexcept {
+  auto& socket = *static_cast<ServiceSocket*>(self);
+  std::uint64_t bits = splitmix::mix(socket.masks_ += splitmix::kStep);
+  for (std::size_t n = 0; n < size; ++n, bits >>= 8U) room[n] = static_cast<std::uint8_t>(bits);
+  return 0;
+}
+
+std::span<const std::uint8_t> ServiceSocket::framed(std::uint8_t opcode,
+                                                    std::span<const std::uint8_t> data) noexcept {
+  out_size_ = 0;
+  wslay_frame_iocb frame{};
+  frame.fin = 1;
+  frame.opcode = opcode;
+  frame.mask = 1;
+  frame.payload_length = data.size();
+  frame.data = data.data();
+  frame.data_length = data.size();
+  if (data.size() > kMostSent || !context_ || ::wslay_frame_send(context_.get(), &frame) < 0)
+    out_size_ = 0;
+  return std::span(out_).first(out_size_);
+}
+
+bool ServiceSocket::post(std::span<const std::uint8_t> frame) const noexcept {
+  const ssize_t sent = ::send(descriptor_, frame.data(), frame.size(), MSG_DONTWAIT | MSG_NOSIGNAL);
+  return sent == static_cast<ssize_t>(frame.size());
+}
+
+ServiceSocket::Frame ServiceSocket::frame(std::string_view text) {
+  const auto bytes = framed(
+      WSLAY_TEXT_FRAME, std::span(reinterpret_cast<const std::uint8_t*>(text.data()), text.size()));
+  return {bytes.begin(), bytes.end()};
+}
+
+bool ServiceSocket::send(std::string_view text) noexcept {
+  const auto bytes = framed(
+      WSLAY_TEXT_FRAME, std::span(reinterpret_cast<const std::uint8_t*>(text.data()), text.size()));
+  gone_ |= bytes.empty() || !post(bytes);
+  return !gone_;
+}
+
+ServiceSocket::News ServiceSocket::receive(Nanoseconds latest) noexcept {
+  if (ended_) {
+    size_ = 0;
+    begun_ = ended_ = too_long_ = false;
+  }
+  while (true) {
+    const News news = take_frames(latest);
+    if (news != News::none || monotonic_now() >= latest) return news;
+    wait_for(descriptor_, POLLIN, latest);
+  }
+}
+
+/// As far as there are whole ones, or parts of them, by `latest`; one in any case.
+ServiceSocket::News ServiceSocket::take_frames(Nanoseconds latest) noexcept {
+  while (!ended_) {
+    wslay_frame_iocb part{};
+    const ssize_t count = ::wslay_frame_recv(context_.get(), &part);
+    if (count == WSLAY_ERR_WANT_READ && !gone_) return News::none;
+    if (count < 0) return News::gone;
+    const auto size = static_cast<std::size_t>(count);
+    const bool control = (part.opcode & 8U) != 0;
+    const bool text = part.opcode == WSLAY_TEXT_FRAME || part.opcode == WSLAY_CONTINUATION_FRAME;
+    // Begun twice, or gone on with where none was begun.
+    const bool odd = of_frame_ == 0 && text && begun_ == (part.opcode == WSLAY_TEXT_FRAME);
+    if ((!control && !text) || odd) return gone_ = true, News::gone;
+    if (control) {
+      const std::size_t room = control_.size() - control_size_;
+      std::copy_n(part.data, std::min(size, room), control_.data() + control_size_);
+      control_size_ += std::min(size, room);
+    } else {
+      const std::size_t kept = std::min(size, message_.size() - size_);
+      std::copy_n(part.data, kept, message_.data() + size_);
+      size_ += kept;
+      too_long_ |= kept < size;
+      begun_ = true;
+    }
+    of_frame_ += size;
+    if (of_frame_ >= part.payload_length) {
+      of_frame_ = 0;
+      if (control) take_control(part.opcode);
+      if (gone_) return News::gone;
+      ended_ = !control && part.fin != 0;
+    }
+    if (!ended_ && latest.count() > 0 && monotonic_now() >= latest) return News::none;
+  }
+  return too_long_ ? News::garbled : News::message;
+}
+
+void ServiceSocket::take_control(std::uint8_t opcode) noexcept {
+  if (opcode == WSLAY_PING)
+    gone_ |= !post(framed(WSLAY_PONG, std::span(control_).first(control_size_)));
+  gone_ |= opcode == WSLAY_CONNECTION_CLOSE;
+  control_size_ = 0;
+}
+
+}  // namespace feltwire

@@ -1,0 +1,78 @@
+#pragma once
+// A WebSocket (RFC 6455) to a service on this machine, read and written without waiting.
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/base/types.hpp"
+#include "protocol/wire/datagram.hpp"
+
+struct wslay_frame_context;
+
+namespace feltwire {
+
+/// Nothing here allocates after opening.
+class ServiceSocket {
+ public:
+  enum class News {
+    none,     // by the time that was given
+    gone,     // closed, reset, or no WebSocket any more
+    garbled,  // a message that is longer than the room for it; the next one is looked for
+    message
+  };
+  static constexpr std::size_t kMostSent = 1024;  // bytes of a text
+  using Frame = std::vector<std::uint8_t>;
+
+  /// To 127.0.0.1. Throws std::runtime_error that says what is wrong and the remedy.
+  ServiceSocket(std::uint16_t port, std::size_t longest_message);
+  ~ServiceSocket();
+  ServiceSocket(const ServiceSocket&) = delete;
+  ServiceSocket& operator=(const ServiceSocket&) = delete;
+
+  /// False: it could not be sent whole, and the connection is of no use any more.
+  bool send(std::string_view text) noexcept;
+  /// A text as it is sent, for post().
+  Frame frame(std::string_view text);
+  /// One system call: async-signal-safe, any thread.
+  bool post(std::span<const std::uint8_t> frame) const noexcept;
+
+  /// The next message that comes by `latest` (a monotonic time); pings are answered.
+  News receive(Nanoseconds latest) noexcept;
+  /// That message, until the next receive().
+  std::string_view message() const noexcept { return {message_.data(), size_}; }
+
+ private:
+  struct Free {
+    void operator()(wslay_frame_context* context) const noexcept;
+  };
+  static std::ptrdiff_t read_more(std::uint8_t* room, std::size_t size, int, void* self) noexcept;
+  static std::ptrdiff_t keep(const std::uint8_t* data, std::size_t size, int, void* self) noexcept;
+  static int mask(std::uint8_t* room, std::size_t size, void* self) noexcept;
+
+  void shake_hands(std::uint16_t port);
+  std::span<const std::uint8_t> framed(std::uint8_t opcode,
+                                       std::span<const std::uint8_t> data) noexcept;
+  News take_frames(Nanoseconds latest) noexcept;
+  void take_control(std::uint8_t opcode) noexcept;
+
+  int descriptor_;
+  std::unique_ptr<wslay_frame_context, Free> context_;
+  std::string early_;  // came with the answer to the handshake
+  std::size_t early_taken_ = 0;
+  std::vector<char> message_;  // its size is the longest
+  std::size_t size_ = 0;       // of what has come of it
+  bool begun_ = false, ended_ = false, too_long_ = false, gone_ = false;
+  std::uint64_t of_frame_ = 0;  // bytes that have come of the present frame
+  std::array<std::uint8_t, 125> control_{};
+  std::size_t control_size_ = 0;
+  std::array<std::uint8_t, kMostSent + 32> out_{};
+  std::size_t out_size_ = 0;
+  std::uint64_t masks_;
+};
+
+}  // namespace feltwire

@@ -1,0 +1,43 @@
+#include "client/devices/shared_library.hpp"
+
+#include <dlfcn.h>
+
+#include <stdexcept>
+
+namespace feltwire {
+namespace {
+
+std::string loader_error() {
+  const char* text = ::dlerror();
+  return text != nullptr ? text : "the loader gives no reason";
+}
+
+}  // namespace
+
+void SharedLibrary::Close::operator()(void* handle) const noexcept { ::dlclose(handle); }
+
+SharedLibrary::SharedLibrary(const std::filesystem::path& file)
+    : file_(file), handle_(::dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL)) {
+  if (handle_ == nullptr) throw std::runtime_error(loader_error());
+}
+
+SharedLibrary SharedLibrary::first_of(std::span<const std::filesystem::path> files) {
+  std::string errors;
+  for (const std::filesystem::path& file : files) {
+    try {
+      return SharedLibrary(file);
+    } catch (const std::runtime_error& error) {
+      errors.append(errors.empty() ? "" : "; ").append(error.what());
+    }
+  }
+  throw std::runtime_error(errors);
+}
+
+void* SharedLibrary::symbol(const char* name) const { return ::dlsym(handle_.get(), name); }
+
+void* SharedLibrary::needed(const char* name) const {
+  if (void* found = symbol(name)) return found;
+  throw std::runtime_error(file_.string() + " has no function " + name);
+}
+
+}  // namespace feltwire

@@ -1,0 +1,187 @@
+#include "client/followers/follower_loop.hpp"
+
+#include <poll.h>
+
+#include <algorithm>
+#include <optional>
+#include <thread>
+
+#include "client/followers/robot_datagrams.hpp"
+#include "core/device/device_spec.hpp"
+#include "protocol/net/clock.hpp"
+
+namespace feltwire {
+namespace {
+
+constexpr std::chrono::milliseconds kJoinTime{3000};
+constexpr Nanoseconds kBetweenJoins = std::chrono::seconds(1);
+constexpr double kBrakes = 0.25;  // [s] enough for any speed and acceleration worth the name
+constexpr int kGoodbyes = 3;
+
+/// A join tells of a device. A robot has none, and nothing of it counts but the name.
+control::JoinRequest request_of(const FollowerRun& run, const FollowerSpec& spec) {
+  DeviceSpec device = builtin_device("simulated");
+  device.name = spec.name;
+  SessionParameters parameters;
+  parameters.servo_period = spec.servo_period;
+  return {run.name, run.scene, device, parameters, Role::follower};
+}
+
+class FollowerLoop {
+ public:
+  FollowerLoop(Follower& robot, const FollowerRun& run, const std::atomic<bool>& stop)
+      : robot_(robot),
+        run_(run),
+        stop_(stop),
+        servo_(robot.spec(), run.options),
+        period_(from_seconds(robot.spec().servo_period)) {}
+
+  FollowerResult run() {
+    begun_ = monotonic_now();
+    join();
+    while (true) {
+      const bool over = serve();
+      tick_on(kBrakes);
+      if (over || !find_again()) break;
+    }
+    robot_.hold();
+    result_.statistics = servo_.statistics();
+    return result_;
+  }
+
+ private:
+  void join() {
+    const Joined joined = feltwire::join(run_.server, request_of(run_, robot_.spec()), kJoinTime);
+    silence_ = from_seconds(joined.accepted.silence_timeout);
+    auto port = run_.open_port ? run_.open_port(joined.datagrams) : open_udp_port(joined.datagrams);
+    datagrams_.emplace(joined.accepted.session, joined.keys);
+    port_ = std::move(port);
+    servo_.reconnected();
+    ++result_.sessions;
+    if (run_.on_join) run_.on_join();
+  }
+
+  /// Until the session or the run is over; true: the run is.
+  bool serve() {
+    start();
+    heard_ = monotonic_now();
+    while (true) {
+      const Nanoseconds now = wait();
+      if (!take(now)) {
+        result_.end = FollowerEnd::evicted;
+        return false;
+      }
+      if (stop_.load() || ended(now)) {
+        say_goodbye();
+        result_.end = FollowerEnd::requested;
+        return true;
+      }
+      if (now - heard_ > silence_) {
+        result_.end = FollowerEnd::lost;
+        return false;
+      }
+      if (now < next_) continue;
+      port_->send(datagrams_->pack(tick(now)));
+      pass(now);
+    }
+  }
+  const RobotState& tick(Nanoseconds now) {
+    const RobotState& said = servo_.tick(robot_, now);
+    if (run_.on_sample) run_.on_sample(said, servo_.target());
+    return said;
+  }
+  bool ended(Nanoseconds now) const {
+    return run_.duration > 0.0 && seconds(now - begun_) >= run_.duration;
+  }
+
+  /// Until something may have come or a sample is due. The time now.
+  Nanoseconds wait() {
+    Nanoseconds wake = next_;
+    if (const auto due = port_->next_due()) wake = std::min(wake, *due);
+    const Nanoseconds left = std::max(wake - monotonic_now(), Nanoseconds(0));
+    const timespec time{static_cast<time_t>(left / std::chrono::seconds(1)),
+                        static_cast<long>((left % std::chrono::seconds(1)).count())};
+    pollfd readable{port_->descriptor(), POLLIN, 0};
+    ::ppoll(&readable, 1, &time, nullptr);
+    const Nanoseconds now = monotonic_now();
+    if (port_->delays()) port_->pass(now);
+    return now;
+  }
+
+  /// What has arrived; false: the server ended the session.
+  bool take(Nanoseconds now) {
+    for (int i = 0; i < DatagramPort::kBurst; ++i) {
+      const std::optional<Bytes> datagram = port_->receive();
+      if (!datagram) return true;
+      RobotTarget target;
+      GoodbyeReason reason{};
+      switch (datagrams_->take(*datagram, target, reason)) {
+        case RobotDatagrams::Arrival::target:
+          heard_ = now;
+          servo_.take(target, now);
+          break;
+        case RobotDatagrams::Arrival::goodbye:
+          return false;
+        case RobotDatagrams::Arrival::dropped:
+          break;
+      }
+    }
+    return true;
+  }
+
+  void start() { next_ = monotonic_now(); }
+  void pass(Nanoseconds now) {
+    const auto passed = (now - next_) / period_ + 1;
+    result_.overruns += passed > 1 ? 1 : 0;
+    next_ += passed * period_;
+  }
+
+  /// Without a server: the robot brakes, and holds.
+  void tick_on(double time) {
+    servo_.reconnected();
+    start();
+    for (const Nanoseconds end = next_ + from_seconds(time); next_ < end;) {
+      std::this_thread::sleep_for(next_ - monotonic_now());
+      const Nanoseconds now = monotonic_now();
+      tick(now);
+      pass(now);
+    }
+  }
+
+  bool find_again() {
+    const Nanoseconds until = monotonic_now() + from_seconds(run_.patience);
+    while (!stop_.load() && monotonic_now() < until) {
+      try {
+        join();
+        return true;
+      } catch (const LastingError&) {
+        return false;
+      } catch (const SessionError&) {
+        tick_on(seconds(kBetweenJoins));
+      }
+    }
+    return false;
+  }
+
+  void say_goodbye() {
+    for (int i = 0; i < kGoodbyes; ++i) port_->send_now(datagrams_->goodbye());
+  }
+
+  Follower& robot_;
+  const FollowerRun& run_;
+  const std::atomic<bool>& stop_;
+  FollowerServo servo_;
+  Nanoseconds period_, silence_{0}, begun_{0}, next_{0}, heard_{0};
+  std::optional<RobotDatagrams> datagrams_;
+  std::unique_ptr<DatagramPort> port_;
+  FollowerResult result_;
+};
+
+}  // namespace
+
+FollowerResult run_follower(Follower& robot, const FollowerRun& run,
+                            const std::atomic<bool>& stop) {
+  return FollowerLoop(robot, run, stop).run();
+}
+
+}  // namespace feltwire

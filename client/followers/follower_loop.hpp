@@ -1,0 +1,54 @@
+#pragma once
+// The loop of a robot that follows: reads it, tells the server, takes targets, writes them.
+
+#include <atomic>
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "client/followers/follower.hpp"
+#include "client/followers/follower_servo.hpp"
+#include "client/transport/control_client.hpp"
+#include "client/transport/datagram_port.hpp"
+
+namespace feltwire {
+
+struct FollowerRun {
+  ServerAccess server{};                   // where the server is, and how to be let in
+  std::string name = "feltwire-follower";  // of this robot, for the server's log
+  std::string scene{};                     // whose seat for a robot it takes
+  FollowerOptions options{};
+  double duration = 0.0;   // [s] 0: until stopped
+  double patience = 30.0;  // [s] to look for a lost session; 0: not at all
+  /// Opens the way of datagrams to the scene; empty: open_udp_port(). May throw SessionError.
+  std::function<std::unique_ptr<DatagramPort>(const Address& scene)> open_port = {};
+  /// Called, by the loop's thread, when the robot sits on its seat.
+  std::function<void()> on_join = {};
+  /// Called, by the loop's thread, after each sample with what the server is told and the newest
+  /// target (index 0: none yet). It must not block, allocate or throw.
+  std::function<void(const RobotState&, const RobotTarget&)> on_sample = {};
+};
+
+enum class FollowerEnd : std::uint8_t {
+  requested,  // stop was set, or the duration is over
+  lost,       // the session was lost, and none was found again in time
+  evicted,    // the server ended the session, and no other was wanted
+};
+
+struct FollowerResult {
+  FollowerEnd end = FollowerEnd::requested;
+  FollowerStatistics statistics;
+  std::uint64_t sessions = 0;  // that it had
+  std::uint64_t overruns = 0;  // samples that came a whole period late or more
+};
+
+/// Joins as follower and runs the robot at its servo rate in the calling thread, until `stop` is
+/// set or the session is lost for good. Samples have deadlines start + n T; those that are missed
+/// are passed over. A session that is lost is asked for again, once a second for `patience`;
+/// meanwhile the robot holds. At the end it brakes, holds (Follower::hold), and says goodbye.
+///
+/// Throws SessionError where the first session is refused or not to be had, std::invalid_argument
+/// where the robot's numbers or the limits are not possible.
+FollowerResult run_follower(Follower& robot, const FollowerRun& run, const std::atomic<bool>& stop);
+
+}  // namespace feltwire

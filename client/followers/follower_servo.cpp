@@ -1,0 +1,179 @@
+#include "client/followers/follower_servo.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+
+namespace feltwire {
+namespace {
+
+void above_zero(double value, const char* name) {
+  if (std::isfinite(value) && value > 0.0) return;
+  throw std::invalid_argument(std::string("follower: ") + name + " is " + std::to_string(value) +
+                              "; give a finite number above 0");
+}
+
+const FollowerSpec& checked(const FollowerSpec& spec) {
+  above_zero(spec.servo_period, "the servo period");
+  above_zero(spec.stiffness, "the stiffness of its controller");
+  if (!(spec.wrench_noise >= 0.0) || !std::isfinite(spec.wrench_noise))
+    throw std::invalid_argument(
+        "follower: the noise of its wrench must be finite and not negative");
+  return spec;
+}
+const FollowerOptions& checked(const FollowerOptions& options) {
+  validate(options);
+  return options;
+}
+
+/// Above the sensor's noise, and never less than the estimate's own thresholds.
+ContactEstimateConfig estimate_of(const FollowerSpec& spec) {
+  ContactEstimateConfig config{.first_stiffness = spec.stiffness};
+  config.on = std::max(config.on, 4.0 * spec.wrench_noise);
+  config.off = std::max(config.off, 2.0 * spec.wrench_noise);
+  return config;
+}
+
+bool finite(const FollowerReading& r) {
+  return r.pose.position.allFinite() && r.pose.orientation.coeffs().allFinite() &&
+         r.pose.orientation.squaredNorm() > 0.0 && r.velocity.allFinite() &&
+         r.angular_velocity.allFinite() && (!r.force || r.force->allFinite()) &&
+         r.torque.allFinite() && r.commanded.position.allFinite() &&
+         r.commanded.orientation.coeffs().allFinite() && std::isfinite(r.gripper) &&
+         std::isfinite(r.gripper_force);
+}
+
+}  // namespace
+
+void validate(const FollowerOptions& options) {
+  above_zero(options.motion.speed, "the speed limit");
+  above_zero(options.motion.acceleration, "the acceleration limit");
+  above_zero(options.motion.jerk, "the jerk limit");
+  above_zero(options.motion.turning, "the limit of turning");
+  above_zero(options.gripper.speed, "the gripper's speed limit");
+  above_zero(options.gripper.catch_up, "the gripper's speed limit while it catches up");
+  above_zero(seconds(options.silence), "the time of silence");
+}
+
+FollowerServo::FollowerServo(const FollowerSpec& spec, const FollowerOptions& options)
+    : spec_(checked(spec)),
+      options_(checked(options)),
+      estimate_(estimate_of(spec)),
+      energy_(spec.wrench_noise),
+      motion_(options.motion),
+      gripper_(options.gripper, spec.gripper_opening),
+      limiter_({.stiffness = spec.stiffness,
+                .speed = options.motion.speed,
+                .leash = options.leash,
+                .first_touch = options.first_touch,
+                .unfelt = options.unfelt}) {}
+
+void FollowerServo::take(const RobotTarget& target, Nanoseconds now) noexcept {
+  if (target.index <= target_.index) {
+    ++statistics_.targets_stale;
+    return;
+  }
+  ++statistics_.targets;
+  target_ = target;
+  heard_ = now;
+}
+
+void FollowerServo::reconnected() noexcept { target_ = {}; }
+
+bool FollowerServo::may_follow(const FollowerReading& reading, Nanoseconds now) const noexcept {
+  return target_.index > 0 && target_.state == LinkState::engaged &&
+         now - heard_ <= options_.silence && reading.ok && !reading.stopped;
+}
+
+/// What the tool touches, and the energy of it.
+void FollowerServo::sense(const FollowerReading& reading, double elapsed) noexcept {
+  const Vec3& tip = reading.pose.position;
+  state_.pose = {tip, reading.pose.orientation.normalized()};
+  state_.velocity = reading.velocity;
+  state_.angular_velocity = reading.angular_velocity;
+  state_.force = reading.force;
+  state_.torque = reading.torque;
+  state_.gripper = reading.gripper;
+  state_.gripper_force = reading.gripper_force;
+  if (reading.force) {
+    const Vec3& force = *reading.force;
+    statistics_.largest_force = std::max(statistics_.largest_force, force.norm());
+    state_.contact = estimate_.step(
+        {.position = tip, .velocity = reading.velocity, .force = force, .elapsed = elapsed});
+    energy_.moved(force, tip - tip_, elapsed);
+  } else {
+    state_.contact = {};  // not sensed is not zero: nobody knows what there is
+  }
+  tip_ = tip;
+  state_.energy = energy_.counters();
+  if (state_.contact.surface == 0) return;
+  const double k = state_.contact.stiffness;
+  state_.contact.stiffness = k * spec_.stiffness / (k + spec_.stiffness);
+}
+
+void FollowerServo::steer(bool follow, double elapsed) noexcept {
+  const bool touching = state_.contact.touching;
+  if (follow != following_) {
+    // In contact from the target that is held, at rest: what the motion was at is not where the
+    // limits of the contact have left it. In free flight it goes on as it moves, and brakes.
+    if (touching) motion_.begin(wanted_.pose);
+    if (follow) gripper_.engage();
+    ++(follow ? statistics_.engagements : statistics_.holds);
+    following_ = follow;
+  }
+  if (follow) {
+    // A hand that engages anew in a contact that it knew must not shake the robot: what the robot
+    // holds there was paid for.
+    if (target_.known_surface != 0 || !touching) known_ = target_.known_surface;
+    hand_work_ = target_.hand_work;
+    wanted_.gripper = gripper_.step(target_.gripper, elapsed);
+  }
+  const Pose& pose = follow ? motion_.follow(target_.pose, elapsed) : motion_.stop(elapsed);
+  wanted_.pose.position = limiter_.step({.wanted = pose.position,
+                                         .robot = tip_,
+                                         .force = state_.force.value_or(Vec3::Zero()),
+                                         .surface = touching ? state_.contact.surface : 0,
+                                         .known = known_,
+                                         .hand_work = hand_work_,
+                                         .elapsed = elapsed});
+  wanted_.pose.orientation = pose.orientation;
+}
+
+FollowerTarget FollowerServo::step(const FollowerReading& reading, Nanoseconds now) noexcept {
+  ++statistics_.samples;
+  ++state_.index;
+  state_.time = now;
+  state_.ok = reading.ok;
+  state_.stopped = reading.stopped;
+  if (!reading.ok || !finite(reading)) {
+    ++statistics_.faults;
+    state_.ok = false;
+    following_ = false;
+    return wanted_;
+  }
+  double elapsed = spec_.servo_period;
+  if (!begun_) {
+    begun_ = true;
+    tip_ = reading.pose.position;
+    wanted_ = {reading.commanded, reading.gripper};
+    motion_.begin(reading.commanded);
+    gripper_.begin(reading.gripper);
+  } else if (now > last_) {
+    // A sample that is late by much is no reason for a large step.
+    elapsed = std::min(seconds(now - last_), 10.0 * spec_.servo_period);
+  }
+  last_ = now;
+  sense(reading, elapsed);
+  steer(may_follow(reading, now), elapsed);
+  return wanted_;
+}
+
+const RobotState& FollowerServo::report(const FollowerTarget& held) noexcept {
+  if (held.pose.position.allFinite() && held.pose.orientation.coeffs().allFinite() &&
+      held.pose.orientation.squaredNorm() > 0.0)
+    state_.commanded = {held.pose.position, held.pose.orientation.normalized()};
+  return state_;
+}
+
+}  // namespace feltwire

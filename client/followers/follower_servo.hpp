@@ -1,0 +1,104 @@
+#pragma once
+// One servo sample of a robot that follows: its reading goes in, the target that it holds until the
+// next sample comes out. No socket, no clock, no thread.
+
+#include <cstdint>
+#include <optional>
+
+#include "client/followers/follower.hpp"
+#include "core/teleoperation/contact_estimate.hpp"
+#include "core/teleoperation/energy_counters.hpp"
+#include "core/teleoperation/gripper_follow.hpp"
+#include "core/teleoperation/motion_limit.hpp"
+#include "core/teleoperation/target_limiter.hpp"
+#include "protocol/wire/robot.hpp"
+
+namespace feltwire {
+
+struct FollowerOptions {
+  MotionLimits motion;
+  GripperLimits gripper;
+  double leash = 20.0;       // [N] the most that the controller's spring may pull
+  double first_touch = 3.0;  // [N] while the hand does not know of the contact
+  double unfelt = 3.0;       // [N] that the hand need not have paid for
+  /// Without a target for that long the robot brakes and holds.
+  Nanoseconds silence = std::chrono::milliseconds(100);
+};
+/// Throws std::invalid_argument naming the limit, its value and the remedy.
+void validate(const FollowerOptions& options);
+
+struct FollowerStatistics {
+  std::uint64_t samples = 0;
+  std::uint64_t targets = 0;        // taken
+  std::uint64_t targets_stale = 0;  // not newer than the one in use: changed nothing
+  std::uint64_t engagements = 0;    // times that the robot began to follow
+  std::uint64_t holds = 0;          // times that it stopped following
+  std::uint64_t faults = 0;         // readings that were faulty or not finite
+  double largest_force = 0.0;       // [N] of the environment on the tool
+};
+
+/// The way from a target to the robot, in this order:
+///   1. it follows while the newest target says `engaged`, is young, and the robot is well; else it
+///      brakes, or stands at once where it touches something;
+///   2. the limits of motion (MotionLimit);
+///   3. first touch, felt, leash (TargetLimiter); the gripper follows at its own speed
+///      (GripperFollow);
+/// and what it says: its pose and wrench, the surface that it touches (ContactEstimate) with the
+/// stiffness of surface and robot one behind the other, and its energy (ContactEnergy).
+///
+/// When it begins to follow, it does so from the target that it holds: no target that was sent
+/// before counts. A reading that is faulty or not finite moves nothing. Never allocates after
+/// its construction.
+class FollowerServo {
+ public:
+  /// Throws std::invalid_argument naming the number and the remedy.
+  FollowerServo(const FollowerSpec& spec, const FollowerOptions& options = {});
+
+  /// A target that came at `now`. One that is not newer changes nothing.
+  void take(const RobotTarget& target, Nanoseconds now) noexcept;
+
+  /// One sample: what to write(), from what was read at `now`.
+  FollowerTarget step(const FollowerReading& reading, Nanoseconds now) noexcept;
+  /// The state to send to the server, after write() returned `held`. Valid until the next call.
+  const RobotState& report(const FollowerTarget& held) noexcept;
+
+  /// Does one whole sample: read, step, write, report.
+  const RobotState& tick(Follower& robot, Nanoseconds now) noexcept {
+    return report(robot.write(step(robot.read(now), now)));
+  }
+
+  /// Another session: its targets are counted from 1 again. The robot holds.
+  void reconnected() noexcept;
+
+  bool follows() const noexcept { return following_; }
+  /// What step() returned last.
+  const FollowerTarget& wanted() const noexcept { return wanted_; }
+  /// The newest target of this session; index 0: none yet.
+  const RobotTarget& target() const noexcept { return target_; }
+  const FollowerStatistics& statistics() const noexcept { return statistics_; }
+
+ private:
+  bool may_follow(const FollowerReading& reading, Nanoseconds now) const noexcept;
+  void sense(const FollowerReading& reading, double elapsed) noexcept;
+  void steer(bool follow, double elapsed) noexcept;
+
+  FollowerSpec spec_;
+  FollowerOptions options_;
+  ContactEstimate estimate_;
+  ContactEnergy energy_;
+  MotionLimit motion_;
+  GripperFollow gripper_;
+  TargetLimiter limiter_;
+  RobotTarget target_;  // the newest; index 0: none yet
+  Nanoseconds heard_{0};
+  bool begun_ = false, following_ = false;
+  Nanoseconds last_{0};      // the time of the sample before
+  Vec3 tip_ = Vec3::Zero();  // [m] there
+  FollowerTarget wanted_;    // to be written
+  std::uint32_t known_ = 0;  // of the newest target that was followed
+  double hand_work_ = 0.0;   // likewise
+  RobotState state_;
+  FollowerStatistics statistics_;
+};
+
+}  // namespace feltwire

@@ -1,0 +1,96 @@
+#pragma once
+// A robot whose driver is another program, in any language: lines of text over a Unix socket
+// (docs/followers.md).
+
+#include <array>
+#include <atomic>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include "client/followers/follower.hpp"
+#include "client/followers/follower_lines.hpp"
+
+namespace feltwire {
+
+/// An open file descriptor, closed at the end.
+class OwnDescriptor {
+ public:
+  explicit OwnDescriptor(int descriptor) : descriptor_(descriptor) {}
+  OwnDescriptor(OwnDescriptor&& other) noexcept : descriptor_(other.descriptor_) {
+    other.descriptor_ = -1;
+  }
+  OwnDescriptor(const OwnDescriptor&) = delete;
+  OwnDescriptor& operator=(const OwnDescriptor&) = delete;
+  OwnDescriptor& operator=(OwnDescriptor&&) = delete;
+  ~OwnDescriptor();
+  int get() const { return descriptor_; }
+
+ private:
+  int descriptor_;
+};
+
+/// The driver's states are the readings; the targets go to the driver. A driver that sends no state
+/// for kSilent, or hangs up, is not ok. One that sends again is ok again. A line with a fault is
+/// not used: the driver is told its number, the field and the remedy. What a driver does not read
+/// in time is left out, at most some ten targets wait in the socket.
+class SocketFollower final : public Follower {
+ public:
+  static constexpr Nanoseconds kSilent = std::chrono::milliseconds(100);
+
+  /// `socket` is connected, and its driver has said `spec`; `rest` are the lines after that.
+  SocketFollower(OwnDescriptor socket, FollowerSpec spec, const follower_lines::Lines& rest);
+
+  const FollowerSpec& spec() const override { return spec_; }
+  FollowerReading read(Nanoseconds now) noexcept override;
+  /// Returns the given target, as far as it is finite; where the driver is stopped, silent or not
+  /// ok, the one that its newest state says. Before the first state nothing is sent.
+  FollowerTarget write(const FollowerTarget& target) noexcept override;
+  void hold() noexcept override;
+
+  /// Lines that could not be used so far.
+  std::uint64_t faults() const noexcept { return faults_; }
+
+ private:
+  void receive(Nanoseconds now) noexcept;
+  void take(const follower_lines::Lines::Line& line, Nanoseconds now) noexcept;
+  bool send(const char* text, std::size_t size) noexcept;
+  bool flush() noexcept;
+
+  OwnDescriptor socket_;
+  FollowerSpec spec_;
+  follower_lines::Lines lines_;
+  FollowerReading reading_;
+  std::uint64_t newest_ = 0;  // number of the driver's newest state
+  bool heard_ = false, connected_ = true;
+  bool fresh_ = false;  // at the last read()
+  Nanoseconds heard_at_{0};
+  FollowerTarget held_;  // the last target
+  std::uint64_t sent_ = 0, faults_ = 0;
+  std::array<char, follower_lines::kLongestLine> pending_{};  // of a line that is half sent
+  std::size_t pending_size_ = 0;
+  std::atomic<bool> hold_{false};
+  bool hold_said_ = false;
+};
+
+/// Waits for a driver at a path.
+class FollowerListener {
+ public:
+  /// Makes the socket, which only this user may open; one that an earlier run left is replaced.
+  /// Throws std::runtime_error naming the path and the remedy.
+  explicit FollowerListener(std::filesystem::path path);
+  ~FollowerListener();
+  FollowerListener(const FollowerListener&) = delete;
+  FollowerListener& operator=(const FollowerListener&) = delete;
+
+  /// The first driver that says hello. Throws std::runtime_error where none does in time, or where
+  /// the hello has a fault; the driver is told, too.
+  std::unique_ptr<SocketFollower> wait(Nanoseconds longest);
+
+ private:
+  std::filesystem::path path_;
+  OwnDescriptor socket_;
+};
+
+}  // namespace feltwire

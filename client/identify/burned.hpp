@@ -1,0 +1,43 @@
+#pragma once
+// The energy that the cycles of a sweep took, and the line through several speeds.
+
+#include <span>
+#include <vector>
+
+#include "client/identify/swept.hpp"
+
+namespace feltwire {
+
+/// One closed cycle.
+struct BurnedCycle {
+  double resistance = 0.0;  // [N] work over length
+  double speed = 0.0;       // [m/s] mean along the way
+  double slow_share = 0.0;  // of the way, which is slower than kSlow: there stiction may be
+};
+
+inline constexpr double kSlow = 0.04;  // [m/s]
+
+/// `delay` [s] of the readings behind the forces; `mass` [kg] closes what the speed at the cycle's
+/// ends leaves open.
+std::vector<BurnedCycle> burned_cycles(const SweptRun& run, double delay, double mass);
+
+/// [N/m] how strongly the handle pulls back to a place along the sweep, over its whole cycles.
+double pull_back(const SweptRun& run);
+
+/// y = offset + slope x, with standard errors.
+struct FittedLine {
+  double slope = 0.0, slope_error = 0.0, offset = 0.0, offset_error = 0.0;
+  int freedom = 0;  // points less two
+};
+FittedLine fitted_line(std::span<const BurnedCycle> cycles);
+
+/// Student's t of one side, of 99.9 %.
+double student(int freedom);
+
+/// [m/s] the mean velocity about tick k, over `half` ticks before and after.
+/// Precondition: half <= k < ticks - half.
+Vec3 velocity_at(std::span<const SweptTick> ticks, std::size_t k, std::size_t half);
+inline constexpr std::size_t kHalfWindow =
+    5;  // [ticks] longer than a controller's filter remembers
+
+}  // namespace feltwire

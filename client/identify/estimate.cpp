@@ -1,0 +1,217 @@
+#include "client/identify/estimate.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <sstream>
+
+#include "client/identify/burned.hpp"
+#include "client/identify/impulse_fit.hpp"
+
+namespace feltwire {
+namespace {
+
+constexpr double kShare = 0.8;           // of a bound that is reported
+constexpr double kDelayMargin = 0.5e-3;  // [s] the delay may be less or more than it seems
+constexpr double kLeastForce = 2e-3;     // [N] that is not told from nothing
+constexpr double kSticks = 2.0;          // stiction at the turns, over the most resistance found
+constexpr double kSpeedError = 0.02;     // of the mean speed, which windows and ripple round off
+constexpr double kHeld = 25.0;           // [N/m] a hand's stiffness; a free handle has none
+constexpr double kDisagreement = 0.3;    // of the damping, beyond what the fits say of themselves
+
+/// u' A u of one line, and how far below it the truth may be.
+struct AlongLine {
+  Vec3 along = Vec3::Zero();
+  double value = 0.0, uncertainty = 0.0;
+};
+
+const AlongLine* find_line(std::span<const AlongLine> lines, const Vec3& along) {
+  const auto found = std::find_if(lines.begin(), lines.end(), [&](const AlongLine& line) {
+    return line.along.isApprox(along, 1e-6);
+  });
+  return found == lines.end() ? nullptr : &*found;
+}
+
+/// A symmetric matrix, and how far each of its numbers may be off.
+struct Measured {
+  Mat3 value = Mat3::Zero(), uncertainty = Mat3::Zero();
+};
+
+/// Of what is known along the axes and the diagonals of each pair of them.
+/// Precondition: all of sweep_plan()'s lines are there.
+Measured measured(std::span<const AlongLine> lines, int dof) {
+  Measured found;
+  for (int i = 0; i < dof; ++i) {
+    const AlongLine* axis = find_line(lines, Vec3::Unit(i));
+    found.value(i, i) = axis->value;
+    found.uncertainty(i, i) = axis->uncertainty;
+    for (int j = i + 1; j < dof; ++j) {
+      const AlongLine* plus = find_line(lines, (Vec3::Unit(i) + Vec3::Unit(j)).normalized());
+      const AlongLine* minus = find_line(lines, (Vec3::Unit(i) - Vec3::Unit(j)).normalized());
+      found.value(i, j) = found.value(j, i) = 0.5 * (plus->value - minus->value);
+      found.uncertainty(i, j) = found.uncertainty(j, i) =
+          0.5 * std::hypot(plus->uncertainty, minus->uncertainty);
+    }
+  }
+  return found;
+}
+
+/// A diagonal matrix D that is surely below A: A - D is diagonally dominant (Gershgorin), or, where
+/// the axes are coupled too much for that, the least eigenvalue of A in every direction.
+Vec3 diagonal_below(const Measured& a, int dof) {
+  Vec3 below = Vec3::Zero();
+  for (int i = 0; i < dof; ++i) {
+    below[i] = a.value(i, i) - a.uncertainty(i, i);
+    for (int j = 0; j < dof; ++j)
+      if (j != i) below[i] -= std::abs(a.value(i, j)) + a.uncertainty(i, j);
+  }
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> values(a.value.topLeftCorner(dof, dof),
+                                                              Eigen::EigenvaluesOnly);
+  const double least = std::max(0.0, values.eigenvalues()[0] - a.uncertainty.norm());
+  if (below.head(dof).minCoeff() >= least) return below;
+  Vec3 same = Vec3::Zero();
+  same.head(dof).setConstant(least);
+  return same;
+}
+
+/// The runs along one line, which stand together in the plan.
+struct Line {
+  Vec3 along = Vec3::Zero();
+  std::vector<const SweptRun*> runs;
+  ImpulseFit impulse;  // of the fastest
+};
+
+std::vector<Line> lines_of(std::span<const SweptRun> runs) {
+  std::vector<Line> lines;
+  for (const SweptRun& run : runs) {
+    if (lines.empty() || !lines.back().along.isApprox(run.sweep.along, 1e-6))
+      lines.push_back({run.sweep.along, {}, {}});
+    lines.back().runs.push_back(&run);
+  }
+  for (Line& line : lines) {
+    const auto slower = [](const SweptRun* a, const SweptRun* b) {
+      return a->sweep.speed < b->sweep.speed;
+    };
+    line.impulse = impulse_fit(**std::max_element(line.runs.begin(), line.runs.end(), slower));
+  }
+  return lines;
+}
+
+/// What the friction surely is along one line: the least of what all cycles say and of what the
+/// faster half says, where stiction is over.
+double friction_below(const std::vector<BurnedCycle>& cycles) {
+  const FittedLine all = fitted_line(cycles);
+  double fastest = 0.0, most = 0.0, slow_share = 0.0;
+  for (const BurnedCycle& c : cycles) {
+    fastest = std::max(fastest, c.speed);
+    most = std::max(most, c.resistance);
+  }
+  std::vector<BurnedCycle> faster;
+  for (const BurnedCycle& c : cycles)
+    if (c.speed > 0.4 * fastest) {
+      faster.push_back(c);
+      slow_share = std::max(slow_share, c.slow_share);
+    }
+  const FittedLine half = fitted_line(faster);
+  const double from_all = all.offset - student(all.freedom) * all.offset_error;
+  const double from_half = half.offset - student(half.freedom) * half.offset_error;
+  return std::min(from_all, from_half) - kLeastForce - kSticks * slow_share * most -
+         kSpeedError * std::max(0.0, all.slope) * 0.5 * fastest;
+}
+
+std::vector<BurnedCycle> cycles_of(const Line& line, double delay) {
+  std::vector<BurnedCycle> cycles;
+  for (const SweptRun* run : line.runs)
+    for (const BurnedCycle& cycle : burned_cycles(*run, delay, line.impulse.mass))
+      cycles.push_back(cycle);
+  return cycles;
+}
+
+std::string line_name(const Vec3& along) {
+  std::string text;
+  for (int i = 0; i < 3; ++i)
+    if (std::abs(along[i]) > 1e-6)
+      text.append(along[i] < 0.0 ? "-" : text.empty() ? "" : "+").push_back("xyz"[i]);
+  return text;
+}
+
+/// Empty: the impulse says no less than the energy does. It says more where stiction bends the line
+/// or axes have a friction each, and the less is the safe one.
+std::string disagreement(const Line& line, const FittedLine& energy) {
+  const ImpulseFit& impulse = line.impulse;
+  const double t = student(energy.freedom);
+  const double open = t * std::hypot(energy.slope_error, impulse.damping_error);
+  if (energy.slope - impulse.damping <= kDisagreement * std::abs(energy.slope) + open) return {};
+  std::ostringstream text;
+  text << "along " << line_name(line.along) << " the energy says a damping of " << energy.slope
+       << " N s/m and the impulse only " << impulse.damping
+       << ": does somebody hold the handle, or is the maker's own damping on?";
+  return text.str();
+}
+
+void read_noise(std::span<const SweptRun> runs, std::span<const SweptTick> rest,
+                DeviceEstimate& found) {
+  double least = std::numeric_limits<double>::infinity();
+  for (const SweptRun& run : runs)
+    for (std::size_t k = 1; k < run.ticks.size(); ++k)
+      for (const double step : (run.ticks[k].position - run.ticks[k - 1].position).cwiseAbs())
+        if (step > 1e-12) least = std::min(least, step);
+  found.quantum = std::isfinite(least) ? least : 0.0;
+  if (rest.size() < 2) return;
+  Vec3 mean = Vec3::Zero(), squares = Vec3::Zero();
+  const double count = static_cast<double>(rest.size());
+  for (const SweptTick& tick : rest) mean += tick.position / count;
+  for (const SweptTick& tick : rest) squares += (tick.position - mean).cwiseAbs2() / count;
+  found.noise = std::sqrt(squares.maxCoeff());
+}
+
+}  // namespace
+
+DeviceEstimate estimate(std::span<const SweptRun> runs, std::span<const SweptTick> rest, int dof) {
+  DeviceEstimate found;
+  read_noise(runs, rest, found);
+  const std::vector<Line> lines = lines_of(runs);
+  double least_delay = std::numeric_limits<double>::infinity(), most_delay = 0.0;
+  for (const Line& line : lines) {
+    if (!line.impulse.valid) {
+      found.doubts.push_back("along " + line_name(line.along) +
+                             " the handle hardly moved; allow more force (--force)");
+      return found;
+    }
+    least_delay = std::min(least_delay, line.impulse.delay);
+    most_delay = std::max(most_delay, line.impulse.delay);
+    found.delay += line.impulse.delay / static_cast<double>(lines.size());
+  }
+  const double made_good = std::max(0.0, least_delay - kDelayMargin);
+
+  std::vector<AlongLine> dampings, masses;
+  found.friction = found.friction_bound = std::numeric_limits<double>::infinity();
+  for (const Line& line : lines) {
+    const ImpulseFit& impulse = line.impulse;
+    const std::vector<BurnedCycle> cycles = cycles_of(line, made_good);
+    const FittedLine energy = fitted_line(cycles);
+    const double t = student(energy.freedom);
+    dampings.push_back({line.along, energy.slope, t * energy.slope_error});
+    masses.push_back({line.along, impulse.mass, student(30) * impulse.mass_error});
+    found.friction = std::min(found.friction, energy.offset);
+    // A delay that is made good in part takes from the fast sweeps, and so adds to the friction;
+    // one that is made good in excess takes from it.
+    found.friction_bound = std::min({found.friction_bound, friction_below(cycles),
+                                     friction_below(cycles_of(line, most_delay + kDelayMargin))});
+    if (pull_back(*line.runs.front()) > kHeld)
+      found.doubts.push_back("along " + line_name(line.along) +
+                             " the handle pulls back to a place: does somebody hold it?");
+    if (std::string doubt = disagreement(line, energy); !doubt.empty())
+      found.doubts.push_back(std::move(doubt));
+  }
+  const Measured damping = measured(dampings, dof), mass = measured(masses, dof);
+  found.damping = damping.value.diagonal();
+  found.mass = mass.value.diagonal();
+  found.damping_bound = kShare * diagonal_below(damping, dof);
+  found.mass_bound = kShare * diagonal_below(mass, dof).head(dof).minCoeff();
+  found.friction_bound = std::max(0.0, kShare * found.friction_bound);
+  return found;
+}
+
+}  // namespace feltwire

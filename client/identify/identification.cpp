@@ -1,0 +1,197 @@
+#include "client/identify/identification.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <sstream>
+#include <stdexcept>
+
+namespace feltwire {
+namespace {
+
+// A soft spring and damper towards where the handle is led: as a light hand.
+constexpr double kStiffness = 200.0, kDamping = 2.0;  // [N/m], [N s/m]
+constexpr double kBrake = 5.0;  // [N s/m] more, on the speed that exceeds the sweep's by half
+constexpr double kExcess = 1.5;
+constexpr double kFilter = 3e-3;  // [s] of the velocity that the damper sees
+constexpr double kSlew = 100.0;   // [N/s]
+constexpr double kSettle = 1.0, kRest = 1.0, kApproach = 0.6, kFade = 0.2;  // [s]
+constexpr double kBeyond = 0.03;   // [s] after the last cycle: what the windows look at
+constexpr double kRoom = 1.5;      // ticks that there is room for, over those that are awaited
+constexpr double kSharpest = 5.0;  // [m/s^2] at a turn
+constexpr double kUsualAmplitude = 0.02, kLargestAmplitude = 0.025, kTopSpeed = 0.25;
+
+double sweep_time(const Sweep& sweep, double amplitude) {
+  return (sweep.cycles + 1) * cycle_time(sweep, amplitude);
+}
+
+Vec3 cut(const Vec3& v, double most) {
+  const double size = v.norm();
+  return size > most ? Vec3(most / size * v) : v;
+}
+
+}  // namespace
+
+IdentifyLimits identify_limits(const DeviceSpec& spec, std::optional<double> force) {
+  constexpr double kTravelOverAmplitude = 1.6, kOfWorkspace = 0.16, kOfForce = 0.15;
+  const double room = spec.workspace.head(spec.translation_dof).minCoeff();
+  IdentifyLimits limits;
+  limits.amplitude =
+      room > 0.0 ? std::min(kOfWorkspace * room, kLargestAmplitude) : kUsualAmplitude;
+  limits.travel = kTravelOverAmplitude * limits.amplitude;
+  // A turn takes a fifth of the way's time, so its acceleration is 2 v^2 / amplitude.
+  limits.top_speed = std::min(kTopSpeed, std::sqrt(0.5 * kSharpest * limits.amplitude));
+  limits.speed = 2.0 * limits.top_speed;
+  limits.force = force.value_or(kOfForce * spec.max_force);
+  if (!(limits.force > 0.0 && limits.force <= spec.continuous_force)) {
+    std::ostringstream text;
+    text << "--force " << limits.force << ": use more than 0 and at most " << spec.continuous_force
+         << " N, what the device can hold";
+    throw std::invalid_argument(text.str());
+  }
+  return limits;
+}
+
+Identification::Identification(const DeviceSpec& spec, const IdentifyLimits& limits, double period)
+    : limits_(limits), dof_(spec.translation_dof) {
+  const auto room = [period](double time) {
+    return static_cast<std::size_t>(kRoom * time / period) + 100;
+  };
+  rest_.reserve(room(kRest));
+  duration_ = kSettle + kRest + kFade;
+  for (const Sweep& sweep : sweep_plan(dof_, limits.top_speed)) {
+    SweptRun run{sweep, {}, {}};
+    const double time = sweep_time(sweep, limits.amplitude) + kBeyond;
+    run.ticks.reserve(room(time));
+    run.turns.reserve(static_cast<std::size_t>(sweep.cycles) + 1);
+    duration_ += kApproach + time;
+    runs_.push_back(std::move(run));
+  }
+}
+
+void Identification::give_up(const char* why) noexcept {
+  if (state_ != State::measuring) return;
+  state_ = State::gave_up;
+  why_ = why;
+}
+
+double Identification::progress() const {
+  return state_ == State::done ? 1.0 : std::min(0.999, (last_ - first_) / duration_);
+}
+
+int Identification::line() const {
+  const bool sweeps = phase_ == Phase::approach || phase_ == Phase::sweep;
+  if (!sweeps || state_ != State::measuring) return -1;
+  int line = 0;
+  for (std::size_t n = 1; n <= run_; ++n)
+    if (runs_[n].sweep.along != runs_[n - 1].sweep.along) ++line;
+  return line;
+}
+
+Vec3 Identification::step(double time, const Vec3& position) noexcept {
+  recorded_ = nullptr;
+  if (!started_) {
+    started_ = true;
+    first_ = phase_began_ = last_ = time;
+    start_ = last_position_ = position;
+  }
+  if (state_ == State::measuring && odd(time, position)) velocity_.setZero();
+  if (state_ != State::measuring) return Vec3::Zero();
+  Vec3 force = pull(time, position);
+  last_ = time;
+  last_position_ = position;
+  if (state_ != State::measuring) return Vec3::Zero();
+  record(time, position);
+  return force;
+}
+
+void Identification::held(const Vec3& force) noexcept {
+  if (!force.allFinite()) return give_up("the device says that it holds a force that is no number");
+  force_ = force;
+  largest_ = std::max(largest_, force.norm());
+  if (recorded_ != nullptr) recorded_->back().force = force;
+}
+
+/// Gives up where the reading is one that a free handle, led softly, cannot give.
+bool Identification::odd(double time, const Vec3& position) noexcept {
+  if (!position.allFinite()) return give_up("the device gave a position that is no number"), true;
+  const double span = time - last_;
+  if (span < 0.0 || span > limits_.late)
+    return give_up("the readings came too late; is the machine busy?"), true;
+  if (span > 0.0) {
+    const double share = span / (span + kFilter);
+    velocity_ += share * ((position - last_position_) / span - velocity_);
+  }
+  if ((position - start_).norm() > limits_.travel)
+    return give_up("the handle left the room that it may move in; is it held, or not balanced?"),
+           true;
+  if (velocity_.norm() > limits_.speed)
+    return give_up("the handle moved too fast; is it held, or not balanced?"), true;
+  return false;
+}
+
+/// Where the handle is led at this time, and the force towards it.
+Vec3 Identification::pull(double time, const Vec3& position) noexcept {
+  const double in_phase = time - phase_began_;
+  double strength = 1.0, meant = limits_.top_speed;  // [m/s]
+  switch (phase_) {
+    case Phase::rest:
+      if (in_phase > kSettle + kRest) begin(Phase::approach, time);
+      break;
+    case Phase::approach: {
+      const double done = std::min(in_phase / kApproach, 1.0);
+      const double soft = 0.5 - 0.5 * std::cos(std::numbers::pi * done);
+      led_ = led_from_ - soft * (led_from_ + limits_.amplitude * runs_[run_].sweep.along);
+      if (done >= 1.0) begin(Phase::sweep, time);
+      break;
+    }
+    case Phase::sweep: {
+      const Sweep& sweep = runs_[run_].sweep;
+      meant = sweep.speed;
+      led_ = led_to(sweep, limits_.amplitude, in_phase) * sweep.along;
+      look_for_turn(in_phase);
+      if (in_phase < sweep_time(sweep, limits_.amplitude) + kBeyond) break;
+      const bool last = run_ + 1 == runs_.size();
+      if (!last) ++run_;
+      begin(last ? Phase::fade : Phase::approach, time);
+      break;
+    }
+    case Phase::fade:
+      strength = std::max(0.0, 1.0 - in_phase / kFade);
+      if (in_phase >= kFade) state_ = State::done;
+      break;
+  }
+  Vec3 wanted = kStiffness * (start_ + led_ - position) - kDamping * velocity_;
+  const double speed = velocity_.norm(), excess = speed - kExcess * meant;
+  if (excess > 0.0) wanted -= kBrake * excess / speed * velocity_;  // a heavy handle swings
+  if (dof_ == 2) wanted.z() = 0.0;
+  wanted = strength * cut(wanted, limits_.force);
+  return cut(force_ + cut(wanted - force_, kSlew * (time - last_)), limits_.force);
+}
+
+void Identification::begin(Phase phase, double time) noexcept {
+  phase_ = phase;
+  phase_began_ = time;
+  led_from_ = led_;
+}
+
+/// The tick that is recorded next begins a cycle, or ends the last one.
+void Identification::look_for_turn(double in_phase) noexcept {
+  SweptRun& run = runs_[run_];
+  const double next = static_cast<double>(run.turns.size()) + 1.0;
+  if (run.turns.size() <= static_cast<std::size_t>(run.sweep.cycles) &&
+      in_phase >= next * cycle_time(run.sweep, limits_.amplitude))
+    run.turns.push_back(run.ticks.size());
+}
+
+void Identification::record(double time, const Vec3& position) noexcept {
+  const bool rests = phase_ == Phase::rest && time - phase_began_ > kSettle;
+  if (!rests && phase_ != Phase::sweep) return;
+  std::vector<SweptTick>& ticks = rests ? rest_ : runs_[run_].ticks;
+  if (ticks.size() == ticks.capacity())
+    return give_up("the readings come more often than the device says");
+  ticks.push_back({time, position, Vec3::Zero()});
+  recorded_ = &ticks;
+}
+
+}  // namespace feltwire

@@ -1,0 +1,91 @@
+#include "client/identify/identified_spec.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+namespace feltwire {
+namespace {
+
+std::string listed(const Vec3& v, int dof) {
+  std::ostringstream text;
+  for (int i = 0; i < dof; ++i) text << (i > 0 ? ", " : "") << v[i];
+  return text.str();
+}
+
+nlohmann::ordered_json numbers(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
+
+nlohmann::ordered_json numbers(const Damping& damping) {
+  const Mat3& m = damping.matrix();
+  if (damping.isotropic()) return nlohmann::ordered_json::array({m(0, 0)});
+  if (damping.kind() == Damping::Kind::axes) return numbers(Vec3(m.diagonal()));
+  nlohmann::ordered_json all = nlohmann::ordered_json::array();
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) all.push_back(m(i, j));
+  return all;
+}
+
+}  // namespace
+
+SourcedSpec identified_spec(SourcedSpec known, const DeviceEstimate& found,
+                            const std::string& date) {
+  DeviceSpec& spec = known.spec;
+  const int dof = spec.translation_dof;
+  Vec3 damping = found.damping_bound;
+  if (dof == 2) damping.z() = damping.head<2>().minCoeff();  // no axis, and no force there
+  spec.damping = damping;
+  spec.apparent_mass = found.mass.head(dof).mean();
+  spec.least_mass = std::min(found.mass_bound, spec.apparent_mass);
+  spec.coulomb_friction = std::max(found.friction, 0.0);
+  spec.least_friction = std::min(found.friction_bound, spec.coulomb_friction);
+  // Noise as coarse as a quantum of sqrt(12) times its RMS.
+  spec.position_resolution = std::max(found.quantum, std::sqrt(12.0) * found.noise);
+
+  const std::string by = "identify, " + date;
+  std::ostringstream noise, friction;
+  noise << ": step " << found.quantum << " m, noise " << found.noise << " m RMS";
+  friction << ": lower bound; estimate " << found.friction;
+  known.sources["damping"] = by + ": lower bound; estimate " + listed(found.damping, dof);
+  known.sources["apparent_mass"] = by + ": mean of " + listed(found.mass, dof);
+  known.sources["least_mass"] = by + ": lower bound";
+  known.sources["coulomb_friction"] = by;
+  known.sources["least_friction"] = by + friction.str();
+  known.sources["position_resolution"] = by + noise.str();
+  validate(spec);
+  return known;
+}
+
+std::string device_file_text(const SourcedSpec& described) {
+  const DeviceSpec& spec = described.spec;
+  nlohmann::ordered_json file = {{"name", spec.name},
+                                 {"translation_dof", spec.translation_dof},
+                                 {"rotation_sensed", spec.rotation_sensed},
+                                 {"rotation_actuated", spec.rotation_actuated},
+                                 {"damping", numbers(spec.damping)},
+                                 {"apparent_mass", spec.apparent_mass},
+                                 {"coulomb_friction", spec.coulomb_friction},
+                                 {"position_resolution", spec.position_resolution},
+                                 {"max_force", spec.max_force},
+                                 {"continuous_force", spec.continuous_force},
+                                 {"workspace", numbers(spec.workspace)},
+                                 {"least_mass", spec.least_mass},
+                                 {"least_friction", spec.least_friction},
+                                 {"hand_force", spec.hand_force},
+                                 {"hand_speed", spec.hand_speed}};
+  if (spec.rotation_actuated != 0) {
+    file["rotational_damping"] = numbers(spec.rotational_damping);
+    file["max_torque"] = spec.max_torque;
+    file["rotational_resolution"] = spec.rotational_resolution;
+    file["least_inertia"] = spec.least_inertia;
+    file["hand_torque"] = spec.hand_torque;
+    file["apparent_inertia"] = spec.apparent_inertia;
+    file["rotational_friction"] = spec.rotational_friction;
+  }
+  nlohmann::ordered_json sources = nlohmann::ordered_json::object();
+  for (const auto& [field, source] : described.sources) sources[field] = source;
+  file["sources"] = std::move(sources);
+  return file.dump(2) + "\n";
+}
+
+}  // namespace feltwire

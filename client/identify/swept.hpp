@@ -1,0 +1,31 @@
+#pragma once
+// What a sweep of identify is, and what it leaves behind.
+
+#include <cstddef>
+#include <vector>
+
+#include "core/base/types.hpp"
+
+namespace feltwire {
+
+/// A movement to and fro along a line at constant speed, with soft turns at both ends.
+struct Sweep {
+  Vec3 along = Vec3::UnitX();  // unit, world frame
+  double speed = 0.0;          // [m/s] between the turns
+  int cycles = 1;              // that are measured; one more comes before them
+};
+
+/// One tick.
+struct SweptTick {
+  double time = 0.0;             // [s] of the reading
+  Vec3 position = Vec3::Zero();  // [m] as read
+  Vec3 force = Vec3::Zero();     // [N] held from this reading to the next
+};
+
+struct SweptRun {
+  Sweep sweep;
+  std::vector<SweptTick> ticks;
+  std::vector<std::size_t> turns;  // ticks at which a measured cycle begins; the last one's end
+};
+
+}  // namespace feltwire

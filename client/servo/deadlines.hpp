@@ -1,0 +1,44 @@
+#pragma once
+// When the servo's ticks are due, and how much sooner to ask the machine to wake.
+
+#include <algorithm>
+#include <chrono>
+#include <cstdint>
+
+#include "protocol/wire/datagram.hpp"
+
+namespace feltwire {
+
+/// Deadlines start + n T, n = 1, 2, ..., and when to wake for them.
+class Deadlines {
+ public:
+  Deadlines(Nanoseconds start, Nanoseconds period) noexcept
+      : latest_(start), period_(period), longest_lead_(std::min(kLongestLead, period / 4)) {}
+
+  /// How many have passed by `now` since the last call; latest() is the last of them.
+  std::uint64_t passed(Nanoseconds now) noexcept {
+    if (now < next()) return 0;
+    const std::int64_t count = (now - latest_) / period_;
+    latest_ += count * period_;
+    return static_cast<std::uint64_t>(count);
+  }
+  Nanoseconds latest() const { return latest_; }
+  Nanoseconds next() const { return latest_ + period_; }
+
+  /// How long before a deadline the thread asks to be woken: as late as the machine wakes it nine
+  /// times in ten (a virtual one by 60 us, a tuned one by 3). What a sooner waking leaves is spun.
+  Nanoseconds lead() const { return lead_; }
+  /// The thread slept until then and found itself awake `late` after it.
+  void woken(Nanoseconds late) noexcept {
+    lead_ += late > lead_ ? 9 * kLeadStep : -kLeadStep;  // settles where one in ten is later
+    lead_ = std::clamp(lead_, Nanoseconds(0), longest_lead_);
+  }
+
+ private:
+  static constexpr Nanoseconds kLongestLead = std::chrono::microseconds(100);
+  static constexpr Nanoseconds kLeadStep = Nanoseconds(200);
+  Nanoseconds latest_, period_, longest_lead_;
+  Nanoseconds lead_{0};
+};
+
+}  // namespace feltwire

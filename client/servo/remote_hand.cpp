@@ -1,0 +1,63 @@
+#include "client/servo/remote_hand.hpp"
+
+#include <algorithm>
+
+#include "core/base/numeric.hpp"
+
+namespace feltwire {
+
+void RemoteHand::take(const Remote& remote) noexcept {
+  remote_ = remote;
+  energy_.take(remote.energy);
+}
+
+void RemoteHand::forget() noexcept {
+  remote_ = {};
+  local_.clear();
+  weight_ = share_ = 0.0;
+}
+
+double RemoteHand::step(const Vec3& hand, const Vec3& displacement, const Vec3& held,
+                        double elapsed) noexcept {
+  hand_work_ -= share_ * held.dot(displacement);
+  const bool tied = remote_.state == LinkState::engaged && remote_.contact.surface != 0;
+  index_.step(hand, displacement, tied ? remote_.contact : RemoteContact{}, elapsed);
+  weight_ = tied ? 1.0 : std::max(0.0, weight_ - elapsed / fade_);
+  if (tied)
+    show(hand);
+  else if (weight_ == 0.0)
+    local_.clear();
+  return energy_.step(elapsed);
+}
+
+/// The surface lies where the hand is to meet it, and follows the hand's offset.
+void RemoteHand::show(const Vec3& hand) noexcept {
+  constexpr double kReach = 1.0;  // [m]
+  const RemoteContact& contact = remote_.contact;
+  LocalModel model;
+  SurfacePatch& patch = model.patches.front();
+  patch.point = contact.point + index_.offset();
+  patch.normal = contact.normal.normalized();
+  patch.velocity = contact.velocity;
+  patch.radius = model.reach = kReach + (patch.point - hand).norm();
+  patch.material.stiffness = contact.stiffness;
+  patch.material.static_friction = patch.material.dynamic_friction = contact.friction;
+  patch.feature = contact.surface;
+  model.center = hand;
+  model.count = 1;
+  local_.take(model);
+}
+
+Command RemoteHand::touch(const Tool& tool, const Command& beside, double age,
+                          double elapsed) noexcept {
+  Command command;
+  if (weight_ > 0.0) command = weight_ * local_.touch(tool, age, elapsed).command;
+  const double here = length(command.force()), there = length(beside.force());
+  share_ = here > 0.0 ? here / (here + there) : 0.0;
+  const bool pushes = here > 0.0;
+  if (pushing_ && !pushes && !remote_.contact.touching) energy_.begin_contact();
+  pushing_ = pushes;
+  return command;
+}
+
+}  // namespace feltwire

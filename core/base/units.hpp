@@ -1,0 +1,8 @@
+#pragma once
+// How many of a smaller unit make one: for what people read.
+
+namespace feltwire {
+
+inline constexpr double kPercent = 100.0, kMilli = 1e3, kMicro = 1e6;
+
+}  // namespace feltwire

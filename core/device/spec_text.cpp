@@ -1,0 +1,102 @@
+#include "core/device/spec_text.hpp"
+
+#include <functional>
+#include <iomanip>
+#include <sstream>
+#include <string_view>
+
+namespace feltwire {
+namespace {
+
+constexpr std::string_view kAssumption = "assumption";
+
+struct Number {
+  const char* field;
+  const char* unit;
+  bool counted_on;  // by the account: too large a number makes energy
+  std::function<std::string(const DeviceSpec&)> text;
+};
+
+std::string short_text(double value) {
+  std::ostringstream text;
+  text << value;
+  return text.str();
+}
+
+std::string listed(const Vec3& v) {
+  return short_text(v.x()) + ", " + short_text(v.y()) + ", " + short_text(v.z());
+}
+
+std::string damping_text(const Damping& damping) {
+  const Mat3& m = damping.matrix();
+  if (damping.isotropic()) return short_text(m(0, 0));
+  if (damping.kind() == Damping::Kind::axes) return listed(m.diagonal());
+  return listed(m.row(0)) + "; " + listed(m.row(1)) + "; " + listed(m.row(2));
+}
+
+template <class Value>
+std::function<std::string(const DeviceSpec&)> number(Value DeviceSpec::*member) {
+  return [member](const DeviceSpec& spec) { return short_text(static_cast<double>(spec.*member)); };
+}
+
+const std::vector<Number>& numbers() {
+  static const std::vector<Number> list = {
+      {"translation_dof", "", false, number(&DeviceSpec::translation_dof)},
+      {"rotation_sensed", "", false, number(&DeviceSpec::rotation_sensed)},
+      {"rotation_actuated", "", false, number(&DeviceSpec::rotation_actuated)},
+      {"damping", "N s/m", true, [](const DeviceSpec& s) { return damping_text(s.damping); }},
+      {"rotational_damping", "N m s/rad", true,
+       [](const DeviceSpec& s) { return damping_text(s.rotational_damping); }},
+      {"apparent_mass", "kg", false, number(&DeviceSpec::apparent_mass)},
+      {"least_mass", "kg", true, number(&DeviceSpec::least_mass)},
+      {"coulomb_friction", "N", false, number(&DeviceSpec::coulomb_friction)},
+      {"least_friction", "N", true, number(&DeviceSpec::least_friction)},
+      {"position_resolution", "m", false, number(&DeviceSpec::position_resolution)},
+      {"max_force", "N", false, number(&DeviceSpec::max_force)},
+      {"continuous_force", "N", false, number(&DeviceSpec::continuous_force)},
+      {"max_torque", "N m", false, number(&DeviceSpec::max_torque)},
+      {"workspace", "m", false, [](const DeviceSpec& s) { return listed(s.workspace); }},
+      {"hand_force", "N", false, number(&DeviceSpec::hand_force)},
+      {"hand_speed", "m/s", false, number(&DeviceSpec::hand_speed)},
+      {"rotational_resolution", "rad", false, number(&DeviceSpec::rotational_resolution)},
+      {"least_inertia", "kg m^2", true, number(&DeviceSpec::least_inertia)},
+      {"hand_torque", "N m", false, number(&DeviceSpec::hand_torque)},
+      {"apparent_inertia", "kg m^2", false, number(&DeviceSpec::apparent_inertia)},
+      {"rotational_friction", "N m", false, number(&DeviceSpec::rotational_friction)},
+  };
+  return list;
+}
+
+/// Empty where nobody told one.
+std::string_view source_of(const SourcedSpec& described, std::string_view field) {
+  const auto found = described.sources.find(field);
+  return found == described.sources.end() ? std::string_view() : std::string_view(found->second);
+}
+
+}  // namespace
+
+std::string spec_table(const SourcedSpec& described) {
+  constexpr int kField = 22, kValue = 19, kUnit = 10;
+  std::ostringstream text;
+  text << described.spec.name << "\n" << std::left;
+  for (const Number& number : numbers()) {
+    const std::string value = number.text(described.spec);
+    const std::string_view source = source_of(described, number.field);
+    if (source.empty() && value == "0") continue;
+    text << "  " << std::setw(kField) << number.field << std::setw(kValue) << value << " "
+         << std::setw(kUnit) << number.unit << (source.empty() ? "no source told" : source) << "\n";
+  }
+  return text.str();
+}
+
+std::vector<std::string> assumptions(const SourcedSpec& described) {
+  std::vector<std::string> said;
+  for (const Number& number : numbers())
+    if (number.counted_on && source_of(described, number.field).starts_with(kAssumption))
+      said.push_back(std::string(number.field) + " " + number.text(described.spec) + " " +
+                     number.unit +
+                     " is an assumption; measure yours with feltwire-client identify");
+  return said;
+}
+
+}  // namespace feltwire

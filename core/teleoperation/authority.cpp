@@ -1,0 +1,15 @@
+#include "core/teleoperation/authority.hpp"
+
+#include <array>
+
+#include "core/base/choice.hpp"
+
+namespace feltwire {
+
+std::string_view name(LinkState state) {
+  static constexpr std::array<const char*, static_cast<std::size_t>(kLastLinkState) + 1> kNames = {
+      "disabled", "ready", "engaged", "clutched", "hold", "fault"};
+  return name_among(kNames, state);
+}
+
+}  // namespace feltwire

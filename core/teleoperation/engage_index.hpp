@@ -1,0 +1,55 @@
+#pragma once
+// Which place of a hand is which place of a robot.
+
+#include "core/base/types.hpp"
+#include "core/teleoperation/contact_estimate.hpp"
+#include "core/teleoperation/energy_counters.hpp"
+
+namespace feltwire {
+
+/// The hand's movement since it engaged, times a scale, is the target's movement since then:
+///   x_t = x_t0 + s (x_h - x_h0),     q_t = q_h q_h0^-1 q_t0
+/// The first target is then equal to the target that the robot has, for any poses and any scale:
+/// exactly in position, to rounding in orientation. Turning is never scaled.
+///
+/// Forces are the same at both ends. What else is said at one end in its own measure is converted:
+/// places by the index, speeds by 1 / s, stiffness by s, energy of the robot by 1 / s.
+class EngageIndex {
+ public:
+  /// `scale` s > 0 [m of the robot per m of the hand].
+  explicit EngageIndex(double scale) : scale_(scale) {}
+
+  /// From now on `hand`, less its offset, is `target`.
+  void engage(const Pose& hand, const Pose& target) noexcept {
+    hand_ = hand;
+    target_ = target;
+    turn_ = hand.orientation.conjugate() * target.orientation;
+  }
+
+  /// Precondition: the orientation is unit.
+  Pose target(const Pose& hand) const noexcept {
+    return {target_.position + scale_ * (hand.position - hand_.position),
+            (hand.orientation * turn_).normalized()};
+  }
+
+  /// A contact of the robot, where the hand meets it.
+  RemoteContact at_hand(const RemoteContact& contact) const noexcept {
+    RemoteContact seen = contact;
+    seen.point = hand_.position + (contact.point - target_.position) / scale_;
+    seen.velocity = contact.velocity / scale_;
+    seen.stiffness = contact.stiffness * scale_;
+    return seen;
+  }
+  EnergyCounters at_hand(const EnergyCounters& robot) const noexcept {
+    return {robot.given / scale_, robot.taken / scale_, robot.pushed / scale_};
+  }
+  /// [J] that a hand paid, in the robot's measure.
+  double at_robot(double hand_work) const noexcept { return scale_ * hand_work; }
+
+ private:
+  double scale_;
+  Pose hand_, target_;                        // where they engaged
+  Quaternion turn_ = Quaternion::Identity();  // q_h0^-1 q_t0
+};
+
+}  // namespace feltwire

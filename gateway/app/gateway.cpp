@@ -1,0 +1,138 @@
+#include "gateway/app/gateway.hpp"
+
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <asio/ip/address.hpp>
+#include <chrono>
+#include <stdexcept>
+#include <utility>
+
+#include "core/base/visible_text.hpp"
+#include "core/scene_file/load_scene.hpp"
+#include "gateway/remote_scene/remote_scene.hpp"
+#include "server/app/config.hpp"
+#include "server/app/metrics.hpp"
+#include "server/web/web_server.hpp"
+
+namespace feltwire {
+namespace {
+
+constexpr std::chrono::milliseconds kAskTime{3000};
+
+std::vector<Scene> load_scenes(const GatewayConfig& config) {
+  if (config.scenes.empty())
+    throw std::invalid_argument(
+        "--scene: none is given; name the files of the server's scenes, for the protocol carries "
+        "no shapes");
+  std::vector<Scene> scenes;
+  for (const auto& file : config.scenes) scenes.push_back(load_scene(file));
+  return scenes;
+}
+
+web::WebOptions web_options(const GatewayConfig& config) {
+  const WebPlace place = web_place(config.web);
+  web::WebOptions options;
+  options.address = asio::ip::make_address(place.address);
+  options.port = place.port;
+  options.names = config.web_names;
+  options.metrics = [](const web::AudienceCounters& page) { return metrics_text(page); };
+  return options;
+}
+
+/// A certificate that is made names the address of the page.
+Security open_page_security(const GatewayConfig& config) {
+  SecurityOptions options = config;
+  options.address = web_place(config.web).address;
+  return open_security(options);
+}
+
+std::string names_of(const std::vector<control::SceneEntry>& entries) {
+  std::string names;
+  for (const control::SceneEntry& entry : entries)
+    names += (names.empty() ? "" : ", ") + entry.name;
+  return names.empty() ? "none" : names;
+}
+
+/// Whether the server has these scenes, as far as can be told. A server that is away now may have
+/// them later.
+void compare(const ServerAccess& server, const std::vector<Scene>& scenes) {
+  std::vector<control::SceneEntry> entries;
+  try {
+    entries = list_scenes(server, kAskTime);
+  } catch (const LastingError&) {
+    throw;
+  } catch (const SessionError& error) {
+    spdlog::warn("{}; it is looked for again", visible(error.what()));
+    return;
+  }
+  for (const Scene& scene : scenes) {
+    const auto found = std::ranges::find(entries, scene.name(), &control::SceneEntry::name);
+    if (found == entries.end())
+      throw std::invalid_argument("--scene: the server has no scene '" + scene.name() +
+                                  "' that the token opens; it has: " + names_of(entries));
+    if (found->objects != scene.objects().size())
+      throw std::invalid_argument("--scene: the server's scene '" + scene.name() + "' has " +
+                                  std::to_string(found->objects) + " objects, and the file has " +
+                                  std::to_string(scene.objects().size()) +
+                                  "; give the file that the server has");
+  }
+}
+
+}  // namespace
+
+struct Gateway::Parts {
+  const std::vector<std::filesystem::path> files;  // none where the scenes were at hand
+  std::vector<std::unique_ptr<RemoteScene>> scenes;
+  std::unique_ptr<web::WebServer> web;
+
+  Parts(const GatewayConfig& config, std::vector<Scene> looks, Security security)
+      : files(config.scenes) {
+    compare(config.server, looks);
+    std::vector<SceneInView*> shown;
+    for (Scene& look : looks) {
+      scenes.push_back(std::make_unique<RemoteScene>(std::move(look), config.server));
+      shown.push_back(scenes.back().get());
+    }
+    web = std::make_unique<web::WebServer>(web_options(config), shown, std::move(security.tokens),
+                                           security.identity);
+    for (const auto& scene : scenes) scene->start();
+    web->start();
+  }
+  ~Parts() { stop(); }
+
+  void reload() {
+    for (std::size_t i = 0; i < files.size(); ++i) {
+      try {
+        Scene scene = load_scene(files[i]);
+        if (scene.name() != scenes[i]->name())
+          throw std::invalid_argument(files[i].string() + ": name: is '" + scene.name() +
+                                      "' now, and viewers know '" + scenes[i]->name() +
+                                      "'; keep the name");
+        scenes[i]->reload(std::move(scene));
+        web->tell(i, std::nullopt);
+      } catch (const std::exception& error) {
+        spdlog::error("{}; the scene stays as it was", visible(error.what()));
+      }
+    }
+  }
+
+  void stop() {
+    web->stop();  // it asks the scenes
+    for (const auto& scene : scenes) scene->stop();
+  }
+};
+
+Gateway::Gateway(const GatewayConfig& config)
+    : Gateway(config, load_scenes(config), open_page_security(config)) {}
+Gateway::Gateway(const GatewayConfig& config, std::vector<Scene> scenes, Security security)
+    : parts_(std::make_unique<Parts>(config, std::move(scenes), std::move(security))) {}
+Gateway::~Gateway() = default;
+Gateway::Gateway(Gateway&&) noexcept = default;
+Gateway& Gateway::operator=(Gateway&&) noexcept = default;
+
+std::string Gateway::web_url() const { return parts_->web->url(); }
+void Gateway::reload() { parts_->reload(); }
+void Gateway::stop() { parts_->stop(); }
+
+}  // namespace feltwire

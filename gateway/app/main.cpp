@@ -1,0 +1,59 @@
+// feltwire-view: serves the live page of scenes that another server computes.
+
+#include <spdlog/sinks/stdout_color_sinks.h>
+#include <spdlog/spdlog.h>
+
+#include <csignal>
+#include <cstdio>
+#include <exception>
+#include <stdexcept>
+
+#include "core/base/visible_text.hpp"
+#include "gateway/app/gateway.hpp"
+#include "gateway/app/gateway_options.hpp"
+#include "protocol/crypto/secret.hpp"
+#include "server/access/security.hpp"
+#include "server/app/log_format.hpp"
+#include "server/app/page_address.hpp"
+#include "server/app/signals.hpp"
+
+namespace {
+
+constexpr int kBadUsage = 2, kCannotRun = 1;
+
+int fail(int status, const char* what) {
+  std::fprintf(stderr, "feltwire-view: %s\n", feltwire::visible(what).c_str());
+  return status;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  feltwire::forbid_core_dumps();
+  feltwire::end_without_random_numbers();
+  try {
+    const feltwire::GatewayConfig config = feltwire::gateway_config(argc, argv);
+    spdlog::set_default_logger(spdlog::stderr_color_mt("feltwire-view"));
+    spdlog::set_formatter(feltwire::visible_log_format());
+    spdlog::set_level(spdlog::level::from_str(config.log_level));
+
+    // Blocked before any thread starts, so that only this one takes them.
+    sigset_t signals;
+    sigemptyset(&signals);
+    for (const int signal : {SIGINT, SIGTERM, SIGUSR1, SIGHUP}) sigaddset(&signals, signal);
+    pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+    std::signal(SIGPIPE, SIG_IGN);
+
+    feltwire::Gateway gateway(config);
+    std::printf("live page: %s%s\n", gateway.web_url().c_str(),
+                feltwire::token_for_page(config).c_str());
+    std::fflush(stdout);
+    feltwire::wait_for_end(signals, {[] {}, [&] { gateway.reload(); }});
+    gateway.stop();
+    return 0;
+  } catch (const std::invalid_argument& error) {
+    return fail(kBadUsage, error.what());
+  } catch (const std::exception& error) {
+    return fail(kCannotRun, error.what());
+  }
+}

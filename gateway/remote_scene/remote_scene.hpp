@@ -1,0 +1,70 @@
+#pragma once
+// A scene that another server computes: this process looks on as an observer, and viewers see what
+// it sees.
+
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "client/servo/servo_loop.hpp"
+#include "client/transport/control_client.hpp"
+#include "server/picture/scene_in_view.hpp"
+
+namespace feltwire {
+
+/// How an observer looks for its scene. The waits between attempts double, as a client's do
+/// (RejoinOptions).
+struct LookOptions {
+  std::chrono::milliseconds first_wait{250}, longest_wait{4000};
+  std::chrono::milliseconds timeout{1000};  // of each attempt, in each of its steps
+};
+
+class RemoteScene final : public SceneInView {
+ public:
+  /// `scene`: what the server's scene of that name looks like, for no message carries shapes.
+  RemoteScene(Scene scene, const ServerAccess& server, const LookOptions& options = {});
+  /// stop().
+  ~RemoteScene() override;
+  RemoteScene(const RemoteScene&) = delete;
+  RemoteScene& operator=(const RemoteScene&) = delete;
+
+  /// Starts the thread that joins, looks on, and joins again where the session was lost. Once.
+  void start();
+  /// Leaves the server. May be called again.
+  void stop();
+  /// The server has another scene of this name now. From any thread.
+  void reload(Scene scene);
+
+  const std::string& name() const override { return name_; }
+  CurrentScene current_scene() const override;
+  bool take_picture(Picture& picture) override;
+  /// Describes the hands: only their numbers and tools are known here.
+  void describe(asio::io_context& back,
+                std::function<void(std::vector<HandDescription>)> done) override;
+  std::optional<std::string> out_of_sight() const override;
+
+ private:
+  void run();
+  std::string look_on();
+  void show(const class ObservedScene& seen);
+  void hide(std::string why);
+
+  const std::string name_;
+  const ServerAccess server_;
+  const LookOptions options_;
+  mutable std::mutex mutex_;  // guards the next ones
+  CurrentScene current_;
+  Picture picture_;
+  std::vector<HandDescription> hands_;
+  bool fresh_ = false;  // no viewer has taken the picture
+  std::optional<std::string> hidden_;
+  Event stop_;
+  bool joined_ = false;  // the attempt that is under way came to a session
+  std::thread thread_;
+};
+
+}  // namespace feltwire

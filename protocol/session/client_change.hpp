@@ -1,0 +1,107 @@
+#pragma once
+// What a server may ask a client to change while its session runs: the law that bounds its force,
+// and the link that it emulates. docs/admin.md says who may raise the force on a hand.
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "protocol/session/session_parameters.hpp"
+
+namespace feltwire {
+
+/// The name of a bounding method as a plain value, so that a reply can hold it without allocating.
+class MethodName {
+ public:
+  MethodName() = default;
+  /// Precondition: at most kLongestMethodName bytes; what is longer is left out.
+  explicit MethodName(std::string_view name) noexcept
+      : size_(static_cast<std::uint8_t>(std::min(name.size(), text_.size()))) {
+    std::copy_n(name.begin(), size_, text_.begin());
+  }
+  std::string_view view() const noexcept { return {text_.data(), size_}; }
+  friend bool operator==(const MethodName&, const MethodName&) = default;
+
+ private:
+  std::array<char, kLongestMethodName> text_{};
+  std::uint8_t size_ = 0;
+};
+
+/// The law at the client: those of its session parameters that can change while it runs.
+struct LawChoice {
+  MethodName mode;
+  Projection projection = Projection::cone;
+  Storage storage = Storage::minimal;
+  friend bool operator==(const LawChoice&, const LawChoice&) = default;
+};
+LawChoice law_of(const SessionParameters& parameters);
+/// The parameters with another law.
+SessionParameters with_law(SessionParameters parameters, const LawChoice& law);
+
+/// An emulated link, the same in both directions.
+struct LinkQuality {
+  static constexpr double kLongestDelay = 10.0;  // [s]
+  double delay = 0.0;                            // [s] mean, one way; 0 to kLongestDelay
+  double jitter = 0.0;                           // [s] standard deviation; 0 to kLongestDelay
+  double loss = 0.0;                             // share of the datagrams, 0 to 1
+  friend bool operator==(const LinkQuality&, const LinkQuality&) = default;
+};
+/// Written so that NaN fails. Never allocates.
+inline bool possible(const LinkQuality& link) noexcept {
+  const auto lies = [](double value, double most) { return value >= 0.0 && value <= most; };
+  return lies(link.delay, LinkQuality::kLongestDelay) &&
+         lies(link.jitter, LinkQuality::kLongestDelay) && lies(link.loss, 1.0);
+}
+/// Why there is no such link: the field, its range and the remedy. Nothing where there is.
+std::optional<std::string> wrong(const LinkQuality& link);
+
+/// A change that travels in each reply until the client's reports acknowledge its number.
+struct ClientChange {
+  static constexpr std::uint8_t kLast = 63;  // the number after it is 1
+  std::uint8_t number = 0;                   // 1 to kLast; it tells one change from the next
+  std::optional<LawChoice> law;              // nothing: the law stays
+  std::optional<LinkQuality> link;           // nothing: the link stays
+  friend bool operator==(const ClientChange&, const ClientChange&) = default;
+};
+constexpr std::uint8_t number_after(std::uint8_t number) {
+  return number >= ClientChange::kLast ? std::uint8_t{1} : static_cast<std::uint8_t>(number + 1);
+}
+
+/// Which laws a client lets an admin choose. It says so when it joins, and judges each change by
+/// itself: no server can take the bound off a hand.
+enum class LawsTaken : std::uint8_t {
+  none,  // its law stays what it was started with
+  safe,  // that one, and those that are passive by themselves for every hand, whatever fails
+  any    // any that can take over while a session runs: nobody's hand is at the device
+};
+inline constexpr std::array<std::string_view, 3> kLawsTakenNames = {"none", "safe", "any"};
+std::string_view name(LawsTaken laws);
+
+struct ChangesTaken {
+  LawsTaken laws = LawsTaken::none;
+  bool link = false;
+  friend bool operator==(const ChangesTaken&, const ChangesTaken&) = default;
+};
+
+/// What a client has said to the newest change that it was asked for.
+enum class ChangeAnswer : std::uint8_t { waiting, taken, refused };
+inline constexpr std::array<std::string_view, 3> kChangeAnswerNames = {"waiting", "taken",
+                                                                       "refused"};
+std::string_view name(ChangeAnswer answer);
+
+/// Why a client that was started with these parameters does not take the law; nothing where it
+/// does. A law can take over where it and the one before admit reductions, since the safety stage
+/// and the account stand behind both.
+std::optional<std::string> refuses_law(const SessionParameters& started, const LawChoice& law,
+                                       LawsTaken taken);
+
+/// For people: "mode shaped -> contact_frame, storage minimal -> elastic". Empty where they are the
+/// same.
+std::string difference(const LawChoice& before, const LawChoice& after);
+/// "link delay 25 ms, jitter 5 ms, loss 10 %".
+std::string text(const LinkQuality& link);
+
+}  // namespace feltwire

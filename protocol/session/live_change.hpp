@@ -1,0 +1,32 @@
+#pragma once
+// What may be changed while a scene runs, as plain values: the same change in the same state has
+// the same result, bit for bit.
+
+#include <cstdint>
+#include <variant>
+
+#include "core/base/types.hpp"
+#include "protocol/session/client_change.hpp"
+#include "protocol/session/material_change.hpp"
+#include "protocol/session/session_parameters.hpp"
+
+namespace feltwire {
+
+/// Another gravity on what moves.
+struct GravityChange {
+  Vec3 gravity = Vec3::Zero();  // [m/s^2]
+};
+/// Other parameters of one session, of those that a running session can change (grant.hpp). Where
+/// the client bounds, its law changes when the client says that it has taken the change.
+struct ParameterChange {
+  std::uint64_t session = 0;
+  SessionParameters parameters;
+};
+/// Another link that a session's client emulates, from when the client takes it.
+struct LinkChange {
+  std::uint64_t session = 0;
+  LinkQuality link;
+};
+using LiveChange = std::variant<MaterialChange, GravityChange, ParameterChange, LinkChange>;
+
+}  // namespace feltwire

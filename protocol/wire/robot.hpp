@@ -1,0 +1,68 @@
+#pragma once
+// What a hand that leads and a robot that follows tell each other, as values. PROTOCOL.md, "A robot
+// that follows", has their bytes.
+
+#include <chrono>
+#include <cmath>
+#include <cstdint>
+#include <optional>
+
+#include "core/base/types.hpp"
+#include "core/teleoperation/authority.hpp"
+#include "core/teleoperation/contact_estimate.hpp"
+#include "core/teleoperation/energy_counters.hpp"
+
+namespace feltwire {
+
+using Nanoseconds = std::chrono::nanoseconds;
+inline double seconds(Nanoseconds time) { return std::chrono::duration<double>(time).count(); }
+inline Nanoseconds from_seconds(double time) { return Nanoseconds(std::llround(time * 1e9)); }
+
+/// The part of a sample that a hand adds when it leads a robot.
+struct Lead {
+  bool deadman = false;             // the switch that lets the hand move the robot is held
+  std::uint32_t known_surface = 0;  // of the robot's, that the hand renders; 0: none
+  Vec3 offset = Vec3::Zero();       // [m] the robot is wanted where the hand is, less this; float32
+  double hand_work = 0.0;           // [J] total that the hand paid into the robot's contacts
+  double gripper = -1.0;            // [m] opening that is wanted; < 0: not said; float32
+};
+
+/// The part of a reply that tells a leading hand of its robot. The contact's stiffness is that of
+/// surface and robot in series. Its vectors, except the point, are float32 on the wire.
+struct Remote {
+  LinkState state = LinkState::disabled;
+  Pose pose;                                  // of the robot's tool, in its own frame
+  RemoteContact contact;                      // where the hand meets it, before its offset
+  EnergyCounters energy;                      // in the hand's measure
+  double gripper = 0.0, gripper_force = 0.0;  // [m] opening, [N] that it holds with
+  double age = 0.0;                           // [s] since that came from the robot
+};
+
+/// One servo sample of a robot, in its own frame.
+struct RobotState {
+  std::uint64_t index = 0;               // counted by the follower from 1
+  Nanoseconds time{0};                   // the follower's monotonic clock
+  Pose pose, commanded;                  // of the tool; the target that its controller holds
+  Vec3 velocity = Vec3::Zero();          // [m/s]
+  Vec3 angular_velocity = Vec3::Zero();  // [rad/s]
+  std::optional<Vec3> force;             // [N] of the environment on the tool; none: not sensed
+  Vec3 torque = Vec3::Zero();            // [N m]
+  RemoteContact contact;                 // as in Remote, in the robot's frame
+  EnergyCounters energy;
+  double gripper = 0.0, gripper_force = 0.0;  // [m], [N]
+  bool ok = true;                             // false: it has a fault and holds by itself
+  bool stopped = false;                       // a protective stop
+};
+
+/// Where the tool shall be.
+struct RobotTarget {
+  std::uint64_t index = 0;         // counts the targets; one that is not newer changes nothing
+  std::uint64_t sample_index = 0;  // of the leader's, that it came from; 0: none
+  LinkState state = LinkState::disabled;  // it is followed where this is `engaged`
+  Pose pose;
+  double gripper = -1.0;            // [m] opening; < 0: it stays
+  std::uint32_t known_surface = 0;  // that the hand knows
+  double hand_work = 0.0;           // [J] total, in the robot's measure
+};
+
+}  // namespace feltwire

@@ -1,0 +1,184 @@
+#include "protocol/wire/robot_codec.hpp"
+
+#include <cmath>
+
+#include "protocol/wire/payload.hpp"
+#include "protocol/wire/wire_values.hpp"
+
+namespace feltwire {
+namespace {
+
+constexpr std::uint32_t kFlagDeadman = 1u << 0;
+constexpr std::uint32_t kRobotTouches = 1u << 0;
+constexpr std::uint32_t kFlagSensed = 1u << 0, kFlagOk = 1u << 1, kFlagStopped = 1u << 2;
+constexpr double kFastest = 100.0;  // [m/s] no surface and no robot is faster
+constexpr double kStiffest = 1e9;   // [N/m]
+constexpr double kMostForce = 1e6;  // [N], [N m]
+
+// All written so that NaN fails.
+bool within(double value, double most) { return std::abs(value) <= most; }
+bool within(const Vec3& v, double most) {
+  return within(v.x(), most) && within(v.y(), most) && within(v.z(), most);
+}
+bool unit(const Quaternion& q) { return within(q.squaredNorm() - 1.0, kUnitTolerance); }
+bool plausible(const Pose& pose) {
+  return within(pose.position, kMaxPosition) && unit(pose.orientation);
+}
+
+/// A contact that is none has no numbers to be wrong.
+bool plausible(const RemoteContact& c) {
+  if (c.surface == 0) return !c.touching;
+  return within(c.point, kMaxPosition) && within(c.normal.squaredNorm() - 1.0, kUnitTolerance) &&
+         within(c.velocity, kFastest) && c.stiffness > 0.0 && c.stiffness <= kStiffest &&
+         c.friction >= 0.0 && within(c.friction, kMostForce);
+}
+
+bool plausible(const EnergyCounters& e) {
+  return e.given >= 0.0 && std::isfinite(e.given) && e.taken >= 0.0 && std::isfinite(e.taken) &&
+         e.pushed >= 0.0 && std::isfinite(e.pushed);
+}
+
+wire::RobotContact wire_contact(const RemoteContact& c) {
+  return {wire_double(c.point),           wire_float(c.normal),
+          wire_float(c.velocity),         static_cast<float>(c.stiffness),
+          static_cast<float>(c.friction), c.surface,
+          c.touching ? kRobotTouches : 0};
+}
+
+RemoteContact contact_of(const wire::RobotContact& from) {
+  if (from.surface() == 0) return {.touching = (from.flags() & kRobotTouches) != 0};
+  return {.surface = from.surface(),
+          .touching = (from.flags() & kRobotTouches) != 0,
+          .point = value(from.point()),
+          .normal = value(from.normal()),
+          .stiffness = from.stiffness(),
+          .friction = from.friction(),
+          .velocity = value(from.velocity())};
+}
+
+wire::RobotEnergy wire_energy(const EnergyCounters& e) { return {e.given, e.taken, e.pushed}; }
+EnergyCounters energy_of(const wire::RobotEnergy& e) { return {e.given(), e.taken(), e.pushed()}; }
+
+bool known(std::uint32_t state) { return state <= static_cast<std::uint32_t>(kLastLinkState); }
+
+DropReason check(const RobotState& s) {
+  if (s.index == 0) return DropReason::order;
+  const bool good = plausible(s.pose) && plausible(s.commanded) && within(s.velocity, kFastest) &&
+                    within(s.angular_velocity, kFastest) &&
+                    (!s.force || within(*s.force, kMostForce)) && within(s.torque, kMostForce) &&
+                    plausible(s.contact) && plausible(s.energy) && std::isfinite(s.gripper) &&
+                    std::isfinite(s.gripper_force);
+  return good ? DropReason::none : DropReason::not_finite;
+}
+
+}  // namespace
+
+wire::Lead wire_lead(const Lead& lead) {
+  return {wire_float(lead.offset), lead.known_surface, lead.hand_work,
+          static_cast<float>(lead.gripper), lead.deadman ? kFlagDeadman : 0};
+}
+
+Lead value(const wire::Lead& from) {
+  return {.deadman = (from.flags() & kFlagDeadman) != 0,
+          .known_surface = from.known_surface(),
+          .offset = value(from.offset()),
+          .hand_work = from.hand_work(),
+          .gripper = from.gripper()};
+}
+
+bool plausible(const Lead& lead) noexcept {
+  return within(lead.offset, 2.0 * kMaxPosition) && std::isfinite(lead.hand_work) &&
+         std::isfinite(lead.gripper);
+}
+
+wire::Remote wire_remote(const Remote& r) {
+  return {wire_double(r.pose.position),
+          wire_double(r.pose.orientation),
+          wire_contact(r.contact),
+          wire_energy(r.energy),
+          static_cast<float>(r.gripper),
+          static_cast<float>(r.age),
+          static_cast<std::uint32_t>(r.state),
+          static_cast<float>(r.gripper_force)};
+}
+
+bool read(const wire::Remote& from, Remote& to) noexcept {
+  to.pose = {value(from.position()), value(from.orientation())};
+  to.contact = contact_of(from.contact());
+  to.energy = energy_of(from.energy());
+  to.gripper = from.gripper();
+  to.gripper_force = from.gripper_force();
+  to.age = from.age();
+  if (!known(from.state())) return false;
+  to.state = static_cast<LinkState>(from.state());
+  return plausible(to.pose) && plausible(to.contact) && plausible(to.energy) &&
+         std::isfinite(to.gripper) && std::isfinite(to.gripper_force) && to.age >= 0.0 &&
+         std::isfinite(to.age);
+}
+
+Bytes Encoder::state(const RobotState& s) {
+  const std::uint32_t flags =
+      (s.force ? kFlagSensed : 0) | (s.ok ? kFlagOk : 0) | (s.stopped ? kFlagStopped : 0);
+  const wire::RobotState state(
+      s.index, s.time.count(), wire_double(s.pose.position), wire_double(s.pose.orientation),
+      wire_double(s.commanded.position), wire_double(s.commanded.orientation),
+      wire_float(s.velocity), wire_float(s.angular_velocity),
+      wire_float(s.force.value_or(Vec3::Zero())), wire_float(s.torque), wire_contact(s.contact),
+      wire_energy(s.energy), static_cast<float>(s.gripper), static_cast<float>(s.gripper_force),
+      flags, 0);
+  auto& builder = builder_->begin();
+  return builder_->finish(wire::CreateFollowerState(builder, &state));
+}
+
+Bytes Encoder::target(const RobotTarget& t) {
+  const wire::RobotTarget target(t.index, t.sample_index, wire_double(t.pose.position),
+                                 wire_double(t.pose.orientation), t.hand_work, t.known_surface,
+                                 static_cast<float>(t.gripper), static_cast<std::uint32_t>(t.state),
+                                 0);
+  auto& builder = builder_->begin();
+  return builder_->finish(wire::CreateFollowerTarget(builder, &target));
+}
+
+DropReason decode(Bytes payload, RobotState& out) noexcept {
+  const Aligned bytes(payload);
+  const auto* root = bytes.root<wire::FollowerState>();
+  if (root == nullptr) return DropReason::malformed;
+  const wire::RobotState& from = *root->state();
+  out = {.index = from.index(),
+         .time = Nanoseconds(from.time()),
+         .pose = {value(from.position()), value(from.orientation())},
+         .commanded = {value(from.commanded()), value(from.commanded_turn())},
+         .velocity = value(from.velocity()),
+         .angular_velocity = value(from.angular_velocity()),
+         .force = std::nullopt,
+         .torque = value(from.torque()),
+         .contact = contact_of(from.contact()),
+         .energy = energy_of(from.energy()),
+         .gripper = from.gripper(),
+         .gripper_force = from.gripper_force(),
+         .ok = (from.flags() & kFlagOk) != 0,
+         .stopped = (from.flags() & kFlagStopped) != 0};
+  if ((from.flags() & kFlagSensed) != 0) out.force = value(from.force());
+  return check(out);
+}
+
+DropReason decode(Bytes payload, RobotTarget& out) noexcept {
+  const Aligned bytes(payload);
+  const auto* root = bytes.root<wire::FollowerTarget>();
+  if (root == nullptr) return DropReason::malformed;
+  const wire::RobotTarget& from = *root->target();
+  if (!known(from.state())) return DropReason::malformed;
+  out = {.index = from.index(),
+         .sample_index = from.sample_index(),
+         .state = static_cast<LinkState>(from.state()),
+         .pose = {value(from.position()), value(from.orientation())},
+         .gripper = from.gripper(),
+         .known_surface = from.known_surface(),
+         .hand_work = from.hand_work()};
+  if (out.index == 0) return DropReason::order;
+  const bool good =
+      plausible(out.pose) && std::isfinite(out.gripper) && std::isfinite(out.hand_work);
+  return good ? DropReason::none : DropReason::not_finite;
+}
+
+}  // namespace feltwire

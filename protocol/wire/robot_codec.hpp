@@ -1,0 +1,18 @@
+#pragma once
+// Internal to the codec: what is said of robots, as values and as structs of the schema.
+
+#include "protocol/wire/datagram_generated.h"
+#include "protocol/wire/robot.hpp"
+
+namespace feltwire {
+
+wire::Lead wire_lead(const Lead& lead);
+Lead value(const wire::Lead& from);
+/// Finite, and an offset between two places where hands are.
+bool plausible(const Lead& lead) noexcept;
+
+wire::Remote wire_remote(const Remote& remote);
+/// False when a number in it is impossible.
+bool read(const wire::Remote& from, Remote& to) noexcept;
+
+}  // namespace feltwire

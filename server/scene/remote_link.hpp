@@ -1,0 +1,87 @@
+#pragma once
+// A hand and a robot in one scene: from the hand's samples to the robot's targets, and back. No
+// socket, no clock.
+
+#include <array>
+#include <cstdint>
+
+#include "core/scene/scene.hpp"
+#include "core/teleoperation/authority.hpp"
+#include "core/teleoperation/engage_index.hpp"
+#include "protocol/wire/datagram.hpp"
+
+namespace feltwire {
+
+/// The newest of everything, and the state. There is no queue: a sample makes the target, and an
+/// older one is never used again. Never allocates.
+class RemoteLink {
+ public:
+  /// The hand is silent after this time without a sample, the robot without a state.
+  static constexpr Nanoseconds kSilence = std::chrono::milliseconds(100);
+  /// A robot that is here hears of the server at least that often.
+  static constexpr Nanoseconds kBetweenTargets = std::chrono::milliseconds(10);
+  /// A hand jumped that moved so many times as far as the speed allows.
+  static constexpr double kJump = 5.0;
+
+  explicit RemoteLink(const RemoteSeat& seat) : seat_(seat), index_(seat.scale) {}
+
+  /// A robot sits down; hands and robots are numbered alike, from 1.
+  void sit(std::uint32_t robot) noexcept;
+  /// A hand or a robot is gone.
+  void leave(std::uint32_t number) noexcept;
+  bool taken() const noexcept { return robot_ != 0; }
+
+  /// At most so many hands wait for the lead; more are not heard.
+  static constexpr std::size_t kMostWaiting = 8;
+
+  /// The newest sample of a hand that leads or would, which came at `now`. The first hand leads. It
+  /// hands over to the next one that presses its switch, while its own is released or it is silent:
+  /// that one must have shown a released switch before. It engages where the robot's target is, as
+  /// every hand that engages. What the others say changes nothing. Precondition: the batch was
+  /// taken, and has a lead. `period` [s] of the hand's servo.
+  void lead(std::uint32_t hand, const SampleBatch& batch, double period, Nanoseconds now) noexcept;
+  /// The robot's state, which came at `now`; false: it is not newer than the one before.
+  bool follow(const RobotState& state, Nanoseconds now) noexcept;
+
+  /// The `remote` of the reply to that hand. For a hand that leads no robot: disabled.
+  Remote told(std::uint32_t hand, Nanoseconds now) const noexcept;
+
+  /// Whether there is a target to send: a new one, or none went for kBetweenTargets.
+  bool target_due(Nanoseconds now) const noexcept {
+    return robot_ != 0 && (fresh_ || (answers_ && now - sent_at_ >= kBetweenTargets));
+  }
+  /// The target; it counts as sent.
+  RobotTarget target(Nanoseconds now) noexcept;
+
+  LinkState state() const noexcept { return authority_.state(); }
+
+ private:
+  bool jumped(const Sample& sample, double period) const noexcept;
+  bool asks(std::uint32_t hand, bool pressed) noexcept;
+  void stop_waiting(std::uint32_t hand) noexcept;
+  void hand_over(std::uint32_t hand, const Sample& newest, Nanoseconds now) noexcept;
+  void step(bool refused, Nanoseconds now) noexcept;
+
+  RemoteSeat seat_;
+  Authority authority_;
+  EngageIndex index_;
+  std::uint32_t robot_ = 0, hand_ = 0;  // 0: none
+  Sample sample_;                       // the hand's newest; index 0: none yet
+  Lead lead_;
+  double work_ = 0.0;  // [J] that hands paid since they began to lead, one after the other
+  Nanoseconds hand_heard_{0};
+  struct Waiting {
+    std::uint32_t hand = 0;  // 0: none
+    bool released = false;   // its newest sample's switch
+  };
+  std::array<Waiting, kMostWaiting> waiting_{};
+  RobotState said_;  // by the robot; index 0: nothing yet
+  Nanoseconds robot_heard_{0};
+  Pose wanted_;           // in the robot's frame, while engaged
+  bool fresh_ = false;    // there is a target that has not been sent
+  bool answers_ = false;  // the robot said something since
+  Nanoseconds sent_at_{0};
+  std::uint64_t targets_ = 0;
+};
+
+}  // namespace feltwire

@@ -1,0 +1,38 @@
+#pragma once
+// Internal to sim/arm: a model of MuJoCo, and where the parts of the arm are in it.
+
+#include <array>
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "core/base/types.hpp"
+#include "core/dynamics/mujoco_error_trap.hpp"
+
+namespace feltwire::arm {
+
+inline constexpr int kAxes = 7;
+using Vec7 = Eigen::Matrix<double, kAxes, 1>;
+
+/// One joint with its motor.
+struct Axis {
+  int joint = 0, position = 0, speed = 0, motor = 0;  // indices: joint, qpos, qvel, ctrl
+  double low = 0.0, high = 0.0;                       // [rad] or [m] its range
+  double most = 0.0;                                  // [N m] or [N] that the motor gives
+};
+
+struct ArmModel {
+  mujoco::Model model;
+  std::array<Axis, kAxes> axes;
+  std::optional<std::array<Axis, 2>> fingers;
+  Vec7 home = Vec7::Zero();                     // [rad]
+  int tool = 0, wrist = 0, balance = 0;         // sites
+  int hand = 0;                                 // the body that the wrist's sensor carries
+  int force = 0, torque = 0, acceleration = 0;  // of the sensors, in sensordata
+  double tool_mass = 0.0;                       // [kg] of the hand and what is fixed to it
+};
+
+/// Reads it. Throws FileError naming the file, what is missing or wrong, and the remedy.
+ArmModel load_arm(const std::filesystem::path& file);
+
+}  // namespace feltwire::arm

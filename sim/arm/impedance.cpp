@@ -1,0 +1,235 @@
+#include "sim/arm/impedance.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <numbers>
+
+#include "core/base/numeric.hpp"
+
+namespace feltwire::arm {
+namespace {
+
+constexpr int kWays = 6, kLinear = 3;
+constexpr double kReferenceRate = 20.0;  // [Hz]
+constexpr double kFastest = 0.5;         // [m/s] that the target's velocity is believed
+constexpr double kFastestTurn = 2.0;     // [rad/s]: likewise
+constexpr double kPostureDamping = 1.0;  // [N m s/rad] for each sqrt of the stiffness
+constexpr double kWall = 300.0;          // [N m/rad] of a joint's wall
+constexpr double kWallDamping = 5.0;     // [N m s/rad]
+constexpr double kBefore = 0.1;          // [rad] that it begins before the limit
+// The gripper: the mean of its fingers follows the target, their difference stays zero.
+constexpr double kGrip = 4000.0, kGripDamping = 40.0;      // [N/m], [N s/m]
+constexpr double kLevel = 10000.0, kLevelDamping = 100.0;  // [N/m], [N s/m]
+
+Vec3 shortened(const Vec3& v, double most) {
+  const double size = length(v);
+  return size > most ? Vec3(most / size * v) : v;
+}
+
+/// Linear and angular part, each shortened.
+Vec6 shortened(const Vec6& v, double linear, double angular) {
+  Vec6 out;
+  out << shortened(Vec3(v.head<3>()), linear), shortened(Vec3(v.tail<3>()), angular);
+  return out;
+}
+
+bool is_orientation(const Quaternion& q) {
+  const double square = q.squaredNorm();
+  return std::isfinite(square) && std::abs(square - 1.0) < 0.01;
+}
+
+/// [J] of a spring whose force is at most `most`.
+double stored(double stiffness, double stretched, double most) {
+  const double free = most / stiffness;
+  return stretched <= free ? 0.5 * stiffness * stretched * stretched
+                           : most * (stretched - 0.5 * free);
+}
+
+}  // namespace
+
+Impedance::Impedance(const ArmConfig& config, const ArmModel& arm, const mjData& data)
+    : config_(config),
+      arm_(arm),
+      rows_(static_cast<std::size_t>(kWays * arm.model->nv)),
+      solved_(rows_.size()) {
+  find_jacobian(data);
+  mj_solveM(arm_.model.get(), const_cast<mjData*>(&data), solved_.data(), rows_.data(), kWays);
+  using Rows = Eigen::Map<const Eigen::Matrix<double, kWays, Eigen::Dynamic, Eigen::RowMajor>>;
+  const int speeds = arm_.model->nv;
+  const Mat6 mobility =
+      Rows(rows_.data(), kWays, speeds) * Rows(solved_.data(), kWays, speeds).transpose();
+  using Solver = Eigen::SelfAdjointEigenSolver<Mat3>;  // eigenvalues rise
+  mass_ = 1.0 / Solver(mobility.topLeftCorner<3, 3>()).eigenvalues().y();
+  const double inertia = 1.0 / Solver(mobility.bottomRightCorner<3, 3>()).eigenvalues().y();
+  damping_ = 2.0 * config.damping_ratio * std::sqrt(config.stiffness * mass_);
+  turning_damping_ = 2.0 * config.damping_ratio * std::sqrt(config.turning_stiffness * inertia);
+  posture_damping_ = kPostureDamping * std::sqrt(config.posture_stiffness);
+  share_ = 1.0 - std::exp(-2.0 * std::numbers::pi * kReferenceRate * arm_.model->opt.timestep);
+  hold(tool(data));
+}
+
+void Impedance::find_jacobian(const mjData& data) noexcept {
+  const std::ptrdiff_t speeds = arm_.model->nv;
+  mjtNum* const rows = rows_.data();
+  mj_jacSite(arm_.model.get(), &data, rows, rows + kLinear * speeds, arm_.tool);
+  for (int i = 0; i < kAxes; ++i)
+    for (int way = 0; way < kWays; ++way)
+      jacobian_(way, i) = rows[way * speeds + arm_.axes.at(static_cast<std::size_t>(i)).speed];
+}
+
+ToolState Impedance::tool(const mjData& data) const noexcept {
+  ToolState state;
+  state.pose.position = mujoco::vector(mujoco::entry<3>(data.site_xpos, arm_.tool));
+  mjtNum turned[4];
+  mju_mat2Quat(turned, mujoco::entry<9>(data.site_xmat, arm_.tool));
+  state.pose.orientation = mujoco::quaternion(turned);
+  mjtNum velocity[kWays];  // angular above linear
+  mj_objectVelocity(arm_.model.get(), &data, mjOBJ_SITE, arm_.tool, velocity, 0);
+  state.angular_velocity = mujoco::vector(velocity);
+  state.velocity = mujoco::vector(velocity + kLinear);
+  return state;
+}
+
+void Impedance::aim(const FollowerTarget& target, const ToolState& tool) noexcept {
+  if (!target.pose.position.allFinite() || !is_orientation(target.pose.orientation)) return;
+  const Vec3 way = target.pose.position - tool.pose.position;
+  const Vec3 turn = rotation_between(tool.pose.orientation, target.pose.orientation);
+  const double far = config_.largest_pull / config_.stiffness;
+  const double wide = config_.largest_turn / config_.turning_stiffness;
+  const Pose before = target_.pose;
+  const double turned = length(turn);
+  if (length(way) > far || turned > wide) {
+    const Vec3 left = shortened(turn, wide);
+    target_.pose.position = tool.pose.position + shortened(way, far);
+    target_.pose.orientation =
+        turned > wide ? Quaternion(Eigen::AngleAxisd(wide, left / wide)) * tool.pose.orientation
+                      : target.pose.orientation.normalized();
+    moved_.setZero();  // the target goes with the tool: it has no velocity of its own
+  } else {
+    target_.pose = {target.pose.position, target.pose.orientation.normalized()};
+    moved_.head<3>() += target_.pose.position - before.position;
+    moved_.tail<3>() += rotation_between(before.orientation, target_.pose.orientation);
+  }
+  if (std::isfinite(target.gripper) && arm_.fingers)
+    target_.gripper = std::clamp(target.gripper, 0.0, 2.0 * arm_.fingers->front().high);
+}
+
+void Impedance::hold(const ToolState& tool) noexcept {
+  target_.pose = tool.pose;
+  moved_.setZero();
+  pace_.setZero();
+  reference_.setZero();
+}
+
+void Impedance::spread(int steps, bool touching) noexcept {
+  if (steps <= 0) return;
+  const double span = steps * arm_.model->opt.timestep;
+  pace_ = shortened(Vec6(moved_ / span), kFastest, kFastestTurn);
+  if (touching) pace_.setZero();
+  moved_.setZero();
+}
+
+/// [N m] The axes carry what hangs on them.
+Vec7 Impedance::gravity(const mjData& data) const noexcept {
+  const mjModel& model = *arm_.model;
+  const Vec3 down = mujoco::vector(model.opt.gravity);
+  Vec7 torque;
+  for (int i = 0; i < kAxes; ++i) {
+    const int joint = arm_.axes.at(static_cast<std::size_t>(i)).joint;
+    const int body = model.jnt_bodyid[joint];
+    const Vec3 lever = mujoco::vector(mujoco::entry<3>(data.subtree_com, body)) -
+                       mujoco::vector(mujoco::entry<3>(data.xanchor, joint));
+    torque[i] = -model.body_subtreemass[body] *
+                mujoco::vector(mujoco::entry<3>(data.xaxis, joint)).dot(lever.cross(down));
+  }
+  return torque;
+}
+
+Vec7 Impedance::walls(const Vec7& q, const Vec7& speed) const noexcept {
+  Vec7 torque = Vec7::Zero();
+  for (int i = 0; i < kAxes; ++i) {
+    const Axis& axis = arm_.axes.at(static_cast<std::size_t>(i));
+    const double below = axis.low + kBefore - q[i], above = q[i] - axis.high + kBefore;
+    if (below > 0.0) torque[i] = kWall * below - kWallDamping * speed[i];
+    if (above > 0.0) torque[i] = -kWall * above - kWallDamping * speed[i];
+  }
+  return torque;
+}
+
+/// Towards home, without the part that would move the tool (Khatib's dynamically consistent null
+/// space, IEEE J. Robotics and Automation 3(1) 1987).
+Vec7 Impedance::posture(const Vec7& q, const Vec7& speed) noexcept {
+  constexpr double kSingular = 1e-6;  // [1/kg] keeps the inverse finite
+  const std::ptrdiff_t speeds = arm_.model->nv;
+  const mjtNum* const rows = solved_.data();
+  Jacobian solved;
+  for (int i = 0; i < kAxes; ++i)
+    for (int way = 0; way < kWays; ++way)
+      solved(way, i) = rows[way * speeds + arm_.axes.at(static_cast<std::size_t>(i)).speed];
+  const Vec7 drawn = config_.posture_stiffness * (arm_.home - q) - posture_damping_ * speed;
+  const Mat6 mobility = jacobian_ * solved.transpose() + kSingular * Mat6::Identity();
+  return drawn - jacobian_.transpose() * mobility.ldlt().solve(Vec6(solved * drawn));
+}
+
+void Impedance::drive(mjData& data) noexcept {
+  find_jacobian(data);
+  mj_solveM(arm_.model.get(), &data, solved_.data(), rows_.data(), kWays);
+  const ToolState now = tool(data);
+  reference_ += share_ * (pace_ - reference_);
+  Vec6 wrench, velocity;
+  wrench << config_.stiffness * (target_.pose.position - now.pose.position),
+      config_.turning_stiffness * rotation_between(now.pose.orientation, target_.pose.orientation);
+  wrench = shortened(wrench, config_.largest_pull, config_.largest_turn);
+  velocity << now.velocity, now.angular_velocity;
+  wrench.head<3>() += damping_ * (reference_ - velocity).head<3>();
+  wrench.tail<3>() += turning_damping_ * (reference_ - velocity).tail<3>();
+  Vec7 q, speed;
+  for (int i = 0; i < kAxes; ++i) {
+    const Axis& axis = arm_.axes.at(static_cast<std::size_t>(i));
+    q[i] = data.qpos[axis.position];
+    speed[i] = data.qvel[axis.speed];
+  }
+  const Vec7 torque =
+      jacobian_.transpose() * wrench + gravity(data) + walls(q, speed) + posture(q, speed);
+  for (int i = 0; i < kAxes; ++i) {
+    const Axis& axis = arm_.axes.at(static_cast<std::size_t>(i));
+    data.ctrl[axis.motor] = std::clamp(torque[i], -axis.most, axis.most);
+  }
+  if (arm_.fingers) drive_gripper(data);
+}
+
+void Impedance::drive_gripper(mjData& data) noexcept {
+  const auto& [a, b] = *arm_.fingers;
+  const double middle = 0.5 * (data.qpos[a.position] + data.qpos[b.position]);
+  const double speed = 0.5 * (data.qvel[a.speed] + data.qvel[b.speed]);
+  const double apart = data.qpos[a.position] - data.qpos[b.position];
+  const double parting = data.qvel[a.speed] - data.qvel[b.speed];
+  const double most = std::min(a.most, b.most);
+  const double both =
+      std::clamp(kGrip * (0.5 * target_.gripper - middle) - kGripDamping * speed, -most, most);
+  const double level = 0.5 * (kLevel * apart + kLevelDamping * parting);
+  grip_ = std::max(0.0, -both);
+  data.ctrl[a.motor] = std::clamp(both - level, -a.most, a.most);
+  data.ctrl[b.motor] = std::clamp(both + level, -b.most, b.most);
+}
+
+double Impedance::energy(const mjData& data) const noexcept {
+  const ToolState now = tool(data);
+  double sum = stored(config_.stiffness, length(Vec3(target_.pose.position - now.pose.position)),
+                      config_.largest_pull) +
+               stored(config_.turning_stiffness,
+                      length(rotation_between(now.pose.orientation, target_.pose.orientation)),
+                      config_.largest_turn);
+  for (int i = 0; i < kAxes; ++i) {
+    const Axis& axis = arm_.axes.at(static_cast<std::size_t>(i));
+    const double q = data.qpos[axis.position], away = arm_.home[i] - q;
+    const double in = std::max({0.0, axis.low + kBefore - q, q - axis.high + kBefore});
+    sum += 0.5 * (config_.posture_stiffness * away * away + kWall * in * in);
+  }
+  return sum;
+}
+
+}  // namespace feltwire::arm

@@ -1,0 +1,128 @@
+// feltwire-follower: a robot that follows a hand in a scene of a server.
+
+#include <CLI/CLI.hpp>
+#include <array>
+#include <atomic>
+#include <csignal>
+#include <cstdio>
+#include <exception>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "client/command_line/credential_options.hpp"
+#include "client/emulated_link/emulated_port.hpp"
+#include "client/followers/follower_loop.hpp"
+#include "client/run/output_files.hpp"
+#include "core/base/visible_text.hpp"
+#include "core/build_info/build_info.hpp"
+#include "core/command_line/environment.hpp"
+#include "sim/follower/follower_record.hpp"
+#include "sim/follower/follower_report.hpp"
+#include "sim/follower/robots.hpp"
+
+namespace feltwire {
+namespace {
+
+constexpr double kDriverTime = 60.0;        // [s] that a driver may take to connect
+constexpr std::size_t kLinkRoom = 1 << 13;  // datagrams on their way
+
+std::atomic<bool> stopped{false};
+static_assert(std::atomic<bool>::is_always_lock_free);  // a signal handler sets it
+void stop(int /*signal*/) { stopped.store(true); }
+
+struct Words {
+  std::string connect, link, report, record;
+  CredentialOptions credentials;
+  RobotChoice robot;
+  std::optional<std::array<double, 3>> at;
+  FollowerRun run;
+};
+
+int follow(Words& words) {
+  if (words.at) words.robot.at = Vec3((*words.at)[0], (*words.at)[1], (*words.at)[2]);
+  check(words.robot);
+  words.run.server = {parse_endpoint(words.connect), credentials(words.credentials)};
+  if (!words.link.empty())
+    words.run.open_port = [link = parse_link(words.link)](const Address& scene) {
+      return std::make_unique<EmulatedPort>(open_udp_port(scene), TwoWayLink(link, 0, kLinkRoom));
+    };
+  words.run.on_join = [] { std::fprintf(stderr, "feltwire-follower: sits on the robot's seat\n"); };
+  if (!words.report.empty()) check_writable(words.report);
+  const std::unique_ptr<Follower> robot = make_robot(words.robot, kDriverTime);
+  std::optional<FollowerRecord> record;
+  if (!words.record.empty()) {
+    record.emplace(words.record);
+    words.run.on_sample = [&record](const RobotState& said, const RobotTarget& target) {
+      record->add(said, target);
+    };
+  }
+  std::signal(SIGINT, stop);
+  std::signal(SIGTERM, stop);
+  const FollowerResult result = run_follower(*robot, words.run, stopped);
+  std::printf("%s\n", report_line(result).c_str());
+  if (!words.report.empty())
+    write_whole(words.report, report_json(robot->spec(), words.run, result));
+  if (record) record->finish();
+  return result.end == FollowerEnd::requested ? 0 : 1;
+}
+
+}  // namespace
+}  // namespace feltwire
+
+int main(int argc, char** argv) {
+  using namespace feltwire;
+  Words words;
+  CLI::App app{
+      "A robot that follows a hand (docs/teleoperation.md): a simulated one, which touches what "
+      "the\n"
+      "server does not know, or one whose driver is another program (docs/followers.md).\n"
+      "It is no safety-rated system."};
+  app.set_version_flag("--version", version());
+  app.add_option("--connect", words.connect, "HOST:PORT of the server")->required();
+  app.add_option("--scene", words.run.scene, "Scene whose robot's seat it takes")->required();
+  app.add_option(
+      "--surroundings", words.robot.surroundings,
+      "FILE.json: the robot is a point with a mass and an impedance controller in that scene");
+  app.add_option(
+      "--arm", words.robot.arm,
+      "FILE.xml: the robot is the seven-axis arm of that MJCF, with the objects that it touches");
+  app.add_option(
+      "--socket", words.robot.socket,
+      "PATH of a Unix socket, to which the robot's driver connects; it may be in any language");
+  app.add_option("--at", words.at,
+                 "X,Y,Z [m] Where a simulated robot begins. When not given: a point at 0,0,0, an "
+                 "arm at its home position")
+      ->delimiter(',');
+  app.add_option("--name", words.run.name, "Name of this robot in the server's log")
+      ->capture_default_str();
+  app.add_option("--speed", words.run.options.motion.speed, "[m/s] Speed limit of the target")
+      ->capture_default_str();
+  app.add_option("--acceleration", words.run.options.motion.acceleration,
+                 "[m/s^2] Acceleration limit of the target")
+      ->capture_default_str();
+  app.add_option("--jerk", words.run.options.motion.jerk, "[m/s^3] Jerk limit of the target")
+      ->capture_default_str();
+  app.add_option("--leash", words.run.options.leash,
+                 "[N] Largest force by which the target pulls the robot")
+      ->capture_default_str();
+  app.add_option("--duration", words.run.duration, "[s] Length of the run. 0: until it is stopped")
+      ->capture_default_str();
+  app.add_option("--reconnect", words.run.patience,
+                 "[s] How long to look for a lost session before it gives up")
+      ->capture_default_str();
+  app.add_option("--report", words.report,
+                 "FILE.json for the numbers of the run (docs/teleoperation.md)");
+  app.add_option("--record", words.record,
+                 "FILE.csv for a recording of every sample (docs/teleoperation.md)");
+  app.add_option("--link", words.link, "Emulated link, as of feltwire-client --link");
+  add_credential_options(app, words.credentials);
+  read_environment(app);
+  CLI11_PARSE(app, argc, argv);
+  try {
+    return follow(words);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "feltwire-follower: %s\n", visible(error.what()).c_str());
+    return 1;
+  }
+}

@@ -1,0 +1,29 @@
+#pragma once
+// Which robot feltwire-follower moves.
+
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "client/followers/follower.hpp"
+#include "core/base/types.hpp"
+
+namespace feltwire {
+
+/// As the command line says it; exactly one of the three files is given.
+struct RobotChoice {
+  std::string surroundings;  // FILE.json: a point robot in that scene
+  std::string arm;           // FILE.xml: the arm of that MJCF
+  std::string socket;        // PATH where the driver of a robot connects
+  std::optional<Vec3> at;    // [m] where a simulated robot begins
+};
+
+/// Throws std::invalid_argument naming the options that do not go together, and the remedy.
+void check(const RobotChoice& choice);
+
+/// Makes the robot. The arm goes to `at` first. Waits for a driver for `patience` [s], and says on
+/// standard error that it does. Throws FileError, std::invalid_argument and std::runtime_error,
+/// each with the remedy. Precondition: check().
+std::unique_ptr<Follower> make_robot(const RobotChoice& choice, double patience);
+
+}  // namespace feltwire

@@ -1,0 +1,77 @@
+#pragma once
+// One simulated hand that moves and turns, in process and deterministic: the loop of
+// sim/measure/experiment.hpp in six degrees of freedom.
+
+#include <functional>
+#include <optional>
+#include <vector>
+
+#include "client/devices/simulated_device.hpp"
+#include "core/bounding/account.hpp"
+#include "core/bounding/bounding.hpp"
+#include "core/scene/scene.hpp"
+
+namespace feltwire {
+
+/// The force and torque on the hand that answer a pose of the device, `elapsed` [s] after the call
+/// before. It keeps its own memory; a copy copies that.
+using PoseEnvironment =
+    std::function<Command(const Pose& device, const Vec3& velocity, double elapsed)>;
+
+/// The scene as its first tool, which has a body, touches it. The scene must outlive it.
+PoseEnvironment pose_environment(const Scene& scene);
+
+/// How energy is accounted: force and torque as one port with one balance, or each with its own.
+enum class Ports : std::uint8_t { one, two };
+
+struct SixDofSetup {
+  SimulatedHandOptions hand;  // `spec` actuates torque
+  BoundingConfig bounding;
+  const BoundingMethod* law = nullptr;   // in place of the method that bounding.mode names
+  std::optional<AccountConfig> account;  // behind the bound; none where it is not given
+  Ports ports = Ports::one;              // of the account
+  int delay = 0;                         // [T] a round trip
+  double duration = 4.0;                 // [s]
+};
+
+/// One servo sample. Forces and torques on the hand.
+struct SixDofSample {
+  double time = 0.0;                 // [s]
+  Pose pose;                         // true
+  Vec3 displacement = Vec3::Zero();  // [m] as the encoders say
+  Vec3 rotation = Vec3::Zero();      // [rad] likewise
+  Command commanded, rendered;       // f_e(n), f_d(n)
+  Command held;                      // f_d(n-1), what acted during the movement
+  bool in_debt = false;              // of the account
+};
+
+/// Reads the device every T, asks the environment, bounds, writes; one sample each, from time 0 to
+/// `duration`. Throws std::invalid_argument for a setup that cannot be run.
+std::vector<SixDofSample> run_six_dof(const PoseEnvironment& environment, const SixDofSetup& setup);
+
+/// Accounts of one device: of force and torque together, or of each.
+class PortAccounts {
+ public:
+  /// Throws as PortAccount.
+  PortAccounts(const AccountConfig& config, Ports ports);
+  Command step(const BoundingStep& step) noexcept;
+  void set_held(const Command& held) noexcept;
+  bool in_debt() const noexcept;
+
+ private:
+  PortAccount first_;                  // of both, or of force
+  std::optional<PortAccount> torque_;  // of torque alone
+};
+
+/// The energy of a port of six degrees of freedom.
+struct SixDofEnergy {
+  // [J] the most that was delivered to the hand beyond what was burned:
+  double measured = 0.0;  // by damping and what dry friction the account is told of, over what the
+                          // encoders say
+  double real = 0.0;      // by damping and all dry friction, over the true movement
+  double force = 0.0, torque = 0.0;  // as `measured`, of translation and of rotation alone
+};
+SixDofEnergy energy_made(const DeviceSpec& spec, const std::vector<SixDofSample>& samples,
+                         double period);
+
+}  // namespace feltwire

@@ -1,0 +1,74 @@
+#pragma once
+// Torque in closed loop: what each law shows of it, how calm it is, and what energy the port of six
+// degrees of freedom makes. docs/lab/torque.md is its page.
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "sim/hands/eight_hands.hpp"
+#include "sim/studies/bound/torque_tasks.hpp"
+
+namespace feltwire {
+
+struct TorqueCase {
+  std::string task = "cone";
+  std::string law = "none";  // of the registry
+  bool account = false;      // behind it
+  Ports ports = Ports::one;  // of the account
+  double damping = 8e-4;     // b_r [N m s/rad]
+  double stiffness = 8.0;    // [N m/rad] of a joint's stop; bodies have their own
+  double delay = 0.0;        // [s] a round trip
+  NamedHand hand = kEightHands[0];
+};
+
+struct TorqueRow {
+  TorqueCase made;
+  double oscillation = 0.0;      // [rad] highpass_rms() of the true turn, worst axis
+  double force_share = 0.0;      // rendered along commanded, of the commanded, 2nd half
+  double torque_share = 0.0;     // likewise
+  double direction_error = 0.0;  // [rad] mean, rendered against commanded torque
+  SixDofEnergy energy;           // [J]
+  std::uint64_t excess = 0;      // samples in debt
+};
+
+/// The device of the study: `simulated_6dof` with this rotational damping.
+DeviceSpec torque_device(double damping);
+SixDofSetup torque_setup(const TorqueCase& made, const TorqueTask& task);
+
+/// Joints by law, stiffness and delay; bodies by law and delay; all by eight hands.
+std::vector<TorqueCase> torque_cases();
+/// Runs every case, deterministic; rows in the order of the cases. Throws std::invalid_argument for
+/// a task that is not there.
+std::vector<TorqueRow> run_torque(const std::vector<TorqueCase>& cases);
+
+/// A whole session of a tool with a body, in virtual time.
+struct TorqueSession {
+  std::string task, mode, link;
+  NamedHand hand = kEightHands[0];
+  double duration = 3.0;  // [s]
+  // Results.
+  double energy_made = 0.0;                  // [J] at the encoders, beyond what was burned
+  double energy_made_true = 0.0;             // [J] over the true movement, dry friction counted
+  std::uint64_t violations = 0;              // samples
+  double torque_rms = 0.0, ideal_rms = 0.0;  // [N m] on the hand, and of the scene there
+  double torque_error = 0.0;                 // [N m] RMS of their difference
+  double oscillation = 0.0;                  // [rad] as above
+};
+std::vector<TorqueSession> torque_sessions();
+void run_sessions(std::vector<TorqueSession>& sessions);
+
+/// Writes torque.csv, torque.json and torque_sessions.csv to `directory` (created). Throws
+/// std::runtime_error when something cannot be written.
+void write_torque(const std::filesystem::path& directory, const std::vector<TorqueRow>& rows,
+                  const std::vector<TorqueSession>& sessions);
+std::string torque_table(const std::vector<TorqueRow>& rows);
+std::string torque_sessions_table(const std::vector<TorqueSession>& sessions);
+
+/// Whether no bounded port made energy: no session, and no case that has an account or a law that
+/// is passive by itself.
+bool ports_hold(const std::vector<TorqueRow>& rows, const std::vector<TorqueSession>& sessions);
+
+}  // namespace feltwire

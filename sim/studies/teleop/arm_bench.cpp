@@ -1,0 +1,287 @@
+#include "sim/studies/teleop/arm_bench.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <stdexcept>
+
+#include "client/devices/hand_device.hpp"
+#include "core/base/numeric.hpp"
+#include "core/base/parallel.hpp"
+#include "core/base/text.hpp"
+#include "core/dynamics/unpacked_files.hpp"
+#include "scenes/arm/arm_text.hpp"
+#include "scenes/arm/box_text.hpp"
+#include "scenes/arm/table_text.hpp"
+#include "sim/arm/arm.hpp"
+#include "sim/measure/metrics.hpp"
+#include "sim/studies/teleop/bench.hpp"
+#include "sim/studies/teleop/way.hpp"
+#include "sim/teleoperation_laws/remote_ends.hpp"
+
+namespace feltwire::teleop::with_arm {
+namespace {
+
+constexpr double kTable = 0.3, kTableStiffness = 5000.0;  // [m], [N/m] scenes/arm/table.xml
+constexpr double kTableFriction = 0.3;                    // mu: likewise
+constexpr double kBoxMass = 0.15, kBoxHigh = 0.22;        // [kg], [m] scenes/arm/box.xml
+constexpr double kOpen = 0.08, kGrips = 0.03;             // [m] of the gripper
+constexpr double kGripperSpeed = 0.1;                     // [m/s]
+constexpr double kVelocityCutoff = 60.0;                  // [Hz]
+constexpr Hand kHand{.mass = 0.1, .damping = 5.0, .stiffness = 300.0};
+
+/// What the hand means at a time: a place [m] and an opening of the gripper [m].
+struct Meant {
+  Vec3 place = Vec3::Zero();
+  double gripper = 0.0;
+};
+
+/// 0 to 1 without a jerk at either end (minimum jerk).
+double eased(double from, double until, double t) {
+  constexpr double kFirst = 10.0, kSecond = 15.0, kThird = 6.0;
+  const double u = std::clamp((t - from) / (until - from), 0.0, 1.0);
+  return u * u * u * (kFirst - u * (kSecond - u * kThird));
+}
+
+/// From 20 mm above the table to 40 mm below its top.
+Meant press(double t) {
+  constexpr double kAbove = 0.02, kWay = 0.06;  // [m]
+  return {{0.45, 0.0, kTable + kAbove - kWay * eased(0.5, 3.5, t)}, 0.0};
+}
+/// The same, and then 80 mm along it.
+Meant slide(double t) {
+  constexpr double kWay = 0.08;  // [m]
+  Meant meant = press(t);
+  meant.place.x() += kWay * std::clamp((t - 5.0) / 3.0, 0.0, 1.0);
+  return meant;
+}
+/// Down to the box, grips it, lifts it by 60 mm, puts it back and lets go.
+Meant lift(double t) {
+  constexpr double kAbove = 0.055, kDown = 0.05, kUp = 0.06;  // [m]
+  const double height =
+      kAbove - kDown * eased(0.5, 1.5, t) + kUp * (eased(2.5, 4.0, t) - eased(7.5, 13.5, t));
+  return {{0.45, 0.0, kBoxHigh + height}, t > 1.7 && t < 14.0 ? kGrips : kOpen};
+}
+
+struct Task {
+  std::string_view name;
+  const char* scene;
+  Meant (*meant)(double time);
+  double duration, from, until;  // [s] the window
+};
+constexpr std::array kTasks = {Task{"press", "table", press, 6.0, 4.5, 6.0},
+                               Task{"slide", "table", slide, 8.0, 6.0, 7.9},
+                               Task{"lift", "box", lift, 15.0, 6.0, 7.4}};
+
+const Task& task_of(const std::string& name) {
+  const auto* const found = std::ranges::find(kTasks, name, &Task::name);
+  if (found == kTasks.end())
+    throw std::invalid_argument("the bench of the arm has no task '" + name +
+                                "'; give press, slide or lift");
+  return *found;
+}
+
+class MeaningHand final : public HandDevice {
+ public:
+  MeaningHand(const DeviceSpec& spec, const Task& task) : HandDevice(spec, kHand), task_(task) {
+    place(task.meant(0.0).place);
+  }
+
+ private:
+  Vec3 intended(double time) noexcept override { return task_.meant(time).place; }
+  const Task& task_;
+};
+
+DeviceSpec device(const Plant& plant) {
+  DeviceSpec spec;
+  spec.name = "hand";
+  spec.damping = Damping(plant.leader_damping);
+  spec.apparent_mass = plant.leader_mass;
+  spec.position_resolution = plant.leader_quantum;
+  spec.max_force = plant.leader_force;
+  return spec;
+}
+
+struct ArmSample {
+  Vec3 shown = Vec3::Zero();    // [m] the hand, as the encoder says
+  Vec3 held = Vec3::Zero();     // [N] on the hand from now on
+  Vec3 contact = Vec3::Zero();  // [N] on the tool
+  Vec3 offset = Vec3::Zero();   // [m] of the leader's index
+  double height = 0.0;          // [m] of the tool
+  double box = 0.0;             // [m] of the box
+  double pushed = 0.0;          // [J] that the follower counted
+  double stiffness = 0.0;       // [N/m] of the surface that the leader knows; 0: none
+};
+
+std::vector<ArmSample> run(const ArmCase& c, const Task& task, const UnpackedFiles& scenes,
+                           bool& stopped) {
+  ArmConfig config;
+  config.file = scenes.place(std::string(task.scene) + ".xml");
+  config.gripper = task.meant(0.0).gripper;
+  config.seed = c.seed;
+  Arm arm(config);
+  Plant plant;
+  plant.stiffness = arm.spec().stiffness;
+  plant.wrench_noise = arm.spec().wrench_noise;
+  plant.period = arm.spec().servo_period;
+  Nanoseconds start{0};
+  const Meant first = task.meant(0.0);
+  FollowerTarget target = bring(arm, first.place, first.gripper, start);
+  MeaningHand hand(device(plant), task);
+  RemoteLeader leader(plant);
+  RemoteFollower follower(plant);
+  LinkOptions link;
+  constexpr double kHalf = 0.5;
+  link.delay = kHalf * c.round_trip;
+  link.jitter = c.jitter;
+  link.loss = c.loss;
+  link.keep_order = false;
+  Way<LeaderState> forth(link, link_key(c.seed, 0, LinkDirection::up));
+  Way<FollowerState> back(link, link_key(c.seed, 0, LinkDirection::down));
+  const double smooth = 1.0 - std::exp(-2.0 * std::numbers::pi * kVelocityCutoff * plant.period);
+  std::optional<LeaderState> wanted;
+  FollowerState seen;
+  std::optional<Vec3> before;
+  Vec3 velocity = Vec3::Zero();
+  std::vector<ArmSample> samples;
+  const auto count = static_cast<std::uint64_t>(std::llround(task.duration / plant.period));
+  samples.reserve(count);
+  for (std::uint64_t n = 0; n < count; ++n) {
+    const double now = static_cast<double>(n) * plant.period;
+    // The leader.
+    const Vec3 at = hand.read(from_seconds(now)).pose.position;
+    velocity += smooth * (moved(before, at) / plant.period - velocity);
+    for (const FollowerState& state : back.receive(now)) {
+      leader.take(state.energy);
+      if (state.index >= seen.index) seen = state;
+    }
+    const Vec3 force = leader.step(at, velocity, seen.contact, now - seen.time);
+    Command command;
+    command.elastic = force;
+    hand.write(command);
+    forth.send({n, at - leader.offset(), leader.known_surface(), leader.hand_work(),
+                task.meant(now).gripper},
+               now);
+    // The follower.
+    const FollowerReading reading = arm.read(start + from_seconds(now));
+    follower.step(reading.pose.position, reading.velocity, reading.force.value_or(Vec3::Zero()));
+    for (const LeaderState& state : forth.receive(now))
+      if (!wanted || state.index >= wanted->index) wanted = state;
+    if (wanted) {
+      target.pose.position = follower.target(*wanted);
+      const double most = kGripperSpeed * plant.period;
+      target.gripper += std::clamp(wanted->gripper - target.gripper, -most, most);
+      arm.write(target);
+    }
+    back.send({n, now, follower.contact(), follower.energy()}, now);
+    stopped = stopped || reading.stopped || !reading.ok;
+    samples.push_back({at, force, arm.contact_force(), leader.offset(), reading.pose.position.z(),
+                       arm.place_of("box").value_or(Vec3::Zero()).z(), follower.energy().pushed,
+                       seen.contact.surface != 0 ? seen.contact.stiffness : 0.0});
+  }
+  return samples;
+}
+
+/// [N/m] of two springs in a row.
+double series(double a, double b) { return a > 0.0 ? a * b / (a + b) : 0.0; }
+
+/// [N] of springs in a row: the hand, the arm's controller, the table.
+double intended(const Task& task, const ArmSample& s, double time, double stiffness) {
+  if (task.meant == lift) return kBoxMass * kGravity;
+  const double softness = 1.0 / kHand.stiffness + 1.0 / stiffness + 1.0 / kTableStiffness;
+  const double deep = kTable - (task.meant(time).place.z() - s.offset.z());
+  const double normal = deep / softness;
+  return task.meant == slide ? normal * std::sqrt(1.0 + kTableFriction * kTableFriction) : normal;
+}
+
+ArmMeasured judge(const Task& task, const std::vector<ArmSample>& samples) {
+  const Plant plant;
+  const auto at = [&](double time) {
+    return static_cast<std::size_t>(std::llround(time / plant.period));
+  };
+  const std::size_t first = at(task.from), last = std::min(at(task.until), samples.size() - 1);
+  ArmMeasured m;
+  double delivered = 0.0, burned = 0.0, exchanged = 0.0, errors = 0.0, box = 0.0;
+  Vec3 robot = Vec3::Zero(), hand = Vec3::Zero();
+  std::vector<double> heights;
+  for (std::size_t n = 1; n < samples.size(); ++n) {
+    const ArmSample& s = samples[n];
+    const double force = length(s.contact);
+    if (task.meant == lift && n >= last)
+      m.set_down = std::max(m.set_down.value_or(0.0), force);
+    else
+      m.peak = std::max(m.peak, force);
+    const Vec3 way = s.shown - samples[n - 1].shown;
+    const double work = samples[n - 1].held.dot(way);
+    delivered += work;
+    exchanged += std::abs(work);
+    burned += plant.leader_damping * way.squaredNorm() / plant.period;
+    m.energy_made = std::max(m.energy_made, delivered - burned - s.pushed);
+    if (n < first || n >= last) continue;
+    robot += s.contact;
+    hand += s.held;
+    errors += (s.held - s.contact).squaredNorm();
+    m.flicker = std::max(m.flicker, length(Vec3(s.held - samples[n - 1].held)));
+    box += s.box;
+    heights.push_back(s.height);
+    m.intended += intended(task, s, static_cast<double>(n) * plant.period, plant.stiffness);
+  }
+  constexpr double kRounding = 1e-12;
+  if (m.energy_made <= kRounding * exchanged) m.energy_made = 0.0;
+  const auto count = static_cast<double>(heights.size());
+  m.intended /= count;
+  m.robot_force = length(Vec3(robot / count));
+  m.hand_force = length(Vec3(hand / count));
+  m.force_error = std::sqrt(errors / count);
+  m.swing = highpass_rms(heights, 1.0 / plant.period);
+  m.offset = length(samples[last - 1].offset);
+  if (task.meant == lift)
+    m.lifted = box / count - kBoxHigh;
+  else
+    m.displayed = series(samples[last - 1].stiffness, plant.stiffness) /
+                  series(kTableStiffness, plant.stiffness);
+  return m;
+}
+
+}  // namespace
+
+std::vector<ArmCase> arm_cases(bool quick) {
+  struct Network {
+    double jitter, loss;  // [s], share
+    std::uint64_t seeds;
+  };
+  constexpr std::uint64_t kSeeds = 8, kFew = 2;
+  constexpr double kJitter = 5e-3, kLoss = 0.02;
+  const std::vector<Network> networks =
+      quick ? std::vector<Network>{{0.0, kLoss, kFew}}
+            : std::vector<Network>{{0.0, 0.0, 1}, {0.0, kLoss, kSeeds}, {kJitter, kLoss, kSeeds}};
+  const std::vector<double> trips =
+      quick ? std::vector<double>{0.1} : std::vector<double>{0.0, 0.05, 0.1, 0.2};
+  std::vector<ArmCase> cases;
+  for (const Task& task : kTasks)
+    for (const double trip : trips)
+      for (const Network& network : networks)
+        for (std::uint64_t seed = 1; seed <= network.seeds; ++seed)
+          cases.push_back({std::string(task.name), trip, network.jitter, network.loss, seed});
+  return cases;
+}
+
+std::vector<ArmRow> run_arm(const std::vector<ArmCase>& cases) {
+  for (const ArmCase& c : cases) task_of(c.task);
+  // MuJoCo reads files, and an installed program has none of them.
+  const UnpackedFiles scenes({{"arm.xml", std::string(embedded::arm)},
+                              {"table.xml", std::string(embedded::table)},
+                              {"box.xml", std::string(embedded::box)}});
+  std::vector<ArmRow> rows(cases.size());
+  parallel_for(cases.size(), [&](std::size_t i) {
+    const Task& task = task_of(cases[i].task);
+    bool stopped = false;
+    const auto samples = run(cases[i], task, scenes, stopped);
+    rows[i] = {cases[i], judge(task, samples)};
+    rows[i].measured.stopped = stopped;
+  });
+  return rows;
+}
+
+}  // namespace feltwire::teleop::with_arm

@@ -1,0 +1,92 @@
+#pragma once
+// The two ends of feltwire's own law in three dimensions, of the parts that sessions use.
+
+#include <cstdint>
+#include <optional>
+
+#include "core/bounding/account.hpp"
+#include "core/bounding/midpoint.hpp"
+#include "core/local_model/local_contact.hpp"
+#include "core/teleoperation/contact_estimate.hpp"
+#include "core/teleoperation/energy_counters.hpp"
+#include "core/teleoperation/surface_index.hpp"
+#include "core/teleoperation/target_limiter.hpp"
+#include "sim/teleoperation_laws/teleoperation_law.hpp"
+
+namespace feltwire::teleop {
+
+/// What the leader sends each sample.
+struct LeaderState {
+  std::uint64_t index = 0;
+  Vec3 wanted = Vec3::Zero();  // [m] of the robot: the hand less the leader's offset
+  std::uint32_t known = 0;     // surface that the leader knows
+  double hand_work = 0.0;      // [J] total that the hand paid
+  double gripper = 0.0;        // [m] opening that the hand means
+};
+
+/// What the follower sends each sample.
+struct FollowerState {
+  std::uint64_t index = 0;
+  double time = 0.0;  // [s]; the clocks of both ends agree
+  RemoteContact contact;
+  EnergyCounters energy;
+};
+
+/// The hand's end: renders the newest contact as a local model, half a sample ahead, behind the
+/// account of its port, which the energy that the environment gave is credited to.
+class RemoteLeader {
+ public:
+  explicit RemoteLeader(const Plant& plant);
+
+  /// Any state that arrived, in any order.
+  void take(const EnergyCounters& seen) noexcept { remote_.take(seen); }
+
+  /// `contact` is the newest that is known, `age` [s] old. Returns the force on the hand until the
+  /// next sample [N].
+  Vec3 step(const Vec3& hand, const Vec3& velocity, const RemoteContact& contact, double age);
+
+  const Vec3& offset() const noexcept { return index_.offset(); }
+  std::uint32_t known_surface() const noexcept { return index_.known_surface(); }
+  double hand_work() const noexcept { return hand_work_; }
+
+ private:
+  void show(const RemoteContact& contact, const Vec3& hand);
+
+  Plant plant_;
+  SurfaceIndex index_;
+  LocalContact local_;
+  Midpoint<double> midpoint_;
+  PortAccount account_;
+  RemoteEnergy remote_;
+  Vec3 held_ = Vec3::Zero();         // [N] on the hand
+  std::optional<Vec3> hand_before_;  // [m]
+  double hand_work_ = 0.0;           // [J]
+};
+
+/// The robot's end: estimates what the tool touches, and limits the target.
+class RemoteFollower {
+ public:
+  explicit RemoteFollower(const Plant& plant);
+
+  /// Every sample, before target(). `force` [N]: of the environment on the tool.
+  const RemoteContact& step(const Vec3& tip, const Vec3& velocity, const Vec3& force);
+  /// [m] for what the newest leader's state wants.
+  const Vec3& target(const LeaderState& newest);
+
+  const RemoteContact& contact() const noexcept { return estimate_.contact(); }
+  const EnergyCounters& energy() const noexcept { return counted_.counters(); }
+
+ private:
+  Plant plant_;
+  ContactEnergy counted_;
+  ContactEstimate estimate_;
+  TargetLimiter limiter_;
+  Vec3 tip_ = Vec3::Zero();         // [m]
+  Vec3 force_ = Vec3::Zero();       // [N]
+  std::optional<Vec3> tip_before_;  // [m]
+};
+
+/// `now` less `before`, which becomes `now`; zero the first time.
+Vec3 moved(std::optional<Vec3>& before, const Vec3& now);
+
+}  // namespace feltwire::teleop

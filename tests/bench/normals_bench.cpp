@@ -1,0 +1,63 @@
+// answer/SCENE: what a session answers a sample of a hand that presses and wanders, without a local
+// model.
+// answer_normals/SCENE: the same for a client that shapes late forces wall by wall, so that the
+// reply names the walls that push. Over answer/SCENE, this is what the normals cost a server.
+
+#include <benchmark/benchmark.h>
+
+#include <cmath>
+#include <string>
+
+#include "core/scene_file/load_scene.hpp"
+#include "server/scene/session.hpp"
+
+namespace feltwire::normals_bench {
+namespace {
+
+constexpr std::size_t kPlaces = 4096;  // a lap of the hand
+
+std::vector<Vec3> wandering_hand(const Vec3& start) {
+  std::vector<Vec3> places(kPlaces);
+  for (std::size_t n = 0; n < kPlaces; ++n) {
+    const double t = 2.0 * M_PI * static_cast<double>(n) / kPlaces;
+    places[n] = start + Vec3(0.05 * std::sin(3.0 * t), 0.05 * std::cos(2.0 * t),
+                             0.004 * std::sin(11.0 * t));
+  }
+  return places;
+}
+
+void answer(benchmark::State& state, const std::string& file, const char* mode) {
+  const Scene scene = load_scene(std::string(FELTWIRE_SOURCE_DIR) + "/scenes/" + file + ".json");
+  SessionParameters parameters;
+  parameters.mode = mode;
+  parameters.side = BoundingSide::client;
+  Session session({"bench", scene.name(), builtin_device("simulated"), parameters}, scene);
+  const auto places = wandering_hand(scene.start().position);
+  SampleBatch batch;
+  batch.count = 1;
+  Sample& sample = batch.samples[0];
+  std::uint64_t contacts = 0, named = 0;
+  for (auto _ : state) {
+    sample.pose.position = places[sample.index++ % kPlaces];
+    sample.client_time += Nanoseconds(1'000'000);
+    const Taken taken = session.take(batch, sample.client_time);
+    contacts += !taken.reply.command.elastic.isZero(0.0);
+    named += taken.reply.normals.count > 0;
+  }
+  const auto share = [&](std::uint64_t count) {
+    return static_cast<double>(count) / static_cast<double>(state.iterations());
+  };
+  state.counters["contact"] = share(contacts);
+  state.counters["named"] = share(named);
+}
+
+[[maybe_unused]] const bool registered = [] {
+  for (const std::string scene : {"plane", "room", "paper_sphere", "bunny"}) {
+    benchmark::RegisterBenchmark(("answer/" + scene).c_str(), answer, scene, "contact_frame");
+    benchmark::RegisterBenchmark(("answer_normals/" + scene).c_str(), answer, scene, "shaped");
+  }
+  return true;
+}();
+
+}  // namespace
+}  // namespace feltwire::normals_bench

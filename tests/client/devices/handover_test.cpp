@@ -1,0 +1,136 @@
+// Between a callback of the device and the servo thread: what is held is what is told.
+
+#include "client/devices/handover.hpp"
+
+#include <gtest/gtest.h>
+
+#include <thread>
+
+#include "protocol/net/clock.hpp"
+#include "tests/support/allocation_counter.hpp"
+
+namespace feltwire::handover_test {
+namespace {
+
+constexpr Nanoseconds kLong = std::chrono::seconds(10);  // longer than any thread needs
+constexpr Nanoseconds kNone{0};
+
+DeviceReading at(double x) { return {.pose = {.position = Vec3(x, 0, 0)}}; }
+Command pull(double force) { return {.elastic = Vec3(0, 0, force)}; }
+
+/// The servo's half of a tick, in a thread of its own while the device's half runs in this one.
+template <class Servo>
+Command exchanged(Handover& handover, double x, Servo servo) {
+  std::thread other([&] {
+    EXPECT_TRUE(handover.await(monotonic_now() + kLong));
+    servo(handover.newest());
+  });
+  const Command applied = handover.exchange(at(x), kLong);
+  other.join();
+  return applied;
+}
+
+TEST(Handover, AForceIsUsedInTheTickOfItsReading) {
+  Handover handover(5);
+  const Command applied = exchanged(handover, 0.25, [&](const DeviceReading& reading) {
+    EXPECT_TRUE(reading.fresh);
+    EXPECT_EQ(reading.pose.position.x(), 0.25);
+    EXPECT_EQ(handover.write(pull(2)), pull(2));
+  });
+  EXPECT_EQ(applied, pull(2));
+  EXPECT_FALSE(handover.newest().fresh);  // once only
+}
+
+/// A force that misses its tick is never used later: the servo has been told that it is not held.
+TEST(Handover, AForceThatComesTooLateIsDropped) {
+  Handover handover(5);
+  exchanged(handover, 0, [&](const DeviceReading&) { handover.write(pull(2)); });
+  EXPECT_EQ(handover.exchange(at(1), kNone), pull(2));  // nobody answers: the last is repeated
+  EXPECT_EQ(handover.newest().pose.position.x(), 1.0);
+  EXPECT_EQ(handover.write(pull(5)).force().z(), handover.write(pull(7)).force().z());
+  EXPECT_EQ(handover.exchange(at(2), kNone), pull(2));
+  const DeviceReading told = handover.newest();
+  ASSERT_TRUE(told.held.has_value());
+  EXPECT_DOUBLE_EQ(told.held->force().z(), 2.0);
+}
+
+TEST(Handover, AServoThatFallsSilentHoldsNothing) {
+  Handover handover(3);
+  exchanged(handover, 0, [&](const DeviceReading&) { handover.write(pull(2)); });
+  for (int n = 0; n < 3; ++n) EXPECT_EQ(handover.exchange(at(n), kNone), pull(2)) << n;
+  EXPECT_EQ(handover.exchange(at(4), kNone), Command{});
+  // More ticks than there is room for change nothing.
+  for (int n = 0; n < 200; ++n) EXPECT_EQ(handover.exchange(at(n), kNone), Command{}) << n;
+}
+
+TEST(Handover, ReleaseIsForGood) {
+  Handover handover(5);
+  exchanged(handover, 0, [&](const DeviceReading&) { handover.write(pull(2)); });
+  handover.release();
+  EXPECT_EQ(handover.exchange(at(1), kLong), Command{});  // and nobody is waited for
+  EXPECT_EQ(handover.write(pull(3)), Command{});
+}
+
+/// The old force was on the hand until the new one was there: the energy of the mean is that of
+/// both. Of a tick whose force never changed the mean is that force.
+TEST(Handover, AReadingTellsWhatWasHeldSinceTheOneBefore) {
+  Handover handover(5);
+  exchanged(handover, 0, [&](const DeviceReading& first) {
+    EXPECT_FALSE(first.held.has_value());
+    handover.write(pull(4));
+  });
+  double told = -1.0;
+  exchanged(handover, 1, [&](const DeviceReading& second) {
+    told = second.held.value_or(Command{}).force().z();
+    handover.write(pull(4));
+  });
+  EXPECT_GT(told, 0.0);
+  EXPECT_LT(told, 4.0);  // 0 N until it was answered, 4 N from then on
+  exchanged(handover, 2, [&](const DeviceReading& third) {
+    EXPECT_DOUBLE_EQ(third.held.value_or(Command{}).force().z(), 4.0);
+    handover.write(pull(4));
+  });
+  handover.cut_to(pull(1));  // an amplifier that was too hot
+  handover.exchange(at(3), kNone);
+  EXPECT_LT(handover.newest().held.value_or(pull(9)).force().z(), 4.0);
+}
+
+/// As fast as both threads can, with answers that come in time and answers that do not: what the
+/// device applies is the answer to that very reading, or what it held before; and no thread touches
+/// the heap.
+TEST(Handover, NoAnswerIsTakenForThatOfAnotherReading) {
+  constexpr int kTicks = 20'000;
+  Handover handover(kTicks);
+  std::atomic<bool> over{false};
+  std::size_t used = 1;
+  int in_time = 0, claimed = 0;
+  std::thread servo([&] {
+    const std::size_t before = test::allocations();
+    while (!over.load()) {
+      if (!handover.await(monotonic_now() + std::chrono::milliseconds(1))) continue;
+      const double asked = handover.newest().pose.position.x();
+      if (handover.write(pull(asked)).force().z() == asked) ++claimed;
+    }
+    used = test::allocations() - before;
+  });
+  const std::size_t before = test::allocations();
+  Command last;
+  for (int n = 1; n <= kTicks; ++n) {
+    const Nanoseconds patience = n % 3 == 0 ? kNone : std::chrono::microseconds(n % 100);
+    const Command applied = handover.exchange(at(n), patience);
+    if (applied.force().z() == n)
+      ++in_time;
+    else
+      ASSERT_EQ(applied, last) << n;
+    last = applied;
+  }
+  EXPECT_EQ(test::allocations() - before, 0u);
+  over.store(true);
+  servo.join();
+  EXPECT_EQ(used, 0u);
+  EXPECT_EQ(claimed, in_time);  // what write() said is held was held
+  EXPECT_GT(in_time, 0);
+}
+
+}  // namespace
+}  // namespace feltwire::handover_test

@@ -1,0 +1,164 @@
+// It gives up on anything odd and lets the force go; what it finds becomes a device file.
+
+#include "client/identify/identification.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <thread>
+
+#include "client/identify/identified_spec.hpp"
+#include "client/identify/measure.hpp"
+#include "tests/client/identify/simulated_handle.hpp"
+
+namespace feltwire::identification_test {
+namespace {
+
+using identify_test::HandleTruth;
+using identify_test::SimulatedHandle;
+using State = Identification::State;
+
+constexpr double kPeriod = 1e-3;
+
+DeviceSpec spec() { return builtin_device("simulated"); }
+
+/// An identification that has led a free handle for three seconds, and goes on by `next`.
+struct Led {
+  Identification identification{spec(), identify_limits(spec()), kPeriod};
+  SimulatedHandle handle{HandleTruth{}};
+  double time = 0.0;
+  Vec3 position = Vec3::Zero();
+
+  Led() {
+    while (time < 3.0) go_on();
+  }
+  Vec3 go_on() { return go_on_at(handle.read()); }
+  Vec3 go_on_at(const Vec3& read) {
+    position = read;
+    const Vec3 force = identification.step(time, read);
+    identification.held(force);
+    handle.hold(force, kPeriod);
+    time += kPeriod;
+    return force;
+  }
+};
+
+TEST(Identification, LeadsAFreeHandleWithinItsLimits) {
+  Led led;
+  const IdentifyLimits limits = identify_limits(spec());
+  for (int n = 0; n < 5000; ++n) {
+    EXPECT_LE(led.go_on().norm(), limits.force * (1.0 + 1e-12));
+    EXPECT_LE(led.position.norm(), limits.travel);
+  }
+  EXPECT_EQ(led.identification.state(), State::measuring);
+  EXPECT_GT(led.identification.largest_force(), 0.0);
+}
+
+TEST(Identification, BeginsWithoutAKick) {
+  Identification identification(spec(), identify_limits(spec()), kPeriod);
+  EXPECT_EQ(identification.step(5.0, Vec3(0.01, 0.02, 0.03)), Vec3(Vec3::Zero()));
+}
+
+TEST(Identification, GivesUpWhereTheHandleIsPulledAway) {
+  Led led;
+  Vec3 force;
+  for (int n = 0; n < 1000 && led.identification.state() == State::measuring; ++n)
+    force = led.go_on_at(led.position + Vec3(1e-4, 0.0, 0.0));
+  EXPECT_EQ(led.identification.state(), State::gave_up);
+  EXPECT_NE(led.identification.why().find("left the room"), std::string_view::npos);
+  EXPECT_EQ(force, Vec3(Vec3::Zero()));
+}
+
+TEST(Identification, GivesUpOnAJumpALateReadingAndNonsense) {
+  Led jump;
+  EXPECT_EQ(jump.go_on_at(jump.position + Vec3(0.01, 0.0, 0.0)), Vec3(Vec3::Zero()));
+  EXPECT_NE(jump.identification.why().find("too fast"), std::string_view::npos);
+
+  Led late;
+  late.time += 0.06;
+  EXPECT_EQ(late.go_on(), Vec3(Vec3::Zero()));
+  EXPECT_NE(late.identification.why().find("too late"), std::string_view::npos);
+
+  Led nonsense;
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_EQ(nonsense.go_on_at(Vec3(nan, 0.0, 0.0)), Vec3(Vec3::Zero()));
+  EXPECT_EQ(nonsense.identification.state(), State::gave_up);
+}
+
+TEST(Identification, GivenUpItStaysSo) {
+  Led led;
+  led.identification.give_up("it was asked to stop");
+  for (int n = 0; n < 10; ++n) EXPECT_EQ(led.go_on(), Vec3(Vec3::Zero()));
+  EXPECT_EQ(led.identification.why(), "it was asked to stop");
+}
+
+TEST(Identification, AForceBeyondTheDeviceIsRefused) {
+  EXPECT_THROW(identify_limits(spec(), 0.0), std::invalid_argument);
+  EXPECT_THROW(identify_limits(spec(), std::nan("")), std::invalid_argument);
+  EXPECT_THROW(identify_limits(spec(), 1.01 * spec().continuous_force), std::invalid_argument);
+}
+
+/// Faulty from a reading on.
+class FaultyDevice final : public Device {
+ public:
+  const DeviceSpec& spec() const override { return spec_; }
+  DeviceReading read(Nanoseconds) noexcept override {
+    return {.pose = {.position = handle_.read()}, .ok = ++readings_ < 200};
+  }
+  Command write(const Command& on_hand) noexcept override {
+    last_ = on_hand.force();
+    handle_.hold(last_, kMeasurePeriod);
+    return on_hand;
+  }
+  void release() noexcept override { ++released; }
+
+  int released = 0;
+  Vec3 last() const { return last_; }
+
+ private:
+  DeviceSpec spec_ = identification_test::spec();
+  SimulatedHandle handle_{HandleTruth{}};
+  Vec3 last_ = Vec3::Zero();
+  int readings_ = 0;
+};
+
+TEST(Identification, AFaultEndsItAndTheDeviceIsReleased) {
+  FaultyDevice device;
+  Identification identification(device.spec(), identify_limits(device.spec()), kMeasurePeriod);
+  MeasureStatus status;
+  measure(device, identification, status);
+  EXPECT_EQ(identification.state(), State::gave_up);
+  EXPECT_GT(device.released, 0);
+  EXPECT_EQ(device.last(), Vec3(Vec3::Zero()));
+  EXPECT_TRUE(status.over.load());
+}
+
+TEST(IdentifiedSpec, IsAFileThatTheAccountReads) {
+  DeviceEstimate found;
+  found.damping = {0.4, 0.5, 0.6};
+  found.damping_bound = {0.3, 0.4, 0.5};
+  found.friction = 0.1, found.friction_bound = 0.07;
+  found.mass = {0.2, 0.2, 0.26};
+  found.mass_bound = 0.15;
+  found.quantum = 2e-5, found.noise = 1e-6;
+  const SourcedSpec written = identified_spec(sourced_spec("omega.7"), found, "2026-11-23");
+  const std::filesystem::path file =
+      std::filesystem::path(::testing::TempDir()) / "identified_device.json";
+  std::ofstream(file) << device_file_text(written);
+  const SourcedSpec read = sourced_spec(file.string());
+  EXPECT_EQ(read.spec.damping, Damping(Vec3(0.3, 0.4, 0.5)));
+  EXPECT_DOUBLE_EQ(read.spec.least_mass, 0.15);
+  EXPECT_DOUBLE_EQ(read.spec.apparent_mass, 0.22);
+  EXPECT_DOUBLE_EQ(read.spec.least_friction, 0.07);
+  EXPECT_DOUBLE_EQ(read.spec.position_resolution, 2e-5);
+  EXPECT_EQ(read.spec.rotation_sensed, 3);
+  EXPECT_EQ(read.sources, written.sources);
+  EXPECT_NE(read.sources.at("damping").find("identify, 2026-11-23: lower bound"),
+            std::string::npos);
+}
+
+}  // namespace
+}  // namespace feltwire::identification_test

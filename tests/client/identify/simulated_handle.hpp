@@ -1,0 +1,78 @@
+#pragma once
+// A handle that nobody holds, with all that makes a device hard to measure. What it burns is known.
+
+#include <cmath>
+#include <deque>
+#include <numbers>
+#include <random>
+
+#include "core/base/types.hpp"
+
+namespace feltwire::identify_test {
+
+struct HandleTruth {
+  Mat3 damping = 0.5 * Mat3::Identity();            // [N s/m]
+  Vec3 friction = Vec3::Constant(0.1);              // [N] of each axis, while it slides
+  Vec3 mass = Vec3::Constant(0.1);                  // [kg] of each axis
+  double stiction = 0.0;                            // [N] more, at rest
+  double stiction_speed = 0.01;                     // [m/s] over which it fades
+  Vec3 gravity = Vec3::Zero();                      // [N] that is not compensated
+  double cogging = 0.0;                             // [N] amplitude
+  double cogging_pitch = 2e-3;                      // [m]
+  double quantum = 0.0, noise = 0.0;                // [m]
+  int force_delay = 0, reading_delay = 0;           // [ticks]
+  double hand_stiffness = 0.0, hand_damping = 0.0;  // [N/m], [N s/m] of who holds it after all
+  unsigned seed = 1;
+};
+
+class SimulatedHandle {
+ public:
+  explicit SimulatedHandle(const HandleTruth& truth) : truth_(truth), random_(truth.seed) {}
+
+  /// As the device reads it now.
+  Vec3 read() {
+    readings_.push_back(position_);
+    if (readings_.size() > static_cast<std::size_t>(truth_.reading_delay) + 1)
+      readings_.pop_front();
+    Vec3 sensed = readings_.front();
+    for (double& x : sensed) {
+      if (truth_.noise > 0.0) x += truth_.noise * normal_(random_);
+      if (truth_.quantum > 0.0) x = std::round(x / truth_.quantum) * truth_.quantum;
+    }
+    return sensed;
+  }
+
+  /// Holds the force for `period` [s].
+  void hold(const Vec3& force, double period) {
+    forces_.push_back(force);
+    if (forces_.size() > static_cast<std::size_t>(truth_.force_delay) + 1) forces_.pop_front();
+    constexpr int kSteps = 4;
+    for (int n = 0; n < kSteps; ++n) advance(forces_.front(), period / kSteps);
+  }
+
+ private:
+  void advance(const Vec3& force, double h) {
+    const Vec3 drag = truth_.damping * velocity_;
+    for (int i = 0; i < 3; ++i) {
+      const double turn = 2.0 * std::numbers::pi / truth_.cogging_pitch;
+      const double outside =
+          force[i] + truth_.gravity[i] + truth_.cogging * std::sin(turn * position_[i]) -
+          truth_.hand_stiffness * position_[i] - truth_.hand_damping * velocity_[i];
+      double v = velocity_[i] + h / truth_.mass[i] * (outside - drag[i]);
+      const double ratio = velocity_[i] / truth_.stiction_speed;
+      const double most = truth_.friction[i] + truth_.stiction * std::exp(-ratio * ratio);
+      const double stops = h / truth_.mass[i] * most;
+      v = std::abs(v) > stops ? v - std::copysign(stops, v) : 0.0;
+      velocity_[i] = v;
+      position_[i] += h * v;
+    }
+  }
+
+  HandleTruth truth_;
+  std::mt19937 random_;
+  std::normal_distribution<double> normal_;
+  Vec3 position_ = Vec3::Zero(), velocity_ = Vec3::Zero();
+  std::deque<Vec3> readings_, forces_;
+};
+
+}  // namespace feltwire::identify_test

@@ -1,0 +1,211 @@
+// A servo at the device's own tick: readings that tell nothing new, forces that were held
+// otherwise, ticks that do not come.
+
+#include <gtest/gtest.h>
+#include <poll.h>
+
+#include <thread>
+
+#include "client/servo/servo_thread.hpp"
+#include "protocol/net/clock.hpp"
+#include "tests/client/peer.hpp"
+#include "tests/client/servo_bench.hpp"
+#include "tests/support/allocation_counter.hpp"
+#include "tests/support/eventually.hpp"
+
+namespace feltwire::paced_servo_test {
+namespace {
+
+using testing::ScenePeer;
+using testing::servo::at;
+using testing::servo::elastic;
+using testing::servo::kPeriod;
+using testing::servo::parameters;
+using testing::servo::reply;
+
+/// Gives the reading that the test has laid out, and counts the writes.
+class Told final : public Device {
+ public:
+  const DeviceSpec& spec() const override { return spec_; }
+  DeviceReading read(Nanoseconds) noexcept override { return next; }
+  Command write(const Command& on_hand) noexcept override {
+    ++writes;
+    return last = on_hand;
+  }
+  void release() noexcept override {}
+
+  DeviceReading next;
+  Command last;
+  int writes = 0;
+
+ private:
+  DeviceSpec spec_ = builtin_device("simulated");
+};
+
+DeviceReading stale() {
+  DeviceReading reading = at(9, 9, 9);  // is not looked at
+  reading.fresh = false;
+  return reading;
+}
+
+struct PacedServo : ::testing::Test {
+  Told device;
+  Servo servo{device.spec(), parameters("none"), {}};
+  Nanoseconds now = testing::servo::seconds(5.0);
+
+  const Sample* tick(const DeviceReading& reading, Nanoseconds after = kPeriod) {
+    now += after;
+    device.next = reading;
+    const Sample* sample = servo.tick(device, now);
+    if (sample != nullptr) servo.take(reply(sample->index, force), now);
+    return sample;
+  }
+  Command force = elastic(0, 0, 2);
+};
+
+/// 2 N held over two periods and 3 mm: 6 mJ, as when the reading had come in time.
+TEST_F(PacedServo, AStaleReadingIsNoTick) {
+  tick(at(0, 0, 0));
+  tick(at(0, 0, 0));
+  ASSERT_EQ(servo.held().force(), Vec3(0, 0, 2));
+  force = elastic(0, 0, 1);
+  const int writes = device.writes;
+  EXPECT_EQ(tick(stale()), nullptr);
+  EXPECT_EQ(device.writes, writes);
+  EXPECT_EQ(servo.held().force(), Vec3(0, 0, 2));
+  EXPECT_NE(tick(at(0, 0, 3e-3)), nullptr);
+  EXPECT_DOUBLE_EQ(servo.port().delivered().total(), 2.0 * 3e-3);
+  EXPECT_EQ(servo.statistics().stale_readings, 1u);
+  EXPECT_EQ(servo.statistics().device_faults, 0u);
+}
+
+TEST_F(PacedServo, ADeviceThatTellsNothingNewForLongHasAFault) {
+  tick(at(0, 0, 0));
+  tick(at(0, 0, 0));
+  const int patient = static_cast<int>(0.25 * servo.parameters().hold_time / 1e-3);
+  for (int n = 1; n < patient; ++n) ASSERT_EQ(tick(stale()), nullptr) << n;
+  EXPECT_EQ(servo.held().force(), Vec3(0, 0, 2));
+  tick(stale());
+  tick(stale());
+  EXPECT_EQ(device.last.force(), Vec3::Zero());
+  EXPECT_GT(servo.statistics().device_faults, 0u);
+}
+
+/// What the device says was held is what the movement is accounted with.
+TEST_F(PacedServo, AForceTakenUpLateIsAccountedAsHeldLate) {
+  tick(at(0, 0, 0));
+  force = elastic(0, 0, 4);
+  tick(at(0, 0, 0));
+  tick(at(0, 0, 0));
+  ASSERT_EQ(servo.held().force(), Vec3(0, 0, 4));
+  const double before = servo.port().delivered().total();
+  DeviceReading late = at(0, 0, 1e-3);
+  late.held = elastic(0, 0, 2.5);  // 2 N for three quarters of the time, then 4 N
+  tick(late);
+  EXPECT_DOUBLE_EQ(servo.port().delivered().total() - before, 2.5e-3);
+  EXPECT_EQ(servo.statistics().forces_corrected, 1u);
+  late = at(0, 0, 2e-3);
+  late.held = elastic(0, 0, testing::servo::kNan);
+  tick(late);
+  EXPECT_EQ(device.last.force(), Vec3::Zero());
+  EXPECT_EQ(servo.statistics().device_faults, 1u);
+}
+
+/// The account gives no force for movement that the real force made: one that was held longer than
+/// the servo thought is charged.
+TEST_F(PacedServo, TheAccountPaysForWhatWasReallyHeld) {
+  SessionParameters shaped = parameters("shaped");
+  Servo counted(device.spec(), shaped, {}), corrected(device.spec(), shaped, {});
+  ASSERT_TRUE(counted.account());
+  for (Servo* one : {&counted, &corrected}) {
+    now = testing::servo::seconds(5.0);
+    for (int n = 0; n < 20; ++n) {  // free movement saves up energy
+      device.next = at(0, 0, 1e-4 * n);
+      one->tick(device, now += kPeriod);
+    }
+    device.next = at(0, 0, 2e-3);
+    if (one == &corrected) device.next.held = elastic(0, 0, 1);
+    one->tick(device, now += kPeriod);
+  }
+  EXPECT_NEAR(counted.account()->balance() - corrected.account()->balance(), 1e-4, 1e-9);
+}
+
+/// Ticks as often as it is told and then no more, or every millisecond until it pulls.
+class Paced final : public Device {
+ public:
+  explicit Paced(int ticks) : left_(ticks) {}
+  const DeviceSpec& spec() const override { return spec_; }
+  Nanoseconds longest_tick() const override { return std::chrono::milliseconds(2); }
+  bool await_tick(Nanoseconds) noexcept override {
+    if (left_ == kUntilItPulls) return ::poll(nullptr, 0, 1) == 0 && !pulled_once;
+    if (left_ == 0) return false;
+    --left_;
+    return true;
+  }
+  DeviceReading read(Nanoseconds) noexcept override {
+    ++reads;
+    return {.pose = {}, .ended = left_ == 0 && ends};
+  }
+  Command write(const Command& on_hand) noexcept override {
+    pulled.store(!on_hand.force().isZero(0.0));
+    if (pulled) pulled_once.store(true);
+    return on_hand;
+  }
+  void release() noexcept override { pulled.store(false); }
+
+  static constexpr int kUntilItPulls = -1;
+  bool ends = false;
+  std::atomic<int> reads{0};
+  std::atomic<bool> pulled{false}, pulled_once{false};
+
+ private:
+  DeviceSpec spec_ = builtin_device("simulated");
+  std::atomic<int> left_;
+};
+
+TEST(PacedLoop, TicksWhenTheDeviceDoes) {
+  ScenePeer peer;
+  Transport transport(peer.session(), {}, false);
+  Paced device(500);
+  device.ends = true;
+  Servo servo(device.spec(), parameters("none"), {});
+  Event stop;
+  auto result = std::make_unique<LoopResult>();
+  run_servo_loop(device, servo, transport, {}, stop, {}, *result);
+  EXPECT_EQ(result->end, EndReason::device_ended);
+  EXPECT_GE(device.reads, 500);
+  EXPECT_EQ(servo.statistics().samples, static_cast<std::uint64_t>(device.reads.load()));
+}
+
+/// Unplugged: the force is off long before the hold time, and the loop goes on.
+TEST(PacedLoop, ADeviceWithoutTicksHasAFaultAndHoldsNothing) {
+  ScenePeer peer;
+  Transport transport(peer.session(), {}, false);
+  Paced device(Paced::kUntilItPulls);
+  Servo servo(device.spec(), parameters("none"), {});
+  Event stop;
+  auto result = std::make_unique<LoopResult>();
+  Ring<LiveStatus> statuses(1 << 8);
+  std::thread loop(
+      [&] { run_servo_loop(device, servo, transport, {}, stop, {.status = &statuses}, *result); });
+  while (!device.pulled_once) {
+    const auto received = peer.receive();
+    if (received.kind == DatagramKind::samples)
+      peer.send(ScenePeer::reply_to(received.batch.samples[0], {.elastic = Vec3(0, 0, 3)}));
+  }
+  LiveStatus status;
+  test::eventually("two status lines after the last tick", [&] {
+    while (statuses.pop(status))
+      if (status.time > 0.4) return true;
+    return false;
+  });
+  EXPECT_FALSE(device.pulled);
+  stop.set();
+  loop.join();
+  EXPECT_EQ(result->end, EndReason::requested);
+  EXPECT_GT(servo.statistics().device_faults, 1u);
+  EXPECT_LT(servo.statistics().device_faults, 1000u);  // it is not asked without a rest
+}
+
+}  // namespace
+}  // namespace feltwire::paced_servo_test

@@ -1,0 +1,189 @@
+#pragma once
+// The account's arithmetic written out step by step, with nothing kept and nothing left out. The
+// product's account is quicker and must give the same bits (account_plain_test.cpp).
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "core/base/numeric.hpp"
+#include "core/bounding/account.hpp"
+
+namespace feltwire::test {
+
+/// One port of it: what a sample earns, and what the next one can take.
+class PlainPort {
+ public:
+  PlainPort(const PortKnowledge& known, double period, bool learns)
+      : known_(known), period_(period), path_(known.quantum) {
+    if (learns && bounds()) learned_.emplace(known, period);
+  }
+
+  bool strong_hand() const { return strong_; }
+
+  void forget() {
+    time_ = 0.0;
+    path_.forget();
+    if (learned_) learned_->forget();
+    strong_ = too_fast_ = false;
+  }
+
+  double earned(const Vec3& dx, const Vec3& held, double hold) {
+    const Polar<double> way = polar(dx);
+    too_fast_ = limits_speed() && way.length > at_full_speed(way.direction, hold);
+    const bool too_far = bounds() && time_ > 0.0 && way.length > 0.0 &&
+                         way.length > reach(way.direction, held.dot(way.direction), hold);
+    strong_ = too_far || too_fast_;
+    if (learned_) {
+      learned_->moved(dx, held, hold);
+      if (too_far) learned_->exceeded();
+      known_.outside_force = learned_->bound();
+    }
+    moved(dx, held, hold);
+    return known_.damping.quadratic(dx) / std::max(period_, hold) +
+           known_.coulomb_friction * path_.moved(dx) - held.dot(dx);
+  }
+
+  EnergyNeed need(const Vec3& wanted, double hold) const {
+    const Polar<double> force = polar(wanted);
+    const double f = force.length;
+    EnergyNeed need;
+    if (!(f > 0.0)) return need;
+    const double b = damping_along(force.direction);
+    need.first = b > 0.0 ? 0.5 * (hold / (2.0 * b)) * f * f : kInfinity;
+    const double free = b > 0.0 ? hold / (2.0 * b) : kInfinity;
+    const double k = hold * hold / (2.0 * known_.mass);
+    const double burned = b / hold;
+    if (bounds() && time_ > 0.0 && k < free) {
+      const double d0 = reach(force.direction, 0.0, hold);
+      need.turn = std::isfinite(free) ? d0 / ((free - k) * f) : 0.0;
+      need.second = k * f * f * (1.0 - burned * k);
+      need.linear = f * d0 * (1.0 - 2.0 * burned * k);
+      need.constant = -burned * d0 * d0;
+    }
+    if (!limits_speed() || too_fast_) return need;
+    const double way = at_full_speed(force.direction, hold);
+    const EnergyNeed by_speed{.first = need.first,
+                              .turn = 2.0 * burned * way / f,
+                              .linear = f * way,
+                              .constant = -burned * way * way};
+    return by_speed.at(1.0) < need.at(1.0) ? by_speed : need;
+  }
+
+ private:
+  static constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+  bool bounds() const { return known_.mass > 0.0 && known_.outside_force < kInfinity; }
+  bool limits_speed() const { return known_.speed < kInfinity; }
+  double at_full_speed(const Vec3& u, double hold) const {
+    return known_.speed * hold + known_.quantum * u.lpNorm<1>();
+  }
+  double damping_along(const Vec3& u) const {
+    const Mat3& b = known_.damping.matrix();
+    if (known_.damping.isotropic()) return b(0, 0);
+    return known_.damping.least() > 0.0 ? 1.0 / u.dot(b.inverse() * u) : 0.0;
+  }
+  double reach(const Vec3& u, double force, double hold) const {
+    const double quantum = known_.quantum * u.lpNorm<1>();
+    const double before =
+        ((joined_ ? strongest_ : held_.dot(u)) + known_.outside_force) / known_.mass;
+    const double during = std::max(0.0, force + known_.outside_force) / known_.mass;
+    const double from_rest = before * time_ * hold;
+    const double carried_on = (dx_.dot(u) + quantum) * (hold / time_) + 0.5 * from_rest;
+    return std::max({0.0, from_rest, carried_on}) + 0.5 * during * hold * hold + quantum;
+  }
+  void moved(const Vec3& dx, const Vec3& held, double hold) {
+    joined_ = hold < 0.5 * period_ && time_ > 0.0 && time_ < 0.5 * period_;
+    strongest_ = joined_ ? std::max(strongest_, length(held)) : length(held);
+    dx_ = joined_ ? Vec3(dx_ + dx) : dx;
+    time_ = joined_ ? time_ + hold : hold;
+    if (!joined_) held_ = held;
+  }
+
+  PortKnowledge known_;
+  double period_;
+  CertainPath path_;
+  std::optional<OutsideForce> learned_;
+  Vec3 dx_ = Vec3::Zero(), held_ = Vec3::Zero();
+  double time_ = 0.0, strongest_ = 0.0;
+  bool joined_ = false, too_fast_ = false, strong_ = false;
+};
+
+/// The largest share s <= 1 of the command with force.at(s) + torque.at(s) <= left.
+inline double plain_share(const EnergyNeed& force, const EnergyNeed& torque, double left) {
+  constexpr double kRounding = 1e-12;
+  if (!(left > 0.0)) return 0.0;
+  const auto both = [&](double s) { return force.at(s) + torque.at(s); };
+  if (both(1.0) <= left * (1.0 + kRounding)) return 1.0;
+  double square = 0.0, linear = 0.0, constant = 0.0;
+  for (const EnergyNeed* need : {&force, &torque}) {
+    const bool beyond = need->turn < 1.0 && both(need->turn) < left;
+    square += beyond ? need->second : need->first;
+    linear += beyond ? need->linear : 0.0;
+    constant += beyond ? need->constant : 0.0;
+  }
+  const double rest = left - constant;
+  const double s = 2.0 * rest / (linear + std::sqrt(linear * linear + 4.0 * square * rest));
+  return std::isfinite(s) ? std::clamp(s * (1.0 - kRounding), 0.0, 1.0) : 0.0;
+}
+
+class PlainAccount {
+ public:
+  explicit PlainAccount(const AccountConfig& c)
+      : config_(c),
+        translation_(c.translation, c.period, c.learns_outside_force),
+        rotation_(c.rotation, c.period, c.learns_outside_force) {}
+
+  Command step(const BoundingStep& s, double next_hold) {
+    const double left = take_in(s);
+    held_ = {};
+    if (!s.command.finite()) return held_;
+    Command wanted = s.command;
+    const double hold = std::max(config_.period, next_hold);
+    EnergyNeed force = translation_.need(wanted.force(), hold);
+    EnergyNeed torque = rotation_.need(wanted.torque, hold);
+    if (!force.limited()) wanted.elastic = wanted.frictional = Vec3::Zero();
+    if (!force.limited()) force = {};
+    if (!torque.limited()) wanted.torque.setZero();
+    if (!torque.limited()) torque = {};
+    const double share = plain_share(force, torque, left);
+    held_ = share < 1.0 ? share * wanted : wanted;
+    reduced += held_ != s.command;
+    return held_;
+  }
+  void set_held(const Command& held) { held_ = held; }
+  double balance() const { return balance_; }
+
+  std::uint64_t reduced = 0, strong_hand = 0;
+
+ private:
+  double take_in(const BoundingStep& s) {
+    const bool known = s.displacement.allFinite() && s.rotation.allFinite() &&
+                       std::isfinite(s.hold_time) && s.hold_time > 0.0;
+    const double delivered = held_.force().dot(s.displacement) + held_.torque.dot(s.rotation);
+    const double earned = known ? translation_.earned(s.displacement, held_.force(), s.hold_time) +
+                                      rotation_.earned(s.rotation, held_.torque, s.hold_time)
+                                : std::numeric_limits<double>::quiet_NaN();
+    if (std::isfinite(earned)) {
+      balance_ += earned;
+      strong_hand += translation_.strong_hand() || rotation_.strong_hand();
+    } else {
+      balance_ = std::min(balance_, 0.0);
+      translation_.forget();
+      rotation_.forget();
+    }
+    if (held_.force().isZero(0.0) && held_.torque.isZero(0.0))
+      balance_ = std::min(balance_, config_.cap);
+    if (!std::isfinite(earned) || !config_.looks_ahead) return balance_;
+    const double per_period = delivered * config_.period / std::max(config_.period, s.hold_time);
+    return balance_ - 0.5 * std::max(0.0, per_period);
+  }
+
+  AccountConfig config_;
+  PlainPort translation_, rotation_;
+  Command held_;
+  double balance_ = 0.0;
+};
+
+}  // namespace feltwire::test

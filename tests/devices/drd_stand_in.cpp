@@ -1,0 +1,121 @@
+// A libdrd with a simulated mass behind it: the names, types and codes that Force Dimension's users
+// have published. Written from those, not from the driver.
+
+#include "tests/devices/drd_stand_in.hpp"
+
+#include <memory>
+
+namespace {
+
+using stand_in::Three;
+
+std::unique_ptr<stand_in::Drd> device = std::make_unique<stand_in::Drd>();
+Three force{};  // [N]
+int last_error = 0;
+bool expert = false;
+
+constexpr int kFailed = -1, kTimeGuard = 1, kMotorSaturated = 2;
+constexpr int kCommunication = 2, kNoDevice = 5, kExpertDisabled = 9;
+
+bool between(long n, long from, long until) { return from >= 0 && n >= from && n < until; }
+
+int failed(int error) {
+  last_error = error;
+  return kFailed;
+}
+bool answers(char id) {
+  return id == 0 && device->plugged &&
+         !between(device->readings, device->fails_from, device->fails_until);
+}
+bool forces_on() {
+  return device->force_on && !between(device->readings, device->off_from, device->off_until);
+}
+
+/// A period of the real motion, and what the encoders say then.
+int sensed(double* x, double* y, double* z) {
+  while (device->blocks.load()) device->blocked.store(true);
+  ++device->readings;
+  device->mass.advance(device->period, forces_on() ? force : Three{});
+  if (!answers(0)) return failed(kCommunication);
+  static Three told;
+  const bool old = device->stale_every > 0 && device->readings % device->stale_every == 0;
+  if (!old) told = device->mass.sensed();
+  *x = told[0], *y = told[1], *z = told[2];
+  return old ? kTimeGuard : 0;
+}
+
+}  // namespace
+
+extern "C" {
+
+stand_in::Drd* stand_in_new() {
+  device = std::make_unique<stand_in::Drd>();
+  force = {};
+  last_error = 0;
+  return device.get();
+}
+
+void dhdGetSDKVersion(int* major, int* minor, int* release, int* revision) {
+  *major = device->major, *minor = device->minor, *release = 5, *revision = 0;
+}
+int dhdOpenID(char index) {
+  if (!device->plugged || index != 0) return failed(kNoDevice);
+  ++device->opened;
+  return 0;
+}
+int dhdClose(char) { return ++device->closed, 0; }
+int dhdStop(char) {
+  force = {};
+  device->force_on = false;
+  return ++device->stopped, 0;
+}
+int dhdErrorGetLast() { return last_error; }
+const char* dhdErrorGetLastStr() { return last_error == kNoDevice ? "no device found" : "failed"; }
+const char* dhdGetSystemName(char) { return device->system; }
+bool dhdHasWrist(char) { return device->wrist; }
+bool drdIsInitialized(char) { return device->initialized; }
+int dhdEnableForce(unsigned char on, char) {
+  device->force_before_on = force != Three{};
+  device->force_on = on != 0;
+  return 0;
+}
+int dhdSetBrakes(int on, char) { return device->brakes_on = on != 0, 0; }
+int dhdSetGravityCompensation(int on, char) { return device->gravity_on = on != 0, 0; }
+int dhdSetMaxForce(double newtons, char) { return device->max_force = newtons, 0; }
+int dhdGetStatus(int* status, char id) {
+  if (!answers(id)) return failed(kCommunication);
+  for (int i = 0; i < 17; ++i) status[i] = 0;
+  status[0] = status[1] = status[2] = 1;
+  status[5] = forces_on() ? 1 : 0;
+  return 0;
+}
+int dhdGetPosition(double* x, double* y, double* z, char) { return sensed(x, y, z); }
+int dhdGetPositionAndOrientationFrame(double* x, double* y, double* z, double (*m)[3], char) {
+  // A quarter of a turn about z: the tool's x points along the world's y.
+  const double turned[3][3] = {{0, -1, 0}, {1, 0, 0}, {0, 0, 1}};
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) m[i][j] = turned[i][j];
+  return sensed(x, y, z);
+}
+int dhdSetForce(double x, double y, double z, char id) {
+  if (!answers(id)) return failed(kCommunication);
+  const double size = std::hypot(x, y, z);
+  const double share = size > device->saturates_at ? device->saturates_at / size : 1.0;
+  force = {share * x, share * y, share * z};
+  device->pulls.store(size > 0.0);
+  if (size == 0.0) ++device->zeros;
+  return share < 1.0 ? kMotorSaturated : 0;
+}
+int dhdGetForce(double* x, double* y, double* z, char id) {
+  if (!answers(id) || !device->tells_force) return failed(kCommunication);
+  *x = force[0], *y = force[1], *z = force[2];
+  return 0;
+}
+int dhdEnableExpertMode() { return expert = true, 0; }
+int dhdDisableExpertMode() { return expert = false, 0; }
+int dhdSetWatchdog(unsigned char units, char) {
+  if (!expert || !device->watchdog_works) return failed(kExpertDisabled);
+  return device->watchdog = units, 0;
+}
+int dhdGetWatchdog(unsigned char* units, char) { return *units = device->watchdog, 0; }
+}

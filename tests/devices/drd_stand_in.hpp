@@ -1,0 +1,33 @@
+#pragma once
+// What a test tells the stand-in of libdrd, and sees of it. The library exports stand_in_new().
+
+#include <atomic>
+
+#include "tests/devices/simulated_mass.hpp"
+
+namespace stand_in {
+
+/// In virtual time: each reading is a period after the one before.
+struct Drd {
+  SimulatedMass mass;
+  double period = 1e-3;  // [s]
+  int major = 3, minor = 17;
+  const char* system = "omega.7";
+  bool plugged = true, initialized = true, wrist = true;
+  int stale_every = 0;                     // readings; 0: never
+  double saturates_at = 1e9;               // [N]
+  long fails_from = -1, fails_until = -1;  // readings between which every call fails
+  long off_from = -1, off_until = -1;      // and between which the forces are switched off
+  bool watchdog_works = true, tells_force = true;
+  std::atomic<bool> blocks{false}, blocked{false};
+
+  long readings = 0;
+  int opened = 0, closed = 0, stopped = 0;
+  bool force_on = false, brakes_on = true, gravity_on = false, force_before_on = false;
+  unsigned char watchdog = 0;
+  double max_force = -1.0;
+  std::atomic<bool> pulls{false};
+  std::atomic<int> zeros{0};  // forces of nothing that were set
+};
+
+}  // namespace stand_in

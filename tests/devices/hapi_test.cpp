@@ -1,0 +1,271 @@
+// The driver of the 2-dof open board, against a board at a pseudo terminal whose true motion is
+// known.
+
+#include "client/devices/hapi.hpp"
+
+#include <gmock/gmock.h>
+
+#include <numbers>
+#include <random>
+
+#include "client/devices/hapi_board.hpp"
+#include "client/servo/servo.hpp"
+#include "protocol/net/clock.hpp"
+#include "tests/devices/hapi_stand_in.hpp"
+#include "tests/devices/stand_in_session.hpp"
+#include "tests/support/allocation_counter.hpp"
+#include "tests/support/eventually.hpp"
+
+namespace feltwire::hapi_test {
+namespace {
+
+using stand_in::HapiBoard;
+using ::testing::AllOf;
+using ::testing::Contains;
+using ::testing::HasSubstr;
+using testing::PacedSession;
+
+struct Hapi : ::testing::Test {
+  OpenedDevice open() const {
+    DeviceRequest request;
+    request.name = board.port();
+    request.spec.damping = board.mass.damping;
+    request.spec.mass = board.mass.mass;
+    return open_hapi(request);
+  }
+  std::string refusal(const std::string& port) const {
+    DeviceRequest request;
+    request.name = port;
+    try {
+      open_hapi(request);
+    } catch (const std::exception& error) {
+      return error.what();
+    }
+    return "none";
+  }
+  static Servo servo_of(const OpenedDevice& opened, std::string_view mode = kUnbounded) {
+    SessionParameters parameters = testing::session_of(*opened.device);
+    parameters.mode = mode;
+    return Servo(opened.device->spec(), parameters, {});
+  }
+  /// Until the board pulls at the hand.
+  void feel(Device& device, Servo& servo) {
+    session.run(device, servo, [&] { return board.force > 0.5; });
+  }
+  /// [J] that the true motion made more than the device burned, in four seconds at a late wall.
+  double made(std::string_view mode) {
+    constexpr int kFrames = 4000;
+    session.patience = std::chrono::seconds(10);  // a busy machine is no fault of the board's
+    {
+      const OpenedDevice opened = open();
+      Servo servo = servo_of(opened, mode);
+      session.run(*opened.device, servo, [&] { return board.frames >= kFrames; });
+      statistics = servo.statistics();
+    }
+    board.stop();
+    EXPECT_GT(board.mass.largest_force, 0.5);  // the wall was felt
+    return board.mass.most_made;
+  }
+
+  HapiBoard board;
+  PacedSession session{.normal = Vec3::UnitX()};  // towards the user
+  ServoStatistics statistics;
+};
+
+TEST_F(Hapi, SaysWhatItIs) {
+  DeviceRequest request;
+  request.name = board.port();
+  const OpenedDevice opened = open_hapi(request);
+  EXPECT_EQ(opened.device->spec().name, "hapi_2dof");
+  EXPECT_EQ(opened.device->spec().translation_dof, 2);
+  EXPECT_GE(opened.device->longest_tick(), std::chrono::microseconds(1250));
+  EXPECT_EQ(board.offset, 180.0);
+  EXPECT_THAT(opened.notes, Contains(HasSubstr("damping 0.02 N s/m is an assumption")));
+  EXPECT_THAT(opened.notes, Contains(HasSubstr("not calibrated")));
+  EXPECT_THAT(opened.notes, Contains(HasSubstr("watchdog")));
+}
+
+TEST_F(Hapi, WhatIsWrongIsSaid) {
+  EXPECT_THAT(refusal("/dev/no_such_port"), AllOf(HasSubstr("no_such_port"), HasSubstr("check")));
+  EXPECT_THAT(refusal("/dev/null"), HasSubstr("no serial port"));
+  board.not_numbers = 1;
+  EXPECT_THAT(refusal(board.port()), HasSubstr("not a frame of torques"));
+}
+
+TEST_F(Hapi, OtherFirmwareIsRefused) {
+  board.firmware = HapiBoard::Firmware::silent;
+  EXPECT_THAT(refusal(board.port()), HasSubstr("no answer"));
+  EXPECT_GT(board.setups, 1);  // it was asked again
+}
+TEST_F(Hapi, AnotherDeviceIsRefused) {
+  board.firmware = HapiBoard::Firmware::other_device;
+  EXPECT_THAT(refusal(board.port()), HasSubstr("no board with hAPI firmware"));
+}
+TEST_F(Hapi, ATalkativeFirmwareIsRefused) {
+  board.firmware = HapiBoard::Firmware::talkative;
+  EXPECT_THAT(refusal(board.port()), HasSubstr("no board with hAPI firmware"));
+}
+
+TEST_F(Hapi, AxesAreOurs) {
+  board.mass.position = {0.01, 0.0, -0.02};
+  board.mass.stiffness = board.mass.hand_damping = 0.0;
+  const OpenedDevice opened = open();
+  ASSERT_TRUE(opened.device->await_tick(monotonic_now() + std::chrono::seconds(10)));
+  const DeviceReading reading = opened.device->read({});
+  ASSERT_TRUE(reading.ok);
+  EXPECT_NEAR((reading.pose.position - Vec3(-0.02, 0.01, 0.0)).norm(), 0.0, 5e-5);
+}
+
+/// A force along each axis moves the free mass that way, and it is that many newtons.
+TEST_F(Hapi, ForcesAreOurs) {
+  board.mass.stiffness = board.mass.hand_damping = board.mass.friction = 0.0;
+  const OpenedDevice opened = open();
+  Device& device = *opened.device;
+  const auto tick = [&] {
+    ASSERT_TRUE(device.await_tick(monotonic_now() + std::chrono::seconds(10)));
+  };
+  tick();
+  device.read({});
+  device.write({.elastic = Vec3(0.2, -0.1, 0.0)});
+  tick();
+  EXPECT_NEAR(board.force, std::hypot(0.2, 0.1), 1e-3);
+  device.read({});
+  EXPECT_EQ(device.write({}).force(), Vec3(0.2, -0.1, 0.0));  // it is held until the next reading
+  tick();
+  device.read({});
+  EXPECT_EQ(device.write({}).force(), Vec3::Zero());
+  board.stop();
+  EXPECT_GT(board.mass.velocity[2], 0.0);
+  EXPECT_LT(board.mass.velocity[0], 0.0);
+}
+
+TEST_F(Hapi, MakesNoEnergy) {
+  EXPECT_LE(made(kSessionMethod), 1e-12);
+  EXPECT_GT(statistics.samples, 3900u);
+  EXPECT_EQ(statistics.device_faults, 0u);
+}
+/// What that is measured with can tell.
+TEST_F(Hapi, TheWallAloneWouldMakeEnergy) { EXPECT_GT(made(kUnbounded), 0.005); }
+
+TEST_F(Hapi, ATickDoesNotTouchTheHeap) {
+  const OpenedDevice opened = open();
+  Servo servo = servo_of(opened);
+  const std::size_t before = test::allocations();
+  for (int n = 0; n < 500; ++n)
+    if (opened.device->await_tick(monotonic_now() + std::chrono::milliseconds(25)))
+      servo.tick(*opened.device, monotonic_now());
+  EXPECT_EQ(test::allocations() - before, 0u);
+}
+
+TEST_F(Hapi, ReleaseTakesTheForceOffForGood) {
+  const OpenedDevice opened = open();
+  Servo servo = servo_of(opened);
+  feel(*opened.device, servo);
+  opened.device->release();
+  test::eventually("it is let go", [&] { return board.force == 0.0; });
+  const std::uint64_t samples = servo.statistics().samples;
+  session.run(*opened.device, servo, [&] { return servo.statistics().samples > samples + 20; });
+  EXPECT_EQ(board.force, 0.0);
+  EXPECT_EQ(servo.held(), Command{});
+}
+
+TEST_F(Hapi, TheEndTakesTheForceOff) {
+  {
+    const OpenedDevice opened = open();
+    Servo servo = servo_of(opened);
+    feel(*opened.device, servo);
+  }
+  test::eventually("it is let go", [&] { return board.force == 0.0; });
+}
+
+/// Whatever becomes of a reply, the hand is let go, and felt again afterwards.
+struct Fault {
+  const char* name;
+  std::atomic<int> HapiBoard::*count;
+};
+struct HapiFault : Hapi, ::testing::WithParamInterface<Fault> {};
+
+TEST_P(HapiFault, LetsTheForceGoAndIsOver) {
+  const OpenedDevice opened = open();
+  Servo servo = servo_of(opened);
+  feel(*opened.device, servo);
+  const std::uint64_t faults = servo.statistics().device_faults;
+  board.*GetParam().count = 1;
+  session.run(*opened.device, servo, [&] { return servo.statistics().device_faults > faults; });
+  EXPECT_EQ(servo.held(), Command{});
+  // By that one tick, without another.
+  test::eventually("it is let go", [&] { return board.force == 0.0; });
+  feel(*opened.device, servo);
+  EXPECT_LT(servo.statistics().device_faults, faults + 20);
+}
+
+INSTANTIATE_TEST_SUITE_P(Of, HapiFault,
+                         ::testing::Values(Fault{"ADroppedReply", &HapiBoard::drops},
+                                           Fault{"ALostFrame", &HapiBoard::loses},
+                                           Fault{"Garbage", &HapiBoard::garbles},
+                                           Fault{"AReplyTwice", &HapiBoard::repeats},
+                                           Fault{"NotANumber", &HapiBoard::not_numbers},
+                                           Fault{"AJump", &HapiBoard::jumps}),
+                         [](const auto& fault) { return std::string(fault.param.name); });
+
+TEST_F(Hapi, AnUnpluggedBoardIsAFaultForGood) {
+  const OpenedDevice opened = open();
+  Servo servo = servo_of(opened);
+  feel(*opened.device, servo);
+  board.unplug();
+  test::eventually("it is unplugged", [&] { return board.unplugged.load(); });
+  const std::uint64_t faults = servo.statistics().device_faults;
+  session.run(*opened.device, servo, [&] { return servo.statistics().device_faults > faults + 3; });
+  EXPECT_EQ(servo.held(), Command{});
+  EXPECT_EQ(servo.no_force(), NoForce::device_fault);
+}
+
+/// The servo never waits for a port that takes nothing, and a force that stood in it is followed by
+/// none at once.
+TEST_F(Hapi, ABlockedPortNeverHoldsTheServoUp) {
+  const OpenedDevice opened = open();
+  Servo servo = servo_of(opened);
+  feel(*opened.device, servo);
+  board.blocks.store(true);
+  const std::uint64_t faults = servo.statistics().device_faults;
+  session.run(*opened.device, servo,
+              [&] { return servo.statistics().device_faults > faults + 20; });
+  EXPECT_EQ(servo.held(), Command{});
+  session.stiffness = 0.0;
+  board.blocks.store(false);
+  test::eventually("it is let go", [&] { return board.force == 0.0; });
+}
+
+/// The tool where two other ways of computing it have it, and the jacobian as differences do.
+TEST(HapiPantograph, IsWhereItsLinksMeet) {
+  std::mt19937 random(19);
+  std::uniform_real_distribution<double> left(1.8, 3.4), right(-0.3, 1.3);
+  int possible = 0;
+  for (int n = 0; n < 2000; ++n) {
+    const hapi::Vec2 angles(left(random), right(random));
+    const auto tool = hapi::tool_point(angles);
+    if (!tool) continue;
+    ++possible;
+    const hapi::Vec2 a = 0.05 * hapi::Vec2(std::cos(angles.x()), std::sin(angles.x()));
+    const hapi::Vec2 b =
+        hapi::Vec2(0.02, 0.0) + 0.05 * hapi::Vec2(std::cos(angles.y()), std::sin(angles.y()));
+    EXPECT_NEAR((tool->position - a).norm(), 0.07, 1e-12);
+    EXPECT_NEAR((tool->position - b).norm(), 0.07, 1e-12);
+    constexpr double kStep = 1e-6;
+    for (int i = 0; i < 2; ++i) {
+      const hapi::Vec2 step = kStep * hapi::Vec2::Unit(i);
+      const auto more = hapi::tool_point(angles + step), less = hapi::tool_point(angles - step);
+      if (!more || !less) continue;
+      const hapi::Vec2 slope = (more->position - less->position) / (2.0 * kStep);
+      EXPECT_NEAR((slope - tool->jacobian.col(i)).norm(), 0.0, 1e-7);
+    }
+  }
+  EXPECT_GT(possible, 1000);
+  EXPECT_TRUE(hapi::tool_point({std::numbers::pi, 0.0}));  // elbows 0.12 m apart
+  EXPECT_TRUE(hapi::tool_point({0.0, 0.0}));               // elbows 0.02 m apart
+  const double meet = std::acos(0.2);
+  EXPECT_FALSE(hapi::tool_point({meet, std::numbers::pi - meet}));  // elbows in one place
+}
+
+}  // namespace
+}  // namespace feltwire::hapi_test

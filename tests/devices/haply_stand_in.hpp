@@ -1,0 +1,72 @@
+#pragma once
+// A service as Haply's, on a port of this machine: a WebSocket of its own making, in each dialect
+// of its JSON, with a simulated mass and the faults that a test asks for. Written from the
+// published messages, not from the driver.
+
+#include <array>
+#include <atomic>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <thread>
+
+#include "tests/devices/simulated_mass.hpp"
+
+namespace stand_in {
+
+/// In virtual time: each command is a tick of a millisecond. Its axes are x right, y away, z up,
+/// from 0.12 m behind and 0.15 m below the mass's origin; the mass's are x near, y right, z up.
+class HaplyService {
+ public:
+  enum class Json { v3_0, v3_1, v3_5 };
+
+  explicit HaplyService(Json json);
+  ~HaplyService();
+  HaplyService(const HaplyService&) = delete;
+  HaplyService& operator=(const HaplyService&) = delete;
+
+  std::uint16_t port() const { return port_; }
+  /// No more commands: the mass can be looked at.
+  void stop();
+
+  SimulatedMass mass;
+  // Set before the driver comes.
+  bool plugged = true, second = false, speaks = true;
+  const char* permutation = "XYZ";
+  double scale = 1.0;
+  std::atomic<bool> calibrated{true}, button{false};
+  std::atomic<bool> blocks{false};    // it does not read
+  std::atomic<bool> hangs_up{false};  // it closes the connection
+  std::atomic<double> gate{1.0};      // of the force that it applies, and tells
+  std::atomic<double> pushes{0.0};    // [N] along z of another program
+  std::atomic<int> drops{0};          // answers that it will not give
+  std::atomic<int> breaks{0};         // answers that are no JSON
+  std::atomic<int> huge{0};           // answers of 200 kB
+  std::atomic<int> repeats{0};        // answers that it will give twice
+  std::atomic<int> homeless{0};       // answers without a position
+  std::atomic<int> fragments{0};      // answers in three frames, with a ping between them
+  std::atomic<int> pongs{0};
+  std::atomic<double> force{0.0};  // [N] on the mass
+  std::atomic<int> commands{0}, sessions{0}, misunderstood{0};
+
+ private:
+  void run();
+  bool shake_hands();
+  void serve();
+  void understand(std::string_view text);
+  std::string told(bool first) const;
+  std::string device(std::string_view id, bool first) const;
+  void answer(std::string text);
+  void send_frame(unsigned head, std::string_view text);
+  bool fill(std::size_t size);
+
+  Json json_;
+  int listener_ = -1, peer_ = -1;
+  std::uint16_t port_ = 0;
+  std::string heard_;
+  Three applied_{};  // [N] in the service's axes
+  std::atomic<bool> over_{false};
+  std::thread thread_;
+};
+
+}  // namespace stand_in

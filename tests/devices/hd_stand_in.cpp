@@ -1,0 +1,164 @@
+// A libHD with a simulated mass behind it and a scheduler of its own: the names, types, units and
+// codes that users of OpenHaptics have published. Written from those, not from the driver.
+
+#include "tests/devices/hd_stand_in.hpp"
+
+#include <array>
+#include <chrono>
+#include <cstring>
+#include <memory>
+#include <thread>
+
+namespace {
+
+using stand_in::Three;
+using Clock = std::chrono::steady_clock;
+using Callback = unsigned(void*);
+
+struct ErrorInfo {
+  unsigned code;
+  int internal;
+  unsigned device;
+};
+
+constexpr unsigned kHandle = 3, kNone = 0xFFFFFFFFu;
+constexpr double kMost = 625e-6;  // [s] of either half of a tick, for the mass
+constexpr int kRamp = 500;        // ticks
+
+std::unique_ptr<stand_in::Hd> device = std::make_unique<stand_in::Hd>();
+std::array<unsigned, 16> errors;
+std::size_t error_count = 0;
+Three force{}, wanted{};  // [N] on the mass, in our axes; of this frame
+Clock::time_point last;
+int ramp = 0;  // ticks that are left of it
+bool in_frame = false;
+
+std::thread scheduler;
+std::atomic<bool> runs{false};
+std::atomic<Callback*> callback{nullptr};
+void* user = nullptr;
+
+void raise(unsigned code) {
+  if (error_count < errors.size()) errors[error_count++] = code;
+}
+void move() {
+  const auto now = Clock::now();
+  device->mass.advance(std::min(std::chrono::duration<double>(now - last).count(), kMost), force);
+  last = now;
+}
+bool allowed() { return !runs.load() || std::this_thread::get_id() == scheduler.get_id(); }
+void check(bool good) { device->misuses += good ? 0 : 1; }
+
+void run() {
+  auto next = last = Clock::now();
+  while (runs.load()) {
+    next += std::chrono::milliseconds(1);
+    std::this_thread::sleep_until(next);
+    if (Clock::now() - next > std::chrono::milliseconds(5)) next = Clock::now();
+    Callback* call = callback.load();
+    if (call != nullptr && !device->stuck.load()) call(user);
+  }
+}
+
+}  // namespace
+
+extern "C" {
+
+stand_in::Hd* stand_in_new() {
+  device = std::make_unique<stand_in::Hd>();
+  error_count = 0;
+  force = {};
+  ramp = 0;
+  return device.get();
+}
+
+unsigned hdInitDevice(const char* name) {
+  const bool found =
+      device->plugged &&
+      (std::strlen(device->known) == 0 ? name == nullptr
+                                       : name != nullptr && std::strcmp(name, device->known) == 0);
+  if (found) return ++device->opened, kHandle;
+  raise(0x302);
+  raise(0x300);
+  return kNone;
+}
+void hdDisableDevice(unsigned) { ++device->closed; }
+void hdMakeCurrentDevice(unsigned handle) { check(handle == kHandle); }
+void hdBeginFrame(unsigned handle) {
+  check(handle == kHandle && !in_frame && allowed());
+  in_frame = true;
+  move();
+}
+void hdEndFrame(unsigned) {
+  check(in_frame && allowed());
+  in_frame = false;
+  move();
+  if (const unsigned code = device->raises.exchange(0); code != 0) {
+    raise(code);
+    raise(code);
+    ramp = kRamp;
+  }
+  const double size = std::hypot(wanted[0], wanted[1], wanted[2]);
+  if (ramp > 0) device->asked_ramping.store(std::max(device->asked_ramping.load(), size));
+  const double share = device->force_on ? 1.0 - static_cast<double>(ramp) / kRamp : 0.0;
+  ramp = std::max(0, ramp - 1);
+  force = {share * wanted[0], share * wanted[1], share * wanted[2]};
+  device->force.store(share * size);
+  ++device->frames;
+}
+ErrorInfo hdGetError() {
+  if (error_count == 0) return {0, 0, 0};
+  return {errors[--error_count], -1, kHandle};
+}
+const char* hdGetErrorString(unsigned code) {
+  return code == 0x300 ? "HD_DEVICE_FAULT" : "HD_COMM_ERROR";
+}
+void hdEnable(unsigned what) {
+  check(allowed());
+  if (what == 0x4000) {
+    device->force_on = true;
+    ramp = kRamp;
+  }
+}
+void hdDisable(unsigned what) {
+  check(allowed());
+  if (what == 0x4000) device->force_on = false;
+}
+void hdGetDoublev(unsigned what, double* values) {
+  check(allowed());
+  if (what == 0x2603) *values = 3.3;
+  if (what != 0x2052) return;
+  // The pen's own axes are the device's.
+  for (int i = 0; i < 16; ++i) values[i] = i % 5 == 0 ? 1.0 : 0.0;
+  const Three p = device->mass.sensed();
+  values[12] = 1e3 * p[1], values[13] = 1e3 * p[2], values[14] = 1e3 * p[0];  // right, up, near
+}
+void hdGetIntegerv(unsigned what, int* value) {
+  if (what == 0x2600) *value = 1000;
+}
+const char* hdGetString(unsigned) { return device->model; }
+void hdSetDoublev(unsigned what, const double* values) {
+  check(what == 0x2700 && in_frame);
+  wanted = {values[2], values[0], values[1]};
+}
+unsigned hdCheckCalibration() { return device->calibration; }
+unsigned hdCheckCalibrationStyle() { return device->style; }
+void hdUpdateCalibration(unsigned) {
+  ++device->updates;
+  device->calibration = 0x5000;
+}
+unsigned long hdScheduleAsynchronous(Callback* call, void* with, unsigned short) {
+  user = with;
+  callback.store(call);
+  return 1;
+}
+void hdUnschedule(unsigned long) { callback.store(nullptr); }
+void hdStartScheduler() {
+  runs.store(true);
+  scheduler = std::thread(run);
+}
+void hdStopScheduler() {
+  runs.store(false);
+  if (scheduler.joinable()) scheduler.join();
+}
+}

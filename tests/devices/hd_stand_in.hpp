@@ -1,0 +1,29 @@
+#pragma once
+// What a test tells the stand-in of libHD, and sees of it. The library exports stand_in_new().
+
+#include <atomic>
+
+#include "tests/devices/simulated_mass.hpp"
+
+namespace stand_in {
+
+/// Its scheduler calls back a thousand times a second. The mass moves in the time of that clock; a
+/// tick that the machine made longer is one of 1.25 ms for the mass.
+struct Hd {
+  SimulatedMass mass;  // read it when the scheduler does not run
+  const char* model = "Touch";
+  const char* known = "";  // the one name that opens; empty: the default device
+  bool plugged = true;
+  unsigned calibration = 0x5000, style = 4;
+  std::atomic<unsigned> raises{0};  // the next frame leaves this error on the stack, twice
+  std::atomic<bool> stuck{false};   // the scheduler calls nobody
+
+  std::atomic<int> frames{0};
+  std::atomic<double> force{0.0};          // [N] of the last frame
+  std::atomic<double> asked_ramping{0.0};  // [N] the most that was asked for while it ramped
+  int opened = 0, closed = 0, updates = 0;
+  bool force_on = false;
+  int misuses = 0;  // calls that the guide forbids where they were made
+};
+
+}  // namespace stand_in

@@ -1,0 +1,54 @@
+// Devices that answer each command: what is known of a force that could not be replaced.
+
+#include "client/devices/lock_step.hpp"
+
+#include <gtest/gtest.h>
+
+#include "core/device/device_spec.hpp"
+#include "protocol/net/clock.hpp"
+
+namespace feltwire::lock_step_test {
+namespace {
+
+/// Answers at once, and holds what it was sent last.
+class Obedient final : public LockStepDevice {
+ public:
+  const DeviceSpec& spec() const override { return spec_; }
+  Command held;
+  bool blocked = false;  // nothing can be sent
+
+ private:
+  std::optional<Command> send(const Command& command) noexcept override {
+    if (blocked) return std::nullopt;
+    held = command;
+    return command;
+  }
+  Answer answer(const Command&, DeviceReading&, Nanoseconds) noexcept override {
+    return Answer::whole;
+  }
+  bool forget() noexcept override { return true; }
+  void let_go() noexcept override {}
+
+  DeviceSpec spec_ = builtin_device("simulated");
+};
+
+TEST(LockStep, ZeroIsSentAgainUntilItGoesOut) {
+  const Command pull{.elastic = Vec3(0, 0, 2)};
+  Obedient device;
+  const auto tick = [&device] { return device.await_tick(monotonic_now()); };
+  ASSERT_TRUE(tick());
+  device.write(pull);
+  ASSERT_TRUE(tick());
+  EXPECT_EQ(device.held, pull);
+  device.blocked = true;
+  device.write({.elastic = Vec3(0, 0, 1)});  // it holds the pull before
+  EXPECT_FALSE(tick());
+  EXPECT_EQ(device.write({}), Command{});  // the zero is lost, too
+  EXPECT_EQ(device.held, pull);
+  device.blocked = false;
+  device.write({});
+  EXPECT_EQ(device.held, Command{});
+}
+
+}  // namespace
+}  // namespace feltwire::lock_step_test

@@ -1,0 +1,202 @@
+// The driver of OpenHaptics, against a library that answers and calls back as the maker's does.
+
+#include "client/devices/open_haptics.hpp"
+
+#include <dlfcn.h>
+#include <gmock/gmock.h>
+
+#include <cstdlib>
+
+#include "client/servo/servo.hpp"
+#include "protocol/net/clock.hpp"
+#include "tests/devices/hd_stand_in.hpp"
+#include "tests/devices/stand_in_session.hpp"
+#include "tests/support/allocation_counter.hpp"
+#include "tests/support/eventually.hpp"
+
+namespace feltwire::open_haptics_test {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::Contains;
+using ::testing::HasSubstr;
+
+struct OpenHaptics : ::testing::Test {
+  OpenHaptics() : library(::dlopen(FELTWIRE_HD_STAND_IN, RTLD_NOW | RTLD_LOCAL)) {
+    ::setenv("OH_SDK_BASE", FELTWIRE_OH_SDK, 1);
+    using New = stand_in::Hd*();
+    stand_in = reinterpret_cast<New*>(::dlsym(library, "stand_in_new"))();
+  }
+  ~OpenHaptics() override {
+    ::unsetenv("OH_SDK_BASE");
+    ::dlclose(library);
+  }
+  static OpenedDevice open(const std::string& name = "", const SpecRequest& spec = {}) {
+    DeviceRequest request;
+    request.name = name;
+    request.spec = spec;
+    return open_haptics(request);
+  }
+  static std::string refusal(const std::string& name = "") {
+    try {
+      open(name);
+    } catch (const std::exception& error) {
+      return error.what();
+    }
+    return "none";
+  }
+
+  template <class Until>
+  void felt(Device& device, Servo& servo, Until until) {
+    testing::PacedSession().run(device, servo, until);
+  }
+
+  /// [J] that the true motion made more than the device burned, in four seconds at a late wall.
+  double made(std::string_view mode) {
+    constexpr int kFrames = 4000;
+    {
+      OpenedDevice opened = open(
+          "", {.name_or_file = {}, .damping = stand_in->mass.damping, .mass = stand_in->mass.mass});
+      DeviceSpec spec = opened.device->spec();
+      spec.position_resolution = stand_in->mass.quantum;
+      spec.least_friction = stand_in->mass.friction;
+      SessionParameters parameters = testing::session_of(*opened.device);
+      parameters.mode = mode;
+      Servo servo(spec, parameters, {});
+      felt(*opened.device, servo, [&] { return stand_in->frames >= kFrames; });
+      statistics = servo.statistics();
+    }
+    EXPECT_EQ(stand_in->misuses, 0);
+    return stand_in->mass.most_made;
+  }
+
+  void* library;
+  stand_in::Hd* stand_in;
+  ServoStatistics statistics;
+};
+
+TEST_F(OpenHaptics, IsOpenedByDefaultOrByName) {
+  {
+    const OpenedDevice opened = open();
+    EXPECT_EQ(opened.device->spec().name, "touch");
+    EXPECT_EQ(opened.device->spec().max_force, 3.3);
+    EXPECT_EQ(opened.device->longest_tick(), std::chrono::microseconds(1250));
+    EXPECT_THAT(opened.notes, Contains(HasSubstr("damping 0.05 N s/m is an assumption")));
+    EXPECT_THAT(opened.notes, Contains(HasSubstr("no longest tick")));
+  }
+  EXPECT_EQ(stand_in->closed, 1);
+  stand_in->known = "Default PHANToM";
+  open();
+  stand_in->known = "left";
+  open("left");
+  EXPECT_EQ(stand_in->opened, 3);
+  stand_in->model = "Premium 1.5";
+  EXPECT_EQ(open("left").device->spec().name, "phantom_premium_1.5");
+  EXPECT_EQ(stand_in->misuses, 0);
+}
+
+TEST_F(OpenHaptics, WhatIsMissingIsSaid) {
+  stand_in->plugged = false;
+  EXPECT_THAT(refusal(), AllOf(HasSubstr("default one"), HasSubstr("HD_DEVICE_FAULT")));
+  EXPECT_THAT(refusal("left"), AllOf(HasSubstr("'left'"), HasSubstr("Touch Setup")));
+  stand_in->plugged = true;
+  stand_in->calibration = 0x5002;
+  EXPECT_THAT(refusal(), HasSubstr("inkwell"));
+  EXPECT_EQ(stand_in->closed, 1);
+  stand_in->calibration = 0x5001;  // an inkwell's is for the user to do
+  EXPECT_THAT(refusal(), HasSubstr("inkwell"));
+  stand_in->style = 2;
+  EXPECT_EQ(refusal(), "none");
+  EXPECT_EQ(stand_in->updates, 1);
+  ::setenv("OH_SDK_BASE", "/nowhere", 1);
+  EXPECT_THAT(refusal(), AllOf(HasSubstr("libHD.so"), HasSubstr("OH_SDK_BASE")));
+}
+
+TEST_F(OpenHaptics, AxesAndUnitsAreOurs) {
+  stand_in->mass.position = {0.01, 0.02, 0.03};
+  stand_in->mass.stiffness = stand_in->mass.hand_damping = 0.0;
+  const OpenedDevice opened = open();
+  ASSERT_TRUE(opened.device->await_tick(monotonic_now() + std::chrono::seconds(10)));
+  const DeviceReading reading = opened.device->read({});
+  EXPECT_NEAR((reading.pose.position - Vec3(0.01, 0.02, 0.03)).norm(), 0.0, 3e-5);
+  EXPECT_NEAR(reading.pose.orientation.w(), 1.0, 1e-12);
+}
+
+/// The stand-in was pulled by its wall, its force ramped at the start, and gave nothing away.
+TEST_F(OpenHaptics, MakesNoEnergy) {
+  EXPECT_LE(made(kSessionMethod), 1e-12);
+  EXPECT_GT(stand_in->mass.largest_force, 0.5);
+  EXPECT_EQ(stand_in->asked_ramping, 0.0);
+  EXPECT_GT(statistics.samples, 2000u);
+}
+
+/// What that is measured with can tell.
+TEST_F(OpenHaptics, TheWallAloneWouldMakeEnergy) { EXPECT_GT(made(kUnbounded), 0.005); }
+
+/// Too much force: the amplifiers go off and ramp up again. Nothing is asked for meanwhile, and the
+/// servo knows why.
+TEST_F(OpenHaptics, AfterAnErrorNothingIsAskedForWhileItRamps) {
+  OpenedDevice opened = open();
+  SessionParameters parameters = testing::session_of(*opened.device);
+  parameters.mode = kUnbounded;
+  Servo servo(opened.device->spec(), parameters, {});
+  felt(*opened.device, servo, [&] { return stand_in->force > 1.0; });
+  stand_in->raises.store(0x201);
+  const std::uint64_t faults = servo.statistics().device_faults;
+  felt(*opened.device, servo, [&] { return servo.statistics().device_faults > faults; });
+  EXPECT_EQ(servo.held(), Command{});
+  felt(*opened.device, servo, [&] { return stand_in->force > 1.0; });  // and then it is back
+  EXPECT_GE(servo.statistics().device_faults, faults + 900);
+  // The frame that raised it was under way.
+  EXPECT_LE(stand_in->asked_ramping, 3.3);
+}
+
+TEST_F(OpenHaptics, ReleaseTakesTheForceOffForGood) {
+  OpenedDevice opened = open();
+  SessionParameters parameters = testing::session_of(*opened.device);
+  parameters.mode = kUnbounded;
+  Servo servo(opened.device->spec(), parameters, {});
+  felt(*opened.device, servo, [&] { return stand_in->force > 0.5; });
+  opened.device->release();
+  test::eventually("it is let go", [&] { return stand_in->force == 0.0; });
+  const int frames = stand_in->frames;
+  test::eventually("some more frames", [&] { return stand_in->frames > frames + 20; });
+  EXPECT_EQ(stand_in->force, 0.0);
+}
+
+/// A servo that has stopped answering: the force is repeated for 25 frames at most.
+TEST_F(OpenHaptics, AServoThatStandsStillHoldsNothing) {
+  OpenedDevice opened = open();
+  SessionParameters parameters = testing::session_of(*opened.device);
+  parameters.mode = kUnbounded;
+  Servo servo(opened.device->spec(), parameters, {});
+  felt(*opened.device, servo, [&] { return stand_in->force > 0.5; });
+  test::eventually("it is let go", [&] { return stand_in->force == 0.0; });
+}
+
+TEST_F(OpenHaptics, ASchedulerThatStopsIsAFault) {
+  OpenedDevice opened = open();
+  Servo servo(opened.device->spec(), testing::session_of(*opened.device), {});
+  stand_in->stuck.store(true);
+  felt(*opened.device, servo, [&] { return servo.statistics().device_faults > 0; });
+  EXPECT_EQ(servo.no_force(), NoForce::device_fault);
+}
+
+/// Neither in the servo's thread nor in the scheduler's.
+TEST_F(OpenHaptics, ATickDoesNotTouchTheHeap) {
+  OpenedDevice opened = open();
+  Servo servo(opened.device->spec(), testing::session_of(*opened.device), {});
+  const auto tick = [&](int frames) {
+    while (stand_in->frames < frames)
+      if (opened.device->await_tick(monotonic_now() + std::chrono::milliseconds(25)))
+        servo.tick(*opened.device, monotonic_now());
+  };
+  tick(50);
+  const std::size_t here = test::allocations(), there = test::allocations_of_others();
+  tick(500);
+  EXPECT_EQ(test::allocations() - here, 0u);
+  EXPECT_EQ(test::allocations_of_others() - there, 0u);
+}
+
+}  // namespace
+}  // namespace feltwire::open_haptics_test

@@ -1,0 +1,114 @@
+// A plugin whose device is a simulated mass, with the faults that a test asks for. Written from
+// feltwire_device_v1.h alone.
+
+#include "tests/devices/plugin_stand_in.hpp"
+
+#include <cstdio>
+#include <cstring>
+#include <memory>
+
+#include "client/devices/feltwire_device_v1.h"
+
+namespace {
+
+using stand_in::Three;
+
+std::unique_ptr<stand_in::Plugin> device = std::make_unique<stand_in::Plugin>();
+Three before, force;  // [N] of the last tick but one, and of the last
+bool released = false, fresh = true;
+double random_share = 0.5;
+
+bool unplugged() { return device->unplugged_at >= 0 && device->ticks >= device->unplugged_at; }
+
+void* open_device(const char* arguments, feltwire_spec_v1* spec, char* error, std::size_t size) {
+  if (*device->open_error != '\0') {
+    std::snprintf(error, size, "%s (%s)", device->open_error, arguments);
+    return nullptr;
+  }
+  const stand_in::SimulatedMass& m = device->mass;
+  std::strcpy(spec->name, "stand_in");
+  spec->source = device->source;
+  spec->translation_dof = 3;
+  spec->longest_tick = device->period;
+  for (double& b : spec->damping) b = m.damping;
+  spec->apparent_mass = spec->least_mass = m.mass;
+  spec->coulomb_friction = spec->least_friction = m.friction;
+  spec->position_resolution = m.quantum;
+  spec->max_force = 8.0;
+  for (double& w : spec->workspace) w = 0.2;
+  released = false;
+  before = force = {};
+  return device.get();
+}
+
+int wait_for_tick(void*, std::int64_t) {
+  if (unplugged()) return 0;
+  ++device->ticks;
+  random_share = std::fmod(random_share * 997.13 + 0.317, 1.0);
+  const double span = device->period - device->jitter * random_share;
+  device->mass.advance(device->late * span, before);
+  device->mass.advance((1.0 - device->late) * span, force);
+  fresh = device->stale_every == 0 || device->ticks % device->stale_every != 0;
+  return 1;
+}
+
+int read_device(void*, feltwire_reading_v1* reading) {
+  while (device->blocks.load()) device->blocked.store(true);
+  if (unplugged()) return FELTWIRE_FAULT;
+  if (!fresh) {
+    before = force;
+    return FELTWIRE_STALE;
+  }
+  const Three p = device->mass.sensed();
+  std::copy(p.begin(), p.end(), reading->position);
+  if (device->late > 0.0 && device->tells_late) {
+    reading->tells_held = 1;
+    for (std::size_t i = 0; i < 3; ++i)
+      reading->held_force[i] = device->late * before[i] + (1.0 - device->late) * force[i];
+  }
+  return FELTWIRE_OK;
+}
+
+int write_device(void*, const double* asked, const double*, double* held, double*) {
+  if (unplugged() || released) return 1;
+  before = force;
+  const double size = std::hypot(asked[0], asked[1], asked[2]);
+  const double share = size > device->saturates_at ? device->saturates_at / size : 1.0;
+  for (std::size_t i = 0; i < 3; ++i) held[i] = force[i] = share * asked[i];
+  device->pulls.store(size > 0.0);
+  return 0;
+}
+
+void release_device(void*) {
+  released = true;
+  force = {};
+  device->pulls.store(false);
+  ++device->releases;
+}
+
+void close_device(void*) { ++device->closes; }
+
+}  // namespace
+
+extern "C" {
+
+stand_in::Plugin* stand_in_new() {
+  device = std::make_unique<stand_in::Plugin>();
+  return device.get();
+}
+
+const feltwire_device_v1* feltwire_device(void) {
+  static feltwire_device_v1 table;
+  table = {.version = device->version,
+           .size = sizeof table,
+           .open = open_device,
+           .wait = wait_for_tick,
+           .read = read_device,
+           .write = write_device,
+           .release = release_device,
+           .close = close_device};
+  if (std::strcmp(device->null_function, "write") == 0) table.write = nullptr;
+  if (std::strcmp(device->null_function, "wait") == 0) table.wait = nullptr;
+  return &table;
+}
+}

@@ -1,0 +1,39 @@
+#pragma once
+// What a test tells the stand-in plugin, and sees of it. The plugin exports stand_in().
+
+#include <atomic>
+#include <cstdint>
+
+#include "tests/devices/simulated_mass.hpp"
+
+namespace stand_in {
+
+/// In virtual time: each wait() is a tick.
+struct Plugin {
+  SimulatedMass mass;
+  double period = 1e-3;             // [s]
+  double jitter = 0.0;              // [s] that ticks come sooner, at most
+  double late = 0.0;                // of a tick, for which the old force stays
+  bool tells_late = true;           // and whether it is told of
+  int stale_every = 0;              // ticks; 0: never
+  double saturates_at = 1e9;        // [N]
+  std::int64_t unplugged_at = -1;   // tick; -1: never
+  std::atomic<bool> blocks{false};  // read() does not come back while it is set
+  std::atomic<bool> blocked{false};
+
+  std::uint32_t version = 1;
+  const char* null_function = "";
+  const char* open_error = "";  // open() fails with this
+  const char* source = "the stand-in itself";
+
+  std::int64_t ticks = 0;
+  std::atomic<int> releases{0}, closes{0};
+  std::atomic<bool> pulls{false};
+};
+
+}  // namespace stand_in
+
+extern "C" {
+/// The one device, as new.
+using NewStandIn = stand_in::Plugin*();
+}

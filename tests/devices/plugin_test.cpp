@@ -1,0 +1,230 @@
+// The plugin ABI, through a stand-in whose true motion is known.
+
+#include <dlfcn.h>
+#include <gmock/gmock.h>
+
+#include <thread>
+
+#include "client/devices/plugin_device.hpp"
+#include "client/servo/servo_thread.hpp"
+#include "tests/client/peer.hpp"
+#include "tests/devices/plugin_stand_in.hpp"
+#include "tests/devices/stand_in_session.hpp"
+#include "tests/support/allocation_counter.hpp"
+#include "tests/support/eventually.hpp"
+
+namespace feltwire::plugin_test {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using testing::WallSession;
+
+struct Plugin : ::testing::Test {
+  Plugin() : library(::dlopen(FELTWIRE_PLUGIN_STAND_IN, RTLD_NOW | RTLD_LOCAL)) {
+    stand_in = reinterpret_cast<NewStandIn*>(::dlsym(library, "stand_in_new"))();
+  }
+  ~Plugin() override { ::dlclose(library); }
+
+  static OpenedDevice open(const std::string& name = FELTWIRE_PLUGIN_STAND_IN,
+                           const SpecRequest& spec = {}) {
+    DeviceRequest request;
+    request.name = name;
+    request.spec = spec;
+    return open_plugin(request);
+  }
+  static std::string refusal(const std::string& name = FELTWIRE_PLUGIN_STAND_IN) {
+    try {
+      open(name);
+    } catch (const std::exception& error) {
+      return error.what();
+    }
+    return "none";
+  }
+
+  void* library;
+  stand_in::Plugin* stand_in;
+};
+
+TEST_F(Plugin, SaysWhatItIs) {
+  const OpenedDevice opened = open();
+  EXPECT_EQ(opened.device->spec().name, "stand_in");
+  EXPECT_EQ(opened.device->spec().damping, 0.5);
+  EXPECT_EQ(opened.device->spec().least_mass, 0.1);
+  EXPECT_EQ(opened.device->spec().hand_force, 10.0);
+  EXPECT_EQ(opened.device->longest_tick(), std::chrono::milliseconds(1));
+  EXPECT_THAT(opened.notes, IsEmpty());
+  stand_in->source = nullptr;
+  EXPECT_THAT(open().notes, ::testing::Contains(HasSubstr("damping 0.5 N s/m is an assumption")));
+  const OpenedDevice told =
+      open(FELTWIRE_PLUGIN_STAND_IN, {.name_or_file = {}, .damping = 0.2, .mass = {}});
+  EXPECT_EQ(told.device->spec().damping, 0.2);
+  EXPECT_EQ(told.device->spec().name, "stand_in");
+  EXPECT_EQ(open(FELTWIRE_PLUGIN_STAND_IN, {.name_or_file = "touch", .damping = {}, .mass = {}})
+                .device->spec()
+                .name,
+            "touch");
+}
+
+TEST_F(Plugin, ErrorsNameTheFileAndTheRemedy) {
+  EXPECT_THAT(refusal("not_there.so"), AllOf(HasSubstr("not_there.so"), HasSubstr("plugin:")));
+  EXPECT_THAT(refusal(__FILE__), HasSubstr("cannot be loaded"));
+  EXPECT_THAT(refusal(FELTWIRE_EMPTY_LIBRARY), HasSubstr("exports no function feltwire_device()"));
+  stand_in->version = 7;
+  EXPECT_THAT(refusal(),
+              AllOf(HasSubstr("version 7 of the ABI, this client 1"), HasSubstr("build it")));
+  stand_in->version = 1;
+  stand_in->null_function = "write";
+  EXPECT_THAT(refusal(), HasSubstr("its function write is null"));
+  stand_in->null_function = "wait";
+  EXPECT_THAT(refusal(), HasSubstr("its function wait is null"));
+  EXPECT_EQ(stand_in->closes, 1);  // it had been opened
+  stand_in->null_function = "";
+  stand_in->open_error = "no device on the bus";
+  EXPECT_THAT(refusal(std::string(FELTWIRE_PLUGIN_STAND_IN) + ":bus 3"),
+              HasSubstr("no device on the bus (bus 3)"));
+  stand_in->open_error = "";
+  stand_in->mass.damping = -1.0;
+  EXPECT_THAT(refusal(), HasSubstr("damping"));
+}
+
+/// Ten seconds of taps and slides against a wall of 2 kN/m that answers 20 ms late.
+struct PluginSession : Plugin {
+  double made(std::string_view mode = kSessionMethod) {
+    const OpenedDevice opened = open();
+    SessionParameters parameters = testing::session_of(*opened.device);
+    parameters.mode = mode;
+    Servo servo(opened.device->spec(), parameters, {});
+    WallSession session{.period = stand_in->period};
+    session.run(*opened.device, servo, 10.0);
+    statistics = servo.statistics();
+    EXPECT_GT(stand_in->mass.largest_force, 0.5);  // the wall was felt
+    return stand_in->mass.most_made;
+  }
+  ServoStatistics statistics;
+};
+
+TEST_F(PluginSession, MakesNoEnergy) {
+  EXPECT_LE(made(), 1e-12);
+  EXPECT_EQ(statistics.stale_readings, 0u);
+}
+
+/// What the others are measured with can tell.
+TEST_F(PluginSession, TheWallAloneWouldMakeEnergy) { EXPECT_GT(made(kUnbounded), 0.01); }
+
+/// As can the mass: a force that is taken up late, and not told of, is not paid for.
+TEST_F(PluginSession, ALateForceThatIsNotToldOfIsNotAccounted) {
+  stand_in->late = 1.0;
+  const auto margin = [&] {
+    const OpenedDevice opened = open();
+    Servo servo(opened.device->spec(), testing::session_of(*opened.device), {});
+    WallSession session{.period = stand_in->period};
+    session.run(*opened.device, servo, 5.0);
+    return std::abs(servo.port().delivered().total() - stand_in->mass.delivered);
+  };
+  const double told = margin();
+  stand_in->mass = {};
+  stand_in->tells_late = false;
+  EXPECT_GT(margin(), 10.0 * told);
+}
+
+TEST_F(PluginSession, MakesNoneWithStaleReadings) {
+  stand_in->stale_every = 7;
+  EXPECT_LE(made(), 1e-12);
+  EXPECT_EQ(statistics.stale_readings, 1428u);  // 10 000 / 7
+}
+
+TEST_F(PluginSession, MakesNoneWhereTheForceIsCut) {
+  stand_in->saturates_at = 0.7;
+  EXPECT_LE(made(), 1e-12);
+  EXPECT_LE(statistics.max_force, 0.7 + 1e-12);
+}
+
+TEST_F(PluginSession, MakesNoneWithTicksThatComeSooner) {
+  stand_in->jitter = 0.6e-3;
+  EXPECT_LE(made(), 1e-12);
+}
+
+TEST_F(PluginSession, MakesNoneWhereForcesAreTakenUpLate) {
+  stand_in->late = 0.4;
+  EXPECT_LE(made(), 1e-12);
+  EXPECT_GT(statistics.forces_corrected, 100u);
+}
+
+TEST_F(PluginSession, ADeviceThatIsUnpluggedHoldsNothing) {
+  const OpenedDevice opened = open();
+  Servo servo(opened.device->spec(), testing::session_of(*opened.device), {});
+  WallSession session{.period = stand_in->period};
+  while (!stand_in->pulls) session.tick(*opened.device, servo);
+  stand_in->unplugged_at = stand_in->ticks + 1;
+  ASSERT_TRUE(session.tick(*opened.device, servo));
+  EXPECT_FALSE(session.tick(*opened.device, servo));
+  EXPECT_EQ(servo.held(), Command{});
+  EXPECT_EQ(servo.no_force(), NoForce::device_fault);
+}
+
+TEST_F(PluginSession, ATickDoesNotTouchTheHeap) {
+  const OpenedDevice opened = open();
+  Servo servo(opened.device->spec(), testing::session_of(*opened.device), {});
+  Nanoseconds now = std::chrono::seconds(3);
+  const std::size_t before = test::allocations();
+  for (int n = 0; n < 1000; ++n) {
+    opened.device->await_tick(now += std::chrono::milliseconds(1));
+    servo.tick(*opened.device, now);
+  }
+  EXPECT_EQ(test::allocations() - before, 0u);
+}
+
+/// examples/my_plugin.c, which a spring pulls into the wall.
+TEST(MyPlugin, FeelsAWall) {
+  DeviceRequest request;
+  request.name = std::string(FELTWIRE_MY_PLUGIN) + ":0.3";
+  const OpenedDevice opened = open_plugin(request);
+  EXPECT_EQ(opened.device->spec().apparent_mass, 0.3);
+  EXPECT_EQ(opened.device->longest_tick(), Nanoseconds(0));
+  Servo servo(opened.device->spec(), testing::session_of(*opened.device), {});
+  WallSession session{.period = 1e-3};
+  for (int n = 0; n < 3000; ++n) {
+    servo.tick(*opened.device, session.now += std::chrono::milliseconds(1));
+    Reply reply;
+    reply.sample_index = servo.sample().index;
+    reply.command.elastic.z() = 500.0 * std::max(0.0, -servo.sample().pose.position.z());
+    servo.take(reply, session.now);
+  }
+  EXPECT_GT(servo.statistics().max_force, 0.3);
+  opened.device->release();
+  EXPECT_EQ(opened.device->write({.elastic = Vec3(0, 0, 1)}), Command{});
+  request.name = std::string(FELTWIRE_MY_PLUGIN) + ":heavy";
+  EXPECT_THROW(open_plugin(request), std::runtime_error);
+}
+
+/// A call that does not come back: another thread lets the device go.
+TEST_F(PluginSession, ABlockedCallLetsTheForceGo) {
+  testing::ScenePeer peer;
+  auto task = std::make_shared<ServoTask>(
+      open().device, std::make_shared<Transport>(peer.session(), SessionParameters{}, false),
+      [] {
+        SessionParameters p;
+        p.mode = "none";
+        return p;
+      }(),
+      ServoOptions{});
+  task->priority = ServoTask::kNoRealTime;
+  ServoThread thread(task);
+  while (!stand_in->pulls) {
+    const auto received = peer.receive();
+    if (received.kind == DatagramKind::samples)
+      peer.send(
+          testing::ScenePeer::reply_to(received.batch.samples[0], {.elastic = Vec3(0, 0, 3)}));
+  }
+  stand_in->blocks.store(true);
+  test::eventually("it is let go", [&] { return stand_in->blocked && !stand_in->pulls; });
+  EXPECT_GT(stand_in->releases, 0);
+  stand_in->blocks.store(false);
+  EXPECT_TRUE(thread.end());
+  EXPECT_TRUE(task->result.stood_still);
+}
+
+}  // namespace
+}  // namespace feltwire::plugin_test

@@ -1,0 +1,272 @@
+// A server, a gateway that looks on at it, and the gateway's viewers, over real sockets.
+
+#include "gateway/app/gateway.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <nlohmann/json.hpp>
+
+#include "server/app/server.hpp"
+#include "tests/protocol/sealed.hpp"
+#include "tests/server/make.hpp"
+#include "tests/server/raw_socket.hpp"
+#include "tests/server/web/page_client.hpp"
+#include "tests/support/eventually.hpp"
+#include "tests/support/program.hpp"
+#include "tests/support/security.hpp"
+
+namespace feltwire::gateway_test {
+namespace {
+
+using test::Page;
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+using Json = nlohmann::json;
+
+const IssuedToken& observer() {
+  static const IssuedToken issued = issue_token("gateway", "*", Role::observer, std::nullopt);
+  return issued;
+}
+/// Of the gateway's own viewers: the server does not know it.
+const IssuedToken& viewer() {
+  static const IssuedToken issued = issue_token("eye", "*", Role::admin, std::nullopt);
+  return issued;
+}
+
+std::vector<Scene> one(Scene scene) {
+  std::vector<Scene> scenes;
+  scenes.push_back(std::move(scene));
+  return scenes;
+}
+
+Server server_at(std::uint16_t port = 0) {
+  ServerConfig config = test::any_port();
+  config.port = port;
+  return {config, one(test::room(0.0)), test::security({observer().token})};
+}
+
+GatewayConfig config_for(std::uint16_t port) {
+  GatewayConfig config;
+  config.server = test::access(port, "127.0.0.1", observer().text);
+  config.web = "0";
+  config.log_level = "off";
+  return config;
+}
+
+Gateway gateway_for(std::uint16_t port, Scene scene = test::room(0.0)) {
+  return {config_for(port), one(std::move(scene)),
+          Security{test::identity(), {}, TokenFile(Tokens{viewer().token})}};
+}
+
+Page page_of(const Gateway& gateway) { return {gateway, std::string(viewer().text.text())}; }
+
+/// A hand that is where it is put.
+class Hand {
+ public:
+  explicit Hand(const Server& server)
+      : control_(server.control_port()),
+        joined_(control_.join(test::join_request(SessionParameters{}))),
+        socket_(SOCK_DGRAM, joined_.udp_port),
+        encoder_(test::Way::up, joined_.keys) {}
+  void put(double z, double force = 0.0) {
+    SampleBatch batch;
+    batch.count = 1;
+    batch.samples[0] = test::hand(++packet_);
+    batch.samples[0].pose.position = {-0.05, 0, z};
+    batch.samples[0].held.elastic = {0, 0, force};
+    batch.previous = packet_ - 1;
+    batch.report = HandReport{.late_ticks = 5};
+    socket_.send(encoder_.samples(joined_.accepted.session, packet_, batch));
+    ASSERT_FALSE(socket_.receive().empty());
+  }
+
+ private:
+  test::ControlClient control_;
+  test::JoinedBy joined_;
+  test::RawSocket socket_;
+  test::SealedEncoder encoder_;
+  std::uint64_t packet_ = 0;
+};
+
+template <class Value>
+Value at(const std::vector<std::uint8_t>& bytes, std::size_t place) {
+  Value value{};
+  if (place + sizeof value <= bytes.size()) std::memcpy(&value, bytes.data() + place, sizeof value);
+  return value;
+}
+constexpr std::size_t kHand = 24, kElasticZ = kHand + 8 + 4 * (3 + 4 + 3 + 2), kZ = kHand + 16,
+                      kHeldZ = kHand + 8 + 4 * (3 + 4 + 3 + 3 + 3 + 2);
+
+void expect_hand(Page& page, double z, double force) {
+  test::eventually("a picture of the hand at " + std::to_string(z), [&] {
+    const auto picture = page.picture();
+    return at<std::uint32_t>(picture, 4) == 1 && at<float>(picture, kZ) == static_cast<float>(z) &&
+           at<float>(picture, kHeldZ) == static_cast<float>(force);
+  });
+}
+
+TEST(Gateway, ShowsAHandThatMoves) {
+  Server server = server_at();
+  Hand hand(server);
+  hand.put(0.003);
+  const Gateway gateway = gateway_for(server.control_port());
+  Page page = page_of(gateway);
+  EXPECT_EQ(page.text("hello")["scenes"], Json({"room"}));
+  EXPECT_EQ(page.text("scene")["objects"][1]["name"], "ball");
+  expect_hand(page, 0.003, 0.0);
+  hand.put(-0.002, 2.5);
+  expect_hand(page, -0.002, 2.5);
+  // What the server's scene asks for: 2000 N/m.
+  test::eventually("a picture with the elastic force",
+                   [&] { return std::abs(at<float>(page.picture(), kElasticZ) - 4.0f) < 1e-4f; });
+  test::eventually("the sessions' table", [&] {
+    const Json said = page.text("sessions")["sessions"];
+    return said.size() == 1 && said[0]["number"] == 1 && said[0]["client"].is_null() &&
+           said[0]["mode"].is_null() && said[0]["samples"] == 2 && said[0]["late_ticks"] == 5;
+  });
+  // The gateway is the server's observer, whatever its viewers are here.
+  EXPECT_EQ(server.summary().front().sessions, 2u);
+}
+
+TEST(Gateway, GoesOnWithOthersWhereAViewerDoesNotRead) {
+  Server server = server_at();
+  Hand hand(server);
+  hand.put(0.003);
+  const Gateway gateway = gateway_for(server.control_port());
+  Page slow = page_of(gateway), page = page_of(gateway);
+  EXPECT_EQ(slow.text("hello")["type"], "hello");
+  for (int i = 1; i <= 200; ++i) {
+    const double z = 1e-4 * i;
+    hand.put(z);
+    expect_hand(page, z, 0.0);
+  }
+}
+
+TEST(Gateway, SaysThatTheServerIsGoneAndFindsItAgain) {
+  auto server = std::make_unique<Server>(server_at());
+  const std::uint16_t port = server->control_port();
+  auto hand = std::make_unique<Hand>(*server);
+  hand->put(0.003);
+  const Gateway gateway = gateway_for(port);
+  Page page = page_of(gateway);
+  expect_hand(page, 0.003, 0.0);
+  server.reset();
+  const Json gone = page.text("log");
+  EXPECT_EQ(gone["level"], "error");
+  EXPECT_THAT(gone["text"].get<std::string>(), HasSubstr("the server is shutting down"));
+  test::eventually("no hand is shown", [&] {
+    const auto picture = page.picture();
+    return !picture.empty() && at<std::uint32_t>(picture, 4) == 0;
+  });
+  // Who comes meanwhile hears it, too.
+  Page other = page_of(gateway);
+  EXPECT_THAT(other.text("log")["text"].get<std::string>(), HasSubstr("not seen"));
+
+  server = std::make_unique<Server>(server_at(port));
+  hand = std::make_unique<Hand>(*server);
+  hand->put(0.004);
+  Json back = page.text("log");
+  while (back["level"] == "error") back = page.text("log");  // how looking for it went
+  EXPECT_EQ(back["text"], "Scene room is seen.");
+  expect_hand(page, 0.004, 0.0);
+}
+
+TEST(Gateway, BeginsBeforeItsServer) {
+  std::uint16_t port = 0;
+  { port = server_at().control_port(); }
+  const Gateway gateway = gateway_for(port);
+  Page page = page_of(gateway);
+  EXPECT_EQ(page.text("log")["level"], "error");
+  Server server = server_at(port);
+  Hand hand(server);
+  hand.put(0.003);
+  expect_hand(page, 0.003, 0.0);
+}
+
+TEST(Gateway, RefusesWhatOnlyTheServerCanDo) {
+  Server server = server_at();
+  const Gateway gateway = gateway_for(server.control_port());
+  Page page = page_of(gateway);
+  EXPECT_EQ(page.text("hello")["role"], "admin");
+  const std::vector<Json> wanted = {{{"set", {{"object", "floor"}, {"stiffness", 500}}}},
+                                    {{"set", {{"gravity", {0, 0, -1}}}}},
+                                    {{"evict", "1"}},
+                                    {{"reload", true}},
+                                    {{"admin", std::string(test::admin_token().text.text())}}};
+  for (const Json& wish : wanted) {
+    page.say(wish);
+    EXPECT_THAT(page.text("refused")["text"].get<std::string>(), HasSubstr("feltwire-client admin"))
+        << wish;
+  }
+  page.say({{"hand", "take"}});  // no hand is offered, and the viewer stays
+  page.say({{"reload", true}});
+  EXPECT_EQ(page.text("refused")["type"], "refused");
+}
+
+TEST(Gateway, HasViewersOfItsOwn) {
+  Server server = server_at();
+  const Gateway gateway = gateway_for(server.control_port());
+  EXPECT_EQ(Page(gateway, std::string(observer().text.text())).close().code(), 4401);
+  EXPECT_EQ(Page(gateway, std::string(test::admin_token().text.text())).close().code(), 4401);
+  Page page = page_of(gateway);
+  page.text("hello");
+  page.say({{"ticket", "room"}});
+  Page other(gateway, page.text("ticket")["path"].get<std::string>(), "foxglove.sdk.v1");
+  EXPECT_EQ(Json::parse(other.next().text())["op"], "serverInfo");
+  test::RawSocket metrics(SOCK_STREAM, test::page_port(gateway));
+  metrics.send(test::bytes("GET /metrics HTTP/1.1\r\nHost: 127.0.0.1\r\n\r\n"));
+  std::string all;
+  for (auto more = metrics.receive(); !more.empty(); more = metrics.receive())
+    all.append(more.begin(), more.end());
+  EXPECT_THAT(all, HasSubstr("feltwire_viewers_total 2\n"));
+}
+
+/// What starting it says.
+std::string wrong(std::uint16_t port, Scene scene) {
+  try {
+    gateway_for(port, std::move(scene));
+    return "";
+  } catch (const std::exception& error) {
+    return error.what();
+  }
+}
+
+TEST(Gateway, NamesWhatIsWrongWithItsScene) {
+  Server server = server_at();
+  Scene other("cellar", test::room().objects());
+  EXPECT_THAT(wrong(server.control_port(), other),
+              ::testing::AllOf(StartsWith("--scene: "), HasSubstr("no scene 'cellar'"),
+                               HasSubstr("it has: room")));
+  Scene smaller("room", {test::room().objects()[1]});
+  EXPECT_THAT(wrong(server.control_port(), smaller),
+              ::testing::AllOf(StartsWith("--scene: "), HasSubstr("has 2 objects"),
+                               HasSubstr("the file has 1")));
+}
+
+TEST(Gateway, EndsWhereTheServerDoesNotLetItIn) {
+  Server server = server_at();
+  GatewayConfig config = config_for(server.control_port());
+  config.server.credentials.token = issue_token("nobody", "*", Role::observer, std::nullopt).text;
+  EXPECT_THROW(Gateway(config, one(test::room(0.0)), test::security()), LastingError);
+}
+
+TEST(GatewayProgram, SaysInOneLineWhatIsMissing) {
+  const auto said = [](std::vector<std::string> arguments) {
+    test::Program program(FELTWIRE_VIEW_PROGRAM, std::move(arguments));
+    return program.finish();
+  };
+  const test::Outcome none = said({"--connect", "localhost:1"});
+  EXPECT_EQ(none.status, 2);
+  EXPECT_THAT(none.error, ::testing::AllOf(StartsWith("feltwire-view: "), HasSubstr("--scene")));
+  const test::Outcome no_file =
+      said({"--connect", "localhost:1", "--scene", "nowhere.json", "--fingerprint",
+            std::string(64, 'a'), "--token-file", "/nowhere"});
+  EXPECT_EQ(no_file.status, 2);
+  EXPECT_THAT(no_file.error, HasSubstr("/nowhere"));
+}
+
+}  // namespace
+}  // namespace feltwire::gateway_test

@@ -1,0 +1,104 @@
+#include "gateway/remote_scene/seen_picture.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/scene_file/load_scene.hpp"
+
+namespace feltwire::seen_picture_test {
+namespace {
+
+using ::testing::ElementsAre;
+
+/// A floor, and a ball that moves: object 1.
+Scene moving() {
+  return parse_scene(R"({"name": "box", "materials": [{"name": "wood", "stiffness": 1000}],
+    "bodies": [{"name": "loose", "position": [0, 0, 0.05], "mass": 0.1}],
+    "objects": [{"name": "floor", "plane": {}, "material": "wood"},
+                {"name": "ball", "sphere": {"radius": 0.02}, "body": "loose", "material": "wood"}]})",
+                     "box.json");
+}
+
+SceneView view_of(const std::vector<SeenHand>& hands, const std::vector<SeenBody>& bodies) {
+  SceneView view;
+  view.present = true;
+  view.hands_end = SceneView::kLastHand;
+  view.bodies_end = SceneView::kLastBody;
+  for (const SeenHand& hand : hands) view.hand[view.hand_count++] = hand;
+  for (const SeenBody& body : bodies) view.body[view.body_count++] = body;
+  return view;
+}
+
+TEST(SeenPicture, HasTheHandsAndWhatMoves) {
+  Pose pose;
+  pose.position = {0.1, 0.2, 0.3};
+  ObservedScene seen;
+  seen.take(view_of({{3, pose, Vec3(0, 0, 2)}, {7, {}, Vec3::Zero()}}, {{1, pose}}));
+  Picture picture;
+  draw(seen, moving(), picture);
+  ASSERT_EQ(picture.hands.size(), 2u);
+  EXPECT_EQ(picture.hands[0].number, 3u);
+  EXPECT_EQ(picture.hands[0].pose.position, pose.position);
+  EXPECT_EQ(picture.hands[0].proxy, pose.position);
+  EXPECT_EQ(picture.hands[0].held, Vec3(0, 0, 2));
+  EXPECT_EQ(picture.hands[0].states, bit(HandState::touching));
+  EXPECT_EQ(picture.hands[1].states, bit(HandState::free_space));
+  ASSERT_EQ(picture.bodies.size(), 1u);
+  EXPECT_EQ(picture.bodies[0].pose.position, pose.position);
+  // Who has left is gone.
+  seen.take(view_of({{7, {}, Vec3::Zero()}}, {}));
+  draw(seen, moving(), picture);
+  EXPECT_EQ(picture.hands.size(), 1u);
+  EXPECT_TRUE(picture.bodies.empty());
+}
+
+TEST(SeenPicture, HasTheFiguresOfAHand) {
+  SeenHand hand{3, {}, Vec3(0, 0, 2)};
+  hand.figures = HandFigures{.samples = 5,
+                             .missed = 2,
+                             .proxy = {1, 2, 3},
+                             .elastic = {0, 0, 4},
+                             .frictional = {1, 0, 0},
+                             .depth = 0.5,
+                             .delivered = 0.25,
+                             .burned = 0.75,
+                             .states = 0xffffffffu,
+                             .report = HandReport{.has_account = true, .balance = 0.125},
+                             .tool = 7};
+  ObservedScene seen;
+  seen.take(view_of({hand}, {}));
+  Picture picture;
+  draw(seen, moving(), picture);
+  ASSERT_EQ(picture.hands.size(), 1u);
+  const PictureHand& drawn = picture.hands[0];
+  EXPECT_EQ(drawn.samples, 5u);
+  EXPECT_EQ(drawn.missed, 2u);
+  EXPECT_EQ(drawn.proxy, Vec3(1, 2, 3));
+  EXPECT_EQ(drawn.elastic, Vec3(0, 0, 4));
+  EXPECT_EQ(drawn.frictional, Vec3(1, 0, 0));
+  EXPECT_EQ(drawn.held, Vec3(0, 0, 2));
+  EXPECT_EQ(drawn.depth, 0.5);
+  EXPECT_EQ(drawn.delivered, 0.25);
+  EXPECT_EQ(drawn.burned, 0.75);
+  ASSERT_TRUE(drawn.report.has_value());
+  EXPECT_EQ(drawn.report->balance, 0.125);
+  // Bits that are not known would be taken for the client's reasons.
+  EXPECT_EQ(drawn.states, (1u << kHandStates) - 1u);
+  // A tool that the file does not have is none.
+  const auto described = hands_of(seen, moving());
+  ASSERT_EQ(described.size(), 1u);
+  EXPECT_EQ(described[0].number, 3u);
+  EXPECT_EQ(described[0].tool, "");
+}
+
+TEST(SeenPicture, LeavesOutWhatTheFileDoesNotHave) {
+  ObservedScene seen;
+  seen.take(view_of({}, {{0, {}}, {1, {}}, {2, {}}, {60000, {}}}));
+  Picture picture;
+  draw(seen, moving(), picture);
+  ASSERT_EQ(picture.bodies.size(), 1u);
+  EXPECT_EQ(picture.bodies[0].object, 1u);
+}
+
+}  // namespace
+}  // namespace feltwire::seen_picture_test

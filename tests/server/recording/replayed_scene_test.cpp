@@ -1,0 +1,166 @@
+// Recorded scenes with more than datagrams: a MuJoCo model in several files, and changes that a
+// client is asked for.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <optional>
+
+#include "core/base/file_error.hpp"
+#include "server/recording/replay.hpp"
+#include "tests/server/recording/recorded_scene.hpp"
+
+namespace feltwire::replayed_scene_test {
+namespace {
+
+using test::RecordedScene;
+using test::repository_scene;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+
+constexpr std::uint64_t kA = 0x100;
+
+/// A MuJoCo model in three files, whose cart the hand pushes.
+class ReplayOfMjcf : public ::testing::Test {
+ protected:
+  ReplayOfMjcf() {
+    std::filesystem::create_directories(source / "parts");
+    write("scene.json", R"({ "name": "carts", "materials": [{ "name": "soft", "stiffness": 400 }],
+      "mjcf": { "file": "room.xml", "material": "soft" } })");
+    write("room.xml", R"(<mujoco><asset><mesh name="wedge" file="wedge.obj"/></asset>
+      <worldbody><include file="parts/cart.xml"/></worldbody></mujoco>)");
+    write("parts/cart.xml", R"(<mujoco><body name="cart">
+      <joint type="slide" axis="1 0 0"/><geom name="wedge" type="mesh" mesh="wedge"/></body></mujoco>)");
+    write("wedge.obj",
+          "v 0 0 0\nv 0.2 0 0\nv 0 0.2 0\nv 0 0 0.2\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");
+  }
+  void write(const std::string& file, const std::string& text) {
+    std::ofstream(source / file) << text;
+  }
+  std::filesystem::path record() {
+    recorded.emplace(source / "scene.json");
+    recorded->join(kA);
+    // To a face, and on.
+    for (int n = 0; n < 900; ++n) {
+      recorded->exchange.now += std::chrono::milliseconds(1);
+      Sample sample;
+      sample.pose.position = Vec3(-0.01 + 2e-5 * n, 0.05, 0.05);
+      recorded->exchange.send(kA, sample, false);
+      if (n % 10 == 0) recorded->write();
+    }
+    moved = recorded->exchange.sessions.world()->objects()[0].pose.position.x();
+    return recorded->finish();
+  }
+  testing::TemporaryFolder folder;
+  std::filesystem::path source = std::filesystem::path(folder / "source");
+  std::optional<RecordedScene> recorded;
+  double moved = 0.0;
+};
+
+TEST_F(ReplayOfMjcf, IsBitEqualWithoutTheScenesFiles) {
+  const std::filesystem::path file = record();
+  EXPECT_GT(moved, 0.0505);  // of 0.05
+  std::filesystem::remove_all(source);
+  const Replay result = replay({file});
+  ASSERT_TRUE(result.bit_equal()) << result.difference->what << " at event "
+                                  << result.difference->event;
+  EXPECT_EQ(result.replies, 900u);
+  EXPECT_GT(result.ticks, 0u);
+}
+
+TEST_F(ReplayOfMjcf, SaysWhichFileIsMissing) {
+  const std::filesystem::path file = record();
+  std::filesystem::remove_all(source);
+  test::rewrite(
+      file, [](RecordedEvent&, std::string&) { return true; },
+      [](const mcap::Attachment& attachment) { return attachment.name != "scene-0/wedge.obj"; });
+  try {
+    replay({file});
+    FAIL() << "a replay without the mesh";
+  } catch (const FileError& error) {
+    EXPECT_THAT(error.what(),
+                AllOf(HasSubstr("scene.mcap: its scene scene-0: "), HasSubstr("wedge.obj"),
+                      HasSubstr("was not kept"), HasSubstr("name the scene's file with --scene")));
+  }
+}
+
+/// A client is asked for another law and another link, and says what it makes of them.
+TEST(ReplayOfClientChanges, IsBitEqual) {
+  RecordedScene scene(repository_scene("room.json"));
+  SessionParameters parameters = test::server_bounds();
+  parameters.side = BoundingSide::client;
+  parameters.mode = "contact_frame";
+  control::JoinRequest request = test::join_request(parameters);
+  request.takes = {.laws = LawsTaken::any, .link = true};
+  scene.join(kA, request);
+  scene.run(100);
+  SceneSessions& sessions = scene.exchange.sessions;
+  const auto asked = [&] {
+    Reply reply;
+    Sample sample;
+    sample.pose.position = scene.exchange.scene.start().position;
+    EXPECT_EQ(decode(Bytes(scene.exchange.send(kA, sample, false)), reply), DropReason::none);
+    return reply.change;
+  };
+  EXPECT_FALSE(asked());
+  SessionParameters wanted = parameters;
+  wanted.mode = "shaped";
+  const control::Message set =
+      sessions.answer(control::SetParameters{kA, wanted}, 0, {}, scene.exchange.now);
+  ASSERT_TRUE(std::holds_alternative<control::ParametersSet>(set));
+  EXPECT_EQ(std::get<control::ParametersSet>(set).parameters, parameters);  // until it is taken
+  ASSERT_TRUE(asked());
+  EXPECT_EQ(asked()->number, 1);
+  EXPECT_EQ(asked()->law->mode.view(), "shaped");
+  // Another one while that waits: both travel.
+  ASSERT_TRUE(std::holds_alternative<Changed>(
+      sessions.change(LinkChange{kA, {.delay = 0.025, .loss = 0.5}}, scene.exchange.now)));
+  EXPECT_EQ(asked()->number, 2);
+  EXPECT_EQ(asked()->law->mode.view(), "shaped");
+  EXPECT_EQ(asked()->link->loss, 0.5);
+  scene.exchange.report = HandReport{.change = 1};  // of the one before
+  EXPECT_TRUE(asked());
+  EXPECT_EQ(sessions.find(kA)->parameters().mode, "contact_frame");
+  scene.exchange.report = HandReport{.change = 2};
+  scene.exchange.allocated = 0;
+  EXPECT_FALSE(asked());
+  EXPECT_EQ(scene.exchange.allocated, 0u);
+  EXPECT_EQ(sessions.find(kA)->parameters().mode, "shaped");
+  EXPECT_EQ(sessions.answers().size(), 1u);
+  EXPECT_FALSE(sessions.has_answers());
+  // One that is refused changes nothing.
+  sessions.answer(control::SetParameters{kA, parameters}, 0, {}, scene.exchange.now);
+  EXPECT_EQ(asked()->number, 3);
+  scene.exchange.report = HandReport{.change = 3, .change_refused = true};
+  EXPECT_FALSE(asked());
+  EXPECT_EQ(sessions.find(kA)->parameters().mode, "shaped");
+  const auto listed = sessions.describe_after(0).sessions.at(0);
+  EXPECT_EQ(listed.answer, ChangeAnswer::refused);
+  EXPECT_THAT(listed.asked, HasSubstr("mode shaped -> contact_frame"));
+  scene.run(100);
+  const Replay result = replay({scene.finish()});
+  ASSERT_TRUE(result.bit_equal()) << result.difference->what << " at event "
+                                  << result.difference->event;
+}
+
+TEST(ReplayOfClientChanges, WhoTakesNoneIsNeverAsked) {
+  RecordedScene scene(repository_scene("room.json"));
+  SessionParameters parameters = test::server_bounds();
+  parameters.side = BoundingSide::client;
+  parameters.mode = "contact_frame";
+  scene.join(kA, test::join_request(parameters));
+  SceneSessions& sessions = scene.exchange.sessions;
+  parameters.mode = "energy_tank";
+  const auto no =
+      sessions.answer(control::SetParameters{kA, parameters}, 0, {}, scene.exchange.now);
+  ASSERT_TRUE(std::holds_alternative<control::Refused>(no));
+  EXPECT_THAT(std::get<control::Refused>(no).reason, HasSubstr("takes no other law"));
+  const ChangeOutcome link = sessions.change(LinkChange{kA, {}}, scene.exchange.now);
+  EXPECT_THAT(std::get<control::Refused>(link).reason, HasSubstr("--link"));
+  const ChangeOutcome wild = sessions.change(LinkChange{kA, {.loss = 1.5}}, scene.exchange.now);
+  EXPECT_THAT(std::get<control::Refused>(wild).reason, HasSubstr("link loss must be"));
+}
+
+}  // namespace
+}  // namespace feltwire::replayed_scene_test

@@ -1,0 +1,149 @@
+// feltwire-follower as a user meets it: which robot it moves, what it writes, how it fails.
+
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "core/base/pending_file.hpp"
+#include "tests/client/loopback.hpp"
+#include "tests/client/temporary_folder.hpp"
+#include "tests/support/program.hpp"
+
+namespace feltwire::follower_program_test {
+namespace {
+
+using test::Outcome;
+using test::Program;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::Not;
+using testing::text_of;
+
+const std::string kSource = FELTWIRE_SOURCE_DIR;
+const std::string kTable = kSource + "/scenes/arm/table.xml";
+const std::string kSurroundings = kSource + "/scenes/teleoperation/surroundings.json";
+
+Scene seat_scene() {
+  Scene scene = testing::floor_scene();
+  scene.set_remote(RemoteSeat{});
+  return scene;
+}
+
+class FollowerProgram : public ::testing::Test {
+ protected:
+  FollowerProgram() {
+    replace_file(folder_ / "token", robot_.text.text(), kPrivate);
+    std::vector<Scene> scenes;
+    scenes.push_back(seat_scene());
+    server_ = std::make_unique<Server>(testing::any_ports(), std::move(scenes),
+                                       test::security({robot_.token}));
+  }
+  std::unique_ptr<Program> start(std::vector<std::string> more) {
+    more.insert(more.begin(), {"--connect", "127.0.0.1:" + std::to_string(server_->control_port()),
+                               "--scene", "floor", "--token-file", folder_ / "token",
+                               "--fingerprint", to_string(server_->fingerprint())});
+    return std::make_unique<Program>(FELTWIRE_FOLLOWER_PROGRAM, std::move(more));
+  }
+  /// It cannot begin, and says why in one line.
+  void expect_fault(std::vector<std::string> arguments, const std::string& part) {
+    arguments.insert(arguments.end(), {"--duration", "0.2"});  // where it does begin
+    const Outcome outcome = start(std::move(arguments))->finish();
+    EXPECT_EQ(outcome.status, 1) << part;
+    EXPECT_EQ(outcome.out, "");
+    EXPECT_THAT(outcome.error, AllOf(HasSubstr("feltwire-follower: "), HasSubstr(part)));
+    EXPECT_EQ(std::ranges::count(outcome.error, '\n'), 1) << outcome.error;
+  }
+  /// Ends one that sits on its seat, after some samples.
+  Outcome end(Program& program) {
+    test::eventually("samples of the robot", [&] {
+      const std::string rows = text_of(folder_ / "robot.csv");
+      return std::ranges::count(rows, '\n') > 20;
+    });
+    program.signal(SIGINT);
+    return program.finish();
+  }
+  nlohmann::json report() { return nlohmann::json::parse(text_of(folder_ / "robot.json")); }
+  std::vector<std::string> written() {
+    return {"--record", folder_ / "robot.csv", "--report", folder_ / "robot.json"};
+  }
+
+  testing::TemporaryFolder folder_;
+  IssuedToken robot_ = issue_token("robot", "floor", Role::follower, std::nullopt);
+  std::unique_ptr<Server> server_;
+};
+
+TEST_F(FollowerProgram, WantsOneRobot) {
+  expect_fault({}, "no robot is given; give one of --surroundings FILE.json (a point), --arm");
+  expect_fault({"--arm", kTable, "--surroundings", kSurroundings}, "more than one robot is given");
+  expect_fault({"--arm", kTable, "--socket", folder_ / "driver"}, "more than one robot is given");
+  expect_fault({"--socket", folder_ / "driver", "--at", "0,0,0"}, "leave out --at");
+}
+
+TEST_F(FollowerProgram, NamesTheFileThatIsNoRobot) {
+  expect_fault({"--arm", "/nowhere/arm.xml"}, "/nowhere/arm.xml");
+  expect_fault({"--arm", kSurroundings}, kSurroundings);
+  expect_fault({"--surroundings", kTable}, kTable);
+  expect_fault({"--socket", "/nowhere/driver"}, "/nowhere/driver");
+}
+
+TEST_F(FollowerProgram, SaysWhereTheArmCannotBegin) {
+  for (const char* at : {"2,0,0.3", "0.45,0,0.2"})
+    expect_fault({"--arm", kTable, "--at", at},
+                 "--at " + std::string(at) + ": the arm of " + kTable + " comes only to ");
+}
+
+TEST_F(FollowerProgram, NamesTheFileThatItCannotWrite) {
+  expect_fault({"--arm", kTable, "--record", "/nowhere/robot.csv"}, "/nowhere/robot.csv");
+  expect_fault({"--arm", kTable, "--report", "/nowhere/robot.json"}, "/nowhere/robot.json");
+}
+
+TEST_F(FollowerProgram, TheArmSitsOnTheSeatAndIsWrittenDown) {
+  std::vector<std::string> words = written();
+  words.insert(words.end(), {"--arm", kTable, "--at", "0.45,0,0.32"});
+  const auto program = start(words);
+  EXPECT_THAT(program->error_until("the robot's seat"), HasSubstr("the robot's seat"));
+  const Outcome outcome = end(*program);
+  EXPECT_EQ(outcome.status, 0) << outcome.error;
+  EXPECT_THAT(outcome.out, AllOf(HasSubstr("engaged 0 times"), HasSubstr("end: requested")));
+  EXPECT_EQ(report()["robot"]["name"], "arm");
+  EXPECT_EQ(report()["end"], "requested");
+  EXPECT_EQ(report()["sessions"], 1);
+  EXPECT_GT(report()["samples"], 20);
+
+  std::istringstream rows(text_of(folder_ / "robot.csv"));
+  std::string row;
+  std::getline(rows, row);
+  EXPECT_EQ(row, "t,x,y,z,qw,qx,qy,qz,fx,fy,fz,cx,cy,cz,stiffness,sample,state");
+  std::uint64_t count = 0;
+  double before = -1.0;
+  for (; std::getline(rows, row); ++count) {
+    EXPECT_EQ(std::ranges::count(row, ','), 16) << row;
+    EXPECT_TRUE(row.ends_with(",disabled")) << row;
+    double t = 0.0, x = 0.0, y = 0.0, z = 0.0;
+    ASSERT_EQ(std::sscanf(row.c_str(), "%lf,%lf,%lf,%lf", &t, &x, &y, &z), 4) << row;
+    EXPECT_GT(t, before);
+    before = t;
+    EXPECT_LE((Vec3(x, y, z) - Vec3(0.45, 0.0, 0.32)).norm(), 2e-3);
+  }
+  EXPECT_EQ(report()["samples"], count) << "a row for each sample";
+}
+
+TEST_F(FollowerProgram, ADriverInAnotherLanguageSitsOnTheSeat) {
+  std::vector<std::string> words = written();
+  words.insert(words.end(), {"--socket", folder_ / "driver"});
+  const auto program = start(words);
+  EXPECT_THAT(program->error_until("waits for a driver"), HasSubstr("waits for a driver"));
+  const Program python("/usr/bin/env", {"python3", kSource + "/examples/my_follower.py",
+                                        (folder_ / "driver").string()});
+  EXPECT_THAT(program->error_until("the robot's seat"), HasSubstr("the robot's seat"));
+  const Outcome outcome = end(*program);
+  EXPECT_EQ(outcome.status, 0) << outcome.error;
+  EXPECT_EQ(report()["robot"]["name"], "my_follower");
+  EXPECT_EQ(report()["robot"]["servo_period_s"], 0.005);
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "driver"));
+}
+
+}  // namespace
+}  // namespace feltwire::follower_program_test

@@ -1,0 +1,150 @@
+// One servo of a robot that follows: what it does with its targets, and with readings that are
+// none.
+
+#include "client/followers/follower_servo.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+#include "sim/robot/point_robot.hpp"
+#include "tests/sim/robot/teleoperation_bench.hpp"
+#include "tests/support/allocation_counter.hpp"
+
+namespace feltwire::follower_servo_test {
+namespace {
+
+constexpr Nanoseconds kPeriod = std::chrono::milliseconds(1);
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+
+struct Bench {
+  PointRobot robot{test::wall_scene(), Vec3(0.0, 0.0, 0.1)};
+  FollowerServo servo{robot.spec()};
+  Nanoseconds now = std::chrono::seconds(7);
+  std::uint64_t index = 0;
+
+  RobotTarget target(const Vec3& place, LinkState state = LinkState::engaged) {
+    RobotTarget t;
+    t.index = ++index;
+    t.sample_index = index;
+    t.state = state;
+    t.pose.position = place;
+    return t;
+  }
+  RobotState tick() {
+    now += kPeriod;
+    return servo.tick(robot, now);
+  }
+};
+
+TEST(FollowerServo, FollowsWhileEngagedAlone) {
+  Bench bench;
+  const Vec3 there(0.02, 0.0, 0.1);
+  for (const LinkState state : {LinkState::disabled, LinkState::ready, LinkState::clutched,
+                                LinkState::hold, LinkState::fault}) {
+    for (int i = 0; i < 50; ++i) {
+      bench.servo.take(bench.target(there, state), bench.now);
+      ASSERT_EQ(bench.tick().commanded.position, Vec3(0.0, 0.0, 0.1));
+    }
+  }
+  for (int i = 0; i < 500; ++i) {
+    bench.servo.take(bench.target(there), bench.now);
+    bench.tick();
+  }
+  EXPECT_NEAR((bench.tick().commanded.position - there).norm(), 0.0, 1e-6);
+}
+
+TEST(FollowerServo, AnOldTargetIsNeverExecuted) {
+  Bench bench;
+  bench.tick();
+  const RobotTarget old = bench.target(Vec3(1.0, 0.0, 0.1));
+  const RobotTarget newer = bench.target(Vec3(0.0, 0.0, 0.1));
+  bench.servo.take(newer, bench.now);
+  for (int i = 0; i < 50; ++i) {
+    bench.servo.take(old, bench.now);
+    EXPECT_EQ(bench.tick().commanded.position, Vec3(0.0, 0.0, 0.1));
+  }
+  EXPECT_EQ(bench.servo.statistics().targets_stale, 50u);
+}
+
+TEST(FollowerServo, HoldsWithinATenthOfASecondOfSilence) {
+  Bench bench;
+  for (int i = 0; i < 200; ++i) {
+    bench.servo.take(bench.target(Vec3(1.0, 0.0, 0.1)), bench.now);
+    bench.tick();
+  }
+  ASSERT_TRUE(bench.servo.follows());
+  for (int i = 0; i < 101; ++i) bench.tick();
+  EXPECT_FALSE(bench.servo.follows());
+  for (int i = 0; i < 100; ++i) bench.tick();  // it brakes at 5 m/s^2 from 0.25 m/s
+  const Vec3 held = bench.tick().commanded.position;
+  EXPECT_EQ(bench.tick().commanded.position, held);
+}
+
+TEST(FollowerServo, AReadingThatIsNoneMovesNothing) {
+  Bench bench;
+  for (int i = 0; i < 100; ++i) {
+    bench.servo.take(bench.target(Vec3(1.0, 0.0, 0.1)), bench.now);
+    bench.tick();
+  }
+  const FollowerTarget held = bench.servo.step(bench.robot.read(bench.now), bench.now);
+  for (int which = 0; which < 4; ++which) {
+    FollowerReading reading = bench.robot.read(bench.now);
+    if (which == 0) reading.pose.position.x() = kNan;
+    if (which == 1) reading.force = Vec3(kNan, 0.0, 0.0);
+    if (which == 2) reading.pose.orientation.coeffs().setZero();
+    if (which == 3) reading.ok = false;
+    bench.now += kPeriod;
+    const FollowerTarget target = bench.servo.step(reading, bench.now);
+    EXPECT_EQ(target.pose.position, held.pose.position) << which;
+    const RobotState& said = bench.servo.report(target);
+    EXPECT_FALSE(said.ok);
+    EXPECT_TRUE(said.pose.position.allFinite());
+  }
+  EXPECT_EQ(bench.servo.statistics().faults, 4u);
+}
+
+TEST(FollowerServo, ARobotThatSensesNoForceTellsOfNoContact) {
+  Bench bench;
+  for (int i = 0; i < 50; ++i) {
+    FollowerReading reading = bench.robot.read(bench.now);
+    reading.force.reset();
+    bench.now += kPeriod;
+    const RobotState& said = bench.servo.report(bench.servo.step(reading, bench.now));
+    EXPECT_FALSE(said.force);
+    EXPECT_EQ(said.contact.surface, 0u);
+    EXPECT_EQ(said.energy.given + said.energy.taken + said.energy.pushed, 0.0);
+  }
+}
+
+TEST(FollowerServo, NeverAllocates) {
+  Bench bench;
+  bench.tick();
+  const std::size_t before = test::allocations();
+  for (int i = 0; i < 1000; ++i) {
+    bench.servo.take(bench.target(Vec3(0.0, 0.0, -0.01)), bench.now);
+    bench.tick();
+  }
+  EXPECT_EQ(test::allocations(), before);
+  EXPECT_GE(bench.servo.statistics().largest_force, 1.0) << "it touched the wall, too";
+}
+
+TEST(FollowerServo, RefusesLimitsThatAreNone) {
+  const PointRobot robot(test::wall_scene(), Vec3(0.0, 0.0, 0.1));
+  for (const double wrong : {0.0, -1.0, kNan}) {
+    FollowerOptions options;
+    options.motion.speed = wrong;
+    EXPECT_THROW(FollowerServo(robot.spec(), options), std::invalid_argument);
+    options = {};
+    options.leash = wrong;
+    EXPECT_THROW(FollowerServo(robot.spec(), options), std::invalid_argument);
+    FollowerSpec spec = robot.spec();
+    spec.stiffness = wrong;
+    EXPECT_THROW(FollowerServo{spec}, std::invalid_argument);
+  }
+}
+
+}  // namespace
+}  // namespace feltwire::follower_servo_test

@@ -1,0 +1,84 @@
+// A hand leads a robot over sealed datagrams and an emulated link: what it feels of a wall that the
+// server does not know, and what becomes of both under each fault.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "tests/sim/robot/teleoperation_bench.hpp"
+
+namespace feltwire::teleoperation_test {
+namespace {
+
+using test::Teleoperation;
+using enum LinkState;
+
+// The robot's spring of 1000 N/m and the wall's of 2000 N/m, one behind the other.
+constexpr double kSeries = 1000.0 * 2000.0 / 3000.0;
+
+TEST(Teleoperation, TheRobotFollowsTheHandFromWhereItIs) {
+  Teleoperation bench;
+  bench.run(0.2);
+  EXPECT_EQ(bench.state(), ready);
+  const Vec3 robot = bench.robot.position(), hand = bench.hand.true_position();
+  bench.engage();
+  EXPECT_EQ(bench.state(), engaged);
+  EXPECT_LE((bench.robot.position() - robot).norm(), 1e-4) << "nothing moved yet";
+  bench.move(Vec3(0.03, 0.02, 0.01), 1.0);
+  bench.run(0.5);
+  const Vec3 moved = bench.hand.true_position() - hand;
+  EXPECT_GE(moved.norm(), 0.03);
+  EXPECT_LE((bench.robot.position() - robot - moved).norm(), 1e-4);
+  EXPECT_EQ(bench.servo.held().force().norm(), 0.0) << "the air is free";
+}
+
+/// Displayed over series stiffness of a press of 25 mm into the wall, from 20 mm in front of it.
+struct Pressed {
+  double displayed = 0.0, swing = 0.0, robot_force = 0.0, hand_force = 0.0;
+};
+Pressed press(Teleoperation& bench) {
+  bench.move(Vec3(0.0, 0.0, -0.045), 0.6);
+  bench.run(1.4);
+  double low = 1e9, high = -1e9;
+  for (int i = 0; i < 500; ++i) {
+    bench.tick();
+    low = std::min(low, bench.hand.true_position().z());
+    high = std::max(high, bench.hand.true_position().z());
+  }
+  const Lead lead = *bench.servo.lead();
+  const RemoteContact& contact = bench.servo.remote()->remote().contact;
+  const double surface = contact.point.z() + lead.offset.z();
+  const double depth = surface - bench.hand.true_position().z();
+  return {bench.force() / depth / kSeries, high - low, bench.robot.force().z(), bench.force()};
+}
+
+TEST(Teleoperation, AWallThatTheServerDoesNotKnowIsFelt) {
+  Teleoperation bench;
+  bench.engage();
+  const Pressed pressed = press(bench);
+  EXPECT_NEAR(pressed.displayed, 1.0, 0.05);
+  EXPECT_GE(pressed.hand_force, 3.0);
+  EXPECT_NEAR(pressed.hand_force, pressed.robot_force, 0.1 * pressed.robot_force);
+  EXPECT_LE(pressed.swing, 50e-6);
+  EXPECT_LE(bench.made(), 0.0);
+}
+
+TEST(Teleoperation, IsFeltOverADelayAndLoss) {
+  Teleoperation bench("delay=25,loss=2,seed=3");  // twice: 100 ms there and back
+  bench.engage();
+  const Pressed first = press(bench);
+  EXPECT_NEAR(first.displayed, 1.0, 0.05);
+  EXPECT_GE(first.hand_force, 1.0);
+  EXPECT_LE(first.swing, 50e-6);
+  bench.move(Vec3(0.0, 0.0, 0.045), 0.6);
+  bench.run(0.5);
+  EXPECT_EQ(bench.force(), 0.0);
+  const Pressed second = press(bench);
+  EXPECT_NEAR(second.displayed, 1.0, 0.05);
+  EXPECT_LE(bench.made(), 0.0);
+  EXPECT_LE(bench.follower.statistics().largest_force, 25.0);
+}
+
+}  // namespace
+}  // namespace feltwire::teleoperation_test
