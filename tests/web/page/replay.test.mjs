@@ -67,8 +67,7 @@ async function seek(time) {
   await page.keyboard.press('Home');
   for (let i = 0; i < Math.floor(time); ++i) await page.keyboard.press('ArrowRight');
   for (let i = 0; i < Math.round(100 * (time % 1)); ++i) await page.keyboard.press('ArrowUp');
-  await until((wanted) => Math.abs(window.feltwire().replay.time - wanted) < 1e-6 && window.feltwire().replay.stages.every((stage) => stage.whole), time);
-  await page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
+  await until((wanted) => window.feltwire().replay.drawn && Math.abs(window.feltwire().replay.time - wanted) < 1e-6, time);
 }
 
 /** The rows that feltwire-lab exported, as numbers by their columns' names; `at` [s] since the first. */
@@ -246,7 +245,7 @@ test('two recordings share the bar, side by side', async () => {
   assert.ok(right.x >= left.x + left.width - 1 && Math.abs(right.y - left.y) < 1);
   assert.ok(both.every(({first}) => first));
   await page.fill('#replay-offset', '3');
-  await until(() => window.feltwire().replay.to > 6.5);
+  await until(() => window.feltwire().replay.to > 6.5 && window.feltwire().replay.drawn);
   const [, second] = (await state()).stages;
   assert.equal(second.first, null);  // It has not begun at 2 s.
   await seek(5);  // The second is now where it was at 2 s before.

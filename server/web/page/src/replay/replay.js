@@ -163,7 +163,8 @@ export class Replay {
       read: stage.overview.done === stage.recording.chunks.length, first: stage.firstHand(), troubles: stage.recording.troubles, longestArrow: stage.view.hands.longest,
       points: stage.plots.points, kept: stage.recording.kept, frames: stage.view.frames, bodies: stage.bodies.size,
     }));
-    return {active: this.active, playing: this.playing, time: this.time, from: this.from, to: this.to, stages};
+    const drawn = !this.stale && this.stages.every(({stage}) => stage.whole);  // What is drawn is the present time, with all that is recorded of it.
+    return {active: this.active, playing: this.playing, time: this.time, from: this.from, to: this.to, drawn, stages};
   }
 
   #news() {
