@@ -1,0 +1,116 @@
+// Convex decomposition: closed forms, and that the parts cover the mesh and reach no farther out
+// than they may.
+
+#include "core/convex/decomposition.hpp"
+
+#include <gtest/gtest.h>
+
+#include "core/mesh/mesh_distance.hpp"
+#include "tests/core/support.hpp"
+#include "tests/support/meshes.hpp"
+
+namespace feltwire::decomposition_test {
+namespace {
+
+using test::Random;
+
+double volume_of(const ConvexParts& parts) {
+  double sum = 0.0;
+  for (const auto& part : parts.parts) sum += convex_hull(part)->volume;
+  return sum;
+}
+
+/// An L of three unit squares, one high, as a prism.
+TriangleSoup l_shape() {
+  TriangleSoup s;
+  const std::vector<std::pair<double, double>> rim = {{0, 0}, {2, 0}, {2, 1},
+                                                      {1, 1}, {1, 2}, {0, 2}};
+  for (const double z : {0.0, 1.0})
+    for (const auto& [x, y] : rim) s.vertices.emplace_back(x, y, z);
+  for (const auto& [a, b, c] : std::vector<Triangle>{{0, 1, 2}, {0, 2, 3}, {0, 3, 4}, {0, 4, 5}}) {
+    s.triangles.push_back({a, c, b});
+    s.triangles.push_back({a + 6, b + 6, c + 6});
+  }
+  for (std::uint32_t i = 0; i < 6; ++i) {
+    const std::uint32_t k = (i + 1) % 6;
+    s.triangles.push_back({i, k, k + 6});
+    s.triangles.push_back({i, k + 6, i + 6});
+  }
+  return s;
+}
+
+TEST(ConvexHull, OfABoxIsTheBoxAndFlatPointsHaveNone) {
+  const TriangleSoup box = test::box(Vec3(1, 2, 3), 3);
+  const auto hull = convex_hull(box.vertices);
+  ASSERT_TRUE(hull);
+  EXPECT_EQ(hull->vertices.size(), 8u);
+  EXPECT_NEAR(hull->volume, 48.0, 1e-12);
+  EXPECT_TRUE(hull->contains(Vec3(0.9, 1.9, 2.9)));
+  EXPECT_FALSE(hull->contains(Vec3(1.1, 0, 0)));
+  EXPECT_FALSE(convex_hull(test::sheet(1.0, 3).vertices));
+}
+
+TEST(Decomposition, ABoxIsOnePartAndAnLIsTwoExactly) {
+  const MeshSurface box(TriangleMesh(test::box(Vec3(0.1, 0.2, 0.3), 2)));
+  EXPECT_EQ(convex_parts(box, {}).parts.size(), 1u);
+  const MeshSurface l{TriangleMesh(l_shape())};
+  ASSERT_TRUE(l.mesh().report().closed());
+  const ConvexParts parts = convex_parts(l, {});
+  EXPECT_EQ(parts.parts.size(), 2u);
+  EXPECT_NEAR(volume_of(parts), 3.0, 1e-9);
+  EXPECT_LE(parts.outside, 1e-6);
+}
+
+// All of the solid is in a part, and no part reaches farther out than the tolerance.
+TEST(Decomposition, PartsCoverARingAndLeaveItsHoleOpen) {
+  const MeshSurface ring(TriangleMesh(test::torus(0.05, 0.01, 48, 16)));
+  const DecompositionOptions options{.tolerance = 0.003};
+  const ConvexParts parts = convex_parts(ring, options);
+  EXPECT_GT(parts.parts.size(), 3u);
+  EXPECT_LE(parts.parts.size(), options.most);
+  EXPECT_LE(parts.outside, 0.003);
+  const Solid solid = solid_of(TriangleMesh(test::torus(0.05, 0.01, 48, 16)));
+  std::vector<ConvexHull> hulls;
+  for (const auto& part : parts.parts) {
+    hulls.push_back(*convex_hull(part));
+    EXPECT_EQ(hulls.back().vertices.size(), part.size());  // convex: each corner is one
+  }
+  Random random(1);
+  int inside = 0, covered = 0;
+  for (int i = 0; i < 20000; ++i) {
+    const Vec3 p(random.uniform(-0.06, 0.06), random.uniform(-0.06, 0.06),
+                 random.uniform(-0.01, 0.01));
+    const double distance = solid.distance(p);
+    bool in_a_part = false;
+    for (const ConvexHull& hull : hulls) in_a_part = in_a_part || hull.contains(p, 1e-9);
+    if (distance < -1e-8) {
+      EXPECT_TRUE(in_a_part) << p.transpose();
+    }
+    if (in_a_part) {
+      EXPECT_LE(distance, 0.003 + 1e-8) << p.transpose();
+    }
+    inside += distance < 0.0 ? 1 : 0;
+    covered += in_a_part ? 1 : 0;
+  }
+  EXPECT_GT(inside, 1000);
+  EXPECT_LT(covered, 20000);
+}
+
+TEST(Decomposition, KeepsToTheNumberOfPartsAndSaysWhatThatCosts) {
+  const MeshSurface ring(TriangleMesh(test::torus(0.05, 0.01, 48, 16)));
+  for (const std::size_t most : {1u, 3u}) {
+    const ConvexParts parts = convex_parts(ring, {.tolerance = 0.001, .most = most});
+    EXPECT_LE(parts.parts.size(), most);
+    EXPECT_GT(parts.outside, 0.001);
+  }
+  // Of the hull of the whole: the middle of the hole, a tube's radius off the ring's middle circle.
+  EXPECT_NEAR(convex_parts(ring, {.tolerance = 0.001, .most = 1}).outside, 0.04, 0.04 / 8);
+}
+
+TEST(Decomposition, IsTheSameTwice) {
+  const MeshSurface ring(TriangleMesh(test::torus(0.05, 0.01, 24, 12)));
+  EXPECT_EQ(convex_parts(ring, {}).parts, convex_parts(ring, {}).parts);
+}
+
+}  // namespace
+}  // namespace feltwire::decomposition_test
