@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "core/convex/clipped_solid.hpp"
 #include "core/mesh/mesh_distance.hpp"
 #include "tests/core/support.hpp"
 #include "tests/support/meshes.hpp"
@@ -48,6 +49,18 @@ TEST(ConvexHull, OfABoxIsTheBoxAndFlatPointsHaveNone) {
   EXPECT_TRUE(hull->contains(Vec3(0.9, 1.9, 2.9)));
   EXPECT_FALSE(hull->contains(Vec3(1.1, 0, 0)));
   EXPECT_FALSE(convex_hull(test::sheet(1.0, 3).vertices));
+}
+
+// Three cuts through a box: the corner that they make lies inside, on no triangle.
+TEST(ClippedSolid, HasTheCornersOfItsPlanesInTheSolid) {
+  const MeshSurface box(TriangleMesh(test::box(Vec3(1, 2, 3))));
+  const HalfSpaceBelow x{Vec3::UnitX(), 0.5}, y{Vec3::UnitY(), 0.25}, z{-Vec3::UnitZ(), 1.0};
+  const ClippedSolid part = ClippedSolid(box).below(x).below(y);
+  EXPECT_NEAR(convex_hull(part.points())->volume, 1.5 * 2.25 * 6.0, 1e-12);
+  const auto sides = part.points_beside(z);
+  EXPECT_NEAR(convex_hull(sides.first)->volume, 1.5 * 2.25 * 4.0, 1e-12);
+  EXPECT_NEAR(convex_hull(sides.second)->volume, 1.5 * 2.25 * 2.0, 1e-12);
+  EXPECT_NEAR(convex_hull(part.below(z).points())->volume, 1.5 * 2.25 * 4.0, 1e-12);
 }
 
 TEST(Decomposition, ABoxIsOnePartAndAnLIsTwoExactly) {
