@@ -164,12 +164,15 @@ double tolerance_of(const DecompositionOptions& options, const TriangleMesh& mes
 }
 
 ConvexParts convex_parts(const MeshSurface& solid, const DecompositionOptions& options) {
-  const Cutter cutter{solid, tolerance_of(options, solid.mesh())};
+  // What is found may be this share of what there is (overhang()).
+  constexpr double kFound = 8.0 / 9.0;
+  const double tolerance = tolerance_of(options, solid.mesh());
+  const Cutter cutter{solid, kFound * tolerance};
   std::vector<Part> parts;
   for (Piece& piece : cutter.cut(options.most > 1 ? kPiecesPerPart * options.most : 1))
     if (piece.hull.volume > kDust * solid.mesh().report().volume)
       parts.push_back(part_of(std::move(piece.hull)));
-  ConvexParts result{{}, cutter.tolerance, 0.0};
+  ConvexParts result{{}, tolerance, 0.0};
   for (Part& part : joined(cutter, std::move(parts), options.most)) {
     result.outside = std::max(result.outside, cutter.outside(part.hull));
     result.parts.push_back(std::move(part.hull.vertices));
