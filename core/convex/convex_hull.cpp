@@ -36,11 +36,31 @@ class Qhull {
   qhT state_{};
 };
 
+/// Whether all points lie in one plane, on a line or at one place, to rounding: Qhull has an error
+/// of its own for each of these, one of them "internal".
+bool is_flat(std::span<const Vec3> points) {
+  constexpr double kFlat = 1e-13;  // of the size
+  const auto farthest = [&](const auto& distance) {
+    return *std::ranges::max_element(points, {}, distance);
+  };
+  const Vec3 origin = points[0];
+  const Vec3 along = farthest([&](const Vec3& p) { return (p - origin).norm(); }) - origin;
+  const double size = along.norm();
+  if (!(size > 0.0)) return true;
+  const Vec3 axis = along / size;
+  const auto off = [&](const Vec3& p) -> Vec3 { return p - origin - axis.dot(p - origin) * axis; };
+  const Vec3 beside = off(farthest([&](const Vec3& p) { return off(p).norm(); }));
+  if (!(beside.norm() > kFlat * size)) return true;
+  const Vec3 normal = axis.cross(beside).normalized();
+  const auto height = [&](const Vec3& p) { return std::abs(normal.dot(p - origin)); };
+  return !(height(farthest(height)) > kFlat * size);
+}
+
 }  // namespace
 
 std::optional<ConvexHull> convex_hull(std::span<const Vec3> points) {
   constexpr std::size_t kLeast = 4;
-  if (points.size() < kLeast) return std::nullopt;
+  if (points.size() < kLeast || is_flat(points)) return std::nullopt;
   // What Qhull says of flat points is of no use to anybody.
   const std::unique_ptr<std::FILE, CloseFile> messages(std::fopen("/dev/null", "w"));
   if (messages == nullptr) throw std::runtime_error("convex hull: cannot open /dev/null");

@@ -49,6 +49,10 @@ TEST(ConvexHull, OfABoxIsTheBoxAndFlatPointsHaveNone) {
   EXPECT_TRUE(hull->contains(Vec3(0.9, 1.9, 2.9)));
   EXPECT_FALSE(hull->contains(Vec3(1.1, 0, 0)));
   EXPECT_FALSE(convex_hull(test::sheet(1.0, 3).vertices));
+  // Qhull has another error for these: all have one coordinate in common.
+  const std::vector<Vec3> same = {{2, 0, 0}, {2, 1, 0}, {2, 0, 1}, {2, 1, 1}, {2, 0.5, 0.3}};
+  EXPECT_FALSE(convex_hull(same));
+  EXPECT_FALSE(convex_hull(std::vector<Vec3>(5, Vec3::Ones())));
 }
 
 // Three cuts through a box: the corner that they make lies inside, on no triangle.
