@@ -17,6 +17,7 @@ export class Foxglove {
       }
     };
     dialog.addEventListener('close', () => {
+      this.address.blur();  // The browser would do it with the next frame; a key that comes before is for the page.
       this.address.value = '';
       copy.textContent = 'Copy';
     });
