@@ -30,8 +30,8 @@ double signed_distance(const MeshSurface& solid, const Vec3& p, double within) {
 }  // namespace
 
 double overhang(const ConvexHull& hull, const MeshSurface& solid, double tolerance) {
-  constexpr double kGap = 1.125;          // between what is found and what can be
-  constexpr double kRounding = 1.000001;  // of the way to where the nearest point is known to be
+  constexpr double kGap = 1.125;       // between what is found and what can be
+  constexpr double kWider = 1.000001;  // of the way to where the nearest point is known to be
   Bounds bounds;
   for (const Vec3& v : hull.vertices) bounds.add(v);
   double found = 0.0;
@@ -56,7 +56,7 @@ double overhang(const ConvexHull& hull, const MeshSurface& solid, double toleran
       Box child = box;
       child.half[axis] *= 0.5;
       child.middle[axis] += side * child.half[axis];
-      add(child, kRounding * (std::abs(box.distance) + child.half[axis]));
+      add(child, kWider * (std::abs(box.distance) + child.half[axis]));
     }
   }
   return found;
