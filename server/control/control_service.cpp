@@ -185,30 +185,39 @@ void ControlService::pass_on(PendingRequest asked, std::uint64_t session,
        (covers(asked.token.role, Role::admin) && opens(asked.token, scene_name(found->second))));
   if (!may) return asked.answer(unknown_session(session));
   const std::string by = "client " + asked.token.client + " (token " + asked.token.id + ")";
-  const auto finish = [this, session, by, who = found->second.who,
+  SessionParameters wanted;
+  if (const auto* set = std::get_if<control::SetParameters>(&request)) wanted = set->parameters;
+  const auto finish = [this, session, by, wanted = std::move(wanted), who = found->second.who,
                        answer = std::move(asked.answer)](control::Message said) {
     if (std::holds_alternative<control::Left>(said)) {
       spdlog::info("{}: ended by {}", who, visible(by));
       // Its scene says so, too, but perhaps only after this answer, and its place is free from now.
       forget({{session, SessionEnd::asked}});
     }
-    if (const auto* set = std::get_if<control::ParametersSet>(&said)) tell_of(*set, by);
+    if (const auto* set = std::get_if<control::ParametersSet>(&said)) tell_of(*set, wanted, by);
     answer(std::move(said));
   };
   hosts_[found->second.scene]->ask(std::move(request), session, {}, io_, finish);
 }
 
 /// Which parameters of a session were changed, and by whom.
-void ControlService::tell_of(const control::ParametersSet& set, const std::string& by) {
+void ControlService::tell_of(const control::ParametersSet& set, const SessionParameters& wanted,
+                             const std::string& by) {
   const auto found = seated_.find(set.session);
   if (found == seated_.end()) return;
   ListedSession& seated = found->second;
-  if (set.parameters == seated.parameters) {
-    spdlog::info("{}: its client is asked by {} for another law", seated.who, visible(by));
-    return;
-  }
-  spdlog::info("{}: parameters set by {}: {}", seated.who, visible(by),
-               changes(seated.parameters, set.parameters));
+  const bool of_client = set.parameters.side == BoundingSide::client;
+  // A client's law is never set here. The scene has logged that the client took another one.
+  const SessionParameters before =
+      of_client ? with_law(seated.parameters, law_of(set.parameters)) : seated.parameters;
+  const bool asks = of_client && law_of(wanted) != law_of(set.parameters);
+  const bool sets = before != set.parameters;
+  if (sets)
+    spdlog::info("{}: parameters set by {}: {}", seated.who, visible(by),
+                 changes(before, set.parameters));
+  if (asks) spdlog::info("{}: its client is asked by {} for another law", seated.who, visible(by));
+  if (!asks && !sets)
+    spdlog::info("{}: {} asks for the parameters that it has", seated.who, visible(by));
   seated.parameters = set.parameters;
 }
 

@@ -81,7 +81,8 @@ class ControlService {
   control::Message authenticate(ControlPeer& peer, const control::Authenticate& shown);
   void join(PendingRequest asked, control::JoinRequest request);
   void pass_on(PendingRequest asked, std::uint64_t session, control::Message request);
-  void tell_of(const control::ParametersSet& set, const std::string& by);
+  void tell_of(const control::ParametersSet& set, const SessionParameters& wanted,
+               const std::string& by);
   control::Message evict(const PendingRequest& asked, const control::Evict& request);
   control::Message list_scenes(const Token& token) const;
   control::Message list_sessions(const PendingRequest& asked, const control::ListSessions& request);

@@ -107,8 +107,9 @@ struct SceneSessions::Change {
     if (slot == nullptr) return unknown_session(change.session);
     Session& session = (*slot)->session;
     const SessionParameters before = session.parameters();
-    const SessionParameters wished =
-        (*slot)->waits_for_client() ? (*slot)->asked->parameters : before;
+    const SessionParameters wished = (*slot)->waits_for_client() && !(*slot)->asked->returns
+                                         ? (*slot)->asked->parameters
+                                         : before;
     const LawChoice law = law_of(change.parameters);
     const bool of_client =
         before.side == BoundingSide::client && (law != law_of(before) || law != law_of(wished));
@@ -159,7 +160,8 @@ struct SceneSessions::Change {
     const LawChoice before = law_of(next.parameters);
     if (slot.waits_for_client()) {
       const AskedChange& waits = *slot.asked;
-      next.parameters = waits.parameters;
+      if (!waits.returns) next.parameters = waits.parameters;
+      next.unheard_law = waits.unheard_law || waits.returns || waits.change.law;
       if (!change.law) next.change.law = waits.change.law;
       if (!change.link) next.change.link = waits.change.link;
     }

@@ -71,11 +71,21 @@ Bytes SceneSessions::replay_samples(std::uint64_t id, Bytes payload, Nanoseconds
 void SceneSessions::hear_answer(SessionSlot& slot) noexcept {
   AskedChange& asked = *slot.asked;
   if (!batch_.report || batch_.report->change != asked.change.number) return;
-  asked.answer = batch_.report->change_refused ? ChangeAnswer::refused : ChangeAnswer::taken;
-  if (asked.answer == ChangeAnswer::taken && asked.change.law)
-    slot.session.put_law(asked.parameters);
   asked.told = false;
   has_answers_ = true;
+  const bool refused = batch_.report->change_refused;
+  if (refused && asked.unheard_law) {
+    // It may have the law that was asked for before this one, or not. It had the session's law, so
+    // it takes that again.
+    asked.change = {.number = number_after(asked.change.number),
+                    .law = law_of(slot.session.parameters()),
+                    .link = {}};
+    asked.unheard_law = false;
+    asked.returns = true;
+    return;
+  }
+  asked.answer = refused ? ChangeAnswer::refused : ChangeAnswer::taken;
+  if (!refused && asked.change.law && !asked.returns) slot.session.put_law(asked.parameters);
 }
 
 std::vector<std::string> SceneSessions::answers() {
@@ -84,9 +94,17 @@ std::vector<std::string> SceneSessions::answers() {
   for (const auto& slot : slots_) {
     if (!slot->asked || slot->asked->told) continue;
     slot->asked->told = true;
-    lines.push_back("session " + std::to_string(slot->number) + " (" + slot->session.client() +
-                    "): its client has " + std::string(name(slot->asked->answer)) +
-                    " the change: " + slot->asked->what);
+    const std::string who =
+        "session " + std::to_string(slot->number) + " (" + slot->session.client() + "): its client";
+    if (!slot->asked->returns)
+      lines.push_back(who + " has " + std::string(name(slot->asked->answer)) +
+                      " the change: " + slot->asked->what);
+    else if (slot->waits_for_client())
+      lines.push_back(who + " has refused the change: " + slot->asked->what +
+                      "; it is asked to return to the law of its session");
+    else
+      lines.push_back(who + " has " + std::string(name(slot->asked->answer)) +
+                      " the return to the law of its session");
   }
   return lines;
 }

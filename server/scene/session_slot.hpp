@@ -28,6 +28,10 @@ struct SceneSessions::AskedChange {
   std::string what;              // for people: from what to what
   ChangeAnswer answer = ChangeAnswer::waiting;
   bool told = true;  // the log has that answer
+  /// A law was asked for before, and what the client made of that was not heard.
+  bool unheard_law = false;
+  /// That one was followed by a refusal: the client is asked for the law of its session.
+  bool returns = false;
 };
 
 /// A session and what belongs to its transport.

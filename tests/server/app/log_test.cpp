@@ -156,6 +156,16 @@ TEST(Log, SaysWhoDidWhatAndHowEachSessionEnded) {
     SessionParameters parameters = request.parameters;
     parameters.velocity_cutoff = 50.0;
     admin.ask<control::ParametersSet>(control::SetParameters{first, parameters});
+    admin.ask<control::ParametersSet>(control::SetParameters{first, parameters});
+    control::JoinRequest taker = request;
+    taker.client = "right hand";
+    taker.takes.laws = LawsTaken::any;
+    taker.parameters.side = BoundingSide::client;
+    taker.parameters.mode = "contact_frame";
+    const std::uint64_t other = client.join(taker).accepted.session;
+    taker.parameters.mode = "shaped";
+    admin.ask<control::ParametersSet>(control::SetParameters{other, taker.parameters});
+    client.ask<control::Left>(control::LeaveRequest{other});
     admin.ask<control::SceneReloaded>(control::ReloadScene{"room"});
     client.ask<control::Left>(control::LeaveRequest{first});
     const std::uint64_t second = client.join(request).accepted.session;
@@ -174,6 +184,10 @@ TEST(Log, SaysWhoDidWhatAndHowEachSessionEnded) {
                                                                     << outcome.error;
   };
   logged(who + ": parameters set by " + by + ": velocity_cutoff 0 -> 50");
+  logged(who + ": " + by + " asks for the parameters that it has");
+  logged("right hand .*: its client is asked by " + by + " for another law");
+  EXPECT_FALSE(std::regex_search(outcome.error, std::regex("left hand .* for another law")));
+  EXPECT_FALSE(std::regex_search(outcome.error, std::regex("right hand .*: parameters set by")));
   logged("scene room is reloaded by " + by);
   logged(who + ": ended by client anna");
   logged(who + " left scene room after [0-9.]+ s: a LeaveRequest ended it");

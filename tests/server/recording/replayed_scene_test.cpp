@@ -138,6 +138,26 @@ TEST(ReplayOfClientChanges, IsBitEqual) {
   const auto listed = sessions.describe_after(0).sessions.at(0);
   EXPECT_EQ(listed.answer, ChangeAnswer::refused);
   EXPECT_THAT(listed.asked, HasSubstr("mode shaped -> contact_frame"));
+  // A law whose answer is not heard, and then a refusal: the client may have that law or not, and
+  // is asked to return to its session's.
+  EXPECT_EQ(sessions.answers().size(), 1u);
+  sessions.answer(control::SetParameters{kA, parameters}, 0, {}, scene.exchange.now);
+  EXPECT_EQ(asked()->number, 4);
+  EXPECT_TRUE(std::holds_alternative<Changed>(
+      sessions.change(LinkChange{kA, {.delay = 0.05}}, scene.exchange.now)));
+  scene.exchange.report = HandReport{.change = 5, .change_refused = true};
+  scene.exchange.allocated = 0;
+  const auto back = asked();
+  EXPECT_EQ(scene.exchange.allocated, 0u);
+  ASSERT_TRUE(back);
+  EXPECT_EQ(back->number, 6);
+  EXPECT_EQ(back->law->mode.view(), "shaped");
+  EXPECT_FALSE(back->link);
+  EXPECT_THAT(sessions.answers().at(0), HasSubstr("asked to return to the law of its session"));
+  scene.exchange.report = HandReport{.change = 6};
+  EXPECT_FALSE(asked());
+  EXPECT_EQ(sessions.find(kA)->parameters().mode, "shaped");
+  EXPECT_THAT(sessions.answers().at(0), HasSubstr("has taken the return to the law"));
   scene.run(100);
   const Replay result = replay({scene.finish()});
   ASSERT_TRUE(result.bit_equal()) << result.difference->what << " at event "
