@@ -37,16 +37,18 @@ void show(StatusLine& line, const LiveStatus& status, const Records& records) no
 /// Says what an admin has changed, or what was refused, and writes it down.
 void tell_of(Changes& changes, StatusLine& line, Records& records,
              Reconnector& reconnector) noexcept {
-  while (const Changes::Done* done = changes.next()) try {
-      line.end();
+  while (const Changes::Done* done = changes.next(reconnector.sessions())) try {
       const bool taken = done->refusal.empty();
+      // First: a session that is joined with another law than the hand has is worse than a line
+      // that is not written.
+      if (taken && done->prepared.law) reconnector.put_law(changes.law());
+      line.end();
       std::fprintf(stderr, "feltwire-client: an admin changes this session: %s%s%s\n",
                    visible(done->what).c_str(),
                    taken ? "" : "; refused: ", visible(done->refusal).c_str());
       records.note({{"what", done->what},
                     {"answer", taken ? "taken" : "refused"},
                     {"refusal", done->refusal}});
-      if (taken && done->prepared.law) reconnector.put_law(changes.law());
     } catch (const std::exception&) {  // no memory for the text
     }
 }

@@ -39,25 +39,47 @@ Changes::Done Changes::judged(const ClientChange& change) {
     return done;
   }
   try {
-    const SessionParameters next = with_law(now_, *change.law);
+    SessionParameters next = with_law(now_, *change.law);
     done.prepared.law.emplace(spec_, next, options_);
-    now_ = next;
+    now_ = std::move(next);
   } catch (const std::invalid_argument& error) {  // this device cannot have it
     refuse(error.what());
   }
   return done;
 }
 
-const Changes::Done* Changes::next() noexcept {
-  ClientChange change;
-  if (!wanted_.pop(change)) return nullptr;
-  try {
-    done_.push_back(judged(change));
-  } catch (const std::exception&) {  // no memory: the server asks again, or its admin does
-    return nullptr;
+/// A refusal that is not kept. It takes no memory: `why` is short enough for a string's own room.
+Changes::Done& Changes::refused(const char* why) noexcept {
+  Done& done = not_kept_[next_not_kept_];
+  next_not_kept_ = (next_not_kept_ + 1) % not_kept_.size();
+  done.prepared.refused = true;
+  done.refusal = why;
+  return done;
+}
+
+const Changes::Done* Changes::next(std::uint32_t session) noexcept {
+  WantedChange wanted;
+  do {
+    if (!wanted_.pop(wanted)) return nullptr;
+  } while (wanted.session != session);
+  Done* done = nullptr;
+  const std::size_t before = done_.size();
+  if (before == kMost) {
+    done = &refused("too many");
+  } else {
+    try {
+      done_.emplace_back();
+      done_.back() = judged(wanted.change);
+      done = &done_.back();
+    } catch (const std::exception&) {
+      if (done_.size() > before) done_.pop_back();
+      done = &refused("no memory");
+    }
   }
-  ready_.push(&done_.back().prepared);
-  return &done_.back();
+  done->prepared.number = wanted.change.number;
+  done->prepared.session = wanted.session;
+  ready_.push(&done->prepared);
+  return done;
 }
 
 }  // namespace feltwire

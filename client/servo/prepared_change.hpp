@@ -10,8 +10,16 @@
 
 namespace feltwire {
 
+/// A change as it came. `session` counts those that the loop was given beside its first: each
+/// numbers its changes from 1.
+struct WantedChange {
+  ClientChange change;
+  std::uint32_t session = 0;
+};
+
 struct PreparedChange {
   std::uint8_t number = 0;          // the server's
+  std::uint32_t session = 0;        // WantedChange::session
   bool refused = false;             // then nothing is changed; the server is told
   std::optional<ServoLaw> law;      // gets the law before
   std::optional<LinkQuality> link;  // of an emulated link

@@ -169,7 +169,10 @@ class Loop {
   void regain(Nanoseconds now) noexcept {
     SessionAddress to;
     bool fresh = false;
-    while (options_.rejoined->pop(to)) fresh = transport_.resume(to);
+    while (options_.rejoined->pop(to)) {
+      fresh = transport_.resume(to);
+      ++session_;
+    }
     if (lost_ && !fresh && now >= next_reroute_) {
       next_reroute_ = now + kReroutePeriod;
       if (!server_left_) port_.reroute();
@@ -195,6 +198,7 @@ class Loop {
       if (!next->refused && next->link) port_.set_link(*next->link);
       if (!next->refused && next->law) servo_.adopt(*next->law);
       next->taken = ticked_ ? seconds(now - first_tick_) : 0.0;
+      if (next->session != session_) continue;  // its number says nothing to this one's server
       dealt_with_ = next->number;
       refused_ = next->refused;
       reported_ = Nanoseconds{0};  // the server is told with the next sample
@@ -204,7 +208,7 @@ class Loop {
   /// Replies bring a change until the server has heard of it.
   void hear(const std::optional<ClientChange>& wanted) noexcept {
     if (!wanted || wanted->number == heard_) return;
-    if (outputs_.wanted->push(*wanted)) heard_ = wanted->number;
+    if (outputs_.wanted->push({*wanted, session_})) heard_ = wanted->number;
   }
 
   bool end(EndReason reason) noexcept {
@@ -386,6 +390,7 @@ class Loop {
   EndReason lost_by_ = EndReason::server_silent;
   std::uint8_t heard_ = 0, dealt_with_ = 0;  // changes that an admin wants, by their numbers
   bool refused_ = false;                     // the newest of those dealt with
+  std::uint32_t session_ = 0;                // WantedChange::session
   Nanoseconds first_tick_{0}, last_tick_, last_heard_, next_status_, reported_{0};
 };
 

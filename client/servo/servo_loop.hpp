@@ -78,7 +78,7 @@ struct LoopOutputs {
   Ring<LiveStatus>* status = nullptr;
   Ring<TickRecord>* record = nullptr;
   Ring<TimedView>* views = nullptr;      // of an observer (client/run/observed_scene.hpp)
-  Ring<ClientChange>* wanted = nullptr;  // changes that an admin wants, each once
+  Ring<WantedChange>* wanted = nullptr;  // changes that an admin wants, each once
 };
 
 struct LoopResult {

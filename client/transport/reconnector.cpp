@@ -49,10 +49,12 @@ void Reconnector::look(bool connected, Clock::time_point now) noexcept {
   if (attempt_.valid()) {
     if (attempt_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return;
     Attempt done = outcome();
+    if (std::exchange(outdated_, false)) done = {};
     // A session that has been found again meanwhile goes on for as long as it does.
     if (!connected) refusal_ = std::move(done.refusal);
     // Also when the old session answers again meanwhile: two would stand at the server else.
     handed_over_ = done.session && out_.push(*done.session);
+    if (handed_over_) ++sessions_;
     handed_over_at_ = now;
     put_off(now);
     return;

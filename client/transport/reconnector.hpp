@@ -35,13 +35,19 @@ class Reconnector {
   /// Call it now and then. `connected`: whether the loop has a session.
   void look(bool connected, Clock::time_point now) noexcept;
 
-  /// The law in force is another: the next session has to have it, too.
-  void put_law(const LawChoice& law) { request_.parameters = with_law(request_.parameters, law); }
+  /// The law in force is another: the next session has to have it, too. A session that an attempt
+  /// under way brings has the law before: it is left to the server's silence timeout.
+  void put_law(const LawChoice& law) {
+    request_.parameters = with_law(request_.parameters, law);
+    outdated_ = attempt_.valid();
+  }
 
   /// Why there will be no other session, in one line (LastingError); then the reconnector has
   /// stopped asking. Empty while there may be one.
   const std::string& refusal() const { return refusal_; }
   std::uint64_t attempts() const { return attempts_; }
+  /// How many sessions went to `out`.
+  std::uint32_t sessions() const { return sessions_; }
   /// Whether an attempt has begun whose outcome look() has not taken yet.
   bool asking() const { return attempt_.valid(); }
 
@@ -63,10 +69,12 @@ class Reconnector {
 
   std::future<Attempt> attempt_;
   std::string refusal_;
+  bool outdated_ = false;     // the attempt under way asks for a law that is no more
   bool handed_over_ = false;  // the loop has not said yet that it took the new session
   Clock::time_point next_{}, handed_over_at_{};
   std::chrono::milliseconds wait_;
   std::uint64_t attempts_ = 0;
+  std::uint32_t sessions_ = 0;
 };
 
 }  // namespace feltwire

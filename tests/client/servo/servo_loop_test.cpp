@@ -263,5 +263,43 @@ TEST(ServoLoop, RecordsThatFindNoRoomAreCounted) {
   EXPECT_EQ(result->records_dropped, servo.statistics().samples - 4);
 }
 
+/// Each session numbers its changes from 1: what the one before wanted is done, and not reported to
+/// the next one's server, which would take it for its own.
+TEST(ServoLoop, AChangeOfTheSessionBeforeIsNotReportedToTheNext) {
+  ScenePeer first, second;
+  Transport transport(first.session(), {}, false);
+  StillDevice device(std::numeric_limits<std::uint64_t>::max());
+  Servo servo(device.spec(), LoopRun::unbounded());
+  Ring<SessionAddress> sessions(2);
+  Ring<PreparedChange*> ready(4);
+  PreparedChange old, own;
+  old.number = 1;
+  own.number = 2;
+  own.session = 1;
+  ASSERT_TRUE(sessions.push(second.session()));
+  ASSERT_TRUE(ready.push(&old));
+  const auto result = std::make_unique<LoopResult>();
+  Event stop;
+  const LoopOptions options{
+      .patience = std::chrono::seconds(10), .rejoined = &sessions, .changes = &ready};
+  std::thread thread([&] { run_servo_loop(device, servo, transport, options, stop, {}, *result); });
+  bool pushed = false;
+  for (auto got = second.receive(); got.kind == DatagramKind::samples; got = second.receive()) {
+    if (!got.batch.report) continue;
+    if (!pushed) {
+      EXPECT_EQ(got.batch.report->change, 0);
+      EXPECT_TRUE(ready.push(&own));
+      pushed = true;
+    } else if (got.batch.report->change != 0) {
+      EXPECT_EQ(got.batch.report->change, 2);
+      break;
+    }
+  }
+  stop.set();
+  thread.join();
+  EXPECT_GE(old.taken, 0.0);
+  EXPECT_GE(own.taken, 0.0);
+}
+
 }  // namespace
 }  // namespace feltwire::servo_loop_test

@@ -89,6 +89,35 @@ TEST(Reconnector, OtherParametersEndIt) {
                         "asked 3, granted 2)"));
 }
 
+/// A session that was asked for before the law changed has the law before: it is not taken.
+TEST(Reconnector, AnAttemptUnderWayBringsNoSessionWithTheLawBefore) {
+  control::JoinAccepted accepted;
+  accepted.session = 7;
+  accepted.port_offset = 1;
+  accepted.silence_timeout = 2.0;
+  for (const bool changes : {false, true}) {
+    testing::ControlPeer peer(control::encode(accepted));
+    Ring<SessionAddress> sessions(2);
+    Reconnector reconnector(peer.access(), anyone(), sessions, {.timeout = 10s});
+    Reconnector::Clock::time_point now{};
+    reconnector.look(false, now += 1h);
+    ASSERT_TRUE(reconnector.asking());
+    if (changes) {
+      SessionParameters other;
+      other.mode = "per_axis";
+      reconnector.put_law(law_of(other));
+    }
+    test::eventually("the end of the attempt", [&] {
+      reconnector.look(false, now);
+      return !reconnector.asking();
+    });
+    SessionAddress found;
+    EXPECT_EQ(sessions.pop(found), !changes);
+    EXPECT_EQ(reconnector.sessions(), changes ? 0u : 1u);
+    EXPECT_THAT(reconnector.refusal(), IsEmpty());
+  }
+}
+
 /// Attempts that the system has no descriptors for have failed like others, and go on.
 TEST(Reconnector, WithoutDescriptorsItIsTriedAgain) {
 #ifdef FELTWIRE_SANITIZED
