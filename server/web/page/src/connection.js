@@ -1,9 +1,11 @@
 // The WebSocket to the server: the token, the state in words, and new attempts with growing pauses.
 
+import {takeEarly} from './early.js';
+import {openSocket, takeToken, TOKEN_KEY} from './socket.js';
+
 const FIRST_PAUSE = 0.5;  // [s]
 const LONGEST_PAUSE = 10;  // [s]
 const SILENCE = 3;  // [s] without any message before the page says so
-export const TOKEN_KEY = 'feltwire-token';  // of the session's storage
 
 const CLOSED = {
   1001: 'The server stopped.',
@@ -11,16 +13,6 @@ const CLOSED = {
   4401: 'The server refused the token.',
   4429: 'The server has as many viewers as it allows.',
 };
-
-/** Moves a token from the URL's fragment to the session's storage, so that it stays in no history and no screenshot. */
-export function takeToken() {
-  const given = new URLSearchParams(location.hash.slice(1)).get('token');
-  if (given) {
-    sessionStorage.setItem(TOKEN_KEY, given);
-    history.replaceState(null, '', location.pathname + location.search);
-  }
-  return sessionStorage.getItem(TOKEN_KEY);
-}
 
 /**
  * Keeps one connection up.
@@ -56,12 +48,13 @@ export class Connection {
       return;
     }
     this.#become('connecting', 'Connecting…');
-    const socket = new WebSocket(`${location.protocol === 'https:' ? 'wss' : 'ws'}://${location.host}/live`, 'feltwire.live.v1');
-    socket.binaryType = 'arraybuffer';
+    const early = takeEarly();
+    const {socket, events} = early?.token === token ? early : {socket: openSocket(token), events: []};
+    if (early && early.socket !== socket) early.socket.close();
     this.socket = socket;
-    socket.onopen = () => socket.send(JSON.stringify({token}));
     socket.onmessage = (event) => socket === this.socket && this.#message(event.data);
     socket.onclose = (event) => socket === this.socket && this.#closed(event);
+    for (const event of events) (event.type === 'message' ? socket.onmessage : socket.onclose)(event);
   }
 
   /** @param {string} token what the user typed */

@@ -1,5 +1,6 @@
 // The live page: connects, keeps the newest picture, and draws.
 
+import './early.js';  // First: it runs before the rest.
 import {Admin} from './admin.js';
 import {Connection} from './connection.js';
 import {Foxglove} from './foxglove.js';
@@ -9,14 +10,16 @@ import {KIND, Picture, readGeometry} from './messages.js';
 import {OwnHand} from './own_hand.js';
 import {bindKeys, followTheme, makeSplit} from './panels.js';
 import {Plots} from './plots.js';
-import {Replay, standsAlone} from './replay/replay.js';
+import {Replay} from './replay/replay.js';
 import {Sessions} from './sessions.js';
+import {standsAlone} from './stands_alone.js';
 import {Times} from './times.js';
 import {View} from './view.js';
 import {Why} from './why.js';
 import * as words from './words.js';
 
 const PLOT_PERIOD = 50;  // [ms]
+const PLOT_PATIENCE = 1500;  // [ms] since the page was asked for, after which plots are made also before the first picture
 const TEXT_PERIOD = 200;  // [ms]
 const PICTURE_PATIENCE = 1000;  // [ms] from a scene to its first picture, after which the scene alone is drawn
 
@@ -208,6 +211,7 @@ function hold() {
   element('hold').textContent = page.held ? 'Go on' : 'Hold';
 }
 
+let drawn = false;  // the first picture
 let plotted = 0;
 let written = 0;
 
@@ -227,8 +231,12 @@ function step(now) {
   // Where it is drawn in software, frames of an empty view would put off the first picture.
   if ((page.pictures > 0 || (page.sceneAt !== null && now - page.sceneAt > PICTURE_PATIENCE)) && view.render()) {
     labels.move(view);
-    if (page.pictures > 0) page.firstPicture ??= performance.now();  // [ms] since the page was asked for
+    if (page.pictures > 0 && !drawn) {
+      drawn = true;
+      requestAnimationFrame(() => (page.firstPicture = performance.now()));  // [ms] since the page was asked for: it is on the screen
+    }
   }
+  if (page.firstPicture !== null || now > PLOT_PATIENCE) plots.begin();
   if (now - plotted > PLOT_PERIOD && !page.held) {
     plotted = now;
     plots.update(hands.all.get(page.chosen)?.history ?? null);

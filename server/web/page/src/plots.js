@@ -90,6 +90,7 @@ export class Plots {
     this.colors = null;
     this.history = null;
     this.points = 0;
+    this.begun = false;
     this.panes = PLOTS.map((plot) => makePane(plot, parent));
     const sizes = new ResizeObserver(() => this.#resize());
     for (const pane of this.panes) sizes.observe(pane.room);
@@ -99,10 +100,17 @@ export class Plots {
   paint(colors) {
     this.colors = colors;
     for (const pane of this.panes) {
-      pane.plot?.destroy();
-      pane.plot = this.#makePlot(pane);
+      if (this.begun) this.#makeAnew(pane);
       pane.lines.forEach(({mark}, i) => (mark.style.background = colors[pane.about.lines[i].color]));
     }
+    this.update(this.history);
+  }
+
+  /** Makes the plots, unless they are made. Until then there are their titles only: the first picture does not wait for them. */
+  begin() {
+    if (this.begun) return;
+    this.begun = true;
+    for (const pane of this.panes) this.#makeAnew(pane);
     this.update(this.history);
   }
 
@@ -131,6 +139,11 @@ export class Plots {
         if (value.textContent !== text) value.textContent = text;
       });
     }
+  }
+
+  #makeAnew(pane) {
+    pane.plot?.destroy();
+    pane.plot = this.#makePlot(pane);
   }
 
   #makePlot({about, room}) {

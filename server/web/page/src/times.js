@@ -1,6 +1,6 @@
 // How long the server's answers take, and how late it wakes for what moves: the histograms of its /metrics.
 
-import {TOKEN_KEY} from './connection.js';
+import {TOKEN_KEY} from './socket.js';
 
 const PERIOD = 1000;  // [ms]
 const TITLES = {

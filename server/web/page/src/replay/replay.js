@@ -10,9 +10,6 @@ const MOST = 2;
 const SPEEDS = [0.05, 0.1, 0.25, 0.5, 1, 2, 5, 10];
 const element = (id) => document.getElementById(id);
 
-/** Whether this page stands without a server: opened as a file, or under /replay. */
-export const standsAlone = () => location.protocol === 'file:' || location.pathname.endsWith('/replay');
-
 export class Replay {
   /** @param {() => void} begin called once, before the first recording is shown: the live page ends */
   constructor(begin) {
