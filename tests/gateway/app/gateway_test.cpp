@@ -7,6 +7,8 @@
 
 #include <cmath>
 #include <cstring>
+#include <filesystem>
+#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "server/app/server.hpp"
@@ -17,6 +19,8 @@
 #include "tests/support/eventually.hpp"
 #include "tests/support/program.hpp"
 #include "tests/support/security.hpp"
+#include "tests/support/temporary_folder.hpp"
+#include "tests/support/text_of.hpp"
 
 namespace feltwire::gateway_test {
 namespace {
@@ -266,6 +270,55 @@ TEST(GatewayProgram, SaysInOneLineWhatIsMissing) {
             std::string(64, 'a'), "--token-file", "/nowhere"});
   EXPECT_EQ(no_file.status, 2);
   EXPECT_THAT(no_file.error, HasSubstr("/nowhere"));
+}
+
+/// A page at the address that a program has printed.
+struct PrintedSite {
+  std::string url;
+  std::string web_url() const { return url; }
+};
+
+TEST(GatewayProgram, ReadsItsScenesAnewWhereItIsTold) {
+  const test::TemporaryFolder folder;
+  const auto scene = folder / "room.json", state = folder / "state", token = folder / "token";
+  std::ofstream(token) << observer().text.text();
+  std::filesystem::permissions(token, std::filesystem::perms::owner_read);
+  const auto write = [&](const std::string& object) {
+    std::ofstream(scene) << R"({"name": "room", "materials": [{"name": "m", "stiffness": 500}],)"
+                         << "\n"
+                         << R"("objects": [)" << object << "]}";
+  };
+  write(R"({"name": "floor", "plane": {}, "material": "m"})");
+  const std::uint16_t nobody = [] { return server_at().control_port(); }();
+  test::Program program(
+      FELTWIRE_VIEW_PROGRAM,
+      {"--connect", "127.0.0.1:" + std::to_string(nobody), "--scene", scene, "--web", "0",
+       "--state", state, "--fingerprint", std::string(64, 'a'), "--token-file", token});
+  const std::string said = program.line(), before = "live page: http://127.0.0.1:";
+  ASSERT_THAT(said, StartsWith(before));
+  PrintedSite site{said.substr(before.size() - std::string("http://127.0.0.1:").size())};
+  site.url.erase(site.url.find_last_not_of('/') + 1);
+  Page page(site, test::text_of(state / "local.token"));
+  EXPECT_EQ(page.text("scene")["objects"][0]["name"], "floor");
+
+  write(
+      R"({"name": "wall", "plane": {}, "material": "m"}, {"name": "ball", "sphere": {"radius": 0.01}, "material": "m"})");
+  program.signal(SIGHUP);
+  Json anew = page.text("scene");
+  EXPECT_EQ(anew["objects"].size(), 2u);
+  EXPECT_EQ(anew["objects"][0]["name"], "wall");
+
+  write(R"({"name": "wall", "plane": {}, "material": "m", "colour": 3})");
+  program.signal(SIGHUP);
+  EXPECT_THAT(program.error_until("the scene stays as it was"),
+              ::testing::AllOf(HasSubstr("room.json:2"), HasSubstr("colour")));
+  write(R"({"name": "floor", "plane": {}, "material": "m"})");
+  program.signal(SIGHUP);
+  anew = page.text("scene");
+  EXPECT_EQ(anew["objects"].size(), 1u);
+  EXPECT_EQ(anew["objects"][0]["name"], "floor");
+  program.signal(SIGTERM);
+  EXPECT_EQ(program.finish().status, 0);
 }
 
 }  // namespace
