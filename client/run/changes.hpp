@@ -31,7 +31,7 @@ class Changes {
   /// What the client refers to must outlive this. Copies what the servo's thread may change.
   explicit Changes(const Client& client);
 
-  /// How many changes of a session are judged and kept; those after them are refused.
+  /// How many changes are judged and kept while the client runs; those after them are refused.
   static constexpr std::size_t kMost = 256;
 
   /// The rings of the servo loop: LoopOutputs::wanted and LoopOptions::changes.

@@ -191,6 +191,7 @@ function writeTexts() {
 function showScales() {
   element('arrow-scale').textContent = `1 N = ${words.distance(view.perNewton)}`;
   element('depth-scale').textContent = view.depthFactor === 1 ? 'drawn as it is' : `drawn × ${view.depthFactor}`;
+  element('grid-name').textContent = view.objects?.planes.length > 0 ? 'Grid' : 'Axes';
   element('grid-scale').textContent = words.distance(view.spacing);
   view.stale = true;
 }
