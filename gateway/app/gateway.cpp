@@ -3,7 +3,6 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
-#include <asio/ip/address.hpp>
 #include <chrono>
 #include <stdexcept>
 #include <utility>
@@ -13,6 +12,7 @@
 #include "gateway/remote_scene/remote_scene.hpp"
 #include "server/app/config.hpp"
 #include "server/app/metrics.hpp"
+#include "server/app/page_address.hpp"
 #include "server/web/web_server.hpp"
 
 namespace feltwire {
@@ -31,11 +31,7 @@ std::vector<Scene> load_scenes(const GatewayConfig& config) {
 }
 
 web::WebOptions web_options(const GatewayConfig& config) {
-  const WebPlace place = web_place(config.web);
-  web::WebOptions options;
-  options.address = asio::ip::make_address(place.address);
-  options.port = place.port;
-  options.names = config.web_names;
+  web::WebOptions options = page_place(config.web, config.web_names);
   options.metrics = [](const web::AudienceCounters& page) { return metrics_text(page); };
   return options;
 }

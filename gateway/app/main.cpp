@@ -1,8 +1,5 @@
 // feltwire-view: serves the live page of scenes that another server computes.
 
-#include <spdlog/sinks/stdout_color_sinks.h>
-#include <spdlog/spdlog.h>
-
 #include <csignal>
 #include <cstdio>
 #include <exception>
@@ -33,15 +30,9 @@ int main(int argc, char** argv) {
   feltwire::end_without_random_numbers();
   try {
     const feltwire::GatewayConfig config = feltwire::gateway_config(argc, argv);
-    spdlog::set_default_logger(spdlog::stderr_color_mt("feltwire-view"));
-    spdlog::set_formatter(feltwire::visible_log_format());
-    spdlog::set_level(spdlog::level::from_str(config.log_level));
-
-    // Blocked before any thread starts, so that only this one takes them.
-    sigset_t signals;
-    sigemptyset(&signals);
-    for (const int signal : {SIGINT, SIGTERM, SIGUSR1, SIGHUP}) sigaddset(&signals, signal);
-    pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+    feltwire::open_log("feltwire-view", config.log_level);
+    // Before any thread starts, so that only this one takes them.
+    const sigset_t signals = feltwire::block_signals();
     std::signal(SIGPIPE, SIG_IGN);
 
     feltwire::Gateway gateway(config);

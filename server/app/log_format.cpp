@@ -1,6 +1,8 @@
 #include "server/app/log_format.hpp"
 
 #include <spdlog/pattern_formatter.h>
+#include <spdlog/sinks/stdout_color_sinks.h>
+#include <spdlog/spdlog.h>
 
 #include <string>
 
@@ -31,6 +33,12 @@ class VisibleFormatter final : public spdlog::formatter {
 
 std::unique_ptr<spdlog::formatter> visible_log_format() {
   return std::make_unique<VisibleFormatter>();
+}
+
+void open_log(const std::string& name, const std::string& level) {
+  spdlog::set_default_logger(spdlog::stderr_color_mt(name));
+  spdlog::set_formatter(visible_log_format());
+  spdlog::set_level(spdlog::level::from_str(level));
 }
 
 }  // namespace feltwire

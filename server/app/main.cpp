@@ -1,6 +1,5 @@
 // feltwire-server: serves scenes to haptic clients until SIGINT or SIGTERM.
 
-#include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 #include <unistd.h>
 
@@ -159,15 +158,9 @@ int main(int argc, char** argv) {
       return 0;
     }
     validate(config);
-    spdlog::set_default_logger(spdlog::stderr_color_mt("feltwire-server"));
-    spdlog::set_formatter(feltwire::visible_log_format());
-    spdlog::set_level(spdlog::level::from_str(config.log_level));
-
-    // Blocked before any thread starts, so that only this one takes them.
-    sigset_t signals;
-    sigemptyset(&signals);
-    for (const int signal : {SIGINT, SIGTERM, SIGUSR1, SIGHUP}) sigaddset(&signals, signal);
-    pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+    feltwire::open_log("feltwire-server", config.log_level);
+    // Before any thread starts, so that only this one takes them.
+    const sigset_t signals = feltwire::block_signals();
 
     feltwire::StartEnded start_ended;
     std::optional<feltwire::Server> server =

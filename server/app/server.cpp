@@ -12,6 +12,7 @@
 
 #include "protocol/net/udp_socket.hpp"
 #include "server/app/metrics.hpp"
+#include "server/app/page_address.hpp"
 #include "server/control/control_service.hpp"
 #include "server/recording/recorder.hpp"
 #include "server/scene/post.hpp"
@@ -78,15 +79,6 @@ ControlOptions control_options(const ServerConfig& config) {
       static_cast<std::size_t>(config.max_connections_per_network);
   options.handshake_rate = config.handshake_rate;
   options.handshake_burst = config.handshake_burst;
-  return options;
-}
-
-web::WebOptions web_options(const ServerConfig& config) {
-  const WebPlace place = web_place(config.web);
-  web::WebOptions options;
-  options.address = asio::ip::make_address(place.address);
-  options.port = place.port;
-  options.names = config.web_names;
   return options;
 }
 
@@ -172,7 +164,7 @@ struct Server::Parts {
 
   /// Where clients show a certificate no page holds a hand, for it has none to show.
   void open_page(const ServerConfig& config, Security security, const web::MakePageHands& hands) {
-    web::WebOptions page = web_options(config);
+    web::WebOptions page = page_place(config.web, config.web_names);
     if (hands && config.web_hands > 0 && security.client_authorities.empty())
       page_hands = hands({own_host(config.address), control->port(), fingerprint,
                           static_cast<std::size_t>(config.web_hands)});

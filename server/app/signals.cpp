@@ -6,6 +6,14 @@
 
 namespace feltwire {
 
+sigset_t block_signals() {
+  sigset_t signals;
+  sigemptyset(&signals);
+  for (const int signal : {SIGINT, SIGTERM, SIGUSR1, SIGHUP}) sigaddset(&signals, signal);
+  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+  return signals;
+}
+
 int wait_for_end(const sigset_t& signals, const SignalHandlers& handlers) {
   for (int signal = 0; sigwait(&signals, &signal) == 0;) {
     if (signal != SIGUSR1 && signal != SIGHUP) return signal;

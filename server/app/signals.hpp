@@ -11,6 +11,10 @@ struct SignalHandlers {
   std::function<void()> reload;  // SIGHUP
 };
 
+/// SIGINT, SIGTERM, SIGUSR1 and SIGHUP, which are blocked in the calling thread and in all that it
+/// starts afterwards.
+sigset_t block_signals();
+
 /// Waits in the calling thread until one of `signals` comes that has no handler here, and returns
 /// it. The signals are blocked in every thread. What a handler throws is logged, and the wait goes
 /// on.
