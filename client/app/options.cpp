@@ -60,7 +60,7 @@ std::variant<ClientOptions, int> parse_options(int argc, char** argv) {
   app.add_option("--tool", options.tool,
                  "Name of the scene's tool to hold. When not given: the scene's first tool");
   app.add_option("--role", words.role,
-                 "operator, or observer: an observer is shown the scene, feels nothing and moves "
+                 "operator, or observer: an observer sees the scene, feels nothing and moves "
                  "nothing. The token must allow the role")
       ->capture_default_str();
   app.add_option("--device", words.device, "KIND or KIND:NAME. " + driver_choices())
@@ -85,17 +85,16 @@ std::variant<ClientOptions, int> parse_options(int argc, char** argv) {
                  "with an error, when its account was overdrawn, and at SIGUSR1");
   app.add_option("--view", words.view, "FILE.csv for what an observer sees (docs/devices.md)");
   app.add_option("--link", words.link,
-                 "Emulate a bad network: a profile, as wifi, or numbers, as "
+                 "Emulate a bad network: a profile such as wifi, or numbers such as "
                  "delay=25,jitter=5,loss=10 (see below)");
-  app.footer(
-      link_help() +
-      "\nCommands, each with its own --help:\n"
-      "  admin      look at a server that runs, and change it (docs/admin.md)\n"
-      "  devices    list the devices that are plugged in, and their problems (docs/devices.md)\n"
-      "  identify   measure a device's damping, friction and mass (docs/devices.md)");
+  app.footer(link_help() +
+             "\nCommands, each with its own --help:\n"
+             "  admin      list the sessions of a running server, and change it (docs/admin.md)\n"
+             "  devices    list the connected devices, and their problems (docs/devices.md)\n"
+             "  identify   measure a device's damping, friction and mass (docs/devices.md)");
   app.add_flag("--fixed", words.fixed,
-               "Do not let an admin of the server change the law or the emulated link of this "
-               "client while it runs (docs/admin.md)");
+               "Admins of the server cannot change the bounding method or the emulated link of "
+               "this client while it runs (docs/admin.md)");
   app.add_option("--dscp", words.dscp,
                  "DSCP mark of the datagrams: cs0 to cs7, af11 to af43, ef, va or 0 to 63. The "
                  "server sets its own")
@@ -104,8 +103,8 @@ std::variant<ClientOptions, int> parse_options(int argc, char** argv) {
       ->capture_default_str();
 
   app.add_option("--reconnect", options.patience,
-                 "[s] How long to look for a lost session, or a new one, before the client gives "
-                 "up. 0: do not look")
+                 "[s] How long the client tries to reconnect after it has lost its session, before "
+                 "it gives up. 0: it does not try")
       ->capture_default_str();
 
   app.add_option("--busy-poll", options.busy_poll,
@@ -117,7 +116,7 @@ std::variant<ClientOptions, int> parse_options(int argc, char** argv) {
   app.add_option(
          "--spec", words.spec,
          "The device's specification: " + choices(builtin_devices(), "|", &DeviceSpec::name) +
-             ", or FILE.json. When not given: what the device itself says, else the specification "
+             ", or FILE.json. When not given: the specification from the device itself, else that "
              "of its kind")
       ->group(session);
   app.add_option("--damping", words.damping,
@@ -147,10 +146,10 @@ std::variant<ClientOptions, int> parse_options(int argc, char** argv) {
       ->capture_default_str()
       ->group(session);
   app.add_option("--coupling-stiffness", parameters.coupling_stiffness,
-                 "[N/m] For virtual_coupling. When not given: the stiffest that is passive")
+                 "[N/m] For virtual_coupling. When not given: the largest passive stiffness")
       ->group(session);
   app.add_option("--coupling-damping", parameters.coupling_damping,
-                 "[N s/m] For virtual_coupling. When not given: all that is allowed")
+                 "[N s/m] For virtual_coupling. When not given: the largest allowed damping")
       ->group(session);
   app.add_option("--tool-mass", parameters.tool_mass, "[kg] For virtual_coupling: mass of its tool")
       ->capture_default_str()
@@ -160,8 +159,7 @@ std::variant<ClientOptions, int> parse_options(int argc, char** argv) {
                      "; client when not given (virtual_coupling and passivity_control_parallel: "
                      "server)")
       ->group(session);
-  app.add_option("--rate", words.rate,
-                 "[Hz] Rate of the servo loop, where the device does not set the pace")
+  app.add_option("--rate", words.rate, "[Hz] Rate of the servo loop, if the device does not set it")
       ->capture_default_str()
       ->group(session);
   app.add_option("--redundancy", parameters.redundancy,
@@ -169,8 +167,8 @@ std::variant<ClientOptions, int> parse_options(int argc, char** argv) {
       ->capture_default_str()
       ->group(session);
   app.add_option("--operator-damping", parameters.operator_damping,
-                 "[N s/m] Damping that the operator's hand is known to add. The bound counts on "
-                 "it; the account behind the bound never does")
+                 "[N s/m] Damping that the operator's hand is known to add. The bound relies on "
+                 "it; the account after the bound never does")
       ->capture_default_str()
       ->group(session);
   app.add_option(
@@ -181,7 +179,7 @@ std::variant<ClientOptions, int> parse_options(int argc, char** argv) {
   app.add_flag_function(
          "--local-model,!--no-local-model",
          [&words](std::int64_t times) { words.local_model = times > 0; },
-         "Ask for a local model: replies bring the surfaces near the tool, and the client renders "
+         "Ask for a local model: replies have the surfaces near the tool, and the client renders "
          "them at its own rate (docs/network.md). Not with --bounding server. When not given: only "
          "with the modes that shape")
       ->group(session);
@@ -202,13 +200,13 @@ std::variant<ClientOptions, int> parse_options(int argc, char** argv) {
       ->capture_default_str()
       ->group(traffic);
   app.add_option("--position-deadband", words.position_deadband_percent,
-                 "[%] 0 to 50: send a sample only where it changes the force by more than this. 0: "
+                 "[%] 0 to 50: send a sample only if it changes the force by more than this. 0: "
                  "send all")
       ->capture_default_str()
       ->group(traffic);
   app.add_option("--force-deadband", words.force_deadband_percent,
-                 "[%] 0 to 50: the server answers only where the force has changed by more than "
-                 "this. 0: it answers always")
+                 "[%] 0 to 50: the server answers only if the force has changed by more than "
+                 "this. 0: it always answers")
       ->capture_default_str()
       ->group(traffic);
   app.add_option("--predictor", words.predictor,
@@ -229,15 +227,16 @@ std::variant<ClientOptions, int> parse_options(int argc, char** argv) {
   const SafetyLimits usual = protect_hand({}).safety;
   SessionParameters unbounded;
   unbounded.mode = kUnbounded;
-  app.add_option("--wait-for-small-force", words.wait_for_small_force,
-                 "[N] Safety at the start: until the scene has asked for no more than this force "
-                 "once, only the part above its smallest force so far is felt. inf: off. Usually " +
-                     short_text(usual.force.small))
+  app.add_option(
+         "--wait-for-small-force", words.wait_for_small_force,
+         "[N] Safety at the start: until the scene has commanded no more than this force "
+         "once, the hand feels only the part above the smallest force so far. inf: off. Usually " +
+             short_text(usual.force.small))
       ->group(safety);
   app.add_option("--ramp-up", words.ramp_up,
                  "[s] Time from the first contact to the full force. Usually 0, and " +
                      short_text(protect_hand(unbounded).safety.ramp_up) +
-                     " where this side does not bound")
+                     " if this side does not bound")
       ->group(safety);
   app.add_option("--velocity-limit", words.velocity_limit,
                  "[m/s] Above this speed the force falls, to zero at twice the speed. inf: never. "
@@ -245,14 +244,14 @@ std::variant<ClientOptions, int> parse_options(int argc, char** argv) {
                      short_text(usual.force.speed))
       ->group(safety);
   app.add_option("--slew", options.servo.safety.force.slew,
-                 "[N/s] Limit of how fast the force may rise. When not given: none")
+                 "[N/s] Largest rate at which the force may rise. When not given: no limit")
       ->group(safety);
   app.add_option("--max-force", options.servo.safety.force.max,
-                 "[N] Limit of the force, where it shall be less than the device's own")
+                 "[N] Largest force, if it is less than that of the device")
       ->group(safety);
   app.add_flag("--learn-hand-force", options.servo.learns_hand_force,
-               "Let the account count on 1.5 times the largest hand force that it saw lately, "
-               "where that is less than the device's hand_force")
+               "The account relies on 1.5 times the largest recent hand force, "
+               "if that is less than the device's hand_force")
       ->group(safety);
 
   const auto hand = "Simulated hand";
@@ -260,7 +259,7 @@ std::variant<ClientOptions, int> parse_options(int argc, char** argv) {
       ->capture_default_str()
       ->group(hand);
   app.add_option("--wrist", words.wrist,
-                 "Turning of the hand, where --spec senses rotation: " + choices(kWristPathNames))
+                 "Rotation of the hand, if --spec senses rotation: " + choices(kWristPathNames))
       ->capture_default_str()
       ->group(hand);
   app.add_option("--wrist-angle", words.wrist_angle, "[rad] How far the hand turns")
@@ -268,12 +267,12 @@ std::variant<ClientOptions, int> parse_options(int argc, char** argv) {
       ->group(hand);
   app.add_option("--center", words.center,
                  "X,Y,Z [m] The point on the surface (orbit: centre of the circle). When not "
-                 "given: as the scene says, else 0,0,0")
+                 "given: from the scene, else 0,0,0")
       ->delimiter(',')
       ->group(hand);
   app.add_option(
          "--normal", words.normal,
-         "X,Y,Z Outward normal of the surface there. When not given: as the scene says, else 0,0,1")
+         "X,Y,Z Outward normal of the surface there. When not given: from the scene, else 0,0,1")
       ->delimiter(',')
       ->group(hand);
   app.add_option("--radius", task.radius, "[m] Amplitude of the movement along the surface")
@@ -282,7 +281,7 @@ std::variant<ClientOptions, int> parse_options(int argc, char** argv) {
   app.add_option("--frequency", task.frequency, "[Hz] Frequency of the movement")
       ->capture_default_str()
       ->group(hand);
-  app.add_option("--depth", task.depth, "[m] How far below the surface the hand means to be")
+  app.add_option("--depth", task.depth, "[m] Intended depth of the hand below the surface")
       ->capture_default_str()
       ->group(hand);
   app.add_option("--lead-in", task.lead_in, "[s] Time until the hand reaches its depth")

@@ -23,7 +23,8 @@ constexpr std::chrono::milliseconds kAskTime{3000};
 std::vector<Scene> load_scenes(const GatewayConfig& config) {
   if (config.scenes.empty())
     throw std::invalid_argument(
-        "--scene: none is given; name the files of the server's scenes, for the protocol carries "
+        "--scene: none is given; name the files of the server's scenes, because the protocol "
+        "carries "
         "no shapes");
   std::vector<Scene> scenes;
   for (const auto& file : config.scenes) scenes.push_back(load_scene(file));
@@ -59,7 +60,7 @@ void compare(const ServerAccess& server, const std::vector<Scene>& scenes) {
   } catch (const LastingError&) {
     throw;
   } catch (const SessionError& error) {
-    spdlog::warn("{}; it is looked for again", visible(error.what()));
+    spdlog::warn("{}; the gateway tries to reconnect", visible(error.what()));
     return;
   }
   for (const Scene& scene : scenes) {

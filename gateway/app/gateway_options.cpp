@@ -23,7 +23,7 @@ End it with Ctrl-C or SIGTERM. SIGHUP reads the scenes' files anew.
 Every option may come from the environment, --log-level from FELTWIRE_LOG_LEVEL.)";
 
 void add_server(CLI::App& app, std::string& endpoint, CredentialOptions& words) {
-  const auto group = "The server that is looked on at (SECURITY.md)";
+  const auto group = "The observed server (SECURITY.md)";
   app.add_option("--connect", endpoint,
                  "HOST:PORT of the server's control port; IPv6 as [::1]:PORT")
       ->required()
@@ -34,7 +34,7 @@ void add_server(CLI::App& app, std::string& endpoint, CredentialOptions& words) 
 
 void add_page(CLI::App& app, GatewayConfig& config) {
   app.add_option("--scene", config.scenes,
-                 "Scene file (JSON) from which a scene of the server is drawn; it must have the "
+                 "Scene file (JSON) of a scene of the server, to draw it; it must have the "
                  "scene's name. Repeat the option for several scenes")
       ->required()
       ->expected(1)
@@ -44,17 +44,18 @@ void add_page(CLI::App& app, GatewayConfig& config) {
                  "by HTTPS. 0: a free port")
       ->capture_default_str();
   app.add_option("--web-name", config.web_names,
-                 "Host name by which browsers may ask for the page, beside IP addresses and "
+                 "Host name that browsers may use for the page, besides IP addresses and "
                  "localhost. Repeat the option for several names")
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   app.add_option("--log-level", config.log_level, "trace, debug, info, warning, error or off")
       ->check(CLI::IsMember({"trace", "debug", "info", "warning", "error", "off"}))
       ->capture_default_str();
-  const auto group = "Who may look on here";
-  app.add_option("--state", config.state,
-                 "Folder of the page's certificate, its key and the tokens. Missing ones are made. "
-                 "When not given: `view` in feltwire's state folder")
+  const auto group = "Viewers of this page";
+  app.add_option(
+         "--state", config.state,
+         "Folder of the page's certificate, its key and the tokens. Missing ones are created. "
+         "When not given: `view` in feltwire's state folder")
       ->group(group);
   app.add_option("--certificate", config.certificate,
                  "FILE (PEM) of the certificate, instead of the state folder's")
@@ -67,7 +68,7 @@ void add_page(CLI::App& app, GatewayConfig& config) {
 }  // namespace
 
 GatewayConfig gateway_config(int argc, char** argv) {
-  CLI::App app("The live page of a server that is somewhere else: looks on as an observer.",
+  CLI::App app("Serves the live page of a server on another machine, as its observer.",
                "feltwire-view");
   app.footer(kExamples);
   app.set_version_flag(

@@ -83,7 +83,7 @@ void add_serving(CLI::App& app, Overrides& overrides, ServerConfig& given) {
       ->capture_default_str();
   add(app, overrides, given, &Config::real_time, "--real-time",
       "Schedule the scenes' threads before all others (SCHED_FIFO) and lock the memory: fewer late "
-      "answers. For machines that serve scenes and little else");
+      "answers. For machines that mainly serve scenes");
   add(app, overrides, given, &Config::dscp, "--dscp",
       "DSCP mark of the replies: cs0 to cs7, af11 to af43, ef, va or 0 to 63")
       ->capture_default_str();
@@ -91,7 +91,7 @@ void add_serving(CLI::App& app, Overrides& overrides, ServerConfig& given) {
       "PORT of the live page, which shows the scenes in a browser on this machine. ADDRESS:PORT: "
       "for other machines too, by HTTPS. 0: a free port. When not given: no page");
   add(app, overrides, given, &Config::web_names, "--web-name",
-      "Host name by which browsers may ask for the live page, beside IP addresses and localhost. "
+      "Host name that browsers may use for the live page, besides IP addresses and localhost. "
       "Repeat the option for several names")
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
@@ -117,9 +117,10 @@ void add_serving(CLI::App& app, Overrides& overrides, ServerConfig& given) {
 
 void add_security(CLI::App& app, Overrides& overrides, ServerConfig& given) {
   using Config = ServerConfig;
-  const auto group = "Who gets in (SECURITY.md)";
+  const auto group = "Access (SECURITY.md)";
   add(app, overrides, given, &Config::state, "--state",
-      "Folder of the certificate, its key and the tokens. Missing ones are made. When not given: "
+      "Folder of the certificate, its key and the tokens. Missing ones are created. When not "
+      "given: "
       "$XDG_STATE_HOME/feltwire or ~/.local/state/feltwire")
       ->group(group);
   add(app, overrides, given, &Config::certificate, "--certificate",
@@ -128,7 +129,7 @@ void add_security(CLI::App& app, Overrides& overrides, ServerConfig& given) {
   add(app, overrides, given, &Config::key, "--key", "FILE (PEM) of the certificate's key")
       ->group(group);
   add(app, overrides, given, &Config::client_ca, "--client-ca",
-      "FILE (PEM) of authorities. Clients then need a certificate of one of them, too")
+      "FILE (PEM) of authorities. Clients then also need a certificate of one of them")
       ->group(group);
   add(app, overrides, given, &Config::tokens, "--tokens",
       "FILE of the tokens, instead of the state folder's")
@@ -138,7 +139,7 @@ void add_security(CLI::App& app, Overrides& overrides, ServerConfig& given) {
       ->capture_default_str()
       ->group(group);
   add(app, overrides, given, &Config::join_rate, "--join-rate",
-      "[1/s] Lasting limit of joins, parameter changes and reloads of one client, and of wrong "
+      "[1/s] Sustained limit of joins, parameter changes and reloads of one client, and of wrong "
       "tokens from one network (IPv4 /24, IPv6 /64)")
       ->capture_default_str()
       ->group(group);
@@ -146,7 +147,7 @@ void add_security(CLI::App& app, Overrides& overrides, ServerConfig& given) {
       ->capture_default_str()
       ->group(group);
   add(app, overrides, given, &Config::handshake_timeout, "--handshake-timeout",
-      "[s] Longest time from the connection to a good token")
+      "[s] Longest time from the connection to a valid token")
       ->capture_default_str()
       ->group(group);
   add(app, overrides, given, &Config::idle_timeout, "--idle-timeout",
@@ -154,7 +155,7 @@ void add_security(CLI::App& app, Overrides& overrides, ServerConfig& given) {
       ->capture_default_str()
       ->group(group);
   add(app, overrides, given, &Config::max_connections, "--max-connections",
-      "Largest number of control connections. Half of them are kept for clients with a good token")
+      "Largest number of control connections. Half of them are kept for clients with a valid token")
       ->capture_default_str()
       ->group(group);
   add(app, overrides, given, &Config::max_connections_per_network, "--max-connections-per-network",
@@ -162,7 +163,7 @@ void add_security(CLI::App& app, Overrides& overrides, ServerConfig& given) {
       ->capture_default_str()
       ->group(group);
   add(app, overrides, given, &Config::handshake_rate, "--handshake-rate",
-      "[1/s] Lasting limit of control connections from one network")
+      "[1/s] Sustained limit of control connections from one network")
       ->capture_default_str()
       ->group(group);
   add(app, overrides, given, &Config::handshake_burst, "--handshake-burst",
@@ -174,8 +175,10 @@ void add_security(CLI::App& app, Overrides& overrides, ServerConfig& given) {
 }  // namespace
 
 ServerTask server_task(int argc, char** argv) {
-  CLI::App app("A networked haptic rendering server: hands come in over UDP, forces go back.",
-               "feltwire-server");
+  CLI::App app(
+      "A networked haptic rendering server: it receives hand positions over UDP and returns "
+      "forces.",
+      "feltwire-server");
   app.footer(examples());
   app.set_version_flag(
       "--version", [] { return build_info("feltwire-server"); },
@@ -190,10 +193,10 @@ ServerTask server_task(int argc, char** argv) {
   app.add_option("--summary", asked.summary,
                  "FILE.json for the counters, written at the end and at SIGUSR1");
   app.add_option("--explain", asked.explain,
-                 "Print what this scene file needs, and which objects need it, and end");
+                 "List the costs of this scene file and the objects that cause them, and end");
   app.add_flag(
       "--health", asked.health,
-      "Ask the server that runs with these options on this machine. Exit status 0: it answers");
+      "Check the server that runs with these options on this machine. Exit status 0: it answers");
   read_environment(app);
   try {
     app.parse(argc, argv);

@@ -27,7 +27,7 @@ using namespace feltwire;
 void report_refused(std::size_t rows) {
   if (rows > 0)
     std::cerr << "feltwire-lab: " << rows
-              << " row(s) were not finite or absurd and gave zero force\n";
+              << " row(s) were not finite or out of range and gave zero force\n";
 }
 
 Damping damping_of(const std::vector<double>& n) {
@@ -62,8 +62,8 @@ void add_bound(CLI::App& app) {
       "          fx,fy,fz  frictional command [N, on the hand]\n"
       "stdout  CSV: rx,ry,rz  rendered force [N, on the hand]\n"
       "             energy    delivered to the hand so far [J], sum of f(n-1).dx(n)\n"
-      "             active    1 where the bound changed the command\n"
-      "With --rotational-damping the device turns, too:\n"
+      "             active    1 if the bound changed the command\n"
+      "With --rotational-damping the device also rotates:\n"
       "stdin   also ax,ay,az  rotation vector since the last row [rad]\n"
       "             tx,ty,tz  torque command [N m, on the hand]\n"
       "stdout  also rtx,rty,rtz  rendered torque [N m, on the hand], before energy\n"
@@ -120,20 +120,20 @@ void add_touch(CLI::App& app) {
   auto scene = std::make_shared<std::string>();
   auto tool = std::make_shared<std::string>();
   CLI::App* command =
-      app.add_subcommand("touch", "Filter: what a scene answers at each position of a movement");
+      app.add_subcommand("touch", "Filter: the force of a scene at each position of a movement");
   command->footer(
       "stdin   CSV with a header; columns in any order, others are ignored: t [s], x,y,z [m];\n"
-      "        of a tool with a body also qw,qx,qy,qz, how it is turned\n"
+      "        for a tool with a body also qw,qx,qy,qz, its orientation\n"
       "stdout  CSV: ex,ey,ez elastic and fx,fy,fz frictional force [N, on the hand];\n"
-      "        of a tool with a body also tx,ty,tz [N m]\n"
-      "stderr  what is strange about the scene\n"
-      "The rows are one movement: friction and velocity (difference of two rows) remember. "
+      "        for a tool with a body also tx,ty,tz [N m]\n"
+      "stderr  warnings about the scene\n"
+      "The rows are one movement: friction and velocity depend on earlier rows. "
       "Example:\n"
       "  printf 't,x,y,z\\n0,0,0,0.001\\n0.001,0,0,-0.001\\n' | feltwire-lab touch --scene "
       "scenes/plane.json");
   command->add_option("--scene", *scene, "Scene file (docs/scenes.md)")->required();
   command->add_option("--tool", *tool,
-                      "The tool's name, where the scene has several; default its first");
+                      "The tool's name, if the scene has several; default its first");
   command->callback([scene, tool] {
     const Scene touched = load_scene(*scene);
     for (const std::string& warning : touched.warnings())
@@ -164,9 +164,9 @@ void add_export(CLI::App& app) {
       "  feltwire-lab export hand-0001.mcap hand-0002.mcap --npz hand.npz");
   command->add_option("FILE", o->files, "MCAP files that feltwire-client --record wrote")
       ->required();
-  CLI::Option* csv = command->add_option("--csv", o->csv,
-                                         "Folder that gets a CSV file a topic; made when missing");
-  command->add_option("--npz", o->npz, "FILE.npz that gets an array a column")->excludes(csv);
+  CLI::Option* csv =
+      command->add_option("--csv", o->csv, "Folder for one CSV file a topic; created when missing");
+  command->add_option("--npz", o->npz, "FILE.npz for one array a column")->excludes(csv);
   command->callback([o] {
     if (o->csv.empty() && o->npz.empty())
       throw std::invalid_argument("export needs --csv DIR or --npz FILE");
@@ -180,7 +180,7 @@ void add_export(CLI::App& app) {
                   << ": its last second may be missing\n";
     if (tables.empty())
       throw std::runtime_error(
-          "no servo tick is in there; give what feltwire-client --record wrote");
+          "there is no servo tick in it; give a file that feltwire-client --record wrote");
     for (const auto& [topic, table] : tables)
       std::cout << visible(topic) << ": " << table.log_time.size() << " rows\n";
     if (!o->npz.empty()) return write_npz(tables, o->npz);
@@ -220,22 +220,22 @@ void add_link(CLI::App& app) {
   CLI::App* command =
       app.add_subcommand("link", "Relay between clients and a server, over an emulated link");
   command->footer(link_help() +
-                  "Example, in two terminals beside a server on this machine:\n"
+                  "Example, in two terminals, with a server on this machine:\n"
                   "  feltwire-lab link wifi,loss=5,seed=3 --to localhost:" +
                   std::to_string(kDefaultPort) +
                   "\n"
                   "  feltwire-client --connect localhost:" +
                   std::to_string(kDefaultRelayPort) + " --scene room --duration 10");
-  command->add_option("LINK", o->link, "What the link does, see below")->required();
+  command->add_option("LINK", o->link, "The emulated link, see below")->required();
   command
       ->add_option("--listen", o->relay.port,
-                   "Port for clients (tcp); the scenes' (udp) follow one by one; 0: a free place")
+                   "Port for clients (tcp); the scenes' ports (udp) follow it; 0: free ports")
       ->capture_default_str();
-  command->add_option("--scenes", o->relay.scenes, "How many scenes of the server are relayed")
+  command->add_option("--scenes", o->relay.scenes, "Number of scenes of the server to relay")
       ->capture_default_str();
   command->add_option("--address", o->relay.address, "Address to listen on")->capture_default_str();
   command->add_option("--to", o->to, "HOST:PORT of the server's control port")->required();
-  command->add_option("--report", o->report, "FILE.json that gets the counters at the end");
+  command->add_option("--report", o->report, "FILE.json for the counters at the end");
   command->callback([o] {
     o->relay.link = parse_link(o->link);
     o->relay.server = parse_endpoint(o->to);

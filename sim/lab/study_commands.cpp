@@ -32,7 +32,8 @@ namespace feltwire {
 namespace {
 
 void add_out(CLI::App& command, std::string& out) {
-  command.add_option("--out", out, "Folder to write to; made when missing")->capture_default_str();
+  command.add_option("--out", out, "Folder to write to; created when missing")
+      ->capture_default_str();
 }
 
 /// The line that ends what a study prints.
@@ -71,7 +72,7 @@ void add_figures(CLI::App& app) {
 
 void add_choices(CLI::App& app) {
   CLI::App* command = app.add_subcommand(
-      "choices", "Measure what the contact frame leaves open: projection, storage");
+      "choices", "Compare the options of the contact frame: projection, storage");
   command->footer("Joint or cone, minimal or elastic: the tables of docs/bounding.md.");
   command->callback([] { std::cout << choices_tables(); });
 }
@@ -96,7 +97,7 @@ void add_zwidth(CLI::App& app) {
 void add_frontier(CLI::App& app) {
   add_study(
       app, "frontier", "frontier",
-      "Map what each law displays on real devices, by what is known of the hand",
+      "Map the stiffness that each law displays on real devices, by what is known of the hand",
       "Eight hands at walls, a corner, an edge, a sphere, a torus, friction and taps, by law x "
       "device damping x wall x delay;\nand laws of other papers at some of them. Writes "
       "frontier.json, frontier.csv and three pictures. Some minutes\non two cores; all but the "
@@ -132,14 +133,16 @@ void add_compare(CLI::App& app) {
       "  feltwire-lab compare --scene scenes/bunny.json --link delay=15,loss=2 --device simulated");
   add_out(*command, o->out);
   CLI::Option* scene = command->add_option("--scene", o->scene, "Scene file to feel");
-  command->add_option("--link", o->link, "Network to feel it over; docs/link.md")->needs(scene);
+  command->add_option("--link", o->link, "Network between hand and scene; docs/link.md")
+      ->needs(scene);
   command->add_option("--device", o->device, "A built-in device, or FILE.json (docs/devices.md)")
       ->needs(scene)
       ->capture_default_str();
-  command->add_option("--path", o->path, "What the hand does: press|slide|orbit|figure-eight|taps")
+  command
+      ->add_option("--path", o->path, "Movement of the hand: press|slide|orbit|figure-eight|taps")
       ->needs(scene)
       ->capture_default_str();
-  command->add_option("--press", o->press, "How hard it presses [N]")
+  command->add_option("--press", o->press, "Force with which the hand presses [N]")
       ->needs(scene)
       ->check(CLI::Range(0.01, 100.0))
       ->capture_default_str();
@@ -182,7 +185,7 @@ void add_extremes(CLI::App& app, int& status) {
   };
   auto o = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand(
-      "extremes", "Every method at the ends of what numbers can say, in double and float");
+      "extremes", "Every method at the limits of the number range, in double and float");
   command->footer(
       "Writes extremes.csv, extremes.json and extremes.png; deterministic. Exit status 1 when any "
       "row rendered\nNaN, Inf or more than the limit, or broke the energy promise of its method. "
@@ -191,10 +194,10 @@ void add_extremes(CLI::App& app, int& status) {
   command
       ->add_option(
           "--told-damping", o->assumed_damping,
-          "What the bounds are told over the damping there is. Above 1, say 1.05, the rows "
-          "must fail")
+          "The damping that the bounds assume, over the real damping. Above 1, such as 1.05, the "
+          "rows must fail")
       ->capture_default_str();
-  command->add_option("--hands", o->hands, "Hands to a strain, five kinds in turn")
+  command->add_option("--hands", o->hands, "Hands for each stress, five kinds in turn")
       ->capture_default_str();
   command->callback([o, &status] {
     const auto rows = run_extremes(o->assumed_damping, o->hands);
@@ -228,7 +231,7 @@ void add_sides(CLI::App& app, int& status) {
   };
   auto o = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand(
-      "sides", "Who should bound, server, client or both: over delay, jitter and loss");
+      "sides", "Compare bounds at server, client or both: over delay, jitter and loss");
   command->footer(
       "Whole sessions in virtual time. Writes sides.csv, sides.json, sides.png and sides_hands.csv "
       "(eight hands), the\nsame bytes every time; a minute of CPU. Exit status 1 when a port that "
@@ -238,7 +241,7 @@ void add_sides(CLI::App& app, int& status) {
   command
       ->add_option(
           "--told-damping", o->grid.assumed_damping,
-          "What the bounds are told over the damping there is. Above 1, say 1.05, it must fail")
+          "The damping that the bounds assume, over the real damping. Above 1 it must fail")
       ->capture_default_str();
   command->callback([o, &status] {
     const auto cells = run_sides(o->grid);
@@ -283,7 +286,7 @@ std::string trade_network(const std::string& out) {
 }
 
 void add_trade(CLI::App& app) {
-  CLI::App* trade = app.add_subcommand("trade", "What more of one thing costs in another");
+  CLI::App* trade = app.add_subcommand("trade", "Measure the costs of each setting");
   trade->require_subcommand(1);
   const auto add = [&](const std::string& name, const std::string& question,
                        const std::string& footer, const auto& run) {
@@ -295,12 +298,12 @@ void add_trade(CLI::App& app) {
       "time, and what\nthis machine took for it, trade_geometry_cost.csv and "
       "trade_geometry_cost.png. A minute of CPU time.\n",
       trade_geometry);
-  add("tools", "How many points a tool's body needs: force and torque error against time",
+  add("tools", "Number of points on a tool's body: force and torque error against time",
       "Writes trade_tools.csv, trade_tools.json and trade_tools.png, the same bytes every time, "
       "and what this machine\ntook for it, trade_tools_cost.csv and trade_tools_cost.png. A minute "
       "of CPU time.",
       trade_tools);
-  add("scene", "What each thing that a scene may need costs a sample, alone",
+  add("scene", "Time of each property of a scene for one sample, alone",
       "Writes trade_scene.csv, trade_scene_bare.csv and trade_scene.png, what this machine took. "
       "Half a minute of CPU\ntime.",
       trade_scene);
@@ -318,17 +321,18 @@ void add_deadband(CLI::App& app) {
   };
   auto o = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand(
-      "deadband", "Datagrams that a perceptual deadband saves, and what it costs the force");
+      "deadband", "Datagrams that a perceptual deadband saves, and its force error");
   command->footer(
       "Simulated hands by deadband and fraction, in whole sessions in virtual time. Writes "
       "deadband.csv,\ndeadband.json and deadband.png, the same bytes every time. docs/network.md "
       "says how to read it.");
   add_out(*command, o->out);
   command->add_option("--recording", o->recording,
-                      "FILE.csv (t,x,y,z) that is replayed over a plane at z = 0, too");
+                      "FILE.csv (t,x,y,z) that is also replayed over a plane at z = 0");
   command->add_option("--bounding", o->side, "Where the bound runs: server, client or both")
       ->capture_default_str();
-  command->add_option("--link", o->link, "Between them (docs/link.md)")->capture_default_str();
+  command->add_option("--link", o->link, "Network between them (docs/link.md)")
+      ->capture_default_str();
   command->add_option("--keep-alive", o->grid.parameters.keep_alive, "[s] longest silence")
       ->capture_default_str();
   command
@@ -369,7 +373,7 @@ void add_teleop(CLI::App& app) {
   CLI::App* command = app.add_subcommand(
       "teleop", "Every law of bilateral teleoperation on one bench, over delay, jitter and loss");
   command->footer(
-      "A hand, a robot and what it touches, in one degree of freedom and virtual time; and our own "
+      "A hand, a robot and its environment, in one degree of freedom and virtual time; and our own "
       "law with a simulated arm\nin three. Writes teleop.json, teleop.csv, teleop.png and "
       "arm.json, "
       "the same bytes every time.\ndocs/teleoperation.md says how to read it.");

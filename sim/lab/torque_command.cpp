@@ -13,15 +13,15 @@ namespace feltwire {
 void add_torque(CLI::App& app, int& status) {
   auto out = std::make_shared<std::string>("torque");
   CLI::App* command = app.add_subcommand(
-      "torque", "What each law shows of torque, and whether the port of six degrees makes energy");
+      "torque", "Torque that each law renders, and energy of the port of six degrees of freedom");
   command->footer(
-      "Eight hands that turn: against the stops of a joint and with bodies in the hand, by law x "
+      "Eight rotating hands: against the stops of a joint and with bodies in the hand, by law x "
       "delay,\nforce and torque accounted as one port and as two; and whole "
       "sessions over two links. Writes torque.json,\ntorque.csv and torque_sessions.csv, the "
       "same "
       "bytes every time; some minutes of CPU. Exit status 1 when a\nport that is bounded made "
       "energy. docs/lab/torque.md says how to read it.");
-  command->add_option("--out", *out, "Folder to write to; made when missing")
+  command->add_option("--out", *out, "Folder to write to; created when missing")
       ->capture_default_str();
   command->callback([out, &status] {
     const auto rows = run_torque(torque_cases());
