@@ -16,13 +16,13 @@ struct DeviceReading {
   bool ended = false;  // no more readings will come (a recording is over)
   /// The enabling switch that lets the hand move a robot is held (docs/teleoperation.md).
   bool deadman = false;
-  /// [m] the opening that the robot's gripper shall have, where the hand has a lever for it.
+  /// [m] the opening that the robot's gripper shall have, if the hand has a lever for it.
   std::optional<double> gripper{};
-  /// False: the device has nothing newer than the last reading, and `pose` is not looked at. The
-  /// servo makes no tick of it: the force goes on being held, and write() is not called.
+  /// False: the device has no newer reading than the last one, and `pose` is not used. The
+  /// servo makes no tick for it: the device keeps the held force, and write() is not called.
   bool fresh = true;
-  /// The mean force on the hand since the last fresh reading, where the device knows that it was
-  /// another than write() gave it: it took the force up late, or cut it. Absent: as write() gave.
+  /// The mean force on the hand since the last fresh reading, if the device knows that it differs
+  /// from the force of write(): it applied the force late, or cut it. Absent: as write() gave.
   std::optional<Command> held{};
 };
 
@@ -49,14 +49,14 @@ class Device {
   /// most. False: none came by then, or none can come; the servo takes the force off.
   virtual bool await_tick(Nanoseconds /*latest*/) noexcept { return false; }
 
-  /// Returns where the tool is at `now`, a monotonic time. A simulated device moves up to that
+  /// Returns the pose of the tool at `now`, a monotonic time. A simulated device moves up to that
   /// time.
   virtual DeviceReading read(Nanoseconds now) noexcept = 0;
 
-  /// Holds this command on the hand until the next write(). It is within the spec's limits already.
+  /// Holds this command on the hand until the next write(). It is already within the spec's limits.
   /// Returns the command that is really held, which may be less (a fault, an amplifier's limit) or
-  /// still the one before (a force that comes too late for this tick). Only that is accounted,
-  /// unless the next reading says what was held instead.
+  /// still the one before (a force that comes too late for this tick). Only this command is
+  /// accounted for, unless the next reading has another held force.
   virtual Command write(const Command& on_hand) noexcept = 0;
 
   /// Takes the force off the hand for good. Later calls of write() must hold nothing. It is called

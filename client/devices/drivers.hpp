@@ -1,5 +1,5 @@
 #pragma once
-// The kinds of device that --device can name, and how each is opened.
+// The kinds of device for --device, and the functions that open them.
 
 #include <memory>
 #include <optional>
@@ -17,33 +17,33 @@ namespace feltwire {
 
 /// Which device to open, and how.
 struct DeviceRequest {
-  std::string name;  // what stands behind the kind: --device KIND:NAME; empty: nothing
+  std::string name;  // the part after the kind: --device KIND:NAME; empty: none
   SpecRequest spec;
   bool held = true;                           // false: nobody holds the simulated handle
   HandTask task;                              // of the simulated hand
-  WristTask wrist;                            // likewise, of a device that senses rotation
-  bool own_center = true, own_normal = true;  // likewise; false: begin() says them
+  WristTask wrist;                            // the same, for a device that senses rotation
+  bool own_center = true, own_normal = true;  // the same; false: begin() gives them
   std::optional<double> leads_from;           // [s] its switch is held; empty: it leads no robot
 };
 
 struct OpenedDevice {
   std::unique_ptr<Device> device;
-  std::vector<std::string> notes;  // what the user is told once: assumptions, what cannot be had
+  std::vector<std::string> notes;  // shown to the user once: assumptions, missing features
 };
 
-/// A kind of device. To add one: write its file beside this one, and an entry in drivers.cpp.
+/// A kind of device. To add one: write its file in this folder, and an entry in drivers.cpp.
 struct Driver {
   enum class Name { none, optional, required };
   std::string_view kind;     // as --device names it
-  Name takes_name;           // whether something may or must stand behind KIND:
-  std::string_view name;     // what that is, for people: "FILE.csv"
+  Name takes_name;           // whether a name may or must follow KIND:
+  std::string_view name;     // that name for people: "FILE.csv"
   bool names_file;           // it is a file, which is read
   std::string_view summary;  // a few words for --help
-  std::string_view spec;     // specification where none is asked for and the device says none
-  /// Throws std::runtime_error or std::invalid_argument that says what is wrong and the remedy.
+  std::string_view spec;     // specification if neither the user nor the device gives one
+  /// Throws std::runtime_error or std::invalid_argument with the error and the remedy.
   OpenedDevice (*open)(const DeviceRequest& request);
   /// "FILE, version 3.17.5": the maker's library or service that it needs; null: it needs none.
-  /// Throws std::runtime_error that says what was looked for and where, and the remedy.
+  /// Throws std::runtime_error that names the missing files, their places, and the remedy.
   std::string (*library)();
   bool held_by_person = true;  // a person's hand may be at it
 };
@@ -53,14 +53,14 @@ std::span<const Driver> drivers();
 /// "KIND or KIND:NAME" of all drivers, each with its summary, for --help.
 std::string driver_choices();
 
-/// A driver and what stands behind its kind.
+/// A driver and the name after its kind.
 struct DriverChoice {
   const Driver* driver = nullptr;
   std::string name;
 };
 
-/// Of "KIND" or "KIND:NAME". Throws std::invalid_argument listing the kinds there are, or saying
-/// that a name is missing, or is none of that kind's.
+/// Of "KIND" or "KIND:NAME". Throws std::invalid_argument listing the existing kinds, or saying
+/// that a name is missing or does not fit the kind.
 DriverChoice chosen_driver(std::string_view words);
 
 }  // namespace feltwire

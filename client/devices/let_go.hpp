@@ -1,5 +1,5 @@
 #pragma once
-// Lets a device go whose library has no call that a signal handler may make.
+// Releases a device whose library has no call that a signal handler may make.
 
 #include <atomic>
 #include <functional>

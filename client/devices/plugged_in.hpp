@@ -1,5 +1,5 @@
 #pragma once
-// Finds the devices that are plugged in and that feltwire knows, and what keeps each from being
+// Finds the connected devices that feltwire knows, and the problems that keep each from being
 // used.
 
 #include <filesystem>
@@ -9,7 +9,7 @@
 
 namespace feltwire {
 
-/// A problem and what to do about it.
+/// A problem and its remedy.
 struct Complaint {
   std::string problem, remedy;
 };

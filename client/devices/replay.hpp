@@ -1,5 +1,5 @@
 #pragma once
-// A recorded movement as a device: it moves as it did then, whatever it is given.
+// A recorded movement as a device: it repeats the movement for every force.
 
 #include <atomic>
 #include <filesystem>

@@ -15,7 +15,7 @@ inline constexpr std::array<std::string_view, 5> kWristPathNames = {"still", "sc
 /// Throws std::invalid_argument naming the choices.
 WristPath wrist_path(std::string_view name);
 
-/// What the wrist does while the hand follows its path.
+/// The movement of the wrist while the hand follows its path.
 struct WristTask {
   WristPath path = WristPath::still;
   double angle = 0.3;  // [rad] amplitude, less than pi

@@ -23,16 +23,16 @@ inline constexpr std::chrono::milliseconds kControlTimeout{3000};
 
 /// The options of one run. docs/devices.md explains them as options of feltwire-client.
 struct RunOptions {
-  ServerAccess server;                   // where the server is, and how to be let in
+  ServerAccess server;                   // the server's address, and the credentials
   std::string name = "feltwire-client";  // of this client, for the server's log and the report
   std::string scene;                     // the name of the scene to join
   std::string tool;                      // the name of the tool to hold; empty: the scene's first
   Role role = Role::operator_;           // or observer
   std::string device_kind;               // for the report
-  SessionParameters parameters = usual_parameters();  // what to ask the server for
+  SessionParameters parameters = usual_parameters();  // requested from the server
   ServoOptions servo;  // safety limits; protect_hand(parameters) gives the usual ones
-  /// What an admin may change while it runs (docs/admin.md); nothing unless the program says so.
-  /// Never LawsTaken::any where a person's hand may be at the device. A link is one that
+  /// The changes that an admin may make while it runs (docs/admin.md); none by default.
+  /// Never use LawsTaken::any if a person's hand may be at the device. A link is the one that
   /// `open_port` emulates.
   ChangesTaken takes = {};
   double duration = 0.0;   // [s] 0: until stopped
@@ -40,16 +40,16 @@ struct RunOptions {
   double patience = 30.0;  // [s] to look for a lost session; 0: not at all
   std::optional<std::filesystem::path> report, record, view;  // files to write; empty: none
   RecordingLimits record_limits;                              // of each file of an MCAP recording
-  /// Folder that gets the last ten seconds where the run ends with an error, its account was
-  /// overdrawn, or SIGUSR1 comes; empty: none, and SIGUSR1 ends the program.
+  /// Folder for the last ten seconds before an error that ends the run, an overdrawn account, or
+  /// SIGUSR1; empty: none, and SIGUSR1 ends the program.
   std::optional<std::filesystem::path> flight_recorder;
-  /// For an observer: called for each view that came, by the thread that called run_client(). Where
+  /// For an observer: called for each view, by the thread that called run_client(). If
   /// it throws, it is not called again; the run goes on, and returns 1.
   OnView on_view = {};
-  /// Called with what the run measured, after the servo thread has ended. The text that it returns
-  /// (JSON) is the report's `check`. What it throws fails the report.
+  /// Called with the measurements of the run, after the servo thread has ended. The text that it
+  /// returns (JSON) is the report's `check`. If it throws, the report fails.
   std::function<std::string(const RunFigures&)> on_end = {};
-  /// Opens the way of datagrams to the scene; empty: open_udp_port(). May throw SessionError.
+  /// Opens the port for datagrams to the scene; empty: open_udp_port(). May throw SessionError.
   std::function<std::unique_ptr<DatagramPort>(const Address& scene)> open_port = {};
 };
 

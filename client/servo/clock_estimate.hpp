@@ -1,5 +1,5 @@
 #pragma once
-// How the server's clock stands to ours, from the four times of every exchange. No clock is read
+// The offset of the server's clock to ours, from the four times of every exchange. No clock is read
 // here.
 
 #include <array>

@@ -22,23 +22,23 @@ enum class NoForce : std::uint8_t {
   ending,           // the run ends and the hand is let go
   device_fault,     // the device gave no usable position
   no_reply,         // the server has not answered yet
-  reconnecting,     // the session was lost and goes on: what was held fades first
+  reconnecting,     // the session was lost and goes on: the held force fades first
   silent,           // the newest answer is too old: the command has faded
-  recovering,       // the server has put back what moves
+  recovering,       // the server has reset moving bodies
   server_bound,     // the server's bound lets none through
   touches_nothing,  // the scene asks for none
   too_little,       // the scene asks for less than kFeltForce
-  not_actuated,     // the device cannot give what the scene asks for
+  not_actuated,     // the device cannot give the command of the scene
   waiting,          // --wait-for-small-force: the hand began in contact
-  refused,          // the command or the movement was absurd
+  refused,          // the command or the movement was out of range
   bound,            // this side's bound lets none through
   velocity_limit,   // --velocity-limit
   ramp,             // --ramp-up
   slew,             // --slew
   force_limit,      // --max-force
   account,          // the port has not burned enough
-  not_held,         // the device does not hold what it was given
-  law_change        // an admin gave the session another law: what was held fades first
+  not_held,         // the device does not hold the given force
+  law_change        // an admin changed the session's law: the held force fades first
 };
 inline constexpr std::size_t kNoForceReasons = static_cast<std::size_t>(NoForce::law_change) + 1;
 

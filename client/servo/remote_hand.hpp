@@ -1,5 +1,5 @@
 #pragma once
-// What a hand that leads a robot feels of the robot's contact, and what it tells the robot.
+// The force on a hand that leads a robot, and the data that it sends to the robot.
 
 #include <cmath>
 #include <optional>

@@ -29,13 +29,13 @@
 namespace feltwire {
 
 struct ServoOptions {
-  /// Between the bound and the device. None here, so that what is measured is the bound;
-  /// protect_hand() gives those that a person's hand should have.
+  /// Between the bound and the device. None by default, so that measurements show the bound;
+  /// protect_hand() gives the limits for a person's hand.
   SafetyLimits safety;
-  bool observes = false;           // given no force by its role: said where the reason is asked for
-  bool learns_hand_force = false;  // the account counts on the largest force from outside that it
-                                   // saw lately (core/bounding/outside_force.hpp)
-  /// The hand leads the scene's robot, and believes this much of what the robot says of energy.
+  bool observes = false;           // its role gets no force: used for the no-force reason
+  bool learns_hand_force = false;  // the account relies on the largest recent force from
+                                   // outside (core/bounding/outside_force.hpp)
+  /// The hand leads the scene's robot, and trusts this share of the energy that the robot reports.
   /// Needs a local model.
   std::optional<RemoteTrust> leads{};
   double scene_stiffness = 0.0;  // [N/m] of the stiffest surface, for methods that shape; 0: not
@@ -43,7 +43,7 @@ struct ServoOptions {
 };
 
 /// Throws std::invalid_argument naming the limit, its value and the remedy: a slew, ramp or speed
-/// limit cannot follow a bound that does not admit reductions, on whichever side it stands.
+/// limit cannot follow a bound that does not admit reductions, at the client or the server.
 void validate(const ServoOptions& options, const SessionParameters& parameters);
 
 /// The safety limits that protect a hand and are not felt in normal use (docs/devices.md has the
@@ -51,8 +51,8 @@ void validate(const ServoOptions& options, const SessionParameters& parameters);
 /// a ramp, where the client does not bound.
 ServoOptions protect_hand(const SessionParameters& parameters);
 
-/// What bounds the force of a servo, as one thing: a law is made where memory may be taken, and put
-/// into a servo that runs by exchange, which takes none (Servo::adopt()).
+/// The bound of a servo as one object: a law is made where memory may be allocated, and is then
+/// exchanged into a running servo, which allocates none (Servo::adopt()).
 struct ServoLaw {
   /// Throws std::invalid_argument naming the parameter and the remedy.
   ServoLaw(const DeviceSpec& spec, const SessionParameters& in_force, const ServoOptions& options);

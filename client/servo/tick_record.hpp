@@ -14,8 +14,8 @@ struct TickRecord {
   double time = 0.0;               // t [s] since the first tick
   Vec3 position = Vec3::Zero();    // x,y,z [m]
   Vec3 elastic = Vec3::Zero();     // ex.. [N] of the newest command of the environment, on the hand
-  Vec3 frictional = Vec3::Zero();  // fx.. [N] likewise
-  Vec3 held = Vec3::Zero();        // rx.. [N] what the hand was given from here on
+  Vec3 frictional = Vec3::Zero();  // fx.. [N] the same
+  Vec3 held = Vec3::Zero();        // rx.. [N] the force on the hand from this tick on
   double age = -1.0;               // [s] of the command; -1 before the first
   std::int64_t clock = 0;          // [ns] of the tick, by the servo's clock
   Quaternion orientation = Quaternion::Identity();

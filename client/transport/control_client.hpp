@@ -24,9 +24,9 @@ class SessionError : public std::runtime_error {
 };
 
 /// An error that stays when the client asks again: the token, role, scene, tool, device or
-/// parameters are refused, a certificate of either end is not good, or the server grants what it
-/// may not (protocol/session/grant.hpp). A server that is full, limits its clients or is away is no
-/// such error.
+/// parameters are refused, a certificate of either end is not valid, or the server's grant is not
+/// allowed (protocol/session/grant.hpp). A server that is full, limits its clients or is away is
+/// not such an error.
 class LastingError : public SessionError {
  public:
   using SessionError::SessionError;
@@ -65,10 +65,10 @@ struct Joined {
 };
 
 /// Asks the server for a session. Blocks, at most `timeout` for each of connecting, TLS and the
-/// answer. Tells the server the ciphers of this machine, whatever `request` says. Throws
-/// SessionError where the host is not known, not reachable or not trusted, where the server refuses
-/// (with its reason), and where its answer makes no sense or grants another session than the one
-/// asked for.
+/// answer. Sends the ciphers of this machine instead of those in `request`. Throws
+/// SessionError if the host is not known, not reachable or not trusted, if the server refuses
+/// (with its reason), and if its answer makes no sense or grants another session than the
+/// requested one.
 Joined join(const ServerAccess& server, const control::JoinRequest& request,
             std::chrono::milliseconds timeout);
 

@@ -1,5 +1,5 @@
 #pragma once
-// How a client recognises its server, and what it shows to be let in.
+// How a client recognises its server, and the credentials that it shows.
 
 #include <string>
 #include <variant>
@@ -16,8 +16,8 @@ struct Authorities {
 };
 
 struct Credentials {
-  /// Which server is trusted: the one whose certificate has this fingerprint, whatever the
-  /// certificate says, or one whose certificate these authorities signed.
+  /// The trusted server: the one whose certificate has this fingerprint, with any other contents
+  /// of the certificate, or one whose certificate these authorities signed.
   std::variant<Fingerprint, Authorities> trust;
   std::string certificate;  // PEM, for a server that asks its clients for one; else empty
   Secret key;               // of that certificate

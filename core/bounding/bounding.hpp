@@ -1,9 +1,9 @@
 #pragma once
-// The bounding stage: between what the environment commands and what the hand is given.
+// The bounding stage: takes the command of the environment, returns the force for the hand.
 //
 // Source: J. Kim, J.-P. Kim, C. Seo, J. Ryu, "Directionally Transparent Energy Bounding Approach
-// for Multiple Degree-of-Freedom Haptic Interaction". One file a method beside this one,
-// with its entry in built_in_methods.hpp; conventions in docs/bounding.md.
+// for Multiple Degree-of-Freedom Haptic Interaction". Each method has a file in this
+// folder and an entry in built_in_methods.hpp; docs/bounding.md has the conventions.
 
 #include "core/bounding/limits.hpp"
 #include "core/bounding/method.hpp"
@@ -15,10 +15,10 @@ namespace feltwire {
 /// One step's outcome.
 template <class Real>
 struct BasicBounded {
-  BasicCommand<Real> rendered;  // what the hand is to be given until the next step
+  BasicCommand<Real> rendered;  // the command for the hand until the next step
   bool active = false;  // the bound changed the command (saturation and refused input not counted)
   bool saturated = false;  // max_force or max_torque scaled it down
-  bool refused = false;    // an input was not finite or absurd: zero is rendered
+  bool refused = false;    // an input was not finite or out of range: zero is rendered
   bool in_debt = false;    // contact_frame, energy_tank: an overlong hold or a foreign force
                            // overdrew; no force until it is repaid
 };
@@ -35,32 +35,32 @@ class BasicBounding {
   /// The method that config.mode names in the registry, which is for double only. Throws
   /// std::invalid_argument naming the parameter and the remedy.
   explicit BasicBounding(const BoundingConfig& config);
-  /// A method that need not be in the registry; config.mode is not read. Throws likewise.
+  /// A method that need not be in the registry; config.mode is not read. Throws the same.
   BasicBounding(const BasicBoundingMethod<Real>& method, const BoundingConfig& config);
 
   /// One servo sample. The order of calls is the order of the samples.
   BasicBounded<Real> step(const Step& step) noexcept;
 
-  /// Says what the device really held after the last step, where that differs from `rendered` (a
-  /// fade, a slew limit, a device fault, a skipped write). Only this is accounted in the next step;
-  /// the last call before it counts. A report that is not finite or absurd says nothing and is left
-  /// out.
+  /// Sets the force that the device really held after the last step, if it differs from `rendered`
+  /// (a fade, a slew limit, a device fault, a skipped write). The next step accounts only for this
+  /// force. The last call before that step counts. A value that is not finite or out of range is
+  /// ignored.
   void set_held(const BasicCommand<Real>& held) noexcept;
 
-  /// For contact_frame: the elastic channel of the next step may use `energy` [J] beside what it
-  /// stores. The caller must know that the port has that much (core/bounding/account.hpp). No
+  /// For contact_frame: the elastic channel of the next step may use `energy` [J] in addition to
+  /// its store. The caller must know that the port has that much (core/bounding/account.hpp). No
   /// effect in the other modes.
   void endow(Real energy) noexcept;
   /// Whether endow() has an effect.
   bool takes_endowment() const noexcept { return law_.takes_endowment(); }
 
-  /// Where to ask the scene for the next step's command, relative to the device, which has moved by
-  /// `displacement`, `rotation` since the last step. Zero but for the modes that move the probe.
+  /// The place in the scene for the next step's command, relative to the device. The device moved
+  /// by `displacement`, `rotation` since the last step. Zero, except for modes that move the probe.
   BasicProbe<Real> probe(const Vector3<Real>& displacement,
                          const Vector3<Real>& rotation) const noexcept;
 
-  /// The surfaces are others from the next step on. `credited` and `shaped` forget the stiffness
-  /// that they were told (BoundingConfig::stiffness), and nothing that they know of the hand.
+  /// The surfaces change with the next step. `credited` and `shaped` then forget the stiffness of
+  /// the scene (BoundingConfig::stiffness), but keep their estimates of the hand.
   void scene_changed() noexcept { law_.scene_changed(); }
 
   /// The damping that is credited to the hand; only the methods `credited` and `shaped` have it.

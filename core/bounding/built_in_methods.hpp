@@ -1,6 +1,6 @@
 #pragma once
 // The entries of feltwire's own bounding methods, for the registry (core/bounding/method.hpp) and
-// for studies that use another arithmetic. One file a method beside this one.
+// for studies that use another arithmetic. Each method has a file in this folder.
 
 #include <algorithm>
 #include <array>

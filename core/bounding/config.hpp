@@ -10,7 +10,7 @@
 
 namespace feltwire {
 
-/// For contact_frame: what the other channels do when one is bounded.
+/// For contact_frame: the reduction of the other channels when one is bounded.
 enum class Projection {
   joint,  // one factor for elastic and frictional: the command's direction is kept exactly
   cone    // the elastic force keeps its own factor, friction takes the smaller: normal force is not
@@ -22,13 +22,13 @@ enum class Projection {
 enum class Storage {
   minimal,  // S(F) of the force held, the least that is safe: a spring softer than c fades on
             // release
-  elastic   // and what a spring would hold beyond it: every spring up to c comes back whole
+  elastic   // also the rest of a spring's energy: every spring up to c returns all its energy
 };
 
 /// For passivity_control*: the reference to which the observed energy is compared.
 enum class PassivityReference {
   zero,      // Hannaford & Ryu 2002
-  following  // Ryu et al. 2005: what the environment would have taken in continuous time
+  following  // Ryu et al. 2005: the energy that the environment takes in continuous time
 };
 
 inline constexpr std::array<std::string_view, 2> kProjectionNames = {"joint", "cone"};
@@ -44,12 +44,12 @@ Projection projection(std::string_view name);
 Storage storage(std::string_view name);
 PassivityReference passivity_reference(std::string_view name);
 
-/// The method that changes no command; the one where nothing else is said, which bounds by itself
-/// on either side; and a client's usual one, which has an account behind it.
+/// The method that changes no command; the default, which is a complete bound on either side; and a
+/// client's usual one, which needs an account after it.
 inline constexpr std::string_view kUnbounded = "none", kDefaultMethod = "contact_frame",
                                   kSessionMethod = "shaped";
 
-/// The virtual coupling of one port; what is not given is the stiffest that is passive.
+/// The virtual coupling of one port. Values that are not given are the largest passive ones.
 struct CouplingConfig {
   std::optional<double> stiffness;  // k [N/m]; default 2 (b - b_c) / T
   std::optional<double> damping;    // b_c [N s/m]; default b - k T / 2, all that is left
@@ -68,8 +68,8 @@ struct BoundingConfig {
   double hand_damping = 1.2;  // a [N s/m] expected of the hand; `credited` and `shaped` only
   double quantum = 0.0;       // [m] of the encoder; the same
   double stiffness = std::numeric_limits<double>::infinity();  // [N/m] of the stiffest surface,
-                                                               // where it is known; the same
-  double period = 1e-3;  // T [s], > 0: the longest time that one force is meant to be held
+                                                               // if it is known; the same
+  double period = 1e-3;  // T [s], > 0: the longest intended hold time of one force
   Damping damping{};     // B [N s/m]: the device's own, plus any operator credit. contact_frame and
                          // energy_tank need every direction damped, or none
   Damping rotational_damping{};      // B_r [N m s/rad]

@@ -1,5 +1,5 @@
 #pragma once
-// The definitions of ContactFrameBound, for whoever needs another arithmetic than double.
+// The definitions of ContactFrameBound, for arithmetics other than double.
 
 #include <algorithm>
 #include <cmath>

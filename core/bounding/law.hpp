@@ -1,5 +1,5 @@
 #pragma once
-// A bounding law with its memory, of whatever type, as one value that is copied without the heap.
+// A bounding law of any type, with its memory, as one value that is copied without the heap.
 
 #include <concepts>
 #include <cstddef>
@@ -20,7 +20,7 @@ struct BasicLawAnswer {
   bool in_debt = false;
 };
 
-/// The damping a [N s/m] of the hand that a law counts on now, and how often it had to lower it.
+/// The damping a [N s/m] of the hand that a law assumes now, and how often it had to lower it.
 struct HandCredit {
   double damping = 0.0;
   std::uint64_t steps_down = 0;
@@ -28,13 +28,13 @@ struct HandCredit {
 
 /// Holds a value of any type that has, all noexcept,
 ///   BasicCommand<Real> step(const BasicBoundingStep<Real>&)   and takes its result as held,
-///   void set_held(const BasicCommand<Real>&)                  where something else was held,
-/// and, where the law needs them,
+///   void set_held(const BasicCommand<Real>&)                  if another force was held,
+/// and, if the law needs them,
 ///   bool in_debt() const                    it renders no force until a debt of energy is repaid,
 ///   void endow(Real energy)                 the next step may draw on energy [J] from elsewhere,
-///   BasicProbe<Real> probe(displacement, rotation) const      it asks the scene elsewhere,
-///   void scene_changed()                    the surfaces are others: it forgets what it was told,
-///   HandCredit hand_credit() const                            it counts on the hand's damping.
+///   BasicProbe<Real> probe(displacement, rotation) const      the place to evaluate the scene,
+///   void scene_changed()                    the surfaces changed: it forgets the old ones,
+///   HandCredit hand_credit() const          the damping of the hand that it assumes.
 /// The steps are described at BasicBounding (core/bounding/bounding.hpp), which calls them.
 template <class Real>
 class BasicBoundingLaw {

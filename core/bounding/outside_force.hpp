@@ -1,5 +1,5 @@
 #pragma once
-// How strong the force from outside has been lately: a smaller bound than the one that was told.
+// How strong the force from outside has been lately: a smaller bound than the specified one.
 
 #include "core/base/types.hpp"
 #include "core/bounding/reach.hpp"

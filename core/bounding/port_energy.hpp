@@ -1,6 +1,6 @@
 #pragma once
-// The observer of the energy that crosses a haptic port. It bounds nothing. Every claim of
-// passivity is checked with it.
+// The monitor of the energy that crosses a haptic port. It bounds nothing. It checks every claim
+// of passivity.
 
 #include <cstdint>
 
@@ -24,10 +24,10 @@ struct DryFriction {
   double force = 0.0, quantum = 0.0;
 };
 
-/// Compares, sample by sample, two energies: what held forces delivered to the hand, f(n-1) .
-/// dx(n), and the least that the device itself burned: by its damping B dx' B dx / h over a hold of
-/// h, and by its dry friction where that is known. A port whose bound works keeps delivered <=
-/// burned, whatever the hand does. A sample after which this does not hold, beyond rounding, is a
+/// Compares two energies at each sample: the energy f(n-1) . dx(n) that held forces gave to the
+/// hand, and a lower bound of the energy that the device burned: by its damping B, dx' B dx / h in
+/// a hold of h, and by its dry friction if that is known. A working bound keeps delivered <= burned
+/// for every hand. A sample after which this does not hold, beyond rounding, is a
 /// violation.
 class PortEnergy {
  public:

@@ -1,5 +1,5 @@
 #pragma once
-// How far the handle of a device can move within the next sample, whatever hand holds it.
+// How far the handle of a device can move within the next sample, for every hand.
 
 #include <algorithm>
 #include <limits>

@@ -13,8 +13,8 @@
 
 namespace feltwire {
 
-/// Where the numbers of a specification come from, by the name of the field. A number whose source
-/// nobody told is not there. One that begins with "assumption" was neither measured nor found.
+/// The sources of the numbers of a specification, by the name of the field. A number without a
+/// source is not in the list. A source that begins with "assumption" was not measured or found.
 using SpecSources = std::map<std::string, std::string, std::less<>>;
 
 struct SourcedSpec {
@@ -24,9 +24,9 @@ struct SourcedSpec {
 
 /// A specification as a command line asks for it.
 struct SpecRequest {
-  std::string name_or_file;        // a built-in name, or FILE.json; empty: what the driver says
+  std::string name_or_file;        // a built-in name, or FILE.json; empty: the driver's own
   std::optional<Damping> damping;  // [N s/m] in place of the specification's
-  std::optional<double> mass;      // [kg] likewise: the apparent mass, which is surely there
+  std::optional<double> mass;      // [kg] the same for the apparent mass, as its lower bound
 };
 
 /// Reads a specification (JSON against core/device/device_spec.fbs). Throws FileError naming the

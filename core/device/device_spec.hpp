@@ -11,8 +11,8 @@
 
 namespace feltwire {
 
-/// Limits and physics of one device. The files of the built-in ones (core/device/*.json) say where
-/// each number comes from.
+/// Limits and physics of one device. The files of the built-in devices (core/device/*.json) have
+/// the source of each number.
 struct DeviceSpec {
   std::string name;
   int translation_dof = 3;           // 2 (x, y) or 3 (x, y, z), sensed and actuated
@@ -28,7 +28,7 @@ struct DeviceSpec {
   double max_torque = 0.0;           // [N m] peak, 0 when torque is not actuated
   Vec3 workspace = Vec3::Zero();     // [m] full extent along x, y, z
 
-  // What the account of the port counts on (core/bounding/account.hpp). It stays at the client.
+  // Assumptions of the port's account (core/bounding/account.hpp). They stay at the client.
   double least_mass = 0.0;      // [kg] lower bound of the apparent mass in every direction, the
                                 // least eigenvalue of its matrix; 0: not known
   double least_friction = 0.0;  // [N] lower bound of the dry friction; 0: not known
@@ -40,7 +40,7 @@ struct DeviceSpec {
   double least_inertia = 0.0;  // [kg m^2] lower bound of the apparent inertia about every axis, the
                                // least eigenvalue of its matrix; 0: not known
   double hand_torque = 0.0;    // [N m] upper bound of the torque from outside; 0: not known
-  // What a simulated device turns with. The account does not count on them.
+  // Rotational properties of a simulated device. The account does not use them.
   double apparent_inertia = 0.0;     // [kg m^2] at the tool, the same about every axis
   double rotational_friction = 0.0;  // [N m] dry friction about each world axis
 };
@@ -61,7 +61,7 @@ void validate(const DeviceSpec& spec);
 /// The built-in devices, in a fixed order.
 std::span<const DeviceSpec> builtin_devices();
 
-/// The built-in device of that name; throws std::invalid_argument listing the names there are.
+/// The built-in device of that name; throws std::invalid_argument listing the existing names.
 const DeviceSpec& builtin_device(std::string_view name);
 
 /// The part of a command that the device can actuate: axes it lacks become zero.

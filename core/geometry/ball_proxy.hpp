@@ -1,5 +1,5 @@
 #pragma once
-// What the proxies of a ball in the hand share.
+// The common part of the proxies of a ball in the hand.
 
 #include "core/base/numeric.hpp"
 #include "core/geometry/primitive.hpp"

@@ -1,7 +1,7 @@
 #pragma once
-// What a shape with a formula tells of itself. Each such shape is a struct in a file of its own
-// with the members that the concept Primitive lists; shapes.hpp lists the shapes. Nothing else in
-// the program knows one of them by name.
+// The interface of a shape with a formula. Each such shape is a struct in its own file,
+// with the members that the concept Primitive lists; shapes.hpp lists the shapes. No other code in
+// the program mentions a shape by name.
 
 #include <array>
 #include <concepts>
@@ -19,8 +19,8 @@ namespace feltwire {
 
 /// A signed distance and its gradient at a point.
 struct FieldPoint {
-  double distance = 0.0;         // [m] negative in the solid; NaN where the position is not finite
-  Vec3 gradient = Vec3::Zero();  // of the distance, the way out; of length 1 where that is exact
+  double distance = 0.0;         // [m] negative in the solid; NaN if the position is not finite
+  Vec3 gradient = Vec3::Zero();  // of the distance, outwards; of length 1 where it is exact
 };
 
 /// The mass properties of a solid of density one.
@@ -43,7 +43,7 @@ struct SurfacePart {
   double distance = 0.0;      // [m] within this of the point, leaving the part out changes nothing
   std::uint32_t feature = 0;  // as FeatureMemory has it
   bool shown =
-      true;  // false: no patch stands beside the others' for it (the far parts of a capsule)
+      true;  // false: no patch of its own represents this part (the far parts of a capsule)
 };
 
 struct SurfaceParts {
@@ -110,11 +110,11 @@ concept Primitive = requires(const Shape& shape, Shape& given, Side side, const 
   /// The surface, closed, outside out; a round side has `segments` (at least 3) flat ones, their
   /// corners on the surface. Empty: it has no end.
   { shape.triangles(whole) } -> std::same_as<TriangleSoup>;
-  /// The geoms that bodies collide with; none: bodies pass through. Several geoms, or a hull, stand
-  /// for the shape with an error that the shape's header states.
+  /// The geoms that bodies collide with; none: bodies pass through. Several geoms, or a hull,
+  /// represent the shape with an error that the shape's header states.
   { shape.geoms(side) } -> std::same_as<std::vector<PhysicsGeom>>;
 
-  /// All parts of the surface; `feature` is that which a tool at p stands on, 0: none. As
+  /// All parts of the surface; `feature` is the part that a tool at p touches, 0: none. As
   /// surface_parts() says (core/local_model_extraction/patches.hpp).
   { shape.parts(side, p, feature) }
   noexcept->std::same_as<SurfaceParts>;

@@ -1,5 +1,5 @@
 #pragma once
-// The proxy of a point on a surface, and what it remembers.
+// The proxy of a point on a surface, and its memory.
 
 #include <cstdint>
 
@@ -10,7 +10,7 @@ namespace feltwire {
 /// Which side of the surface is free to move in.
 enum class Side : std::uint8_t { outside, inside };
 
-/// Where the (frictionless) proxy stands on the surface, object frame.
+/// The position of the (frictionless) proxy on the surface, object frame.
 struct SurfacePoint {
   Vec3 point = Vec3::Zero();    // [m] on the surface
   Vec3 normal = Vec3::UnitZ();  // unit, towards the free side
@@ -19,13 +19,13 @@ struct SurfacePoint {
 
 /// The proxy's memory of one shape between samples, so that it does not jump through a thin solid.
 struct FeatureMemory {
-  std::uint32_t feature = 0;    // 0: not in contact; else 1 + index of the face the proxy stands on
-  Vec3 normal = Vec3::UnitZ();  // last one, of the surface at the proxy: what is used where the
+  std::uint32_t feature = 0;    // 0: not in contact; else 1 + index of the proxy's face
+  Vec3 normal = Vec3::UnitZ();  // last one, of the surface at the proxy: used where the
                                 // geometry leaves it undefined (a centre, an axis)
-  // Of a mesh and a solid felt from outside: where the proxy was, free or not (on what is round,
-  // where the tool was), so that the way to where the tool is now is followed, passing nothing by.
+  // For a mesh and a solid felt from outside: the last place of the proxy, free or not (on round
+  // surfaces that of the tool). From it the proxy follows the tool's path and passes no surface.
   Vec3 proxy = Vec3::Zero();   // [m, object frame, from origin_of() the shape]
-  std::uint32_t triangle = 0;  // of a mesh: that it stands on; of a ring: its part, where
+  std::uint32_t triangle = 0;  // of a mesh: the proxy's triangle; of a ring: its part, if
                                // that is not the part nearest to the tool (torus.cpp)
   std::int8_t side = 0;        // 0: the proxy is free. Of a mesh's triangle: 1 where its normal
                                // points, -1 behind. Of a solid: 1

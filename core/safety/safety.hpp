@@ -65,7 +65,7 @@ struct Safeguarded {
 /// Scales the bounded command down to the smallest of the limits. Force and torque are scaled
 /// separately, never up, and never turned. It reads no clock, allocates nothing and throws nothing.
 ///
-/// A reduction is safe behind a bound that limits magnitudes from above and is told what was held
+/// A reduction is safe after a bound that limits magnitudes from above and gets the held force
 /// (contact_frame, energy_tank), and where nothing is bounded (none). It is not safe behind
 /// total_energy, per_axis and per_axis_projected, because they also bound a force from below. It is
 /// not safe behind virtual_coupling and passivity control, because a reduced damper dissipates less
@@ -79,7 +79,7 @@ struct Safeguarded {
 /// and a hand at rest would soon feel nothing.
 ///
 /// The speed limit is for a device that its own force throws out of the hand. A motor that goes on
-/// pushing is what hurts, so the force is reduced whatever its direction. The limit falls over a
+/// pushing is what hurts, so the force is reduced in every direction. The limit falls over a
 /// range and uses a low-passed speed. A threshold on plain encoder differences, which jump by a
 /// quantum / T, would switch the force on and off from sample to sample.
 class SafetyStage {
@@ -94,8 +94,8 @@ class SafetyStage {
   /// again, and the slew limit starts from zero.
   void begin_anew() noexcept;
 
-  /// Tells what the device really held, if it differs from `rendered`. The slew limit starts from
-  /// it. A report that is not finite is ignored.
+  /// Sets the force that the device really held, if it differs from `rendered`. The slew limit
+  /// starts from it. A report that is not finite is ignored.
   void set_held(const Command& held) noexcept;
 
   const SafetyLimits& limits() const { return limits_; }

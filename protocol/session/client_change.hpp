@@ -1,6 +1,6 @@
 #pragma once
-// What a server may ask a client to change while its session runs: the law that bounds its force,
-// and the link that it emulates. docs/admin.md says who may raise the force on a hand.
+// The changes that a server may request from a client while its session runs: the law that bounds
+// its force, and the link that it emulates. docs/admin.md says who may raise the force on a hand.
 
 #include <algorithm>
 #include <array>
@@ -74,7 +74,7 @@ constexpr std::uint8_t number_after(std::uint8_t number) {
 /// itself: no server can take the bound off a hand.
 enum class LawsTaken : std::uint8_t {
   none,  // its law stays what it was started with
-  safe,  // that one, and those that are passive by themselves for every hand, whatever fails
+  safe,  // that one, and those that are passive on their own for every hand and fault
   any    // any that can take over while a session runs: nobody's hand is at the device
 };
 inline constexpr std::array<std::string_view, 3> kLawsTakenNames = {"none", "safe", "any"};
@@ -86,7 +86,7 @@ struct ChangesTaken {
   friend bool operator==(const ChangesTaken&, const ChangesTaken&) = default;
 };
 
-/// What a client has said to the newest change that it was asked for.
+/// The client's answer to the newest requested change.
 enum class ChangeAnswer : std::uint8_t { waiting, taken, refused };
 inline constexpr std::array<std::string_view, 3> kChangeAnswerNames = {"waiting", "taken",
                                                                        "refused"};

@@ -1,5 +1,5 @@
 #pragma once
-// Which values need not be sent (Weber's fraction on vectors), and what the receiver assumes
+// Which values need not be sent (Weber's fraction on vectors), and the receiver's assumption
 // meanwhile (Hinterseer, Steinbach, Hirche, Buss, ICASSP 2005; Hinterseer et al., IEEE Trans.
 // Signal Processing 56(2), 2008). No clock, no state but the trend's, the same bits on both sides.
 
@@ -9,7 +9,7 @@
 
 namespace feltwire {
 
-/// No hand feels a change below these, whatever the fraction: a fifth of the force that a resting
+/// No hand feels a change below these, for every fraction: a fifth of the force that a resting
 /// hand notices, and the torque of that force at an arm of 40 mm.
 inline constexpr double kUnfeltForce = 0.01;   // [N]
 inline constexpr double kUnfeltTorque = 4e-4;  // [N m]

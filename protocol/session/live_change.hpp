@@ -12,7 +12,7 @@
 
 namespace feltwire {
 
-/// Another gravity on what moves.
+/// Another gravity on moving bodies.
 struct GravityChange {
   Vec3 gravity = Vec3::Zero();  // [m/s^2]
 };

@@ -1,5 +1,5 @@
 #pragma once
-// The roles of a token: what its holder may do.
+// The roles of a token: the rights of its holder.
 
 #include <array>
 #include <cstddef>
