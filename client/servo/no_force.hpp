@@ -37,8 +37,8 @@ enum class NoForce : std::uint8_t {
   slew,             // --slew
   force_limit,      // --max-force
   account,          // the port has not burned enough
-  not_held,         // the device does not hold the given force
-  law_change        // an admin changed the session's law: the held force fades first
+  not_held,         // the device does not hold what it was given
+  law_change        // an admin gave the session another law: what was held fades first
 };
 inline constexpr std::size_t kNoForceReasons = static_cast<std::size_t>(NoForce::law_change) + 1;
 
