@@ -10,7 +10,7 @@ namespace feltwire {
 /// what was looked for and where, or what the device needs.
 OpenedDevice open_force_dimension(const DeviceRequest& request);
 
-/// The maker's library and its version. Throws likewise.
+/// The maker's library and its version. Throws the same.
 std::string force_dimension_library();
 
 }  // namespace feltwire

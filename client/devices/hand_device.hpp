@@ -32,7 +32,7 @@ inline constexpr Hand kNoHand = {0.0, 0.0, 0.0, 0.0, 0.0, 0.0};
 /// Semi-implicit Euler in steps of at most 20 us, damping implicit, Coulomb friction exact (it
 /// stops the mass, it never turns it round). Readings are rounded to the encoder quantum.
 ///
-/// A device that senses rotation turns likewise, about every axis:
+/// A device that senses rotation turns in the same way, about every axis:
 ///   J w' = k_r log(q_i q^-1) + b_r (w_i - w) - B_r w - tau_c sign(w) + tau,   q' = w q
 /// with J of device and hand together. All axes have the same inertia, so that the free handle
 /// keeps w. Its encoders stand along the world's axes: a reading is turned by whole quanta about

@@ -15,7 +15,7 @@ namespace feltwire {
 OpenedDevice open_haply(const DeviceRequest& request);
 
 /// "service at port 10001, first device 049D of 2": what the service at that port of
-/// this machine says by itself; nothing is sent. Throws likewise.
+/// this machine says by itself; nothing is sent. Throws the same.
 std::string haply_service(std::uint16_t port);
 /// At the usual port.
 std::string haply_usual_service();

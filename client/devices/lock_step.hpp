@@ -8,7 +8,7 @@
 
 namespace feltwire {
 
-/// The part of such devices that is the same whatever carries their messages. There is never more
+/// The part of such devices that is the same for every carrier of messages. There is never more
 /// than one command without an answer. After an answer that is missing or makes no sense zero is
 /// sent at once, and 50 ms later, when no old answer can come any more, it is begun anew.
 class LockStepDevice : public Device {

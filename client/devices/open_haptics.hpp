@@ -11,7 +11,7 @@ namespace feltwire {
 /// default one. Throws std::runtime_error that says what was looked for, or what the device needs.
 OpenedDevice open_haptics(const DeviceRequest& request);
 
-/// The maker's library; it tells its version only of a device. Throws likewise.
+/// The maker's library; only a device has its version. Throws the same.
 std::string open_haptics_library();
 
 }  // namespace feltwire

@@ -28,7 +28,7 @@ class ClockEstimate {
   static constexpr Nanoseconds kBucketTime = std::chrono::milliseconds(500);
 
   /// Takes an exchange. One that cannot be (it took less than no time, or longer than a minute) is
-  /// left out and counted. A server whose clock jumped (it was started anew) begins a new estimate.
+  /// left out and counted. A server whose clock jumped (it was restarted) begins a new estimate.
   void take(const Exchange& exchange) noexcept;
 
   bool known() const noexcept { return buckets_used_ > 0; }

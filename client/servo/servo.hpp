@@ -77,7 +77,7 @@ struct ServoStatistics {
   std::uint64_t device_faults = 0;     // readings or held forces that were faulty or not finite
   std::uint64_t stale_readings = 0;    // that told nothing new: the force went on being held
   std::uint64_t forces_corrected = 0;  // readings that told of a force held that differs, by more
-                                       // than is felt, from what write() had told
+                                       // than is felt, from the result of write()
   std::uint64_t bound_active = 0;      // ticks at which the bound changed the command
   std::uint64_t saturated = 0;         // ticks at which the device's limits did
   std::uint64_t account_cut = 0;       // ticks at which the port had no energy for all of it
@@ -110,18 +110,18 @@ class Servo {
   /// come at any time since, and counts as that old.
   bool take(const Reply& reply, Nanoseconds arrival) noexcept;
 
-  /// What to write to the device now. The newest command, carried on along its rates where the
-  /// server sends them (for keep_alive at most), or with a local model what that answers where the
-  /// device is now, counts in full until it is hold_time / 2 old, falls linearly to nothing at
-  /// hold_time, is then bounded (docs/bounding.md) and last goes through the safety stage
+  /// The command to write to the device now: the newest command, extrapolated along its rates if
+  /// the server sends them (for keep_alive at most), or the command of the local model at the
+  /// device's current position. It holds in full until it is hold_time / 2 old, and falls linearly
+  /// to zero at hold_time. Then it is bounded (docs/bounding.md) and passes the safety stage
   /// (core/safety/safety.hpp). A fall by age or by release() takes at most the device's largest
-  /// force off in half the hold time; at its end there is none, whatever the bound would hold on
-  /// to. A reading that is faulty or not finite gives none at once (nobody knows what force would
-  /// be safe at an unknown place), and what follows begins anew as after reconnected(). A clock
+  /// force off in half the hold time; at its end there is none, whatever force the bound would
+  /// hold. A reading that is faulty or not finite gives none at once (no force is known to be safe
+  /// at an unknown place), and the servo then starts again as after reconnected(). A clock
   /// that was set back is no reason to hold anything longer.
   Command render(const DeviceReading& reading, Nanoseconds now) noexcept;
 
-  /// Says what the device's write() returned, which is all that is accounted, and returns the
+  /// Takes the result of the device's write(), which alone is accounted for, and returns the
   /// sample to send; null until the first good reading. It stays valid until the next call.
   const Sample* hold(const Command& held) noexcept;
 

@@ -105,7 +105,7 @@ bool never_sleeps(Nanoseconds busy_poll, Nanoseconds period) noexcept;
 /// taken when they come (at the tick of a device that sets the pace); the command is applied at
 /// the tick. At the end the force
 /// fades within half the hold time, the replies on their way are waited for (at most 100 ms, and
-/// 100 ms after what an emulated link holds has left it), and the server is told goodbye. The
+/// 100 ms after what an emulated link holds has left it), and the server gets a goodbye. The
 /// device is released as soon as the force has faded.
 void run_servo_loop(Device& device, Servo& servo, Transport& transport, const LoopOptions& options,
                     const Event& stop, const LoopOutputs& outputs, LoopResult& result) noexcept;

@@ -40,7 +40,7 @@ struct ServoTask {
 class ServoThread {
  public:
   /// Throws std::system_error or std::bad_alloc where the system gives no threads or descriptors:
-  /// then nothing was told to the device.
+  /// then the device got no command.
   explicit ServoThread(std::shared_ptr<ServoTask> task);
   /// end().
   ~ServoThread();

@@ -32,7 +32,7 @@ class DatagramPort {
   /// From now on sends to this server and receives from it alone. The address family must be the
   /// same. Returns false when the system has no way there; then nothing has changed.
   virtual bool connect(const Address& server) noexcept = 0;
-  /// Lets the system choose anew from which of its addresses it reaches the server. Returns false
+  /// Lets the system choose again which of its addresses it uses to reach the server. Returns false
   /// when there is none now.
   virtual bool reroute() noexcept = 0;
 

@@ -23,7 +23,7 @@ class DatagramSession {
                   const SessionParameters& parameters, bool rotation,
                   const PositionScale& scale = {});
 
-  /// Continues with another session and its keys. Packet numbers begin anew, and late datagrams of
+  /// Continues with another session and its keys. Packet numbers restart, and late datagrams of
   /// the old session are dropped. Precondition: the suite of the keys is supported.
   void resume(std::uint64_t session, const SessionKeys& keys) noexcept;
 

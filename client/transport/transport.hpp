@@ -37,7 +37,7 @@ class Transport {
   Transport& operator=(const Transport&) = delete;
 
   /// Continues with another session, of the same address family, through the same port. Packet
-  /// numbers begin anew, and datagrams of the old session are ignored. Returns false when the
+  /// numbers restart, and datagrams of the old session are ignored. Returns false when the
   /// system has no way there or does not have the cipher suite; then the old session stays.
   bool resume(const SessionAddress& to) noexcept;
 

@@ -14,12 +14,12 @@ namespace feltwire {
 ///   D1 - D0 = (N T)^2 / m (F + w),   w = sum of the f(i), the later the more in the first block,
 ///                                        the earlier the more in the second; weights add up to 1
 ///
-/// so F = m (D1 - D0) / (N T)^2 - w, wrong by 2 m q |u|_1 / (N T)^2 at most for the encoder. What
-/// is learned is kMargin times the largest F of the last two windows of kWindow seconds, from
-/// kLeastShare of what was told to all of it. A hand's force that changes within N
-/// samples, and friction, are seen in part only: the bound that is learned is an assumption about
-/// the hand, as the told one is. A sample that it does not explain ends it: then what was told
-/// holds again, and two windows begin anew.
+/// so F = m (D1 - D0) / (N T)^2 - w, wrong by 2 m q |u|_1 / (N T)^2 at most for the encoder. The
+/// learned bound is kMargin times the largest F of the last two windows of kWindow seconds, from
+/// kLeastShare of the specified force to all of it. A hand's force that changes within N
+/// samples, and friction, are seen in part only: the learned bound is an assumption about
+/// the hand, like the specified one. A sample that it does not explain ends it: then the specified
+/// bound holds again, and two windows start again.
 class OutsideForce {
  public:
   static constexpr int kSamples = 8;           // N

@@ -22,7 +22,7 @@ namespace feltwire {
 ///            (docs/lab/figures.md): it only sees what a delay or an active environment creates.
 /// following  W(n) = W(n-1) + F(n-1).dx(n), what the zero-order hold really exchanged; must not
 ///            fall below the reference E(n) = E(n-1) + 1/2 (F_e(n-1) + F_e(n)).dx(n), which is
-///            1/2 k x^2 for a spring, whatever the sampling.
+///            1/2 k x^2 for a spring, at every sampling rate.
 template <class Real>
 class PassivityObserver {
  public:

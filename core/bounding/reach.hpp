@@ -65,7 +65,7 @@ class Reach {
     known_.outside_force = force;
     from_outside_ = force / known_.mass;
   }
-  /// [m] along the unit vector u over `hold_time` [s], of a handle that is no faster than was told.
+  /// [m] along the unit vector u over `hold_time` [s], of a handle no faster than specified.
   double at_full_speed(const Vec3& u, double hold_time) const noexcept {
     return known_.speed * hold_time + known_.quantum * u.lpNorm<1>();
   }

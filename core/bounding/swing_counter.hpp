@@ -18,7 +18,7 @@ class SwingCounter {
   explicit SwingCounter(double swing) : swing_(swing) {}
 
   /// The hand moved by `way` [m] along the normal of its contact over `time` [s]. True when it
-  /// swings; then the count begins anew.
+  /// swings; then the count restarts.
   bool moved(double way, double time) noexcept {
     place_ += way;
     now_ += time;
