@@ -175,6 +175,8 @@ class Servo {
   const SessionParameters& parameters() const { return law_.parameters; }
   const ServoOptions& options() const { return options_; }
   const ServoStatistics& statistics() const { return statistics_; }
+  /// Answers so far, by their round trip.
+  const HandTimes::Counts& round_trips() const { return round_trips_; }
   const PortEnergy& port() const { return port_; }
   /// The account stands last before the device. Empty: the device is given what the bound and the
   /// safety stage let through.
@@ -308,6 +310,7 @@ class Servo {
 
   std::vector<Sent> sent_;
   ServoStatistics statistics_;
+  HandTimes::Counts round_trips_{};
 };
 
 }  // namespace feltwire

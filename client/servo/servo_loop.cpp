@@ -136,7 +136,7 @@ class Loop {
       ++result_.overruns;
       result_.missed_deadlines += static_cast<std::uint64_t>(interval / period_ - 1);
     }
-    result_.wakeup_late.record(std::max(interval - period_, Nanoseconds(0)).count());
+    woke(std::max(interval - period_, Nanoseconds(0)));
     return true;
   }
 
@@ -149,8 +149,13 @@ class Loop {
       ++result_.overruns;
       result_.missed_deadlines += passed - 1;
     }
-    result_.wakeup_late.record((now - deadlines_.latest()).count());
+    woke(now - deadlines_.latest());
     return true;
+  }
+
+  void woke(Nanoseconds late) noexcept {
+    result_.wakeup_late.record(late.count());
+    count(wakeups_, hand_time_limits::kWakeups, late);
   }
 
   /// The session is gone, by a goodbye or by silence. False when that is the end.
@@ -238,11 +243,14 @@ class Loop {
     if (!transport_.send(sample, report, servo_.lead())) return;
     servo_.sent();
     if (report) reported_ = sample.client_time;
+    if (report && report->times) times_told_ = sample.client_time;
   }
 
   HandReport told() const noexcept {
     constexpr std::uint64_t kCounted = (1u << 24) - 1u;
     HandReport report = servo_.report();
+    if (seconds(servo_.sample().client_time - times_told_) >= kBetweenTimes)
+      report.times = {wakeups_, servo_.round_trips()};
     report.late_ticks = static_cast<std::uint32_t>(result_.overruns & kCounted);
     report.change = dealt_with_;
     report.change_refused = refused_;
@@ -310,61 +318,14 @@ class Loop {
 
   void record(Nanoseconds now) noexcept {
     if (outputs_.record == nullptr) return;
-    const TickRecord row{.time = seconds(now - first_tick_),
-                         .position = servo_.sample().pose.position,
-                         .elastic = servo_.command().elastic,
-                         .frictional = servo_.command().frictional,
-                         .held = servo_.held().force(),
-                         .age = servo_.has_reply() ? servo_.command_age() : -1.0,
-                         .clock = now.count(),
-                         .orientation = servo_.sample().pose.orientation,
-                         .torque = servo_.held().torque,
-                         .balance = balance(),
-                         .account_cut = servo_.account_cut(),
-                         .no_force = servo_.no_force()};
+    const TickRecord row = tick_record(servo_, seconds(now - first_tick_), now);
     if (!outputs_.record->push(row)) ++result_.records_dropped;
-  }
-
-  std::optional<double> hand_damping() const noexcept {
-    const std::optional<HandCredit> credit = servo_.hand_credit();
-    return credit ? std::optional(credit->damping) : std::nullopt;
-  }
-
-  std::optional<double> balance() const noexcept {
-    return servo_.account() ? std::optional(servo_.account()->balance()) : std::nullopt;
   }
 
   void report_status(Nanoseconds now) noexcept {
     next_status_ = now + kStatusPeriod;
     if (outputs_.status == nullptr) return;
-    const ServoStatistics& s = servo_.statistics();
-    const ClockEstimate& clock = servo_.server_clock();
-    outputs_.status->push(
-        {.time = seconds(now - first_tick_),
-         .samples = s.samples,
-         .lost = servo_.lost_so_far(),
-         .round_trip_p50 = s.round_trip.quantile(0.5),
-         .round_trip_p99 = s.round_trip.quantile(0.99),
-         .clock_known = clock.known(),
-         .delay_up = clock.delay_up(),
-         .delay_down = clock.delay_down(),
-         .jitter_up = clock.jitter_up(),
-         .jitter_down = clock.jitter_down(),
-         .force = length(servo_.held().force()),
-         .no_force = servo_.no_force(),
-         .oscillation = servo_.measures().squares(),
-         .displayed_stiffness = servo_.measures().displayed_stiffness(),
-         .energy = servo_.port().delivered().total(),
-         .answered_lately =
-             servo_.has_reply() && servo_.command_age() < 0.5 * servo_.parameters().hold_time,
-         .connected = !lost_,
-         .recovering = servo_.newest_reply().recovering,
-         .withholds_change = servo_.withholds_change(),
-         .shapes = servo_.shapes(),
-         .near = servo_.near(),
-         .hand_damping = hand_damping(),
-         .balance = balance(),
-         .account_cuts = s.account_cut});
+    outputs_.status->push(live_status(servo_, seconds(now - first_tick_), !lost_));
   }
 
   Device& device_;
@@ -391,7 +352,8 @@ class Loop {
   std::uint8_t heard_ = 0, dealt_with_ = 0;  // changes that an admin wants, by their numbers
   bool refused_ = false;                     // the newest of those dealt with
   std::uint32_t session_ = 0;                // WantedChange::session
-  Nanoseconds first_tick_{0}, last_tick_, last_heard_, next_status_, reported_{0};
+  Nanoseconds first_tick_{0}, last_tick_, last_heard_, next_status_, reported_{0}, times_told_{0};
+  HandTimes::Counts wakeups_{};
 };
 
 }  // namespace

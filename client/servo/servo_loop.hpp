@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "client/servo/event.hpp"
+#include "client/servo/live_status.hpp"
 #include "client/servo/prepared_change.hpp"
 #include "client/servo/servo.hpp"
 #include "client/servo/tick_record.hpp"
@@ -39,31 +40,6 @@ struct LoopOptions {
   /// the next deadline before it comes, instead of sleeping; kForever: it never sleeps. With 0 it
   /// only looks for the deadline when the machine has woken it sooner than it mostly does.
   Nanoseconds busy_poll{0};
-};
-
-/// The state of the loop, which the thread publishes a few times a second.
-struct LiveStatus {
-  double time = 0.0;  // [s] since the first tick
-  std::uint64_t samples = 0;
-  std::uint64_t lost = 0;                             // datagrams, up to the newest answered
-  double round_trip_p50 = 0.0, round_trip_p99 = 0.0;  // [ns]
-  bool clock_known = false;                           // else the four below say nothing
-  double delay_up = 0.0, delay_down = 0.0;            // [s] one way, of the last exchange
-  double jitter_up = 0.0, jitter_down = 0.0;          // [s] their mean variation
-  double force = 0.0;                                 // [N] held now
-  NoForce no_force = NoForce::no_reply;               // why there is none
-  HandMeasures::Squares oscillation;                  // so far
-  std::optional<double> displayed_stiffness;          // [N/m] so far
-  double energy = 0.0;                                // [J] delivered to the hand so far
-  bool answered_lately = false;                       // the command in use is not fading
-  bool connected = true;                              // the session is not lost
-  bool recovering = false;        // what moves was put back, and is felt in part
-  bool withholds_change = false;  // the scene was changed, and is not all felt yet
-  bool shapes = false;            // the method shapes, and the two below say how
-  bool near = false;              // the force of this tick was made here, from the local model
-  std::optional<double> hand_damping{};  // [N s/m] that it counts on, where it does
-  std::optional<double> balance{};       // [J] of the energy account; empty: there is none
-  std::uint64_t account_cuts = 0;        // ticks at which the account took something off
 };
 
 /// A view that an observer was shown, and its time.

@@ -96,6 +96,7 @@ void Servo::count_answer(const Reply& reply, Nanoseconds arrival) noexcept {
   ++statistics_.answered;
   if (round_trip > kLate) ++statistics_.late;
   statistics_.round_trip.record(round_trip.count());
+  count(round_trips_, hand_time_limits::kRoundTrips, round_trip);
   server_clock_.take({sent.time, reply.server_receive_time, reply.server_send_time, arrival});
 }
 

@@ -20,7 +20,7 @@ DatagramSession::DatagramSession(std::uint64_t session, const SessionKeys& keys,
   largest.rotation = rotation;
   largest.count = parameters.batch + parameters.redundancy;
   largest.previous = 1;
-  largest.report = HandReport{};
+  largest.report = HandReport{.times = HandTimes{}};
   largest.lead = Lead{};
   for (int i = 0; i < largest.count; ++i)
     largest.samples[static_cast<std::size_t>(i)].index =

@@ -5,6 +5,7 @@
 
 #include "protocol/wire/aligned_vector.hpp"
 #include "protocol/wire/payload.hpp"
+#include "protocol/wire/report_codec.hpp"
 #include "protocol/wire/robot_codec.hpp"
 #include "protocol/wire/view_codec.hpp"
 
@@ -13,10 +14,7 @@ namespace {
 
 constexpr std::uint32_t kFlagActive = 1u << 0, kFlagSaturated = 1u << 1, kFlagRefused = 1u << 2,
                         kFlagGap = 1u << 3, kFlagRecovering = 1u << 4;
-constexpr std::uint32_t kFlagAccount = 1u << 0, kFlagChangeRefused = 1u << 1;
-constexpr unsigned kChangeShift = 2;     // of the 6 bits of a report's flags with a change's number
-constexpr unsigned kLateTicksShift = 8;  // of the 24 bits of a report's flags that count late ticks
-constexpr unsigned kReloadsShift = 8;    // of the byte of flags that counts reloads
+constexpr unsigned kReloadsShift = 8;  // of the byte of flags that counts reloads
 constexpr std::uint8_t kFlagTouching = 1u << 0, kFlagSlipping = 1u << 1, kFlagJoined = 1u << 2,
                        kFlagFaceted = 1u << 3, kFlagRough = 1u << 4;
 
@@ -223,16 +221,12 @@ Bytes Encoder::samples(const SampleBatch& batch) {
       batch.rotation ? builder.CreateVectorOfStructs(rotations.data(), count)
                      : flatbuffers::Offset<flatbuffers::Vector<const wire::Rotation*>>{};
   const HandReport said = batch.report.value_or(HandReport{});
-  const wire::HandReport report(
-      said.reasons,
-      (said.has_account ? kFlagAccount : 0) | (said.change_refused ? kFlagChangeRefused : 0) |
-          std::uint32_t{said.change} << kChangeShift | said.late_ticks << kLateTicksShift,
-      static_cast<float>(said.balance), static_cast<float>(said.round_trip),
-      static_cast<float>(said.hand_damping));
+  const wire::HandReport report = wire_report(said);
+  const wire::HandTimes times = wire_times(said.times.value_or(HandTimes{}));
   const wire::Lead lead = batch.lead ? wire_lead(*batch.lead) : wire::Lead();
-  return builder_->finish(wire::CreateSamples(builder, wire_samples, wire_rotations, batch.previous,
-                                              batch.report ? &report : nullptr,
-                                              batch.lead ? &lead : nullptr));
+  return builder_->finish(wire::CreateSamples(
+      builder, wire_samples, wire_rotations, batch.previous, batch.report ? &report : nullptr,
+      batch.lead ? &lead : nullptr, said.times ? &times : nullptr));
 }
 
 Bytes Encoder::reply(const Reply& reply, const SceneView* view) {
@@ -286,15 +280,7 @@ DropReason decode(Bytes payload, SampleBatch& out) noexcept {
   out.previous = root->previous();
   out.report.reset();
   if (const wire::HandReport* said = root->report(); said != nullptr)
-    out.report = HandReport{
-        .reasons = said->reasons() & kAllHandReasons,
-        .has_account = (said->flags() & kFlagAccount) != 0,
-        .balance = static_cast<double>(said->balance()),
-        .round_trip = static_cast<double>(said->round_trip()),
-        .hand_damping = static_cast<double>(said->hand_damping()),
-        .late_ticks = said->flags() >> kLateTicksShift,
-        .change = static_cast<std::uint8_t>((said->flags() >> kChangeShift) & ClientChange::kLast),
-        .change_refused = (said->flags() & kFlagChangeRefused) != 0};
+    out.report = value(*said, root->times());
   out.lead.reset();
   if (const wire::Lead* said = root->lead(); said != nullptr) out.lead = value(*said);
   for (flatbuffers::uoffset_t i = 0; i < samples.size(); ++i) {

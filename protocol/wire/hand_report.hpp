@@ -5,8 +5,11 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string_view>
 #include <utility>
+
+#include "protocol/wire/hand_times.hpp"
 
 namespace feltwire {
 
@@ -62,6 +65,7 @@ struct HandReport {
   /// refused it; 0: none.
   std::uint8_t change = 0;
   bool change_refused = false;
+  std::optional<HandTimes> times{};  // mostly not said
 
   bool finite() const noexcept {
     return std::isfinite(balance) && std::isfinite(round_trip) && std::isfinite(hand_damping);

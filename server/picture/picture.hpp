@@ -78,6 +78,7 @@ struct HandDescription {
   ChangesTaken takes = {};                      // that an admin may change at its client
   std::string asked = {};  // for people: the newest change that its client was asked for
   ChangeAnswer answer = ChangeAnswer::waiting;  // of the client to that
+  HandTimesHeard times = {};                    // of the client; not heard: not known
 };
 
 /// Brings pictures from the scene's thread to one other thread, the viewer's. Neither waits for the

@@ -114,7 +114,7 @@ std::vector<HandDescription> SceneSessions::describe() const {
       hands.push_back({slot->number, slot->id, session.client(), session.device().name, slot->tool,
                        session.parameters(), slot->takes,
                        slot->asked ? slot->asked->what : std::string(),
-                       slot->asked ? slot->asked->answer : ChangeAnswer::waiting});
+                       slot->asked ? slot->asked->answer : ChangeAnswer::waiting, session.times()});
   return hands;
 }
 

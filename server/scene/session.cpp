@@ -93,7 +93,7 @@ Taken Session::take(const SampleBatch& batch, Nanoseconds now) noexcept {
     const Sample& sample = batch.samples[static_cast<std::size_t>(i)];
     if (sample.index > last_.index) step(sample, batch.rotation, taken.reply);
   }
-  if (batch.report) report_ = batch.report;
+  if (batch.report) hear(*batch.report);
   Reply& reply = taken.reply;
   outcome_.bounded = reply.active;
   outcome_.saturated = reply.saturated;
@@ -118,6 +118,11 @@ Taken Session::take(const SampleBatch& batch, Nanoseconds now) noexcept {
 }
 
 /// What the client left out is no gap; what travelled before this datagram and never came is one.
+void Session::hear(const HandReport& report) noexcept {
+  report_ = report;
+  if (report.times) times_.take(*report.times);
+}
+
 void Session::count_gap(const SampleBatch& batch, Reply& reply) noexcept {
   if (last_.index == 0 || batch.previous <= last_.index) return;
   ++counters_.gaps;

@@ -122,6 +122,7 @@ class Session {
   const SampleOutcome& outcome() const { return outcome_; }
   /// The newest that its client has said of the hand; empty: nothing yet.
   const std::optional<HandReport>& report() const { return report_; }
+  const HandTimesHeard& times() const { return times_; }
   /// The proxy at the newest sample. It computes the touched surfaces again, so do not call it at
   /// every sample. Precondition: there is a sample.
   ProxyPlace proxy() const noexcept;
@@ -141,6 +142,7 @@ class Session {
   LocalModel model() const noexcept;
   Command touch(const Pose& device, const Tool& tool, double elapsed) noexcept;
   Movement movement_to(const Sample& sample, bool rotation) const noexcept;
+  void hear(const HandReport& report) noexcept;
   void count_gap(const SampleBatch& batch, Reply& reply) noexcept;
   void step(const Sample& sample, bool rotation, Reply& reply) noexcept;
 
@@ -167,6 +169,7 @@ class Session {
   Sample last_;               // index 0: none taken yet
   SampleOutcome outcome_;     // of that one
   std::optional<HandReport> report_;
+  HandTimesHeard times_;
   bool last_rotation_ = false;  // it carried an orientation
   SessionCounters counters_;
 };

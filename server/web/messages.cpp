@@ -43,6 +43,19 @@ std::string vector(const Vec3& v) {
   return "[" + number(v.x()) + "," + number(v.y()) + "," + number(v.z()) + "]";
 }
 
+/// [s]
+std::string limits(const HandTimes::Limits& times) {
+  std::vector<std::string> entries;
+  for (const std::chrono::nanoseconds time : times) entries.push_back(number(seconds(time)));
+  return json_text::list(entries);
+}
+std::string counts(const HandTimesHeard& times, const HandTimesHeard::Totals& totals) {
+  if (!times.heard()) return "null";
+  std::vector<std::string> entries;
+  for (const std::uint64_t total : totals) entries.push_back(number(total));
+  return json_text::list(entries);
+}
+
 /// Writes a binary message from its beginning to its end.
 class Writer {
  public:
@@ -173,6 +186,8 @@ std::string hello(std::span<const std::string> scenes, Role role) {
                             {"scenes", json_text::list(names)},
                             {"role", text(name(role))},
                             {"modes", json_text::list(modes)},
+                            {"wakeup_limits", limits(hand_time_limits::kWakeups)},
+                            {"round_trip_limits", limits(hand_time_limits::kRoundTrips)},
                             {"reasons", json_text::list(reasons)}});
 }
 
@@ -355,6 +370,8 @@ std::string sessions(std::span<const HandDescription> hands, const Picture& pict
                                : "null"},
          {"late_ticks",
           known && seen->report ? number(std::uint64_t{seen->report->late_ticks}) : "null"},
+         {"wakeups", counts(hand.times, hand.times.wakeups())},
+         {"round_trips", counts(hand.times, hand.times.round_trips())},
          {"delivered_j", known ? number(seen->delivered) : "null"},
          {"burned_j", known ? number(seen->burned) : "null"},
          {"samples", known ? number(seen->samples) : "null"}}));

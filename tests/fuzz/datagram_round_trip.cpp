@@ -75,6 +75,11 @@ SampleBatch batch(Input& in) {
                           .hand_damping = in.number(8.0),
                           .change = static_cast<std::uint8_t>(in.byte() & ClientChange::kLast),
                           .change_refused = in.coin()};
+  if (b.report && in.coin()) {
+    HandTimes& times = b.report->times.emplace();
+    for (std::uint16_t& count : times.wakeups) count = in.whole<std::uint16_t>();
+    for (std::uint16_t& count : times.round_trips) count = in.whole<std::uint16_t>();
+  }
   if (in.coin())
     b.lead = Lead{.deadman = in.coin(),
                   .known_surface = in.whole<std::uint32_t>(),

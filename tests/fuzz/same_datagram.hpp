@@ -7,6 +7,11 @@
 
 namespace feltwire::fuzz {
 
+inline bool same(const std::optional<HandTimes>& a, const std::optional<HandTimes>& b) {
+  if (a.has_value() != b.has_value()) return false;
+  return !a || (a->wakeups == b->wakeups && a->round_trips == b->round_trips);
+}
+
 inline bool same(const SampleBatch& a, const SampleBatch& b) {
   if (a.count != b.count || a.rotation != b.rotation || a.previous != b.previous ||
       a.report.has_value() != b.report.has_value() || !same(a.lead, b.lead))
@@ -18,7 +23,7 @@ inline bool same(const SampleBatch& a, const SampleBatch& b) {
         same(a.report->hand_damping, b.report->hand_damping) &&
         a.report->change == b.report->change &&
         a.report->change_refused == b.report->change_refused &&
-        a.report->late_ticks == b.report->late_ticks))
+        a.report->late_ticks == b.report->late_ticks && same(a.report->times, b.report->times)))
     return false;
   for (int i = 0; i < a.count; ++i) {
     const Sample &x = a.samples[static_cast<std::size_t>(i)],

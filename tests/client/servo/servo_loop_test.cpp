@@ -4,6 +4,7 @@
 
 #include <functional>
 #include <memory>
+#include <numeric>
 #include <thread>
 
 #include "tests/client/peer.hpp"
@@ -261,6 +262,30 @@ TEST(ServoLoop, RecordsThatFindNoRoomAreCounted) {
   Ring<TickRecord> records(4);
   run_servo_loop(device, servo, transport, {}, stop, {.record = &records}, *result);
   EXPECT_EQ(result->records_dropped, servo.statistics().samples - 4);
+}
+
+/// Every tick so far is in one class, and every answer.
+TEST(ServoLoop, CountsItsWakeUpsAndRoundTripsForThoseWhoLookOn) {
+  LoopRun run({});
+  const auto total = [](const HandTimes::Counts& counts) {
+    return std::accumulate(counts.begin(), counts.end(), std::uint64_t{0});
+  };
+  int heard = 0;
+  while (heard < 2) {
+    const auto got = run.peer.receive();
+    ASSERT_EQ(got.kind, DatagramKind::samples);
+    const Sample& sample = got.batch.samples[0];
+    run.push_back(sample);
+    if (!got.batch.report || !got.batch.report->times) continue;
+    ++heard;
+    const HandTimes& times = *got.batch.report->times;
+    EXPECT_EQ(total(times.wakeups), sample.index);
+    EXPECT_LT(total(times.round_trips), sample.index);
+    if (heard == 2) {
+      EXPECT_GT(sample.index, 1u);
+      EXPECT_GT(total(times.round_trips), 0u);
+    }
+  }
 }
 
 /// Each session numbers its changes from 1: what the one before wanted is done, and not reported to

@@ -52,5 +52,63 @@ TEST(HandReportCodec, TravelsWithTheSamples) {
   }
 }
 
+TEST(HandReportCodec, TimesTravelWithAReportOnly) {
+  test::Generator random(13);
+  Encoder encoder;
+  SampleBatch sent = test::random_batch(random, 9, 3, false), received;
+  sent.report = HandReport{
+      .times = HandTimes{.wakeups = {1, 2, 3, 4, 5, 6, 7, 0xFFFF}, .round_trips = {9, 8, 7, 6}}};
+  ASSERT_EQ(decode(encoder.samples(sent), received), DropReason::none);
+  ASSERT_TRUE(received.report && received.report->times);
+  EXPECT_EQ(received.report->times->wakeups, sent.report->times->wakeups);
+  EXPECT_EQ(received.report->times->round_trips, sent.report->times->round_trips);
+
+  sent.report->times.reset();
+  ASSERT_EQ(decode(encoder.samples(sent), received), DropReason::none);
+  ASSERT_TRUE(received.report);
+  EXPECT_FALSE(received.report->times);
+}
+
+TEST(HandReportCodec, TimesFitIntoTheFullestDatagramOfSamples) {
+  constexpr std::size_t kHeaderAndTag = 40;
+  test::Generator random(14);
+  Encoder encoder;
+  SampleBatch sent = test::random_batch(random, 20, kMaxRedundancy + 1, true), received;
+  sent.previous = 1;
+  sent.lead = Lead{};
+  sent.report = HandReport{.times = HandTimes{}};
+  const Bytes payload = encoder.samples(sent);
+  EXPECT_LE(payload.size() + kHeaderAndTag, kMaxDatagram);
+  EXPECT_EQ(decode(payload, received), DropReason::none);
+}
+
+TEST(HandTimes, AreCountedUpToTheLimitOfTheirClass) {
+  using namespace std::chrono_literals;
+  HandTimes::Counts counts{};
+  for (const auto time : {0ns, 20'000ns, 20'001ns, 10'000'000ns, 10'000'001ns, 3'600'000'000'000ns})
+    count(counts, hand_time_limits::kWakeups, time);
+  EXPECT_EQ(counts, (HandTimes::Counts{2, 1, 0, 0, 0, 0, 1, 2}));
+}
+
+TEST(HandTimes, AreHeardOverLossAndWrapping) {
+  HandTimesHeard heard;
+  EXPECT_FALSE(heard.heard());
+  HandTimes said;
+  said.wakeups[3] = 65'000;  // of a session before
+  heard.take(said);
+  EXPECT_TRUE(heard.heard());
+  EXPECT_EQ(heard.wakeups()[3], 0u);
+  std::uint64_t counted = 0;
+  for (int i = 0; i < 10; ++i) {  // what was lost between two of these does not matter
+    said.wakeups[3] = static_cast<std::uint16_t>(said.wakeups[3] + 60'000);
+    ++said.round_trips[7];
+    counted += 60'000;
+    heard.take(said);
+    EXPECT_EQ(heard.wakeups()[3], counted);
+  }
+  EXPECT_EQ(heard.round_trips()[7], 10u);
+  EXPECT_EQ(heard.wakeups()[2], 0u);
+}
+
 }  // namespace
 }  // namespace feltwire::hand_report_codec_test

@@ -220,6 +220,24 @@ TEST(Messages, SessionsSayWhatTheyAskedFor) {
   EXPECT_EQ(entry["packet_hz"], 250.0);
   EXPECT_TRUE(entry["loss"].is_null());
   EXPECT_TRUE(entry["late_ticks"].is_null());
+  EXPECT_TRUE(entry["wakeups"].is_null());
+}
+
+TEST(Messages, SessionsSayHowPunctualTheyAre) {
+  HandDescription hand;
+  hand.times.take(HandTimes{});
+  HandTimes said;
+  said.wakeups[0] = 990;
+  said.wakeups[7] = 2;
+  said.round_trips[1] = 500;
+  hand.times.take(said);
+  const Json entry = Json::parse(sessions({&hand, 1}, {}, {}, 1.5))["sessions"][0];
+  EXPECT_EQ(entry["wakeups"], Json({990, 0, 0, 0, 0, 0, 0, 2}));
+  EXPECT_EQ(entry["round_trips"], Json({0, 500, 0, 0, 0, 0, 0, 0}));
+  const Json said_first = Json::parse(hello({}, Role::observer));
+  EXPECT_EQ(said_first["wakeup_limits"].size(), 7u);
+  EXPECT_EQ(said_first["wakeup_limits"][0], 2e-5);
+  EXPECT_EQ(said_first["round_trip_limits"][6], 0.1);
 }
 
 /// As a gateway knows them.

@@ -111,7 +111,8 @@ export async function startServer({folder, port = 0, hands = 2, bodies = 1, toke
     if (!viewers.has(viewer)) {
       if (message.token !== token) return viewer.close(4401, 'unknown token');
       viewers.add(viewer);
-      viewer.json({type: 'hello', version: 'mock', scenes: ['room', 'other'], role: 'observer', modes: ['contact_frame', 'per_axis'], reasons: REASONS});
+      viewer.json({type: 'hello', version: 'mock', scenes: ['room', 'other'], role: 'observer', modes: ['contact_frame', 'per_axis'], reasons: REASONS,
+        wakeup_limits: [2e-5, 5e-5, 1e-4, 2e-4, 5e-4, 1e-3, 1e-2], round_trip_limits: [2e-4, 5e-4, 1e-3, 2e-3, 5e-3, 0.02, 0.1]});
       sendScene(viewer, 'room');
     }
     if (message.ticket) viewer.json({type: 'ticket', scene: message.ticket, path: `/foxglove?ticket=fw_${message.ticket}`, seconds: 60});

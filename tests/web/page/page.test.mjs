@@ -397,3 +397,26 @@ test('shows how long answers take since it was asked', async () => {
   assert.equal(Number(last[2]), 4 * Number(first[2]));
   await press('Escape');
 });
+
+test('shows how late the chosen hand wakes and how long its round trips take, since it was asked', async () => {
+  await open();
+  await until(() => window.feltwire().scene === 'room');
+  await until(() => document.querySelectorAll('#sessions tbody tr').length > 1);
+  await press('h');
+  const tables = () => [...document.querySelectorAll('#times h3')].filter((heading) => heading.textContent.startsWith('alice: ')).map((heading) => ({
+    title: heading.textContent, rows: [...heading.nextSibling.rows].map((row) => [row.cells[0].textContent, Number(row.cells[2].textContent.replaceAll(',', ''))]),
+  }));
+  await until(() => [...document.querySelectorAll('#times h3')].filter((heading) => (
+    heading.textContent.startsWith('alice: ') && Number(heading.nextSibling.rows[7].cells[2].textContent.replaceAll(',', '')) > 0)).length === 2);
+  const [wakeups, trips] = await page.evaluate(`(${tables})()`);
+  assert.equal(wakeups.title, 'alice: How late the servo woke');
+  assert.deepEqual(wakeups.rows.map(([limit]) => limit), ['≤ 20 µs', '≤ 50 µs', '≤ 100 µs', '≤ 200 µs', '≤ 500 µs', '≤ 1 ms', '≤ 10 ms', '> 10 ms']);
+  assert.equal(trips.title, 'alice: Round trip of a sample and its reply');
+  assert.deepEqual([trips.rows[0][0], trips.rows[7][0]], ['≤ 200 µs', '> 100 ms']);
+  for (const [rows, first] of [[wakeups.rows, 0], [trips.rows, 2]]) {
+    assert.ok(rows[first][1] > 0);
+    assert.equal(rows[7][1], 3 * rows[first][1]);  // What was counted before it was asked is left out.
+    assert.equal(rows[1][1], 0);
+  }
+  await press('Escape');
+});

@@ -82,10 +82,17 @@ export class Play {
       number: i + 1, tool: i === 1 ? 'peg' : 'tip', client: ['alice', 'bob', 'carol', 'dave'][i] ?? `guest${i}`, device: i === 1 ? 'simulated' : 'falcon', session: `${4711 + i}`, mode: i === 1 ? 'contact_frame' : 'shaped', side: i === 1 ? 'server' : 'client', rate_hz: 1000,
       packet_hz: 500, round_trip_ms: i === 3 ? null : 3.1 + i, loss: i === 1 ? 0.013 : 0, delivered_j: this.energy[i].delivered,
       samples: Math.floor(1000 * (this.time - 100)), seconds: this.time - 100,
+      wakeups: i === 0 ? this.#counts(0) : null, round_trips: i === 0 ? this.#counts(2) : null,
       projection: 'cone', storage: 'minimal', laws_taken: i === 2 ? 'safe' : 'none', link_taken: i === 2,
       asked: i === 2 ? 'mode shaped -> none' : null, answer: i === 2 ? 'refused' : null,
     }));
     return {type: 'sessions', time: this.time, sessions};
+  }
+
+  /** Counts by class: one a millisecond in class `first`, and three in the last class. @param {number} first */
+  #counts(first) {
+    const samples = Math.floor(1000 * (this.time - 100));
+    return Array.from({length: 8}, (_, i) => (i === first ? samples : i === 7 ? 3 * samples : 7));
   }
 
   /** @returns {Buffer} a message of kind 2 */

@@ -32,7 +32,7 @@ const sessions = new Sessions(document.querySelector('#sessions table'), choose)
 const labels = new Labels(element('labels'));
 const admin = new Admin(element('admin'), element('admin-open'), (message) => connection.send(message));
 const foxglove = new Foxglove(element('foxglove'));
-const times = new Times(element('times'), () => page.scene);
+const times = new Times(element('times'), () => page.scene, () => ({name: sessions.name(page.chosen), session: sessions.sessions.get(page.chosen)}));
 const page = {scene: '', pictures: 0, firstPicture: null, sceneAt: null, unread: 0, held: false, chosen: null, connection: ''};
 const replay = new Replay(() => connection.end('Recordings are read on this machine; nothing is sent.'));
 let latest = new Picture();  // the newest that came
@@ -74,6 +74,7 @@ function takeText(message) {
       sessions.reasons = message.reasons ?? [];
       showScenes(message.scenes ?? []);
       admin.hello(message);
+      times.hello(message);
       element('version').textContent = `feltwire ${message.version ?? ''}`;
       break;
     case 'scene':
@@ -297,7 +298,7 @@ bindKeys(element('keys'), [
     view.stale = true;
   }},
   {keys: ['o'], text: 'open a recording', act: () => element('recording-files').click()},
-  {keys: ['h'], text: 'times of the server, as histograms', act: () => times.open()},
+  {keys: ['h'], text: 'times of the server and of the chosen hand, as histograms', act: () => times.open()},
   {keys: ['l'], text: 'light or dark', act: () => element('theme').click()},
   {keys: ['?'], text: 'this list', act: () => element('help').showModal()},
 ], () => !replay.active);

@@ -1,11 +1,16 @@
-// How long the server's answers take, and how late it wakes for what moves: the histograms of its /metrics.
+// Histograms: how long the server's answers take and how late it wakes, from its /metrics; how late the chosen hand's servo
+// wakes and how long its round trips take, from the list of sessions.
 
 import {TOKEN_KEY} from './socket.js';
 
 const PERIOD = 1000;  // [ms]
-const TITLES = {
+const SERVER_TITLES = {
   feltwire_answer_seconds: 'From when the server took a datagram up to its answer',
   feltwire_world_late_seconds: 'How late the server woke for what moves',
+};
+const HAND_TITLES = {
+  wakeups: 'How late the servo woke',
+  round_trips: 'Round trip of a sample and its reply',
 };
 
 /**
@@ -26,6 +31,9 @@ export function readTimes(text, metric, scene) {
   });
 }
 
+/** @param {number[] | null} counts of a session @param {number[]} limits [s] of all classes but the last, of the server's hello */
+const classesOf = (counts, limits) => (counts ?? []).map((count, i) => ({limit: limits[i] ?? Infinity, count}));
+
 /** "≤ 20 µs" */
 function limitText(limit, longest) {
   if (limit === Infinity) return `> ${timeText(longest)}`;
@@ -40,13 +48,21 @@ export class Times {
   /**
    * @param {HTMLDialogElement} dialog what shows them, from when it is opened
    * @param {() => string} scene the name of the scene that is shown
+   * @param {() => {name: string, session: object | undefined}} hand the chosen one
    */
-  constructor(dialog, scene) {
+  constructor(dialog, scene, hand) {
     this.dialog = dialog;
     this.scene = scene;
-    this.begin = new Map();  // by metric: the counts when the dialog was opened
+    this.hand = hand;
+    this.limits = {wakeups: [], round_trips: []};
+    this.begin = new Map();  // by histogram: the counts when the dialog was opened
     this.timer = null;
     dialog.addEventListener('close', () => clearInterval(this.timer));
+  }
+
+  /** @param {object} message the server's hello */
+  hello(message) {
+    this.limits = {wakeups: message.wakeup_limits ?? [], round_trips: message.round_trip_limits ?? []};
   }
 
   open() {
@@ -63,20 +79,30 @@ export class Times {
       const answer = await fetch('metrics', {headers: {Authorization: `Bearer ${sessionStorage.getItem(TOKEN_KEY)}`}});
       if (!answer.ok) throw new Error(`the server answered ${answer.status}`);
       const text = await answer.text();
-      this.dialog.querySelector('div').replaceChildren(...Object.entries(TITLES).flatMap(([metric, title]) => this.#table(text, metric, title)));
+      this.dialog.querySelector('div').replaceChildren(...this.#ofServer(text), ...this.#ofHand());
       said.textContent = 'Since this was opened. The bars are logarithmic.';
     } catch (error) {
       said.textContent = `The times cannot be read: ${error.message}.`;
     }
   }
 
-  #table(text, metric, title) {
-    const classes = readTimes(text, metric, this.scene());
-    if (!this.begin.has(metric)) this.begin.set(metric, classes);
-    const begin = this.begin.get(metric);
+  #ofServer(text) {
+    const scene = this.scene();
+    return Object.entries(SERVER_TITLES).flatMap(([metric, title]) => this.#table(`${scene} ${metric}`, title, readTimes(text, metric, scene)));
+  }
+
+  #ofHand() {
+    const {name, session} = this.hand();
+    return Object.entries(HAND_TITLES).flatMap(([counts, title]) => (
+      this.#table(`${session?.session} ${counts}`, `${name}: ${title}`, classesOf(session?.[counts], this.limits[counts]))));
+  }
+
+  #table(key, title, classes) {
+    if (!this.begin.has(key)) this.begin.set(key, classes);
+    const begin = this.begin.get(key);
     const counts = classes.map(({count}, i) => Math.max(0, count - (begin[i]?.count ?? 0)));
     const most = Math.max(...counts, 1);
-    if (classes.length === 0 || classes.every(({count}) => count === 0)) return [];  // Nothing moves in this scene, say.
+    if (classes.every(({count}) => count === 0)) return [];  // Nothing moves in this scene, say, or the client does not tell.
     const heading = document.createElement('h3');
     heading.textContent = title;
     const table = document.createElement('table');
