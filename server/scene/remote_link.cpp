@@ -182,6 +182,21 @@ void RemoteLink::tell_walls(Remote& remote) const noexcept {
   }
 }
 
+std::optional<SeenRobot> RemoteLink::seen(Nanoseconds now) const noexcept {
+  if (robot_ == 0 || said_.index == 0) return std::nullopt;
+  return SeenRobot{.pose = said_.pose,
+                   .target = said_.commanded,
+                   .force = said_.force,
+                   .torque = said_.torque,
+                   .state = state(),
+                   .hand = hand_,
+                   .ok = said_.ok,
+                   .stopped = said_.stopped,
+                   .touches = said_.contact.touching,
+                   .gripper = said_.gripper,
+                   .age = std::max(0.0, seconds(now - robot_heard_))};
+}
+
 RobotTarget RemoteLink::target(Nanoseconds now) noexcept {
   fresh_ = answers_ = false;
   sent_at_ = now;

@@ -4,11 +4,13 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 
 #include "core/scene/scene.hpp"
 #include "core/teleoperation/authority.hpp"
 #include "core/teleoperation/engage_index.hpp"
 #include "protocol/wire/datagram.hpp"
+#include "protocol/wire/scene_view.hpp"
 
 namespace feltwire {
 
@@ -49,6 +51,9 @@ class RemoteLink {
 
   /// The `remote` of the reply to that hand. For a hand that leads no robot: disabled.
   Remote told(std::uint32_t hand, Nanoseconds now) const noexcept;
+
+  /// For those who look on. Nothing: no robot sits there, or it has said nothing yet.
+  std::optional<SeenRobot> seen(Nanoseconds now) const noexcept;
 
   /// Whether there is a target to send: a new one, or none went for kBetweenTargets.
   bool target_due(Nanoseconds now) const noexcept {
