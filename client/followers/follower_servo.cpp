@@ -54,6 +54,10 @@ void validate(const FollowerOptions& options) {
   above_zero(options.gripper.speed, "the gripper's speed limit");
   above_zero(options.gripper.catch_up, "the gripper's speed limit while it catches up");
   above_zero(seconds(options.silence), "the time of silence");
+  if (options.workspace.count > Workspace::kMostGiven)
+    throw std::invalid_argument("follower: its workspace has " +
+                                std::to_string(options.workspace.count) +
+                                " walls; give 16 at most");
   if (!has_room(options.workspace, 0.0))
     throw std::invalid_argument(
         "follower: its workspace leaves no place that is inside of all its walls; move them apart");

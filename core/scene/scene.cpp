@@ -145,6 +145,9 @@ MaybeViolation check(const RemoteSeat& seat) {
     if (!(value > 0.0 && value <= most))
       return Violation{field, "is " + number_text(value) + "; give a number above 0, at most " +
                                   number_text(most)};
+  if (seat.workspace.count > Workspace::kMostGiven)
+    return Violation{"workspace.walls",
+                     "are " + std::to_string(seat.workspace.count) + "; give 16 at most"};
   if (has_room(seat.workspace, seat.wall_depth * seat.scale)) return std::nullopt;
   return Violation{"workspace",
                    "leaves no place that is " + number_text(seat.wall_depth * seat.scale) +

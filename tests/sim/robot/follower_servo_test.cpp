@@ -208,6 +208,9 @@ TEST(FollowerServo, RefusesLimitsThatAreNone) {
   FollowerOptions nowhere;
   nowhere.workspace = box(Vec3(0, 0, 0), Vec3(1, 1, -0.01));
   EXPECT_THROW(FollowerServo(robot.spec(), nowhere), std::invalid_argument);
+  FollowerOptions crowded;
+  while (crowded.workspace.count <= Workspace::kMostGiven) crowded.workspace.add({});
+  EXPECT_THROW(FollowerServo(robot.spec(), crowded), std::invalid_argument);
 }
 
 }  // namespace
