@@ -24,7 +24,9 @@ control::JoinRequest request_of(const FollowerRun& run, const FollowerSpec& spec
   device.name = spec.name;
   SessionParameters parameters;
   parameters.servo_period = spec.servo_period;
-  return {run.name, run.scene, device, parameters, Role::follower};
+  control::JoinRequest request{run.name, run.scene, device, parameters, Role::follower};
+  request.workspace = run.options.workspace;
+  return request;
 }
 
 class FollowerLoop {
@@ -57,6 +59,7 @@ class FollowerLoop {
     datagrams_.emplace(joined.accepted.session, joined.keys);
     port_ = std::move(port);
     servo_.reconnected();
+    servo_.sit(joined.accepted.workspace);
     ++result_.sessions;
     if (run_.on_join) run_.on_join();
   }

@@ -54,6 +54,13 @@ void validate(const FollowerOptions& options) {
   above_zero(options.gripper.speed, "the gripper's speed limit");
   above_zero(options.gripper.catch_up, "the gripper's speed limit while it catches up");
   above_zero(seconds(options.silence), "the time of silence");
+  if (options.workspace.count > Workspace::kMostGiven)
+    throw std::invalid_argument("follower: its workspace has " +
+                                std::to_string(options.workspace.count) +
+                                " walls; give 16 at most");
+  if (!has_room(options.workspace, 0.0))
+    throw std::invalid_argument(
+        "follower: its workspace leaves no place that is inside of all its walls; move them apart");
 }
 
 FollowerServo::FollowerServo(const FollowerSpec& spec, const FollowerOptions& options)
@@ -61,6 +68,7 @@ FollowerServo::FollowerServo(const FollowerSpec& spec, const FollowerOptions& op
       options_(checked(options)),
       estimate_(estimate_of(spec)),
       energy_(spec.wrench_noise),
+      limit_(options.workspace),
       motion_(options.motion),
       gripper_(options.gripper, spec.gripper_opening),
       limiter_({.stiffness = spec.stiffness,
@@ -68,6 +76,11 @@ FollowerServo::FollowerServo(const FollowerSpec& spec, const FollowerOptions& op
                 .leash = options.leash,
                 .first_touch = options.first_touch,
                 .unfelt = options.unfelt}) {}
+
+void FollowerServo::sit(const Workspace& seat) noexcept {
+  limit_ = WorkspaceLimit(joined(options_.workspace, seat));
+  limit_.begin(wanted_.pose);
+}
 
 void FollowerServo::take(const RobotTarget& target, Nanoseconds now) noexcept {
   if (target.index <= target_.index) {
@@ -118,7 +131,10 @@ void FollowerServo::steer(bool follow, double elapsed) noexcept {
     // In contact from the target that is held, at rest: what the motion was at is not where the
     // limits of the contact have left it. In free flight it goes on as it moves, and brakes.
     if (touching) motion_.begin(wanted_.pose);
-    if (follow) gripper_.engage();
+    if (follow) {
+      gripper_.engage();
+      limit_.begin(wanted_.pose);
+    }
     ++(follow ? statistics_.engagements : statistics_.holds);
     following_ = follow;
   }
@@ -129,7 +145,9 @@ void FollowerServo::steer(bool follow, double elapsed) noexcept {
     hand_work_ = target_.hand_work;
     wanted_.gripper = gripper_.step(target_.gripper, elapsed);
   }
-  const Pose& pose = follow ? motion_.follow(target_.pose, elapsed) : motion_.stop(elapsed);
+  // What moves has a way to brake, so the walls hold behind the limits of motion, too.
+  const Pose& pose = limit_.keep(follow ? motion_.follow(limit_.keep(target_.pose), elapsed)
+                                        : motion_.stop(elapsed));
   wanted_.pose.position = limiter_.step({.wanted = pose.position,
                                          .robot = tip_,
                                          .force = state_.force.value_or(Vec3::Zero()),
@@ -158,6 +176,7 @@ FollowerTarget FollowerServo::step(const FollowerReading& reading, Nanoseconds n
     tip_ = reading.pose.position;
     wanted_ = {reading.commanded, reading.gripper};
     motion_.begin(reading.commanded);
+    limit_.begin(reading.commanded);
     gripper_.begin(reading.gripper);
   } else if (now > last_) {
     // A sample that is late by much is no reason for a large step.

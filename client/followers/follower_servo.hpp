@@ -11,6 +11,7 @@
 #include "core/teleoperation/gripper_follow.hpp"
 #include "core/teleoperation/motion_limit.hpp"
 #include "core/teleoperation/target_limiter.hpp"
+#include "core/teleoperation/workspace.hpp"
 #include "protocol/wire/robot.hpp"
 
 namespace feltwire {
@@ -21,6 +22,7 @@ struct FollowerOptions {
   double leash = 20.0;       // [N] the most that the controller's spring may pull
   double first_touch = 3.0;  // [N] while the hand does not know of the contact
   double unfelt = 3.0;       // [N] that the hand need not have paid for
+  Workspace workspace;       // of its target, beside that of its seat; at most kMostGiven walls
   /// Without a target for that long the robot brakes and holds.
   Nanoseconds silence = std::chrono::milliseconds(100);
 };
@@ -40,19 +42,25 @@ struct FollowerStatistics {
 /// The way from a target to the robot, in this order:
 ///   1. it follows while the newest target says `engaged`, is young, and the robot is well; else it
 ///      brakes, or stands at once where it touches something;
-///   2. the limits of motion (MotionLimit);
-///   3. first touch, felt, leash (TargetLimiter); the gripper follows at its own speed
+///   2. the workspace, its own and that of its seat (WorkspaceLimit), before and after
+///   3. the limits of motion (MotionLimit);
+///   4. first touch, felt, leash (TargetLimiter); the gripper follows at its own speed
 ///      (GripperFollow);
 /// and what it says: its pose and wrench, the surface that it touches (ContactEstimate) with the
 /// stiffness of surface and robot one behind the other, and its energy (ContactEnergy).
 ///
 /// When it begins to follow, it does so from the target that it holds: no target that was sent
-/// before counts. A reading that is faulty or not finite moves nothing. Never allocates after
-/// its construction.
+/// before counts. Its target is then not farther behind a wall of the workspace than it was, for
+/// any target that comes; it is behind one only where something else has pushed the robot there,
+/// and the spring, never stronger than the leash, pulls it back. A reading that is faulty or not
+/// finite moves nothing. Never allocates after its construction.
 class FollowerServo {
  public:
   /// Throws std::invalid_argument naming the number and the remedy.
   FollowerServo(const FollowerSpec& spec, const FollowerOptions& options = {});
+
+  /// The workspace of the seat, beside its own; both hold from the next sample on.
+  void sit(const Workspace& seat) noexcept;
 
   /// A target that came at `now`. One that is not newer changes nothing.
   void take(const RobotTarget& target, Nanoseconds now) noexcept;
@@ -86,6 +94,7 @@ class FollowerServo {
   FollowerOptions options_;
   ContactEstimate estimate_;
   ContactEnergy energy_;
+  WorkspaceLimit limit_;
   MotionLimit motion_;
   GripperFollow gripper_;
   TargetLimiter limiter_;

@@ -40,6 +40,8 @@ std::uint64_t renew(std::map<Key, Seen>& known, std::size_t most, Key from, Key 
 }  // namespace
 
 void ObservedScene::take(const SceneView& view) {
+  robot_gone_ = robot_ && !view.robot;
+  robot_ = view.robot;
   left_out_ +=
       renew(hands_, kMostHands, view.hands_from, view.hands_end, view.hands(), hands_gone_);
   left_out_ +=

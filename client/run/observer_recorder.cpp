@@ -7,6 +7,7 @@ namespace feltwire {
 std::string text(const SightCounts& counts) {
   return "  sees " + std::to_string(counts.hands) + (counts.hands == 1 ? " hand, " : " hands, ") +
          std::to_string(counts.bodies) + (counts.bodies == 1 ? " body" : " bodies") +
+         (counts.robot ? ", a robot (" + std::string(name(*counts.robot)) + ")" : "") +
          (counts.left_out > 0 ? ", " + std::to_string(counts.left_out) + " left out" : "");
 }
 
@@ -19,6 +20,8 @@ void ObserverRecorder::look() {
     ++counts_.views;
     counts_.hands = scene_.hands().size();
     counts_.bodies = scene_.bodies().size();
+    const auto& robot = scene_.robot();
+    counts_.robot = robot ? std::optional(robot->state) : std::nullopt;
     counts_.left_out = scene_.left_out();
     counts_.most_hands = std::max(counts_.most_hands, counts_.hands);
     counts_.most_bodies = std::max(counts_.most_bodies, counts_.bodies);

@@ -17,10 +17,12 @@ struct SightCounts {
   std::uint64_t views = 0;                      // that came
   std::size_t hands = 0, bodies = 0;            // that there are, as far as is known
   std::size_t most_hands = 0, most_bodies = 0;  // at once
+  std::optional<LinkState> robot{};             // its state; nothing: there is none
   std::uint64_t left_out = 0;  // times that there was no room for one (ObservedScene)
 };
 
-/// "  sees 2 hands, 1 body", and ", 3 left out" where there was no room for all.
+/// "  sees 2 hands, 1 body", then ", a robot (engaged)" where one is seen, and ", 3 left out" where
+/// there was no room for all.
 std::string text(const SightCounts& counts);
 
 /// Gets the time [s] of a view since the first tick, and all that is known of the scene by then.

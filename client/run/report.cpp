@@ -205,9 +205,13 @@ Json changes(const std::deque<Changes::Done>* done) {
 
 Json sight(const std::optional<SightCounts>& seen, const LoopResult& loop) {
   if (!seen) return nullptr;
-  return {{"views", seen->views},           {"views_dropped", loop.views_dropped},
-          {"hands", seen->hands},           {"bodies", seen->bodies},
-          {"most_hands", seen->most_hands}, {"most_bodies", seen->most_bodies},
+  return {{"views", seen->views},
+          {"views_dropped", loop.views_dropped},
+          {"hands", seen->hands},
+          {"bodies", seen->bodies},
+          {"most_hands", seen->most_hands},
+          {"most_bodies", seen->most_bodies},
+          {"robot", seen->robot ? Json(std::string(name(*seen->robot))) : Json(nullptr)},
           {"left_out", seen->left_out}};
 }
 

@@ -42,6 +42,18 @@ void ViewFile::add(const TimedView& shown, const ObservedScene& scene) {
     append_pose(lines, body.pose);
     lines += ",,,\n";
   }
+  if (const auto& robot = shown.view.robot) {
+    begin_row(lines, shown.time, "robot", static_cast<std::uint32_t>(robot->state));
+    append_pose(lines, robot->pose);
+    if (robot->force)
+      append_vector(lines, *robot->force);
+    else
+      lines += ",,,";
+    lines += '\n';
+    begin_row(lines, shown.time, "robot_target", robot->hand);
+    append_pose(lines, robot->target);
+    lines += ",,,\n";
+  }
   constexpr const char* kNothing = ",,,,,,,,,,\n";
   for (const std::uint32_t number : scene.hands_gone()) {
     begin_row(lines, shown.time, "hand_gone", number);
@@ -49,6 +61,10 @@ void ViewFile::add(const TimedView& shown, const ObservedScene& scene) {
   }
   for (const std::uint16_t object : scene.bodies_gone()) {
     begin_row(lines, shown.time, "body_gone", object);
+    lines += kNothing;
+  }
+  if (scene.robot_gone()) {
+    begin_row(lines, shown.time, "robot_gone", 0);
     lines += kNothing;
   }
 }

@@ -10,7 +10,9 @@
 namespace feltwire {
 
 /// Rows t,kind,id,x,y,z,qw,qx,qy,qz,fx,fy,fz: of a hand (id: its number) with the force on it, of a
-/// body (id: its object) without. hand_gone and body_gone have no more than their id.
+/// body (id: its object) without; of the robot's tool (id: the state) with the force on it, where
+/// it is sensed, and of its target (id: the hand that leads, 0: none) without. hand_gone, body_gone
+/// and robot_gone have no more than their id.
 class ViewFile {
  public:
   /// Creates or replaces the file and writes the header. Throws std::runtime_error naming the file

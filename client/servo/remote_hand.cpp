@@ -1,7 +1,9 @@
 #include "client/servo/remote_hand.hpp"
 
 #include <algorithm>
+#include <span>
 
+#include "client/servo/rise_limit.hpp"
 #include "core/base/numeric.hpp"
 
 namespace feltwire {
@@ -14,14 +16,20 @@ void RemoteHand::take(const Remote& remote) noexcept {
 void RemoteHand::forget() noexcept {
   remote_ = {};
   local_.clear();
+  walls_.clear();
   weight_ = share_ = 0.0;
 }
 
 double RemoteHand::step(const Vec3& hand, const Vec3& displacement, const Vec3& held,
                         double elapsed) noexcept {
   hand_work_ -= share_ * held.dot(displacement);
-  const bool tied = remote_.state == LinkState::engaged && remote_.contact.surface != 0;
-  index_.step(hand, displacement, tied ? remote_.contact : RemoteContact{}, elapsed);
+  const bool engaged = remote_.state == LinkState::engaged;
+  const bool tied = engaged && remote_.contact.surface != 0;
+  const std::span walls(remote_.walls.data(),
+                        engaged ? static_cast<std::size_t>(remote_.wall_count) : 0);
+  index_.step(hand, displacement, tied ? remote_.contact : RemoteContact{}, elapsed,
+              RobotWalls::reach(hand - index_.offset(), walls));
+  walls_.step(hand, walls, index_, elapsed);
   weight_ = tied ? 1.0 : std::max(0.0, weight_ - elapsed / fade_);
   if (tied)
     show(hand);
@@ -48,15 +56,21 @@ void RemoteHand::show(const Vec3& hand) noexcept {
   local_.take(model);
 }
 
+double RemoteHand::may_rise(double way, double elapsed) const noexcept {
+  return rise(local_.model(), way, elapsed) + rise(walls_.model(), way, elapsed);
+}
+
 Command RemoteHand::touch(const Tool& tool, const Command& beside, double age,
                           double elapsed) noexcept {
   Command command;
   if (weight_ > 0.0) command = weight_ * local_.touch(tool, age, elapsed).command;
-  const double here = length(command.force()), there = length(beside.force());
+  const Vec3 push = walls_.push(tool, elapsed);
+  const double here = length(command.force()), there = length(beside.force()) + length(push);
   share_ = here > 0.0 ? here / (here + there) : 0.0;
   const bool pushes = here > 0.0;
   if (pushing_ && !pushes && !remote_.contact.touching) energy_.begin_contact();
   pushing_ = pushes;
+  command.elastic += push;
   return command;
 }
 

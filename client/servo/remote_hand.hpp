@@ -4,6 +4,7 @@
 #include <cmath>
 #include <optional>
 
+#include "client/servo/robot_walls.hpp"
 #include "core/base/types.hpp"
 #include "core/local_model/local_contact.hpp"
 #include "core/teleoperation/energy_counters.hpp"
@@ -12,14 +13,14 @@
 
 namespace feltwire {
 
-/// The remote contact as a local model, where the hand meets it (docs/teleoperation.md). What it
-/// commands goes through the bound, the account and the safety limits like any command. Nothing
-/// here allocates, throws or reads a clock.
+/// The remote contact as a local model, where the hand meets it (docs/teleoperation.md), and the
+/// walls of the robot's workspace (RobotWalls). What all this commands goes through the bound, the
+/// account and the safety limits like any command. Nothing here allocates, throws or reads a clock.
 class RemoteHand {
  public:
   /// `trust`: how much the account is credited of what the robot says that its environment gave.
   /// `fade` [s] > 0: the force of a contact that is no more falls to nothing in this time.
-  RemoteHand(const RemoteTrust& trust, double fade) : energy_(trust), fade_(fade) {}
+  RemoteHand(const RemoteTrust& trust, double fade) : walls_(fade), energy_(trust), fade_(fade) {}
 
   /// Takes what the newest reply says of the robot.
   void take(const Remote& remote) noexcept;
@@ -31,8 +32,8 @@ class RemoteHand {
   double step(const Vec3& hand, const Vec3& displacement, const Vec3& held,
               double elapsed) noexcept;
 
-  /// The robot's contact at the tool, which the scene answers `beside`. `age` [s] of what was
-  /// taken.
+  /// The robot's contact and the walls of its workspace at the tool, which the scene answers
+  /// `beside`. `age` [s] of what was taken.
   Command touch(const Tool& tool, const Command& beside, double age, double elapsed) noexcept;
 
   /// `deadman`: the switch is held now. `gripper` [m] that the hand means; what is not finite or
@@ -46,14 +47,15 @@ class RemoteHand {
   }
 
   const Remote& remote() const noexcept { return remote_; }
-  /// The surface that touch() renders, for who asks how fast its force may rise.
-  const LocalModel& surface() const noexcept { return local_.model(); }
+  /// [N] that the force of touch() may rise by while the tool moves by `way` [m].
+  double may_rise(double way, double elapsed) const noexcept;
 
  private:
   void show(const Vec3& hand) noexcept;
 
   SurfaceIndex index_;
   LocalContact local_;
+  RobotWalls walls_;
   RemoteEnergy energy_;
   Remote remote_;
   double fade_;

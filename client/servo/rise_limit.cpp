@@ -6,9 +6,6 @@
 
 namespace feltwire {
 
-namespace {
-
-/// [N] that the surfaces may add while the tool moves by `way` [m].
 double rise(const LocalModel& model, double way, double elapsed) noexcept {
   double allowed = 0.0;
   for (const SurfacePatch& patch : model.view()) {
@@ -21,12 +18,9 @@ double rise(const LocalModel& model, double way, double elapsed) noexcept {
   return allowed;
 }
 
-}  // namespace
-
 Command RiseLimit::apply(const Command& command, const LocalModel& model, double way,
-                         double elapsed, const LocalModel* more) noexcept {
-  double allowed = last_ + slew_ * elapsed + rise(model, way, elapsed);
-  if (more != nullptr) allowed += rise(*more, way, elapsed);
+                         double elapsed, double beside) noexcept {
+  const double allowed = last_ + slew_ * elapsed + rise(model, way, elapsed) + beside;
   const double wanted = length(command.force());
   last_ = std::min(wanted, allowed);
   return reduction(allowed, wanted) * command;

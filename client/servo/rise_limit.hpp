@@ -7,6 +7,9 @@
 
 namespace feltwire {
 
+/// [N] that the force of a model's surfaces may rise by while the tool moves by `way` [m].
+double rise(const LocalModel& model, double way, double elapsed) noexcept;
+
 /// The force of a local model may rise as the tool moves over its surfaces, and beyond that no
 /// faster than a slew. So a hand that rests feels no step when the scene is changed, when a surface
 /// comes into the model, or when the model says something again. A bound like contact_frame does
@@ -17,9 +20,9 @@ class RiseLimit {
   explicit RiseLimit(double slew) : slew_(slew) {}
 
   /// The command, scaled down where it rose faster. The tool moved by `way` [m] over `elapsed` [s].
-  /// `more`: surfaces beside the model's; null: none.
+  /// `beside` [N]: what other surfaces than the model's may add.
   Command apply(const Command& command, const LocalModel& model, double way, double elapsed,
-                const LocalModel* more = nullptr) noexcept;
+                double beside = 0.0) noexcept;
 
   /// Tells the force that the hand holds after a tick that did not call apply().
   void given(const Vec3& force) noexcept { last_ = length(force); }

@@ -278,8 +278,9 @@ Command Servo::render(const DeviceReading& reading, Nanoseconds now) noexcept {
     if (factor < 1.0) ++statistics_.faded;
     step.command = faded(wanted_, factor);
     if (near_ && law_.shapes)
-      step.command = rise_.apply(step.command, local_.model(), length(model_moved_), step.hold_time,
-                                 remote_ ? &remote_->surface() : nullptr);
+      step.command =
+          rise_.apply(step.command, local_.model(), length(model_moved_), step.hold_time,
+                      remote_ ? remote_->may_rise(length(model_moved_), step.hold_time) : 0.0);
     trail_.asked = asked;
     trail_.actuated = wanted_;
     trail_.faded = step.command;

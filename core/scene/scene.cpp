@@ -136,13 +136,23 @@ MaybeViolation check(const RemoteSeat& seat) {
   const struct {
     const char* field;
     double value, most;
-  } numbers[] = {
-      {"scale", seat.scale, 100.0}, {"speed", seat.speed, 10.0}, {"force", seat.force, 1e4}};
+  } numbers[] = {{"scale", seat.scale, 100.0},
+                 {"speed", seat.speed, 10.0},
+                 {"force", seat.force, 1e4},
+                 {"workspace.stiffness", seat.wall_stiffness, kMaxStiffness},
+                 {"workspace.depth", seat.wall_depth, kMaxWallDepth}};
   for (const auto& [field, value, most] : numbers)
     if (!(value > 0.0 && value <= most))
       return Violation{field, "is " + number_text(value) + "; give a number above 0, at most " +
                                   number_text(most)};
-  return std::nullopt;
+  if (seat.workspace.count > Workspace::kMostGiven)
+    return Violation{"workspace.walls",
+                     "are " + std::to_string(seat.workspace.count) + "; give 16 at most"};
+  if (has_room(seat.workspace, seat.wall_depth * seat.scale)) return std::nullopt;
+  return Violation{"workspace",
+                   "leaves no place that is " + number_text(seat.wall_depth * seat.scale) +
+                       " m (depth times scale) inside of all its walls; move them apart, turn a "
+                       "normal that points outwards, or lock an axis instead"};
 }
 
 MaybeViolation broken_name(const std::string& name) {

@@ -10,6 +10,7 @@
 #include "core/base/json_document.hpp"
 #include "core/base/kept_files.hpp"
 #include "core/scene/tool_view.hpp"
+#include "core/teleoperation/workspace.hpp"
 
 namespace feltwire {
 
@@ -27,6 +28,10 @@ struct RemoteSeat {
   double scale = 1.0;   // > 0 [m of the robot per m of the hand]
   double speed = 0.25;  // > 0 [m/s] that the robot is meant for; a hand that jumps is told by it
   double force = 40.0;  // > 0 [N] on the robot's tool, above which it holds
+  Workspace workspace = {};  // of the target, in the robot's frame; at most kMostGiven walls
+  // How the hand feels its walls, in the hand's measure.
+  double wall_stiffness = 1000.0;  // > 0 [N/m]
+  double wall_depth = 5e-3;        // > 0 [m] before the wall from which on it is felt
 };
 
 class Scene {

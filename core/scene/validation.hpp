@@ -26,6 +26,7 @@ using MaybeViolation = std::optional<Violation>;
 
 inline constexpr double kMaxLength = 1e6;     // [m] sizes and coordinates
 inline constexpr double kMaxStiffness = 1e9;  // [N/m]
+inline constexpr double kMaxWallDepth = 0.1;  // [m] of a workspace's walls
 inline constexpr double kMaxDamping = 1e6;    // [N s/m], viscous friction too
 inline constexpr double kMaxFrictionCoefficient = 100.0;
 inline constexpr double kLargestTravel = 1e3;       // [m], [rad] of a joint

@@ -8,6 +8,7 @@
 #include "core/scene_file/read_bodies.hpp"
 #include "core/scene_file/read_fields.hpp"
 #include "core/scene_file/read_values.hpp"
+#include "core/scene_file/read_workspace.hpp"
 #include "core/scene_file/scene_text.hpp"
 #include "core/scene_file/shown_error.hpp"
 
@@ -91,7 +92,8 @@ Start read_start(const JsonDocument& document, const scene_file::Scene& scene) {
 void read_remote(const JsonDocument& document, const scene_file::Scene& scene, Scene& result) {
   const auto* r = scene.remote();
   if (r == nullptr) return;
-  const RemoteSeat seat{.scale = r->scale(), .speed = r->speed(), .force = r->force()};
+  RemoteSeat seat{.scale = r->scale(), .speed = r->speed(), .force = r->force()};
+  if (const auto* w = r->workspace()) read_workspace(document, *w, seat);
   require(document, "remote", check(seat));
   result.set_remote(seat);
 }

@@ -4,6 +4,7 @@
 #include "core/base/types.hpp"
 #include "core/teleoperation/contact_estimate.hpp"
 #include "core/teleoperation/energy_counters.hpp"
+#include "core/teleoperation/workspace.hpp"
 
 namespace feltwire {
 
@@ -32,6 +33,10 @@ class EngageIndex {
             (hand.orientation * turn_).normalized()};
   }
 
+  /// From now on every target is `movement` [m] farther. So a target that a limit moved is where
+  /// the hand is, and a hand that comes back moves the robot at once.
+  void shift(const Vec3& movement) noexcept { target_.position += movement; }
+
   /// A contact of the robot, where the hand meets it.
   RemoteContact at_hand(const RemoteContact& contact) const noexcept {
     RemoteContact seen = contact;
@@ -39,6 +44,10 @@ class EngageIndex {
     seen.velocity = contact.velocity / scale_;
     seen.stiffness = contact.stiffness * scale_;
     return seen;
+  }
+  WorkspaceWall at_hand(const WorkspaceWall& wall) const noexcept {
+    return {wall.normal,
+            wall.normal.dot(hand_.position) - wall.clearance(target_.position) / scale_};
   }
   EnergyCounters at_hand(const EnergyCounters& robot) const noexcept {
     return {robot.given / scale_, robot.taken / scale_, robot.pushed / scale_};

@@ -6,6 +6,7 @@
 #include "core/base/numeric.hpp"
 #include "core/base/types.hpp"
 #include "core/teleoperation/contact_estimate.hpp"
+#include "core/teleoperation/workspace.hpp"
 
 namespace feltwire {
 
@@ -18,6 +19,9 @@ namespace feltwire {
 /// change. Later the offset is given back by a share of the hand's free movement that is hardly
 /// noticed.
 ///
+/// A hand that goes on behind a wall of the robot's workspace takes the offset along, so that the
+/// robot is wanted at the wall and follows at once where the hand comes back.
+///
 /// The offset is sent in every sample, so that both sides have the same. Nothing here allocates,
 /// throws or reads a clock.
 class SurfaceIndex {
@@ -25,17 +29,18 @@ class SurfaceIndex {
   static constexpr double kYoung = 0.1;       // [s]
   static constexpr double kGivenBack = 0.2;   // of free movement
   static constexpr double kFreeAbove = 5e-3;  // [m] from the surface
+  static constexpr double kFarthest = 1e3;    // [m] on each axis, by walls that are far away
 
   /// The hand moved by `displacement` [m] to `hand` in `elapsed` [s]; `seen` is the newest contact
-  /// that the leader knows. All finite.
-  void step(const Vec3& hand, const Vec3& displacement, const RemoteContact& seen,
-            double elapsed) noexcept {
+  /// that the leader knows. All finite. `holds`: nothing is given back now.
+  void step(const Vec3& hand, const Vec3& displacement, const RemoteContact& seen, double elapsed,
+            bool holds = false) noexcept {
     const double height = (hand - offset_ - seen.point).dot(seen.normal);
     const bool known = seen.surface != 0 && seen.surface == known_;
     const bool young = known && age_ < kYoung;
     const bool free = known && !young && height > kFreeAbove && !seen.touching;
     if (seen.surface == 0 || free) {
-      give_back(displacement);
+      if (!holds) give_back(displacement);
     } else if (!known) {
       if (height < 0.0) offset_ += height * seen.normal;
       age_ = 0.0;
@@ -45,6 +50,14 @@ class SurfaceIndex {
     }
     known_ = seen.surface;
     place_ = seen.point;
+  }
+
+  /// From now on the robot is wanted in front of these walls, which are told in the measure of the
+  /// hand.
+  void keep_in_front(const Vec3& hand, std::span<const WorkspaceWall> walls) noexcept {
+    const Vec3 wanted = hand - offset_;
+    const Vec3 offset = hand - nearest_in_front(wanted, walls);
+    if (offset.cwiseAbs().maxCoeff() <= kFarthest) offset_ = offset;
   }
 
   const Vec3& offset() const noexcept { return offset_; }          // [m]

@@ -250,11 +250,12 @@ Bytes Encoder::reply(const Reply& reply, const SceneView* view) {
   const auto normals = build(builder, reply.normals);
   const auto change = build(builder, reply.change);
   const wire::Remote remote = reply.remote ? wire_remote(*reply.remote) : wire::Remote();
+  const auto walls = build_walls(builder, reply.remote);
   return builder_->finish(wire::CreateReply(
       builder, reply.sample_index, reply.client_time.count(), reply.server_receive_time.count(),
       reply.server_send_time.count(), &elastic, &frictional, reply.rotation ? &torque : nullptr,
       &report, reply.withheld, reply.predicted ? &rates : nullptr, model, seen, normals,
-      reply.remote ? &remote : nullptr, change));
+      reply.remote ? &remote : nullptr, change, walls));
 }
 
 Bytes Encoder::goodbye(GoodbyeReason reason) {
@@ -334,6 +335,8 @@ DropReason decode(Bytes payload, Reply& out, SceneView* view) noexcept {
   const Aligned bytes(payload);
   const auto* root = bytes.root<wire::Reply>();
   if (root == nullptr) return DropReason::malformed;
+  if (root->walls() != nullptr && !aligned(*root->walls(), alignof(wire::RobotWall)))
+    return DropReason::malformed;
 
   const wire::BoundingReport& report = *root->report();
   out.sample_index = root->sample_index();
@@ -362,7 +365,11 @@ DropReason decode(Bytes payload, Reply& out, SceneView* view) noexcept {
   if (out.modelled && !read(*root->model(), out.model)) return DropReason::count;
   if (!read(root->normals(), out.normals)) return DropReason::count;
   out.remote.reset();
-  const bool remote_read = root->remote() == nullptr || read(*root->remote(), out.remote.emplace());
+  bool remote_read = root->remote() == nullptr || read(*root->remote(), out.remote.emplace());
+  if (const auto* walls = root->walls(); walls != nullptr && out.remote) {
+    if (walls->size() > kMostRemoteWalls) return DropReason::count;
+    remote_read = read(*walls, *out.remote) && remote_read;
+  }
   const DropReason seen = read_view(root->view(), view);
   if (seen == DropReason::count) return seen;
   const DropReason changed = read(root->change(), out.change);

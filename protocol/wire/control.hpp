@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/device/device_spec.hpp"
+#include "core/teleoperation/workspace.hpp"
 #include "protocol/crypto/secret.hpp"
 #include "protocol/crypto/session_keys.hpp"
 #include "protocol/session/client_change.hpp"
@@ -43,7 +44,8 @@ struct JoinRequest {
   std::string version =
       {};                // of the client (core/build_info), for the server's log; empty: not said
   bool figures = false;  // of an observer: views have the figures of hands (scene_view.hpp)
-  ChangesTaken takes = {};  // what an admin may change at the client while it runs
+  ChangesTaken takes = {};   // what an admin may change at the client while it runs
+  Workspace workspace = {};  // of a follower: its own; at most Workspace::kMostGiven walls
 };
 struct JoinAccepted {
   std::uint64_t session = 0;
@@ -57,6 +59,7 @@ struct JoinAccepted {
   CipherSuite suite = CipherSuite::chacha20_poly1305;  // that the datagrams are sealed with
   std::string tool;     // that the hand holds; empty: the scene's only one
   std::string version;  // of the server (core/build_info), for the report; empty: not said
+  Workspace workspace;  // of a follower: that of its seat
 };
 struct LeaveRequest {
   std::uint64_t session = 0;

@@ -90,14 +90,38 @@ bool read(const wire::SessionParameters& from, SessionParameters& to) {
          read_enum(from.side(), to.side) && read_enum(from.predictor(), to.predictor);
 }
 
+/// Absent: it stays without limits.
+bool read(const wire::Workspace* from, Workspace& to) {
+  if (from == nullptr) return true;
+  constexpr unsigned kTurning = 1u << 3;
+  to = {};
+  if (from->locked() >= 2 * kTurning) return false;
+  for (std::size_t axis = 0; axis < to.locked.size(); ++axis)
+    to.locked[axis] = (from->locked() & 1u << axis) != 0;
+  to.turning_locked = (from->locked() & kTurning) != 0;
+  const auto* walls = from->walls();
+  if (walls == nullptr) return true;
+  if (!aligned(*walls, alignof(wire::Wall)) || walls->size() > Workspace::kMostGiven) return false;
+  for (const wire::Wall* wall : *walls) {
+    const Vec3 normal = vector(wall->normal());
+    // Written so that NaN fails.
+    if (!(std::abs(normal.squaredNorm() - 1.0) <= kUnitTolerance) ||
+        !(std::abs(wall->distance()) <= Workspace::kFarthest))
+      return false;
+    to.add({normal.normalized(), wall->distance()});
+  }
+  return true;
+}
+
 bool read(const wire::JoinRequest& from, JoinRequest& to) {
   to.figures = from.figures();
   to.aes_256_gcm = from.aes_256_gcm();
   to.takes.link = from.link_taken();
-  return read_name(from.tool(), to.tool) && read_name(from.version(), to.version) &&
-         read_name(from.client(), to.client) && read_name(from.scene(), to.scene) &&
-         read(*from.device(), to.device) && read(*from.parameters(), to.parameters) &&
-         read_enum(from.role(), to.role) && read_enum(from.laws_taken(), to.takes.laws);
+  return read(from.workspace(), to.workspace) && read_name(from.tool(), to.tool) &&
+         read_name(from.version(), to.version) && read_name(from.client(), to.client) &&
+         read_name(from.scene(), to.scene) && read(*from.device(), to.device) &&
+         read(*from.parameters(), to.parameters) && read_enum(from.role(), to.role) &&
+         read_enum(from.laws_taken(), to.takes.laws);
 }
 bool read(const wire::JoinAccepted& from, JoinAccepted& to) {
   to.session = from.session();
@@ -110,9 +134,9 @@ bool read(const wire::JoinAccepted& from, JoinAccepted& to) {
   to.stiffness = from.stiffness();
   to.suite = static_cast<CipherSuite>(from.suite());
   // Numbered from 1: there is no suite of number 0.
-  return from.suite() >= wire::CipherSuite::MIN && from.suite() <= wire::CipherSuite::MAX &&
-         read_name(from.tool(), to.tool) && read_name(from.version(), to.version) &&
-         read(*from.parameters(), to.parameters);
+  return read(from.workspace(), to.workspace) && from.suite() >= wire::CipherSuite::MIN &&
+         from.suite() <= wire::CipherSuite::MAX && read_name(from.tool(), to.tool) &&
+         read_name(from.version(), to.version) && read(*from.parameters(), to.parameters);
 }
 bool read(const wire::LeaveRequest& from, LeaveRequest& to) {
   to.session = from.session();

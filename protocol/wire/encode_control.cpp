@@ -68,6 +68,19 @@ Offset<wire::SessionParameters> build(FlatBufferBuilder& builder, const SessionP
       p.local_model);
 }
 
+/// Nothing where there are no limits.
+Offset<wire::Workspace> build(FlatBufferBuilder& builder, const Workspace& w) {
+  if (!w.limits()) return 0;
+  std::vector<wire::Wall> walls;
+  for (const WorkspaceWall& wall : w.view()) walls.emplace_back(vector(wall.normal), wall.distance);
+  constexpr unsigned kTurning = 1u << 3;
+  unsigned locked = w.turning_locked ? kTurning : 0;
+  for (std::size_t axis = 0; axis < w.locked.size(); ++axis)
+    if (w.locked[axis]) locked |= 1u << axis;
+  return wire::CreateWorkspace(builder, builder.CreateVectorOfStructs(walls),
+                               static_cast<std::uint8_t>(locked));
+}
+
 /// The union's member of each message.
 struct BodyBuilder {
   FlatBufferBuilder& builder;
@@ -78,17 +91,21 @@ struct BodyBuilder {
     // By length, here and below: a name may hold a zero byte, and is then no shorter.
     const auto client = builder.CreateString(m.client), scene = builder.CreateString(m.scene);
     const auto tool = name_if_any(builder, m.tool), version = name_if_any(builder, m.version);
-    return wire::CreateJoinRequest(
-        builder, client, scene, device, parameters, wire_enum<wire::Role>(m.role), m.aes_256_gcm,
-        tool, version, m.figures, wire_enum<wire::LawsTaken>(m.takes.laws), m.takes.link);
+    const auto workspace = build(builder, m.workspace);
+    return wire::CreateJoinRequest(builder, client, scene, device, parameters,
+                                   wire_enum<wire::Role>(m.role), m.aes_256_gcm, tool, version,
+                                   m.figures, wire_enum<wire::LawsTaken>(m.takes.laws),
+                                   m.takes.link, workspace);
   }
   Offset<wire::JoinAccepted> operator()(const JoinAccepted& m) {
     const wire::Vector position = vector(m.start_position), normal = vector(m.start_normal);
     const auto parameters = build(builder, m.parameters);
     const auto tool = name_if_any(builder, m.tool), version = name_if_any(builder, m.version);
-    return wire::CreateJoinAccepted(
-        builder, m.session, m.port_offset, parameters, m.silence_timeout, m.friction, m.rotation,
-        &position, &normal, m.stiffness, wire_enum<wire::CipherSuite>(m.suite), tool, version);
+    const auto workspace = build(builder, m.workspace);
+    return wire::CreateJoinAccepted(builder, m.session, m.port_offset, parameters,
+                                    m.silence_timeout, m.friction, m.rotation, &position, &normal,
+                                    m.stiffness, wire_enum<wire::CipherSuite>(m.suite), tool,
+                                    version, workspace);
   }
   Offset<wire::LeaveRequest> operator()(const LeaveRequest& m) {
     return wire::CreateLeaveRequest(builder, m.session);

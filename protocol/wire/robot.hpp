@@ -2,6 +2,7 @@
 // What a hand that leads and a robot that follows tell each other, as values. PROTOCOL.md, "A robot
 // that follows", has their bytes.
 
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <cstdint>
@@ -11,6 +12,7 @@
 #include "core/teleoperation/authority.hpp"
 #include "core/teleoperation/contact_estimate.hpp"
 #include "core/teleoperation/energy_counters.hpp"
+#include "core/teleoperation/workspace.hpp"
 
 namespace feltwire {
 
@@ -27,15 +29,27 @@ struct Lead {
   double gripper = -1.0;            // [m] opening that is wanted; < 0: not said; float32
 };
 
+/// A wall of the robot's workspace as a leading hand is told it: in the hand's measure, before its
+/// offset. The target ends at the wall; the hand feels a spring from `depth` in front of it on.
+struct RemoteWall {
+  WorkspaceWall wall;      // its normal is float32 on the wire
+  double stiffness = 0.0;  // [N/m] > 0; float32
+  double depth = 0.0;      // [m] > 0; float32
+  std::uint32_t number = 0;
+};
+inline constexpr int kMostRemoteWalls = 3;
+
 /// The part of a reply that tells a leading hand of its robot. The contact's stiffness is that of
 /// surface and robot in series. Its vectors, except the point, are float32 on the wire.
 struct Remote {
   LinkState state = LinkState::disabled;
-  Pose pose;                                  // of the robot's tool, in its own frame
-  RemoteContact contact;                      // where the hand meets it, before its offset
-  EnergyCounters energy;                      // in the hand's measure
-  double gripper = 0.0, gripper_force = 0.0;  // [m] opening, [N] that it holds with
-  double age = 0.0;                           // [s] since that came from the robot
+  Pose pose;                                         // of the robot's tool, in its own frame
+  RemoteContact contact;                             // where the hand meets it, before its offset
+  EnergyCounters energy;                             // in the hand's measure
+  double gripper = 0.0, gripper_force = 0.0;         // [m] opening, [N] that it holds with
+  double age = 0.0;                                  // [s] since that came from the robot
+  std::array<RemoteWall, kMostRemoteWalls> walls{};  // those nearest to the target
+  int wall_count = 0;
 };
 
 /// One servo sample of a robot, in its own frame.

@@ -1,5 +1,7 @@
 #include "protocol/wire/robot_codec.hpp"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "protocol/wire/payload.hpp"
@@ -14,6 +16,7 @@ constexpr std::uint32_t kFlagSensed = 1u << 0, kFlagOk = 1u << 1, kFlagStopped =
 constexpr double kFastest = 100.0;  // [m/s] no surface and no robot is faster
 constexpr double kStiffest = 1e9;   // [N/m]
 constexpr double kMostForce = 1e6;  // [N], [N m]
+constexpr double kDeepest = 0.1f;   // [m] of a felt wall; as float32 has it
 
 // All written so that NaN fails.
 bool within(double value, double most) { return std::abs(value) <= most; }
@@ -31,6 +34,12 @@ bool plausible(const RemoteContact& c) {
   return within(c.point, kMaxPosition) && within(c.normal.squaredNorm() - 1.0, kUnitTolerance) &&
          within(c.velocity, kFastest) && c.stiffness > 0.0 && c.stiffness <= kStiffest &&
          c.friction >= 0.0 && within(c.friction, kMostForce);
+}
+
+bool plausible(const wire::RobotWall& w) {
+  return within(value(w.normal()).squaredNorm() - 1.0, kUnitTolerance) &&
+         within(w.distance(), kMaxPosition) && w.stiffness() > 0.0 && w.stiffness() <= kStiffest &&
+         w.depth() > 0.0 && w.depth() <= kDeepest;
 }
 
 bool plausible(const EnergyCounters& e) {
@@ -114,6 +123,31 @@ bool read(const wire::Remote& from, Remote& to) noexcept {
   return plausible(to.pose) && plausible(to.contact) && plausible(to.energy) &&
          std::isfinite(to.gripper) && std::isfinite(to.gripper_force) && to.age >= 0.0 &&
          std::isfinite(to.age);
+}
+
+flatbuffers::Offset<flatbuffers::Vector<const wire::RobotWall*>> build_walls(
+    flatbuffers::FlatBufferBuilder& builder, const std::optional<Remote>& remote) {
+  if (!remote || remote->wall_count == 0) return {};
+  std::array<wire::RobotWall, kMostRemoteWalls> walls;
+  const auto count = static_cast<std::size_t>(std::min(remote->wall_count, kMostRemoteWalls));
+  for (std::size_t i = 0; i < count; ++i) {
+    const RemoteWall& w = remote->walls[i];
+    walls[i] = {w.wall.distance, wire_float(w.wall.normal), static_cast<float>(w.stiffness),
+                static_cast<float>(w.depth), w.number};
+  }
+  return builder.CreateVectorOfStructs(walls.data(), count);
+}
+
+bool read(const flatbuffers::Vector<const wire::RobotWall*>& from, Remote& to) noexcept {
+  bool good = true;
+  to.wall_count = static_cast<int>(from.size());
+  for (flatbuffers::uoffset_t i = 0; i < from.size(); ++i) {
+    const wire::RobotWall& w = *from[i];
+    to.walls[i] = {
+        {value(w.normal()).normalized(), w.distance()}, w.stiffness(), w.depth(), w.wall()};
+    good = good && plausible(w);
+  }
+  return good;
 }
 
 Bytes Encoder::state(const RobotState& s) {

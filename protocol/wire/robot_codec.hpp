@@ -15,4 +15,10 @@ wire::Remote wire_remote(const Remote& remote);
 /// False when a number in it is impossible.
 bool read(const wire::Remote& from, Remote& to) noexcept;
 
+/// Nothing where there are none.
+flatbuffers::Offset<flatbuffers::Vector<const wire::RobotWall*>> build_walls(
+    flatbuffers::FlatBufferBuilder& builder, const std::optional<Remote>& remote);
+/// Precondition: at most kMostRemoteWalls, aligned. False when a number in them is impossible.
+bool read(const flatbuffers::Vector<const wire::RobotWall*>& from, Remote& to) noexcept;
+
 }  // namespace feltwire

@@ -9,6 +9,7 @@
 #include <span>
 
 #include "core/base/types.hpp"
+#include "core/teleoperation/authority.hpp"
 #include "protocol/wire/hand_report.hpp"
 
 namespace feltwire {
@@ -42,6 +43,19 @@ struct SeenBody {
   Pose pose;
 };
 
+/// The robot on the scene's seat, in its own frame. Float32 on the wire.
+struct SeenRobot {
+  Pose pose;                                         // of the tool
+  Pose target;                                       // that its controller holds
+  std::optional<Vec3> force{};                       // [N] on the tool; none: not sensed
+  Vec3 torque = Vec3::Zero();                        // [N m] likewise
+  LinkState state = LinkState::disabled;             // of it and the hand that leads it
+  std::uint32_t hand = 0;                            // the number of that hand; 0: none
+  bool ok = true, stopped = false, touches = false;  // as it says
+  double gripper = 0.0;                              // [m] opening
+  double age = 0.0;                                  // [s] since it said all that
+};
+
 /// A part of the scene: all hands with hands_from <= number < hands_end, and all moving objects
 /// with bodies_from <= object < bodies_end. A hand or object of these ranges that is not listed
 /// does not exist, or not any more. The next views bring the other ranges, in turns.
@@ -57,6 +71,7 @@ struct SceneView {
   std::uint32_t hands_from = 0, hands_end = 0;
   std::uint16_t bodies_from = 0, bodies_end = 0;
   std::size_t hand_count = 0, body_count = 0;
+  std::optional<SeenRobot> robot;         // in every view while a robot sits there
   std::array<SeenHand, kMaxHands> hand;   // by rising number
   std::array<SeenBody, kMaxBodies> body;  // by rising object
 
@@ -72,6 +87,8 @@ constexpr std::size_t view_room(double between_datagrams) {
   constexpr double kThin = 0.04;  // [s]
   return between_datagrams > kThin ? kThinRoom : kRoom;
 }
+/// [bytes] That a robot takes of it.
+inline constexpr std::size_t kSeenRobotRoom = 112;
 /// [bytes] That figures take of it beside their own size.
 inline constexpr std::size_t kFiguresOverhead = 32;
 

@@ -12,6 +12,9 @@ static_assert(sizeof(wire::SeenHand) == SceneView::kHandSize);
 static_assert(sizeof(wire::SeenBody) == SceneView::kBodySize);
 static_assert(sizeof(wire::HandFigures) == SceneView::kFiguresSize);
 
+static_assert(sizeof(wire::SeenRobot) <= kSeenRobotRoom - 12);  // its place in the table, padding
+
+constexpr std::uint32_t kSensed = 1u << 0, kWell = 1u << 1, kStopped = 1u << 2, kTouches = 1u << 3;
 constexpr std::uint16_t kReported = 1, kHasAccount = 2;  // flags of figures
 
 wire::SeenHand wire_seen(const SeenHand& hand) {
@@ -72,6 +75,22 @@ SeenBody value(const wire::SeenBody& body) {
   return {body.object(), {feltwire::value(body.position()), feltwire::value(body.orientation())}};
 }
 
+wire::SeenRobot wire_seen(const SeenRobot& r) {
+  const std::uint32_t flags = (r.force ? kSensed : 0) | (r.ok ? kWell : 0) |
+                              (r.stopped ? kStopped : 0) | (r.touches ? kTouches : 0);
+  return {wire_float(r.pose.position),
+          wire_float(r.pose.orientation),
+          wire_float(r.target.position),
+          wire_float(r.target.orientation),
+          wire_float(r.force.value_or(Vec3::Zero())),
+          wire_float(r.torque),
+          static_cast<std::uint32_t>(r.state),
+          r.hand,
+          flags,
+          static_cast<float>(r.gripper),
+          static_cast<float>(r.age)};
+}
+
 std::uint32_t place(const SeenHand& hand) { return hand.number; }
 std::uint32_t place(const SeenBody& body) { return body.object; }
 
@@ -85,6 +104,25 @@ bool finite(const HandFigures& f) {
   return f.proxy.allFinite() && f.elastic.allFinite() && f.frictional.allFinite() &&
          std::isfinite(f.depth) && std::isfinite(f.delivered) && std::isfinite(f.burned) &&
          (!f.report || f.report->finite());
+}
+
+DropReason read(const wire::SeenRobot& from, SeenRobot& to) noexcept {
+  if (from.state() > static_cast<std::uint32_t>(kLastLinkState)) return DropReason::not_finite;
+  to = {.pose = {feltwire::value(from.position()), feltwire::value(from.orientation())},
+        .target = {feltwire::value(from.target()), feltwire::value(from.target_turn())},
+        .torque = feltwire::value(from.torque()),
+        .state = static_cast<LinkState>(from.state()),
+        .hand = from.hand(),
+        .ok = (from.flags() & kWell) != 0,
+        .stopped = (from.flags() & kStopped) != 0,
+        .touches = (from.flags() & kTouches) != 0,
+        .gripper = static_cast<double>(from.gripper()),
+        .age = static_cast<double>(from.age())};
+  if ((from.flags() & kSensed) != 0) to.force = feltwire::value(from.force());
+  const bool good = finite(to.pose) && finite(to.target) && (!to.force || to.force->allFinite()) &&
+                    to.torque.allFinite() && std::isfinite(to.gripper) && to.age >= 0.0 &&
+                    std::isfinite(to.age);
+  return good ? DropReason::none : DropReason::not_finite;
 }
 
 /// One of the two lists: in [begin, end), rising.
@@ -143,8 +181,10 @@ flatbuffers::Offset<wire::SceneView> build(flatbuffers::FlatBufferBuilder& build
       known[i] = wire_figures(view.hand[i].figures.value_or(HandFigures{}));
     figures = builder.CreateVectorOfStructs(known.data(), count);
   }
+  const wire::SeenRobot robot = view.robot ? wire_seen(*view.robot) : wire::SeenRobot();
   return wire::CreateSceneView(builder, view.hands_from, view.hands_end, view.bodies_from,
-                               view.bodies_end, seen_hands, seen_bodies, figures);
+                               view.bodies_end, seen_hands, seen_bodies, figures,
+                               view.robot ? &robot : nullptr);
 }
 
 DropReason read(const wire::SceneView& from, SceneView& out) noexcept {
@@ -157,7 +197,10 @@ DropReason read(const wire::SceneView& from, SceneView& out) noexcept {
       read(from.hands(), out.hands_from, out.hands_end, out.hand, out.hand_count);
   const DropReason bodies =
       read(from.bodies(), out.bodies_from, out.bodies_end, out.body, out.body_count);
-  const DropReason seen = first_of(hands, bodies);
+  out.robot.reset();
+  const DropReason robot =
+      from.robot() == nullptr ? DropReason::none : read(*from.robot(), out.robot.emplace());
+  const DropReason seen = first_of(first_of(hands, bodies), robot);
   if (from.figures() == nullptr || hands == DropReason::count) return seen;
   return first_of(seen, read_figures(*from.figures(), out));
 }

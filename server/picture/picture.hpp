@@ -10,6 +10,7 @@
 #include "core/base/types.hpp"
 #include "core/local_model/local_model.hpp"
 #include "protocol/wire/datagram.hpp"
+#include "protocol/wire/scene_view.hpp"
 
 namespace feltwire {
 
@@ -67,6 +68,7 @@ struct Picture {
   std::uint32_t version = 0;  // of the scene: 1, and one more with each reload
   std::vector<PictureHand> hands;
   std::vector<PictureBody> bodies;
+  std::optional<SeenRobot> robot;  // on the scene's seat
 };
 
 /// The facts of a hand that do not change during a session, or change slowly.

@@ -32,8 +32,9 @@ constexpr double kMostWork = 1e3;  // [J]
 
 }  // namespace
 
-void RemoteLink::sit(std::uint32_t robot) noexcept {
+void RemoteLink::sit(std::uint32_t robot, const Workspace& own) noexcept {
   robot_ = robot;
+  limit_ = WorkspaceLimit(joined(seat_.workspace, own));
   said_ = {};
   targets_ = 0;
   fresh_ = answers_ = false;
@@ -110,8 +111,13 @@ void RemoteLink::lead(std::uint32_t hand, const SampleBatch& batch, double perio
   step(refused, now);
   if (state() == LinkState::engaged) {
     const Pose hand_pose{newest.pose.position - lead_.offset, newest.pose.orientation};
-    if (!was_engaged) index_.engage(hand_pose, said_.commanded);
-    wanted_ = index_.target(hand_pose);
+    if (!was_engaged) {
+      index_.engage(hand_pose, said_.commanded);
+      limit_.begin(said_.commanded);
+    }
+    const Pose asked = index_.target(hand_pose);
+    wanted_ = limit_.keep(asked);
+    index_.shift(limit_.free_part(wanted_.position - asked.position));
   }
   fresh_ = true;
 }
@@ -146,8 +152,49 @@ Remote RemoteLink::told(std::uint32_t hand, Nanoseconds now) const noexcept {
                 .gripper_force = said_.gripper_force,
                 .age = std::max(0.0, seconds(now - robot_heard_))};
   // What the hand meets is known only where both are tied together.
-  if (state() == LinkState::engaged) remote.contact = tellable(index_.at_hand(said_.contact));
+  if (state() != LinkState::engaged) return remote;
+  remote.contact = tellable(index_.at_hand(limit_.free_part(said_.contact)));
+  tell_walls(remote);
   return remote;
+}
+
+/// Those that are nearest to the target, by rising distance.
+void RemoteLink::tell_walls(Remote& remote) const noexcept {
+  std::array<double, kMostRemoteWalls> nearest{};
+  const auto walls = limit_.walls();
+  for (std::size_t i = 0; i < walls.size(); ++i) {
+    const double clearance = walls[i].clearance(wanted_.position);
+    if (!(clearance < kToldWall)) continue;
+    const WorkspaceWall wall = index_.at_hand(walls[i]);
+    if (!(std::abs(wall.distance) <= kMaxPosition)) continue;
+    int at = remote.wall_count;
+    while (at > 0 && clearance < nearest[static_cast<std::size_t>(at) - 1]) --at;
+    if (at == kMostRemoteWalls) continue;
+    remote.wall_count = std::min(remote.wall_count + 1, kMostRemoteWalls);
+    for (auto n = static_cast<std::size_t>(remote.wall_count) - 1; n > static_cast<std::size_t>(at);
+         --n) {
+      remote.walls[n] = remote.walls[n - 1];
+      nearest[n] = nearest[n - 1];
+    }
+    nearest[static_cast<std::size_t>(at)] = clearance;
+    remote.walls[static_cast<std::size_t>(at)] = {wall, seat_.wall_stiffness, seat_.wall_depth,
+                                                  static_cast<std::uint32_t>(i)};
+  }
+}
+
+std::optional<SeenRobot> RemoteLink::seen(Nanoseconds now) const noexcept {
+  if (robot_ == 0 || said_.index == 0) return std::nullopt;
+  return SeenRobot{.pose = said_.pose,
+                   .target = said_.commanded,
+                   .force = said_.force,
+                   .torque = said_.torque,
+                   .state = state(),
+                   .hand = hand_,
+                   .ok = said_.ok,
+                   .stopped = said_.stopped,
+                   .touches = said_.contact.touching,
+                   .gripper = said_.gripper,
+                   .age = std::max(0.0, seconds(now - robot_heard_))};
 }
 
 RobotTarget RemoteLink::target(Nanoseconds now) noexcept {

@@ -4,11 +4,13 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 
 #include "core/scene/scene.hpp"
 #include "core/teleoperation/authority.hpp"
 #include "core/teleoperation/engage_index.hpp"
 #include "protocol/wire/datagram.hpp"
+#include "protocol/wire/scene_view.hpp"
 
 namespace feltwire {
 
@@ -23,10 +25,14 @@ class RemoteLink {
   /// A hand jumped that moved so many times as far as the speed allows.
   static constexpr double kJump = 5.0;
 
+  /// A wall of the workspace is told to the hand while it is nearer to the target than this [m].
+  static constexpr double kToldWall = 0.5;
+
   explicit RemoteLink(const RemoteSeat& seat) : seat_(seat), index_(seat.scale) {}
 
-  /// A robot sits down; hands and robots are numbered alike, from 1.
-  void sit(std::uint32_t robot) noexcept;
+  /// A robot sits down; hands and robots are numbered alike, from 1. `own`: limits that it has
+  /// beside those of the seat; both hold.
+  void sit(std::uint32_t robot, const Workspace& own = {}) noexcept;
   /// A hand or a robot is gone.
   void leave(std::uint32_t number) noexcept;
   bool taken() const noexcept { return robot_ != 0; }
@@ -46,6 +52,9 @@ class RemoteLink {
   /// The `remote` of the reply to that hand. For a hand that leads no robot: disabled.
   Remote told(std::uint32_t hand, Nanoseconds now) const noexcept;
 
+  /// For those who look on. Nothing: no robot sits there, or it has said nothing yet.
+  std::optional<SeenRobot> seen(Nanoseconds now) const noexcept;
+
   /// Whether there is a target to send: a new one, or none went for kBetweenTargets.
   bool target_due(Nanoseconds now) const noexcept {
     return robot_ != 0 && (fresh_ || (answers_ && now - sent_at_ >= kBetweenTargets));
@@ -61,10 +70,12 @@ class RemoteLink {
   void stop_waiting(std::uint32_t hand) noexcept;
   void hand_over(std::uint32_t hand, const Sample& newest, Nanoseconds now) noexcept;
   void step(bool refused, Nanoseconds now) noexcept;
+  void tell_walls(Remote& remote) const noexcept;
 
   RemoteSeat seat_;
   Authority authority_;
   EngageIndex index_;
+  WorkspaceLimit limit_;
   std::uint32_t robot_ = 0, hand_ = 0;  // 0: none
   Sample sample_;                       // the hand's newest; index 0: none yet
   Lead lead_;

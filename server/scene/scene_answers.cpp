@@ -47,7 +47,8 @@ Bytes SceneSessions::answer_samples(SessionSlot& slot, Bytes payload,
 Bytes SceneSessions::show(SessionSlot& slot, const Reply& reply, Nanoseconds now) noexcept {
   const SessionParameters& parameters = slot.session.parameters();
   const double between = parameters.packet_interval * parameters.servo_period;
-  const std::size_t room = view_room(between);
+  view_.robot = link_ ? link_->seen(now) : std::nullopt;
+  const std::size_t room = view_room(between) - (view_.robot ? kSeenRobotRoom : 0);
   if (slot.figures) {
     slot.observer_view.show(hands_, world_.get(), room - kFiguresOverhead, view_,
                             SceneView::kHandSize + SceneView::kFiguresSize);

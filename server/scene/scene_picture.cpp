@@ -93,6 +93,7 @@ void SceneSessions::draw(Picture& picture, Nanoseconds now) const {
   picture.time = now;
   picture.hands.clear();
   picture.bodies.clear();
+  picture.robot = link_ ? link_->seen(now) : std::nullopt;
   for (const auto& slot : slots_) {
     const Session& session = slot->session;
     if (session.observes()) continue;

@@ -17,6 +17,12 @@ std::optional<control::Refused> SceneSessions::refuse_robot(
                             scene +
                                 " has one seat for a robot, and a robot sits there; end its "
                                 "session first"};
+  const RemoteSeat& seat = *scene_->remote();
+  if (!has_room(joined(seat.workspace, request.workspace), seat.wall_depth * seat.scale))
+    return control::Refused{
+        control::RefusalCode::bad_parameters,
+        "the robot's own workspace and that of " + scene +
+            " leave no place that is in both; widen one of them, or leave one out"};
   return std::nullopt;
 }
 

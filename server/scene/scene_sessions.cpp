@@ -87,7 +87,7 @@ void SceneSessions::take_over(const Scene& scene, std::unique_ptr<World> world) 
   if (world_ != nullptr) tick_ = from_seconds(world_->tick());
   link_.reset();
   if (scene.remote()) link_.emplace(*scene.remote());
-  if (link_ && robot_ != nullptr) link_->sit(robot_->number);
+  if (link_ && robot_ != nullptr) link_->sit(robot_->number, robot_workspace_);
 }
 
 std::vector<SceneSessions::GoodbyeDatagram> SceneSessions::enter(const Scene& scene,
@@ -200,7 +200,9 @@ control::Message SceneSessions::join(control::JoinRequest request, std::uint64_t
   if (!slot.session.observes()) hands_.push_back({slot.number, &slot.session});
   if (request.role == Role::follower) {
     robot_ = &slot;
-    link_->sit(slot.number);
+    robot_workspace_ = request.workspace;
+    link_->sit(slot.number, robot_workspace_);
+    accepted.workspace = scene_->remote()->workspace;
   }
   log({.kind = EventKind::join, .hand = slot.number, .time = now, .payload = logged});
   accepted.session = id;

@@ -229,6 +229,7 @@ class SceneSessions {
   IdMap<SessionSlot*> by_id_;
   std::optional<RemoteLink> link_;  // where the scene has a robot's seat
   SessionSlot* robot_ = nullptr;    // who sits there
+  Workspace robot_workspace_;       // of its own
   FairShare share_;
   std::array<std::uint64_t, 64> gone_{};  // the sessions that ended last
   std::size_t next_gone_ = 0;

@@ -284,10 +284,29 @@ std::vector<Bytes> geometry(const Scene& scene, std::uint32_t version) {
   return messages;
 }
 
+namespace {
+
+void put(Writer& writer, const SeenRobot& robot) {
+  writer.put(static_cast<std::uint32_t>(robot.state));
+  writer.put(robot.hand);
+  writer.put((robot.force ? 1u : 0u) | (robot.ok ? 2u : 0u) | (robot.stopped ? 4u : 0u) |
+             (robot.touches ? 8u : 0u));
+  for (const Pose* pose : {&robot.pose, &robot.target}) {
+    writer.put(pose->position);
+    writer.put(pose->orientation);
+  }
+  writer.put(robot.force.value_or(Vec3::Zero()));
+  writer.put(robot.torque);
+  writer.put(robot.gripper);
+  writer.put(robot.age);
+}
+
+}  // namespace
+
 Bytes picture(const Picture& picture, std::span<const HandRates> rates, Nanoseconds begin) {
-  constexpr std::size_t kHead = 24, kHand = 112, kBody = 32;
-  Writer writer(Kind::picture,
-                kHead + kHand * picture.hands.size() + kBody * picture.bodies.size());
+  constexpr std::size_t kHead = 24, kHand = 112, kBody = 32, kRobot = 100;
+  Writer writer(Kind::picture, kHead + kHand * picture.hands.size() +
+                                   kBody * picture.bodies.size() + (picture.robot ? kRobot : 0));
   writer.put(static_cast<std::uint32_t>(picture.hands.size()));
   writer.put(static_cast<std::uint32_t>(picture.bodies.size()));
   writer.put(picture.version);
@@ -312,6 +331,7 @@ Bytes picture(const Picture& picture, std::span<const HandRates> rates, Nanoseco
     writer.put(body.pose.position);
     writer.put(body.pose.orientation);
   }
+  if (picture.robot) put(writer, *picture.robot);
   return writer.take();
 }
 

@@ -20,6 +20,7 @@
 #include "sim/follower/follower_record.hpp"
 #include "sim/follower/follower_report.hpp"
 #include "sim/follower/robots.hpp"
+#include "sim/follower/workspace_option.hpp"
 
 namespace feltwire {
 namespace {
@@ -36,12 +37,14 @@ struct Words {
   CredentialOptions credentials;
   RobotChoice robot;
   std::optional<std::array<double, 3>> at;
+  WorkspaceWords workspace;
   FollowerRun run;
 };
 
 int follow(Words& words) {
   if (words.at) words.robot.at = Vec3((*words.at)[0], (*words.at)[1], (*words.at)[2]);
   check(words.robot);
+  words.run.options.workspace = workspace_of(words.workspace);
   words.run.server = {parse_endpoint(words.connect), credentials(words.credentials)};
   if (!words.link.empty())
     words.run.open_port = [link = parse_link(words.link)](const Address& scene) {
@@ -106,6 +109,14 @@ int main(int argc, char** argv) {
   app.add_option("--leash", words.run.options.leash,
                  "[N] Largest force by which the target pulls the robot")
       ->capture_default_str();
+  app.add_option("--workspace", words.workspace.box,
+                 "X0,Y0,Z0,X1,Y1,Z1 [m] Box that its target stays in, beside the workspace of its "
+                 "seat; both hold")
+      ->delimiter(',');
+  app.add_option("--lock", words.workspace.lock,
+                 "Axes that keep the value of each engagement, beside those of its seat: some of "
+                 "x,y,z,rotation")
+      ->delimiter(',');
   app.add_option("--duration", words.run.duration, "[s] Length of the run. 0: until it is stopped")
       ->capture_default_str();
   app.add_option("--reconnect", words.run.patience,

@@ -111,7 +111,8 @@ class Composition:
         self.compose("up", "-d", "--no-deps", "--no-recreate", *names)
         self.up_before = True
         for name in names:
-            if self.services[name]["command"][0] in ("feltwire-server", "feltwire-lab"):
+            program, what = self.services[name]["command"][:2]
+            if program in ("feltwire-server", "feltwire-lab") and what != "token":
                 wait_until(f"{name} to be healthy", lambda: self.healthy(name), 30)
 
     def remove_leftovers(self):
@@ -151,6 +152,11 @@ class Composition:
     def network(self, action, network, name):
         """docker network connect or disconnect."""
         engine("network", action, f"{self.project}_{network}", self.container(name))
+
+    def networks_of(self, name):
+        """The networks that a container is in, as the composition names them."""
+        networks = json.loads(engine("inspect", "--format", "{{json .NetworkSettings.Networks}}", self.container(name)))
+        return sorted(network.removeprefix(f"{self.project}_") for network in networks)
 
     def counters(self, server="server"):
         """What a running server has counted up to now, by scene."""

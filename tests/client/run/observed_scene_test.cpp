@@ -106,6 +106,8 @@ TEST(ObservedScene, KeepsNoMoreThanItsLimitsAndCountsTheRest) {
 TEST(ObserverRecorder, SaysWhatItHasNoRoomFor) {
   EXPECT_EQ(text(SightCounts{.hands = 2, .bodies = 1, .left_out = 3}),
             "  sees 2 hands, 1 body, 3 left out");
+  EXPECT_EQ(text(SightCounts{.robot = LinkState::hold}),
+            "  sees 0 hands, 0 bodies, a robot (hold)");
 }
 
 TEST(ObserverRecorder, CountsAndWritesDownWhatItSees) {
@@ -132,6 +134,40 @@ TEST(ObserverRecorder, CountsAndWritesDownWhatItSees) {
   EXPECT_EQ(observer.counts().views, 3u);
   EXPECT_EQ(observer.counts().most_hands, 2u);
   EXPECT_EQ(observer.counts().most_bodies, 1u);
+}
+
+TEST(ObserverRecorder, WritesDownTheRobot) {
+  const testing::TemporaryFolder folder;
+  const auto file = folder / "view.csv";
+  ObserverRecorder observer(file);
+  SceneView view = view_of(0, 0, {});
+  SeenRobot& robot = view.robot.emplace();
+  robot.pose.position = Vec3(0.25, 0.0, 1.0);
+  robot.target.position = Vec3(0.5, 0.0, 1.0);
+  robot.force = Vec3(0.0, -2.0, 3.0);
+  robot.state = LinkState::engaged;
+  robot.hand = 7;
+  observer.views().push({0.25, view});
+  observer.look();
+  EXPECT_EQ(observer.counts().robot, LinkState::engaged);
+  EXPECT_EQ(observer.scene().robot()->hand, 7u);
+  robot.force.reset();
+  robot.state = LinkState::fault;
+  robot.hand = 0;
+  observer.views().push({0.5, view});
+  view.robot.reset();
+  observer.views().push({0.75, view});
+  observer.views().push({1.0, view});
+  observer.look();
+  EXPECT_FALSE(observer.counts().robot);
+  EXPECT_FALSE(observer.scene().robot());
+  EXPECT_EQ(text_of(file),
+            "t,kind,id,x,y,z,qw,qx,qy,qz,fx,fy,fz\n"
+            "0.25,robot,2,0.25,0,1,1,0,0,0,0,-2,3\n"
+            "0.25,robot_target,7,0.5,0,1,1,0,0,0,,,\n"
+            "0.5,robot,5,0.25,0,1,1,0,0,0,,,\n"
+            "0.5,robot_target,0,0.5,0,1,1,0,0,0,,,\n"
+            "0.75,robot_gone,0,,,,,,,,,,\n");
 }
 
 TEST(ObserverRecorder, SaysWhyItCannotWrite) {

@@ -58,6 +58,19 @@ TEST(ControlBadInput, NumbersOutOfPlaceAreNoMessage) {
   EXPECT_FALSE(decode(moved));
 }
 
+TEST(ControlBadInput, WallsOutOfPlaceAreNoMessage) {
+  JoinRequest sent = request();
+  sent.workspace.add_box(Vec3(-1, -1, -1), Vec3(1, 1, 1));
+  const auto frame = encode(sent);
+  const std::vector<std::uint8_t> bytes(body(frame).begin(), body(frame).end());
+  const wire::Workspace* workspace =
+      wire::GetControlMessage(bytes.data())->body_as_JoinRequest()->workspace();
+  const auto moved = test::with_misaligned_vector(
+      bytes, bytes.data(), workspace, wire::Workspace::VT_WALLS, 6 * sizeof(wire::Wall));
+  EXPECT_TRUE(decode(bytes));
+  EXPECT_FALSE(decode(moved));
+}
+
 TEST(ControlBadInput, ChoicesThatAreNoneAreRefused) {
   SessionParameters p;
   for (const int which : {0, 1, 2, 3, 4}) {

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
+
 #include "tests/protocol/control_messages.hpp"
 
 namespace feltwire::control {
@@ -101,6 +103,53 @@ TEST(Control, AToolIsSentOnlyWhereThereIsOne) {
   wanted.tool = got.tool = std::string(kMaxName + 1, 'x');
   EXPECT_FALSE(decode(body(encode(wanted))));
   EXPECT_FALSE(decode(body(encode(got))));
+}
+
+Workspace workspace_with_all() {
+  Workspace workspace;
+  workspace.add_box(Vec3(-0.5, -0.25, 0.0), Vec3(0.5, 0.25, 1.0));
+  while (workspace.count < Workspace::kMostGiven) workspace.add({Vec3(0.6, 0.0, 0.8), -3.5});
+  workspace.locked = {false, true, false};
+  workspace.turning_locked = true;
+  return workspace;
+}
+
+TEST(Control, AWorkspaceTravelsBothWaysWhereThereIsOne) {
+  JoinRequest wanted = request();
+  JoinAccepted got = accepted_with_all();
+  EXPECT_FALSE(round_trip(wanted).workspace.limits());
+  wanted.workspace = got.workspace = workspace_with_all();
+  for (const Workspace& read : {round_trip(wanted).workspace, round_trip(got).workspace}) {
+    ASSERT_EQ(read.count, Workspace::kMostGiven);
+    for (std::size_t i = 0; i < read.count; ++i) {
+      EXPECT_LE((read.walls[i].normal - got.workspace.walls[i].normal).norm(), 1e-15);
+      EXPECT_EQ(read.walls[i].distance, got.workspace.walls[i].distance);
+    }
+    EXPECT_EQ(read.locked, got.workspace.locked);
+    EXPECT_TRUE(read.turning_locked);
+  }
+  wanted.workspace = {};
+  wanted.workspace.locked[2] = true;  // a lock alone
+  EXPECT_TRUE(round_trip(wanted).workspace.locked[2]);
+  EXPECT_EQ(round_trip(wanted).workspace.count, 0u);
+}
+
+TEST(Control, AWorkspaceThatIsNoneIsRefused) {
+  for (const int which : {0, 1, 2, 3, 4, 5}) {
+    JoinAccepted sent = accepted_with_all();
+    sent.workspace = workspace_with_all();
+    WorkspaceWall& wall = sent.workspace.walls[3];
+    if (which == 0) wall.normal *= 1.01;
+    if (which == 1) wall.normal.setZero();
+    if (which == 2) wall.normal.y() = std::numeric_limits<double>::quiet_NaN();
+    if (which == 3) wall.distance = 1001.0;
+    if (which == 4) wall.distance = std::numeric_limits<double>::quiet_NaN();
+    if (which == 5) sent.workspace.add(wall);  // one too many
+    JoinRequest asked = request();
+    asked.workspace = sent.workspace;
+    EXPECT_FALSE(decode(body(encode(sent)))) << which;
+    EXPECT_FALSE(decode(body(encode(asked)))) << which;
+  }
 }
 
 TEST(Control, FiguresAreAskedForWhereTheyAreWanted) {

@@ -171,6 +171,60 @@ TEST(RobotCodec, ARobotTravelsWithTheReply) {
   EXPECT_FALSE(got.remote);
 }
 
+RemoteWall wall(std::uint32_t number) {
+  return {{Vec3(0.0, 0.0, -1.0), -0.25}, 1000.0, 0.0078125, number};
+}
+
+TEST(RobotCodec, WallsTravelWithTheRobot) {
+  Encoder encoder;
+  Reply sent, got;
+  sent.sample_index = 1;
+  sent.remote = remote();
+  const std::size_t usual = encoder.reply(sent).size();
+  sent.remote->wall_count = 3;
+  for (std::uint32_t i = 0; i < 3; ++i) sent.remote->walls[i] = wall(7 + i);
+  const Bytes payload = encoder.reply(sent);
+  EXPECT_LE(payload.size(), usual + 3 * 32 + 32) << "a vector, and padding";
+  ASSERT_EQ(decode(payload, got), DropReason::none);
+  ASSERT_EQ(got.remote->wall_count, 3);
+  for (std::uint32_t i = 0; i < 3; ++i) {
+    EXPECT_EQ(got.remote->walls[i].wall.normal, wall(0).wall.normal);
+    EXPECT_EQ(got.remote->walls[i].wall.distance, wall(0).wall.distance);
+    EXPECT_EQ(got.remote->walls[i].stiffness, 1000.0);
+    EXPECT_EQ(got.remote->walls[i].depth, 0.0078125);
+    EXPECT_EQ(got.remote->walls[i].number, 7 + i);
+  }
+  sent.remote->wall_count = 0;
+  EXPECT_EQ(encoder.reply(sent).size(), usual);
+  ASSERT_EQ(decode(encoder.reply(sent), got), DropReason::none);
+  EXPECT_EQ(got.remote->wall_count, 0);
+}
+
+TEST(RobotCodec, RefusesWallsThatAreNone) {
+  Encoder encoder;
+  const std::vector<std::function<void(RemoteWall&)>> wrong = {
+      [](RemoteWall& w) { w.wall.normal *= 1.1; },
+      [](RemoteWall& w) { w.wall.normal.setZero(); },
+      [](RemoteWall& w) { w.wall.normal.x() = kNan; },
+      [](RemoteWall& w) { w.wall.distance = kInfinity; },
+      [](RemoteWall& w) { w.wall.distance = 1001.0; },
+      [](RemoteWall& w) { w.stiffness = 0.0; },
+      [](RemoteWall& w) { w.stiffness = 1e10; },
+      [](RemoteWall& w) { w.stiffness = kNan; },
+      [](RemoteWall& w) { w.depth = 0.0; },
+      [](RemoteWall& w) { w.depth = 0.2; },
+      [](RemoteWall& w) { w.depth = kNan; }};
+  for (std::size_t i = 0; i < wrong.size(); ++i) {
+    Reply sent, got;
+    sent.sample_index = 1;
+    sent.remote = remote();
+    sent.remote->wall_count = 2;
+    sent.remote->walls[0] = sent.remote->walls[1] = wall(1);
+    wrong[i](sent.remote->walls[1]);
+    EXPECT_EQ(decode(encoder.reply(sent), got), DropReason::not_finite) << i;
+  }
+}
+
 TEST(RobotCodec, RefusesWhatNoRobotSays) {
   Encoder encoder;
   RobotState got;
@@ -264,6 +318,11 @@ TEST(RobotCodec, AllThatALeaderSaysAndHearsFitsADatagram) {
   reply.model.count = kMaxPatches;
   for (int i = 0; i < 3; ++i) reply.normals.add(Vec3::Unit(i));
   reply.remote.emplace().contact = contact();
+  reply.remote->wall_count = kMostRemoteWalls;
+  for (RemoteWall& w : reply.remote->walls) w = wall(1);
+  for (SurfacePatch& patch : reply.model.patches) patch.offset = 1e-3;
+  reply.change = ClientChange{
+      1, LawChoice{.mode = MethodName(std::string(kLongestMethodName, 'm'))}, LinkQuality{}};
   EXPECT_LE(encoder.reply(reply).size(), kMaxPayload);
 }
 

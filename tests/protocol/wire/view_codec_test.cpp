@@ -92,6 +92,74 @@ TEST(ViewCodec, RoundTrip) {
   }
 }
 
+SeenRobot robot_of(Generator& random) {
+  SeenRobot robot;
+  robot.pose = random_pose(random);
+  robot.target = random_pose(random);
+  robot.force = float_vector(random, 10);
+  robot.torque = float_vector(random, 1);
+  robot.state = LinkState::clutched;
+  robot.hand = 9;
+  robot.stopped = robot.touches = true;
+  robot.gripper = 0.25;
+  robot.age = 0.125;
+  return robot;
+}
+
+TEST(ViewCodec, ARobotRoundTrips) {
+  Generator random(37);
+  Encoder encoder;
+  Reply reply;
+  SceneView got, sent = view_of(2, 1, random);
+  const std::size_t usual = encoder.reply(longest_reply(), &sent).size();
+  sent.robot = robot_of(random);
+  for (const bool sensed : {true, false}) {
+    if (!sensed) sent.robot->force.reset();
+    const Bytes payload = encoder.reply(longest_reply(), &sent);
+    EXPECT_LE(payload.size(), usual + kSeenRobotRoom);
+    ASSERT_EQ(decode(payload, reply, &got), DropReason::none);
+    ASSERT_TRUE(got.robot);
+    expect_near(got.robot->pose, sent.robot->pose);
+    expect_near(got.robot->target, sent.robot->target);
+    EXPECT_EQ(got.robot->force, sent.robot->force) << "not sensed is not zero";
+    EXPECT_EQ(got.robot->torque, sent.robot->torque);
+    EXPECT_EQ(got.robot->state, LinkState::clutched);
+    EXPECT_EQ(got.robot->hand, 9u);
+    EXPECT_TRUE(got.robot->ok && got.robot->stopped && got.robot->touches);
+    EXPECT_EQ(got.robot->gripper, 0.25);
+    EXPECT_EQ(got.robot->age, 0.125);
+    EXPECT_EQ(got.hand_count, 2u);
+  }
+  sent.robot.reset();
+  EXPECT_EQ(encoder.reply(longest_reply(), &sent).size(), usual);
+  ASSERT_EQ(decode(encoder.reply(longest_reply(), &sent), reply, &got), DropReason::none);
+  EXPECT_FALSE(got.robot) << "of the view before";
+}
+
+TEST(ViewCodec, RefusesARobotThatIsNone) {
+  Generator random(38);
+  Encoder encoder;
+  const std::vector<std::function<void(SeenRobot&)>> wrong = {
+      [](SeenRobot& r) { r.pose.position.x() = kNotANumber; },
+      [](SeenRobot& r) { r.pose.orientation.coeffs() *= 2.0; },
+      [](SeenRobot& r) { r.target.position.y() = kInfinity; },
+      [](SeenRobot& r) { r.target.orientation.coeffs().setZero(); },
+      [](SeenRobot& r) { r.force->z() = kNotANumber; },
+      [](SeenRobot& r) { r.torque.z() = kInfinity; },
+      [](SeenRobot& r) { r.state = static_cast<LinkState>(6); },
+      [](SeenRobot& r) { r.gripper = kNotANumber; },
+      [](SeenRobot& r) { r.age = -1.0; },
+      [](SeenRobot& r) { r.age = kInfinity; }};
+  for (std::size_t i = 0; i < wrong.size(); ++i) {
+    Reply reply;
+    SceneView got, sent = view_of(1, 0, random);
+    sent.robot = robot_of(random);
+    wrong[i](*sent.robot);
+    EXPECT_EQ(decode(encoder.reply(longest_reply(), &sent), reply, &got), DropReason::not_finite)
+        << i;
+  }
+}
+
 HandFigures figures_of(Generator& random) {
   HandFigures f;
   f.samples = ~std::uint64_t{0};

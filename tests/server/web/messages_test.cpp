@@ -143,6 +143,41 @@ TEST(Messages, APictureHasHandsAndBodies) {
   EXPECT_EQ(reader.at + 12, bytes.size());
 }
 
+TEST(Messages, APictureEndsInTheRobot) {
+  Picture picture;
+  picture.bodies = {{6, {{1, 1, 2}, Quaternion::Identity()}}};
+  const std::size_t usual = web::picture(picture, {}, Nanoseconds(0)).size();
+  SeenRobot& robot = picture.robot.emplace();
+  robot.pose = {{1, 2, 3}, Quaternion(0.5, -0.5, 0.5, 0.5)};
+  robot.target = {{4, 5, 6}, Quaternion::Identity()};
+  robot.force = Vec3(7, 8, 9);
+  robot.torque = {10, 11, 12};
+  robot.state = LinkState::hold;
+  robot.hand = 3;
+  robot.stopped = true;
+  robot.gripper = 0.25;
+  robot.age = 0.125;
+  const Bytes bytes = web::picture(picture, {}, Nanoseconds(0));
+  ASSERT_EQ(bytes.size(), usual + 100);
+  Reader reader{bytes};
+  reader.at = usual;
+  EXPECT_EQ(reader.whole(), 4u);
+  EXPECT_EQ(reader.whole(), 3u);
+  EXPECT_EQ(reader.whole(), 7u) << "sensed, well, stopped";
+  EXPECT_EQ(reader.vector(), Vec3(1, 2, 3));
+  EXPECT_EQ(reader.number(), 0.5);
+  EXPECT_EQ(reader.number(), -0.5);
+  reader.at += 8;
+  EXPECT_EQ(reader.vector(), Vec3(4, 5, 6));
+  EXPECT_EQ(reader.number(), 1.0);
+  reader.at += 12;
+  EXPECT_EQ(reader.vector(), Vec3(7, 8, 9));
+  EXPECT_EQ(reader.vector(), Vec3(10, 11, 12));
+  EXPECT_EQ(reader.number(), 0.25);
+  EXPECT_EQ(reader.number(), 0.125);
+  EXPECT_EQ(reader.at, bytes.size());
+}
+
 TEST(Messages, ASceneHasItsTools) {
   Scene scene("room", test::room().objects(), {}, {});
   scene.set_tools({{.radius = 0.004, .body = nullptr, .name = "ball"},

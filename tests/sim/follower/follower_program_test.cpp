@@ -81,6 +81,15 @@ TEST_F(FollowerProgram, WantsOneRobot) {
   expect_fault({"--socket", folder_ / "driver", "--at", "0,0,0"}, "leave out --at");
 }
 
+TEST_F(FollowerProgram, NamesAWorkspaceThatIsNone) {
+  const auto with = [](const std::string& option, const std::string& value) {
+    return std::vector<std::string>{"--surroundings", kSurroundings, option, value};
+  };
+  for (const char* box : {"0,0,0,1,1,0", "0,0,0,1,nan,1", "0,0,-2000,1,1,1"})
+    expect_fault(with("--workspace", box), "--workspace must be six numbers within 1000 m");
+  expect_fault(with("--lock", "x,w"), "--lock: there is no axis 'w'; give some of x, y, z");
+}
+
 TEST_F(FollowerProgram, NamesTheFileThatIsNoRobot) {
   expect_fault({"--arm", "/nowhere/arm.xml"}, "/nowhere/arm.xml");
   expect_fault({"--arm", kSurroundings}, kSurroundings);

@@ -10,6 +10,7 @@
 #include <stdexcept>
 
 #include "sim/robot/point_robot.hpp"
+#include "tests/core/support.hpp"
 #include "tests/sim/robot/teleoperation_bench.hpp"
 #include "tests/support/allocation_counter.hpp"
 
@@ -20,8 +21,9 @@ constexpr Nanoseconds kPeriod = std::chrono::milliseconds(1);
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 struct Bench {
+  explicit Bench(const FollowerOptions& options = {}) : servo(robot.spec(), options) {}
   PointRobot robot{test::wall_scene(), Vec3(0.0, 0.0, 0.1)};
-  FollowerServo servo{robot.spec()};
+  FollowerServo servo;
   Nanoseconds now = std::chrono::seconds(7);
   std::uint64_t index = 0;
 
@@ -119,6 +121,65 @@ TEST(FollowerServo, ARobotThatSensesNoForceTellsOfNoContact) {
   }
 }
 
+Workspace box(const Vec3& low, const Vec3& high) {
+  Workspace workspace;
+  workspace.add_box(low, high);
+  return workspace;
+}
+
+/// Whatever a server says, its states and numbers and engagements: the target stays in the boxes of
+/// the robot and of the seat, and on the axes that either locks.
+TEST(FollowerServo, NoServerDrivesItThroughItsWalls) {
+  test::Random random(5);
+  FollowerOptions options;
+  options.workspace = box(Vec3(-0.03, -1.0, 0.05), Vec3(0.04, 1.0, 0.15));
+  options.workspace.locked = {false, true, false};
+  Bench bench(options);
+  Workspace seat = box(Vec3(-1.0, -1.0, 0.02), Vec3(0.05, 1.0, 0.14));
+  seat.turning_locked = true;
+  bench.servo.sit(seat);
+  const Eigen::Array3d low(-0.03, 0.0, 0.05), high(0.04, 0.0, 0.14);
+  Vec3 lowest = Vec3::Constant(1.0), highest = Vec3::Constant(-1.0);
+  Vec3 wanted = Vec3::Zero();
+  for (int i = 0; i < 20'000; ++i) {
+    if (i % 250 == 0) wanted = std::pow(10.0, random.uniform(-2.0, 2.9)) * random.direction();
+    RobotTarget target = bench.target(
+        wanted, random.chance(0.995) ? LinkState::engaged : static_cast<LinkState>(i % 6));
+    target.pose.orientation = Quaternion(Eigen::AngleAxisd(0.5, random.direction()));
+    if (i % 5000 == 4000) bench.servo.reconnected();
+    if (random.chance(0.9)) bench.servo.take(target, bench.now);
+    const RobotState said = bench.tick();
+    const Eigen::Array3d at = said.commanded.position.array();
+    ASSERT_TRUE((at >= low - 1e-9).all() && (at <= high + 1e-9).all()) << i << ": " << at;
+    ASSERT_EQ(said.commanded.orientation.coeffs(), Quaternion::Identity().coeffs());
+    lowest = lowest.cwiseMin(said.commanded.position);
+    highest = highest.cwiseMax(said.commanded.position);
+  }
+  EXPECT_LE((lowest.array() - low).matrix().cwiseAbs().maxCoeff(), 1e-3) << "it went everywhere";
+  EXPECT_LE((highest.array() - high).matrix().cwiseAbs().maxCoeff(), 1e-3);
+}
+
+/// Something pushes it out: the spring pulls it back, and not harder than the leash.
+TEST(FollowerServo, ARobotThatIsPushedOutIsPulledBackSoftly) {
+  FollowerOptions options;
+  options.workspace = box(Vec3(-1, -1, 0.0), Vec3(1, 1, 0.12));
+  Bench bench(options);
+  FollowerReading reading = bench.robot.read(bench.now);
+  Pose held = reading.commanded;
+  for (int i = 0; i <= 400; ++i) {
+    bench.now += kPeriod;
+    reading.pose.position.z() = 0.1 + 0.4 * std::min(1.0, i / 200.0);
+    reading.commanded = held;
+    bench.servo.take(bench.target(Vec3(0.0, 0.0, 0.5)), bench.now);
+    held = bench.servo.step(reading, bench.now).pose;
+    const double pull = held.position.z() - reading.pose.position.z();  // [m]
+    EXPECT_LE(std::abs(pull) * bench.robot.spec().stiffness, options.leash * (1.0 + 1e-9));
+    if (reading.pose.position.z() > 0.12) {
+      EXPECT_LE(pull, 0.0) << "inwards";
+    }
+  }
+}
+
 TEST(FollowerServo, NeverAllocates) {
   Bench bench;
   bench.tick();
@@ -144,6 +205,12 @@ TEST(FollowerServo, RefusesLimitsThatAreNone) {
     spec.stiffness = wrong;
     EXPECT_THROW(FollowerServo{spec}, std::invalid_argument);
   }
+  FollowerOptions nowhere;
+  nowhere.workspace = box(Vec3(0, 0, 0), Vec3(1, 1, -0.01));
+  EXPECT_THROW(FollowerServo(robot.spec(), nowhere), std::invalid_argument);
+  FollowerOptions crowded;
+  while (crowded.workspace.count <= Workspace::kMostGiven) crowded.workspace.add({});
+  EXPECT_THROW(FollowerServo(robot.spec(), crowded), std::invalid_argument);
 }
 
 }  // namespace

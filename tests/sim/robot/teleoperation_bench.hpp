@@ -102,7 +102,9 @@ struct RobotSession {
                           id, keys(id), now);
   }
   void join(std::uint64_t id, Role role) {
-    ASSERT_TRUE(std::holds_alternative<control::JoinAccepted>(ask_to_join(id, role)));
+    const control::Message answer = ask_to_join(id, role);
+    ASSERT_TRUE(std::holds_alternative<control::JoinAccepted>(answer));
+    if (role == Role::follower) follower.sit(std::get<control::JoinAccepted>(answer).workspace);
   }
 
   void tick() {
@@ -119,8 +121,10 @@ struct RobotSession {
       robot_link.down.enter(due, now);
     }
     while (const auto d = hand_link.down.leave(now))
-      if (!hand_cut && hand_datagrams.take(*d, reply, reason) == DatagramSession::Arrival::reply)
+      if (!hand_cut && hand_datagrams.take(*d, reply, reason) == DatagramSession::Arrival::reply) {
+        if (change_reply) change_reply(reply);
         servo.take(reply, now);
+      }
     while (const auto d = robot_link.down.leave(now))
       if (!robot_cut && robot_datagrams.take(*d, target, reason) == RobotDatagrams::Arrival::target)
         follower.take(target, robot_now());
@@ -179,10 +183,11 @@ struct RobotSession {
   RobotDatagrams robot_datagrams;
   TwoWayLink hand_link, robot_link;
   bool hand_cut = false, robot_cut = false;
-  std::function<void(RobotState&)> lie;  // what the robot says instead
-  double fastest_fall = 0.0;             // [N] of the hand's force, from one tick to the next
-  double farthest_step = 0.0;            // [m] of the target that the robot holds, likewise
-  Pose commanded;                        // that target
+  std::function<void(RobotState&)> lie;      // what the robot says instead
+  std::function<void(Reply&)> change_reply;  // and the server
+  double fastest_fall = 0.0;                 // [N] of the hand's force, from one tick to the next
+  double farthest_step = 0.0;                // [m] of the target that the robot holds, likewise
+  Pose commanded;                            // that target
   Nanoseconds now = kStart;
   Peer hand_peer{.address = {}, .length = sizeof(sockaddr_in)};
   Peer robot_peer{.address = {}, .length = sizeof(sockaddr_in6)};

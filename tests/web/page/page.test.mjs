@@ -154,6 +154,24 @@ test('tools and local models are drawn', async () => {
   await until(() => window.feltwire().surfaces === 0);
 });
 
+test('a robot is drawn and described', async () => {
+  await open();
+  await until(() => window.feltwire().pictures > 1);
+  assert.equal((await state()).robot, null);
+  assert.equal(await page.isHidden('#robot'), true);
+  server.play.robot = {state: 2, hand: 1, flags: 1 | 2 | 8};
+  await until(() => document.querySelector('#robot').textContent.trim() === 'robot: engaged led by hand 1, 5.00 N on its tool, touches');
+  await until(() => window.feltwire().robot?.forces === 1);
+  const near = (a, b) => a.every((value, i) => Math.abs(value - b[i]) < 1e-6);
+  const {robot} = await state();
+  assert.ok(near(robot.tool, [0.02, 0.03, 0.04]) && near(robot.target, [0.02, 0.03, 0.02]), JSON.stringify(robot));
+  server.play.robot = {state: 5, hand: 0, flags: 4};
+  await until(() => document.querySelector('#robot').textContent.trim() === 'robot: fault led by no hand, senses no force, protective stop');
+  await until(() => window.feltwire().robot?.forces === 0);
+  server.play.robot = null;
+  await until(() => document.querySelector('#robot').hidden && window.feltwire().robot === null);
+});
+
 test('choosing a hand changes plots, strip and table', async () => {
   await open();
   await until(() => window.feltwire().plotted.points > 5 && document.querySelector('tbody tr'));

@@ -8,6 +8,7 @@ import {Hands} from './hands.js';
 import {Labels} from './labels.js';
 import {KIND, Picture, readGeometry} from './messages.js';
 import {OwnHand} from './own_hand.js';
+import {robotText} from './robot.js';
 import {bindKeys, followTheme, makeSplit} from './panels.js';
 import {Plots} from './plots.js';
 import {Replay} from './replay/replay.js';
@@ -185,6 +186,7 @@ function writeTexts() {
   labels.write(hands.all, (number) => sessions.name(number), page.chosen);
   plots.writeValues();
   own.write(hands.all.get(own.number));
+  writeRobot();
   element('empty').hidden = hands.all.size > 0 || page.pictures === 0;
   element('empty').textContent = 'No hand is in this scene yet.';
 }
@@ -211,6 +213,14 @@ function hold() {
   page.held = !page.held;
   element('hold').setAttribute('aria-pressed', String(page.held));
   element('hold').textContent = page.held ? 'Go on' : 'Hold';
+}
+
+function writeRobot() {
+  const text = robotText(view.picture);
+  const line = element('robot');
+  line.hidden = text === null;
+  line.querySelector('b').textContent = text?.state ?? '';
+  line.querySelector('span').textContent = text?.values ?? '';
 }
 
 let drawn = false;  // the first picture
@@ -319,6 +329,6 @@ requestAnimationFrame(step);
 window.feltwire = () => ({
   ...page, frames: view.frames, hands: hands.numbers(), longestArrow: view.hands.longest, perNewton: view.perNewton,
   bodies: view.objects?.bodies.size ?? 0, plotted: {points: plots.points, last: plots.panes.map((pane) => pane.plot?.data.slice(1).map((column) => column.at?.(-1)))},
-  places: view.places(), surfaces: view.surfaces.mesh.visible ? view.surfaces.count : 0,
+  places: view.places(), robot: view.robot.look(), surfaces: view.surfaces.mesh.visible ? view.surfaces.count : 0,
   toolBalls: view.tools.balls.count, toolPoints: view.tools.dots.count, replay: replay.state(), own: own.look(hands.all.get(own.number)),
 });

@@ -6,6 +6,7 @@ export const KIND = {geometry: 1, picture: 2, surfaces: 3};
 const HEADER_WORDS = 6;
 const HAND_WORDS = 28;
 const BODY_WORDS = 8;
+const ROBOT_WORDS = 25;
 
 /** Places of a hand's values in its record, in words of four bytes. Vectors have three words, the quaternion (w, x, y, z) four. */
 export const AT = {
@@ -15,6 +16,9 @@ export const AT = {
 
 /** Places of a body's values in its record. */
 export const BODY_AT = {index: 0, position: 1, orientation: 4};
+
+/** Places of the robot's values in its record. */
+export const ROBOT_AT = {state: 0, hand: 1, flags: 2, position: 3, orientation: 6, target: 10, targetTurn: 13, force: 17, torque: 20, gripper: 23, age: 24};
 
 /**
  * Reads the geometry of one object.
@@ -65,6 +69,12 @@ export class Picture {
   /** @param {number} i @returns {number} where the record of body i begins */
   bodyAt(i) {
     return HEADER_WORDS + HAND_WORDS * this.hands + BODY_WORDS * i;
+  }
+
+  /** @returns {number} where the record of the robot begins; negative: there is none */
+  robotAt() {
+    const at = this.bodyAt(this.bodies);
+    return this.words.length >= at + ROBOT_WORDS ? at : -1;
   }
 }
 

@@ -8,6 +8,7 @@ import {OrbitControls} from 'three/addons/controls/OrbitControls.js';
 import {HandView, toolPlace} from './hand_view.js';
 import {AT} from './messages.js';
 import {Objects} from './objects.js';
+import {Robot} from './robot.js';
 import {Surfaces} from './surfaces.js';
 import {Tools} from './tools.js';
 import {roundDown} from './words.js';
@@ -33,7 +34,8 @@ export class View {
     this.hands = new HandView();
     this.tools = new Tools();
     this.surfaces = new Surfaces();
-    this.scene.add(this.hands.group, this.tools.group, this.surfaces.mesh);
+    this.robot = new Robot();
+    this.scene.add(this.hands.group, this.tools.group, this.surfaces.mesh, this.robot.group);
     this.axes = new LineSegments(new BufferGeometry(), new LineBasicMaterial());
     this.scene.add(this.axes);
     this.axisEnds = ['x', 'y', 'z'].map((name) => ({name, point: new Vector3()}));
@@ -103,6 +105,7 @@ export class View {
     this.hands.paint(colors);
     this.tools.paint(colors);
     this.surfaces.paint(colors);
+    this.robot.paint(colors);
     this.axes.material.color.set(colors.ink);
     this.objects?.paint(colors);
     this.stale = true;
@@ -117,6 +120,7 @@ export class View {
       this.hands.show(this.picture, how);
       this.tools.show(this.picture, how);
       this.surfaces.show(this.chosen);
+      this.robot.show(this.picture, how);
     }
     this.renderer.render(this.scene, this.camera);
     this.frames += 1;

@@ -1,0 +1,80 @@
+// The robot on the scene's seat, in the 3D view and in a line of text: its tool, the target that its controller holds, the force on the tool.
+
+import {EdgesGeometry, Group, LineBasicMaterial, LineSegments, Mesh, MeshBasicMaterial, MeshLambertMaterial, OctahedronGeometry, Vector3} from 'three';
+import {Arrows, rodShape} from './arrows.js';
+import {length3, ROBOT_AT} from './messages.js';
+import {Pool} from './pool.js';
+
+const STATES = ['disabled', 'ready', 'engaged', 'clutched', 'hold', 'fault'];
+const FLAG = {sensed: 1, well: 2, stopped: 4, touches: 8};
+const SIZE = 9;  // [pixels] of the tool, from its middle
+
+const shape = new OctahedronGeometry(1);
+const [tool, target, vector] = Array.from({length: 3}, () => new Vector3());
+
+export class Robot {
+  constructor() {
+    this.group = new Group();
+    this.tool = new Mesh(shape, new MeshLambertMaterial());
+    this.target = new LineSegments(new EdgesGeometry(shape), new LineBasicMaterial({transparent: true, depthTest: false, depthWrite: false}));
+    this.target.renderOrder = 4;
+    this.spring = new Pool(rodShape, new MeshBasicMaterial({transparent: true, depthTest: false, depthWrite: false}), this.group, 4);
+    this.force = new Arrows(this.group, {width: 4.5, opacity: 1, order: 6});
+    this.group.add(this.tool, this.target);
+    this.group.visible = false;
+  }
+
+  /** @param {object} colors of the theme */
+  paint(colors) {
+    this.tool.material.color.set(colors.guide);
+    this.target.material.color.set(colors.guide);
+    this.spring.material.color.set(colors.muted);
+    this.force.material.color.set(colors.elastic);
+  }
+
+  /** @param {import('./messages.js').Picture} picture @param {{perNewton: number, pixel: number}} how */
+  show(picture, how) {
+    const at = picture.robotAt();
+    this.group.visible = at >= 0;
+    if (at < 0) return;
+    const {floats} = picture;
+    tool.fromArray(floats, at + ROBOT_AT.position);
+    target.fromArray(floats, at + ROBOT_AT.target);
+    place(this.tool, tool, floats, at + ROBOT_AT.orientation, SIZE * how.pixel);
+    place(this.target, target, floats, at + ROBOT_AT.targetTurn, 1.3 * SIZE * how.pixel);
+    this.spring.clear();
+    this.spring.addAlong(tool, vector.copy(target).sub(tool), how.pixel);
+    this.spring.done();
+    this.force.clear();
+    if (picture.words[at + ROBOT_AT.flags] & FLAG.sensed) this.force.add(tool, vector.fromArray(floats, at + ROBOT_AT.force).multiplyScalar(how.perNewton), how.pixel);
+    this.force.done();
+  }
+
+  /** For tests. @returns {{tool: number[], target: number[], forces: number} | null} what is drawn */
+  look() {
+    if (!this.group.visible) return null;
+    return {tool: this.tool.position.toArray(), target: this.target.position.toArray(), forces: this.force.heads.count};
+  }
+}
+
+/** In the record, quaternions are w, x, y, z. */
+function place(object, position, floats, turn, size) {
+  object.position.copy(position);
+  object.quaternion.set(floats[turn + 1], floats[turn + 2], floats[turn + 3], floats[turn]);
+  object.scale.setScalar(size);
+}
+
+/** @param {import('./messages.js').Picture | null} picture @returns {{state: string, values: string} | null} nothing: there is no robot */
+export function robotText(picture) {
+  const at = picture?.robotAt() ?? -1;
+  if (at < 0) return null;
+  const {floats, words} = picture;
+  const flags = words[at + ROBOT_AT.flags];
+  const hand = words[at + ROBOT_AT.hand];
+  const values = [hand > 0 ? `led by hand ${hand}` : 'led by no hand'];
+  values.push(flags & FLAG.sensed ? `${length3(floats, at + ROBOT_AT.force).toFixed(2)} N on its tool` : 'senses no force');
+  if (flags & FLAG.touches) values.push('touches');
+  if (flags & FLAG.stopped) values.push('protective stop');
+  else if (!(flags & FLAG.well)) values.push('not well');
+  return {state: `robot: ${STATES[words[at + ROBOT_AT.state]] ?? 'unknown'}`, values: values.join(', ')};
+}

@@ -1,0 +1,21 @@
+#pragma once
+// A robot's own workspace as the command line says it.
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/teleoperation/workspace.hpp"
+
+namespace feltwire {
+
+struct WorkspaceWords {
+  std::optional<std::array<double, 6>> box;  // [m] low corner, high corner
+  std::vector<std::string> lock;             // x, y, z, rotation
+};
+
+/// Throws std::invalid_argument naming the option and the remedy.
+Workspace workspace_of(const WorkspaceWords& words);
+
+}  // namespace feltwire
