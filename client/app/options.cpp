@@ -293,6 +293,21 @@ std::variant<ClientOptions, int> parse_options(int argc, char** argv) {
       ->group(hand);
   app.add_option("--seed", task.seed, "Seed of the tremor")->capture_default_str()->group(hand);
 
+  const auto steering = "Gamepad and 3D mouse";
+  SteeringOptions& steered = options.device.steering;
+  app.add_option("--steer-speed", steered.speed,
+                 "[m/s] Speed of the tool at full deflection, in whatever direction")
+      ->capture_default_str()
+      ->group(steering);
+  app.add_option("--steer-turn", steered.turn, "[rad/s] Likewise, of its turning")
+      ->capture_default_str()
+      ->group(steering);
+  app.add_option("--dead-zone", steered.dead_zone,
+                 "Share of the way of an axis that counts as rest, 0 to 0.5; the kernel's dead "
+                 "zone where that is more")
+      ->capture_default_str()
+      ->group(steering);
+
   read_environment(app);
   try {
     app.parse(argc, argv);

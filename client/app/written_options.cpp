@@ -140,7 +140,9 @@ void choose_device(const WrittenOptions& words, HandTask task, ClientOptions& op
                     .wrist = wrist,
                     .own_center = words.center.has_value(),
                     .own_normal = words.normal.has_value(),
-                    .leads_from = words.lead};
+                    .leads_from = words.lead,
+                    .steering = options.device.steering};
+  validate(options.device.steering);
   if (words.damping) options.device.spec.damping = damping(*words.damping);
   // Checks the spec before the device is opened, so that its error comes first.
   requested_spec(options.device.spec, chosen.driver->spec);

@@ -71,6 +71,20 @@ TEST(Options, AHandIsProtectedAsFarAsItsModeAllows) {
   EXPECT_EQ(paper.ramp_up, 0.0);
 }
 
+TEST(Options, AGamepadIsSteeredByTheNumbersOfItsOptions) {
+  const auto options = parsed({"--device", "gamepad:event5", "--steer-speed", "0.05",
+                               "--steer-turn", "0.4", "--dead-zone", "0.2"});
+  ASSERT_TRUE(std::holds_alternative<ClientOptions>(options));
+  const DeviceRequest& asked = std::get<ClientOptions>(options).device;
+  EXPECT_EQ(asked.name, "event5");
+  EXPECT_EQ(asked.steering.speed, 0.05);
+  EXPECT_EQ(asked.steering.turn, 0.4);
+  EXPECT_EQ(asked.steering.dead_zone, 0.2);
+  EXPECT_THAT(refusal({"--steer-speed", "0"}), HasSubstr("0.1 is usual"));
+  EXPECT_THAT(refusal({"--steer-turn", "nan"}), HasSubstr("--steer-turn must be above 0"));
+  EXPECT_THAT(refusal({"--dead-zone", "0.6"}), HasSubstr("from 0 to 0.5"));
+}
+
 TEST(Options, ALocalModelIsForASideThatBoundsHere) {
   const auto options = parsed({"--local-model"});
   ASSERT_TRUE(std::holds_alternative<ClientOptions>(options));
