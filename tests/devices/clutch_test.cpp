@@ -21,7 +21,7 @@ TEST(Clutch, TheToolStandsWhileItIsHeldAndGoesOnFromExactlyThere) {
   for (int n = 0; n < 20; ++n) {
     Mapped mapped(any_mapping(random));
     Handle& handle = *mapped.handle;
-    handle.late = n % 2 == 0;
+    handle.lag = static_cast<std::size_t>(n % 3);
     for (int turn = 0; turn < 8; ++turn) {
       for (int left = ticks(random); left > 0; --left) mapped.tick();
       handle.orientation = turned(handle.orientation, Vec3(0.1, 0.2, -0.3));
@@ -82,7 +82,7 @@ TEST(Clutch, MakesNoEnergyHoweverOftenItIsPressed) {
   for (int n = 0; n < 12; ++n) {
     Mapped mapped(any_mapping(random));
     Handle& handle = *mapped.handle;
-    handle.late = n % 2 == 0;
+    handle.lag = static_cast<std::size_t>(n % 2);
     double felt = 0.0;
     for (int turn = 0; turn < 400; ++turn) {
       // Long enough for the wall to be left and felt now and then.
@@ -95,10 +95,30 @@ TEST(Clutch, MakesNoEnergyHoweverOftenItIsPressed) {
   }
 }
 
+/// However long the device takes to let go: until then its movement counts.
+TEST(Clutch, WhatMovesUnderAForceIsTold) {
+  for (const std::size_t lag : {0U, 1U, 2U, 5U}) {
+    Mapped mapped({});
+    mapped.handle->lag = lag;
+    mapped.feel(1.0);
+    mapped.handle->clutch = true;
+    int pulled = 0;
+    for (int n = 0; n < 20; ++n) {
+      const bool pulls = mapped.handle->on_hand != Command{};
+      mapped.tick();
+      if (!pulls) continue;
+      ++pulled;
+      EXPECT_EQ(mapped.tool.position, vec(mapped.handle->mass.sensed())) << n;
+    }
+    EXPECT_GE(pulled, static_cast<int>(lag));
+    EXPECT_EQ(mapped.servo.no_force(), NoForce::clutched);
+  }
+}
+
 /// A press of one tick is a press.
 TEST(Clutch, APressThatIsShorterThanTheDeviceTakesToLetGoIsWhole) {
   Mapped mapped({});
-  mapped.handle->late = true;
+  mapped.handle->lag = 1;
   mapped.feel(1.0);
   mapped.handle->clutch = true;
   mapped.tick();

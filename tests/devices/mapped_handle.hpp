@@ -20,7 +20,7 @@ inline constexpr double kTick = 1e-3;  // [s]
 
 inline Vec3 vec(const stand_in::Three& v) { return {v[0], v[1], v[2]}; }
 
-/// A handle with a simulated mass in a hand that taps. It takes a force up at once, or a tick late.
+/// A handle with a simulated mass in a hand that taps. It takes a force up at once, or ticks late.
 class Handle final : public Device {
  public:
   Handle() {
@@ -36,7 +36,10 @@ class Handle final : public Device {
   DeviceReading read(Nanoseconds) noexcept override {
     const Vec3 f = on_hand.force();
     mass.advance(kTick, {f.x(), f.y(), f.z()});
-    if (late) on_hand = std::exchange(next_, Command{});
+    if (lag > 0 && coming_.size() >= lag) {
+      on_hand = coming_.front();
+      coming_.pop_front();
+    }
     DeviceReading reading;
     reading.pose.position = vec(mass.sensed());
     reading.pose.orientation = orientation;
@@ -49,19 +52,21 @@ class Handle final : public Device {
     const double size = held.force().norm();
     if (size > spec_.max_force) held = (spec_.max_force / size) * held;
     if (released) held = {};
-    (late ? next_ : on_hand) = held;
+    if (lag == 0) return on_hand = held;
+    coming_.push_back(held);
     return on_hand;
   }
   void release() noexcept override { released = true; }
 
   stand_in::SimulatedMass mass;
   Quaternion orientation = Quaternion::Identity();
-  bool late = false, clutch = false, ok = true, released = false;
+  std::size_t lag = 0;  // ticks
+  bool clutch = false, ok = true, released = false;
   Command on_hand;
 
  private:
   DeviceSpec spec_;
-  Command next_;
+  std::deque<Command> coming_;
 };
 
 /// A handle behind a mapping, in a session at the wall that its taps reach.
