@@ -124,8 +124,9 @@ void run(Device& device, Identification& identification) {
 
 void identify(const IdentifyWords& words) {
   const DriverChoice choice = chosen_driver(words.device);
-  if (choice.driver->kind == "replay")
-    throw std::invalid_argument("--device replay: a recording moves by itself; name a device");
+  if (!choice.driver->gives_force)
+    throw std::invalid_argument("--device " + std::string(choice.driver->kind) +
+                                ": it gives no force to measure with; name a device that does");
   DeviceRequest request;
   request.name = choice.name;
   request.spec.name_or_file = words.spec;

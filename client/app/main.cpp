@@ -27,7 +27,7 @@ std::unique_ptr<Device> open_device(const ClientOptions& options) {
   OpenedDevice opened = options.driver->open(options.device);
   for (const std::string& note : opened.notes)
     std::fprintf(stderr, "feltwire-client: note: %s\n", visible(note).c_str());
-  return std::move(opened.device);
+  return std::make_unique<MappedDevice>(std::move(opened.device), options.mapping);
 }
 
 /// A UDP port, behind an emulated link where one was asked for.

@@ -292,6 +292,40 @@ std::variant<ClientOptions, int> parse_options(int argc, char** argv) {
       ->group(hand);
   app.add_option("--seed", task.seed, "Seed of the tremor")->capture_default_str()->group(hand);
 
+  const auto mapping = "Workspace of the device in the scene (docs/devices.md)";
+  app.add_option("--map-scale", words.map_scale,
+                 "Metres that the tool moves a metre of the hand, 0.01 to 100. The hand is given "
+                 "the scene's force times this")
+      ->capture_default_str()
+      ->group(mapping);
+  app.add_option("--map-rotate", words.map_rotate,
+                 "X,Y,Z [deg] The device's axes turned about this direction by the vector's "
+                 "length: 0,0,90 makes its x the scene's y")
+      ->delimiter(',')
+      ->group(mapping);
+  app.add_option("--map-translate", words.map_translate,
+                 "X,Y,Z [m] Where the middle of the device's workspace is in the scene")
+      ->delimiter(',')
+      ->group(mapping);
+  app.add_option("--map-mirror", words.map_mirror,
+                 "x, y or z: the device's axis whose sense is turned round")
+      ->group(mapping);
+
+  const auto steering = "Gamepad and 3D mouse";
+  SteeringOptions& steered = options.device.steering;
+  app.add_option("--steer-speed", steered.speed,
+                 "[m/s] Speed of the tool at full deflection, in whatever direction")
+      ->capture_default_str()
+      ->group(steering);
+  app.add_option("--steer-turn", steered.turn, "[rad/s] Likewise, of its turning")
+      ->capture_default_str()
+      ->group(steering);
+  app.add_option("--dead-zone", steered.dead_zone,
+                 "Share of the way of an axis that counts as rest, 0 to 0.5; the kernel's dead "
+                 "zone where that is more")
+      ->capture_default_str()
+      ->group(steering);
+
   read_environment(app);
   try {
     app.parse(argc, argv);

@@ -5,6 +5,7 @@
 #include <variant>
 
 #include "client/devices/drivers.hpp"
+#include "client/devices/mapped_device.hpp"
 #include "client/emulated_link/link_options.hpp"
 #include "client/run/run_client.hpp"
 
@@ -15,6 +16,7 @@ struct ClientOptions : RunOptions {
   bool check = false;                     // judge machine and network, and end
   const Driver* driver = nullptr;         // of --device
   DeviceRequest device;                   // what it is asked for
+  WorkspaceMapping mapping;               // of its workspace into the scene
   int dscp = 0;                           // of the datagrams
   std::optional<TwoWayLinkOptions> link;  // emulated, between this client and its socket
 };

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
+#include <string_view>
 #include <utility>
 
 #include "client/run/output_files.hpp"
@@ -140,10 +141,27 @@ void choose_device(const WrittenOptions& words, HandTask task, ClientOptions& op
                     .wrist = wrist,
                     .own_center = words.center.has_value(),
                     .own_normal = words.normal.has_value(),
-                    .leads_from = words.lead};
+                    .leads_from = words.lead,
+                    .steering = options.device.steering};
+  validate(options.device.steering);
   if (words.damping) options.device.spec.damping = damping(*words.damping);
   // Checks the spec before the device is opened, so that its error comes first.
   requested_spec(options.device.spec, chosen.driver->spec);
+}
+
+/// How the device's workspace lies in the scene. Throws std::invalid_argument.
+WorkspaceMapping mapping(const WrittenOptions& words) {
+  constexpr double kDegree = std::numbers::pi / 180.0;
+  constexpr std::string_view kAxes = "xyz";
+  WorkspaceMapping mapping;
+  mapping.scale = words.map_scale;
+  if (words.map_rotate) mapping.rotation = kDegree * vector(*words.map_rotate);
+  if (words.map_translate) mapping.translation = vector(*words.map_translate);
+  if (!words.map_mirror.empty())
+    mapping.mirrored_axis =
+        words.map_mirror.size() == 1 ? static_cast<int>(kAxes.find(words.map_mirror)) : -1;
+  validate(mapping);
+  return mapping;
 }
 
 /// Throws std::invalid_argument where the server would refuse the name without saying which.
@@ -216,6 +234,7 @@ void understand(const WrittenOptions& words, HandTask task, ClientOptions& optio
     task.depth = -task.clearance;  // it touches nothing
   }
   choose_device(words, task, options);
+  options.mapping = mapping(words);
   if (!words.report.empty()) options.report = words.report;
   if (!words.record.empty()) options.record = words.record;
   choose_recording(words, options);

@@ -28,6 +28,9 @@ struct WrittenOptions {
   double position_deadband_percent = 0.0, force_deadband_percent = 0.0;
   std::optional<std::array<double, 3>> center, normal;
   std::optional<double> lead;  // [s]
+  double map_scale = 1.0;
+  std::optional<std::array<double, 3>> map_rotate, map_translate;  // [deg], [m]
+  std::string map_mirror;
   std::optional<double> wait_for_small_force, ramp_up, velocity_limit;
   std::string report, record, view, flight_recorder, link, profile, dscp = "cs0", role = "operator";
   RecordingLimits record_limits;

@@ -24,6 +24,11 @@ struct DeviceReading {
   /// The mean force on the hand since the last fresh reading, if the device knows that it differs
   /// from the force of write(): it applied the force late, or cut it. Absent: as write() gave.
   std::optional<Command> held{};
+  /// The button is held that lifts the hand off the scene (client/devices/mapped_device.hpp).
+  bool clutch = false;
+  /// The hand moves without the tool, which stands where it stood, and nothing is on the hand. The
+  /// servo asks for no force, and what the hand does meanwhile earns nothing.
+  bool clutched = false;
 };
 
 /// A haptic device. The servo thread calls read() and then write(), once each tick; no other thread

@@ -11,6 +11,7 @@
 #include "client/devices/plugin_device.hpp"
 #include "client/devices/replay.hpp"
 #include "client/devices/simulated_device.hpp"
+#include "client/devices/steered_device.hpp"
 #include "core/base/choice.hpp"
 #include "core/device/spec_text.hpp"
 
@@ -56,7 +57,8 @@ constexpr std::array kDrivers = {
            .spec = "simulated",
            .open = open_replay,
            .library = nullptr,
-           .held_by_person = false},
+           .held_by_person = false,
+           .gives_force = false},
     Driver{.kind = "forcedimension",
            .takes_name = Name::optional,
            .name = "NUMBER",
@@ -89,6 +91,24 @@ constexpr std::array kDrivers = {
            .spec = "simulated",
            .open = open_hapi,
            .library = nullptr},
+    Driver{.kind = "gamepad",
+           .takes_name = Name::optional,
+           .name = "EVENT",
+           .names_file = false,
+           .summary = "a gamepad, which moves the tool and gives no force",
+           .spec = "simulated_6dof",
+           .open = open_gamepad,
+           .library = nullptr,
+           .gives_force = false},
+    Driver{.kind = "spacemouse",
+           .takes_name = Name::optional,
+           .name = "EVENT",
+           .names_file = false,
+           .summary = "a 3D mouse, which moves and turns the tool and gives no force",
+           .spec = "simulated_6dof",
+           .open = open_spacemouse,
+           .library = nullptr,
+           .gives_force = false},
     Driver{.kind = "plugin",
            .takes_name = Name::required,
            .name = "FILE.so[:ARGUMENTS]",

@@ -10,6 +10,7 @@
 
 #include "client/devices/device.hpp"
 #include "client/devices/hand_path.hpp"
+#include "client/devices/steering.hpp"
 #include "client/devices/wrist_path.hpp"
 #include "core/device/device_file.hpp"
 
@@ -24,6 +25,7 @@ struct DeviceRequest {
   WristTask wrist;                            // the same, for a device that senses rotation
   bool own_center = true, own_normal = true;  // the same; false: begin() gives them
   std::optional<double> leads_from;           // [s] its switch is held; empty: it leads no robot
+  SteeringOptions steering;                   // of a gamepad or a 3D mouse
 };
 
 struct OpenedDevice {
@@ -46,6 +48,7 @@ struct Driver {
   /// Throws std::runtime_error that names the missing files, their places, and the remedy.
   std::string (*library)();
   bool held_by_person = true;  // a person's hand may be at it
+  bool gives_force = true;     // false: there is nothing that `identify` could measure with
 };
 
 std::span<const Driver> drivers();

@@ -96,7 +96,8 @@ struct Calls {
         expert_off(l.find<int()>("dhdDisableExpertMode")),
         set_watchdog(l.find<int(unsigned char, char)>("dhdSetWatchdog")),
         get_watchdog(l.find<int(unsigned char*, char)>("dhdGetWatchdog")),
-        initialized(l.find<bool(char)>("drdIsInitialized")) {}
+        initialized(l.find<bool(char)>("drdIsInitialized")),
+        buttons(l.find<unsigned(char)>("dhdGetButtonMask")) {}
 
   void (*version)(int*, int*, int*, int*);
   int (*open)(char);
@@ -121,6 +122,7 @@ struct Calls {
   int (*set_watchdog)(unsigned char, char);
   int (*get_watchdog)(unsigned char*, char);
   bool (*initialized)(char);
+  unsigned (*buttons)(char);
 };
 
 /// The specification by the name of the model: forces as CHAI3D states them, and where nothing is
@@ -212,6 +214,9 @@ class ForceDimensionDevice final : public Device {
       return reading;
     }
     reading.pose.position = {x, y, z};
+    const unsigned pressed = call_.buttons != nullptr ? call_.buttons(id_) : 0;
+    reading.clutch = (pressed & 1U) != 0;  // most models have one button
+    reading.deadman = (pressed & 2U) != 0;
     if (wrist_) {
       Mat3 turn;
       for (int i = 0; i < 3; ++i)

@@ -155,7 +155,8 @@ class HaplyDevice final : public LockStepDevice {
         message->told.position->norm() > kFarthest)
       return Answer::garbled;
     reading.pose.position = turned_to_ours(*message->told.position - Vec3(0.0, kAway, kUp));
-    reading.deadman = message->buttons && message->buttons->front();
+    reading.deadman = message->buttons && (*message->buttons)[0];
+    reading.clutch = message->buttons && (*message->buttons)[1];
     if (cut_) reading.held = held_command(on_hand, *cut_, Vec3::Zero());
     return take_force(on_hand, message->told.force) ? Answer::whole : Answer::garbled;
   }

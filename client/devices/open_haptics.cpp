@@ -24,8 +24,8 @@ constexpr unsigned kNoHandle = 0xFFFFFFFFu;
 constexpr unsigned kContinue = 1;
 constexpr unsigned short kUsualPriority = 32767;
 constexpr unsigned kForceOutput = 0x4000, kForceRamping = 0x4002;  // hdEnable
-constexpr unsigned kTransform = 0x2052, kModel = 0x2501, kNominalMaxForce = 0x2603,
-                   kUpdateRate = 0x2600;
+constexpr unsigned kButtons = 0x2000, kTransform = 0x2052, kModel = 0x2501,
+                   kNominalMaxForce = 0x2603, kUpdateRate = 0x2600;
 constexpr unsigned kCurrentForce = 0x2700;
 constexpr unsigned kCalibrated = 0x5000, kNeedsUpdate = 0x5001;  // hdCheckCalibration
 constexpr unsigned kAutomatic = 2;                               // style of calibration
@@ -248,6 +248,10 @@ class OpenHapticsDevice final : public Device {
     const Mat3 axes = placed.topLeftCorner<3, 3>();
     reading.pose.orientation = Quaternion(Mat3(turn_ * axes * turn_.transpose()));
     reading.ok = ramping_ == 0;
+    int pressed = 0;
+    call_.get_integers(kButtons, &pressed);
+    reading.deadman = (pressed & 1) != 0;
+    reading.clutch = (pressed & 2) != 0;
     Command given = handover_.exchange(reading, kPatience);
     if (ramping_ > 0) {
       given = {};

@@ -5,10 +5,11 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
-#include <cstdio>
-#include <fstream>
 #include <string_view>
 #include <system_error>
+
+#include "client/devices/input_nodes.hpp"
+#include "client/devices/machine_files.hpp"
 
 namespace feltwire {
 namespace {
@@ -28,25 +29,6 @@ constexpr std::array kKnown = {
     Known{"16c0", "0483", "Haply Inverse3, or another board with a Teensy", "haply"},
     Known{"2fe3", "0100", "Haply VerseGrip's receiver", "haply"},
 };
-
-/// The first line of a small file; empty where there is none.
-std::string line_of(const fs::path& file) {
-  std::ifstream stream(file);
-  std::string line;
-  std::getline(stream, line);
-  return line;
-}
-
-/// The entries of a folder, by name.
-std::vector<fs::path> entries(const fs::path& folder) {
-  std::vector<fs::path> found;
-  std::error_code none;
-  for (fs::directory_iterator entry(folder, none), end; !none && entry != end;
-       entry.increment(none))
-    found.push_back(entry->path());
-  std::sort(found.begin(), found.end());
-  return found;
-}
 
 /// "4" -> "004", as the folders of /dev/bus/usb are called. Empty: it is no number.
 std::string three_digits(const std::string& number) {
@@ -91,25 +73,26 @@ std::string holders(const fs::path& root, const fs::path& node) {
   return list;
 }
 
+/// Complains where the node is not there, or may not be opened with these rights.
+void check_node(const Machine& machine, const fs::path& node, int rights, const std::string& rule,
+                PluggedIn& device) {
+  const fs::path file = machine.root / node.relative_path();
+  std::error_code none;
+  if (!fs::exists(file, none)) {
+    device.complaints.push_back({node.string() + " is not there",
+                                 "plug it in anew; in a container, pass the node on to it"});
+    return;
+  }
+  const bool may = machine.may_open ? machine.may_open(file) : ::access(file.c_str(), rights) == 0;
+  if (!may) device.complaints.push_back({"you may not open " + node.string(), rule_to_paste(rule)});
+}
+
 void examine(const Machine& machine, const Known& known, const std::string& product,
              PluggedIn& device) {
   const std::string rule = "SUBSYSTEMS==\"usb\", ATTRS{idVendor}==\"" + std::string(known.vendor) +
                            "\", ATTRS{idProduct}==\"" + product + "\", TAG+=\"uaccess\"";
   for (const fs::path& node : device.nodes) {
-    const fs::path file = machine.root / node.relative_path();
-    std::error_code none;
-    if (!fs::exists(file, none)) {
-      device.complaints.push_back({node.string() + " is not there",
-                                   "plug it in anew; in a container, pass the node on to it"});
-      continue;
-    }
-    const bool may =
-        machine.may_open ? machine.may_open(file) : ::access(file.c_str(), R_OK | W_OK) == 0;
-    if (!may)
-      device.complaints.push_back(
-          {"you may not open " + node.string(),
-           "write into /etc/udev/rules.d/70-feltwire.rules the line  " + rule +
-               "  then run  udevadm control --reload  as root, and plug it in anew"});
+    check_node(machine, node, R_OK | W_OK, rule, device);
     const std::string held = holders(machine.root, node);
     if (held.empty()) continue;
     const bool modem = held.find("ModemManager") != std::string::npos;
@@ -124,6 +107,22 @@ void examine(const Machine& machine, const Known& known, const std::string& prod
     device.complaints.push_back(
         {"feltwire has no driver for it yet",
          "write a plugin (docs/devices.md#as-a-plugin-in-c---device-pluginfilesoarguments)"});
+}
+
+/// Many programs may listen to an event node at once, unless one has it for itself.
+PluggedIn examined(const Machine& machine, const InputNode& node) {
+  PluggedIn device{node.vendor + ":" + node.product,
+                   (node.kind == "gamepad" ? "Gamepad" : "3D mouse") +
+                       (node.name.empty() ? std::string() : ", \"" + node.name + "\""),
+                   std::string(node.kind),
+                   {node.node},
+                   {}};
+  check_node(machine, node.node, R_OK, input_rule(node.vendor, node.product), device);
+  const std::string held = holders(machine.root, node.node);
+  if (held.find("spacenavd") != std::string::npos)
+    device.complaints.push_back({node.node.string() + " is held by " + held,
+                                 "stop it while feltwire runs: sudo systemctl stop spacenavd"});
+  return device;
 }
 
 }  // namespace
@@ -146,14 +145,14 @@ std::vector<PluggedIn> plugged_in(const Machine& machine) {
     examine(machine, *known, product, one);
     found.push_back(std::move(one));
   }
+  for (const InputNode& node : input_nodes(machine)) found.push_back(examined(machine, node));
   return found;
 }
 
 std::string text(const std::vector<PluggedIn>& devices) {
   if (devices.empty())
-    return "no haptic device that feltwire knows is on USB; is it plugged in and switched on? One "
-           "on Ethernet is not "
-           "seen here.\n";
+    return "no haptic device that feltwire knows is on USB, and no gamepad or 3D mouse at an event "
+           "node; is it plugged in and switched on? One on Ethernet is not seen here.\n";
   std::string lines;
   for (const PluggedIn& device : devices) {
     lines += device.what + " (" + device.id + ")";

@@ -29,7 +29,8 @@ struct Machine {
   std::function<bool(const std::filesystem::path&)> may_open = nullptr;  // null: asks the system
 };
 
-/// The devices on USB that a haptic device's maker is known to sell, in the order of the ports.
+/// The devices on USB that a haptic device's maker is known to sell, in the order of the ports;
+/// then the gamepads and 3D mice, wherever they are plugged in, in the order of their event nodes.
 /// What cannot be read is taken for not there. Of other users' programs the system tells only root
 /// what they hold.
 std::vector<PluggedIn> plugged_in(const Machine& machine);

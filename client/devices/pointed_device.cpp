@@ -4,21 +4,10 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "client/devices/hand_aim.hpp"
 #include "core/base/numeric.hpp"
 
 namespace feltwire {
-namespace {
-
-constexpr double kYielding = 0.05;  // [m/s] of where a hand means to be that was pushed away
-
-/// As long as `most` at most, in the same direction.
-Vec3 shortened(const Vec3& v, double most) noexcept {
-  const double length = v.norm();
-  return length > most ? Vec3(v * (most / length)) : v;
-}
-
-}  // namespace
-
 PointedDevice::PointedDevice(const PointedHandOptions& options, Ring<Pointing>& pointings)
     : HandDevice(options.spec, options.hand), options_(options), pointings_(pointings) {
   const auto usable = [](double v) { return std::isfinite(v) && v > 0.0; };
@@ -57,11 +46,9 @@ Vec3 PointedDevice::intended(double time) noexcept {
   const double elapsed = time - aimed_at_;
   aimed_at_ = time;
   const Vec3 way = (1.0 - std::exp(-elapsed / options_.smoothing)) * (target_ - aim_);
-  // The spring grows no longer than its reach. Where the hand is pushed away from where it means to
-  // be, that stays: it would else move with the hand, and the arm would damp nothing.
   const Vec3& hand = true_position();
-  const double most = std::max(options_.reach, (aim_ - hand).norm() - kYielding * elapsed);
-  aim_ = hand + shortened(aim_ + shortened(way, options_.speed * elapsed) - hand, most);
+  aim_ = hand + led(aim_ - hand, shortened(way, options_.speed * elapsed), options_.reach,
+                    kYielding * elapsed);
   return aim_;
 }
 

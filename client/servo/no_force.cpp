@@ -35,6 +35,7 @@ constexpr std::array<ReasonText, kNoForceReasons> kWords = {{
     {"account", "the device has not burned enough energy for it"},
     {"not_held", "the device does not hold what it is given"},
     {"law_change", "an admin has just given the session another law"},
+    {"clutched", "the clutch is held: the hand moves without the tool"},
 }};
 
 bool felt(const Command& c) {
@@ -52,6 +53,7 @@ NoForce why_no_force(const ForceTrail& t) noexcept {
   if (t.observer) return NoForce::observer;
   if (t.device_ended) return NoForce::device_ended;
   if (t.released) return NoForce::ending;
+  if (t.clutched) return NoForce::clutched;
   if (!t.read) return NoForce::device_fault;
   if (!t.answered) return NoForce::no_reply;
   if (t.letting_go) return t.law_change ? NoForce::law_change : NoForce::reconnecting;
@@ -79,7 +81,8 @@ NoForce prevailing(const std::array<std::uint64_t, kNoForceReasons>& ticks) noex
   // There was no force to be given, or the hand was on its way in or out.
   constexpr std::array kNothingToGive = {
       NoForce::felt,     NoForce::ending,          NoForce::device_ended,
-      NoForce::no_reply, NoForce::touches_nothing, NoForce::too_little};
+      NoForce::no_reply, NoForce::touches_nothing, NoForce::too_little,
+      NoForce::clutched};
   constexpr std::uint64_t kShare = 100;
   const std::uint64_t all = std::accumulate(ticks.begin(), ticks.end(), std::uint64_t{0});
   auto rest = ticks;

@@ -38,9 +38,10 @@ enum class NoForce : std::uint8_t {
   force_limit,      // --max-force
   account,          // the port has not burned enough
   not_held,         // the device does not hold what it was given
-  law_change        // an admin gave the session another law: what was held fades first
+  law_change,       // an admin gave the session another law: what was held fades first
+  clutched          // the hand moves without the tool
 };
-inline constexpr std::size_t kNoForceReasons = static_cast<std::size_t>(NoForce::law_change) + 1;
+inline constexpr std::size_t kNoForceReasons = static_cast<std::size_t>(NoForce::clutched) + 1;
 
 /// The name in the report: "touches_nothing".
 std::string_view name(NoForce reason);
@@ -52,6 +53,7 @@ struct ForceTrail {
   bool observer = false, device_ended = false, released = false, letting_go = false;
   bool law_change = false;    // that is why it lets go
   bool read = true;           // the device's position was usable
+  bool clutched = false;      // it was not looked at, because the hand moves without the tool
   bool answered = false;      // some reply has come
   bool silent = false;        // the newest is older than the hold time
   bool recovering = false;    // as it says

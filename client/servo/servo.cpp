@@ -14,8 +14,9 @@ constexpr double kSmallestForce = 1e-6;  // [N] below it a force has no directio
 
 bool good(const DeviceReading& reading) {
   const Quaternion& q = reading.pose.orientation;
-  return reading.ok && reading.fresh && (!reading.held || reading.held->finite()) &&
-         reading.pose.position.allFinite() && q.coeffs().allFinite() && q.squaredNorm() > 0.0;
+  return reading.ok && reading.fresh && !reading.clutched &&
+         (!reading.held || reading.held->finite()) && reading.pose.position.allFinite() &&
+         q.coeffs().allFinite() && q.squaredNorm() > 0.0;
 }
 
 }  // namespace
@@ -242,6 +243,7 @@ Command Servo::render(const DeviceReading& reading, Nanoseconds now) noexcept {
             .letting_go = letting_go_,
             .law_change = next_law_ != nullptr,
             .read = read,
+            .clutched = reading.ok && reading.clutched,
             .answered = has_reply(),
             .silent = !(command_age_ < law_.parameters.hold_time),
             .recovering = newest_.recovering,
@@ -260,7 +262,7 @@ Command Servo::render(const DeviceReading& reading, Nanoseconds now) noexcept {
       if (law_.account) law_.account->credit(energy);
     }
   } else {
-    ++statistics_.device_faults;
+    if (!trail_.clutched) ++statistics_.device_faults;
     position_known_ = false;
     measures_.lose();
     begin_anew(sample_.index + (posed_ ? 1 : 0));  // this tick's sample has the old position
@@ -363,7 +365,8 @@ HandReport Servo::report() const noexcept {
   put(HandReason::reconnecting, letting_go_ && next_law_ == nullptr);
   put(HandReason::law_change, next_law_ != nullptr);
   put(HandReason::scene_change, withholds_change());
-  put(HandReason::device_fault, !trail_.read || takes_off(trail_.paid, trail_.held));
+  put(HandReason::device_fault,
+      (!trail_.read && !trail_.clutched) || takes_off(trail_.paid, trail_.held));
   report.has_account = law_.account.has_value();
   report.balance = law_.account ? law_.account->balance() : 0.0;
   report.round_trip = has_reply() ? seconds(newest_arrival_ - newest_sampled_) : 0.0;

@@ -97,6 +97,7 @@ int dhdGetPositionAndOrientationFrame(double* x, double* y, double* z, double (*
     for (int j = 0; j < 3; ++j) m[i][j] = turned[i][j];
   return sensed(x, y, z);
 }
+unsigned dhdGetButtonMask(char) { return device->buttons.load(); }
 int dhdSetForce(double x, double y, double z, char id) {
   if (!answers(id)) return failed(kCommunication);
   const double size = std::hypot(x, y, z);

@@ -27,7 +27,8 @@ struct Drd {
   unsigned char watchdog = 0;
   double max_force = -1.0;
   std::atomic<bool> pulls{false};
-  std::atomic<int> zeros{0};  // forces of nothing that were set
+  std::atomic<unsigned> buttons{0};  // a bit each
+  std::atomic<int> zeros{0};         // forces of nothing that were set
 };
 
 }  // namespace stand_in

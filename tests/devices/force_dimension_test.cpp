@@ -137,6 +137,17 @@ TEST_F(ForceDimension, PositionAndFrameAreTheDevices) {
 }
 
 /// What the motors cannot give is not accounted as given.
+TEST_F(ForceDimension, ButtonsAreTheClutchAndTheEnablingSwitch) {
+  const OpenedDevice opened = open();
+  EXPECT_FALSE(opened.device->read({}).clutch || opened.device->read({}).deadman);
+  stand_in->buttons = 1;
+  EXPECT_TRUE(opened.device->read({}).clutch);
+  EXPECT_FALSE(opened.device->read({}).deadman);
+  stand_in->buttons = 2;
+  EXPECT_FALSE(opened.device->read({}).clutch);
+  EXPECT_TRUE(opened.device->read({}).deadman);
+}
+
 TEST_F(ForceDimension, ASaturatedMotorHoldsLess) {
   const OpenedDevice opened = open();
   stand_in->saturates_at = 2.0;

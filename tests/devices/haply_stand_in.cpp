@@ -202,7 +202,8 @@ std::string HaplyService::told(bool first) const {
       ", \"verse_grip\": [], \"wireless_verse_grip\": [{\"device_id\": \"61576\", \"state\": "
       "{\"buttons\": {\"a\": " +
       std::string(button.load() ? "true" : "false") +
-      ", \"b\": false, \"c\": false}, \"battery_level\": 0.5}}]}";
+      ", \"b\": " + std::string(second_button.load() ? "true" : "false") +
+      ", \"c\": false}, \"battery_level\": 0.5}}]}";
   return text;
 }
 

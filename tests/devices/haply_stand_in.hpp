@@ -34,7 +34,7 @@ class HaplyService {
   bool plugged = true, second = false, speaks = true;
   const char* permutation = "XYZ";
   double scale = 1.0;
-  std::atomic<bool> calibrated{true}, button{false};
+  std::atomic<bool> calibrated{true}, button{false}, second_button{false};
   std::atomic<bool> blocks{false};    // it does not read
   std::atomic<bool> hangs_up{false};  // it closes the connection
   std::atomic<double> gate{1.0};      // of the force that it applies, and tells

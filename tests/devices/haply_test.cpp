@@ -119,10 +119,12 @@ TEST_P(HaplyDialect, AxesAndForcesAreOurs) {
   tick();
   EXPECT_NEAR((device.read({}).pose.position - Vec3(0.01, 0.02, 0.03)).norm(), 0.0, 2e-5);
   EXPECT_FALSE(device.read({}).deadman);
-  service.button = true;
+  EXPECT_FALSE(device.read({}).clutch);
+  service.button = service.second_button = true;
   device.write({.elastic = Vec3(0.2, -0.1, 0.3)});
   tick();
   EXPECT_TRUE(device.read({}).deadman);
+  EXPECT_TRUE(device.read({}).clutch);
   EXPECT_EQ(device.write({}).force(), Vec3(0.2, -0.1, 0.3));  // it is held until the next answer
   tick();
   EXPECT_FALSE(device.read({}).held);

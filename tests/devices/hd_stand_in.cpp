@@ -135,6 +135,7 @@ void hdGetDoublev(unsigned what, double* values) {
 }
 void hdGetIntegerv(unsigned what, int* value) {
   if (what == 0x2600) *value = 1000;
+  if (what == 0x2000) *value = device->buttons.load();
 }
 const char* hdGetString(unsigned) { return device->model; }
 void hdSetDoublev(unsigned what, const double* values) {

@@ -122,6 +122,23 @@ TEST_F(OpenHaptics, AxesAndUnitsAreOurs) {
   EXPECT_NEAR(reading.pose.orientation.w(), 1.0, 1e-12);
 }
 
+TEST_F(OpenHaptics, ButtonsAreTheEnablingSwitchAndTheClutch) {
+  const OpenedDevice opened = open();
+  const auto pressed = [&](int buttons) {
+    stand_in->buttons = buttons;
+    const int before = stand_in->frames;
+    DeviceReading reading;
+    while (stand_in->frames < before + 2) {
+      opened.device->await_tick(monotonic_now() + std::chrono::milliseconds(25));
+      reading = opened.device->read({});
+    }
+    return std::pair(reading.deadman, reading.clutch);
+  };
+  EXPECT_EQ(pressed(0), std::pair(false, false));
+  EXPECT_EQ(pressed(1), std::pair(true, false));
+  EXPECT_EQ(pressed(2), std::pair(false, true));
+}
+
 /// The stand-in was pulled by its wall, its force ramped at the start, and gave nothing away.
 TEST_F(OpenHaptics, MakesNoEnergy) {
   EXPECT_LE(made(kSessionMethod), 1e-12);

@@ -71,6 +71,35 @@ TEST(Options, AHandIsProtectedAsFarAsItsModeAllows) {
   EXPECT_EQ(paper.ramp_up, 0.0);
 }
 
+TEST(Options, TheWorkspaceIsMapped) {
+  const auto options = parsed({"--map-scale", "2", "--map-rotate", "0,0,90", "--map-translate",
+                               "0.1,0,0", "--map-mirror", "y"});
+  ASSERT_TRUE(std::holds_alternative<ClientOptions>(options));
+  const WorkspaceMapping& mapping = std::get<ClientOptions>(options).mapping;
+  EXPECT_EQ(mapping.scale, 2.0);
+  EXPECT_EQ(mapping.translation, Vec3(0.1, 0, 0));
+  EXPECT_EQ(mapping.axes() * Vec3(1, 2, 3), Vec3(2, 1, 3));
+  EXPECT_THAT(refusal({"--map-scale", "0"}), HasSubstr("from 0.01 to 100"));
+  EXPECT_THAT(refusal({"--map-rotate", "nan,0,0"}), HasSubstr("at most 360"));
+  EXPECT_THAT(refusal({"--map-translate", "0,inf,0"}), HasSubstr("within 100 m"));
+  for (const char* axis : {"w", "xy"})
+    EXPECT_THAT(refusal({"--map-mirror", axis}), HasSubstr("must be x, y or z"));
+}
+
+TEST(Options, AGamepadIsSteeredByTheNumbersOfItsOptions) {
+  const auto options = parsed({"--device", "gamepad:event5", "--steer-speed", "0.05",
+                               "--steer-turn", "0.4", "--dead-zone", "0.2"});
+  ASSERT_TRUE(std::holds_alternative<ClientOptions>(options));
+  const DeviceRequest& asked = std::get<ClientOptions>(options).device;
+  EXPECT_EQ(asked.name, "event5");
+  EXPECT_EQ(asked.steering.speed, 0.05);
+  EXPECT_EQ(asked.steering.turn, 0.4);
+  EXPECT_EQ(asked.steering.dead_zone, 0.2);
+  EXPECT_THAT(refusal({"--steer-speed", "0"}), HasSubstr("0.1 is usual"));
+  EXPECT_THAT(refusal({"--steer-turn", "nan"}), HasSubstr("--steer-turn must be above 0"));
+  EXPECT_THAT(refusal({"--dead-zone", "0.6"}), HasSubstr("from 0 to 0.5"));
+}
+
 TEST(Options, ALocalModelIsForASideThatBoundsHere) {
   const auto options = parsed({"--local-model"});
   ASSERT_TRUE(std::holds_alternative<ClientOptions>(options));

@@ -106,6 +106,7 @@ TEST(NoForce, TheRunEnds) {
 TEST(NoForce, TheDevice) {
   Told fault(kTwo), ended(kTwo), weak(kTwo), no_torque({.torque = Vec3(0, 0, 1)});
   EXPECT_EQ(fault.why({.pose = {}, .ok = false}), NoForce::device_fault);
+  EXPECT_EQ(fault.why({.pose = {}, .clutched = true}), NoForce::clutched);
   EXPECT_EQ(ended.why({.pose = {}, .ended = true}), NoForce::device_ended);
   weak.now += kPeriod;
   weak.servo.render({}, weak.now);

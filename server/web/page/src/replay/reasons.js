@@ -25,6 +25,7 @@ export const REASONS = [
   ['account', 'The device has not burned enough energy for it.'],
   ['not_held', 'The device does not hold what it is given.'],
   ['law_change', 'An admin has just given the session another law.'],
+  ['clutched', 'The clutch is held: the hand moves without the tool.'],
 ];
 
 export const FELT = 0;
@@ -37,7 +38,7 @@ export const CLASSES = [
   {name: 'kept away', color: 'limit', text: 'the scene asks for force, and the hand is given none'},
   {name: 'nothing', color: 'line', text: 'there is no force to be given'},
 ];
-const NOTHING = new Set(['observer', 'device_ended', 'ending', 'no_reply', 'touches_nothing', 'too_little'].map((name) => REASONS.findIndex((entry) => entry[0] === name)));
+const NOTHING = new Set(['observer', 'device_ended', 'ending', 'no_reply', 'touches_nothing', 'too_little', 'clutched'].map((name) => REASONS.findIndex((entry) => entry[0] === name)));
 
 /** @param {number} reason of an account @param {number} cut share that the account took off @returns {number} place in CLASSES */
 export function classOf(reason, cut) {
