@@ -50,7 +50,8 @@ bool has_room(const Workspace& workspace, double inside) noexcept;
 /// The point in front of all walls that is nearest to `point`, by Hildreth's row action: each wall
 /// in turn moves the point to itself, or takes back what it moved before. It is exact for walls at
 /// right angles. Where the sweeps do not suffice (acute wedges, no such point) the result may be
-/// behind a wall, or not quite the nearest. A point that is in front of all walls is returned as it is.
+/// behind a wall, or not quite the nearest. A point that is in front of all walls is returned as it
+/// is.
 Vec3 nearest_in_front(const Vec3& point, std::span<const WorkspaceWall> walls) noexcept;
 
 /// Keeps a target within a workspace, from the moment of an engagement on. A target that is behind
