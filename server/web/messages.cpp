@@ -84,6 +84,20 @@ class Writer {
   Bytes bytes_;
 };
 
+void put(Writer& writer, const SeenRobot& robot) {
+  writer.put(static_cast<std::uint32_t>(robot.state));
+  writer.put(robot.hand);
+  writer.put((robot.force ? 1u : 0u) | (robot.ok ? 2u : 0u) | (robot.stopped ? 4u : 0u) |
+             (robot.touches ? 8u : 0u));
+  for (const Pose* pose : {&robot.pose, &robot.target}) {
+    writer.put(pose->position);
+    writer.put(pose->orientation);
+  }
+  writer.put(robot.force.value_or(Vec3::Zero()));
+  writer.put(robot.torque);
+  for (const double value : {robot.gripper, robot.age}) writer.put(value);
+}
+
 /// Grows with the points that it is given.
 struct Box {
   Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity()), high = -low;
@@ -283,25 +297,6 @@ std::vector<Bytes> geometry(const Scene& scene, std::uint32_t version) {
   }
   return messages;
 }
-
-namespace {
-
-void put(Writer& writer, const SeenRobot& robot) {
-  writer.put(static_cast<std::uint32_t>(robot.state));
-  writer.put(robot.hand);
-  writer.put((robot.force ? 1u : 0u) | (robot.ok ? 2u : 0u) | (robot.stopped ? 4u : 0u) |
-             (robot.touches ? 8u : 0u));
-  for (const Pose* pose : {&robot.pose, &robot.target}) {
-    writer.put(pose->position);
-    writer.put(pose->orientation);
-  }
-  writer.put(robot.force.value_or(Vec3::Zero()));
-  writer.put(robot.torque);
-  writer.put(robot.gripper);
-  writer.put(robot.age);
-}
-
-}  // namespace
 
 Bytes picture(const Picture& picture, std::span<const HandRates> rates, Nanoseconds begin) {
   constexpr std::size_t kHead = 24, kHand = 112, kBody = 32, kRobot = 100;

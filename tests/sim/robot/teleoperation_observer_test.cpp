@@ -110,6 +110,9 @@ TEST(TeleoperationObserver, EveryViewFitsADatagram) {
       ASSERT_TRUE(view.robot);
       seen += view.hand_count;
       EXPECT_LE(eye.size(), 1200u);
+      const std::size_t hand = SceneView::kHandSize + (figures ? SceneView::kFiguresSize : 0);
+      EXPECT_LE(view.hand_count * hand + kSeenRobotRoom, view_room(1e-3))
+          << "bodies, torque and rates need the rest";
     }
     EXPECT_GE(seen, 40u) << "all hands come round";
   }

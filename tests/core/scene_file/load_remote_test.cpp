@@ -1,0 +1,85 @@
+// The seat of a robot in a scene file, and its workspace.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <array>
+#include <string>
+
+#include "core/scene_file/load_scene.hpp"
+#include "tests/core/scene_text.hpp"
+
+namespace feltwire::load_remote_test {
+namespace {
+
+using test::error_of;
+using ::testing::HasSubstr;
+
+TEST(LoadRemote, ARobotMayFollow) {
+  const auto scene = [](const std::string& remote) {
+    return R"({"name": "s", "materials": [{"name": "m", "stiffness": 100}],
+      "objects": [{"name": "o", "plane": {}, "material": "m"}])" +
+           remote + "}";
+  };
+  EXPECT_FALSE(parse_scene(scene(""), "s.json").remote());
+  const Scene usual = parse_scene(scene(R"(, "remote": {})"), "s.json");
+  ASSERT_TRUE(usual.remote());
+  EXPECT_EQ(usual.remote()->scale, 1.0);
+  const Scene told =
+      parse_scene(scene(R"(, "remote": {"scale": 0.5, "speed": 1, "force": 10})"), "s.json");
+  EXPECT_EQ(told.remote()->scale, 0.5);
+  EXPECT_EQ(told.remote()->speed, 1.0);
+  EXPECT_EQ(told.remote()->force, 10.0);
+  EXPECT_THAT(error_of(scene(R"(, "remote": {"scale": 0})")),
+              HasSubstr("remote.scale: is 0; give a number above 0, at most 100"));
+  EXPECT_THAT(error_of(scene(R"(, "remote": {"speed": -1})")), HasSubstr("remote.speed"));
+  EXPECT_THAT(error_of(scene(R"(, "remote": {"force": 1e9})")), HasSubstr("remote.force"));
+}
+
+TEST(LoadRemote, ARobotsTargetMayHaveAWorkspace) {
+  const auto scene = [](const std::string& workspace) {
+    return R"({"name": "s", "materials": [{"name": "m", "stiffness": 100}],
+      "objects": [{"name": "o", "plane": {}, "material": "m"}],
+      "remote": {"workspace": {)" +
+           workspace + "}}}";
+  };
+  EXPECT_FALSE(parse_scene(scene(""), "s.json").remote()->workspace.limits());
+  const RemoteSeat seat = *parse_scene(scene(R"("low": [-0.1, -0.2, 0], "high": [0.1, 0.2, 0.3],
+      "walls": [{"position": [0, 0, 0.25], "normal": [0, 3, -4]}, {}], "lock": ["y", "rotation"],
+      "stiffness": 500, "depth": 0.002)"),
+                                       "s.json")
+                               .remote();
+  const Workspace& w = seat.workspace;
+  ASSERT_EQ(w.count, 8u);
+  EXPECT_LE((nearest_in_front(Vec3(1, 1, -1), w.view().first(6)) - Vec3(0.1, 0.2, 0.0)).norm(),
+            1e-12);
+  EXPECT_LE((w.walls[6].normal - Vec3(0.0, 0.6, -0.8)).norm(), 1e-15);
+  EXPECT_NEAR(w.walls[6].distance, -0.2, 1e-15);
+  EXPECT_EQ(w.walls[7].normal, Vec3(0.0, 0.0, 1.0));
+  EXPECT_EQ(w.locked, (std::array<bool, 3>{false, true, false}));
+  EXPECT_TRUE(w.turning_locked);
+  EXPECT_EQ(seat.wall_stiffness, 500.0);
+  EXPECT_EQ(seat.wall_depth, 0.002);
+
+  const std::string box = R"("low": [0, 0, 0], "high": [1, 1, 1])";
+  const auto expect = [&](const std::string& workspace, const std::string& part) {
+    EXPECT_THAT(error_of(scene(workspace)), HasSubstr("s.json:3: remote.workspace" + part));
+  };
+  expect(R"("low": [0, 0, 0])", ".high: is missing; a box has both corners");
+  expect(R"("high": [0, 0, 0])", ".low: is missing; a box has both corners");
+  expect(R"("low": [0, 0, 0], "high": [1, 0, 1])", ".high: must be above low on each axis");
+  expect(R"("low": [0, 0, -1e4], "high": [1, 1, 1])", ".low: is farther than 1000 m");
+  expect(R"("walls": [{}, {"normal": [0, 0, 0]}])", ".walls[1].normal: has no direction");
+  expect(R"("walls": [{"position": [0, 0, 2000]}])", ".walls[0].position: is farther than 1000 m");
+  expect(box + R"(, "stiffness": 0)", ".stiffness: is 0; give a number above 0");
+  expect(box + R"(, "depth": 0.2)", ".depth: is 0.2; give a number above 0, at most 0.1");
+  expect(R"("low": [0, 0, 0], "high": [1, 1, 0.009])", ": leaves no place that is 0.005 m");
+  expect(R"("walls": [{"normal": [0, 0, 1]}, {"normal": [0, 0, -1]}])", ": leaves no place");
+  std::string many = box + R"(, "walls": [{})";
+  for (int i = 0; i < 10; ++i) many += ", {}";
+  expect(many + "]", ".walls: has more than 16 walls");
+  EXPECT_THAT(error_of(scene(R"("lock": ["w"])")), HasSubstr("remote.workspace.lock"));
+}
+
+}  // namespace
+}  // namespace feltwire::load_remote_test
