@@ -2,6 +2,7 @@
 // Approximate convex decomposition: a closed mesh as a few convex solids that cover it.
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <vector>
 
@@ -16,7 +17,12 @@ struct DecompositionOptions {
   std::size_t most = 64;  // parts; 1: the hull of the whole
 };
 inline constexpr double kPartTolerance = 0.02;
+/// Of the longest side. The time grows with the square of what is left of it.
+inline constexpr double kLeastPartTolerance = 0.001;
 inline constexpr std::size_t kMostParts = 1024;
+/// Raise it with every change of the parts that a mesh gets: parts that were kept are then made
+/// anew.
+inline constexpr std::uint32_t kDecompositionVersion = 1;
 
 /// Convex solids that cover a mesh. Coordinates are relative to the mesh's origin.
 struct ConvexParts {

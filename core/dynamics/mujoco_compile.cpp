@@ -12,6 +12,7 @@
 #include "core/dynamics/mujoco_buffers.hpp"
 #include "core/dynamics/mujoco_check.hpp"
 #include "core/dynamics/mujoco_error_trap.hpp"
+#include "core/dynamics/mujoco_geoms.hpp"
 #include "core/dynamics/mujoco_text.hpp"
 #include "core/mesh/mesh_surface.hpp"
 #include "core/scene/mechanism.hpp"
@@ -33,59 +34,7 @@ constexpr const char* kImpedance = "0.99 0.999 0.0001";
 /// MuJoCo's loader compares each body with each: so many take it most of a minute.
 constexpr std::size_t kMostBodies = 4000;
 
-// The model, as MJCF. Bodies are b0, b1, ..., geoms o0, o1, ... by object, meshes m0, m1, ...
-// alike.
-
-const TriangleMesh* triangles_of(const Shape& shape) {
-  const auto* mesh = std::get_if<Mesh>(&shape);
-  return mesh != nullptr ? &mesh->surface->mesh() : nullptr;
-}
-
-/// What bodies run into. Of a mesh that bounds a solid its convex hull, which MuJoCo makes of it;
-/// its vertices are about its middle.
-std::vector<PhysicsGeom> geoms_of(const Object& object) {
-  const TriangleMesh* mesh = triangles_of(object.shape);
-  if (mesh == nullptr)
-    return on_primitive(
-        object.shape, [&](const auto& solid) { return solid.geoms(object.felt_from); },
-        [] { return std::vector<PhysicsGeom>(); });
-  if (object.felt_from == Side::inside || !(mass_properties(object.shape).volume > 0.0)) return {};
-  return {{.pose = Pose{mesh->origin(), Quaternion::Identity()},
-           .hull = {mesh->vertices().begin(), mesh->vertices().end()}}};
-}
-
-/// Whether MuJoCo's own mass of the geoms is that of the object.
-bool is_exact(const std::vector<PhysicsGeom>& geoms) {
-  return geoms.size() == 1 && geoms[0].kind != PhysicsGeom::Kind::hull;
-}
-
-/// Of one of `count` geoms.
-std::string number_of(std::size_t object, std::size_t index, std::size_t count) {
-  return std::to_string(object) + (count > 1 ? "_" + std::to_string(index) : "");
-}
-
-/// `name`: of the mesh that a hull is.
-std::string geom_shape(const PhysicsGeom& geom, const std::string& name) {
-  const auto sized = [](const char* type, const std::string& size) {
-    return attribute("type", type) + attribute("size", size);
-  };
-  const Vec3& s = geom.size;
-  switch (geom.kind) {
-    case PhysicsGeom::Kind::plane:
-      return sized("plane", "0 0 1");
-    case PhysicsGeom::Kind::sphere:
-      return sized("sphere", number_text(s.x()));
-    case PhysicsGeom::Kind::box:
-      return sized("box", text(s));
-    case PhysicsGeom::Kind::capsule:
-      return sized("capsule", number_text(s.x()) + " " + number_text(s.y()));
-    case PhysicsGeom::Kind::cylinder:
-      return sized("cylinder", number_text(s.x()) + " " + number_text(s.y()));
-    case PhysicsGeom::Kind::hull:
-      break;
-  }
-  return attribute("type", "mesh") + attribute("mesh", name);
-}
+// The model, as MJCF. Bodies are b0, b1, ...
 
 Pose operator*(const Pose& a, const Pose& b) {
   return {a.position + a.orientation * b.position, a.orientation * b.orientation};
@@ -93,24 +42,6 @@ Pose operator*(const Pose& a, const Pose& b) {
 Pose inverse(const Pose& p) {
   const Quaternion back = p.orientation.conjugate();
   return {back * -p.position, back};
-}
-
-/// The geoms of an object that stands at `pose` in its body.
-std::string geoms_text(std::size_t index, const std::vector<PhysicsGeom>& geoms, const Pose& pose,
-                       const Material& material, const std::string& more) {
-  // MuJoCo's cone is that of sliding; without friction a contact is one-dimensional.
-  const double friction = material.dynamic_friction;
-  std::string xml;
-  for (std::size_t i = 0; i < geoms.size(); ++i) {
-    const std::string number = number_of(index, i, geoms.size());
-    xml += "<geom" + attribute("name", "o" + number) + geom_shape(geoms[i], "m" + number) +
-           place(geoms[i].pose ? pose * *geoms[i].pose : pose) +
-           (friction > 0.0
-                ? attribute("condim", "3") + attribute("friction", number_text(friction) + " 0 0")
-                : attribute("condim", "1") + attribute("friction", "0 0 0")) +
-           more + "/>\n";
-  }
-  return xml;
 }
 
 /// Of an object without geoms: a hollow other than a box, or what has no formula.
@@ -223,42 +154,35 @@ void check_bodies(const std::vector<Object>& objects, const std::vector<int>& bo
                      "a body is a solid and cannot be felt from inside; build the "
                      "hollow from several objects"});
     if (mass_properties(objects[i].shape).volume > 0.0) continue;
-    if (const TriangleMesh* mesh = triangles_of(objects[i].shape)) refuse(whose, no_volume(*mesh));
+    if (const TriangleMesh* mesh = mujoco::triangles_of(objects[i].shape))
+      refuse(whose, no_volume(*mesh));
     refuse(whose, {"body", "this shape has no volume and cannot move; use one of " +
                                names_of_primitives(true) + " or a closed mesh"});
   }
 }
 
-/// The hulls that bodies may run into.
-std::string hulls_of(const std::vector<Object>& objects,
-                     const std::vector<std::vector<PhysicsGeom>>& geoms,
-                     std::vector<std::string>& warnings) {
-  std::string xml;
+/// Of hollow meshes for which no solids were given.
+void warn_of_hulls(const std::vector<Object>& objects, const mujoco::CollisionGeoms& geoms,
+                   const mujoco::ObjectSolids& solids, const std::vector<int>& body_of,
+                   const std::vector<Body>& bodies, std::vector<std::string>& warnings) {
   for (std::size_t i = 0; i < objects.size(); ++i) {
-    const TriangleMesh* mesh = triangles_of(objects[i].shape);
-    if (mesh != nullptr && !geoms[i].empty() && !is_convex(*mesh))
+    const TriangleMesh* mesh = mujoco::triangles_of(objects[i].shape);
+    if (mesh == nullptr || !geoms.has(i) || (!solids.empty() && solids[i] != nullptr)) continue;
+    if (body_of[i] >= 0 && !bodies[static_cast<std::size_t>(body_of[i])].collides) continue;
+    if (!is_convex(*mesh))
       warnings.push_back("object '" + objects[i].name +
                          "': hands feel the mesh, but bodies run into its convex hull; where that "
                          "matters build it from several convex objects");
-    for (std::size_t k = 0; k < geoms[i].size(); ++k) {
-      if (geoms[i][k].kind != PhysicsGeom::Kind::hull) continue;
-      std::string vertices;
-      for (const Vec3& v : geoms[i][k].hull) vertices += text(v) + " ";
-      xml += "<mesh" + attribute("name", "m" + number_of(i, k, geoms[i].size())) +
-             attribute("vertex", vertices) + "/>\n";
-    }
   }
-  return xml;
 }
 
 std::string model_text(const std::vector<Object>& objects, const std::vector<int>& body_of,
                        const std::vector<Body>& bodies, const MechanismOptions& options,
-                       std::vector<std::string>& warnings) {
+                       const mujoco::ObjectSolids& solids, std::vector<std::string>& warnings) {
   const std::string solref = number_text(kContactTicks * options.tick) + " 1";
-  std::vector<std::vector<PhysicsGeom>> geoms;
-  geoms.reserve(objects.size());
-  for (const Object& object : objects) geoms.push_back(geoms_of(object));
-  const std::string hulls = hulls_of(objects, geoms, warnings);
+  const mujoco::CollisionGeoms geoms(objects, solids);
+  warn_of_hulls(objects, geoms, solids, body_of, bodies, warnings);
+  const std::string hulls = geoms.meshes();
   std::string xml = "<mujoco><compiler angle=\"radian\"/>\n<option" +
                     attribute("timestep", number_text(options.tick)) +
                     attribute("gravity", text(options.gravity)) +
@@ -269,7 +193,7 @@ std::string model_text(const std::vector<Object>& objects, const std::vector<int
                     (bodies.size() > mujoco::kFewBodies ? attribute("solver", "CG") : "") + ">" +
                     // Hulls lie flat on more than one point.
                     (hulls.empty() ? "" : "<flag multiccd=\"enable\"/>") + "</option>\n" +
-                    mujoco::trial_room(objects.size(), bodies) + "<default><geom" +
+                    mujoco::trial_room(geoms.count(), bodies) + "<default><geom" +
                     attribute("solref", solref) + attribute("solimp", kImpedance) + "/><joint" +
                     attribute("solreflimit", solref) + attribute("solimplimit", kImpedance) +
                     attribute("solreffriction", solref) + "/></default>\n<asset>\n";
@@ -278,8 +202,8 @@ std::string model_text(const std::vector<Object>& objects, const std::vector<int
   const ObjectsOfBodies own_objects = objects_of(body_of, bodies.size());
   for (std::size_t i = 0; i < objects.size(); ++i)
     if (body_of[i] < 0) {
-      xml += geoms_text(i, geoms[i], objects[i].pose, objects[i].material, "");
-      if (geoms[i].empty()) warnings.push_back(passed_through(objects[i]));
+      xml += geoms.text(i, objects[i].pose, objects[i].material, "");
+      if (!geoms.has(i)) warnings.push_back(passed_through(objects[i]));
     }
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     const Body& body = bodies[b];
@@ -288,40 +212,33 @@ std::string model_text(const std::vector<Object>& objects, const std::vector<int
     const std::vector<std::size_t>& own = own_objects[b];
     const MassProperties solid = solid_of(body, objects, own);
     const double density = body.mass ? *body.mass / solid.volume : *body.density;
-    if (!std::ranges::all_of(own, [&](std::size_t i) { return is_exact(geoms[i]); }))
+    if (!std::ranges::all_of(own, [&](std::size_t i) { return geoms.is_exact(i); }))
       xml += inertial(solid, density);
     std::string more = attribute("density", number_text(density));
     if (!body.collides) more += attribute("contype", "0") + attribute("conaffinity", "0");
     for (const std::size_t i : own)
-      xml +=
-          geoms_text(i, geoms[i], inverse(body.pose) * objects[i].pose, objects[i].material, more);
+      xml += geoms.text(i, inverse(body.pose) * objects[i].pose, objects[i].material, more);
     xml += "</body>\n";
   }
   return xml + "</worldbody></mujoco>\n";
 }
 
 /// Still ones first; the order is kept otherwise.
-void put_still_first(std::vector<Object>& objects, std::vector<int>& body_of) {
+void put_still_first(std::vector<Object>& objects, std::vector<int>& body_of,
+                     mujoco::ObjectSolids& solids) {
   std::vector<Object> ordered;
   std::vector<int> bodies;
+  mujoco::ObjectSolids shapes;
   for (const bool moving : {false, true})
     for (std::size_t i = 0; i < objects.size(); ++i)
       if ((body_of[i] >= 0) == moving) {
         ordered.push_back(std::move(objects[i]));
         bodies.push_back(body_of[i]);
+        if (!solids.empty()) shapes.push_back(std::move(solids[i]));
       }
   objects = std::move(ordered);
   body_of = std::move(bodies);
-}
-
-/// By the geoms' names, o12 or o12_3.
-std::vector<int> objects_of_geoms(const mjModel& model) {
-  std::vector<int> object_of;
-  for (int g = 0; g < model.ngeom; ++g) {
-    const char* name = mj_id2name(&model, mjOBJ_GEOM, g);
-    object_of.push_back(name == nullptr ? -1 : std::atoi(name + 1));
-  }
-  return object_of;
+  solids = std::move(shapes);
 }
 
 }  // namespace
@@ -335,9 +252,12 @@ int Mechanism::bodies() const {
 
 std::shared_ptr<const Mechanism> compile(std::vector<Object>& objects, std::vector<int> body_of,
                                          const std::vector<Body>& given,
-                                         const MechanismOptions& options) {
+                                         const MechanismOptions& options,
+                                         std::vector<std::shared_ptr<const ConvexSolids>> solids) {
   if (body_of.size() != objects.size())
     throw std::invalid_argument("body_of: must have an entry for each object; give -1 for none");
+  if (!solids.empty() && solids.size() != objects.size())
+    throw std::invalid_argument("solids: must have an entry for each object; give null for none");
   if (const auto broken = check(options)) refuse("scene", *broken);
   for (Object& o : objects) {
     if (const auto broken = check(o.pose)) refuse("object '" + o.name + "'", *broken);
@@ -346,13 +266,13 @@ std::shared_ptr<const Mechanism> compile(std::vector<Object>& objects, std::vect
   std::vector<Body> bodies = given;
   check_bodies(objects, body_of, objects_of(body_of, bodies.size()), bodies);
   for (Body& b : bodies) b.pose.orientation.normalize();
-  put_still_first(objects, body_of);
+  put_still_first(objects, body_of, solids);
 
   std::vector<std::string> warnings;
   for (const Body& body : bodies)
     if (std::string odd = odd_angle(body); !odd.empty()) warnings.push_back(std::move(odd));
   mujoco::Loaded loaded =
-      mujoco::load_text(model_text(objects, body_of, bodies, options, warnings));
+      mujoco::load_text(model_text(objects, body_of, bodies, options, solids, warnings));
   if (loaded.model == nullptr)
     throw std::invalid_argument("bodies: MuJoCo refuses them: " + loaded.error +
                                 (loaded.error.find("memory") == std::string::npos
@@ -371,8 +291,8 @@ std::shared_ptr<const Mechanism> compile(std::vector<Object>& objects, std::vect
     parts.push_back({mj_name2id(loaded.model.get(), mjOBJ_BODY, name.c_str()),
                      inverse(bodies[b].pose) * objects[i].pose});
   }
-  for (std::string& warning :
-       mujoco::warnings_of(*loaded.model, objects, objects_of_geoms(*loaded.model), still, parts))
+  for (std::string& warning : mujoco::warnings_of(
+           *loaded.model, objects, mujoco::objects_of_geoms(*loaded.model), still, parts))
     warnings.push_back(std::move(warning));
   return std::make_shared<Mechanism>(
       std::shared_ptr<const mjModel>(loaded.model.release(), mujoco::DeleteModel{}), still,

@@ -46,6 +46,10 @@ class Scene {
   const std::vector<std::string>& warnings() const { return warnings_; }
   void warn(std::vector<std::string> warnings) { warnings_ = std::move(warnings); }
 
+  /// How it was loaded: one line for each mesh that was cut into convex parts.
+  const std::vector<std::string>& notes() const { return notes_; }
+  void note(std::vector<std::string> notes) { notes_ = std::move(notes); }
+
   /// The moving part; null: nothing moves.
   const std::shared_ptr<const Mechanism>& mechanism() const { return mechanism_; }
   /// Precondition: made by compile() for these objects (core/scene/mechanism.hpp).
@@ -99,7 +103,7 @@ class Scene {
   Start start_;
   std::optional<RemoteSeat> remote_;
   std::shared_ptr<const Mechanism> mechanism_;
-  std::vector<std::string> warnings_;
+  std::vector<std::string> warnings_, notes_;
   std::shared_ptr<const KeptFiles> files_;
   std::vector<ToolView> views_;
 };

@@ -155,6 +155,7 @@ std::string describe_costs(const Scene& scene) {
     text += "  grid of distances for the tool's body: mesh " + mesh.object + ", a sample every " +
             number_text(mesh.resolution) + " m (its longest side over " +
             number_text(ToolView::kMeshGridSteps) + "); give it as a grid to choose\n";
+  for (const std::string& note : scene.notes()) text += "  " + note + "\n";
   if (!unused.empty()) text += "  nothing is spent on: " + unused + "\n";
   const double k = scene.requirements().stiffness;
   if (k > 0.0)

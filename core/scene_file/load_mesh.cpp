@@ -9,6 +9,7 @@
 
 #include "core/mesh/height_map.hpp"
 #include "core/mesh/mesh_surface.hpp"
+#include "core/scene_file/read_parts.hpp"
 #include "core/scene_file/read_values.hpp"
 #include "core/scene_file/shown_error.hpp"
 
@@ -103,7 +104,10 @@ Mesh MeshLoader::load(const std::string& path, const scene_file::Mesh& mesh) {
       (map != nullptr ? map->file()->str() + '\n' + number_text(map->amplitude()) + "/" +
                             number_text(map->size())
                       : "");
-  if (const auto at = known_.find(key); at != known_.end()) return at->second;
+  if (const auto at = known_.find(key); at != known_.end()) {
+    read_parts_options(document_, path, mesh, *at->second.surface);
+    return at->second;
+  }
   if (map != nullptr)
     options.height_map = height_map_of(document_, path + ".height_map", folder_, *map);
   try {
@@ -125,6 +129,7 @@ Mesh MeshLoader::load(const std::string& path, const scene_file::Mesh& mesh) {
     Mesh made{std::make_shared<MeshSurface>(std::move(triangles), options)};
     if (const auto violation = check(Shape(made)))
       document_.fail(path + "." + violation->field, violation->message);
+    read_parts_options(document_, path, mesh, *made.surface);
     known_.emplace(key, made);
     return made;
   } catch (const FileError& error) {

@@ -151,13 +151,16 @@ Scene parse_scene(std::string_view json, const std::string& file) {
     objects.push_back(std::move(object));
   }
   std::vector<Guide> guides = read_guides(document, scene);
-  const auto mechanism = read_bodies(document, scene, objects);
+  ReadMechanism moving = read_bodies(document, scene, folder, objects);
   if (objects.empty() && guides.empty())
     document.fail("objects", "there is none to touch, and no guide; add at least one");
   Scene read(scene.name()->str(), std::move(objects), read_start(document, scene),
              std::move(guides));
-  read.warn(meshes.warnings());
-  read.set_mechanism(mechanism);
+  std::vector<std::string> warnings = meshes.warnings();
+  warnings.insert(warnings.end(), moving.warnings.begin(), moving.warnings.end());
+  read.warn(std::move(warnings));
+  read.note(std::move(moving.notes));
+  read.set_mechanism(std::move(moving.mechanism));
   read_tools(document, scene, folder, read);
   read_remote(document, scene, read);
   return read;

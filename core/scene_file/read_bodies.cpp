@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "core/scene_file/read_parts.hpp"
 #include "core/scene_file/read_values.hpp"
 #include "core/scene_file/shown_error.hpp"
 
@@ -80,9 +81,8 @@ MechanismOptions read_options(const JsonDocument& document, const scene_file::Sc
 
 }  // namespace
 
-std::shared_ptr<const Mechanism> read_bodies(const JsonDocument& document,
-                                             const scene_file::Scene& scene,
-                                             std::vector<Object>& objects) {
+ReadMechanism read_bodies(const JsonDocument& document, const scene_file::Scene& scene,
+                          const std::filesystem::path& folder, std::vector<Object>& objects) {
   const MechanismOptions options = read_options(document, scene);
   ReadBodies bodies = read_list(document, scene);
   std::vector<Body> moving;
@@ -102,9 +102,11 @@ std::shared_ptr<const Mechanism> read_bodies(const JsonDocument& document,
             frame.orientation * pose.orientation};
     body_of[i] = number[*at];
   }
-  if (moving.empty()) return nullptr;
+  if (moving.empty()) return {};
+  CollisionParts parts = read_collision_parts(document, scene, folder, objects, body_of, moving);
   try {
-    return compile(objects, body_of, moving, options);
+    return {compile(objects, body_of, moving, options, std::move(parts.of_object)),
+            std::move(parts.notes), std::move(parts.warnings)};
   } catch (const std::invalid_argument& error) {
     document.fail("bodies", without_prefix(error.what()));
   }

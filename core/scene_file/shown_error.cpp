@@ -17,17 +17,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-bool lies_outside(const fs::path& file, const fs::path& folder) {
-  // What was given was not read from this disk, so that an error shows nothing of it.
-  if (file_reading_of_this_thread.given != nullptr) return false;
-  std::error_code error;
-  const fs::path inner = fs::weakly_canonical(file, error);
-  if (error) return true;
-  const fs::path outer = fs::canonical(folder.empty() ? fs::path(".") : folder, error);
-  if (error) return true;
-  return std::mismatch(outer.begin(), outer.end(), inner.begin(), inner.end()).first != outer.end();
-}
-
 constexpr const char* kNotShown =
     ": cannot be used; what stands there is not shown, because the file lies outside of the "
     "scene's folder; copy it there to be told more";
@@ -99,6 +88,17 @@ class NamedFiles {
 };
 
 }  // namespace
+
+bool lies_outside(const fs::path& file, const fs::path& folder) {
+  // What was given was not read from this disk, so that an error shows nothing of it.
+  if (file_reading_of_this_thread.given != nullptr) return false;
+  std::error_code error;
+  const fs::path inner = fs::weakly_canonical(file, error);
+  if (error) return true;
+  const fs::path outer = fs::canonical(folder.empty() ? fs::path(".") : folder, error);
+  if (error) return true;
+  return std::mismatch(outer.begin(), outer.end(), inner.begin(), inner.end()).first != outer.end();
+}
 
 std::string shown_error(const std::string& message, const fs::path& file, const fs::path& folder) {
   const std::string name = file.string();

@@ -13,6 +13,10 @@
 
 namespace feltwire {
 
+/// Whether a file, its links followed, lies neither in the folder nor below it. False where the
+/// calling thread reads what is given (core/base/kept_files.hpp): that is not on this disk.
+bool lies_outside(const std::filesystem::path& file, const std::filesystem::path& folder);
+
 /// Returns `message`. If `file` lies outside of `folder`, it is cut after the line or byte.
 /// Messages about a file begin with its name; those that name neither line nor byte quote nothing.
 std::string shown_error(const std::string& message, const std::filesystem::path& file,

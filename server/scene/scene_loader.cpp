@@ -23,6 +23,7 @@ namespace {
 Scene warned(Scene scene, const std::filesystem::path& file) {
   for (const std::string& warning : scene.warnings())
     spdlog::warn("{}: {}", file.string(), warning);
+  for (const std::string& note : scene.notes()) spdlog::info("{}: {}", file.string(), note);
   if (const auto slow = warning_of_slow_answers(scene))
     spdlog::warn("{}: {}", file.string(), *slow);
   return scene;

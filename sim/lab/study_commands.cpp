@@ -397,6 +397,7 @@ void add_studies(CLI::App& app, int& status) {
   add_zwidth(app);
   add_frontier(app);
   add_torque(app, status);
+  add_parts(app);
   add_compare(app);
   add_extremes(app, status);
   add_rate(app);

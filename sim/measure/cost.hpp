@@ -16,6 +16,13 @@ inline double cpu_seconds() {
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
+/// [s] of CPU that all threads of the program have used.
+inline double process_seconds() {
+  timespec now{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
 /// Median over laps of the CPU time that one call of work(i), i = 0 ... count - 1, takes [ns]. To
 /// be called while no other thread of the program works: caches, memory and cores are shared.
 /// `clock`: another than the calling thread's, for tests [s].

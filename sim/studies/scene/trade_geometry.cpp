@@ -71,12 +71,6 @@ void measure(const Field& field, const Field& scattered_field, GeometryCell& cel
 
 void measure(const Field& field, GeometryCell& cell) { measure(field, field, cell); }
 
-double process_seconds() {
-  timespec now{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
-
 GeometryCell analytic() {
   GeometryCell cell;
   cell.kind = "analytic";

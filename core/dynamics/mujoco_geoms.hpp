@@ -1,0 +1,50 @@
+#pragma once
+// Internal to core/dynamics: what bodies run into, as MJCF. Geoms are named by their object: o12,
+// or o12_3 where it has several; the meshes of hulls m12 or m12_3 likewise.
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/geometry/primitive.hpp"
+#include "core/scene/mechanism.hpp"
+
+namespace feltwire::mujoco {
+
+using ObjectSolids = std::vector<std::shared_ptr<const ConvexSolids>>;
+
+/// Null: it is no mesh.
+const TriangleMesh* triangles_of(const Shape& shape);
+
+/// The geoms of the objects of a scene.
+class CollisionGeoms {
+ public:
+  /// `solids`: as of compile(). A solid that is flat in MuJoCo's single precision is left out.
+  CollisionGeoms(const std::vector<Object>& objects, const ObjectSolids& solids);
+
+  /// Of all objects.
+  std::size_t count() const;
+  /// None: bodies pass through the object.
+  bool has(std::size_t object) const { return !geoms_of(object).empty(); }
+  /// Whether MuJoCo's own mass of the geoms is that of the object.
+  bool is_exact(std::size_t object) const;
+
+  /// The <mesh> elements of all hulls. Objects of the same mesh or the same solids share them.
+  std::string meshes() const;
+  /// The <geom> elements of an object that stands at `pose` in its body, with `more` attributes.
+  std::string text(std::size_t object, const Pose& pose, const Material& material,
+                   const std::string& more) const;
+
+ private:
+  const std::vector<PhysicsGeom>& geoms_of(std::size_t object) const {
+    return geoms_[owner_[object]];
+  }
+
+  std::vector<std::vector<PhysicsGeom>> geoms_;  // by object; empty where another one owns them
+  std::vector<std::size_t> owner_;               // by object
+};
+
+/// By the geoms' names; -1: of none.
+std::vector<int> objects_of_geoms(const mjModel_& model);
+
+}  // namespace feltwire::mujoco
