@@ -47,8 +47,8 @@ struct PressedPart {
 };
 PressedPart pressed_part(double depth, double half) noexcept;
 
-inline constexpr int kMaxBodyPoints = 16;
-inline constexpr int kMaxBodyPatches = 4;
+inline constexpr int kMaxBodyPoints = 15;
+inline constexpr int kMaxBodyPatches = 3;
 
 /// All that a tool meets while way / reach + angle / turn of its movement is below 1.
 struct BodyModel {

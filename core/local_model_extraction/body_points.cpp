@@ -34,19 +34,22 @@ struct Part {
   /// How much is lost where the part is one point [m].
   double coarseness() const {
     if (single()) return 0.0;
-    return radius * (1.0 - std::clamp(nearest() / kBodyReach, 0.0, 1.0));
+    const double far = std::clamp(nearest() / kBodyReach, 0.0, 1.0);
+    return radius * std::pow(1.0 - far, 4);
   }
 };
 
 /// Points that meet about the same plane. Arms in the tool's frame, normals in the world.
 struct Gathered {
-  double count = 0.0, distance = 0.0, pushed = 0.0, squares = 0.0;
+  double count = 0.0, distance = 0.0, least = std::numeric_limits<double>::infinity();  // [m]
+  double pushed = 0.0, squares = 0.0;
   Vec3 arm = Vec3::Zero(), normal = Vec3::Zero(), pressure = Vec3::Zero();
   Mat3 arms = Mat3::Zero();
 
   void add(const Vec3& arm_of, const FieldPoint& field) {
     count += 1.0;
     distance += field.distance;
+    least = std::min(least, field.distance);
     const double load = std::max(0.0, -field.distance) * length(field.gradient);
     pushed += load;
     pressure += load * arm_of;
@@ -246,6 +249,9 @@ struct Builder {
       Vec3 pressed = point.arm;
       if (half > 0.0) pressed -= in.moment / in.depth / (half * half / 3.0) * spread;
       point.arm += points.pressure / points.pushed - pressed;
+    } else {
+      // Where solids are curved, the plane would touch before the first point does.
+      point.distance = std::max(point.distance, points.least + half);
     }
     model.points[static_cast<std::size_t>(model.count++)] = point;
     return true;
@@ -281,6 +287,7 @@ struct Builder {
     for (std::uint32_t i = begin; i < end; ++i) points.add(part.shell->points[i], {});
     const FieldPoint field = cut.at(part.object, points.center());
     points.distance = points.count * field.distance;
+    points.least = part.nearest();
     points.normal = field.gradient;
     points.squares = points.count * field.gradient.squaredNorm();
     add(part.object, points);
