@@ -69,7 +69,7 @@ void Servo::take_model(const Reply& reply, Nanoseconds arrival) noexcept {
   if (!reply.body_modelled) local_body_.clear();
   if (!reply.modelled && !reply.body_modelled) return;
   if (reply.modelled) local_.take(reply.model, newest_original_ ? &reply.command : nullptr);
-  if (reply.body_modelled) local_body_.take(reply.body);
+  if (reply.body_modelled) local_body_.take(reply.body, sample_.index - reply.sample_index + 1);
   ++statistics_.models;
   statistics_.patches += reply.modelled ? reply.model.view().size() : reply.body.view().size();
   // Moving objects have moved on since the server looked. The clocks give the time of the way back;

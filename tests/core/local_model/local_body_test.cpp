@@ -226,7 +226,7 @@ TEST(LocalBody, IsFiniteWhateverTheModelHolds) {
     if (random.uniform(0, 1) < 0.3) model.radius = kMost;
     Pose device = model.tool;
     for (int n = 0; n < 20; ++n) {
-      local.take(model);
+      local.take(model, n > 3 ? 3 : 0);
       device = moved(device, 1e-3 * random.direction(), 0.01 * random.direction());
       const BodyForce force = local.touch(device, pick() > 0 ? 0.1 : 0.0, 1e-3);
       ASSERT_TRUE(force.command.finite());
@@ -262,7 +262,7 @@ TEST(LocalBody, NeverAllocates) {
   LocalBody local;
   const std::size_t before = test::allocations();
   for (int i = 0; i < 100; ++i) {
-    local.take(held.model(device));
+    local.take(held.model(device), 5);
     local.touch(device, 0.01, 1e-3);
   }
   EXPECT_EQ(test::allocations(), before);
@@ -346,7 +346,7 @@ Error error_of(const Movement& movement, std::size_t delay, int lost) {
       if (lost == 0 || n % lost != 0) {
         late = on_the_way.front().first;
         linear = linear_on_the_way.front();
-        local.take(on_the_way.front().second);
+        local.take(on_the_way.front().second, delay);
       }
       on_the_way.pop_front();
       linear_on_the_way.pop_front();
