@@ -17,7 +17,7 @@ constexpr std::size_t kMostNumbered = std::numeric_limits<std::uint16_t>::max();
 constexpr int kParts = kMaxBodyPoints - 3;
 
 constexpr double kLooked = 2e-3;      // [m] nearer parts are looked at point by point
-constexpr double kLeastReach = 5e-3;  // [m] where points that hardly matter found no place
+constexpr double kLeastReach = 1e-2;  // [m] where points that hardly matter found no place
 
 /// A part of the shell near one object: nodes or points [begin, end).
 struct Part {
@@ -204,13 +204,18 @@ struct Builder {
   BodyModel& model;
   std::array<std::uint8_t, kMaxBodyPatches> sides{};
 
+  /// By the axis of the object's frame that the normal is nearest to.
+  std::uint8_t side_of(std::size_t object, const Vec3& normal) const {
+    const Vec3 n = objects[object].pose.orientation.conjugate() * normal;
+    Eigen::Index axis;
+    n.cwiseAbs().maxCoeff(&axis);
+    return static_cast<std::uint8_t>(2 * axis + (n[axis] < 0.0 ? 1 : 0));
+  }
+
   /// The patch of these normals; the last takes what has no place.
   std::uint8_t patch_of(std::size_t object, const Vec3& normal) {
     const Object& o = objects[object];
-    const Vec3 n = o.pose.orientation.conjugate() * normal;
-    Eigen::Index axis;
-    n.cwiseAbs().maxCoeff(&axis);
-    const auto side = static_cast<std::uint8_t>(2 * axis + (n[axis] < 0.0 ? 1 : 0));
+    const std::uint8_t side = side_of(object, normal);
     for (int i = 0; i < model.patch_count; ++i) {
       const auto k = static_cast<std::size_t>(i);
       if (model.patches[k].object == object && sides[k] == side)
@@ -257,9 +262,15 @@ struct Builder {
     return true;
   }
 
-  /// The points of a part that meet the side which pushes most, or which is nearest; and the
-  /// others.
-  void gather(const Part& part, Gathered& main, Gathered& others) const {
+  /// The points of a part that meet about the plane that pushes most (or is nearest), and the
+  /// others by the side of the object that they meet.
+  struct Group {
+    Gathered points;
+    std::size_t object = 0;
+  };
+  static constexpr std::size_t kSides = 7;
+
+  void gather(const Part& part, std::span<Group> groups) const {
     constexpr double kOneSide = 0.9;  // cosine
     const auto [begin, end] = cut.points_of(part);
     Vec3 pushed = Vec3::Zero(), nearest = Vec3::Zero();
@@ -276,12 +287,14 @@ struct Builder {
     for (std::uint32_t i = begin; i < end; ++i) {
       const Vec3& arm = part.shell->points[i];
       const FieldPoint field = cut.at(part.object, arm);
-      const bool same = field.gradient.dot(normal) >= kOneSide * length(field.gradient);
-      (same ? main : others).add(arm, field);
+      const bool main = field.gradient.dot(normal) >= kOneSide * length(field.gradient);
+      Group& group = groups[main ? 0U : 1U + side_of(part.object, field.gradient)];
+      group.object = part.object;
+      group.points.add(arm, field);
     }
   }
 
-  void far(const Part& part) {
+  bool far(const Part& part) {
     const auto [begin, end] = cut.points_of(part);
     Gathered points;
     for (std::uint32_t i = begin; i < end; ++i) points.add(part.shell->points[i], {});
@@ -290,23 +303,33 @@ struct Builder {
     points.least = part.nearest();
     points.normal = field.gradient;
     points.squares = points.count * field.gradient.squaredNorm();
-    add(part.object, points);
+    return add(part.object, points);
   }
 
   void build() {
-    std::array<Gathered, kParts> others{};
+    std::array<Group, kParts * kSides> groups;
     const auto parts = cut.parts();
-    for (std::size_t i = 0; i < parts.size(); ++i) {
-      if (!(parts[i].nearest() < kLooked)) continue;
-      Gathered main;
-      gather(parts[i], main, others[i]);
-      add(parts[i].object, main);
-    }
-    for (const Part& part : parts)
-      if (!(part.nearest() < kLooked)) far(part);
     for (std::size_t i = 0; i < parts.size(); ++i)
-      if (others[i].count > 0.0 && !add(parts[i].object, others[i]))
-        model.reach = std::min(model.reach, std::max(kLeastReach, parts[i].nearest()));
+      if (parts[i].nearest() < kLooked)
+        gather(parts[i], std::span(groups).subspan(kSides * i, kSides));
+    // Those that push hardest come first, then those that will be met first.
+    std::array<const Group*, kParts * kSides> order{};
+    std::size_t count = 0;
+    for (const Group& group : groups)
+      if (group.points.count > 0.0) order[count++] = &group;
+    std::sort(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(count),
+              [](const Group* a, const Group* b) {
+                if (a->points.pushed != b->points.pushed)
+                  return a->points.pushed > b->points.pushed;
+                if (a->points.least != b->points.least) return a->points.least < b->points.least;
+                return a < b;
+              });
+    for (std::size_t i = 0; i < count; ++i)
+      if (!add(order[i]->object, order[i]->points))
+        model.reach = std::min(model.reach, std::max(kLeastReach, order[i]->points.least));
+    for (const Part& part : parts)
+      if (!(part.nearest() < kLooked) && !far(part))
+        model.reach = std::min(model.reach, std::max(kLeastReach, part.nearest()));
   }
 };
 

@@ -4,7 +4,6 @@
 
 #include <Eigen/Eigenvalues>
 #include <functional>
-#include <iostream>
 #include <limits>
 #include <random>
 #include <vector>
@@ -119,11 +118,9 @@ TEST(BodyCodec, TheFullestReplyFitsADatagram) {
   EXPECT_LE(encoder.reply(reply).size() + kOverhead, kMaxDatagram);
   reply.normals.count = 3;
   reply.normals.unit = {Vec3::UnitX(), Vec3::UnitY(), Vec3::UnitZ()};
-  std::cout << encoder.reply(reply).size() + kOverhead << '\n';
   reply.change = ClientChange{.number = 3,
                               .law = LawChoice{MethodName(std::string(64, 'm')), {}, {}},
                               .link = LinkQuality{0.1, 0.01, 0.05}};
-  std::cout << encoder.reply(reply).size() + kOverhead << '\n';
   EXPECT_LE(encoder.reply(reply).size() + kOverhead, kMaxDatagram);
 }
 
