@@ -174,7 +174,7 @@ BodyModel body(Input& in) {
     p = {in.vector(0.1),
          wide * wide.transpose(),
          Vec3::Unit(in.byte() % 3),
-         in.number(0.1),
+         in.number(0.125),
          at_least_zero(in, 1e6),
          static_cast<std::uint8_t>(in.byte() % kMaxBodyPatches)};
   }
@@ -374,7 +374,8 @@ void try_reply(Input& in, const Header& header) {
   require(seen.present == shows, "a view arrives where there is one");
   if (shows) require_arrived(shown, seen);
   require(again.body_modelled == (sent.body_modelled && !sent.remote), "a body's model arrives");
-  if (again.body_modelled) require(near_body(sent.body, again.body), "as it was");
+  if (again.body_modelled)
+    require(near_body(sent.body, again.body), "a body's model arrives as it was");
   if (sent.modelled) require(near(sent.model, again.model), "a model arrives as it was");
 }
 

@@ -11,6 +11,8 @@
 #include <limits>
 #include <numbers>
 #include <optional>
+#include <string>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -376,6 +378,11 @@ TEST(LocalBody, IsTenTimesNearerThanALateReply) {
   for (const Movement& movement : kMovements) {
     for (const int lost : {0, 3}) {
       const Error error = error_of(movement, 50, lost);
+      if (lost == 0)
+        for (const auto& [what, value] :
+             {std::pair("late", error.late), std::pair("6x6", error.linear),
+              std::pair("parts", error.local)})
+          RecordProperty(std::string(movement.name) + "_" + what, std::to_string(value));
       // On the edge of a solid the points of one part meet two sides.
       const bool on_edge = std::holds_alternative<Box>(movement.surface);
       EXPECT_LT(error.local, (on_edge ? 0.7 : 0.1) * error.late) << movement.name << " " << lost;
