@@ -26,4 +26,17 @@ Command RiseLimit::apply(const Command& command, const LocalModel& model, double
   return reduction(allowed, wanted) * command;
 }
 
+Command RiseLimit::apply(const Command& command, const ToolCoupling& coupling, double way,
+                         double turn, double elapsed) noexcept {
+  // What the spring adds where the tool stays, twice: the tool may come towards the device.
+  const double force = last_ + slew_ * elapsed + 2.0 * coupling.stiffness * way;
+  const double torque =
+      last_torque_ + torque_slew_ * elapsed + 2.0 * coupling.rotational_stiffness * turn;
+  const double wanted = length(command.force()), wanted_torque = length(command.torque);
+  const double scale = std::min(reduction(force, wanted), reduction(torque, wanted_torque));
+  last_ = scale * wanted;
+  last_torque_ = scale * wanted_torque;
+  return scale * command;
+}
+
 }  // namespace feltwire

@@ -3,6 +3,7 @@
 
 #include "core/base/numeric.hpp"
 #include "core/base/types.hpp"
+#include "core/coupled_tool/coupled_tool.hpp"
 #include "core/local_model/local_model.hpp"
 
 namespace feltwire {
@@ -16,20 +17,29 @@ double rise(const LocalModel& model, double way, double elapsed) noexcept;
 /// that by itself; shaping renders what the model says.
 class RiseLimit {
  public:
-  /// `slew` [N/s].
-  explicit RiseLimit(double slew) : slew_(slew) {}
+  /// `slew` [N/s], `torque_slew` [N m/s].
+  RiseLimit(double slew, double torque_slew) : slew_(slew), torque_slew_(torque_slew) {}
 
   /// The command, scaled down where it rose faster. The tool moved by `way` [m] over `elapsed` [s].
   /// `beside` [N]: what other surfaces than the model's may add.
   Command apply(const Command& command, const LocalModel& model, double way, double elapsed,
                 double beside = 0.0) noexcept;
 
-  /// Tells the force that the hand holds after a tick that did not call apply().
-  void given(const Vec3& force) noexcept { last_ = length(force); }
+  /// The same for a tool with a body, which this spring couples to the device, and for torque. The
+  /// device moved by `way` [m] and turned by `turn` [rad]. One scale for force and torque.
+  Command apply(const Command& command, const ToolCoupling& coupling, double way, double turn,
+                double elapsed) noexcept;
+
+  /// Tells what the hand holds after a tick that did not call apply().
+  void given(const Command& held) noexcept {
+    last_ = length(held.force());
+    last_torque_ = length(held.torque);
+  }
 
  private:
-  double slew_;
-  double last_ = 0.0;  // [N]
+  double slew_, torque_slew_;
+  double last_ = 0.0;         // [N]
+  double last_torque_ = 0.0;  // [N m]
 };
 
 }  // namespace feltwire

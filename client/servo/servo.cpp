@@ -54,6 +54,7 @@ void Servo::begin_anew(std::uint64_t last_sample_before) noexcept {
 /// Until the next reply.
 void Servo::forget_surfaces() noexcept {
   local_.clear();
+  local_body_.clear();
   if (remote_) remote_->forget();
   last_offset_.setZero();
   if (law_.admission) law_.admission->forget();
@@ -155,11 +156,12 @@ Command Servo::safeguard(const Command& bounded, const BoundingStep& step, bool 
 /// Asks the local model at the device's position, or where the method asks; what it does not know
 /// of stays the reply's, given as `command`. True when the model spoke alone.
 bool Servo::follow_model(const BoundingStep& step, Nanoseconds now, Command& command) noexcept {
+  const double age = seconds(now - model_time_);
+  if (newest_.body_modelled) return count_modelled(follow_body(step, age, command));
   const Vec3 offset = law_.bounding.probe(step.displacement, step.rotation).offset;
   model_moved_ = step.displacement + offset - last_offset_;
   const Vec3& velocity = velocity_.update(model_moved_, step.hold_time);
   last_offset_ = offset;
-  const double age = seconds(now - model_time_);
   const Tool tool{sample_.pose.position + offset, velocity};
   const LocalForce force = local_.touch(tool, age, step.hold_time);
   const double w = force.weight;
@@ -171,10 +173,38 @@ bool Servo::follow_model(const BoundingStep& step, Nanoseconds now, Command& com
     command.frictional += met.frictional;
   }
   environment_ = command;
-  ++(w >= 1.0  ? statistics_.modelled
-     : w > 0.0 ? statistics_.half_modelled
-               : statistics_.beyond_model);
-  return w >= 1.0;
+  return count_modelled(w);
+}
+
+/// Whether a model of this weight speaks alone.
+bool Servo::count_modelled(double weight) noexcept {
+  ++(weight >= 1.0  ? statistics_.modelled
+     : weight > 0.0 ? statistics_.half_modelled
+                    : statistics_.beyond_model);
+  return weight >= 1.0;
+}
+
+/// The same of a tool with a body. Returns the model's weight.
+double Servo::follow_body(const BoundingStep& step, double age, Command& command) noexcept {
+  const Probe probe = law_.bounding.probe(step.displacement, step.rotation);
+  model_moved_ = step.displacement + probe.offset - last_offset_;
+  last_offset_ = probe.offset;
+  const Pose asked = moved(sample_.pose, probe.offset, probe.rotation);
+  const BodyForce force = local_body_.touch(asked, age, step.hold_time);
+  const double w = force.weight;
+  command.elastic = w * force.command.elastic + (1.0 - w) * command.elastic;
+  command.frictional = w * force.command.frictional + (1.0 - w) * command.frictional;
+  command.torque = w * force.command.torque + (1.0 - w) * command.torque;
+  environment_ = command;
+  return w;
+}
+
+Command Servo::rise_limited(const BoundingStep& step) noexcept {
+  if (newest_.body_modelled)
+    return rise_.apply(step.command, local_body_.model().coupling, length(model_moved_),
+                       length(step.rotation), step.hold_time);
+  return rise_.apply(step.command, local_.model(), length(model_moved_), step.hold_time,
+                     remote_ ? remote_->may_rise(length(model_moved_), step.hold_time) : 0.0);
 }
 
 /// What the robot touches, beside what the scene answers.
@@ -279,10 +309,7 @@ Command Servo::render(const DeviceReading& reading, Nanoseconds now) noexcept {
     factor = fade_factor();
     if (factor < 1.0) ++statistics_.faded;
     step.command = faded(wanted_, factor);
-    if (near_ && law_.shapes)
-      step.command =
-          rise_.apply(step.command, local_.model(), length(model_moved_), step.hold_time,
-                      remote_ ? remote_->may_rise(length(model_moved_), step.hold_time) : 0.0);
+    if (near_ && law_.shapes) step.command = rise_limited(step);
     trail_.asked = asked;
     trail_.actuated = wanted_;
     trail_.faded = step.command;
@@ -325,7 +352,7 @@ const Sample* Servo::hold(const Command& held) noexcept {
   law_.bounding.set_held(held_);
   safety_.set_held(held_);
   if (law_.account) law_.account->set_held(held_);
-  if (!near_) rise_.given(held_.force());
+  if (!near_) rise_.given(held_);
   statistics_.max_force = std::max(statistics_.max_force, length(held_.force()));
   observe_direction(held_);
   explain(held_);

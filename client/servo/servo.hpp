@@ -21,6 +21,7 @@
 #include "core/bounding/hold_reserve.hpp"
 #include "core/bounding/port_energy.hpp"
 #include "core/bounding/velocity.hpp"
+#include "core/local_model/local_body.hpp"
 #include "core/local_model/local_contact.hpp"
 #include "core/safety/safety.hpp"
 #include "protocol/session/session_parameters.hpp"
@@ -238,6 +239,9 @@ class Servo {
   void take_model(const Reply& reply, Nanoseconds arrival) noexcept;
   void scene_changed() noexcept;
   bool follow_model(const BoundingStep& step, Nanoseconds now, Command& command) noexcept;
+  bool count_modelled(double weight) noexcept;
+  double follow_body(const BoundingStep& step, double age, Command& command) noexcept;
+  Command rise_limited(const BoundingStep& step) noexcept;
   Command meet_robot(const Tool& tool, const Command& scene, Nanoseconds now,
                      double elapsed) noexcept;
   Command environment(BoundingStep& step, Nanoseconds now) noexcept;
@@ -284,6 +288,7 @@ class Servo {
 
   // Of sessions with a local model only.
   LocalContact local_;
+  LocalBody local_body_;  // of a tool with a body
   VelocityEstimate velocity_;
   RiseLimit rise_;                    // where the method shapes
   std::optional<RemoteHand> remote_;  // where the hand leads

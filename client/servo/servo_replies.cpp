@@ -65,13 +65,13 @@ void Servo::scene_changed() noexcept {
 }
 
 void Servo::take_model(const Reply& reply, Nanoseconds arrival) noexcept {
-  if (!reply.modelled) {
-    local_.clear();
-    return;
-  }
-  local_.take(reply.model, newest_original_ ? &reply.command : nullptr);
+  if (!reply.modelled) local_.clear();
+  if (!reply.body_modelled) local_body_.clear();
+  if (!reply.modelled && !reply.body_modelled) return;
+  if (reply.modelled) local_.take(reply.model, newest_original_ ? &reply.command : nullptr);
+  if (reply.body_modelled) local_body_.take(reply.body, sample_.index - reply.sample_index + 1);
   ++statistics_.models;
-  statistics_.patches += reply.model.view().size();
+  statistics_.patches += reply.modelled ? reply.model.view().size() : reply.body.view().size();
   // Moving objects have moved on since the server looked. The clocks give the time of the way back;
   // they are believed up to the hold time of a command.
   const double since = std::clamp(server_clock_.delay_down(), 0.0, law_.parameters.hold_time);

@@ -65,18 +65,16 @@ PortEnergy observer_of(const DeviceSpec& spec, const SessionParameters& p) {
           {counts_on_mass(p) ? spec.least_friction : 0.0, spec.position_resolution}};
 }
 
-/// [N/s] of a force that nothing but a change of the scene makes: all of it in half the hold time,
-/// as a fade takes it off.
-double largest_slew(const DeviceSpec& spec, const SessionParameters& p) {
-  return spec.max_force / (0.5 * p.hold_time);
-}
+/// [N/s], [N m/s] of a force or torque that nothing but a change of the scene makes: all of it in
+/// half the hold time, as a fade takes it off.
+double largest_slew(double most, const SessionParameters& p) { return most / (0.5 * p.hold_time); }
 
 /// Nothing else withholds what a scene changes to, and nothing else sees to it that it is paid for.
 std::optional<Admission> admission_of(const SessionParameters& p, const DeviceSpec& spec,
                                       const Bounding& bounding,
                                       const std::optional<PortAccount>& account) {
   if (!bounding.takes_endowment() || !account || p.operator_damping > 0.0) return std::nullopt;
-  return Admission(largest_slew(spec, p));
+  return Admission(largest_slew(spec.max_force, p));
 }
 
 /// Its contact is rendered as the local model is.
@@ -146,7 +144,7 @@ Servo::Servo(const DeviceSpec& spec, const SessionParameters& parameters,
       period_(law_.bounding.config().period),
       measures_(law_.bounding.config().period),
       velocity_(parameters.velocity_cutoff),
-      rise_(largest_slew(spec, parameters)),
+      rise_(largest_slew(spec.max_force, parameters), largest_slew(spec.max_torque, parameters)),
       remote_(remote_of(options, parameters)),
       sent_(kRemembered) {
   validate(options, parameters);
@@ -165,7 +163,7 @@ void Servo::exchange_law() noexcept {
   std::swap(law_, *next_law_);
   next_law_ = nullptr;
   if (scene_was_changed_) law_.bounding.scene_changed();  // it was made with what the join said
-  rise_.given(Vec3::Zero());
+  rise_.given({});
   forget_surfaces();
   newest_.command = {};
   newest_.predicted = false;

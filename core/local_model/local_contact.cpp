@@ -4,18 +4,9 @@
 
 #include "core/base/numeric.hpp"
 #include "core/local_model/patch_proxy.hpp"
+#include "core/local_model/share_within.hpp"
 
 namespace feltwire {
-namespace {
-
-/// 1 up to the last share of `limit`, then linearly to 0 at it and beyond. NaN gives 0.
-double share_within(double distance, double limit) {
-  if (!(distance < limit)) return 0.0;
-  const double full = (1.0 - LocalContact::kHandOver) * limit;
-  return distance <= full ? 1.0 : (limit - distance) / (limit - full);
-}
-
-}  // namespace
 
 /// With d from the patch's point to p (less its part along the axis), n the normal and k the
 /// curvature, the centre of curvature is at d = -n / k, and for balls (k > 0), hollows (k < 0) and

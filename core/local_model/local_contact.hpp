@@ -8,6 +8,7 @@
 #include "core/base/types.hpp"
 #include "core/local_model/local_model.hpp"
 #include "core/local_model/patch_proxy.hpp"
+#include "core/local_model/share_within.hpp"
 #include "core/material/contact_law.hpp"
 
 namespace feltwire {
@@ -38,7 +39,7 @@ ContactNormals pushing_normals(const LocalModel& model, const Vec3& point) noexc
 class LocalContact {
  public:
   /// The last share of a reach or a radius, in which the weight falls linearly to zero.
-  static constexpr double kHandOver = 0.25;
+  static constexpr double kHandOver = feltwire::kHandOver;
 
   /// Forgets model and contacts.
   void clear() noexcept { *this = {}; }

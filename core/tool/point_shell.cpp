@@ -1,9 +1,11 @@
 #include "core/tool/point_shell.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 #include "core/base/numeric.hpp"
 
@@ -22,8 +24,21 @@ double area_of(const TriangleSoup& surface, const Triangle& t) {
   return 0.5 * length(a.cross(b));
 }
 
+constexpr std::size_t kSides = 6;
+/// By the axis that the triangle's normal is nearest to.
+std::size_t side_of(const TriangleSoup& surface, const Triangle& t) {
+  const Vec3 a = surface.vertices[t[1]] - surface.vertices[t[0]];
+  const Vec3 normal = a.cross(surface.vertices[t[2]] - surface.vertices[t[0]]);
+  Eigen::Index axis;
+  normal.cwiseAbs().maxCoeff(&axis);
+  return 2 * static_cast<std::size_t>(axis) + (normal[axis] < 0.0 ? 1 : 0);
+}
+
+using Sides = std::array<std::vector<Vec3>, kSides>;
+
 /// Equal steps along the area of triangle after triangle, evenly within each.
-std::vector<Vec3> spread(const TriangleSoup& surface, double area, std::size_t count) {
+std::vector<Vec3> spread(const TriangleSoup& surface, double area, std::size_t count,
+                         Sides& sides) {
   std::vector<Vec3> points;
   points.reserve(count);
   double before = 0.0;  // [m^2] of the triangles before this one
@@ -45,6 +60,7 @@ std::vector<Vec3> spread(const TriangleSoup& surface, double area, std::size_t c
     const Vec3& corner = surface.vertices[t[0]];
     points.push_back(corner + u * (surface.vertices[t[1]] - corner) +
                      v * (surface.vertices[t[2]] - corner));
+    sides[side_of(surface, t)].push_back(points.back());
   }
   return points;
 }
@@ -122,6 +138,11 @@ struct TreeBuilder {
   }
 };
 
+void finish(PointShell& shell) {
+  for (const Vec3& p : shell.points) shell.radius = std::max(shell.radius, p.norm());
+  TreeBuilder{shell}.build();
+}
+
 }  // namespace
 
 PointShell point_shell(const TriangleSoup& surface, std::size_t count) {
@@ -132,9 +153,16 @@ PointShell point_shell(const TriangleSoup& surface, std::size_t count) {
   for (const Triangle& t : surface.triangles) shell.area += area_of(surface, t);
   if (!(shell.area > 0.0) || !std::isfinite(shell.area))
     throw std::invalid_argument("body: its surface has no area; give one that has");
-  shell.points = spread(surface, shell.area, count);
-  for (const Vec3& p : shell.points) shell.radius = std::max(shell.radius, p.norm());
-  TreeBuilder{shell}.build();
+  Sides sides;
+  shell.points = spread(surface, shell.area, count, sides);
+  finish(shell);
+  for (std::vector<Vec3>& points : sides) {
+    if (points.empty()) continue;
+    PointShell& side = shell.sides.emplace_back();
+    side.area = shell.area * static_cast<double>(points.size()) / static_cast<double>(count);
+    side.points = std::move(points);
+    finish(side);
+  }
   return shell;
 }
 

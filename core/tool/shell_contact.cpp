@@ -4,6 +4,7 @@
 #include <array>
 
 #include "core/base/numeric.hpp"
+#include "core/coupled_tool/slip_sums.hpp"
 #include "core/grid/signed_distance.hpp"
 
 namespace feltwire {
@@ -43,11 +44,7 @@ struct Sums {
 };
 
 /// Where a patch is: sums over its points, weighted by the load's d |grad d|.
-struct FrictionPatchSums {
-  double weight = 0.0;
-  Vec3 arm = Vec3::Zero(), normal = Vec3::Zero();
-  Mat3 arms = Mat3::Zero();  // of arm arm^T, lower half
-
+struct FrictionPatchSums : SlipSums {
   void add(const Lanes& weights, const std::array<Lanes, 3>& normals,
            const std::array<Lanes, 3>& arm_of) {
     weight += weights.sum();
@@ -59,23 +56,6 @@ struct FrictionPatchSums {
       for (std::size_t k = 0; k <= i; ++k)
         arms(row, static_cast<Eigen::Index>(k)) += (weighted * arm_of[k]).sum();
     }
-  }
-
-  /// How far a motion v, w slips: the centre c along the surface, v + w x c less its part along
-  /// the mean normal n, and the points about n. Rocking on the surface is no slip.
-  Mat6 slip() const {
-    const Vec3 c = arm / weight, n = direction(normal);
-    const Mat3 across = Mat3::Identity() - n * n.transpose();
-    Mat3 cross;  // c x
-    cross << 0.0, -c.z(), c.y(), c.z(), 0.0, -c.x(), -c.y(), c.x(), 0.0;
-    const Mat3 squares = Mat3(arms.selfadjointView<Eigen::Lower>()) / weight - c * c.transpose();
-    const double about = std::max(0.0, squares.trace() - n.dot(squares * n));
-    Mat6 m;
-    m.topLeftCorner<3, 3>() = across;
-    m.topRightCorner<3, 3>() = -across * cross;
-    m.bottomLeftCorner<3, 3>() = cross * across;
-    m.bottomRightCorner<3, 3>() = about * n * n.transpose() - cross * across * cross;
-    return m;
   }
 };
 

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "protocol/wire/aligned_vector.hpp"
+#include "protocol/wire/body_codec.hpp"
 #include "protocol/wire/payload.hpp"
 #include "protocol/wire/report_codec.hpp"
 #include "protocol/wire/robot_codec.hpp"
@@ -249,13 +250,15 @@ Bytes Encoder::reply(const Reply& reply, const SceneView* view) {
       view != nullptr ? build(builder, *view) : flatbuffers::Offset<wire::SceneView>{};
   const auto normals = build(builder, reply.normals);
   const auto change = build(builder, reply.change);
+  const auto body = reply.body_modelled && !reply.remote ? build(builder, reply.body)
+                                                         : flatbuffers::Offset<wire::BodyModel>{};
   const wire::Remote remote = reply.remote ? wire_remote(*reply.remote) : wire::Remote();
   const auto walls = build_walls(builder, reply.remote);
   return builder_->finish(wire::CreateReply(
       builder, reply.sample_index, reply.client_time.count(), reply.server_receive_time.count(),
       reply.server_send_time.count(), &elastic, &frictional, reply.rotation ? &torque : nullptr,
       &report, reply.withheld, reply.predicted ? &rates : nullptr, model, seen, normals,
-      reply.remote ? &remote : nullptr, change, walls));
+      reply.remote ? &remote : nullptr, change, walls, body));
 }
 
 Bytes Encoder::goodbye(GoodbyeReason reason) {
@@ -363,6 +366,8 @@ DropReason decode(Bytes payload, Reply& out, SceneView* view) noexcept {
     out.rates = {value(rates->elastic()), value(rates->frictional()), value(rates->torque())};
   out.modelled = root->model() != nullptr;
   if (out.modelled && !read(*root->model(), out.model)) return DropReason::count;
+  out.body_modelled = root->body() != nullptr;
+  if (out.body_modelled && !read(*root->body(), out.body)) return DropReason::count;
   if (!read(root->normals(), out.normals)) return DropReason::count;
   out.remote.reset();
   bool remote_read = root->remote() == nullptr || read(*root->remote(), out.remote.emplace());
@@ -379,8 +384,9 @@ DropReason decode(Bytes payload, Reply& out, SceneView* view) noexcept {
   if (seen != DropReason::none) return seen;
   if (!out.command.finite() || !std::isfinite(out.ratio) || !std::isfinite(out.delivered.elastic) ||
       !std::isfinite(out.delivered.frictional) || !std::isfinite(out.delivered.torque) ||
-      !out.rates.finite() || (out.modelled && !plausible(out.model)) || !plausible(out.normals) ||
-      !remote_read || changed != DropReason::none)
+      !out.rates.finite() || (out.modelled && !plausible(out.model)) ||
+      (out.body_modelled && !plausible(out.body)) || !plausible(out.normals) || !remote_read ||
+      changed != DropReason::none)
     return DropReason::not_finite;
   out.normals = usable(out.normals);
   return DropReason::none;

@@ -10,6 +10,7 @@
 #include "core/base/contact_normals.hpp"
 #include "core/base/types.hpp"
 #include "core/bounding/port_energy.hpp"
+#include "core/local_model/body_model.hpp"
 #include "core/local_model/local_model.hpp"
 #include "protocol/session/client_change.hpp"
 #include "protocol/session/session_parameters.hpp"
@@ -88,6 +89,8 @@ struct Reply {
   ContactNormals normals;
   bool modelled = false;         // `model` travels too
   LocalModel model;              // its lengths relative to its center float32 on the wire
+  bool body_modelled = false;    // `body` travels too
+  BodyModel body;                // float32 and less on the wire
   std::optional<Remote> remote;  // of a session that leads a robot
   /// That the client has not acknowledged yet; float32 on the wire.
   std::optional<ClientChange> change;

@@ -11,7 +11,7 @@
 namespace feltwire {
 
 // A datagram is one table and its vectors; whatever claims more is not ours.
-inline constexpr flatbuffers::uoffset_t kMaxDepth = 4, kMaxTables = 4;
+inline constexpr flatbuffers::uoffset_t kMaxDepth = 4, kMaxTables = 5;
 inline constexpr std::size_t kSmallestBuffer = 8;  // [bytes] a root offset and an empty table
 
 /// A payload that can be read in place: FlatBuffers reads eight bytes at a time.

@@ -6,6 +6,7 @@
 
 #include "core/base/numeric.hpp"
 #include "core/local_model/local_contact.hpp"
+#include "core/local_model_extraction/body_points.hpp"
 #include "core/local_model_extraction/extract.hpp"
 
 namespace feltwire {
@@ -103,9 +104,13 @@ Taken Session::take(const SampleBatch& batch, Nanoseconds now) noexcept {
   reply.client_time = last_.client_time;
   reply.server_receive_time = reply.server_send_time = now;
   reply.rotation = device_.rotation_actuated > 0;
-  reply.modelled = parameters_.local_model && !observes_;
+  const bool modelled = parameters_.local_model && !observes_,
+             has_body = view_->tool().body != nullptr;
+  reply.modelled = modelled && !has_body;
+  reply.body_modelled = modelled && has_body;
   if (reply.modelled) reply.model = model();
-  reply.model.scene = scenes_;
+  if (reply.body_modelled) reply.body = body_model();
+  reply.model.scene = reply.body.scene = scenes_;
   if (sends_normals_ && !reply.command.elastic.isZero(0.0))
     reply.normals = pushing_normals(reply.modelled ? reply.model : model(), last_.pose.position);
   reply.delivered = delivered();
@@ -230,6 +235,11 @@ LocalModel Session::model() const noexcept {
   return world_ != nullptr
              ? local_model(*world_, last_.pose.position, contacts_, body_contacts_.held)
              : local_model(*view_, last_.pose.position, contacts_);
+}
+
+BodyModel Session::body_model() const noexcept {
+  return world_ != nullptr ? feltwire::body_model(*world_, last_.pose, body_, body_contacts_.held)
+                           : feltwire::body_model(*view_, last_.pose, body_);
 }
 
 LocalModel Session::surfaces() const noexcept {

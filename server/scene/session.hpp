@@ -140,6 +140,7 @@ class Session {
  private:
   struct Movement;
   LocalModel model() const noexcept;
+  BodyModel body_model() const noexcept;
   Command touch(const Pose& device, const Tool& tool, double elapsed) noexcept;
   Movement movement_to(const Sample& sample, bool rotation) const noexcept;
   void hear(const HandReport& report) noexcept;

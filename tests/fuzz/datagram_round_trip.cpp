@@ -161,6 +161,45 @@ LocalModel model(Input& in) {
   return m;
 }
 
+/// Numbers that 16 bits tell exactly, but for the root of a covariance.
+BodyModel body(Input& in) {
+  BodyModel m;
+  m.scene = in.whole<std::uint32_t>();
+  m.tool = {in.vector(kMaxPosition), orientation(in)};
+  m.reach = at_least_zero(in, 1.0);
+  m.turn = at_least_zero(in, 1.0);
+  m.coupling = {1000.0, 0.5, 8.0, 0.25};
+  m.radius = 0.0625;
+  m.slipping = in.coin();
+  m.count = in.byte() % (kMaxBodyPoints + 1);
+  m.patch_count = kMaxBodyPatches;
+  for (int i = 0; i < m.count; ++i) {
+    BodyPoint& p = m.points[static_cast<std::size_t>(i)];
+    const Vec3 wide = in.vector(0.05);
+    p = {in.vector(0.1),
+         wide * wide.transpose(),
+         Vec3::Unit(in.byte() % 3),
+         in.number(0.125),
+         at_least_zero(in, 1e6),
+         static_cast<std::uint8_t>(in.byte() % kMaxBodyPatches)};
+  }
+  return m;
+}
+bool near_body(const BodyModel& a, const BodyModel& b) {
+  const double unit = 2.0 * a.radius / 32767.0;  // [m]
+  if (a.scene != b.scene || a.slipping != b.slipping || a.count != b.count ||
+      a.patch_count != b.patch_count || !same(a.tool.position, b.tool.position))
+    return false;
+  for (std::size_t i = 0; i < a.view().size(); ++i) {
+    const BodyPoint &p = a.points[i], &q = b.points[i];
+    if (!((p.arm - q.arm).cwiseAbs().maxCoeff() <= 0.51 * unit) || !same(p.distance, q.distance) ||
+        !((p.normal - q.normal).norm() <= 1e-4) || p.patch != q.patch ||
+        !((p.spread - q.spread).norm() <= 8.0 * unit * (std::sqrt(p.spread.trace()) + unit)))
+      return false;
+  }
+  return true;
+}
+
 /// Mostly one that can be: a name of any bytes, a link of any size.
 ClientChange change(Input& in) {
   ClientChange c;
@@ -207,6 +246,8 @@ Reply reply(Input& in) {
   if (r.predicted) r.rates = {any_float_vector(in), any_float_vector(in), any_float_vector(in)};
   r.modelled = in.coin();
   if (r.modelled) r.model = model(in);
+  r.body_modelled = !r.modelled && in.coin();
+  if (r.body_modelled) r.body = body(in);
   if (in.coin())
     r.remote = Remote{.state = static_cast<LinkState>(in.byte() % 7),
                       .pose = {in.vector(kMaxPosition), orientation(in)},
@@ -325,6 +366,7 @@ void try_reply(Input& in, const Header& header) {
     sent.normals = {};
     sent.remote.reset();
     sent.change.reset();
+    sent.body_modelled = false;
   }
   const SceneView shown = shows ? view(in) : SceneView{};
   const Bytes payload = carried(encoder.reply(sent, shows ? &shown : nullptr), header);
@@ -336,6 +378,9 @@ void try_reply(Input& in, const Header& header) {
   require(same_but_model(sent, again), "a reply arrives as it was");
   require(seen.present == shows, "a view arrives where there is one");
   if (shows) require_arrived(shown, seen);
+  require(again.body_modelled == (sent.body_modelled && !sent.remote), "a body's model arrives");
+  if (again.body_modelled)
+    require(near_body(sent.body, again.body), "a body's model arrives as it was");
   if (sent.modelled) require(near(sent.model, again.model), "a model arrives as it was");
 }
 

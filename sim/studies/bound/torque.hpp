@@ -48,7 +48,8 @@ std::vector<TorqueRow> run_torque(const std::vector<TorqueCase>& cases);
 struct TorqueSession {
   std::string task, mode, link;
   NamedHand hand = kEightHands[0];
-  double duration = 3.0;  // [s]
+  bool local_model = false;  // replies bring the model of the body
+  double duration = 3.0;     // [s]
   // Results.
   double energy_made = 0.0;                  // [J] at the encoders, beyond what was burned
   double energy_made_true = 0.0;             // [J] over the true movement, dry friction counted
@@ -56,6 +57,7 @@ struct TorqueSession {
   double torque_rms = 0.0, ideal_rms = 0.0;  // [N m] on the hand, and of the scene there
   double torque_error = 0.0;                 // [N m] RMS of their difference
   double oscillation = 0.0;                  // [rad] as above
+  double largest_jump = 0.0;  // [N m] a sample, of the torque on the hand beyond the ideal
 };
 std::vector<TorqueSession> torque_sessions();
 void run_sessions(std::vector<TorqueSession>& sessions);

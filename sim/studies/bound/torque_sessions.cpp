@@ -25,6 +25,7 @@ void run_session(TorqueSession& session, TorqueTask task) {
                   .task = task.hand,
                   .wrist = task.wrist};
   options.parameters.mode = session.mode;
+  options.parameters.local_model = session.local_model;
   options.servo = protect_hand(options.parameters);
   options.link = parse_link(session.link);
   options.duration = session.duration;
@@ -33,10 +34,14 @@ void run_session(TorqueSession& session, TorqueTask task) {
   session.energy_made_true = std::max(0.0, -run.least_device_margin);
   session.violations = run.observed_port.violations();
   std::array<std::vector<double>, 3> turns;
+  Vec3 last_off = Vec3::Zero();
   for (const NetworkSample& s : run.samples) {
     session.torque_rms += s.held.torque.squaredNorm();
     session.ideal_rms += s.ideal.torque.squaredNorm();
-    session.torque_error += (s.held.torque - s.ideal.torque).squaredNorm();
+    const Vec3 off = s.held.torque - s.ideal.torque;
+    session.torque_error += off.squaredNorm();
+    session.largest_jump = std::max(session.largest_jump, (off - last_off).norm());
+    last_off = off;
     const Vec3 turn = rotation_between(Quaternion::Identity(), s.orientation);
     for (std::size_t i = 0; i < turns.size(); ++i)
       turns[i].push_back(turn[static_cast<Eigen::Index>(i)]);
@@ -57,9 +62,16 @@ std::vector<TorqueSession> torque_sessions() {
   for (const TorqueTask& task : body_tasks())
     for (const std::string_view mode : kSessionModes)
       for (const char* link : kSessionLinks)
-        for (const NamedHand& hand : kEightHands)
-          sessions.push_back(
-              {.task = task.name, .mode = std::string(mode), .link = link, .hand = hand});
+        for (const bool local_model : {false, true}) {
+          // Only a method that shapes renders a model as it is.
+          if (local_model && mode != kSessionMethod) continue;
+          for (const NamedHand& hand : kEightHands)
+            sessions.push_back({.task = task.name,
+                                .mode = std::string(mode),
+                                .link = link,
+                                .hand = hand,
+                                .local_model = local_model});
+        }
   return sessions;
 }
 

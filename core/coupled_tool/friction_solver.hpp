@@ -1,7 +1,7 @@
 #pragma once
 // Coulomb friction of a tool without mass: how it moves, and the friction on it.
 
-#include "core/tool/shell_contact.hpp"
+#include "core/coupled_tool/tool_contact.hpp"
 
 namespace feltwire {
 

@@ -1,4 +1,4 @@
-#include "core/tool/friction_solver.hpp"
+#include "core/coupled_tool/friction_solver.hpp"
 
 #include <Eigen/Cholesky>
 #include <algorithm>

@@ -1,0 +1,132 @@
+#include "core/local_model/body_model.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/coupled_tool/slip_sums.hpp"
+
+namespace feltwire {
+namespace {
+
+/// Friction and viscosity of the patches that are pressed on.
+void add_slip(const BodyModel& model, std::span<const SlipSums> sums, double elapsed,
+              ShellContact& contact) noexcept {
+  for (std::size_t i = 0; i < sums.size(); ++i) {
+    const double load = sums[i].weight;
+    if (!(load > 0.0)) continue;
+    const BodyPatch& patch = model.patches[i];
+    const Mat6 slip = sums[i].slip();
+    Vec6 carried = Vec6::Zero();
+    carried.head<3>() = elapsed * patch.velocity;
+    if (patch.viscous_friction > 0.0) {
+      double whole = 0.0;  // of the object
+      for (std::size_t k = 0; k < sums.size(); ++k)
+        if (model.patches[k].object == patch.object) whole += sums[k].weight;
+      contact.viscosity.add(patch.viscous_friction * load / whole * slip, carried);
+    }
+    if (patch.static_friction > 0.0)
+      contact.patches[contact.grip_count++] = {
+          load, patch.static_friction, patch.dynamic_friction, slip, carried, patch.object};
+  }
+}
+
+/// One part of the tool, turned and moved with it.
+struct Placed {
+  Vec3 arm, normal;
+  Mat3 spread;
+  double depth;  // [m] of its centre
+};
+
+/// Adds what the part's points answer. Returns its force [N].
+double add_part(const Placed& part, double stiffness, Mat6& resists, ShellContact& sum,
+                SlipSums& slip) noexcept {
+  const Vec3 along_normal = part.spread * part.normal;
+  const double variance = std::max(0.0, part.normal.dot(along_normal));  // [m^2] of the depths
+  const PressedPart in = pressed_part(part.depth, std::sqrt(3.0 * variance));
+  if (!(in.depth > 0.0)) return 0.0;
+  // A point deeper by u has an arm of `arm` + u `lever`.
+  const Vec3 lever =
+      variance > kLeastSquare<double> ? Vec3(-along_normal / variance) : Vec3::Zero();
+  Vec6 center, further;
+  center << part.normal, part.arm.cross(part.normal);
+  further << Vec3::Zero(), lever.cross(part.normal);
+  sum.energy += 0.5 * stiffness * in.square;
+  sum.wrench += stiffness * (in.depth * center + in.moment * further);
+  resists = in.share * center * center.transpose() + in.second * further * further.transpose() +
+            in.first * (center * further.transpose() + further * center.transpose());
+  // What lies across the normal turns, too.
+  const Mat3 across = part.spread - variance * lever * lever.transpose();
+  Mat3 cross;  // arm x normal
+  const Vec3& n = part.normal;
+  cross << 0.0, n.z(), -n.y(), -n.z(), 0.0, n.x(), n.y(), -n.x(), 0.0;
+  resists.bottomRightCorner<3, 3>() += in.share * cross * across * cross.transpose();
+  resists *= stiffness;
+  const double force = stiffness * in.depth;
+  slip.add(force, part.arm + in.moment / in.depth * lever, part.normal);
+  const double off = in.moment / in.depth;
+  slip.arms +=
+      force * (across + (in.pressed_square / in.depth - off * off) * lever * lever.transpose());
+  return force;
+}
+
+}  // namespace
+
+PressedPart pressed_part(double depth, double half) noexcept {
+  constexpr double kPoint = 1e-9;  // [m]
+  PressedPart in;
+  if (!(half > kPoint)) {
+    if (depth > 0.0) in = {1.0, 0.0, 0.0, depth, 0.0, depth * depth, 0.0};
+    return in;
+  }
+  const double low = std::max(-depth, -half);
+  if (!(low < half)) return in;
+  const double density = 0.5 / half;
+  in.share = density * (half - low);
+  in.first = density * (half * half - low * low) / 2.0;
+  in.second = density * (half * half * half - low * low * low) / 3.0;
+  in.depth = depth * in.share + in.first;
+  in.moment = depth * in.first + in.second;
+  in.square = depth * in.depth + in.moment;
+  const double third = density * (std::pow(half, 4) - std::pow(low, 4)) / 4.0;
+  in.pressed_square = depth * in.second + third;
+  return in;
+}
+
+ShellContact ModelledSurroundings::contact(const Pose& tool) const noexcept {
+  static_assert(kMaxBodyPatches <= ShellContact::kFrictionPatches);
+  ShellContact sum;
+  std::array<SlipSums, kMaxBodyPatches> sums;
+  const Mat3 turned = tool.orientation.toRotationMatrix();
+  const Mat3 before = model_.tool.orientation.toRotationMatrix();
+  const Vec3 moved = tool.position - model_.tool.position;
+  for (const BodyPoint& point : model_.view()) {
+    const BodyPatch& patch = model_.patches[point.patch];
+    const Vec3 arm = turned * point.arm;
+    const Vec3 way = moved + arm - before * point.arm - age_ * patch.velocity;
+    const double distance = point.distance + point.normal.dot(way);
+    const Mat3 spread = turned * point.spread * turned.transpose();
+    Mat6 resists;
+    const double force = add_part({arm, point.normal, spread, -distance}, point.stiffness, resists,
+                                  sum, sums[point.patch]);
+    if (!(force > 0.0)) {
+      const double half = std::sqrt(3.0 * std::max(0.0, point.normal.dot(spread * point.normal)));
+      sum.clearance = std::min(sum.clearance, std::max(0.0, distance - half));
+      continue;
+    }
+    sum.stiffness += resists;
+    if (patch.damping_time > 0.0) {
+      Vec6 carried = Vec6::Zero();
+      carried.head<3>() = elapsed_ * patch.velocity;
+      sum.damping.add(patch.damping_time * resists, carried);
+    }
+    ++sum.touching;
+  }
+  sum.looked_at = static_cast<std::size_t>(model_.count);
+  if (sum.touching == 0) return sum;
+  sum.parts[sum.part_count++] = {0, sum.wrench};
+  add_slip(model_, std::span(sums).first(static_cast<std::size_t>(model_.patch_count)), elapsed_,
+           sum);
+  return sum;
+}
+
+}  // namespace feltwire

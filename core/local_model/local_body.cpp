@@ -1,0 +1,69 @@
+#include "core/local_model/local_body.hpp"
+
+#include <algorithm>
+
+#include "core/base/numeric.hpp"
+#include "core/local_model/share_within.hpp"
+
+namespace feltwire {
+namespace {
+
+double weight_at(const BodyModel& model, const Pose& tool) noexcept {
+  const double way = length(Vec3(tool.position - model.tool.position));
+  const double angle = length(rotation_between(model.tool.orientation, tool.orientation));
+  return share_within(way / model.reach + angle / model.turn, 1.0);
+}
+
+}  // namespace
+
+void LocalBody::take(const BodyModel& model, std::uint64_t ticks) noexcept {
+  if (last_weight_ > 0.0 && memory_.placed && model.scene == model_.scene) {
+    correct(model, ticks);
+  } else {
+    memory_ = {};
+    memory_.placed = model.reach > 0.0;
+    memory_.pose = model.tool;
+    memory_.slipping = model.slipping;
+    ticks_ = 0;
+    moved_.setZero();
+    turned_.setZero();
+  }
+  model_ = model;
+}
+
+/// A model shows the tool a round trip ago, without the corrections since: what was seen once is
+/// corrected once (Smith 1957).
+void LocalBody::correct(const BodyModel& model, std::uint64_t ticks) noexcept {
+  constexpr double kPart = 0.1;  // of a difference, a model
+  if (ticks == 0 || ticks > ticks_ || ticks > kRemembered) return;
+  const Past& past = past_[(ticks_ - ticks) % kRemembered];
+  const Vec3 off = kPart * (model.tool.position - past.pose.position - (moved_ - past.moved));
+  const Vec3 twisted = kPart * (rotation_between(past.pose.orientation, model.tool.orientation) -
+                                (turned_ - past.turned));
+  if (!off.allFinite() || !twisted.allFinite()) return;
+  moved_ += off;
+  turned_ += twisted;
+  memory_.pose = moved(memory_.pose, off, twisted);
+}
+
+BodyForce LocalBody::touch(const Pose& device, double age, double elapsed) noexcept {
+  BodyForce force;
+  last_weight_ = 0.0;
+  if (!memory_.placed || !(model_.reach > 0.0)) return force;
+  memory_.known = false;  // surfaces may have moved
+  const ModelledSurroundings surroundings(model_, age, elapsed);
+  const CoupledTool tool{model_.coupling, model_.radius,
+                         std::ranges::any_of(model_.surfaces(), [](const BodyPatch& patch) {
+                           return !patch.velocity.isZero(0.0);
+                         })};
+  force.command = step_coupled_tool(tool, surroundings, device, elapsed, memory_).command;
+  if (!force.command.finite()) {
+    clear();
+    return {};
+  }
+  force.weight = last_weight_ = weight_at(model_, memory_.pose);
+  past_[ticks_++ % kRemembered] = {memory_.pose, moved_, turned_};
+  return force;
+}
+
+}  // namespace feltwire

@@ -1,0 +1,60 @@
+#pragma once
+// Renders the local model of a tool with a body: finds the tool's balance at the client's rate.
+
+#include <array>
+#include <cstdint>
+
+#include "core/local_model/body_model.hpp"
+
+namespace feltwire {
+
+/// The answer of a body's model at one pose of the device.
+struct BodyForce {
+  Command command;      // on the hand
+  double weight = 0.0;  // as LocalForce::weight
+};
+
+/// Renders the newest model. The tool that it holds is its own: a new model changes what the tool
+/// touches, and where the tool is changes as it moves on. Nothing here allocates, throws or reads a
+/// clock.
+class LocalBody {
+ public:
+  /// Forgets model and tool.
+  void clear() noexcept {
+    model_.reach = last_weight_ = 0.0;
+    memory_ = {};
+  }
+
+  /// Takes a new model. `ticks`: how many calls of touch() ago the device was where the model was
+  /// made for, 1: the last one; 0: not known. The tool is moved by a part of what the model's tool
+  /// and its own of that time differ by, so that what the planes leave out does not add up where
+  /// friction holds the tool. Every force of touch() is finite, whatever numbers the model holds
+  /// (PROTOCOL.md, not_finite, says what a receiver accepts).
+  void take(const BodyModel& model, std::uint64_t ticks = 0) noexcept;
+
+  /// The force and torque on the hand. `age` [s]: of the model's state; moving surfaces are moved
+  /// on by it. `elapsed` [s]: since the last call.
+  BodyForce touch(const Pose& device, double age, double elapsed) noexcept;
+
+  const BodyModel& model() const { return model_; }
+  const BodyMemory& tool() const { return memory_; }
+
+ private:
+  /// Where the tool was, and the sums of the corrections up to then.
+  struct Past {
+    Pose pose;
+    Vec3 moved = Vec3::Zero(), turned = Vec3::Zero();
+  };
+  static constexpr std::size_t kRemembered = 512;  // ticks
+
+  void correct(const BodyModel& model, std::uint64_t ticks) noexcept;
+
+  BodyModel model_;
+  BodyMemory memory_;
+  double last_weight_ = 0.0;
+  std::array<Past, kRemembered> past_{};
+  std::uint64_t ticks_ = 0;                            // since the tool was placed
+  Vec3 moved_ = Vec3::Zero(), turned_ = Vec3::Zero();  // [m], [rad] all corrections
+};
+
+}  // namespace feltwire

@@ -1,0 +1,380 @@
+#include "core/local_model_extraction/body_points.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/base/numeric.hpp"
+#include "core/grid/signed_distance.hpp"
+#include "core/tool/body_tool.hpp"
+
+namespace feltwire {
+namespace {
+
+constexpr std::size_t kMostNumbered = std::numeric_limits<std::uint16_t>::max();
+/// Parts that the shell is cut into. The places that are left are for points of these parts that
+/// meet another side of the solid.
+constexpr int kParts = kMaxBodyPoints - 3;
+
+constexpr double kLooked = 2e-3;      // [m] nearer parts are looked at point by point
+constexpr double kLeastReach = 1e-2;  // [m] where points that hardly matter found no place
+
+/// A part of the shell near one object: nodes or points [begin, end).
+struct Part {
+  std::size_t object = 0;
+  const PointShell* shell = nullptr;  // one side of the tool
+  bool of_points = false;
+  std::uint32_t begin = 0, end = 0;
+  Vec3 center = Vec3::Zero();  // [m, tool frame] of the ball that holds it
+  double radius = 0.0;         // [m]
+  double distance = 0.0;       // [m] of the center
+
+  double nearest() const { return distance - radius; }  // [m] no point is nearer
+  bool single() const { return of_points && end - begin == 1; }
+  /// How much is lost where the part is one point [m].
+  double coarseness() const {
+    if (single()) return 0.0;
+    const double far = std::clamp(nearest() / kBodyReach, 0.0, 1.0);
+    return radius * std::pow(1.0 - far, 4);
+  }
+};
+
+/// Points that meet about the same plane. Arms in the tool's frame, normals in the world.
+struct Gathered {
+  double count = 0.0, distance = 0.0, least = std::numeric_limits<double>::infinity();  // [m]
+  double pushed = 0.0, squares = 0.0;
+  Vec3 arm = Vec3::Zero(), normal = Vec3::Zero(), pressure = Vec3::Zero();
+  Mat3 arms = Mat3::Zero();
+
+  void add(const Vec3& arm_of, const FieldPoint& field) {
+    count += 1.0;
+    distance += field.distance;
+    least = std::min(least, field.distance);
+    const double load = std::max(0.0, -field.distance) * length(field.gradient);
+    pushed += load;
+    pressure += load * arm_of;
+    squares += field.gradient.squaredNorm();
+    arm += arm_of;
+    normal += field.gradient;
+    arms += arm_of * arm_of.transpose();
+  }
+  Vec3 center() const { return arm / count; }
+  Mat3 spread() const { return arms / count - center() * center().transpose(); }
+};
+
+/// [m] The depth of a part's centre, evenly spread by `half`, at which its mean depth is `mean`.
+double depth_for(double mean, double half) {
+  if (mean >= half) return mean;
+  return 2.0 * std::sqrt(half * mean) - half;  // (depth + half)^2 / (4 half) = mean
+}
+
+class Cut {
+ public:
+  const Mat3& turned() const { return turned_; }
+  Cut(const PointShell& shell, const std::vector<Object>& objects, const Pose& tool)
+      : shell_(shell),
+        objects_(objects),
+        tool_(tool),
+        turned_(tool.orientation.toRotationMatrix()) {}
+
+  /// [m] No point that the cut lacks is nearer to a surface.
+  double reach() const { return reach_; }
+  std::span<const Part> parts() const { return {parts_.data(), static_cast<std::size_t>(count_)}; }
+
+  void all() {
+    for (std::size_t i = 0; i < objects_.size(); ++i) {
+      const auto side = [&](const PointShell& shell) {
+        const Part root{.object = i, .shell = &shell, .begin = 0, .end = 1};
+        if (i <= kMostNumbered)
+          offer(root);
+        else
+          miss(root);
+      };
+      std::ranges::for_each(shell_.sides, side);
+      if (shell_.sides.empty()) side(shell_);
+    }
+    while (refine()) {
+    }
+  }
+
+  FieldPoint at(std::size_t object, const Vec3& arm) const {
+    const Object& o = objects_[object];
+    const Quaternion to_object = o.pose.orientation.conjugate();
+    FieldPoint field = signed_distance(
+        o.shape, o.felt_from, to_object * (tool_.position + turned_ * arm - o.pose.position));
+    field.gradient = o.pose.orientation * field.gradient;
+    return field;
+  }
+
+  std::pair<std::uint32_t, std::uint32_t> points_of(const Part& part) const {
+    if (part.of_points) return {part.begin, part.end};
+    return {part.shell->nodes[part.begin].begin, part.shell->nodes[part.end - 1].end};
+  }
+
+ private:
+  void miss(Part part) {
+    measure(part);
+    reach_ = std::min(reach_, part.nearest());
+  }
+
+  /// The ball, and how far it is.
+  void measure(Part& part) const {
+    const auto n = static_cast<double>(part.end - part.begin);
+    part.center.setZero();
+    part.radius = 0.0;
+    for (std::uint32_t i = part.begin; i < part.end; ++i)
+      part.center += (part.of_points ? part.shell->points[i] : part.shell->nodes[i].center) / n;
+    for (std::uint32_t i = part.begin; i < part.end; ++i) {
+      const double reaches = part.of_points ? (part.shell->points[i] - part.center).norm()
+                                            : (part.shell->nodes[i].center - part.center).norm() +
+                                                  part.shell->nodes[i].radius;
+      part.radius = std::max(part.radius, reaches);
+    }
+    part.distance = at(part.object, part.center).distance;
+  }
+
+  /// Adds a part; one that is too far ends the reach, and so does the farthest of too many.
+  void offer(Part part) {
+    measure(part);
+    if (!(part.nearest() < reach_)) return;
+    if (count_ == kParts) {
+      const auto end = parts_.begin() + count_;
+      const auto farthest = std::max_element(parts_.begin(), end, [](const Part& a, const Part& b) {
+        return a.nearest() < b.nearest();
+      });
+      if (farthest->nearest() < part.nearest()) {
+        reach_ = std::min(reach_, part.nearest());
+        return;
+      }
+      reach_ = std::min(reach_, farthest->nearest());
+      *farthest = part;
+      return;
+    }
+    parts_[static_cast<std::size_t>(count_++)] = part;
+  }
+
+  /// In two; false where it cannot be.
+  bool halves(const Part& part, Part& low, Part& high) const {
+    Part whole = part;
+    while (!whole.of_points && whole.end - whole.begin == 1) {
+      const ShellNode& node = whole.shell->nodes[whole.begin];
+      whole.of_points = node.children == 0;
+      whole.begin = whole.of_points ? node.begin : node.child;
+      whole.end = whole.of_points ? node.end : node.child + node.children;
+    }
+    if (whole.end - whole.begin < 2) return false;
+    low = high = whole;
+    low.end = high.begin = whole.begin + (whole.end - whole.begin + 1) / 2;
+    return true;
+  }
+
+  /// Cuts the coarsest part in two; false where none may be cut.
+  bool refine() {
+    constexpr double kFine = 1e-5;  // [m]
+    const auto begin = parts_.begin(), end = begin + count_;
+    const auto coarsest = std::max_element(
+        begin, end, [](const Part& a, const Part& b) { return a.coarseness() < b.coarseness(); });
+    if (coarsest == end || !(coarsest->coarseness() > kFine)) return false;
+    Part low, high;
+    if (!halves(*coarsest, low, high)) return false;
+    measure(low);
+    measure(high);
+    const bool keeps_low = low.nearest() < reach_, keeps_high = high.nearest() < reach_;
+    if (keeps_low && keeps_high && count_ == kParts) return false;
+    *coarsest = keeps_low ? low : high;
+    if (keeps_low && keeps_high) parts_[static_cast<std::size_t>(count_++)] = high;
+    if (!keeps_low && !keeps_high) *coarsest = parts_[static_cast<std::size_t>(--count_)];
+    return true;
+  }
+
+  const PointShell& shell_;
+  const std::vector<Object>& objects_;
+  const Pose& tool_;
+  Mat3 turned_;
+  std::array<Part, kParts> parts_{};
+  int count_ = 0;
+  double reach_ = kBodyReach;
+};
+
+/// Makes points and patches of parts.
+struct Builder {
+  const BodyTool& tool;
+  const std::vector<Object>& objects;
+  const Cut& cut;
+  BodyModel& model;
+  std::array<std::uint8_t, kMaxBodyPatches> sides{};
+
+  /// By the axis of the object's frame that the normal is nearest to.
+  std::uint8_t side_of(std::size_t object, const Vec3& normal) const {
+    const Vec3 n = objects[object].pose.orientation.conjugate() * normal;
+    Eigen::Index axis;
+    n.cwiseAbs().maxCoeff(&axis);
+    return static_cast<std::uint8_t>(2 * axis + (n[axis] < 0.0 ? 1 : 0));
+  }
+
+  /// The patch of these normals; the last takes what has no place.
+  std::uint8_t patch_of(std::size_t object, const Vec3& normal) {
+    const Object& o = objects[object];
+    const std::uint8_t side = side_of(object, normal);
+    for (int i = 0; i < model.patch_count; ++i) {
+      const auto k = static_cast<std::size_t>(i);
+      if (model.patches[k].object == object && sides[k] == side)
+        return static_cast<std::uint8_t>(i);
+    }
+    if (model.patch_count == kMaxBodyPatches) return kMaxBodyPatches - 1;
+    const auto made = static_cast<std::size_t>(model.patch_count++);
+    const Material& m = o.material;
+    model.patches[made] = {m.static_friction,  m.dynamic_friction,
+                           m.viscous_friction, m.damping / m.stiffness,
+                           Vec3::Zero(),       static_cast<std::uint16_t>(object)};
+    sides[made] = side;
+    return static_cast<std::uint8_t>(made);
+  }
+
+  bool add(std::size_t object, const Gathered& points) {
+    const Vec3 normal = direction(points.normal);
+    if (!(points.squares > 0.0) || normal.isZero(0.0)) return true;
+    if (model.count == kMaxBodyPoints) return false;
+    const double share =
+        tool.shell().area / (tool.contact_area() * static_cast<double>(tool.shell().points.size()));
+    BodyPoint point{.arm = points.center(),
+                    .spread = points.spread(),
+                    .normal = normal,
+                    .distance = points.distance / points.count,
+                    .stiffness = objects[object].material.stiffness * share * points.squares,
+                    .patch = patch_of(object, normal)};
+    const Mat3 turned = cut.turned();
+    const Vec3 n = turned.transpose() * normal;
+    const double half = std::sqrt(3.0 * std::max(0.0, n.dot(point.spread * n)));
+    // Its force is the scene's, at the scene's centre of pressure.
+    if (points.pushed > 0.0) {
+      point.distance = -depth_for(points.pushed / points.squares, half);
+      const PressedPart in = pressed_part(-point.distance, half);
+      const Vec3 spread = point.spread * n;
+      Vec3 pressed = point.arm;
+      if (half > 0.0) pressed -= in.moment / in.depth / (half * half / 3.0) * spread;
+      point.arm += points.pressure / points.pushed - pressed;
+    } else {
+      // Where solids are curved, the plane would touch before the first point does.
+      point.distance = std::max(point.distance, points.least + half);
+    }
+    model.points[static_cast<std::size_t>(model.count++)] = point;
+    return true;
+  }
+
+  /// The points of a part that meet about the plane that pushes most (or is nearest), and the
+  /// others by the side of the object that they meet.
+  struct Group {
+    Gathered points;
+    std::size_t object = 0;
+  };
+  static constexpr std::size_t kSides = 7;
+
+  void gather(const Part& part, std::span<Group> groups) const {
+    constexpr double kOneSide = 0.9;  // cosine
+    const auto [begin, end] = cut.points_of(part);
+    Vec3 pushed = Vec3::Zero(), nearest = Vec3::Zero();
+    double least = std::numeric_limits<double>::infinity();
+    for (std::uint32_t i = begin; i < end; ++i) {
+      const FieldPoint field = cut.at(part.object, part.shell->points[i]);
+      if (field.distance < 0.0) pushed -= field.distance * field.gradient;
+      if (field.distance < least) {
+        least = field.distance;
+        nearest = field.gradient;
+      }
+    }
+    const Vec3 normal = direction(pushed.isZero(0.0) ? nearest : pushed);
+    for (std::uint32_t i = begin; i < end; ++i) {
+      const Vec3& arm = part.shell->points[i];
+      const FieldPoint field = cut.at(part.object, arm);
+      const bool main = field.gradient.dot(normal) >= kOneSide * length(field.gradient);
+      Group& group = groups[main ? 0U : 1U + side_of(part.object, field.gradient)];
+      group.object = part.object;
+      group.points.add(arm, field);
+    }
+  }
+
+  bool far(const Part& part) {
+    const auto [begin, end] = cut.points_of(part);
+    Gathered points;
+    for (std::uint32_t i = begin; i < end; ++i) points.add(part.shell->points[i], {});
+    const FieldPoint field = cut.at(part.object, points.center());
+    points.distance = points.count * field.distance;
+    points.least = part.nearest();
+    points.normal = field.gradient;
+    points.squares = points.count * field.gradient.squaredNorm();
+    return add(part.object, points);
+  }
+
+  void build() {
+    std::array<Group, kParts * kSides> groups;
+    const auto parts = cut.parts();
+    for (std::size_t i = 0; i < parts.size(); ++i)
+      if (parts[i].nearest() < kLooked)
+        gather(parts[i], std::span(groups).subspan(kSides * i, kSides));
+    // Those that push hardest come first, then those that will be met first.
+    std::array<const Group*, kParts * kSides> order{};
+    std::size_t count = 0;
+    for (const Group& group : groups)
+      if (group.points.count > 0.0) order[count++] = &group;
+    std::sort(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(count),
+              [](const Group* a, const Group* b) {
+                if (a->points.pushed != b->points.pushed)
+                  return a->points.pushed > b->points.pushed;
+                if (a->points.least != b->points.least) return a->points.least < b->points.least;
+                return a < b;
+              });
+    for (std::size_t i = 0; i < count; ++i)
+      if (!add(order[i]->object, order[i]->points))
+        model.reach = std::min(model.reach, std::max(kLeastReach, order[i]->points.least));
+    for (const Part& part : parts)
+      if (!(part.nearest() < kLooked) && !far(part))
+        model.reach = std::min(model.reach, std::max(kLeastReach, part.nearest()));
+  }
+};
+
+/// The view's objects where they now are.
+BodyModel model_of(const ToolView& view, const std::vector<Object>& objects, const Pose& device,
+                   const BodyMemory& memory) noexcept {
+  BodyModel model;
+  if (!view.tool().body || !memory.placed) return model;
+  const BodyTool& tool = *view.tool().body;
+  Cut cut(tool.shell(), objects, memory.pose);
+  cut.all();
+  model.tool = memory.pose;
+  model.coupling = tool.coupling();
+  model.radius = tool.shell().radius;
+  model.slipping = memory.slipping;
+  model.reach = cut.reach();
+  for (const Guide& guide : view.guides())  // a model has no word for them
+    model.reach = std::min(model.reach, begins(guide, device.position));
+  Builder{tool, objects, cut, model}.build();
+  model.reach = std::max(0.0, model.reach);
+  model.turn = model.reach / model.radius;
+  return model;
+}
+
+}  // namespace
+
+BodyModel body_model(const ToolView& view, const Pose& device, const BodyMemory& memory) noexcept {
+  return model_of(view, view.objects(), device, memory);
+}
+
+BodyModel body_model(const World& world, const Pose& device, const BodyMemory& memory,
+                     std::size_t held) noexcept {
+  BodyModel model = model_of(world.view(held), world.objects(held), device, memory);
+  std::array<bool, kMaxBodyPatches> known{};
+  for (int i = 0; i < model.count; ++i) {
+    BodyPoint& point = model.points[static_cast<std::size_t>(i)];
+    BodyPatch& patch = model.patches[point.patch];
+    point.stiffness *= world.trust(patch.object);
+    if (known[point.patch]) continue;
+    known[point.patch] = true;
+    const Vec3 place = model.tool.position + model.tool.orientation * point.arm;
+    patch.velocity = world.velocity_at(patch.object, place);
+    patch.viscous_friction *= world.trust(patch.object);
+  }
+  return model;
+}
+
+}  // namespace feltwire

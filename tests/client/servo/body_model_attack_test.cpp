@@ -1,0 +1,93 @@
+// A server that sends any model of a body: the port of six degrees of freedom makes no energy.
+
+#include <gtest/gtest.h>
+
+#include "client/devices/simulated_device.hpp"
+#include "client/servo/servo.hpp"
+#include "sim/hands/eight_hands.hpp"
+#include "tests/core/support.hpp"
+
+namespace feltwire::body_model_attack_test {
+namespace {
+
+constexpr Nanoseconds kPeriod = std::chrono::milliseconds(1);
+
+/// A model as the codec lets it through, about where the hand is: stiff planes, any springs.
+BodyModel any_model(test::Random& random, const Pose& about) {
+  BodyModel m;
+  m.tool = moved(about, 0.002 * random.direction(), 0.1 * random.direction());
+  m.reach = random.uniform(0.0, 0.1);
+  m.turn = random.uniform(0.0, 2.0);
+  m.radius = 0.04;
+  m.coupling = {std::pow(10.0, random.uniform(1, 5)), std::pow(10.0, random.uniform(-2, 2)),
+                random.uniform(0.1, 50.0), random.uniform(0.01, 5.0)};
+  m.slipping = random.uniform(0, 1) < 0.5;
+  m.count = static_cast<int>(random.uniform(0.0, kMaxBodyPoints + 0.99));
+  m.patch_count = kMaxBodyPatches;
+  for (BodyPoint& p : m.points) {
+    const Vec3 wide = 0.01 * random.direction();
+    p = {0.04 * random.direction(),
+         wide * wide.transpose(),
+         random.direction(),
+         random.uniform(-0.01, 0.005),
+         std::pow(10.0, random.uniform(0, 7)),
+         static_cast<std::uint8_t>(random.uniform(0.0, kMaxBodyPatches - 0.01))};
+  }
+  for (BodyPatch& p : m.patches)
+    p = {random.uniform(0.5, 2.0),
+         random.uniform(0.0, 0.5),
+         random.uniform(0.0, 100.0),
+         random.uniform(0.0, 0.1),
+         random.uniform(0.0, 1.0) * random.direction(),
+         0};
+  return m;
+}
+
+double energy_made(std::string_view mode, std::uint64_t seed, double* most_torque) {
+  test::Random random(seed);
+  SimulatedHandOptions hand;
+  hand.spec = builtin_device("simulated_6dof");
+  hand.hand = with_wrist(kEightHands[seed % kEightHands.size()].hand);
+  hand.wrist = {WristPath::tilt, 0.3};
+  SimulatedDevice device(hand);
+  SessionParameters parameters;
+  parameters.mode = mode;
+  parameters.local_model = true;
+  Servo servo(device.spec(), parameters);
+  const std::uint64_t delay = seed % 3 * 20, every = 1 + seed % 4;
+  for (std::uint64_t n = 1; n <= 1500; ++n) {
+    const Nanoseconds now = static_cast<std::int64_t>(n) * kPeriod;
+    const Command given = servo.render(device.read(now), now);
+    servo.hold(device.write(given));
+    servo.sent();
+    *most_torque = std::max(*most_torque, servo.held().torque.norm());
+    if (n <= delay || n % every != 0) continue;
+    Reply reply;
+    reply.sample_index = n - delay;
+    reply.rotation = reply.body_modelled = true;
+    reply.command.torque = random.uniform(0.0, 1.0) * random.direction();
+    reply.command.elastic = random.uniform(0.0, 20.0) * random.direction();
+    reply.body = any_model(random, servo.sample().pose);
+    reply.body.scene = static_cast<std::uint32_t>(n / 200);
+    servo.take(reply, now);
+  }
+  EXPECT_GT(servo.statistics().modelled + servo.statistics().half_modelled, 0u);
+  return -servo.port().least_margin();
+}
+
+TEST(BodyModelAttack, NoModelMakesThePortGiveEnergy) {
+  double torque = 0.0;
+  for (std::uint64_t seed = 1; seed <= 48; ++seed)
+    EXPECT_LE(energy_made(kSessionMethod, seed, &torque), 1e-9) << seed;
+  EXPECT_GT(torque, 0.02);  // [N m] that it was tried
+}
+
+TEST(BodyModelAttack, WithoutABoundTheSameModelsDo) {
+  double torque = 0.0, most = 0.0;
+  for (std::uint64_t seed = 1; seed <= 8; ++seed)
+    most = std::max(most, energy_made(kUnbounded, seed, &torque));
+  EXPECT_GT(most, 1e-3);
+}
+
+}  // namespace
+}  // namespace feltwire::body_model_attack_test
