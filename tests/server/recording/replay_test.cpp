@@ -7,6 +7,7 @@
 
 #include "core/base/file_error.hpp"
 #include "core/base/splitmix.hpp"
+#include "tests/core/scene_file/parts_scene.hpp"
 #include "tests/server/recording/recorded_scene.hpp"
 
 namespace feltwire::replay_test {
@@ -118,6 +119,44 @@ TEST(ReplayOfARobot, IsBitEqual) {
   ASSERT_TRUE(result.bit_equal()) << result.difference->what << " at event "
                                   << result.difference->event;
   EXPECT_EQ(result.replies, 300u);
+}
+
+class ReplayOfParts : public test::PartsScene {};
+
+/// A hollow body: the recording has its convex parts, and without them they are computed again.
+TEST_F(ReplayOfParts, IsBitEqualWhereverThePartsComeFrom) {
+  write("ring.obj", test::torus(0.05, 0.015, 24, 12));
+  const auto scene_file = write_scene(
+      R"({ "name": "ring", "mass": 0.1, "position": [0, 0, 0.03], "orientation": [0.9, 0.3, 0.2, 0.1] })",
+      R"({ "name": "floor", "plane": {}, "material": "m" },
+  { "name": "rod", "cylinder": { "radius": 0.01, "length": 0.3 }, "material": "m" }, )" +
+          test::mesh_text("ring", "ring.obj", "", R"(, "body": "ring")"),
+      R"("start": { "position": [0.05, 0, 0.04] }, )");
+  for (const bool is_kept : {false, true}) {  // when it is recorded
+    SCOPED_TRACE(is_kept);
+    ASSERT_EQ(kept_in(scenes()).size(), is_kept ? 1u : 0u);
+    RecordedScene scene(scene_file);
+    scene.join(kA);
+    scene.run(400);
+    const auto file = scene.finish();
+    const auto is_equal = [&] {
+      const Replay result = replay({file});
+      EXPECT_TRUE(result.bit_equal())
+          << result.difference->what << " at event " << result.difference->event;
+      EXPECT_GT(result.ticks, 300u);
+    };
+    is_equal();
+    int parts = 0;
+    test::rewrite(
+        file, [](RecordedEvent&, std::string&) { return true; },
+        [&](const mcap::Attachment& attachment) {
+          const bool is_part = attachment.name == "scene-0/ring.obj.m.auto.64.convex";
+          parts += is_part ? 1 : 0;
+          return !is_part;
+        });
+    EXPECT_EQ(parts, 1);
+    is_equal();
+  }
 }
 
 class ReplayTest : public ::testing::Test {
