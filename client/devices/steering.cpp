@@ -6,6 +6,7 @@
 #include <string>
 
 #include "client/devices/hand_aim.hpp"
+#include "client/devices/input_nodes.hpp"
 
 namespace feltwire {
 namespace {
