@@ -32,12 +32,18 @@ Command RiseLimit::apply(const Command& command, const LocalModel& model, double
   return reduction(allowed, wanted) * command;
 }
 
-Command RiseLimit::apply(const Command& command, const ToolCoupling& coupling, double way,
-                         double turn, double elapsed) noexcept {
-  // What the spring adds where the tool stays, twice: the tool may come towards the device.
-  const double force = last_ + slew_ * elapsed + 2.0 * coupling.stiffness * way;
-  const double torque =
-      last_torque_ + torque_slew_ * elapsed + 2.0 * coupling.rotational_stiffness * turn;
+Command RiseLimit::apply(const Command& command, const BodyModel& model, double way, double turn,
+                         double elapsed) noexcept {
+  const ToolCoupling& c = model.coupling;
+  double fastest = 0.0;  // [m/s]
+  for (const BodyPatch& patch : model.surfaces())
+    fastest = std::max(fastest, length(patch.velocity));
+  way += fastest * elapsed;  // a surface that moves takes the tool with it
+  // What the spring adds where the tool stays, twice: the tool may come towards the device. A way
+  // presses a point that is up to a radius beside the tool's origin, and a turn moves it.
+  const double force = last_ + slew_ * elapsed + 2.0 * c.stiffness * (way + model.radius * turn);
+  const double torque = last_torque_ + torque_slew_ * elapsed +
+                        2.0 * (c.rotational_stiffness * turn + c.stiffness * model.radius * way);
   const double wanted = length(command.force()), wanted_torque = length(command.torque);
   const double scale = std::min(reduction(force, wanted), reduction(torque, wanted_torque));
   last_ = scale * wanted;

@@ -3,7 +3,7 @@
 
 #include "core/base/numeric.hpp"
 #include "core/base/types.hpp"
-#include "core/coupled_tool/coupled_tool.hpp"
+#include "core/local_model/body_model.hpp"
 #include "core/local_model/local_model.hpp"
 
 namespace feltwire {
@@ -22,9 +22,9 @@ class RiseLimit {
   Command apply(const Command& command, const LocalModel& model, double way, double elapsed,
                 const LocalModel* more = nullptr) noexcept;
 
-  /// The same for a tool with a body, which this spring couples to the device, and for torque. The
+  /// The same for a tool with a body, whose spring couples it to the device, and for torque. The
   /// device moved by `way` [m] and turned by `turn` [rad]. One scale for force and torque.
-  Command apply(const Command& command, const ToolCoupling& coupling, double way, double turn,
+  Command apply(const Command& command, const BodyModel& model, double way, double turn,
                 double elapsed) noexcept;
 
   /// Tells what the hand holds after a tick that did not call apply().

@@ -35,6 +35,7 @@ bool Servo::take(const Reply& reply, Nanoseconds arrival) noexcept {
   if (has_reply() && !fresh_ && reply.reloads != newest_.reloads) scene_changed();
   fresh_ = false;
   newest_ = reply;
+  if (remote_) newest_.body_modelled = false;  // the robot is met by a point
   const Sent& sent = sent_[reply.sample_index % sent_.size()];
   const bool remembered = sent.index == reply.sample_index;
   if (remembered && sent.datagram > 0) newest_datagram_ = sent.datagram;
@@ -65,11 +66,12 @@ void Servo::scene_changed() noexcept {
 }
 
 void Servo::take_model(const Reply& reply, Nanoseconds arrival) noexcept {
+  const bool body = newest_.body_modelled;
   if (!reply.modelled) local_.clear();
-  if (!reply.body_modelled) local_body_.clear();
-  if (!reply.modelled && !reply.body_modelled) return;
+  if (!body) local_body_.clear();
+  if (!reply.modelled && !body) return;
   if (reply.modelled) local_.take(reply.model, newest_original_ ? &reply.command : nullptr);
-  if (reply.body_modelled) local_body_.take(reply.body, sample_.index - reply.sample_index + 1);
+  if (body) local_body_.take(reply.body, sample_.index - reply.sample_index + 1);
   ++statistics_.models;
   statistics_.patches += reply.modelled ? reply.model.view().size() : reply.body.view().size();
   // Moving objects have moved on since the server looked. The clocks give the time of the way back;

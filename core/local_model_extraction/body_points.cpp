@@ -83,6 +83,7 @@ class Cut {
 
   void all() {
     for (std::size_t i = 0; i < objects_.size(); ++i) {
+      if (!may_be_near(i)) continue;
       const auto side = [&](const PointShell& shell) {
         const Part root{.object = i, .shell = &shell, .begin = 0, .end = 1};
         if (i <= kMostNumbered)
@@ -112,6 +113,12 @@ class Cut {
   }
 
  private:
+  /// Whether a point of the shell may be within the reach of an object. Most are not.
+  bool may_be_near(std::size_t object) const {
+    const ShellNode& whole = shell_.nodes.front();
+    return at(object, whole.center).distance - whole.radius < reach_;
+  }
+
   void miss(Part part) {
     measure(part);
     reach_ = std::min(reach_, part.nearest());
@@ -202,6 +209,7 @@ struct Builder {
   const std::vector<Object>& objects;
   const Cut& cut;
   BodyModel& model;
+  const World* world = nullptr;  // where objects move
   std::array<std::uint8_t, kMaxBodyPatches> sides{};
 
   /// By the axis of the object's frame that the normal is nearest to.
@@ -212,23 +220,33 @@ struct Builder {
     return static_cast<std::uint8_t>(2 * axis + (n[axis] < 0.0 ? 1 : 0));
   }
 
-  /// The patch of these normals; the last takes what has no place.
-  std::uint8_t patch_of(std::size_t object, const Vec3& normal) {
-    const Object& o = objects[object];
+  /// The share of an object's force that is felt.
+  double trust(std::size_t object) const { return world != nullptr ? world->trust(object) : 1.0; }
+
+  /// The patch of these normals at `arm` [m, tool frame]. What has no place goes to another side of
+  /// its object, or else to the last.
+  std::uint8_t patch_of(std::size_t object, const Vec3& normal, const Vec3& arm) {
     const std::uint8_t side = side_of(object, normal);
-    for (int i = 0; i < model.patch_count; ++i) {
-      const auto k = static_cast<std::size_t>(i);
-      if (model.patches[k].object == object && sides[k] == side)
-        return static_cast<std::uint8_t>(i);
+    std::uint8_t other = kMaxBodyPatches - 1;
+    for (std::uint8_t i = 0; i < model.patch_count; ++i) {
+      if (model.patches[i].object != object) continue;
+      if (sides[i] == side) return i;
+      other = i;
     }
-    if (model.patch_count == kMaxBodyPatches) return kMaxBodyPatches - 1;
-    const auto made = static_cast<std::size_t>(model.patch_count++);
-    const Material& m = o.material;
-    model.patches[made] = {m.static_friction,  m.dynamic_friction,
-                           m.viscous_friction, m.damping / m.stiffness,
-                           Vec3::Zero(),       static_cast<std::uint16_t>(object)};
+    if (model.patch_count == kMaxBodyPatches) return other;
+    const auto made = static_cast<std::uint8_t>(model.patch_count++);
+    const Material& m = objects[object].material;
+    BodyPatch& patch = model.patches[made];
+    patch.static_friction = m.static_friction;
+    patch.dynamic_friction = m.dynamic_friction;
+    patch.viscous_friction = trust(object) * m.viscous_friction;
+    patch.damping_time = m.damping / m.stiffness;
+    patch.object = static_cast<std::uint16_t>(object);
+    if (world != nullptr)
+      patch.velocity =
+          world->velocity_at(object, model.tool.position + model.tool.orientation * arm);
     sides[made] = side;
-    return static_cast<std::uint8_t>(made);
+    return made;
   }
 
   bool add(std::size_t object, const Gathered& points) {
@@ -237,12 +255,13 @@ struct Builder {
     if (model.count == kMaxBodyPoints) return false;
     const double share =
         tool.shell().area / (tool.contact_area() * static_cast<double>(tool.shell().points.size()));
-    BodyPoint point{.arm = points.center(),
-                    .spread = points.spread(),
-                    .normal = normal,
-                    .distance = points.distance / points.count,
-                    .stiffness = objects[object].material.stiffness * share * points.squares,
-                    .patch = patch_of(object, normal)};
+    BodyPoint point{
+        .arm = points.center(),
+        .spread = points.spread(),
+        .normal = normal,
+        .distance = points.distance / points.count,
+        .stiffness = trust(object) * objects[object].material.stiffness * share * points.squares,
+        .patch = patch_of(object, normal, points.center())};
     const Mat3 turned = cut.turned();
     const Vec3 n = turned.transpose() * normal;
     const double half = std::sqrt(3.0 * std::max(0.0, n.dot(point.spread * n)));
@@ -333,9 +352,9 @@ struct Builder {
   }
 };
 
-/// The view's objects where they now are.
+/// `objects`: the view's, where they now are. `world`: that moves them, or null.
 BodyModel model_of(const ToolView& view, const std::vector<Object>& objects, const Pose& device,
-                   const BodyMemory& memory) noexcept {
+                   const BodyMemory& memory, const World* world = nullptr) noexcept {
   BodyModel model;
   if (!view.tool().body || !memory.placed) return model;
   const BodyTool& tool = *view.tool().body;
@@ -348,7 +367,7 @@ BodyModel model_of(const ToolView& view, const std::vector<Object>& objects, con
   model.reach = cut.reach();
   for (const Guide& guide : view.guides())  // a model has no word for them
     model.reach = std::min(model.reach, begins(guide, device.position));
-  Builder{tool, objects, cut, model}.build();
+  Builder{tool, objects, cut, model, world}.build();
   model.reach = std::max(0.0, model.reach);
   model.turn = model.reach / model.radius;
   return model;
@@ -362,19 +381,7 @@ BodyModel body_model(const ToolView& view, const Pose& device, const BodyMemory&
 
 BodyModel body_model(const World& world, const Pose& device, const BodyMemory& memory,
                      std::size_t held) noexcept {
-  BodyModel model = model_of(world.view(held), world.objects(held), device, memory);
-  std::array<bool, kMaxBodyPatches> known{};
-  for (int i = 0; i < model.count; ++i) {
-    BodyPoint& point = model.points[static_cast<std::size_t>(i)];
-    BodyPatch& patch = model.patches[point.patch];
-    point.stiffness *= world.trust(patch.object);
-    if (known[point.patch]) continue;
-    known[point.patch] = true;
-    const Vec3 place = model.tool.position + model.tool.orientation * point.arm;
-    patch.velocity = world.velocity_at(patch.object, place);
-    patch.viscous_friction *= world.trust(patch.object);
-  }
-  return model;
+  return model_of(world.view(held), world.objects(held), device, memory, &world);
 }
 
 }  // namespace feltwire

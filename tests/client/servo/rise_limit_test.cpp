@@ -60,6 +60,44 @@ TEST(RiseLimit, ItGoesOnFromWhatIsOnTheHand) {
   EXPECT_NEAR(risen(limit, 9.0, floor_of(1e3), 0.0), 3.1, 1e-12);
 }
 
+/// A tool of 50 mm on a spring of 1 N/mm and 2 N m/rad.
+BodyModel body() {
+  BodyModel model;
+  model.coupling = {1000.0, 2.0, 8.0, 0.5};
+  model.radius = 0.05;
+  return model;
+}
+
+TEST(RiseLimit, ATorqueOfABodyIsLimitedAsItsForceIs) {
+  constexpr double kTorqueSlew = 10.0;  // [N m/s]
+  const Command command{.elastic = Vec3(0, 0, 8), .torque = Vec3(0, 0.5, 0)};
+  RiseLimit rests(kSlew, kTorqueSlew);
+  for (int n = 1; n <= 100; ++n) {  // torque is the one that is late: 0.5 N m in 50 ms, 8 N in 80
+    const Command given = rests.apply(command, body(), 0.0, 0.0, kTick);
+    EXPECT_NEAR(given.force().norm(), std::min(8.0, 0.1 * n), 1e-9);
+    EXPECT_NEAR(given.torque.norm(), 0.5 * given.force().norm() / 8.0, 1e-9);  // one scale
+  }
+  // A way adds the spring's force, and its torque at the tool's farthest point; a turn likewise.
+  RiseLimit moves(kSlew, kTorqueSlew);
+  EXPECT_NEAR(moves.apply({.torque = Vec3(1, 0, 0)}, body(), 1e-3, 0.0, kTick).torque.x(),
+              0.01 + 2.0 * 1000.0 * 0.05 * 1e-3, 1e-9);
+  RiseLimit turns(kSlew, kTorqueSlew);
+  EXPECT_NEAR(turns.apply({.torque = Vec3(1, 0, 0)}, body(), 0.0, 1e-2, kTick).torque.x(),
+              0.01 + 2.0 * 2.0 * 1e-2, 1e-9);
+  RiseLimit swings(kSlew, kTorqueSlew);
+  EXPECT_NEAR(swings.apply({.elastic = Vec3(9, 0, 0)}, body(), 0.0, 1e-3, kTick).force().x(),
+              0.1 + 2.0 * 1000.0 * 0.05 * 1e-3, 1e-9);
+}
+
+TEST(RiseLimit, ASurfaceThatMovesTakesABodyWithIt) {
+  BodyModel model = body();
+  model.patches[0].velocity = Vec3(0, 0, 0.5);
+  model.patch_count = 1;
+  RiseLimit limit(kSlew, 10.0);
+  EXPECT_NEAR(limit.apply({.elastic = Vec3(0, 0, 9)}, model, 0.0, 0.0, kTick).force().z(),
+              0.1 + 2.0 * 1000.0 * 0.5 * kTick, 1e-9);
+}
+
 TEST(RiseLimit, TheDirectionStays) {
   RiseLimit limit(kSlew, kSlew);
   const Command command{.elastic = Vec3(3, 0, 4), .frictional = Vec3(0, 2, 0)};
