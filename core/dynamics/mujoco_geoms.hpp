@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/geometry/primitive.hpp"
+#include "core/mesh/triangle_mesh.hpp"
 #include "core/scene/mechanism.hpp"
 
 namespace feltwire::mujoco {

@@ -77,8 +77,8 @@ SampleBatch batch(Input& in) {
                           .change_refused = in.coin()};
   if (b.report && in.coin()) {
     HandTimes& times = b.report->times.emplace();
-    for (std::uint16_t& count : times.wakeups) count = in.whole<std::uint16_t>();
-    for (std::uint16_t& count : times.round_trips) count = in.whole<std::uint16_t>();
+    for (std::uint16_t& n : times.wakeups) n = in.whole<std::uint16_t>();
+    for (std::uint16_t& n : times.round_trips) n = in.whole<std::uint16_t>();
   }
   if (in.coin())
     b.lead = Lead{.deadman = in.coin(),

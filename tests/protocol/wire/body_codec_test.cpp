@@ -179,7 +179,7 @@ TEST(BodyCodec, MorePointsThanAModelMayHave) {
   const auto body = wire::CreateBodyModel(builder, 0, &zero, &unit, 0.1F, 0.1F, 1, 1, 1, 1, 1,
                                           false, builder.CreateVectorOfStructs(points));
   builder.Finish(wire::CreateReply(builder, 1, 0, 0, 0, &zero, &zero, nullptr, &report, 0, nullptr,
-                                   0, 0, 0, nullptr, 0, body));
+                                   0, 0, 0, nullptr, 0, 0, body));
   Reply out;
   EXPECT_EQ(decode(Bytes(builder.GetBufferPointer(), builder.GetSize()), out), DropReason::count);
 }
