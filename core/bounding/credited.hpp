@@ -19,20 +19,20 @@ struct CreditedLaw {
   double stiffness = std::numeric_limits<double>::infinity();
 };
 
-/// Where a motion is half a sample on, if it goes on at its speed.
+/// How the place half a sample on moves, if the motion goes on at its speed.
 template <class Real>
 class HalfSampleOn {
  public:
   /// T [s]
   explicit HalfSampleOn(double period) : period_(static_cast<Real>(period)) {}
 
-  /// `way` [m] [rad] of the last sample, over `time` [s]. Returns how far the place half a sample
-  /// on has moved since the call before.
-  Vector3<Real> ahead(const Vector3<Real>& way, Real time) noexcept {
+  /// `way` [m] [rad] of the last sample, over `time` [s]. Returns by how much more than that the
+  /// place half a sample on has moved since the call before.
+  Vector3<Real> more(const Vector3<Real>& way, Real time) noexcept {
     const Vector3<Real> speed = time > Real(0) ? Vector3<Real>((period_ / time) * way) : way;
-    const Vector3<Real> moved = way + Real(0.5) * (speed - speed_);
+    const Vector3<Real> more = Real(0.5) * (speed - speed_);
     speed_ = speed;
-    return moved;
+    return more;
   }
 
  private:
@@ -43,13 +43,15 @@ class HalfSampleOn {
 /// mode `credited`: the channels of contact_frame, with the damping that a hand is expected to have
 /// beside that of the device. With c' = 2 (b + a) / T, or k of the stiffest surface where that is
 /// between 2 b / T and c', channel by channel,
-///   |F(n)| <= |F(n-1) + c' dp_ch(n)|,   p(n) = x(n) + (T/2) v(n),   dp(n) = p(n) - p(n-1)
+///   |F(n)| <= |F(n-1) + c dx_ch(n) + (c' - c) dp_ch(n)|,   c = 2 b / T
+///   dp(n) = p(n) - p(n-1),   p(n) = x(n) + (T/2) v(n)
 /// p is where the hand is half a sample on. This limit is a spring of c' that is made at the
 /// device, and a spring that is held for T is late by T/2 (midpoint.hpp says the same of a
-/// surface): asked at x(n) it would take c' T/2 of the hand's damping, which a hand with less than
-/// a does not have. So a force rises and falls by c' or more for every metre. It keeps no storage
-/// and repays no debt, as contact_frame does. A hand that swings (swing_counter.hpp) has less
-/// damping than a: a is halved then, and grows again by kGrowth.
+/// surface). Asked at x(n) it takes c' T/2 = b + a of damping. The device has b, but a hand may
+/// have less than a. So the credited part is asked half a sample on. Without credit this is
+/// contact_frame without its storage, and passive. A force rises and falls by c' or more for every
+/// metre. It keeps no storage and repays no debt, as contact_frame does. A hand that swings
+/// (swing_counter.hpp) has less damping than a: a is halved then, and grows again by kGrowth.
 ///
 /// This is shaping, and no bound: a hand without damping makes it generate energy. The account
 /// behind it makes the port passive for every hand (core/bounding/account.hpp). It is made for
@@ -78,8 +80,10 @@ class Credited {
   BasicCommand<Real> step(const BasicBoundingStep<Real>& s) noexcept {
     const Polar<Real> elastic = polar(s.command.elastic);
     adapt(s, elastic.direction);
-    const Vector3<Real> way = translated_.ahead(s.displacement, s.hold_time);
-    const Vector3<Real> turn = rotated_.ahead(s.rotation, s.hold_time);
+    const Vector3<Real> way = s.displacement + credited_share(translation_) *
+                                                   translated_.more(s.displacement, s.hold_time);
+    const Vector3<Real> turn =
+        s.rotation + credited_share(rotation_) * rotated_.more(s.rotation, s.hold_time);
     const bool corner = s.normals != nullptr && s.normals->count > 1;
     BasicCommand<Real> rendered = corner ? at_walls(s, way) : at_contact(s, elastic, way);
     if (torque_) {
@@ -97,8 +101,8 @@ class Credited {
 
   /// The hand moved while another law was in force.
   void moved(const BasicBoundingStep<Real>& s) noexcept {
-    translated_.ahead(s.displacement, s.hold_time);
-    rotated_.ahead(s.rotation, s.hold_time);
+    translated_.more(s.displacement, s.hold_time);
+    rotated_.more(s.rotation, s.hold_time);
   }
 
   void scene_changed() noexcept {
@@ -107,6 +111,11 @@ class Credited {
   HandCredit hand_credit() const noexcept { return {translation_.credit, steps_down_}; }
 
  private:
+  Real credited_share(const CreditedLaw& law) const noexcept {  // (c' - c) / c'
+    const Real c = stiffness(law);
+    return c > Real(0) ? Real(1) - static_cast<Real>(2.0 * law.damping / period_) / c : Real(0);
+  }
+
   Real stiffness(const CreditedLaw& law) const noexcept {  // c' [N/m] [N m/rad]
     const double least = 2.0 * law.damping / period_;
     const double most = least + 2.0 * law.credit / period_;

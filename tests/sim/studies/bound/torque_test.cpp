@@ -16,7 +16,7 @@ TEST(Torque, NoSessionGivesAnyHandEnergyInSixDegreesOfFreedom) {
   std::erase_if(sessions,
                 [](const TorqueSession& s) { return s.link.find("loss") == std::string::npos; });
   for (TorqueSession& s : sessions) s.duration = 2.0;
-  ASSERT_EQ(sessions.size(), 6 * 2 * kEightHands.size());
+  ASSERT_EQ(sessions.size(), 6 * 3 * kEightHands.size());
   run_sessions(sessions);
   std::size_t felt = 0;
   for (const TorqueSession& s : sessions) {
