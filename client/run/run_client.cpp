@@ -125,6 +125,7 @@ std::shared_ptr<Run> make_run(const RunOptions& options, const control::JoinAcce
   servo.observes = options.role == Role::observer;
   // What a robot meets is stiffer than the scene, or softer: nobody knows.
   servo.scene_stiffness = servo.leads ? 0.0 : accepted.stiffness;
+  servo.body = shared(accepted.body);
   auto run =
       std::make_shared<Run>(std::move(device), std::move(transport), accepted.parameters, servo);
   run->records = std::make_unique<Records>(

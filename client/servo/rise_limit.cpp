@@ -35,10 +35,7 @@ Command RiseLimit::apply(const Command& command, const LocalModel& model, double
 Command RiseLimit::apply(const Command& command, const BodyModel& model, double way, double turn,
                          double elapsed) noexcept {
   const ToolCoupling& c = model.coupling;
-  double fastest = 0.0;  // [m/s]
-  for (const BodyPatch& patch : model.surfaces())
-    fastest = std::max(fastest, length(patch.velocity));
-  way += fastest * elapsed;  // a surface that moves takes the tool with it
+  way += largest_speed(model) * elapsed;  // a surface that moves takes the tool with it
   // What the spring adds where the tool stays, twice: the tool may come towards the device. A way
   // presses a point that is up to a radius beside the tool's origin, and a turn moves it.
   const double force = last_ + slew_ * elapsed + 2.0 * c.stiffness * (way + model.radius * turn);

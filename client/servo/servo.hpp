@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -41,6 +42,7 @@ struct ServoOptions {
   std::optional<RemoteTrust> leads{};
   double scene_stiffness = 0.0;  // [N/m] of the stiffest surface, for methods that shape; 0: not
                                  // known
+  std::shared_ptr<const ToolBody> body{};  // in the hand, for a local model; null: not known
 };
 
 /// Throws std::invalid_argument naming the limit, its value and the remedy: a slew, ramp or speed

@@ -265,6 +265,11 @@ Vec3 World::velocity_at(std::size_t object, const Vec3& point) const noexcept {
   return motion.linear + motion.angular.cross(point - objects()[object].pose.position);
 }
 
+Vec3 World::turning_of(std::size_t object) const noexcept {
+  if (object < still_ || object >= objects().size()) return Vec3::Zero();
+  return motions_[object - still_].angular;
+}
+
 void World::adopt(const Scene& scene) noexcept {
   for (std::size_t held = 0; held < held_.size(); ++held) {
     MovedView& moved = held_[held];

@@ -69,6 +69,8 @@ class World {
   const std::vector<Object>& objects(std::size_t held = 0) const { return held_[held].objects; }
   /// [m/s] of the material point of an object that is at `point` [m, world].
   Vec3 velocity_at(std::size_t object, const Vec3& point) const noexcept;
+  /// [rad/s] of an object.
+  Vec3 turning_of(std::size_t object) const noexcept;
   const WorldCounters& counters() const { return counters_; }
   /// True: the bodies were put back less than kRecovery ago.
   bool recovering() const { return trust_ < 1.0; }

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
+#include "core/coupled_tool/shell_query.hpp"
 #include "core/coupled_tool/slip_sums.hpp"
 
 namespace feltwire {
@@ -69,6 +71,33 @@ double add_part(const Placed& part, double stiffness, Mat6& resists, ShellContac
   return force;
 }
 
+/// The distance of a solid with a formula.
+struct SolidField {
+  const BodySolid& solid;
+
+  FieldPoint at(const Vec3& place) const noexcept {
+    FieldPoint point = on_primitive(
+        solid.shape, [&](const auto& shape) { return shape.signed_distance(place); },
+        [] {
+          return FieldPoint{std::numeric_limits<double>::quiet_NaN(), Vec3::Zero()};
+        });
+    if (solid.felt_from == Side::inside) {
+      point.distance = -point.distance;
+      point.gradient = -point.gradient;
+    }
+    return point;
+  }
+  double at_least(const Vec3& place, double) const noexcept { return at(place).distance; }
+  void at_least(FieldGroup& group, const FieldGroup::Lanes&) const noexcept {
+    for (std::size_t lane = 0; lane < FieldGroup::kSize; ++lane)
+      group.distance[static_cast<Eigen::Index>(lane)] = at(group.place(lane)).distance;
+  }
+  void at(FieldGroup& group) const noexcept {
+    for (std::size_t lane = 0; lane < FieldGroup::kSize; ++lane)
+      group.put(lane, at(group.place(lane)));
+  }
+};
+
 }  // namespace
 
 PressedPart pressed_part(double depth, double half) noexcept {
@@ -93,8 +122,31 @@ PressedPart pressed_part(double depth, double half) noexcept {
 }
 
 ShellContact ModelledSurroundings::contact(const Pose& tool) const noexcept {
-  static_assert(kMaxBodyPatches <= ShellContact::kFrictionPatches);
   ShellContact sum;
+  if (model_.count > 0) add_parts(tool, sum);
+  if (body_ == nullptr) return sum;
+  for (const BodySolid& solid : model_.near()) {
+    const Pose now = moved(solid.pose, age_ * solid.velocity, age_ * solid.turning);
+    SolidInStep in{.index = solid.object, .pose = now};
+    in.carried << elapsed_ * (solid.velocity + solid.turning.cross(tool.position - now.position)),
+        elapsed_ * solid.turning;
+    add_shell_contact(body_->shell, tool, SolidField{solid}, solid.material, body_->contact_area,
+                      sum, in);
+  }
+  return sum;
+}
+
+double largest_speed(const BodyModel& model) noexcept {
+  double most = 0.0;
+  for (const BodyPatch& patch : model.surfaces()) most = std::max(most, length(patch.velocity));
+  for (const BodySolid& solid : model.near())
+    most = std::max(most, length(solid.velocity_at(model.tool.position)) +
+                              model.radius * length(solid.turning));
+  return most;
+}
+
+void ModelledSurroundings::add_parts(const Pose& tool, ShellContact& sum) const noexcept {
+  static_assert(kMaxBodyPatches <= ShellContact::kFrictionPatches);
   std::array<SlipSums, kMaxBodyPatches> sums;
   const Mat3 turned = tool.orientation.toRotationMatrix();
   const Mat3 before = model_.tool.orientation.toRotationMatrix();
@@ -122,11 +174,10 @@ ShellContact ModelledSurroundings::contact(const Pose& tool) const noexcept {
     ++sum.touching;
   }
   sum.looked_at = static_cast<std::size_t>(model_.count);
-  if (sum.touching == 0) return sum;
+  if (sum.touching == 0) return;
   sum.parts[sum.part_count++] = {0, sum.wrench};
   add_slip(model_, std::span(sums).first(static_cast<std::size_t>(model_.patch_count)), elapsed_,
            sum);
-  return sum;
 }
 
 }  // namespace feltwire

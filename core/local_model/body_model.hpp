@@ -12,6 +12,9 @@
 #include <span>
 
 #include "core/coupled_tool/coupled_tool.hpp"
+#include "core/coupled_tool/tool_body.hpp"
+#include "core/geometry/shapes.hpp"
+#include "core/material/material.hpp"
 
 namespace feltwire {
 
@@ -50,6 +53,22 @@ PressedPart pressed_part(double depth, double half) noexcept;
 inline constexpr int kMaxBodyPoints = 15;
 inline constexpr int kMaxBodyPatches = 3;
 
+/// A solid with a formula near the tool. To a client that knows the tool's body this is the scene.
+struct BodySolid {
+  Primitives::And<> shape;
+  Side felt_from = Side::outside;
+  Pose pose;                                             // when the model was made
+  Material material;                                     // as far as it is felt; stiffness >= 0
+  Vec3 velocity = Vec3::Zero(), turning = Vec3::Zero();  // [m/s] of its origin, [rad/s]
+  std::uint16_t object = 0;
+
+  /// [m/s] of its surface at a place.
+  Vec3 velocity_at(const Vec3& place) const {
+    return velocity + turning.cross(place - pose.position);
+  }
+};
+inline constexpr int kMaxBodySolids = 4;
+
 /// All that a tool meets while way / reach + angle / turn of its movement is below 1.
 struct BodyModel {
   std::uint32_t scene = 0;  // as in LocalModel
@@ -63,6 +82,10 @@ struct BodyModel {
   int count = 0;
   std::array<BodyPatch, kMaxBodyPatches> patches{};
   int patch_count = 0;
+  /// Of the ToolBody that meets the solids. 0: no solids, and the parts above are all there is.
+  std::uint32_t body = 0;
+  std::array<BodySolid, kMaxBodySolids> solids{};
+  int solid_count = 0;
 
   std::span<const BodyPoint> view() const {
     return {points.data(), static_cast<std::size_t>(count)};
@@ -70,18 +93,28 @@ struct BodyModel {
   std::span<const BodyPatch> surfaces() const {
     return {patches.data(), static_cast<std::size_t>(patch_count)};
   }
+  std::span<const BodySolid> near() const {
+    return {solids.data(), static_cast<std::size_t>(solid_count)};
+  }
 };
 
-/// The contact of the tool with the model's planes, which have gone on with their surfaces for
-/// `age` [s] since the model was made, and for `elapsed` [s] in this step.
+/// [m/s] The largest speed at which a surface of the model takes the tool with it.
+double largest_speed(const BodyModel& model) noexcept;
+
+/// The contact of the tool with the model's planes and solids, which have gone on for `age` [s]
+/// since the model was made, and for `elapsed` [s] in this step. `body`: as the model means it;
+/// null where that is not known, and then there are no solids.
 class ModelledSurroundings final : public ToolSurroundings {
  public:
-  ModelledSurroundings(const BodyModel& model, double age, double elapsed)
-      : model_(model), age_(age), elapsed_(elapsed) {}
+  ModelledSurroundings(const BodyModel& model, const ToolBody* body, double age, double elapsed)
+      : model_(model), body_(body), age_(age), elapsed_(elapsed) {}
   ShellContact contact(const Pose& tool) const noexcept override;
 
  private:
+  void add_parts(const Pose& tool, ShellContact& sum) const noexcept;
+
   const BodyModel& model_;
+  const ToolBody* body_;
   double age_, elapsed_;
 };
 

@@ -1,7 +1,5 @@
 #include "core/local_model/local_body.hpp"
 
-#include <algorithm>
-
 #include "core/base/numeric.hpp"
 #include "core/local_model/share_within.hpp"
 
@@ -46,16 +44,20 @@ void LocalBody::correct(const BodyModel& model, std::uint64_t ticks) noexcept {
   memory_.pose = moved(memory_.pose, off, twisted);
 }
 
+/// The body that meets the model's solids, where it is known.
+const ToolBody* LocalBody::met() const noexcept {
+  return body_ != nullptr && body_->id == model_.body ? body_.get() : nullptr;
+}
+
 BodyForce LocalBody::touch(const Pose& device, double age, double elapsed) noexcept {
   BodyForce force;
   last_weight_ = 0.0;
-  if (!memory_.placed || !(model_.reach > 0.0)) return force;
+  const ToolBody* body = met();
+  if (!memory_.placed || !(model_.reach > 0.0) || (model_.body != 0 && body == nullptr))
+    return force;
   memory_.known = false;  // surfaces may have moved
-  const ModelledSurroundings surroundings(model_, age, elapsed);
-  const CoupledTool tool{model_.coupling, model_.radius,
-                         std::ranges::any_of(model_.surfaces(), [](const BodyPatch& patch) {
-                           return !patch.velocity.isZero(0.0);
-                         })};
+  const ModelledSurroundings surroundings(model_, body, age, elapsed);
+  const CoupledTool tool{model_.coupling, model_.radius, largest_speed(model_) > 0.0};
   force.command = step_coupled_tool(tool, surroundings, device, elapsed, memory_).command;
   if (!force.command.finite()) {
     clear();

@@ -3,6 +3,8 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
+#include <utility>
 
 #include "core/local_model/body_model.hpp"
 
@@ -19,6 +21,10 @@ struct BodyForce {
 /// clock.
 class LocalBody {
  public:
+  /// `body`: in the hand, as the server told it; null: not known. A model of another body has no
+  /// weight.
+  explicit LocalBody(std::shared_ptr<const ToolBody> body = nullptr) : body_(std::move(body)) {}
+
   /// Forgets model and tool.
   void clear() noexcept {
     model_.reach = last_weight_ = 0.0;
@@ -49,6 +55,9 @@ class LocalBody {
 
   void correct(const BodyModel& model, std::uint64_t ticks) noexcept;
 
+  const ToolBody* met() const noexcept;
+
+  std::shared_ptr<const ToolBody> body_;
   BodyModel model_;
   BodyMemory memory_;
   double last_weight_ = 0.0;

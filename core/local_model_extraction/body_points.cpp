@@ -6,6 +6,7 @@
 
 #include "core/base/numeric.hpp"
 #include "core/grid/signed_distance.hpp"
+#include "core/local_model_extraction/body_solids.hpp"
 #include "core/tool/body_tool.hpp"
 
 namespace feltwire {
@@ -354,20 +355,23 @@ struct Builder {
 
 /// `objects`: the view's, where they now are. `world`: that moves them, or null.
 BodyModel model_of(const ToolView& view, const std::vector<Object>& objects, const Pose& device,
-                   const BodyMemory& memory, const World* world = nullptr) noexcept {
+                   const BodyMemory& memory, std::uint32_t known, const World* world) noexcept {
   BodyModel model;
   if (!view.tool().body || !memory.placed) return model;
   const BodyTool& tool = *view.tool().body;
-  Cut cut(tool.shell(), objects, memory.pose);
-  cut.all();
   model.tool = memory.pose;
   model.coupling = tool.coupling();
   model.radius = tool.shell().radius;
   model.slipping = memory.slipping;
-  model.reach = cut.reach();
+  model.reach = kSolidReach;
+  if (known != tool.id() || !add_solids(tool, objects, world, model)) {
+    Cut cut(tool.shell(), objects, memory.pose);
+    cut.all();
+    model.reach = cut.reach();
+    Builder{tool, objects, cut, model, world}.build();
+  }
   for (const Guide& guide : view.guides())  // a model has no word for them
     model.reach = std::min(model.reach, begins(guide, device.position));
-  Builder{tool, objects, cut, model, world}.build();
   model.reach = std::max(0.0, model.reach);
   model.turn = model.reach / model.radius;
   return model;
@@ -375,13 +379,14 @@ BodyModel model_of(const ToolView& view, const std::vector<Object>& objects, con
 
 }  // namespace
 
-BodyModel body_model(const ToolView& view, const Pose& device, const BodyMemory& memory) noexcept {
-  return model_of(view, view.objects(), device, memory);
+BodyModel body_model(const ToolView& view, const Pose& device, const BodyMemory& memory,
+                     std::uint32_t known) noexcept {
+  return model_of(view, view.objects(), device, memory, known, nullptr);
 }
 
 BodyModel body_model(const World& world, const Pose& device, const BodyMemory& memory,
-                     std::size_t held) noexcept {
-  return model_of(world.view(held), world.objects(held), device, memory, &world);
+                     std::uint32_t known, std::size_t held) noexcept {
+  return model_of(world.view(held), world.objects(held), device, memory, known, &world);
 }
 
 }  // namespace feltwire

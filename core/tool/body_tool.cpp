@@ -60,6 +60,13 @@ BodyTool::BodyTool(PointShell shell, const ToolCoupling& coupling, double contac
   require(above_zero(c.max_force), "max_force", c.max_force, "[N]");
   require(above_zero(c.max_torque), "max_torque", c.max_torque, "[N m]");
   require(above_zero(contact_area_), "contact_area", contact_area_, "[m^2]");
+  id_ = body_id(shell_, contact_area_);
+}
+
+ToolBody BodyTool::told() const {
+  ToolBody body{id_, contact_area_, shell_};
+  body.shell.sides.clear();
+  return body;
 }
 
 BodyStep step_body(const BodyTool& tool, std::span<const Object> objects, const Pose& device,

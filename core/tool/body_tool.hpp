@@ -4,6 +4,7 @@
 #include <span>
 
 #include "core/coupled_tool/coupled_tool.hpp"
+#include "core/coupled_tool/tool_body.hpp"
 #include "core/tool/shell_contact.hpp"
 
 namespace feltwire {
@@ -18,11 +19,15 @@ class BodyTool {
   const PointShell& shell() const { return shell_; }
   const ToolCoupling& coupling() const { return coupling_; }  // nothing in it is zero
   double contact_area() const { return contact_area_; }
+  std::uint32_t id() const { return id_; }  // as ToolBody::id
+  /// The body as a client is told it.
+  ToolBody told() const;
 
  private:
   PointShell shell_;
   ToolCoupling coupling_;
   double contact_area_;
+  std::uint32_t id_ = 0;
 };
 
 /// How an object moved since the step before, and the share of its force that is felt.

@@ -2,8 +2,8 @@
 // A point shell against solids: a penalty for each point inside.
 
 #include "core/contact/contact.hpp"
+#include "core/coupled_tool/point_shell.hpp"
 #include "core/coupled_tool/tool_contact.hpp"
-#include "core/tool/point_shell.hpp"
 
 namespace feltwire {
 
@@ -14,16 +14,7 @@ struct ObjectInStep {
   Vec6 carried = Vec6::Zero();  // as FrictionPatch::carried
 };
 
-/// Adds the contact with one object. Each point inside, at signed distance d < 0, stores
-///   U = k / (2 A_c) * (A / N) * d^2,    force = -k A / (A_c N) * d * grad d,
-/// k the material's stiffness, A / N the area that the point stands for, A_c the contact area
-/// [m^2], > 0: where that much of the tool presses flat on a solid, it meets the stiffness k. So
-/// the force is an integral over the tool's surface (a bed of springs, Winkler 1867): more points
-/// make it more exact, not larger. The force is the gradient of a potential wherever the distance
-/// is that of a grid. Values for friction and damping are stored beside it; a material without
-/// them costs nothing more.
-///
-/// With more patches or touched objects than kFrictionPatches, the last one takes all further ones.
+/// Adds the contact with one object, as add_shell_contact() (core/coupled_tool/shell_query.hpp).
 /// Poses must be finite. Never allocates.
 void add_contact(const PointShell& shell, const Pose& tool, const Object& object,
                  double contact_area, ShellContact& sum, const ObjectInStep& in = {}) noexcept;

@@ -66,6 +66,61 @@ BodyPoint part_of(const wire::BodyPoint& from, double unit) {
           .patch = from.patch()};
 }
 
+/// Numbers of a solid's lengths.
+constexpr std::size_t kMaxLengths = 3;
+
+wire::BodySolid wire_solid(const BodySolid& s, const Vec3& from) {
+  std::array<float, kMaxLengths> lengths{};
+  on_primitive(
+      s.shape,
+      [&](const auto& shape) {
+        std::size_t i = 0;
+        shape.lengths(shape, [&](const Length&, double number) {
+          lengths[i++] = static_cast<float>(number);
+        });
+      },
+      [] {});
+  const Material& m = s.material;
+  return {wire_float(Vec3(s.pose.position - from)),
+          wire_float(s.pose.orientation),
+          wire_float(s.velocity),
+          wire_float(s.turning),
+          lengths[0],
+          lengths[1],
+          lengths[2],
+          static_cast<float>(m.stiffness),
+          static_cast<float>(m.damping),
+          static_cast<float>(m.static_friction),
+          static_cast<float>(m.dynamic_friction),
+          static_cast<float>(m.viscous_friction),
+          s.object,
+          static_cast<std::uint8_t>(s.shape.index()),
+          static_cast<std::uint8_t>(s.felt_from == Side::inside ? 1 : 0)};
+}
+
+/// False where there is no such kind or side.
+bool read(const wire::BodySolid& from, const Vec3& origin, BodySolid& to) {
+  const std::array<double, kMaxLengths> lengths = {from.length_0(), from.length_1(),
+                                                   from.length_2()};
+  bool known = false;
+  std::size_t kind = 0;
+  Primitives::for_each([&](auto shape) {
+    if (kind++ != from.kind()) return;
+    std::size_t i = 0;
+    shape.lengths(shape, [&](const Length&, double& number) { number = lengths[i++]; });
+    to.shape = shape;
+    known = true;
+  });
+  to.felt_from = from.inside() != 0 ? Side::inside : Side::outside;
+  to.pose = {origin + value(from.position()), value(from.orientation())};
+  to.velocity = value(from.velocity());
+  to.turning = value(from.turning());
+  to.material = {from.stiffness(), from.damping(), from.static_friction(), from.dynamic_friction(),
+                 from.viscous_friction()};
+  to.object = from.object();
+  return known && from.inside() <= 1;
+}
+
 double unit_of(double radius) { return 2.0 * radius / kShort; }
 
 // Written so that NaN fails.
@@ -76,6 +131,27 @@ bool plausible(const BodyPatch& p) {
   return not_below_zero(p.dynamic_friction) && p.dynamic_friction <= p.static_friction &&
          not_below_zero(p.static_friction) && not_below_zero(p.viscous_friction) &&
          not_below_zero(p.damping_time) && p.velocity.allFinite();
+}
+
+bool plausible(const BodySolid& s) {
+  bool possible = true;
+  on_primitive(
+      s.shape,
+      [&](const auto& shape) {
+        shape.lengths(shape, [&](const Length& length, double number) {
+          possible &= length.may_be_zero ? not_below_zero(number) : above_zero(number);
+          possible &= number <= length.share * length.most;
+        });
+      },
+      [] {});
+  const Material& m = s.material;
+  return possible && s.pose.position.allFinite() &&
+         s.pose.position.cwiseAbs().maxCoeff() <= kMaxPosition &&
+         std::abs(s.pose.orientation.squaredNorm() - 1.0) <= kUnitTolerance &&
+         s.velocity.allFinite() && s.turning.allFinite() && not_below_zero(m.stiffness) &&
+         not_below_zero(m.damping) && not_below_zero(m.dynamic_friction) &&
+         m.dynamic_friction <= m.static_friction && not_below_zero(m.static_friction) &&
+         not_below_zero(m.viscous_friction);
 }
 
 bool plausible(const BodyPoint& p) {
@@ -103,6 +179,12 @@ flatbuffers::Offset<wire::BodyModel> build(flatbuffers::FlatBufferBuilder& build
   }
   const auto wire_points = builder.CreateVectorOfStructs(points.data(), model.view().size());
   const auto wire_patches = builder.CreateVectorOfStructs(patches.data(), model.surfaces().size());
+  std::array<wire::BodySolid, kMaxBodySolids> solids;
+  for (std::size_t i = 0; i < model.near().size(); ++i)
+    solids[i] = wire_solid(model.solids[i], model.tool.position);
+  const auto wire_solids = model.body != 0
+                               ? builder.CreateVectorOfStructs(solids.data(), model.near().size())
+                               : flatbuffers::Offset<flatbuffers::Vector<const wire::BodySolid*>>{};
   const wire::Vec3d position = wire_double(model.tool.position);
   const wire::Quatd orientation = wire_double(model.tool.orientation);
   const ToolCoupling& c = model.coupling;
@@ -111,7 +193,7 @@ flatbuffers::Offset<wire::BodyModel> build(flatbuffers::FlatBufferBuilder& build
       static_cast<float>(model.turn), static_cast<float>(c.stiffness),
       static_cast<float>(c.rotational_stiffness), static_cast<float>(c.max_force),
       static_cast<float>(c.max_torque), static_cast<float>(model.radius), model.slipping,
-      wire_points, wire_patches);
+      wire_points, wire_patches, model.body, wire_solids);
 }
 
 bool read(const wire::BodyModel& from, BodyModel& to) noexcept {
@@ -120,7 +202,10 @@ bool read(const wire::BodyModel& from, BodyModel& to) noexcept {
   const auto* patches = from.patches();
   const flatbuffers::uoffset_t count = points == nullptr ? 0 : points->size();
   const flatbuffers::uoffset_t patch_count = patches == nullptr ? 0 : patches->size();
-  if (count > to.points.size() || patch_count > to.patches.size()) return false;
+  const auto* solids = from.solids();
+  const flatbuffers::uoffset_t solid_count = solids == nullptr ? 0 : solids->size();
+  if (count > to.points.size() || patch_count > to.patches.size() || solid_count > to.solids.size())
+    return false;
   to.scene = from.scene();
   to.tool = {value(*from.position()), value(*from.orientation())};
   to.reach = from.reach();
@@ -138,8 +223,12 @@ bool read(const wire::BodyModel& from, BodyModel& to) noexcept {
     to.patches[i] = {p.static_friction(), p.dynamic_friction(), p.viscous_friction(),
                      p.damping_time(),    value(p.velocity()),  p.object()};
   }
+  for (flatbuffers::uoffset_t i = 0; i < solid_count; ++i)
+    if (!read(*solids->Get(i), to.tool.position, to.solids[i])) to.reach = 0.0;  // a newer server's
   to.count = static_cast<int>(count);
   to.patch_count = static_cast<int>(patch_count);
+  to.body = from.body();
+  to.solid_count = to.body != 0 ? static_cast<int>(solid_count) : 0;
   return true;
 }
 
@@ -151,7 +240,8 @@ bool plausible(const BodyModel& m) noexcept {
          above_zero(c.rotational_stiffness) && above_zero(c.max_force) &&
          above_zero(c.max_torque) && above_zero(m.radius) &&
          std::ranges::all_of(m.view(), [](const BodyPoint& p) { return plausible(p); }) &&
-         std::ranges::all_of(m.surfaces(), [](const BodyPatch& p) { return plausible(p); });
+         std::ranges::all_of(m.surfaces(), [](const BodyPatch& p) { return plausible(p); }) &&
+         std::ranges::all_of(m.near(), [](const BodySolid& s) { return plausible(s); });
 }
 
 }  // namespace feltwire

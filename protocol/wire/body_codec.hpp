@@ -11,8 +11,8 @@ namespace feltwire {
 flatbuffers::Offset<wire::BodyModel> build(flatbuffers::FlatBufferBuilder& builder,
                                            const BodyModel& model);
 
-/// False when it has more points or patches than a model may have, or a point has a patch that is
-/// not there.
+/// False when it has more points, patches or solids than a model may have, or a point has a patch
+/// that is not there. A model with a solid of no known kind has no reach.
 bool read(const wire::BodyModel& from, BodyModel& to) noexcept;
 /// Every number is finite and one that a tool, a spring and a surface can have.
 bool plausible(const BodyModel& model) noexcept;

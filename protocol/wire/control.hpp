@@ -8,6 +8,7 @@
 #include <variant>
 #include <vector>
 
+#include "core/coupled_tool/tool_body.hpp"
 #include "core/device/device_spec.hpp"
 #include "protocol/crypto/secret.hpp"
 #include "protocol/crypto/session_keys.hpp"
@@ -26,6 +27,7 @@ inline constexpr std::size_t kMaxName = 128;  // [bytes] of a client, scene, dev
 inline constexpr std::size_t kMaxReason = 4096;
 inline constexpr std::size_t kMaxScenes = 256;  // of one server
 /// [bytes] body of a frame before the token was shown: strangers get no work done with a long one.
+inline constexpr std::size_t kMaxToldPoints = 4096;  // of a tool's body
 inline constexpr std::size_t kMaxFirstFrame = 512;
 inline constexpr std::size_t kMaxSessionEntries = 200;  // of one SessionList
 inline constexpr std::size_t kMaxDescriptions = 64;     // of one SessionDescriptions
@@ -57,6 +59,8 @@ struct JoinAccepted {
   CipherSuite suite = CipherSuite::chacha20_poly1305;  // that the datagrams are sealed with
   std::string tool;     // that the hand holds; empty: the scene's only one
   std::string version;  // of the server (core/build_info), for the report; empty: not said
+  /// That the hand holds, for a local model: at most kMaxToldPoints, in 16 bits each on the wire.
+  std::optional<ToolBody> body;
 };
 struct LeaveRequest {
   std::uint64_t session = 0;

@@ -99,6 +99,23 @@ bool read(const wire::JoinRequest& from, JoinRequest& to) {
          read(*from.device(), to.device) && read(*from.parameters(), to.parameters) &&
          read_enum(from.role(), to.role) && read_enum(from.laws_taken(), to.takes.laws);
 }
+bool read(const wire::ToolBody& from, ToolBody& to) {
+  constexpr double kLargestShort = 32767.0;
+  const auto above_zero = [](double x) { return x > 0.0 && std::isfinite(x); };
+  const std::size_t count = from.points() == nullptr ? 0 : from.points()->size();
+  if (from.id() == 0 || !above_zero(from.area()) || !above_zero(from.contact_area()) ||
+      !above_zero(from.unit()) || from.unit() > kMaxPosition / kLargestShort || count == 0 ||
+      count % 3 != 0 || count / 3 > kMaxToldPoints)
+    return false;
+  std::vector<Vec3> points(count / 3);
+  for (std::size_t i = 0; i < count; ++i)
+    points[i / 3][static_cast<Eigen::Index>(i % 3)] =
+        from.unit() * from.points()->Get(static_cast<flatbuffers::uoffset_t>(i));
+  to.id = from.id();
+  to.contact_area = from.contact_area();
+  to.shell = point_shell(std::move(points), from.area());
+  return std::isfinite(to.shell.radius) && to.shell.radius > 0.0;
+}
 bool read(const wire::JoinAccepted& from, JoinAccepted& to) {
   to.session = from.session();
   to.port_offset = from.port_offset();
@@ -112,6 +129,7 @@ bool read(const wire::JoinAccepted& from, JoinAccepted& to) {
   // Numbered from 1: there is no suite of number 0.
   return from.suite() >= wire::CipherSuite::MIN && from.suite() <= wire::CipherSuite::MAX &&
          read_name(from.tool(), to.tool) && read_name(from.version(), to.version) &&
+         (from.body() == nullptr || read(*from.body(), to.body.emplace())) &&
          read(*from.parameters(), to.parameters);
 }
 bool read(const wire::LeaveRequest& from, LeaveRequest& to) {

@@ -68,6 +68,19 @@ Offset<wire::SessionParameters> build(FlatBufferBuilder& builder, const SessionP
       p.local_model);
 }
 
+Offset<wire::ToolBody> build(FlatBufferBuilder& builder, const std::optional<ToolBody>& body) {
+  if (!body) return {};
+  constexpr double kLargest = 32767.0;
+  const double unit = body->shell.radius / kLargest;
+  std::vector<std::int16_t> points;
+  for (const Vec3& p : body->shell.points)
+    for (const double x : p)
+      points.push_back(
+          static_cast<std::int16_t>(std::lround(std::clamp(x / unit, -kLargest, kLargest))));
+  return wire::CreateToolBody(builder, body->id, body->shell.area, body->contact_area, unit,
+                              builder.CreateVector(points));
+}
+
 /// The union's member of each message.
 struct BodyBuilder {
   FlatBufferBuilder& builder;
@@ -86,9 +99,11 @@ struct BodyBuilder {
     const wire::Vector position = vector(m.start_position), normal = vector(m.start_normal);
     const auto parameters = build(builder, m.parameters);
     const auto tool = name_if_any(builder, m.tool), version = name_if_any(builder, m.version);
-    return wire::CreateJoinAccepted(
-        builder, m.session, m.port_offset, parameters, m.silence_timeout, m.friction, m.rotation,
-        &position, &normal, m.stiffness, wire_enum<wire::CipherSuite>(m.suite), tool, version);
+    const auto body = build(builder, m.body);
+    return wire::CreateJoinAccepted(builder, m.session, m.port_offset, parameters,
+                                    m.silence_timeout, m.friction, m.rotation, &position, &normal,
+                                    m.stiffness, wire_enum<wire::CipherSuite>(m.suite), tool,
+                                    version, body);
   }
   Offset<wire::LeaveRequest> operator()(const LeaveRequest& m) {
     return wire::CreateLeaveRequest(builder, m.session);

@@ -153,6 +153,20 @@ SessionParameters SceneSessions::granted(const SessionParameters& asked) const {
   return feltwire::granted(*line_, asked);
 }
 
+namespace {
+
+/// The tool's body, for a local model.
+std::optional<ToolBody> told_body(const control::JoinRequest& request, const ToolView& view) {
+  const BodyTool* body = view.tool().body.get();
+  const bool feels = request.role != Role::observer && request.role != Role::follower;
+  if (body == nullptr || !feels || !request.parameters.local_model ||
+      body->shell().points.size() > control::kMaxToldPoints)
+    return std::nullopt;
+  return body->told();
+}
+
+}  // namespace
+
 control::Message SceneSessions::join(control::JoinRequest request, std::uint64_t id,
                                      const SessionKeys& keys, Nanoseconds now) {
   if (slots_.size() >= max_sessions_)
@@ -172,6 +186,7 @@ control::Message SceneSessions::join(control::JoinRequest request, std::uint64_t
   try {
     request.parameters = granted(request.parameters);
     if (log_ != nullptr) logged = body(request);
+    accepted.body = told_body(request, *view);
     auto slot = std::make_unique<SessionSlot>(
         SessionSlot{id,
                     Session(request, *view, world_.get()),
@@ -184,6 +199,7 @@ control::Message SceneSessions::join(control::JoinRequest request, std::uint64_t
                     request.tool,
                     request.role});
     if (!slot->session.observes()) slot->takes = request.takes;
+    if (accepted.body) slot->session.tell_body(accepted.body->id);
     if (!by_id_.insert(id, slot.get()))
       return control::Refused{control::RefusalCode::full, "no session id is free; try again"};
     if (slots_.empty()) last_tick_ = now;

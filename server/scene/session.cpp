@@ -233,8 +233,9 @@ LocalModel Session::model() const noexcept {
 }
 
 BodyModel Session::body_model() const noexcept {
-  return world_ != nullptr ? feltwire::body_model(*world_, last_.pose, body_, body_contacts_.held)
-                           : feltwire::body_model(*view_, last_.pose, body_);
+  return world_ != nullptr
+             ? feltwire::body_model(*world_, last_.pose, body_, told_body_, body_contacts_.held)
+             : feltwire::body_model(*view_, last_.pose, body_, told_body_);
 }
 
 LocalModel Session::surfaces() const noexcept {

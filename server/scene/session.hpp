@@ -91,6 +91,9 @@ class Session {
   /// told as of a reload, since the surface under its hand is another. A stick point begins anew
   /// where a surface without friction gets some. Precondition: the view is of the same tool.
   void adopt(const ToolView& view, std::size_t object) noexcept;
+  /// The client knows the body with this id (ToolBody): from now on replies say which solids are
+  /// near instead of where parts of the body meet them, as long as the hand holds it.
+  void tell_body(std::uint32_t id) noexcept { told_body_ = id; }
   /// The limits of this hand on moving objects.
   HandLimits limits() const { return hand_limits(device_); }
 
@@ -157,6 +160,7 @@ class Session {
   TouchMemory contacts_;
   BodyContactState body_contacts_;
   BodyMemory body_;
+  std::uint32_t told_body_ = 0;  // ToolBody::id; 0: none
   Bounding bounding_;
   bool new_bound_ = false;            // it has not stepped yet, the session has
   Vec3 probe_offset_ = Vec3::Zero();  // [m] of where the scene was asked last, from the device

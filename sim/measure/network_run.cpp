@@ -120,8 +120,9 @@ class Stopwatch {
   Clock::time_point begin_;
 };
 
-ServoOptions with_stiffness(ServoOptions options, const control::JoinAccepted& accepted) {
+ServoOptions with_offer(ServoOptions options, const control::JoinAccepted& accepted) {
   options.scene_stiffness = accepted.stiffness;
+  options.body = shared(accepted.body);
   return options;
 }
 
@@ -132,7 +133,7 @@ class NetworkRun {
         told_(options.told.value_or(options.hand.spec)),
         sessions_(scene, from_seconds(options.silence_timeout), kSessions),
         accepted_(join(sessions_, scene, told_, options.parameters)),
-        servo_(told_, accepted_.parameters, with_stiffness(options.servo, accepted_)),
+        servo_(told_, accepted_.parameters, with_offer(options.servo, accepted_)),
         datagrams_(accepted_.session, keys(), accepted_.parameters, told_.rotation_sensed > 0,
                    {told_.position_resolution, accepted_.stiffness}),
         link_(options.link, 0, kOnTheWay),

@@ -147,6 +147,7 @@ std::string ClientPageHand::hold() {
     device->begin(joined.accepted.start_position, joined.accepted.start_normal);
     ServoOptions servo = protect_hand(parameters);
     servo.scene_stiffness = joined.accepted.stiffness;
+    servo.body = shared(joined.accepted.body);
     task = std::make_shared<ServoTask>(std::move(device), transport, parameters, servo);
     task->options.silence_timeout = from_seconds(joined.accepted.silence_timeout);
     task->priority = ServoTask::kNoRealTime;

@@ -156,6 +156,33 @@ LocalModel model(Input& in) {
   return m;
 }
 
+BodySolid solid(Input& in, const Vec3& tool) {
+  BodySolid s;
+  std::size_t kind = in.byte() % std::variant_size_v<Primitives::And<>>;
+  Primitives::for_each([&](auto shape) {
+    if (kind-- != 0) return;
+    double length = 0.5 + at_least_zero(in, 0.5);
+    shape.lengths(shape, [&](const Length&, double& number) { number = length *= 0.5; });
+    s.shape = shape;
+  });
+  s.felt_from = in.coin() ? Side::outside : Side::inside;
+  s.pose = {tool + in.vector(0.25), orientation(in)};
+  s.velocity = in.vector(1.0);
+  s.turning = in.vector(1.0);
+  s.material = {at_least_zero(in, 1e5), at_least_zero(in, 8.0), 0.5, 0.25, at_least_zero(in, 8.0)};
+  s.object = in.whole<std::uint16_t>();
+  return s;
+}
+bool near_solid(const BodySolid& a, const BodySolid& b) {
+  return a.shape.index() == b.shape.index() && a.felt_from == b.felt_from && a.object == b.object &&
+         near(a.velocity, b.velocity) && near(a.turning, b.turning) &&
+         (a.pose.position - b.pose.position).norm() <= 1e-6 &&
+         (a.pose.orientation.coeffs() - b.pose.orientation.coeffs()).norm() <=
+             4.0 * kFloatRounding &&
+         std::abs(a.material.stiffness - b.material.stiffness) <=
+             kFloatRounding * a.material.stiffness;
+}
+
 /// Numbers that 16 bits tell exactly, but for the root of a covariance.
 BodyModel body(Input& in) {
   BodyModel m;
@@ -166,6 +193,13 @@ BodyModel body(Input& in) {
   m.coupling = {1000.0, 0.5, 8.0, 0.25};
   m.radius = 0.0625;
   m.slipping = in.coin();
+  if (in.coin()) {
+    m.body = 1 + in.byte();
+    m.solid_count = in.byte() % (kMaxBodySolids + 1);
+    for (int i = 0; i < m.solid_count; ++i)
+      m.solids[static_cast<std::size_t>(i)] = solid(in, m.tool.position);
+    return m;
+  }
   m.count = in.byte() % (kMaxBodyPoints + 1);
   m.patch_count = kMaxBodyPatches;
   for (int i = 0; i < m.count; ++i) {
@@ -183,8 +217,11 @@ BodyModel body(Input& in) {
 bool near_body(const BodyModel& a, const BodyModel& b) {
   const double unit = 2.0 * a.radius / 32767.0;  // [m]
   if (a.scene != b.scene || a.slipping != b.slipping || a.count != b.count ||
-      a.patch_count != b.patch_count || !same(a.tool.position, b.tool.position))
+      a.patch_count != b.patch_count || !same(a.tool.position, b.tool.position) ||
+      a.body != b.body || a.solid_count != b.solid_count)
     return false;
+  for (std::size_t i = 0; i < a.near().size(); ++i)
+    if (!near_solid(a.solids[i], b.solids[i])) return false;
   for (std::size_t i = 0; i < a.view().size(); ++i) {
     const BodyPoint &p = a.points[i], &q = b.points[i];
     if (!((p.arm - q.arm).cwiseAbs().maxCoeff() <= 0.51 * unit) || !same(p.distance, q.distance) ||

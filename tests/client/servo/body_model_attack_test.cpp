@@ -43,6 +43,43 @@ BodyModel any_model(test::Random& random, const Pose& about) {
   return m;
 }
 
+/// A ball in the hand.
+std::shared_ptr<const ToolBody> ball() {
+  std::vector<Vec3> points;
+  test::Random random(99);
+  for (int i = 0; i < 200; ++i) points.push_back(0.04 * random.direction());
+  return std::make_shared<const ToolBody>(ToolBody{7, 0.003, point_shell(points, 0.02)});
+}
+
+/// Solids as the codec lets them through, in place of planes.
+void any_solids(test::Random& random, BodyModel& m) {
+  m.count = 0;
+  m.body = 7;
+  m.solid_count = static_cast<int>(random.uniform(1.0, kMaxBodySolids + 0.99));
+  for (BodySolid& s : m.solids) {
+    const double size = std::pow(10.0, random.uniform(-3, 0));
+    switch (static_cast<int>(random.uniform(0.0, 3.99))) {
+      case 0:
+        s.shape = Plane{};
+        break;
+      case 1:
+        s.shape = Sphere{.radius = size};
+        break;
+      case 2:
+        s.shape = Box{Vec3(size, 0.5 * size, 0.1)};
+        break;
+      default:
+        s.shape = Torus{.major_radius = size, .minor_radius = 0.5 * size};
+    }
+    s.felt_from = random.uniform(0, 1) < 0.5 ? Side::outside : Side::inside;
+    s.pose = moved(m.tool, 0.05 * random.direction(), random.direction());
+    s.material = {std::pow(10.0, random.uniform(0, 7)), random.uniform(0.0, 100.0),
+                  random.uniform(0.5, 2.0), random.uniform(0.0, 0.5), random.uniform(0.0, 100.0)};
+    s.velocity = random.uniform(0.0, 1.0) * random.direction();
+    s.turning = random.uniform(0.0, 10.0) * random.direction();
+  }
+}
+
 double energy_made(std::string_view mode, std::uint64_t seed, double* most_torque) {
   test::Random random(seed);
   SimulatedHandOptions hand;
@@ -53,7 +90,7 @@ double energy_made(std::string_view mode, std::uint64_t seed, double* most_torqu
   SessionParameters parameters;
   parameters.mode = mode;
   parameters.local_model = true;
-  Servo servo(device.spec(), parameters);
+  Servo servo(device.spec(), parameters, {.body = ball()});
   const std::uint64_t delay = seed % 3 * 20, every = 1 + seed % 4;
   for (std::uint64_t n = 1; n <= 1500; ++n) {
     const Nanoseconds now = static_cast<std::int64_t>(n) * kPeriod;
@@ -68,6 +105,7 @@ double energy_made(std::string_view mode, std::uint64_t seed, double* most_torqu
     reply.command.torque = random.uniform(0.0, 1.0) * random.direction();
     reply.command.elastic = random.uniform(0.0, 20.0) * random.direction();
     reply.body = any_model(random, servo.sample().pose);
+    if (seed % 2 == 0) any_solids(random, reply.body);
     reply.body.scene = static_cast<std::uint32_t>(n / 200);
     servo.take(reply, now);
   }

@@ -58,7 +58,7 @@ Pose leaning(double above, double angle, const Vec3& about) {
 }
 
 ShellContact contact(const BodyModel& model, const Pose& tool) {
-  return ModelledSurroundings(model, 0.0, 1e-3).contact(tool);
+  return ModelledSurroundings(model, nullptr, 0.0, 1e-3).contact(tool);
 }
 
 TEST(LocalBody, SaysNothingOfAToolThatIsAPointOrFarAway) {
@@ -143,6 +143,149 @@ TEST(LocalBody, ACornerIsTheSceneAlsoElsewhere) {
     const ShellContact c = contact(model, tool);
     EXPECT_LT((c.wrench - there.wrench).norm(), 0.1 * there.wrench.norm()) << further;
   }
+}
+
+/// What a client is told of it.
+std::shared_ptr<const ToolBody> known(const Held& held) {
+  return std::make_shared<const ToolBody>(held.scene->tool().body->told());
+}
+
+// To a client that knows the body, a model of solids is the scene, wherever the tool goes.
+TEST(LocalBody, SolidsAreTheScene) {
+  test::Random random(11);
+  const Shape shapes[] = {Plane{},
+                          Sphere{.radius = 0.05},
+                          Box{Vec3(0.02, 0.03, 0.04)},
+                          Capsule{.radius = 0.02, .half_length = 0.03},
+                          Cylinder{.radius = 0.03, .half_length = 0.02},
+                          Cone{.radius = 0.04, .half_length = 0.03},
+                          Torus{.major_radius = 0.05, .minor_radius = 0.02}};
+  for (const Shape& shape : shapes) {
+    Held held(shape, 0.4);
+    const auto body = known(held);
+    const Pose device{Vec3(0, 0, 0.03), Quaternion::Identity()};
+    held.touch(device);
+    const BodyModel model = body_model(*held.scene, device, held.memory, body->id);
+    ASSERT_EQ(model.body, body->id);
+    ASSERT_EQ(model.solid_count, 1);
+    EXPECT_EQ(model.count, 0);
+    EXPECT_EQ(model.reach, kSolidReach);
+    std::size_t touched = 0;
+    for (int i = 0; i < 200; ++i) {
+      const Pose tool = moved(device, 0.04 * random.direction(), random.direction());
+      ShellContact there;
+      add_contact(held.scene->tool().body->shell(), tool, held.scene->objects()[0],
+                  held.scene->tool().body->contact_area(), there);
+      const ShellContact c = ModelledSurroundings(model, body.get(), 0.0, 1e-3).contact(tool);
+      touched += there.touching > 0 ? 1 : 0;
+      ASSERT_EQ(c.touching, there.touching);
+      ASSERT_EQ(c.grip_count, there.grip_count);
+      EXPECT_LE((c.wrench - there.wrench).norm(), 1e-9 * there.wrench.norm());
+      EXPECT_LE((c.stiffness - there.stiffness).norm(), 1e-9 * there.stiffness.norm());
+      EXPECT_NEAR(c.energy, there.energy, 1e-9 * there.energy);
+      for (std::size_t k = 0; k < c.grip_count; ++k)
+        EXPECT_NEAR(c.patches[k].load, there.patches[k].load, 1e-9 * there.patches[k].load);
+    }
+    EXPECT_GT(touched, 20u) << shape.index();
+  }
+}
+
+// A plane is told by its point nearest to the tool: where its own origin lies does not matter.
+TEST(LocalBody, APlaneMayHaveItsOriginFarAway) {
+  Held held(Plane{}, 0.0, Vec3(900.0, -700.0, 0.0));
+  const Pose device = leaning(0.009, 0.0, Vec3::UnitX());
+  held.settle(device);
+  const BodyModel model = body_model(*held.scene, device, held.memory, known(held)->id);
+  ASSERT_EQ(model.solid_count, 1);
+  EXPECT_LT((model.solids[0].pose.position - model.tool.position).norm(), 0.1);
+  const ShellContact c =
+      ModelledSurroundings(model, known(held).get(), 0.0, 1e-3).contact(held.memory.pose);
+  EXPECT_LT((c.wrench - held.memory.contact.wrench).norm(),
+            1e-9 * held.memory.contact.wrench.norm());
+}
+
+/// A scene of these, and a tool at the origin.
+BodyModel model_among(const std::vector<Object>& objects, bool knows) {
+  Scene scene("among", objects);
+  scene.set_tool({.body = std::make_shared<BodyTool>(test::tool(800))});
+  BodyMemory memory;
+  scene.touch({}, Vec3::Zero(), 1e-3, memory);
+  return body_model(scene, {}, memory, knows ? scene.tool().body->id() : 0);
+}
+
+TEST(LocalBody, SolidsAreTheNearestOnesAndEndWhereTheNextBegins) {
+  std::vector<Object> balls;
+  for (int i = 0; i < 8; ++i)  // 10 mm of radius, the first 40 mm away
+    balls.push_back(object(Sphere{.radius = 0.01}, Vec3(0.05 + 0.02 * i, 0, 0)));
+  std::swap(balls[0], balls[6]);
+  const BodyModel model = model_among(balls, true);
+  ASSERT_EQ(model.solid_count, kMaxBodySolids);
+  for (const std::uint16_t object : {1, 2, 3, 6})
+    EXPECT_TRUE(
+        std::ranges::any_of(model.near(), [=](const BodySolid& s) { return s.object == object; }));
+  // The fifth is a ball's way off; the tool's ball of 37 mm is what counts.
+  EXPECT_NEAR(model.reach, 0.05 + 0.02 * 4 - 0.01 - kHalf.norm(), 1e-3);
+}
+
+TEST(LocalBody, PartsAreToldWhereSolidsCannotBe) {
+  EXPECT_EQ(model_among({object(Plane{}, Vec3(0, 0, -0.02))}, false).body, 0u);  // not known
+  const Object grid = object(test::grid_of(Sphere{.radius = 0.01}, 1e-3), Vec3(0, 0, -0.022));
+  EXPECT_EQ(model_among({grid}, true).body, 0u);
+  EXPECT_GT(model_among({grid}, true).count, 0);
+  // Five that touch are too many.
+  std::vector<Object> many;
+  for (int i = 0; i < 5; ++i) many.push_back(object(Sphere{.radius = 0.01}, Vec3(0.01 * i, 0, 0)));
+  EXPECT_EQ(model_among(many, true).body, 0u);
+  // Its numbers would not be exact in a datagram.
+  EXPECT_EQ(model_among({object(Sphere{.radius = 30.0}, Vec3(0, 0, -30.011))}, true).body, 0u);
+  // Far enough away, all of these only end the reach.
+  const Object far_grid = object(test::grid_of(Sphere{.radius = 0.01}, 1e-3), Vec3(0, 0, -0.1));
+  const BodyModel model = model_among({object(Plane{}, Vec3(0, 0, -0.02)), far_grid}, true);
+  EXPECT_NE(model.body, 0u);
+  EXPECT_EQ(model.solid_count, 1);
+  EXPECT_LT(model.reach, 0.09);
+  EXPECT_GT(model.reach, 0.03);
+}
+
+// A solid that moves and turns goes on as it did.
+TEST(LocalBody, SolidsGoOn) {
+  BodyModel model;
+  model.solid_count = 1;
+  model.body = 1;
+  BodySolid& solid = model.solids[0];
+  solid.shape = Box{Vec3(0.1, 0.1, 0.1)};
+  solid.pose.position = Vec3(0, 0, -0.1 - 0.009);
+  solid.velocity = Vec3(0, 0, 0.02);
+  solid.turning = Vec3(0, 0, 0.5);
+  solid.material.stiffness = kStiffness;
+  solid.material.static_friction = 0.4;
+  Held held(Plane{});
+  const auto body = known(held);
+  const double depth = 0.001 + 0.05 * 0.02;
+  const ShellContact c = ModelledSurroundings(model, body.get(), 0.05, 1e-3).contact({});
+  EXPECT_NEAR(c.wrench[2], test::flat_force(depth, kFace), 0.02 * c.wrench[2]);
+  ASSERT_EQ(c.grip_count, 1u);
+  Vec6 carried;
+  carried << 0, 0, 2e-5, 0, 0, 5e-4;
+  EXPECT_LT((c.patches[0].carried - carried).norm(), 1e-12);
+  EXPECT_NEAR(largest_speed(model), 0.02, 1e-12);  // no radius, no arm across the turn
+}
+
+// A model of another body, after a reload, has no weight.
+TEST(LocalBody, AModelOfAnotherBodySaysNothing) {
+  Held held(Plane{}, 0.4);
+  const Pose device = leaning(0.009, 0.0, Vec3::UnitX());
+  held.settle(device);
+  const auto body = known(held);
+  BodyModel model = body_model(*held.scene, device, held.memory, body->id);
+  LocalBody local(body), stranger;
+  local.take(model);
+  stranger.take(model);
+  EXPECT_EQ(local.touch(device, 0.0, 1e-3).weight, 1.0);
+  EXPECT_EQ(stranger.touch(device, 0.0, 1e-3).weight, 0.0);
+  model.body += 1;
+  local.take(model);
+  EXPECT_EQ(local.touch(device, 0.0, 1e-3).weight, 0.0);
 }
 
 BodyModel random_model(test::Random& random, double scale) {
@@ -328,12 +471,14 @@ struct Linearised {
   }
 };
 
-/// 3 s of a movement, the models `delay` ticks late, each `lost`-th lost; 0: none.
-Error error_of(const Movement& movement, std::size_t delay, int lost) {
+/// 3 s of a movement, the models `delay` ticks late, each `lost`-th lost; 0: none. `knows`: the
+/// client knows the body.
+Error error_of(const Movement& movement, std::size_t delay, int lost, bool knows) {
   Held server(movement.surface, 0.4, movement.at, 800);
   std::deque<std::pair<Command, BodyModel>> on_the_way;
   std::deque<Linearised> linear_on_the_way;
-  LocalBody local;
+  LocalBody local(knows ? known(server) : nullptr);
+  const std::uint32_t id = knows ? known(server)->id : 0;
   Command late;
   Linearised linear;
   Vec3 last = Vec3::Zero(), last_true = Vec3::Zero();
@@ -342,7 +487,7 @@ Error error_of(const Movement& movement, std::size_t delay, int lost) {
   for (int n = 0; n < 3000; ++n) {
     const Pose device = movement.pose(1e-3 * n);
     const Command now = server.touch(device);
-    on_the_way.emplace_back(now, server.model(device));
+    on_the_way.emplace_back(now, body_model(*server.scene, device, server.memory, id));
     linear_on_the_way.emplace_back(device, now, *server.scene->tool().body, server.memory);
     if (on_the_way.size() > delay) {
       if (lost == 0 || n % lost != 0) {
@@ -377,7 +522,7 @@ const Movement kMovements[] = {{"rock", Plane{}, Vec3::Zero(), rocks},
 TEST(LocalBody, IsTenTimesNearerThanALateReply) {
   for (const Movement& movement : kMovements) {
     for (const int lost : {0, 3}) {
-      const Error error = error_of(movement, 50, lost);
+      const Error error = error_of(movement, 50, lost, false);
       if (lost == 0)
         for (const auto& [what, value] :
              {std::pair("late", error.late), std::pair("6x6", error.linear),
@@ -388,6 +533,20 @@ TEST(LocalBody, IsTenTimesNearerThanALateReply) {
       EXPECT_LT(error.local, (on_edge ? 0.7 : 0.1) * error.late) << movement.name << " " << lost;
       EXPECT_LT(error.local, (on_edge ? 1.5 : 0.5) * error.linear) << movement.name << " " << lost;
       EXPECT_LT(error.jump, 2e-3) << movement.name << " " << lost;  // [N m] of up to 0.05
+    }
+  }
+}
+
+TEST(LocalBody, AClientThatKnowsTheBodyFeelsTheScene) {
+  const Movement in_a_ring = {"ring", Torus{.major_radius = 0.045, .minor_radius = 0.02},
+                              Vec3::Zero(), rocks};
+  std::vector<Movement> movements(std::begin(kMovements), std::end(kMovements));
+  movements.push_back(in_a_ring);
+  for (const Movement& movement : movements) {
+    for (const int lost : {0, 3}) {
+      const Error error = error_of(movement, 50, lost, true);
+      EXPECT_LT(error.local, 0.01 * error.late) << movement.name << " " << lost;
+      EXPECT_LT(error.jump, 1e-3) << movement.name << " " << lost;  // [N m]
     }
   }
 }

@@ -52,6 +52,52 @@ Reply random_reply(Generator& random) {
   return reply;
 }
 
+/// One of each kind, with lengths that are powers of two.
+std::vector<Primitives::And<>> kinds() {
+  std::vector<Primitives::And<>> all;
+  Primitives::for_each([&](auto shape) {
+    double number = 0.25;
+    shape.lengths(shape, [&](const Length&, double& length) {
+      length = number;
+      number *= 0.5;
+    });
+    all.emplace_back(shape);
+  });
+  return all;
+}
+
+std::vector<double> lengths_of(const Primitives::And<>& shape) {
+  std::vector<double> numbers;
+  on_primitive(
+      shape,
+      [&](const auto& s) {
+        s.lengths(s, [&](const Length&, double number) { numbers.push_back(number); });
+      },
+      [] {});
+  return numbers;
+}
+
+/// The same with solids in place of parts.
+Reply reply_of_solids(Generator& random) {
+  Reply reply = random_reply(random);
+  BodyModel& m = reply.body;
+  m.count = m.patch_count = 0;
+  m.body = 5;
+  m.solid_count = kMaxBodySolids;
+  const auto shapes = kinds();
+  for (BodySolid& s : m.solids) {
+    s.shape = shapes[random() % shapes.size()];
+    s.felt_from = random() % 2 == 0 ? Side::outside : Side::inside;
+    s.pose = {m.tool.position + vector(random, 0.1),
+              Quaternion(Eigen::AngleAxisd(number(random, 3.0), vector(random, 1.0).normalized()))};
+    s.material = {1500.0, 2.0, 0.5, 0.25, 1.5};
+    s.velocity = vector(random, 0.1);
+    s.turning = vector(random, 1.0);
+    s.object = static_cast<std::uint16_t>(random());
+  }
+  return reply;
+}
+
 DropReason verdict(const Reply& reply, Reply& out) {
   Encoder encoder;
   return decode(encoder.reply(reply), out);
@@ -116,12 +162,100 @@ TEST(BodyCodec, TheFullestReplyFitsADatagram) {
   Encoder encoder;
   Reply reply = random_reply(random);
   EXPECT_LE(encoder.reply(reply).size() + kOverhead, kMaxDatagram);
+  EXPECT_LE(encoder.reply(reply_of_solids(random)).size(), encoder.reply(reply).size());
   reply.normals.count = 3;
   reply.normals.unit = {Vec3::UnitX(), Vec3::UnitY(), Vec3::UnitZ()};
   reply.change = ClientChange{.number = 3,
                               .law = LawChoice{MethodName(std::string(64, 'm')), {}, {}},
                               .link = LinkQuality{0.1, 0.01, 0.05}};
   EXPECT_LE(encoder.reply(reply).size() + kOverhead, kMaxDatagram);
+}
+
+TEST(BodyCodec, SolidsArriveAsTheyWere) {
+  Generator random(7);
+  Reply received;
+  for (int round = 0; round < 200; ++round) {
+    const Reply sent = reply_of_solids(random);
+    ASSERT_EQ(verdict(sent, received), DropReason::none);
+    const BodyModel &a = sent.body, &b = received.body;
+    EXPECT_EQ(b.body, a.body);
+    EXPECT_EQ(b.reach, a.reach);
+    ASSERT_EQ(b.solid_count, a.solid_count);
+    for (std::size_t i = 0; i < a.near().size(); ++i) {
+      const BodySolid &s = a.solids[i], &t = b.solids[i];
+      EXPECT_EQ(s.shape.index(), t.shape.index());
+      EXPECT_EQ(lengths_of(s.shape), lengths_of(t.shape));
+      EXPECT_EQ(s.felt_from, t.felt_from);
+      EXPECT_LE((s.pose.position - t.pose.position).norm(), 1e-8);
+      EXPECT_LE((s.pose.orientation.coeffs() - t.pose.orientation.coeffs()).norm(), 1e-6);
+      EXPECT_LE((s.velocity - t.velocity).norm(), 1e-7);
+      EXPECT_LE((s.turning - t.turning).norm(), 1e-6);
+      EXPECT_EQ(s.material.stiffness, t.material.stiffness);
+      EXPECT_EQ(s.material.damping, t.material.damping);
+      EXPECT_EQ(s.material.static_friction, t.material.static_friction);
+      EXPECT_EQ(s.material.dynamic_friction, t.material.dynamic_friction);
+      EXPECT_EQ(s.material.viscous_friction, t.material.viscous_friction);
+      EXPECT_EQ(s.object, t.object);
+    }
+  }
+}
+
+TEST(BodyCodec, SolidsThatCannotBeAreDropped) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const double inf = std::numeric_limits<double>::infinity();
+  const std::vector<std::function<void(BodySolid&)>> spoils = {
+      [=](BodySolid& s) { s.pose.position.x() = nan; },
+      [](BodySolid& s) { s.pose.position.x() = 3e3; },
+      [](BodySolid& s) { s.pose.orientation.w() += 2.0; },
+      [=](BodySolid& s) { s.velocity.y() = inf; },
+      [=](BodySolid& s) { s.turning.y() = nan; },
+      [](BodySolid& s) { s.material.stiffness = -1.0; },
+      [](BodySolid& s) { s.material.damping = -1.0; },
+      [](BodySolid& s) { s.material.dynamic_friction = 0.6; },
+      [=](BodySolid& s) { s.material.static_friction = inf; },
+      [=](BodySolid& s) { s.material.viscous_friction = nan; },
+      [](BodySolid& s) { s.shape = Sphere{.radius = 0.0}; },
+      [=](BodySolid& s) { s.shape = Sphere{.radius = nan}; },
+      [](BodySolid& s) { s.shape = Sphere{.radius = -0.1}; },
+      [](BodySolid& s) { s.shape = Torus{.major_radius = 0.1, .minor_radius = 0.2}; },
+      [=](BodySolid& s) { s.shape = Box{Vec3(0.1, inf, 0.1)}; },
+  };
+  Generator random(8);
+  Reply out;
+  for (std::size_t which = 0; which < spoils.size(); ++which) {
+    Reply reply = reply_of_solids(random);
+    ASSERT_EQ(verdict(reply, out), DropReason::none);
+    spoils[which](reply.body.solids[1]);
+    EXPECT_EQ(verdict(reply, out), DropReason::not_finite) << "spoil " << which;
+  }
+}
+
+/// A reply with these solids, as any server may make it.
+std::vector<std::uint8_t> bytes_of(const std::vector<wire::BodySolid>& solids) {
+  flatbuffers::FlatBufferBuilder builder;
+  const wire::Vec3d zero;
+  const wire::Quatd unit(1, 0, 0, 0);
+  const wire::BoundingReport report;
+  const auto body = wire::CreateBodyModel(builder, 0, &zero, &unit, 0.1F, 0.1F, 1, 1, 1, 1, 1,
+                                          false, 0, 0, 5, builder.CreateVectorOfStructs(solids));
+  builder.Finish(wire::CreateReply(builder, 1, 0, 0, 0, &zero, &zero, nullptr, &report, 0, nullptr,
+                                   0, 0, 0, nullptr, 0, body));
+  return {builder.GetBufferPointer(), builder.GetBufferPointer() + builder.GetSize()};
+}
+
+TEST(BodyCodec, AKindThatIsNotKnownLeavesTheReplyWithoutAModel) {
+  const wire::Quatf unit(1, 0, 0, 0);
+  const auto solid = [&](std::uint8_t kind, std::uint8_t inside) {
+    return wire::BodySolid({}, unit, {}, {}, 1, 1, 1, 1000, 0, 0, 0, 0, 0, kind, inside);
+  };
+  Reply out;
+  ASSERT_EQ(decode(bytes_of({solid(1, 0)}), out), DropReason::none);
+  EXPECT_GT(out.body.reach, 0.0);
+  for (const auto& odd : {solid(200, 0), solid(1, 2)}) {
+    ASSERT_EQ(decode(bytes_of({solid(1, 0), odd}), out), DropReason::none);
+    EXPECT_EQ(out.body.reach, 0.0);
+  }
+  EXPECT_EQ(decode(bytes_of(std::vector(kMaxBodySolids + 1, solid(1, 0))), out), DropReason::count);
 }
 
 TEST(BodyCodec, ModelsThatAreNoneAreDropped) {

@@ -95,11 +95,14 @@ TEST(ControlFuzz, TruncationsAndFlipsAreHarmless) {
   std::mt19937_64 random(1);
   JoinRequest tool = request();
   tool.tool = "key";
+  JoinAccepted with_body;
+  with_body.body = {1, 0.001, point_shell({Vec3(0.01, 0, 0), Vec3(0, 0.02, 0)}, 0.002)};
   const std::vector<Message> messages = {request(),
                                          SceneList{{{"a", 1, 2, 3}, {"b", 4, 5, 6}}},
                                          SetParameters{5, unusual_parameters()},
                                          Refused{RefusalCode::full, "no"},
                                          JoinAccepted{},
+                                         with_body,
                                          tool,
                                          Authenticate{Secret("fw_1")},
                                          SessionList{{{1, "a", "b", Role::admin}}, false}};

@@ -2,6 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+
 #include "tests/protocol/control_messages.hpp"
 
 namespace feltwire::control {
@@ -108,6 +113,62 @@ TEST(Control, FiguresAreAskedForWhereTheyAreWanted) {
   EXPECT_FALSE(round_trip(wanted).figures);
   wanted.figures = true;
   EXPECT_TRUE(round_trip(wanted).figures);
+}
+
+/// A tool of so many points, 40 mm at most from its origin.
+ToolBody body_of(std::size_t count) {
+  std::vector<Vec3> points;
+  for (std::size_t i = 0; i < count; ++i) {
+    const double angle = 0.1 * static_cast<double>(i);
+    points.push_back(0.04 * Vec3(std::cos(angle), std::sin(angle), 0.0) *
+                     std::cos(0.01 * static_cast<double>(i)));
+  }
+  return {0x12345678u, 0.0025, point_shell(std::move(points), 0.015)};
+}
+
+TEST(Control, ABodyArrivesAsAShell) {
+  EXPECT_FALSE(round_trip(accepted_with_all()).body);
+  JoinAccepted sent = accepted_with_all();
+  sent.body = body_of(800);
+  const JoinAccepted got = round_trip(sent);
+  ASSERT_TRUE(got.body);
+  EXPECT_EQ(got.body->id, sent.body->id);
+  EXPECT_EQ(got.body->contact_area, sent.body->contact_area);
+  EXPECT_EQ(got.body->shell.area, sent.body->shell.area);
+  EXPECT_NEAR(got.body->shell.radius, sent.body->shell.radius, 2e-6);
+  ASSERT_EQ(got.body->shell.points.size(), 800u);
+  for (const Vec3& p : sent.body->shell.points)  // in any order
+    EXPECT_TRUE(std::ranges::any_of(got.body->shell.points, [&](const Vec3& q) {
+      return (p - q).cwiseAbs().maxCoeff() <= 0.51 * 0.04 / 32767.0;
+    }));
+  EXPECT_EQ(got.body->shell.nodes.size(), sent.body->shell.nodes.size());
+  sent.body = body_of(kMaxToldPoints);
+  sent.tool = sent.version = std::string(kMaxName, 'x');
+  EXPECT_LE(encode(sent).size(), kMaxFrame);
+  EXPECT_TRUE(round_trip(sent).body);
+}
+
+TEST(Control, ABodyThatIsNoneIsNoMessage) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const std::vector<std::function<void(ToolBody&)>> spoils = {
+      [](ToolBody& b) { b.id = 0; },
+      [](ToolBody& b) { b.contact_area = 0.0; },
+      [=](ToolBody& b) { b.contact_area = nan; },
+      [](ToolBody& b) { b.shell.area = -1.0; },
+      [=](ToolBody& b) { b.shell.area = nan; },
+      [](ToolBody& b) { b.shell.radius = 0.0; },
+      [](ToolBody& b) { b.shell.radius = 1e308; },
+      [](ToolBody& b) { b.shell.points.clear(); },
+      [](ToolBody& b) { b.shell.points.resize(kMaxToldPoints + 1, Vec3::Zero()); },
+      [](ToolBody& b) { b.shell.points.assign(3, Vec3::Zero()); },
+  };
+  for (std::size_t which = 0; which < spoils.size(); ++which) {
+    JoinAccepted sent = accepted_with_all();
+    sent.body = body_of(100);
+    ASSERT_TRUE(decode(body(encode(sent))));
+    spoils[which](*sent.body);
+    EXPECT_FALSE(decode(body(encode(sent)))) << "spoil " << which;
+  }
 }
 
 TEST(Control, OtherMessagesRoundTrip) {

@@ -5,7 +5,7 @@
 
 #include <vector>
 
-#include "core/mesh/triangle_mesh.hpp"
+#include "core/geometry/triangle_soup.hpp"
 
 namespace feltwire {
 
@@ -31,6 +31,10 @@ struct PointShell {
 /// `count` points spread evenly over the area of the surface. Deterministic. Throws
 /// std::invalid_argument when there is no area, or the count is zero or above kMaxShellPoints.
 PointShell point_shell(const TriangleSoup& surface, std::size_t count);
+
+/// The shell of points that are given, without sides. Throws std::invalid_argument when there are
+/// none or more than kMaxShellPoints.
+PointShell point_shell(std::vector<Vec3> points, double area);
 
 inline constexpr std::size_t kMaxShellPoints = 1'000'000;
 inline constexpr std::size_t kMaxShellDepth = 8;  // of the tree of so many points

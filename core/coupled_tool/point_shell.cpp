@@ -1,4 +1,4 @@
-#include "core/tool/point_shell.hpp"
+#include "core/coupled_tool/point_shell.hpp"
 
 #include <algorithm>
 #include <array>
@@ -138,6 +138,12 @@ struct TreeBuilder {
   }
 };
 
+void check_count(std::size_t count) {
+  if (count == 0 || count > kMaxShellPoints)
+    throw std::invalid_argument("points: must be 1 to " + std::to_string(kMaxShellPoints) +
+                                ", are " + std::to_string(count) + "; ten thousand are usual");
+}
+
 void finish(PointShell& shell) {
   for (const Vec3& p : shell.points) shell.radius = std::max(shell.radius, p.norm());
   TreeBuilder{shell}.build();
@@ -145,10 +151,17 @@ void finish(PointShell& shell) {
 
 }  // namespace
 
+PointShell point_shell(std::vector<Vec3> points, double area) {
+  check_count(points.size());
+  PointShell shell;
+  shell.points = std::move(points);
+  shell.area = area;
+  finish(shell);
+  return shell;
+}
+
 PointShell point_shell(const TriangleSoup& surface, std::size_t count) {
-  if (count == 0 || count > kMaxShellPoints)
-    throw std::invalid_argument("points: must be 1 to " + std::to_string(kMaxShellPoints) +
-                                ", are " + std::to_string(count) + "; ten thousand are usual");
+  check_count(count);
   PointShell shell;
   for (const Triangle& t : surface.triangles) shell.area += area_of(surface, t);
   if (!(shell.area > 0.0) || !std::isfinite(shell.area))
@@ -158,10 +171,8 @@ PointShell point_shell(const TriangleSoup& surface, std::size_t count) {
   finish(shell);
   for (std::vector<Vec3>& points : sides) {
     if (points.empty()) continue;
-    PointShell& side = shell.sides.emplace_back();
-    side.area = shell.area * static_cast<double>(points.size()) / static_cast<double>(count);
-    side.points = std::move(points);
-    finish(side);
+    const double share = static_cast<double>(points.size()) / static_cast<double>(count);
+    shell.sides.push_back(point_shell(std::move(points), share * shell.area));
   }
   return shell;
 }

@@ -1,0 +1,291 @@
+#pragma once
+// A point shell against one solid: a penalty for each point inside.
+
+#include <algorithm>
+#include <array>
+#include <concepts>
+
+#include "core/base/numeric.hpp"
+#include "core/coupled_tool/point_shell.hpp"
+#include "core/coupled_tool/slip_sums.hpp"
+#include "core/geometry/field_group.hpp"
+#include "core/material/material.hpp"
+
+namespace feltwire {
+
+/// The signed distance to a solid's surface, above zero on the side from which it is felt. Places
+/// [m] are in the solid's frame.
+template <class Field>
+concept DistanceField = requires(const Field& field, const Vec3& place, FieldGroup& group,
+                                 const FieldGroup::Lanes& wanted, double least) {
+  /// [m] A lower bound. It may be coarse where it is `least` or more.
+  { field.at_least(place, least) }
+  noexcept->std::same_as<double>;
+  /// Fills in the distances likewise.
+  { field.at_least(group, wanted) }
+  noexcept;
+  /// Fills in distances and gradients.
+  { field.at(group) }
+  noexcept;
+};
+
+/// One solid in one step.
+struct SolidInStep {
+  std::uint32_t index = 0;      // of the object in the scene
+  Pose pose;                    // of the solid
+  double share = 1.0;           // of its force that is felt
+  Vec6 carried = Vec6::Zero();  // as FrictionPatch::carried
+};
+
+namespace shell_query {
+
+/// A ball of points is left out where it is farther from the surface than this part of its radius:
+/// a smaller one would leave little that is sure of their distance, for the clearance.
+inline constexpr double kFarEnough = 0.5;
+
+inline double far_of(const ShellNode& node) { return (1.0 + kFarEnough) * node.radius; }
+
+using Lanes = FieldGroup::Lanes;
+static_assert(ShellNode::kParts == FieldGroup::kSize);
+
+/// Sums in the object's frame, arms from the tool's origin.
+struct Sums {
+  double squares = 0.0;  // of distances [m^2]
+  Vec6 wrench = Vec6::Zero();
+  Mat6 stiffness = Mat6::Zero();  // the lower half
+
+  /// Of the places whose distance is below zero, the others' being zero with their gradient.
+  void add(const FieldGroup& group, const std::array<Lanes, 3>& arm) {
+    const std::array<Lanes, 6> way = {group.gradient_x,
+                                      group.gradient_y,
+                                      group.gradient_z,
+                                      arm[1] * group.gradient_z - arm[2] * group.gradient_y,
+                                      arm[2] * group.gradient_x - arm[0] * group.gradient_z,
+                                      arm[0] * group.gradient_y - arm[1] * group.gradient_x};
+    squares += group.distance.square().sum();
+    for (std::size_t i = 0; i < way.size(); ++i) {
+      const auto row = static_cast<Eigen::Index>(i);
+      wrench[row] -= (group.distance * way[i]).sum();
+      for (std::size_t k = 0; k <= i; ++k)
+        stiffness(row, static_cast<Eigen::Index>(k)) += (way[i] * way[k]).sum();
+    }
+  }
+};
+
+/// Where a patch is: sums over its points, weighted by the load's d |grad d|.
+struct FrictionPatchSums : SlipSums {
+  void add(const Lanes& weights, const std::array<Lanes, 3>& normals,
+           const std::array<Lanes, 3>& arm_of) {
+    weight += weights.sum();
+    for (std::size_t i = 0; i < arm_of.size(); ++i) {
+      const auto row = static_cast<Eigen::Index>(i);
+      const Lanes weighted = weights * arm_of[i];
+      arm[row] += weighted.sum();
+      normal[row] += (weights * normals[i]).sum();
+      for (std::size_t k = 0; k <= i; ++k)
+        arms(row, static_cast<Eigen::Index>(k)) += (weighted * arm_of[k]).sum();
+    }
+  }
+};
+
+/// By the axis of the object's frame that the normal is nearest to: within 55 degrees of it.
+inline constexpr std::size_t kPatchSides = 6;
+inline std::size_t side_of(const Vec3& way) {
+  Eigen::Index axis;
+  way.cwiseAbs().maxCoeff(&axis);
+  return 2 * static_cast<std::size_t>(axis) + (way[axis] < 0.0 ? 1 : 0);
+}
+
+inline Mat6 turned_by(const Mat3& to_world, const Mat6& m) {
+  Mat6 result;
+  for (const Eigen::Index row : {0, 3})
+    for (const Eigen::Index column : {0, 3})
+      result.block<3, 3>(row, column) =
+          to_world * m.block<3, 3>(row, column) * to_world.transpose();
+  return result;
+}
+
+/// One shell against one object, in the object's frame.
+template <DistanceField Field>
+struct ShellQuery {
+  const PointShell& shell;
+  const Field& field;
+  const Material& material;
+  Mat3 turned;  // the tool's frame into the object's
+  Vec3 origin;  // [m] of the tool
+  ShellContact& sum;
+  bool slides;  // what slips where is asked for
+  Sums sums = {};
+  std::array<FrictionPatchSums, kPatchSides> patches = {};
+
+  /// Whether the ball may come near; notes how far away it is where it does not.
+  bool near(const ShellNode& node, double distance) {
+    if (!(distance > far_of(node))) return true;
+    sum.clearance = std::min(sum.clearance, distance - node.radius);
+    return false;
+  }
+
+  bool root_is_near() {
+    const ShellNode& all = shell.nodes[0];
+    ++sum.looked_at;
+    return near(all, field.at_least(origin + turned * all.center, far_of(all)));
+  }
+
+  void points(const ShellNode& leaf) {
+    const std::size_t count = leaf.end - leaf.begin;
+    FieldGroup group;
+    std::array<Lanes, 3> arm;
+    for (std::size_t lane = 0; lane < FieldGroup::kSize; ++lane) {
+      const Vec3& p = shell.points[leaf.begin + std::min(lane, count - 1)];
+      const auto l = static_cast<Eigen::Index>(lane);
+      for (std::size_t axis = 0; axis < arm.size(); ++axis) {
+        const auto a = static_cast<Eigen::Index>(axis);
+        arm[axis][l] = turned(a, 0) * p.x() + turned(a, 1) * p.y() + turned(a, 2) * p.z();
+      }
+    }
+    group.x = origin.x() + arm[0];
+    group.y = origin.y() + arm[1];
+    group.z = origin.z() + arm[2];
+    field.at(group);
+    sum.looked_at += count;
+    Lanes inside;
+    std::size_t touching = 0;
+    for (std::size_t lane = 0; lane < FieldGroup::kSize; ++lane) {
+      const auto l = static_cast<Eigen::Index>(lane);
+      const double distance = group.distance[l];
+      const bool in = lane < count && distance < 0.0;
+      inside[l] = in ? 1.0 : 0.0;
+      touching += in ? 1 : 0;
+      if (!in && lane < count) sum.clearance = std::min(sum.clearance, distance);
+    }
+    if (touching == 0) return;
+    sum.touching += touching;
+    group.distance *= inside;
+    group.gradient_x *= inside;
+    group.gradient_y *= inside;
+    group.gradient_z *= inside;
+    sums.add(group, arm);
+    if (slides) slip(group, arm);
+  }
+
+  void slip(const FieldGroup& group, const std::array<Lanes, 3>& arm) {
+    const Lanes length =
+        (group.gradient_x.square() + group.gradient_y.square() + group.gradient_z.square()).sqrt();
+    const Lanes load = -group.distance * length;
+    std::array<Lanes, kPatchSides> weights;
+    weights.fill(Lanes::Zero());
+    std::array<Lanes, 3> normals;
+    normals.fill(Lanes::Zero());
+    std::array<bool, kPatchSides> there{};
+    for (Eigen::Index l = 0; l < load.size(); ++l) {
+      if (!(load[l] > 0.0)) continue;
+      const Vec3 way(group.gradient_x[l], group.gradient_y[l], group.gradient_z[l]);
+      const std::size_t side = side_of(way);
+      weights[side][l] = load[l];
+      there[side] = true;
+      for (std::size_t axis = 0; axis < normals.size(); ++axis)
+        normals[axis][l] = way[static_cast<Eigen::Index>(axis)] / length[l];
+    }
+    for (std::size_t side = 0; side < kPatchSides; ++side)
+      if (there[side]) patches[side].add(weights[side], normals, arm);
+  }
+
+  /// `scale`: [N] of a load's unit.
+  void patch(const Mat3& to_world, double scale, const SolidInStep& in) {
+    double whole = 0.0;
+    for (const FrictionPatchSums& g : patches) whole += g.weight;
+    for (const FrictionPatchSums& g : patches) {
+      if (!(g.weight > 0.0)) continue;
+      const Mat6 slip = turned_by(to_world, g.slip());
+      const double viscous = in.share * material.viscous_friction * g.weight / whole;
+      sum.viscosity.add(viscous * slip, in.carried);
+      if (!(material.static_friction > 0.0)) continue;
+      const double load = scale * g.weight;
+      if (sum.grip_count == ShellContact::kFrictionPatches) {
+        sum.patches.back().load += load;
+        continue;
+      }
+      sum.patches[sum.grip_count++] = {
+          load, material.static_friction, material.dynamic_friction, slip, in.carried, in.index};
+    }
+  }
+
+  void all() {
+    // A node's children stand on the stack only while it is looked into.
+    std::array<std::uint32_t, kMaxShellDepth * ShellNode::kParts> waiting;
+    std::size_t count = 0;
+    if (root_is_near()) waiting[count++] = 0;
+    while (count > 0) {
+      const ShellNode& node = shell.nodes[waiting[--count]];
+      if (node.children == 0) {
+        points(node);
+        continue;
+      }
+      FieldGroup group;
+      Lanes far;
+      for (std::size_t lane = 0; lane < FieldGroup::kSize; ++lane) {
+        const ShellNode& child =
+            shell.nodes[node.child + std::min<std::size_t>(lane, node.children - 1)];
+        group.put(lane, origin + turned * child.center);
+        far[static_cast<Eigen::Index>(lane)] = far_of(child);
+      }
+      field.at_least(group, far);
+      sum.looked_at += node.children;
+      for (std::size_t lane = node.children; lane-- > 0;) {  // the first will be on top
+        const auto child = node.child + static_cast<std::uint32_t>(lane);
+        if (near(shell.nodes[child], group.distance[static_cast<Eigen::Index>(lane)]))
+          waiting[count++] = child;
+      }
+    }
+  }
+};
+
+}  // namespace shell_query
+
+/// Adds the contact with one solid. Each point inside, at signed distance d < 0, stores
+///   U = k / (2 A_c) * (A / N) * d^2,    force = -k A / (A_c N) * d * grad d,
+/// k the material's stiffness, A / N the area that the point stands for, A_c the contact area
+/// [m^2], > 0: where that much of the tool presses flat on a solid, it meets the stiffness k. So
+/// the force is an integral over the tool's surface (a bed of springs, Winkler 1867): more points
+/// make it more exact, not larger. The force is the gradient of a potential wherever the distance
+/// is that of a grid. Values for friction and damping are stored beside it; a material without
+/// them costs nothing more.
+///
+/// With more patches or touched objects than kFrictionPatches, the last one takes all further ones.
+/// Poses must be finite. Never allocates.
+template <DistanceField Field>
+void add_shell_contact(const PointShell& shell, const Pose& tool, const Field& field,
+                       const Material& material, double contact_area, ShellContact& sum,
+                       const SolidInStep& in) noexcept {
+  using namespace shell_query;
+  const Mat3 to_world = in.pose.orientation.toRotationMatrix();
+  ShellQuery<Field> look{shell,
+                         field,
+                         material,
+                         to_world.transpose() * tool.orientation.toRotationMatrix(),
+                         to_world.transpose() * (tool.position - in.pose.position),
+                         sum,
+                         material.static_friction > 0.0 || material.viscous_friction > 0.0};
+  look.all();
+  const Sums& sums = look.sums;
+  if (!(sums.squares > 0.0)) return;
+
+  const double share = shell.area / (contact_area * static_cast<double>(shell.points.size()));
+  const double scale = in.share * material.stiffness * share;
+  sum.energy += 0.5 * scale * sums.squares;
+  Vec6 wrench;
+  wrench << to_world * sums.wrench.head<3>(), to_world * sums.wrench.tail<3>();
+  wrench *= scale;
+  sum.wrench += wrench;
+  if (sum.part_count < ShellContact::kFrictionPatches)
+    sum.parts[sum.part_count++] = {in.index, wrench};
+  else
+    sum.parts.back().wrench += wrench;
+  const Mat6 normal = turned_by(to_world, sums.stiffness.selfadjointView<Eigen::Lower>());
+  sum.stiffness += scale * normal;
+  if (material.damping > 0.0)
+    sum.damping.add(in.share * material.damping * share * normal, in.carried);
+  if (look.slides) look.patch(to_world, scale, in);
+}
+
+}  // namespace feltwire
