@@ -22,6 +22,7 @@ import * as words from './words.js';
 const PLOT_PERIOD = 50;  // [ms]
 const PLOT_PATIENCE = 1500;  // [ms] since the page was asked for, after which plots are made also before the first picture
 const TEXT_PERIOD = 200;  // [ms]
+const ON_HAND = 10;  // [px] a click so near to a hand is on it
 const PICTURE_PATIENCE = 1000;  // [ms] from a scene to its first picture, after which the scene alone is drawn
 
 const element = (id) => document.getElementById(id);
@@ -260,7 +261,9 @@ element('canvas').addEventListener('pointerdown', (event) => (pressed = {x: even
 element('canvas').addEventListener('pointerup', (event) => {
   if (!pressed || Math.hypot(event.clientX - pressed.x, event.clientY - pressed.y) > 5) return;  // That was a turn of the camera.
   const corner = element('canvas').getBoundingClientRect();
-  const found = labels.at(event.clientX, event.clientY) ?? view.handAt(event.clientX - corner.left, event.clientY - corner.top);
+  const [x, y] = [event.clientX - corner.left, event.clientY - corner.top];
+  // The label of one hand may lie over another hand: a click on a hand chooses that hand.
+  const found = view.handAt(x, y, ON_HAND) ?? labels.at(event.clientX, event.clientY) ?? view.handAt(x, y);
   if (found !== null) choose(found);
 });
 element('scenes').onchange = (event) => connection.send({watch: event.target.value});
