@@ -24,10 +24,10 @@ struct WorkspaceMapping {
 void validate(const WorkspaceMapping& mapping);
 
 /// Returns the specification of the device in the scene's axes. Its power is the same at every
-/// moment (docs/devices.md has the derivation): damping M B M' /
-/// s^2, masses / s^2, forces / s, lengths and speeds times s. The numbers of rotation are turned,
-/// not scaled. The quantum of an encoder is s q |M'|_1, which covers the turned grid. Throws
-/// std::invalid_argument if a number leaves its range.
+/// moment (docs/devices.md has the derivation): damping M B M' / s^2, masses / s^2, forces / s,
+/// lengths and speeds times s. The numbers of rotation are turned, not scaled. The quantum of an
+/// encoder is s q |M'|_1, which covers the turned grid. Throws std::invalid_argument if a number
+/// leaves its range.
 DeviceSpec mapped_spec(const DeviceSpec& device, const WorkspaceMapping& mapping);
 
 /// The device behind the mapping. Orientations turn with the axes, so an upright device is upright
