@@ -1,7 +1,8 @@
 #pragma once
 // The proxy of a tool on a triangle mesh: the god-object of Zilles & Salisbury (1995) for a point,
 // the ball of Ruspini, Kolarov & Khatib (1997) for a tool with a radius.
-// The proxy is the place of the tool if the tool could not pass the surface. It follows the tool
+//
+// The proxy is the place of the tool if the tool could not pass the surface. It follows the tool on
 // the shortest way that stays in front of all triangles. A tool is therefore felt at any speed, and
 // a sheet keeps it on the side that it came from. Arguments of both:
 //   goal      the tool [m, from the mesh's origin]
