@@ -67,6 +67,7 @@ class HapiDevice final : public LockStepDevice {
     described_.spec.translation_dof = 2;
     described_.spec.rotation_sensed = described_.spec.rotation_actuated = 0;
     described_.spec.max_torque = 0.0;
+    described_.spec.late_ticks = kLateTicks;
     notes_ = assumptions(described_);
     set_up();
     measure_answers();

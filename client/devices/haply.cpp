@@ -96,6 +96,7 @@ class HaplyDevice final : public LockStepDevice {
                                                    : requested_spec(request.spec, "");
     described_.spec.rotation_sensed = described_.spec.rotation_actuated = 0;
     described_.spec.max_torque = 0.0;
+    described_.spec.late_ticks = kLateTicks;
     notes_ = assumptions(described_);
     take_inventory(place.id);
     measure_answers();

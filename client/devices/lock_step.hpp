@@ -24,6 +24,7 @@ class LockStepDevice : public Device {
  protected:
   static constexpr Nanoseconds kPeriod = std::chrono::milliseconds(1);
   static constexpr Nanoseconds kQuiet = std::chrono::milliseconds(50);
+  static constexpr int kLateTicks = 1;  // DeviceSpec::late_ticks: write() says why
 
   enum class Answer {
     none,     // no answer by the given time

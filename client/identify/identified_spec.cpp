@@ -72,7 +72,8 @@ std::string device_file_text(const SourcedSpec& described) {
                                  {"least_mass", spec.least_mass},
                                  {"least_friction", spec.least_friction},
                                  {"hand_force", spec.hand_force},
-                                 {"hand_speed", spec.hand_speed}};
+                                 {"hand_speed", spec.hand_speed},
+                                 {"late_ticks", spec.late_ticks}};
   if (spec.rotation_actuated != 0) {
     file["rotational_damping"] = numbers(spec.rotational_damping);
     file["max_torque"] = spec.max_torque;

@@ -6,6 +6,7 @@
 #include <limits>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 #include "core/base/numeric.hpp"
 
@@ -19,6 +20,10 @@ const AccountConfig& checked(const AccountConfig& config) {
   if (!(config.cap >= 0.0))
     throw std::invalid_argument("account: the cap is " + std::to_string(config.cap) +
                                 " J; give an energy of 0 or more, infinity for no cap");
+  if (config.late < 0 || config.late > AccountConfig::kMostLate)
+    throw std::invalid_argument("account: forces are taken up " + std::to_string(config.late) +
+                                " samples late; give 0 to " +
+                                std::to_string(AccountConfig::kMostLate));
   validate(config.translation, "account, translation");
   validate(config.rotation, "account, rotation");
   return config;
@@ -119,14 +124,15 @@ double PortBalance::earned(const Vec3& displacement, const Vec3& held, double ho
 
 // max of F y - (b/h) y^2 over 0 <= y <= d(F) = d0 + k F, with F = s |wanted|: the free maximum
 // F^2 h/(4b) at y = F h/(2b) while that is within reach, and the value at d(F) beyond.
-EnergyNeed PortBalance::need(const Vec3& wanted, double hold_time) const noexcept {
+EnergyNeed PortBalance::need(const Vec3& wanted, double hold_time,
+                             std::span<const Vec3> coming) const noexcept {
   const Polar<double> force = polar(wanted);
   EnergyNeed need;
   if (!(force.length > 0.0)) return need;
   const bool prepared = !directional_ && hold_.time == hold_time;
   const Hold hold = prepared ? hold_ : hold_of(damping_along(force.direction), hold_time);
   need.first = 0.5 * hold.free * force.length * force.length;
-  if (reach_.known()) limit_by_inertia(need, force, hold);
+  if (reach_.known()) limit_by_inertia(need, force, hold, coming);
   // A handle that was just faster than was told may be so again.
   if (limits_speed_ && !too_fast_) limit_by_speed(need, force, hold);
   return need;
@@ -139,11 +145,12 @@ double PortBalance::need_of_any_hand(const Vec3& wanted, double hold_time) const
   return 0.5 * hold.free * force.length * force.length;
 }
 
-void PortBalance::limit_by_inertia(EnergyNeed& need, const Polar<double>& force,
-                                   const Hold& hold) const noexcept {
+void PortBalance::limit_by_inertia(EnergyNeed& need, const Polar<double>& force, const Hold& hold,
+                                   std::span<const Vec3> coming) const noexcept {
   const double f = force.length, k = hold.per_newton;
   if (!(k < hold.free)) return;  // so well damped that no force moves the handle that far
-  const double d0 = reach_.along(force.direction, hold.time);
+  const double d0 =
+      reach_.along(force.direction, hold.time) + reach_.driven(force.direction, coming, hold.time);
   need.turn =
       hold.free < std::numeric_limits<double>::infinity() ? d0 / ((hold.free - k) * f) : 0.0;
   need.second = k * f * f * (1.0 - hold.burned * k);
@@ -168,7 +175,8 @@ PortAccount::PortAccount(const AccountConfig& config)
       looks_ahead_(config.looks_ahead),
       translation_(config.translation, config.period, config.learns_outside_force),
       rotation_(config.rotation, config.period, config.learns_outside_force),
-      period_(config.period) {}
+      period_(config.period),
+      late_(static_cast<std::size_t>(config.late)) {}
 
 /// Returns the balance that the next force is cut to: the present one, or the one half a sample
 /// ahead if the motion goes on, whichever is less.
@@ -186,15 +194,68 @@ double PortAccount::take_in(const BoundingStep& s) noexcept {
     if (translation_.strong_hand() || rotation_.strong_hand()) ++statistics_.strong_hand;
   } else {
     // The last force was affordable, so the worst movement left a balance that is not negative.
-    balance_ = std::min(balance_, 0.0);
+    balance_ = std::min(balance_, worst_next_);
     translation_.forget();
     rotation_.forget();
   }
-  if (balance_ > cap_ && force.isZero(0.0) && held_.torque.isZero(0.0)) balance_ = cap_;
+  if (balance_ > cap_ && idle()) balance_ = cap_;
   count_debt(was_in_debt);
   if (!std::isfinite(earned) || !looks_ahead_) return balance_;
   const double per_period = delivered * period_ / std::max(period_, s.hold_time);
-  return balance_ - 0.5 * std::max(0.0, per_period);
+  const double ahead = 0.5 + static_cast<double>(late_);  // [samples]
+  return balance_ - ahead * std::max(0.0, per_period);
+}
+
+/// Nothing is on the hand, and nothing will be that was given before.
+bool PortAccount::idle() const noexcept {
+  const auto nothing = [](const Command& c) {
+    return c.force().isZero(0.0) && c.torque.isZero(0.0);
+  };
+  return nothing(held_) &&
+         std::all_of(coming_.begin(), coming_.begin() + static_cast<std::ptrdiff_t>(late_),
+                     nothing);
+}
+
+/// Of `left` [J], the part that the coming forces leave for `wanted`, which needs `last` [J] after
+/// them. A force that took all of it would leave nothing for the next one, which would leave all
+/// for the one after it. So it also gets no more than its share of what it needs at each of L + 1
+/// samples.
+double PortAccount::left_after_coming(double left, const Command& wanted, double last,
+                                      double hold) noexcept {
+  double needed = 0.0, each = last;
+  for (std::size_t n = 0; n < late_; ++n) {
+    needed += need_after(coming_[n], n, hold);
+    each += need_after(wanted, n, hold);
+    if (n == 0) worst_next_ = std::max(0.0, balance_ - needed);
+  }
+  const double share = last > 0.0 ? last / each : 1.0;
+  return std::min(left - needed, share * left);
+}
+
+/// [J] of the whole of `command`, held after the first n of the coming ones.
+double PortAccount::need_after(const Command& command, std::size_t n, double hold) const noexcept {
+  return translation_.need(command.force(), hold, {coming_forces_.data(), n}).at(1.0) +
+         rotation_.need(command.torque, hold, {coming_torques_.data(), n}).at(1.0);
+}
+
+/// What was given is on the hand now, or L samples later.
+void PortAccount::give(const Command& given) noexcept {
+  held_ = late_ > 0 ? coming_.front() : given;
+  if (late_ == 0) return;
+  std::shift_left(coming_.begin(), coming_.begin() + static_cast<std::ptrdiff_t>(late_), 1);
+  coming_[late_ - 1] = given;
+  for (std::size_t n = 0; n < late_; ++n) {
+    coming_forces_[n] = coming_[n].force();
+    coming_torques_[n] = coming_[n].torque;
+  }
+}
+
+Command PortAccount::step(const BoundingStep& s, double next_hold) noexcept {
+  const double left = take_in(s);
+  const Command given =
+      afforded(s.command.finite() ? s.command : Command{}, left, std::max(period_, next_hold));
+  give(given);
+  return given;
 }
 
 void PortAccount::count_debt(bool was_in_debt) noexcept {
@@ -203,30 +264,28 @@ void PortAccount::count_debt(bool was_in_debt) noexcept {
   statistics_.largest_debt = std::max(statistics_.largest_debt, -balance_);
 }
 
-Command PortAccount::step(const BoundingStep& s, double next_hold) noexcept {
-  const double left = take_in(s);
-  held_ = {};
-  if (!s.command.finite()) return held_;
-  held_ = s.command;
-  const double hold = std::max(period_, next_hold);
+/// The part of `command` that `left` [J] pays for.
+Command PortAccount::afforded(const Command& command, double left, double hold) noexcept {
   translation_.prepare(hold);
   rotation_.prepare(hold);
-  EnergyNeed force = translation_.need(held_.force(), hold);
-  EnergyNeed torque = rotation_.need(held_.torque, hold);
+  Command wanted = command;
+  EnergyNeed force = translation_.need(wanted.force(), hold, {coming_forces_.data(), late_});
+  EnergyNeed torque = rotation_.need(wanted.torque, hold, {coming_torques_.data(), late_});
   const bool all_limited = force.limited() && torque.limited();
   if (!force.limited()) {
-    held_.elastic.setZero();
-    held_.frictional.setZero();
+    wanted.elastic.setZero();
+    wanted.frictional.setZero();
     force = {};
   }
   if (!torque.limited()) {
-    held_.torque.setZero();
+    wanted.torque.setZero();
     torque = {};
   }
+  if (late_ > 0) left = left_after_coming(left, wanted, force.at(1.0) + torque.at(1.0), hold);
   const double share = affordable(force, torque, left);
-  if (share < 1.0) held_ = share * held_;
-  if ((share < 1.0 || !all_limited) && held_ != s.command) ++statistics_.reduced;
-  return held_;
+  if (share < 1.0) wanted = share * wanted;
+  if ((share < 1.0 || !all_limited) && wanted != command) ++statistics_.reduced;
+  return wanted;
 }
 
 double need_at_rest(const AccountConfig& config, const Command& command) {
@@ -234,7 +293,11 @@ double need_at_rest(const AccountConfig& config, const Command& command) {
   const auto need = [&](const PortKnowledge& known, const Vec3& force) {
     PortBalance balance(known, config.period);
     balance.earned(Vec3::Zero(), force, config.period);
-    return balance.need(force, config.period).at(1.0);
+    const std::vector<Vec3> coming(static_cast<std::size_t>(config.late), force);
+    double sum = 0.0;  // of the samples of which this force needs the energy together
+    for (std::size_t n = 0; n <= coming.size(); ++n)
+      sum += balance.need(force, config.period, {coming.data(), n}).at(1.0);
+    return sum;
   };
   return need(config.translation, command.force()) + need(config.rotation, command.torque);
 }

@@ -6,10 +6,12 @@
 // are laws for a contact. The account is not a law for a contact: it is the last bound before the
 // safety stage, after any of them.
 
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <limits>
 #include <optional>
+#include <span>
 
 #include "core/base/numeric.hpp"
 #include "core/bounding/certain_path.hpp"
@@ -32,6 +34,10 @@ struct AccountConfig {
   /// Uses the largest recent force from outside instead of the specified one, if it is less
   /// (core/bounding/outside_force.hpp).
   bool learns_outside_force = false;
+  /// L: the samples by which the device takes a force up late. The force of sample n is on the hand
+  /// from sample n + L on. From 0 to kMostLate.
+  int late = 0;
+  static constexpr int kMostLate = 4;
 };
 
 /// Counts of the account.
@@ -79,7 +85,9 @@ class PortBalance {
   void forget() noexcept;
   /// The energy that the next sample can take at most while a share of `wanted` is held, if it is
   /// held for `hold_time` h [s], T or longer. A longer hold burns less for the same way: b/h.
-  EnergyNeed need(const Vec3& wanted, double hold_time) const noexcept;
+  /// `coming`: the forces that are held before it, each for a sample, or a part of each.
+  EnergyNeed need(const Vec3& wanted, double hold_time,
+                  std::span<const Vec3> coming = {}) const noexcept;
   /// Prepares need() for `hold_time` [s]: it keeps the values that follow from the hold time alone,
   /// because that seldom changes.
   void prepare(double hold_time) noexcept;
@@ -97,8 +105,8 @@ class PortBalance {
   Hold hold_of(double damping, double hold_time) const noexcept;
   double damping_along(const Vec3& unit) const noexcept;
   bool beyond_reach(const Vec3& displacement, const Vec3& held, double hold_time) const noexcept;
-  void limit_by_inertia(EnergyNeed& need, const Polar<double>& force,
-                        const Hold& hold) const noexcept;
+  void limit_by_inertia(EnergyNeed& need, const Polar<double>& force, const Hold& hold,
+                        std::span<const Vec3> coming) const noexcept;
   void limit_by_speed(EnergyNeed& need, const Polar<double>& force,
                       const Hold& hold) const noexcept;
 
@@ -125,6 +133,12 @@ class PortBalance {
 ///   reach   = the smaller of the reach of mass and outside force (core/bounding/reach.hpp) and of
 ///             v h + q |u|_1, if these are known
 ///
+/// Of a device that takes a force up L samples late the coming forces f(n-L) to f(n-1) need energy
+/// before f(n) does (docs/bounding.md, "Forces that are taken up late"):
+///
+///   need(f(n)) <= min(M(n), A(n)) - need(f(n-L)) - ... - need(f(n-1)),   A(n) L + 1/2 samples
+///   ahead
+///
 /// A(n) is not part of the proof: a smaller force is always admissible. A force that only followed
 /// M(n) would be a spring that is always half a sample late, and would shake (docs/bounding.md,
 /// "The cut looks ahead").
@@ -132,11 +146,11 @@ class PortBalance {
 /// The needs of force and torque add up and one s scales both, so that the direction stays. A part
 /// with an infinite need (no damping and no mass is known) is not rendered.
 ///
-/// Guarantee: M >= 0 after every sample, up to rounding, while no hold lasts longer than T, the
-/// handle has at least the specified mass, and the force from outside is at most the specified
-/// force. If one of these is broken, the account overdraws once; then it renders no force until the
-/// device has burned the debt. Every reduction of the returned force is admissible if set_held()
-/// reports it.
+/// Guarantee: M >= 0 after every sample, up to rounding, while no hold lasts longer than T, each
+/// force is taken up exactly L samples late (or each at once), the handle has at least the
+/// specified mass, and the force from outside is at most the specified force. If one of these is
+/// broken, the account overdraws once; then it renders no force until the device has burned the
+/// debt. Every reduction of the returned force is admissible if set_held() reports it.
 ///
 /// Nothing here allocates, throws after construction or reads a clock.
 class PortAccount {
@@ -145,9 +159,9 @@ class PortAccount {
   explicit PortAccount(const AccountConfig& config);
 
   /// One servo sample: the movement of the device while the last force was held, and the wanted
-  /// force, for a hold of `next_hold` [s] at most (T if it is shorter). Returns the allowed force,
-  /// and takes it as held. A sample with a number that is not finite, or
-  /// without a duration, loses the balance and renders no force.
+  /// force, for a hold of `next_hold` [s] at most (T if it is shorter). Returns the allowed force.
+  /// Takes it as held, or that of L samples before, which a late device takes up now. A sample with
+  /// a number that is not finite, or without a duration, loses the balance and renders no force.
   Command step(const BoundingStep& step, double next_hold = 0.0) noexcept;
 
   /// Sets the force that was really held after the last step, if it differs.
@@ -174,7 +188,17 @@ class PortAccount {
   const AccountStatistics& statistics() const noexcept { return statistics_; }
 
  private:
+  static std::array<Vec3, AccountConfig::kMostLate> zeros() noexcept {
+    std::array<Vec3, AccountConfig::kMostLate> all;
+    all.fill(Vec3::Zero());
+    return all;
+  }
   double take_in(const BoundingStep& step) noexcept;
+  bool idle() const noexcept;
+  Command afforded(const Command& command, double left, double hold) noexcept;
+  double left_after_coming(double left, const Command& wanted, double last, double hold) noexcept;
+  double need_after(const Command& command, std::size_t n, double hold) const noexcept;
+  void give(const Command& given) noexcept;
   void count_debt(bool was_in_debt) noexcept;
 
   double cap_;
@@ -182,6 +206,11 @@ class PortAccount {
   PortBalance translation_, rotation_;
   double period_;
   Command held_;
+  // Given but not yet on the hand: that of the first of these is taken up next.
+  std::array<Command, AccountConfig::kMostLate> coming_{};
+  std::array<Vec3, AccountConfig::kMostLate> coming_forces_ = zeros(), coming_torques_ = zeros();
+  std::size_t late_;
+  double worst_next_ = 0.0;  // [J] the balance is not less than this after the next sample
   double balance_ = 0.0;
   AccountStatistics statistics_;
 };

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <span>
 
 #include "core/base/types.hpp"
 #include "core/device/damping.hpp"
@@ -77,6 +78,14 @@ class Reach {
   /// The same with no force held.
   double along(const Vec3& u, double hold_time) const noexcept {
     return reached(u, from_outside_, hold_time);
+  }
+  /// [m] by which a displacement along u is longer for each sample of `hold_time` [s] that comes
+  /// before it, in which one of `coming` [N], or a part of it, is held. Precondition: bounds().
+  double driven(const Vec3& u, std::span<const Vec3> coming, double hold_time) const noexcept {
+    double acceleration = 0.0;
+    for (const Vec3& force : coming)
+      acceleration += std::max(0.0, force.dot(u)) / known_.mass + from_outside_;
+    return acceleration * hold_time * hold_time;
   }
   /// Whether a sample of `hold_time` [s] that showed `displacement` is within reach along its own
   /// direction for every held force, because it differs from the sample before by less than the

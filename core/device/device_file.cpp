@@ -83,6 +83,7 @@ SpecSources sources_of(const device_file::DeviceSpec& given) {
       {"least_friction", &Said::least_friction},
       {"hand_force", &Said::hand_force},
       {"hand_speed", &Said::hand_speed},
+      {"late_ticks", &Said::late_ticks},
       {"rotational_resolution", &Said::rotational_resolution},
       {"least_inertia", &Said::least_inertia},
       {"hand_torque", &Said::hand_torque},
@@ -119,6 +120,7 @@ SourcedSpec read_spec(std::string_view text, std::string file) {
       .least_friction = given.least_friction(),
       .hand_force = given.hand_force(),
       .hand_speed = given.hand_speed(),
+      .late_ticks = given.late_ticks(),
       .rotational_resolution = given.rotational_resolution(),
       .least_inertia =
           least(document, "least_inertia", given.least_inertia(), given.least_inertia_matrix()),

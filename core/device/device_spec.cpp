@@ -62,6 +62,12 @@ void validate(const DeviceSpec& spec) {
            "is more than rotation_sensed: a torque that is not measured cannot be bounded; "
            "set rotation_actuated to 0");
 
+  if (spec.late_ticks < 0 || spec.late_ticks > kMostLateTicks)
+    refuse(spec, "late_ticks",
+           "is " + std::to_string(spec.late_ticks) +
+               "; give the ticks by which a force comes late, 0 to " +
+               std::to_string(kMostLateTicks));
+
   check_damping(spec, "damping", spec.damping, kMaxDamping, "N s/m");
   check_damping(spec, "rotational_damping", spec.rotational_damping, kMaxRotationalDamping,
                 "N m s/rad");

@@ -35,6 +35,7 @@ struct DeviceSpec {
   double hand_force = 10.0;     // [N] upper bound of the force from outside: of the hand, and of
                                 // gravity that is not compensated
   double hand_speed = 0.0;      // [m/s] upper bound of the handle's speed; 0: not known
+  int late_ticks = 0;           // by which a force that is written comes on the hand late
   // The same for rotation.
   double rotational_resolution = 0.0;  // [rad] encoder quantum about each world axis
   double least_inertia = 0.0;  // [kg m^2] lower bound of the apparent inertia about every axis, the
@@ -44,6 +45,9 @@ struct DeviceSpec {
   double apparent_inertia = 0.0;     // [kg m^2] at the tool, the same about every axis
   double rotational_friction = 0.0;  // [N m] dry friction about each world axis
 };
+
+/// The most that DeviceSpec::late_ticks can be.
+inline constexpr int kMostLateTicks = 4;
 
 /// A number of a specification that is not finite, negative or contradictory: what() names the
 /// device, the field and the remedy.

@@ -58,6 +58,7 @@ const std::vector<Number>& numbers() {
       {"workspace", "m", false, [](const DeviceSpec& s) { return listed(s.workspace); }},
       {"hand_force", "N", false, number(&DeviceSpec::hand_force)},
       {"hand_speed", "m/s", false, number(&DeviceSpec::hand_speed)},
+      {"late_ticks", "", false, number(&DeviceSpec::late_ticks)},
       {"rotational_resolution", "rad", false, number(&DeviceSpec::rotational_resolution)},
       {"least_inertia", "kg m^2", true, number(&DeviceSpec::least_inertia)},
       {"hand_torque", "N m", false, number(&DeviceSpec::hand_torque)},

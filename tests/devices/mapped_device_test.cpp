@@ -167,9 +167,8 @@ TEST(MappedDevice, BeginsWhereTheSceneSays) {
 
 /// [J] that the true motion of the handle made more than it burned, in ten seconds at a late wall.
 double made(const WorkspaceMapping& mapping, std::string_view mode, std::size_t lag = 0,
-            bool told_wrong = false) {
-  Mapped mapped(mapping, mode, told_wrong);
-  mapped.handle->lag = lag;
+            bool told_wrong = false, bool tells_lag = true) {
+  Mapped mapped(mapping, mode, told_wrong, lag, tells_lag);
   mapped.run(10.0);
   EXPECT_GT(mapped.handle->mass.largest_force, 0.3);
   return mapped.handle->mass.most_made;
@@ -179,15 +178,16 @@ TEST(MappedDevice, MakesNoEnergyAtTheTruePortWhateverTheMapping) {
   std::mt19937 random(7);
   for (int n = 0; n < 40; ++n) {
     const WorkspaceMapping mapping = any_mapping(random);
-    EXPECT_LE(made(mapping, kSessionMethod, n % 2), 1e-12)
+    EXPECT_LE(made(mapping, kSessionMethod, n % 3), 1e-12)
         << n << " scale " << mapping.scale << " turned " << mapping.rotation.transpose();
   }
 }
-/// What that is measured with can tell: without a bound, and with the numbers of the device not
-/// mapped.
+/// What that is measured with can tell: without a bound, with the numbers of the device not mapped,
+/// and with a device that does not say how late it takes forces up.
 TEST(MappedDevice, TheWallAloneOrNumbersThatAreNotMappedWouldMakeEnergy) {
   EXPECT_GT(made({.scale = 3.0}, kUnbounded), 0.005);
   EXPECT_GT(made({.scale = 3.0}, kSessionMethod, 0, true), 1e-4);
+  EXPECT_GT(made({.scale = 6.0}, kSessionMethod, 2, false, false), 1e-4);
 }
 
 TEST(MappedDevice, ReleaseReachesTheDevice) {

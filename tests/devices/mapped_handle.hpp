@@ -20,10 +20,12 @@ inline constexpr double kTick = 1e-3;  // [s]
 
 inline Vec3 vec(const stand_in::Three& v) { return {v[0], v[1], v[2]}; }
 
-/// A handle with a simulated mass in a hand that taps. It takes a force up at once, or ticks late.
+/// A handle with a simulated mass in a hand that taps. It takes a force up at once, or ticks late,
+/// and tells how many unless `tells` is false.
 class Handle final : public Device {
  public:
-  Handle() {
+  explicit Handle(std::size_t lag_ticks = 0, bool tells = true) : lag(lag_ticks) {
+    spec_.late_ticks = tells ? static_cast<int>(lag) : 0;
     spec_.name = "handle";
     spec_.damping = mass.damping;
     spec_.apparent_mass = spec_.least_mass = mass.mass;
@@ -60,7 +62,7 @@ class Handle final : public Device {
 
   stand_in::SimulatedMass mass;
   Quaternion orientation = Quaternion::Identity();
-  std::size_t lag = 0;  // ticks
+  std::size_t lag;  // ticks
   bool clutch = false, ok = true, released = false;
   Command on_hand;
 
@@ -72,8 +74,8 @@ class Handle final : public Device {
 /// A handle behind a mapping, in a session at the wall that its taps reach.
 struct Mapped {
   explicit Mapped(const WorkspaceMapping& mapping, std::string_view mode = kSessionMethod,
-                  bool told_wrong = false)
-      : handle(new Handle),
+                  bool told_wrong = false, std::size_t lag = 0, bool tells_lag = true)
+      : handle(new Handle(lag, tells_lag)),
         device(std::unique_ptr<Device>(handle), mapping),
         servo(told_wrong ? handle->spec() : device.spec(), in_mode(mode),
               protect_hand(in_mode(mode))),

@@ -27,6 +27,7 @@ constexpr double kShareOfExcess = 0.1;  // of all these, the worst reaches so fa
 struct Told {
   double mass = 1.0, hand = 1.0, quantum = 1.0;
   double operator_damping = 0.0;  // [N s/m] told on top of the device's own
+  bool late = true;               // how late the device takes forces up
 };
 
 struct Device {
@@ -43,7 +44,7 @@ struct Device {
     truth.quantum = random.chance(0.7) ? std::abs(random.decades(-6.0, -4.0)) : 0.0;
     truth.coulomb_friction = random.chance(0.5) ? handle.dry : 0.0;
   }
-  AccountConfig told(const Told& told) const {
+  AccountConfig told(const Told& told, std::size_t lag) const {
     AccountConfig config;
     config.period = kPeriod;
     config.translation = truth;
@@ -51,6 +52,7 @@ struct Device {
     config.translation.outside_force *= told.hand;
     config.translation.quantum *= told.quantum;
     config.translation.damping += told.operator_damping;
+    config.late = told.late ? static_cast<int>(lag) : 0;
     return config;
   }
 };
@@ -83,12 +85,15 @@ struct Outcome {
   double share_of_excess = 0.0;  // largest debt over what a hand that is too strong can overdraw
 };
 
-/// `strength`: the hand's largest force, in shares of the device's outside_force.
-Outcome attack(std::uint64_t seed, const Told& told, double strength = 1.0, double longest = 1.0) {
+/// `strength`: the hand's largest force, in shares of the device's outside_force. `lag`: the
+/// samples by which it takes a force up late.
+Outcome attack(std::uint64_t seed, const Told& told, double strength, double longest,
+               std::size_t lag) {
   Random random(seed);
   Device device(random);
   Environment environment(random);
-  PortAccount account(device.told(told));
+  PortAccount account(device.told(told, lag));
+  std::deque<Command> coming(lag);
   const double q = device.truth.quantum;
   const double b = device.truth.damping.matrix()(0, 0);
   const double hand_force_limit = strength * device.truth.outside_force;
@@ -121,9 +126,12 @@ Outcome attack(std::uint64_t seed, const Told& told, double strength = 1.0, doub
     const double friction = device.truth.coulomb_friction * dry_path;
     outcome.least = std::min(outcome.least, burned + friction - delivered);
     const bool in_debt_before = account.balance() < 0.0;
-    held = account.step(
+    const Command given = account.step(
         {.displacement = dx, .hold_time = hold, .command = environment.command(random, now)});
-    if (account.in_debt() && in_debt_before && held != Command{}) outcome.force_in_debt = true;
+    if (account.in_debt() && in_debt_before && given != Command{}) outcome.force_in_debt = true;
+    coming.push_back(given);
+    held = coming.front();
+    coming.pop_front();
     if (random.chance(0.1)) {  // a device that gives less
       held = random.uniform(0.0, 1.0) * held;
       account.set_held(held);
@@ -148,10 +156,11 @@ struct Sum {
   bool force_in_debt = false;
 };
 
-Sum attack_all(int devices, const Told& told, double strength = 1.0, double longest = 1.0) {
+Sum attack_all(int devices, const Told& told, double strength = 1.0, double longest = 1.0,
+               std::size_t lag = 0) {
   Sum sum;
   for (int i = 1; i <= devices; ++i) {
-    const Outcome o = attack(static_cast<std::uint64_t>(i), told, strength, longest);
+    const Outcome o = attack(static_cast<std::uint64_t>(i), told, strength, longest, lag);
     const double relative = o.least / std::max(1e-9, o.exchanged);
     sum.worst = std::min(sum.worst, relative);
     sum.share_of_excess = std::max(sum.share_of_excess, o.share_of_excess);
@@ -173,11 +182,24 @@ TEST(AccountAttack, NoHandTakesMoreThanTheDeviceBurned) {
   EXPECT_GT(sum.rendered, 0.1);
 }
 
+/// A device that takes forces up late, and says so.
+TEST(AccountAttack, NorFromADeviceThatTakesForcesUpLate) {
+  for (const std::size_t lag : {1U, 2U, 4U}) {
+    const Sum sum = attack_all(kDevices / 2, {}, 1.0, 1.0, lag);
+    EXPECT_EQ(sum.losers, 0) << lag;
+    EXPECT_GT(sum.worst, -1e-12);
+    EXPECT_EQ(sum.overdrawn, 0u);
+    EXPECT_EQ(sum.strong_hand, 0u);
+    EXPECT_GT(sum.rendered, 0.1);
+  }
+}
+
 TEST(AccountAttack, ToldWrongItLoses) {
   EXPECT_GT(attack_all(kDevices / 2, {.mass = 1.25}).losers, 0);
   EXPECT_GT(attack_all(kDevices / 2, {.hand = 0.8}).losers, 0);
   EXPECT_GT(attack_all(kDevices / 2, {.quantum = 0.0}).losers, 0);
   EXPECT_GT(attack_all(kDevices / 2, {.operator_damping = 1.2}).losers, 0);
+  EXPECT_GT(attack_all(kDevices / 2, {.late = false}, 1.0, 1.0, 1).losers, 0);
 }
 
 TEST(AccountAttack, AHandThatIsTooStrongOverdrawsOnceAndIsSeen) {

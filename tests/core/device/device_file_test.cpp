@@ -44,7 +44,7 @@ TEST_F(DeviceFile, SaysEverythingThatABuiltInDeviceSays) {
     "damping": [0.1, 0.2, 0.3], "rotational_damping": [0.002], "apparent_mass": 0.05,
     "coulomb_friction": 0.1, "position_resolution": 2e-5, "max_force": 9, "continuous_force": 2,
     "max_torque": 0.5, "workspace": [0.2, 0.3, 0.4],
-    "least_mass": 0.04, "least_friction": 0.06, "hand_force": 15, "hand_speed": 2,
+    "least_mass": 0.04, "least_friction": 0.06, "hand_force": 15, "hand_speed": 2, "late_ticks": 1,
     "rotational_resolution": 1e-4, "least_inertia": 2e-5, "hand_torque": 0.4})");
   EXPECT_EQ(spec.name, "mine");
   EXPECT_EQ(spec.rotation_actuated, 3);
@@ -61,6 +61,7 @@ TEST_F(DeviceFile, SaysEverythingThatABuiltInDeviceSays) {
   EXPECT_EQ(spec.least_friction, 0.06);
   EXPECT_EQ(spec.hand_force, 15.0);
   EXPECT_EQ(spec.hand_speed, 2.0);
+  EXPECT_EQ(spec.late_ticks, 1);
   EXPECT_EQ(spec.rotational_resolution, 1e-4);
   EXPECT_EQ(spec.least_inertia, 2e-5);
   EXPECT_EQ(spec.hand_torque, 0.4);
@@ -103,6 +104,7 @@ TEST_F(DeviceFile, WhatIsNotGiven) {
   EXPECT_EQ(spec.least_friction, 0.0);
   EXPECT_EQ(spec.hand_force, 10.0);
   EXPECT_EQ(spec.hand_speed, 0.0);
+  EXPECT_EQ(spec.late_ticks, 0);
   EXPECT_EQ(spec.least_inertia, 0.0);
 }
 

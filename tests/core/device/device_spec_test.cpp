@@ -97,6 +97,8 @@ TEST(DeviceSpec, EveryBrokenFieldIsNamed) {
       {"hand_force", [](DeviceSpec& d) { d.hand_force = 0; }},
       {"hand_force", [&](DeviceSpec& d) { d.hand_force = infinity; }},
       {"hand_speed", [](DeviceSpec& d) { d.hand_speed = -1; }},
+      {"late_ticks", [](DeviceSpec& d) { d.late_ticks = 5; }},
+      {"late_ticks", [](DeviceSpec& d) { d.late_ticks = -1; }},
       {"rotational_resolution", [](DeviceSpec& d) { d.rotational_resolution = 1; }},
       {"hand_torque", [](DeviceSpec& d) { d.least_inertia = 1e-5; }},
       {"least_inertia", [](DeviceSpec& d) { d.hand_torque = 1; }},
