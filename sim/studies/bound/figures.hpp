@@ -11,8 +11,8 @@
 
 namespace feltwire {
 
-/// What is run: no bound, the paper's methods and ours. The last has the device's account behind
-/// it, as in a session.
+/// The modes that are run: no bound, the paper's methods and ours. The last has the device's
+/// account after it, as in a session.
 inline constexpr std::array<std::string_view, 6> kFigureModes = {
     kUnbounded, "total_energy", "per_axis", "per_axis_projected", kDefaultMethod, kSessionMethod};
 

@@ -1,6 +1,5 @@
 #pragma once
-// A ledger that holds a bounding method to what it promises about energy
-// (core/bounding/method.hpp).
+// A ledger that checks the energy promise of a bounding method (core/bounding/method.hpp).
 
 #include <array>
 #include <limits>
@@ -9,7 +8,7 @@
 
 namespace feltwire {
 
-/// How finely an arithmetic counts.
+/// The precision of an arithmetic.
 struct Arithmetic {
   double epsilon = std::numeric_limits<double>::epsilon();   // 1 to the next number
   double least = std::numeric_limits<double>::denorm_min();  // the smallest number

@@ -1,5 +1,5 @@
 #pragma once
-// Speed against accuracy: what the servo rate and the arithmetic give a hand, and what they cost.
+// Speed against accuracy: the effect of servo rate and arithmetic on a hand, and their cost.
 
 #include <filesystem>
 #include <string>
@@ -21,7 +21,7 @@ struct RateArithmetic {
 inline constexpr RateArithmetic kRateArithmetics[] = {
     {"double", false, 0.0}, {"float 0.1 m", true, 0.1}, {"float 1 m", true, 1.0}};
 
-/// What is measured. Every list must have an entry.
+/// The measured cells. Every list must have an entry.
 struct RateGrid {
   std::vector<double> rates = {250, 500, 1000, 2000, 4000, 1e4, 2e4};  // [Hz]
   std::vector<double> dampings = {0.5, 2.0};                           // b [N s/m]

@@ -1,5 +1,5 @@
 #pragma once
-// What the extremes do to a bound: the hands, and the commands that they meet.
+// The inputs of a bound at the extremes: the hands, and their commands.
 
 #include <cmath>
 #include <cstdint>
@@ -36,7 +36,7 @@ class StrainRandom {
   std::mt19937_64 engine_;
 };
 
-/// What one row of hands does to a bound.
+/// The inputs of one row of hands.
 struct StressInputs {
   std::string name;
   Damping damping = 0.5;                       // [N s/m]
@@ -73,7 +73,7 @@ struct StrainedMovement {
 StrainedMovement move(int kind, StrainRandom& random, const StressInputs& strain,
                       const Command& held, double hold_time, double least, double largest);
 
-/// What a scene might ask for, and what none would.
+/// Commands that a scene might give, and commands that no scene gives.
 Command command(StrainRandom& random, const StressInputs& strain);
 
 }  // namespace feltwire

@@ -1,6 +1,6 @@
 #pragma once
-// Torque in closed loop: what each law shows of it, how calm it is, and what energy the port of six
-// degrees of freedom makes. docs/lab/torque.md is its page.
+// Torque in closed loop: the torque that each law shows, its calmness, and the energy of the port
+// of six degrees of freedom. docs/lab/torque.md is its page.
 
 #include <cstdint>
 #include <filesystem>
