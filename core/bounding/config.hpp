@@ -64,7 +64,7 @@ struct BoundingConfig {
   PassivityReference reference = PassivityReference::zero;  // passivity_control* only
   CouplingConfig coupling{};                                // virtual_coupling only
   CouplingConfig coupling_rotation{{}, {}, 5e-5};           // [N m/rad], [N m s/rad], [kg m^2]
-  double hand_damping = 1.2;  // a [N s/m] assumed damping of the hand; `credited` and `shaped` only
+  double hand_damping = 1.5;  // a [N s/m] assumed damping of the hand; `credited` and `shaped` only
   double quantum = 0.0;       // [m] of the encoder; the same
   double stiffness = std::numeric_limits<double>::infinity();  // [N/m] of the stiffest surface,
                                                                // if it is known; the same

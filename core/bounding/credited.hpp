@@ -19,13 +19,39 @@ struct CreditedLaw {
   double stiffness = std::numeric_limits<double>::infinity();
 };
 
+/// The movement of the place half a sample ahead, if the motion continues at its speed.
+template <class Real>
+class HalfSampleOn {
+ public:
+  /// T [s]
+  explicit HalfSampleOn(double period) : period_(static_cast<Real>(period)) {}
+
+  /// `way` [m] [rad] is the movement of the last sample, over `time` [s]. Returns the movement of
+  /// the place half a sample ahead since the call before, less `way`.
+  Vector3<Real> more(const Vector3<Real>& way, Real time) noexcept {
+    const Vector3<Real> speed = time > Real(0) ? Vector3<Real>((period_ / time) * way) : way;
+    const Vector3<Real> more = Real(0.5) * (speed - speed_);
+    speed_ = speed;
+    return more;
+  }
+
+ private:
+  Real period_;
+  Vector3<Real> speed_ = Vector3<Real>::Zero();  // [m] [rad] a period
+};
+
 /// mode `credited`: the channels of contact_frame, with the assumed damping of a hand beside that
 /// of the device. With c' = 2 (b + a) / T, or k of the stiffest surface if that is
 /// between 2 b / T and c', channel by channel,
-///   |F(n)| <= |F(n-1) + c' dx_ch(n)|
-/// So a force rises and falls by c' or more for every metre. It keeps no storage and repays no
-/// debt, unlike contact_frame. A hand that swings (swing_counter.hpp) has less damping than a: then
-/// a is halved, and grows again by kGrowth.
+///   |F(n)| <= |F(n-1) + c dx_ch(n) + (c' - c) dp_ch(n)|,   c = 2 b / T
+///   dp(n) = p(n) - p(n-1),   p(n) = x(n) + (T/2) v(n)
+/// p is the place of the hand half a sample later. The limit is a spring of c' that is made at the
+/// device, and the force of a spring that is held for T is late by T/2 (midpoint.hpp has the same
+/// for a surface). Asked at x(n) it takes c' T/2 = b + a of damping. The device has b, but a hand
+/// may have less than a. So the credited part is asked half a sample ahead. Without credit this is
+/// contact_frame without its storage, and passive. A force rises and falls by c' or more for every
+/// metre. It keeps no storage and repays no debt, unlike contact_frame. A hand that swings
+/// (swing_counter.hpp) has less damping than a: then a is halved, and grows again by kGrowth.
 ///
 /// This is shaping, not a bound: with a hand without damping it generates energy. The account
 /// behind it makes the port passive for every hand (core/bounding/account.hpp). It is for commands
@@ -47,15 +73,21 @@ class Credited {
         period_(period),
         full_credit_(translation.credit),
         swings_(std::max(kLeastSwing, kQuanta * quantum)),
+        translated_(period),
+        rotated_(period),
         torque_(torque) {}
 
   BasicCommand<Real> step(const BasicBoundingStep<Real>& s) noexcept {
     const Polar<Real> elastic = polar(s.command.elastic);
     adapt(s, elastic.direction);
+    const Vector3<Real> way = s.displacement + credited_share(translation_) *
+                                                   translated_.more(s.displacement, s.hold_time);
+    const Vector3<Real> turn =
+        s.rotation + credited_share(rotation_) * rotated_.more(s.rotation, s.hold_time);
     const bool corner = s.normals != nullptr && s.normals->count > 1;
-    BasicCommand<Real> rendered = corner ? at_walls(s) : at_contact(s, elastic);
+    BasicCommand<Real> rendered = corner ? at_walls(s, way) : at_contact(s, elastic, way);
     if (torque_) {
-      const Vector3<Real> allowed = held_torque_ - stiffness(rotation_) * s.rotation;
+      const Vector3<Real> allowed = held_torque_ - stiffness(rotation_) * turn;
       rendered.torque = s.command.torque * reduction(allowed, s.command.torque);
       held_torque_ = rendered.torque;
     }
@@ -67,22 +99,33 @@ class Credited {
     if (torque_) held_torque_ = held.torque;
   }
 
+  /// The hand moved while another law was in force.
+  void moved(const BasicBoundingStep<Real>& s) noexcept {
+    translated_.more(s.displacement, s.hold_time);
+    rotated_.more(s.rotation, s.hold_time);
+  }
+
   void scene_changed() noexcept {
     translation_.stiffness = std::numeric_limits<double>::infinity();
   }
   HandCredit hand_credit() const noexcept { return {translation_.credit, steps_down_}; }
 
  private:
+  Real credited_share(const CreditedLaw& law) const noexcept {  // (c' - c) / c'
+    const Real c = stiffness(law);
+    return c > Real(0) ? Real(1) - static_cast<Real>(2.0 * law.damping / period_) / c : Real(0);
+  }
+
   Real stiffness(const CreditedLaw& law) const noexcept {  // c' [N/m] [N m/rad]
     const double least = 2.0 * law.damping / period_;
     const double most = least + 2.0 * law.credit / period_;
     return static_cast<Real>(std::min(most, std::max(least, law.stiffness)));
   }
 
-  BasicCommand<Real> at_contact(const BasicBoundingStep<Real>& s,
-                                const Polar<Real>& wanted) noexcept {
+  BasicCommand<Real> at_contact(const BasicBoundingStep<Real>& s, const Polar<Real>& wanted,
+                                const Vector3<Real>& way) noexcept {
     const ChannelCommand<Real> command = in_channels(s.command, wanted, plain_);
-    const HeldFrame<Real> f(held_, command.normal, s.displacement);
+    const HeldFrame<Real> f(held_, command.normal, way);
     const Real c = stiffness(translation_);
     const Real elastic = std::abs(f.elastic - c * f.dx_elastic);
     const Vector3<Real> friction = f.frictional - c * f.dx_frictional;
@@ -96,7 +139,7 @@ class Credited {
 
   /// A channel for each wall. The walls of this command split the held force, so no channel has a
   /// memory.
-  BasicCommand<Real> at_walls(const BasicBoundingStep<Real>& s) noexcept {
+  BasicCommand<Real> at_walls(const BasicBoundingStep<Real>& s, const Vector3<Real>& way) noexcept {
     const WallFrame<Real> walls(*s.normals);
     const Vector3<Real> held = held_.elastic * held_.normal + held_.frictional;
     const Vector3<Real> wanted = s.command.force();
@@ -107,12 +150,12 @@ class Credited {
       const Vector3<Real> normal = walls.normal(i);
       const Real before = std::max(Real(0), walls.part(i, held));
       const Real force = std::max(Real(0), walls.part(i, wanted));
-      const Real allowed = std::abs(before - c * walls.weight(i) * normal.dot(s.displacement));
+      const Real allowed = std::abs(before - c * walls.weight(i) * normal.dot(way));
       elastic += force * normal;
       rendered.elastic += std::min(force, allowed) * normal;
     }
     const Vector3<Real> friction = walls.across(wanted);
-    const Real allowed = length(walls.across(held) - c * walls.across(s.displacement));
+    const Real allowed = length(walls.across(held) - c * walls.across(way));
     const Real share = reduction(length(rendered.elastic), length(elastic));
     rendered.frictional = std::min(share, reduction(allowed, length(friction))) * friction;
     held_.set(rendered, plain_);
@@ -138,6 +181,7 @@ class Credited {
   CreditedLaw translation_, rotation_;
   double period_, full_credit_;
   SwingCounter swings_;
+  HalfSampleOn<Real> translated_, rotated_;
   bool torque_;
   std::uint64_t steps_down_ = 0;
   Metric<Real> plain_{Damping(1.0)};
@@ -158,6 +202,7 @@ class Shaped {
     near_.step(s);
     if (s.local) {
       was_near_ = true;
+      late_.moved(s);
       return held_ = s.command;
     }
     if (was_near_) late_.set_held(held_);
