@@ -25,6 +25,7 @@ struct DeviceRequest {
   WristTask wrist;                            // the same, for a device that senses rotation
   bool own_center = true, own_normal = true;  // the same; false: begin() gives them
   std::optional<double> leads_from;           // [s] its switch is held; empty: it leads no robot
+  std::string firmware;                       // file for a Falcon; empty: none
   SteeringOptions steering;                   // of a gamepad or a 3D mouse
 };
 
@@ -49,6 +50,7 @@ struct Driver {
   std::string (*library)();
   bool held_by_person = true;  // a person's hand may be at it
   bool gives_force = true;     // false: there is nothing that `identify` could measure with
+  int buttons = 0;             // that are read of its devices, at most (DeviceReading::buttons)
 };
 
 std::span<const Driver> drivers();

@@ -20,6 +20,7 @@ class DeviceGuard final : public Device {
   bool await_tick(Nanoseconds latest) noexcept override;
   DeviceReading read(Nanoseconds now) noexcept override;
   Command write(const Command& on_hand) noexcept override;
+  bool lower_tool(Nanoseconds now) noexcept override;
   /// May be called in any thread and in a signal handler, and more than once.
   void release() noexcept override;
 

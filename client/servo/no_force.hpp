@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <string_view>
 
+#include "client/devices/device.hpp"
 #include "core/base/types.hpp"
 
 namespace feltwire {
@@ -39,9 +40,13 @@ enum class NoForce : std::uint8_t {
   account,          // the port has not burned enough
   not_held,         // the device does not hold what it was given
   law_change,       // an admin gave the session another law: what was held fades first
-  clutched          // the hand moves without the tool
+  clutched,         // the hand moves without the tool
+  not_homed,        // the encoders of the device have not found their zero
+  in_inkwell,       // the stylus is in its holder
+  starting,         // the hand is not still yet, or the tool's weight is being taken up
+  emergency         // the emergency stop was pressed
 };
-inline constexpr std::size_t kNoForceReasons = static_cast<std::size_t>(NoForce::clutched) + 1;
+inline constexpr std::size_t kNoForceReasons = static_cast<std::size_t>(NoForce::emergency) + 1;
 
 /// The name in the report: "touches_nothing".
 std::string_view name(NoForce reason);
@@ -51,14 +56,15 @@ std::string_view text(NoForce reason);
 /// The stages of one command on its way to the hand in one tick.
 struct ForceTrail {
   bool observer = false, device_ended = false, released = false, letting_go = false;
-  bool law_change = false;    // that is why it lets go
-  bool read = true;           // the device's position was usable
-  bool clutched = false;      // it was not looked at, because the hand moves without the tool
-  bool answered = false;      // some reply has come
-  bool silent = false;        // the newest is older than the hold time
-  bool recovering = false;    // as it says
-  bool server_bound = false;  // as it says, the server's bound took something off
-  bool stage_waits = false;   // the safety stage lets nothing through yet
+  bool law_change = false;  // that is why it lets go
+  bool read = true;         // the device's position was usable
+  bool clutched = false;    // it was not looked at, because the hand moves without the tool
+  Withheld withheld = Withheld::nothing;  // likewise, for a reason of the device's
+  bool answered = false;                  // some reply has come
+  bool silent = false;                    // the newest is older than the hold time
+  bool recovering = false;                // as it says
+  bool server_bound = false;              // as it says, the server's bound took something off
+  bool stage_waits = false;               // the safety stage lets nothing through yet
   bool refused = false, too_fast = false, ramped = false, slewed = false, limited = false;
   Command asked{};     // by the scene
   Command actuated{};  // of it, what the device can give
