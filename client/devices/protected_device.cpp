@@ -101,7 +101,7 @@ DeviceReading ProtectedDevice::read(Nanoseconds now) noexcept {
     if (stage_ == Stage::rising) take_up(now);
     if (stage_ != Stage::open) reading.withheld = Withheld::starting;
   }
-  changed_ = now;
+  if (!lowering_) changed_ = now;
   return reading;
 }
 
