@@ -23,11 +23,14 @@ namespace {
 
 constexpr std::size_t kLinkRoom = 1 << 13;  // datagrams on their way: 0.8 s at 10 kHz
 
-std::unique_ptr<Device> open_device(const ClientOptions& options) {
+std::unique_ptr<Device> open_device(ClientOptions& options) {
   OpenedDevice opened = options.driver->open(options.device);
   for (const std::string& note : opened.notes)
     std::fprintf(stderr, "feltwire-client: note: %s\n", visible(note).c_str());
-  return std::make_unique<MappedDevice>(std::move(opened.device), options.mapping);
+  options.emergency = std::make_shared<EmergencyStop>();
+  auto device = std::make_unique<ProtectedDevice>(std::move(opened.device), options.protection,
+                                                  options.emergency);
+  return std::make_unique<MappedDevice>(std::move(device), options.mapping);
 }
 
 /// A UDP port, behind an emulated link where one was asked for.
@@ -60,7 +63,8 @@ int check(ClientOptions& options) {
     findings = judge(run, machine_facts(run.server));
     return json(findings);
   };
-  const int ran = run_client(open_device(options), options);
+  auto device = open_device(options);
+  const int ran = run_client(std::move(device), options);
   std::printf("%s", table(findings).c_str());
   return ran == 0 && worst(findings) != Verdict::fail ? 0 : 1;
 }
@@ -68,7 +72,9 @@ int check(ClientOptions& options) {
 int run(ClientOptions options) {
   if (options.list) return list(options.server);
   options.open_port = [&options](const Address& scene) { return open_port(options, scene); };
-  return options.check ? check(options) : run_client(open_device(options), options);
+  if (options.check) return check(options);
+  auto device = open_device(options);
+  return run_client(std::move(device), options);
 }
 
 }  // namespace

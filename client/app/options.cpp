@@ -65,6 +65,8 @@ std::variant<ClientOptions, int> parse_options(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--device", words.device, "KIND or KIND:NAME. " + driver_choices())
       ->capture_default_str();
+  app.add_option("--firmware", words.firmware,
+                 "FILE with the maker's firmware, which a Falcon forgets when its power is off");
   app.add_option("--lead", words.lead,
                  "[s] Lead the scene's robot and feel its contacts (docs/teleoperation.md). The "
                  "simulated hand holds its enabling switch from this time on, 0.2 or later");
@@ -248,6 +250,18 @@ std::variant<ClientOptions, int> parse_options(int argc, char** argv) {
       ->group(safety);
   app.add_option("--max-force", options.servo.safety.force.max,
                  "[N] Largest force, if it is less than that of the device")
+      ->group(safety);
+  app.add_option("--tool-weight", words.tool_weight,
+                 "Weight of a tool at the handle, which a constant force along the device's z "
+                 "holds: 0.05kg or 0.5N (docs/devices.md)")
+      ->group(safety);
+  app.add_option("--emergency-button", words.emergency_button,
+                 "Number of a button of the device, from 1, which takes all force off at once, as "
+                 "the space bar does in the terminal. Key r starts again")
+      ->group(safety);
+  app.add_option("--await-still", words.await_still,
+                 "[s] No force before the hand was still for this time, or its enabling switch is "
+                 "pressed. 0: no wait. Usually 0.25 for a device that a person holds")
       ->group(safety);
   app.add_flag("--learn-hand-force", options.servo.learns_hand_force,
                "The account relies on 1.5 times the largest recent hand force, "

@@ -17,6 +17,7 @@ struct ClientOptions : RunOptions {
   const Driver* driver = nullptr;         // for --device
   DeviceRequest device;                   // the request to that driver
   WorkspaceMapping mapping;               // of its workspace into the scene
+  ProtectionOptions protection;           // of the hand at it
   int dscp = 0;                           // of the datagrams
   std::optional<TwoWayLinkOptions> link;  // emulated, between this client and its socket
 };

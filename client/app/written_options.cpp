@@ -1,6 +1,7 @@
 #include "client/app/written_options.hpp"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
@@ -98,6 +99,7 @@ std::vector<NamedFile> read_files(const WrittenOptions& words) {
   const CredentialOptions& c = words.credentials;
   const DriverChoice device = chosen_driver(words.device);
   return named({{"--device", device.driver->names_file ? device.name : std::string()},
+                {"--firmware", words.firmware},
                 {"--fingerprint-file", c.fingerprint_file},
                 {"--ca", c.ca},
                 {"--certificate", c.certificate},
@@ -143,10 +145,45 @@ void choose_device(const WrittenOptions& words, HandTask task, ClientOptions& op
                     .own_normal = words.normal.has_value(),
                     .leads_from = words.lead,
                     .steering = options.device.steering};
+  options.device.firmware = words.firmware;
+  require(words.firmware.empty() || chosen.driver->kind == "falcon",
+          "--firmware is for --device falcon; leave it out");
   validate(options.device.steering);
   if (words.damping) options.device.spec.damping = damping(*words.damping);
   // Checks the spec before the device is opened, so that its error comes first.
   requested_spec(options.device.spec, chosen.driver->spec);
+}
+
+/// [N] of "0.05kg" or "0.5N". Throws std::invalid_argument.
+double weight(const std::string& words) {
+  constexpr double kGravity = 9.80665;  // [m/s^2]
+  const bool mass = words.ends_with("kg"), force = words.ends_with("N");
+  const std::size_t unit = mass ? 2 : 1;
+  double number = 0.0;
+  const char* const end = words.data() + words.size() - (words.empty() ? 0 : unit);
+  const auto parsed = std::from_chars(words.data(), end, number);
+  require((mass || force) && parsed.ec == std::errc() && parsed.ptr == end && number > 0.0 &&
+              std::isfinite(number),
+          "--tool-weight must be a number above 0 and its unit: 0.05kg, or 0.5N");
+  return mass ? kGravity * number : number;
+}
+
+/// Throws std::invalid_argument.
+ProtectionOptions protection(const WrittenOptions& words, const Driver& driver) {
+  constexpr double kUsualStill = 0.25;  // [s]
+  ProtectionOptions options;
+  if (!words.tool_weight.empty()) options.tool_weight = weight(words.tool_weight);
+  options.emergency_button = words.emergency_button;
+  options.still =
+      words.await_still.value_or(driver.held_by_person && driver.gives_force ? kUsualStill : 0.0);
+  require(options.tool_weight == 0.0 || driver.gives_force,
+          "--tool-weight needs a device that gives force; leave it out");
+  if (options.emergency_button < 0 || options.emergency_button > driver.buttons)
+    throw std::invalid_argument(
+        "--emergency-button: of --device " + std::string(driver.kind) +
+        (driver.buttons > 0 ? " the buttons 1 to " + std::to_string(driver.buttons) + " are read"
+                            : " no button is read; use the space bar"));
+  return options;
 }
 
 /// How the device's workspace lies in the scene. Throws std::invalid_argument.
@@ -234,6 +271,7 @@ void understand(const WrittenOptions& words, HandTask task, ClientOptions& optio
   }
   choose_device(words, task, options);
   options.mapping = mapping(words);
+  options.protection = protection(words, *options.driver);
   if (!words.report.empty()) options.report = words.report;
   if (!words.record.empty()) options.record = words.record;
   choose_recording(words, options);

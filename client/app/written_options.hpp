@@ -31,6 +31,10 @@ struct WrittenOptions {
   double map_scale = 1.0;
   std::optional<std::array<double, 3>> map_rotate, map_translate;  // [deg], [m]
   std::string map_mirror;
+  std::string firmware;
+  std::string tool_weight;  // with its unit
+  int emergency_button = 0;
+  std::optional<double> await_still;  // [s]
   std::optional<double> wait_for_small_force, ramp_up, velocity_limit;
   std::string report, record, view, flight_recorder, link, profile, dscp = "cs0", role = "operator";
   RecordingLimits record_limits;

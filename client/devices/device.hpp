@@ -1,13 +1,24 @@
 #pragma once
 // The interface of a haptic device. Implement it to attach one (docs/devices.md).
 
+#include <cstdint>
 #include <optional>
+#include <string_view>
 
 #include "core/base/types.hpp"
 #include "core/device/device_spec.hpp"
 #include "protocol/wire/datagram.hpp"
 
 namespace feltwire {
+
+/// Why a device takes no force for now, although it has no fault.
+enum class Withheld : std::uint8_t {
+  nothing,     // it takes forces
+  not_homed,   // its encoders have not found their zero: the pose means nothing
+  in_inkwell,  // the stylus is in its holder
+  starting,    // the hand is not still yet, or the tool's weight is being taken up
+  emergency    // the emergency stop was pressed
+};
 
 /// A reading of a device.
 struct DeviceReading {
@@ -30,6 +41,11 @@ struct DeviceReading {
   /// The hand moves without the tool. The tool stands still, and no force is on the hand. The servo
   /// asks for no force, and the movement earns no energy.
   bool clutched = false;
+  /// All buttons, a bit each; the first is bit 0.
+  std::uint32_t buttons = 0;
+  /// Not `nothing`: the servo asks for no force, and the movement earns nothing. The pose is shown
+  /// in the scene, unless the device is not homed.
+  Withheld withheld = Withheld::nothing;
 };
 
 /// A haptic device. The servo thread calls read() and then write(), once each tick; no other thread
@@ -46,6 +62,10 @@ class Device {
   /// there, world frame. Simulated hands go there; a real device can ignore it. If it throws, the
   /// run does not begin.
   virtual void begin(const Vec3& /*position*/, const Vec3& /*normal*/) {}
+
+  /// Called before begin(), several times a second, until it returns an empty text: the device can
+  /// give force. Else the text says what a person must do first. It may block for 10 ms.
+  virtual std::string_view prepare() noexcept { return {}; }
 
   /// The longest time between two ticks that a device which sets the pace guarantees: the session's
   /// servo period T. Zero: it sets no pace, and the servo's own timer does. It must not change.
@@ -64,6 +84,10 @@ class Device {
   /// still the one before (a force that comes too late for this tick). Only this command is
   /// accounted for, unless the next reading has another held force.
   virtual Command write(const Command& on_hand) noexcept = 0;
+
+  /// Called before each of the last ticks, when the servo's own force has faded: takes off slowly
+  /// what the device holds by itself, the weight of a tool. True: nothing is left of it.
+  virtual bool lower_tool(Nanoseconds /*now*/) noexcept { return true; }
 
   /// Takes the force off the hand for good. Later calls of write() must hold nothing. It is called
   /// when the run ends, when the servo thread makes no ticks, and when the program crashes. Any

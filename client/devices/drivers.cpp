@@ -4,6 +4,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "client/devices/falcon.hpp"
 #include "client/devices/force_dimension.hpp"
 #include "client/devices/hapi.hpp"
 #include "client/devices/haply.hpp"
@@ -66,7 +67,8 @@ constexpr std::array kDrivers = {
            .summary = "omega, delta, sigma, lambda, Falcon, with the maker's SDK",
            .spec = "omega.7",
            .open = open_force_dimension,
-           .library = force_dimension_library},
+           .library = force_dimension_library,
+           .buttons = 8},
     Driver{.kind = "openhaptics",
            .takes_name = Name::optional,
            .name = "NAME",
@@ -74,7 +76,8 @@ constexpr std::array kDrivers = {
            .summary = "Touch, Touch X, Premium, with the maker's OpenHaptics",
            .spec = "touch",
            .open = open_haptics,
-           .library = open_haptics_library},
+           .library = open_haptics_library,
+           .buttons = 4},
     Driver{.kind = "haply",
            .takes_name = Name::optional,
            .name = "ID@PORT",
@@ -82,7 +85,17 @@ constexpr std::array kDrivers = {
            .summary = "Inverse3, Inverse3x, Minverse, with the maker's service",
            .spec = "simulated",
            .open = open_haply,
-           .library = haply_usual_service},
+           .library = haply_usual_service,
+           .buttons = 3},
+    Driver{.kind = "falcon",
+           .takes_name = Name::optional,
+           .name = "NUMBER",
+           .names_file = false,
+           .summary = "Novint's Falcon over USB, without the maker's SDK",
+           .spec = "simulated",
+           .open = open_falcon,
+           .library = falcon_library,
+           .buttons = 4},
     Driver{.kind = "hapi",
            .takes_name = Name::required,
            .name = "PORT",

@@ -26,6 +26,7 @@ struct DeviceRequest {
   bool own_center = true, own_normal = true;  // of the simulated hand; false: begin() gives them
   std::optional<double>
       leads_from;            // [s] time from which its switch is held; empty: it leads no robot
+  std::string firmware;      // file for a Falcon; empty: none
   SteeringOptions steering;  // of a gamepad or a 3D mouse
 };
 
@@ -50,6 +51,7 @@ struct Driver {
   std::string (*library)();
   bool held_by_person = true;  // a person's hand may hold it
   bool gives_force = true;     // false: `identify` cannot measure it
+  int buttons = 0;             // the most that are read of its devices (DeviceReading::buttons)
 };
 
 std::span<const Driver> drivers();

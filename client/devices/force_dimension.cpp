@@ -24,7 +24,7 @@ namespace fs = std::filesystem;
 // Values that the calls return beside 0 and -1: the reading is an old one, the force was cut.
 constexpr int kOld = 1, kSaturated = 2;
 // Places in dhdGetStatus(). SDKs differ in how many they fill.
-constexpr std::size_t kConnected = 1, kForce = 5, kStatuses = 32;
+constexpr std::size_t kConnected = 1, kForce = 5, kGravity = 10, kStatuses = 32;
 constexpr int kNoDevice = 5;             // dhdErrorGetLast()
 constexpr unsigned char kWatchdog = 80;  // of 125 us: forces end 10 ms after the last call
 constexpr int kOldest = 3;               // version of the SDK
@@ -215,6 +215,7 @@ class ForceDimensionDevice final : public Device {
     }
     reading.pose.position = {x, y, z};
     const unsigned pressed = call_.buttons != nullptr ? call_.buttons(id_) : 0;
+    reading.buttons = pressed;
     reading.clutch = (pressed & 1U) != 0;  // most models have one button
     reading.deadman = (pressed & 2U) != 0;
     if (wrist_) {
@@ -288,9 +289,14 @@ class ForceDimensionDevice final : public Device {
                        call_.brakes(0, id_) >= 0 && call_.set_force(0.0, 0.0, 0.0, id_) >= 0 &&
                        call_.enable_force(1, id_) >= 0 && call_.gravity(1, id_) >= 0;
     if (!ready) refuse("the device cannot be made ready: " + last_error());
+    std::array<int, kStatuses> status{};
+    const bool compensates = call_.status(status.data(), id_) >= 0 && status[kGravity] != 0;
     notes_.emplace_back(
-        "the maker's library compensates gravity: that force is not feltwire's, and is not "
-        "accounted");
+        compensates
+            ? "gravity compensation is on: the maker's library holds the handle's weight, and that "
+              "force is not accounted"
+            : "gravity compensation is off, although it was asked for: the handle pulls down. "
+              "hand_force of the specification must have its weight in it");
     let_go_ = std::make_unique<LetGo>([this] { call_.set_force(0.0, 0.0, 0.0, id_); });
   }
 

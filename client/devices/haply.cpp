@@ -156,6 +156,8 @@ class HaplyDevice final : public LockStepDevice {
         message->told.position->norm() > kFarthest)
       return Answer::garbled;
     reading.pose.position = turned_to_ours(*message->told.position - Vec3(0.0, kAway, kUp));
+    for (std::size_t i = 0; message->buttons && i < message->buttons->size(); ++i)
+      reading.buttons |= (*message->buttons)[i] ? 1U << i : 0U;
     reading.deadman = message->buttons && (*message->buttons)[0];
     reading.clutch = message->buttons && (*message->buttons)[1];
     if (cut_) reading.held = held_command(on_hand, *cut_, Vec3::Zero());
@@ -220,8 +222,12 @@ class HaplyDevice final : public LockStepDevice {
           "the service's force gate is on, by a law that is not known: what it says that it "
           "applies "
           "is accounted");
-    if (told.compensates_gravity)
-      notes_.emplace_back("the service compensates gravity: that force is not accounted");
+    notes_.emplace_back(told.compensates_gravity
+                            ? "gravity compensation is on: the service holds the arm's weight, and "
+                              "that force is not accounted"
+                            : "gravity compensation is off, or the service does not say: the arm "
+                              "may pull down. hand_force of the specification must have its weight "
+                              "in it");
     std::array<char, kMostCommand> text{};
     const std::size_t size = write_command(dialect_, id_, Vec3::Zero(), false, text);
     zero_ = socket_.frame({text.data(), size});

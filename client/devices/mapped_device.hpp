@@ -48,6 +48,8 @@ class MappedDevice final : public Device {
   bool await_tick(Nanoseconds latest) noexcept override { return device_->await_tick(latest); }
   DeviceReading read(Nanoseconds now) noexcept override;
   Command write(const Command& on_hand) noexcept override;
+  std::string_view prepare() noexcept override { return device_->prepare(); }
+  bool lower_tool(Nanoseconds now) noexcept override { return device_->lower_tool(now); }
   void release() noexcept override { device_->release(); }
 
  private:

@@ -24,11 +24,11 @@ constexpr unsigned kNoHandle = 0xFFFFFFFFu;
 constexpr unsigned kContinue = 1;
 constexpr unsigned short kUsualPriority = 32767;
 constexpr unsigned kForceOutput = 0x4000, kForceRamping = 0x4002;  // hdEnable
-constexpr unsigned kButtons = 0x2000, kTransform = 0x2052, kModel = 0x2501,
+constexpr unsigned kButtons = 0x2000, kInkwell = 0x2002, kTransform = 0x2052, kModel = 0x2501,
                    kNominalMaxForce = 0x2603, kUpdateRate = 0x2600;
 constexpr unsigned kCurrentForce = 0x2700;
 constexpr unsigned kCalibrated = 0x5000, kNeedsUpdate = 0x5001;  // hdCheckCalibration
-constexpr unsigned kAutomatic = 2;                               // style of calibration
+constexpr unsigned kAutomatic = 2, kByInkwell = 4;               // styles of calibration
 // Errors after which the amplifiers are off: warm motors, force, speed, and faults of the device.
 constexpr unsigned kFirstFault = 0x200, kLastFault = 0x303;
 
@@ -78,6 +78,7 @@ struct Calls {
         disable(l.get<void(unsigned)>("hdDisable")),
         get_doubles(l.get<void(unsigned, double*)>("hdGetDoublev")),
         get_integers(l.get<void(unsigned, int*)>("hdGetIntegerv")),
+        get_booleans(l.find<void(unsigned, unsigned char*)>("hdGetBooleanv")),
         get_string(l.get<const char*(unsigned)>("hdGetString")),
         set_doubles(l.get<void(unsigned, const double*)>("hdSetDoublev")),
         calibration(l.get<unsigned()>("hdCheckCalibration")),
@@ -99,6 +100,7 @@ struct Calls {
   void (*disable)(unsigned);
   void (*get_doubles)(unsigned, double*);
   void (*get_integers)(unsigned, int*);
+  void (*get_booleans)(unsigned, unsigned char*);  // null where it is not
   const char* (*get_string)(unsigned);
   void (*set_doubles)(unsigned, const double*);
   unsigned (*calibration)();
@@ -145,6 +147,9 @@ class OpenHapticsDevice final : public Device {
   const DeviceSpec& spec() const override { return described_.spec; }
   std::vector<std::string> notes() const { return notes_; }
   Nanoseconds longest_tick() const override { return longest_tick_; }
+  std::string_view prepare() noexcept override {
+    return in_inkwell_.load() ? "take the stylus out of its inkwell" : "";
+  }
 
   bool await_tick(Nanoseconds latest) noexcept override { return handover_.await(latest); }
   DeviceReading read(Nanoseconds) noexcept override { return handover_.newest(); }
@@ -207,6 +212,8 @@ class OpenHapticsDevice final : public Device {
     constexpr double kSlack = 1.25;  // of the period: its scheduler's own jitter
     longest_tick_ = from_seconds(kSlack / (rate > 0 ? rate : kUsualRate));
     calibrate();
+    has_inkwell_ = call_.get_booleans != nullptr && (call_.calibration_style() & kByInkwell) != 0;
+    in_inkwell_.store(has_inkwell_ && is_in_inkwell());
     call_.enable(kForceRamping);
     call_.enable(kForceOutput);
     task_ = call_.schedule(&OpenHapticsDevice::called_back, this, kUsualPriority);
@@ -231,6 +238,12 @@ class OpenHapticsDevice final : public Device {
           "at right angles), run the maker's diagnosis program, and start again");
   }
 
+  bool is_in_inkwell() const noexcept {
+    unsigned char in = 0;
+    call_.get_booleans(kInkwell, &in);
+    return in != 0;
+  }
+
   /// In the thread of the maker's scheduler.
   static unsigned called_back(void* self) {
     static_cast<OpenHapticsDevice*>(self)->frame();
@@ -250,10 +263,14 @@ class OpenHapticsDevice final : public Device {
     reading.ok = ramping_ == 0;
     int pressed = 0;
     call_.get_integers(kButtons, &pressed);
+    reading.buttons = static_cast<std::uint32_t>(pressed);
     reading.deadman = (pressed & 1) != 0;
     reading.clutch = (pressed & 2) != 0;
+    const bool in_inkwell = has_inkwell_ && is_in_inkwell();
+    in_inkwell_.store(in_inkwell);
+    if (in_inkwell) reading.withheld = Withheld::in_inkwell;
     Command given = handover_.exchange(reading, kPatience);
-    if (ramping_ > 0) {
+    if (ramping_ > 0 || in_inkwell) {
       given = {};
       handover_.cut_to(given);
     }
@@ -285,7 +302,8 @@ class OpenHapticsDevice final : public Device {
   SourcedSpec described_;
   std::vector<std::string> notes_;
   Nanoseconds longest_tick_{0};
-  std::atomic<bool> let_go_{false};
+  bool has_inkwell_ = false;
+  std::atomic<bool> let_go_{false}, in_inkwell_{false};
   // Only the scheduler's thread reads and writes it.
   int ramping_ = kRampTicks;
 };

@@ -23,7 +23,7 @@ struct Known {
 // As others have seen them.
 constexpr std::array kKnown = {
     Known{"1451", "", "Force Dimension", "forcedimension"},
-    Known{"0403", "cb48", "Novint Falcon", "forcedimension"},
+    Known{"0403", "cb48", "Novint Falcon", "falcon"},
     Known{"0301", "2988", "Touch", "openhaptics"},
     Known{"2988", "0302", "Touch", "openhaptics"},
     Known{"16c0", "0483", "Haply Inverse3, or another board with a Teensy", "haply"},

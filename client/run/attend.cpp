@@ -10,6 +10,7 @@
 #include <cstdio>
 #include <system_error>
 
+#include "client/run/emergency_key.hpp"
 #include "client/run/status_line.hpp"
 #include "core/base/visible_text.hpp"
 
@@ -19,7 +20,7 @@ namespace {
 constexpr int kHousekeeping = 50;  // [ms] between looks at the rings
 
 /// Also where the system fails to wait, so that looks do not follow each other without end.
-void wait(std::array<pollfd, 2>& waiting) noexcept {
+void wait(std::array<pollfd, 3>& waiting) noexcept {
   if (::poll(waiting.data(), waiting.size(), kHousekeeping) < 0 && errno != EINTR) {
     const timespec pause{.tv_sec = 0, .tv_nsec = kHousekeeping * 1'000'000L};
     ::nanosleep(&pause, nullptr);
@@ -53,6 +54,16 @@ void tell_of(Changes& changes, StatusLine& line, Records& records,
     }
 }
 
+void tell_of(EmergencyKey::Turned turned, StatusLine& line) noexcept {
+  if (turned == EmergencyKey::Turned::nothing) return;
+  line.end();
+  std::fputs(
+      turned == EmergencyKey::Turned::stopped
+          ? "feltwire-client: EMERGENCY STOP: all force is off; r starts again, Ctrl-C ends\n"
+          : "feltwire-client: starting again: hold the hand still\n",
+      stderr);
+}
+
 }  // namespace
 
 Signals::Signals(bool records) {
@@ -77,14 +88,20 @@ Signals::Taken Signals::take() const noexcept {
 }
 
 void attend(const Signals& signals, ServoThread& thread, Ring<LiveStatus>& statuses,
-            Records& records, Changes& changes, Reconnector& reconnector) noexcept {
+            Records& records, Changes& changes, Reconnector& reconnector,
+            EmergencyKey& keys) noexcept {
   StatusLine line;
   bool connected = true;
-  std::array<pollfd, 2> waiting{
-      {{signals.descriptor(), POLLIN, 0}, {thread.over_descriptor(), POLLIN, 0}}};
+  std::array<pollfd, 3> waiting{{{signals.descriptor(), POLLIN, 0},
+                                 {thread.over_descriptor(), POLLIN, 0},
+                                 {keys.descriptor(), POLLIN, 0}}};
   bool running = true;
   while (running) {
     wait(waiting);
+    if (waiting[2].revents != 0) {
+      tell_of(keys.take(), line);
+      waiting[2].fd = keys.descriptor();
+    }
     const Signals::Taken came = signals.take();
     if (came.end) thread.stop();
     running = !thread.over();

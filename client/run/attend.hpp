@@ -2,6 +2,7 @@
 // The main thread's loop while the servo thread runs: status lines, records, reconnection, signals.
 
 #include "client/run/changes.hpp"
+#include "client/run/emergency_key.hpp"
 #include "client/run/records.hpp"
 #include "client/servo/servo_thread.hpp"
 #include "client/transport/reconnector.hpp"
@@ -30,9 +31,10 @@ class Signals {
 
 /// Runs until the servo thread's loop is over. It shows its status, writes the records, also on a
 /// signal, handles changes of an admin, looks for a lost session, and ends the loop on a signal or
-/// when another session is refused for good. No failure in here ends the run: a status line without
-/// memory is not shown.
+/// when another session is refused for good. Keys of the terminal stop the device at once (`keys`).
+/// No failure in here ends the run: a status line without memory is not shown.
 void attend(const Signals& signals, ServoThread& thread, Ring<LiveStatus>& statuses,
-            Records& records, Changes& changes, Reconnector& reconnector) noexcept;
+            Records& records, Changes& changes, Reconnector& reconnector,
+            EmergencyKey& keys) noexcept;
 
 }  // namespace feltwire

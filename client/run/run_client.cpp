@@ -1,5 +1,7 @@
 #include "client/run/run_client.hpp"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <csignal>
 #include <cstdio>
@@ -9,7 +11,9 @@
 
 #include "client/run/attend.hpp"
 #include "client/run/crash_release.hpp"
+#include "client/run/emergency_key.hpp"
 #include "client/run/output_files.hpp"
+#include "client/run/readiness.hpp"
 #include "client/run/report.hpp"
 #include "client/run/reserve.hpp"
 #include "client/run/status_line.hpp"
@@ -214,6 +218,7 @@ int run_client(std::unique_ptr<Device> device, const RunOptions& options) {
   if (options.view) check_writable(*options.view);
   const Signals signals(options.flight_recorder.has_value());
   Reserve reserve;
+  if (!get_ready(*device, signals)) return 0;
 
   control::JoinRequest wanted{options.name, options.scene, device->spec(), options.parameters,
                               options.role};
@@ -250,7 +255,12 @@ int run_client(std::unique_ptr<Device> device, const RunOptions& options) {
   // From here on the hand may hold a force: nothing is thrown until the thread has ended.
   RealTime real_time = thread->real_time();
   warn_of_missing(real_time, all->priority);
-  attend(signals, *thread, all->statuses, *all->records, *all->changes, *reconnector);
+  {
+    EmergencyKey keys(options.emergency, STDIN_FILENO);
+    if (keys.descriptor() >= 0)
+      std::fputs("feltwire-client: the space bar takes all force off at once\n", stderr);
+    attend(signals, *thread, all->statuses, *all->records, *all->changes, *reconnector, keys);
+  }
   const bool ended = thread->end();
   LoopResult& result = all->result;
   if (!reconnector->refusal().empty() && !result.stood_still) result.end = EndReason::refused;

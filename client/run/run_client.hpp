@@ -9,6 +9,7 @@
 #include <string>
 
 #include "client/devices/device.hpp"
+#include "client/devices/protected_device.hpp"
 #include "client/run/observer_recorder.hpp"
 #include "client/run/recording.hpp"
 #include "client/run/run_figures.hpp"
@@ -30,6 +31,8 @@ struct RunOptions {
   Role role = Role::operator_;           // or observer
   std::string device_kind;               // for the report
   SessionParameters parameters = usual_parameters();  // requested from the server
+  /// Of a ProtectedDevice: keys of the terminal press and reset it. Null: no key does.
+  std::shared_ptr<EmergencyStop> emergency;
   ServoOptions servo;  // safety limits; protect_hand(parameters) gives the usual ones
   /// The changes that an admin may make while it runs (docs/admin.md); none by default.
   /// Never use LawsTaken::any if a person's hand may be at the device. A link is the one that

@@ -51,6 +51,14 @@ Command DeviceGuard::write(const Command& on_hand) noexcept {
   return held;
 }
 
+bool DeviceGuard::lower_tool(Nanoseconds now) noexcept {
+  if (released()) return true;
+  enter();
+  const bool lowered = device_.lower_tool(now);
+  leave();
+  return lowered;
+}
+
 void DeviceGuard::release() noexcept {
   released_.store(true);
   device_.release();

@@ -20,6 +20,7 @@ class DeviceGuard final : public Device {
   bool await_tick(Nanoseconds latest) noexcept override;
   DeviceReading read(Nanoseconds now) noexcept override;
   Command write(const Command& on_hand) noexcept override;
+  bool lower_tool(Nanoseconds now) noexcept override;
   /// For any thread and any signal handler; it may be called more than once.
   void release() noexcept override;
 

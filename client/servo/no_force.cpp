@@ -36,10 +36,29 @@ constexpr std::array<ReasonText, kNoForceReasons> kWords = {{
     {"not_held", "the device does not hold what it is given"},
     {"law_change", "an admin has just given the session another law"},
     {"clutched", "the clutch is held: the hand moves without the tool"},
+    {"not_homed", "the device must be homed first"},
+    {"in_inkwell", "the stylus is in its inkwell"},
+    {"starting", "hold the hand still to start"},
+    {"emergency", "EMERGENCY STOP; press r to start again"},
 }};
 
 bool felt(const Command& c) {
   return length(c.force()) >= kFeltForce || length(c.torque) >= kFeltTorque;
+}
+NoForce reason_of(Withheld withheld) {
+  switch (withheld) {
+    case Withheld::not_homed:
+      return NoForce::not_homed;
+    case Withheld::in_inkwell:
+      return NoForce::in_inkwell;
+    case Withheld::starting:
+      return NoForce::starting;
+    case Withheld::emergency:
+      return NoForce::emergency;
+    case Withheld::nothing:
+      break;
+  }
+  return NoForce::device_fault;
 }
 bool any(const Command& c) { return length(c.force()) > 0.0 || length(c.torque) > 0.0; }
 
@@ -54,7 +73,7 @@ NoForce why_no_force(const ForceTrail& t) noexcept {
   if (t.device_ended) return NoForce::device_ended;
   if (t.released) return NoForce::ending;
   if (t.clutched) return NoForce::clutched;
-  if (!t.read) return NoForce::device_fault;
+  if (!t.read) return reason_of(t.withheld);
   if (!t.answered) return NoForce::no_reply;
   if (t.letting_go) return t.law_change ? NoForce::law_change : NoForce::reconnecting;
   if (t.silent) return NoForce::silent;

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <string_view>
 
+#include "client/devices/device.hpp"
 #include "core/base/types.hpp"
 
 namespace feltwire {
@@ -39,9 +40,13 @@ enum class NoForce : std::uint8_t {
   account,          // the port has not burned enough
   not_held,         // the device does not hold its command
   law_change,       // an admin gave the session another law: the held force fades first
-  clutched          // the hand moves without the tool
+  clutched,         // the hand moves without the tool
+  not_homed,        // the encoders of the device have not found their zero
+  in_inkwell,       // the stylus is in its holder
+  starting,         // the hand is not still yet, or the force for the tool's weight still grows
+  emergency         // the emergency stop was pressed
 };
-inline constexpr std::size_t kNoForceReasons = static_cast<std::size_t>(NoForce::clutched) + 1;
+inline constexpr std::size_t kNoForceReasons = static_cast<std::size_t>(NoForce::emergency) + 1;
 
 /// The name in the report: "touches_nothing".
 std::string_view name(NoForce reason);
@@ -51,12 +56,13 @@ std::string_view text(NoForce reason);
 /// The stages of one command on its way to the hand in one tick.
 struct ForceTrail {
   bool observer = false, device_ended = false, released = false, letting_go = false;
-  bool law_change = false;    // the reason that the force fades
-  bool read = true;           // the device's position was usable
-  bool clutched = false;      // no command was computed, because the hand moves without the tool
-  bool answered = false;      // at least one reply has come
-  bool silent = false;        // the newest reply is older than the hold time
-  bool recovering = false;    // the reply says so
+  bool law_change = false;  // the reason that the force fades
+  bool read = true;         // the device's position was usable
+  bool clutched = false;    // no command was computed, because the hand moves without the tool
+  Withheld withheld = Withheld::nothing;  // the device's reason to get no command
+  bool answered = false;                  // at least one reply has come
+  bool silent = false;                    // the newest reply is older than the hold time
+  bool recovering = false;                // the reply says so
   bool server_bound = false;  // the reply says that the server's bound reduced the force
   bool stage_waits = false;   // the safety stage allows no force yet
   bool refused = false, too_fast = false, ramped = false, slewed = false, limited = false;

@@ -15,8 +15,22 @@ constexpr double kSmallestForce = 1e-6;  // [N] below it a force has no directio
 bool good(const DeviceReading& reading) {
   const Quaternion& q = reading.pose.orientation;
   return reading.ok && reading.fresh && !reading.clutched &&
-         (!reading.held || reading.held->finite()) && reading.pose.position.allFinite() &&
-         q.coeffs().allFinite() && q.squaredNorm() > 0.0;
+         reading.withheld == Withheld::nothing && (!reading.held || reading.held->finite()) &&
+         reading.pose.position.allFinite() && q.coeffs().allFinite() && q.squaredNorm() > 0.0;
+}
+
+/// The pose is known, although no force is given.
+bool only_shown(const DeviceReading& reading) {
+  if (reading.withheld == Withheld::nothing || reading.withheld == Withheld::not_homed)
+    return false;
+  DeviceReading shown = reading;
+  shown.withheld = Withheld::nothing;
+  return good(shown);
+}
+
+/// The device has no fault, although its reading was not used.
+bool without_fault(const ForceTrail& trail) {
+  return trail.clutched || trail.withheld != Withheld::nothing;
 }
 
 }  // namespace
@@ -274,6 +288,7 @@ Command Servo::render(const DeviceReading& reading, Nanoseconds now) noexcept {
             .law_change = next_law_ != nullptr,
             .read = read,
             .clutched = reading.ok && reading.clutched,
+            .withheld = reading.ok ? reading.withheld : Withheld::nothing,
             .answered = has_reply(),
             .silent = !(command_age_ < law_.parameters.hold_time),
             .recovering = newest_.recovering,
@@ -292,7 +307,8 @@ Command Servo::render(const DeviceReading& reading, Nanoseconds now) noexcept {
       if (law_.account) law_.account->credit(energy);
     }
   } else {
-    if (!trail_.clutched) ++statistics_.device_faults;
+    if (!without_fault(trail_)) ++statistics_.device_faults;
+    if (only_shown(reading)) moved_to(reading);
     position_known_ = false;
     measures_.lose();
     begin_anew(sample_.index + (posed_ ? 1 : 0));  // this tick's sample has the old position
@@ -393,7 +409,7 @@ HandReport Servo::report() const noexcept {
   put(HandReason::law_change, next_law_ != nullptr);
   put(HandReason::scene_change, withholds_change());
   put(HandReason::device_fault,
-      (!trail_.read && !trail_.clutched) || takes_off(trail_.paid, trail_.held));
+      (!trail_.read && !without_fault(trail_)) || takes_off(trail_.paid, trail_.held));
   report.has_account = law_.account.has_value();
   report.balance = law_.account ? law_.account->balance() : 0.0;
   report.round_trip = has_reply() ? seconds(newest_arrival_ - newest_sampled_) : 0.0;

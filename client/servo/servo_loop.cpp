@@ -20,7 +20,8 @@ namespace {
 constexpr Nanoseconds kReroutePeriod = std::chrono::seconds(1);
 constexpr Nanoseconds kStatusPeriod = std::chrono::milliseconds(250);
 constexpr Nanoseconds kFarewell =
-    std::chrono::milliseconds(100);  // for replies that are on their way
+    std::chrono::milliseconds(100);                         // for replies that are on their way
+constexpr Nanoseconds kLowering = std::chrono::seconds(2);  // that a tool may take
 constexpr int kRepliesAtOnce =
     64;  // then the deadline is looked at again, whatever the network brings
 
@@ -291,6 +292,21 @@ class Loop {
     const Nanoseconds latest = now + from_seconds(servo_.parameters().hold_time);
     while (!servo_.let_go() && now < latest) {
       if (wait(kWithoutStop) < 0 && errno != EINTR) return tick(latest);  // nothing to wait by
+      now = monotonic_now();
+      if (delayed_) port_.pass(now);
+      take_replies(now);
+      if (is_due(now)) tick(now);
+    }
+    lower_tool();
+  }
+
+  /// Tick by tick until the device has handed the weight of its tool to the hand.
+  void lower_tool() noexcept {
+    constexpr std::size_t kWithoutStop = 1;
+    const Nanoseconds latest = monotonic_now() + kLowering;
+    for (Nanoseconds now = monotonic_now(); !device_.lower_tool(now) && now < latest;
+         now = monotonic_now()) {
+      if (wait(kWithoutStop) < 0 && errno != EINTR) return;
       now = monotonic_now();
       if (delayed_) port_.pass(now);
       take_replies(now);

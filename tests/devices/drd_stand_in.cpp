@@ -80,13 +80,16 @@ int dhdEnableForce(unsigned char on, char) {
   return 0;
 }
 int dhdSetBrakes(int on, char) { return device->brakes_on = on != 0, 0; }
-int dhdSetGravityCompensation(int on, char) { return device->gravity_on = on != 0, 0; }
+int dhdSetGravityCompensation(int on, char) {
+  return device->gravity_on = on != 0 && device->gravity_works, 0;
+}
 int dhdSetMaxForce(double newtons, char) { return device->max_force = newtons, 0; }
 int dhdGetStatus(int* status, char id) {
   if (!answers(id)) return failed(kCommunication);
   for (int i = 0; i < 17; ++i) status[i] = 0;
   status[0] = status[1] = status[2] = 1;
   status[5] = forces_on() ? 1 : 0;
+  status[10] = device->gravity_on ? 1 : 0;
   return 0;
 }
 int dhdGetPosition(double* x, double* y, double* z, char) { return sensed(x, y, z); }

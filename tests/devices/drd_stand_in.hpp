@@ -18,7 +18,7 @@ struct Drd {
   double saturates_at = 1e9;               // [N]
   long fails_from = -1, fails_until = -1;  // readings between which every call fails
   long off_from = -1, off_until = -1;      // and between which the forces are switched off
-  bool watchdog_works = true, tells_force = true;
+  bool watchdog_works = true, gravity_works = true, tells_force = true;
   std::atomic<bool> blocks{false}, blocked{false};
 
   long readings = 0;

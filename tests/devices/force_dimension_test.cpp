@@ -88,7 +88,7 @@ TEST_F(ForceDimension, IsMadeReadyWithoutAKick) {
     EXPECT_EQ(stand_in->max_force, 12.0);
     EXPECT_EQ(stand_in->watchdog, 80);  // 10 ms
     EXPECT_THAT(opened.notes, Contains(HasSubstr("damping 0.05 N s/m is an assumption")));
-    EXPECT_THAT(opened.notes, Contains(HasSubstr("gravity")));
+    EXPECT_THAT(opened.notes, Contains(HasSubstr("gravity compensation is on")));
     EXPECT_THAT(opened.notes, Not(Contains(HasSubstr("watchdog"))));
   }
   EXPECT_EQ(stand_in->opened, 1);
@@ -122,6 +122,8 @@ TEST_F(ForceDimension, WhatIsMissingIsSaid) {
   stand_in->major = 3;
   stand_in->watchdog_works = false;
   EXPECT_THAT(open().notes, Contains(HasSubstr("watchdog could not be set")));
+  stand_in->gravity_works = false;
+  EXPECT_THAT(open().notes, Contains(HasSubstr("gravity compensation is off")));
   ::setenv("FDSDK", "/nowhere", 1);
   EXPECT_THAT(refusal(), AllOf(HasSubstr("libdrd.so"), HasSubstr("set FDSDK")));
 }

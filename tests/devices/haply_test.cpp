@@ -87,7 +87,7 @@ TEST_P(HaplyDialect, SaysWhatItIs) {
   EXPECT_GE(opened.device->longest_tick(), std::chrono::microseconds(1250));
   EXPECT_THAT(opened.notes, Contains(HasSubstr("damping 0.05 N s/m is an assumption")));
   EXPECT_THAT(opened.notes, Contains(HasSubstr("first of 2 devices")));
-  EXPECT_THAT(opened.notes, Contains(HasSubstr("gravity")));
+  EXPECT_THAT(opened.notes, Contains(HasSubstr("gravity compensation is on")));
   EXPECT_EQ(service.sessions, GetParam() == Json::v3_5 ? 1 : 0);
   EXPECT_EQ(service.misunderstood, 0);
 }

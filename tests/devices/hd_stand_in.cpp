@@ -99,6 +99,8 @@ void hdEndFrame(unsigned) {
     ramp = kRamp;
   }
   const double size = std::hypot(wanted[0], wanted[1], wanted[2]);
+  if (device->inkwell.load())
+    device->asked_in_inkwell.store(std::max(device->asked_in_inkwell.load(), size));
   if (ramp > 0) device->asked_ramping.store(std::max(device->asked_ramping.load(), size));
   const double share = device->force_on ? 1.0 - static_cast<double>(ramp) / kRamp : 0.0;
   ramp = std::max(0, ramp - 1);
@@ -136,6 +138,10 @@ void hdGetDoublev(unsigned what, double* values) {
 void hdGetIntegerv(unsigned what, int* value) {
   if (what == 0x2600) *value = 1000;
   if (what == 0x2000) *value = device->buttons.load();
+}
+void hdGetBooleanv(unsigned what, unsigned char* value) {
+  check(allowed());
+  if (what == 0x2002) *value = device->inkwell.load() ? 1 : 0;
 }
 const char* hdGetString(unsigned) { return device->model; }
 void hdSetDoublev(unsigned what, const double* values) {

@@ -18,6 +18,9 @@ struct Hd {
   std::atomic<unsigned> raises{0};  // the next frame leaves this error on the stack, twice
   std::atomic<bool> stuck{false};   // the scheduler calls nobody
 
+  std::atomic<bool> inkwell{false};         // the stylus is in it
+  std::atomic<double> asked_in_inkwell{0};  // [N] the most that was asked for meanwhile
+
   std::atomic<int> frames{0};
   std::atomic<int> buttons{0};             // a bit each
   std::atomic<double> force{0.0};          // [N] of the last frame

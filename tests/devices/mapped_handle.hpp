@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "client/devices/mapped_device.hpp"
+#include "client/devices/protected_device.hpp"
 #include "client/servo/servo.hpp"
 #include "core/base/numeric.hpp"
 #include "tests/devices/simulated_mass.hpp"
@@ -46,6 +47,9 @@ class Handle final : public Device {
     reading.pose.position = vec(mass.sensed());
     reading.pose.orientation = orientation;
     reading.clutch = clutch;
+    reading.deadman = deadman;
+    reading.buttons = buttons;
+    reading.withheld = withheld;
     reading.ok = ok;
     return reading;
   }
@@ -63,7 +67,9 @@ class Handle final : public Device {
   stand_in::SimulatedMass mass;
   Quaternion orientation = Quaternion::Identity();
   std::size_t lag;  // ticks
-  bool clutch = false, ok = true, released = false;
+  bool clutch = false, deadman = false, ok = true, released = false;
+  std::uint32_t buttons = 0;
+  Withheld withheld = Withheld::nothing;
   Command on_hand;
 
  private:
@@ -74,9 +80,12 @@ class Handle final : public Device {
 /// A handle behind a mapping, in a session at the wall that its taps reach.
 struct Mapped {
   explicit Mapped(const WorkspaceMapping& mapping, std::string_view mode = kSessionMethod,
-                  bool told_wrong = false, std::size_t lag = 0, bool tells_lag = true)
+                  bool told_wrong = false, std::size_t lag = 0, bool tells_lag = true,
+                  const ProtectionOptions& protection = {})
       : handle(new Handle(lag, tells_lag)),
-        device(std::unique_ptr<Device>(handle), mapping),
+        device(std::make_unique<ProtectedDevice>(std::unique_ptr<Device>(handle), protection,
+                                                 emergency),
+               mapping),
         servo(told_wrong ? handle->spec() : device.spec(), in_mode(mode),
               protect_hand(in_mode(mode))),
         normal(mapping.axes().col(2)),
@@ -114,6 +123,7 @@ struct Mapped {
     ASSERT_GE(handle->on_hand.force().norm(), force);
   }
 
+  std::shared_ptr<EmergencyStop> emergency = std::make_shared<EmergencyStop>();
   Handle* handle;
   MappedDevice device;
   Servo servo;

@@ -150,6 +150,30 @@ TEST_F(OpenHaptics, MakesNoEnergy) {
 /// What that is measured with can tell.
 TEST_F(OpenHaptics, TheWallAloneWouldMakeEnergy) { EXPECT_GT(made(kUnbounded), 0.005); }
 
+/// At the start, and in the middle of a contact: no force until it is out again, and no fault.
+TEST_F(OpenHaptics, InItsInkwellItIsGivenNothing) {
+  stand_in->inkwell.store(true);
+  OpenedDevice opened = open();
+  EXPECT_THAT(std::string(opened.device->prepare()), HasSubstr("inkwell"));
+  SessionParameters parameters = testing::session_of(*opened.device);
+  parameters.mode = kUnbounded;
+  Servo servo(opened.device->spec(), parameters, {});
+  felt(*opened.device, servo, [&] { return servo.no_force() == NoForce::in_inkwell; });
+  EXPECT_EQ(servo.sample().pose.position.x(), stand_in->mass.sensed()[0]);
+  stand_in->inkwell.store(false);
+  test::eventually("it is out", [&] { return opened.device->prepare().empty(); });
+  felt(*opened.device, servo, [&] { return stand_in->force > 0.5; });
+  const std::uint64_t faults = servo.statistics().device_faults;
+  stand_in->inkwell.store(true);
+  felt(*opened.device, servo, [&] { return servo.no_force() == NoForce::in_inkwell; });
+  stand_in->asked_in_inkwell = 0.0;  // the frame in which it went in had begun before
+  const int frames = stand_in->frames;
+  felt(*opened.device, servo, [&] { return stand_in->frames > frames + 200; });
+  EXPECT_EQ(stand_in->asked_in_inkwell, 0.0);
+  EXPECT_EQ(stand_in->force, 0.0);
+  EXPECT_EQ(servo.statistics().device_faults, faults);
+}
+
 /// Too much force: the amplifiers go off and ramp up again. Nothing is asked for meanwhile, and the
 /// servo knows why.
 TEST_F(OpenHaptics, AfterAnErrorNothingIsAskedForWhileItRamps) {

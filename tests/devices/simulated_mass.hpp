@@ -14,6 +14,8 @@ struct SimulatedMass {
   double mass = 0.1, damping = 0.5, friction = 0.05;  // [kg], [N s/m], [N] an axis: the truth
   double quantum = 20e-6;                             // [m] of the encoder
   double stiffness = 200.0, hand_damping = 2.0;       // [N/m], [N s/m] of the hand
+  double tool = 0.0;     // [N] weight of a tool at the handle, along -z
+  double counter = 0.0;  // [N] along z, a constant part of the force: its work is not counted
   double depth = 0.008, reach = 0.02;  // [m] that it taps into z < 0, and slides in x
 
   Three position{0, 0, 0.01}, velocity{};
@@ -33,12 +35,13 @@ struct SimulatedMass {
                          0.004 - (0.004 + depth) * std::sin(kTurn * 1.5 * time)};
       for (std::size_t i = 0; i < 3; ++i) {
         const double pull = stiffness * (wanted[i] - position[i]) - hand_damping * velocity[i];
-        double v = (velocity[i] + h / mass * (pull + force[i])) / (1.0 + h / mass * damping);
+        const double down = i == 2 ? tool : 0.0;
+        double v = (velocity[i] + h / mass * (pull - down + force[i])) / (1.0 + h / mass * damping);
         const double most = friction * h / mass;
         v = std::abs(v) > most ? v - std::copysign(most, v) : 0.0;
         velocity[i] = v;
         position[i] += h * v;
-        delivered += force[i] * v * h;
+        delivered += (force[i] - (i == 2 ? counter : 0.0)) * v * h;
         burned += (damping * v * v + friction * std::abs(v)) * h;
       }
       most_made = std::max(most_made, delivered - burned);

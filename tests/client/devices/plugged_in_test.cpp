@@ -81,6 +81,7 @@ TEST_F(PluggedInTest, ASerialPortIsFoundAndWhoHoldsIt) {
 TEST_F(PluggedInTest, AnotherProgramThatHoldsItIsNamed) {
   plug("1-1", "0403", "cb48", "4");
   hold("77", "HapticDesk", "/dev/bus/usb/001/004");
+  EXPECT_THAT(seen(), HasSubstr("--device falcon"));
   EXPECT_THAT(seen(), HasSubstr("held by HapticDesk (process 77)"));
   EXPECT_THAT(seen(), HasSubstr("end that program"));
 }

@@ -107,6 +107,11 @@ TEST(NoForce, TheDevice) {
   Told fault(kTwo), ended(kTwo), weak(kTwo), no_torque({.torque = Vec3(0, 0, 1)});
   EXPECT_EQ(fault.why({.pose = {}, .ok = false}), NoForce::device_fault);
   EXPECT_EQ(fault.why({.pose = {}, .clutched = true}), NoForce::clutched);
+  for (const auto& [withheld, why] : {std::pair{Withheld::not_homed, NoForce::not_homed},
+                                      std::pair{Withheld::in_inkwell, NoForce::in_inkwell},
+                                      std::pair{Withheld::starting, NoForce::starting},
+                                      std::pair{Withheld::emergency, NoForce::emergency}})
+    EXPECT_EQ(fault.why({.pose = {}, .withheld = withheld}), why);
   EXPECT_EQ(ended.why({.pose = {}, .ended = true}), NoForce::device_ended);
   weak.now += kPeriod;
   weak.servo.render({}, weak.now);

@@ -25,12 +25,22 @@ class StillDevice final : public Device {
   }
   Command write(const Command& on_hand) noexcept override {
     largest = std::max(largest, on_hand.force().norm());
+    ++writes;
+    if (on_hand.force() != Vec3::Zero()) pulled_at = writes;
     return last = on_hand;
+  }
+  bool lower_tool(Nanoseconds) noexcept override {
+    pulled_when_asked |= last.force() != Vec3::Zero();
+    return ++asked_to_lower > steps_to_lower;
   }
   void release() noexcept override {
     last = {};
+    writes_at_release = writes;
     ++released;
   }
+  int steps_to_lower = 0, asked_to_lower = 0, writes = 0, writes_at_release = 0;
+  int pulled_at = 0;  // the newest write that was not zero
+  bool pulled_when_asked = false;
   int released = 0;
   double largest = 0.0;
   Command last;
@@ -55,8 +65,10 @@ struct LoopRun {
   std::thread thread;
 
   explicit LoopRun(const LoopOptions& limits,
-                   std::uint64_t readings = std::numeric_limits<std::uint64_t>::max())
+                   std::uint64_t readings = std::numeric_limits<std::uint64_t>::max(),
+                   int steps_to_lower = 0)
       : device(readings), servo(device.spec(), unbounded()), options(limits) {
+    device.steps_to_lower = steps_to_lower;
     thread = std::thread(
         [this] { run_servo_loop(device, servo, transport, options, stop, outputs, *result); });
   }
@@ -133,6 +145,19 @@ TEST(ServoLoop, EndsWithItsDurationAndLetsTheHandGo) {
   EXPECT_EQ(rows, s.samples);
   LiveStatus status;
   ASSERT_TRUE(run.statuses.pop(status));
+}
+
+/// A tool is let down before the release: only once the servo's own force is gone, and tick by
+/// tick.
+TEST(ServoLoop, LetsAToolDownBeforeTheRelease) {
+  LoopRun run({.duration = std::chrono::milliseconds(60)}, 1u << 20, 20);
+  run.answer_until_goodbye([&](const Sample& s) { run.push_back(s); });
+  run.thread.join();
+  EXPECT_EQ(run.device.largest, 3.0);
+  EXPECT_EQ(run.device.asked_to_lower, 21);
+  EXPECT_FALSE(run.device.pulled_when_asked);
+  EXPECT_GE(run.device.writes_at_release - run.device.pulled_at, 20);
+  EXPECT_EQ(run.device.released, 1);
 }
 
 TEST(ServoLoop, EndsWithItsDevice) {

@@ -26,6 +26,10 @@ export const REASONS = [
   ['not_held', 'The device does not hold what it is given.'],
   ['law_change', 'An admin has just given the session another law.'],
   ['clutched', 'The clutch is held: the hand moves without the tool.'],
+  ['not_homed', 'The device must be homed first.'],
+  ['in_inkwell', 'The stylus is in its inkwell.'],
+  ['starting', 'The hand is not still yet, or the weight of the tool is being taken up.'],
+  ['emergency', 'The emergency stop was pressed.'],
 ];
 
 export const FELT = 0;

@@ -1,0 +1,275 @@
+#include "client/devices/falcon.hpp"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <chrono>
+#include <cmath>
+#include <span>
+#include <stdexcept>
+#include <utility>
+
+#include "client/devices/falcon_board.hpp"
+#include "client/devices/falcon_firmware.hpp"
+#include "client/devices/falcon_line.hpp"
+#include "client/devices/held_command.hpp"
+#include "client/devices/lock_step.hpp"
+#include "core/base/numeric.hpp"
+#include "core/base/regular_file.hpp"
+#include "core/device/spec_text.hpp"
+#include "protocol/net/clock.hpp"
+
+namespace feltwire {
+namespace falcon {
+namespace {
+
+using std::chrono::milliseconds;
+
+constexpr std::uint16_t kVendor = 0x0403, kProduct = 0xCB48;
+constexpr int kMostDevices = 16;
+constexpr std::size_t kMostFirmware = 1 << 16;  // images have 7 to 8 kB
+constexpr int kLoads = 5;    // a load works only sometimes, as others have seen
+constexpr int kAsks = 10;    // of a firmware that may be there
+constexpr int kTrials = 50;  // answers whose time is measured
+constexpr double kLongerTick = 1.25;
+constexpr Nanoseconds kAnswers = milliseconds(100), kSlowest = milliseconds(8);
+constexpr double kFastest = 60.0;  // [rad/s] of an arm: 3.6 m/s at the tool
+
+[[noreturn]] void refuse(const std::string& why) { throw std::runtime_error("falcon: " + why); }
+
+/// From the maker's axes (x right, y up, z towards the user) to x towards the user, y right, z up,
+/// from the middle of the workspace.
+Vec3 turned_to_ours(const Vec3& v) { return {v.z(), v.x(), v.y()}; }
+Vec3 turned_to_theirs(const Vec3& v) { return {v.y(), v.z(), v.x()}; }
+
+SourcedSpec usual_spec() {
+  SourcedSpec described;
+  DeviceSpec& spec = described.spec;
+  spec.name = "falcon";
+  spec.damping = 0.05;
+  spec.apparent_mass = 0.15;
+  spec.position_resolution = 1.3e-4;
+  spec.max_force = 8.0;
+  spec.continuous_force = 4.0;
+  spec.workspace = {0.08, 0.08, 0.08};
+  described.sources = {
+      {"damping", "assumption, small on purpose"},
+      {"apparent_mass", "assumption"},
+      {"position_resolution", "computed from the geometry: a count of all three legs, at the edge of the workspace"},
+      {"max_force", "CHAI3D's device classes"},
+      {"continuous_force", "assumption"},
+      {"workspace", "assumption, within the maker's 100 mm"}};
+  return described;
+}
+
+int device_number(const std::string& name) {
+  int number = 0;
+  const auto* const end = name.data() + name.size();
+  const auto parsed = std::from_chars(name.data(), end, number);
+  const bool whole = name.empty() || (parsed.ec == std::errc() && parsed.ptr == end);
+  if (!whole || number < 0 || number >= kMostDevices)
+    refuse("'" + name + "' is no number of a device; give 0 to 15, or nothing for the first");
+  return number;
+}
+
+std::unique_ptr<UsbLine> opened(int number) {
+  try {
+    return std::make_unique<UsbLine>(kVendor, kProduct, number);
+  } catch (const std::runtime_error& error) {
+    refuse(error.what());
+  }
+}
+
+/// Whether a firmware answers a request for no force.
+bool answers(UsbLine& line) {
+  if (!talk_to_firmware(line)) return false;
+  const Packet asked = request({}, Light::red, false);
+  for (int n = 0; n < kAsks; ++n) {
+    Answer answer;
+    std::array<std::uint8_t, 62> room{};
+    if (line.write(asked, kAnswers) != asked.size()) return false;
+    const Nanoseconds latest = monotonic_now() + kAnswers / 4;
+    while (!answer.whole() && !answer.garbled() && monotonic_now() < latest) {
+      const auto came = line.read(room, latest - monotonic_now());
+      if (!came) return false;
+      answer.add(std::span(room).first(*came));
+    }
+    if (answer.whole() && told(answer.packet())) return true;
+    if (!talk_to_firmware(line)) return false;  // nothing is left of that
+  }
+  return false;
+}
+
+void see_to_firmware(UsbLine& line, const std::string& file) {
+  if (answers(line)) return;
+  if (file.empty())
+    refuse(
+        "it has no firmware: it forgets it whenever its power is off. Give --firmware FILE with "
+        "the maker's image, which comes with the maker's driver; feltwire may not bring it");
+  const std::string image = read_regular_file(file, kMostFirmware);
+  const std::span bytes(reinterpret_cast<const std::uint8_t*>(image.data()), image.size());
+  if (bytes.empty()) refuse(file + ": the file is empty");
+  std::string wrong;
+  for (int n = 0; n < kLoads; ++n) {
+    wrong = load_firmware(line, bytes);
+    if (!wrong.empty()) continue;
+    if (answers(line)) return;
+    wrong = "the firmware of " + file + " was loaded and does not answer; is it the Falcon's?";
+  }
+  refuse(wrong);
+}
+
+class FalconDevice final : public LockStepDevice {
+ public:
+  explicit FalconDevice(const DeviceRequest& request) {
+    described_ = request.spec.name_or_file.empty() ? overruled(usual_spec(), request.spec)
+                                                   : requested_spec(request.spec, "");
+    described_.spec.rotation_sensed = described_.spec.rotation_actuated = 0;
+    described_.spec.max_torque = 0.0;
+    notes_ = assumptions(described_);
+    auto line = opened(device_number(request.name));
+    see_to_firmware(*line, request.firmware);
+    line_ = std::make_unique<FalconLine>(std::move(line));
+    measure_answers();
+    notes_.emplace_back(
+        "the motors' scale is not calibrated: a newton of feltwire is some force at the handle");
+    notes_.emplace_back("gravity compensation is not there: the handle is light, and pulls down");
+    notes_.emplace_back(
+        "the firmware is not known to have a watchdog: a program that is killed, or a cable that "
+        "is pulled, may leave the last force on the hand. Keep the power's switch at hand");
+  }
+  FalconDevice(const FalconDevice&) = delete;
+  FalconDevice& operator=(const FalconDevice&) = delete;
+
+  const DeviceSpec& spec() const override { return described_.spec; }
+  std::vector<std::string> notes() const { return notes_; }
+  Nanoseconds longest_tick() const override { return longest_tick_; }
+
+  std::string_view prepare() noexcept override {
+    const auto all = asked({}, kAnswers);
+    if (!all) return "the device does not answer; plug it in anew";
+    if (homed(*all)) return {};
+    return "pull the handle all the way out, then push it all the way in";
+  }
+
+ private:
+  static bool homed(const Told& all) {
+    return std::all_of(all.homed.begin(), all.homed.end(), [](bool one) { return one; });
+  }
+  Packet packet_of(const Counts& motors) const noexcept {
+    return request(motors, homed_ ? Light::green : Light::red, !homed_);
+  }
+
+  /// One request and its answer, before the servo runs.
+  std::optional<Told> asked(const Counts& motors, Nanoseconds patience) noexcept {
+    line_->forget();
+    line_->post(packet_of(motors));
+    const FalconLine::News news = line_->receive(monotonic_now() + patience);
+    const auto all = news.kind == FalconLine::News::Kind::whole ? told(news.packet) : std::nullopt;
+    if (all) homed_ = homed(*all);
+    return all;
+  }
+
+  void let_go() noexcept override { line_->let_go(); }
+
+  std::optional<Command> send(const Command& command) noexcept override {
+    const Counts motors =
+        homed_ ? motors_of(tool_, turned_to_theirs(command.force())) : Counts{};
+    if (!line_->post(packet_of(motors))) return std::nullopt;
+    if (motors == Counts{}) return Command{};
+    return held_command(command, turned_to_ours(force_of(tool_, motors)), Vec3::Zero());
+  }
+
+  Answer answer(const Command&, DeviceReading& reading, Nanoseconds latest) noexcept override {
+    const FalconLine::News news = line_->receive(latest);
+    switch (news.kind) {
+      case FalconLine::News::Kind::none:
+        return Answer::none;
+      case FalconLine::News::Kind::gone:
+        return Answer::gone;
+      case FalconLine::News::Kind::garbled:
+        return Answer::garbled;
+      case FalconLine::News::Kind::whole:
+        break;
+    }
+    const auto all = told(news.packet);
+    if (!all) return Answer::garbled;
+    reading.buttons = all->buttons;
+    reading.deadman = (all->buttons & 1U) != 0;
+    reading.clutch = (all->buttons & 2U) != 0;
+    homed_ = homed(*all);
+    if (!homed_) {
+      taken_at_ = Nanoseconds(0);
+      reading.withheld = Withheld::not_homed;
+      return Answer::whole;
+    }
+    if (!take(all->encoders)) return Answer::garbled;
+    reading.pose.position = turned_to_ours(tool_.position - kMiddle);
+    return Answer::whole;
+  }
+
+  /// False: no arm moves like this, or there is no such place.
+  bool take(const Counts& encoders) noexcept {
+    const Nanoseconds now = monotonic_now();
+    if (taken_at_.count() != 0) {
+      const double most = kFastest * seconds(now - taken_at_) / kCount;
+      for (std::size_t i = 0; i < 3; ++i)
+        if (std::abs(encoders[i] - encoders_[i]) > most) return false;
+    }
+    const Vec3 angles(arm_angle(encoders[0]), arm_angle(encoders[1]), arm_angle(encoders[2]));
+    auto tool = tool_point(angles, tool_.position);
+    if (!tool) tool = tool_point(angles, kMiddle);
+    if (!tool) tool = tool_point(angles, kFarOut);
+    if (!tool) return false;
+    taken_at_ = now;
+    encoders_ = encoders;
+    tool_ = *tool;
+    return true;
+  }
+
+  bool forget() noexcept override {
+    line_->forget();
+    taken_at_ = Nanoseconds(0);
+    return line_->receive(Nanoseconds(0)).kind != FalconLine::News::Kind::gone;
+  }
+
+  /// How long the device usually takes, without a force.
+  void measure_answers() {
+    std::array<Nanoseconds, kTrials> took{};
+    for (Nanoseconds& one : took) {
+      const Nanoseconds start = monotonic_now();
+      if (!asked({}, kAnswers)) refuse("it answered once, and then not; plug it in anew");
+      one = monotonic_now() - start;
+    }
+    auto* const middle = took.begin() + kTrials / 2;
+    std::nth_element(took.begin(), middle, took.end());
+    if (*middle > kSlowest)
+      refuse("it takes " + std::to_string(*middle / milliseconds(1)) +
+             " ms to answer; plug it into a port of the machine itself");
+    longest_tick_ = from_seconds(kLongerTick * seconds(std::max(*middle, kPeriod)));
+  }
+
+  SourcedSpec described_;
+  std::vector<std::string> notes_;
+  Nanoseconds longest_tick_{0};
+  bool homed_ = false;
+
+  // Of the servo's thread.
+  ToolPoint tool_{.position = kMiddle, .jacobian = Mat3::Zero()};
+  Counts encoders_{};
+  Nanoseconds taken_at_{0};
+  std::unique_ptr<FalconLine> line_;
+};
+
+}  // namespace
+}  // namespace falcon
+
+OpenedDevice open_falcon(const DeviceRequest& request) {
+  auto device = std::make_unique<falcon::FalconDevice>(request);
+  std::vector<std::string> notes = device->notes();
+  return {std::move(device), std::move(notes)};
+}
+
+std::string falcon_library() { return UsbLine::library(); }
+
+}  // namespace feltwire

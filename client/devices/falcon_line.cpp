@@ -1,0 +1,99 @@
+#include "client/devices/falcon_line.hpp"
+
+#include <array>
+#include <chrono>
+#include <span>
+#include <utility>
+
+#include "protocol/net/clock.hpp"
+#include "protocol/net/real_time.hpp"
+
+namespace feltwire::falcon {
+namespace {
+
+// Of one transfer. An answer that is later than this is none (LockStepDevice begins anew then).
+constexpr Nanoseconds kTransfer = std::chrono::milliseconds(20);
+
+const Packet& no_force() noexcept {
+  static const Packet packet = request({}, Light::red, false);
+  return packet;
+}
+
+}  // namespace
+
+FalconLine::FalconLine(std::unique_ptr<UsbLine> line)
+    : line_(std::move(line)), thread_([this] { run(); }) {}
+
+FalconLine::~FalconLine() {
+  let_go();
+  over_.store(true);
+  line_wake_.set();
+  thread_.join();
+}
+
+bool FalconLine::post(const Packet& request) noexcept {
+  const bool taken = requests_.push(request);
+  line_wake_.set();
+  return taken;
+}
+
+FalconLine::News FalconLine::receive(Nanoseconds latest) noexcept {
+  News news;
+  while (!answers_.pop(news)) {
+    if (gone_.load()) return {.kind = News::Kind::gone};
+    if (monotonic_now() >= latest) return {};
+    servo_wake_.wait_until(latest);
+  }
+  return news;
+}
+
+void FalconLine::forget() noexcept {
+  News news;
+  while (answers_.pop(news)) continue;
+}
+
+void FalconLine::let_go() noexcept {
+  let_go_.store(true);
+  line_wake_.set();
+}
+
+void FalconLine::run() noexcept {
+  request_real_time(kServoPriority);
+  while (!over_.load()) {
+    line_wake_.wait();
+    Packet newest;
+    bool asked = let_go_.load();
+    while (requests_.pop(newest)) asked = true;
+    if (asked && !gone_.load()) exchange(newest);
+  }
+  if (!gone_.load()) ask(no_force());
+}
+
+void FalconLine::exchange(const Packet& request) noexcept {
+  News news;
+  news.kind = ask(let_go_.load() ? no_force() : request);
+  news.packet = answer_.packet();
+  gone_.store(news.kind == News::Kind::gone);
+  if (news.kind != News::Kind::none) answers_.push(news);
+  servo_wake_.set();
+}
+
+FalconLine::News::Kind FalconLine::ask(const Packet& request) noexcept {
+  using Kind = News::Kind;
+  answer_.clear();
+  const auto sent = line_->write(request, kTransfer);
+  if (!sent) return Kind::gone;
+  if (*sent != request.size()) return Kind::garbled;
+  const Nanoseconds latest = monotonic_now() + kTransfer;
+  std::array<std::uint8_t, 62> room{};
+  while (!answer_.whole() && !answer_.garbled()) {
+    const Nanoseconds left = latest - monotonic_now();
+    if (left.count() <= 0) return Kind::none;
+    const auto came = line_->read(room, left);
+    if (!came) return Kind::gone;
+    answer_.add(std::span(room).first(*came));
+  }
+  return answer_.garbled() ? Kind::garbled : Kind::whole;
+}
+
+}  // namespace feltwire::falcon

@@ -1,0 +1,55 @@
+#pragma once
+// The thread that talks to a Falcon over USB, so that the servo thread neither waits nor allocates.
+
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <thread>
+
+#include "client/devices/falcon_board.hpp"
+#include "client/devices/handover.hpp"
+#include "client/devices/usb_line.hpp"
+#include "core/base/ring.hpp"
+
+namespace feltwire::falcon {
+
+/// Sends requests and brings their answers. After let_go() each request is one for no force.
+class FalconLine {
+ public:
+  /// Throws std::system_error where the system gives no thread.
+  explicit FalconLine(std::unique_ptr<UsbLine> line);
+  /// Asks for no force a last time.
+  ~FalconLine();
+  FalconLine(const FalconLine&) = delete;
+  FalconLine& operator=(const FalconLine&) = delete;
+
+  /// Servo thread, without waiting. False: older requests have not been sent yet.
+  bool post(const Packet& request) noexcept;
+  struct News {
+    enum class Kind : std::uint8_t { none, whole, garbled, gone };
+    Kind kind = Kind::none;
+    Packet packet{};
+  };
+  /// Servo thread: what has come, or comes by `latest`.
+  News receive(Nanoseconds latest) noexcept;
+  /// Servo thread: throws away what has come.
+  void forget() noexcept;
+  /// Any thread, any signal handler.
+  void let_go() noexcept;
+
+ private:
+  void run() noexcept;
+  void exchange(const Packet& request) noexcept;
+  News::Kind ask(const Packet& request) noexcept;
+
+  std::unique_ptr<UsbLine> line_;
+  Wake servo_wake_, line_wake_;
+  Ring<Packet> requests_{8};
+  Ring<News> answers_{64};
+  std::atomic<bool> let_go_{false}, over_{false}, gone_{false};
+  Answer answer_;  // of the thread
+  std::thread thread_;
+};
+
+}  // namespace feltwire::falcon

@@ -1,0 +1,13 @@
+#pragma once
+// Before a session: a person homes the device, or takes its stylus out of the inkwell.
+
+#include "client/devices/device.hpp"
+#include "client/run/attend.hpp"
+
+namespace feltwire {
+
+/// Waits until the device can give force (Device::prepare()), and prints what a person must do.
+/// False: a signal ended the wait.
+bool get_ready(Device& device, const Signals& signals);
+
+}  // namespace feltwire

@@ -1,0 +1,299 @@
+// A device with a start that does not kick, an emergency stop and a tool's weight.
+
+#include "client/devices/protected_device.hpp"
+
+#include <gmock/gmock.h>
+
+#include <random>
+
+#include "tests/devices/mapped_handle.hpp"
+#include "tests/support/allocation_counter.hpp"
+
+namespace feltwire::protected_device_test {
+namespace {
+
+using testing::any_mapping;
+using testing::Handle;
+using ::testing::HasSubstr;
+using testing::kTick;
+using testing::Mapped;
+
+constexpr double kUp = 0.5;  // [s] in which the weight is taken up
+
+/// A protected handle in a test's hands. Nobody moves it unless the test does.
+struct Bench {
+  explicit Bench(const ProtectionOptions& options)
+      : handle(new Handle), device(std::unique_ptr<Device>(handle), options, emergency) {
+    handle->mass.stiffness = handle->mass.hand_damping = 0.0;
+    handle->mass.tool = options.tool_weight;
+    handle->mass.friction = 1e3;  // it stays where it is
+  }
+  DeviceReading tick(const Command& command = {}) {
+    now += from_seconds(kTick);
+    const DeviceReading reading = device.read(now);
+    told = device.write(reading.withheld == Withheld::nothing && reading.ok ? command : Command{});
+    return reading;
+  }
+  /// Ticks until forces are let through. Returns how many it took.
+  int start() {
+    for (int n = 1; n < 5000; ++n)
+      if (tick().withheld == Withheld::nothing) return n;
+    ADD_FAILURE() << "it does not start";
+    return 0;
+  }
+  double up() const { return handle->on_hand.force().z(); }
+
+  std::shared_ptr<EmergencyStop> emergency = std::make_shared<EmergencyStop>();
+  Handle* handle;
+  ProtectedDevice device;
+  Command told;
+  Nanoseconds now = std::chrono::seconds(3);
+};
+
+const Command kPull{.elastic = Vec3(1.0, 2.0, 3.0)};
+
+TEST(ProtectedDevice, WithoutOptionsEverythingIsTheDevicesBitByBit) {
+  Bench bench({});
+  Handle alone;
+  EXPECT_EQ(bench.device.spec().max_force, alone.spec().max_force);
+  EXPECT_EQ(bench.device.spec().hand_force, alone.spec().hand_force);
+  EXPECT_EQ(bench.tick(kPull).withheld, Withheld::nothing);
+  EXPECT_EQ(bench.handle->on_hand, kPull);
+  EXPECT_EQ(bench.told, kPull);
+}
+
+/// While the hand moves, however long, and a quarter of a second after it has come to rest.
+TEST(ProtectedDevice, NoForceBeforeTheHandIsStill) {
+  Bench bench({.still = 0.25});
+  for (int n = 0; n < 2000; ++n) {
+    bench.handle->mass.position[0] = 0.02 * std::sin(0.01 * n);
+    EXPECT_EQ(bench.tick(kPull).withheld, Withheld::starting);
+    EXPECT_EQ(bench.handle->on_hand, Command{});
+  }
+  EXPECT_NEAR(bench.start() * kTick, 0.25, 0.01);
+  bench.tick(kPull);
+  EXPECT_EQ(bench.handle->on_hand, kPull);
+}
+
+TEST(ProtectedDevice, TheEnablingSwitchStartsAtOnce) {
+  Bench bench({.still = 0.25});
+  bench.tick();
+  bench.handle->deadman = true;
+  EXPECT_EQ(bench.start(), 1);
+}
+
+TEST(ProtectedDevice, TheWeightIsTakenUpSlowlyThenHeldAndNotTold) {
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> weights(0.01, 6.0);
+  for (int n = 0; n < 50; ++n) {
+    const double weight = weights(random);
+    Bench bench({.tool_weight = weight});
+    bench.handle->lag = n % 2;
+    double before = 0.0;
+    for (DeviceReading reading = bench.tick(); reading.withheld == Withheld::starting;
+         reading = bench.tick()) {
+      EXPECT_GE(bench.up(), before);
+      EXPECT_LE(bench.up(), before + weight * kTick / kUp * (1.0 + 1e-9));
+      before = bench.up();
+    }
+    for (int i = 0; i < 5; ++i) bench.tick();
+    EXPECT_EQ(bench.up(), weight);
+    EXPECT_EQ(bench.told, Command{});
+    EXPECT_NEAR(seconds(bench.now - std::chrono::seconds(3)), kUp, 0.01);
+  }
+}
+
+/// It floats: with its weight held the tool does not sink, where without it it falls.
+TEST(ProtectedDevice, AToolFloats) {
+  for (const double told : {0.4, 0.0}) {
+    Bench bench({.tool_weight = told});
+    bench.start();
+    bench.handle->mass.tool = 0.4;
+    bench.handle->mass.friction = 0.0;
+    bench.handle->mass.velocity = {};
+    const double height = bench.handle->mass.position[2];
+    for (int n = 0; n < 1000; ++n) bench.tick();
+    EXPECT_NEAR(height - bench.handle->mass.position[2], told > 0.0 ? 0.0 : 0.65, 0.05);
+  }
+}
+
+/// Whatever the device does with the force, the sum of what is told over the way is the work of the
+/// motors less W (z - z_0), exactly. Over a closed way nothing is missing.
+TEST(ProtectedDevice, WhatIsNotToldIsAFunctionOfThePlace) {
+  struct Odd final : Device {
+    DeviceSpec described = builtin_device("simulated");
+    std::mt19937 random{9};
+    std::uniform_real_distribution<double> part{-1.0, 1.0};
+    Vec3 place = Vec3::Zero();
+    Command real;  // on the hand since the last reading
+    double motors = 0.0;
+    bool moves = false;
+    const DeviceSpec& spec() const override { return described; }
+    DeviceReading read(Nanoseconds) noexcept override {
+      const Vec3 way =
+          moves ? Vec3(0.001 * Vec3(part(random), part(random), part(random))) : Vec3::Zero();
+      place += way;
+      motors += real.force().dot(way);
+      return {.pose = {.position = place}, .held = real};
+    }
+    /// Cut, turned, late: as an amplifier should not.
+    Command write(const Command& command) noexcept override {
+      const double share = moves ? 0.5 + 0.5 * part(random) : 1.0;
+      real = {.elastic = share * command.force()};
+      if (moves && part(random) > 0.5) real.elastic += Vec3(part(random), 0, part(random));
+      return real;
+    }
+    void release() noexcept override {}
+  };
+  constexpr double kWeight = 0.7;
+  auto* odd = new Odd;
+  ProtectedDevice device(std::unique_ptr<Device>(odd), {.tool_weight = kWeight},
+                         std::make_shared<EmergencyStop>());
+  Nanoseconds now = std::chrono::seconds(1);
+  const auto read = [&] { return device.read(now += from_seconds(kTick)); };
+  while (read().withheld != Withheld::nothing) device.write({});
+  device.write({});
+  odd->moves = true;
+  const Vec3 start = odd->place;
+  Vec3 before = start;
+  double told = 0.0;
+  for (int n = 0; n < 5000; ++n) {
+    const DeviceReading reading = read();
+    ASSERT_EQ(reading.withheld, Withheld::nothing);
+    told += reading.held->force().dot(reading.pose.position - before);
+    before = reading.pose.position;
+    device.write({.elastic = Vec3(odd->part(odd->random), 0, 1)});
+  }
+  EXPECT_GT(std::abs(odd->motors), 1e-3);
+  EXPECT_NEAR(odd->motors - told, kWeight * (before.z() - start.z()), 1e-12);
+}
+
+TEST(ProtectedDevice, TheToolIsAPartOfTheDevicesForceAndOfTheHands) {
+  const DeviceSpec plain = builtin_device("simulated");
+  const DeviceSpec spec = protected_spec(plain, {.tool_weight = 0.5});
+  EXPECT_DOUBLE_EQ(spec.max_force, plain.max_force - 0.5);
+  EXPECT_DOUBLE_EQ(spec.continuous_force, plain.continuous_force - 0.5);
+  EXPECT_DOUBLE_EQ(spec.hand_force, plain.hand_force + 0.5);
+  EXPECT_EQ(spec.least_mass, plain.least_mass);
+  const auto refusal = [&](const DeviceSpec& device, const ProtectionOptions& options) {
+    try {
+      protected_spec(device, options);
+    } catch (const std::invalid_argument& error) {
+      return std::string(error.what());
+    }
+    return std::string("none");
+  };
+  EXPECT_THAT(refusal(plain, {.tool_weight = -1.0}), HasSubstr("above 0"));
+  EXPECT_THAT(refusal(plain, {.tool_weight = 100.0}), HasSubstr("lighter"));
+  DeviceSpec plane = plain;
+  plane.translation_dof = 2;
+  EXPECT_THAT(refusal(plane, {.tool_weight = 0.1}), HasSubstr("no force along z"));
+  EXPECT_THAT(refusal(plain, {.emergency_button = 33}), HasSubstr("--emergency-button"));
+  EXPECT_THAT(refusal(plain, {.still = -1.0}), HasSubstr("--await-still"));
+}
+
+TEST(ProtectedDevice, AnEmergencyTakesAllForceOffUntilItIsReset) {
+  Bench bench({.tool_weight = 0.5, .emergency_button = 2, .still = 0.25});
+  bench.start();
+  bench.tick(kPull);
+  ASSERT_EQ(bench.up(), 3.5);
+  bench.emergency->press();
+  EXPECT_EQ(bench.device.write(kPull), Command{});  // between reading and writing, too
+  EXPECT_EQ(bench.handle->on_hand, Command{});
+  for (int n = 0; n < 3000; ++n) {
+    EXPECT_EQ(bench.tick(kPull).withheld, Withheld::emergency);
+    EXPECT_EQ(bench.handle->on_hand, Command{});
+  }
+  bench.emergency->reset();
+  bench.tick(kPull);
+  EXPECT_EQ(bench.handle->on_hand, Command{});
+  EXPECT_NEAR(bench.start() * kTick, 0.25 + kUp, 0.02);
+  bench.handle->buttons = 1;
+  EXPECT_EQ(bench.tick(kPull).withheld, Withheld::nothing);
+  bench.handle->buttons = 2;
+  EXPECT_EQ(bench.tick(kPull).withheld, Withheld::emergency);
+  bench.handle->buttons = 0;
+  EXPECT_EQ(bench.tick(kPull).withheld, Withheld::emergency);
+  EXPECT_EQ(bench.handle->on_hand, Command{});
+}
+
+TEST(ProtectedDevice, OutOfTheInkwellItStartsAnew) {
+  Bench bench({.tool_weight = 0.5, .still = 0.25});
+  bench.start();
+  bench.handle->withheld = Withheld::in_inkwell;
+  EXPECT_EQ(bench.tick(kPull).withheld, Withheld::in_inkwell);
+  EXPECT_EQ(bench.handle->on_hand, Command{});
+  bench.handle->withheld = Withheld::nothing;
+  EXPECT_NEAR(bench.start() * kTick, 0.25 + kUp, 0.02);
+}
+
+/// And ticks that were missed: the weight is not back in one step.
+TEST(ProtectedDevice, AfterAFaultTheWeightIsTakenUpAnew) {
+  Bench bench({.tool_weight = 0.5, .still = 0.25});
+  bench.start();
+  bench.handle->ok = false;
+  bench.tick();
+  EXPECT_EQ(bench.up(), 0.0);
+  bench.handle->ok = true;
+  EXPECT_NEAR(bench.start() * kTick, kUp, 0.01);
+  bench.now += std::chrono::milliseconds(50);
+  EXPECT_EQ(bench.tick().withheld, Withheld::starting);
+  EXPECT_LE(bench.up(), 0.01);
+}
+
+TEST(ProtectedDevice, AtTheEndTheToolIsLetDownSlowly) {
+  Bench bench({.tool_weight = 0.5});
+  bench.start();
+  double before = 0.5;
+  int ticks = 0;
+  while (!bench.device.lower_tool(bench.now)) {
+    bench.tick();
+    EXPECT_LE(bench.up(), before);
+    EXPECT_GE(bench.up(), before - 0.5 * kTick / kUp * (1.0 + 1e-9));
+    before = bench.up();
+    ++ticks;
+  }
+  bench.tick();
+  EXPECT_EQ(bench.up(), 0.0);
+  EXPECT_NEAR(ticks * kTick, kUp, 0.01);
+  EXPECT_TRUE(Bench({}).device.lower_tool({}));
+}
+
+/// [J] that the true motion made beside the constant, in ten seconds at a late wall.
+double made(const WorkspaceMapping& mapping, double told, double real, std::size_t lag) {
+  Mapped mapped(mapping, kSessionMethod, false, 0, true, {.tool_weight = told});
+  mapped.handle->lag = lag;
+  mapped.handle->mass.tool = real;
+  mapped.run(1.0);
+  mapped.handle->mass.counter = told;
+  mapped.handle->mass.delivered = mapped.handle->mass.burned = mapped.handle->mass.most_made = 0.0;
+  mapped.run(10.0);
+  EXPECT_GT(mapped.handle->mass.largest_force, told + 0.3);
+  return mapped.handle->mass.most_made;
+}
+
+/// With the weight that was told, with none, and with twice as much.
+TEST(ProtectedDevice, MakesNoEnergyBesideTheConstantForce) {
+  std::mt19937 random(11);
+  std::uniform_real_distribution<double> weights(0.05, 1.5);
+  for (int n = 0; n < 30; ++n) {
+    const WorkspaceMapping mapping = any_mapping(random);
+    const double told = weights(random);
+    EXPECT_LE(made(mapping, told, told * (n % 3), n % 2), 1e-12) << n << " weight " << told;
+  }
+}
+
+TEST(ProtectedDevice, ATickDoesNotTouchTheHeap) {
+  Mapped mapped({}, kSessionMethod, false, 0, true, {.tool_weight = 0.3, .emergency_button = 1});
+  mapped.run(1.0);
+  const std::size_t before = test::allocations();
+  for (int n = 0; n < 1000; ++n) {
+    mapped.handle->buttons = n == 500 ? 1 : 0;
+    if (n == 600) mapped.emergency->reset();
+    mapped.servo.tick(mapped.device, mapped.now += from_seconds(kTick));
+  }
+  EXPECT_EQ(test::allocations() - before, 0u);
+}
+
+}  // namespace
+}  // namespace feltwire::protected_device_test
