@@ -1,0 +1,79 @@
+// The scene's command of a tick: the newest reply, and the local models in place of it where they
+// are valid.
+
+#include "client/servo/servo.hpp"
+#include "core/base/numeric.hpp"
+
+namespace feltwire {
+
+/// Asks the local model at the place that the method wants. `command` is the reply's at first; the
+/// model replaces it as far as the model is valid. Returns true if the model alone gave the force.
+bool Servo::follow_model(const BoundingStep& step, Nanoseconds now, Command& command) noexcept {
+  const double age = seconds(now - model_time_);
+  if (newest_.body_modelled) return count_modelled(follow_body(step, age, command));
+  const Vec3 offset = law_.bounding.probe(step.displacement, step.rotation).offset;
+  model_moved_ = step.displacement + offset - last_offset_;
+  const Vec3& velocity = velocity_.update(model_moved_, step.hold_time);
+  last_offset_ = offset;
+  const Tool tool{sample_.pose.position + offset, velocity};
+  const LocalForce force = local_.touch(tool, age, step.hold_time);
+  const double w = force.weight;
+  command.elastic = w * force.command.elastic + (1.0 - w) * command.elastic;
+  command.frictional = w * force.command.frictional + (1.0 - w) * command.frictional;
+  if (remote_) {
+    const Command met = meet_robot(tool, command, now, step.hold_time);
+    command.elastic += met.elastic;
+    command.frictional += met.frictional;
+  }
+  environment_ = command;
+  return count_modelled(w);
+}
+
+/// Returns true if a model of this weight alone gives the force.
+bool Servo::count_modelled(double weight) noexcept {
+  ++(weight >= 1.0  ? statistics_.modelled
+     : weight > 0.0 ? statistics_.half_modelled
+                    : statistics_.beyond_model);
+  return weight >= 1.0;
+}
+
+/// The same for a tool with a body. Returns the weight of the model.
+double Servo::follow_body(const BoundingStep& step, double age, Command& command) noexcept {
+  const Probe probe = law_.bounding.probe(step.displacement, step.rotation);
+  model_moved_ = step.displacement + probe.offset - last_offset_;
+  last_offset_ = probe.offset;
+  const Pose asked = moved(sample_.pose, probe.offset, probe.rotation);
+  const BodyForce force = local_body_.touch(asked, age, step.hold_time);
+  const double w = force.weight;
+  command.elastic = w * force.command.elastic + (1.0 - w) * command.elastic;
+  command.frictional = w * force.command.frictional + (1.0 - w) * command.frictional;
+  command.torque = w * force.command.torque + (1.0 - w) * command.torque;
+  environment_ = command;
+  return w;
+}
+
+Command Servo::rise_limited(const BoundingStep& step) noexcept {
+  if (newest_.body_modelled)
+    return rise_.apply(step.command, local_body_.model(), length(model_moved_),
+                       length(step.rotation), step.hold_time);
+  return rise_.apply(step.command, local_.model(), length(model_moved_), step.hold_time,
+                     remote_ ? remote_->may_rise(length(model_moved_), step.hold_time) : 0.0);
+}
+
+/// The force of the objects that the robot touches, beside the scene's.
+Command Servo::meet_robot(const Tool& tool, const Command& scene, Nanoseconds now,
+                          double elapsed) noexcept {
+  return remote_->touch(tool, scene, seconds(now - remote_time_), elapsed);
+}
+
+/// Computes the scene's command for this tick, from the newest reply and the local model.
+Command Servo::environment(BoundingStep& step, Nanoseconds now) noexcept {
+  Command command = reconstructed(now);
+  if (law_.parameters.local_model) step.local = follow_model(step, now, command);
+  statistics_.hand_overs += step.local == near_ ? 0 : 1;
+  near_ = step.local;
+  step.normals = &newest_.normals;
+  return command;
+}
+
+}  // namespace feltwire
