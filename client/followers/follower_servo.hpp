@@ -47,8 +47,8 @@ struct FollowerStatistics {
 ///   3. the limits of motion (MotionLimit);
 ///   4. first touch, felt, leash (TargetLimiter); the gripper follows at its own speed
 ///      (GripperFollow);
-/// and what it says: its pose and wrench, the surface that it touches (ContactEstimate) with the
-/// stiffness of surface and robot one behind the other, and its energy (ContactEnergy).
+/// and its state: its pose and wrench, the surface that it touches (ContactEstimate) with the
+/// stiffness of surface and robot in series, and its energy (ContactEnergy).
 ///
 /// When it begins to follow, it starts from the target that it holds: earlier targets do not count.
 /// Its target is then not farther behind a wall of the workspace than it was, for every received

@@ -36,9 +36,9 @@ struct LoopOptions {
   /// Prepared changes of an admin, from LoopOutputs::wanted. They must outlive the loop. Null:
   /// there are none.
   Ring<PreparedChange*>* changes = nullptr;
-  /// How long the thread looks busily for what it waits for, the reply after a sample was sent and
-  /// the next deadline before it comes, instead of sleeping; kForever: it never sleeps. With 0 it
-  /// only looks for the deadline when the machine has woken it sooner than it mostly does.
+  /// How long the thread polls, instead of sleeping: for the reply after a sample was sent, and for
+  /// the next deadline before it comes; kForever: it never sleeps. With 0 it polls only for the
+  /// deadline, if the machine has woken it sooner than usual.
   Nanoseconds busy_poll{0};
 };
 

@@ -46,7 +46,7 @@ inline ForceInterval<Real> eba_interval(Real dx, Real held, BasicEbaConstants<Re
   return {lo, hi};
 }
 
-/// One axis: the command clamped into what the bounding laws allow (paper's sign).
+/// One axis: the command clamped into the interval of the bounding laws (paper's sign).
 template <class Real>
 inline Real eba_axis(Real command, Real dx, Real held, BasicEbaConstants<Real> c) noexcept {
   const ForceInterval<Real> allowed = eba_interval(dx, held, c);

@@ -105,13 +105,13 @@ class World {
                 BodyContactState& contacts) const noexcept;
 
   /// Puts a share (0 to 1) of the contacts on the bodies for the next step. In the first step after
-  /// a sample, these are exactly the forces that touch() answered with, negated, at the tool
-  /// (Newton's third law, with the moments). In each further step the hand is taken to stand still,
-  /// and the forces are computed anew from where the bodies are now: a force that is held while the
-  /// body moves would be a late spring, and a late spring makes energy. Where the sum of the forces
-  /// is more than the hand's limit, all forces and torques are scaled down by one factor. Where a
-  /// point or ball was pushed out of an object's ball of reach and the surface is behind it, it
-  /// pushes at the nearest point of that ball, so that no lever is longer than the object.
+  /// a sample, these are exactly the forces of touch(), negated, at the tool (Newton's third law,
+  /// with the moments). In each further step the hand is assumed to stand still, and the forces are
+  /// computed for the new places of the bodies: a force that is held while the body moves would be
+  /// a late spring, and a late spring makes energy. If the sum of the forces is more than the
+  /// hand's limit, all forces and torques are scaled down by one factor. If a point or ball was
+  /// pushed out of an object's ball of reach and the surface is behind it, it pushes at the nearest
+  /// point of that ball, so that no lever is longer than the object.
   void push(BodyContactState& contacts, TouchMemory& memory, double share) noexcept;
   void push(BodyContactState& contacts, BodyMemory& memory, double share) noexcept;
 

@@ -9,7 +9,7 @@
 
 namespace feltwire {
 
-/// A part of the shell: the points [begin, end), the ball that holds them, and what it is cut into.
+/// A part of the shell: the points [begin, end), the ball that holds them, and its parts.
 struct ShellNode {
   static constexpr std::uint32_t kParts =
       8;                       // largest number of children of a node and of points of a leaf

@@ -73,7 +73,7 @@ class Arm final : public Follower {
   void resume() noexcept;
 
   // For tests, studies and pictures; the thread of read() and write() calls them.
-  /// [N] on the tool from now on, as by a person who pushes it.
+  /// [N] on the tool from now on, as if a person pushed it.
   void push(const Vec3& force) noexcept;
   /// [N] of the surroundings on the tool in the last step, as the simulation knows it.
   Vec3 contact_force() const noexcept;

@@ -66,19 +66,18 @@ struct NetworkRunResult {
   LinkStatistics up_link{}, down_link{};
   ClockEstimate clock{};
   bool goodbye = false;  // the server ended the session
-  /// What server and client computed for, datagrams to datagrams and ticks without the device; zero
-  /// unless asked for. The only numbers here that differ from run to run.
+  /// Computing times of server and client, datagrams to datagrams and ticks without the device;
+  /// zero unless requested. Only these numbers differ from run to run.
   Nanoseconds server_time{0}, client_time{0};
 
-  /// What the held forces did at the port with the damping that the device really has: over the
-  /// displacements that the encoders measured, which is all that a bound can know; and over the
-  /// true ones.
+  /// The energy of the held forces at the port with the damping that the device really has: over
+  /// the displacements that the encoders measured, which a bound knows; and over the true ones.
   PortEnergy measured_port, true_port;
-  /// What the client's own observer saw of it: as `measured_port`, with the dry friction that the
-  /// account counts on.
+  /// The same from the client's own observer: as `measured_port`, with the dry friction that the
+  /// account uses.
   PortEnergy observed_port;
-  /// [J] least value over time of what the device burned, its Coulomb friction included, less what
-  /// the hand was given, over the true displacements and turns.
+  /// [J] least value over time of the energy that the device burned, with its Coulomb friction,
+  /// less the energy that the hand got, over the true displacements and turns.
   double least_device_margin = 0.0;
 };
 

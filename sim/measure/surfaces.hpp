@@ -33,7 +33,7 @@ struct BumpyTorus {
   double tube = 0.03;       // r [m]
   double amplitude = 1e-3;  // a [m]
   int round_axis = 24;      // m bumps; on the outside 23.6 mm from one to the next
-  int round_tube = 8;       // n bumps, 23.6 mm apart likewise
+  int round_tube = 8;       // n bumps, also 23.6 mm apart
 };
 /// f of the torus, f = 0 on it [m], and its gradient.
 struct ImplicitValue {

@@ -25,7 +25,7 @@ struct FigureRun {
   ExperimentMetrics metrics;
 };
 
-/// What the runs share: bounding.md's device, hand and movement.
+/// The common part of the runs: bounding.md's device, hand and movement.
 /// Wall: 40 kN/m, 10 N s/m viscous along it, normal +y, slid over by +-30 mm at 0.5 Hz. Sphere: r =
 /// 90 mm, 5 kN/m, glided round in the x-y plane.
 ExperimentSetup figure_setup(const std::string& experiment, std::string_view mode, double damping,

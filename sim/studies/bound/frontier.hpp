@@ -17,7 +17,7 @@ namespace feltwire {
 /// The account's knowledge of the port, in addition to the device's damping
 /// (core/bounding/account.hpp).
 enum class Need {
-  no_account,        // the law stands alone
+  no_account,        // the law alone
   unknown_hand,      // nothing: any hand
   inertia,           // the handle's mass and a hand of at most kHandForce
   inertia_friction,  // and three quarters of the device's dry friction
@@ -81,7 +81,7 @@ struct CapRow {
   double energy = 0.0;  // [J] the cap
   double given =
       0.0;  // [J] by a command that always pushes in the direction of the hand's movement
-  double speed = 0.0;             // [m/s] that the hand reaches by it
+  double speed = 0.0;             // [m/s] speed that the hand reaches by it
   double wall = 0.0, taps = 0.0;  // displayed share, usual hand, warm
 };
 std::vector<CapRow> cap_trade();
@@ -91,8 +91,8 @@ std::vector<CapRow> cap_trade();
 std::vector<FrontierCase> learning_cases();
 std::string learning_table(const std::vector<FrontierRow>& rows);
 
-/// For people: the displayed share and how many hands are calm, by law, damping and delay; then
-/// what the laws of other papers make of the same things beside ours.
+/// For people: the displayed share and how many hands are calm, by law, damping and delay; then the
+/// results of the laws of other papers for the same cases, beside ours.
 std::string frontier_table(const std::vector<FrontierRow>& rows);
 std::string published_table(const std::vector<FrontierRow>& rows);
 

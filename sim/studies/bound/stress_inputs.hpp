@@ -51,7 +51,7 @@ struct StressInputs {
   double longest_hold = 1.0;    // [T] every tenth sample lasts up to that
   double skipped_writes = 0.0;  // probability that the device goes on holding the force before
   double fades = 0.0;           // probability that it holds less than what was rendered
-  double strange_inputs = 0.0;  // probability of NaN, Inf or absurd, each step in one input
+  double strange_inputs = 0.0;  // probability of NaN, Inf or out of range, each step in one input
 
   Faults faults() const {
     return {.overlong_holds = longest_hold > 1.0 || skipped_writes > 0.0,
@@ -67,9 +67,8 @@ struct StrainedMovement {
   Vec3 displacement = Vec3::Zero(), rotation = Vec3::Zero();
 };
 
-/// A hand that knows what it is given. Five kinds: exactly greedy and about so, pumping, taking
-/// from one channel, restless, and one that changes its mind.
-/// `least` and `largest` are decades [m], [rad].
+/// A hand that knows its force. Five kinds: greedy, exactly and nearly so, pumping, taking from one
+/// channel, restless, and one that changes its mind. `least` and `largest` are decades [m], [rad].
 StrainedMovement move(int kind, StrainRandom& random, const StressInputs& strain,
                       const Command& held, double hold_time, double least, double largest);
 

@@ -28,7 +28,7 @@ struct TorqueRow {
   TorqueCase made;
   double oscillation = 0.0;      // [rad] highpass_rms() of the true turn, worst axis
   double force_share = 0.0;      // rendered along commanded, of the commanded, 2nd half
-  double torque_share = 0.0;     // likewise
+  double torque_share = 0.0;     // the same for torque
   double direction_error = 0.0;  // [rad] mean, rendered against commanded torque
   SixDofEnergy energy;           // [J]
   std::uint64_t excess = 0;      // samples in debt
