@@ -132,7 +132,7 @@ TEST_F(PluginSession, ALateForceThatIsNotToldOfIsNotAccounted) {
 TEST_F(PluginSession, MakesNoneWithStaleReadings) {
   stand_in->stale_every = 7;
   EXPECT_LE(made(), 1e-12);
-  EXPECT_EQ(statistics.stale_readings, 8571u);  // 10 000 / 7
+  EXPECT_EQ(statistics.stale_readings, 8571u);  // 60 000 / 7
 }
 
 TEST_F(PluginSession, MakesNoneWhereTheForceIsCut) {
