@@ -16,8 +16,9 @@ namespace feltwire {
 /// already far inside. Then the offset is moved along the normal until the surface is where the
 /// hand is, so that it meets it there, without a force that jumps. For kYoung after that the
 /// surface stays at the hand while the estimate of its place settles; the offset takes up the
-/// change. Later the offset is given back by a share of the hand's free movement that is hardly
-/// noticed.
+/// change. A surface that was known before it was touched (SurfacePrior) is met where the model has
+/// it; kYoung begins with its touch. Later the offset is given back by a share of the hand's free
+/// movement that is hardly noticed.
 ///
 /// A hand that goes on behind a wall of the robot's workspace takes the offset along, so that the
 /// robot is wanted at the wall and follows at once where the hand comes back.
@@ -37,17 +38,21 @@ class SurfaceIndex {
             bool holds = false) noexcept {
     const double height = (hand - offset_ - seen.point).dot(seen.normal);
     const bool known = seen.surface != 0 && seen.surface == known_;
-    const bool young = known && age_ < kYoung;
+    // A surface that a model of the environment told before has its place from the first touch on.
+    const bool first = seen.touching && !touched_;
+    const bool young = known && (touched_ || first) && age_ < kYoung;
     const bool free = known && !young && height > kFreeAbove && !seen.touching;
     if (seen.surface == 0 || free) {
       if (!holds) give_back(displacement);
     } else if (!known) {
       if (height < 0.0) offset_ += height * seen.normal;
       age_ = 0.0;
+      touched_ = false;
     } else if (young) {
       if (height < kFreeAbove) offset_ -= along(seen.point - place_, seen.normal);
       age_ += elapsed;
     }
+    touched_ = seen.surface != 0 && (touched_ || seen.touching);
     known_ = seen.surface;
     place_ = seen.point;
   }
@@ -72,7 +77,8 @@ class SurfaceIndex {
 
   Vec3 offset_ = Vec3::Zero();
   std::uint32_t known_ = 0;
-  double age_ = 0.0;           // [s] since the surface became known
+  double age_ = 0.0;           // [s] since the surface was touched and known
+  bool touched_ = false;       // the surface, since it is known
   Vec3 place_ = Vec3::Zero();  // [m] of the surface in the last step
 };
 

@@ -69,7 +69,9 @@ class RemoteFollower {
   explicit RemoteFollower(const Plant& plant);
 
   /// Every sample, before target(). `force` [N]: of the environment on the tool.
-  const RemoteContact& step(const Vec3& tip, const Vec3& velocity, const Vec3& force);
+  /// `prior`: what is known of the surface there before it is touched.
+  const RemoteContact& step(const Vec3& tip, const Vec3& velocity, const Vec3& force,
+                            const SurfacePrior& prior = {});
   /// [m] for what the newest leader's state wants.
   const Vec3& target(const LeaderState& newest);
 
