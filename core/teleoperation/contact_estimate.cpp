@@ -11,10 +11,16 @@ namespace {
 
 constexpr double kTwoPi = 2.0 * std::numbers::pi;
 constexpr double kSoftest = 50.0, kStiffest = 1e6;  // [N/m] that are believed
+constexpr double kMostFriction = 1.0;               // mu, likewise
 
 /// The share of the way to a new value in one sample of a low pass.
 double share(double cutoff, double elapsed) noexcept {
   return 1.0 - std::exp(-kTwoPi * cutoff * elapsed);
+}
+
+bool says(const SurfacePrior& prior) noexcept {
+  return prior.key != 0 && prior.point.allFinite() && prior.normal.allFinite() &&
+         prior.velocity.allFinite();
 }
 
 }  // namespace
@@ -31,17 +37,19 @@ const RemoteContact& ContactEstimate::step(const Sample& s) noexcept {
     // A tool that slides leaves the surface for some samples: it is the same touch.
     if (contact_.touching && apart_ < kApart) return contact_;
     contact_.touching = false;
-    recede(s);
+    if (!expect(s)) recede(s);
     return contact_;
   }
-  apart_ = 0.0;
   if (!contact_.touching) begin(s);
+  apart_ = 0.0;
   contact_.touching = true;
   estimate_normal(s, force);
   const double along_normal = std::max(0.0, s.force.dot(contact_.normal));
   touched_ += s.elapsed;
-  estimate_stiffness(s);
+  estimate_stiffness(s, along_normal);
   estimate_place(s, along_normal);
+  if (contact_.surface == expected_ && says(s.prior) && s.prior.key == expected_key_)
+    shift_ = (contact_.point - s.prior.point).dot(s.prior.normal);
   return contact_;
 }
 
@@ -53,6 +61,39 @@ void ContactEstimate::recede(const Sample& s) noexcept {
   contact_.point -= inside * contact_.normal;
   receded_ += inside;
   if (receded_ > kSame) contact_.surface = 0;
+}
+
+/// No force: the surface is where the model has it and its last touch left it, and not in front of
+/// the tip. False: the model says nothing that counts here.
+bool ContactEstimate::expect(const Sample& s) noexcept {
+  const SurfacePrior& prior = s.prior;
+  if (!says(prior)) return false;
+  const bool found = contact_.surface != 0 && contact_.surface != expected_;
+  if (found && std::abs((s.position - contact_.point).dot(contact_.normal)) < kSame) return false;
+  if (prior.key != expected_key_) {
+    expected_key_ = prior.key;
+    expected_ = ++counted_;
+    shift_ = receded_ = 0.0;
+    disproved_ = false;
+  }
+  if (contact_.surface != expected_) {
+    const bool usable = prior.stiffness >= kSoftest && prior.stiffness <= kStiffest;
+    contact_ = {};
+    contact_.stiffness = usable ? prior.stiffness : config_.first_stiffness;
+    contact_.friction = prior.friction >= 0.0 ? std::min(prior.friction, kMostFriction) : 0.0;
+    known_ = false;
+    touched_ = 0.0;
+  }
+  const double inside = std::max(0.0, (prior.point - s.position).dot(prior.normal) + shift_);
+  shift_ -= inside;
+  receded_ += inside;
+  disproved_ = disproved_ || receded_ > kSame;
+  contact_.surface = disproved_ ? 0 : expected_;
+  contact_.normal = prior.normal;
+  contact_.velocity = prior.velocity;
+  contact_.point =
+      s.position + ((prior.point - s.position).dot(prior.normal) + shift_) * prior.normal;
+  return true;
 }
 
 /// The first sample of a touch: the last surface again, or another.
@@ -68,7 +109,7 @@ void ContactEstimate::begin(const Sample& s) noexcept {
     contact_.stiffness = config_.first_stiffness;
   }
   // A touch that bounces is one touch: until the stiffness is known its samples stay.
-  if (!same || known_) {
+  if (!same || known_ || touched_ == 0.0) {
     fit_.clear();
     touched_ = 0.0;
     origin_ = s.position;
@@ -76,17 +117,16 @@ void ContactEstimate::begin(const Sample& s) noexcept {
   }
   receded_ = 0.0;
   last_height_ = s.position.dot(contact_.normal) + 1.0;  // the first sample is always taken
-  place_ = s.position.dot(contact_.normal) + length(s.force) / contact_.stiffness;
-  tracked_ = place_;
-  speed_ = 0.0;
+  const double force = length(s.force);
+  place_.begin(height_of(s, force));
 }
 
 void ContactEstimate::estimate_normal(const Sample& s, double force) noexcept {
-  constexpr double kSlides = 2e-3;                    // [m/s]
-  constexpr double kAcross = 0.5;                     // cosine of 60 degrees
-  constexpr double kMostFriction = 1.0, kCone = 0.7;  // mu, and the cosine of its cone
-  constexpr double kQuick = 30.0, kSlow = 3.0;        // [Hz]
-  constexpr double kYoung = 0.1, kSettled = 0.5;      // [s] in this touch
+  constexpr double kSlides = 2e-3;                // [m/s]
+  constexpr double kAcross = 0.5;                 // cosine of 60 degrees
+  constexpr double kCone = 0.7;                   // cosine of that of kMostFriction
+  constexpr double kQuick = 30.0, kSlow = 3.0;    // [Hz]
+  constexpr double kYoung = 0.1, kSettled = 0.5;  // [s] in this touch
   const double speed = length(s.velocity);
   const Vec3 way = speed > kSlides ? Vec3(s.velocity / speed) : Vec3::Zero();
   const bool slides = speed > kSlides && std::abs(way.dot(contact_.normal)) < kAcross;
@@ -114,12 +154,11 @@ void ContactEstimate::estimate_normal(const Sample& s, double force) noexcept {
       direction(contact_.normal + share(rate, s.elapsed) * (direction(pushes) - contact_.normal));
   if (turned.isZero(0.0)) return;
   // The place is a height along the normal: it is carried along when that turns.
-  place_ += (turned - contact_.normal).dot(contact_.point);
-  tracked_ += (turned - contact_.normal).dot(contact_.point);
+  place_.carry((turned - contact_.normal).dot(contact_.point));
   contact_.normal = turned;
 }
 
-void ContactEstimate::estimate_stiffness(const Sample& s) noexcept {
+void ContactEstimate::estimate_stiffness(const Sample& s, double force) noexcept {
   constexpr double kLearns = 0.5;      // [s]
   constexpr double kExcited = 0.1e-3;  // [m]
   constexpr double kMoved = 5e-6;      // [m] a resting tip would only add noise
@@ -133,20 +172,20 @@ void ContactEstimate::estimate_stiffness(const Sample& s) noexcept {
   const LineFit::Line line = fit_.line(contact_.normal);
   if (line.explained < kExplained || !(line.slope > kSoftest) || !(line.slope < kStiffest)) return;
   contact_.stiffness = line.slope;
+  if (!known_) place_.relearn(height_of(s, force));
   known_ = true;
 }
 
+/// [m] of the surface along the normal, which answers with that force.
+double ContactEstimate::height_of(const Sample& s, double force) const noexcept {
+  return s.position.dot(contact_.normal) + force / contact_.stiffness;
+}
+
 void ContactEstimate::estimate_place(const Sample& s, double force) noexcept {
-  const double height = s.position.dot(contact_.normal) + force / contact_.stiffness;
-  place_ += share(kQuickPlace, s.elapsed) * (height - place_);
-  // A critically damped tracker follows an even motion without lag.
-  const double rate = kTwoPi * kTracker;
-  const double ahead = height - tracked_;
-  speed_ += s.elapsed * rate * rate * ahead;
-  tracked_ += s.elapsed * (speed_ + 2.0 * rate * ahead);
-  const double over = std::max(0.0, std::abs(speed_) - kStandsStill);
-  contact_.velocity = std::copysign(over, speed_) * contact_.normal;
-  contact_.point = s.position + (place_ - s.position.dot(contact_.normal)) * contact_.normal;
+  place_.step(height_of(s, force), s.elapsed);
+  contact_.velocity = place_.speed() * contact_.normal;
+  contact_.point =
+      s.position + (place_.place() - s.position.dot(contact_.normal)) * contact_.normal;
 }
 
 }  // namespace feltwire

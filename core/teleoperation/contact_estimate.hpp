@@ -5,6 +5,7 @@
 
 #include "core/base/types.hpp"
 #include "core/teleoperation/line_fit.hpp"
+#include "core/teleoperation/place_tracker.hpp"
 
 namespace feltwire {
 
@@ -19,9 +20,20 @@ struct RemoteContact {
   Vec3 velocity = Vec3::Zero();  // [m/s] of the surface along its normal
 };
 
+/// A surface that is known before it is touched, from a model of the environment: the one that is
+/// nearest to the tool. The model may be wrong.
+struct SurfacePrior {
+  std::uint32_t key = 0;         // tells surfaces apart; 0: there is none near
+  Vec3 point = Vec3::Zero();     // [m] on the surface, near the tool
+  Vec3 normal = Vec3::UnitX();   // unit, towards the free side
+  double stiffness = 0.0;        // [N/m] 50 to 1e6; else the first stiffness is taken
+  double friction = 0.0;         // mu
+  Vec3 velocity = Vec3::Zero();  // [m/s] of the surface
+};
+
 struct ContactEstimateConfig {
-  /// [N/m] assumed until the measured force and depth show another; the robot's own controller, for
-  /// example.
+  /// [N/m] of the robot's own controller. A surface is assumed to have as much until the measured
+  /// force and depth show another.
   double first_stiffness = 1000.0;
   double on = 0.2,
          off = 0.1;  // [N] force at which a contact begins, ends; above the sensor's noise
@@ -35,21 +47,23 @@ struct ContactEstimateConfig {
 ///              0.1 mm and explain 98 % of the force; it improves for half a second and is then
 ///              kept. Later a moving wall changes force and depth, too, and would be taken for a
 ///              stiffness. A touch that bounces before that is one touch.
-///   place      tip + normal F / k, low-passed at 35 Hz
-///   velocity   of the place, from a tracker of second order
+///   place      tip + normal F / k, and its speed: PlaceTracker
 /// A touch continues if the force is missing for less than kApart: a sliding tool leaves the
 /// surface for some samples, and nothing changes meanwhile. After that the surface recedes to the
 /// tool where the tool finds no force, and after kSame it is forgotten. A touch within kSame of the
 /// last surface is the same surface again.
 ///
+/// With a prior the surface is there before the touch, at the place of the model plus the
+/// correction by its last touch. The touch starts from the model's place, normal and stiffness, and
+/// corrects them. A tool that finds no force behind the surface pushes it back. After kSame in all
+/// the model is no longer believed, until the prior is another surface. A surface without a model
+/// stays until the tool is kSame away from it.
+///
 /// No function allocates, throws or reads a clock. A sample that is not finite is ignored.
 class ContactEstimate {
  public:
-  static constexpr double kSame = 20e-3;        // [m]
-  static constexpr double kApart = 20e-3;       // [s]
-  static constexpr double kQuickPlace = 35.0;   // [Hz]
-  static constexpr double kTracker = 5.0;       // [Hz] of the velocity
-  static constexpr double kStandsStill = 2e-3;  // [m/s] slower surfaces count as static
+  static constexpr double kSame = 20e-3;   // [m]
+  static constexpr double kApart = 20e-3;  // [s]
 
   explicit ContactEstimate(const ContactEstimateConfig& config) : config_(config) {}
 
@@ -58,6 +72,7 @@ class ContactEstimate {
     Vec3 velocity = Vec3::Zero();  // [m/s]
     Vec3 force = Vec3::Zero();     // [N] of the environment on the tool
     double elapsed = 1e-3;         // [s] > 0 since the last sample
+    SurfacePrior prior = {};       // what the model of the environment says; key 0: nothing
   };
   const RemoteContact& step(const Sample& sample) noexcept;
 
@@ -66,23 +81,28 @@ class ContactEstimate {
  private:
   void begin(const Sample& sample) noexcept;
   void recede(const Sample& sample) noexcept;
+  bool expect(const Sample& sample) noexcept;
   void estimate_normal(const Sample& sample, double force) noexcept;
-  void estimate_stiffness(const Sample& sample) noexcept;
+  void estimate_stiffness(const Sample& sample, double force) noexcept;
+  double height_of(const Sample& sample, double force) const noexcept;
   void estimate_place(const Sample& sample, double force) noexcept;
 
   ContactEstimateConfig config_;
   RemoteContact contact_;
   LineFit fit_;
   std::uint32_t counted_ = 0;
-  bool known_ = false;          // the stiffness is known from this touch
-  bool pressed_ = false;        // the force is beyond the thresholds, on a known surface or not
-  double touched_ = 0.0;        // [s] in this touch
-  double apart_ = 0.0;          // [s] without a force
-  double receded_ = 0.0;        // [m] since the last touch
-  Vec3 origin_ = Vec3::Zero();  // [m] the tip where this touch began
-  double last_height_ = 0.0;    // [m] height in the last sample of the fit
-  double place_ = 0.0;          // [m] along the normal
-  double tracked_ = 0.0, speed_ = 0.0;  // [m], [m/s] of the tracker
+  bool known_ = false;              // the stiffness is known from this touch
+  bool pressed_ = false;            // the force is beyond the thresholds, on a known surface or not
+  double touched_ = 0.0;            // [s] in this touch
+  double apart_ = 0.0;              // [s] without a force
+  double receded_ = 0.0;            // [m] since the last touch
+  Vec3 origin_ = Vec3::Zero();      // [m] the tip where this touch began
+  double last_height_ = 0.0;        // [m] height in the last sample of the fit
+  PlaceTracker place_;              // along the normal
+  std::uint32_t expected_key_ = 0;  // of the prior, and the surface that stands for it
+  std::uint32_t expected_ = 0;
+  double shift_ = 0.0;      // [m] along its normal: the correction by touches
+  bool disproved_ = false;  // the tool went through it
 };
 
 }  // namespace feltwire

@@ -15,8 +15,10 @@ namespace feltwire {
 /// The leader knows of a first touch one round trip late, when the hand is already far inside the
 /// surface. Then the offset moves along the normal until the surface is at the hand. So the hand
 /// meets the surface there, and no force jumps. For kYoung after that the surface stays at the hand
-/// while the estimate of its place settles; the offset takes up the change. Later the offset is
-/// given back by a hardly noticeable share of the hand's free movement.
+/// while the estimate of its place settles; the offset takes up the change. The hand meets a
+/// surface that was known before its touch (SurfacePrior) at the model's place; kYoung begins with
+/// the touch. Later the offset is given back by a hardly noticeable share of the hand's free
+/// movement.
 ///
 /// A hand that moves on behind a wall of the robot's workspace takes the offset along. So the
 /// wanted place of the robot is at the wall, and the robot follows at once when the hand comes
@@ -37,17 +39,21 @@ class SurfaceIndex {
             bool holds = false) noexcept {
     const double height = (hand - offset_ - seen.point).dot(seen.normal);
     const bool known = seen.surface != 0 && seen.surface == known_;
-    const bool young = known && age_ < kYoung;
+    // A surface that a model of the environment told before has its place from the first touch on.
+    const bool first = seen.touching && !touched_;
+    const bool young = known && (touched_ || first) && age_ < kYoung;
     const bool free = known && !young && height > kFreeAbove && !seen.touching;
     if (seen.surface == 0 || free) {
       if (!holds) give_back(displacement);
     } else if (!known) {
       if (height < 0.0) offset_ += height * seen.normal;
       age_ = 0.0;
+      touched_ = false;
     } else if (young) {
       if (height < kFreeAbove) offset_ -= along(seen.point - place_, seen.normal);
       age_ += elapsed;
     }
+    touched_ = seen.surface != 0 && (touched_ || seen.touching);
     known_ = seen.surface;
     place_ = seen.point;
   }
@@ -72,7 +78,8 @@ class SurfaceIndex {
 
   Vec3 offset_ = Vec3::Zero();
   std::uint32_t known_ = 0;
-  double age_ = 0.0;           // [s] since the surface became known
+  double age_ = 0.0;           // [s] since the surface was touched and known
+  bool touched_ = false;       // the surface, since it is known
   Vec3 place_ = Vec3::Zero();  // [m] of the surface in the last step
 };
 

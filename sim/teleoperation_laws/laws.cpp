@@ -21,6 +21,17 @@ struct Entry {
 };
 constexpr double kSoftLine = 10.0, kHardLine = 30.0;  // [N s/m] of the wave variables
 
+/// The wall of the bench, 2 mm deeper and a quarter softer than it is. It says nothing of a motion.
+SurfacePrior wrong_prior() {
+  constexpr double kDeeper = 2e-3, kSofter = 1500.0;  // [m], [N/m]
+  return {.key = 1,
+          .point = Vec3(kDeeper, 0.0, 0.0),
+          .normal = -Vec3::UnitX(),
+          .stiffness = kSofter,
+          .friction = 0.0,
+          .velocity = Vec3::Zero()};
+}
+
 const std::array kLaws = {
     Entry{"position_position",
           [](const Plant& p) -> Law { return std::make_unique<PositionPosition>(p, false); }},
@@ -43,6 +54,8 @@ const std::array kLaws = {
     Entry{"two_port_force",
           [](const Plant& p) -> Law { return std::make_unique<PositionForceTwoPort>(p); }},
     Entry{"feltwire", [](const Plant& p) -> Law { return std::make_unique<RemoteModel>(p); }},
+    Entry{"feltwire_prior",
+          [](const Plant& p) -> Law { return std::make_unique<RemoteModel>(p, wrong_prior()); }},
 };
 
 }  // namespace

@@ -80,12 +80,15 @@ RemoteFollower::RemoteFollower(const Plant& plant)
       estimate_({.first_stiffness = plant.stiffness}),
       limiter_({.stiffness = plant.stiffness}) {}
 
-const RemoteContact& RemoteFollower::step(const Vec3& tip, const Vec3& velocity,
-                                          const Vec3& force) {
+const RemoteContact& RemoteFollower::step(const Vec3& tip, const Vec3& velocity, const Vec3& force,
+                                          const SurfacePrior& prior) {
   tip_ = tip;
   force_ = force;
-  const RemoteContact& contact = estimate_.step(
-      {.position = tip, .velocity = velocity, .force = force, .elapsed = plant_.period});
+  const RemoteContact& contact = estimate_.step({.position = tip,
+                                                 .velocity = velocity,
+                                                 .force = force,
+                                                 .elapsed = plant_.period,
+                                                 .prior = prior});
   counted_.moved(force, moved(tip_before_, tip), plant_.period);
   return contact;
 }

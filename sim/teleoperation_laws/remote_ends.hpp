@@ -69,7 +69,9 @@ class RemoteFollower {
   explicit RemoteFollower(const Plant& plant);
 
   /// Call it for every sample, before target(). `force` [N]: of the environment on the tool.
-  const RemoteContact& step(const Vec3& tip, const Vec3& velocity, const Vec3& force);
+  /// `prior`: the model's surface there, before it is touched.
+  const RemoteContact& step(const Vec3& tip, const Vec3& velocity, const Vec3& force,
+                            const SurfacePrior& prior = {});
   /// [m] The target for the newest state of the leader.
   const Vec3& target(const LeaderState& newest);
 

@@ -36,7 +36,7 @@ FollowerForce RemoteModel::follow(const FollowerSample& s, std::span<const Datag
   constexpr double kReferenceRate = 20.0;  // [Hz]
   from_leader_.take(arrived);
   const RemoteContact& contact = follower_.step(
-      Vec3(s.position, 0.0, 0.0), Vec3(s.velocity, 0.0, 0.0), Vec3(s.force, 0.0, 0.0));
+      Vec3(s.position, 0.0, 0.0), Vec3(s.velocity, 0.0, 0.0), Vec3(s.force, 0.0, 0.0), prior_);
   out.position = s.position;
   out.surface = contact.surface;
   out.touching = contact.touching;

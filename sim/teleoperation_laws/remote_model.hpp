@@ -7,11 +7,13 @@
 
 namespace feltwire::teleop {
 
-/// feltwire's own law along one axis: RemoteLeader and RemoteFollower.
+/// feltwire's own law along one axis: RemoteLeader and RemoteFollower. With a prior, a plane across
+/// that axis is known before it is touched.
 /// docs/teleoperation.md has the law and the proof.
 class RemoteModel final : public TeleoperationLaw {
  public:
-  explicit RemoteModel(const Plant& plant) : plant_(plant), leader_(plant), follower_(plant) {}
+  explicit RemoteModel(const Plant& plant, const SurfacePrior& prior = {})
+      : plant_(plant), prior_(prior), leader_(plant), follower_(plant) {}
   double lead(const LeaderSample& sample, std::span<const Datagram> arrived,
               Datagram& out) override;
   FollowerForce follow(const FollowerSample& sample, std::span<const Datagram> arrived,
@@ -20,6 +22,7 @@ class RemoteModel final : public TeleoperationLaw {
 
  private:
   Plant plant_;
+  SurfacePrior prior_;
   Newest from_follower_, from_leader_;
   RemoteLeader leader_;
   RemoteFollower follower_;

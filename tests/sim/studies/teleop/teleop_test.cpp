@@ -52,6 +52,28 @@ TEST(Teleop, TapsOverTwoHundredMilliseconds) {
   EXPECT_LT(*run("feltwire", "taps", 0.2, 5e-3, 0.05).force_error, 0.15);
 }
 
+TEST(Teleop, AWallThatMovesIsFeltOverAHundredMilliseconds) {
+  constexpr double kWithout = 0.31, kWith = 0.10;  // of the force that it should have
+  for (const bool bad : {false, true}) {
+    const double jitter = bad ? 5e-3 : 0.0, loss = bad ? 0.05 : 0.0;
+    EXPECT_LT(*run("feltwire", "moving_wall", 0.1, jitter, loss).force_share, kWithout);
+    EXPECT_LT(*run("feltwire_prior", "moving_wall", 0.1, jitter, loss).force_share, kWith);
+  }
+  // The best of the published laws that are passive.
+  EXPECT_GT(*run("two_layer", "moving_wall", 0.1).force_share, kWithout);
+}
+
+TEST(Teleop, AWallThatIsKnownIsFeltWhereItIsAndHitLess) {
+  for (const double trip : {0.1, 0.2, 0.3}) {
+    const Measured known = run("feltwire_prior", "press_first", trip);
+    ASSERT_TRUE(known.displayed) << trip;
+    EXPECT_NEAR(*known.displayed, 1.0, 0.05) << trip;
+    EXPECT_LT(*known.oscillation, kCalm) << trip;
+    EXPECT_EQ(known.energy_made, 0.0) << trip;
+    EXPECT_LT(known.peak_force, 0.8 * run("feltwire", "press_first", trip).peak_force) << trip;
+  }
+}
+
 TEST(Teleop, WaveVariablesShowWhatTheirLineSays) {
   // 1/K = 1/K_s + d/b at rest: Niemeyer and Slotine 2004.
   const double series = 1000.0 * 2000.0 / 3000.0, one_way = 0.05;
@@ -64,8 +86,8 @@ TEST(Teleop, WaveVariablesShowWhatTheirLineSays) {
 TEST(Teleop, BoundedPortsMakeNoEnergyOnAnyTask) {
   std::vector<TeleopCase> cases;
   for (const TeleopCase& c : teleop_cases(true))
-    if (c.task != "drift" &&
-        (c.law == "feltwire" || c.law == "contact_frame" || c.law == "energy_bounding"))
+    if (c.task != "drift" && (c.law == "feltwire" || c.law == "feltwire_prior" ||
+                              c.law == "contact_frame" || c.law == "energy_bounding"))
       cases.push_back(c);
   for (const TeleopRow& row : run_teleop(cases))
     EXPECT_EQ(row.measured.energy_made, 0.0) << row.made.law << ' ' << row.made.task << ' '
