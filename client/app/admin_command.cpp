@@ -188,19 +188,23 @@ void add_parameters(CLI::App& command, AdminWords& words) {
       ->group(group);
   command
       .add_option("--operator-damping", w.operator_damping,
-                  "[N s/m] Damping of the operator's hand, added to the bound's")
+                  "[N s/m] Damping of the operator's hand that the bound adds to the device's")
       ->group(group);
   command
       .add_option("--velocity-cutoff", w.velocity_cutoff,
                   "[Hz] Cutoff of the server's velocity estimate, for every session. 0: no filter")
       ->group(group);
-  command.add_option("--c1", w.c1, "[N/m] of the paper's modes")->group(group);
-  command.add_option("--c2", w.c2, "[N/m] of the paper's modes")->group(group);
-  command.add_option("--coupling-stiffness", w.coupling_stiffness, "[N/m] of virtual_coupling")
+  command.add_option("--c1", w.c1, "[N/m] Constant of the paper's modes")->group(group);
+  command.add_option("--c2", w.c2, "[N/m] Constant of the paper's modes")->group(group);
+  command
+      .add_option("--coupling-stiffness", w.coupling_stiffness,
+                  "[N/m] Stiffness of virtual_coupling")
       ->group(group);
-  command.add_option("--coupling-damping", w.coupling_damping, "[N s/m] of virtual_coupling")
+  command
+      .add_option("--coupling-damping", w.coupling_damping, "[N s/m] Damping of virtual_coupling")
       ->group(group);
-  command.add_option("--tool-mass", w.tool_mass, "[kg] of virtual_coupling's tool")->group(group);
+  command.add_option("--tool-mass", w.tool_mass, "[kg] Mass of virtual_coupling's tool")
+      ->group(group);
 }
 
 struct AdminCommand {

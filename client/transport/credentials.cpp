@@ -49,7 +49,7 @@ std::variant<Fingerprint, Authorities> trust(const CredentialOptions& words) {
                     int{!words.ca.empty()};
   if (given == 0)
     throw std::invalid_argument(
-        "nothing says which server to trust; give the --fingerprint that feltwire-server prints "
+        "no option names the server to trust; give the --fingerprint that feltwire-server prints "
         "at its start, its --fingerprint-file, or --ca FILE where an authority signed its "
         "certificate");
   if (given > 1)

@@ -125,7 +125,7 @@ TEST_F(ClientProgram, ADeviceMakersProgramFeelsTheFloor) {
   const std::vector<std::string> words{to_string(access_.endpoint), "floor", "1"};
   const test::Outcome lost = test::Program(FELTWIRE_MY_DEVICE, words).finish();
   EXPECT_EQ(lost.status, 1);
-  EXPECT_THAT(lost.error, StartsWith("my_device: nothing says which server to trust"));
+  EXPECT_THAT(lost.error, StartsWith("my_device: no option names the server to trust"));
   const test::Outcome felt = outcome_with_access(anna_, FELTWIRE_MY_DEVICE, words);
   EXPECT_EQ(felt.status, 0) << felt.error;
   double force = 0.0;
