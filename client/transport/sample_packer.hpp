@@ -1,6 +1,6 @@
 #pragma once
-// Chooses the samples that travel: every servo sample goes in, and now and then the samples of a
-// datagram come out. No socket, no clock.
+// Chooses the samples that travel: it gets every servo sample, and now and then returns the samples
+// of a datagram. It has no socket and no clock.
 
 #include <cstddef>
 #include <vector>

@@ -1,5 +1,5 @@
 #pragma once
-// What a robot touches, from the wrench at its tool and the way of the tool.
+// Estimates the surface that a robot touches, from the wrench at its tool and the path of the tool.
 
 #include <cstdint>
 
@@ -8,46 +8,48 @@
 
 namespace feltwire {
 
-/// One surface that a robot touches, or touched last. World frame of the robot.
+/// A surface that the robot touches, or touched last. World frame of the robot.
 struct RemoteContact {
   std::uint32_t surface = 0;     // counts surfaces; 0: none is known
   bool touching = false;         // now, or less than ContactEstimate::kApart ago
-  Vec3 point = Vec3::Zero();     // [m] on the surface where no force would act
+  Vec3 point = Vec3::Zero();     // [m] on the surface, where the force would be zero
   Vec3 normal = Vec3::UnitX();   // unit, towards the free side
   double stiffness = 0.0;        // [N/m] > 0 of the surface, along the normal
-  double friction = 0.0;         // mu, from the force while the tool slid; 0: it did not yet
+  double friction = 0.0;         // mu, from the force while the tool slid; 0: it has not slid yet
   Vec3 velocity = Vec3::Zero();  // [m/s] of the surface along its normal
 };
 
 struct ContactEstimateConfig {
-  /// [N/m] assumed until the force over the way shows another; the robot's own controller, say.
+  /// [N/m] assumed until the measured force and depth show another; the robot's own controller, for
+  /// example.
   double first_stiffness = 1000.0;
-  double on = 0.2, off = 0.1;  // [N] a contact begins, ends; above the sensor's noise
+  double on = 0.2,
+         off = 0.1;  // [N] force at which a contact begins, ends; above the sensor's noise
 };
 
 /// Estimates the surface. At each sample
 ///   normal     the direction of the force, without its part along a sliding motion; kept while a
-///              touch that is new still moves in or bounces, for friction leans that force
+///              new touch still moves in or bounces, because friction leans that force
 ///   stiffness  slope of the force over the depth along the normal that is known by then, with the
 ///              depth's speed beside it (a damper), once the samples of a touch show at least
-///              0.1 mm and explain 98 % of the force; for half a second it gets better. Later a
-///              moving wall changes force and depth, too, and would be taken for a stiffness; so it
-///              is kept from then on. A touch that bounces before that is one touch.
+///              0.1 mm and explain 98 % of the force; it improves for half a second and is then
+///              kept. Later a moving wall changes force and depth, too, and would be taken for a
+///              stiffness. A touch that bounces before that is one touch.
 ///   place      tip + normal F / k, low-passed at 35 Hz
 ///   velocity   of the place, from a tracker of second order
-/// A touch goes on while the force is away for less than kApart: a tool that slides leaves the
+/// A touch continues if the force is missing for less than kApart: a sliding tool leaves the
 /// surface for some samples, and nothing changes meanwhile. After that the surface recedes to the
-/// tool where it finds no force, and after kSame it is forgotten.
-/// A touch within kSame of the last surface is the same surface again.
+/// tool where the tool finds no force, and after kSame it is forgotten. A touch within kSame of the
+/// last surface is the same surface again.
 ///
-/// Nothing here allocates, throws or reads a clock. A sample that is not finite is left out.
+/// No function allocates, throws or reads a clock. A sample that is not finite is ignored.
 class ContactEstimate {
  public:
   static constexpr double kSame = 20e-3;        // [m]
   static constexpr double kApart = 20e-3;       // [s]
   static constexpr double kQuickPlace = 35.0;   // [Hz]
   static constexpr double kTracker = 5.0;       // [Hz] of the velocity
-  static constexpr double kStandsStill = 2e-3;  // [m/s] slower surfaces are taken as still
+  static constexpr double kStandsStill = 2e-3;  // [m/s] slower surfaces count as static
 
   explicit ContactEstimate(const ContactEstimateConfig& config) : config_(config) {}
 
@@ -72,14 +74,14 @@ class ContactEstimate {
   RemoteContact contact_;
   LineFit fit_;
   std::uint32_t counted_ = 0;
-  bool known_ = false;                  // the stiffness, by this touch
-  bool pressed_ = false;                // beyond the thresholds, known to be a surface or not
-  double touched_ = 0.0;                // [s] in this touch
-  double apart_ = 0.0;                  // [s] without a force
-  double receded_ = 0.0;                // [m] since the last touch
-  Vec3 origin_ = Vec3::Zero();          // [m] the tip where this touch began
-  double last_height_ = 0.0;            // [m] of the last sample that the fit took
-  double place_ = 0.0;                  // [m] along the normal
+  bool known_ = false;          // the stiffness is known from this touch
+  bool pressed_ = false;        // the force is beyond the thresholds, on a known surface or not
+  double touched_ = 0.0;        // [s] in this touch
+  double apart_ = 0.0;          // [s] without a force
+  double receded_ = 0.0;        // [m] since the last touch
+  Vec3 origin_ = Vec3::Zero();  // [m] the tip where this touch began
+  double last_height_ = 0.0;    // [m] height in the last sample of the fit
+  double place_ = 0.0;          // [m] along the normal
   double tracked_ = 0.0, speed_ = 0.0;  // [m], [m/s] of the tracker
 };
 

@@ -11,7 +11,7 @@ namespace feltwire {
 /// The numbers are the wire's. Each may what those below it in rank() may: an observer is shown the
 /// scene, feels nothing and moves nothing; a pointer holds a small hand, that of the live page; an
 /// operator acts with any device; an admin lists and evicts sessions, reloads scenes and changes
-/// them. A follower stands apart: a robot sits on the robot's seat of a scene and does nothing
+/// them. A follower stands apart: a robot has the robot's seat of a scene and does nothing
 /// else, and nobody else sits there.
 enum class Role : std::uint8_t { observer, operator_, admin, pointer, follower };
 
