@@ -144,6 +144,7 @@ void choose_device(const WrittenOptions& words, HandTask task, ClientOptions& op
                     .own_center = words.center.has_value(),
                     .own_normal = words.normal.has_value(),
                     .leads_from = words.lead,
+                    .firmware = {},
                     .steering = options.device.steering};
   options.device.firmware = words.firmware;
   require(words.firmware.empty() || chosen.driver->kind == "falcon",
