@@ -28,9 +28,9 @@ using std::chrono::milliseconds;
 constexpr std::uint16_t kVendor = 0x0403, kProduct = 0xCB48;
 constexpr int kMostDevices = 16;
 constexpr std::size_t kMostFirmware = 1 << 16;  // images have 7 to 8 kB
-constexpr int kLoads = 5;    // a load works only sometimes, as others have seen
-constexpr int kAsks = 10;    // of a firmware that may be there
-constexpr int kTrials = 50;  // answers whose time is measured
+constexpr int kLoads = 5;                       // a load works only sometimes, as others have seen
+constexpr int kAsks = 10;                       // of a firmware that may be there
+constexpr int kTrials = 50;                     // answers whose time is measured
 constexpr double kLongerTick = 1.25;
 constexpr Nanoseconds kAnswers = milliseconds(100), kSlowest = milliseconds(8);
 constexpr double kFastest = 60.0;  // [rad/s] of an arm: 3.6 m/s at the tool
@@ -55,7 +55,8 @@ SourcedSpec usual_spec() {
   described.sources = {
       {"damping", "assumption, small on purpose"},
       {"apparent_mass", "assumption"},
-      {"position_resolution", "computed from the geometry: a count of all three legs, at the edge of the workspace"},
+      {"position_resolution",
+       "computed from the geometry: a count of all three legs, at the edge of the workspace"},
       {"max_force", "CHAI3D's device classes"},
       {"continuous_force", "assumption"},
       {"workspace", "assumption, within the maker's 100 mm"}};
@@ -173,8 +174,7 @@ class FalconDevice final : public LockStepDevice {
   void let_go() noexcept override { line_->let_go(); }
 
   std::optional<Command> send(const Command& command) noexcept override {
-    const Counts motors =
-        homed_ ? motors_of(tool_, turned_to_theirs(command.force())) : Counts{};
+    const Counts motors = homed_ ? motors_of(tool_, turned_to_theirs(command.force())) : Counts{};
     if (!line_->post(packet_of(motors))) return std::nullopt;
     if (motors == Counts{}) return Command{};
     return held_command(command, turned_to_ours(force_of(tool_, motors)), Vec3::Zero());

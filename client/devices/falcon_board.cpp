@@ -55,10 +55,10 @@ Packet request(const Counts& motors, Light light, bool homes) noexcept {
   std::size_t at = 1;
   for (const int motor : motors)
     for (unsigned shift = 0; shift < 16; shift += 4)
-      packet[at++] = static_cast<std::uint8_t>(
-          kZero + (static_cast<unsigned>(motor) >> shift & kNibble));
-  packet[kExtra] = static_cast<std::uint8_t>(kZero + (static_cast<unsigned>(light) |
-                                                      (homes ? kHoming : 0U)));
+      packet[at++] =
+          static_cast<std::uint8_t>(kZero + (static_cast<unsigned>(motor) >> shift & kNibble));
+  packet[kExtra] =
+      static_cast<std::uint8_t>(kZero + (static_cast<unsigned>(light) | (homes ? kHoming : 0U)));
   return packet;
 }
 
@@ -99,8 +99,7 @@ std::optional<Vec3> arm_angles(const Vec3& position) noexcept {
     if (!l) return std::nullopt;
     // |(u, w) - arm (cos, sin)| = shin: the angle of the wrist, and of the triangle at the base.
     const double reach = std::hypot(l->u, l->w);
-    const double cosine =
-        (reach * reach + kArm * kArm - l->shin * l->shin) / (2.0 * kArm * reach);
+    const double cosine = (reach * reach + kArm * kArm - l->shin * l->shin) / (2.0 * kArm * reach);
     if (!(std::abs(cosine) < 1.0)) return std::nullopt;
     angles[static_cast<Eigen::Index>(i)] = std::atan2(l->w, l->u) - std::acos(cosine);
   }
@@ -109,10 +108,10 @@ std::optional<Vec3> arm_angles(const Vec3& position) noexcept {
 
 std::optional<ToolPoint> tool_point(const Vec3& angles, const Vec3& near) noexcept {
   constexpr int kSteps = 12;
-  constexpr double kExact = 1e-12;          // [m]
-  constexpr double kStep = 0.1;             // [m] a step that leads elsewhere
+  constexpr double kExact = 1e-12;  // [m]
+  constexpr double kStep = 0.1;     // [m] a step that leads elsewhere
   constexpr double kSame = 1e-9;
-  constexpr double kStretched = 1e-4;       // of the determinant, in units of the arm
+  constexpr double kStretched = 1e-4;  // of the determinant, in units of the arm
   ToolPoint tool{.position = near, .jacobian = Mat3::Zero()};
   for (int n = 0; n < kSteps; ++n) {
     Vec3 gap, turn;  // of g_i = |wrist - knee|^2 - shin^2; its slopes by the angles

@@ -49,8 +49,8 @@ class Answer {
 
 /// [rad] of a leg's upper arm, by its encoder.
 double arm_angle(int count) noexcept;
-/// [rad] of the arm, a count of the encoder: 320 slots, read four times, on a shaft of 14.25 mm that
-/// turns a sector of 110 mm.
+/// [rad] of the arm, a count of the encoder: 320 slots, read four times, on a shaft of 14.25 mm
+/// that turns a sector of 110 mm.
 inline constexpr double kCount = 2.0 * std::numbers::pi / (4.0 * 320.0) * (14.25 / 110.0);
 
 /// The tool, in the maker's axes: x right, y up, z towards the user, from the middle of the legs.

@@ -54,9 +54,8 @@ Echo says(UsbLine& line, std::span<const std::uint8_t> bytes,
   if (*sent != bytes.size()) return Echo::wrong;
   const auto answer = heard(line, expected.size(), patience);
   if (!answer) return Echo::gone;
-  return std::equal(answer->begin(), answer->end(), expected.begin(), expected.end())
-             ? Echo::right
-             : Echo::wrong;
+  return std::equal(answer->begin(), answer->end(), expected.begin(), expected.end()) ? Echo::right
+                                                                                      : Echo::wrong;
 }
 
 /// The boot loader answers its hello.
@@ -64,13 +63,11 @@ std::string wake_boot_loader(UsbLine& line) {
   constexpr std::array<std::uint8_t, 3> kHello = {0x0A, 0x43, 0x0D};
   constexpr std::array<std::uint8_t, 4> kYes = {0x0A, 0x44, 0x2C, 0x0D};
   constexpr std::array<std::uint8_t, 1> kLoad = {0x41};
-  const bool ready = purge(line) && line.control(Request::latency, kSlowLatency) &&
-                     line.control(Request::baud, kHelloRate) &&
-                     line.control(Request::data, kEightBits) &&
-                     line.control(Request::flow, kNoFlow) &&
-                     line.control(Request::modem, kRtsLow) &&
-                     line.control(Request::modem, kDtrLow) &&
-                     line.control(Request::modem, kDtrHigh);
+  const bool ready =
+      purge(line) && line.control(Request::latency, kSlowLatency) &&
+      line.control(Request::baud, kHelloRate) && line.control(Request::data, kEightBits) &&
+      line.control(Request::flow, kNoFlow) && line.control(Request::modem, kRtsLow) &&
+      line.control(Request::modem, kDtrLow) && line.control(Request::modem, kDtrHigh);
   if (!ready) return kGone;
   Echo echo = Echo::wrong;
   for (int n = 0; n < kHellos && echo == Echo::wrong; ++n)
@@ -83,14 +80,15 @@ std::string wake_boot_loader(UsbLine& line) {
     return kGone;
   echo = says(line, kLoad, kLoad, kEchoPatience);
   if (echo == Echo::gone) return kGone;
-  return echo == Echo::right ? "" : "its boot loader takes no firmware; switch its power off and on";
+  return echo == Echo::right ? ""
+                             : "its boot loader takes no firmware; switch its power off and on";
 }
 
 }  // namespace
 
 bool talk_to_firmware(UsbLine& line) {
-  return line.control(Request::latency, kFastLatency) &&
-         line.control(Request::baud, kTalkRate) && purge(line);
+  return line.control(Request::latency, kFastLatency) && line.control(Request::baud, kTalkRate) &&
+         purge(line);
 }
 
 std::string load_firmware(UsbLine& line, std::span<const std::uint8_t> image) {

@@ -13,7 +13,7 @@
 namespace feltwire {
 namespace {
 
-constexpr double kTakeUp = 0.5;           // [s] in which the weight is taken up, or let down
+constexpr double kTakeUp = 0.5;         // [s] in which the weight is taken up, or let down
 constexpr double kStillWithin = 0.003;  // [m]
 constexpr Nanoseconds kLongPause = std::chrono::milliseconds(20);
 constexpr int kMostButtons = 32;

@@ -59,9 +59,9 @@ struct UsbLine::Calls {
         claim(library.get<int(void*, int)>("libusb_claim_interface")),
         release(library.get<int(void*, int)>("libusb_release_interface")),
         detach(library.find<int(void*, int)>("libusb_set_auto_detach_kernel_driver")),
-        control(library.get<int(void*, std::uint8_t, std::uint8_t, std::uint16_t, std::uint16_t,
-                                unsigned char*, std::uint16_t, unsigned)>(
-            "libusb_control_transfer")),
+        control(
+            library.get<int(void*, std::uint8_t, std::uint8_t, std::uint16_t, std::uint16_t,
+                            unsigned char*, std::uint16_t, unsigned)>("libusb_control_transfer")),
         bulk(library.get<int(void*, unsigned char, unsigned char*, int, int*, unsigned)>(
             "libusb_bulk_transfer")),
         error_name(library.get<const char*(int)>("libusb_error_name")) {}
@@ -158,8 +158,8 @@ std::optional<std::size_t> UsbLine::write(std::span<const std::uint8_t> bytes,
 std::optional<std::size_t> UsbLine::read(std::span<std::uint8_t> room, Nanoseconds patience) {
   std::array<unsigned char, kPacketBytes> packet{};
   int came = 0;
-  const int error = call_->bulk(device_, kBulkIn, packet.data(), static_cast<int>(packet.size()), &came,
-                                milliseconds_of(patience));
+  const int error = call_->bulk(device_, kBulkIn, packet.data(), static_cast<int>(packet.size()),
+                                &came, milliseconds_of(patience));
   if (error != 0 && error != kTimeout) return std::nullopt;
   const auto size = static_cast<std::size_t>(std::clamp(came, 0, int{kPacketBytes}));
   if (size <= kModemBytes) return 0;

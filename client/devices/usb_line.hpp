@@ -23,7 +23,14 @@ class UsbLine {
   UsbLine(const UsbLine&) = delete;
   UsbLine& operator=(const UsbLine&) = delete;
 
-  enum class Request : std::uint8_t { reset = 0, modem = 1, flow = 2, baud = 3, data = 4, latency = 9 };
+  enum class Request : std::uint8_t {
+    reset = 0,
+    modem = 1,
+    flow = 2,
+    baud = 3,
+    data = 4,
+    latency = 9
+  };
   /// False: it did not take it.
   bool control(Request request, std::uint16_t value);
   /// How many bytes it took; none: it is gone.

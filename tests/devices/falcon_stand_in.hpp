@@ -22,7 +22,7 @@ struct Falcon {
   int wrong_echoes = 0;              // loads in which one byte is echoed wrongly
   bool refuses_load = false;         // it answers the load's first byte by another
 
-  std::atomic<bool> unplug{false};  // from now on every transfer fails
+  std::atomic<bool> unplug{false};   // from now on every transfer fails
   std::atomic<int> short_writes{0};  // writes of which half is taken
   std::atomic<int> drops{0};         // requests that are not seen
   std::atomic<int> garbles{0};       // answers in which one byte is another

@@ -75,22 +75,22 @@ struct Falcon : ::testing::Test {
     feel(*opened.device, servo);
     const std::uint64_t faults = servo.statistics().device_faults;
     fault();
-    session.run(*opened.device, servo,
-                [&] { return servo.statistics().device_faults > faults; });
+    session.run(*opened.device, servo, [&] { return servo.statistics().device_faults > faults; });
     EXPECT_EQ(servo.held(), Command{});
     session.run(*opened.device, servo, [&] { return stand_in->force == 0.0; });
     feel(*opened.device, servo);
   }
   /// [J] that the true motion made more than the device burned, in four seconds at a late wall.
   double made(std::string_view mode) {
-    constexpr int kRequests = 4000;
-    session.patience = std::chrono::seconds(10);
+    const double kRequests = 1e3 * testing::session_seconds(4.0);
+    if (!testing::measures()) session.patience = std::chrono::seconds(10);
     {
       const OpenedDevice opened = open();
       Servo servo = servo_of(opened, mode);
       const int first = stand_in->requests;
       session.run(*opened.device, servo, [&] { return stand_in->requests >= first + kRequests; });
       statistics = servo.statistics();
+      session.tell("falcon", servo, stand_in->mass.largest_force, stand_in->mass.most_made);
     }
     EXPECT_GT(stand_in->mass.largest_force, 0.5);
     return stand_in->mass.most_made;

@@ -1,5 +1,6 @@
 // A libusb-1.0 with a Falcon behind an FTDI converter on it: its boot loader, its firmware and its
-// legs. Written from the published facts (Stamper's closed forms, the packets), not from the driver.
+// legs. Written from the published facts (Stamper's closed forms, the packets), not from the
+// driver.
 
 #include <sys/types.h>
 
@@ -71,7 +72,9 @@ Three force_of(const std::array<int, 3>& motors, const Three& at) {
   return f;
 }
 
-void say(const std::vector<Byte>& bytes) { outgoing.insert(outgoing.end(), bytes.begin(), bytes.end()); }
+void say(const std::vector<Byte>& bytes) {
+  outgoing.insert(outgoing.end(), bytes.begin(), bytes.end());
+}
 
 void boot(const Byte* bytes, std::size_t count) {
   const bool hello = count == 3 && bytes[0] == 0x0A && bytes[1] == 0x43 && bytes[2] == 0x0D;
@@ -105,7 +108,8 @@ void answer() {
   std::array<int, 3> motors{};
   for (int i = 0; i < 3; ++i) {
     unsigned value = 0;
-    for (int n = 0; n < 4; ++n) value |= static_cast<unsigned>(heard[1 + 4 * i + n] - 'A') << (4 * n);
+    for (int n = 0; n < 4; ++n)
+      value |= static_cast<unsigned>(heard[1 + 4 * i + n] - 'A') << (4 * n);
     motors[i] = static_cast<std::int16_t>(value);
     falcon->largest_motor = std::max(falcon->largest_motor.load(), std::abs(motors[i]));
     if (falcon->homed != 7)
@@ -129,7 +133,8 @@ void answer() {
     long count = std::lround((told[i] * 360.0 / kTurn - 35.0) / (0.28125 * 14.25 / 110.0)) + zero;
     if (falcon->jumps > 0 && i == 1) count += 900;
     for (int n = 0; n < 4; ++n)
-      reply[1 + 4 * i + n] = static_cast<Byte>('A' + (static_cast<unsigned long>(count) >> (4 * n) & 0xFU));
+      reply[1 + 4 * i + n] =
+          static_cast<Byte>('A' + (static_cast<unsigned long>(count) >> (4 * n) & 0xFU));
   }
   reply[13] = static_cast<Byte>('A' + (falcon->homed << 4 | (falcon->buttons & 0xF)));
   stand_in::takes_one(falcon->jumps);
@@ -171,7 +176,8 @@ ssize_t libusb_get_device_list(void*, void*** list) {
   static std::array<void*, 5> all;
   std::size_t count = 0;
   all[count++] = &device_markers[0];  // a mouse
-  for (int i = 0; falcon->plugged && i < falcon->devices; ++i) all[count++] = &device_markers[1 + i];
+  for (int i = 0; falcon->plugged && i < falcon->devices; ++i)
+    all[count++] = &device_markers[1 + i];
   all[count] = nullptr;
   *list = all.data();
   return static_cast<ssize_t>(count);

@@ -53,7 +53,7 @@ struct OpenHaptics : ::testing::Test {
 
   /// [J] that the true motion made more than the device burned, in four seconds at a late wall.
   double made(std::string_view mode) {
-    constexpr int kFrames = 4000;
+    const double kFrames = 1e3 * testing::session_seconds(4.0);
     {
       OpenedDevice opened = open(
           "", {.name_or_file = {}, .damping = stand_in->mass.damping, .mass = stand_in->mass.mass});
@@ -63,8 +63,10 @@ struct OpenHaptics : ::testing::Test {
       SessionParameters parameters = testing::session_of(*opened.device);
       parameters.mode = mode;
       Servo servo(spec, parameters, {});
-      felt(*opened.device, servo, [&] { return stand_in->frames >= kFrames; });
+      testing::PacedSession session;
+      session.run(*opened.device, servo, [&] { return stand_in->frames >= kFrames; });
       statistics = servo.statistics();
+      session.tell("openhaptics", servo, stand_in->mass.largest_force, stand_in->mass.most_made);
     }
     EXPECT_EQ(stand_in->misuses, 0);
     return stand_in->mass.most_made;

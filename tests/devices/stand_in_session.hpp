@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdio>
+#include <cstdlib>
 #include <deque>
 
 #include "client/servo/servo.hpp"
@@ -44,6 +46,14 @@ struct WallSession {
   std::deque<Reply> on_the_way{};
 };
 
+/// [s] that a session in real time lasts: `usual`, or FELTWIRE_SESSION_SECONDS, with which a table
+/// is measured (docs/devices.md).
+inline double session_seconds(double usual) {
+  const char* asked = std::getenv("FELTWIRE_SESSION_SECONDS");
+  return asked != nullptr ? std::atof(asked) : usual;
+}
+inline bool measures() { return std::getenv("FELTWIRE_SESSION_SECONDS") != nullptr; }
+
 /// Of a device that sets the pace with a thread of its own, in real time.
 struct PacedSession {
   Vec3 normal = Vec3::UnitZ();                           // of the wall through the origin
@@ -54,10 +64,14 @@ struct PacedSession {
   /// Ticks as run_servo_loop() does, until it holds.
   template <class Until>
   void run(Device& device, Servo& servo, Until until) {
-    const Nanoseconds latest = monotonic_now() + std::chrono::seconds(60);
+    const Nanoseconds latest = monotonic_now() + from_seconds(120.0 + session_seconds(0.0));
+    const Nanoseconds began = monotonic_now();
     while (!until()) {
+      lasted = seconds(monotonic_now() - began);
       if (monotonic_now() > latest) return (void)(ADD_FAILURE() << "it has not come to that");
       const bool came = device.await_tick(monotonic_now() + patience);
+      ++ticks;
+      missed += came ? 0 : 1;
       const Nanoseconds now = monotonic_now();
       const Sample* sample = came ? servo.tick(device, now) : servo.missed_tick(device, now);
       if (sample != nullptr) {
@@ -73,7 +87,19 @@ struct PacedSession {
     }
   }
 
+  /// One line of the table.
+  void tell(const char* device, const Servo& servo, double force, double made) const {
+    if (!measures()) return;
+    const ServoStatistics& s = servo.statistics();
+    std::printf("%-14s %6.1f s %8llu ticks %4llu missed %4llu faults %6.2f N %10.2e J made\n",
+                device, lasted, static_cast<unsigned long long>(ticks),
+                static_cast<unsigned long long>(missed),
+                static_cast<unsigned long long>(s.device_faults), force, made);
+  }
+
   std::deque<Reply> on_the_way{};
+  std::uint64_t ticks = 0, missed = 0;
+  double lasted = 0.0;  // [s]
 };
 
 inline SessionParameters session_of(const Device& device) {
