@@ -51,7 +51,7 @@ struct Driver {
   std::string (*library)();
   bool held_by_person = true;  // a person's hand may hold it
   bool gives_force = true;     // false: `identify` cannot measure it
-  int buttons = 0;             // the most that are read of its devices (DeviceReading::buttons)
+  int buttons = 0;             // number of its buttons that are read (DeviceReading::buttons)
 };
 
 std::span<const Driver> drivers();

@@ -31,8 +31,8 @@ class Signals {
 
 /// Runs until the servo thread's loop is over. It shows its status, writes the records, also on a
 /// signal, handles changes of an admin, looks for a lost session, and ends the loop on a signal or
-/// when another session is refused for good. Keys of the terminal stop the device at once (`keys`).
-/// No failure in here ends the run: a status line without memory is not shown.
+/// when another session is refused for good. A key of the terminal presses the emergency stop
+/// (`keys`). No failure in here ends the run: a status line without memory is not shown.
 void attend(const Signals& signals, ServoThread& thread, Ring<LiveStatus>& statuses,
             Records& records, Changes& changes, Reconnector& reconnector,
             EmergencyKey& keys) noexcept;

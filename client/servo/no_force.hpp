@@ -59,7 +59,7 @@ struct ForceTrail {
   bool law_change = false;  // the reason that the force fades
   bool read = true;         // the device's position was usable
   bool clutched = false;    // no command was computed, because the hand moves without the tool
-  Withheld withheld = Withheld::nothing;  // the device's reason to get no command
+  Withheld withheld = Withheld::nothing;  // no command was computed, for a reason of the device
   bool answered = false;                  // at least one reply has come
   bool silent = false;                    // the newest reply is older than the hold time
   bool recovering = false;                // the reply says so

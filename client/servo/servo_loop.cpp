@@ -304,13 +304,16 @@ class Loop {
   void lower_tool() noexcept {
     constexpr std::size_t kWithoutStop = 1;
     const Nanoseconds latest = monotonic_now() + kLowering;
-    for (Nanoseconds now = monotonic_now(); !device_.lower_tool(now) && now < latest;
-         now = monotonic_now()) {
+    Nanoseconds now = monotonic_now();
+    bool lowered = device_.lower_tool(now);
+    while (!lowered && now < latest) {
       if (wait(kWithoutStop) < 0 && errno != EINTR) return;
       now = monotonic_now();
       if (delayed_) port_.pass(now);
       take_replies(now);
-      if (is_due(now)) tick(now);
+      if (!is_due(now)) continue;
+      lowered = device_.lower_tool(now);
+      tick(now);
     }
   }
 
