@@ -3,9 +3,11 @@
 // next sample comes out. No socket, no clock, no thread.
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 
 #include "client/followers/follower.hpp"
+#include "client/followers/surface_model.hpp"
 #include "core/teleoperation/contact_estimate.hpp"
 #include "core/teleoperation/energy_counters.hpp"
 #include "core/teleoperation/gripper_follow.hpp"
@@ -23,6 +25,7 @@ struct FollowerOptions {
   double first_touch = 3.0;  // [N] while the hand does not know of the contact
   double unfelt = 3.0;       // [N] that the hand need not have paid for
   Workspace workspace;       // of its target, beside that of its seat; at most kMostGiven walls
+  std::shared_ptr<SurfaceModel> surfaces = {};  // of what it may touch; null: nothing is known
   /// Without a target for that long the robot brakes and holds.
   Nanoseconds silence = std::chrono::milliseconds(100);
 };

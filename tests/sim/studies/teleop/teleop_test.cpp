@@ -86,8 +86,8 @@ TEST(Teleop, WaveVariablesShowWhatTheirLineSays) {
 TEST(Teleop, BoundedPortsMakeNoEnergyOnAnyTask) {
   std::vector<TeleopCase> cases;
   for (const TeleopCase& c : teleop_cases(true))
-    if (c.task != "drift" &&
-        (c.law == "feltwire" || c.law == "feltwire_prior" || c.law == "contact_frame" || c.law == "energy_bounding"))
+    if (c.task != "drift" && (c.law == "feltwire" || c.law == "feltwire_prior" ||
+                              c.law == "contact_frame" || c.law == "energy_bounding"))
       cases.push_back(c);
   for (const TeleopRow& row : run_teleop(cases))
     EXPECT_EQ(row.measured.energy_made, 0.0) << row.made.law << ' ' << row.made.task << ' '
