@@ -83,16 +83,16 @@ void await_client(const ServerAccess& server, const SeenSession& seen) {
     std::this_thread::sleep_for(kBetween);
   }
   throw std::runtime_error(
-      "the client has not answered for three seconds; the server goes on asking it, and admin "
-      "sessions shows what becomes of it");
+      "the client has not answered for three seconds; the server continues to ask it. See the "
+      "result with admin sessions");
 }
 
 /// Delay, jitter and loss that are not given become zero.
 void set_link(const ServerAccess& server, const AdminWords& words, const SeenSession& seen) {
   if (words.parameters != SessionWords{})
     throw std::invalid_argument(
-        "--delay, --jitter and --loss are of the link, the other options of the bound; give one "
-        "kind, then the other");
+        "--delay, --jitter and --loss change the link, the other options change the bound; give "
+        "them in two commands");
   const LinkQuality link{words.delay.value_or(0.0) / kMilli, words.jitter.value_or(0.0) / kMilli,
                          words.loss.value_or(0.0) / kPercent};
   ask_for<control::SceneChanged>(server, control::SetLink{seen.session.session, link});
@@ -105,7 +105,9 @@ void set_session(const ServerAccess& server, const AdminWords& words) {
   if (words.link()) return set_link(server, words, seen);
   const SessionParameters wanted = changed(seen.session.parameters, words.parameters);
   if (wanted == seen.session.parameters)
-    throw std::invalid_argument("--session: nothing would change; give --mode, say, another value");
+    throw std::invalid_argument(
+        "--session: the values are the present ones, so nothing would change; give another value, "
+        "for example of --mode");
   const auto set =
       ask_for<control::ParametersSet>(server, control::SetParameters{seen.session.session, wanted});
   if (set.parameters != wanted) return await_client(server, seen);
@@ -124,7 +126,8 @@ void set(const ServerAccess& server, const AdminWords& words) {
     request = control::SetGravity{
         scene, Vec3((*words.gravity)[0], (*words.gravity)[1], (*words.gravity)[2])};
   else if (words.material.object.empty())
-    throw std::invalid_argument("--object is required: whose material is it?");
+    throw std::invalid_argument(
+        "--object is required; give the name of the object that has this material");
   print("scene " + visible(scene) + ": " +
         visible(ask_for<control::SceneChanged>(server, request).what) + "\n");
 }
@@ -151,7 +154,7 @@ void add_material(CLI::App& command, MaterialChange& material) {
   command.add_option("--damping", material.damping, "[N s/m]")->group(group);
   command
       .add_option("--static-friction", material.static_friction,
-                  "Coefficient; at least the dynamic one")
+                  "Coefficient. Not less than the dynamic one")
       ->group(group);
   command.add_option("--dynamic-friction", material.dynamic_friction, "Coefficient")->group(group);
   command.add_option("--viscous-friction", material.viscous_friction, "[N s/m]")->group(group);
@@ -159,17 +162,19 @@ void add_material(CLI::App& command, MaterialChange& material) {
 
 void add_link(CLI::App& command, AdminWords& words) {
   const auto group = "Emulated link of a session (of a client with --link)";
-  command.add_option("--delay", words.delay, "[ms] mean, one way; 0 when not given")->group(group);
-  command.add_option("--jitter", words.jitter, "[ms] standard deviation; 0 when not given")
+  command.add_option("--delay", words.delay, "[ms] Mean, one way. When not given: 0")->group(group);
+  command.add_option("--jitter", words.jitter, "[ms] Standard deviation. When not given: 0")
       ->group(group);
-  command.add_option("--loss", words.loss, "[%] of the datagrams; 0 when not given")->group(group);
+  command.add_option("--loss", words.loss, "[%] Lost share of the datagrams. When not given: 0")
+      ->group(group);
 }
 
 void add_parameters(CLI::App& command, AdminWords& words) {
-  const auto group = "Bound of a session (at the client: mode, projection and storage alone)";
+  const auto group =
+      "Bound of a session (if it runs at the client: only mode, projection and storage)";
   SessionWords& w = words.parameters;
   command
-      .add_option("--session", words.session, "Its number or id, as `admin sessions` shows them")
+      .add_option("--session", words.session, "Number or id of the session (see `admin sessions`)")
       ->group(group);
   command.add_option("--mode", w.mode, bounding_method_choices())->group(group);
   command
@@ -181,11 +186,13 @@ void add_parameters(CLI::App& command, AdminWords& words) {
       .add_option("--reference", w.reference,
                   "Of passivity_control*: " + choices(kPassivityReferenceNames))
       ->group(group);
-  command.add_option("--operator-damping", w.operator_damping, "[N s/m] credited to the bound")
+  command
+      .add_option("--operator-damping", w.operator_damping,
+                  "[N s/m] Damping of the operator's hand, added to the bound's")
       ->group(group);
   command
       .add_option("--velocity-cutoff", w.velocity_cutoff,
-                  "[Hz] of the server's velocity estimate, of any session; 0: none")
+                  "[Hz] Cutoff of the server's velocity estimate, for every session. 0: no filter")
       ->group(group);
   command.add_option("--c1", w.c1, "[N/m] of the paper's modes")->group(group);
   command.add_option("--c2", w.c2, "[N/m] of the paper's modes")->group(group);
@@ -208,26 +215,28 @@ CLI::App* add_command(CLI::App& app, AdminWords& words, const char* name, const 
 }
 
 std::vector<AdminCommand> add_commands(CLI::App& app, AdminWords& words) {
-  CLI::App* sessions = add_command(app, words, "sessions", "List sessions and how they do");
-  sessions->add_option("--scene", words.scene, "Of this scene only");
-  sessions->add_flag("--json", words.json, "As JSON");
-  CLI::App* reloading = add_command(app, words, "reload", "Read a scene's file anew");
+  CLI::App* sessions = add_command(app, words, "sessions", "List the sessions and their state");
+  sessions->add_option("--scene", words.scene, "Show only this scene");
+  sessions->add_flag("--json", words.json, "Print JSON");
+  CLI::App* reloading = add_command(app, words, "reload", "Read a scene's file again");
   reloading->add_option("SCENE", words.scene, "Its name")->required();
   CLI::App* evicting = add_command(app, words, "evict", "End a session with a goodbye");
-  evicting->add_option("SESSION", words.session, "Its number or id, as `admin sessions` shows them")
+  evicting
+      ->add_option("SESSION", words.session, "Number or id of the session (see `admin sessions`)")
       ->required();
-  evicting->add_option("--scene", words.scene, "That it is in; where numbers stand for several");
+  evicting->add_option("--scene", words.scene,
+                       "The session's scene, if several scenes have a session with this number");
   CLI::App* setting = add_command(
       app, words, "set",
-      "Change what hands feel: the material of an object, gravity, the bound or the emulated link "
-      "of a session");
-  setting->add_option("--scene", words.scene, "Not needed where the server has one only");
+      "Change the material of an object, gravity, or the bound or emulated link of a session");
+  setting->add_option("--scene", words.scene, "Not needed if the server has only one");
   add_material(*setting, words.material);
-  setting->add_option("--gravity", words.gravity, "X,Y,Z [m/s^2] on what moves")->delimiter(',');
+  setting->add_option("--gravity", words.gravity, "X,Y,Z [m/s^2] Gravity on moving objects")
+      ->delimiter(',');
   add_parameters(*setting, words);
   add_link(*setting, words);
   CLI::App* counting = add_command(app, words, "stats", "Show the server's counters");
-  counting->add_flag("--json", words.json, "As JSON");
+  counting->add_flag("--json", words.json, "Print JSON");
   return {{sessions, &list_sessions},
           {reloading, &reload},
           {evicting, &evict},
@@ -243,7 +252,7 @@ int fail(const std::string& why, int status) {
 }  // namespace
 
 int admin_command(int argc, char** argv) {
-  CLI::App app("Looks at a server that runs, and changes it", "feltwire-client admin");
+  CLI::App app("Shows the state of a running server, and changes it", "feltwire-client admin");
   app.footer(kExamples);
   app.require_subcommand(1);
   AdminWords words;

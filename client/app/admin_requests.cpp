@@ -89,7 +89,7 @@ std::string scene_named(const ServerAccess& server, const std::string& name) {
   for (const std::string& scene : names) all += (all.empty() ? "" : ", ") + scene;
   throw std::invalid_argument(names.empty()
                                   ? "the token opens no scene of this server; use another token"
-                                  : "--scene is required, there are several: " + all);
+                                  : "--scene is required, the server has several scenes: " + all);
 }
 
 std::vector<SeenSession> sessions_of(const ServerAccess& server, const std::string& scene) {
@@ -121,7 +121,7 @@ const SeenSession& session_named(const std::vector<SeenSession>& sessions,
   }
   if (found != nullptr) return *found;
   throw std::invalid_argument("there is no session " + name +
-                              "; feltwire-client admin sessions lists those there are");
+                              "; feltwire-client admin sessions lists the existing ones");
 }
 
 std::vector<SeenCounters> counters_of(const ServerAccess& server) {

@@ -10,7 +10,7 @@
 
 namespace feltwire {
 
-/// Changes of a session's parameters. What is not given stays.
+/// Changes of a session's parameters. Missing values stay.
 struct SessionWords {
   std::optional<std::string> mode, projection, storage, reference;
   std::optional<double> operator_damping;            // [N s/m]
@@ -21,26 +21,26 @@ struct SessionWords {
   friend bool operator==(const SessionWords&, const SessionWords&) = default;
 };
 
-/// The parameters with the changes made. Throws std::invalid_argument naming the choices where a
-/// name is none.
+/// Returns the changed parameters. Throws std::invalid_argument that lists the choices if a name
+/// does not exist.
 SessionParameters changed(SessionParameters parameters, const SessionWords& words);
 
-/// A session with the scene that it is in.
+/// A session and its scene.
 struct SeenSession {
   std::string scene;
   control::SessionDescription session;
 };
 
-/// Those of one scene, or of all that the token opens where `scene` is empty. Blocks and throws as
-/// join() does.
+/// The sessions of one scene, or of all that the token opens if `scene` is empty. Blocks and throws
+/// as join() does.
 std::vector<SeenSession> sessions_of(const ServerAccess& server, const std::string& scene);
 
-/// The session that a user names: by its number, where `scene` is given or there is no other of
-/// that number, or by its id. Throws std::invalid_argument with the remedy where it is none.
+/// Finds the session that a user names: by its number, if `scene` is given or the number is unique,
+/// or by its id. Throws std::invalid_argument with the remedy if there is none.
 const SeenSession& session_named(const std::vector<SeenSession>& sessions, const std::string& name);
 
-/// The scene of that name, or the only one where it is empty. Throws std::invalid_argument that
-/// names those there are.
+/// The scene with that name, or the only one if it is empty. Throws std::invalid_argument that
+/// lists the existing ones.
 std::string scene_named(const ServerAccess& server, const std::string& name);
 
 /// Counters of the control port (its scene is empty) and of each scene.
@@ -50,14 +50,14 @@ struct SeenCounters {
 };
 std::vector<SeenCounters> counters_of(const ServerAccess& server);
 
-/// One line a session under a heading; "-": not known.
+/// One line for each session under a heading; "-": not known.
 std::string session_table(const std::vector<SeenSession>& sessions);
 /// JSON with a line break at the end. Values that are not known are null.
 std::string session_json(const std::vector<SeenSession>& sessions);
 std::string counter_lines(const std::vector<SeenCounters>& counters);
 std::string counter_json(const std::vector<SeenCounters>& counters);
 
-/// Asks, and returns the answer, which is an `Answer`. Throws SessionError where it is another.
+/// Sends a request, and returns its answer of type `Answer`. Throws SessionError if it is another.
 template <class Answer>
 Answer ask_for(const ServerAccess& server, const control::Message& request) {
   control::Message answer = ask(server, request, kControlTimeout);

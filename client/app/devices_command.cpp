@@ -36,12 +36,11 @@ bool show_libraries(const std::vector<PluggedIn>& devices) {
 }  // namespace
 
 int devices_command(int argc, char** argv) {
-  CLI::App app("Lists haptic devices that are plugged in, and what stands in their way",
+  CLI::App app("Lists the connected haptic devices, and their problems with remedies",
                "feltwire-client devices");
   Machine machine;
   std::string root = "/";
-  app.add_option("--root", root, "Folder in which to look for sys, dev and proc")
-      ->capture_default_str();
+  app.add_option("--root", root, "Folder with sys, dev and proc")->capture_default_str();
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -2,9 +2,9 @@
 
 namespace feltwire {
 
-/// `feltwire-client devices`: what is plugged in, what the drivers look for, and what stands in the
-/// way. The words begin with `devices`. Returns the exit status: 0; 1 where a problem was found; 2
-/// for a wrong command line.
+/// `feltwire-client devices`: lists the connected devices, the libraries that the drivers need, and
+/// the problems. The words begin with `devices`. Returns the exit status: 0; 1 if a problem was
+/// found; 2 for a wrong command line.
 int devices_command(int argc, char** argv);
 
 }  // namespace feltwire

@@ -62,11 +62,9 @@ SourcedSpec known_spec(const DeviceRequest& request, const Driver& driver, const
 void tell(const IdentifyLimits& limits, const Identification& identification) {
   std::printf(
       "The device will move its handle by itself for %.0f s: up to %.0f mm to each side of where\n"
-      "it is now, up to %.2f m/s, with up to %.1f N. Nobody may hold it. Put on it what it is "
-      "used\n"
-      "with, switch its gravity compensation on and the maker's own damping off, and clear %.0f "
-      "mm\n"
-      "around it. It lets go on Ctrl-C and on anything odd.\n",
+      "it is now, up to %.2f m/s, with up to %.1f N. Nobody may hold it. Attach the tool that you "
+      "use\nwith it, switch its gravity compensation on and the maker's own damping off, and clear "
+      "%.0f mm\naround it. The force ends on Ctrl-C and on every fault.\n",
       identification.duration(), 1e3 * limits.amplitude, limits.speed, limits.force,
       1e3 * limits.travel);
 }
@@ -74,11 +72,13 @@ void tell(const IdentifyLimits& limits, const Identification& identification) {
 void await_consent(bool yes) {
   if (yes) return;
   if (::isatty(STDIN_FILENO) == 0)
-    throw std::invalid_argument("--yes is required where nobody can press Enter");
-  std::printf("Press Enter to begin, Ctrl-C not to. ");
+    throw std::invalid_argument("the input is no terminal, so nobody can press Enter; give --yes");
+  std::printf("Press Enter to begin, Ctrl-C to cancel. ");
   std::fflush(stdout);
   std::string line;
-  if (!std::getline(std::cin, line)) throw std::runtime_error("nobody pressed Enter");
+  if (!std::getline(std::cin, line))
+    throw std::runtime_error(
+        "the input ended before Enter; start the command again, or give --yes");
 }
 
 /// Shows how far it is until it is over. On a terminal the line is rewritten.
@@ -110,8 +110,10 @@ void run(Device& device, Identification& identification) {
   });
   std::thread watching([&] {
     if (watch(device, status)) return;
-    std::fputs("feltwire-client identify: the device's library hangs; the force was let go\n",
-               stderr);
+    std::fputs(
+        "feltwire-client identify: the device's library hangs; the force was taken off. Plug the "
+        "device in again\n",
+        stderr);
     std::_Exit(kGaveUp);
   });
   show_progress(status);
@@ -125,14 +127,16 @@ void run(Device& device, Identification& identification) {
 void identify(const IdentifyWords& words) {
   const DriverChoice choice = chosen_driver(words.device);
   if (!choice.driver->gives_force)
-    throw std::invalid_argument("--device " + std::string(choice.driver->kind) +
-                                ": it gives no force to measure with; name a device that does");
+    throw std::invalid_argument(
+        "--device " + std::string(choice.driver->kind) +
+        ": it gives no force, so it cannot be measured; name a device that gives force");
   DeviceRequest request;
   request.name = choice.name;
   request.spec.name_or_file = words.spec;
   request.held = false;
   if (is_special(words.out))
-    throw std::invalid_argument("--out " + words.out + ": name a regular file");
+    throw std::invalid_argument("--out " + words.out +
+                                ": it is not a regular file; give the path of a regular file");
 
   const OpenedDevice opened = choice.driver->open(request);
   Device& device = *opened.device;
@@ -145,20 +149,21 @@ void identify(const IdentifyWords& words) {
   await_consent(words.yes);
   run(device, identification);
   if (identification.state() != Identification::State::done)
-    throw std::runtime_error("gave up: " + std::string(identification.why()));
+    throw std::runtime_error("the measurement was stopped: " + std::string(identification.why()));
 
   const DeviceEstimate found = identification.estimate();
   if (!found.doubts.empty())
-    throw std::runtime_error("no file is written: " + found.doubts.front());
+    throw std::runtime_error("the measurement is doubtful, so no file was written: " +
+                             found.doubts.front());
   const SourcedSpec described = identified_spec(known, found, today());
   std::printf("%s", visible_lines(spec_table(described)).c_str());
   std::printf("  delay of the loop     %.2f ms\n  largest force held    %.2f N\n",
               1e3 * found.delay, identification.largest_force());
   if (!(found.damping_bound.minCoeff() > 0.0))
     std::printf(
-        "The damping is too small to be told from friction and noise: none is counted on.\n");
+        "The damping is too small to separate it from friction and noise. The file has 0.\n");
   replace_file(words.out, device_file_text(described), kByUmask);
-  std::printf("%s is written; use it with --spec %s\n", visible(words.out).c_str(),
+  std::printf("%s was written; use it with --spec %s\n", visible(words.out).c_str(),
               visible(words.out).c_str());
 }
 
@@ -174,14 +179,16 @@ int identify_command(int argc, char** argv) {
                "feltwire-client identify");
   IdentifyWords words;
   app.add_option("--device", words.device, "KIND or KIND:NAME. " + driver_choices())->required();
-  app.add_option(
-      "--spec", words.spec,
-      "What is known of it, a name or FILE.json; its greatest force and workspace count");
-  app.add_option("--out", words.out, "FILE.json that gets the specification")
+  app.add_option("--spec", words.spec,
+                 "The known specification of the device, a name or FILE.json. Its largest force "
+                 "and workspace limit the measurement");
+  app.add_option("--out", words.out, "FILE.json for the measured specification")
       ->capture_default_str();
-  app.add_option("--force", words.force,
-                 "[N] never more than this; 15 % of the greatest force when not given");
-  app.add_flag("--yes", words.yes, "Begin at once: nobody holds it, and its room is clear");
+  app.add_option(
+      "--force", words.force,
+      "[N] Largest force of the measurement. When not given: 15 % of the device's largest force");
+  app.add_flag("--yes", words.yes,
+               "Begin without a question. Nobody may hold the device, and its space must be clear");
   try {
     app.parse(argc, argv);
     identify(words);

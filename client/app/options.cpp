@@ -66,7 +66,7 @@ std::variant<ClientOptions, int> parse_options(int argc, char** argv) {
   app.add_option("--device", words.device, "KIND or KIND:NAME. " + driver_choices())
       ->capture_default_str();
   app.add_option("--lead", words.lead,
-                 "[s] Lead the scene's robot and feel what it touches (docs/teleoperation.md). The "
+                 "[s] Lead the scene's robot and feel its contacts (docs/teleoperation.md). The "
                  "simulated hand holds its enabling switch from this time on, 0.2 or later");
   app.add_option("--duration", options.duration,
                  "[s] Length of the run. 0: until it is stopped or the recording is over")
@@ -108,7 +108,7 @@ std::variant<ClientOptions, int> parse_options(int argc, char** argv) {
       ->capture_default_str();
 
   app.add_option("--busy-poll", options.busy_poll,
-                 "[us] Before a reply or a deadline, poll for this long and do not sleep. inf: "
+                 "[us] Poll for this time before a reply or a deadline, and do not sleep. inf: "
                  "never sleep, which takes a whole core")
       ->capture_default_str();
 
@@ -124,8 +124,8 @@ std::variant<ClientOptions, int> parse_options(int argc, char** argv) {
       ->delimiter(',')
       ->group(session);
   app.add_option("--mass", words.mass,
-                 "[kg] Mass that the device's handle has at least, in every direction, in place of "
-                 "the specification's")
+                 "[kg] Lower bound of the handle's mass in every direction, in place of the "
+                 "specification's")
       ->group(session);
   app.add_flag_callback("--list-specs", list_specs,
                         "Print the built-in specifications, each number with its source, and end");
@@ -294,35 +294,34 @@ std::variant<ClientOptions, int> parse_options(int argc, char** argv) {
 
   const auto mapping = "Workspace of the device in the scene (docs/devices.md)";
   app.add_option("--map-scale", words.map_scale,
-                 "Metres that the tool moves a metre of the hand, 0.01 to 100. The hand is given "
+                 "Metres that the tool moves for one metre of the hand, 0.01 to 100. The hand gets "
                  "the scene's force times this")
       ->capture_default_str()
       ->group(mapping);
   app.add_option("--map-rotate", words.map_rotate,
-                 "X,Y,Z [deg] The device's axes turned about this direction by the vector's "
-                 "length: 0,0,90 makes its x the scene's y")
+                 "X,Y,Z [deg] Turns the device's axes about this direction by the vector's length: "
+                 "0,0,90 makes its x the scene's y")
       ->delimiter(',')
       ->group(mapping);
   app.add_option("--map-translate", words.map_translate,
-                 "X,Y,Z [m] Where the middle of the device's workspace is in the scene")
+                 "X,Y,Z [m] Place in the scene of the middle of the device's workspace")
       ->delimiter(',')
       ->group(mapping);
-  app.add_option("--map-mirror", words.map_mirror,
-                 "x, y or z: the device's axis whose sense is turned round")
+  app.add_option("--map-mirror", words.map_mirror, "x, y or z: this axis of the device is reversed")
       ->group(mapping);
 
   const auto steering = "Gamepad and 3D mouse";
   SteeringOptions& steered = options.device.steering;
   app.add_option("--steer-speed", steered.speed,
-                 "[m/s] Speed of the tool at full deflection, in whatever direction")
+                 "[m/s] Speed of the tool at full deflection, in every direction")
       ->capture_default_str()
       ->group(steering);
   app.add_option("--steer-turn", steered.turn, "[rad/s] Likewise, of its turning")
       ->capture_default_str()
       ->group(steering);
   app.add_option("--dead-zone", steered.dead_zone,
-                 "Share of the way of an axis that counts as rest, 0 to 0.5; the kernel's dead "
-                 "zone where that is more")
+                 "Share of an axis's range that counts as rest, 0 to 0.5. The kernel's dead zone "
+                 "is used if it is larger")
       ->capture_default_str()
       ->group(steering);
 

@@ -12,17 +12,17 @@
 namespace feltwire {
 
 struct ClientOptions : RunOptions {
-  bool list = false;                      // list the scenes, nothing else
-  bool check = false;                     // judge machine and network, and end
-  const Driver* driver = nullptr;         // of --device
-  DeviceRequest device;                   // what it is asked for
+  bool list = false;                      // only list the scenes
+  bool check = false;                     // test machine and network, and end
+  const Driver* driver = nullptr;         // for --device
+  DeviceRequest device;                   // the request to that driver
   WorkspaceMapping mapping;               // of its workspace into the scene
   int dscp = 0;                           // of the datagrams
   std::optional<TwoWayLinkOptions> link;  // emulated, between this client and its socket
 };
 
-/// Reads the command line. When there is nothing to run (--help, or an error, which has been
-/// printed as one line) the exit code is returned instead.
+/// Reads the command line. If there is nothing to run (--help, or an error, which has been printed
+/// as one line) it returns the exit code instead.
 std::variant<ClientOptions, int> parse_options(int argc, char** argv);
 
 }  // namespace feltwire

@@ -111,9 +111,9 @@ void choose_recording(const WrittenOptions& words, ClientOptions& options) {
   options.record_limits = limits;
   require(limits.mebibytes >= 1.0, "--record-max-mib must be 1 MiB or more");
   require(limits.seconds >= 1.0, "--record-max-seconds must be 1 s or more");
-  require(
-      !limits.any() || is_mcap(words.record),
-      "--record-max-mib and --record-max-seconds are of MCAP recordings; give --record FILE.mcap");
+  require(!limits.any() || is_mcap(words.record),
+          "--record-max-mib and --record-max-seconds apply only to MCAP recordings; give --record "
+          "FILE.mcap");
 }
 
 Damping damping(const std::vector<double>& numbers) {
@@ -200,7 +200,7 @@ void understand(const WrittenOptions& words, HandTask task, ClientOptions& optio
   options.server = {parse_endpoint(words.connect), credentials(words.credentials)};
   if (options.list) return;
   require(!words.scene.empty() || options.check,
-          "--scene is required; --list shows the scenes there are");
+          "--scene is required; --list shows the existing scenes");
   options.scene = words.scene;
   check_name("--scene", options.scene);
   check_name("--tool", options.tool);
@@ -217,7 +217,7 @@ void understand(const WrittenOptions& words, HandTask task, ClientOptions& optio
   require(options.role != Role::admin && options.role != Role::follower,
           "--role must be operator, pointer or observer");
   require(words.view.empty() || options.role == Role::observer,
-          "--view is of observers; give --role observer, too");
+          "--view is only for observers; also give --role observer");
   choose_bound(words, options.parameters);
   options.parameters.servo_period = period_of(words);
   choose_traffic(words, packet_rate(words, options.role), options.parameters);
@@ -228,8 +228,7 @@ void understand(const WrittenOptions& words, HandTask task, ClientOptions& optio
 
   if (options.check) {
     constexpr double kUsual = 10.0;  // [s]
-    require(words.device == "simulated",
-            "--check is made with the simulated hand; leave out --device");
+    require(words.device == "simulated", "--check uses the simulated hand; leave out --device");
     if (options.duration == 0.0) options.duration = kUsual;
     task.depth = -task.clearance;  // it touches nothing
   }

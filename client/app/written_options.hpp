@@ -1,5 +1,5 @@
 #pragma once
-// The command line as it is written, and what it means.
+// The words of the command line, and the options that they set.
 
 #include <array>
 #include <optional>
@@ -12,7 +12,7 @@
 
 namespace feltwire {
 
-/// The command line as it is written, before its words are understood.
+/// The words of the command line, before they are interpreted.
 struct WrittenOptions {
   std::string connect, scene, device = "simulated", spec;
   std::string mode, projection = std::string(name(SessionParameters{}.projection)),
@@ -37,11 +37,11 @@ struct WrittenOptions {
   CredentialOptions credentials;
 };
 
-/// Begins with the values of a network profile, before the command line is read once more: the
-/// options given there win. Throws std::invalid_argument.
+/// Begins with the values of a network profile, before the command line is read once more: its
+/// options override them. Throws std::invalid_argument.
 void begin_with(const NetworkProfile& line, WrittenOptions& words, SessionParameters& parameters);
 
-/// Checks the words and sets the options that they mean. `task`: of the simulated hand. Throws
+/// Checks the words and sets their options. `task`: of the simulated hand. Throws
 /// std::invalid_argument with the option's name.
 void understand(const WrittenOptions& words, HandTask task, ClientOptions& options);
 

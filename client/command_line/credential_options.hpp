@@ -1,5 +1,5 @@
 #pragma once
-// The part of a program's command line that says whom to trust and who one is.
+// The options of a program that name the trusted server and the client's credentials.
 
 #include <string>
 
@@ -14,8 +14,9 @@ namespace feltwire {
 /// The texts of --help that differ between programs.
 struct CredentialWording {
   const char* group = "Trust (SECURITY.md)";
-  const char* token = "the token";  // what --token-file's FILE has
-  std::string prefix;  // before `certificate` and `key`, in programs that have a certificate too
+  const char* token = "the token";  // the contents of --token-file's FILE
+  std::string
+      prefix;  // before `certificate` and `key`, for programs with a certificate of their own
 };
 
 void add_credential_options(CLI::App& app, CredentialOptions& words,

@@ -14,9 +14,9 @@ struct DeviceReading {
   Pose pose;           // of the tool, world frame
   bool ok = true;      // false: the device has a fault; the servo gives zero force and reports it
   bool ended = false;  // no more readings will come (a recording is over)
-  /// The enabling switch that lets the hand move a robot is held (docs/teleoperation.md).
+  /// The person holds the enabling switch that lets the hand move a robot (docs/teleoperation.md).
   bool deadman = false;
-  /// [m] the opening that the robot's gripper shall have, if the hand has a lever for it.
+  /// [m] the wanted opening of the robot's gripper, if the device has a lever for it.
   std::optional<double> gripper{};
   /// False: the device has no newer reading than the last one, and `pose` is not used. The
   /// servo makes no tick for it: the device keeps the held force, and write() is not called.
@@ -24,10 +24,11 @@ struct DeviceReading {
   /// The mean force on the hand since the last fresh reading, if the device knows that it differs
   /// from the force of write(): it applied the force late, or cut it. Absent: as write() gave.
   std::optional<Command> held{};
-  /// The button is held that lifts the hand off the scene (client/devices/mapped_device.hpp).
+  /// The person holds the clutch button, which lifts the hand off the scene
+  /// (client/devices/mapped_device.hpp).
   bool clutch = false;
-  /// The hand moves without the tool, which stands where it stood, and nothing is on the hand. The
-  /// servo asks for no force, and what the hand does meanwhile earns nothing.
+  /// The hand moves without the tool. The tool stands still, and no force is on the hand. The servo
+  /// asks for no force, and the movement earns no energy.
   bool clutched = false;
 };
 

@@ -20,12 +20,13 @@ namespace feltwire {
 struct DeviceRequest {
   std::string name;  // the part after the kind: --device KIND:NAME; empty: none
   SpecRequest spec;
-  bool held = true;                           // false: nobody holds the simulated handle
-  HandTask task;                              // of the simulated hand
-  WristTask wrist;                            // the same, for a device that senses rotation
-  bool own_center = true, own_normal = true;  // the same; false: begin() gives them
-  std::optional<double> leads_from;           // [s] its switch is held; empty: it leads no robot
-  SteeringOptions steering;                   // of a gamepad or a 3D mouse
+  bool held = true;  // false: nobody holds the simulated handle
+  HandTask task;     // of the simulated hand
+  WristTask wrist;   // the wrist of the simulated hand, for a device that senses rotation
+  bool own_center = true, own_normal = true;  // of the simulated hand; false: begin() gives them
+  std::optional<double>
+      leads_from;            // [s] time from which its switch is held; empty: it leads no robot
+  SteeringOptions steering;  // of a gamepad or a 3D mouse
 };
 
 struct OpenedDevice {
@@ -36,19 +37,19 @@ struct OpenedDevice {
 /// A kind of device. To add one: write its file in this folder, and an entry in drivers.cpp.
 struct Driver {
   enum class Name { none, optional, required };
-  std::string_view kind;     // as --device names it
+  std::string_view kind;     // the name on the command line, --device
   Name takes_name;           // whether a name may or must follow KIND:
-  std::string_view name;     // that name for people: "FILE.csv"
-  bool names_file;           // it is a file, which is read
+  std::string_view name;     // the name as --help shows it: "FILE.csv"
+  bool names_file;           // the name is a file that the driver reads
   std::string_view summary;  // a few words for --help
-  std::string_view spec;     // specification if neither the user nor the device gives one
+  std::string_view spec;     // the specification if neither the user nor the device gives one
   /// Throws std::runtime_error or std::invalid_argument with the error and the remedy.
   OpenedDevice (*open)(const DeviceRequest& request);
   /// "FILE, version 3.17.5": the maker's library or service that it needs; null: it needs none.
   /// Throws std::runtime_error that names the missing files, their places, and the remedy.
   std::string (*library)();
-  bool held_by_person = true;  // a person's hand may be at it
-  bool gives_force = true;     // false: there is nothing that `identify` could measure with
+  bool held_by_person = true;  // a person's hand may hold it
+  bool gives_force = true;     // false: `identify` cannot measure it
 };
 
 std::span<const Driver> drivers();
@@ -56,14 +57,14 @@ std::span<const Driver> drivers();
 /// "KIND or KIND:NAME" of all drivers, each with its summary, for --help.
 std::string driver_choices();
 
-/// A driver and the name after its kind.
+/// A driver and the name after its kind on the command line.
 struct DriverChoice {
   const Driver* driver = nullptr;
   std::string name;
 };
 
-/// Of "KIND" or "KIND:NAME". Throws std::invalid_argument listing the existing kinds, or saying
-/// that a name is missing or does not fit the kind.
+/// Parses "KIND" or "KIND:NAME". Throws std::invalid_argument that lists the existing kinds, or
+/// says that a name is missing or does not fit the kind.
 DriverChoice chosen_driver(std::string_view words);
 
 }  // namespace feltwire

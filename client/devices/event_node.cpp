@@ -83,7 +83,7 @@ void EventNode::take() {
     throw std::runtime_error(
         "another program has it for itself, as spacenavd does; end that program "
         "(feltwire-client devices says who holds it)");
-  throw std::runtime_error("the kernel does not give it to this program: " +
+  throw std::runtime_error("the kernel does not let this program use it alone: " +
                            std::generic_category().message(errno) + "; plug it in anew");
 }
 

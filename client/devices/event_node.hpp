@@ -15,30 +15,32 @@ namespace feltwire {
 using InputKeys = std::bitset<KEY_CNT>;
 using InputAxes = std::bitset<ABS_CNT>;
 
-/// Reads without waiting. Nothing here allocates after opening.
+/// Reads events without waiting. No function allocates after opening.
 class EventNode {
  public:
-  /// ioctl(2), or a stand-in's.
+  /// The type of ioctl(2). Tests give another function.
   using Control = std::function<int(int descriptor, unsigned long request, void* room)>;
 
-  /// Takes the device for this program alone, so that no desktop moves its pointer with it. Throws
-  /// std::runtime_error that says what is wrong and the remedy.
+  /// Opens the node and grabs the device, so that no desktop moves its pointer with it. Throws
+  /// std::runtime_error that names the error and the remedy.
   explicit EventNode(const std::filesystem::path& node);
-  /// Of a stand-in: `descriptor`, which it closes, does not block and brings whole input_events.
+  /// For tests: takes ownership of `descriptor`, which does not block and delivers whole
+  /// input_events.
   EventNode(int descriptor, Control control);
   ~EventNode();
   EventNode(EventNode&& other) noexcept;
   EventNode& operator=(EventNode&&) = delete;
 
-  /// How many events it read, as many as there is room for at most. None: it was unplugged.
+  /// Reads as many events as fit, and returns their number. Empty: the device was unplugged.
   std::optional<std::size_t> read(std::span<input_event> room) const noexcept;
 
-  // What the kernel knows of it. None, or empty: it does not say, as of one that was unplugged.
-  std::optional<input_absinfo> axis(unsigned code) const noexcept;  // its range and its value now
-  std::optional<InputKeys> pressed() const noexcept;                // that are held now
-  InputKeys keys() const noexcept;                                  // that it has
-  InputAxes axes() const noexcept;                                  // likewise, with a range
-  InputAxes relative_axes() const noexcept;                         // likewise, without one
+  // The kernel's data of the device. Empty if the kernel does not answer, as after unplugging.
+  std::optional<input_absinfo> axis(
+      unsigned code) const noexcept;                  // range and present value of an axis
+  std::optional<InputKeys> pressed() const noexcept;  // the keys that are pressed now
+  InputKeys keys() const noexcept;                    // the keys that the device has
+  InputAxes axes() const noexcept;                    // the absolute axes that it has
+  InputAxes relative_axes() const noexcept;           // the relative axes that it has
 
  private:
   void take();

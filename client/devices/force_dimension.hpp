@@ -6,11 +6,11 @@
 
 namespace feltwire {
 
-/// The device of that number (request.name: "", "0", "1"...). Throws std::runtime_error that says
-/// what was looked for and where, or what the device needs.
+/// Opens the device with that number (request.name: "", "0", "1"...). Throws std::runtime_error
+/// that names the missing library and the searched places, or the fault of the device.
 OpenedDevice open_force_dimension(const DeviceRequest& request);
 
-/// The maker's library and its version. Throws the same.
+/// Returns the file of the maker's library and its version. Throws the same.
 std::string force_dimension_library();
 
 }  // namespace feltwire

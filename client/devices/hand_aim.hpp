@@ -1,6 +1,6 @@
 #pragma once
-// Where a simulated hand means to be when a person leads it: never further from the hand than its
-// arm shall press.
+// The intended place of a simulated hand that a person leads. Its distance from the hand is
+// limited, and so is the force of the arm.
 
 #include <algorithm>
 
@@ -8,18 +8,19 @@
 
 namespace feltwire {
 
-/// [m/s] of where a hand means to be that was pushed away.
+/// [m/s] speed with which the intended place yields to a push.
 inline constexpr double kYielding = 0.05;
 
-/// As long as `most` at most, in the same direction.
+/// Returns the vector, shortened to the length `most` if it is longer.
 inline Vec3 shortened(const Vec3& v, double most) noexcept {
   const double length = v.norm();
   return length > most ? Vec3(v * (most / length)) : v;
 }
 
-/// `lead` is the way from the hand to where it means to be [m, or rad of a wrist]. Returns it after
-/// the aim was moved by `way`: within `reach`, or as far as it was before, less `yielded`. Where
-/// the hand was pushed away the aim stays, for an aim that moved with the hand would damp nothing.
+/// Moves the intended place by `way`. `lead` is the vector from the hand to the intended place [m,
+/// or rad for a wrist]. Returns the new vector. Its length is at most `reach`, or the old length
+/// less `yielded` if that is more. If the hand is pushed away, the intended place stays; an
+/// intended place that moved with the hand would damp nothing.
 inline Vec3 led(const Vec3& lead, const Vec3& way, double reach, double yielded) noexcept {
   return shortened(lead + way, std::max(reach, lead.norm() - yielded));
 }

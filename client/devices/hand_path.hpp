@@ -1,5 +1,5 @@
 #pragma once
-// Where a simulated person means to move the hand.
+// The intended path of a simulated hand.
 
 #include <array>
 #include <cstdint>
@@ -10,11 +10,11 @@
 namespace feltwire {
 
 enum class HandPath { press, slide, orbit, figure_eight, taps, strike };
-/// The paths that a command line offers: all but strike, as few workspaces have room for its
-/// run-up.
+/// The paths that a command line offers: all except strike, because few workspaces have room for
+/// its run-up.
 inline constexpr std::array<std::string_view, 5> kHandPathNames = {"press", "slide", "orbit",
                                                                    "figure-eight", "taps"};
-/// Throws std::invalid_argument naming the choices.
+/// Throws std::invalid_argument that lists the choices.
 HandPath hand_path(std::string_view name);
 
 /// A task of a hand at a surface. It begins `clearance` outside and comes in smoothly within
@@ -26,13 +26,13 @@ struct HandTask {
   Vec3 along = Vec3::UnitX();   // first direction of movement, made orthogonal to the normal
   double radius = 0.03;         // [m] amplitude of slide and figure-eight, radius of orbit
   double frequency = 0.5;       // [Hz]
-  double depth = 0.01;          // [m] how far below the surface the hand means to be
+  double depth = 0.01;          // [m] intended depth of the hand below the surface
   double clearance = 0.01;      // [m]
   double lead_in = 0.5;         // [s]
-  double air = 0.0;             // [s] that it moves outside the surface before it comes in
+  double air = 0.0;             // [s] time that it moves outside the surface before it comes in
   double speed = 1.0;           // [m/s] of strike
   double tremor = 0.0;          // [m] RMS an axis, 8 to 12 Hz
-  std::uint64_t seed = 1;       // of the tremor
+  std::uint64_t seed = 1;       // seed of the tremor
 };
 
 /// Turns the task to a surface with another outward normal, and `along` into that surface.
@@ -42,7 +42,7 @@ void set_normal(HandTask& task, const Vec3& normal);
 /// the x-z plane, four seconds a turn.
 void go_round(HandTask& task, double radius);
 
-/// 3 s^2 - 2 s^3 between 0 and 1: how a task comes in.
+/// Returns 3 s^2 - 2 s^3, s limited to 0..1: the smooth start of a task.
 double smoothstep(double s) noexcept;
 
 /// press         to `depth`, and stay
@@ -55,10 +55,11 @@ double smoothstep(double s) noexcept;
 /// `clearance` and on to `depth`, and stay
 class IntendedMotion {
  public:
-  /// Throws std::invalid_argument when a number is not finite, or normal and along are parallel or
+  /// Throws std::invalid_argument if a number is not finite, or if normal and along are parallel or
   /// zero.
   explicit IntendedMotion(const HandTask& task);
-  /// The intended position [m] at time t >= 0 [s]. No state: the same t gives the same point.
+  /// Returns the intended position [m] at time t >= 0 [s]. There is no state: the same t gives the
+  /// same point.
   Vec3 position(double t) const noexcept;
 
  private:
@@ -67,7 +68,7 @@ class IntendedMotion {
   struct Tone {
     double frequency, phase;  // [Hz], [rad]
   };
-  static constexpr int kTones = 3;  // a tremor axis: a few lines between 8 and 12 Hz
+  static constexpr int kTones = 3;  // number of sine waves of a tremor axis, between 8 and 12 Hz
 
   HandTask task_;
   Vec3 across_;

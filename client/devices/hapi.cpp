@@ -186,10 +186,11 @@ class HapiDevice final : public LockStepDevice {
       answered |= got == Answer::garbled;
       if (got == Answer::garbled) rest(monotonic_now() + kQuiet);  // the rest of what it says
     }
-    refuse(answered ? "what answers at the port is no board with hAPI firmware, or one of another "
-                      "version; feltwire speaks that of frames whose first byte is 0x03 and 0x13"
-                    : "no answer at the port within 3 s; is it the board's, and is its firmware "
-                      "the hAPI's (frames whose first byte is 0x03 and 0x13)?");
+    refuse(answered
+               ? "the device at the port is not a board with hAPI firmware, or its firmware is of "
+                 "another version; install the firmware whose frames begin with 0x03 and 0x13"
+               : "no answer at the port within 3 s; check that it is the board's port, and that "
+                 "its firmware is the hAPI's (frames that begin with 0x03 and 0x13)");
   }
 
   /// How long the board usually takes, without a force.

@@ -5,9 +5,9 @@
 
 namespace feltwire {
 
-/// `request.name` is the port, /dev/ttyACM0. The board answers each torque with the angles that it
-/// had then, which sets the servo's pace. Throws std::runtime_error that says what is wrong and the
-/// remedy.
+/// Opens the board at the port `request.name` (/dev/ttyACM0). The board answers each torque with
+/// the angles at that moment, and this sets the servo's pace. Throws std::runtime_error that names
+/// the error and the remedy.
 OpenedDevice open_hapi(const DeviceRequest& request);
 
 }  // namespace feltwire

@@ -197,7 +197,7 @@ class HaplyDevice final : public LockStepDevice {
                      "; plug it in and look for it in the Haply Hub");
     const Told& told = message->told;
     if (told.id.size() > kMostId || told.id.find_first_of("\"\\") != std::string_view::npos)
-      refuse_service("the service tells an id that is none");
+      refuse_service("the service sends an invalid device id; install a newer service");
     id_ = told.id;
     dialect_ = message->dialect;
     if (dialect_ == Dialect::keyed)

@@ -1,6 +1,5 @@
 #pragma once
-// Haply's Inverse3, Inverse3x and Minverse through the maker's service: --device haply[:ID], and
-// behind an at sign the service's port.
+// Haply's Inverse3, Inverse3x and Minverse through the maker's service: --device haply[:ID[@PORT]].
 
 #include <cstdint>
 #include <string>
@@ -9,15 +8,15 @@
 
 namespace feltwire {
 
-/// `request.name`: the device's id, or nothing for the first; behind an @ the service's port, else
-/// 10001. The service answers each command, which sets the servo's pace. Throws std::runtime_error
-/// that says what is wrong and the remedy.
+/// Opens the device `request.name`: "ID", "ID@PORT" or "@PORT". Without an id it takes the first
+/// device, without a port 10001. The service answers each command, and this sets the servo's pace.
+/// Throws std::runtime_error that names the error and the remedy.
 OpenedDevice open_haply(const DeviceRequest& request);
 
-/// "service at port 10001, first device 049D of 2": what the service at that port of
-/// this machine says by itself; nothing is sent. Throws the same.
+/// Returns a description of the service at that port of this machine, as "service at port 10001,
+/// first device 049D of 2". It sends nothing. Throws the same.
 std::string haply_service(std::uint16_t port);
-/// At the usual port.
+/// The same for the usual port.
 std::string haply_usual_service();
 
 }  // namespace feltwire

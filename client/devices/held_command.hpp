@@ -1,6 +1,6 @@
 #pragma once
-// Splits the one force that a device says it holds into the elastic and frictional parts of the
-// command that it was given.
+// Splits the force that a device reports as held into the elastic and frictional parts of its
+// command.
 
 #include <algorithm>
 
@@ -8,8 +8,8 @@
 
 namespace feltwire {
 
-/// The command of which `force` [N] and `torque` [N m] are on the hand: the parts of `asked`, as
-/// far as that explains the force. The sum is exact.
+/// Returns the command whose sum is `force` [N] and `torque` [N m]. It has the parts of `asked` as
+/// far as they explain the force. The sum is exact.
 inline Command held_command(const Command& asked, const Vec3& force, const Vec3& torque) noexcept {
   const Vec3 wanted = asked.force();
   if (force == wanted && torque == asked.torque) return asked;

@@ -9,11 +9,11 @@
 
 namespace feltwire {
 
-/// A thread that waits to take the force off. The call that does may block and lock: it is not made
-/// in the thread or the signal handler that asks for it.
+/// A thread that takes the force off on request. The library's call may block and lock, so it does
+/// not run in the thread or signal handler that requests it.
 class LetGo {
  public:
-  /// `take_off` must not throw. Throws std::system_error where the system gives no thread.
+  /// `take_off` must not throw. Throws std::system_error if the system gives no thread.
   explicit LetGo(std::function<void()> take_off)
       : take_off_(std::move(take_off)), thread_([this] { run(); }) {}
   ~LetGo() {
@@ -24,7 +24,7 @@ class LetGo {
   LetGo(const LetGo&) = delete;
   LetGo& operator=(const LetGo&) = delete;
 
-  /// Any thread, any signal handler; each call takes it off once more.
+  /// For any thread and any signal handler. Each call takes the force off once more.
   void now() noexcept {
     asked_.store(true);
     wake_.set();

@@ -1,6 +1,6 @@
 #pragma once
-// A device that answers each command with the position that it had when it took the command up:
-// the answers set the pace, and a force is held from the next answer on.
+// A device that answers each command with its position at that moment. The answers set the pace,
+// and a force is held from the next answer on.
 
 #include <atomic>
 
@@ -8,15 +8,16 @@
 
 namespace feltwire {
 
-/// The part of such devices that is the same for every carrier of messages. There is never more
-/// than one command without an answer. After an answer that is missing or makes no sense zero is
-/// sent at once, and 50 ms later, when no old answer can come any more, it is begun anew.
+/// The common part of such devices, for every transport of messages. At most one command is without
+/// an answer. After a missing or faulty answer it sends zero at once. It starts again 50 ms later,
+/// when no old answer can come any more.
 class LockStepDevice : public Device {
  public:
-  /// The answer to the newest command, and no sooner than a millisecond after it.
+  /// Waits for the answer to the newest command. It returns no sooner than a millisecond after the
+  /// command.
   bool await_tick(Nanoseconds latest) noexcept final;
   DeviceReading read(Nanoseconds) noexcept final { return reading_; }
-  /// Returns what is held until the next answer: the command before.
+  /// Returns the command that is held until the next answer: the one before.
   Command write(const Command& on_hand) noexcept final;
   void release() noexcept final;
 
@@ -25,24 +26,26 @@ class LockStepDevice : public Device {
   static constexpr Nanoseconds kQuiet = std::chrono::milliseconds(50);
 
   enum class Answer {
-    none,     // by the time that was given
-    garbled,  // or impossible
-    gone,     // the device is, for good
+    none,     // no answer by the given time
+    garbled,  // or an impossible answer
+    gone,     // the device is gone for good
     whole
   };
 
-  /// Sends it without waiting. Returns what of it the device will hold; none: it could not be sent.
+  /// Sends a command without waiting. Returns the part of it that the device will hold. Empty: it
+  /// could not be sent.
   virtual std::optional<Command> send(const Command& command) noexcept = 0;
-  /// What has come, or comes by `latest`. Where it is whole, `reading` is filled in. A `held` in it
-  /// is what was held until then; without it `on_hand` was.
+  /// Receives an answer that has come, or that comes by `latest`. It fills in `reading` if the
+  /// answer is complete. `held` in it is the command held until then; without it, that is
+  /// `on_hand`.
   virtual Answer answer(const Command& on_hand, DeviceReading& reading,
                         Nanoseconds latest) noexcept = 0;
-  /// Throws away what has come, and what was remembered of the movement. False: it is gone.
+  /// Discards all received bytes and the remembered movement. False: the device is gone.
   virtual bool forget() noexcept = 0;
-  /// Sends zero; async-signal-safe. Any thread, any signal handler.
+  /// Sends zero. It is async-signal-safe, for any thread and any signal handler.
   virtual void let_go() noexcept = 0;
 
-  /// Asleep until then.
+  /// Sleeps until then.
   static void rest(Nanoseconds until) noexcept;
   Nanoseconds sent_at() const noexcept { return sent_at_; }
 
@@ -50,14 +53,14 @@ class LockStepDevice : public Device {
   void give(const Command& command) noexcept;
 
   std::atomic<bool> released_{false};
-  // Of the servo's thread.
-  bool asked_ = false;  // a command is to be answered
-  bool pulls_ = false;  // as far as is known, by the newest command that was sent
-  bool lost_ = false;   // what the device holds is not known
+  // Members of the servo's thread.
+  bool asked_ = false;  // a command waits for its answer
+  bool pulls_ = false;  // the newest command had a force, as far as is known
+  bool lost_ = false;   // the force that the device holds is not known
   bool gone_ = false;
   Nanoseconds sent_at_{0};
   DeviceReading reading_;
-  Command on_hand_, next_;  // since the newest reading, and from the next one on
+  Command on_hand_, next_;  // held since the newest reading, and from the next one on
 };
 
 }  // namespace feltwire

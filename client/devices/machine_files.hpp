@@ -7,13 +7,13 @@
 
 namespace feltwire {
 
-/// The first line of a small file; empty where there is none.
+/// Returns the first line of a small file. Empty if there is none.
 std::string line_of(const std::filesystem::path& file);
 
-/// The entries of a folder, by name; none where it cannot be read.
+/// Returns the entries of a folder, sorted by name. Empty if it cannot be read.
 std::vector<std::filesystem::path> entries(const std::filesystem::path& folder);
 
-/// What to do with a udev rule.
+/// Returns the sentence that tells the user how to install a udev rule.
 std::string rule_to_paste(const std::string& rule);
 
 }  // namespace feltwire

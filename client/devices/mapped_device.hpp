@@ -1,6 +1,6 @@
 #pragma once
-// A device whose workspace is mapped into the scene: scaled, turned, mirrored, shifted, and lifted
-// off the scene by a clutch, as a mouse is off its table.
+// A device whose workspace is mapped into the scene by scale, rotation, mirror and translation. A
+// clutch lifts it off the scene, as one lifts a mouse off a table.
 
 #include <memory>
 #include <optional>
@@ -9,36 +9,37 @@
 
 namespace feltwire {
 
-/// A place x_d of the device is the place x = s M x_d + t of the scene, M = R D: R the rotation, D
-/// the mirror.
+/// Maps the place x_d of the device to the place x = s M x_d + t of the scene. M = R D, with R the
+/// rotation and D the mirror.
 struct WorkspaceMapping {
-  double scale = 1.0;                  // s: metres of the scene a metre of the device
+  double scale = 1.0;                  // s: metres of the scene for one metre of the device
   Vec3 rotation = Vec3::Zero();        // [rad] rotation vector of R
   Vec3 translation = Vec3::Zero();     // t [m]
-  std::optional<int> mirrored_axis{};  // of the device, 0 to 2, whose sense D turns round
+  std::optional<int> mirrored_axis{};  // the axis of the device, 0 to 2, that D reverses
 
-  /// M: orthogonal. Quarter turns are exact.
+  /// Returns M, which is orthogonal. Quarter turns are exact.
   Mat3 axes() const;
 };
-/// Throws std::invalid_argument with the option's name and the remedy.
+/// Throws std::invalid_argument that names the option and the remedy.
 void validate(const WorkspaceMapping& mapping);
 
-/// The device as the scene sees it, of the same power at every moment (docs/devices.md has the
-/// derivation): damping M B M' / s^2, masses / s^2, forces / s, lengths and speeds s; the numbers
-/// of rotation turned, not scaled. An encoder's quantum is s q |M'|_1, which has the turned grid in
-/// it. Throws std::invalid_argument where a number leaves its range.
+/// Returns the specification of the device in the scene's axes. Its power is the same at every
+/// moment (docs/devices.md has the derivation): damping M B M' / s^2, masses / s^2, forces / s,
+/// lengths and speeds times s. The numbers of rotation are turned, not scaled. The quantum of an
+/// encoder is s q |M'|_1, which covers the turned grid. Throws std::invalid_argument if a number
+/// leaves its range.
 DeviceSpec mapped_spec(const DeviceSpec& device, const WorkspaceMapping& mapping);
 
-/// The device behind the mapping. Orientations are turned with the axes, so that what is upright in
-/// the device's axes is so in the scene's. Forces go back by the transpose: f_d = s M' f, and the
-/// torque det(M) M' tau.
+/// The device behind the mapping. Orientations turn with the axes, so an upright device is upright
+/// in the scene. Forces are mapped back by the transpose: f_d = s M' f, and the torque is det(M) M'
+/// tau.
 ///
-/// The clutch (DeviceReading::clutch): once it is held no force is asked for. As soon as the device
-/// holds none the tool stands still (DeviceReading::clutched), wherever the hand goes. When it is
-/// let go, the tool goes on from exactly where it stood.
+/// The clutch (DeviceReading::clutch): while it is held the servo asks for no force. As soon as the
+/// device holds none, the tool stands still (DeviceReading::clutched), and the hand can move
+/// freely. After the release the tool continues from exactly the same place.
 class MappedDevice final : public Device {
  public:
-  /// Throws as validate() and mapped_spec() do.
+  /// Throws like validate() and mapped_spec().
   MappedDevice(std::unique_ptr<Device> device, const WorkspaceMapping& mapping);
 
   const DeviceSpec& spec() const override { return spec_; }
@@ -51,10 +52,11 @@ class MappedDevice final : public Device {
 
  private:
   enum class Tool : std::uint8_t {
-    led,       // by the hand
-    let_go,    // likewise: no force is asked for, but some may still be held
-    halted,    // nothing was held on its last way, which is told; from here on it stands
-    standing,  // and the hand moves without it
+    led,     // the hand leads the tool
+    let_go,  // the hand leads the tool; no force is asked for, but the device may still hold some
+    halted,  // no force was held during the last movement, which still counts; the tool stands from
+             // here on
+    standing,  // the tool stands, and the hand moves without it
   };
   Pose in_scene(const Pose& pose) const noexcept;
   Command to_scene(const Command& command) const noexcept;
@@ -64,13 +66,13 @@ class MappedDevice final : public Device {
   std::unique_ptr<Device> device_;
   double scale_;
   Mat3 axes_;       // M
-  double turning_;  // det(M): turns of a mirrored hand go the other way round
+  double turning_;  // det(M): -1 for a mirror, which reverses rotations
   DeviceSpec spec_;
 
-  // Of the servo's thread.
-  Pose hand_, tool_;  // where the tool was when the hand was there
+  // Members of the servo's thread.
+  Pose hand_, tool_;  // the tool's pose, and the hand's pose at the same moment
   Tool state_ = Tool::led;
-  Command held_;  // by the device, as it said last; in its own axes
+  Command held_;  // the command that the device reported as held, in its own axes
 };
 
 }  // namespace feltwire

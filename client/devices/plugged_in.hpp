@@ -16,26 +16,27 @@ struct Complaint {
 
 struct PluggedIn {
   std::string id;                            // "1451:0402" of USB
-  std::string what;                          // for people, and what it calls itself
+  std::string what;                          // for people, with the name that the device reports
   std::string kind;                          // of --device; empty: there is no driver for it
   std::vector<std::filesystem::path> nodes;  // /dev/..., as the programs of this machine name them
   std::vector<Complaint> complaints;
 };
 
-/// Where to look. Tests have a made-up tree of /sys, /dev and /proc.
+/// The place to search. Tests have a made-up tree of /sys, /dev and /proc.
 struct Machine {
   std::filesystem::path root = "/";
-  /// Whether this user may read and write the file.
+  /// Returns whether this user may read and write the file.
   std::function<bool(const std::filesystem::path&)> may_open = nullptr;  // null: asks the system
 };
 
-/// The devices on USB that a haptic device's maker is known to sell, in the order of the ports;
-/// then the gamepads and 3D mice, wherever they are plugged in, in the order of their event nodes.
-/// What cannot be read is taken for not there. Of other users' programs the system tells only root
-/// what they hold.
+/// Returns the USB devices that a maker of haptic devices is known to sell, in the order of the
+/// ports. After them come the gamepads and 3D mice of every port, in the order of their event
+/// nodes. It leaves out devices that it cannot read. Only root can see which programs of other
+/// users hold a node.
 std::vector<PluggedIn> plugged_in(const Machine& machine);
 
-/// "openhaptics: Touch (2988:0302), /dev/ttyACM0" and below it each problem with its remedy.
+/// Returns "openhaptics: Touch (2988:0302), /dev/ttyACM0" and below it each problem with its
+/// remedy.
 std::string text(const std::vector<PluggedIn>& devices);
 
 }  // namespace feltwire

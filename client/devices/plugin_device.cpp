@@ -112,8 +112,9 @@ class PluginDevice final : public Device {
     device_ = functions_.open(arguments.c_str(), &given, error.data(), error.size());
     error.back() = '\0';
     if (device_ == nullptr)
-      refuse(library_.file(),
-             error.front() != '\0' ? error.data() : "open() failed, and says not why");
+      refuse(library_.file(), error.front() != '\0'
+                                  ? error.data()
+                                  : "open() failed without a reason; let open() write one");
     try {
       const double longest = given.longest_tick;
       if (!std::isfinite(longest) || longest < 0.0)

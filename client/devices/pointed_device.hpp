@@ -1,48 +1,48 @@
 #pragma once
-// A haptic device in a simulated hand that another thread points with: a mouse, a finger on a
-// screen, a gamepad.
+// A haptic device in a simulated hand. Another thread points to its target with a mouse, a finger
+// on a screen, or a gamepad.
 
 #include "client/devices/hand_device.hpp"
 #include "core/base/ring.hpp"
 
 namespace feltwire {
 
-/// A message to the hand: go to a target, or let go.
+/// A message to the hand: go to a target, or release.
 struct Pointing {
   enum class Kind : std::uint8_t { to, let_go };
   Kind kind = Kind::to;
-  Vec3 target = Vec3::Zero();  // [m] where the hand shall be, world frame; of `to`
+  Vec3 target = Vec3::Zero();  // [m] target of the hand, world frame; for `to`
 };
 
 struct PointedHandOptions {
   DeviceSpec spec;
   Hand hand;
-  double speed = 0.5;   // [m/s] at most, of where the hand means to be
-  double reach = 0.02;  // [m] at most, from the hand to where it means to be: so it presses with
+  double speed = 0.5;   // [m/s] largest speed of the intended place
+  double reach = 0.02;  // [m] largest distance from the hand to the intended place: it presses with
                         // stiffness * reach
   double smoothing = 0.015;  // [s] time constant towards a target, for targets that come in steps
-  double patience = 1.0;     // [s] without a word; then the hand lets go
-  double beginning = 5.0;    // [s] in which it does not let go for want of a word: a browser that
+  double patience = 1.0;     // [s] the hand is released after this time without a message
+  double beginning = 5.0;    // [s] no release for a missing message in this time: a browser that
                              // draws a hand for the first time may pause for seconds
-  double clearance = 0.02;   // [m] from the surface where begin() puts it
+  double clearance = 0.02;   // [m] distance from the surface of the place where begin() puts it
 };
 
-/// The hand means to be at the newest target: it goes there smoothly, with at most the speed of the
-/// options, whatever the target jumps. It ends (DeviceReading::ended) when it is told to let go, or
-/// is told nothing for the patience of the options, after its beginning.
+/// The intended place of the hand follows the newest target smoothly, with at most the speed of the
+/// options, also if the target jumps. The device ends (DeviceReading::ended) on a release message,
+/// or if no message comes for the patience of the options, after its beginning.
 class PointedDevice final : public HandDevice {
  public:
-  /// The reader of `pointings` is the servo thread. It must outlive this. Throws
-  /// std::invalid_argument when a number is not usable.
+  /// The servo thread reads `pointings`, which must outlive this object. Throws
+  /// std::invalid_argument if a number is not usable.
   PointedDevice(const PointedHandOptions& options, Ring<Pointing>& pointings);
 
-  /// Puts the hand before the surface.
+  /// Puts the hand in front of the surface.
   void begin(const Vec3& position, const Vec3& normal) override;
   DeviceReading read(Nanoseconds now) noexcept override;
 
-  /// Where begin() put the hand [m].
+  /// Returns the place of the hand after begin() [m].
   const Vec3& start() const { return start_; }
-  /// It ended for want of a word. Any thread.
+  /// Whether it ended because messages were missing. Any thread may call it.
   bool neglected() const noexcept { return neglected_.load(); }
 
  private:

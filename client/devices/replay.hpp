@@ -19,32 +19,34 @@ struct RecordedPose {
 };
 
 struct Recording {
-  std::vector<RecordedPose> poses;  // at least one, times strictly rising
+  std::vector<RecordedPose> poses;  // at least one; times rise strictly
   bool rotation = false;            // the orientations were recorded
 };
 
 /// Reads CSV with the columns t,x,y,z [s, m] and optionally qw,qx,qy,qz (all four or none) at any,
-/// also irregular, rate. Throws CsvError naming file, line, column and remedy; `file` is only what
-/// errors call it.
+/// also irregular, rate. Throws CsvError that names file, line, column and remedy. `file` is used
+/// only as the name in errors.
 Recording read_recording(std::istream& in, const std::string& file);
 
-/// From a regular file of at most 512 MiB; throws CsvError, with `remedy` where it is not there.
+/// Reads a regular file of at most 512 MiB. Throws CsvError, with `remedy` if the file does not
+/// exist.
 Recording read_recording(const std::filesystem::path& file, std::string_view remedy);
 
-/// Position linear, orientation by slerp between the recorded poses around `time` [s]; before the
-/// first and after the last these themselves. `cursor` remembers where the last call was, so that
-/// rising times cost nothing.
+/// Interpolates the recorded poses around `time` [s]: the position is linear, the orientation uses
+/// slerp. Before the first and after the last pose it returns that pose. `cursor` remembers the
+/// last place, so a call with a rising time costs almost nothing.
 Pose pose_at(const Recording& recording, double time, std::size_t& cursor) noexcept;
 
 class ReplayDevice final : public Device {
  public:
-  /// Behaves as `spec` says, but senses rotation exactly when the recording does.
+  /// Uses the specification `spec`, but senses rotation exactly if the recording does.
   ReplayDevice(Recording recording, const DeviceSpec& spec);
 
   const DeviceSpec& spec() const override { return spec_; }
-  /// The first call is the first recorded instant; `ended` from the last recorded instant on.
+  /// The first call returns the first recorded instant. `ended` is true from the last recorded
+  /// instant on.
   DeviceReading read(Nanoseconds now) noexcept override;
-  /// Returns the whole command as held: no hand feels it.
+  /// Returns the whole command as held, because no hand feels it.
   Command write(const Command& on_hand) noexcept override {
     return released_.load() ? Command{} : on_hand;
   }
@@ -59,7 +61,7 @@ class ReplayDevice final : public Device {
   std::size_t cursor_ = 0;
 };
 
-/// From a file; throws CsvError.
+/// Opens a recording. Throws CsvError.
 std::unique_ptr<Device> make_replay_device(const std::filesystem::path& file,
                                            const DeviceSpec& spec);
 

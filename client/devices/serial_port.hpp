@@ -1,5 +1,5 @@
 #pragma once
-// A serial port that is read and written without waiting.
+// A serial port with reads and writes that do not wait.
 
 #include <cstddef>
 #include <cstdint>
@@ -11,21 +11,21 @@
 
 namespace feltwire {
 
-/// A serial port of one's own, raw, without flow control. Nothing here allocates after opening.
+/// An exclusive raw serial port without flow control. No function allocates after opening.
 class SerialPort {
  public:
-  /// Throws std::runtime_error that says what is wrong and the remedy.
+  /// Throws std::runtime_error that names the error and the remedy.
   explicit SerialPort(const std::filesystem::path& port);
   ~SerialPort();
   SerialPort(const SerialPort&) = delete;
   SerialPort& operator=(const SerialPort&) = delete;
 
-  /// How many bytes it took at once; none: it is not there any more. Async-signal-safe.
+  /// Returns how many bytes it took at once. Empty: the port is gone. Async-signal-safe.
   std::optional<std::size_t> write(std::span<const std::uint8_t> bytes) const noexcept;
-  /// How many bytes had come, at most as many as there is room for; none: as above.
+  /// Returns how many bytes it read, as many as fit at most. Empty: as above.
   std::optional<std::size_t> read(std::span<std::uint8_t> room) const noexcept;
-  /// Until something has come or the port is gone, or `latest` (a monotonic time). Whether
-  /// read() has something to tell.
+  /// Waits until bytes have come, the port is gone, or `latest` (a monotonic time). Returns whether
+  /// read() has a result.
   bool wait(Nanoseconds latest) const noexcept;
 
  private:

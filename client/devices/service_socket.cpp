@@ -101,7 +101,7 @@ void ServiceSocket::shake_hands(std::uint16_t port) {
 
   std::array<unsigned char, 16> random{};
   if (::getentropy(random.data(), random.size()) != 0 || ::getentropy(&masks_, sizeof masks_) != 0)
-    refuse(port, "the system gives no random numbers");
+    refuse(port, "the system has no source of random numbers");
   const std::string key = base64(random);
   const std::string request = "GET / HTTP/1.1\r\nHost: 127.0.0.1:" + std::to_string(port) +
                               "\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
@@ -114,7 +114,9 @@ void ServiceSocket::shake_hands(std::uint16_t port) {
   std::size_t end = std::string::npos;
   while ((end = head.find("\r\n\r\n")) == std::string::npos) {
     if (head.size() > kLongestHead || !wait_for(descriptor_, POLLIN, latest))
-      refuse(port, "what listens there is no WebSocket service");
+      refuse(port,
+             "the program at this port is not a WebSocket service; give the port of the maker's "
+             "service");
     const ssize_t count = ::recv(descriptor_, room.data(), room.size(), 0);
     if (count <= 0) refuse(port, "the service closed the connection; is another program using it?");
     head.append(room.data(), static_cast<std::size_t>(count));
@@ -123,7 +125,9 @@ void ServiceSocket::shake_hands(std::uint16_t port) {
   head.resize(end + 2);
   if (!head.starts_with("HTTP/1.1 101") ||
       head.find(": " + accepted(key) + "\r\n") == std::string::npos)
-    refuse(port, "what listens there is no WebSocket service");
+    refuse(port,
+           "the program at this port is not a WebSocket service; give the port of the maker's "
+           "service");
 
   const wslay_frame_callbacks calls{
       .send_callback = keep, .recv_callback = read_more, .genmask_callback = mask};

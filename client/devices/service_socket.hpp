@@ -1,5 +1,5 @@
 #pragma once
-// A WebSocket (RFC 6455) to a service on this machine, read and written without waiting.
+// A WebSocket (RFC 6455) to a service on this machine, with reads and writes that do not wait.
 
 #include <array>
 #include <cstdint>
@@ -16,34 +16,34 @@ struct wslay_frame_context;
 
 namespace feltwire {
 
-/// Nothing here allocates after opening.
+/// No function allocates after opening.
 class ServiceSocket {
  public:
   enum class News {
-    none,     // by the time that was given
-    gone,     // closed, reset, or no WebSocket any more
-    garbled,  // a message that is longer than the room for it; the next one is looked for
+    none,     // no message by the given time
+    gone,     // closed, reset, or not a WebSocket any more
+    garbled,  // a message that is longer than the buffer; the next call looks for the next one
     message
   };
   static constexpr std::size_t kMostSent = 1024;  // bytes of a text
   using Frame = std::vector<std::uint8_t>;
 
-  /// To 127.0.0.1. Throws std::runtime_error that says what is wrong and the remedy.
+  /// Connects to 127.0.0.1. Throws std::runtime_error that names the error and the remedy.
   ServiceSocket(std::uint16_t port, std::size_t longest_message);
   ~ServiceSocket();
   ServiceSocket(const ServiceSocket&) = delete;
   ServiceSocket& operator=(const ServiceSocket&) = delete;
 
-  /// False: it could not be sent whole, and the connection is of no use any more.
+  /// False: the text could not be sent whole, and the connection is no longer usable.
   bool send(std::string_view text) noexcept;
-  /// A text as it is sent, for post().
+  /// Returns the bytes of a text for post().
   Frame frame(std::string_view text);
-  /// One system call: async-signal-safe, any thread.
+  /// One system call: async-signal-safe, for any thread.
   bool post(std::span<const std::uint8_t> frame) const noexcept;
 
-  /// The next message that comes by `latest` (a monotonic time); pings are answered.
+  /// Waits for the next message until `latest` (a monotonic time). It answers pings.
   News receive(Nanoseconds latest) noexcept;
-  /// That message, until the next receive().
+  /// Returns that message. It is valid until the next receive().
   std::string_view message() const noexcept { return {message_.data(), size_}; }
 
  private:
@@ -62,12 +62,12 @@ class ServiceSocket {
 
   int descriptor_;
   std::unique_ptr<wslay_frame_context, Free> context_;
-  std::string early_;  // came with the answer to the handshake
+  std::string early_;  // bytes that came with the answer to the handshake
   std::size_t early_taken_ = 0;
-  std::vector<char> message_;  // its size is the longest
-  std::size_t size_ = 0;       // of what has come of it
+  std::vector<char> message_;  // its size is the largest message
+  std::size_t size_ = 0;       // number of received bytes
   bool begun_ = false, ended_ = false, too_long_ = false, gone_ = false;
-  std::uint64_t of_frame_ = 0;  // bytes that have come of the present frame
+  std::uint64_t of_frame_ = 0;  // received bytes of the present frame
   std::array<std::uint8_t, 125> control_{};
   std::size_t control_size_ = 0;
   std::array<std::uint8_t, kMostSent + 32> out_{};

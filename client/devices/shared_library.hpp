@@ -1,5 +1,5 @@
 #pragma once
-// A shared library that is loaded while the program runs: a plugin, or a device maker's own.
+// A shared library that is loaded at run time: a plugin, or a device maker's own.
 
 #include <filesystem>
 #include <memory>
@@ -10,16 +10,16 @@ namespace feltwire {
 
 class SharedLibrary {
  public:
-  /// By a path, or by a name that the system's loader looks for. Throws std::runtime_error with
-  /// what the loader says.
+  /// Loads a path, or a name that the system's loader looks for. Throws std::runtime_error with the
+  /// loader's message.
   explicit SharedLibrary(const std::filesystem::path& file);
-  /// The first of these that can be loaded. Throws std::runtime_error with what the loader says of
-  /// each.
+  /// Loads the first of these that the loader accepts. Throws std::runtime_error with the loader's
+  /// message for each.
   static SharedLibrary first_of(std::span<const std::filesystem::path> files);
 
   const std::filesystem::path& file() const { return file_; }
 
-  /// The function of that name; null where there is none.
+  /// Returns the function of that name. Null if there is none.
   template <class Function>
   Function* find(const char* name) const {
     return reinterpret_cast<Function*>(symbol(name));

@@ -14,16 +14,18 @@ struct SimulatedHandOptions {
       spec;  // mass, damping, Coulomb friction, encoder quantum and maximum force are the device's
   Hand hand;
   HandTask task;
-  WristTask wrist = {};                       // of a device that senses rotation
-  bool own_center = true, own_normal = true;  // false: begin() says the task's center, normal
-  std::optional<double> leads_from = {};  // [s] from when on the switch is held that moves a robot
+  WristTask wrist = {};                       // for a device that senses rotation
+  bool own_center = true, own_normal = true;  // false: begin() gives the task's center, normal
+  std::optional<double> leads_from =
+      {};  // [s] time from which the switch is held that moves a robot
 };
 
-/// The hand means to be where its task is at that time. Deterministic: the same task, forces and
-/// reading times give the same bits.
+/// The task gives the intended place of the hand at each time. Deterministic: the same task, forces
+/// and reading times give the same bits.
 class SimulatedDevice final : public HandDevice {
  public:
-  /// Throws std::invalid_argument when a number is not usable (a mass that is not above zero, say).
+  /// Throws std::invalid_argument if a number is not usable (a mass that is not above zero, for
+  /// example).
   explicit SimulatedDevice(const SimulatedHandOptions& options);
 
   void begin(const Vec3& position, const Vec3& normal) override;

@@ -1,6 +1,6 @@
 #pragma once
-// A simulated hand that a person steers with a gamepad or a 3D mouse. The person feels nothing; the
-// hand feels the scene, so that the tool is held back by what it touches.
+// A simulated hand that a person steers with a gamepad or a 3D mouse. The person feels nothing. The
+// simulated hand feels the scene, so surfaces hold the tool back.
 
 #include <filesystem>
 #include <string>
@@ -17,21 +17,21 @@ struct SteeredHandOptions {
   DeviceSpec spec;  // of the simulated device in the hand
   Hand hand;
   SteeringOptions steering;
-  double reach = 0.02;  // [m] at most, from the hand to where it means to be: so it presses with
+  double reach = 0.02;  // [m] largest distance from the hand to the intended place: it presses with
                         // stiffness * reach
-  double wrist_reach = 0.3;  // [rad] likewise
-  double clearance = 0.02;   // [m] from the surface where begin() puts it
+  double wrist_reach = 0.3;  // [rad] the same for the wrist
+  double clearance = 0.02;   // [m] distance from the surface of the place where begin() puts it
 };
 
-/// The axes tell a velocity of where the hand means to be, and of how it means to be turned. An
-/// input device that was unplugged is a fault for good.
+/// The axes give a velocity of the intended place, and of the intended orientation. An unplugged
+/// input device is a permanent fault.
 class SteeredDevice final : public HandDevice {
  public:
-  /// `kind` is "gamepad" or "spacemouse". Throws std::runtime_error where the node is of another
-  /// kind, std::invalid_argument where a number is not usable.
+  /// `kind` is "gamepad" or "spacemouse". Throws std::runtime_error if the node is of another kind,
+  /// std::invalid_argument if a number is not usable.
   SteeredDevice(EventNode node, std::string_view kind, const SteeredHandOptions& options);
 
-  /// Puts the hand before the surface.
+  /// Puts the hand in front of the surface.
   void begin(const Vec3& position, const Vec3& normal) override;
   DeviceReading read(Nanoseconds now) noexcept override;
 
@@ -44,18 +44,18 @@ class SteeredDevice final : public HandDevice {
   SteeredHandOptions options_;
   InputState input_;
   Steering steering_;
-  Vec3 aim_ = Vec3::Zero();                         // where the hand means to be [m]
-  Quaternion turned_aim_ = Quaternion::Identity();  // how it means to be turned
+  Vec3 aim_ = Vec3::Zero();                         // [m] intended place
+  Quaternion turned_aim_ = Quaternion::Identity();  // intended orientation
   double moved_until_ = 0.0, turned_until_ = 0.0;   // [s]
   bool gone_ = false;
 };
 
-/// The input device that `name` says, as "event5" or a path; empty: the only one of that kind there
-/// is. Throws std::runtime_error that says what was looked for and the remedy.
+/// Opens the input device `name`, "event5" or a path. Empty: the only one of that kind. Throws
+/// std::runtime_error that names the searched nodes and the remedy.
 std::filesystem::path input_node(const Machine& machine, std::string_view kind,
                                  const std::string& name);
 
-/// Throw likewise.
+/// They throw the same.
 OpenedDevice open_gamepad(const DeviceRequest& request);
 OpenedDevice open_spacemouse(const DeviceRequest& request);
 

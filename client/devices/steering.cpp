@@ -41,7 +41,7 @@ InputState::InputState(const EventNode& node, std::string_view kind, const Steer
   if (found != kind)
     throw std::runtime_error(
         found.empty() ? "it is neither a gamepad nor a 3D mouse: no two axes with BTN_SOUTH, no "
-                        "six axes with BTN_0; feltwire-client devices lists those there are"
+                        "six axes with BTN_0; feltwire-client devices lists the existing ones"
                       : "it is a " + std::string(found) + "; use --device " + std::string(found));
   lay_out(node, kind, options.dead_zone);
   if (!read_all(node)) throw std::runtime_error("it was unplugged; plug it in anew");

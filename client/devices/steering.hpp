@@ -1,6 +1,7 @@
 #pragma once
-// How a person steers a tool with an input device: what its axes and buttons are now, and which
-// movement of the tool they mean. No descriptor, no clock: time is an argument.
+// How a person steers a tool with an input device: the present state of its axes and buttons, and
+// the movement of the tool that follows from it. It uses no descriptor and no clock: time is an
+// argument.
 
 #include <linux/input.h>
 
@@ -16,38 +17,39 @@
 namespace feltwire {
 
 struct SteeringOptions {
-  double speed = 0.1;      // [m/s] of the tool at full deflection, in whatever direction
-  double turn = 0.8;       // [rad/s] likewise
-  double dead_zone = 0.1;  // share of the way of an axis that counts as rest; the kernel's where
-                           // that is more
+  double speed = 0.1;      // [m/s] of the tool at full deflection, in every direction
+  double turn = 0.8;       // [rad/s] the same for rotation
+  double dead_zone = 0.1;  // share of an axis's range that counts as rest; the kernel's value is
+                           // used if it is larger
 };
-/// Throws std::invalid_argument with the option's name and the remedy.
+/// Throws std::invalid_argument that names the option and the remedy.
 void validate(const SteeringOptions& options);
 
-/// What the tool shall do. World frame of devices: x towards the person, y right, z up.
+/// The wanted movement of the tool. World frame of devices: x towards the person, y right, z up.
 struct Steering {
   Vec3 velocity = Vec3::Zero();     // [m/s]
   Vec3 turn = Vec3::Zero();         // [rad/s]
-  bool enabled = false;             // the enabling switch is held
-  bool clutched = false;            // the clutch is held: the tool stands still
-  std::optional<double> gripper{};  // [m] opening, of a lever
+  bool enabled = false;             // the person holds the enabling switch
+  bool clutched = false;            // the person holds the clutch: the tool stands still
+  std::optional<double> gripper{};  // [m] opening of the gripper, if there is a lever
 };
 
-/// The axes and buttons of a gamepad or a 3D mouse, as its events tell them. Events count from the
-/// SYN_REPORT that ends their packet on. After SYN_DROPPED the state is read from the node anew.
+/// The axes and buttons of a gamepad or a 3D mouse, from its events. An event takes effect with the
+/// SYN_REPORT that ends its packet. After SYN_DROPPED the state is read from the node again.
 class InputState {
  public:
-  /// `kind` as input_kind() names it. Reads what the kernel knows. Throws std::runtime_error with
-  /// the remedy where axes are missing, or have no range.
+  /// `kind` is a result of input_kind(). Reads the present state from the kernel. Throws
+  /// std::runtime_error with the remedy if axes are missing, or have no range.
   InputState(const EventNode& node, std::string_view kind, const SteeringOptions& options);
 
-  /// One event, which came at `now`, a monotonic time. False: the state had to be read anew, and
-  /// the node is not there any more.
+  /// Takes one event, received at `now`, a monotonic time. False: the state had to be read again,
+  /// and the node is gone.
   bool take(const input_event& event, Nanoseconds now, const EventNode& node) noexcept;
 
-  /// What it means at `now`. A device that tells nothing while it is deflected stands still: after
-  /// 0.1 s where its axes are relative, for these never tell zero; after 2 s otherwise, for it may
-  /// be out of reach. It also does so from the start until it was at rest once.
+  /// Returns the wanted movement at `now`. If a deflected device sends nothing, the tool stands
+  /// still: after 0.1 s for relative axes, because these never report zero; after 2 s otherwise,
+  /// because the device may be out of reach. The tool also stands still from the start until the
+  /// device was at rest once.
   Steering steering(Nanoseconds now) noexcept;
 
  private:
@@ -55,9 +57,9 @@ class InputState {
   /// An axis of the input device that moves the tool.
   struct Axis {
     unsigned code = 0;
-    double sign = 0.0;                 // 0: it has none for this
-    double middle = 0.0, reach = 1.0;  // in the kernel's numbers
-    double rest = 0.0;                 // share of the reach
+    double sign = 0.0;                 // 0: there is no such axis
+    double middle = 0.0, reach = 1.0;  // in the kernel's units
+    double rest = 0.0;                 // as a share of `reach`
   };
   struct Values {
     std::array<std::int32_t, ABS_CNT> axes{};
@@ -74,16 +76,16 @@ class InputState {
   SteeringOptions options_;
   std::array<Axis, kSix> layout_;
   unsigned enable_ = 0, clutch_ = 0;                  // buttons
-  std::optional<unsigned> trigger_;                   // axis that closes the gripper
-  double trigger_open_ = 0.0, trigger_closed_ = 1.0;  // in the kernel's numbers
+  std::optional<unsigned> trigger_;                   // the axis that closes the gripper
+  double trigger_open_ = 0.0, trigger_closed_ = 1.0;  // in the kernel's units
   bool relative_ = false;
 
   Values values_, coming_;
-  std::array<bool, 2> moved_{};            // relative axes in the packet that comes: move, turn
-  std::array<Nanoseconds, 2> moved_at_{};  // likewise, when told last
+  std::array<bool, 2> moved_{};            // relative axes in the present packet: move, turn
+  std::array<Nanoseconds, 2> moved_at_{};  // the time of their last event
   bool dropped_ = false;                   // events were lost, and the packet has not ended
   bool rested_ = false;
-  std::optional<Nanoseconds> heard_;  // when something came last
+  std::optional<Nanoseconds> heard_;  // the time of the last event
 };
 
 }  // namespace feltwire

@@ -1,5 +1,5 @@
 #pragma once
-// How a simulated person means to turn the hand.
+// The intended rotation of a simulated hand.
 
 #include <array>
 #include <cstdint>
@@ -12,7 +12,7 @@ namespace feltwire {
 enum class WristPath : std::uint8_t { still, screwdriver, tilt, scrape, roll };
 inline constexpr std::array<std::string_view, 5> kWristPathNames = {"still", "screwdriver", "tilt",
                                                                     "scrape", "roll"};
-/// Throws std::invalid_argument naming the choices.
+/// Throws std::invalid_argument that lists the choices.
 WristPath wrist_path(std::string_view name);
 
 /// The movement of the wrist while the hand follows its path.
@@ -21,9 +21,9 @@ struct WristTask {
   double angle = 0.3;  // [rad] amplitude, less than pi
 };
 
-/// The turn that the hand means, from the orientation in which it holds the tool. Axes, frequency
-/// and lead-in are those of the hand's path: n its normal, u its `along`, w = n x u, and
-/// a = 2 pi frequency t. Every turn grows from nothing within the lead-in.
+/// The intended rotation, relative to the orientation in which the hand holds the tool. Axes,
+/// frequency and lead-in are those of the hand's path: n is its normal, u its `along`, w = n x u,
+/// and a = 2 pi frequency t. Every rotation grows from zero within the lead-in.
 ///
 /// still         none
 /// screwdriver   angle sin a about n: turned in and out
@@ -34,9 +34,11 @@ struct WristTask {
 ///               way of the hand over a radius of (amplitude / angle)
 class IntendedTurn {
  public:
-  /// Throws std::invalid_argument when the angle is not finite or reaches pi, or as IntendedMotion.
+  /// Throws std::invalid_argument if the angle is not finite or reaches pi, and the errors of
+  /// IntendedMotion.
   IntendedTurn(const WristTask& wrist, const HandTask& hand);
-  /// The intended rotation vector [rad], world frame, at time t >= 0 [s]. No state.
+  /// Returns the intended rotation vector [rad], world frame, at time t >= 0 [s]. There is no
+  /// state.
   Vec3 rotation(double t) const noexcept;
 
  private:

@@ -1,5 +1,5 @@
 #pragma once
-// Datagrams that wait for their time.
+// A queue of datagrams that leave at their due time.
 
 #include <algorithm>
 #include <cstdint>
@@ -13,16 +13,16 @@
 
 namespace feltwire {
 
-/// Holds at most `capacity` datagrams and returns them in the order in which they are due. Those
-/// due at the same time keep the order of push(). Nothing is allocated after construction. A
-/// datagram longer than kMaxDatagram is cut to one byte more than that, so that its receiver still
-/// sees that it is too long.
+/// Holds at most `capacity` datagrams and returns them in the order of their due times. Datagrams
+/// with equal due times keep the order of push(). It allocates only at construction. A datagram
+/// longer than kMaxDatagram is cut to one byte more than that, so that its receiver still detects
+/// that it is too long.
 class DelayQueue {
  public:
   struct Entry {
     Nanoseconds due{0};
     Nanoseconds entered{0};
-    std::uint64_t ordinal = 0;  // the caller's
+    std::uint64_t ordinal = 0;  // chosen by the caller
     std::uint64_t pushed = 0;   // counts push()
     std::uint32_t slot = 0;
     std::uint32_t size = 0;  // [bytes]
@@ -35,7 +35,7 @@ class DelayQueue {
     heap_.reserve(capacity);
   }
 
-  /// Returns false when the queue is full.
+  /// Returns false if the queue is full.
   bool push(Bytes datagram, Nanoseconds due, Nanoseconds entered, std::uint64_t ordinal) noexcept {
     if (free_.empty()) return false;
     const std::uint32_t slot = free_.back();
@@ -53,7 +53,7 @@ class DelayQueue {
     return heap_.front().due;
   }
 
-  /// Takes out the next one. Its bytes() stay until the next push(). Precondition: size() > 0.
+  /// Takes out the next one. Its bytes() are valid until the next push(). Precondition: size() > 0.
   Entry pop() noexcept {
     std::pop_heap(heap_.begin(), heap_.end(), later);
     const Entry entry = heap_.back();

@@ -1,5 +1,5 @@
 #pragma once
-// An emulated link for datagrams: they enter, and they leave when they are due. Time is an
+// An emulated link for datagrams: they enter, and they leave at their due time. Time is an
 // argument.
 
 #include <cstdint>
@@ -32,16 +32,16 @@ class OneWayLink {
   /// Takes a datagram; the model may lose it. Times must not fall from call to call.
   void enter(Bytes datagram, Nanoseconds now) noexcept;
 
-  /// When the next datagram leaves; no value when none is on its way.
+  /// The time at which the next datagram leaves; empty if there is none.
   std::optional<Nanoseconds> next_due() const noexcept { return queue_.next_due(); }
 
-  /// The next datagram that is due by now; its bytes stay until the next enter().
+  /// The next datagram that is due by now; its bytes are valid until the next enter().
   std::optional<Bytes> leave(Nanoseconds now) noexcept;
 
-  /// Why delay, jitter and loss cannot become these; nothing where they can. The answer is the same
+  /// Why delay, jitter and loss cannot be set to these; empty if they can. The answer is the same
   /// at any time, and any thread may ask.
   std::optional<std::string> refuses(const LinkQuality& link) const { return model_.refuses(link); }
-  /// For what enters from now on. Precondition: refuses() refuses nothing.
+  /// For datagrams that enter from now on. Precondition: refuses() refuses nothing.
   void set(const LinkQuality& link) noexcept { model_.set(link); }
 
   LinkStatistics statistics() const noexcept;
@@ -59,8 +59,8 @@ struct TwoWayLink {
   std::uint64_t seed;
   OneWayLink up, down;
 
-  /// The link of the client with this number, counted from 0. `capacity`: the most datagrams on
-  /// their way in each direction.
+  /// The link of the client with this number, counted from 0. `capacity`: the largest number of
+  /// datagrams on their way in each direction.
   TwoWayLink(const TwoWayLinkOptions& options, std::uint64_t client, std::size_t capacity)
       : text(options.text),
         seed(options.seed),

@@ -42,8 +42,8 @@ class LinkModel {
   /// fall from call to call.
   LinkFate next(std::size_t size, Nanoseconds now) noexcept;
 
-  /// Why delay, jitter and loss cannot become these; nothing where they can. Reads only what set()
-  /// leaves as it is.
+  /// Why delay, jitter and loss cannot be set to these; empty if they can. It reads only members
+  /// that set() does not change.
   std::optional<std::string> refuses(const LinkQuality& link) const;
   /// For the next datagrams. Precondition: refuses() refuses nothing.
   void set(const LinkQuality& link) noexcept;
@@ -60,11 +60,11 @@ class LinkModel {
 
   LinkOptions options_;
   std::uint64_t key_;
-  double fall_ill_, recover_;  // good to bad and back, for each datagram
+  double fall_ill_, recover_;  // probability of good to bad and back, for each datagram
   std::uint64_t ordinal_ = 0;
   bool bad_ = false;
-  Nanoseconds start_{0};           // the first datagram's, where a trace begins
-  Nanoseconds line_free_{0};       // when the last byte of the last datagram has left
+  Nanoseconds start_{0};           // of the first datagram, when a trace begins
+  Nanoseconds line_free_{0};       // time at which the last byte of the last datagram has left
   Nanoseconds newest_arrival_{0};  // with keep_order no later datagram arrives before this
 };
 

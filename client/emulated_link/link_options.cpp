@@ -25,16 +25,18 @@ constexpr std::array kNumbers = {
     Number{"delay", "ms", "mean, one way", 0, kLongestDelay, kMilliseconds, &LinkOptions::delay},
     Number{"jitter", "ms", "standard deviation of the delay", 0, kLongestDelay, kMilliseconds,
            &LinkOptions::jitter},
-    Number{"loss", "%", "lost on the way", 0, 100, kPercent, &LinkOptions::loss},
-    Number{"burst", "datagrams", "mean run of losses; independent losses when not given", 1, 1e6, 1,
-           &LinkOptions::burst},
-    Number{"reorder", "%", "held back while others pass", 0, 100, kPercent, &LinkOptions::reorder},
-    Number{"reorder_delay", "ms", "how long these are held back, default 5", 0, kLongestDelay,
+    Number{"loss", "%", "lost datagrams", 0, 100, kPercent, &LinkOptions::loss},
+    Number{"burst", "datagrams", "mean run of losses. When not given: independent losses", 1, 1e6,
+           1, &LinkOptions::burst},
+    Number{"reorder", "%", "delayed datagrams that others overtake", 0, 100, kPercent,
+           &LinkOptions::reorder},
+    Number{"reorder_delay", "ms", "delay of these datagrams, default 5", 0, kLongestDelay,
            kMilliseconds, &LinkOptions::reorder_delay},
-    Number{"duplicate", "%", "arrives twice", 0, 100, kPercent, &LinkOptions::duplicate},
-    Number{"rate", "Mbit/s", "of the slowest line; no limit when not given", 1e-3, 1e5, kMegabits,
-           &LinkOptions::rate},
-    Number{"queue", "kB", "that fit in front of that line, default 64", 2, 1e6, kKilobytes,
+    Number{"duplicate", "%", "datagrams that arrive twice", 0, 100, kPercent,
+           &LinkOptions::duplicate},
+    Number{"rate", "Mbit/s", "rate of the slowest line. When not given: no limit", 1e-3, 1e5,
+           kMegabits, &LinkOptions::rate},
+    Number{"queue", "kB", "size of the queue before that line, default 64", 2, 1e6, kKilobytes,
            &LinkOptions::queue},
 };
 
@@ -183,7 +185,7 @@ void validate(const LinkOptions& options) {
   // The chain of link_model.cpp would need a probability above 1.
   if (options.burst > 0.0 && options.loss > options.burst / (options.burst + 1.0))
     fail("loss=" + plain(options.loss / kPercent) +
-         " cannot come in runs of burst=" + plain(options.burst) +
+         " is too large for runs of burst=" + plain(options.burst) +
          " with a datagram between them; raise burst, or leave it out for independent losses");
 }
 
@@ -200,7 +202,8 @@ std::string link_help() {
   std::string text =
       "A link is a list of KEY=VALUE, profiles and trace:FILE.csv (columns t,delay,lost), "
       "separated "
-      "by commas;\nup. or down. before an item confines it to one direction, later items win.\n";
+      "by commas;\nup. or down. before an item limits it to one direction. Later items override "
+      "earlier ones.\n";
   const auto line = [&](std::string_view key, std::string_view meaning) {
     constexpr std::size_t kColumn = 24;
     text += "  " + std::string(key);
@@ -209,9 +212,11 @@ std::string link_help() {
   };
   for (const Number& n : kNumbers)
     line(std::string(n.key) + " [" + std::string(n.unit) + "]", n.meaning);
-  line("distribution", "of the jitter: normal, uniform or pareto");
-  line("order", "keep, or free to let jitter reorder");
-  line("seed", "the same seed gives the same fate to the same datagrams, default 1");
+  line("distribution", "distribution of the jitter: normal, uniform or pareto");
+  line("order", "keep: datagrams stay in order. free: jitter may reorder them");
+  line("seed",
+       "seed of the random numbers; the same seed treats the same datagrams in the same way, "
+       "default 1");
   text += "Profiles:\n";
   for (const LinkProfile& profile : kLinkProfiles) line(profile.name, profile.items);
   return text;

@@ -23,8 +23,8 @@ struct LinkOptions {
   bool keep_order = true;       // no datagram overtakes another, except by `reorder`
   double loss = 0.0;            // share of datagrams lost on the way, 0 to 1
   double burst = 0.0;           // [datagrams] mean run of losses, >= 1; 0: losses are independent
-  double reorder = 0.0;         // share held back while others pass, 0 to 1
-  double reorder_delay = 5e-3;  // [s] how long these are held back
+  double reorder = 0.0;         // share that others overtake, 0 to 1
+  double reorder_delay = 5e-3;  // [s] delay of these
   double duplicate = 0.0;       // share that arrives twice, 0 to 1
   double rate = 0.0;            // [bit/s] of the slowest line; 0: no limit
   double queue = 64e3;          // [bytes] of the queue in front of that line
@@ -38,20 +38,21 @@ struct TwoWayLinkOptions {
   LinkOptions up, down;  // client to server, and back
 };
 
-/// Throws std::invalid_argument naming the options that contradict each other: a loss that bursts
-/// this short cannot reach, or a trace beside delay, jitter or loss.
+/// Throws std::invalid_argument that names contradicting options: a loss that bursts this short
+/// cannot reach, or a trace together with delay, jitter or loss.
 void validate(const LinkOptions& options);
 
 /// Reads "delay=25,jitter=5,loss=10,seed=3", a profile's name, "trace:FILE.csv", or a list of
-/// these. "up." or "down." before an item limits it to one direction. Later items win. Throws
-/// std::invalid_argument naming the item and the remedy, and CsvError for a fault in a trace.
+/// these. "up." or "down." before an item limits it to one direction. Later items override earlier
+/// ones. Throws std::invalid_argument that names the item and the remedy, and CsvError for a fault
+/// in a trace.
 TwoWayLinkOptions parse_link(std::string_view text);
 
 /// A name for a list of items.
 struct LinkProfile {
   std::string_view name;
   std::string_view items;
-  std::string_view source;  // where the numbers come from
+  std::string_view source;  // source of the numbers
 };
 extern const std::array<LinkProfile, 7> kLinkProfiles;
 

@@ -21,7 +21,7 @@ struct LinkTrace {
   std::vector<Row> rows;  // at least one; times rise, the first is 0
   Nanoseconds period;     // > 0, then it begins again: the last time plus one mean step
 
-  /// The row for the time `since` after the first datagram entered: the newest one not after it.
+  /// Returns the row for the time `since` after the first datagram: the newest one not after it.
   const Row& at(Nanoseconds since) const noexcept;
 };
 
@@ -29,7 +29,7 @@ inline constexpr double kLongestLinkDelay = 10.0;  // [s]
 
 /// Columns t [s], rising; delay [s], 0 to 10 (not read where lost); lost 0 or 1. Throws CsvError.
 LinkTrace read_link_trace(std::istream& in, const std::string& file);
-/// From a file; throws CsvError also where it cannot be opened.
+/// Reads a file; throws CsvError also if it cannot be opened.
 LinkTrace load_link_trace(const std::filesystem::path& file);
 
 }  // namespace feltwire

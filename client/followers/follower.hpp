@@ -15,10 +15,10 @@ struct FollowerSpec {
   double servo_period = 1e-3;    // [s] between two calls of read()
   double stiffness = 1000.0;     // [N/m] of its own impedance controller, every direction, > 0
   double damping = 0.0;          // [N s/m] of that controller, >= 0
-  double own_damping = 0.0;      // [N s/m] lower bound of what the robot's own body burns
+  double own_damping = 0.0;      // [N s/m] lower bound of the damping of the robot's own body
   double mass = 0.0;             // [kg] apparent at the tool; 0: not known
   bool senses_wrench = true;     // false: FollowerReading::external is an estimate
-  double wrench_noise = 0.0;     // [N] the most that a measured force is wrong by
+  double wrench_noise = 0.0;     // [N] largest error of a measured force
   double gripper_opening = 0.0;  // [m] at most; 0: it has no gripper
 };
 
@@ -31,12 +31,12 @@ struct FollowerReading {
   Vec3 torque = Vec3::Zero();            // [N m] of the environment on the tool, about it
   Pose commanded;                        // the target that its controller holds now
   double gripper = 0.0;                  // [m] opening
-  double gripper_force = 0.0;            // [N] that the gripper holds with
+  double gripper_force = 0.0;            // [N] holding force of the gripper
   bool ok = true;                        // false: it has a fault; it must hold by itself
-  bool stopped = false;                  // a protective stop, by itself or by its people
+  bool stopped = false;                  // a protective stop, by the robot or by a person
 };
 
-/// Where the tool shall be.
+/// The wanted place of the tool.
 struct FollowerTarget {
   Pose pose;
   double gripper = 0.0;  // [m] opening
@@ -53,8 +53,8 @@ class Follower {
   virtual FollowerReading read(Nanoseconds now) noexcept = 0;
   /// Returns the target that is really held, which may differ (joint limits, a stop).
   virtual FollowerTarget write(const FollowerTarget& target) noexcept = 0;
-  /// The robot holds where it is from now on, and later targets change nothing. Any thread may call
-  /// it, more than once.
+  /// The robot stays at its place from now on, and later targets change nothing. Any thread may
+  /// call it, more than once.
   virtual void hold() noexcept = 0;
 };
 

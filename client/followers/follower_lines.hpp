@@ -26,22 +26,22 @@ struct Fault {
 /// "follower 1 name=NAME period=S ...", a driver's first line. Fills `spec`.
 std::optional<Fault> read_hello(std::string_view line, FollowerSpec& spec);
 
-/// "state N pose=X,Y,Z,QW,QX,QY,QZ ...". Fills `number` and `reading`, or leaves both where there
-/// is a fault. Does not allocate or throw.
+/// Reads "state N pose=X,Y,Z,QW,QX,QY,QZ ...". Fills `number` and `reading`, or leaves both
+/// unchanged after a fault. It does not allocate or throw.
 std::optional<Fault> read_state(std::string_view line, std::uint64_t& number,
                                 FollowerReading& reading) noexcept;
 
-/// "target N pose=... gripper=...\n" into `line`; returns its length, 0 where it does not fit. Does
-/// not allocate or throw.
+/// Writes "target N pose=... gripper=...\n" into `line`; returns its length, 0 if it does not fit.
+/// It does not allocate or throw.
 std::size_t write_target(std::uint64_t number, const FollowerTarget& target,
                          std::span<char> line) noexcept;
 
-/// Puts bytes together to lines, in a memory that does not grow.
+/// Assembles bytes into lines, in a buffer of fixed size.
 class Lines {
  public:
-  /// Where the next bytes go. Never empty.
+  /// The place for the next bytes. Never empty.
   std::span<char> room() noexcept;
-  /// Tells how many bytes were written there.
+  /// Reports how many bytes were written there.
   void added(std::size_t count) noexcept { filled_ += count; }
 
   struct Line {
@@ -49,14 +49,14 @@ class Lines {
     std::string_view text;     // without its end; until the next call of room()
     bool too_long = false;     // the text is only the beginning
   };
-  /// The next whole line, empty ones left out.
+  /// Returns the next whole line; empty ones are skipped.
   std::optional<Line> next() noexcept;
 
  private:
   std::array<char, 4 * kLongestLine> bytes_{};
   std::size_t begin_ = 0, filled_ = 0;
   std::uint64_t count_ = 0;
-  bool skipping_ = false;  // the rest of a line that was too long
+  bool skipping_ = false;  // skips the rest of a line that was too long
 };
 
 }  // namespace feltwire::follower_lines

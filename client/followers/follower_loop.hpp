@@ -1,5 +1,6 @@
 #pragma once
-// The loop of a robot that follows: reads it, tells the server, takes targets, writes them.
+// The loop of a robot that follows: it reads the robot, sends its state, takes targets and writes
+// them.
 
 #include <atomic>
 #include <functional>
@@ -14,41 +15,41 @@
 namespace feltwire {
 
 struct FollowerRun {
-  ServerAccess server{};                   // where the server is, and how to be let in
+  ServerAccess server{};                   // the server's address and the credentials
   std::string name = "feltwire-follower";  // of this robot, for the server's log
-  std::string scene{};                     // whose seat for a robot it takes
+  std::string scene{};                     // the scene with the robot's seat
   FollowerOptions options{};
   double duration = 0.0;   // [s] 0: until stopped
   double patience = 30.0;  // [s] to look for a lost session; 0: not at all
-  /// Opens the way of datagrams to the scene; empty: open_udp_port(). May throw SessionError.
+  /// Opens the port for datagrams to the scene; empty: open_udp_port(). May throw SessionError.
   std::function<std::unique_ptr<DatagramPort>(const Address& scene)> open_port = {};
-  /// Called, by the loop's thread, when the robot sits on its seat.
+  /// Called by the loop's thread when the robot has its seat.
   std::function<void()> on_join = {};
-  /// Called, by the loop's thread, after each sample with what the server is told and the newest
-  /// target (index 0: none yet). It must not block, allocate or throw.
+  /// Called by the loop's thread after each sample with the sent state and the newest target (index
+  /// 0: none yet). It must not block, allocate or throw.
   std::function<void(const RobotState&, const RobotTarget&)> on_sample = {};
 };
 
 enum class FollowerEnd : std::uint8_t {
   requested,  // stop was set, or the duration is over
   lost,       // the session was lost, and none was found again in time
-  evicted,    // the server ended the session, and no other was wanted
+  evicted,    // the server ended the session, and no other was requested
 };
 
 struct FollowerResult {
   FollowerEnd end = FollowerEnd::requested;
   FollowerStatistics statistics;
-  std::uint64_t sessions = 0;  // that it had
+  std::uint64_t sessions = 0;  // number of sessions
   std::uint64_t overruns = 0;  // samples that came a whole period late or more
 };
 
 /// Joins as follower and runs the robot at its servo rate in the calling thread, until `stop` is
-/// set or the session is lost for good. Samples have deadlines start + n T; those that are missed
-/// are passed over. A session that is lost is asked for again, once a second for `patience`;
-/// meanwhile the robot holds. At the end it brakes, holds (Follower::hold), and says goodbye.
+/// set or the session is lost for good. Samples have deadlines start + n T; missed ones are passed
+/// over. A lost session is requested again, once a second for `patience`; meanwhile the robot
+/// holds. At the end it brakes, holds (Follower::hold), and says goodbye.
 ///
-/// Throws SessionError where the first session is refused or not to be had, std::invalid_argument
-/// where the robot's numbers or the limits are not possible.
+/// Throws SessionError if the first session is refused or not available, std::invalid_argument if
+/// the robot's numbers or the limits are not possible.
 FollowerResult run_follower(Follower& robot, const FollowerRun& run, const std::atomic<bool>& stop);
 
 }  // namespace feltwire

@@ -1,6 +1,6 @@
 #pragma once
-// One servo sample of a robot that follows: its reading goes in, the target that it holds until the
-// next sample comes out. No socket, no clock, no thread.
+// One servo sample of a robot that follows: its input is the reading, its output the target until
+// the next sample. It has no socket, clock or thread.
 
 #include <cstdint>
 #include <memory>
@@ -21,21 +21,22 @@ namespace feltwire {
 struct FollowerOptions {
   MotionLimits motion;
   GripperLimits gripper;
-  double leash = 20.0;       // [N] the most that the controller's spring may pull
+  double leash = 20.0;       // [N] largest force of the controller's spring
   double first_touch = 3.0;  // [N] while the hand does not know of the contact
-  double unfelt = 3.0;       // [N] that the hand need not have paid for
-  Workspace workspace;       // of its target, beside that of its seat; at most kMostGiven walls
-  std::shared_ptr<SurfaceModel> surfaces = {};  // of what it may touch; null: nothing is known
-  /// Without a target for that long the robot brakes and holds.
+  double unfelt = 3.0;       // [N] force that the hand need not have paid for
+  Workspace workspace;       // limits of its target, in addition to those of its seat; at most
+                             // kMostGiven walls
+  std::shared_ptr<SurfaceModel> surfaces = {};  // model of what it may touch; null: none
+  /// Without a target for this time the robot brakes and holds.
   Nanoseconds silence = std::chrono::milliseconds(100);
 };
-/// Throws std::invalid_argument naming the limit, its value and the remedy.
+/// Throws std::invalid_argument that names the limit, its value and the remedy.
 void validate(const FollowerOptions& options);
 
 struct FollowerStatistics {
   std::uint64_t samples = 0;
   std::uint64_t targets = 0;        // taken
-  std::uint64_t targets_stale = 0;  // not newer than the one in use: changed nothing
+  std::uint64_t targets_stale = 0;  // not newer than the one in use, so without effect
   std::uint64_t engagements = 0;    // times that the robot began to follow
   std::uint64_t holds = 0;          // times that it stopped following
   std::uint64_t faults = 0;         // readings that were faulty or not finite
@@ -49,28 +50,28 @@ struct FollowerStatistics {
 ///   3. the limits of motion (MotionLimit);
 ///   4. first touch, felt, leash (TargetLimiter); the gripper follows at its own speed
 ///      (GripperFollow);
-/// and what it says: its pose and wrench, the surface that it touches (ContactEstimate) with the
-/// stiffness of surface and robot one behind the other, and its energy (ContactEnergy).
+/// and its state: its pose and wrench, the surface that it touches (ContactEstimate) with the
+/// stiffness of surface and robot in series, and its energy (ContactEnergy).
 ///
-/// When it begins to follow, it does so from the target that it holds: no target that was sent
-/// before counts. Its target is then not farther behind a wall of the workspace than it was, for
-/// any target that comes; it is behind one only where something else has pushed the robot there,
-/// and the spring, never stronger than the leash, pulls it back. A reading that is faulty or not
-/// finite moves nothing. Never allocates after its construction.
+/// When it begins to follow, it starts from the target that it holds: earlier targets do not count.
+/// Its target is then not farther behind a wall of the workspace than it was, for every received
+/// target. It is behind one only if an object has pushed the robot there, and the spring, never
+/// stronger than the leash, pulls it back. A reading that is faulty or not finite moves nothing. It
+/// allocates only at construction.
 class FollowerServo {
  public:
-  /// Throws std::invalid_argument naming the number and the remedy.
+  /// Throws std::invalid_argument that names the number and the remedy.
   FollowerServo(const FollowerSpec& spec, const FollowerOptions& options = {});
 
-  /// The workspace of the seat, beside its own; both hold from the next sample on.
+  /// The workspace of the seat, in addition to its own; both apply from the next sample on.
   void sit(const Workspace& seat) noexcept;
 
-  /// A target that came at `now`. One that is not newer changes nothing.
+  /// A target, received at `now`. One that is not newer changes nothing.
   void take(const RobotTarget& target, Nanoseconds now) noexcept;
 
-  /// One sample: what to write(), from what was read at `now`.
+  /// One sample: returns the target for write(), from the reading at `now`.
   FollowerTarget step(const FollowerReading& reading, Nanoseconds now) noexcept;
-  /// The state to send to the server, after write() returned `held`. Valid until the next call.
+  /// Returns the state for the server, after write() returned `held`. Valid until the next call.
   const RobotState& report(const FollowerTarget& held) noexcept;
 
   /// Does one whole sample: read, step, write, report.
@@ -82,7 +83,7 @@ class FollowerServo {
   void reconnected() noexcept;
 
   bool follows() const noexcept { return following_; }
-  /// What step() returned last.
+  /// The last result of step().
   const FollowerTarget& wanted() const noexcept { return wanted_; }
   /// The newest target of this session; index 0: none yet.
   const RobotTarget& target() const noexcept { return target_; }
@@ -107,8 +108,8 @@ class FollowerServo {
   Nanoseconds last_{0};      // the time of the sample before
   Vec3 tip_ = Vec3::Zero();  // [m] there
   FollowerTarget wanted_;    // to be written
-  std::uint32_t known_ = 0;  // of the newest target that was followed
-  double hand_work_ = 0.0;   // likewise
+  std::uint32_t known_ = 0;  // from the newest target that was followed
+  double hand_work_ = 0.0;   // the same
   RobotState state_;
   FollowerStatistics statistics_;
 };

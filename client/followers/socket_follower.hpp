@@ -32,20 +32,20 @@ class OwnDescriptor {
 };
 
 /// The driver's states are the readings; the targets go to the driver. A driver that sends no state
-/// for kSilent, or hangs up, is not ok. One that sends again is ok again. A line with a fault is
-/// not used: the driver is told its number, the field and the remedy. What a driver does not read
-/// in time is left out, at most some ten targets wait in the socket.
+/// for kSilent, or closes the connection, is not ok. One that sends again is ok again. A line with
+/// a fault is not used: the driver gets its number, the field and the remedy. If a driver does not
+/// read in time, targets are dropped; at most some ten wait in the socket.
 class SocketFollower final : public Follower {
  public:
   static constexpr Nanoseconds kSilent = std::chrono::milliseconds(100);
 
-  /// `socket` is connected, and its driver has said `spec`; `rest` are the lines after that.
+  /// `socket` is connected, and its driver has sent `spec`; `rest` are the lines after that.
   SocketFollower(OwnDescriptor socket, FollowerSpec spec, const follower_lines::Lines& rest);
 
   const FollowerSpec& spec() const override { return spec_; }
   FollowerReading read(Nanoseconds now) noexcept override;
-  /// Returns the given target, as far as it is finite; where the driver is stopped, silent or not
-  /// ok, the one that its newest state says. Before the first state nothing is sent.
+  /// Returns the given target, as far as it is finite. If the driver is stopped, silent or not ok,
+  /// it returns the target of its newest state. Before the first state nothing is sent.
   FollowerTarget write(const FollowerTarget& target) noexcept override;
   void hold() noexcept override;
 
@@ -68,7 +68,8 @@ class SocketFollower final : public Follower {
   Nanoseconds heard_at_{0};
   FollowerTarget held_;  // the last target
   std::uint64_t sent_ = 0, faults_ = 0;
-  std::array<char, follower_lines::kLongestLine> pending_{};  // of a line that is half sent
+  std::array<char, follower_lines::kLongestLine>
+      pending_{};  // the rest of a line that is partly sent
   std::size_t pending_size_ = 0;
   std::atomic<bool> hold_{false};
   bool hold_said_ = false;
@@ -77,15 +78,15 @@ class SocketFollower final : public Follower {
 /// Waits for a driver at a path.
 class FollowerListener {
  public:
-  /// Makes the socket, which only this user may open; one that an earlier run left is replaced.
-  /// Throws std::runtime_error naming the path and the remedy.
+  /// Creates the socket, which only this user may open; it replaces one of an earlier run. Throws
+  /// std::runtime_error that names the path and the remedy.
   explicit FollowerListener(std::filesystem::path path);
   ~FollowerListener();
   FollowerListener(const FollowerListener&) = delete;
   FollowerListener& operator=(const FollowerListener&) = delete;
 
-  /// The first driver that says hello. Throws std::runtime_error where none does in time, or where
-  /// the hello has a fault; the driver is told, too.
+  /// Waits for the first driver that sends its first line. Throws std::runtime_error if there is
+  /// none in time, or if the line has a fault; the driver gets the error, too.
   std::unique_ptr<SocketFollower> wait(Nanoseconds longest);
 
  private:

@@ -1,5 +1,5 @@
 #pragma once
-// The energy that the cycles of a sweep took, and the line through several speeds.
+// The energy that a device takes in the cycles of a sweep, and the line through several speeds.
 
 #include <span>
 #include <vector>
@@ -12,16 +12,16 @@ namespace feltwire {
 struct BurnedCycle {
   double resistance = 0.0;  // [N] work over length
   double speed = 0.0;       // [m/s] mean along the way
-  double slow_share = 0.0;  // of the way, which is slower than kSlow: there stiction may be
+  double slow_share = 0.0;  // share of the path slower than kSlow, where stiction may act
 };
 
 inline constexpr double kSlow = 0.04;  // [m/s]
 
-/// `delay` [s] of the readings behind the forces; `mass` [kg] closes what the speed at the cycle's
-/// ends leaves open.
+/// `delay` [s] of the readings after the forces; `mass` [kg] corrects for the difference of the
+/// speeds at the cycle's ends.
 std::vector<BurnedCycle> burned_cycles(const SweptRun& run, double delay, double mass);
 
-/// [N/m] how strongly the handle pulls back to a place along the sweep, over its whole cycles.
+/// [N/m] stiffness with which the handle returns to a place along the sweep, over its whole cycles.
 double pull_back(const SweptRun& run);
 
 /// y = offset + slope x, with standard errors.

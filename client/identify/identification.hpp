@@ -1,6 +1,6 @@
 #pragma once
-// Leads a handle that nobody holds along the sweeps of identify, and gives up on anything odd.
-// Positions in, forces out: it knows neither a clock nor a device.
+// Leads a handle that nobody holds along the sweeps of identify, and stops on any fault. Its input
+// is positions, its output forces: it has no clock and no device.
 
 #include <cstdint>
 #include <optional>
@@ -14,39 +14,39 @@
 namespace feltwire {
 
 struct IdentifyLimits {
-  double amplitude = 0.0;  // [m] of a sweep, to either side of where the handle is at the start
-  double travel = 0.0;     // [m] from there; beyond it, it gives up
+  double amplitude = 0.0;  // [m] of a sweep, to either side of the handle's first place
+  double travel = 0.0;     // [m] largest distance from there; beyond it, it stops
   double top_speed = 0.0;  // [m/s] of the fastest sweep
-  double speed = 0.0;      // [m/s] beyond it, it gives up
-  double force = 0.0;      // [N] that is never exceeded
-  double late = 0.05;      // [s] between two readings; beyond it, it gives up
+  double speed = 0.0;      // [m/s] beyond it, it stops
+  double force = 0.0;      // [N] largest force
+  double late = 0.05;      // [s] largest time between two readings; beyond it, it stops
 };
 
 /// A quarter of the workspace, 0.25 m/s, 15 % of the greatest force (or `force`, up to the
-/// continuous one), and less where the turns would be too sharp. Throws std::invalid_argument for
-/// a force that is not possible.
+/// continuous one), and less if the turns would be too sharp. Throws std::invalid_argument for an
+/// impossible force.
 IdentifyLimits identify_limits(const DeviceSpec& spec, std::optional<double> force = {});
 
 class Identification {
  public:
   enum class State : std::uint8_t { measuring, done, gave_up };
 
-  /// `period` [s]: the shortest time between two readings, for which there is room.
+  /// `period` [s]: the shortest time between two readings; it sizes the memory.
   Identification(const DeviceSpec& spec, const IdentifyLimits& limits, double period);
 
-  /// The force [N] to hold from this reading on; zero when it is over. `time` [s] rises.
+  /// Returns the force [N] to hold from this reading on; zero when it is over. `time` [s] rises.
   Vec3 step(double time, const Vec3& position) noexcept;
-  /// Tells the force [N] that the device really holds.
+  /// Takes the force [N] that the device really holds.
   void held(const Vec3& force) noexcept;
-  /// The device has a fault, or somebody asks to stop: the force is zero from now on.
+  /// The device has a fault, or the user stops it: the force is zero from now on.
   void give_up(const char* why) noexcept;
 
   State state() const { return state_; }
-  std::string_view why() const { return why_; }  // it gave up; else empty
+  std::string_view why() const { return why_; }  // the reason of a stop; else empty
   double progress() const;                       // 0..1
-  int line() const;  // that it sweeps along now, in the plan's order; -1: none
-  double duration() const { return duration_; }      // [s] of it all
-  double largest_force() const { return largest_; }  // [N] that was held
+  int line() const;                              // the present sweep, in the plan's order; -1: none
+  double duration() const { return duration_; }  // [s] of the whole measurement
+  double largest_force() const { return largest_; }  // [N] held so far
 
   /// Precondition: done.
   DeviceEstimate estimate() const { return feltwire::estimate(runs_, rest_, dof_); }

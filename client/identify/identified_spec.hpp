@@ -1,5 +1,5 @@
 #pragma once
-// A device's specification with what was measured of it, and its file.
+// A device's specification with its measured numbers, and its file.
 
 #include <string>
 
@@ -8,8 +8,8 @@
 
 namespace feltwire {
 
-/// `known` with the measured numbers: the lower bounds where the account counts on them. The
-/// sources say so, with the estimate and `date`. Throws DeviceSpecError where the two contradict
+/// Returns `known` with the measured numbers: lower bounds for the numbers that the account uses.
+/// The sources say so, with the estimate and `date`. Throws DeviceSpecError if the two contradict
 /// each other.
 SourcedSpec identified_spec(SourcedSpec known, const DeviceEstimate& found,
                             const std::string& date);

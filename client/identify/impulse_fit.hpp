@@ -11,7 +11,7 @@ struct ImpulseFit {
   double damping = 0.0, damping_error = 0.0;  // [N s/m]
   double friction = 0.0;                      // [N]
   double delay = 0.0;                         // [s] the one that fits best
-  bool valid = false;                         // it moved enough to tell
+  bool valid = false;                         // it moved enough for an estimate
 };
 
 /// Delays up to 8 ms are tried, in steps of 0.25 ms.

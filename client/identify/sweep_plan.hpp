@@ -1,5 +1,5 @@
 #pragma once
-// Which sweeps identify makes, and where the handle is led on each.
+// The sweeps of identify, and the place of the handle on each.
 
 #include <vector>
 

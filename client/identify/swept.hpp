@@ -1,5 +1,5 @@
 #pragma once
-// What a sweep of identify is, and what it leaves behind.
+// A sweep of identify, and its recorded ticks.
 
 #include <cstddef>
 #include <vector>
@@ -12,7 +12,7 @@ namespace feltwire {
 struct Sweep {
   Vec3 along = Vec3::UnitX();  // unit, world frame
   double speed = 0.0;          // [m/s] between the turns
-  int cycles = 1;              // that are measured; one more comes before them
+  int cycles = 1;              // measured cycles; one more comes before them
 };
 
 /// One tick.
@@ -25,7 +25,7 @@ struct SweptTick {
 struct SweptRun {
   Sweep sweep;
   std::vector<SweptTick> ticks;
-  std::vector<std::size_t> turns;  // ticks at which a measured cycle begins; the last one's end
+  std::vector<std::size_t> turns;  // ticks at which a measured cycle begins, and the last one's end
 };
 
 }  // namespace feltwire

@@ -9,10 +9,10 @@
 namespace feltwire {
 
 /// SIGINT, SIGTERM, SIGHUP and SIGQUIT, which end the run, as a descriptor; blocked in all threads
-/// that are started from now on.
+/// that start from now on.
 class Signals {
  public:
-  /// `records`: likewise SIGUSR1, which asks for a flight record. Throws std::system_error.
+  /// `records`: also SIGUSR1, which requests a flight record. Throws std::system_error.
   explicit Signals(bool records = false);
   ~Signals();
   Signals(const Signals&) = delete;
@@ -28,10 +28,10 @@ class Signals {
   int descriptor_ = -1;
 };
 
-/// Until the servo thread's loop is over: shows its status, writes the records, also those that a
-/// signal asks for, deals with changes that an admin wants, looks for a lost session, and has the
-/// loop end on a signal or when another session is refused for good. Nothing that fails in here
-/// ends the run: a status line that there is no memory for is not shown.
+/// Runs until the servo thread's loop is over. It shows its status, writes the records, also on a
+/// signal, handles changes of an admin, looks for a lost session, and ends the loop on a signal or
+/// when another session is refused for good. No failure in here ends the run: a status line without
+/// memory is not shown.
 void attend(const Signals& signals, ServoThread& thread, Ring<LiveStatus>& statuses,
             Records& records, Changes& changes, Reconnector& reconnector) noexcept;
 

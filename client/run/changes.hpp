@@ -1,5 +1,6 @@
 #pragma once
-// The changes that admins want of a running client: judged, made ready, told to the user.
+// The changes that admins want of a running client: it checks and prepares them, and tells the
+// user.
 
 #include <array>
 #include <deque>
@@ -21,32 +22,34 @@ class Changes {
     const DatagramPort& port;
     ChangesTaken takes;
   };
-  /// One that was dealt with, for the log, the recording and the report.
+  /// A handled change, for the log, the recording and the report.
   struct Done {
     PreparedChange prepared;
-    std::string what;     // for people: from what to what
-    std::string refusal;  // why it was refused; empty: it was taken
+    std::string what;     // for people: the old and the new value
+    std::string refusal;  // the reason of the refusal; empty: it was taken
   };
 
-  /// What the client refers to must outlive this. Copies what the servo's thread may change.
+  /// The client's references must outlive this. It copies the members that the servo's thread may
+  /// change.
   explicit Changes(const Client& client);
 
-  /// How many changes are judged and kept while the client runs; those after them are refused.
+  /// The largest number of changes that are judged and kept while the client runs; later ones are
+  /// refused.
   static constexpr std::size_t kMost = 256;
 
   /// The rings of the servo loop: LoopOutputs::wanted and LoopOptions::changes.
   Ring<WantedChange>& wanted() { return wanted_; }
   Ring<PreparedChange*>& ready() { return ready_; }
 
-  /// Deals with the next change that has come; null: none has. What it returns stays until the next
-  /// call. Where there is no memory for it, and after kMost, the change is refused.
-  /// `session`: WantedChange::session of the newest session that the loop was given; what an older
-  /// one wanted is passed over, because the newest was joined without it.
+  /// Handles the next change; null: there is none. The result is valid until the next call. If
+  /// there is no memory for it, and after kMost, the change is refused. `session`:
+  /// WantedChange::session of the newest session of the loop. A change of an older session is
+  /// passed over, because the newest was joined without it.
   const Done* next(std::uint32_t session) noexcept;
-  /// The first kMost so far. Those that the servo has not taken have no time. Once the servo's
-  /// thread has ended.
+  /// The first kMost so far. Those that the servo has not taken have no time. Call it after the
+  /// servo's thread has ended.
   const std::deque<Done>& done() const { return done_; }
-  /// In force after all that were taken.
+  /// The parameters in force after all taken changes.
   LawChoice law() const { return law_of(now_); }
 
  private:
@@ -61,11 +64,11 @@ class Changes {
   ChangesTaken takes_;
   Ring<WantedChange> wanted_{kRoom};
   Ring<PreparedChange*> ready_{kRoom};
-  // Of changes that are not kept. The servo's thread has the addresses of at most kRoom that wait
-  // and of one that it looks at, so the place after those is free.
+  // For changes that are not kept. The servo's thread has the addresses of at most kRoom waiting
+  // ones and of one in use, so the place after those is free.
   std::array<Done, kRoom + 2> not_kept_;
   std::size_t next_not_kept_ = 0;
-  std::deque<Done> done_;  // they stay where they are: the servo's thread has their addresses
+  std::deque<Done> done_;  // their addresses are stable, because the servo's thread has them
 };
 
 }  // namespace feltwire

@@ -13,7 +13,7 @@ namespace feltwire {
 
 enum class Verdict : std::uint8_t {
   pass,
-  warn,  // it works, and may be felt now and then
+  warn,  // it works, and the hand may feel it now and then
   fail   // forces will be late, faded or missing
 };
 std::string_view name(Verdict verdict);
@@ -21,7 +21,7 @@ std::string_view name(Verdict verdict);
 struct Finding {
   std::string_view what;  // "rate"
   Verdict verdict = Verdict::pass;
-  std::string figure;  // what was measured, with its unit
+  std::string figure;  // the measured value, with its unit
   std::string remedy;  // empty where it passes
 };
 
@@ -30,7 +30,7 @@ struct Finding {
 /// the server, round trip, jitter and loss are left out.
 std::vector<Finding> judge(const RunFigures& run, const MachineFacts& machine);
 
-/// The worst of them; pass where there is none.
+/// The worst of them; pass if there is none.
 Verdict worst(const std::vector<Finding>& findings);
 /// A line each, and its remedy below it.
 std::string table(const std::vector<Finding>& findings);

@@ -1,6 +1,6 @@
 #pragma once
-// The last seconds of a client's servo ticks, in memory, and on the disk where the run ended with
-// an error or its account was overdrawn.
+// The last seconds of a client's servo ticks in memory. They are written to the disk if the run
+// ended with an error or its account was overdrawn.
 
 #include <filesystem>
 #include <map>
@@ -12,7 +12,7 @@
 
 namespace feltwire {
 
-/// Where flight records go, and what they say of the run.
+/// The folder for flight records, and their metadata of the run.
 struct FlightTarget {
   std::filesystem::path folder;
   std::map<std::string, std::string> about{};
@@ -22,23 +22,23 @@ class FlightRecord {
  public:
   static constexpr double kKept = 10.0;  // [s]
 
-  /// Makes the folder where it is missing, and room for ticks with this servo period [s]. Throws
-  /// FileError, std::bad_alloc.
+  /// Creates the folder if it is missing, and allocates room for ticks with this servo period [s].
+  /// Throws FileError, std::bad_alloc.
   FlightRecord(FlightTarget target, double servo_period);
 
   /// Never allocates.
   void add(const TickRecord& row) noexcept;
   /// Whether an account was overdrawn, and not within kKept of the last file.
   bool debt() const { return debt_; }
-  /// Writes what there is, and says where; empty: no tick has come. Throws FileError,
+  /// Writes the kept ticks, and returns the file; empty: there was no tick. Throws FileError,
   /// std::runtime_error and std::filesystem::filesystem_error.
   std::optional<std::filesystem::path> write(const std::string& reason);
 
  private:
   FlightTarget target_;
-  std::vector<TickRecord> rows_;  // a circle
-  std::size_t count_ = 0;         // of ticks so far
-  bool in_debt_ = false;          // the newest tick is
+  std::vector<TickRecord> rows_;  // a ring
+  std::size_t count_ = 0;         // number of ticks so far
+  bool in_debt_ = false;          // the account is overdrawn at the newest tick
   bool debt_ = false;
   std::optional<double> written_;  // [s] time of the newest tick in the last file
 };

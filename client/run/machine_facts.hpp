@@ -17,7 +17,7 @@ struct MachineFacts {
   bool ipv6 = false;                // to the server
 };
 
-/// Asks the system. Nothing fails: what it does not say is not known. `server`: of the datagrams.
+/// Asks the system. It cannot fail: a missing answer is not known. `server`: of the datagrams.
 MachineFacts machine_facts(const Address& server);
 
 }  // namespace feltwire

@@ -14,11 +14,12 @@
 namespace feltwire {
 
 /// Each tick as feltwire.Sample and feltwire.Account, and 60 times a second a picture of the hand
-/// and its force, or of all that an observer sees. What is written waits in memory for about a
-/// second, until its chunk is full.
+/// and its force, or of an observer's view. Written data wait in memory for about a second, until
+/// their chunk is full.
 class McapRecording final : public Recorder {
  public:
-  /// Creates or replaces the first file. Throws std::runtime_error naming the file and the reason.
+  /// Creates or replaces the first file. Throws std::runtime_error that names the file and the
+  /// reason.
   explicit McapRecording(RecordingTarget target, std::int64_t offset = clock_offset());
 
   void write(Ring<TickRecord>& rows) override;

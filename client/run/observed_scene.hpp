@@ -1,6 +1,6 @@
 #pragma once
-// The hands and bodies that an observer has been shown, put together from the views in its replies.
-// A program that draws the scene gets it by RunOptions::on_view (run_client.hpp).
+// The hands and bodies that an observer has seen, assembled from the views in its replies. A
+// program that draws the scene gets it by RunOptions::on_view (run_client.hpp).
 //
 // A hostile server can show new hands without end. So the number kept is limited, and those left
 // out are counted.
@@ -18,19 +18,19 @@ class ObservedScene {
   static constexpr std::size_t kMostHands = 1024;   // 16 times what a server admits by default
   static constexpr std::size_t kMostBodies = 4096;  // objects that move
 
-  /// The next view, of a newer reply than the one before. What is within its ranges and not in it
-  /// is forgotten. Hands and bodies that there is no room for are left out and counted.
+  /// Takes the next view, of a newer reply than the one before. Entries within its ranges that it
+  /// does not contain are removed. Hands and bodies without room are left out and counted.
   void take(const SceneView& view);
 
   const std::map<std::uint32_t, SeenHand>& hands() const { return hands_; }    // by number
   const std::map<std::uint16_t, SeenBody>& bodies() const { return bodies_; }  // by object
-  /// The robot on the scene's seat; nothing: none is shown.
+  /// The robot on the scene's seat; empty: there is none.
   const std::optional<SeenRobot>& robot() const { return robot_; }
   bool robot_gone() const { return robot_gone_; }  // since the last view
   /// The hands that are gone since the last view.
   const std::vector<std::uint32_t>& hands_gone() const { return hands_gone_; }
   const std::vector<std::uint16_t>& bodies_gone() const { return bodies_gone_; }
-  /// How often a hand or a body was shown that there was no room for.
+  /// How often a shown hand or body had no room.
   std::uint64_t left_out() const { return left_out_; }
 
  private:

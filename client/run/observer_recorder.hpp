@@ -1,5 +1,5 @@
 #pragma once
-// The eyes of the program that observes: takes the views, counts, and writes them down.
+// Takes the views of an observing program, counts them, and writes them to a file.
 
 #include <filesystem>
 #include <functional>
@@ -14,31 +14,32 @@
 namespace feltwire {
 
 struct SightCounts {
-  std::uint64_t views = 0;                      // that came
-  std::size_t hands = 0, bodies = 0;            // that there are, as far as is known
+  std::uint64_t views = 0;                      // received views
+  std::size_t hands = 0, bodies = 0;            // known at present
   std::size_t most_hands = 0, most_bodies = 0;  // at once
-  std::optional<LinkState> robot{};             // its state; nothing: there is none
+  std::optional<LinkState> robot{};             // its state; empty: there is none
   std::uint64_t left_out = 0;  // times that there was no room for one (ObservedScene)
 };
 
-/// "  sees 2 hands, 1 body", then ", a robot (engaged)" where one is seen, and ", 3 left out" where
-/// there was no room for all.
+/// "  sees 2 hands, 1 body", then ", a robot (engaged)" if there is one, and ", 3 left out" if
+/// there was not room for all.
 std::string text(const SightCounts& counts);
 
-/// Gets the time [s] of a view since the first tick, and all that is known of the scene by then.
+/// Gets the time [s] of a view since the first tick, and the known scene at that time.
 using OnView = std::function<void(double time, const ObservedScene& scene)>;
 
 class ObserverRecorder {
  public:
-  /// A `file` gets what is seen; `on_view`, where it is not empty, is called with it. Throws
-  /// std::runtime_error naming the file; look() does too, and passes on what `on_view` throws.
+  /// A `file` gets all views; `on_view`, if it is not empty, is called with them. Throws
+  /// std::runtime_error that names the file; look() does too, and passes on the exceptions of
+  /// `on_view`.
   explicit ObserverRecorder(const std::optional<std::filesystem::path>& file, OnView on_view = {});
 
-  /// Where the servo's thread puts views.
+  /// The ring into which the servo's thread puts views.
   Ring<TimedView>& views() { return views_; }
-  /// Takes what waits there.
+  /// Takes the waiting views.
   void look();
-  /// Has the file, if there is one, be on the disk.
+  /// Flushes the file, if there is one, to the disk.
   void finish();
 
   const ObservedScene& scene() const { return scene_; }

@@ -1,5 +1,5 @@
 #pragma once
-// A recording of every tick, in a file that stays readable however the run ends.
+// A recording of every tick, in a file that stays readable after every end of the run.
 
 #include <cstdint>
 #include <filesystem>
@@ -15,7 +15,7 @@
 
 namespace feltwire {
 
-/// Where to record, and what an MCAP file says of the run.
+/// The place of a recording, and the metadata of an MCAP file.
 struct RecordingTarget {
   std::filesystem::path file;
   RecordingLimits limits{};
@@ -30,15 +30,15 @@ inline std::filesystem::path numbered(const RecordingTarget& target, int number)
 class Recorder {
  public:
   virtual ~Recorder() = default;
-  /// Writes all rows that wait. Throws std::runtime_error when the system takes no more (a full
-  /// disk, say).
+  /// Writes all waiting rows. Throws std::runtime_error if the system takes no more (for example on
+  /// a full disk).
   virtual void write(Ring<TickRecord>& rows) = 0;
-  /// Writes what an observer sees at `time` [s] since the first tick. A format without pictures
-  /// writes nothing.
+  /// Writes an observer's view at `time` [s] since the first tick. A format without pictures writes
+  /// nothing.
   virtual void see(double /*time*/, const ObservedScene& /*scene*/) {}
-  /// Something that happened now. A format without room for it writes nothing.
+  /// Writes an event of this moment. A format without events writes nothing.
   virtual void note(const std::map<std::string, std::string>& /*values*/) {}
-  /// Waits until all that was written is on the disk. Throws std::runtime_error.
+  /// Waits until all data are on the disk. Throws std::runtime_error.
   virtual void finish() = 0;
 };
 
@@ -48,8 +48,8 @@ std::unique_ptr<Recorder> open_recording(const RecordingTarget& target);
 /// Whole lines only, each batch in one write.
 class CsvRecording final : public Recorder {
  public:
-  /// Creates or replaces the file and writes the header. Throws std::runtime_error naming the file
-  /// and the reason.
+  /// Creates or replaces the file and writes the header. Throws std::runtime_error that names the
+  /// file and the reason.
   explicit CsvRecording(const std::filesystem::path& file);
 
   void write(Ring<TickRecord>& rows) override;

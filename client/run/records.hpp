@@ -1,5 +1,5 @@
 #pragma once
-// The files that a run writes while it goes on.
+// The files that a run writes while it continues.
 
 #include <cstdio>
 #include <filesystem>
@@ -13,8 +13,8 @@
 
 namespace feltwire {
 
-/// Takes what the servo thread leaves in its rings and writes it down. A file that cannot be
-/// written any more is named once, on `errors`; the other goes on.
+/// Takes the entries in the rings of the servo thread and writes them. If a file cannot be written
+/// any more, it is named once on `errors`; the others continue.
 class Records {
  public:
   struct Files {
@@ -26,7 +26,7 @@ class Records {
     double servo_period = 0.0;  // [s] of the flight record's ticks
   };
 
-  /// Throws std::runtime_error naming the file and the reason.
+  /// Throws std::runtime_error that names the file and the reason.
   explicit Records(const Files& files, std::FILE* errors = stderr);
 
   Ring<TickRecord>* rows() { return recording_ || flight_ ? &rows_ : nullptr; }
@@ -36,15 +36,15 @@ class Records {
   }
 
   void write() noexcept;
-  /// Something that happened now, in the recording where its format has room for it.
+  /// Writes an event of this moment into the recording, if its format has events.
   void note(const std::map<std::string, std::string>& values) noexcept;
-  /// The last of it, and until it is on the disk.
+  /// Writes the rest, and waits until it is on the disk.
   void finish() noexcept;
-  /// Writes the last seconds to a file of their own, and says where; empty: there is none.
+  /// Writes the last seconds to a file of their own, and returns it; empty: there is none.
   std::optional<std::filesystem::path> write_flight_record(const std::string& reason) noexcept;
-  /// The same, and tells the user where.
+  /// The same, and tells the user the file.
   void tell_of_flight_record(const char* reason) noexcept;
-  /// A file lacks something.
+  /// Reports that a file is incomplete.
   bool failed() const { return recording_failed_ || view_failed_; }
 
  private:
@@ -57,7 +57,7 @@ class Records {
   std::unique_ptr<Recorder> recording_;
   Ring<TickRecord> rows_{kRecordRoom};
   std::unique_ptr<FlightRecord> flight_;
-  std::unique_ptr<Ring<TickRecord>> copied_;  // for the recording, where there are both
+  std::unique_ptr<Ring<TickRecord>> copied_;  // for the recording, if there are both
   std::unique_ptr<ObserverRecorder> observer_;
   std::FILE* errors_;
   bool recording_failed_ = false, view_failed_ = false;

@@ -13,22 +13,24 @@
 
 namespace feltwire {
 
-/// The part of a report that is not counted.
+/// The part of a report that is not a count.
 struct RunDescription {
   std::string client, scene, server;
   std::string device_kind;  // as given to --device
   RealTime real_time;
   double scene_stiffness = 0.0;  // [N/m] of the stiffest surface; 0: the server did not say
-  double busy_poll = 0.0;        // [us] asked for; infinity: never asleep
-  std::optional<SightCounts> sight = std::nullopt;     // of an observer
-  std::string tool = {};                               // by its name; empty: it has none
-  std::string server_version = {};                     // empty: it did not say
-  std::string check = {};                              // JSON of --check; empty: none was made
-  const std::deque<Changes::Done>* changes = nullptr;  // that admins wanted; null: none could come
+  double busy_poll = 0.0;        // [us] requested; infinity: never asleep
+  std::optional<SightCounts> sight = std::nullopt;  // for an observer
+  std::string tool = {};                            // its name; empty: it has none
+  std::string server_version = {};                  // empty: it did not say
+  std::string check = {};                           // JSON of --check; empty: none was made
+  const std::deque<Changes::Done>* changes =
+      nullptr;  // requested by admins; null: none were possible
 };
 
-/// The report's text. Every number in it is finite; what there is no number for is null. `link`:
-/// DatagramPort::report(). JSON is put in as it is, other text as a string, an empty text as null.
+/// The report's text. Every number in it is finite; a missing number is null. `link`:
+/// DatagramPort::report(). JSON is inserted unchanged, other text as a string, an empty text as
+/// null.
 std::string report_json(const RunDescription& run, const Servo& servo,
                         const TransportStatistics& transport, const LoopResult& loop,
                         const std::string& link = {});

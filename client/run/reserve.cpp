@@ -27,7 +27,8 @@ void give_memory_back() {
 
 Reserve::Reserve() : descriptor_(::eventfd(0, EFD_CLOEXEC)) {
   if (descriptor_ < 0)
-    throw std::system_error(errno, std::generic_category(), "cannot put a descriptor by");
+    throw std::system_error(errno, std::generic_category(),
+                            "cannot reserve a file descriptor for the report; raise ulimit -n");
   put_by.store(std::malloc(kMemory));
   if (put_by.load() != nullptr) return;
   ::close(descriptor_);

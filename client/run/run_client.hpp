@@ -1,6 +1,6 @@
 #pragma once
-// Runs a device in a scene of a server, from joining to the report. This is the call that the
-// program of a device maker makes.
+// Runs a device in a scene of a server, from joining to the report. The program of a device maker
+// needs only this call.
 
 #include <filesystem>
 #include <functional>

@@ -1,5 +1,6 @@
 #pragma once
-// The measurements of a run that `feltwire-client --check` judges the machine and the network by.
+// The measurements of a run with which `feltwire-client --check` judges the machine and the
+// network.
 
 #include <cstdint>
 #include <optional>
@@ -16,11 +17,11 @@ struct RunFigures {
   double duration = 0.0;                       // [s] from the first tick to the last
   double servo_period = 0.0, hold_time = 0.0;  // [s] as granted
   std::uint64_t samples = 0;                   // ticks that were made
-  std::uint64_t missed_deadlines = 0;          // ticks that were not
+  std::uint64_t missed_deadlines = 0;          // ticks that were missed
   Histogram wakeup_late;                       // [ns] each tick behind its deadline
-  std::uint64_t datagrams = 0;                 // that carried samples
+  std::uint64_t datagrams = 0;                 // datagrams with samples
   std::uint64_t lost = 0;                      // of these, or their replies
-  std::uint64_t too_long = 0;                  // of these, for the path
+  std::uint64_t too_long = 0;                  // of these, too long for the path
   Histogram round_trip;                        // [ns]
   std::optional<double> jitter{};              // [s] mean variation of the delay, the worse way
   RealTime real_time;

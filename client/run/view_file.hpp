@@ -1,5 +1,5 @@
 #pragma once
-// The views of an observer, as a CSV file that stays readable however the run ends.
+// The views of an observer, as a CSV file that stays readable after every end of the run.
 
 #include <filesystem>
 
@@ -15,8 +15,8 @@ namespace feltwire {
 /// and robot_gone have no more than their id.
 class ViewFile {
  public:
-  /// Creates or replaces the file and writes the header. Throws std::runtime_error naming the file
-  /// and the reason; so does write().
+  /// Creates or replaces the file and writes the header. Throws std::runtime_error that names the
+  /// file and the reason, as write() does.
   explicit ViewFile(const std::filesystem::path& file);
 
   /// Adds the rows of a view, and of the hands and bodies that `scene`, which has taken the view,

@@ -1,39 +1,38 @@
 #pragma once
-// How the force of a scene that was changed under a hand comes through to a hand that presses.
+// Lets a hand that presses on a changed surface feel the new force.
 
 #include "core/base/types.hpp"
 #include "core/bounding/account.hpp"
 
 namespace feltwire {
 
-/// The contact frame's bound lets a force rise only as the hand presses on, so a hand that rests in
-/// a wall does not feel that the wall has become stiffer. What it pressed into that wall is there
-/// to pay for more (docs/bounding.md, "A scene that changes under a hand"): for one second after
-/// the change the bound's storage is raised by it, step by step, so that the force rises no faster
+/// The contact frame's bound lets a force rise only as the hand presses on. So a hand that rests in
+/// a wall does not feel that the wall has become stiffer. The energy that it pressed into that wall
+/// can pay for more (docs/bounding.md, "A scene that changes under a hand"): for one second after
+/// the change it is added to the bound's storage, step by step, so that the force rises no faster
 /// than a fade falls.
 ///
-/// The energy that is let in never exceeds what the hand has pressed into the contact it is in, nor
-/// what the port has to spare. That the port stays passive is the account's doing, behind the
-/// bound.
+/// The added energy never exceeds the energy that the hand has pressed into its present contact, or
+/// the margin of the port. The account behind the bound keeps the port passive.
 class Admission {
  public:
   struct Tick {
-    const Command& held;     // over the movement
+    const Command& held;     // during the movement
     Vec3 displacement;       // [m]
     double hold_time;        // [s]
-    const Command& command;  // that the bound is asked for next
+    const Command& command;  // the next command for the bound
     double margin;           // [J] of the port
   };
 
-  /// `slew` [N/s]: how fast a force may rise.
+  /// `slew` [N/s]: the largest rate at which a force may rise.
   explicit Admission(double slew) : slew_(slew) {}
 
-  /// The scene is another from this tick's command on.
+  /// The scene is a new one from this tick's command on.
   void begin() noexcept {
     open_ = true;
     since_ = 0.0;
   }
-  /// Forgets how far the hand has pressed: the surface under it is unknown.
+  /// Forgets the pressed energy: the surface under the hand is unknown.
   void forget() noexcept {
     open_ = false;
     pressed_ = 0.0;
@@ -42,19 +41,19 @@ class Admission {
   /// The energy [J] to add to the bound's storage for its next step. Call it at every tick.
   double energy(const Tick& tick, const PortAccount& account) noexcept;
 
-  /// Tell it what the bound rendered of the command's elastic part. When the bound renders all of
-  /// it, the change of the scene is felt in full.
+  /// Takes the rendered part of the command's elastic part. When the bound renders all of it, the
+  /// hand feels the change of the scene in full.
   void given(const Vec3& rendered, const Vec3& commanded) noexcept;
 
-  /// The scene has changed, and the bound still keeps some of it from the hand.
+  /// Whether the scene has changed, and the bound still withholds some of the change from the hand.
   bool withheld() const noexcept { return open_; }
 
  private:
   static constexpr double kOpen = 1.0;  // [s]
   double slew_;
-  double pressed_ = 0.0;  // [J] by the hand into the contact that it is in
+  double pressed_ = 0.0;  // [J] that the hand pressed into its present contact
   bool open_ = false;
-  double since_ = 0.0;  // [s] the change
+  double since_ = 0.0;  // [s] since the change
 };
 
 }  // namespace feltwire

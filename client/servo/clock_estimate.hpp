@@ -1,6 +1,6 @@
 #pragma once
-// The offset of the server's clock to ours, from the four times of every exchange. No clock is read
-// here.
+// Estimates the offset of the server's clock to ours, from the four times of every exchange. It
+// reads no clock.
 
 #include <array>
 #include <cstdint>
@@ -16,33 +16,33 @@ struct Exchange {
 };
 
 /// Offset and drift of the server's clock, by the minimum filter of RFC 5905 section 10: of all
-/// exchanges within a bucket of time only the fastest counts, for what queues add is never less
-/// than nothing. A line is fitted through the buckets (offset and drift), each trusted the less the
-/// slower its fastest exchange was. All buckets together reach back kBuckets * kBucketTime.
+/// exchanges within a bucket of time only the fastest counts, because the delay of a queue is never
+/// negative. A line is fitted through the buckets (offset and drift). A bucket with a slower
+/// fastest exchange has less weight. All buckets together reach back kBuckets * kBucketTime.
 ///
-/// An estimate of this kind cannot see that a path is slower one way than the other. The offset is
-/// then wrong by half the difference. `error_bound` says how much that can be.
+/// Such an estimate cannot detect that a path is slower in one direction than in the other. The
+/// offset is then wrong by half the difference. `error_bound` limits this error.
 class ClockEstimate {
  public:
   static constexpr std::size_t kBuckets = 32;
   static constexpr Nanoseconds kBucketTime = std::chrono::milliseconds(500);
 
-  /// Takes an exchange. One that cannot be (it took less than no time, or longer than a minute) is
-  /// left out and counted. A server whose clock jumped (it was restarted) begins a new estimate.
+  /// Takes an exchange. An impossible one (a negative time, or more than a minute) is ignored and
+  /// counted. If the server's clock jumped (it was restarted), a new estimate begins.
   void take(const Exchange& exchange) noexcept;
 
   bool known() const noexcept { return buckets_used_ > 0; }
-  /// [s] server's clock less ours at our time `at`; zero while unknown. Clocks count from anywhere,
-  /// so this may be any number: see to_client() for its use.
+  /// [s] The server's clock less ours at our time `at`; zero while unknown. Clocks have any origin,
+  /// so this may be any number: to_client() uses it.
   double offset(Nanoseconds at) const noexcept;
   double drift() const noexcept { return drift_; }  // [s/s] of the server's clock against ours
-  /// [s] |error of offset| is at most this if each way took the least time once: half the fastest
-  /// round trip.
+  /// [s] The error of the offset is at most this if each direction had the least delay once: half
+  /// the fastest round trip.
   double error_bound() const noexcept;
   /// Our time at which the server's clock showed `server`.
   Nanoseconds to_client(Nanoseconds server) const noexcept;
 
-  /// [s] of the last exchange, by this estimate: the way to the server, and back.
+  /// [s] The delays of the last exchange, by this estimate: to the server, and back.
   double delay_up() const noexcept { return delay_up_; }
   double delay_down() const noexcept { return delay_down_; }
   /// [s] mean variation of the delay from one exchange to the next, RFC 3550 section 6.4.1.

@@ -1,5 +1,5 @@
 #pragma once
-// When the servo's ticks are due, and how much sooner to ask the machine to wake.
+// The deadlines of the servo's ticks, and how much sooner the thread asks the machine to wake.
 
 #include <algorithm>
 #include <chrono>
@@ -9,13 +9,14 @@
 
 namespace feltwire {
 
-/// Deadlines start + n T, n = 1, 2, ..., and when to wake for them.
+/// Deadlines start + n T, n = 1, 2, ..., and the times to wake for them.
 class Deadlines {
  public:
   Deadlines(Nanoseconds start, Nanoseconds period) noexcept
       : latest_(start), period_(period), longest_lead_(std::min(kLongestLead, period / 4)) {}
 
-  /// How many have passed by `now` since the last call; latest() is the last of them.
+  /// Returns how many deadlines have passed by `now` since the last call; latest() is the last of
+  /// them.
   std::uint64_t passed(Nanoseconds now) noexcept {
     if (now < next()) return 0;
     const std::int64_t count = (now - latest_) / period_;
@@ -25,10 +26,11 @@ class Deadlines {
   Nanoseconds latest() const { return latest_; }
   Nanoseconds next() const { return latest_ + period_; }
 
-  /// How long before a deadline the thread asks to be woken: as late as the machine wakes it nine
-  /// times in ten (a virtual one by 60 us, a tuned one by 3). What a sooner waking leaves is spun.
+  /// How long before a deadline the thread asks to be woken: the lateness that nine wakings of ten
+  /// do not exceed (60 us on a virtual machine, 3 us on a tuned one). The thread spins for the
+  /// rest.
   Nanoseconds lead() const { return lead_; }
-  /// The thread slept until then and found itself awake `late` after it.
+  /// The thread slept until then and woke `late` after it.
   void woken(Nanoseconds late) noexcept {
     lead_ += late > lead_ ? 9 * kLeadStep : -kLeadStep;  // settles where one in ten is later
     lead_ = std::clamp(lead_, Nanoseconds(0), longest_lead_);

@@ -1,5 +1,5 @@
 #pragma once
-// Stands between the servo thread and its device, so that others can let the device go.
+// Stands between the servo thread and its device, so that other threads can release the device.
 
 #include <atomic>
 #include <cstdint>
@@ -8,9 +8,9 @@
 
 namespace feltwire {
 
-/// The device as the servo thread sees it. After release() no force stays on the hand: a write()
-/// that was under way meanwhile takes back what it wrote, later ones write nothing, and read() says
-/// that the device has ended.
+/// The device for the servo thread. After release() no force stays on the hand: a write() that was
+/// under way takes its force back, later ones write nothing, and read() says that the device has
+/// ended.
 class DeviceGuard final : public Device {
  public:
   explicit DeviceGuard(Device& device) : device_(device) {}
@@ -20,19 +20,19 @@ class DeviceGuard final : public Device {
   bool await_tick(Nanoseconds latest) noexcept override;
   DeviceReading read(Nanoseconds now) noexcept override;
   Command write(const Command& on_hand) noexcept override;
-  /// May be called in any thread and in a signal handler, and more than once.
+  /// For any thread and any signal handler; it may be called more than once.
   void release() noexcept override;
 
   bool released() const noexcept { return released_.load(); }
   /// Whether the device holds a force: the last write was not zero and the device was not released
   /// since.
   bool pulls() const noexcept { return pulls_.load() && !released(); }
-  /// write() has returned so often.
+  /// How often write() has returned.
   std::uint64_t writes() const noexcept { return writes_.load(std::memory_order_acquire); }
 
-  /// For another thread, after release(): gives up a servo thread that does not come back from the
-  /// device. If it does after all it stops there for ever. True when it is in there: what it worked
-  /// with may then be read.
+  /// For another thread, after release(): abandons a servo thread that does not return from the
+  /// device. If it returns later, it stops there for ever. True while it is in the device: then its
+  /// data may be read.
   bool abandon() noexcept;
 
  private:

@@ -1,6 +1,6 @@
 #pragma once
-// How a session feels, in two numbers that the servo measures as it runs: whether the hand
-// oscillates, and how stiff what it presses is.
+// Two measures that the servo computes as it runs: the oscillation of the hand, and the displayed
+// stiffness of the pressed surface.
 
 #include <array>
 #include <cstdint>
@@ -15,41 +15,41 @@ namespace feltwire {
 /// moving average over 51 ms (an odd number of servo samples; CentredHighPass, the lab's measure).
 /// The normal is the direction of the newest elastic command. Windows that lie within one contact
 /// count. A contact begins with a commanded elastic force of 0.005 N and ends when there has been
-/// none for 25.5 ms, so that a hand that chatters on a surface oscillates, and one that leaves it
-/// does not.
+/// none for 25.5 ms. So a hand that chatters on a surface oscillates, and one that leaves it does
+/// not.
 ///
 /// Displayed stiffness [N/m]: the slope, by least squares, of the force held along the normal over
-/// the pressing displacement, which is the way against the normal since the contact began. Of each
-/// contact those ticks count at which the hand is deeper than ever before, moves along the normal
-/// rather than across it, and holds 0.005 N or more: the way in, as the lab measures it. Contacts
-/// are pooled, each about its own mean, so that it does not matter where a surface begins, and a
-/// delay, which shifts all of a steady press, does not either.
+/// the pressing displacement, which is the way against the normal since the contact began. A tick
+/// counts if the hand is deeper than ever before in this contact, moves along the normal rather
+/// than across it, and holds 0.005 N or more. So only the way in counts, as in the lab. Contacts
+/// are pooled, each about its own mean. So neither the place where a surface begins nor a delay,
+/// which shifts all of a steady press, matters.
 ///
-/// Both are of the device's readings, encoder quanta included. Allocates when it is made, never
-/// again.
+/// Both use the device's readings, encoder quanta included. The class allocates only when it is
+/// made.
 class HandMeasures {
  public:
   /// `period` of the servo [s].
   explicit HandMeasures(double period);
 
   /// One tick. `displacement` [m] since the last one. `elastic` [N]: the scene's command on the
-  /// hand; `held` [N]: what the hand is given from now on.
+  /// hand; `held` [N]: the force on the hand from now on.
   void take(const Vec3& displacement, const Vec3& elastic, const Vec3& held) noexcept;
-  /// Where the device is is not known: a contact ends.
+  /// The place of the device is not known: a contact ends.
   void lose() noexcept { end_contact(); }
 
-  /// Sum of squares [m^2] and number of what oscillation() is the root of the mean of: two moments
-  /// give the oscillation between them.
+  /// Sum of squares [m^2] and their number; oscillation() is the root of the mean. The values at
+  /// two moments give the oscillation between them.
   struct Squares {
     double sum = 0.0;
     std::uint64_t count = 0;
-    /// [m]; nothing while nothing was measured.
+    /// [m]; empty if nothing was measured.
     std::optional<double> rms() const;
     Squares since(const Squares& before) const { return {sum - before.sum, count - before.count}; }
   };
   const Squares& squares() const { return squares_; }
   std::optional<double> oscillation() const { return squares_.rms(); }
-  /// Nothing before 32 ticks count that lie 20 um apart (standard deviation).
+  /// Empty before 32 counted ticks that lie 20 um apart (standard deviation).
   std::optional<double> displayed_stiffness() const;
 
  private:
@@ -64,7 +64,7 @@ class HandMeasures {
   Vec3 way_ = Vec3::Zero();             // [m] since the contact began
   Squares squares_, pending_;           // pending: since the last commanded force
   double depth_ = 0.0, deepest_ = 0.0;  // [m] pressing displacement
-  // Of this contact, and of all: means and centred sums.
+  // Of this contact, and of all contacts: means and centred sums.
   double ticks_ = 0.0, mean_depth_ = 0.0, mean_force_ = 0.0;
   double all_ticks_ = 0.0, depth_depth_ = 0.0, depth_force_ = 0.0;
 };

@@ -1,5 +1,6 @@
 #pragma once
-// What the servo's thread tells others of itself: a state a few times a second, a row each tick.
+// The output of the servo's thread for other threads: a state a few times a second, a row each
+// tick.
 
 #include <cstdint>
 #include <optional>
@@ -15,29 +16,30 @@ struct LiveStatus {
   std::uint64_t samples = 0;
   std::uint64_t lost = 0;                             // datagrams, up to the newest answered
   double round_trip_p50 = 0.0, round_trip_p99 = 0.0;  // [ns]
-  bool clock_known = false;                           // else the four below say nothing
+  bool clock_known = false;                           // false: the four below are not valid
   double delay_up = 0.0, delay_down = 0.0;            // [s] one way, of the last exchange
   double jitter_up = 0.0, jitter_down = 0.0;          // [s] their mean variation
   double force = 0.0;                                 // [N] held now
-  NoForce no_force = NoForce::no_reply;               // why there is none
+  NoForce no_force = NoForce::no_reply;               // the reason for no force
   HandMeasures::Squares oscillation;                  // so far
   std::optional<double> displayed_stiffness;          // [N/m] so far
   double energy = 0.0;                                // [J] delivered to the hand so far
   bool answered_lately = false;                       // the command in use is not fading
   bool connected = true;                              // the session is not lost
-  bool recovering = false;        // what moves was put back, and is felt in part
-  bool withholds_change = false;  // the scene was changed, and is not all felt yet
-  bool shapes = false;            // the method shapes, and the two below say how
-  bool near = false;              // the force of this tick was made here, from the local model
-  std::optional<double> hand_damping{};  // [N s/m] that it counts on, where it does
-  std::optional<double> balance{};       // [J] of the energy account; empty: there is none
-  std::uint64_t account_cuts = 0;        // ticks at which the account took something off
+  bool recovering = false;        // moving objects were put back, and are felt in part
+  bool withholds_change = false;  // the scene was changed, and the hand does not yet feel all of it
+  bool shapes = false;            // the method shapes, and the two below are valid
+  bool near = false;              // this tick's force was made here, from the local model
+  std::optional<double>
+      hand_damping{};  // [N s/m] the assumed damping of the hand, if the method has one
+  std::optional<double> balance{};  // [J] of the energy account; empty: there is none
+  std::uint64_t account_cuts = 0;   // ticks at which the account reduced the force
 };
 
 /// `time` [s] since the first tick; `connected`: the session is not lost.
 LiveStatus live_status(const Servo& servo, double time, bool connected) noexcept;
 
-/// The tick that was just made, `time` [s] since the first one, at `now` by the monotonic clock.
+/// The state after the last tick, `time` [s] since the first one, at `now` of the monotonic clock.
 TickRecord tick_record(const Servo& servo, double time, Nanoseconds now) noexcept;
 
 }  // namespace feltwire

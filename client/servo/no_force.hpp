@@ -1,5 +1,5 @@
 #pragma once
-// Why there is no force on the hand: one reason at every tick, in the servo's own words.
+// The reason for no force on the hand, one for every tick.
 
 #include <array>
 #include <cstdint>
@@ -9,68 +9,68 @@
 
 namespace feltwire {
 
-/// Below these a hand is said to be given none: what the status line prints as 0.00 N.
+/// Below these limits a force counts as none; the status line prints it as 0.00 N.
 inline constexpr double kFeltForce = 0.005;    // [N]
-inline constexpr double kFeltTorque = 0.0005;  // [N m] the same at an arm of 0.1 m
+inline constexpr double kFeltTorque = 0.0005;  // [N m] the same at a lever of 0.1 m
 
 /// The reasons for no force, in the order in which they are checked: from the device's reading to
 /// the force that it holds.
 enum class NoForce : std::uint8_t {
   felt,             // there is force
-  observer,         // an observer is given none
+  observer,         // an observer gets no force
   device_ended,     // the recording is over
-  ending,           // the run ends and the hand is let go
+  ending,           // the run ends and the hand is released
   device_fault,     // the device gave no usable position
   no_reply,         // the server has not answered yet
-  reconnecting,     // the session was lost and goes on: the held force fades first
+  reconnecting,     // the session was lost and continues: the held force fades first
   silent,           // the newest answer is too old: the command has faded
   recovering,       // the server has reset moving bodies
-  server_bound,     // the server's bound lets none through
+  server_bound,     // the server's bound allows no force
   touches_nothing,  // the scene asks for none
   too_little,       // the scene asks for less than kFeltForce
   not_actuated,     // the device cannot give the command of the scene
   waiting,          // --wait-for-small-force: the hand began in contact
   refused,          // the command or the movement was out of range
-  bound,            // this side's bound lets none through
+  bound,            // this side's bound allows no force
   velocity_limit,   // --velocity-limit
   ramp,             // --ramp-up
   slew,             // --slew
   force_limit,      // --max-force
   account,          // the port has not burned enough
-  not_held,         // the device does not hold what it was given
-  law_change,       // an admin gave the session another law: what was held fades first
+  not_held,         // the device does not hold its command
+  law_change,       // an admin gave the session another law: the held force fades first
   clutched          // the hand moves without the tool
 };
 inline constexpr std::size_t kNoForceReasons = static_cast<std::size_t>(NoForce::clutched) + 1;
 
 /// The name in the report: "touches_nothing".
 std::string_view name(NoForce reason);
-/// For people: "touches nothing"; empty for `felt`.
+/// The text for people: "touches nothing"; empty for `felt`.
 std::string_view text(NoForce reason);
 
 /// The stages of one command on its way to the hand in one tick.
 struct ForceTrail {
   bool observer = false, device_ended = false, released = false, letting_go = false;
-  bool law_change = false;    // that is why it lets go
+  bool law_change = false;    // the reason that the force fades
   bool read = true;           // the device's position was usable
-  bool clutched = false;      // it was not looked at, because the hand moves without the tool
-  bool answered = false;      // some reply has come
-  bool silent = false;        // the newest is older than the hold time
-  bool recovering = false;    // as it says
-  bool server_bound = false;  // as it says, the server's bound took something off
-  bool stage_waits = false;   // the safety stage lets nothing through yet
+  bool clutched = false;      // no command was computed, because the hand moves without the tool
+  bool answered = false;      // at least one reply has come
+  bool silent = false;        // the newest reply is older than the hold time
+  bool recovering = false;    // the reply says so
+  bool server_bound = false;  // the reply says that the server's bound reduced the force
+  bool stage_waits = false;   // the safety stage allows no force yet
   bool refused = false, too_fast = false, ramped = false, slewed = false, limited = false;
-  Command asked{};     // by the scene
-  Command actuated{};  // of it, what the device can give
-  Command faded{};     // by its age
+  Command asked{};     // the scene's command
+  Command actuated{};  // the part that the device can give
+  Command faded{};     // after the fade by age
   Command bounded{}, safe{}, paid{}, held{};
 };
 
-/// The first place on the way at which there is nothing to feel any more.
+/// The first stage after which there is no force any more.
 NoForce why_no_force(const ForceTrail& trail) noexcept;
 
-/// The reason of a whole run without force, from how many ticks had which. What kept a force away
-/// counts before there being none to give, if it did so at one tick in a hundred or more.
+/// The reason of a whole run without force, from the ticks of each reason. A reason that kept a
+/// force away counts before the absence of one, if it applied at one tick in a hundred or more.
 NoForce prevailing(const std::array<std::uint64_t, kNoForceReasons>& ticks) noexcept;
 
 }  // namespace feltwire

@@ -13,31 +13,31 @@
 
 namespace feltwire {
 
-/// The remote contact as a local model, where the hand meets it (docs/teleoperation.md), and the
-/// walls of the robot's workspace (RobotWalls). What all this commands goes through the bound, the
-/// account and the safety limits like any command. Nothing here allocates, throws or reads a clock.
+/// The remote contact as a local model at the hand (docs/teleoperation.md), and the walls of the
+/// robot's workspace (RobotWalls). Their command goes through the bound, the account and the safety
+/// limits like any command. No function allocates, throws or reads a clock.
 class RemoteHand {
  public:
-  /// `trust`: how much the account is credited of what the robot says that its environment gave.
-  /// `fade` [s] > 0: the force of a contact that is no more falls to nothing in this time.
+  /// `trust`: the share of the robot's reported energy that is credited to the account. `fade` [s]
+  /// > 0: the force of an ended contact falls to zero in this time.
   RemoteHand(const RemoteTrust& trust, double fade) : walls_(fade), energy_(trust), fade_(fade) {}
 
-  /// Takes what the newest reply says of the robot.
+  /// Takes the newest reply's data of the robot.
   void take(const Remote& remote) noexcept;
-  /// Forgets what was said: the hand may be anywhere.
+  /// Forgets these data: the hand may be anywhere.
   void forget() noexcept;
 
   /// The hand moved by `displacement` [m] to `hand` in `elapsed` [s] while `held` [N] was on it.
-  /// Returns what the account is to be credited [J].
+  /// Returns the credit of the account [J].
   double step(const Vec3& hand, const Vec3& displacement, const Vec3& held,
               double elapsed) noexcept;
 
-  /// The robot's contact and the walls of its workspace at the tool, which the scene answers
-  /// `beside`. `age` [s] of what was taken.
+  /// Returns the robot's contact and the walls of its workspace at the tool. `beside` is the
+  /// scene's command, `age` [s] the age of the taken data.
   Command touch(const Tool& tool, const Command& beside, double age, double elapsed) noexcept;
 
-  /// `deadman`: the switch is held now. `gripper` [m] that the hand means; what is not finite or
-  /// below zero says nothing.
+  /// `deadman`: the switch is held now. `gripper` [m] is the wanted opening; a value that is not
+  /// finite or is below zero is ignored.
   Lead lead(bool deadman, std::optional<double> gripper) const noexcept {
     return {.deadman = deadman,
             .known_surface = index_.known_surface(),
@@ -47,7 +47,7 @@ class RemoteHand {
   }
 
   const Remote& remote() const noexcept { return remote_; }
-  /// [N] that the force of touch() may rise by while the tool moves by `way` [m].
+  /// [N] by which the force of touch() may rise while the tool moves by `way` [m].
   double may_rise(double way, double elapsed) const noexcept;
 
  private:
@@ -61,7 +61,7 @@ class RemoteHand {
   double fade_;
   double weight_ = 0.0;     // of the contact's force, 0 to 1
   double share_ = 0.0;      // of the remote contact in the newest command
-  bool pushing_ = false;    // the newest command had some of it
+  bool pushing_ = false;    // the newest command had a part of it
   double hand_work_ = 0.0;  // [J]
 };
 

@@ -1,5 +1,5 @@
 #pragma once
-// Keeps a force that is made at the device from stepping where surfaces change under the hand.
+// Limits the rise of a force that is made at the device, if surfaces change under the hand.
 
 #include "core/base/numeric.hpp"
 #include "core/base/types.hpp"
@@ -8,20 +8,20 @@
 
 namespace feltwire {
 
-/// [N] that the force of a model's surfaces may rise by while the tool moves by `way` [m].
+/// [N] by which the force of a model's surfaces may rise while the tool moves by `way` [m].
 double rise(const LocalModel& model, double way, double elapsed) noexcept;
 
-/// The force of a local model may rise as the tool moves over its surfaces, and beyond that no
-/// faster than a slew. So a hand that rests feels no step when the scene is changed, when a surface
-/// comes into the model, or when the model says something again. A bound like contact_frame does
-/// that by itself; shaping renders what the model says.
+/// The force of a local model may rise as the tool moves over its surfaces; beyond that it rises no
+/// faster than a slew limit. So a resting hand feels no step if the scene is changed, if a surface
+/// enters the model, or if the model is used again. A bound like contact_frame does this by itself;
+/// a shaping method renders the model's command.
 class RiseLimit {
  public:
   /// `slew` [N/s], `torque_slew` [N m/s].
   RiseLimit(double slew, double torque_slew) : slew_(slew), torque_slew_(torque_slew) {}
 
-  /// The command, scaled down where it rose faster. The tool moved by `way` [m] over `elapsed` [s].
-  /// `beside` [N]: what other surfaces than the model's may add.
+  /// Returns the command, scaled down if it rose faster. The tool moved by `way` [m] over `elapsed`
+  /// [s]. `beside` [N]: the force that surfaces outside the model may add.
   Command apply(const Command& command, const LocalModel& model, double way, double elapsed,
                 double beside = 0.0) noexcept;
 
@@ -30,7 +30,7 @@ class RiseLimit {
   Command apply(const Command& command, const BodyModel& model, double way, double turn,
                 double elapsed) noexcept;
 
-  /// Tells what the hand holds after a tick that did not call apply().
+  /// Takes the command that the hand holds after a tick without apply().
   void given(const Command& held) noexcept {
     last_ = length(held.force());
     last_torque_ = length(held.torque);

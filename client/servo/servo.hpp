@@ -1,7 +1,7 @@
 #pragma once
-// One servo tick: the position of the device goes in, the command that it holds until the next tick
-// comes out. No socket, no clock, no thread: time is an argument, so that every property can be
-// tested and replayed.
+// One servo tick: its input is the position of the device, its output the command that the device
+// holds until the next tick. It has no socket, clock or thread. Time is an argument, so every
+// property can be tested and replayed.
 
 #include <array>
 #include <cstdint>
@@ -43,57 +43,59 @@ struct ServoOptions {
                                  // known
 };
 
-/// Throws std::invalid_argument naming the limit, its value and the remedy: a slew, ramp or speed
-/// limit cannot follow a bound that does not admit reductions, at the client or the server.
+/// Throws std::invalid_argument that names the limit, its value and the remedy: a slew, ramp or
+/// speed limit cannot follow a bound that does not admit reductions, at the client or the server.
 void validate(const ServoOptions& options, const SessionParameters& parameters);
 
 /// The safety limits that protect a hand and are not felt in normal use (docs/devices.md has the
-/// measurements): the wait for a small force; the speed limit, where the session's bound admits it;
-/// a ramp, where the client does not bound.
+/// measurements): the wait for a small force; the speed limit, if the session's bound admits it; a
+/// ramp, if the client does not bound.
 ServoOptions protect_hand(const SessionParameters& parameters);
 
-/// The bound of a servo as one object: a law is made where memory may be allocated, and is then
+/// The bound of a servo as one object. A law is made where memory may be allocated; then it is
 /// exchanged into a running servo, which allocates none (Servo::adopt()).
 struct ServoLaw {
-  /// Throws std::invalid_argument naming the parameter and the remedy.
+  /// Throws std::invalid_argument that names the parameter and the remedy.
   ServoLaw(const DeviceSpec& spec, const SessionParameters& in_force, const ServoOptions& options);
-  SessionParameters parameters;  // in force with it
+  SessionParameters parameters;  // in force with this law
   Bounding bounding;
   std::optional<PortAccount> account;
-  std::optional<Admission> admission;  // where this side bounds by contact_frame
+  std::optional<Admission> admission;  // if this side bounds by contact_frame
   bool shapes, counts_on_mass;
 };
 
 /// Plain numbers of one run. Times in [ns], angles in [1e-6 deg] (whole numbers for the
 /// histograms).
 struct ServoStatistics {
-  std::uint64_t samples = 0;           // made by hold()
-  std::uint64_t datagrams = 0;         // of these, newest of a datagram that was due: sent()
-  std::uint64_t answered = 0;          // replies that came, each sample once
-  std::uint64_t withheld = 0;          // datagrams that the server says it needed not answer
-  std::uint64_t late = 0;              // of the answered, after more than kLate
-  std::uint64_t replies_stale = 0;     // not newer than the reply in use: ignored
-  std::uint64_t replies_refused = 0;   // answering no sample that was made, not finite or absurd
+  std::uint64_t samples = 0;        // made by hold()
+  std::uint64_t datagrams = 0;      // newest samples of a due datagram: sent()
+  std::uint64_t answered = 0;       // replies that came, each sample once
+  std::uint64_t withheld = 0;       // datagrams that the server says it needed not answer
+  std::uint64_t late = 0;           // of the answered, after more than kLate
+  std::uint64_t replies_stale = 0;  // not newer than the reply in use: ignored
+  std::uint64_t replies_refused =
+      0;  // they answer no sample that was made, or are not finite or out of range
   std::uint64_t faded = 0;             // ticks at which an old command was faded, wholly or in part
   std::uint64_t device_faults = 0;     // readings or held forces that were faulty or not finite
-  std::uint64_t stale_readings = 0;    // that told nothing new: the force went on being held
-  std::uint64_t forces_corrected = 0;  // readings that told of a force held that differs, by more
-                                       // than is felt, from the result of write()
+  std::uint64_t stale_readings = 0;    // repeated readings: the force stayed held
+  std::uint64_t forces_corrected = 0;  // readings with a held force that differs, by more than can
+                                       // be felt, from the result of write()
   std::uint64_t bound_active = 0;      // ticks at which the bound changed the command
-  std::uint64_t saturated = 0;         // ticks at which the device's limits did
-  std::uint64_t account_cut = 0;       // ticks at which the port had no energy for all of it
-  std::uint64_t refused = 0;           // ticks at which the bound met an absurd command or movement
-  // Ticks at which these safety limits took something off what the bound let through.
+  std::uint64_t saturated = 0;         // ticks at which the device's limits changed it
+  std::uint64_t account_cut = 0;  // ticks at which the port had not enough energy for all of it
+  std::uint64_t refused = 0;      // ticks at which the bound got a command or movement out of range
+  // Ticks at which these safety limits reduced the bound's force.
   std::uint64_t waiting = 0, ramped = 0, slewed = 0, too_fast = 0, force_limited = 0;
-  std::uint64_t scene_resets = 0;  // times that replies began to say that what moves was put back
-  // With a local model: models that came, their surfaces, and ticks at which the command was the
-  // model's alone, its and the reply's together, and the reply's alone for want of reach.
+  std::uint64_t scene_resets =
+      0;  // times that replies began to report that moving objects were put back
+  // With a local model: received models, their surfaces, and ticks by the source of the command:
+  // the model alone, the model and the reply, or the reply alone because the model did not reach.
   std::uint64_t models = 0, patches = 0, modelled = 0, half_modelled = 0, beyond_model = 0;
-  std::uint64_t hand_overs = 0;  // times that the model's alone began or ended
-  std::array<std::uint64_t, kNoForceReasons> no_force{};  // ticks by why there was none; felt too
+  std::uint64_t hand_overs = 0;  // times that the use of the model alone began or ended
+  std::array<std::uint64_t, kNoForceReasons> no_force{};  // ticks by reason; `felt` too
   double max_force = 0.0;                                 // [N] held
   Histogram round_trip;       // [ns] from the sample's reading to the reply's arrival
-  Histogram direction_error;  // [1e-6 deg] force held against the command it came from
+  Histogram direction_error;  // [1e-6 deg] held force against its command
 };
 
 /// The client's half of the haptic loop. A tick is render(), the device's write(), hold(); replies
@@ -102,13 +104,13 @@ class Servo {
  public:
   static constexpr Nanoseconds kLate = std::chrono::milliseconds(1);
 
-  /// Throws std::invalid_argument naming the parameter and the remedy.
+  /// Throws std::invalid_argument that names the parameter and the remedy.
   Servo(const DeviceSpec& spec, const SessionParameters& parameters,
         const ServoOptions& options = {});
 
-  /// A reply that was found at `arrival`. The one to the newest sample is used; true when this is
-  /// it. One that cannot be changes nothing. What is found after the servo stood still may have
-  /// come at any time since, and counts as that old.
+  /// Takes a reply that was found at `arrival`. The reply to the newest sample is used; then the
+  /// result is true. An impossible reply changes nothing. After the servo stood still, a found
+  /// reply may have come at any time since, and counts as that old.
   bool take(const Reply& reply, Nanoseconds arrival) noexcept;
 
   /// The command to write to the device now: the newest command, extrapolated along its rates if
@@ -126,9 +128,9 @@ class Servo {
   /// sample to send; null until the first good reading. It stays valid until the next call.
   const Sample* hold(const Command& held) noexcept;
 
-  /// One whole tick. Null, and no tick, where the device has nothing new to tell
-  /// (DeviceReading::fresh): what is held stays, and the tick that comes then is as much longer.
-  /// After a quarter of the hold time a device that tells nothing new has a fault.
+  /// One whole tick. Null, and no tick, if the device has no newer reading (DeviceReading::fresh):
+  /// the held force stays, and the next tick is longer by that time. After a quarter of the hold
+  /// time without a newer reading the device has a fault.
   const Sample* tick(Device& device, Nanoseconds now) noexcept;
   /// The device's tick has not come: a tick whose reading is faulty.
   const Sample* missed_tick(Device& device, Nanoseconds now) noexcept {
@@ -137,85 +139,84 @@ class Servo {
     return hold(device.write(render(none, now)));
   }
 
-  /// The last sample made was the newest of a datagram that was sent: an answer to it is awaited.
+  /// The last sample was the newest of a datagram that was sent, so a reply is expected.
   void sent() noexcept;
-  /// An answer may still come. With a force deadband it may also have been withheld.
+  /// Whether a reply may still come. With a force deadband it may also have been withheld.
   bool awaits_answer() const noexcept {
     return statistics_.answered + statistics_.withheld < statistics_.datagrams;
   }
-  /// Datagrams that, or whose answers, never came: sent, neither answered nor withheld. What the
-  /// server withheld since its newest reply is not known; of those datagrams as many as keep_alive
-  /// allows are taken for withheld.
+  /// Datagrams that were lost, or whose replies were lost: sent, neither answered nor withheld. The
+  /// number that the server withheld since its newest reply is not known; as many of those
+  /// datagrams as keep_alive allows count as withheld.
   std::uint64_t lost() const noexcept;
-  /// Lost datagrams, up to the newest one that was answered: later answers may still be on their
-  /// way.
+  /// Lost datagrams, up to the newest one that was answered; later replies may still come.
   std::uint64_t lost_so_far() const noexcept;
 
-  /// The session was lost and goes on: the hand may be anywhere by now. What is still held fades to
-  /// nothing within half the hold time; then the safety limits that belong to a connection (wait
-  /// for small force, ramp-up) begin anew, a local model of before is forgotten and the replies
-  /// count again. `fresh`: it is another session, whose server counts from zero.
+  /// The session was lost and continues: the hand may be anywhere. The held force fades to zero
+  /// within half the hold time. Then the safety limits of a connection (wait for small force,
+  /// ramp-up) begin anew, the old local model is forgotten and the replies count again. `fresh`: it
+  /// is another session, whose server counts from zero.
   void reconnected(bool fresh) noexcept;
 
-  /// Another law bounds from now on. What is held fades to nothing within half the hold time; then
-  /// the new law begins from zero force, with nothing stored and an account of nothing, so that the
+  /// Another law bounds from now on. The held force fades to zero within half the hold time. Then
+  /// the new law begins from zero force, with nothing stored and an empty account, so that the
   /// exchange can give the hand no energy: the force comes back as the hand presses on. Behind a
-  /// law without an account the wait for a small force begins anew as well. `next` gets the law
-  /// before; it must outlive the servo. Precondition: it was made for this device, with parameters
-  /// that differ in the law alone, and both methods admit reductions. Never allocates.
+  /// law without an account the wait for a small force begins anew, too. `next` receives the old
+  /// law; it must outlive the servo. Precondition: it was made for this device, with parameters
+  /// that differ only in the law, and both methods admit reductions. It never allocates.
   void adopt(ServoLaw& next) noexcept;
 
-  /// The force fades to nothing within half the hold time, and stays there.
+  /// The force fades to zero within half the hold time, and stays there.
   void release() noexcept;
-  /// Nothing is on the hand any more, and nothing will be.
+  /// There is no force on the hand any more, and there will be none.
   bool let_go() const { return released_ && !pulls(held_); }
-  /// The device said that it has ended; it has been given nothing since.
+  /// The device reported its end; it has received no command since.
   bool device_ended() const { return device_ended_; }
 
   const DeviceSpec& spec() const { return spec_; }
   const SessionParameters& parameters() const { return law_.parameters; }
   const ServoOptions& options() const { return options_; }
   const ServoStatistics& statistics() const { return statistics_; }
-  /// Answers so far, by their round trip.
+  /// Replies so far, by their round trip.
   const HandTimes::Counts& round_trips() const { return round_trips_; }
   const PortEnergy& port() const { return port_; }
-  /// The account stands last before the device. Empty: the device is given what the bound and the
-  /// safety stage let through.
+  /// The account is the last stage before the device. Empty: the device gets the result of the
+  /// bound and the safety stage.
   const std::optional<PortAccount>& account() const { return law_.account; }
-  /// The share of the last tick's command that it took off, 0 to 1.
+  /// The share of the last tick's command that the account took off, 0 to 1.
   double account_cut() const noexcept;
   /// The command of the last tick was made here, from the local model alone.
   bool near() const { return near_; }
   /// A law that was adopted waits until the force has faded.
   bool changes_law() const { return next_law_ != nullptr; }
-  /// The session's method shapes the force (BoundingMethod::shapes).
+  /// Whether the session's method shapes the force (BoundingMethod::shapes).
   bool shapes() const { return law_.shapes; }
-  /// The hand's damping that the methods `credited` and `shaped` count on; empty in other modes.
+  /// The hand's damping that the methods `credited` and `shaped` assume; empty in other modes.
   std::optional<HandCredit> hand_credit() const { return law_.bounding.hand_credit(); }
-  /// The last tick's part for the robot that the hand leads; empty: the hand leads no robot.
+  /// The part of the last tick for the robot that the hand leads; empty: the hand leads no robot.
   std::optional<Lead> lead() const noexcept;
-  /// The robot as the replies tell of it; empty: the hand leads no robot.
+  /// The robot's data in the replies; empty: the hand leads no robot.
   const std::optional<RemoteHand>& remote() const { return remote_; }
   /// The state of the last tick, for observers of the scene.
   HandReport report() const noexcept;
   const ClockEstimate& server_clock() const { return server_clock_; }
 
   const Sample& sample() const { return sample_; }  // the last one made
-  /// The command of the scene, before fade and bound: that of the newest reply, or with a local
-  /// model what the model computed at the last tick.
+  /// The command of the scene, before fade and bound: from the newest reply, or with a local model
+  /// the model's result at the last tick.
   const Command& command() const {
     return law_.parameters.local_model ? environment_ : newest_.command;
   }
   const Command& held() const { return held_; }  // on the hand since the last tick
-  /// Why there is no force on the hand since the last tick; NoForce::felt: there is.
+  /// The reason for no force on the hand since the last tick; NoForce::felt: there is force.
   NoForce no_force() const { return no_force_; }
   /// Oscillation and displayed stiffness so far.
   const HandMeasures& measures() const { return measures_; }
   const Reply& newest_reply() const { return newest_; }
   bool has_reply() const { return newest_.sample_index > 0; }
-  /// The scene was changed under the hand, and the bound still keeps some of its force back.
+  /// The scene was changed under the hand, and the bound still withholds some of its force.
   bool withholds_change() const { return law_.admission && law_.admission->withheld(); }
-  /// [s] since the newest reply came, at the last tick.
+  /// [s] from the arrival of the newest reply to the last tick.
   double command_age() const { return command_age_; }
 
  private:
@@ -227,7 +228,7 @@ class Servo {
   struct Sent {
     std::uint64_t index = 0;
     Nanoseconds time{0};
-    std::uint64_t datagram = 0;  // whose newest it was, counted from 1; 0: of none
+    std::uint64_t datagram = 0;  // the datagram whose newest sample it was, counted from 1; 0: none
     bool answered = false;
   };
 
@@ -262,7 +263,7 @@ class Servo {
   DeviceSpec spec_;
   ServoOptions options_;
   ServoLaw law_;
-  ServoLaw* next_law_ = nullptr;    // waits until nothing is held
+  ServoLaw* next_law_ = nullptr;    // waits until no force is held
   bool scene_was_changed_ = false;  // since the session was joined
   SafetyStage safety_;
   PortEnergy port_;
@@ -273,10 +274,10 @@ class Servo {
   ClockEstimate server_clock_;
   Reply newest_;
   Nanoseconds newest_arrival_{0};
-  Nanoseconds newest_sampled_{0};        // when the sample was read that it answers
-  std::uint64_t newest_datagram_ = 0;    // in which that sample went
-  std::uint64_t withheld_before_ = 0;    // by the servers of sessions before this one
-  bool newest_original_ = false;         // its command is the scene's as it was
+  Nanoseconds newest_sampled_{0};        // the time of the reading of the answered sample
+  std::uint64_t newest_datagram_ = 0;    // the datagram with that sample
+  std::uint64_t withheld_before_ = 0;    // withheld in earlier sessions
+  bool newest_original_ = false;         // its command is the scene's, unchanged
   bool fresh_ = false;                   // no reply of another session has come yet
   std::uint64_t anew_after_ = 0;         // replies to samples up to this one end no wait
   std::uint64_t stood_still_after_ = 0;  // replies to samples up to this one are out of date
@@ -286,18 +287,18 @@ class Servo {
   HandMeasures measures_;
   Vec3 displacement_ = Vec3::Zero();  // [m] of this tick
 
-  // Of sessions with a local model only.
+  // Only for sessions with a local model.
   LocalContact local_;
-  LocalBody local_body_;  // of a tool with a body
+  LocalBody local_body_;  // for a tool with a body
   VelocityEstimate velocity_;
-  RiseLimit rise_;                    // where the method shapes
-  std::optional<RemoteHand> remote_;  // where the hand leads
+  RiseLimit rise_;                    // if the method shapes
+  std::optional<RemoteHand> remote_;  // if the hand leads a robot
   Nanoseconds remote_time_{0};        // our time of the robot's state
-  bool deadman_ = false;              // of the last tick
-  std::optional<double> gripper_;     // [m] likewise
+  bool deadman_ = false;              // in the last tick
+  std::optional<double> gripper_;     // [m] in the last tick
   bool near_ = false;
-  Vec3 model_moved_ = Vec3::Zero();  // [m] the place where the model was asked
-  Vec3 last_offset_ = Vec3::Zero();  // [m] of where the model was asked, to the device
+  Vec3 model_moved_ = Vec3::Zero();  // [m] movement of the place where the model was evaluated
+  Vec3 last_offset_ = Vec3::Zero();  // [m] from that place to the device
   Nanoseconds model_time_{0};        // our time of the state that the model describes
   Command environment_;              // command(), model and reply together
 
@@ -306,10 +307,10 @@ class Servo {
   bool position_known_ = false;  // sample_.pose was read at the last tick
   bool posed_ = false;           // some reading was good
   bool released_ = false, device_ended_ = false;
-  bool letting_go_ = false;   // no reply is used, what is held fades from let_go_from_ on
-  bool found_again_ = false;  // for the session was lost: then all begins anew
+  bool letting_go_ = false;   // no reply is used, and the held force fades from let_go_from_ on
+  bool found_again_ = false;  // because the session was lost: then everything begins anew
   Nanoseconds let_go_from_{0};
-  Command wanted_;  // the device's part of the command that this tick's force comes from
+  Command wanted_;  // the device's part of the command from which this tick's force comes
   Command held_;    // on the hand since the last tick
   Sample sample_;
 

@@ -12,7 +12,7 @@
 
 namespace feltwire {
 
-/// All that a servo loop uses. The threads share it: a thread that never comes back from its device
+/// The data of a servo loop. The threads share it: a thread that never returns from its device
 /// keeps it alive.
 struct ServoTask {
   ServoTask(std::unique_ptr<Device> hand, std::shared_ptr<Transport> way,
@@ -28,36 +28,36 @@ struct ServoTask {
   Servo servo;
   LoopOptions options;
   LoopOutputs outputs;
-  /// The priority for request_real_time(). kNoRealTime: none is asked for, where other threads are
-  /// to come first.
+  /// The priority for request_real_time(). kNoRealTime: none is requested, for a process in which
+  /// other threads have priority.
   static constexpr int kNoRealTime = -1;
   int priority = 0;
   LoopResult result;
 };
 
-/// Runs the loop of a task. When it makes no tick for the session's hold time while a force is on
-/// the hand (TickWatch), a thread of its own releases the device, and the run has failed.
+/// Runs the loop of a task. If it makes no tick for the session's hold time while a force is on the
+/// hand (TickWatch), a second thread releases the device, and the run has failed.
 class ServoThread {
  public:
-  /// Throws std::system_error or std::bad_alloc where the system gives no threads or descriptors:
-  /// then the device got no command.
+  /// Throws std::system_error or std::bad_alloc if the system gives no threads or descriptors: then
+  /// the device got no command.
   explicit ServoThread(std::shared_ptr<ServoTask> task);
-  /// end().
+  /// Calls end().
   ~ServoThread();
   ServoThread(const ServoThread&) = delete;
   ServoThread& operator=(const ServoThread&) = delete;
 
-  /// Waits until the thread has asked for it.
+  /// Waits until the thread has requested real time.
   RealTime real_time() const noexcept;
-  /// Asks the loop to let go of the hand and end. Does not wait.
+  /// Asks the loop to release the hand and end. Does not wait.
   void stop() noexcept;
-  /// Whether the loop is over, or is no longer waited for.
+  /// Whether the loop is over, or was abandoned.
   bool over() const noexcept;
-  /// Readable then, for waiting only.
+  /// Readable then; use it only to wait.
   int over_descriptor() const noexcept;
-  /// stop(), and waits. Afterwards the device is released, and the task's result and statistics may
-  /// be read. False when the thread stands still for good and was given up: the program should end
-  /// without much ado.
+  /// Calls stop(), and waits. Afterwards the device is released, and the task's result and
+  /// statistics may be read. False if the thread stands still for good and was abandoned: the
+  /// program should end at once.
   bool end() noexcept;
 
  private:

@@ -16,13 +16,13 @@ struct TickRecord {
   Vec3 elastic = Vec3::Zero();     // ex.. [N] of the newest command of the environment, on the hand
   Vec3 frictional = Vec3::Zero();  // fx.. [N] the same
   Vec3 held = Vec3::Zero();        // rx.. [N] the force on the hand from this tick on
-  double age = -1.0;               // [s] of the command; -1 before the first
-  std::int64_t clock = 0;          // [ns] of the tick, by the servo's clock
+  double age = -1.0;               // [s] age of the command; -1 before the first
+  std::int64_t clock = 0;          // [ns] time of the tick, by the servo's clock
   Quaternion orientation = Quaternion::Identity();
-  Vec3 torque = Vec3::Zero();                   // [N m] that the hand was given with `held`
-  std::optional<double> balance{};              // [J] of the account; empty: there is none
+  Vec3 torque = Vec3::Zero();                   // [N m] the torque on the hand together with `held`
+  std::optional<double> balance{};              // [J] balance of the account; empty: there is none
   double account_cut = 0.0;                     // share of the command that the account took off
-  NoForce no_force = NoForce::touches_nothing;  // why the hand was given none
+  NoForce no_force = NoForce::touches_nothing;  // the reason for no force
 };
 
 }  // namespace feltwire

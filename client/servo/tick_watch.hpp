@@ -1,6 +1,6 @@
 #pragma once
-// Tells from looks at a count of ticks that a servo thread stands still. No clock: a program that
-// was stopped as a whole, and its watch with it, has not stood still.
+// Detects from samples of a tick counter that a servo thread stands still. It uses no clock: a
+// program that was stopped as a whole, together with its watch, does not count.
 
 #include <cstdint>
 
@@ -10,20 +10,22 @@ namespace feltwire {
 
 class TickWatch {
  public:
-  static constexpr int kLooks = 10;  // in the time for which a force may be held without a tick
-  static constexpr Nanoseconds kIdle = std::chrono::seconds(2);  // likewise where there is no force
+  static constexpr int kLooks =
+      10;  // number of samples in the time for which a force may be held without a tick
+  static constexpr Nanoseconds kIdle =
+      std::chrono::seconds(2);  // the same time if there is no force
   static constexpr Nanoseconds kGrace = std::chrono::seconds(1);
 
   enum class Verdict : std::uint8_t {
     ticks,
-    stands_still,  // from now on, every time: the device is to be let go
-    gone           // for kGrace after that, too: nobody waits for it any more
+    stands_still,  // from now on, every time: release the device
+    gone           // also for kGrace after that: do not wait for it any more
   };
 
   /// A force is held for at most `hold` without a tick.
   explicit TickWatch(Nanoseconds hold) : interval_(hold / kLooks) {}
 
-  /// Between looks.
+  /// The time between two samples.
   Nanoseconds interval() const { return interval_; }
   /// `ticks` so far; `pulls`: a force is on the hand.
   Verdict look(std::uint64_t ticks, bool pulls) noexcept;

@@ -17,7 +17,7 @@
 
 namespace feltwire {
 
-/// A session could not be set up; what() says why, in one line for people.
+/// A session could not be set up; what() gives the reason, in one line for people.
 class SessionError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -47,12 +47,12 @@ struct ServerAccess {
   Credentials credentials;
 };
 
-/// The server at HOST:PORT with the credentials that the environment names: FELTWIRE_FINGERPRINT,
+/// The server at HOST:PORT with the credentials in the environment: FELTWIRE_FINGERPRINT,
 /// FELTWIRE_FINGERPRINT_FILE or FELTWIRE_CA; FELTWIRE_TOKEN_FILE or FELTWIRE_TOKEN;
-/// FELTWIRE_CERTIFICATE and FELTWIRE_KEY. Throws std::invalid_argument naming what is missing.
+/// FELTWIRE_CERTIFICATE and FELTWIRE_KEY. Throws std::invalid_argument that names the missing one.
 ServerAccess access_from_environment(std::string_view server);
 
-/// An address in the form that sockets take.
+/// An address in the form of sockets.
 struct Address {
   sockaddr_storage storage{};
   socklen_t size = 0;

@@ -1,5 +1,5 @@
 #pragma once
-// How a client recognises its server, and the credentials that it shows.
+// The credentials of a client, and how it recognises its server.
 
 #include <string>
 #include <variant>
@@ -24,10 +24,10 @@ struct Credentials {
   Secret token;
 };
 
-/// Credentials as options name them; an empty one is not given. The server is known by one of
-/// three: its fingerprint, a file with the fingerprint, or a file (PEM) of authorities. A server
-/// that asks for a client certificate needs the files of the certificate and of its key. The token
-/// is in a file.
+/// The options with the credentials; an empty one is not given. One of three identifies the server:
+/// its fingerprint, a file with the fingerprint, or a file (PEM) of authorities. A server that asks
+/// for a client certificate needs the files of the certificate and of its key. The token is in a
+/// file.
 struct CredentialOptions {
   std::string fingerprint, fingerprint_file, ca, certificate, key, token_file;
 };

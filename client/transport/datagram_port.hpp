@@ -1,5 +1,5 @@
 #pragma once
-// The way of a session's datagrams: a UDP socket, or something in front of one, such as an emulated
+// The port for a session's datagrams: a UDP socket, or a layer in front of one, such as an emulated
 // link.
 
 #include <cstdint>
@@ -14,26 +14,27 @@
 namespace feltwire {
 
 struct PortStatistics {
-  std::uint64_t sent = 0;         // datagrams that the system took
-  std::uint64_t send_failed = 0;  // the system took none: buffer full, peer's port closed, no route
-  std::uint64_t too_long = 0;     // longer than the path to the server takes
-  std::uint64_t rerouted = 0;     // times that the port looked for another way to the server
-  std::uint64_t received = 0;     // datagrams, before any check
+  std::uint64_t sent = 0;  // datagrams that the system took
+  std::uint64_t send_failed =
+      0;  // not accepted by the system: buffer full, peer's port closed, no route
+  std::uint64_t too_long = 0;  // longer than the path to the server allows
+  std::uint64_t rerouted = 0;  // times that the port looked for another way to the server
+  std::uint64_t received = 0;  // datagrams, before any check
 };
 
 /// One thread uses it. Only report() and refuses_link() may block, allocate or throw.
 class DatagramPort {
  public:
-  /// The most datagrams that one call takes from the system, so that a flood costs no more.
+  /// The largest number of datagrams that one call takes from the system, so that a flood costs no
+  /// more.
   static constexpr int kBurst = 64;
 
   virtual ~DatagramPort() = default;
 
-  /// From now on sends to this server and receives from it alone. The address family must be the
-  /// same. Returns false when the system has no way there; then nothing has changed.
+  /// From now on sends to this server and receives only from it. The address family must be the
+  /// same. Returns false if the system has no route there; then nothing has changed.
   virtual bool connect(const Address& server) noexcept = 0;
-  /// Lets the system choose again which of its addresses it uses to reach the server. Returns false
-  /// when there is none now.
+  /// Lets the system choose again its address for the server. Returns false if there is none now.
   virtual bool reroute() noexcept = 0;
 
   /// Sends a datagram. One that the system refuses is counted and lost, as any datagram may be.
@@ -48,20 +49,20 @@ class DatagramPort {
   /// Sets the time, for this and the following calls. Datagrams that are due leave, and arrived
   /// ones enter.
   virtual void pass(Nanoseconds /*now*/) noexcept {}
-  /// When the next datagram is due. Call pass() and receive() then.
+  /// The time at which the next datagram is due. Call pass() and receive() then.
   virtual std::optional<Nanoseconds> next_due() const noexcept { return std::nullopt; }
 
   /// Whether this port emulates a link that can be changed.
   virtual bool emulates() const noexcept { return false; }
-  /// Why its link cannot become this one, with the remedy; nothing where it can. Any thread may
-  /// ask.
+  /// The reason why its link cannot be set to this one, with the remedy; empty if it can. Any
+  /// thread may ask.
   virtual std::optional<std::string> refuses_link(const LinkQuality& /*link*/) const {
     return "it emulates no link: start the client with --link";
   }
   /// Datagrams that enter from now on meet this link. Precondition: refuses_link() refuses nothing.
   virtual void set_link(const LinkQuality& /*link*/) noexcept {}
 
-  /// Readable when something may be received.
+  /// Readable if there may be a datagram to receive.
   virtual int descriptor() const noexcept = 0;
   virtual PortStatistics statistics() const noexcept = 0;
 
@@ -70,9 +71,9 @@ class DatagramPort {
   virtual std::string report() const { return {}; }
 };
 
-/// A UDP socket. Datagrams are marked with `dscp` (protocol/net/udp_socket.hpp) and never cut into
-/// fragments. Where sending fails because the address that the system chose is gone (another
-/// network, another cell), it chooses another one. Throws SessionError.
+/// A UDP socket. Datagrams are marked with `dscp` (protocol/net/udp_socket.hpp) and never
+/// fragmented. If sending fails because the chosen local address is gone (another network, another
+/// cell), it chooses another one. Throws SessionError.
 std::unique_ptr<DatagramPort> open_udp_port(const Address& server, int dscp = 0);
 
 }  // namespace feltwire

@@ -27,15 +27,15 @@ class DatagramSession {
   /// the old session are dropped. Precondition: the suite of the keys is supported.
   void resume(std::uint64_t session, const SessionKeys& keys) noexcept;
 
-  /// The datagram that is due with this sample (client/transport/sample_packer.hpp); empty when
-  /// none is. Call it with every sample. The bytes live until the next call of pack() or goodbye().
-  /// The report travels with it, and what a hand that leads says of the sample.
+  /// Returns the datagram that is due with this sample (client/transport/sample_packer.hpp); empty
+  /// if none is. Call it with every sample. The bytes are valid until the next call of pack() or
+  /// goodbye(). The report travels with it, and the lead of a hand for this sample.
   Bytes pack(const Sample& sample, const std::optional<HandReport>& report = {},
              const std::optional<Lead>& lead = {}) noexcept;
   Bytes goodbye() noexcept;
 
-  /// Puts one sample less into each datagram until the next session, as the path takes no longer
-  /// ones. Returns false when only one is left.
+  /// Puts one sample less into each datagram until the next session, because the path allows no
+  /// longer ones. Returns false if only one is left.
   bool carry_fewer() noexcept { return packer_.carry_fewer(); }
 
   /// Reads a datagram, with all checks of PROTOCOL.md in their order, and counts the dropped ones.

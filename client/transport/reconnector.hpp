@@ -1,5 +1,5 @@
 #pragma once
-// Joins again after a session was lost, while the servo loop goes on.
+// Joins again after a session was lost, while the servo loop continues.
 
 #include <chrono>
 #include <future>
@@ -20,14 +20,14 @@ struct RejoinOptions {
   std::chrono::milliseconds timeout{1000};  // of each attempt
 };
 
-/// For one thread that is not the servo's. Attempts run in a thread of their own, so that look()
-/// never blocks. An attempt that fails for want of memory, descriptors or threads is repeated like
-/// any other.
+/// For one thread other than the servo's. Attempts run in a thread of their own, so that look()
+/// never blocks. An attempt that fails because memory, descriptors or threads are missing is
+/// repeated like any other.
 class Reconnector {
  public:
   using Clock = std::chrono::steady_clock;
 
-  /// `request` must ask for the parameters in force, because the new session has to be the same.
+  /// `request` must request the parameters in force, because the new session has to be the same.
   /// New sessions go to `out`.
   Reconnector(ServerAccess server, control::JoinRequest request, Ring<SessionAddress>& out,
               const RejoinOptions& options = {});
@@ -35,15 +35,15 @@ class Reconnector {
   /// Call it now and then. `connected`: whether the loop has a session.
   void look(bool connected, Clock::time_point now) noexcept;
 
-  /// The law in force is another: the next session has to have it, too. A session that an attempt
-  /// under way brings has the law before: it is left to the server's silence timeout.
+  /// The law in force has changed: the next session must have it, too. A session from an attempt
+  /// under way has the old law: it is left to the server's silence timeout.
   void put_law(const LawChoice& law) {
     request_.parameters = with_law(request_.parameters, law);
     outdated_ = attempt_.valid();
   }
 
-  /// Why there will be no other session, in one line (LastingError); then the reconnector has
-  /// stopped asking. Empty while there may be one.
+  /// The reason why there will be no other session, in one line (LastingError); then the
+  /// reconnector has stopped. Empty while there may be one.
   const std::string& refusal() const { return refusal_; }
   std::uint64_t attempts() const { return attempts_; }
   /// How many sessions went to `out`.
@@ -58,8 +58,8 @@ class Reconnector {
   RejoinOptions options_;
   /// The result of an attempt.
   struct Attempt {
-    std::optional<SessionAddress> session;  // none: the server is away or full; ask again
-    std::string refusal;                    // else: why asking again is of no use
+    std::optional<SessionAddress> session;  // empty: the server is away or full; try again
+    std::string refusal;                    // else: why another attempt is useless
   };
   static Attempt attempt(const ServerAccess& server, const control::JoinRequest& request,
                          std::chrono::milliseconds timeout);
@@ -69,7 +69,7 @@ class Reconnector {
 
   std::future<Attempt> attempt_;
   std::string refusal_;
-  bool outdated_ = false;     // the attempt under way asks for a law that is no more
+  bool outdated_ = false;     // the attempt under way requests an outdated law
   bool handed_over_ = false;  // the loop has not said yet that it took the new session
   Clock::time_point next_{}, handed_over_at_{};
   std::chrono::milliseconds wait_;

@@ -1,6 +1,6 @@
 #pragma once
-// Chooses the samples that travel: every servo sample goes in, and now and then the samples of a
-// datagram come out. No socket, no clock.
+// Chooses the samples that travel: it gets every servo sample, and now and then returns the samples
+// of a datagram. It has no socket and no clock.
 
 #include <cstddef>
 #include <vector>
@@ -72,7 +72,7 @@ class SamplePacker {
   PositionScale scale_;
   int most_;           // samples in a datagram, as far as the path takes them
   SampleBatch batch_;  // the last one made
-  // Samples that travelled, the newest first: what the next datagram repeats, and one more.
+  // Samples that travelled, the newest first: those that the next datagram repeats, and one more.
   std::array<Sample, kMaxRedundancy + 1> travelled_{};
   int travelled_count_ = 0;
   std::vector<Sample> recent_;     // a ring of the newest n; of the newest alone where one travels

@@ -80,7 +80,7 @@ void expect_host(SSL* connection, const std::string& host) {
   asio::ip::make_address(host, no_address);
   const int set = no_address ? X509_VERIFY_PARAM_set1_host(parameters, host.c_str(), host.size())
                              : X509_VERIFY_PARAM_set1_ip_asc(parameters, host.c_str());
-  if (set != 1) throw SessionError("no certificate can be for a host called '" + host + "'");
+  if (set != 1) throw SessionError("no certificate can have the host name '" + host + "'");
 }
 
 }  // namespace

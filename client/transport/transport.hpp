@@ -29,29 +29,28 @@ class Transport {
   enum class Arrival { nothing, reply, goodbye };
 
   /// `parameters`: as granted. `rotation`: orientation and torque travel too. `port`: connected to
-  /// `to.server`; null opens a UDP port there. `scale`: of a position deadband. Where the path does
-  /// not take such long datagrams, they carry fewer samples. Throws SessionError.
+  /// `to.server`; null opens a UDP port there. `scale`: of a position deadband. If the path does
+  /// not allow such long datagrams, they have fewer samples. Throws SessionError.
   Transport(const SessionAddress& to, const SessionParameters& parameters, bool rotation,
             std::unique_ptr<DatagramPort> port = nullptr, const PositionScale& scale = {});
   Transport(const Transport&) = delete;
   Transport& operator=(const Transport&) = delete;
 
   /// Continues with another session, of the same address family, through the same port. Packet
-  /// numbers restart, and datagrams of the old session are ignored. Returns false when the
-  /// system has no way there or does not have the cipher suite; then the old session stays.
+  /// numbers restart, and datagrams of the old session are ignored. Returns false if the system has
+  /// no route there or does not have the cipher suite; then the old session stays.
   bool resume(const SessionAddress& to) noexcept;
 
   /// The port of the datagrams: its descriptor to wait on, and whether it needs the time.
   DatagramPort& port() noexcept { return *port_; }
   const DatagramPort& port() const noexcept { return *port_; }
 
-  /// Call it with every sample. Sends the datagram that is due with it, and the report in it;
-  /// and what the
-  /// hand says to the robot that it leads; returns false when none is due.
+  /// Call it with every sample. Sends the datagram that is due with it, with the report and the
+  /// lead of a hand that leads a robot. Returns false if none is due.
   bool send(const Sample& sample, const std::optional<HandReport>& report = {},
             const std::optional<Lead>& lead = {}) noexcept;
 
-  /// Takes the next good datagram that has arrived. Bad ones are counted and skipped, up to
+  /// Takes the next valid datagram that has arrived. Invalid ones are counted and skipped, up to
   /// DatagramPort::kBurst of them, so that a flood costs the loop no more. Fills `reply` or
   /// `reason`, as the result says.
   Arrival receive(Reply& reply, GoodbyeReason& reason) noexcept;
@@ -70,7 +69,7 @@ class Transport {
 
   DatagramSession datagrams_;
   std::unique_ptr<DatagramPort> port_;
-  std::uint64_t too_long_ = 0;  // of the port's statistics, at the last look
+  std::uint64_t too_long_ = 0;  // of the port's statistics, at the last call
 };
 
 }  // namespace feltwire

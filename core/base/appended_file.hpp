@@ -12,18 +12,18 @@ namespace feltwire {
 class AppendedFile {
  public:
   /// Creates or replaces the file. Errors use `what` (the kind of file) and `option` (the option
-  /// that named it). Throws std::runtime_error that names the file and the reason; so do the
-  /// others.
+  /// that named it). Throws std::runtime_error that names the file and the reason, as the other
+  /// functions do.
   AppendedFile(std::filesystem::path file, std::string what, const std::string& option);
   ~AppendedFile();
   AppendedFile(const AppendedFile&) = delete;
   AppendedFile& operator=(const AppendedFile&) = delete;
 
-  /// How many of the bytes that a full disk took are worth keeping.
+  /// Returns how many of the bytes that fitted on a full disk are worth keeping.
   using Whole = std::size_t (*)(std::string_view written);
 
-  /// Writes the piece, in as few system calls as possible. If the disk is full, nothing of it
-  /// stays, or as much as `whole` says.
+  /// Writes the piece, in as few system calls as possible. If the disk is full, none of it stays,
+  /// or the part that `whole` returns.
   void append(
       std::string_view piece, Whole whole = [](std::string_view) { return std::size_t{0}; });
   /// Flushes the file to the disk and closes it.

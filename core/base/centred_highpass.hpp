@@ -8,7 +8,7 @@
 
 namespace feltwire {
 
-/// The window of the high-pass that oscillations are measured by [s].
+/// The window of the high-pass for oscillations [s].
 inline constexpr double kOscillationWindow = 0.051;
 
 /// An odd number of samples, as near as possible to `time` [s] at `rate` [Hz]; at least 3.
@@ -17,18 +17,19 @@ inline std::size_t odd_window(double time, double rate) {
   return 2 * (half > 0 ? half : 1) + 1;
 }
 
-/// y(n) = mean(x(n-h) ... x(n+h)) - x(n): a centred moving average of 2 h + 1 values less the value
-/// in their middle. Of a sinusoid of f [Hz] sampled every T it keeps the share
+/// y(n) = mean(x(n-h) ... x(n+h)) - x(n): a centred moving average of 2 h + 1 values less the
+/// middle value. Of a sinusoid of f [Hz] sampled every T it keeps the share
 ///   |1 - sin(pi f W T) / (W sin(pi f T))|,  W = 2 h + 1,
-/// nothing of a value that rises evenly. Allocates when it is made, never again; a value costs the
-/// same whatever W is, but for every W-th, at which the sum is formed anew so that rounding does
-/// not gather.
+/// and nothing of a value that rises evenly. It allocates only when it is made. A value costs the
+/// same for every W; only at every W-th value the sum is computed anew, so that rounding does not
+/// accumulate.
 class CentredHighPass {
  public:
   /// `window` W, odd, at least 3.
   explicit CentredHighPass(std::size_t window) : ring_(window) {}
 
-  /// The next value. Returns y of the value W / 2 before it, nothing until W have come.
+  /// Takes the next value. Returns y of the value W / 2 before it, or nothing until W values have
+  /// come.
   std::optional<double> push(double value) noexcept {
     const std::size_t window = ring_.size();
     if (known_ < window) {
@@ -52,7 +53,7 @@ class CentredHighPass {
   void begin_anew() noexcept { known_ = at_ = 0; }
 
  private:
-  /// Sums differences to one of the values, so that a far origin costs no digits.
+  /// Sums differences to one of the values, so that a distant origin costs no digits.
   void sum_anew() noexcept {
     origin_ = ring_[ring_.size() / 2];
     sum_ = 0.0;

@@ -1,6 +1,6 @@
 #pragma once
-// Choices that have names: the values of an enum beside the list of their names, or entries of a
-// table that have theirs. `name` says where an entry has its name; in a list of names, it is it.
+// Choices with names: the values of an enum with a list of their names, or entries of a table that
+// contain them. `name` returns the name of an entry; in a list of names it is the entry itself.
 
 #include <cstddef>
 #include <functional>
@@ -11,7 +11,7 @@
 
 namespace feltwire {
 
-/// The names, for a text: "lan|wan|thin".
+/// The names as one text: "lan|wan|thin".
 template <class Entries, class Name = std::identity>
 std::string choices(const Entries& entries, std::string_view between = "|", Name name = {}) {
   std::string text;
@@ -20,7 +20,7 @@ std::string choices(const Entries& entries, std::string_view between = "|", Name
   return text;
 }
 
-/// The entry of that name; null where there is none.
+/// Returns the entry with that name. Null if there is none.
 template <class Entries, class Name = std::identity>
 constexpr auto find_choice(const Entries& entries, std::string_view given, Name name = {}) noexcept
     -> decltype(std::data(entries)) {
@@ -29,8 +29,8 @@ constexpr auto find_choice(const Entries& entries, std::string_view given, Name 
   return nullptr;
 }
 
-/// The same, of `what` they are. Throws std::invalid_argument naming the choices where there is
-/// none.
+/// The same; `what` names the kind of choice. Throws std::invalid_argument that lists the choices
+/// if there is no such entry.
 template <class Entries, class Name = std::identity>
 const auto& chosen(std::string_view what, std::string_view given, const Entries& entries,
                    Name name = {}) {
@@ -39,14 +39,14 @@ const auto& chosen(std::string_view what, std::string_view given, const Entries&
                               "'; choose one of: " + choices(entries, " ", name));
 }
 
-/// The value of an enum whose names stand in the order of its values, which begin at 0. Throws as
-/// chosen() does.
+/// Returns the value of an enum whose names are in the order of its values, from 0. Throws the same
+/// as chosen().
 template <class Enum, class Names>
 Enum chosen_value(std::string_view what, std::string_view given, const Names& names) {
   return static_cast<Enum>(&chosen(what, given, names) - std::data(names));
 }
 
-/// The name of such a value, which may come from outside and have none.
+/// Returns the name of such a value. A value from outside may have none.
 template <class Names, class Enum>
 constexpr typename Names::value_type name_among(const Names& names, Enum value) noexcept {
   const auto place = static_cast<std::size_t>(value);

@@ -1,5 +1,5 @@
 #pragma once
-// The walls that push a tool.
+// The normals of the walls that push a tool.
 
 #include <array>
 #include <cmath>
@@ -10,13 +10,13 @@ namespace feltwire {
 
 /// The normals of the contacts whose forces add up to one elastic force. World frame.
 struct ContactNormals {
-  static constexpr int kMost = 3;  // directions in space
-  /// Towards the free side.
+  static constexpr int kMost = 3;  // independent directions in space
+  /// Unit normals towards the free side.
   std::array<Vec3, kMost> unit{Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};
   int count = 0;
 
-  /// Adds a unit normal that stands out of the plane, or off the line, of those before it. Any
-  /// other is left out: its force then counts for the others. False: it was left out.
+  /// Adds a unit normal that is not in the plane, or on the line, of those before it. Any other is
+  /// left out, and its force counts for the others. False: it was left out.
   bool add(const Vec3& normal) noexcept {
     constexpr double kStandsOut = 0.2;  // the sine of 11.5 degrees
     if (count == kMost) return false;

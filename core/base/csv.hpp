@@ -1,6 +1,6 @@
 #pragma once
-// Columns of numbers from a CSV file or a pipe, line by line, with errors that say where and what
-// to do.
+// Reads columns of numbers from a CSV file or a pipe, line by line. Errors name the place and the
+// remedy.
 
 #include <istream>
 #include <span>
@@ -11,7 +11,7 @@
 
 namespace feltwire {
 
-/// Input that cannot be used: what() reads "file:line: column 'x': what is wrong; remedy".
+/// Unusable input. what() is "file:line: column 'x': what is wrong; remedy".
 class CsvError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -19,23 +19,21 @@ class CsvError : public std::runtime_error {
 
 /// Reads comma-separated numbers below a header line that names the columns.
 ///
-/// The columns may stand in any order; those that nobody asked for are skipped unread. Spaces
-/// around fields, CRLF, a byte order mark and blank lines at the end are tolerated; a row with too
-/// few or too many fields, a blank line between rows and anything that is not entirely a number are
-/// not.
+/// The columns may have any order; columns that were not requested are skipped unread. It accepts
+/// spaces around fields, CRLF, a byte order mark and blank lines at the end. It refuses a row with
+/// too few or too many fields, a blank line between rows and a field that is not entirely a number.
 class CsvReader {
  public:
   enum class NotFinite { reject, accept };
 
-  /// Reads the header. Throws CsvError when there is none, when a required column is missing or
-  /// when one that is used is named twice. `file` is only what errors call the input; `in` must
-  /// outlive this.
+  /// Reads the header. Throws CsvError if there is none, if a required column is missing or if a
+  /// used column is named twice. `file` is only the name in errors; `in` must outlive this.
   CsvReader(std::istream& in, std::string file, std::vector<std::string> required,
             std::vector<std::string> optional = {}, NotFinite not_finite = NotFinite::reject);
 
-  /// The next row: the required columns, then the optional ones, in the order they were given
-  /// (row.size() is their number). Values of optional columns that the input lacks are left as they
-  /// were. False at the end of the input. Throws CsvError.
+  /// Reads the next row: the required columns, then the optional ones, in the order in which they
+  /// were given (row.size() is their number). Values of missing optional columns stay unchanged.
+  /// False at the end of the input. Throws CsvError.
   bool next(std::span<double> row);
 
   /// Whether the input has this column.
@@ -44,8 +42,8 @@ class CsvReader {
   /// The number of the line that next() read last, from 1; the header is line 1.
   int line() const { return line_; }
 
-  /// Throws CsvError for that row, naming the column (none when empty): "file:line: column 'x':
-  /// message".
+  /// Throws CsvError for that row. It names the column (unless it is empty): "file:line: column
+  /// 'x': message".
   [[noreturn]] void fail(std::string_view column, std::string_view message) const;
 
  private:
@@ -57,9 +55,9 @@ class CsvReader {
   std::istream& in_;
   std::string file_;
   std::vector<std::string> columns_;  // required, then optional
-  std::vector<int> target_;           // of each field of a line: its place in the row, or kAbsent
+  std::vector<int> target_;           // for each field of a line: its place in the row, or kAbsent
   NotFinite not_finite_;
-  std::string text_;  // the line, kept so that its memory is used again
+  std::string text_;  // the line; kept to reuse its memory
   int line_ = 0;
 };
 

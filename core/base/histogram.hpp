@@ -28,8 +28,8 @@ class Histogram {
   /// 0 when empty.
   double mean() const noexcept { return count_ > 0 ? sum_ / static_cast<double>(count_) : 0.0; }
 
-  /// The smallest value that at least the share q (0 to 1) of all values does not exceed; 0 when
-  /// empty.
+  /// The smallest value that is not exceeded by at least the share q (0 to 1) of all values; 0 if
+  /// the histogram is empty.
   double quantile(double q) const noexcept {
     if (count_ == 0) return 0.0;
     const double wanted = std::ceil(std::clamp(q, 0.0, 1.0) * static_cast<double>(count_));

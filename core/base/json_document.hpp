@@ -13,7 +13,7 @@
 
 namespace feltwire {
 
-/// The file's whole text; throws FileError when it cannot be read.
+/// Returns the file's whole text. Throws FileError if it cannot be read.
 std::string read_text(const std::filesystem::path& file);
 
 class JsonDocument {
@@ -29,13 +29,13 @@ class JsonDocument {
   /// The FlatBuffer, built here from checked text; lives as long as this.
   const std::uint8_t* buffer() const;
 
-  /// Whether something stands in the text at a path like "objects[2].sphere".
+  /// Whether the text has a value at a path like "objects[2].sphere".
   bool has(std::string_view path) const;
-  /// The number at a path; none where there is no number.
+  /// The number at a path. Empty if there is none.
   std::optional<double> number(std::string_view path) const;
 
-  /// The line (from 1) on which the value at a path like "objects[2].sphere.radius" begins; where
-  /// the path is not in the text (a defaulted field), the line of the nearest parent that is.
+  /// The line (from 1) on which the value at a path like "objects[2].sphere.radius" begins. If the
+  /// path is not in the text (a defaulted field), the line of its nearest parent.
   int line_of(std::string_view path) const;
 
   /// Throws FileError "file:line: path: message".

@@ -1,10 +1,10 @@
 #pragma once
 // Internal to json_document.cpp: the structure of a JSON text with the line of every value.
 //
-// FlatBuffers' own parser is not used: it names no field in an error, reads one token ahead and so
-// names a wrong line at times, and accepts much that is no JSON (nan, numbers in quotes, calls of
-// functions). Accepted here: JSON, and what people add to it: // and /* */ comments, a comma after
-// the last element, keys without quotes.
+// FlatBuffers' own parser is not used. It names no field in an error, reads one token ahead and so
+// sometimes names a wrong line, and accepts text that is not JSON (nan, numbers in quotes, calls of
+// functions). This parser accepts JSON, and three common additions: // and /* */ comments, a comma
+// after the last element, and keys without quotes.
 
 #include <algorithm>
 #include <charconv>
@@ -168,7 +168,7 @@ class Scanner {
     ++at_;
   }
 
-  /// After a member: a comma is taken; the closing bracket is left for the loop.
+  /// After a member: takes a comma; the loop takes the closing bracket.
   bool separator(char close) {
     if (next() == ',') {
       ++at_;
@@ -224,7 +224,7 @@ class Scanner {
   }
 
   void utf8() {
-    // FromUTF8 reads on as long as the first byte says: give it an end to stumble over.
+    // FromUTF8 reads as many bytes as the first byte says: give it an invalid end.
     const std::string character(text_.substr(at_, 4));
     const char* end = character.c_str();
     if (flatbuffers::FromUTF8(&end) < 0) fail("a text is not UTF-8; save the file as UTF-8");

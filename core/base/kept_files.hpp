@@ -1,5 +1,5 @@
 #pragma once
-// The files that a piece of work reads, kept to be read again elsewhere.
+// The files that an operation reads, kept so that they can be read again on another machine.
 
 #include <filesystem>
 #include <map>
@@ -8,19 +8,19 @@
 
 namespace feltwire {
 
-/// By the name that they were read by, normalized; the bytes.
+/// File contents by the normalized name with which they were read.
 using FileBytes = std::map<std::string, std::string>;
 
-/// How read_regular_file() works in one thread: where it reads from, and whether it keeps the
-/// bytes.
+/// The mode of read_regular_file() in one thread: the source of the bytes, and whether it keeps
+/// them.
 struct FileReading {
-  FileBytes* keep = nullptr;         // gets what is read; null: it is not kept
-  const FileBytes* given = nullptr;  // has what may be read; null: the disk has
+  FileBytes* keep = nullptr;         // receives the read files; null: they are not kept
+  const FileBytes* given = nullptr;  // the files that may be read; null: the disk is read
 };
 inline thread_local FileReading file_reading_of_this_thread;
 
-/// While this object lives, the calling thread keeps what it reads, or reads what is given and
-/// nothing from the disk.
+/// While this object lives, the calling thread keeps the files that it reads, or reads only the
+/// given files and nothing from the disk.
 class ReadingFiles {
  public:
   explicit ReadingFiles(FileReading reading) noexcept
@@ -37,7 +37,7 @@ inline std::string kept_name(const std::filesystem::path& file) {
   return file.lexically_normal().generic_string();
 }
 
-/// A file and those that it names, which are named from its folder.
+/// Returns the path of a file that another file names relative to its own folder.
 struct KeptFiles {
   std::string main;
   FileBytes files;

@@ -50,7 +50,7 @@ PendingFile::PendingFile(std::filesystem::path file, std::string_view text,
     : file_(std::move(file)) {
   if (std::error_code failed; std::filesystem::is_directory(file_, failed))
     cannot_write(file_, "it is a directory");
-  if (is_special(file_)) cannot_write(file_, "it is no regular file");
+  if (is_special(file_)) cannot_write(file_, "it is not a regular file");
   // Nobody else may read it before it has the mode that was asked for.
   const int descriptor = make_beside(file_, mode ? kPrivate : kPublic, written_);
   if (descriptor < 0) cannot_write(file_, std::strerror(errno));

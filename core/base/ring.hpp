@@ -15,10 +15,10 @@ namespace feltwire {
 template <class T>
 class Ring {
  public:
-  /// Room for at least `capacity` values.
+  /// Allocates room for at least `capacity` values.
   explicit Ring(std::size_t capacity) : values_(std::bit_ceil(capacity)) {}
 
-  /// Writer only. False when full.
+  /// Writer only. False if the queue is full.
   bool push(const T& value) noexcept {
     const std::size_t written = written_.load(std::memory_order_relaxed);
     if (written - read_.load(std::memory_order_acquire) == values_.size()) return false;
@@ -27,7 +27,7 @@ class Ring {
     return true;
   }
 
-  /// Writer only. All of them, or none where there is no room for all.
+  /// Writer only. Adds all of them, or none if there is no room for all.
   bool push(std::span<const T> values) noexcept {
     const std::size_t written = written_.load(std::memory_order_relaxed);
     const std::size_t used = written - read_.load(std::memory_order_acquire);
@@ -40,8 +40,8 @@ class Ring {
     return true;
   }
 
-  /// Reader only. As many as `values` has, or none where there are fewer. For values that need no
-  /// end.
+  /// Reader only. Takes as many as `values` has, or none if there are fewer. For values that need
+  /// no destructor.
   bool pop(std::span<T> values) noexcept requires std::is_trivially_destructible_v<T> {
     const std::size_t read = read_.load(std::memory_order_relaxed);
     if (written_.load(std::memory_order_acquire) - read < values.size()) return false;
@@ -54,7 +54,7 @@ class Ring {
     return true;
   }
 
-  /// Reader only. False when empty.
+  /// Reader only. False if the queue is empty.
   bool pop(T& value) noexcept {
     const std::size_t read = read_.load(std::memory_order_relaxed);
     if (written_.load(std::memory_order_acquire) == read) return false;

@@ -1,5 +1,5 @@
 #pragma once
-// Tables and files of the lab: text is put together first and written in one go.
+// Tables and files of the lab: a text is built first and then written at once.
 
 #include <array>
 #include <cstdio>
@@ -8,7 +8,7 @@
 
 namespace feltwire {
 
-/// Appends what printf would print; at most 255 characters.
+/// Appends the text that printf would print; at most 255 characters.
 template <class... Values>
 void append(std::string& text, const char* format, Values... values) {
   std::array<char, 256> buffer;
@@ -16,7 +16,7 @@ void append(std::string& text, const char* format, Values... values) {
   text += buffer.data();
 }
 
-/// Writes a whole file. Throws std::runtime_error naming it and the remedy.
+/// Writes a whole file. Throws std::runtime_error that names the file and the remedy.
 void write_text(const std::filesystem::path& file, const std::string& text);
 
 }  // namespace feltwire

@@ -7,17 +7,17 @@
 
 namespace feltwire {
 
-/// How many times were how long, in few classes whose limits never change, for monitoring. Small
-/// (120 bytes) and exact; Histogram is for quantiles. Recording neither allocates nor throws.
+/// Counts durations in few classes with fixed limits, for monitoring. Small (120 bytes) and exact;
+/// use Histogram for quantiles. Recording neither allocates nor throws.
 class TimeCounts {
  public:
-  /// [ns] of each class but the last the longest time in it; the last has all longer ones.
+  /// [ns] The longest time of each class except the last, which has all longer ones.
   static constexpr std::array<std::int64_t, 12> kLimits = {
       10'000,    20'000,    50'000,    100'000,    200'000,    500'000,
       1'000'000, 2'000'000, 5'000'000, 10'000'000, 50'000'000, 200'000'000};
   static constexpr std::size_t kClasses = kLimits.size() + 1;
 
-  /// A time [ns] that was met `times` times; one below zero counts as zero.
+  /// Takes a time [ns] that occurred `times` times. A negative one counts as zero.
   void record(std::int64_t time, std::uint64_t times = 1) noexcept {
     const std::int64_t counted = std::max<std::int64_t>(time, 0);
     const auto found = std::lower_bound(kLimits.begin(), kLimits.end(), counted);

@@ -5,15 +5,16 @@
 
 namespace feltwire {
 
-/// How often something may be done (RFC 2697): tokens come at `rate`, so many as `most` are kept,
-/// and a bucket begins full. No clock: time is an argument.
+/// Limits how often an action may be done (RFC 2697). Tokens arrive at `rate`, at most `most` are
+/// kept, and a bucket begins full. It has no clock: time is an argument.
 class TokenBucket {
  public:
   using Time = std::chrono::nanoseconds;
 
   TokenBucket(double rate, double most) noexcept : rate_(rate), most_(most), tokens_(most) {}
 
-  /// Whether there is one; takes it then. A clock that runs back fills nothing.
+  /// Takes a token if there is one, and returns whether there was. A clock that runs back adds
+  /// none.
   bool take(Time now) noexcept {
     tokens_ = tokens_at(now);
     last_ = now;
@@ -21,13 +22,13 @@ class TokenBucket {
     tokens_ -= 1.0;
     return true;
   }
-  /// Takes more, though it run into debt.
+  /// Takes more tokens, even if that makes a debt.
   void charge(double tokens) noexcept { tokens_ -= tokens; }
-  /// Whether it allows what a new one would.
+  /// Whether it is as full as a new one.
   bool is_full(Time now) const noexcept { return tokens_at(now) >= most_; }
 
  private:
-  /// Before the first taking there is no time to count from; the bucket is full anyway.
+  /// Before the first token is taken there is no start time; the bucket is full anyway.
   double tokens_at(Time now) const noexcept {
     if (now <= last_) return tokens_;
     const double passed = std::chrono::duration<double>(now - last_).count();

@@ -1,5 +1,5 @@
 #pragma once
-// How many of a smaller unit make one: for what people read.
+// How many of a smaller unit make one larger unit, for text that people read.
 
 namespace feltwire {
 

@@ -71,7 +71,7 @@ class PortBalance {
   /// Whether the last sample of earned() shows a force from outside, or a speed, above the
   /// specified one.
   bool strong_hand() const noexcept { return strong_hand_; }
-  /// [N] the bound of the force from outside that it reckons with.
+  /// [N] the assumed bound of the force from outside.
   double outside_force() const noexcept {
     return learned_ ? learned_->bound() : known_.outside_force;
   }
@@ -80,8 +80,8 @@ class PortBalance {
   /// The energy that the next sample can take at most while a share of `wanted` is held, if it is
   /// held for `hold_time` h [s], T or longer. A longer hold burns less for the same way: b/h.
   EnergyNeed need(const Vec3& wanted, double hold_time) const noexcept;
-  /// The next need() is asked for `hold_time` [s]: what follows from it alone is kept, for it
-  /// seldom changes.
+  /// Prepares need() for `hold_time` [s]: it keeps the values that follow from the hold time alone,
+  /// because that seldom changes.
   void prepare(double hold_time) noexcept;
   /// [J] the same for a hand that may move the handle any distance, for the whole of `wanted`.
   double need_of_any_hand(const Vec3& wanted, double hold_time) const noexcept;
@@ -108,7 +108,7 @@ class PortBalance {
   Mat3 inverse_damping_ = Mat3::Zero();
   Reach reach_;
   CertainPath path_;
-  Hold hold_;  // that was prepared; without a use where the damping differs by direction
+  Hold hold_;  // the prepared one; not used if the damping differs by direction
   std::optional<OutsideForce> learned_;
   bool limits_speed_;
   bool too_fast_ = false;  // the last sample was faster than specified

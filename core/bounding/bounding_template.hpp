@@ -12,10 +12,10 @@
 namespace feltwire {
 namespace bounding_detail {
 
-/// Checks a configuration by the rules that every method has. Throws std::invalid_argument.
+/// Checks a configuration by the rules of every method. Throws std::invalid_argument.
 void check(const BoundingConfig& config, std::string_view method, bool needs_every_axis_damped);
 
-/// False for NaN too: it compares with nothing.
+/// False for NaN too, because every comparison with NaN is false.
 template <class Real>
 bool sane(const Vector3<Real>& v, double limit) {
   return std::abs(v.x()) <= limit && std::abs(v.y()) <= limit && std::abs(v.z()) <= limit;
@@ -26,14 +26,14 @@ bool sane(const BasicCommand<Real>& c) {
          sane(c.torque, kLargestForce);
 }
 
-/// Beyond rounding. Sane vectors: no square overflows.
+/// Larger than rounding. For vectors within the limits no square overflows.
 template <class Real>
 bool differs(const Vector3<Real>& a, const Vector3<Real>& b) {
   constexpr Real kRounding = 256 * std::numeric_limits<Real>::epsilon();
   return (a - b).squaredNorm() > kRounding * kRounding * b.squaredNorm();
 }
 
-/// Squares are enough to see that nothing is to be done. Returns the factor.
+/// Compares squares first, which is enough if nothing is to be reduced. Returns the factor.
 template <class Real>
 Real limit_factor(const Vector3<Real>& v, Real limit) {
   return v.squaredNorm() <= limit * limit ? Real(1) : reduction(limit, length(v));
@@ -56,8 +56,7 @@ BasicBounding<Real>::BasicBounding(const BasicBoundingMethod<Real>& method,
   config_.mode = method.name;
 }
 
-/// The step with everything in it usable: what was not is replaced by the worst that it can have
-/// been.
+/// The step with usable values only: each unusable value is replaced by the worst possible one.
 template <class Real>
 BasicBoundingStep<Real> BasicBounding<Real>::checked(const Step& given,
                                                      bool& refused) const noexcept {
@@ -76,7 +75,7 @@ BasicBoundingStep<Real> BasicBounding<Real>::checked(const Step& given,
   if (!displacement_sane)
     s.displacement = translation_damping_.worst_movement(held_.force(), s.hold_time);
   if (!rotation_sane) s.rotation = rotational_damping_.worst_movement(held_.torque, s.hold_time);
-  // The time of the movement is not known: it is credited nothing.
+  // The duration of the movement is not known, so it earns no credit.
   if (!hold_sane) s.hold_time = static_cast<Real>(kLargestHold);
   return s;
 }
@@ -101,8 +100,8 @@ BasicBounded<Real> BasicBounding<Real>::step(const Step& given) noexcept {
   const BasicLawAnswer<Real> answer = law_.step(s);
   result.rendered = answer.rendered;
   result.in_debt = answer.in_debt;
-  // The paper's laws would hold on to a part of the last force; zero is passive too, for the stored
-  // energy pays for the worst that the hand did.
+  // The paper's laws would keep a part of the last force. Zero is passive, too: the stored energy
+  // pays for the worst movement of the hand.
   if (result.refused) [[unlikely]]
     result.rendered = {};
   result.active = differs<Real>(result.rendered.force(), s.command.force()) ||

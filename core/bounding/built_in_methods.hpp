@@ -44,7 +44,7 @@ PerAxisBound<Real> axes(const BoundingConfig& c) {
           .torque = c.rotation};
 }
 
-/// Throws std::invalid_argument for one that is not passive.
+/// Throws std::invalid_argument for a coupling that is not passive.
 template <class Real>
 Coupling<Real> coupling(const CouplingConfig& c, double b, double period,
                         const std::string& suffix) {
@@ -81,7 +81,7 @@ PassivityPort<Real> port(const BoundingConfig& c, const Damping& damping, double
 
 template <class Real>
 Credited<Real> credited(const BoundingConfig& c) {
-  constexpr double kArmSquared = 0.04 * 0.04;  // [m^2] of the arm at which a wrist turns a tool
+  constexpr double kArmSquared = 0.04 * 0.04;  // [m^2] squared lever at which a wrist turns a tool
   return {{.damping = c.damping.least(), .credit = c.hand_damping, .stiffness = c.stiffness},
           {.damping = c.rotational_damping.least(), .credit = kArmSquared * c.hand_damping},
           c.period,
@@ -98,7 +98,7 @@ BasicBoundingLaw<Real> controller(const BoundingConfig& c) {
 
 }  // namespace built_in
 
-/// The paper's methods, contact_frame and those that shape first, then those of research.
+/// The paper's methods, then contact_frame and the shaping methods, then those of research.
 template <class Real>
 std::array<BasicBoundingMethod<Real>, 13> built_in_methods() {
   using namespace built_in;

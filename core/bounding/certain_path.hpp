@@ -1,5 +1,5 @@
 #pragma once
-// How far a handle has certainly moved, from an encoder that rounds.
+// A lower bound of the path of a handle, from an encoder that rounds.
 
 #include <numbers>
 
@@ -7,14 +7,14 @@
 
 namespace feltwire {
 
-/// A lower bound of the true path: a play of half-width q follows each axis, whose way is never
-/// longer than the true one, and a path is at least (|x| + |y| + |z|) / sqrt(3).
+/// A lower bound of the true path. A play of half-width q follows each axis; its path is never
+/// longer than the true one. A path in space is at least (|x| + |y| + |z|) / sqrt(3).
 class CertainPath {
  public:
   /// q [m], the encoder quantum of each world axis.
   explicit CertainPath(double quantum) : quantum_(quantum) {}
 
-  /// [m] of the path that this displacement [m] adds.
+  /// Returns the path [m] that this displacement [m] adds.
   double moved(const Vec3& displacement) noexcept {
     slack_ += displacement;
     const Vec3 kept = slack_.cwiseMax(-quantum_).cwiseMin(quantum_);
@@ -22,7 +22,7 @@ class CertainPath {
     slack_ = kept;
     return followed;
   }
-  /// A displacement was not seen.
+  /// The last displacement is not known.
   void forget() noexcept { slack_.setZero(); }
 
  private:

@@ -51,8 +51,8 @@ struct Debt {
 /// (C) in energies, times 4 b / T, for a force held h >= T while the channel moved dx_ch (paper's
 /// sign F = -f):
 ///   |F(n)|^2 <= |F(n-1) + c dx_ch|^2 - c^2 |dx_ch|^2 (1 - T/h)
-/// The damping credit is (b/h) |dx_ch|^2, what the device really burned at least in the real time.
-/// Only for h > T can this be negative; then it is a debt.
+/// The damping credit is (b/h) |dx_ch|^2, the least energy that the device burned in the real time.
+/// The right side can be negative only for h > T; then it is a debt.
 ///
 /// Arguments: `moved` = |F(n-1) + c dx_ch| [N]; `distance` gives |dx_ch| [m]; `hold_time` >= T [s].
 template <class Real, class Distance>
@@ -70,7 +70,7 @@ inline Real allowed_magnitude(Real moved, const Distance& distance, Real hold_ti
 /// than the allowed one that it replaced.
 template <class Real>
 inline Real excess(Real held, Real allowed) noexcept {
-  // Splitting a held force into its channels rounds by some ulps. That is no excess.
+  // Splitting a held force into its channels rounds by some ulps. That is not an excess.
   constexpr Real kRounding = 5 * std::numeric_limits<Real>::epsilon();
   return held > allowed * (1 + kRounding) ? root_difference(held, allowed) : Real(0);
 }

@@ -17,8 +17,7 @@ enum class Projection {
           // lost to friction
 };
 
-/// For contact_frame: how much of the energy that the hand pressed into the elastic channel stays
-/// there.
+/// For contact_frame: the part of the pressed-in energy that stays in the elastic channel.
 enum class Storage {
   minimal,  // S(F) of the force held, the least that is safe: a spring softer than c fades on
             // release
@@ -38,18 +37,18 @@ inline constexpr std::array<std::string_view, 2> kPassivityReferenceNames = {"ze
 std::string_view name(Projection projection);
 std::string_view name(Storage storage);
 std::string_view name(PassivityReference reference);
-/// Throw std::invalid_argument naming the choices when there is no such projection, storage,
+/// They throw std::invalid_argument that lists the choices if there is no such projection, storage,
 /// reference.
 Projection projection(std::string_view name);
 Storage storage(std::string_view name);
 PassivityReference passivity_reference(std::string_view name);
 
-/// The method that changes no command; the default, which is a complete bound on either side; and a
-/// client's usual one, which needs an account after it.
+/// The method that changes no command; the default, which is a complete bound on either side; and
+/// the usual one of a client, which needs an account after it.
 inline constexpr std::string_view kUnbounded = "none", kDefaultMethod = "contact_frame",
                                   kSessionMethod = "shaped";
 
-/// The virtual coupling of one port. Values that are not given are the largest passive ones.
+/// The virtual coupling of one port. Missing values become the largest passive ones.
 struct CouplingConfig {
   std::optional<double> stiffness;  // k [N/m]; default 2 (b - b_c) / T
   std::optional<double> damping;    // b_c [N s/m]; default b - k T / 2, all that is left
@@ -65,7 +64,7 @@ struct BoundingConfig {
   PassivityReference reference = PassivityReference::zero;  // passivity_control* only
   CouplingConfig coupling{};                                // virtual_coupling only
   CouplingConfig coupling_rotation{{}, {}, 5e-5};           // [N m/rad], [N m s/rad], [kg m^2]
-  double hand_damping = 1.2;  // a [N s/m] expected of the hand; `credited` and `shaped` only
+  double hand_damping = 1.2;  // a [N s/m] assumed damping of the hand; `credited` and `shaped` only
   double quantum = 0.0;       // [m] of the encoder; the same
   double stiffness = std::numeric_limits<double>::infinity();  // [N/m] of the stiffest surface,
                                                                // if it is known; the same

@@ -40,7 +40,7 @@ ChannelScales<Real> ContactFrameBound<Real>::bound_force(const ChannelCommand<Re
       length(f.frictional - c * f.dx_frictional), [&] { return length(f.dx_frictional); },
       hold_time, force_law_, debt);
   if (debt.force > 0) [[unlikely]] {
-    // Friction first: the normal force is missed more.
+    // Friction repays first, because a missing normal force is noticed more.
     allowed_friction = debt.repay(allowed_friction);
     allowed_elastic = debt.repay(allowed_elastic);
   }
@@ -51,7 +51,7 @@ ChannelScales<Real> ContactFrameBound<Real>::bound_force(const ChannelCommand<Re
   ChannelScales<Real> scale{reduction(allowed_elastic, elastic),
                             reduction(allowed_friction, friction)};
   scale.frictional = std::min(scale.frictional, scale.elastic);
-  // A pull along the normal is only a part of friction; alone it must not stay.
+  // A pull along the normal is only a part of friction; alone it must not remain.
   if (projection_ == Projection::joint || command.elastic < 0) scale.elastic = scale.frictional;
 
   last_.stored = spare_ > 0 ? hypotenuse(held_.elastic, spare_) : held_.elastic;
@@ -84,8 +84,8 @@ Real ContactFrameBound<Real>::bound_torque(const Vector3<Real>& command,
   return scale;
 }
 
-/// 2 c E(n) = 2 c E(n-1) + c (F(n-1) + F(n)) dx, F the spring's part; never more than the port took
-/// in (`allowed`) nor than is left beside the friction's storage; never less than S(F(n)).
+/// 2 c E(n) = 2 c E(n-1) + c (F(n-1) + F(n)) dx, F the spring's part. It is at most the energy that
+/// the port took in (`allowed`), less the friction's storage, and at least S(F(n)).
 template <class Real>
 void ContactFrameBound<Real>::store() noexcept {
   const Real held = held_.elastic;
@@ -93,7 +93,7 @@ void ContactFrameBound<Real>::store() noexcept {
   const Real spring_share = last_.rendered > 0 ? std::min(Real(1), held / last_.rendered) : Real(0);
   spring_ = spring_share * last_.rendered_spring;
   spare_ = 0;
-  if (!(held > 0) || friction >= allowed_force_) return;  // no contact, nothing kept
+  if (!(held > 0) || friction >= allowed_force_) return;  // no contact, nothing is kept
   const Real work = last_.stored * last_.stored + (last_.spring + spring_) * last_.pressed;
   const Real most = std::min(last_.allowed, root_difference(allowed_force_, friction));
   const Real stored = std::min(std::sqrt(std::max(Real(0), work)), most);

@@ -11,33 +11,33 @@
 
 namespace feltwire {
 
-/// The damping that `credited` counts on. For translation; for rotation read rad, N m.
+/// The damping that `credited` assumes. For translation; for rotation read rad, N m.
 struct CreditedLaw {
-  double damping = 0.0;  // b [N s/m] of the device, its least
-  double credit = 0.0;   // a [N s/m] at the beginning, expected of the hand
+  double damping = 0.0;  // b [N s/m] lower bound of the device's damping
+  double credit = 0.0;   // a [N s/m] at the beginning, assumed of the hand
   /// k [N/m] of the stiffest surface: no force need rise or fall faster.
   double stiffness = std::numeric_limits<double>::infinity();
 };
 
-/// mode `credited`: the channels of contact_frame, with the damping that a hand is expected to have
-/// beside that of the device. With c' = 2 (b + a) / T, or k of the stiffest surface where that is
+/// mode `credited`: the channels of contact_frame, with the assumed damping of a hand beside that
+/// of the device. With c' = 2 (b + a) / T, or k of the stiffest surface if that is
 /// between 2 b / T and c', channel by channel,
 ///   |F(n)| <= |F(n-1) + c' dx_ch(n)|
-/// so that a force rises and falls by c' or more for every metre. It keeps no storage and repays no
-/// debt, as contact_frame does. A hand that swings (swing_counter.hpp) has less damping than a: a
-/// is halved then, and grows again by kGrowth.
+/// So a force rises and falls by c' or more for every metre. It keeps no storage and repays no
+/// debt, unlike contact_frame. A hand that swings (swing_counter.hpp) has less damping than a: then
+/// a is halved, and grows again by kGrowth.
 ///
-/// This is shaping, and no bound: a hand without damping makes it generate energy. The account
-/// behind it makes the port passive for every hand (core/bounding/account.hpp). It is made for
-/// commands that come late, over a network.
-/// Known weakness: the force of a wall stiffer than c' rises as slowly as that of one of c', and
+/// This is shaping, not a bound: with a hand without damping it generates energy. The account
+/// behind it makes the port passive for every hand (core/bounding/account.hpp). It is for commands
+/// that come late, over a network.
+/// Known weakness: the force of a wall stiffer than c' rises as slowly as that of a wall of c', and
 /// the force of a surface softer than c' falls as fast.
 template <class Real>
 class Credited {
  public:
   static constexpr double kGrowth = 0.05;       // [1/s] of a
-  static constexpr double kLeastSwing = 50e-6;  // [m] 10 um RMS is what a finger feels
-  static constexpr double kQuanta = 4.0;        // of the encoder, that a swing has at least
+  static constexpr double kLeastSwing = 50e-6;  // [m] a finger feels 10 um RMS
+  static constexpr double kQuanta = 4.0;        // quanta of the encoder, the least size of a swing
 
   /// `period` is T [s], `quantum` [m] that of the encoder.
   Credited(const CreditedLaw& translation, const CreditedLaw& rotation, double period,
@@ -94,15 +94,15 @@ class Credited {
     return held_back(command, scale, plain_);
   }
 
-  /// A channel for each wall. The held force is split anew by the walls of this command, so that
-  /// nothing need be remembered of each.
+  /// A channel for each wall. The walls of this command split the held force, so no channel has a
+  /// memory.
   BasicCommand<Real> at_walls(const BasicBoundingStep<Real>& s) noexcept {
     const WallFrame<Real> walls(*s.normals);
     const Vector3<Real> held = held_.elastic * held_.normal + held_.frictional;
     const Vector3<Real> wanted = s.command.force();
     const Real c = stiffness(translation_);
     BasicCommand<Real> rendered;
-    Vector3<Real> elastic = Vector3<Real>::Zero();  // wanted
+    Vector3<Real> elastic = Vector3<Real>::Zero();  // the wanted one
     for (int i = 0; i < walls.count(); ++i) {
       const Vector3<Real> normal = walls.normal(i);
       const Real before = std::max(Real(0), walls.part(i, held));
@@ -145,9 +145,9 @@ class Credited {
   Vector3<Real> held_torque_ = Vector3<Real>::Zero();  // [N m]
 };
 
-/// mode `shaped`, which chooses by itself: a command that was made at the device, half a sample
-/// ahead (BasicBoundingStep::local), is rendered as it is (core/bounding/midpoint.hpp); one that
-/// comes late goes through Credited.
+/// mode `shaped` chooses for each command. A command that was made at the device, half a sample
+/// ahead (BasicBoundingStep::local), is rendered unchanged (core/bounding/midpoint.hpp). A late
+/// command goes through Credited.
 template <class Real>
 class Shaped {
  public:
@@ -167,7 +167,7 @@ class Shaped {
   void set_held(const BasicCommand<Real>& held) noexcept {
     was_near_ ? void(held_ = held) : late_.set_held(held);
   }
-  /// As Midpoint::probe(), for commands that are made at the device.
+  /// The same as Midpoint::probe(), for commands that are made at the device.
   BasicProbe<Real> probe(const Vector3<Real>& displacement,
                          const Vector3<Real>& rotation) const noexcept {
     return near_.probe(displacement, rotation);
@@ -178,7 +178,7 @@ class Shaped {
  private:
   Credited<Real> late_;
   Midpoint<Real> near_;
-  // Split into channels for `late_` once a command comes late again, not at every step.
+  // Split into channels for `late_` only when a command comes late again, not at every step.
   BasicCommand<Real> held_;
   bool was_near_ = false;
 };

@@ -9,9 +9,9 @@ namespace feltwire {
 /// The cap of the account, in multiples of the energy need of the device's largest force at rest.
 inline constexpr double kAccountCap = 3.0;
 
-/// For a force whose shaping promises nothing, at a servo period T [s]: the device's damping, the
-/// lower bounds of its mass and dry friction, the largest force from outside and speed. Of rotation
-/// the damping, the inertia and the largest torque from outside.
+/// For a force whose shaping guarantees nothing, at a servo period T [s]: the device's damping, the
+/// lower bounds of its mass and dry friction, the largest force from outside and the largest speed.
+/// For rotation the damping, the inertia and the largest torque from outside.
 AccountConfig account_config(const DeviceSpec& spec, double period);
 
 /// For a force whose bound is passive on its own: the device's damping, no property of the hand, no

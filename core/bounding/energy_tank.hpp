@@ -8,19 +8,20 @@ namespace feltwire {
 
 /// mode `energy_tank`: the least conservative vector form of the energy bound, for comparison.
 ///
-/// Every channel of the contact (elastic, frictional, torque) has a tank of the energy that its
-/// port took in, the device's damping included, in the coordinates of Metric:
+/// Every channel of the contact (elastic, frictional, torque) has a tank. It holds the energy that
+/// its port took in, with the device's damping, in the coordinates of Metric:
 ///   E += dx' B dx / h - F'.dx   with F' = f(n-1) on the hand,
 ///   |f(n)| <= sqrt(4 E / (T u' B^-1 u))                     u = f / |f|
-/// which is what the hand can at most take back in the next sample. A channel is emptied when its
-/// command ends (contact lost), so that nothing is carried from one contact to the next.
+/// The limit is the force from which the hand can take back the whole tank in the next sample. A
+/// channel is emptied when its command ends (contact lost), so that no energy goes from one contact
+/// to the next.
 /// Source: the energy bounding algorithm (Kim & Ryu, "Robustly stable haptic interaction control
 /// using an energy-bounding algorithm", Int. J. Robotics Research 2010) with all of the energy kept
 /// that its storage throws away; tanks after Franken et al., "Bilateral telemanipulation with time
 /// delays: a two-layer approach combining passivity and transparency", IEEE Trans. Robotics 2011.
 /// Passive like contact_frame, and an upper bound on magnitudes like it.
-/// Known weakness: while a contact lasts, the tank gathers all that the damping burned, and
-/// friction fills its own; a later oscillation lives on it until the tank is empty.
+/// Known weakness: while a contact lasts, the tank gathers all energy that the damping burned, and
+/// friction fills its own tank; a later oscillation uses it until the tank is empty.
 template <class Real>
 class EnergyTankBound {
  public:
@@ -38,7 +39,7 @@ class EnergyTankBound {
     ChannelScales<Real> scale{reduction(allowed(elastic_, translation_), elastic),
                               reduction(allowed(frictional_, translation_), friction)};
     scale.frictional = std::min(scale.frictional, scale.elastic);
-    // A pull along the normal is only a part of friction; alone it must not stay.
+    // A pull along the normal is only a part of friction; alone it must not remain.
     if (command.elastic < 0) scale.elastic = scale.frictional;
     held_.set(command.normal, scale.elastic * command.elastic,
               scale.frictional * command.frictional);
@@ -60,8 +61,8 @@ class EnergyTankBound {
     const HeldFrame<Real> f(held_, normal, moved);
     const Real b = translation_.damping();
     if (f.reframed && b > 0) {
-      // The force that changes its channel takes its storage along; else a tank would go below
-      // zero while the other renders on what is no longer its own.
+      // The force that changes its channel takes its storage along. Otherwise one tank would fall
+      // below zero while the other renders from energy that it no longer owns.
       const Real moved_storage = f.elastic * f.elastic * (period_ / (4 * b));
       elastic_ += moved_storage;
       frictional_ -= moved_storage;
@@ -69,7 +70,8 @@ class EnergyTankBound {
     elastic_ += b / hold_time * f.dx_elastic * f.dx_elastic - f.elastic * f.dx_elastic;
     frictional_ +=
         b / hold_time * f.dx_frictional.squaredNorm() - f.frictional.dot(f.dx_frictional);
-    // An overdrawn channel (a hold too long, a force never allowed) is paid by the other.
+    // The other channel pays for an overdrawn one (a hold that is too long, a force that was never
+    // allowed).
     if (elastic_ < 0) settle(elastic_, frictional_);
     if (frictional_ < 0) settle(frictional_, elastic_);
   }
@@ -99,7 +101,7 @@ class EnergyTankBound {
   Metric<Real> translation_, rotation_;
   Real period_;
   bool torque_on_;
-  Real elastic_ = 0, frictional_ = 0, rotational_ = 0;  // [J] the tanks; below zero: owed
+  Real elastic_ = 0, frictional_ = 0, rotational_ = 0;  // [J] the tanks; below zero: a debt
   HeldForce<Real> held_;
   Vector3<Real> held_torque_ = Vector3<Real>::Zero();
 };

@@ -14,7 +14,7 @@ template <class Real>
 struct ChannelCommand {
   Vector3<Real> normal;      // u = elastic / |elastic|; zero without an elastic force
   Real spring;               // [N] |elastic|
-  Real elastic;              // [N] along u, with what friction (contact damping) has along it
+  Real elastic;              // [N] along u, with the part of friction (contact damping) along u
   Vector3<Real> frictional;  // [N]
 };
 
@@ -25,8 +25,8 @@ inline ChannelCommand<Real> in_channels(const BasicCommand<Real>& command,
   const Real along_normal = command.frictional.dot(elastic.direction);
   ChannelCommand<Real> c{elastic.direction, elastic.length, elastic.length + along_normal,
                          command.frictional - along_normal * elastic.direction};
-  // A remainder of rounding is no friction. Bounded as friction, it could reduce the elastic force,
-  // too.
+  // A remainder from rounding is not friction. Bounded as friction, it could reduce the elastic
+  // force, too.
   constexpr Real kRounding = 64 * std::numeric_limits<Real>::epsilon();
   if (c.frictional.squaredNorm() <= kRounding * kRounding * command.frictional.squaredNorm())
     c.frictional.setZero();
@@ -48,8 +48,8 @@ inline ChannelCommand<Real> in_channels(const BasicCommand<Real>& command,
   c.elastic = std::max(Real(0), c.elastic);
   if (!(c.elastic > 0)) c.normal.setZero();
   if (metric.euclidean()) return c;
-  // In these coordinates friction may have a part along u, even a larger one than the spring: two
-  // directions at right angles in space are not at right angles in the metric of the damping.
+  // In these coordinates friction may have a part along u, even larger than the spring: two
+  // orthogonal directions in space are not orthogonal in the metric of the damping.
   const Real spring_share = c.elastic > 0 ? c.spring / c.elastic : Real(0);
   const Vector3<Real> along = metric.force(c.elastic * c.normal);
   c = in_channels(BasicCommand<Real>{along, metric.force(c.frictional), Vector3<Real>::Zero()},
@@ -129,7 +129,7 @@ template <class Real>
 inline Real reduction(Real allowed, Real wanted) noexcept {
   return wanted > allowed ? allowed / wanted : Real(1);
 }
-/// The same of the lengths of two vectors. No root is drawn where there is nothing to reduce.
+/// The same for the lengths of two vectors. It computes no root if nothing is to be reduced.
 template <class Real>
 inline Real reduction(const Vector3<Real>& allowed, const Vector3<Real>& wanted) noexcept {
   const Real least = wanted.squaredNorm(), most = allowed.squaredNorm();

@@ -1,5 +1,5 @@
 #pragma once
-// How long a force may be held, from how late the ticks come.
+// The assumed hold time of a force, from the measured lateness of the ticks.
 
 namespace feltwire {
 
@@ -11,15 +11,16 @@ class HoldReserve {
   /// T [s].
   explicit HoldReserve(double period) : period_(period) {}
 
-  /// Tells how long the last force was held [s].
+  /// Takes the duration for which the last force was held [s].
   void saw(double hold_time) noexcept;
   double hold_time() const noexcept;  // [s]
 
  private:
-  static constexpr double kWindow = 1.0;  // [s] the longest is forgotten after one or two of these
+  static constexpr double kWindow = 1.0;  // [s] a maximum is forgotten after one or two windows
   double period_;
-  double over_ = 0.0, over_before_ = 0.0;  // [s] the most beyond T, in this window and the last
-  double window_ = 0.0;                    // [s] of this one so far
+  double over_ = 0.0,
+         over_before_ = 0.0;  // [s] largest excess over T, in this window and in the last
+  double window_ = 0.0;       // [s] age of this window
 };
 
 }  // namespace feltwire

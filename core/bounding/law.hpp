@@ -12,8 +12,8 @@
 
 namespace feltwire {
 
-/// The command that a law lets through, and whether the law owes energy. While it owes energy it
-/// renders no force.
+/// The command that a law allows, and whether the law has a debt of energy. With a debt it renders
+/// no force.
 template <class Real>
 struct BasicLawAnswer {
   BasicCommand<Real> rendered;
@@ -87,7 +87,7 @@ class BasicBoundingLaw {
     void (*copy)(const std::byte* from, std::byte* to) noexcept;
     BasicLawAnswer<Real> (*step)(std::byte*, const Step&) noexcept;
     void (*set_held)(std::byte*, const BasicCommand<Real>&) noexcept;
-    // Null where the law has none.
+    // Null if the law does not have it.
     void (*endow)(std::byte*, Real) noexcept;
     BasicProbe<Real> (*probe)(const std::byte*, const Vector3<Real>&,
                               const Vector3<Real>&) noexcept;

@@ -1,6 +1,6 @@
 #pragma once
-// Beyond these nothing is a force or a movement of a hand but a fault upstream. They also keep
-// every product in a bound finite, in float too.
+// Values beyond these limits are no force and no movement of a hand, but an upstream fault. The
+// limits also keep every product in a bound finite, in float too.
 
 namespace feltwire {
 

@@ -1,5 +1,5 @@
 #pragma once
-// Coordinates in which any damping is the same in every direction.
+// Coordinates in which a damping is the same in every direction.
 
 #include <Eigen/Cholesky>
 
@@ -45,8 +45,8 @@ class Metric {
     return euclidean_ ? g : Vector3<Real>(back_ * g);
   }
 
-  /// The movement that takes most from a port over `hold_time` while f is held: dx = B^-1 f h / 2
-  /// minimises dx' B dx / h - f.dx. Zero without damping.
+  /// The movement that takes the most energy from a port over `hold_time` while f is held: dx =
+  /// B^-1 f h / 2 minimises dx' B dx / h - f.dx. Zero without damping.
   Vector3<Real> worst_movement(const Vector3<Real>& f, Real hold_time) const noexcept {
     if (!(b_ > 0)) return Vector3<Real>::Zero();
     const Vector3<Real> g = (hold_time / (2 * b_)) * force(f);

@@ -4,7 +4,7 @@
 
 namespace feltwire {
 
-/// mode `none`: F_d = F_e. The baseline that oscillates; known weakness: nothing is passive.
+/// mode `none`: F_d = F_e. The baseline that oscillates. Known weakness: nothing is passive.
 template <class Real>
 struct NoBound {
   BasicCommand<Real> step(const BasicBoundingStep<Real>& s) noexcept { return s.command; }

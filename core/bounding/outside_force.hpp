@@ -1,5 +1,5 @@
 #pragma once
-// How strong the force from outside has been lately: a smaller bound than the specified one.
+// Learns the largest recent force from outside: a smaller bound than the specified one.
 
 #include "core/base/types.hpp"
 #include "core/bounding/reach.hpp"
@@ -24,7 +24,7 @@ class OutsideForce {
  public:
   static constexpr int kSamples = 8;           // N
   static constexpr double kMargin = 1.5;       // the largest force to come over the largest seen
-  static constexpr double kLeastShare = 0.25;  // of what was told
+  static constexpr double kLeastShare = 0.25;  // of the specified one
   static constexpr double kWindow = 10.0;      // [s]
 
   /// Precondition: validate(known) passed, mass and outside force are known, period > 0 [s].
@@ -38,14 +38,15 @@ class OutsideForce {
   /// The last movement is not known.
   void forget() noexcept { begin(Block{}, false); }
 
-  /// [N] of the force from outside.
+  /// Returns the learned bound of the force from outside [N].
   double bound() const noexcept { return bound_; }
 
  private:
   struct Block {
-    Vec3 way = Vec3::Zero();      // [m]
-    Vec3 rising = Vec3::Zero();   // [N] sum of the held forces, the later the more
-    Vec3 falling = Vec3::Zero();  // [N] likewise, the earlier the more
+    Vec3 way = Vec3::Zero();  // [m]
+    Vec3 rising =
+        Vec3::Zero();  // [N] sum of the held forces, with the largest weight for the latest
+    Vec3 falling = Vec3::Zero();  // [N] the same, with the largest weight for the earliest
     int samples = 0;
   };
   void begin(const Block& before, bool known) noexcept {

@@ -1,6 +1,6 @@
 #pragma once
-// Passivity observer and passivity controller (PO/PC): damping is injected where energy was seen to
-// come out.
+// Passivity observer and passivity controller (PO/PC): the controller adds damping when the
+// observer has seen energy come out.
 
 #include <algorithm>
 #include <array>
@@ -14,13 +14,14 @@
 
 namespace feltwire {
 
-/// Energy that flowed into one port, W [J], and what it ought to be. Flows in the paper's sign,
+/// The energy that flowed into one port, W [J], and its reference. Flows have the paper's sign,
 /// F.dx > 0 into the controller.
 ///
 /// zero       W(n) = W(n-1) + F(n).dx(n), as published, with what the controller dissipated; must
-///            not fall below 0. For a sampled spring this sum is always positive
-///            (docs/lab/figures.md): it only sees what a delay or an active environment creates.
-/// following  W(n) = W(n-1) + F(n-1).dx(n), what the zero-order hold really exchanged; must not
+///           not fall below 0. For a sampled spring this sum is always positive
+///            (docs/lab/figures.md): it sees only energy that a delay or an active environment
+///            makes.
+/// following  W(n) = W(n-1) + F(n-1).dx(n), the real exchange under the zero-order hold; must not
 ///            fall below the reference E(n) = E(n-1) + 1/2 (F_e(n-1) + F_e(n)).dx(n), which is
 ///            1/2 k x^2 for a spring, at every sampling rate.
 template <class Real>
@@ -40,7 +41,7 @@ class PassivityObserver {
     }
     return std::max(Real(0), wanted_ - energy_);
   }
-  /// F(n).dx(n) of what is really held from now on.
+  /// F(n).dx(n) of the force that is really held from now on.
   void settle(Real flow) noexcept {
     if (!following_) energy_ = before_ + flow;
   }
@@ -63,8 +64,8 @@ struct PassivityPort {
   Real max = std::numeric_limits<Real>::infinity();  // [N] of the device
   Real slope = 0;                                    // b/T [N/m]
 
-  /// The part of a command that the device can render. Only that part is observed, else energy that
-  /// no motor could take in would be missing for ever.
+  /// Returns the part of a command that the device can render. Only that part is observed.
+  /// Otherwise energy that no motor could take in would be missing for ever.
   Vector3<Real> possible(const Vector3<Real>& command) const noexcept {
     return command.squaredNorm() <= max * max
                ? command
@@ -72,11 +73,11 @@ struct PassivityPort {
   }
 
   /// The damper's force: energy over movement.
-  /// zero       As published. Over next to no movement it is beyond any number; the device's limit
+  /// zero       As published. For almost no movement it grows without limit; the device's limit
   ///            comes after.
-  /// following  alpha <= b, for the damper is sampled itself and no stiffer one is passive
-  ///            (Colgate): its force stands while the hand turns round, and without a limit each
-  ///            encoder step to and fro would call for a larger one.
+  /// following  alpha <= b, because the damper is sampled itself and no stiffer one is passive
+  ///            (Colgate): its force is constant while the hand turns round, and without a limit
+  ///            each encoder step to and fro would require a larger one.
   Real damper_force(Real energy, Real movement) const noexcept {
     constexpr Real kLargest = Real(1e12);  // [N]
     const Real most = reference == PassivityReference::following
@@ -120,9 +121,10 @@ struct PassivityAxes {
 /// Trans. Robotics and Automation 18(1), 2002; `following`: J.-H. Ryu, C. Preusche, B. Hannaford,
 /// G. Hirzinger, "Time domain passivity control with reference energy following", IEEE Trans.
 /// Control Systems Technology 13(5), 2005.
-/// Known weakness: acts after the energy is out; energy gathered before (friction, damping) hides
-/// an oscillation for long; at small velocities the damper's force W/dx is an impulse; axis by axis
-/// the direction bends. It bounds no magnitude: a force made smaller dissipates less.
+/// Known weakness: it acts after the energy is out. Energy gathered before (friction, damping)
+/// hides an oscillation for long. At small velocities the damper's force W/dx is an impulse. The
+/// direction bends, because each axis acts alone. It bounds no magnitude: a force made smaller
+/// dissipates less.
 template <class Real>
 class PassivityControl {
  public:
@@ -159,14 +161,14 @@ class PassivityControl {
 /// mode `passivity_control_parallel`: the controller in parallel (admittance causality). The
 /// missing energy W is taken from the movement instead of added to the force:
 ///   dx_e = dx - alpha F T,   alpha = W / (T F^2)
-/// so the environment is moved less than the hand. A device that takes force can't move the hand,
-/// so here the point that the scene is asked at is moved against the force (probe()), at most by
-/// the device's own movement a sample; it comes back when the contact ends.
+/// So the environment is moved less than the hand. A device that takes a force cannot move the
+/// hand. So here the point at which the scene is asked moves against the force (probe()), by at
+/// most the device's own movement a sample; it comes back when the contact ends.
 ///
-/// Source: Hannaford & Ryu 2002, as above. Needs the scene to be asked at probe().
+/// Source: Hannaford & Ryu 2002, as above. The scene must be asked at probe().
 ///
-/// Known weakness: position drift while in contact, a sample late, and the energy that the hand
-/// already got is repaid by the environment only.
+/// Known weakness: position drift while in contact, one sample late. Only the environment repays
+/// the energy that the hand already got.
 template <class Real>
 class PassivityControlParallel {
  public:
@@ -214,8 +216,8 @@ class PassivityControlParallel {
 ///   F(n) = F_e(n) + (W_f / (u.dx)) u,   u = F_e / |F_e|         the same for torque
 /// Source: C. Preusche, G. Hirzinger, J.-H. Ryu, B. Hannaford, "Time domain passivity control for
 /// 6 degrees of freedom haptic displays", IROS 2003.
-/// Known weakness: as passivity_control; and one observer for all directions lets friction on one
-/// pay for oscillation on another.
+/// Known weakness: as passivity_control. One observer for all directions lets friction on one pay
+/// for oscillation on another.
 template <class Real>
 class PassivityControlDirectional {
  public:
@@ -261,7 +263,8 @@ class PassivityControlDirectional {
   PassivityPort<Real> force_port_, torque_port_;
   PassivityObserver<Real> observer_;
   bool torque_on_;
-  BasicCommand<Real> commanded_, held_;  // in force and torque, the first in whatever parts
+  BasicCommand<Real> commanded_,
+      held_;  // in force and torque; the split of the first does not matter
   Vector3<Real> moved_ = Vector3<Real>::Zero(), turned_ = Vector3<Real>::Zero();
 };
 

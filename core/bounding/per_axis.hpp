@@ -13,7 +13,7 @@ namespace feltwire {
 /// The paper's bounding constants of one axis, 0 <= c2 <= c1 [N/m or N m/rad].
 template <class Real>
 struct BasicEbaConstants {
-  Real c1 = 0;  // beta_max: what the device's own damping burns in one sample, b/T
+  Real c1 = 0;  // beta_max: the energy that the device's own damping burns in one sample, b/T
   Real c2 = 0;  // stiffness of the storage S(F) = F^2 / (2 c2)
 };
 using EbaConstants = BasicEbaConstants<double>;
@@ -30,14 +30,14 @@ struct ForceInterval {
 ///   beta_max = min(c1, gamma_max),  beta_min = gamma_min,
 ///   gamma_max/min = c2 - F_d(n-1)/dx +- sqrt(c2^2 + (F_d(n-1)/dx)^2).
 /// Multiplied out by dx, so that nothing is divided by it: with a = c2 dx, h = hypot(a, F_p),
-///   hi = a + h, lo = a - h, and F_p + beta_max dx from the side that dx points to.
+///   hi = a + h, lo = a - h, and F_p + beta_max dx on the side of dx.
 /// It is F(n) dx(n) >= (F(n)^2 - F(n-1)^2) / (2 c2) and (F(n) - F(n-1)) dx(n) <= c1 dx(n)^2.
 template <class Real>
 inline ForceInterval<Real> eba_interval(Real dx, Real held, BasicEbaConstants<Real> c) noexcept {
   const Real a = c.c2 * dx;
   const Real h = hypotenuse(a, held);
-  // The side where a and h would cancel uses (h + a)(h - a) = held^2, divided in an order that
-  // cannot overflow.
+  // On the side where a and h would cancel it uses (h + a)(h - a) = held^2, divided in an order
+  // that cannot overflow.
   const Real other = std::abs(held) * (std::abs(held) / (h + std::abs(a)));
   Real hi = a >= 0 ? a + h : other;
   Real lo = a <= 0 ? a - h : -other;
@@ -46,11 +46,11 @@ inline ForceInterval<Real> eba_interval(Real dx, Real held, BasicEbaConstants<Re
   return {lo, hi};
 }
 
-/// One axis: the command clamped into what the bounding laws allow (paper's sign).
+/// One axis: the command clamped into the interval of the bounding laws (paper's sign).
 template <class Real>
 inline Real eba_axis(Real command, Real dx, Real held, BasicEbaConstants<Real> c) noexcept {
   const ForceInterval<Real> allowed = eba_interval(dx, held, c);
-  // c2 <= c1 keeps lo <= hi; should rounding cross the two by an ulp, either is right to rounding.
+  // c2 <= c1 keeps lo <= hi. If rounding crosses the two by an ulp, both are right within rounding.
   return std::max(allowed.lo, std::min(allowed.hi, command));
 }
 

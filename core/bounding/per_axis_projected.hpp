@@ -12,10 +12,10 @@ inline Vector3<Real> projected(const Vector3<Real>& bounded,
 }
 
 /// mode `per_axis_projected`, the paper's method (Fig. 6): the per-axis bound, then the projection
-/// onto the commanded direction, force and torque apart. Per axis the bounded force lies between
-/// the held one and the command or beyond zero, so F_d . u may be negative (a pull the scene never
-/// commanded): that is faithful to Eq. (3) and kept. Known weakness: the projected force is no
-/// longer inside its per-axis bounds, friction on one axis pays for force on another, and at
+/// onto the commanded direction, force and torque apart. On each axis the bounded force lies
+/// between the held one and the command or beyond zero. So F_d . u may be negative (a pull that the
+/// scene never commanded); this follows Eq. (3) and is kept. Known weakness: the projected force is
+/// no longer inside its per-axis bounds, friction on one axis pays for force on another, and at
 /// moderate damping a stiff wall with friction buzzes again (docs/bounding.md).
 template <class Real>
 struct ProjectedBound {
@@ -32,7 +32,7 @@ struct ProjectedBound {
     set_held(rendered);
     return rendered;
   }
-  /// F_d(n-1) of the next step is what was really rendered: after the projection.
+  /// F_d(n-1) of the next step is the force that was really rendered, after the projection.
   void set_held(const BasicCommand<Real>& held) noexcept { axes.set_held(held); }
 };
 

@@ -1,5 +1,5 @@
 #pragma once
-// How far the handle of a device can move within the next sample, for every hand.
+// The largest displacement of a device's handle within the next sample, for every hand.
 
 #include <algorithm>
 #include <limits>
@@ -21,9 +21,9 @@ struct PortKnowledge {
   /// its matrix. 0: unknown, then a hand may move the handle any distance within a sample.
   double mass = 0.0;
   /// F_h [N] upper bound of the force from outside: the hand, gravity that is not compensated, and
-  /// what the mechanics of the handle push from one direction into another.
+  /// the force that the handle's mechanics transfer from one direction into another.
   double outside_force = std::numeric_limits<double>::infinity();
-  /// v [m/s] upper bound of the handle's speed, of which nothing else need be known.
+  /// v [m/s] upper bound of the handle's speed. Nothing else need be known of it.
   double speed = std::numeric_limits<double>::infinity();
 };
 
@@ -48,13 +48,13 @@ class Reach {
   }
 
   /// The handle moved by `displacement` over `hold_time` > 0 [s] while `held` acted. `period` [s]
-  /// is what a sample normally takes: samples shorter than half of it are looked at together,
-  /// because an encoder shows no speed over a short time.
+  /// is the normal duration of a sample: samples shorter than half of it are joined, because an
+  /// encoder shows no speed over a short time.
   void moved(const Vec3& displacement, const Vec3& held, double hold_time, double period) noexcept;
-  /// Nothing is known of the handle's speed any more.
+  /// The handle's speed is no longer known.
   void forget() noexcept { time_ = 0.0; }
 
-  /// Whether the mass and the force from outside are known: else no displacement is bounded.
+  /// Whether the mass and the force from outside are known; otherwise no displacement is bounded.
   bool bounds() const noexcept {
     return known_.mass > 0.0 && known_.outside_force < std::numeric_limits<double>::infinity();
   }
@@ -74,13 +74,14 @@ class Reach {
   double along(const Vec3& u, double force, double hold_time) const noexcept {
     return reached(u, std::max(0.0, force + known_.outside_force) / known_.mass, hold_time);
   }
-  /// The same with nothing held.
+  /// The same with no force held.
   double along(const Vec3& u, double hold_time) const noexcept {
     return reached(u, from_outside_, hold_time);
   }
   /// Whether a sample of `hold_time` [s] that showed `displacement` is within reach along its own
-  /// direction whatever was held, because it goes on as the one before to less than what the
-  /// encoder rounds. False says nothing. Spares a root and four divisions. Precondition: known().
+  /// direction for every held force, because it differs from the sample before by less than the
+  /// encoder rounds. False means unknown. It saves a root and four divisions. Precondition:
+  /// known().
   bool goes_on(const Vec3& displacement, double hold_time) const noexcept {
     // reach >= (u.dx + q1) h/h0 + q1, and q1 >= q. The rest of q is for rounding.
     constexpr double kMost = 0.95;
@@ -88,7 +89,7 @@ class Reach {
     return (time_ * displacement - hold_time * displacement_).squaredNorm() < rounded * rounded &&
            held_.squaredNorm() <= known_.outside_force * known_.outside_force;
   }
-  /// [m/N] how much each newton of `force` adds to that.
+  /// [m/N] the increase of that for each newton of `force`.
   double per_newton(double hold_time) const noexcept {
     return hold_time * hold_time / (2.0 * known_.mass);
   }
@@ -107,7 +108,7 @@ class Reach {
 
   PortKnowledge known_;
   double from_outside_ = 0.0;  // [m/s^2] F_h / m
-  // The last movement that says something about the speed.
+  // The last movement that shows a speed.
   Vec3 displacement_ = Vec3::Zero();  // [m]
   Vec3 held_ = Vec3::Zero();          // [N] meanwhile
   double time_ = 0.0;                 // [s] 0: not known

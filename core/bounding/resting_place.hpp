@@ -1,5 +1,5 @@
 #pragma once
-// Where a hand that rests between two readings of an encoder is taken to be.
+// The assumed place of a hand that rests between two readings of an encoder.
 
 #include <algorithm>
 #include <array>
@@ -9,13 +9,13 @@
 
 namespace feltwire {
 
-/// A hand that presses on a stiff wall finds no reading of the encoder where the wall balances it:
-/// one quantum q less pushes too weakly, one more too strongly. So it goes to and fro between two
-/// readings, as often as its mass and the servo allow, and each time takes k q^2 out of the account
-/// (docs/bounding.md, "A resting hand"). Here it is let rest: axis by axis, once two neighbouring
-/// readings were all for kRest, the scene is asked at one place between them. That place begins at
-/// their mean and goes on by kStep of the way to each new reading, so that it comes to where the
-/// wall balances the hand. A third reading ends the rest.
+/// A hand that presses on a stiff wall finds no reading of the encoder at which the wall balances
+/// it: one quantum q less pushes too weakly, one more too strongly. So it moves to and fro between
+/// two readings, as often as its mass and the servo allow, and each time takes k q^2 out of the
+/// account (docs/bounding.md, "A resting hand"). This class lets it rest, axis by axis: once all
+/// readings for kRest were two neighbours, the scene is asked at one place between them. That place
+/// begins at their mean and moves by kStep of the way to each new reading, until the wall balances
+/// the hand there. A third reading ends the rest.
 class RestingPlace {
  public:
   static constexpr double kRest = 0.05;  // [s]
@@ -44,9 +44,9 @@ class RestingPlace {
   }
 
  private:
-  /// Lengths are from the last reading on.
+  /// Lengths are measured from the last reading.
   struct Axis {
-    double lowest = 0.0, highest = 0.0;  // [m] reading since the last third one
+    double lowest = 0.0, highest = 0.0;  // [m] readings since the last third one
     double place = 0.0;                  // [m]
     double time = 0.0;                   // [s] since then
 

@@ -21,7 +21,7 @@ struct BasicBoundingStep {
 };
 using BoundingStep = BasicBoundingStep<double>;
 
-/// Where the scene is to be asked, relative to the device.
+/// The place at which to ask the scene, relative to the device.
 template <class Real>
 struct BasicProbe {
   Vector3<Real> offset = Vector3<Real>::Zero();    // [m]

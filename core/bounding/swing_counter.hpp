@@ -1,5 +1,5 @@
 #pragma once
-// Notices that a hand swings in a contact.
+// Detects that a hand swings in a contact.
 
 #include <algorithm>
 #include <array>
@@ -7,9 +7,9 @@
 
 namespace feltwire {
 
-/// A reversal is a change of direction after a way of more than `swing` [m]. kReversals of them
-/// within kWithin are no intended motion: that is a swing of 28 Hz or more, and a hand reaches some
-/// 10 Hz.
+/// A reversal is a change of direction after a movement of more than `swing` [m]. kReversals of
+/// them within kWithin are no intended motion: that is a swing of 28 Hz or more, and a hand reaches
+/// some 10 Hz.
 class SwingCounter {
  public:
   static constexpr std::size_t kReversals = 6;
@@ -29,7 +29,7 @@ class SwingCounter {
     return false;
   }
 
-  /// The contact was left.
+  /// The hand left the contact.
   void forget() noexcept { *this = SwingCounter(swing_); }
 
  private:
@@ -37,7 +37,7 @@ class SwingCounter {
     direction_ = direction;
     highest_ = lowest_ = place_;
     times_[next_] = now_;
-    next_ = (next_ + 1) % kReversals;  // now the place of the oldest
+    next_ = (next_ + 1) % kReversals;  // now the index of the oldest
     if (counted_ < kReversals) ++counted_;
     if (counted_ < kReversals || now_ - times_[next_] > kWithin) return false;
     counted_ = 0;

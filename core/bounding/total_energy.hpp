@@ -12,7 +12,8 @@ template <class Real>
 struct TotalEnergyBound {
   PerAxisBound<Real> axes;
   Real energy_before = 0;  // [J] sum of F(k) . dx(k) up to the sample before
-  Real energy_in = 0;  // [J] and with this sample, the paper's T F(k) v(k), at what was really held
+  Real energy_in =
+      0;  // [J] and with this sample, the paper's T F(k) v(k), for the force really held
   Vector3<Real> displacement = Vector3<Real>::Zero(), rotation = Vector3<Real>::Zero();  // last
 
   BasicCommand<Real> step(const BasicBoundingStep<Real>& s) noexcept {

@@ -15,12 +15,13 @@ class VelocityEstimate {
   /// cutoff [Hz]; 0 or less means no filter.
   explicit VelocityEstimate(double cutoff = 0.0) : cutoff_(cutoff) {}
 
-  /// The velocity [m/s] after a displacement [m] over a time [s]; a time that is not above zero, or
-  /// anything not finite, changes nothing.
+  /// Returns the velocity [m/s] after a displacement [m] over a time [s]. A time that is not above
+  /// zero, and any value that is not finite, changes nothing.
   const Vec3& update(const Vec3& displacement, double time) noexcept {
     if (!(time > 0.0)) return velocity_;
     const Vec3 difference = displacement / time;
-    if (!difference.allFinite()) return velocity_;  // it would stay in the filter for ever
+    if (!difference.allFinite())
+      return velocity_;  // otherwise it would stay in the filter for ever
     if (!(cutoff_ > 0.0)) return velocity_ = difference;
     const double blend = -std::expm1(-2.0 * std::numbers::pi * cutoff_ * time);
     return velocity_ += blend * (difference - velocity_);

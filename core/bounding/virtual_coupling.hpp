@@ -16,19 +16,19 @@ struct Coupling {
 /// mode `virtual_coupling`: the hand holds a simulated tool by a spring and a damper, and only the
 /// tool touches the scene. With s = x_device - x_tool, backward Euler:
 ///   m (v_t(n) - v_t(n-1)) / h = f_e + g,   g = k s(n) + b_c (s(n) - s(n-1)) / h,   f(n) = -g
-/// f_e is what the scene answers at the tool, probe(). The passivity condition, checked at
-/// construction, is
+/// f_e is the scene's force at the tool, probe(). The passivity condition, checked at construction,
+/// is
 ///   b >= k T / 2 + b_c
-/// and then delivered <= burned + work of the scene on the tool, for every hand
+/// Then delivered <= burned + work of the scene on the tool, for every hand
 /// (docs/bounding.md, "virtual_coupling").
 /// Sources: J. E. Colgate, M. C. Stanley, J. M. Brown, "Issues in the haptic display of tool use",
 /// IROS 1995; R. J. Adams, B. Hannaford, "Stable haptic interaction with virtual environments",
 /// IEEE Trans. Robotics and Automation 15(3), 1999; the condition: Colgate & Schenkel, "Passivity
 /// of a class of sampled-data systems", J. Robotic Systems 14(1), 1997. Known weakness: every
-/// contact feels as soft as the coupling, and free space as heavy as the tool; nothing pays for a
+/// contact feels as soft as the coupling, and free space as heavy as the tool. Nothing pays for a
 /// scene that is not passive itself (delay), for a hold longer than T, or for a device that holds
-/// less than g. Its force must not be limited but by dropping it whole: then the tool jumps to the
-/// device.
+/// less than g. The only admissible reduction of its force is to drop it whole: then the tool jumps
+/// to the device.
 template <class Real>
 class VirtualCoupling {
  public:
@@ -46,8 +46,8 @@ class VirtualCoupling {
     if (held.torque.isZero(0)) rotation_.let_go();
   }
 
-  /// Where the tool is while the device has moved by `displacement`, `rotation` since the last
-  /// step. Small angles: rotation vectors are added.
+  /// Returns the place of the tool while the device has moved by `displacement`, `rotation` since
+  /// the last step. Small angles: rotation vectors are added.
   BasicProbe<Real> probe(const Vector3<Real>& displacement,
                          const Vector3<Real>& rotation) const noexcept {
     return {-translation_.stretch - displacement, -rotation_.stretch - rotation};

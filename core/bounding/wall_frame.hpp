@@ -1,5 +1,5 @@
 #pragma once
-// The walls of a corner: their forces, and how much of a movement each may count on.
+// The walls of a corner: their forces, and the share of the damping that each may use.
 
 #include <cmath>
 
@@ -13,7 +13,7 @@ namespace feltwire {
 /// A movement's share of the damping is weight_i (n_i.dx)^2, with
 ///   weight_i = 1 / sum_j |n_i.n_j|
 /// All shares together never exceed |dx|^2 less the part across all walls (docs/bounding.md,
-/// "Corners"). Walls at right angles have weight 1: there the shares are all of it.
+/// "Corners"). Walls at right angles have weight 1: their shares use all of it.
 template <class Real>
 class WallFrame {
  public:
@@ -22,7 +22,7 @@ class WallFrame {
     Mat3 n;
     n << normals.unit[0], normals.unit[1],
         count_ > 2 ? normals.unit[2] : normals.unit[0].cross(normals.unit[1]).normalized();
-    // The rows of the inverse, without a general solver.
+    // The rows of the inverse, computed without a general solver.
     const double volume = n.col(0).dot(n.col(1).cross(n.col(2)));
     for (int i = 0; i < 3; ++i) {
       const Vec3 dual = n.col((i + 1) % 3).cross(n.col((i + 2) % 3)) / volume;
@@ -39,7 +39,7 @@ class WallFrame {
   Real weight(int i) const noexcept { return weight_[i]; }
   /// F_i of a force.
   Real part(int i, const Vector3<Real>& force) const noexcept { return dual_.col(i).dot(force); }
-  /// The part of v across all walls; zero where there are three.
+  /// The part of v across all walls; zero for three walls.
   Vector3<Real> across(const Vector3<Real>& v) const noexcept {
     return count_ > 2 ? Vector3<Real>(Vector3<Real>::Zero())
                       : Vector3<Real>(v.dot(normal_.col(2)) * normal_.col(2));
@@ -47,7 +47,7 @@ class WallFrame {
 
  private:
   int count_;
-  Matrix3<Real> normal_, dual_;  // columns; where there are two walls, the last is across both
+  Matrix3<Real> normal_, dual_;  // columns; with two walls the last one is across both
   Vector3<Real> weight_ = Vector3<Real>::Zero();
 };
 

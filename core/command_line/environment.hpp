@@ -1,5 +1,6 @@
 #pragma once
-// Options of a program from its environment, for where a command line is awkward (containers).
+// Reads options of a program from its environment, for places where a command line is awkward
+// (containers).
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -8,9 +9,9 @@
 
 namespace feltwire {
 
-/// Lets every option of `app` that the command line does not give be given by a variable:
-/// --busy-poll by FELTWIRE_BUSY_POLL. Call when all options are there. --help, and options without
-/// a long name, have none.
+/// Lets an environment variable set every option of `app` that is missing on the command line:
+/// FELTWIRE_BUSY_POLL sets --busy-poll. Call it after all options were added. --help, and options
+/// without a long name, have none.
 inline void read_environment(CLI::App& app) {
   for (CLI::Option* option : app.get_options()) {
     if (option->get_lnames().empty() || option == app.get_help_ptr()) continue;

@@ -1,5 +1,5 @@
 #pragma once
-// "Did you mean": the option that an unknown word on a command line may stand for.
+// "Did you mean": the option that the user probably meant by an unknown word.
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -9,8 +9,8 @@
 
 namespace feltwire {
 
-/// How many letters must be put in, taken out, replaced, or swapped with their neighbour, to make
-/// one word of the other (optimal string alignment).
+/// How many letters must be inserted, removed, replaced, or swapped with their neighbour, to turn
+/// one word into the other (optimal string alignment).
 inline std::size_t edit_distance(std::string_view a, std::string_view b) {
   std::vector<std::size_t> before, last(b.size() + 1), row(b.size() + 1);
   for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
@@ -28,7 +28,7 @@ inline std::size_t edit_distance(std::string_view a, std::string_view b) {
   return row.back();
 }
 
-/// The nearest of the words, where no more than a third of the letters differ; else empty.
+/// The nearest of the words, if at most a third of the letters differ; else empty.
 inline std::string nearest(std::string_view word, const std::vector<std::string>& words) {
   std::string best;
   std::size_t least = std::max<std::size_t>(1, word.size() / 3) + 1;
@@ -40,8 +40,8 @@ inline std::string nearest(std::string_view word, const std::vector<std::string>
   return best;
 }
 
-/// For a command line that could not be parsed: "; did you mean --duration?" where a word is nearly
-/// an option or a subcommand; else empty. `app` has tried to parse it.
+/// For a command line with an error: "; did you mean --duration?" if a word is nearly an option or
+/// a subcommand; else empty. `app` has tried to parse it.
 inline std::string suggestion(const CLI::App& app) {
   const CLI::App* asked = &app;  // the subcommand whose options count
   while (!asked->get_subcommands().empty()) asked = asked->get_subcommands().front();

@@ -33,12 +33,13 @@ inline SurfacePoint surface_point(const Object& object, const Vec3& tool, double
                       : surface_point(object.shape, object.felt_from, position, memory);
 }
 
-/// touch() with the two forces apart. Returns false for a free tool, and then writes neither.
+/// The same as touch(), with the two forces apart. Returns false for a free tool, and then writes
+/// neither.
 bool touch(const Object& object, const Tool& tool, ContactMemory& memory, double radius,
            Vec3& elastic, Vec3& frictional) noexcept;
 
-/// Adds touch() to `sum`. Every object of a scene is asked here with every sample. Most of them are
-/// plain springs that are not touched, so these cost no more than a look at their surface.
+/// Adds touch() to `sum`. It is called for every object of a scene with every sample. Most objects
+/// are plain springs that are not touched; these cost only a test of their surface.
 inline void add_touch(const Object& object, const Tool& tool, ContactMemory& memory, double radius,
                       Command& sum) noexcept {
   if (!object.material.is_spring()) {
@@ -56,7 +57,7 @@ inline void add_touch(const Object& object, const Tool& tool, ContactMemory& mem
   if (std::isfinite(elastic.sum())) [[likely]]
     sum.elastic += elastic;
   else
-    memory = {};  // sizes or positions beyond what products can hold
+    memory = {};  // the sizes or positions overflow a product
 }
 
 }  // namespace feltwire

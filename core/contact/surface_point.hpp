@@ -1,5 +1,5 @@
 #pragma once
-// Where a point inside any shape is pushed out.
+// The place to which a point inside a shape is pushed out.
 
 #include "core/geometry/shapes.hpp"
 
@@ -24,8 +24,8 @@ SurfacePoint surface_point(const Shape& shape, Side side, const Vec3& position,
 bool follows_way(const Shape& shape, Side side) noexcept;
 /// The origin of FeatureMemory::proxy [m, object frame].
 Vec3 origin_of(const Shape& shape) noexcept;
-/// Seeds the memory of a shape that was not asked in the sample before: the tool was at `position`
-/// then [m, object frame].
+/// Seeds the memory of a shape that was not evaluated in the sample before: the tool was at
+/// `position` then [m, object frame].
 void approach_from(const Shape& shape, const Vec3& position, FeatureMemory& memory) noexcept;
 
 }  // namespace feltwire

@@ -1,5 +1,5 @@
 #pragma once
-// A closed mesh within planes.
+// The part of a closed mesh below planes.
 
 #include <cstdint>
 #include <utility>
@@ -10,9 +10,9 @@
 
 namespace feltwire {
 
-/// What planes leave of the solid that a closed mesh bounds: its surface in polygons, and the
+/// The part below planes of the solid that a closed mesh bounds: its surface in polygons, and the
 /// corners of the cell of planes that lie in the solid. The hull of these points is the hull of
-/// what is left. Coordinates are relative to the mesh's origin.
+/// this part. Coordinates are relative to the mesh's origin.
 class ClippedSolid {
  public:
   /// The whole solid. The surface is closed with its normals outwards and outlives this.
@@ -25,8 +25,8 @@ class ClippedSolid {
   /// The points whose hull is that of the whole.
   std::vector<Vec3> points() const;
 
-  /// Places to cut: even ones along the axes, and the planes of the faces that meet in the sharpest
-  /// hollow edges.
+  /// Candidate planes: evenly spaced ones along the axes, and those of the faces that meet in the
+  /// sharpest hollow edges.
   std::vector<HalfSpaceBelow> cuts() const;
 
  private:
@@ -38,7 +38,7 @@ class ClippedSolid {
   std::vector<Vec3> corners_on(const HalfSpaceBelow& cut) const;
 
   const MeshSurface* solid_;
-  double rounding_;  // [m] points this near a plane lie on it
+  double rounding_;  // [m] points within this distance of a plane lie on it
   std::vector<Vec3> vertices_;
   std::vector<Polygon> polygons_;
   std::vector<HalfSpaceBelow> cell_;

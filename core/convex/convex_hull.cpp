@@ -75,7 +75,8 @@ std::optional<ConvexHull> convex_hull(std::span<const Vec3> points) {
   if (failed == qh_ERRmem) throw std::bad_alloc();
   if (failed == qh_ERRsingular || failed == qh_ERRprec) return std::nullopt;
   if (failed != 0)
-    throw std::runtime_error("convex hull: Qhull gives up (error " + std::to_string(failed) + ")");
+    throw std::runtime_error("convex hull: Qhull cannot compute it (error " +
+                             std::to_string(failed) + ")");
 
   ConvexHull hull;
   std::vector<std::size_t> corners;

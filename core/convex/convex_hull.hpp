@@ -19,7 +19,7 @@ struct HalfSpaceBelow {
 struct ConvexHull {
   std::vector<Vec3> vertices;  // [m] the corners, in the order of the points given
   std::vector<HalfSpaceBelow>
-      planes;           // of its faces; a face of many corners may stand more than once
+      planes;  // of its faces; the plane of a face with many corners may occur more than once
   double volume = 0.0;  // [m^3]
 
   bool contains(const Vec3& p, double slack = 0.0) const noexcept {
@@ -29,10 +29,10 @@ struct ConvexHull {
   }
 };
 
-/// The hull of points, with corners that are points given, to the bit (Barber, Dobkin & Huhdanpaa
-/// 1996, The Quickhull algorithm for convex hulls). Nothing: the points lie in one plane, to
-/// rounding, so that it has no volume. The same points in the same order give the same bits.
-/// Precondition: the points are finite. Throws std::runtime_error if Qhull gives up, and
+/// Returns the hull of points. Its corners are given points, to the bit (Barber, Dobkin & Huhdanpaa
+/// 1996, The Quickhull algorithm for convex hulls). Empty if the points lie in one plane, to
+/// rounding, so that there is no volume. The same points in the same order give the same bits.
+/// Precondition: the points are finite. Throws std::runtime_error if Qhull fails, and
 /// std::bad_alloc.
 std::optional<ConvexHull> convex_hull(std::span<const Vec3> points);
 

@@ -1,11 +1,11 @@
 #pragma once
-// A tool without mass that a spring couples to the device: where what it touches lets it be.
+// A tool without mass, coupled to the device by a spring: its balance with the contacts.
 
 #include "core/coupled_tool/tool_contact.hpp"
 
 namespace feltwire {
 
-/// The spring between device and tool, linear and rotational; each saturates.
+/// The spring between device and tool, linear and rotational; each part saturates.
 struct ToolCoupling {
   double stiffness = 1000.0;          // [N/m], > 0
   double rotational_stiffness = 0.0;  // [N m/rad]; 0: stiffness times the shell's radius squared
@@ -13,8 +13,8 @@ struct ToolCoupling {
   double max_torque = 0.0;            // [N m]; 0: max_force times the shell's radius
 };
 
-/// The state of one tool in one scene: where the tool is. What it touches may keep it from the
-/// device's pose.
+/// The state of one tool in one scene: its pose, which contacts may keep away from the device's
+/// pose.
 struct BodyMemory {
   bool placed = false;
   Pose pose;
@@ -24,7 +24,7 @@ struct BodyMemory {
   bool slipping = false;  // along a surface; then dynamic friction acts
 };
 
-/// A pose moved by [m] and turned by a rotation vector [rad], world frame.
+/// Returns the pose moved by [m] and turned by a rotation vector [rad], world frame.
 Pose moved(const Pose& pose, const Vec3& by, const Vec3& turn) noexcept;
 
 /// The result of a step.
@@ -34,14 +34,14 @@ struct BodyStep {
   std::size_t touching = 0;                    // points
   std::size_t evaluations = 0, looked_at = 0;  // of all contacts; nodes and points in them
   /// The part of the command from each object, about the tool's origin. Their sum is the command,
-  /// to rounding: an imbalance that is left is divided among them in proportion to their size.
+  /// to rounding: a remaining imbalance is divided among them in proportion to their size.
   std::array<ObjectWrench, ShellContact::kFrictionPatches> parts;
   std::size_t part_count = 0;
 
   std::span<const ObjectWrench> touched() const { return {parts.data(), part_count}; }
 };
 
-/// What a tool touches: the scene's solids, or a local model of them.
+/// The surroundings of a tool: the scene's solids, or a local model of them.
 class ToolSurroundings {
  public:
   virtual ~ToolSurroundings() = default;
@@ -49,7 +49,7 @@ class ToolSurroundings {
   virtual ShellContact contact(const Pose& tool) const noexcept = 0;
 };
 
-/// What a step knows of the tool besides its surroundings.
+/// The properties of the tool for a step.
 struct CoupledTool {
   const ToolCoupling& coupling;  // nothing in it is zero
   double radius;                 // [m] of the farthest point from the tool's origin, > 0
@@ -73,13 +73,14 @@ struct CoupledTool {
 /// way since then. On a tool that leaves a surface it is no stronger than the force that pushes the
 /// tool out.
 ///
-/// `elapsed`: [s] since the step before; at zero or less nothing is damped.
+/// `elapsed`: [s] since the step before; at zero or less there is no damping.
 ///
-/// A pose that is not finite gives zero and leaves the memory as it was. Never allocates.
+/// A pose that is not finite gives zero and leaves the memory unchanged. Never allocates.
 BodyStep step_coupled_tool(const CoupledTool& tool, const ToolSurroundings& surroundings,
                            const Pose& device, double elapsed, BodyMemory& memory) noexcept;
 
-inline constexpr double kToolAdvance = 1e-3;        // [m]
-inline constexpr std::size_t kToolEvaluations = 8;  // of all contacts, at most, a step
+inline constexpr double kToolAdvance = 1e-3;  // [m]
+inline constexpr std::size_t kToolEvaluations =
+    8;  // largest number of evaluations of all contacts in a step
 
 }  // namespace feltwire

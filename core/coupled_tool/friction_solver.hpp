@@ -1,5 +1,5 @@
 #pragma once
-// Coulomb friction of a tool without mass: how it moves, and the friction on it.
+// Coulomb friction of a tool without mass: its movement, and the friction on it.
 
 #include "core/coupled_tool/tool_contact.hpp"
 

@@ -1,5 +1,5 @@
 #pragma once
-// What a patch of contact points does to a motion along it.
+// The slip that a motion causes in a patch of contact points.
 
 #include <algorithm>
 
@@ -8,7 +8,7 @@
 
 namespace feltwire {
 
-/// Where a patch is: sums over its points, weighted by their load.
+/// The geometry of a patch: sums over its points, weighted by their load.
 struct SlipSums {
   double weight = 0.0;
   Vec3 arm = Vec3::Zero(), normal = Vec3::Zero();  // [m] from the tool's origin; unit
@@ -21,8 +21,8 @@ struct SlipSums {
     arms += load * arm_of * arm_of.transpose();
   }
 
-  /// How far a motion v, w slips: the centre c along the surface, v + w x c less its part along
-  /// the mean normal n, and the points about n. Rocking on the surface is no slip.
+  /// The slip of a motion v, w: that of the centre c along the surface, v + w x c less its part
+  /// along the mean normal n, and that of the points about n. Rocking on the surface is not slip.
   Mat6 slip() const noexcept {
     const Vec3 c = arm / weight, n = direction(normal);
     const Mat3 across = Mat3::Identity() - n * n.transpose();

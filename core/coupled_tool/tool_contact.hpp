@@ -1,5 +1,6 @@
 #pragma once
-// The contact of a tool that has a body: generalised forces, their stiffness, and what grips.
+// The contact of a tool with a body: generalised forces, their stiffness, and the places with
+// friction.
 
 #include <array>
 #include <cstdint>
@@ -22,7 +23,8 @@ struct FrictionPatch {
   /// slip [m^2], weighted by their load. The points count as those of a plane: only motion across
   /// the mean normal and about it is slip. So a tool that only rocks does not slip.
   Mat6 slip = Mat6::Zero();
-  Vec6 carried = Vec6::Zero();  // how the object itself moved in the step, about the tool's origin
+  Vec6 carried =
+      Vec6::Zero();  // movement of the object itself in the step, about the tool's origin
   std::uint32_t object = 0;
 };
 

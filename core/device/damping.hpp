@@ -1,5 +1,5 @@
 #pragma once
-// How a device resists a movement by itself: the energy that pays for a bounded port.
+// The damping of a device itself. Its energy pays for the force of a bounded port.
 
 #include <cstdint>
 
@@ -26,7 +26,7 @@ class Damping {
 
   /// The damping in the direction that is damped least: the smallest eigenvalue.
   double least() const;
-  /// The damping that each world axis has in any case: the damping along it, or least() where a
+  /// The damping that each world axis has in every case: the damping along it, or least() if a
   /// matrix couples the axes.
   Vec3 per_axis() const;
   /// dx' B dx; over a hold of h, at least this / h is burned (Cauchy-Schwarz).
@@ -34,7 +34,7 @@ class Damping {
     return isotropic() ? matrix_(0, 0) * dx.squaredNorm() : dx.dot(matrix_ * dx);
   }
 
-  /// More of it, the same in every direction.
+  /// Adds damping, the same in every direction.
   Damping& operator+=(double b) {
     matrix_.diagonal().array() += b;
     return *this;
@@ -46,7 +46,7 @@ class Damping {
   Kind kind_ = Kind::isotropic;
 };
 
-/// Throws std::invalid_argument that begins with `field` and names the remedy, when a number is not
+/// Throws std::invalid_argument that begins with `field` and names the remedy, if a number is not
 /// finite or negative, or a matrix is not symmetric positive definite.
 void validate(const Damping& damping, const char* field);
 

@@ -1,5 +1,5 @@
 #pragma once
-// A device's specification from a file, and where its numbers come from.
+// A device's specification from a file, with the sources of its numbers.
 
 #include <filesystem>
 #include <functional>
@@ -22,25 +22,25 @@ struct SourcedSpec {
   SpecSources sources;
 };
 
-/// A specification as a command line asks for it.
+/// The request for a specification on a command line.
 struct SpecRequest {
   std::string name_or_file;        // a built-in name, or FILE.json; empty: the driver's own
   std::optional<Damping> damping;  // [N s/m] in place of the specification's
   std::optional<double> mass;      // [kg] the same for the apparent mass, as its lower bound
 };
 
-/// Reads a specification (JSON against core/device/device_spec.fbs). Throws FileError naming the
-/// file, the line, the field and the remedy.
+/// Reads a specification (JSON against core/device/device_spec.fbs). Throws FileError that names
+/// the file, the line, the field and the remedy.
 SourcedSpec load_sourced_spec(const std::filesystem::path& file);
 DeviceSpec load_device_spec(const std::filesystem::path& file);
 
-/// Finds a device as a command line names it: a built-in one by its name, or a file by a path that
-/// ends in .json. Throws std::invalid_argument listing the built-in names, or FileError.
+/// Finds the device of a command line: a built-in one by its name, or a file by a path that ends in
+/// .json. Throws std::invalid_argument that lists the built-in names, or FileError.
 SourcedSpec sourced_spec(std::string_view name_or_file);
 DeviceSpec device_spec(std::string_view name_or_file);
 
 /// The specification that the request names, or else `usual` (a name or a file). Throws as
-/// sourced_spec() does, and DeviceSpecError where a number of the request is not possible.
+/// sourced_spec() does, and DeviceSpecError if a number of the request is not possible.
 SourcedSpec requested_spec(const SpecRequest& request, std::string_view usual);
 
 /// The specification with the numbers of the request in it. Throws DeviceSpecError.

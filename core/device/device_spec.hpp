@@ -25,7 +25,7 @@ struct DeviceSpec {
   double position_resolution = 0.0;  // [m] encoder quantum at the tool
   double max_force = 0.0;            // [N] peak
   double continuous_force = 0.0;     // [N]
-  double max_torque = 0.0;           // [N m] peak, 0 when torque is not actuated
+  double max_torque = 0.0;           // [N m] peak, 0 if torque is not actuated
   Vec3 workspace = Vec3::Zero();     // [m] full extent along x, y, z
 
   // Assumptions of the port's account (core/bounding/account.hpp). They stay at the client.
@@ -61,10 +61,10 @@ void validate(const DeviceSpec& spec);
 /// The built-in devices, in a fixed order.
 std::span<const DeviceSpec> builtin_devices();
 
-/// The built-in device of that name; throws std::invalid_argument listing the existing names.
+/// The built-in device of that name; throws std::invalid_argument that lists the existing names.
 const DeviceSpec& builtin_device(std::string_view name);
 
-/// The part of a command that the device can actuate: axes it lacks become zero.
+/// The part of a command that the device can actuate: missing axes become zero.
 Command actuated(const DeviceSpec& spec, Command command) noexcept;
 
 }  // namespace feltwire

@@ -8,8 +8,8 @@
 
 namespace feltwire {
 
-/// One line a number: field, value, unit, source. Numbers that the device has not (torque of one
-/// without rotation) and that have no source are left out.
+/// One line for each number: field, value, unit, source. Numbers that the device does not have
+/// (torque of one without rotation) and that have no source are left out.
 std::string spec_table(const SourcedSpec& described);
 
 /// A sentence for each number that the account relies on and that is an assumption: "damping 0.05

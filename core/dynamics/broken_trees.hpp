@@ -23,8 +23,8 @@ class BrokenTrees {
   void mark_all() noexcept { std::ranges::fill(marked_, 1); }
   void mark(int body) noexcept { marked_[root(body)] = 1; }
   bool has(int body) const noexcept { return marked_[root(body)] != 0; }
-  /// Stores which trees touch each other now. After a failure the bodies have moved apart, so it is
-  /// too late to ask.
+  /// Stores which trees touch each other now. After a failure the bodies have moved apart, and it
+  /// would be too late.
   void remember(const mjData& data) noexcept {
     ties_.clear();
     for (int i = 0; i < data.ncon && ties_.size() < kMostTies; ++i) {

@@ -22,12 +22,12 @@ struct HandLimits {
 /// twice the hand's speed, so one that no hand can hit faster stays far below World::kLargestSpeed.
 inline constexpr double kFastestHand = 10.0;
 /// [s] A network may hold samples back for this long and then deliver them at once. So a hand may
-/// use the way of this time in a single sample. It is the usual hold_time, after which a hand has
-/// let go.
+/// use the movement of this time in a single sample. It is the usual hold_time; after that the hand
+/// has no force any more.
 inline constexpr double kHandHold = 0.1;
 
-/// Compares the way of one hand with its speed limit. Time is the server's, in ticks of the world.
-/// A client's own clock is not used, because a client could then claim any speed.
+/// Compares the movement of one hand with its speed limit. Time is the server's, in ticks of the
+/// world. A client's own clock is not used, because with it a client could claim any speed.
 class HandPace {
  public:
   HandPace() = default;
@@ -59,7 +59,7 @@ class HandPace {
 
  private:
   double speed_ = HandLimits::kOff, tick_ = 0.0, recovery_ = 1.0;
-  double left_ = 0.0;                        // [m] the way that it may still use at once
+  double left_ = 0.0;                        // [m] the movement that it may still use at once
   std::uint64_t seen_ = 0, slow_since_ = 0;  // [ticks]
   bool was_fast_ = false;
 };

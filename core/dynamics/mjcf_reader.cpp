@@ -8,7 +8,8 @@
 //
 // An MJCF file names others: includes, meshes, height fields, textures. MuJoCo and its libraries
 // open all of them by fopen(). The dynamic linker takes this program's own fopen() before libc's,
-// and this one refuses what is no regular file: a pipe would be waited for, a device read for ever.
+// and this one refuses what is not a regular file: a pipe would be waited for, a device read for
+// ever.
 
 #include <fcntl.h>
 #include <mujoco/mujoco.h>
@@ -125,7 +126,8 @@ int main(int count, char** words) {
   mju_user_warning = [](const char*) {};  // by itself it writes a file
   std::array<char, 1000> error{};
   mjModel* model = mj_loadXML(words[1], nullptr, error.data(), static_cast<int>(error.size()));
-  if (model == nullptr) refuse(error[0] != '\0' ? error.data() : "MuJoCo gave up on it");
+  if (model == nullptr)
+    refuse(error[0] != '\0' ? error.data() : "MuJoCo cannot compile it, and gives no reason");
   mj_saveModel(model, words[2], nullptr, 0);
   _exit(0);
 }

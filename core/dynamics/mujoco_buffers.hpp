@@ -1,6 +1,6 @@
 #pragma once
-// Internal to core/dynamics: one run of a model, in as much memory as it needs. MuJoCo allocates
-// all memory beforehand, by three numbers. Where these are too small it drops contacts or gives up.
+// Internal to core/dynamics: one run of a model, with the memory that it needs. MuJoCo allocates
+// all memory beforehand, by three numbers. If they are too small, it drops contacts or fails.
 
 #include <string>
 #include <vector>
@@ -32,12 +32,12 @@ Room first_room(const mjModel& model);
 bool has_range(const Body& body);
 
 /// Newton's solver has matrices over the speeds of all bodies. With more bodies than this,
-/// conjugate gradients cost less, whatever the bodies touch.
+/// conjugate gradients are faster, for all contacts.
 inline constexpr std::size_t kFewBodies = 200;
 
-/// The <size> of a model of these objects and bodies, for the one step that MuJoCo's loader tries.
-/// A Simulation chooses its room by itself. Throws std::invalid_argument where MuJoCo's numbers
-/// cannot be so large.
+/// The <size> of a model with these objects and bodies, for the single step of MuJoCo's loader. A
+/// Simulation chooses its own sizes. Throws std::invalid_argument if MuJoCo's numbers cannot be so
+/// large.
 std::string trial_room(std::size_t objects, const std::vector<Body>& bodies);
 
 /// [bytes]
@@ -48,8 +48,8 @@ inline constexpr double kFirstMemory = 8e6, kMostMemory = 1e9;
 /// contacts that do not fit are left out and counted.
 class Simulation {
  public:
-  /// Evaluates the model's first state. Throws std::runtime_error where MuJoCo cannot. The model
-  /// must outlive it. Sizes given in the model's file stay.
+  /// Evaluates the model's first state. Throws std::runtime_error if MuJoCo cannot. The model must
+  /// outlive it. Sizes in the model's file stay.
   explicit Simulation(const mjModel& model, double most_memory = kMostMemory);
 
   const mjModel& model() const { return model_; }
@@ -62,8 +62,8 @@ class Simulation {
   void set_gravity(const Vec3& gravity) noexcept;
   Room room() const { return {model_.nconmax, model_.njmax, model_.nstack}; }
 
-  /// mj_step1() computes what follows from the state, mj_step2() does a step. They return false
-  /// where MuJoCo gave up, and allocate only to grow.
+  /// mj_step1() evaluates the state, mj_step2() does a step. They return false if MuJoCo failed,
+  /// and allocate only to grow.
   bool evaluate() noexcept;
   bool advance() noexcept;
 
@@ -73,8 +73,8 @@ class Simulation {
 
   mjModel model_;  // shallow: all but the sizes is the given one's
   Data data_;
-  double most_memory_;  // [bytes]
-  bool fixed_;          // the file says how much
+  double most_memory_;  // [bytes] limit
+  bool fixed_;          // the file sets the sizes
   bool full_ = false;
 };
 

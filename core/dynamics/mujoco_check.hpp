@@ -6,7 +6,7 @@
 
 namespace feltwire::mujoco {
 
-/// `object_of`: for each geom its object, or -1. `still`: how many objects stand still.
+/// `object_of`: for each geom its object, or -1. `still`: the number of static objects.
 std::vector<std::string> warnings_of(const mjModel& model, const std::vector<Object>& objects,
                                      const std::vector<int>& object_of, std::size_t still,
                                      const std::vector<Mechanism::Part>& parts);

@@ -31,11 +31,11 @@ const mjtNum* entry(const mjtNum* all, int index) {
 inline Vec3 vector(const mjtNum* v) { return {v[0], v[1], v[2]}; }
 inline Quaternion quaternion(const mjtNum* q) { return {q[0], q[1], q[2], q[3]}; }
 
-/// A model, or MuJoCo's message why there is none.
+/// A model, or MuJoCo's error message.
 struct Loaded {
   Model model;
   std::string error;
-  std::vector<std::string> files = {};  // that it was read from, as MuJoCo named them
+  std::vector<std::string> files = {};  // the files that were read, with MuJoCo's names
 };
 /// Load a model in a child process (mjcf_reader.cpp), so that a fault of MuJoCo's loader on a bad
 /// file does not reach this process.
@@ -46,12 +46,12 @@ Loaded load_file(const std::string& file, const std::string& root = {});
 /// Reads a file that mj_saveModel() wrote; null for any other file.
 Model read_binary(const std::string& file);
 
-/// A state of the model, evaluated; null where MuJoCo refuses.
+/// A state of the model, evaluated. Null if MuJoCo refuses.
 Data make_data(const mjModel& model);
 
-/// Calls call(argument); returns false where MuJoCo gave up with an error. An error leaves the call
-/// by longjmp. So the call may use only MuJoCo's engine, which is C, and must hold nothing that a
-/// destructor would have to free. It is not for MuJoCo's loader, which is C++.
+/// Calls call(argument). Returns false if MuJoCo failed with an error. An error leaves the call by
+/// longjmp. So the call may use only MuJoCo's engine, which is C, and must own nothing that needs a
+/// destructor. Do not use it for MuJoCo's loader, which is C++.
 bool guarded(void (*call)(void*), void* argument) noexcept;
 /// Whether this thread's last call failed because MuJoCo's stack is too small.
 bool ran_out_of_stack() noexcept;

@@ -189,7 +189,7 @@ std::string reason(int status, const MemoryFile& error) {
            "contacts, joints with limits or friction and its stack; have fewer bodies, or a "
            "smaller "
            "<size>";
-  return words.empty() ? "MuJoCo gave up on it" : words;
+  return words.empty() ? "MuJoCo cannot compile it, and gives no reason" : words;
 }
 
 /// Each ends with a zero byte.

@@ -10,12 +10,12 @@ namespace feltwire::mujoco {
 
 using Compare = int (*)(const void*, const void*, void*);
 
-/// Replaces qsort_r(). Its memory is the calling thread's own and grows only where more is sorted
+/// Replaces qsort_r(). Its memory belongs to the calling thread and grows only for a larger array
 /// than ever before; without memory it sorts in place, slowly.
 void sort_stably(void* base, std::size_t count, std::size_t size, Compare compare,
                  void* context) noexcept;
 
-/// Does nothing. Whoever calls it has this file's qsort_r linked into the program.
+/// Does nothing. A call links this file's qsort_r into the program.
 void bring_own_sort() noexcept;
 
 }  // namespace feltwire::mujoco

@@ -1,5 +1,5 @@
 #pragma once
-// Internal to core/dynamics: values as MJCF writes them.
+// Internal to core/dynamics: values in the format of MJCF.
 
 #include <string>
 

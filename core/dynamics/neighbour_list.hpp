@@ -1,7 +1,7 @@
 #pragma once
-// The moving objects that a tool could meet: a list of those near it. The list holds until tool and
-// objects may have come together by its margin (Verlet 1967, "Computer 'experiments' on classical
-// fluids"). So a scene of thousands of objects costs as much as the few near the tool.
+// A list of the moving objects near a tool. It is valid until the tool and the objects may have
+// approached each other by its margin (Verlet 1967, "Computer 'experiments' on classical fluids").
+// So a scene of thousands of objects costs as much as the few near the tool.
 
 #include <cmath>
 #include <cstdint>
@@ -13,11 +13,11 @@
 
 namespace feltwire {
 
-/// The list of one tool. Before the first search it is empty and holds nowhere.
+/// The list of one tool. Before the first search it is empty and not valid at any place.
 struct NeighbourList {
   std::vector<std::uint32_t> parts;  // moving objects, rising
   Vec3 from = Vec3::Zero();          // [m] where the tool was when the list was made
-  /// [m] The list ends when the way of the objects (the fastest of each step) reaches this.
+  /// [m] The list ends when the movement of the objects (the fastest of each step) reaches this.
   double until = -std::numeric_limits<double>::infinity();
 
   bool known() const { return until > -std::numeric_limits<double>::infinity(); }
@@ -27,7 +27,7 @@ struct NeighbourList {
   }
 };
 
-/// A ball about each object that moves, outside of which the tool does not touch it.
+/// A ball about each moving object. Outside of it the tool does not touch the object.
 class NeighbourSearch {
  public:
   /// The tool is a point, or a ball where `tool_radius` [m] is above zero.
@@ -37,8 +37,8 @@ class NeighbourSearch {
   void place(std::size_t i, const Pose& pose) noexcept;
   /// Ends a step: every object has been placed.
   void placed() noexcept;
-  /// Counts the way of the objects from zero again, after a pose that may not have been finite. The
-  /// caller must forget every list.
+  /// Counts the movement of the objects from zero again, after a pose that may not have been
+  /// finite. The caller must discard every list.
   void begin_anew() noexcept { drift_ = largest_ = 0.0; }
 
   std::size_t size() const { return balls_.size(); }
@@ -60,7 +60,7 @@ class NeighbourSearch {
     return !((position - balls_[i].center).squaredNorm() > balls_[i].wide_square);
   }
 
-  /// Whether the list still has every object that a tool at `position`, or on the straight way
+  /// Whether the list still has every object that a tool at `position`, or on the straight path
   /// there, could touch.
   bool holds(const NeighbourList& near, const Vec3& position) const noexcept {
     const double left = near.until - drift_;
@@ -78,10 +78,10 @@ class NeighbourSearch {
     double square = 0.0;         // [m^2] of its radius
     double wide_square = 0.0;    // [m^2] of its radius and the margin
   };
-  std::vector<Ball> balls_;    // side by side in memory: every tool looks at all of them
+  std::vector<Ball> balls_;    // adjacent in memory, because every tool tests all of them
   std::vector<Vec3> middles_;  // [m, object frame]
   double margin_ = 0.0;        // [m]
-  double drift_ = 0.0;         // [m] the way of the fastest object of each step, summed up
+  double drift_ = 0.0;         // [m] summed movement of the fastest object of each step
   double largest_ = 0.0;       // [m^2] the square of this step's largest way so far
 };
 

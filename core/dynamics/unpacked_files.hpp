@@ -1,5 +1,5 @@
 #pragma once
-// Files that were kept in memory, on the disk again, for a library that reads no memory.
+// Writes kept files to the disk again, for a library that cannot read memory.
 
 #include <filesystem>
 #include <string>
@@ -8,8 +8,8 @@
 
 namespace feltwire {
 
-/// The files in a folder of their own, which goes with this object. A name may lead out of the
-/// folder of the scene (../meshes/a.stl): it stays within root() all the same.
+/// The files in a folder of their own, which is removed with this object. A name may lead out of
+/// the folder of the scene (../meshes/a.stl); the file stays within root().
 class UnpackedFiles {
  public:
   /// Throws FileError, also for a name that begins at the root of the file system.
@@ -18,9 +18,9 @@ class UnpackedFiles {
   UnpackedFiles(const UnpackedFiles&) = delete;
   UnpackedFiles& operator=(const UnpackedFiles&) = delete;
 
-  /// An absolute path without links. Nothing else is in it.
+  /// An absolute path without links. It contains nothing else.
   const std::filesystem::path& root() const { return root_; }
-  /// Where the file of this name is.
+  /// The path of the file with this name.
   std::filesystem::path place(const std::string& name) const { return scene_ / name; }
 
  private:

@@ -14,24 +14,25 @@
 
 namespace feltwire {
 
-/// A moving object, as a tool sees it: too far to be in the tool's list of neighbours, in the list,
-/// or in the list and asked for its force at the tool's last sample.
+/// The state of a moving object for a tool: too far to be in the tool's list of neighbours, in the
+/// list, or in the list and evaluated at the tool's last sample.
 enum class NeighbourState : std::uint8_t { far, near, asked };
 
-/// The largest force of late by which a hand pushed an object.
+/// The largest recent force with which a hand pushed an object.
 struct PeakPush {
   double force = 0.0;      // [N]
   std::uint64_t step = 0;  // of the world, then
 };
 
-/// The contacts of one tool with the moving objects, as its last sample left them.
+/// The contacts of one tool with the moving objects after its last sample.
 struct BodyContactState {
   std::size_t held = 0;  // the tool's place in Scene::views()
   Tool tool;
   std::vector<Vec3> forces;  // [N] on the hand, one for each moving object
-  NeighbourList near;        // of a point or a ball: only these are asked; others give no force
+  NeighbourList
+      near;  // of a point or a ball: only these objects are evaluated; others give no force
   std::vector<NeighbourState> nearness;  // of a point or a ball: one for each moving object
-  bool fresh = false;                    // made by the newest sample, and no step came since
+  bool fresh = false;                    // made by the newest sample, with no step since
   std::uint64_t resets = 0;              // the world's, when the contact memory was last valid
   std::uint64_t steps = 0;               // the world's, when it was last asked
   double most_force = HandLimits::kOff;  // [N] limit, on all moving objects together
@@ -39,7 +40,7 @@ struct BodyContactState {
   bool placed = false;                // a sample has come
   std::vector<PeakPush> peak_pushes;  // one for each moving object
 
-  // The rest is for a tool with a body. `tool` is then the pose where the contacts hold it.
+  // The rest is for a tool with a body. `tool` is then the pose at which the contacts hold it.
   Pose device;                        // the pose of the device
   std::vector<Vec3> torques;          // [N m] on the hand, about the tool's position
   std::vector<ObjectMotion> motions;  // of all objects, since it was last asked
@@ -47,50 +48,50 @@ struct BodyContactState {
 
 struct WorldCounters {
   std::uint64_t steps = 0;
-  std::uint64_t resets = 0;    // times that it went back to an older state after a bad step
+  std::uint64_t resets = 0;    // times that it returned to an older state after a bad step
   std::uint64_t returned = 0;  // free bodies that went too far and were put back at their start
   std::uint64_t warnings = 0;  // MuJoCo's: singular inertia, no room for a contact or constraint
 };
 
 class World {
  public:
-  /// Starts with the bodies where the scene puts them. The scene must outlive the world. Throws
-  /// std::invalid_argument where the scene has no mechanism. Allocates. No other function
-  /// allocates, except step() where the contacts need more room than ever before.
+  /// Starts with the bodies at their places in the scene. The scene must outlive the world. Throws
+  /// std::invalid_argument if the scene has no mechanism. It allocates. No other function
+  /// allocates, except step() if the contacts need more room than ever before.
   explicit World(const Scene& scene);
   ~World();
   World(const World&) = delete;
   World& operator=(const World&) = delete;
 
-  /// The scene as one of its tools touches it; `held` as in BodyContactState.
+  /// The scene for one of its tools; `held` as in BodyContactState.
   const ToolView& view(std::size_t held = 0) const { return *held_[held].view; }
   double tick() const { return tick_; }  // [s] time of one step
-  /// The objects of that view; moving ones stand where they are now.
+  /// The objects of that view; moving ones are at their present places.
   const std::vector<Object>& objects(std::size_t held = 0) const { return held_[held].objects; }
   /// [m/s] of the material point of an object that is at `point` [m, world].
   Vec3 velocity_at(std::size_t object, const Vec3& point) const noexcept;
   const WorldCounters& counters() const { return counters_; }
   /// True: the bodies were put back less than kRecovery ago.
   bool recovering() const { return trust_ < 1.0; }
-  /// The share (0 to 1) of its force by which an object is felt: 1, and less for a moving object
+  /// The share (0 to 1) of its force with which an object is felt: 1, and less for a moving object
   /// while recovering().
   double trust(std::size_t object) const { return object < still_ ? 1.0 : trust_; }
-  /// Tells that so many ticks of time passed without a step, as the server could not keep up. The
-  /// hands moved in that time.
+  /// So many ticks of time passed without a step, because the server could not keep up. The hands
+  /// moved in that time.
   void let_pass(std::uint64_t ticks) noexcept { passed_ += ticks; }
-  /// Goes on in another scene that differs only in the materials of its objects
+  /// Continues in another scene that differs only in the materials of its objects
   /// (Scene::set_material). The scene must outlive the world.
   void adopt(const Scene& scene) noexcept;
   /// [m/s^2] on the bodies.
   Vec3 gravity() const;
-  /// Holds from the step after the next one on. A new World starts with the scene's gravity.
+  /// Takes effect from the step after the next one. A new World starts with the scene's gravity.
   void set_gravity(const Vec3& gravity) noexcept;
   /// [N s] linear momentum of the bodies.
   Vec3 momentum() const noexcept;
 
   BodyContactState contact_state() const { return contact_state(view()); }
-  /// The contacts of a hand that has not touched yet, with the tool of this view. Throws
-  /// std::invalid_argument where the view is not one of this world's scene.
+  /// The contacts of a hand before its first touch, with the tool of this view. Throws
+  /// std::invalid_argument if the view is not of this world's scene.
   BodyContactState contact_state(const ToolView& view, const HandLimits& limits = {}) const;
 
   /// As ToolView::touch() of the view that `contacts` was made for, with the moving objects at
@@ -104,13 +105,13 @@ class World {
                 BodyContactState& contacts) const noexcept;
 
   /// Puts a share (0 to 1) of the contacts on the bodies for the next step. In the first step after
-  /// a sample, these are exactly the forces that touch() answered with, negated, at the tool
-  /// (Newton's third law, with the moments). In each further step the hand is taken to stand still,
-  /// and the forces are computed anew from where the bodies are now: a force that is held while the
-  /// body moves would be a late spring, and a late spring makes energy. Where the sum of the forces
-  /// is more than the hand's limit, all forces and torques are scaled down by one factor. Where a
-  /// point or ball was pushed out of an object's ball of reach and the surface is behind it, it
-  /// pushes at the nearest point of that ball, so that no lever is longer than the object.
+  /// a sample, these are exactly the forces of touch(), negated, at the tool (Newton's third law,
+  /// with the moments). In each further step the hand is assumed to stand still, and the forces are
+  /// computed for the new places of the bodies: a force that is held while the body moves would be
+  /// a late spring, and a late spring makes energy. If the sum of the forces is more than the
+  /// hand's limit, all forces and torques are scaled down by one factor. If a point or ball was
+  /// pushed out of an object's ball of reach and the surface is behind it, it pushes at the nearest
+  /// point of that ball, so that no lever is longer than the object.
   void push(BodyContactState& contacts, TouchMemory& memory, double share) noexcept;
   void push(BodyContactState& contacts, BodyMemory& memory, double share) noexcept;
 

@@ -13,9 +13,8 @@ inline SurfacePoint under(SurfacePoint centre, double radius) {
   return centre;
 }
 
-/// The same for a round solid. The centre may have been pushed past the middle, so that the
-/// surface's normal there is not that of the side which the ball touches: use the remembered
-/// normal.
+/// The same for a round solid. If the centre was pushed past the middle, the surface's normal there
+/// belongs to another side than the one that the ball touches: use the remembered normal.
 inline SurfacePoint under_round(SurfacePoint centre, double radius, const FeatureMemory& memory,
                                 Side side) {
   if (side == Side::inside) return under(centre, radius);
@@ -23,8 +22,8 @@ inline SurfacePoint under_round(SurfacePoint centre, double radius, const Featur
   return centre;
 }
 
-/// A ball outside a solid with edges, which it rounds: uses the signed distance while the centre is
-/// outside the solid, and the solid's own proxy while it is inside.
+/// A ball outside a solid with edges, which the ball rounds: uses the signed distance while the
+/// centre is outside the solid, and the solid's own proxy while it is inside.
 template <Primitive Solid>
 SurfacePoint rounded(const Solid& solid, const Vec3& p, double radius, FeatureMemory& memory) {
   const SurfacePoint inside = solid.surface_point(Side::outside, p, memory);

@@ -7,7 +7,7 @@ namespace feltwire {
 /// Its faces by index: +x, -x, +y, -y, +z, -z.
 inline constexpr int kBoxFaces = 6;
 
-/// Centred, along the axes.
+/// A box centred on the origin, with edges along the axes.
 struct Box {
   Vec3 half_extents = Vec3::Zero();  // [m], each > 0
 

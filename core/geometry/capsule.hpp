@@ -4,7 +4,8 @@
 
 namespace feltwire {
 
-/// Around the z axis, from -half_length to +half_length, with half spheres beyond.
+/// A capsule around the z axis: a cylinder from -half_length to +half_length, with half spheres at
+/// its ends.
 struct Capsule {
   double radius = 0.0;       // [m], > 0
   double half_length = 0.0;  // [m], >= 0

@@ -7,9 +7,9 @@ namespace feltwire {
 /// Its faces by index.
 inline constexpr int kConeSide = 0, kConeBase = 1;
 
-/// Around the z axis: a flat base at -half_length, the tip at +half_length.
+/// A cone around the z axis: a flat base at -half_length, the tip at +half_length.
 ///
-/// Bodies run into the hull of the tip and 64 points on the base's rim, which lies within the cone
+/// Bodies collide with the hull of the tip and 64 points on the base's rim. It lies within the cone
 /// by at most 0.13 % of the radius.
 struct Cone {
   double radius = 0.0;       // [m] of the base, > 0

@@ -7,7 +7,7 @@ namespace feltwire {
 /// Its faces by index.
 inline constexpr int kCylinderSide = 0, kCylinderTop = 1, kCylinderBottom = 2;
 
-/// Around the z axis, from -half_length to +half_length, flat ends.
+/// A cylinder around the z axis, from -half_length to +half_length, with flat ends.
 struct Cylinder {
   double radius = 0.0;       // [m], > 0
   double half_length = 0.0;  // [m], > 0

@@ -1,6 +1,6 @@
 #pragma once
-// The point of a corner of space that is nearest to another: what up to three active constraints
-// leave of a movement.
+// The nearest point to a goal within up to three half spaces: the movement that the active
+// constraints allow.
 
 #include <array>
 #include <cstddef>
@@ -10,7 +10,7 @@
 
 namespace feltwire {
 
-/// The side n . x >= offset of a plane.
+/// The half space n . x >= offset.
 struct HalfSpace {
   Vec3 normal = Vec3::UnitZ();  // unit
   double offset = 0.0;          // [m]
@@ -19,14 +19,14 @@ struct HalfSpace {
 
 struct Nearest {
   Vec3 point = Vec3::Zero();
-  std::array<std::size_t, 3> active{};  // indices of the planes it lies on
+  std::array<std::size_t, 3> active{};  // indices of the planes on which the point lies
   int count = 0;
   bool found = false;  // false: no point is in all half spaces, or rounding hides it
 };
 
-/// The point of all half spaces that is nearest to `goal`, right to `tolerance` [m]. One active
-/// plane more a round, as in Goldfarb & Idnani's dual method, with the sets of four so small that
-/// all of their subsets are tried.
+/// Returns the point of all half spaces that is nearest to `goal`, correct to `tolerance` [m]. Each
+/// round adds an active plane, as in Goldfarb & Idnani's dual method. The sets of four are so small
+/// that all of their subsets are tried.
 Nearest nearest_in(std::span<const HalfSpace> spaces, const Vec3& goal, double tolerance) noexcept;
 
 }  // namespace feltwire

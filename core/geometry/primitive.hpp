@@ -30,18 +30,18 @@ struct MassProperties {
   Mat3 inertia = Mat3::Zero();  // [m^5] about the centre, along the frame's axes
 };
 
-/// A length of a shape as a scene file has it.
+/// A length of a shape in a scene file.
 struct Length {
   const char* name;          // of the field; "size.x" is the x of a field "size" with x, y and z
-  double share = 1.0;        // the shape's number is this share of the file's
-  bool may_be_zero = false;  // else it is above zero
-  double most = std::numeric_limits<double>::infinity();  // [m] of the file's number
+  double share = 1.0;        // the shape's number over the file's number
+  bool may_be_zero = false;  // false: it must be above zero
+  double most = std::numeric_limits<double>::infinity();  // [m] largest allowed number in the file
 };
 
 /// A part of a shape's surface, seen from a point.
 struct SurfacePart {
-  double distance = 0.0;      // [m] within this of the point, leaving the part out changes nothing
-  std::uint32_t feature = 0;  // as FeatureMemory has it
+  double distance = 0.0;      // [m] a point nearer than this needs the part
+  std::uint32_t feature = 0;  // index of the part, as in FeatureMemory
   bool shown =
       true;  // false: no patch of its own represents this part (the far parts of a capsule)
 };
@@ -70,12 +70,12 @@ struct PhysicsGeom {
   /// [m] Of a sphere {radius, 0, 0}; of a capsule and a cylinder about z {radius, half length, 0};
   /// of a box its half extents.
   Vec3 size = Vec3::Zero();
-  std::optional<Pose> pose{};  // in the shape's frame; none: that frame itself
+  std::optional<Pose> pose{};  // in the shape's frame; empty: the shape's frame itself
   std::vector<Vec3> hull{};    // [m]
 };
 
-/// All of these are in the shape's own frame, whose origin is the middle of the shape's box. Those
-/// that are noexcept never allocate.
+/// All members use the shape's own frame, whose origin is the middle of the shape's box. The
+/// noexcept members never allocate.
 template <class Shape>
 concept Primitive = requires(const Shape& shape, Shape& given, Side side, const Vec3& p,
                              double number, FeatureMemory& memory, const FeatureMemory& remembered,
@@ -86,40 +86,40 @@ concept Primitive = requires(const Shape& shape, Shape& given, Side side, const 
   Shape::lengths(given, [](const Length&, double&) {});
   Shape::lengths(shape, [](const Length&, double) {});
 
-  /// The proxy of a point, as surface_point() of a Shape says (core/contact/surface_point.hpp).
+  /// The proxy of a point; see surface_point() of a Shape (core/contact/surface_point.hpp).
   { shape.surface_point(side, p, memory) }
   noexcept->std::same_as<SurfacePoint>;
-  /// The surface that a ball of a radius [m] > 0 meets, as ball_surface() (core/contact/ball.hpp).
+  /// The surface that a ball of a radius [m] > 0 meets; see ball_surface() (core/contact/ball.hpp).
   { shape.ball_surface(side, p, number, memory) }
   noexcept->std::same_as<SurfacePoint>;
   /// [m] The radius of the largest ball within the solid.
   { shape.room() }
   noexcept->std::same_as<double>;
-  /// The exact distance to the surface, negative in the solid. Where several points of the surface
-  /// are nearest, the gradient is that of one of them.
+  /// The exact distance to the surface, negative in the solid. If several points of the surface are
+  /// nearest, the gradient is that of one of them.
   { shape.signed_distance(p) }
   noexcept->std::same_as<FieldPoint>;
-  /// [m] Half of the box about the solid; infinite where no box holds it.
+  /// [m] Half of the box about the solid; infinite if there is no such box.
   { shape.half_box() }
   noexcept->std::same_as<Vec3>;
   /// [m] The radius of the ball about the origin that holds the solid.
   { shape.reach() }
   noexcept->std::same_as<double>;
-  /// Volume zero: it has no end.
+  /// Volume zero: the shape is unbounded.
   { shape.mass_properties() } -> std::same_as<MassProperties>;
-  /// The surface, closed, outside out; a round side has `segments` (at least 3) flat ones, their
-  /// corners on the surface. Empty: it has no end.
+  /// The surface as a closed mesh with outward normals. A round side has `segments` (at least 3)
+  /// flat ones, with their corners on the surface. Empty: the shape is unbounded.
   { shape.triangles(whole) } -> std::same_as<TriangleSoup>;
-  /// The geoms that bodies collide with; none: bodies pass through. Several geoms, or a hull,
-  /// represent the shape with an error that the shape's header states.
+  /// The geoms that bodies collide with. Empty: bodies pass through. If there are several geoms, or
+  /// a hull, the shape's header states their error.
   { shape.geoms(side) } -> std::same_as<std::vector<PhysicsGeom>>;
 
-  /// All parts of the surface; `feature` is the part that a tool at p touches, 0: none. As
-  /// surface_parts() says (core/local_model_extraction/patches.hpp).
+  /// All parts of the surface. `feature` is the part that a tool at p touches, 0: none. See
+  /// surface_parts() (core/local_model_extraction/patches.hpp).
   { shape.parts(side, p, feature) }
   noexcept->std::same_as<SurfaceParts>;
-  /// The part with this index at its point nearest to p; a proxy that a touching tool has left
-  /// behind is `remembered`.
+  /// The part with this index at its point nearest to p. `remembered` is a proxy that a touching
+  /// tool has left behind.
   { shape.patch(side, p, whole, remembered, touching) }
   noexcept->std::same_as<PatchGeometry>;
 };

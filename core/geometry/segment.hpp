@@ -6,13 +6,13 @@
 
 namespace feltwire {
 
-/// The point of a segment that is nearest to a given one.
+/// The nearest point of a segment to a given point.
 struct NearestOnSegment {
-  double share = 0.0;  // of the way from the segment's beginning to its end, 0 to 1
+  double share = 0.0;  // position on the segment from its beginning to its end, 0 to 1
   Vec3 point = Vec3::Zero();
 };
 
-/// From a to b, which may be the same point.
+/// For the segment from a to b, which may be the same point.
 inline NearestOnSegment nearest_on_segment(const Vec3& a, const Vec3& b, const Vec3& p) noexcept {
   const Vec3 way = b - a;
   const double square = way.squaredNorm();

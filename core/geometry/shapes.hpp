@@ -33,24 +33,24 @@ struct PrimitiveList {
   }
 };
 
-/// The shapes that have a formula: each is a line here and a file that tells all of it.
+/// The shapes with a formula: each is a line here and a file with all of its code.
 using Primitives = PrimitiveList<Plane, Sphere, Box, Capsule, Cylinder, Cone, Torus>;
 
 class MeshSurface;
-/// Triangles, with what a hand needs to find its way on them; shared, immutable.
+/// Triangles, with the data that a hand needs to move on them; shared, immutable.
 struct Mesh {
   std::shared_ptr<const MeshSurface> surface;  // never null in a scene
 };
 template <class Real>
 class DistanceGrid;
-/// A distance field in samples (core/grid/distance_grid.hpp).
+/// A distance field, sampled (core/grid/distance_grid.hpp).
 struct Grid {
   std::shared_ptr<const DistanceGrid<float>> field;  // never null
 };
 using Shape = Primitives::And<Mesh, Grid>;
 
-/// call(primitive) for the one that a variant holds, else otherwise(). For the servo loop: unlike
-/// std::visit it never throws.
+/// Calls call(primitive) for the primitive that a variant holds, otherwise otherwise(). For the
+/// servo loop: unlike std::visit it never throws.
 template <std::size_t kFirst = 0, class Variant, class Call, class Otherwise>
 auto on_primitive(const Variant& shape, Call&& call, Otherwise&& otherwise) {
   if constexpr (kFirst < std::variant_size_v<Variant>) {
@@ -63,14 +63,14 @@ auto on_primitive(const Variant& shape, Call&& call, Otherwise&& otherwise) {
   }
 }
 
-/// Whether a shape has an end: all primitives but a plane have.
+/// Whether a shape is bounded: all primitives except a plane are.
 template <Primitive Solid>
 bool is_bounded(const Solid& solid) noexcept {
   return solid.half_box().allFinite();
 }
 
-/// The names of all primitives for a sentence: "plane, sphere, ...". `bounded`: of those that have
-/// an end.
+/// The names of all primitives for a sentence: "plane, sphere, ...". `bounded`: only those that are
+/// bounded.
 std::string names_of_primitives(bool bounded);
 
 }  // namespace feltwire

@@ -1,5 +1,5 @@
 #pragma once
-// How the proxies of all solids use their memory.
+// The use of the memory by the proxies of all solids.
 
 #include <cstdint>
 
@@ -7,7 +7,7 @@
 
 namespace feltwire {
 
-// Every test for contact is written so that a NaN is free.
+// Every test for contact is written so that NaN counts as free.
 
 inline SurfacePoint no_contact(FeatureMemory& memory) {
   memory = {};
@@ -21,7 +21,7 @@ inline SurfacePoint stand_on(const Vec3& point, const Vec3& normal, double depth
   return {point, normal, depth};
 }
 
-/// The point is free of a solid that has a far side. The next sample begins its way here.
+/// The point is free of a solid with a far side. The next sample starts its path here.
 inline SurfacePoint free_at(const Vec3& p, FeatureMemory& memory) {
   memory = {};
   memory.proxy = p;
@@ -29,7 +29,7 @@ inline SurfacePoint free_at(const Vec3& p, FeatureMemory& memory) {
   return {};
 }
 
-/// The proxy stands on such a solid.
+/// The proxy is on such a solid.
 inline SurfacePoint held_on(const SurfacePoint& on, int feature, FeatureMemory& memory) {
   memory.side = 1;
   memory.proxy = on.point;
@@ -38,7 +38,7 @@ inline SurfacePoint held_on(const SurfacePoint& on, int feature, FeatureMemory& 
 }
 
 /// Whether a point that is `off` [m] outside a solid, after a movement of `way` [m], cannot have
-/// been inside it on that way: it moved less than the distance.
+/// been inside it meanwhile: it moved less than the distance.
 inline bool cannot_have_met(double off, const Vec3& way) {
   return off > 0.0 && way.squaredNorm() < off * off;
 }

@@ -4,7 +4,7 @@
 
 namespace feltwire {
 
-/// Centred on the origin.
+/// A sphere centred on the origin.
 struct Sphere {
   double radius = 0.0;  // [m], > 0
 

@@ -1,5 +1,5 @@
 #pragma once
-// What the primitives share that tell their surface in parts.
+// The common code of the primitives that divide their surface into parts.
 
 #include <algorithm>
 #include <cmath>
@@ -12,8 +12,8 @@ namespace feltwire {
 
 inline constexpr std::uint32_t kOnlyFeature = 1;
 
-// What underflows here is a distance that is taken for nothing, which is on the safe side; a scene
-// has no lengths that would overflow.
+// A distance that underflows here counts as zero, which is on the safe side; a scene has no lengths
+// that would overflow.
 inline double root(double a, double b) { return std::sqrt(a * a + b * b); }
 
 inline std::uint32_t feature_of(int face) { return static_cast<std::uint32_t>(1 + face); }
@@ -24,9 +24,9 @@ inline void add(SurfaceParts& all, double distance, std::uint32_t feature, bool 
   all.parts[static_cast<std::size_t>(all.count++)] = {distance, feature, shown};
 }
 
-/// One of several faces that bound a convex solid together: it begins to count where the solid
-/// does, and where the tool could be beyond it and inside the others. The face that the tool stands
-/// on counts wherever it is.
+/// One of several faces that bound a convex solid together. It begins to count where the solid
+/// does, and where the tool could be beyond it and inside the others. The face that the tool
+/// touches counts everywhere.
 inline void add_convex(SurfaceParts& all, double beyond, double solid, int face,
                        std::uint32_t entered) {
   const std::uint32_t feature = feature_of(face);
@@ -37,7 +37,7 @@ inline double height(Side side, double distance, double radius) {
   return side == Side::outside ? distance - radius : radius - distance;
 }
 
-/// A proxy that was left behind holds the tool wherever it is.
+/// A proxy that was left behind holds the tool everywhere.
 inline double unless_entered(double distance, Side side, std::uint32_t entered) {
   return side == Side::outside && entered == kOnlyFeature ? 0.0 : distance;
 }
@@ -51,8 +51,8 @@ inline PatchGeometry round_patch(Side side, const Vec3& core, const Vec3& outwar
   return {.point = core + radius * outward, .normal = sign * outward, .curvature = sign / radius};
 }
 
-/// The normal of a proxy that was left behind on another side than p; null: it is above p, or p
-/// does not touch this face.
+/// Returns the normal of a proxy that was left behind on another side than p. Null: it is above p,
+/// or p does not touch this face.
 inline const Vec3* left_behind(Side side, int face, const Vec3& outward,
                                const FeatureMemory& feature, bool touching) {
   constexpr double kRounding = 1e-9;
@@ -62,7 +62,8 @@ inline const Vec3* left_behind(Side side, int face, const Vec3& outward,
   return &feature.normal;
 }
 
-/// The way from the z axis to p; on the axis that of the remembered normal.
+/// Returns the direction from the z axis to p; on the axis the horizontal part of the remembered
+/// normal.
 inline Vec3 across_axis(const Vec3& p, const FeatureMemory& memory) {
   const Vec3 remembered(memory.normal.x(), memory.normal.y(), 0.0);
   return or_else(direction(Vec3(p.x(), p.y(), 0.0)), or_else(direction(remembered), Vec3::UnitX()));

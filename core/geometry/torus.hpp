@@ -6,8 +6,8 @@ namespace feltwire {
 
 /// A ring: all points within minor_radius of the circle of major_radius around the z axis.
 ///
-/// Bodies run into a ring of 24 capsules, whose middle line is off the circle by at most 0.43 % of
-/// the major radius.
+/// Bodies collide with a ring of 24 capsules, whose middle line is off the circle by at most 0.43 %
+/// of the major radius.
 struct Torus {
   double major_radius = 0.0;  // [m] > 0
   double minor_radius = 0.0;  // [m] > 0, at most the major radius

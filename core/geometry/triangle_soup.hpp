@@ -11,7 +11,7 @@ namespace feltwire {
 /// Indices of the corners, counter-clockwise seen from the outside.
 using Triangle = std::array<std::uint32_t, 3>;
 
-/// Vertices and triangles as they come, nothing checked.
+/// Vertices and triangles as given, without any check.
 struct TriangleSoup {
   std::vector<Vec3> vertices;  // [m]
   std::vector<Triangle> triangles;

@@ -1,9 +1,9 @@
 #pragma once
 // Signed distance on a grid. A query costs the same for every solid.
 //
-// The samples lie in bricks of 8 x 8 x 8. Only the bricks near the surface are kept; elsewhere one
-// value a brick says how far the surface is. A brick repeats the samples around it (its apron), so
-// that a query reads one brick and nothing else.
+// The samples lie in bricks of 8 x 8 x 8. Only the bricks near the surface are kept; every other
+// brick has one value, the distance at its centre. A brick repeats the samples around it (its
+// apron), so that a query reads only one brick.
 
 #include <array>
 #include <cstdint>
@@ -42,14 +42,14 @@ struct FieldGroup {
 };
 
 /// A solid as its box and its signed distance [m], both in one frame. The distance must be exact:
-/// between two places it changes by no more than the way between them. It is called from several
-/// threads and must not throw.
+/// between two places it changes by no more than their distance. Several threads call it, and it
+/// must not throw.
 struct Solid {
   Vec3 low = Vec3::Zero(), high = Vec3::Zero();  // [m] the solid lies between them
   std::function<double(const Vec3&)> distance;
 };
 
-/// How a value is computed from the samples around it.
+/// The interpolation between the samples.
 enum class Interpolation : std::uint8_t {
   linear,    // 8 samples; the gradient jumps from cell to cell
   quadratic  // 27 coefficients of a B-spline; the gradient is continuous
@@ -59,15 +59,15 @@ struct GridOptions {
   double resolution = 1e-3;  // h [m] between samples, > 0
   double band = 0.0;  // [m] about the surface that is sampled at h; 0: one brick, 8 h; never less
   Interpolation interpolation = Interpolation::quadratic;
-  std::size_t max_bytes = std::size_t{1} << 30;  // refuse what would take more
+  std::size_t max_bytes = std::size_t{1} << 30;  // a larger grid is refused
 };
 
 template <class Real>
 class DistanceGrid {
  public:
   /// Samples the solid, on all cores; the same bits on any number of them. Throws
-  /// std::invalid_argument naming resolution, value and remedy when the options or the solid's box
-  /// are not possible or the grid would be too large.
+  /// std::invalid_argument that names resolution, value and remedy if the options or the solid's
+  /// box are not possible or the grid would be too large.
   DistanceGrid(const Solid& solid, const GridOptions& options);
 
   /// Distance and gradient at a position. Where there are samples, the gradient is exactly that of
@@ -75,8 +75,8 @@ class DistanceGrid {
   /// band. Never allocates.
   FieldPoint at(const Vec3& position) const noexcept;
 
-  /// [m] A lower bound of sign * distance at the position; `sign` is 1 or -1. Reads one value, and
-  /// looks closer only where that value is below `wanted`.
+  /// [m] A lower bound of sign * distance at the position; `sign` is 1 or -1. It reads one value,
+  /// and more only if that value is below `wanted`.
   double at_least(const Vec3& position, double sign, double wanted) const noexcept;
 
   /// at() and at_least() of eight places. The results are the same up to Real's rounding. `wanted`
@@ -114,7 +114,7 @@ class DistanceGrid {
   Vec3 low_, high_;                  // [m] of the solid
   Vec3 origin_;                      // [m] of sample 0, 0, 0
   Index count_ = Index::Zero();      // bricks along x, y, z
-  std::vector<std::int32_t> slots_;  // of each brick, x fastest: where its samples are, or -1
+  std::vector<std::int32_t> slots_;  // of each brick, x fastest: the place of its samples, or -1
   std::vector<Real> centers_;        // [m] signed distance at each brick's centre
   std::vector<Real> values_;         // [m] samples or coefficients, x fastest, brick by brick
 };

@@ -1,17 +1,18 @@
 #pragma once
-// How far any point is from a shape's surface: exact for analytic solids, interpolated for grids.
+// The distance of any point from a shape's surface: exact for analytic solids, interpolated for
+// grids.
 
 #include "core/geometry/shapes.hpp"
 #include "core/grid/distance_grid.hpp"
 
 namespace feltwire {
 
-/// Signed distance [m] of a position [m, object frame] to the shape felt from `side`; above zero
-/// where the position is free. Where several points of the surface are equally near, the gradient
-/// is that of one of them. Never allocates.
+/// Signed distance [m] of a position [m, object frame] to the shape felt from `side`; above zero if
+/// the position is free. If several points of the surface are equally near, the gradient is that of
+/// one of them. Never allocates.
 FieldPoint signed_distance(const Shape& shape, Side side, const Vec3& position) noexcept;
 
-/// [m] A lower bound of the signed distance. It costs least where it is `wanted` or more
+/// [m] A lower bound of the signed distance. It costs least if it is `wanted` or more
 /// (DistanceGrid::at_least).
 double distance_at_least(const Shape& shape, Side side, const Vec3& position,
                          double wanted) noexcept;

@@ -1,5 +1,5 @@
 #pragma once
-// Virtual fixtures (Rosenberg 1993): forces that guide a hand where there is nothing to touch.
+// Virtual fixtures (Rosenberg 1993): forces that guide a hand without a surface.
 
 #include <array>
 #include <limits>
@@ -45,7 +45,7 @@ struct Attract {
 struct KeepOut {
   double stiffness = 0.0;  // [N/m], > 0
   double damping = 0.0;    // [N s/m], >= 0, along the push
-  double margin = 0.0;     // [m], >= 0; > 0 for what has no inside
+  double margin = 0.0;     // [m], >= 0; > 0 for a place without an inside
 };
 /// A pull towards the place, strongest at `reach`: max_force * 2 x / (1 + x^2), x = d / reach.
 struct Magnet {

@@ -15,7 +15,8 @@
 
 namespace feltwire {
 
-/// Where points of the tool may grip: of one object, with normals near one axis of its frame.
+/// A place where points of the tool may grip: on one object, with normals near one axis of its
+/// frame.
 struct BodyPatch {
   double static_friction = 0.0, dynamic_friction = 0.0;
   double viscous_friction = 0.0;  // [N s/m] of the object
@@ -25,19 +26,19 @@ struct BodyPatch {
 };
 
 /// A part of the tool's surface, and the plane that it meets. Its points lie about `arm` with the
-/// covariance `spread`; along the normal they are taken for evenly spread. So a part comes into
+/// covariance `spread`. Along the normal they are assumed to be spread evenly, so a part comes into
 /// contact point by point.
 struct BodyPoint {
   Vec3 arm = Vec3::Zero();      // [m, tool frame] of its centre, from the tool's origin
   Mat3 spread = Mat3::Zero();   // [m^2, tool frame] symmetric, positive semidefinite
   Vec3 normal = Vec3::UnitZ();  // unit, world frame, towards the free side
-  double distance = 0.0;   // [m] of the centre where the tool has the model's pose; < 0: inside
-  double stiffness = 0.0;  // [N/m] >= 0, of all its points
+  double distance = 0.0;        // [m] of the centre when the tool has the model's pose; < 0: inside
+  double stiffness = 0.0;       // [N/m] >= 0, of all its points
   std::uint8_t patch = 0;
 };
 
-/// What a part's evenly spread depths x + u, |u| <= half, come to, each over all points and counted
-/// where it is above zero.
+/// Integrals of the evenly spread depths x + u, |u| <= half, each over all points with a depth
+/// above zero.
 struct PressedPart {
   double share = 0.0, first = 0.0, second = 0.0;  // of the points; means of u [m] and u^2 [m^2]
   double depth = 0.0;                             // [m] mean of x + u
@@ -50,11 +51,11 @@ PressedPart pressed_part(double depth, double half) noexcept;
 inline constexpr int kMaxBodyPoints = 15;
 inline constexpr int kMaxBodyPatches = 3;
 
-/// All that a tool meets while way / reach + angle / turn of its movement is below 1.
+/// The contacts of a tool, valid while way / reach + angle / turn of its movement is below 1.
 struct BodyModel {
   std::uint32_t scene = 0;  // as in LocalModel
-  Pose tool;                // where it was made: where the contacts held the tool
-  double reach = 0.0;       // [m] 0: the model says nothing
+  Pose tool;                // the pose at which the contacts held the tool when the model was made
+  double reach = 0.0;       // [m] 0: the model is empty
   double turn = 0.0;        // [rad]
   ToolCoupling coupling;    // nothing in it is zero
   double radius = 0.0;      // [m] of the tool's farthest point from its origin
@@ -72,7 +73,7 @@ struct BodyModel {
   }
 };
 
-/// The contact of the tool with the model's planes, which have gone on with their surfaces for
+/// The contact of the tool with the model's planes. The planes have moved with their surfaces for
 /// `age` [s] since the model was made, and for `elapsed` [s] in this step.
 class ModelledSurroundings final : public ToolSurroundings {
  public:

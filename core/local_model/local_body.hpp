@@ -14,9 +14,8 @@ struct BodyForce {
   double weight = 0.0;  // as LocalForce::weight
 };
 
-/// Renders the newest model. The tool that it holds is its own: a new model changes what the tool
-/// touches, and where the tool is changes as it moves on. Nothing here allocates, throws or reads a
-/// clock.
+/// Renders the newest model. The tool's pose is its own state: a new model changes the contacts,
+/// and the pose changes as the tool moves on. No function allocates, throws or reads a clock.
 class LocalBody {
  public:
   /// Forgets model and tool.
@@ -25,11 +24,11 @@ class LocalBody {
     memory_ = {};
   }
 
-  /// Takes a new model. `ticks`: how many calls of touch() ago the device was where the model was
-  /// made for, 1: the last one; 0: not known. The tool is moved by a part of what the model's tool
-  /// and its own of that time differ by, so that what the planes leave out does not add up where
-  /// friction holds the tool. Every force of touch() is finite, whatever numbers the model holds
-  /// (PROTOCOL.md, not_finite, says what a receiver accepts).
+  /// Takes a new model. `ticks`: how many calls of touch() ago the device was at the model's pose,
+  /// 1: the last one; 0: not known. The tool is moved by a part of the difference between the
+  /// model's tool and its own tool at that time, so that the error of the planes does not
+  /// accumulate where friction holds the tool. Every force of touch() is finite for all numbers in
+  /// the model (PROTOCOL.md, not_finite, says which numbers a receiver accepts).
   void take(const BodyModel& model, std::uint64_t ticks = 0) noexcept;
 
   /// The force and torque on the hand. `age` [s]: of the model's state; moving surfaces are moved
@@ -40,7 +39,7 @@ class LocalBody {
   const BodyMemory& tool() const { return memory_; }
 
  private:
-  /// Where the tool was, and the sums of the corrections up to then.
+  /// Earlier poses of the tool, and the sums of the corrections up to then.
   struct Past {
     Pose pose;
     Vec3 moved = Vec3::Zero(), turned = Vec3::Zero();

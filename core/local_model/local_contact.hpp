@@ -16,8 +16,8 @@ namespace feltwire {
 /// The answer of a model at one position.
 struct LocalForce {
   Command command;  // on the hand, world frame; no torque
-  /// The share of the model's command in the whole. 1: the model is valid here; 0: it says nothing;
-  /// between: the tool is about to leave the model's reach.
+  /// The share of the model's command in the whole. 1: the model is valid here; 0: it gives no
+  /// force; between: the tool is about to leave the model's reach.
   double weight = 0.0;
 };
 
@@ -26,29 +26,29 @@ struct Height {
   double height = 0.0;         // [m] < 0 in the solid
   Vec3 normal = Vec3::Zero();  // unit; zero where the surface leaves it undefined
 };
-/// Above the patch, shifted by `moved` [m]. Precondition: its axis is unit or zero.
+/// The height above the patch, shifted by `moved` [m]. Precondition: its axis is unit or zero.
 Height height_above(const SurfacePatch& patch, const Vec3& moved, const Vec3& point) noexcept;
 
-/// The normals of the patches that push a tool at `point`. None where a solid of several joined
-/// faces may be among them: which of its faces pushes is not said. Precondition as above.
+/// The normals of the patches that push a tool at `point`. Empty if a solid of several joined faces
+/// may be among them, because the pushing face is then not known. Precondition as above.
 ContactNormals pushing_normals(const LocalModel& model, const Vec3& point) noexcept;
 
 /// Renders the newest model. As long as it follows a surface, it keeps its own contact state
-/// (entered face, stick point, slipping) and ignores the older state of the model. Nothing here
+/// (entered face, stick point, slipping) and ignores the older state of the model. No function
 /// allocates, throws or reads a clock.
 class LocalContact {
  public:
-  /// The last share of a reach or a radius, in which the weight falls linearly to zero.
+  /// The outer share of a reach or a radius, in which the weight falls linearly to zero.
   static constexpr double kHandOver = feltwire::kHandOver;
 
   /// Forgets model and contacts.
   void clear() noexcept { *this = {}; }
 
-  /// Takes a new model. A contact goes on if the model still describes its surface; for other
-  /// surfaces the state comes from the model. Every force of touch() is finite, whatever numbers
-  /// the model holds (PROTOCOL.md, not_finite, says what a receiver accepts). `answered`: the
-  /// server's command at the model's center, if known. Its part that comes from a texture on rough
-  /// patches is added to their force, although it is as old as the reply.
+  /// Takes a new model. A contact continues if the model still describes its surface; for other
+  /// surfaces the state comes from the model. Every force of touch() is finite for all numbers in
+  /// the model (PROTOCOL.md, not_finite, says which numbers a receiver accepts). `answered`: the
+  /// server's command at the model's center, if known. On rough patches the part of it that comes
+  /// from a texture is added to their force, although it is as old as the reply.
   void take(const LocalModel& model, const Command* answered = nullptr) noexcept;
 
   /// The force on a tool. `age` [s]: of the model's state; moving surfaces are moved on by it, and
@@ -65,10 +65,10 @@ class LocalContact {
     bool adopted = false;      // the memory is the model's, of the time of its state
     double rough_depth = 0.0;  // [m] where it touched a patch with a texture; else 0
   };
-  /// A force that the patches do not have.
+  /// A force that the patches do not contain.
   struct Texture {
     Vec3 force = Vec3::Zero();  // [N]
-    double depth = 0.0;         // [m] of the tool that it was felt with; 0: none
+    double depth = 0.0;         // [m] depth of the tool when the force was felt; 0: none
   };
   Texture texture_of(const Command& answered) const noexcept;
   const SurfacePatch& patch_of(const Contact& contact) const noexcept;
@@ -83,7 +83,7 @@ class LocalContact {
   std::array<Contact, kMaxPatches> contacts_{};
   int count_ = 0;
   Texture texture_;
-  CameFrom from_;             // where touch() was asked last
+  CameFrom from_;             // the place of the last touch()
   double last_weight_ = 0.0;  // of the last touch(): 0: the contacts may not be the scene's
 };
 

@@ -50,7 +50,7 @@ struct LocalModel {
   /// object and feature have the same numbers.
   std::uint32_t scene = 0;
   Vec3 center = Vec3::Zero();  // [m] the tool position that it was made for
-  double reach = 0.0;          // [m] 0: the model says nothing
+  double reach = 0.0;          // [m] 0: the model is empty
   std::array<SurfacePatch, kMaxPatches> patches{};
   int count = 0;
   std::span<const SurfacePatch> view() const {

@@ -11,11 +11,12 @@ namespace feltwire {
 
 /// The proxy, and the patch it lies on.
 struct PatchProxy {
-  const SurfacePatch* patch = nullptr;  // the deepest, or the one it was entered by; null: free
-  SurfacePoint surface;                 // [world] depth > 0 unless free
+  const SurfacePatch* patch =
+      nullptr;           // the deepest, or the one by which the tool entered; null: free
+  SurfacePoint surface;  // [world] depth > 0 unless free
 };
 
-/// An earlier position of the tool. With it no thin solid is jumped over.
+/// An earlier position of the tool. With it the proxy does not jump over a thin solid.
 struct CameFrom {
   bool known = false;
   Vec3 position = Vec3::Zero();  // [m, world]

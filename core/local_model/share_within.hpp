@@ -2,7 +2,7 @@
 
 namespace feltwire {
 
-/// The last share of a reach or a radius, in which the weight of a model falls linearly to zero.
+/// The outer share of a reach or a radius, in which the weight of a model falls linearly to zero.
 inline constexpr double kHandOver = 0.25;
 
 /// 1 up to the last share of `limit`, then linearly to 0 at it and beyond. NaN gives 0.

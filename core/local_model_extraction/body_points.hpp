@@ -6,18 +6,18 @@
 
 namespace feltwire {
 
-/// [m] The largest reach of a body's model: its points are those nearer to a surface.
+/// [m] The largest reach of a body's model: it contains the points nearer to a surface.
 inline constexpr double kBodyReach = 0.03;
 
-/// What a tool with a body meets near the pose where its contacts hold it. `memory`: as touch() at
-/// `device` left it.
+/// The contacts of a tool with a body near the pose at which they hold it. `memory`: the result of
+/// touch() at `device`.
 ///
 /// The shell is cut into at most kMaxBodyPoints parts, finest where it touches. At the model's pose
 /// the force of each part is the scene's.
 ///
-/// A part that the model lacks is farther from every surface than its reach; only points beside a
-/// solid's edge may be nearer, where all places are taken. The model is empty where the view's tool
-/// has no body, or it was not placed yet. Never allocates.
+/// All other parts are farther from every surface than the model's reach. If all places are taken,
+/// points beside a solid's edge may be nearer. The model is empty if the view's tool has no body,
+/// or was not placed yet. It never allocates.
 BodyModel body_model(const ToolView& view, const Pose& device, const BodyMemory& memory) noexcept;
 /// The same, with the moving objects at their present poses. `held`: as in BodyContactState.
 BodyModel body_model(const World& world, const Pose& device, const BodyMemory& memory,

@@ -11,10 +11,10 @@ namespace feltwire {
 inline constexpr double kModelReach = 0.1;
 
 /// The surfaces of the scene near a tool position [m, world]: first those that the tool touches,
-/// then those that it would meet first. `memory`: as touch() at that position left it. All surfaces
-/// that are not in the model are farther away than its reach; where more than kMaxPatches surfaces
-/// are touched at once, the reach is zero. The model is empty where the position is not finite, the
-/// memory is of another view, or the view's tool is not a point. Never allocates.
+/// then those that it would meet first. `memory`: the result of touch() at that position. All other
+/// surfaces are farther away than the model's reach. If the tool touches more than kMaxPatches
+/// surfaces at once, the reach is zero. The model is empty if the position is not finite, the
+/// memory is of another view, or the view's tool is not a point. It never allocates.
 LocalModel local_model(const ToolView& view, const Vec3& position,
                        const TouchMemory& memory) noexcept;
 /// The same, with the moving objects at their present poses. Their patches have the velocity of the

@@ -1,6 +1,6 @@
 #pragma once
-// Meshes and grids near a point as a few patches, each with the distance up to which it holds. No
-// patch describes these surfaces exactly.
+// Approximates meshes and grids near a point by a few patches, each with the distance up to which
+// it is valid. No patch describes these surfaces exactly.
 
 #include <array>
 #include <cstdint>
@@ -19,20 +19,21 @@ inline constexpr double kMostFitted = 0.1;
 struct FittedPatch {
   Vec3 point = Vec3::Zero(), normal = Vec3::UnitZ(), axis = Vec3::Zero();
   double curvature = 0.0;
-  double distance = 0.0;  // [m] from the position, where it begins to count
-  double slack = 0.0;     // [m] beside kPatchSlope: how far facets are off the true surface
+  double distance = 0.0;  // [m] from the position; the patch counts from here on
+  double slack =
+      0.0;  // [m] in addition to kPatchSlope: error of the facets against the true surface
   std::uint32_t feature = 0;
 };
 
 struct FittedPatches {
   std::array<FittedPatch, kMaxPatches> patches{};  // nearest first
   int count = 0;
-  bool joined = false;                                   // as SurfacePatch has it
-  double end = std::numeric_limits<double>::infinity();  // [m] from the position: here begins
-                                                         // something that they do not describe
-  double extent = 0.0;  // [m] about their points, that was searched
-  bool alone = false;   // within that extent there is nothing but this one patch
-  double offset = 0.0;  // [m] as SurfacePatch has it, and so the next two
+  bool joined = false;                                   // as in SurfacePatch
+  double end = std::numeric_limits<double>::infinity();  // [m] from the position to the first
+                                                         // surface that the patches do not describe
+  double extent = 0.0;                                   // [m] searched distance about their points
+  bool alone = false;   // within that extent there is only this patch
+  double offset = 0.0;  // [m] as in SurfacePatch, and so the next two
   bool faceted = false, rough = false;
 };
 
@@ -45,8 +46,8 @@ inline bool is_fitted(const Shape& shape) noexcept {
 FittedPatches fitted_patches(const Object& object, const Vec3& position,
                              const FeatureMemory& memory) noexcept;
 
-/// [m] about the point of patch `index`. Only beyond this radius may a surface begin that the first
-/// `count` patches do not describe.
+/// [m] about the point of patch `index`. A surface that the first `count` patches do not describe
+/// may begin only beyond this radius.
 double fitted_radius(const Object& object, const FittedPatches& fitted, int count,
                      int index) noexcept;
 

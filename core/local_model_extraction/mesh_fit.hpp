@@ -1,8 +1,9 @@
 #pragma once
-// The patches that stand for a mesh near a position, and the distance up to which they do.
+// Approximates a mesh near a position by patches, and finds the distance up to which they are
+// valid.
 //
-// Every triangle near is checked: it lies on a patch and is not cut off by another, or it is hidden
-// behind them, or the patches hold only up to where it begins.
+// Every near triangle is checked: it lies on a patch that no other cuts off, or it is hidden behind
+// the patches, or they are valid only up to its beginning.
 
 #include <array>
 #include <cstdint>
@@ -12,34 +13,34 @@
 
 namespace feltwire {
 
-/// Cosine between a triangle's normal and that of the patch it lies on, at least.
+/// Smallest cosine between a triangle's normal and that of its patch.
 inline constexpr double kFacing = 0.5;
 
 /// A patch, from the mesh's origin.
 struct MeshFit {
   Vec3 point = Vec3::Zero(), normal = Vec3::UnitZ(), axis = Vec3::Zero();
   double curvature = 0.0;
-  double slack = 0.0;                            // [m] that facets are off the true surface
+  double slack = 0.0;                            // [m] error of the facets against the true surface
   double distance = 0.0;                         // [m]
-  std::uint32_t triangle = TriangleMesh::kNone;  // that it was fitted to
+  std::uint32_t triangle = TriangleMesh::kNone;  // the triangle that it was fitted to
 
   /// The vector from the patch's point to p, without its part along the axis.
   Vec3 way(const Vec3& p) const {
     const Vec3 d = p - point;
     return d - axis.dot(d) * axis;
   }
-  /// [m] height_above() (local_contact.hpp) without its root, which is near one where the height is
-  /// small.
+  /// [m] The same as height_above() (local_contact.hpp) without its root, which is near one for a
+  /// small height.
   double height(const Vec3& p) const {
     const Vec3 d = way(p);
     return normal.dot(d) + 0.5 * curvature * d.squaredNorm();
   }
 };
 
-/// The patches together; the surface is felt from the side that their normals point to.
+/// All patches; the surface is felt from the side of their normals.
 class MeshFits {
  public:
-  /// `side`: 1 where the triangles' normals point to the open, -1 where they point away from it.
+  /// `side`: 1 if the triangles' normals point to the open side, -1 if they point away from it.
   MeshFits(const MeshSurface& surface, double side) : surface_(&surface), side_(side) {}
 
   int count() const { return count_; }
@@ -49,20 +50,20 @@ class MeshFits {
   void set_joined(bool joined) { joined_ = joined; }
   /// Precondition: fewer than kMaxPatches.
   void add(const MeshFit& fit) { fits_[static_cast<std::size_t>(count_++)] = fit; }
-  /// Adds a plane if all edges between the patches are then convex, or all are hollow. Else it adds
-  /// nothing and returns false.
+  /// Adds a plane if all edges between the patches are then convex, or all are hollow. Otherwise it
+  /// adds nothing and returns false.
   bool join(const MeshFit& plane);
 
-  /// Where something begins that the patches do not describe.
+  /// The beginning of a part that the patches do not describe.
   struct Other {
     double distance = 0.0;  // [m] from the place
     std::uint32_t triangle =
-        TriangleMesh::kNone;  // kNone: the border of the surface, or of the part searched
+        TriangleMesh::kNone;  // kNone: the border of the surface, or of the searched part
     double looked = 0.0;      // [m] along the surface that was searched
     bool border = false;      // the surface ends
   };
-  /// The nearest such beginning to a place `height` [m] off the surface. Searches the surface
-  /// within `extent` [m], or less where there are too many triangles.
+  /// Returns the nearest such beginning to a place `height` [m] off the surface. It searches the
+  /// surface within `extent` [m], or less if there are too many triangles.
   Other first_other(const Vec3& place, double height, double extent) const;
 
  private:

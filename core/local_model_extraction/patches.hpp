@@ -1,5 +1,5 @@
 #pragma once
-// An object's surface near a point, in parts. One SurfacePatch describes one part exactly.
+// The parts of an object's surface near a point. One SurfacePatch describes one part exactly.
 
 #include <cstdint>
 
@@ -11,16 +11,16 @@ namespace feltwire {
 
 /// All parts of an analytic shape's surface. A mesh or a grid has none: its patches are fitted
 /// (fitted_patches.hpp). `position` [m, object frame]; `entered` is the feature that a tool there
-/// stands on, 0: none.
+/// touches, 0: none.
 ///
-/// For every R: if all parts with distance < R are shown, they make up the whole shape within R of
-/// the position. One thing may differ: a tool that enters nearer to R than it is deep may enter by
+/// For every R: all parts with distance < R together make up the whole shape within R of the
+/// position. There is one exception: a tool that enters nearer to R than it is deep may enter by
 /// another of two convex faces.
 SurfaceParts surface_parts(const Shape& shape, Side side, const Vec3& position,
                            std::uint32_t entered) noexcept;
 
-/// The shown part of that feature as a patch in the world frame, at its point nearest to `position`
-/// [m, world]. Radius and object are 0; the caller sets them.
+/// The visible part of that feature as a patch in the world frame, at its point nearest to
+/// `position` [m, world]. Radius and object are 0; the caller sets them.
 SurfacePatch surface_patch(const Object& object, const Vec3& position, std::uint32_t feature,
                            const ContactMemory& memory) noexcept;
 

@@ -2,7 +2,7 @@
 
 namespace feltwire {
 
-/// How a surface feels. Per contact: F_n = stiffness * depth along the outward normal n.
+/// The material of a surface. Per contact: F_n = stiffness * depth along the outward normal n.
 struct Material {
   double stiffness = 1000.0;      // [N/m], > 0; also of the tangential stick spring
   double damping = 0.0;           // [N s/m], >= 0, along n; never makes a contact pull

@@ -2,7 +2,7 @@
 // The proxy of a tool on a triangle mesh: the god-object of Zilles & Salisbury (1995) for a point,
 // the ball of Ruspini, Kolarov & Khatib (1997) for a tool with a radius.
 //
-// The proxy is where the tool would be if it could not pass the surface. It follows the tool along
+// The proxy is the place of the tool if the tool could not pass the surface. It follows the tool on
 // the shortest way that stays in front of all triangles. A tool is therefore felt at any speed, and
 // a sheet keeps it on the side that it came from. Arguments of both:
 //   goal      the tool [m, from the mesh's origin]
@@ -18,7 +18,7 @@ namespace feltwire {
 SurfacePoint mesh_surface_point(const MeshSurface& surface, Side felt_from, const Vec3& position,
                                 FeatureMemory& memory, double radius = 0.0) noexcept;
 
-/// Where a proxy is.
+/// The place of a proxy.
 struct ProxyState {
   Vec3 point = Vec3::Zero();  // [m]
   std::uint32_t triangle = 0;

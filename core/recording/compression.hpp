@@ -11,7 +11,7 @@ struct ZSTD_DCtx_s;
 
 namespace feltwire::mcap {
 
-/// CRC-32 as in zip; `before`: of the bytes in front.
+/// CRC-32 as in zip; `before`: that of the preceding bytes.
 std::uint32_t crc32(std::string_view bytes, std::uint32_t before = 0);
 
 class Compressor {
@@ -32,8 +32,8 @@ class Decompressor {
  public:
   /// Throws std::bad_alloc.
   Decompressor();
-  /// False where `bytes` are not one zstd frame of exactly `size` bytes; then `out` is unspecified.
-  /// A frame that says that it has another size takes no memory. Throws std::bad_alloc.
+  /// False if `bytes` are not one zstd frame of exactly `size` bytes; then `out` is unspecified. A
+  /// frame with another size allocates nothing. Throws std::bad_alloc.
   bool decompress(std::string_view bytes, std::size_t size, std::string& out);
 
  private:

@@ -14,11 +14,11 @@ struct RecordedEvent {
   std::uint64_t number = 0, time = 0;  // [ns]
   std::uint64_t kind = 0, outcome = 0, hand = 0;
   std::uint64_t digest = 0;
-  std::string_view payload{};  // of one that was read: part of the message
+  std::string_view payload{};  // of a message that was read: part of its bytes
 };
 
 void append(std::string& out, const RecordedEvent& event);
-/// Empty where the bytes are no such message. The numbers may be anything.
+/// Empty if the bytes are no such message. The numbers may have any value.
 std::optional<RecordedEvent> read_event(std::string_view bytes);
 
 mcap::Schema event_schema();

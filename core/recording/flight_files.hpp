@@ -1,5 +1,5 @@
 #pragma once
-// The folder of a flight recorder: the names of its files, and how many stay.
+// The folder of a flight recorder: the names of its files, and their largest number.
 
 #include <cstdint>
 #include <filesystem>
@@ -10,7 +10,7 @@ namespace feltwire {
 inline constexpr const char* kFlightOption = "--flight-recorder";
 inline constexpr std::size_t kMostFlightFiles = 20;  // of one name; the oldest is removed
 
-/// Makes the folder where it is missing. Throws FileError that names it, the reason and the option.
+/// Creates the folder if it is missing. Throws FileError that names it, the reason and the option.
 void make_flight_folder(const std::filesystem::path& folder);
 
 /// DIR/flight-TIME-NAME.mcap for a time [ns since 1970], and removes the oldest files of this name

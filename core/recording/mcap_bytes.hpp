@@ -18,7 +18,7 @@ void put(std::string& out, Unsigned value) {
   out.append(reinterpret_cast<const char*>(bytes.data()), bytes.size());
 }
 
-/// With a length before it, as texts, maps and arrays have it.
+/// With a length before it, as in texts, maps and arrays.
 inline void put_text(std::string& out, std::string_view text) {
   put(out, static_cast<std::uint32_t>(text.size()));
   out += text;
@@ -29,7 +29,8 @@ Unsigned get(std::string_view bytes) {
   return get_little_endian<Unsigned>(reinterpret_cast<const std::uint8_t*>(bytes.data()));
 }
 
-/// Takes values off the front of bytes. What does not fit is zero or empty, and ok() says so.
+/// Takes values off the front of bytes. A value that does not fit is zero or empty, and ok() is
+/// false.
 class Cursor {
  public:
   explicit Cursor(std::string_view bytes) : rest_(bytes) {}

@@ -1,5 +1,5 @@
 #pragma once
-// Reads an MCAP file from its beginning to its end, whoever wrote it.
+// Reads an MCAP file of any writer from its beginning to its end.
 
 #include <cstdint>
 #include <istream>
@@ -15,28 +15,28 @@
 
 namespace feltwire::mcap {
 
-/// The most that a file may ask for.
+/// The largest sizes that a file may have.
 struct ReaderLimits {
   std::uint64_t record = std::uint64_t{256} << 20;  // [bytes] a record, and an attachment
   std::uint64_t chunk = std::uint64_t{64} << 20;    // [bytes] a chunk, decompressed
 };
 
-/// Every length is checked before it is believed, every CRC that the file has is compared. What is
-/// wrong is thrown as FileError "NAME: byte N: what; remedy". A file that ends before its footer
-/// is no error: it is read up to its last whole record, and cut_at() says where that was.
+/// Every length is checked before it is used, and every CRC in the file is compared. An error is
+/// thrown as FileError "NAME: byte N: what; remedy". A file that ends before its footer is not an
+/// error: it is read up to its last whole record, and cut_at() gives that place.
 class Reader {
  public:
-  /// `in` must stay. Throws FileError where it begins as no MCAP file does.
+  /// `in` must outlive this. Throws FileError if its beginning is not that of an MCAP file.
   Reader(std::istream& in, std::string name, ReaderLimits limits = {});
 
   /// The next message, in the file's order; empty at the end. Its data are valid until the next
   /// call, and its channel is one of channels(). Throws FileError.
   std::optional<Message> next();
 
-  /// After the end: where the file was cut [bytes]; empty: it is whole.
+  /// After the end: the byte at which the file was cut; empty: it is whole.
   std::optional<std::uint64_t> cut_at() const { return cut_at_; }
 
-  // What has come so far.
+  // The records that were read so far.
   const std::map<std::uint16_t, Schema>& schemas() const { return schemas_; }
   const std::map<std::uint16_t, Channel>& channels() const { return channels_; }
   const std::vector<Metadata>& metadata() const { return metadata_; }
@@ -76,11 +76,11 @@ class Reader {
   ReaderLimits limits_;
   Decompressor decompressor_;
   std::uint64_t at_ = 0;                    // [bytes] read so far
-  std::uint64_t record_at_ = 0;             // where the newest record begins
+  std::uint64_t record_at_ = 0;             // the beginning of the newest record
   std::uint32_t crc_ = 0, crc_before_ = 0;  // of the section, up to now and up to the newest record
   bool data_ended_ = false, ended_ = false;  // DataEnd came; there is no more
   std::string record_, chunk_;
-  std::string_view chunk_rest_;  // of the chunk that is open
+  std::string_view chunk_rest_;  // of the open chunk
   std::optional<std::uint64_t> cut_at_;
   std::map<std::uint16_t, Schema> schemas_;
   std::map<std::uint16_t, Channel> channels_;

@@ -31,7 +31,7 @@ enum class Opcode : std::uint8_t {
 /// [bytes] before a record's content: its opcode and its length.
 inline constexpr std::uint64_t kRecordHead = 9;
 
-/// How the messages of a channel are to be read.
+/// The description of the messages of a channel.
 struct Schema {
   std::string name;      // "foxglove.SceneUpdate"
   std::string encoding;  // "protobuf"

@@ -1,5 +1,5 @@
 #pragma once
-// Writes an MCAP file: bytes come out, whoever owns the file puts them there.
+// Writes an MCAP file as bytes; the owner of the file stores them.
 
 #include <cstdint>
 #include <map>
@@ -14,9 +14,9 @@
 namespace feltwire::mcap {
 
 struct WriterOptions {
-  std::string library = "feltwire";  // who wrote the file
-  bool zstd = true;                  // else the chunks are not compressed
-  // A chunk ends before it has more, or spans more time: what a cut file may lack.
+  std::string library = "feltwire";  // the writer of the file
+  bool zstd = true;                  // false: the chunks are not compressed
+  // A chunk ends before it has more, or spans more time: the largest loss of a cut file.
   std::size_t chunk_bytes = std::size_t{1} << 18;
   std::uint64_t chunk_time = 1'000'000'000;  // [ns] of log time
 };
@@ -24,8 +24,8 @@ struct WriterOptions {
 /// The order: add() the schemas and channels, then write(), then finish(). attach() and add() of
 /// metadata may come at any time before finish(). After each call take() gives whole records.
 ///
-/// A file that is cut is readable up to the last record that is whole; messages are in the file
-/// when their chunk is, which is about a second later.
+/// A cut file is readable up to its last whole record. Messages are in the file when their chunk
+/// is, which is about a second later.
 class Writer {
  public:
   explicit Writer(WriterOptions options = {});
@@ -40,9 +40,9 @@ class Writer {
   /// `time` [ns] is the log time and the publish time. `channel` was given by add(), and the data
   /// has less than 4 GiB.
   void write(std::uint16_t channel, std::uint64_t time, std::string_view data);
-  /// Ends the chunk: all messages so far are in what take() gives.
+  /// Ends the chunk: take() then returns all messages so far.
   void end_chunk();
-  /// The index and the end of the file. Nothing may come after it but take().
+  /// Writes the index and the end of the file. After it only take() may be called.
   void finish();
 
   /// The bytes since the last call, in whole records.

@@ -55,7 +55,7 @@ inline void put_time(std::string& out, std::uint32_t field, std::uint64_t time) 
 }
 
 /// Appends an entity of a SceneUpdate in this frame. `locked`: the entity moves with the frame;
-/// else it stays where the frame was.
+/// otherwise it stays at its place.
 template <class Fill>
 void put_entity(std::string& out, std::uint64_t time, std::string_view id, Fill fill,
                 std::string_view frame = "world", bool locked = false) {
@@ -68,7 +68,7 @@ void put_entity(std::string& out, std::uint64_t time, std::string_view id, Fill 
   });
 }
 
-/// The schema of a message: its full name, and the FileDescriptorSet that has it.
+/// The schema of a message: its full name, and the FileDescriptorSet that contains it.
 template <std::size_t N>
 mcap::Schema schema(std::string name, const unsigned char (&descriptors)[N]) {
   return {std::move(name), "protobuf", std::string(reinterpret_cast<const char*>(descriptors), N)};

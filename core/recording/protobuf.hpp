@@ -1,6 +1,6 @@
 #pragma once
-// As much of Protobuf's encoding as recordings need (protobuf.dev/programming-guides/encoding):
-// fields are written in order and read in any.
+// The part of Protobuf's encoding that recordings need (protobuf.dev/programming-guides/encoding):
+// fields are written in order and read in any order.
 
 #include <bit>
 #include <cstdint>
@@ -12,7 +12,7 @@ namespace feltwire::protobuf {
 
 void put_varint(std::string& out, std::uint64_t value);
 
-/// A field of a number. As proto3 has it, a zero is not written unless the field is `optional`.
+/// A field of a number. As in proto3, a zero is not written unless the field is `optional`.
 void put(std::string& out, std::uint32_t field, double value);
 void put(std::string& out, std::uint32_t field, std::uint64_t value);
 void put_optional(std::string& out, std::uint32_t field, double value);
@@ -53,7 +53,7 @@ class Fields {
   explicit Fields(std::string_view bytes) : rest_(bytes) {}
   /// Empty at the end, and at bytes that are no field.
   std::optional<Field> next();
-  /// All bytes so far were fields.
+  /// Whether all bytes so far were fields.
   bool ok() const { return ok_; }
 
  private:

@@ -19,16 +19,16 @@ ReachBall reach_ball(const Object& object);
 /// Immutable.
 class BroadPhase {
  public:
-  /// Fewer objects than this have no tree: to ask each one costs no more.
+  /// Fewer objects than this have no tree, because evaluating each one costs no more.
   static constexpr std::size_t kFew = 16;
 
   BroadPhase() = default;
   /// For a tool that is a ball of `radius` [m]; 0: a point.
   explicit BroadPhase(std::span<const Object> objects, double radius = 0.0);
 
-  /// Whether there is a tree. Without one, ask every object.
+  /// Whether there is a tree. Without one, evaluate every object.
   bool in_use() const { return !tree_.empty(); }
-  /// Objects without bounds, such as planes and hollows: ask these at every sample.
+  /// Objects without bounds, such as planes and hollows: evaluate these at every sample.
   std::span<const std::uint32_t> everywhere() const { return everywhere_; }
   /// Visits each other object whose box the straight way between two points [m] meets, once. The
   /// order is not defined.

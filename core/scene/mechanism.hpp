@@ -26,14 +26,14 @@ struct Body {
   // Exactly one of mass and density is given. Where objects overlap, the volume counts twice.
   std::optional<double> mass;     // [kg], > 0, spread evenly over the objects' volume
   std::optional<double> density;  // [kg/m^3], > 0
-  bool collides = true;           // with other bodies and still objects; hands feel it either way
+  bool collides = true;  // with other bodies and static objects; hands feel it in both cases
 
   // Only for hinge [rad] and slide [m]. At 0 the body has the pose above.
   Vec3 axis = Vec3::UnitZ();  // own frame
   double low = -std::numeric_limits<double>::infinity();
   double high = std::numeric_limits<double>::infinity();
   double stiffness = 0.0;  // [N/m], [N m/rad] of a spring, >= 0
-  double rest = 0.0;       // [m], [rad] where the spring has no force
+  double rest = 0.0;       // [m], [rad] position of the spring without force
   double damping = 0.0;    // [N s/m], [N m s/rad], >= 0
   double friction = 0.0;   // [N], [N m] dry friction of the joint, >= 0
 };
@@ -54,7 +54,7 @@ std::optional<Violation> check(const MechanismOptions& options);
 class Mechanism {
  public:
   /// An object that moves with a body.
-  struct Part {
+  struct Part {    // the body's number in MuJoCo
     int body = 0;  // MuJoCo's number
     Pose in_body;  // of the object
   };
@@ -68,7 +68,7 @@ class Mechanism {
 
   const mjModel_& model() const { return *model_; }
   double tick() const;  // [s]
-  int bodies() const;   // that move
+  int bodies() const;   // number of moving bodies
   /// The objects of a scene are `still()` static ones, followed by one for each part.
   std::size_t still() const { return still_; }
   const std::vector<Part>& parts() const { return parts_; }
@@ -88,9 +88,9 @@ using ConvexSolids = std::vector<std::vector<Vec3>>;
 /// Compiles the bodies and the static objects that they may collide with. `body_of` gives the body
 /// of each object; -1: none. Object poses are those at the start, world frame. Moves the objects
 /// that belong to bodies behind the others and keeps their order, because a scene stores them so.
-/// `solids`: for each object that is a closed mesh the solids that bodies run into, relative to the
-/// mesh's origin; null, or no list: its convex hull. Mass and inertia are those of the mesh. Throws
-/// std::invalid_argument that names body or object, field, value and remedy.
+/// `solids`: for each object that is a closed mesh the solids that bodies collide with, relative to
+/// the mesh's origin; null, or no list: its convex hull. Mass and inertia are those of the mesh.
+/// Throws std::invalid_argument that names body or object, field, value and remedy.
 std::shared_ptr<const Mechanism> compile(
     std::vector<Object>& objects, std::vector<int> body_of, const std::vector<Body>& bodies,
     const MechanismOptions& options, std::vector<std::shared_ptr<const ConvexSolids>> solids = {});

@@ -16,8 +16,8 @@ namespace feltwire {
 
 class Mechanism;
 
-/// Where a hand that does not know the scene should begin: a point on a surface, world frame, and
-/// the unit normal there towards the free side.
+/// The start of a hand that does not know the scene: a point on a surface, world frame, and the
+/// unit normal there towards the free side.
 struct Start {
   Vec3 position = Vec3::Zero();  // [m]
   Vec3 normal = Vec3::UnitZ();
@@ -25,18 +25,18 @@ struct Start {
 
 /// The seat of a robot that follows a hand in this scene (docs/teleoperation.md).
 struct RemoteSeat {
-  double scale = 1.0;   // > 0 [m of the robot per m of the hand]
-  double speed = 0.25;  // > 0 [m/s] that the robot is meant for; a hand that jumps is told by it
-  double force = 40.0;  // > 0 [N] on the robot's tool, above which it holds
+  double scale = 1.0;        // > 0 [m of the robot per m of the hand]
+  double speed = 0.25;       // > 0 [m/s] speed of the robot; it also limits the jumps of the hand
+  double force = 40.0;       // > 0 [N] on the robot's tool, above which it holds
   Workspace workspace = {};  // of the target, in the robot's frame; at most kMostGiven walls
-  // How the hand feels its walls, in the hand's measure.
+  // The hand's side of the walls, in the hand's frame.
   double wall_stiffness = 1000.0;  // > 0 [N/m]
-  double wall_depth = 5e-3;        // > 0 [m] before the wall from which on it is felt
+  double wall_depth = 5e-3;        // > 0 [m] distance before the wall at which the spring begins
 };
 
 class Scene {
  public:
-  /// Throws std::invalid_argument naming the object, the field and the remedy.
+  /// Throws std::invalid_argument that names the object, the field and the remedy.
   Scene(std::string name, std::vector<Object> objects, const Start& start = {},
         std::vector<Guide> guides = {});
 
@@ -46,7 +46,7 @@ class Scene {
   const std::vector<std::string>& warnings() const { return warnings_; }
   void warn(std::vector<std::string> warnings) { warnings_ = std::move(warnings); }
 
-  /// How it was loaded: one line for each mesh that was cut into convex parts.
+  /// One line about the loading of each mesh that was cut into convex parts.
   const std::vector<std::string>& notes() const { return notes_; }
   void note(std::vector<std::string> notes) { notes_ = std::move(notes); }
 
@@ -55,9 +55,9 @@ class Scene {
   /// Precondition: made by compile() for these objects (core/scene/mechanism.hpp).
   void set_mechanism(std::shared_ptr<const Mechanism> mechanism);
 
-  /// Nothing: no robot follows here.
+  /// Empty: no robot follows here.
   const std::optional<RemoteSeat>& remote() const { return remote_; }
-  /// Precondition: check() finds nothing wrong with it.
+  /// Precondition: check() finds no violation.
   void set_remote(const RemoteSeat& seat) { remote_ = seat; }
 
   /// The files that the scene was loaded from; null: they were not kept.
@@ -75,7 +75,7 @@ class Scene {
   /// std::invalid_argument that names the object, the field and the remedy; the scene is then
   /// unchanged. Precondition: there is an object of this index (objects()).
   void set_material(std::size_t object, const Material& material);
-  /// One for each tool. Never empty; they live as long as the scene, also where it is moved.
+  /// One for each tool. Never empty; they live as long as the scene, also if it is moved in memory.
   const std::vector<ToolView>& views() const { return views_; }
   /// The view for a hand that asks for this tool. An empty name: the first tool. Null: there is no
   /// such tool.

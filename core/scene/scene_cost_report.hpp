@@ -1,5 +1,5 @@
 #pragma once
-// What a scene costs: which features it needs, and which of its parts need them.
+// The costs of a scene: its features, and the parts that need them.
 
 #include <string>
 #include <vector>

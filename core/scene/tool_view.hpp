@@ -1,5 +1,5 @@
 #pragma once
-// A scene as one tool touches it: the objects, and the force that they command at the tool.
+// A scene for one tool: the objects, and the force that they command at the tool.
 
 #include <cstddef>
 #include <cstdint>
@@ -45,8 +45,8 @@ class TouchMemory {
  private:
   friend class ToolView;
   std::vector<ContactMemory> contacts_;
-  // In a scene of many objects: where the tool was, and the objects that hold it or were near it.
-  // The entries of all other objects are in their initial state.
+  // For a scene of many objects: the last place of the tool, and the objects that hold it or were
+  // near it. The entries of all other objects are in their initial state.
   bool tracked_ = false;
   Vec3 position_ = Vec3::Zero();  // [m]
   std::vector<std::uint32_t> live_, asked_;
@@ -64,12 +64,12 @@ struct HandTool {
 class ToolView {
  public:
   const HandTool& tool() const { return tool_; }
-  /// Those that stand first, then those that move, where they begin.
+  /// Static ones first, then moving ones, at their start.
   const std::vector<Object>& objects() const { return *objects_; }
-  std::size_t still() const { return still_; }  // how many stand
+  std::size_t still() const { return still_; }  // number of static objects
   const std::vector<Guide>& guides() const { return *guides_; }
   const Requirements& requirements() const { return requirements_; }
-  /// Whether static objects are found by a tree. Else each one is asked.
+  /// Whether static objects are found by a tree. Otherwise each one is evaluated.
   bool by_tree() const { return broad_phase_.in_use(); }
 
   /// A mesh that became a grid, as a body touches distances, and the grid's resolution.
@@ -91,8 +91,8 @@ class ToolView {
     if (!guides_->empty()) add_guides(tool, sum);
     return sum.finite() ? sum : Command{};
   }
-  /// The same for the static objects only. A World (core/dynamics/world.hpp) knows where the others
-  /// are, and adds the guides at the end.
+  /// The same for the static objects only. A World (core/dynamics/world.hpp) has the places of the
+  /// others, and adds the guides at the end.
   Command touch_still(const Tool& tool, TouchMemory& memory) const noexcept {
     return touch(tool, memory, still_);
   }
@@ -112,16 +112,16 @@ class ToolView {
 
   /// A view for a point tool. Precondition: the objects and guides are checked.
   ToolView(Objects objects, Guides guides);
-  /// The same for another tool. Throws std::invalid_argument where it does not fit the objects.
+  /// The same for another tool. Throws std::invalid_argument if it does not fit the objects.
   ToolView with(HandTool tool) const;
-  /// The same for objects that differ in their materials alone.
+  /// The same for objects that differ only in their materials.
   ToolView with(Objects objects) const;
-  /// Only the first `count` objects stand.
+  /// Only the first `count` objects are static.
   void set_still(std::size_t count);
 
   /// The force of the first `count` objects.
   Command touch(const Tool& tool, TouchMemory& memory, std::size_t count) const noexcept;
-  /// The force of the objects that stand still, found by the tree over them.
+  /// The force of the static objects, found by the tree over them.
   Command touch_near(const Tool& tool, TouchMemory& memory) const noexcept;
 
   Objects objects_;
@@ -130,7 +130,7 @@ class ToolView {
   HandTool tool_;
   std::vector<Sampled> sampled_;
   Requirements requirements_;
-  BroadPhase broad_phase_;  // over the objects that stand
+  BroadPhase broad_phase_;  // over the static objects
 };
 
 }  // namespace feltwire

@@ -11,7 +11,8 @@
 
 namespace feltwire {
 
-/// A value that breaks a rule: the field as the scene file names it, what is wrong, and the remedy.
+/// A value that breaks a rule: the field with its name in the scene file, the error, and the
+/// remedy.
 struct Violation {
   std::string field;
   std::string message;
@@ -57,13 +58,13 @@ std::optional<Violation> check(const Guide& guide);
 MaybeViolation positive(const char* field, double value, double most, const char* unit);
 /// 0 <= value <= most.
 MaybeViolation not_negative(const char* field, double value, double most, const char* unit);
-/// The first violation of these, if any.
+/// The first violation of these, if there is one.
 MaybeViolation first(std::initializer_list<MaybeViolation> found);
 
 /// Scales an orientation to unit length. Precondition: check() found nothing.
 void make_unit(Quaternion& orientation);
 
-/// A number as people write it: the shortest text that reads back as the same double.
+/// A number as text: the shortest one that reads back as the same double.
 std::string number_text(double value);
 
 }  // namespace feltwire

@@ -16,11 +16,11 @@ Scene load_scene(const std::filesystem::path& file);
 /// The same from text. Errors call it `file`; the files that it names are relative to its folder.
 Scene parse_scene(std::string_view json, const std::string& file);
 
-/// load_scene() that keeps the files in the scene, so that load_kept_scene() loads it again: also
-/// those that MuJoCo reads for an mjcf.
+/// Like load_scene(), and keeps the files in the scene, so that load_kept_scene() loads it again,
+/// with those that MuJoCo reads for an mjcf.
 Scene load_scene_and_keep(const std::filesystem::path& file);
-/// Reads nothing from the disk but what it puts there itself for MuJoCo, in a folder for temporary
-/// files. Throws FileError.
+/// Reads from the disk only the files that it puts there itself for MuJoCo, in a folder for
+/// temporary files. Throws FileError.
 Scene load_kept_scene(const KeptFiles& files);
 
 }  // namespace feltwire

@@ -62,7 +62,7 @@ std::optional<std::string> read(const fs::path& file, const fs::path& mesh,
     remarks.push_back(file.string() + ": " + why + "; it is not used");
     return std::nullopt;
   };
-  if (!S_ISREG(status.st_mode)) return refuse("is no regular file");
+  if (!S_ISREG(status.st_mode)) return refuse("is not a regular file");
   if (!is_ours(status, mesh)) return refuse("belongs to somebody else");
   try {
     const ReadingFiles from_the_disk({});

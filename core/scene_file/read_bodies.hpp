@@ -19,7 +19,7 @@ struct Scene;
 /// Finds the scene's material of a name. Throws FileError that names `path` if there is none.
 using FindMaterial = std::function<const Material&(const std::string& path, const std::string&)>;
 
-/// What moves in a scene, and how the parts that its bodies run into came to be.
+/// The moving part of a scene, and the origin of its convex parts.
 struct ReadMechanism {
   std::shared_ptr<const Mechanism> mechanism;  // null: nothing moves
   std::vector<std::string> notes, warnings;    // of the parts

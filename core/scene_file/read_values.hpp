@@ -38,7 +38,7 @@ class Names {
       document_.fail(path + ".name", "'" + name + "' is the name of " + element(list_, at->second) +
                                          " too; rename one");
   }
-  /// Its place in the list.
+  /// Its index in the list.
   std::optional<std::size_t> find(const std::string& name) const {
     const auto at = places_.find(name);
     if (at == places_.end()) return std::nullopt;

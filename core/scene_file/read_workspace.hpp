@@ -5,8 +5,8 @@
 
 namespace feltwire {
 
-/// Fills the seat's workspace, and how its walls are felt. Throws FileError naming the field, where
-/// one cannot be read; check(RemoteSeat) has the rest.
+/// Fills the seat's workspace, and the properties of its walls. Throws FileError that names the
+/// field if one cannot be read; check(RemoteSeat) checks the rest.
 void read_workspace(const JsonDocument& document, const scene_file::Workspace& from,
                     RemoteSeat& seat);
 

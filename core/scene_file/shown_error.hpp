@@ -1,7 +1,6 @@
 #pragma once
-// How much an error may show of a file that a scene names. The writer of a scene chooses which
-// files the server reads, by a path or by a link; errors must not show the contents of other
-// files.
+// Limits the part of a file that an error quotes. The writer of a scene chooses which files the
+// server reads, by a path or by a link; errors must not show the contents of other files.
 //
 // The rule: an error quotes a file only if the file, its links followed, lies in the folder of the
 // scene's file or below it. Of any other file it gives only the name and the line or byte.
@@ -13,8 +12,9 @@
 
 namespace feltwire {
 
-/// Whether a file, its links followed, lies neither in the folder nor below it. False where the
-/// calling thread reads what is given (core/base/kept_files.hpp): that is not on this disk.
+/// Whether a file, its links followed, lies neither in the folder nor below it. False if the
+/// calling thread reads only given files (core/base/kept_files.hpp), because they are not on this
+/// disk.
 bool lies_outside(const std::filesystem::path& file, const std::filesystem::path& folder);
 
 /// Returns `message`. If `file` lies outside of `folder`, it is cut after the line or byte.

@@ -1,5 +1,5 @@
 #pragma once
-// Who may move a robot, and when.
+// The states of a hand that leads a robot: when it may move the robot.
 
 #include <cstdint>
 #include <string_view>
@@ -9,11 +9,11 @@ namespace feltwire {
 /// The state between a hand and a robot. The numbers are the wire's. Only in `engaged` does the
 /// robot's target move.
 enum class LinkState : std::uint8_t {
-  disabled,  // the hand or the robot is not there, or the hand has not shown a released switch yet
+  disabled,  // the hand or the robot is missing, or the hand has not shown a released switch yet
   ready,     // press the switch to engage
   engaged,   // the target follows the hand
   clutched,  // the switch was released; the hand may move to another place
-  hold,      // the hand fell silent, or a limit was passed: release the switch, then press
+  hold,      // the hand is silent, or a limit was passed: release the switch, then press
   fault      // the robot is silent, stopped or faulty: wait for it, release the switch, then press
 };
 inline constexpr LinkState kLastLinkState = LinkState::fault;
@@ -21,19 +21,20 @@ std::string_view name(LinkState state);
 
 /// The facts that decide the state, at one moment.
 struct LinkInputs {
-  bool seated = false;        // hand and robot have their seats
-  bool robot_well = false;    // its newest state is young, says that it is well, and no stop
-  bool hand_silent = false;   // no sample of the hand's for the deadman's time
+  bool seated = false;  // hand and robot have their seats
+  bool robot_well =
+      false;  // its newest state is recent, says that the robot is well, and there is no stop
+  bool hand_silent = false;   // no sample of the hand arrived for the deadman's time
   bool refused = false;       // the hand jumped, or the robot's wrench passed its limit
-  bool deadman = false;       // in the hand's newest sample
+  bool deadman = false;       // the switch in the hand's newest sample
   bool wrench_above = false;  // the robot's wrench is above its limit
 };
 
 /// The states. The switch (deadman) is read from the newest sample and never remembered as pressed.
 /// It arms in two steps: after `disabled`, `hold` and `fault` it must be seen released before it
 /// engages. So neither a switch that is taped down nor a hand that comes back moves a robot. A
-/// wrench above its limit holds; where the hand engages with it above, so that it can lead the
-/// robot out, it holds from the next time that it rises above.
+/// wrench above its limit causes `hold`. If the hand engages while the wrench is above the limit,
+/// it can lead the robot out; then the next rise above the limit causes `hold`.
 ///
 /// A pure function of its inputs in their order. It is no safety-rated function.
 class Authority {
@@ -67,8 +68,9 @@ class Authority {
   }
 
   LinkState state_ = LinkState::disabled;
-  bool armed_ = false;     // the switch was seen released
-  bool forgiven_ = false;  // the wrench was above when the hand engaged, and ever since
+  bool armed_ = false;  // the switch was seen released
+  bool forgiven_ =
+      false;  // the wrench was above its limit when the hand engaged, and has been so ever since
 };
 
 }  // namespace feltwire

@@ -1,5 +1,5 @@
 #pragma once
-// What a robot touches, from the wrench at its tool and the way of the tool.
+// Estimates the surface that a robot touches, from the wrench at its tool and the path of the tool.
 
 #include <cstdint>
 
@@ -9,14 +9,14 @@
 
 namespace feltwire {
 
-/// One surface that a robot touches, or touched last. World frame of the robot.
+/// A surface that the robot touches, or touched last. World frame of the robot.
 struct RemoteContact {
   std::uint32_t surface = 0;     // counts surfaces; 0: none is known
   bool touching = false;         // now, or less than ContactEstimate::kApart ago
-  Vec3 point = Vec3::Zero();     // [m] on the surface where no force would act
+  Vec3 point = Vec3::Zero();     // [m] on the surface, where the force would be zero
   Vec3 normal = Vec3::UnitX();   // unit, towards the free side
   double stiffness = 0.0;        // [N/m] > 0 of the surface, along the normal
-  double friction = 0.0;         // mu, from the force while the tool slid; 0: it did not yet
+  double friction = 0.0;         // mu, from the force while the tool slid; 0: it has not slid yet
   Vec3 velocity = Vec3::Zero();  // [m/s] of the surface along its normal
 };
 
@@ -35,30 +35,31 @@ struct ContactEstimateConfig {
   /// [N/m] of the robot's own controller. A surface is assumed to have as much until the force over
   /// the way shows another.
   double first_stiffness = 1000.0;
-  double on = 0.2, off = 0.1;  // [N] a contact begins, ends; above the sensor's noise
+  double on = 0.2,
+         off = 0.1;  // [N] force at which a contact begins, ends; above the sensor's noise
 };
 
 /// Estimates the surface. At each sample
 ///   normal     the direction of the force, without its part along a sliding motion; kept while a
-///              touch that is new still moves in or bounces, for friction leans that force
+///              new touch still moves in or bounces, because friction leans that force
 ///   stiffness  slope of the force over the depth along the normal that is known by then, with the
 ///              depth's speed beside it (a damper), once the samples of a touch show at least
-///              0.1 mm and explain 98 % of the force; for half a second it gets better. Later a
-///              moving wall changes force and depth, too, and would be taken for a stiffness; so it
-///              is kept from then on. A touch that bounces before that is one touch.
+///              0.1 mm and explain 98 % of the force; it improves for half a second and is then
+///              kept. Later a moving wall changes force and depth, too, and would be taken for a
+///              stiffness. A touch that bounces before that is one touch.
 ///   place      tip + normal F / k, and its speed: PlaceTracker
-/// A touch goes on while the force is away for less than kApart: a tool that slides leaves the
+/// A touch continues if the force is missing for less than kApart: a sliding tool leaves the
 /// surface for some samples, and nothing changes meanwhile. After that the surface recedes to the
-/// tool where it finds no force, and after kSame it is forgotten.
-/// A touch within kSame of the last surface is the same surface again.
+/// tool where the tool finds no force, and after kSame it is forgotten. A touch within kSame of the
+/// last surface is the same surface again.
 ///
-/// With a prior the surface is there before the touch, at the place of the model plus what the last
-/// touch of it corrected; the touch starts from its place, normal and stiffness, and corrects them.
-/// A tool that finds no force behind the surface pushes it back; after kSame in all it is not
-/// believed any more, until the prior is another surface. A surface that no model has stays until
-/// the tool is kSame away from it.
+/// With a prior the surface exists before the touch, at the place of the model plus the correction
+/// of its last touch. The touch starts from place, normal and stiffness of the prior, and corrects
+/// them. A tool that finds no force behind the surface pushes it back; after kSame in all the prior
+/// is ignored until it is another surface. A surface that the model does not have stays until the
+/// tool is kSame away from it.
 ///
-/// Nothing here allocates, throws or reads a clock. A sample that is not finite is left out.
+/// No function allocates, throws or reads a clock. A sample that is not finite is ignored.
 class ContactEstimate {
  public:
   static constexpr double kSame = 20e-3;   // [m]
@@ -90,18 +91,18 @@ class ContactEstimate {
   RemoteContact contact_;
   LineFit fit_;
   std::uint32_t counted_ = 0;
-  bool known_ = false;              // the stiffness, by this touch
-  bool pressed_ = false;            // beyond the thresholds, known to be a surface or not
+  bool known_ = false;              // the stiffness is known from this touch
+  bool pressed_ = false;            // the force is beyond the thresholds, on a known surface or not
   double touched_ = 0.0;            // [s] in this touch
   double apart_ = 0.0;              // [s] without a force
   double receded_ = 0.0;            // [m] since the last touch
   Vec3 origin_ = Vec3::Zero();      // [m] the tip where this touch began
-  double last_height_ = 0.0;        // [m] of the last sample that the fit took
+  double last_height_ = 0.0;        // [m] height in the last sample of the fit
   PlaceTracker place_;              // along the normal
-  std::uint32_t expected_key_ = 0;  // of the prior, and the surface that stands for it
-  std::uint32_t expected_ = 0;
-  double shift_ = 0.0;      // [m] along its normal: what touches corrected
-  bool disproved_ = false;  // the tool went through it
+  std::uint32_t expected_key_ = 0;  // of the prior
+  std::uint32_t expected_ = 0;      // the surface of the prior
+  double shift_ = 0.0;              // [m] along its normal, correction by touches
+  bool disproved_ = false;          // the tool moved through the prior's surface
 };
 
 }  // namespace feltwire

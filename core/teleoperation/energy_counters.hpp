@@ -1,6 +1,6 @@
 #pragma once
-// The energy that an environment exchanges with a robot, counted so that a network can do it no
-// harm.
+// Counts the energy that an environment exchanges with a robot. The counts stay correct if a
+// network loses, repeats or reorders them.
 
 #include <algorithm>
 #include <cmath>
@@ -9,19 +9,20 @@
 
 namespace feltwire {
 
-/// Totals since the session began. They only grow. So of two states the later one is the larger one
-/// in all, and a state that is lost, doubled or overtaken changes nothing once a newer one is seen.
+/// Totals since the session began. They only grow. So the later of two states has the larger
+/// totals. A lost, repeated or overtaken state changes nothing once a newer one was received.
 struct EnergyCounters {
   double given = 0.0;   // [J] by the environment to the robot
   double taken = 0.0;   // [J] by the environment from the robot
   double pushed = 0.0;  // [J] sum over the contacts of the largest given - taken in each
 };
 
-/// Counts at the robot, once a sample. What the environment gives is counted as a lower bound, what
-/// it takes as an upper bound: the sensor's noise must not become energy.
+/// Counts at the robot, once a sample. The energy that the environment gives is counted as a lower
+/// bound, the energy that it takes as an upper bound, so that the sensor's noise cannot become
+/// energy.
 class ContactEnergy {
  public:
-  /// `noise` [N] >= 0: the most that the measured force is wrong by.
+  /// `noise` [N] >= 0: the largest error of the measured force.
   explicit ContactEnergy(double noise) : noise_(noise) {}
 
   /// The robot's tool moved by `displacement` [m]. `force` [N]: the environment's on the tool, at
@@ -55,23 +56,23 @@ class ContactEnergy {
   double apart_ = 0.0;                // [s] without force
 };
 
-/// How much of what a follower says of energy is believed. Zero: nothing, for a follower that is
-/// not one's own. The defaults are for one's own robot.
+/// How far the leader trusts the energy that a follower reports. Zero: not at all, for a follower
+/// that is not one's own. The defaults are for one's own robot.
 struct RemoteTrust {
   double per_contact = 0.1;  // [J] while the leader's force does not vanish
   double power = 5.0;        // [W]
 };
 
 /// At the leader: the energy that the remote environment gave, as far as it is trusted. Over a step
-/// of h seconds the credit grows by what `pushed` grew, and by at most power h; in one contact of
-/// the leader by at most per_contact. What is above that is never credited later.
+/// of h seconds the credit grows by the growth of `pushed`, but by at most power h; in one contact
+/// of the leader by at most per_contact. The excess is never credited later.
 class RemoteEnergy {
  public:
   /// Precondition: both limits are finite and not negative.
   explicit RemoteEnergy(const RemoteTrust& trust) : trust_(trust) {}
 
-  /// Takes counters in any order, any number of times. Those that are not finite, or smaller than
-  /// what was seen, say nothing.
+  /// Takes counters in any order, any number of times. It ignores counters that are not finite, or
+  /// smaller than the largest seen.
   void take(const EnergyCounters& seen) noexcept {
     if (!std::isfinite(seen.given) || !std::isfinite(seen.taken) || !std::isfinite(seen.pushed))
       return;
@@ -80,7 +81,7 @@ class RemoteEnergy {
     seen_.pushed = std::max(seen_.pushed, seen.pushed);
   }
 
-  /// Time passed, `elapsed` [s]. Returns by how much the credit grew [J].
+  /// Advances the time by `elapsed` [s]. Returns the growth of the credit [J].
   double step(double elapsed) noexcept {
     const double time = std::isfinite(elapsed) ? std::max(0.0, elapsed) : 0.0;
     const double most = std::min(trust_.power * time, trust_.per_contact - in_contact_);
@@ -91,7 +92,7 @@ class RemoteEnergy {
     return grown;
   }
 
-  /// The leader's force vanished: a new contact.
+  /// The leader's force became zero: a new contact begins.
   void begin_contact() noexcept {
     begun_ = seen_;
     in_contact_ = 0.0;
@@ -106,7 +107,7 @@ class RemoteEnergy {
  private:
   RemoteTrust trust_;
   EnergyCounters seen_, begun_;
-  double credited_ = 0.0;    // [J] of `pushed`, looked at
+  double credited_ = 0.0;    // [J] part of `pushed` that was considered
   double in_contact_ = 0.0;  // [J] credited in this contact
   double credit_ = 0.0;
 };

@@ -1,5 +1,5 @@
 #pragma once
-// Which place of a hand is which place of a robot.
+// Maps the place of a hand to the place of a robot.
 
 #include "core/base/types.hpp"
 #include "core/teleoperation/contact_estimate.hpp"
@@ -13,14 +13,14 @@ namespace feltwire {
 /// The first target is then equal to the target that the robot has, for any poses and any scale:
 /// exactly in position, to rounding in orientation. Turning is never scaled.
 ///
-/// Forces are the same at both ends. What else is said at one end in its own measure is converted:
+/// Forces are the same at both ends. Other quantities are converted from one end to the other:
 /// places by the index, speeds by 1 / s, stiffness by s, energy of the robot by 1 / s.
 class EngageIndex {
  public:
   /// `scale` s > 0 [m of the robot per m of the hand].
   explicit EngageIndex(double scale) : scale_(scale) {}
 
-  /// From now on `hand`, less its offset, is `target`.
+  /// From now on `hand`, less its offset, corresponds to `target`.
   void engage(const Pose& hand, const Pose& target) noexcept {
     hand_ = hand;
     target_ = target;
@@ -33,11 +33,11 @@ class EngageIndex {
             (hand.orientation * turn_).normalized()};
   }
 
-  /// From now on every target is `movement` [m] farther. So a target that a limit moved is where
-  /// the hand is, and a hand that comes back moves the robot at once.
+  /// Moves every later target by `movement` [m]. So a target that a limit moved corresponds to the
+  /// hand's present place, and a hand that comes back moves the robot at once.
   void shift(const Vec3& movement) noexcept { target_.position += movement; }
 
-  /// A contact of the robot, where the hand meets it.
+  /// Returns a contact of the robot, in the hand's frame.
   RemoteContact at_hand(const RemoteContact& contact) const noexcept {
     RemoteContact seen = contact;
     seen.point = hand_.position + (contact.point - target_.position) / scale_;
@@ -52,12 +52,12 @@ class EngageIndex {
   EnergyCounters at_hand(const EnergyCounters& robot) const noexcept {
     return {robot.given / scale_, robot.taken / scale_, robot.pushed / scale_};
   }
-  /// [J] that a hand paid, in the robot's measure.
+  /// Returns the energy [J] that a hand paid, in the robot's units.
   double at_robot(double hand_work) const noexcept { return scale_ * hand_work; }
 
  private:
   double scale_;
-  Pose hand_, target_;                        // where they engaged
+  Pose hand_, target_;                        // the poses when the hand engaged
   Quaternion turn_ = Quaternion::Identity();  // q_h0^-1 q_t0
 };
 

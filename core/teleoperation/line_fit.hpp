@@ -9,8 +9,8 @@
 namespace feltwire {
 
 /// Least squares of F = k x + b v + a over samples (x, v, F), a spring and a damper, along any
-/// direction: the samples are vectors, and which of their parts count is said when it is asked. So
-/// samples stay right while the direction is still being found.
+/// direction. The samples are stored as vectors, and the direction is an argument of the result. So
+/// the samples stay valid while the direction is still estimated.
 class LineFit {
  public:
   struct Line {
@@ -37,7 +37,7 @@ class LineFit {
     const double mean = x_.dot(direction) / count_;
     return std::sqrt(std::max(0.0, square(xx_, direction) / count_ - mean * mean));
   }
-  /// Along a unit direction. Zeros where the samples do not determine it.
+  /// Fits along a unit direction. Zeros if the samples do not determine it.
   Line line(const Vec3& direction) const noexcept {
     constexpr int kLeast = 5;
     if (count_ < kLeast) return {};
@@ -49,7 +49,8 @@ class LineFit {
     const Vec3 right(square(xf_, direction), square(vf_, direction), f);
     Mat3 normal;
     normal << square(xx_, direction), xv, x, xv, square(vv_, direction), v, x, v, count_;
-    // The speed has the scale of a second fewer: weight it so that the smallest pivot is not noise.
+    // The speed is smaller by the scale of one second: weight it so that the smallest pivot is not
+    // noise.
     Mat3 damped = normal;
     damped(1, 1) += kSpeedPrior * count_;
     const Vec3 solution = damped.ldlt().solve(right);

@@ -1,5 +1,5 @@
 #pragma once
-// Limits of speed, acceleration and jerk of a target that moves.
+// Limits of speed, acceleration and jerk for a moving target.
 
 #include <algorithm>
 #include <cmath>
@@ -16,14 +16,14 @@ struct MotionLimits {
   double turning = 1.0;       // [rad/s]
 };
 
-/// Follows a place that is wanted, within the limits: it heads straight for it, as fast as it can
-/// still brake from with half the acceleration,
+/// Follows a wanted place within the limits. It moves straight towards it, with the largest speed
+/// from which half the acceleration can still brake:
 ///   v = min(speed - a^2 / (2 jerk), sqrt(a |d|), |d| / (4 a / jerk)),     d = wanted - here
-/// and its velocity changes by at most a, its acceleration by at most the jerk. So a place that
-/// jumps is followed smoothly, one that moves slowly closely, and the way is v^2 / a behind one
-/// that moves at v. Turning has a limit of speed alone.
+/// Its velocity changes by at most a, its acceleration by at most the jerk. So it follows a jumping
+/// place smoothly and a slow one closely, and it is v^2 / a behind a place that moves at v.
+/// Rotation has only a limit of speed.
 ///
-/// Nothing here allocates, throws or reads a clock. A place that is not finite is none: it brakes.
+/// No function allocates, throws or reads a clock. If the wanted place is not finite, it brakes.
 class MotionLimit {
  public:
   /// Precondition: all limits are finite and positive.
@@ -33,14 +33,14 @@ class MotionLimit {
             0.5 * limits.speed,
             limits.speed - 0.5 * limits.acceleration * limits.acceleration / limits.jerk)) {}
 
-  /// Stands here from now on.
+  /// Sets the present place, at rest.
   void begin(const Pose& here) noexcept {
     here_ = here;
     velocity_.setZero();
     acceleration_.setZero();
   }
 
-  /// One sample of `elapsed` [s] > 0 on.
+  /// Advances by one sample of `elapsed` [s] > 0.
   const Pose& follow(const Pose& wanted, double elapsed) noexcept {
     const Vec3 way = wanted.position - here_.position;
     const double distance = way.norm();
@@ -68,8 +68,8 @@ class MotionLimit {
   static constexpr double kSettling = 4.0;  // times a / jerk: the time constant near the place
   static constexpr double kThere = 1e-9;    // [m]
 
-  /// Towards a velocity. The acceleration is the largest from which the jerk can still bring it to
-  /// zero where that velocity is reached.
+  /// Moves towards a velocity. The acceleration is the largest one that the jerk can still reduce
+  /// to zero by the time that this velocity is reached.
   void steer(const Vec3& velocity, double elapsed) noexcept {
     const Vec3 lacking = velocity - velocity_;
     const double gap = lacking.norm();
@@ -97,7 +97,7 @@ class MotionLimit {
   }
 
   MotionLimits limits_;
-  double cruise_;  // [m/s] room is left for what the acceleration adds while it ends
+  double cruise_;  // [m/s] leaves room for the speed that the acceleration adds while it ends
   Pose here_;
   Vec3 velocity_ = Vec3::Zero(), acceleration_ = Vec3::Zero();
 };

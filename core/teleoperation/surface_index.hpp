@@ -12,18 +12,18 @@ namespace feltwire {
 
 /// The leader's index: the robot's target is the hand's position less `offset()`.
 ///
-/// The first touch of a surface is known at the leader one round trip late, when the hand is
-/// already far inside. Then the offset is moved along the normal until the surface is where the
-/// hand is, so that it meets it there, without a force that jumps. For kYoung after that the
-/// surface stays at the hand while the estimate of its place settles; the offset takes up the
-/// change. A surface that was known before it was touched (SurfacePrior) is met where the model has
-/// it; kYoung begins with its touch. Later the offset is given back by a share of the hand's free
-/// movement that is hardly noticed.
+/// The leader knows of a first touch one round trip late, when the hand is already far inside the
+/// surface. Then the offset moves along the normal until the surface is at the hand. So the hand
+/// meets the surface there, and no force jumps. For kYoung after that the surface stays at the hand
+/// while the estimate of its place settles; the offset takes up the change. A surface that was
+/// known before its touch (SurfacePrior) stays where the model has it; kYoung begins with the
+/// touch. Later the offset is given back by a hardly noticeable share of the hand's free movement.
 ///
-/// A hand that goes on behind a wall of the robot's workspace takes the offset along, so that the
-/// robot is wanted at the wall and follows at once where the hand comes back.
+/// A hand that moves on behind a wall of the robot's workspace takes the offset along. So the
+/// wanted place of the robot is at the wall, and the robot follows at once when the hand comes
+/// back.
 ///
-/// The offset is sent in every sample, so that both sides have the same. Nothing here allocates,
+/// The offset is sent in every sample, so that both sides have the same. No function allocates,
 /// throws or reads a clock.
 class SurfaceIndex {
  public:
@@ -32,8 +32,8 @@ class SurfaceIndex {
   static constexpr double kFreeAbove = 5e-3;  // [m] from the surface
   static constexpr double kFarthest = 1e3;    // [m] on each axis, by walls that are far away
 
-  /// The hand moved by `displacement` [m] to `hand` in `elapsed` [s]; `seen` is the newest contact
-  /// that the leader knows. All finite. `holds`: nothing is given back now.
+  /// The hand moved by `displacement` [m] to `hand` in `elapsed` [s]. `seen` is the newest contact
+  /// that the leader knows. All are finite. `holds`: the offset is not given back now.
   void step(const Vec3& hand, const Vec3& displacement, const RemoteContact& seen, double elapsed,
             bool holds = false) noexcept {
     const double height = (hand - offset_ - seen.point).dot(seen.normal);
@@ -57,8 +57,8 @@ class SurfaceIndex {
     place_ = seen.point;
   }
 
-  /// From now on the robot is wanted in front of these walls, which are told in the measure of the
-  /// hand.
+  /// From now on the wanted place of the robot is in front of these walls, which are given in the
+  /// hand's frame.
   void keep_in_front(const Vec3& hand, std::span<const WorkspaceWall> walls) noexcept {
     const Vec3 wanted = hand - offset_;
     const Vec3 offset = hand - nearest_in_front(wanted, walls);

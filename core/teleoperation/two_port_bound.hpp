@@ -10,21 +10,20 @@
 
 namespace feltwire {
 
-/// The two-port law: a bound at a leader's device that lets the remote environment push the hand,
-/// by no more than the energy that it gave.
+/// The two-port law: a bound at a leader's device that lets the remote environment push the hand
+/// with at most the energy that it gave.
 ///
 ///   |F(n)|^2 <= max(|F(n-1) + c dx(n)|^2, 2 c (W(n) + E(n))),     c = 2 b / T           (T)
 ///
-/// F resists the motion (f = -F is on the hand). W(n) = sum F(i-1).dx(i) is what the hand paid in
-/// this contact, E(n) what the remote environment gave (RemoteEnergy::net()). The claim, for every
-/// hand, command, network and E:
+/// F resists the motion (f = -F is on the hand). W(n) = sum F(i-1).dx(i) is the work that the hand
+/// paid in this contact, E(n) the energy that the remote environment gave (RemoteEnergy::net()).
+/// The claim, for every hand, command, network and E:
 ///   delivered to the hand(n) <= burned by the device(n) + max over m <= n of E(m)
 /// docs/teleoperation.md has the proof. Every reduction of the force is admissible. A hold h > T
-/// burns (b/h)|dx|^2 only; what that overdraws is a debt, as in contact_frame.
+/// burns only (b/h)|dx|^2; the energy overdrawn in it is a debt, as in contact_frame.
 ///
-/// One channel: the whole force is scaled, so that it keeps its direction.
-/// Known weakness: where the remote gives nothing, a force that comes late fades, as under
-/// contact_frame.
+/// There is one channel: the whole force is scaled, so it keeps its direction. Known weakness: if
+/// the remote gives nothing, a late force fades, as under contact_frame.
 class TwoPortBound {
  public:
   /// b [N s/m] > 0 of the device in every direction; T [s] > 0.
@@ -37,13 +36,13 @@ class TwoPortBound {
     double remote = 0.0;               // E [J]
   };
 
-  /// Returns the force on the hand [N]. A sample with anything that is not finite renders nothing,
-  /// and what was stored is lost.
+  /// Returns the force on the hand [N]. A sample with a value that is not finite renders no force,
+  /// and the stored energy is lost.
   Vec3 step(const Sample& s) noexcept {
     const Vec3 before = held_;
     held_.setZero();
     if (!s.displacement.allFinite() || !std::isfinite(s.hold_time)) {
-      // The last force was paid for, whatever the movement was. How much of W is left is not known.
+      // The last force was paid for, for every movement. The rest of W is not known.
       work_ = -std::numeric_limits<double>::infinity();
       return held_;
     }
@@ -59,7 +58,7 @@ class TwoPortBound {
     return held_;
   }
 
-  /// What was really held after the last step, where that is less.
+  /// Sets the force that was really held after the last step, if it is less.
   void set_held(const Vec3& held) noexcept { held_ = held; }
 
   /// A new contact. Precondition: no force is held.

@@ -1,5 +1,5 @@
 #pragma once
-// Where the target of a robot may be: inside of walls, and along the axes that are not locked.
+// Limits of a robot's target: walls, and locked axes.
 
 #include <array>
 #include <cstddef>
@@ -40,42 +40,41 @@ struct Workspace {
   void add_box(const Vec3& low, const Vec3& high) noexcept;
 };
 
-/// Both hold. Precondition: neither has more than kMostGiven walls.
+/// Both workspaces apply. Precondition: neither has more than kMostGiven walls.
 Workspace joined(const Workspace& one, const Workspace& other) noexcept;
 
 /// Whether there is a place that is at least `inside` [m] in front of every wall. Thin wedges count
 /// as no place.
 bool has_room(const Workspace& workspace, double inside) noexcept;
 
-/// The point in front of all walls that is nearest to `point`, by Hildreth's row action: each wall
-/// in turn moves the point to itself, or takes back what it moved before. It is exact for walls at
-/// right angles. Where the sweeps do not suffice (acute wedges, no such point) the result may be
-/// behind a wall, or not quite the nearest. A point that is in front of all walls is returned as it
-/// is.
+/// Returns the nearest point to `point` that is in front of all walls, by Hildreth's row action:
+/// each wall in turn moves the point to itself, or takes back its earlier movement. It is exact for
+/// walls at right angles. If the sweeps do not suffice (acute wedges, no such point) the result may
+/// be behind a wall, or not quite the nearest. A point in front of all walls is returned unchanged.
 Vec3 nearest_in_front(const Vec3& point, std::span<const WorkspaceWall> walls) noexcept;
 
-/// Keeps a target within a workspace, from the moment of an engagement on. A target that is behind
-/// a wall then is left where it is, so that the first step is zero; it may come nearer to the
-/// wall, and does not go back. So for every wanted target and every time: the target is not farther
-/// behind any wall than it was, and a locked axis has the value that it began with.
+/// Keeps a target within a workspace, from an engagement on. If the target is behind a wall then,
+/// it stays, so that the first step is zero; it may come nearer to the wall, and does not go back.
+/// So for every wanted target and every time: the target is not farther behind any wall than it
+/// was, and a locked axis keeps its first value.
 ///
-/// Nothing here allocates, throws or reads a clock.
+/// No function allocates, throws or reads a clock.
 class WorkspaceLimit {
  public:
   explicit WorkspaceLimit(const Workspace& workspace = {}) : workspace_(workspace) { begin({}); }
 
-  /// The hand engages while the target is `here`. Precondition: it is finite.
+  /// The hand engages while the target is at `here`. Precondition: it is finite.
   void begin(const Pose& here) noexcept;
-  /// The nearest target that is allowed. One that is not finite changes nothing.
+  /// Returns the nearest allowed target. A wanted target that is not finite changes nothing.
   const Pose& keep(const Pose& wanted) noexcept;
 
-  /// The part of a movement along the axes that are not locked.
+  /// Returns the part of a movement along the axes that are not locked.
   Vec3 free_part(const Vec3& movement) const noexcept;
-  /// A contact as it shows along those axes alone; none where it hardly does.
+  /// Returns a contact reduced to those axes. Empty if its normal is almost orthogonal to them.
   RemoteContact free_part(const RemoteContact& contact) const noexcept;
 
-  /// The walls that limit the free axes, as they are now. Their number in `walls()` is the same
-  /// from begin() on.
+  /// Returns the present walls that limit the free axes. Their number in `walls()` is the same from
+  /// begin() on.
   std::span<const WorkspaceWall> walls() const noexcept { return {walls_.data(), count_}; }
   const Workspace& workspace() const noexcept { return workspace_; }
 
@@ -83,10 +82,10 @@ class WorkspaceLimit {
   static constexpr double kHardlyFree = 0.1;  // length of a normal's part along the free axes
 
   Workspace workspace_;
-  Pose begun_;  // the locked axes have its values
-  Pose last_;   // what keep() returned; in front of all walls_
+  Pose begun_;  // the locked axes keep its values
+  Pose last_;   // the last result of keep(), in front of all walls_
   std::array<WorkspaceWall, Workspace::kMostWalls> walls_{};  // along the free axes
-  std::array<double, Workspace::kMostWalls> meant_{};         // [m] their distances in the end
+  std::array<double, Workspace::kMostWalls> meant_{};         // [m] their final distances
   std::size_t count_ = 0;
 };
 

@@ -8,11 +8,11 @@
 
 namespace feltwire {
 
-/// A tool's body and its coupling, with no value left open.
+/// A tool's body and its coupling, with all values filled in.
 class BodyTool {
  public:
   /// `contact_area` [m^2]: A_c of add_contact(); 0 takes a sixth of the body's surface, which is
-  /// the face of a cube. Throws std::invalid_argument naming the field and the remedy.
+  /// the face of a cube. Throws std::invalid_argument that names the field and the remedy.
   BodyTool(PointShell shell, const ToolCoupling& coupling, double contact_area);
 
   const PointShell& shell() const { return shell_; }
@@ -25,7 +25,7 @@ class BodyTool {
   double contact_area_;
 };
 
-/// How an object moved since the step before, and the share of its force that is felt.
+/// The movement of an object since the step before, and the share of its force that is felt.
 struct ObjectMotion {
   Vec3 linear = Vec3::Zero();   // [m] of the object's origin
   Vec3 angular = Vec3::Zero();  // [rad]
@@ -35,10 +35,10 @@ struct ObjectMotion {
 /// Moves the tool towards the balance of coupling and contact, as step_coupled_tool(). Returns the
 /// force and torque of the coupling on the hand.
 ///
-/// `elapsed`: [s] since the step before; at zero or less nothing is damped. `motions`: one for each
-/// object in that time; empty: all stand still.
+/// `elapsed`: [s] since the step before; at zero or less there is no damping. `motions`: one for
+/// each object in that time; empty: all are static.
 ///
-/// A pose that is not finite gives zero and leaves the memory as it was. Never allocates.
+/// A pose that is not finite gives zero and leaves the memory unchanged. Never allocates.
 BodyStep step_body(const BodyTool& tool, std::span<const Object> objects, const Pose& device,
                    double elapsed, BodyMemory& memory,
                    std::span<const ObjectMotion> motions = {}) noexcept;

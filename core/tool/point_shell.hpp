@@ -9,11 +9,12 @@
 
 namespace feltwire {
 
-/// A part of the shell: the points [begin, end), the ball that holds them, and what it is cut into.
+/// A part of the shell: the points [begin, end), the ball that holds them, and its parts.
 struct ShellNode {
-  static constexpr std::uint32_t kParts = 8;  // children of a node and points of a leaf, at most
-  Vec3 center = Vec3::Zero();                 // [m, tool frame]
-  double radius = 0.0;                        // [m]
+  static constexpr std::uint32_t kParts =
+      8;                       // largest number of children of a node and of points of a leaf
+  Vec3 center = Vec3::Zero();  // [m, tool frame]
+  double radius = 0.0;         // [m]
   std::uint32_t begin = 0, end = 0;
   std::uint32_t child = 0, children = 0;  // nodes [child, child + children); none: a leaf
 };
@@ -29,7 +30,7 @@ struct PointShell {
 };
 
 /// `count` points spread evenly over the area of the surface. Deterministic. Throws
-/// std::invalid_argument when there is no area, or the count is zero or above kMaxShellPoints.
+/// std::invalid_argument if there is no area, or the count is zero or above kMaxShellPoints.
 PointShell point_shell(const TriangleSoup& surface, std::size_t count);
 
 inline constexpr std::size_t kMaxShellPoints = 1'000'000;

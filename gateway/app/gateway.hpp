@@ -1,6 +1,6 @@
 #pragma once
-// The gateway as a value: programs and tests start it alike. It looks on at a server as an
-// observer, and serves the live page of what it sees.
+// The gateway as a value; programs and tests start it in the same way. It observes a server, and
+// serves the live page of the observed scenes.
 
 #include <filesystem>
 #include <functional>
@@ -17,23 +17,23 @@ namespace feltwire {
 /// SecurityOptions: certificate, key and tokens of the gateway's own page; its address is that of
 /// `web`.
 struct GatewayConfig : SecurityOptions {
-  ServerAccess server;                        // to look on at
+  ServerAccess server;                        // the observed server
   std::vector<std::filesystem::path> scenes;  // files of the server's scenes, at least one
   std::string web = "6760";                   // of the page: "PORT" or "ADDRESS:PORT"
-  std::vector<std::string> web_names;         // of hosts that browsers may ask for the page by
+  std::vector<std::string> web_names;         // host names that browsers may use for the page
   std::string log_level = "info";
 };
 
 class Gateway {
  public:
-  /// Loads the scenes, binds the port and starts the threads. A server that cannot be reached is
-  /// looked for for ever. Throws FileError, std::invalid_argument, std::runtime_error or
-  /// LastingError, each one clear line: also where the server is there and does not let the gateway
-  /// in, or has not these scenes.
+  /// Loads the scenes, binds the port and starts the threads. It tries for ever to reach a server
+  /// that is away. Throws FileError, std::invalid_argument, std::runtime_error or LastingError,
+  /// each with one clear line, also if the server refuses the gateway or does not have these
+  /// scenes.
   explicit Gateway(const GatewayConfig& config);
-  /// The same with these at hand; the configuration's own are not read.
+  /// The same with given files; those of the configuration are not read.
   Gateway(const GatewayConfig& config, std::vector<Scene> scenes, Security security);
-  /// Stops.
+  /// Stops the gateway.
   ~Gateway();
   Gateway(Gateway&&) noexcept;
   Gateway& operator=(Gateway&&) noexcept;
@@ -41,7 +41,7 @@ class Gateway {
   /// The page's address: "http://127.0.0.1:6760/".
   std::string web_url() const;
 
-  /// Reads the scenes' files anew; blocks. What is wrong is logged, and that scene stays as it was.
+  /// Reads the scenes' files again; blocks. An error is logged, and that scene stays unchanged.
   void reload();
 
   /// Ends connections, leaves the server and joins all threads. May be called again.

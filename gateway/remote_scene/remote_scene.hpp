@@ -1,6 +1,5 @@
 #pragma once
-// A scene that another server computes: this process looks on as an observer, and viewers see what
-// it sees.
+// A scene that another server computes. This process observes it, and shows the result to viewers.
 
 #include <chrono>
 #include <cstdint>
@@ -16,7 +15,7 @@
 
 namespace feltwire {
 
-/// How an observer looks for its scene. The waits between attempts double, as a client's do
+/// How an observer looks for its scene. The waits between attempts double, as those of a client
 /// (RejoinOptions).
 struct LookOptions {
   std::chrono::milliseconds first_wait{250}, longest_wait{4000};
@@ -25,24 +24,24 @@ struct LookOptions {
 
 class RemoteScene final : public SceneInView {
  public:
-  /// `scene`: what the server's scene of that name looks like, for no message carries shapes.
+  /// `scene`: the shapes of the server's scene with that name, because no message contains shapes.
   RemoteScene(Scene scene, const ServerAccess& server, const LookOptions& options = {});
   /// stop().
   ~RemoteScene() override;
   RemoteScene(const RemoteScene&) = delete;
   RemoteScene& operator=(const RemoteScene&) = delete;
 
-  /// Starts the thread that joins, looks on, and joins again where the session was lost. Once.
+  /// Starts the thread that joins, observes, and joins again if the session was lost. Call it once.
   void start();
   /// Leaves the server. May be called again.
   void stop();
-  /// The server has another scene of this name now. From any thread.
+  /// The server has another scene with this name now. From any thread.
   void reload(Scene scene);
 
   const std::string& name() const override { return name_; }
   CurrentScene current_scene() const override;
   bool take_picture(Picture& picture) override;
-  /// Describes the hands: only their numbers and tools are known here.
+  /// Describes the hands: it knows only their numbers and tools.
   void describe(asio::io_context& back,
                 std::function<void(std::vector<HandDescription>)> done) override;
   std::optional<std::string> out_of_sight() const override;
@@ -56,14 +55,14 @@ class RemoteScene final : public SceneInView {
   const std::string name_;
   const ServerAccess server_;
   const LookOptions options_;
-  mutable std::mutex mutex_;  // guards the next ones
+  mutable std::mutex mutex_;  // guards the next members
   CurrentScene current_;
   Picture picture_;
   std::vector<HandDescription> hands_;
   bool fresh_ = false;  // no viewer has taken the picture
   std::optional<std::string> hidden_;
   Event stop_;
-  bool joined_ = false;  // the attempt that is under way came to a session
+  bool joined_ = false;  // the attempt under way has got a session
   std::thread thread_;
 };
 

@@ -1,5 +1,5 @@
 #pragma once
-// Files with secrets in them.
+// Checks of files that contain secrets.
 
 #include <filesystem>
 #include <optional>
@@ -8,12 +8,12 @@
 namespace feltwire {
 
 /// Checks the mode of a file that only its owner should read. Returns one line that names the file,
-/// the fault and the remedy; nothing where the mode is good or there is no file. A file of root may
-/// be readable by a group, as the system's own keys are.
+/// the fault and the remedy; empty if the mode is good or there is no file. A file of root may be
+/// readable by a group, as the system's own keys are.
 std::optional<std::string> exposure(const std::filesystem::path& file);
 
-/// The same for a folder that only its owner should write to. Others who may write there could
-/// replace its files.
+/// The same for a folder that only its owner should write to. Other writers could replace its
+/// files.
 std::optional<std::string> open_folder(const std::filesystem::path& folder);
 
 }  // namespace feltwire

@@ -25,7 +25,7 @@ void wipe(std::vector<std::uint8_t>& bytes) noexcept {
 
 void end_without_random_numbers() noexcept {
   sodium_set_misuse_handler([] {
-    std::fprintf(stderr, "%s: the system gives no random numbers (getrandom)\n",
+    std::fprintf(stderr, "%s: the system has no source of random numbers (getrandom)\n",
                  program_invocation_short_name);
     std::_Exit(1);
   });

@@ -1,5 +1,5 @@
 #pragma once
-// Secrets, which must not be left behind in memory or in a core dump.
+// Secrets, which must not stay in memory or in a core dump.
 
 #include <cstdint>
 #include <string>
@@ -25,19 +25,19 @@ class Secret {
   bool empty() const { return bytes_.empty(); }
 
  private:
-  // Not a std::string: a short one lies in the object itself, and a move leaves a copy behind.
+  // Not a std::string: a short one is stored in the object itself, and a move leaves a copy behind.
   std::vector<char> bytes_;
 };
 
 void wipe(std::string& text) noexcept;
 void wipe(std::vector<std::uint8_t>& bytes) noexcept;
 
-/// Keys and tokens are in this process's memory: from now on the system writes no core of it, and
-/// no other process of the same user may look into it (PR_SET_DUMPABLE).
+/// This process's memory contains keys and tokens. From now on the system writes no core dump of
+/// it, and no other process of the same user may read it (PR_SET_DUMPABLE).
 void forbid_core_dumps() noexcept;
 
-/// From now on a system that gives libsodium no random numbers ends the program with a message and
-/// exit status 1, where libsodium would have it abort.
+/// From now on, if the system gives libsodium no random numbers, the program ends with a message
+/// and exit status 1; libsodium alone would abort.
 void end_without_random_numbers() noexcept;
 
 }  // namespace feltwire

@@ -6,7 +6,7 @@
 
 namespace feltwire {
 
-/// How datagrams are sealed; both with a 32-byte key, a 12-byte nonce and a 16-byte tag.
+/// The cipher of the datagrams; both have a 32-byte key, a 12-byte nonce and a 16-byte tag.
 enum class CipherSuite : std::uint8_t { aes_256_gcm = 1, chacha20_poly1305 = 2 };
 
 inline constexpr std::size_t kKeySize = 32;  // [bytes]

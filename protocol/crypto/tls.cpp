@@ -62,7 +62,7 @@ void require_buffers(const ssl_st& connection) {
 void require_tls_13(ssl_ctx_st& context) {
   if (SSL_CTX_set_min_proto_version(&context, TLS1_3_VERSION) != 1 ||
       SSL_CTX_set_num_tickets(&context, 0) != 1)
-    throw std::runtime_error("TLS 1.3 cannot be had here: " + last_tls_error());
+    throw std::runtime_error("this machine cannot use TLS 1.3: " + last_tls_error());
   SSL_CTX_set_session_cache_mode(&context, SSL_SESS_CACHE_OFF);
 }
 

@@ -34,15 +34,16 @@ ssl_st* new_tls_connection(ssl_ctx_st& context);
 /// Checks that an ssl::stream was made from the connection in whole. Throws std::bad_alloc.
 void require_buffers(const ssl_st& connection);
 
-/// TLS 1.3 and nothing older, neither tickets nor early data: every connection has an exchange of
-/// keys of its own, so no two sessions have a key in common.
+/// TLS 1.3 only, without tickets and early data: every connection has its own key exchange, so no
+/// two sessions share a key.
 void require_tls_13(ssl_ctx_st& context);
 
 /// The datagram keys of a session that was joined by this connection: exported from its TLS session
 /// (RFC 8446, 7.5), alike at both ends and known to nobody else. Throws std::runtime_error.
 SessionKeys export_keys(ssl_st& connection, std::uint64_t session, CipherSuite suite);
 
-/// Whether this CPU has what makes AES-256-GCM fast, and safe against being timed.
+/// Whether this CPU has the instructions that make AES-256-GCM fast, and safe against timing
+/// attacks.
 bool has_aes_256_gcm() noexcept;
 
 /// OpenSSL's text for the last failure in this thread, in one line.

@@ -1,5 +1,5 @@
 #pragma once
-// How long a thread asks for datagrams again and again before it sleeps until the next.
+// The time for which a thread polls for datagrams before it sleeps.
 
 #include <cmath>
 
@@ -7,7 +7,7 @@
 
 namespace feltwire {
 
-/// A time that is longer than any program runs.
+/// A time longer than any run of a program.
 inline constexpr Nanoseconds kForever = Nanoseconds::max();
 inline constexpr double kLongestBusyPoll = 1e6;  // [us] short of infinity, which is for ever
 

@@ -6,14 +6,14 @@
 
 namespace feltwire {
 
-/// This machine's monotonic clock (CLOCK_MONOTONIC), for the programs' outermost loops: read once a
-/// wake-up, everything else is told the time.
+/// This machine's monotonic clock (CLOCK_MONOTONIC), for the outermost loops of the programs: they
+/// read it once a wake-up, and pass the time to all other code.
 inline Nanoseconds monotonic_now() noexcept {
   return std::chrono::duration_cast<Nanoseconds>(
       std::chrono::steady_clock::now().time_since_epoch());
 }
 
-/// [ns] from that clock to the time since 1970, now.
+/// [ns] difference between that clock and the time since 1970, now.
 inline std::int64_t clock_offset() {
   const auto since_1970 = std::chrono::system_clock::now().time_since_epoch();
   return (std::chrono::duration_cast<Nanoseconds>(since_1970) - monotonic_now()).count();

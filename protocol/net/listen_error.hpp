@@ -9,7 +9,7 @@
 
 namespace feltwire {
 
-/// Has a socket on :: (every network) take IPv4 too, whatever the system's own choice is.
+/// Makes a socket on :: (every network) accept IPv4 too, for every setting of the system.
 template <class Socket>
 void serve_both_families(Socket& socket, const asio::ip::address& address) {
   if (address.is_v6() && address.is_unspecified()) socket.set_option(asio::ip::v6_only(false));

@@ -1,5 +1,5 @@
 #pragma once
-// A thread that must not wait for others.
+// Real-time scheduling of a thread.
 
 #include <string>
 
@@ -9,7 +9,7 @@ namespace feltwire {
 /// more jitter.
 struct RealTime {
   bool scheduler = false;      // SCHED_FIFO
-  bool memory_locked = false;  // what is mapped now stays in memory
+  bool memory_locked = false;  // memory mapped now stays in memory
 };
 
 /// Priorities of SCHED_FIFO: above other programs, below the kernel's own interrupt threads (docs
@@ -17,15 +17,15 @@ struct RealTime {
 inline constexpr int kServoPriority = 80, kScenePriority = 70;
 
 /// `priority` 0: not SCHED_FIFO, under which the kernel takes 50 ms of every second from a thread
-/// that never sleeps. Timers are as exact as there are, in any case.
+/// that never sleeps. Timers are as exact as possible in every case.
 RealTime request_real_time(int priority) noexcept;
 
-/// The calling thread, and each that it starts from now on, comes after the others (nice 10): for
-/// what may be late. It cannot be taken back.
+/// Gives the calling thread, and all threads that it starts from now on, a lower priority than the
+/// others (nice 10), for work that may be late. It cannot be undone.
 void give_way() noexcept;
 
-/// What was asked for by that priority and is not permitted, with the remedy; empty when all is
-/// granted.
+/// The rights that this priority needs and that were not granted, with the remedy; empty if all
+/// were granted.
 std::string missing(RealTime granted, int priority);
 
 }  // namespace feltwire

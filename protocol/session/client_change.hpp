@@ -17,7 +17,7 @@ namespace feltwire {
 class MethodName {
  public:
   MethodName() = default;
-  /// Precondition: at most kLongestMethodName bytes; what is longer is left out.
+  /// Precondition: at most kLongestMethodName bytes; the rest is cut off.
   explicit MethodName(std::string_view name) noexcept
       : size_(static_cast<std::uint8_t>(std::min(name.size(), text_.size()))) {
     std::copy_n(name.begin(), size_, text_.begin());
@@ -55,27 +55,27 @@ inline bool possible(const LinkQuality& link) noexcept {
   return lies(link.delay, LinkQuality::kLongestDelay) &&
          lies(link.jitter, LinkQuality::kLongestDelay) && lies(link.loss, 1.0);
 }
-/// Why there is no such link: the field, its range and the remedy. Nothing where there is.
+/// The reason why there is no such link: the field, its range and the remedy. Empty if there is.
 std::optional<std::string> wrong(const LinkQuality& link);
 
 /// A change that travels in each reply until the client's reports acknowledge its number.
 struct ClientChange {
   static constexpr std::uint8_t kLast = 63;  // the number after it is 1
-  std::uint8_t number = 0;                   // 1 to kLast; it tells one change from the next
-  std::optional<LawChoice> law;              // nothing: the law stays
-  std::optional<LinkQuality> link;           // nothing: the link stays
+  std::uint8_t number = 0;                   // 1 to kLast; identifies the change
+  std::optional<LawChoice> law;              // empty: the law stays
+  std::optional<LinkQuality> link;           // empty: the link stays
   friend bool operator==(const ClientChange&, const ClientChange&) = default;
 };
 constexpr std::uint8_t number_after(std::uint8_t number) {
   return number >= ClientChange::kLast ? std::uint8_t{1} : static_cast<std::uint8_t>(number + 1);
 }
 
-/// Which laws a client lets an admin choose. It says so when it joins, and judges each change by
+/// The laws that a client lets an admin choose. It says so when it joins, and judges each change by
 /// itself: no server can take the bound off a hand.
 enum class LawsTaken : std::uint8_t {
-  none,  // its law stays what it was started with
-  safe,  // that one, and those that are passive on their own for every hand and fault
-  any    // any that can take over while a session runs: nobody's hand is at the device
+  none,  // its law never changes
+  safe,  // the law at its start, and laws that are passive on their own for every hand and fault
+  any    // every law that can take over while a session runs: no person's hand is at the device
 };
 inline constexpr std::array<std::string_view, 3> kLawsTakenNames = {"none", "safe", "any"};
 std::string_view name(LawsTaken laws);
@@ -92,14 +92,13 @@ inline constexpr std::array<std::string_view, 3> kChangeAnswerNames = {"waiting"
                                                                        "refused"};
 std::string_view name(ChangeAnswer answer);
 
-/// Why a client that was started with these parameters does not take the law; nothing where it
-/// does. A law can take over where it and the one before admit reductions, since the safety stage
-/// and the account stand behind both.
+/// The reason why a client that was started with these parameters does not take the law; empty if
+/// it does. A law can take over if it and the previous one admit reductions, because the safety
+/// stage and the account come after both.
 std::optional<std::string> refuses_law(const SessionParameters& started, const LawChoice& law,
                                        LawsTaken taken);
 
-/// For people: "mode shaped -> contact_frame, storage minimal -> elastic". Empty where they are the
-/// same.
+/// For people: "mode shaped -> contact_frame, storage minimal -> elastic". Empty if they are equal.
 std::string difference(const LawChoice& before, const LawChoice& after);
 /// "link delay 25 ms, jitter 5 ms, loss 10 %".
 std::string text(const LinkQuality& link);

@@ -1,7 +1,8 @@
 #pragma once
-// Which values need not be sent (Weber's fraction on vectors), and the receiver's assumption
-// meanwhile (Hinterseer, Steinbach, Hirche, Buss, ICASSP 2005; Hinterseer et al., IEEE Trans.
-// Signal Processing 56(2), 2008). No clock, no state but the trend's, the same bits on both sides.
+// Decides which values need not be sent (Weber's fraction on vectors), and the receiver's
+// assumption meanwhile (Hinterseer, Steinbach, Hirche, Buss, ICASSP 2005; Hinterseer et al., IEEE
+// Trans. Signal Processing 56(2), 2008). It has no clock and no state except the trend's, and gives
+// the same bits on both sides.
 
 #include <array>
 
@@ -14,39 +15,40 @@ namespace feltwire {
 inline constexpr double kUnfeltForce = 0.01;   // [N]
 inline constexpr double kUnfeltTorque = 4e-4;  // [N m]
 
-/// Whether `value` lies farther from `expected` than `fraction` of its own length and `floor` more.
-/// Measured against the value itself, not the one sent last, so that who holds `expected` is wrong
-/// by at most that fraction of the truth. True for what is not finite.
+/// Whether `value` lies farther from `expected` than `fraction` of its own length plus `floor`. It
+/// is compared with the value itself, not with the one sent last, so that the receiver's error is
+/// at most that fraction of the truth. True for a value that is not finite.
 bool beyond_deadband(const Vec3& value, const Vec3& expected, double fraction,
                      double floor) noexcept;
 
-/// The same for a command: for its whole force, or for its torque. True also where one of the two
-/// commands is zero and the other is not: contact begins or ends.
+/// The same for a command: for its whole force, or for its torque. True also if only one of the two
+/// commands is zero: contact begins or ends.
 bool beyond_deadband(const Command& value, const Command& expected, double fraction) noexcept;
 
 /// Whether there is any force or torque.
 bool acts(const Command& command) noexcept;
 
-/// The command `time` [s] later when it changes by `rates` [N/s], [N m/s]. Each part goes no
-/// farther than where it would begin to point backwards: a line that falls through zero must not
-/// turn a push into a pull. A time that is not above zero, and rates that are not finite, leave the
-/// command as it is.
+/// The command `time` [s] later if it changes by `rates` [N/s], [N m/s]. Each part goes no farther
+/// than to the point where it would begin to point backwards: a line that falls through zero must
+/// not turn a push into a pull. A time that is not above zero, and rates that are not finite, leave
+/// the command unchanged.
 Command extrapolated(const Command& command, const Command& rates, double time) noexcept;
 
-/// How fast a command changes: the difference over a window of samples. One sample's difference
-/// would carry the encoder's quantum, K quantum / T; the window divides that by its length, for a
-/// lag of half of it. What lies before contact began or ended does not belong to the line.
+/// The rate of change of a command: the difference over a window of samples. One sample's
+/// difference would contain the encoder's quantum, K quantum / T; the window divides that by its
+/// length, with a lag of half of it. Samples before contact began or ended do not belong to the
+/// line.
 class CommandTrend {
  public:
   /// `elapsed` [s] since the command before.
   void add(const Command& command, double elapsed) noexcept;
-  /// [N/s], [N m/s]; zero while too little is known.
+  /// [N/s], [N m/s]; zero while there are too few samples.
   Command rates() const noexcept;
   void restart() noexcept { count_ = 0; }
 
  private:
-  static constexpr double kWindow = 0.01;           // [s] a hand does little within
-  static constexpr double kLeast = 0.25 * kWindow;  // [s] less says nothing
+  static constexpr double kWindow = 0.01;           // [s] a hand changes little within it
+  static constexpr double kLeast = 0.25 * kWindow;  // [s] a shorter one gives no rate
   static constexpr std::size_t kEntries = 16;
   static constexpr double kSpacing = kWindow / (kEntries - 2);  // [s] of entries, at high rates
 

@@ -1,6 +1,6 @@
 #pragma once
-// Which of the session parameters that a client asked for a server may change. A client checks
-// every grant with these rules, so that no server takes the bound off a hand. A server checks every
+// The session parameters that a server may change from the client's request. A client checks every
+// grant with these rules, so that no server takes the bound off a hand. A server checks every
 // request to change a running session with them.
 
 #include <cstdint>
@@ -17,16 +17,16 @@ namespace feltwire {
 inline constexpr double kShortestUsualHold = 0.1;   // [s] a grant shortens hold_time no further
 inline constexpr double kLongestGrantedHold = 0.8;  // [s] and lengthens it no further
 
-/// Which side uses a parameter while a session runs, and so must know of a change.
+/// The side that uses a parameter while a session runs, and so must know of a change.
 enum class ActedOnBy : std::uint8_t {
-  client,  // too: it cannot be changed
-  bound,   // whoever bounds: it can be changed where that is the server alone. The law of a client
-           // (mode, projection, storage) changes another way: client_change.hpp
-  server   // alone: it can be changed
+  client,  // the client uses it, too: it cannot be changed
+  bound,   // the bounding side: it can be changed if that is the server alone. The law of a client
+           // (mode, projection, storage) changes in another way: client_change.hpp
+  server   // only the server: it can be changed
 };
 
-/// The rule of one field. `may_grant` says whether the server may grant another value than the one
-/// that was asked for; null: it may not.
+/// The rule of one field. `may_grant` says whether the server may grant another value than the
+/// requested one; null: it may not.
 template <class Value>
 struct ParameterRule {
   const char* field;
@@ -37,13 +37,13 @@ struct ParameterRule {
 
 namespace grant {
 
-/// How much travels, within the ranges of validate().
+/// The amount of traffic, within the ranges of validate().
 inline bool traffic(const SessionParameters&, const SessionParameters&) { return true; }
-/// The bound may come to the client, and never leaves it.
+/// The bound may move to the client, and never away from it.
 inline bool to_client(const SessionParameters& asked, const SessionParameters& granted) {
   return asked.side == BoundingSide::server && granted.side == BoundingSide::client;
 }
-/// Within both kinds of limits, or back to what was asked.
+/// Within both kinds of limits, or equal to the requested value.
 bool hold_time(const SessionParameters& asked, const SessionParameters& granted);
 bool keep_alive(const SessionParameters& asked, const SessionParameters& granted);
 
@@ -82,8 +82,8 @@ inline constexpr auto kParameterRules = [] {
 }();
 
 constexpr auto parameter_fields(const SessionParameters& p) {
-  // A field that is added to SessionParameters, or taken away, does not compile here: give it a
-  // rule above, then a name and a count here.
+  // A field added to or removed from SessionParameters does not compile here: give it a rule above,
+  // then a name and a count here.
   [[maybe_unused]] const auto& [mode, projection, storage, side, servo_period, redundancy,
                                 operator_damping, velocity_cutoff, hold_time, c1, c2, reference,
                                 coupling_stiffness, coupling_damping, tool_mass, packet_interval,
@@ -96,18 +96,18 @@ inline constexpr std::size_t kParameterFields =
 static_assert(std::tuple_size_v<decltype(kParameterRules)> == kParameterFields,
               "each field of SessionParameters has one rule");
 
-/// The first field in which the two differ, with both values: "c1: asked 500, granted 400". Nothing
-/// where they are equal.
+/// The first field in which the two differ, with both values: "c1: asked 500, granted 400". Empty
+/// if they are equal.
 std::optional<std::string> difference(const SessionParameters& asked,
                                       const SessionParameters& granted);
 
-/// The first field that a server may not grant so to a client that asked, likewise. Precondition:
-/// both are valid (validate()).
+/// The first field that a server may not grant in this way, in the same form. Precondition: both
+/// are valid (validate()).
 std::optional<std::string> forbidden_grant(const SessionParameters& asked,
                                            const SessionParameters& granted);
 
-/// The first field that cannot change so at the server while a session runs, with the reason and
-/// the remedy: its client acts on it.
+/// The first field that cannot be changed at the server while a session runs, because its client
+/// uses it, with the reason and the remedy.
 std::optional<std::string> forbidden_change(const SessionParameters& running,
                                             const SessionParameters& wanted);
 

@@ -1,6 +1,6 @@
 #pragma once
-// What may be changed while a scene runs, as plain values: the same change in the same state has
-// the same result, bit for bit.
+// Changes of a running scene, as plain values: the same change in the same state has the same
+// result, bit for bit.
 
 #include <cstdint>
 #include <variant>
@@ -16,13 +16,13 @@ namespace feltwire {
 struct GravityChange {
   Vec3 gravity = Vec3::Zero();  // [m/s^2]
 };
-/// Other parameters of one session, of those that a running session can change (grant.hpp). Where
-/// the client bounds, its law changes when the client says that it has taken the change.
+/// Other parameters of one session, of those that a running session can change (grant.hpp). If the
+/// client bounds, its law changes when the client reports that it has taken the change.
 struct ParameterChange {
   std::uint64_t session = 0;
   SessionParameters parameters;
 };
-/// Another link that a session's client emulates, from when the client takes it.
+/// Another link for a session's client to emulate, from the time when the client takes it.
 struct LinkChange {
   std::uint64_t session = 0;
   LinkQuality link;

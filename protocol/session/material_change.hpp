@@ -5,8 +5,8 @@
 
 namespace feltwire {
 
-/// Another material of one object while a scene runs (core/material/material.hpp). What is not
-/// given stays.
+/// Another material of one object while a scene runs (core/material/material.hpp). Missing values
+/// stay.
 struct MaterialChange {
   std::string object = {};                      // its name
   std::optional<double> stiffness = {};         // [N/m]

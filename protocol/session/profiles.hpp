@@ -1,5 +1,5 @@
 #pragma once
-// Settings for kinds of lines, by name: how much travels, and how often. The numbers come from
+// Named settings for kinds of lines: the amount and rate of traffic. The numbers come from
 // docs/lab/trade.md, "The network".
 
 #include <array>
@@ -11,9 +11,9 @@
 namespace feltwire {
 
 struct NetworkProfile {
-  std::string_view name, line;  // how it is asked for; what it is for
+  std::string_view name, line;  // its name; its purpose
   double packet_rate = 1000.0;  // [Hz] datagrams each way
-  int batch = 1;                // new samples in each, where there are as many
+  int batch = 1;                // new samples in each, if there are as many
   int redundancy = 3;
   double position_deadband = 0.0, force_deadband = 0.0;  // Weber fractions
   Predictor predictor = Predictor::level;
@@ -41,16 +41,16 @@ inline constexpr std::array<NetworkProfile, 3> kNetworkProfiles = {
       .hold_time = 0.8,
       .local_model = true}}};
 
-/// Throws std::invalid_argument naming the choices when there is no such profile.
+/// Throws std::invalid_argument that lists the choices if there is no such profile.
 const NetworkProfile& network_profile(std::string_view name);
 /// The names, for a help text: "lan|wan|thin".
 std::string network_profile_names();
 
-/// The same session over such a line. Its servo period stays; the side becomes `client` where a
-/// local model has to be bounded beside the device.
+/// The same session over such a line. Its servo period stays; the side becomes `client` if a local
+/// model has to be bounded beside the device.
 SessionParameters over(const NetworkProfile& line, SessionParameters parameters);
 
-/// The parameters that a server behind such a line grants: those asked for, where the line has room
+/// The parameters that a server behind such a line grants: the requested ones, if the line has room
 /// for that many datagrams, else over(line, parameters).
 SessionParameters granted(const NetworkProfile& line, const SessionParameters& parameters);
 

@@ -8,21 +8,21 @@
 
 namespace feltwire {
 
-/// The numbers are the wire's. Each may what those below it in rank() may: an observer is shown the
-/// scene, feels nothing and moves nothing; a pointer holds a small hand, that of the live page; an
-/// operator acts with any device; an admin lists and evicts sessions, reloads scenes and changes
-/// them. A follower stands apart: a robot sits on the robot's seat of a scene and does nothing
-/// else, and nobody else sits there.
+/// The numbers are the wire's. Each role includes the rights of those below it in rank(): an
+/// observer sees the scene, feels nothing and moves nothing; a pointer holds a small hand, that of
+/// the live page; an operator acts with any device; an admin lists and evicts sessions, reloads
+/// scenes and changes them. A follower is separate: a robot has the robot's seat of a scene and no
+/// other right, and only a follower may take that seat.
 enum class Role : std::uint8_t { observer, operator_, admin, pointer, follower };
 
 inline constexpr std::array<std::string_view, 5> kRoleNames = {"observer", "operator", "admin",
                                                                "pointer", "follower"};
 
 std::string_view name(Role role);
-/// Throws std::invalid_argument naming the choices when there is no such role.
+/// Throws std::invalid_argument that lists the choices if there is no such role.
 Role role(std::string_view name);
 
-/// From 0. The pointer stands above the observer alone. Of a follower: no rank.
+/// From 0. Only the observer is below the pointer. A follower has no rank.
 constexpr int rank(Role role) {
   constexpr std::array<int, 5> kRanks = {0, 2, 3, 1, -1};
   return kRanks[static_cast<std::size_t>(role)];

@@ -1,5 +1,5 @@
 #pragma once
-// The settings of a session, which a client asks for and a server grants.
+// The settings of a session, which a client requests and a server grants.
 
 #include <array>
 #include <cstdint>
@@ -25,7 +25,7 @@ inline constexpr int kMaxPacketInterval = 1000;  // [servo ticks]
 inline constexpr double kMaxDeadband = 0.5;      // Weber fraction
 inline constexpr double kStiffest = 1e9;         // [N/m]
 
-/// The settings of a session. A client asks for them, the server grants them. All except
+/// The settings of a session. A client requests them, the server grants them. All except
 /// servo_period can be changed while the session runs.
 struct SessionParameters {
   std::string mode{kDefaultMethod};          // a method of the registry, core/bounding/method.hpp
@@ -34,8 +34,8 @@ struct SessionParameters {
   BoundingSide side = BoundingSide::client;  // measured: docs/network.md, "Who bounds"
   double servo_period = 1e-3;                // T [s], 1e-5 to 0.1
   int redundancy = 3;                        // k, 0 to kMaxRedundancy
-  double operator_damping = 0.0;  // [N s/m] damping of the operator's hand that the bound counts
-                                  // on, 0 to 100; the account does not
+  double operator_damping = 0.0;  // [N s/m] damping of the operator's hand that the bound assumes,
+                                  // 0 to 100; the account does not
   double velocity_cutoff = 0.0;   // [Hz] of the server's velocity estimate, 0: none
   double hold_time =
       0.1;  // [s] from half of this age on a command fades, at this age it is zero; T to 1
@@ -59,10 +59,10 @@ struct SessionParameters {
 };
 
 std::string_view name(BoundingSide side);
-/// Throws std::invalid_argument naming the choices when there is no such side.
+/// Throws std::invalid_argument that lists the choices if there is no such side.
 BoundingSide bounding_side(std::string_view name);
 std::string_view name(Predictor predictor);
-/// Throws std::invalid_argument naming the choices when there is no such predictor.
+/// Throws std::invalid_argument that lists the choices if there is no such predictor.
 Predictor predictor(std::string_view name);
 
 /// Throws std::invalid_argument that names the field, the range and the remedy; for a mode that is
@@ -70,8 +70,8 @@ Predictor predictor(std::string_view name);
 /// one that shapes on the client only.
 void validate(const SessionParameters& parameters);
 
-/// The parameters that a hand asks for by default: kSessionMethod, and a local model of the
-/// surfaces near its tool, so that it feels them where it is now.
+/// The parameters that a hand requests by default: kSessionMethod, and a local model of the
+/// surfaces near its tool, so that their force has no delay.
 SessionParameters usual_parameters();
 
 /// The configuration of the bound for a session of this device, on either side.

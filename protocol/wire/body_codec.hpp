@@ -6,15 +6,14 @@
 
 namespace feltwire {
 
-/// Writes the model. Numbers that cannot be told in 16 bits become the nearest that can. Does not
-/// allocate where the builder has room.
+/// Writes the model. Numbers that do not fit 16 bits are rounded to the nearest possible. It does
+/// not allocate if the builder has room.
 flatbuffers::Offset<wire::BodyModel> build(flatbuffers::FlatBufferBuilder& builder,
                                            const BodyModel& model);
 
-/// False when it has more points or patches than a model may have, or a point has a patch that is
-/// not there.
+/// False if it has more points or patches than a model may have, or a point has a missing patch.
 bool read(const wire::BodyModel& from, BodyModel& to) noexcept;
-/// Every number is finite and one that a tool, a spring and a surface can have.
+/// Whether every number is finite and possible for a tool, a spring and a surface.
 bool plausible(const BodyModel& model) noexcept;
 
 }  // namespace feltwire

@@ -11,7 +11,7 @@ namespace feltwire {
 struct SceneView;
 
 /// Builds payloads that a Sealer then seals (protocol/wire/seal.hpp). It allocates only for the
-/// first payload of each kind. The returned bytes live until the next call.
+/// first payload of each kind. The returned bytes are valid until the next call.
 class Encoder {
  public:
   Encoder();
@@ -32,7 +32,8 @@ class Encoder {
   std::unique_ptr<Builder> builder_;
 };
 
-/// Reads a payload that an Opener opened. On anything but DropReason::none `out` is unspecified.
+/// Reads a payload that an Opener opened. `out` is unspecified unless the result is
+/// DropReason::none.
 DropReason decode(Bytes payload, SampleBatch& out) noexcept;
 /// Writes the view in the reply to `view`, unless that is null.
 DropReason decode(Bytes payload, Reply& out, SceneView* view = nullptr) noexcept;

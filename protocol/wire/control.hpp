@@ -26,7 +26,7 @@ inline constexpr std::size_t kMaxName = 128;  // [bytes] of a client, scene, dev
 /// [bytes] of a refusal's reason; encode() cuts a longer one.
 inline constexpr std::size_t kMaxReason = 4096;
 inline constexpr std::size_t kMaxScenes = 256;  // of one server
-/// [bytes] body of a frame before the token was shown: strangers get no work done with a long one.
+/// [bytes] body of a frame before the token was shown: a long frame of a stranger causes no work.
 inline constexpr std::size_t kMaxFirstFrame = 512;
 inline constexpr std::size_t kMaxSessionEntries = 200;  // of one SessionList
 inline constexpr std::size_t kMaxDescriptions = 64;     // of one SessionDescriptions
@@ -39,27 +39,27 @@ struct JoinRequest {
   DeviceSpec device;
   SessionParameters parameters;
   Role role = Role::operator_;
-  bool aes_256_gcm = false;  // this CPU does it well; every client has ChaCha20-Poly1305
-  std::string tool = {};     // that the hand holds; empty: the scene's first
+  bool aes_256_gcm = false;  // this CPU is fast at it; every client has ChaCha20-Poly1305
+  std::string tool = {};     // the tool for the hand; empty: the scene's first
   std::string version =
       {};                // of the client (core/build_info), for the server's log; empty: not said
-  bool figures = false;  // of an observer: views have the figures of hands (scene_view.hpp)
-  ChangesTaken takes = {};   // what an admin may change at the client while it runs
-  Workspace workspace = {};  // of a follower: its own; at most Workspace::kMostGiven walls
+  bool figures = false;  // for an observer: views have the figures of hands (scene_view.hpp)
+  ChangesTaken takes = {};   // changes that an admin may make at the client while it runs
+  Workspace workspace = {};  // for a follower: its own; at most Workspace::kMostGiven walls
 };
 struct JoinAccepted {
   std::uint64_t session = 0;
-  std::uint16_t port_offset = 0;  // of the UDP port, from the control port that was dialled
+  std::uint16_t port_offset = 0;  // of the UDP port, relative to the dialled control port
   SessionParameters parameters;   // in force
   double silence_timeout = 0.0;   // [s]
   bool friction = false, rotation = false;
-  Vec3 start_position = Vec3::Zero();  // [m] where a hand begins that does not know the scene
+  Vec3 start_position = Vec3::Zero();  // [m] start of a hand that does not know the scene
   Vec3 start_normal = Vec3::UnitZ();   // unit, of the surface there
-  double stiffness = 0.0;              // [N/m] of the scene's stiffest surface; 0: not said
-  CipherSuite suite = CipherSuite::chacha20_poly1305;  // that the datagrams are sealed with
-  std::string tool;     // that the hand holds; empty: the scene's only one
+  double stiffness = 0.0;              // [N/m] of the scene's stiffest surface; 0: not known
+  CipherSuite suite = CipherSuite::chacha20_poly1305;  // of the datagrams
+  std::string tool;     // the tool of the hand; empty: the scene's only one
   std::string version;  // of the server (core/build_info), for the report; empty: not said
-  Workspace workspace;  // of a follower: that of its seat
+  Workspace workspace;  // for a follower: that of its seat
 };
 struct LeaveRequest {
   std::uint64_t session = 0;
@@ -98,7 +98,7 @@ enum class RefusalCode : std::uint8_t {
   not_supported,
   bad_scene,
   unknown_tool,
-  failed  // the server could not do it (no memory, say); nothing was changed
+  failed  // the server failed (no memory, for example); nothing was changed
 };
 struct Refused {
   RefusalCode code = RefusalCode::malformed;
@@ -142,15 +142,15 @@ struct SetMaterial {
 };
 struct SetGravity {
   std::string scene;
-  Vec3 gravity = Vec3::Zero();  // [m/s^2] on what moves
+  Vec3 gravity = Vec3::Zero();  // [m/s^2] on moving objects
 };
 struct SetLink {
   std::uint64_t session = 0;
-  LinkQuality link;  // that its client emulates
+  LinkQuality link;  // for its client to emulate
 };
 struct SceneChanged {
   std::string scene;
-  std::string what;  // for people: from what to what
+  std::string what;  // for people: the old and the new value
 };
 struct DescribeSessions {
   std::string scene;
@@ -159,20 +159,20 @@ struct DescribeSessions {
 struct SessionDescription {
   std::uint32_t number = 0;  // from 1 in the order they joined the scene
   std::uint64_t session = 0;
-  std::string client;  // as it calls itself
+  std::string client;  // the name that it gives itself
   std::string device;
-  std::string tool;  // that it asked for; empty: the scene's first
+  std::string tool;  // the requested one; empty: the scene's first
   Role role = Role::operator_;
   SessionParameters parameters;
   std::uint64_t samples = 0;         // taken so far
   std::uint64_t missed = 0;          // lost on the way so far
-  std::optional<double> round_trip;  // [s] as its client says
+  std::optional<double> round_trip;  // [s] as its client reports
   double delivered = 0.0;            // [J] to the hand so far
-  double burned = 0.0;               // [J] by the device so far, at least
+  double burned = 0.0;               // [J] lower bound of the device's burned energy so far
   std::optional<double> balance;     // [J] of its client's account
   ChangesTaken takes;
-  std::string asked;  // for people: the newest change that its client was asked for; empty: none
-  ChangeAnswer answer = ChangeAnswer::waiting;  // of its client to that
+  std::string asked;  // for people: the newest change requested of its client; empty: none
+  ChangeAnswer answer = ChangeAnswer::waiting;  // the client's answer to that
 };
 struct SessionDescriptions {
   std::vector<SessionDescription> sessions;  // at most kMaxDescriptions, by rising number
@@ -201,16 +201,16 @@ const char* name(RefusalCode code);
 /// in " [...]". Precondition: most >= 6.
 std::string shortened(const std::string& text, std::size_t most);
 
-/// A whole frame: u32 length (little-endian, without itself), then the FlatBuffer.
-/// A refusal's reason longer than kMaxReason is shortened(). Throws std::length_error when the body
-/// would be longer than kMaxFrame.
+/// A whole frame: u32 length (little-endian, without itself), then the FlatBuffer. A refusal's
+/// reason longer than kMaxReason is shortened(). Throws std::length_error if the body would be
+/// longer than kMaxFrame.
 std::vector<std::uint8_t> encode(const Message& message);
 
 /// The length of the body that follows these bytes; check it against kMaxFrame before reading on.
 std::uint32_t frame_length(std::span<const std::uint8_t, kFrameLengthSize> bytes) noexcept;
 
-/// The body of a frame (without its length), verified. nullopt when it is no valid message.
-/// Numbers are not judged here: validate() does that.
+/// The body of a frame (without its length), verified. nullopt if it is no valid message. Numbers
+/// are not checked here: validate() does that.
 std::optional<Message> decode(Bytes body);
 
 }  // namespace feltwire::control

@@ -37,7 +37,7 @@ enum class GoodbyeReason : std::uint8_t {
   shutting_down,
   evicted,
   flooding,
-  failed,     // the server could not go on with the session
+  failed,     // the server could not continue the session
   disturbing  // the hand broke the simulation of the moving objects
 };
 
@@ -53,7 +53,7 @@ struct Sample {
   std::uint64_t index = 0;     // counted by the client from 1
   Nanoseconds client_time{0};  // client's monotonic clock when the device was read
   Pose pose;                   // orientation stays identity for devices that do not sense it
-  Command held;  // what the device is given from this sample to the next (float32 on the wire)
+  Command held;  // held by the device from this sample to the next (float32 on the wire)
 };
 
 /// The newest sample first, then up to k earlier ones.
@@ -64,8 +64,8 @@ struct SampleBatch {
   /// Index of the sample that travelled before the oldest one here, 0: none. The client left out
   /// the samples between these two; they were not lost on the way.
   std::uint64_t previous = 0;
-  std::optional<HandReport> report;  // of the newest sample; mostly nothing is said
-  std::optional<Lead> lead;          // of the newest sample; none: this hand leads no robot
+  std::optional<HandReport> report;  // of the newest sample; absent in most datagrams
+  std::optional<Lead> lead;          // of the newest sample; empty: this hand leads no robot
   std::span<const Sample> view() const { return {samples.data(), static_cast<std::size_t>(count)}; }
 };
 
@@ -85,14 +85,14 @@ struct Reply {
   bool predicted = false;      // `rates` travel too
   Command rates;               // [N/s], [N m/s] of the command, float32 on the wire
   /// The normals of the walls whose forces add up to command.elastic; float32 on the wire. They
-  /// travel where there are two or more.
+  /// travel if there are two or more.
   ContactNormals normals;
   bool modelled = false;         // `model` travels too
   LocalModel model;              // its lengths relative to its center float32 on the wire
   bool body_modelled = false;    // `body` travels too
   BodyModel body;                // float32 and less on the wire
-  std::optional<Remote> remote;  // of a session that leads a robot
-  /// That the client has not acknowledged yet; float32 on the wire.
+  std::optional<Remote> remote;  // for a session that leads a robot
+  /// The change that the client has not acknowledged yet; float32 on the wire.
   std::optional<ClientChange> change;
 };
 
@@ -107,13 +107,13 @@ enum class DropReason : std::uint8_t {
   reserved,       // reserved bytes not zero
   session,        // no such session here
   packet_number,  // zero, or seen before, or too old to tell
-  sealed,         // not sealed by the session's other end, or not as it is now
-  rate,           // of a session that sends more samples than it may
-  malformed,      // the payload is not the FlatBuffer it should be
+  sealed,         // not sealed by the session's other end, or with an old key
+  rate,           // the session sends more samples than allowed
+  malformed,      // the payload is not a valid FlatBuffer
   count,          // no sample, too many, or rotations that do not match
   order,          // sample indices not strictly falling
-  not_finite,     // NaN, infinity, or a quaternion or a model that is none
-  stale,          // nothing in it is newer than what was already taken
+  not_finite,     // NaN, infinity, or an invalid quaternion or model
+  stale,          // it contains nothing newer than before
   count_of_reasons
 };
 inline constexpr std::size_t kDropReasons = static_cast<std::size_t>(DropReason::count_of_reasons);

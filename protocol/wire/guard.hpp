@@ -26,7 +26,7 @@ struct Guarded {
   Header header;
 };
 
-/// Checks size and header, in the order of PROTOCOL.md. Reads nothing behind the header.
+/// Checks size and header, in the order of PROTOCOL.md. It reads nothing after the header.
 /// `expected_kinds`: the kinds that this side receives, a set_of().
 Guarded guard(Bytes datagram, unsigned expected_kinds) noexcept;
 

@@ -1,5 +1,5 @@
 #pragma once
-// What a client says of the hand that it renders to, for those who look on. No force depends on it.
+// The report of a client about its hand, for observers. No force depends on it.
 
 #include <array>
 #include <cmath>
@@ -13,20 +13,20 @@
 
 namespace feltwire {
 
-/// Why the hand feels what it feels, as its client knows. Several may hold at once. The order is
-/// that of the bits on the wire.
+/// The reasons of the force on a hand, as its client knows them. Several may apply at once. The
+/// order is that of the bits on the wire.
 enum class HandReason : std::uint8_t {
   near,          // the force is computed beside the device, from the local model
   late,          // it comes from the server, as late as the network
-  bound,         // the client's bound took something off
-  account,       // its account did: the device had not burned enough
-  limits,        // its safety limits did
+  bound,         // the client's bound reduced it
+  account,       // its account reduced it: the device had not burned enough
+  limits,        // its safety limits reduced it
   saturated,     // the device cannot give so much
   faded,         // the newest answer is old, so the force fades
-  reconnecting,  // the session was lost; what was held fades
-  scene_change,  // the scene changed under the hand, and the force comes back little by little
-  device_fault,  // the device gave no usable position, or did not hold what it was given
-  law_change,    // an admin gave the session another law; what was held fades first
+  reconnecting,  // the session was lost; the held force fades
+  scene_change,  // the scene changed under the hand, and the force comes back gradually
+  device_fault,  // the device gave no usable position, or did not hold its command
+  law_change,    // an admin gave the session another law; the held force fades first
   count_of_reasons
 };
 inline constexpr std::size_t kHandReasons = static_cast<std::size_t>(HandReason::count_of_reasons);
@@ -56,23 +56,24 @@ inline constexpr std::array<std::pair<std::string_view, std::string_view>, kHand
 struct HandReport {
   std::uint32_t reasons = 0;  // bits of HandReason
   bool has_account = false;
-  double balance = 0.0;       // [J] of its account: what may still leave; 0 where it has none
+  double balance =
+      0.0;  // [J] of its account: the energy that may still leave; 0 without an account
   double round_trip = 0.0;    // [s] of the newest answer; 0: none has come
-  double hand_damping = 0.0;  // [N s/m] of the hand that its shaping counts on now
+  double hand_damping = 0.0;  // [N s/m] of the hand that its shaping assumes now
   /// Servo ticks so far that came a whole period late or more, modulo 2^24.
   std::uint32_t late_ticks = 0;
-  /// The number of the newest change that the client has dealt with (ClientChange), and whether it
+  /// The number of the newest change that the client has handled (ClientChange), and whether it
   /// refused it; 0: none.
   std::uint8_t change = 0;
   bool change_refused = false;
-  std::optional<HandTimes> times{};  // mostly not said
+  std::optional<HandTimes> times{};  // mostly empty
 
   bool finite() const noexcept {
     return std::isfinite(balance) && std::isfinite(round_trip) && std::isfinite(hand_damping);
   }
 };
 
-/// [s] At most once in this time a report travels.
+/// [s] A report travels at most once in this time.
 inline constexpr double kBetweenReports = 0.03;
 
 }  // namespace feltwire

@@ -1,5 +1,6 @@
 #pragma once
-// How punctual a client is: its servo's wake-ups and the server's answers, counted by their times.
+// The punctuality of a client: its servo's wake-ups and the server's answers, counted by their
+// times.
 
 #include <array>
 #include <chrono>
@@ -8,9 +9,9 @@
 
 namespace feltwire {
 
-/// Counts so far, modulo 2^16: small enough for a datagram, and right after any loss, as long as
-/// one of them comes through before 2^16 more events. Class i has the times up to limit i and above
-/// the limit before; the last class has all longer times.
+/// Counts so far, modulo 2^16: small enough for a datagram, and correct after any loss, as long as
+/// one of them arrives before 2^16 more events. Class i has the times up to limit i and above the
+/// limit before; the last class has all longer times.
 struct HandTimes {
   static constexpr std::size_t kClasses = 8;
   using Limits = std::array<std::chrono::nanoseconds, kClasses - 1>;
@@ -34,12 +35,12 @@ constexpr void count(HandTimes::Counts& counts, const HandTimes::Limits& limits,
   ++counts[i];
 }
 
-/// What a server has heard of a client's counts since the session began.
+/// A server's counts of a client since the session began.
 class HandTimesHeard {
  public:
   using Totals = std::array<std::uint64_t, HandTimes::kClasses>;
 
-  /// The first counts are where it begins: a client that joined anew has counted before.
+  /// The first received counts are the start: a client that joined again has counted before.
   void take(const HandTimes& said) noexcept {
     if (heard_) add(said.wakeups, last_.wakeups, wakeups_);
     if (heard_) add(said.round_trips, last_.round_trips, round_trips_);
@@ -63,7 +64,7 @@ class HandTimesHeard {
   Totals wakeups_{}, round_trips_{};
 };
 
-/// [s] At most once in this time a client says its counts, with a report.
+/// [s] A client sends its counts at most once in this time, with a report.
 inline constexpr double kBetweenTimes = 0.5;
 
 }  // namespace feltwire

@@ -1,5 +1,6 @@
 #pragma once
-// Internal to the codecs: the buffer of a payload that is built, and the bytes of one that is read.
+// Internal to the codecs: the buffer of a payload under construction, and the bytes of a received
+// one.
 
 #include <array>
 #include <cstdint>
@@ -10,7 +11,7 @@
 
 namespace feltwire {
 
-// A datagram is one table and its vectors; whatever claims more is not ours.
+// A datagram is one table and its vectors; a payload that claims more is invalid.
 inline constexpr flatbuffers::uoffset_t kMaxDepth = 4, kMaxTables = 5;
 inline constexpr std::size_t kSmallestBuffer = 8;  // [bytes] a root offset and an empty table
 
@@ -28,7 +29,8 @@ class Aligned {
   Aligned(const Aligned&) = delete;
   Aligned& operator=(const Aligned&) = delete;
 
-  /// The verified root, or null. The size is checked first: the verifier asserts on absurd sizes.
+  /// The verified root, or null. The size is checked first, because the verifier asserts on sizes
+  /// out of range.
   template <class Table>
   const Table* root() const noexcept {
     if (size_ < kSmallestBuffer) return nullptr;
@@ -44,14 +46,14 @@ class Aligned {
 };
 
 struct Encoder::Builder {
-  // Twice the size: the fields of a table under construction wait at the buffer's other end.
+  // Twice the size: the fields of a table under construction are at the buffer's other end.
   flatbuffers::FlatBufferBuilder payload{2 * kMaxDatagram};
 
-  /// FlatBuffers takes its buffer with the first byte. That is here, where memory may be refused,
-  /// and not in the first datagram.
+  /// FlatBuffers allocates its buffer with the first byte. That happens here, where a failure is
+  /// allowed, and not in the first datagram.
   Builder() { payload.PushElement(std::uint8_t{0}); }
 
-  /// For the next one; keeps its buffer.
+  /// Clears it for the next payload; keeps its buffer.
   flatbuffers::FlatBufferBuilder& begin() {
     payload.Clear();
     return payload;

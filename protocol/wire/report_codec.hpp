@@ -1,5 +1,5 @@
 #pragma once
-// Internal to the codec: what a client says of its hand, as values and as structs of the schema.
+// Internal to the codec: a client's report about its hand, as values and as structs of the schema.
 
 #include "protocol/wire/datagram_generated.h"
 #include "protocol/wire/hand_report.hpp"

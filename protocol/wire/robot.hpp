@@ -1,5 +1,5 @@
 #pragma once
-// What a hand that leads and a robot that follows tell each other, as values. PROTOCOL.md, "A robot
+// The messages between a hand that leads and a robot that follows, as values. PROTOCOL.md, "A robot
 // that follows", has their bytes.
 
 #include <array>
@@ -22,15 +22,16 @@ inline Nanoseconds from_seconds(double time) { return Nanoseconds(std::llround(t
 
 /// The part of a sample that a hand adds when it leads a robot.
 struct Lead {
-  bool deadman = false;             // the switch that lets the hand move the robot is held
-  std::uint32_t known_surface = 0;  // of the robot's, that the hand renders; 0: none
-  Vec3 offset = Vec3::Zero();       // [m] the robot is wanted where the hand is, less this; float32
-  double hand_work = 0.0;           // [J] total that the hand paid into the robot's contacts
-  double gripper = -1.0;            // [m] opening that is wanted; < 0: not said; float32
+  bool deadman = false;             // the person holds the switch that lets the hand move the robot
+  std::uint32_t known_surface = 0;  // the robot's surface that the hand renders; 0: none
+  Vec3 offset =
+      Vec3::Zero();        // [m] the robot's wanted place is the hand's place less this; float32
+  double hand_work = 0.0;  // [J] total that the hand paid into the robot's contacts
+  double gripper = -1.0;   // [m] wanted opening; < 0: no wish; float32
 };
 
-/// A wall of the robot's workspace as a leading hand is told it: in the hand's measure, before its
-/// offset. The target ends at the wall; the hand feels a spring from `depth` in front of it on.
+/// A wall of the robot's workspace for a leading hand: in the hand's frame, before its offset. The
+/// target ends at the wall; the hand feels a spring that begins `depth` in front of it.
 struct RemoteWall {
   WorkspaceWall wall;      // its normal is float32 on the wire
   double stiffness = 0.0;  // [N/m] > 0; float32
@@ -39,14 +40,14 @@ struct RemoteWall {
 };
 inline constexpr int kMostRemoteWalls = 3;
 
-/// The part of a reply that tells a leading hand of its robot. The contact's stiffness is that of
-/// surface and robot in series. Its vectors, except the point, are float32 on the wire.
+/// The part of a reply with the robot's state for a leading hand. The contact's stiffness is that
+/// of surface and robot in series. Its vectors, except the point, are float32 on the wire.
 struct Remote {
   LinkState state = LinkState::disabled;
   Pose pose;                                         // of the robot's tool, in its own frame
-  RemoteContact contact;                             // where the hand meets it, before its offset
-  EnergyCounters energy;                             // in the hand's measure
-  double gripper = 0.0, gripper_force = 0.0;         // [m] opening, [N] that it holds with
+  RemoteContact contact;                             // at the hand, before its offset
+  EnergyCounters energy;                             // in the hand's units
+  double gripper = 0.0, gripper_force = 0.0;         // [m] opening, [N] holding force
   double age = 0.0;                                  // [s] since that came from the robot
   std::array<RemoteWall, kMostRemoteWalls> walls{};  // those nearest to the target
   int wall_count = 0;
@@ -68,15 +69,15 @@ struct RobotState {
   bool stopped = false;                       // a protective stop
 };
 
-/// Where the tool shall be.
+/// The wanted place of the tool.
 struct RobotTarget {
   std::uint64_t index = 0;         // counts the targets; one that is not newer changes nothing
-  std::uint64_t sample_index = 0;  // of the leader's, that it came from; 0: none
-  LinkState state = LinkState::disabled;  // it is followed where this is `engaged`
+  std::uint64_t sample_index = 0;  // the leader's sample from which it comes; 0: none
+  LinkState state = LinkState::disabled;  // the robot follows it if this is `engaged`
   Pose pose;
   double gripper = -1.0;            // [m] opening; < 0: it stays
-  std::uint32_t known_surface = 0;  // that the hand knows
-  double hand_work = 0.0;           // [J] total, in the robot's measure
+  std::uint32_t known_surface = 0;  // known to the hand
+  double hand_work = 0.0;           // [J] total, in the robot's units
 };
 
 }  // namespace feltwire

@@ -1,5 +1,5 @@
 #pragma once
-// Internal to the codec: what is said of robots, as values and as structs of the schema.
+// Internal to the codec: the messages about robots, as values and as structs of the schema.
 
 #include "protocol/wire/datagram_generated.h"
 #include "protocol/wire/robot.hpp"
@@ -8,17 +8,17 @@ namespace feltwire {
 
 wire::Lead wire_lead(const Lead& lead);
 Lead value(const wire::Lead& from);
-/// Finite, and an offset between two places where hands are.
+/// Finite, and possible as an offset between two places of hands.
 bool plausible(const Lead& lead) noexcept;
 
 wire::Remote wire_remote(const Remote& remote);
-/// False when a number in it is impossible.
+/// False if a number in it is impossible.
 bool read(const wire::Remote& from, Remote& to) noexcept;
 
-/// Nothing where there are none.
+/// Empty if there are none.
 flatbuffers::Offset<flatbuffers::Vector<const wire::RobotWall*>> build_walls(
     flatbuffers::FlatBufferBuilder& builder, const std::optional<Remote>& remote);
-/// Precondition: at most kMostRemoteWalls, aligned. False when a number in them is impossible.
+/// Precondition: at most kMostRemoteWalls, aligned. False if a number in them is impossible.
 bool read(const flatbuffers::Vector<const wire::RobotWall*>& from, Remote& to) noexcept;
 
 }  // namespace feltwire

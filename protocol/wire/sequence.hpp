@@ -5,8 +5,8 @@
 
 namespace feltwire {
 
-/// The packet numbers that were seen, in a window behind the highest. So each is taken once, and a
-/// reordered datagram is not lost.
+/// The packet numbers that were seen, in a window behind the highest. So each is accepted once, and
+/// a reordered datagram is not lost.
 class PacketWindow {
  public:
   static constexpr std::uint64_t kWidth = 1024;

@@ -8,14 +8,14 @@
 
 namespace feltwire {
 
-/// Writes the view. Does not allocate where the builder has room.
+/// Writes the view. It does not allocate if the builder has room.
 flatbuffers::Offset<wire::SceneView> build(flatbuffers::FlatBufferBuilder& builder,
                                            const SceneView& view);
 
-/// Reads the view, with the checks of PROTOCOL.md in their order: count, order, not_finite. On
-/// anything but DropReason::none `out` is unspecified.
+/// Reads the view, with the checks of PROTOCOL.md in their order: count, order, not_finite. `out`
+/// is unspecified unless the result is DropReason::none.
 DropReason read(const wire::SceneView& from, SceneView& out) noexcept;
-/// The reason of two whose check comes first: the reasons have the order of the checks.
+/// Returns the reason whose check comes first: the reasons have the order of the checks.
 constexpr DropReason first_of(DropReason a, DropReason b) noexcept {
   if (a == DropReason::none || b == DropReason::none) return a == DropReason::none ? b : a;
   return a < b ? a : b;

@@ -4,10 +4,11 @@
 
 namespace feltwire {
 
-/// Held, no other process holds it: of a file of its own, made where there is none.
+/// A lock that only one process holds at a time, on a file of its own, which it creates if it is
+/// missing.
 class FileLock {
  public:
-  /// Waits for it. Throws FileError.
+  /// Waits for the lock. Throws FileError.
   explicit FileLock(const std::filesystem::path& file);
   ~FileLock();
   FileLock(const FileLock&) = delete;

@@ -11,15 +11,15 @@
 namespace feltwire {
 
 struct Identity {
-  std::string certificate;  // PEM, with the chain behind it where there is one
+  std::string certificate;  // PEM, followed by its chain if there is one
   Secret key;               // PEM
 };
 
-/// A new P-256 key and a certificate that it signs itself, for ten years, in these names (DNS names
+/// Makes a new P-256 key and a self-signed certificate for ten years, with these names (DNS names
 /// and IP addresses). Throws std::runtime_error.
 Identity make_identity(const std::vector<std::string>& names);
 
-/// Reads both files. Throws FileError when one cannot be read or they do not belong together.
+/// Reads both files. Throws FileError if one cannot be read or they do not belong together.
 Identity load_identity(const std::filesystem::path& certificate, const std::filesystem::path& key);
 
 /// The fingerprint of the first certificate. Throws std::runtime_error.

@@ -1,6 +1,6 @@
 #pragma once
-// JSON as text, made from the inside out. A server makes no trees of nlohmann's: their destructor
-// allocates, and ends the program where there is no memory.
+// Builds JSON as text, from the inside out. A server uses no trees of nlohmann's, because their
+// destructor allocates, and ends the program if there is no memory.
 
 #include <cstdint>
 #include <string>
@@ -15,7 +15,7 @@ std::string text(std::string_view text);
 inline std::string number(std::uint64_t value) { return std::to_string(value); }
 inline std::string number(std::int64_t value) { return std::to_string(value); }
 
-/// Objects and lists of values that are JSON text already, one a line.
+/// Objects and lists of values that are already JSON text, one in each line.
 using Member = std::pair<std::string_view, std::string>;
 std::string object(const std::vector<Member>& members);
 std::string list(const std::vector<std::string>& entries);

@@ -1,5 +1,5 @@
 #pragma once
-// How the server's TCP ports begin: bound, and with TLS in the server's name.
+// Opens the server's TCP ports: binds them, and sets up TLS with the server's certificate.
 
 #include <asio/ip/tcp.hpp>
 #include <asio/ssl/context.hpp>
@@ -9,8 +9,8 @@
 
 namespace feltwire {
 
-/// Has the acceptor listen, without blocking. Returns its port. Throws std::runtime_error in one
-/// line that names `port_option` where it cannot.
+/// Makes the acceptor listen, without blocking. Returns its port. Throws std::runtime_error with
+/// one line that names `port_option` if it cannot.
 std::uint16_t listen_on(asio::ip::tcp::acceptor& acceptor, const asio::ip::tcp::endpoint& endpoint,
                         const char* port_option = "--port");
 

@@ -1,5 +1,5 @@
 #pragma once
-// Which addresses count as one, where somebody is limited.
+// The addresses that count as one network for the limits.
 
 #include <array>
 #include <asio/ip/address.hpp>
@@ -10,10 +10,9 @@ namespace feltwire {
 /// A network, as a key: no IPv4 network has the key of an IPv6 network.
 using Network = std::array<std::uint8_t, 8>;
 
-/// The network that an address lies in. IPv6: the first 64 bits, as every host is given so many
-/// addresses. IPv4: the first 24 bits, the smallest network that is routed on the internet: a few
-/// rented addresses mostly lie in one. An IPv4 address in IPv6 (::ffff:a.b.c.d) counts
-/// as IPv4.
+/// Returns the network of an address. IPv6: the first 64 bits, because every host gets that many
+/// addresses. IPv4: the first 24 bits, the smallest network that is routed on the internet; a few
+/// rented addresses mostly lie in one. An IPv4 address in IPv6 (::ffff:a.b.c.d) counts as IPv4.
 Network network_of(const asio::ip::address& address);
 
 }  // namespace feltwire

@@ -9,8 +9,8 @@
 
 namespace feltwire {
 
-/// Places for connections. Nobody is turned away: where there is no place left, somebody else loses
-/// theirs. That is the one who took it longest ago, of the network that has the most, so that a
+/// Places for connections. A new connection is never refused: if there is no place left, an old
+/// connection loses its place. It is the oldest one of the network that has the most places, so a
 /// network that takes many places takes them from itself.
 class Places {
  public:
@@ -20,19 +20,20 @@ class Places {
   Places(std::size_t most, std::size_t most_of_network)
       : most_(most), most_of_network_(most_of_network) {}
 
-  /// Gives a place to `id`, which has none. The one who lost theirs for it, if anybody did.
+  /// Gives a place to `id`, which has none. Returns the connection that lost its place for it, if
+  /// there is one.
   std::optional<Id> take(Id id, const Network& network);
-  /// As if it had taken its place just now. Nothing happens if it has none.
+  /// Renews the time at which it took its place. It does nothing if it has none.
   void renew(Id id);
-  /// Whether it had one.
+  /// Returns whether it had a place.
   bool leave(Id id);
 
   std::size_t size() const { return holders_.size(); }
-  /// How many of them a network has.
+  /// Returns how many places a network has.
   std::size_t size(const Network& network) const;
 
  private:
-  using Turn = std::uint64_t;  // counts up: who has a lower one took the place earlier
+  using Turn = std::uint64_t;  // counts up: a lower value is an older place
   using Line = std::map<Turn, Id>;
   struct Holder {
     Network network{};

@@ -1,5 +1,5 @@
 #pragma once
-// Which files a server takes its identity and its tokens from.
+// The files with a server's identity and its tokens.
 
 #include <filesystem>
 #include <string>
@@ -7,8 +7,8 @@
 namespace feltwire {
 
 struct SecurityOptions {
-  std::string address = "127.0.0.1";  // to listen on; a certificate that is made names it
-  /// Where not named, certificate, key and tokens are the state folder's.
+  std::string address = "127.0.0.1";  // address to listen on; a new certificate contains it
+  /// Files that are not configured are those of the state folder.
   std::filesystem::path state, certificate, key, client_ca, tokens;
 };
 

@@ -1,5 +1,5 @@
 #pragma once
-// The file that the tokens stand in: read by a running server, changed by `feltwire-server token`.
+// The file with the tokens. A running server reads it, `feltwire-server token` changes it.
 
 #include <sys/stat.h>
 
@@ -12,41 +12,40 @@
 
 namespace feltwire {
 
-/// The tokens as a server that runs sees them.
+/// The tokens of a running server.
 class TokenFile {
  public:
   /// Reads the file. Throws FileError.
   explicit TokenFile(std::filesystem::path file);
-  /// Tokens that stand in no file and never change.
+  /// Tokens without a file, which never change.
   explicit TokenFile(Tokens tokens) : tokens_(std::move(tokens)) {}
 
-  /// Reads the file again if it is another than was read last. When that cannot be used the tokens
-  /// stay as they are; what is wrong with it is returned, once. A file that could not be read to
-  /// its end is tried again with the next call.
+  /// Reads the file again if it has changed. If it cannot be used, the tokens stay, and the error
+  /// is returned, once. A file that could not be read to its end is tried again with the next call.
   std::optional<std::string> refresh();
 
   const Tokens& tokens() const { return tokens_; }
 
  private:
-  /// Tells one writing of the file from another; empty: there is none.
+  /// Identifies one version of the file; empty: there is none.
   struct Stamp {
     ino_t inode = 0;
     off_t size = 0;
     std::int64_t seconds = 0, nanoseconds = 0;
-    mode_t mode = 0;  // who may read it changes whether it is read
+    mode_t mode = 0;  // the mode decides whether the file is read
     friend bool operator==(const Stamp&, const Stamp&) = default;
   };
   Stamp stamp() const;
 
   std::filesystem::path file_;
-  Stamp read_;        // of the newest text that was looked at
-  std::string said_;  // of what is wrong; empty: nothing is
+  Stamp read_;        // of the newest text that was read
+  std::string said_;  // the last error; empty: there is none
   Tokens tokens_;
 };
 
-/// Reads the file (none: no tokens), has `change` change them and writes them back, while no other
-/// process does the same: what two writers do at once is done one after the other. Throws
-/// FileError, and what `change` throws: then nothing is written.
+/// Reads the file (missing: no tokens), calls `change` and writes the result back, while no other
+/// process does the same: simultaneous writers wait for each other. Throws FileError, and the
+/// exceptions of `change`: then nothing is written.
 void change_tokens(const std::filesystem::path& file, const std::function<void(Tokens&)>& change);
 
 }  // namespace feltwire

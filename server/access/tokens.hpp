@@ -1,6 +1,6 @@
 #pragma once
-// Bearer tokens: what a server knows of each, and whether a text is one of them. No file; only
-// calendar_now() reads a clock.
+// Bearer tokens: the data that a server keeps of each, and the check of a text. It uses no file;
+// only calendar_now() reads a clock.
 
 #include <array>
 #include <chrono>
@@ -23,8 +23,8 @@ inline CalendarTime calendar_now() {
 
 struct Token {
   std::string id;           // 12 hex digits; no secret
-  std::string client;       // whom it was given to
-  std::string scene = "*";  // that it opens, *: any
+  std::string client;       // name of its holder
+  std::string scene = "*";  // the scene that it opens; *: any
   Role role = Role::observer;
   std::optional<CalendarTime> expires;
   std::array<std::uint8_t, 16> salt{};
@@ -35,8 +35,8 @@ using Tokens = std::vector<Token>;
 bool opens(const Token& token, std::string_view scene);
 bool expired(const Token& token, CalendarTime now);
 
-/// A new token, and the text that its holder shows: `fw_<id>_<secret>`, which stands nowhere else.
-/// Throws std::invalid_argument when a name is empty, too long or has control characters.
+/// Makes a new token, and the text for its holder: `fw_<id>_<secret>`, which is stored nowhere
+/// else. Throws std::invalid_argument if a name is empty, too long or has control characters.
 struct IssuedToken {
   Token token;
   Secret text;
@@ -44,15 +44,15 @@ struct IssuedToken {
 IssuedToken issue_token(std::string client, std::string scene, Role role,
                         std::optional<CalendarTime> expires);
 
-/// Null when there is none of that id.
+/// Null if there is no token with that id.
 const Token* find_token(const Tokens& tokens, std::string_view id);
 
-/// The token that `text` is, null for any other text and when it has expired. Takes the same time
-/// whatever of it is wrong.
+/// Returns the token for `text`. Null for any other text and for an expired token. The time does
+/// not depend on which part is wrong.
 const Token* authenticate(const Tokens& tokens, std::string_view text, CalendarTime now);
 
-/// Reads `30d`, `12h`, a day like `2026-12-31` (until its end, UTC) or `never` (nullopt), `now`
-/// being the beginning. Throws std::invalid_argument.
+/// Reads `30d`, `12h`, a day like `2026-12-31` (until its end, UTC) or `never` (nullopt), with
+/// `now` as the beginning. Throws std::invalid_argument.
 std::optional<CalendarTime> parse_expiry(std::string_view text, CalendarTime now);
 /// `2026-12-31 23:59:59 UTC`, or `never`.
 std::string expiry_text(const std::optional<CalendarTime>& expires);
@@ -60,7 +60,7 @@ std::string expiry_text(const std::optional<CalendarTime>& expires);
 /// Reads the token file's text (JSON against tokens.fbs). Throws FileError "file:line: field: what
 /// is wrong; remedy".
 Tokens parse_tokens(std::string_view json, const std::string& file);
-/// The text that parse_tokens() reads.
+/// Returns the text that parse_tokens() reads.
 std::string json(const Tokens& tokens);
 
 }  // namespace feltwire

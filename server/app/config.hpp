@@ -15,53 +15,53 @@ namespace feltwire {
 /// SecurityOptions::address: other machines on request only.
 struct ServerConfig : SecurityOptions {
   std::vector<std::filesystem::path> scenes;  // at least one
-  int port = kDefaultPort;  // control (tcp), the scenes' (udp) follow one by one; 0: a free place
+  int port = kDefaultPort;       // control (tcp); the scenes' ports (udp) follow it; 0: free ports
   double silence_timeout = 2.0;  // [s]
   int max_sessions_per_scene = 64;
   double sample_rate_limit = 1.5;         // of a session, times its servo rate
   int max_sessions_per_client = 16;       // of all tokens with one client's name
-  double join_rate = 20.0;                // [1/s] joins, changes and wrong tokens, for ever,
+  double join_rate = 20.0;                // [1/s] joins, changes and wrong tokens, sustained,
   double join_burst = 60.0;               // and at once (server/control/control_service.hpp)
-  double handshake_timeout = 5.0;         // [s] from connecting to a good token
-  double idle_timeout = 60.0;             // [s] a connection that asks nothing ends
-  int max_connections = 512;              // half of them for those with a good token
+  double handshake_timeout = 5.0;         // [s] from connecting to a valid token
+  double idle_timeout = 60.0;             // [s] a connection without a request ends
+  int max_connections = 512;              // half of them for those with a valid token
   int max_connections_per_network = 128;  // of either half; an IPv4 /24, an IPv6 /64
-  double handshake_rate = 50.0;           // [1/s] connections of one network, for ever,
+  double handshake_rate = 50.0;           // [1/s] connections of one network, sustained,
   double handshake_burst = 100.0;         // and at once
-  std::string profile;       // of the line that sessions share, lan, wan or thin; empty: no limit
+  std::string profile;       // line that the sessions share, lan, wan or thin; empty: no limit
   double busy_poll = 0.0;    // [us] before a scene's thread sleeps; 0: at once, infinity: never
-  bool real_time = false;    // scenes' threads are scheduled before all others
+  bool real_time = false;    // scenes' threads have priority over all others
   std::string dscp = "cs0";  // of replies: a name or a number, see protocol/net/udp_socket.hpp
   std::string web;           // of the live page: "PORT" or "ADDRESS:PORT"; empty: there is none
-  std::vector<std::string> web_names;     // of hosts that browsers may ask for the page by
-  std::filesystem::path record;           // FILE.mcap of what happens in a scene; empty: none
+  std::vector<std::string> web_names;     // host names that browsers may use for the page
+  std::filesystem::path record;           // FILE.mcap for the inputs of a scene; empty: none
   double record_max_mib = HUGE_VAL;       // of one file of several
-  double record_max_seconds = HUGE_VAL;   // likewise
+  double record_max_seconds = HUGE_VAL;   // the same
   std::filesystem::path flight_recorder;  // folder of flight records; empty: none
   int web_hands = 4;  // sessions of role pointer: hands that viewers of the page hold, at once
   std::string log_level = "info";
 };
 
-/// Reads a configuration file (JSON against server_config.fbs); what it leaves out keeps its
-/// default. Throws FileError "file:line: field: what is wrong".
+/// Reads a configuration file (JSON against server_config.fbs). Missing values keep their defaults.
+/// Throws FileError "file:line: field: what is wrong".
 ServerConfig load_config(const std::filesystem::path& file);
 
 /// The same from text; scene paths are taken relative to the folder of `file`.
 ServerConfig parse_config(std::string_view json, const std::filesystem::path& file);
 
-/// The port that examples serve the live page on: of those that nobody else has, as kDefaultPort.
+/// The port of the live page in examples. No other service uses it, as with kDefaultPort.
 inline constexpr std::uint16_t kExamplePagePort = 6760;
 
-/// Where the live page is served.
+/// The address of the live page.
 struct WebPlace {
   std::string address = "127.0.0.1";
   std::uint16_t port = 0;  // 0: the operating system chooses
 };
-/// Reads "6760", "0.0.0.0:6760" or "[::]:6760". Throws std::invalid_argument with what is wrong and
-/// the remedy.
+/// Reads "6760", "0.0.0.0:6760" or "[::]:6760". Throws std::invalid_argument with the error and the
+/// remedy.
 WebPlace web_place(std::string_view text);
 
-/// Throws std::invalid_argument naming the option, its range and the remedy.
+/// Throws std::invalid_argument that names the option, its range and the remedy.
 void validate(const ServerConfig& config);
 
 }  // namespace feltwire

@@ -5,9 +5,9 @@
 
 namespace feltwire {
 
-/// Asks the server that runs on this machine with these options whether it is there, without a
-/// token and without leaving a trace in its counts of refusals. Throws std::runtime_error when no
-/// feltwire server answers in time.
+/// Asks the server on this machine with these options whether it is running, without a token and
+/// without an entry in its counts of refusals. Throws std::runtime_error if no feltwire server
+/// answers in time.
 void check_health(const std::string& address, int port, std::chrono::milliseconds timeout);
 
 }  // namespace feltwire

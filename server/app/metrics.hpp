@@ -1,5 +1,5 @@
 #pragma once
-// The counters of a server as Prometheus reads them.
+// The counters of a server in the format of Prometheus.
 
 #include <string>
 #include <vector>
@@ -13,7 +13,7 @@ namespace feltwire {
 /// format of Prometheus 0.0.4 (docs/live_page.md).
 std::string metrics_text(const std::vector<SceneSummary>& scenes, const ControlSummary& control,
                          const web::AudienceCounters& page);
-/// Those of the live page alone.
+/// Only those of the live page.
 std::string metrics_text(const web::AudienceCounters& page);
 
 }  // namespace feltwire

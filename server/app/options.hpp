@@ -11,8 +11,8 @@ namespace feltwire {
 struct ServerTask {
   ServerConfig config;
   std::string summary;  // file for the counters; empty: none
-  std::string explain;  // scene file to say the needs of, and no more; empty: none
-  bool health = false;  // ask the server that runs, and no more
+  std::string explain;  // scene file whose costs are listed; then the program ends; empty: none
+  bool health = false;  // only check the running server
 };
 
 /// The command line wins over the environment, and both win over the file. Ends the

@@ -252,7 +252,9 @@ struct Server::Parts {
       asked(std::move(refused));
     };
     if (files.size() != hosts.size())
-      return done(Refused{RefusalCode::bad_scene, "this server has its scenes from no file"});
+      return done(
+          Refused{RefusalCode::bad_scene,
+                  "the scenes of this server do not come from files, so they cannot be reloaded"});
     struct Ended {
       ControlService::Reloaded done;
       LoadedScene loaded;

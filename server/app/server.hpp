@@ -1,5 +1,5 @@
 #pragma once
-// The whole server as a value: programs and tests start it alike.
+// The whole server as a value; programs and tests start it in the same way.
 
 #include <functional>
 #include <memory>
@@ -25,15 +25,15 @@ struct ControlSummary {
 class Server {
  public:
   /// Loads the scenes, the certificate and the tokens of the configuration, binds every port and
-  /// starts the threads. Throws FileError, std::invalid_argument or std::runtime_error, each one
-  /// clear line. `hands` makes the hands that viewers of the live page may hold
+  /// starts the threads. Throws FileError, std::invalid_argument or std::runtime_error, each with
+  /// one clear line. `hands` makes the hands for viewers of the live page
   /// (server/app/page_hands.hpp); empty: none.
   explicit Server(const ServerConfig& config, const web::MakePageHands& hands = {});
-  /// The same with these at hand; the configuration's own are not read.
-  /// `load` reads a scene's file anew at a reload.
+  /// The same with given scenes and identity; those of the configuration are not read. `load` reads
+  /// a scene's file again at a reload.
   Server(const ServerConfig& config, std::vector<Scene> scenes, Security security,
          SceneLoader::Load load = load_scene_and_warn, const web::MakePageHands& hands = {});
-  /// Stops.
+  /// Stops the server.
   ~Server();
   Server(Server&&) noexcept;
   Server& operator=(Server&&) noexcept;
@@ -48,24 +48,25 @@ class Server {
   };
   std::vector<ScenePort> scenes() const;
 
-  /// The live page, "http://127.0.0.1:6760/"; empty where none is served.
+  /// The live page, "http://127.0.0.1:6760/"; empty if there is none.
   std::string web_url() const;
 
-  /// Reads the scenes' files anew, beside what the server does; clients go on in them. Returns at
-  /// once. `done` is called on the control thread when all are read: what is wrong, one line a file
-  /// whose scene stays as it was. It is not called where the server stops before that.
+  /// Reads the scenes' files again while the server runs; clients continue in the new scenes.
+  /// Returns at once. `done` is called on the control thread when all are read, with the errors,
+  /// one line for each file whose scene stays unchanged. It is not called if the server stops
+  /// before that.
   void reload(std::function<void(std::vector<std::string> wrong)> done = {});
 
-  /// Has the last ten seconds of each scene be written to the folder for flight records, if there
-  /// is one. Returns at once.
+  /// Requests a flight record of each scene (the last ten seconds), if there is a folder for them.
+  /// Returns at once.
   void write_flight_records();
 
-  /// Ends connections, says goodbye to every client, cancels what is loaded and joins all threads.
-  /// False where a thread had to be left behind that reads a scene's file and gets no answer: then
-  /// the process should end with std::_Exit. May be called again.
+  /// Ends connections, says goodbye to every client, cancels loads and joins all threads. False if
+  /// it had to leave a thread behind that reads a scene's file and gets no answer: then the process
+  /// should end with std::_Exit. May be called again.
   bool stop();
 
-  /// One entry a scene, up to now. Not while another thread stops the server.
+  /// One entry for each scene, up to now. Do not call it while another thread stops the server.
   std::vector<SceneSummary> summary() const;
   /// The control service's totals. Precondition: as for summary().
   ControlSummary control_summary() const;
@@ -75,7 +76,7 @@ class Server {
   std::unique_ptr<Parts> parts_;
 };
 
-/// A summary as people read it.
+/// The summary as text for people.
 std::string text(const std::vector<SceneSummary>& summary);
 std::string text(const ControlSummary& summary);
 

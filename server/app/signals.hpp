@@ -11,13 +11,13 @@ struct SignalHandlers {
   std::function<void()> reload;  // SIGHUP
 };
 
-/// SIGINT, SIGTERM, SIGUSR1 and SIGHUP, which are blocked in the calling thread and in all that it
-/// starts afterwards.
+/// SIGINT, SIGTERM, SIGUSR1 and SIGHUP. They are blocked in the calling thread and in all threads
+/// that it starts afterwards.
 sigset_t block_signals();
 
-/// Waits in the calling thread until one of `signals` comes that has no handler here, and returns
-/// it. The signals are blocked in every thread. What a handler throws is logged, and the wait goes
-/// on.
+/// Waits in the calling thread until one of `signals` without a handler here comes, and returns it.
+/// The signals are blocked in every thread. An exception of a handler is logged, and the wait
+/// continues.
 int wait_for_end(const sigset_t& signals, const SignalHandlers& handlers);
 
 }  // namespace feltwire

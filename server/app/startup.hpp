@@ -1,5 +1,5 @@
 #pragma once
-// A server's start, which may take long: its scenes are loaded.
+// The start of a server, which may take long because it loads the scenes.
 
 #include <csignal>
 #include <optional>
@@ -9,9 +9,9 @@
 namespace feltwire {
 
 /// Starts a server in a thread of its own, so that SIGINT and SIGTERM, blocked in every thread, end
-/// the start at once. Logs how far it is every 5 s. Nothing where one of them came; `signal` is
-/// then which, and the process should end with std::_Exit where `left_behind` is true: a thread
-/// still reads from a file that does not answer. Throws what the server's constructor does.
+/// the start at once. Logs the progress every 5 s. Empty if one of the signals came. Then `signal`
+/// is that signal, and the process should end with std::_Exit if `left_behind` is true: a thread
+/// still reads from a file that does not answer. Throws the errors of the server's constructor.
 struct StartEnded {
   int signal = 0;
   bool left_behind = false;

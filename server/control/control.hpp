@@ -21,10 +21,10 @@ namespace feltwire {
 struct ControlOptions {
   asio::ip::address address;  // to listen on
   std::uint16_t port = 0;     // 0: the operating system chooses
-  /// For TLS handshake and token together; who takes longer is closed.
+  /// For TLS handshake and token together; a slower connection is closed.
   std::chrono::milliseconds handshake_timeout{5'000};
   std::chrono::milliseconds idle_timeout{60'000};  // a connection that sends no request ends
-  /// Half of them for those who have not shown a good token yet, half for those who have.
+  /// Half of them for connections without a valid token, half for those with one.
   std::size_t max_connections = 512;
   std::size_t max_connections_per_network = 128;  // of either half (server/access/network.hpp)
   double handshake_rate = 50.0;                   // [1/s] connections of a network, for ever,

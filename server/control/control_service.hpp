@@ -1,5 +1,5 @@
 #pragma once
-// Who may ask what, and what is answered: tokens, roles, limits. On the control thread.
+// Answers control requests: checks tokens, roles and limits. It runs on the control thread.
 
 #include <functional>
 #include <map>
@@ -20,16 +20,16 @@ namespace feltwire {
 struct ServiceLimits {
   std::size_t sessions_per_client = 16;
   std::size_t pointers = 4;  // sessions of role pointer, of all clients together
-  /// [1/s] for ever, and at once: joins, changes of parameters and reloads, each for all tokens
+  /// [1/s] sustained, and at once: joins, changes of parameters and reloads, each for all tokens
   /// with one client's name; wrong tokens, for one network.
   double join_rate = 20.0, join_burst = 60.0;
-  /// A client whose hand broke what moves in a scene again and again (SessionEnd::disturbing) joins
-  /// that scene with no hand for so long.
+  /// A client whose hand broke the simulation of a scene again and again (SessionEnd::disturbing)
+  /// can join that scene with no hand for this time.
   static constexpr std::chrono::seconds kDisturberPause{60};
 };
 
 struct ServiceCounters {
-  std::uint64_t unauthenticated = 0;  // requests without a token that is good
+  std::uint64_t unauthenticated = 0;  // requests without a valid token
   std::uint64_t forbidden = 0;        // beyond the token's role or scene
   std::uint64_t too_many = 0;         // above a limit
 };
@@ -42,10 +42,10 @@ class ControlService {
  public:
   using Hosts = std::vector<std::unique_ptr<SceneHost>>;
   using Answer = std::function<void(control::Message)>;
-  /// Why a scene was not put in place anew; nothing: it was.
+  /// The error of a reload; empty: it succeeded.
   using Reloaded = std::function<void(std::optional<control::Refused> refused)>;
-  /// Puts a host's scene in place anew, or leaves the old one there. Takes its time; `done` is
-  /// called on the control thread.
+  /// Reloads a host's scene, or keeps the old one. It takes its time; `done` is called on the
+  /// control thread.
   using Reload = std::function<void(std::size_t host, Reloaded done)>;
 
   /// `io` runs on the control thread; it and the hosts outlive this.
@@ -56,26 +56,26 @@ class ControlService {
   /// A ControlHandler.
   void handle(ControlPeer& peer, control::Message request, Answer answer);
 
-  /// Call it once a second. It reads the tokens again where they have changed, and evicts the
-  /// sessions of tokens that are revoked or have expired.
+  /// Call it once a second. It reads changed tokens again, and evicts the sessions of tokens that
+  /// are revoked or have expired.
   void look_after();
 
-  /// Sessions that the hosts say have ended.
+  /// Takes the sessions that the hosts report as ended.
   void forget(const std::vector<EndedSession>& sessions);
 
   const ServiceCounters& counters() const { return counters_; }
 
  private:
-  /// A session, from the moment it was asked for.
+  /// A session, from its request on.
   struct ListedSession {
-    std::string token, client;  // the token's id, and whom it was given to
+    std::string token, client;  // the token's id, and its holder's name
     std::size_t scene = 0;
     Role role = Role::observer;
     std::string who;               // for the log
-    Nanoseconds since{0};          // of the server's clock
+    Nanoseconds since{0};          // time of the server's clock
     SessionParameters parameters;  // in force
   };
-  struct PendingRequest;  // a request, and who asks
+  struct PendingRequest;  // a request and its sender
   using Directory = std::map<std::uint64_t, ListedSession>;
 
   control::Message authenticate(ControlPeer& peer, const control::Authenticate& shown);
@@ -111,15 +111,16 @@ class ControlService {
   TokenFile tokens_;
   ServiceLimits limits_;
   RateLimit<Network> wrong_tokens_;
-  RateLimit<std::string> joins_, changes_;           // of clients
-  RateLimit<std::string> refused_lines_{1.0, 20.0};  // likewise, of the log: joins refused at once
+  RateLimit<std::string> joins_, changes_;  // by client
+  RateLimit<std::string> refused_lines_{1.0,
+                                        20.0};  // by client, for the log: joins refused at once
   Reload reload_;
   std::function<ControlCounters()> connections_;
   Directory seated_;
-  // Until when a client's hands are kept out of a scene whose simulation they broke.
+  // Until when a client's hands may not enter a scene whose simulation they broke.
   std::map<std::pair<std::string, std::size_t>, Nanoseconds> disturbers_;
   ServiceCounters counters_;
-  std::random_device random_;  // the operating system's
+  std::random_device random_;  // of the operating system
 };
 
 }  // namespace feltwire

@@ -1,5 +1,5 @@
 #pragma once
-// What a session of role pointer may be, whoever asks for it.
+// The limits of a session of role pointer, for every client.
 
 #include <optional>
 #include <string>
@@ -9,11 +9,11 @@
 namespace feltwire {
 
 /// The hand of the live page is within these limits (sim/page_hand).
-inline constexpr double kPointerForce = 10.0;   // [N] of the device, at most
-inline constexpr double kPointerRate = 1000.0;  // [1/s] samples, at most
+inline constexpr double kPointerForce = 10.0;   // [N] largest force of the device
+inline constexpr double kPointerRate = 1000.0;  // [1/s] largest number of samples
 
-/// The error and the remedy, where a request to join as a pointer is beyond the limits. Nothing
-/// where it is within them, or of another role.
+/// Returns the error and the remedy if a request to join as a pointer is beyond the limits. Empty
+/// if it is within them, or of another role.
 std::optional<std::string> beyond_pointer(const control::JoinRequest& request);
 
 }  // namespace feltwire

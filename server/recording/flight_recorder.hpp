@@ -1,5 +1,5 @@
 #pragma once
-// The last seconds of a scene, in memory, and on the disk where something went wrong.
+// The last seconds of a scene in memory, written to the disk after a fault.
 
 #include <cstdint>
 #include <filesystem>
@@ -14,23 +14,22 @@
 
 namespace feltwire {
 
-/// Keeps what the recorder's thread takes from the scene's log. When a session ends that its client
-/// did not end, when a client says that its account is overdrawn, or when somebody asks, it writes
-/// all that it has to a file. The memory of what is kept is allocated at construction.
+/// Keeps the events that the recorder's thread takes from the scene's log. It writes them to a file
+/// when a session ends that its client did not end, when a client reports an overdrawn account, or
+/// on request. The memory is allocated at construction.
 class FlightRecorder {
  public:
   static constexpr Nanoseconds kKept = std::chrono::seconds(10);
   static constexpr std::size_t kRoom = std::size_t{32} << 20;  // [bytes] less time where it is full
-  /// A file waits for so long, so that what happens together is in one.
+  /// A file waits for this time, so that related events are in one file.
   static constexpr Nanoseconds kTogether = std::chrono::milliseconds(200);
 
-  /// Makes the folder where it is missing. Throws FileError naming it and the reason.
+  /// Creates the folder if it is missing. Throws FileError that names it and the reason.
   FlightRecorder(std::filesystem::path folder, std::string name,
                  std::map<std::string, std::string> about, std::int64_t offset);
 
   void add(const SceneEvent& event);
-  /// Writes a file where one is due or `asked` for, and says in the log which. A failure is said
-  /// there too.
+  /// Writes a file if one is due or `asked` for, and logs its name. A failure is logged, too.
   void write_if_due(bool asked, Nanoseconds now) noexcept;
 
  private:
@@ -49,14 +48,14 @@ class FlightRecorder {
   std::string reason_;  // of the file that is due
   std::optional<Nanoseconds> due_;
   struct Debt {
-    bool stands = false;    // by the newest report
-    Nanoseconds written{};  // in a file that began to be due then
+    bool stands = false;    // an account is overdrawn, by the newest report
+    Nanoseconds written{};  // in a file that became due then
   };
   std::map<std::uint32_t, Debt> debts_;  // of the hands that had one
   SampleBatch batch_;
 };
 
-/// Whether a session that ended so was not ended by its own client or by the server's end.
+/// Whether such an end came neither from the session's own client nor from the server's end.
 bool is_fault(SessionEnd how);
 
 }  // namespace feltwire

@@ -16,49 +16,49 @@
 namespace feltwire {
 
 struct RecorderOptions {
-  std::filesystem::path file = {};  // of the only scene; empty: none is written
+  std::filesystem::path file = {};  // for the only scene; empty: none is written
   RecordingLimits limits{};
   std::filesystem::path flight_folder = {};  // for flight records; empty: none is written
   bool any() const { return !file.empty() || !flight_folder.empty(); }
 };
 
-/// A scene's name as names of files have it: what is no letter, digit, '-' or '_' becomes '_', and
-/// `place` then keeps two names apart.
+/// Returns a scene's name for a file name: other characters than letters, digits, '-' and '_'
+/// become '_', and `place` then separates two names.
 std::string name_in_files(const std::string& scene, std::size_t place);
 /// FILE.mcap of a server with one scene, FILE-SCENE.mcap of one with several.
 std::filesystem::path recording_file(const std::filesystem::path& file,
                                      const std::vector<std::string>& scenes, std::size_t place);
 
-/// Takes what scenes' threads leave in their logs, and pictures, and writes both down. A file that
-/// cannot be written any more is named once in the log; the server goes on.
+/// Takes the events in the logs of the scenes' threads, and pictures, and writes both to files. If
+/// a file cannot be written any more, the log names it once; the server continues.
 class Recorder {
  public:
   /// Creates the files. Throws std::runtime_error that names the file and the reason.
   Recorder(const RecorderOptions& options, const std::vector<Scene>& scenes);
-  /// Stops.
+  /// Stops the recorder.
   ~Recorder();
   Recorder(const Recorder&) = delete;
   Recorder& operator=(const Recorder&) = delete;
 
-  /// The event log of the scene at this place. It lives as long as the recorder.
+  /// The event log of the scene at this index. It lives as long as the recorder.
   EventLog& log(std::size_t scene) { return scenes_[scene]->log; }
   /// Gives the source of the scene's pictures. It must outlive the recorder's thread. Call it
   /// before start().
   void see(std::size_t scene, PictureExchange& pictures) { scenes_[scene]->pictures = &pictures; }
 
   void start();
-  /// Writes the last of it and joins the thread. After the scenes' threads have ended. May be
+  /// Writes the rest and joins the thread. Call it after the scenes' threads have ended. May be
   /// called again.
   void stop();
 
-  /// Has the flight record of each scene be written soon. From any thread.
+  /// Requests a flight record of each scene. From any thread.
   void ask_for_flight_records() noexcept { asked_.store(true, std::memory_order_relaxed); }
 
  private:
   struct OneScene {
     OneScene(std::string scene, std::shared_ptr<const KeptFiles> kept);
     std::string name;
-    std::shared_ptr<const KeptFiles> files;  // of the scene as it was at first
+    std::shared_ptr<const KeptFiles> files;  // of the first version of the scene
     EventLog log;
     PictureExchange* pictures = nullptr;
     Picture picture;

@@ -12,12 +12,12 @@
 
 namespace feltwire {
 
-/// Where a replay first came to something else than the recording.
+/// The first difference between a replay and its recording.
 struct ReplayDifference {
   std::uint64_t event = 0;   // its number in the recording
   double time = 0.0;         // [s] since the first event
-  std::uint32_t hand = 0;    // the session's number; 0: of no session
-  std::uint64_t sample = 0;  // the newest one of the datagram; 0: of none
+  std::uint32_t hand = 0;    // the session's number; 0: no session
+  std::uint64_t sample = 0;  // the newest one of the datagram; 0: none
   std::string what;          // for people
 };
 
@@ -29,7 +29,7 @@ struct Replay {
   std::uint64_t lost = 0;                 // events that are missing in the recording
   std::optional<std::uint64_t> cut_at{};  // [bytes] where the last file ends before its end
   std::optional<ReplayDifference> difference{};
-  /// All that was recorded was computed again, to the same bits.
+  /// Whether all recorded events were computed again, to the same bits.
   bool bit_equal() const { return !difference && lost == 0 && events > 0; }
 };
 

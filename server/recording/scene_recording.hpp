@@ -1,5 +1,6 @@
 #pragma once
-// The MCAP files of one scene: what decides its replies, and pictures of it (docs/recording.md).
+// The MCAP files of one scene: the inputs that decide its replies, and pictures of it
+// (docs/recording.md).
 
 #include <cstdint>
 #include <map>
@@ -16,7 +17,7 @@
 
 namespace feltwire {
 
-/// Where a scene is recorded, and what the files say of the server.
+/// The file of a scene's recording, and its metadata of the server.
 struct SceneRecordingTarget {
   std::filesystem::path file;
   RecordingLimits limits{};
@@ -24,9 +25,9 @@ struct SceneRecordingTarget {
   std::string option = "--record";  // that named the file
 };
 
-/// Says whose the files are, and which version and build computed what they have.
+/// Returns the metadata: the server, the version and the build that computed the recording.
 std::map<std::string, std::string> about_recording(const std::string& scene);
-/// Appends the feltwire.Event of it.
+/// Appends an event as a feltwire.Event.
 void append_event(std::string& out, const SceneEvent& event);
 
 /// Puts the scene's files into an MCAP file, so that replay() can load the scene again: `number` is
@@ -37,16 +38,16 @@ void attach_scene(mcap::Writer& writer, const KeptFiles& files, std::uint64_t nu
 /// Messages wait in memory for about a second, until their chunk is full.
 class SceneRecording {
  public:
-  /// Creates or replaces the first file. `files`: of the scene; null: nobody has kept them, and no
-  /// replay can load it. Throws std::runtime_error that names the file and the reason; so do the
-  /// others.
+  /// Creates or replaces the first file. `files`: of the scene; null: they were not kept, and no
+  /// replay can load it. Throws std::runtime_error that names the file and the reason, as the other
+  /// functions do.
   SceneRecording(SceneRecordingTarget target, const KeptFiles* files, std::int64_t offset);
 
-  /// `files`: of a reload.
+  /// `files`: the files of a reload.
   void add(const SceneEvent& event, const KeptFiles* files = nullptr);
   void see(const Picture& picture);
   void flush() { part_->flush(); }
-  /// Until all is on the disk.
+  /// Waits until all is on the disk.
   void finish();
 
  private:
@@ -65,7 +66,7 @@ class SceneRecording {
   std::unique_ptr<Part> part_;
   std::uint64_t part_start_ = 0;  // [ns]
   PictureRate rate_;
-  std::set<std::string> shown_, gone_;  // what the last picture had
+  std::set<std::string> shown_, gone_;  // entities of the last picture
   std::string message_;
 };
 

@@ -1,5 +1,5 @@
 #pragma once
-// How long a scene takes to answer a hand, measured when it is loaded.
+// Measures how long a scene takes to answer a hand, when it is loaded.
 
 #include <functional>
 #include <optional>
@@ -12,8 +12,8 @@ namespace feltwire {
 
 /// The time that a session takes to answer one sample, without sending and receiving.
 struct AnswerTime {
-  double usual = 0.0, slow = 0.0;  // [s] the median, and what one in ten takes at least
-  std::size_t answers = 0;         // measured
+  double usual = 0.0, slow = 0.0;  // [s] the median, and the time that one in ten exceeds
+  std::size_t answers = 0;         // number of measured answers
 };
 
 /// Measures the answers to hands near the scene's objects, in contact or not, with one tool

@@ -1,5 +1,5 @@
 #pragma once
-// What decides a scene's replies, on its way from the scene's thread to a recorder's.
+// The inputs that decide a scene's replies, on their way from the scene's thread to a recorder's.
 
 #include <atomic>
 #include <deque>
@@ -36,27 +36,27 @@ struct SceneEvent {
   EventOutcome outcome = EventOutcome::nothing;
   std::uint32_t hand = 0;    // the session's number, from 1 in the order they joined
   Nanoseconds time{0};       // of the scene's clock
-  std::uint64_t digest = 0;  // of a reply, or of what moves
+  std::uint64_t digest = 0;  // of a reply, or of the state of moving objects
   Bytes payload = {};
   std::uint64_t number = 0;  // from 1; EventLog counts
 };
 
-/// 64 bits of the bytes. It finds differences; it does not resist an attacker.
+/// 64 bits that identify the bytes. They find differences; they do not resist an attacker.
 std::uint64_t digest(Bytes bytes) noexcept;
 
-/// A queue of events from one thread to one other, of bounded size. Nobody waits.
+/// A queue of events from one thread to one other, of bounded size. Neither thread waits.
 class EventQueue {
  public:
   static constexpr std::size_t kMostPayload = std::size_t{1} << 17;  // [bytes]
 
-  /// Room for so many bytes of events.
+  /// Allocates room for so many bytes of events.
   explicit EventQueue(std::size_t bytes);
 
-  /// The one thread. False where there is no room for it, or its payload is too long. Never
+  /// For the writing thread. False if there is no room for it, or its payload is too long. Never
   /// allocates.
   bool push(const SceneEvent& event) noexcept;
-  /// The other one. The oldest event; its payload is valid until the next call. Empty: there is
-  /// none.
+  /// For the reading thread. Returns the oldest event; its payload is valid until the next call.
+  /// Empty: there is none.
   std::optional<SceneEvent> take() noexcept;
 
  private:
@@ -76,14 +76,13 @@ class EventLog {
     event.number = ++number_;
     if (!queue_.push(event)) lost_.fetch_add(1, std::memory_order_relaxed);
   }
-  /// The files of the scene that the next event, a reload, leads to; null: nobody has kept them.
-  /// Allocates.
+  /// The files of the scene after the next event, a reload; null: they were not kept. Allocates.
   void announce(std::shared_ptr<const KeptFiles> files);
 
   // The recorder's thread.
-  /// As EventQueue::take().
+  /// Like EventQueue::take().
   std::optional<SceneEvent> take() noexcept { return queue_.take(); }
-  /// The files of the scene that the reload with this number led to. Null: they are not known.
+  /// The files of the scene after the reload with this number. Null: they are not known.
   std::shared_ptr<const KeptFiles> files_of(std::uint64_t number);
 
   /// Events that found no room so far, from any thread.
@@ -98,7 +97,7 @@ class EventLog {
   EventQueue queue_;
   std::uint64_t number_ = 0;
   std::atomic<std::uint64_t> lost_{0};
-  std::mutex mutex_;  // guards the next one, at a reload only
+  std::mutex mutex_;  // guards the next member, only at a reload
   std::deque<Announced> announced_;
 };
 

@@ -7,16 +7,16 @@
 
 namespace feltwire {
 
-/// Session ids to values in one flat array: open addressing, linear probing, at most half full.
-/// Ids come from the operating system's random source, so their own bits are the hash; 0 is no id.
-/// Allocates when constructed and never again.
+/// Maps session ids to values in one flat array: open addressing, linear probing, at most half
+/// full. Ids come from the operating system's random source, so their own bits are the hash; 0 is
+/// not an id. Allocates only when it is constructed.
 template <class Value>
 class IdMap {
  public:
   explicit IdMap(std::size_t capacity)
       : entries_(std::bit_ceil(2 * (capacity + 1))), mask_(entries_.size() - 1) {}
 
-  /// Null when there is none.
+  /// Null if there is none.
   Value* find(std::uint64_t id) noexcept {
     if (id == 0) return nullptr;
     for (std::size_t i = home(id); entries_[i].id != 0; i = next(i))
@@ -24,7 +24,7 @@ class IdMap {
     return nullptr;
   }
 
-  /// False when the id is 0 or taken already, or the capacity is used up.
+  /// False if the id is 0 or already used, or the capacity is used up.
   bool insert(std::uint64_t id, Value value) noexcept {
     if (id == 0 || 2 * (size_ + 1) > entries_.size()) return false;
     std::size_t i = home(id);
@@ -42,7 +42,7 @@ class IdMap {
       if (entries_[hole].id == 0) return false;
       hole = next(hole);
     }
-    // Entries behind the hole move up where their own home allows, so that no probe ends early.
+    // Entries behind the hole move up if their own place allows it, so that no probe ends early.
     for (std::size_t i = next(hole); entries_[i].id != 0; i = next(i)) {
       if (((i - home(entries_[i].id)) & mask_) >= ((i - hole) & mask_)) {
         entries_[hole] = entries_[i];

@@ -1,5 +1,5 @@
 #pragma once
-// What becomes of a live change of a scene or a session (protocol/session/live_change.hpp).
+// Makes live changes of a scene or a session (protocol/session/live_change.hpp).
 
 #include <memory>
 #include <string>
@@ -14,7 +14,7 @@ namespace feltwire {
 /// A change that was made.
 struct Changed {
   std::string what;  // for the log: "object 'floor': stiffness 2000 -> 500 [N/m]"
-  /// The scene from now on, which whoever made the change keeps; null: the same as before.
+  /// The scene from now on, which the caller keeps; null: the same as before.
   std::shared_ptr<const Scene> scene;
 };
 /// A change, or why it was refused: the field, the range and the remedy. A refused change leaves
@@ -25,7 +25,8 @@ using ChangeOutcome = std::variant<Changed, control::Refused>;
 /// the field and the remedy.
 Changed changed(const Scene& scene, const MaterialChange& change);
 
-/// The place of an object in the scene. Throws std::invalid_argument that names those there are.
+/// Returns the index of an object in the scene. Throws std::invalid_argument that lists the
+/// existing ones.
 std::size_t object_index(const Scene& scene, const std::string& name);
 
 }  // namespace feltwire

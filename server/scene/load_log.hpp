@@ -1,5 +1,5 @@
 #pragma once
-// What the log says of a scene that its thread cannot keep up with. No clock.
+// Log lines about a scene whose thread cannot keep up. It has no clock.
 
 #include <string>
 #include <vector>
@@ -12,8 +12,7 @@ namespace feltwire {
 class LoadLog {
  public:
   /// The lines that are due now, mostly none: of each kind at most one a second, and again only
-  /// when it has happened twice as often. `shed`: datagrams of sessions above their share that were
-  /// dropped so far.
+  /// when the count has doubled. `shed`: dropped datagrams of sessions above their share so far.
   std::vector<std::string> lines(const FairShare::Slow& slow, std::uint64_t shed, Nanoseconds now);
 
  private:

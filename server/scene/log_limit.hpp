@@ -1,5 +1,5 @@
 #pragma once
-// A log line that an event may cause a thousand times a second.
+// Limits a log line for an event that may occur a thousand times a second.
 
 #include <cstdint>
 #include <optional>
@@ -13,7 +13,7 @@ class LogLimit {
  public:
   static constexpr Nanoseconds kPause = std::chrono::seconds(1);
 
-  /// Counts `events` more. Returns the number since the last line, where a line is due now.
+  /// Counts `events` more. Returns the number since the last line, if a line is due now.
   std::optional<std::uint64_t> count(std::uint64_t events, Nanoseconds now) noexcept {
     untold_ += events;
     if (untold_ == 0 || (last_ && now - *last_ < kPause)) return std::nullopt;
@@ -25,11 +25,11 @@ class LogLimit {
 
  private:
   std::uint64_t untold_ = 0;
-  std::optional<Nanoseconds> last_;  // line
+  std::optional<Nanoseconds> last_;  // time of the last line
 };
 
-/// For a total that goes on growing: lets the first event through, and then a line when the total
-/// is at least twice that of the line before, at most one in kPause.
+/// For a growing total: lets the first event through, and then a line when the total has at least
+/// doubled since the last line, at most one in kPause.
 class DoublingLimit {
  public:
   /// `total`: events since the start. True: a line is due now.
@@ -39,12 +39,12 @@ class DoublingLimit {
     told_ = total;
     return true;
   }
-  /// The events are counted from zero again.
+  /// The count of the events starts again from zero.
   void begin_anew() noexcept { told_ = 0; }
 
  private:
   std::uint64_t told_ = 0;
-  std::optional<Nanoseconds> last_;  // line
+  std::optional<Nanoseconds> last_;  // time of the last line
 };
 
 }  // namespace feltwire

@@ -9,18 +9,19 @@
 
 namespace feltwire {
 
-/// A session that acts in a scene, and what observers know it by.
+/// A session that acts in a scene, and its number for observers.
 struct ActingHand {
   std::uint32_t number = 0;  // from 1 in the order they joined, never used again
   const Session* session = nullptr;
 };
 
-/// How far one observer has been shown round: the hands, then what moves, then from the beginning.
+/// The progress of one observer's view: first the hands, then the moving objects, then again from
+/// the beginning.
 class ObserverView {
  public:
-  /// The next part, of no more than `room` [bytes]: at most one list of hands, from where the last
-  /// part ended, and one of bodies. `hands` by rising number; `world` null where nothing moves. A
-  /// hand takes `hand_size` [bytes]. One that has sent nothing yet is nowhere. Never allocates.
+  /// The next part, of no more than `room` [bytes]: at most one list of hands, from the end of the
+  /// last part, and one of bodies. `hands` by rising number; `world` is null if nothing moves. A
+  /// hand takes `hand_size` [bytes]. A hand that has sent nothing yet is left out. Never allocates.
   void show(std::span<const ActingHand> hands, const World* world, std::size_t room,
             SceneView& view, std::size_t hand_size = SceneView::kHandSize) noexcept;
 

@@ -1,7 +1,7 @@
 #pragma once
-// Asio takes memory for each operation that is begun: from the heap, where one is begun outside of
-// a handler or each run of the loop takes one handler. An operation that is begun again and again
-// has a place of its own here.
+// Asio allocates memory for each operation that is started. It uses the heap if the operation is
+// started outside of a handler, or if each run of the loop takes one handler. An operation that is
+// started again and again has its own memory here.
 
 #include <array>
 #include <cstddef>
@@ -10,7 +10,7 @@
 
 namespace feltwire {
 
-/// Room for one operation at a time; what is more or larger comes from the heap.
+/// Memory for one operation at a time; further or larger ones come from the heap.
 class OperationMemory {
  public:
   OperationMemory() = default;
@@ -54,7 +54,7 @@ class OperationAllocator {
   OperationMemory* memory_;
 };
 
-/// A handler whose operation lies in that memory, which must outlive it.
+/// A handler whose operation uses that memory, which must outlive it.
 template <class Handler>
 struct InOperationMemory {
   using allocator_type = OperationAllocator<void*>;

@@ -8,8 +8,8 @@
 
 namespace feltwire {
 
-/// Posts a handler that somebody waits for: a moment without memory does not lose it. Throws
-/// std::bad_alloc where there is none for longer.
+/// Posts a handler that a caller waits for: a moment without memory does not lose it. Throws
+/// std::bad_alloc if there is none for longer.
 template <class Handler>
 void post_patiently(asio::io_context& io, const Handler& handler) {
   constexpr int kTries = 10;

@@ -1,6 +1,6 @@
 #pragma once
-// A hand and a robot in one scene: from the hand's samples to the robot's targets, and back. No
-// socket, no clock.
+// The link of a hand and a robot in one scene: from the hand's samples to the robot's targets, and
+// back. It has no socket and no clock.
 
 #include <array>
 #include <cstdint>
@@ -14,18 +14,18 @@
 
 namespace feltwire {
 
-/// The newest of everything, and the state. There is no queue: a sample makes the target, and an
+/// Keeps the newest values and the state. There is no queue: a sample makes the target, and an
 /// older one is never used again. Never allocates.
 class RemoteLink {
  public:
   /// The hand is silent after this time without a sample, the robot without a state.
   static constexpr Nanoseconds kSilence = std::chrono::milliseconds(100);
-  /// A robot that is here hears of the server at least that often.
+  /// A connected robot gets a message of the server at least this often.
   static constexpr Nanoseconds kBetweenTargets = std::chrono::milliseconds(10);
-  /// A hand jumped that moved so many times as far as the speed allows.
+  /// A hand counts as jumping if it moved this many times as far as the speed limit allows.
   static constexpr double kJump = 5.0;
 
-  /// A wall of the workspace is told to the hand while it is nearer to the target than this [m].
+  /// A wall of the workspace is sent to the hand while it is nearer to the target than this [m].
   static constexpr double kToldWall = 0.5;
 
   /// So many hands may lead at the same time, each with a share.
@@ -33,43 +33,44 @@ class RemoteLink {
 
   explicit RemoteLink(const RemoteSeat& seat) : seat_(seat), index_(seat.scale) {}
 
-  /// A robot sits down; hands and robots are numbered alike, from 1. `own`: limits that it has
-  /// beside those of the seat; both hold.
+  /// A robot takes the seat. Hands and robots are numbered in one sequence, from 1. `own`: its
+  /// limits in addition to those of the seat.
   void sit(std::uint32_t robot, const Workspace& own = {}) noexcept;
-  /// A hand or a robot is gone.
+  /// A hand or a robot has left.
   void leave(std::uint32_t number) noexcept;
   bool taken() const noexcept { return robot_ != 0; }
 
-  /// At most so many hands wait for the lead; more are not heard.
+  /// At most so many hands wait for the lead; others are ignored.
   static constexpr std::size_t kMostWaiting = 8;
 
-  /// The newest sample of a hand that leads or would, which came at `now`. Precondition: the batch
+  /// The newest sample of a hand that leads or wants to, received at `now`. Precondition: the batch
   /// was taken, and has a lead. `period` [s] of the hand's servo.
   ///
-  /// `share` 0: it leads alone. The first such hand leads. It hands over to the next one that
-  /// presses its switch, while its own is released or it is silent: that one must have shown a
-  /// released switch before. It engages where the robot's target is, as every hand that engages.
-  /// What the others say changes nothing.
-  /// `share` > 0: it leads together with others that have one, each with a switch and a state of
-  /// its own; of those that are engaged each has its share over their sum (SharedIndex). Whoever
-  /// engages, lets go, leaves or gets another share, the target's first step is zero.
+  /// `share` 0: the hand leads alone. The first such hand leads. It hands over to the next one that
+  /// presses its switch, while its own is released or it is silent; that one must have shown a
+  /// released switch before. It engages at the robot's present target, as every hand does. Samples
+  /// of the others change nothing.
+  /// `share` > 0: the hand leads together with others that have a share. Each has its own switch
+  /// and state. The weight of an engaged hand is its share over the sum of the engaged ones
+  /// (SharedIndex). The target's first step is zero when a hand engages, releases, leaves or gets
+  /// another share.
   void lead(std::uint32_t hand, const SampleBatch& batch, double period, Nanoseconds now,
             double share = 0.0) noexcept;
-  /// The robot's state, which came at `now`; false: it is not newer than the one before.
+  /// The robot's state, received at `now`; false: it is not newer than the one before.
   bool follow(const RobotState& state, Nanoseconds now) noexcept;
 
   /// The `remote` of the reply to that hand, with its own state. For a hand that leads no robot:
   /// disabled.
   Remote told(std::uint32_t hand, Nanoseconds now) const noexcept;
 
-  /// For those who look on. Nothing: no robot sits there, or it has said nothing yet.
+  /// For observers. Empty: there is no robot, or it has sent nothing yet.
   std::optional<SeenRobot> seen(Nanoseconds now) const noexcept;
 
-  /// Whether there is a target to send: a new one, or none went for kBetweenTargets.
+  /// Whether there is a target to send: a new one, or none was sent for kBetweenTargets.
   bool target_due(Nanoseconds now) const noexcept {
     return robot_ != 0 && (fresh_ || (answers_ && now - sent_at_ >= kBetweenTargets));
   }
-  /// The target; it counts as sent.
+  /// Returns the target, and counts it as sent.
   RobotTarget target(Nanoseconds now) noexcept;
 
   /// Of all that lead, the state that comes first among: engaged, clutched, hold, ready, fault,
@@ -120,11 +121,11 @@ class RemoteLink {
     bool released = false;   // its newest sample's switch
   };
   std::array<Waiting, kMostWaiting> waiting_{};
-  RobotState said_;  // by the robot; index 0: nothing yet
+  RobotState said_;  // sent by the robot; index 0: nothing yet
   Nanoseconds robot_heard_{0};
   Pose wanted_;           // in the robot's frame, while engaged
   bool fresh_ = false;    // there is a target that has not been sent
-  bool answers_ = false;  // the robot said something since
+  bool answers_ = false;  // the robot has sent a state since
   Nanoseconds sent_at_{0};
   std::uint64_t targets_ = 0;
 };

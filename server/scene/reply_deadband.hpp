@@ -1,5 +1,5 @@
 #pragma once
-// Which replies need not be sent: the client already makes the same of the last one.
+// Decides which replies need not be sent, because the client computes the same from the last one.
 
 #include "protocol/session/deadband.hpp"
 #include "protocol/session/session_parameters.hpp"
@@ -7,23 +7,23 @@
 
 namespace feltwire {
 
-/// Whether the surfaces of `now` are those that `sent` said, `since` [s] ago: each lies where it
-/// said within `force` [N] over its stiffness, and the tool at now.center is not beyond half of
-/// what `sent` reaches and knows. A model without reach describes nothing.
+/// Whether the surfaces of `now` are those of `sent`, `since` [s] ago: each lies at its predicted
+/// place within `force` [N] over its stiffness, and the tool at now.center is within half of the
+/// reach of `sent`. A model without reach describes nothing.
 bool describes(const LocalModel& sent, const LocalModel& now, double since, double force) noexcept;
 
 /// A force deadband: a reply is withheld while the command differs from what the client
 /// reconstructs by no more than a Weber fraction (protocol/session/deadband.hpp). Reconstructs with
 /// the client's own function, over the client's own sample times, so without losses the two agree.
 ///
-/// Replies get lost, and the server does not hear of it: what the client really holds may then be
-/// the reply before, and wrong by more. It is so for keep_alive at most, then a reply is sent
-/// whatever it says. Sent at once is also whatever begins or ends: contact, a refusal, saturation;
-/// a gap; and all while what moves was put back, for then surfaces change that no model tells of.
+/// Replies may be lost, and the server does not know it: then the client may hold the force of the
+/// reply before, with a larger error. This lasts for keep_alive at most, because then a reply is
+/// always sent. A reply is also sent at once if contact, a refusal or saturation begins or ends,
+/// after a gap, and while moving objects were put back, because then surfaces change that no model
+/// describes.
 ///
-/// A client with a local model makes the force itself where it is: what it must be told is not the
-/// force but surfaces that the model it has does not describe any more, or that the tool is half
-/// way out of it.
+/// A client with a local model makes the force itself. It needs a reply only if its model no longer
+/// describes the surfaces, or if the tool is half way out of it.
 class ReplyDeadband {
  public:
   /// `parameters` must be valid. Without a force deadband nothing is ever withheld.
@@ -37,8 +37,8 @@ class ReplyDeadband {
     if (on() && parameters_.predictor == Predictor::linear) trend_.add(command, elapsed);
   }
 
-  /// Completes the reply to the last sample added (`rates`) and says whether it may be withheld. If
-  /// not, it counts as sent.
+  /// Completes the reply to the last sample added (`rates`) and returns whether it may be withheld.
+  /// If not, it counts as sent.
   bool withhold(Reply& reply) noexcept;
 
  private:
@@ -50,7 +50,7 @@ class ReplyDeadband {
   bool any_ = false, refused_ = false, saturated_ = false, recovering_ = false;
   Command command_, rates_;
   LocalModel model_;    // of reach 0: none
-  double since_ = 0.0;  // [s] of the client's samples since that reply's
+  double since_ = 0.0;  // [s] of the client's samples since that of the reply
 };
 
 }  // namespace feltwire

@@ -1,5 +1,5 @@
 #pragma once
-// The buffers that a scene's host exchanges datagrams by.
+// The buffers with which a scene's host exchanges datagrams.
 
 #include <sys/socket.h>
 
@@ -12,10 +12,10 @@ namespace feltwire {
 /// Wired once; an exchange only changes lengths.
 struct SceneHost::Batch {
   static constexpr std::size_t kMost = 64;  // datagrams of one system call
-  // [bytes] More than a datagram may have, so that a longer one is seen to be longer.
+  // [bytes] More than a datagram may have, so that a longer one is detected.
   static constexpr std::size_t kReceiveSize = kMaxDatagram + sizeof(std::uint64_t);
 
-  std::size_t count = 0, next = 0;  // received, and of these the first that is not answered yet
+  std::size_t count = 0, next = 0;  // received, and of these the first without an answer
   alignas(std::uint64_t) std::array<std::array<std::uint8_t, kReceiveSize>, kMost> received;
   // The answers, and one target for the scene's robot.
   std::array<DatagramBuffer, kMost + 1> sent;
@@ -41,13 +41,13 @@ struct SceneHost::Batch {
     rearm(kMost);
   }
 
-  /// The kernel writes lengths over what it was told.
+  /// The kernel overwrites the lengths that it was given.
   void rearm(std::size_t used) noexcept {
     for (std::size_t i = 0; i < used; ++i)
       incoming[i].msg_hdr.msg_namelen = sizeof(sockaddr_storage);
   }
 
-  /// sent[at] has so many bytes now, for whom.
+  /// sent[at] has so many bytes now, for this receiver.
   void put(std::size_t at, std::size_t size, Peer& to) noexcept {
     sent_parts[at].iov_len = size;
     outgoing[at].msg_hdr.msg_name = &to.address;

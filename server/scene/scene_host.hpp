@@ -1,5 +1,5 @@
 #pragma once
-// One scene, one thread, one UDP port: nothing here is shared, so nothing is locked.
+// One scene, one thread, one UDP port: it shares nothing, so it locks nothing.
 
 #include <array>
 #include <asio/io_context.hpp>
@@ -25,20 +25,21 @@ namespace feltwire {
 struct SceneHostOptions {
   asio::ip::address address;  // to listen on
   std::uint16_t port = 0;     // 0: the operating system chooses
-  int socket = -1;            // bound there already, the host's from now on; -1: none
-  /// Told, in the scene's thread, which sessions have ended and how. May be empty.
+  int socket = -1;            // already bound, and owned by the host from now on; -1: none
+  /// Called in the scene's thread with the ended sessions and their ends. May be empty.
   std::function<void(std::vector<EndedSession>)> ended = {};
   Nanoseconds silence_timeout{};
   std::size_t max_sessions = 64;
   SessionLimits limits = {};
-  const NetworkProfile* line = nullptr;  // that the sessions share; null: no limit
-  /// How long the thread asks for datagrams again and again, after the last one, before it sleeps
-  /// until the next; 0: not at all, kForever: it never sleeps, and its core does nothing else.
+  const NetworkProfile* line = nullptr;  // shared by the sessions; null: no limit
+  /// How long the thread polls for datagrams after the last one, before it sleeps until the next;
+  /// 0: not at all, kForever: it never sleeps, and its core does nothing else.
   Nanoseconds busy_poll{0};
   /// Asks for SCHED_FIFO, unless the thread never sleeps, and for memory to be locked.
   bool real_time = false;
   int dscp = 0;  // of the replies (protocol/net/udp_socket.hpp)
-  /// Gets what decides the scene's replies; it outlives the host. Null: nothing is recorded.
+  /// Receives the inputs that decide the scene's replies; it outlives the host. Null: nothing is
+  /// recorded.
   EventLog* events = nullptr;
   /// The monotonic clock of the scene. Only the scene's thread reads it. Tests give their own.
   std::function<Nanoseconds()> clock = monotonic_now;
@@ -48,9 +49,9 @@ struct SceneHostOptions {
 struct SceneSummary {
   std::string scene;
   SceneCounters counters;
-  std::uint64_t unsent = 0;    // replies that the operating system did not take
-  std::uint32_t sessions = 0;  // that there are
-  TimeCounts answers;          // of each datagram: from when it was taken up to its answer
+  std::uint64_t unsent = 0;    // replies that the operating system did not accept
+  std::uint32_t sessions = 0;  // present sessions
+  TimeCounts answers;          // of each datagram: from its processing to its answer
 };
 
 class SceneHost final : public SceneInView, public SceneControls {
@@ -74,13 +75,13 @@ class SceneHost final : public SceneInView, public SceneControls {
   std::uint32_t objects() const { return objects_.load(std::memory_order_relaxed); }
 
   using Completion = std::function<void(control::Message)>;
-  /// Has the scene's thread answer (see SceneSessions::answer) and posts the answer to `back`,
+  /// Lets the scene's thread answer (see SceneSessions::answer) and posts the answer to `back`,
   /// which must outlive this host's thread. From any thread.
   void ask(control::Message request, std::uint64_t id, const SessionKeys& keys,
            asio::io_context& back, Completion completion);
-  /// Has all sessions go on in another scene, which keeps this one's name; those end whose tool it
-  /// does not have. Their bounds go on, so that the change gives no hand energy. Where that fails
-  /// (no memory) the scene stays as it was, and the log says so. From any thread.
+  /// Moves all sessions to another scene, which keeps this one's name; sessions whose tool it does
+  /// not have end. Their bounds continue, so the change gives no hand energy. If that fails (no
+  /// memory) the scene stays, and the log says so. From any thread.
   void reload(Scene scene);
   /// Changes the scene in the scene's thread, between two datagrams (SceneSessions::change).
   void change(LiveChange change, asio::io_context& back,
@@ -89,7 +90,7 @@ class SceneHost final : public SceneInView, public SceneControls {
 
   CurrentScene current_scene() const override;
   /// Takes the newest picture for viewers. While pictures are wanted, the scene makes one with the
-  /// next datagrams, or within 0.1 s where none come.
+  /// next datagrams, or within 0.1 s if none come.
   bool take_picture(Picture& picture) override { return pictures_.take(picture); }
   /// Pictures for a recorder's thread.
   PictureExchange& recorded_pictures() { return recorded_pictures_; }
@@ -98,7 +99,8 @@ class SceneHost final : public SceneInView, public SceneControls {
                 std::function<void(std::vector<HandDescription>)> done) override;
   SceneControls* controls() override { return this; }
 
-  /// Up to now; a running thread is asked. Not from that thread, nor while another stops it.
+  /// The totals up to now, from a running thread. Do not call it in that thread, or while another
+  /// thread stops it.
   SceneSummary summary();
 
  private:
@@ -154,8 +156,8 @@ class SceneHost final : public SceneInView, public SceneControls {
   std::shared_ptr<const Scene> scene_;
   std::uint32_t version_ = 1;     // of the scene
   std::uint32_t changes_ = 0;     // live ones of materials and gravity
-  mutable std::mutex published_;  // guards the next one, which the scene's thread writes
-  CurrentScene current_;          // at a reload or a live change only
+  mutable std::mutex published_;  // guards the next member, which the scene's thread writes
+  CurrentScene current_;          // changes only at a reload or a live change
   PictureExchange pictures_, recorded_pictures_;
   bool recorded_;
   Nanoseconds checked_at_{0};
@@ -164,27 +166,27 @@ class SceneHost final : public SceneInView, public SceneControls {
   std::function<Nanoseconds()> clock_;
   std::function<void(std::vector<EndedSession>)> ended_;
   SceneSessions sessions_;
-  // What is begun again and again; they outlive what Asio still holds.
+  // Operations that are started again and again; they outlive Asio's references.
   OperationMemory datagram_wait_, silence_wait_, tick_wait_;
   asio::io_context io_{1};
   asio::ip::udp::socket socket_{io_};
   asio::steady_timer silence_timer_{io_};
   asio::steady_timer tick_timer_{io_};
-  bool ticking_ = false;   // it waits; the scene's thread only
-  bool watching_ = false;  // the silence timer waits; likewise
+  bool ticking_ = false;   // the timer waits; only for the scene's thread
+  bool watching_ = false;  // the silence timer waits; only for the scene's thread
   LogLimit failures_;
   WorldLog world_log_;
   LoadLog load_log_;
   LinkState told_link_ = LinkState::disabled;
   std::unique_ptr<Batch> batch_;  // buffers of one exchange
   bool slow_ = false;             // answers take so long that the clock is read for each
-  Nanoseconds served_at_{0};      // when the newest exchange had its answers
-  std::atomic<int> posts_{0};     // that have not had their turn
+  Nanoseconds served_at_{0};      // time of the answers to the newest exchange
+  std::atomic<int> posts_{0};     // posted requests that are not yet handled
   std::uint16_t port_ = 0;
   std::uint64_t unsent_ = 0;
   TimeCounts answers_;
-  bool closing_ = false;  // the scene's thread only
-  bool waiting_ = false;  // for the socket to be readable; likewise
+  bool closing_ = false;  // only for the scene's thread
+  bool waiting_ = false;  // waits for the socket to be readable; only for the scene's thread
   std::atomic<std::uint32_t> published_sessions_{0};
   std::thread thread_;
 };

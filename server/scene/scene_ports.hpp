@@ -1,5 +1,5 @@
 #pragma once
-// UDP ports that follow the control port one by one.
+// Consecutive UDP ports after the control port.
 
 #include <asio/io_context.hpp>
 #include <asio/ip/udp.hpp>
@@ -9,8 +9,8 @@
 
 namespace feltwire {
 
-/// Sockets on `count` ports from `first` on. Throws std::runtime_error in one line when one cannot
-/// be had.
+/// Opens sockets on `count` ports from `first` on. Throws std::runtime_error with one line if one
+/// cannot be opened.
 inline std::vector<asio::ip::udp::socket> open_scene_ports(asio::io_context& io,
                                                            const asio::ip::address& address,
                                                            unsigned first, std::size_t count,
@@ -32,8 +32,8 @@ inline std::vector<asio::ip::udp::socket> open_scene_ports(asio::io_context& io,
   return sockets;
 }
 
-/// Calls listen(port) and, where `port` is 0 and the ports behind the system's choice are taken
-/// (listen throws std::runtime_error), again until it finds a place for all.
+/// Calls listen(port). If `port` is 0 and the ports after the system's choice are used (listen
+/// throws std::runtime_error), it tries again until all ports are free.
 template <class Listen>
 auto listen_with_room(std::uint16_t port, Listen listen) {
   constexpr int kTries = 100;

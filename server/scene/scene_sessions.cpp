@@ -43,7 +43,7 @@ control::RefusalCode refusal_code(const control::JoinRequest& request) {
 std::string no_such_tool(const Scene& scene, const std::string& asked) {
   const std::string what = "there is no tool '" + asked + "' in scene '" + scene.name() + "'; ";
   if (scene.tool().name.empty()) return what + "all hands hold the same there: ask for none";
-  return what + "those there are: " + scene.tool_names();
+  return what + "the existing ones are: " + scene.tool_names();
 }
 
 }  // namespace

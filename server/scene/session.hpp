@@ -19,10 +19,10 @@ namespace feltwire {
 struct SessionCounters {
   std::uint64_t samples = 0;     // taken, each once
   std::uint64_t replies = 0;     // sent
-  std::uint64_t withheld = 0;    // replies that the client could do without (force deadband)
-  std::uint64_t gaps = 0;        // places where samples that travelled were missing for good
-  std::uint64_t missed = 0;      // over these, to the last that travelled; left out ones included
-  std::uint64_t duplicates = 0;  // datagrams that brought nothing new
+  std::uint64_t withheld = 0;    // replies that the client does not need (force deadband)
+  std::uint64_t gaps = 0;        // places where samples that travelled were lost
+  std::uint64_t missed = 0;      // in these, up to the last that travelled; left out ones included
+  std::uint64_t duplicates = 0;  // datagrams without a new sample
 };
 
 /// The limits of a hand with this device on moving objects: the force that the device can give to
@@ -37,14 +37,14 @@ struct SampleOutcome {
   bool bounded = false, saturated = false, refused = false, gap = false;  // as in Reply
 };
 
-/// Where a tool would be if it could enter no surface [m, world], and how deep [m] it is in the
-/// object that it is deepest in.
+/// The place of a tool if it could enter no surface [m, world], and its depth [m] in the object in
+/// which it is deepest.
 struct ProxyPlace {
   Vec3 position = Vec3::Zero();
   double depth = 0.0;
 };
 
-/// The outcome of a batch. `reply` is valid where `drop` is none. It is sent unless `withheld`.
+/// The result of a batch. `reply` is valid if `drop` is none. It is sent unless `withheld`.
 struct Taken {
   DropReason drop = DropReason::none;
   bool withheld = false;
@@ -53,28 +53,28 @@ struct Taken {
 
 class Session {
  public:
-  /// The scene's view for the tool that the hand holds (Scene::view) must outlive the session, and
-  /// so must the `world`, the one run of the scene where something moves. Throws
-  /// std::invalid_argument naming the field, the value and the remedy when the device, the
-  /// parameters or both together are not possible.
+  /// The scene's view for the tool of the hand (Scene::view) must outlive the session, and so must
+  /// the `world`, the one simulation of the scene if anything moves. Throws std::invalid_argument
+  /// that names the field, the value and the remedy if the device, the parameters or both together
+  /// are not possible.
   Session(const control::JoinRequest& request, const ToolView& view, World* world = nullptr);
 
-  /// Takes the samples that are new, oldest first, and answers the newest. `now` [ns] is the
-  /// server's monotonic clock and only travels into the reply: what is computed depends on the
-  /// samples alone. A batch that is dropped leaves everything as it was, a held contact included.
-  /// Precondition: none; check() is made here again. Never allocates.
+  /// Takes the new samples, oldest first, and answers the newest. `now` [ns] is the server's
+  /// monotonic clock and only goes into the reply: the computation depends on the samples alone. A
+  /// dropped batch leaves everything unchanged, also a held contact. Precondition: none; check() is
+  /// repeated here. Never allocates.
   Taken take(const SampleBatch& batch, Nanoseconds now) noexcept;
 
-  /// Puts on the moving objects what the hand does to them, for the next step of the world: in full
-  /// until half of hold_time after its newest sample, then fading to nothing at hold_time, as the
-  /// command does. `age` [s] of that sample. Precondition: the session has a world.
+  /// Applies the hand's force to the moving objects, for the next step of the world: in full until
+  /// half of hold_time after its newest sample, then fading to zero at hold_time, as the command
+  /// does. `age` [s] of that sample. Precondition: the session has a world.
   void push(double age) noexcept;
 
   /// After a bad step of the world: World::blame() of this hand.
   double blame() const noexcept { return world_ == nullptr ? 0.0 : world_->blame(body_contacts_); }
 
-  /// A scene and its world for a hand that has touched nothing in them yet. Both must outlive the
-  /// sessions in them. Allocates.
+  /// A scene and its world for a hand that has not touched anything in them yet. Both must outlive
+  /// the sessions in them. Allocates.
   struct Place {
     Place() = default;
     Place(const ToolView& entered, World* run, const HandLimits& limits = {});
@@ -83,58 +83,59 @@ class Session {
     TouchMemory contacts;
     BodyContactState body_contacts;
   };
-  /// The hand is in another scene from its next sample on; what it is given comes from the bound it
-  /// had. Precondition: the place has a view.
+  /// The hand is in another scene from its next sample on; its force comes from the same bound.
+  /// Precondition: the place has a view.
   void enter(Place place) noexcept;
-  /// The same scene with another material of one object, from the next sample on: what the hand
-  /// touches it goes on touching, and what it is given comes from the bound it has. The client is
-  /// told as of a reload, since the surface under its hand is another. A stick point begins anew
-  /// where a surface without friction gets some. Precondition: the view is of the same tool.
+  /// The same scene with another material of one object, from the next sample on: contacts
+  /// continue, and the force comes from the same bound. The client gets the same message as for a
+  /// reload, because the surface under its hand has changed. A stick point begins anew if a surface
+  /// without friction gets friction. Precondition: the view is of the same tool.
   void adopt(const ToolView& view, std::size_t object) noexcept;
   /// The limits of this hand on moving objects.
   HandLimits limits() const { return hand_limits(device_); }
 
-  /// Counts a datagram of this session whose packet number had been seen.
+  /// Counts a datagram of this session with a packet number that was seen before.
   void count_duplicate() noexcept { ++counters_.duplicates; }
 
-  /// Puts other parameters in force from the next sample on. Where the bound changes (mode,
+  /// Puts other parameters in force from the next sample on. If the bound changes (mode,
   /// projection, side, damping credit, constants) it starts anew from zero held force: the command
   /// drops to zero and grows again as the hand presses on. Zero is admissible in every mode, and
   /// the movement before its first sample is not credited to the new bound (the old one's storage
-  /// paid for it), so the change itself can give the hand no energy. Throws std::invalid_argument
-  /// and changes nothing when they are not possible or the servo period differs.
+  /// paid for it), so the change itself gives the hand no energy. Throws std::invalid_argument and
+  /// changes nothing if they are not possible or the servo period differs.
   void set_parameters(const SessionParameters& parameters);
-  /// The client has taken another law. `parameters` are those in force with that law; it gets those
-  /// before. Precondition: the client bounds, before and after. Never allocates.
+  /// The client has taken another law. `parameters` are those in force with that law; it receives
+  /// the previous ones. Precondition: the client bounds, before and after. Never allocates.
   void put_law(SessionParameters& parameters) noexcept;
 
   const SessionParameters& parameters() const { return parameters_; }
   const DeviceSpec& device() const { return device_; }
   const std::string& client() const { return client_; }
   const SessionCounters& counters() const { return counters_; }
-  /// Whether it feels nothing and acts on nothing: an observer is shown the scene instead, a robot
-  /// is told its targets.
+  /// Whether it feels nothing and acts on nothing: an observer gets the scene instead, a robot its
+  /// targets.
   bool observes() const { return observes_; }
   /// The newest sample taken; its index is 0 before the first.
   const Sample& newest() const { return last_; }
 
   /// All false and zero before the first sample.
   const SampleOutcome& outcome() const { return outcome_; }
-  /// The newest that its client has said of the hand; empty: nothing yet.
+  /// The newest report of its client; empty: nothing yet.
   const std::optional<HandReport>& report() const { return report_; }
   const HandTimesHeard& times() const { return times_; }
   /// The proxy at the newest sample. It computes the touched surfaces again, so do not call it at
   /// every sample. Precondition: there is a sample.
   ProxyPlace proxy() const noexcept;
 
-  /// The surfaces near the tool at the newest sample, as its client is told them. Of reach 0 where
-  /// the session has no local model. Precondition: there is a sample.
+  /// The surfaces near the tool at the newest sample, as sent to its client. Of reach 0 if the
+  /// session has no local model. Precondition: there is a sample.
   LocalModel surfaces() const noexcept;
 
-  /// [J] that the device burned so far, at least.
+  /// [J] lower bound of the energy that the device burned so far.
   double burned() const { return observer_.burned(); }
-  /// At the real port, from the held forces that the client reported. An estimate: of samples that
-  /// did not travel the server knows nothing. Whether a bound held, only its client can tell.
+  /// At the real port, from the held forces that the client reported. It is an estimate, because
+  /// the server does not know samples that did not travel. Only the client can tell whether a bound
+  /// held.
   const ChannelEnergy& delivered() const { return observer_.delivered(); }
 
  private:
@@ -151,27 +152,28 @@ class Session {
   DeviceSpec device_;
   SessionParameters parameters_;
   bool observes_;       // it feels nothing and acts on nothing
-  bool sends_normals_;  // the client shapes what comes late, wall by wall
+  bool sends_normals_;  // the client shapes late forces, wall by wall
 
   const ToolView* view_;
   World* world_;              // null: nothing moves
-  std::uint32_t scenes_ = 1;  // that it has been in, this one too
+  std::uint32_t scenes_ = 1;  // number of scenes so far, with this one
   TouchMemory contacts_;
   BodyContactState body_contacts_;
   BodyMemory body_;
   Bounding bounding_;
-  bool new_bound_ = false;            // it has not stepped yet, the session has
-  Vec3 probe_offset_ = Vec3::Zero();  // [m] of where the scene was asked last, from the device
+  bool new_bound_ = false;  // it has not stepped yet, the session has
+  Vec3 probe_offset_ =
+      Vec3::Zero();  // [m] from the device to the place where the scene was evaluated last
   VelocityEstimate velocity_;
   PortEnergy observer_;
   ReplyDeadband deadband_;
 
   std::uint8_t reloads_ = 0;  // of the scene, modulo 256
   Sample last_;               // index 0: none taken yet
-  SampleOutcome outcome_;     // of that one
+  SampleOutcome outcome_;     // of that sample
   std::optional<HandReport> report_;
   HandTimesHeard times_;
-  bool last_rotation_ = false;  // it carried an orientation
+  bool last_rotation_ = false;  // it had an orientation
   SessionCounters counters_;
 };
 

@@ -5,7 +5,8 @@
 
 namespace feltwire {
 
-/// How a session ended, for the log. Recordings have the number: a new one comes last.
+/// The cause of a session's end, for the log. Recordings contain the number, so add a new one at
+/// the end.
 enum class SessionEnd : std::uint8_t {
   goodbye,
   asked,
@@ -23,7 +24,7 @@ struct EndedSession {
   SessionEnd how = SessionEnd::goodbye;
   friend bool operator==(const EndedSession&, const EndedSession&) = default;
 };
-/// The reason in words, to stand after a colon.
+/// The cause in words, for the text after a colon.
 std::string_view text(SessionEnd how);
 
 }  // namespace feltwire

@@ -7,7 +7,7 @@
 
 namespace feltwire {
 
-/// Where and when a datagram came.
+/// The sender and the time of a datagram.
 struct SceneSessions::Origin {
   const Peer& from;
   bool newest;  // of its session
@@ -21,38 +21,38 @@ inline std::vector<std::uint8_t> body(const control::Message& message) {
   return frame;
 }
 
-/// A change that a session's client was asked for.
+/// A change that was requested of a session's client.
 struct SceneSessions::AskedChange {
   ClientChange change;
-  SessionParameters parameters;  // with its law, for when the client takes it
-  std::string what;              // for people: from what to what
+  SessionParameters parameters;  // with its law, for the time when the client takes it
+  std::string what;              // for people: the old and the new value
   ChangeAnswer answer = ChangeAnswer::waiting;
-  bool told = true;  // the log has that answer
-  /// A law was asked for before, and what the client made of that was not heard.
+  bool told = true;  // the answer is in the log
+  /// A law was requested before, and the client has not answered.
   bool unheard_law = false;
-  /// That one was followed by a refusal: the client is asked for the law of its session.
+  /// That request was followed by a refusal: the client is asked for the law of its session.
   bool returns = false;
 };
 
-/// A session and what belongs to its transport.
+/// A session with the data of its transport.
 struct SceneSessions::SessionSlot {
   std::uint64_t id;
   Session session;
   Nanoseconds last_heard;
-  Opener opener;  // of what comes
-  Sealer sealer;  // of what goes
+  Opener opener;  // of received datagrams
+  Sealer sealer;  // of sent datagrams
   SampleRate rate;
   Peer peer;                   // of the newest datagram with a newer sample
-  ObserverView observer_view;  // of an observer
-  std::string tool;            // that was asked for; empty: the scene's first
+  ObserverView observer_view;  // for an observer
+  std::string tool;            // the requested one; empty: the scene's first
   Role role = Role::observer;
-  // Resets that its hand may still be blamed for.
+  // Resets for which its hand may still be blamed.
   TokenBucket resets{SessionLimits::kResets / SessionLimits::kResetTime, SessionLimits::kResets};
-  std::uint32_t number = 0;  // from 1 in the order they joined, as ActingHand has it
+  std::uint32_t number = 0;  // from 1 in the order of joining, as in ActingHand
   std::uint32_t share = 0;   // its number in SceneSessions::share_
-  bool figures = false;      // of an observer: it is shown the figures of hands
-  bool disturbing = false;   // it had none left: it pushes nothing any more, and ends
-  ChangesTaken takes = {};   // at the client
+  bool figures = false;      // for an observer: it gets the figures of hands
+  bool disturbing = false;   // it had no reset left: it pushes nothing any more, and ends
+  ChangesTaken takes = {};   // changes that its client takes
   std::optional<AskedChange> asked = {};
 
   bool waits_for_client() const { return asked && asked->answer == ChangeAnswer::waiting; }

@@ -1,5 +1,5 @@
 #pragma once
-// What the log says of what moves in a scene. No clock: time is an argument.
+// Log lines about the moving objects of a scene. It has no clock: time is an argument.
 
 #include <string>
 #include <vector>
@@ -18,8 +18,8 @@ struct WorldNews {
 
 class WorldLog {
  public:
-  /// The lines that are due now, mostly none. Of each kind there is at most one a second, however
-  /// often it happens; dropped ticks and warnings of MuJoCo are told when there are twice as many.
+  /// The lines that are due now, mostly none. Of each kind there is at most one a second; dropped
+  /// ticks and warnings of MuJoCo are repeated only when their number has doubled.
   std::vector<std::string> lines(const WorldNews& news, Nanoseconds now);
 
   /// The scene has another world from now on, whose counters begin at zero.

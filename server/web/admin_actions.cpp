@@ -144,7 +144,9 @@ void Audience::evict(Seat& seat, const std::string& session) {
 }
 
 void Audience::reload(Seat& seat) {
-  if (!reload_) return seat.viewer->send(refused("this server has its scenes from no file"));
+  if (!reload_)
+    return seat.viewer->send(
+        refused("the scenes of this server do not come from files, so they cannot be reloaded"));
   const auto stage = std::ranges::find(stages_, seat.stage, &std::unique_ptr<Stage>::get);
   spdlog::info("scene {} is reloaded by {}", visible(seat.stage->scene->name()),
                who(*admin_of(seat)));

@@ -59,7 +59,7 @@ void Audience::receive(Id id, std::string_view message) {
     return refuse(id, WebSocketClose::bad_message, "too many messages");
   if (seat.foxglove) return seat.foxglove->receive(message);
   const std::optional<ViewerMessage> said = parse_viewer_message(message);
-  if (!said) return refuse(id, WebSocketClose::bad_message, "a message is no JSON object");
+  if (!said) return refuse(id, WebSocketClose::bad_message, "a message is not a JSON object");
   if (!seat.token.empty()) {
     if (!act(seat, *said)) follow(seat, *said);
   } else if (said->token) {

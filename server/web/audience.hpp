@@ -1,5 +1,5 @@
 #pragma once
-// All viewers of the live page: who may see what, and what they are shown. No socket.
+// All viewers of the live page: what each may see, and what each gets. It has no socket.
 
 #include <asio/io_context.hpp>
 #include <asio/ip/address.hpp>
@@ -24,12 +24,12 @@
 namespace feltwire::web {
 
 struct AudienceCounters {
-  std::uint64_t viewers = 0;                     // whose token was good
-  std::uint64_t refused = 0;                     // whose was not, or who were too many
-  std::uint64_t tickets = 0;                     // for viewers of the Foxglove protocol, minted
+  std::uint64_t viewers = 0;                     // with a valid token
+  std::uint64_t refused = 0;                     // without a valid token, or too many viewers
+  std::uint64_t tickets = 0;                     // issued for viewers of the Foxglove protocol
   std::uint64_t pictures = 0;                    // sent
-  std::uint64_t skipped = 0;                     // turns at which a slow viewer was sent nothing
-  std::uint64_t hands = 0;                       // asked for by viewers
+  std::uint64_t skipped = 0;                     // turns at which a slow viewer got nothing
+  std::uint64_t hands = 0;                       // requested by viewers
   std::uint64_t points = 0, points_refused = 0;  // targets of hands: taken; too far or no place
 };
 
@@ -39,41 +39,40 @@ class Audience {
   static constexpr std::size_t kMostViewers = 32;
   static constexpr std::size_t kMostMessage = 4096;  // [bytes] from a viewer
 
-  /// Has a scene, by its place among them, read anew; how that ended is told() later. Empty: none
-  /// can be.
+  /// Reloads a scene, by its index; told() reports the result later. Empty: there is no reload.
   using Reload = std::function<void(std::size_t scene)>;
 
   /// `io` runs on the thread that calls everything here; it, the scenes and `hands` outlive this.
-  /// `hands`: those that viewers may hold; null: none.
+  /// `hands`: the hands for viewers; null: none.
   Audience(asio::io_context& io, const Scenes& scenes, TokenFile tokens, PageHands* hands = nullptr,
            Reload reload = {});
   ~Audience();
 
   using Id = std::uint64_t;
-  /// A connection from `address`. The viewer must leave before it is gone.
+  /// A connection from `address`. The viewer must leave before its object is destroyed.
   Id join(Viewer& viewer, const asio::ip::address& address);
   void leave(Id id);
-  /// It has shown a ticket, and speaks the Foxglove protocol. It may have left when this returns.
+  /// It has shown a ticket, and uses the Foxglove protocol. It may have left when this returns.
   void admit(Id id, const ViewTicket& ticket);
   /// A text message of a viewer. It may have left when this returns.
   void receive(Id id, std::string_view message);
 
-  /// A load of a scene has ended: a line for those who watch it; what is wrong with its file for
-  /// admins alone.
+  /// A load of a scene has ended: sends a line to its viewers; only admins get the error in the
+  /// file.
   void tell(std::size_t scene, const std::optional<std::string>& wrong);
 
-  /// Whether a text from this address is a good token. Wrong ones are limited.
+  /// Whether a text from this address is a valid token. Wrong ones are limited.
   bool opens_something(std::string_view token, const asio::ip::address& address);
 
-  /// A ticket for a scene, by its name; an empty name is the first that the token opens. Nothing
-  /// where the token is not good, or opens no such scene.
+  /// A ticket for a scene, by its name; an empty name is the first scene that the token opens.
+  /// Empty if the token is not valid, or opens no such scene.
   std::optional<Secret> mint_ticket(std::string_view token, std::string_view scene);
-  /// Redeems a ticket that came from this address: it is void from then on. A wrong ticket counts
+  /// Redeems a ticket that came from this address; it is void from then on. A wrong ticket counts
   /// as a wrong token of that network.
   std::optional<ViewTicket> redeem_ticket(std::string_view ticket,
                                           const asio::ip::address& address);
 
-  /// Shows everybody what is new. To be called 60 times a second while somebody is there.
+  /// Sends the news to all viewers. Call it 60 times a second while there are viewers.
   void tick(Nanoseconds now);
   bool empty() const { return seats_.empty(); }
   /// The server ends.
@@ -85,9 +84,9 @@ class Audience {
   struct Stage;
   void admit(Seat& seat, std::string_view token);
   void refresh_tokens();
-  /// The token with this text, of the file as it now is; null: there is none that is good.
+  /// The token with this text, in the present file; null: there is no valid one.
   const Token* good_token(std::string_view text);
-  /// Counts a wrong token. False: there were too many, and the viewer was refused for it.
+  /// Counts a wrong token. False: there were too many, so the viewer was refused.
   bool may_try_again(const Seat& seat);
   void watch(Seat& seat, std::string_view scene);
   void give_ticket(Seat& seat, std::string_view scene);
@@ -119,7 +118,7 @@ class Audience {
   RateLimit<std::string> changes_{20.0, 60.0};  // of admins' clients
   RateLimit<Network> wrong_tokens_{0.2, 10.0};
   ViewTickets tickets_;
-  std::vector<std::unique_ptr<Stage>> stages_;  // one a scene
+  std::vector<std::unique_ptr<Stage>> stages_;  // one for each scene
   std::map<Id, Seat> seats_;
   Id next_id_ = 1;
   Nanoseconds begin_, looked_at_tokens_{0};

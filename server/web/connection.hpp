@@ -17,7 +17,7 @@ class WebServer::Connection : public Viewer, public std::enable_shared_from_this
              const asio::ip::address& address);
 
   void start();
-  /// Every way out: the server forgets the connection, and with its last handler it is gone.
+  /// All exits: the server forgets the connection, and its last handler destroys it.
   void end() noexcept;
 
   void send(const std::string& text) override;
@@ -44,7 +44,7 @@ class WebServer::Connection : public Viewer, public std::enable_shared_from_this
   asio::ip::address address_;
   std::unique_ptr<Stream> stream_;
   asio::steady_timer deadline_;
-  std::string head_;  // as much as has come
+  std::string head_;  // the received part
   std::unique_ptr<WebSocket> socket_;
   std::optional<Audience::Id> seat_;
   bool writing_ = false, stays_ = false, closing_ = false, ended_ = false;

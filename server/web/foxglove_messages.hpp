@@ -1,6 +1,6 @@
 #pragma once
-// Messages of the Foxglove WebSocket protocol, as far as a server needs them that only shows
-// (docs/live_page.md). No socket.
+// Messages of the Foxglove WebSocket protocol, as far as an observing server needs them
+// (docs/live_page.md). It has no socket.
 
 #include <cstdint>
 #include <optional>
@@ -12,11 +12,11 @@
 
 namespace feltwire::web {
 
-/// The channels that a viewer may subscribe to. The number of a channel on the wire is its place
+/// The channels that a viewer may subscribe to. The number of a channel on the wire is its index
 /// here.
 enum class FoxgloveChannel : std::uint8_t {
-  geometry,    // what the scene's objects look like, at a change
-  transforms,  // where what moves is
+  geometry,    // the shapes of the scene's objects, at a change
+  transforms,  // the places of moving objects
   picture,     // the hands, and the force on each
   hands,       // their figures
   count_of_channels
@@ -24,7 +24,7 @@ enum class FoxgloveChannel : std::uint8_t {
 inline constexpr std::size_t kFoxgloveChannels =
     static_cast<std::size_t>(FoxgloveChannel::count_of_channels);
 
-/// The first message to a viewer: what this server is.
+/// The first message to a viewer: the properties of this server.
 std::string foxglove_server_info(std::string_view scene);
 /// The second: all channels, with their schemas.
 std::string foxglove_advertisement();
@@ -46,8 +46,8 @@ struct FoxgloveRequest {
   std::vector<std::uint32_t> ended{};         // of unsubscribe: subscriptions' ids
 };
 
-/// Nothing where the text is no JSON object with an operation, is nested deeper than such a message
-/// is, or has an id that is no 32 bit number.
+/// Empty if the text is no JSON object with an operation, is nested too deep, or has an id that is
+/// no 32 bit number.
 std::optional<FoxgloveRequest> parse_foxglove_request(std::string_view text);
 
 }  // namespace feltwire::web

@@ -1,6 +1,5 @@
 #pragma once
-// A scene as viewers of the Foxglove protocol are shown it: encoded once for all of them. No
-// socket.
+// A scene for viewers of the Foxglove protocol, encoded once for all of them. It has no socket.
 
 #include <array>
 #include <cstdint>
@@ -25,8 +24,8 @@ class FoxgloveScene {
   /// `since_1970` [ns]: from the scenes' clock to the time since 1970.
   explicit FoxgloveScene(std::int64_t since_1970) : since_1970_(since_1970) {}
 
-  /// Another version of the scene. Bodies are where the file says until a picture says otherwise.
-  /// Nothing happens where this version is known. Allocates, and may take some 10 ms.
+  /// Takes another version of the scene. Bodies are at their places in the file until a picture has
+  /// others. Nothing happens if this version is known. Allocates, and may take some 10 ms.
   void set(const Scene& scene, std::uint32_t version, Nanoseconds now);
   /// A picture of this version.
   void set(const Picture& picture);
@@ -48,7 +47,7 @@ class FoxgloveScene {
   std::vector<std::uint32_t> hands_;
 };
 
-/// By which a hand is known in /scene/picture: "hand 3".
+/// The name of a hand in /scene/picture: "hand 3".
 std::string foxglove_hand_id(std::uint32_t number);
 
 }  // namespace feltwire::web

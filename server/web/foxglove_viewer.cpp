@@ -21,7 +21,7 @@ void FoxgloveViewer::complain(const std::string& message) {
 void FoxgloveViewer::receive(std::string_view message) {
   const std::optional<FoxgloveRequest> request = parse_foxglove_request(message);
   if (!request)
-    return complain("a message is no JSON object with \"op\", or has an id that is no number");
+    return complain("a message is not a JSON object with \"op\", or has an id that is no number");
   if (request->operation == "subscribe") {
     for (const auto& wanted : request->subscriptions) subscribe(wanted);
   } else if (request->operation == "unsubscribe") {

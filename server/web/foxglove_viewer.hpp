@@ -1,5 +1,5 @@
 #pragma once
-// One viewer of the Foxglove protocol: what it has subscribed to, and what it was sent of it.
+// One viewer of the Foxglove protocol: its subscriptions, and the messages that it has got.
 
 #include <array>
 #include <cstdint>
@@ -15,10 +15,11 @@ namespace feltwire::web {
 
 class FoxgloveViewer {
  public:
-  /// Says at once what this server is and what there is to subscribe to. `viewer` outlives this.
+  /// Sends the properties of this server and its channels at once. `viewer` outlives this.
   FoxgloveViewer(Viewer& viewer, std::string_view scene);
 
-  /// A text message of the viewer. What cannot be done is said as a status; the connection stays.
+  /// Takes a text message of the viewer. An impossible request is answered with a status; the
+  /// connection stays.
   void receive(std::string_view message);
   /// Sends the newest message of each channel that is subscribed to, unless it was sent before.
   void show(const FoxgloveScene& scene);
@@ -35,7 +36,7 @@ class FoxgloveViewer {
 
   Viewer& viewer_;
   std::array<std::optional<Subscription>, kFoxgloveChannels> subscriptions_;
-  std::vector<std::uint32_t> hands_;  // that it was shown, by rising number
+  std::vector<std::uint32_t> hands_;  // shown to the viewer, by rising number
 };
 
 }  // namespace feltwire::web

@@ -1,6 +1,6 @@
 #pragma once
-// What the live page is told: texts (JSON) and binary messages, as docs/live_page.md lists them. No
-// socket.
+// The messages to the live page: texts (JSON) and binary messages, as docs/live_page.md lists them.
+// It has no socket.
 
 #include <chrono>
 #include <cstdint>
@@ -19,29 +19,29 @@ namespace feltwire::web {
 
 using Bytes = std::vector<std::uint8_t>;
 
-/// The first answer to a viewer whose token is good.
+/// The first answer to a viewer with a valid token.
 std::string hello(std::span<const std::string> scenes, Role role);
 
-/// Where another program may look on with a ticket, and for how long it may be used.
+/// The address at which another program may observe with a ticket, and the life of the ticket.
 std::string ticket_text(std::string_view scene, std::string_view ticket, std::chrono::seconds life);
 
 /// A scene without its triangles.
 std::string scene_text(const Scene& scene, std::uint32_t version);
-/// The materials of its objects as they are now, and gravity on what moves.
+/// The present materials of its objects, and gravity on moving objects.
 std::string materials_text(const Scene& scene, std::uint32_t version,
                            const std::optional<Vec3>& gravity);
-/// To an admin who asked for something: it was done, or why it was not.
+/// The answer to an admin's request: it was done, or the reason why not.
 std::string changed_text(std::string_view what);
 std::string refused(std::string_view reason);
 /// A second token has made the viewer an admin.
 std::string admin_text();
 /// A line for people. Level: info, warning, error.
 std::string log_text(std::string_view level, std::string_view line);
-/// The triangles of each object but planes, which the text tells. Allocates, and may take some 10
-/// ms.
+/// The triangles of each object except planes, which the text contains. Allocates, and may take
+/// some 10 ms.
 std::vector<Bytes> geometry(const Scene& scene, std::uint32_t version);
 
-/// How a hand's line does, over the time since the last description.
+/// The quality of a hand's line, over the time since the last description.
 struct HandRates {
   std::uint32_t number = 0;
   double samples = 0.0;  // [1/s] taken
@@ -51,7 +51,7 @@ struct HandRates {
 /// the page's clock.
 Bytes picture(const Picture& picture, std::span<const HandRates> rates, Nanoseconds begin);
 
-/// The surfaces near the hands, of those that have a local model. Empty where none has.
+/// The surfaces near the hands with a local model. Empty if there are none.
 Bytes surfaces(const Picture& picture);
 
 /// `time` [s] of the page's clock.

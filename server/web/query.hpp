@@ -7,8 +7,8 @@
 
 namespace feltwire {
 
-/// The value of the first field of this name, %-escapes resolved. Nothing where there is none, or
-/// where an escape is malformed.
+/// The value of the first field of this name, %-escapes resolved. Empty if there is none, or if an
+/// escape is malformed.
 std::optional<std::string> query_value(std::string_view query, std::string_view name);
 
 }  // namespace feltwire

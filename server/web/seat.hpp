@@ -1,5 +1,5 @@
 #pragma once
-// Internal to server/web: what an audience knows of a scene and of a viewer.
+// Internal to server/web: an audience's data of a scene and of a viewer.
 
 #include "protocol/net/clock.hpp"
 #include "server/web/audience.hpp"
@@ -12,20 +12,20 @@ inline constexpr const char* kNoGoodToken =
     "the token is not good: it is unknown, revoked or expired";
 inline constexpr double kMessageRate = 20.0, kMessageBurst = 40.0;  // [1/s] of one viewer, at once
 
-/// One scene as it is shown.
+/// One scene for viewers.
 struct Audience::Stage {
   SceneInView* scene;
-  // Of the version that is shown, made once for all viewers.
+  // Of the shown version, made once for all viewers.
   std::uint32_t version = 0, changes = 0;
   std::string text, materials;
   std::vector<Bytes> geometry;
   Picture picture;
   std::vector<HandRates> rates;  // by rising number
-  Picture counted;               // the picture that the rates begin at
+  Picture counted;               // the picture at which the rates begin
   std::vector<HandDescription> hands;
   Nanoseconds described{0};
   bool describing = false;
-  std::optional<std::string> hidden;  // why it cannot be seen, of which viewers were told
+  std::optional<std::string> hidden;  // the reason why it cannot be seen, as viewers know it
   FoxgloveScene foxglove{clock_offset()};
 };
 
@@ -34,12 +34,12 @@ struct Audience::Seat {
   Id id;
   Viewer* viewer;
   Network network;
-  std::string token;  // its id; empty: none was shown yet
+  std::string token;  // its id; empty: the viewer has shown none yet
   Stage* stage = nullptr;
-  std::string admin = {};                    // likewise, of a second one, of an admin; empty: none
+  std::string admin = {};                    // id of a second token, of an admin; empty: none
   std::uint32_t version = 0;                 // of the scene that was sent
-  std::uint32_t changes = 0;                 // live ones of that scene, of which it was told
-  std::optional<FoxgloveViewer> foxglove{};  // it speaks that protocol, not the page's
+  std::uint32_t changes = 0;                 // live changes of that scene that it knows
+  std::optional<FoxgloveViewer> foxglove{};  // it uses that protocol, not the page's
   TokenBucket messages{kMessageRate, kMessageBurst};
   ViewersHand hand;
 };

@@ -13,7 +13,7 @@
 
 namespace feltwire::web {
 
-/// One reading and one writing may be under way at a time; handlers are called on the thread of the
+/// One read and one write may be under way at a time; handlers are called on the thread of the
 /// socket's io_context.
 class Stream {
  public:
@@ -21,13 +21,13 @@ class Stream {
   using Read = std::function<void(const std::error_code&, std::span<const std::uint8_t>)>;
 
   virtual ~Stream() = default;
-  /// Before all else.
+  /// Call it first.
   virtual void handshake(Done done) = 0;
-  /// Reads the next bytes: at least one where there is no error.
+  /// Reads the next bytes: at least one if there is no error.
   virtual void read(Read done) = 0;
   /// Writes all bytes.
   virtual void write(std::vector<std::uint8_t> bytes, Done done) = 0;
-  /// Says that nothing more is written; reading goes on.
+  /// Ends writing; reading continues.
   virtual void end_writing() = 0;
   virtual void close() noexcept = 0;
 };

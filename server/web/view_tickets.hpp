@@ -1,6 +1,6 @@
 #pragma once
-// Tickets for viewers that cannot send a token first: each lets one viewer look at one scene. No
-// socket, no clock.
+// Tickets for viewers that cannot send a token first: each lets one viewer watch one scene. It has
+// no socket and no clock.
 
 #include <chrono>
 #include <optional>
@@ -12,7 +12,7 @@
 
 namespace feltwire::web {
 
-/// The right that a ticket gives: to look at one scene, on behalf of a token.
+/// The right of a ticket: to watch one scene, on behalf of a token.
 struct ViewTicket {
   std::string token;  // its id
   std::string scene;
@@ -21,11 +21,11 @@ struct ViewTicket {
 class ViewTickets {
  public:
   static constexpr std::chrono::seconds kLife{60};  // from minting to use
-  static constexpr std::size_t kMostOfToken = 8;    // then its oldest is void
+  static constexpr std::size_t kMostOfToken = 8;    // with one more the oldest becomes void
 
-  /// A ticket for a scene that the token opens. The text is written down nowhere.
+  /// Makes a ticket for a scene that the token opens. The text is stored nowhere.
   Secret mint(const Token& by, const std::string& scene, CalendarTime now);
-  /// Redeems a ticket: it is void from then on. Nothing where the text is no ticket, or the ticket
+  /// Redeems a ticket, which is void from then on. Empty if the text is no ticket, or the ticket
   /// was used or is too old.
   std::optional<ViewTicket> redeem(std::string_view text, CalendarTime now);
 

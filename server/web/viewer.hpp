@@ -1,5 +1,5 @@
 #pragma once
-// The way to one viewer of a live picture.
+// The connection to one viewer of a live picture.
 
 #include <string>
 #include <string_view>
@@ -14,11 +14,11 @@ class Viewer {
   virtual ~Viewer() = default;
   virtual void send(const std::string& text) = 0;
   virtual void send(const Bytes& binary) = 0;
-  /// Whether all that was sent has left. Who is not ready is shown no picture.
+  /// Whether all data were sent. A viewer that is not ready gets no picture.
   virtual bool ready() const = 0;
-  /// It may be gone when this returns.
+  /// The viewer may be gone when this returns.
   virtual void close(WebSocketClose code, std::string_view reason) = 0;
-  /// Its token is good: it may stay.
+  /// Its token is valid: it may stay.
   virtual void admitted() = 0;
 };
 

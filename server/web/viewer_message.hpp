@@ -1,5 +1,5 @@
 #pragma once
-// What a viewer of the live page says.
+// The messages of a viewer of the live page.
 
 #include <optional>
 #include <string>
@@ -11,32 +11,32 @@
 
 namespace feltwire::web {
 
-/// A change that an admin asks for: the material of an object, gravity, or the bound or the link of
-/// a session, by which of the members is given.
+/// A change that an admin requests: the material of an object, gravity, or the bound or the link of
+/// a session. The given members decide which.
 struct ViewerSet {
   MaterialChange material;
   std::optional<Vec3> gravity;                           // [m/s^2]
   std::string session;                                   // its id, in decimal digits
   std::optional<std::string> mode, projection, storage;  // of that session
-  std::optional<LinkQuality> link;  // that its client emulates; what is not given is 0
+  std::optional<LinkQuality> link;  // of its client's emulated link; missing numbers are 0
 };
 
-/// One JSON object; what it leaves out is not there, what else it has is not read.
+/// One JSON object. Missing members are empty, unknown ones are ignored.
 struct ViewerMessage {
-  std::optional<std::string> token;   // the first message: who it is
-  std::optional<std::string> watch;   // the name of the scene that it wants to see
-  std::optional<std::string> ticket;  // the name of a scene that another program shall see
+  std::optional<std::string> token;   // the first message: identifies the viewer
+  std::optional<std::string> watch;   // the name of the scene that it wants to watch
+  std::optional<std::string> ticket;  // the name of a scene for another program
   std::optional<std::string> hand;    // take or release
-  std::optional<Vec3> point;          // [m] where its hand shall be; not finite: no three numbers
-  // Of admins, about the scene that is watched.
-  std::optional<std::string> admin;  // a token of this role, where the viewer's own has another
+  std::optional<Vec3> point;          // [m] target of its hand; not finite: no three numbers
+  // For admins, about the watched scene.
+  std::optional<std::string> admin;  // a token of this role, if the viewer's own has another
   std::optional<ViewerSet> set;
   std::optional<std::string> evict;  // a session's id
   bool reload = false;
 };
 
-/// Nothing where the text is no JSON object, a member of `set` is of another kind than it must be
-/// or of no known name, or it is nested deeper than a message of this kind is.
+/// Empty if the text is no JSON object, if a member of `set` is of a wrong type or unknown, or if
+/// it is nested too deep.
 std::optional<ViewerMessage> parse_viewer_message(std::string_view text);
 
 }  // namespace feltwire::web

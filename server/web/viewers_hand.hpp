@@ -1,6 +1,6 @@
 #pragma once
-// The hand of one viewer of the live page: taken, pointed with, released, and what its viewer is
-// told of it. No socket.
+// The hand of one viewer of the live page: it is taken, pointed with and released, and its viewer
+// gets messages about it. It has no socket.
 
 #include <memory>
 #include <optional>
@@ -14,9 +14,9 @@ class ViewersHand {
  public:
   static constexpr double kFarthest = 10.0;  // [m] of a target, on each axis
 
-  /// A viewer that may hold none.
+  /// A viewer that may hold no hand.
   ViewersHand() = default;
-  /// One that may, by this name and with this token. `hands` outlives this.
+  /// A viewer that may hold one, with this name and this token. `hands` outlives this.
   ViewersHand(PageHands& hands, std::string client, Secret token)
       : hands_(&hands), client_(std::move(client)), token_(std::move(token)) {}
   ~ViewersHand() { release(); }
@@ -25,14 +25,14 @@ class ViewersHand {
 
   bool offered() const { return hands_ != nullptr; }
 
-  /// Takes a hand in the scene; does nothing where one is held already. News says what comes of it.
+  /// Takes a hand in the scene; does nothing if one is held already. news() reports the result.
   void take(const std::string& scene);
-  /// False where the place is not finite or too far away: the hand stays where it is.
+  /// False if the place is not finite or too far away: the hand does not move.
   bool point(const Vec3& target) noexcept;
   void release() noexcept;
 
-  /// A message for the viewer (docs/live_page.md, `hand`) when something has changed since the last
-  /// call. The first tells whether a hand may be taken.
+  /// A message for the viewer (docs/live_page.md, `hand`) if something has changed since the last
+  /// call. The first says whether a hand may be taken.
   std::optional<std::string> news();
 
  private:

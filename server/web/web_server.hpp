@@ -1,5 +1,5 @@
 #pragma once
-// The live page's port: HTTP for the page, WebSockets for what it shows, one thread.
+// The live page's port: HTTP for the page, WebSockets for its data, one thread.
 
 #include <asio/io_context.hpp>
 #include <asio/ip/tcp.hpp>
@@ -23,12 +23,12 @@ namespace feltwire::web {
 struct WebOptions {
   asio::ip::address address;  // to listen on
   std::uint16_t port = 0;     // 0: the operating system chooses
-  /// From connecting to a whole request, and from there to a good token.
+  /// From connecting to a whole request, and from there to a valid token.
   std::chrono::milliseconds patience{5'000};
   std::size_t max_connections = 128;
   std::size_t max_connections_per_network = 64;
-  std::vector<std::string> names = {};  // that pages may be asked for by, beside IP addresses
-  PageHands* hands = nullptr;           // that viewers may hold; outlives the server; null: none
+  std::vector<std::string> names = {};  // host names that browsers may use, besides IP addresses
+  PageHands* hands = nullptr;           // for viewers; outlives the server; null: none
   /// Makes the answer to `/metrics` (docs/live_page.md), on the page's thread; empty: there is no
   /// such page.
   std::function<std::string(const AudienceCounters& counters)> metrics = {};
@@ -38,8 +38,8 @@ struct WebOptions {
 
 class WebServer {
  public:
-  /// Binds and listens. On a loopback address it speaks HTTP, on all others HTTPS with the
-  /// identity. Throws std::runtime_error in one line when it cannot. The scenes outlive this.
+  /// Binds and listens. On a loopback address it uses HTTP, on all others HTTPS with the identity.
+  /// Throws std::runtime_error with one line if it cannot. The scenes outlive this.
   WebServer(const WebOptions& options, const Audience::Scenes& scenes, TokenFile tokens,
             const Identity& identity);
   ~WebServer();
@@ -82,7 +82,7 @@ class WebServer {
   std::map<Places::Id, std::shared_ptr<Connection>> connections_;
   Places places_;
   Places::Id next_id_ = 0;
-  bool showing_ = false;  // the timer of pictures waits
+  bool showing_ = false;  // the timer of pictures is running
   std::uint16_t port_ = 0;
   std::thread thread_;
 };

@@ -1,6 +1,6 @@
 #pragma once
-// One end of a WebSocket, the server's (RFC 6455): bytes to messages and back. No socket. The
-// frames are wslay's.
+// One end of a WebSocket, the server's (RFC 6455): bytes to messages and back. It has no socket.
+// wslay handles the frames.
 
 #include <cstddef>
 #include <cstdint>
@@ -15,7 +15,8 @@ struct wslay_event_context;
 
 namespace feltwire {
 
-/// Why a connection is closed: a code of RFC 6455, or one of the page's own (4000 and above).
+/// The reason of a closed connection: a code of RFC 6455, or one of the page's own (4000 and
+/// above).
 enum class WebSocketClose : std::uint16_t {
   going_away = 1001,
   bad_message = 4400,
@@ -25,25 +26,25 @@ enum class WebSocketClose : std::uint16_t {
 
 class WebSocket {
  public:
-  /// `take` gets every text message; binary ones close the connection. A message longer than
-  /// `most` [bytes] does so too.
+  /// `take` gets every text message. Binary messages, and messages longer than `most` [bytes],
+  /// close the connection.
   WebSocket(std::size_t most, std::function<void(std::string_view)> take);
   ~WebSocket();
   WebSocket(const WebSocket&) = delete;
   WebSocket& operator=(const WebSocket&) = delete;
 
-  /// Takes bytes from the other end. Answers pings and closes. False: they are not a WebSocket's
-  /// bytes, and nothing more should be read. Passes on what `take` throws.
+  /// Takes bytes from the other end. Answers pings and closes. False: they are not bytes of a
+  /// WebSocket, and nothing more should be read. Passes on the exceptions of `take`.
   bool receive(std::span<const std::uint8_t> bytes);
   /// Throws std::bad_alloc. Nothing happens after close().
   void send_text(std::string_view message) { send(false, {bytes_of(message), message.size()}); }
   void send_binary(std::span<const std::uint8_t> message) { send(true, message); }
-  /// Says why nothing more comes; of the reason no more than 120 bytes are sent.
+  /// Sends a close with its reason; at most 120 bytes of the reason are sent.
   void close(WebSocketClose code, std::string_view reason);
-  /// Whether both ends have said so.
+  /// Whether both ends have closed.
   bool closed() const noexcept;
 
-  /// Moves out the bytes that are to be sent to the other end.
+  /// Moves out the bytes to send to the other end.
   std::vector<std::uint8_t> take_output();
   bool has_output() const noexcept;
 
@@ -59,7 +60,7 @@ class WebSocket {
 
   std::function<void(std::string_view)> take_;
   std::unique_ptr<wslay_event_context, Free> context_;
-  std::span<const std::uint8_t> input_;  // that is being read
+  std::span<const std::uint8_t> input_;  // the bytes that are read now
   std::vector<std::uint8_t> output_;
   std::exception_ptr failure_;  // thrown in a callback of C code
 };

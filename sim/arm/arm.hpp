@@ -1,5 +1,5 @@
 #pragma once
-// A simulated robot: a seven-axis arm with a gripper in MuJoCo, and what it touches.
+// A simulated robot: a seven-axis arm with a gripper in MuJoCo, and the objects that it touches.
 
 #include <atomic>
 #include <cstdint>
@@ -23,10 +23,10 @@ struct ArmConfig {
   double largest_pull = 30.0;       // [N] > 0 of the spring
   double largest_turn = 6.0;        // [N m] > 0 of the spring about the tool
   double stop_force = 60.0;         // [N] > 0: a protective stop above
-  double stop_torque = 8.0;         // [N m] > 0: likewise
+  double stop_torque = 8.0;         // [N m] > 0: the same for torque
   double noise = 0.02;              // [N] >= 0 RMS of each axis of the wrist's sensor
-  double torque_noise = 0.002;      // [N m] >= 0: likewise
-  std::optional<double> gripper;    // [m] opening at the start; none: open
+  double torque_noise = 0.002;      // [N m] >= 0: the same for torque
+  std::optional<double> gripper;    // [m] opening at the start; empty: open
   std::uint64_t seed = 1;           // of the noise
 };
 
@@ -39,26 +39,26 @@ struct ArmConfig {
 ///
 /// Each step the motors give, within their limits,
 ///   J^T (K e + B (w - v)) + gravity + walls at the joints' limits + posture
-/// with e the way to the target, in length at most largest_pull / K, and w the target's own
-/// velocity, low-passed at 20 Hz and none while the target stands or the wrist feels more than 1 N.
-/// So is the torque about the tool. The posture acts in the null space of the tool. The gripper's
-/// fingers are drawn to the target's opening by at most their motors' force. Coriolis forces are
-/// left alone, so that an arm whose target stands can give out no energy but what its springs hold.
+/// with e the vector to the target, in length at most largest_pull / K, and w the target's own
+/// velocity, low-passed at 20 Hz and zero while the target is constant or the wrist feels more than
+/// 1 N. The torque about the tool is computed in the same way. The posture acts in the null space
+/// of the tool. The gripper's fingers are drawn to the target's opening by at most their motors'
+/// force. Coriolis forces are not compensated, so that an arm with a constant target can give out
+/// only the energy of its springs.
 ///
-/// The sensor is in the wrist. What the tool's weight and acceleration (an accelerometer's) put on
-/// it is taken off, then noise is added: normal, and in length at most spec().wrench_noise.
+/// The sensor is in the wrist. The tool's weight and acceleration (from an accelerometer) are
+/// subtracted, then noise is added: normal, and in length at most spec().wrench_noise.
 ///
-/// A target is taken where it is finite, and shortened to largest_pull / K and largest_turn /
-/// turning_stiffness about the tool; write() returns what is left of it. Above stop_force or
-/// stop_torque the arm stops: it holds where it is until resume().
+/// A finite target is taken, and shortened to largest_pull / K and largest_turn / turning_stiffness
+/// about the tool; write() returns the result. Above stop_force or stop_torque the arm stops: it
+/// holds its place until resume().
 ///
 /// Deterministic: the same config and calls give the same bits. Times are multiples of a step, from
-/// the first read() on; a jump of more than 1 s is taken as 1 s. After construction nothing
-/// allocates.
+/// the first read() on; a jump of more than 1 s is taken as 1 s. It allocates only at construction.
 class Arm final : public Follower {
  public:
-  /// Throws FileError where the file is not such an arm, std::invalid_argument where a number of
-  /// the config cannot be used.
+  /// Throws FileError if the file is not such an arm, std::invalid_argument if a number of the
+  /// config cannot be used.
   explicit Arm(const ArmConfig& config);
   ~Arm() override;
   Arm(const Arm&) = delete;
@@ -73,11 +73,11 @@ class Arm final : public Follower {
   void resume() noexcept;
 
   // For tests, studies and pictures; the thread of read() and write() calls them.
-  /// [N] on the tool from now on, as by a person who pushes it.
+  /// [N] on the tool from now on, as if a person pushed it.
   void push(const Vec3& force) noexcept;
   /// [N] of the surroundings on the tool in the last step, as the simulation knows it.
   Vec3 contact_force() const noexcept;
-  /// [J] that the arm holds: its springs and what moves of it.
+  /// [J] energy of the arm: its springs and its movement.
   double energy() const noexcept;
   /// [rad] of an axis, 0 to 6; [N m] of its motor in the last step; its limits.
   double angle(int axis) const noexcept;
@@ -86,7 +86,7 @@ class Arm final : public Follower {
     double low, high, torque;
   };
   Limits limits(int axis) const noexcept;
-  /// [m] where a body of the file is; none: there is no such body.
+  /// [m] place of a body of the file; empty: there is no such body.
   std::optional<Vec3> place_of(const std::string& body) const;
 
  private:
@@ -107,10 +107,9 @@ class Arm final : public Follower {
   std::int64_t steps_ = 0;
 };
 
-/// Brings an arm that rests to `place` [m], straight, within 3 s, and lets it rest for 1 s. It
-/// turns the tool no more than it is turned, and opens the gripper by `gripper` [m]. `now` is the
-/// time of its next reading, and then that of its last one. Returns the target that it was given
-/// last.
+/// Moves an arm at rest to `place` [m], straight, within 3 s, and lets it rest for 1 s. It keeps
+/// the tool's orientation, and opens the gripper by `gripper` [m]. `now` is the time of its next
+/// reading, and then that of its last one. Returns its last target.
 FollowerTarget bring(Arm& arm, const Vec3& place, double gripper, Nanoseconds& now) noexcept;
 
 }  // namespace feltwire

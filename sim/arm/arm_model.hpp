@@ -1,5 +1,5 @@
 #pragma once
-// Internal to sim/arm: a model of MuJoCo, and where the parts of the arm are in it.
+// Internal to sim/arm: a model of MuJoCo, and the indices of the arm's parts in it.
 
 #include <array>
 #include <filesystem>
@@ -18,7 +18,7 @@ using Vec7 = Eigen::Matrix<double, kAxes, 1>;
 struct Axis {
   int joint = 0, position = 0, speed = 0, motor = 0;  // indices: joint, qpos, qvel, ctrl
   double low = 0.0, high = 0.0;                       // [rad] or [m] its range
-  double most = 0.0;                                  // [N m] or [N] that the motor gives
+  double most = 0.0;                                  // [N m] or [N] largest value of the motor
 };
 
 struct ArmModel {
@@ -29,10 +29,10 @@ struct ArmModel {
   int tool = 0, wrist = 0, balance = 0;         // sites
   int hand = 0;                                 // the body that the wrist's sensor carries
   int force = 0, torque = 0, acceleration = 0;  // of the sensors, in sensordata
-  double tool_mass = 0.0;                       // [kg] of the hand and what is fixed to it
+  double tool_mass = 0.0;                       // [kg] of the hand and the parts fixed to it
 };
 
-/// Reads it. Throws FileError naming the file, what is missing or wrong, and the remedy.
+/// Reads it. Throws FileError that names the file, the missing or wrong part, and the remedy.
 ArmModel load_arm(const std::filesystem::path& file);
 
 }  // namespace feltwire::arm

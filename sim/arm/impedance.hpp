@@ -31,19 +31,19 @@ class Impedance {
 
   /// Takes a target as far as it can be held from `tool`; one that is not finite changes nothing.
   void aim(const FollowerTarget& target, const ToolState& tool) noexcept;
-  /// The target is where the tool is.
+  /// Sets the target to the tool's place.
   void hold(const ToolState& tool) noexcept;
   const FollowerTarget& target() const noexcept { return target_; }
 
-  /// Shares what aim() moved the target by among the next `steps`. A tool that touches something is
-  /// not driven by the target's velocity: it may not get there.
+  /// Divides the last movement of the target by aim() among the next `steps`. If the tool touches
+  /// something, the target's velocity does not drive it, because the tool may not get there.
   void spread(int steps, bool touching) noexcept;
-  /// Sets the motors. MuJoCo may give up in it: guarded() calls it.
+  /// Sets the motors. MuJoCo may fail in it, so guarded() calls it.
   void drive(mjData& data) noexcept;
 
   /// [J] of the springs.
   double energy(const mjData& data) const noexcept;
-  /// [N] that the gripper closes with.
+  /// [N] closing force of the gripper.
   double grip() const noexcept { return grip_; }
 
  private:

@@ -1,6 +1,6 @@
 #pragma once
-// The emulated link as a program between clients and a server: clients join the relay as if it were
-// the server.
+// The emulated link as a program between clients and a server: clients join the relay like the
+// server.
 
 #include <cstdint>
 #include <memory>
@@ -13,9 +13,9 @@ namespace feltwire {
 
 struct LinkRelayOptions {
   std::string address = "127.0.0.1";  // to listen on
-  std::uint16_t port = 0;   // control (tcp), the scenes' (udp) follow one by one; 0: a free place
+  std::uint16_t port = 0;   // control (tcp); the scenes' ports (udp) follow it; 0: free ports
   Endpoint server;          // its control port
-  std::size_t scenes = 16;  // ports for as many, whether the server has them or not
+  std::size_t scenes = 16;  // number of scene ports, also if the server has fewer
   TwoWayLinkOptions link = {};
 };
 
@@ -36,13 +36,13 @@ class LinkRelay {
 
   std::uint16_t control_port() const;
 
-  /// Relays in the calling thread until stop().
+  /// Relays in the calling thread until stop() is called.
   void run();
   /// From any thread.
   void stop();
 
-  /// The parameters, and each client with its counters, as JSON (docs/link.md). Not while
-  /// run() does.
+  /// The parameters, and each client with its counters, as JSON (docs/link.md). Do not call it
+  /// while run() runs.
   std::string report() const;
 
  private:

@@ -17,7 +17,7 @@ inline constexpr int kBurst = 64;  // datagrams taken before others have their t
 /// Shared by its handlers; lives until they have run after close().
 class RelayClient : public std::enable_shared_from_this<RelayClient> {
  public:
-  /// Sends to the client; false when the system took it not.
+  /// Sends to the client; false if the system did not accept it.
   using SendBack = std::function<bool(Bytes)>;
 
   /// Opens the socket to the server's scene. Throws asio::system_error.
@@ -34,7 +34,7 @@ class RelayClient : public std::enable_shared_from_this<RelayClient> {
   const TwoWayLink& link() const { return *link_; }
   /// When the client last sent.
   Nanoseconds last_heard() const { return last_heard_; }
-  /// Datagrams that left the link and that the system did not take.
+  /// Datagrams that left the link and that the system did not accept.
   std::uint64_t unsent() const { return unsent_; }
 
  private:
@@ -45,7 +45,7 @@ class RelayClient : public std::enable_shared_from_this<RelayClient> {
   asio::steady_timer timer_;
   std::unique_ptr<TwoWayLink> link_;
   SendBack send_back_;
-  std::optional<Nanoseconds> armed_;  // what the timer waits for
+  std::optional<Nanoseconds> armed_;  // the time of the timer
   Nanoseconds last_heard_{0};
   std::uint64_t unsent_ = 0;
   std::array<std::uint8_t, kMaxDatagram + 1> buffer_{};

@@ -19,7 +19,7 @@ namespace feltwire {
 ///   x,y,z       [m] the tool; qw,qx,qy,qz its orientation
 ///   fx,fy,fz    [N] of the environment on the tool; empty where it is not sensed
 ///   cx,cy,cz    [m] the target that its controller holds
-///   stiffness   [N/m] of its spring and the surface that it touches, one behind the other; 0: none
+/// stiffness   [N/m] of its spring and the surface that it touches, in series; 0: none
 ///   sample      of the hand's, counted from 1, that the newest target comes from; 0: none
 ///   state       of the link, as the newest target says it
 /// A thread of its own writes the file, so that the robot's loop never waits for the disk.
@@ -31,10 +31,10 @@ class FollowerRecord {
   FollowerRecord(const FollowerRecord&) = delete;
   FollowerRecord& operator=(const FollowerRecord&) = delete;
 
-  /// One sample; the robot's loop calls it. It never waits: a row that finds no room is counted.
+  /// One sample; the robot's loop calls it. It never waits: a row without room is counted.
   void add(const RobotState& said, const RobotTarget& target) noexcept;
 
-  /// Writes the rest. Throws std::runtime_error where the file lacks something of what was added.
+  /// Writes the rest. Throws std::runtime_error if the file is incomplete.
   void finish();
 
   std::uint64_t dropped() const noexcept { return dropped_.load(); }

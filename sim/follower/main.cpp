@@ -51,7 +51,7 @@ int follow(Words& words) {
     words.run.open_port = [link = parse_link(words.link)](const Address& scene) {
       return std::make_unique<EmulatedPort>(open_udp_port(scene), TwoWayLink(link, 0, kLinkRoom));
     };
-  words.run.on_join = [] { std::fprintf(stderr, "feltwire-follower: sits on the robot's seat\n"); };
+  words.run.on_join = [] { std::fprintf(stderr, "feltwire-follower: has the robot's seat\n"); };
   if (!words.report.empty()) check_writable(words.report);
   const std::unique_ptr<Follower> robot = make_robot(words.robot, kDriverTime);
   std::optional<FollowerRecord> record;
@@ -78,10 +78,9 @@ int main(int argc, char** argv) {
   using namespace feltwire;
   Words words;
   CLI::App app{
-      "A robot that follows a hand (docs/teleoperation.md): a simulated one, which touches what "
-      "the\n"
-      "server does not know, or one whose driver is another program (docs/followers.md).\n"
-      "It is no safety-rated system."};
+      "A robot that follows a hand (docs/teleoperation.md): a simulated robot, whose\nsurroundings "
+      "the server does not know, or a robot whose driver is another program (docs/followers.md).\n"
+      "It is not a safety-rated system."};
   app.set_version_flag("--version", version());
   app.add_option("--connect", words.connect, "HOST:PORT of the server")->required();
   app.add_option("--scene", words.run.scene, "Scene whose robot's seat it takes")->required();
@@ -112,14 +111,15 @@ int main(int argc, char** argv) {
   app.add_option("--jerk", words.run.options.motion.jerk, "[m/s^3] Jerk limit of the target")
       ->capture_default_str();
   app.add_option("--leash", words.run.options.leash,
-                 "[N] Largest force by which the target pulls the robot")
+                 "[N] Largest force with which the target pulls the robot")
       ->capture_default_str();
   app.add_option("--workspace", words.workspace.box,
-                 "X0,Y0,Z0,X1,Y1,Z1 [m] Box that its target stays in, beside the workspace of its "
-                 "seat; both hold")
+                 "X0,Y0,Z0,X1,Y1,Z1 [m] Box that limits its target, in addition to the workspace "
+                 "of its seat")
       ->delimiter(',');
   app.add_option("--lock", words.workspace.lock,
-                 "Axes that keep the value of each engagement, beside those of its seat: some of "
+                 "Axes that keep their value while a hand is engaged, in addition to those of its "
+                 "seat: some of "
                  "x,y,z,rotation")
       ->delimiter(',');
   app.add_option("--duration", words.run.duration, "[s] Length of the run. 0: until it is stopped")

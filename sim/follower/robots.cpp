@@ -56,7 +56,8 @@ void check(const RobotChoice& choice) {
         "(a driver in another language)");
   if (choice.at && !choice.socket.empty())
     throw std::invalid_argument(
-        "--at is of simulated robots, and the driver at --socket says where its robot is; leave "
+        "--at applies only to simulated robots; the driver at --socket reports its robot's place. "
+        "Leave "
         "out --at");
   if (choice.at && !choice.at->allFinite())
     throw std::invalid_argument("--at must be three finite numbers [m]: X,Y,Z");

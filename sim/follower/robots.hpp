@@ -1,5 +1,5 @@
 #pragma once
-// Which robot feltwire-follower moves.
+// The robots that feltwire-follower can move.
 
 #include <memory>
 #include <optional>
@@ -11,15 +11,15 @@
 
 namespace feltwire {
 
-/// As the command line says it; exactly one of the three files is given.
+/// The choice on the command line; exactly one of the three files is given.
 struct RobotChoice {
   std::string surroundings;  // FILE.json: a point robot in that scene
   std::string arm;           // FILE.xml: the arm of that MJCF
   std::string socket;        // PATH where the driver of a robot connects
-  std::optional<Vec3> at;    // [m] where a simulated robot begins
+  std::optional<Vec3> at;    // [m] start of a simulated robot
 };
 
-/// Throws std::invalid_argument naming the options that do not go together, and the remedy.
+/// Throws std::invalid_argument that names the contradicting options, and the remedy.
 void check(const RobotChoice& choice);
 
 /// What the scene file says of the surfaces that the robot may touch. Throws FileError and

@@ -1,5 +1,5 @@
 #pragma once
-// A robot's own workspace as the command line says it.
+// A robot's own workspace on the command line.
 
 #include <array>
 #include <optional>
@@ -15,7 +15,7 @@ struct WorkspaceWords {
   std::vector<std::string> lock;             // x, y, z, rotation
 };
 
-/// Throws std::invalid_argument naming the option and the remedy.
+/// Throws std::invalid_argument that names the option and the remedy.
 Workspace workspace_of(const WorkspaceWords& words);
 
 }  // namespace feltwire

@@ -1,5 +1,5 @@
 #pragma once
-// The hand that a port must fear most: it presses, and then takes all the energy it can.
+// The worst hand for a port: it presses, and then takes as much energy as it can.
 
 #include <atomic>
 
@@ -7,7 +7,7 @@
 
 namespace feltwire {
 
-/// Where it presses.
+/// The place and way of its press.
 struct TakingTask {
   Vec3 start = Vec3::Zero();     // [m] outside the surface
   Vec3 inward = -Vec3::UnitZ();  // unit, into the surface
@@ -15,9 +15,10 @@ struct TakingTask {
   double speed = 0.02;           // [m/s] there and back
 };
 
-/// Goes in at `speed`, and from there moves with the force that it knows is held, v = f / (2 b):
-/// of what it takes, f v h - b v^2 h, that is the most that one hold can give, f^2 h / (4 b), which
-/// is all that the contact frame stores for a force f. When the force is gone it goes back to its
+/// Goes in at `speed`, and from there moves with the force that it knows is held, v = f / (2 b). Of
+/// the energy f v h - b v^2 h that it takes, this is the most that one hold can give, f^2 h / (4
+/// b), which is all that the contact frame stores for a force f. When the force is gone it goes
+/// back to its start, and in again. Kinematic: no force moves it, and it is read exactly.
 /// start, and in again. Kinematic: nothing moves it but itself, and it is read exactly.
 class AdversarialHand final : public Device {
  public:

@@ -1,5 +1,5 @@
 #pragma once
-// The hands that a bound is judged by: what is calm for one may swing for another.
+// The hands for judging a bound: one hand may be calm where another swings.
 
 #include <array>
 #include <string_view>

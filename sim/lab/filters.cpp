@@ -90,7 +90,7 @@ const ToolView& view_of(const Scene& scene, const std::string& tool) {
   const std::string names = scene.tool_names();
   throw std::invalid_argument(
       "--tool: the scene has no tool '" + tool + "'; " +
-      (names.empty() ? "it names none, leave --tool out" : "those that there are: " + names));
+      (names.empty() ? "it names none, leave --tool out" : "the existing ones are: " + names));
 }
 
 }  // namespace

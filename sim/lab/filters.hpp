@@ -11,19 +11,19 @@ namespace feltwire {
 
 /// `feltwire-lab bound`. In: dx,dy,dz [m], ex,ey,ez [N] elastic and fx,fy,fz [N] frictional
 /// command, on the hand. Out: rx,ry,rz [N] rendered, energy [J] delivered to the hand so far (sum
-/// of f(n-1).dx(n)), active (0/1). Where the configuration has rotation, also in: ax,ay,az [rad]
-/// the rotation vector since the last row, tx,ty,tz [N m]; out: rtx,rty,rtz [N m] rendered, and
-/// energy is that of all six degrees of freedom. Numbers that are not finite are read, and render
-/// zero. Returns how many rows were so refused. Throws CsvError for anything that is no number.
+/// of f(n-1).dx(n)), active (0/1). If the configuration has rotation, also in: ax,ay,az [rad] the
+/// rotation vector since the last row, tx,ty,tz [N m]; out: rtx,rty,rtz [N m] rendered, and energy
+/// is that of all six degrees of freedom. Numbers that are not finite are read, and render zero.
+/// Returns how many rows were refused for that. Throws CsvError for a field that is not a number.
 std::size_t filter_bound(std::istream& in, std::ostream& out, const BoundingConfig& config);
 
-/// `feltwire-lab touch`. In: t [s], x,y,z [m]; of a tool with a body also qw,qx,qy,qz, how it is
-/// turned. Out: ex,ey,ez,fx,fy,fz [N], what the scene answers there, on the hand; of a tool with a
-/// body also tx,ty,tz [N m]. `tool`: which of the scene's, by its name; empty: the first. The rows
-/// are one movement: friction, contact and velocity (the difference of two rows) have memory.
-/// Returns how many rows were not finite (zero force). Throws CsvError for anything that is no
+/// `feltwire-lab touch`. In: t [s], x,y,z [m]; for a tool with a body also qw,qx,qy,qz, its
+/// orientation. Out: ex,ey,ez,fx,fy,fz [N], the scene's force there, on the hand; for a tool with a
+/// body also tx,ty,tz [N m]. `tool`: the name of one of the scene's tools; empty: the first. The
+/// rows are one movement: friction, contact and velocity (the difference of two rows) have memory.
+/// Returns how many rows were not finite (zero force). Throws CsvError for a field that is not a
 /// number, for times that do not grow and for a body without an orientation, std::invalid_argument
-/// where the scene has no such tool.
+/// if the scene has no such tool.
 std::size_t filter_touch(std::istream& in, std::ostream& out, const Scene& scene,
                          const std::string& tool = {});
 

@@ -1,5 +1,5 @@
 #pragma once
-// Arrays as numpy.load() reads them: a zip of .npy files, not compressed.
+// Arrays in the format of numpy.load(): a zip of .npy files, not compressed.
 
 #include <cstdint>
 #include <filesystem>

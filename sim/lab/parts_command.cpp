@@ -50,26 +50,28 @@ void add_parts(CLI::App& app) {
   constexpr double kMostScale = 1e6;
   auto o = std::make_shared<PartsOptions>();
   CLI::App* command = app.add_subcommand(
-      "parts", "Cut a closed mesh into the convex parts that bodies run into, and measure them");
+      "parts",
+      "Cut a closed mesh into the convex parts that bodies collide with, and measure them");
   command->footer(
-      "Prints how many parts there are, how far they reach out of the mesh, what cutting took, and "
-      "what a tick of a\nbody costs that collides by them; the first row is one hull of the whole. "
-      "docs/moving.md says what scenes do\nwith parts. Example:\n"
-      "  feltwire-lab parts scenes/bunny.obj --scale 0.01 --tolerance 0.004,0.002,0.001");
+      "Prints the number of parts, how far they reach out of the mesh, the time of the cut, and "
+      "the time of a tick of a\nbody with these parts. The first row is one hull of the whole "
+      "mesh. docs/moving.md explains how scenes\nuse parts. Example:\n  feltwire-lab parts "
+      "scenes/bunny.obj --scale 0.01 --tolerance 0.004,0.002,0.001");
   command->add_option("mesh", o->mesh, "The file: OBJ, STL or PLY")->required();
-  command->add_option("--scale", o->scale, "[m] of a unit of the file")
+  command->add_option("--scale", o->scale, "[m] Length of one unit of the file")
       ->check(CLI::Range(1e-6, kMostScale))
       ->capture_default_str();
   command
       ->add_option("--tolerance", o->tolerances,
-                   "[m] that a part may reach out, one row each; default 2 % of the longest side")
+                   "[m] How far a part may reach out, one row for each value. When not given: 2 % "
+                   "of the longest side")
       ->delimiter(',');
   command->add_option("--most", o->most, "Parts at most")
       ->check(CLI::Range(std::size_t{1}, kMostParts))
       ->capture_default_str();
   command
       ->add_option("--refine", o->refine,
-                   "Cut each triangle into four, so many times, bent as the normals say")
+                   "How many times each triangle is cut into four, curved by the normals")
       ->check(CLI::Range(0, kMostRefined))
       ->capture_default_str();
   command->callback([o] { run_parts(*o); });

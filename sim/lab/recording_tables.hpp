@@ -22,19 +22,19 @@ struct RecordingTable {
   std::vector<std::int64_t> log_time;  // [ns] since 1970
 };
 
-/// By topic; the time of a CSV stands in its first column.
+/// By topic; the time is in the first column of a CSV.
 using RecordingTables = std::map<std::string, RecordingTable>;
 
-/// Adds the samples and accounts of a file. Returns where the file was cut, if it was. Throws
-/// FileError naming the file, the place and the remedy.
+/// Adds the samples and accounts of a file. Returns the byte at which the file was cut, if it was.
+/// Throws FileError that names the file, the place and the remedy.
 std::optional<std::uint64_t> add_recording(const std::filesystem::path& file,
                                            RecordingTables& tables);
 
-/// One file a topic in the folder, which is made: /hand/sample is hand_sample.csv. Numbers have as
-/// many digits as read back to the same bits. Returns the files.
+/// Writes one file for each topic into the folder, which is created: /hand/sample is
+/// hand_sample.csv. Numbers have enough digits to read back the same bits. Returns the files.
 std::vector<std::filesystem::path> write_csv_files(const RecordingTables& tables,
                                                    const std::filesystem::path& folder);
-/// One array a column: hand_sample_position.
+/// One array for each column: hand_sample_position.
 void write_npz(const RecordingTables& tables, const std::filesystem::path& file);
 
 }  // namespace feltwire

@@ -4,7 +4,8 @@
 
 namespace feltwire {
 
-/// Adds a subcommand a study. `status` becomes the exit status of one that judges what it measured.
+/// Adds a subcommand for each study. `status` becomes the exit status of a study that judges its
+/// results.
 void add_torque(CLI::App& app, int& status);
 void add_parts(CLI::App& app);
 void add_studies(CLI::App& app, int& status);

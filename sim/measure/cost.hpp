@@ -1,5 +1,5 @@
 #pragma once
-// What a call costs on this machine.
+// Measures the cost of a call on this machine.
 
 #include <time.h>
 

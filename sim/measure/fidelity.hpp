@@ -1,5 +1,5 @@
 #pragma once
-// What a hand was given against what the scene answers where it really was.
+// Compares the force on a hand with the scene's force at the hand's true place.
 
 #include <span>
 
@@ -19,8 +19,8 @@ struct Fidelity {
 };
 Fidelity fidelity(std::span<const NetworkSample> samples);
 
-/// [m] How the hand shakes: highpass_rms() of the true position, on the axis where it is largest,
-/// at a servo rate of `rate` [Hz].
+/// [m] The oscillation of the hand: highpass_rms() of the true position, on the axis where it is
+/// largest, at a servo rate of `rate` [Hz].
 double oscillation(std::span<const NetworkSample> samples, double rate);
 
 }  // namespace feltwire

@@ -1,5 +1,5 @@
 #pragma once
-// What the lab compares: each bounding method with the options it is compared at.
+// The methods that the lab compares: each bounding method with its options.
 
 #include <span>
 #include <string_view>
@@ -9,7 +9,7 @@
 namespace feltwire {
 
 struct Method {
-  std::string_view label;              // one word, as tables, files and pictures call it
+  std::string_view label;              // one word, for tables, files and pictures
   void (*configure)(BoundingConfig&);  // sets the mode and its options; period, damping and limits
                                        // are the experiment's
 };
@@ -17,7 +17,7 @@ struct Method {
 /// Every method, in the order of the tables.
 std::span<const Method> methods();
 
-/// The method of that label; throws std::invalid_argument listing the labels there are.
+/// The method with that label; throws std::invalid_argument that lists the existing labels.
 const Method& method(std::string_view label);
 
 }  // namespace feltwire

@@ -16,13 +16,13 @@
 namespace feltwire {
 
 struct NetworkRunOptions {
-  SimulatedHandOptions hand;  // the device as it is, the arm behind it and what it means to do
-  /// Moves the device instead of the hand, whatever that is given: positions only. The device's
-  /// numbers stay those of `hand.spec`.
+  SimulatedHandOptions hand;  // the device, the arm behind it and its intended movement
+  /// Moves the device instead of the hand, for every force: positions only. The device's numbers
+  /// stay those of `hand.spec`.
   std::optional<Recording> recording;
-  /// Moves the device instead of the hand, so as to take all the energy that it can.
+  /// Moves the device instead of the hand, and takes as much energy as it can.
   std::optional<TakingTask> taking;
-  /// What server and servo are told of the device where that is not the truth.
+  /// The device's numbers for server and servo, if they are not the true ones.
   std::optional<DeviceSpec> told;
   SessionParameters parameters;
   ServoOptions servo;
@@ -35,14 +35,14 @@ struct NetworkRunOptions {
 /// One servo tick. Forces on the hand, world frame.
 struct NetworkSample {
   double time = 0.0;                 // [s] since the first tick
-  Vec3 position = Vec3::Zero();      // [m] true, whatever the encoders say
+  Vec3 position = Vec3::Zero();      // [m] true, not rounded by encoders
   Vec3 velocity = Vec3::Zero();      // [m/s] true
-  Vec3 acted = Vec3::Zero();         // [N] what the hand was given from the tick before to this one
+  Vec3 acted = Vec3::Zero();         // [N] on the hand from the tick before to this one
   Vec3 acted_torque = Vec3::Zero();  // [N m] with it
   Quaternion orientation = Quaternion::Identity();  // true; the identity where it does not turn
-  Command held;                                     // what it is given from this tick on
-  Command ideal;                   // what the scene answers the true pose and velocity
-  Command command;                 // the newest that came from the server, before fade and bound
+  Command held;                                     // on the hand from this tick on
+  Command ideal;                   // the scene's command for the true pose and velocity
+  Command command;                 // the newest from the server, before fade and bound
   double command_age = 0.0;        // [s] since it came
   std::uint64_t sample_index = 0;  // of the sample that it answers; 0: none has come
 };
@@ -66,19 +66,18 @@ struct NetworkRunResult {
   LinkStatistics up_link{}, down_link{};
   ClockEstimate clock{};
   bool goodbye = false;  // the server ended the session
-  /// What server and client computed for, datagrams to datagrams and ticks without the device; zero
-  /// unless asked for. The only numbers here that differ from run to run.
+  /// Computing times of server and client, datagrams to datagrams and ticks without the device;
+  /// zero unless requested. Only these numbers differ from run to run.
   Nanoseconds server_time{0}, client_time{0};
 
-  /// What the held forces did at the port with the damping that the device really has: over the
-  /// displacements that the encoders measured, which is all that a bound can know; and over the
-  /// true ones.
+  /// The energy of the held forces at the port with the damping that the device really has: over
+  /// the displacements that the encoders measured, which a bound knows; and over the true ones.
   PortEnergy measured_port, true_port;
-  /// What the client's own observer saw of it: as `measured_port`, with the dry friction that the
-  /// account counts on.
+  /// The same from the client's own observer: as `measured_port`, with the dry friction that the
+  /// account uses.
   PortEnergy observed_port;
-  /// [J] least value over time of what the device burned, its Coulomb friction included, less what
-  /// the hand was given, over the true displacements and turns.
+  /// [J] least value over time of the energy that the device burned, with its Coulomb friction,
+  /// less the energy that the hand got, over the true displacements and turns.
   double least_device_margin = 0.0;
 };
 

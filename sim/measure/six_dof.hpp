@@ -13,12 +13,12 @@
 
 namespace feltwire {
 
-/// The force and torque on the hand that answer a pose of the device, `elapsed` [s] after the call
-/// before. It keeps its own memory; a copy copies that.
+/// The force and torque on the hand for a pose of the device, `elapsed` [s] after the call before.
+/// It keeps its own memory; a copy copies that.
 using PoseEnvironment =
     std::function<Command(const Pose& device, const Vec3& velocity, double elapsed)>;
 
-/// The scene as its first tool, which has a body, touches it. The scene must outlive it.
+/// The scene for its first tool, which has a body. The scene must outlive it.
 PoseEnvironment pose_environment(const Scene& scene);
 
 /// How energy is accounted: force and torque as one port with one balance, or each with its own.
@@ -27,8 +27,8 @@ enum class Ports : std::uint8_t { one, two };
 struct SixDofSetup {
   SimulatedHandOptions hand;  // `spec` actuates torque
   BoundingConfig bounding;
-  const BoundingMethod* law = nullptr;   // in place of the method that bounding.mode names
-  std::optional<AccountConfig> account;  // behind the bound; none where it is not given
+  const BoundingMethod* law = nullptr;   // replaces the method that bounding.mode names
+  std::optional<AccountConfig> account;  // after the bound; empty: none
   Ports ports = Ports::one;              // of the account
   int delay = 0;                         // [T] a round trip
   double duration = 4.0;                 // [s]
@@ -39,9 +39,9 @@ struct SixDofSample {
   double time = 0.0;                 // [s]
   Pose pose;                         // true
   Vec3 displacement = Vec3::Zero();  // [m] as the encoders say
-  Vec3 rotation = Vec3::Zero();      // [rad] likewise
+  Vec3 rotation = Vec3::Zero();      // [rad] as the encoders report
   Command commanded, rendered;       // f_e(n), f_d(n)
-  Command held;                      // f_d(n-1), what acted during the movement
+  Command held;                      // f_d(n-1), which acted during the movement
   bool in_debt = false;              // of the account
 };
 
@@ -65,11 +65,11 @@ class PortAccounts {
 
 /// The energy of a port of six degrees of freedom.
 struct SixDofEnergy {
-  // [J] the most that was delivered to the hand beyond what was burned:
+  // [J] the largest delivered energy beyond the burned energy:
   double measured = 0.0;  // by damping and what dry friction the account is told of, over what the
                           // encoders say
   double real = 0.0;      // by damping and all dry friction, over the true movement
-  double force = 0.0, torque = 0.0;  // as `measured`, of translation and of rotation alone
+  double force = 0.0, torque = 0.0;  // as `measured`, for translation and for rotation alone
 };
 SixDofEnergy energy_made(const DeviceSpec& spec, const std::vector<SixDofSample>& samples,
                          double period);

@@ -6,10 +6,10 @@
 
 namespace feltwire {
 
-/// [ns] of CPU that one step of the setup's bound takes, together with its account where it has
-/// one: the samples' displacements and commands are replayed through both. The mean over the
-/// samples of the quickest of some replays, so that other work on the machine counts little.
-/// Precondition: at least one sample; call it while no other thread of the program works.
+/// [ns] of CPU for one step of the setup's bound, together with its account if it has one: the
+/// samples' displacements and commands are replayed through both. It is the mean over the samples
+/// of the fastest of some replays, so that other work on the machine counts little. Precondition:
+/// at least one sample; call it while no other thread of the program works.
 double step_cost(const std::vector<ExperimentSample>& samples, const ExperimentSetup& setup);
 
 }  // namespace feltwire

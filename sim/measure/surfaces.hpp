@@ -1,15 +1,14 @@
 #pragma once
-// Surfaces that the lab lets a hand touch, beyond those that a scene file can say, and how far a
-// point is from them.
+// Surfaces of the lab that a scene file cannot describe, and the distance of a point from them.
 
 #include "sim/measure/experiment.hpp"
 
 namespace feltwire {
 
-/// Where a point is from a surface.
+/// The relation of a point to a surface.
 struct SurfaceDistance {
   double distance = 0.0;        // [m] negative inside the solid
-  Vec3 normal = Vec3::UnitZ();  // unit, the way out
+  Vec3 normal = Vec3::UnitZ();  // unit, outwards
 };
 
 /// Solid below z = 0.
@@ -34,7 +33,7 @@ struct BumpyTorus {
   double tube = 0.03;       // r [m]
   double amplitude = 1e-3;  // a [m]
   int round_axis = 24;      // m bumps; on the outside 23.6 mm from one to the next
-  int round_tube = 8;       // n bumps, 23.6 mm apart likewise
+  int round_tube = 8;       // n bumps, also 23.6 mm apart
 };
 /// f of the torus, f = 0 on it [m], and its gradient.
 struct ImplicitValue {

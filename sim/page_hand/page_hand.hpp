@@ -28,10 +28,10 @@ class ClientPageHand final : public web::PageHand {
   Status status() const override;
   void point(const Vec3& target) noexcept override;
   void release() noexcept override;
-  /// Starts the thread that joins; its threads have the priority of the caller's. Once. Where the
-  /// system gives no thread, the hand is released for that reason.
+  /// Starts the thread that joins; its threads have the priority of the caller's. Call it once. If
+  /// the system gives no thread, the hand is released for that reason.
   void start() noexcept;
-  /// The session has ended, and no thread of the hand does anything more.
+  /// The session has ended, and no thread of the hand is active any more.
   bool over() const noexcept { return over_.load(); }
 
  private:

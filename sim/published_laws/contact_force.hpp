@@ -1,5 +1,5 @@
 #pragma once
-// The one port that the laws of other papers are written for, in a contact of three dimensions.
+// The one port of the laws of other papers, for a contact in three dimensions.
 
 #include <algorithm>
 
@@ -9,8 +9,8 @@
 namespace feltwire {
 
 /// A command as a force that presses along the contact's normal, and the movement along it. The
-/// papers treat one degree of freedom; that the rest of the command is scaled by the same factor is
-/// ours: it keeps the direction.
+/// papers treat one degree of freedom. Our choice is to scale the rest of the command by the same
+/// factor, which keeps the direction.
 struct ContactForce {
   double wanted = 0.0;  // [N] F_e(n) >= 0, along the normal
   double inward = 0.0;  // [m] dx(n) into the surface

@@ -12,10 +12,10 @@ namespace feltwire {
 /// successive force augmentation approach", IEEE Trans. Industrial Electronics 67(1), 2020 (online
 /// 2019).
 /// Taken from its abstract: a feed-forward offset is added to the feedback force of a low
-/// stiffness, successively. Not at hand, decided here: k0 is 2 b / T, the stiffest that is passive.
-/// The offset grows where the hand turns to move in, by a tenth of what is missing. What would lift
-/// the force above F_e(n) is given up. So this is a law after the abstract; it does not reproduce
-/// their experiments.
+/// stiffness, successively. Not available, decided here: k0 is 2 b / T, the stiffest that is
+/// passive. The offset grows where the hand turns to move in, by a tenth of the missing force. A
+/// part that would lift the force above F_e(n) is dropped. So this is a law after the abstract; it
+/// does not reproduce their experiments.
 ///
 /// With `transient` their extension for rate-hardness, after the same abstract: the surface's own
 /// stiffness during the transient response, then as above. Decided here: the transient lasts from

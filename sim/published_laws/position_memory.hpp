@@ -10,17 +10,17 @@ namespace feltwire {
 
 /// Memory-based passivation: in the graph of force over position, the way out is kept below the way
 /// in. While the hand presses, the force is written to a memory at each position; while it
-/// releases, the force is at most what stands there.
+/// releases, the force is at most the stored one.
 /// Source: J.-H. Ryu, M.-Y. Yoon, "Memory-based passivation approach for stable haptic
 /// interaction", IEEE/ASME Trans. Mechatronics 19(4), 2014.
 /// Taken: the memory addressed by position, written on the way in, an upper bound on the way out.
-/// Left open there, or not at hand, decided here:
+/// Left open there, or not available, decided here:
 ///  - A position is a cell of one encoder quantum of the depth, which is the sum of the movements
 ///    along the mean of both samples' normals since the contact began: round a ball it does not
 ///    drift. The source's extension to more degrees of freedom by a proxy is not used.
-///  - On the way in every cell passed gets the force that was held there, F(n-1), which is what the
-///    hand met. On the way out the force is at most what stands in the cells that the hand leaves
-///    in the next sample at its present speed, and in one at least.
+///  - On the way in every passed cell gets the force that was held there, F(n-1). On the way out
+///    the force is at most that of the cells that the hand leaves in the next sample at its
+///    present speed, and of one at least.
 ///  - In the sample in which the hand turns, the force of the way in is still held.
 ///  - Beyond the last cell all depths are one.
 class PositionMemory {

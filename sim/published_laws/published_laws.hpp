@@ -1,6 +1,6 @@
 #pragma once
-// Laws of other papers, for studies: they are no methods of a session, and the registry does not
-// know them. Each has its source in its own header beside this one.
+// Laws of other papers, for studies. They are not methods of a session, and not in the registry.
+// Each has its source in its own header.
 
 #include <span>
 
@@ -10,8 +10,8 @@ namespace feltwire {
 
 std::span<const BoundingMethod> published_laws();
 
-/// The law of that name, one of these or of the registry. Throws std::invalid_argument naming the
-/// registry's when there is none.
+/// The law with that name, one of these or of the registry. Throws std::invalid_argument that lists
+/// the registry's names if there is none.
 const BoundingMethod& law(std::string_view name);
 
 }  // namespace feltwire

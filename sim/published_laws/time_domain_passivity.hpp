@@ -15,11 +15,10 @@ namespace feltwire {
 /// stability of virtual environments", IEEE Trans. Robotics 20(4), 2004; the controller as in
 /// B. Hannaford, J.-H. Ryu, "Time-domain passivity control of haptic interfaces", IEEE Trans.
 /// Robotics and Automation 18(1), 2002.
-/// Taken: the pairing F(n-1) dx(n), which sees what the zero-order hold makes, and the series
-/// damper.
-/// Left open there, decided here: one port for each axis of the world frame (the source has one
-/// degree of freedom); the damper's force is at most the device's largest; the device's own damping
-/// is not counted, as the source observes the environment alone.
+/// Taken: the pairing F(n-1) dx(n), which contains the energy of the zero-order hold, and the
+/// series damper. Left open there, decided here: one port for each axis of the world frame (the
+/// source has one degree of freedom); the damper's force is at most the device's largest; the
+/// device's own damping is not counted, as the source observes the environment alone.
 ///
 /// With an allowance E the law acts where W(n) < -E, and dissipates what is missing to -E. That is
 /// ours. It stands in for A. Jafari, J.-H. Ryu, "Input-to-state stable approach to release the

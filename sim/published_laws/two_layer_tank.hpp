@@ -7,9 +7,9 @@
 
 namespace feltwire {
 
-/// The master's passivity layer of the two-layer approach: a tank of energy H, filled by what the
-/// hand puts in, emptied by what it is given; a force that the tank does not pay for is cut, and
-/// while the tank is below its level H_d a damper makes the hand fill it.
+/// The master's passivity layer of the two-layer approach: a tank of energy H, filled by the energy
+/// that the hand puts in, and emptied by the energy that it gets. A force that the tank does not
+/// pay for is cut, and while the tank is below its level H_d a damper makes the hand fill it.
 ///   H(n) = H(n-1) - f(n-1).dx(n)                     f on the hand, the exact energy of a hold
 ///   |f_e(n)| <= H(n) / |dx(n)|, and 0 where H(n) <= 0    what the tank pays for at this speed
 ///   f(n) = f_e(n) - d(n) dx(n) / T,   d(n) = alpha (H_d - H(n)) while below H_d, else 0

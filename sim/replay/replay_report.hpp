@@ -1,5 +1,5 @@
 #pragma once
-// What a replay came to, for people and for programs.
+// The result of a replay, for people and for programs.
 
 #include <string>
 
@@ -7,7 +7,7 @@
 
 namespace feltwire {
 
-/// Whole lines. `took` [s]: the replay.
+/// Whole lines. `took` [s]: the time of the replay.
 std::string replay_text(const Replay& replay, double took);
 /// One JSON object; docs/recording.md explains its fields.
 std::string replay_json(const Replay& replay, double took);

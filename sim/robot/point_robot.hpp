@@ -16,19 +16,19 @@ struct PointRobotOptions {
   double stiffness = 1000.0;   // K [N/m] of its controller
   double damping = 60.0;       // [N s/m] of its controller, against the target's own speed
   double own_damping = 2.0;    // [N s/m] of its body
-  double wrench_noise = 0.03;  // [N] the most that its sensor is wrong by, on each axis
+  double wrench_noise = 0.03;  // [N] largest error of its sensor on each axis
   double servo_period = 1e-3;  // [s]
   std::uint64_t seed = 1;      // of the noise
 };
 
 /// A mass at a point, which a spring and a damper pull to the target and the scene pushes away:
 ///   m x'' = K (x_t - x) + B (x_t' - x') - b x' + F,     x_t' low-passed at 20 Hz
-/// Semi-implicit Euler in steps of at most 50 us. It turns as it is told, at once. Its scene is its
-/// own: no server need know of it. Deterministic: the same targets and reading times give the same
-/// bits.
+/// Semi-implicit Euler in steps of at most 50 us. It turns to the commanded orientation at once. It
+/// has a scene of its own, which no server needs to know. Deterministic: the same targets and
+/// reading times give the same bits.
 class PointRobot final : public Follower {
  public:
-  /// It begins at rest at `position` [m]. Throws std::invalid_argument when a number is not usable.
+  /// It begins at rest at `position` [m]. Throws std::invalid_argument if a number is not usable.
   PointRobot(std::shared_ptr<const Scene> scene, const Vec3& position,
              const PointRobotOptions& options = {});
 
@@ -40,7 +40,8 @@ class PointRobot final : public Follower {
   const Vec3& position() const { return position_; }  // [m]
   const Vec3& force() const { return force_; }        // [N] of the scene on it, without noise
 
-  /// As its people would: a protective stop, which keeps the target where it is, and its end.
+  /// A protective stop, as a person would make it, which keeps the target at its place, and its
+  /// end.
   void stop(bool stopped) noexcept { stopped_ = stopped; }
 
  private:

@@ -8,7 +8,7 @@
 namespace feltwire::teleop {
 
 /// Two-port time-domain passivity control with drift compensation. The energy of each port is split
-/// by its sign; each end lets out no more than the other end is seen to have taken in:
+/// by its sign; each end lets out at most the energy that the other end has reported as taken in:
 ///   follower   W_f = E_in^l(seen) - E_out^f + E_PC^f < 0:   v_sd = v_l - beta F_c,
 ///              beta = -W_f / (T F_c^2); where W_f > 0 the drift is made good, v_ad = (x_l -
 ///              x_sd)/T, as far as W_f pays for it
@@ -17,9 +17,9 @@ namespace feltwire::teleop {
 /// Sources: Ryu, Artigas, Preusche, "A passive bilateral control scheme for a teleoperator with
 /// time-varying communication delay", Mechatronics 20(7), 2010; Chawda, Ha, O'Malley, Ryu, "Drift
 /// compensation for time domain passivity approach", World Haptics, 2013.
-/// Decided here: where W_l < 0 nothing is let through that pushes the hand; alpha is at most m / (2
-/// T) of the device's handle, as a larger one chatters; the coupling that makes F_c is the robot's
-/// own controller; velocities within 1 um a sample are still.
+/// Decided here: if W_l < 0 no force that pushes the hand is allowed; alpha is at most m / (2 T) of
+/// the device's handle, because a larger one chatters; the coupling that makes F_c is the robot's
+/// own controller; velocities within 1 um a sample count as zero.
 class DelayedPassivity final : public TeleoperationLaw {
  public:
   explicit DelayedPassivity(const Plant& plant)

@@ -11,8 +11,8 @@
 
 namespace feltwire::teleop {
 
-/// P-F: the robot follows the leader's position; the hand is given the force that the robot
-/// measures. Without a bound it is stable only where the robot is light
+/// P-F: the robot follows the leader's position; the hand gets the force that the robot measures.
+/// Without a bound it is stable only if the robot is light
 ///   F = F_e(t - d)
 /// Source: Lawrence, "Stability and transparency in bilateral teleoperation", IEEE Trans. Robotics
 /// and Automation 9(5), 1993: channels C1 and C2.

@@ -1,5 +1,5 @@
 #pragma once
-// The two ends of feltwire's own law in three dimensions, of the parts that sessions use.
+// The two ends of feltwire's own law in three dimensions, made of the parts that sessions use.
 
 #include <cstdint>
 #include <optional>
@@ -15,16 +15,16 @@
 
 namespace feltwire::teleop {
 
-/// What the leader sends each sample.
+/// The leader's message in each sample.
 struct LeaderState {
   std::uint64_t index = 0;
-  Vec3 wanted = Vec3::Zero();  // [m] of the robot: the hand less the leader's offset
+  Vec3 wanted = Vec3::Zero();  // [m] wanted place of the robot: the hand less the leader's offset
   std::uint32_t known = 0;     // surface that the leader knows
   double hand_work = 0.0;      // [J] total that the hand paid
-  double gripper = 0.0;        // [m] opening that the hand means
+  double gripper = 0.0;        // [m] wanted opening
 };
 
-/// What the follower sends each sample.
+/// The follower's message in each sample.
 struct FollowerState {
   std::uint64_t index = 0;
   double time = 0.0;  // [s]; the clocks of both ends agree
@@ -33,16 +33,16 @@ struct FollowerState {
 };
 
 /// The hand's end: renders the newest contact as a local model, half a sample ahead, behind the
-/// account of its port, which the energy that the environment gave is credited to.
+/// account of its port, which gets the environment's energy as credit.
 class RemoteLeader {
  public:
   explicit RemoteLeader(const Plant& plant);
 
-  /// Any state that arrived, in any order.
+  /// Takes any received state, in any order.
   void take(const EnergyCounters& seen) noexcept { remote_.take(seen); }
 
-  /// `contact` is the newest that is known, `age` [s] old. Returns the force on the hand until the
-  /// next sample [N].
+  /// `contact` is the newest known one, `age` [s] old. Returns the force on the hand until the next
+  /// sample [N].
   Vec3 step(const Vec3& hand, const Vec3& velocity, const RemoteContact& contact, double age);
 
   const Vec3& offset() const noexcept { return index_.offset(); }
@@ -63,16 +63,16 @@ class RemoteLeader {
   double hand_work_ = 0.0;           // [J]
 };
 
-/// The robot's end: estimates what the tool touches, and limits the target.
+/// The robot's end: estimates the surface that the tool touches, and limits the target.
 class RemoteFollower {
  public:
   explicit RemoteFollower(const Plant& plant);
 
-  /// Every sample, before target(). `force` [N]: of the environment on the tool.
-  /// `prior`: what is known of the surface there before it is touched.
+  /// Call it for every sample, before target(). `force` [N]: of the environment on the tool.
+  /// `prior`: the surface there, as known before its touch.
   const RemoteContact& step(const Vec3& tip, const Vec3& velocity, const Vec3& force,
                             const SurfacePrior& prior = {});
-  /// [m] for what the newest leader's state wants.
+  /// [m] The target for the newest state of the leader.
   const Vec3& target(const LeaderState& newest);
 
   const RemoteContact& contact() const noexcept { return estimate_.contact(); }
@@ -88,7 +88,7 @@ class RemoteFollower {
   std::optional<Vec3> tip_before_;  // [m]
 };
 
-/// `now` less `before`, which becomes `now`; zero the first time.
+/// Returns `now` less `before`, and sets `before` to `now`; zero the first time.
 Vec3 moved(std::optional<Vec3>& before, const Vec3& now);
 
 }  // namespace feltwire::teleop

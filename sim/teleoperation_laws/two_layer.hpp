@@ -8,8 +8,9 @@
 namespace feltwire::teleop {
 
 /// The two-layer approach: any controller above, P-F here; below it a tank at each end. A tank is
-/// filled by what its port takes in, sends a share beta of its level each sample, and pays for what
-/// its port gives; while the leader's is below its level a damper makes the hand fill it.
+/// filled by the energy that its port takes in, sends a share beta of its level each sample, and
+/// pays for the energy that its port gives. While the leader's is below its level a damper makes
+/// the hand fill it.
 ///   H(n) = H(n-1) + F(n-1) dx(n) + received - beta H,     |F| <= H / |v T|, 0 where H <= 0
 ///   F = F_e(t-d) + alpha (H_d - H) v while H < H_d
 /// Source: Franken, Stramigioli, Misra, Secchi, Macchelli, "Bilateral telemanipulation with time

@@ -36,7 +36,7 @@ class WaveVariables final : public TeleoperationLaw {
     if (!started_) desired_ = s.position;
     started_ = true;
     const double u = leader_.known() ? leader_->wave : 0.0;
-    // What the held waves did not carry: the integral that was sent, less the one that was used.
+    // The part that the held waves did not transmit: the sent integral, less the used one.
     if (leader_.known()) desired_ += missing(leader_->wave_integral) / std::sqrt(2.0 * b_);
     const double e = desired_ - s.position;
     const double wanted =
@@ -49,7 +49,7 @@ class WaveVariables final : public TeleoperationLaw {
   }
 
  private:
-  /// [sqrt W s] A share of what is missing, once a sample; small, so that it makes no force.
+  /// [sqrt W s] A share of the missing part, once a sample; small, so that it makes no force.
   double missing(double sent) noexcept {
     constexpr double kShare = 2e-3;
     const double corrected = kShare * (sent - used_);

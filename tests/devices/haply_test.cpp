@@ -105,7 +105,7 @@ TEST_P(HaplyDialect, WhatIsWrongIsSaid) {
   service.plugged = false;
   EXPECT_THAT(refusal(service), HasSubstr("no Inverse3"));
   service.speaks = false;
-  EXPECT_THAT(refusal(service), HasSubstr("no WebSocket service"));
+  EXPECT_THAT(refusal(service), HasSubstr("is not a WebSocket service"));
 }
 
 TEST_P(HaplyDialect, AxesAndForcesAreOurs) {

@@ -1,5 +1,5 @@
 #pragma once
-// Every method on the same things to touch, side by side.
+// Every method on the same surfaces, side by side.
 
 #include <filesystem>
 #include <functional>
@@ -29,16 +29,16 @@ struct CompareRow {
   double displayed = 0.0;    // stiffness displayed over commanded: least squares of the rendered
                              // force over the surface's own elastic one, at the true position
                              // and without delay
-  double energy_made = 0.0;  // [J] the most that was delivered to the hand beyond what the device
-                             // burned; 0 is passive
+  double energy_made = 0.0;  // [J] largest energy delivered to the hand beyond the energy that the
+                             // device burned; 0 is passive
   double cost = 0.0;         // [ns] a step of the bound: mean over the same run, replayed alone
 };
 
-/// The row that says what the surface itself does to the numbers: no bound, 20 kHz, no encoder
+/// The row with the effect of the surface itself on the numbers: no bound, 20 kHz, no encoder
 /// quantum, no delay.
 inline constexpr const char* kReference = "reference";
 
-/// As step_cost().
+/// The type of step_cost().
 using StepCost =
     std::function<double(const std::vector<ExperimentSample>&, const ExperimentSetup&)>;
 
@@ -49,7 +49,7 @@ std::vector<CompareRow> compare(const std::vector<CompareTask>& tasks,
                                 const std::vector<Method>& methods, const CompareLoop& loop,
                                 const StepCost& step_cost = feltwire::step_cost);
 
-/// One task by one method, over all eight hands on the same path: a soft arm presses less.
+/// One task with one method, over all eight hands on the same path: a soft arm presses less.
 struct CompareHandsRow {
   std::string task, method;
   double oscillation = 0.0, worst_oscillation = 0.0;  // [m] median of the hands, largest

@@ -8,14 +8,14 @@
 
 namespace feltwire {
 
-/// A thing to touch and what a hand does with it.
+/// A surface, and the movement of a hand on it.
 struct CompareTask {
   std::string name;                             // one word
   Environment touch;                            // in a fresh state
   std::function<double(const Vec3&)> distance;  // [m] from the surface, negative inside
   HandTask hand;
   double duration = 8.0;    // [s]
-  WallsTouched walls = {};  // where there are several
+  WallsTouched walls = {};  // if there are several
 };
 
 /// The paper's wall and sphere, a corner, a sharp edge, a bumpy torus, stick-slip, a tap

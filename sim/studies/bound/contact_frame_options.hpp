@@ -6,8 +6,8 @@
 namespace feltwire {
 
 /// `feltwire-lab choices`: tables for people.
-///   joint or cone      sliding to and fro over dry friction: what is left of the normal force
-///   minimal or elastic tapping on springs: what comes back of them on release, and gliding round a
+///   joint or cone      sliding to and fro over dry friction: the remaining normal force
+///   minimal or elastic tapping on springs: the force on release, and gliding round a
 ///                      sphere with delay: how still the hand stays
 /// In process and deterministic.
 std::string choices_tables();

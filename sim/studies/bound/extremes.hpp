@@ -1,5 +1,5 @@
 #pragma once
-// Every bounding method at the ends of what numbers can say: stiffness, period, movement, force,
+// Every bounding method at the limits of the number range: stiffness, period, movement, force,
 // damping, place, hold times, NaN and Inf; in double and in float.
 
 #include <cstdint>
@@ -12,23 +12,23 @@
 
 namespace feltwire {
 
-/// What one method did in one arithmetic under one strain, over all its hands.
+/// The result of one method in one arithmetic under one stress, over all its hands.
 struct ExtremeOutcome {
   std::uint64_t steps = 0;
   std::uint64_t rendering = 0;     // steps with a force
   std::uint64_t nan = 0, inf = 0;  // steps that rendered one
   std::uint64_t over_limit = 0;    // steps whose force exceeded the limit by more than 8 epsilon
-  std::uint64_t not_refused = 0;   // steps that rendered a force although an input was no number
-  double energy_error = 0.0;       // worst that was missing of what is promised, over all exchanged
-  double rounding = 0.0;           // what rounding may do there (PromiseLedger)
-  bool broken = false;             // more was missing than rounding can do
+  std::uint64_t not_refused = 0;   // steps that rendered a force although an input was not a number
+  double energy_error = 0.0;       // worst missing part of the promised energy, over all exchanged
+  double rounding = 0.0;           // the part that rounding may explain (PromiseLedger)
+  bool broken = false;             // more was missing than rounding can explain
   bool passed() const {
     return nan == 0 && inf == 0 && over_limit == 0 && not_refused == 0 && !broken;
   }
 };
 
 struct ExtremeRow {
-  std::string strain;       // what is extreme
+  std::string strain;       // the extreme quantity
   std::string_view method;  // a bounding mode
   Promise promise = Promise::none;
   ExtremeOutcome in_double, in_float;

@@ -11,8 +11,8 @@
 
 namespace feltwire {
 
-/// What is run: no bound, the paper's methods and ours. The last has the device's account behind
-/// it, as in a session.
+/// The modes that are run: no bound, the paper's methods and ours. The last has the device's
+/// account after it, as in a session.
 inline constexpr std::array<std::string_view, 6> kFigureModes = {
     kUnbounded, "total_energy", "per_axis", "per_axis_projected", kDefaultMethod, kSessionMethod};
 
@@ -25,7 +25,7 @@ struct FigureRun {
   ExperimentMetrics metrics;
 };
 
-/// What the runs share: bounding.md's device, hand and movement.
+/// The common part of the runs: bounding.md's device, hand and movement.
 /// Wall: 40 kN/m, 10 N s/m viscous along it, normal +y, slid over by +-30 mm at 0.5 Hz. Sphere: r =
 /// 90 mm, 5 kN/m, glided round in the x-y plane.
 ExperimentSetup figure_setup(const std::string& experiment, std::string_view mode, double damping,

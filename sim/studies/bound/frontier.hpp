@@ -1,6 +1,6 @@
 #pragma once
-// How stiff a wall each law shows on real devices, and what each assumption about the hand buys:
-// the frontier between stiffness and guarantee.
+// The wall stiffness that each law shows on real devices, by the assumptions about the hand: the
+// frontier between stiffness and guarantee.
 
 #include <cstdint>
 #include <filesystem>
@@ -14,9 +14,10 @@
 
 namespace feltwire {
 
-/// What the account knows of the port beside the device's damping (core/bounding/account.hpp).
+/// The account's knowledge of the port, in addition to the device's damping
+/// (core/bounding/account.hpp).
 enum class Need {
-  no_account,        // the law stands alone
+  no_account,        // the law alone
   unknown_hand,      // nothing: any hand
   inertia,           // the handle's mass and a hand of at most kHandForce
   inertia_friction,  // and three quarters of the device's dry friction
@@ -55,14 +56,14 @@ struct FrontierRow {
   double oscillation = 0.0;      // [m] highpass_rms() of the true distance to the surface
   double displayed = 0.0;        // share of the surface's own force that is rendered, second half
   double direction_error = 0.0;  // [rad] mean, rendered against commanded
-  double energy_made = 0.0;      // [J] delivered beyond what was burned, as the encoder shows it
+  double energy_made = 0.0;      // [J] delivered beyond the burned energy, as the encoder shows it
   std::uint64_t excess = 0;      // samples in debt
 };
 
 /// The cases of the whole study.
 std::vector<FrontierCase> frontier_cases();
-/// Those of them that the laws of other papers run: the paper's wall, taps, the sphere, and a press
-/// on a wall that answers late.
+/// The cases for the laws of other papers: the paper's wall, taps, the sphere, and a press on a
+/// wall with a late command.
 std::vector<FrontierCase> published_cases();
 
 /// Runs every case, deterministic; rows in the order of the cases.
@@ -73,23 +74,25 @@ std::vector<FrontierRow> run_frontier(const std::vector<FrontierCase>& cases);
 std::vector<FrontierRow> write_frontier(const std::filesystem::path& directory,
                                         const std::vector<FrontierCase>& cases);
 
-/// What a wrong command gives to a hand, and what a right one shows, by the cap of the account.
+/// The energy that a wrong command gives to a hand, and the share that a right one shows, by the
+/// cap of the account.
 struct CapRow {
-  double cap = 0.0;               // in needs of the device's largest force at rest
-  double energy = 0.0;            // [J] the cap
-  double given = 0.0;             // [J] by a command that pushes on whatever way the hand goes
-  double speed = 0.0;             // [m/s] that the hand reaches by it
+  double cap = 0.0;     // in needs of the device's largest force at rest
+  double energy = 0.0;  // [J] the cap
+  double given =
+      0.0;  // [J] by a command that always pushes in the direction of the hand's movement
+  double speed = 0.0;             // [m/s] speed that the hand reaches by it
   double wall = 0.0, taps = 0.0;  // displayed share, usual hand, warm
 };
 std::vector<CapRow> cap_trade();
 
-/// What the account gains by learning the hand's force instead of counting on 10 N, beside one that
-/// is told the half of it: a minute of presses, slides and taps (frontier_learning.cpp).
+/// The gain if the account learns the hand's force instead of assuming 10 N, compared with an
+/// account that is told half of it: a minute of presses, slides and taps (frontier_learning.cpp).
 std::vector<FrontierCase> learning_cases();
 std::string learning_table(const std::vector<FrontierRow>& rows);
 
-/// For people: the displayed share and how many hands are calm, by law, damping and delay; then
-/// what the laws of other papers make of the same things beside ours.
+/// For people: the displayed share and how many hands are calm, by law, damping and delay; then the
+/// results of the laws of other papers for the same cases, beside ours.
 std::string frontier_table(const std::vector<FrontierRow>& rows);
 std::string published_table(const std::vector<FrontierRow>& rows);
 

@@ -11,7 +11,7 @@ namespace feltwire {
 extern template class ContactFrameBound<float>;
 extern template class BasicBounding<float>;
 
-/// The method of that name; null where it has no law in single precision: feltwire's own have.
+/// The method with that name; null if it has no law in single precision: feltwire's own have.
 const BasicBoundingMethod<float>* method_in_float(std::string_view name);
 
 /// The bound of the method that config.mode names, in either arithmetic. Throws

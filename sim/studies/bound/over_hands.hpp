@@ -11,7 +11,7 @@ inline constexpr double kCalm = 10e-6;  // [m] RMS, below it a finger feels no o
 /// Rows of one case by several hands. A hand that swings is displayed nothing.
 struct OverHands {
   std::size_t hands = 0, calm = 0;
-  double median = 0.0, worst = 0.0;                          // of what is displayed, a share
+  double median = 0.0, worst = 0.0;                          // displayed share
   double median_oscillation = 0.0, worst_oscillation = 0.0;  // [m]
   double energy_made = 0.0;                                  // [J] the most
 };

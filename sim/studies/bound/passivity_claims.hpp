@@ -1,6 +1,5 @@
 #pragma once
-// A ledger that holds a bounding method to what it promises about energy
-// (core/bounding/method.hpp).
+// A ledger that checks the energy promise of a bounding method (core/bounding/method.hpp).
 
 #include <array>
 #include <limits>
@@ -9,7 +8,7 @@
 
 namespace feltwire {
 
-/// How finely an arithmetic counts.
+/// The precision of an arithmetic.
 struct Arithmetic {
   double epsilon = std::numeric_limits<double>::epsilon();   // 1 to the next number
   double least = std::numeric_limits<double>::denorm_min();  // the smallest number
@@ -19,7 +18,8 @@ template <class Real>
 inline constexpr Arithmetic kArithmetic = {std::numeric_limits<Real>::epsilon(),
                                            std::numeric_limits<Real>::denorm_min()};
 
-/// What rounding may do to an energy that passes through one step of a bound, in units of epsilon.
+/// The largest effect of rounding on an energy that passes through one step of a bound, in units of
+/// epsilon.
 /// From |F(n-1) + c dx| to the force that is held some 30 roundings of half an epsilon follow each
 /// other (the constants b, T and c 3; normal 5; both channels' parts 6 each; length 4; reduction 2;
 /// application 3), and an energy, a square, has twice the error of a force: 30, and a little.
@@ -28,7 +28,7 @@ inline constexpr double kEnergyRounding = 32.0;
 /// One port's books in long double, from the values that were really held and the displacements
 /// that the bound was really given, both after rounding to its arithmetic.
 ///
-/// Within rounding means: what is missing is not more than the sum over all samples so far of
+/// Within rounding means: the missing energy is not more than the sum over all samples so far of
 ///   kEnergyRounding * epsilon * condition * (exchanged in the sample + stored in the law)
 /// for a law makes its storage anew every sample, out of what it stored and what was exchanged; and
 /// the same number of smallest numbers, where forces or energies are too small to have all digits.
@@ -39,15 +39,16 @@ class PromiseLedger {
     Promise promise = Promise::port;
     Damping damping{}, rotational_damping{};  // B of the real device
     double period = 1e-3;                     // T [s]
-    bool keeps_all = false;  // the law stores all that it ever took in, not only what is at stake
+    bool keeps_all =
+        false;  // the law stores all energy that it ever took in, not only that at stake
     Arithmetic arithmetic{};
   };
   explicit PromiseLedger(const Setup& setup);
 
   /// The device moved while `held` acted on the hand for `hold_time` [s].
   void moved(const Command& held, const Vec3& displacement, const Vec3& rotation, double hold_time);
-  /// A coupling's tool in one port: what the scene did to it in the last sample, and what is in its
-  /// spring and its mass [J].
+  /// A coupling's tool in one port: the scene's work on it in the last sample, and the energy in
+  /// its spring and its mass [J].
   struct Tool {
     double work = 0.0, stored = 0.0;
   };
@@ -57,9 +58,10 @@ class PromiseLedger {
   void rendered(const Command& rendered, const Command& commanded, const Vec3& displacement,
                 const Vec3& rotation);
 
-  /// Worst so far: what is missing beyond the smallest numbers, relative to all that was exchanged.
+  /// Worst so far: the missing energy beyond the smallest numbers, relative to all that was
+  /// exchanged.
   double error() const { return error_; }
-  /// What rounding may do, relative likewise, where the error was worst.
+  /// The largest effect of rounding, relative as well, where the error was worst.
   double rounding() const { return rounding_; }
   bool broken() const { return broken_; }
 
@@ -71,7 +73,7 @@ class PromiseLedger {
     std::array<long double, 3> balance{};  // [J] by axis, or [0] for all
     long double exchanged = 0.0L;          // [J] sum of magnitudes
     long double through = 0.0L;            // [J] sum of what passed through the arithmetic
-    long double tiny = 0.0L;               // [J] sum of what the smallest numbers are worth
+    long double tiny = 0.0L;               // [J] sum of the values of the smallest numbers
     double tool_stored = 0.0;              // [J]
   };
   void exchange(Port& port, const Vec3& force, const Vec3& displacement, double hold_time);

@@ -1,5 +1,5 @@
 #pragma once
-// Speed against accuracy: what the servo rate and the arithmetic give a hand, and what they cost.
+// Speed against accuracy: the effect of servo rate and arithmetic on a hand, and their cost.
 
 #include <filesystem>
 #include <string>
@@ -10,9 +10,9 @@
 
 namespace feltwire {
 
-/// How the numbers of a loop are held. In float: the position that the device reports, rounded to
-/// float in a world frame whose origin lies as far away as said; the displacement, the command and
-/// the whole bound. In double always: the scene's contact, and the simulated hand.
+/// The arithmetic of a loop. In float: the position that the device reports, rounded to float in a
+/// world frame with its origin at the given distance; the displacement, the command and the whole
+/// bound. Always in double: the scene's contact, and the simulated hand.
 struct RateArithmetic {
   std::string_view name;
   bool in_float = false;
@@ -21,12 +21,12 @@ struct RateArithmetic {
 inline constexpr RateArithmetic kRateArithmetics[] = {
     {"double", false, 0.0}, {"float 0.1 m", true, 0.1}, {"float 1 m", true, 1.0}};
 
-/// What is measured. Every list must have an entry.
+/// The measured cells. Every list must have an entry.
 struct RateGrid {
   std::vector<double> rates = {250, 500, 1000, 2000, 4000, 1e4, 2e4};  // [Hz]
   std::vector<double> dampings = {0.5, 2.0};                           // b [N s/m]
   std::vector<NamedHand> hands = {kEightHands[0]};
-  bool float_too = true;  // else in double only
+  bool float_too = true;  // false: in double only
 };
 /// All rates and dampings in double, by all eight hands.
 RateGrid hands_rate_grid();
@@ -38,7 +38,7 @@ struct RateCell {
   /// [N/m] least-squares slope of the rendered normal force over the true depth, while the depth
   /// of a hand that presses up to 3 N within a second grows.
   double displayed = 0.0;
-  /// [rad] mean angle between the force held and what the surface answers at the true position and
+  /// [rad] mean angle between the held force and the surface's force at the true position and
   /// velocity at that moment, over a slide (wall) or a turn (sphere).
   double direction_error = 0.0;
   /// [m] RMS of the true depth less a centred moving average of 51 ms, over the second half of it.
@@ -56,9 +56,9 @@ struct RateCost {
 };
 std::vector<RateCost> measure_rate_cost();
 
-/// Writes rate.csv, rate.json and rate.png, the same bytes every time, and what was measured on
-/// this machine apart from them: rate_cost.csv and rate_cost.png. `directory` is created. Throws
-/// std::runtime_error when something cannot be written or drawn.
+/// Writes rate.csv, rate.json and rate.png, the same bytes every time, and apart from them the
+/// times on this machine: rate_cost.csv and rate_cost.png. `directory` is created. Throws
+/// std::runtime_error if something cannot be written or drawn.
 void write_rate(const std::filesystem::path& directory, const RateGrid& grid,
                 const std::vector<RateCell>& cells, const std::vector<RateCost>& costs);
 

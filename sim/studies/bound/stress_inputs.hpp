@@ -1,5 +1,5 @@
 #pragma once
-// What the extremes do to a bound: the hands, and the commands that they meet.
+// The inputs of a bound at the extremes: the hands, and their commands.
 
 #include <cmath>
 #include <cstdint>
@@ -36,7 +36,7 @@ class StrainRandom {
   std::mt19937_64 engine_;
 };
 
-/// What one row of hands does to a bound.
+/// The inputs of one row of hands.
 struct StressInputs {
   std::string name;
   Damping damping = 0.5;                       // [N s/m]
@@ -51,7 +51,7 @@ struct StressInputs {
   double longest_hold = 1.0;    // [T] every tenth sample lasts up to that
   double skipped_writes = 0.0;  // probability that the device goes on holding the force before
   double fades = 0.0;           // probability that it holds less than what was rendered
-  double strange_inputs = 0.0;  // probability of NaN, Inf or absurd, each step in one input
+  double strange_inputs = 0.0;  // probability of NaN, Inf or out of range, each step in one input
 
   Faults faults() const {
     return {.overlong_holds = longest_hold > 1.0 || skipped_writes > 0.0,
@@ -67,13 +67,12 @@ struct StrainedMovement {
   Vec3 displacement = Vec3::Zero(), rotation = Vec3::Zero();
 };
 
-/// A hand that knows what it is given. Five kinds: exactly greedy and about so, pumping, taking
-/// from one channel, restless, and one that changes its mind.
-/// `least` and `largest` are decades [m], [rad].
+/// A hand that knows its force. Five kinds: greedy, exactly and nearly so, pumping, taking from one
+/// channel, restless, and one that changes its mind. `least` and `largest` are decades [m], [rad].
 StrainedMovement move(int kind, StrainRandom& random, const StressInputs& strain,
                       const Command& held, double hold_time, double least, double largest);
 
-/// What a scene might ask for, and what none would.
+/// Commands that a scene might give, and commands that no scene gives.
 Command command(StrainRandom& random, const StressInputs& strain);
 
 }  // namespace feltwire

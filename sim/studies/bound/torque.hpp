@@ -1,6 +1,6 @@
 #pragma once
-// Torque in closed loop: what each law shows of it, how calm it is, and what energy the port of six
-// degrees of freedom makes. docs/lab/torque.md is its page.
+// Torque in closed loop: the torque that each law shows, its calmness, and the energy of the port
+// of six degrees of freedom. docs/lab/torque.md is its page.
 
 #include <cstdint>
 #include <filesystem>
@@ -28,7 +28,7 @@ struct TorqueRow {
   TorqueCase made;
   double oscillation = 0.0;      // [rad] highpass_rms() of the true turn, worst axis
   double force_share = 0.0;      // rendered along commanded, of the commanded, 2nd half
-  double torque_share = 0.0;     // likewise
+  double torque_share = 0.0;     // the same for torque
   double direction_error = 0.0;  // [rad] mean, rendered against commanded torque
   SixDofEnergy energy;           // [J]
   std::uint64_t excess = 0;      // samples in debt

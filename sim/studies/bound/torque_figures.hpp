@@ -16,7 +16,8 @@ struct TorqueFigure {
   std::vector<SixDofSample> samples{};
   double torque_share = 0.0;  // rendered along commanded, of the commanded, second half
   Spread direction_error{};   // [rad] rendered against commanded torque, where there are both
-  double energy_made = 0.0;   // [J] by the torque, beyond what the device burned of the turn
+  double energy_made =
+      0.0;  // [J] by the torque, beyond the energy that the device burned in rotation
 };
 
 /// 8 N m/rad beyond a lean of 0.2 rad, b_r = 8e-4 N m s/rad, the usual hand, one turn in 4 s.

@@ -1,5 +1,5 @@
 #pragma once
-// What a hand touches and does there to feel torque: stops of a joint, and bodies in the hand.
+// The tasks for torque: stops of a joint, and bodies in the hand.
 
 #include <memory>
 #include <string>

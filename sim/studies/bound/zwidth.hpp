@@ -1,5 +1,6 @@
 #pragma once
-// How stiff a wall each method can show a hand, by device and by loop: a map for device builders.
+// The stiffest wall that each method can show a hand, by device and by loop: a map for device
+// builders.
 
 #include <filesystem>
 #include <optional>
@@ -13,7 +14,7 @@
 
 namespace feltwire {
 
-/// What is mapped. Every list must have an entry.
+/// The cells of the map. Every list must have an entry.
 struct ZWidthGrid {
   std::vector<Method> methods;
   std::vector<double> dampings = {0.5, 2.0, 8.0};            // b [N s/m] of the device
@@ -27,9 +28,9 @@ ZWidthGrid full_zwidth_grid();
 /// All methods at 1 kHz, by all eight hands.
 ZWidthGrid hands_zwidth_grid();
 
-/// The stiffness that every method is asked for beside its own largest [N/m].
+/// [N/m] The stiffness that every method gets in addition to its own largest.
 inline constexpr double kFixedStiffness = 5000.0;
-/// An oscillation is what moves the hand by more than this [m], RMS.
+/// A movement of the hand by more than this [m], RMS, is an oscillation.
 inline constexpr double kFeltOscillation = 10e-6;
 
 /// One press: a hand comes in along the normal of a frictionless wall within 0.5 s (some 60 mm/s at
@@ -38,8 +39,8 @@ inline constexpr double kFeltOscillation = 10e-6;
 struct Press {
   double oscillation = 0.0;  // [m] RMS of the true position along the normal, less a centred moving
                              // average of 51 ms
-  std::optional<double> displayed;  // [N/m] rendered normal force over true depth at rest; none
-                                    // when the hand oscillates, or does not touch
+  std::optional<double> displayed;  // [N/m] rendered normal force over true depth at rest; empty if
+                                    // the hand oscillates, or does not touch
   bool calm() const { return oscillation <= kFeltOscillation; }
 };
 Press press_wall(const Method& method, double damping, double rate, double delay, double stiffness,
@@ -51,19 +52,19 @@ struct ZWidthCell {
   double damping = 0.0, rate = 0.0, delay = 0.0;  // [N s/m], [Hz], [s]
   int samples = 0;                                // the delay in whole samples, rounded up
   StiffnessLimit limit;  // of presses that move the hand by kFeltOscillation or less
-  Press at_limit;        // empty when nothing was calm
+  Press at_limit;        // empty if no stiffness was calm
   Press at_fixed;        // kFixedStiffness
 };
 
 /// Every cell, hands fastest, then delays, rates, dampings, methods.
 std::vector<ZWidthCell> map_zwidth(const ZWidthGrid& grid);
 
-/// Above 2 f_c / quantum [N/m] one encoder step moves the wall's force by more than the device's
-/// Coulomb friction can take up, and the noise is felt under every method (Diolaiti et al. 2006).
+/// Above 2 f_c / quantum [N/m] one encoder step changes the wall's force by more than the device's
+/// Coulomb friction can absorb, and the noise is felt under every method (Diolaiti et al. 2006).
 double quantum_limit();
 
-/// Maps and writes zwidth.json, zwidth.csv and a picture a damping to `directory` (created). Throws
-/// std::runtime_error when something cannot be written or drawn.
+/// Maps and writes zwidth.json, zwidth.csv and a picture for each damping to `directory` (created).
+/// Throws std::runtime_error if something cannot be written or drawn.
 std::vector<ZWidthCell> write_zwidth(const std::filesystem::path& directory,
                                      const ZWidthGrid& grid);
 

@@ -1,6 +1,6 @@
 #pragma once
-// A local contact model against forces alone, over round trips and servo rates: how far what the
-// hand is given is from what the scene answers its true position.
+// A local contact model against forces alone, over round trips and servo rates: the error of the
+// hand's force against the scene's force at its true position.
 
 #include <filesystem>
 #include <string>
@@ -22,14 +22,14 @@ struct LocalModelCell {
   double round_trip = 0.0, rate = 0.0;  // [s], [Hz]
   double datagrams = 0.0;               // [1/s] sent up
   bool modelled = false;
-  double felt = 0.0;             // [N] RMS of what the scene answers the true position and velocity
-  double error = 0.0;            // [N] RMS of what the hand holds less that
-  double direction_error = 0.0;  // [rad] mean angle between the two, where there are both
+  double felt = 0.0;             // [N] RMS of the scene's force at the true position and velocity
+  double error = 0.0;            // [N] RMS of the held force less that
+  double direction_error = 0.0;  // [rad] mean angle between the two, if there are both
   double displayed = 0.0;        // [N/m] press: slope of force over true depth, going in; else 0
   double onset = 0.0;            // [s] from the first true contact to the first force
   double oscillation = 0.0;      // [m] RMS of the true position, along its fastest axis,
                                  // faster than a moving average of 51 ms, second half
-  double from_model = 0.0;       // share of the ticks that the model spoke alone
+  double from_model = 0.0;       // share of the ticks that used the model alone
   double patches = 0.0;          // mean of a model
   double kbit_up = 0.0, kbit_down = 0.0;  // [kbit/s] with 28 bytes of headers
   std::uint64_t violations = 0;           // at the port, as the encoders measured
@@ -43,7 +43,7 @@ struct LocalModelCell {
 std::vector<LocalModelCell> run_local_model(const LocalModelGrid& grid = {});
 
 /// Writes local_model.csv, local_model.json and local_model.png, the same bytes every time.
-/// `directory` is created. Throws std::runtime_error when something cannot be written or drawn.
+/// `directory` is created. Throws std::runtime_error if something cannot be written or drawn.
 void write_local_model(const std::filesystem::path& directory,
                        const std::vector<LocalModelCell>& cells);
 

@@ -1,5 +1,5 @@
 #pragma once
-// Who should bound: the server, the client or both; measured over delay, jitter and loss.
+// Where to bound: at the server, the client or both; measured over delay, jitter and loss.
 
 #include <filesystem>
 #include <string>
@@ -10,51 +10,51 @@
 
 namespace feltwire {
 
-/// How datagrams are lost, in each direction.
+/// The losses of datagrams, in each direction.
 struct SidesLoss {
   double loss = 0.0;   // share
   double burst = 0.0;  // [datagrams] mean run of losses; 0: independent
 };
 
-/// What is measured. Every list must have an entry.
+/// The measured cells. Every list must have an entry.
 struct SidesGrid {
   std::vector<double> round_trips = {0.0, 2e-3, 5e-3, 10e-3, 20e-3, 50e-3, 100e-3, 200e-3};  // [s]
   std::vector<double> jitters = {0.0, 1e-3, 5e-3, 20e-3};  // [s] of each direction
   std::vector<SidesLoss> losses = {{0.0, 0.0},  {0.01, 0.0}, {0.1, 0.0}, {0.3, 0.0},
                                    {0.01, 8.0}, {0.1, 8.0},  {0.3, 8.0}};
   std::vector<NamedHand> hands = {kEightHands[0]};
-  bool taking_hand = true;  // that task too, which no hand of these does
-  /// What the bounds are told of the device's damping, over what it is: above 1 they are wrong, and
-  /// the taking hand must find it out.
+  bool taking_hand = true;  // with the task of the hand that takes energy
+  /// The told damping over the device's damping: above 1 the bounds are wrong, and the taking hand
+  /// must gain energy.
   double assumed_damping = 1.0;
 };
 
 /// All eight hands over all round trips, without loss and with 10 %, without jitter.
 SidesGrid hands_sides_grid();
 
-/// What there is to compare: no bound, and the session parameter's choices.
+/// The compared bounds: none, and the choices of the session parameter.
 inline constexpr std::string_view kSidesBounds[] = {"none", "server", "client", "both"};
 
-/// One task under one bound over one link. Numbers of the second half of the run but for the
-/// energies.
+/// One task under one bound over one link. The numbers are those of the second half of the run,
+/// except for the energies.
 struct SidesCell {
   std::string_view task, bound, hand;
   double round_trip = 0.0, jitter = 0.0;  // [s]
   SidesLoss loss;
   /// [m] RMS of the true height over the surface less a centred moving average of 51 ms.
   double oscillation = 0.0;
-  /// [m] RMS of the same about its mean: with the slow oscillations that a delay makes. Not said of
-  /// hands that mean to go in and out (0).
+  /// [m] RMS of the same about its mean: with the slow oscillations that a delay makes. 0 for hands
+  /// that intend to go in and out.
   double sway = 0.0;
   /// [N/m] least squares of the held normal force over the true depth, through zero.
   double displayed = 0.0;
-  /// [rad] between the force held and what the scene answers the true position and velocity.
+  /// [rad] between the held force and the scene's force at the true position and velocity.
   double direction_mean = 0.0, direction_p99 = 0.0;
-  double force_ratio = 0.0;  // sum of the held forces over that of those answers
-  double force_error = 0.0;  // RMS of their difference over RMS of those answers
-  /// [J] least value of what the device burned less what the hand was given, as the encoders
-  /// measured the movement, over the true movement, and over that with the device's Coulomb
-  /// friction burning too.
+  double force_ratio = 0.0;  // sum of the held forces over that of the scene's
+  double force_error = 0.0;  // RMS of their difference over RMS of the scene's
+  /// [J] least value of burned energy less delivered energy, with the movement as the encoders
+  /// measured it, with the true movement, and with the true movement and the device's Coulomb
+  /// friction.
   double margin = 0.0, true_margin = 0.0, device_margin = 0.0;
   std::uint64_t violations = 0;  // samples after which more was given than burned, as measured
   double answered = 0.0;         // share of the samples
@@ -67,12 +67,12 @@ inline bool clean(const SidesCell& cell) { return cell.jitter == 0.0 && cell.los
 /// Deterministic. Throws std::invalid_argument for a grid that cannot be run.
 std::vector<SidesCell> run_sides(const SidesGrid& grid);
 
-/// Whether no port but an unbounded one ever delivered more than the device burned: as measured,
-/// and over the true movement with all that the device burns.
+/// Whether no bounded port ever delivered more than the device burned: as measured, and over the
+/// true movement with all of the device's dissipation.
 bool bounds_hold(const std::vector<SidesCell>& cells);
 
 /// Writes sides.csv, sides.json and sides.png, the same bytes every time. `directory` is created.
-/// Throws std::runtime_error when something cannot be written or drawn.
+/// Throws std::runtime_error if something cannot be written or drawn.
 void write_sides(const std::filesystem::path& directory, const std::vector<SidesCell>& cells);
 
 /// Writes sides_hands.csv to `directory`, which exists.

@@ -8,8 +8,8 @@
 
 namespace feltwire {
 
-/// What is measured. A ball of radius 90 mm and 5 kN/m; a probe 2 mm inside glides once round it on
-/// a tilted circle at 0.1 m/s, sampled at 1 kHz.
+/// The measured cells. A ball of radius 90 mm and 5 kN/m; a probe 2 mm inside glides once round it
+/// on a tilted circle at 0.1 m/s, sampled at 1 kHz.
 struct GeometryGrid {
   std::vector<int> levels = {3, 5, 7, 8};  // icospheres of 20 * 4^level triangles
   std::vector<double> resolutions = {4e-3, 2e-3, 1e-3, 0.5e-3};  // [m]
@@ -28,7 +28,7 @@ struct GeometryCell {
   double glide_ns = 0.0;      // [ns] a query along the path
   double scattered_ns = 0.0;  // [ns] a query at places far from each other, 2 mm inside; of a
                               // proxy: its first
-  double bytes = 0.0;         // that it holds
+  double bytes = 0.0;         // memory
   double build = 0.0;         // [s] of all threads' CPU time together
 };
 
@@ -36,13 +36,13 @@ struct GeometryCell {
 /// grids by interpolation, arithmetic and resolution.
 std::vector<GeometryCell> run_trade_geometry(const GeometryGrid& grid);
 
-/// Writes trade_geometry.csv, .json and .png, the same bytes every time, and apart from them what
-/// this machine took: trade_geometry_cost.csv and .png. `directory` is created. Throws
-/// std::runtime_error when something cannot be written or drawn.
+/// Writes trade_geometry.csv, .json and .png, the same bytes every time, and apart from them the
+/// times on this machine: trade_geometry_cost.csv and .png. `directory` is created. Throws
+/// std::runtime_error if something cannot be written or drawn.
 void write_trade_geometry(const std::filesystem::path& directory,
                           const std::vector<GeometryCell>& cells);
 
-/// All of it for people.
+/// All results for people.
 std::string trade_geometry_table(const std::vector<GeometryCell>& cells);
 
 }  // namespace feltwire

@@ -1,5 +1,5 @@
 #pragma once
-// How many points a tool's body needs: the force and torque it feels, and what a step takes.
+// The number of points on a tool's body: the error of force and torque, and the time of a step.
 
 #include <filesystem>
 #include <string>
@@ -7,7 +7,7 @@
 
 namespace feltwire {
 
-/// What is measured: the points of a tool, and those of the one it is compared with.
+/// The measured numbers of points, and that of the reference.
 struct ToolsGrid {
   std::vector<std::size_t> points = {100, 300, 1000, 3000, 10'000, 30'000, 100'000};
   std::size_t reference = 1'000'000;
@@ -26,8 +26,8 @@ struct ToolsCell {
   double force_error = 0.0;   // RMS of the force less the reference's, over the RMS of the latter
   double torque_error = 0.0;  // RMS of the torque less the reference's, over the RMS of the
                               // reference's force times the body's radius
-  double looked_at = 0.0;     // nodes and points that a distance was asked for, mean over the poses
-  double touching = 0.0;      // points inside, likewise
+  double looked_at = 0.0;     // nodes and points whose distance was computed, mean over the poses
+  double touching = 0.0;      // points inside, mean over the poses
   // Of this machine: one step of the coupled tool [ns], mean over a moving hand's.
   double far_ns = 0.0;       // 0.1 m away
   double contact_ns = 0.0;   // in the task
@@ -37,12 +37,12 @@ struct ToolsCell {
 /// Every cell, points fastest.
 std::vector<ToolsCell> run_trade_tools(const ToolsGrid& grid);
 
-/// Writes trade_tools.csv, .json and .png, the same bytes every time, and apart from them what this
-/// machine took: trade_tools_cost.csv and .png. `directory` is created. Throws std::runtime_error
-/// when something cannot be written or drawn.
+/// Writes trade_tools.csv, .json and .png, the same bytes every time, and apart from them the times
+/// on this machine: trade_tools_cost.csv and .png. `directory` is created. Throws
+/// std::runtime_error if something cannot be written or drawn.
 void write_trade_tools(const std::filesystem::path& directory, const std::vector<ToolsCell>& cells);
 
-/// All of it for people.
+/// All results for people.
 std::string trade_tools_table(const std::vector<ToolsCell>& cells);
 
 }  // namespace feltwire

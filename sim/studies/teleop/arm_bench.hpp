@@ -18,15 +18,16 @@ struct ArmCase {
   std::uint64_t seed = 1;      // of the network and the sensor's noise
 };
 
-/// What a run shows. Means are over the task's window, in which the hand rests or slides evenly.
+/// The results of a run. Means are over the task's window, in which the hand rests or slides
+/// evenly.
 struct ArmMeasured {
-  double intended = 0.0;  // [N] what the hand means to press with, or lifts
-  /// [N] The largest that the tool and its surroundings pressed with; `lift`: before it is put
+  double intended = 0.0;  // [N] the force that the hand intends, or the weight that it lifts
+  /// [N] The largest force between the tool and its surroundings; `lift`: before the box is put
   /// down.
   double peak = 0.0;
-  std::optional<double> set_down;  // [N] the same while the box is put down and let go
+  std::optional<double> set_down;  // [N] the same while the box is put down and released
   double robot_force = 0.0;        // [N] mean, of the tool
-  double hand_force = 0.0;         // [N] mean, that the hand is given
+  double hand_force = 0.0;         // [N] mean, on the hand
   double force_error = 0.0;        // [N] RMS of hand less tool, each along each axis
   double swing = 0.0;              // [m] high-passed RMS of the tool's height
   double flicker = 0.0;            // [N] largest change of the hand's force between two samples
@@ -47,10 +48,10 @@ struct ArmRow {
 std::vector<ArmCase> arm_cases(bool quick);
 
 /// Runs every case; rows in the order of the cases. Deterministic. Throws std::invalid_argument for
-/// a task that there is not.
+/// a task that does not exist.
 std::vector<ArmRow> run_arm(const std::vector<ArmCase>& cases);
 
-/// Writes arm.json to `directory` (created). Throws std::runtime_error when it cannot.
+/// Writes arm.json to `directory` (created). Throws std::runtime_error if it cannot.
 void write_arm(const std::filesystem::path& directory, const std::vector<ArmRow>& rows);
 
 /// For people: of each task, round trip and link the median over the seeds, and the worst.

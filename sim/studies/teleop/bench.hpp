@@ -1,5 +1,5 @@
 #pragma once
-// The bench: a hand with a device, a robot, what it touches and a network between them, in one
+// The bench: a hand with a device, a robot, its surroundings and a network between them, in one
 // degree of freedom and virtual time. Positions grow into the wall [m].
 
 #include <cstdint>
@@ -16,7 +16,7 @@ namespace feltwire::teleop {
 
 inline constexpr double kGravity = 9.81;  // [m/s^2]
 
-/// What the robot touches: a wall that may move and vanish, or a weight that stands on the ground.
+/// The surroundings of the robot: a wall that may move and vanish, or a weight on the ground.
 struct Surroundings {
   enum class Kind : std::uint8_t { nothing, wall, weight };
   Kind kind = Kind::wall;
@@ -27,7 +27,7 @@ struct Surroundings {
   double mass = 0.15;                        // [kg] of a weight
 };
 
-/// The hand means to be here at this time [m].
+/// The intended place of the hand at this time [m].
 using Intention = std::function<double(double time)>;
 
 struct BenchSetup {
@@ -44,13 +44,13 @@ struct BenchSetup {
 
 /// One servo sample; forces on the hand as F, which resists it.
 struct BenchSample {
-  double hand = 0.0, shown = 0.0;  // [m] true; as the encoder says
+  double hand = 0.0, shown = 0.0;  // [m] true; as the encoder reports
   double held = 0.0;               // [N] F until this sample
   double robot = 0.0;              // [m]
   double offset = 0.0;             // [m] of the law
-  double surface = 0.0;            // [m] where the wall is, or the lower side of the weight
+  double surface = 0.0;            // [m] place of the wall, or of the lower side of the weight
   double contact = 0.0;            // [N] of the environment against the robot
-  double pushed = 0.0;             // [J] sum over the contacts of the most that each gave, net
+  double pushed = 0.0;  // [J] sum over the contacts of the largest net energy that each gave
 };
 
 /// Runs a law from time 0. Deterministic: the same setup gives the same bits.

@@ -1,5 +1,5 @@
 #pragma once
-// What the hand does on the bench, and how it is judged.
+// The tasks of the hand on the bench, and their measures.
 
 #include <optional>
 #include <string_view>
@@ -9,7 +9,7 @@
 
 namespace feltwire::teleop {
 
-/// What is measured; absent where the task does not show it.
+/// The measures; empty if the task does not show them.
 struct Measured {
   std::optional<double> displayed;    // force over the way into the surface, over series stiffness
   std::optional<double> oscillation;  // [m] high-passed RMS of the hand that presses
@@ -31,7 +31,7 @@ struct Task {
   std::string_view name;
   Judge judge = Judge::press;
   BenchSetup setup;
-  Window window;  // of what is judged
+  Window window;  // of the measures
 };
 
 /// free, press_first, press_second, taps, moving_wall, vanishing_wall, lift, blackout, drift.

@@ -1,5 +1,6 @@
 #pragma once
-// What each law of bilateral teleoperation shows and costs, over tasks and networks, on one bench.
+// The results and costs of each law of bilateral teleoperation, over tasks and networks, on one
+// bench.
 
 #include <filesystem>
 #include <string>
@@ -25,14 +26,14 @@ struct TeleopRow {
 std::vector<TeleopCase> teleop_cases(bool quick);
 
 /// Runs every case; rows in the order of the cases. Deterministic. Throws std::invalid_argument for
-/// a law or a task that there is not.
+/// a law or a task that does not exist.
 std::vector<TeleopRow> run_teleop(const std::vector<TeleopCase>& cases);
 
 /// Writes teleop.json, teleop.csv and teleop.png to `directory` (created). Throws
-/// std::runtime_error when something cannot be written or drawn.
+/// std::runtime_error if something cannot be written or drawn.
 void write_teleop(const std::filesystem::path& directory, const std::vector<TeleopRow>& rows);
 
-/// For people: what each law shows over a perfect link and over a bad one.
+/// For people: the results of each law over a perfect link and over a bad one.
 std::string teleop_table(const std::vector<TeleopRow>& rows);
 
 }  // namespace feltwire::teleop

@@ -17,7 +17,7 @@ class Way {
  public:
   Way(const LinkOptions& options, std::uint64_t key) : model_(options, key) {}
 
-  /// `now` [s]; cut: it does not arrive.
+  /// `now` [s]; cut: the datagram does not arrive.
   void send(const Message& message, double now, bool cut = false) {
     constexpr std::size_t kSize = 100;  // [bytes] of a datagram; no bit rate is limited here
     const Nanoseconds entered(std::llround(now * 1e9));
@@ -27,7 +27,7 @@ class Way {
       waiting_.push_back({fate.arrivals[static_cast<std::size_t>(i)], message});
   }
 
-  /// Those that have arrived since the last call, in the order of arrival.
+  /// The datagrams that have arrived since the last call, in the order of arrival.
   std::span<const Message> receive(double now) {
     const Nanoseconds time(std::llround(now * 1e9));
     const auto first = std::stable_partition(waiting_.begin(), waiting_.end(),

@@ -169,8 +169,10 @@ TEST_F(ClientProgram, HoldsTheToolThatItAsksFor) {
   EXPECT_GT(report()["max_force_n"], 0.1);
   const test::Outcome refused = run({"--tool", "key"});
   EXPECT_EQ(refused.status, 1);
-  EXPECT_THAT(refused.error, HasSubstr("refused: there is no tool 'key' in scene 'floor'; those "
-                                       "there are: tip, ball"));
+  EXPECT_THAT(
+      refused.error,
+      HasSubstr(
+          "refused: there is no tool 'key' in scene 'floor'; the existing ones are: tip, ball"));
 }
 
 TEST_F(ClientProgram, AnObserversTokenActsOnNothing) {

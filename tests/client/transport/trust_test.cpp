@@ -214,7 +214,7 @@ TEST_F(Roles, AdminsListAndEvict) {
   EXPECT_EQ(list.sessions[0].role, Role::operator_);
   EXPECT_THAT(
       error_of<SessionError>([&] { ask(with(admin), control::ReloadScene{"floor"}, kPatience); }),
-      HasSubstr("from no file"));
+      HasSubstr("do not come from files"));
 
   Sample sample;
   sample.index = 1;

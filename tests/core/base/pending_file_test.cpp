@@ -150,7 +150,7 @@ TEST(PendingFile, ReplacesOnlyRegularFiles) {
   ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
   fs::create_directory(taken);
   EXPECT_THAT(error_of<FileError>([&] { PendingFile(pipe, "text", kPrivate); }),
-              HasSubstr(pipe.string() + ": it is no regular file"));
+              HasSubstr(pipe.string() + ": it is not a regular file"));
   EXPECT_THAT(error_of<FileError>([&] { PendingFile(taken, "text", kPrivate); }),
               HasSubstr(taken.string() + ": it is a directory"));
   EXPECT_TRUE(fs::is_fifo(pipe));

@@ -95,13 +95,13 @@ TEST_F(PartsCache, WhatIsNoRegularFileIsNeitherReadNorReplaced) {
   const fs::path away = folder / "away";
   fs::rename(beside(), away);
   fs::create_symlink(away, beside());
-  EXPECT_THAT(ring().notes(), Contains(HasSubstr("is no regular file")));
+  EXPECT_THAT(ring().notes(), Contains(HasSubstr("is not a regular file")));
   // The link was replaced, not the file that it led to.
   EXPECT_FALSE(fs::is_symlink(beside()));
   EXPECT_EQ(text_of(away), bytes);
   fs::remove(beside());
   ASSERT_EQ(::mkfifo(beside().c_str(), 0600), 0);  // nobody waits for its other end
-  EXPECT_THAT(ring().notes(), Contains(HasSubstr("is no regular file")));
+  EXPECT_THAT(ring().notes(), Contains(HasSubstr("is not a regular file")));
   EXPECT_TRUE(fs::is_fifo(beside()));
   EXPECT_THAT(kept_in(user_cache()), ElementsAre(::testing::_));
 }

@@ -26,7 +26,7 @@ def seat(compose, judge):
     compose.service("robot", FOLLOWER, ["robots"])
     compose.up("server")
     compose.up("robot")
-    wait_until("the robot on its seat", lambda: "sits on the robot's seat" in compose.logs("robot"), 20)
+    wait_until("the robot on its seat", lambda: "has the robot's seat" in compose.logs("robot"), 20)
 
 
 def lead(compose, name, seconds):

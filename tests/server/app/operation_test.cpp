@@ -87,8 +87,8 @@ TEST(Operation, ASummaryReplacesNoPipe) {
   const std::string pipe = path("summary.pipe");
   ::unlink(pipe.c_str());
   ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
-  EXPECT_THAT([&] { write_summary(pipe, {}, {}); },
-              ::testing::ThrowsMessage<std::runtime_error>(HasSubstr(pipe + ": it is no regular")));
+  EXPECT_THAT([&] { write_summary(pipe, {}, {}); }, ::testing::ThrowsMessage<std::runtime_error>(
+                                                        HasSubstr(pipe + ": it is not a regular")));
   EXPECT_TRUE(std::filesystem::is_fifo(pipe));
 }
 

@@ -114,7 +114,8 @@ TEST(ToolChoice, WhatIsNotThereIsRefusedWithWhatThereIs) {
   for (const Role role : {Role::operator_, Role::observer}) {
     const auto refused = std::get<control::Refused>(bench.join(kFirst, "key", role));
     EXPECT_EQ(refused.code, RefusalCode::unknown_tool);
-    EXPECT_EQ(refused.reason, "there is no tool 'key' in scene 'room'; those there are: ball, tip");
+    EXPECT_EQ(refused.reason,
+              "there is no tool 'key' in scene 'room'; the existing ones are: ball, tip");
   }
   const auto refused = std::get<control::Refused>(alone.join(kFirst, "tip"));
   EXPECT_EQ(refused.code, RefusalCode::unknown_tool);
@@ -236,7 +237,7 @@ TEST(ToolChoice, AServersReloadTakesAToolAway) {
   EXPECT_EQ(reason, GoodbyeReason::evicted);
   const auto refused = client.ask<control::Refused>(request);
   EXPECT_EQ(refused.code, RefusalCode::unknown_tool);
-  EXPECT_EQ(refused.reason, "there is no tool 'key' in scene 'room'; those there are: ball");
+  EXPECT_EQ(refused.reason, "there is no tool 'key' in scene 'room'; the existing ones are: ball");
   test::eventually("the end of the session in the list", [&] {
     return client.ask<control::SessionList>(control::ListSessions{}).sessions.empty();
   });

@@ -153,7 +153,7 @@ TEST(TouchFilter, AnswersTheToolThatIsNamed) {
   EXPECT_NEAR(answer("ball")[2], 2.0, 1e-9);
   EXPECT_THAT([&] { answer("hammer"); },
               ThrowsMessage<std::invalid_argument>(
-                  HasSubstr("no tool 'hammer'; those that there are: tip, ball, bar")));
+                  HasSubstr("no tool 'hammer'; the existing ones are: tip, ball, bar")));
 }
 
 TEST(TouchFilter, ABodyIsTurnedAndAnswersWithATorque) {
