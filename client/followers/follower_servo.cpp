@@ -113,7 +113,11 @@ void FollowerServo::sense(const FollowerReading& reading, double elapsed) noexce
     const Vec3& force = *reading.force;
     statistics_.largest_force = std::max(statistics_.largest_force, force.norm());
     state_.contact = estimate_.step(
-        {.position = tip, .velocity = reading.velocity, .force = force, .elapsed = elapsed});
+        {.position = tip,
+         .velocity = reading.velocity,
+         .force = force,
+         .elapsed = elapsed,
+         .prior = options_.surfaces ? options_.surfaces->nearest(tip, elapsed) : SurfacePrior{}});
     energy_.moved(force, tip - tip_, elapsed);
   } else {
     state_.contact = {};  // not sensed is not zero: nobody knows what there is

@@ -3,9 +3,11 @@
 // the next sample. It has no socket, clock or thread.
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 
 #include "client/followers/follower.hpp"
+#include "client/followers/surface_model.hpp"
 #include "core/teleoperation/contact_estimate.hpp"
 #include "core/teleoperation/energy_counters.hpp"
 #include "core/teleoperation/gripper_follow.hpp"
@@ -24,6 +26,7 @@ struct FollowerOptions {
   double unfelt = 3.0;       // [N] force that the hand need not have paid for
   Workspace workspace;       // limits of its target, in addition to those of its seat; at most
                              // kMostGiven walls
+  std::shared_ptr<SurfaceModel> surfaces = {};  // model of what it may touch; null: none
   /// Without a target for this time the robot brakes and holds.
   Nanoseconds silence = std::chrono::milliseconds(100);
 };

@@ -32,8 +32,8 @@ struct SurfacePrior {
 };
 
 struct ContactEstimateConfig {
-  /// [N/m] of the robot's own controller. A surface is assumed to have as much until the measured
-  /// force and depth show another.
+  /// [N/m] of the robot's own controller. A surface is assumed to have as much until the force over
+  /// the way shows another.
   double first_stiffness = 1000.0;
   double on = 0.2,
          off = 0.1;  // [N] force at which a contact begins, ends; above the sensor's noise
@@ -53,11 +53,11 @@ struct ContactEstimateConfig {
 /// tool where the tool finds no force, and after kSame it is forgotten. A touch within kSame of the
 /// last surface is the same surface again.
 ///
-/// With a prior the surface is there before the touch, at the place of the model plus the
-/// correction by its last touch. The touch starts from the model's place, normal and stiffness, and
-/// corrects them. A tool that finds no force behind the surface pushes it back. After kSame in all
-/// the model is no longer believed, until the prior is another surface. A surface without a model
-/// stays until the tool is kSame away from it.
+/// With a prior the surface exists before the touch, at the place of the model plus the correction
+/// of its last touch. The touch starts from place, normal and stiffness of the prior, and corrects
+/// them. A tool that finds no force behind the surface pushes it back; after kSame in all the prior
+/// is ignored until it is another surface. A surface that the model does not have stays until the
+/// tool is kSame away from it.
 ///
 /// No function allocates, throws or reads a clock. A sample that is not finite is ignored.
 class ContactEstimate {
@@ -99,10 +99,10 @@ class ContactEstimate {
   Vec3 origin_ = Vec3::Zero();      // [m] the tip where this touch began
   double last_height_ = 0.0;        // [m] height in the last sample of the fit
   PlaceTracker place_;              // along the normal
-  std::uint32_t expected_key_ = 0;  // of the prior, and the surface that stands for it
-  std::uint32_t expected_ = 0;
-  double shift_ = 0.0;      // [m] along its normal: the correction by touches
-  bool disproved_ = false;  // the tool went through it
+  std::uint32_t expected_key_ = 0;  // of the prior
+  std::uint32_t expected_ = 0;      // the surface of the prior
+  double shift_ = 0.0;              // [m] along its normal, correction by touches
+  bool disproved_ = false;          // the tool moved through the prior's surface
 };
 
 }  // namespace feltwire

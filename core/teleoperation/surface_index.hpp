@@ -15,10 +15,9 @@ namespace feltwire {
 /// The leader knows of a first touch one round trip late, when the hand is already far inside the
 /// surface. Then the offset moves along the normal until the surface is at the hand. So the hand
 /// meets the surface there, and no force jumps. For kYoung after that the surface stays at the hand
-/// while the estimate of its place settles; the offset takes up the change. The hand meets a
-/// surface that was known before its touch (SurfacePrior) at the model's place; kYoung begins with
-/// the touch. Later the offset is given back by a hardly noticeable share of the hand's free
-/// movement.
+/// while the estimate of its place settles; the offset takes up the change. A surface that was
+/// known before its touch (SurfacePrior) stays where the model has it; kYoung begins with the
+/// touch. Later the offset is given back by a hardly noticeable share of the hand's free movement.
 ///
 /// A hand that moves on behind a wall of the robot's workspace takes the offset along. So the
 /// wanted place of the robot is at the wall, and the robot follows at once when the hand comes

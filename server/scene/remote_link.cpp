@@ -41,25 +41,31 @@ void RemoteLink::sit(std::uint32_t robot, const Workspace& own) noexcept {
 }
 
 void RemoteLink::leave(std::uint32_t number) noexcept {
-  if (number == robot_) robot_ = 0;
-  if (number == hand_) {
-    hand_ = 0;
-    sample_.index = 0;
-    lead_ = {};
-  }
+  Leader* const leader = seat_of(number);
+  if (leader != nullptr) *leader = {};
   stop_waiting(number);
-  if (robot_ == 0 || hand_ == 0) {
-    authority_.step({});
-    fresh_ = robot_ != 0;
+  if (number == robot_) {
+    robot_ = 0;
+    for (Leader& l : leaders_) l.authority.step({});
   }
+  if (leader != nullptr) fresh_ = true;
+  regroup();
+  fresh_ = fresh_ && robot_ != 0;
+}
+
+RemoteLink::Leader* RemoteLink::seat_of(std::uint32_t hand) noexcept {
+  if (hand == 0) return nullptr;
+  const auto found = std::ranges::find(leaders_, hand, &Leader::hand);
+  return found != leaders_.end() ? &*found : nullptr;
 }
 
 /// By the hand's clock, and no time shorter than its samples say.
-bool RemoteLink::jumped(const Sample& sample, double period) const noexcept {
-  if (sample_.index == 0) return false;
-  const double nominal = period * static_cast<double>(sample.index - sample_.index);
-  const double elapsed = std::max(nominal, time_between(sample_.client_time, sample.client_time));
-  const double way = (sample.pose.position - sample_.pose.position).norm();
+bool RemoteLink::jumped(const Leader& leader, const Sample& sample, double period) const noexcept {
+  if (leader.sample.index == 0) return false;
+  const double nominal = period * static_cast<double>(sample.index - leader.sample.index);
+  const double elapsed =
+      std::max(nominal, time_between(leader.sample.client_time, sample.client_time));
+  const double way = (sample.pose.position - leader.sample.pose.position).norm();
   return !(way <= kJump * seat_.speed / seat_.scale * elapsed);
 }
 
@@ -79,47 +85,93 @@ void RemoteLink::stop_waiting(std::uint32_t hand) noexcept {
 }
 
 /// To a hand that showed a released switch: it is armed.
-void RemoteLink::hand_over(std::uint32_t hand, const Sample& newest, Nanoseconds now) noexcept {
+RemoteLink::Leader* RemoteLink::hand_over(std::uint32_t hand, double share, const Sample& newest,
+                                          Nanoseconds now) noexcept {
   stop_waiting(hand);
-  hand_ = hand;
-  sample_ = newest;
-  hand_heard_ = now;
-  lead_.deadman = false;
-  step(false, now);
-  sample_.index = 0;  // nothing of another hand counts
+  leaders_ = {};
+  Leader& leader = leaders_.front();
+  leader.hand = hand;
+  leader.share = share;
+  leader.sample = newest;
+  leader.heard = now;
+  step(leader, false, now);
+  leader.sample.index = 0;  // nothing that it said before counts
+  return &leader;
 }
 
-void RemoteLink::lead(std::uint32_t hand, const SampleBatch& batch, double period,
-                      Nanoseconds now) noexcept {
-  const Sample& newest = batch.samples[0];
-  if (hand_ == 0) {
-    hand_ = hand;
+/// A hand without a seat that would lead; null: not now.
+RemoteLink::Leader* RemoteLink::let_in(std::uint32_t hand, double share, const Sample& newest,
+                                       bool pressed, Nanoseconds now) noexcept {
+  const auto sits = [](const Leader& l) { return l.hand != 0; };
+  const bool alone = std::ranges::none_of(leaders_, sits);
+  const bool together = share > 0.0 && std::ranges::all_of(leaders_, [&](const Leader& l) {
+                          return !sits(l) || l.share > 0.0;
+                        });
+  if (alone || together) {
+    const auto seat = std::ranges::find_if(
+        leaders_, [&](const Leader& l) { return !sits(l) || (!alone && l.silent(now)); });
+    if (seat == leaders_.end()) return nullptr;
     stop_waiting(hand);
+    *seat = {};
+    seat->hand = hand;
+    seat->share = share;
+    return &*seat;
   }
-  if (hand != hand_) {
-    const bool led = lead_.deadman && now - hand_heard_ <= kSilence;
-    if (!asks(hand, batch.lead->deadman) || led) return;
-    hand_over(hand, newest, now);
-  }
-  const bool refused = jumped(newest, period);
-  const double paid = sample_.index != 0 ? batch.lead->hand_work - lead_.hand_work : 0.0;
-  if (std::abs(paid) < kMostWork) work_ += paid;  // no hand pays as much from sample to sample
-  sample_ = newest;
-  lead_ = *batch.lead;
-  hand_heard_ = now;
-  const bool was_engaged = state() == LinkState::engaged;
-  step(refused, now);
-  if (state() == LinkState::engaged) {
-    const Pose hand_pose{newest.pose.position - lead_.offset, newest.pose.orientation};
-    if (!was_engaged) {
-      index_.engage(hand_pose, said_.commanded);
-      limit_.begin(said_.commanded);
-    }
-    const Pose asked = index_.target(hand_pose);
-    wanted_ = limit_.keep(asked);
-    index_.shift(limit_.free_part(wanted_.position - asked.position));
-  }
+  const bool led = std::ranges::any_of(
+      leaders_, [&](const Leader& l) { return sits(l) && l.lead.deadman && !l.silent(now); });
+  if (!asks(hand, pressed) || led) return nullptr;
+  return hand_over(hand, share, newest, now);
+}
+
+void RemoteLink::lead(std::uint32_t hand, const SampleBatch& batch, double period, Nanoseconds now,
+                      double share) noexcept {
+  const Sample& newest = batch.samples[0];
+  Leader* leader = seat_of(hand);
+  if (leader == nullptr) leader = let_in(hand, share, newest, batch.lead->deadman, now);
+  if (leader == nullptr) return;
+  const auto which = static_cast<std::size_t>(leader - leaders_.data());
+  const bool refused = jumped(*leader, newest, period);
+  const double paid =
+      leader->sample.index != 0 ? batch.lead->hand_work - leader->lead.hand_work : 0.0;
+  // No hand pays as much from sample to sample.
+  if (std::abs(paid) < kMostWork) work_ += index_.index(which).at_robot(paid);
+  leader->share = share;
+  leader->sample = newest;
+  leader->lead = *batch.lead;
+  leader->heard = now;
+  step(*leader, refused, now);
+  regroup();
+  if (leader->engaged()) move(which);
   fresh_ = true;
+}
+
+/// Those that are engaged lead together, from where all of them and the target are.
+void RemoteLink::regroup() noexcept {
+  std::array<double, kMostLeaders> weights{};
+  SharedIndex::Parts parts;
+  for (std::size_t i = 0; i < kMostLeaders; ++i) {
+    const Leader& l = leaders_[i];
+    if (!l.engaged()) continue;
+    weights[i] = l.share > 0.0 ? l.share : 1.0;
+    parts[i] = {weights[i], l.meant()};
+  }
+  if (weights == grouped_) return;
+  const bool nobody_led = grouped_ == std::array<double, kMostLeaders>{};
+  grouped_ = weights;
+  if (nobody_led) {
+    wanted_ = said_.commanded;
+    limit_.begin(wanted_);
+  }
+  index_.begin(parts, wanted_);
+}
+
+/// The target goes where a hand that leads asks for.
+void RemoteLink::move(std::size_t leader) noexcept {
+  const Pose before = wanted_;
+  const Pose asked = index_.asked(leader, leaders_[leader].meant(), before);
+  wanted_ = limit_.keep(asked);
+  index_.settle(leader, wanted_.position - before.position,
+                limit_.free_part(wanted_.position - asked.position));
 }
 
 bool RemoteLink::follow(const RobotState& state, Nanoseconds now) noexcept {
@@ -127,45 +179,66 @@ bool RemoteLink::follow(const RobotState& state, Nanoseconds now) noexcept {
   said_ = state;
   robot_heard_ = now;
   answers_ = true;
-  step(false, now);
+  for (Leader& leader : leaders_)
+    if (leader.hand != 0) step(leader, false, now);
+  regroup();
   return true;
 }
 
-void RemoteLink::step(bool refused, Nanoseconds now) noexcept {
-  const LinkState before = state();
-  authority_.step({.seated = robot_ != 0 && said_.index != 0 && sample_.index != 0,
-                   .robot_well = now - robot_heard_ <= kSilence && said_.ok && !said_.stopped,
-                   .hand_silent = now - hand_heard_ > kSilence,
-                   .refused = refused,
-                   .deadman = lead_.deadman,
-                   .wrench_above = said_.force && said_.force->norm() > seat_.force});
-  fresh_ |= state() != before;
+void RemoteLink::step(Leader& leader, bool refused, Nanoseconds now) noexcept {
+  const LinkState before = leader.authority.state();
+  leader.authority.step({.seated = robot_ != 0 && said_.index != 0 && leader.sample.index != 0,
+                         .robot_well = now - robot_heard_ <= kSilence && said_.ok && !said_.stopped,
+                         .hand_silent = leader.silent(now),
+                         .refused = refused,
+                         .deadman = leader.lead.deadman,
+                         .wrench_above = said_.force && said_.force->norm() > seat_.force});
+  fresh_ |= leader.authority.state() != before;
+}
+
+LinkState RemoteLink::state() const noexcept {
+  using enum LinkState;
+  for (const LinkState s : {engaged, clutched, hold, ready, fault})
+    for (const Leader& l : leaders_)
+      if (l.hand != 0 && l.authority.state() == s) return s;
+  return disabled;
+}
+
+/// Who turns the robot; where nobody is engaged, the first that sits.
+std::size_t RemoteLink::first() const noexcept {
+  if (index_.turns() < kMostLeaders && leaders_[index_.turns()].engaged()) return index_.turns();
+  for (std::size_t i = 0; i < kMostLeaders; ++i)
+    if (leaders_[i].hand != 0) return i;
+  return 0;
 }
 
 Remote RemoteLink::told(std::uint32_t hand, Nanoseconds now) const noexcept {
-  if (hand != hand_ || said_.index == 0) return {};
-  Remote remote{.state = state(),
+  const auto leader = std::ranges::find(leaders_, hand, &Leader::hand);
+  if (hand == 0 || leader == leaders_.end() || said_.index == 0) return {};
+  // Of the environment's energy each hand gets its share: over its own scale that is the same.
+  Remote remote{.state = leader->authority.state(),
                 .pose = said_.pose,
                 .contact = {},
-                .energy = tellable(index_.at_hand(said_.energy)),
+                .energy = tellable(EngageIndex(seat_.scale).at_hand(said_.energy)),
                 .gripper = said_.gripper,
                 .gripper_force = said_.gripper_force,
                 .age = std::max(0.0, seconds(now - robot_heard_))};
   // What the hand meets is known only where both are tied together.
-  if (state() != LinkState::engaged) return remote;
-  remote.contact = tellable(index_.at_hand(limit_.free_part(said_.contact)));
-  tell_walls(remote);
+  if (!leader->engaged()) return remote;
+  const EngageIndex& index = index_.index(static_cast<std::size_t>(leader - leaders_.begin()));
+  remote.contact = tellable(index.at_hand(limit_.free_part(said_.contact)));
+  tell_walls(remote, index);
   return remote;
 }
 
 /// Those that are nearest to the target, by rising distance.
-void RemoteLink::tell_walls(Remote& remote) const noexcept {
+void RemoteLink::tell_walls(Remote& remote, const EngageIndex& index) const noexcept {
   std::array<double, kMostRemoteWalls> nearest{};
   const auto walls = limit_.walls();
   for (std::size_t i = 0; i < walls.size(); ++i) {
     const double clearance = walls[i].clearance(wanted_.position);
     if (!(clearance < kToldWall)) continue;
-    const WorkspaceWall wall = index_.at_hand(walls[i]);
+    const WorkspaceWall wall = index.at_hand(walls[i]);
     if (!(std::abs(wall.distance) <= kMaxPosition)) continue;
     int at = remote.wall_count;
     while (at > 0 && clearance < nearest[static_cast<std::size_t>(at) - 1]) --at;
@@ -189,7 +262,7 @@ std::optional<SeenRobot> RemoteLink::seen(Nanoseconds now) const noexcept {
                    .force = said_.force,
                    .torque = said_.torque,
                    .state = state(),
-                   .hand = hand_,
+                   .hand = leaders_[first()].hand,
                    .ok = said_.ok,
                    .stopped = said_.stopped,
                    .touches = said_.contact.touching,
@@ -197,17 +270,38 @@ std::optional<SeenRobot> RemoteLink::seen(Nanoseconds now) const noexcept {
                    .age = std::max(0.0, seconds(now - robot_heard_))};
 }
 
+/// The surface that all hands know that lead; 0: there is none.
+std::uint32_t RemoteLink::known_surface() const noexcept {
+  const std::uint32_t known = leaders_[first()].lead.known_surface;
+  const bool all = std::ranges::all_of(
+      leaders_, [&](const Leader& l) { return !l.engaged() || l.lead.known_surface == known; });
+  return all ? known : 0;
+}
+
+/// [m] that the hand with the largest share means, of those that have a lever; < 0: none has.
+double RemoteLink::gripper() const noexcept {
+  double opening = -1.0, largest = 0.0;
+  for (std::size_t i = 0; i < kMostLeaders; ++i) {
+    const Leader& l = leaders_[i];
+    if (!l.engaged() || !(l.lead.gripper >= 0.0) || !(index_.share(i) > largest)) continue;
+    opening = l.lead.gripper;
+    largest = index_.share(i);
+  }
+  return opening;
+}
+
 RobotTarget RemoteLink::target(Nanoseconds now) noexcept {
   fresh_ = answers_ = false;
   sent_at_ = now;
-  const bool engaged = state() == LinkState::engaged;
+  const LinkState now_is = state();
+  const bool engaged = now_is == LinkState::engaged;
   return {.index = ++targets_,
-          .sample_index = sample_.index,
-          .state = state(),
+          .sample_index = leaders_[first()].sample.index,
+          .state = now_is,
           .pose = engaged ? wanted_ : said_.commanded,
-          .gripper = engaged ? lead_.gripper : -1.0,
-          .known_surface = lead_.known_surface,
-          .hand_work = index_.at_robot(work_)};
+          .gripper = gripper(),
+          .known_surface = known_surface(),
+          .hand_work = work_};
 }
 
 }  // namespace feltwire

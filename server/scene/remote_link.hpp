@@ -8,7 +8,7 @@
 
 #include "core/scene/scene.hpp"
 #include "core/teleoperation/authority.hpp"
-#include "core/teleoperation/engage_index.hpp"
+#include "core/teleoperation/shared_index.hpp"
 #include "protocol/wire/datagram.hpp"
 #include "protocol/wire/scene_view.hpp"
 
@@ -28,6 +28,9 @@ class RemoteLink {
   /// A wall of the workspace is sent to the hand while it is nearer to the target than this [m].
   static constexpr double kToldWall = 0.5;
 
+  /// So many hands may lead at the same time, each with a share.
+  static constexpr std::size_t kMostLeaders = SharedIndex::kMost;
+
   explicit RemoteLink(const RemoteSeat& seat) : seat_(seat), index_(seat.scale) {}
 
   /// A robot takes the seat. Hands and robots are numbered in one sequence, from 1. `own`: its
@@ -40,16 +43,24 @@ class RemoteLink {
   /// At most so many hands wait for the lead; others are ignored.
   static constexpr std::size_t kMostWaiting = 8;
 
-  /// The newest sample of a hand that leads or wants to, received at `now`. The first hand leads.
-  /// It hands over to the next one that presses its switch, while its own is released or it is
-  /// silent; that one must have shown a released switch before. It engages at the robot's present
-  /// target, as every hand does. Samples of the others change nothing. Precondition: the batch was
-  /// taken, and has a lead. `period` [s] of the hand's servo.
-  void lead(std::uint32_t hand, const SampleBatch& batch, double period, Nanoseconds now) noexcept;
+  /// The newest sample of a hand that leads or wants to, received at `now`. Precondition: the batch
+  /// was taken, and has a lead. `period` [s] of the hand's servo.
+  ///
+  /// `share` 0: the hand leads alone. The first such hand leads. It hands over to the next one that
+  /// presses its switch, while its own is released or it is silent; that one must have shown a
+  /// released switch before. It engages at the robot's present target, as every hand does. Samples
+  /// of the others change nothing.
+  /// `share` > 0: the hand leads together with others that have a share. Each has its own switch
+  /// and state. The weight of an engaged hand is its share over the sum of the engaged ones
+  /// (SharedIndex). The target's first step is zero when a hand engages, releases, leaves or gets
+  /// another share.
+  void lead(std::uint32_t hand, const SampleBatch& batch, double period, Nanoseconds now,
+            double share = 0.0) noexcept;
   /// The robot's state, received at `now`; false: it is not newer than the one before.
   bool follow(const RobotState& state, Nanoseconds now) noexcept;
 
-  /// The `remote` of the reply to that hand. For a hand that leads no robot: disabled.
+  /// The `remote` of the reply to that hand, with its own state. For a hand that leads no robot:
+  /// disabled.
   Remote told(std::uint32_t hand, Nanoseconds now) const noexcept;
 
   /// For observers. Empty: there is no robot, or it has sent nothing yet.
@@ -62,25 +73,49 @@ class RemoteLink {
   /// Returns the target, and counts it as sent.
   RobotTarget target(Nanoseconds now) noexcept;
 
-  LinkState state() const noexcept { return authority_.state(); }
+  /// Of all that lead, the state that comes first among: engaged, clutched, hold, ready, fault,
+  /// disabled.
+  LinkState state() const noexcept;
 
  private:
-  bool jumped(const Sample& sample, double period) const noexcept;
+  struct Leader {
+    std::uint32_t hand = 0;  // 0: none
+    double share = 0.0;      // 0: it leads alone
+    Authority authority;
+    Sample sample;  // its newest; index 0: none yet
+    Lead lead;
+    Nanoseconds heard{0};
+
+    bool engaged() const noexcept { return authority.state() == LinkState::engaged; }
+    bool silent(Nanoseconds now) const noexcept { return now - heard > kSilence; }
+    /// Where it is meant to be, less its offset.
+    Pose meant() const noexcept {
+      return {sample.pose.position - lead.offset, sample.pose.orientation};
+    }
+  };
+  bool jumped(const Leader& leader, const Sample& sample, double period) const noexcept;
   bool asks(std::uint32_t hand, bool pressed) noexcept;
   void stop_waiting(std::uint32_t hand) noexcept;
-  void hand_over(std::uint32_t hand, const Sample& newest, Nanoseconds now) noexcept;
-  void step(bool refused, Nanoseconds now) noexcept;
-  void tell_walls(Remote& remote) const noexcept;
+  Leader* seat_of(std::uint32_t hand) noexcept;
+  Leader* let_in(std::uint32_t hand, double share, const Sample& newest, bool pressed,
+                 Nanoseconds now) noexcept;
+  Leader* hand_over(std::uint32_t hand, double share, const Sample& newest,
+                    Nanoseconds now) noexcept;
+  void step(Leader& leader, bool refused, Nanoseconds now) noexcept;
+  void regroup() noexcept;
+  void move(std::size_t leader) noexcept;
+  std::uint32_t known_surface() const noexcept;
+  double gripper() const noexcept;
+  std::size_t first() const noexcept;
+  void tell_walls(Remote& remote, const EngageIndex& index) const noexcept;
 
   RemoteSeat seat_;
-  Authority authority_;
-  EngageIndex index_;
+  SharedIndex index_;
   WorkspaceLimit limit_;
-  std::uint32_t robot_ = 0, hand_ = 0;  // 0: none
-  Sample sample_;                       // the hand's newest; index 0: none yet
-  Lead lead_;
-  double work_ = 0.0;  // [J] paid by all hands while they led
-  Nanoseconds hand_heard_{0};
+  std::uint32_t robot_ = 0;  // 0: none
+  std::array<Leader, kMostLeaders> leaders_{};
+  std::array<double, kMostLeaders> grouped_{};  // the weights that index_ began with
+  double work_ = 0.0;  // [J] that hands paid since they began to lead, in the robot's measure
   struct Waiting {
     std::uint32_t hand = 0;  // 0: none
     bool released = false;   // its newest sample's switch

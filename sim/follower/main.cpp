@@ -33,7 +33,7 @@ static_assert(std::atomic<bool>::is_always_lock_free);  // a signal handler sets
 void stop(int /*signal*/) { stopped.store(true); }
 
 struct Words {
-  std::string connect, link, report, record;
+  std::string connect, link, report, record, prior;
   CredentialOptions credentials;
   RobotChoice robot;
   std::optional<std::array<double, 3>> at;
@@ -44,6 +44,7 @@ struct Words {
 int follow(Words& words) {
   if (words.at) words.robot.at = Vec3((*words.at)[0], (*words.at)[1], (*words.at)[2]);
   check(words.robot);
+  if (!words.prior.empty()) words.run.options.surfaces = load_surfaces(words.prior);
   words.run.options.workspace = workspace_of(words.workspace);
   words.run.server = {parse_endpoint(words.connect), credentials(words.credentials)};
   if (!words.link.empty())
@@ -96,6 +97,10 @@ int main(int argc, char** argv) {
                  "X,Y,Z [m] Where a simulated robot begins. When not given: a point at 0,0,0, an "
                  "arm at its home position")
       ->delimiter(',');
+  app.add_option(
+      "--prior", words.prior,
+      "FILE.json: a scene with the surfaces that the robot may touch, in its frame. They "
+      "are felt before it touches them, and corrected by what it touches");
   app.add_option("--name", words.run.name, "Name of this robot in the server's log")
       ->capture_default_str();
   app.add_option("--speed", words.run.options.motion.speed, "[m/s] Speed limit of the target")

@@ -10,6 +10,7 @@
 #include "protocol/net/clock.hpp"
 #include "sim/arm/arm.hpp"
 #include "sim/robot/point_robot.hpp"
+#include "sim/robot/scene_surfaces.hpp"
 
 namespace feltwire {
 namespace {
@@ -60,6 +61,10 @@ void check(const RobotChoice& choice) {
         "out --at");
   if (choice.at && !choice.at->allFinite())
     throw std::invalid_argument("--at must be three finite numbers [m]: X,Y,Z");
+}
+
+std::shared_ptr<SurfaceModel> load_surfaces(const std::string& file) {
+  return std::make_shared<SceneSurfaces>(std::make_shared<const Scene>(load_scene(file)));
 }
 
 std::unique_ptr<Follower> make_robot(const RobotChoice& choice, double patience) {

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "client/followers/follower.hpp"
+#include "client/followers/surface_model.hpp"
 #include "core/base/types.hpp"
 
 namespace feltwire {
@@ -20,6 +21,10 @@ struct RobotChoice {
 
 /// Throws std::invalid_argument that names the contradicting options, and the remedy.
 void check(const RobotChoice& choice);
+
+/// What the scene file says of the surfaces that the robot may touch. Throws FileError and
+/// std::invalid_argument naming the file and the remedy.
+std::shared_ptr<SurfaceModel> load_surfaces(const std::string& file);
 
 /// Makes the robot. The arm goes to `at` first. Waits for a driver for `patience` [s], and says on
 /// standard error that it does. Throws FileError, std::invalid_argument and std::runtime_error,

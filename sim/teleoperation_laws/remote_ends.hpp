@@ -69,7 +69,7 @@ class RemoteFollower {
   explicit RemoteFollower(const Plant& plant);
 
   /// Call it for every sample, before target(). `force` [N]: of the environment on the tool.
-  /// `prior`: the model's surface there, before it is touched.
+  /// `prior`: the surface there, as known before its touch.
   const RemoteContact& step(const Vec3& tip, const Vec3& velocity, const Vec3& force,
                             const SurfacePrior& prior = {});
   /// [m] The target for the newest state of the leader.

@@ -1,0 +1,77 @@
+#pragma once
+// Which places of several hands are which place of one robot.
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+
+#include "core/teleoperation/engage_index.hpp"
+
+namespace feltwire {
+
+/// Several hands on one target, each with a share a_i > 0, sum a_i = 1:
+///   x_t = x_t0 + s sum a_i (x_i - x_i0)
+/// Each hand has an EngageIndex of scale s a_i, and what the others move shifts it. So a surface of
+/// the robot is told to each hand where that hand alone would have to move the target to it, with
+/// the stiffness that its own movement meets: every hand feels the force on the robot. The hand
+/// with the largest share turns the robot, the first of equals.
+///
+/// begin() starts anew from the target that there is: for any hands, shares and poses the first
+/// target after it is equal to that one, exactly in position.
+class SharedIndex {
+ public:
+  static constexpr std::size_t kMost = 4;
+
+  /// `scale` s > 0 [m of the robot per m of a hand].
+  explicit SharedIndex(double scale) : scale_(scale) { indices_.fill(EngageIndex(scale)); }
+
+  struct Part {
+    double weight = 0.0;  // its share is this over the sum; 0: it does not lead
+    Pose hand;            // where it is, less its offset
+  };
+  using Parts = std::array<Part, kMost>;
+
+  /// From now on these hands lead, from where they are, and the target is `target`. Precondition:
+  /// the weights are finite and not negative, the orientations unit.
+  void begin(const Parts& parts, const Pose& target) noexcept {
+    double sum = 0.0;
+    for (const Part& part : parts) sum += part.weight;
+    turns_ = kMost;
+    double largest = 0.0;
+    for (std::size_t i = 0; i < kMost; ++i) {
+      shares_[i] = parts[i].weight > 0.0 ? parts[i].weight / sum : 0.0;
+      if (!(shares_[i] > 0.0)) continue;
+      indices_[i] = EngageIndex(scale_ * shares_[i]);
+      indices_[i].engage(parts[i].hand, target);
+      if (shares_[i] > largest) turns_ = i;
+      largest = std::max(largest, shares_[i]);
+    }
+  }
+
+  /// The target that hand `i` asks for; `now` is the target that there is. Precondition: it leads.
+  Pose asked(std::size_t i, const Pose& hand, const Pose& now) const noexcept {
+    Pose target = indices_[i].target(hand);
+    if (i != turns_) target.orientation = now.orientation;
+    return target;
+  }
+  /// Hand `i` has moved the target by `moved` [m]; limits changed what it asked for by `corrected`.
+  void settle(std::size_t i, const Vec3& moved, const Vec3& corrected) noexcept {
+    for (std::size_t other = 0; other < kMost; ++other)
+      if (other != i && shares_[other] > 0.0) indices_[other].shift(moved);
+    indices_[i].shift(corrected);
+  }
+
+  const EngageIndex& index(std::size_t i) const noexcept { return indices_[i]; }
+  double share(std::size_t i) const noexcept { return shares_[i]; }  // 0: it does not lead
+  /// Who turns the robot; kMost: nobody leads.
+  std::size_t turns() const noexcept { return turns_; }
+
+ private:
+  double scale_;
+  std::array<EngageIndex, kMost> indices_{EngageIndex(1.0), EngageIndex(1.0), EngageIndex(1.0),
+                                          EngageIndex(1.0)};
+  std::array<double, kMost> shares_{};
+  std::size_t turns_ = kMost;
+};
+
+}  // namespace feltwire

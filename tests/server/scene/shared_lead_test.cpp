@@ -1,0 +1,235 @@
+// Several hands that lead one robot together, each with its share.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+#include <vector>
+
+#include "server/scene/remote_link.hpp"
+
+namespace feltwire::shared_lead_test {
+namespace {
+
+using enum LinkState;
+
+struct Hand {
+  std::uint32_t number;
+  double share;
+  Vec3 at = Vec3::Zero();
+  bool pressed = false;
+  double work = 0.0;  // [J]
+  Quaternion turn = Quaternion::Identity();
+  std::uint64_t index = 0;
+};
+
+/// A link whose robot is well and holds what it was told.
+struct Bench {
+  explicit Bench(const RemoteSeat& seat = {}) : link(seat) {
+    link.sit(9);
+    state.commanded.position = Vec3(0.4, 0.1, 0.3);
+    state.pose = state.commanded;
+    say();
+  }
+  void say() {
+    ++state.index;
+    link.follow(state, now);
+  }
+  void send(Hand& hand) {
+    now += std::chrono::milliseconds(1);
+    SampleBatch batch;
+    batch.count = 1;
+    batch.samples[0].index = ++hand.index;
+    batch.samples[0].client_time = now;
+    batch.samples[0].pose = {hand.at, hand.turn};
+    batch.lead = Lead{.deadman = hand.pressed, .known_surface = 5, .hand_work = hand.work};
+    link.lead(hand.number, batch, 1e-3, now, hand.share);
+    target = link.target(now);
+    if (target.state == engaged) state.commanded = target.pose;
+    say();
+  }
+  void press(Hand& hand) {
+    hand.pressed = false;
+    send(hand);
+    hand.pressed = true;
+    send(hand);
+  }
+  Vec3 place() const { return target.pose.position; }
+  LinkState told(const Hand& hand) const { return link.told(hand.number, now).state; }
+
+  RemoteLink link;
+  RobotState state;
+  RobotTarget target;
+  Nanoseconds now = std::chrono::seconds(1);
+  Hand anna{1, 0.75, Vec3(1.0, 0.0, 0.0)}, ben{2, 0.25, Vec3(-3.0, 2.0, 1.0)};
+};
+
+TEST(SharedLead, EachMovesTheTargetByItsShareOfThoseThatAreEngaged) {
+  Bench bench({.scale = 0.5});
+  bench.press(bench.anna);
+  const Vec3 begin = bench.place();
+  bench.anna.at.x() += 1e-4;
+  bench.send(bench.anna);
+  EXPECT_NEAR(bench.place().x(), begin.x() + 0.5e-4, 1e-15) << "alone she leads alone";
+  const Vec3 before = bench.place();
+  bench.press(bench.ben);
+  EXPECT_EQ(bench.told(bench.anna), engaged);
+  EXPECT_EQ(bench.told(bench.ben), engaged);
+  EXPECT_EQ(bench.place(), before) << "exactly";
+  bench.ben.at.y() += 1e-4;
+  bench.send(bench.ben);
+  EXPECT_NEAR(bench.place().y(), before.y() + 0.25 * 0.5e-4, 1e-15);
+  bench.anna.at.y() -= 1e-4;
+  bench.send(bench.anna);
+  EXPECT_NEAR(bench.place().y(), before.y() - 0.5 * 0.5e-4, 1e-15);
+  // She lets go: he has it all, from where it is.
+  const Vec3 left = bench.place();
+  bench.anna.pressed = false;
+  bench.send(bench.anna);
+  EXPECT_EQ(bench.told(bench.anna), clutched);
+  EXPECT_EQ(bench.target.state, engaged);
+  EXPECT_EQ(bench.place(), left);
+  bench.ben.at.z() += 1e-4;
+  bench.send(bench.ben);
+  EXPECT_NEAR(bench.place().z(), left.z() + 0.5e-4, 1e-15);
+}
+
+TEST(SharedLead, EveryHandFeelsTheForceOnTheRobotAndPaysItsPart) {
+  Bench bench({.scale = 2.0});
+  bench.press(bench.anna);
+  bench.press(bench.ben);
+  // A surface 3 mm above the target: the springs of 600 N/m press with 1.8 N.
+  bench.state.contact = {.surface = 5,
+                         .touching = true,
+                         .point = bench.place() + Vec3(0, 0, 3e-3),
+                         .normal = Vec3::UnitZ(),
+                         .stiffness = 600.0};
+  bench.say();
+  for (const Hand* hand : {&bench.anna, &bench.ben}) {
+    const RemoteContact seen = bench.link.told(hand->number, bench.now).contact;
+    EXPECT_NEAR(seen.stiffness * (seen.point - hand->at).z(), 1.8, 1e-9);
+    EXPECT_NEAR(seen.stiffness, 600.0 * 2.0 * hand->share, 1e-9) << "that its own way meets";
+  }
+  // He moves the target 0.1 mm deeper: she feels it.
+  bench.ben.at.z() -= 0.1e-3 / (2.0 * 0.25);
+  bench.send(bench.ben);
+  const RemoteContact seen = bench.link.told(bench.anna.number, bench.now).contact;
+  EXPECT_NEAR(seen.stiffness * (seen.point - bench.anna.at).z(), 1.86, 1e-9);
+  // What a force does on the target is the sum of what the hands paid.
+  const double before = bench.target.hand_work;
+  bench.anna.work += 0.1;
+  bench.send(bench.anna);
+  bench.ben.work += 0.3;
+  bench.send(bench.ben);
+  EXPECT_NEAR(bench.target.hand_work - before, 2.0 * (0.75 * 0.1 + 0.25 * 0.3), 1e-12);
+}
+
+TEST(SharedLead, TheLargestShareTurnsTheRobot) {
+  Bench bench;
+  bench.press(bench.anna);
+  bench.press(bench.ben);
+  const Quaternion before = bench.target.pose.orientation;
+  bench.ben.turn = Quaternion(Eigen::AngleAxisd(0.3, Vec3::UnitX()));
+  bench.send(bench.ben);
+  EXPECT_NEAR(bench.target.pose.orientation.angularDistance(before), 0.0, 1e-12);
+  bench.anna.turn = Quaternion(Eigen::AngleAxisd(0.2, Vec3::UnitZ()));
+  bench.send(bench.anna);
+  EXPECT_NEAR(bench.target.pose.orientation.angularDistance(before), 0.2, 1e-7);
+  // With the larger share he turns it, from how it is.
+  const Quaternion turned = bench.target.pose.orientation;
+  bench.ben.share = 3.0;
+  bench.send(bench.ben);
+  EXPECT_NEAR(bench.target.pose.orientation.angularDistance(turned), 0.0, 1e-7);
+  bench.ben.turn = Quaternion(Eigen::AngleAxisd(0.4, Vec3::UnitX()));
+  bench.send(bench.ben);
+  EXPECT_NEAR(bench.target.pose.orientation.angularDistance(turned), 0.1, 1e-7);
+}
+
+TEST(SharedLead, WhoLeadsAloneWaitsForAllAndIsNotJoined) {
+  Bench bench;
+  Hand carl{3, 0.0};
+  bench.press(bench.anna);
+  bench.press(bench.ben);
+  bench.press(carl);
+  EXPECT_EQ(bench.told(carl), disabled);
+  bench.anna.pressed = false;
+  bench.send(bench.anna);
+  bench.press(carl);
+  EXPECT_EQ(bench.told(carl), disabled) << "one still presses";
+  bench.ben.pressed = false;
+  bench.send(bench.ben);
+  bench.press(carl);
+  EXPECT_EQ(bench.told(carl), engaged);
+  bench.press(bench.ben);
+  EXPECT_EQ(bench.told(bench.ben), disabled);
+  EXPECT_EQ(bench.told(carl), engaged);
+}
+
+TEST(SharedLead, AHandThatFallsSilentOrJumpsHoldsItselfAlone) {
+  Bench bench;
+  bench.press(bench.anna);
+  bench.press(bench.ben);
+  const Vec3 before = bench.place();
+  for (int n = 0; n < 200; ++n) bench.send(bench.ben);
+  EXPECT_EQ(bench.told(bench.anna), hold);
+  EXPECT_EQ(bench.told(bench.ben), engaged);
+  EXPECT_EQ(bench.place(), before);
+  bench.ben.at.x() += 1.0;
+  bench.send(bench.ben);
+  EXPECT_EQ(bench.told(bench.ben), hold);
+  EXPECT_EQ(bench.target.state, hold);
+}
+
+/// Hands that press, let go, leave, move and get other shares as they like: the target moves by the
+/// share of the hand that moved, and by nothing else.
+TEST(SharedLead, NothingButAMovementMovesTheTarget) {
+  std::mt19937_64 random(11);
+  std::uniform_real_distribution<double> any(-1.0, 1.0), share(0.05, 1.0);
+  Bench bench;
+  std::vector<Hand> hands;
+  for (std::uint32_t n = 1; n <= 6; ++n)
+    hands.push_back({n, share(random), Vec3(any(random), any(random), any(random))});
+  int changes = 0, together = 0;
+  const auto engaged_now = [&] {
+    std::vector<std::uint32_t> numbers;
+    for (const Hand& hand : hands)
+      if (bench.told(hand) == engaged) numbers.push_back(hand.number);
+    return numbers;
+  };
+  for (int n = 0; n < 20000; ++n) {
+    Hand& hand = hands[random() % hands.size()];
+    const std::vector<std::uint32_t> led = engaged_now();
+    const Vec3 before = bench.state.commanded.position;
+    Vec3 way = Vec3::Zero();
+    const auto what = random() % 12;
+    if (what == 0) hand.pressed = !hand.pressed;
+    if (what == 1) hand.share = share(random);
+    if (what == 2 && random() % 20 == 0) bench.link.leave(hand.number);
+    if (what > 2) way = 1e-5 * Vec3(any(random), any(random), any(random));
+    hand.at += way;
+    bench.send(hand);
+    const bool same = led == engaged_now();
+    changes += same ? 0 : 1;
+    if (led.empty() && bench.target.state != engaged) continue;
+    if (!same || what <= 2) {
+      // Another may have fallen silent after this one moved.
+      ASSERT_LE((bench.place() - before).norm(), way.norm() + 1e-15) << n;
+      continue;
+    }
+    double sum = 0.0, own = 0.0;
+    for (const Hand& one : hands)
+      if (bench.told(one) == engaged) {
+        sum += one.share;
+        own += one.number == hand.number ? one.share : 0.0;
+      }
+    together += led.size() > 1 ? 1 : 0;
+    if (sum > 0.0) {
+      ASSERT_LE((bench.place() - before - own / sum * way).norm(), 1e-12) << n;
+    }
+  }
+  EXPECT_GT(changes, 200);
+  EXPECT_GT(together, 2000);
+}
+
+}  // namespace
+}  // namespace feltwire::shared_lead_test
