@@ -184,7 +184,8 @@ void fail_each_allocation_of_the_main_thread(const char* recording) {
     ServoThread thread(run.task);
     failed_once.store(false);
     left = nth;
-    attend(run.signals, thread, run.statuses, run.records, *run.changes, reconnector);
+    EmergencyKey no_keys(nullptr, -1);
+    attend(run.signals, thread, run.statuses, run.records, *run.changes, reconnector, no_keys);
     left = kNever;
     run.expect_good_end(thread, nth);
     EXPECT_GE(reconnector.attempts(), 1u) << nth;
