@@ -263,9 +263,12 @@ TEST(ProtectedDevice, AtTheEndTheToolIsLetDownSlowly) {
 double made(const WorkspaceMapping& mapping, double told, double real, std::size_t lag) {
   Mapped mapped(mapping, kSessionMethod, false, lag, true, {.tool_weight = told});
   mapped.handle->mass.tool = real;
-  // From the moment on from which the account counts: what was burned before it never saw.
+  // From the tick at which the account begins: it never saw the energy that was burned before.
+  // Until then the handle takes forces up at once, and later as late as it says.
+  mapped.handle->lag = 0;
   do mapped.tick();
   while (mapped.servo.no_force() == NoForce::starting);
+  mapped.handle->lag = lag;
   mapped.handle->mass.counter = told;
   mapped.handle->mass.delivered = mapped.handle->mass.burned = mapped.handle->mass.most_made = 0.0;
   mapped.run(10.0);

@@ -31,7 +31,7 @@ TEST(PortEnergy, DryFrictionBurnsOverThePathThatIsCertain) {
     port.step({}, Vec3(n % 2 == 0 ? kQuantum : -kQuantum, 0, 0), Vec3::Zero(), kPeriod);
   EXPECT_EQ(port.burned(), 0.0);
   port.step({}, Vec3(1e-3, 0, 0), Vec3::Zero(), kPeriod);
-  EXPECT_NEAR(port.burned(), kFriction * (1e-3 - kQuantum), 1e-15);
+  EXPECT_NEAR(port.burned(), kFriction * (1e-3 - kQuantum) / std::sqrt(3.0), 1e-15);
 }
 
 // A spring k sampled and held, pressed by `depth` in equal steps and released: every sample acts
