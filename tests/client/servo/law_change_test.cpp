@@ -129,9 +129,11 @@ TEST(LawChange, BringsNoEnergyWhateverTheHandDoes) {
       const bool waits = hand.bench.servo.changes_law();
       const double force = hand.at_height(z);
       if (waits) {
-        // A share of what the floor asks for, of the place where a method may ask half a tick on.
+        // A share of the floor's force at the place where a method asks: half a tick ahead, or, for
+        // a hand that rests, at one place between two readings of the encoder.
         const double left = std::max(0.0, 1.0 - (n - since) / 50.0);
-        const double most = 800.0 * (std::max(0.0, -z) + 2.0 * speed) * left;
+        const double quantum = hand.bench.spec.position_resolution;
+        const double most = 800.0 * (std::max(0.0, -z) + 2.0 * speed + 1.5 * quantum) * left;
         ASSERT_LE(force, hand.bench.servo.changes_law() ? most + 1e-9 : 0.0)
             << "seed " << seed << " tick " << n;
       }
