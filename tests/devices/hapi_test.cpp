@@ -101,11 +101,11 @@ TEST_F(Hapi, OtherFirmwareIsRefused) {
 }
 TEST_F(Hapi, AnotherDeviceIsRefused) {
   board.firmware = HapiBoard::Firmware::other_device;
-  EXPECT_THAT(refusal(board.port()), HasSubstr("no board with hAPI firmware"));
+  EXPECT_THAT(refusal(board.port()), HasSubstr("not a board with hAPI firmware"));
 }
 TEST_F(Hapi, ATalkativeFirmwareIsRefused) {
   board.firmware = HapiBoard::Firmware::talkative;
-  EXPECT_THAT(refusal(board.port()), HasSubstr("no board with hAPI firmware"));
+  EXPECT_THAT(refusal(board.port()), HasSubstr("not a board with hAPI firmware"));
 }
 
 TEST_F(Hapi, AxesAreOurs) {

@@ -78,7 +78,7 @@ TEST_F(FollowerProgram, WantsOneRobot) {
   expect_fault({}, "no robot is given; give one of --surroundings FILE.json (a point), --arm");
   expect_fault({"--arm", kTable, "--surroundings", kSurroundings}, "more than one robot is given");
   expect_fault({"--arm", kTable, "--socket", folder_ / "driver"}, "more than one robot is given");
-  expect_fault({"--socket", folder_ / "driver", "--at", "0,0,0"}, "leave out --at");
+  expect_fault({"--socket", folder_ / "driver", "--at", "0,0,0"}, "Leave out --at");
 }
 
 TEST_F(FollowerProgram, NamesAWorkspaceThatIsNone) {
