@@ -74,6 +74,7 @@ std::vector<InputNode> input_nodes(const Machine& machine) {
   }
   std::ranges::sort(found, {}, [](const auto& one) { return one.first; });
   std::vector<InputNode> nodes;
+  nodes.reserve(found.size());
   for (auto& [number, node] : found) nodes.push_back(std::move(node));
   return nodes;
 }
