@@ -252,7 +252,7 @@ void PortAccount::give(const Command& given) noexcept {
 
 Command PortAccount::step(const BoundingStep& s, double next_hold) noexcept {
   const double left = take_in(s);
-  const Command given =
+  Command given =
       afforded(s.command.finite() ? s.command : Command{}, left, std::max(period_, next_hold));
   give(given);
   return given;

@@ -30,7 +30,7 @@ class HalfSampleOn {
   /// the place half a sample ahead since the call before, less `way`.
   Vector3<Real> more(const Vector3<Real>& way, Real time) noexcept {
     const Vector3<Real> speed = time > Real(0) ? Vector3<Real>((period_ / time) * way) : way;
-    const Vector3<Real> more = Real(0.5) * (speed - speed_);
+    Vector3<Real> more = Real(0.5) * (speed - speed_);
     speed_ = speed;
     return more;
   }
