@@ -223,8 +223,8 @@ struct Builder {
   /// The share of an object's force that is felt.
   double trust(std::size_t object) const { return world != nullptr ? world->trust(object) : 1.0; }
 
-  /// The patch of these normals at `arm` [m, tool frame]. If there is no patch left, it is the patch
-  /// of another side of the object, or the last one.
+  /// The patch of these normals at `arm` [m, tool frame]. If there is no patch left, it is the
+  /// patch of another side of the object, or the last one.
   std::uint8_t patch_of(std::size_t object, const Vec3& normal, const Vec3& arm) {
     const std::uint8_t side = side_of(object, normal);
     std::uint8_t other = kMaxBodyPatches - 1;
