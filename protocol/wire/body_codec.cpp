@@ -14,8 +14,8 @@ constexpr double kShort = 32767.0;  // the largest of 16 bits
 
 /// Nearest; NaN becomes zero.
 std::int16_t wire_short(double value) {
-  if (!(std::abs(value) <= kShort)) return value > 0.0 ? 32767 : (value < 0.0 ? -32767 : 0);
-  return static_cast<std::int16_t>(std::lround(value));
+  if (std::isnan(value)) return 0;
+  return static_cast<std::int16_t>(std::lround(std::clamp(value, -kShort, kShort)));
 }
 
 /// A lower triangular root of a symmetric matrix that is positive semidefinite to rounding.
