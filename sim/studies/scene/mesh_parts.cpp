@@ -64,6 +64,7 @@ double tick_us(std::vector<Object> objects, Joint joint,
   body.pose = objects[1].pose;
   body.joint = joint;
   std::vector<std::shared_ptr<const ConvexSolids>> of_objects;
+  of_objects.reserve(objects.size());
   for (const Object& object : objects)
     of_objects.push_back(std::holds_alternative<Mesh>(object.shape) ? solids : nullptr);
   const auto mechanism = compile(objects, {-1, 0}, {body}, {}, of_objects);
