@@ -2,21 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "core/base/numeric.hpp"
+#include "core/teleoperation/low_pass.hpp"
 
 namespace feltwire {
 namespace {
 
-constexpr double kTwoPi = 2.0 * std::numbers::pi;
 constexpr double kSoftest = 50.0, kStiffest = 1e6;  // [N/m] that are believed
 constexpr double kMostFriction = 1.0;               // mu, likewise
-
-/// The share of the way to a new value in one sample of a low pass.
-double share(double cutoff, double elapsed) noexcept {
-  return 1.0 - std::exp(-kTwoPi * cutoff * elapsed);
-}
 
 bool says(const SurfacePrior& prior) noexcept {
   return prior.key != 0 && prior.point.allFinite() && prior.normal.allFinite() &&
@@ -140,7 +134,8 @@ void ContactEstimate::estimate_normal(const Sample& s, double force) noexcept {
     rubs = normal_force > config_.on && against < kMostFriction * normal_force;
     if (rubs) {
       pushes = across;
-      contact_.friction += share(kSlow, s.elapsed) * (against / normal_force - contact_.friction);
+      contact_.friction +=
+          low_pass_share(kSlow, s.elapsed) * (against / normal_force - contact_.friction);
     }
   }
   if (!(force > config_.on)) return;
@@ -150,8 +145,8 @@ void ContactEstimate::estimate_normal(const Sample& s, double force) noexcept {
   const bool bounces = touched_ < kSettled && speed > kSlides && !rubs;
   if (!young && bounces && s.force.dot(contact_.normal) > kCone * force) return;
   const double rate = young ? kQuick : kSlow;
-  const Vec3 turned =
-      direction(contact_.normal + share(rate, s.elapsed) * (direction(pushes) - contact_.normal));
+  const Vec3 turned = direction(contact_.normal + low_pass_share(rate, s.elapsed) *
+                                                      (direction(pushes) - contact_.normal));
   if (turned.isZero(0.0)) return;
   // The place is a height along the normal: it is carried along when that turns.
   place_.carry((turned - contact_.normal).dot(contact_.point));

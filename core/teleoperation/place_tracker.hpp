@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/teleoperation/low_pass.hpp"
+
 namespace feltwire {
 
 /// Where a surface is along its normal, and its speed, from a place that is measured each sample.
@@ -54,9 +56,9 @@ class PlaceTracker {
     quick_.speed += elapsed * (quick_.pull + 3.0 * quick * quick * off);
     quick_.place += elapsed * (quick_.speed + 3.0 * quick * off);
     left_ = std::abs(slow_.speed) > kStandsStill ? kMoves : std::max(0.0, left_ - elapsed);
-    moves_ += share(kBlend, elapsed) * ((left_ > 0.0 ? 1.0 : 0.0) - moves_);
+    moves_ += low_pass_share(kBlend, elapsed) * ((left_ > 0.0 ? 1.0 : 0.0) - moves_);
     place_ += elapsed * speed();
-    place_ += share(kQuickPlace, elapsed) * (measured - place_);
+    place_ += low_pass_share(kQuickPlace, elapsed) * (measured - place_);
   }
 
   double place() const noexcept { return place_; }                 // [m]
@@ -67,9 +69,6 @@ class PlaceTracker {
     double place = 0.0, speed = 0.0, pull = 0.0;  // [m], [m/s], [m/s^2]
   };
   static constexpr double kTurn = 2.0 * std::numbers::pi;
-  static double share(double cutoff, double elapsed) noexcept {
-    return 1.0 - std::exp(-kTurn * cutoff * elapsed);
-  }
   Track slow_, quick_;
   double place_ = 0.0;
   double left_ = 0.0;   // [s] that it still counts as moving
