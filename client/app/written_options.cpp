@@ -147,7 +147,7 @@ void choose_device(const WrittenOptions& words, HandTask task, ClientOptions& op
                     .firmware = {},
                     .steering = options.device.steering};
   options.device.firmware = words.firmware;
-  require(words.firmware.empty() || chosen.driver->kind == "falcon",
+  require(words.firmware.empty() || chosen.driver->takes_firmware,
           "--firmware is for --device falcon; leave it out");
   validate(options.device.steering);
   if (words.damping) options.device.spec.damping = damping(*words.damping);

@@ -95,6 +95,7 @@ constexpr std::array kDrivers = {
            .spec = "simulated",
            .open = open_falcon,
            .library = falcon_library,
+           .takes_firmware = true,
            .buttons = 4},
     Driver{.kind = "hapi",
            .takes_name = Name::required,

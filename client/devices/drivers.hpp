@@ -49,9 +49,10 @@ struct Driver {
   /// "FILE, version 3.17.5": the maker's library or service that it needs; null: it needs none.
   /// Throws std::runtime_error that names the missing files, their places, and the remedy.
   std::string (*library)();
-  bool held_by_person = true;  // a person's hand may hold it
-  bool gives_force = true;     // false: `identify` cannot measure it
-  int buttons = 0;             // number of its buttons that are read (DeviceReading::buttons)
+  bool held_by_person = true;   // a person's hand may hold it
+  bool gives_force = true;      // false: `identify` cannot measure it
+  bool takes_firmware = false;  // --firmware FILE is for it
+  int buttons = 0;              // number of its buttons that are read (DeviceReading::buttons)
 };
 
 std::span<const Driver> drivers();

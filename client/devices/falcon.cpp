@@ -30,9 +30,7 @@ constexpr int kMostDevices = 16;
 constexpr std::size_t kMostFirmware = 1 << 16;  // images have 7 to 8 kB
 constexpr int kLoads = 5;                       // a load works only sometimes, as others have seen
 constexpr int kAsks = 10;                       // of a firmware that may be there
-constexpr int kTrials = 50;                     // answers whose time is measured
-constexpr double kLongerTick = 1.25;
-constexpr Nanoseconds kAnswers = milliseconds(100), kSlowest = milliseconds(8);
+constexpr Nanoseconds kAnswers = milliseconds(100);
 constexpr double kFastest = 60.0;  // [rad/s] of an arm: 3.6 m/s at the tool
 
 [[noreturn]] void refuse(const std::string& why) { throw std::runtime_error("falcon: " + why); }
@@ -87,15 +85,9 @@ bool answers(UsbLine& line) {
   const Packet asked = request({}, Light::red, false);
   for (int n = 0; n < kAsks; ++n) {
     Answer answer;
-    std::array<std::uint8_t, 62> room{};
-    if (line.write(asked, kAnswers) != asked.size()) return false;
-    const Nanoseconds latest = monotonic_now() + kAnswers / 4;
-    while (!answer.whole() && !answer.garbled() && monotonic_now() < latest) {
-      const auto came = line.read(room, latest - monotonic_now());
-      if (!came) return false;
-      answer.add(std::span(room).first(*came));
-    }
-    if (answer.whole() && told(answer.packet())) return true;
+    const Heard heard = ask(line, asked, answer, {.send = kAnswers, .answer = kAnswers / 4});
+    if (heard == Heard::gone || heard == Heard::unsent) return false;
+    if (heard == Heard::whole && told(answer.packet())) return true;
     if (!talk_to_firmware(line)) return false;  // nothing is left of that
   }
   return false;
@@ -122,16 +114,12 @@ void see_to_firmware(UsbLine& line, const std::string& file) {
 
 class FalconDevice final : public LockStepDevice {
  public:
-  explicit FalconDevice(const DeviceRequest& request) {
-    described_ = request.spec.name_or_file.empty() ? overruled(usual_spec(), request.spec)
-                                                   : requested_spec(request.spec, "");
-    described_.spec.rotation_sensed = described_.spec.rotation_actuated = 0;
-    described_.spec.max_torque = 0.0;
+  explicit FalconDevice(const DeviceRequest& request) : LockStepDevice(usual_spec(), request.spec) {
     notes_ = assumptions(described_);
     auto line = opened(device_number(request.name));
     see_to_firmware(*line, request.firmware);
     line_ = std::make_unique<FalconLine>(std::move(line));
-    measure_answers();
+    see_to_answers();
     notes_.emplace_back(
         "the motors' scale is not calibrated: a newton of feltwire is some force at the handle");
     notes_.emplace_back("gravity compensation is not there: the handle is light, and pulls down");
@@ -142,9 +130,7 @@ class FalconDevice final : public LockStepDevice {
   FalconDevice(const FalconDevice&) = delete;
   FalconDevice& operator=(const FalconDevice&) = delete;
 
-  const DeviceSpec& spec() const override { return described_.spec; }
   std::vector<std::string> notes() const { return notes_; }
-  Nanoseconds longest_tick() const override { return longest_tick_; }
 
   std::string_view prepare() noexcept override {
     const auto all = asked({}, kAnswers);
@@ -166,7 +152,7 @@ class FalconDevice final : public LockStepDevice {
     line_->forget();
     line_->post(packet_of(motors));
     const FalconLine::News news = line_->receive(monotonic_now() + patience);
-    const auto all = news.kind == FalconLine::News::Kind::whole ? told(news.packet) : std::nullopt;
+    const auto all = news.kind == Heard::whole ? told(news.packet) : std::nullopt;
     if (all) homed_ = homed(*all);
     return all;
   }
@@ -183,13 +169,14 @@ class FalconDevice final : public LockStepDevice {
   Answer answer(const Command&, DeviceReading& reading, Nanoseconds latest) noexcept override {
     const FalconLine::News news = line_->receive(latest);
     switch (news.kind) {
-      case FalconLine::News::Kind::none:
+      case Heard::none:
         return Answer::none;
-      case FalconLine::News::Kind::gone:
+      case Heard::gone:
         return Answer::gone;
-      case FalconLine::News::Kind::garbled:
+      case Heard::unsent:
+      case Heard::garbled:
         return Answer::garbled;
-      case FalconLine::News::Kind::whole:
+      case Heard::whole:
         break;
     }
     const auto all = told(news.packet);
@@ -230,31 +217,22 @@ class FalconDevice final : public LockStepDevice {
   bool forget() noexcept override {
     line_->forget();
     taken_at_ = Nanoseconds(0);
-    return line_->receive(Nanoseconds(0)).kind != FalconLine::News::Kind::gone;
+    return line_->receive(Nanoseconds(0)).kind != Heard::gone;
   }
 
-  /// How long the device usually takes, without a force.
-  void measure_answers() {
-    std::array<Nanoseconds, kTrials> took{};
-    for (Nanoseconds& one : took) {
-      const Nanoseconds start = monotonic_now();
+  void see_to_answers() {
+    const Nanoseconds usual = measure_answers([this] {
       if (!asked({}, kAnswers)) refuse("it answered once, and then not; plug it in anew");
-      one = monotonic_now() - start;
-    }
-    auto* const middle = took.begin() + kTrials / 2;
-    std::nth_element(took.begin(), middle, took.end());
-    if (*middle > kSlowest)
-      refuse("it takes " + std::to_string(*middle / milliseconds(1)) +
+    });
+    if (usual > kSlowest)
+      refuse("it takes " + std::to_string(usual / milliseconds(1)) +
              " ms to answer; plug it into a port of the machine itself");
-    longest_tick_ = from_seconds(kLongerTick * seconds(std::max(*middle, kPeriod)));
   }
 
-  SourcedSpec described_;
   std::vector<std::string> notes_;
-  Nanoseconds longest_tick_{0};
   bool homed_ = false;
 
-  // Of the servo's thread.
+  // Members of the servo's thread.
   ToolPoint tool_{.position = kMiddle, .jacobian = Mat3::Zero()};
   Counts encoders_{};
   Nanoseconds taken_at_{0};

@@ -21,6 +21,23 @@ const Packet& no_force() noexcept {
 
 }  // namespace
 
+Heard ask(UsbLine& line, const Packet& request, Answer& answer, const Patience& patience) {
+  answer.clear();
+  const auto sent = line.write(request, patience.send);
+  if (!sent) return Heard::gone;
+  if (*sent != request.size()) return Heard::unsent;
+  const Nanoseconds latest = monotonic_now() + patience.answer;
+  std::array<std::uint8_t, 62> room{};
+  while (!answer.whole() && !answer.garbled()) {
+    const Nanoseconds left = latest - monotonic_now();
+    if (left.count() <= 0) return Heard::none;
+    const auto came = line.read(room, left);
+    if (!came) return Heard::gone;
+    answer.add(std::span(room).first(*came));
+  }
+  return answer.garbled() ? Heard::garbled : Heard::whole;
+}
+
 FalconLine::FalconLine(std::unique_ptr<UsbLine> line)
     : line_(std::move(line)), thread_([this] { run(); }) {}
 
@@ -40,7 +57,7 @@ bool FalconLine::post(const Packet& request) noexcept {
 FalconLine::News FalconLine::receive(Nanoseconds latest) noexcept {
   News news;
   while (!answers_.pop(news)) {
-    if (gone_.load()) return {.kind = News::Kind::gone};
+    if (gone_.load()) return {.kind = Heard::gone};
     if (monotonic_now() >= latest) return {};
     servo_wake_.wait_until(latest);
   }
@@ -66,34 +83,17 @@ void FalconLine::run() noexcept {
     while (requests_.pop(newest)) asked = true;
     if (asked && !gone_.load()) exchange(newest);
   }
-  if (!gone_.load()) ask(no_force());
+  if (!gone_.load()) ask(*line_, no_force(), answer_, {kTransfer, kTransfer});
 }
 
 void FalconLine::exchange(const Packet& request) noexcept {
   News news;
-  news.kind = ask(let_go_.load() ? no_force() : request);
+  const Packet& sent = let_go_.load() ? no_force() : request;
+  news.kind = ask(*line_, sent, answer_, {kTransfer, kTransfer});
   news.packet = answer_.packet();
-  gone_.store(news.kind == News::Kind::gone);
-  if (news.kind != News::Kind::none) answers_.push(news);
+  gone_.store(news.kind == Heard::gone);
+  if (news.kind != Heard::none) answers_.push(news);
   servo_wake_.set();
-}
-
-FalconLine::News::Kind FalconLine::ask(const Packet& request) noexcept {
-  using Kind = News::Kind;
-  answer_.clear();
-  const auto sent = line_->write(request, kTransfer);
-  if (!sent) return Kind::gone;
-  if (*sent != request.size()) return Kind::garbled;
-  const Nanoseconds latest = monotonic_now() + kTransfer;
-  std::array<std::uint8_t, 62> room{};
-  while (!answer_.whole() && !answer_.garbled()) {
-    const Nanoseconds left = latest - monotonic_now();
-    if (left.count() <= 0) return Kind::none;
-    const auto came = line_->read(room, left);
-    if (!came) return Kind::gone;
-    answer_.add(std::span(room).first(*came));
-  }
-  return answer_.garbled() ? Kind::garbled : Kind::whole;
 }
 
 }  // namespace feltwire::falcon

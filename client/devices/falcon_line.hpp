@@ -14,6 +14,19 @@
 
 namespace feltwire::falcon {
 
+enum class Heard : std::uint8_t {
+  none,     // no whole answer in time
+  whole,    // an answer of the right length, with its first byte
+  garbled,  // bytes that are no answer
+  unsent,   // the device did not take the whole request
+  gone      // the device is gone
+};
+struct Patience {
+  Nanoseconds send, answer;  // for the request, and for the whole answer after it
+};
+/// Sends one request and collects its answer. It may block and allocate: not for the servo thread.
+Heard ask(UsbLine& line, const Packet& request, Answer& answer, const Patience& patience);
+
 /// Sends requests and brings their answers. After let_go() each request is one for no force.
 class FalconLine {
  public:
@@ -27,8 +40,7 @@ class FalconLine {
   /// Servo thread, without waiting. False: older requests have not been sent yet.
   bool post(const Packet& request) noexcept;
   struct News {
-    enum class Kind : std::uint8_t { none, whole, garbled, gone };
-    Kind kind = Kind::none;
+    Heard kind = Heard::none;
     Packet packet{};
   };
   /// Servo thread: what has come, or comes by `latest`.
@@ -41,7 +53,6 @@ class FalconLine {
  private:
   void run() noexcept;
   void exchange(const Packet& request) noexcept;
-  News::Kind ask(const Packet& request) noexcept;
 
   std::unique_ptr<UsbLine> line_;
   Wake servo_wake_, line_wake_;

@@ -22,8 +22,6 @@ namespace {
 
 using std::chrono::milliseconds;
 
-constexpr double kLongerTick = 1.25;               // longest tick over the usual one
-constexpr Nanoseconds kSlowest = milliseconds(8);  // that a board may usually take to answer
 constexpr Nanoseconds kWakesUp = milliseconds(3000);
 constexpr Nanoseconds kAsksAgain = milliseconds(300);
 constexpr int kTrials = 50;
@@ -61,16 +59,12 @@ SourcedSpec usual_spec() {
 
 class HapiDevice final : public LockStepDevice {
  public:
-  explicit HapiDevice(const DeviceRequest& request) : port_(request.name) {
-    described_ = request.spec.name_or_file.empty() ? overruled(usual_spec(), request.spec)
-                                                   : requested_spec(request.spec, "");
+  explicit HapiDevice(const DeviceRequest& request)
+      : LockStepDevice(usual_spec(), request.spec), port_(request.name) {
     described_.spec.translation_dof = 2;
-    described_.spec.rotation_sensed = described_.spec.rotation_actuated = 0;
-    described_.spec.max_torque = 0.0;
-    described_.spec.late_ticks = kLateTicks;
     notes_ = assumptions(described_);
     set_up();
-    measure_answers();
+    see_to_answers();
     notes_.emplace_back(
         "the board's torque is not calibrated: a newton of feltwire is some force on the handle");
     notes_.emplace_back(
@@ -84,9 +78,7 @@ class HapiDevice final : public LockStepDevice {
   HapiDevice(const HapiDevice&) = delete;
   HapiDevice& operator=(const HapiDevice&) = delete;
 
-  const DeviceSpec& spec() const override { return described_.spec; }
   std::vector<std::string> notes() const { return notes_; }
-  Nanoseconds longest_tick() const override { return longest_tick_; }
 
  private:
   /// One system call, or two.
@@ -195,32 +187,25 @@ class HapiDevice final : public LockStepDevice {
   }
 
   /// How long the board usually takes, without a force.
-  void measure_answers() {
-    std::array<Nanoseconds, kTrials> took{};
-    for (Nanoseconds& one : took) {
-      const Nanoseconds start = monotonic_now();
+  void see_to_answers() {
+    const Nanoseconds usual = measure_answers([this] {
+      const Nanoseconds latest = monotonic_now() + kAsksAgain;
       post(torque_frame(Vec2::Zero()));
-      if (collect(kAngleReplyBytes, start + kAsksAgain) != Answer::whole || !reply_.angles())
+      if (collect(kAngleReplyBytes, latest) != Answer::whole || !reply_.angles())
         refuse("the board answered its setup, and then not a frame of torques; plug it in anew");
-      one = monotonic_now() - start;
-    }
+    });
     if (!tool_point(*reply_.angles()))
       refuse(
           "the elbows of the pantograph meet, and where the tool is cannot be known; hold both "
           "arms "
           "straight out to the sides, away from each other, and start again");
-    auto* const middle = took.begin() + kTrials / 2;
-    std::nth_element(took.begin(), middle, took.end());
-    if (*middle > kSlowest)
-      refuse("the board takes " + std::to_string(*middle / milliseconds(1)) +
+    if (usual > kSlowest)
+      refuse("the board takes " + std::to_string(usual / milliseconds(1)) +
              " ms to answer; plug it into a port of the machine itself");
-    longest_tick_ = from_seconds(kLongerTick * seconds(std::max(*middle, kPeriod)));
   }
 
   SerialPort port_;
-  SourcedSpec described_;
   std::vector<std::string> notes_;
-  Nanoseconds longest_tick_{0};
   std::atomic<std::size_t> torn_{0};  // bytes that are missing of the newest frame
 
   // Only the servo's thread reads and writes these.

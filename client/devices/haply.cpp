@@ -26,9 +26,7 @@ using std::chrono::milliseconds;
 constexpr std::uint16_t kUsualPort = 10001;
 constexpr std::size_t kLongestMessage = 65536;
 constexpr Nanoseconds kPatience = milliseconds(3000);  // of the start
-constexpr Nanoseconds kSlowestAnswer = milliseconds(8);
-constexpr double kTickMargin = 1.25;  // longest tick over the usual one
-constexpr int kAnswers = 50;          // at the start, to learn how long one takes
+constexpr int kAnswers = 50;          // at the start, until one tells of the device
 constexpr double kFarthest = 1.0;     // [m] that a tool can be away
 constexpr double kSmallForce = 0.02;  // [N] that is no difference
 constexpr double kNeutral = 1e-6;     // [m], and of a scale
@@ -91,23 +89,16 @@ SourcedSpec inverse3() {
 class HaplyDevice final : public LockStepDevice {
  public:
   HaplyDevice(const Place& place, const DeviceRequest& request)
-      : socket_(place.port, kLongestMessage) {
-    described_ = request.spec.name_or_file.empty() ? overruled(inverse3(), request.spec)
-                                                   : requested_spec(request.spec, "");
-    described_.spec.rotation_sensed = described_.spec.rotation_actuated = 0;
-    described_.spec.max_torque = 0.0;
-    described_.spec.late_ticks = kLateTicks;
+      : LockStepDevice(inverse3(), request.spec), socket_(place.port, kLongestMessage) {
     notes_ = assumptions(described_);
     take_inventory(place.id);
-    measure_answers();
+    see_to_answers();
   }
   ~HaplyDevice() override { release(); }
   HaplyDevice(const HaplyDevice&) = delete;
   HaplyDevice& operator=(const HaplyDevice&) = delete;
 
-  const DeviceSpec& spec() const override { return described_.spec; }
   std::vector<std::string> notes() const { return notes_; }
-  Nanoseconds longest_tick() const override { return longest_tick_; }
 
  private:
   void let_go() noexcept override { socket_.post(zero_); }
@@ -233,29 +224,23 @@ class HaplyDevice final : public LockStepDevice {
     zero_ = socket_.frame({text.data(), size});
   }
 
-  void measure_answers() {
-    std::array<Nanoseconds, kAnswers> took{};
-    for (Nanoseconds& one : took) {
-      const Nanoseconds start = monotonic_now();
-      if (!say(Vec3::Zero(), &one == took.data()) || hear(start + kPatience) != Answer::whole)
+  void see_to_answers() {
+    bool first = true;
+    const Nanoseconds usual = measure_answers([&] {
+      const Nanoseconds latest = monotonic_now() + kPatience;
+      if (!say(Vec3::Zero(), std::exchange(first, false)) || hear(latest) != Answer::whole)
         refuse_service("the service does not answer a command; restart it");
-      one = monotonic_now() - start;
-    }
-    auto* const middle = took.begin() + kAnswers / 2;
-    std::nth_element(took.begin(), middle, took.end());
-    if (*middle > kSlowestAnswer)
-      refuse_service("the service takes " + std::to_string(*middle / milliseconds(1)) +
+    });
+    if (usual > kSlowest)
+      refuse_service("the service takes " + std::to_string(usual / milliseconds(1)) +
                      " ms to answer; end other programs that use it");
-    longest_tick_ = from_seconds(kTickMargin * seconds(std::max(*middle, kPeriod)));
   }
 
   ServiceSocket socket_;
-  SourcedSpec described_;
   std::vector<std::string> notes_;
   std::string id_;
   Dialect dialect_ = Dialect::values;
   ServiceSocket::Frame zero_;
-  Nanoseconds longest_tick_{0};
 
   // Only the servo's thread reads and writes these.
   int owed_ = 0;                   // answers

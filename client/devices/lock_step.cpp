@@ -1,13 +1,43 @@
 #include "client/devices/lock_step.hpp"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <thread>
 #include <utility>
 
+#include "core/base/numeric.hpp"
 #include "protocol/net/clock.hpp"
 
 namespace feltwire {
+namespace {
+
+constexpr int kTrials = 50;           // answers whose time is measured
+constexpr double kLongerTick = 1.25;  // longest tick over the usual one
+
+}  // namespace
+
+LockStepDevice::LockStepDevice(const SourcedSpec& usual, const SpecRequest& request)
+    : described_(request.name_or_file.empty() ? overruled(usual, request)
+                                              : requested_spec(request, "")) {
+  DeviceSpec& spec = described_.spec;
+  spec.rotation_sensed = spec.rotation_actuated = 0;
+  spec.max_torque = 0.0;
+  spec.late_ticks = 1;
+}
+
+Nanoseconds LockStepDevice::measure_answers(const std::function<void()>& ask) {
+  std::array<Nanoseconds, kTrials> took{};
+  for (Nanoseconds& one : took) {
+    const Nanoseconds start = monotonic_now();
+    ask();
+    one = monotonic_now() - start;
+  }
+  auto* const middle = took.begin() + kTrials / 2;
+  std::nth_element(took.begin(), middle, took.end());
+  longest_tick_ = from_seconds(kLongerTick * seconds(std::max(*middle, kPeriod)));
+  return *middle;
+}
 
 void LockStepDevice::rest(Nanoseconds until) noexcept {
   std::this_thread::sleep_for(std::max(until - monotonic_now(), Nanoseconds(0)));

@@ -3,8 +3,10 @@
 // and a force is held from the next answer on.
 
 #include <atomic>
+#include <functional>
 
 #include "client/devices/device.hpp"
+#include "core/device/spec_text.hpp"
 
 namespace feltwire {
 
@@ -16,15 +18,21 @@ class LockStepDevice : public Device {
   /// Waits for the answer to the newest command. It returns no sooner than a millisecond after the
   /// command.
   bool await_tick(Nanoseconds latest) noexcept final;
+  const DeviceSpec& spec() const override { return described_.spec; }
+  Nanoseconds longest_tick() const override { return longest_tick_; }
   DeviceReading read(Nanoseconds) noexcept final { return reading_; }
   /// Returns the command that is held until the next answer: the one before.
   Command write(const Command& on_hand) noexcept final;
   void release() noexcept final;
 
  protected:
+  /// The specification is the user's file, or `usual` with the user's numbers. Such a device has no
+  /// rotation, and takes a force up one tick late (write()). Throws as requested_spec().
+  LockStepDevice(const SourcedSpec& usual, const SpecRequest& request);
+
   static constexpr Nanoseconds kPeriod = std::chrono::milliseconds(1);
   static constexpr Nanoseconds kQuiet = std::chrono::milliseconds(50);
-  static constexpr int kLateTicks = 1;  // DeviceSpec::late_ticks: write() says why
+  static constexpr Nanoseconds kSlowest = std::chrono::milliseconds(8);  // usual answer
 
   enum class Answer {
     none,     // no answer by the given time
@@ -46,13 +54,20 @@ class LockStepDevice : public Device {
   /// Sends zero. It is async-signal-safe, for any thread and any signal handler.
   virtual void let_go() noexcept = 0;
 
+  /// Calls `ask` several times, which sends a command without a force and waits for its answer.
+  /// Returns the usual time of that, and sets longest_tick() from it. Before the servo runs.
+  Nanoseconds measure_answers(const std::function<void()>& ask);
+
   /// Sleeps until then.
   static void rest(Nanoseconds until) noexcept;
   Nanoseconds sent_at() const noexcept { return sent_at_; }
 
+  SourcedSpec described_;
+
  private:
   void give(const Command& command) noexcept;
 
+  Nanoseconds longest_tick_{0};
   std::atomic<bool> released_{false};
   // Members of the servo's thread.
   bool asked_ = false;  // a command waits for its answer

@@ -13,7 +13,8 @@ namespace {
 /// Answers at once, and holds what it was sent last.
 class Obedient final : public LockStepDevice {
  public:
-  const DeviceSpec& spec() const override { return spec_; }
+  explicit Obedient(const char* spec = "simulated")
+      : LockStepDevice({.spec = builtin_device(spec), .sources = {}}, {}) {}
   Command held;
   bool blocked = false;  // nothing can be sent
 
@@ -28,9 +29,18 @@ class Obedient final : public LockStepDevice {
   }
   bool forget() noexcept override { return true; }
   void let_go() noexcept override {}
-
-  DeviceSpec spec_ = builtin_device("simulated");
 };
+
+TEST(LockStep, ItsForcesAreOneTickLateAndItHasNoRotation) {
+  const DeviceSpec all = builtin_device("sigma.7");
+  ASSERT_NE(all.rotation_actuated, 0);
+  const Obedient device("sigma.7");
+  EXPECT_EQ(device.spec().late_ticks, 1);
+  EXPECT_EQ(device.spec().rotation_sensed, 0);
+  EXPECT_EQ(device.spec().rotation_actuated, 0);
+  EXPECT_EQ(device.spec().max_torque, 0.0);
+  EXPECT_EQ(device.spec().max_force, all.max_force);
+}
 
 TEST(LockStep, ZeroIsSentAgainUntilItGoesOut) {
   const Command pull{.elastic = Vec3(0, 0, 2)};
