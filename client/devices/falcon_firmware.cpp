@@ -15,7 +15,7 @@ using std::chrono::milliseconds;
 
 constexpr std::uint16_t kPurgeReceived = 1, kPurgeSent = 2;
 constexpr std::uint16_t kSlowLatency = 16, kFastLatency = 1;  // [ms] of the converter
-// Of the converter's clock: 9600, 140 000 and about 1.4 million bits a second.
+// Divisors of the converter's clock, for 9600, 140 000 and about 1.4 million bits a second.
 constexpr std::uint16_t kHelloRate = 0x4138, kLoadRate = 0x15, kTalkRate = 0x02;
 constexpr std::uint16_t kEightBits = 8, kNoFlow = 0;
 constexpr std::uint16_t kRtsLow = 0x0200, kDtrLow = 0x0100, kDtrHigh = 0x0101;
@@ -29,7 +29,7 @@ bool purge(UsbLine& line) {
   return line.control(Request::reset, kPurgeReceived) && line.control(Request::reset, kPurgeSent);
 }
 
-/// What comes in answer, up to `count` bytes; fewer by the time that is given. None: it is gone.
+/// Receives the answer: `count` bytes, or fewer if `patience` is over. Empty: the device is gone.
 std::optional<std::vector<std::uint8_t>> heard(UsbLine& line, std::size_t count,
                                                Nanoseconds patience) {
   const Nanoseconds latest = monotonic_now() + patience;
@@ -99,8 +99,8 @@ std::string load_firmware(UsbLine& line, std::span<const std::uint8_t> image) {
       case Echo::gone:
         return kGone;
       case Echo::wrong:
-        return "what it echoes of the firmware at byte " + std::to_string(at) +
-               " is not what was sent";
+        return "the echo of the firmware at byte " + std::to_string(at) +
+               " is not what was sent; plug it into a port of the machine itself";
       case Echo::right:
         break;
     }

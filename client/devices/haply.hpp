@@ -16,7 +16,7 @@ OpenedDevice open_haply(const DeviceRequest& request);
 /// Returns a description of the service at that port of this machine, as "service at port 10001,
 /// first device 049D of 2". It sends nothing. Throws the same.
 std::string haply_service(std::uint16_t port);
-/// The same for the usual port.
+/// Returns that description for the usual port, 10001.
 std::string haply_usual_service();
 
 }  // namespace feltwire

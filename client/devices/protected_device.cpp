@@ -18,7 +18,7 @@ constexpr double kStillWithin = 0.003;  // [m]
 constexpr Nanoseconds kLongPause = std::chrono::milliseconds(20);
 constexpr int kMostButtons = 32;
 constexpr double kNoForceLeft = 1e-9;  // [N] of a mean of two equal forces
-// Of the force that the device gives for long, a tool may take this share.
+// The largest share of the device's continuous force that a tool may weigh.
 constexpr double kMostOfForce = 0.8;
 
 }  // namespace
@@ -54,7 +54,7 @@ ProtectedDevice::ProtectedDevice(std::unique_ptr<Device> device, const Protectio
       emergency_(std::move(emergency)),
       spec_(protected_spec(device_->spec(), options)) {}
 
-/// The enabling switch is a person's word that the hand is there.
+/// A pressed enabling switch counts as still: a person says by it that the hand is there.
 bool ProtectedDevice::still(const DeviceReading& reading, Nanoseconds now) noexcept {
   if (options_.still == 0.0 || reading.deadman) return true;
   if (!since_ || (reading.pose.position - still_at_).norm() > kStillWithin) {

@@ -75,7 +75,7 @@ class ProtectedDevice final : public Device {
   std::shared_ptr<EmergencyStop> emergency_;
   DeviceSpec spec_;
 
-  // Of the servo's thread.
+  // Members of the servo's thread.
   Stage stage_ = Stage::moving;
   double share_ = 0.0;  // of the weight that is held now
   bool lowering_ = false;

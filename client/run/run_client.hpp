@@ -31,7 +31,8 @@ struct RunOptions {
   Role role = Role::operator_;           // or observer
   std::string device_kind;               // for the report
   SessionParameters parameters = usual_parameters();  // requested from the server
-  /// Of a ProtectedDevice: keys of the terminal press and reset it. Null: no key does.
+  /// The emergency stop of the ProtectedDevice: keys of the terminal press and reset it. Null: the
+  /// terminal has no such keys.
   std::shared_ptr<EmergencyStop> emergency;
   ServoOptions servo;  // safety limits; protect_hand(parameters) gives the usual ones
   /// The changes that an admin may make while it runs (docs/admin.md); none by default.

@@ -37,7 +37,7 @@ bool Servo::count_modelled(double weight) noexcept {
   return weight >= 1.0;
 }
 
-/// The same for a tool with a body. Returns the weight of the model.
+/// follow_model() for a tool with a body. Returns the weight of the model.
 double Servo::follow_body(const BoundingStep& step, double age, Command& command) noexcept {
   const Probe probe = law_.bounding.probe(step.displacement, step.rotation);
   model_moved_ = step.displacement + probe.offset - last_offset_;

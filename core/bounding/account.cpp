@@ -238,7 +238,7 @@ double PortAccount::need_after(const Command& command, std::size_t n, double hol
          rotation_.need(command.torque, hold, {coming_torques_.data(), n}).at(1.0);
 }
 
-/// What was given is on the hand now, or L samples later.
+/// Takes note of the given force: it is on the hand now, or L samples later.
 void PortAccount::give(const Command& given) noexcept {
   held_ = late_ > 0 ? coming_.front() : given;
   if (late_ == 0) return;

@@ -133,7 +133,7 @@ class PortBalance {
 ///   reach   = the smaller of the reach of mass and outside force (core/bounding/reach.hpp) and of
 ///             v h + q |u|_1, if these are known
 ///
-/// Of a device that takes a force up L samples late the coming forces f(n-L) to f(n-1) need energy
+/// If the device takes a force up L samples late, the coming forces f(n-L) to f(n-1) need energy
 /// before f(n) does (docs/bounding.md, "Forces that are taken up late"):
 ///
 ///   need(f(n)) <= min(M(n), A(n)) - need(f(n-L)) - ... - need(f(n-1)),   A(n) L + 1/2 samples

@@ -1,5 +1,5 @@
 #pragma once
-// Which places of several hands are which place of one robot.
+// Maps the places of several hands to one target of a robot.
 
 #include <algorithm>
 #include <array>

@@ -19,7 +19,7 @@ namespace feltwire {
 ///   x,y,z       [m] the tool; qw,qx,qy,qz its orientation
 ///   fx,fy,fz    [N] of the environment on the tool; empty where it is not sensed
 ///   cx,cy,cz    [m] the target that its controller holds
-/// stiffness   [N/m] of its spring and the surface that it touches, in series; 0: none
+///   stiffness   [N/m] of its spring and the surface that it touches, in series; 0: none
 ///   sample      of the hand's, counted from 1, that the newest target comes from; 0: none
 ///   state       of the link, as the newest target says it
 /// A thread of its own writes the file, so that the robot's loop never waits for the disk.
