@@ -26,6 +26,7 @@ Examples (with the credentials that the server's join: line names, and the token
   feltwire-client admin set --connect localhost:6720 --gravity 0,0,-1.62
   feltwire-client admin set --connect localhost:6720 --session 1 --mode contact_frame
   feltwire-client admin set --connect localhost:6720 --session 1 --delay 25 --loss 10
+  feltwire-client admin set --connect localhost:6720 --session 1 --lead-share 0.5
   feltwire-client admin reload room --connect localhost:6720
 A change is felt at once and lasts until it is changed again or the scene is reloaded; the scene's
 file stays as it is (docs/admin.md).)";
@@ -39,6 +40,7 @@ struct AdminWords {
   SessionWords parameters;
   std::optional<double> delay, jitter;  // [ms] of an emulated link
   std::optional<double> loss;           // [%]
+  std::optional<double> lead_share;
   bool link() const { return delay || jitter || loss; }
 };
 
@@ -99,9 +101,19 @@ void set_link(const ServerAccess& server, const AdminWords& words, const SeenSes
   await_client(server, seen);
 }
 
+void set_lead(const ServerAccess& server, const AdminWords& words, const SeenSession& seen) {
+  if (words.parameters != SessionWords{} || words.link())
+    throw std::invalid_argument(
+        "--lead-share changes the lead of a robot; give the other options in a second command");
+  const control::SetLead request{seen.session.session, *words.lead_share};
+  print("scene " + visible(seen.scene) + ": " +
+        visible(ask_for<control::SceneChanged>(server, request).what) + "\n");
+}
+
 void set_session(const ServerAccess& server, const AdminWords& words) {
   const std::vector<SeenSession> sessions = sessions_of(server, words.scene);
   const SeenSession& seen = session_named(sessions, words.session);
+  if (words.lead_share) return set_lead(server, words, seen);
   if (words.link()) return set_link(server, words, seen);
   const SessionParameters wanted = changed(seen.session.parameters, words.parameters);
   if (wanted == seen.session.parameters)
@@ -207,6 +219,14 @@ void add_parameters(CLI::App& command, AdminWords& words) {
       ->group(group);
 }
 
+void add_lead(CLI::App& command, AdminWords& words) {
+  command
+      .add_option("--lead-share", words.lead_share,
+                  "Share of a session in the lead of its scene's robot, together with others: "
+                  "0.01 to 100. 0: it leads alone")
+      ->group("Lead of a robot");
+}
+
 struct AdminCommand {
   CLI::App* command;
   void (*run)(const ServerAccess& server, const AdminWords& words);
@@ -232,13 +252,15 @@ std::vector<AdminCommand> add_commands(CLI::App& app, AdminWords& words) {
                        "The session's scene, if several scenes have a session with this number");
   CLI::App* setting = add_command(
       app, words, "set",
-      "Change the material of an object, gravity, or the bound or emulated link of a session");
+      "Change the material of an object, gravity, or a session: its bound, its emulated link, or "
+      "its share in the lead of a robot");
   setting->add_option("--scene", words.scene, "Not needed if the server has only one");
   add_material(*setting, words.material);
   setting->add_option("--gravity", words.gravity, "X,Y,Z [m/s^2] Gravity on moving objects")
       ->delimiter(',');
   add_parameters(*setting, words);
   add_link(*setting, words);
+  add_lead(*setting, words);
   CLI::App* counting = add_command(app, words, "stats", "Show the server's counters");
   counting->add_flag("--json", words.json, "Print JSON");
   return {{sessions, &list_sessions},

@@ -175,6 +175,7 @@ std::string session_json(const std::vector<SeenSession>& sessions) {
                     {"balance_j", number(s.balance)},
                     {"laws_taken", name(s.takes.laws)},
                     {"link_taken", s.takes.link},
+                    {"lead_share", s.lead_share},
                     {"asked", s.asked.empty() ? Json(nullptr) : Json(visible(s.asked))},
                     {"answer", s.asked.empty() ? Json(nullptr) : Json(name(s.answer))}});
   return list.dump(2) + "\n";

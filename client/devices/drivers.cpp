@@ -130,7 +130,8 @@ constexpr std::array kDrivers = {
            .summary = "a plugin of your own, feltwire_device_v1.h",
            .spec = "simulated",
            .open = open_plugin,
-           .library = nullptr},
+           .library = nullptr,
+           .buttons = 32},
 };
 
 /// "KIND", "KIND:NAME" or "KIND[:NAME]".

@@ -45,6 +45,7 @@ typedef struct feltwire_spec_v1 {
   double rotational_resolution; /* [rad] */
   double least_inertia;       /* [kg m^2] about every axis */
   double hand_torque;         /* [N m] from outside, at most */
+  int32_t late_ticks;         /* ticks from write() to the force on the hand, 0 to 4, where held_force cannot tell */
 } feltwire_spec_v1;
 
 /* What read() returns. */
@@ -61,6 +62,10 @@ typedef struct feltwire_reading_v1 {
   int32_t tells_held;    /* not 0: the two below are the mean force and torque since the last reading, where the device
                             knows better than write() did */
   double held_force[3], held_torque[3];
+  uint32_t buttons;      /* a bit each, the first is bit 0. The first lets the hand lead a robot (the deadman), the second
+                            lifts the hand off the scene (the clutch) */
+  int32_t has_lever;     /* not 0: the device has a lever for a robot's gripper, and the next is the wanted opening [m] */
+  double lever;
 } feltwire_reading_v1;
 
 typedef struct feltwire_device_v1 {

@@ -84,6 +84,7 @@ DeviceSpec spec_of(const feltwire_spec_v1& given) {
       .least_friction = given.least_friction,
       .hand_force = given.hand_force,
       .hand_speed = given.hand_speed,
+      .late_ticks = given.late_ticks,
       .rotational_resolution = given.rotational_resolution,
       .least_inertia = given.least_inertia,
       .hand_torque = given.hand_torque};
@@ -163,6 +164,10 @@ class PluginDevice final : public Device {
     reading.pose.position = vector(told.position);
     reading.pose.orientation = Quaternion(told.orientation[0], told.orientation[1],
                                           told.orientation[2], told.orientation[3]);
+    reading.buttons = told.buttons;
+    reading.deadman = (told.buttons & 1u) != 0;
+    reading.clutch = (told.buttons & 2u) != 0;
+    if (told.has_lever != 0) reading.gripper = told.lever;
     if (told.tells_held != 0)
       reading.held = held_command(written_, vector(told.held_force), vector(told.held_torque));
     return reading;

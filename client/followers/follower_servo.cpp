@@ -99,6 +99,19 @@ bool FollowerServo::may_follow(const FollowerReading& reading, Nanoseconds now) 
          now - heard_ <= options_.silence && reading.ok && !reading.stopped;
 }
 
+bool FollowerServo::jumped(const Vec3& tip, Nanoseconds now) const noexcept {
+  const double time = std::max(seconds(now - last_), spec_.servo_period);
+  return (tip - tip_).norm() > kJump * options_.motion.speed * time;
+}
+
+void FollowerServo::lose(const Vec3& tip, Nanoseconds now) noexcept {
+  lost_ = (tip - wanted_.pose.position).norm() > options_.leash / spec_.stiffness;
+  tip_ = tip;
+  last_ = now;
+  motion_.begin(wanted_.pose);
+  limit_.begin(wanted_.pose);
+}
+
 /// What the tool touches, and the energy of it.
 void FollowerServo::sense(const FollowerReading& reading, double elapsed) noexcept {
   const Vec3& tip = reading.pose.position;
@@ -168,7 +181,10 @@ FollowerTarget FollowerServo::step(const FollowerReading& reading, Nanoseconds n
   state_.time = now;
   state_.ok = reading.ok;
   state_.stopped = reading.stopped;
-  if (!reading.ok || !finite(reading)) {
+  const bool usable = reading.ok && finite(reading);
+  const bool lost = usable && begun_ && (lost_ || jumped(reading.pose.position, now));
+  if (lost) lose(reading.pose.position, now);
+  if (lost || !usable) {
     ++statistics_.faults;
     state_.ok = false;
     following_ = false;

@@ -39,7 +39,7 @@ struct FollowerStatistics {
   std::uint64_t targets_stale = 0;  // not newer than the one in use, so without effect
   std::uint64_t engagements = 0;    // times that the robot began to follow
   std::uint64_t holds = 0;          // times that it stopped following
-  std::uint64_t faults = 0;         // readings that were faulty or not finite
+  std::uint64_t faults = 0;         // readings that were faulty, not finite, or far from the target after a jump
   double largest_force = 0.0;       // [N] of the environment on the tool
 };
 
@@ -56,10 +56,15 @@ struct FollowerStatistics {
 /// When it begins to follow, it starts from the target that it holds: earlier targets do not count.
 /// Its target is then not farther behind a wall of the workspace than it was, for every received
 /// target. It is behind one only if an object has pushed the robot there, and the spring, never
-/// stronger than the leash, pulls it back. A reading that is faulty or not finite moves nothing. It
-/// allocates only at construction.
+/// stronger than the leash, pulls it back. A reading that is faulty or not finite moves nothing.
+/// After a jump of the readings (kJump) it is not well: it stops following, and its target stays. It
+/// is well again once the readings are as near to the target as the leash allows: nobody knows
+/// where a robot is that reads otherwise. It allocates only at construction.
 class FollowerServo {
  public:
+  /// A reading is a jump if it is this many times as far away as the speed limit allows.
+  static constexpr double kJump = 10.0;
+
   /// Throws std::invalid_argument that names the number and the remedy.
   FollowerServo(const FollowerSpec& spec, const FollowerOptions& options = {});
 
@@ -91,6 +96,8 @@ class FollowerServo {
 
  private:
   bool may_follow(const FollowerReading& reading, Nanoseconds now) const noexcept;
+  bool jumped(const Vec3& tip, Nanoseconds now) const noexcept;
+  void lose(const Vec3& tip, Nanoseconds now) noexcept;
   void sense(const FollowerReading& reading, double elapsed) noexcept;
   void steer(bool follow, double elapsed) noexcept;
 
@@ -105,6 +112,7 @@ class FollowerServo {
   RobotTarget target_;  // the newest; index 0: none yet
   Nanoseconds heard_{0};
   bool begun_ = false, following_ = false;
+  bool lost_ = false;        // after a jump
   Nanoseconds last_{0};      // the time of the sample before
   Vec3 tip_ = Vec3::Zero();  // [m] there
   FollowerTarget wanted_;    // to be written

@@ -27,10 +27,15 @@ double RemoteHand::step(const Vec3& hand, const Vec3& displacement, const Vec3& 
   const bool tied = engaged && remote_.contact.surface != 0;
   const std::span walls(remote_.walls.data(),
                         engaged ? static_cast<std::size_t>(remote_.wall_count) : 0);
-  index_.step(hand, displacement, tied ? remote_.contact : RemoteContact{}, elapsed,
-              RobotWalls::reach(hand - index_.offset(), walls));
+  const std::uint32_t known = index_.known_surface();
+  index_.step(
+      hand, displacement, tied ? remote_.contact : RemoteContact{}, elapsed,
+      {.holds = RobotWalls::reach(hand - index_.offset(), walls), .meets = remote_.meets_surfaces});
   walls_.step(hand, walls, index_, elapsed);
-  weight_ = tied ? 1.0 : std::max(0.0, weight_ - elapsed / fade_);
+  // A surface that another hand meets may be in front of this one: its force rises slowly.
+  if (tied && index_.known_surface() != known && !remote_.meets_surfaces) weight_ = 0.0;
+  const double rise = remote_.meets_surfaces ? 1.0 : elapsed / fade_;
+  weight_ = tied ? std::min(1.0, weight_ + rise) : std::max(0.0, weight_ - elapsed / fade_);
   if (tied)
     show(hand);
   else if (weight_ == 0.0)

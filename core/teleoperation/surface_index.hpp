@@ -10,6 +10,11 @@
 
 namespace feltwire {
 
+struct IndexRole {
+  bool holds = false;  // the offset is not given back now
+  bool meets = true;   // the offset takes up a first touch; false: that of another leader does
+};
+
 /// The leader's index: the robot's target is the hand's position less `offset()`.
 ///
 /// The leader knows of a first touch one round trip late, when the hand is already far inside the
@@ -33,9 +38,9 @@ class SurfaceIndex {
   static constexpr double kFarthest = 1e3;    // [m] on each axis, by walls that are far away
 
   /// The hand moved by `displacement` [m] to `hand` in `elapsed` [s]. `seen` is the newest contact
-  /// that the leader knows. All are finite. `holds`: the offset is not given back now.
+  /// that the leader knows. All are finite.
   void step(const Vec3& hand, const Vec3& displacement, const RemoteContact& seen, double elapsed,
-            bool holds = false) noexcept {
+            const IndexRole& role = {}) noexcept {
     const double height = (hand - offset_ - seen.point).dot(seen.normal);
     const bool known = seen.surface != 0 && seen.surface == known_;
     // A surface that a model of the environment told before has its place from the first touch on.
@@ -43,10 +48,10 @@ class SurfaceIndex {
     const bool young = known && (touched_ || first) && age_ < kYoung;
     const bool free = known && !young && height > kFreeAbove && !seen.touching;
     if (seen.surface == 0 || free) {
-      if (!holds) give_back(displacement);
+      if (!role.holds) give_back(displacement);
     } else if (!known) {
-      if (height < 0.0) offset_ += height * seen.normal;
-      age_ = 0.0;
+      if (height < 0.0 && role.meets) offset_ += height * seen.normal;
+      age_ = role.meets ? 0.0 : kYoung;
       touched_ = false;
     } else if (young) {
       if (height < kFreeAbove) offset_ -= along(seen.point - place_, seen.normal);

@@ -27,6 +27,12 @@ struct LinkChange {
   std::uint64_t session = 0;
   LinkQuality link;
 };
-using LiveChange = std::variant<MaterialChange, GravityChange, ParameterChange, LinkChange>;
+/// Another share of a hand in the lead of its scene's robot (lead_share.hpp).
+struct LeadChange {
+  std::uint64_t session = 0;
+  double share = 0.0;
+};
+using LiveChange =
+    std::variant<MaterialChange, GravityChange, ParameterChange, LinkChange, LeadChange>;
 
 }  // namespace feltwire

@@ -46,6 +46,7 @@ struct JoinRequest {
   bool figures = false;  // for an observer: views have the figures of hands (scene_view.hpp)
   ChangesTaken takes = {};   // changes that an admin may make at the client while it runs
   Workspace workspace = {};  // for a follower: its own; at most Workspace::kMostGiven walls
+  double lead_share = 0.0;   // for a hand (lead_share.hpp); the server sets it from the token
 };
 struct JoinAccepted {
   std::uint64_t session = 0;
@@ -148,6 +149,10 @@ struct SetLink {
   std::uint64_t session = 0;
   LinkQuality link;  // for its client to emulate
 };
+struct SetLead {
+  std::uint64_t session = 0;
+  double share = 0.0;  // lead_share.hpp
+};
 struct SceneChanged {
   std::string scene;
   std::string what;  // for people: the old and the new value
@@ -173,6 +178,7 @@ struct SessionDescription {
   ChangesTaken takes;
   std::string asked;  // for people: the newest change requested of its client; empty: none
   ChangeAnswer answer = ChangeAnswer::waiting;  // the client's answer to that
+  double lead_share = 0.0;                      // with which it leads a robot (lead_share.hpp)
 };
 struct SessionDescriptions {
   std::vector<SessionDescription> sessions;  // at most kMaxDescriptions, by rising number
@@ -193,7 +199,7 @@ using Message = std::variant<JoinRequest, JoinAccepted, LeaveRequest, Left, List
                              SetParameters, ParametersSet, Refused, Authenticate, Authenticated,
                              Evict, Evicted, ListSessions, SessionList, ReloadScene, SceneReloaded,
                              SetMaterial, SetGravity, SceneChanged, DescribeSessions,
-                             SessionDescriptions, GetCounters, Counters, SetLink>;
+                             SessionDescriptions, GetCounters, Counters, SetLink, SetLead>;
 
 const char* name(RefusalCode code);
 

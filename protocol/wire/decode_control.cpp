@@ -117,6 +117,7 @@ bool read(const wire::JoinRequest& from, JoinRequest& to) {
   to.figures = from.figures();
   to.aes_256_gcm = from.aes_256_gcm();
   to.takes.link = from.link_taken();
+  to.lead_share = from.lead_share();
   return read(from.workspace(), to.workspace) && read_name(from.tool(), to.tool) &&
          read_name(from.version(), to.version) && read_name(from.client(), to.client) &&
          read_name(from.scene(), to.scene) && read(*from.device(), to.device) &&
@@ -229,6 +230,10 @@ bool read(const wire::SetLink& from, SetLink& to) {
   to.link = {from.delay(), from.jitter(), from.loss()};
   return true;
 }
+bool read(const wire::SetLead& from, SetLead& to) {
+  to = {from.session(), from.share()};
+  return true;
+}
 bool read(const wire::SceneChanged& from, SceneChanged& to) {
   return read_name(from.scene(), to.scene) && read_name(from.what(), to.what, kMaxReason);
 }
@@ -249,6 +254,7 @@ bool read(const wire::SessionDescriptions& from, SessionDescriptions& to) {
     session.burned = entry->burned();
     session.balance = given(entry->balance());
     session.takes.link = entry->link_taken();
+    session.lead_share = entry->lead_share();
     if (!read_name(entry->client(), session.client) ||
         !read_name(entry->device(), session.device) || !read_name(entry->tool(), session.tool) ||
         !read_enum(entry->role(), session.role) ||
@@ -348,6 +354,8 @@ std::optional<Message> decode(Bytes body) {
       return message<Counters>(*root->body_as_Counters());
     case wire::Body::SetLink:
       return message<SetLink>(*root->body_as_SetLink());
+    case wire::Body::SetLead:
+      return message<SetLead>(*root->body_as_SetLead());
     case wire::Body::NONE:
       break;
   }

@@ -95,7 +95,7 @@ struct BodyBuilder {
     return wire::CreateJoinRequest(builder, client, scene, device, parameters,
                                    wire_enum<wire::Role>(m.role), m.aes_256_gcm, tool, version,
                                    m.figures, wire_enum<wire::LawsTaken>(m.takes.laws),
-                                   m.takes.link, workspace);
+                                   m.takes.link, workspace, m.lead_share);
   }
   Offset<wire::JoinAccepted> operator()(const JoinAccepted& m) {
     const wire::Vector position = vector(m.start_position), normal = vector(m.start_normal);
@@ -173,6 +173,9 @@ struct BodyBuilder {
   Offset<wire::SetLink> operator()(const SetLink& m) {
     return wire::CreateSetLink(builder, m.session, m.link.delay, m.link.jitter, m.link.loss);
   }
+  Offset<wire::SetLead> operator()(const SetLead& m) {
+    return wire::CreateSetLead(builder, m.session, m.share);
+  }
   Offset<wire::SceneChanged> operator()(const SceneChanged& m) {
     const auto scene = builder.CreateString(m.scene);
     return wire::CreateSceneChanged(builder, scene,
@@ -189,7 +192,7 @@ struct BodyBuilder {
         builder, d.number, d.session, client, device, tool, wire_enum<wire::Role>(d.role),
         parameters, d.samples, d.missed, d.round_trip.value_or(kNotGiven), d.delivered, d.burned,
         d.balance.value_or(kNotGiven), wire_enum<wire::LawsTaken>(d.takes.laws), d.takes.link,
-        asked, wire_enum<wire::ChangeAnswer>(d.answer));
+        asked, wire_enum<wire::ChangeAnswer>(d.answer), d.lead_share);
   }
   Offset<wire::SessionDescriptions> operator()(const SessionDescriptions& m) {
     std::vector<Offset<wire::SessionDescription>> entries;

@@ -44,6 +44,8 @@ inline constexpr int kMostRemoteWalls = 3;
 /// of surface and robot in series. Its vectors, except the point, are float32 on the wire.
 struct Remote {
   LinkState state = LinkState::disabled;
+  /// False: another hand leads with this one. That hand's offset takes up a first touch for both.
+  bool meets_surfaces = true;
   Pose pose;                                         // of the robot's tool, in its own frame
   RemoteContact contact;                             // at the hand, before its offset
   EnergyCounters energy;                             // in the hand's units

@@ -68,6 +68,7 @@ RemoteContact contact_of(const wire::RobotContact& from) {
 wire::RobotEnergy wire_energy(const EnergyCounters& e) { return {e.given, e.taken, e.pushed}; }
 EnergyCounters energy_of(const wire::RobotEnergy& e) { return {e.given(), e.taken(), e.pushed()}; }
 
+constexpr std::uint32_t kOtherMeets = 1u << 8;  // of Remote.state
 bool known(std::uint32_t state) { return state <= static_cast<std::uint32_t>(kLastLinkState); }
 
 DropReason check(const RobotState& s) {
@@ -107,7 +108,7 @@ wire::Remote wire_remote(const Remote& r) {
           wire_energy(r.energy),
           static_cast<float>(r.gripper),
           static_cast<float>(r.age),
-          static_cast<std::uint32_t>(r.state),
+          static_cast<std::uint32_t>(r.state) | (r.meets_surfaces ? 0 : kOtherMeets),
           static_cast<float>(r.gripper_force)};
 }
 
@@ -118,8 +119,10 @@ bool read(const wire::Remote& from, Remote& to) noexcept {
   to.gripper = from.gripper();
   to.gripper_force = from.gripper_force();
   to.age = from.age();
-  if (!known(from.state())) return false;
-  to.state = static_cast<LinkState>(from.state());
+  const std::uint32_t state = from.state() & ~kOtherMeets;
+  if (!known(state)) return false;
+  to.state = static_cast<LinkState>(state);
+  to.meets_surfaces = state == from.state();
   return plausible(to.pose) && plausible(to.contact) && plausible(to.energy) &&
          std::isfinite(to.gripper) && std::isfinite(to.gripper_force) && to.age >= 0.0 &&
          std::isfinite(to.age);

@@ -26,6 +26,8 @@ std::string text(std::string_view text) {
   return Json(text).dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
+std::string number(double value) { return nlohmann::json(value).dump(); }
+
 std::string object(const std::vector<Member>& members) {
   std::vector<std::string> entries;
   entries.reserve(members.size());

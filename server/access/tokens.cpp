@@ -66,6 +66,13 @@ std::string complaint(std::string_view name) {
          " bytes without control characters; choose another name";
 }
 
+/// What is wrong with the share that a token of that role gives its hands.
+std::optional<std::string> complaint(Role role, double lead_share) {
+  if (lead_share != 0.0 && !covers(role, Role::operator_))
+    return "is for tokens of the roles operator and admin; leave it out";
+  return wrong_lead_share(lead_share);
+}
+
 /// `fw_<id>_<secret>` in its parts.
 struct Shown {
   std::string_view id;
@@ -104,7 +111,7 @@ bool expired(const Token& token, CalendarTime now) {
 }
 
 IssuedToken issue_token(std::string client, std::string scene, Role role,
-                        std::optional<CalendarTime> expires) {
+                        std::optional<CalendarTime> expires, double lead_share) {
   need_sodium();
   if (const std::string wrong = complaint(client); !wrong.empty())
     throw std::invalid_argument("the client's name " + wrong);
@@ -113,11 +120,14 @@ IssuedToken issue_token(std::string client, std::string scene, Role role,
   if (role == Role::follower && scene == "*")
     throw std::invalid_argument(
         "a token of the role follower is for the robot's seat of one scene; name the scene");
+  if (const auto wrong = complaint(role, lead_share))
+    throw std::invalid_argument("the lead share " + *wrong);
   IssuedToken issued;
   Token& token = issued.token;
   token.client = std::move(client);
   token.scene = std::move(scene);
   token.role = role;
+  token.lead_share = lead_share;
   token.expires = expires;
   std::array<std::uint8_t, kIdBytes> id;
   randombytes_buf(id.data(), id.size());
@@ -214,6 +224,9 @@ Tokens parse_tokens(std::string_view json, const std::string& file) {
     if (const std::string wrong = complaint(token.scene); !wrong.empty())
       document.fail(path + "scene", wrong);
     token.role = static_cast<Role>(entry->role());
+    token.lead_share = entry->lead_share();
+    if (const auto wrong = complaint(token.role, token.lead_share))
+      document.fail(path + "lead_share", *wrong);
     constexpr std::int64_t kLast = 253'402'300'800;  // the year 10000
     if (entry->expires() < 0 || entry->expires() > kLast)
       document.fail(path + "expires", "must be seconds since 1970, or 0: never; correct it");
@@ -237,6 +250,7 @@ std::string json(const Tokens& tokens) {
          {"client", text(token.client)},
          {"scene", text(token.scene)},
          {"role", text(name(token.role))},
+         {"lead_share", json_text::number(token.lead_share)},
          {"expires", json_text::number(std::int64_t{
                          token.expires ? token.expires->time_since_epoch().count() : 0})},
          {"salt", text(hex(token.salt))},

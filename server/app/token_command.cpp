@@ -8,6 +8,7 @@
 #include "core/base/pending_file.hpp"
 #include "core/base/visible_text.hpp"
 #include "core/command_line/suggestion.hpp"
+#include "server/access/json_text.hpp"
 #include "server/access/security.hpp"
 #include "server/app/config.hpp"
 
@@ -26,11 +27,13 @@ Examples:
 
 struct TokenArguments {
   std::string client, scene = "*", role, expires, id, out;
+  double lead_share = 0.0;
 };
 
 void add(const ServerConfig& config, const TokenArguments& words) {
-  const IssuedToken issued = issue_token(words.client, words.scene, role(words.role),
-                                         parse_expiry(words.expires, calendar_now()));
+  const IssuedToken issued =
+      issue_token(words.client, words.scene, role(words.role),
+                  parse_expiry(words.expires, calendar_now()), words.lead_share);
   const std::string_view text = issued.text.text();
   make_state_folder(config);
   // Written before the token is stored: its text stands nowhere else and cannot be had again.
@@ -51,12 +54,17 @@ void add(const ServerConfig& config, const TokenArguments& words) {
   }
 }
 
+/// "0.5", or "alone".
+std::string lead_text(double share) { return share > 0.0 ? json_text::number(share) : "alone"; }
+
 void list(const ServerConfig& config) {
   const TokenFile file(token_file(config));
-  std::printf("%-12s  %-8s  %-23s  %-20s  %s\n", "id", "role", "expires", "client", "scene");
+  std::printf("%-12s  %-8s  %-23s  %-20s  %-6s  %s\n", "id", "role", "expires", "client", "lead",
+              "scene");
   for (const Token& token : file.tokens())
-    std::printf("%-12s  %-8s  %-23s  %-20s  %s%s\n", token.id.c_str(), name(token.role).data(),
-                expiry_text(token.expires).c_str(), visible(token.client).c_str(),
+    std::printf("%-12s  %-8s  %-23s  %-20s  %-6s  %s%s\n", token.id.c_str(),
+                name(token.role).data(), expiry_text(token.expires).c_str(),
+                visible(token.client).c_str(), lead_text(token.lead_share).c_str(),
                 visible(token.scene).c_str(), expired(token, calendar_now()) ? "  (expired)" : "");
 }
 
@@ -97,6 +105,9 @@ int token_command(int argc, char** argv) {
       ->required();
   adding->add_option("--expires", words.expires, "30d, 12h, a day as 2026-12-31 (UTC), or never")
       ->required();
+  adding->add_option("--lead-share", words.lead_share,
+                     "For hands that lead one robot together: the share of this token's hands, "
+                     "0.01 to 100. When not given: each hand leads alone");
   adding->add_option("--out", words.out,
                      "FILE for the token, readable for its owner alone, instead of stdout");
   CLI::App* listing = app.add_subcommand("list", "Show all tokens");

@@ -34,7 +34,11 @@ bool ControlService::serve_admin(PendingRequest& asked, const control::Message& 
     return true;
   }
   if (const auto* link = std::get_if<control::SetLink>(&request)) {
-    set_link(std::move(asked), *link);
+    change_session(std::move(asked), link->session, LinkChange{link->session, link->link});
+    return true;
+  }
+  if (const auto* lead = std::get_if<control::SetLead>(&request)) {
+    change_session(std::move(asked), lead->session, LeadChange{lead->session, lead->share});
     return true;
   }
   if (const auto* sessions = std::get_if<control::DescribeSessions>(&request)) {
@@ -126,13 +130,14 @@ void ControlService::change(PendingRequest asked, const std::string& name, LiveC
       });
 }
 
-/// Of a session in a scene that the token of an admin opens.
-void ControlService::set_link(PendingRequest asked, const control::SetLink& request) {
+/// Changes a session in a scene that the token of an admin opens.
+void ControlService::change_session(PendingRequest asked, std::uint64_t session,
+                                    LiveChange wanted) {
   if (auto refused = refuse_below_admin(asked)) return asked.answer(*std::move(refused));
-  const auto found = seated_.find(request.session);
+  const auto found = seated_.find(session);
   if (found == seated_.end() || !opens(asked.token, scene_name(found->second)))
-    return asked.answer(unknown_session(request.session));
-  change(std::move(asked), scene_name(found->second), LinkChange{request.session, request.link});
+    return asked.answer(unknown_session(session));
+  change(std::move(asked), scene_name(found->second), std::move(wanted));
 }
 
 /// What a scene's thread alone can say.

@@ -149,6 +149,7 @@ void ControlService::join(PendingRequest asked, control::JoinRequest request) {
     return asked.answer(Refused{RefusalCode::not_supported, "this connection gives no keys"});
   }
   seated_[id] = {asked.token.id, asked.token.client, scene, request.role, who, monotonic_now(), {}};
+  request.lead_share = covers(request.role, Role::operator_) ? asked.token.lead_share : 0.0;
   SceneHost& host = *hosts_[scene];
   const auto finish = [this, id, scene, suite, who, version = visible(request.version),
                        answer = std::move(asked.answer)](control::Message message) {

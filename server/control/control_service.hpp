@@ -91,7 +91,7 @@ class ControlService {
   std::variant<std::size_t, control::Refused> scene_of_admin(const PendingRequest& asked,
                                                              const std::string& name);
   void change(PendingRequest asked, const std::string& name, LiveChange change);
-  void set_link(PendingRequest asked, const control::SetLink& request);
+  void change_session(PendingRequest asked, std::uint64_t session, LiveChange change);
   void ask_scene(PendingRequest asked, const std::string& name, control::Message request);
   void count(PendingRequest asked, const control::GetCounters& request);
   control::Refused refuse(control::RefusalCode code, std::string reason);

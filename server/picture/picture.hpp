@@ -81,6 +81,7 @@ struct HandDescription {
   std::string asked = {};  // for people: the newest change requested of its client
   ChangeAnswer answer = ChangeAnswer::waiting;  // the client's answer to it
   HandTimesHeard times = {};                    // of the client; not heard: not known
+  std::optional<double> lead_share = {};        // of its robot; nothing: it can lead none
 };
 
 /// Brings pictures from the scene's thread to one other thread, the viewer's. Neither waits for the

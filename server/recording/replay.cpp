@@ -147,6 +147,8 @@ class Replayer {
       wanted = GravityChange{gravity->gravity};
     else if (const auto* link = std::get_if<control::SetLink>(&*request))
       wanted = LinkChange{id_of(event.hand), link->link};
+    else if (const auto* lead = std::get_if<control::SetLead>(&*request))
+      wanted = LeadChange{id_of(event.hand), lead->share};
     else
       return std::string("its request is another one");
     ChangeOutcome outcome = sessions_.change(wanted, event.time);

@@ -11,6 +11,7 @@
 #include "core/scene/validation.hpp"
 #include "protocol/session/client_change.hpp"
 #include "protocol/session/grant.hpp"
+#include "protocol/session/lead_share.hpp"
 #include "protocol/session/material_fields.hpp"
 #include "server/scene/parameter_changes.hpp"
 #include "server/scene/session_slot.hpp"
@@ -150,6 +151,28 @@ struct SceneSessions::Change {
                  nullptr};
     const auto event = logged(control::SetLink{(*slot)->number, change.link});
     (*slot)->asked = std::move(asked);
+    log(EventKind::change, event, (*slot)->number);
+    return made;
+  }
+
+  ChangeOutcome operator()(const LeadChange& change) {
+    SessionSlot** slot = sessions.by_id_.find(change.session);
+    if (slot == nullptr) return unknown_session(change.session);
+    if (const auto wrong = wrong_lead_share(change.share))
+      throw std::invalid_argument("lead share: " + *wrong);
+    if (!sessions.link_)
+      return Refused{RefusalCode::not_supported,
+                     "lead share: scene '" + sessions.scene_->name() +
+                         "' has no seat for a robot; give it one with remote (docs/scenes.md)"};
+    if (!covers((*slot)->role, Role::operator_))
+      return Refused{RefusalCode::not_supported,
+                     "lead share: session " + std::to_string((*slot)->number) + " joined as " +
+                         std::string(name((*slot)->role)) + " and leads no robot; name a hand"};
+    Changed made{fmt::format("session {} ({}): lead share {} -> {}", (*slot)->number,
+                             (*slot)->session.client(), (*slot)->lead_share, change.share),
+                 nullptr};
+    const auto event = logged(control::SetLead{(*slot)->number, change.share});
+    (*slot)->lead_share = change.share;
     log(EventKind::change, event, (*slot)->number);
     return made;
   }

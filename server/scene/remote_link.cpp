@@ -99,6 +99,11 @@ RemoteLink::Leader* RemoteLink::hand_over(std::uint32_t hand, double share, cons
   return &leader;
 }
 
+bool RemoteLink::others_sit(const Leader& leader) const noexcept {
+  return std::ranges::any_of(leaders_,
+                             [&](const Leader& l) { return l.hand != 0 && &l != &leader; });
+}
+
 /// A hand without a seat that would lead; null: not now.
 RemoteLink::Leader* RemoteLink::let_in(std::uint32_t hand, double share, const Sample& newest,
                                        bool pressed, Nanoseconds now) noexcept {
@@ -127,6 +132,10 @@ void RemoteLink::lead(std::uint32_t hand, const SampleBatch& batch, double perio
                       double share) noexcept {
   const Sample& newest = batch.samples[0];
   Leader* leader = seat_of(hand);
+  if (leader != nullptr && share == 0.0 && others_sit(*leader)) {
+    leave(hand);
+    leader = nullptr;
+  }
   if (leader == nullptr) leader = let_in(hand, share, newest, batch.lead->deadman, now);
   if (leader == nullptr) return;
   const auto which = static_cast<std::size_t>(leader - leaders_.data());
@@ -225,7 +234,9 @@ Remote RemoteLink::told(std::uint32_t hand, Nanoseconds now) const noexcept {
                 .age = std::max(0.0, seconds(now - robot_heard_))};
   // What the hand meets is known only where both are tied together.
   if (!leader->engaged()) return remote;
-  const EngageIndex& index = index_.index(static_cast<std::size_t>(leader - leaders_.begin()));
+  const auto which = static_cast<std::size_t>(leader - leaders_.begin());
+  remote.meets_surfaces = which == index_.turns();
+  const EngageIndex& index = index_.index(which);
   remote.contact = tellable(index.at_hand(limit_.free_part(said_.contact)));
   tell_walls(remote, index);
   return remote;

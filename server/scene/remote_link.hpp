@@ -53,7 +53,7 @@ class RemoteLink {
   /// `share` > 0: the hand leads together with others that have a share. Each has its own switch
   /// and state. The weight of an engaged hand is its share over the sum of the engaged ones
   /// (SharedIndex). The target's first step is zero when a hand engages, releases, leaves or gets
-  /// another share.
+  /// another share. A hand that gets the share 0 while others have a seat loses its seat.
   void lead(std::uint32_t hand, const SampleBatch& batch, double period, Nanoseconds now,
             double share = 0.0) noexcept;
   /// The robot's state, received at `now`; false: it is not newer than the one before.
@@ -96,6 +96,7 @@ class RemoteLink {
   bool jumped(const Leader& leader, const Sample& sample, double period) const noexcept;
   bool asks(std::uint32_t hand, bool pressed) noexcept;
   void stop_waiting(std::uint32_t hand) noexcept;
+  bool others_sit(const Leader& leader) const noexcept;
   Leader* seat_of(std::uint32_t hand) noexcept;
   Leader* let_in(std::uint32_t hand, double share, const Sample& newest, bool pressed,
                  Nanoseconds now) noexcept;

@@ -27,7 +27,8 @@ Bytes SceneSessions::answer_samples(SessionSlot& slot, Bytes payload,
   // Whoever holds a datagram back and sends it on from elsewhere draws no goodbye there.
   if (origin.newest) slot.peer = origin.from;
   if (link_ && batch_.lead && covers(slot.role, Role::operator_)) {
-    link_->lead(slot.number, batch_, slot.session.parameters().servo_period, origin.now);
+    link_->lead(slot.number, batch_, slot.session.parameters().servo_period, origin.now,
+                slot.lead_share);
     taken.reply.remote = link_->told(slot.number, origin.now);
   }
   const Bytes answer = taken.withheld            ? Bytes{}

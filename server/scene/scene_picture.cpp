@@ -112,10 +112,12 @@ std::vector<HandDescription> SceneSessions::describe() const {
   std::vector<HandDescription> hands;
   for (const auto& slot : slots_)
     if (const Session& session = slot->session; !session.observes())
-      hands.push_back({slot->number, slot->id, session.client(), session.device().name, slot->tool,
-                       session.parameters(), slot->takes,
-                       slot->asked ? slot->asked->what : std::string(),
-                       slot->asked ? slot->asked->answer : ChangeAnswer::waiting, session.times()});
+      hands.push_back(
+          {slot->number, slot->id, session.client(), session.device().name, slot->tool,
+           session.parameters(), slot->takes, slot->asked ? slot->asked->what : std::string(),
+           slot->asked ? slot->asked->answer : ChangeAnswer::waiting, session.times(),
+           link_ && covers(slot->role, Role::operator_) ? std::optional(slot->lead_share)
+                                                        : std::nullopt});
   return hands;
 }
 

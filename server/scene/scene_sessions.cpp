@@ -5,6 +5,7 @@
 
 #include "core/build_info/build_info.hpp"
 #include "protocol/session/grant.hpp"
+#include "protocol/session/lead_share.hpp"
 #include "server/scene/session_slot.hpp"
 
 namespace feltwire {
@@ -164,6 +165,8 @@ control::Message SceneSessions::join(control::JoinRequest request, std::uint64_t
     return control::Refused{control::RefusalCode::unknown_tool,
                             no_such_tool(*scene_, request.tool)};
   if (auto refused = refuse_robot(request)) return *std::move(refused);
+  if (const auto wrong = wrong_lead_share(request.lead_share))
+    return control::Refused{control::RefusalCode::bad_parameters, "lead_share: " + *wrong};
   // With the text first: once the session is there nothing may throw.
   control::JoinAccepted accepted;
   accepted.tool = view->tool().name;
@@ -184,6 +187,7 @@ control::Message SceneSessions::join(control::JoinRequest request, std::uint64_t
                     request.tool,
                     request.role});
     if (!slot->session.observes()) slot->takes = request.takes;
+    slot->lead_share = request.lead_share;
     if (!by_id_.insert(id, slot.get()))
       return control::Refused{control::RefusalCode::full, "no session id is free; try again"};
     if (slots_.empty()) last_tick_ = now;

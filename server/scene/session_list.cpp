@@ -34,6 +34,7 @@ control::SessionDescriptions SceneSessions::describe_after(std::uint32_t number)
       if (report->has_account) entry.balance = report->balance;
     }
     entry.takes = slot->takes;
+    entry.lead_share = slot->lead_share;
     if (slot->asked) {
       entry.asked = slot->asked->what;
       entry.answer = slot->asked->answer;

@@ -54,6 +54,7 @@ struct SceneSessions::SessionSlot {
   bool disturbing = false;   // it had no reset left: it pushes nothing any more, and ends
   ChangesTaken takes = {};   // changes that its client takes
   std::optional<AskedChange> asked = {};
+  double lead_share = 0.0;  // for RemoteLink::lead()
 
   bool waits_for_client() const { return asked && asked->answer == ChangeAnswer::waiting; }
 };

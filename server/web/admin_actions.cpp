@@ -107,6 +107,7 @@ void Audience::set(Seat& seat, const ViewerSet& wanted) {
   if (hand == hands.end())
     return seat.viewer->send(refused("there is no session " + wanted.session + " here"));
   if (wanted.link) return change(seat, LinkChange{id, *wanted.link});
+  if (wanted.lead_share) return change(seat, LeadChange{id, *wanted.lead_share});
   try {
     change(seat, ParameterChange{id, with(hand->parameters.value_or(SessionParameters{}), wanted)});
   } catch (const std::invalid_argument& error) {

@@ -373,6 +373,7 @@ std::string sessions(std::span<const HandDescription> hands, const Picture& pict
          {"storage", parameters ? text(name(parameters->storage)) : "null"},
          {"laws_taken", text(name(hand.takes.laws))},
          {"link_taken", flag(hand.takes.link)},
+         {"lead_share", hand.lead_share ? number(*hand.lead_share) : "null"},
          {"asked", text_or_null(hand.asked)},
          {"answer", hand.asked.empty() ? "null" : text(name(hand.answer))},
          {"local_model", parameters ? flag(parameters->local_model) : "null"},

@@ -91,6 +91,10 @@ class Members : public nlohmann::json_sax<nlohmann::json> {
       (*message.set->gravity)[numbers_++] = given;
       return true;
     }
+    if (member_ == "lead_share") {
+      message.set->lead_share = given;
+      return true;
+    }
     for (const auto& [name, field] : kLinkFields)
       if (name == member_) {
         if (!message.set->link) message.set->link.emplace();

@@ -18,7 +18,8 @@ struct ViewerSet {
   std::optional<Vec3> gravity;                           // [m/s^2]
   std::string session;                                   // its id, in decimal digits
   std::optional<std::string> mode, projection, storage;  // of that session
-  std::optional<LinkQuality> link;  // of its client's emulated link; missing numbers are 0
+  std::optional<LinkQuality> link;   // of its client's emulated link; missing numbers are 0
+  std::optional<double> lead_share;  // of its hand
 };
 
 /// One JSON object. Missing members are empty, unknown ones are ignored.

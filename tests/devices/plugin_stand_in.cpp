@@ -35,6 +35,7 @@ void* open_device(const char* arguments, feltwire_spec_v1* spec, char* error, st
   spec->coulomb_friction = spec->least_friction = m.friction;
   spec->position_resolution = m.quantum;
   spec->max_force = 8.0;
+  spec->late_ticks = device->late_ticks;
   for (double& w : spec->workspace) w = 0.2;
   released = false;
   before = force = {};
@@ -61,6 +62,11 @@ int read_device(void*, feltwire_reading_v1* reading) {
   }
   const Three p = device->mass.sensed();
   std::copy(p.begin(), p.end(), reading->position);
+  reading->buttons = device->buttons;
+  if (device->lever >= 0.0) {
+    reading->has_lever = 1;
+    reading->lever = device->lever;
+  }
   if (device->late > 0.0 && device->tells_late) {
     reading->tells_held = 1;
     for (std::size_t i = 0; i < 3; ++i)

@@ -14,6 +14,9 @@ struct Plugin {
   double period = 1e-3;             // [s]
   double jitter = 0.0;              // [s] that ticks come sooner, at most
   double late = 0.0;                // of a tick, for which the old force stays
+  int late_ticks = 0;               // that it says it is late by
+  std::uint32_t buttons = 0;        // held now
+  double lever = -1.0;              // [m]; < 0: it has none
   bool tells_late = true;           // and whether it is told of
   int stale_every = 0;              // ticks; 0: never
   double saturates_at = 1e9;        // [N]

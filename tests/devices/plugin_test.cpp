@@ -67,6 +67,30 @@ TEST_F(Plugin, SaysWhatItIs) {
             "touch");
 }
 
+TEST_F(Plugin, TellsLatenessButtonsAndLever) {
+  stand_in->late_ticks = 2;
+  const OpenedDevice opened = open();
+  Device& device = *opened.device;
+  EXPECT_EQ(device.spec().late_ticks, 2);
+  const auto read = [&] {
+    device.await_tick(Nanoseconds(0));
+    return device.read(Nanoseconds(0));
+  };
+  EXPECT_EQ(read().buttons, 0u);
+  EXPECT_FALSE(read().gripper);
+  stand_in->buttons = 0b101;
+  EXPECT_EQ(read().buttons, 0b101u);
+  EXPECT_TRUE(read().deadman);
+  EXPECT_FALSE(read().clutch);
+  stand_in->buttons = 0b010;
+  EXPECT_FALSE(read().deadman);
+  EXPECT_TRUE(read().clutch);
+  stand_in->lever = 0.04;
+  EXPECT_EQ(read().gripper, std::optional(0.04));
+  stand_in->late_ticks = 5;
+  EXPECT_THAT(refusal(), HasSubstr("late_ticks"));
+}
+
 TEST_F(Plugin, ErrorsNameTheFileAndTheRemedy) {
   EXPECT_THAT(refusal("not_there.so"), AllOf(HasSubstr("not_there.so"), HasSubstr("plugin:")));
   EXPECT_THAT(refusal(__FILE__), HasSubstr("cannot be loaded"));
@@ -127,6 +151,14 @@ TEST_F(PluginSession, ALateForceThatIsNotToldOfIsNotAccounted) {
   stand_in->mass = {};
   stand_in->tells_late = false;
   EXPECT_GT(margin(), 10.0 * told);
+}
+
+/// The account pays first for what is still on its way.
+TEST_F(PluginSession, MakesNoneWhereEachForceIsATickLateAndThePluginSaysSo) {
+  stand_in->late = 1.0;
+  stand_in->tells_late = false;
+  stand_in->late_ticks = 1;
+  EXPECT_LE(made(), 1e-12);
 }
 
 TEST_F(PluginSession, MakesNoneWithStaleReadings) {

@@ -64,6 +64,14 @@ TEST_F(AdminProgram, ListsChangesAndEvictsAHand) {
   EXPECT_EQ(softer.status, 0) << softer.error;
   EXPECT_THAT(softer.out, AllOf(StartsWith("scene floor: object 'floor': stiffness "),
                                 HasSubstr("-> 123.5 [N/m]")));
+  EXPECT_EQ(sessions[0]["lead_share"], 0.0);
+  const test::Outcome lead = admin({"set", "--session", "1", "--lead-share", "0.5"});
+  EXPECT_EQ(lead.status, 1);
+  EXPECT_THAT(lead.error, HasSubstr("scene 'floor' has no seat for a robot"));
+  const test::Outcome both =
+      admin({"set", "--session", "1", "--lead-share", "0.5", "--mode", "none"});
+  EXPECT_EQ(both.status, 2);
+  EXPECT_THAT(both.error, HasSubstr("in a second command"));
   const test::Outcome bound = admin({"set", "--session", "1", "--mode", "none"});
   EXPECT_EQ(bound.status, 1);
   EXPECT_THAT(bound.error, HasSubstr("takes no other law"));

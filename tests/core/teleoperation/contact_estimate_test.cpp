@@ -220,6 +220,19 @@ TEST(SurfaceIndex, TheFirstTouchMeetsTheHandWhereItIs) {
   EXPECT_EQ(index.offset(), settled);
 }
 
+TEST(SurfaceIndex, WhatAnotherLeaderMeetsMovesNoOffset) {
+  SurfaceIndex index;
+  const Vec3 hand(0.0, 0.0, -0.017);
+  const IndexRole other{.meets = false};
+  index.step(hand, Vec3::Zero(), surface_at(0.0), kPeriod, other);
+  EXPECT_EQ(index.known_surface(), 1u);
+  index.step(hand, Vec3::Zero(), surface_at(-0.01), kPeriod, other);
+  EXPECT_TRUE(index.offset().isZero(0.0));
+  // Also when it becomes the one that meets surfaces: this surface is known.
+  index.step(hand, Vec3::Zero(), surface_at(-0.012), kPeriod);
+  EXPECT_TRUE(index.offset().isZero(0.0));
+}
+
 TEST(SurfaceIndex, AHandInTheAirKeepsItsIndexAndFreeMotionGivesBack) {
   SurfaceIndex index;
   index.step(Vec3(0, 0, 0.01), Vec3::Zero(), surface_at(0.0), kPeriod);

@@ -141,6 +141,10 @@ TEST(ClientChange, ControlMessagesCarryIt) {
   ASSERT_TRUE(set && std::holds_alternative<control::SetLink>(*set));
   EXPECT_EQ(std::get<control::SetLink>(*set).session, 77u);
   EXPECT_EQ(std::get<control::SetLink>(*set).link, (LinkQuality{0.1, 0.2, 0.3}));
+  const auto lead = again(control::SetLead{.session = 78, .share = 0.25});
+  ASSERT_TRUE(lead && std::holds_alternative<control::SetLead>(*lead));
+  EXPECT_EQ(std::get<control::SetLead>(*lead).session, 78u);
+  EXPECT_EQ(std::get<control::SetLead>(*lead).share, 0.25);
   control::JoinRequest join{.client = "c", .scene = "s", .device = {}, .parameters = {}};
   join.takes = {.laws = LawsTaken::safe, .link = true};
   const auto joined = again(join);

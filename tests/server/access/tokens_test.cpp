@@ -93,8 +93,9 @@ TEST(Tokens, RolesCoverWhatStandsBelow) {
 }
 
 TEST(Tokens, SurviveTheFile) {
-  const Tokens tokens = {issue(kNow).token,
-                         issue_token("b \"q\" \\ \xc3\xa4", "*", Role::admin, std::nullopt).token};
+  const Tokens tokens = {
+      issue(kNow).token,
+      issue_token("b \"q\" \\ \xc3\xa4", "*", Role::admin, std::nullopt, 0.3).token};
   const Tokens read = parse_tokens(json(tokens), "t.json");
   ASSERT_EQ(read.size(), 2u);
   for (std::size_t i = 0; i < 2; ++i) {
@@ -102,6 +103,7 @@ TEST(Tokens, SurviveTheFile) {
     EXPECT_EQ(read[i].client, tokens[i].client);
     EXPECT_EQ(read[i].scene, tokens[i].scene);
     EXPECT_EQ(read[i].role, tokens[i].role);
+    EXPECT_EQ(read[i].lead_share, tokens[i].lead_share);
     EXPECT_EQ(read[i].expires, tokens[i].expires);
     EXPECT_EQ(read[i].salt, tokens[i].salt);
     EXPECT_EQ(read[i].hash, tokens[i].hash);
@@ -110,6 +112,10 @@ TEST(Tokens, SurviveTheFile) {
   EXPECT_THROW(issue_token("a\nb", "*", Role::admin, std::nullopt), std::invalid_argument);
   EXPECT_THROW(issue_token("a", std::string(129, 'x'), Role::admin, std::nullopt),
                std::invalid_argument);
+  for (const double share : {-1.0, 0.001, 101.0, std::nan("")})
+    EXPECT_THROW(issue_token("a", "*", Role::operator_, std::nullopt, share),
+                 std::invalid_argument);
+  EXPECT_THROW(issue_token("a", "*", Role::observer, std::nullopt, 1.0), std::invalid_argument);
 }
 
 TEST(Tokens, BadFilesNameLineAndField) {

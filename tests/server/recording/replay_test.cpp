@@ -87,10 +87,12 @@ INSTANTIATE_TEST_SUITE_P(Replay, RecordedIn,
 /// What a robot says decides what its hand is told.
 TEST(ReplayOfARobot, IsBitEqual) {
   RecordedScene scene(repository_scene("teleoperation/seat.json"));
-  control::JoinRequest robot = test::join_request();
+  control::JoinRequest robot = test::join_request(), second = test::join_request();
   robot.role = Role::follower;
+  second.lead_share = 2.0;
   scene.join(kA);
   scene.join(kB, robot);
+  scene.join(kC, second);
   SceneSessions& sessions = scene.exchange.sessions;
   Encoder payload;
   DatagramBuffer out;
@@ -98,6 +100,9 @@ TEST(ReplayOfARobot, IsBitEqual) {
   for (std::uint64_t n = 1; n <= 300; ++n) {
     scene.exchange.now += std::chrono::milliseconds(1);
     const Nanoseconds now = scene.exchange.now;
+    if (n == 10) {
+      ASSERT_TRUE(std::holds_alternative<Changed>(sessions.change(LeadChange{kA, 1.0}, now)));
+    }
     RobotState state;
     state.index = n;
     state.pose.position = state.commanded.position = Vec3(0.1, 0.2, 1e-3 * static_cast<double>(n));
@@ -110,7 +115,9 @@ TEST(ReplayOfARobot, IsBitEqual) {
     batch.samples[0].index = n;
     batch.samples[0].client_time = now;
     batch.lead = Lead{.deadman = n > 20};
+    batch.samples[0].pose.position.x() = 1e-6 * static_cast<double>(n);
     sessions.receive(scene.exchange.encoder.samples(kA, n, batch), scene.exchange.peer, now, out);
+    sessions.receive(scene.exchange.encoder.samples(kC, n, batch), scene.exchange.peer, now, out);
     engaged += sessions.link_state() == LinkState::engaged ? 1 : 0;
     scene.write();
   }
@@ -118,7 +125,7 @@ TEST(ReplayOfARobot, IsBitEqual) {
   const Replay result = replay({scene.finish()});
   ASSERT_TRUE(result.bit_equal()) << result.difference->what << " at event "
                                   << result.difference->event;
-  EXPECT_EQ(result.replies, 300u);
+  EXPECT_EQ(result.replies, 600u);
 }
 
 class ReplayOfParts : public test::PartsScene {};

@@ -111,6 +111,9 @@ TEST_F(AdminPage, SetsTheBoundOfASessionAndEvictsIt) {
   EXPECT_THAT(page.text("refused")["text"].get<std::string>(), HasSubstr("no_such"));
   page.say({{"set", {{"session", "12"}, {"mode", "none"}}}});
   EXPECT_THAT(page.text("refused")["text"].get<std::string>(), HasSubstr("no session 12"));
+  EXPECT_TRUE(session["lead_share"].is_null()) << "the scene has no seat for a robot";
+  page.say({{"set", {{"session", std::to_string(hand.session())}, {"lead_share", 0.5}}}});
+  EXPECT_THAT(page.text("refused")["text"].get<std::string>(), HasSubstr("no seat for a robot"));
   page.say({{"evict", std::to_string(hand.session())}});
   page.text("changed");
   const std::vector<SceneSummary> summary = server_.summary();

@@ -10,6 +10,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "client/devices/hand_device.hpp"
 #include "client/emulated_link/link.hpp"
@@ -66,8 +67,62 @@ inline std::shared_ptr<const Scene> wall_scene(double stiffness = 2000.0) {
   return std::make_shared<const Scene>("wall", std::vector<Object>{wall});
 }
 
+/// A hand, its servo, and its link to the server.
+struct HandSession {
+  HandSession(std::uint64_t id, const std::string& link, std::uint64_t stream,
+              const RemoteTrust& trust)
+      : parameters(usual_parameters()),
+        options([&] {
+          ServoOptions o = protect_hand(parameters);
+          o.leads = trust;
+          return o;
+        }()),
+        servo(hand.spec(), parameters, options),
+        hand_datagrams(id, keys(id), parameters, false),
+        hand_link(parse_link(link), stream, 4096) {}
+
+  void reach(SceneSessions& sessions, Nanoseconds now, DatagramBuffer& room) {
+    while (const auto d = hand_link.up.leave(now))
+      if (!hand_cut)
+        if (const Bytes answer = sessions.receive(*d, hand_peer, now, room); !answer.empty())
+          hand_link.down.enter(answer, now);
+  }
+  void hear(Nanoseconds now) {
+    GoodbyeReason reason = GoodbyeReason::leaving;
+    while (const auto d = hand_link.down.leave(now))
+      if (!hand_cut && hand_datagrams.take(*d, reply, reason) == DatagramSession::Arrival::reply) {
+        if (change_reply) change_reply(reply);
+        servo.take(reply, now);
+      }
+  }
+  void sample(Nanoseconds now) {
+    const Sample* sample = servo.tick(hand, now);
+    hand_link.up.enter(hand_datagrams.pack(*sample, {}, servo.lead()), now);
+    fastest_fall = std::max(fastest_fall, force_before_ - force());
+    force_before_ = force();
+  }
+  double force() const { return servo.held().force().z(); }  // [N] that pushes the hand up
+  /// [J] that the hand got beyond what the device burned.
+  double made() const { return -servo.port().least_margin(); }
+
+  SessionParameters parameters;
+  ServoOptions options;
+  ToldHand hand;
+  Servo servo;
+  DatagramSession hand_datagrams;
+  TwoWayLink hand_link;
+  bool hand_cut = false;
+  std::function<void(Reply&)> change_reply;  // what the server says instead
+  double fastest_fall = 0.0;                 // [N] of the hand's force, from one tick to the next
+  Peer hand_peer{.address = {}, .length = sizeof(sockaddr_in)};
+  Reply reply;
+
+ private:
+  double force_before_ = 0.0;
+};
+
 /// Of any robot, whose clock may go wrong.
-struct RobotSession {
+struct RobotSession : HandSession {
   static constexpr Nanoseconds kPeriod = std::chrono::milliseconds(1);
   static constexpr Nanoseconds kStart = std::chrono::seconds(100);
   static constexpr std::uint64_t kHand = 0x700, kRobot = 0x800;
@@ -75,20 +130,12 @@ struct RobotSession {
   explicit RobotSession(Follower& any_robot, const std::string& link = "delay=0",
                         const RemoteSeat& seat = {},
                         const RemoteTrust& trust = {.per_contact = 0.0, .power = 0.0})
-      : driven(any_robot),
+      : HandSession(kHand, link, 0, trust),
+        driven(any_robot),
         scene(empty_scene(seat)),
         server(std::make_unique<SceneSessions>(scene, std::chrono::seconds(2), 8)),
-        parameters(usual_parameters()),
-        options([&] {
-          ServoOptions o = protect_hand(parameters);
-          o.leads = trust;
-          return o;
-        }()),
-        servo(hand.spec(), parameters, options),
-        hand_datagrams(kHand, keys(kHand), parameters, false),
         follower(driven.spec()),
         robot_datagrams(kRobot, keys(kRobot)),
-        hand_link(parse_link(link), 0, 4096),
         robot_link(parse_link(link), 1, 4096) {
     hand.put(Vec3(0.1, -0.2, 0.3));
     commanded = driven.read(now).commanded;
@@ -109,10 +156,8 @@ struct RobotSession {
 
   void tick() {
     now += kPeriod;
-    while (const auto d = hand_link.up.leave(now))
-      if (!hand_cut)
-        if (const Bytes answer = server->receive(*d, hand_peer, now, room); !answer.empty())
-          hand_link.down.enter(answer, now);
+    reach(*server, now, room);
+    for (HandSession* other : others) other->reach(*server, now, room);
     while (const auto d = robot_link.up.leave(now))
       if (!robot_cut) server->receive(*d, robot_peer, now, room);
     Peer to;
@@ -120,16 +165,13 @@ struct RobotSession {
       EXPECT_EQ(to.length, robot_peer.length);
       robot_link.down.enter(due, now);
     }
-    while (const auto d = hand_link.down.leave(now))
-      if (!hand_cut && hand_datagrams.take(*d, reply, reason) == DatagramSession::Arrival::reply) {
-        if (change_reply) change_reply(reply);
-        servo.take(reply, now);
-      }
+    hear(now);
+    for (HandSession* other : others) other->hear(now);
     while (const auto d = robot_link.down.leave(now))
       if (!robot_cut && robot_datagrams.take(*d, target, reason) == RobotDatagrams::Arrival::target)
         follower.take(target, robot_now());
-    const Sample* sample = servo.tick(hand, now);
-    hand_link.up.enter(hand_datagrams.pack(*sample, {}, servo.lead()), now);
+    sample(now);
+    for (HandSession* other : others) other->sample(now);
     for (; robot_due_ <= robot_now(); robot_due_ += from_seconds(driven.spec().servo_period)) {
       RobotState said = follower.tick(driven, robot_due_);
       if (lie) lie(said);
@@ -138,8 +180,6 @@ struct RobotSession {
           std::max(farthest_step, (said.commanded.position - commanded.position).norm());
       commanded = said.commanded;
     }
-    fastest_fall = std::max(fastest_fall, force_before_ - force());
-    force_before_ = force();
   }
   void run(double time) {
     for (double t = 0.0; t < time; t += 1e-3) tick();
@@ -166,38 +206,26 @@ struct RobotSession {
     return now + Nanoseconds(std::llround(drift * static_cast<double>((now - kStart).count())));
   }
   LinkState state() const { return server->link_state(); }
-  double force() const { return servo.held().force().z(); }  // [N] that pushes the hand up
-  /// [J] that the hand got beyond what the device burned.
-  double made() const { return -servo.port().least_margin(); }
 
   Follower& driven;
   double drift = 0.0;  // [s/s] that the robot's clock is fast by
   Scene scene;
   std::unique_ptr<SceneSessions> server;
-  SessionParameters parameters;
-  ServoOptions options;
-  ToldHand hand;
-  Servo servo;
-  DatagramSession hand_datagrams;
+  std::vector<HandSession*> others;  // more hands in the scene
   FollowerServo follower;
   RobotDatagrams robot_datagrams;
-  TwoWayLink hand_link, robot_link;
-  bool hand_cut = false, robot_cut = false;
-  std::function<void(RobotState&)> lie;      // what the robot says instead
-  std::function<void(Reply&)> change_reply;  // and the server
-  double fastest_fall = 0.0;                 // [N] of the hand's force, from one tick to the next
-  double farthest_step = 0.0;                // [m] of the target that the robot holds, likewise
-  Pose commanded;                            // that target
+  TwoWayLink robot_link;
+  bool robot_cut = false;
+  std::function<void(RobotState&)> lie;  // what the robot says instead
+  double farthest_step = 0.0;            // [m] of the target that the robot holds, in one tick
+  Pose commanded;                        // that target
   Nanoseconds now = kStart;
-  Peer hand_peer{.address = {}, .length = sizeof(sockaddr_in)};
   Peer robot_peer{.address = {}, .length = sizeof(sockaddr_in6)};
   DatagramBuffer room;
-  Reply reply;
   RobotTarget target;
   GoodbyeReason reason = GoodbyeReason::leaving;
 
  private:
-  double force_before_ = 0.0;
   Nanoseconds robot_due_{0};  // its next sample, by its clock
 };
 

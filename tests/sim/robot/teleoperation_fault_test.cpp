@@ -231,6 +231,53 @@ TEST(TeleoperationFault, WhatNoReplyCanCarryIsLeftOut) {
   for (const std::uint64_t dropped : bench.hand_datagrams.dropped()) EXPECT_EQ(dropped, 0u);
 }
 
+/// A robot whose readings are elsewhere at once: an encoder that lost its counts, or a real throw.
+struct ShiftedRobot final : Follower {
+  PointRobot robot{test::wall_scene(), Vec3(0.0, 0.0, 0.02)};
+  Vec3 shift = Vec3::Zero();  // [m] of what it reads
+  const FollowerSpec& spec() const override { return robot.spec(); }
+  FollowerReading read(Nanoseconds now) noexcept override {
+    FollowerReading reading = robot.read(now);
+    reading.pose.position += shift;
+    return reading;
+  }
+  FollowerTarget write(const FollowerTarget& target) noexcept override {
+    return robot.write(target);
+  }
+  void hold() noexcept override { robot.hold(); }
+};
+
+TEST(TeleoperationFault, ARobotThatTeleportsIsAFaultAndItsHandLosesTheForceSlowly) {
+  for (const Vec3& shift : {Vec3(0.0, 0.0, 0.3), Vec3(0.0, 0.0, -0.3), Vec3(0.2, 0.1, 0.0)}) {
+    ShiftedRobot robot;
+    test::RobotSession bench(robot);
+    bench.engage();
+    bench.move(Vec3(0.0, 0.0, -0.045), 0.6);
+    bench.run(0.5);
+    ASSERT_EQ(bench.state(), engaged);
+    ASSERT_GE(bench.force(), 1.0);
+    bench.fastest_fall = bench.farthest_step = 0.0;
+    robot.shift = shift;
+    bench.run(0.3);
+    EXPECT_EQ(bench.state(), fault);
+    EXPECT_GE(bench.follower.statistics().faults, 100u) << "it does not believe the readings";
+    EXPECT_FALSE(bench.follower.follows());
+    EXPECT_EQ(bench.force(), 0.0);
+    EXPECT_LE(bench.fastest_fall, kFall);
+    EXPECT_LE(bench.farthest_step, kStep * (1.0 + 1e-9));
+    EXPECT_LE(bench.made(), 0.0);
+    bench.engage();
+    EXPECT_EQ(bench.state(), fault) << "it still reads another place";
+    robot.shift.setZero();
+    bench.run(0.1);
+    bench.engage();
+    EXPECT_EQ(bench.state(), engaged);
+    bench.move(Vec3(0.0, 0.0, 0.03), 0.4);
+    EXPECT_LE(bench.farthest_step, kStep * (1.0 + 1e-9));
+    EXPECT_LE(bench.made(), 0.0);
+  }
+}
+
 TEST(TeleoperationFault, DatagramsDoubledAndOvertakenChangeNothing) {
   Teleoperation bench("delay=20,jitter=5,loss=5,duplicate=20,reorder=20,seed=9");
   press(bench);

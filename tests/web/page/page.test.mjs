@@ -304,7 +304,7 @@ test('an admin turns knobs, and is told what is refused', async () => {
   assert.ok(server.requests.every((path) => !path.includes(ADMIN)));
 });
 
-test('an admin changes the law and the link of a client that takes them', async () => {
+test('an admin changes the law, the link and the lead of a client that takes them', async () => {
   await server.stop();
   server = await startServer({folder, hands: 3});
   await open();
@@ -331,6 +331,13 @@ test('an admin changes the law and the link of a client that takes them', async 
   await page.getByLabel(/^Loss ?%$/).fill('10');
   await page.getByLabel(/^Loss ?%$/).press('Enter');
   assert.deepEqual(await asked(3), {session: '4713', link_delay: 0.025, link_jitter: 0, link_loss: 0.1});
+  const share = page.getByLabel(/^Share/);
+  assert.equal(await share.inputValue(), '0.5');
+  await share.fill('2');
+  await share.press('Enter');
+  assert.deepEqual(await asked(4), {session: '4713', lead_share: 2});
+  await page.locator('tbody tr', {hasText: 'alice'}).click();  // She leads no robot.
+  await share.waitFor({state: 'hidden'});
   if (process.env.FELTWIRE_SCREENSHOT) await page.screenshot({path: process.env.FELTWIRE_SCREENSHOT});
 });
 

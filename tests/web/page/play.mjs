@@ -85,6 +85,7 @@ export class Play {
       samples: Math.floor(1000 * (this.time - 100)), seconds: this.time - 100,
       wakeups: i === 0 ? this.#counts(0) : null, round_trips: i === 0 ? this.#counts(2) : null,
       projection: 'cone', storage: 'minimal', laws_taken: i === 2 ? 'safe' : 'none', link_taken: i === 2,
+      lead_share: i === 2 ? 0.5 : null,
       asked: i === 2 ? 'mode shaped -> none' : null, answer: i === 2 ? 'refused' : null,
     }));
     return {type: 'sessions', time: this.time, sessions};

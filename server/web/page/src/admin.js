@@ -85,6 +85,7 @@ export class Admin {
       case 'refused':
         this.#say('error', message.text);
         document.activeElement.blur();  // What it holds is not so.
+        fill(this.leadShare, this.session?.lead_share ?? '');
         this.#showMaterial();
         break;
     }
@@ -104,6 +105,8 @@ export class Admin {
     }
     this.fixed.hidden = !session || !fixed;
     this.link.hidden = !session?.link_taken;
+    this.lead.hidden = session?.lead_share == null;
+    if (session?.session !== old?.session || session?.lead_share !== old?.lead_share) fill(this.leadShare, session?.lead_share ?? '');
     if (session?.session !== old?.session) for (const input of this.linkInputs.values()) input.value = '';
     this.#showAnswer(session);
   }
@@ -147,12 +150,15 @@ export class Admin {
       return make('label', {}, make('span', {}, label), input, make('i', {}, unit));
     });
     this.link = make('div', {hidden: true}, make('h3', {}, 'Emulated link, each way'), ...linkRows);
+    this.leadShare = make('input', {type: 'number', step: 'any', min: 0, max: 100, onchange: () => this.#setLead()});
+    this.lead = make('div', {hidden: true}, make('h3', {}, 'Lead of the robot'),
+      make('label', {}, make('span', {}, 'Share (0: alone)'), this.leadShare, make('i', {}, '')));
     this.answer = make('p', {className: 'answer'});
     this.evict = make('button', {onclick: () => this.send({evict: this.session.session})}, 'Evict');
     this.reload = make('button', {onclick: () => this.send({reload: true})}, 'Reload the scene’s file');
 
     this.knobs = make('div', {}, make('h3', {}, 'Object'), this.object, ...rows, this.gravity, this.who,
-      make('p', {className: 'law'}, this.mode, ' ', this.projection, ' ', this.storage, ' ', this.evict), this.fixed, this.link, this.answer,
+      make('p', {className: 'law'}, this.mode, ' ', this.projection, ' ', this.storage, ' ', this.evict), this.fixed, this.link, this.lead, this.answer,
       make('p', {}, this.reload));
     this.said = make('output', {id: 'admin-said'});
     panel.append(this.lock, this.knobs, this.said);
@@ -200,6 +206,11 @@ export class Admin {
       set[field] = Number.isNaN(value) ? 0 : value / scale;
     }
     this.send({set});
+  }
+
+  #setLead() {
+    const share = this.leadShare.valueAsNumber;
+    if (Number.isFinite(share)) this.send({set: {session: this.session.session, lead_share: share}});
   }
 
   /** What the client of the chosen hand said to the newest change that it was asked for. */
