@@ -55,16 +55,19 @@ class SimulatedHandle {
     const Vec3 drag = truth_.damping * velocity_;
     for (int i = 0; i < 3; ++i) {
       const double turn = 2.0 * std::numbers::pi / truth_.cogging_pitch;
+      const double midway = position_[i] + 0.5 * h * velocity_[i];
       const double outside =
-          force[i] + truth_.gravity[i] + truth_.cogging * std::sin(turn * position_[i]) -
+          force[i] + truth_.gravity[i] + truth_.cogging * std::sin(turn * midway) -
           truth_.hand_stiffness * position_[i] - truth_.hand_damping * velocity_[i];
       double v = velocity_[i] + h / truth_.mass[i] * (outside - drag[i]);
       const double ratio = velocity_[i] / truth_.stiction_speed;
       const double most = truth_.friction[i] + truth_.stiction * std::exp(-ratio * ratio);
       const double stops = h / truth_.mass[i] * most;
       v = std::abs(v) > stops ? v - std::copysign(stops, v) : 0.0;
+      // By the mean velocity: what the force did is then the change of the kinetic energy and what
+      // the truth burned, and nothing that the integration burned.
+      position_[i] += 0.5 * h * (velocity_[i] + v);
       velocity_[i] = v;
-      position_[i] += h * v;
     }
   }
 
