@@ -70,6 +70,10 @@ std::variant<ClientOptions, int> parse_options(int argc, char** argv) {
   app.add_option("--lead", words.lead,
                  "[s] Lead the scene's robot and feel its contacts (docs/teleoperation.md). The "
                  "simulated hand holds its enabling switch from this time on, 0.2 or later");
+  app.add_option("--trust-robot", words.trust,
+                 "J,W of a robot that you run yourself: energy that it may give the hand in one "
+                 "contact [J], and over time [W] (docs/teleoperation.md). When not given: none")
+      ->delimiter(',');
   app.add_option("--duration", options.duration,
                  "[s] Length of the run. 0: until it is stopped or the recording is over")
       ->capture_default_str();

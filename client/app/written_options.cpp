@@ -210,8 +210,19 @@ void check_name(const char* option, const std::string& name) {
                               std::to_string(control::kMaxName) + " can be sent");
 }
 
-/// A robot's energy is believed by programs that know their robot, never by this one.
+/// A robot's energy is believed only as far as its user says.
+RemoteTrust trust(const WrittenOptions& words) {
+  constexpr double kMostPerContact = 1.0, kMostPower = 50.0;  // [J], [W] that no hand should get
+  if (!words.trust) return {.per_contact = 0.0, .power = 0.0};
+  const auto [per_contact, power] = *words.trust;
+  require(
+      per_contact >= 0.0 && per_contact <= kMostPerContact && power >= 0.0 && power <= kMostPower,
+      "--trust-robot must be 0 to 1 J and 0 to 50 W, for example 0.1,5");
+  return {.per_contact = per_contact, .power = power};
+}
+
 void choose_lead(const WrittenOptions& words, ClientOptions& options) {
+  require(words.lead || !words.trust, "--trust-robot is for a hand with --lead; add --lead");
   if (!words.lead) return;
   constexpr double kShownReleased = 0.2;  // [s] the server wants to see the switch released first
   require(*words.lead >= kShownReleased && *words.lead <= kLongestDuration,
@@ -219,7 +230,7 @@ void choose_lead(const WrittenOptions& words, ClientOptions& options) {
   require(options.role != Role::observer, "--lead is not for observers; leave out --role");
   require(options.parameters.local_model,
           "--lead needs the local model; leave out --no-local-model");
-  options.servo.leads = RemoteTrust{.per_contact = 0.0, .power = 0.0};
+  options.servo.leads = trust(words);
 }
 
 }  // namespace

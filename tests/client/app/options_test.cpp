@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "protocol/session/profiles.hpp"
+#include "tests/client/app/parsed_options.hpp"
 #include "tests/client/temporary_folder.hpp"
 
 namespace feltwire::options_test {
@@ -18,43 +19,6 @@ namespace {
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 using testing::text_of;
-
-const std::string kPrint(64, 'a');  // of some certificate
-
-/// What a command line comes to that says nothing of trust; likewise.
-std::variant<ClientOptions, int> parsed_bare(std::vector<std::string> words) {
-  words.insert(words.begin(),
-               {"feltwire-client", "--connect", "localhost:6720", "--scene", "room"});
-  std::vector<char*> argv;
-  for (std::string& word : words) argv.push_back(word.data());
-  return parse_options(static_cast<int>(argv.size()), argv.data());
-}
-
-/// What a command line comes to; what is printed goes to the test's own output.
-std::variant<ClientOptions, int> parsed(std::vector<std::string> words) {
-  ::setenv("FELTWIRE_TOKEN", "fw_of_a_test", 1);
-  words.insert(words.begin(), {"--fingerprint", kPrint});
-  return parsed_bare(std::move(words));
-}
-
-SafetyLimits limits(const std::vector<std::string>& words) {
-  const auto options = parsed(words);
-  if (const int* code = std::get_if<int>(&options)) {
-    ADD_FAILURE() << "refused with " << *code;
-    return {};
-  }
-  return std::get<ClientOptions>(options).servo.safety;
-}
-
-/// The one line that a command line is refused with.
-std::string refusal(const std::vector<std::string>& words, bool bare = false) {
-  ::testing::internal::CaptureStderr();
-  const auto options = bare ? parsed_bare(words) : parsed(words);
-  std::string said = ::testing::internal::GetCapturedStderr();
-  const int* code = std::get_if<int>(&options);
-  EXPECT_TRUE(code != nullptr && *code == 2) << "not refused";
-  return said;
-}
 
 TEST(Options, AHandIsProtectedAsFarAsItsModeAllows) {
   const SafetyLimits usual = limits({});
@@ -147,6 +111,21 @@ TEST(Options, WhatTheCommandLineSaysCounts) {
   EXPECT_EQ(off.ramp_up, 0.0);
   const auto hand = std::get<ClientOptions>(parsed({"--lead-in", "3"}));
   EXPECT_EQ(hand.device.task.lead_in, 3.0);
+}
+
+TEST(Options, ARobotIsBelievedAsFarAsItsUserSays) {
+  const auto leads = [](const std::vector<std::string>& words) {
+    return std::get<ClientOptions>(parsed(words)).servo.leads;
+  };
+  EXPECT_FALSE(leads({}));
+  EXPECT_EQ(leads({"--lead", "0.3"})->per_contact, 0.0);
+  EXPECT_EQ(leads({"--lead", "0.3"})->power, 0.0);
+  const auto trusting = leads({"--lead", "0.3", "--trust-robot", "0.1,5"});
+  EXPECT_EQ(trusting->per_contact, 0.1);
+  EXPECT_EQ(trusting->power, 5.0);
+  EXPECT_THAT(refusal({"--trust-robot", "0.1,5"}), HasSubstr("add --lead"));
+  for (const char* wrong : {"-0.1,5", "2,5", "0.1,60", "nan,5"})
+    EXPECT_THAT(refusal({"--lead", "0.3", "--trust-robot", wrong}), HasSubstr("0 to 1 J"));
 }
 
 TEST(Options, LimitsThatCannotBeAreRefusedInOneLine) {
@@ -265,82 +244,6 @@ TEST(Options, BusyPollInMicrosecondsOrForEver) {
   EXPECT_EQ(std::get<ClientOptions>(parsed({"--busy-poll", "inf"})).busy_poll, HUGE_VAL);
   EXPECT_THAT(refusal({"--busy-poll", "-1"}), HasSubstr("--busy-poll"));
   EXPECT_THAT(refusal({"--busy-poll", "nan"}), HasSubstr("--busy-poll"));
-}
-
-const Credentials& credentials_of(const std::variant<ClientOptions, int>& options) {
-  return std::get<ClientOptions>(options).server.credentials;
-}
-
-TEST(Trust, IsSaidInExactlyOneWay) {
-  ::setenv("FELTWIRE_TOKEN", "fw_of_a_test", 1);
-  EXPECT_THAT(refusal({}, true), AllOf(HasSubstr("--fingerprint"), HasSubstr("--ca")));
-  testing::TemporaryFolder folder;
-  const std::string print = folder / "fingerprint", ca = folder / "ca.pem";
-  std::ofstream(print) << kPrint << "\n";
-  std::ofstream(ca) << "an authority";
-  EXPECT_THAT(refusal({"--ca", ca}), HasSubstr("give one"));
-  EXPECT_THAT(refusal({"--fingerprint-file", print}), HasSubstr("give one"));
-  EXPECT_THAT(refusal({"--fingerprint", "12ab"}, true), HasSubstr("no fingerprint"));
-  EXPECT_THAT(refusal({"--fingerprint-file", folder / "none"}, true),
-              AllOf(HasSubstr("--fingerprint-file"), HasSubstr("cannot be opened")));
-
-  Fingerprint expected;
-  expected.fill(0xaa);
-  const auto pinned = parsed_bare({"--fingerprint-file", print});
-  EXPECT_EQ(std::get<Fingerprint>(credentials_of(pinned).trust), expected);
-  const auto signed_by = parsed_bare({"--ca", ca});
-  EXPECT_EQ(std::get<Authorities>(credentials_of(signed_by).trust).certificates, "an authority");
-}
-
-TEST(Trust, ATokenComesFromAFileOrTheEnvironmentAlone) {
-  testing::TemporaryFolder folder;
-  const std::string file = folder / "token";
-  std::ofstream(file) << "fw_of_a_file\n";
-  ::chmod(file.c_str(), 0600);
-  EXPECT_EQ(credentials_of(parsed({})).token.text(), "fw_of_a_test");
-  EXPECT_EQ(credentials_of(parsed({"--token-file", file})).token.text(), "fw_of_a_file");
-  EXPECT_THAT(refusal({"--token-file", folder / "none"}), HasSubstr("--token-file"));
-  EXPECT_THAT(refusal({"--token", "fw_x"}), HasSubstr("--token"));  // there is no such option
-  ::unsetenv("FELTWIRE_TOKEN");
-  EXPECT_THAT(refusal({"--fingerprint", kPrint}, true),
-              AllOf(HasSubstr("--token-file"), HasSubstr("FELTWIRE_TOKEN")));
-}
-
-TEST(Trust, ACertificateComesWithItsKey) {
-  testing::TemporaryFolder folder;
-  const std::string file = folder / "x.pem";
-  std::ofstream(file) << "PEM";
-  EXPECT_THAT(refusal({"--certificate", file}), HasSubstr("--key"));
-  ::chmod(file.c_str(), 0600);
-  const auto both = parsed({"--certificate", file, "--key", file});
-  EXPECT_EQ(credentials_of(both).certificate, "PEM");
-  EXPECT_EQ(credentials_of(both).key.text(), "PEM");
-}
-
-TEST(Trust, AKeyThatOthersMayReadIsRefusedAndATokenWarnedOf) {
-  testing::TemporaryFolder folder;
-  const std::string file = folder / "secret", key = "--key: " + file;
-  std::ofstream(file) << "fw_secret";
-  for (const auto& [mode, text] : {std::pair<mode_t, const char*>{0644, "(mode 0644)"},
-                                   {0640, "(mode 0640)"},
-                                   {0620, "(mode 0620)"},
-                                   {0601, "(mode 0601)"}}) {
-    ::chmod(file.c_str(), mode);
-    EXPECT_THAT(refusal({"--certificate", file, "--key", file}),
-                AllOf(HasSubstr(key), HasSubstr(text), HasSubstr("chmod 600 " + file)));
-    ::testing::internal::CaptureStderr();
-    EXPECT_EQ(credentials_of(parsed({"--token-file", file})).token.text(), "fw_secret");
-    EXPECT_THAT(::testing::internal::GetCapturedStderr(),
-                AllOf(HasSubstr("warning"), HasSubstr("chmod 600 " + file)));
-  }
-  for (const mode_t mode : {0600, 0400}) {
-    ::chmod(file.c_str(), mode);
-    EXPECT_EQ(credentials_of(parsed({"--certificate", file, "--key", file})).key.text(),
-              "fw_secret");
-    ::testing::internal::CaptureStderr();
-    parsed({"--token-file", file});
-    EXPECT_EQ(::testing::internal::GetCapturedStderr(), "");
-  }
 }
 
 TEST(Options, AnObserverLooksAtTheRateOfPictures) {
