@@ -250,6 +250,7 @@ Reply reply(Input& in) {
   if (r.body_modelled) r.body = body(in);
   if (in.coin())
     r.remote = Remote{.state = static_cast<LinkState>(in.byte() % 7),
+                      .meets_surfaces = in.coin(),
                       .pose = {in.vector(kMaxPosition), orientation(in)},
                       .contact = contact(in),
                       .energy = energy(in),

@@ -165,6 +165,11 @@ TEST(RobotCodec, ARobotTravelsWithTheReply) {
   EXPECT_EQ(got.remote->gripper, 0.5);
   EXPECT_EQ(got.remote->gripper_force, 2.5);
   EXPECT_EQ(got.remote->age, 0.125);
+  EXPECT_TRUE(got.remote->meets_surfaces);
+  sent.remote->meets_surfaces = false;
+  ASSERT_EQ(decode(encoder.reply(sent), got), DropReason::none);
+  EXPECT_FALSE(got.remote->meets_surfaces);
+  EXPECT_EQ(got.remote->state, LinkState::clutched);
   sent.remote.reset();
   EXPECT_EQ(encoder.reply(sent).size(), usual);
   ASSERT_EQ(decode(encoder.reply(sent), got), DropReason::none);
