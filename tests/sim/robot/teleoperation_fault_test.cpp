@@ -21,7 +21,7 @@ constexpr double kStep = 0.25e-3;  // [m] of the robot's speed limit in one samp
 constexpr double kFall = 8.9 / 50.0 + 0.05;
 
 /// Engaged, and pressed some 10 mm deep.
-void press(Teleoperation& bench) {
+void press(test::RobotSession& bench) {
   bench.engage();
   bench.move(Vec3(0.0, 0.0, -0.045), 0.6);
   bench.run(0.5);
@@ -251,12 +251,7 @@ TEST(TeleoperationFault, ARobotThatTeleportsIsAFaultAndItsHandLosesTheForceSlowl
   for (const Vec3& shift : {Vec3(0.0, 0.0, 0.3), Vec3(0.0, 0.0, -0.3), Vec3(0.2, 0.1, 0.0)}) {
     ShiftedRobot robot;
     test::RobotSession bench(robot);
-    bench.engage();
-    bench.move(Vec3(0.0, 0.0, -0.045), 0.6);
-    bench.run(0.5);
-    ASSERT_EQ(bench.state(), engaged);
-    ASSERT_GE(bench.force(), 1.0);
-    bench.fastest_fall = bench.farthest_step = 0.0;
+    press(bench);
     robot.shift = shift;
     bench.run(0.3);
     EXPECT_EQ(bench.state(), fault);
