@@ -100,11 +100,10 @@ class Programs:
 
 
 def subcommands(programs, words):
-    """The words of a command that are subcommands, by what the help lists."""
+    """The words of a command that are subcommands: those that have a help of their own."""
     command = [words[0]]
     for word in words[1:]:
-        listed = programs.help(*command) or ""
-        if word.startswith("-") or not re.search(rf"^  {re.escape(word)}\b", listed, re.M):
+        if word.startswith("-") or programs.help(*command, word) in (None, programs.help(*command)):
             break
         command.append(word)
     return command
