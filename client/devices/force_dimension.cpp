@@ -179,7 +179,7 @@ class ForceDimensionDevice final : public Device {
     if (opened < 0) refuse("the device cannot be opened: " + last_error());
     id_ = static_cast<char>(opened);
     try {
-      prepare(request);
+      set_up(request);
     } catch (...) {
       call_.close(id_);
       throw;
@@ -267,7 +267,7 @@ class ForceDimensionDevice final : public Device {
     return said;
   }
 
-  void prepare(const DeviceRequest& request) {
+  void set_up(const DeviceRequest& request) {
     const char* name = call_.system_name(id_);
     wrist_ = call_.has_wrist(id_);
     SourcedSpec found = model(name != nullptr && *name != '\0' ? name : "unknown", wrist_);

@@ -39,8 +39,9 @@ struct FollowerStatistics {
   std::uint64_t targets_stale = 0;  // not newer than the one in use, so without effect
   std::uint64_t engagements = 0;    // times that the robot began to follow
   std::uint64_t holds = 0;          // times that it stopped following
-  std::uint64_t faults = 0;         // readings that were faulty, not finite, or far from the target after a jump
-  double largest_force = 0.0;       // [N] of the environment on the tool
+  std::uint64_t faults =
+      0;  // readings that were faulty, not finite, or far from the target after a jump
+  double largest_force = 0.0;  // [N] of the environment on the tool
 };
 
 /// The way from a target to the robot, in this order:
@@ -57,8 +58,8 @@ struct FollowerStatistics {
 /// Its target is then not farther behind a wall of the workspace than it was, for every received
 /// target. It is behind one only if an object has pushed the robot there, and the spring, never
 /// stronger than the leash, pulls it back. A reading that is faulty or not finite moves nothing.
-/// After a jump of the readings (kJump) it is not well: it stops following, and its target stays. It
-/// is well again once the readings are as near to the target as the leash allows: nobody knows
+/// After a jump of the readings (kJump) it is not well: it stops following, and its target stays.
+/// It is well again once the readings are as near to the target as the leash allows: nobody knows
 /// where a robot is that reads otherwise. It allocates only at construction.
 class FollowerServo {
  public:
