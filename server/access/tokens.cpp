@@ -66,7 +66,7 @@ std::string complaint(std::string_view name) {
          " bytes without control characters; choose another name";
 }
 
-/// What is wrong with the share that a token of that role gives its hands.
+/// Says why a token of that role cannot give its hands this lead share; empty: it can.
 std::optional<std::string> complaint(Role role, double lead_share) {
   if (lead_share != 0.0 && !covers(role, Role::operator_))
     return "is for tokens of the roles operator and admin; leave it out";

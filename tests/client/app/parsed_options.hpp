@@ -1,5 +1,5 @@
 #pragma once
-// What a command line of feltwire-client comes to.
+// Parses command lines of feltwire-client for the tests.
 
 #include <gtest/gtest.h>
 
@@ -15,7 +15,7 @@ namespace feltwire::options_test {
 
 inline const std::string kPrint(64, 'a');  // of some certificate
 
-/// What a command line comes to that says nothing of trust; likewise.
+/// Parses a command line without options of trust.
 inline std::variant<ClientOptions, int> parsed_bare(std::vector<std::string> words) {
   words.insert(words.begin(),
                {"feltwire-client", "--connect", "localhost:6720", "--scene", "room"});
@@ -24,7 +24,7 @@ inline std::variant<ClientOptions, int> parsed_bare(std::vector<std::string> wor
   return parse_options(static_cast<int>(argv.size()), argv.data());
 }
 
-/// What a command line comes to; what is printed goes to the test's own output.
+/// Parses a command line with a fingerprint and a token; its output goes to that of the test.
 inline std::variant<ClientOptions, int> parsed(std::vector<std::string> words) {
   ::setenv("FELTWIRE_TOKEN", "fw_of_a_test", 1);
   words.insert(words.begin(), {"--fingerprint", kPrint});

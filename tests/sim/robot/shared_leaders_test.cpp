@@ -111,7 +111,7 @@ TEST(SharedLeaders, AgainstEachOtherTheyMakeNoEnergyAndNoStep) {
   }
 }
 
-/// Whatever an admin gives and takes, the target does not move by it.
+/// A change of the lead share does not move the target.
 TEST(SharedLeaders, AnotherShareMovesNothing) {
   TwoLeaders bench("delay=0");
   bench.engage_both();
