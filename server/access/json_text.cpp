@@ -1,5 +1,8 @@
 #include "server/access/json_text.hpp"
 
+#include <array>
+#include <charconv>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 namespace feltwire::json_text {
@@ -26,7 +29,11 @@ std::string text(std::string_view text) {
   return Json(text).dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
-std::string number(double value) { return nlohmann::json(value).dump(); }
+std::string number(double value) {
+  if (!std::isfinite(value)) return "null";
+  std::array<char, 32> digits{};
+  return {digits.data(), std::to_chars(digits.data(), digits.data() + digits.size(), value).ptr};
+}
 
 std::string object(const std::vector<Member>& members) {
   std::vector<std::string> entries;

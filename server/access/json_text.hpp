@@ -14,7 +14,7 @@ namespace feltwire::json_text {
 std::string text(std::string_view text);
 inline std::string number(std::uint64_t value) { return std::to_string(value); }
 inline std::string number(std::int64_t value) { return std::to_string(value); }
-/// The shortest digits that read back as the same number. Precondition: it is finite.
+/// The shortest digits that read back as the same number; null: it is not finite.
 std::string number(double value);
 
 /// Objects and lists of values that are already JSON text, one in each line.

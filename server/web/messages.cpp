@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <charconv>
-#include <cmath>
 #include <limits>
 #include <utility>
 #include <variant>
@@ -23,6 +21,7 @@ namespace {
 
 static_assert(kHandStates + kHandReasons <= 32, "both are bits of one word");
 
+using json_text::number;
 using json_text::text;
 
 // The first byte of a binary message.
@@ -30,13 +29,6 @@ enum class Kind : std::uint8_t { geometry = 1, picture = 2, surfaces = 3 };
 
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
-/// JSON has no word for what is not finite.
-std::string number(double value) {
-  if (!std::isfinite(value)) return "null";
-  std::array<char, 32> text{};
-  return {text.data(), std::to_chars(text.data(), text.data() + text.size(), value).ptr};
-}
-std::string number(std::uint64_t value) { return json_text::number(value); }
 std::string text_or_null(const std::string& value) { return value.empty() ? "null" : text(value); }
 std::string flag(bool value) { return value ? "true" : "false"; }
 std::string vector(const Vec3& v) {
