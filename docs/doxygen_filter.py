@@ -2,7 +2,8 @@
 """Shows Doxygen comments of a header that it would not see, and prints the header with them.
 
 They are the comment at the head of the file, which stands under `#pragma once`, and a comment behind a member of a class or an enum, with
-the lines that continue it in the same column. Each line keeps its number. docs/Doxyfile runs this on each header: doxygen_filter.py FILE
+the lines that continue it in the same column. An @ before a capital letter, as in haply@PORT, is a sign and no command of Doxygen. Each
+line keeps its number. docs/Doxyfile runs this on each header: doxygen_filter.py FILE
 """
 
 import pathlib
@@ -32,7 +33,7 @@ def shown(lines):
                 line = line.replace("// ", "///< ", 1)
             else:
                 column = None
-        yield line
+        yield re.sub(r"(?<!\\)@(?=[A-Z])", r"\\@", line)
 
 
 if __name__ == "__main__":
