@@ -250,8 +250,8 @@ class OpenHapticsDevice final : public Device {
     return kContinue;
   }
 
-  void frame() noexcept {
-    call_.begin(handle_);
+  /// Within a frame of the maker's library.
+  DeviceReading sensed(bool in_inkwell) const noexcept {
     std::array<double, 16> transform{};  // 4 x 4, the translation [mm] in the last column
     call_.get_doubles(kTransform, transform.data());
     DeviceReading reading;
@@ -266,10 +266,15 @@ class OpenHapticsDevice final : public Device {
     reading.buttons = static_cast<std::uint32_t>(pressed);
     reading.deadman = (pressed & 1) != 0;
     reading.clutch = (pressed & 2) != 0;
+    if (in_inkwell) reading.withheld = Withheld::in_inkwell;
+    return reading;
+  }
+
+  void frame() noexcept {
+    call_.begin(handle_);
     const bool in_inkwell = has_inkwell_ && is_in_inkwell();
     in_inkwell_.store(in_inkwell);
-    if (in_inkwell) reading.withheld = Withheld::in_inkwell;
-    Command given = handover_.exchange(reading, kPatience);
+    Command given = handover_.exchange(sensed(in_inkwell), kPatience);
     if (ramping_ > 0 || in_inkwell) {
       given = {};
       handover_.cut_to(given);
