@@ -58,9 +58,19 @@ void validate(const FollowerOptions& options) {
     throw std::invalid_argument("follower: its workspace has " +
                                 std::to_string(options.workspace.count) +
                                 " walls; give 16 at most");
+  if (options.workspace.body_count > Workspace::kMostBodiesGiven)
+    throw std::invalid_argument("follower: its workspace has " +
+                                std::to_string(options.workspace.body_count) +
+                                " bodies to keep out of; give 8 at most");
+  for (const KeepOutBody& body : options.workspace.keep_out())
+    if (!body.valid(Workspace::kFarthest))
+      throw std::invalid_argument(
+          "follower: a body to keep out of needs finite numbers within 1000 m, half extents of 0 "
+          "or more, a radius of 0.001 m or more, and a unit orientation");
   if (!has_room(options.workspace, 0.0))
     throw std::invalid_argument(
-        "follower: its workspace leaves no place that is inside of all its walls; move them apart");
+        "follower: its workspace leaves no place that is inside of all its walls and outside of "
+        "all that it keeps out of; move them apart");
 }
 
 FollowerServo::FollowerServo(const FollowerSpec& spec, const FollowerOptions& options)
@@ -163,8 +173,11 @@ void FollowerServo::steer(bool follow, double elapsed) noexcept {
     wanted_.gripper = gripper_.step(target_.gripper, elapsed);
   }
   // What moves has a way to brake, so the walls hold behind the limits of motion, too.
-  const Pose& pose = limit_.keep(follow ? motion_.follow(limit_.keep(target_.pose), elapsed)
-                                        : motion_.stop(elapsed));
+  const Pose& moved =
+      follow ? motion_.follow(limit_.aim(target_.pose), elapsed) : motion_.stop(elapsed);
+  const Pose& pose = limit_.keep(moved);
+  // A motion that went on in a body would come out of it somewhere else.
+  if (limit_.workspace().body_count > 0) motion_.held_at(pose.position, elapsed);
   wanted_.pose.position = limiter_.step({.wanted = pose.position,
                                          .robot = tip_,
                                          .force = state_.force.value_or(Vec3::Zero()),

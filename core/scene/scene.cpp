@@ -132,6 +132,22 @@ MaybeViolation check(const Start& start) {
                    "has no direction: all of [x, y, z] are zero; leave it out or give a normal"};
 }
 
+MaybeViolation check(const KeepOutBody& body) {
+  constexpr double kMost = Workspace::kFarthest;
+  if (auto violation = check(body.pose)) return violation;
+  if (!(body.pose.position.cwiseAbs().maxCoeff() <= kMost))
+    return Violation{"position", "is farther than 1000 m from the robot's origin; move it"};
+  const Vec3 size = 2.0 * body.half;
+  if (auto violation = first({not_negative("size.x", size.x(), kMost, " [m]"),
+                              not_negative("size.y", size.y(), kMost, " [m]"),
+                              not_negative("size.z", size.z(), kMost, " [m]")}))
+    return violation;
+  if (body.radius >= KeepOutBody::kLeastRadius && body.radius <= kMost) return std::nullopt;
+  return Violation{"radius", "is " + number_text(body.radius) + "; give " +
+                                 number_text(KeepOutBody::kLeastRadius) + " to " +
+                                 number_text(kMost) + " m"};
+}
+
 MaybeViolation check(const RemoteSeat& seat) {
   const struct {
     const char* field;
@@ -148,11 +164,18 @@ MaybeViolation check(const RemoteSeat& seat) {
   if (seat.workspace.count > Workspace::kMostGiven)
     return Violation{"workspace.walls",
                      "are " + std::to_string(seat.workspace.count) + "; give 16 at most"};
+  if (seat.workspace.body_count > Workspace::kMostBodiesGiven)
+    return Violation{"workspace.keep_out",
+                     "are " + std::to_string(seat.workspace.body_count) + "; give 8 at most"};
+  for (const KeepOutBody& body : seat.workspace.keep_out())
+    if (auto violation = check(body))
+      return Violation{"workspace.keep_out." + violation->field, violation->message};
   if (has_room(seat.workspace, seat.wall_depth * seat.scale)) return std::nullopt;
   return Violation{"workspace",
                    "leaves no place that is " + number_text(seat.wall_depth * seat.scale) +
-                       " m (depth times scale) inside of all its walls; move them apart, turn a "
-                       "normal that points outwards, or lock an axis instead"};
+                       " m (depth times scale) inside of all its walls and outside of all "
+                       "that it keeps out of; move them apart, turn a normal that points outwards, "
+                       "make a body smaller, or lock an axis instead"};
 }
 
 MaybeViolation broken_name(const std::string& name) {

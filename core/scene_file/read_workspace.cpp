@@ -37,6 +37,17 @@ WorkspaceWall read_wall(const JsonDocument& document, const std::string& path,
   return {normal, distance};
 }
 
+KeepOutBody read_body(const JsonDocument& document, const std::string& path,
+                      const scene_file::KeepOutBody& from) {
+  KeepOutBody body;
+  body.pose = pose_of(from);
+  if (const auto* size = from.size()) body.half = 0.5 * vector(*size);
+  body.radius = from.radius();
+  require(document, path, check(body));
+  make_unit(body.pose.orientation);
+  return body;
+}
+
 }  // namespace
 
 void read_workspace(const JsonDocument& document, const scene_file::Workspace& from,
@@ -50,6 +61,12 @@ void read_workspace(const JsonDocument& document, const scene_file::Workspace& f
                     "those that no target would reach");
     for (flatbuffers::uoffset_t i = 0; i < walls->size(); ++i)
       to.add(read_wall(document, kPath + "." + element("walls", i), *walls->Get(i)));
+  }
+  if (const auto* bodies = from.keep_out()) {
+    if (bodies->size() > Workspace::kMostBodiesGiven)
+      document.fail(kPath + ".keep_out", "has more than 8 bodies; put a larger one around several");
+    for (flatbuffers::uoffset_t i = 0; i < bodies->size(); ++i)
+      to.add_body(read_body(document, kPath + "." + element("keep_out", i), *bodies->Get(i)));
   }
   if (const auto* lock = from.lock())
     for (const auto axis : *lock) {

@@ -54,6 +54,13 @@ class MotionLimit {
     return here_;
   }
 
+  /// Something else held it back: it is at `place` after the last sample of `elapsed` [s] > 0, and
+  /// goes on from there with the velocity that it really had.
+  void held_at(const Vec3& place, double elapsed) noexcept {
+    velocity_ = shortened(velocity_ + (place - here_.position) / elapsed, limits_.speed);
+    here_.position = place;
+  }
+
   /// Brakes.
   const Pose& stop(double elapsed) noexcept {
     steer(Vec3::Zero(), elapsed);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "core/base/numeric.hpp"
 
@@ -22,6 +23,7 @@ void Workspace::add_box(const Vec3& low, const Vec3& high) noexcept {
 Workspace joined(const Workspace& one, const Workspace& other) noexcept {
   Workspace both = one;
   for (const WorkspaceWall& wall : other.view()) both.add(wall);
+  for (const KeepOutBody& body : other.keep_out()) both.add_body(body);
   for (std::size_t axis = 0; axis < 3; ++axis) both.locked[axis] |= other.locked[axis];
   both.turning_locked |= other.turning_locked;
   return both;
@@ -29,18 +31,46 @@ Workspace joined(const Workspace& one, const Workspace& other) noexcept {
 
 bool has_room(const Workspace& workspace, double inside) noexcept {
   constexpr int kTries = 200;
+  constexpr int kCuts = 12;       // of the room along each axis, where there are bodies
   constexpr double kLeft = 1e-6;  // [m]
   Workspace narrow = workspace;
   for (std::size_t i = 0; i < narrow.count; ++i) narrow.walls[i].distance += inside;
-  Vec3 place = Vec3::Zero();
-  for (int i = 0; i < kTries; ++i) place = nearest_in_front(place, narrow.view());
-  return std::ranges::all_of(
-      narrow.view(), [&](const WorkspaceWall& wall) { return wall.clearance(place) >= -kLeft; });
+  const auto nearest = [&](Vec3 place) {
+    for (int i = 0; i < kTries; ++i) place = nearest_in_front(place, narrow.view());
+    return place;
+  };
+  const auto in_room = [&](const Vec3& place) {
+    return std::ranges::all_of(
+        narrow.view(), [&](const WorkspaceWall& wall) { return wall.clearance(place) >= -kLeft; });
+  };
+  const auto outside = [&](const Vec3& place) {
+    return std::ranges::all_of(narrow.keep_out(), [&](const KeepOutBody& body) {
+      return body.wall_at(place).clearance(place) >= inside - kLeft;
+    });
+  };
+  const Vec3 first = nearest(Vec3::Zero());
+  if (!in_room(first)) return false;
+  if (outside(first)) return true;
+  // Over the whole room, coarsely: beside the bodies there is room by far, or hardly any.
+  Vec3 low, high;
+  for (Eigen::Index axis = 0; axis < 3; ++axis) {
+    const Vec3 far = 2.0 * Workspace::kFarthest * Vec3::Unit(axis);
+    low[axis] = nearest(-far)[axis];
+    high[axis] = nearest(far)[axis];
+  }
+  for (int n = 0; n < kCuts * kCuts * kCuts; ++n) {
+    const Vec3 share(n % kCuts, n / kCuts % kCuts, n / (kCuts * kCuts));
+    const Vec3 place =
+        nearest_in_front(low + (high - low).cwiseProduct(share) / (kCuts - 1), narrow.view());
+    if (in_room(place) && outside(place)) return true;
+  }
+  return false;
 }
 
 Vec3 nearest_in_front(const Vec3& point, std::span<const WorkspaceWall> walls) noexcept {
   constexpr int kSweeps = 50;
-  std::array<double, Workspace::kMostWalls> moved{};  // [m] along each normal
+  // [m] along each normal
+  std::array<double, Workspace::kMostWalls + Workspace::kMostBodies> moved{};
   Vec3 place = point;
   for (int sweep = 0; sweep < kSweeps; ++sweep) {
     double largest = 0.0;
@@ -91,23 +121,68 @@ void WorkspaceLimit::begin(const Pose& here) noexcept {
     walls_[count_] = {normal.direction, std::min(meant, normal.direction.dot(here.position))};
     ++count_;
   }
+  depths_.fill(-std::numeric_limits<double>::infinity());
+  face_bodies(here.position);
 }
 
-const Pose& WorkspaceLimit::keep(const Pose& wanted) noexcept {
-  if (!wanted.position.allFinite() || !wanted.orientation.coeffs().allFinite()) return last_;
-  Vec3 place = wanted.position;
+/// The place, with the value that each locked axis keeps.
+Vec3 WorkspaceLimit::unlocked(const Vec3& place) const noexcept {
+  Vec3 kept = place;
   for (Eigen::Index axis = 0; axis < 3; ++axis)
-    if (workspace_.locked[static_cast<std::size_t>(axis)]) place[axis] = begun_.position[axis];
-  place = nearest_in_front(place, walls());
-  // The room is convex: between a place in it and one outside there is the last one in it.
+    if (workspace_.locked[static_cast<std::size_t>(axis)]) kept[axis] = begun_.position[axis];
+  return kept;
+}
+
+/// The walls of the bodies at an allowed place.
+void WorkspaceLimit::face_bodies(const Vec3& place) noexcept {
+  constexpr double kAcross = 1e-9;  // length of a normal that no movement along the free axes meets
+  const Vec3 held = begun_.position - free_part(begun_.position);
+  for (std::size_t i = 0; i < workspace_.body_count; ++i) {
+    const WorkspaceWall full = workspace_.bodies[i].wall_at(place);
+    depths_[i] = std::min(0.0, std::max(depths_[i], full.clearance(place)));
+    const Polar<double> normal = polar(free_part(full.normal));
+    const double distance = full.distance + depths_[i] - full.normal.dot(held);
+    walls_[count_ + i] = normal.length > kAcross
+                             ? WorkspaceWall{normal.direction, distance / normal.length}
+                             : WorkspaceWall{Vec3::UnitZ(), -4.0 * Workspace::kFarthest};
+  }
+}
+
+/// From one allowed place straight to the place nearest to `wanted` that is in front of all walls.
+Vec3 WorkspaceLimit::slide(const Vec3& from, const Vec3& wanted) const noexcept {
+  const Vec3 place = nearest_in_front(wanted, walls());
+  // The walls bound a convex room: between a place in it and one outside there is the last one in
+  // it.
   double share = 1.0;
   for (const WorkspaceWall& wall : walls()) {
     const double clearance = wall.clearance(place);
     if (clearance >= -kRounding) continue;
-    const double before = std::max(0.0, wall.clearance(last_.position));
+    const double before = std::max(0.0, wall.clearance(from));
     share = std::min(share, before / (before - clearance));
   }
-  if (share < 1.0) place = last_.position + share * (place - last_.position);
+  return share < 1.0 ? Vec3(from + share * (place - from)) : place;
+}
+
+Pose WorkspaceLimit::aim(const Pose& wanted) const noexcept {
+  if (!wanted.position.allFinite() || !wanted.orientation.coeffs().allFinite()) return last_;
+  return {nearest_in_front(unlocked(wanted.position), room()),
+          workspace_.turning_locked ? begun_.orientation : wanted.orientation};
+}
+
+const Pose& WorkspaceLimit::keep(const Pose& wanted) noexcept {
+  constexpr int kSlides = 16;  // along the bodies; those that are left are made in the next sample
+  if (!wanted.position.allFinite() || !wanted.orientation.coeffs().allFinite()) return last_;
+  const Vec3 aim = unlocked(wanted.position);
+  Vec3 place = slide(last_.position, aim);
+  if (workspace_.body_count > 0) {
+    Vec3 before = last_.position;
+    for (int i = 1; i < kSlides && (place - before).norm() > kRounding; ++i) {
+      face_bodies(place);
+      before = place;
+      place = slide(before, aim);
+    }
+    face_bodies(place);
+  }
   last_.position = place;
   last_.orientation = workspace_.turning_locked ? begun_.orientation : wanted.orientation;
   for (std::size_t i = 0; i < count_; ++i) {

@@ -90,6 +90,23 @@ bool read(const wire::SessionParameters& from, SessionParameters& to) {
          read_enum(from.side(), to.side) && read_enum(from.predictor(), to.predictor);
 }
 
+/// Absent: there are none.
+bool read(const flatbuffers::Vector<const wire::KeepOutBody*>* from, Workspace& to) {
+  if (from == nullptr) return true;
+  if (!aligned(*from, alignof(wire::KeepOutBody)) || from->size() > Workspace::kMostBodiesGiven)
+    return false;
+  for (const wire::KeepOutBody* sent : *from) {
+    const wire::Turn& turn = sent->orientation();
+    KeepOutBody body{{vector(sent->position()), Quaternion(turn.w(), turn.x(), turn.y(), turn.z())},
+                     vector(sent->half()),
+                     sent->radius()};
+    if (!body.valid(Workspace::kFarthest)) return false;
+    body.pose.orientation.normalize();
+    to.add_body(body);
+  }
+  return true;
+}
+
 /// Absent: it stays without limits.
 bool read(const wire::Workspace* from, Workspace& to) {
   if (from == nullptr) return true;
@@ -99,6 +116,7 @@ bool read(const wire::Workspace* from, Workspace& to) {
   for (std::size_t axis = 0; axis < to.locked.size(); ++axis)
     to.locked[axis] = (from->locked() & 1u << axis) != 0;
   to.turning_locked = (from->locked() & kTurning) != 0;
+  if (!read(from->keep_out(), to)) return false;
   const auto* walls = from->walls();
   if (walls == nullptr) return true;
   if (!aligned(*walls, alignof(wire::Wall)) || walls->size() > Workspace::kMostGiven) return false;

@@ -73,12 +73,19 @@ Offset<wire::Workspace> build(FlatBufferBuilder& builder, const Workspace& w) {
   if (!w.limits()) return 0;
   std::vector<wire::Wall> walls;
   for (const WorkspaceWall& wall : w.view()) walls.emplace_back(vector(wall.normal), wall.distance);
+  std::vector<wire::KeepOutBody> bodies;
+  for (const KeepOutBody& body : w.keep_out()) {
+    const Quaternion& q = body.pose.orientation;
+    bodies.emplace_back(vector(body.pose.position), wire::Turn(q.w(), q.x(), q.y(), q.z()),
+                        vector(body.half), body.radius);
+  }
   constexpr unsigned kTurning = 1u << 3;
   unsigned locked = w.turning_locked ? kTurning : 0;
   for (std::size_t axis = 0; axis < w.locked.size(); ++axis)
     if (w.locked[axis]) locked |= 1u << axis;
   return wire::CreateWorkspace(builder, builder.CreateVectorOfStructs(walls),
-                               static_cast<std::uint8_t>(locked));
+                               static_cast<std::uint8_t>(locked),
+                               bodies.empty() ? 0 : builder.CreateVectorOfStructs(bodies));
 }
 
 /// The union's member of each message.

@@ -117,6 +117,11 @@ int main(int argc, char** argv) {
                  "X0,Y0,Z0,X1,Y1,Z1 [m] Box that limits its target, in addition to the workspace "
                  "of its seat")
       ->delimiter(',');
+  app.add_option("--keep-out", words.workspace.keep_out,
+                 "X,Y,Z,HX,HY,HZ,R [m] Body that its target stays out of, in addition to those of "
+                 "its seat: all places within R of a box with the middle X,Y,Z and the half "
+                 "extents HX,HY,HZ (0,0,0: a ball). Can be given 8 times")
+      ->allow_extra_args(false);
   app.add_option("--lock", words.workspace.lock,
                  "Axes that keep their value while a hand is engaged, in addition to those of its "
                  "seat: some of "

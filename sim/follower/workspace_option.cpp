@@ -31,6 +31,18 @@ Workspace workspace_of(const WorkspaceWords& words) {
             "below the last three on each axis");
     workspace.add_box(Vec3(b[0], b[1], b[2]), Vec3(b[3], b[4], b[5]));
   }
+  if (words.keep_out.size() > Workspace::kMostBodiesGiven)
+    throw std::invalid_argument("--keep-out is given " + std::to_string(words.keep_out.size()) +
+                                " times; give it 8 times at most");
+  for (const auto& b : words.keep_out) {
+    const KeepOutBody body{
+        {Vec3(b[0], b[1], b[2]), Quaternion::Identity()}, Vec3(b[3], b[4], b[5]), b[6]};
+    if (!body.valid(Workspace::kFarthest))
+      throw std::invalid_argument(
+          "--keep-out must be seven numbers within 1000 m, X,Y,Z,HX,HY,HZ,R: half extents of 0 or "
+          "more, and a radius R of 0.001 or more");
+    workspace.add_body(body);
+  }
   for (const std::string& axis : words.lock) lock(workspace, axis);
   return workspace;
 }

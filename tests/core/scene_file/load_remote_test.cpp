@@ -45,7 +45,9 @@ TEST(LoadRemote, ARobotsTargetMayHaveAWorkspace) {
   };
   EXPECT_FALSE(parse_scene(scene(""), "s.json").remote()->workspace.limits());
   const RemoteSeat seat = *parse_scene(scene(R"("low": [-0.1, -0.2, 0], "high": [0.1, 0.2, 0.3],
-      "walls": [{"position": [0, 0, 0.25], "normal": [0, 3, -4]}, {}], "lock": ["y", "rotation"],
+      "walls": [{"position": [0, 0, 0.25], "normal": [0, 3, -4]}, {}],
+      "keep_out": [{"position": [0.1, 0, 0], "radius": 0.03},
+                   {"size": [0.2, 0.02, 0], "orientation": [0, 0, 0, 2]}], "lock": ["y", "rotation"],
       "stiffness": 500, "depth": 0.002)"),
                                        "s.json")
                                .remote();
@@ -58,6 +60,13 @@ TEST(LoadRemote, ARobotsTargetMayHaveAWorkspace) {
   EXPECT_EQ(w.walls[7].normal, Vec3(0.0, 0.0, 1.0));
   EXPECT_EQ(w.locked, (std::array<bool, 3>{false, true, false}));
   EXPECT_TRUE(w.turning_locked);
+  ASSERT_EQ(w.body_count, 2u);
+  EXPECT_EQ(w.bodies[0].pose.position, Vec3(0.1, 0.0, 0.0));
+  EXPECT_EQ(w.bodies[0].half, Vec3::Zero()) << "a ball";
+  EXPECT_EQ(w.bodies[0].radius, 0.03);
+  EXPECT_EQ(w.bodies[1].half, Vec3(0.1, 0.01, 0.0));
+  EXPECT_EQ(w.bodies[1].radius, 0.01);
+  EXPECT_EQ(w.bodies[1].pose.orientation.coeffs(), Eigen::Vector4d(0, 0, 1, 0)) << "unit";
   EXPECT_EQ(seat.wall_stiffness, 500.0);
   EXPECT_EQ(seat.wall_depth, 0.002);
 
@@ -78,6 +87,17 @@ TEST(LoadRemote, ARobotsTargetMayHaveAWorkspace) {
   std::string many = box + R"(, "walls": [{})";
   for (int i = 0; i < 10; ++i) many += ", {}";
   expect(many + "]", ".walls: has more than 16 walls");
+  expect(R"("keep_out": [{}, {"radius": 0}])", ".keep_out[1].radius: is 0; give 0.001 to 1000 m");
+  expect(R"("keep_out": [{"size": [1, -1, 0]}])", ".keep_out[0].size.y: ");
+  expect(R"("keep_out": [{"position": [0, 2000, 0]}])",
+         ".keep_out[0].position: is farther than 1000 m from the robot's origin");
+  expect(R"("keep_out": [{"orientation": [0, 0, 0, 0]}])",
+         ".keep_out[0].orientation: is no rotation");
+  expect(R"("keep_out": [{}, {}, {}, {}, {}, {}, {}, {}, {}])",
+         ".keep_out: has more than 8 bodies");
+  expect(R"("low": [0, 0, 0], "high": [0.1, 0.1, 0.1], "keep_out": [{"radius": 0.2}])",
+         ": leaves no place that is 0.005 m (depth times scale) inside of all its walls and "
+         "outside of all that it keeps out of");
   EXPECT_THAT(error_of(scene(R"("lock": ["w"])")), HasSubstr("remote.workspace.lock"));
 }
 

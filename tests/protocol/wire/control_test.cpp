@@ -109,6 +109,10 @@ Workspace workspace_with_all() {
   Workspace workspace;
   workspace.add_box(Vec3(-0.5, -0.25, 0.0), Vec3(0.5, 0.25, 1.0));
   while (workspace.count < Workspace::kMostGiven) workspace.add({Vec3(0.6, 0.0, 0.8), -3.5});
+  for (std::size_t i = 0; i < Workspace::kMostBodiesGiven; ++i)
+    workspace.add_body({{Vec3(0.1, 0.2, 0.3), Quaternion(0.6, 0.0, 0.8, 0.0)},
+                        Vec3(0.0, 0.01, 0.02),
+                        0.001 * static_cast<double>(i + 1)});
   workspace.locked = {false, true, false};
   workspace.turning_locked = true;
   return workspace;
@@ -125,6 +129,14 @@ TEST(Control, AWorkspaceTravelsBothWaysWhereThereIsOne) {
       EXPECT_LE((read.walls[i].normal - got.workspace.walls[i].normal).norm(), 1e-15);
       EXPECT_EQ(read.walls[i].distance, got.workspace.walls[i].distance);
     }
+    ASSERT_EQ(read.body_count, Workspace::kMostBodiesGiven);
+    for (std::size_t i = 0; i < read.body_count; ++i) {
+      const KeepOutBody &body = read.bodies[i], &sent = got.workspace.bodies[i];
+      EXPECT_EQ(body.pose.position, sent.pose.position);
+      EXPECT_LE((body.pose.orientation.coeffs() - sent.pose.orientation.coeffs()).norm(), 1e-15);
+      EXPECT_EQ(body.half, sent.half);
+      EXPECT_EQ(body.radius, sent.radius);
+    }
     EXPECT_EQ(read.locked, got.workspace.locked);
     EXPECT_TRUE(read.turning_locked);
   }
@@ -135,7 +147,7 @@ TEST(Control, AWorkspaceTravelsBothWaysWhereThereIsOne) {
 }
 
 TEST(Control, AWorkspaceThatIsNoneIsRefused) {
-  for (const int which : {0, 1, 2, 3, 4, 5}) {
+  for (int which = 0; which <= 11; ++which) {
     JoinAccepted sent = accepted_with_all();
     sent.workspace = workspace_with_all();
     WorkspaceWall& wall = sent.workspace.walls[3];
@@ -145,6 +157,13 @@ TEST(Control, AWorkspaceThatIsNoneIsRefused) {
     if (which == 3) wall.distance = 1001.0;
     if (which == 4) wall.distance = std::numeric_limits<double>::quiet_NaN();
     if (which == 5) sent.workspace.add(wall);  // one too many
+    KeepOutBody& kept = sent.workspace.bodies[2];
+    if (which == 6) kept.radius = 0.0009;
+    if (which == 7) kept.radius = std::numeric_limits<double>::quiet_NaN();
+    if (which == 8) kept.half.y() = -0.01;
+    if (which == 9) kept.pose.orientation.coeffs() *= 1.01;
+    if (which == 10) kept.pose.position.z() = -1001.0;
+    if (which == 11) sent.workspace.add_body(kept);  // one too many
     JoinRequest asked = request();
     asked.workspace = sent.workspace;
     EXPECT_FALSE(decode(body(encode(sent)))) << which;

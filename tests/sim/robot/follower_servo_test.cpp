@@ -159,6 +159,38 @@ TEST(FollowerServo, NoServerDrivesItThroughItsWalls) {
   EXPECT_LE((highest.array() - high).matrix().cwiseAbs().maxCoeff(), 1e-3);
 }
 
+/// However far behind a body the server wants it: not into it, not through it, and no faster than
+/// the limit when it comes free.
+TEST(FollowerServo, NoServerDrivesItIntoABody) {
+  test::Random random(6);
+  FollowerOptions options;
+  options.workspace = box(Vec3(-0.1, -0.1, 0.03), Vec3(0.1, 0.1, 0.2));
+  options.workspace.add_body(
+      {{Vec3(0.04, 0.0, 0.1), Quaternion::Identity()}, Vec3(0.0, 0.05, 0.02), 0.01});
+  Bench bench(options);
+  Workspace seat;
+  seat.add_body({{Vec3(-0.05, 0.0, 0.1), Quaternion::Identity()}, Vec3::Zero(), 0.03});
+  bench.servo.sit(seat);
+  const std::array bodies{options.workspace.bodies[0], seat.bodies[0]};
+  std::array<int, 2> met{};
+  Vec3 wanted = Vec3::Zero(), before = bench.tick().commanded.position;
+  for (int i = 0; i < 20'000; ++i) {
+    if (i % 250 == 0) wanted = Vec3(0, 0, 0.1) + random.uniform(0.0, 0.2) * random.direction();
+    bench.servo.take(bench.target(wanted, random.chance(0.995) ? LinkState::engaged
+                                                               : static_cast<LinkState>(i % 6)),
+                     bench.now);
+    const Vec3 at = bench.tick().commanded.position;
+    ASSERT_LE((at - before).norm(), options.motion.speed * seconds(kPeriod) * (1.0 + 1e-9)) << i;
+    before = at;
+    for (std::size_t n = 0; n < bodies.size(); ++n) {
+      const double distance = bodies[n].wall_at(at).clearance(at);
+      ASSERT_GE(distance, -1e-9) << i;
+      met[n] += distance < 1e-4 ? 1 : 0;
+    }
+  }
+  EXPECT_GE(std::min(met[0], met[1]), 100) << "both were met";
+}
+
 /// Something pushes it out: the spring pulls it back, and not harder than the leash.
 TEST(FollowerServo, ARobotThatIsPushedOutIsPulledBackSoftly) {
   FollowerOptions options;
@@ -211,6 +243,11 @@ TEST(FollowerServo, RefusesLimitsThatAreNone) {
   FollowerOptions crowded;
   while (crowded.workspace.count <= Workspace::kMostGiven) crowded.workspace.add({});
   EXPECT_THROW(FollowerServo(robot.spec(), crowded), std::invalid_argument);
+  for (const double radius : {0.0, -1.0, kNan}) {
+    FollowerOptions sharp;
+    sharp.workspace.add_body({{}, Vec3::Zero(), radius});
+    EXPECT_THROW(FollowerServo(robot.spec(), sharp), std::invalid_argument);
+  }
 }
 
 }  // namespace

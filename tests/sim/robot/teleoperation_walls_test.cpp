@@ -119,6 +119,8 @@ TEST(TeleoperationWalls, AWildHandNeverGetsThrough) {
     walled.workspace.add({Vec3(0.6, 0.0, 0.8), 0.0});
     walled.workspace.locked = {false, true, false};
     walled.workspace.turning_locked = true;
+    walled.workspace.add_body(
+        {{Vec3(-0.03, 0.0, 0.0), Quaternion::Identity()}, Vec3(0.0, 0.1, 0.0), 0.02});
     Teleoperation bench(link, walled);
     bench.engage();
     for (int i = 0; i < 40; ++i) {
@@ -129,9 +131,43 @@ TEST(TeleoperationWalls, AWildHandNeverGetsThrough) {
         ASSERT_LE(std::abs(bench.commanded.position.y()), 1e-12);
         for (const WorkspaceWall& wall : walled.workspace.view())
           ASSERT_GE(wall.clearance(bench.commanded.position), -1e-9);
+        for (const KeepOutBody& body : walled.workspace.keep_out())
+          ASSERT_GE(body.wall_at(bench.commanded.position).clearance(bench.commanded.position),
+                    -1e-9);
       }
     }
     EXPECT_LE(bench.made(), 0.0) << link;
+  }
+}
+
+/// A body in the way is felt as a wall that goes along with the robot, and the robot goes around
+/// it.
+TEST(TeleoperationWalls, ABodyIsFeltAndGoneAround) {
+  for (const char* link : {"delay=0", "delay=25,loss=2,seed=3"}) {
+    RemoteSeat around;
+    around.wall_stiffness = kStiffness;
+    around.wall_depth = kDepth;
+    const KeepOutBody ball{{Vec3(0.0, 0.0, 0.10), Quaternion::Identity()}, Vec3::Zero(), 0.04};
+    around.workspace.add_body(ball);
+    Teleoperation bench(link, around);
+    bench.engage();
+    const auto room = [&] {
+      return ball.wall_at(bench.commanded.position).clearance(bench.commanded.position);
+    };
+    bench.move(Vec3(0.002, 0.0, 0.06), 1.0);
+    bench.run(0.5);
+    ASSERT_EQ(bench.state(), engaged);
+    EXPECT_LE(room(), 1e-3) << link;
+    EXPECT_LE(bench.force(), -1.0) << "it is felt";
+    // Sideways and on, while it presses upwards.
+    double least = 1.0;
+    for (int i = 0; i < 100; ++i) {
+      bench.move(Vec3(1e-3, 0.0, 1.5e-3), 0.02);
+      least = std::min(least, room());
+    }
+    EXPECT_GE(least, -1e-9);
+    EXPECT_GE(bench.commanded.position.z(), 0.13) << link << ": it has come past the ball";
+    EXPECT_LE(bench.made(), 0.0);
   }
 }
 
