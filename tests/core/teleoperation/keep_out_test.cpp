@@ -147,6 +147,28 @@ TEST(KeepOutBodies, AHandSlidesAroundABall) {
   EXPECT_LE(target.z(), 0.0);
 }
 
+/// A wish that is far away, and free, is reached in one step around the ball.
+TEST(KeepOutBodies, AWishBesideABodyIsReachedAtOnce) {
+  Workspace workspace;
+  workspace.add_body(KeepOutBody{{}, Vec3::Zero(), 0.1});
+  WorkspaceLimit limit(workspace);
+  limit.begin({Vec3(0.0, 0.0, 0.15), Quaternion::Identity()});
+  const Vec3 wanted(0.14, 0.0, 0.0);
+  EXPECT_LE((limit.keep({wanted, Quaternion::Identity()}).position - wanted).norm(), kRounding);
+}
+
+/// Steps that are too small to count one by one do not add up.
+TEST(KeepOutBodies, NoSmallStepsLeadIn) {
+  Workspace workspace;
+  workspace.add_body(KeepOutBody{{}, Vec3::Zero(), 0.1});
+  WorkspaceLimit limit(workspace);
+  Vec3 target(0.0, 0.0, 0.1);
+  limit.begin({target, Quaternion::Identity()});
+  for (int i = 0; i < 100'000; ++i)
+    target = limit.keep({target - Vec3(0.0, 0.0, 0.9e-12), Quaternion::Identity()}).position;
+  EXPECT_GE(target.z(), 0.1 - 1e-11);
+}
+
 TEST(KeepOutBodies, TheHandIsToldTheWallOfEach) {
   Workspace workspace;
   workspace.add({Vec3::UnitZ(), -0.1});
