@@ -149,6 +149,7 @@ void WorkspaceLimit::face_bodies(const Vec3& place) noexcept {
 }
 
 /// From one allowed place straight to the place nearest to `wanted` that is in front of all walls.
+/// Stays where sweeps that did not suffice would lead away from it.
 Vec3 WorkspaceLimit::slide(const Vec3& from, const Vec3& wanted) const noexcept {
   const Vec3 place = nearest_in_front(wanted, walls());
   // The walls bound a convex room: between a place in it and one outside there is the last one in
@@ -160,7 +161,8 @@ Vec3 WorkspaceLimit::slide(const Vec3& from, const Vec3& wanted) const noexcept 
     const double before = std::max(0.0, wall.clearance(from));
     share = std::min(share, before / (before - clearance));
   }
-  return share < 1.0 ? Vec3(from + share * (place - from)) : place;
+  const Vec3 reached = share < 1.0 ? Vec3(from + share * (place - from)) : place;
+  return (reached - wanted).squaredNorm() <= (from - wanted).squaredNorm() ? reached : from;
 }
 
 Pose WorkspaceLimit::aim(const Pose& wanted) const noexcept {

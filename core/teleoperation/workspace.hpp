@@ -72,8 +72,8 @@ class WorkspaceLimit {
   /// The hand engages while the target is at `here`. Precondition: it is finite.
   void begin(const Pose& here) noexcept;
   /// Returns the allowed target that is reached on the way to the wanted one; without bodies it is
-  /// the nearest. It is not farther from the wanted target than the last one was, except for walls
-  /// at acute angles. A wanted target that is not finite changes nothing.
+  /// the nearest. On the free axes it is not farther from the wanted target than the last one was.
+  /// A wanted target that is not finite changes nothing.
   const Pose& keep(const Pose& wanted) noexcept;
   /// Returns the nearest target that the present walls and the locked axes allow, bodies aside.
   /// Changes nothing. Returns the last target if the wanted one is not finite.
