@@ -1,7 +1,9 @@
 #include "sim/follower/workspace_option.hpp"
 
+#include <charconv>
 #include <cmath>
 #include <stdexcept>
+#include <string_view>
 
 namespace feltwire {
 namespace {
@@ -14,6 +16,23 @@ void lock(Workspace& workspace, const std::string& axis) {
   else
     throw std::invalid_argument("--lock: there is no axis '" + axis +
                                 "'; give some of x, y, z, rotation, with commas between them");
+}
+
+/// The seven numbers of `words`, with commas between them; none where it is anything else.
+std::optional<KeepOutBody> body_of(std::string_view words) {
+  std::array<double, 7> b{};
+  const char* at = words.data();
+  const char* const end = at + words.size();
+  for (std::size_t i = 0; i < b.size(); ++i) {
+    if (i > 0 && (at == end || *at++ != ',')) return std::nullopt;
+    const auto read = std::from_chars(at, end, b[i]);
+    if (read.ec != std::errc{}) return std::nullopt;
+    at = read.ptr;
+  }
+  const KeepOutBody body{
+      {Vec3(b[0], b[1], b[2]), Quaternion::Identity()}, Vec3(b[3], b[4], b[5]), b[6]};
+  if (at != end || !body.valid(Workspace::kFarthest)) return std::nullopt;
+  return body;
 }
 
 }  // namespace
@@ -34,14 +53,14 @@ Workspace workspace_of(const WorkspaceWords& words) {
   if (words.keep_out.size() > Workspace::kMostBodiesGiven)
     throw std::invalid_argument("--keep-out is given " + std::to_string(words.keep_out.size()) +
                                 " times; give it 8 times at most");
-  for (const auto& b : words.keep_out) {
-    const KeepOutBody body{
-        {Vec3(b[0], b[1], b[2]), Quaternion::Identity()}, Vec3(b[3], b[4], b[5]), b[6]};
-    if (!body.valid(Workspace::kFarthest))
+  for (const std::string& text : words.keep_out) {
+    const std::optional<KeepOutBody> body = body_of(text);
+    if (!body)
       throw std::invalid_argument(
           "--keep-out must be seven numbers within 1000 m, X,Y,Z,HX,HY,HZ,R: half extents of 0 or "
-          "more, and a radius R of 0.001 or more");
-    workspace.add_body(body);
+          "more, and a radius R of 0.001 or more; it is '" +
+          text + "'");
+    workspace.add_body(*body);
   }
   for (const std::string& axis : words.lock) lock(workspace, axis);
   return workspace;

@@ -11,9 +11,9 @@
 namespace feltwire {
 
 struct WorkspaceWords {
-  std::optional<std::array<double, 6>> box;     // [m] low corner, high corner
-  std::vector<std::array<double, 7>> keep_out;  // [m] middle, half extents, radius of each
-  std::vector<std::string> lock;                // x, y, z, rotation
+  std::optional<std::array<double, 6>> box;  // [m] low corner, high corner
+  std::vector<std::string> keep_out;         // [m] X,Y,Z,HX,HY,HZ,R: middle, half extents, radius
+  std::vector<std::string> lock;             // x, y, z, rotation
 };
 
 /// Throws std::invalid_argument that names the option and the remedy.

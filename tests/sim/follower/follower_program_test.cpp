@@ -87,9 +87,12 @@ TEST_F(FollowerProgram, NamesAWorkspaceThatIsNone) {
   };
   for (const char* box : {"0,0,0,1,1,0", "0,0,0,1,nan,1", "0,0,-2000,1,1,1"})
     expect_fault(with("--workspace", box), "--workspace must be six numbers within 1000 m");
-  for (const char* body : {"0,0,0,1,-1,0,0.1", "0,0,0,0,0,0,0.0001", "nan,0,0,0,0,0,0.1"})
+  for (const char* body : {"0,0,0,1,-1,0,0.1", "0,0,0,0,0,0,0.0001", "nan,0,0,0,0,0,0.1",
+                           "0,0,0,0.1", "0,0,0,0,0,0,0.1,0", "0,0,0,0,0,0,0.1m", "a,0,0,0,0,0,0.1"})
     expect_fault(with("--keep-out", body), "--keep-out must be seven numbers within 1000 m");
-  expect_fault(with("--keep-out", "0,0,0,0.1"), "--keep-out");
+  std::vector<std::string> nine{"--surroundings", kSurroundings};
+  for (int i = 0; i < 9; ++i) nine.insert(nine.end(), {"--keep-out", "-0.1,0,0,0,0,0,0.1"});
+  expect_fault(nine, "--keep-out is given 9 times; give it 8 times at most");
   expect_fault(with("--lock", "x,w"), "--lock: there is no axis 'w'; give some of x, y, z");
 }
 
