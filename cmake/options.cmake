@@ -28,6 +28,10 @@ if(FELTWIRE_FUZZ)
   set(FELTWIRE_SANITIZE "fuzzer-no-link,address,undefined,float-cast-overflow")
 endif()
 if(FELTWIRE_SANITIZE)
+  if(CMAKE_CXX_COMPILER_ID MATCHES "Clang" AND FELTWIRE_SANITIZE MATCHES "undefined")
+    target_compile_options(feltwire_options INTERFACE
+      -fsanitize-ignorelist=${PROJECT_SOURCE_DIR}/cmake/sanitizer_ignore.txt)
+  endif()
   target_compile_options(feltwire_options INTERFACE
     -fsanitize=${FELTWIRE_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
   target_link_options(feltwire_options INTERFACE -fsanitize=${FELTWIRE_SANITIZE})
