@@ -59,7 +59,8 @@ bool has_room(const Workspace& workspace, double inside) noexcept {
     high[axis] = nearest(far)[axis];
   }
   for (int n = 0; n < kCuts * kCuts * kCuts; ++n) {
-    const Vec3 share(n % kCuts, n / kCuts % kCuts, n / (kCuts * kCuts));
+    const int along_x = n % kCuts, along_y = n / kCuts % kCuts, along_z = n / (kCuts * kCuts);
+    const Vec3 share(along_x, along_y, along_z);
     const Vec3 place =
         nearest_in_front(low + (high - low).cwiseProduct(share) / (kCuts - 1), narrow.view());
     if (in_room(place) && outside(place)) return true;
