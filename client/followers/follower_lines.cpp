@@ -5,6 +5,8 @@
 #include <cmath>
 #include <cstring>
 
+#include "core/base/number_list.hpp"
+
 namespace feltwire::follower_lines {
 namespace {
 
@@ -19,34 +21,13 @@ std::string_view word(std::string_view& rest) noexcept {
   return text;
 }
 
-std::optional<double> number_of(std::string_view text) noexcept {
-  double value = 0.0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size() || !(std::abs(value) <= kMost))
-    return std::nullopt;
-  return value;
-}
-
-/// "1,2,3" of exactly as many numbers.
-bool numbers_of(std::string_view text, std::span<double> values) noexcept {
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    const std::size_t end = text.find(',');
-    if ((end == std::string_view::npos) != (i + 1 == values.size())) return false;
-    const auto value = number_of(text.substr(0, end));
-    if (!value) return false;
-    values[i] = *value;
-    if (end != std::string_view::npos) text.remove_prefix(end + 1);
-  }
-  return true;
-}
-
 bool read(std::string_view text, Vec3& v) noexcept {
-  return numbers_of(text, std::span<double>(v.data(), 3));
+  return numbers_of(text, std::span<double>(v.data(), 3), kMost);
 }
 
 std::string_view read(std::string_view text, Pose& pose) noexcept {
   std::array<double, 7> v{};
-  if (!numbers_of(text, v)) return "is no seven finite numbers; write X,Y,Z,QW,QX,QY,QZ";
+  if (!numbers_of(text, v, kMost)) return "is no seven finite numbers; write X,Y,Z,QW,QX,QY,QZ";
   const Vec3 position(v[0], v[1], v[2]);
   const Quaternion turned(v[3], v[4], v[5], v[6]);
   if (position.cwiseAbs().maxCoeff() > kMaxPosition) return "is farther than 1000 m; use metres";
@@ -63,7 +44,7 @@ std::string_view read_flag(std::string_view text, bool& flag) noexcept {
 }
 
 std::string_view read_positive(std::string_view text, double& value, bool zero) noexcept {
-  const auto given = number_of(text);
+  const auto given = number_of(text, kMost);
   if (!given) return kFinite;
   if (*given < 0.0 || (*given == 0.0 && !zero))
     return zero ? "is negative; give 0 or more" : "is not above 0";

@@ -1,9 +1,10 @@
 #include "sim/follower/workspace_option.hpp"
 
-#include <charconv>
 #include <cmath>
 #include <stdexcept>
 #include <string_view>
+
+#include "core/base/number_list.hpp"
 
 namespace feltwire {
 namespace {
@@ -18,21 +19,13 @@ void lock(Workspace& workspace, const std::string& axis) {
                                 "'; give some of x, y, z, rotation, with commas between them");
 }
 
-/// The seven numbers of `words`, with commas between them; none where it is anything else.
-std::optional<KeepOutBody> body_of(std::string_view words) {
+/// "X,Y,Z,HX,HY,HZ,R"; none where `text` is anything else.
+std::optional<KeepOutBody> body_of(std::string_view text) {
   std::array<double, 7> b{};
-  const char* at = words.data();
-  const char* const end = at + words.size();
-  for (std::size_t i = 0; i < b.size(); ++i) {
-    if (i > 0 && (at == end || *at++ != ',')) return std::nullopt;
-    const auto read = std::from_chars(at, end, b[i]);
-    if (read.ec != std::errc{}) return std::nullopt;
-    at = read.ptr;
-  }
+  if (!numbers_of(text, b, Workspace::kFarthest)) return std::nullopt;
   const KeepOutBody body{
       {Vec3(b[0], b[1], b[2]), Quaternion::Identity()}, Vec3(b[3], b[4], b[5]), b[6]};
-  if (at != end || !body.valid(Workspace::kFarthest)) return std::nullopt;
-  return body;
+  return body.valid(Workspace::kFarthest) ? std::optional(body) : std::nullopt;
 }
 
 }  // namespace
