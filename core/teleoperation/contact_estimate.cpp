@@ -11,6 +11,7 @@ namespace {
 
 constexpr double kSoftest = 50.0, kStiffest = 1e6;  // [N/m] that are believed
 constexpr double kMostFriction = 1.0;               // mu, likewise
+constexpr double kLeastSlide = 2e-3;                // [m/s] a slower tool rests
 
 bool says(const SurfacePrior& prior) noexcept {
   return prior.key != 0 && prior.point.allFinite() && prior.normal.allFinite() &&
@@ -116,14 +117,13 @@ void ContactEstimate::begin(const Sample& s) noexcept {
 }
 
 void ContactEstimate::estimate_normal(const Sample& s, double force) noexcept {
-  constexpr double kSlides = 2e-3;                // [m/s]
   constexpr double kAcross = 0.5;                 // cosine of 60 degrees
   constexpr double kCone = 0.7;                   // cosine of that of kMostFriction
   constexpr double kQuick = 30.0, kSlow = 3.0;    // [Hz]
   constexpr double kYoung = 0.1, kSettled = 0.5;  // [s] in this touch
   const double speed = length(s.velocity);
-  const Vec3 way = speed > kSlides ? Vec3(s.velocity / speed) : Vec3::Zero();
-  const bool slides = speed > kSlides && std::abs(way.dot(contact_.normal)) < kAcross;
+  const Vec3 way = speed > kLeastSlide ? Vec3(s.velocity / speed) : Vec3::Zero();
+  const bool slides = speed > kLeastSlide && std::abs(way.dot(contact_.normal)) < kAcross;
   Vec3 pushes = s.force;
   bool rubs = false;
   if (slides) {
@@ -142,7 +142,7 @@ void ContactEstimate::estimate_normal(const Sample& s, double force) noexcept {
   // A tool that arrives and bounces slides by some tenths of a millimetre, too, and friction
   // answers. Then the force says nothing of the normal, unless it is outside of any cone.
   const bool young = touched_ < kYoung;
-  const bool bounces = touched_ < kSettled && speed > kSlides && !rubs;
+  const bool bounces = touched_ < kSettled && speed > kLeastSlide && !rubs;
   if (!young && bounces && s.force.dot(contact_.normal) > kCone * force) return;
   const double rate = young ? kQuick : kSlow;
   const Vec3 turned = direction(contact_.normal + low_pass_share(rate, s.elapsed) *
@@ -177,7 +177,10 @@ double ContactEstimate::height_of(const Sample& s, double force) const noexcept 
 }
 
 void ContactEstimate::estimate_place(const Sample& s, double force) noexcept {
-  place_.step(height_of(s, force), s.elapsed);
+  constexpr double kSteep = 0.5;  // slope of a path that is still along the surface
+  const double off = std::abs(s.velocity.dot(contact_.normal));
+  const double across = length(Vec3(s.velocity - along(s.velocity, contact_.normal)));
+  place_.step(height_of(s, force), s.elapsed, across > kLeastSlide && off < kSteep * across);
   contact_.velocity = place_.speed() * contact_.normal;
   contact_.point =
       s.position + (place_.place() - s.position.dot(contact_.normal)) * contact_.normal;

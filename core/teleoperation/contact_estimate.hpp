@@ -47,7 +47,9 @@ struct ContactEstimateConfig {
 ///              0.1 mm and explain 98 % of the force; it improves for half a second and is then
 ///              kept. Later a moving wall changes force and depth, too, and would be taken for a
 ///              stiffness. A touch that bounces before that is one touch.
-///   place      tip + normal F / k, and its speed: PlaceTracker
+///   place      tip + normal F / k, and its speed: PlaceTracker. A surface under a tool that slides
+///              stands: what a curved one changes would be taken for its motion, and a hand that is
+///              told so over a delay swings
 /// A touch continues if the force is missing for less than kApart: a sliding tool leaves the
 /// surface for some samples, and nothing changes meanwhile. After that the surface recedes to the
 /// tool where the tool finds no force, and after kSame it is forgotten. A touch within kSame of the

@@ -109,6 +109,32 @@ TEST(ContactEstimate, SlidingShowsFrictionAndKeepsTheNormal) {
   EXPECT_NEAR(estimate.contact().normal.z(), 1.0, 1e-6);
 }
 
+/// A tool sticks to a ball and slips around it: the surface stands, although its normal turns.
+TEST(ContactEstimate, ACurvedSurfaceUnderAToolThatSlipsStands) {
+  constexpr double kRadius = 0.1, kDepth = 2e-3, kFriction = 0.3;
+  constexpr double kSlips = 0.2;               // [m/s]
+  constexpr int kSlipTime = 20, kEvery = 150;  // [ms]
+  ContactEstimate estimate({});
+  const Wall top{.place = kRadius};
+  press(estimate, top, kDepth, 0.3);
+  double fastest = 0.0, farthest = 0.0, most_turned = 0.0, angle = 0.0;
+  for (int n = 1; n <= 1500; ++n) {
+    const double speed = n % kEvery < kSlipTime ? kSlips : 0.0;
+    angle += speed / kRadius * kPeriod;
+    const Vec3 out(std::sin(angle), 0.0, std::cos(angle)), way(out.z(), 0.0, -out.x());
+    const Vec3 tip = (kRadius - kDepth) * out;
+    const double pushes = top.stiffness * kDepth;
+    const RemoteContact& seen =
+        estimate.step({tip, speed * way, pushes * (out - kFriction * way), kPeriod});
+    fastest = std::max(fastest, seen.velocity.norm());
+    farthest = std::max(farthest, std::abs((seen.point - tip).norm() - kDepth));
+    most_turned = std::max(most_turned, std::acos(std::min(1.0, seen.normal.dot(out))));
+  }
+  EXPECT_LE(fastest, 5e-3) << "[m/s] 0.036 if its slips were taken for a motion of the surface";
+  EXPECT_LE(farthest, 0.5e-3) << "[m]";
+  EXPECT_LE(most_turned, std::atan(kFriction) + 1e-3) << "[rad] friction leans it where it sticks";
+}
+
 TEST(ContactEstimate, FrictionOfATouchThatArrivesDoesNotTurnTheNormal) {
   ContactEstimate estimate({});
   for (int n = 0; n < 110; ++n) estimate.step({Vec3::Zero(), Vec3::Zero(), Vec3(0, 0, 8), kPeriod});
