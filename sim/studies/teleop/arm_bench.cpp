@@ -13,6 +13,8 @@
 #include "core/dynamics/unpacked_files.hpp"
 #include "scenes/arm/arm_text.hpp"
 #include "scenes/arm/box_text.hpp"
+#include "scenes/arm/peg_text.hpp"
+#include "scenes/arm/sphere_text.hpp"
 #include "scenes/arm/table_text.hpp"
 #include "sim/arm/arm.hpp"
 #include "sim/measure/metrics.hpp"
@@ -27,8 +29,12 @@ constexpr double kTable = 0.3, kTableStiffness = 5000.0;  // [m], [N/m] scenes/a
 constexpr double kTableFriction = 0.3;                    // mu: likewise
 constexpr double kBoxMass = 0.15, kBoxHigh = 0.22;        // [kg], [m] scenes/arm/box.xml
 constexpr double kOpen = 0.08, kGrips = 0.03;             // [m] of the gripper
+constexpr double kPegWide = 0.02, kPegLong = 0.04;        // [m] scenes/arm/peg.xml: half its length
+constexpr double kBlock = 0.33;                           // [m] top of the block with the hole
 constexpr double kGripperSpeed = 0.1;                     // [m/s]
-constexpr double kVelocityCutoff = 60.0;                  // [Hz]
+constexpr double kBall = 0.1, kTip = 0.007, kTips = 0.012;  // [m] scenes/arm/sphere.xml, arm.xml
+const Vec3 kBallAt(0.45, 0.0, 0.3);                         // [m]
+constexpr double kVelocityCutoff = 60.0;                    // [Hz]
 constexpr Hand kHand{.mass = 0.1, .damping = 5.0, .stiffness = 300.0};
 
 /// What the hand means at a time: a place [m] and an opening of the gripper [m].
@@ -56,6 +62,24 @@ Meant slide(double t) {
   meant.place.x() += kWay * std::clamp((t - 5.0) / 3.0, 0.0, 1.0);
   return meant;
 }
+/// Onto a ball from 20 mm above its top, and 40 degrees around it within 8 s, 30 mm inside.
+Meant sphere(double t) {
+  constexpr double kAbove = 0.02, kInside = 0.03;  // [m]
+  constexpr double kHalfWay = 20.0 / 180.0 * std::numbers::pi;
+  const double angle = kHalfWay * (2.0 * std::clamp((t - 4.0) / 8.0, 0.0, 1.0) - 1.0);
+  const double radius = kBall + kAbove - (kAbove + kInside) * eased(0.5, 3.5, t);
+  return {kBallAt + radius * Vec3(std::sin(angle), 0.0, std::cos(angle)), 0.0};
+}
+/// The peg of 20 mm from where the arm begins to the hole of 20.5 mm, and 30 mm down into it, 0.5
+/// mm beside its axis.
+Meant peg(double t) {
+  const Vec3 home(0.306891, 0.0, 0.475);  // scenes/arm/peg.xml
+  constexpr double kBeside = 5e-4, kGripsPeg = 0.01, kOver = 0.02, kInto = 0.03;  // [m]
+  const Vec3 over(0.45 + kBeside, kBeside, kBlock + kPegLong + kOver);
+  Vec3 place = home + eased(0.5, 4.0, t) * (over - home);
+  place.z() -= (kOver + kInto) * eased(4.5, 10.5, t);
+  return {place, kGripsPeg};
+}
 /// Down to the box, grips it, lifts it by 60 mm, puts it back and lets go.
 Meant lift(double t) {
   constexpr double kAbove = 0.055, kDown = 0.05, kUp = 0.06;  // [m]
@@ -66,19 +90,22 @@ Meant lift(double t) {
 
 struct Task {
   std::string_view name;
-  const char* scene;
+  const char* scene;  // and the body that it carries, if there is one
   Meant (*meant)(double time);
   double duration, from, until;  // [s] the window
+  double opening = 0.0;          // [m] of the gripper at the start
 };
 constexpr std::array kTasks = {Task{"press", "table", press, 6.0, 4.5, 6.0},
                                Task{"slide", "table", slide, 8.0, 6.0, 7.9},
-                               Task{"lift", "box", lift, 15.0, 6.0, 7.4}};
+                               Task{"sphere", "sphere", sphere, 12.0, 6.0, 11.9},
+                               Task{"lift", "box", lift, 15.0, 6.0, 7.4, kOpen},
+                               Task{"peg", "peg", peg, 12.0, 11.0, 12.0, kPegWide}};
 
 const Task& task_of(const std::string& name) {
   const auto* const found = std::ranges::find(kTasks, name, &Task::name);
   if (found == kTasks.end())
     throw std::invalid_argument("the bench of the arm has no task '" + name +
-                                "'; give press, slide or lift");
+                                "'; give press, slide, sphere, lift or peg");
   return *found;
 }
 
@@ -109,7 +136,7 @@ struct ArmSample {
   Vec3 contact = Vec3::Zero();  // [N] on the tool
   Vec3 offset = Vec3::Zero();   // [m] of the leader's index
   double height = 0.0;          // [m] of the tool
-  double box = 0.0;             // [m] of the box
+  Vec3 thing = Vec3::Zero();    // [m] of the box or the peg
   double pushed = 0.0;          // [J] that the follower counted
   double stiffness = 0.0;       // [N/m] of the surface that the leader knows; 0: none
 };
@@ -118,7 +145,7 @@ std::vector<ArmSample> run(const ArmCase& c, const Task& task, const UnpackedFil
                            bool& stopped) {
   ArmConfig config;
   config.file = scenes.place(std::string(task.scene) + ".xml");
-  config.gripper = task.meant(0.0).gripper;
+  config.gripper = task.opening;
   config.seed = c.seed;
   Arm arm(config);
   Plant plant;
@@ -177,7 +204,7 @@ std::vector<ArmSample> run(const ArmCase& c, const Task& task, const UnpackedFil
     back.send({n, now, follower.contact(), follower.energy()}, now);
     stopped = stopped || reading.stopped || !reading.ok;
     samples.push_back({at, force, arm.contact_force(), leader.offset(), reading.pose.position.z(),
-                       arm.place_of("box").value_or(Vec3::Zero()).z(), follower.energy().pushed,
+                       arm.place_of(task.scene).value_or(Vec3::Zero()), follower.energy().pushed,
                        seen.contact.surface != 0 ? seen.contact.stiffness : 0.0});
   }
   return samples;
@@ -186,13 +213,28 @@ std::vector<ArmSample> run(const ArmCase& c, const Task& task, const UnpackedFil
 /// [N/m] of two springs in a row.
 double series(double a, double b) { return a > 0.0 ? a * b / (a + b) : 0.0; }
 
-/// [N] of springs in a row: the hand, the arm's controller, the table.
-double intended(const Task& task, const ArmSample& s, double time, double stiffness) {
+/// [N/m] of what the tool touches; a ball of MuJoCo's own contact is stiffer than all else.
+double softness_of_surface(const Task& task) {
+  return task.meant == sphere ? 0.0 : 1.0 / kTableStiffness;
+}
+
+/// [m] that the hand means to be inside, less the leader's offset.
+double meant_depth(const Task& task, const ArmSample& s, double time) {
+  const Vec3 place = task.meant(time).place - s.offset;
+  if (task.meant != sphere) return kTable - place.z();
+  // Both finger tips touch the ball, beside the plane in which the tool moves.
+  const double reach = std::sqrt((kBall + kTip) * (kBall + kTip) - kTips * kTips);
+  return reach - length(Vec3(place + kTip * Vec3::UnitZ() - kBallAt));
+}
+
+/// [N] of springs in a row: the hand, the arm's controller, what it touches.
+std::optional<double> intended(const Task& task, const ArmSample& s, double time,
+                               double stiffness) {
   if (task.meant == lift) return kBoxMass * kGravity;
-  const double softness = 1.0 / kHand.stiffness + 1.0 / stiffness + 1.0 / kTableStiffness;
-  const double deep = kTable - (task.meant(time).place.z() - s.offset.z());
-  const double normal = deep / softness;
-  return task.meant == slide ? normal * std::sqrt(1.0 + kTableFriction * kTableFriction) : normal;
+  if (task.meant == peg) return std::nullopt;
+  const double softness = 1.0 / kHand.stiffness + 1.0 / stiffness + softness_of_surface(task);
+  const double normal = meant_depth(task, s, time) / softness;
+  return task.meant == press ? normal : normal * std::sqrt(1.0 + kTableFriction * kTableFriction);
 }
 
 ArmMeasured judge(const Task& task, const std::vector<ArmSample>& samples) {
@@ -223,24 +265,27 @@ ArmMeasured judge(const Task& task, const std::vector<ArmSample>& samples) {
     hand += s.held;
     errors += (s.held - s.contact).squaredNorm();
     m.flicker = std::max(m.flicker, length(Vec3(s.held - samples[n - 1].held)));
-    box += s.box;
+    box += s.thing.z();
     heights.push_back(s.height);
-    m.intended += intended(task, s, static_cast<double>(n) * plant.period, plant.stiffness);
+    if (const auto i = intended(task, s, static_cast<double>(n) * plant.period, plant.stiffness))
+      m.intended = m.intended.value_or(0.0) + *i;
   }
   constexpr double kRounding = 1e-12;
   if (m.energy_made <= kRounding * exchanged) m.energy_made = 0.0;
   const auto count = static_cast<double>(heights.size());
-  m.intended /= count;
+  if (m.intended) *m.intended /= count;
   m.robot_force = length(Vec3(robot / count));
   m.hand_force = length(Vec3(hand / count));
   m.force_error = std::sqrt(errors / count);
   m.swing = highpass_rms(heights, 1.0 / plant.period);
   m.offset = length(samples[last - 1].offset);
+  const double known = series(samples[last - 1].stiffness, plant.stiffness);
   if (task.meant == lift)
     m.lifted = box / count - kBoxHigh;
+  else if (task.meant == peg)
+    m.inserted = kBlock - (samples[last - 1].thing.z() - kPegLong);
   else
-    m.displayed = series(samples[last - 1].stiffness, plant.stiffness) /
-                  series(kTableStiffness, plant.stiffness);
+    m.displayed = known * (1.0 / plant.stiffness + softness_of_surface(task));
   return m;
 }
 
@@ -272,7 +317,9 @@ std::vector<ArmRow> run_arm(const std::vector<ArmCase>& cases) {
   // MuJoCo reads files, and an installed program has none of them.
   const UnpackedFiles scenes({{"arm.xml", std::string(embedded::arm)},
                               {"table.xml", std::string(embedded::table)},
-                              {"box.xml", std::string(embedded::box)}});
+                              {"sphere.xml", std::string(embedded::sphere)},
+                              {"box.xml", std::string(embedded::box)},
+                              {"peg.xml", std::string(embedded::peg)}});
   std::vector<ArmRow> rows(cases.size());
   parallel_for(cases.size(), [&](std::size_t i) {
     const Task& task = task_of(cases[i].task);

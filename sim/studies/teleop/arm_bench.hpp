@@ -11,7 +11,7 @@
 namespace feltwire::teleop::with_arm {
 
 struct ArmCase {
-  std::string task = "press";  // press, slide, lift
+  std::string task = "press";  // press, slide, sphere, lift, peg
   double round_trip = 0.1;     // [s]
   double jitter = 0.0;         // [s] of each way
   double loss = 0.0;           // share of each way
@@ -21,7 +21,8 @@ struct ArmCase {
 /// The results of a run. Means are over the task's window, in which the hand rests or slides
 /// evenly.
 struct ArmMeasured {
-  double intended = 0.0;  // [N] the force that the hand intends, or the weight that it lifts
+  /// [N] The force that the hand intends, or the weight that it lifts. Not of `peg`.
+  std::optional<double> intended;
   /// [N] The largest force between the tool and its surroundings; `lift`: before the box is put
   /// down.
   double peak = 0.0;
@@ -31,12 +32,14 @@ struct ArmMeasured {
   double force_error = 0.0;        // [N] RMS of hand less tool, each along each axis
   double swing = 0.0;              // [m] high-passed RMS of the tool's height
   double flicker = 0.0;            // [N] largest change of the hand's force between two samples
-  /// Stiffness of arm and surface that the hand knows, over that of arm and table. Not of `lift`.
+  /// Stiffness of arm and surface that the hand knows, over that of arm and table or sphere. Not of
+  /// `lift` and `peg`.
   std::optional<double> displayed;
-  double offset = 0.0;           // [m] of the leader's index at the end of the window
-  double energy_made = 0.0;      // [J] to the hand beyond burned and pushed
-  std::optional<double> lifted;  // [m] mean height of the box above the ground
-  bool stopped = false;          // the arm made a protective stop or had a fault
+  double offset = 0.0;             // [m] of the leader's index at the end of the window
+  double energy_made = 0.0;        // [J] to the hand beyond burned and pushed
+  std::optional<double> lifted;    // [m] mean height of the box above the ground
+  std::optional<double> inserted;  // [m] of the peg in its hole, at the end of the window
+  bool stopped = false;            // the arm made a protective stop or had a fault
 };
 
 struct ArmRow {

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "core/base/text.hpp"
 #include "core/base/units.hpp"
@@ -10,6 +11,31 @@ namespace feltwire::teleop::with_arm {
 namespace {
 
 using Json = nlohmann::ordered_json;
+using Maybe = std::optional<double>;
+
+Json json(const Maybe& value, double unit = 1.0) {
+  return value ? Json(*value * unit) : Json(nullptr);
+}
+
+/// A number in a column of this width; - if there is none.
+std::string cell(int width, int digits, const Maybe& value) {
+  std::string text;
+  if (value)
+    append(text, "%*.*f", width, digits, *value);
+  else
+    append(text, "%*s", width, "-");
+  return text;
+}
+
+/// [mm] by which the box was lifted or the peg was inserted.
+Maybe carried(const ArmMeasured& m) {
+  const Maybe& way = m.lifted ? m.lifted : m.inserted;
+  return way ? Maybe(*way * kMilli) : std::nullopt;
+}
+
+Maybe peak_over_intended(const ArmMeasured& m) {
+  return m.intended ? Maybe(m.peak / *m.intended) : std::nullopt;
+}
 
 }  // namespace
 
@@ -23,19 +49,20 @@ void write_arm(const std::filesystem::path& directory, const std::vector<ArmRow>
                     {"jitter_ms", row.made.jitter * kMilli},
                     {"loss", row.made.loss},
                     {"seed", row.made.seed},
-                    {"intended_n", m.intended},
+                    {"intended_n", json(m.intended)},
                     {"peak_force_n", m.peak},
-                    {"peak_over_intended", m.peak / m.intended},
-                    {"set_down_peak_n", m.set_down ? Json(*m.set_down) : Json(nullptr)},
+                    {"peak_over_intended", json(peak_over_intended(m))},
+                    {"set_down_peak_n", json(m.set_down)},
                     {"robot_force_n", m.robot_force},
                     {"hand_force_n", m.hand_force},
                     {"force_error_n", m.force_error},
                     {"swing_um", m.swing * kMicro},
                     {"flicker_n", m.flicker},
-                    {"displayed_over_series", m.displayed ? Json(*m.displayed) : Json(nullptr)},
+                    {"displayed_over_series", json(m.displayed)},
                     {"offset_mm", m.offset * kMilli},
                     {"energy_made_j", m.energy_made},
-                    {"lifted_mm", m.lifted ? Json(*m.lifted * kMilli) : Json(nullptr)},
+                    {"lifted_mm", json(m.lifted, kMilli)},
+                    {"inserted_mm", json(m.inserted, kMilli)},
                     {"stopped", m.stopped}});
   }
   write_text(directory / "arm.json", list.dump(0) + '\n');
@@ -44,51 +71,52 @@ void write_arm(const std::filesystem::path& directory, const std::vector<ArmRow>
 std::string arm_table(const std::vector<ArmRow>& rows) {
   std::string text =
       "\nfeltwire's law with the simulated arm: median over the seeds, and the worst (of flicker "
-      "and displayed: the worst)\n"
+      "and displayed: the worst); carried: the box up, the peg in\n"
       "  task    rtt ms jitter   loss seeds|intended N   peak N peak / intended   robot N "
-      "hand / robot        swing um offset mm flicker N displayed lifted mm   made J\n";
+      "hand / robot        swing um offset mm flicker N displayed carried mm  made J\n";
   for (auto first = rows.begin(); first != rows.end();) {
     const ArmCase& c = first->made;
     const auto last = std::find_if(first, rows.end(), [&](const ArmRow& r) {
       return r.made.task != c.task || r.made.round_trip != c.round_trip ||
              r.made.jitter != c.jitter || r.made.loss != c.loss;
     });
+    // Rising; without the runs that do not have it.
     const auto over = [&](auto figure) {
       std::vector<double> values;
-      for (auto row = first; row != last; ++row) values.push_back(figure(row->measured));
+      for (auto row = first; row != last; ++row)
+        if (const Maybe value = figure(row->measured)) values.push_back(*value);
       std::ranges::sort(values);
       return values;
     };
-    const auto middle = [&](auto figure) {
-      const std::vector<double> values = over(figure);
-      return values[(values.size() - 1) / 2];
+    const auto least = [](const std::vector<double>& v) {
+      return v.empty() ? Maybe() : Maybe(v.front());
     };
-    const auto ratio = [](const ArmMeasured& m) { return m.peak / m.intended; };
-    const auto share = [](const ArmMeasured& m) { return m.hand_force / m.robot_force; };
-    const auto off = [&](const ArmMeasured& m) { return std::abs(share(m) - 1.0); };
-    append(text, "  %-6s %7.0f %6.0f %6.2f %5d|%10.2f %8.2f %6.2f, %6.2f %9.2f %6.2f, off %5.2f",
-           c.task.c_str(), c.round_trip * kMilli, c.jitter * kMilli, c.loss,
-           static_cast<int>(last - first), middle([](const ArmMeasured& m) { return m.intended; }),
-           middle([](const ArmMeasured& m) { return m.peak; }), middle(ratio), over(ratio).back(),
-           middle([](const ArmMeasured& m) { return m.robot_force; }), middle(share),
-           over(off).back());
-    append(text, " %8.1f %9.1f %9.2f",
-           middle([](const ArmMeasured& m) { return m.swing; }) * kMicro,
-           middle([](const ArmMeasured& m) { return m.offset; }) * kMilli,
-           over([](const ArmMeasured& m) { return m.flicker; }).back());
-    if (first->measured.displayed)
-      append(text, " %9.2f",
-             over([](const ArmMeasured& m) { return m.displayed.value_or(0.0); }).front());
-    else
-      text += "         -";
-    if (first->measured.lifted)
-      append(text, " %9.1f",
-             middle([](const ArmMeasured& m) { return m.lifted.value_or(0.0); }) * kMilli);
-    else
-      text += "         -";
+    const auto middle = [](const std::vector<double>& v) {
+      return v.empty() ? Maybe() : Maybe(v[(v.size() - 1) / 2]);
+    };
+    const auto most = [](const std::vector<double>& v) {
+      return v.empty() ? Maybe() : Maybe(v.back());
+    };
+    const auto share = [](const ArmMeasured& m) { return Maybe(m.hand_force / m.robot_force); };
+    const auto off = [&](const ArmMeasured& m) { return Maybe(std::abs(*share(m) - 1.0)); };
+    const std::vector<double> ratios = over(peak_over_intended);
+    append(text, "  %-6s %7.0f %6.0f %6.2f %5d|", c.task.c_str(), c.round_trip * kMilli,
+           c.jitter * kMilli, c.loss, static_cast<int>(last - first));
+    text += cell(10, 2, middle(over([](const ArmMeasured& m) { return m.intended; })));
+    text += cell(9, 2, middle(over([](const ArmMeasured& m) { return Maybe(m.peak); })));
+    text += cell(7, 2, middle(ratios)) + ',' + cell(7, 2, most(ratios));
+    text += cell(10, 2, middle(over([](const ArmMeasured& m) { return Maybe(m.robot_force); })));
+    text += cell(7, 2, middle(over(share))) + ", off" + cell(6, 2, most(over(off)));
+    text += cell(9, 1, middle(over([](const ArmMeasured& m) { return Maybe(m.swing * kMicro); })));
+    text +=
+        cell(10, 1, middle(over([](const ArmMeasured& m) { return Maybe(m.offset * kMilli); })));
+    text += cell(10, 2, most(over([](const ArmMeasured& m) { return Maybe(m.flicker); })));
+    text += cell(10, 2, least(over([](const ArmMeasured& m) { return m.displayed; })));
+    text += cell(10, 1, middle(over([](const ArmMeasured& m) { return carried(m); })));
     const bool stopped =
         std::any_of(first, last, [](const ArmRow& r) { return r.measured.stopped; });
-    append(text, " %8.2g%s\n", over([](const ArmMeasured& m) { return m.energy_made; }).back(),
+    append(text, " %8.2g%s\n",
+           *most(over([](const ArmMeasured& m) { return Maybe(m.energy_made); })),
            stopped ? "  STOPPED" : "");
     first = last;
   }

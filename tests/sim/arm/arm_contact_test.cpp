@@ -89,9 +89,8 @@ TEST(ArmContact, ASpherePushesAlongItsNormal) {
   run.wait(0.5);
   const Vec3 force = run.mean_force(0.2);
   EXPECT_GT(force.norm(), 5.0);
-  // Within the cone of friction (mu 1), towards the free side.
-  EXPECT_GT(force.normalized().dot(normal), std::cos(std::atan(1.0)));
-  EXPECT_GT(force.normalized().dot(normal), 0.95);
+  // Within the cone of friction (mu 0.3), towards the free side.
+  EXPECT_GT(force.normalized().dot(normal), std::cos(std::atan(0.3)) - 1e-3);
 }
 
 TEST(ArmContact, LiftsTheBoxAndFeelsItsWeight) {
