@@ -72,6 +72,16 @@ std::string account(const LiveStatus& s, const LiveStatus& before) {
   return line;
 }
 
+/// "  robot aligning, turn by 0.42 rad"
+std::string robot(const LiveStatus& s) {
+  if (!s.robot) return {};
+  std::string line = "  robot " + std::string(name(*s.robot));
+  if (*s.robot != LinkState::aligning || !s.robot_turn) return line;
+  std::array<char, kLongest> part{};
+  std::snprintf(part.data(), part.size(), ", turn by %.2f rad", *s.robot_turn);
+  return line + part.data();
+}
+
 std::string ending(const LiveStatus& s) {
   if (!s.connected) return "  reconnecting";
   if (s.no_force != NoForce::felt) return "  no force: " + std::string(text(s.no_force));
@@ -96,7 +106,7 @@ std::string text(const LiveStatus& s, const LiveStatus& before) {
                 s.time, rate, kNanosecondsInUs * s.round_trip_p50,
                 kNanosecondsInUs * s.round_trip_p99, up.c_str(), down.c_str(), loss(s, before),
                 s.force, s.energy);
-  return line.data() + feel(s, before) + shaping(s) + account(s, before) + ending(s);
+  return line.data() + feel(s, before) + shaping(s) + account(s, before) + robot(s) + ending(s);
 }
 
 std::string no_force_text(const ServoStatistics& statistics) {

@@ -12,6 +12,11 @@ std::optional<double> hand_damping_of(const Servo& servo) noexcept {
   return credit ? std::optional(credit->damping) : std::nullopt;
 }
 
+std::optional<double> turn_of(const Servo& servo) noexcept {
+  if (!servo.remote() || !servo.remote()->remote().turn) return std::nullopt;
+  return servo.remote()->remote().turn->norm();
+}
+
 }  // namespace
 
 LiveStatus live_status(const Servo& servo, double time, bool connected) noexcept {
@@ -41,7 +46,9 @@ LiveStatus live_status(const Servo& servo, double time, bool connected) noexcept
           .near = servo.near(),
           .hand_damping = hand_damping_of(servo),
           .balance = balance_of(servo),
-          .account_cuts = s.account_cut};
+          .account_cuts = s.account_cut,
+          .robot = servo.remote() ? std::optional(servo.remote()->remote().state) : std::nullopt,
+          .robot_turn = turn_of(servo)};
 }
 
 TickRecord tick_record(const Servo& servo, double time, Nanoseconds now) noexcept {

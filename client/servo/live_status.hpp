@@ -34,6 +34,9 @@ struct LiveStatus {
       hand_damping{};  // [N s/m] the assumed damping of the hand, if the method has one
   std::optional<double> balance{};  // [J] of the energy account; empty: there is none
   std::uint64_t account_cuts = 0;   // ticks at which the account reduced the force
+  std::optional<LinkState>
+      robot{};  // of the hand and the robot that it leads; empty: it leads none
+  std::optional<double> robot_turn{};  // [rad] that is missing until the hand is aligned with it
 };
 
 /// `time` [s] since the first tick; `connected`: the session is not lost.

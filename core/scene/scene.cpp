@@ -148,6 +148,14 @@ MaybeViolation check(const KeepOutBody& body) {
                                  number_text(kMost) + " m"};
 }
 
+MaybeViolation check(const Alignment& aligned) {
+  if (auto violation = check(Pose{Vec3::Zero(), aligned.offset})) return violation;
+  constexpr double kMost = Alignment::kLargestGate;
+  if (aligned.gate > 0.0 && aligned.gate <= kMost) return std::nullopt;
+  return Violation{"gate", "is " + number_text(aligned.gate) + "; give an angle above 0, at most " +
+                               number_text(kMost) + " rad"};
+}
+
 MaybeViolation check(const RemoteSeat& seat) {
   const struct {
     const char* field;
@@ -170,6 +178,13 @@ MaybeViolation check(const RemoteSeat& seat) {
   for (const KeepOutBody& body : seat.workspace.keep_out())
     if (auto violation = check(body))
       return Violation{"workspace.keep_out." + violation->field, violation->message};
+  if (seat.aligned) {
+    if (auto violation = check(*seat.aligned))
+      return Violation{"aligned." + violation->field, violation->message};
+    if (seat.workspace.turning_locked)
+      return Violation{
+          "aligned", "has no meaning where workspace.lock has \"rotation\"; leave out one of both"};
+  }
   if (has_room(seat.workspace, seat.wall_depth * seat.scale)) return std::nullopt;
   return Violation{"workspace",
                    "leaves no place that is " + number_text(seat.wall_depth * seat.scale) +

@@ -10,6 +10,7 @@
 #include "core/base/json_document.hpp"
 #include "core/base/kept_files.hpp"
 #include "core/scene/tool_view.hpp"
+#include "core/teleoperation/alignment.hpp"
 #include "core/teleoperation/workspace.hpp"
 
 namespace feltwire {
@@ -32,6 +33,7 @@ struct RemoteSeat {
   // The hand's side of the walls, in the hand's frame.
   double wall_stiffness = 1000.0;  // > 0 [N/m]
   double wall_depth = 5e-3;        // > 0 [m] distance before the wall at which the spring begins
+  std::optional<Alignment> aligned = {};  // empty: the robot turns by what the hand turns
 };
 
 class Scene {

@@ -42,6 +42,7 @@ std::optional<Violation> check(const Pose& pose);
 /// The normal need not be unit, but it must have a direction.
 std::optional<Violation> check(const Start& start);
 std::optional<Violation> check(const KeepOutBody& body);
+std::optional<Violation> check(const Alignment& aligned);
 std::optional<Violation> check(const RemoteSeat& seat);
 /// Checks the name of a scene, an object, a material, a guide or a tool.
 std::optional<Violation> broken_name(const std::string& name);

@@ -94,7 +94,14 @@ void read_remote(const JsonDocument& document, const scene_file::Scene& scene, S
   if (r == nullptr) return;
   RemoteSeat seat{.scale = r->scale(), .speed = r->speed(), .force = r->force()};
   if (const auto* w = r->workspace()) read_workspace(document, *w, seat);
+  if (const auto* a = r->aligned()) {
+    Alignment& aligned = seat.aligned.emplace();
+    aligned.gate = a->gate();
+    if (const auto* q = a->orientation())
+      aligned.offset = Quaternion(q->w(), q->x(), q->y(), q->z());
+  }
   require(document, "remote", check(seat));
+  if (seat.aligned) make_unit(seat.aligned->offset);
   result.set_remote(seat);
 }
 

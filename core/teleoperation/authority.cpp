@@ -8,7 +8,7 @@ namespace feltwire {
 
 std::string_view name(LinkState state) {
   static constexpr std::array<const char*, static_cast<std::size_t>(kLastLinkState) + 1> kNames = {
-      "disabled", "ready", "engaged", "clutched", "hold", "fault"};
+      "disabled", "ready", "engaged", "clutched", "hold", "fault", "aligning"};
   return name_among(kNames, state);
 }
 

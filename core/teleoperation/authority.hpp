@@ -14,9 +14,10 @@ enum class LinkState : std::uint8_t {
   engaged,   // the target follows the hand
   clutched,  // the switch was released; the hand may move to another place
   hold,      // the hand is silent, or a limit was passed: release the switch, then press
-  fault      // the robot is silent, stopped or faulty: wait for it, release the switch, then press
+  fault,     // the robot is silent, stopped or faulty: wait for it, release the switch, then press
+  aligning   // the hand is turned away from the robot: turn it with a released switch
 };
-inline constexpr LinkState kLastLinkState = LinkState::fault;
+inline constexpr LinkState kLastLinkState = LinkState::aligning;
 std::string_view name(LinkState state);
 
 /// The facts that decide the state, at one moment.
@@ -28,13 +29,16 @@ struct LinkInputs {
   bool refused = false;       // the hand jumped, or the robot's wrench passed its limit
   bool deadman = false;       // the switch in the hand's newest sample
   bool wrench_above = false;  // the robot's wrench is above its limit
+  bool aligned = true;        // false: the hand is turned away from the robot (Alignment)
 };
 
 /// The states. The switch (deadman) is read from the newest sample and never remembered as pressed.
 /// It arms in two steps: after `disabled`, `hold` and `fault` it must be seen released before it
 /// engages. So neither a switch that is taped down nor a hand that comes back moves a robot. A
 /// wrench above its limit causes `hold`. If the hand engages while the wrench is above the limit,
-/// it can lead the robot out; then the next rise above the limit causes `hold`.
+/// it can lead the robot out; then the next rise above the limit causes `hold`. A hand that is not
+/// aligned does not engage: a switch that it presses must be seen released again. While the hand is
+/// engaged it may turn as it likes.
 ///
 /// A pure function of its inputs in their order. It is no safety-rated function.
 class Authority {
@@ -58,9 +62,12 @@ class Authority {
     if (linked && (in.refused || wrench)) return drop(LinkState::hold);
     if (!in.deadman) {
       armed_ = true;
+      if (!in.aligned) return LinkState::aligning;
       return linked ? LinkState::clutched : LinkState::ready;
     }
-    return armed_ ? LinkState::engaged : state_;
+    if (!armed_) return state_;
+    if (state_ == LinkState::engaged || in.aligned) return LinkState::engaged;
+    return drop(LinkState::aligning);
   }
   LinkState drop(LinkState to) noexcept {
     armed_ = false;

@@ -1,6 +1,9 @@
 #pragma once
 // Maps the place of a hand to the place of a robot.
 
+#include <algorithm>
+
+#include "core/base/numeric.hpp"
 #include "core/base/types.hpp"
 #include "core/teleoperation/contact_estimate.hpp"
 #include "core/teleoperation/energy_counters.hpp"
@@ -11,7 +14,8 @@ namespace feltwire {
 /// The hand's movement since it engaged, times a scale, is the target's movement since then:
 ///   x_t = x_t0 + s (x_h - x_h0),     q_t = q_h q_h0^-1 q_t0
 /// The first target is then equal to the target that the robot has, for any poses and any scale:
-/// exactly in position, to rounding in orientation. Turning is never scaled.
+/// exactly in position, to rounding in orientation. Turning is never scaled. Where the robot's tool
+/// is turned as the hand is (Alignment), align() takes q_h0^-1 q_t0 to the offset of both.
 ///
 /// Forces are the same at both ends. Other quantities are converted from one end to the other:
 /// places by the index, speeds by 1 / s, stiffness by s, energy of the robot by 1 / s.
@@ -37,6 +41,13 @@ class EngageIndex {
   /// hand's present place, and a hand that comes back moves the robot at once.
   void shift(const Vec3& movement) noexcept { target_.position += movement; }
 
+  /// Later targets are turned towards those of an aligned hand, by `angle` [rad] >= 0 at most.
+  /// `offset` as in Alignment, unit.
+  void align(const Quaternion& offset, double angle) noexcept {
+    const Polar<double> left = polar(rotation_between(turn_, offset));
+    if (left.length > 0.0) turn_ = turned(turn_, std::min(angle, left.length) * left.direction);
+  }
+
   /// Returns a contact of the robot, in the hand's frame.
   RemoteContact at_hand(const RemoteContact& contact) const noexcept {
     RemoteContact seen = contact;
@@ -58,7 +69,7 @@ class EngageIndex {
  private:
   double scale_;
   Pose hand_, target_;                        // the poses when the hand engaged
-  Quaternion turn_ = Quaternion::Identity();  // q_h0^-1 q_t0
+  Quaternion turn_ = Quaternion::Identity();  // from the hand's orientation to the target's
 };
 
 }  // namespace feltwire

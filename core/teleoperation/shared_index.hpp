@@ -61,6 +61,11 @@ class SharedIndex {
     indices_[i].shift(corrected);
   }
 
+  /// As EngageIndex::align(), of the hand that turns the robot; nothing for another one.
+  void align(std::size_t i, const Quaternion& offset, double angle) noexcept {
+    if (i == turns_) indices_[i].align(offset, angle);
+  }
+
   const EngageIndex& index(std::size_t i) const noexcept { return indices_[i]; }
   double share(std::size_t i) const noexcept { return shares_[i]; }  // 0: it does not lead
   /// Who turns the robot; kMost: nobody leads.

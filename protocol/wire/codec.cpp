@@ -254,11 +254,13 @@ Bytes Encoder::reply(const Reply& reply, const SceneView* view) {
                                                          : flatbuffers::Offset<wire::BodyModel>{};
   const wire::Remote remote = reply.remote ? wire_remote(*reply.remote) : wire::Remote();
   const auto walls = build_walls(builder, reply.remote);
+  const bool turns = reply.remote && reply.remote->turn;
+  const wire::Vec3f turn = turns ? wire_float(*reply.remote->turn) : wire::Vec3f();
   return builder_->finish(wire::CreateReply(
       builder, reply.sample_index, reply.client_time.count(), reply.server_receive_time.count(),
       reply.server_send_time.count(), &elastic, &frictional, reply.rotation ? &torque : nullptr,
       &report, reply.withheld, reply.predicted ? &rates : nullptr, model, seen, normals,
-      reply.remote ? &remote : nullptr, change, walls, body));
+      reply.remote ? &remote : nullptr, change, walls, body, turns ? &turn : nullptr));
 }
 
 Bytes Encoder::goodbye(GoodbyeReason reason) {
@@ -375,6 +377,8 @@ DropReason decode(Bytes payload, Reply& out, SceneView* view) noexcept {
     if (walls->size() > kMostRemoteWalls) return DropReason::count;
     remote_read = read(*walls, *out.remote) && remote_read;
   }
+  if (root->turn() != nullptr && out.remote)
+    remote_read = read(*root->turn(), *out.remote) && remote_read;
   const DropReason seen = read_view(root->view(), view);
   if (seen == DropReason::count) return seen;
   const DropReason changed = read(root->change(), out.change);

@@ -53,6 +53,9 @@ struct Remote {
   double age = 0.0;                                  // [s] since that came from the robot
   std::array<RemoteWall, kMostRemoteWalls> walls{};  // those nearest to the target
   int wall_count = 0;
+  /// [rad] Rotation vector by which the hand has to turn until it is aligned with the robot
+  /// (Alignment::missing). None: it is engaged, or need not be aligned.
+  std::optional<Vec3> turn{};
 };
 
 /// One servo sample of a robot, in its own frame.

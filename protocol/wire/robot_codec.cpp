@@ -153,6 +153,12 @@ bool read(const flatbuffers::Vector<const wire::RobotWall*>& from, Remote& to) n
   return good;
 }
 
+bool read(const wire::Vec3f& turn, Remote& to) noexcept {
+  constexpr double kMost = 3.1416;  // [rad] just above pi
+  to.turn = value(turn);
+  return within(to.turn->norm(), kMost);
+}
+
 Bytes Encoder::state(const RobotState& s) {
   const std::uint32_t flags =
       (s.force ? kFlagSensed : 0) | (s.ok ? kFlagOk : 0) | (s.stopped ? kFlagStopped : 0);

@@ -21,4 +21,7 @@ flatbuffers::Offset<flatbuffers::Vector<const wire::RobotWall*>> build_walls(
 /// Precondition: at most kMostRemoteWalls, aligned. False if a number in them is impossible.
 bool read(const flatbuffers::Vector<const wire::RobotWall*>& from, Remote& to) noexcept;
 
+/// The `turn` of a reply. False if no rotation vector has this length.
+bool read(const wire::Vec3f& turn, Remote& to) noexcept;
+
 }  // namespace feltwire

@@ -144,12 +144,17 @@ void RemoteLink::lead(std::uint32_t hand, const SampleBatch& batch, double perio
       leader->sample.index != 0 ? batch.lead->hand_work - leader->lead.hand_work : 0.0;
   // No hand pays as much from sample to sample.
   if (std::abs(paid) < kMostWork) work_ += index_.index(which).at_robot(paid);
+  const double turning =
+      leader->engaged()
+          ? rotation_between(leader->sample.pose.orientation, newest.pose.orientation).norm()
+          : 0.0;
   leader->share = share;
   leader->sample = newest;
   leader->lead = *batch.lead;
   leader->heard = now;
   step(*leader, refused, now);
   regroup();
+  if (seat_.aligned) index_.align(which, seat_.aligned->offset, Alignment::kGivenBack * turning);
   if (leader->engaged()) move(which);
   fresh_ = true;
 }
@@ -196,18 +201,20 @@ bool RemoteLink::follow(const RobotState& state, Nanoseconds now) noexcept {
 
 void RemoteLink::step(Leader& leader, bool refused, Nanoseconds now) noexcept {
   const LinkState before = leader.authority.state();
-  leader.authority.step({.seated = robot_ != 0 && said_.index != 0 && leader.sample.index != 0,
-                         .robot_well = now - robot_heard_ <= kSilence && said_.ok && !said_.stopped,
-                         .hand_silent = leader.silent(now),
-                         .refused = refused,
-                         .deadman = leader.lead.deadman,
-                         .wrench_above = said_.force && said_.force->norm() > seat_.force});
+  leader.authority.step(
+      {.seated = robot_ != 0 && said_.index != 0 && leader.sample.index != 0,
+       .robot_well = now - robot_heard_ <= kSilence && said_.ok && !said_.stopped,
+       .hand_silent = leader.silent(now),
+       .refused = refused,
+       .deadman = leader.lead.deadman,
+       .wrench_above = said_.force && said_.force->norm() > seat_.force,
+       .aligned = !seat_.aligned || turn_missing(leader).norm() <= seat_.aligned->gate});
   fresh_ |= leader.authority.state() != before;
 }
 
 LinkState RemoteLink::state() const noexcept {
   using enum LinkState;
-  for (const LinkState s : {engaged, clutched, hold, ready, fault})
+  for (const LinkState s : {engaged, clutched, hold, ready, aligning, fault})
     for (const Leader& l : leaders_)
       if (l.hand != 0 && l.authority.state() == s) return s;
   return disabled;
@@ -233,7 +240,10 @@ Remote RemoteLink::told(std::uint32_t hand, Nanoseconds now) const noexcept {
                 .gripper_force = said_.gripper_force,
                 .age = std::max(0.0, seconds(now - robot_heard_))};
   // What the hand meets is known only where both are tied together.
-  if (!leader->engaged()) return remote;
+  if (!leader->engaged()) {
+    if (seat_.aligned && leader->sample.index != 0) remote.turn = turn_missing(*leader);
+    return remote;
+  }
   const auto which = static_cast<std::size_t>(leader - leaders_.begin());
   remote.meets_surfaces = which == index_.turns();
   const EngageIndex& index = index_.index(which);

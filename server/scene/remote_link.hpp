@@ -73,8 +73,8 @@ class RemoteLink {
   /// Returns the target, and counts it as sent.
   RobotTarget target(Nanoseconds now) noexcept;
 
-  /// Of all that lead, the state that comes first among: engaged, clutched, hold, ready, fault,
-  /// disabled.
+  /// Of all that lead, the state that comes first among: engaged, clutched, hold, ready, aligning,
+  /// fault, disabled.
   LinkState state() const noexcept;
 
  private:
@@ -93,6 +93,13 @@ class RemoteLink {
       return {sample.pose.position - lead.offset, sample.pose.orientation};
     }
   };
+  /// The target that a hand engages at.
+  const Pose& present() const noexcept {
+    return grouped_ == std::array<double, kMostLeaders>{} ? said_.commanded : wanted_;
+  }
+  Vec3 turn_missing(const Leader& leader) const noexcept {
+    return seat_.aligned->missing(leader.sample.pose.orientation, present().orientation);
+  }
   bool jumped(const Leader& leader, const Sample& sample, double period) const noexcept;
   bool asks(std::uint32_t hand, bool pressed) noexcept;
   void stop_waiting(std::uint32_t hand) noexcept;

@@ -249,7 +249,7 @@ Reply reply(Input& in) {
   r.body_modelled = !r.modelled && in.coin();
   if (r.body_modelled) r.body = body(in);
   if (in.coin())
-    r.remote = Remote{.state = static_cast<LinkState>(in.byte() % 7),
+    r.remote = Remote{.state = static_cast<LinkState>(in.byte() % 8),
                       .meets_surfaces = in.coin(),
                       .pose = {in.vector(kMaxPosition), orientation(in)},
                       .contact = contact(in),
@@ -257,6 +257,7 @@ Reply reply(Input& in) {
                       .gripper = in.any_float(),
                       .gripper_force = in.any_float(),
                       .age = in.any_float()};
+  if (r.remote && in.coin()) r.remote->turn = any_float_vector(in);
   for (int i = in.byte() % 4; i > 0; --i)
     r.normals.add((in.coin() ? 1.0 : -1.0) * Vec3::Unit(in.byte() % 3));
   if (r.normals.count < 2) r.normals = {};  // one says nothing
@@ -353,8 +354,9 @@ DropReason expected(const Reply& r) {
   const auto counts = [](double e) { return e >= 0.0 && std::isfinite(e); };
   const bool counted = counts(m.energy.given) && counts(m.energy.taken) && counts(m.energy.pushed);
   const bool gripper = std::isfinite(m.gripper) && std::isfinite(m.gripper_force);
-  return known && surface && counted && gripper && counts(m.age) ? DropReason::none
-                                                                 : DropReason::not_finite;
+  const bool turn = !m.turn || m.turn->norm() <= 3.1416;
+  return known && surface && counted && gripper && turn && counts(m.age) ? DropReason::none
+                                                                         : DropReason::not_finite;
 }
 
 void try_reply(Input& in, const Header& header) {

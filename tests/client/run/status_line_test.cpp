@@ -46,6 +46,15 @@ TEST(StatusLine, SaysNothingOfWhatIsNotKnown) {
   EXPECT_THAT(text(first, {}), EndsWith("  no force: the server has not answered yet"));
 }
 
+TEST(StatusLine, SaysWhetherTheRobotFollows) {
+  LiveStatus now = under_way();
+  now.robot = LinkState::engaged;
+  EXPECT_THAT(text(now, {}), HasSubstr("  robot engaged"));
+  now.robot = LinkState::aligning;
+  now.robot_turn = 0.416;
+  EXPECT_THAT(text(now, {}), HasSubstr("  robot aligning, turn by 0.42 rad"));
+}
+
 /// Oscillation since the line before, stiffness of the run; nothing where nothing was measured.
 TEST(StatusLine, SaysHowItFeels) {
   LiveStatus before = under_way(), now = before;

@@ -33,6 +33,25 @@ TEST(LoadRemote, ARobotMayFollow) {
   EXPECT_THAT(error_of(scene(R"(, "remote": {"scale": 0})")),
               HasSubstr("remote.scale: is 0; give a number above 0, at most 100"));
   EXPECT_THAT(error_of(scene(R"(, "remote": {"speed": -1})")), HasSubstr("remote.speed"));
+  EXPECT_FALSE(told.remote()->aligned);
+  EXPECT_EQ(parse_scene(scene(R"(, "remote": {"aligned": {}})"), "s.json").remote()->aligned->gate,
+            0.26);
+  const Alignment aligned =
+      *parse_scene(scene(R"(, "remote": {"aligned": {"gate": 0.5, "orientation": [0, 0, 3, 0]}})"),
+                   "s.json")
+           .remote()
+           ->aligned;
+  EXPECT_EQ(aligned.gate, 0.5);
+  EXPECT_EQ(aligned.offset.coeffs(), Eigen::Vector4d(0, 1, 0, 0)) << "unit";
+  for (const char* gate : {"0", "-1", "3.1"})
+    EXPECT_THAT(error_of(scene(R"(, "remote": {"aligned": {"gate": )" + std::string(gate) + "}}")),
+                HasSubstr("remote.aligned.gate: is " + std::string(gate) +
+                          "; give an angle above 0, at most 3 rad"));
+  EXPECT_THAT(error_of(scene(R"(, "remote": {"aligned": {"orientation": [0, 0, 0, 0]}})")),
+              HasSubstr("remote.aligned.orientation: is no rotation"));
+  EXPECT_THAT(
+      error_of(scene(R"(, "remote": {"aligned": {}, "workspace": {"lock": ["rotation"]}})")),
+      HasSubstr("remote.aligned: has no meaning where workspace.lock has \"rotation\""));
   EXPECT_THAT(error_of(scene(R"(, "remote": {"force": 1e9})")), HasSubstr("remote.force"));
 }
 

@@ -81,8 +81,28 @@ TEST(Authority, AHandLeadsTheRobotOutOfAWrenchThatIsAbove) {
   EXPECT_EQ(authority.step(above), hold) << "it rose again";
 }
 
+TEST(Authority, AHandThatIsNotAlignedDoesNotEngage) {
+  const LinkInputs turned_away = with(kReleased, &LinkInputs::aligned, false);
+  const LinkInputs pressed_away = with(kPressed, &LinkInputs::aligned, false);
+  Authority authority;
+  EXPECT_EQ(authority.step(turned_away), aligning);
+  EXPECT_EQ(authority.step(pressed_away), aligning);
+  EXPECT_EQ(authority.step(kPressed), aligning) << "pressed before it was aligned";
+  EXPECT_EQ(authority.step(kReleased), ready);
+  EXPECT_EQ(authority.step(pressed_away), aligning);
+  EXPECT_EQ(authority.step(turned_away), aligning);
+  EXPECT_EQ(authority.step(kReleased), ready);
+  EXPECT_EQ(authority.step(kPressed), engaged);
+  EXPECT_EQ(authority.step(pressed_away), engaged) << "now the robot turns with it";
+  EXPECT_EQ(authority.step(turned_away), aligning);
+  EXPECT_EQ(authority.step(with(turned_away, &LinkInputs::hand_silent)), hold);
+  EXPECT_EQ(authority.step(pressed_away), hold);
+  EXPECT_EQ(authority.step(with(turned_away, &LinkInputs::robot_well, false)), fault);
+}
+
 /// Whatever comes, in any order: the robot moves only while the newest sample's switch is pressed
-/// and nothing is wrong, and only after a release since the last time that something was.
+/// and nothing is wrong, and only after a release since the last time that something was. It begins
+/// only while the hand is aligned.
 TEST(Authority, MovesNothingUnlessItMay) {
   Random random(41);
   Authority authority;
@@ -94,14 +114,17 @@ TEST(Authority, MovesNothingUnlessItMay) {
                         .hand_silent = random.chance(0.01),
                         .refused = random.chance(0.01),
                         .deadman = random.chance(0.7),
-                        .wrench_above = random.chance(0.01)};
+                        .wrench_above = random.chance(0.01),
+                        .aligned = random.chance(0.8)};
+    const LinkState before = authority.state();
     const LinkState state = authority.step(in);
     const bool sound = in.seated && in.robot_well && !in.hand_silent;
-    if (!sound || state == hold) armed = false;
+    if (!sound || state == hold || (state == aligning && in.deadman)) armed = false;
     if (sound && !in.deadman && state != hold) armed = true;
     if (state == engaged) {
       ++engagements;
       ASSERT_TRUE(sound && in.deadman && armed);
+      ASSERT_TRUE(in.aligned || before == engaged);
     }
   }
   EXPECT_GT(engagements, 10000);

@@ -176,6 +176,25 @@ TEST(RobotCodec, ARobotTravelsWithTheReply) {
   EXPECT_FALSE(got.remote);
 }
 
+TEST(RobotCodec, WhatTheHandHasToTurnTravelsWithTheRobot) {
+  Encoder encoder;
+  Reply sent, got;
+  sent.sample_index = 1;
+  sent.remote = remote();
+  sent.remote->state = LinkState::aligning;
+  sent.remote->turn = Vec3(0.5, -0.25, 3.0);
+  ASSERT_EQ(decode(encoder.reply(sent), got), DropReason::none);
+  EXPECT_EQ(got.remote->state, LinkState::aligning);
+  EXPECT_EQ(got.remote->turn, sent.remote->turn);
+  for (const Vec3& bad : {Vec3(3.0, 1.0, 0.0), Vec3(kNan, 0.0, 0.0), Vec3(kInfinity, 0.0, 0.0)}) {
+    sent.remote->turn = bad;
+    EXPECT_EQ(decode(encoder.reply(sent), got), DropReason::not_finite) << bad.transpose();
+  }
+  sent.remote->turn.reset();
+  ASSERT_EQ(decode(encoder.reply(sent), got), DropReason::none);
+  EXPECT_FALSE(got.remote->turn);
+}
+
 RemoteWall wall(std::uint32_t number) {
   return {{Vec3(0.0, 0.0, -1.0), -0.25}, 1000.0, 0.0078125, number};
 }
@@ -285,7 +304,7 @@ TEST(RobotCodec, RefusesWhatNoServerSays) {
   Reply reply, read;
   reply.sample_index = 1;
   reply.remote = remote();
-  reply.remote->state = static_cast<LinkState>(6);
+  reply.remote->state = static_cast<LinkState>(7);
   EXPECT_EQ(decode(encoder.reply(reply), read), DropReason::not_finite);
   reply.remote = remote();
   reply.remote->age = -1.0;

@@ -103,7 +103,7 @@ TEST(RobotViewCodec, RefusesARobotThatIsNone) {
       [](SeenRobot& r) { r.target.orientation.coeffs().setZero(); },
       [](SeenRobot& r) { r.force->z() = kNotANumber; },
       [](SeenRobot& r) { r.torque.z() = kInfinity; },
-      [](SeenRobot& r) { r.state = static_cast<LinkState>(6); },
+      [](SeenRobot& r) { r.state = static_cast<LinkState>(7); },
       [](SeenRobot& r) { r.gripper = kNotANumber; },
       [](SeenRobot& r) { r.age = -1.0; },
       [](SeenRobot& r) { r.age = kInfinity; }};

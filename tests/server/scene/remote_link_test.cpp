@@ -156,6 +156,88 @@ TEST(RemoteLink, AHandThatLeavesMakesRoom) {
   EXPECT_EQ(bench.told(bench.anna), engaged) << "those that left wait no more";
 }
 
+RemoteSeat aligned_seat(double gate) {
+  RemoteSeat seat;
+  seat.aligned = Alignment{Quaternion(Eigen::AngleAxisd(1.0, Vec3(1.0, 2.0, 2.0) / 3.0)), gate};
+  return seat;
+}
+
+TEST(RemoteLink, AHandTurnsToTheRobotBeforeItEngages) {
+  const RemoteSeat seat = aligned_seat(0.2);
+  Bench bench(seat);
+  const Quaternion robot = bench.state.commanded.orientation =
+      Quaternion(Eigen::AngleAxisd(0.7, Vec3::UnitY()));
+  const Quaternion there = robot * seat.aligned->offset.conjugate();  // where it is aligned
+  Hand& anna = bench.anna;
+  const auto missing = [&] { return bench.link.told(anna.number, bench.now).turn; };
+  anna.turn = turned(there, Vec3(0.0, 0.0, 0.5));
+  bench.press(anna);
+  EXPECT_EQ(bench.told(anna), aligning);
+  EXPECT_EQ(bench.link.state(), aligning);
+  ASSERT_TRUE(missing());
+  EXPECT_NEAR((*missing() + Vec3(0.0, 0.0, 0.5)).norm(), 0.0, 1e-9) << "back by 0.5 rad";
+  anna.turn = turned(there, Vec3(0.0, 0.0, 0.19));
+  bench.send(anna);
+  EXPECT_EQ(bench.told(anna), aligning) << "the switch was pressed outside of the gate";
+  anna.pressed = false;
+  bench.send(anna);
+  EXPECT_EQ(bench.told(anna), ready);
+  anna.pressed = true;
+  bench.send(anna);
+  ASSERT_EQ(bench.told(anna), engaged);
+  EXPECT_FALSE(missing());
+  EXPECT_LE(rotation_between(bench.target.pose.orientation, robot).norm(), 1e-12);
+  EXPECT_EQ(bench.target.pose.position, Vec3(0.4, 0.1, 0.3)) << "exactly";
+  // While it turns, it goes to the orientation that it means.
+  for (int i = 0; i < 500; ++i) {
+    anna.turn = turned(anna.turn, Vec3(0.0, 1e-3, 0.0));
+    bench.send(anna);
+  }
+  EXPECT_LE(
+      rotation_between(bench.target.pose.orientation, anna.turn * seat.aligned->offset).norm(),
+      1e-9);
+  // It lets go, turns away, and has to come back.
+  anna.pressed = false;
+  bench.send(anna);
+  EXPECT_EQ(bench.told(anna), clutched);
+  anna.turn = turned(anna.turn, Vec3(0.3, 0.0, 0.0));
+  bench.press(anna);
+  EXPECT_EQ(bench.told(anna), aligning);
+}
+
+/// Hands that turn and press as they like: none engages outside of the gate, no target turns by
+/// more than 1.5 times what the hand turned, and none steps at an engagement.
+TEST(RemoteLink, NoEngagementOfAnAlignedHandTurnsTheRobot) {
+  std::mt19937_64 random(6);
+  std::uniform_real_distribution<double> any(-1.0, 1.0);
+  const RemoteSeat seat = aligned_seat(0.3);
+  Bench bench(seat);
+  int engagements = 0, refused = 0;
+  for (int n = 0; n < 30000; ++n) {
+    Hand& hand = random() % 2 == 0 ? bench.anna : bench.ben;
+    if (random() % 16 == 0) hand.pressed = !hand.pressed;
+    const double step = random() % 500 == 0 ? 0.5 : 2e-3;
+    const Quaternion had = hand.turn;
+    hand.turn = turned(had, step * Vec3(any(random), any(random), any(random)));
+    const LinkState before = bench.told(hand);
+    const Quaternion robot = bench.state.commanded.orientation;
+    bench.send(hand);
+    const double moved = rotation_between(robot, bench.state.commanded.orientation).norm();
+    const bool leads = bench.told(hand) == engaged;
+    refused += bench.told(hand) == aligning ? 1 : 0;
+    if (leads && before != engaged) {
+      ++engagements;
+      ASSERT_LE(moved, 1e-12);
+      ASSERT_LE(seat.aligned->missing(hand.turn, robot).norm(), seat.aligned->gate);
+    }
+    ASSERT_LE(moved, leads ? 1.5 * rotation_between(had, hand.turn).norm() + 1e-12 : 0.0);
+    if (n % 1000 == 0)  // so that it comes back
+      hand.turn = bench.state.commanded.orientation * seat.aligned->offset.conjugate();
+  }
+  EXPECT_GT(engagements, 100);
+  EXPECT_GT(refused, 100);
+}
+
 /// Hands that press as they like, from anywhere: whoever begins to lead, the target stays.
 TEST(RemoteLink, NoHandOverOfManyMovesTheRobot) {
   std::mt19937_64 random(5);

@@ -45,7 +45,7 @@ TEST(FollowerServo, FollowsWhileEngagedAlone) {
   Bench bench;
   const Vec3 there(0.02, 0.0, 0.1);
   for (const LinkState state : {LinkState::disabled, LinkState::ready, LinkState::clutched,
-                                LinkState::hold, LinkState::fault}) {
+                                LinkState::hold, LinkState::fault, LinkState::aligning}) {
     for (int i = 0; i < 50; ++i) {
       bench.servo.take(bench.target(there, state), bench.now);
       ASSERT_EQ(bench.tick().commanded.position, Vec3(0.0, 0.0, 0.1));

@@ -28,11 +28,13 @@ namespace feltwire::test {
 class ToldHand final : public HandDevice {
  public:
   ToldHand() : HandDevice(builtin_device("simulated"), {}) {}
-  Vec3 meant = Vec3::Zero();      // [m]
-  bool pressed = false;           // the switch
-  std::optional<double> gripper;  // [m] of its lever
+  Vec3 meant = Vec3::Zero();                 // [m]
+  bool pressed = false;                      // the switch
+  std::optional<double> gripper;             // [m] of its lever
+  Quaternion turn = Quaternion::Identity();  // of its handle
   DeviceReading read(Nanoseconds now) noexcept override {
     DeviceReading reading = HandDevice::read(now);
+    reading.pose.orientation = turn;
     reading.deadman = pressed;
     reading.gripper = gripper;
     return reading;
@@ -78,7 +80,7 @@ struct HandSession {
           return o;
         }()),
         servo(hand.spec(), parameters, options),
-        hand_datagrams(id, keys(id), parameters, false),
+        hand_datagrams(id, keys(id), parameters, true),
         hand_link(parse_link(link), stream, 4096) {}
 
   void reach(SceneSessions& sessions, Nanoseconds now, DatagramBuffer& room) {

@@ -33,6 +33,35 @@ TEST(Teleoperation, TheRobotFollowsTheHandFromWhereItIs) {
   EXPECT_EQ(bench.servo.held().force().norm(), 0.0) << "the air is free";
 }
 
+/// The hand turns by what it is told, and the robot then turns as the hand does, whatever is
+/// between the two.
+TEST(Teleoperation, AnAlignedHandTurnsTheRobotAsItIsTurned) {
+  RemoteSeat seat;
+  seat.aligned = Alignment{Quaternion(Eigen::AngleAxisd(0.8, Vec3::UnitX())), 0.2};
+  Teleoperation bench("delay=25,loss=2", seat);
+  const auto robot_turn = [&] { return bench.commanded.orientation; };
+  const auto missing = [&] { return bench.servo.remote()->remote().turn; };
+  bench.run(0.3);
+  EXPECT_EQ(bench.state(), aligning);
+  ASSERT_TRUE(missing());
+  EXPECT_NEAR(missing()->norm(), 0.8, 1e-6);
+  bench.engage();
+  EXPECT_EQ(bench.state(), aligning) << "it is turned away";
+  EXPECT_EQ(bench.servo.remote()->remote().state, aligning);
+
+  bench.hand.turn = turned(bench.hand.turn, 0.8 * *missing());  // 0.16 rad are left
+  bench.engage();
+  ASSERT_EQ(bench.state(), engaged);
+  EXPECT_LE(rotation_between(Quaternion::Identity(), robot_turn()).norm(), 1e-9) << "no step";
+  for (int i = 0; i < 600; ++i) {
+    bench.hand.turn = turned(bench.hand.turn, Vec3(0.0, 0.0, 1e-3));
+    bench.tick();
+  }
+  bench.run(0.5);
+  EXPECT_LE(rotation_between(robot_turn(), bench.hand.turn * seat.aligned->offset).norm(), 1e-6);
+  EXPECT_EQ(bench.servo.held().force().norm(), 0.0);
+}
+
 /// Displayed over series stiffness of a press of 25 mm into the wall, from 20 mm in front of it.
 struct Pressed {
   double displayed = 0.0, swing = 0.0, robot_force = 0.0, hand_force = 0.0;

@@ -5,7 +5,7 @@ import {Arrows, rodShape} from './arrows.js';
 import {length3, ROBOT_AT} from './messages.js';
 import {Pool} from './pool.js';
 
-const STATES = ['disabled', 'ready', 'engaged', 'clutched', 'hold', 'fault'];
+const STATES = ['disabled', 'ready', 'engaged', 'clutched', 'hold', 'fault', 'aligning'];
 const FLAG = {sensed: 1, well: 2, stopped: 4, touches: 8};
 const SIZE = 9;  // [pixels] of the tool, from its middle
 
