@@ -12,6 +12,7 @@ namespace {
 constexpr double kSoftest = 50.0, kStiffest = 1e6;  // [N/m] that are believed
 constexpr double kMostFriction = 1.0;               // mu, likewise
 constexpr double kLeastSlide = 2e-3;                // [m/s] a slower tool rests
+constexpr double kLearns = 0.5;                     // [s] in which a touch tells the stiffness
 
 bool says(const SurfacePrior& prior) noexcept {
   return prior.key != 0 && prior.point.allFinite() && prior.normal.allFinite() &&
@@ -76,7 +77,7 @@ bool ContactEstimate::expect(const Sample& s) noexcept {
     contact_ = {};
     contact_.stiffness = usable ? prior.stiffness : config_.first_stiffness;
     contact_.friction = prior.friction >= 0.0 ? std::min(prior.friction, kMostFriction) : 0.0;
-    known_ = false;
+    known_ = settled_ = false;
     touched_ = 0.0;
   }
   const double inside = std::max(0.0, (prior.point - s.position).dot(prior.normal) + shift_);
@@ -102,6 +103,7 @@ void ContactEstimate::begin(const Sample& s) noexcept {
     contact_.surface = ++counted_;
     contact_.normal = normal;
     contact_.stiffness = config_.first_stiffness;
+    settled_ = false;
   }
   // A touch that bounces is one touch: until the stiffness is known its samples stay.
   if (!same || known_ || touched_ == 0.0) {
@@ -113,7 +115,8 @@ void ContactEstimate::begin(const Sample& s) noexcept {
   receded_ = 0.0;
   last_height_ = s.position.dot(contact_.normal) + 1.0;  // the first sample is always taken
   const double force = length(s.force);
-  place_.begin(height_of(s, force));
+  const double measured = height_of(s, force);
+  place_.begin(measured, same ? contact_.point.dot(contact_.normal) : measured);
 }
 
 void ContactEstimate::estimate_normal(const Sample& s, double force) noexcept {
@@ -126,10 +129,10 @@ void ContactEstimate::estimate_normal(const Sample& s, double force) noexcept {
   const bool slides = speed > kLeastSlide && std::abs(way.dot(contact_.normal)) < kAcross;
   Vec3 pushes = s.force;
   bool rubs = false;
-  if (slides) {
+  const double against = -s.force.dot(way);  // below zero: no friction, the surface springs back
+  if (slides && against >= 0.0) {
     const Vec3 across = s.force - along(s.force, way);
     const double normal_force = length(across);
-    const double against = std::max(0.0, -s.force.dot(way));
     // More than kMostFriction is no friction: a weight that is carried, or a normal that is wrong.
     rubs = normal_force > config_.on && against < kMostFriction * normal_force;
     if (rubs) {
@@ -138,12 +141,15 @@ void ContactEstimate::estimate_normal(const Sample& s, double force) noexcept {
           low_pass_share(kSlow, s.elapsed) * (against / normal_force - contact_.friction);
     }
   }
+  settled_ = settled_ || touched_ >= kSettled;
   if (!(force > config_.on)) return;
-  // A tool that arrives and bounces slides by some tenths of a millimetre, too, and friction
-  // answers. Then the force says nothing of the normal, unless it is outside of any cone.
-  const bool young = touched_ < kYoung;
-  const bool bounces = touched_ < kSettled && speed > kLeastSlide && !rubs;
-  if (!young && bounces && s.force.dot(contact_.normal) > kCone * force) return;
+  // A tool that arrives, bounces or springs back slides by some tenths of a millimetre, too, and
+  // friction answers. Then the force says nothing of the normal, unless it is outside of any cone.
+  const bool young = !settled_ && touched_ < kYoung;
+  const bool bounces = touched_ < kSettled || (slides && against < 0.0);
+  if (!young && speed > kLeastSlide && !rubs && bounces &&
+      s.force.dot(contact_.normal) > kCone * force)
+    return;
   const double rate = young ? kQuick : kSlow;
   const Vec3 turned = direction(contact_.normal + low_pass_share(rate, s.elapsed) *
                                                       (direction(pushes) - contact_.normal));
@@ -154,7 +160,6 @@ void ContactEstimate::estimate_normal(const Sample& s, double force) noexcept {
 }
 
 void ContactEstimate::estimate_stiffness(const Sample& s, double force) noexcept {
-  constexpr double kLearns = 0.5;      // [s]
   constexpr double kExcited = 0.1e-3;  // [m]
   constexpr double kMoved = 5e-6;      // [m] a resting tip would only add noise
   constexpr double kExplained = 0.98;
@@ -180,7 +185,8 @@ void ContactEstimate::estimate_place(const Sample& s, double force) noexcept {
   constexpr double kSteep = 0.5;  // slope of a path that is still along the surface
   const double off = std::abs(s.velocity.dot(contact_.normal));
   const double across = length(Vec3(s.velocity - along(s.velocity, contact_.normal)));
-  place_.step(height_of(s, force), s.elapsed, across > kLeastSlide && off < kSteep * across);
+  const bool slides = across > kLeastSlide && off < kSteep * across;
+  place_.step(height_of(s, force), s.elapsed, slides || (!known_ && touched_ < kLearns));
   contact_.velocity = place_.speed() * contact_.normal;
   contact_.point =
       s.position + (place_.place() - s.position.dot(contact_.normal)) * contact_.normal;

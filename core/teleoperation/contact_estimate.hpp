@@ -40,8 +40,10 @@ struct ContactEstimateConfig {
 };
 
 /// Estimates the surface. At each sample
-///   normal     the direction of the force, without its part along a sliding motion; kept while a
-///              new touch still moves in or bounces, because friction leans that force
+///   normal     the direction of the force, without its part along a sliding motion that it is
+///              against; kept while a new touch still moves in or bounces, or the surface springs
+///              back, because friction leans that force. A surface that was touched for half a
+///              second keeps its normal when it is touched again
 ///   stiffness  slope of the force over the depth along the normal that is known by then, with the
 ///              depth's speed beside it (a damper), once the samples of a touch show at least
 ///              0.1 mm and explain 98 % of the force; it improves for half a second and is then
@@ -49,7 +51,8 @@ struct ContactEstimateConfig {
 ///              stiffness. A touch that bounces before that is one touch.
 ///   place      tip + normal F / k, and its speed: PlaceTracker. A surface under a tool that slides
 ///              stands: what a curved one changes would be taken for its motion, and a hand that is
-///              told so over a delay swings
+///              told so over a delay swings. A surface whose stiffness is not known yet stands,
+///              too: a place that is computed with another stiffness moves as the force does
 /// A touch continues if the force is missing for less than kApart: a sliding tool leaves the
 /// surface for some samples, and nothing changes meanwhile. After that the surface recedes to the
 /// tool where the tool finds no force, and after kSame it is forgotten. A touch within kSame of the
@@ -94,6 +97,7 @@ class ContactEstimate {
   LineFit fit_;
   std::uint32_t counted_ = 0;
   bool known_ = false;              // the stiffness is known from this touch
+  bool settled_ = false;            // the normal is known from a long touch of this surface
   bool pressed_ = false;            // the force is beyond the thresholds, on a known surface or not
   double touched_ = 0.0;            // [s] in this touch
   double apart_ = 0.0;              // [s] without a force

@@ -30,10 +30,11 @@ class PlaceTracker {
   static constexpr double kStandsStill = 2e-3;  // [m/s]
   static constexpr double kMoves = 0.5;         // [s]
 
-  void begin(double place) noexcept {
+  /// A touch begins. The surface was at `place` [m], and goes to where it is measured.
+  void begin(double measured, double place) noexcept {
     *this = {};
     place_ = place;
-    relearn(place);
+    relearn(measured);
   }
   /// From now on another stiffness is measured with: what that changes is no motion.
   void relearn(double measured) noexcept {

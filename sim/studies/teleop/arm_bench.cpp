@@ -55,7 +55,13 @@ Meant press(double t) {
   constexpr double kAbove = 0.02, kWay = 0.06;  // [m]
   return {{0.45, 0.0, kTable + kAbove - kWay * eased(0.5, 3.5, t)}, 0.0};
 }
-/// The same, and then 80 mm along it.
+/// The same, up, and down a second time.
+Meant again(double t) {
+  constexpr double kAbove = 0.02, kWay = 0.06;  // [m]
+  const double down = eased(0.5, 3.5, t) - eased(4.5, 7.5, t) + eased(7.5, 10.5, t);
+  return {{0.45, 0.0, kTable + kAbove - kWay * down}, 0.0};
+}
+/// `press`, and then 80 mm along it.
 Meant slide(double t) {
   constexpr double kWay = 0.08;  // [m]
   Meant meant = press(t);
@@ -92,20 +98,23 @@ struct Task {
   std::string_view name;
   const char* scene;  // and the body that it carries, if there is one
   Meant (*meant)(double time);
-  double duration, from, until;  // [s] the window
-  double opening = 0.0;          // [m] of the gripper at the start
+  double duration, from, until;        // [s] the window
+  std::optional<double> presses = {};  // [s] it goes in for kPressesFor from then on
+  double opening = 0.0;                // [m] of the gripper at the start
 };
-constexpr std::array kTasks = {Task{"press", "table", press, 6.0, 4.5, 6.0},
-                               Task{"slide", "table", slide, 8.0, 6.0, 7.9},
-                               Task{"sphere", "sphere", sphere, 12.0, 6.0, 11.9},
-                               Task{"lift", "box", lift, 15.0, 6.0, 7.4, kOpen},
-                               Task{"peg", "peg", peg, 12.0, 11.0, 12.0, kPegWide}};
+constexpr double kPressesFor = 3.0;  // [s]
+constexpr std::array kTasks = {Task{"press", "table", press, 6.0, 4.5, 6.0, 0.5},
+                               Task{"again", "table", again, 12.5, 11.0, 12.5, 7.5},
+                               Task{"slide", "table", slide, 8.0, 6.0, 7.9, 0.5},
+                               Task{"sphere", "sphere", sphere, 12.0, 6.0, 11.9, 0.5},
+                               Task{"lift", "box", lift, 15.0, 6.0, 7.4, {}, kOpen},
+                               Task{"peg", "peg", peg, 12.0, 11.0, 12.0, {}, kPegWide}};
 
 const Task& task_of(const std::string& name) {
   const auto* const found = std::ranges::find(kTasks, name, &Task::name);
   if (found == kTasks.end())
     throw std::invalid_argument("the bench of the arm has no task '" + name +
-                                "'; give press, slide, sphere, lift or peg");
+                                "'; give press, again, slide, sphere, lift or peg");
   return *found;
 }
 
@@ -234,7 +243,18 @@ std::optional<double> intended(const Task& task, const ArmSample& s, double time
   if (task.meant == peg) return std::nullopt;
   const double softness = 1.0 / kHand.stiffness + 1.0 / stiffness + softness_of_surface(task);
   const double normal = meant_depth(task, s, time) / softness;
-  return task.meant == press ? normal : normal * std::sqrt(1.0 + kTableFriction * kTableFriction);
+  const bool slides = task.meant == slide || task.meant == sphere;
+  return slides ? normal * std::sqrt(1.0 + kTableFriction * kTableFriction) : normal;
+}
+
+/// [N] The largest fall of the hand's force within 30 ms, from sample `first` to `last`.
+double largest_fall(const std::vector<ArmSample>& samples, std::size_t first, std::size_t last) {
+  constexpr std::size_t kWithin = 30;  // samples
+  double fall = 0.0;
+  for (std::size_t n = first; n <= last; ++n)
+    for (std::size_t before = n - std::min(n - first, kWithin); before < n; ++before)
+      fall = std::max(fall, length(samples[before].held) - length(samples[n].held));
+  return fall;
 }
 
 ArmMeasured judge(const Task& task, const std::vector<ArmSample>& samples) {
@@ -279,6 +299,8 @@ ArmMeasured judge(const Task& task, const std::vector<ArmSample>& samples) {
   m.force_error = std::sqrt(errors / count);
   m.swing = highpass_rms(heights, 1.0 / plant.period);
   m.offset = length(samples[last - 1].offset);
+  if (task.presses)
+    m.fall = largest_fall(samples, at(*task.presses), at(*task.presses + kPressesFor));
   const double known = series(samples[last - 1].stiffness, plant.stiffness);
   if (task.meant == lift)
     m.lifted = box / count - kBoxHigh;

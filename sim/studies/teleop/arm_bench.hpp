@@ -32,6 +32,9 @@ struct ArmMeasured {
   double force_error = 0.0;        // [N] RMS of hand less tool, each along each axis
   double swing = 0.0;              // [m] high-passed RMS of the tool's height
   double flicker = 0.0;            // [N] largest change of the hand's force between two samples
+  /// [N] Largest fall of the hand's force within 30 ms while the hand moves in; `again`: the second
+  /// time. Not of `lift` and `peg`.
+  std::optional<double> fall;
   /// Stiffness of arm and surface that the hand knows, over that of arm and table or sphere. Not of
   /// `lift` and `peg`.
   std::optional<double> displayed;

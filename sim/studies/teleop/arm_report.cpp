@@ -58,6 +58,7 @@ void write_arm(const std::filesystem::path& directory, const std::vector<ArmRow>
                     {"force_error_n", m.force_error},
                     {"swing_um", m.swing * kMicro},
                     {"flicker_n", m.flicker},
+                    {"fall_n", json(m.fall)},
                     {"displayed_over_series", json(m.displayed)},
                     {"offset_mm", m.offset * kMilli},
                     {"energy_made_j", m.energy_made},
@@ -73,7 +74,7 @@ std::string arm_table(const std::vector<ArmRow>& rows) {
       "\nfeltwire's law with the simulated arm: median over the seeds, and the worst (of flicker "
       "and displayed: the worst); carried: the box up, the peg in\n"
       "  task    rtt ms jitter   loss seeds|intended N   peak N peak / intended   robot N "
-      "hand / robot        swing um offset mm flicker N displayed carried mm  made J\n";
+      "hand / robot        swing um offset mm flicker N   fall N displayed carried mm  made J\n";
   for (auto first = rows.begin(); first != rows.end();) {
     const ArmCase& c = first->made;
     const auto last = std::find_if(first, rows.end(), [&](const ArmRow& r) {
@@ -111,6 +112,7 @@ std::string arm_table(const std::vector<ArmRow>& rows) {
     text +=
         cell(10, 1, middle(over([](const ArmMeasured& m) { return Maybe(m.offset * kMilli); })));
     text += cell(10, 2, most(over([](const ArmMeasured& m) { return Maybe(m.flicker); })));
+    text += cell(9, 2, most(over([](const ArmMeasured& m) { return m.fall; })));
     text += cell(10, 2, least(over([](const ArmMeasured& m) { return m.displayed; })));
     text += cell(10, 1, middle(over([](const ArmMeasured& m) { return carried(m); })));
     const bool stopped =

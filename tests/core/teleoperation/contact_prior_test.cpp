@@ -144,7 +144,7 @@ TEST(ContactPrior, TheIndexMovesWithTheTouchAndNotWithTheModel) {
 
 TEST(PlaceTracker, StandsStillUntilItMovesAndThenHasNoLag) {
   PlaceTracker place;
-  place.begin(0.1);
+  place.begin(0.1, 0.1);
   double speed = 0.0;
   const auto noise = [](int n) { return n % 2 == 0 ? 5e-6 : -5e-6; };
   for (int n = 0; n < 1000; ++n) {

@@ -13,7 +13,7 @@ namespace {
 /// Over 100 ms with 2 % loss: the median and the worst of eight seeds are in the page.
 TEST(ArmBench, PressesSlidesAndLiftsOverABadLink) {
   const std::string ball = "sphere";
-  for (const std::string task : {"press", "slide", "sphere", "lift"})
+  for (const std::string task : {"press", "again", "slide", "sphere", "lift"})
     for (const std::uint64_t seed : {1u, 2u, 3u}) {
       const ArmMeasured m = run_arm({{task, 0.1, 0.0, 0.02, seed}}).front().measured;
       ASSERT_TRUE(m.intended);
@@ -24,7 +24,11 @@ TEST(ArmBench, PressesSlidesAndLiftsOverABadLink) {
       EXPECT_FALSE(m.stopped) << task << ' ' << seed;
       EXPECT_NEAR(m.robot_force, *m.intended, 0.15 * *m.intended) << task << ' ' << seed;
       EXPECT_NEAR(m.hand_force, m.robot_force, 0.15 * m.robot_force) << task << ' ' << seed;
-      EXPECT_LE(m.flicker, 0.2) << task << ' ' << seed;
+      // A tool that slips leaves the ball for longer than ContactEstimate::kApart, and meets it
+      // again elsewhere.
+      EXPECT_LE(m.flicker, task == ball ? 1.0 : 0.2) << task << ' ' << seed;
+      // On a surface that the hand knows the robot's touch takes nothing away from it.
+      EXPECT_LE(task == "again" ? m.fall.value_or(9.0) : 0.0, 0.5) << seed;
       // Its contact is a damper at first: the stiffness is not learnt.
       EXPECT_NEAR(task == ball ? 1.0 : m.displayed.value_or(1.0), 1.0, 0.05) << task << ' ' << seed;
       EXPECT_NEAR(m.lifted.value_or(0.05), 0.05, 0.01) << task << ' ' << seed;

@@ -1,0 +1,87 @@
+// A robot's tool that slides by a little while it goes in and out, as the tool of an arm does.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/teleoperation/contact_estimate.hpp"
+
+namespace feltwire::second_touch_test {
+namespace {
+
+constexpr double kPeriod = 1e-3;                        // [s]
+constexpr double kStiffness = 5000.0, kFriction = 0.3;  // of the floor z = 0
+constexpr double kAside = 0.3;  // the tool of an arm that is pushed by 1 m gives way by so much
+
+/// The tool at that depth [m] and, on its way in and out, a little beside. Returns what is known.
+const RemoteContact& move(ContactEstimate& estimate, double depth, double speed) {
+  const Vec3 tip(kAside * depth, 0.0, -depth);
+  const Vec3 velocity(kAside * speed, 0.0, -speed);
+  Vec3 force = Vec3::Zero();
+  if (depth > 0.0) {
+    force.z() = kStiffness * depth;
+    force.x() = speed == 0.0 ? 0.0 : -std::copysign(kFriction * force.z(), velocity.x());
+  }
+  return estimate.step({tip, velocity, force, kPeriod});
+}
+
+/// From 5 mm above the floor to 2 mm inside at this speed [m/s], rests, and goes out again.
+/// `sees` gets what is known after each sample.
+template <typename See>
+void touch(ContactEstimate& estimate, double speed, double rest, const See& sees) {
+  constexpr double kAbove = 5e-3, kDepth = 2e-3;  // [m]
+  const int way = static_cast<int>((kAbove + kDepth) / (speed * kPeriod));
+  for (int n = 0; n < way; ++n) sees(move(estimate, n * speed * kPeriod - kAbove, speed));
+  for (int n = 0; n * kPeriod < rest; ++n) sees(move(estimate, kDepth, 0.0));
+  for (int n = 0; n < way; ++n) sees(move(estimate, kDepth - n * speed * kPeriod, -speed));
+}
+
+/// Friction leans the first force of a touch. On a surface that is known by then it says nothing.
+TEST(SecondTouch, KeepsTheNormalThatALongTouchHasShown) {
+  ContactEstimate estimate({});
+  touch(estimate, 0.03, 2.0, [](const RemoteContact&) {});
+  const double before = estimate.contact().normal.z();
+  const std::uint32_t surface = estimate.contact().surface;
+  double least = 1.0;
+  touch(estimate, 0.03, 0.0, [&](const RemoteContact& seen) {
+    least = std::min(least, seen.normal.z());
+    EXPECT_EQ(seen.surface, surface);
+  });
+  EXPECT_GT(before, 0.975) << "going out leans it a little";
+  EXPECT_GT(least, before - 1e-3) << "a force that friction leans is at 0.958";
+}
+
+/// The surface springs back, and the tool goes out with the force, not against it: it does not
+/// slide along the surface. It was taken for that, and the normal went to where the tool moved.
+TEST(SecondTouch, AToolThatIsPushedOutDoesNotTurnTheNormal) {
+  ContactEstimate estimate({});
+  for (int n = 0; n < 1000; ++n) move(estimate, 2e-3, 0.0);
+  // Out and along, at 27 degrees to the floor.
+  double least = 1.0;
+  for (int n = 0; n < 100; ++n) {
+    const double u = n * kPeriod;
+    const Vec3 tip(kAside * 2e-3 + 0.04 * u, 0.0, 0.02 * u - 2e-3);
+    const Vec3 force(0.0, 0.0, -kStiffness * tip.z());
+    least = std::min(least, estimate.step({tip, Vec3(0.04, 0, 0.02), force, kPeriod}).normal.z());
+  }
+  EXPECT_GT(least, 0.99);
+}
+
+/// Until the stiffness is known, a place that is computed with another one moves as the force does.
+TEST(SecondTouch, AStiffnessThatIsNotKnownYetIsNoMotionOfTheSurface) {
+  ContactEstimate estimate({});
+  double fastest = 0.0;
+  // It hits, and gives way: the tool moves too little for a fit, and the force falls by 10 N.
+  for (int n = 0; n < 300; ++n) {
+    const double force = 12.0 * std::exp(-n * kPeriod / 0.05);
+    const double depth = force / 1e6;
+    const RemoteContact& seen =
+        estimate.step({Vec3(0, 0, -depth), Vec3::Zero(), Vec3(0, 0, force), kPeriod});
+    if (seen.touching) fastest = std::max(fastest, length(seen.velocity));
+  }
+  EXPECT_LT(fastest, 1e-3) << "the tool did not move, and neither did the surface";
+}
+
+}  // namespace
+}  // namespace feltwire::second_touch_test
