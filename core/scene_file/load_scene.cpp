@@ -97,8 +97,7 @@ void read_remote(const JsonDocument& document, const scene_file::Scene& scene, S
   if (const auto* a = r->aligned()) {
     Alignment& aligned = seat.aligned.emplace();
     aligned.gate = a->gate();
-    if (const auto* q = a->orientation())
-      aligned.offset = Quaternion(q->w(), q->x(), q->y(), q->z());
+    if (const auto* q = a->orientation()) aligned.offset = quaternion(*q);
   }
   require(document, "remote", check(seat));
   if (seat.aligned) make_unit(seat.aligned->offset);

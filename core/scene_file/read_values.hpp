@@ -53,13 +53,17 @@ class Names {
 
 inline Vec3 vector(const scene_file::Vector& v) { return {v.x(), v.y(), v.z()}; }
 
+/// Unchecked, not normalized.
+inline Quaternion quaternion(const scene_file::Quaternion& q) {
+  return Quaternion(q.w(), q.x(), q.y(), q.z());
+}
+
 /// The `position` and `orientation` of a table, unchecked.
 template <class Table>
 Pose pose_of(const Table& table) {
   Pose pose;
   if (const auto* p = table.position()) pose.position = vector(*p);
-  if (const auto* q = table.orientation())
-    pose.orientation = Quaternion(q->w(), q->x(), q->y(), q->z());
+  if (const auto* q = table.orientation()) pose.orientation = quaternion(*q);
   return pose;
 }
 

@@ -146,10 +146,9 @@ void ContactEstimate::estimate_normal(const Sample& s, double force) noexcept {
   // A tool that arrives, bounces or springs back slides by some tenths of a millimetre, too, and
   // friction answers. Then the force says nothing of the normal, unless it is outside of any cone.
   const bool young = !settled_ && touched_ < kYoung;
-  const bool bounces = touched_ < kSettled || (slides && against < 0.0);
-  if (!young && speed > kLeastSlide && !rubs && bounces &&
-      s.force.dot(contact_.normal) > kCone * force)
-    return;
+  const bool bounces = touched_ < kSettled && speed > kLeastSlide && !rubs;
+  const bool springs = slides && against < 0.0;
+  if (!young && (bounces || springs) && s.force.dot(contact_.normal) > kCone * force) return;
   const double rate = young ? kQuick : kSlow;
   const Vec3 turned = direction(contact_.normal + low_pass_share(rate, s.elapsed) *
                                                       (direction(pushes) - contact_.normal));

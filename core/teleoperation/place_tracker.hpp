@@ -47,9 +47,9 @@ class PlaceTracker {
     slow_.place += farther;
     quick_.place += farther;
   }
-  /// `measured` [m]; `elapsed` [s] > 0, well below 1 / kQuickPlace. `slides`: the tool moves along
-  /// the surface. Then what is measured changes with the shape of the surface, and it stands.
-  void step(double measured, double elapsed, bool slides = false) noexcept {
+  /// `measured` [m]; `elapsed` [s] > 0, well below 1 / kQuickPlace. `stands`: something else than a
+  /// motion of the surface changes what is measured, so the surface counts as standing still.
+  void step(double measured, double elapsed, bool stands = false) noexcept {
     const double slow = kTurn * kTracker, ahead = measured - slow_.place;
     slow_.speed += elapsed * slow * slow * ahead;
     slow_.place += elapsed * (slow_.speed + 2.0 * slow * ahead);
@@ -58,7 +58,7 @@ class PlaceTracker {
     quick_.speed += elapsed * (quick_.pull + 3.0 * quick * quick * off);
     quick_.place += elapsed * (quick_.speed + 3.0 * quick * off);
     left_ = std::abs(slow_.speed) > kStandsStill ? kMoves : std::max(0.0, left_ - elapsed);
-    if (slides) {
+    if (stands) {
       slow_ = {measured};
       quick_ = {measured, (1.0 - low_pass_share(kBlend, elapsed)) * quick_.speed};
       left_ = 0.0;

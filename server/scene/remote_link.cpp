@@ -145,7 +145,7 @@ void RemoteLink::lead(std::uint32_t hand, const SampleBatch& batch, double perio
   // No hand pays as much from sample to sample.
   if (std::abs(paid) < kMostWork) work_ += index_.index(which).at_robot(paid);
   const double turning =
-      leader->engaged()
+      seat_.aligned && leader->engaged()
           ? rotation_between(leader->sample.pose.orientation, newest.pose.orientation).norm()
           : 0.0;
   leader->share = share;

@@ -1,5 +1,5 @@
 #pragma once
-// What hands and servers say in datagrams, made of a fuzzer's bytes.
+// Makes the values of datagrams (samples, replies, views) from the bytes of a fuzzer.
 
 #include <cmath>
 #include <cstddef>

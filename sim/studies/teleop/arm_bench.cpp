@@ -50,16 +50,15 @@ double eased(double from, double until, double t) {
   return u * u * u * (kFirst - u * (kSecond - u * kThird));
 }
 
-/// From 20 mm above the table to 40 mm below its top.
-Meant press(double t) {
+/// From 20 mm above the table to 40 mm below its top; `down`: the share of the way, 0 to 1.
+Meant into_table(double down) {
   constexpr double kAbove = 0.02, kWay = 0.06;  // [m]
-  return {{0.45, 0.0, kTable + kAbove - kWay * eased(0.5, 3.5, t)}, 0.0};
+  return {{0.45, 0.0, kTable + kAbove - kWay * down}, 0.0};
 }
+Meant press(double t) { return into_table(eased(0.5, 3.5, t)); }
 /// The same, up, and down a second time.
 Meant again(double t) {
-  constexpr double kAbove = 0.02, kWay = 0.06;  // [m]
-  const double down = eased(0.5, 3.5, t) - eased(4.5, 7.5, t) + eased(7.5, 10.5, t);
-  return {{0.45, 0.0, kTable + kAbove - kWay * down}, 0.0};
+  return into_table(eased(0.5, 3.5, t) - eased(4.5, 7.5, t) + eased(7.5, 10.5, t));
 }
 /// `press`, and then 80 mm along it.
 Meant slide(double t) {
@@ -222,7 +221,7 @@ std::vector<ArmSample> run(const ArmCase& c, const Task& task, const UnpackedFil
 /// [N/m] of two springs in a row.
 double series(double a, double b) { return a > 0.0 ? a * b / (a + b) : 0.0; }
 
-/// [N/m] of what the tool touches; a ball of MuJoCo's own contact is stiffer than all else.
+/// [m/N] of what the tool touches; a ball of MuJoCo's own contact is stiffer than all else.
 double softness_of_surface(const Task& task) {
   return task.meant == sphere ? 0.0 : 1.0 / kTableStiffness;
 }

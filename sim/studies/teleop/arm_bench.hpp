@@ -11,7 +11,7 @@
 namespace feltwire::teleop::with_arm {
 
 struct ArmCase {
-  std::string task = "press";  // press, slide, sphere, lift, peg
+  std::string task = "press";  // press, again, slide, sphere, lift, peg
   double round_trip = 0.1;     // [s]
   double jitter = 0.0;         // [s] of each way
   double loss = 0.0;           // share of each way

@@ -6,26 +6,13 @@
 #include "core/base/text.hpp"
 #include "core/base/units.hpp"
 #include "sim/studies/teleop/arm_bench.hpp"
+#include "sim/studies/teleop/report_values.hpp"
 
 namespace feltwire::teleop::with_arm {
 namespace {
 
 using Json = nlohmann::ordered_json;
 using Maybe = std::optional<double>;
-
-Json json(const Maybe& value, double unit = 1.0) {
-  return value ? Json(*value * unit) : Json(nullptr);
-}
-
-/// A number in a column of this width; - if there is none.
-std::string cell(int width, int digits, const Maybe& value) {
-  std::string text;
-  if (value)
-    append(text, "%*.*f", width, digits, *value);
-  else
-    append(text, "%*s", width, "-");
-  return text;
-}
 
 /// [mm] by which the box was lifted or the peg was inserted.
 Maybe carried(const ArmMeasured& m) {
@@ -49,21 +36,21 @@ void write_arm(const std::filesystem::path& directory, const std::vector<ArmRow>
                     {"jitter_ms", row.made.jitter * kMilli},
                     {"loss", row.made.loss},
                     {"seed", row.made.seed},
-                    {"intended_n", json(m.intended)},
+                    {"intended_n", or_null(m.intended)},
                     {"peak_force_n", m.peak},
-                    {"peak_over_intended", json(peak_over_intended(m))},
-                    {"set_down_peak_n", json(m.set_down)},
+                    {"peak_over_intended", or_null(peak_over_intended(m))},
+                    {"set_down_peak_n", or_null(m.set_down)},
                     {"robot_force_n", m.robot_force},
                     {"hand_force_n", m.hand_force},
                     {"force_error_n", m.force_error},
                     {"swing_um", m.swing * kMicro},
                     {"flicker_n", m.flicker},
-                    {"fall_n", json(m.fall)},
-                    {"displayed_over_series", json(m.displayed)},
+                    {"fall_n", or_null(m.fall)},
+                    {"displayed_over_series", or_null(m.displayed)},
                     {"offset_mm", m.offset * kMilli},
                     {"energy_made_j", m.energy_made},
-                    {"lifted_mm", json(m.lifted, kMilli)},
-                    {"inserted_mm", json(m.inserted, kMilli)},
+                    {"lifted_mm", or_null(m.lifted, kMilli)},
+                    {"inserted_mm", or_null(m.inserted, kMilli)},
                     {"stopped", m.stopped}});
   }
   write_text(directory / "arm.json", list.dump(0) + '\n');

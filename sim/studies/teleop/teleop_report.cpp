@@ -5,6 +5,7 @@
 #include "core/base/text.hpp"
 #include "core/base/units.hpp"
 #include "sim/report/plot.hpp"
+#include "sim/studies/teleop/report_values.hpp"
 #include "sim/studies/teleop/teleop.hpp"
 #include "sim/teleoperation_laws/laws.hpp"
 
@@ -12,10 +13,6 @@ namespace feltwire::teleop {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-Json value(const std::optional<double>& measured, double scale = 1.0) {
-  return measured ? Json(*measured * scale) : Json(nullptr);
-}
 
 Json json(const TeleopRow& row) {
   const TeleopCase& c = row.made;
@@ -25,13 +22,13 @@ Json json(const TeleopRow& row) {
           {"rtt_ms", c.round_trip * kMilli},
           {"jitter_ms", c.jitter * kMilli},
           {"loss", c.loss},
-          {"displayed_over_series", value(m.displayed)},
-          {"oscillation_um", value(m.oscillation, kMicro)},
-          {"drag_n", value(m.drag)},
-          {"tracking_mm", value(m.tracking, kMilli)},
-          {"force_error_n", value(m.force_error)},
-          {"force_error_share", value(m.force_share)},
-          {"drift_mm", value(m.drift, kMilli)},
+          {"displayed_over_series", or_null(m.displayed)},
+          {"oscillation_um", or_null(m.oscillation, kMicro)},
+          {"drag_n", or_null(m.drag)},
+          {"tracking_mm", or_null(m.tracking, kMilli)},
+          {"force_error_n", or_null(m.force_error)},
+          {"force_error_share", or_null(m.force_share)},
+          {"drift_mm", or_null(m.drift, kMilli)},
           {"energy_made_j", m.energy_made},
           {"peak_force_n", m.peak_force}};
 }
@@ -109,15 +106,6 @@ void draw(const std::filesystem::path& directory, const std::vector<TeleopRow>& 
   plot(directory, "teleop", script);
 }
 
-std::string cell(const std::optional<double>& measured, double scale, int digits) {
-  std::string text;
-  if (measured)
-    append(text, "%9.*f", digits, *measured * scale);
-  else
-    append(text, "%9s", "-");
-  return text;
-}
-
 }  // namespace
 
 void write_teleop(const std::filesystem::path& directory, const std::vector<TeleopRow>& rows) {
@@ -147,7 +135,7 @@ std::string teleop_table(const std::vector<TeleopRow>& rows) {
       append(text, "  %-22s|", std::string(law).c_str());
       const auto add = [&](std::string_view task, auto field, double scale, int digits) {
         const Measured* m = find(law, task);
-        text += cell(m != nullptr ? (*m).*field : std::nullopt, scale, digits);
+        text += cell(9, digits, m != nullptr ? (*m).*field : std::nullopt, scale);
       };
       constexpr int kFine = 3, kCoarse = 1, kTwo = 2;
       add("press_first", &Measured::displayed, 1.0, kFine);

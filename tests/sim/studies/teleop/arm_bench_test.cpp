@@ -29,7 +29,7 @@ TEST(ArmBench, PressesSlidesAndLiftsOverABadLink) {
       EXPECT_LE(m.flicker, task == ball ? 1.0 : 0.2) << task << ' ' << seed;
       // On a surface that the hand knows the robot's touch takes nothing away from it.
       EXPECT_LE(task == "again" ? m.fall.value_or(9.0) : 0.0, 0.5) << seed;
-      // Its contact is a damper at first: the stiffness is not learnt.
+      // The ball's contact is a damper at first: its stiffness is not learnt.
       EXPECT_NEAR(task == ball ? 1.0 : m.displayed.value_or(1.0), 1.0, 0.05) << task << ' ' << seed;
       EXPECT_NEAR(m.lifted.value_or(0.05), 0.05, 0.01) << task << ' ' << seed;
     }
