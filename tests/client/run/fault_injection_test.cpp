@@ -133,7 +133,7 @@ struct LostRun {
     task = std::make_shared<ServoTask>(std::unique_ptr<Device>(hand),
                                        std::make_shared<Transport>(peer.session(), p, false), p,
                                        ServoOptions{});
-    task->options = {.patience = 400ms, .rejoined = &sessions};
+    task->options = {.patience = 100ms, .rejoined = &sessions};
     task->outputs = {.status = &statuses, .record = records.rows()};
     const ServoOptions options;
     changes.emplace(Changes::Client{hand->spec(), p, options, task->transport->port(), {}});
