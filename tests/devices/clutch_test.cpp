@@ -6,6 +6,7 @@
 #include <random>
 
 #include "tests/devices/mapped_handle.hpp"
+#include "tests/support/seeds.hpp"
 
 namespace feltwire::clutch_test {
 namespace {
@@ -79,7 +80,7 @@ TEST(Clutch, IsLetGoWithoutAKick) {
 TEST(Clutch, MakesNoEnergyHoweverOftenItIsPressed) {
   std::mt19937 random(13);
   std::uniform_int_distribution<int> ticks(1, 60);
-  for (int n = 0; n < 12; ++n) {
+  for (int n = 0; n < test::rounds(12); ++n) {
     Mapped mapped(any_mapping(random));
     Handle& handle = *mapped.handle;
     handle.lag = static_cast<std::size_t>(n % 2);

@@ -10,6 +10,7 @@
 #include "client/devices/simulated_device.hpp"
 #include "tests/devices/mapped_handle.hpp"
 #include "tests/support/allocation_counter.hpp"
+#include "tests/support/seeds.hpp"
 
 namespace feltwire::mapped_device_test {
 namespace {
@@ -176,7 +177,7 @@ double made(const WorkspaceMapping& mapping, std::string_view mode, std::size_t 
 
 TEST(MappedDevice, MakesNoEnergyAtTheTruePortWhateverTheMapping) {
   std::mt19937 random(7);
-  for (int n = 0; n < 40; ++n) {
+  for (int n = 0; n < test::rounds(40); ++n) {
     const WorkspaceMapping mapping = any_mapping(random);
     EXPECT_LE(made(mapping, kSessionMethod, n % 3), 1e-12)
         << n << " scale " << mapping.scale << " turned " << mapping.rotation.transpose();

@@ -8,6 +8,7 @@
 
 #include "tests/devices/mapped_handle.hpp"
 #include "tests/support/allocation_counter.hpp"
+#include "tests/support/seeds.hpp"
 
 namespace feltwire::protected_device_test {
 namespace {
@@ -280,7 +281,7 @@ double made(const WorkspaceMapping& mapping, double told, double real, std::size
 TEST(ProtectedDevice, MakesNoEnergyBesideTheConstantForce) {
   std::mt19937 random(11);
   std::uniform_real_distribution<double> weights(0.05, 1.5);
-  for (int n = 0; n < 30; ++n) {
+  for (int n = 0; n < test::rounds(30); ++n) {
     const WorkspaceMapping mapping = any_mapping(random);
     const double told = weights(random);
     EXPECT_LE(made(mapping, told, told * (n % 3), n % 2), 1e-12) << n << " weight " << told;

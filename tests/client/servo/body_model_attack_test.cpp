@@ -6,6 +6,7 @@
 #include "client/servo/servo.hpp"
 #include "sim/hands/eight_hands.hpp"
 #include "tests/core/support.hpp"
+#include "tests/support/seeds.hpp"
 
 namespace feltwire::body_model_attack_test {
 namespace {
@@ -43,6 +44,8 @@ BodyModel any_model(test::Random& random, const Pose& about) {
   return m;
 }
 
+constexpr std::uint64_t kTicks = test::rounds(1500);
+
 double energy_made(std::string_view mode, std::uint64_t seed, double* most_torque) {
   test::Random random(seed);
   SimulatedHandOptions hand;
@@ -55,7 +58,7 @@ double energy_made(std::string_view mode, std::uint64_t seed, double* most_torqu
   parameters.local_model = true;
   Servo servo(device.spec(), parameters);
   const std::uint64_t delay = seed % 3 * 20, every = 1 + seed % 4;
-  for (std::uint64_t n = 1; n <= 1500; ++n) {
+  for (std::uint64_t n = 1; n <= kTicks; ++n) {
     const Nanoseconds now = static_cast<std::int64_t>(n) * kPeriod;
     const Command given = servo.render(device.read(now), now);
     servo.hold(device.write(given));
@@ -77,14 +80,14 @@ double energy_made(std::string_view mode, std::uint64_t seed, double* most_torqu
 
 TEST(BodyModelAttack, NoModelMakesThePortGiveEnergy) {
   double torque = 0.0;
-  for (std::uint64_t seed = 1; seed <= 48; ++seed)
+  for (const std::uint64_t seed : test::seeds(1, 48, 0))
     EXPECT_LE(energy_made(kSessionMethod, seed, &torque), 1e-9) << seed;
   EXPECT_GT(torque, 0.02);  // [N m] that it was tried
 }
 
 TEST(BodyModelAttack, WithoutABoundTheSameModelsDo) {
   double torque = 0.0, most = 0.0;
-  for (std::uint64_t seed = 1; seed <= 8; ++seed)
+  for (const std::uint64_t seed : test::seeds(1, 8, 0))
     most = std::max(most, energy_made(kUnbounded, seed, &torque));
   EXPECT_GT(most, 1e-3);
 }

@@ -182,24 +182,24 @@ TEST(ReloadForce, NeverJumpsWhateverTheSceneBecomes) {
   Seen seen;
   for (const std::uint64_t seed : test::seeds(1, 60, 30))
     ASSERT_NO_FATAL_FAILURE(play(seed, Storage::minimal, seen));
-  EXPECT_GT(seen.reloads, 1000);
-  EXPECT_GT(seen.risen, 100);     // changes are felt by hands that rest,
-  EXPECT_GT(seen.steepest, 0.9);  // and come as fast as they may
+  EXPECT_GT(seen.reloads, test::rounds(1000));
+  EXPECT_GT(seen.risen, test::rounds(100));  // changes are felt by hands that rest,
+  EXPECT_GT(seen.steepest, 0.9);             // and come as fast as they may
 }
 
 TEST(ReloadForce, NeverNeedsMoreThanTheHandHasPressedWhereElasticStorageKeepsIt) {
   Seen seen;
   for (const std::uint64_t seed : test::seeds(1001, 60, 30))
     ASSERT_NO_FATAL_FAILURE(play(seed, Storage::elastic, seen));
-  EXPECT_GT(seen.reloads, 1000);
+  EXPECT_GT(seen.reloads, test::rounds(1000));
 }
 
 TEST(ReloadForce, NeverJumpsWhateverALiveChangeMakesOfAMaterial) {
   Seen seen;
   for (const std::uint64_t seed : test::seeds(2001, 60, 30))
     ASSERT_NO_FATAL_FAILURE(play(seed, Storage::minimal, seen, By::live_change));
-  EXPECT_GT(seen.reloads, 1000);
-  EXPECT_GT(seen.risen, 100);
+  EXPECT_GT(seen.reloads, test::rounds(1000));
+  EXPECT_GT(seen.risen, test::rounds(100));
   EXPECT_GT(seen.steepest, 0.9);
 }
 

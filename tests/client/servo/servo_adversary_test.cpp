@@ -79,7 +79,7 @@ TEST(ServoAdversary, TicksThatAreLateGiveItNothing) {
       for (const double late : {30e-9, 3e-6, 50e-6, 400e-6}) {
         SessionParameters p = parameters("contact_frame", side);
         p.storage = storage;
-        for (std::uint64_t seed = 1; seed <= 10; ++seed)
+        for (const std::uint64_t seed : test::seeds(1, 10, 0))
           EXPECT_EQ(violations_against_an_adversary(p, seed, 4000, late), 0u)
               << name(side) << ' ' << name(storage) << ' ' << late << ' ' << seed;
       }

@@ -13,6 +13,7 @@
 #include "core/bounding/port_energy.hpp"
 #include "tests/core/in_arithmetic.hpp"
 #include "tests/core/support.hpp"
+#include "tests/support/seeds.hpp"
 
 namespace feltwire::bounding_test {
 namespace {
@@ -187,7 +188,7 @@ TEST(Bounding, RandomBitsNeverComeOutAsAnythingButAForce) {
     c.max_force = 5.0;
     c.max_torque = 0.2;
     Bounding bounding(c);
-    for (int n = 0; n < 50000; ++n) {
+    for (int n = 0; n < test::rounds(50'000); ++n) {
       const BoundingStep s{vector(), vector(), vector().x(), {vector(), vector(), vector()}};
       const Bounded out = bounding.step(s);
       ASSERT_TRUE(out.rendered.finite()) << mode;

@@ -162,7 +162,7 @@ TEST(ContactFrame, WhateverTheDeviceMakesSmallerStaysPassive) {
   for (const auto& reduce : reductions)
     for (const Attack& a : kAttacks) {
       double worst = -1.0;
-      for (std::uint64_t seed = 0; seed < 20; ++seed)
+      for (const std::uint64_t seed : test::seeds(0, 20, 0))
         worst = std::max(worst, attack(any_config(seed), a.hand, seed, 4000, reduce).worst);
       EXPECT_LE(worst, 1e-12) << a.name;
     }
@@ -170,7 +170,7 @@ TEST(ContactFrame, WhateverTheDeviceMakesSmallerStaysPassive) {
 
 TEST(ContactFrame, SaturationStaysPassive) {
   for (const Attack& a : kAttacks)
-    for (std::uint64_t seed = 0; seed < 10; ++seed) {
+    for (const std::uint64_t seed : test::seeds(0, 10, 0)) {
       BoundingConfig saturating = any_config(seed);
       saturating.max_force = 0.3;
       saturating.max_torque = 1e-3;

@@ -7,6 +7,7 @@
 
 #include "core/base/numeric.hpp"
 #include "tests/core/contact_frame_fixture.hpp"
+#include "tests/support/seeds.hpp"
 
 namespace feltwire::contact_frame_test {
 namespace {
@@ -36,7 +37,7 @@ double square(double x) { return x * x; }
 TEST(ContactFrame, LawHoldsOnEachChannelOverSixDecades) {
   Random random(7);
   int cut = 0;
-  for (int n = 0; n < 200000; ++n) {
+  for (int n = 0; n < test::rounds(200'000); ++n) {
     const Projection projection = n % 2 ? Projection::joint : Projection::cone;
     const Vec3 normal = random.direction();
     const double e = std::abs(random.decades(-3.0, 3.0));
@@ -94,7 +95,7 @@ TEST(ContactFrame, JointKeepsTheDirectionExactly) {
   Random random(8);
   Bounding bounding(contact_frame(Projection::joint));
   int cut = 0;
-  for (int n = 0; n < 100000; ++n) {
+  for (int n = 0; n < test::rounds(100'000); ++n) {
     BoundingStep s{random.vector(-6.0, -2.0), random.vector(-4.0, 0.0), kPeriod,
                    random_command(random)};
     // Canonical parts, for a command that would pull is shortened by its pull.
@@ -116,7 +117,7 @@ TEST(ContactFrame, ConeKeepsTheNormalForceAndFrictionInItsCone) {
   Random random(9);
   Bounding joint(contact_frame(Projection::joint)), cone(contact_frame(Projection::cone));
   int more_normal_force = 0;
-  for (int n = 0; n < 100000; ++n) {
+  for (int n = 0; n < test::rounds(100'000); ++n) {
     const double mu = random.uniform(0.0, 2.0);
     const Vec3 normal = random.direction();
     const double e = std::abs(random.decades(-3.0, 2.0));

@@ -8,6 +8,7 @@
 
 #include "core/bounding/credited.hpp"
 #include "core/bounding/wall_frame.hpp"
+#include "tests/support/seeds.hpp"
 
 namespace feltwire::corner_test {
 namespace {
@@ -29,7 +30,7 @@ ContactNormals normals(std::initializer_list<Vec3> walls) {
 
 class Hand {
  public:
-  explicit Hand(unsigned seed) : random_(seed) {}
+  explicit Hand(std::uint64_t seed) : random_(seed) {}
   double number() { return std::normal_distribution<double>()(random_); }
   Vec3 vector() { return {number(), number(), number()}; }
   ContactNormals walls() {
@@ -144,7 +145,7 @@ TEST(Corner, NoLargerWeightsWouldDo) {
 
 /// [J] that a hand gets out of random walls and commands beyond what the device burned, over what
 /// was delivered in all. Half of the time it moves as takes most from the force that is held.
-double excess(double told, unsigned seed) {
+double excess(double told, std::uint64_t seed) {
   Hand hand(seed);
   auto credited = law(told);
   const ContactNormals walls = hand.walls();
@@ -167,12 +168,13 @@ double excess(double told, unsigned seed) {
 }
 
 TEST(Corner, WithoutCreditNoHandTakesMoreThanIsBurned) {
-  for (unsigned seed = 0; seed < 200; ++seed) EXPECT_LE(excess(1.0, seed), 1e-12) << seed;
+  for (const std::uint64_t seed : test::seeds(0, 200, 0))
+    EXPECT_LE(excess(1.0, seed), 1e-12) << seed;
 }
 
 TEST(Corner, ToldOfMoreDampingItLoses) {
   double worst = 0.0;
-  for (unsigned seed = 0; seed < 50; ++seed) worst = std::max(worst, excess(1.5, seed));
+  for (const std::uint64_t seed : test::seeds(0, 50, 0)) worst = std::max(worst, excess(1.5, seed));
   EXPECT_GT(worst, 1e-3);
 }
 

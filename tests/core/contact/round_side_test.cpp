@@ -54,7 +54,7 @@ Approach approach(int n, Random& random) {
 TEST(RoundSide, AHandPressedThroughTheMiddleIsPushedBackAtAnyDepthAndSpeed) {
   for (const std::uint64_t seed : test::seeds(1, 1, 1)) {
     Random random(seed);
-    for (int n = 0; n < 4000; ++n) {
+    for (int n = 0; n < test::rounds(4000); ++n) {
       const Approach a = approach(n, random);
       const double step = kSteps[n % 3];
       FeatureMemory memory;

@@ -377,6 +377,9 @@ const Movement kMovements[] = {{"rock", Plane{}, Vec3::Zero(), rocks},
 TEST(LocalBody, IsTenTimesNearerThanALateReply) {
   for (const Movement& movement : kMovements) {
     for (const int lost : {0, 3}) {
+#ifdef FELTWIRE_SANITIZED
+      if (lost > 0) continue;  // a figure, which takes forty times as long here
+#endif
       const Error error = error_of(movement, 50, lost);
       if (lost == 0)
         for (const auto& [what, value] :

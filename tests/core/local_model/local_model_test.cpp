@@ -12,6 +12,7 @@
 #include "tests/core/support.hpp"
 #include "tests/support/allocation_counter.hpp"
 #include "tests/support/followed_hand.hpp"
+#include "tests/support/seeds.hpp"
 
 namespace feltwire::local_model_test {
 namespace {
@@ -90,7 +91,7 @@ TEST(LocalModel, IsTheObjectItWasMadeOf) {
   Random random(1);
   for (const Felt& felt : kFelt) {
     int touched = 0, slipped = 0, spoke = 0, ticks = 0;
-    for (int run = 0; run < 60; ++run) {
+    for (int run = 0; run < test::rounds(60); ++run) {
       const Scene scene = one(felt, random);
       test::FollowedHand hand(scene, 40);
       Wanderer wanderer(random, scene.objects()[0].pose);
@@ -105,8 +106,8 @@ TEST(LocalModel, IsTheObjectItWasMadeOf) {
         if (::testing::Test::HasFailure()) FAIL() << felt.name << " run " << run << " tick " << n;
       }
     }
-    EXPECT_GT(touched, 1000) << felt.name;
-    EXPECT_GT(slipped, 100) << felt.name;
+    EXPECT_GT(touched, test::rounds(1000)) << felt.name;
+    EXPECT_GT(slipped, test::rounds(100)) << felt.name;
     EXPECT_GT(spoke, ticks / 3) << felt.name;
   }
 }

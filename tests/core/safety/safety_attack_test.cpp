@@ -113,8 +113,8 @@ TEST(SafetyAttack, BehindTheContactFrameNoHandTakesMoreThanTheDeviceBurned) {
   EXPECT_LE(all.worst, 1e-12);
   // And every limit had its part in it.
   for (const int times : {all.limited, all.slewed, all.too_fast, all.ramped, all.waiting})
-    EXPECT_GT(times, 100);
-  EXPECT_GT(all.rendered, 100'000);
+    EXPECT_GT(times, test::rounds(100));
+  EXPECT_GT(all.rendered, test::rounds(100'000));
 }
 
 /// Presses in while the ramp gives next to nothing, rests until it gives all, and comes out again.

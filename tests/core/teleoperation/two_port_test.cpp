@@ -11,6 +11,7 @@
 #include "core/teleoperation/energy_counters.hpp"
 #include "core/teleoperation/two_port_bound.hpp"
 #include "tests/core/support.hpp"
+#include "tests/support/seeds.hpp"
 
 namespace feltwire::two_port_test {
 namespace {
@@ -121,14 +122,14 @@ constexpr double kRounding = 1e-12;
 TEST(TwoPortProperty, NoHandTakesMoreThanTheDeviceBurnedAndTheEnvironmentGave) {
   for (const bool account : {false, true}) {
     double taken = -1.0, rendered = 0.0;
-    for (std::uint64_t seed = 0; seed < 200; ++seed) {
+    for (const std::uint64_t seed : test::seeds(0, 200, 0)) {
       const Outcome o = attack(seed, seed % 2 == 1, kOwnRobot, 1.0, account);
       EXPECT_LE(o.worst, kRounding) << seed << ' ' << account;
       taken = std::max(taken, o.taken);
       rendered += o.rendered;
     }
     EXPECT_GT(taken, 1e-3);  // the credit does reach the hand
-    EXPECT_GT(rendered, 1e3);
+    EXPECT_GT(rendered, test::rounds(1000));
   }
 }
 
@@ -143,7 +144,7 @@ TEST(TwoPortProperty, ADampingToldFivePercentTooLargeIsFound) {
 
 TEST(TwoPort, AFollowerThatLiesBuysNoMoreThanItIsTrustedWith) {
   constexpr RemoteTrust kLittle{.per_contact = 2e-3, .power = 0.5};
-  for (std::uint64_t seed = 0; seed < 50; ++seed) {
+  for (const std::uint64_t seed : test::seeds(0, 50, 0)) {
     const Outcome o = attack(seed, true, kLittle);
     EXPECT_LE(o.most_in_contact, kLittle.per_contact * (1.0 + kRounding)) << seed;
     EXPECT_LE(o.credit, kLittle.power * 2000 * kPeriod * (1.0 + kRounding)) << seed;
