@@ -4,6 +4,7 @@
 // A program that uses fresh ones prints "FELTWIRE_SEED=...": the same tests with that in the
 // environment try the same again. RapidCheck's properties: tests/CMakeLists.txt.
 
+#include <concepts>
 #include <cstdint>
 #include <cstdlib>
 #include <iostream>
@@ -29,7 +30,8 @@ inline std::uint64_t run_seed() {
 
 /// How often a test that could go on for ever repeats what it tries: `whole` times, a tenth under a
 /// sanitizer, which takes ten times as long and looks at what does not depend on the numbers.
-constexpr int rounds(int whole) {
+template <std::integral Count>
+constexpr Count rounds(Count whole) {
 #ifdef FELTWIRE_SANITIZED
   return (whole + 9) / 10;
 #else
@@ -41,8 +43,8 @@ constexpr int rounds(int whole) {
 /// a sanitizer a tenth of the fixed ones.
 inline std::vector<std::uint64_t> seeds(std::uint64_t first, std::uint64_t fixed,
                                         std::uint64_t fresh) {
+  fixed = rounds(fixed);
 #ifdef FELTWIRE_SANITIZED
-  fixed = (fixed + 9) / 10;
   fresh = 0;
 #endif
   std::vector<std::uint64_t> all;

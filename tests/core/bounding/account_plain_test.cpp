@@ -8,17 +8,14 @@
 
 #include "tests/core/bounding/plain_account.hpp"
 #include "tests/core/support.hpp"
+#include "tests/support/seeds.hpp"
 
 namespace feltwire::account_plain_test {
 namespace {
 
 using namespace test;
 
-#ifdef FELTWIRE_SANITIZED
-constexpr std::uint64_t kAccounts = 40;
-#else
-constexpr std::uint64_t kAccounts = 400;
-#endif
+constexpr std::uint64_t kAccounts = rounds(400);
 
 /// Knowledge of any kind: damping of each kind or none, each other thing known or not.
 PortKnowledge any_knowledge(Random& random, double scale) {
