@@ -43,13 +43,13 @@ def run(compose, judge):
 
     for name, task in hands.items():
         told = report(compose.out / f"{name}.json")
-        expect_passive(judge, name, told)
+        recording = Recording(compose.out / f"{name}.csv")
+        expect_passive(judge, name, told, recording)
         judge.expect(f"{name}: disconnections", told["disconnections"], equal=0)
         judge.expect(f"{name}: largest force [N]", round(told["max_force_n"], 2), at_least=0.3)
         judge.expect(f"{name}: mean direction error [deg]", told["direction_error_deg"]["mean"], at_most=1.0)
         judge.expect(f"{name}: 99 % of the direction errors [deg]", told["direction_error_deg"]["p99"], at_most=1.0)
         if task in STILL:
-            recording = Recording(compose.out / f"{name}.csv")
             judge.expect(f"{name}: oscillation [um RMS]", round(1e6 * oscillation(recording.columns[STILL[task]]), 2),
                          at_most=20.0)
     judge.expect("server: stale or repeated datagrams were dropped", scene["dropped"]["packet_number"] + scene["dropped"]["stale"],

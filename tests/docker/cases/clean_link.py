@@ -1,4 +1,4 @@
-"""Two hands on one table over a clean line: 1 kHz held, nothing lost, both feel it."""
+"""Two hands on one table over a clean line: no tick and nothing else lost, both feel it."""
 
 from judge import Recording, expect_honest, expect_undisturbed, report
 
@@ -15,8 +15,8 @@ def run(compose, judge):
     judge.expect("exit codes", compose.wait("left", "right"), equal=[0, 0])
     hands = {name: report(compose.out / f"{name}.json") for name in ("left", "right")}
     for name, told in hands.items():
-        expect_undisturbed(judge, name, told, rate=950.0)
         recording = Recording(compose.out / f"{name}.csv")
+        expect_undisturbed(judge, name, told, recording)
         pressed = [f for z, f in zip(recording.columns["z"], recording.columns["rz"]) if z < TABLE - 1e-4]
         judge.expect(f"{name}: ticks in the table", len(pressed), at_least=1000)
         judge.expect(f"{name}: mean force upwards there [N]", sum(pressed) / max(1, len(pressed)), at_least=0.5)

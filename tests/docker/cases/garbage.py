@@ -4,7 +4,7 @@ import shutil
 import statistics
 
 import composition
-from judge import expect_honest, expect_undisturbed, report
+from judge import Recording, expect_honest, expect_undisturbed, report
 
 # The same hands with the flood and without, in turns: what else the machine is about meets both alike. The flood's own
 # work, an attacker's on another machine, is among that: in quiet rounds as much is sent to somebody else.
@@ -50,7 +50,7 @@ def run(compose, judge):
         reports = {name: report(compose.out / f"{name}.json") for name in names}
         p99[when].append(statistics.median(told["round_trip_us"]["p99"] for told in reports.values()))
         for name, told in reports.items():
-            expect_undisturbed(judge, name, told, rate=500.0)  # of how busy the machine is it says nothing
+            expect_undisturbed(judge, name, told, Recording(compose.out / f"{name}.csv"))
     # Each round with the quiet one before it, and the middle of these: what else a machine is about comes and goes, and is
     # several times what is looked for; the flood is in every round of its own.
     ratios = [flooded / quiet for quiet, flooded in zip(p99["quiet"], p99["flooded"])]

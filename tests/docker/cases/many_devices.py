@@ -1,6 +1,6 @@
 """Eight hands of five devices (2, 3 and 6 degrees of freedom), four in each of two scenes of one server."""
 
-from judge import expect_honest, expect_undisturbed, report
+from judge import Recording, expect_honest, expect_undisturbed, report
 
 SECONDS = 6.0
 # name: scene, device, degrees of freedom that it moves in and senses, path
@@ -28,7 +28,7 @@ def run(compose, judge):
     counters = compose.counters()
     for name, (scene, _, freedom, _) in HANDS.items():
         told = report(compose.out / f"{name}.json")
-        expect_undisturbed(judge, name, told, rate=900.0)
+        expect_undisturbed(judge, name, told, Recording(compose.out / f"{name}.csv"))
         device = told["device"]
         judge.expect(f"{name}: degrees of freedom", device["translation_dof"] + device["rotation_sensed"], equal=freedom)
         judge.expect(f"{name}: scene", told["scene"], equal=scene)

@@ -39,9 +39,9 @@ def run(compose, judge):
     compose.up("first")
     judge.expect("first: exit code", compose.wait("first"), equal=[0])
     told = report(compose.out / "first.json")
-    expect_passive(judge, "first", told)
-    judge.expect("first: datagrams lost", told["lost"], equal=0)
     recording = Recording(compose.out / "first.csv")
+    expect_passive(judge, "first", told, recording)
+    judge.expect("first: datagrams lost", told["lost"], equal=0)
     judge.expect("first: largest force on the hand [N]", round(recording.most_held(1.0, SECONDS) or 0.0, 2), at_least=0.5, at_most=8.9)
 
     # Who leads and who follows never meet: each knows the server alone.
@@ -56,9 +56,9 @@ def run(compose, judge):
     compose.network("connect", "robots", "robot")
     judge.expect("second: exit code", compose.wait("second"), equal=[0])
     told = report(compose.out / "second.json")
-    expect_passive(judge, "second", told)
-    judge.expect("second: disconnections of the hand", told["disconnections"], equal=0)
     recording = Recording(compose.out / "second.csv")
+    expect_passive(judge, "second", told, recording)
+    judge.expect("second: disconnections of the hand", told["disconnections"], equal=0)
     judge.expect("second: largest force before [N]", round(recording.most_held(1.0, OUT_FROM) or 0.0, 2), at_least=0.5)
     # Its start and the engine's work shift the time. The robot comes back, and the switch is never released: nothing follows.
     judge.expect("second: largest force without a robot [N]",
