@@ -31,7 +31,6 @@ constexpr std::size_t kMostFirmware = 1 << 16;  // images have 7 to 8 kB
 constexpr int kLoads = 5;                       // a load works only sometimes, as others have seen
 constexpr int kAsks = 10;                       // of a firmware that may be there
 constexpr Nanoseconds kAnswers = milliseconds(100);
-constexpr double kFastest = 60.0;  // [rad/s] of an arm: 3.6 m/s at the tool
 
 [[noreturn]] void refuse(const std::string& why) { throw std::runtime_error("falcon: " + why); }
 
@@ -160,10 +159,11 @@ class FalconDevice final : public LockStepDevice {
   void let_go() noexcept override { line_->let_go(); }
 
   std::optional<Command> send(const Command& command) noexcept override {
-    const Counts motors = homed_ ? motors_of(tool_, turned_to_theirs(command.force())) : Counts{};
+    const Counts motors =
+        homed_ ? motors_of(tool_.point(), turned_to_theirs(command.force())) : Counts{};
     if (!line_->post(packet_of(motors))) return std::nullopt;
     if (motors == Counts{}) return Command{};
-    return held_command(command, turned_to_ours(force_of(tool_, motors)), Vec3::Zero());
+    return held_command(command, turned_to_ours(force_of(tool_.point(), motors)), Vec3::Zero());
   }
 
   Answer answer(const Command&, DeviceReading& reading, Nanoseconds latest) noexcept override {
@@ -186,37 +186,18 @@ class FalconDevice final : public LockStepDevice {
     reading.clutch = (all->buttons & 2U) != 0;
     homed_ = homed(*all);
     if (!homed_) {
-      taken_at_ = Nanoseconds(0);
+      tool_.forget();
       reading.withheld = Withheld::not_homed;
       return Answer::whole;
     }
-    if (!take(all->encoders)) return Answer::garbled;
-    reading.pose.position = turned_to_ours(tool_.position - kMiddle);
+    if (!tool_.take(all->encoders, monotonic_now())) return Answer::garbled;
+    reading.pose.position = turned_to_ours(tool_.point().position - kMiddle);
     return Answer::whole;
-  }
-
-  /// False: no arm moves like this, or there is no such place.
-  bool take(const Counts& encoders) noexcept {
-    const Nanoseconds now = monotonic_now();
-    if (taken_at_.count() != 0) {
-      const double most = kFastest * seconds(now - taken_at_) / kCount;
-      for (std::size_t i = 0; i < 3; ++i)
-        if (std::abs(encoders[i] - encoders_[i]) > most) return false;
-    }
-    const Vec3 angles(arm_angle(encoders[0]), arm_angle(encoders[1]), arm_angle(encoders[2]));
-    auto tool = tool_point(angles, tool_.position);
-    if (!tool) tool = tool_point(angles, kMiddle);
-    if (!tool) tool = tool_point(angles, kFarOut);
-    if (!tool) return false;
-    taken_at_ = now;
-    encoders_ = encoders;
-    tool_ = *tool;
-    return true;
   }
 
   bool forget() noexcept override {
     line_->forget();
-    taken_at_ = Nanoseconds(0);
+    tool_.forget();
     return line_->receive(Nanoseconds(0)).kind != Heard::gone;
   }
 
@@ -233,9 +214,7 @@ class FalconDevice final : public LockStepDevice {
   bool homed_ = false;
 
   // Members of the servo's thread.
-  ToolPoint tool_{.position = kMiddle, .jacobian = Mat3::Zero()};
-  Counts encoders_{};
-  Nanoseconds taken_at_{0};
+  TrackedTool tool_;
   std::unique_ptr<FalconLine> line_;
 };
 

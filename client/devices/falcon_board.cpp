@@ -22,6 +22,7 @@ constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr std::array<double, 3> kLegs = {105.0 * kDegree, -15.0 * kDegree, -135.0 * kDegree};
 constexpr double kAtZero = 35.0 * kDegree;
 constexpr double kScale = -10000.0;  // motor counts per N m at the arm
+constexpr double kFastest = 60.0;    // [rad/s] of an arm: 3.6 m/s at the tool
 
 /// The wrist of a leg in the plane in which its arm turns, and the shin's length there.
 struct Leg {
@@ -112,6 +113,10 @@ std::optional<ToolPoint> tool_point(const Vec3& angles, const Vec3& near) noexce
   constexpr double kStep = 0.1;     // [m] a step that leads elsewhere
   constexpr double kSame = 1e-9;
   constexpr double kStretched = 1e-4;  // of the determinant, in units of the arm
+  // All places in the maker's cube of 100 mm are within these.
+  constexpr double kFarthest = 0.1;     // [m] from the middle
+  constexpr double kMostForce = 500.0;  // [N] of 1 N m at an arm: a motor's count is 50 mN
+  constexpr double kMostWay = 0.75;     // [m/rad]: an encoder's count is 0.5 mm
   ToolPoint tool{.position = near, .jacobian = Mat3::Zero()};
   for (int n = 0; n < kSteps; ++n) {
     Vec3 gap, turn;  // of g_i = |wrist - knee|^2 - shin^2; its slopes by the angles
@@ -133,6 +138,10 @@ std::optional<ToolPoint> tool_point(const Vec3& angles, const Vec3& near) noexce
     tool.position -= step;
     if (step.norm() > kExact) continue;
     tool.jacobian = -inverse * turn.asDiagonal();
+    const Vec3 forces = slope.rowwise().norm().cwiseQuotient(turn.cwiseAbs());
+    if (!((tool.position - kMiddle).norm() < kFarthest && forces.maxCoeff() < kMostForce &&
+          tool.jacobian.cwiseAbs().maxCoeff() < kMostWay))
+      return std::nullopt;
     // The equations have other places, too, where a leg is bent the other way.
     const auto back = arm_angles(tool.position);
     if (!back || !back->isApprox(angles, kSame)) return std::nullopt;
@@ -143,6 +152,7 @@ std::optional<ToolPoint> tool_point(const Vec3& angles, const Vec3& near) noexce
 
 Counts motors_of(const ToolPoint& tool, const Vec3& force, int most) noexcept {
   const Vec3 wanted = kScale * (tool.jacobian.transpose() * force);
+  if (!wanted.allFinite()) return {};
   const double largest = wanted.cwiseAbs().maxCoeff();
   const double share = largest > most ? most / largest : 1.0;
   Counts counts{};
@@ -154,6 +164,23 @@ Counts motors_of(const ToolPoint& tool, const Vec3& force, int most) noexcept {
 Vec3 force_of(const ToolPoint& tool, const Counts& motors) noexcept {
   const Vec3 torque = Vec3(motors[0], motors[1], motors[2]) / kScale;
   return tool.jacobian.transpose().inverse() * torque;
+}
+
+bool TrackedTool::take(const Counts& encoders, Nanoseconds now) noexcept {
+  if (taken_at_) {
+    const double most = kFastest * seconds(now - *taken_at_) / kCount;
+    for (std::size_t i = 0; i < 3; ++i)
+      if (std::abs(encoders[i] - encoders_[i]) > most) return false;
+  }
+  const Vec3 angles(arm_angle(encoders[0]), arm_angle(encoders[1]), arm_angle(encoders[2]));
+  auto found = tool_point(angles, point_.position);
+  if (!found) found = tool_point(angles, kMiddle);
+  if (!found) found = tool_point(angles, kFarOut);
+  if (!found) return false;
+  taken_at_ = now;
+  encoders_ = encoders;
+  point_ = *found;
+  return true;
 }
 
 }  // namespace feltwire::falcon

@@ -9,6 +9,7 @@
 #include <span>
 
 #include "core/base/types.hpp"
+#include "protocol/wire/datagram.hpp"
 
 namespace feltwire::falcon {
 
@@ -61,7 +62,8 @@ struct ToolPoint {
 
 /// Solves the three legs' equations, |knee - wrist| = the shin's length, by Newton's method from
 /// `near` [m], to 1e-12 m. None: there is no such place, Newton's method does not find it from
-/// there, or the legs are stretched.
+/// there, it is more than 100 mm from the middle, or a leg is so straight there that a count of its
+/// motor is more than 50 mN, or a count of an encoder more than 0.5 mm.
 /// After R. E. Stamper, "A three degree of freedom parallel manipulator with only translational
 /// degrees of freedom", PhD thesis 97-4, University of Maryland, 1997.
 std::optional<ToolPoint> tool_point(const Vec3& angles, const Vec3& near) noexcept;
@@ -73,10 +75,27 @@ inline const Vec3 kMiddle{0.0, 0.0, 0.12};
 inline const Vec3 kFarOut{0.0, 0.0, 0.16};
 
 /// The motors' numbers of a force [N] at the tool: -10000 J^T F, cut to `most` with all three in
-/// proportion and rounded towards zero. The scale is what others use; it is not calibrated.
+/// proportion and rounded towards zero; zeros for a force that is not finite. The scale is what
+/// others use; it is not calibrated.
 inline constexpr int kMostMotor = 4096;
 Counts motors_of(const ToolPoint& tool, const Vec3& force, int most = kMostMotor) noexcept;
 /// [N] of these.
 Vec3 force_of(const ToolPoint& tool, const Counts& motors) noexcept;
+
+/// The tool by the newest answer. Time is an argument.
+class TrackedTool {
+ public:
+  /// False: no arm moves like this since the answer before, or there is no such place. Then nothing
+  /// changes.
+  bool take(const Counts& encoders, Nanoseconds now) noexcept;
+  /// The next answer may be of any place.
+  void forget() noexcept { taken_at_.reset(); }
+  const ToolPoint& point() const noexcept { return point_; }
+
+ private:
+  ToolPoint point_{.position = kMiddle, .jacobian = Mat3::Zero()};
+  Counts encoders_{};
+  std::optional<Nanoseconds> taken_at_;
+};
 
 }  // namespace feltwire::falcon

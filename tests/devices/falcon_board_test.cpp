@@ -179,6 +179,55 @@ TEST(FalconBoard, TooMuchForceIsCutInItsDirection) {
   EXPECT_NEAR(real.normalized().dot(force.normalized()), 1.0, 1e-6);
 }
 
+/// The legs' equations have places that no Falcon has. Where a leg is nearly straight, one count of
+/// its motor would be newtons, or one count of an encoder millimetres.
+TEST(FalconBoard, PlacesThatNoFalconHasAreNone) {
+  const Vec3 motor(-0.01242, -0.05088, 0.05878), encoder(0.0812, -0.0322, 0.1305);
+  const Vec3 far(0.0549, 0.0628, 0.0337);
+  for (const Vec3& place : {motor, encoder, far}) {
+    const auto angles = arm_angles(place);
+    ASSERT_TRUE(angles);
+    EXPECT_FALSE(tool_point(*angles, place)) << place.transpose();
+  }
+}
+
+/// The maker's cube of 100 mm, but for the corners that no leg reaches.
+TEST(FalconBoard, EveryPlaceOfItsCubeIsOne) {
+  constexpr int kSteps = 5;
+  int places = 0;
+  for (int i = -kSteps; i <= kSteps; ++i)
+    for (int j = -kSteps; j <= kSteps; ++j)
+      for (int k = -kSteps; k <= kSteps; ++k) {
+        const Vec3 place = kMiddle + 0.05 / kSteps * Vec3(i, j, k);
+        const auto angles = arm_angles(place);
+        if (!angles) continue;
+        ++places;
+        EXPECT_TRUE(tool_point(*angles, place)) << place.transpose();
+      }
+  EXPECT_GT(places, 1200);
+}
+
+TEST(FalconBoard, AForceThatIsNotFiniteIsNotGiven) {
+  const auto tool = tool_point(*arm_angles(kMiddle), kMiddle);
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_EQ(motors_of(*tool, {nan, 0, 1}), Counts{});
+  EXPECT_EQ(motors_of(*tool, {0, 1e308, 1e308}), Counts{});
+}
+
+/// Time is an argument: arms turn by at most 60 rad/s.
+TEST(FalconBoard, AnArmThatCannotHaveMovedSoIsRefused) {
+  TrackedTool tool;
+  const Nanoseconds start(0);
+  ASSERT_TRUE(tool.take({0, 0, 0}, start));
+  const Vec3 place = tool.point().position;
+  const int most = static_cast<int>(60.0 * 1e-3 / kCount);
+  EXPECT_FALSE(tool.take({most + 1, 0, 0}, start + std::chrono::milliseconds(1)));
+  EXPECT_EQ(tool.point().position, place);
+  EXPECT_TRUE(tool.take({most, 0, 0}, start + std::chrono::milliseconds(1)));
+  tool.forget();
+  EXPECT_TRUE(tool.take({0, most, 0}, start + std::chrono::milliseconds(1)));
+}
+
 TEST(FalconBoard, WhereNoLegReachesThereIsNoPlace) {
   EXPECT_FALSE(arm_angles({0, 0, 0.25}));
   EXPECT_FALSE(arm_angles({0.2, 0, 0.12}));
