@@ -1,0 +1,18 @@
+#pragma once
+// A libusb-1.0 with one Falcon on it, whose transfers the fuzz target answers. The library exports
+// play_script().
+
+#include <cstdint>
+
+namespace stand_in {
+
+/// What the transfers of libusb return, with the arguments that matter.
+class UsbScript {
+ public:
+  virtual ~UsbScript() = default;
+  virtual int control(std::uint8_t what, std::uint16_t value) = 0;
+  virtual int write(const std::uint8_t* bytes, int count, int* sent) = 0;
+  virtual int read(std::uint8_t* room, int most, int* came) = 0;
+};
+
+}  // namespace stand_in
