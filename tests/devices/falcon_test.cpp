@@ -84,14 +84,13 @@ struct Falcon : ::testing::Test {
   double made(std::string_view mode) {
     const double kRequests = 1e3 * testing::session_seconds(4.0);
     if (!testing::measures()) session.patience = std::chrono::seconds(10);
-    {
-      const OpenedDevice opened = open();
-      Servo servo = servo_of(opened, mode);
-      const int first = stand_in->requests;
-      session.run(*opened.device, servo, [&] { return stand_in->requests >= first + kRequests; });
-      statistics = servo.statistics();
-      session.tell("falcon", servo, stand_in->mass.largest_force, stand_in->mass.most_made);
-    }
+    OpenedDevice opened = open();
+    Servo servo = servo_of(opened, mode);
+    const int first = stand_in->requests;
+    session.run(*opened.device, servo, [&] { return stand_in->requests >= first + kRequests; });
+    statistics = servo.statistics();
+    opened.device.reset();  // nobody asks any more
+    session.tell("falcon", servo, stand_in->mass.largest_force, stand_in->mass.most_made);
     EXPECT_GT(stand_in->mass.largest_force, 0.5);
     return stand_in->mass.most_made;
   }
@@ -188,7 +187,7 @@ TEST_F(Falcon, ForcesAreOurs) {
     stand_in->mass = {};
     stand_in->mass.position = {};
     stand_in->mass.stiffness = stand_in->mass.hand_damping = stand_in->mass.friction = 0.0;
-    const OpenedDevice opened = open();
+    OpenedDevice opened = open();
     Command held;
     for (int n = 0; n < 30; ++n) {
       ASSERT_TRUE(opened.device->await_tick(monotonic_now() + std::chrono::seconds(10)));
@@ -197,6 +196,7 @@ TEST_F(Falcon, ForcesAreOurs) {
     }
     EXPECT_NEAR(held.force()[static_cast<int>(axis)], 0.8, 0.01);
     EXPECT_NEAR(stand_in->force, held.force().norm(), 0.01);
+    opened.device.reset();  // nobody asks any more
     EXPECT_GT(stand_in->mass.velocity[axis], 0.1);
     EXPECT_LT(std::abs(stand_in->mass.velocity[(axis + 1) % 3]), 0.01);
   }
@@ -274,6 +274,13 @@ TEST_F(Falcon, ReleaseTakesTheForceOffForGood) {
   const int requests = stand_in->requests;
   session.run(*opened.device, servo, [&] { return stand_in->requests > requests + 50; });
   EXPECT_EQ(stand_in->force, 0.0);
+}
+
+TEST_F(Falcon, AnotherThreadMayLetItGo) {
+  const OpenedDevice opened = open();
+  Servo servo = servo_of(opened);
+  feel(*opened.device, servo);
+  session.run_released(*opened.device, servo, [&] { return stand_in->force == 0.0; });
 }
 
 /// The driver's own thread sees to it, when the device is closed while it pulls.

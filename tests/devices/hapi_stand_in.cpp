@@ -68,7 +68,11 @@ HapiBoard::HapiBoard() : board_(::posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC)) {
   ::tcgetattr(host_, &settings);
   ::cfmakeraw(&settings);
   ::tcsetattr(host_, TCSANOW, &settings);
-  thread_ = std::thread([this] { run(); });
+}
+
+const std::string& HapiBoard::port() {
+  if (!thread_.joinable()) thread_ = std::thread([this] { run(); });
+  return port_;
 }
 
 HapiBoard::~HapiBoard() {

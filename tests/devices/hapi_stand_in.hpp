@@ -24,7 +24,8 @@ class HapiBoard {
   HapiBoard(const HapiBoard&) = delete;
   HapiBoard& operator=(const HapiBoard&) = delete;
 
-  const std::string& port() const { return port_; }
+  /// From the first call on the board runs: set its mass and its firmware before.
+  const std::string& port();
   void unplug() { unplug_.store(true); }
   /// No more frames: the mass can be looked at.
   void stop();

@@ -26,7 +26,7 @@ using ::testing::HasSubstr;
 using testing::PacedSession;
 
 struct Hapi : ::testing::Test {
-  OpenedDevice open() const {
+  OpenedDevice open() {
     DeviceRequest request;
     request.name = board.port();
     request.spec.damping = board.mass.damping;
@@ -57,14 +57,13 @@ struct Hapi : ::testing::Test {
     const double kFrames = 1e3 * testing::session_seconds(4.0);
     if (!testing::measures())
       session.patience = std::chrono::seconds(10);  // a busy machine is no fault of the board's
-    {
-      const OpenedDevice opened = open();
-      Servo servo = servo_of(opened, mode);
-      session.run(*opened.device, servo, [&] { return board.frames >= kFrames; });
-      statistics = servo.statistics();
-      session.tell("hapi", servo, board.mass.largest_force, board.mass.most_made);
-    }
+    OpenedDevice opened = open();
+    Servo servo = servo_of(opened, mode);
+    session.run(*opened.device, servo, [&] { return board.frames >= kFrames; });
+    statistics = servo.statistics();
+    opened.device.reset();
     board.stop();
+    session.tell("hapi", servo, board.mass.largest_force, board.mass.most_made);
     EXPECT_GT(board.mass.largest_force, 0.5);  // the wall was felt
     return board.mass.most_made;
   }
@@ -170,6 +169,13 @@ TEST_F(Hapi, ReleaseTakesTheForceOffForGood) {
   session.run(*opened.device, servo, [&] { return servo.statistics().samples > samples + 20; });
   EXPECT_EQ(board.force, 0.0);
   EXPECT_EQ(servo.held(), Command{});
+}
+
+TEST_F(Hapi, AnotherThreadMayLetItGo) {
+  const OpenedDevice opened = open();
+  Servo servo = servo_of(opened);
+  feel(*opened.device, servo);
+  session.run_released(*opened.device, servo, [&] { return board.force == 0.0; });
 }
 
 TEST_F(Hapi, TheEndTakesTheForceOff) {

@@ -30,8 +30,8 @@ class HaplyService {
   void stop();
 
   SimulatedMass mass;
+  std::atomic<bool> plugged{true}, second{false}, speaks{true};
   // Set before the driver comes.
-  bool plugged = true, second = false, speaks = true;
   const char* permutation = "XYZ";
   double scale = 1.0;
   std::atomic<bool> calibrated{true}, button{false}, second_button{false};

@@ -61,14 +61,13 @@ struct HaplyDialect : ::testing::TestWithParam<Json> {
     const double kTicks = 1e3 * testing::session_seconds(4.0);
     if (!testing::measures())
       session.patience = std::chrono::seconds(10);  // a busy machine is no fault of the service's
-    {
-      const OpenedDevice opened = open(service);
-      Servo servo = servo_of(opened, mode);
-      session.run(*opened.device, servo, [&] { return service.commands >= kTicks; });
-      statistics = servo.statistics();
-      session.tell("haply", servo, service.mass.largest_force, service.mass.most_made);
-    }
+    OpenedDevice opened = open(service);
+    Servo servo = servo_of(opened, mode);
+    session.run(*opened.device, servo, [&] { return service.commands >= kTicks; });
+    statistics = servo.statistics();
+    opened.device.reset();
     service.stop();
+    session.tell("haply", servo, service.mass.largest_force, service.mass.most_made);
     EXPECT_GT(service.mass.largest_force, 0.3);  // the wall was felt
     EXPECT_EQ(service.misunderstood, 0);
     return service.mass.most_made;
@@ -184,6 +183,13 @@ TEST_P(HaplyDialect, ReleaseTakesTheForceOffForGood) {
   const std::uint64_t samples = servo.statistics().samples;
   session.run(*opened.device, servo, [&] { return servo.statistics().samples > samples + 20; });
   EXPECT_EQ(service.force, 0.0);
+}
+
+TEST_P(HaplyDialect, AnotherThreadMayLetItGo) {
+  const OpenedDevice opened = open(service);
+  Servo servo = servo_of(opened);
+  feel(*opened.device, servo);
+  session.run_released(*opened.device, servo, [&] { return service.force == 0.0; });
 }
 
 /// Whatever becomes of an answer, the hand is let go, and felt again afterwards.

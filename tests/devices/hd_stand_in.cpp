@@ -34,6 +34,7 @@ int ramp = 0;  // ticks that are left of it
 bool in_frame = false;
 
 std::thread scheduler;
+thread_local bool in_scheduler = false;
 std::atomic<bool> runs{false};
 std::atomic<Callback*> callback{nullptr};
 void* user = nullptr;
@@ -46,10 +47,11 @@ void move() {
   device->mass.advance(std::min(std::chrono::duration<double>(now - last).count(), kMost), force);
   last = now;
 }
-bool allowed() { return !runs.load() || std::this_thread::get_id() == scheduler.get_id(); }
+bool allowed() { return !runs.load() || in_scheduler; }
 void check(bool good) { device->misuses += good ? 0 : 1; }
 
 void run() {
+  in_scheduler = true;
   auto next = last = Clock::now();
   while (runs.load()) {
     next += std::chrono::milliseconds(1);
@@ -133,6 +135,7 @@ void hdGetDoublev(unsigned what, double* values) {
   // The pen's own axes are the device's.
   for (int i = 0; i < 16; ++i) values[i] = i % 5 == 0 ? 1.0 : 0.0;
   const Three p = device->mass.sensed();
+  device->told_near.store(p[0]);
   values[12] = 1e3 * p[1], values[13] = 1e3 * p[2], values[14] = 1e3 * p[0];  // right, up, near
 }
 void hdGetIntegerv(unsigned what, int* value) {

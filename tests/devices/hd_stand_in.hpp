@@ -24,6 +24,7 @@ struct Hd {
   std::atomic<int> frames{0};
   std::atomic<int> buttons{0};             // a bit each
   std::atomic<double> force{0.0};          // [N] of the last frame
+  std::atomic<double> told_near{0.0};      // [m] towards the user, the last that was told
   std::atomic<double> asked_ramping{0.0};  // [N] the most that was asked for while it ramped
   int opened = 0, closed = 0, updates = 0;
   bool force_on = false;

@@ -54,20 +54,19 @@ struct OpenHaptics : ::testing::Test {
   /// [J] that the true motion made more than the device burned, in four seconds at a late wall.
   double made(std::string_view mode) {
     const double kFrames = 1e3 * testing::session_seconds(4.0);
-    {
-      OpenedDevice opened = open(
-          "", {.name_or_file = {}, .damping = stand_in->mass.damping, .mass = stand_in->mass.mass});
-      DeviceSpec spec = opened.device->spec();
-      spec.position_resolution = stand_in->mass.quantum;
-      spec.least_friction = stand_in->mass.friction;
-      SessionParameters parameters = testing::session_of(*opened.device);
-      parameters.mode = mode;
-      Servo servo(spec, parameters, {});
-      testing::PacedSession session;
-      session.run(*opened.device, servo, [&] { return stand_in->frames >= kFrames; });
-      statistics = servo.statistics();
-      session.tell("openhaptics", servo, stand_in->mass.largest_force, stand_in->mass.most_made);
-    }
+    OpenedDevice opened = open(
+        "", {.name_or_file = {}, .damping = stand_in->mass.damping, .mass = stand_in->mass.mass});
+    DeviceSpec spec = opened.device->spec();
+    spec.position_resolution = stand_in->mass.quantum;
+    spec.least_friction = stand_in->mass.friction;
+    SessionParameters parameters = testing::session_of(*opened.device);
+    parameters.mode = mode;
+    Servo servo(spec, parameters, {});
+    testing::PacedSession session;
+    session.run(*opened.device, servo, [&] { return stand_in->frames >= kFrames; });
+    statistics = servo.statistics();
+    opened.device.reset();  // the scheduler does not run any more
+    session.tell("openhaptics", servo, stand_in->mass.largest_force, stand_in->mass.most_made);
     EXPECT_EQ(stand_in->misuses, 0);
     return stand_in->mass.most_made;
   }
@@ -163,7 +162,7 @@ TEST_F(OpenHaptics, InItsInkwellItIsGivenNothing) {
   // The pose is shown. The frame after the sample's may have begun: then look again.
   felt(*opened.device, servo, [&] {
     return servo.no_force() == NoForce::in_inkwell &&
-           servo.sample().pose.position.x() == stand_in->mass.sensed()[0];
+           servo.sample().pose.position.x() == stand_in->told_near;
   });
   stand_in->inkwell.store(false);
   test::eventually("it is out", [&] { return opened.device->prepare().empty(); });
@@ -208,6 +207,16 @@ TEST_F(OpenHaptics, ReleaseTakesTheForceOffForGood) {
   const int frames = stand_in->frames;
   test::eventually("some more frames", [&] { return stand_in->frames > frames + 20; });
   EXPECT_EQ(stand_in->force, 0.0);
+}
+
+TEST_F(OpenHaptics, AnotherThreadMayLetItGo) {
+  OpenedDevice opened = open();
+  SessionParameters parameters = testing::session_of(*opened.device);
+  parameters.mode = kUnbounded;
+  Servo servo(opened.device->spec(), parameters, {});
+  felt(*opened.device, servo, [&] { return stand_in->force > 0.5; });
+  testing::PacedSession().run_released(*opened.device, servo,
+                                       [&] { return stand_in->force == 0.0; });
 }
 
 /// A servo that has stopped answering: the force is repeated for 25 frames at most.

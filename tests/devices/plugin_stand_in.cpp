@@ -15,8 +15,14 @@ using stand_in::Three;
 
 std::unique_ptr<stand_in::Plugin> device = std::make_unique<stand_in::Plugin>();
 Three before, force;  // [N] of the last tick but one, and of the last
-bool released = false, fresh = true;
+std::atomic<bool> released{false};
+bool fresh = true;
 double random_share = 0.5;
+
+/// Any thread may let go. Only the servo's changes the forces.
+void drop_released() {
+  if (released) before = force = {};
+}
 
 bool unplugged() { return device->unplugged_at >= 0 && device->ticks >= device->unplugged_at; }
 
@@ -44,6 +50,7 @@ void* open_device(const char* arguments, feltwire_spec_v1* spec, char* error, st
 
 int wait_for_tick(void*, std::int64_t) {
   if (unplugged()) return 0;
+  drop_released();
   ++device->ticks;
   random_share = std::fmod(random_share * 997.13 + 0.317, 1.0);
   const double span = device->period - device->jitter * random_share;
@@ -87,7 +94,6 @@ int write_device(void*, const double* asked, const double*, double* held, double
 
 void release_device(void*) {
   released = true;
-  force = {};
   device->pulls.store(false);
   ++device->releases;
 }

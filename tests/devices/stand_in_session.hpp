@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <deque>
+#include <thread>
 
 #include "client/servo/servo.hpp"
 #include "protocol/net/clock.hpp"
@@ -85,6 +86,14 @@ struct PacedSession {
       servo.take(on_the_way.front(), now);
       on_the_way.pop_front();
     }
+  }
+
+  /// Another thread lets the device go while the servo ticks.
+  template <class Until>
+  void run_released(Device& device, Servo& servo, Until until) {
+    std::thread other([&] { device.release(); });
+    run(device, servo, until);
+    other.join();
   }
 
   /// One line of the table.
