@@ -176,6 +176,7 @@ std::string session_json(const std::vector<SeenSession>& sessions) {
                     {"laws_taken", name(s.takes.laws)},
                     {"link_taken", s.takes.link},
                     {"lead_share", s.lead_share},
+                    {"seat", s.seat.empty() ? Json(nullptr) : Json(visible(s.seat))},
                     {"asked", s.asked.empty() ? Json(nullptr) : Json(visible(s.asked))},
                     {"answer", s.asked.empty() ? Json(nullptr) : Json(name(s.answer))}});
   return list.dump(2) + "\n";

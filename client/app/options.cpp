@@ -70,6 +70,12 @@ std::variant<ClientOptions, int> parse_options(int argc, char** argv) {
   app.add_option("--lead", words.lead,
                  "[s] Lead the scene's robot and feel its contacts (docs/teleoperation.md). The "
                  "simulated hand holds its enabling switch from this time on, 0.2 or later");
+  app.add_option("--robot", options.robot,
+                 "Name of the seat whose robot it leads, in a scene with several. When not given: "
+                 "the scene's first");
+  app.add_option("--robot-button", options.servo.seat_button,
+                 "Number of a button of the device, from 1, that goes on to the next robot while "
+                 "the enabling switch is released");
   app.add_option("--trust-robot", words.trust,
                  "J,W of a robot that you run yourself: energy that it may give the hand in one "
                  "contact [J], and over time [W] (docs/teleoperation.md). When not given: none")

@@ -169,6 +169,15 @@ double weight(const std::string& words) {
   return mass ? kGravity * number : number;
 }
 
+/// 0: none.
+void require_button(const char* option, int button, const Driver& driver, const char* remedy) {
+  if (button >= 0 && button <= driver.buttons) return;
+  throw std::invalid_argument(
+      std::string(option) + ": of --device " + std::string(driver.kind) +
+      (driver.buttons > 0 ? " the buttons 1 to " + std::to_string(driver.buttons) + " are read"
+                          : std::string(" no button is read; ") + remedy));
+}
+
 /// Throws std::invalid_argument.
 ProtectionOptions protection(const WrittenOptions& words, const Driver& driver) {
   constexpr double kUsualStill = 0.25;  // [s]
@@ -179,11 +188,7 @@ ProtectionOptions protection(const WrittenOptions& words, const Driver& driver) 
       words.await_still.value_or(driver.held_by_person && driver.gives_force ? kUsualStill : 0.0);
   require(options.tool_weight == 0.0 || driver.gives_force,
           "--tool-weight needs a device that gives force; leave it out");
-  if (options.emergency_button < 0 || options.emergency_button > driver.buttons)
-    throw std::invalid_argument(
-        "--emergency-button: of --device " + std::string(driver.kind) +
-        (driver.buttons > 0 ? " the buttons 1 to " + std::to_string(driver.buttons) + " are read"
-                            : " no button is read; use the space bar"));
+  require_button("--emergency-button", options.emergency_button, driver, "use the space bar");
   return options;
 }
 
@@ -223,7 +228,11 @@ RemoteTrust trust(const WrittenOptions& words) {
 
 void choose_lead(const WrittenOptions& words, ClientOptions& options) {
   require(words.lead || !words.trust, "--trust-robot is for a hand with --lead; add --lead");
+  require(words.lead || options.robot.empty(), "--robot is for a hand with --lead; add --lead");
+  require(words.lead || options.servo.seat_button == 0,
+          "--robot-button is for a hand with --lead; add --lead");
   if (!words.lead) return;
+  check_name("--robot", options.robot);
   constexpr double kShownReleased = 0.2;  // [s] the server wants to see the switch released first
   require(*words.lead >= kShownReleased && *words.lead <= kLongestDuration,
           "--lead must be from 0.2 to 1e7 s: the switch must be seen released first");
@@ -284,6 +293,7 @@ void understand(const WrittenOptions& words, HandTask task, ClientOptions& optio
   choose_device(words, task, options);
   options.mapping = mapping(words);
   options.protection = protection(words, *options.driver);
+  require_button("--robot-button", options.servo.seat_button, *options.driver, "leave it out");
   if (!words.report.empty()) options.report = words.report;
   if (!words.record.empty()) options.record = words.record;
   choose_recording(words, options);

@@ -26,6 +26,7 @@ control::JoinRequest request_of(const FollowerRun& run, const FollowerSpec& spec
   parameters.servo_period = spec.servo_period;
   control::JoinRequest request{run.name, run.scene, device, parameters, Role::follower};
   request.workspace = run.options.workspace;
+  request.seat = run.seat;
   return request;
 }
 

@@ -18,6 +18,7 @@ struct FollowerRun {
   ServerAccess server{};                   // the server's address and the credentials
   std::string name = "feltwire-follower";  // of this robot, for the server's log
   std::string scene{};                     // the scene with the robot's seat
+  std::string seat{};                      // the name of the seat; empty: the scene's only one
   FollowerOptions options{};
   double duration = 0.0;   // [s] 0: until stopped
   double patience = 30.0;  // [s] to look for a lost session; 0: not at all

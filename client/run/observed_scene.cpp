@@ -40,8 +40,17 @@ std::uint64_t renew(std::map<Key, Seen>& known, std::size_t most, Key from, Key 
 }  // namespace
 
 void ObservedScene::take(const SceneView& view) {
-  robot_gone_ = robot_ && !view.robot;
-  robot_ = view.robot;
+  robots_gone_.clear();
+  const unsigned seats = view.robot ? view.robot->seats : 0;
+  for (auto at = robots_.begin(); at != robots_.end();) {
+    if ((seats >> at->first & 1u) != 0) {
+      ++at;
+      continue;
+    }
+    robots_gone_.push_back(at->first);
+    at = robots_.erase(at);
+  }
+  if (view.robot) robots_[view.robot->seat] = *view.robot;
   left_out_ +=
       renew(hands_, kMostHands, view.hands_from, view.hands_end, view.hands(), hands_gone_);
   left_out_ +=

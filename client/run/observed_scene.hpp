@@ -6,7 +6,6 @@
 // out are counted.
 
 #include <map>
-#include <optional>
 #include <vector>
 
 #include "protocol/wire/scene_view.hpp"
@@ -24,9 +23,10 @@ class ObservedScene {
 
   const std::map<std::uint32_t, SeenHand>& hands() const { return hands_; }    // by number
   const std::map<std::uint16_t, SeenBody>& bodies() const { return bodies_; }  // by object
-  /// The robot on the scene's seat; empty: there is none.
-  const std::optional<SeenRobot>& robot() const { return robot_; }
-  bool robot_gone() const { return robot_gone_; }  // since the last view
+  /// The robots on the scene's seats, by seat.
+  const std::map<std::uint8_t, SeenRobot>& robots() const { return robots_; }
+  /// The seats whose robots are gone since the last view.
+  const std::vector<std::uint8_t>& robots_gone() const { return robots_gone_; }
   /// The hands that are gone since the last view.
   const std::vector<std::uint32_t>& hands_gone() const { return hands_gone_; }
   const std::vector<std::uint16_t>& bodies_gone() const { return bodies_gone_; }
@@ -36,8 +36,8 @@ class ObservedScene {
  private:
   std::map<std::uint32_t, SeenHand> hands_;
   std::map<std::uint16_t, SeenBody> bodies_;
-  std::optional<SeenRobot> robot_;
-  bool robot_gone_ = false;
+  std::map<std::uint8_t, SeenRobot> robots_;
+  std::vector<std::uint8_t> robots_gone_;
   std::vector<std::uint32_t> hands_gone_;
   std::vector<std::uint16_t> bodies_gone_;
   std::uint64_t left_out_ = 0;

@@ -4,10 +4,23 @@
 
 namespace feltwire {
 
+namespace {
+
+std::string text(const std::vector<LinkState>& robots) {
+  if (robots.empty()) return {};
+  std::string states;
+  for (const LinkState state : robots)
+    states += (states.empty() ? "" : ", ") + std::string(name(state));
+  return (robots.size() == 1 ? ", a robot (" : ", " + std::to_string(robots.size()) + " robots (") +
+         states + ")";
+}
+
+}  // namespace
+
 std::string text(const SightCounts& counts) {
   return "  sees " + std::to_string(counts.hands) + (counts.hands == 1 ? " hand, " : " hands, ") +
          std::to_string(counts.bodies) + (counts.bodies == 1 ? " body" : " bodies") +
-         (counts.robot ? ", a robot (" + std::string(name(*counts.robot)) + ")" : "") +
+         text(counts.robots) +
          (counts.left_out > 0 ? ", " + std::to_string(counts.left_out) + " left out" : "");
 }
 
@@ -20,8 +33,8 @@ void ObserverRecorder::look() {
     ++counts_.views;
     counts_.hands = scene_.hands().size();
     counts_.bodies = scene_.bodies().size();
-    const auto& robot = scene_.robot();
-    counts_.robot = robot ? std::optional(robot->state) : std::nullopt;
+    counts_.robots.clear();
+    for (const auto& [seat, robot] : scene_.robots()) counts_.robots.push_back(robot.state);
     counts_.left_out = scene_.left_out();
     counts_.most_hands = std::max(counts_.most_hands, counts_.hands);
     counts_.most_bodies = std::max(counts_.most_bodies, counts_.bodies);

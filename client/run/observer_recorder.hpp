@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "client/run/observed_scene.hpp"
 #include "client/run/view_file.hpp"
@@ -17,12 +18,12 @@ struct SightCounts {
   std::uint64_t views = 0;                      // received views
   std::size_t hands = 0, bodies = 0;            // known at present
   std::size_t most_hands = 0, most_bodies = 0;  // at once
-  std::optional<LinkState> robot{};             // its state; empty: there is none
+  std::vector<LinkState> robots{};              // their states, by seat
   std::uint64_t left_out = 0;  // times that there was no room for one (ObservedScene)
 };
 
-/// "  sees 2 hands, 1 body", then ", a robot (engaged)" if there is one, and ", 3 left out" if
-/// there was not room for all.
+/// "  sees 2 hands, 1 body", then ", a robot (engaged)" or ", 2 robots (engaged, ready)" if there
+/// are any, and ", 3 left out" if there was not room for all.
 std::string text(const SightCounts& counts);
 
 /// Gets the time [s] of a view since the first tick, and the known scene at that time.

@@ -203,6 +203,12 @@ Json changes(const std::deque<Changes::Done>* done) {
   return list;
 }
 
+Json states(const std::vector<LinkState>& robots) {
+  Json list = Json::array();
+  for (const LinkState state : robots) list.push_back(std::string(name(state)));
+  return list;
+}
+
 Json sight(const std::optional<SightCounts>& seen, const LoopResult& loop) {
   if (!seen) return nullptr;
   return {{"views", seen->views},
@@ -211,7 +217,7 @@ Json sight(const std::optional<SightCounts>& seen, const LoopResult& loop) {
           {"bodies", seen->bodies},
           {"most_hands", seen->most_hands},
           {"most_bodies", seen->most_bodies},
-          {"robot", seen->robot ? Json(std::string(name(*seen->robot))) : Json(nullptr)},
+          {"robots", states(seen->robots)},
           {"left_out", seen->left_out}};
 }
 

@@ -122,11 +122,26 @@ std::optional<FlightTarget> flight_target(const RunOptions& options) {
   return FlightTarget{*options.flight_recorder, about(options)};
 }
 
+/// The number of the robot's seat. Throws SessionError that names the existing ones.
+std::uint8_t seat_of(const std::string& robot, const std::vector<std::string>& seats) {
+  if (robot.empty()) return 0;
+  const auto found = std::ranges::find(seats, robot);
+  if (found != seats.end()) return static_cast<std::uint8_t>(found - seats.begin());
+  std::string names;
+  for (const std::string& seat : seats) names += (names.empty() ? "" : ", ") + seat;
+  throw SessionError("--robot: the scene has no seat '" + robot + "'; " +
+                     (names.empty() ? "leave --robot out" : "its seats are: " + names));
+}
+
 std::shared_ptr<Run> make_run(const RunOptions& options, const control::JoinAccepted& accepted,
                               std::unique_ptr<Device> device,
                               std::shared_ptr<Transport> transport) {
   ServoOptions servo = options.servo;
   servo.observes = options.role == Role::observer;
+  if (servo.leads) {
+    servo.seats = accepted.seats;
+    servo.seat = seat_of(options.robot, accepted.seats);
+  }
   // What a robot meets is stiffer than the scene, or softer: nobody knows.
   servo.scene_stiffness = servo.leads ? 0.0 : accepted.stiffness;
   auto run =
@@ -245,7 +260,9 @@ int run_client(std::unique_ptr<Device> device, const RunOptions& options) {
       std::fprintf(stderr, "feltwire-client: warning: %s\n", warning->c_str());
     all = make_run(options, joined.accepted, std::move(device), transport);
     wanted.parameters = joined.accepted.parameters;
-    reconnector.emplace(options.server, wanted, all->sessions);
+    RejoinOptions rejoin;
+    if (options.servo.leads) rejoin.seats = joined.accepted.seats;
+    reconnector.emplace(options.server, wanted, all->sessions, rejoin);
     crash_release.emplace(all->guard);
     thread.emplace(all);
   } catch (...) {

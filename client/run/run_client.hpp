@@ -28,6 +28,7 @@ struct RunOptions {
   std::string name = "feltwire-client";  // of this client, for the server's log and the report
   std::string scene;                     // the name of the scene to join
   std::string tool;                      // the name of the tool to hold; empty: the scene's first
+  std::string robot;                     // the seat of the robot that it leads; empty: the first
   Role role = Role::operator_;           // or observer
   std::string device_kind;               // for the report
   SessionParameters parameters = usual_parameters();  // requested from the server

@@ -7,6 +7,7 @@
 #include <cstdio>
 
 #include "core/base/units.hpp"
+#include "core/base/visible_text.hpp"
 
 namespace feltwire {
 namespace {
@@ -72,10 +73,12 @@ std::string account(const LiveStatus& s, const LiveStatus& before) {
   return line;
 }
 
-/// "  robot aligning, turn by 0.42 rad"
+/// "  robot left aligning, turn by 0.42 rad"
 std::string robot(const LiveStatus& s) {
   if (!s.robot) return {};
-  std::string line = "  robot " + std::string(name(*s.robot));
+  std::string line = "  robot ";
+  if (!s.robot_name.empty()) line += visible(s.robot_name) + " ";
+  line += name(*s.robot);
   if (*s.robot != LinkState::aligning || !s.robot_turn) return line;
   std::array<char, kLongest> part{};
   std::snprintf(part.data(), part.size(), ", turn by %.2f rad", *s.robot_turn);

@@ -3,7 +3,12 @@
 namespace feltwire {
 namespace {
 
-void begin_row(std::string& lines, double time, const char* kind, std::uint32_t id) {
+/// "robot", "robot2", ...
+std::string robot_kind(std::uint8_t seat) {
+  return seat == 0 ? "robot" : "robot" + std::to_string(seat + 1);
+}
+
+void begin_row(std::string& lines, double time, const std::string& kind, std::uint32_t id) {
   append(lines, time);
   lines += ',';
   lines += kind;
@@ -43,14 +48,15 @@ void ViewFile::add(const TimedView& shown, const ObservedScene& scene) {
     lines += ",,,\n";
   }
   if (const auto& robot = shown.view.robot) {
-    begin_row(lines, shown.time, "robot", static_cast<std::uint32_t>(robot->state));
+    const std::string kind = robot_kind(robot->seat);
+    begin_row(lines, shown.time, kind, static_cast<std::uint32_t>(robot->state));
     append_pose(lines, robot->pose);
     if (robot->force)
       append_vector(lines, *robot->force);
     else
       lines += ",,,";
     lines += '\n';
-    begin_row(lines, shown.time, "robot_target", robot->hand);
+    begin_row(lines, shown.time, kind + "_target", robot->hand);
     append_pose(lines, robot->target);
     lines += ",,,\n";
   }
@@ -63,8 +69,8 @@ void ViewFile::add(const TimedView& shown, const ObservedScene& scene) {
     begin_row(lines, shown.time, "body_gone", object);
     lines += kNothing;
   }
-  if (scene.robot_gone()) {
-    begin_row(lines, shown.time, "robot_gone", 0);
+  for (const std::uint8_t seat : scene.robots_gone()) {
+    begin_row(lines, shown.time, robot_kind(seat) + "_gone", 0);
     lines += kNothing;
   }
 }

@@ -12,7 +12,8 @@ namespace feltwire {
 /// Rows t,kind,id,x,y,z,qw,qx,qy,qz,fx,fy,fz: of a hand (id: its number) with the force on it, of a
 /// body (id: its object) without; of the robot's tool (id: the state) with the force on it, where
 /// it is sensed, and of its target (id: the hand that leads, 0: none) without. hand_gone, body_gone
-/// and robot_gone have no more than their id.
+/// and robot_gone have no more than their id. The robot on the second seat is robot2, with
+/// robot2_target and robot2_gone, and so on.
 class ViewFile {
  public:
   /// Creates or replaces the file and writes the header. Throws std::runtime_error that names the

@@ -48,6 +48,7 @@ LiveStatus live_status(const Servo& servo, double time, bool connected) noexcept
           .balance = balance_of(servo),
           .account_cuts = s.account_cut,
           .robot = servo.remote() ? std::optional(servo.remote()->remote().state) : std::nullopt,
+          .robot_name = servo.robot_name(),
           .robot_turn = turn_of(servo)};
 }
 

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <string_view>
 
 #include "client/servo/servo.hpp"
 #include "client/servo/tick_record.hpp"
@@ -36,6 +37,7 @@ struct LiveStatus {
   std::uint64_t account_cuts = 0;   // ticks at which the account reduced the force
   std::optional<LinkState>
       robot{};  // of the hand and the robot that it leads; empty: it leads none
+  std::string_view robot_name{};       // of its seat; empty: the only one; lives as the servo does
   std::optional<double> robot_turn{};  // [rad] that is missing until the hand is aligned with it
 };
 

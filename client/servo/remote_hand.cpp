@@ -7,14 +7,32 @@
 #include "core/base/numeric.hpp"
 
 namespace feltwire {
+namespace {
+
+Remote nothing_of(std::uint8_t seat) {
+  Remote remote;
+  remote.seat = seat;
+  return remote;
+}
+
+}  // namespace
 
 void RemoteHand::take(const Remote& remote) noexcept {
+  remote_ = nothing_of(seat_);
+  if (remote.seat != seat_) return;
   remote_ = remote;
-  energy_.take(remote.energy);
+  if (remote.state != LinkState::disabled) energy_.take(remote.energy);
+}
+
+void RemoteHand::lead_another(std::uint8_t seat) noexcept {
+  seat_ = seat;
+  forget();
+  index_ = {};
+  energy_.restart();
 }
 
 void RemoteHand::forget() noexcept {
-  remote_ = {};
+  remote_ = nothing_of(seat_);
   local_.clear();
   walls_.clear();
   weight_ = share_ = 0.0;

@@ -19,11 +19,18 @@ namespace feltwire {
 class RemoteHand {
  public:
   /// `trust`: the share of the robot's reported energy that is credited to the account. `fade` [s]
-  /// > 0: the force of an ended contact falls to zero in this time.
-  RemoteHand(const RemoteTrust& trust, double fade) : walls_(fade), energy_(trust), fade_(fade) {}
+  /// > 0: the force of an ended contact falls to zero in this time. `seat`: of the robot.
+  RemoteHand(const RemoteTrust& trust, double fade, std::uint8_t seat = 0)
+      : walls_(fade), energy_(trust), seat_(seat), fade_(fade) {}
 
-  /// Takes the newest reply's data of the robot.
+  /// Takes the newest reply's data of the robot. Data of another robot count as none.
   void take(const Remote& remote) noexcept;
+  /// From now on it leads the robot on that seat, and forgets the one before. Precondition: the
+  /// switch is released, and pushes() is false.
+  void lead_another(std::uint8_t seat) noexcept;
+  std::uint8_t seat() const noexcept { return seat_; }
+  /// Whether a contact of the robot or a wall of its workspace may push the hand.
+  bool pushes() const noexcept { return weight_ > 0.0 || walls_.pushes(); }
   /// Forgets these data: the hand may be anywhere.
   void forget() noexcept;
 
@@ -43,7 +50,8 @@ class RemoteHand {
             .known_surface = index_.known_surface(),
             .offset = index_.offset(),
             .hand_work = hand_work_,
-            .gripper = gripper && *gripper >= 0.0 && *gripper <= kMaxPosition ? *gripper : -1.0};
+            .gripper = gripper && *gripper >= 0.0 && *gripper <= kMaxPosition ? *gripper : -1.0,
+            .seat = seat_};
   }
 
   const Remote& remote() const noexcept { return remote_; }
@@ -58,6 +66,7 @@ class RemoteHand {
   RobotWalls walls_;
   RemoteEnergy energy_;
   Remote remote_;
+  std::uint8_t seat_;
   double fade_;
   double weight_ = 0.0;     // of the contact's force, 0 to 1
   double share_ = 0.0;      // of the remote contact in the newest command

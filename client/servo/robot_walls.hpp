@@ -31,6 +31,8 @@ class RobotWalls {
             double elapsed) noexcept;
   /// The force on the hand [N].
   Vec3 push(const Tool& tool, double elapsed) noexcept;
+  /// Whether push() may be other than zero.
+  bool pushes() const noexcept { return weight_ > 0.0; }
   /// The surfaces of the walls, for RiseLimit.
   const LocalModel& model() const noexcept { return springs_.model(); }
 

@@ -210,6 +210,7 @@ Command Servo::render(const DeviceReading& reading, Nanoseconds now) noexcept {
   reserve_.saw(step.hold_time);
   deadman_ = reading.ok && reading.deadman && !released_;
   if (reading.ok) gripper_ = reading.gripper;
+  if (remote_) choose_robot(reading);
   const bool read = good(reading), usable = read && !device_ended_;
   trail_ = {.observer = options_.observes,
             .device_ended = device_ended_,

@@ -6,6 +6,8 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include "client/devices/device.hpp"
@@ -39,6 +41,12 @@ struct ServoOptions {
   /// The hand leads the scene's robot, and trusts this share of the energy that the robot reports.
   /// Needs a local model.
   std::optional<RemoteTrust> leads{};
+  /// Names of the scene's seats for robots, in the order of JoinAccepted, and the number of the one
+  /// whose robot the hand leads first.
+  std::vector<std::string> seats{};
+  std::uint8_t seat = 0;
+  /// The button of the device, from 1, that chooses the next robot; 0: none.
+  int seat_button = 0;
   double scene_stiffness = 0.0;  // [N/m] of the stiffest surface, for methods that shape; 0: not
                                  // known
 };
@@ -197,6 +205,12 @@ class Servo {
   std::optional<Lead> lead() const noexcept;
   /// The robot's data in the replies; empty: the hand leads no robot.
   const std::optional<RemoteHand>& remote() const { return remote_; }
+  /// The name of the seat of the robot that the hand leads; empty: the only one, or it leads none.
+  std::string_view robot_name() const noexcept {
+    return remote_ && remote_->seat() < options_.seats.size()
+               ? std::string_view(options_.seats[remote_->seat()])
+               : std::string_view();
+  }
   /// The state of the last tick, for observers of the scene.
   HandReport report() const noexcept;
   const ClockEstimate& server_clock() const { return server_clock_; }
@@ -243,6 +257,7 @@ class Servo {
   bool count_modelled(double weight) noexcept;
   double follow_body(const BoundingStep& step, double age, Command& command) noexcept;
   Command rise_limited(const BoundingStep& step) noexcept;
+  void choose_robot(const DeviceReading& reading) noexcept;
   Command meet_robot(const Tool& tool, const Command& scene, Nanoseconds now,
                      double elapsed) noexcept;
   Command environment(BoundingStep& step, Nanoseconds now) noexcept;
@@ -295,6 +310,8 @@ class Servo {
   std::optional<RemoteHand> remote_;  // if the hand leads a robot
   Nanoseconds remote_time_{0};        // our time of the robot's state
   bool deadman_ = false;              // in the last tick
+  std::uint8_t wanted_seat_ = 0;      // of the robot that the hand wants to lead
+  bool seat_pressed_ = false;         // the button that chooses another, in the last tick
   std::optional<double> gripper_;     // [m] in the last tick
   bool near_ = false;
   Vec3 model_moved_ = Vec3::Zero();  // [m] movement of the place where the model was evaluated

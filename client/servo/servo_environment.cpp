@@ -60,6 +60,17 @@ Command Servo::rise_limited(const BoundingStep& step) noexcept {
                      remote_ ? remote_->may_rise(length(model_moved_), step.hold_time) : 0.0);
 }
 
+/// The hand leaves a robot while it does not move it and feels nothing of it.
+void Servo::choose_robot(const DeviceReading& reading) noexcept {
+  const bool pressed = reading.ok && options_.seat_button > 0 &&
+                       (reading.buttons >> (options_.seat_button - 1) & 1u) != 0;
+  if (pressed && !seat_pressed_ && !deadman_ && options_.seats.size() > 1)
+    wanted_seat_ = static_cast<std::uint8_t>((wanted_seat_ + 1u) % options_.seats.size());
+  seat_pressed_ = pressed;
+  if (wanted_seat_ != remote_->seat() && !deadman_ && !remote_->pushes())
+    remote_->lead_another(wanted_seat_);
+}
+
 /// The force of the objects that the robot touches, beside the scene's.
 Command Servo::meet_robot(const Tool& tool, const Command& scene, Nanoseconds now,
                           double elapsed) noexcept {

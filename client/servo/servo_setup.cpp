@@ -83,7 +83,7 @@ std::optional<RemoteHand> remote_of(const ServoOptions& options, const SessionPa
   if (!p.local_model)
     throw std::invalid_argument(
         "a hand that leads a robot needs the local model: ask for local_model");
-  return RemoteHand(*options.leads, 0.5 * p.hold_time);
+  return RemoteHand(*options.leads, 0.5 * p.hold_time, options.seat);
 }
 
 void refuse_beside(std::string_view mode, const char* what, double value, const char* unit,
@@ -146,6 +146,7 @@ Servo::Servo(const DeviceSpec& spec, const SessionParameters& parameters,
       velocity_(parameters.velocity_cutoff),
       rise_(largest_slew(spec.max_force, parameters), largest_slew(spec.max_torque, parameters)),
       remote_(remote_of(options, parameters)),
+      wanted_seat_(options.seat),
       sent_(kRemembered) {
   validate(options, parameters);
 }

@@ -11,9 +11,13 @@ namespace feltwire {
 
 Reconnector::Attempt Reconnector::attempt(const ServerAccess& server,
                                           const control::JoinRequest& request,
-                                          std::chrono::milliseconds timeout) {
+                                          const RejoinOptions& options) {
   try {
-    const Joined joined = join(server, request, timeout);
+    const Joined joined = join(server, request, options.timeout);
+    if (!options.seats.empty() && joined.accepted.seats != options.seats)
+      return {std::nullopt, to_string(server.endpoint) +
+                                " now has other seats for robots than those of the session before; "
+                                "start anew"};
     // The servo loop goes on with the parameters that it has: a new session must have the same.
     const auto changed = difference(request.parameters, joined.accepted.parameters);
     if (!changed)
@@ -83,8 +87,8 @@ void Reconnector::put_off(Clock::time_point now) noexcept {
 
 void Reconnector::begin() {
   std::packaged_task<Attempt()> task(
-      [server = server_, request = request_, timeout = options_.timeout] {
-        return attempt(server, request, timeout);
+      [server = server_, request = request_, options = options_] {
+        return attempt(server, request, options);
       });
   attempt_ = task.get_future();
   // Detached, and it owns all that it uses: to look up a name can take many seconds, and the end of

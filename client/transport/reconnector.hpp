@@ -5,6 +5,7 @@
 #include <future>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "client/transport/control_client.hpp"
 #include "client/transport/transport.hpp"
@@ -18,6 +19,9 @@ namespace feltwire {
 struct RejoinOptions {
   std::chrono::milliseconds first_wait{250}, longest_wait{4000};
   std::chrono::milliseconds timeout{1000};  // of each attempt
+  /// The seats for robots that the new session must have, because the hand knows them by number;
+  /// empty: it leads none.
+  std::vector<std::string> seats{};
 };
 
 /// For one thread other than the servo's. Attempts run in a thread of their own, so that look()
@@ -62,7 +66,7 @@ class Reconnector {
     std::string refusal;                    // else: why another attempt is useless
   };
   static Attempt attempt(const ServerAccess& server, const control::JoinRequest& request,
-                         std::chrono::milliseconds timeout);
+                         const RejoinOptions& options);
   void begin();
   Attempt outcome() noexcept;
   void put_off(Clock::time_point now) noexcept;

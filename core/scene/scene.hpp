@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "core/base/json_document.hpp"
@@ -26,6 +27,7 @@ struct Start {
 
 /// The seat of a robot that follows a hand in this scene (docs/teleoperation.md).
 struct RemoteSeat {
+  std::string name = {};     // empty: the only seat of its scene
   double scale = 1.0;        // > 0 [m of the robot per m of the hand]
   double speed = 0.25;       // > 0 [m/s] speed of the robot; it also limits the jumps of the hand
   double force = 40.0;       // > 0 [N] on the robot's tool, above which it holds
@@ -58,9 +60,9 @@ class Scene {
   void set_mechanism(std::shared_ptr<const Mechanism> mechanism);
 
   /// Empty: no robot follows here.
-  const std::optional<RemoteSeat>& remote() const { return remote_; }
-  /// Precondition: check() finds no violation.
-  void set_remote(const RemoteSeat& seat) { remote_ = seat; }
+  const std::vector<RemoteSeat>& seats() const { return seats_; }
+  /// Precondition: check() finds no violation, there are at most kMostSeats, and all names differ.
+  void set_seats(std::vector<RemoteSeat> seats) { seats_ = std::move(seats); }
 
   /// The files that the scene was loaded from; null: they were not kept.
   const std::shared_ptr<const KeptFiles>& files() const { return files_; }
@@ -103,7 +105,7 @@ class Scene {
  private:
   std::string name_;
   Start start_;
-  std::optional<RemoteSeat> remote_;
+  std::vector<RemoteSeat> seats_;
   std::shared_ptr<const Mechanism> mechanism_;
   std::vector<std::string> warnings_, notes_;
   std::shared_ptr<const KeptFiles> files_;

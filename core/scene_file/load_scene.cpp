@@ -89,19 +89,44 @@ Start read_start(const JsonDocument& document, const scene_file::Scene& scene) {
   return start;
 }
 
-void read_remote(const JsonDocument& document, const scene_file::Scene& scene, Scene& result) {
-  const auto* r = scene.remote();
-  if (r == nullptr) return;
-  RemoteSeat seat{.scale = r->scale(), .speed = r->speed(), .force = r->force()};
-  if (const auto* w = r->workspace()) read_workspace(document, *w, seat);
-  if (const auto* a = r->aligned()) {
+RemoteSeat read_seat(const JsonDocument& document, const std::string& path,
+                     const scene_file::Remote& from) {
+  RemoteSeat seat{.scale = from.scale(), .speed = from.speed(), .force = from.force()};
+  if (const auto* w = from.workspace()) read_workspace(document, path + ".workspace", *w, seat);
+  if (const auto* a = from.aligned()) {
     Alignment& aligned = seat.aligned.emplace();
     aligned.gate = a->gate();
     if (const auto* q = a->orientation()) aligned.offset = quaternion(*q);
   }
-  require(document, "remote", check(seat));
+  require(document, path, check(seat));
   if (seat.aligned) make_unit(seat.aligned->offset);
-  result.set_remote(seat);
+  return seat;
+}
+
+void read_seats(const JsonDocument& document, const scene_file::Scene& scene, Scene& result) {
+  std::vector<RemoteSeat> seats;
+  if (const auto* only = scene.remote()) {
+    if (only->name() != nullptr)
+      document.fail("remote.name", "the only seat has no name; leave it out, or use remotes");
+    seats.push_back(read_seat(document, "remote", *only));
+  }
+  if (const auto* named = scene.remotes()) {
+    if (!seats.empty())
+      document.fail("remotes", "stands beside remote; put all seats into remotes");
+    if (named->size() == 0 || named->size() > kMostSeats)
+      document.fail("remotes", "has " + std::to_string(named->size()) + " seats; give 1 to " +
+                                   std::to_string(kMostSeats));
+    Names names(document, "remotes");
+    for (const scene_file::Remote* from : *named) {
+      const std::string path = element("remotes", seats.size());
+      if (from->name() == nullptr)
+        document.fail(path + ".name", "is missing; a robot is sent to its seat by this name");
+      names.add(from->name()->str());
+      seats.push_back(read_seat(document, path, *from));
+      seats.back().name = from->name()->str();
+    }
+  }
+  result.set_seats(std::move(seats));
 }
 
 Side side(scene_file::Side given) {
@@ -122,7 +147,7 @@ Scene mjcf_scene(const JsonDocument& document, const scene_file::Scene& scene,
                  read_guides(document, scene));
     result.set_mechanism(mechanism);
     read_tools(document, scene, std::filesystem::path(file).parent_path(), result);
-    read_remote(document, scene, result);
+    read_seats(document, scene, result);
     return result;
   } catch (const std::invalid_argument& error) {
     document.fail("mjcf.file", error.what());
@@ -168,7 +193,7 @@ Scene parse_scene(std::string_view json, const std::string& file) {
   read.note(std::move(moving.notes));
   read.set_mechanism(std::move(moving.mechanism));
   read_tools(document, scene, folder, read);
-  read_remote(document, scene, read);
+  read_seats(document, scene, read);
   return read;
 }
 

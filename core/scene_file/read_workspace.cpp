@@ -8,20 +8,20 @@
 namespace feltwire {
 namespace {
 
-const std::string kPath = "remote.workspace";
 constexpr const char* kTooFar = "is farther than 1000 m from the robot's origin; move it";
 
-void read_box(const JsonDocument& document, const scene_file::Workspace& from, Workspace& to) {
+void read_box(const JsonDocument& document, const std::string& path,
+              const scene_file::Workspace& from, Workspace& to) {
   if (from.low() == nullptr && from.high() == nullptr) return;
   for (const auto& [name, corner] : {std::pair{".low", from.low()}, {".high", from.high()}}) {
     if (corner == nullptr)
-      document.fail(kPath + name, "is missing; a box has both corners, low and high");
+      document.fail(path + name, "is missing; a box has both corners, low and high");
     if (!(vector(*corner).cwiseAbs().maxCoeff() <= Workspace::kFarthest))
-      document.fail(kPath + name, kTooFar);
+      document.fail(path + name, kTooFar);
   }
   const Vec3 low = vector(*from.low()), high = vector(*from.high());
   if (!(low.array() < high.array()).all())
-    document.fail(kPath + ".high", "must be above low on each axis; exchange or move them");
+    document.fail(path + ".high", "must be above low on each axis; exchange or move them");
   to.add_box(low, high);
 }
 
@@ -50,23 +50,23 @@ KeepOutBody read_body(const JsonDocument& document, const std::string& path,
 
 }  // namespace
 
-void read_workspace(const JsonDocument& document, const scene_file::Workspace& from,
-                    RemoteSeat& seat) {
+void read_workspace(const JsonDocument& document, const std::string& path,
+                    const scene_file::Workspace& from, RemoteSeat& seat) {
   Workspace& to = seat.workspace;
-  read_box(document, from, to);
+  read_box(document, path, from, to);
   if (const auto* walls = from.walls()) {
     if (to.count + walls->size() > Workspace::kMostGiven)
-      document.fail(kPath + ".walls",
+      document.fail(path + ".walls",
                     "has more than 16 walls with those of the box; leave out "
                     "those that no target would reach");
     for (flatbuffers::uoffset_t i = 0; i < walls->size(); ++i)
-      to.add(read_wall(document, kPath + "." + element("walls", i), *walls->Get(i)));
+      to.add(read_wall(document, path + "." + element("walls", i), *walls->Get(i)));
   }
   if (const auto* bodies = from.keep_out()) {
     if (bodies->size() > Workspace::kMostBodiesGiven)
-      document.fail(kPath + ".keep_out", "has more than 8 bodies; put a larger one around several");
+      document.fail(path + ".keep_out", "has more than 8 bodies; put a larger one around several");
     for (flatbuffers::uoffset_t i = 0; i < bodies->size(); ++i)
-      to.add_body(read_body(document, kPath + "." + element("keep_out", i), *bodies->Get(i)));
+      to.add_body(read_body(document, path + "." + element("keep_out", i), *bodies->Get(i)));
   }
   if (const auto* lock = from.lock())
     for (const auto axis : *lock) {

@@ -79,6 +79,19 @@ class RemoteEnergy {
     seen_.given = std::max(seen_.given, seen.given);
     seen_.taken = std::max(seen_.taken, seen.taken);
     seen_.pushed = std::max(seen_.pushed, seen.pushed);
+    if (!restarted_) return;
+    restarted_ = false;
+    begun_ = seen_;
+    credited_ = seen_.pushed;
+  }
+
+  /// The next counters are those of another robot, and begin a new contact. Their totals so far are
+  /// no growth.
+  void restart() noexcept {
+    seen_ = {};
+    begin_contact();
+    credited_ = 0.0;
+    restarted_ = true;
   }
 
   /// Advances the time by `elapsed` [s]. Returns the growth of the credit [J].
@@ -110,6 +123,7 @@ class RemoteEnergy {
   double credited_ = 0.0;    // [J] part of `pushed` that was considered
   double in_contact_ = 0.0;  // [J] credited in this contact
   double credit_ = 0.0;
+  bool restarted_ = false;
 };
 
 }  // namespace feltwire

@@ -11,6 +11,9 @@
 
 namespace feltwire {
 
+/// A scene has at most so many seats for robots.
+inline constexpr std::size_t kMostSeats = 4;
+
 /// Limits of a robot's target in the robot's frame. All walls together bound a convex room, in
 /// which there may be bodies that the target stays out of. A locked axis keeps the value that it
 /// had when the hand engaged.

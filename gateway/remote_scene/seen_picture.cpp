@@ -36,7 +36,8 @@ PictureHand picture_of(const SeenHand& seen) {
 void draw(const ObservedScene& seen, const Scene& scene, Picture& picture) {
   picture.hands.clear();
   picture.bodies.clear();
-  picture.robot = seen.robot();
+  picture.robots.clear();
+  for (const auto& [seat, robot] : seen.robots()) picture.robots.push_back(robot);
   for (const auto& [number, hand] : seen.hands()) picture.hands.push_back(picture_of(hand));
   const std::size_t still = scene.views().front().still(), end = scene.objects().size();
   for (const auto& [object, body] : seen.bodies())

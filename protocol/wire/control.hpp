@@ -47,6 +47,7 @@ struct JoinRequest {
   ChangesTaken takes = {};   // changes that an admin may make at the client while it runs
   Workspace workspace = {};  // for a follower: its own; at most Workspace::kMostGiven walls
   double lead_share = 0.0;   // for a hand (lead_share.hpp); the server sets it from the token
+  std::string seat = {};     // for a follower: the name of its seat; empty: the only one
 };
 struct JoinAccepted {
   std::uint64_t session = 0;
@@ -61,6 +62,7 @@ struct JoinAccepted {
   std::string tool;     // the tool of the hand; empty: the scene's only one
   std::string version;  // of the server (core/build_info), for the report; empty: not said
   Workspace workspace;  // for a follower: that of its seat
+  std::vector<std::string> seats = {};  // names of the scene's seats for robots, at most kMostSeats
 };
 struct LeaveRequest {
   std::uint64_t session = 0;
@@ -179,6 +181,7 @@ struct SessionDescription {
   std::string asked;  // for people: the newest change requested of its client; empty: none
   ChangeAnswer answer = ChangeAnswer::waiting;  // the client's answer to that
   double lead_share = 0.0;                      // with which it leads a robot (lead_share.hpp)
+  std::string seat = {};  // a follower's, or of the robot that it leads; empty: the only one, or none
 };
 struct SessionDescriptions {
   std::vector<SessionDescription> sessions;  // at most kMaxDescriptions, by rising number

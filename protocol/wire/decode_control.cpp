@@ -137,7 +137,8 @@ bool read(const wire::JoinRequest& from, JoinRequest& to) {
   to.takes.link = from.link_taken();
   to.lead_share = from.lead_share();
   return read(from.workspace(), to.workspace) && read_name(from.tool(), to.tool) &&
-         read_name(from.version(), to.version) && read_name(from.client(), to.client) &&
+         read_name(from.seat(), to.seat) && read_name(from.version(), to.version) &&
+         read_name(from.client(), to.client) &&
          read_name(from.scene(), to.scene) && read(*from.device(), to.device) &&
          read(*from.parameters(), to.parameters) && read_enum(from.role(), to.role) &&
          read_enum(from.laws_taken(), to.takes.laws);
@@ -152,6 +153,11 @@ bool read(const wire::JoinAccepted& from, JoinAccepted& to) {
   if (const auto* n = from.start_normal()) to.start_normal = vector(*n);
   to.stiffness = from.stiffness();
   to.suite = static_cast<CipherSuite>(from.suite());
+  if (const auto* seats = from.seats()) {
+    if (seats->size() > kMostSeats) return false;
+    for (const auto* seat : *seats)
+      if (!read_name(seat, to.seats.emplace_back())) return false;
+  }
   // Numbered from 1: there is no suite of number 0.
   return read(from.workspace(), to.workspace) && from.suite() >= wire::CipherSuite::MIN &&
          from.suite() <= wire::CipherSuite::MAX && read_name(from.tool(), to.tool) &&
@@ -275,6 +281,7 @@ bool read(const wire::SessionDescriptions& from, SessionDescriptions& to) {
     session.lead_share = entry->lead_share();
     if (!read_name(entry->client(), session.client) ||
         !read_name(entry->device(), session.device) || !read_name(entry->tool(), session.tool) ||
+        !read_name(entry->seat(), session.seat) ||
         !read_enum(entry->role(), session.role) ||
         !read(*entry->parameters(), session.parameters) ||
         !read_enum(entry->laws_taken(), session.takes.laws) ||

@@ -99,20 +99,22 @@ struct BodyBuilder {
     const auto client = builder.CreateString(m.client), scene = builder.CreateString(m.scene);
     const auto tool = name_if_any(builder, m.tool), version = name_if_any(builder, m.version);
     const auto workspace = build(builder, m.workspace);
+    const auto seat = name_if_any(builder, m.seat);
     return wire::CreateJoinRequest(builder, client, scene, device, parameters,
                                    wire_enum<wire::Role>(m.role), m.aes_256_gcm, tool, version,
                                    m.figures, wire_enum<wire::LawsTaken>(m.takes.laws),
-                                   m.takes.link, workspace, m.lead_share);
+                                   m.takes.link, workspace, m.lead_share, seat);
   }
   Offset<wire::JoinAccepted> operator()(const JoinAccepted& m) {
     const wire::Vector position = vector(m.start_position), normal = vector(m.start_normal);
     const auto parameters = build(builder, m.parameters);
     const auto tool = name_if_any(builder, m.tool), version = name_if_any(builder, m.version);
     const auto workspace = build(builder, m.workspace);
+    const auto seats = m.seats.empty() ? 0 : builder.CreateVectorOfStrings(m.seats);
     return wire::CreateJoinAccepted(builder, m.session, m.port_offset, parameters,
                                     m.silence_timeout, m.friction, m.rotation, &position, &normal,
                                     m.stiffness, wire_enum<wire::CipherSuite>(m.suite), tool,
-                                    version, workspace);
+                                    version, workspace, seats);
   }
   Offset<wire::LeaveRequest> operator()(const LeaveRequest& m) {
     return wire::CreateLeaveRequest(builder, m.session);
@@ -194,12 +196,13 @@ struct BodyBuilder {
   Offset<wire::SessionDescription> entry(const SessionDescription& d) {
     const auto client = builder.CreateString(d.client), device = builder.CreateString(d.device);
     const auto tool = name_if_any(builder, d.tool), asked = name_if_any(builder, d.asked);
+    const auto seat = name_if_any(builder, d.seat);
     const auto parameters = build(builder, d.parameters);
     return wire::CreateSessionDescription(
         builder, d.number, d.session, client, device, tool, wire_enum<wire::Role>(d.role),
         parameters, d.samples, d.missed, d.round_trip.value_or(kNotGiven), d.delivered, d.burned,
         d.balance.value_or(kNotGiven), wire_enum<wire::LawsTaken>(d.takes.laws), d.takes.link,
-        asked, wire_enum<wire::ChangeAnswer>(d.answer), d.lead_share);
+        asked, wire_enum<wire::ChangeAnswer>(d.answer), d.lead_share, seat);
   }
   Offset<wire::SessionDescriptions> operator()(const SessionDescriptions& m) {
     std::vector<Offset<wire::SessionDescription>> entries;

@@ -28,6 +28,7 @@ struct Lead {
       Vec3::Zero();        // [m] the robot's wanted place is the hand's place less this; float32
   double hand_work = 0.0;  // [J] total that the hand paid into the robot's contacts
   double gripper = -1.0;   // [m] wanted opening; < 0: no wish; float32
+  std::uint8_t seat = 0;   // of the robot that the hand wants to lead, as numbered when it joined
 };
 
 /// A wall of the robot's workspace for a leading hand: in the hand's frame, before its offset. The
@@ -44,6 +45,7 @@ inline constexpr int kMostRemoteWalls = 3;
 /// of surface and robot in series. Its vectors, except the point, are float32 on the wire.
 struct Remote {
   LinkState state = LinkState::disabled;
+  std::uint8_t seat = 0;  // the robot's
   /// False: another hand leads with this one. That hand's offset takes up a first touch for both.
   bool meets_surfaces = true;
   Pose pose;                                         // of the robot's tool, in its own frame

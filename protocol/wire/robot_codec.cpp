@@ -68,7 +68,11 @@ RemoteContact contact_of(const wire::RobotContact& from) {
 wire::RobotEnergy wire_energy(const EnergyCounters& e) { return {e.given, e.taken, e.pushed}; }
 EnergyCounters energy_of(const wire::RobotEnergy& e) { return {e.given(), e.taken(), e.pushed()}; }
 
-constexpr std::uint32_t kOtherMeets = 1u << 8;  // of Remote.state
+constexpr std::uint32_t kOtherMeets = 1u << 8;      // of Remote.state
+constexpr int kLeadSeat = 8, kRemoteSeat = 16;      // their first bits
+std::uint8_t seat_in(std::uint32_t word, int first) {
+  return static_cast<std::uint8_t>(word >> first & 0xff);
+}
 bool known(std::uint32_t state) { return state <= static_cast<std::uint32_t>(kLastLinkState); }
 
 DropReason check(const RobotState& s) {
@@ -85,7 +89,8 @@ DropReason check(const RobotState& s) {
 
 wire::Lead wire_lead(const Lead& lead) {
   return {wire_float(lead.offset), lead.known_surface, lead.hand_work,
-          static_cast<float>(lead.gripper), lead.deadman ? kFlagDeadman : 0};
+          static_cast<float>(lead.gripper),
+          (lead.deadman ? kFlagDeadman : 0) | std::uint32_t{lead.seat} << kLeadSeat};
 }
 
 Lead value(const wire::Lead& from) {
@@ -93,7 +98,8 @@ Lead value(const wire::Lead& from) {
           .known_surface = from.known_surface(),
           .offset = value(from.offset()),
           .hand_work = from.hand_work(),
-          .gripper = from.gripper()};
+          .gripper = from.gripper(),
+          .seat = seat_in(from.flags(), kLeadSeat)};
 }
 
 bool plausible(const Lead& lead) noexcept {
@@ -108,7 +114,8 @@ wire::Remote wire_remote(const Remote& r) {
           wire_energy(r.energy),
           static_cast<float>(r.gripper),
           static_cast<float>(r.age),
-          static_cast<std::uint32_t>(r.state) | (r.meets_surfaces ? 0 : kOtherMeets),
+          static_cast<std::uint32_t>(r.state) | (r.meets_surfaces ? 0 : kOtherMeets) |
+              std::uint32_t{r.seat} << kRemoteSeat,
           static_cast<float>(r.gripper_force)};
 }
 
@@ -119,10 +126,11 @@ bool read(const wire::Remote& from, Remote& to) noexcept {
   to.gripper = from.gripper();
   to.gripper_force = from.gripper_force();
   to.age = from.age();
-  const std::uint32_t state = from.state() & ~kOtherMeets;
+  to.seat = seat_in(from.state(), kRemoteSeat);
+  to.meets_surfaces = (from.state() & kOtherMeets) == 0;
+  const std::uint32_t state = from.state() & ~(kOtherMeets | 0xffu << kRemoteSeat);
   if (!known(state)) return false;
   to.state = static_cast<LinkState>(state);
-  to.meets_surfaces = state == from.state();
   return plausible(to.pose) && plausible(to.contact) && plausible(to.energy) &&
          std::isfinite(to.gripper) && std::isfinite(to.gripper_force) && to.age >= 0.0 &&
          std::isfinite(to.age);

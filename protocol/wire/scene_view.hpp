@@ -43,7 +43,7 @@ struct SeenBody {
   Pose pose;
 };
 
-/// The robot on the scene's seat, in its own frame. Float32 on the wire.
+/// A robot on a seat of the scene, in its own frame. Float32 on the wire.
 struct SeenRobot {
   Pose pose;                                         // of the tool
   Pose target;                                       // held by its controller
@@ -54,6 +54,8 @@ struct SeenRobot {
   bool ok = true, stopped = false, touches = false;  // reported by the robot
   double gripper = 0.0;                              // [m] opening
   double age = 0.0;                                  // [s] since that state
+  std::uint8_t seat = 0;                             // from 0, below kMostSeats
+  std::uint8_t seats = 1;                            // bit i: seat i has a robot
 };
 
 /// A part of the scene: all hands with hands_from <= number < hands_end, and all moving objects
@@ -71,7 +73,7 @@ struct SceneView {
   std::uint32_t hands_from = 0, hands_end = 0;
   std::uint16_t bodies_from = 0, bodies_end = 0;
   std::size_t hand_count = 0, body_count = 0;
-  std::optional<SeenRobot> robot;         // in every view while there is a robot
+  std::optional<SeenRobot> robot;  // in every view while there are robots, of each in turn
   std::array<SeenHand, kMaxHands> hand;   // by rising number
   std::array<SeenBody, kMaxBodies> body;  // by rising object
 

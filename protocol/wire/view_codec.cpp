@@ -15,6 +15,8 @@ static_assert(sizeof(wire::HandFigures) == SceneView::kFiguresSize);
 static_assert(sizeof(wire::SeenRobot) <= kSeenRobotRoom - 12);  // its place in the table, padding
 
 constexpr std::uint32_t kSensed = 1u << 0, kWell = 1u << 1, kStopped = 1u << 2, kTouches = 1u << 3;
+constexpr int kSeat = 8, kSeats = 16;  // their first bits
+constexpr std::uint32_t kAllSeats = (1u << kMostSeats) - 1;
 constexpr std::uint16_t kReported = 1, kHasAccount = 2;  // flags of figures
 
 wire::SeenHand wire_seen(const SeenHand& hand) {
@@ -77,7 +79,8 @@ SeenBody value(const wire::SeenBody& body) {
 
 wire::SeenRobot wire_seen(const SeenRobot& r) {
   const std::uint32_t flags = (r.force ? kSensed : 0) | (r.ok ? kWell : 0) |
-                              (r.stopped ? kStopped : 0) | (r.touches ? kTouches : 0);
+                              (r.stopped ? kStopped : 0) | (r.touches ? kTouches : 0) |
+                              std::uint32_t{r.seat} << kSeat | std::uint32_t{r.seats} << kSeats;
   return {wire_float(r.pose.position),
           wire_float(r.pose.orientation),
           wire_float(r.target.position),
@@ -117,11 +120,13 @@ DropReason read(const wire::SeenRobot& from, SeenRobot& to) noexcept {
         .stopped = (from.flags() & kStopped) != 0,
         .touches = (from.flags() & kTouches) != 0,
         .gripper = static_cast<double>(from.gripper()),
-        .age = static_cast<double>(from.age())};
+        .age = static_cast<double>(from.age()),
+        .seat = static_cast<std::uint8_t>(from.flags() >> kSeat & 0xff),
+        .seats = static_cast<std::uint8_t>(from.flags() >> kSeats & kAllSeats)};
   if ((from.flags() & kSensed) != 0) to.force = feltwire::value(from.force());
   const bool good = finite(to.pose) && finite(to.target) && (!to.force || to.force->allFinite()) &&
                     to.torque.allFinite() && std::isfinite(to.gripper) && to.age >= 0.0 &&
-                    std::isfinite(to.age);
+                    std::isfinite(to.age) && (to.seats >> to.seat & 1) != 0;
   return good ? DropReason::none : DropReason::not_finite;
 }
 

@@ -73,6 +73,12 @@ std::optional<std::string> complaint(Role role, double lead_share) {
   return wrong_lead_share(lead_share);
 }
 
+/// Says why a token of that role cannot be for one seat; empty: it can.
+std::string seat_complaint(Role role, std::string_view seat) {
+  if (role != Role::follower) return "is for tokens of the role follower; leave it out";
+  return complaint(seat);
+}
+
 /// `fw_<id>_<secret>` in its parts.
 struct Shown {
   std::string_view id;
@@ -111,7 +117,7 @@ bool expired(const Token& token, CalendarTime now) {
 }
 
 IssuedToken issue_token(std::string client, std::string scene, Role role,
-                        std::optional<CalendarTime> expires, double lead_share) {
+                        std::optional<CalendarTime> expires, double lead_share, std::string seat) {
   need_sodium();
   if (const std::string wrong = complaint(client); !wrong.empty())
     throw std::invalid_argument("the client's name " + wrong);
@@ -122,12 +128,15 @@ IssuedToken issue_token(std::string client, std::string scene, Role role,
         "a token of the role follower is for the robot's seat of one scene; name the scene");
   if (const auto wrong = complaint(role, lead_share))
     throw std::invalid_argument("the lead share " + *wrong);
+  if (const std::string wrong = seat.empty() ? seat : seat_complaint(role, seat); !wrong.empty())
+    throw std::invalid_argument("the seat's name " + wrong);
   IssuedToken issued;
   Token& token = issued.token;
   token.client = std::move(client);
   token.scene = std::move(scene);
   token.role = role;
   token.lead_share = lead_share;
+  token.seat = std::move(seat);
   token.expires = expires;
   std::array<std::uint8_t, kIdBytes> id;
   randombytes_buf(id.data(), id.size());
@@ -227,6 +236,10 @@ Tokens parse_tokens(std::string_view json, const std::string& file) {
     token.lead_share = entry->lead_share();
     if (const auto wrong = complaint(token.role, token.lead_share))
       document.fail(path + "lead_share", *wrong);
+    if (entry->seat() != nullptr) token.seat = entry->seat()->str();
+    if (entry->seat() != nullptr)
+      if (const std::string wrong = seat_complaint(token.role, token.seat); !wrong.empty())
+        document.fail(path + "seat", wrong);
     constexpr std::int64_t kLast = 253'402'300'800;  // the year 10000
     if (entry->expires() < 0 || entry->expires() > kLast)
       document.fail(path + "expires", "must be seconds since 1970, or 0: never; correct it");
@@ -244,17 +257,20 @@ std::string json(const Tokens& tokens) {
   using json_text::text;
   std::vector<std::string> list;
   list.reserve(tokens.size());
-  for (const Token& token : tokens)
-    list.push_back(json_text::object(
-        {{"id", text(token.id)},
-         {"client", text(token.client)},
-         {"scene", text(token.scene)},
-         {"role", text(name(token.role))},
-         {"lead_share", json_text::number(token.lead_share)},
-         {"expires", json_text::number(std::int64_t{
-                         token.expires ? token.expires->time_since_epoch().count() : 0})},
-         {"salt", text(hex(token.salt))},
-         {"hash", text(hex(token.hash))}}));
+  for (const Token& token : tokens) {
+    std::vector<json_text::Member> members = {
+        {"id", text(token.id)},
+        {"client", text(token.client)},
+        {"scene", text(token.scene)},
+        {"role", text(name(token.role))},
+        {"lead_share", json_text::number(token.lead_share)},
+        {"expires", json_text::number(std::int64_t{
+                        token.expires ? token.expires->time_since_epoch().count() : 0})},
+        {"salt", text(hex(token.salt))},
+        {"hash", text(hex(token.hash))}};
+    if (!token.seat.empty()) members.push_back({"seat", text(token.seat)});
+    list.push_back(json_text::object(members));
+  }
   return json_text::object({{"tokens", json_text::list(list)}}) + "\n";
 }
 

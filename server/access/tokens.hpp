@@ -28,6 +28,7 @@ struct Token {
   std::string scene = "*";  // the scene that it opens; *: any
   Role role = Role::observer;
   double lead_share = 0.0;  // of its hands, in a scene with a robot's seat
+  std::string seat;         // for a follower: the only seat that it may take; empty: any
   std::optional<CalendarTime> expires;
   std::array<std::uint8_t, 16> salt{};
   std::array<std::uint8_t, 32> hash{};  // of the secret, keyed with the salt
@@ -39,13 +40,15 @@ bool expired(const Token& token, CalendarTime now);
 
 /// Makes a new token, and the text for its holder: `fw_<id>_<secret>`, which is stored nowhere
 /// else. Throws std::invalid_argument if a name is empty, too long or has control characters, and
-/// for a share that does not exist or a role that leads no robot.
+/// for a share that does not exist or a role that leads no robot, or a seat for a role that takes
+/// none.
 struct IssuedToken {
   Token token;
   Secret text;
 };
 IssuedToken issue_token(std::string client, std::string scene, Role role,
-                        std::optional<CalendarTime> expires, double lead_share = 0.0);
+                        std::optional<CalendarTime> expires, double lead_share = 0.0,
+                        std::string seat = {});
 
 /// Null if there is no token with that id.
 const Token* find_token(const Tokens& tokens, std::string_view id);

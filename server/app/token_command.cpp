@@ -26,14 +26,14 @@ Examples:
       a running server ends the sessions of that token within a second)";
 
 struct TokenArguments {
-  std::string client, scene = "*", role, expires, id, out;
+  std::string client, scene = "*", role, expires, id, out, seat;
   double lead_share = 0.0;
 };
 
 void add(const ServerConfig& config, const TokenArguments& words) {
   const IssuedToken issued =
       issue_token(words.client, words.scene, role(words.role),
-                  parse_expiry(words.expires, calendar_now()), words.lead_share);
+                  parse_expiry(words.expires, calendar_now()), words.lead_share, words.seat);
   const std::string_view text = issued.text.text();
   make_state_folder(config);
   // Written before the token is stored: its text stands nowhere else and cannot be had again.
@@ -62,10 +62,12 @@ void list(const ServerConfig& config) {
   std::printf("%-12s  %-8s  %-23s  %-20s  %-6s  %s\n", "id", "role", "expires", "client", "lead",
               "scene");
   for (const Token& token : file.tokens())
-    std::printf("%-12s  %-8s  %-23s  %-20s  %-6s  %s%s\n", token.id.c_str(),
+    std::printf("%-12s  %-8s  %-23s  %-20s  %-6s  %s%s%s\n", token.id.c_str(),
                 name(token.role).data(), expiry_text(token.expires).c_str(),
                 visible(token.client).c_str(), lead_text(token.lead_share).c_str(),
-                visible(token.scene).c_str(), expired(token, calendar_now()) ? "  (expired)" : "");
+                visible(token.scene).c_str(),
+                token.seat.empty() ? "" : (", seat " + visible(token.seat)).c_str(),
+                expired(token, calendar_now()) ? "  (expired)" : "");
 }
 
 void revoke(const ServerConfig& config, const TokenArguments& words) {
@@ -108,6 +110,9 @@ int token_command(int argc, char** argv) {
   adding->add_option("--lead-share", words.lead_share,
                      "For hands that lead one robot together: the share of this token's hands, "
                      "0.01 to 100. When not given: each hand leads alone");
+  adding->add_option("--seat", words.seat,
+                     "For a robot: the only seat of the scene that it may take. When not given: "
+                     "any of them");
   adding->add_option("--out", words.out,
                      "FILE for the token, readable for its owner alone, instead of stdout");
   CLI::App* listing = app.add_subcommand("list", "Show all tokens");

@@ -92,6 +92,9 @@ std::optional<Refused> ControlService::refuse_join(const PendingRequest& asked,
   // Whether there is such a scene is not for this token to know.
   if (!opens(token, request.scene))
     return refuse(RefusalCode::forbidden, "this token does not open scene '" + request.scene + "'");
+  if (!token.seat.empty() && !request.seat.empty() && request.seat != token.seat)
+    return refuse(RefusalCode::forbidden,
+                  "this token is for the seat '" + token.seat + "'; leave out --seat");
   if (!joins_.take(token.client, monotonic_now()))
     return refuse(RefusalCode::too_many,
                   "client '" + token.client + "' joins too often; wait a moment");
@@ -149,6 +152,7 @@ void ControlService::join(PendingRequest asked, control::JoinRequest request) {
     return asked.answer(Refused{RefusalCode::not_supported, "this connection gives no keys"});
   }
   seated_[id] = {asked.token.id, asked.token.client, scene, request.role, who, monotonic_now(), {}};
+  if (!asked.token.seat.empty()) request.seat = asked.token.seat;
   request.lead_share = covers(request.role, Role::operator_) ? asked.token.lead_share : 0.0;
   SceneHost& host = *hosts_[scene];
   const auto finish = [this, id, scene, suite, who, version = visible(request.version),

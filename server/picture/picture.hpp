@@ -68,7 +68,7 @@ struct Picture {
   std::uint32_t version = 0;  // of the scene: 1, and one more with each reload
   std::vector<PictureHand> hands;
   std::vector<PictureBody> bodies;
-  std::optional<SeenRobot> robot;  // on the scene's seat
+  std::vector<SeenRobot> robots;  // on the scene's seats, by rising seat
 };
 
 /// The properties of a hand that do not change during a session, or change slowly.

@@ -160,7 +160,7 @@ struct SceneSessions::Change {
     if (slot == nullptr) return unknown_session(change.session);
     if (const auto wrong = wrong_lead_share(change.share))
       throw std::invalid_argument("lead share: " + *wrong);
-    if (!sessions.link_)
+    if (sessions.seats_.empty())
       return Refused{RefusalCode::not_supported,
                      "lead share: scene '" + sessions.scene_->name() +
                          "' has no seat for a robot; give it one with remote (docs/scenes.md)"};

@@ -228,6 +228,11 @@ std::size_t RemoteLink::first() const noexcept {
   return 0;
 }
 
+bool RemoteLink::engages(std::uint32_t hand) const noexcept {
+  return std::ranges::any_of(leaders_,
+                             [&](const Leader& l) { return l.hand == hand && l.engaged(); });
+}
+
 Remote RemoteLink::told(std::uint32_t hand, Nanoseconds now) const noexcept {
   const auto leader = std::ranges::find(leaders_, hand, &Leader::hand);
   if (hand == 0 || leader == leaders_.end() || said_.index == 0) return {};

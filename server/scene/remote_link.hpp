@@ -63,6 +63,9 @@ class RemoteLink {
   /// disabled.
   Remote told(std::uint32_t hand, Nanoseconds now) const noexcept;
 
+  /// Whether that hand moves the robot.
+  bool engages(std::uint32_t hand) const noexcept;
+
   /// For observers. Empty: there is no robot, or it has sent nothing yet.
   std::optional<SeenRobot> seen(Nanoseconds now) const noexcept;
 

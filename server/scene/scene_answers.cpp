@@ -26,11 +26,8 @@ Bytes SceneSessions::answer_samples(SessionSlot& slot, Bytes payload,
   slot.last_heard = origin.now;
   // Whoever holds a datagram back and sends it on from elsewhere draws no goodbye there.
   if (origin.newest) slot.peer = origin.from;
-  if (link_ && batch_.lead && covers(slot.role, Role::operator_)) {
-    link_->lead(slot.number, batch_, slot.session.parameters().servo_period, origin.now,
-                slot.lead_share);
-    taken.reply.remote = link_->told(slot.number, origin.now);
-  }
+  if (!seats_.empty() && batch_.lead && covers(slot.role, Role::operator_))
+    taken.reply.remote = lead(slot, origin.now);
   const Bytes answer = taken.withheld            ? Bytes{}
                        : slot.session.observes() ? show(slot, taken.reply, origin.now)
                                                  : encoder_.reply(taken.reply);
@@ -48,7 +45,7 @@ Bytes SceneSessions::answer_samples(SessionSlot& slot, Bytes payload,
 Bytes SceneSessions::show(SessionSlot& slot, const Reply& reply, Nanoseconds now) noexcept {
   const SessionParameters& parameters = slot.session.parameters();
   const double between = parameters.packet_interval * parameters.servo_period;
-  view_.robot = link_ ? link_->seen(now) : std::nullopt;
+  view_.robot = next_robot(slot, now);
   const std::size_t room = view_room(between) - (view_.robot ? kSeenRobotRoom : 0);
   if (slot.figures) {
     slot.observer_view.show(hands_, world_.get(), room - kFiguresOverhead, view_,
@@ -64,7 +61,7 @@ Bytes SceneSessions::replay_samples(std::uint64_t id, Bytes payload, Nanoseconds
   SessionSlot** slot = by_id_.find(id);
   if (slot == nullptr) return {};
   const Origin origin{Peer{}, true, now};
-  if (*slot != robot_) return answer_samples(**slot, payload, origin);
+  if ((*slot)->role != Role::follower) return answer_samples(**slot, payload, origin);
   receive_state(**slot, payload, origin);
   return {};
 }

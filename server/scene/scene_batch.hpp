@@ -17,14 +17,15 @@ struct SceneHost::Batch {
 
   std::size_t count = 0, next = 0;  // received, and of these the first without an answer
   alignas(std::uint64_t) std::array<std::array<std::uint8_t, kReceiveSize>, kMost> received;
-  // The answers, and one target for the scene's robot.
-  std::array<DatagramBuffer, kMost + 1> sent;
+  static constexpr std::size_t kMostSent = kMost + kMostSeats;
+  // The answers, and one target for each of the scene's robots.
+  std::array<DatagramBuffer, kMostSent> sent;
   std::array<Peer, kMost> peers;
-  Peer robot;
+  std::array<Peer, kMostSeats> robots;
   std::array<iovec, kMost> received_parts{};
-  std::array<iovec, kMost + 1> sent_parts{};
+  std::array<iovec, kMostSent> sent_parts{};
   std::array<mmsghdr, kMost> incoming{};
-  std::array<mmsghdr, kMost + 1> outgoing{};
+  std::array<mmsghdr, kMostSent> outgoing{};
 
   Batch() {
     for (std::size_t i = 0; i < kMost; ++i) {

@@ -63,10 +63,11 @@ std::size_t SceneHost::exchange(std::optional<Nanoseconds>& until) {
     if (!answer.empty()) batch.put(answers++, answer.size(), peer);
     if (slow_) now = account(now);
   } while (has_datagrams() && !posts_wait() && !(slow_ && now >= *until));
-  // Of all that came the newest target only: the robot has no use for those before.
-  if (const Bytes target = sessions_.forward(now, batch.robot, batch.sent[answers]);
-      !target.empty())
-    batch.put(answers++, target.size(), batch.robot);
+  // Of all that came the newest targets only: the robots have no use for those before.
+  for (std::size_t seat = 0; seat < sessions_.seats(); ++seat)
+    if (const Bytes target = sessions_.forward(seat, now, batch.robots[seat], batch.sent[answers]);
+        !target.empty())
+      batch.put(answers++, target.size(), batch.robots[seat]);
   const std::size_t taken = batch.next - first;
   served_at_ = slow_ ? now : account(answering);
   answers_.record((served_at_ - begin).count(), taken);
@@ -77,13 +78,19 @@ std::size_t SceneHost::exchange(std::optional<Nanoseconds>& until) {
   return taken;
 }
 
-/// Who may move the robot, and since when, is worth a line each time.
-void SceneHost::tell_of_link() {
-  const LinkState state = sessions_.link_state();
-  if (state == told_link_) return;
-  spdlog::info("scene {}: hand and robot are {} (were {})", name_, feltwire::name(state),
-               feltwire::name(told_link_));
-  told_link_ = state;
+/// Who may move a robot, and since when, is worth a line each time.
+void SceneHost::tell_of_links() {
+  for (std::size_t seat = 0; seat < kMostSeats; ++seat) {
+    const LinkState state =
+        seat < sessions_.seats() ? sessions_.link_state(seat) : LinkState::disabled;
+    LinkState& told = told_links_[seat];
+    if (state == told) continue;
+    const std::string which = sessions_.seat_name(seat);
+    spdlog::info("scene {}: hand and robot{} are {} (were {})", name_,
+                 which.empty() ? "" : " " + visible(which), feltwire::name(state),
+                 feltwire::name(told));
+    told = state;
+  }
 }
 
 /// What clients say to the changes that they were asked for.

@@ -129,7 +129,7 @@ class SceneHost final : public SceneInView, public SceneControls {
   }
   void publish() {
     publish_size();
-    tell_of_link();
+    tell_of_links();
     if (sessions_.has_answers()) [[unlikely]]
       tell_of_answers();
     if (!sessions_.ended().empty()) tell_ended();
@@ -139,7 +139,7 @@ class SceneHost final : public SceneInView, public SceneControls {
   void publish_scene() noexcept;
   void tell_of_world(Nanoseconds now);
   void tell_of_load(Nanoseconds now);
-  void tell_of_link();
+  void tell_of_links();
   void tell_of_answers();
   void draw(Nanoseconds now) noexcept {
     draw(pictures_, now);
@@ -177,7 +177,7 @@ class SceneHost final : public SceneInView, public SceneControls {
   LogLimit failures_;
   WorldLog world_log_;
   LoadLog load_log_;
-  LinkState told_link_ = LinkState::disabled;
+  std::array<LinkState, kMostSeats> told_links_{};  // by seat
   std::unique_ptr<Batch> batch_;  // buffers of one exchange
   bool slow_ = false;             // answers take so long that the clock is read for each
   Nanoseconds served_at_{0};      // time of the answers to the newest exchange

@@ -93,7 +93,9 @@ void SceneSessions::draw(Picture& picture, Nanoseconds now) const {
   picture.time = now;
   picture.hands.clear();
   picture.bodies.clear();
-  picture.robot = link_ ? link_->seen(now) : std::nullopt;
+  picture.robots.clear();
+  for (std::size_t seat = 0; seat < seats_.size(); ++seat)
+    if (const auto robot = seen_robot(seat, now)) picture.robots.push_back(*robot);
   for (const auto& slot : slots_) {
     const Session& session = slot->session;
     if (session.observes()) continue;
@@ -116,7 +118,7 @@ std::vector<HandDescription> SceneSessions::describe() const {
           {slot->number, slot->id, session.client(), session.device().name, slot->tool,
            session.parameters(), slot->takes, slot->asked ? slot->asked->what : std::string(),
            slot->asked ? slot->asked->answer : ChangeAnswer::waiting, session.times(),
-           link_ && covers(slot->role, Role::operator_) ? std::optional(slot->lead_share)
+           !seats_.empty() && covers(slot->role, Role::operator_) ? std::optional(slot->lead_share)
                                                         : std::nullopt});
   return hands;
 }

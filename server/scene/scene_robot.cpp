@@ -1,24 +1,76 @@
-// The robot of a scene: who sits on its seat, what it says, and where it shall be.
+// The robots of a scene: who sits on their seats, what they say, where they shall be, who leads them.
+
+#include <algorithm>
 
 #include "server/scene/session_slot.hpp"
 
 namespace feltwire {
+namespace {
 
-/// Why this one cannot sit on the robot's seat; nothing: it is no robot, or it can.
+/// "left, right"
+std::string names_of(const std::vector<RemoteSeat>& seats) {
+  std::string names;
+  for (const RemoteSeat& seat : seats) names += (names.empty() ? "" : ", ") + seat.name;
+  return names;
+}
+
+}  // namespace
+
+std::vector<SceneSessions::Seat> SceneSessions::seats_of(const Scene& scene) const {
+  std::vector<Seat> seats;
+  for (const RemoteSeat& seat : scene.seats()) seats.push_back({.link = RemoteLink(seat)});
+  // Whoever sits here stays, if the seats are the same.
+  if (has_same_seats(scene))
+    for (std::size_t i = 0; i < seats.size(); ++i) {
+      seats[i].robot = seats_[i].robot;
+      seats[i].own = seats_[i].own;
+      if (seats[i].robot != nullptr) seats[i].link.sit(seats[i].robot->number, seats[i].own);
+    }
+  return seats;
+}
+
+std::string SceneSessions::seat_name(std::size_t seat) const {
+  return seat < scene_->seats().size() ? scene_->seats()[seat].name : std::string();
+}
+
+/// By number and name.
+bool SceneSessions::has_same_seats(const Scene& scene) const noexcept {
+  return seats_.size() == scene.seats().size() &&
+         std::ranges::equal(scene_->seats(), scene.seats(), {}, &RemoteSeat::name,
+                            &RemoteSeat::name);
+}
+
+/// Null: there is none. Without a name only the seat of a scene that has no other.
+const RemoteSeat* SceneSessions::seat_named(const std::string& name) const noexcept {
+  const std::vector<RemoteSeat>& seats = scene_->seats();
+  if (name.empty()) return seats.size() == 1 ? &seats.front() : nullptr;
+  const auto found = std::ranges::find(seats, name, &RemoteSeat::name);
+  return found == seats.end() ? nullptr : &*found;
+}
+
+/// Why this one cannot sit on the seat that it asks for; nothing: it is no robot, or it can.
 std::optional<control::Refused> SceneSessions::refuse_robot(
     const control::JoinRequest& request) const {
   if (request.role != Role::follower) return std::nullopt;
   const std::string scene = "scene '" + scene_->name() + "'";
-  if (!link_)
+  if (seats_.empty())
     return control::Refused{control::RefusalCode::not_supported,
                             scene + " has no seat for a robot; give it a \"remote\""};
-  if (link_->taken())
+  const RemoteSeat* const seat = seat_named(request.seat);
+  if (seat == nullptr) {
+    const std::string asked =
+        request.seat.empty() ? " has several seats" : " has no seat '" + request.seat + "'";
+    const std::string has = seats_.size() == 1 && scene_->seats().front().name.empty()
+                                ? "; its only seat has no name: leave out --seat"
+                                : "; choose with --seat: " + names_of(scene_->seats());
+    return control::Refused{control::RefusalCode::bad_parameters, scene + asked + has};
+  }
+  if (seats_[static_cast<std::size_t>(seat - scene_->seats().data())].link.taken())
     return control::Refused{control::RefusalCode::full,
-                            scene +
-                                " has one seat for a robot, and a robot sits there; end its "
-                                "session first"};
-  const RemoteSeat& seat = *scene_->remote();
-  if (!has_room(joined(seat.workspace, request.workspace), seat.wall_depth * seat.scale))
+                            (seat->name.empty() ? "the seat" : "the seat '" + seat->name + "'") +
+                                " of " + scene +
+                                " is taken: a robot sits there; end its session first"};
+  if (!has_room(joined(seat->workspace, request.workspace), seat->wall_depth * seat->scale))
     return control::Refused{
         control::RefusalCode::bad_parameters,
         "the robot's own workspace and that of " + scene +
@@ -32,7 +84,7 @@ void SceneSessions::receive_state(SessionSlot& slot, Bytes payload, const Origin
     drop(wrong);
     return;
   }
-  if (!link_->follow(robot_state_, origin.now)) {
+  if (!seats_[slot.seat].link.follow(robot_state_, origin.now)) {
     slot.session.count_duplicate();
     drop(DropReason::stale);
     return;
@@ -49,11 +101,59 @@ void SceneSessions::receive_state(SessionSlot& slot, Bytes payload, const Origin
          .payload = payload});
 }
 
-Bytes SceneSessions::forward(Nanoseconds now, Peer& to, DatagramBuffer& out) noexcept {
-  if (robot_ == nullptr || robot_->peer.length == 0 || !link_->target_due(now)) return {};
-  to = robot_->peer;
-  return robot_->sealer.seal(DatagramKind::follower_target, robot_->id,
-                             encoder_.target(link_->target(now)), out);
+/// The hand leads the robot that it wants to lead. It does not leave another one while it moves it.
+/// For a seat that there is not, the state is `disabled`.
+Remote SceneSessions::lead(SessionSlot& slot, Nanoseconds now) noexcept {
+  slot.leads = true;
+  const std::uint8_t wanted = batch_.lead->seat;
+  if (wanted != slot.seat && !seats_[slot.seat].link.engages(slot.number)) {
+    seats_[slot.seat].link.leave(slot.number);
+    if (wanted >= seats_.size()) {
+      Remote none;
+      none.seat = wanted;
+      return none;
+    }
+    slot.seat = wanted;
+  }
+  RemoteLink& link = seats_[slot.seat].link;
+  link.lead(slot.number, batch_, slot.session.parameters().servo_period, now, slot.lead_share);
+  Remote told = link.told(slot.number, now);
+  told.seat = slot.seat;
+  return told;
+}
+
+std::optional<SeenRobot> SceneSessions::seen_robot(std::size_t seat,
+                                                   Nanoseconds now) const noexcept {
+  std::optional<SeenRobot> robot = seats_[seat].link.seen(now);
+  if (!robot) return robot;
+  robot->seat = static_cast<std::uint8_t>(seat);
+  unsigned all = 0;
+  for (std::size_t i = 0; i < seats_.size(); ++i)
+    if (seats_[i].link.seen(now)) all |= 1u << i;
+  robot->seats = static_cast<std::uint8_t>(all);
+  return robot;
+}
+
+/// Of each robot in turn.
+std::optional<SeenRobot> SceneSessions::next_robot(SessionSlot& observer,
+                                                   Nanoseconds now) const noexcept {
+  for (std::size_t i = 1; i <= seats_.size(); ++i) {
+    const std::size_t seat = (observer.seen + i) % seats_.size();
+    if (const auto robot = seen_robot(seat, now)) {
+      observer.seen = static_cast<std::uint8_t>(seat);
+      return robot;
+    }
+  }
+  return std::nullopt;
+}
+
+Bytes SceneSessions::forward(std::size_t seat, Nanoseconds now, Peer& to,
+                             DatagramBuffer& out) noexcept {
+  SessionSlot* const robot = seats_[seat].robot;
+  if (robot == nullptr || robot->peer.length == 0 || !seats_[seat].link.target_due(now)) return {};
+  to = robot->peer;
+  return robot->sealer.seal(DatagramKind::follower_target, robot->id,
+                            encoder_.target(seats_[seat].link.target(now)), out);
 }
 
 }  // namespace feltwire

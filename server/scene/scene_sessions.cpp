@@ -74,7 +74,7 @@ SceneSessions::SceneSessions(const Scene& scene, Nanoseconds silence_timeout,
   slots_.reserve(max_sessions);
   hands_.reserve(max_sessions);
   ended_.reserve(max_sessions);
-  take_over(scene, world_of(scene));
+  take_over(scene, world_of(scene), seats_of(scene));
 }
 
 /// Null where nothing moves in the scene.
@@ -82,24 +82,26 @@ std::unique_ptr<World> SceneSessions::world_of(const Scene& scene) const {
   return scene.mechanism() == nullptr ? nullptr : std::make_unique<World>(scene);
 }
 
-void SceneSessions::take_over(const Scene& scene, std::unique_ptr<World> world) {
+void SceneSessions::take_over(const Scene& scene, std::unique_ptr<World> world,
+                              std::vector<Seat> seats) noexcept {
   scene_ = &scene;
   world_ = std::move(world);
   if (world_ != nullptr) tick_ = from_seconds(world_->tick());
-  link_.reset();
-  if (scene.remote()) link_.emplace(*scene.remote());
-  if (link_ && robot_ != nullptr) link_->sit(robot_->number, robot_workspace_);
+  seats_ = std::move(seats);
 }
 
 std::vector<SceneSessions::GoodbyeDatagram> SceneSessions::enter(const Scene& scene,
                                                                  Nanoseconds now) {
   // What may throw comes first; nothing has changed by then.
   std::unique_ptr<World> world = world_of(scene);
+  std::vector<Seat> seats = seats_of(scene);
+  const bool same_seats = has_same_seats(scene);
   std::vector<Session::Place> places(slots_.size());
   std::vector<GoodbyeDatagram> goodbyes;
   for (std::size_t i = slots_.size(); i-- > 0;)
     if (const ToolView* view = scene.view(slots_[i]->tool);
-        view == nullptr || (slots_[i].get() == robot_ && !scene.remote()))
+        view == nullptr ||
+        (!same_seats && (slots_[i]->leads || slots_[i]->role == Role::follower)))
       goodbyes.push_back(goodbye(*slots_[i], GoodbyeReason::evicted));
     else
       places[i] = Session::Place(*view, world.get(), slots_[i]->session.limits());
@@ -107,12 +109,13 @@ std::vector<SceneSessions::GoodbyeDatagram> SceneSessions::enter(const Scene& sc
 
   if (world_ != nullptr) add(counters_.world, world_->counters());
   const std::unique_ptr<World> before = std::move(world_);  // until no session is in it any more
-  take_over(scene, std::move(world));
+  take_over(scene, std::move(world), std::move(seats));
   last_tick_ = now;
   log({.kind = EventKind::reload, .time = now});
   for (std::size_t i = slots_.size(); i-- > 0;)
     if (places[i].view != nullptr) {
       slots_[i]->session.enter(std::move(places[i]));
+      if (!same_seats) slots_[i]->seat = 0;  // it leads none
     } else {
       ++counters_.evicted;
       end(*slots_[i], SessionEnd::tool_gone);
@@ -170,6 +173,7 @@ control::Message SceneSessions::join(control::JoinRequest request, std::uint64_t
   // With the text first: once the session is there nothing may throw.
   control::JoinAccepted accepted;
   accepted.tool = view->tool().name;
+  for (const RemoteSeat& seat : scene_->seats()) accepted.seats.push_back(seat.name);
   accepted.version = version();
   std::vector<std::uint8_t> logged;
   try {
@@ -203,10 +207,13 @@ control::Message SceneSessions::join(control::JoinRequest request, std::uint64_t
   slot.figures = request.figures && slot.session.observes();
   if (!slot.session.observes()) hands_.push_back({slot.number, &slot.session});
   if (request.role == Role::follower) {
-    robot_ = &slot;
-    robot_workspace_ = request.workspace;
-    link_->sit(slot.number, robot_workspace_);
-    accepted.workspace = scene_->remote()->workspace;
+    const RemoteSeat& wanted = *seat_named(request.seat);
+    slot.seat = static_cast<std::uint8_t>(&wanted - scene_->seats().data());
+    Seat& seat = seats_[slot.seat];
+    seat.robot = &slot;
+    seat.own = request.workspace;
+    seat.link.sit(slot.number, seat.own);
+    accepted.workspace = wanted.workspace;
   }
   log({.kind = EventKind::join, .hand = slot.number, .time = now, .payload = logged});
   accepted.session = id;
@@ -253,7 +260,7 @@ Bytes SceneSessions::receive(Bytes datagram, const Peer& from, Nanoseconds now,
   share_.attribute_to(slot.share);
   const bool says_goodbye = guarded.header.kind == DatagramKind::goodbye;
   const bool says_state = guarded.header.kind == DatagramKind::follower_state;
-  if (!says_goodbye && says_state != (&slot == robot_)) return drop(DropReason::kind);
+  if (!says_goodbye && says_state != (slot.role == Role::follower)) return drop(DropReason::kind);
   if (!says_goodbye) {
     if (!slot.rate.admit(now)) return drop(DropReason::rate);
     if (!share_.admit(slot.share)) [[unlikely]] {
@@ -282,8 +289,11 @@ void SceneSessions::end(SessionSlot& slot, SessionEnd how) noexcept {
   if (ended_.size() == ended_.capacity()) ended_.clear();
   ended_.push_back({slot.id, how});
   by_id_.erase(slot.id);
-  if (link_) link_->leave(slot.number);
-  if (&slot == robot_) robot_ = nullptr;
+  if (slot.seat < seats_.size()) {
+    Seat& seat = seats_[slot.seat];
+    seat.link.leave(slot.number);
+    if (seat.robot == &slot) seat.robot = nullptr;
+  }
   share_.remove(slot.share);
   gone_[next_gone_++ % gone_.size()] = slot.id;
   std::erase_if(hands_, [&](const ActingHand& hand) { return hand.session == &slot.session; });

@@ -86,12 +86,16 @@ class SceneSessions {
   /// `out`; empty if there is none. Never allocates.
   Bytes receive(Bytes datagram, const Peer& from, Nanoseconds now, DatagramBuffer& out) noexcept;
 
-  /// The newest target of the scene's robot, and its receiver; empty: none is due. Call it after
+  /// Seats for robots in the scene.
+  std::size_t seats() const noexcept { return seats_.size(); }
+  /// Empty: the only seat, or there is no such seat.
+  std::string seat_name(std::size_t seat) const;
+  /// The newest target of the robot on a seat, and its receiver; empty: none is due. Call it after
   /// receive(), once for all datagrams that came together, because older targets are useless. Never
-  /// allocates.
-  Bytes forward(Nanoseconds now, Peer& to, DatagramBuffer& out) noexcept;
-  /// The state between the scene's leading hand and its robot; `disabled` without a robot's seat.
-  LinkState link_state() const noexcept { return link_ ? link_->state() : LinkState::disabled; }
+  /// allocates. Precondition: seat < seats().
+  Bytes forward(std::size_t seat, Nanoseconds now, Peer& to, DatagramBuffer& out) noexcept;
+  /// The state between the robot on a seat and the hand that leads it. Precondition: as above.
+  LinkState link_state(std::size_t seat) const noexcept { return seats_[seat].link.state(); }
 
   /// Charges the time of all datagrams since the last call (FairShare). Never allocates.
   void spent(Nanoseconds time, Nanoseconds now) noexcept {
@@ -125,7 +129,8 @@ class SceneSessions {
     std::vector<std::uint8_t> datagram;
   };
   /// Moves all sessions to another scene, in its initial state, with the tools that they requested;
-  /// sessions whose tool it does not have end. It must outlive this; the old scene is not used any
+  /// sessions whose tool it does not have end. Robots and hands that lead know the seats by their
+  /// numbers: if it has other seats, by name and order, their sessions end. It must outlive this; the old scene is not used any
   /// more. Allocates; throws and changes nothing if there is no memory for it.
   std::vector<GoodbyeDatagram> enter(const Scene& scene, Nanoseconds now);
 
@@ -188,9 +193,18 @@ class SceneSessions {
   struct Origin;
   struct Change;
   struct AskedChange;
+  /// A seat of the scene for a robot.
+  struct Seat {
+    RemoteLink link;
+    SessionSlot* robot = nullptr;  // who sits there
+    Workspace own = {};            // the robot's own
+  };
   void hear_answer(SessionSlot& slot) noexcept;
   std::unique_ptr<World> world_of(const Scene& scene) const;
-  void take_over(const Scene& scene, std::unique_ptr<World> world);
+  void take_over(const Scene& scene, std::unique_ptr<World> world,
+                 std::vector<Seat> seats) noexcept;
+  std::vector<Seat> seats_of(const Scene& scene) const;
+  bool has_same_seats(const Scene& scene) const noexcept;
   std::vector<GoodbyeDatagram> end_all(GoodbyeReason reason) noexcept;
   control::Message join(control::JoinRequest request, std::uint64_t id, const SessionKeys& keys,
                         Nanoseconds now);
@@ -201,7 +215,11 @@ class SceneSessions {
   Bytes answer_samples(SessionSlot& slot, Bytes payload, const Origin& origin) noexcept;
   Bytes show(SessionSlot& slot, const Reply& reply, Nanoseconds now) noexcept;
   std::optional<control::Refused> refuse_robot(const control::JoinRequest& request) const;
+  const RemoteSeat* seat_named(const std::string& name) const noexcept;
   void receive_state(SessionSlot& slot, Bytes payload, const Origin& origin) noexcept;
+  Remote lead(SessionSlot& slot, Nanoseconds now) noexcept;
+  std::optional<SeenRobot> seen_robot(std::size_t seat, Nanoseconds now) const noexcept;
+  std::optional<SeenRobot> next_robot(SessionSlot& observer, Nanoseconds now) const noexcept;
   void add_figures(SceneView& view, Nanoseconds now) const noexcept;
   PictureHand picture_of(const SessionSlot& slot, Nanoseconds now) const noexcept;
   void log(SceneEvent event) noexcept {
@@ -229,9 +247,7 @@ class SceneSessions {
   std::vector<std::unique_ptr<SessionSlot>> slots_;  // in the order they joined
   std::vector<ActingHand> hands_;                    // of those, without the observers'
   IdMap<SessionSlot*> by_id_;
-  std::optional<RemoteLink> link_;  // if the scene has a robot's seat
-  SessionSlot* robot_ = nullptr;    // the session with that seat
-  Workspace robot_workspace_;       // the robot's own
+  std::vector<Seat> seats_;          // for robots
   FairShare share_;
   std::array<std::uint64_t, 64> gone_{};  // the sessions that ended last
   std::size_t next_gone_ = 0;

@@ -35,6 +35,7 @@ control::SessionDescriptions SceneSessions::describe_after(std::uint32_t number)
     }
     entry.takes = slot->takes;
     entry.lead_share = slot->lead_share;
+    if (slot->leads || slot->role == Role::follower) entry.seat = seat_name(slot->seat);
     if (slot->asked) {
       entry.asked = slot->asked->what;
       entry.answer = slot->asked->answer;

@@ -55,6 +55,9 @@ struct SceneSessions::SessionSlot {
   ChangesTaken takes = {};   // changes that its client takes
   std::optional<AskedChange> asked = {};
   double lead_share = 0.0;  // for RemoteLink::lead()
+  std::uint8_t seat = 0;    // a robot's, or that of the robot that the hand leads
+  bool leads = false;       // its samples have a lead
+  std::uint8_t seen = 0;    // for an observer: the seat of the robot in its last view
 
   bool waits_for_client() const { return asked && asked->answer == ChangeAnswer::waiting; }
 };

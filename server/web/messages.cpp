@@ -76,11 +76,13 @@ class Writer {
   Bytes bytes_;
 };
 
+constexpr int kRobotSeat = 8;  // the first bit of its seat
+
 void put(Writer& writer, const SeenRobot& robot) {
   writer.put(static_cast<std::uint32_t>(robot.state));
   writer.put(robot.hand);
   writer.put((robot.force ? 1u : 0u) | (robot.ok ? 2u : 0u) | (robot.stopped ? 4u : 0u) |
-             (robot.touches ? 8u : 0u));
+             (robot.touches ? 8u : 0u) | std::uint32_t{robot.seat} << kRobotSeat);
   for (const Pose* pose : {&robot.pose, &robot.target}) {
     writer.put(pose->position);
     writer.put(pose->orientation);
@@ -208,7 +210,7 @@ std::string ticket_text(std::string_view scene, std::string_view ticket,
 std::string scene_text(const Scene& scene, std::uint32_t version) {
   const std::vector<Object>& objects = scene.objects();
   const std::size_t still = scene.views().front().still();
-  std::vector<std::string> entries, guides, tools;
+  std::vector<std::string> entries, guides, tools, seats;
   Box box;
   box.add(scene.start().position);
   for (std::size_t i = 0; i < objects.size(); ++i) {
@@ -226,12 +228,14 @@ std::string scene_text(const Scene& scene, std::uint32_t version) {
   }
   for (const Guide& guide : scene.guides()) guides.push_back(guide_text(guide));
   for (const ToolView& view : scene.views()) tools.push_back(tool_text(view.tool()));
+  for (const RemoteSeat& seat : scene.seats()) seats.push_back(text(seat.name));
   return json_text::object({{"type", text("scene")},
                             {"name", text(scene.name())},
                             {"version", number(std::uint64_t{version})},
                             {"objects", json_text::list(entries)},
                             {"guides", json_text::list(guides)},
                             {"tools", json_text::list(tools)},
+                            {"seats", json_text::list(seats)},
                             {"box", "[" + vector(box.low) + "," + vector(box.high) + "]"}});
 }
 
@@ -293,7 +297,7 @@ std::vector<Bytes> geometry(const Scene& scene, std::uint32_t version) {
 Bytes picture(const Picture& picture, std::span<const HandRates> rates, Nanoseconds begin) {
   constexpr std::size_t kHead = 24, kHand = 112, kBody = 32, kRobot = 100;
   Writer writer(Kind::picture, kHead + kHand * picture.hands.size() +
-                                   kBody * picture.bodies.size() + (picture.robot ? kRobot : 0));
+                                   kBody * picture.bodies.size() + kRobot * picture.robots.size());
   writer.put(static_cast<std::uint32_t>(picture.hands.size()));
   writer.put(static_cast<std::uint32_t>(picture.bodies.size()));
   writer.put(picture.version);
@@ -318,7 +322,7 @@ Bytes picture(const Picture& picture, std::span<const HandRates> rates, Nanoseco
     writer.put(body.pose.position);
     writer.put(body.pose.orientation);
   }
-  if (picture.robot) put(writer, *picture.robot);
+  for (const SeenRobot& robot : picture.robots) put(writer, robot);
   return writer.take();
 }
 

@@ -84,6 +84,8 @@ int main(int argc, char** argv) {
   app.set_version_flag("--version", version());
   app.add_option("--connect", words.connect, "HOST:PORT of the server")->required();
   app.add_option("--scene", words.run.scene, "Scene whose robot's seat it takes")->required();
+  app.add_option("--seat", words.run.seat,
+                 "Name of the seat. When not given: the only seat of the scene");
   app.add_option(
       "--surroundings", words.robot.surroundings,
       "FILE.json: the robot is a point with a mass and an impedance controller in that scene");

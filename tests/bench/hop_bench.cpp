@@ -33,7 +33,7 @@ Scene seat() {
   far_away.pose.position = Vec3(0.0, 0.0, -50.0);
   far_away.material = {.stiffness = 1000.0};
   Scene scene("seat", {far_away});
-  scene.set_remote({});
+  scene.set_seats({RemoteSeat{}});
   return scene;
 }
 
@@ -90,7 +90,7 @@ struct Link {
     return timed([&] {
       benchmark::DoNotOptimize(server.receive(datagram, hand_peer, now, answer));
       Peer to;
-      benchmark::DoNotOptimize(server.forward(now, to, target));
+      benchmark::DoNotOptimize(server.forward(0, now, to, target));
     });
   }
   double follow() {
@@ -98,10 +98,10 @@ struct Link {
     return timed([&] {
       benchmark::DoNotOptimize(server.receive(datagram, robot_peer, now, answer));
       Peer to;
-      benchmark::DoNotOptimize(server.forward(now, to, target));
+      benchmark::DoNotOptimize(server.forward(0, now, to, target));
     });
   }
-  bool engaged() const { return server.link_state() == LinkState::engaged; }
+  bool engaged() const { return server.link_state(0) == LinkState::engaged; }
 };
 
 void run(benchmark::State& state, bool lead) {

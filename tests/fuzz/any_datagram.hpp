@@ -66,7 +66,8 @@ inline SampleBatch batch(Input& in) {
                   .known_surface = in.whole<std::uint32_t>(),
                   .offset = wild ? any_float_vector(in) : Vec3(Vec3::UnitX()),
                   .hand_work = in.any_double(),
-                  .gripper = in.any_float()};
+                  .gripper = in.any_float(),
+                  .seat = in.byte()};
   return b;
 }
 
@@ -190,6 +191,7 @@ inline Reply reply(Input& in) {
   if (r.body_modelled) r.body = body(in);
   if (in.coin())
     r.remote = Remote{.state = static_cast<LinkState>(in.byte() % 8),
+                      .seat = in.byte(),
                       .meets_surfaces = in.coin(),
                       .pose = {in.vector(kMaxPosition), orientation(in)},
                       .contact = contact(in),

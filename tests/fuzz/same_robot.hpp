@@ -19,10 +19,11 @@ inline bool same_pose(const Pose& a, const Pose& b) {
 }
 inline bool same(const Lead& a, const Lead& b) {
   return a.deadman == b.deadman && a.known_surface == b.known_surface && same(a.offset, b.offset) &&
-         same(a.hand_work, b.hand_work) && same(a.gripper, b.gripper);
+         same(a.hand_work, b.hand_work) && same(a.gripper, b.gripper) && a.seat == b.seat;
 }
 inline bool same(const Remote& a, const Remote& b) {
-  return a.state == b.state && same_pose(a.pose, b.pose) && same(a.contact, b.contact) &&
+  return a.state == b.state && a.seat == b.seat && same_pose(a.pose, b.pose) &&
+         same(a.contact, b.contact) &&
          same(a.energy, b.energy) && same(a.gripper, b.gripper) &&
          same(a.gripper_force, b.gripper_force) && same(a.age, b.age) &&
          a.meets_surfaces == b.meets_surfaces;

@@ -128,6 +128,23 @@ TEST(Options, ARobotIsBelievedAsFarAsItsUserSays) {
     EXPECT_THAT(refusal({"--lead", "0.3", "--trust-robot", wrong}), HasSubstr("0 to 1 J"));
 }
 
+TEST(Options, AHandChoosesItsRobot) {
+  const auto options = std::get<ClientOptions>(
+      parsed({"--lead", "0.3", "--robot", "left", "--device", "gamepad"}));
+  EXPECT_EQ(options.robot, "left");
+  EXPECT_EQ(options.servo.seat_button, 0);
+  EXPECT_THAT(refusal({"--robot", "left"}), HasSubstr("--robot is for a hand with --lead"));
+  EXPECT_THAT(refusal({"--robot-button", "1"}), HasSubstr("--robot-button is for a hand with"));
+  EXPECT_THAT(refusal({"--lead", "0.3", "--robot-button", "1"}),
+              HasSubstr("--robot-button: of --device simulated no button is read"));
+  EXPECT_EQ(std::get<ClientOptions>(
+                parsed({"--lead", "0.3", "--robot-button", "2", "--device", "falcon"}))
+                .servo.seat_button,
+            2);
+  EXPECT_THAT(refusal({"--lead", "0.3", "--robot-button", "99", "--device", "falcon"}),
+              HasSubstr("--robot-button: of --device falcon the buttons 1 to "));
+}
+
 TEST(Options, LimitsThatCannotBeAreRefusedInOneLine) {
   EXPECT_THAT(refusal({"--mode", "per_axis", "--velocity-limit", "1"}),
               HasSubstr("velocity limit of 1 m/s cannot follow the bounding mode per_axis"));

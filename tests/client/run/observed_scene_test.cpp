@@ -106,7 +106,7 @@ TEST(ObservedScene, KeepsNoMoreThanItsLimitsAndCountsTheRest) {
 TEST(ObserverRecorder, SaysWhatItHasNoRoomFor) {
   EXPECT_EQ(text(SightCounts{.hands = 2, .bodies = 1, .left_out = 3}),
             "  sees 2 hands, 1 body, 3 left out");
-  EXPECT_EQ(text(SightCounts{.robot = LinkState::hold}),
+  EXPECT_EQ(text(SightCounts{.robots = {LinkState::hold}}),
             "  sees 0 hands, 0 bodies, a robot (hold)");
 }
 
@@ -149,8 +149,8 @@ TEST(ObserverRecorder, WritesDownTheRobot) {
   robot.hand = 7;
   observer.views().push({0.25, view});
   observer.look();
-  EXPECT_EQ(observer.counts().robot, LinkState::engaged);
-  EXPECT_EQ(observer.scene().robot()->hand, 7u);
+  EXPECT_EQ(observer.counts().robots, std::vector{LinkState::engaged});
+  EXPECT_EQ(observer.scene().robots().at(0).hand, 7u);
   robot.force.reset();
   robot.state = LinkState::fault;
   robot.hand = 0;
@@ -159,14 +159,45 @@ TEST(ObserverRecorder, WritesDownTheRobot) {
   observer.views().push({0.75, view});
   observer.views().push({1.0, view});
   observer.look();
-  EXPECT_FALSE(observer.counts().robot);
-  EXPECT_FALSE(observer.scene().robot());
+  EXPECT_TRUE(observer.counts().robots.empty());
+  EXPECT_TRUE(observer.scene().robots().empty());
   EXPECT_EQ(text_of(file),
             "t,kind,id,x,y,z,qw,qx,qy,qz,fx,fy,fz\n"
             "0.25,robot,2,0.25,0,1,1,0,0,0,0,-2,3\n"
             "0.25,robot_target,7,0.5,0,1,1,0,0,0,,,\n"
             "0.5,robot,5,0.25,0,1,1,0,0,0,,,\n"
             "0.5,robot_target,0,0.5,0,1,1,0,0,0,,,\n"
+            "0.75,robot_gone,0,,,,,,,,,,\n");
+}
+
+TEST(ObserverRecorder, TellsSeveralRobotsApart) {
+  EXPECT_EQ(text(SightCounts{.robots = {LinkState::hold, LinkState::engaged}}),
+            "  sees 0 hands, 0 bodies, 2 robots (hold, engaged)");
+  const testing::TemporaryFolder folder;
+  const auto file = folder / "view.csv";
+  ObserverRecorder observer(file);
+  SceneView view = view_of(0, 0, {});
+  SeenRobot& robot = view.robot.emplace();
+  robot.seats = 0b101;
+  observer.views().push({0.25, view});
+  robot.seat = 2;
+  robot.state = LinkState::engaged;
+  observer.views().push({0.5, view});
+  observer.look();
+  EXPECT_EQ(observer.counts().robots, (std::vector{LinkState::disabled, LinkState::engaged}));
+  robot.seats = 0b100;
+  observer.views().push({0.75, view});
+  observer.look();
+  EXPECT_EQ(observer.scene().robots().size(), 1u);
+  EXPECT_EQ(observer.scene().robots().count(2), 1u);
+  EXPECT_EQ(text_of(file),
+            "t,kind,id,x,y,z,qw,qx,qy,qz,fx,fy,fz\n"
+            "0.25,robot,0,0,0,0,1,0,0,0,,,\n"
+            "0.25,robot_target,0,0,0,0,1,0,0,0,,,\n"
+            "0.5,robot3,2,0,0,0,1,0,0,0,,,\n"
+            "0.5,robot3_target,0,0,0,0,1,0,0,0,,,\n"
+            "0.75,robot3,2,0,0,0,1,0,0,0,,,\n"
+            "0.75,robot3_target,0,0,0,0,1,0,0,0,,,\n"
             "0.75,robot_gone,0,,,,,,,,,,\n");
 }
 

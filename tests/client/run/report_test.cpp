@@ -100,10 +100,10 @@ TEST(Report, SaysWhatAnObserverSaw) {
                              {"bodies", 2},
                              {"most_hands", 3},
                              {"most_bodies", 4},
-                             {"robot", nullptr},
+                             {"robots", json::array()},
                              {"left_out", 6}}));
-  run.sight->robot = LinkState::engaged;
-  EXPECT_EQ(json::parse(report_json(run, *servo, {}, result))["view"]["robot"], "engaged");
+  run.sight->robots = {LinkState::engaged};
+  EXPECT_EQ(json::parse(report_json(run, *servo, {}, result))["view"]["robots"], json::array({"engaged"}));
 }
 
 TEST(Report, HoldsWhatWasCounted) {

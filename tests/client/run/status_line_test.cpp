@@ -53,6 +53,8 @@ TEST(StatusLine, SaysWhetherTheRobotFollows) {
   now.robot = LinkState::aligning;
   now.robot_turn = 0.416;
   EXPECT_THAT(text(now, {}), HasSubstr("  robot aligning, turn by 0.42 rad"));
+  now.robot_name = "left";
+  EXPECT_THAT(text(now, {}), HasSubstr("  robot left aligning, turn by 0.42 rad"));
 }
 
 /// Oscillation since the line before, stiffness of the run; nothing where nothing was measured.

@@ -21,26 +21,27 @@ TEST(LoadRemote, ARobotMayFollow) {
       "objects": [{"name": "o", "plane": {}, "material": "m"}])" +
            remote + "}";
   };
-  EXPECT_FALSE(parse_scene(scene(""), "s.json").remote());
+  EXPECT_TRUE(parse_scene(scene(""), "s.json").seats().empty());
   const Scene usual = parse_scene(scene(R"(, "remote": {})"), "s.json");
-  ASSERT_TRUE(usual.remote());
-  EXPECT_EQ(usual.remote()->scale, 1.0);
+  ASSERT_EQ(usual.seats().size(), 1u);
+  EXPECT_EQ(usual.seats()[0].name, "");
+  EXPECT_EQ(usual.seats()[0].scale, 1.0);
   const Scene told =
       parse_scene(scene(R"(, "remote": {"scale": 0.5, "speed": 1, "force": 10})"), "s.json");
-  EXPECT_EQ(told.remote()->scale, 0.5);
-  EXPECT_EQ(told.remote()->speed, 1.0);
-  EXPECT_EQ(told.remote()->force, 10.0);
+  EXPECT_EQ(told.seats()[0].scale, 0.5);
+  EXPECT_EQ(told.seats()[0].speed, 1.0);
+  EXPECT_EQ(told.seats()[0].force, 10.0);
   EXPECT_THAT(error_of(scene(R"(, "remote": {"scale": 0})")),
               HasSubstr("remote.scale: is 0; give a number above 0, at most 100"));
   EXPECT_THAT(error_of(scene(R"(, "remote": {"speed": -1})")), HasSubstr("remote.speed"));
-  EXPECT_FALSE(told.remote()->aligned);
-  EXPECT_EQ(parse_scene(scene(R"(, "remote": {"aligned": {}})"), "s.json").remote()->aligned->gate,
+  EXPECT_FALSE(told.seats()[0].aligned);
+  EXPECT_EQ(parse_scene(scene(R"(, "remote": {"aligned": {}})"), "s.json").seats()[0].aligned->gate,
             0.26);
   const Alignment aligned =
       *parse_scene(scene(R"(, "remote": {"aligned": {"gate": 0.5, "orientation": [0, 0, 3, 0]}})"),
                    "s.json")
-           .remote()
-           ->aligned;
+           .seats()[0]
+           .aligned;
   EXPECT_EQ(aligned.gate, 0.5);
   EXPECT_EQ(aligned.offset.coeffs(), Eigen::Vector4d(0, 1, 0, 0)) << "unit";
   for (const char* gate : {"0", "-1", "3.1"})
@@ -55,6 +56,39 @@ TEST(LoadRemote, ARobotMayFollow) {
   EXPECT_THAT(error_of(scene(R"(, "remote": {"force": 1e9})")), HasSubstr("remote.force"));
 }
 
+TEST(LoadRemote, SeveralRobotsMayFollowEachOnASeatWithAName) {
+  const auto scene = [](const std::string& remotes) {
+    return R"({"name": "s", "materials": [{"name": "m", "stiffness": 100}],
+      "objects": [{"name": "o", "plane": {}, "material": "m"}], )" +
+           remotes + "}";
+  };
+  const Scene two = parse_scene(scene(R"("remotes": [{"name": "left", "scale": 0.5},
+      {"name": "right", "workspace": {"lock": ["z"]}}])"),
+                                "s.json");
+  ASSERT_EQ(two.seats().size(), 2u);
+  EXPECT_EQ(two.seats()[0].name, "left");
+  EXPECT_EQ(two.seats()[0].scale, 0.5);
+  EXPECT_EQ(two.seats()[1].name, "right");
+  EXPECT_TRUE(two.seats()[1].workspace.locked[2]);
+  EXPECT_THAT(error_of(scene(R"("remotes": [{"name": "a"}, {"name": "a"}])")),
+              HasSubstr("remotes[1].name: 'a' is the name of remotes[0]"));
+  EXPECT_THAT(error_of(scene(R"("remotes": [{"name": "a"}, {}])")),
+              HasSubstr("remotes[1].name: is missing"));
+  EXPECT_THAT(error_of(scene(R"("remotes": [])")),
+              HasSubstr("remotes: has 0 seats; give 1 to 4"));
+  EXPECT_THAT(error_of(scene(R"("remotes": [{"name": "a"}, {"name": "b"}, {"name": "c"},
+      {"name": "d"}, {"name": "e"}])")),
+              HasSubstr("remotes: has 5 seats; give 1 to 4"));
+  EXPECT_THAT(error_of(scene(R"("remotes": [{"name": "a"}], "remote": {})")),
+              HasSubstr("remotes: stands beside remote; put all seats into remotes"));
+  EXPECT_THAT(error_of(scene(R"("remote": {"name": "a"})")),
+              HasSubstr("remote.name: the only seat has no name"));
+  EXPECT_THAT(error_of(scene(R"("remotes": [{"name": "a", "speed": -1}])")),
+              HasSubstr("remotes[0].speed: is -1"));
+  EXPECT_THAT(error_of(scene(R"("remotes": [{"name": "a", "workspace": {"low": [0, 0, 0]}}])")),
+              HasSubstr("remotes[0].workspace.high: is missing"));
+}
+
 TEST(LoadRemote, ARobotsTargetMayHaveAWorkspace) {
   const auto scene = [](const std::string& workspace) {
     return R"({"name": "s", "materials": [{"name": "m", "stiffness": 100}],
@@ -62,14 +96,14 @@ TEST(LoadRemote, ARobotsTargetMayHaveAWorkspace) {
       "remote": {"workspace": {)" +
            workspace + "}}}";
   };
-  EXPECT_FALSE(parse_scene(scene(""), "s.json").remote()->workspace.limits());
-  const RemoteSeat seat = *parse_scene(scene(R"("low": [-0.1, -0.2, 0], "high": [0.1, 0.2, 0.3],
+  EXPECT_FALSE(parse_scene(scene(""), "s.json").seats()[0].workspace.limits());
+  const RemoteSeat seat = parse_scene(scene(R"("low": [-0.1, -0.2, 0], "high": [0.1, 0.2, 0.3],
       "walls": [{"position": [0, 0, 0.25], "normal": [0, 3, -4]}, {}],
       "keep_out": [{"position": [0.1, 0, 0], "radius": 0.03},
                    {"size": [0.2, 0.02, 0], "orientation": [0, 0, 0, 2]}], "lock": ["y", "rotation"],
       "stiffness": 500, "depth": 0.002)"),
                                        "s.json")
-                               .remote();
+                              .seats()[0];
   const Workspace& w = seat.workspace;
   ASSERT_EQ(w.count, 8u);
   EXPECT_LE((nearest_in_front(Vec3(1, 1, -1), w.view().first(6)) - Vec3(0.1, 0.2, 0.0)).norm(),

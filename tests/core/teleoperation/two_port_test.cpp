@@ -195,6 +195,26 @@ TEST(TwoPort, AWallThatPushesMovesTheHandOnlyWithItsEnergy) {
   EXPECT_GT(pushed(1e-3), 0.5e-3);
 }
 
+TEST(TwoPort, AnotherRobotsTotalsAreNoGrowth) {
+  RemoteEnergy energy({.per_contact = 10.0, .power = 1e6});
+  energy.take({.given = 0.5, .taken = 0.1, .pushed = 0.5});
+  EXPECT_EQ(energy.step(1e-3), 0.5);
+  energy.restart();
+  EXPECT_EQ(energy.step(1e-3), 0.0);
+  energy.take({.given = 7.0, .taken = 3.0, .pushed = 4.0});
+  EXPECT_EQ(energy.step(1e-3), 0.0);
+  EXPECT_EQ(energy.net(), 0.0);
+  energy.take({.given = 7.25, .taken = 3.0, .pushed = 4.25});
+  EXPECT_EQ(energy.step(1e-3), 0.25);
+  EXPECT_EQ(energy.net(), 0.25);
+  EXPECT_EQ(energy.credit(), 0.75);
+  // One with smaller totals than the one before counts as well.
+  energy.restart();
+  energy.take({.given = 1.0, .taken = 0.0, .pushed = 1.0});
+  energy.take({.given = 1.5, .taken = 0.0, .pushed = 1.5});
+  EXPECT_EQ(energy.step(1e-3), 0.5);
+}
+
 TEST(ContactEnergy, CountsASpringsWorkExactlyAndNoiseAsNothing) {
   constexpr double kStiffness = 2000.0, kDeep = 5e-3;
   ContactEnergy exact(0.0);

@@ -178,6 +178,25 @@ TEST(Control, FiguresAreAskedForWhereTheyAreWanted) {
   EXPECT_TRUE(round_trip(wanted).figures);
 }
 
+TEST(Control, SeatsForRobotsTravel) {
+  JoinRequest wanted = request();
+  EXPECT_EQ(round_trip(wanted).seat, "");
+  wanted.seat = "left";
+  EXPECT_EQ(round_trip(wanted).seat, "left");
+  JoinAccepted accepted = accepted_with_all();
+  EXPECT_TRUE(round_trip(accepted).seats.empty());
+  for (const std::vector<std::string>& seats :
+       {std::vector<std::string>{""}, {"a", "b"}, {"a", "b", "c", "d"}}) {
+    accepted.seats = seats;
+    EXPECT_EQ(round_trip(accepted).seats, seats);
+  }
+  accepted.seats = {"a", "b", "c", "d", "e"};
+  EXPECT_FALSE(decode(body(encode(accepted))));
+  SessionDescriptions list{{SessionDescription{}}, false};
+  list.sessions[0].seat = "right";
+  EXPECT_EQ(round_trip(list).sessions[0].seat, "right");
+}
+
 TEST(Control, OtherMessagesRoundTrip) {
   const JoinAccepted accepted = accepted_with_all();
   const JoinAccepted joined = round_trip(accepted);

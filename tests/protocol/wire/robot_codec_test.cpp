@@ -80,10 +80,12 @@ Lead lead() {
           .known_surface = 7,
           .offset = Vec3(0.5, 0.25, -0.5),
           .hand_work = 0.3,
-          .gripper = 0.25};
+          .gripper = 0.25,
+          .seat = 3};
 }
 Remote remote() {
   return {.state = LinkState::clutched,
+          .seat = 2,
           .pose = pose(1.0),
           .contact = contact(),
           .energy = {.given = 1.0, .taken = 2.0, .pushed = 0.5},
@@ -141,6 +143,7 @@ TEST(RobotCodec, ALeadTravelsWithTheSamples) {
   EXPECT_EQ(got.lead->offset, lead().offset);
   EXPECT_EQ(got.lead->hand_work, 0.3);
   EXPECT_EQ(got.lead->gripper, 0.25);
+  EXPECT_EQ(got.lead->seat, 3);
   sent.lead.reset();
   const Bytes again = encoder.samples(sent);
   EXPECT_EQ(std::vector<std::uint8_t>(again.begin(), again.end()), usual);
@@ -166,10 +169,12 @@ TEST(RobotCodec, ARobotTravelsWithTheReply) {
   EXPECT_EQ(got.remote->gripper_force, 2.5);
   EXPECT_EQ(got.remote->age, 0.125);
   EXPECT_TRUE(got.remote->meets_surfaces);
+  EXPECT_EQ(got.remote->seat, 2);
   sent.remote->meets_surfaces = false;
   ASSERT_EQ(decode(encoder.reply(sent), got), DropReason::none);
   EXPECT_FALSE(got.remote->meets_surfaces);
   EXPECT_EQ(got.remote->state, LinkState::clutched);
+  EXPECT_EQ(got.remote->seat, 2);
   sent.remote.reset();
   EXPECT_EQ(encoder.reply(sent).size(), usual);
   ASSERT_EQ(decode(encoder.reply(sent), got), DropReason::none);

@@ -60,6 +60,8 @@ SeenRobot robot_of(Generator& random) {
   robot.stopped = robot.touches = true;
   robot.gripper = 0.25;
   robot.age = 0.125;
+  robot.seat = 2;
+  robot.seats = 0b1101;
   return robot;
 }
 
@@ -85,6 +87,8 @@ TEST(RobotViewCodec, ARobotRoundTrips) {
     EXPECT_TRUE(got.robot->ok && got.robot->stopped && got.robot->touches);
     EXPECT_EQ(got.robot->gripper, 0.25);
     EXPECT_EQ(got.robot->age, 0.125);
+    EXPECT_EQ(got.robot->seat, 2);
+    EXPECT_EQ(got.robot->seats, 0b1101);
     EXPECT_EQ(got.hand_count, 2u);
   }
   sent.robot.reset();
@@ -106,6 +110,8 @@ TEST(RobotViewCodec, RefusesARobotThatIsNone) {
       [](SeenRobot& r) { r.state = static_cast<LinkState>(7); },
       [](SeenRobot& r) { r.gripper = kNotANumber; },
       [](SeenRobot& r) { r.age = -1.0; },
+      [](SeenRobot& r) { r.seat = 1; },  // which has no robot
+      [](SeenRobot& r) { r.seat = 200; },
       [](SeenRobot& r) { r.age = kInfinity; }};
   for (std::size_t i = 0; i < wrong.size(); ++i) {
     Reply reply;

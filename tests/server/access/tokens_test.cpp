@@ -95,10 +95,13 @@ TEST(Tokens, RolesCoverWhatStandsBelow) {
 TEST(Tokens, SurviveTheFile) {
   const Tokens tokens = {
       issue(kNow).token,
-      issue_token("b \"q\" \\ \xc3\xa4", "*", Role::admin, std::nullopt, 0.3).token};
+      issue_token("b \"q\" \\ \xc3\xa4", "*", Role::admin, std::nullopt, 0.3).token,
+      issue_token("cell", "room", Role::follower, std::nullopt, 0.0, "left \"arm\"").token};
   const Tokens read = parse_tokens(json(tokens), "t.json");
-  ASSERT_EQ(read.size(), 2u);
-  for (std::size_t i = 0; i < 2; ++i) {
+  ASSERT_EQ(read.size(), 3u);
+  EXPECT_EQ(read[2].seat, "left \"arm\"");
+  for (std::size_t i = 0; i < read.size(); ++i) {
+    EXPECT_EQ(read[i].seat, tokens[i].seat);
     EXPECT_EQ(read[i].id, tokens[i].id);
     EXPECT_EQ(read[i].client, tokens[i].client);
     EXPECT_EQ(read[i].scene, tokens[i].scene);
@@ -116,6 +119,11 @@ TEST(Tokens, SurviveTheFile) {
     EXPECT_THROW(issue_token("a", "*", Role::operator_, std::nullopt, share),
                  std::invalid_argument);
   EXPECT_THROW(issue_token("a", "*", Role::observer, std::nullopt, 1.0), std::invalid_argument);
+  EXPECT_THAT(error_of<std::invalid_argument>(
+                  [] { issue_token("a", "b", Role::operator_, std::nullopt, 0.0, "left"); }),
+              HasSubstr("the seat's name is for tokens of the role follower"));
+  EXPECT_THROW(issue_token("a", "b", Role::follower, std::nullopt, 0.0, "le\nft"),
+               std::invalid_argument);
 }
 
 TEST(Tokens, BadFilesNameLineAndField) {
@@ -144,6 +152,7 @@ TEST(Tokens, BadFilesNameLineAndField) {
       {replaced("\"salt\": \"", "\"salt\": \"0"), "tokens[0].salt"},
       {replaced("\"hash\": \"", "\"hash\": \"g"), "tokens[0].hash"},
       {replaced("\"role\"", "\"rule\""), "rule"},
+      {replaced("\"hash\"", "\"seat\": \"left\", \"hash\""), "tokens[0].seat"},
       {twice, "tokens[1].id"},
   };
   for (const auto& [text, field] : faults)

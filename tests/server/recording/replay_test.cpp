@@ -118,7 +118,7 @@ TEST(ReplayOfARobot, IsBitEqual) {
     batch.samples[0].pose.position.x() = 1e-6 * static_cast<double>(n);
     sessions.receive(scene.exchange.encoder.samples(kA, n, batch), scene.exchange.peer, now, out);
     sessions.receive(scene.exchange.encoder.samples(kC, n, batch), scene.exchange.peer, now, out);
-    engaged += sessions.link_state() == LinkState::engaged ? 1 : 0;
+    engaged += sessions.link_state(0) == LinkState::engaged ? 1 : 0;
     scene.write();
   }
   EXPECT_EQ(engaged, 280);

@@ -300,7 +300,7 @@ TEST(Observer, SeesTheSceneThatWasReloaded) {
 /// Its own token is worth less than an operator's, whatever its samples say.
 TEST(Observer, LeadsNoRobot) {
   Scene scene = test::room();
-  scene.set_remote({});
+  scene.set_seats({RemoteSeat{}});
   for (const Role role : {Role::observer, Role::pointer, Role::operator_}) {
     Stage stage(scene);
     stage.lead = Lead{};  // the switch is open: who may lead is ready
@@ -317,7 +317,7 @@ TEST(Observer, LeadsNoRobot) {
     Reply reply;
     ASSERT_EQ(decode(stage.send(kAnna, Vec3::Zero()), reply), DropReason::none);
     EXPECT_EQ(reply.remote.has_value(), role == Role::operator_);
-    EXPECT_EQ(stage.sessions.link_state() == LinkState::disabled, role != Role::operator_);
+    EXPECT_EQ(stage.sessions.link_state(0) == LinkState::disabled, role != Role::operator_);
     EXPECT_TRUE(stage.look().present);  // its datagram has room for the view
   }
 }

@@ -147,7 +147,7 @@ TEST(Messages, APictureEndsInTheRobot) {
   Picture picture;
   picture.bodies = {{6, {{1, 1, 2}, Quaternion::Identity()}}};
   const std::size_t usual = web::picture(picture, {}, Nanoseconds(0)).size();
-  SeenRobot& robot = picture.robot.emplace();
+  SeenRobot& robot = picture.robots.emplace_back();
   robot.pose = {{1, 2, 3}, Quaternion(0.5, -0.5, 0.5, 0.5)};
   robot.target = {{4, 5, 6}, Quaternion::Identity()};
   robot.force = Vec3(7, 8, 9);

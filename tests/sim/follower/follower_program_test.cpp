@@ -27,7 +27,7 @@ const std::string kSurroundings = kSource + "/scenes/teleoperation/surroundings.
 
 Scene seat_scene() {
   Scene scene = testing::floor_scene();
-  scene.set_remote(RemoteSeat{});
+  scene.set_seats({RemoteSeat{}});
   return scene;
 }
 

@@ -30,12 +30,14 @@ class ToldHand final : public HandDevice {
   ToldHand() : HandDevice(builtin_device("simulated"), {}) {}
   Vec3 meant = Vec3::Zero();                 // [m]
   bool pressed = false;                      // the switch
+  std::uint32_t buttons = 0;                 // a bit each
   std::optional<double> gripper;             // [m] of its lever
   Quaternion turn = Quaternion::Identity();  // of its handle
   DeviceReading read(Nanoseconds now) noexcept override {
     DeviceReading reading = HandDevice::read(now);
     reading.pose.orientation = turn;
     reading.deadman = pressed;
+    reading.buttons = buttons;
     reading.gripper = gripper;
     return reading;
   }
@@ -48,16 +50,23 @@ class ToldHand final : public HandDevice {
   Vec3 intended(double /*time*/) noexcept override { return meant; }
 };
 
-/// What the server knows of: nothing near, and a seat for a robot.
-inline Scene empty_scene(const RemoteSeat& seat = {}) {
+/// What the server knows of: nothing near, and seats for robots.
+inline Scene empty_scene(std::vector<RemoteSeat> seats) {
   Object far_away;
   far_away.name = "far";
   far_away.shape = Sphere{0.1};
   far_away.pose.position = Vec3(0.0, 0.0, -50.0);
   far_away.material = {.stiffness = 1000.0};
   Scene scene("empty", {far_away});
-  scene.set_remote(seat);
+  scene.set_seats(std::move(seats));
   return scene;
+}
+inline Scene empty_scene(const RemoteSeat& seat = {}) { return empty_scene(std::vector{seat}); }
+
+inline std::vector<std::string> names_of(const std::vector<RemoteSeat>& seats) {
+  std::vector<std::string> names;
+  for (const RemoteSeat& seat : seats) names.push_back(seat.name);
+  return names;
 }
 
 /// What the robot meets: a wall at z = 0.
@@ -69,14 +78,16 @@ inline std::shared_ptr<const Scene> wall_scene(double stiffness = 2000.0) {
   return std::make_shared<const Scene>("wall", std::vector<Object>{wall});
 }
 
-/// A hand, its servo, and its link to the server.
+/// A hand, its servo, and its link to the server. Its first button goes on to the next robot.
 struct HandSession {
   HandSession(std::uint64_t id, const std::string& link, std::uint64_t stream,
-              const RemoteTrust& trust)
+              const RemoteTrust& trust, std::vector<std::string> seats = {})
       : parameters(usual_parameters()),
         options([&] {
           ServoOptions o = protect_hand(parameters);
           o.leads = trust;
+          o.seats = std::move(seats);
+          o.seat_button = 1;
           return o;
         }()),
         servo(hand.spec(), parameters, options),
@@ -123,58 +134,37 @@ struct HandSession {
   double force_before_ = 0.0;
 };
 
-/// Of any robot, whose clock may go wrong.
-struct RobotSession : HandSession {
-  static constexpr Nanoseconds kPeriod = std::chrono::milliseconds(1);
-  static constexpr Nanoseconds kStart = std::chrono::seconds(100);
-  static constexpr std::uint64_t kHand = 0x700, kRobot = 0x800;
-
-  explicit RobotSession(Follower& any_robot, const std::string& link = "delay=0",
-                        const RemoteSeat& seat = {},
-                        const RemoteTrust& trust = {.per_contact = 0.0, .power = 0.0})
-      : HandSession(kHand, link, 0, trust),
-        driven(any_robot),
-        scene(empty_scene(seat)),
-        server(std::make_unique<SceneSessions>(scene, std::chrono::seconds(2), 8)),
+/// Any robot, its servo, and its link to the server. Its clock may go wrong.
+struct FollowerSession {
+  FollowerSession(Follower& any_robot, std::uint64_t id, const std::string& link,
+                  std::uint64_t stream, Nanoseconds now)
+      : driven(any_robot),
         follower(driven.spec()),
-        robot_datagrams(kRobot, keys(kRobot)),
-        robot_link(parse_link(link), 1, 4096) {
-    hand.put(Vec3(0.1, -0.2, 0.3));
-    commanded = driven.read(now).commanded;
-    robot_due_ = now + from_seconds(driven.spec().servo_period);
-    join(kHand, Role::operator_);
-    join(kRobot, Role::follower);
-  }
+        robot_datagrams(id, keys(id)),
+        robot_link(parse_link(link), stream, 4096),
+        commanded(driven.read(now).commanded),
+        begun_(now),
+        robot_due_(now + from_seconds(driven.spec().servo_period)) {}
 
-  control::Message ask_to_join(std::uint64_t id, Role role) {
-    return server->answer(control::JoinRequest{"tester", "empty", hand.spec(), parameters, role},
-                          id, keys(id), now);
-  }
-  void join(std::uint64_t id, Role role) {
-    const control::Message answer = ask_to_join(id, role);
-    ASSERT_TRUE(std::holds_alternative<control::JoinAccepted>(answer));
-    if (role == Role::follower) follower.sit(std::get<control::JoinAccepted>(answer).workspace);
-  }
-
-  void tick() {
-    now += kPeriod;
-    reach(*server, now, room);
-    for (HandSession* other : others) other->reach(*server, now, room);
+  void tell_states(SceneSessions& sessions, Nanoseconds now, DatagramBuffer& room) {
     while (const auto d = robot_link.up.leave(now))
-      if (!robot_cut) server->receive(*d, robot_peer, now, room);
+      if (!robot_cut) sessions.receive(*d, robot_peer, now, room);
+  }
+  void send_target(SceneSessions& sessions, std::size_t seat, Nanoseconds now,
+                   DatagramBuffer& room) {
     Peer to;
-    if (const Bytes due = server->forward(now, to, room); !due.empty()) {
+    if (const Bytes due = sessions.forward(seat, now, to, room); !due.empty()) {
       EXPECT_EQ(to.length, robot_peer.length);
       robot_link.down.enter(due, now);
     }
-    hear(now);
-    for (HandSession* other : others) other->hear(now);
+  }
+  void hear_targets(Nanoseconds now) {
     while (const auto d = robot_link.down.leave(now))
       if (!robot_cut && robot_datagrams.take(*d, target, reason) == RobotDatagrams::Arrival::target)
-        follower.take(target, robot_now());
-    sample(now);
-    for (HandSession* other : others) other->sample(now);
-    for (; robot_due_ <= robot_now(); robot_due_ += from_seconds(driven.spec().servo_period)) {
+        follower.take(target, robot_time(now));
+  }
+  void sample_robot(Nanoseconds now) {
+    for (; robot_due_ <= robot_time(now); robot_due_ += from_seconds(driven.spec().servo_period)) {
       RobotState said = follower.tick(driven, robot_due_);
       if (lie) lie(said);
       robot_link.up.enter(robot_datagrams.pack(said), now);
@@ -182,6 +172,76 @@ struct RobotSession : HandSession {
           std::max(farthest_step, (said.commanded.position - commanded.position).norm());
       commanded = said.commanded;
     }
+  }
+  /// By the robot's own clock.
+  Nanoseconds robot_time(Nanoseconds now) const {
+    return now + Nanoseconds(std::llround(drift * static_cast<double>((now - begun_).count())));
+  }
+
+  Follower& driven;
+  double drift = 0.0;  // [s/s] that the robot's clock is fast by
+  FollowerServo follower;
+  RobotDatagrams robot_datagrams;
+  TwoWayLink robot_link;
+  bool robot_cut = false;
+  std::function<void(RobotState&)> lie;  // what the robot says instead
+  double farthest_step = 0.0;            // [m] of the target that the robot holds, in one tick
+  Pose commanded;                        // that target
+  Peer robot_peer{.address = {}, .length = sizeof(sockaddr_in6)};
+  RobotTarget target;
+  GoodbyeReason reason = GoodbyeReason::leaving;
+
+ private:
+  Nanoseconds begun_;
+  Nanoseconds robot_due_;  // its next sample, by its clock
+};
+
+/// A hand, a server, and the robot on its scene's first seat.
+struct RobotSession : HandSession, FollowerSession {
+  static constexpr Nanoseconds kPeriod = std::chrono::milliseconds(1);
+  static constexpr Nanoseconds kStart = std::chrono::seconds(100);
+  static constexpr std::uint64_t kHand = 0x700, kRobot = 0x800;
+
+  explicit RobotSession(Follower& any_robot, const std::string& link = "delay=0",
+                        Scene of_server = empty_scene(),
+                        const RemoteTrust& trust = {.per_contact = 0.0, .power = 0.0})
+      : HandSession(kHand, link, 0, trust, names_of(of_server.seats())),
+        FollowerSession(any_robot, kRobot, link, 1, kStart),
+        scene(std::move(of_server)),
+        server(std::make_unique<SceneSessions>(scene, std::chrono::seconds(2), 8)) {
+    hand.put(Vec3(0.1, -0.2, 0.3));
+    join(kHand, Role::operator_);
+    seat(*this, kRobot, scene.seats().front().name);
+  }
+
+  control::Message ask_to_join(std::uint64_t id, Role role, const std::string& name = {}) {
+    control::JoinRequest request{"tester", "empty", hand.spec(), parameters, role};
+    request.seat = name;
+    return server->answer(request, id, keys(id), now);
+  }
+  void join(std::uint64_t id, Role role) {
+    if (role == Role::follower) return seat(*this, id, {});
+    ASSERT_TRUE(std::holds_alternative<control::JoinAccepted>(ask_to_join(id, role)));
+  }
+  void seat(FollowerSession& robot, std::uint64_t id, const std::string& name) {
+    const control::Message answer = ask_to_join(id, Role::follower, name);
+    ASSERT_TRUE(std::holds_alternative<control::JoinAccepted>(answer));
+    robot.follower.sit(std::get<control::JoinAccepted>(answer).workspace);
+  }
+
+  void tick() {
+    now += kPeriod;
+    reach(*server, now, room);
+    for (HandSession* other : others) other->reach(*server, now, room);
+    each_robot([&](FollowerSession& robot) { robot.tell_states(*server, now, room); });
+    for (std::size_t i = 0; i <= other_robots.size(); ++i)
+      (i == 0 ? *this : *other_robots[i - 1]).send_target(*server, i, now, room);
+    hear(now);
+    for (HandSession* other : others) other->hear(now);
+    each_robot([&](FollowerSession& robot) { robot.hear_targets(now); });
+    sample(now);
+    for (HandSession* other : others) other->sample(now);
+    each_robot([&](FollowerSession& robot) { robot.sample_robot(now); });
   }
   void run(double time) {
     for (double t = 0.0; t < time; t += 1e-3) tick();
@@ -203,32 +263,21 @@ struct RobotSession : HandSession {
     run(0.3);
   }
 
-  /// By the robot's own clock.
-  Nanoseconds robot_now() const {
-    return now + Nanoseconds(std::llround(drift * static_cast<double>((now - kStart).count())));
-  }
-  LinkState state() const { return server->link_state(); }
+  LinkState state(std::size_t seat = 0) const { return server->link_state(seat); }
 
-  Follower& driven;
-  double drift = 0.0;  // [s/s] that the robot's clock is fast by
   Scene scene;
   std::unique_ptr<SceneSessions> server;
-  std::vector<HandSession*> others;  // more hands in the scene
-  FollowerServo follower;
-  RobotDatagrams robot_datagrams;
-  TwoWayLink robot_link;
-  bool robot_cut = false;
-  std::function<void(RobotState&)> lie;  // what the robot says instead
-  double farthest_step = 0.0;            // [m] of the target that the robot holds, in one tick
-  Pose commanded;                        // that target
+  std::vector<HandSession*> others;            // more hands in the scene
+  std::vector<FollowerSession*> other_robots;  // on the next seats
   Nanoseconds now = kStart;
-  Peer robot_peer{.address = {}, .length = sizeof(sockaddr_in6)};
   DatagramBuffer room;
-  RobotTarget target;
-  GoodbyeReason reason = GoodbyeReason::leaving;
 
  private:
-  Nanoseconds robot_due_{0};  // its next sample, by its clock
+  template <class Work>
+  void each_robot(const Work& work) {
+    work(*this);
+    for (FollowerSession* robot : other_robots) work(*robot);
+  }
 };
 
 struct PointAtWall {
@@ -241,7 +290,7 @@ struct Teleoperation : PointAtWall, RobotSession {
                          const RemoteTrust& trust = {.per_contact = 0.0, .power = 0.0},
                          const PointRobotOptions& of_robot = {})
       : PointAtWall{PointRobot(wall_scene(), Vec3(0.0, 0.0, 0.02), of_robot)},
-        RobotSession(robot, link, seat, trust) {}
+        RobotSession(robot, link, empty_scene(seat), trust) {}
 };
 
 }  // namespace feltwire::test

@@ -73,9 +73,9 @@ TEST(TeleoperationObserver, SeesTheRobotThatAHandLeads) {
 
   Picture picture;  // the live page's
   bench.server->draw(picture, bench.now);
-  ASSERT_TRUE(picture.robot);
-  EXPECT_EQ(picture.robot->state, engaged);
-  EXPECT_LE((picture.robot->pose.position - bench.robot.position()).norm(), 1e-5);
+  ASSERT_EQ(picture.robots.size(), 1u);
+  EXPECT_EQ(picture.robots[0].state, engaged);
+  EXPECT_LE((picture.robots[0].pose.position - bench.robot.position()).norm(), 1e-5);
 
   bench.robot.stop(true);
   bench.run(0.01);
@@ -84,7 +84,7 @@ TEST(TeleoperationObserver, SeesTheRobotThatAHandLeads) {
   bench.server->answer(control::LeaveRequest{Teleoperation::kRobot}, 0, {}, bench.now);
   EXPECT_FALSE(eye.look().robot);
   bench.server->draw(picture, bench.now);
-  EXPECT_FALSE(picture.robot);
+  EXPECT_TRUE(picture.robots.empty());
 }
 
 /// The robot takes its room from hands and bodies: no view is too long for a datagram.

@@ -154,22 +154,33 @@ test('tools and local models are drawn', async () => {
   await until(() => window.feltwire().surfaces === 0);
 });
 
-test('a robot is drawn and described', async () => {
+test('robots are drawn and described', async () => {
   await open();
   await until(() => window.feltwire().pictures > 1);
-  assert.equal((await state()).robot, null);
-  assert.equal(await page.isHidden('#robot'), true);
-  server.play.robot = {state: 2, hand: 1, flags: 1 | 2 | 8};
-  await until(() => document.querySelector('#robot').textContent.trim() === 'robot: engaged led by hand 1, 5.00 N on its tool, touches');
-  await until(() => window.feltwire().robot?.forces === 1);
+  const lines = () => page.evaluate(() => [...document.querySelectorAll('#robots p')].filter((line) => !line.hidden).map((line) => line.textContent));
+  assert.deepEqual([(await state()).robots, await lines()], [[], []]);
+  server.play.robots = [{state: 2, hand: 1, flags: 1 | 2 | 8}];
+  await until(() => window.feltwire().robots[0]?.forces === 1);
+  assert.deepEqual(await lines(), ['robot: engaged led by hand 1, 5.00 N on its tool, touches']);
   const near = (a, b) => a.every((value, i) => Math.abs(value - b[i]) < 1e-6);
-  const {robot} = await state();
+  const {robots: [robot]} = await state();
   assert.ok(near(robot.tool, [0.02, 0.03, 0.04]) && near(robot.target, [0.02, 0.03, 0.02]), JSON.stringify(robot));
-  server.play.robot = {state: 5, hand: 0, flags: 4};
-  await until(() => document.querySelector('#robot').textContent.trim() === 'robot: fault led by no hand, senses no force, protective stop');
-  await until(() => window.feltwire().robot?.forces === 0);
-  server.play.robot = null;
-  await until(() => document.querySelector('#robot').hidden && window.feltwire().robot === null);
+  server.play.robots = [{state: 5, hand: 0, flags: 4}];
+  await until(() => window.feltwire().robots[0]?.forces === 0);
+  assert.deepEqual(await lines(), ['robot: fault led by no hand, senses no force, protective stop']);
+
+  server.play.seats = ['left', 'right'];
+  server.play.robots = [{state: 1, hand: 0, flags: 2}, {state: 2, hand: 3, flags: 1 | 2 | 1 << 8}];
+  await open();
+  await until(() => window.feltwire().robots.length === 2);
+  assert.deepEqual(await lines(), ['robot left: ready led by no hand, senses no force', 'robot right: engaged led by hand 3, 5.00 N on its tool']);
+  server.play.robots = [{state: 2, hand: 3, flags: 1 | 2 | 1 << 8}];  // the left one has left
+  await until(() => window.feltwire().robots.length === 1);
+  assert.deepEqual(await lines(), ['robot right: engaged led by hand 3, 5.00 N on its tool']);
+  server.play.seats = [''];
+  server.play.robots = [];
+  await until(() => window.feltwire().robots.length === 0);
+  assert.deepEqual(await lines(), []);
 });
 
 test('choosing a hand changes plots, strip and table', async () => {

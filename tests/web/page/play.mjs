@@ -46,7 +46,8 @@ export class Play {
     this.version = 1;
     this.silent = false;  // whether there are no pictures
     this.still = false;  // whether no hand touches anything
-    this.robot = null;  // {state, hand, flags} of one on the scene's seat
+    this.seats = [''];  // names of the seats for robots
+    this.robots = [];  // {state, hand, flags} of those on the scene's seats
     this.modelled = true;  // whether clients have local models
     this.began = process.hrtime.bigint();
     this.energy = Array.from({length: hands}, () => ({delivered: 0, burned: 0, force: 0, depth: 0}));
@@ -69,7 +70,7 @@ export class Play {
       objects.push({index: 2 + i, name: `ball ${i}`, moves: true, stiffness: STIFFNESS, ...(i % 3 === 0 ? {color: [0.8, 0.62, 0.42]} : {})});
     }
     return {
-      type: 'scene', name, version: this.version, objects, box: [[-0.1, -0.08, 0], [0.1, 0.08, 0.1]],
+      type: 'scene', name, version: this.version, objects, seats: this.seats, box: [[-0.1, -0.08, 0], [0.1, 0.08, 0.1]],
       tools: [
         {name: 'tip', radius: 0.004, points: []},
         {name: 'peg', radius: 0, points: Array.from({length: 60}, (_, i) => [0.004 * Math.cos(i), 0.004 * Math.sin(i), 0.0005 * i])},
@@ -100,7 +101,7 @@ export class Play {
   /** @returns {Buffer} a message of kind 2 */
   picture() {
     const {time} = this;
-    const buffer = Buffer.alloc(24 + 112 * this.hands + 32 * this.bodies + (this.robot ? 100 : 0));
+    const buffer = Buffer.alloc(24 + 112 * this.hands + 32 * this.bodies + 100 * this.robots.length);
     [2, this.hands, this.bodies, this.version].forEach((word, i) => buffer.writeUInt32LE(word, 4 * i));
     buffer.writeDoubleLE(time, 16);
     for (let i = 0; i < this.hands; ++i) this.#hand(i, time, buffer, 24 + 112 * i);
@@ -111,12 +112,12 @@ export class Play {
       const place = i === 0 ? this.#ball(time) : [0.09 * Math.cos(i * 2.4), 0.07 * Math.sin(i * 1.7), 0.006 + 0.09 * ((i * 0.618) % 1) + 0.004 * Math.sin(angle)];
       [...place, Math.cos(angle / 2), 0, 0, Math.sin(angle / 2)].forEach((value, j) => buffer.writeFloatLE(value, at + 4 + 4 * j));
     }
-    if (this.robot) this.#robot(buffer, 24 + 112 * this.hands + 32 * this.bodies);
+    this.robots.forEach((robot, i) => this.#robot(robot, buffer, 24 + 112 * this.hands + 32 * this.bodies + 100 * i));
     return buffer;
   }
 
-  #robot(buffer, at) {
-    [this.robot.state, this.robot.hand, this.robot.flags].forEach((word, i) => buffer.writeUInt32LE(word, at + 4 * i));
+  #robot(robot, buffer, at) {
+    [robot.state, robot.hand, robot.flags].forEach((word, i) => buffer.writeUInt32LE(word, at + 4 * i));
     const still = [1, 0, 0, 0];
     [0.02, 0.03, 0.04, ...still, 0.02, 0.03, 0.02, ...still, 0, -3, 4, 0, 0, 0, 0, 0.01].forEach((value, i) => buffer.writeFloatLE(value, at + 12 + 4 * i));
   }

@@ -8,7 +8,7 @@ import {Hands} from './hands.js';
 import {Labels} from './labels.js';
 import {KIND, Picture, readGeometry} from './messages.js';
 import {OwnHand} from './own_hand.js';
-import {robotText} from './robot.js';
+import {robotTexts} from './robot.js';
 import {bindKeys, followTheme, makeSplit} from './panels.js';
 import {Plots} from './plots.js';
 import {Replay} from './replay/replay.js';
@@ -187,7 +187,7 @@ function writeTexts() {
   labels.write(hands.all, (number) => sessions.name(number), page.chosen);
   plots.writeValues();
   own.write(hands.all.get(own.number));
-  writeRobot();
+  writeRobots();
   element('empty').hidden = hands.all.size > 0 || page.pictures === 0;
   element('empty').textContent = 'No hand is in this scene yet.';
 }
@@ -216,12 +216,19 @@ function hold() {
   element('hold').textContent = page.held ? 'Go on' : 'Hold';
 }
 
-function writeRobot() {
-  const text = robotText(view.picture);
-  const line = element('robot');
-  line.hidden = text === null;
-  line.querySelector('b').textContent = text?.state ?? '';
-  line.querySelector('span').textContent = text?.values ?? '';
+function writeRobots() {
+  const texts = robotTexts(view.picture, view.seats);
+  const list = element('robots');
+  while (list.children.length < texts.length) {
+    const line = document.createElement('p');
+    line.append(document.createElement('b'), ' ', document.createElement('span'));
+    list.append(line);
+  }
+  [...list.children].forEach((line, i) => {
+    line.hidden = i >= texts.length;
+    line.querySelector('b').textContent = texts[i]?.state ?? '';
+    line.querySelector('span').textContent = texts[i]?.values ?? '';
+  });
 }
 
 let drawn = false;  // the first picture
@@ -332,6 +339,6 @@ requestAnimationFrame(step);
 window.feltwire = () => ({
   ...page, frames: view.frames, hands: hands.numbers(), longestArrow: view.hands.longest, perNewton: view.perNewton,
   bodies: view.objects?.bodies.size ?? 0, plotted: {points: plots.points, last: plots.panes.map((pane) => pane.plot?.data.slice(1).map((column) => column.at?.(-1)))},
-  places: view.places(), robot: view.robot.look(), surfaces: view.surfaces.mesh.visible ? view.surfaces.count : 0,
+  places: view.places(), robots: view.robots.look(), surfaces: view.surfaces.mesh.visible ? view.surfaces.count : 0,
   toolBalls: view.tools.balls.count, toolPoints: view.tools.dots.count, replay: replay.state(), own: own.look(hands.all.get(own.number)),
 });

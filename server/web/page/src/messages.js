@@ -17,7 +17,7 @@ export const AT = {
 /** Places of a body's values in its record. */
 export const BODY_AT = {index: 0, position: 1, orientation: 4};
 
-/** Places of the robot's values in its record. */
+/** Places of a robot's values in its record. */
 export const ROBOT_AT = {state: 0, hand: 1, flags: 2, position: 3, orientation: 6, target: 10, targetTurn: 13, force: 17, torque: 20, gripper: 23, age: 24};
 
 /**
@@ -71,10 +71,10 @@ export class Picture {
     return HEADER_WORDS + HAND_WORDS * this.hands + BODY_WORDS * i;
   }
 
-  /** @returns {number} where the record of the robot begins; negative: there is none */
-  robotAt() {
-    const at = this.bodyAt(this.bodies);
-    return this.words.length >= at + ROBOT_WORDS ? at : -1;
+  /** @returns {number[]} where the records of the robots begin */
+  robotsAt() {
+    const first = this.bodyAt(this.bodies);
+    return Array.from({length: Math.floor((this.words.length - first) / ROBOT_WORDS)}, (_, i) => first + ROBOT_WORDS * i);
   }
 }
 

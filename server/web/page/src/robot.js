@@ -1,4 +1,4 @@
-// The robot on the scene's seat, in the 3D view and in a line of text: its tool, the target that its controller holds, the force on the tool.
+// The robots on the scene's seats, in the 3D view and in lines of text: the tool, the target that its controller holds, the force on the tool.
 
 import {EdgesGeometry, Group, LineBasicMaterial, LineSegments, Mesh, MeshBasicMaterial, MeshLambertMaterial, OctahedronGeometry, Vector3} from 'three';
 import {Arrows, rodShape} from './arrows.js';
@@ -7,12 +7,44 @@ import {Pool} from './pool.js';
 
 const STATES = ['disabled', 'ready', 'engaged', 'clutched', 'hold', 'fault', 'aligning'];
 const FLAG = {sensed: 1, well: 2, stopped: 4, touches: 8};
+const seatOf = (flags) => flags >> 8 & 0xff;
 const SIZE = 9;  // [pixels] of the tool, from its middle
 
 const shape = new OctahedronGeometry(1);
 const [tool, target, vector] = Array.from({length: 3}, () => new Vector3());
 
-export class Robot {
+export class Robots {
+  constructor() {
+    this.group = new Group();
+    this.all = [];
+    this.colors = null;
+  }
+
+  /** @param {object} colors of the theme */
+  paint(colors) {
+    this.colors = colors;
+    for (const robot of this.all) robot.paint(colors);
+  }
+
+  /** @param {import('./messages.js').Picture} picture @param {{perNewton: number, pixel: number}} how */
+  show(picture, how) {
+    const places = picture.robotsAt();
+    while (this.all.length < places.length) {
+      const robot = new Robot();
+      if (this.colors) robot.paint(this.colors);
+      this.group.add(robot.group);
+      this.all.push(robot);
+    }
+    this.all.forEach((robot, i) => robot.show(picture, places[i] ?? -1, how));
+  }
+
+  /** For tests. @returns {{tool: number[], target: number[], forces: number}[]} what is drawn */
+  look() {
+    return this.all.map((robot) => robot.look()).filter((robot) => robot !== null);
+  }
+}
+
+class Robot {
   constructor() {
     this.group = new Group();
     this.tool = new Mesh(shape, new MeshLambertMaterial());
@@ -32,9 +64,8 @@ export class Robot {
     this.force.material.color.set(colors.elastic);
   }
 
-  /** @param {import('./messages.js').Picture} picture @param {{perNewton: number, pixel: number}} how */
-  show(picture, how) {
-    const at = picture.robotAt();
+  /** @param {import('./messages.js').Picture} picture @param {number} at where its record begins; negative: it is gone */
+  show(picture, at, how) {
     this.group.visible = at >= 0;
     if (at < 0) return;
     const {floats} = picture;
@@ -50,7 +81,6 @@ export class Robot {
     this.force.done();
   }
 
-  /** For tests. @returns {{tool: number[], target: number[], forces: number} | null} what is drawn */
   look() {
     if (!this.group.visible) return null;
     return {tool: this.tool.position.toArray(), target: this.target.position.toArray(), forces: this.force.heads.count};
@@ -64,11 +94,16 @@ function place(object, position, floats, turn, size) {
   object.scale.setScalar(size);
 }
 
-/** @param {import('./messages.js').Picture | null} picture @returns {{state: string, values: string} | null} nothing: there is no robot */
-export function robotText(picture) {
-  const at = picture?.robotAt() ?? -1;
-  if (at < 0) return null;
-  const {floats, words} = picture;
+/**
+ * @param {import('./messages.js').Picture | null} picture
+ * @param {string[]} seats names of the scene's seats; an only seat has none
+ * @returns {{state: string, values: string}[]} a line for each robot
+ */
+export function robotTexts(picture, seats) {
+  return (picture?.robotsAt() ?? []).map((at) => robotText(picture, at, seats));
+}
+
+function robotText({floats, words}, at, seats) {
   const flags = words[at + ROBOT_AT.flags];
   const hand = words[at + ROBOT_AT.hand];
   const values = [hand > 0 ? `led by hand ${hand}` : 'led by no hand'];
@@ -76,5 +111,6 @@ export function robotText(picture) {
   if (flags & FLAG.touches) values.push('touches');
   if (flags & FLAG.stopped) values.push('protective stop');
   else if (!(flags & FLAG.well)) values.push('not well');
-  return {state: `robot: ${STATES[words[at + ROBOT_AT.state]] ?? 'unknown'}`, values: values.join(', ')};
+  const name = ['robot', seats[seatOf(flags)]].filter(Boolean).join(' ');
+  return {state: `${name}: ${STATES[words[at + ROBOT_AT.state]] ?? 'unknown'}`, values: values.join(', ')};
 }

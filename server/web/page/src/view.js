@@ -8,7 +8,7 @@ import {OrbitControls} from 'three/addons/controls/OrbitControls.js';
 import {HandView, toolPlace} from './hand_view.js';
 import {AT} from './messages.js';
 import {Objects} from './objects.js';
-import {Robot} from './robot.js';
+import {Robots} from './robot.js';
 import {Surfaces} from './surfaces.js';
 import {Tools} from './tools.js';
 import {roundDown} from './words.js';
@@ -34,8 +34,9 @@ export class View {
     this.hands = new HandView();
     this.tools = new Tools();
     this.surfaces = new Surfaces();
-    this.robot = new Robot();
-    this.scene.add(this.hands.group, this.tools.group, this.surfaces.mesh, this.robot.group);
+    this.robots = new Robots();
+    this.seats = [];  // names of the robots' seats
+    this.scene.add(this.hands.group, this.tools.group, this.surfaces.mesh, this.robots.group);
     this.axes = new LineSegments(new BufferGeometry(), new LineBasicMaterial());
     this.scene.add(this.axes);
     this.axisEnds = ['x', 'y', 'z'].map((name) => ({name, point: new Vector3()}));
@@ -68,6 +69,7 @@ export class View {
     this.objects = new Objects(message, this.frame, this.spacing);
     this.objects.name = message.name;
     this.tools.setTools(message.tools ?? []);
+    this.seats = message.seats ?? [];
     this.surfaces.count = 0;
     this.surfaces.size = this.frame.size;
     this.scene.add(this.objects.group);
@@ -105,7 +107,7 @@ export class View {
     this.hands.paint(colors);
     this.tools.paint(colors);
     this.surfaces.paint(colors);
-    this.robot.paint(colors);
+    this.robots.paint(colors);
     this.axes.material.color.set(colors.ink);
     this.objects?.paint(colors);
     this.stale = true;
@@ -120,7 +122,7 @@ export class View {
       this.hands.show(this.picture, how);
       this.tools.show(this.picture, how);
       this.surfaces.show(this.chosen);
-      this.robot.show(this.picture, how);
+      this.robots.show(this.picture, how);
     }
     this.renderer.render(this.scene, this.camera);
     this.frames += 1;
