@@ -211,14 +211,10 @@ Json states(const std::vector<LinkState>& robots) {
 
 Json sight(const std::optional<SightCounts>& seen, const LoopResult& loop) {
   if (!seen) return nullptr;
-  return {{"views", seen->views},
-          {"views_dropped", loop.views_dropped},
-          {"hands", seen->hands},
-          {"bodies", seen->bodies},
-          {"most_hands", seen->most_hands},
-          {"most_bodies", seen->most_bodies},
-          {"robots", states(seen->robots)},
-          {"left_out", seen->left_out}};
+  return {{"views", seen->views},           {"views_dropped", loop.views_dropped},
+          {"hands", seen->hands},           {"bodies", seen->bodies},
+          {"most_hands", seen->most_hands}, {"most_bodies", seen->most_bodies},
+          {"robots", states(seen->robots)}, {"left_out", seen->left_out}};
 }
 
 /// A port may be the user's own: text that is no JSON must not cost the rest of the report.

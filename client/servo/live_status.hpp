@@ -36,8 +36,8 @@ struct LiveStatus {
   std::optional<double> balance{};  // [J] of the energy account; empty: there is none
   std::uint64_t account_cuts = 0;   // ticks at which the account reduced the force
   std::optional<LinkState>
-      robot{};  // of the hand and the robot that it leads; empty: it leads none
-  std::string_view robot_name{};       // of its seat; empty: the only one; lives as the servo does
+      robot{};                    // of the hand and the robot that it leads; empty: it leads none
+  std::string_view robot_name{};  // of its seat; empty: the only one; lives as the servo does
   std::optional<double> robot_turn{};  // [rad] that is missing until the hand is aligned with it
 };
 

@@ -86,10 +86,9 @@ void Reconnector::put_off(Clock::time_point now) noexcept {
 }
 
 void Reconnector::begin() {
-  std::packaged_task<Attempt()> task(
-      [server = server_, request = request_, options = options_] {
-        return attempt(server, request, options);
-      });
+  std::packaged_task<Attempt()> task([server = server_, request = request_, options = options_] {
+    return attempt(server, request, options);
+  });
   attempt_ = task.get_future();
   // Detached, and it owns all that it uses: to look up a name can take many seconds, and the end of
   // the program does not wait for that.

@@ -5,8 +5,9 @@
 
 namespace feltwire {
 
-/// Fills the seat's workspace, and the properties of its walls. `path` of the workspace in the file.
-/// Throws FileError that names the field if one cannot be read; check(RemoteSeat) checks the rest.
+/// Fills the seat's workspace, and the properties of its walls. `path` of the workspace in the
+/// file. Throws FileError that names the field if one cannot be read; check(RemoteSeat) checks the
+/// rest.
 void read_workspace(const JsonDocument& document, const std::string& path,
                     const scene_file::Workspace& from, RemoteSeat& seat);
 

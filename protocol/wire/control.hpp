@@ -181,7 +181,7 @@ struct SessionDescription {
   std::string asked;  // for people: the newest change requested of its client; empty: none
   ChangeAnswer answer = ChangeAnswer::waiting;  // the client's answer to that
   double lead_share = 0.0;                      // with which it leads a robot (lead_share.hpp)
-  std::string seat = {};  // a follower's, or of the robot that it leads; empty: the only one, or none
+  std::string seat = {};  // a follower's, or of the robot that it leads; empty: none, or the only
 };
 struct SessionDescriptions {
   std::vector<SessionDescription> sessions;  // at most kMaxDescriptions, by rising number

@@ -138,10 +138,9 @@ bool read(const wire::JoinRequest& from, JoinRequest& to) {
   to.lead_share = from.lead_share();
   return read(from.workspace(), to.workspace) && read_name(from.tool(), to.tool) &&
          read_name(from.seat(), to.seat) && read_name(from.version(), to.version) &&
-         read_name(from.client(), to.client) &&
-         read_name(from.scene(), to.scene) && read(*from.device(), to.device) &&
-         read(*from.parameters(), to.parameters) && read_enum(from.role(), to.role) &&
-         read_enum(from.laws_taken(), to.takes.laws);
+         read_name(from.client(), to.client) && read_name(from.scene(), to.scene) &&
+         read(*from.device(), to.device) && read(*from.parameters(), to.parameters) &&
+         read_enum(from.role(), to.role) && read_enum(from.laws_taken(), to.takes.laws);
 }
 bool read(const wire::JoinAccepted& from, JoinAccepted& to) {
   to.session = from.session();
@@ -281,8 +280,7 @@ bool read(const wire::SessionDescriptions& from, SessionDescriptions& to) {
     session.lead_share = entry->lead_share();
     if (!read_name(entry->client(), session.client) ||
         !read_name(entry->device(), session.device) || !read_name(entry->tool(), session.tool) ||
-        !read_name(entry->seat(), session.seat) ||
-        !read_enum(entry->role(), session.role) ||
+        !read_name(entry->seat(), session.seat) || !read_enum(entry->role(), session.role) ||
         !read(*entry->parameters(), session.parameters) ||
         !read_enum(entry->laws_taken(), session.takes.laws) ||
         !read_name(entry->asked(), session.asked, kMaxReason) ||

@@ -68,8 +68,8 @@ RemoteContact contact_of(const wire::RobotContact& from) {
 wire::RobotEnergy wire_energy(const EnergyCounters& e) { return {e.given, e.taken, e.pushed}; }
 EnergyCounters energy_of(const wire::RobotEnergy& e) { return {e.given(), e.taken(), e.pushed()}; }
 
-constexpr std::uint32_t kOtherMeets = 1u << 8;      // of Remote.state
-constexpr int kLeadSeat = 8, kRemoteSeat = 16;      // their first bits
+constexpr std::uint32_t kOtherMeets = 1u << 8;  // of Remote.state
+constexpr int kLeadSeat = 8, kRemoteSeat = 16;  // their first bits
 std::uint8_t seat_in(std::uint32_t word, int first) {
   return static_cast<std::uint8_t>(word >> first & 0xff);
 }

@@ -73,7 +73,7 @@ struct SceneView {
   std::uint32_t hands_from = 0, hands_end = 0;
   std::uint16_t bodies_from = 0, bodies_end = 0;
   std::size_t hand_count = 0, body_count = 0;
-  std::optional<SeenRobot> robot;  // in every view while there are robots, of each in turn
+  std::optional<SeenRobot> robot;         // in every view while there are robots, of each in turn
   std::array<SeenHand, kMaxHands> hand;   // by rising number
   std::array<SeenBody, kMaxBodies> body;  // by rising object
 

@@ -174,10 +174,10 @@ class SceneHost final : public SceneInView, public SceneControls {
   asio::steady_timer tick_timer_{io_};
   bool ticking_ = false;   // the timer waits; only for the scene's thread
   bool watching_ = false;  // the silence timer waits; only for the scene's thread
+  std::array<LinkState, kMostSeats> told_links_{};
   LogLimit failures_;
   WorldLog world_log_;
   LoadLog load_log_;
-  std::array<LinkState, kMostSeats> told_links_{};  // by seat
   std::unique_ptr<Batch> batch_;  // buffers of one exchange
   bool slow_ = false;             // answers take so long that the clock is read for each
   Nanoseconds served_at_{0};      // time of the answers to the newest exchange

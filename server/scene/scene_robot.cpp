@@ -1,4 +1,5 @@
-// The robots of a scene: who sits on their seats, what they say, where they shall be, who leads them.
+// The robots of a scene: who sits on their seats, what they say, where they shall be, who leads
+// them.
 
 #include <algorithm>
 

@@ -100,8 +100,7 @@ std::vector<SceneSessions::GoodbyeDatagram> SceneSessions::enter(const Scene& sc
   std::vector<GoodbyeDatagram> goodbyes;
   for (std::size_t i = slots_.size(); i-- > 0;)
     if (const ToolView* view = scene.view(slots_[i]->tool);
-        view == nullptr ||
-        (!same_seats && (slots_[i]->leads || slots_[i]->role == Role::follower)))
+        view == nullptr || (!same_seats && (slots_[i]->leads || slots_[i]->role == Role::follower)))
       goodbyes.push_back(goodbye(*slots_[i], GoodbyeReason::evicted));
     else
       places[i] = Session::Place(*view, world.get(), slots_[i]->session.limits());

@@ -130,8 +130,9 @@ class SceneSessions {
   };
   /// Moves all sessions to another scene, in its initial state, with the tools that they requested;
   /// sessions whose tool it does not have end. Robots and hands that lead know the seats by their
-  /// numbers: if it has other seats, by name and order, their sessions end. It must outlive this; the old scene is not used any
-  /// more. Allocates; throws and changes nothing if there is no memory for it.
+  /// numbers: if it has other seats, by name and order, their sessions end. It must outlive this;
+  /// the old scene is not used any more. Allocates; throws and changes nothing if there is no
+  /// memory for it.
   std::vector<GoodbyeDatagram> enter(const Scene& scene, Nanoseconds now);
 
   /// Makes a change from the next sample on, or refuses it; a refused one changes nothing. Every
@@ -247,7 +248,7 @@ class SceneSessions {
   std::vector<std::unique_ptr<SessionSlot>> slots_;  // in the order they joined
   std::vector<ActingHand> hands_;                    // of those, without the observers'
   IdMap<SessionSlot*> by_id_;
-  std::vector<Seat> seats_;          // for robots
+  std::vector<Seat> seats_;  // for robots
   FairShare share_;
   std::array<std::uint64_t, 64> gone_{};  // the sessions that ended last
   std::size_t next_gone_ = 0;

@@ -23,8 +23,7 @@ inline bool same(const Lead& a, const Lead& b) {
 }
 inline bool same(const Remote& a, const Remote& b) {
   return a.state == b.state && a.seat == b.seat && same_pose(a.pose, b.pose) &&
-         same(a.contact, b.contact) &&
-         same(a.energy, b.energy) && same(a.gripper, b.gripper) &&
+         same(a.contact, b.contact) && same(a.energy, b.energy) && same(a.gripper, b.gripper) &&
          same(a.gripper_force, b.gripper_force) && same(a.age, b.age) &&
          a.meets_surfaces == b.meets_surfaces;
 }

@@ -129,8 +129,8 @@ TEST(Options, ARobotIsBelievedAsFarAsItsUserSays) {
 }
 
 TEST(Options, AHandChoosesItsRobot) {
-  const auto options = std::get<ClientOptions>(
-      parsed({"--lead", "0.3", "--robot", "left", "--device", "gamepad"}));
+  const auto options =
+      std::get<ClientOptions>(parsed({"--lead", "0.3", "--robot", "left", "--device", "gamepad"}));
   EXPECT_EQ(options.robot, "left");
   EXPECT_EQ(options.servo.seat_button, 0);
   EXPECT_THAT(refusal({"--robot", "left"}), HasSubstr("--robot is for a hand with --lead"));

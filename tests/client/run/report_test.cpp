@@ -103,7 +103,8 @@ TEST(Report, SaysWhatAnObserverSaw) {
                              {"robots", json::array()},
                              {"left_out", 6}}));
   run.sight->robots = {LinkState::engaged};
-  EXPECT_EQ(json::parse(report_json(run, *servo, {}, result))["view"]["robots"], json::array({"engaged"}));
+  EXPECT_EQ(json::parse(report_json(run, *servo, {}, result))["view"]["robots"],
+            json::array({"engaged"}));
 }
 
 TEST(Report, HoldsWhatWasCounted) {

@@ -74,8 +74,7 @@ TEST(LoadRemote, SeveralRobotsMayFollowEachOnASeatWithAName) {
               HasSubstr("remotes[1].name: 'a' is the name of remotes[0]"));
   EXPECT_THAT(error_of(scene(R"("remotes": [{"name": "a"}, {}])")),
               HasSubstr("remotes[1].name: is missing"));
-  EXPECT_THAT(error_of(scene(R"("remotes": [])")),
-              HasSubstr("remotes: has 0 seats; give 1 to 4"));
+  EXPECT_THAT(error_of(scene(R"("remotes": [])")), HasSubstr("remotes: has 0 seats; give 1 to 4"));
   EXPECT_THAT(error_of(scene(R"("remotes": [{"name": "a"}, {"name": "b"}, {"name": "c"},
       {"name": "d"}, {"name": "e"}])")),
               HasSubstr("remotes: has 5 seats; give 1 to 4"));
@@ -102,7 +101,7 @@ TEST(LoadRemote, ARobotsTargetMayHaveAWorkspace) {
       "keep_out": [{"position": [0.1, 0, 0], "radius": 0.03},
                    {"size": [0.2, 0.02, 0], "orientation": [0, 0, 0, 2]}], "lock": ["y", "rotation"],
       "stiffness": 500, "depth": 0.002)"),
-                                       "s.json")
+                                      "s.json")
                               .seats()[0];
   const Workspace& w = seat.workspace;
   ASSERT_EQ(w.count, 8u);

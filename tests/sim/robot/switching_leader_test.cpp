@@ -133,7 +133,8 @@ TEST(SwitchingLeader, TheServerKeepsAHandAtTheRobotThatItMoves) {
     bench.now += TwoRobots::kPeriod;
     bench.server->receive(
         bench.hand_datagrams.pack(
-            sample, {}, Lead{.deadman = pressed, .offset = bench.servo.lead()->offset, .seat = seat}),
+            sample, {},
+            Lead{.deadman = pressed, .offset = bench.servo.lead()->offset, .seat = seat}),
         bench.hand_peer, bench.now, bench.room);
   };
   send(1, true);
@@ -245,16 +246,16 @@ TEST(SwitchingLeader, AnObserverSeesEachRobotInTurn) {
 
   const std::uint64_t id = 0x900;
   DatagramSession datagrams(id, test::keys(id), bench.parameters, false);
-  bench.server->answer(control::JoinRequest{"eye", "empty", bench.hand.spec(), bench.parameters,
-                                            Role::observer},
-                       id, test::keys(id), bench.now);
+  bench.server->answer(
+      control::JoinRequest{"eye", "empty", bench.hand.spec(), bench.parameters, Role::observer}, id,
+      test::keys(id), bench.now);
   Sample sample;
   const auto look = [&] {
     ++sample.index;
     Reply reply;
     GoodbyeReason reason{};
-    const Bytes answer = bench.server->receive(datagrams.pack(sample), bench.hand_peer, bench.now,
-                                               bench.room);
+    const Bytes answer =
+        bench.server->receive(datagrams.pack(sample), bench.hand_peer, bench.now, bench.room);
     EXPECT_EQ(datagrams.take(answer, reply, reason), DatagramSession::Arrival::reply);
     return datagrams.view()->robot;
   };
