@@ -38,7 +38,8 @@ const SampleBatch* SamplePacker::add(const Sample& sample, const std::optional<H
                                      const std::optional<Lead>& lead) noexcept {
   recent_[fed_ % recent_.size()] = sample;
   ++fed_;
-  const bool switched = lead && batch_.lead && lead->deadman != batch_.lead->deadman;
+  const bool switched = lead && batch_.lead &&
+                        (lead->deadman != batch_.lead->deadman || lead->seat != batch_.lead->seat);
   if (!switched && !due(sample)) return nullptr;
   const std::uint64_t interval = static_cast<std::uint64_t>(parameters_.packet_interval);
   if (travelled_count_ > 0) {

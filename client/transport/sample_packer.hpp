@@ -50,8 +50,8 @@ class SamplePacker {
   SamplePacker(const SessionParameters& parameters, bool rotation, const PositionScale& scale = {});
 
   /// The samples of the datagram that is due with this sample, and the report with them; null when
-  /// none is due. They live until the next call. The lead is of this sample; where its switch was
-  /// pressed or released since the last datagram, one is due. Precondition: indices rise.
+  /// none is due. They live until the next call. The lead is of this sample; if its switch or its
+  /// seat has changed since the last datagram, one is due. Precondition: indices rise.
   const SampleBatch* add(const Sample& sample, const std::optional<HandReport>& report = {},
                          const std::optional<Lead>& lead = {}) noexcept;
 

@@ -9,6 +9,7 @@
 #include <functional>
 #include <numbers>
 #include <set>
+#include <vector>
 
 #include "protocol/wire/codec.hpp"
 
@@ -49,6 +50,18 @@ std::vector<std::uint64_t> indices(const SampleBatch& batch) {
   std::vector<std::uint64_t> all;
   for (const Sample& s : batch.view()) all.push_back(s.index);
   return all;
+}
+
+TEST(SamplePacker, AnotherSwitchOrSeatTravelsAtOnce) {
+  SamplePacker packer(traffic(100, 1, 0), false);
+  EXPECT_NE(packer.add(sample(1), {}, Lead{}), nullptr);
+  EXPECT_EQ(packer.add(sample(2), {}, Lead{.known_surface = 7}), nullptr);
+  std::uint64_t index = 3;
+  for (const auto seat : std::vector<std::uint8_t>{1, 2, 0}) {
+    EXPECT_NE(packer.add(sample(index++), {}, Lead{.seat = seat}), nullptr);
+    EXPECT_EQ(packer.add(sample(index++), {}, Lead{.seat = seat}), nullptr);
+  }
+  EXPECT_NE(packer.add(sample(index), {}, Lead{.deadman = true}), nullptr);
 }
 
 TEST(SamplePacker, TheFirstSampleTravelsAtOnceThenEveryNth) {
