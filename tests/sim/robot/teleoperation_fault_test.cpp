@@ -290,9 +290,8 @@ TEST(TeleoperationFault, TheRobotHasOneSeat) {
     const auto* no = std::get_if<control::Refused>(&answer);
     return no == nullptr ? std::string() : no->reason;
   };
-  EXPECT_EQ(
-      refused(bench.ask_to_join(0x900, Role::follower)),
-      "scene 'empty' has one seat for a robot, and a robot sits there; end its session first");
+  EXPECT_EQ(refused(bench.ask_to_join(0x900, Role::follower)),
+            "the seat of scene 'empty' is taken: a robot sits there; end its session first");
   bench.server->answer(control::LeaveRequest{Teleoperation::kRobot}, 0, {}, bench.now);
   EXPECT_EQ(refused(bench.ask_to_join(0x900, Role::follower)), "");
 

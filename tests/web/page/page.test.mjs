@@ -157,30 +157,31 @@ test('tools and local models are drawn', async () => {
 test('robots are drawn and described', async () => {
   await open();
   await until(() => window.feltwire().pictures > 1);
-  const lines = () => page.evaluate(() => [...document.querySelectorAll('#robots p')].filter((line) => !line.hidden).map((line) => line.textContent));
-  assert.deepEqual([(await state()).robots, await lines()], [[], []]);
+  const described = (lines) => until((lines) => lines === [...document.querySelectorAll('#robots p:not([hidden])')].map((line) => line.textContent).join('; '), lines.join('; '));
+  assert.deepEqual((await state()).robots, []);
+  await described([]);
   server.play.robots = [{state: 2, hand: 1, flags: 1 | 2 | 8}];
   await until(() => window.feltwire().robots[0]?.forces === 1);
-  assert.deepEqual(await lines(), ['robot: engaged led by hand 1, 5.00 N on its tool, touches']);
+  await described(['robot: engaged led by hand 1, 5.00 N on its tool, touches']);
   const near = (a, b) => a.every((value, i) => Math.abs(value - b[i]) < 1e-6);
   const {robots: [robot]} = await state();
   assert.ok(near(robot.tool, [0.02, 0.03, 0.04]) && near(robot.target, [0.02, 0.03, 0.02]), JSON.stringify(robot));
   server.play.robots = [{state: 5, hand: 0, flags: 4}];
   await until(() => window.feltwire().robots[0]?.forces === 0);
-  assert.deepEqual(await lines(), ['robot: fault led by no hand, senses no force, protective stop']);
+  await described(['robot: fault led by no hand, senses no force, protective stop']);
 
   server.play.seats = ['left', 'right'];
   server.play.robots = [{state: 1, hand: 0, flags: 2}, {state: 2, hand: 3, flags: 1 | 2 | 1 << 8}];
   await open();
   await until(() => window.feltwire().robots.length === 2);
-  assert.deepEqual(await lines(), ['robot left: ready led by no hand, senses no force', 'robot right: engaged led by hand 3, 5.00 N on its tool']);
+  await described(['robot left: ready led by no hand, senses no force', 'robot right: engaged led by hand 3, 5.00 N on its tool']);
   server.play.robots = [{state: 2, hand: 3, flags: 1 | 2 | 1 << 8}];  // the left one has left
   await until(() => window.feltwire().robots.length === 1);
-  assert.deepEqual(await lines(), ['robot right: engaged led by hand 3, 5.00 N on its tool']);
+  await described(['robot right: engaged led by hand 3, 5.00 N on its tool']);
   server.play.seats = [''];
   server.play.robots = [];
   await until(() => window.feltwire().robots.length === 0);
-  assert.deepEqual(await lines(), []);
+  await described([]);
 });
 
 test('choosing a hand changes plots, strip and table', async () => {
