@@ -126,7 +126,7 @@ DropReason read(const wire::SeenRobot& from, SeenRobot& to) noexcept {
   if ((from.flags() & kSensed) != 0) to.force = feltwire::value(from.force());
   const bool good = finite(to.pose) && finite(to.target) && (!to.force || to.force->allFinite()) &&
                     to.torque.allFinite() && std::isfinite(to.gripper) && to.age >= 0.0 &&
-                    std::isfinite(to.age) && (to.seats >> to.seat & 1) != 0;
+                    std::isfinite(to.age) && to.seat < kMostSeats && (to.seats >> to.seat & 1) != 0;
   return good ? DropReason::none : DropReason::not_finite;
 }
 
