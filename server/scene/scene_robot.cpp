@@ -140,7 +140,7 @@ std::optional<SeenRobot> SceneSessions::next_robot(SessionSlot& observer,
                                                    Nanoseconds now) const noexcept {
   for (std::size_t i = 1; i <= seats_.size(); ++i) {
     const std::size_t seat = (observer.seen + i) % seats_.size();
-    if (const auto robot = seen_robot(seat, now)) {
+    if (auto robot = seen_robot(seat, now)) {
       observer.seen = static_cast<std::uint8_t>(seat);
       return robot;
     }
