@@ -42,14 +42,11 @@ std::uint64_t renew(std::map<Key, Seen>& known, std::size_t most, Key from, Key 
 void ObservedScene::take(const SceneView& view) {
   robots_gone_.clear();
   const unsigned seats = view.robot ? view.robot->seats : 0;
-  for (auto at = robots_.begin(); at != robots_.end();) {
-    if ((seats >> at->first & 1u) != 0) {
-      ++at;
-      continue;
-    }
-    robots_gone_.push_back(at->first);
-    at = robots_.erase(at);
-  }
+  std::erase_if(robots_, [&](const auto& known) {
+    const bool gone = (seats >> known.first & 1u) == 0;
+    if (gone) robots_gone_.push_back(known.first);
+    return gone;
+  });
   if (view.robot) robots_[view.robot->seat] = *view.robot;
   left_out_ +=
       renew(hands_, kMostHands, view.hands_from, view.hands_end, view.hands(), hands_gone_);

@@ -128,8 +128,9 @@ IssuedToken issue_token(std::string client, std::string scene, Role role,
         "a token of the role follower is for the robot's seat of one scene; name the scene");
   if (const auto wrong = complaint(role, lead_share))
     throw std::invalid_argument("the lead share " + *wrong);
-  if (const std::string wrong = seat.empty() ? seat : seat_complaint(role, seat); !wrong.empty())
-    throw std::invalid_argument("the seat's name " + wrong);
+  if (!seat.empty())
+    if (const std::string wrong = seat_complaint(role, seat); !wrong.empty())
+      throw std::invalid_argument("the seat's name " + wrong);
   IssuedToken issued;
   Token& token = issued.token;
   token.client = std::move(client);
@@ -236,10 +237,11 @@ Tokens parse_tokens(std::string_view json, const std::string& file) {
     token.lead_share = entry->lead_share();
     if (const auto wrong = complaint(token.role, token.lead_share))
       document.fail(path + "lead_share", *wrong);
-    if (entry->seat() != nullptr) token.seat = entry->seat()->str();
-    if (entry->seat() != nullptr)
+    if (const auto* seat = entry->seat()) {
+      token.seat = seat->str();
       if (const std::string wrong = seat_complaint(token.role, token.seat); !wrong.empty())
         document.fail(path + "seat", wrong);
+    }
     constexpr std::int64_t kLast = 253'402'300'800;  // the year 10000
     if (entry->expires() < 0 || entry->expires() > kLast)
       document.fail(path + "expires", "must be seconds since 1970, or 0: never; correct it");

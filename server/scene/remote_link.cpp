@@ -282,7 +282,7 @@ void RemoteLink::tell_walls(Remote& remote, const EngageIndex& index) const noex
 }
 
 std::optional<SeenRobot> RemoteLink::seen(Nanoseconds now) const noexcept {
-  if (robot_ == 0 || said_.index == 0) return std::nullopt;
+  if (!visible()) return std::nullopt;
   return SeenRobot{.pose = said_.pose,
                    .target = said_.commanded,
                    .force = said_.force,

@@ -66,6 +66,8 @@ class RemoteLink {
   /// Whether that hand moves the robot.
   bool engages(std::uint32_t hand) const noexcept;
 
+  /// Whether seen() has a robot.
+  bool visible() const noexcept { return robot_ != 0 && said_.index != 0; }
   /// For observers. Empty: there is no robot, or it has sent nothing yet.
   std::optional<SeenRobot> seen(Nanoseconds now) const noexcept;
 

@@ -78,7 +78,7 @@ std::size_t SceneHost::exchange(std::optional<Nanoseconds>& until) {
   return taken;
 }
 
-/// Who may move a robot, and since when, is worth a line each time.
+/// Logs each change of the state between a robot and its hand.
 void SceneHost::tell_of_links() {
   for (std::size_t seat = 0; seat < kMostSeats; ++seat) {
     const LinkState state =

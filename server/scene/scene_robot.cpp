@@ -20,7 +20,7 @@ std::string names_of(const std::vector<RemoteSeat>& seats) {
 std::vector<SceneSessions::Seat> SceneSessions::seats_of(const Scene& scene) const {
   std::vector<Seat> seats;
   for (const RemoteSeat& seat : scene.seats()) seats.push_back({.link = RemoteLink(seat)});
-  // Whoever sits here stays, if the seats are the same.
+  // A robot keeps its seat if the seats are the same.
   if (has_same_seats(scene))
     for (std::size_t i = 0; i < seats.size(); ++i) {
       seats[i].robot = seats_[i].robot;
@@ -130,7 +130,7 @@ std::optional<SeenRobot> SceneSessions::seen_robot(std::size_t seat,
   robot->seat = static_cast<std::uint8_t>(seat);
   unsigned all = 0;
   for (std::size_t i = 0; i < seats_.size(); ++i)
-    if (seats_[i].link.seen(now)) all |= 1u << i;
+    if (seats_[i].link.visible()) all |= 1u << i;
   robot->seats = static_cast<std::uint8_t>(all);
   return robot;
 }

@@ -1,5 +1,5 @@
-// What a Falcon's converter does in each transfer: a firmware is loaded only as its echoes are, and
-// an answer is what came. The first byte says whether a firmware is loaded.
+// Any result of each USB transfer of a Falcon. A firmware counts as loaded only if every piece was
+// echoed, and an answer has the bytes that came. The first byte says whether a firmware is loaded.
 
 #include <dlfcn.h>
 
@@ -102,7 +102,7 @@ class Converter final : public stand_in::UsbScript {
   bool gone_ = false;
 };
 
-/// What was written are hellos, the byte that begins a load, and pieces of the image in their
+/// The driver wrote hellos, the byte that begins a load, and pieces of the image in their
 /// order. The boot loader answered the last hello, and echoed all that was sent before the last.
 void look_at_load(const std::vector<Write>& writes, const Sent& image, bool loaded) {
   const Sent hello = {0x0A, 0x43, 0x0D}, yes = {0x0A, 0x44, 0x2C, 0x0D};

@@ -6,7 +6,7 @@
 
 namespace stand_in {
 
-/// What the transfers of libusb return, with the arguments that matter.
+/// Decides the results of the transfers of libusb. It gets the arguments that matter.
 class UsbScript {
  public:
   virtual ~UsbScript() = default;

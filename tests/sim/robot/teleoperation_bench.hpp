@@ -50,7 +50,7 @@ class ToldHand final : public HandDevice {
   Vec3 intended(double /*time*/) noexcept override { return meant; }
 };
 
-/// What the server knows of: nothing near, and seats for robots.
+/// The scene of the server: its only object is far away, and it has seats for robots.
 inline Scene empty_scene(std::vector<RemoteSeat> seats) {
   Object far_away;
   far_away.name = "far";

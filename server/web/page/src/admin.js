@@ -20,7 +20,7 @@ const LINK = [
 ];
 
 /** @param {string} tag @param {object} properties @param {...(Node | string)} children */
-function make(tag, properties, ...children) {
+export function make(tag, properties, ...children) {
   const made = Object.assign(document.createElement(tag), properties);
   made.append(...children);
   return made;

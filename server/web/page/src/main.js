@@ -1,7 +1,7 @@
 // The live page: connects, keeps the newest picture, and draws.
 
 import './early.js';  // First: it runs before the rest.
-import {Admin} from './admin.js';
+import {Admin, make} from './admin.js';
 import {Connection} from './connection.js';
 import {Foxglove} from './foxglove.js';
 import {Hands} from './hands.js';
@@ -219,11 +219,7 @@ function hold() {
 function writeRobots() {
   const texts = robotTexts(view.picture, view.seats);
   const list = element('robots');
-  while (list.children.length < texts.length) {
-    const line = document.createElement('p');
-    line.append(document.createElement('b'), ' ', document.createElement('span'));
-    list.append(line);
-  }
+  while (list.children.length < texts.length) list.append(make('p', {}, make('b'), ' ', make('span')));
   [...list.children].forEach((line, i) => {
     line.hidden = i >= texts.length;
     line.querySelector('b').textContent = texts[i]?.state ?? '';
