@@ -16,6 +16,10 @@ Vec3 rotation_between(const Quaternion& from, const Quaternion& to) {
   return (difference.w() < 0.0 ? -angle : angle) / sine * difference.vec();
 }
 
+Quaternion turn_to(const Vec3& from, const Vec3& to) {
+  return Quaternion::FromTwoVectors(from, to);
+}
+
 Quaternion turned(const Quaternion& from, const Vec3& by) {
   const Polar<double> angle = polar(by);
   if (!(angle.length > 0.0)) return from;

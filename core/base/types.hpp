@@ -59,6 +59,9 @@ struct Tool {
 /// if a number is not finite or a quaternion has norm zero.
 Vec3 rotation_between(const Quaternion& from, const Quaternion& to);
 
+/// The smallest turn that takes the direction `from` to the direction `to`. Neither need be unit.
+Quaternion turn_to(const Vec3& from, const Vec3& to);
+
 /// The orientation `from` turned further by the rotation vector `by` [rad], world frame: the
 /// inverse of rotation_between() for |by| < pi. Unit; `from` itself where `by` is zero.
 Quaternion turned(const Quaternion& from, const Vec3& by);

@@ -127,9 +127,9 @@ std::vector<PhysicsGeom> Box::geoms(Side side) const {
   std::vector<PhysicsGeom> walls;
   for (int face = 0; face < kBoxFaces; ++face) {
     const Vec3 outward = face_sign(face) * Vec3::Unit(face / 2);
-    walls.push_back({.kind = PhysicsGeom::Kind::plane,
-                     .pose = Pose{outward.cwiseProduct(half_extents),
-                                  Quaternion::FromTwoVectors(Vec3::UnitZ(), -outward)}});
+    walls.push_back(
+        {.kind = PhysicsGeom::Kind::plane,
+         .pose = Pose{outward.cwiseProduct(half_extents), turn_to(Vec3::UnitZ(), -outward)}});
   }
   return walls;
 }

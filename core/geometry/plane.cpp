@@ -33,8 +33,7 @@ TriangleSoup Plane::triangles(int) const { return {}; }
 
 std::vector<PhysicsGeom> Plane::geoms(Side side) const {
   PhysicsGeom geom{.kind = PhysicsGeom::Kind::plane};
-  if (side == Side::inside)
-    geom.pose = {Vec3::Zero(), Quaternion::FromTwoVectors(Vec3::UnitZ(), -Vec3::UnitZ())};
+  if (side == Side::inside) geom.pose = {Vec3::Zero(), turn_to(Vec3::UnitZ(), -Vec3::UnitZ())};
   return {geom};
 }
 

@@ -225,11 +225,10 @@ std::vector<PhysicsGeom> Torus::geoms(Side side) const {
   for (int i = 0; i < kCapsules; ++i) {
     const double angle = 2.0 * kHalf * i;
     const Vec3 facing(std::cos(angle), std::sin(angle), 0.0);
-    ring.push_back(
-        {.kind = PhysicsGeom::Kind::capsule,
-         .size = {minor_radius, corner * std::sin(kHalf), 0.0},
-         .pose = Pose{corner * std::cos(kHalf) * facing,
-                      Quaternion::FromTwoVectors(Vec3::UnitZ(), Vec3::UnitZ().cross(facing))}});
+    ring.push_back({.kind = PhysicsGeom::Kind::capsule,
+                    .size = {minor_radius, corner * std::sin(kHalf), 0.0},
+                    .pose = Pose{corner * std::cos(kHalf) * facing,
+                                 turn_to(Vec3::UnitZ(), Vec3::UnitZ().cross(facing))}});
   }
   return ring;
 }

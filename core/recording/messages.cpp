@@ -130,7 +130,7 @@ void append_hand(std::string& out, std::uint64_t time, std::string_view id, cons
     const double length = kMetresPerNewton * force.norm();
     if (length > 0.0)
       put_message(entity, 7, [&](std::string& arrow) {
-        put_pose(arrow, 1, {pose.position, Quaternion::FromTwoVectors(Vec3::UnitX(), force)});
+        put_pose(arrow, 1, {pose.position, turn_to(Vec3::UnitX(), force)});
         put(arrow, 2, (1.0 - kHead) * length);
         put(arrow, 3, kThick);
         put(arrow, 4, kHead * length);

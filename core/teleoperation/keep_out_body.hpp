@@ -1,9 +1,6 @@
 #pragma once
 // Bodies that a robot's target stays out of.
 
-#include <algorithm>
-#include <cmath>
-
 #include "core/base/types.hpp"
 
 namespace feltwire {
@@ -27,43 +24,14 @@ struct KeepOutBody {
 
   /// Whether all numbers are finite and within the bounds above and `farthest` [m], and the
   /// orientation is a unit quaternion.
-  bool valid(double farthest) const noexcept {
-    constexpr double kUnit = 1e-6;
-    // Written so that NaN fails.
-    return pose.position.cwiseAbs().maxCoeff() <= farthest && half.minCoeff() >= 0.0 &&
-           half.maxCoeff() <= farthest && radius >= kLeastRadius && radius <= farthest &&
-           std::abs(pose.orientation.squaredNorm() - 1.0) <= kUnit && pose.position.allFinite() &&
-           half.allFinite();
-  }
+  bool valid(double farthest) const noexcept;
 
   /// Returns the wall whose clearance at `point` is the signed distance f of that point from the
   /// body, and whose normal is the gradient of f there. f is convex, so at every place x
   ///   f(x) >= f(point) + normal . (x - point):
   /// of a point outside, the whole body is behind the wall; from a point inside, no movement along
   /// the normal leads deeper.
-  WorkspaceWall wall_at(const Vec3& point) const noexcept {
-    const Quaternion& turn = pose.orientation;
-    const Vec3 at = turn.conjugate() * (point - pose.position);
-    const Vec3 beyond = at.cwiseAbs() - half;
-    const Vec3 outside = beyond.cwiseMax(0.0);
-    const double length = outside.norm();
-    Vec3 normal = Vec3::Zero();
-    double distance = length - radius;
-    if (length > 0.0) {
-      normal = (outside / length).cwiseProduct(sides(at));
-    } else {
-      Eigen::Index axis = 0;
-      distance = beyond.maxCoeff(&axis) - radius;
-      normal[axis] = sides(at)[axis];
-    }
-    const Vec3 along = (turn * normal).normalized();
-    return {along, along.dot(point) - distance};
-  }
-
- private:
-  static Vec3 sides(const Vec3& at) noexcept {
-    return at.unaryExpr([](double x) { return std::copysign(1.0, x); });
-  }
+  WorkspaceWall wall_at(const Vec3& point) const noexcept;
 };
 
 }  // namespace feltwire

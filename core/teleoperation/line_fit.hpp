@@ -1,8 +1,5 @@
 #pragma once
-
-#include <Eigen/Cholesky>
-#include <algorithm>
-#include <cmath>
+// Least squares of a spring and a damper.
 
 #include "core/base/types.hpp"
 
@@ -19,51 +16,13 @@ class LineFit {
   };
 
   void clear() noexcept { *this = {}; }
-  void add(const Vec3& x, const Vec3& v, const Vec3& force) noexcept {
-    xx_ += x * x.transpose();
-    xv_ += x * v.transpose();
-    vv_ += v * v.transpose();
-    xf_ += x * force.transpose();
-    vf_ += v * force.transpose();
-    ff_ += force * force.transpose();
-    x_ += x;
-    v_ += v;
-    f_ += force;
-    ++count_;
-  }
+  void add(const Vec3& x, const Vec3& v, const Vec3& force) noexcept;
   /// [unit of x] standard deviation of the samples along a unit direction.
-  double excitation(const Vec3& direction) const noexcept {
-    if (count_ == 0) return 0.0;
-    const double mean = x_.dot(direction) / count_;
-    return std::sqrt(std::max(0.0, square(xx_, direction) / count_ - mean * mean));
-  }
+  double excitation(const Vec3& direction) const noexcept;
   /// Fits along a unit direction. Zeros if the samples do not determine it.
-  Line line(const Vec3& direction) const noexcept {
-    constexpr int kLeast = 5;
-    if (count_ < kLeast) return {};
-    const double x = x_.dot(direction), v = v_.dot(direction), f = f_.dot(direction);
-    const double squares = square(ff_, direction);
-    const double variation = squares - f * f / count_;
-    if (!(variation > 0.0)) return {};
-    const double xv = square(xv_, direction);
-    const Vec3 right(square(xf_, direction), square(vf_, direction), f);
-    Mat3 normal;
-    normal << square(xx_, direction), xv, x, xv, square(vv_, direction), v, x, v, count_;
-    // The speed is smaller by the scale of one second: weight it so that the smallest pivot is not
-    // noise.
-    Mat3 damped = normal;
-    damped(1, 1) += kSpeedPrior * count_;
-    const Vec3 solution = damped.ldlt().solve(right);
-    if (!solution.allFinite()) return {};
-    const double left = squares - 2.0 * solution.dot(right) + solution.dot(normal * solution);
-    return {solution.x(), 1.0 - std::max(0.0, left) / variation};
-  }
+  Line line(const Vec3& direction) const noexcept;
 
  private:
-  static constexpr double kSpeedPrior = 1e-6;  // [m^2/s^2]
-  static double square(const Mat3& sums, const Vec3& direction) noexcept {
-    return direction.dot(sums * direction);
-  }
   Mat3 xx_ = Mat3::Zero(), xv_ = Mat3::Zero(), vv_ = Mat3::Zero();
   Mat3 xf_ = Mat3::Zero(), vf_ = Mat3::Zero(), ff_ = Mat3::Zero();
   Vec3 x_ = Vec3::Zero(), v_ = Vec3::Zero(), f_ = Vec3::Zero();

@@ -13,7 +13,7 @@ Scene plane(double stiffness, double friction) {
   Object object;
   object.name = "plane";
   object.shape = Plane{};
-  object.pose.orientation = Quaternion::FromTwoVectors(Vec3::UnitZ(), Vec3::UnitY());
+  object.pose.orientation = turn_to(Vec3::UnitZ(), Vec3::UnitY());
   object.material = {.stiffness = stiffness,
                      .damping = 0.0,
                      .static_friction = friction,

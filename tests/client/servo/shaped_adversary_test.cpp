@@ -76,7 +76,7 @@ Scene any_room(Random& random) {
   Object wall = floor;
   wall.name = "wall";
   wall.pose.position = {0.01, 0.0, 0.0};
-  wall.pose.orientation = Quaternion::FromTwoVectors(Vec3::UnitZ(), -Vec3::UnitX());
+  wall.pose.orientation = turn_to(Vec3::UnitZ(), -Vec3::UnitX());
   Object ball;
   ball.name = "ball";
   ball.shape = Sphere{0.01};

@@ -116,7 +116,7 @@ TEST(World, AHingeSwingsWithItsPeriod) {
   arm.joint = Joint::hinge;
   arm.axis = Vec3::UnitY();
   Object rod = object("rod", Cylinder{kRadius, kLength / 2}, {}, Vec3(kLength / 2, 0, 0));
-  rod.pose.orientation = Quaternion::FromTwoVectors(Vec3::UnitZ(), Vec3::UnitX());
+  rod.pose.orientation = turn_to(Vec3::UnitZ(), Vec3::UnitX());
   const Scene scene = moving({rod}, {0}, {arm});
   World world(scene);
   std::vector<double> crossings;  // of the lowest point [s]

@@ -66,7 +66,7 @@ Object wall(const char* name, const Vec3& normal) {
   Object plane;
   plane.name = name;
   plane.shape = Plane{};
-  plane.pose.orientation = Quaternion::FromTwoVectors(Vec3::UnitZ(), normal);
+  plane.pose.orientation = turn_to(Vec3::UnitZ(), normal);
   return plane;
 }
 
