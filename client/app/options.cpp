@@ -279,6 +279,10 @@ std::variant<ClientOptions, int> parse_options(int argc, char** argv) {
       ->group(safety);
 
   const auto hand = "Simulated hand";
+  app.add_option("--press-button", words.press,
+                 "[s] Time at which the hand presses its only button, number 1, for 0.1 s. It lets "
+                 "its enabling switch go 0.5 s before, and holds it again 0.5 s after")
+      ->group(hand);
   app.add_option("--path", words.path, "Movement of the hand: " + choices(kHandPathNames))
       ->capture_default_str()
       ->group(hand);

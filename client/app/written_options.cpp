@@ -144,11 +144,15 @@ void choose_device(const WrittenOptions& words, HandTask task, ClientOptions& op
                     .own_center = words.center.has_value(),
                     .own_normal = words.normal.has_value(),
                     .leads_from = words.lead,
+                    .presses_at = words.press,
                     .firmware = {},
                     .steering = options.device.steering};
   options.device.firmware = words.firmware;
   require(words.firmware.empty() || chosen.driver->takes_firmware,
           "--firmware is for --device falcon; leave it out");
+  require(!words.press || (chosen.driver->kind == "simulated" && *words.press >= 0.0 &&
+                           std::isfinite(*words.press)),
+          "--press-button is a time of 0 or more [s], for --device simulated");
   validate(options.device.steering);
   if (words.damping) options.device.spec.damping = damping(*words.damping);
   // Checks the spec before the device is opened, so that its error comes first.

@@ -27,7 +27,7 @@ struct WrittenOptions {
   std::optional<double> packet_rate;  // [Hz]
   double position_deadband_percent = 0.0, force_deadband_percent = 0.0;
   std::optional<std::array<double, 3>> center, normal;
-  std::optional<double> lead;                  // [s]
+  std::optional<double> lead, press;           // [s]
   std::optional<std::array<double, 2>> trust;  // [J], [W] of the robot that it leads
   double map_scale = 1.0;
   std::optional<std::array<double, 3>> map_rotate, map_translate;  // [deg], [m]

@@ -25,9 +25,10 @@ struct DeviceRequest {
   WristTask wrist;   // the wrist of the simulated hand, for a device that senses rotation
   bool own_center = true, own_normal = true;  // of the simulated hand; false: begin() gives them
   std::optional<double>
-      leads_from;            // [s] time from which its switch is held; empty: it leads no robot
-  std::string firmware;      // file for a Falcon; empty: none
-  SteeringOptions steering;  // of a gamepad or a 3D mouse
+      leads_from;  // [s] time from which its switch is held; empty: it leads no robot
+  std::optional<double> presses_at;  // [s] as SimulatedHandOptions::presses_at
+  std::string firmware;              // file for a Falcon; empty: none
+  SteeringOptions steering;          // of a gamepad or a 3D mouse
 };
 
 struct OpenedDevice {

@@ -1,5 +1,8 @@
 #include "client/devices/simulated_device.hpp"
 
+#include <cmath>
+#include <limits>
+
 namespace feltwire {
 
 SimulatedDevice::SimulatedDevice(const SimulatedHandOptions& options)
@@ -20,7 +23,11 @@ void SimulatedDevice::begin(const Vec3& position, const Vec3& normal) {
 
 DeviceReading SimulatedDevice::read(Nanoseconds now) noexcept {
   DeviceReading reading = HandDevice::read(now);
-  reading.deadman = options_.leads_from && time_ >= *options_.leads_from;
+  const double since =
+      time_ - options_.presses_at.value_or(std::numeric_limits<double>::infinity());
+  const bool let_go = std::abs(since) < SimulatedHandOptions::kLetGo;
+  reading.deadman = options_.leads_from && time_ >= *options_.leads_from && !let_go;
+  reading.buttons = since >= 0.0 && since < SimulatedHandOptions::kPress ? 1u : 0u;
   return reading;
 }
 

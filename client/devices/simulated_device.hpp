@@ -18,6 +18,10 @@ struct SimulatedHandOptions {
   bool own_center = true, own_normal = true;  // false: begin() gives the task's center, normal
   std::optional<double> leads_from =
       {};  // [s] time from which the switch is held that moves a robot
+  /// [s] Time at which the hand presses its only button, for kPress. It lets the switch go kLetGo
+  /// before, and holds it again kLetGo after.
+  std::optional<double> presses_at = {};
+  static constexpr double kPress = 0.1, kLetGo = 0.5;  // [s]
 };
 
 /// The task gives the intended place of the hand at each time. Deterministic: the same task, forces

@@ -72,6 +72,7 @@ DeviceReading SteeredDevice::read(Nanoseconds now) noexcept {
   reading.ok = !gone_;
   reading.deadman = steering_.enabled;
   reading.gripper = steering_.gripper;
+  reading.buttons = steering_.buttons;
   return reading;
 }
 

@@ -64,6 +64,7 @@ void InputState::lay_out(const EventNode& node, std::string_view kind, double de
   if (kind == "spacemouse") {
     enable_ = BTN_0;
     clutch_ = BTN_1;
+    others_ = kMouseButtons;
     relative_ = !has[ABS_RZ];
     constexpr std::array<std::pair<unsigned, double>, kSix> kAxes = {
         {{ABS_Y, 1.0}, {ABS_X, 1.0}, {ABS_Z, -1.0}, {ABS_RY, 1.0}, {ABS_RX, 1.0}, {ABS_RZ, -1.0}}};
@@ -76,6 +77,7 @@ void InputState::lay_out(const EventNode& node, std::string_view kind, double de
   }
   enable_ = BTN_TR;
   clutch_ = BTN_TL;
+  others_ = kPadButtons;
   const bool usual = has[ABS_RX] && has[ABS_RY];  // else as pads without a driver of their own
   const auto put = [&](std::size_t place, unsigned code, double sign) {
     if (has[code]) layout_[place] = absolute(node, code, sign, dead_zone);
@@ -177,6 +179,8 @@ Steering InputState::steering(Nanoseconds now) noexcept {
   Steering told;
   told.enabled = values_.keys[enable_];
   told.clutched = values_.keys[clutch_];
+  for (std::size_t i = 0; i < others_.size(); ++i)
+    told.buttons |= static_cast<std::uint32_t>(values_.keys[others_[i]]) << i;
   if (trigger_) {
     const double closed =
         (values_.axes[*trigger_] - trigger_open_) / (trigger_closed_ - trigger_open_);

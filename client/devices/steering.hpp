@@ -8,6 +8,7 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string_view>
 
 #include "client/devices/event_node.hpp"
@@ -25,6 +26,11 @@ struct SteeringOptions {
 /// Throws std::invalid_argument that names the option and the remedy.
 void validate(const SteeringOptions& options);
 
+/// The buttons without a meaning of their own, in the order of their numbers, by the kernel's
+/// names. Makers disagree about which of a pad's buttons is north and which is west.
+inline constexpr std::array<unsigned, 4> kPadButtons = {BTN_SOUTH, BTN_EAST, BTN_NORTH, BTN_WEST};
+inline constexpr std::array<unsigned, 2> kMouseButtons = {BTN_2, BTN_3};
+
 /// The wanted movement of the tool. World frame of devices: x towards the person, y right, z up.
 struct Steering {
   Vec3 velocity = Vec3::Zero();     // [m/s]
@@ -32,6 +38,7 @@ struct Steering {
   bool enabled = false;             // the person holds the enabling switch
   bool clutched = false;            // the person holds the clutch: the tool stands still
   std::optional<double> gripper{};  // [m] opening of the gripper, if there is a lever
+  std::uint32_t buttons = 0;        // the others, a bit each (kPadButtons, kMouseButtons)
 };
 
 /// The axes and buttons of a gamepad or a 3D mouse, from its events. An event takes effect with the
@@ -76,6 +83,7 @@ class InputState {
   SteeringOptions options_;
   std::array<Axis, kSix> layout_;
   unsigned enable_ = 0, clutch_ = 0;                  // buttons
+  std::span<const unsigned> others_;                  // buttons
   std::optional<unsigned> trigger_;                   // the axis that closes the gripper
   double trigger_open_ = 0.0, trigger_closed_ = 1.0;  // in the kernel's units
   bool relative_ = false;

@@ -99,6 +99,22 @@ TEST_F(Steered, TheKernelsDeadZoneCountsWhereItIsMore) {
   EXPECT_EQ(device->true_position(), Vec3::Zero());
 }
 
+TEST_F(Steered, TheOtherButtonsAreNumberedFromOne) {
+  gamepad();
+  EXPECT_EQ(move(0.01).buttons, 0u);
+  for (std::size_t i = 0; i < kPadButtons.size(); ++i) {
+    input.key(kPadButtons[i], true);
+    input.report();
+    EXPECT_EQ(move(0.01).buttons, 1u << i);
+    input.key(kPadButtons[i], false);
+  }
+  input.report();
+  EXPECT_EQ(move(0.01).buttons, 0u);
+  input.key(BTN_TR, true);  // has a meaning of its own
+  input.report();
+  EXPECT_EQ(move(0.01).buttons, 0u);
+}
+
 TEST_F(Steered, ButtonsAreTheEnablingSwitchTheClutchAndTheGripper) {
   gamepad();
   EXPECT_FALSE(move(0.01).deadman);

@@ -135,8 +135,16 @@ TEST(Options, AHandChoosesItsRobot) {
   EXPECT_EQ(options.servo.seat_button, 0);
   EXPECT_THAT(refusal({"--robot", "left"}), HasSubstr("--robot is for a hand with --lead"));
   EXPECT_THAT(refusal({"--robot-button", "1"}), HasSubstr("--robot-button is for a hand with"));
-  EXPECT_THAT(refusal({"--lead", "0.3", "--robot-button", "1"}),
-              HasSubstr("--robot-button: of --device simulated no button is read"));
+  EXPECT_THAT(refusal({"--lead", "0.3", "--robot-button", "1", "--device", "hapi:/dev/ttyACM0"}),
+              HasSubstr("--robot-button: of --device hapi no button is read"));
+  EXPECT_EQ(std::get<ClientOptions>(
+                parsed({"--lead", "0.3", "--robot-button", "1", "--press-button", "2"}))
+                .device.presses_at,
+            2.0);
+  for (const std::vector<std::string>& wrong : {std::vector<std::string>{"--press-button", "-1"},
+                                                {"--press-button", "inf"},
+                                                {"--press-button", "2", "--device", "gamepad"}})
+    EXPECT_THAT(refusal(wrong), HasSubstr("--press-button is a time of 0 or more [s], for"));
   EXPECT_EQ(std::get<ClientOptions>(
                 parsed({"--lead", "0.3", "--robot-button", "2", "--device", "falcon"}))
                 .servo.seat_button,

@@ -31,20 +31,36 @@ Scene seat_scene() {
   return scene;
 }
 
+/// Two robots may sit here.
+Scene pair_scene() {
+  Scene scene("pair", testing::floor_scene().objects());
+  scene.set_seats({RemoteSeat{.name = "left"}, RemoteSeat{.name = "right"}});
+  return scene;
+}
+
 class FollowerProgram : public ::testing::Test {
  protected:
   FollowerProgram() {
     replace_file(folder_ / "token", robot_.text.text(), kPrivate);
+    replace_file(folder_ / "paired", paired_.text.text(), kPrivate);
+    replace_file(folder_ / "hand", hand_.text.text(), kPrivate);
     std::vector<Scene> scenes;
     scenes.push_back(seat_scene());
+    scenes.push_back(pair_scene());
     server_ = std::make_unique<Server>(testing::any_ports(), std::move(scenes),
-                                       test::security({robot_.token}));
+                                       test::security({robot_.token, paired_.token, hand_.token}));
   }
-  std::unique_ptr<Program> start(std::vector<std::string> more) {
-    more.insert(more.begin(), {"--connect", "127.0.0.1:" + std::to_string(server_->control_port()),
-                               "--scene", "floor", "--token-file", folder_ / "token",
-                               "--fingerprint", to_string(server_->fingerprint())});
-    return std::make_unique<Program>(FELTWIRE_FOLLOWER_PROGRAM, std::move(more));
+  std::vector<std::string> access(const char* token) {
+    return {"--connect",     "127.0.0.1:" + std::to_string(server_->control_port()),
+            "--token-file",  folder_ / token,
+            "--fingerprint", to_string(server_->fingerprint())};
+  }
+  std::unique_ptr<Program> start(const std::vector<std::string>& more, const char* scene = "floor",
+                                 const char* token = "token") {
+    std::vector<std::string> words = access(token);
+    words.insert(words.end(), {"--scene", scene});
+    words.insert(words.end(), more.begin(), more.end());
+    return std::make_unique<Program>(FELTWIRE_FOLLOWER_PROGRAM, std::move(words));
   }
   /// It cannot begin, and says why in one line.
   void expect_fault(std::vector<std::string> arguments, const std::string& part) {
@@ -71,6 +87,8 @@ class FollowerProgram : public ::testing::Test {
 
   testing::TemporaryFolder folder_;
   IssuedToken robot_ = issue_token("robot", "floor", Role::follower, std::nullopt);
+  IssuedToken paired_ = issue_token("robot", "pair", Role::follower, std::nullopt);
+  IssuedToken hand_ = issue_token("hand", "pair", Role::operator_, std::nullopt);
   std::unique_ptr<Server> server_;
 };
 
@@ -158,6 +176,24 @@ TEST_F(FollowerProgram, ADriverInAnotherLanguageSitsOnTheSeat) {
   EXPECT_EQ(report()["robot"]["name"], "my_follower");
   EXPECT_EQ(report()["robot"]["servo_period_s"], 0.005);
   EXPECT_FALSE(std::filesystem::exists(folder_ / "driver"));
+}
+
+TEST_F(FollowerProgram, OneHandMovesOneRobotAndThenAnother) {
+  std::vector<std::unique_ptr<Program>> robots;
+  for (const char* seat : {"left", "right"}) {
+    robots.push_back(start({"--seat", seat, "--surroundings", kSurroundings, "--at", "0,0,0.05"},
+                           "pair", "paired"));
+    EXPECT_THAT(robots.back()->error_until("the robot's seat"), HasSubstr("the robot's seat"));
+  }
+  std::vector<std::string> words = access("hand");
+  words.insert(words.end(), {"--scene", "pair", "--robot", "left", "--lead", "0.3",
+                             "--robot-button", "1", "--press-button", "1.5", "--duration", "3"});
+  const Outcome hand = Program(FELTWIRE_CLIENT_PROGRAM, words).finish();
+  EXPECT_EQ(hand.status, 0) << hand.error;
+  for (const auto& robot : robots) {
+    robot->signal(SIGINT);
+    EXPECT_THAT(robot->finish().out, HasSubstr(", engaged 1 times"));
+  }
 }
 
 }  // namespace
