@@ -13,6 +13,7 @@
 #include "core/base/splitmix.hpp"
 #include "core/scene_file/load_scene.hpp"
 #include "server/scene/scene_host.hpp"
+#include "server/web/web_server.hpp"
 #include "tests/bench/net/echo.hpp"
 #include "tests/bench/net/machine.hpp"
 
@@ -66,7 +67,13 @@ void join_all(SceneHost& host, const std::vector<std::uint64_t>& ids, const Host
   }
 }
 
-[[noreturn]] void run_ours(const HostOptions& options, int pipe) {
+std::vector<SceneInView*> pointers(const std::vector<std::unique_ptr<SceneHost>>& hosts) {
+  std::vector<SceneInView*> result;
+  for (const auto& host : hosts) result.push_back(host.get());
+  return result;
+}
+
+[[noreturn]] void run_ours(const HostOptions& options, const Tokens& tokens, int pipe) {
   SceneHostOptions host_options;
   host_options.address = asio::ip::address_v4::loopback();
   host_options.silence_timeout = std::chrono::hours(1);
@@ -84,13 +91,25 @@ void join_all(SceneHost& host, const std::vector<std::uint64_t>& ids, const Host
     join_all(*hosts.back(), ids, options);
     announce(pipe, hosts.back()->port(), ids);
   }
+  std::unique_ptr<web::WebServer> page;
+  if (options.page_core >= 0) {
+    web::WebOptions web_options;
+    web_options.address = asio::ip::address_v4::loopback();
+    const std::vector<SceneInView*> scenes = pointers(hosts);
+    page = std::make_unique<web::WebServer>(web_options, scenes, TokenFile(tokens),
+                                            Identity{});  // the loopback shows no certificate
+    pin_to(options.page_core);
+    page->start();
+    const std::uint16_t port = page->port();
+    write_all(pipe, &port, sizeof port);
+  }
   while (true) ::pause();
 }
 
-[[noreturn]] void run_child(const HostOptions& options, int pipe) {
+[[noreturn]] void run_child(const HostOptions& options, const Tokens& tokens, int pipe) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   try {
-    if (ours(options.kind)) run_ours(options, pipe);
+    if (ours(options.kind)) run_ours(options, tokens, pipe);
     run_echo(options, pipe);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "feltwire-netbench: %s\n", error.what());
@@ -135,11 +154,13 @@ SessionKeys session_keys(std::uint64_t session, CipherSuite suite) {
 }
 
 HostProcess::HostProcess(const HostOptions& options) {
+  const IssuedToken viewers = issue_token("viewers", "*", Role::observer, std::nullopt);
+  viewers_token_ = viewers.text.text();
   int pipe[2];
   if (::pipe(pipe) != 0) throw std::runtime_error("no pipe");
   process_ = ::fork();
   if (process_ < 0) throw std::runtime_error("no process");
-  if (process_ == 0) run_child(options, pipe[1]);
+  if (process_ == 0) run_child(options, {viewers.token}, pipe[1]);
   ::close(pipe[1]);
   targets_.resize(options.cores.size());
   for (Target& target : targets_) {
@@ -147,6 +168,7 @@ HostProcess::HostProcess(const HostOptions& options) {
     read_all(pipe[0], &target.port, sizeof target.port);
     read_all(pipe[0], target.sessions.data(), target.sessions.size() * sizeof(std::uint64_t));
   }
+  if (options.page_core >= 0) read_all(pipe[0], &page_port_, sizeof page_port_);
   ::close(pipe[0]);
 }
 

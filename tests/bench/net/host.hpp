@@ -32,6 +32,7 @@ struct HostOptions {
   std::vector<int> cores = {0};  // one scene for each
   int redundancy = 0;
   CipherSuite suite = preferred_suite();
+  int page_core = -1;  // of the live page over these scenes; negative: there is no page
 };
 
 /// A scene as the load sees it.
@@ -58,10 +59,16 @@ class HostProcess {
 
   const std::vector<Target>& targets() const { return targets_; }
   pid_t process() const { return process_; }
+  /// Of the live page; 0: there is none.
+  std::uint16_t page_port() const { return page_port_; }
+  /// A token for its viewers.
+  const std::string& viewers_token() const { return viewers_token_; }
 
  private:
   pid_t process_ = -1;
   std::vector<Target> targets_;
+  std::uint16_t page_port_ = 0;
+  std::string viewers_token_;
 };
 
 }  // namespace feltwire::netbench

@@ -123,6 +123,22 @@ void print_flood(const FloodFigures& figures) {
   print_bar("clients left behind", figures.beside_flood.left_behind, "<=", 0.0);
 }
 
+void print_viewing(const ViewingFigures& figures) {
+  std::printf(
+      "\n%d hands of 1 kHz, alone and beside %d viewers of the live page (page on core %d)\n",
+      kWatchedHands, kViewers, page_core());
+  std::printf("%-16s %9s %9s %9s %9s %12s\n", "", "p50 us", "p99 us", "p99.9 us", "late %",
+              "pictures/s");
+  const auto line = [](const char* what, const Watched& w) {
+    std::printf("%-16s %9.1f %9.1f %9.1f %9.3f %12.1f\n", what, w.p50, w.p99, w.p999,
+                100.0 * w.late, w.pictures);
+  };
+  line("alone", figures.alone);
+  line("beside viewers", figures.beside_viewers);
+  std::printf("\n");
+  print_bar("round trip beside viewers, p99, to unobserved", figures.p99_ratio, "<=", 1.1);
+}
+
 int run(int argc, char** argv) {
   Settings settings;
   settings.scene = FELTWIRE_SOURCE_DIR "/scenes/room.json";
@@ -144,8 +160,8 @@ int run(int argc, char** argv) {
       ->transform(CLI::CheckedTransformer(std::map<std::string, CipherSuite>{
           {"aes_256_gcm", CipherSuite::aes_256_gcm},
           {"chacha20_poly1305", CipherSuite::chacha20_poly1305}}));
-  app.add_option("--only", only, "sweep, held, scenes, flood, servo; all when not given")
-      ->check(CLI::IsMember({"sweep", "held", "scenes", "flood", "servo"}));
+  app.add_option("--only", only, "sweep, held, scenes, flood, servo, viewing; all when not given")
+      ->check(CLI::IsMember({"sweep", "held", "scenes", "flood", "servo", "viewing"}));
   CLI11_PARSE(app, argc, argv);
   if (cores() < 2) throw std::runtime_error("two cores are needed: server and load have one each");
 
@@ -157,6 +173,7 @@ int run(int argc, char** argv) {
   if (wanted("held")) print_held(clients_held(settings));
   if (wanted("scenes")) print_scaling(scaling(settings));
   if (wanted("flood")) print_flood(flood(settings));
+  if (wanted("viewing")) print_viewing(viewing(settings));
   if (wanted("servo")) print_servo(servo(settings));
   return 0;
 }

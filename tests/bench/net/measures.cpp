@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <thread>
+
+#include "tests/bench/net/viewers.hpp"
 
 namespace feltwire::netbench {
 namespace {
@@ -142,6 +145,49 @@ Flooded flooded(const std::vector<LoadResult>& runs) {
   return result;
 }
 
+struct WatchedRun {
+  LoadResult load;
+  double pictures = 0.0;  // [1/s] of a viewer
+};
+
+WatchedRun run_watched(const Settings& settings, bool viewers) {
+  HostOptions host;
+  host.scene_file = settings.scene;
+  host.clients = kWatchedHands;
+  host.cores = {kServerCore};
+  host.redundancy = settings.redundancy;
+  host.suite = settings.suite;
+  host.page_core = page_core();
+  const HostProcess process(host);
+  std::optional<Viewers> watching;
+  if (viewers)
+    watching.emplace(kViewers, process.page_port(), process.viewers_token(), page_core());
+  pin_to(kLoadCore);
+  LoadOptions options;
+  options.redundancy = settings.redundancy;
+  options.suite = settings.suite;
+  options.duration = duration(settings);
+  Load load(process.targets().front(), false, options);
+  const std::uint64_t before = viewers ? watching->pictures() : 0;
+  const Nanoseconds begin = now();
+  WatchedRun result{load.run(process.process())};
+  if (viewers)
+    result.pictures = static_cast<double>(watching->pictures() - before) / kViewers /
+                      std::chrono::duration<double>(now() - begin).count();
+  return result;
+}
+
+Watched watched(const std::vector<WatchedRun>& runs) {
+  std::vector<LoadResult> loads;
+  std::vector<double> pictures;
+  for (const WatchedRun& r : runs) {
+    loads.push_back(r.load);
+    pictures.push_back(r.pictures);
+  }
+  const Figures f = figures(loads);
+  return {f.p50, f.p99, f.p999, f.late, median(pictures)};
+}
+
 }  // namespace
 
 double median(std::vector<double> values) {
@@ -190,6 +236,21 @@ Scaling scaling(const Settings& settings) {
     one.push_back(1e-6 * 0.5 * (first + second));
   }
   return {median(one), median(two)};
+}
+
+int page_core() { return cores() > 2 ? 2 : kServerCore; }
+
+ViewingFigures viewing(const Settings& settings) {
+  std::vector<WatchedRun> alone, beside;
+  std::vector<double> ratios;
+  for (int round = 0; round < settings.rounds; ++round) {
+    const bool viewers_first = round % 2 == 1;
+    for (const bool viewers : {viewers_first, !viewers_first})
+      (viewers ? beside : alone).push_back(run_watched(settings, viewers));
+    ratios.push_back(static_cast<double>(beside.back().load.round_trip.quantile(0.99)) /
+                     static_cast<double>(alone.back().load.round_trip.quantile(0.99)));
+  }
+  return {watched(alone), watched(beside), median(ratios)};
 }
 
 FloodFigures flood(const Settings& settings) {

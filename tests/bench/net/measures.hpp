@@ -77,6 +77,21 @@ struct FloodFigures {
 };
 FloodFigures flood(const Settings& settings);
 
+/// Hands of 1 kHz, alone and beside viewers of the live page. Ratios, and medians over the rounds.
+struct Watched {
+  double p50 = 0.0, p99 = 0.0, p999 = 0.0;  // [us] of the round trip
+  double late = 0.0;                        // share
+  double pictures = 0.0;                    // [1/s] that a viewer read
+};
+inline constexpr int kWatchedHands = 16, kViewers = 5;
+struct ViewingFigures {
+  Watched alone, beside_viewers;
+  double p99_ratio = 0.0;  // the median over the rounds of what each round's pair gives
+};
+ViewingFigures viewing(const Settings& settings);
+/// The page has a core of its own where there is one, else the server's, as its viewers.
+int page_core();
+
 /// Our client's servo at 1 kHz, on the load's core.
 struct ServoFigures {
   std::string how;
