@@ -178,6 +178,12 @@ Extent depth_extent(const ClippedPolyhedron& common, const DepthPlane& plane) {
   return extent;
 }
 
+Vec3 middle_of(const ClippedPolyhedron& common) {
+  Vec3 middle = Vec3::Zero();
+  for (const Vec3& x : common.vertices()) middle += x;
+  return middle / static_cast<double>(common.vertices().size());
+}
+
 /// The faces to which depth is measured somewhere in a polyhedron, each plane once.
 struct Candidates {
   std::array<std::uint32_t, kMostDepthPlanes> of;
@@ -191,7 +197,52 @@ struct Candidates {
     }
     of[count++] = static_cast<std::uint32_t>(i);
   }
+
+  /// The nearest to the middle first: they empty the cells of those that are nowhere the nearest.
+  void sort(const DepthPlanes& planes, const ClippedPolyhedron& common) {
+    const Vec3 middle = middle_of(common);
+    const auto depth = [&](std::uint32_t i) {
+      return planes[i].offset - planes[i].normal.dot(middle);
+    };
+    std::sort(of.begin(), of.begin() + static_cast<std::ptrdiff_t>(count),
+              [&](std::uint32_t a, std::uint32_t b) {
+                const double first = depth(a), second = depth(b);
+                return first != second ? first < second : a < b;
+              });
+  }
+
+  std::size_t nearest_to(const DepthPlanes& planes, const Vec3& x) const {
+    double least = std::numeric_limits<double>::infinity();
+    std::size_t at = 0;
+    for (std::size_t k = 0; k < count; ++k) {
+      const double depth = planes[of[k]].offset - planes[of[k]].normal.dot(x);
+      if (!(depth < least)) continue;
+      least = depth;
+      at = k;
+    }
+    return at;
+  }
 };
+
+/// Leaves of a polyhedron the part where candidate k is the nearest. First by the plane that is the
+/// nearest in the middle of what is left, which soon empties most of those that have no cell; then
+/// by all.
+bool cut_to_cell(ClippedPolyhedron& common, const DepthPlanes& planes, const Candidates& nearest,
+                 std::size_t k) {
+  const DepthPlane& plane = planes[nearest.of[k]];
+  const auto cut = [&](std::size_t other) {
+    const DepthPlane& farther = planes[nearest.of[other]];
+    return common.cut(farther.normal - plane.normal, farther.offset - plane.offset, kRidge);
+  };
+  for (std::size_t round = 0; round < nearest.count; ++round) {
+    const std::size_t other = nearest.nearest_to(planes, middle_of(common));
+    if (other == k) break;
+    if (!cut(other)) return false;
+  }
+  for (std::size_t other = 0; other < nearest.count; ++other)
+    if (other != k && !cut(other)) return false;
+  return true;
+}
 
 /// Outside of a hollow the depth is that beyond the face which is farthest behind.
 void add_hollow(const PlacedPart& tool, const ClippedPolyhedron& whole, const DepthPlanes& planes,
@@ -242,6 +293,7 @@ void add_depth(const PlacedPart& tool, const SolidPart& solid, bool hollow, cons
   Candidates nearest;
   for (std::size_t i = 0; i < planes.size(); ++i)
     if (!planes[i].inner && least[i] < bound) nearest.add(planes, i);
+  nearest.sort(planes, inside);
   for (std::size_t k = 0; k < nearest.count; ++k) {
     const DepthPlane& plane = planes[nearest.of[k]];
     const Cell cell(-plane.normal, plane.offset, tool.origin);
@@ -250,13 +302,7 @@ void add_depth(const PlacedPart& tool, const SolidPart& solid, bool hollow, cons
       return;
     }
     ClippedPolyhedron common(inside);
-    bool left = true;
-    for (std::size_t other = 0; left && other < nearest.count; ++other) {
-      if (other == k) continue;
-      const DepthPlane& farther = planes[nearest.of[other]];
-      left = common.cut(farther.normal - plane.normal, farther.offset - plane.offset, kRidge);
-    }
-    if (left) add_cell(common, cell, planes, slides, sums);
+    if (cut_to_cell(common, planes, nearest, k)) add_cell(common, cell, planes, slides, sums);
   }
 }
 

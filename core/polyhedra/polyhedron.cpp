@@ -79,6 +79,40 @@ bool join_faces(Polyhedron& solid) {
 
 }  // namespace
 
+std::vector<Vec3> fewer_corners(const std::vector<Vec3>& corners, double error) {
+  std::vector<Vec3> kept;
+  std::vector<std::uint8_t> is_kept(corners.size(), 0);
+  const auto keep = [&](std::size_t i) {
+    if (is_kept[i] != 0) return;
+    is_kept[i] = 1;
+    kept.push_back(corners[i]);
+  };
+  for (const Vec3& way : {Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1), Vec3(1, 1, 1),
+                          Vec3(1, -1, 1), Vec3(1, 1, -1), Vec3(1, -1, -1)}) {
+    const auto along = [&](const Vec3& p) { return way.dot(p); };
+    const auto [least, most] = std::ranges::minmax_element(corners, {}, along);
+    keep(static_cast<std::size_t>(least - corners.begin()));
+    keep(static_cast<std::size_t>(most - corners.begin()));
+  }
+  while (kept.size() < std::min(corners.size(), kMostFewCorners)) {
+    const auto hull = convex_hull(kept);
+    double farthest = hull ? error : -1.0;
+    std::size_t at = corners.size();
+    for (std::size_t i = 0; i < corners.size(); ++i) {
+      if (is_kept[i] != 0) continue;
+      double out = 0.0;
+      for (std::size_t k = 0; hull && k < hull->planes.size(); ++k)
+        out = std::max(out, hull->planes[k].normal.dot(corners[i]) - hull->planes[k].offset);
+      if (!(out > farthest)) continue;
+      farthest = out;
+      at = i;
+    }
+    if (at == corners.size()) break;
+    keep(at);
+  }
+  return kept;
+}
+
 Polyhedron polyhedron(std::span<const Vec3> points) {
   const auto hull = convex_hull(points);
   if (!hull)

@@ -41,4 +41,12 @@ Polyhedron polyhedron(std::span<const Vec3> points);
 
 inline constexpr double kCoplanar = 1e-9;
 
+/// Corners of a convex solid whose hull leaves out at most `error` [m] of it: the extreme ones,
+/// then the one that is farthest out as long as it is more. For parts that are not exact in any
+/// case: the time of a contact grows with their faces. At most kMostFewCorners. Throws as
+/// convex_hull() does.
+std::vector<Vec3> fewer_corners(const std::vector<Vec3>& corners, double error);
+
+inline constexpr std::size_t kMostFewCorners = 32;
+
 }  // namespace feltwire

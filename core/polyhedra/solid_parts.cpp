@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <stdexcept>
 #include <variant>
 
 #include "core/mesh/mesh_surface.hpp"
 #include "core/mesh/tessellation.hpp"
+#include "core/polyhedra/clipped_polyhedron.hpp"
 
 namespace feltwire {
 namespace {
@@ -47,6 +49,28 @@ bool is_inner(const std::vector<SolidPart>& parts, std::size_t own, std::size_t 
   });
 }
 
+/// Leaves out what is nowhere in the part the nearest surface.
+void keep_nearest(SolidPart& part) {
+  const auto depth = [&](const HalfSpaceBelow& plane) {
+    return plane.offset - plane.normal.dot(part.shape.centre);
+  };
+  std::ranges::sort(part.beyond, {}, depth);
+  std::vector<HalfSpaceBelow> nearer;
+  for (std::size_t f = 0; f < part.inner.size(); ++f)
+    if (part.inner[f] == 0) nearer.push_back(part.shape.planes[f]);
+  std::ranges::sort(nearer, {}, depth);
+  const auto whole = std::make_unique<ClippedPolyhedron>();
+  whole->assign(part.shape, Mat3::Identity(), Vec3::Zero());
+  const auto cell = std::make_unique<ClippedPolyhedron>();
+  std::erase_if(part.beyond, [&](const HalfSpaceBelow& plane) {
+    *cell = *whole;
+    for (const HalfSpaceBelow& other : nearer)
+      if (!cell->cut(other.normal - plane.normal, other.offset - plane.offset, 0)) return true;
+    nearer.push_back(plane);
+    return false;
+  });
+}
+
 /// The neighbours' surface behind which a part lies.
 void look_beyond(std::vector<SolidPart>& parts, std::size_t own, double slack) {
   SolidPart& part = parts[own];
@@ -69,6 +93,7 @@ void look_beyond(std::vector<SolidPart>& parts, std::size_t own, double slack) {
       if (parts[i].inner[f] == 0 && behind && !is_known(plane)) part.beyond.push_back(plane);
     }
   }
+  keep_nearest(part);
 }
 
 SolidParts one_part(std::span<const Vec3> corners, bool hollow) {
