@@ -1,6 +1,7 @@
 #pragma once
 // A tool without mass, coupled to the device by a spring: its balance with the contacts.
 
+#include "core/coupled_tool/part_pairs.hpp"
 #include "core/coupled_tool/tool_contact.hpp"
 
 namespace feltwire {
@@ -22,6 +23,7 @@ struct BodyMemory {
   ShellContact contact;
   bool known = false;
   bool slipping = false;  // along a surface; then dynamic friction acts
+  PartPairs near;         // of a tool of polygons
 };
 
 /// Returns the pose moved by [m] and turned by a rotation vector [rad], world frame.

@@ -1,5 +1,6 @@
 #include "core/tool/body_tool.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 #include <string>
@@ -14,6 +15,31 @@ void require(bool good, const char* field, double value, const char* unit) {
                                 std::to_string(value) + "; leave it out or give a larger number");
 }
 
+/// Whether a pose has a frame.
+bool has_frame(const Pose& pose) {
+  const double squared = pose.orientation.squaredNorm();
+  return pose.position.allFinite() && std::isfinite(squared) && squared > 0.0;
+}
+
+/// The same for a tool of polygons, near these pairs.
+class PolygonSolids final : public ToolSurroundings {
+ public:
+  PolygonSolids(const BodyTool& tool, std::span<const Object> objects,
+                std::span<const ObjectMotion> motions, const PartPairs& near)
+      : tool_(tool), objects_(objects), motions_(motions), near_(near) {}
+
+  ShellContact contact(const Pose& pose) const noexcept override {
+    return polygon_contact(*tool_.polygons(), objects_, tool_.contact_area(), near_, pose,
+                           motions_);
+  }
+
+ private:
+  const BodyTool& tool_;
+  std::span<const Object> objects_;
+  std::span<const ObjectMotion> motions_;
+  const PartPairs& near_;
+};
+
 /// The scene's objects, and how they moved in the step.
 class Solids final : public ToolSurroundings {
  public:
@@ -23,16 +49,9 @@ class Solids final : public ToolSurroundings {
 
   ShellContact contact(const Pose& pose) const noexcept override {
     ShellContact sum;
-    for (std::size_t i = 0; i < objects_.size(); ++i) {
-      ObjectInStep in{.index = static_cast<std::uint32_t>(i)};
-      if (i < motions_.size()) {
-        const ObjectMotion& motion = motions_[i];
-        const Vec3 arm = pose.position - objects_[i].pose.position;
-        in.share = motion.share;
-        in.carried << motion.linear + motion.angular.cross(arm), motion.angular;
-      }
-      add_contact(tool_.shell(), pose, objects_[i], tool_.contact_area(), sum, in);
-    }
+    for (std::size_t i = 0; i < objects_.size(); ++i)
+      add_contact(tool_.shell(), pose, objects_[i], tool_.contact_area(), sum,
+                  in_step(i, objects_[i], motions_, pose));
     return sum;
   }
 
@@ -44,8 +63,12 @@ class Solids final : public ToolSurroundings {
 
 }  // namespace
 
-BodyTool::BodyTool(PointShell shell, const ToolCoupling& coupling, double contact_area)
-    : shell_(std::move(shell)), coupling_(coupling), contact_area_(contact_area) {
+BodyTool::BodyTool(PointShell shell, const ToolCoupling& coupling, double contact_area,
+                   std::shared_ptr<const PolygonBody> polygons)
+    : shell_(std::move(shell)),
+      coupling_(coupling),
+      contact_area_(contact_area),
+      polygons_(std::move(polygons)) {
   if (shell_.points.empty() || !(shell_.radius > 0.0))
     throw std::invalid_argument("body: has no extent about the tool's origin; give a larger one");
   ToolCoupling& c = coupling_;
@@ -62,11 +85,27 @@ BodyTool::BodyTool(PointShell shell, const ToolCoupling& coupling, double contac
   require(above_zero(contact_area_), "contact_area", contact_area_, "[m^2]");
 }
 
+double BodyTool::radius() const {
+  return polygons_ ? std::max(shell_.radius, polygons_->radius) : shell_.radius;
+}
+
 BodyStep step_body(const BodyTool& tool, std::span<const Object> objects, const Pose& device,
                    double elapsed, BodyMemory& memory,
                    std::span<const ObjectMotion> motions) noexcept {
-  return step_coupled_tool({tool.coupling(), tool.shell().radius, !motions.empty()},
-                           Solids(tool, objects, motions), device, elapsed, memory);
+  const CoupledTool coupled{tool.coupling(), tool.radius(), !motions.empty()};
+  if (const PolygonBody* polygons = tool.polygons()) {
+    if (objects.size() != polygons->solids.size()) [[unlikely]]
+      return {};
+    if (!has_frame(device)) return {};
+    Pose start = memory.placed ? memory.pose : device;
+    start.orientation.normalize();
+    look_round(*polygons, objects, start, !memory.known || !motions.empty(), memory.near);
+    // The contact at the pose is known; how far it is clear was that of the step before.
+    if (memory.known) memory.contact.clearance = clearance(memory.near);
+    return step_coupled_tool(coupled, PolygonSolids(tool, objects, motions, memory.near), device,
+                             elapsed, memory);
+  }
+  return step_coupled_tool(coupled, Solids(tool, objects, motions), device, elapsed, memory);
 }
 
 }  // namespace feltwire

@@ -1,10 +1,12 @@
 #pragma once
-// A body in the hand: a point shell that touches solids, coupled to the device by a spring.
+// A body in the hand: a point shell or polygons that touch solids, coupled to the device by a
+// spring.
 
+#include <memory>
 #include <span>
 
 #include "core/coupled_tool/coupled_tool.hpp"
-#include "core/tool/shell_contact.hpp"
+#include "core/tool/polygon_body.hpp"
 
 namespace feltwire {
 
@@ -12,24 +14,23 @@ namespace feltwire {
 class BodyTool {
  public:
   /// `contact_area` [m^2]: A_c of add_contact(); 0 takes a sixth of the body's surface, which is
-  /// the face of a cube. Throws std::invalid_argument that names the field and the remedy.
-  BodyTool(PointShell shell, const ToolCoupling& coupling, double contact_area);
+  /// the face of a cube. `polygons`: they touch, and the points only stand for the body where it
+  /// is shown and in local models; null: the points touch. Throws std::invalid_argument that names
+  /// the field and the remedy.
+  BodyTool(PointShell shell, const ToolCoupling& coupling, double contact_area,
+           std::shared_ptr<const PolygonBody> polygons = nullptr);
 
   const PointShell& shell() const { return shell_; }
   const ToolCoupling& coupling() const { return coupling_; }  // nothing in it is zero
   double contact_area() const { return contact_area_; }
+  const PolygonBody* polygons() const { return polygons_.get(); }  // null: points
+  double radius() const;  // [m] of the farthest point or corner from the tool's origin
 
  private:
   PointShell shell_;
   ToolCoupling coupling_;
   double contact_area_;
-};
-
-/// The movement of an object since the step before, and the share of its force that is felt.
-struct ObjectMotion {
-  Vec3 linear = Vec3::Zero();   // [m] of the object's origin
-  Vec3 angular = Vec3::Zero();  // [rad]
-  double share = 1.0;
+  std::shared_ptr<const PolygonBody> polygons_;
 };
 
 /// Moves the tool towards the balance of coupling and contact, as step_coupled_tool(). Returns the
@@ -37,6 +38,8 @@ struct ObjectMotion {
 ///
 /// `elapsed`: [s] since the step before; at zero or less there is no damping. `motions`: one for
 /// each object in that time; empty: all are static.
+///
+/// A tool of polygons must have a solid for each object, in their order.
 ///
 /// A pose that is not finite gives zero and leaves the memory unchanged. Never allocates.
 BodyStep step_body(const BodyTool& tool, std::span<const Object> objects, const Pose& device,

@@ -6,6 +6,7 @@
 #include "core/base/numeric.hpp"
 #include "core/coupled_tool/slip_sums.hpp"
 #include "core/grid/signed_distance.hpp"
+#include "core/tool/object_motion.hpp"
 
 namespace feltwire {
 namespace {
@@ -65,15 +66,6 @@ std::size_t side_of(const Vec3& way) {
   Eigen::Index axis;
   way.cwiseAbs().maxCoeff(&axis);
   return 2 * static_cast<std::size_t>(axis) + (way[axis] < 0.0 ? 1 : 0);
-}
-
-Mat6 turned_by(const Mat3& to_world, const Mat6& m) {
-  Mat6 result;
-  for (const Eigen::Index row : {0, 3})
-    for (const Eigen::Index column : {0, 3})
-      result.block<3, 3>(row, column) =
-          to_world * m.block<3, 3>(row, column) * to_world.transpose();
-  return result;
 }
 
 /// One shell against one object, in the object's frame.
@@ -238,7 +230,7 @@ void add_contact(const PointShell& shell, const Pose& tool, const Object& object
     sum.parts[sum.part_count++] = {in.index, wrench};
   else
     sum.parts.back().wrench += wrench;
-  const Mat6 normal = turned_by(to_world, sums.stiffness.selfadjointView<Eigen::Lower>());
+  const Mat6 normal = turned_by(to_world, Mat6(sums.stiffness.selfadjointView<Eigen::Lower>()));
   sum.stiffness += scale * normal;
   if (material.damping > 0.0)
     sum.damping.add(in.share * material.damping * share * normal, in.carried);

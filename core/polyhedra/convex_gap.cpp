@@ -1,0 +1,123 @@
+#include "core/polyhedra/convex_gap.hpp"
+
+#include <Eigen/LU>
+#include <array>
+#include <cmath>
+#include <limits>
+
+namespace feltwire {
+namespace {
+
+const Vec3& support(const Polyhedron& solid, const Vec3& direction) {
+  double least = std::numeric_limits<double>::infinity();
+  std::size_t at = 0;
+  for (std::size_t v = 0; v < solid.vertices.size(); ++v) {
+    const double along = direction.dot(solid.vertices[v]);
+    if (!(along < least)) continue;
+    least = along;
+    at = v;
+  }
+  return solid.vertices[at];
+}
+
+/// Up to four points of the difference.
+struct Simplex {
+  std::array<Vec3, 4> points;
+  std::size_t count = 0;
+
+  /// The point nearest to the origin among those of the faces' interiors. Keeps only the corners of
+  /// that face.
+  Vec3 reduce() {
+    double best = std::numeric_limits<double>::infinity();
+    Vec3 nearest = points[0];
+    unsigned kept = 1;
+    for (unsigned set = 1; set < (1U << count); ++set) {
+      Vec3 at;
+      if (!project(set, at)) continue;
+      const double squared = at.squaredNorm();
+      if (!(squared < best)) continue;
+      best = squared;
+      nearest = at;
+      kept = set;
+    }
+    std::size_t left = 0;
+    for (std::size_t i = 0; i < count; ++i)
+      if ((kept >> i & 1U) != 0) points[left++] = points[i];
+    count = left;
+    return nearest;
+  }
+
+ private:
+  /// The origin's projection on the flat through a set of corners, if it lies among them.
+  bool project(unsigned set, Vec3& at) const {
+    std::array<Vec3, 4> p;
+    p.fill(points[0]);
+    std::size_t n = 0;
+    for (std::size_t i = 0; i < count; ++i)
+      if ((set >> i & 1U) != 0) p[n++] = points[i];
+    if (n == 1) {
+      at = p[0];
+      return true;
+    }
+    const Vec3 a = p[1] - p[0];
+    if (n == 2) {
+      const double part = -p[0].dot(a) / a.squaredNorm();
+      at = p[0] + part * a;
+      return part > 0.0 && part < 1.0;
+    }
+    const Vec3 b = p[2] - p[0];
+    if (n == 3) {
+      const Vec3 normal = a.cross(b);
+      const double area = normal.squaredNorm();
+      const double u = -p[0].cross(b).dot(normal) / area, v = -a.cross(p[0]).dot(normal) / area;
+      at = p[0] + u * a + v * b;
+      return u > 0.0 && v > 0.0 && u + v < 1.0;
+    }
+    const Vec3 c = p[3] - p[0];
+    const double volume = a.dot(b.cross(c));
+    const double u = -p[0].dot(b.cross(c)) / volume, v = -a.dot(p[0].cross(c)) / volume,
+                 w = -a.dot(b.cross(p[0])) / volume;
+    at = Vec3::Zero();
+    return u > 0.0 && v > 0.0 && w > 0.0 && u + v + w < 1.0;
+  }
+};
+
+}  // namespace
+
+double least_along(const Polyhedron& solid, const Vec3& direction) noexcept {
+  double least = std::numeric_limits<double>::infinity();
+  for (const Vec3& v : solid.vertices) least = std::min(least, direction.dot(v));
+  return least;
+}
+
+ConvexGap convex_gap(const Polyhedron& a, const Mat3& rotation, const Vec3& position,
+                     const Polyhedron& b, const Vec3& guess) noexcept {
+  constexpr double kClose = 1e-6;
+  ConvexGap gap;
+  gap.distance = -std::numeric_limits<double>::infinity();
+  Vec3 towards = guess;
+  Simplex simplex;
+  for (int round = 0; round < kGapRounds; ++round) {
+    const double length = towards.norm();
+    if (!(length > 0.0)) break;  // the origin is in the difference
+    const Vec3 away = towards / length;
+    const Vec3 point =
+        rotation * support(a, rotation.transpose() * away) + position - support(b, -away);
+    const double extent = away.dot(point);
+    if (extent > gap.distance) {
+      gap.away = away;
+      gap.distance = extent;
+    }
+    // The least point is no nearer than the extent and no farther than the length.
+    if (round > 0 && length - gap.distance <= kClose * length) break;
+    bool known = false;
+    for (std::size_t i = 0; i < simplex.count; ++i) known |= simplex.points[i] == point;
+    if (known) break;
+    if (simplex.count == simplex.points.size()) break;
+    simplex.points[simplex.count++] = point;
+    towards = simplex.reduce();
+  }
+  return gap;
+}
+
+}  // namespace feltwire
