@@ -1,5 +1,6 @@
 #include "core/tool/body_tool.hpp"
 
+#include <Eigen/Cholesky>
 #include <cmath>
 #include <stdexcept>
 #include <string>
@@ -12,6 +13,22 @@ void require(bool good, const char* field, double value, const char* unit) {
   if (!good)
     throw std::invalid_argument(std::string(field) + ": must be above zero " + unit + ", is " +
                                 std::to_string(value) + "; leave it out or give a larger number");
+}
+
+void check(const ToolInertia& tool) {
+  const auto at_least_zero = [](double x) { return x >= 0.0 && std::isfinite(x); };
+  require(tool.mass > 0.0 && std::isfinite(tool.mass), "mass", tool.mass, "[kg]");
+  if (!at_least_zero(tool.damping) || !at_least_zero(tool.rotational_damping))
+    throw std::invalid_argument(
+        "coupling.damping: must be zero or above; leave it out or give a larger number");
+  if (!tool.center.allFinite() || !tool.gravity.allFinite())
+    throw std::invalid_argument("mass: its centre or gravity is not finite; give finite numbers");
+  const bool symmetric = tool.inertia.isApprox(tool.inertia.transpose(), 1e-9);
+  if (!tool.inertia.allFinite() || !symmetric ||
+      Eigen::LLT<Mat3>(tool.inertia).info() != Eigen::Success)
+    throw std::invalid_argument(
+        "mass: its moments of inertia are not those of a body; give it an extent in every "
+        "direction");
 }
 
 /// The scene's objects, and how they moved in the step.
@@ -44,8 +61,12 @@ class Solids final : public ToolSurroundings {
 
 }  // namespace
 
-BodyTool::BodyTool(PointShell shell, const ToolCoupling& coupling, double contact_area)
-    : shell_(std::move(shell)), coupling_(coupling), contact_area_(contact_area) {
+BodyTool::BodyTool(PointShell shell, const ToolCoupling& coupling, double contact_area,
+                   const ToolInertia& inertia)
+    : shell_(std::move(shell)),
+      coupling_(coupling),
+      contact_area_(contact_area),
+      inertia_(inertia) {
   if (shell_.points.empty() || !(shell_.radius > 0.0))
     throw std::invalid_argument("body: has no extent about the tool's origin; give a larger one");
   ToolCoupling& c = coupling_;
@@ -60,12 +81,15 @@ BodyTool::BodyTool(PointShell shell, const ToolCoupling& coupling, double contac
   require(above_zero(c.max_force), "max_force", c.max_force, "[N]");
   require(above_zero(c.max_torque), "max_torque", c.max_torque, "[N m]");
   require(above_zero(contact_area_), "contact_area", contact_area_, "[m^2]");
+  if (inertia_.mass != 0.0) check(inertia_);
 }
 
 BodyStep step_body(const BodyTool& tool, std::span<const Object> objects, const Pose& device,
-                   double elapsed, BodyMemory& memory,
-                   std::span<const ObjectMotion> motions) noexcept {
-  return step_coupled_tool({tool.coupling(), tool.shell().radius, !motions.empty()},
+                   double elapsed, BodyMemory& memory, std::span<const ObjectMotion> motions,
+                   const std::optional<Vec3>& gravity) noexcept {
+  ToolInertia inertia = tool.inertia();
+  if (gravity) inertia.gravity = *gravity;
+  return step_coupled_tool({tool.coupling(), tool.shell().radius, !motions.empty(), &inertia},
                            Solids(tool, objects, motions), device, elapsed, memory);
 }
 
