@@ -1,8 +1,10 @@
 #pragma once
-// A tool without mass, coupled to the device by a spring: its balance with the contacts.
+// A tool coupled to the device by a spring: without mass, its balance with the contacts; with mass,
+// its movement.
 
 #include "core/coupled_tool/part_pairs.hpp"
 #include "core/coupled_tool/tool_contact.hpp"
+#include "core/coupled_tool/tool_inertia.hpp"
 
 namespace feltwire {
 
@@ -24,6 +26,10 @@ struct BodyMemory {
   bool known = false;
   bool slipping = false;  // along a surface; then dynamic friction acts
   PartPairs near;         // of a tool of polygons
+  // Only of a tool with mass. A memory that begins anew begins at rest.
+  ToolVelocity velocity = {};
+  Pose device = {};  // at the end of the last step, for the coupling's damper
+  bool device_known = false;
 };
 
 /// Returns the pose moved by [m] and turned by a rotation vector [rad], world frame.
@@ -33,10 +39,14 @@ Pose moved(const Pose& pose, const Vec3& by, const Vec3& turn) noexcept;
 struct BodyStep {
   Command command;                             // on the hand: force in its parts, and torque
   double stored = 0.0;                         // [J] in coupling and contact after the step
+  double kinetic = 0.0;                        // [J] of a tool with mass, after the step
+  double work = 0.0;                           // [J] of the hand on a tool with mass, in the step
   std::size_t touching = 0;                    // points
   std::size_t evaluations = 0, looked_at = 0;  // of all contacts; nodes and points in them
   /// The part of the command from each object, about the tool's origin. Their sum is the command,
-  /// to rounding: a remaining imbalance is divided among them in proportion to their size.
+  /// to rounding: a remaining imbalance is divided among them in proportion to their size. Of a
+  /// tool with mass it is what the object puts on the tool, which inertia and weight keep from the
+  /// hand, or add to: the sum is then that of the objects.
   std::array<ObjectWrench, ShellContact::kFrictionPatches> parts;
   std::size_t part_count = 0;
 
@@ -56,12 +66,13 @@ struct CoupledTool {
   const ToolCoupling& coupling;  // nothing in it is zero
   double radius;                 // [m] of the farthest point from the tool's origin, > 0
   bool surroundings_move = false;
+  const ToolInertia* inertia = nullptr;  // null, or of mass 0: the tool has no mass
 };
 
 /// Moves the tool towards the balance of coupling and contact. Returns the force and torque of the
 /// coupling on the hand.
 ///
-/// The tool has no mass. Its pose goes down the energy
+/// A tool without mass: its pose goes down the energy
 ///   E(tool) = E_coupling(device, tool) + sum over objects of E_contact(tool)
 /// by Gauss-Newton steps with the analytic Jacobian (McNeely, Puterbaugh & Troy 2006, Voxel-based
 /// 6-dof haptic rendering improvements; Barbic & James 2008). A step that does not lower E is
@@ -75,13 +86,47 @@ struct CoupledTool {
 /// way since then. On a tool that leaves a surface it is no stronger than the force that pushes the
 /// tool out.
 ///
-/// `elapsed`: [s] since the step before; at zero or less there is no damping.
+/// A tool with mass goes down the incremental potential of a step of h = `elapsed` [s] (Kane et al.
+/// 2000; Li et al. 2020, Incremental potential contact),
+///   E(tool) + E_inertia(tool)   (core/coupled_tool/tool_inertia.hpp)
+/// with the same costs of friction and damping and that of the coupling's damper, by the same
+/// descent. Its minimum is the step of backward Euler; that of a step of h / 2, carried on as far
+/// again, is the midpoint rule. A mass towards zero gives the balance above.
+///
+/// Energy. Let U be the energy of coupling, contact and gravity, K that of movement, and W the
+/// work of the hand (BodyStep::work). Then
+///   U' + K' <= U + K + W - (the cost of friction and contact dampers) - (the coupling damper's
+///   loss)
+/// at every step, whatever the shape of the contacts, the step's length and the error of the
+/// descent. W is the device's way times the damper's force, plus for backward Euler the growth of U
+/// while the device moves and the tool stands, and for the midpoint rule the device's way times the
+/// mean of the spring's forces before and after. So a hand that stands gets no more than is stored.
+///   Proof: what this leaves for K' is computed at the end of the step. Where K' is more, the
+/// velocity is scaled down to it. Where it is below zero, a midpoint step is done again by backward
+/// Euler, and there the tool stays where the step began, at rest. How often? For backward Euler
+/// each accepted step of the descent lowers a potential that begins at no more than U + K, so less
+/// than zero is left only by the damper's part. With convex E and a converged descent not even the
+/// velocity is scaled: K' - K = -grad E' . dx - |dv|^2_M / 2 <= E - E' - |dv|^2_M / 2. For the
+/// midpoint rule and quadratic E, both sides are equal. Surfaces that move do work on the tool
+/// beyond this.
+///
+/// The elastic part of the command is along the contact's force and at most that and the whole;
+/// weight, inertia and the coupling's damper are in the frictional part. Spring and damper together
+/// pull with at most max_force and max_torque.
+///
+/// The midpoint rule acts in steps of at most kLongestMidpoint that begin without friction or
+/// damping of a contact: other steps are implicit, as the midpoint rule would answer a tool that
+/// friction stops by throwing it back. A long pause so ends in the balance, at rest.
+///
+/// `elapsed`: [s] since the step before; at zero or less, or not finite, there is no damping, and a
+/// tool with mass stays where it is with its velocity.
 ///
 /// A pose that is not finite gives zero and leaves the memory unchanged. Never allocates.
 BodyStep step_coupled_tool(const CoupledTool& tool, const ToolSurroundings& surroundings,
                            const Pose& device, double elapsed, BodyMemory& memory) noexcept;
 
-inline constexpr double kToolAdvance = 1e-3;  // [m]
+inline constexpr double kToolAdvance = 1e-3;       // [m]
+inline constexpr double kLongestMidpoint = 10e-3;  // [s]
 inline constexpr std::size_t kToolEvaluations =
     8;  // largest number of evaluations of all contacts in a step
 

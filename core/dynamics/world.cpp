@@ -326,8 +326,10 @@ void World::push(BodyContactState& contacts, BodyMemory& memory, double share) n
   if (contacts.forces.size() != parts_) [[unlikely]]
     return;
   // Where no sample came the hand is taken to stand.
-  if (!contacts.fresh || contacts.resets != counters_.resets)
+  if (!contacts.fresh || contacts.resets != counters_.resets) {
     hold(contacts.device, tick_, memory, contacts);
+    contacts.ahead += tick_;
+  }
   contacts.fresh = false;
   double force = 0.0;  // [N]
   for (const Vec3& part : contacts.forces) force += length(part);

@@ -44,6 +44,7 @@ struct BodyContactState {
   Pose device;                        // the pose of the device
   std::vector<Vec3> torques;          // [N m] on the hand, about the tool's position
   std::vector<ObjectMotion> motions;  // of all objects, since it was last asked
+  double ahead = 0.0;                 // [s] that the tool went through since the hand's last sample
 };
 
 struct WorldCounters {

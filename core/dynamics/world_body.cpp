@@ -49,8 +49,10 @@ Command World::hold(const Pose& device, double elapsed, BodyMemory& memory,
                                     trust};
   memory.known = false;
   const MovedView& held = held_[contacts.held];
+  const BodyTool& tool = *held.view->tool().body;
   const BodyStep step =
-      step_body(*held.view->tool().body, held.objects, device, elapsed, memory, contacts.motions);
+      step_body(tool, held.objects, device, elapsed, memory, contacts.motions,
+                tool.inertia().mass > 0.0 ? std::optional(gravity()) : std::nullopt);
   contacts.tool = {memory.pose.position, Vec3::Zero()};
   for (std::size_t i = 0; i < parts_; ++i) {
     contacts.forces[i].setZero();
@@ -70,6 +72,10 @@ Command World::touch(const Pose& device, const Vec3& velocity, double elapsed, B
     return {};
   if (!contacts.pace.follow(way_of(contacts, device), time())) memory = {};
   contacts.placed = true;
+  // A tool with mass has gone through the ticks without a sample already.
+  if (view(contacts.held).tool().body->inertia().mass > 0.0)
+    elapsed = std::max(0.0, elapsed - contacts.ahead);
+  contacts.ahead = 0.0;
   Command command = hold(device, elapsed, memory, contacts);
   contacts.device = device;
   contacts.fresh = true;

@@ -359,6 +359,7 @@ BodyModel model_of(const ToolView& view, const std::vector<Object>& objects, con
   BodyModel model;
   if (!view.tool().body || !memory.placed) return model;
   const BodyTool& tool = *view.tool().body;
+  if (tool.inertia().mass > 0.0) return model;  // a model has no word for mass
   Cut cut(tool.shell(), objects, memory.pose);
   cut.all();
   model.tool = memory.pose;

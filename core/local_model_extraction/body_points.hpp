@@ -17,7 +17,7 @@ inline constexpr double kBodyReach = 0.03;
 ///
 /// All other parts are farther from every surface than the model's reach. If all places are taken,
 /// points beside a solid's edge may be nearer. The model is empty if the view's tool has no body,
-/// or was not placed yet. It never allocates.
+/// has mass (a client would render it without), or was not placed yet. It never allocates.
 BodyModel body_model(const ToolView& view, const Pose& device, const BodyMemory& memory) noexcept;
 /// The same, with the moving objects at their present poses. `held`: as in BodyContactState.
 BodyModel body_model(const World& world, const Pose& device, const BodyMemory& memory,

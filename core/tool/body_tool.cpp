@@ -1,5 +1,6 @@
 #include "core/tool/body_tool.hpp"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
@@ -40,6 +41,22 @@ class PolygonSolids final : public ToolSurroundings {
   const PartPairs& near_;
 };
 
+void check(const ToolInertia& tool) {
+  const auto at_least_zero = [](double x) { return x >= 0.0 && std::isfinite(x); };
+  require(tool.mass > 0.0 && std::isfinite(tool.mass), "mass", tool.mass, "[kg]");
+  if (!at_least_zero(tool.damping) || !at_least_zero(tool.rotational_damping))
+    throw std::invalid_argument(
+        "coupling.damping: must be zero or above; leave it out or give a larger number");
+  if (!tool.center.allFinite() || !tool.gravity.allFinite())
+    throw std::invalid_argument("mass: its centre or gravity is not finite; give finite numbers");
+  const bool symmetric = tool.inertia.isApprox(tool.inertia.transpose(), 1e-9);
+  if (!tool.inertia.allFinite() || !symmetric ||
+      Eigen::LLT<Mat3>(tool.inertia).info() != Eigen::Success)
+    throw std::invalid_argument(
+        "mass: its moments of inertia are not those of a body; give it an extent in every "
+        "direction");
+}
+
 /// The scene's objects, and how they moved in the step.
 class Solids final : public ToolSurroundings {
  public:
@@ -64,11 +81,12 @@ class Solids final : public ToolSurroundings {
 }  // namespace
 
 BodyTool::BodyTool(PointShell shell, const ToolCoupling& coupling, double contact_area,
-                   std::shared_ptr<const PolygonBody> polygons)
+                   std::shared_ptr<const PolygonBody> polygons, const ToolInertia& inertia)
     : shell_(std::move(shell)),
       coupling_(coupling),
       contact_area_(contact_area),
-      polygons_(std::move(polygons)) {
+      polygons_(std::move(polygons)),
+      inertia_(inertia) {
   if (shell_.points.empty() || !(shell_.radius > 0.0))
     throw std::invalid_argument("body: has no extent about the tool's origin; give a larger one");
   ToolCoupling& c = coupling_;
@@ -83,6 +101,7 @@ BodyTool::BodyTool(PointShell shell, const ToolCoupling& coupling, double contac
   require(above_zero(c.max_force), "max_force", c.max_force, "[N]");
   require(above_zero(c.max_torque), "max_torque", c.max_torque, "[N m]");
   require(above_zero(contact_area_), "contact_area", contact_area_, "[m^2]");
+  if (inertia_.mass != 0.0) check(inertia_);
 }
 
 double BodyTool::radius() const {
@@ -90,9 +109,11 @@ double BodyTool::radius() const {
 }
 
 BodyStep step_body(const BodyTool& tool, std::span<const Object> objects, const Pose& device,
-                   double elapsed, BodyMemory& memory,
-                   std::span<const ObjectMotion> motions) noexcept {
-  const CoupledTool coupled{tool.coupling(), tool.radius(), !motions.empty()};
+                   double elapsed, BodyMemory& memory, std::span<const ObjectMotion> motions,
+                   const std::optional<Vec3>& gravity) noexcept {
+  ToolInertia inertia = tool.inertia();
+  if (gravity) inertia.gravity = *gravity;
+  const CoupledTool coupled{tool.coupling(), tool.radius(), !motions.empty(), &inertia};
   if (const PolygonBody* polygons = tool.polygons()) {
     if (objects.size() != polygons->solids.size()) [[unlikely]]
       return {};

@@ -1,0 +1,175 @@
+#include "core/coupled_tool/descent.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/numeric.hpp"
+
+namespace feltwire::coupled_tool {
+namespace {
+
+/// A spring that pulls with no more than `most`.
+struct Spring {
+  double stiffness, most;
+
+  /// [J] Quadratic up to where it saturates, linear beyond.
+  double energy(double stretch) const {
+    const double linear_from = most / stiffness;
+    return stretch <= linear_from ? 0.5 * stiffness * stretch * stretch
+                                  : most * (stretch - 0.5 * linear_from);
+  }
+  /// Force over stretch: also the stiffness of the parabola that touches the energy there and lies
+  /// above it everywhere.
+  double secant(double stretch) const {
+    return stiffness * stretch <= most ? stiffness : most / stretch;
+  }
+};
+
+}  // namespace
+
+Pull pull(const ToolCoupling& c, const Pose& device, const Pose& tool) {
+  const Spring linear{c.stiffness, c.max_force};
+  const Spring rotational{c.rotational_stiffness, c.max_torque};
+  const Vec3 stretch = device.position - tool.position;
+  const Vec3 twist = rotation_between(tool.orientation, device.orientation);
+  const double stretched = length(stretch), twisted = length(twist);
+  Pull result;
+  result.energy = linear.energy(stretched) + rotational.energy(twisted);
+  result.stiffness = linear.secant(stretched);
+  result.rotational_stiffness = rotational.secant(twisted);
+  result.wrench << result.stiffness * stretch, result.rotational_stiffness * twist;
+  return result;
+}
+
+State Step::at(const Pose& pose) const {
+  State state{pose, pull(tool.coupling, device, pose), surroundings.contact(pose)};
+  if (inertial != nullptr) state.inertial = inertial->energy(pose);
+  ++result.evaluations;
+  result.looked_at += state.contact.looked_at;
+  return state;
+}
+
+FrictionSolution Step::model(const State& state, bool slipping) const {
+  Mat6 stiffness = state.contact.stiffness + damping;
+  stiffness.diagonal().head<3>().array() += state.pull.stiffness;
+  stiffness.diagonal().tail<3>().array() += state.pull.rotational_stiffness;
+  Vec6 wrench = state.pull.wrench + state.contact.wrench + damped(done);
+  if (inertial != nullptr) {
+    const InertialStep::Term term = inertial->term(state.pose);
+    stiffness += term.stiffness;
+    stiffness.diagonal() += dashpot.drag;
+    wrench += term.wrench + dashpot.wrench(done);
+  }
+  return solve_friction(stiffness, wrench, gripping(state), slipping);
+}
+
+Vec6 Step::allowed(const State& state, const Vec6& way) const {
+  const double farthest = length_of(way), most = state.contact.clearance + kToolAdvance;
+  return farthest > most ? Vec6(way * (most / farthest)) : way;
+}
+
+void Step::damp(const State& state, bool slipping) {
+  const ShellContact& contact = state.contact;
+  if (!(elapsed > 0.0) || contact.part_count == 0) return;
+  damping = contact.viscosity.resistance / elapsed;
+  driven = contact.viscosity.driven / elapsed;
+  if (contact.damping.resistance.isZero(0.0)) return;
+  const Vec6 free = model(state, slipping).motion;
+  const Mat6 full = contact.damping.resistance / elapsed;
+  const double held = free.dot(full * free);
+  const double pushed = free.dot(contact.wrench - contact.stiffness * free);
+  double share = 1.0;
+  if (contact.wrench.dot(free) > 0.0 && held > pushed) share = std::max(0.0, pushed / held);
+  damping += share * full;
+  driven += share / elapsed * contact.damping.driven;
+}
+
+FrictionSolution descend(Step& step, State& state, bool& slipping) {
+  // Of the radius: what is not worth a look, and not worth another one in the same step.
+  constexpr double kClose = 1e-5, kCloseEnough = 1e-4;
+  // A tool with mass has the way over the time as its velocity. One that friction holds stays.
+  constexpr double kCloseWithMass = 1e-12, kRounding = 1e-7;
+  const bool has_mass = step.inertial != nullptr;
+  const double radius = step.tool.radius;
+  const std::size_t before = step.result.evaluations;
+  const auto next_slide = [&] {
+    FrictionSolution next = step.model(state, slipping);
+    if (next.slips && !slipping) {
+      slipping = true;
+      next = step.model(state, slipping);
+    }
+    return next;
+  };
+  FrictionSolution next = next_slide();
+  bool slips = next.slips;  // at any time in this step
+  Vec6 way = step.allowed(state, next.motion);
+  // Objects that move are followed however slow they are.
+  const double least = step.tool.surroundings_move ? 0.0 : kClose * radius;
+  const auto enough = [&] {
+    if (!has_mass) return kCloseEnough * radius;
+    return std::max(step.gripping(state).empty() ? 0.0 : 2.0 * kHeld, kCloseWithMass * radius);
+  };
+  while (step.result.evaluations < kToolEvaluations) {
+    const bool first = step.result.evaluations == before;
+    if (!(step.length_of(way) > (first && !has_mass ? least : enough()))) break;
+    State tried = step.at(moved(state.pose, way.head<3>(), way.tail<3>()));
+    const std::span<const FrictionPatch> patches = step.gripping(state);
+    const double cost = friction_work(patches, slipping, way) -
+                        friction_work(patches, slipping, Vec6::Zero()) +
+                        step.damping_work(step.done + way) - step.damping_work(step.done);
+    const double damped =
+        has_mass ? step.dashpot.work(step.done + way) - step.dashpot.work(step.done) : 0.0;
+    if (tried.energy() + cost + damped < state.energy()) {
+      state = tried;
+      step.done += way;
+      step.paid += cost;
+      // The tool has gone with what carries it; from here on it slips.
+      for (std::size_t i = 0; i < state.contact.grip_count; ++i)
+        state.contact.patches[i].carried.setZero();
+      next = next_slide();
+      slips |= next.slips;
+      way = step.allowed(state, next.motion);
+    } else if (has_mass && step.length_of(way) < kRounding * radius) {
+      break;  // what it would lower is less than the rounding of the energy
+    } else {
+      way *= 0.5;
+    }
+  }
+  slipping = slips && !step.gripping(state).empty();
+  return next;
+}
+
+bool good(const Pose& pose) {
+  const double squared = pose.orientation.squaredNorm();
+  return pose.position.allFinite() && std::isfinite(squared) && squared > 0.0;
+}
+
+bool usable(const State& state) {
+  return std::isfinite(state.energy()) && state.pull.wrench.allFinite() && good(state.pose);
+}
+
+Vec6 resistance(const Step& step, const State& state, const FrictionSolution& last) {
+  Vec6 resisted = step.damped(step.done);
+  for (std::size_t i = 0; i < state.contact.grip_count; ++i) resisted += last.friction[i];
+  return resisted;
+}
+
+void share_out(const State& state, const FrictionSolution& last, const Vec6& whole,
+               BodyStep& result) {
+  const ShellContact& contact = state.contact;
+  const auto parts = std::span(result.parts).first(contact.part_count);
+  std::copy_n(contact.parts.begin(), parts.size(), parts.begin());
+  Vec6 rest = whole;
+  double sizes = 0.0;
+  for (ObjectWrench& part : parts) {
+    for (std::size_t i = 0; i < contact.grip_count; ++i)
+      if (contact.patches[i].object == part.object) part.wrench += last.friction[i];
+    rest -= part.wrench;
+    sizes += part.wrench.head<3>().norm();
+  }
+  if (!(sizes > 0.0)) return;
+  result.part_count = parts.size();
+  for (ObjectWrench& part : parts) part.wrench += part.wrench.head<3>().norm() / sizes * rest;
+}
+
+}  // namespace feltwire::coupled_tool

@@ -1,0 +1,231 @@
+#include "core/coupled_tool/timed_step.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "core/base/numeric.hpp"
+#include "core/coupled_tool/descent.hpp"
+
+namespace feltwire {
+namespace {
+
+using coupled_tool::Dashpot;
+using coupled_tool::descend;
+using coupled_tool::Pull;
+using coupled_tool::pull;
+using coupled_tool::resistance;
+using coupled_tool::State;
+using coupled_tool::Step;
+
+/// The damper's resistance is less where it would pull harder than the spring leaves room for.
+Dashpot dashpot_of(const CoupledTool& tool, const Pull& pull, const Pose& before,
+                   const Pose& device, double elapsed, const BodyMemory& memory) {
+  const ToolInertia& body = *tool.inertia;
+  Dashpot dashpot;
+  dashpot.device_way << device.position - before.position,
+      rotation_between(before.orientation, device.orientation);
+  const Vec3 arm = memory.pose.orientation * body.center;
+  Vec6 free;
+  free << memory.velocity.linear - memory.velocity.angular.cross(arm), memory.velocity.angular;
+  const Vec6 against = dashpot.device_way - elapsed * free;
+  const auto limited = [](double damper, double room, double way) {
+    return damper * way > std::max(0.0, room) ? std::max(0.0, room) / way : damper;
+  };
+  const double linear =
+      limited(body.damping / elapsed, tool.coupling.max_force - length(pull.wrench.head<3>()),
+              length(against.head<3>()));
+  const double rotational =
+      limited(body.rotational_damping / elapsed,
+              tool.coupling.max_torque - length(pull.wrench.tail<3>()), length(against.tail<3>()));
+  dashpot.drag << Vec3::Constant(linear), Vec3::Constant(rotational);
+  return dashpot;
+}
+
+/// Where a step of time ends.
+struct End {
+  State state;
+  ToolVelocity velocity;
+  Vec6 damper = Vec6::Zero();  // [N], [N m] of the dashpot on the tool
+  double work = 0.0;           // [J] of the hand
+  State found = state;         // where the forces of the contacts were taken
+  FrictionSolution last = {};
+  Vec6 resisted = Vec6::Zero();  // [N], [N m] by friction and the dampers of contacts
+  bool slipping = false;
+};
+
+/// A step of time, with the device before and after it.
+struct TimeStep {
+  const CoupledTool& tool;
+  const ToolSurroundings& surroundings;
+  const Pose& before;
+  const Pose& device;
+  double elapsed;
+  const BodyMemory& memory;
+  const ShellContact& met;  // at the beginning
+  BodyStep& result;
+
+  State start(const Pose& at_device) const {
+    return {memory.pose, pull(tool.coupling, at_device, memory.pose), met};
+  }
+  double kinetic() const {
+    return kinetic_energy(*tool.inertia, memory.pose.orientation, memory.velocity);
+  }
+
+  /// Slows the tool down to the energy that is left. False: there is less than nothing left, so the
+  /// tool cannot be there.
+  bool settle(End& end, double left) const {
+    if (!(left >= 0.0)) return false;
+    const double has = kinetic_energy(*tool.inertia, end.state.pose.orientation, end.velocity);
+    if (has > left) {
+      const double slower = std::sqrt(left / has);
+      end.velocity.linear *= slower;
+      end.velocity.angular *= slower;
+    }
+    return true;
+  }
+
+  /// Takes the damper's force where the step ends. Returns its work on the tool [J].
+  double take_damper(const Dashpot& dashpot, End& end) const {
+    Vec6 way;
+    way << end.state.pose.position - memory.pose.position,
+        rotation_between(memory.pose.orientation, end.state.pose.orientation);
+    end.damper = dashpot.wrench(way);
+    const Vec6& spring = end.state.pull.wrench;
+    const auto limit = [](auto&& part, double room) {
+      const double size = length(part);
+      if (size > room) part *= std::max(0.0, room) / size;
+    };
+    limit(end.damper.head<3>(), tool.coupling.max_force - length(spring.head<3>()));
+    limit(end.damper.tail<3>(), tool.coupling.max_torque - length(spring.tail<3>()));
+    end.work += end.damper.dot(dashpot.device_way);
+    return end.damper.dot(way);
+  }
+
+  /// Where the tool cannot be anywhere else: at the beginning, at rest.
+  End stopped() const {
+    End end{start(device), {}};
+    end.work = end.state.pull.energy - start(before).pull.energy;
+    return end;
+  }
+
+  std::optional<End> implicit() const {
+    const InertialStep inertial(*tool.inertia, memory.pose, memory.velocity, elapsed, 1.0);
+    Step step{tool, surroundings, device, elapsed, result};
+    step.inertial = &inertial;
+    State state = start(device);
+    step.dashpot = dashpot_of(tool, state.pull, before, device, elapsed, memory);
+    state.inertial = inertial.energy(state.pose);
+    End end{state, {}};
+    end.work = state.pull.energy - start(before).pull.energy;
+    const double had = kinetic() + state.pull.energy + state.contact.energy;
+    end.slipping = memory.slipping;
+    step.damp(state, end.slipping);
+    end.last = descend(step, state, end.slipping);
+    end.state = end.found = state;
+    end.velocity = inertial.velocity(state.pose);
+    end.resisted = resistance(step, state, end.last);
+    const double damped = take_damper(step.dashpot, end);
+    const double has =
+        state.pull.energy + state.contact.energy + inertial.weight_energy(state.pose);
+    if (!settle(end, had - has - step.paid + damped)) return std::nullopt;
+    return end;
+  }
+
+  /// The device is halfway too while the middle is searched for.
+  std::optional<End> midpoint() const {
+    const InertialStep inertial(*tool.inertia, memory.pose, memory.velocity, elapsed, 0.5);
+    const Vec3 by = device.position - before.position;
+    const Vec3 turn = rotation_between(before.orientation, device.orientation);
+    Step step{tool, surroundings, moved(before, 0.5 * by, 0.5 * turn), elapsed, result};
+    step.inertial = &inertial;
+    step.frictionless = true;
+    const State begins = start(before);
+    State state = start(step.device);
+    const Dashpot dashpot = dashpot_of(tool, state.pull, before, device, elapsed, memory);
+    step.dashpot = {2.0 * dashpot.drag, 0.5 * dashpot.device_way};
+    state.inertial = inertial.energy(state.pose);
+    End end{state, inertial.velocity(state.pose)};
+    end.last = descend(step, state, end.slipping);
+    end.found = state;
+    end.velocity = inertial.velocity(state.pose);
+    step.device = device;
+    end.state = step.at(inertial.whole(state.pose));
+    end.work = 0.5 * (begins.pull.wrench + end.state.pull.wrench).dot(dashpot.device_way);
+    const double spring_work = end.work;
+    const double damped = take_damper(dashpot, end);
+    const double had = kinetic() + begins.pull.energy + begins.contact.energy + spring_work;
+    const double has =
+        end.state.pull.energy + end.state.contact.energy + inertial.weight_energy(end.state.pose);
+    if (!settle(end, had - has + damped)) return std::nullopt;
+    return end;
+  }
+
+  bool may_take_midpoint() const {
+    // Where friction or a damper takes energy there is none to keep.
+    return tool.inertia->integration == ToolIntegration::midpoint && elapsed <= kLongestMidpoint &&
+           met.grip_count == 0 && met.damping.resistance.isZero(0.0) &&
+           met.viscosity.resistance.isZero(0.0);
+  }
+
+  End end() const {
+    std::optional<End> end;
+    if (may_take_midpoint()) end = midpoint();
+    if (!end) end = implicit();
+    if (!end) end = stopped();
+    return *end;
+  }
+};
+
+/// The force on the hand in its parts. Inertia, weight and the damper belong to no surface, and
+/// what they take from a contact's force is no part of it: so the elastic part is never more than
+/// the whole.
+Command command_of(const Vec6& on_tool, const ShellContact& contact) {
+  Command command;
+  const Vec3 force = -on_tool.head<3>();
+  const Polar<double> pushed = polar(Vec3(contact.wrench.head<3>()));
+  command.elastic = std::clamp(force.dot(pushed.direction), 0.0, pushed.length) * pushed.direction;
+  command.frictional = force - command.elastic;
+  command.torque = -on_tool.tail<3>();
+  return command;
+}
+
+}  // namespace
+
+void step_with_mass(const CoupledTool& tool, const ToolSurroundings& surroundings,
+                    const Pose& device, double elapsed, BodyMemory& memory,
+                    BodyStep& result) noexcept {
+  ShellContact met = memory.contact;
+  if (!memory.known) {
+    met = surroundings.contact(memory.pose);
+    ++result.evaluations;
+    result.looked_at += met.looked_at;
+  }
+  const Pose before = memory.device_known ? memory.device : device;
+  const TimeStep step{tool, surroundings, before, device, elapsed, memory, met, result};
+  End end{step.start(device), memory.velocity};
+  if (elapsed > 0.0 && std::isfinite(elapsed)) {
+    end = step.end();
+  } else {
+    end.work = end.state.pull.energy - step.start(before).pull.energy;
+  }
+  const double kinetic = kinetic_energy(*tool.inertia, end.state.pose.orientation, end.velocity);
+  if (!coupled_tool::usable(end.state) || !end.damper.allFinite() || !std::isfinite(kinetic))
+      [[unlikely]]
+    return;
+  memory.pose = end.state.pose;
+  memory.velocity = end.velocity;
+  memory.device = device;
+  memory.device_known = true;
+  memory.contact = end.state.contact;
+  memory.known = true;
+  memory.slipping = end.slipping;
+  result.command = command_of(end.state.pull.wrench + end.damper, end.state.contact);
+  coupled_tool::share_out(end.found, end.last, end.found.contact.wrench + end.resisted, result);
+  result.stored = end.state.pull.energy + end.state.contact.energy;
+  result.kinetic = kinetic;
+  result.work = end.work;
+  result.touching = end.state.contact.touching;
+}
+
+}  // namespace feltwire
