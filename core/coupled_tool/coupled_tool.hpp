@@ -116,7 +116,8 @@ struct CoupledTool {
 ///
 /// The midpoint rule acts in steps of at most kLongestMidpoint that begin without friction or
 /// damping of a contact: other steps are implicit, as the midpoint rule would answer a tool that
-/// friction stops by throwing it back. A long pause so ends in the balance, at rest.
+/// friction stops by throwing it back. A long pause so ends in the balance, at rest. So is a step
+/// whose second half leads farther than the clearance in its middle plus kToolAdvance.
 ///
 /// `elapsed`: [s] since the step before; at zero or less, or not finite, there is no damping, and a
 /// tool with mass stays where it is with its velocity.

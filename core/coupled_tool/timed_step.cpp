@@ -149,8 +149,14 @@ struct TimeStep {
     end.last = descend(step, state, end.slipping);
     end.found = state;
     end.velocity = inertial.velocity(state.pose);
+    // The second half of the way is not searched: no farther than the first was allowed to be.
+    const Pose whole = inertial.whole(state.pose);
+    Vec6 beyond;
+    beyond << whole.position - state.pose.position,
+        rotation_between(state.pose.orientation, whole.orientation);
+    if (step.length_of(beyond) > state.contact.clearance + kToolAdvance) return std::nullopt;
     step.device = device;
-    end.state = step.at(inertial.whole(state.pose));
+    end.state = step.at(whole);
     end.work = 0.5 * (begins.pull.wrench + end.state.pull.wrench).dot(dashpot.device_way);
     const double spring_work = end.work;
     const double damped = take_damper(dashpot, end);

@@ -81,12 +81,12 @@ class Solids final : public ToolSurroundings {
 }  // namespace
 
 BodyTool::BodyTool(PointShell shell, const ToolCoupling& coupling, double contact_area,
-                   std::shared_ptr<const PolygonBody> polygons, const ToolInertia& inertia)
+                   const ToolInertia& inertia, std::shared_ptr<const PolygonBody> polygons)
     : shell_(std::move(shell)),
       coupling_(coupling),
       contact_area_(contact_area),
-      polygons_(std::move(polygons)),
-      inertia_(inertia) {
+      inertia_(inertia),
+      polygons_(std::move(polygons)) {
   if (shell_.points.empty() || !(shell_.radius > 0.0))
     throw std::invalid_argument("body: has no extent about the tool's origin; give a larger one");
   ToolCoupling& c = coupling_;

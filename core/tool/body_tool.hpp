@@ -15,11 +15,11 @@ namespace feltwire {
 class BodyTool {
  public:
   /// `contact_area` [m^2]: A_c of add_contact(); 0 takes a sixth of the body's surface, which is
-  /// the face of a cube. `polygons`: they touch, and the points only stand for the body where it
-  /// is shown and in local models; null: the points touch. `inertia`: of a tool with mass. Throws
+  /// the face of a cube. `inertia`: of a tool with mass. `polygons`: they touch, and the points
+  /// only stand for the body where it is shown and in local models; null: the points touch. Throws
   /// std::invalid_argument that names the field and the remedy.
   BodyTool(PointShell shell, const ToolCoupling& coupling, double contact_area,
-           std::shared_ptr<const PolygonBody> polygons = nullptr, const ToolInertia& inertia = {});
+           const ToolInertia& inertia = {}, std::shared_ptr<const PolygonBody> polygons = nullptr);
 
   const PointShell& shell() const { return shell_; }
   const ToolCoupling& coupling() const { return coupling_; }  // nothing in it is zero
@@ -32,8 +32,8 @@ class BodyTool {
   PointShell shell_;
   ToolCoupling coupling_;
   double contact_area_;
-  std::shared_ptr<const PolygonBody> polygons_;
   ToolInertia inertia_;
+  std::shared_ptr<const PolygonBody> polygons_;
 };
 
 /// Moves the tool towards the balance of coupling and contact, or with its mass, as

@@ -41,7 +41,10 @@ SolidParts box(const Vec3& half) { return solid_parts(Box{half}, Side::outside);
 
 BodyTool tool(const std::vector<Corners>& parts, std::vector<SolidParts> solids,
               const ToolCoupling& coupling = {}, double area = kFace) {
-  return {point_shell(tessellate(Box{kHalf}, 3), 100), coupling, area,
+  return {point_shell(tessellate(Box{kHalf}, 3), 100),
+          coupling,
+          area,
+          {},
           std::make_shared<const PolygonBody>(polygon_body(parts, std::move(solids)))};
 }
 

@@ -201,6 +201,24 @@ TEST(ToolMassEnergy, PausesAndNumbersThatAreNone) {
   }
 }
 
+// 24 mm a step when it meets 20 mm of wall, sampled, which has the energy to stop it.
+TEST(ToolMassEnergy, AFastToolDoesNotPassAWall) {
+  for (const ToolIntegration integration : kBoth) {
+    Massive tool(
+        massive(0.005, {.stiffness = 1000.0, .max_force = 5.0}, {.integration = integration}, 2000),
+        {with(object(grid_of(Box{Vec3(0.2, 0.2, 0.01)}, 1e-3)), {.stiffness = 1e5})});
+    tool.place({Vec3(0, 0, 0.3), Quaternion::Identity()});
+    double fastest = 0.0, lowest = 1.0;
+    for (int n = 0; n < 2000; ++n) {
+      tool.step({Vec3(0, 0, -0.3), Quaternion::Identity()});
+      fastest = std::max(fastest, -tool.memory.velocity.linear.z());
+      lowest = std::min(lowest, tool.memory.pose.position.z());
+    }
+    EXPECT_GT(fastest, 20.0);
+    EXPECT_GT(lowest, 0.0);
+  }
+}
+
 TEST(ToolMassEnergy, BeginsAtRestAtTheDevice) {
   Massive tool(massive(1.0, {}, {}));
   const Pose device{Vec3(0.3, 0.2, 0.1), Quaternion(Eigen::AngleAxisd(1.0, Vec3::UnitZ()))};
