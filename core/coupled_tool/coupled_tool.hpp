@@ -103,7 +103,8 @@ struct CoupledTool {
 /// mean of the spring's forces before and after. So a hand that stands gets no more than is stored.
 ///   Proof: what this leaves for K' is computed at the end of the step. Where K' is more, the
 /// velocity is scaled down to it. Where it is below zero, a midpoint step is done again by backward
-/// Euler, and there the tool stays where the step began, at rest. How often? For backward Euler
+/// Euler, that without the coupling's damper, and there the tool stays where the step began, at
+/// rest. How often? For backward Euler
 /// each accepted step of the descent lowers a potential that begins at no more than U + K, so less
 /// than zero is left only by the damper's part. With convex E and a converged descent not even the
 /// velocity is scaled: K' - K = -grad E' . dx - |dv|^2_M / 2 <= E - E' - |dv|^2_M / 2. For the
@@ -129,6 +130,6 @@ BodyStep step_coupled_tool(const CoupledTool& tool, const ToolSurroundings& surr
 inline constexpr double kToolAdvance = 1e-3;       // [m]
 inline constexpr double kLongestMidpoint = 10e-3;  // [s]
 inline constexpr std::size_t kToolEvaluations =
-    8;  // largest number of evaluations of all contacts in a step
+    8;  // largest number of evaluations of all contacts in a step, or in one try of it
 
 }  // namespace feltwire

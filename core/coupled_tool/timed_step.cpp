@@ -42,13 +42,13 @@ Dashpot dashpot_of(const CoupledTool& tool, const Pull& pull, const Pose& before
   return dashpot;
 }
 
-/// Where a step of time ends.
+/// Where a step of time ends. It is filled in place: a state is some 5 kB.
 struct End {
   State state;
-  ToolVelocity velocity;
-  Vec6 damper = Vec6::Zero();  // [N], [N m] of the dashpot on the tool
-  double work = 0.0;           // [J] of the hand
-  State found = state;         // where the forces of the contacts were taken
+  ToolVelocity velocity = {};
+  Vec6 damper = Vec6::Zero();        // [N], [N m] of the dashpot on the tool
+  double work = 0.0;                 // [J] of the hand
+  std::optional<State> middle = {};  // of the midpoint rule: where contacts have their forces
   FrictionSolution last = {};
   Vec6 resisted = Vec6::Zero();  // [N], [N m] by friction and the dampers of contacts
   bool slipping = false;
@@ -65,9 +65,8 @@ struct TimeStep {
   const ShellContact& met;  // at the beginning
   BodyStep& result;
 
-  State start(const Pose& at_device) const {
-    return {memory.pose, pull(tool.coupling, at_device, memory.pose), met};
-  }
+  Pull pull_at(const Pose& at_device) const { return pull(tool.coupling, at_device, memory.pose); }
+  State start(const Pose& at_device) const { return {memory.pose, pull_at(at_device), met}; }
   double kinetic() const {
     return kinetic_energy(*tool.inertia, memory.pose.orientation, memory.velocity);
   }
@@ -102,69 +101,67 @@ struct TimeStep {
     return end.damper.dot(way);
   }
 
-  /// Where the tool cannot be anywhere else: at the beginning, at rest.
-  End stopped() const {
-    End end{start(device), {}};
-    end.work = end.state.pull.energy - start(before).pull.energy;
-    return end;
+  /// Where the tool cannot be anywhere else, or no time passes: at the beginning.
+  void stay(End& end, const ToolVelocity& velocity) const {
+    end = {start(device), velocity};
+    end.work = end.state.pull.energy - pull_at(before).energy;
   }
 
-  std::optional<End> implicit() const {
+  bool implicit(End& end, bool damped_coupling) const {
     const InertialStep inertial(*tool.inertia, memory.pose, memory.velocity, elapsed, 1.0);
     Step step{tool, surroundings, device, elapsed, result};
     step.inertial = &inertial;
-    State state = start(device);
-    step.dashpot = dashpot_of(tool, state.pull, before, device, elapsed, memory);
+    step.most = result.evaluations + kToolEvaluations;
+    end = {start(device)};
+    State& state = end.state;
+    if (damped_coupling)
+      step.dashpot = dashpot_of(tool, state.pull, before, device, elapsed, memory);
     state.inertial = inertial.energy(state.pose);
-    End end{state, {}};
-    end.work = state.pull.energy - start(before).pull.energy;
+    end.work = state.pull.energy - pull_at(before).energy;
     const double had = kinetic() + state.pull.energy + state.contact.energy;
     end.slipping = memory.slipping;
     step.damp(state, end.slipping);
     end.last = descend(step, state, end.slipping);
-    end.state = end.found = state;
     end.velocity = inertial.velocity(state.pose);
     end.resisted = resistance(step, state, end.last);
     const double damped = take_damper(step.dashpot, end);
     const double has =
         state.pull.energy + state.contact.energy + inertial.weight_energy(state.pose);
-    if (!settle(end, had - has - step.paid + damped)) return std::nullopt;
-    return end;
+    return settle(end, had - has - step.paid + damped);
   }
 
   /// The device is halfway too while the middle is searched for.
-  std::optional<End> midpoint() const {
+  bool midpoint(End& end) const {
     const InertialStep inertial(*tool.inertia, memory.pose, memory.velocity, elapsed, 0.5);
     const Vec3 by = device.position - before.position;
     const Vec3 turn = rotation_between(before.orientation, device.orientation);
     Step step{tool, surroundings, moved(before, 0.5 * by, 0.5 * turn), elapsed, result};
     step.inertial = &inertial;
     step.frictionless = true;
-    const State begins = start(before);
-    State state = start(step.device);
+    const Pull begins = pull_at(before);
+    State& state = end.middle.emplace(start(step.device));
     const Dashpot dashpot = dashpot_of(tool, state.pull, before, device, elapsed, memory);
     step.dashpot = {2.0 * dashpot.drag, 0.5 * dashpot.device_way};
     state.inertial = inertial.energy(state.pose);
-    End end{state, inertial.velocity(state.pose)};
+    end.slipping = false;
     end.last = descend(step, state, end.slipping);
-    end.found = state;
     end.velocity = inertial.velocity(state.pose);
     // The second half of the way is not searched: no farther than the first was allowed to be.
     const Pose whole = inertial.whole(state.pose);
     Vec6 beyond;
     beyond << whole.position - state.pose.position,
         rotation_between(state.pose.orientation, whole.orientation);
-    if (step.length_of(beyond) > state.contact.clearance + kToolAdvance) return std::nullopt;
+    if (step.length_of(beyond) > state.contact.clearance + kToolAdvance) return false;
     step.device = device;
     end.state = step.at(whole);
-    end.work = 0.5 * (begins.pull.wrench + end.state.pull.wrench).dot(dashpot.device_way);
-    const double spring_work = end.work;
+    const double spring_work =
+        0.5 * (begins.wrench + end.state.pull.wrench).dot(dashpot.device_way);
+    end.work = spring_work;
     const double damped = take_damper(dashpot, end);
-    const double had = kinetic() + begins.pull.energy + begins.contact.energy + spring_work;
+    const double had = kinetic() + begins.energy + met.energy + spring_work;
     const double has =
         end.state.pull.energy + end.state.contact.energy + inertial.weight_energy(end.state.pose);
-    if (!settle(end, had - has + damped)) return std::nullopt;
-    return end;
+    return settle(end, had - has + damped);
   }
 
   bool may_take_midpoint() const {
@@ -174,12 +171,9 @@ struct TimeStep {
            met.viscosity.resistance.isZero(0.0);
   }
 
-  End end() const {
-    std::optional<End> end;
-    if (may_take_midpoint()) end = midpoint();
-    if (!end) end = implicit();
-    if (!end) end = stopped();
-    return *end;
+  void go(End& end) const {
+    if (may_take_midpoint() && midpoint(end)) return;
+    if (!implicit(end, true) && !implicit(end, false)) stay(end, {});
   }
 };
 
@@ -201,20 +195,18 @@ Command command_of(const Vec6& on_tool, const ShellContact& contact) {
 void step_with_mass(const CoupledTool& tool, const ToolSurroundings& surroundings,
                     const Pose& device, double elapsed, BodyMemory& memory,
                     BodyStep& result) noexcept {
-  ShellContact met = memory.contact;
   if (!memory.known) {
-    met = surroundings.contact(memory.pose);
+    memory.contact = surroundings.contact(memory.pose);
     ++result.evaluations;
-    result.looked_at += met.looked_at;
+    result.looked_at += memory.contact.looked_at;
   }
   const Pose before = memory.device_known ? memory.device : device;
-  const TimeStep step{tool, surroundings, before, device, elapsed, memory, met, result};
-  End end{step.start(device), memory.velocity};
-  if (elapsed > 0.0 && std::isfinite(elapsed)) {
-    end = step.end();
-  } else {
-    end.work = end.state.pull.energy - step.start(before).pull.energy;
-  }
+  const TimeStep step{tool, surroundings, before, device, elapsed, memory, memory.contact, result};
+  End end{};
+  if (elapsed > 0.0 && std::isfinite(elapsed))
+    step.go(end);
+  else
+    step.stay(end, memory.velocity);
   const double kinetic = kinetic_energy(*tool.inertia, end.state.pose.orientation, end.velocity);
   if (!coupled_tool::usable(end.state) || !end.damper.allFinite() || !std::isfinite(kinetic))
       [[unlikely]]
@@ -227,7 +219,8 @@ void step_with_mass(const CoupledTool& tool, const ToolSurroundings& surrounding
   memory.known = true;
   memory.slipping = end.slipping;
   result.command = command_of(end.state.pull.wrench + end.damper, end.state.contact);
-  coupled_tool::share_out(end.found, end.last, end.found.contact.wrench + end.resisted, result);
+  const State& pushed = end.middle ? *end.middle : end.state;
+  coupled_tool::share_out(pushed, end.last, pushed.contact.wrench + end.resisted, result);
   result.stored = end.state.pull.energy + end.state.contact.energy;
   result.kinetic = kinetic;
   result.work = end.work;

@@ -23,6 +23,7 @@
 #include "sim/studies/network/trade_network.hpp"
 #include "sim/studies/network/where_to_bound.hpp"
 #include "sim/studies/scene/trade_geometry.hpp"
+#include "sim/studies/scene/trade_mass.hpp"
 #include "sim/studies/scene/trade_scene.hpp"
 #include "sim/studies/scene/trade_tools.hpp"
 #include "sim/studies/teleop/arm_bench.hpp"
@@ -268,6 +269,12 @@ std::string trade_tools(const std::string& out) {
   return trade_tools_table(cells);
 }
 
+std::string trade_mass(const std::string& out) {
+  const auto trade = run_trade_mass({});
+  write_trade_mass(out, trade);
+  return trade_mass_table(trade);
+}
+
 std::string trade_scene(const std::string& out) {
   constexpr std::size_t kRounds = 101, kBareRounds = 2001;
   const auto cases = scene_cases();
@@ -303,6 +310,10 @@ void add_trade(CLI::App& app) {
       "and what this machine\ntook for it, trade_tools_cost.csv and trade_tools_cost.png. A minute "
       "of CPU time.",
       trade_tools);
+  add("mass", "A tool with mass: accuracy, stability and time by integration",
+      "Writes trade_mass.csv, trade_mass_stability.csv and trade_mass.png, the same bytes every "
+      "time, and what this\nmachine took for it, trade_mass_cost.csv. Some minutes of CPU time.",
+      trade_mass);
   add("scene", "Time of each property of a scene for one sample, alone",
       "Writes trade_scene.csv, trade_scene_bare.csv and trade_scene.png, what this machine took. "
       "Half a minute of CPU\ntime.",

@@ -250,5 +250,20 @@ TEST(ToolMass, SlidesToAStopByFriction) {
   }
 }
 
+// Friction alone, without a damper, is enough for a midpoint step to be implicit.
+TEST(ToolMass, FrictionSlowsAMidpointToolToo) {
+  Object plane = object(Plane{});
+  plane.material.static_friction = plane.material.dynamic_friction = 0.3;
+  Massive tool(
+      massive(0.3, {.stiffness = kLoose, .rotational_stiffness = kLoose},
+              {.gravity = Vec3(0, 0, -kGravity), .integration = ToolIntegration::midpoint}, 2000),
+      {plane});
+  tool.place({Vec3(0.0, 0.0, 0.009), Quaternion::Identity()});
+  for (int n = 0; n < 1000; ++n) tool.step(kOrigin);
+  tool.memory.velocity.linear.x() = 0.4;
+  for (int n = 0; n < 100; ++n) tool.step(kOrigin);
+  EXPECT_NEAR(tool.memory.velocity.linear.x(), 0.4 - 0.3 * kGravity * 0.1, 0.02);
+}
+
 }  // namespace
 }  // namespace feltwire::tool_mass_test
