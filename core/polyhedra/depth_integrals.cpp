@@ -8,7 +8,9 @@
 namespace feltwire {
 namespace {
 
-constexpr std::uint32_t kRidge = 0xFFFFFFFE;  // the tag of a plane between two cells
+/// The tag of a plane between two cells: this and the other's candidate.
+constexpr std::uint32_t kRidge = 0x10000;
+static_assert(kRidge > kMostDepthPlanes && kRidge + kMostDepthPlanes < ClippedPolyhedron::kOwn);
 
 /// The rule of six points for polynomials of degree four on a triangle (Strang & Fix 1973): weights
 /// of its area, and places by their weights on the corners.
@@ -198,19 +200,6 @@ struct Candidates {
     of[count++] = static_cast<std::uint32_t>(i);
   }
 
-  /// The nearest to the middle first: they empty the cells of those that are nowhere the nearest.
-  void sort(const DepthPlanes& planes, const ClippedPolyhedron& common) {
-    const Vec3 middle = middle_of(common);
-    const auto depth = [&](std::uint32_t i) {
-      return planes[i].offset - planes[i].normal.dot(middle);
-    };
-    std::sort(of.begin(), of.begin() + static_cast<std::ptrdiff_t>(count),
-              [&](std::uint32_t a, std::uint32_t b) {
-                const double first = depth(a), second = depth(b);
-                return first != second ? first < second : a < b;
-              });
-  }
-
   std::size_t nearest_to(const DepthPlanes& planes, const Vec3& x) const {
     double least = std::numeric_limits<double>::infinity();
     std::size_t at = 0;
@@ -225,14 +214,14 @@ struct Candidates {
 };
 
 /// Leaves of a polyhedron the part where candidate k is the nearest. First by the plane that is the
-/// nearest in the middle of what is left, which soon empties most of those that have no cell; then
-/// by all.
+/// nearest in the middle of what is left, so that little is left for the others to look at.
 bool cut_to_cell(ClippedPolyhedron& common, const DepthPlanes& planes, const Candidates& nearest,
                  std::size_t k) {
   const DepthPlane& plane = planes[nearest.of[k]];
   const auto cut = [&](std::size_t other) {
     const DepthPlane& farther = planes[nearest.of[other]];
-    return common.cut(farther.normal - plane.normal, farther.offset - plane.offset, kRidge);
+    return common.cut(farther.normal - plane.normal, farther.offset - plane.offset,
+                      kRidge + static_cast<std::uint32_t>(other));
   };
   for (std::size_t round = 0; round < nearest.count; ++round) {
     const std::size_t other = nearest.nearest_to(planes, middle_of(common));
@@ -293,16 +282,27 @@ void add_depth(const PlacedPart& tool, const SolidPart& solid, bool hollow, cons
   Candidates nearest;
   for (std::size_t i = 0; i < planes.size(); ++i)
     if (!planes[i].inner && least[i] < bound) nearest.add(planes, i);
-  nearest.sort(planes, inside);
-  for (std::size_t k = 0; k < nearest.count; ++k) {
+  if (nearest.count == 0) return;
+  // From the cell in the middle to those beside it. As the depth is concave, the cells are convex,
+  // and one reaches all of them over ridges.
+  std::array<std::uint32_t, kMostDepthPlanes> waiting;
+  std::array<std::uint8_t, kMostDepthPlanes> is_known;
+  std::fill_n(is_known.begin(), nearest.count, std::uint8_t{0});
+  std::size_t next = 0, count = 0;
+  const auto look_at = [&](std::size_t k) {
+    if (is_known[k] != 0) return;
+    is_known[k] = 1;
+    waiting[count++] = static_cast<std::uint32_t>(k);
+  };
+  look_at(nearest.nearest_to(planes, middle_of(inside)));
+  while (next < count) {
+    const std::size_t k = waiting[next++];
     const DepthPlane& plane = planes[nearest.of[k]];
-    const Cell cell(-plane.normal, plane.offset, tool.origin);
-    if (nearest.count == 1) {
-      add_cell(inside, cell, planes, slides, sums);
-      return;
-    }
     ClippedPolyhedron common(inside);
-    if (cut_to_cell(common, planes, nearest, k)) add_cell(common, cell, planes, slides, sums);
+    if (!cut_to_cell(common, planes, nearest, k)) continue;
+    add_cell(common, Cell(-plane.normal, plane.offset, tool.origin), planes, slides, sums);
+    for (const auto& face : common.faces())
+      if (face.tag >= kRidge && face.tag != ClippedPolyhedron::kOwn) look_at(face.tag - kRidge);
   }
 }
 

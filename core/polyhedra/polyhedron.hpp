@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "core/base/types.hpp"
 #include "core/convex/convex_hull.hpp"
 
 namespace feltwire {

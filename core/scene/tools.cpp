@@ -37,6 +37,12 @@ std::string whose(const HandTool& tool) {
 }  // namespace
 
 MaybeViolation check(const HandTool& tool, std::span<const Object> objects) {
+  if (tool.body && tool.body->polygons() != nullptr &&
+      tool.body->polygons()->solids.size() != objects.size())
+    return Violation{"body.contact", "is polygons, with " +
+                                         std::to_string(tool.body->polygons()->solids.size()) +
+                                         " solids for " + std::to_string(objects.size()) +
+                                         " objects; make it for this scene"};
   if (tool.radius == 0.0) return std::nullopt;
   if (tool.body) return Violation{"sphere", "is a second tool beside body; keep one of the two"};
   if (auto violation = positive("sphere.radius", tool.radius, kMaxLength, " [m]")) return violation;

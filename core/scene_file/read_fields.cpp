@@ -6,6 +6,7 @@
 #include "core/grid/signed_distance.hpp"
 #include "core/mesh/mesh_distance.hpp"
 #include "core/mesh/tessellation.hpp"
+#include "core/scene_file/read_polygons.hpp"
 #include "core/scene_file/read_tool_mass.hpp"
 #include "core/scene_file/read_values.hpp"
 #include "core/scene_file/shown_error.hpp"
@@ -77,19 +78,20 @@ Pose read_place(const JsonDocument& document, const std::string& path,
 
 std::shared_ptr<const BodyTool> read_body(const JsonDocument& document, const std::string& path,
                                           const scene_file::ToolBody& body,
-                                          const scene_file::Scene& scene,
-                                          const std::filesystem::path& folder) {
+                                          const std::filesystem::path& folder,
+                                          const scene_file::Scene& file, const Scene& scene) {
   const Given given = read_solid(document, path, body, folder);
   const Pose place = read_place(document, path, body);
   const ToolInertia inertia =
-      read_tool_mass(document, path, body, scene, given.shape, given.surface, place);
+      read_tool_mass(document, path, body, file, given.shape, given.surface, place);
   ToolCoupling coupling;
   if (const auto* c = body.coupling())
     coupling = {c->stiffness(), c->rotational_stiffness(), c->max_force(), c->max_torque()};
   try {
     const TriangleSoup surface = given.shape ? tessellate(*given.shape, kSegments) : given.surface;
-    return std::make_shared<const BodyTool>(point_shell(placed(surface, place), body.points()),
-                                            coupling, body.contact_area(), inertia);
+    return std::make_shared<const BodyTool>(
+        point_shell(placed(surface, place), body.points()), coupling, body.contact_area(), inertia,
+        read_polygons(document, path, body, surface, place, folder, file, scene));
   } catch (const std::invalid_argument& error) {
     document.fail(path, error.what());
   }
@@ -98,7 +100,7 @@ std::shared_ptr<const BodyTool> read_body(const JsonDocument& document, const st
 /// One that fits the scene.
 template <class Table>
 HandTool read_tool(const JsonDocument& document, const std::string& path, const Table& tool,
-                   const scene_file::Scene& file, const std::filesystem::path& folder,
+                   const std::filesystem::path& folder, const scene_file::Scene& file,
                    const Scene& scene) {
   HandTool hand;
   if (const auto* sphere = tool.sphere()) {
@@ -106,7 +108,7 @@ HandTool read_tool(const JsonDocument& document, const std::string& path, const 
     hand.radius = sphere->radius();
   }
   if (const auto* body = tool.body())
-    hand.body = read_body(document, path + ".body", *body, file, folder);
+    hand.body = read_body(document, path + ".body", *body, folder, file, scene);
   require(document, path, check(hand, scene.objects()));
   return hand;
 }
@@ -131,7 +133,7 @@ void read_tools(const JsonDocument& document, const scene_file::Scene& file,
     if (const auto* tool = file.tool()) {
       if (!tool->sphere() && !tool->body())
         document.fail("tool", "holds nothing; give exactly one of sphere, body, or leave it out");
-      scene.set_tool(read_tool(document, "tool", *tool, file, folder, scene));
+      scene.set_tool(read_tool(document, "tool", *tool, folder, file, scene));
     }
     if (const auto* named = file.tools()) {
       require(document, "", broken_tools(named->size()));
@@ -140,7 +142,7 @@ void read_tools(const JsonDocument& document, const scene_file::Scene& file,
       for (const scene_file::NamedTool* tool : *named) {
         names.add(tool->name()->str());
         HandTool hand =
-            read_tool(document, element("tools", tools.size()), *tool, file, folder, scene);
+            read_tool(document, element("tools", tools.size()), *tool, folder, file, scene);
         hand.name = tool->name()->str();
         tools.push_back(std::move(hand));
       }

@@ -10,6 +10,7 @@
 #include "core/base/long_work.hpp"
 #include "core/dynamics/mass_properties.hpp"
 #include "core/mesh/mesh_surface.hpp"
+#include "core/polyhedra/polyhedron.hpp"
 #include "core/scene_file/parts_cache.hpp"
 #include "core/scene_file/read_values.hpp"
 
@@ -24,25 +25,6 @@ std::string millimetres(double length) {
 
 std::string counted(std::size_t parts) {
   return std::to_string(parts) + (parts == 1 ? " convex part" : " convex parts");
-}
-
-/// Null: it is none, or none that its hull does not stand for.
-const MeshSurface* hollow_mesh(const Object& object) {
-  const auto* mesh = std::get_if<Mesh>(&object.shape);
-  if (mesh == nullptr || object.felt_from == Side::inside) return nullptr;
-  const TriangleMesh& triangles = mesh->surface->mesh();
-  const MeshReport& report = triangles.report();
-  const bool solid = report.closed() && report.volume > 0.0;
-  return solid && !is_convex(triangles) ? mesh->surface.get() : nullptr;
-}
-
-/// Scale and options as part of a file's name.
-std::string use_of(const scene_file::Mesh& mesh) {
-  const auto* given = mesh.convex_parts();
-  const bool own = given != nullptr && !std::isnan(given->tolerance());
-  return (mesh.unit() != nullptr ? mesh.unit()->str() : number_text(mesh.scale())) + "." +
-         (own ? number_text(given->tolerance()) : "auto") + "." +
-         std::to_string(given != nullptr ? given->most() : DecompositionOptions{}.most);
 }
 
 /// The parts of each mesh once.
@@ -117,12 +99,58 @@ class Parts {
 
 }  // namespace
 
+std::string use_of(const scene_file::Mesh& mesh) {
+  const auto* given = mesh.convex_parts();
+  const bool own = given != nullptr && !std::isnan(given->tolerance());
+  return (mesh.unit() != nullptr ? mesh.unit()->str() : number_text(mesh.scale())) + "." +
+         (own ? number_text(given->tolerance()) : "auto") + "." +
+         std::to_string(given != nullptr ? given->most() : DecompositionOptions{}.most);
+}
+
+const MeshSurface* hollow_mesh(const Object& object) {
+  const auto* mesh = std::get_if<Mesh>(&object.shape);
+  if (mesh == nullptr || object.felt_from == Side::inside) return nullptr;
+  const TriangleMesh& triangles = mesh->surface->mesh();
+  const MeshReport& report = triangles.report();
+  const bool solid = report.closed() && report.volume > 0.0;
+  return solid && !is_convex(triangles) ? mesh->surface.get() : nullptr;
+}
+
 DecompositionOptions read_parts_options(const JsonDocument& document, const std::string& path,
                                         const scene_file::Mesh& mesh, const MeshSurface& surface) {
+  return read_parts_options(document, path + ".convex_parts", mesh.convex_parts(), surface);
+}
+
+std::vector<std::vector<Vec3>> read_tool_parts(const JsonDocument& document,
+                                               const std::filesystem::path& folder,
+                                               const ToolMesh& mesh, const MeshSurface& surface,
+                                               const DecompositionOptions& options) {
+  // Parts that are not exact need no more corners than their tolerance.
+  constexpr double kLeftOut = 0.25;
+  begin_stage(mesh.path + ".convex_parts");
+  std::vector<std::vector<Vec3>> parts;
+  try {
+    for (const auto& part :
+         find_parts({folder, mesh.name, mesh.use}, surface, options).parts.parts) {
+      auto corners = fewer_corners(part, kLeftOut * tolerance_of(options, surface.mesh()));
+      for (Vec3& corner : corners) corner += surface.mesh().origin();
+      parts.push_back(std::move(corners));
+    }
+  } catch (const std::runtime_error& error) {
+    document.fail(mesh.path, mesh.name + " has no convex parts (" + error.what() +
+                                 "); mend the mesh, or take a tool of points");
+  }
+  if (parts.empty())
+    document.fail(mesh.path,
+                  mesh.name + " has no convex parts; mend the mesh, or take a tool of points");
+  return parts;
+}
+
+DecompositionOptions read_parts_options(const JsonDocument& document, const std::string& own,
+                                        const scene_file::ConvexParts* given,
+                                        const MeshSurface& surface) {
   DecompositionOptions options;
-  const auto* given = mesh.convex_parts();
   if (given == nullptr) return options;
-  const std::string own = path + ".convex_parts";
   options.most = given->most();
   if (options.most < 1 || options.most > kMostParts)
     document.fail(own + ".most", "must be 1 to " + std::to_string(kMostParts) + ", is " +

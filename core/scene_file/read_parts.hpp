@@ -13,6 +13,7 @@
 namespace feltwire {
 
 namespace scene_file {
+struct ConvexParts;
 struct Mesh;
 struct Scene;
 }  // namespace scene_file
@@ -38,5 +39,30 @@ CollisionParts read_collision_parts(const JsonDocument& document, const scene_fi
                                     const std::vector<Object>& objects,
                                     const std::vector<int>& body_of,
                                     const std::vector<Body>& bodies);
+
+/// A mesh that a tool of polygons needs in parts.
+struct ToolMesh {
+  std::string path;  // of its field
+  std::string name;  // of the file
+  std::string use;   // scale and options as part of a kept file's name
+};
+
+/// Its convex parts, in the coordinates of the surface [m], without corners that stand out by less
+/// than a quarter of the tolerance. Throws FileError at `path` if there are none.
+std::vector<std::vector<Vec3>> read_tool_parts(const JsonDocument& document,
+                                               const std::filesystem::path& folder,
+                                               const ToolMesh& mesh, const MeshSurface& surface,
+                                               const DecompositionOptions& options);
+
+/// The same options from the field at `own`; null: the default.
+DecompositionOptions read_parts_options(const JsonDocument& document, const std::string& own,
+                                        const scene_file::ConvexParts* given,
+                                        const MeshSurface& surface);
+
+/// The mesh of a closed object that is not convex and felt from outside; null: all others.
+const MeshSurface* hollow_mesh(const Object& object);
+
+/// Scale and options of an object's mesh as part of a kept file's name.
+std::string use_of(const scene_file::Mesh& mesh);
 
 }  // namespace feltwire

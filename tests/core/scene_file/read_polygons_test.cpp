@@ -1,0 +1,91 @@
+// Tools of polygons in a scene file.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "core/tool/body_tool.hpp"
+#include "tests/core/scene_text.hpp"
+#include "tests/support/temporary_folder.hpp"
+
+namespace feltwire::read_polygons_test {
+namespace {
+
+using test::error_of;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+
+std::string scene(const std::string& body,
+                  const std::string& shape = R"("box": { "size": [0.2, 0.2, 0.1] })") {
+  return R"({ "name": "s", "tool": { "body": { )" + body + R"( } },
+    "materials": [{ "name": "m", "stiffness": 1000 }],
+    "objects": [{ "name": "o", )" +
+         shape + R"(, "material": "m" }] })";
+}
+
+const std::string kBrick = R"("box": { "size": [0.06, 0.04, 0.02] })";
+
+TEST(ReadPolygons, AToolOfPolygonsPressesFlatAsItsMaterialSays) {
+  const Scene read = parse_scene(
+      scene(kBrick +
+            R"(, "contact": "polygons", "contact_area": 2.4e-3, "position": [0, 0, 0.01])"),
+      "s.json");
+  ASSERT_NE(read.tool().body->polygons(), nullptr);
+  EXPECT_EQ(read.tool().body->polygons()->parts.size(), 1u);
+  EXPECT_TRUE(read.requirements().rotation);
+  BodyMemory memory;
+  Command command;
+  for (int i = 0; i <= 50; ++i)
+    command = read.touch({Vec3(0, 0, 0.05 + 1e-3 - 1e-4 * i), Quaternion::Identity()}, Vec3::Zero(),
+                         1e-3, memory);
+  EXPECT_NEAR(command.force().z(), 500.0 * 4e-3, 1e-3);  // two springs of 1 kN/m in a row
+  EXPECT_LT(command.torque.norm(), 1e-6);
+  // Points are the default.
+  EXPECT_EQ(parse_scene(scene(kBrick), "s.json").tool().body->polygons(), nullptr);
+}
+
+TEST(ReadPolygons, MeshesAreCutIntoParts) {
+  const test::TemporaryFolder folder;
+  // An angle: two boxes in one.
+  std::ofstream(folder / "angle.obj")
+      << "v 0 0 0\nv 30 0 0\nv 30 10 0\nv 10 10 0\nv 10 30 0\nv 0 30 0\n"
+         "v 0 0 20\nv 30 0 20\nv 30 10 20\nv 10 10 20\nv 10 30 20\nv 0 30 20\n"
+         "f 4 3 2\nf 4 2 1\nf 4 1 6\nf 4 6 5\nf 10 8 9\nf 10 7 8\nf 10 12 7\nf 10 11 12\n"
+         "f 1 2 8 7\nf 2 3 9 8\nf 3 4 10 9\nf 4 5 11 10\nf 5 6 12 11\nf 6 1 7 12\n";
+  const std::string angle = R"("mesh": { "file": "angle.obj", "unit": "mm" })";
+  const Scene read = parse_scene(
+      scene(R"("file": "angle.obj", "scale": 0.001, "contact": "polygons", "position": [1, 0, 0])",
+            angle),
+      (folder / "s.json").string());
+  const PolygonBody& body = *read.tool().body->polygons();
+  EXPECT_EQ(body.parts.size(), 2u);
+  ASSERT_EQ(body.solids.size(), 1u);
+  EXPECT_EQ(body.solids[0].parts.size(), 2u);
+  double volume = 0.0;
+  for (const Polyhedron& part : body.parts) {
+    EXPECT_EQ(part.planes.size(), 6u);
+    EXPECT_GT(part.least.x(), 0.99);  // placed
+    volume += (part.most - part.least).prod();
+  }
+  EXPECT_NEAR(volume, 1e-5, 1e-12);
+}
+
+TEST(ReadPolygons, ErrorsNameTheFieldAndTheRemedy) {
+  EXPECT_THAT(error_of(scene(kBrick + R"(, "contact": "polygon")")),
+              AllOf(HasSubstr("tool.body.contact"), HasSubstr("points, polygons; is 'polygon'")));
+  EXPECT_THAT(error_of(scene(kBrick + R"(, "convex_parts": {})")),
+              AllOf(HasSubstr("tool.body.convex_parts"), HasSubstr("leave it out")));
+  EXPECT_THAT(
+      error_of(scene(
+          R"("torus": { "major_radius": 0.02, "minor_radius": 0.005 }, "contact": "polygons")")),
+      AllOf(HasSubstr("tool.body.contact"), HasSubstr("take points")));
+  EXPECT_THAT(error_of(scene(kBrick + R"(, "contact": "polygons")",
+                             R"("grid": { "sphere": { "radius": 0.03 }, "resolution": 0.002 })")),
+              AllOf(HasSubstr("tool.body.contact"), HasSubstr("object 'o'"),
+                    HasSubstr("take a tool of points")));
+}
+
+}  // namespace
+}  // namespace feltwire::read_polygons_test
