@@ -109,7 +109,7 @@ FrictionSolution descend(Step& step, State& state, bool& slipping) {
     if (!has_mass) return kCloseEnough * radius;
     return std::max(step.gripping(state).empty() ? 0.0 : 2.0 * kHeld, kCloseWithMass * radius);
   };
-  while (step.result.evaluations < step.most) {
+  while (step.result.evaluations < step.budget) {
     const bool first = step.result.evaluations == before;
     if (!(step.length_of(way) > (first && !has_mass ? least : enough()))) break;
     State tried = step.at(moved(state.pose, way.head<3>(), way.tail<3>()));

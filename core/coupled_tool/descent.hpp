@@ -44,9 +44,9 @@ struct Step {
   // Of the state at the beginning.
   Mat6 damping = Mat6::Zero();  // over the time: [N/m] ...
   Vec6 driven = Vec6::Zero();
-  Vec6 done = Vec6::Zero();             // how far the tool has moved
-  double paid = 0.0;                    // [J] to friction and to the dampers of contacts
-  std::size_t most = kToolEvaluations;  // of all contacts, after which the descent ends
+  Vec6 done = Vec6::Zero();               // how far the tool has moved
+  double paid = 0.0;                      // [J] to friction and to the dampers of contacts
+  std::size_t budget = kToolEvaluations;  // of all contacts, after which the descent ends
   // Of a tool with mass.
   const InertialStep* inertial = nullptr;
   Dashpot dashpot = {};

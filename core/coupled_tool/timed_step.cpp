@@ -111,7 +111,7 @@ struct TimeStep {
     const InertialStep inertial(*tool.inertia, memory.pose, memory.velocity, elapsed, 1.0);
     Step step{tool, surroundings, device, elapsed, result};
     step.inertial = &inertial;
-    step.most = result.evaluations + kToolEvaluations;
+    step.budget = result.evaluations + kToolEvaluations;
     end = {start(device)};
     State& state = end.state;
     if (damped_coupling)
