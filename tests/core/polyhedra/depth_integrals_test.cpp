@@ -231,6 +231,10 @@ TEST(DepthIntegrals, AThinWallIsAsDeepAsItsSurfaceIsFar) {
   // Beside the wall there is nothing, also where it is thickened.
   const Pose beside{Vec3(0.0551, 0, -0.003), kUpright};
   EXPECT_EQ(sums_of(tool, beside, wall, &up).cubes, 0.0);
+  // Thickened aslant, it goes aslant from its outline, and no farther.
+  const Vec3 aslant = Vec3(0.5, 0.0, 1.0).normalized();
+  EXPECT_EQ(sums_of(tool, {Vec3(-0.06, 0, -0.003), kUpright}, wall, &aslant).cubes, 0.0);
+  EXPECT_GT(sums_of(tool, {Vec3(-0.06, 0, -0.02), kUpright}, wall, &aslant).cubes, 0.0);
 }
 
 }  // namespace

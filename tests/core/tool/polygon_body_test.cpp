@@ -307,6 +307,29 @@ TEST(PolygonBody, BesideAThinWallThereIsNothing) {
   EXPECT_LT(now.command.force().z(), -1.0);
 }
 
+// A direction from an approach aslant turns to that of the force, while nothing follows from it.
+TEST(PolygonBody, TheDirectionOfAPairFollowsTheForce) {
+  const PolygonBody body =
+      polygon_body({box_corners(Vec3::Constant(0.005))}, {box(Vec3(0.05, 0.05, 1e-3))});
+  const std::vector<Object> objects = {object()};
+  const Vec3 aslant = Vec3(0.5, 0.0, 1.0).normalized();
+  for (const bool beyond : {false, true}) {
+    // In the middle of the wall; or at its end, where aslant it is wider than it is.
+    const Pose pose{Vec3(beyond ? -0.0525 : 0.0, 0, 6e-3 - 1e-4), kUpright};
+    PartPairs near;
+    look_round(body, objects, pose, true, near);
+    ASSERT_EQ(near.count, 1u);
+    near.pairs[0].thickened = true;
+    near.pairs[0].away = aslant;
+    const double before = polygon_contact(body, objects, kFace, near, pose).energy;
+    for (int i = 0; i < 3; ++i) look_round(body, objects, pose, false, near);
+    const double after = polygon_contact(body, objects, kFace, near, pose).energy;
+    ASSERT_GT(before, 0.0);
+    EXPECT_NEAR(after, before, 1e-9 * before);
+    EXPECT_EQ(near.pairs[0].away.z() > 0.999, !beyond);
+  }
+}
+
 TEST(PolygonBody, FrictionHoldsUpToItsCone) {
   const BodyTool body = tool({box_corners(kHalf)}, {box(Vec3(0.1, 0.1, 0.05))});
   std::vector<Object> objects = {object()};
