@@ -3,9 +3,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 
+#include "core/dynamics/world.hpp"
 #include "core/tool/body_tool.hpp"
 #include "tests/core/scene_text.hpp"
 #include "tests/support/temporary_folder.hpp"
@@ -70,6 +72,35 @@ TEST(ReadPolygons, MeshesAreCutIntoParts) {
     volume += (part.most - part.least).prod();
   }
   EXPECT_NEAR(volume, 1e-5, 1e-12);
+}
+
+// The tool pushes a box that floats: the box gets what the hand gives.
+TEST(ReadPolygons, ABoxThatFloatsIsPushed) {
+  const Scene read = parse_scene(R"({ "name": "s", "gravity": [0, 0, 0],
+    "tool": { "body": { "box": { "size": [0.04, 0.04, 0.04] }, "contact": "polygons", "contact_area": 1e-3 } },
+    "materials": [{ "name": "m", "stiffness": 1000, "damping": 2, "static_friction": 0.5, "dynamic_friction": 0.4 }],
+    "bodies": [{ "name": "b", "mass": 0.2 }],
+    "objects": [{ "name": "o", "box": { "size": [0.06, 0.06, 0.06] }, "body": "b", "material": "m" }] })",
+                                 "s.json");
+  World world(read);
+  BodyMemory memory;
+  BodyContactState contacts = world.contact_state();
+  Vec3 given = Vec3::Zero();
+  double most = 0.0, nearest = 1.0, pushed = 0.0;
+  for (int n = 0; n < 400; ++n) {
+    const Pose hand{Vec3(0.06 - 2e-4 * n, 0.004, 0.002), Quaternion::Identity()};
+    const Vec3 felt = world.touch(hand, Vec3::Zero(), 1e-3, memory, contacts).force();
+    world.push(contacts, memory, 1.0);
+    given += 1e-3 * felt;
+    most = std::max(most, felt.norm());
+    ASSERT_TRUE(world.step());
+    ASSERT_LT((world.momentum() + given).norm(), 0.02 * given.norm() + 1e-6) << n;
+    pushed = -world.objects()[0].pose.position.x();
+    nearest = std::min(nearest, memory.pose.position.x() + pushed);
+  }
+  EXPECT_GT(most, 0.3);
+  EXPECT_GT(pushed, 0.02);
+  EXPECT_GT(nearest, 0.05 - 4e-3);  // the middles: half of both boxes, and what they yield
 }
 
 TEST(ReadPolygons, ErrorsNameTheFieldAndTheRemedy) {
