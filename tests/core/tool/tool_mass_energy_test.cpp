@@ -78,6 +78,9 @@ void energy_holds(const ToolIntegration integration, double mass, const Material
     ASSERT_LE(now.command.force().norm(), coupling.max_force * (1.0 + 1e-9)) << n;
     ASSERT_LE(now.command.torque.norm(), tool.tool.coupling().max_torque * (1.0 + 1e-9)) << n;
     ASSERT_LE(now.command.elastic.norm(), now.command.force().norm() * (1.0 + 1e-9)) << n;
+    const Vec3 contact = tool.memory.contact.wrench.head<3>();
+    ASSERT_GE(now.command.elastic.dot(contact), 0.0) << n << ": no contact pulls";
+    ASSERT_LE(now.command.elastic.norm(), contact.norm() * (1.0 + 1e-9)) << n;
     touched += static_cast<double>(now.touching);
     moving += now.kinetic;
     last = now;

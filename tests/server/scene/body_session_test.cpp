@@ -70,6 +70,30 @@ TEST(BodySession, ADeviceWithoutRotationGetsTheForceAlone) {
   EXPECT_GT(reply.command.elastic.z(), 0.1);
 }
 
+// A tool with mass weighs in the hand. A client that asks for models gets none of it, as it would
+// render it without mass.
+TEST(BodySession, AToolWithMassWeighsAndHasNoModel) {
+  const Scene heavy = parse_scene(R"({
+    "name": "desk", "materials": [{ "name": "m", "stiffness": 1000 }],
+    "objects": [{ "name": "top", "plane": {}, "position": [0, 0, -1], "material": "m" }],
+    "tool": { "body": { "box": { "size": [0.06, 0.04, 0.02] }, "points": 500, "mass": 0.2,
+      "coupling": { "damping": 20 } } } })",
+                                  "desk.json");
+  control::JoinRequest client_bounds = request(3);
+  client_bounds.parameters.side = BoundingSide::client;
+  client_bounds.parameters.local_model = true;
+  Session session(client_bounds, heavy);
+  Reply reply;
+  for (std::uint64_t i = 1; i <= 1000; ++i) {
+    SampleBatch still = lowered(i, 0.0, true);
+    still.samples[0].pose.position.z() = 0.1;
+    reply = session.take(still, Nanoseconds{0}).reply;
+    EXPECT_EQ(reply.body.reach, 0.0);
+  }
+  EXPECT_NEAR((reply.command.force() - Vec3(0.0, 0.0, -0.2 * 9.81)).norm(), 0.0, 1e-6);
+  EXPECT_EQ(reply.command.elastic, Vec3::Zero());
+}
+
 TEST(BodySession, NeverAllocates) {
 #ifdef FELTWIRE_SANITIZED
   GTEST_SKIP() << "sanitizers allocate by themselves";
