@@ -6,6 +6,7 @@
 #include "core/mesh/mesh_surface.hpp"
 #include "core/scene/validation.hpp"
 #include "core/tool/body_tool.hpp"
+#include "core/tool/polygon_body.hpp"
 
 namespace feltwire {
 namespace {
@@ -53,7 +54,14 @@ std::vector<std::string> objects_if(
 }
 
 std::string tool_kind(const HandTool& tool) {
-  if (tool.body) return "a body of " + std::to_string(tool.body->shell().points.size()) + " points";
+  if (tool.body) {
+    const PolygonBody* polygons = tool.body->polygons();
+    const double mass = tool.body->inertia().mass;
+    return (polygons != nullptr
+                ? "polygons in " + std::to_string(polygons->parts.size()) + " convex parts"
+                : "a body of " + std::to_string(tool.body->shell().points.size()) + " points") +
+           (mass > 0.0 ? ", " + number_text(mass) + " kg" : "");
+  }
   return tool.radius > 0.0 ? "a ball of " + number_text(tool.radius) + " m" : "a point";
 }
 
