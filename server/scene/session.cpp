@@ -107,9 +107,9 @@ Taken Session::take(const SampleBatch& batch, Nanoseconds now) noexcept {
   const bool modelled = parameters_.local_model && !observes_,
              has_body = view_->tool().body != nullptr;
   reply.modelled = modelled && !has_body;
-  reply.body_modelled = modelled && has_body;
   if (reply.modelled) reply.model = model();
-  if (reply.body_modelled) reply.body = body_model();
+  if (modelled && has_body) reply.body = body_model();
+  reply.body_modelled = reply.body.reach > 0.0;  // not of a tool with mass
   reply.model.scene = reply.body.scene = scenes_;
   if (sends_normals_ && !reply.command.elastic.isZero(0.0))
     reply.normals = pushing_normals(reply.modelled ? reply.model : model(), last_.pose.position);
