@@ -85,7 +85,7 @@ void Step::damp(const State& state, bool slipping) {
 }
 
 FrictionSolution descend(Step& step, State& state, bool& slipping) {
-  // Of the radius: what is not worth a look, and not worth another one in the same step.
+  // Shares of the radius: a shorter way is not tried, and not tried again in the same step.
   constexpr double kClose = 1e-5, kCloseEnough = 1e-4;
   // A tool with mass has the way over the time as its velocity. One that friction holds stays.
   constexpr double kCloseWithMass = 1e-12, kRounding = 1e-7;

@@ -41,13 +41,13 @@ struct Step {
   Pose device;
   double elapsed;
   BodyStep& result;
-  // Of the state at the beginning.
+  // These follow from the state at the beginning.
   Mat6 damping = Mat6::Zero();  // over the time: [N/m] ...
   Vec6 driven = Vec6::Zero();
   Vec6 done = Vec6::Zero();               // how far the tool has moved
   double paid = 0.0;                      // [J] to friction and to the dampers of contacts
   std::size_t budget = kToolEvaluations;  // of all contacts, after which the descent ends
-  // Of a tool with mass.
+  // Only a tool with mass uses these.
   const InertialStep* inertial = nullptr;
   Dashpot dashpot = {};
   bool frictionless = false;

@@ -1,5 +1,5 @@
 #pragma once
-// What a tool of polygons remembers: the pairs of convex parts that are near each other.
+// A tool of polygons remembers the pairs of convex parts that are near each other.
 
 #include <array>
 #include <cstdint>

@@ -52,7 +52,7 @@ Vec3 center_of_mass(const ToolInertia& tool, const Pose& pose) noexcept;
 /// which converges for elapsed |W| up to about 1. Always W_m . I W_m <= W . I W.
 Vec3 free_turn(const Mat3& inertia, const Vec3& angular, double elapsed) noexcept;
 
-/// What the tool's inertia and weight add to the energy that a step of time goes down:
+/// A step of time goes down an energy. The tool's inertia and weight add this to it:
 ///   E_inertia(tool) = m / (2 h^2) |c - c~|^2 + phi . I~ phi / (2 h^2) - m g . (c - c_0)
 /// c: the centre of mass; c~ and R~: where centre and orientation would be without any force, which
 /// is c_0 + h v_0 and free_turn(); phi: the rotation vector from R~ to the tool's orientation; I~:

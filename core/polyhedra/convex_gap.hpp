@@ -17,7 +17,7 @@ inline constexpr int kGapRounds = 32;
 /// The gap between polyhedron a, placed at rotation * p + position, and b, in b's frame. `guess`: a
 /// direction from b to a, of any length; the direction of the query before saves rounds. The search
 /// is that of Gilbert, Johnson & Keerthi 1988 for the least point of the difference of the two.
-/// What it returns is proved by the extents along `away`, whatever rounding does to the search.
+/// The extents along `away` prove the result, whatever rounding does to the search.
 /// Never allocates.
 ConvexGap convex_gap(const Polyhedron& a, const Mat3& rotation, const Vec3& position,
                      const Polyhedron& b, const Vec3& guess) noexcept;

@@ -7,6 +7,8 @@
 #include <string>
 #include <utility>
 
+#include "core/coupled_tool/descent.hpp"
+
 namespace feltwire {
 namespace {
 
@@ -16,13 +18,7 @@ void require(bool good, const char* field, double value, const char* unit) {
                                 std::to_string(value) + "; leave it out or give a larger number");
 }
 
-/// Whether a pose has a frame.
-bool has_frame(const Pose& pose) {
-  const double squared = pose.orientation.squaredNorm();
-  return pose.position.allFinite() && std::isfinite(squared) && squared > 0.0;
-}
-
-/// The same for a tool of polygons, near these pairs.
+/// The scene's objects for a tool of polygons, near these pairs.
 class PolygonSolids final : public ToolSurroundings {
  public:
   PolygonSolids(const BodyTool& tool, std::span<const Object> objects,
@@ -117,7 +113,7 @@ BodyStep step_body(const BodyTool& tool, std::span<const Object> objects, const 
   if (const PolygonBody* polygons = tool.polygons()) {
     if (objects.size() != polygons->solids.size()) [[unlikely]]
       return {};
-    if (!has_frame(device)) return {};
+    if (!coupled_tool::good(device)) return {};
     Pose start = memory.placed ? memory.pose : device;
     start.orientation.normalize();
     look_round(*polygons, objects, start, !memory.known || !motions.empty(), memory.near);
