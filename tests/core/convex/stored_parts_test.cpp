@@ -46,7 +46,7 @@ class StoredParts : public ::testing::Test {
     return text;
   }
 
-  const MeshSurface ring{TriangleMesh(test::torus(0.05, 0.015, 24, 12))};
+  const MeshSurface ring{TriangleMesh(test::torus(0.05, 0.015, 12, 6))};
   const PartsKey key = parts_key(ring.mesh(), {});
   const ConvexParts parts = convex_parts(ring, {});
   const std::string bytes = store(parts, key);
@@ -75,7 +75,7 @@ TEST_F(StoredParts, NoByteMayBeChangedLeftOutOrAdded) {
 
 TEST_F(StoredParts, OfAnotherMeshOrOtherOptionsAreNotTaken) {
   const std::string another = "is of another mesh, of other options or of another version";
-  const MeshSurface larger(TriangleMesh(test::torus(0.05, 0.015 * (1 + 1e-15), 24, 12)));
+  const MeshSurface larger(TriangleMesh(test::torus(0.05, 0.015 * (1 + 1e-15), 12, 6)));
   // The default tolerance is another one, too: here it is the same for both.
   const DecompositionOptions same{.tolerance = 0.003};
   EXPECT_NE(parts_key(larger.mesh(), same), parts_key(ring.mesh(), same));

@@ -28,7 +28,7 @@ namespace fs = std::filesystem;
 
 class PartsCache : public test::PartsScene {
  protected:
-  PartsCache() { write("ring.obj", test::torus(0.05, 0.015, 12, 8)); }
+  PartsCache() { write("ring.obj", test::torus(0.05, 0.015, 7, 5)); }
 
   Scene ring(const std::string& in_mesh = "") const { return ring_of("ring.obj", in_mesh); }
   Scene ring_of(const std::string& file, const std::string& in_mesh = "") const {
@@ -52,7 +52,7 @@ TEST_F(PartsCache, IsBesideTheMeshOneFileForEachUseOfIt) {
   ring(R"(, "convex_parts": { "tolerance": 0.004, "most": 20 })");
   EXPECT_THAT(kept_in(scenes()), ElementsAre(scenes() / "ring.obj.m.0.004.20.convex", beside()));
   // The mesh is another one now: its file is replaced.
-  write("ring.obj", test::torus(0.05, 0.014, 12, 8));
+  write("ring.obj", test::torus(0.05, 0.014, 7, 5));
   EXPECT_THAT(ring().notes(), Contains(HasSubstr("is of another mesh")));
   EXPECT_EQ(kept_in(scenes()).size(), 2u);
   EXPECT_THAT(ring().notes(), ElementsAre(HasSubstr("read from")));
@@ -65,7 +65,7 @@ TEST_F(PartsCache, ADamagedOrForeignFileIsSaidAndMadeAnew) {
   ASSERT_GT(bytes.size(), 500u);
   std::string flipped = bytes;
   flipped[bytes.size() / 2] ^= 4;
-  const MeshSurface other(TriangleMesh(test::torus(0.06, 0.015, 12, 8)));
+  const MeshSurface other(TriangleMesh(test::torus(0.06, 0.015, 7, 5)));
   const std::string foreign = store(convex_parts(other, {}), parts_key(other.mesh(), {}));
   const std::vector<std::pair<std::string, std::string>> cases = {
       {"", "is no file of convex parts"},
@@ -214,7 +214,7 @@ TEST_F(PartsCache, WrongFieldsAreNamedWithTheRemedy) {
 TEST_F(PartsCache, ATooSmallNumberOfPartsIsWarnedOf) {
   const Scene s = ring(R"(, "convex_parts": { "most": 3 })");
   EXPECT_THAT(s.warnings(), Contains(AllOf(HasSubstr("object 'o': the 3 convex parts"),
-                                           HasSubstr("more than convex_parts.tolerance, 2.6 mm"),
+                                           HasSubstr("more than convex_parts.tolerance, 2.53 mm"),
                                            HasSubstr("more parts with convex_parts.most"))));
   EXPECT_THAT(ring().warnings(), Not(Contains(HasSubstr("convex"))));
 }
