@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <poll.h>
+#include <sys/file.h>
 #include <sys/ioctl.h>
 #include <termios.h>
 #include <unistd.h>
@@ -21,10 +22,17 @@ namespace {
   std::string remedy = "check the name; feltwire-client devices lists what is plugged in";
   if (error == EACCES)
     remedy = "join the group that ls -l shows (usually: sudo adduser $USER dialout), log in anew";
-  if (error == EBUSY) remedy = "another program holds it; feltwire-client devices says which";
+  if (error == EBUSY || error == EWOULDBLOCK)
+    remedy = "another program holds it; feltwire-client devices says which";
   if (error == ENOTTY) remedy = "it is no serial port; give one, as /dev/ttyACM0";
   throw std::runtime_error("cannot open " + port.string() + ": " +
                            std::generic_category().message(error) + "; " + remedy);
+}
+
+/// Keeps other programs away. The lock holds against another program of root, too, which TIOCEXCL
+/// does not; only a program that asks for it sees it.
+bool keep(int descriptor) {
+  return ::flock(descriptor, LOCK_EX | LOCK_NB) == 0 && ::ioctl(descriptor, TIOCEXCL) == 0;
 }
 
 /// 8 bits, no parity, one stop bit, no flow control. Over USB the rate does not matter.
@@ -37,8 +45,7 @@ bool make_raw(int descriptor) {
   settings.c_cc[VMIN] = 0;
   settings.c_cc[VTIME] = 0;
   ::cfsetspeed(&settings, B115200);
-  return ::ioctl(descriptor, TIOCEXCL) == 0 && ::tcsetattr(descriptor, TCSANOW, &settings) == 0 &&
-         ::tcflush(descriptor, TCIOFLUSH) == 0;
+  return ::tcsetattr(descriptor, TCSANOW, &settings) == 0 && ::tcflush(descriptor, TCIOFLUSH) == 0;
 }
 
 bool would_wait() { return errno == EAGAIN || errno == EWOULDBLOCK || errno == EINTR; }
@@ -48,13 +55,16 @@ bool would_wait() { return errno == EAGAIN || errno == EWOULDBLOCK || errno == E
 SerialPort::SerialPort(const std::filesystem::path& port)
     : descriptor_(::open(port.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC)) {
   if (descriptor_ < 0) refuse(port, errno);
-  if (make_raw(descriptor_)) return;
+  if (keep(descriptor_) && make_raw(descriptor_)) return;
   const int error = errno;
   ::close(descriptor_);
   refuse(port, error);
 }
 
-SerialPort::~SerialPort() { ::close(descriptor_); }
+SerialPort::~SerialPort() {
+  ::ioctl(descriptor_, TIOCNXCL);  // it would last as long as somebody has the port open
+  ::close(descriptor_);
+}
 
 std::optional<std::size_t> SerialPort::write(std::span<const std::uint8_t> bytes) const noexcept {
   const ssize_t written = ::write(descriptor_, bytes.data(), bytes.size());

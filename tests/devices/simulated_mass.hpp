@@ -16,6 +16,7 @@ struct SimulatedMass {
   double stiffness = 200.0, hand_damping = 2.0;       // [N/m], [N s/m] of the hand
   double tool = 0.0;     // [N] weight of a tool at the handle, along -z
   double counter = 0.0;  // [N] along z, a constant part of the force: its work is not counted
+  double waits = 0.0;    // [s] that the hand is still at the start
   double depth = 0.008, reach = 0.02;  // [m] that it taps into z < 0, and slides in x
 
   Three position{0, 0, 0.01}, velocity{};
@@ -31,8 +32,9 @@ struct SimulatedMass {
     largest_force = std::max(largest_force, std::hypot(force[0], force[1], force[2]));
     for (int n = 0; n < steps; ++n) {
       time += h;
-      const Three wanted{reach * std::sin(kTurn * 0.7 * time), 0.0,
-                         0.004 - (0.004 + depth) * std::sin(kTurn * 1.5 * time)};
+      const double moves = std::max(0.0, time - waits);
+      const Three wanted{reach * std::sin(kTurn * 0.7 * moves), 0.0,
+                         0.004 - (0.004 + depth) * std::sin(kTurn * 1.5 * moves)};
       for (std::size_t i = 0; i < 3; ++i) {
         const double pull = stiffness * (wanted[i] - position[i]) - hand_damping * velocity[i];
         const double down = i == 2 ? tool : 0.0;

@@ -1,0 +1,95 @@
+// Two devices at one machine in one scene: two programs, each with a board of its own at a pseudo
+// terminal.
+
+#include <gmock/gmock.h>
+
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include "core/base/pending_file.hpp"
+#include "protocol/net/clock.hpp"
+#include "tests/client/loopback.hpp"
+#include "tests/client/temporary_folder.hpp"
+#include "tests/devices/hapi_stand_in.hpp"
+#include "tests/devices/stand_in_session.hpp"
+#include "tests/support/program.hpp"
+
+namespace feltwire::two_devices_test {
+namespace {
+
+using stand_in::HapiBoard;
+using test::Outcome;
+using test::Program;
+
+constexpr double kStill = 1.5;  // [s] that a hand keeps still at the start, as the client asks
+
+/// A wall whose normal points towards the user, where the boards' masses tap.
+Scene wall_scene() {
+  std::vector<Object> objects = testing::floor_scene().objects();
+  objects.front().pose.orientation =
+      Quaternion(Eigen::AngleAxisd(std::numbers::pi / 2, Vec3::UnitY()));
+  return Scene("wall", objects);
+}
+
+struct TwoDevices : ::testing::Test {
+  TwoDevices() {
+    replace_file(folder / "token", hand.text.text(), kPrivate);
+    std::vector<Scene> scenes;
+    scenes.push_back(wall_scene());
+    server = std::make_unique<Server>(testing::any_ports(), std::move(scenes),
+                                      test::security({hand.token}));
+  }
+  std::unique_ptr<Program> start(const std::string& port, const std::string& name) {
+    return std::make_unique<Program>(
+        FELTWIRE_CLIENT_PROGRAM,
+        std::vector<std::string>{"--connect", "127.0.0.1:" + std::to_string(server->control_port()),
+                                 "--token-file", folder / "token", "--fingerprint",
+                                 to_string(server->fingerprint()), "--scene", "wall", "--device",
+                                 "hapi:" + port, "--damping", "0.5", "--mass", "0.1", "--duration",
+                                 "3", "--report", folder / (name + ".json")});
+  }
+
+  testing::TemporaryFolder folder;
+  IssuedToken hand = issue_token("hand", "wall", Role::operator_, std::nullopt);
+  std::unique_ptr<Server> server;
+};
+
+TEST_F(TwoDevices, EachHandFeelsTheWallAndGetsNoEnergy) {
+  std::array<HapiBoard, 2> boards;
+  std::array<std::unique_ptr<Program>, 2> clients;
+  const Nanoseconds began = monotonic_now();
+  for (std::size_t i = 0; i < boards.size(); ++i) {
+    boards[i].mass.waits = kStill;
+    clients[i] = start(boards[i].port(), std::to_string(i));
+  }
+  for (HapiBoard& board : boards) {
+    test::eventually("a force", [&] { return board.force > 0.2; });
+    if (testing::measures())
+      std::printf("a force %.2f s after the program's start\n", seconds(monotonic_now() - began));
+  }
+  for (std::size_t i = 0; i < boards.size(); ++i) {
+    const Outcome outcome = clients[i]->finish();
+    EXPECT_EQ(outcome.status, 0) << outcome.error;
+    EXPECT_EQ(boards[i].force, 0.0);  // nothing is left on the hand
+    boards[i].stop();
+    EXPECT_LE(boards[i].mass.most_made, 1e-12);
+    const auto report =
+        nlohmann::json::parse(testing::text_of(folder / (std::to_string(i) + ".json")));
+    EXPECT_GT(report["samples"], 1000);
+  }
+}
+
+/// Two programs at one board: the second is told, and the first goes on.
+TEST_F(TwoDevices, ABoardThatIsInUseIsRefused) {
+  HapiBoard board;
+  board.mass.waits = kStill;
+  const std::unique_ptr<Program> first = start(board.port(), "first");
+  test::eventually("a force", [&] { return board.force > 0.2; });
+  const Outcome second = start(board.port(), "second")->finish();
+  EXPECT_EQ(second.status, 1);
+  EXPECT_THAT(second.error, ::testing::HasSubstr("another program holds it"));
+  EXPECT_EQ(first->finish().status, 0);
+}
+
+}  // namespace
+}  // namespace feltwire::two_devices_test
