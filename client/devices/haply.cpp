@@ -41,6 +41,7 @@ constexpr double kDigits = 1e6;       // per newton, that are sent
 constexpr double kAway = -0.12, kUp = 0.15;  // [m] of that middle
 Vec3 turned_to_ours(const Vec3& v) { return {-v.y(), v.x(), v.z()}; }
 Vec3 turned_to_theirs(const Vec3& v) { return {v.y(), -v.x(), v.z()}; }
+Quaternion turned_to_ours(const Quaternion& q) { return {q.w(), -q.y(), q.x(), q.z()}; }
 
 struct Place {
   std::string id;
@@ -147,6 +148,8 @@ class HaplyDevice final : public LockStepDevice {
         message->told.position->norm() > kFarthest)
       return Answer::garbled;
     reading.pose.position = turned_to_ours(*message->told.position - Vec3(0.0, kAway, kUp));
+    if (turns_ && message->orientation) orientation_ = turned_to_ours(*message->orientation);
+    reading.pose.orientation = orientation_;
     for (std::size_t i = 0; message->buttons && i < message->buttons->size(); ++i)
       reading.buttons |= (*message->buttons)[i] ? 1U << i : 0U;
     reading.deadman = message->buttons && (*message->buttons)[0];
@@ -205,6 +208,12 @@ class HaplyDevice final : public LockStepDevice {
       refuse_service(
           "the service turns, moves or scales the device's space; reset basis and mount of "
           "the profile in the Haply Hub, and use feltwire's own mapping");
+    turns_ = message->orientation.has_value();
+    if (turns_) {
+      described_.spec.rotation_sensed = 3;
+      notes_.emplace_back(
+          "the tool turns as the grip of the service does, whose axes are an assumption");
+    }
     if (message->devices > 1 && id.empty())
       notes_.push_back("the first of " + std::to_string(message->devices) +
                        " devices of the service is used, " + visible(id_));
@@ -241,11 +250,13 @@ class HaplyDevice final : public LockStepDevice {
   std::string id_;
   Dialect dialect_ = Dialect::values;
   ServiceSocket::Frame zero_;
+  bool turns_ = false;  // there is a grip that tells its orientation
 
   // Only the servo's thread reads and writes these.
-  int owed_ = 0;                   // answers
-  Vec3 asked_for_ = Vec3::Zero();  // [N] by the newest command
-  std::optional<Vec3> cut_;        // [N] what is held of it, where that is less
+  int owed_ = 0;                                     // answers
+  Quaternion orientation_ = Quaternion::Identity();  // the newest that was told
+  Vec3 asked_for_ = Vec3::Zero();                    // [N] by the newest command
+  std::optional<Vec3> cut_;                          // [N] what is held of it, where that is less
 };
 
 }  // namespace

@@ -130,6 +130,22 @@ Vec3 vector(Scanner& scan, Vec3 value) noexcept {
   return value;
 }
 
+/// {"w": 1, "x": 0, "y": 0, "z": 0}; empty unless its length is 1.
+std::optional<Quaternion> orientation(Scanner& scan) noexcept {
+  constexpr double kRounding = 1e-2;  // of the length
+  Eigen::Vector4d value = Eigen::Vector4d::Zero();
+  scan.object([&](std::string_view key) {
+    const std::size_t at = key.size() == 1 ? std::string_view("xyzw").find(key) : 4;
+    if (at < 4)
+      value[static_cast<Eigen::Index>(at)] = scan.number();
+    else
+      scan.skip();
+  });
+  const double length = value.norm();
+  if (!(std::abs(length - 1.0) < kRounding)) return std::nullopt;  // NaN is none, too
+  return Quaternion(Eigen::Vector4d(value / length));
+}
+
 /// Whether a quaternion is more than 1e-6 away from none.
 bool turns(Scanner& scan) noexcept {
   bool turned = false;
@@ -235,9 +251,15 @@ Told read_device(Scanner& scan, std::string_view id, bool& session) noexcept {
   return told;
 }
 
-/// "buttons": {"a": true, ...} or "button": true, in its state.
-std::optional<std::array<bool, 3>> read_grip(Scanner& scan) noexcept {
+struct Grip {
   std::optional<std::array<bool, 3>> buttons;
+  std::optional<Quaternion> orientation;
+};
+
+/// "buttons": {"a": true, ...} or "button": true, and "orientation", in its state.
+Grip read_grip(Scanner& scan) noexcept {
+  Grip grip;
+  std::optional<std::array<bool, 3>>& buttons = grip.buttons;
   scan.object([&](std::string_view key) {
     if (key != "state") return scan.skip();
     scan.object([&](std::string_view name) {
@@ -252,12 +274,14 @@ std::optional<std::array<bool, 3>> read_grip(Scanner& scan) noexcept {
           else
             scan.skip();
         });
+      } else if (name == "orientation" && scan.peek() == '{') {
+        grip.orientation = orientation(scan);
       } else {
         scan.skip();
       }
     });
   });
-  return buttons;
+  return grip;
 }
 
 /// Writes at the front of what is left.
@@ -292,8 +316,9 @@ std::optional<Message> read_message(std::string_view text, std::string_view id) 
     message.told = told;
   };
   const auto grip = [&] {
-    const auto buttons = read_grip(scan);
-    if (!message.buttons) message.buttons = buttons;
+    const Grip told = read_grip(scan);
+    if (!message.buttons) message.buttons = told.buttons;
+    if (!message.orientation) message.orientation = told.orientation;
   };
   scan.object([&](std::string_view key) {
     if (key == "session_id") {

@@ -39,6 +39,7 @@ struct Message {
   std::size_t devices = 0;                     // number of devices in the message
   Told told;                                   // the requested device
   std::optional<std::array<bool, 3>> buttons;  // buttons of the first grip
+  std::optional<Quaternion> orientation;       // of the first grip, in the service's axes
 };
 
 /// Reads the data of the device `id` from `text`, or of the first device if `id` is empty. Empty if

@@ -26,7 +26,7 @@ class LockStepDevice : public Device {
   void release() noexcept final;
 
  protected:
-  /// The specification is the user's file, or `usual` with the user's numbers. Such a device has no
+  /// The specification is the user's file, or `usual` with the user's numbers. It senses no
   /// rotation, and takes a force up one tick late (write()). Throws as requested_spec().
   LockStepDevice(const SourcedSpec& usual, const SpecRequest& request);
 

@@ -202,9 +202,13 @@ std::string HaplyService::told(bool first) const {
       ", \"verse_grip\": [], \"wireless_verse_grip\": [{\"device_id\": \"61576\", \"state\": "
       "{\"buttons\": {\"a\": " +
       std::string(button.load() ? "true" : "false") +
-      ", \"b\": " + std::string(second_button.load() ? "true" : "false") +
-      ", \"c\": false}, \"battery_level\": 0.5}}]}";
-  return text;
+      ", \"b\": " + std::string(second_button.load() ? "true" : "false") + ", \"c\": false}";
+  if (grip_turns) {
+    const double half = 0.5 * away_turn.load(), size = wrong_length ? 0.1 : 1.0;
+    text += ", \"orientation\": {\"x\": 0.0, \"y\": " + std::to_string(size * std::sin(half)) +
+            ", \"z\": 0.0, \"w\": " + std::to_string(size * std::cos(half)) + "}";
+  }
+  return text + ", \"battery_level\": 0.5}}]}";
 }
 
 void HaplyService::answer(std::string text) {

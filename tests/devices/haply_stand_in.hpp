@@ -35,16 +35,19 @@ class HaplyService {
   const char* permutation = "XYZ";
   double scale = 1.0;
   std::atomic<bool> calibrated{true}, button{false}, second_button{false};
-  std::atomic<bool> blocks{false};    // it does not read
-  std::atomic<bool> hangs_up{false};  // it closes the connection
-  std::atomic<double> gate{1.0};      // of the force that it applies, and tells
-  std::atomic<double> pushes{0.0};    // [N] along z of another program
-  std::atomic<int> drops{0};          // answers that it will not give
-  std::atomic<int> breaks{0};         // answers that are no JSON
-  std::atomic<int> huge{0};           // answers of 200 kB
-  std::atomic<int> repeats{0};        // answers that it will give twice
-  std::atomic<int> homeless{0};       // answers without a position
-  std::atomic<int> fragments{0};      // answers in three frames, with a ping between them
+  std::atomic<bool> grip_turns{false};    // the grip tells its orientation
+  std::atomic<double> away_turn{0.0};     // [rad] about its y, which points away from the user
+  std::atomic<bool> wrong_length{false};  // of that quaternion
+  std::atomic<bool> blocks{false};        // it does not read
+  std::atomic<bool> hangs_up{false};      // it closes the connection
+  std::atomic<double> gate{1.0};          // of the force that it applies, and tells
+  std::atomic<double> pushes{0.0};        // [N] along z of another program
+  std::atomic<int> drops{0};              // answers that it will not give
+  std::atomic<int> breaks{0};             // answers that are no JSON
+  std::atomic<int> huge{0};               // answers of 200 kB
+  std::atomic<int> repeats{0};            // answers that it will give twice
+  std::atomic<int> homeless{0};           // answers without a position
+  std::atomic<int> fragments{0};          // answers in three frames, with a ping between them
   std::atomic<int> pongs{0};
   std::atomic<double> force{0.0};  // [N] on the mass
   std::atomic<int> commands{0}, sessions{0}, misunderstood{0};

@@ -136,6 +136,29 @@ TEST_P(HaplyDialect, AxesAndForcesAreOurs) {
   EXPECT_NEAR((moved - Vec3(0.2, -0.1, 0.3).normalized()).norm(), 0.0, 1e-6);
 }
 
+/// A turn about the service's y, away from the user, is one about our -x.
+TEST_P(HaplyDialect, TheToolTurnsAsTheGrip) {
+  EXPECT_EQ(open(service).device->spec().rotation_sensed, 0);
+  service.grip_turns = true;
+  service.away_turn = 0.3;
+  const OpenedDevice opened = open(service);
+  Device& device = *opened.device;
+  EXPECT_EQ(device.spec().rotation_sensed, 3);
+  EXPECT_THAT(opened.notes, Contains(HasSubstr("turns as the grip")));
+  const auto turn = [&] {
+    EXPECT_TRUE(device.await_tick(monotonic_now() + std::chrono::seconds(10)));
+    const Eigen::AngleAxisd turned(device.read({}).pose.orientation);
+    device.write({});
+    return Vec3(turned.angle() * turned.axis());
+  };
+  EXPECT_NEAR((turn() - Vec3(-0.3, 0.0, 0.0)).norm(), 0.0, 1e-5);
+  // A grip that sleeps, or what is no orientation, leaves the last one.
+  service.wrong_length = true;
+  service.away_turn = 0.5;
+  turn();
+  EXPECT_NEAR((turn() - Vec3(-0.3, 0.0, 0.0)).norm(), 0.0, 1e-5);
+}
+
 TEST_P(HaplyDialect, MakesNoEnergy) {
   EXPECT_LE(made(kSessionMethod), 1e-12);
   EXPECT_GT(statistics.samples, 3900u);

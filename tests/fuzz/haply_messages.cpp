@@ -17,6 +17,8 @@ void look_at(const Message& message, std::string_view text) {
               told.force.value_or(Vec3::Zero()).allFinite() && told.mount.allFinite() &&
               told.scale.allFinite() && std::isfinite(told.damping),
           "numbers are finite");
+  require(!message.orientation || std::abs(message.orientation->norm() - 1.0) < 1e-9,
+          "an orientation is one");
   // It is found again by its name.
   const auto again = read_message(text, told.id);
   require(again && again->told.id == told.id && again->dialect == message.dialect,
