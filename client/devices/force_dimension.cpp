@@ -1,25 +1,19 @@
 #include "client/devices/force_dimension.hpp"
 
-#include <sys/utsname.h>
-
 #include <algorithm>
 #include <array>
 #include <charconv>
-#include <cstdlib>
 #include <stdexcept>
-#include <system_error>
 #include <utility>
 
+#include "client/devices/force_dimension_library.hpp"
 #include "client/devices/held_command.hpp"
 #include "client/devices/let_go.hpp"
-#include "client/devices/shared_library.hpp"
 #include "core/device/spec_text.hpp"
 
 namespace feltwire {
 namespace drd {
 namespace {
-
-namespace fs = std::filesystem;
 
 // Values that the calls return beside 0 and -1: the reading is an old one, the force was cut.
 constexpr int kOld = 1, kSaturated = 2;
@@ -29,112 +23,31 @@ constexpr int kNoDevice = 5;             // dhdErrorGetLast()
 constexpr unsigned char kWatchdog = 80;  // of 125 us: forces end 10 ms after the last call
 constexpr int kOldest = 3;               // version of the SDK
 
-[[noreturn]] void refuse(const std::string& why) {
-  throw std::runtime_error("forcedimension: " + why);
+/// Torque of a model of which only the device itself tells that it has motors at the wrist. Nothing
+/// is counted on its inertia.
+void add_torque(SourcedSpec& described) {
+  const SourcedSpec sigma = sourced_spec("sigma.7");
+  DeviceSpec& spec = described.spec;
+  spec.rotation_actuated = sigma.spec.rotation_actuated;
+  spec.rotational_damping = sigma.spec.rotational_damping;
+  spec.max_torque = sigma.spec.max_torque;
+  spec.rotational_resolution = sigma.spec.rotational_resolution;
+  described.sources["rotation_actuated"] = "the device";
+  for (const char* field : {"rotational_damping", "max_torque", "rotational_resolution"})
+    described.sources[field] = "assumption: as the sigma.7";
 }
-
-/// Where the SDK is looked for, libdrd first: it has all of libdhd in it.
-std::vector<fs::path> libraries() {
-  std::vector<fs::path> folders;
-  utsname machine{};
-  ::uname(&machine);
-  for (const char* variable : {"FDSDK", "FORCEDIM_SDK"})
-    if (const char* root = std::getenv(variable))
-      folders.push_back(fs::path(root) / "lib/release" /
-                        ("lin-" + std::string(machine.machine) + "-gcc"));
-  if (const char* home = std::getenv("HOME")) folders.push_back(fs::path(home) / ".local/lib");
-  folders.emplace_back("/usr/local/lib");
-  std::vector<fs::path> files;
-  for (const std::string name : {"libdrd.so", "libdhd.so"}) {
-    for (const fs::path& folder : folders) {
-      std::vector<fs::path> found;
-      std::error_code none;
-      for (const auto& entry : fs::directory_iterator(folder, none))
-        if (entry.path().filename().string().starts_with(name)) found.push_back(entry.path());
-      std::sort(found.rbegin(), found.rend());
-      files.insert(files.end(), found.begin(), found.end());
-    }
-    files.emplace_back(name);  // as the system's loader finds it
-    files.emplace_back(name + ".3");
-  }
-  return files;
-}
-
-SharedLibrary load() {
-  const std::vector<fs::path> files = libraries();
-  try {
-    return SharedLibrary::first_of(files);
-  } catch (const std::runtime_error& error) {
-    refuse(std::string("the maker's library cannot be loaded: ") + error.what() +
-           "; install the Force Dimension SDK and set FDSDK to its folder. It needs libusb-1.0-0");
-  }
-}
-
-/// The calls that are made, by the facts that others have published; the maker's header is not
-/// here.
-struct Calls {
-  explicit Calls(const SharedLibrary& l)
-      : version(l.get<void(int*, int*, int*, int*)>("dhdGetSDKVersion")),
-        open(l.get<int(char)>("dhdOpenID")),
-        close(l.get<int(char)>("dhdClose")),
-        stop(l.get<int(char)>("dhdStop")),
-        error(l.get<int()>("dhdErrorGetLast")),
-        error_text(l.get<const char*()>("dhdErrorGetLastStr")),
-        system_name(l.get<const char*(char)>("dhdGetSystemName")),
-        has_wrist(l.get<bool(char)>("dhdHasWrist")),
-        enable_force(l.get<int(unsigned char, char)>("dhdEnableForce")),
-        brakes(l.get<int(int, char)>("dhdSetBrakes")),
-        gravity(l.get<int(int, char)>("dhdSetGravityCompensation")),
-        max_force(l.get<int(double, char)>("dhdSetMaxForce")),
-        status(l.get<int(int*, char)>("dhdGetStatus")),
-        position(l.get<int(double*, double*, double*, char)>("dhdGetPosition")),
-        frame(l.get<int(double*, double*, double*, double (*)[3], char)>(
-            "dhdGetPositionAndOrientationFrame")),
-        set_force(l.get<int(double, double, double, char)>("dhdSetForce")),
-        get_force(l.get<int(double*, double*, double*, char)>("dhdGetForce")),
-        expert_on(l.find<int()>("dhdEnableExpertMode")),
-        expert_off(l.find<int()>("dhdDisableExpertMode")),
-        set_watchdog(l.find<int(unsigned char, char)>("dhdSetWatchdog")),
-        get_watchdog(l.find<int(unsigned char*, char)>("dhdGetWatchdog")),
-        initialized(l.find<bool(char)>("drdIsInitialized")),
-        buttons(l.find<unsigned(char)>("dhdGetButtonMask")) {}
-
-  void (*version)(int*, int*, int*, int*);
-  int (*open)(char);
-  int (*close)(char);
-  int (*stop)(char);
-  int (*error)();
-  const char* (*error_text)();
-  const char* (*system_name)(char);
-  bool (*has_wrist)(char);
-  int (*enable_force)(unsigned char, char);
-  int (*brakes)(int, char);
-  int (*gravity)(int, char);
-  int (*max_force)(double, char);
-  int (*status)(int*, char);
-  int (*position)(double*, double*, double*, char);
-  int (*frame)(double*, double*, double*, double (*)[3], char);
-  int (*set_force)(double, double, double, char);
-  int (*get_force)(double*, double*, double*, char);
-  // Not in every SDK; null where it is not.
-  int (*expert_on)();
-  int (*expert_off)();
-  int (*set_watchdog)(unsigned char, char);
-  int (*get_watchdog)(unsigned char*, char);
-  bool (*initialized)(char);
-  unsigned (*buttons)(char);
-};
 
 /// The specification by the name of the model: forces as CHAI3D states them, and where nothing is
-/// known of mass and friction nothing is counted on.
-SourcedSpec model(const std::string& name, bool wrist) {
-  SourcedSpec described = sourced_spec("omega.7");
+/// known of mass and friction nothing is counted on. `torque`: the wrist has motors.
+SourcedSpec model(const std::string& name, bool wrist, bool torque) {
+  const bool sigma = name.starts_with("sigma") && torque;
+  SourcedSpec described = sourced_spec(sigma ? "sigma.7" : "omega.7");
   DeviceSpec& spec = described.spec;
-  const bool omega = name.starts_with("omega");
   spec.name = name;
   spec.rotation_sensed = wrist ? 3 : 0;
   described.sources["rotation_sensed"] = "the device";
-  if (omega) return described;
+  if (torque && !sigma) add_torque(described);
+  if (sigma || name.starts_with("omega")) return described;
   constexpr std::pair<const char*, double> kForces[] = {
       {"delta", 20.0}, {"sigma", 12.0}, {"lambda", 12.0}, {"Falcon", 8.0}, {"falcon", 8.0}};
   constexpr double kSmallest = 5.0;  // [N] of a model that is not known here
@@ -188,7 +101,7 @@ class ForceDimensionDevice final : public Device {
   ~ForceDimensionDevice() override {
     constexpr int kTries = 10;
     let_go_.reset();  // its thread calls the library, too
-    call_.set_force(0.0, 0.0, 0.0, id_);
+    give({});
     for (int n = 0; n < kTries && call_.stop(id_) < 0; ++n) continue;
     call_.close(id_);
   }
@@ -207,8 +120,7 @@ class ForceDimensionDevice final : public Device {
     reading.ok = answer >= 0 && !lost_;
     if (answer == kOld && reading.ok) {
       // The firmware's watchdog waits for a force, too.
-      const Vec3 force = on_hand_.force();
-      lost_ = call_.set_force(force.x(), force.y(), force.z(), id_) < 0;
+      lost_ = give(on_hand_) < 0;
       reading.ok = !lost_;
       reading.fresh = false;
       return reading;
@@ -224,36 +136,60 @@ class ForceDimensionDevice final : public Device {
         for (int j = 0; j < 3; ++j) turn(i, j) = axes[i][j];
       reading.pose.orientation = Quaternion(turn);
     }
+    double gap = 0.0;
+    if (gripper_ && call_.gripper_gap(&gap, id_) >= 0) reading.gripper = gap;
     return reading;
   }
 
   Command write(const Command& on_hand) noexcept override {
     on_hand_ = {};
     if (let_go_->asked()) return {};
-    const Vec3 force = on_hand.force();
-    const int answer = call_.set_force(force.x(), force.y(), force.z(), id_);
+    const bool nothing = on_hand.force().isZero(0.0) && on_hand.torque.isZero(0.0);
+    const int answer = give(on_hand);
     // A call that failed leaves who knows what on the hand: no movement is accounted until a force
     // of zero has gone through.
-    lost_ = answer < 0 || (lost_ && !force.isZero(0.0));
+    lost_ = answer < 0 || (lost_ && !nothing);
     if (lost_) return {};
     std::array<int, kStatuses> status{};
     if (call_.status(status.data(), id_) < 0 || status[kConnected] == 0) lost_ = true;
     if (lost_ || status[kForce] == 0) return {};  // switched off: by the button, the speed guard
     on_hand_ = on_hand;
-    if (answer != kSaturated || force.isZero(0.0)) return on_hand;
-    Vec3 real = Vec3::Zero();
-    if (call_.get_force(&real.x(), &real.y(), &real.z(), id_) < 0 || !real.allFinite()) {
+    if (answer != kSaturated || nothing) return on_hand;
+    Vec3 force = Vec3::Zero(), torque = Vec3::Zero();
+    if (!given(force, torque)) {
       lost_ = true;
       return {};
     }
-    // It keeps the direction. What else it tells of (gravity) is none of ours.
-    const double share = std::clamp(real.dot(force) / force.squaredNorm(), 0.0, 1.0);
-    return held_command(on_hand, share * force, Vec3::Zero());
+    return held_command(on_hand, along(force, on_hand.force()), along(torque, on_hand.torque));
   }
 
   void release() noexcept override { let_go_->now(); }
 
  private:
+  /// Puts the command on the hand; a gripper with a motor opens and closes freely. Returns what the
+  /// library's call returns.
+  int give(const Command& command) const noexcept {
+    const Vec3 f = command.force(), &t = command.torque;
+    return torque_ ? call_.set_wrench(f.x(), f.y(), f.z(), t.x(), t.y(), t.z(), 0.0, id_)
+                   : call_.set_force(f.x(), f.y(), f.z(), id_);
+  }
+
+  /// Asks what the motors give, [N] and [N m]. False: nobody knows.
+  bool given(Vec3& force, Vec3& torque) const noexcept {
+    double grip = 0.0;
+    const int answer = torque_ ? call_.get_wrench(&force.x(), &force.y(), &force.z(), &torque.x(),
+                                                  &torque.y(), &torque.z(), &grip, id_)
+                               : call_.get_force(&force.x(), &force.y(), &force.z(), id_);
+    return answer >= 0 && force.allFinite() && torque.allFinite();
+  }
+
+  /// The part of what was asked for that is real. A motor at its limit keeps the direction; what
+  /// else the device tells of (gravity) is none of ours.
+  static Vec3 along(const Vec3& real, const Vec3& asked) noexcept {
+    const double square = asked.squaredNorm();
+    return square > 0.0 ? Vec3(std::clamp(real.dot(asked) / square, 0.0, 1.0) * asked) : asked;
+  }
+
   std::string last_error() const {
     const int code = call_.error();
     const char* text = call_.error_text();
@@ -270,12 +206,22 @@ class ForceDimensionDevice final : public Device {
   void set_up(const DeviceRequest& request) {
     const char* name = call_.system_name(id_);
     wrist_ = call_.has_wrist(id_);
-    SourcedSpec found = model(name != nullptr && *name != '\0' ? name : "unknown", wrist_);
+    const bool actuated = wrist_ && call_.has_active_wrist != nullptr &&
+                          call_.set_wrench != nullptr && call_.get_wrench != nullptr &&
+                          call_.max_torque != nullptr && call_.has_active_wrist(id_);
+    SourcedSpec found =
+        model(name != nullptr && *name != '\0' ? name : "unknown", wrist_, actuated);
     described_ = request.spec.name_or_file.empty() ? overruled(std::move(found), request.spec)
                                                    : requested_spec(request.spec, "");
-    described_.spec.rotation_actuated = 0;
-    described_.spec.max_torque = 0.0;
-    wrist_ = wrist_ && described_.spec.rotation_sensed > 0;
+    DeviceSpec& spec = described_.spec;
+    wrist_ = wrist_ && spec.rotation_sensed > 0;
+    torque_ = wrist_ && actuated && spec.rotation_actuated > 0;
+    if (!torque_) {
+      spec.rotation_actuated = 0;
+      spec.max_torque = 0.0;
+    }
+    gripper_ =
+        call_.has_gripper != nullptr && call_.gripper_gap != nullptr && call_.has_gripper(id_);
     notes_ = assumptions(described_);
     if (call_.initialized == nullptr)
       notes_.emplace_back("libdhd cannot tell whether the device is calibrated; libdrd can");
@@ -285,8 +231,9 @@ class ForceDimensionDevice final : public Device {
           "itself, hands off)");
     begin_watchdog();
     // No force before the amplifiers are on, so that the start does not kick.
-    const bool ready = call_.max_force(described_.spec.max_force, id_) >= 0 &&
-                       call_.brakes(0, id_) >= 0 && call_.set_force(0.0, 0.0, 0.0, id_) >= 0 &&
+    const bool ready = call_.max_force(spec.max_force, id_) >= 0 &&
+                       (!torque_ || call_.max_torque(spec.max_torque, id_) >= 0) &&
+                       call_.brakes(0, id_) >= 0 && give({}) >= 0 &&
                        call_.enable_force(1, id_) >= 0 && call_.gravity(1, id_) >= 0;
     if (!ready) refuse("the device cannot be made ready: " + last_error());
     std::array<int, kStatuses> status{};
@@ -297,7 +244,7 @@ class ForceDimensionDevice final : public Device {
               "force is not accounted"
             : "gravity compensation is off, although it was asked for: the handle pulls down. "
               "hand_force of the specification must have its weight in it");
-    let_go_ = std::make_unique<LetGo>([this] { call_.set_force(0.0, 0.0, 0.0, id_); });
+    let_go_ = std::make_unique<LetGo>([this] { give({}); });
   }
 
   /// Ends the force where this program does not: crashed, killed, its machine stopped.
@@ -319,6 +266,8 @@ class ForceDimensionDevice final : public Device {
   Calls call_;
   char id_ = 0;
   bool wrist_ = false;
+  bool torque_ = false;  // the wrist has motors, and they are used
+  bool gripper_ = false;
   bool lost_ = false;  // a call failed, and the force on the hand is not known
   SourcedSpec described_;
   std::vector<std::string> notes_;

@@ -25,8 +25,9 @@ constexpr unsigned kContinue = 1;
 constexpr unsigned short kUsualPriority = 32767;
 constexpr unsigned kForceOutput = 0x4000, kForceRamping = 0x4002;  // hdEnable
 constexpr unsigned kButtons = 0x2000, kInkwell = 0x2002, kTransform = 0x2052, kModel = 0x2501,
-                   kNominalMaxForce = 0x2603, kUpdateRate = 0x2600;
-constexpr unsigned kCurrentForce = 0x2700;
+                   kOutputDof = 0x2554, kUpdateRate = 0x2600, kNominalMaxForce = 0x2603;
+constexpr unsigned kCurrentForce = 0x2700, kCurrentTorque = 0x2701;
+constexpr int kForceAndTorque = 6;  // kOutputDof of a device with motors at the wrist
 constexpr unsigned kCalibrated = 0x5000, kNeedsUpdate = 0x5001;  // hdCheckCalibration
 constexpr unsigned kAutomatic = 2, kByInkwell = 4;               // styles of calibration
 // Errors after which the amplifiers are off: warm motors, force, speed, and faults of the device.
@@ -37,6 +38,7 @@ constexpr Nanoseconds kPatience =
 constexpr int kMostRepeated = 25;    // ticks for which a force may be repeated
 constexpr int kRampTicks = 1000;     // at the start and after an error the maker ramps the force up
 constexpr double kMillimetre = 1e-3;
+constexpr double kMilli = 1e3;  // torque goes out in mN m
 
 struct ErrorInfo {
   unsigned code;
@@ -183,7 +185,12 @@ class OpenHapticsDevice final : public Device {
     const char* name = call_.get_string(kModel);
     const std::string model = name != nullptr ? name : "";
     const bool premium = model.find("Premium") != std::string::npos;
-    SourcedSpec found = sourced_spec(premium ? "phantom_premium_1.5" : "touch");
+    int outputs = 0;
+    call_.get_integers(kOutputDof, &outputs);
+    const bool actuated = premium && outputs == kForceAndTorque;
+    SourcedSpec found = sourced_spec(actuated  ? "phantom_premium_1.5_6dof"
+                                     : premium ? "phantom_premium_1.5"
+                                               : "touch");
     double most = 0.0;
     call_.get_doubles(kNominalMaxForce, &most);
     if (most > 0.0) {
@@ -194,8 +201,11 @@ class OpenHapticsDevice final : public Device {
     described_ = request.spec.name_or_file.empty() ? overruled(std::move(found), request.spec)
                                                    : requested_spec(request.spec, "");
     described_.spec.rotation_sensed = 3;
-    described_.spec.rotation_actuated = 0;
-    described_.spec.max_torque = 0.0;
+    torque_ = actuated && described_.spec.rotation_actuated > 0;
+    if (!torque_) {
+      described_.spec.rotation_actuated = 0;
+      described_.spec.max_torque = 0.0;
+    }
     notes_ = assumptions(described_);
     if (model.empty() || (!premium && model.find("Touch") == std::string::npos))
       notes_.push_back("the model '" + model +
@@ -281,6 +291,10 @@ class OpenHapticsDevice final : public Device {
     }
     const Vec3 force = turn_.transpose() * given.force();
     call_.set_doubles(kCurrentForce, force.data());
+    if (torque_) {
+      const Vec3 torque = kMilli * (turn_.transpose() * given.torque);
+      call_.set_doubles(kCurrentTorque, torque.data());
+    }
     call_.end(handle_);
     if (handover_.released()) let_go_.store(true);
     look_for_errors();
@@ -308,6 +322,7 @@ class OpenHapticsDevice final : public Device {
   std::vector<std::string> notes_;
   Nanoseconds longest_tick_{0};
   bool has_inkwell_ = false;
+  bool torque_ = false;  // the wrist has motors, and they are used
   std::atomic<bool> let_go_{false}, in_inkwell_{false};
   // Only the scheduler's thread reads and writes it.
   int ramping_ = kRampTicks;

@@ -10,7 +10,7 @@ namespace {
 using stand_in::Three;
 
 std::unique_ptr<stand_in::Drd> device = std::make_unique<stand_in::Drd>();
-Three force{};  // [N]
+Three force{}, torque{};  // [N], [N m]
 int last_error = 0;
 bool expert = false;
 
@@ -31,11 +31,27 @@ bool forces_on() {
   return device->force_on && !between(device->readings, device->off_from, device->off_until);
 }
 
+/// What the motors can give of it; each keeps its direction.
+int set(double x, double y, double z, double about_x, double about_y, double about_z) {
+  const double size = std::hypot(x, y, z), turns = std::hypot(about_x, about_y, about_z);
+  const double share = size > device->saturates_at ? device->saturates_at / size : 1.0;
+  const double part = turns > device->turns_at_most ? device->turns_at_most / turns : 1.0;
+  force = {share * x, share * y, share * z};
+  torque = {part * about_x, part * about_y, part * about_z};
+  device->pulls.store(size > 0.0 || turns > 0.0);
+  if (size == 0.0 && turns == 0.0) ++device->zeros;
+  return share < 1.0 || part < 1.0 ? kMotorSaturated : 0;
+}
+
 /// A period of the real motion, and what the encoders say then.
 int sensed(double* x, double* y, double* z) {
   while (device->blocks.load()) device->blocked.store(true);
   ++device->readings;
   device->mass.advance(device->period, forces_on() ? force : Three{});
+  device->wrist_mass.advance(device->period, forces_on() ? torque : Three{});
+  device->most_made =
+      std::max(device->most_made, device->mass.delivered - device->mass.burned +
+                                      device->wrist_mass.delivered - device->wrist_mass.burned);
   if (!answers(0)) return failed(kCommunication);
   static Three told;
   const bool old = device->stale_every > 0 && device->readings % device->stale_every == 0;
@@ -50,7 +66,7 @@ extern "C" {
 
 stand_in::Drd* stand_in_new() {
   device = std::make_unique<stand_in::Drd>();
-  force = {};
+  force = torque = {};
   last_error = 0;
   return device.get();
 }
@@ -65,7 +81,7 @@ int dhdOpenID(char index) {
 }
 int dhdClose(char) { return ++device->closed, 0; }
 int dhdStop(char) {
-  force = {};
+  force = torque = {};
   device->force_on = false;
   return ++device->stopped, 0;
 }
@@ -73,9 +89,15 @@ int dhdErrorGetLast() { return last_error; }
 const char* dhdErrorGetLastStr() { return last_error == kNoDevice ? "no device found" : "failed"; }
 const char* dhdGetSystemName(char) { return device->system; }
 bool dhdHasWrist(char) { return device->wrist; }
+bool dhdHasActiveWrist(char) { return device->wrist && device->active_wrist; }
+bool dhdHasGripper(char) { return device->gap >= 0.0; }
+int dhdGetGripperGap(double* gap, char id) {
+  if (!answers(id) || device->gap < 0.0) return failed(kCommunication);
+  return *gap = device->gap, 0;
+}
 bool drdIsInitialized(char) { return device->initialized; }
 int dhdEnableForce(unsigned char on, char) {
-  device->force_before_on = force != Three{};
+  device->force_before_on = force != Three{} || torque != Three{};
   device->force_on = on != 0;
   return 0;
 }
@@ -84,6 +106,7 @@ int dhdSetGravityCompensation(int on, char) {
   return device->gravity_on = on != 0 && device->gravity_works, 0;
 }
 int dhdSetMaxForce(double newtons, char) { return device->max_force = newtons, 0; }
+int dhdSetMaxTorque(double most, char) { return device->max_torque = most, 0; }
 int dhdGetStatus(int* status, char id) {
   if (!answers(id)) return failed(kCommunication);
   for (int i = 0; i < 17; ++i) status[i] = 0;
@@ -94,25 +117,38 @@ int dhdGetStatus(int* status, char id) {
 }
 int dhdGetPosition(double* x, double* y, double* z, char) { return sensed(x, y, z); }
 int dhdGetPositionAndOrientationFrame(double* x, double* y, double* z, double (*m)[3], char) {
-  // A quarter of a turn about z: the tool's x points along the world's y.
-  const double turned[3][3] = {{0, -1, 0}, {1, 0, 0}, {0, 0, 1}};
+  const int answer = sensed(x, y, z);
+  // A quarter of a turn about z, from where the wrist turns: the tool's x points along the world's
+  // y.
+  static double turn = 0.0;
+  if (answer == 0) turn = device->active_wrist ? device->wrist_mass.sensed()[2] : 0.0;
+  const double s = std::sin(turn), c = std::cos(turn);
+  const double turned[3][3] = {{-s, -c, 0}, {c, -s, 0}, {0, 0, 1}};
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j) m[i][j] = turned[i][j];
-  return sensed(x, y, z);
+  return answer;
 }
 unsigned dhdGetButtonMask(char) { return device->buttons.load(); }
 int dhdSetForce(double x, double y, double z, char id) {
   if (!answers(id)) return failed(kCommunication);
-  const double size = std::hypot(x, y, z);
-  const double share = size > device->saturates_at ? device->saturates_at / size : 1.0;
-  force = {share * x, share * y, share * z};
-  device->pulls.store(size > 0.0);
-  if (size == 0.0) ++device->zeros;
-  return share < 1.0 ? kMotorSaturated : 0;
+  return set(x, y, z, 0.0, 0.0, 0.0);
 }
 int dhdGetForce(double* x, double* y, double* z, char id) {
   if (!answers(id) || !device->tells_force) return failed(kCommunication);
   *x = force[0], *y = force[1], *z = force[2];
+  return 0;
+}
+int dhdSetForceAndTorqueAndGripperForce(double x, double y, double z, double about_x,
+                                        double about_y, double about_z, double grip, char id) {
+  if (!answers(id) || !device->active_wrist) return failed(kCommunication);
+  device->grips = device->grips || grip != 0.0;
+  return set(x, y, z, about_x, about_y, about_z);
+}
+int dhdGetForceAndTorqueAndGripperForce(double* x, double* y, double* z, double* about_x,
+                                        double* about_y, double* about_z, double* grip, char id) {
+  if (!answers(id) || !device->tells_force) return failed(kCommunication);
+  *x = force[0], *y = force[1], *z = force[2];
+  *about_x = torque[0], *about_y = torque[1], *about_z = torque[2], *grip = 0.0;
   return 0;
 }
 int dhdEnableExpertMode() { return expert = true, 0; }

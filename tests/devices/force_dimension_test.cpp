@@ -58,7 +58,7 @@ struct ForceDimension : ::testing::Test {
     return "none";
   }
   /// [J] that the true motion made more than the device burned, in a minute at a late wall.
-  double made(std::string_view mode = kSessionMethod) {
+  double made(std::string_view mode = kSessionMethod, double twist = 0.0) {
     const OpenedDevice opened = known();
     SessionParameters parameters = testing::session_of(*opened.device);
     parameters.mode = mode;
@@ -66,10 +66,10 @@ struct ForceDimension : ::testing::Test {
     spec.position_resolution = stand_in->mass.quantum;
     spec.least_friction = stand_in->mass.friction;
     Servo servo(spec, parameters, {});
-    WallSession session{.period = stand_in->period};
+    WallSession session{.twist = twist, .period = stand_in->period};
     session.run(*opened.device, servo, 60.0);
     statistics = servo.statistics();
-    return stand_in->mass.most_made;
+    return twist > 0.0 ? stand_in->most_made : stand_in->mass.most_made;
   }
 
   void* library;
@@ -94,6 +94,42 @@ TEST_F(ForceDimension, IsMadeReadyWithoutAKick) {
   EXPECT_EQ(stand_in->opened, 1);
   EXPECT_EQ(stand_in->stopped, 1);
   EXPECT_EQ(stand_in->closed, 1);
+}
+
+TEST_F(ForceDimension, AWristWithMotorsIsGivenTorque) {
+  stand_in->system = "sigma.7";
+  stand_in->active_wrist = true;
+  const OpenedDevice opened = open();
+  EXPECT_EQ(opened.device->spec().rotation_actuated, 3);
+  EXPECT_EQ(stand_in->max_torque, 0.2);
+  const Command turn{.elastic = Vec3(0, 3, 0), .torque = Vec3(0, 0, 0.1)};
+  EXPECT_EQ(opened.device->write(turn), turn);
+  stand_in->turns_at_most = 0.05;
+  const Command held = opened.device->write(turn);
+  EXPECT_NEAR((held.torque - Vec3(0, 0, 0.05)).norm(), 0.0, 1e-12);
+  EXPECT_EQ(held.force(), turn.force());
+  EXPECT_FALSE(stand_in->grips);
+  opened.device->release();
+  test::eventually("it is let go", [&] { return !stand_in->pulls.load(); });
+  // Of another model nothing more is known than that it has these motors.
+  stand_in->system = "lambda.9";
+  const OpenedDevice other = open();
+  EXPECT_EQ(other.device->spec().rotation_actuated, 3);
+  EXPECT_EQ(other.device->spec().least_inertia, 0.0);
+  EXPECT_THAT(other.notes,
+              Contains(HasSubstr("rotational_damping 0.0005 N m s/rad is an assumption")));
+  stand_in->active_wrist = false;
+  EXPECT_EQ(open().device->spec().rotation_actuated, 0);
+}
+
+TEST_F(ForceDimension, TheGripperIsTheLeverOfARobots) {
+  EXPECT_FALSE(open().device->read({}).gripper);
+  stand_in->gap = 0.012;
+  const OpenedDevice opened = open();
+  EXPECT_EQ(opened.device->read({}).gripper, 0.012);
+  stand_in->fails_from = 0;
+  stand_in->fails_until = 100;
+  EXPECT_FALSE(opened.device->read({}).gripper);
 }
 
 TEST_F(ForceDimension, OtherModelsPromiseLess) {
@@ -203,6 +239,23 @@ TEST_F(ForceDimension, MakesNoEnergy) {
   EXPECT_GT(stand_in->mass.largest_force, 0.5);
   EXPECT_EQ(statistics.device_faults, 0u);
   EXPECT_NEAR(static_cast<double>(statistics.samples), 60e3, 1.0);  // none was missed
+}
+
+/// A late stop of the wrist beside the late wall, one port.
+TEST_F(ForceDimension, MakesNoEnergyByTorqueEither) {
+  stand_in->system = "sigma.7";
+  stand_in->active_wrist = true;
+  constexpr double kTwist = 5.0;  // [N m/rad]
+  EXPECT_GT(made(kUnbounded, kTwist), 0.01);
+  EXPECT_GT(stand_in->wrist_mass.most_made, 0.001);
+  for (const double turns_at_most : {1e9, 0.02}) {
+    stand_in->mass = {};
+    stand_in->wrist_mass = stand_in::Drd::inertia();
+    stand_in->most_made = 0.0;
+    stand_in->turns_at_most = turns_at_most;
+    EXPECT_LE(made(kSessionMethod, kTwist), 1e-12);
+    EXPECT_GT(stand_in->wrist_mass.largest_force, 0.01);  // [N m]
+  }
 }
 
 TEST_F(ForceDimension, MakesNoneWithEveryFaultAtOnce) {

@@ -29,6 +29,7 @@ std::unique_ptr<stand_in::Hd> device = std::make_unique<stand_in::Hd>();
 std::array<unsigned, 16> errors;
 std::size_t error_count = 0;
 Three force{}, wanted{};  // [N] on the mass, in our axes; of this frame
+Three twist{};            // [N m] of this frame
 Clock::time_point last;
 int ramp = 0;  // ticks that are left of it
 bool in_frame = false;
@@ -69,7 +70,7 @@ extern "C" {
 stand_in::Hd* stand_in_new() {
   device = std::make_unique<stand_in::Hd>();
   error_count = 0;
-  force = {};
+  force = twist = {};
   ramp = 0;
   return device.get();
 }
@@ -107,6 +108,12 @@ void hdEndFrame(unsigned) {
   const double share = device->force_on ? 1.0 - static_cast<double>(ramp) / kRamp : 0.0;
   ramp = std::max(0, ramp - 1);
   force = {share * wanted[0], share * wanted[1], share * wanted[2]};
+  device->torque = {share * twist[0], share * twist[1], share * twist[2]};
+  const double turns = share * std::hypot(twist[0], twist[1], twist[2]);
+  if (turns > device->largest_torque.load()) {
+    device->largest_torque.store(turns);
+    device->about_near.store(device->torque[0]);
+  }
   device->force.store(share * size);
   ++device->frames;
 }
@@ -141,6 +148,7 @@ void hdGetDoublev(unsigned what, double* values) {
 void hdGetIntegerv(unsigned what, int* value) {
   if (what == 0x2600) *value = 1000;
   if (what == 0x2000) *value = device->buttons.load();
+  if (what == 0x2554) *value = device->output_dof;
 }
 void hdGetBooleanv(unsigned what, unsigned char* value) {
   check(allowed());
@@ -148,8 +156,12 @@ void hdGetBooleanv(unsigned what, unsigned char* value) {
 }
 const char* hdGetString(unsigned) { return device->model; }
 void hdSetDoublev(unsigned what, const double* values) {
-  check(what == 0x2700 && in_frame);
-  wanted = {values[2], values[0], values[1]};
+  const bool turns = what == 0x2701 && device->output_dof == 6;
+  check((what == 0x2700 || turns) && in_frame);
+  if (turns)  // given in mN m
+    twist = {1e-3 * values[2], 1e-3 * values[0], 1e-3 * values[1]};
+  else
+    wanted = {values[2], values[0], values[1]};
 }
 unsigned hdCheckCalibration() { return device->calibration; }
 unsigned hdCheckCalibrationStyle() { return device->style; }

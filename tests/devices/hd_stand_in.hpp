@@ -22,8 +22,11 @@ struct Hd {
   std::atomic<double> asked_in_inkwell{0};  // [N] the most that was asked for meanwhile
 
   std::atomic<int> frames{0};
-  std::atomic<int> buttons{0};             // a bit each
-  std::atomic<double> force{0.0};          // [N] of the last frame
+  std::atomic<int> buttons{0};                               // a bit each
+  std::atomic<double> force{0.0};                            // [N] of the last frame
+  int output_dof = 3;                                        // 6: it has motors at the wrist
+  Three torque{};                                            // [N m] of the last frame, in our axes
+  std::atomic<double> largest_torque{0.0}, about_near{0.0};  // [N m] the most, and about x
   std::atomic<double> told_near{0.0};      // [m] towards the user, the last that was told
   std::atomic<double> asked_ramping{0.0};  // [N] the most that was asked for while it ramped
   int opened = 0, closed = 0, updates = 0;

@@ -93,6 +93,7 @@ TEST_F(OpenHaptics, IsOpenedByDefaultOrByName) {
   EXPECT_EQ(stand_in->opened, 3);
   stand_in->model = "Premium 1.5";
   EXPECT_EQ(open("left").device->spec().name, "phantom_premium_1.5");
+  EXPECT_EQ(open("left").device->spec().rotation_actuated, 0);
   EXPECT_EQ(stand_in->misuses, 0);
 }
 
@@ -121,6 +122,29 @@ TEST_F(OpenHaptics, AxesAndUnitsAreOurs) {
   const DeviceReading reading = opened.device->read({});
   EXPECT_NEAR((reading.pose.position - Vec3(0.01, 0.02, 0.03)).norm(), 0.0, 3e-5);
   EXPECT_NEAR(reading.pose.orientation.w(), 1.0, 1e-12);
+}
+
+/// Torque goes out in thousandths, along the maker's axes.
+TEST_F(OpenHaptics, APremiumWithMotorsAtTheWristIsGivenTorque) {
+  stand_in->model = "PHANTOM Premium 1.5 6DOF";
+  stand_in->output_dof = 6;
+  OpenedDevice opened = open();
+  EXPECT_EQ(opened.device->spec().name, "phantom_premium_1.5_6dof");
+  EXPECT_EQ(opened.device->spec().rotation_actuated, 3);
+  const Command turn{.elastic = Vec3(0.1, 0.2, 0.3), .torque = Vec3(0.01, 0.02, 0.03)};
+  constexpr int kFrames = 1700;  // beyond the driver's second without force, and the ramp
+  while (stand_in->frames < kFrames) {
+    opened.device->await_tick(monotonic_now() + std::chrono::milliseconds(25));
+    opened.device->read({});
+    opened.device->write(turn);
+  }
+  EXPECT_GT(stand_in->largest_torque, 0.9 * turn.torque.norm());
+  EXPECT_LT(stand_in->largest_torque, 1.1 * turn.torque.norm());
+  EXPECT_GT(stand_in->about_near, 0.9 * 0.01);
+  EXPECT_LT(stand_in->about_near, 1.1 * 0.01);
+  opened.device.reset();
+  EXPECT_EQ(stand_in->torque, stand_in::Three{});
+  EXPECT_EQ(stand_in->misuses, 0);
 }
 
 TEST_F(OpenHaptics, ButtonsAreTheEnablingSwitchAndTheClutch) {

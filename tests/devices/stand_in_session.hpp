@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <deque>
+#include <numbers>
 #include <thread>
 
 #include "client/servo/servo.hpp"
@@ -17,6 +18,7 @@ namespace feltwire::testing {
 
 struct WallSession {
   double stiffness = 2000.0;  // [N/m] of z < 0
+  double twist = 0.0;         // [N m/rad] of turns about z, below a quarter of a turn
   std::size_t delay = 20;     // ticks there and back
   double period;              // [s] that a tick takes
 
@@ -30,6 +32,9 @@ struct WallSession {
       reply.sample_index = sample->index;
       reply.client_time = sample->client_time;
       reply.command.elastic.z() = stiffness * std::max(0.0, -sample->pose.position.z());
+      const Quaternion& q = sample->pose.orientation;
+      reply.command.torque.z() =
+          twist * std::max(0.0, std::numbers::pi / 2 - 2.0 * std::atan2(q.z(), q.w()));
     }
     if (on_the_way.size() > delay) {
       servo.take(on_the_way.front(), now);

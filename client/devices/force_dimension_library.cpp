@@ -1,0 +1,58 @@
+#include "client/devices/force_dimension_library.hpp"
+
+#include <sys/utsname.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <stdexcept>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+namespace feltwire::drd {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Where the SDK is looked for, libdrd first: it has all of libdhd in it.
+std::vector<fs::path> libraries() {
+  std::vector<fs::path> folders;
+  utsname machine{};
+  ::uname(&machine);
+  for (const char* variable : {"FDSDK", "FORCEDIM_SDK"})
+    if (const char* root = std::getenv(variable))
+      folders.push_back(fs::path(root) / "lib/release" /
+                        ("lin-" + std::string(machine.machine) + "-gcc"));
+  if (const char* home = std::getenv("HOME")) folders.push_back(fs::path(home) / ".local/lib");
+  folders.emplace_back("/usr/local/lib");
+  std::vector<fs::path> files;
+  for (const std::string name : {"libdrd.so", "libdhd.so"}) {
+    for (const fs::path& folder : folders) {
+      std::vector<fs::path> found;
+      std::error_code none;
+      for (const auto& entry : fs::directory_iterator(folder, none))
+        if (entry.path().filename().string().starts_with(name)) found.push_back(entry.path());
+      std::sort(found.rbegin(), found.rend());
+      files.insert(files.end(), found.begin(), found.end());
+    }
+    files.emplace_back(name);  // as the system's loader finds it
+    files.emplace_back(name + ".3");
+  }
+  return files;
+}
+
+}  // namespace
+
+void refuse(const std::string& why) { throw std::runtime_error("forcedimension: " + why); }
+
+SharedLibrary load() {
+  const std::vector<fs::path> files = libraries();
+  try {
+    return SharedLibrary::first_of(files);
+  } catch (const std::runtime_error& error) {
+    refuse(std::string("the maker's library cannot be loaded: ") + error.what() +
+           "; install the Force Dimension SDK and set FDSDK to its folder. It needs libusb-1.0-0");
+  }
+}
+
+}  // namespace feltwire::drd
