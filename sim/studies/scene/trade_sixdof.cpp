@@ -82,11 +82,13 @@ std::vector<Vec6> reference(const SixDofTask& task, SixDofMethod method, const S
 }
 
 /// Whether a device that moves along one line and leans on the tool comes to rest: in the last
-/// third of the time it is slow, or slower than in the third before.
+/// third of the time it is slow, or has at most half of the energy of the third before. A bounce
+/// that goes on does not fade.
 bool is_calm(const SixDofTool& tool, const SixDofTask& task, double time) {
   constexpr double kDeviceMass = 0.05, kDamping = 2.0, kPush = 0.25;  // [kg], [N s/m], [N]
   constexpr double kSlow = 1e-3, kFar = 0.1;                          // [m/s], [m]
-  constexpr int kFiner = 20;                                          // steps of the device in one
+  constexpr double kFades = 0.5;
+  constexpr int kFiner = 20;  // steps of the device in one
   const Pose begin = task.device(0.0);
   Pose device = begin;
   double velocity = 0.0;  // [m/s] along the line
@@ -104,7 +106,7 @@ bool is_calm(const SixDofTool& tool, const SixDofTask& task, double time) {
     if (!((device.position - begin.position).norm() < kFar)) return false;
     squares[static_cast<std::size_t>(n / third)] += velocity * velocity / third;
   }
-  return squares[2] < kSlow * kSlow || squares[2] < squares[1];
+  return squares[2] < kSlow * kSlow || squares[2] < kFades * squares[1];
 }
 
 void measure_felt(const SixDofTask& task, SixDofMethod method, const SixDofGrid& grid,
