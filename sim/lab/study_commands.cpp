@@ -3,7 +3,6 @@
 #include "sim/lab/study_commands.hpp"
 
 #include <filesystem>
-#include <functional>
 #include <iostream>
 #include <memory>
 
@@ -20,31 +19,22 @@
 #include "sim/studies/network/deadband_study.hpp"
 #include "sim/studies/network/local_model.hpp"
 #include "sim/studies/network/methods_over_link.hpp"
-#include "sim/studies/network/trade_network.hpp"
 #include "sim/studies/network/where_to_bound.hpp"
-#include "sim/studies/scene/trade_geometry.hpp"
-#include "sim/studies/scene/trade_mass.hpp"
-#include "sim/studies/scene/trade_scene.hpp"
-#include "sim/studies/scene/trade_tools.hpp"
 #include "sim/studies/teleop/arm_bench.hpp"
 #include "sim/studies/teleop/teleop.hpp"
 
 namespace feltwire {
-namespace {
+
+std::string placed(const std::string& what, const std::string& out) {
+  return "\n" + what + " are in " + std::filesystem::absolute(out).lexically_normal().string() +
+         "\n";
+}
 
 void add_out(CLI::App& command, std::string& out) {
   command.add_option("--out", out, "Folder to write to; created when missing")
       ->capture_default_str();
 }
 
-/// The line that ends what a study prints.
-std::string placed(const std::string& what, const std::string& out) {
-  return "\n" + what + " are in " + std::filesystem::absolute(out).lexically_normal().string() +
-         "\n";
-}
-
-/// A study without options: it runs into a folder, writes its files there and returns the text that
-/// is printed, before `files` says where those are.
 void add_study(CLI::App& app, const std::string& name, const std::string& folder,
                const std::string& question, const std::string& footer, const std::string& files,
                const std::function<std::string(const std::string& out)>& run) {
@@ -54,6 +44,8 @@ void add_study(CLI::App& app, const std::string& name, const std::string& folder
   add_out(*study, *out);
   study->callback([out, files, run] { std::cout << run(*out) << placed(files, *out); });
 }
+
+namespace {
 
 void add_figures(CLI::App& app) {
   add_study(
@@ -255,73 +247,6 @@ void add_sides(CLI::App& app, int& status) {
               << placed("Tables and picture", o->out);
     status = bounds_hold(cells) && bounds_hold(by_hands) ? 0 : 1;
   });
-}
-
-std::string trade_geometry(const std::string& out) {
-  const auto cells = run_trade_geometry({});
-  write_trade_geometry(out, cells);
-  return trade_geometry_table(cells);
-}
-
-std::string trade_tools(const std::string& out) {
-  const auto cells = run_trade_tools({});
-  write_trade_tools(out, cells);
-  return trade_tools_table(cells);
-}
-
-std::string trade_mass(const std::string& out) {
-  const auto trade = run_trade_mass({});
-  write_trade_mass(out, trade);
-  return trade_mass_table(trade);
-}
-
-std::string trade_scene(const std::string& out) {
-  constexpr std::size_t kRounds = 101, kBareRounds = 2001;
-  const auto cases = scene_cases();
-  const auto cells = run_trade_scene(cases, kRounds);
-  const auto bare = run_bare(kBareRounds);
-  write_trade_scene(out, cells, bare);
-  return trade_scene_table(cells, bare);
-}
-
-std::string trade_network(const std::string& out) {
-  constexpr double kTaskTime = 4.0;  // [s]
-  const auto settings = traffic_settings();
-  const auto cells = run_trade_network(settings, kTaskTime);
-  write_trade_network(out, settings, cells);
-  return trade_network_table(settings, cells) + '\n' + trade_network_cost_table(settings, cells);
-}
-
-void add_trade(CLI::App& app) {
-  CLI::App* trade = app.add_subcommand("trade", "Measure the costs of each setting");
-  trade->require_subcommand(1);
-  const auto add = [&](const std::string& name, const std::string& question,
-                       const std::string& footer, const auto& run) {
-    add_study(*trade, name, "trade-" + name, question, footer + " docs/lab/trade.md is its page.",
-              "Tables and pictures", run);
-  };
-  add("geometry", "Analytic solid, mesh or grid of distances: error, time and memory",
-      "Writes trade_geometry.csv, trade_geometry.json and trade_geometry.png, the same bytes every "
-      "time, and what\nthis machine took for it, trade_geometry_cost.csv and "
-      "trade_geometry_cost.png. A minute of CPU time.\n",
-      trade_geometry);
-  add("tools", "Number of points on a tool's body: force and torque error against time",
-      "Writes trade_tools.csv, trade_tools.json and trade_tools.png, the same bytes every time, "
-      "and what this machine\ntook for it, trade_tools_cost.csv and trade_tools_cost.png. A minute "
-      "of CPU time.",
-      trade_tools);
-  add("mass", "A tool with mass: accuracy, stability and time by integration",
-      "Writes trade_mass.csv, trade_mass_stability.csv and trade_mass.png, the same bytes every "
-      "time, and what this\nmachine took for it, trade_mass_cost.csv. Some minutes of CPU time.",
-      trade_mass);
-  add("scene", "Time of each property of a scene for one sample, alone",
-      "Writes trade_scene.csv, trade_scene_bare.csv and trade_scene.png, what this machine took. "
-      "Half a minute of CPU\ntime.",
-      trade_scene);
-  add("network", "Bandwidth against force error, direction error and delay, over three links",
-      "Writes trade_network.csv, trade_network.json and trade_network.png, the same bytes every "
-      "time.\nSome minutes of CPU time.",
-      trade_network);
 }
 
 void add_deadband(CLI::App& app) {

@@ -1,0 +1,173 @@
+#include "sim/studies/scene/sixdof_tasks.hpp"
+
+#include <cmath>
+#include <memory>
+#include <numbers>
+#include <utility>
+
+#include "core/mesh/mesh_distance.hpp"
+
+namespace feltwire {
+namespace {
+
+constexpr double kTurn = 2.0 * std::numbers::pi;
+const Vec3 kX = Vec3::UnitX(), kY = Vec3::UnitY(), kZ = Vec3::UnitZ();
+
+/// From 0 to 1 and back, at rest at both ends.
+double there_and_back(double share) { return 0.5 - 0.5 * std::cos(kTurn * share); }
+
+SixDofTask peg(const std::string& name, double play) {
+  const Vec3 half(0.01, 0.01, 0.02);
+  SixDofTask task;
+  task.name = name;
+  task.tool = box_solid(half);
+  task.box = Box{Vec3(half.x() + 0.5 * play, half.y() + 0.5 * play, 0.1)};
+  task.side = Side::inside;
+  task.contact_area = 4.0 * half.x() * half.z();
+  task.press = kX;
+  task.device = [](double share) {
+    constexpr double kSway = 1e-3, kTilt = 0.02, kSways = 2.0;  // [m], [rad]
+    const double size = there_and_back(share), phase = kSways * kTurn * share;
+    return moved({}, size * kSway * Vec3(std::sin(phase), std::cos(phase), 2.0 * std::sin(phase)),
+                 size * kTilt * Vec3(std::cos(phase), std::sin(phase), 0.0));
+  };
+  return task;
+}
+
+SixDofTask gears() {
+  constexpr double kRoll = 0.25, kTwist = 0.04;  // [rad] about the other's axis, against its flanks
+  const GearShape gear;
+  SixDofTask task;
+  task.name = "gears";
+  task.tool = task.solid = gear_solid(gear);
+  task.contact_area = 4e-5;
+  task.press = kY;
+  // A gap stands where the other gear has a tooth.
+  const double gap = std::numbers::pi / gear.teeth, apart = 2.0 * gear.pitch_radius();
+  task.device = [gap, apart](double share) {
+    const double size = there_and_back(share), roll = kRoll * std::sin(kTurn * share) * size;
+    return Pose{apart * Vec3(std::cos(roll), std::sin(roll), 0.0),
+                Quaternion(Eigen::AngleAxisd(gap + 2.0 * roll + kTwist * size, kZ))};
+  };
+  return task;
+}
+
+SixDofTask chain() {
+  constexpr double kFree = 0.5e-3;  // [m]
+  const LinkShape link;
+  SixDofTask task;
+  task.name = "chain";
+  task.tool = task.solid = link_solid(link);
+  task.contact_area = link.bar * link.bar;
+  task.press = kX;
+  const double taut = link.length - 2.0 * link.bar;
+  task.device = [taut](double share) {
+    constexpr double kPull = 1.5e-3, kSway = 2e-3, kTilt = 0.1;  // [m], [rad]
+    const double size = there_and_back(share), phase = 2.0 * kTurn * share;
+    const Pose begin{(taut - kFree) * kX, Quaternion(Eigen::AngleAxisd(0.25 * kTurn, kX))};
+    return moved(begin, size * Vec3(kPull, kSway * std::sin(phase), 0.0),
+                 size * kTilt * Vec3(std::sin(phase), 0.0, std::cos(phase)));
+  };
+  return task;
+}
+
+SixDofTask edge() {
+  constexpr double kAbove = 0.5e-3, kPress = 1e-3, kBegin = -0.05, kWay = 0.06;  // [m]
+  const Vec3 half(0.03, 0.02, 0.01), table(0.1, 0.1, 0.02);
+  SixDofTask task;
+  task.name = "edge";
+  task.tool = box_solid(half);
+  task.box = Box{table};
+  task.place.position = Vec3(-table.x(), 0.0, -table.z());
+  task.contact_area = 4.0 * half.x() * half.y();
+  task.press = -kZ;
+  task.device = [half](double share) {
+    constexpr double kSoon = 5.0;  // the tool is down after a tenth of the task
+    const double down = there_and_back(std::min({0.5, kSoon * share, kSoon * (1.0 - share)}));
+    return Pose{Vec3(kBegin + kWay * there_and_back(share), 0.0,
+                     half.z() + kAbove - (kAbove + kPress) * down),
+                Quaternion::Identity()};
+  };
+  return task;
+}
+
+SixDofTask ridge() {
+  constexpr double kHalf = 0.01, kSide = 0.012;  // [m] of both boxes; where the device begins
+  SixDofTask task;
+  task.name = "ridge";
+  task.tool = box_solid(Vec3::Constant(kHalf));
+  task.box = Box{Vec3(kHalf, 2.0 * kHalf, kHalf)};
+  const Quaternion on_edge(Eigen::AngleAxisd(0.125 * kTurn, kY));
+  task.place.orientation = on_edge;
+  task.contact_area = 1e-5;
+  task.press = -kZ;
+  task.device = [on_edge](double share) {
+    constexpr double kAcross = 2.0 * kSide, kLow = 4e-3;  // [m]
+    const double height = 2.0 * std::numbers::sqrt2 * kHalf - kLow;
+    return Pose{Vec3(kAcross * there_and_back(share) - kSide, 0.0, height), on_edge};
+  };
+  return task;
+}
+
+/// [m] Along x, from far away: where the parts of a task first meet.
+double first_contact(const SixDofTask& task, const Quaternion& orientation) {
+  constexpr double kFar = 0.15, kStep = 1e-4;
+  const PolygonBody body = polygon_body(task.tool.parts, {solid_parts_of(task)});
+  Object object;
+  object.material.stiffness = 1.0;
+  PartPairs near;
+  double at = kFar;
+  for (;; at -= kStep) {
+    const Pose pose{at * kX, orientation};
+    look_round(body, std::span(&object, 1), pose, false, near);
+    if (polygon_contact(body, std::span(&object, 1), 1.0, near, pose).energy > 0.0) return at;
+  }
+}
+
+SixDofTask bunny(double tolerance) {
+  constexpr double kFree = 0.5e-3, kPress = 3e-3, kSlide = 4e-3, kTilt = 0.05;  // [m], [rad]
+  SixDofTask task;
+  task.name = "bunny";
+  task.tool = task.solid = bunny_solid(tolerance);
+  task.contact_area = 1e-3;
+  task.press = -kX;
+  task.time = 0.4;
+  const Quaternion aslant(Eigen::AngleAxisd(1.0, Vec3(1.0, 2.0, 0.5).normalized()));
+  const Pose begin{(first_contact(task, aslant) + kFree) * kX, aslant};
+  task.device = [begin](double share) {
+    const double size = there_and_back(share), phase = kTurn * share;
+    return moved(begin, size * Vec3(-kFree - kPress, kSlide * std::sin(phase), 0.0),
+                 size * kTilt * Vec3(0.0, std::sin(phase), std::cos(phase)));
+  };
+  return task;
+}
+
+}  // namespace
+
+std::vector<SixDofTask> sixdof_tasks(double bunny_tolerance) {
+  return {peg("peg 0.5", 0.5e-3), peg("peg 0.1", 0.1e-3), gears(), chain(), edge(), ridge(),
+          bunny(bunny_tolerance)};
+}
+
+SolidParts solid_parts_of(const SixDofTask& task) {
+  return task.box ? solid_parts(*task.box, task.side) : solid_parts(task.solid.parts);
+}
+
+Object object_of(const SixDofTask& task, double stiffness, double steps) {
+  Object object;
+  object.name = task.name;
+  object.pose = task.place;
+  object.felt_from = task.side;
+  object.material.stiffness = stiffness;
+  if (task.box) {
+    object.shape = *task.box;
+  } else {
+    TriangleMesh mesh(task.solid.surface);
+    const double resolution = mesh.report().size / steps;
+    object.shape = Grid{std::make_shared<const DistanceGrid<float>>(
+        solid_of(std::move(mesh)), GridOptions{.resolution = resolution})};
+  }
+  return object;
+}
+
+}  // namespace feltwire

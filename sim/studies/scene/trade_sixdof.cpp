@@ -1,0 +1,172 @@
+#include "sim/studies/scene/trade_sixdof.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <tuple>
+#include <utility>
+
+#include "core/base/parallel.hpp"
+#include "sim/measure/cost.hpp"
+#include "sim/studies/scene/sixdof_tool.hpp"
+
+namespace feltwire {
+namespace {
+
+constexpr std::array<SixDofMethod, 4> kMethods = {
+    {{false, false}, {true, false}, {false, true}, {true, true}}};
+
+/// How fine a run is.
+struct Fineness {
+  int steps = 1;         // in each sample
+  std::size_t most = 0;  // times that a step is repeated until the tool stands, without mass
+};
+
+int samples_of(const SixDofTask& task, const SixDofGrid& grid) {
+  return static_cast<int>(std::lround(task.time * grid.slower / kSixDofPeriod));
+}
+
+/// [N], [N m] on the hand at each sample.
+std::vector<Vec6> felt(const SixDofTool& tool, const SixDofTask& task, int samples,
+                       const Fineness& fineness) {
+  const double h = kSixDofPeriod / fineness.steps;
+  BodyMemory memory;
+  std::vector<Vec6> wrenches;
+  tool.step(task.device(0.0), h, memory);
+  for (int n = 0; n < samples; ++n) {
+    BodyStep now;
+    for (int k = 1; k <= fineness.steps; ++k) {
+      const Pose device = task.device((n + static_cast<double>(k) / fineness.steps) / samples);
+      now = tool.step(device, h, memory);
+      for (std::size_t i = 0; i < fineness.most && now.evaluations > 0; ++i)
+        now = tool.step(device, 0.0, memory);
+    }
+    Vec6& wrench = wrenches.emplace_back();
+    wrench << now.command.force(), now.command.torque;
+  }
+  return wrenches;
+}
+
+/// RMS of the differences over the RMS of the reference's force: of forces, and of torques over the
+/// tool's `radius`.
+std::pair<double, double> errors(const std::vector<Vec6>& felt, const std::vector<Vec6>& reference,
+                                 double radius) {
+  double force = 0.0, torque = 0.0, whole = 0.0;
+  for (std::size_t n = 0; n < felt.size(); ++n) {
+    const Vec6 off = felt[n] - reference[n];
+    force += off.head<3>().squaredNorm();
+    torque += off.tail<3>().squaredNorm();
+    whole += reference[n].head<3>().squaredNorm();
+  }
+  return {std::sqrt(force / whole), std::sqrt(torque / whole) / radius};
+}
+
+double largest_jump(const std::vector<Vec6>& wrenches) {
+  double jump = 0.0;
+  for (std::size_t n = 1; n < wrenches.size(); ++n)
+    jump = std::max(jump, (wrenches[n] - wrenches[n - 1]).head<3>().norm());
+  return jump;
+}
+
+/// Without mass the tool stands at every sample, so finer steps serve only to follow it, and there
+/// is time for more points.
+std::vector<Vec6> reference(const SixDofTask& task, SixDofMethod method, const SixDofGrid& grid,
+                            int finer) {
+  constexpr std::size_t kRepeats = 50;
+  const int points = method.mass ? finer : 2 * finer;
+  const SixDofTool tool = sixdof_tool(task, method, grid.points * static_cast<std::size_t>(points),
+                                      grid.grid_steps * std::sqrt(static_cast<double>(points)));
+  const Fineness fineness =
+      method.mass ? Fineness{finer, 0} : Fineness{std::max(1, finer / 4), kRepeats};
+  return felt(tool, task, samples_of(task, grid), fineness);
+}
+
+/// Whether a device that moves along one line and leans on the tool comes to rest: in the last
+/// third of the time it is slow, or has at most half of the energy of the third before. A bounce
+/// that goes on does not fade.
+bool is_calm(const SixDofTool& tool, const SixDofTask& task, double time) {
+  constexpr double kDeviceMass = 0.05, kDamping = 2.0, kPush = 0.25;  // [kg], [N s/m], [N]
+  constexpr double kSlow = 1e-3, kFar = 0.1;                          // [m/s], [m]
+  constexpr double kFades = 0.5;
+  constexpr int kFiner = 20;  // steps of the device in one
+  const Pose begin = task.device(0.0);
+  Pose device = begin;
+  double velocity = 0.0;  // [m/s] along the line
+  BodyMemory memory;
+  const int steps = static_cast<int>(std::lround(time / kSixDofPeriod)), third = steps / 3;
+  std::array<double, 3> squares{};
+  for (int n = 0; n < 3 * third; ++n) {
+    const double force =
+        kPush + task.press.dot(tool.step(device, kSixDofPeriod, memory).command.force());
+    for (int k = 0; k < kFiner; ++k) {
+      constexpr double h = kSixDofPeriod / kFiner;
+      velocity = (velocity + h / kDeviceMass * force) / (1.0 + h * kDamping / kDeviceMass);
+      device.position += h * velocity * task.press;
+    }
+    if (!((device.position - begin.position).norm() < kFar)) return false;
+    squares[static_cast<std::size_t>(n / third)] += velocity * velocity / third;
+  }
+  return squares[2] < kSlow * kSlow || squares[2] < kFades * squares[1];
+}
+
+void measure_felt(const SixDofTask& task, SixDofMethod method, const SixDofGrid& grid,
+                  SixDofCell& cell) {
+  const SixDofTool tool = sixdof_tool(task, method, grid.points, grid.grid_steps);
+  const std::vector<Vec6> own = felt(tool, task, samples_of(task, grid), {});
+  const std::vector<Vec6> fine = reference(task, method, grid, grid.finer);
+  std::tie(cell.force_error, cell.torque_error) = errors(own, fine, tool.tool.radius());
+  std::tie(cell.reference_force_error, cell.reference_torque_error) =
+      errors(reference(task, method, grid, grid.finer / 2), fine, tool.tool.radius());
+  cell.jump = largest_jump(own);
+  cell.reference_jump = largest_jump(fine);
+  for (const Vec6& wrench : own)
+    cell.largest_force = std::max(cell.largest_force, wrench.head<3>().norm());
+  cell.stable = largest_calm(grid.stiffness, [&](double stiffness) {
+    return is_calm(stiffer(tool, stiffness), task, grid.hand_time);
+  });
+}
+
+void measure_cost(const SixDofTask& task, SixDofMethod method, const SixDofGrid& grid,
+                  SixDofCell& cell) {
+  const SixDofTool tool = sixdof_tool(task, method, grid.points, grid.grid_steps);
+  const int samples = samples_of(task, grid);
+  std::vector<double> times;
+  for (std::size_t lap = 0; lap < grid.cost_laps; ++lap) {
+    BodyMemory memory;
+    for (int n = 0; n <= samples; ++n) {
+      const Pose device = task.device(static_cast<double>(n) / samples);
+      const double start = cpu_seconds();
+      tool.step(device, kSixDofPeriod, memory);
+      times.push_back(1e9 * (cpu_seconds() - start));
+    }
+  }
+  std::ranges::sort(times);
+  const auto at = [&](double share) {
+    return times[static_cast<std::size_t>(share * static_cast<double>(times.size() - 1))];
+  };
+  cell.median_ns = at(0.5);
+  cell.p99_9_ns = at(0.999);
+  cell.bytes = contact_bytes(tool);
+}
+
+}  // namespace
+
+std::vector<SixDofCell> run_trade_sixdof(const SixDofGrid& grid) {
+  const std::vector<SixDofTask> tasks = sixdof_tasks(grid.bunny_tolerance);
+  std::vector<SixDofCell> cells(tasks.size() * kMethods.size());
+  const auto each = [&](std::size_t i, const auto& work) {
+    work(tasks[i / kMethods.size()], kMethods[i % kMethods.size()], grid, cells[i]);
+  };
+  // Times first: nothing else may run beside.
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    each(i, measure_cost);
+    cells[i].task = tasks[i / kMethods.size()].name;
+    cells[i].contact = kMethods[i % kMethods.size()].polygons ? "polygons" : "points";
+    cells[i].mass = kMethods[i % kMethods.size()].mass ? "implicit" : "none";
+  }
+  // The longest are the last ones, so they begin first.
+  parallel_for(cells.size(), [&](std::size_t i) { each(cells.size() - 1 - i, measure_felt); });
+  return cells;
+}
+
+}  // namespace feltwire
