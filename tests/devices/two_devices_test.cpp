@@ -21,7 +21,8 @@ using stand_in::HapiBoard;
 using test::Outcome;
 using test::Program;
 
-constexpr double kStill = 1.5;  // [s] that a hand keeps still at the start, as the client asks
+constexpr double kStill =
+    2.0;  // [s] that a hand keeps still at the start: the client waits for 0.1 s
 
 /// A wall whose normal points towards the user, where the boards' masses tap.
 Scene wall_scene() {
@@ -42,11 +43,18 @@ struct TwoDevices : ::testing::Test {
   std::unique_ptr<Program> start(const std::string& port, const std::string& name) {
     return std::make_unique<Program>(
         FELTWIRE_CLIENT_PROGRAM,
-        std::vector<std::string>{"--connect", "127.0.0.1:" + std::to_string(server->control_port()),
-                                 "--token-file", folder / "token", "--fingerprint",
-                                 to_string(server->fingerprint()), "--scene", "wall", "--device",
-                                 "hapi:" + port, "--damping", "0.5", "--mass", "0.1", "--duration",
-                                 "3", "--report", folder / (name + ".json")});
+        std::vector<std::string>{
+            "--connect",     "127.0.0.1:" + std::to_string(server->control_port()),
+            "--token-file",  folder / "token",
+            "--fingerprint", to_string(server->fingerprint()),
+            "--scene",       "wall",
+            "--device",      "hapi:" + port,
+            "--damping",     "0.5",
+            "--mass",        "0.1",
+            "--duration",    "300",
+            "--await-still", "0.1",
+            "--hold-time",   "1",
+            "--report",      folder / (name + ".json")});
   }
 
   testing::TemporaryFolder folder;
@@ -68,6 +76,7 @@ TEST_F(TwoDevices, EachHandFeelsTheWallAndGetsNoEnergy) {
       std::printf("a force %.2f s after the program's start\n", seconds(monotonic_now() - began));
   }
   for (std::size_t i = 0; i < boards.size(); ++i) {
+    clients[i]->signal(SIGINT);
     const Outcome outcome = clients[i]->finish();
     EXPECT_EQ(outcome.status, 0) << outcome.error;
     EXPECT_EQ(boards[i].force, 0.0);  // nothing is left on the hand
@@ -88,6 +97,7 @@ TEST_F(TwoDevices, ABoardThatIsInUseIsRefused) {
   const Outcome second = start(board.port(), "second")->finish();
   EXPECT_EQ(second.status, 1);
   EXPECT_THAT(second.error, ::testing::HasSubstr("another program holds it"));
+  first->signal(SIGINT);
   EXPECT_EQ(first->finish().status, 0);
 }
 
