@@ -19,6 +19,14 @@ bool says(const SurfacePrior& prior) noexcept {
          prior.velocity.allFinite();
 }
 
+/// The tool moves along the surface, and not into it or out of it.
+bool slides(const Vec3& velocity, const Vec3& normal) noexcept {
+  constexpr double kSteep = 0.5;  // slope of a path that is still along the surface
+  const Vec3 off = along(velocity, normal);
+  const double across = length(Vec3(velocity - off));
+  return across > kLeastSlide && length(off) < kSteep * across;
+}
+
 }  // namespace
 
 const RemoteContact& ContactEstimate::step(const Sample& s) noexcept {
@@ -120,17 +128,16 @@ void ContactEstimate::begin(const Sample& s) noexcept {
 }
 
 void ContactEstimate::estimate_normal(const Sample& s, double force) noexcept {
-  constexpr double kAcross = 0.5;                 // cosine of 60 degrees
   constexpr double kCone = 0.7;                   // cosine of that of kMostFriction
   constexpr double kQuick = 30.0, kSlow = 3.0;    // [Hz]
   constexpr double kYoung = 0.1, kSettled = 0.5;  // [s] in this touch
   const double speed = length(s.velocity);
   const Vec3 way = speed > kLeastSlide ? Vec3(s.velocity / speed) : Vec3::Zero();
-  const bool slides = speed > kLeastSlide && std::abs(way.dot(contact_.normal)) < kAcross;
+  const bool sliding = slides(s.velocity, contact_.normal);
   Vec3 pushes = s.force;
   bool rubs = false;
   const double against = -s.force.dot(way);  // below zero: no friction, the surface springs back
-  if (slides && against >= 0.0) {
+  if (sliding && against >= 0.0) {
     const Vec3 across = s.force - along(s.force, way);
     const double normal_force = length(across);
     // More than kMostFriction is no friction: a weight that is carried, or a normal that is wrong.
@@ -147,7 +154,7 @@ void ContactEstimate::estimate_normal(const Sample& s, double force) noexcept {
   // friction answers. Then the force says nothing of the normal, unless it is outside of any cone.
   const bool young = !settled_ && touched_ < kYoung;
   const bool bounces = touched_ < kSettled && speed > kLeastSlide && !rubs;
-  const bool springs = slides && against < 0.0;
+  const bool springs = sliding && against < 0.0;
   if (!young && (bounces || springs) && s.force.dot(contact_.normal) > kCone * force) return;
   const double rate = young ? kQuick : kSlow;
   const Vec3 turned = direction(contact_.normal + low_pass_share(rate, s.elapsed) *
@@ -181,11 +188,8 @@ double ContactEstimate::height_of(const Sample& s, double force) const noexcept 
 }
 
 void ContactEstimate::estimate_place(const Sample& s, double force) noexcept {
-  constexpr double kSteep = 0.5;  // slope of a path that is still along the surface
-  const double off = std::abs(s.velocity.dot(contact_.normal));
-  const double across = length(Vec3(s.velocity - along(s.velocity, contact_.normal)));
-  const bool slides = across > kLeastSlide && off < kSteep * across;
-  place_.step(height_of(s, force), s.elapsed, slides || (!known_ && touched_ < kLearns));
+  const bool unknown = !known_ && touched_ < kLearns;
+  place_.step(height_of(s, force), s.elapsed, slides(s.velocity, contact_.normal) || unknown);
   contact_.velocity = place_.speed() * contact_.normal;
   contact_.point =
       s.position + (place_.place() - s.position.dot(contact_.normal)) * contact_.normal;
