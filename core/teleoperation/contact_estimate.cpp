@@ -13,6 +13,7 @@ constexpr double kSoftest = 50.0, kStiffest = 1e6;  // [N/m] that are believed
 constexpr double kMostFriction = 1.0;               // mu, likewise
 constexpr double kLeastSlide = 2e-3;                // [m/s] a slower tool rests
 constexpr double kLearns = 0.5;                     // [s] in which a touch tells the stiffness
+constexpr double kModelled = 0.02;                  // [N s] of a touch that outweighs a model
 
 bool says(const SurfacePrior& prior) noexcept {
   return prior.key != 0 && prior.point.allFinite() && prior.normal.allFinite() &&
@@ -87,6 +88,7 @@ bool ContactEstimate::expect(const Sample& s) noexcept {
     contact_.friction = prior.friction >= 0.0 ? std::min(prior.friction, kMostFriction) : 0.0;
     known_ = settled_ = false;
     touched_ = 0.0;
+    impulse_ = kModelled;
   }
   const double inside = std::max(0.0, (prior.point - s.position).dot(prior.normal) + shift_);
   shift_ -= inside;
@@ -112,6 +114,7 @@ void ContactEstimate::begin(const Sample& s) noexcept {
     contact_.normal = normal;
     contact_.stiffness = config_.first_stiffness;
     settled_ = false;
+    impulse_ = 0.0;
   }
   // A touch that bounces is one touch: until the stiffness is known its samples stay.
   if (!same || known_ || touched_ == 0.0) {
@@ -129,7 +132,7 @@ void ContactEstimate::begin(const Sample& s) noexcept {
 
 void ContactEstimate::estimate_normal(const Sample& s, double force) noexcept {
   constexpr double kCone = 0.7;                   // cosine of that of kMostFriction
-  constexpr double kQuick = 30.0, kSlow = 3.0;    // [Hz]
+  constexpr double kSlow = 3.0;                   // [Hz]
   constexpr double kYoung = 0.1, kSettled = 0.5;  // [s] in this touch
   const double speed = length(s.velocity);
   const Vec3 way = speed > kLeastSlide ? Vec3(s.velocity / speed) : Vec3::Zero();
@@ -156,9 +159,13 @@ void ContactEstimate::estimate_normal(const Sample& s, double force) noexcept {
   const bool bounces = touched_ < kSettled && speed > kLeastSlide && !rubs;
   const bool springs = sliding && against < 0.0;
   if (!young && (bounces || springs) && s.force.dot(contact_.normal) > kCone * force) return;
-  const double rate = young ? kQuick : kSlow;
-  const Vec3 turned = direction(contact_.normal + low_pass_share(rate, s.elapsed) *
-                                                      (direction(pushes) - contact_.normal));
+  // A young touch has the direction of its whole impulse. A tool that sticks and springs back
+  // leans its force to both sides, and the normal must not swing with it.
+  const double pushed = force * s.elapsed;
+  impulse_ += young ? pushed : 0.0;
+  const double slow = low_pass_share(kSlow, s.elapsed);
+  const double share = young ? std::max(slow, pushed / impulse_) : slow;
+  const Vec3 turned = direction(contact_.normal + share * (direction(pushes) - contact_.normal));
   if (turned.isZero(0.0)) return;
   // The place is a height along the normal: it is carried along when that turns.
   place_.carry((turned - contact_.normal).dot(contact_.point));
@@ -177,8 +184,14 @@ void ContactEstimate::estimate_stiffness(const Sample& s, double force) noexcept
   if (fit_.excitation(contact_.normal) < kExcited) return;
   const LineFit::Line line = fit_.line(contact_.normal);
   if (line.explained < kExplained || !(line.slope > kSoftest) || !(line.slope < kStiffest)) return;
+  // Place and stiffness change together: the old place with the new stiffness is another force.
+  const double before = height_of(s, force);
   contact_.stiffness = line.slope;
-  if (!known_) place_.relearn(height_of(s, force));
+  const double after = height_of(s, force);
+  if (known_)
+    place_.carry(after - before);
+  else
+    place_.begin(after, after);
   known_ = true;
 }
 
