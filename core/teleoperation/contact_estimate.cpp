@@ -184,14 +184,8 @@ void ContactEstimate::estimate_stiffness(const Sample& s, double force) noexcept
   if (fit_.excitation(contact_.normal) < kExcited) return;
   const LineFit::Line line = fit_.line(contact_.normal);
   if (line.explained < kExplained || !(line.slope > kSoftest) || !(line.slope < kStiffest)) return;
-  // Place and stiffness change together: the old place with the new stiffness is another force.
-  const double before = height_of(s, force);
   contact_.stiffness = line.slope;
-  const double after = height_of(s, force);
-  if (known_)
-    place_.carry(after - before);
-  else
-    place_.begin(after, after);
+  if (!known_) place_.relearn(height_of(s, force));
   known_ = true;
 }
 

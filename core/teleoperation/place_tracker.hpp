@@ -30,15 +30,18 @@ class PlaceTracker {
   static constexpr double kStandsStill = 2e-3;  // [m/s]
   static constexpr double kMoves = 0.5;         // [s]
 
-  /// A touch begins, or its stiffness becomes known. The surface was at `place` [m], and goes to
-  /// where it is measured.
+  /// A touch begins. The surface was at `place` [m], and goes to where it is measured.
   void begin(double measured, double place) noexcept {
     *this = {};
     place_ = place;
-    slow_ = quick_ = {measured};
+    relearn(measured);
   }
-  /// The axis along which it measures has turned, or the stiffness that it measures with has
-  /// changed, and every place is farther by that [m].
+  /// From now on another stiffness is measured with: what that changes is no motion.
+  void relearn(double measured) noexcept {
+    slow_ = quick_ = {measured};
+    left_ = moves_ = 0.0;
+  }
+  /// The axis along which it measures has turned, and every place is farther by that [m].
   void carry(double farther) noexcept {
     place_ += farther;
     slow_.place += farther;

@@ -100,24 +100,5 @@ TEST(FirstTouch, AForceThatLeansToBothSidesDoesNotSwingTheNormal) {
   EXPECT_LT(most, 0.05) << "both sides cancel";
 }
 
-/// Place and stiffness change together. A place that followed the new stiffness slowly told the
-/// hand several times the force for some milliseconds.
-TEST(FirstTouch, TheForceIsTheSameWhenTheStiffnessBecomesKnown) {
-  ContactEstimate estimate({});
-  bool known = false;
-  for (int n = 1; n < 100; ++n) {
-    constexpr double kSpeed = 0.01;  // [m/s]
-    const double depth = n * kSpeed * kPeriod, force = kStiffness * depth;
-    const Vec3 tip(0.0, 0.0, -depth);
-    const RemoteContact& seen =
-        estimate.step({tip, Vec3(0, 0, -kSpeed), Vec3(0, 0, force), kPeriod});
-    known = known || seen.stiffness > 0.9 * kStiffness;
-    if (!known) continue;
-    const double told = seen.stiffness * (seen.point - tip).dot(seen.normal);
-    EXPECT_NEAR(told, force, 0.02 * force) << n;
-  }
-  EXPECT_TRUE(known);
-}
-
 }  // namespace
 }  // namespace feltwire::second_touch_test
