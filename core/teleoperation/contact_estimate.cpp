@@ -13,10 +13,19 @@ constexpr double kSoftest = 50.0, kStiffest = 1e6;  // [N/m] that are believed
 constexpr double kMostFriction = 1.0;               // mu, likewise
 constexpr double kLeastSlide = 2e-3;                // [m/s] a slower tool rests
 constexpr double kLearns = 0.5;                     // [s] in which a touch tells the stiffness
+constexpr double kModelled = 0.02;                  // [N s] of a touch that outweighs a model
 
 bool says(const SurfacePrior& prior) noexcept {
   return prior.key != 0 && prior.point.allFinite() && prior.normal.allFinite() &&
          prior.velocity.allFinite();
+}
+
+/// The tool moves along the surface, and not into it or out of it.
+bool slides(const Vec3& velocity, const Vec3& normal) noexcept {
+  constexpr double kSteep = 0.5;  // slope of a path that is still along the surface
+  const Vec3 off = along(velocity, normal);
+  const double across = length(Vec3(velocity - off));
+  return across > kLeastSlide && length(off) < kSteep * across;
 }
 
 }  // namespace
@@ -79,6 +88,7 @@ bool ContactEstimate::expect(const Sample& s) noexcept {
     contact_.friction = prior.friction >= 0.0 ? std::min(prior.friction, kMostFriction) : 0.0;
     known_ = settled_ = false;
     touched_ = 0.0;
+    impulse_ = kModelled;
   }
   const double inside = std::max(0.0, (prior.point - s.position).dot(prior.normal) + shift_);
   shift_ -= inside;
@@ -104,6 +114,7 @@ void ContactEstimate::begin(const Sample& s) noexcept {
     contact_.normal = normal;
     contact_.stiffness = config_.first_stiffness;
     settled_ = false;
+    impulse_ = 0.0;
   }
   // A touch that bounces is one touch: until the stiffness is known its samples stay.
   if (!same || known_ || touched_ == 0.0) {
@@ -120,17 +131,16 @@ void ContactEstimate::begin(const Sample& s) noexcept {
 }
 
 void ContactEstimate::estimate_normal(const Sample& s, double force) noexcept {
-  constexpr double kAcross = 0.5;                 // cosine of 60 degrees
   constexpr double kCone = 0.7;                   // cosine of that of kMostFriction
-  constexpr double kQuick = 30.0, kSlow = 3.0;    // [Hz]
+  constexpr double kSlow = 3.0;                   // [Hz]
   constexpr double kYoung = 0.1, kSettled = 0.5;  // [s] in this touch
   const double speed = length(s.velocity);
   const Vec3 way = speed > kLeastSlide ? Vec3(s.velocity / speed) : Vec3::Zero();
-  const bool slides = speed > kLeastSlide && std::abs(way.dot(contact_.normal)) < kAcross;
+  const bool sliding = slides(s.velocity, contact_.normal);
   Vec3 pushes = s.force;
   bool rubs = false;
   const double against = -s.force.dot(way);  // below zero: no friction, the surface springs back
-  if (slides && against >= 0.0) {
+  if (sliding && against >= 0.0) {
     const Vec3 across = s.force - along(s.force, way);
     const double normal_force = length(across);
     // More than kMostFriction is no friction: a weight that is carried, or a normal that is wrong.
@@ -147,11 +157,15 @@ void ContactEstimate::estimate_normal(const Sample& s, double force) noexcept {
   // friction answers. Then the force says nothing of the normal, unless it is outside of any cone.
   const bool young = !settled_ && touched_ < kYoung;
   const bool bounces = touched_ < kSettled && speed > kLeastSlide && !rubs;
-  const bool springs = slides && against < 0.0;
+  const bool springs = sliding && against < 0.0;
   if (!young && (bounces || springs) && s.force.dot(contact_.normal) > kCone * force) return;
-  const double rate = young ? kQuick : kSlow;
-  const Vec3 turned = direction(contact_.normal + low_pass_share(rate, s.elapsed) *
-                                                      (direction(pushes) - contact_.normal));
+  // A young touch has the direction of its whole impulse. A tool that sticks and springs back
+  // leans its force to both sides, and the normal must not swing with it.
+  const double pushed = force * s.elapsed;
+  impulse_ += young ? pushed : 0.0;
+  const double slow = low_pass_share(kSlow, s.elapsed);
+  const double share = young ? std::max(slow, pushed / impulse_) : slow;
+  const Vec3 turned = direction(contact_.normal + share * (direction(pushes) - contact_.normal));
   if (turned.isZero(0.0)) return;
   // The place is a height along the normal: it is carried along when that turns.
   place_.carry((turned - contact_.normal).dot(contact_.point));
@@ -181,11 +195,8 @@ double ContactEstimate::height_of(const Sample& s, double force) const noexcept 
 }
 
 void ContactEstimate::estimate_place(const Sample& s, double force) noexcept {
-  constexpr double kSteep = 0.5;  // slope of a path that is still along the surface
-  const double off = std::abs(s.velocity.dot(contact_.normal));
-  const double across = length(Vec3(s.velocity - along(s.velocity, contact_.normal)));
-  const bool slides = across > kLeastSlide && off < kSteep * across;
-  place_.step(height_of(s, force), s.elapsed, slides || (!known_ && touched_ < kLearns));
+  const bool unknown = !known_ && touched_ < kLearns;
+  place_.step(height_of(s, force), s.elapsed, slides(s.velocity, contact_.normal) || unknown);
   contact_.velocity = place_.speed() * contact_.normal;
   contact_.point =
       s.position + (place_.place() - s.position.dot(contact_.normal)) * contact_.normal;

@@ -41,9 +41,10 @@ struct ContactEstimateConfig {
 
 /// Estimates the surface. At each sample
 ///   normal     the direction of the force, without its part along a sliding motion that it is
-///              against; kept while a new touch still moves in or bounces, or the surface springs
-///              back, because friction leans that force. A surface that was touched for half a
-///              second keeps its normal when it is touched again
+///              against; for the first 0.1 s of a touch the direction of the whole impulse, and
+///              later a slow low-pass; kept while a new touch still moves in or bounces, or the
+///              surface springs back, because friction leans that force. A surface that was touched
+///              for half a second keeps its normal when it is touched again
 ///   stiffness  slope of the force over the depth along the normal that is known by then, with the
 ///              depth's speed beside it (a damper), once the samples of a touch show at least
 ///              0.1 mm and explain 98 % of the force; it improves for half a second and is then
@@ -100,6 +101,7 @@ class ContactEstimate {
   bool settled_ = false;            // the normal is known from a long touch of this surface
   bool pressed_ = false;            // the force is beyond the thresholds, on a known surface or not
   double touched_ = 0.0;            // [s] in this touch
+  double impulse_ = 0.0;            // [N s] of the young touches of this surface
   double apart_ = 0.0;              // [s] without a force
   double receded_ = 0.0;            // [m] since the last touch
   Vec3 origin_ = Vec3::Zero();      // [m] the tip where this touch began

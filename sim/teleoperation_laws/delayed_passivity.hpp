@@ -70,7 +70,7 @@ class DelayedPassivity final : public TeleoperationLaw {
       constexpr double kFastest = 0.1;  // [m/s] of the compensation
       double more = std::clamp(drift / plant_.period, -kFastest, kFastest);
       const double cost = coupling * more * plant_.period;
-      if (cost > left) more *= std::max(0.0, left) / cost;
+      if (cost > left) more *= left > 0.0 ? left / cost : 0.0;
       speed += more;
     }
     const double work = coupling * speed * plant_.period;

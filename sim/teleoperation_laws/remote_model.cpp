@@ -5,6 +5,14 @@
 
 namespace feltwire::teleop {
 
+const Vec3& TargetVelocity::step(const Vec3& target, double period) {
+  constexpr double kCutoff = 20.0;  // [Hz]
+  const Vec3 velocity = moved(before_, target) / period;
+  velocity_ +=
+      (1.0 - std::exp(-2.0 * std::numbers::pi * kCutoff * period)) * (velocity - velocity_);
+  return velocity_;
+}
+
 double RemoteModel::lead(const LeaderSample& s, std::span<const Datagram> arrived, Datagram& out) {
   for (const Datagram& d : arrived) leader_.take({d.energy, d.energy_back, d.pushed});
   from_follower_.take(arrived);
@@ -33,7 +41,6 @@ double RemoteModel::lead(const LeaderSample& s, std::span<const Datagram> arrive
 
 FollowerForce RemoteModel::follow(const FollowerSample& s, std::span<const Datagram> arrived,
                                   Datagram& out) {
-  constexpr double kReferenceRate = 20.0;  // [Hz]
   from_leader_.take(arrived);
   const RemoteContact& contact = follower_.step(
       Vec3(s.position, 0.0, 0.0), Vec3(s.velocity, 0.0, 0.0), Vec3(s.force, 0.0, 0.0), prior_);
@@ -53,10 +60,37 @@ FollowerForce RemoteModel::follow(const FollowerSample& s, std::span<const Datag
                         .known = from_leader_->surface,
                         .hand_work = from_leader_->energy,
                         .gripper = 0.0});
-  const double speed = moved(target_before_, target).x() / plant_.period;
-  target_speed_ += (1.0 - std::exp(-2.0 * std::numbers::pi * kReferenceRate * plant_.period)) *
-                   (speed - target_speed_);
-  return {plant_.stiffness * (target.x() - s.position), plant_.controller_damping, target_speed_};
+  return {plant_.stiffness * (target.x() - s.position), plant_.controller_damping,
+          target_velocity_.step(target, plant_.period).x()};
+}
+
+Vec3 SpatialRemoteModel::lead(const SpatialLeaderSample& s,
+                              std::span<const SpatialDatagram> arrived, SpatialDatagram& out) {
+  for (const SpatialDatagram& d : arrived) leader_.take(d.counted);
+  from_follower_.take(arrived);
+  const bool known = from_follower_.known();
+  const Vec3 held =
+      leader_.step(s.position, s.velocity, known ? from_follower_->contact : RemoteContact{},
+                   known ? s.time - from_follower_->time : 0.0);
+  out.wanted = {.index = out.index,
+                .wanted = s.position - leader_.offset(),
+                .known = leader_.known_surface(),
+                .hand_work = leader_.hand_work(),
+                .gripper = 0.0};
+  return -held;
+}
+
+SpatialFollowerForce SpatialRemoteModel::follow(const SpatialFollowerSample& s,
+                                                std::span<const SpatialDatagram> arrived,
+                                                SpatialDatagram& out) {
+  from_leader_.take(arrived);
+  const SurfacePrior prior = model_ ? model_(s.position) : SurfacePrior{};
+  out.contact = follower_.step(s.position, s.velocity, s.force, prior);
+  out.counted = follower_.energy();
+  if (!from_leader_.known()) return {.damping = plant_.controller_damping};
+  const Vec3 target = follower_.target(from_leader_->wanted);
+  return {plant_.stiffness * (target - s.position), plant_.controller_damping,
+          target_velocity_.step(target, plant_.period)};
 }
 
 }  // namespace feltwire::teleop

@@ -1,11 +1,24 @@
 #pragma once
 
 #include <optional>
+#include <utility>
 
 #include "sim/teleoperation_laws/remote_ends.hpp"
+#include "sim/teleoperation_laws/spatial_law.hpp"
 #include "sim/teleoperation_laws/teleoperation_law.hpp"
 
 namespace feltwire::teleop {
+
+/// The velocity of the robot's target, low-passed, for the damper of its controller.
+class TargetVelocity {
+ public:
+  /// Returns it for the target [m] of this sample [m/s].
+  const Vec3& step(const Vec3& target, double period);
+
+ private:
+  std::optional<Vec3> before_;    // [m]
+  Vec3 velocity_ = Vec3::Zero();  // [m/s]
+};
 
 /// feltwire's own law along one axis: RemoteLeader and RemoteFollower. With a prior, a plane across
 /// that axis is known before it is touched.
@@ -26,8 +39,29 @@ class RemoteModel final : public TeleoperationLaw {
   Newest from_follower_, from_leader_;
   RemoteLeader leader_;
   RemoteFollower follower_;
-  std::optional<Vec3> target_before_;  // [m]
-  double target_speed_ = 0.0;          // [m/s]
+  TargetVelocity target_velocity_;
+};
+
+/// The same in three degrees of freedom. `model` says the surfaces that are known before they are
+/// touched; without one there is none.
+class SpatialRemoteModel final : public SpatialLaw {
+ public:
+  explicit SpatialRemoteModel(const Plant& plant, SurfaceModel model = {})
+      : plant_(plant), model_(std::move(model)), leader_(plant), follower_(plant) {}
+  Vec3 lead(const SpatialLeaderSample& sample, std::span<const SpatialDatagram> arrived,
+            SpatialDatagram& out) override;
+  SpatialFollowerForce follow(const SpatialFollowerSample& sample,
+                              std::span<const SpatialDatagram> arrived,
+                              SpatialDatagram& out) override;
+  Vec3 offset() const override { return leader_.offset(); }
+
+ private:
+  Plant plant_;
+  SurfaceModel model_;
+  NewestOf<SpatialDatagram> from_follower_, from_leader_;
+  RemoteLeader leader_;
+  RemoteFollower follower_;
+  TargetVelocity target_velocity_;
 };
 
 }  // namespace feltwire::teleop

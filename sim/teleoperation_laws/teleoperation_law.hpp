@@ -71,25 +71,27 @@ class TeleoperationLaw {
   virtual double offset() const { return 0.0; }
 };
 
-/// Keeps the newest datagram by index.
-class Newest {
+/// Keeps the newest message by index.
+template <class Message>
+class NewestOf {
  public:
   /// Returns whether one is newer than the known one.
-  bool take(std::span<const Datagram> arrived) {
+  bool take(std::span<const Message> arrived) {
     bool newer = false;
-    for (const Datagram& d : arrived) {
-      if (known_ && d.index <= datagram_.index) continue;
-      datagram_ = d;
+    for (const Message& m : arrived) {
+      if (known_ && m.index <= message_.index) continue;
+      message_ = m;
       known_ = newer = true;
     }
     return newer;
   }
   bool known() const { return known_; }
-  const Datagram* operator->() const { return &datagram_; }
+  const Message* operator->() const { return &message_; }
 
  private:
-  Datagram datagram_;
+  Message message_;
   bool known_ = false;
 };
+using Newest = NewestOf<Datagram>;
 
 }  // namespace feltwire::teleop

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "sim/teleoperation_laws/impedance_follower.hpp"
+#include "sim/teleoperation_laws/port_tank.hpp"
 
 namespace feltwire::teleop {
 
@@ -27,10 +28,10 @@ class TwoLayer final : public TeleoperationLaw {
     const double way = begun_ ? s.position - before_ : 0.0;
     before_ = s.position;
     begun_ = true;
-    leader_tank_.exchange(held_ * way, arrived);
+    exchange(leader_tank_, held_ * way, arrived);
     double force =
-        leader_tank_.paid(follower_.known() ? follower_->force : 0.0, s.velocity * plant_.period);
-    force += kDamper * std::max(0.0, Tank::kLevel - leader_tank_.level) * s.velocity;
+        paid(leader_tank_, follower_.known() ? follower_->force : 0.0, s.velocity * plant_.period);
+    force += kDamper * std::max(0.0, PortTank::kLevel - leader_tank_.level) * s.velocity;
     held_ = force;
     out.position = s.position;
     out.velocity = s.velocity;
@@ -44,41 +45,31 @@ class TwoLayer final : public TeleoperationLaw {
     const double way = started_ ? s.position - robot_before_ : 0.0;
     robot_before_ = s.position;
     started_ = true;
-    robot_tank_.exchange(-drive_ * way, arrived);
+    exchange(robot_tank_, -drive_ * way, arrived);
     double force = 0.0;
     if (leader_.known())
       force = plant_.stiffness * (leader_->position - s.position) +
               plant_.controller_damping * (leader_->velocity - s.velocity);
-    drive_ = robot_tank_.paid(force, s.velocity * plant_.period);
+    drive_ = paid(robot_tank_, force, s.velocity * plant_.period);
     out.force = -s.force;
     out.energy = robot_tank_.sent;
     return {drive_, 0.0, 0.0};
   }
 
  private:
-  struct Tank {
-    static constexpr double kLevel = 0.3, kShare = 0.01;  // [J]
-    double level = kLevel, sent = 0.0, seen = 0.0;        // [J]
+  static void exchange(PortTank& tank, double work, std::span<const Datagram> arrived) {
+    tank.add(work);
+    for (const Datagram& d : arrived) tank.receive(d.energy);
+    tank.send();
+  }
+  static double paid(const PortTank& tank, double force, double way) {
+    const double most = tank.most(std::abs(way));
+    return std::clamp(force, -most, most);
+  }
 
-    void exchange(double work, std::span<const Datagram> arrived) {
-      level += work;
-      for (const Datagram& d : arrived) {
-        level += std::max(0.0, d.energy - seen);
-        seen = std::max(seen, d.energy);
-      }
-      const double share = kShare * std::max(0.0, level);
-      sent += share;
-      level -= share;
-    }
-    double paid(double force, double way) const {
-      if (!(level > 0.0)) return 0.0;
-      const double most = std::abs(way) > 0.0 ? level / std::abs(way) : std::abs(force);
-      return std::clamp(force, -most, most);
-    }
-  };
   Plant plant_;
   Newest leader_, follower_;
-  Tank leader_tank_, robot_tank_;
+  PortTank leader_tank_, robot_tank_;
   double before_ = 0.0, held_ = 0.0, robot_before_ = 0.0, drive_ = 0.0;
   bool begun_ = false, started_ = false;
 };

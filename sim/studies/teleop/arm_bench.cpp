@@ -34,7 +34,6 @@ constexpr double kBlock = 0.33;                           // [m] top of the bloc
 constexpr double kGripperSpeed = 0.1;                     // [m/s]
 constexpr double kBall = 0.1, kTip = 0.007, kTips = 0.012;  // [m] scenes/arm/sphere.xml, arm.xml
 const Vec3 kBallAt(0.45, 0.0, 0.3);                         // [m]
-constexpr double kVelocityCutoff = 60.0;                    // [Hz]
 constexpr Hand kHand{.mass = 0.1, .damping = 5.0, .stiffness = 300.0};
 
 /// What the hand means at a time: a place [m] and an opening of the gripper [m].

@@ -4,15 +4,13 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/base/splitmix.hpp"
+#include "sim/studies/teleop/sensors.hpp"
 #include "sim/studies/teleop/way.hpp"
 
 namespace feltwire::teleop {
 namespace {
 
 constexpr double kTwoPi = 2.0 * std::numbers::pi;
-constexpr int kParts = 10;                // of a servo sample, for the integration
-constexpr double kVelocityCutoff = 60.0;  // [Hz]
 
 struct Mass {
   double position = 0.0, velocity = 0.0;
@@ -56,21 +54,6 @@ class World {
   Surroundings around_;
   Mass weight_;
 };
-
-/// Zero mean, variance 1, from four uniform numbers.
-double noise(std::uint64_t seed, std::uint64_t n) {
-  constexpr int kDraws = 4;
-  constexpr double kUnit = 1.0 / 18446744073709551616.0;  // 2^-64
-  double sum = 0.0;
-  for (int i = 0; i < kDraws; ++i)
-    sum += static_cast<double>(splitmix::draw(seed, kDraws * n + static_cast<std::uint64_t>(i))) *
-           kUnit;
-  return (sum - 0.5 * kDraws) * std::sqrt(12.0 / kDraws);
-}
-
-double rounded(double value, double quantum) {
-  return quantum > 0.0 ? quantum * std::round(value / quantum) : value;
-}
 
 }  // namespace
 

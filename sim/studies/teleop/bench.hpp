@@ -14,7 +14,9 @@
 
 namespace feltwire::teleop {
 
-inline constexpr double kGravity = 9.81;  // [m/s^2]
+inline constexpr double kGravity = 9.81;         // [m/s^2]
+inline constexpr double kVelocityCutoff = 60.0;  // [Hz] of the low-pass of the hand's velocity
+inline constexpr int kParts = 10;                // of a servo sample, for the integration
 
 /// The surroundings of the robot: a wall that may move and vanish, or a weight on the ground.
 struct Surroundings {

@@ -18,6 +18,7 @@ struct Measured {
   std::optional<double> force_error;  // [N] RMS against the series spring without delay
   std::optional<double> force_share;  // the same over the RMS of that spring's force
   std::optional<double> drift;        // [m] at rest, at the end
+  std::optional<double> inserted;     // [m] the robot's tip below the rim of the hole, at the end
   double energy_made = 0.0;           // [J] to the hand beyond burned and pushed
   double peak_force = 0.0;            // [N] on the environment
 };

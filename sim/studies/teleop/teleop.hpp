@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "sim/studies/teleop/tasks.hpp"
@@ -21,6 +22,9 @@ struct TeleopRow {
   TeleopCase made;
   Measured measured;
 };
+
+/// All tasks: tasks.hpp has those of one degree of freedom, space_tasks.hpp those of three.
+std::vector<std::string_view> task_names();
 
 /// The cases of the whole study; quick: two round trips and two links.
 std::vector<TeleopCase> teleop_cases(bool quick);

@@ -29,6 +29,7 @@ Json json(const TeleopRow& row) {
           {"force_error_n", or_null(m.force_error)},
           {"force_error_share", or_null(m.force_share)},
           {"drift_mm", or_null(m.drift, kMilli)},
+          {"inserted_mm", or_null(m.inserted, kMilli)},
           {"energy_made_j", m.energy_made},
           {"peak_force_n", m.peak_force}};
 }
@@ -45,7 +46,7 @@ std::string number(const std::optional<double>& measured, double scale = 1.0) {
 std::string csv(const std::vector<TeleopRow>& rows) {
   std::string text =
       "law,task,rtt_ms,jitter_ms,loss,displayed_over_series,oscillation_um,drag_n,tracking_mm,"
-      "force_error_n,force_error_share,drift_mm,energy_made_j,peak_force_n\n";
+      "force_error_n,force_error_share,drift_mm,inserted_mm,energy_made_j,peak_force_n\n";
   for (const TeleopRow& r : rows) {
     const Measured& m = r.measured;
     append(text, "%s,%s,%g,%g,%g,", r.made.law.c_str(), r.made.task.c_str(),
@@ -53,7 +54,7 @@ std::string csv(const std::vector<TeleopRow>& rows) {
     for (const std::string& field :
          {number(m.displayed), number(m.oscillation, kMicro), number(m.drag),
           number(m.tracking, kMilli), number(m.force_error), number(m.force_share),
-          number(m.drift, kMilli), number(m.energy_made)})
+          number(m.drift, kMilli), number(m.inserted, kMilli), number(m.energy_made)})
       text += field + ',';
     text += number(m.peak_force) + '\n';
   }
@@ -74,7 +75,10 @@ void draw(const std::filesystem::path& directory, const std::vector<TeleopRow>& 
     const char* separator = "";
     for (std::size_t i = 0; i < all.size(); ++i) {
       const std::string law(all[i]);
-      if (std::ranges::none_of(rows, [&](const TeleopRow& r) { return r.made.law == law; }))
+      if (std::ranges::none_of(rows, [&](const TeleopRow& r) {
+            return r.made.law == law && r.made.task == task && r.made.jitter == 0.0 &&
+                   r.made.loss == 0.0;
+          }))
         continue;
       append(text, "%s'teleop.csv' skip 1 using ((strcol(1) eq '%s' && ", separator, law.c_str());
       separator = ", ";
@@ -83,16 +87,17 @@ void draw(const std::filesystem::path& directory, const std::vector<TeleopRow>& 
       append(text, "with linespoints lw 1.6 pt 7 ps 0.8 lc rgb '%s' title '%s'", kColors.at(i),
              law.c_str());
     }
+    if (*separator == '\0') return std::string();  // no row: nothing to draw
     return text + "\nunset key\n";
   };
   std::string script =
-      "set terminal pngcairo size 1500,820 font 'Sans,11'\nset output 'teleop.png'\n"
+      "set terminal pngcairo size 1900,820 font 'Sans,11'\nset output 'teleop.png'\n"
       "set datafile separator ','\nset datafile missing NaN\nset grid lt 1 lc rgb '#dddddd'\nset "
       "xrange [0:300]\n"
       "set key noenhanced top right maxrows 6\nset xlabel 'round trip [ms]'\n"
-      "set multiplot layout 2,3 title 'Teleoperation laws on one bench, no jitter, no loss'\n";
+      "set multiplot layout 2,4 title 'Teleoperation laws, no jitter, no loss'\n";
   script += "set yrange [0:2]\n";
-  constexpr int kDisplayed = 6, kDrag = 8, kError = 10, kMade = 13;
+  constexpr int kDisplayed = 6, kDrag = 8, kError = 10, kMade = 14;
   script += panel("first press", "press_first", kDisplayed, 1.0, "displayed / series stiffness");
   script += "set yrange [0:1.5]\n";
   script += panel("second press", "press_second", kDisplayed, 1.0, "displayed / series stiffness");
@@ -100,6 +105,8 @@ void draw(const std::filesystem::path& directory, const std::vector<TeleopRow>& 
   script += panel("free motion", "free", kDrag, 1.0, "drag [N]");
   script += panel("taps", "taps", kError, 1.0, "force error [N]");
   script += panel("moving wall", "moving_wall", kError, 1.0, "force error [N]");
+  script += panel("around a ball", "sphere", kError, 1.0, "force error [N]");
+  script += panel("peg", "peg", kError, 1.0, "force error [N]");
   script += "set logscale y\nset yrange [1e-6:100]\n";
   script += panel("moving wall", "moving_wall", kMade, 1.0, "energy made [J]");
   script += "unset multiplot\n";
@@ -130,7 +137,7 @@ std::string teleop_table(const std::vector<TeleopRow>& rows) {
     };
     append(text, "\n%s\n", title);
     append(text, "  %-22s|   first   second swing um   drag N track mm   taps N moving N", "law");
-    text += " vanish N   lift N blackout  drift mm   made J\n";
+    text += " vanish N   lift N blackout drift mm sphere N    peg N    in mm   made J\n";
     for (const std::string_view law : law_names()) {
       append(text, "  %-22s|", std::string(law).c_str());
       const auto add = [&](std::string_view task, auto field, double scale, int digits) {
@@ -149,6 +156,9 @@ std::string teleop_table(const std::vector<TeleopRow>& rows) {
       add("lift", &Measured::force_error, 1.0, kFine);
       add("blackout", &Measured::displayed, 1.0, kFine);
       add("drift", &Measured::drift, kMilli, kFine);
+      add("sphere", &Measured::force_error, 1.0, kFine);
+      add("peg", &Measured::force_error, 1.0, kFine);
+      add("peg", &Measured::inserted, kMilli, kCoarse);
       double made = 0.0;
       for (const TeleopRow& r : rows)
         if (r.made.law == law && r.made.jitter == jitter && r.made.loss == loss)

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -24,7 +25,8 @@ class Way {
     const LinkFate fate = model_.next(kSize, entered);
     if (cut) return;
     for (int i = 0; i < fate.copies; ++i)
-      waiting_.push_back({fate.arrivals[static_cast<std::size_t>(i)], message});
+      waiting_.push_back(
+          {fate.arrivals[static_cast<std::size_t>(i)], std::make_unique<Message>(message)});
   }
 
   /// The datagrams that have arrived since the last call, in the order of arrival.
@@ -35,7 +37,7 @@ class Way {
     std::stable_sort(first, waiting_.end(),
                      [](const Waiting& a, const Waiting& b) { return a.due < b.due; });
     arrived_.clear();
-    std::for_each(first, waiting_.end(), [&](const Waiting& w) { arrived_.push_back(w.message); });
+    std::for_each(first, waiting_.end(), [&](const Waiting& w) { arrived_.push_back(*w.message); });
     waiting_.erase(first, waiting_.end());
     return arrived_;
   }
@@ -43,7 +45,7 @@ class Way {
  private:
   struct Waiting {
     Nanoseconds due;
-    Message message;
+    std::unique_ptr<Message> message;  // a large one is not moved while it waits
   };
   LinkModel model_;
   std::vector<Waiting> waiting_;

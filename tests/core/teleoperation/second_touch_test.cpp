@@ -83,5 +83,22 @@ TEST(SecondTouch, AStiffnessThatIsNotKnownYetIsNoMotionOfTheSurface) {
   EXPECT_LT(fastest, 1e-3) << "the tool did not move, and neither did the surface";
 }
 
+/// An arm that hits sticks and springs back, and friction leans its force to one side and then to
+/// the other. The normal followed it, and the hand's force jumped with the normal.
+TEST(FirstTouch, AForceThatLeansToBothSidesDoesNotSwingTheNormal) {
+  ContactEstimate estimate({});
+  double most = -1.0, least = 1.0;
+  for (int n = 0; n < 60; ++n) {
+    const double normal_force = 3.0, side = kFriction * normal_force;
+    const Vec3 force(n < 30 ? -side : side, 0.0, normal_force);
+    const Vec3 tip(0.0, 0.0, -normal_force / kStiffness);
+    const double lean = estimate.step({tip, Vec3::Zero(), force, kPeriod}).normal.x();
+    most = std::max(most, lean);
+    least = std::min(least, lean);
+  }
+  EXPECT_NEAR(least, -0.287, 0.01) << "the first force is all that is known";
+  EXPECT_LT(most, 0.05) << "both sides cancel";
+}
+
 }  // namespace
 }  // namespace feltwire::second_touch_test
