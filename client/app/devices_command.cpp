@@ -9,6 +9,7 @@
 
 #include "client/devices/drivers.hpp"
 #include "client/devices/plugged_in.hpp"
+#include "client/run/device_check.hpp"
 #include "core/base/visible_text.hpp"
 
 namespace feltwire {
@@ -33,14 +34,45 @@ bool show_libraries(const std::vector<PluggedIn>& devices) {
   return missed;
 }
 
+/// Opens the device, lets it tick without a force, and prints how well it did.
+int show_rate(const std::string& words, const std::string& firmware, double span, double rate) {
+  try {
+    const DriverChoice choice = chosen_driver(words);
+    DeviceRequest request;
+    request.name = choice.name;
+    request.firmware = firmware;
+    const OpenedDevice opened = choice.driver->open(request);
+    const std::vector<Finding> findings = judge(watch_ticks(*opened.device, span, rate));
+    std::printf("%s for %.1f s, without a force\n%s", visible(opened.device->spec().name).c_str(),
+                span, table(findings).c_str());
+    return worst(findings) == Verdict::fail ? 1 : 0;
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "feltwire-client devices: %s\n", visible(error.what()).c_str());
+    return 1;
+  }
+}
+
 }  // namespace
 
 int devices_command(int argc, char** argv) {
   CLI::App app("Lists the connected haptic devices, and their problems with remedies",
                "feltwire-client devices");
   Machine machine;
-  std::string root = "/";
+  std::string root = "/", rated, firmware;
+  double span = 5.0, rate = 1000.0;
   app.add_option("--root", root, "Folder with sys, dev and proc")->capture_default_str();
+  CLI::Option* asked = app.add_option("--rate", rated,
+                                      "KIND or KIND:NAME: opens that device instead, and measures "
+                                      "its rate and jitter without a force");
+  app.add_option("--firmware", firmware, "For --rate falcon: the file")->needs(asked);
+  app.add_option("--seconds", span, "[s] For --rate")
+      ->capture_default_str()
+      ->check(CLI::Range(0.1, 3600.0))
+      ->needs(asked);
+  app.add_option("--hz", rate, "[Hz] For --rate, of a device that sets no pace")
+      ->capture_default_str()
+      ->check(CLI::Range(1.0, 20000.0))
+      ->needs(asked);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -49,6 +81,7 @@ int devices_command(int argc, char** argv) {
                  visible(error.what()).c_str());
     return 2;
   }
+  if (!rated.empty()) return show_rate(rated, firmware, span, rate);
   machine.root = root;
   const std::vector<PluggedIn> devices = plugged_in(machine);
   std::printf("Plugged in\n%s\nMakers' libraries and services\n",

@@ -2,9 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
-#include <cstdio>
-#include <nlohmann/json.hpp>
 #include <utility>
 
 #include "core/base/units.hpp"
@@ -15,32 +12,16 @@ namespace {
 
 constexpr double kNanoseconds = 1e9;
 
-std::string text(double value, int digits) {
-  std::array<char, 64> text{};
-  std::snprintf(text.data(), text.size(), "%.*f", digits, value);
-  return text.data();
-}
-
-/// Passes up to the first limit and fails above the second.
-Verdict rising(double value, double passes, double works) {
-  if (!(value <= works)) return Verdict::fail;
-  return value <= passes ? Verdict::pass : Verdict::warn;
-}
-
-Finding found(std::string_view what, Verdict verdict, std::string figure, std::string remedy) {
-  if (verdict == Verdict::pass) remedy.clear();
-  return {what, verdict, std::move(figure), std::move(remedy)};
-}
-
 const char* const kQuietMachine =
     "give the client a machine with less to do, the rights of docs/devices.md (real-time "
     "scheduling), or a lower --rate";
 
 Finding session(const RunFigures& run) {
   const bool whole = run.end == EndReason::duration || run.end == EndReason::requested;
-  return found("session", whole ? Verdict::pass : Verdict::fail,
-               whole ? text(run.duration, 1) + " s" : "ended early: " + std::string(name(run.end)),
-               "the last lines of the client and the server's log say why");
+  return found(
+      "session", whole ? Verdict::pass : Verdict::fail,
+      whole ? figure(run.duration, 1) + " s" : "ended early: " + std::string(name(run.end)),
+      "the last lines of the client and the server's log say why");
 }
 
 Finding rate(const RunFigures& run) {
@@ -49,7 +30,7 @@ Finding rate(const RunFigures& run) {
   const auto due = static_cast<double>(run.samples + run.missed_deadlines);
   const double missing = due > 0.0 ? static_cast<double>(run.missed_deadlines) / due : 1.0;
   return found("rate", rising(missing, kPasses, kWorks),
-               text((1.0 - missing) * wanted, 1) + " of " + text(wanted, 0) + " ticks a second",
+               figure((1.0 - missing) * wanted, 1) + " of " + figure(wanted, 0) + " ticks a second",
                kQuietMachine);
 }
 
@@ -57,8 +38,8 @@ Finding wakeups(const RunFigures& run) {
   constexpr double kPasses = 0.1, kWorks = 0.5;  // of a servo period
   const double late = run.wakeup_late.quantile(0.99) / kNanoseconds;
   return found("late wake-ups", rising(late / run.servo_period, kPasses, kWorks),
-               "99 % of ticks within " + text(kMicro * late, 0) + " us, the worst " +
-                   text(static_cast<double>(run.wakeup_late.max()) / kMilli, 0) + " us",
+               "99 % of ticks within " + figure(kMicro * late, 0) + " us, the worst " +
+                   figure(static_cast<double>(run.wakeup_late.max()) / kMilli, 0) + " us",
                kQuietMachine);
 }
 
@@ -91,7 +72,7 @@ Finding clock(const MachineFacts& machine) {
   const Verdict verdict = rising(machine.clock_resolution, kPasses, kWorks);
   return found("clock", slow ? std::max(verdict, Verdict::warn) : verdict,
                (machine.clock_source.empty() ? "unknown source" : machine.clock_source) + ", " +
-                   text(kNanoseconds * machine.clock_resolution, 0) + " ns",
+                   figure(kNanoseconds * machine.clock_resolution, 0) + " ns",
                "boot the kernel with clocksource=tsc where the processor has a steady one, or a "
                "kernel with high resolution timers");
 }
@@ -111,26 +92,27 @@ Finding round_trip(const RunFigures& run) {
   constexpr double kPasses = 0.25, kWorks = 0.5;  // of the hold time; then commands fade
   const double p50 = run.round_trip.quantile(0.5) / kNanoseconds;
   const double p99 = run.round_trip.quantile(0.99) / kNanoseconds;
-  return found(
-      "round trip", rising(p99 / run.hold_time, kPasses, kWorks),
-      "half within " + text(kMilli * p50, 2) + " ms, 99 % within " + text(kMilli * p99, 2) + " ms",
-      kLongLine);
+  return found("round trip", rising(p99 / run.hold_time, kPasses, kWorks),
+               "half within " + figure(kMilli * p50, 2) + " ms, 99 % within " +
+                   figure(kMilli * p99, 2) + " ms",
+               kLongLine);
 }
 
 Finding jitter(const RunFigures& run) {
   constexpr double kWorks = 0.125;  // of the hold time
   const double passes = std::max(run.servo_period, kWorks / 4.0 * run.hold_time);
   return found("jitter", rising(*run.jitter, passes, kWorks * run.hold_time),
-               text(kMilli * *run.jitter, 2) + " ms from one datagram to the next",
+               figure(kMilli * *run.jitter, 2) + " ms from one datagram to the next",
                "a cable instead of radio; --dscp, where the network heeds it; --profile wifi");
 }
 
 Finding loss(const RunFigures& run) {
   constexpr double kPasses = 0.001, kWorks = 0.05;
   const double share = static_cast<double>(run.lost) / static_cast<double>(run.datagrams);
-  return found("loss", rising(share, kPasses, kWorks),
-               text(kPercent * share, 2) + " % of " + std::to_string(run.datagrams) + " datagrams",
-               "--redundancy 2 repeats samples; a cable instead of radio; less traffic beside it");
+  return found(
+      "loss", rising(share, kPasses, kWorks),
+      figure(kPercent * share, 2) + " % of " + std::to_string(run.datagrams) + " datagrams",
+      "--redundancy 2 repeats samples; a cable instead of radio; less traffic beside it");
 }
 
 Finding datagram_size(const RunFigures& run, const MachineFacts& machine) {
@@ -149,11 +131,7 @@ Finding datagram_size(const RunFigures& run, const MachineFacts& machine) {
                    "datagram (--batch, --redundancy)");
 }
 
-constexpr std::array<std::string_view, 3> kVerdicts = {"pass", "warn", "fail"};
-
 }  // namespace
-
-std::string_view name(Verdict verdict) { return kVerdicts[static_cast<std::size_t>(verdict)]; }
 
 std::vector<Finding> judge(const RunFigures& run, const MachineFacts& machine) {
   std::vector<Finding> findings = {
@@ -166,33 +144,6 @@ std::vector<Finding> judge(const RunFigures& run, const MachineFacts& machine) {
   }
   findings.push_back(datagram_size(run, machine));
   return findings;
-}
-
-Verdict worst(const std::vector<Finding>& findings) {
-  const auto found = std::ranges::max_element(findings, {}, &Finding::verdict);
-  return found == findings.end() ? Verdict::pass : found->verdict;
-}
-
-std::string table(const std::vector<Finding>& findings) {
-  constexpr std::size_t kWidth = 14;
-  std::string text;
-  for (const Finding& finding : findings) {
-    std::string what(finding.what);
-    what.resize(std::max(kWidth, what.size()), ' ');
-    text += std::string(name(finding.verdict)) + "  " + what + "  " + finding.figure + "\n";
-    if (!finding.remedy.empty()) text += "      remedy: " + finding.remedy + "\n";
-  }
-  return text;
-}
-
-std::string json(const std::vector<Finding>& findings) {
-  auto list = nlohmann::ordered_json::array();
-  for (const Finding& finding : findings)
-    list.push_back({{"what", finding.what},
-                    {"verdict", name(finding.verdict)},
-                    {"figure", finding.figure},
-                    {"remedy", finding.remedy}});
-  return list.dump();
 }
 
 }  // namespace feltwire

@@ -1,0 +1,133 @@
+#include "client/run/device_check.hpp"
+
+#include <algorithm>
+#include <optional>
+#include <thread>
+
+#include "core/base/units.hpp"
+#include "protocol/net/clock.hpp"
+
+namespace feltwire {
+namespace {
+
+constexpr Nanoseconds kTickPatience = std::chrono::milliseconds(25);
+constexpr double kPerSecond = 1e9;  // [ns]
+
+const char* const kCalmMachine =
+    "end other programs, connect the device without a hub, and give the client the rights of "
+    "docs/devices.md (real-time scheduling)";
+
+void tick_until(Device& device, Nanoseconds end, Nanoseconds period, DeviceTicks& told) {
+  const bool paced = device.longest_tick() > Nanoseconds(0);
+  std::optional<Nanoseconds> last;
+  for (Nanoseconds due = monotonic_now(); monotonic_now() < end; due += period) {
+    if (!paced) {
+      due = std::max(due, monotonic_now() - period);  // what was slept through is not made up for
+      std::this_thread::sleep_for(due - monotonic_now());
+    }
+    const bool came = !paced || device.await_tick(monotonic_now() + kTickPatience);
+    const Nanoseconds now = monotonic_now();
+    if (!came) {
+      ++told.missed;
+      last.reset();
+      continue;
+    }
+    const DeviceReading reading = device.read(now);
+    if (reading.ok && !reading.fresh)
+      ++told.repeated;
+    else
+      device.write({});
+    ++told.ticks;
+    told.faults += reading.ok ? 0 : 1;
+    if (last) {
+      told.interval.record((now - *last).count());
+      told.overlong += paced && now - *last > device.longest_tick() ? 1 : 0;
+    }
+    last = now;
+  }
+}
+
+double share(std::uint64_t part, std::uint64_t whole) {
+  return whole > 0 ? static_cast<double>(part) / static_cast<double>(whole) : 1.0;
+}
+
+std::string milliseconds(double nanoseconds) {
+  return figure(kMilli * nanoseconds / kPerSecond, 2) + " ms";
+}
+
+Finding rate(const DeviceTicks& t) {
+  constexpr double kPasses = 0.0, kWorks = 0.01;  // of the ticks
+  return found("rate", rising(share(t.missed, t.ticks + t.missed), kPasses, kWorks),
+               figure(t.span > 0.0 ? static_cast<double>(t.ticks) / t.span : 0.0, 1) +
+                   " ticks a second, " + std::to_string(t.missed) + " missed",
+               std::string("see that the device is on and calibrated; ") + kCalmMachine);
+}
+
+Finding jitter(const DeviceTicks& t) {
+  constexpr double kPasses = 0.2, kWorks = 1.0;  // of the usual interval
+  const double half = t.interval.quantile(0.5), most = t.interval.quantile(0.99);
+  const double spread = half > 0.0 ? (most - half) / half : kWorks + 1.0;
+  return found("jitter", rising(spread, kPasses, kWorks),
+               "half within " + milliseconds(half) + ", 99 % within " + milliseconds(most) +
+                   ", the longest " + milliseconds(static_cast<double>(t.interval.max())),
+               kCalmMachine);
+}
+
+Finding longest(const DeviceTicks& t) {
+  constexpr double kPasses = 0.001, kWorks = 0.05;  // of the ticks
+  return found("longest tick", rising(share(t.overlong, t.ticks), kPasses, kWorks),
+               std::to_string(t.overlong) + " of " + std::to_string(t.ticks) +
+                   " ticks longer than the " + milliseconds(kPerSecond * t.longest_tick) +
+                   " that the driver counts on",
+               kCalmMachine);
+}
+
+Finding readings(const DeviceTicks& t) {
+  constexpr double kPasses = 0.01, kWorks = 0.5;  // of the ticks
+  const std::uint64_t fresh = t.ticks - std::min(t.repeated, t.ticks);
+  const double fresh_rate = t.span > 0.0 ? static_cast<double>(fresh) / t.span : 0.0;
+  return found(
+      "readings", rising(share(t.repeated, t.ticks), kPasses, kWorks),
+      figure(fresh_rate, 1) + " new ones a second",
+      "--rate " + figure(fresh_rate, 0) + " for the session: a faster servo gains nothing");
+}
+
+Finding faults(const DeviceTicks& t) {
+  return found("faults", t.faults == 0 && t.ticks > 0 ? Verdict::pass : Verdict::fail,
+               std::to_string(t.faults) + " of " + std::to_string(t.ticks) + " readings",
+               "see the device's cable, power and calibration; docs/devices.md says what each "
+               "driver takes for a fault");
+}
+
+Finding permissions(const DeviceTicks& t) {
+  const std::string less = missing(t.real_time, kServoPriority);
+  return found("permissions", less.empty() ? Verdict::pass : Verdict::warn,
+               std::string("real-time scheduling ") + (t.real_time.scheduler ? "yes" : "no"), less);
+}
+
+}  // namespace
+
+DeviceTicks watch_ticks(Device& device, double span, double rate) {
+  DeviceTicks told;
+  told.longest_tick = seconds(device.longest_tick());
+  std::thread servo([&] {
+    told.real_time = request_real_time(kServoPriority);
+    const Nanoseconds begin = monotonic_now();
+    tick_until(device, begin + from_seconds(span), from_seconds(1.0 / rate), told);
+    told.span = seconds(monotonic_now() - begin);
+  });
+  servo.join();
+  device.release();
+  return told;
+}
+
+std::vector<Finding> judge(const DeviceTicks& ticks) {
+  std::vector<Finding> findings = {rate(ticks), jitter(ticks)};
+  if (ticks.longest_tick > 0.0) findings.push_back(longest(ticks));
+  findings.push_back(readings(ticks));
+  findings.push_back(faults(ticks));
+  findings.push_back(permissions(ticks));
+  return findings;
+}
+
+}  // namespace feltwire

@@ -1,0 +1,39 @@
+#pragma once
+// What a check found: a measured figure, the verdict on it, and the remedy.
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace feltwire {
+
+enum class Verdict : std::uint8_t {
+  pass,
+  warn,  // it works, and the hand may feel it now and then
+  fail   // forces will be late, faded or missing
+};
+std::string_view name(Verdict verdict);
+
+struct Finding {
+  std::string_view what;  // "rate"
+  Verdict verdict = Verdict::pass;
+  std::string figure;  // the measured value, with its unit
+  std::string remedy;  // empty where it passes
+};
+
+/// Passes up to the first limit and fails above the second.
+Verdict rising(double value, double passes, double works);
+/// What passes needs no remedy: it is dropped then.
+Finding found(std::string_view what, Verdict verdict, std::string figure, std::string remedy);
+/// With that many digits behind the point.
+std::string figure(double value, int digits);
+
+/// The worst of them; pass if there is none.
+Verdict worst(const std::vector<Finding>& findings);
+/// A line each, and its remedy below it.
+std::string table(const std::vector<Finding>& findings);
+/// A JSON list, for the report.
+std::string json(const std::vector<Finding>& findings);
+
+}  // namespace feltwire
