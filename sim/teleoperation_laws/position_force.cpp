@@ -92,7 +92,7 @@ Vec3 SpatialPositionForce::lead(const SpatialLeaderSample& s,
                                 std::span<const SpatialDatagram> arrived, SpatialDatagram& out) {
   newest_.take(arrived);
   const Vec3 wanted = newest_.known() ? newest_->force : Vec3::Zero();
-  const Vec3 force = bound_.step(s.position, wanted);
+  Vec3 force = bound_.step(s.position, wanted);
   say(s, force, out);
   return force;
 }
@@ -102,7 +102,7 @@ Vec3 SpatialTwoPortForce::lead(const SpatialLeaderSample& s,
   for (const SpatialDatagram& d : arrived) bound_.take(d.counted);
   newest_.take(arrived);
   const Vec3 wanted = newest_.known() ? newest_->force : Vec3::Zero();
-  const Vec3 force = bound_.step(s.position, wanted, newest_.known() && !newest_->touching);
+  Vec3 force = bound_.step(s.position, wanted, newest_.known() && !newest_->touching);
   say(s, force, out);
   return force;
 }
@@ -111,7 +111,7 @@ SpatialFollowerForce SpatialTwoPortForce::follow(const SpatialFollowerSample& s,
                                                  std::span<const SpatialDatagram> arrived,
                                                  SpatialDatagram& out) {
   counted_.moved(s.force, moved(follower_before_, s.position), period_);
-  const SpatialFollowerForce force = follower_.step(s, arrived, out);
+  SpatialFollowerForce force = follower_.step(s, arrived, out);
   out.counted = counted_.counters();
   out.touching = length(s.force) > kTouches;
   return force;

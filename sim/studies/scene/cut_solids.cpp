@@ -62,8 +62,10 @@ void add_walls(std::uint32_t low, std::uint32_t high, std::uint32_t count, Trian
 }
 
 std::vector<Vec3> box_corners(const Vec3& least, const Vec3& most) {
+  constexpr int kCorners = 8;
   std::vector<Vec3> corners;
-  for (int i = 0; i < 8; ++i)
+  corners.reserve(kCorners);
+  for (int i = 0; i < kCorners; ++i)
     corners.emplace_back((i & 1) != 0 ? most.x() : least.x(), (i & 2) != 0 ? most.y() : least.y(),
                          (i & 4) != 0 ? most.z() : least.z());
   return corners;
