@@ -1,7 +1,6 @@
 #include "client/run/device_check.hpp"
 
 #include <algorithm>
-#include <optional>
 #include <thread>
 
 #include "core/base/units.hpp"
@@ -19,7 +18,8 @@ const char* const kCalmMachine =
 
 void tick_until(Device& device, Nanoseconds end, Nanoseconds period, DeviceTicks& told) {
   const bool paced = device.longest_tick() > Nanoseconds(0);
-  std::optional<Nanoseconds> last;
+  constexpr Nanoseconds kNone{-1};
+  Nanoseconds last = kNone;
   for (Nanoseconds due = monotonic_now(); monotonic_now() < end; due += period) {
     if (!paced) {
       due = std::max(due, monotonic_now() - period);  // what was slept through is not made up for
@@ -29,7 +29,7 @@ void tick_until(Device& device, Nanoseconds end, Nanoseconds period, DeviceTicks
     const Nanoseconds now = monotonic_now();
     if (!came) {
       ++told.missed;
-      last.reset();
+      last = kNone;
       continue;
     }
     const DeviceReading reading = device.read(now);
@@ -39,9 +39,9 @@ void tick_until(Device& device, Nanoseconds end, Nanoseconds period, DeviceTicks
       device.write({});
     ++told.ticks;
     told.faults += reading.ok ? 0 : 1;
-    if (last) {
-      told.interval.record((now - *last).count());
-      told.overlong += paced && now - *last > device.longest_tick() ? 1 : 0;
+    if (last != kNone) {
+      told.interval.record((now - last).count());
+      told.overlong += paced && now - last > device.longest_tick() ? 1 : 0;
     }
     last = now;
   }
