@@ -4,18 +4,12 @@
 
 #include <algorithm>
 
-#include "core/base/types.hpp"
+#include "core/base/shortened.hpp"
 
 namespace feltwire {
 
 /// [m/s] speed with which the intended place yields to a push.
 inline constexpr double kYielding = 0.05;
-
-/// Returns the vector, shortened to the length `most` if it is longer.
-inline Vec3 shortened(const Vec3& v, double most) noexcept {
-  const double length = v.norm();
-  return length > most ? Vec3(v * (most / length)) : v;
-}
 
 /// Moves the intended place by `way`. `lead` is the vector from the hand to the intended place [m,
 /// or rad for a wrist]. Returns the new vector. Its length is at most `reach`, or the old length

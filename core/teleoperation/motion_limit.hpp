@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "core/base/numeric.hpp"
+#include "core/base/shortened.hpp"
 #include "core/base/types.hpp"
 
 namespace feltwire {
@@ -97,10 +98,6 @@ class MotionLimit {
     const double most = limits_.turning * elapsed;
     here_.orientation = angle > most ? here_.orientation.slerp(most / angle, wanted).normalized()
                                      : wanted.normalized();
-  }
-  static Vec3 shortened(const Vec3& v, double most) noexcept {
-    const double length = v.norm();
-    return length > most ? Vec3(v * (most / length)) : v;
   }
 
   MotionLimits limits_;

@@ -8,7 +8,6 @@
 #include "core/teleoperation/energy_counters.hpp"
 #include "core/teleoperation/two_port_bound.hpp"
 #include "sim/teleoperation_laws/impedance_follower.hpp"
-#include "sim/teleoperation_laws/spatial_impedance.hpp"
 
 namespace feltwire::teleop {
 

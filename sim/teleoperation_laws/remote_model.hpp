@@ -42,8 +42,8 @@ class RemoteModel final : public TeleoperationLaw {
   TargetVelocity target_velocity_;
 };
 
-/// The same in three degrees of freedom. `model` says the surfaces that are known before they are
-/// touched; without one there is none.
+/// feltwire's own law in three degrees of freedom. `model` gives the surfaces that are known before
+/// the robot touches them. Without a model no surface is known.
 class SpatialRemoteModel final : public SpatialLaw {
  public:
   explicit SpatialRemoteModel(const Plant& plant, SurfaceModel model = {})

@@ -1,9 +1,10 @@
 #pragma once
 
-#include <cmath>
+#include <algorithm>
 #include <optional>
 
 #include "core/base/numeric.hpp"
+#include "core/base/shortened.hpp"
 #include "sim/teleoperation_laws/port_tank.hpp"
 #include "sim/teleoperation_laws/spatial_law.hpp"
 
@@ -20,7 +21,7 @@ class SpatialTwoLayer final : public SpatialLaw {
             SpatialDatagram& out) override {
     constexpr double kDamper = 50.0;  // [N s/m] for each joule
     follower_.take(arrived);
-    exchange(leader_tank_, held_.dot(moved(hand_before_, s.position)), arrived);
+    leader_tank_.exchange(held_.dot(moved(hand_before_, s.position)), arrived);
     Vec3 force = Vec3::Zero();
     if (follower_.known()) force = paid(leader_tank_, follower_->force, s.velocity);
     force += kDamper * std::max(0.0, PortTank::kLevel - leader_tank_.level) * s.velocity;
@@ -35,7 +36,7 @@ class SpatialTwoLayer final : public SpatialLaw {
                               std::span<const SpatialDatagram> arrived,
                               SpatialDatagram& out) override {
     leader_.take(arrived);
-    exchange(robot_tank_, -drive_.dot(moved(robot_before_, s.position)), arrived);
+    robot_tank_.exchange(-drive_.dot(moved(robot_before_, s.position)), arrived);
     Vec3 force = Vec3::Zero();
     if (leader_.known())
       force = plant_.stiffness * (leader_->position - s.position) +
@@ -47,14 +48,8 @@ class SpatialTwoLayer final : public SpatialLaw {
   }
 
  private:
-  static void exchange(PortTank& tank, double work, std::span<const SpatialDatagram> arrived) {
-    tank.add(work);
-    for (const SpatialDatagram& d : arrived) tank.receive(d.energy);
-    tank.send();
-  }
   Vec3 paid(const PortTank& tank, const Vec3& force, const Vec3& velocity) const {
-    const double most = tank.most(length(velocity) * plant_.period), wanted = length(force);
-    return wanted > most ? Vec3(most / wanted * force) : force;
+    return shortened(force, tank.most(length(velocity) * plant_.period));
   }
 
   Plant plant_;

@@ -28,7 +28,7 @@ class TwoLayer final : public TeleoperationLaw {
     const double way = begun_ ? s.position - before_ : 0.0;
     before_ = s.position;
     begun_ = true;
-    exchange(leader_tank_, held_ * way, arrived);
+    leader_tank_.exchange(held_ * way, arrived);
     double force =
         paid(leader_tank_, follower_.known() ? follower_->force : 0.0, s.velocity * plant_.period);
     force += kDamper * std::max(0.0, PortTank::kLevel - leader_tank_.level) * s.velocity;
@@ -45,7 +45,7 @@ class TwoLayer final : public TeleoperationLaw {
     const double way = started_ ? s.position - robot_before_ : 0.0;
     robot_before_ = s.position;
     started_ = true;
-    exchange(robot_tank_, -drive_ * way, arrived);
+    robot_tank_.exchange(-drive_ * way, arrived);
     double force = 0.0;
     if (leader_.known())
       force = plant_.stiffness * (leader_->position - s.position) +
@@ -57,11 +57,6 @@ class TwoLayer final : public TeleoperationLaw {
   }
 
  private:
-  static void exchange(PortTank& tank, double work, std::span<const Datagram> arrived) {
-    tank.add(work);
-    for (const Datagram& d : arrived) tank.receive(d.energy);
-    tank.send();
-  }
   static double paid(const PortTank& tank, double force, double way) {
     const double most = tank.most(std::abs(way));
     return std::clamp(force, -most, most);

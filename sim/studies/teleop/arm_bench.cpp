@@ -19,6 +19,8 @@
 #include "sim/arm/arm.hpp"
 #include "sim/measure/metrics.hpp"
 #include "sim/studies/teleop/bench.hpp"
+#include "sim/studies/teleop/minimum_jerk.hpp"
+#include "sim/studies/teleop/port_energy.hpp"
 #include "sim/studies/teleop/way.hpp"
 #include "sim/teleoperation_laws/remote_ends.hpp"
 
@@ -41,13 +43,6 @@ struct Meant {
   Vec3 place = Vec3::Zero();
   double gripper = 0.0;
 };
-
-/// 0 to 1 without a jerk at either end (minimum jerk).
-double eased(double from, double until, double t) {
-  constexpr double kFirst = 10.0, kSecond = 15.0, kThird = 6.0;
-  const double u = std::clamp((t - from) / (until - from), 0.0, 1.0);
-  return u * u * u * (kFirst - u * (kSecond - u * kThird));
-}
 
 /// From 20 mm above the table to 40 mm below its top; `down`: the share of the way, 0 to 1.
 Meant into_table(double down) {
@@ -262,7 +257,8 @@ ArmMeasured judge(const Task& task, const std::vector<ArmSample>& samples) {
   };
   const std::size_t first = at(task.from), last = std::min(at(task.until), samples.size() - 1);
   ArmMeasured m;
-  double delivered = 0.0, burned = 0.0, exchanged = 0.0, errors = 0.0, box = 0.0;
+  HandEnergy energy;
+  double errors = 0.0, box = 0.0;
   Vec3 robot = Vec3::Zero(), hand = Vec3::Zero();
   std::vector<double> heights;
   for (std::size_t n = 1; n < samples.size(); ++n) {
@@ -273,11 +269,8 @@ ArmMeasured judge(const Task& task, const std::vector<ArmSample>& samples) {
     else
       m.peak = std::max(m.peak, force);
     const Vec3 way = s.shown - samples[n - 1].shown;
-    const double work = samples[n - 1].held.dot(way);
-    delivered += work;
-    exchanged += std::abs(work);
-    burned += plant.leader_damping * way.squaredNorm() / plant.period;
-    m.energy_made = std::max(m.energy_made, delivered - burned - s.pushed);
+    energy.add(samples[n - 1].held.dot(way),
+               plant.leader_damping * way.squaredNorm() / plant.period, s.pushed);
     if (n < first || n >= last) continue;
     robot += s.contact;
     hand += s.held;
@@ -288,8 +281,7 @@ ArmMeasured judge(const Task& task, const std::vector<ArmSample>& samples) {
     if (const auto i = intended(task, s, static_cast<double>(n) * plant.period, plant.stiffness))
       m.intended = m.intended.value_or(0.0) + *i;
   }
-  constexpr double kRounding = 1e-12;
-  if (m.energy_made <= kRounding * exchanged) m.energy_made = 0.0;
+  m.energy_made = energy.made();
   const auto count = static_cast<double>(heights.size());
   if (m.intended) *m.intended /= count;
   m.robot_force = length(Vec3(robot / count));

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "sim/studies/teleop/port_energy.hpp"
 #include "sim/studies/teleop/sensors.hpp"
 #include "sim/studies/teleop/way.hpp"
 
@@ -68,7 +69,8 @@ std::vector<BenchSample> run_bench(TeleoperationLaw& law, const BenchSetup& setu
   const double hand_mass = setup.hand.mass + plant.leader_mass;
   const double smooth = 1.0 - std::exp(-kTwoPi * kVelocityCutoff * period);
   double shown = rounded(start, plant.leader_quantum), velocity = 0.0;
-  double held = 0.0, contact = 0.0, given = 0.0, most = 0.0, pushed = 0.0;
+  double held = 0.0, contact = 0.0;
+  ContactPush push;
   std::vector<BenchSample> samples;
   const auto count = static_cast<std::uint64_t>(std::llround(setup.duration / period));
   samples.reserve(count);
@@ -79,7 +81,7 @@ std::vector<BenchSample> run_bench(TeleoperationLaw& law, const BenchSetup& setu
     shown = rounded(hand.position, plant.leader_quantum);
     velocity += smooth * ((shown - before) / period - velocity);
     samples.push_back({hand.position, shown, held, robot.position, law.offset(), world.surface(now),
-                       contact, pushed});
+                       contact, push.pushed});
 
     Datagram sent{.index = n, .time = now};
     held = std::clamp(law.lead({now, shown, velocity}, back.receive(now), sent),
@@ -108,10 +110,7 @@ std::vector<BenchSample> run_bench(TeleoperationLaw& law, const BenchSetup& setu
           (robot.velocity + part * drive / plant.follower_mass) /
           (1.0 + part * (servo.damping + plant.follower_damping) / plant.follower_mass);
       robot.position += part * robot.velocity;
-      given = contact > 0.0 ? given - contact * part * robot.velocity : 0.0;
-      most = contact > 0.0 ? most : 0.0;
-      pushed += std::max(0.0, given - most);
-      most = std::max(most, given);
+      push.add(contact > 0.0, -(contact * part * robot.velocity));
     }
   }
   return samples;

@@ -5,6 +5,8 @@
 #include <numbers>
 
 #include "core/base/numeric.hpp"
+#include "core/base/shortened.hpp"
+#include "sim/studies/teleop/port_energy.hpp"
 #include "sim/studies/teleop/sensors.hpp"
 #include "sim/studies/teleop/way.hpp"
 
@@ -27,11 +29,6 @@ Vec3 each_rounded(const Vec3& v, double quantum) {
 
 Vec3 noise3(std::uint64_t seed, std::uint64_t n) {
   return {noise(seed, 3 * n), noise(seed, 3 * n + 1), noise(seed, 3 * n + 2)};
-}
-
-Vec3 at_most(const Vec3& force, double most) {
-  const double wanted = length(force);
-  return wanted > most ? Vec3(most / wanted * force) : force;
 }
 
 /// The shape's force on the robot.
@@ -66,7 +63,7 @@ std::vector<SpaceSample> run_space_bench(SpatialLaw& law, const SpaceSetup& setu
   const double smooth = 1.0 - std::exp(-2.0 * std::numbers::pi * kVelocityCutoff * period);
   Vec3 shown = each_rounded(start, plant.leader_quantum), velocity = Vec3::Zero();
   Vec3 held = Vec3::Zero(), contact = Vec3::Zero();
-  double given = 0.0, most = 0.0, pushed = 0.0;
+  ContactPush push;
   std::vector<SpaceSample> samples;
   const auto count = static_cast<std::uint64_t>(std::llround(setup.duration / period));
   samples.reserve(count);
@@ -75,10 +72,11 @@ std::vector<SpaceSample> run_space_bench(SpatialLaw& law, const SpaceSetup& setu
     const Vec3 before = shown;
     shown = each_rounded(hand.position, plant.leader_quantum);
     velocity += smooth * ((shown - before) / period - velocity);
-    samples.push_back({hand.position, shown, held, robot.position, law.offset(), contact, pushed});
+    samples.push_back(
+        {hand.position, shown, held, robot.position, law.offset(), contact, push.pushed});
 
     SpatialDatagram sent{.index = n, .time = now};
-    held = at_most(law.lead({now, shown, velocity}, back.receive(now), sent), plant.leader_force);
+    held = shortened(law.lead({now, shown, velocity}, back.receive(now), sent), plant.leader_force);
     forth.send(sent, now);
     const Vec3 sensed = contact + setup.wrench_noise * noise3(setup.seed + 1, n);
     SpatialDatagram answer{.index = n, .time = now};
@@ -97,11 +95,7 @@ std::vector<SpaceSample> run_space_bench(SpatialLaw& law, const SpaceSetup& setu
       contact = touch.force(robot);
       const Vec3 drive = servo.force + servo.damping * servo.reference + contact;
       robot.step(drive, servo.damping + plant.follower_damping, plant.follower_mass, part);
-      const bool apart = contact.isZero(0.0);
-      given = apart ? 0.0 : given + contact.dot(part * robot.velocity);
-      most = apart ? 0.0 : most;
-      pushed += std::max(0.0, given - most);
-      most = std::max(most, given);
+      push.add(!contact.isZero(0.0), contact.dot(part * robot.velocity));
     }
   }
   return samples;

@@ -6,19 +6,14 @@
 
 #include "core/base/numeric.hpp"
 #include "sim/measure/metrics.hpp"
+#include "sim/studies/teleop/minimum_jerk.hpp"
+#include "sim/studies/teleop/port_energy.hpp"
 
 namespace feltwire::teleop::in_space {
 namespace {
 
 /// [N] The largest error of the sensor: three axes of 3.5 times 10 mN.
 constexpr double kWrenchNoise = 0.06;
-
-/// 0 to 1 without a jerk at either end (minimum jerk).
-double eased(double from, double until, double t) {
-  constexpr double kFirst = 10.0, kSecond = 15.0, kThird = 6.0;
-  const double u = std::clamp((t - from) / (until - from), 0.0, 1.0);
-  return u * u * u * (kFirst - u * (kSecond - u * kThird));
-}
 
 /// From 20 mm above the ball to 30 mm inside, and 40 degrees around it within 4 s.
 Vec3 around_ball(double t) {
@@ -51,18 +46,13 @@ std::vector<SpaceTask> make_tasks() {
 }
 
 double energy_made(const Plant& plant, const std::vector<SpaceSample>& samples) {
-  double delivered = 0.0, burned = 0.0, made = 0.0, exchanged = 0.0;
+  HandEnergy hand;
   for (std::size_t n = 1; n < samples.size(); ++n) {
     const Vec3 way = samples[n].shown - samples[n - 1].shown;
-    const double work = -samples[n].held.dot(way);
-    delivered += work;
-    burned += plant.leader_damping * way.squaredNorm() / plant.period;
-    exchanged += std::abs(work);
-    made = std::max(made, delivered - burned - samples[n].pushed);
+    hand.add(-samples[n].held.dot(way), plant.leader_damping * way.squaredNorm() / plant.period,
+             samples[n].pushed);
   }
-  // Sums of this length round by no more.
-  constexpr double kRounding = 1e-12;
-  return made > kRounding * exchanged ? made : 0.0;
+  return hand.made();
 }
 
 /// [m] RMS of the three axes.
@@ -88,7 +78,7 @@ const std::vector<SpaceTask>& space_tasks() {
 Measured judge(const SpaceTask& task, const std::vector<SpaceSample>& samples) {
   const Plant& plant = task.setup.plant;
   const Shape& shape = task.setup.around;
-  const double series = plant.stiffness * shape.stiffness / (plant.stiffness + shape.stiffness);
+  const double series = series_stiffness(plant, shape.stiffness);
   const auto at = [&](double time) {
     return static_cast<std::size_t>(std::llround(time / plant.period));
   };

@@ -5,6 +5,8 @@
 #include <numbers>
 
 #include "sim/measure/metrics.hpp"
+#include "sim/studies/teleop/minimum_jerk.hpp"
+#include "sim/studies/teleop/port_energy.hpp"
 
 namespace feltwire::teleop {
 namespace {
@@ -15,13 +17,7 @@ constexpr double kDeep = 0.03, kHeld = 0.025;  // [m] that the hand means to go 
 constexpr double kStroke = 0.05, kSlow = 0.5;  // [m], [Hz] of free motion
 constexpr double kBegin = 0.5, kArrive = 1.0;  // [s] of the way in
 
-/// From a to b without a jerk at either end (minimum jerk).
-double move(double a, double b, double from, double until, double t) {
-  constexpr double kFirst = 10.0, kSecond = 15.0, kThird = 6.0;
-  const double u = std::clamp((t - from) / (until - from), 0.0, 1.0);
-  return a + (b - a) * u * u * u * (kFirst - u * (kSecond - u * kThird));
-}
-double go_in(double depth, double t) { return move(kAir, depth, kBegin, kArrive, t); }
+double go_in(double depth, double t) { return minimum_jerk(kAir, depth, kBegin, kArrive, t); }
 
 BenchSetup setup(double duration, const Surroundings& around, const Intention& intention) {
   BenchSetup s;
@@ -42,14 +38,16 @@ std::vector<Task> make_tasks() {
   const Intention press = [](double t) {
     constexpr double kLeave = 4.5, kAway = 5.0, kAgain = 6.0, kThere = 6.5;  // [s]
     if (t < kLeave) return go_in(kDeep, t);
-    return t < kAgain ? move(kDeep, kAir, kLeave, kAway, t) : move(kAir, kDeep, kAgain, kThere, t);
+    return t < kAgain ? minimum_jerk(kDeep, kAir, kLeave, kAway, t)
+                      : minimum_jerk(kAir, kDeep, kAgain, kThere, t);
   };
   const Intention sine = [](double t) { return -0.1 + kStroke * std::sin(kTurn * kSlow * t); };
   const Intention taps = [](double t) { return 0.0025 - 0.0125 * std::cos(kTurn * t); };
   const Intention hold = [](double t) { return go_in(kHeld, t); };
   const Intention carry = [](double t) {
     constexpr double kHigh = 0.04, kUp = 1.5, kDown = 4.0, kGround = 5.0;  // [m], [s]
-    return t < kDown ? move(kAir, kHigh, kBegin, kUp, t) : move(kHigh, kAir, kDown, kGround, t);
+    return t < kDown ? minimum_jerk(kAir, kHigh, kBegin, kUp, t)
+                     : minimum_jerk(kHigh, kAir, kDown, kGround, t);
   };
   const Intention rest_at_last = [sine](double t) { return sine(std::min(t, 60.0)); };
   std::vector<Task> all{{"free", Judge::free, setup(8.0, nothing, sine), {2.0, 8.0}},
@@ -76,25 +74,19 @@ double wanted_force(const Task& task, const BenchSample& s, double time) {
   if (around.kind == Surroundings::Kind::nothing || time >= around.vanishes) return 0.0;
   // A weight that is carried slowly weighs what it weighs.
   if (around.kind == Surroundings::Kind::weight) return around.mass * kGravity;
-  return series_stiffness(task.setup) * std::max(0.0, s.hand - s.offset - s.surface);
+  return series_stiffness(task.setup.plant, around.stiffness) *
+         std::max(0.0, s.hand - s.offset - s.surface);
 }
 
-/// [J] the most that the hand was given beyond what the device burned, as the encoder shows it, and
-/// what the environment had pushed until then.
 double energy_made(const BenchSetup& setup, const std::vector<BenchSample>& samples) {
   const Plant& plant = setup.plant;
-  double delivered = 0.0, burned = 0.0, made = 0.0, exchanged = 0.0;
+  HandEnergy hand;
   for (std::size_t n = 1; n < samples.size(); ++n) {
     const double way = samples[n].shown - samples[n - 1].shown;
-    const double work = -samples[n].held * way;
-    delivered += work;
-    burned += plant.leader_damping * way * way / plant.period;
-    exchanged += std::abs(work);
-    made = std::max(made, delivered - burned - samples[n].pushed);
+    hand.add(-samples[n].held * way, plant.leader_damping * way * way / plant.period,
+             samples[n].pushed);
   }
-  // Sums of this length round by no more.
-  constexpr double kRounding = 1e-12;
-  return made > kRounding * exchanged ? made : 0.0;
+  return hand.made();
 }
 
 double root_mean(double squares, double count) { return std::sqrt(squares / std::max(1.0, count)); }
@@ -106,13 +98,13 @@ const std::vector<Task>& tasks() {
   return all;
 }
 
-double series_stiffness(const BenchSetup& setup) {
-  const double k = setup.plant.stiffness, wall = setup.around.stiffness;
-  return k * wall / (k + wall);
+double series_stiffness(const Plant& plant, double surface) {
+  return plant.stiffness * surface / (plant.stiffness + surface);
 }
 
 Measured judge(const Task& task, const std::vector<BenchSample>& samples, double round_trip) {
   const double period = task.setup.plant.period;
+  const double series = series_stiffness(task.setup.plant, task.setup.around.stiffness);
   const auto at = [&](double time) {
     return static_cast<std::size_t>(std::llround(time / period));
   };
@@ -142,7 +134,7 @@ Measured judge(const Task& task, const std::vector<BenchSample>& samples, double
   constexpr double kShallow = 5e-4;  // [m] mean: less shows no stiffness
   switch (task.judge) {
     case Task::Judge::press:
-      if (depth > kShallow * count) m.displayed = force / depth / series_stiffness(task.setup);
+      if (depth > kShallow * count) m.displayed = force / depth / series;
       m.oscillation = highpass_rms(hand, 1.0 / period);
       m.force_error = root_mean(errors, count);
       break;

@@ -39,8 +39,8 @@ struct Task {
 /// Positions [m] from the wall on; the hand starts in the air.
 const std::vector<Task>& tasks();
 
-/// K_s [N/m] of the robot's controller and the wall in series.
-double series_stiffness(const BenchSetup& setup);
+/// K_s [N/m] of the robot's controller and a surface of this stiffness [N/m] in series.
+double series_stiffness(const Plant& plant, double surface);
 
 /// Judges a run of a task over this round trip [s].
 Measured judge(const Task& task, const std::vector<BenchSample>& samples, double round_trip);
