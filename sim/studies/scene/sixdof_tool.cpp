@@ -7,6 +7,7 @@
 
 #include "core/dynamics/mass_properties.hpp"
 #include "core/grid/distance_grid.hpp"
+#include "sim/studies/scene/damped_inertia.hpp"
 
 namespace feltwire {
 namespace {
@@ -21,10 +22,7 @@ ToolInertia inertia_of(const TriangleSoup& surface, const ToolCoupling& coupling
   inertia.mass = kMass;
   inertia.center = solid.center;
   inertia.inertia = kMass / solid.volume * solid.inertia;
-  inertia.damping = 2.0 * std::sqrt(coupling.stiffness * kMass);
-  inertia.rotational_damping =
-      2.0 * std::sqrt(coupling.rotational_stiffness * inertia.inertia.trace() / 3.0);
-  return inertia;
+  return critically_damped(inertia, coupling);
 }
 
 template <class T>
@@ -50,7 +48,8 @@ SixDofTool sixdof_tool(const SixDofTask& task, SixDofMethod method, std::size_t 
   const auto polygons = method.polygons ? std::make_shared<const PolygonBody>(
                                               polygon_body(task.tool.parts, {solid_parts_of(task)}))
                                         : nullptr;
-  // The same for both contacts: a shell's own radius is that of its farthest point.
+  // Both contacts get the radius of the surface. A shell has a radius of its own, that of its
+  // farthest point.
   double radius = 0.0;
   for (const Vec3& v : task.tool.surface.vertices) radius = std::max(radius, v.norm());
   ToolCoupling coupling{.stiffness = kSixDofStiffness, .max_force = kNoLimit};

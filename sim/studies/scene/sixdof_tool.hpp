@@ -29,11 +29,11 @@ struct SixDofTool {
 SixDofTool sixdof_tool(const SixDofTask& task, SixDofMethod method, std::size_t points,
                        double grid_steps);
 
-/// The same with another stiffness [N/m] of material and coupling, and without a damper beside the
-/// coupling.
+/// Returns the tool with another stiffness [N/m] of material and coupling, and without a damper
+/// beside the coupling.
 SixDofTool stiffer(const SixDofTool& tool, double stiffness);
 
-/// What the contact reads.
+/// [bytes] The memory that the contact reads: shell and grid, or parts.
 std::size_t contact_bytes(const SixDofTool& tool);
 
 }  // namespace feltwire

@@ -7,6 +7,7 @@
 
 #include "core/mesh/tessellation.hpp"
 #include "core/tool/body_tool.hpp"
+#include "sim/studies/scene/damped_inertia.hpp"
 
 namespace feltwire {
 namespace {
@@ -55,11 +56,8 @@ Pose device_at(const std::string& task, double time) {
 /// Critically damped on its coupling, which does not saturate.
 BodyTool damped_tool(const std::string& way, double mass, std::size_t points) {
   const BodyTool tool = mass_tool(way, mass, {.max_force = 1000.0}, points);
-  ToolInertia damped = tool.inertia();
-  damped.damping = 2.0 * std::sqrt(tool.coupling().stiffness * mass);
-  damped.rotational_damping =
-      2.0 * std::sqrt(tool.coupling().rotational_stiffness * damped.inertia.trace() / 3.0);
-  return {tool.shell(), tool.coupling(), kMassFace, damped};
+  return {tool.shell(), tool.coupling(), kMassFace,
+          critically_damped(tool.inertia(), tool.coupling())};
 }
 
 /// [N] The hand's force at each of `count` times, a period apart, with `finer` steps in each.

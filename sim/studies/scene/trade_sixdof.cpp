@@ -109,9 +109,8 @@ bool is_calm(const SixDofTool& tool, const SixDofTask& task, double time) {
   return squares[2] < kSlow * kSlow || squares[2] < kFades * squares[1];
 }
 
-void measure_felt(const SixDofTask& task, SixDofMethod method, const SixDofGrid& grid,
-                  SixDofCell& cell) {
-  const SixDofTool tool = sixdof_tool(task, method, grid.points, grid.grid_steps);
+void measure_felt(const SixDofTool& tool, const SixDofTask& task, SixDofMethod method,
+                  const SixDofGrid& grid, SixDofCell& cell) {
   const std::vector<Vec6> own = felt(tool, task, samples_of(task, grid), {});
   const std::vector<Vec6> fine = reference(task, method, grid, grid.finer);
   std::tie(cell.force_error, cell.torque_error) = errors(own, fine, tool.tool.radius());
@@ -126,9 +125,8 @@ void measure_felt(const SixDofTask& task, SixDofMethod method, const SixDofGrid&
   });
 }
 
-void measure_cost(const SixDofTask& task, SixDofMethod method, const SixDofGrid& grid,
+void measure_cost(const SixDofTool& tool, const SixDofTask& task, const SixDofGrid& grid,
                   SixDofCell& cell) {
-  const SixDofTool tool = sixdof_tool(task, method, grid.points, grid.grid_steps);
   const int samples = samples_of(task, grid);
   std::vector<double> times;
   for (std::size_t lap = 0; lap < grid.cost_laps; ++lap) {
@@ -154,18 +152,24 @@ void measure_cost(const SixDofTask& task, SixDofMethod method, const SixDofGrid&
 std::vector<SixDofCell> run_trade_sixdof(const SixDofGrid& grid) {
   const std::vector<SixDofTask> tasks = sixdof_tasks(grid.bunny_tolerance);
   std::vector<SixDofCell> cells(tasks.size() * kMethods.size());
-  const auto each = [&](std::size_t i, const auto& work) {
-    work(tasks[i / kMethods.size()], kMethods[i % kMethods.size()], grid, cells[i]);
-  };
+  std::vector<SixDofTool> tools;
+  tools.reserve(cells.size());
   // Times first: nothing else may run beside.
   for (std::size_t i = 0; i < cells.size(); ++i) {
-    each(i, measure_cost);
-    cells[i].task = tasks[i / kMethods.size()].name;
-    cells[i].contact = kMethods[i % kMethods.size()].polygons ? "polygons" : "points";
-    cells[i].mass = kMethods[i % kMethods.size()].mass ? "implicit" : "none";
+    const SixDofTask& task = tasks[i / kMethods.size()];
+    const SixDofMethod method = kMethods[i % kMethods.size()];
+    tools.push_back(sixdof_tool(task, method, grid.points, grid.grid_steps));
+    measure_cost(tools[i], task, grid, cells[i]);
+    cells[i].task = task.name;
+    cells[i].contact = method.polygons ? "polygons" : "points";
+    cells[i].mass = method.mass ? "implicit" : "none";
   }
   // The longest are the last ones, so they begin first.
-  parallel_for(cells.size(), [&](std::size_t i) { each(cells.size() - 1 - i, measure_felt); });
+  parallel_for(cells.size(), [&](std::size_t n) {
+    const std::size_t i = cells.size() - 1 - n;
+    measure_felt(tools[i], tasks[i / kMethods.size()], kMethods[i % kMethods.size()], grid,
+                 cells[i]);
+  });
   return cells;
 }
 

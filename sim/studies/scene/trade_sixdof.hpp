@@ -10,7 +10,7 @@
 
 namespace feltwire {
 
-/// What is measured, and how finely.
+/// The size of the study: how finely it measures.
 struct SixDofGrid {
   std::size_t points = 3000;      // on a tool of points
   double grid_steps = 128.0;      // along a mesh that a tool of points touches; as in a scene
