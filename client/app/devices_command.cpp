@@ -34,6 +34,11 @@ bool show_libraries(const std::vector<PluggedIn>& devices) {
   return missed;
 }
 
+int rate_failed(const char* why, int status) {
+  std::fprintf(stderr, "feltwire-client devices: %s\n", visible(why).c_str());
+  return status;
+}
+
 /// Opens the device, lets it tick without a force, and prints how well it did.
 int show_rate(const std::string& words, const std::string& firmware, double span, double rate) {
   try {
@@ -46,9 +51,10 @@ int show_rate(const std::string& words, const std::string& firmware, double span
     std::printf("%s for %.1f s, without a force\n%s", visible(opened.device->spec().name).c_str(),
                 span, table(findings).c_str());
     return worst(findings) == Verdict::fail ? 1 : 0;
+  } catch (const std::invalid_argument& error) {
+    return rate_failed(error.what(), 2);
   } catch (const std::exception& error) {
-    std::fprintf(stderr, "feltwire-client devices: %s\n", visible(error.what()).c_str());
-    return 1;
+    return rate_failed(error.what(), 1);
   }
 }
 

@@ -160,7 +160,11 @@ class ForceDimensionDevice final : public Device {
       lost_ = true;
       return {};
     }
-    return held_command(on_hand, along(force, on_hand.force()), along(torque, on_hand.torque));
+    // A motor at its limit keeps the direction. What else the device tells of (gravity) is none of
+    // ours.
+    const Vec3 asked = on_hand.force();
+    return held_command(on_hand, held_share(force, asked) * asked,
+                        held_share(torque, on_hand.torque) * on_hand.torque);
   }
 
   void release() noexcept override { let_go_->now(); }
@@ -181,13 +185,6 @@ class ForceDimensionDevice final : public Device {
                                                   &torque.y(), &torque.z(), &grip, id_)
                                : call_.get_force(&force.x(), &force.y(), &force.z(), id_);
     return answer >= 0 && force.allFinite() && torque.allFinite();
-  }
-
-  /// The part of what was asked for that is real. A motor at its limit keeps the direction; what
-  /// else the device tells of (gravity) is none of ours.
-  static Vec3 along(const Vec3& real, const Vec3& asked) noexcept {
-    const double square = asked.squaredNorm();
-    return square > 0.0 ? Vec3(std::clamp(real.dot(asked) / square, 0.0, 1.0) * asked) : asked;
   }
 
   std::string last_error() const {

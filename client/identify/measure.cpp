@@ -1,9 +1,9 @@
 #include "client/identify/measure.hpp"
 
-#include <algorithm>
 #include <chrono>
 #include <thread>
 
+#include "client/devices/tick_pace.hpp"
 #include "protocol/net/clock.hpp"
 
 namespace feltwire {
@@ -31,18 +31,9 @@ void tick(Device& device, Identification& identification, Nanoseconds now) noexc
 }  // namespace
 
 void measure(Device& device, Identification& identification, MeasureStatus& status) noexcept {
-  const bool paced = device.longest_tick().count() > 0;
-  const auto period =
-      std::chrono::duration_cast<Nanoseconds>(std::chrono::duration<double>(kMeasurePeriod));
-  Nanoseconds next = monotonic_now();
+  TickPace pace(device, from_seconds(kMeasurePeriod));
   while (identification.state() == Identification::State::measuring) {
-    if (paced) {
-      if (!device.await_tick(monotonic_now() + kPatience))
-        identification.give_up("the device does not tick");
-    } else {
-      next = std::max(next + period, monotonic_now() - period);
-      std::this_thread::sleep_until(std::chrono::steady_clock::time_point(next));
-    }
+    if (!pace.wait(kPatience)) identification.give_up("the device does not tick");
     if (status.stop.load()) identification.give_up("it was asked to stop");
     const Nanoseconds now = monotonic_now();
     tick(device, identification, now);

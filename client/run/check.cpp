@@ -43,14 +43,6 @@ Finding wakeups(const RunFigures& run) {
                kQuietMachine);
 }
 
-Finding permissions(const RunFigures& run) {
-  const std::string less = missing(run.real_time, kServoPriority);
-  return found("permissions", less.empty() ? Verdict::pass : Verdict::warn,
-               std::string("real-time scheduling ") + (run.real_time.scheduler ? "yes" : "no") +
-                   ", memory locked " + (run.real_time.memory_locked ? "yes" : "no"),
-               less);
-}
-
 /// Deep sleep matters where ticks are late.
 Finding processors(const RunFigures& run, const MachineFacts& machine) {
   constexpr int kShort = 50;  // [us]
@@ -134,9 +126,13 @@ Finding datagram_size(const RunFigures& run, const MachineFacts& machine) {
 }  // namespace
 
 std::vector<Finding> judge(const RunFigures& run, const MachineFacts& machine) {
-  std::vector<Finding> findings = {
-      session(run),   rate(run),   wakeups(run), permissions(run), processors(run, machine),
-      clock(machine), answers(run)};
+  std::vector<Finding> findings = {session(run),
+                                   rate(run),
+                                   wakeups(run),
+                                   permissions(run.real_time),
+                                   processors(run, machine),
+                                   clock(machine),
+                                   answers(run)};
   if (run.round_trip.count() > 0) {
     findings.push_back(round_trip(run));
     if (run.jitter) findings.push_back(jitter(run));

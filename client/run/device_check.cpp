@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <thread>
 
+#include "client/devices/tick_pace.hpp"
 #include "core/base/units.hpp"
 #include "protocol/net/clock.hpp"
 
@@ -17,15 +18,12 @@ const char* const kCalmMachine =
     "docs/devices.md (real-time scheduling)";
 
 void tick_until(Device& device, Nanoseconds end, Nanoseconds period, DeviceTicks& told) {
-  const bool paced = device.longest_tick() > Nanoseconds(0);
+  const Nanoseconds longest = device.longest_tick();
   constexpr Nanoseconds kNone{-1};
   Nanoseconds last = kNone;
-  for (Nanoseconds due = monotonic_now(); monotonic_now() < end; due += period) {
-    if (!paced) {
-      due = std::max(due, monotonic_now() - period);  // what was slept through is not made up for
-      std::this_thread::sleep_for(due - monotonic_now());
-    }
-    const bool came = !paced || device.await_tick(monotonic_now() + kTickPatience);
+  TickPace pace(device, period);
+  while (monotonic_now() < end) {
+    const bool came = pace.wait(kTickPatience);
     const Nanoseconds now = monotonic_now();
     if (!came) {
       ++told.missed;
@@ -41,7 +39,7 @@ void tick_until(Device& device, Nanoseconds end, Nanoseconds period, DeviceTicks
     told.faults += reading.ok ? 0 : 1;
     if (last != kNone) {
       told.interval.record((now - last).count());
-      told.overlong += paced && now - last > device.longest_tick() ? 1 : 0;
+      told.overlong += longest > Nanoseconds(0) && now - last > longest ? 1 : 0;
     }
     last = now;
   }
@@ -99,12 +97,6 @@ Finding faults(const DeviceTicks& t) {
                "driver takes for a fault");
 }
 
-Finding permissions(const DeviceTicks& t) {
-  const std::string less = missing(t.real_time, kServoPriority);
-  return found("permissions", less.empty() ? Verdict::pass : Verdict::warn,
-               std::string("real-time scheduling ") + (t.real_time.scheduler ? "yes" : "no"), less);
-}
-
 }  // namespace
 
 DeviceTicks watch_ticks(Device& device, double span, double rate) {
@@ -126,7 +118,7 @@ std::vector<Finding> judge(const DeviceTicks& ticks) {
   if (ticks.longest_tick > 0.0) findings.push_back(longest(ticks));
   findings.push_back(readings(ticks));
   findings.push_back(faults(ticks));
-  findings.push_back(permissions(ticks));
+  findings.push_back(permissions(ticks.real_time));
   return findings;
 }
 

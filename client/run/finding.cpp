@@ -31,6 +31,14 @@ Finding found(std::string_view what, Verdict verdict, std::string figure, std::s
   return {what, verdict, std::move(figure), std::move(remedy)};
 }
 
+Finding permissions(RealTime granted) {
+  const std::string less = missing(granted, kServoPriority);
+  return found("permissions", less.empty() ? Verdict::pass : Verdict::warn,
+               std::string("real-time scheduling ") + (granted.scheduler ? "yes" : "no") +
+                   ", memory locked " + (granted.memory_locked ? "yes" : "no"),
+               less);
+}
+
 Verdict worst(const std::vector<Finding>& findings) {
   const auto found = std::ranges::max_element(findings, {}, &Finding::verdict);
   return found == findings.end() ? Verdict::pass : found->verdict;

@@ -1,10 +1,12 @@
 #pragma once
-// What a check found: a measured figure, the verdict on it, and the remedy.
+// The findings of a check. Each has a measured figure, a verdict and a remedy.
 
 #include <cstdint>
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include "protocol/net/real_time.hpp"
 
 namespace feltwire {
 
@@ -24,10 +26,12 @@ struct Finding {
 
 /// Passes up to the first limit and fails above the second.
 Verdict rising(double value, double passes, double works);
-/// What passes needs no remedy: it is dropped then.
+/// Makes a finding. A finding that passes gets no remedy.
 Finding found(std::string_view what, Verdict verdict, std::string figure, std::string remedy);
-/// With that many digits behind the point.
+/// The number as text, with `digits` behind the point.
 std::string figure(double value, int digits);
+/// The finding about the real-time rights of the servo's thread.
+Finding permissions(RealTime granted);
 
 /// The worst of them; pass if there is none.
 Verdict worst(const std::vector<Finding>& findings);

@@ -31,7 +31,8 @@ bool forces_on() {
   return device->force_on && !between(device->readings, device->off_from, device->off_until);
 }
 
-/// What the motors can give of it; each keeps its direction.
+/// Sets the force and torque that the motors can give. Each is shortened to its limit and keeps
+/// its direction.
 int set(double x, double y, double z, double about_x, double about_y, double about_z) {
   const double size = std::hypot(x, y, z), turns = std::hypot(about_x, about_y, about_z);
   const double share = size > device->saturates_at ? device->saturates_at / size : 1.0;

@@ -174,7 +174,6 @@ TEST_F(ForceDimension, PositionAndFrameAreTheDevices) {
   EXPECT_NEAR((reading.pose.orientation * Vec3::UnitX() - Vec3::UnitY()).norm(), 0.0, 1e-12);
 }
 
-/// What the motors cannot give is not accounted as given.
 TEST_F(ForceDimension, ButtonsAreTheClutchAndTheEnablingSwitch) {
   const OpenedDevice opened = open();
   EXPECT_FALSE(opened.device->read({}).clutch || opened.device->read({}).deadman);
@@ -186,6 +185,7 @@ TEST_F(ForceDimension, ButtonsAreTheClutchAndTheEnablingSwitch) {
   EXPECT_TRUE(opened.device->read({}).deadman);
 }
 
+/// What the motors cannot give is not accounted as given.
 TEST_F(ForceDimension, ASaturatedMotorHoldsLess) {
   const OpenedDevice opened = open();
   stand_in->saturates_at = 2.0;

@@ -114,7 +114,7 @@ TEST(DeviceCheck, JudgesByTheLimits) {
   EXPECT_EQ(of(ticks, "jitter").verdict, Verdict::fail);
 }
 
-/// Of a device that never ticked nothing is said to be well.
+/// No figure of a device that never ticked passes.
 TEST(DeviceCheck, NoTickIsNoGoodDevice) {
   for (const char* what : {"rate", "jitter", "readings", "faults"})
     EXPECT_EQ(of({.span = 1.0}, what).verdict, Verdict::fail) << what;
