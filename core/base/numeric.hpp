@@ -37,6 +37,19 @@ Scaled<Real> scaled(const Vector3<Real>& v) noexcept {
   return {{std::ldexp(v.x(), -e), std::ldexp(v.y(), -e), std::ldexp(v.z(), -e)}, e};
 }
 
+// The rare cases stand in functions of their own, so that the ordinary ones are inlined.
+namespace numeric_detail {
+
+template <class Real>
+[[gnu::noinline, gnu::cold]] Real extreme_length(const Vector3<Real>& v) noexcept {
+  if (v.isZero(0)) return 0;
+  if (!v.allFinite()) return std::abs(v.sum());
+  const Scaled<Real> s = scaled(v);
+  return std::ldexp(s.v.norm(), s.exponent);
+}
+
+}  // namespace numeric_detail
+
 /// |v|, correct for every finite v up to the largest number; not finite if v is not finite.
 template <class Derived>
 inline typename Derived::Scalar length(const Eigen::MatrixBase<Derived>& expression) noexcept {
@@ -45,10 +58,7 @@ inline typename Derived::Scalar length(const Eigen::MatrixBase<Derived>& express
   const Real squared = v.squaredNorm();
   if (is_plain_square(squared)) [[likely]]
     return std::sqrt(squared);
-  if (v.isZero(0)) return 0;
-  if (!v.allFinite()) return std::abs(v.sum());
-  const Scaled<Real> s = scaled(v);
-  return std::ldexp(s.v.norm(), s.exponent);
+  return numeric_detail::extreme_length(v);
 }
 
 /// sqrt(a^2 + b^2), correct for every finite a and b.
@@ -66,6 +76,20 @@ struct Polar {
   Real length = 0;
   Vector3<Real> direction = Vector3<Real>::Zero();
 };
+
+namespace numeric_detail {
+
+template <class Real>
+[[gnu::noinline, gnu::cold]] Polar<Real> extreme_polar(const Vector3<Real>& v) noexcept {
+  if (v.isZero(0)) return {};
+  const Scaled<Real> s = scaled(v);
+  const Real norm = s.v.norm();
+  if (!(norm > 0)) return {};
+  return {std::ldexp(norm, s.exponent), s.v / norm};
+}
+
+}  // namespace numeric_detail
+
 template <class Real>
 inline Polar<Real> polar(const Vector3<Real>& v) noexcept {
   const Real squared = v.squaredNorm();
@@ -73,11 +97,7 @@ inline Polar<Real> polar(const Vector3<Real>& v) noexcept {
     const Real norm = std::sqrt(squared);
     return {norm, v * (1 / norm)};
   }
-  if (v.isZero(0)) return {};
-  const Scaled<Real> s = scaled(v);
-  const Real norm = s.v.norm();
-  if (!(norm > 0)) return {};
-  return {std::ldexp(norm, s.exponent), s.v / norm};
+  return numeric_detail::extreme_polar(v);
 }
 
 /// v / |v|. Zero if v is zero or not finite.

@@ -29,7 +29,8 @@ class HalfSampleOn {
   /// `way` [m] [rad] is the movement of the last sample, over `time` [s]. Returns the movement of
   /// the place half a sample ahead since the call before, less `way`.
   Vector3<Real> more(const Vector3<Real>& way, Real time) noexcept {
-    const Vector3<Real> speed = time > Real(0) ? Vector3<Real>((period_ / time) * way) : way;
+    const bool another = time > Real(0) && time != period_;
+    const Vector3<Real> speed = another ? Vector3<Real>((period_ / time) * way) : way;
     Vector3<Real> more = Real(0.5) * (speed - speed_);
     speed_ = speed;
     return more;
@@ -75,19 +76,21 @@ class Credited {
         swings_(std::max(kLeastSwing, kQuanta * quantum)),
         translated_(period),
         rotated_(period),
-        torque_(torque) {}
+        torque_(torque) {
+    set_limits();
+  }
 
   BasicCommand<Real> step(const BasicBoundingStep<Real>& s) noexcept {
     const Polar<Real> elastic = polar(s.command.elastic);
     adapt(s, elastic.direction);
-    const Vector3<Real> way = s.displacement + credited_share(translation_) *
-                                                   translated_.more(s.displacement, s.hold_time);
+    const Vector3<Real> way =
+        s.displacement + limit_.credited * translated_.more(s.displacement, s.hold_time);
     const Vector3<Real> turn =
-        s.rotation + credited_share(rotation_) * rotated_.more(s.rotation, s.hold_time);
+        s.rotation + rotation_limit_.credited * rotated_.more(s.rotation, s.hold_time);
     const bool corner = s.normals != nullptr && s.normals->count > 1;
     BasicCommand<Real> rendered = corner ? at_walls(s, way) : at_contact(s, elastic, way);
     if (torque_) {
-      const Vector3<Real> allowed = held_torque_ - stiffness(rotation_) * turn;
+      const Vector3<Real> allowed = held_torque_ - rotation_limit_.stiffness * turn;
       rendered.torque = s.command.torque * reduction(allowed, s.command.torque);
       held_torque_ = rendered.torque;
     }
@@ -107,26 +110,31 @@ class Credited {
 
   void scene_changed() noexcept {
     translation_.stiffness = std::numeric_limits<double>::infinity();
+    set_limits();
   }
   HandCredit hand_credit() const noexcept { return {translation_.credit, steps_down_}; }
 
  private:
-  Real credited_share(const CreditedLaw& law) const noexcept {  // (c' - c) / c'
-    const Real c = stiffness(law);
-    return c > Real(0) ? Real(1) - static_cast<Real>(2.0 * law.damping / period_) / c : Real(0);
-  }
-
-  Real stiffness(const CreditedLaw& law) const noexcept {  // c' [N/m] [N m/rad]
+  struct Limit {
+    Real stiffness = 0;  // c' [N/m] [N m/rad]
+    Real credited = 0;   // (c' - c) / c'
+  };
+  Limit limit_of(const CreditedLaw& law) const noexcept {
     const double least = 2.0 * law.damping / period_;
     const double most = least + 2.0 * law.credit / period_;
-    return static_cast<Real>(std::min(most, std::max(least, law.stiffness)));
+    const Real c = static_cast<Real>(std::min(most, std::max(least, law.stiffness)));
+    return {c, c > Real(0) ? Real(1) - static_cast<Real>(least) / c : Real(0)};
+  }
+  void set_limits() noexcept {
+    limit_ = limit_of(translation_);
+    rotation_limit_ = limit_of(rotation_);
   }
 
   BasicCommand<Real> at_contact(const BasicBoundingStep<Real>& s, const Polar<Real>& wanted,
                                 const Vector3<Real>& way) noexcept {
     const ChannelCommand<Real> command = in_channels(s.command, wanted, plain_);
     const HeldFrame<Real> f(held_, command.normal, way);
-    const Real c = stiffness(translation_);
+    const Real c = limit_.stiffness;
     const Real elastic = std::abs(f.elastic - c * f.dx_elastic);
     const Vector3<Real> friction = f.frictional - c * f.dx_frictional;
     ChannelScales<Real> scale{reduction(elastic, std::abs(command.elastic)),
@@ -143,7 +151,7 @@ class Credited {
     const WallFrame<Real> walls(*s.normals);
     const Vector3<Real> held = held_.elastic * held_.normal + held_.frictional;
     const Vector3<Real> wanted = s.command.force();
-    const Real c = stiffness(translation_);
+    const Real c = limit_.stiffness;
     BasicCommand<Real> rendered;
     Vector3<Real> elastic = Vector3<Real>::Zero();  // the wanted one
     for (int i = 0; i < walls.count(); ++i) {
@@ -171,15 +179,18 @@ class Credited {
       translation_.credit *= kHalf;
       rotation_.credit *= kHalf;
       ++steps_down_;
+      set_limits();
     }
     if (!(translation_.credit < full_credit_)) return;
     const double growth = std::min(full_credit_ / translation_.credit, std::exp(kGrowth * time));
     translation_.credit *= growth;
     rotation_.credit *= growth;
+    set_limits();
   }
 
   CreditedLaw translation_, rotation_;
   double period_, full_credit_;
+  Limit limit_, rotation_limit_;  // they follow from the laws
   SwingCounter swings_;
   HalfSampleOn<Real> translated_, rotated_;
   bool torque_;
