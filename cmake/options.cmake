@@ -6,7 +6,8 @@ if(FELTWIRE_CCACHE AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
       ${FELTWIRE_CCACHE})
 endif()
 
-# Compiler settings of our own targets: each links feltwire_options with PRIVATE, so that whoever links them keeps his.
+# Compiler settings of our own targets: each links feltwire_options with PRIVATE, so that a
+# program that links a library of ours keeps its own settings.
 add_library(feltwire_options INTERFACE)
 target_compile_options(feltwire_options INTERFACE
   -Wall -Wextra -Wpedantic $<$<BOOL:${FELTWIRE_WERROR}>:-Werror> -Wshadow -Wconversion -Wno-sign-conversion

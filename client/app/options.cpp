@@ -344,7 +344,7 @@ std::variant<ClientOptions, int> parse_options(int argc, char** argv) {
                  "[m/s] Speed of the tool at full deflection, in every direction")
       ->capture_default_str()
       ->group(steering);
-  app.add_option("--steer-turn", steered.turn, "[rad/s] Likewise, of its turning")
+  app.add_option("--steer-turn", steered.turn, "[rad/s] Speed of its turning at full deflection")
       ->capture_default_str()
       ->group(steering);
   app.add_option("--dead-zone", steered.dead_zone,

@@ -26,7 +26,7 @@ constexpr std::array<ReasonText, kNoForceReasons> kWords = {{
     {"too_little", "the scene asks for less than 0.005 N"},
     {"not_actuated", "the device cannot give what the scene asks for"},
     {"waiting", "waits, because the hand began in contact: move it out"},
-    {"refused", "the command or the movement was absurd"},
+    {"refused", "the command or the movement was beyond every limit"},
     {"bound", "the energy bound lets none through"},
     {"velocity_limit", "the hand is faster than --velocity-limit allows"},
     {"ramp", "--ramp-up has just begun"},

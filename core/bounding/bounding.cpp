@@ -40,9 +40,9 @@ void bounding_detail::check(const BoundingConfig& c, std::string_view method,
   validate(c.damping, "damping");
   validate(c.rotational_damping, "rotational damping");
   require(2.0 * c.damping.matrix().cwiseAbs().maxCoeff() / c.period <= kLargestStiffness,
-          "damping over period is absurd; the period is too short for this damping");
+          "damping over period is too large; give a longer period or less damping");
   require(2.0 * c.rotational_damping.matrix().cwiseAbs().maxCoeff() / c.period <= kLargestStiffness,
-          "rotational damping over period is absurd; the period is too short for this damping");
+          "rotational damping over period is too large; give a longer period or less damping");
   if (needs_every_axis_damped) {
     const std::string remedy = std::string(" must be above zero along every axis for the mode ") +
                                std::string(method) +

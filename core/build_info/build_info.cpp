@@ -1,5 +1,7 @@
 #include "core/build_info/build_info.hpp"
 
+#include <string_view>
+
 #include "core/build_info/commit.hpp"
 
 namespace feltwire {
@@ -15,6 +17,7 @@ const char* build_type() { return FELTWIRE_BUILD_TYPE; }
 std::string build_info(const std::string& program) {
   constexpr bool kSanitized = sizeof(FELTWIRE_SANITIZERS) > 1;  // the text is empty without any
   std::string text = program + " " + version() + ", " + compiler() + ", " + build_type();
+  if (std::string_view(FELTWIRE_COMPONENTS) == "client") text += ", client alone";
   if (kSanitized) text += ", sanitizers " FELTWIRE_SANITIZERS;
   return text;
 }

@@ -9,8 +9,8 @@ namespace feltwire {
 /// changed, or "unknown" without a git checkout. Join messages and reports contain it.
 const std::string& version();
 
-/// For `--version`, in one line: the version, the compiler, the kind of build, and the sanitizers
-/// in it.
+/// For `--version`, in one line: the version, the compiler, the kind of build, "client alone" for a
+/// build of the thin client, and the sanitizers in it.
 std::string build_info(const std::string& program);
 
 /// The two parts of build_info() after the version: "GNU 12.2.0" and "Release".

@@ -35,8 +35,8 @@ int box_entry(const Vec3& h, const Vec3& from, const Vec3& to) {
 }
 
 SurfacePoint box_from_outside(const Vec3& h, const Vec3& p, FeatureMemory& memory) {
-  // A convex solid holds the whole way between two points in it, so whoever is still inside has
-  // crossed no other face since he entered. Only for who was never seen before is it the nearest.
+  // A convex solid has the whole line between any two of its points. So a tool that is still inside
+  // has crossed no other face since it entered. A tool without a memory takes the nearest face.
   int face = static_cast<int>(memory.feature) - 1;
   if (face < 0 || face >= kBoxFaces) {
     face = memory.tracked ? box_entry(h, memory.proxy, p) : -1;

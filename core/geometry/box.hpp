@@ -12,6 +12,7 @@ struct Box {
   Vec3 half_extents = Vec3::Zero();  // [m], each > 0
 
   static constexpr const char* kName = "box";
+  static constexpr bool kConvex = true;
   template <class Self, class Visit>
   static void lengths(Self& self, Visit visit) {
     visit(Length{.name = "size.x", .share = 0.5}, self.half_extents.x());

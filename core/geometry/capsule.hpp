@@ -11,6 +11,7 @@ struct Capsule {
   double half_length = 0.0;  // [m], >= 0
 
   static constexpr const char* kName = "capsule";
+  static constexpr bool kConvex = true;
   template <class Self, class Visit>
   static void lengths(Self& self, Visit visit) {
     visit(Length{.name = "radius"}, self.radius);

@@ -44,17 +44,17 @@ struct ConeView {
   Vec3 outward;         // from the axis to p; zero on the axis
   double below_side;    // [m] p is under the endless side
   double above_base;    // [m] p is over the endless base
-  double along;         // [m] from the tip down the side to the foot of p
+  double along;         // [m] from the tip down the side to the point closest to p
 };
 
 /// The point of the solid that is nearest to a point outside.
-struct ConeFoot {
+struct ConeClosest {
   Vec3 point = Vec3::Zero(), away = Vec3::Zero();  // away: unit, to the point outside
   double distance = std::numeric_limits<double>::infinity();
   int face = kConeSide;
 };
-ConeFoot foot_on(const ConeView& view, const Vec3& p) {
-  ConeFoot best;
+ConeClosest closest_on(const ConeView& view, const Vec3& p) {
+  ConeClosest best;
   const auto offer = [&](const Vec3& point, const Vec3& away, double distance, int face) {
     if (distance < best.distance) best = {point, away, distance, face};
   };
@@ -81,9 +81,9 @@ ConeFoot foot_on(const ConeView& view, const Vec3& p) {
 
 /// Seen from within, the cone is convex for the proxy, as the box is.
 SurfacePoint cone_from_inside(const Cone& cone, const Vec3& p, FeatureMemory& memory) {
-  const ConeFoot foot = foot_on(ConeView(cone, p), p);
-  if (!(foot.distance > 0.0) || !std::isfinite(foot.distance)) return no_contact(memory);
-  return stand_on(foot.point, -foot.away, foot.distance, foot.face, memory);
+  const ConeClosest closest = closest_on(ConeView(cone, p), p);
+  if (!(closest.distance > 0.0) || !std::isfinite(closest.distance)) return no_contact(memory);
+  return stand_on(closest.point, -closest.away, closest.distance, closest.face, memory);
 }
 
 /// The part of a way that is in the solid, and the face by which it goes in.
@@ -236,8 +236,8 @@ double Cone::room() const noexcept {
 
 FieldPoint Cone::signed_distance(const Vec3& p) const noexcept {
   const ConeView view(*this, p);
-  const ConeFoot foot = foot_on(view, p);
-  if (std::isfinite(foot.distance)) return {foot.distance, foot.away};
+  const ConeClosest closest = closest_on(view, p);
+  if (std::isfinite(closest.distance)) return {closest.distance, closest.away};
   if (view.above_base < view.below_side) return {-view.above_base, -Vec3::UnitZ()};
   return {-view.below_side, view.normal(or_else(view.outward, Vec3::UnitX()))};
 }
@@ -277,8 +277,8 @@ SurfaceParts Cone::parts(Side side, const Vec3& p, std::uint32_t entered) const 
     add(all, std::max(under, extent - off), feature_of(kConeSide), false);
     return all;
   }
-  const ConeFoot foot = foot_on(view, p);
-  const double solid = std::isfinite(foot.distance) ? foot.distance : 0.0;
+  const ConeClosest closest = closest_on(view, p);
+  const double solid = std::isfinite(closest.distance) ? closest.distance : 0.0;
   // Shorter than the ways to what lies beyond one face and within the other.
   const double beyond_side = std::max(under, -view.above_base);
   const double beyond_base = std::max(over, -view.below_side);
@@ -288,7 +288,7 @@ SurfaceParts Cone::parts(Side side, const Vec3& p, std::uint32_t entered) const 
   // farther from p by Pythagoras.
   double rest = extent - off;
   if (entered != feature_of(kConeSide)) {
-    if (solid > 0.0 && foot.face == kConeSide) rest = root(solid, extent);
+    if (solid > 0.0 && closest.face == kConeSide) rest = root(solid, extent);
     rest = std::max({rest, beyond_side, solid});
   }
   add(all, std::max(0.0, rest), feature_of(kConeSide), false);

@@ -16,6 +16,7 @@ struct Cone {
   double half_length = 0.0;  // [m] half of the height, > 0
 
   static constexpr const char* kName = "cone";
+  static constexpr bool kConvex = true;
   template <class Self, class Visit>
   static void lengths(Self& self, Visit visit) {
     visit(Length{.name = "radius"}, self.radius);

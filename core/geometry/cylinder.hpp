@@ -13,6 +13,7 @@ struct Cylinder {
   double half_length = 0.0;  // [m], > 0
 
   static constexpr const char* kName = "cylinder";
+  static constexpr bool kConvex = true;
   template <class Self, class Visit>
   static void lengths(Self& self, Visit visit) {
     visit(Length{.name = "radius"}, self.radius);

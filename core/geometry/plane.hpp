@@ -7,6 +7,7 @@ namespace feltwire {
 /// The half space z <= 0 is solid.
 struct Plane {
   static constexpr const char* kName = "plane";
+  static constexpr bool kConvex = true;
   template <class Self, class Visit>
   static void lengths(Self&, Visit) {}
 

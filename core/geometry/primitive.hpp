@@ -1,7 +1,7 @@
 #pragma once
 // The interface of a shape with a formula. Each such shape is a struct in its own file,
-// with the members that the concept Primitive lists; shapes.hpp lists the shapes. No other code in
-// the program mentions a shape by name.
+// with the members that the concept Primitive lists; shapes.hpp lists the shapes. Other code does
+// not mention them by name, but for the plane, which has no triangles.
 
 #include <array>
 #include <concepts>
@@ -82,6 +82,8 @@ concept Primitive = requires(const Shape& shape, Shape& given, Side side, const 
                              std::uint32_t feature, int whole, bool touching) {
   /// The name of the shape's field in a scene file.
   { Shape::kName } -> std::convertible_to<const char*>;
+  /// Whether the solid has the line between any two of its points.
+  { Shape::kConvex } -> std::convertible_to<bool>;
   /// Calls visit(Length, double&) for each of its numbers.
   Shape::lengths(given, [](const Length&, double&) {});
   Shape::lengths(shape, [](const Length&, double) {});

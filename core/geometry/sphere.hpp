@@ -9,6 +9,7 @@ struct Sphere {
   double radius = 0.0;  // [m], > 0
 
   static constexpr const char* kName = "sphere";
+  static constexpr bool kConvex = true;
   template <class Self, class Visit>
   static void lengths(Self& self, Visit visit) {
     visit(Length{.name = "radius"}, self.radius);

@@ -13,6 +13,7 @@ struct Torus {
   double minor_radius = 0.0;  // [m] > 0, at most the major radius
 
   static constexpr const char* kName = "torus";
+  static constexpr bool kConvex = false;
   template <class Self, class Visit>
   static void lengths(Self& self, Visit visit) {
     visit(Length{.name = "major_radius"}, self.major_radius);

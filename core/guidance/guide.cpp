@@ -27,26 +27,27 @@ double fade(double distance, double range) {
   return std::max(0.0, (1.0 - distance / range) / (1.0 - kWhole));
 }
 
-Command attract(const Attract& spring, const ClosestPoint& foot, const Vec3& velocity,
+Command attract(const Attract& spring, const ClosestPoint& closest, const Vec3& velocity,
                 double most) {
-  const double share = fade(foot.distance, spring.range);
-  return along_way(foot.away, -share * std::min(spring.stiffness * foot.distance, most),
+  const double share = fade(closest.distance, spring.range);
+  return along_way(closest.away, -share * std::min(spring.stiffness * closest.distance, most),
                    share * spring.damping, velocity, most);
 }
 
-Command keep_out(const KeepOut& spring, const ClosestPoint& foot, const Vec3& velocity,
+Command keep_out(const KeepOut& spring, const ClosestPoint& closest, const Vec3& velocity,
                  double most) {
-  const double depth = spring.margin - foot.distance;
+  const double depth = spring.margin - closest.distance;
   if (!(depth > 0.0)) return {};
-  Command command = along_way(foot.away, spring.stiffness * depth, spring.damping, velocity, most);
+  Command command =
+      along_way(closest.away, spring.stiffness * depth, spring.damping, velocity, most);
   // Damping of a hand that leaves must not hold it back more than the spring lets it go.
-  if (command.force().dot(foot.away) < 0.0) command.frictional = -command.elastic;
+  if (command.force().dot(closest.away) < 0.0) command.frictional = -command.elastic;
   return command;
 }
 
-Command magnet(const Magnet& field, const ClosestPoint& foot, double most) {
-  const double x = foot.distance / field.reach;
-  return along_way(foot.away, -most * 2.0 * x / (1.0 + x * x), 0.0, Vec3::Zero(), most);
+Command magnet(const Magnet& field, const ClosestPoint& closest, double most) {
+  const double x = closest.distance / field.reach;
+  return along_way(closest.away, -most * 2.0 * x / (1.0 + x * x), 0.0, Vec3::Zero(), most);
 }
 
 Command viscosity(const Viscosity& medium, const Vec3& velocity, double most) {

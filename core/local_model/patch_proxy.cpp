@@ -69,16 +69,17 @@ PatchProxy before_all(const SeenPatches& seen, const Vec3& tool) {
   return proxy;
 }
 
-/// Where an obtuse edge lies between the proxy on a joined patch and its foot, the one beyond.
+/// The patch beyond an obtuse edge, if such an edge lies between the proxy on a joined patch and
+/// the point of that patch closest to the tool.
 Seen slid(const SeenPatches& seen, const Seen& from, const Vec3& tool, double age) {
   constexpr double kBeyond = 1e-9;  // of the depth: at right angles nothing is beyond
-  const Vec3 foot = tool - from.height * from.normal;
+  const Vec3 closest = tool - from.height * from.normal;
   Seen to = from;
   double highest = -kBeyond * from.height;
   for (const Seen& other : seen.view()) {
     if (other.patch == from.patch) continue;
     const SurfacePatch& patch = *other.patch;
-    const double above = height_above(patch, age * patch.velocity, foot).height;
+    const double above = height_above(patch, age * patch.velocity, closest).height;
     if (!(above > highest)) continue;
     highest = above;
     to = other;
@@ -238,7 +239,7 @@ PatchProxy patch_proxy(const LocalModel& model, std::uint16_t object, const Vec3
   }
   const PatchProxy open = before_all(hollow, tool);
   const PatchProxy convex = behind_all(joined, tool, age, before, from.known);
-  // An object has patches of one kind; of whatever else comes the deeper.
+  // An object has patches of one kind. If both kinds come, the deeper one counts.
   return convex.surface.depth > open.surface.depth ? convex : open;
 }
 

@@ -23,33 +23,33 @@ constexpr double kGridDeep = 0.25;  // of a ring's radius, below which the solid
 constexpr double kStraight = 1.1;   // times as far as the distance says a point may be found
 
 /// Where the way down the distance ends on the surface.
-struct GridFoot {
+struct GridClosest {
   Vec3 point = Vec3::Zero(), normal = Vec3::Zero();
   double slope = 0.0;  // |gradient|
   bool found = false;
 };
 
-GridFoot foot_of(const DistanceGrid<float>& field, double sign, const Vec3& position) {
-  GridFoot foot{.point = position, .normal = Vec3::Zero(), .slope = 0.0, .found = false};
+GridClosest closest_on(const DistanceGrid<float>& field, double sign, const Vec3& position) {
+  GridClosest closest{.point = position, .normal = Vec3::Zero(), .slope = 0.0, .found = false};
   for (int i = 0; i < kNewton; ++i) {
-    const FieldPoint here = field.at(foot.point);
-    foot.slope = length(here.gradient);
-    if (!(foot.slope > 0.0) || !std::isfinite(here.distance)) return foot;
-    foot.normal = sign * here.gradient / foot.slope;
-    foot.point -= sign * here.distance / foot.slope * foot.normal;
+    const FieldPoint here = field.at(closest.point);
+    closest.slope = length(here.gradient);
+    if (!(closest.slope > 0.0) || !std::isfinite(here.distance)) return closest;
+    closest.normal = sign * here.gradient / closest.slope;
+    closest.point -= sign * here.distance / closest.slope * closest.normal;
   }
-  foot.found = std::abs(field.at(foot.point).distance) <= kPatchSlope * field.resolution();
-  return foot;
+  closest.found = std::abs(field.at(closest.point).distance) <= kPatchSlope * field.resolution();
+  return closest;
 }
 
 /// How the normal turns, by differences a resolution to either side.
-Bend bend_at(const DistanceGrid<float>& field, double sign, const GridFoot& foot) {
-  const Vec3 u = foot.normal.unitOrthogonal(), v = foot.normal.cross(u);
+Bend bend_at(const DistanceGrid<float>& field, double sign, const GridClosest& closest) {
+  const Vec3 u = closest.normal.unitOrthogonal(), v = closest.normal.cross(u);
   const double h = field.resolution();
   const auto turn = [&](const Vec3& way) {
     return Vec3(
-        sign / (2.0 * h * foot.slope) *
-        (field.at(foot.point + h * way).gradient - field.at(foot.point - h * way).gradient));
+        sign / (2.0 * h * closest.slope) *
+        (field.at(closest.point + h * way).gradient - field.at(closest.point - h * way).gradient));
   };
   const Vec3 along_u = turn(u), along_v = turn(v);
   return bend(u, v, along_u.dot(u), 0.5 * (along_u.dot(v) + along_v.dot(u)), along_v.dot(v));
@@ -91,14 +91,14 @@ FittedPatches grid_patches(const Grid& grid, Side felt_from, const Vec3& positio
   all.end = std::max(0.0, field.at_least(position, sign, std::numeric_limits<double>::infinity()));
   const double distance = sign * field.at(position).distance;
   if (!(distance < field.band() && -distance < kGridOpen * field.band())) return all;
-  const GridFoot foot = foot_of(field, sign, position);
-  const double height = length(Vec3(position - foot.point));
-  if (!foot.found || height > kStraight * std::abs(distance) + field.resolution()) return all;
+  const GridClosest closest = closest_on(field, sign, position);
+  const double height = length(Vec3(position - closest.point));
+  if (!closest.found || height > kStraight * std::abs(distance) + field.resolution()) return all;
 
-  const Bend bent = bend_at(field, sign, foot);
+  const Bend bent = bend_at(field, sign, closest);
   SurfacePatch patch;
-  patch.point = foot.point;
-  patch.normal = foot.normal;
+  patch.point = closest.point;
+  patch.normal = closest.normal;
   patch.curvature = bent.curvature;
   patch.axis = bent.axis;
   double radius = 0.0;

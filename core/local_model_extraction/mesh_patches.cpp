@@ -37,11 +37,12 @@ NearestSurface nearest_surface(const MeshSurface& surface, Side felt_from, const
                                const FeatureMemory& memory) {
   if (memory.side != 0) {
     // A ball's proxy is its middle: it touches below.
-    const Vec3 foot =
+    const Vec3 closest =
         surface.options().radius > 0.0
             ? nearest_on_triangle(surface.mesh().corners(memory.triangle), memory.proxy).point
             : memory.proxy;
-    return {foot, memory.triangle, static_cast<double>(memory.side), 0.0, (goal - foot).norm()};
+    return {closest, memory.triangle, static_cast<double>(memory.side), 0.0,
+            (goal - closest).norm()};
   }
   const auto found = surface.nearest(goal, kMostFitted);
   NearestSurface nearest{found.point, found.triangle, 0.0, found.distance, found.distance};
@@ -259,8 +260,8 @@ double mesh_patch_radius(const MeshSurface& surface, const FittedPatches& fitted
   // Beyond that, the surface was sampled on rings.
   if (fitted.alone && count == 1) return std::max(0.0, fitted.extent - ball);
   // Which side faces the tool, the patches' own normals say.
-  const Vec3 foot = at(index).point - surface.mesh().origin();
-  const auto nearest = surface.nearest(foot, kMostFitted);
+  const Vec3 closest = at(index).point - surface.mesh().origin();
+  const auto nearest = surface.nearest(closest, kMostFitted);
   if (!(nearest.distance <= kMostFitted)) return 0.0;
   const Vec3 normal = triangle_normal(surface.mesh().corners(nearest.triangle));
   const double looked = std::min(fitted.extent, extent_of(surface, nearest.triangle));
@@ -276,8 +277,8 @@ double mesh_patch_radius(const MeshSurface& surface, const FittedPatches& fitted
     fits.add(fit);
   }
   // Of a ball that touches there.
-  return std::max(0.0,
-                  fits.first_other(foot + ball * at(index).normal, ball, looked).distance - ball);
+  return std::max(
+      0.0, fits.first_other(closest + ball * at(index).normal, ball, looked).distance - ball);
 }
 
 }  // namespace feltwire

@@ -5,6 +5,7 @@
 #include <limits>
 #include <memory>
 #include <stdexcept>
+#include <string>
 #include <variant>
 
 #include "core/mesh/mesh_surface.hpp"
@@ -164,9 +165,15 @@ SolidParts solid_parts(const std::vector<std::vector<Vec3>>& corners) {
 SolidParts solid_parts(const Shape& shape, Side felt_from) {
   const bool hollow = felt_from == Side::inside;
   if (std::holds_alternative<Plane>(shape)) return half_space(hollow);
-  if (std::holds_alternative<Torus>(shape))
-    throw std::invalid_argument(
-        "a torus is not convex; give it as a closed mesh, or take a tool of points");
+  on_primitive(
+      shape,
+      [](const auto& solid) {
+        if (!solid.kConvex)
+          throw std::invalid_argument(
+              std::string("a ") + solid.kName +
+              " is not convex; give it as a closed mesh, or take a tool of points");
+      },
+      [] {});
   if (std::holds_alternative<Grid>(shape))
     throw std::invalid_argument(
         "a grid of distances has no polygons; give the mesh itself, or take a tool of points");

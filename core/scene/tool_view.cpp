@@ -69,7 +69,7 @@ Command ToolView::touch_near(const Tool& tool, TouchMemory& memory) const noexce
   for (const std::uint32_t i : broad_phase_.everywhere()) ask(i);
   const auto known = static_cast<std::ptrdiff_t>(memory.live_.size());
   broad_phase_.along(from, tool.position, ask);
-  // Whose memory is not of the sample before is told where the tool comes from.
+  // An object whose memory is older than the last sample gets the tool's last place.
   const auto is_live = [&](std::uint32_t i) {
     return std::find(asked.begin(), asked.begin() + known, i) != asked.begin() + known;
   };

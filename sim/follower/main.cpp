@@ -81,7 +81,7 @@ int main(int argc, char** argv) {
       "A robot that follows a hand (docs/teleoperation.md): a simulated robot, whose\nsurroundings "
       "the server does not know, or a robot whose driver is another program (docs/followers.md).\n"
       "It is not a safety-rated system."};
-  app.set_version_flag("--version", version());
+  app.set_version_flag("--version", [] { return build_info("feltwire-follower"); });
   app.add_option("--connect", words.connect, "HOST:PORT of the server")->required();
   app.add_option("--scene", words.run.scene, "Scene whose robot's seat it takes")->required();
   app.add_option("--seat", words.run.seat,

@@ -34,33 +34,31 @@ inline Vec3 encoded(const Vec3& x, double q) {
 }
 
 /// What a hand does during one sample, `parts` equal pieces of it.
-enum class FrictionPatch { pull, push, throw_then_pull, noise, swing, none };
+enum class Grip { pull, push, throw_then_pull, noise, swing, none };
 
 /// The force of a hand of at most `strength`, at `now` of 0 to 1 of the sample, while `held` acts.
-inline Vec3 hand_force(FrictionPatch patch, Random& random, const Vec3& held, double strength,
-                       double now) {
+inline Vec3 hand_force(Grip grip, Random& random, const Vec3& held, double strength, double now) {
   const Vec3 u = held.norm() > 0.0 ? Vec3(held.normalized()) : Vec3::UnitX();
-  switch (patch) {
-    case FrictionPatch::pull:  // with the force: takes its energy
+  switch (grip) {
+    case Grip::pull:  // with the force: takes its energy
       return strength * u;
-    case FrictionPatch::push:
+    case Grip::push:
       return -strength * u;
-    case FrictionPatch::throw_then_pull:
+    case Grip::throw_then_pull:
       return now < 0.5 ? Vec3(-strength * u) : Vec3(strength * u);
-    case FrictionPatch::noise:
+    case Grip::noise:
       return strength * random.uniform(0.0, 1.0) * random.direction();
-    case FrictionPatch::swing:
+    case Grip::swing:
       return strength * (random.chance(0.5) ? 1.0 : -1.0) * u;
-    case FrictionPatch::none:
+    case Grip::none:
       break;
   }
   return Vec3::Zero();
 }
 
-inline FrictionPatch any_grip(Random& random) {
-  constexpr FrictionPatch kAll[] = {
-      FrictionPatch::pull,  FrictionPatch::push,  FrictionPatch::throw_then_pull,
-      FrictionPatch::noise, FrictionPatch::swing, FrictionPatch::none};
+inline Grip any_grip(Random& random) {
+  constexpr Grip kAll[] = {Grip::pull,  Grip::push,  Grip::throw_then_pull,
+                           Grip::noise, Grip::swing, Grip::none};
   return kAll[static_cast<int>(random.uniform(0.0, 5.999))];
 }
 

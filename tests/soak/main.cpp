@@ -8,6 +8,7 @@
 #include <cstdlib>
 #include <exception>
 
+#include "core/build_info/build_info.hpp"
 #include "server/app/server.hpp"
 #include "tests/soak/soak.hpp"
 
@@ -36,6 +37,7 @@ int start(int argc, char** argv) {
   options.scene_file = FELTWIRE_SOURCE_DIR "/scenes/room.json";
   CLI::App app("A server under clients that come and go at random (docs/testing.md).",
                "feltwire-soak");
+  app.set_version_flag("--version", [] { return build_info("feltwire-soak"); });
   app.add_option("--seconds", options.seconds, "[s] that they do")
       ->check(CLI::Range(1.0, 1e6))
       ->capture_default_str();

@@ -40,7 +40,7 @@ constexpr std::size_t kInputs = 18, kHoldTime = 15;
 
 /// One input of the step becomes no number, or no force, movement or time of this world.
 template <class Real>
-void spoil(StrainRandom& random, std::size_t input, BasicBoundingStep<Real>& told) {
+void spoil(StressRandom& random, std::size_t input, BasicBoundingStep<Real>& told) {
   constexpr std::array kStrange = {kNan, kInfinity, -kInfinity, 1e300, -1e300, 1.1e12};
   const Real strange = narrowed<Real>(kStrange[random.below(kStrange.size())]);
   Vector3<Real>* const vectors[] = {&told.displacement, &told.rotation, &told.command.elastic,
@@ -138,41 +138,41 @@ class ToolBook {
 };
 
 template <class Real>
-void attack(const StressInputs& strain, const BasicBoundingMethod<Real>& method, Promise kept,
+void attack(const StressInputs& stress, const BasicBoundingMethod<Real>& method, Promise kept,
             int hand, double assumed_damping, ExtremeOutcome& outcome) {
-  StrainRandom random(static_cast<std::uint64_t>(hand) + 1);
+  StressRandom random(static_cast<std::uint64_t>(hand) + 1);
   const BoundingConfig config =
-      bound_config(method.name, hand / 5 + hand, strain.damping, strain.rotational_damping,
-                   strain.period, strain.max_force, assumed_damping);
+      bound_config(method.name, hand / 5 + hand, stress.damping, stress.rotational_damping,
+                   stress.period, stress.max_force, assumed_damping);
   BasicBounding<Real> bounding(method, config);
-  PromiseLedger ledger({kept, strain.damping, strain.rotational_damping, strain.period,
+  PromiseLedger ledger({kept, stress.damping, stress.rotational_damping, stress.period,
                         keeps_all(method, config), kArithmetic<Real>});
   ToolBook<Real> tool(config);
   using Limits = std::numeric_limits<Real>;
   const double least =
-      strain.denormal_moves ? std::log10(double{Limits::denorm_min()}) : strain.least_move;
+      stress.denormal_moves ? std::log10(double{Limits::denorm_min()}) : stress.least_move;
   const double largest =
-      strain.denormal_moves ? std::log10(double{Limits::min()}) : strain.largest_move;
+      stress.denormal_moves ? std::log10(double{Limits::min()}) : stress.largest_move;
 
-  Vec3 place = Vec3::Constant(strain.origin);
+  Vec3 place = Vec3::Constant(stress.origin);
   BasicCommand<Real> held;
   for (int n = 0; n < kSteps; ++n) {
-    const bool strange = random.chance(strain.strange_inputs);
+    const bool strange = random.chance(stress.strange_inputs);
     const std::size_t input = random.below(kInputs);
     double hold_time =
-        strain.period *
-        (random.chance(0.1) ? random.uniform(1.0, strain.longest_hold) : random.uniform(0.2, 1.0));
-    if (strange && input >= kHoldTime) hold_time = strain.period * strain.longest_hold;
-    StrainedMovement m =
-        move(hand % 5, random, strain, held.template cast<double>(), hold_time, least, largest);
-    if (strain.origin != 0.0) {
+        stress.period *
+        (random.chance(0.1) ? random.uniform(1.0, stress.longest_hold) : random.uniform(0.2, 1.0));
+    if (strange && input >= kHoldTime) hold_time = stress.period * stress.longest_hold;
+    StressedMovement m =
+        move(hand % 5, random, stress, held.template cast<double>(), hold_time, least, largest);
+    if (stress.origin != 0.0) {
       const Vec3 next = place + m.displacement;
       m.displacement = next - place;
       place = next;
     }
     BasicBoundingStep<Real> told{narrowed<Real>(m.displacement), narrowed<Real>(m.rotation),
                                  narrowed<Real>(hold_time),
-                                 narrowed<Real>(command(random, strain))};
+                                 narrowed<Real>(command(random, stress))};
     const Vec3 moved = told.displacement.template cast<double>();
     const Vec3 turned = told.rotation.template cast<double>();
     ledger.moved(held.template cast<double>(), moved, turned, hold_time);
@@ -180,17 +180,17 @@ void attack(const StressInputs& strain, const BasicBoundingMethod<Real>& method,
 
     const BasicBounded<Real> out = bounding.step(told);
     const Command rendered = out.rendered.template cast<double>();
-    judge_force(rendered, out.refused, strain.max_force, double{Limits::epsilon()}, outcome);
+    judge_force(rendered, out.refused, stress.max_force, double{Limits::epsilon()}, outcome);
     if (out.refused || beyond(rendered)) kept = after_refusal(kept);
     if (kept == Promise::coupling) tool.enter(bounding, told, ledger);
     if (kept != Promise::none)
       ledger.rendered(rendered, told.command.template cast<double>(), moved, turned);
 
-    if (random.chance(strain.skipped_writes)) {
+    if (random.chance(stress.skipped_writes)) {
       bounding.set_held(held);
     } else {
       held = out.rendered;
-      if (random.chance(strain.fades)) {
+      if (random.chance(stress.fades)) {
         held = static_cast<Real>(random.uniform(0.0, 1.0)) * held;
         bounding.set_held(held);
       }
@@ -200,7 +200,7 @@ void attack(const StressInputs& strain, const BasicBoundingMethod<Real>& method,
 }
 
 /// A simulated hand that slides over a wall with friction, the loop closed.
-struct WallStrain {
+struct WallStress {
   double stiffness = 1e3, origin = 0.0, period = 1e-3;
   std::string name() const {
     std::array<char, 64> text;
@@ -213,8 +213,8 @@ struct WallStrain {
   }
 };
 
-std::vector<WallStrain> walls() {
-  std::vector<WallStrain> all;
+std::vector<WallStress> walls() {
+  std::vector<WallStress> all;
   for (const double origin : {0.0, 1e6})
     for (const double stiffness : {1e-3, 1.0, 1e3, 1e6, 1e9}) all.push_back({stiffness, origin});
   for (const double period : {1e-6, 0.1}) all.push_back({1e9, 0.0, period});
@@ -229,13 +229,13 @@ double wall_limit(const BasicBoundingMethod<Real>& method) {
 }
 
 template <class Real>
-void touch_wall(const WallStrain& strain, const BasicBoundingMethod<Real>& method, Promise kept,
+void touch_wall(const WallStress& stress, const BasicBoundingMethod<Real>& method, Promise kept,
                 int hand, double assumed_damping, ExtremeOutcome& outcome) {
-  const Vec3 place = Vec3::Constant(strain.origin);
+  const Vec3 place = Vec3::Constant(stress.origin);
   const Object wall{.name = "wall",
                     .shape = Plane{},
                     .pose = {place, Quaternion::Identity()},
-                    .material = {.stiffness = strain.stiffness,
+                    .material = {.stiffness = stress.stiffness,
                                  .damping = 1.0,
                                  .static_friction = 0.5,
                                  .dynamic_friction = 0.4,
@@ -249,36 +249,36 @@ void touch_wall(const WallStrain& strain, const BasicBoundingMethod<Real>& metho
   options.spec.max_force = 1e4;
   options.task = {.path = HandPath::slide,
                   .center = place,
-                  .frequency = 0.5e-3 / strain.period,
+                  .frequency = 0.5e-3 / stress.period,
                   .clearance = 1e-4,
-                  .lead_in = 50.0 * strain.period};
+                  .lead_in = 50.0 * stress.period};
   SimulatedDevice device(options);
   const double max_force = wall_limit(method);
   const BoundingConfig config = bound_config(method.name, hand, options.spec.damping, 2e-4,
-                                             strain.period, max_force, assumed_damping);
+                                             stress.period, max_force, assumed_damping);
   BasicBounding<Real> bounding(method, config);
-  PromiseLedger ledger({kept, options.spec.damping, 2e-4, strain.period, keeps_all(method, config),
+  PromiseLedger ledger({kept, options.spec.damping, 2e-4, stress.period, keeps_all(method, config),
                         kArithmetic<Real>});
   ToolBook<Real> tool(config);
 
   const auto read = [&](int n) {
-    return device.read(Nanoseconds(std::llround(n * strain.period * 1e9))).pose.position;
+    return device.read(Nanoseconds(std::llround(n * stress.period * 1e9))).pose.position;
   };
   Vec3 last = read(0), offset_before = Vec3::Zero();
   BasicCommand<Real> held;
-  const int steps = std::min(kSceneSteps, static_cast<int>(kLongestScene / strain.period));
+  const int steps = std::min(kSceneSteps, static_cast<int>(kLongestScene / stress.period));
   for (int n = 1; n <= steps; ++n) {
     const Vec3 position = read(n);
     BasicBoundingStep<Real> told;
     told.displacement = narrowed<Real>(Vec3(position - last));
-    told.hold_time = static_cast<Real>(strain.period);
+    told.hold_time = static_cast<Real>(stress.period);
     last = position;
     const Vec3 moved = told.displacement.template cast<double>();
-    ledger.moved(held.template cast<double>(), moved, Vec3::Zero(), strain.period);
+    ledger.moved(held.template cast<double>(), moved, Vec3::Zero(), stress.period);
 
     const Vec3 offset =
         bounding.probe(told.displacement, told.rotation).offset.template cast<double>();
-    const Vec3 velocity = (moved + offset - offset_before) / strain.period;
+    const Vec3 velocity = (moved + offset - offset_before) / stress.period;
     offset_before = offset;
     told.command = narrowed<Real>(scene.touch({position + offset, velocity}, memory));
     const BasicBounded<Real> out = bounding.step(told);
@@ -301,33 +301,33 @@ std::vector<ExtremeRow> run_extremes(double assumed_damping, int hands,
   if (!(assumed_damping > 0.0) || !std::isfinite(assumed_damping))
     throw std::invalid_argument(
         "the damping told must be finite and above zero times the real one");
-  if (hands < 1) throw std::invalid_argument("there must be one hand or more to a strain");
+  if (hands < 1) throw std::invalid_argument("each stress needs one hand or more");
   if (methods.empty()) throw std::invalid_argument("there must be one method or more");
   std::vector<ExtremeRow> rows;
-  const auto row = [&](std::string strain, std::string_view name, const Faults& faults, int count,
+  const auto row = [&](std::string stress, std::string_view name, const Faults& faults, int count,
                        const auto& run) {
     const BoundingMethod& method = bounding_method(name);
     const BasicBoundingMethod<float>* in_float = method_in_float(name);
-    ExtremeRow r{std::move(strain), method.name, promise(method, faults), {}, {}};
+    ExtremeRow r{std::move(stress), method.name, promise(method, faults), {}, {}};
     for (int hand = 0; hand < count; ++hand) {
       run(method, r.promise, hand, r.in_double);
       if (in_float != nullptr) run(*in_float, r.promise, hand, r.in_float);
     }
     rows.push_back(std::move(r));
   };
-  for (const StressInputs& strain : strains())
+  for (const StressInputs& stress : all_stress_inputs())
     for (const std::string_view name : methods)
-      row(strain.name, name, strain.faults(), hands,
+      row(stress.name, name, stress.faults(), hands,
           [&](const auto& method, Promise p, int hand, ExtremeOutcome& o) {
-            attack(strain, method, p, hand, assumed_damping, o);
+            attack(stress, method, p, hand, assumed_damping, o);
           });
-  for (const WallStrain& strain : walls())
+  for (const WallStress& stress : walls())
     for (const std::string_view name : methods) {
       // Projection and storage make four variants.
       const int variants = bounding_method(name).options.projection_storage ? 4 : 1;
-      row(strain.name(), name, {}, variants,
+      row(stress.name(), name, {}, variants,
           [&](const auto& method, Promise p, int hand, ExtremeOutcome& o) {
-            touch_wall(strain, method, p, hand, assumed_damping, o);
+            touch_wall(stress, method, p, hand, assumed_damping, o);
           });
     }
   return rows;

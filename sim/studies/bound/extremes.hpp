@@ -28,18 +28,18 @@ struct ExtremeOutcome {
 };
 
 struct ExtremeRow {
-  std::string strain;       // the extreme quantity
+  std::string stress;       // the extreme quantity
   std::string_view method;  // a bounding mode
   Promise promise = Promise::none;
   ExtremeOutcome in_double, in_float;
   bool passed() const { return in_double.passed() && in_float.passed(); }
 };
 
-/// Runs everything: each strain against each method. Hands that know the force held and take all
+/// Runs everything: each stress against each method. Hands that know the force held and take all
 /// they can, and hands that move at random; and simulated hands at a scene's wall.
 /// `assumed_damping` is the damping that the bounds are told over the one the device has: above 1
 /// the bounds are wrong and the rows must fail, which shows that they can. `hands` is how many
-/// hands each strain sends, five kinds in turn. `methods` are names of the registry; one that was
+/// hands each stress sends, five kinds in turn. `methods` are names of the registry; one that was
 /// added to it is judged in double only. Throws std::invalid_argument when the numbers are not
 /// finite and above zero, or there is no such method.
 std::vector<ExtremeRow> run_extremes(

@@ -9,10 +9,10 @@
 namespace feltwire {
 namespace {
 
-/// How many methods were judged: the rows go by strain, then by method.
+/// How many methods were judged: the rows go by stress, then by method.
 std::size_t method_count(const std::vector<ExtremeRow>& rows) {
   const auto other = std::find_if(rows.begin(), rows.end(), [&](const ExtremeRow& r) {
-    return r.strain != rows.front().strain;
+    return r.stress != rows.front().stress;
   });
   return static_cast<std::size_t>(other - rows.begin());
 }
@@ -69,7 +69,7 @@ std::string others(const std::vector<ExtremeRow>& rows) {
   return choices(methods, ", ");
 }
 
-/// What the table says of a method under a strain.
+/// What the table says of a method under a stress.
 std::string cell(const ExtremeRow& row, const ExtremeOutcome& o) {
   std::string text;
   if (!o.passed()) return "FAILED";
@@ -92,8 +92,8 @@ nlohmann::ordered_json json(const ExtremeOutcome& o) {
           {"passed", o.passed()}};
 }
 
-/// Points of one method in one arithmetic: error over the strain's number. No error is drawn at the
-/// foot.
+/// Points of one method in one arithmetic: error over the stress's number. No error is drawn at the
+/// bottom.
 std::string points(std::string_view mode, const char* arithmetic, std::size_t method,
                    std::size_t methods) {
   // Okabe and Ito's colours, told apart by colour-blind readers; points differ too.
@@ -113,23 +113,23 @@ std::string points(std::string_view mode, const char* arithmetic, std::size_t me
 }
 
 void draw(const std::filesystem::path& directory, const std::vector<ExtremeRow>& rows) {
-  const std::size_t methods = method_count(rows), strains = rows.size() / methods;
+  const std::size_t methods = method_count(rows), stresses = rows.size() / methods;
   const auto drawn = columns(rows);
   std::string script =
       "set datafile separator ','\nset terminal pngcairo size 1300,820 font 'Sans,11'\n"
       "set output 'extremes.png'\n"
       "set title \"Energy missing of what each method promises, at the ends of what numbers can "
-      "say\\nupper group of points: float; lower: double; at the foot: none missing\"\n"
+      "say\\nupper group of points: float; lower: double; at the bottom: none missing\"\n"
       "set logscale y\nset format y '10^{%T}'\nset yrange [5e-18:1e-3]\n"
       "set ylabel 'missing, over all energy exchanged'\nset grid x lt 1 lc rgb '#dddddd'\n"
       "set key outside top right vertical samplen 1 title 'method'\nset tics nomirror\n"
       "set xtics rotate by -50 left noenhanced (";
-  for (std::size_t i = 0; i < strains; ++i)
-    append(script, "%s'%s' %zu", i ? ", " : "", rows[i * methods].strain.c_str(), i);
+  for (std::size_t i = 0; i < stresses; ++i)
+    append(script, "%s'%s' %zu", i ? ", " : "", rows[i * methods].stress.c_str(), i);
   append(script,
          ")\nset xrange [-1:%zu]\nplot %g with lines dt 2 lc rgb 'black' title 'epsilon of float', "
          "%g with lines dt 3 lc rgb 'black' title 'epsilon of double', \\\n",
-         strains, kArithmetic<float>.epsilon, kArithmetic<double>.epsilon);
+         stresses, kArithmetic<float>.epsilon, kArithmetic<double>.epsilon);
   for (std::size_t m = 0; m < drawn.size(); ++m)
     script += points(drawn[m], "double", m, methods) + ", \\\n" +
               points(drawn[m], "float", m, methods) + (m + 1 < drawn.size() ? ", \\\n" : "\n");
@@ -147,7 +147,7 @@ std::string extremes_table(const std::vector<ExtremeRow>& rows) {
            in_float ? "float" : "double");
     text += heads(shown);
     for (std::size_t first = 0; first < rows.size(); first += methods) {
-      append(text, "%-32s", rows[first].strain.c_str());
+      append(text, "%-32s", rows[first].stress.c_str());
       bool others = true;
       std::vector<std::string> cells(shown.size());
       for (std::size_t i = first; i < first + methods; ++i) {
@@ -174,7 +174,7 @@ std::string extremes_table(const std::vector<ExtremeRow>& rows) {
         append(text,
                "FAILED  %s, %s, %s: %llu NaN, %llu Inf, %llu over the limit, %llu not refused; "
                "energy missing %.1e, rounding %.1e\n",
-               row.strain.c_str(), std::string(row.method).c_str(), arithmetic,
+               row.stress.c_str(), std::string(row.method).c_str(), arithmetic,
                static_cast<unsigned long long>(o->nan), static_cast<unsigned long long>(o->inf),
                static_cast<unsigned long long>(o->over_limit),
                static_cast<unsigned long long>(o->not_refused), o->energy_error, o->rounding);
@@ -184,14 +184,14 @@ std::string extremes_table(const std::vector<ExtremeRow>& rows) {
 void write_extremes(const std::filesystem::path& directory, const std::vector<ExtremeRow>& rows) {
   std::filesystem::create_directories(directory);
   std::string csv =
-      "strain,method,promise,arithmetic,steps,rendering,nan,inf,over_limit,not_refused,"
+      "stress,method,promise,arithmetic,steps,rendering,nan,inf,over_limit,not_refused,"
       "energy_error,rounding,passed\n";
   auto document = nlohmann::ordered_json::array();
   for (const ExtremeRow& row : rows) {
     const std::string_view promised = name_among(kPromiseNames, row.promise);
     for (const auto& [arithmetic, o] :
          {std::pair{"double", &row.in_double}, std::pair{"float", &row.in_float}})
-      append(csv, "%s,%s,%s,%s,%llu,%llu,%llu,%llu,%llu,%llu,%.3g,%.3g,%d\n", row.strain.c_str(),
+      append(csv, "%s,%s,%s,%s,%llu,%llu,%llu,%llu,%llu,%llu,%.3g,%.3g,%d\n", row.stress.c_str(),
              std::string(row.method).c_str(), std::string(promised).c_str(), arithmetic,
              static_cast<unsigned long long>(o->steps),
              static_cast<unsigned long long>(o->rendering), static_cast<unsigned long long>(o->nan),
@@ -199,7 +199,7 @@ void write_extremes(const std::filesystem::path& directory, const std::vector<Ex
              static_cast<unsigned long long>(o->over_limit),
              static_cast<unsigned long long>(o->not_refused), o->energy_error, o->rounding,
              o->passed());
-    document.push_back({{"strain", row.strain},
+    document.push_back({{"stress", row.stress},
                         {"method", row.method},
                         {"promise", promised},
                         {"double", json(row.in_double)},

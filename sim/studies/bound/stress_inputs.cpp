@@ -4,13 +4,13 @@
 
 namespace feltwire {
 
-std::vector<StressInputs> strains() {
+std::vector<StressInputs> all_stress_inputs() {
   std::vector<StressInputs> all;
   const auto add = [&](std::string name, auto change) {
-    StressInputs strain;
-    strain.name = std::move(name);
-    change(strain);
-    all.push_back(std::move(strain));
+    StressInputs stress;
+    stress.name = std::move(name);
+    change(stress);
+    all.push_back(std::move(stress));
   };
   add("an ordinary hand", [](StressInputs&) {});
   add("period 1 us", [](StressInputs& s) { s.period = 1e-6; });
@@ -45,20 +45,20 @@ std::vector<StressInputs> strains() {
   return all;
 }
 
-StrainedMovement move(int kind, StrainRandom& random, const StressInputs& strain,
+StressedMovement move(int kind, StressRandom& random, const StressInputs& stress,
                       const Command& held, double hold_time, double least, double largest) {
   const auto restless = [&] {
-    return StrainedMovement{random.vector(least, largest), random.vector(least, largest)};
+    return StressedMovement{random.vector(least, largest), random.vector(least, largest)};
   };
-  if (random.chance(strain.still)) return {};
+  if (random.chance(stress.still)) return {};
   if (kind == 4) kind = static_cast<int>(random.below(4));
   if (kind == 3) return restless();
   const auto greediest = [&](const Damping& damping, const Vec3& f) {
     return damping.least() > 0.0 ? Vec3(damping.matrix().inverse() * f * (0.5 * hold_time))
                                  : random.vector(least, largest);
   };
-  StrainedMovement m{greediest(strain.damping, held.force()),
-                     greediest(strain.rotational_damping, held.torque)};
+  StressedMovement m{greediest(stress.damping, held.force()),
+                     greediest(stress.rotational_damping, held.torque)};
   const Vec3 normal = held.elastic.normalized();
   double share = 1.0;
   if (kind == 0 && random.chance(0.5)) share = random.uniform(0.0, 3.0);
@@ -71,17 +71,17 @@ StrainedMovement move(int kind, StrainRandom& random, const StressInputs& strain
   m.rotation *= share;
   // Without something of its own a hand at rest would take nothing for ever.
   if (random.chance(0.5)) {
-    const StrainedMovement own = restless();
+    const StressedMovement own = restless();
     m.displacement += own.displacement;
     m.rotation += own.rotation;
   }
   return m;
 }
 
-Command command(StrainRandom& random, const StressInputs& strain) {
+Command command(StressRandom& random, const StressInputs& stress) {
   Command c;
   if (random.chance(0.1)) return c;
-  const double lo = strain.least_force, hi = strain.largest_force;
+  const double lo = stress.least_force, hi = stress.largest_force;
   if (random.chance(0.8)) c.elastic = random.vector(lo, hi);
   if (random.chance(0.8)) c.frictional = random.vector(lo, hi);
   if (random.chance(0.8)) c.torque = random.vector(lo - 2, hi - 2);

@@ -13,9 +13,9 @@
 
 namespace feltwire {
 
-class StrainRandom {
+class StressRandom {
  public:
-  explicit StrainRandom(std::uint64_t seed) : engine_(seed) {}
+  explicit StressRandom(std::uint64_t seed) : engine_(seed) {}
   double uniform(double lo, double hi) { return lo + (hi - lo) * unit(); }
   bool chance(double probability) { return unit() < probability; }
   std::size_t below(std::size_t count) {
@@ -60,19 +60,19 @@ struct StressInputs {
   }
 };
 
-/// Every strain, in the order of the table.
-std::vector<StressInputs> strains();
+/// Every stress, in the order of the table.
+std::vector<StressInputs> all_stress_inputs();
 
-struct StrainedMovement {
+struct StressedMovement {
   Vec3 displacement = Vec3::Zero(), rotation = Vec3::Zero();
 };
 
 /// A hand that knows its force. Five kinds: greedy, exactly and nearly so, pumping, taking from one
 /// channel, restless, and one that changes its mind. `least` and `largest` are decades [m], [rad].
-StrainedMovement move(int kind, StrainRandom& random, const StressInputs& strain,
+StressedMovement move(int kind, StressRandom& random, const StressInputs& stress,
                       const Command& held, double hold_time, double least, double largest);
 
 /// Commands that a scene might give, and commands that no scene gives.
-Command command(StrainRandom& random, const StressInputs& strain);
+Command command(StressRandom& random, const StressInputs& stress);
 
 }  // namespace feltwire

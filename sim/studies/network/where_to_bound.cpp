@@ -138,7 +138,7 @@ SidesGrid hands_sides_grid() {
   grid.jitters = {0.0};
   grid.losses = {{0.0, 0.0}, {0.1, 0.0}};
   grid.hands.assign(kEightHands.begin(), kEightHands.end());
-  grid.taking_hand = false;
+  grid.adversarial_hand = false;
   return grid;
 }
 
@@ -146,7 +146,7 @@ std::vector<SidesCell> run_sides(const SidesGrid& grid) {
   if (!(grid.assumed_damping > 0.0) || !std::isfinite(grid.assumed_damping))
     throw std::invalid_argument("the told damping must be finite and above zero, 1 is the truth");
   std::vector<SidesCell> cells;
-  const std::size_t tasks = kSidesTasks.size() - (grid.taking_hand ? 0 : 1);
+  const std::size_t tasks = kSidesTasks.size() - (grid.adversarial_hand ? 0 : 1);
   for (const SidesTask& task : std::span(kSidesTasks).first(tasks))
     for (const std::string_view bound : kSidesBounds)
       for (const double round_trip : grid.round_trips)

@@ -23,7 +23,7 @@ struct SidesGrid {
   std::vector<SidesLoss> losses = {{0.0, 0.0},  {0.01, 0.0}, {0.1, 0.0}, {0.3, 0.0},
                                    {0.01, 8.0}, {0.1, 8.0},  {0.3, 8.0}};
   std::vector<NamedHand> hands = {kEightHands[0]};
-  bool taking_hand = true;  // with the task of the hand that takes energy
+  bool adversarial_hand = true;  // with the task of the hand that takes energy
   /// The told damping over the device's damping: above 1 the bounds are wrong, and the taking hand
   /// must gain energy.
   double assumed_damping = 1.0;

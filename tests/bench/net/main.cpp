@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <exception>
 
+#include "core/build_info/build_info.hpp"
 #include "tests/bench/net/measures.hpp"
 
 namespace feltwire::netbench {
@@ -145,6 +146,7 @@ int run(int argc, char** argv) {
   std::vector<std::string> only;
   CLI::App app("The server under load, beside bare echoes (docs/lab/benchmarks.md).",
                "feltwire-netbench");
+  app.set_version_flag("--version", [] { return build_info("feltwire-netbench"); });
   app.add_option("--scene", settings.scene, "Scene file")->capture_default_str();
   app.add_option("--rounds", settings.rounds, "Runs of everything, in turns")
       ->check(CLI::Range(1, 100))

@@ -18,7 +18,7 @@ namespace {
 using namespace test;
 using testing::servo::seconds;
 
-using Grip = test::FrictionPatch;
+using test::Grip;
 
 constexpr double kPeriod = 1e-3;  // [s]
 constexpr int kTicks = 1500;

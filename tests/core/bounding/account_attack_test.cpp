@@ -103,20 +103,20 @@ Outcome attack(std::uint64_t seed, const Told& told, double strength, double lon
   // The truth's own sums, from the whole path: what viscous damping burned at least as the encoder
   // shows it, what dry friction burned, what was delivered.
   double burned = 0.0, delivered = 0.0, dry_path = 0.0, strongest = 0.0;
-  FrictionPatch patch = FrictionPatch::none;
+  Grip grip = Grip::none;
   for (int n = 0; n < 1500; ++n) {
     const double hold = kPeriod * (random.chance(0.8) ? 1.0 : random.uniform(0.1, longest));
-    if (random.chance(0.2)) patch = any_grip(random);
+    if (random.chance(0.2)) grip = any_grip(random);
     constexpr int kParts = 4;
     for (int i = 0; i < kParts; ++i) {
       const Vec3 before = device.handle.position;
       const Vec3 hand =
-          hand_force(patch, random, held.force(), hand_force_limit, (i + 0.5) / kParts);
+          hand_force(grip, random, held.force(), hand_force_limit, (i + 0.5) / kParts);
       device.handle.move(held.force() + hand, hold / kParts);
       dry_path += (device.handle.position - before).norm();
     }
     // A hand is not everywhere: it turns back at 0.1 m.
-    if (device.handle.position.norm() > 0.1) patch = FrictionPatch::push;
+    if (device.handle.position.norm() > 0.1) grip = Grip::push;
     const Vec3 now = encoded(device.handle.position, q);
     const Vec3 dx = now - shown;
     shown = now;

@@ -99,10 +99,10 @@ Used attack(std::uint64_t seed, double told_mass, double told_force, double told
   for (int n = 0; n < 400; ++n) {
     const double hold = even ? kPeriod : kPeriod * random.uniform(0.05, 3.0);
     held = random.chance(0.3) ? Vec3::Zero() : random.vector(-1.0, 1.0);
-    const FrictionPatch patch = any_grip(random);
+    const Grip grip = any_grip(random);
     constexpr int kParts = 8;
     for (int i = 0; i < kParts; ++i) {
-      const Vec3 hand = hand_force(patch, random, held, strength, (i + 0.5) / kParts);
+      const Vec3 hand = hand_force(grip, random, held, strength, (i + 0.5) / kParts);
       handle.move(held + hand, hold / kParts);
     }
     const Vec3 now = encoded(handle.position, quantum);

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 #include <set>
 
 #include "core/geometry/shapes.hpp"
@@ -64,6 +65,24 @@ TEST(Primitives, ADistanceIsOne) {
       const Vec3 foot = p - at.distance * at.gradient;
       ASSERT_NEAR(solid.signed_distance(foot).distance, 0.0, 1e-15) << p.transpose();
     }
+  });
+}
+
+/// A convex solid has the middle of any two of its points; in another one some middles are outside.
+TEST(Primitives, AreConvexIfTheySaySo) {
+  for_each_solid([](const auto& solid, Random& random) {
+    const auto point_within = [&] {
+      for (;;) {
+        const Vec3 p = random_in(solid.half_box(), 1.0, random);
+        if (solid.signed_distance(p).distance < 0.0) return p;
+      }
+    };
+    double most = -std::numeric_limits<double>::infinity();  // [m] of the middles' distances
+    for (int i = 0; i < 5000; ++i) {
+      const Vec3 middle = 0.5 * (point_within() + point_within());
+      most = std::max(most, solid.signed_distance(middle).distance);
+    }
+    EXPECT_EQ(most < 0.0, solid.kConvex);
   });
 }
 

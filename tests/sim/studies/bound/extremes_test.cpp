@@ -16,45 +16,45 @@ namespace {
 using test::text_of;
 using ::testing::HasSubstr;
 
-const ExtremeRow& row(const std::vector<ExtremeRow>& rows, std::string_view strain,
+const ExtremeRow& row(const std::vector<ExtremeRow>& rows, std::string_view stress,
                       std::string_view method) {
   for (const ExtremeRow& r : rows)
-    if (r.strain == strain && r.method == method) return r;
+    if (r.stress == stress && r.method == method) return r;
   throw std::out_of_range("no such row");
 }
 
 TEST(Extremes, EveryMethodKeepsWhatItPromises) {
   const auto rows = run_extremes(1.0, 5);
-  std::set<std::string> strains;
+  std::set<std::string> stresses;
   for (const ExtremeRow& r : rows) {
-    strains.insert(r.strain);
-    EXPECT_TRUE(r.passed()) << r.strain << ' ' << r.method;
+    stresses.insert(r.stress);
+    EXPECT_TRUE(r.passed()) << r.stress << ' ' << r.method;
     for (const ExtremeOutcome* o : {&r.in_double, &r.in_float}) EXPECT_GE(o->steps, 200u);
     // A bound that renders nothing proves nothing. The others' forces explode before long.
-    if (r.promise != Promise::port || r.strain == "damping 0") continue;
-    if (r.strain == "movements denormal" && r.method == "energy_tank") continue;  // energies are 0
-    EXPECT_GT(r.in_double.rendering, 100u) << r.strain << ' ' << r.method;
-    EXPECT_GT(r.in_float.rendering, 100u) << r.strain << ' ' << r.method;
+    if (r.promise != Promise::port || r.stress == "damping 0") continue;
+    if (r.stress == "movements denormal" && r.method == "energy_tank") continue;  // energies are 0
+    EXPECT_GT(r.in_double.rendering, 100u) << r.stress << ' ' << r.method;
+    EXPECT_GT(r.in_float.rendering, 100u) << r.stress << ' ' << r.method;
   }
-  EXPECT_GE(strains.size(), 30u);
-  EXPECT_EQ(rows.size(), strains.size() * bounding_method_names().size());
+  EXPECT_GE(stresses.size(), 30u);
+  EXPECT_EQ(rows.size(), stresses.size() * bounding_method_names().size());
   EXPECT_TRUE(all_passed(rows));
 }
 
-// Five percent more damping than there is: every strain whose hands can take it tells, in double
+// Five percent more damping than there is: every stress whose hands can take it tells, in double
 // and in float.
 TEST(Extremes, FivePercentTooMuchDampingIsFound) {
   const auto rows = run_extremes(1.05, 1);
   EXPECT_FALSE(all_passed(rows));
   EXPECT_THAT(extremes_table(rows), HasSubstr("FAILED"));
-  for (const char* strain :
+  for (const char* stress :
        {"an ordinary hand", "period 1 us", "period 0.1 s", "hand still; force held",
         "movements denormal", "movements 1e-300 to 1e3 m", "forces 1 MN to 1 TN",
         "damping 1e6 N s/m", "damping 1e6; period 1 us", "damping by direction 100:1",
         "1e6 m from the origin", "limit 0.3 N", "fades", "holds up to 50 T", "NaN; Inf; absurd"}) {
-    const ExtremeRow& r = row(rows, strain, "contact_frame");
-    EXPECT_TRUE(r.in_double.broken) << strain;
-    EXPECT_TRUE(r.in_float.broken) << strain;
+    const ExtremeRow& r = row(rows, stress, "contact_frame");
+    EXPECT_TRUE(r.in_double.broken) << stress;
+    EXPECT_TRUE(r.in_float.broken) << stress;
   }
 }
 
