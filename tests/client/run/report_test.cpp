@@ -61,6 +61,35 @@ TEST(Report, SaysWhatTheHandHeld) {
   EXPECT_EQ(json::parse(report_json(run, *servo, {}, {}))["tool"], "key");
 }
 
+/// A hand that jumps is stronger than was told, and one that swings on a wall is credited less.
+TEST(Report, SaysWhatAccountAndShapingSaw) {
+  SessionParameters p;
+  p.mode = "shaped";
+  p.local_model = true;
+  Servo servo(builtin_device("simulated"), p);
+  Nanoseconds now{0};
+  for (std::uint64_t i = 1; i <= 60; ++i) {
+    now += std::chrono::milliseconds(1);
+    const double height = 0.01 * static_cast<double>(i % 4 < 2 ? 0 : 1);
+    servo.render({.pose = {.position = Vec3(0, 0, height)}}, now);
+    servo.hold({.elastic = Vec3(0, 0, 2)});
+    servo.sent();
+    Reply reply;
+    reply.sample_index = i;
+    reply.command.elastic = Vec3(0, 0, 2);
+    servo.take(reply, now + std::chrono::microseconds(100));
+  }
+  const json written = report(servo);
+  ASSERT_TRUE(servo.account());
+  EXPECT_GT(servo.account()->statistics().strong_hand, 0u);
+  EXPECT_EQ(written["account"]["strong_hand_samples"], servo.account()->statistics().strong_hand);
+  ASSERT_TRUE(servo.hand_credit());
+  EXPECT_GT(servo.hand_credit()->steps_down, 0u);
+  EXPECT_EQ(written["hand_credit"]["steps_down"], servo.hand_credit()->steps_down);
+  EXPECT_LT(written["hand_credit"]["damping_n_s_per_m"], BoundingConfig{}.hand_damping);
+  EXPECT_EQ(written["local_model"]["hand_overs"], servo.statistics().hand_overs);
+}
+
 TEST(Report, TakesWhateverTheUsersOwnPortSays) {
   const auto servo = used_servo();
   const RunDescription run{"anna", "wall", "localhost:6720", "simulated", {}};
