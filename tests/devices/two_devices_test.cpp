@@ -4,7 +4,6 @@
 #include <gmock/gmock.h>
 
 #include <cstdio>
-#include <filesystem>
 #include <nlohmann/json.hpp>
 
 #include "core/base/pending_file.hpp"
@@ -100,22 +99,6 @@ TEST_F(TwoDevices, ABoardThatIsInUseIsRefused) {
   EXPECT_THAT(second.error, ::testing::HasSubstr("another program holds it"));
   first->signal(SIGINT);
   EXPECT_EQ(first->finish().status, 0);
-}
-
-/// `identify` leads a board's handle, and Ctrl-C takes the force off.
-TEST_F(TwoDevices, IdentifyLeadsABoardUntilCtrlC) {
-  HapiBoard board;
-  board.mass.stiffness = board.mass.hand_damping = 0.0;
-  Program identify(FELTWIRE_CLIENT_PROGRAM, {"identify", "--device", "hapi:" + board.port(),
-                                             "--yes", "--out", folder / "device.json"});
-  test::eventually("it is led", [&] { return board.force > 0.05; });
-  identify.signal(SIGINT);
-  const Outcome outcome = identify.finish();
-  EXPECT_EQ(outcome.status, 1);
-  EXPECT_THAT(outcome.error, ::testing::HasSubstr("it was asked to stop"));
-  EXPECT_THAT(outcome.error, ::testing::HasSubstr("note: the board's torque is not calibrated"));
-  test::eventually("it is let go", [&] { return board.force == 0.0; });
-  EXPECT_FALSE(std::filesystem::exists(folder / "device.json"));
 }
 
 TEST_F(TwoDevices, IdentifyTakesNoFirmwareForABoard) {
