@@ -23,7 +23,7 @@ constexpr double kSharpest = 5.0;  // [m/s^2] at a turn
 // balanced falls.
 constexpr double kLongestCoast = 0.4, kCoastUntil = 0.4;  // [s], [amplitudes]
 constexpr double kCoasted = 0.15, kFallen = 1.3;
-constexpr double kLeastBrake = 1.0;                                        // [m/s^2]
+constexpr double kLeastBrake = 1.0;  // [m/s^2]
 constexpr double kUsualAmplitude = 0.02, kLargestAmplitude = 0.025, kTopSpeed = 0.25;
 
 double sweep_time(const Sweep& sweep, double amplitude) {

@@ -155,7 +155,7 @@ struct PacedSession {
 
   std::deque<Reply> on_the_way{};
   std::uint64_t ticks = 0, missed = 0;
-  double lasted = 0.0;  // [s]
+  double lasted = 0.0;                               // [s]
   std::pair<std::uint64_t, std::uint64_t> struck{};  // ticks and missed ones until the fault
 };
 
